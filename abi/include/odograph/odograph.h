@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Odograph ABI, part 2: what an app calls.
+ *
+ * A session is one pipeline. Its life: odo_session_create -> odo_session_set_callback (if wanted) -> push ... ->
+ * odo_session_flush -> odo_session_destroy. Tags in [brackets] say on which thread a function may be called:
+ *   [any]      from any thread, also several at once
+ *   [control]  from one thread at a time, not from within a callback
+ */
+#ifndef ODOGRAPH_ODOGRAPH_H
+#define ODOGRAPH_ODOGRAPH_H
+
+#include <odograph/types.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct odo_session odo_session;
+
+/* Why something failed, in words. The caller sets struct_size; message is UTF-8 and terminated. */
+typedef struct odo_error {
+  uint32_t struct_size;
+  int32_t status;
+  char message[2040];
+} odo_error;
+
+#define ODO_RUN_LIVE UINT32_C(0)   /* samples are processed on a thread of the session's own */
+#define ODO_RUN_REPLAY UINT32_C(1) /* samples are processed within push, on the caller's thread: deterministic */
+
+typedef struct odo_session_options {
+  uint32_t struct_size;
+  uint32_t run;            /* ODO_RUN_* */
+  odo_string config_path;  /* a YAML file ... */
+  odo_string config_text;  /* ... or its text; exactly one of the two */
+  odo_string plugin_path;  /* directories to look for plugins in before all others, separated by ':' (';' on Windows) */
+  uint64_t seed;           /* of the random numbers handed to plugins */
+} odo_session_options;
+
+/* How a session did so far. Counters count from creation. */
+typedef struct odo_statistics {
+  uint32_t struct_size;
+  uint32_t reserved;         /* 0 */
+  uint64_t pushed;           /* messages taken in */
+  uint64_t processed;        /* messages handed to the pipeline */
+  uint64_t frames;
+  uint64_t steps;
+  uint64_t fixes_accepted;
+  uint64_t fixes_rejected;
+  uint64_t late;             /* dropped: came after its time had been processed */
+  uint64_t duplicate;        /* dropped: same sensor, same time */
+  uint64_t invalid;          /* dropped: not finite, out of range or wrong size */
+  uint64_t overflow;         /* dropped: the queue was full */
+  uint64_t gaps;             /* pauses of a sensor longer than it ever should */
+  uint64_t plugin_faults;    /* errors returned by plugins, bad events emitted */
+  double tracking_s;         /* sensor time spent in each state */
+  double degraded_s;
+  double lost_s;
+  double distance_m;
+} odo_statistics;
+
+/* [control] Compiles the config, loads and starts the plugins. On failure *session is null and `error`, which may be
+ * null, says why: a bad config with file:line:column, a plugin with its path and reason.
+ * ODO_E_CONFIG, ODO_E_NOT_FOUND, ODO_E_VERSION, ODO_E_ARGUMENT ... */
+ODO_EXPORT int32_t odo_session_create(const odo_session_options *options, odo_session **session, odo_error *error);
+
+/* [control] Stops the session's thread, destroys the plugins' instances, releases held frames. Null is allowed. */
+ODO_EXPORT void odo_session_destroy(odo_session *session);
+
+/* [any] Hands in a sample: odo_imu, odo_magnetometer, odo_barometer, odo_gnss, odo_frame, odo_calibration,
+ * odo_imu_noise or odo_waypoint, each with struct_size and type set. The struct is copied; a frame's pixels are not if
+ * it has retain and release (otherwise they are copied once, because they end with this call).
+ * Samples of different sensors may come in any order within the configured wait (time_ordering.max_wait).
+ * ODO_E_DISCARD (not finite, late, unknown calibration), ODO_E_EXHAUSTED (queue full), ODO_E_STRUCT_SIZE. */
+ODO_EXPORT int32_t odo_session_push(odo_session *session, const odo_header *sample);
+
+/* [any] Shorthand for the commonest sample. Arrays of 3, rad/s and m/s^2. */
+ODO_EXPORT int32_t odo_session_push_imu(odo_session *session, int64_t t_ns, const double *gyro_b, const double *accel_b);
+
+/* [control] Processes all that has been pushed, without waiting for slower sensors. Returns when done. */
+ODO_EXPORT int32_t odo_session_flush(odo_session *session);
+
+#define ODO_TIME_LATEST INT64_MIN
+/* [any] The pose at a time of the sensor clock, or the latest one. Between two poses it is interpolated, up to 0.5 s
+ * after the last one extrapolated (and flagged so). ODO_NOT_READY before the first pose, ODO_E_NOT_FOUND outside. */
+ODO_EXPORT int32_t odo_session_get_pose(odo_session *session, int64_t t_ns, odo_pose *pose);
+
+/* Event masks for callbacks: 1 << ODO_TYPE_*. */
+#define ODO_ON_ATTITUDE (UINT32_C(1) << 16)
+#define ODO_ON_STEP (UINT32_C(1) << 17)
+#define ODO_ON_MOTION_MODE (UINT32_C(1) << 18)
+#define ODO_ON_VO_MOTION (UINT32_C(1) << 19)
+#define ODO_ON_SCALE (UINT32_C(1) << 20)
+#define ODO_ON_FIX (UINT32_C(1) << 21)
+#define ODO_ON_POSE (UINT32_C(1) << 22)
+#define ODO_ON_STATE (UINT32_C(1) << 23)
+
+/* Called with an event that is valid for the duration of the call; cast by event->type. On the session's thread when
+ * live, within push or flush in replay. It may call [any] functions other than push and flush. */
+typedef void (*odo_callback)(void *user, const odo_header *event);
+
+/* [control] Replaces the callback; mask 0 or a null function ends the calls, and none is running after the return. */
+ODO_EXPORT int32_t odo_session_set_callback(odo_session *session, uint32_t mask, odo_callback callback, void *user);
+
+/* [any] Accumulated counters. */
+ODO_EXPORT int32_t odo_session_get_statistics(odo_session *session, odo_statistics *statistics);
+
+/* [any] The last error or warning that a push or a plugin caused, and how often since the last call; ODO_OK when none. */
+ODO_EXPORT int32_t odo_session_last_error(odo_session *session, odo_error *error);
+
+/* [any] Local NED to WGS 84 and back, exact (GeographicLib::LocalCartesian). p_n and geodetic are arrays of 3; geodetic
+ * is latitude and longitude in rad, ellipsoidal height in m. ODO_NOT_READY while the origin is not known (neither
+ * navigation.origin nor a GNSS fix). */
+ODO_EXPORT int32_t odo_session_to_geodetic(odo_session *session, const double *p_n, double *geodetic);
+ODO_EXPORT int32_t odo_session_from_geodetic(odo_session *session, const double *geodetic, double *p_n);
+
+/* [any] "major.minor.patch" of the library, terminated, never null. */
+ODO_EXPORT const char *odo_version(void);
+
+/* [any] ABI of the library: major << 16 | minor. */
+ODO_EXPORT uint32_t odo_abi_version(void);
+
+/* [any] A status code, a state (ODO_TRACKING ...), a reason or a motion mode in words; never null. */
+ODO_EXPORT const char *odo_status_text(int32_t status);
+ODO_EXPORT const char *odo_state_text(uint32_t state);
+ODO_EXPORT const char *odo_reason_text(uint32_t reason);
+ODO_EXPORT const char *odo_mode_text(uint32_t mode);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Kind of plugin: metres per VO unit
+ *
+ * Given: odo_vo_motion (with q_n_c0), odo_step, odo_motion_mode, odo_fix.
+ * Owes:  an odo_scale for a motion, before process returns, whenever it can tell; valid_from_ns and valid_to_ns say for
+ *        which motions. ODO_SCALE_HORIZONTAL when it speaks of the horizontal displacement only.
+ */
+#ifndef ODOGRAPH_SCALE_SOURCE_H
+#define ODOGRAPH_SCALE_SOURCE_H
+
+#include <odograph/plugin.h>
+
+#define ODO_INTERFACE_SCALE_SOURCE "odo.scale_source/1"
+
+#endif

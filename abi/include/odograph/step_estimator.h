@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Kind of plugin: steps and how the device is carried
+ *
+ * Given: odo_imu, odo_attitude (of the same times).
+ * Owes:  one odo_step for each step, in order of t_end_ns, never overlapping, at most 0.5 s after the foot's contact;
+ *        one odo_motion_mode whenever the mode changes.
+ *        sigma_m is the standard deviation of length_m and must be consistent: errors are normalised by it in tests.
+ */
+#ifndef ODOGRAPH_STEP_ESTIMATOR_H
+#define ODOGRAPH_STEP_ESTIMATOR_H
+
+#include <odograph/plugin.h>
+
+#define ODO_INTERFACE_STEP_ESTIMATOR "odo.step_estimator/1"
+
+#endif

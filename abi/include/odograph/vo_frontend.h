@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Kind of plugin: camera motion up to scale
+ *
+ * Given: odo_calibration, odo_frame (borrowed), odo_imu and odo_attitude as priors where there are any.
+ * Owes:  exactly one odo_vo_motion for each frame after the first, with t_from_ns the t_ns of the previous frame. When
+ *        the motion cannot be told, state is ODO_DEGRADED or ODO_LOST with a reason and the flags say what is valid:
+ *        nothing is invented. A new scale_group whenever the unit of length may have changed.
+ * reset: forgets tracks and map; the next frame is a first frame.
+ */
+#ifndef ODOGRAPH_VO_FRONTEND_H
+#define ODOGRAPH_VO_FRONTEND_H
+
+#include <odograph/plugin.h>
+
+#define ODO_INTERFACE_VO_FRONTEND "odo.vo_frontend/1"
+
+#endif

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/scale/horizontal_scale.hpp"
+
+namespace {
+
+/// The comparison of Antigny et al. 2019, Table 5: one step length for a body height, one walking speed for all phases
+/// in which the pedestrian walks, zero where he stands.
+class FixedStep {
+ public:
+  double walker_height = 1.70, length_by_height = 0.41, cadence = 1.8;
+
+  static constexpr odo::Description description{"scale/fixed_step", "1.0.0",
+                                                "Metres per VO unit from one fixed walking speed (Antigny et al. 2019, Table 5)",
+                                                ODO_INTERFACE_SCALE_SOURCE};
+  static std::vector<odo::Parameter<FixedStep>> parameters() {
+    using P = FixedStep;
+    return {odo::real("walker_height", "m", 0.5, 2.5, &P::walker_height, "body height"),
+            odo::real("length_by_height", "", 0.1, 1, &P::length_by_height, "step length as a part of the height (pedometers' rule of thumb)"),
+            odo::real("cadence", "Hz", 0.5, 4, &P::cadence, "steps a second, usual for adults")};
+  }
+
+  void on(const odo_motion_mode& mode, odo::Output&) {
+    known_ = true;
+    walking_ = mode.mode != ODO_MODE_STATIC && mode.mode != ODO_MODE_UNKNOWN && mode.mode != ODO_MODE_HANDLING;
+  }
+  void on(const odo_vo_motion& motion, odo::Output& output) {
+    if (!known_ || !odograph::scalable(motion)) return;
+    const double dt = static_cast<double>(motion.header.t_ns - motion.t_from_ns) * 1e-9;
+    odograph::emit_scale(motion, walking_ ? walker_height * length_by_height * cadence * dt : 0.0, 0.15, output);
+  }
+
+ private:
+  bool known_ = false;
+  bool walking_ = false;
+};
+
+}  // namespace
+
+ODO_PLUGIN(FixedStep)

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace odograph::step_scale {
+
+struct Displacement {
+  double metres;
+  double relative_sigma;
+};
+
+/// D_step of Antigny et al. 2019, eq. (6): the metric displacement between two images, interpolated linearly in time from
+/// step lengths. While step k+1 is under way the speed is that of step k, step_k / dt_step_k; an interval that touches
+/// several steps is the sum of its parts. No allocation.
+class StepInterpolation {
+ public:
+  /// `hold` times a step's duration after its end the walker is taken to stand, unless another step came.
+  explicit StepInterpolation(double hold) : hold_(hold) {}
+
+  void add_step(int64_t t_start_ns, int64_t t_end_ns, double length_m, double sigma_m);
+  /// From here on the walker stands, until the next step.
+  void stand(int64_t t_ns) { standing_since_ns_ = t_ns; }
+
+  /// Displacement from t0 to t1, or nothing before the first step is known.
+  std::optional<Displacement> between(int64_t t0_ns, int64_t t1_ns) const;
+
+ private:
+  struct Step {
+    int64_t t_end_ns;
+    double duration_s;
+    double speed_mps;
+    double relative_sigma;
+  };
+
+  double hold_;
+  std::array<Step, 16> steps_{};
+  size_t count_ = 0;
+  int64_t standing_since_ns_ = INT64_MAX;
+};
+
+}  // namespace odograph::step_scale

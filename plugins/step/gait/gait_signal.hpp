@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+namespace odograph::gait {
+
+/// How the device is carried, told from the spread of both sensors over the last second (after Susi, Renaudin &
+/// Lachapelle, Sensors 2013, who use the variances of the same signals).
+enum class Carrying { unknown, still, texting, swinging };
+
+/// The one-dimensional signal that steps are looked for in: the norm of the specific force, smoothed, without its slow
+/// mean; and the spread of both sensors. Any sample rate, also irregular. No allocation.
+class GaitSignal {
+ public:
+  struct Parameters {
+    double smooth_tau_s = 0.09;       ///< mean delay of the smoothing
+    double mean_tau_s = 1.2;          ///< of the mean that is taken off
+    double spread_tau_s = 0.6;        ///< of the spreads
+    double still_accel_mps2 = 0.45;   ///< a smaller spread of the accelerometer's norm is standing
+    double swing_gyro_radps = 1.6;    ///< a larger mean turn rate is an arm that swings
+  };
+
+  explicit GaitSignal(const Parameters& parameters) : p_(parameters) {}
+
+  void update(int64_t t_ns, const Eigen::Vector3d& gyro, const Eigen::Vector3d& accel);
+
+  int64_t time_ns() const { return t_ns_ - delay_ns_; }  ///< the instant that value() speaks of
+  double value() const { return smooth_[1] - mean_; }    ///< m/s^2
+  double accel_spread() const;
+  double gyro_level() const { return gyro_level_; }
+  Carrying carrying() const;
+
+ private:
+  Parameters p_;
+  bool started_ = false;
+  int64_t t_ns_ = 0;
+  int64_t delay_ns_ = 0;
+  std::array<double, 2> smooth_{};
+  double mean_ = 0.0;
+  double variance_ = 0.0;
+  double gyro_level_ = 0.0;
+  double time_s_ = 0.0;
+};
+
+}  // namespace odograph::gait

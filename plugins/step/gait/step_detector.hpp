@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace odograph::gait {
+
+/// A step as the detector sees it: from one peak of the gait signal to the next.
+struct DetectedStep {
+  int64_t t_start_ns;
+  int64_t t_end_ns;
+  double swing_mps2;  ///< largest minus smallest value of the signal within the step
+};
+
+/// Peaks of the gait signal with a threshold that follows the walker, a refractory time and a longest step. The peak is
+/// taken at its top (parabola through three samples), which falls shortly after the foot's contact. No allocation.
+class StepDetector {
+ public:
+  struct Parameters {
+    double min_peak_mps2 = 0.35;      ///< smaller peaks are no steps
+    double relative_peak = 0.35;      ///< nor are peaks below this part of the recent ones
+    double min_interval_s = 0.30;     ///< 3.3 steps a second
+    double max_interval_s = 1.1;      ///< after a longer pause a step begins anew
+    double start_interval_s = 0.55;   ///< assumed length of the first step after a pause
+    double confirm_s = 0.12;          ///< how long a peak must stay the highest
+  };
+
+  explicit StepDetector(const Parameters& parameters) : p_(parameters) {}
+
+  /// The next value of the signal; a step when one has just been confirmed. `active` is false while standing.
+  std::optional<DetectedStep> update(int64_t t_ns, double value, bool active);
+
+ private:
+  std::optional<DetectedStep> confirm();
+
+  Parameters p_;
+  bool started_ = false;
+  int64_t last_ns_ = 0;
+  double last_value_ = 0.0, previous_value_ = 0.0;
+  int64_t previous_ns_ = 0;
+  double typical_peak_ = 0.0;
+  // The candidate peak and the extremes since the last step.
+  bool candidate_ = false;
+  int64_t candidate_ns_ = 0;
+  double candidate_value_ = 0.0;
+  double lowest_ = 0.0, lowest_before_candidate_ = 0.0;
+  int64_t last_step_ns_ = INT64_MIN / 2;
+};
+
+}  // namespace odograph::gait

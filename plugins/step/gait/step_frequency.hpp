@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace odograph::gait {
+
+/// Step frequency by a short-time Fourier transform of the gait signal, independent of the step detector, as Renaudin,
+/// Susi & Lachapelle (Sensors 2012) propose. The window is a Hann window over the last seconds; the transform is
+/// evaluated on a grid of frequencies, which needs no equal spacing of the samples. No allocation.
+class StepFrequency {
+ public:
+  static constexpr double kWindow_s = 3.0;
+  static constexpr double kLowest_hz = 1.0, kHighest_hz = 3.4, kGrid_hz = 0.04;
+
+  void add(int64_t t_ns, double value);
+
+  /// Dominant frequency in Hz near `expected_hz` (a factor of 1.35 either way, so that a limp's half frequency and a
+  /// double bounce are not taken for it); `expected_hz` itself where there is no clear peak or too little signal.
+  double estimate(double expected_hz) const;
+
+ private:
+  double power(double frequency_hz, int64_t now_ns) const;
+
+  struct Sample {
+    int64_t t_ns;
+    double value;
+  };
+  std::array<Sample, 256> samples_{};
+  size_t count_ = 0;
+  int64_t last_kept_ns_ = INT64_MIN;
+};
+
+}  // namespace odograph::gait

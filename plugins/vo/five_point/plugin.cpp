@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <optional>
+
+#include <odograph/plugin.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "plugins/vo/five_point/visual_odometry.hpp"
+
+namespace {
+
+using namespace odograph::five_point;
+
+/// The grey picture of a frame, without a copy where the format has a grey plane.
+cv::Mat grey_of(const odo_frame& frame, cv::Mat& converted) {
+  const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
+  auto* data = const_cast<uint8_t*>(frame.planes[0].data);
+  const auto stride = static_cast<size_t>(frame.planes[0].row_stride);
+  switch (frame.format) {
+    case ODO_FORMAT_RGB8: cv::cvtColor(cv::Mat(rows, columns, CV_8UC3, data, stride), converted, cv::COLOR_RGB2GRAY); return converted;
+    case ODO_FORMAT_RGBA8: cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), converted, cv::COLOR_RGBA2GRAY); return converted;
+    default: return {rows, columns, CV_8UC1, data, stride};
+  }
+}
+
+uint32_t reason(Trouble trouble) {
+  switch (trouble) {
+    case Trouble::none: return ODO_REASON_NONE;
+    case Trouble::too_dark: return ODO_REASON_TOO_DARK;
+    case Trouble::few_features: return ODO_REASON_FEW_FEATURES;
+    case Trouble::no_parallax: return ODO_REASON_NO_PARALLAX;
+    default: return ODO_REASON_INITIALISING;
+  }
+}
+
+class FivePoint {
+ public:
+  int64_t corners = 500;
+  double inlier_threshold = 1.5;
+
+  static constexpr odo::Description description{"vo/five_point", "1.0.0",
+                                                "Plain visual odometry: KLT, five-point start, PnP on triangulated points",
+                                                ODO_INTERFACE_VO_FRONTEND};
+  static std::vector<odo::Parameter<FivePoint>> parameters() {
+    return {odo::integer("corners", 50, 5000, &FivePoint::corners, "most corners followed"),
+            odo::real("inlier_threshold", "px", 0.1, 10, &FivePoint::inlier_threshold, "largest reprojection error of an inlier")};
+  }
+
+  void on(const odo_calibration& c, odo::Output&) {
+    CameraModel camera;
+    camera.distortion = c.model == ODO_CAMERA_KANNALA_BRANDT ? CameraModel::Distortion::kannala_brandt
+                                                             : CameraModel::Distortion::radial_tangential;
+    camera.fx = c.fx, camera.fy = c.fy, camera.cx = c.cx, camera.cy = c.cy;
+    camera.coefficients.assign(c.distortion, c.distortion + c.distortion_count);
+    VisualOdometry::Parameters p;
+    p.corners.most = static_cast<int>(corners);
+    p.inlier_px = inlier_threshold;
+    calibration_ = c.id;
+    size_ = {static_cast<int>(c.width), static_cast<int>(c.height)};
+    vo_.emplace(p, camera);
+    previous_ns_ = INT64_MIN;
+  }
+
+  void on(const odo_frame& frame, odo::Output& output) {
+    if (!vo_ || frame.calibration != calibration_) throw odo::Error(ODO_E_DISCARD, "a frame without the calibration it names");
+    if (static_cast<int>(frame.width) != size_.width || static_cast<int>(frame.height) != size_.height)
+      throw odo::Error(ODO_E_DISCARD, "a frame of another size than its calibration's");
+    cv::Mat mask;
+    if ((frame.header.flags & ODO_FRAME_MASK) && frame.mask.data)
+      mask = cv::Mat(size_, CV_8UC1, const_cast<uint8_t*>(frame.mask.data), static_cast<size_t>(frame.mask.row_stride));
+    const Motion motion = vo_->process(grey_of(frame, converted_), mask);
+    const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
+    if (from_ns == INT64_MIN) return;
+    output.emit(event_of(motion, from_ns, frame));
+  }
+
+ private:
+  static odo_vo_motion event_of(const Motion& motion, int64_t from_ns, const odo_frame& frame) {
+    auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
+    event.t_from_ns = from_ns;
+    const auto& q = motion.q_c0_c1;
+    event.q_c0_c1[0] = q.w(), event.q_c0_c1[1] = q.x(), event.q_c0_c1[2] = q.y(), event.q_c0_c1[3] = q.z();
+    Eigen::Vector3d::Map(event.p_c0_c1) = motion.p_c0_c1;
+    for (int i = 0; i < 3; ++i) {
+      event.covariance[7 * i] = motion.rotation_sigma_rad * motion.rotation_sigma_rad;
+      event.covariance[7 * (i + 3)] = motion.position_sigma * motion.position_sigma;
+    }
+    if (motion.rotation_valid) event.header.flags |= ODO_VO_ROTATION;
+    if (motion.translation_valid) event.header.flags |= ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
+    event.camera = frame.calibration;
+    event.state = motion.state == Tracking::tracking ? ODO_TRACKING : motion.state == Tracking::degraded ? ODO_DEGRADED : ODO_LOST;
+    event.reason = reason(motion.trouble);
+    event.scale_group = motion.scale_group;
+    event.tracked = motion.tracked;
+    event.inliers = motion.inliers;
+    event.header.quality = motion.tracked ? static_cast<float>(motion.inliers) / static_cast<float>(motion.tracked) : 0.0f;
+    return event;
+  }
+
+  std::optional<VisualOdometry> vo_;
+  cv::Mat converted_;
+  cv::Size size_;
+  uint32_t calibration_ = 0;
+  int64_t previous_ns_ = INT64_MIN;
+};
+
+}  // namespace
+
+ODO_PLUGIN(FivePoint)

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+namespace odograph::five_point {
+
+/// A ray seen by a camera at a known pose.
+struct Sighting {
+  Eigen::Isometry3d T_w_c;
+  cv::Point2d normalized;
+};
+
+/// Relative pose of two views from five-point RANSAC (Nister 2004).
+struct TwoView {
+  Eigen::Matrix3d R_1_0;        ///< takes vectors from the first camera to the second
+  Eigen::Vector3d t_1_0;        ///< unit length; x_1 = R_1_0 x_0 + t_1_0
+  std::vector<char> inliers;    ///< of the matches, also in front of both cameras
+  int count = 0;                ///< of inliers
+  double median_parallax_rad = 0;  ///< angle between the rays after taking out the rotation
+};
+
+/// Nothing when there are too few matches. `threshold` in normalized coordinates.
+std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second, double threshold);
+
+/// The point nearest to all rays, refined by two Gauss-Newton steps of the reprojection error; nothing when it lies behind
+/// a camera, its largest error exceeds `threshold`, or the rays are less than `min_parallax_rad` apart.
+std::optional<Eigen::Vector3d> triangulate(const std::vector<Sighting>& sightings, double threshold, double min_parallax_rad);
+
+}  // namespace odograph::five_point

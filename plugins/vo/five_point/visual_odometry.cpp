@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/vo/five_point/visual_odometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/calib3d.hpp>
+
+namespace odograph::five_point {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+Isometry3d isometry(const cv::Mat& rotation_vector, const cv::Mat& translation) {
+  cv::Matx33d R;
+  cv::Rodrigues(rotation_vector, R);
+  Isometry3d T = Isometry3d::Identity();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) T.linear()(i, j) = R(i, j);
+    T.translation()[i] = translation.at<double>(i);
+  }
+  return T;
+}
+
+void split(const Isometry3d& T, cv::Mat& rotation_vector, cv::Mat& translation) {
+  cv::Matx33d R;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) R(i, j) = T.linear()(i, j);
+  cv::Rodrigues(R, rotation_vector);
+  translation = (cv::Mat_<double>(3, 1) << T.translation().x(), T.translation().y(), T.translation().z());
+}
+
+}  // namespace
+
+Motion VisualOdometry::process(const cv::Mat& grey, const cv::Mat& mask) {
+  Motion motion;
+  tracker_.follow(grey);
+  std::vector<cv::Point2f> pixels;
+  for (const auto& track : tracker_.tracks()) pixels.push_back(track.pixel);
+  camera_.undistort(pixels, normalized_);
+  motion.tracked = static_cast<unsigned>(pixels.size());
+
+  const Isometry3d T_w_c0 = T_w_c_;
+  if (!have_reference_) {
+    begin(false);
+  } else if (started_) {
+    if (locate(motion)) {
+      extend_map();
+    } else {
+      motion.state = Tracking::lost;
+      motion.trouble = tracker_.mean_grey() < p_.dark_grey ? Trouble::too_dark : Trouble::few_features;
+      begin(true);
+    }
+  } else if (!try_start(motion)) {
+    motion.state = motion.tracked < static_cast<unsigned>(p_.min_inliers) ? Tracking::lost : Tracking::degraded;
+    motion.trouble = tracker_.mean_grey() < p_.dark_grey ? Trouble::too_dark
+                     : motion.state == Tracking::lost    ? Trouble::few_features
+                                                         : Trouble::no_parallax;
+  }
+  if (motion.translation_valid) {
+    last_step_ = T_w_c0.inverse() * T_w_c_;
+    motion.q_c0_c1 = Eigen::Quaterniond(last_step_.linear()).normalized();
+    motion.p_c0_c1 = last_step_.translation();
+    motion.rotation_valid = true;
+  }
+  motion.scale_group = group_;
+  tracker_.refill(mask);
+  return motion;
+}
+
+/// The latest frame becomes the reference to start from; its corners are what is known.
+void VisualOdometry::begin(bool new_group) {
+  if (new_group) ++group_;
+  have_reference_ = true;
+  started_ = false;
+  points_.clear();
+  reference_.clear();
+  T_w_c_.setIdentity();
+  last_step_.setIdentity();
+  for (size_t i = 0; i < tracker_.tracks().size(); ++i) reference_[tracker_.tracks()[i].id] = normalized_[i];
+}
+
+bool VisualOdometry::try_start(Motion& motion) {
+  std::vector<cv::Point2d> first, second;
+  std::vector<uint64_t> ids;
+  for (size_t i = 0; i < tracker_.tracks().size(); ++i) {
+    const auto seen = reference_.find(tracker_.tracks()[i].id);
+    if (seen == reference_.end()) continue;
+    first.push_back(seen->second);
+    second.push_back(normalized_[i]);
+    ids.push_back(seen->first);
+  }
+  const auto pair = two_view(first, second, threshold());
+  if (!pair || pair->count < p_.min_inliers) {
+    begin(false);
+    return false;
+  }
+  motion.inliers = static_cast<unsigned>(pair->count);
+  Isometry3d T_1_0 = Isometry3d::Identity();
+  T_1_0.linear() = pair->R_1_0;
+  if (pair->median_parallax_rad < p_.start_parallax_rad) {
+    // Rotation is known without parallax; the position is not, and stays where it was.
+    const Eigen::Matrix3d R_0_1 = pair->R_1_0.transpose();
+    motion.q_c0_c1 = Eigen::Quaterniond(T_w_c_.linear().transpose() * R_0_1).normalized();
+    motion.rotation_valid = true;
+    motion.rotation_sigma_rad = threshold() / std::sqrt(static_cast<double>(pair->count));
+    T_w_c_.linear() = R_0_1;
+    if (first.size() * 2 < reference_.size()) begin(false);
+    return false;
+  }
+  T_1_0.translation() = pair->t_1_0;
+  T_w_c_ = T_1_0.inverse();
+  for (size_t i = 0; i < ids.size(); ++i) {
+    Point point;
+    point.sightings = {{Isometry3d::Identity(), first[i]}, {T_w_c_, second[i]}};
+    if (pair->inliers[i]) {
+      if (const auto X = triangulate(point.sightings, threshold(), 0.5 * p_.point_parallax_rad)) {
+        point.X_w = *X;
+        point.located = true;
+      }
+      points_[ids[i]] = std::move(point);
+    }
+  }
+  started_ = true;
+  motion.translation_valid = true;
+  motion.state = Tracking::tracking;
+  motion.trouble = Trouble::none;
+  motion.rotation_sigma_rad = threshold() / std::sqrt(static_cast<double>(pair->count));
+  motion.position_sigma = 0.1;
+  return true;
+}
+
+/// The frame's pose by PnP: RANSAC from the predicted pose, then Levenberg-Marquardt on the inliers.
+bool VisualOdometry::locate(Motion& motion) {
+  std::vector<cv::Point3d> world;
+  std::vector<cv::Point2d> image;
+  std::vector<uint64_t> ids;
+  for (size_t i = 0; i < tracker_.tracks().size(); ++i) {
+    const auto found = points_.find(tracker_.tracks()[i].id);
+    if (found == points_.end() || !found->second.located) continue;
+    world.emplace_back(found->second.X_w.x(), found->second.X_w.y(), found->second.X_w.z());
+    image.push_back(normalized_[i]);
+    ids.push_back(found->first);
+  }
+  if (static_cast<int>(world.size()) < p_.min_inliers) return false;
+  cv::Mat r, t, inliers;
+  split((T_w_c_ * last_step_).inverse(), r, t);
+  const cv::Matx33d K = cv::Matx33d::eye();
+  const bool solved = cv::solvePnPRansac(world, image, K, cv::noArray(), r, t, true, 200, static_cast<float>(2 * threshold()),
+                                         0.999, inliers, cv::SOLVEPNP_ITERATIVE);
+  if (!solved || inliers.rows < p_.min_inliers) return false;
+  std::vector<cv::Point3d> good_world;
+  std::vector<cv::Point2d> good_image;
+  std::vector<char> is_inlier(ids.size(), 0);
+  for (int k = 0; k < inliers.rows; ++k) {
+    const auto i = static_cast<size_t>(inliers.at<int>(k));
+    is_inlier[i] = 1;
+    good_world.push_back(world[i]);
+    good_image.push_back(image[i]);
+  }
+  cv::solvePnPRefineLM(good_world, good_image, K, cv::noArray(), r, t);
+  T_w_c_ = isometry(r, t).inverse();
+  double depth = 0.0;
+  for (size_t i = 0; i < ids.size(); ++i) {
+    Point& point = points_[ids[i]];
+    point.misses = is_inlier[i] ? 0 : point.misses + 1;
+    if (point.misses > 2) points_.erase(ids[i]);  // moves, or was triangulated badly: it may start anew
+  }
+  for (const auto& X : good_world) depth += (T_w_c_.inverse() * Vector3d(X.x, X.y, X.z)).z();
+  depth /= static_cast<double>(good_world.size());
+  motion.inliers = static_cast<unsigned>(good_world.size());
+  motion.translation_valid = true;
+  motion.state = Tracking::tracking;
+  motion.trouble = Trouble::none;
+  motion.rotation_sigma_rad = threshold() / std::sqrt(static_cast<double>(good_world.size()));
+  motion.position_sigma = motion.rotation_sigma_rad * depth;
+  return true;
+}
+
+/// Adds this frame's sightings, locates points that have parallax now, and improves those that have more than before.
+void VisualOdometry::extend_map() {
+  std::unordered_map<uint64_t, Point> alive;
+  alive.reserve(tracker_.tracks().size());
+  for (size_t i = 0; i < tracker_.tracks().size(); ++i) {
+    const uint64_t id = tracker_.tracks()[i].id;
+    Point point;
+    if (const auto found = points_.find(id); found != points_.end()) point = std::move(found->second);
+    point.sightings.push_back({T_w_c_, normalized_[i]});
+    // The first sighting and the newest ones: widest parallax at constant cost.
+    if (point.sightings.size() > p_.sightings) point.sightings.erase(point.sightings.begin() + 1);
+    if (point.sightings.size() >= 2) {
+      if (const auto X = triangulate(point.sightings, 2 * threshold(), p_.point_parallax_rad)) {
+        point.X_w = *X;
+        point.located = true;
+      }
+    }
+    alive[id] = std::move(point);
+  }
+  points_.swap(alive);
+}
+
+}  // namespace odograph::five_point

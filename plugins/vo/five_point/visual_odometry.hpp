@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "plugins/vo/five_point/camera_model.hpp"
+#include "plugins/vo/five_point/corner_tracker.hpp"
+#include "plugins/vo/five_point/two_view.hpp"
+
+namespace odograph::five_point {
+
+enum class Tracking { tracking, degraded, lost };
+enum class Trouble { none, initialising, too_dark, few_features, no_parallax };
+
+/// Motion from the previous frame to this one.
+struct Motion {
+  Eigen::Quaterniond q_c0_c1 = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d p_c0_c1 = Eigen::Vector3d::Zero();  ///< VO units
+  bool rotation_valid = false, translation_valid = false;
+  double rotation_sigma_rad = 0.0, position_sigma = 0.0;
+  Tracking state = Tracking::lost;
+  Trouble trouble = Trouble::initialising;
+  unsigned scale_group = 0;
+  unsigned tracked = 0, inliers = 0;
+};
+
+/// Plain monocular visual odometry: KLT corners; a start from the five-point essential matrix as soon as there is
+/// parallax; then each frame's pose by PnP on the points triangulated so far, and new points triangulated from the poses.
+/// So the scale is one for as long as the tracks hold (a scale group); nothing is optimized jointly.
+class VisualOdometry {
+ public:
+  struct Parameters {
+    CornerTracker::Parameters corners;
+    double inlier_px = 1.5;            ///< reprojection threshold
+    double start_parallax_rad = 0.017; ///< median, to start from two views (1 deg)
+    double point_parallax_rad = 0.012; ///< to triangulate a point
+    int min_inliers = 15;
+    double dark_grey = 8.0;            ///< mean grey below which a picture is too dark
+    size_t sightings = 10;             ///< kept for each point
+  };
+
+  VisualOdometry(const Parameters& parameters, const CameraModel& camera)
+      : p_(parameters), camera_(camera), tracker_(parameters.corners) {}
+
+  /// The next frame, 8-bit grey. For the first frame the result means nothing.
+  Motion process(const cv::Mat& grey, const cv::Mat& mask);
+
+ private:
+  struct Point {
+    std::vector<Sighting> sightings;
+    Eigen::Vector3d X_w;
+    bool located = false;
+    int misses = 0;
+  };
+
+  void begin(bool new_group);
+  bool try_start(Motion& motion);
+  bool locate(Motion& motion);
+  void extend_map();
+  double threshold() const { return p_.inlier_px / camera_.focal(); }
+
+  Parameters p_;
+  CameraModel camera_;
+  CornerTracker tracker_;
+  std::vector<cv::Point2d> normalized_;
+  std::unordered_map<uint64_t, Point> points_;
+  std::unordered_map<uint64_t, cv::Point2d> reference_;
+  Eigen::Isometry3d T_w_c_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d last_step_ = Eigen::Isometry3d::Identity();
+  bool have_reference_ = false;
+  bool started_ = false;
+  unsigned group_ = 0;
+};
+
+}  // namespace odograph::five_point

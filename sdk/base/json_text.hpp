@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace odograph {
+
+/// Writes JSON text, indented, in the order of the calls. The host core writes three small files with it; reading and
+/// anything larger goes through libraries.
+class JsonText {
+ public:
+  JsonText& open(char bracket);
+  JsonText& close(char bracket);
+  JsonText& key(std::string_view name);
+  JsonText& string(std::string_view text);
+  JsonText& number(double value);  // shortest text that reads back the same; null when not finite
+  JsonText& boolean(bool value);
+  const std::string& text() const { return text_; }
+
+ private:
+  void before_value();
+  void raw(std::string_view quoted);
+
+  std::string text_;
+  int depth_ = 0;
+  bool first_ = true;
+  bool after_key_ = false;
+};
+
+}  // namespace odograph

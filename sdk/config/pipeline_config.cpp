@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/config/pipeline_config.hpp"
+
+#include "sdk/base/nearest.hpp"
+
+namespace odograph {
+namespace {
+
+/// The search path and the allow list are needed to check the rest, so they are read before the whole file is checked;
+/// mistakes in them are reported by that check.
+std::vector<std::string> early_texts(const YamlNode& root, const char* key) {
+  std::vector<std::string> texts;
+  const YamlNode* plugins = root.find("plugins");
+  const YamlNode* list = plugins ? plugins->find(key) : nullptr;
+  if (list)
+    for (const YamlNode& item : list->items) texts.push_back(item.text);
+  return texts;
+}
+
+/// A parameter named walker_height that the config does not give takes the walker's height.
+void share_walker(PluginChoice& choice, const Value& walker) {
+  for (auto& [spec, value] : choice.parameters)
+    if (spec.name == "walker_height" && spec.type == SpecType::real && !value.given && walker["height"].given)
+      value.real = walker["height"].real;
+}
+
+Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, const std::string& name,
+                                 const std::filesystem::path& base, std::vector<std::filesystem::path> directories) {
+  if (root.kind == YamlNode::Kind::null)
+    return Failure{ODO_E_CONFIG, at(name, {}, "the config is empty; expected a map that starts with 'odograph: 1'")};
+  for (const auto& directory : early_texts(root, "search")) directories.push_back(base / directory);
+  PluginRegistry registry(plugin_directories(directories));
+  const auto allow = early_texts(root, "allow");
+  const PluginResolver resolver = [&](const std::string& id, const std::string& kind) -> Result<const std::vector<Spec>*> {
+    auto manifest = registry.find(id, kind, base, allow);
+    if (!manifest) return manifest.failure();
+    return &(*manifest)->parameters;
+  };
+  auto checked = validate(root, pipeline_spec(), name, resolver);
+  if (!checked) return checked.failure();
+  const Value& v = *checked;
+
+  PipelineConfig config;
+  config.name = name;
+  config.text = text;
+  config.verify_hash = v["plugins"]["verify_hash"].boolean;
+  const Value& origin = v["navigation"]["origin"];
+  if (origin.given) config.origin = {origin["latitude"].real, origin["longitude"].real, origin["height"].real};
+  const Value& start = v["navigation"]["start"];
+  if (start.given) {
+    const auto& p = start["position"].reals;
+    config.start = {{p[0], p[1], p[2]}, start["heading"].real, true};
+  }
+  const Value& ordering = v["time_ordering"];
+  config.ordering = {ordering["max_wait"].real, ordering["max_gap"].real, static_cast<size_t>(ordering["queue"].integer),
+                     static_cast<size_t>(ordering["frames"].integer)};
+  const Value& coupling = v["coupling"];
+  config.coupling.orientation = coupling["orientation"].text == "attitude" ? Orientation::attitude : Orientation::vo;
+  config.coupling.vertical = coupling["vertical"].text == "scaled" ? Vertical::scaled : Vertical::ignore;
+  config.coupling.fix_gate_sigma = coupling["fix_gate"].real;
+  config.coupling.bridge_s = coupling["bridge"].real;
+  config.replay = {v["replay"]["start_at_first_waypoint"].boolean, v["replay"]["align_heading_over"].real};
+
+  const auto choose = [&](const Value& value, const Spec& spec) {
+    PluginChoice choice;
+    choice.manifest = **registry.find(value["plugin"].text, spec.interface_id, base, allow);
+    choice.interface_id = spec.interface_id;
+    for (const Spec& parameter : choice.manifest.parameters)
+      choice.parameters.emplace_back(parameter, value["parameters"][parameter.name]);
+    share_walker(choice, v["walker"]);
+    return choice;
+  };
+  for (const Spec& spec : pipeline_spec().children) {
+    const Value& value = v[spec.name];
+    if (spec.type == SpecType::list && spec.name == "absolute_fixers") {
+      for (const Value& item : value.items) config.fixers.push_back(choose(item, spec.children.front()));
+    } else if (spec.type == SpecType::plugin && value.given) {
+      auto& slot = spec.name == "attitude"         ? config.attitude
+                   : spec.name == "step_estimator" ? config.step_estimator
+                   : spec.name == "vo_frontend"    ? config.vo_frontend
+                                                   : config.scale_source;
+      slot = choose(value, spec);
+    }
+  }
+  if (config.step_estimator && !config.attitude)
+    return Failure{ODO_E_CONFIG, at(name, v["step_estimator"].mark, "step_estimator: needs orientation; expected an 'attitude' plugin beside it (nearest: 'attitude')")};
+  if (config.scale_source && !config.vo_frontend)
+    return Failure{ODO_E_CONFIG, at(name, v["scale_source"].mark, "scale_source: nothing to scale; expected a 'vo_frontend' plugin beside it (nearest: 'vo_frontend')")};
+  return config;
+}
+
+}  // namespace
+
+Result<PipelineConfig> read_pipeline_config(const std::string& text, const std::string& name,
+                                            const std::vector<std::filesystem::path>& directories) {
+  auto root = parse_yaml(text, name);
+  if (!root) return root.failure();
+  return interpret(*root, text, name, std::filesystem::current_path(), directories);
+}
+
+Result<PipelineConfig> read_pipeline_config_file(const std::string& path,
+                                                 const std::vector<std::filesystem::path>& directories) {
+  auto text = read_limited(path);
+  if (!text) return text.failure();
+  auto root = parse_yaml(*text, path);
+  if (!root) return root.failure();
+  return interpret(*root, *text, path, std::filesystem::absolute(path).parent_path(), directories);
+}
+
+}  // namespace odograph

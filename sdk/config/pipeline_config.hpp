@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sdk/config/spec.hpp"
+#include "sdk/plugin_host/registry.hpp"
+
+namespace odograph {
+
+/// One plugin as the config chose it.
+struct PluginChoice {
+  Manifest manifest;
+  std::string interface_id;
+  std::vector<std::pair<Spec, Value>> parameters;  // all of the plugin's table, defaults filled in
+};
+
+/// Where a run starts, in n.
+struct StartPose {
+  std::array<double, 3> position_m{0, 0, 0};
+  double heading_rad = 0.0;
+  bool given = false;
+};
+
+enum class Orientation { vo, attitude };
+enum class Vertical { ignore, scaled };
+
+struct CouplingConfig {
+  Orientation orientation = Orientation::vo;
+  Vertical vertical = Vertical::ignore;
+  double fix_gate_sigma = 5.0;
+  double bridge_s = 2.0;
+};
+
+struct OrderingConfig {
+  double max_wait_s = 0.2;
+  double max_gap_s = 1.0;
+  size_t queue = 4096;
+  size_t frames = 8;
+};
+
+/// How a recording's map frame is laid over n in a replay; `odograph run` applies it to what it writes.
+struct ReplayConfig {
+  bool start_at_first_waypoint = false;
+  double align_heading_over_m = 0.0;
+};
+
+/// A checked pipeline config.
+struct PipelineConfig {
+  std::string name;  // for messages: the file's path, or "<text>"
+  std::string text;  // as read, so that a run can be repeated
+  bool verify_hash = true;
+  std::optional<std::array<double, 3>> origin;  // latitude rad, longitude rad, height m
+  StartPose start;
+  OrderingConfig ordering;
+  CouplingConfig coupling;
+  ReplayConfig replay;
+  std::optional<PluginChoice> attitude, step_estimator, vo_frontend, scale_source;
+  std::vector<PluginChoice> fixers;
+};
+
+/// The table of the whole file; the JSON Schema and the help are made from it.
+const Spec& pipeline_spec();
+
+/// Checks a config and finds its plugins' manifests. Runs no plugin. `directories` come before the config's own search
+/// path. All mistakes are in the failure's text, one a line.
+Result<PipelineConfig> read_pipeline_config(const std::string& text, const std::string& name,
+                                            const std::vector<std::filesystem::path>& directories);
+Result<PipelineConfig> read_pipeline_config_file(const std::string& path,
+                                                 const std::vector<std::filesystem::path>& directories);
+
+/// JSON Schema (draft 07) of a table. Where a plugin stands, any parameters are allowed.
+std::string json_schema(const Spec& spec, const std::string& title);
+
+}  // namespace odograph

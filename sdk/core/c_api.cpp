@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The C API: argument checks and the guard that lets no exception out; everything else is Session.
+#include <odograph/layout.h>
+#include <odograph/odograph.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <new>
+
+#include "sdk/base/nearest.hpp"
+#include "sdk/base/version.hpp"
+#include "sdk/core/session.hpp"
+
+struct odo_session {
+  std::unique_ptr<odograph::Session> session;
+};
+
+namespace {
+
+using odograph::Failure;
+
+template <class Work> int32_t guarded(Work&& work) noexcept {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return ODO_E_MEMORY;
+  } catch (...) {
+    return ODO_E_ERROR;
+  }
+}
+
+int32_t fail(odo_error* error, const Failure& failure) {
+  if (error && error->struct_size >= sizeof *error) {
+    error->status = failure.status;
+    std::snprintf(error->message, sizeof error->message, "%s", failure.text.c_str());
+  }
+  return failure.status;
+}
+
+std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
+
+int32_t create(const odo_session_options& options, odo_session** out, odo_error* error) {
+  const std::string path = text(options.config_path), config_text = text(options.config_text);
+  if (path.empty() == config_text.empty())
+    return fail(error, {ODO_E_ARGUMENT, "expected exactly one of config_path and config_text"});
+  std::vector<std::filesystem::path> directories;
+  if (ODO_HAS(&options, plugin_path))
+    for (const auto& part : odograph::split(text(options.plugin_path), ':')) directories.emplace_back(part);
+  auto config = path.empty() ? odograph::read_pipeline_config(config_text, "<text>", directories)
+                             : odograph::read_pipeline_config_file(path, directories);
+  if (!config) return fail(error, config.failure());
+  const auto base = path.empty() ? std::filesystem::current_path() : std::filesystem::absolute(path).parent_path();
+  auto session = odograph::Session::make(std::move(*config), base, options.run != ODO_RUN_REPLAY,
+                                         ODO_HAS(&options, seed) ? options.seed : 0);
+  if (!session) return fail(error, session.failure());
+  *out = new odo_session{std::move(*session)};
+  return ODO_OK;
+}
+
+}  // namespace
+
+extern "C" {
+
+int32_t odo_session_create(const odo_session_options* options, odo_session** session, odo_error* error) {
+  if (session) *session = nullptr;
+  if (!options || !session) return fail(error, {ODO_E_ARGUMENT, "options and session must not be null"});
+  if (options->struct_size < offsetof(odo_session_options, plugin_path))
+    return fail(error, {ODO_E_STRUCT_SIZE, "odo_session_options.struct_size is too small; was it set?"});
+  return guarded([&] { return create(*options, session, error); });
+}
+
+void odo_session_destroy(odo_session* session) { delete session; }
+
+int32_t odo_session_push(odo_session* session, const odo_header* sample) {
+  if (!session || !sample) return ODO_E_ARGUMENT;
+  if (sample->struct_size < sizeof(odo_header)) return ODO_E_STRUCT_SIZE;
+  return guarded([&] { return session->session->push(*sample); });
+}
+
+int32_t odo_session_push_imu(odo_session* session, int64_t t_ns, const double* gyro_b, const double* accel_b) {
+  if (!session || !gyro_b || !accel_b) return ODO_E_ARGUMENT;
+  auto imu = odograph::make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
+  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+  std::copy(gyro_b, gyro_b + 3, imu.gyro_b);
+  std::copy(accel_b, accel_b + 3, imu.accel_b);
+  return guarded([&] { return session->session->push(imu.header); });
+}
+
+int32_t odo_session_flush(odo_session* session) {
+  return session ? guarded([&] { return session->session->flush(); }) : ODO_E_ARGUMENT;
+}
+
+int32_t odo_session_get_pose(odo_session* session, int64_t t_ns, odo_pose* pose) {
+  if (!session || !pose) return ODO_E_ARGUMENT;
+  const uint32_t size = pose->header.struct_size;
+  if (size < sizeof(odo_header)) return ODO_E_STRUCT_SIZE;
+  return guarded([&] {
+    odo_pose found{};
+    const int32_t status = session->session->pose(t_ns, found);
+    if (status != ODO_OK) return status;
+    found.header.struct_size = std::min<uint32_t>(size, sizeof found);
+    std::memcpy(static_cast<void*>(pose), &found, found.header.struct_size);
+    return status;
+  });
+}
+
+int32_t odo_session_set_callback(odo_session* session, uint32_t mask, odo_callback callback, void* user) {
+  if (!session) return ODO_E_ARGUMENT;
+  return guarded([&] { return session->session->set_callback(mask, callback, user), ODO_OK; });
+}
+
+int32_t odo_session_get_statistics(odo_session* session, odo_statistics* statistics) {
+  if (!session || !statistics) return ODO_E_ARGUMENT;
+  if (statistics->struct_size < sizeof(uint32_t) * 2) return ODO_E_STRUCT_SIZE;
+  return guarded([&] { return session->session->statistics(*statistics), ODO_OK; });
+}
+
+int32_t odo_session_last_error(odo_session* session, odo_error* error) {
+  if (!session || !error) return ODO_E_ARGUMENT;
+  if (error->struct_size < sizeof *error) return ODO_E_STRUCT_SIZE;
+  return guarded([&] { return session->session->last_error(*error); });
+}
+
+int32_t odo_session_to_geodetic(odo_session* session, const double* p_n, double* geodetic) {
+  if (!session || !p_n || !geodetic) return ODO_E_ARGUMENT;
+  return guarded([&] { return session->session->to_geodetic(p_n, geodetic); });
+}
+
+int32_t odo_session_from_geodetic(odo_session* session, const double* geodetic, double* p_n) {
+  if (!session || !p_n || !geodetic) return ODO_E_ARGUMENT;
+  return guarded([&] { return session->session->from_geodetic(geodetic, p_n); });
+}
+
+const char* odo_version(void) { return odograph::kVersion; }
+uint32_t odo_abi_version(void) { return ODO_ABI_MAJOR << 16 | ODO_ABI_MINOR; }
+
+const char* odo_status_text(int32_t status) {
+  switch (status) {
+    case ODO_OK: return "ok";
+    case ODO_NOT_READY: return "not ready yet";
+    case ODO_E_ARGUMENT: return "bad argument";
+    case ODO_E_DISCARD: return "input discarded";
+    case ODO_E_EXHAUSTED: return "quota or buffer exhausted";
+    case ODO_E_UNSUPPORTED: return "not supported";
+    case ODO_E_STRUCT_SIZE: return "struct too small";
+    case ODO_E_VERSION: return "no common ABI version";
+    case ODO_E_STATE: return "called in the wrong state";
+    case ODO_E_CONFIG: return "configuration refused";
+    case ODO_E_NOT_FOUND: return "not found";
+    case ODO_E_DATA: return "damaged data";
+    case ODO_E_MEMORY: return "out of memory";
+    case ODO_E_ERROR: return "error";
+    case ODO_E_FATAL: return "fatal error";
+    default: return "unknown status";
+  }
+}
+
+const char* odo_state_text(uint32_t state) {
+  static const char* const texts[] = {"none", "tracking", "degraded", "lost"};
+  return state < 4 ? texts[state] : "unknown";
+}
+
+const char* odo_reason_text(uint32_t reason) {
+  static const char* const texts[] = {"",           "initialising",  "too dark",      "moving too fast", "too few features",
+                                      "no parallax", "no steps yet", "sensor silent", "plugin failed",   "no scale yet"};
+  return reason < 10 ? texts[reason] : "unknown";
+}
+
+const char* odo_mode_text(uint32_t mode) {
+  static const char* const texts[] = {"unknown",        "static", "walking_texting", "walking_swinging",
+                                      "walking_pocket", "stairs", "running",         "handling"};
+  return mode < 8 ? texts[mode] : "unknown";
+}
+
+}  // extern "C"

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/core/frame_store.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+namespace odograph {
+namespace {
+
+/// Rows and bytes a row of each plane, by format; zero rows = no such plane.
+struct PlaneSize {
+  size_t rows, bytes;
+};
+PlaneSize plane_size(const odo_frame& frame, int plane) {
+  const size_t w = frame.width, h = frame.height;
+  switch (frame.format) {
+    case ODO_FORMAT_NV12:
+    case ODO_FORMAT_NV21:
+      if (plane == 1) return {(h + 1) / 2, (w + 1) / 2 * 2};
+      [[fallthrough]];
+    case ODO_FORMAT_GREY8: return plane == 0 ? PlaneSize{h, w} : PlaneSize{0, 0};
+    case ODO_FORMAT_RGB8: return plane == 0 ? PlaneSize{h, w * 3} : PlaneSize{0, 0};
+    default: return plane == 0 ? PlaneSize{h, w * 4} : PlaneSize{0, 0};
+  }
+}
+
+}  // namespace
+
+FrameStore::FrameStore(size_t quota) {
+  for (size_t i = 0; i < quota; ++i) {
+    holders_.push_back(std::make_unique<Holder>());
+    holders_.back()->store = this;
+  }
+}
+
+FrameStore::~FrameStore() {
+  for (const auto& holder : holders_)  // a plugin that kept a frame beyond its life: the app gets its pixels back
+    if (holder->holds > 0 && !holder->copied && holder->original.release) holder->original.release(&holder->original);
+}
+
+size_t FrameStore::in_use() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<size_t>(std::count_if(holders_.begin(), holders_.end(), [](const auto& h) { return h->holds > 0; }));
+}
+
+bool FrameStore::copy_pixels(odo_frame& frame, std::vector<uint8_t>& pixels) {
+  size_t total = 0;
+  for (int p = 0; p < 4; ++p) total += plane_size(frame, p).rows * plane_size(frame, p).bytes;
+  const bool masked = (frame.header.flags & ODO_FRAME_MASK) != 0 && frame.mask.data;
+  if (masked) total += size_t(frame.width) * frame.height;
+  pixels.resize(total);
+  uint8_t* to = pixels.data();
+  const auto copy = [&](odo_plane& plane, PlaneSize size) {
+    if (static_cast<size_t>(std::llabs(plane.row_stride)) < size.bytes) return false;
+    for (size_t row = 0; row < size.rows; ++row)
+      std::memcpy(to + row * size.bytes, plane.data + static_cast<int64_t>(row) * plane.row_stride, size.bytes);
+    plane.data = to;
+    plane.row_stride = static_cast<int64_t>(size.bytes);
+    to += size.rows * size.bytes;
+    return true;
+  };
+  for (int p = 0; p < 4; ++p) {
+    const PlaneSize size = plane_size(frame, p);
+    if (size.rows == 0) continue;
+    if (!frame.planes[p].data || !copy(frame.planes[p], size)) return false;
+  }
+  return !masked || copy(frame.mask, {frame.height, frame.width});
+}
+
+int32_t FrameStore::adopt(const odo_frame& frame, odo_frame& held) {
+  Holder* holder = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& candidate : holders_)
+      if (candidate->holds == 0) {
+        holder = candidate.get();
+        holder->holds = 1;
+        break;
+      }
+  }
+  if (!holder) return ODO_E_EXHAUSTED;
+  holder->original = frame;
+  holder->copied = !(frame.retain && frame.release);
+  held = frame;
+  const bool kept = holder->copied ? copy_pixels(held, holder->pixels) : frame.retain(&frame) >= 0;
+  if (!kept) {
+    holder->holds = 0;
+    return holder->copied ? ODO_E_DISCARD : ODO_E_EXHAUSTED;
+  }
+  held.owner = holder;
+  held.retain = retain;
+  held.release = release;
+  return ODO_OK;
+}
+
+int32_t FrameStore::retain(const odo_frame* frame) {
+  auto* holder = static_cast<Holder*>(frame->owner);
+  // One place stays free for the next frame: plugins may keep the rest.
+  if (holder->holds == 1 && holder->store->in_use() >= holder->store->holders_.size()) return ODO_E_EXHAUSTED;
+  ++holder->holds;
+  return ODO_OK;
+}
+
+void FrameStore::release(const odo_frame* frame) {
+  auto* holder = static_cast<Holder*>(frame->owner);
+  odo_frame original = holder->original;
+  const bool give_back = !holder->copied;
+  const std::lock_guard lock(holder->store->mutex_);
+  if (--holder->holds == 0 && give_back) original.release(&original);
+}
+
+}  // namespace odograph

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include <odograph/types.h>
+
+namespace odograph {
+
+/// Holds the camera frames that wait in the queue or that plugins keep, within a quota. The pixels stay the app's when
+/// the app's frame can be retained; otherwise they are copied once on arrival. Retain and release may be called on any
+/// thread. Must outlive every frame it handed out.
+class FrameStore {
+ public:
+  explicit FrameStore(size_t quota);
+  ~FrameStore();
+  FrameStore(const FrameStore&) = delete;
+  FrameStore& operator=(const FrameStore&) = delete;
+
+  /// Replaces the app's hold functions by the store's. The caller owns one hold and gives it up with release.
+  /// ODO_E_EXHAUSTED when the quota is used up or the app refuses.
+  int32_t adopt(const odo_frame& frame, odo_frame& held);
+  /// Frames held now.
+  size_t in_use() const;
+
+ private:
+  struct Holder {
+    FrameStore* store = nullptr;
+    std::atomic<int> holds{0};
+    odo_frame original{};
+    bool copied = false;
+    std::vector<uint8_t> pixels;
+  };
+
+  static int32_t retain(const odo_frame* frame);
+  static void release(const odo_frame* frame);
+  static bool copy_pixels(odo_frame& frame, std::vector<uint8_t>& pixels);
+
+  mutable std::mutex mutex_;
+  std::vector<std::unique_ptr<Holder>> holders_;
+};
+
+}  // namespace odograph

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <mutex>
+#include <optional>
+
+#include <GeographicLib/LocalCartesian.hpp>
+
+namespace odograph {
+
+/// The local frame n (North-East-Down) on the Earth. Exact to nanometres (GeographicLib::LocalCartesian, WGS 84; Karney
+/// 2011). Angles in rad, heights in m above the ellipsoid. Thread-safe.
+class Geodesy {
+ public:
+  bool has_origin() const;
+  void set_origin(const std::array<double, 3>& latitude_longitude_height);
+  /// Both need an origin.
+  std::array<double, 3> to_geodetic(const std::array<double, 3>& p_n) const;
+  std::array<double, 3> from_geodetic(const std::array<double, 3>& latitude_longitude_height) const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::optional<GeographicLib::LocalCartesian> local_;
+};
+
+}  // namespace odograph

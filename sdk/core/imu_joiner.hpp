@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include <odograph/types.h>
+
+namespace odograph {
+
+/// Makes whole IMU samples of an accelerometer and a gyroscope that are delivered apart (as on Android): the
+/// accelerometer is interpolated linearly at the gyroscope's times. Whole samples pass through. Input ordered by time.
+class ImuJoiner {
+ public:
+  /// Calls `take(const odo_imu&)` for each whole sample that the new one completes, in order.
+  template <class Take> void push(const odo_imu& sample, Take&& take) {
+    constexpr uint32_t both = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    if ((sample.header.flags & both) == both) return take(sample);
+    if (sample.header.flags & ODO_IMU_GYRO) {
+      if (waiting_count_ == waiting_.size()) --waiting_count_;  // the accelerometer is silent; keep the newest
+      waiting_[waiting_count_++] = sample;
+      return;
+    }
+    if ((sample.header.flags & ODO_IMU_ACCEL) == 0) return;
+    if (last_accel_) {
+      for (size_t i = 0; i < waiting_count_; ++i)
+        if (waiting_[i].header.t_ns >= last_accel_->header.t_ns) take(joined(waiting_[i], *last_accel_, sample));
+    }
+    waiting_count_ = 0;
+    last_accel_ = sample;
+  }
+  void reset() { *this = ImuJoiner(); }
+
+ private:
+  static odo_imu joined(odo_imu gyro, const odo_imu& before, const odo_imu& after) {
+    const double span = static_cast<double>(after.header.t_ns - before.header.t_ns);
+    const double w = span > 0 ? static_cast<double>(gyro.header.t_ns - before.header.t_ns) / span : 0.0;
+    for (int i = 0; i < 3; ++i) gyro.accel_b[i] = before.accel_b[i] + w * (after.accel_b[i] - before.accel_b[i]);
+    gyro.header.flags |= ODO_IMU_ACCEL;
+    return gyro;
+  }
+
+  std::array<odo_imu, 64> waiting_{};
+  size_t waiting_count_ = 0;
+  std::optional<odo_imu> last_accel_;
+};
+
+}  // namespace odograph

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/core/per_frame_coupling.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sdk/core/messages.hpp"
+
+namespace odograph {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+constexpr int kBelieveFixesAfter = 5;  // that many rejected in a row say that it is we who are wrong
+constexpr double kPlaceless_m = 1e4;   // how little a position means before the first fix
+
+Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized(); }
+
+Quaterniond about_down(double angle_rad) { return Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())); }
+
+double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
+
+}  // namespace
+
+PerFrameCoupling::PerFrameCoupling(const CouplingConfig& config, const StartPose& start, CouplingInputs inputs,
+                                   Geodesy& geodesy)
+    : config_(config), start_(start), inputs_(inputs), geodesy_(geodesy) {
+  reset();
+}
+
+void PerFrameCoupling::reset() {
+  // A phone's rear camera: x right as the body's, y down and z forward against the body's up and out of the screen.
+  if (!camera_) q_b_c_ = Quaterniond(0.0, 1.0, 0.0, 0.0);
+  p_n_ = Vector3d(start_.position_m.data());
+  heading_offset_rad_ = start_.heading_rad;
+  placed_ = start_.given;
+  q_n_.setIdentity();
+  velocity_n_.setZero();
+  rotation_covariance_.setZero();
+  independent_covariance_.setZero();
+  since_fix_n_.setZero();
+  relative_sigma_ = 0.0;
+  scale_ = {};
+  last_pose_ns_ = last_tracked_ns_ = INT64_MIN;
+  attitude_count_ = 0;
+  camera_ = carried_by_steps_ = corrected_ = false;
+  rejected_in_a_row_ = 0;
+  history_.clear();
+}
+
+void PerFrameCoupling::on_calibration(const odo_calibration& calibration) {
+  if (calibration.header.flags & ODO_CALIBRATION_EXTRINSICS) q_b_c_ = quaternion(calibration.q_b_c);
+}
+
+void PerFrameCoupling::on_attitude(const odo_attitude& attitude) {
+  attitudes_[attitude_count_++ % attitudes_.size()] = attitude;
+  if (camera_) return;
+  const Quaterniond q = orientation_from(attitude);
+  history_.set_orientation(attitude.header.t_ns, {q.w(), q.x(), q.y(), q.z()});
+}
+
+std::optional<odo_attitude> PerFrameCoupling::attitude_at(int64_t t_ns) const {
+  const size_t kept = std::min(attitude_count_, attitudes_.size());
+  std::optional<odo_attitude> best;
+  for (size_t back = 1; back <= kept; ++back) {  // newest first; the first one not later than t is the one
+    const odo_attitude& a = attitudes_[(attitude_count_ - back) % attitudes_.size()];
+    best = a;
+    if (a.header.t_ns <= t_ns) break;
+  }
+  return best;
+}
+
+Quaterniond PerFrameCoupling::orientation_from(const odo_attitude& attitude) const {
+  return about_down(heading_offset_rad_) * quaternion(attitude.q_n_b);
+}
+
+Quaterniond PerFrameCoupling::initial_camera_orientation(int64_t t_ns) const {
+  if (const auto attitude = attitude_at(t_ns)) return orientation_from(*attitude) * q_b_c_;
+  Matrix3d level;  // columns: the camera's x, y, z in n when it looks level to the north
+  level << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  return about_down(heading_offset_rad_) * Quaterniond(level);
+}
+
+odo_pose PerFrameCoupling::on_first_frame(int64_t t_ns) {
+  camera_ = true;
+  q_n_ = initial_camera_orientation(t_ns);
+  last_pose_ns_ = last_tracked_ns_ = t_ns;
+  return publish(t_ns, ODO_DEGRADED, ODO_REASON_INITIALISING);
+}
+
+void PerFrameCoupling::prepare(odo_vo_motion& motion) const {
+  motion.q_n_c0[0] = q_n_.w(), motion.q_n_c0[1] = q_n_.x(), motion.q_n_c0[2] = q_n_.y(), motion.q_n_c0[3] = q_n_.z();
+  motion.header.flags |= ODO_VO_NAVIGATION;
+}
+
+odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_scale* scale) {
+  const Quaterniond q_n_c0 = q_n_;
+  const auto before = attitude_at(motion.t_from_ns);
+  const auto after = attitude_at(motion.header.t_ns);
+  if (after) rotation_covariance_ = Eigen::Map<const RowMatrix3d>(after->covariance_n);
+  const bool rotated = (motion.header.flags & ODO_VO_ROTATION) != 0;
+  if (after && config_.orientation == Orientation::attitude) {
+    q_n_ = orientation_from(*after) * q_b_c_;
+  } else if (rotated) {
+    q_n_ = (q_n_c0 * quaternion(motion.q_c0_c1)).normalized();
+  } else if (before && after) {  // the picture says nothing: the gyroscope's rotation instead
+    q_n_ = (orientation_from(*after) * orientation_from(*before).conjugate() * q_n_c0).normalized();
+  }
+
+  const double dt_s = seconds(motion.header.t_ns - motion.t_from_ns);
+  const bool translated = (motion.header.flags & ODO_VO_TRANSLATION) != 0 && motion.state != ODO_LOST;
+  Vector3d d_n = Vector3d::Zero();
+  if (translated) d_n = q_n_c0 * Vector3d(motion.p_c0_c1);
+  uint32_t state = motion.state, reason = motion.reason;
+  double relative = 0.0;
+  if (inputs_.scale) {
+    if (scale) {
+      scale_ = {scale->metres_per_unit, scale->sigma};
+      relative = scale->metres_per_unit > 0 ? std::min(1.0, scale->sigma / scale->metres_per_unit) : 0.0;
+      d_n *= scale->metres_per_unit;
+      const bool horizontal = (scale->header.flags & ODO_SCALE_HORIZONTAL) != 0;
+      if (horizontal && config_.vertical == Vertical::ignore) d_n.z() = 0.0;
+    } else {
+      d_n.setZero();
+      if (state == ODO_TRACKING) state = ODO_DEGRADED, reason = ODO_REASON_NO_SCALE;
+    }
+  }
+  carried_by_steps_ = !translated;
+  if (translated) last_tracked_ns_ = motion.header.t_ns;
+  if (state == ODO_LOST && after && seconds(motion.header.t_ns - last_tracked_ns_) < config_.bridge_s) state = ODO_DEGRADED;
+  if (translated) move(d_n, relative, dt_s);
+  return publish(motion.header.t_ns, state, reason);
+}
+
+std::optional<odo_pose> PerFrameCoupling::on_step(const odo_step& step) {
+  if (inputs_.vo && !(camera_ && carried_by_steps_)) return std::nullopt;
+  const double heading = step.heading_rad + heading_offset_rad_;
+  const double duration = seconds(step.t_end_ns - step.t_start_ns);
+  const double relative = step.length_m > 0 ? step.sigma_m / step.length_m : 0.0;
+  const auto attitude = attitude_at(step.t_end_ns);
+  if (attitude) rotation_covariance_ = Eigen::Map<const RowMatrix3d>(attitude->covariance_n);
+  if (step.header.flags & ODO_STEP_HEADING)
+    move(step.length_m * Vector3d(std::cos(heading), std::sin(heading), 0.0), relative, duration);
+  if (inputs_.vo) return std::nullopt;  // bridging: the next frame publishes
+  if (attitude) q_n_ = orientation_from(*attitude);
+  return publish(step.t_end_ns, ODO_TRACKING, ODO_REASON_NONE);
+}
+
+std::optional<odo_pose> PerFrameCoupling::start_without_camera() {
+  if (inputs_.vo || attitude_count_ != 1) return std::nullopt;
+  q_n_ = orientation_from(attitudes_[0]);
+  return publish(attitudes_[0].header.t_ns, ODO_TRACKING, ODO_REASON_NONE);
+}
+
+void PerFrameCoupling::move(const Vector3d& d_n, double relative_sigma, double dt_s) {
+  const double length = d_n.norm();
+  p_n_ += d_n;
+  distance_m_ += length;
+  if (dt_s > 0) velocity_n_ = d_n / dt_s;
+  // The relative errors along the path are averaged by length and taken as common to all of it.
+  const double total = since_fix_n_.norm() + length;
+  if (total > 0) relative_sigma_ += (relative_sigma - relative_sigma_) * length / total;
+  since_fix_n_ += d_n;
+}
+
+Matrix3d PerFrameCoupling::position_covariance() const {
+  const Vector3d along = relative_sigma_ * since_fix_n_;
+  const Vector3d across = std::sqrt(std::max(0.0, rotation_covariance_(2, 2))) * Vector3d(-since_fix_n_.y(), since_fix_n_.x(), 0.0);
+  return independent_covariance_ + along * along.transpose() + across * across.transpose();
+}
+
+bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) {
+  const uint32_t flags = fix.header.flags;
+  Vector3d z(fix.p_n);
+  if (flags & ODO_FIX_GEODETIC) {
+    if (!geodesy_.has_origin()) geodesy_.set_origin({fix.latitude_rad, fix.longitude_rad, fix.height_m});
+    z = Vector3d(geodesy_.from_geodetic({fix.latitude_rad, fix.longitude_rad, fix.height_m}).data());
+  }
+  p_out = {z.x(), z.y(), z.z()};
+  if (flags & ODO_FIX_YAW) {
+    const double turn = std::remainder(fix.yaw_rad - heading_offset_rad_, 2 * EIGEN_PI);
+    heading_offset_rad_ += turn;
+    q_n_ = (about_down(turn) * q_n_).normalized();
+  }
+  // The fix speaks of its own time; what moved since then moved both.
+  odo_pose then{};
+  Vector3d predicted = p_n_;
+  if (history_.at(fix.header.t_ns, then) == ODO_OK) predicted = Vector3d(then.p_n);
+  Vector3d innovation = z - predicted;
+  Matrix3d R = Eigen::Map<const RowMatrix3d>(fix.covariance_n);
+  for (int i = 0; i < 3; ++i) {
+    if (flags & (ODO_FIX_NORTH << i)) continue;  // a component that the fix does not have
+    innovation[i] = 0.0;
+    R.row(i).setZero();
+    R.col(i).setZero();
+    R(i, i) = kPlaceless_m * kPlaceless_m;
+  }
+  if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) return (flags & ODO_FIX_YAW) != 0;
+  Matrix3d P = position_covariance();
+  if (!placed_ || rejected_in_a_row_ >= kBelieveFixesAfter) P = Matrix3d::Identity() * kPlaceless_m * kPlaceless_m;
+  const Matrix3d S = P + R + Matrix3d::Identity() * 1e-9;
+  const double gate = config_.fix_gate_sigma;
+  if (gate > 0 && innovation.dot(S.ldlt().solve(innovation)) > gate * gate) {
+    ++rejected_in_a_row_;
+    return false;
+  }
+  const Matrix3d K = P * S.inverse();
+  const Vector3d correction = K * innovation;
+  p_n_ += correction;
+  independent_covariance_ = (Matrix3d::Identity() - K) * P;
+  since_fix_n_.setZero();
+  relative_sigma_ = 0.0;
+  placed_ = true;
+  rejected_in_a_row_ = 0;
+  corrected_ = true;
+  return true;
+}
+
+std::optional<odo_pose> PerFrameCoupling::take_correction() {
+  if (!std::exchange(corrected_, false) || last_pose_ns_ == INT64_MIN) return std::nullopt;
+  return publish(last_pose_ns_, last_state_, last_reason_);
+}
+
+odo_pose PerFrameCoupling::publish(int64_t t_ns, uint32_t state, uint32_t reason) {
+  auto pose = make_message<odo_pose>(ODO_TYPE_POSE, t_ns);
+  pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_VELOCITY;
+  if (metric()) pose.header.flags |= ODO_POSE_METRIC;
+  if (camera_) pose.header.flags |= ODO_POSE_CAMERA;
+  pose.q_n[0] = q_n_.w(), pose.q_n[1] = q_n_.x(), pose.q_n[2] = q_n_.y(), pose.q_n[3] = q_n_.z();
+  Vector3d::Map(pose.p_n) = p_n_;
+  Vector3d::Map(pose.velocity_n) = velocity_n_;
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(pose.covariance);
+  covariance.topLeftCorner<3, 3>() = rotation_covariance_;
+  covariance.bottomRightCorner<3, 3>() = position_covariance();
+  pose.scale = scale_.metres_per_unit;
+  pose.scale_sigma = scale_.sigma;
+  pose.distance_m = distance_m_;
+  pose.state = state;
+  pose.reason = reason;
+  last_pose_ns_ = t_ns;
+  last_state_ = state;
+  last_reason_ = reason;
+  history_.push(pose);
+  return pose;
+}
+
+}  // namespace odograph

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "sdk/config/pipeline_config.hpp"
+#include "sdk/core/geodesy.hpp"
+#include "sdk/core/pose_history.hpp"
+
+namespace odograph {
+
+/// What the pipeline consists of, as far as the coupling must know.
+struct CouplingInputs {
+  bool vo = false;
+  bool scale = false;
+};
+
+/// The coupling of Antigny et al. 2019, section 3.4: each frame's displacement, rotated into n, is multiplied by that
+/// frame's scale (eq. (7), computed by the scale source) and added to the horizontal position; rotation is chained from
+/// frame to frame. Without a camera, and where the camera sees nothing, steps carry the position (dead reckoning).
+/// Fixes correct the position by a gated Kalman update, and start it.
+///
+/// The position's covariance is P0 + (errors that are common to the whole path since the last fix): a relative scale
+/// error along the displacement g since then, and a heading error across it.
+class PerFrameCoupling {
+ public:
+  PerFrameCoupling(const CouplingConfig& config, const StartPose& start, CouplingInputs inputs, Geodesy& geodesy);
+
+  void on_calibration(const odo_calibration& calibration);
+  void on_attitude(const odo_attitude& attitude);
+
+  /// The camera starts at this frame: its pose is the first of the track.
+  odo_pose on_first_frame(int64_t t_ns);
+  /// Writes the earlier frame's orientation into a motion, for scale sources.
+  void prepare(odo_vo_motion& motion) const;
+  /// `scale` may be null. Returns the pose at the later frame.
+  odo_pose on_vo_motion(const odo_vo_motion& motion, const odo_scale* scale);
+  /// The pose at the step's end where steps carry the position, otherwise nothing.
+  std::optional<odo_pose> on_step(const odo_step& step);
+  /// The first pose of a track without a camera, as soon as there is an orientation.
+  std::optional<odo_pose> start_without_camera();
+  /// True when the fix was used. `p_n` gets the position it meant.
+  bool on_fix(const odo_fix& fix, std::array<double, 3>& p_n);
+
+  /// The latest pose anew, once after a fix that moved it.
+  std::optional<odo_pose> take_correction();
+
+  /// PoseHistory::at. [any]
+  int32_t pose_at(int64_t t_ns, odo_pose& out) const { return history_.at(t_ns, out); }
+
+  double distance_m() const { return distance_m_; }
+  /// Position and orientation as they were at the start; the geodetic origin stays.
+  void reset();
+
+ private:
+  struct Scale {
+    double metres_per_unit = 0.0;
+    double sigma = 0.0;
+  };
+
+  std::optional<odo_attitude> attitude_at(int64_t t_ns) const;
+  Eigen::Quaterniond orientation_from(const odo_attitude& attitude) const;
+  Eigen::Quaterniond initial_camera_orientation(int64_t t_ns) const;
+  Eigen::Matrix3d position_covariance() const;
+  void move(const Eigen::Vector3d& d_n, double relative_sigma, double dt_s);
+  odo_pose publish(int64_t t_ns, uint32_t state, uint32_t reason);
+  bool metric() const { return inputs_.scale || !inputs_.vo; }
+
+  CouplingConfig config_;
+  StartPose start_;
+  CouplingInputs inputs_;
+  Geodesy& geodesy_;
+  PoseHistory history_;
+
+  std::array<odo_attitude, 128> attitudes_{};
+  size_t attitude_count_ = 0;
+
+  Eigen::Quaterniond q_b_c_;
+  Eigen::Quaterniond q_n_ = Eigen::Quaterniond::Identity();  // of the camera, or of the body without one
+  Eigen::Vector3d p_n_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_n_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d rotation_covariance_ = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d independent_covariance_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d since_fix_n_ = Eigen::Vector3d::Zero();
+  double relative_sigma_ = 0.0;
+  double heading_offset_rad_ = 0.0;
+  Scale scale_;
+  double distance_m_ = 0.0;
+  int64_t last_pose_ns_ = INT64_MIN;
+  int64_t last_tracked_ns_ = INT64_MIN;
+  uint32_t last_state_ = 0;
+  uint32_t last_reason_ = 0;
+  bool camera_ = false;
+  bool carried_by_steps_ = false;
+  bool corrected_ = false;
+  bool placed_ = false;  // by a fix or by the config
+  int rejected_in_a_row_ = 0;
+};
+
+}  // namespace odograph

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/plugin_host/library.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include <dlfcn.h>
+
+#include <odograph/odograph.h>
+
+namespace odograph {
+namespace {
+
+std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
+
+/// What version 1.0 of the table must contain: everything up to and with `destroy`.
+constexpr size_t kRequired = offsetof(odo_plugin, destroy) + sizeof(void*);
+
+}  // namespace
+
+Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const std::filesystem::path& path, const odo_host* host) {
+  const auto fail = [&](int32_t status, const std::string& why) { return Failure{status, path.string() + ": " + why}; };
+  const auto file = check_shared_library(path);
+  if (!file) return file.failure();
+  dlerror();
+  void* handle = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!handle) {
+    const char* why = dlerror();
+    return fail(ODO_E_DATA, std::string("the loader refused it: ") + (why ? why : "no reason given"));
+  }
+  const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
+  if (!entry) return fail(ODO_E_UNSUPPORTED, "symbol missing: it does not export " ODO_PLUGIN_ENTRY_SYMBOL);
+
+  // Room behind the struct: a careless plugin of a newer ABI that writes its whole larger table does no harm.
+  alignas(odo_plugin) unsigned char room[4096] = {};
+  auto* filled = reinterpret_cast<odo_plugin*>(room);
+  filled->struct_size = sizeof(odo_plugin);
+  const int32_t status = entry(host, filled);
+  if (status != ODO_OK) {
+    const std::string refusal = text(filled->refusal);
+    return fail(status < 0 ? status : ODO_E_ERROR,
+                "it refused to start: " + (refusal.empty() ? odo_status_text(status) : refusal));
+  }
+  if (filled->abi_major < host->abi_major_min || filled->abi_major > host->abi_major_max)
+    return fail(ODO_E_VERSION, "it speaks ABI major " + std::to_string(filled->abi_major) + ", this host speaks " +
+                                   std::to_string(host->abi_major_max));
+  if (filled->struct_size < kRequired)
+    return fail(ODO_E_STRUCT_SIZE, "its table has " + std::to_string(filled->struct_size) + " bytes; ABI 1 needs " +
+                                       std::to_string(kRequired));
+  auto library = std::make_shared<PluginLibrary>();
+  library->path_ = path;
+  std::memcpy(&library->table_, filled, std::min<size_t>(filled->struct_size, sizeof(odo_plugin)));
+  const odo_plugin& t = library->table_;
+  if (!t.create || !t.configure || !t.activate || !t.process || !t.destroy)
+    return fail(ODO_E_DATA, "its table lacks one of create, configure, activate, process, destroy");
+  if (text(t.id).empty() || t.interface_count == 0 || !t.interfaces)
+    return fail(ODO_E_DATA, "its table names no id or no interface");
+  const auto parameters = parameter_specs(t);
+  if (!parameters) return fail(parameters.failure().status, parameters.failure().text);
+  return library;
+}
+
+Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const Manifest& manifest, bool verify_hash,
+                                                           const odo_host* host) {
+  if (manifest.abi_major < host->abi_major_min || manifest.abi_major > host->abi_major_max)
+    return Failure{ODO_E_VERSION, manifest.path.string() + ": ABI major " + std::to_string(manifest.abi_major) +
+                                      ", but this host speaks " + std::to_string(host->abi_major_max)};
+  if (verify_hash) {
+    const auto hash = sha256_of(manifest.library);
+    if (!hash) return Failure{ODO_E_NOT_FOUND, manifest.library.string() + ": cannot be opened (named by " + manifest.path.string() + ")"};
+    // The format first: "truncated" says more than "hash differs".
+    const auto file = check_shared_library(manifest.library);
+    if (!file) return file.failure();
+    if (*hash != manifest.sha256)
+      return Failure{ODO_E_DATA, manifest.library.string() + ": its hash differs from the manifest's (" +
+                                     manifest.path.string() + "); `odograph plugin manifest` writes a new one"};
+  }
+  auto library = load(manifest.library, host);
+  if (library && text((*library)->table().id) != manifest.id)
+    return Failure{ODO_E_DATA, manifest.library.string() + ": its id is '" + text((*library)->table().id) +
+                                   "', the manifest says '" + manifest.id + "'"};
+  return library;
+}
+
+}  // namespace odograph

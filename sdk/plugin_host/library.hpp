@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <odograph/plugin.h>
+
+#include "sdk/base/result.hpp"
+#include "sdk/plugin_host/manifest.hpp"
+
+namespace odograph {
+
+/// A loaded plugin library and its table. Stays resident: it is never unloaded. [control]
+class PluginLibrary {
+ public:
+  /// Checks the file's format before the dynamic loader touches it (the loader may crash on a truncated file), loads it
+  /// with RTLD_NOW | RTLD_LOCAL, calls the entry and checks the table. Failures name the path and the reason.
+  static Result<std::shared_ptr<PluginLibrary>> load(const std::filesystem::path& path, const odo_host* host);
+
+  /// As load, after comparing the library's hash with the manifest's, and its id afterwards.
+  static Result<std::shared_ptr<PluginLibrary>> load(const Manifest& manifest, bool verify_hash, const odo_host* host);
+
+  /// The plugin's table; what a smaller table does not have is null.
+  const odo_plugin& table() const { return table_; }
+  const std::filesystem::path& path() const { return path_; }
+
+  bool quarantined() const { return quarantined_; }
+  void quarantine() { quarantined_ = true; }
+
+ private:
+  std::filesystem::path path_;
+  odo_plugin table_{};
+  bool quarantined_ = false;
+};
+
+/// Whether the file is a shared library that this machine can run, with all its segments present. ODO_OK or a Failure.
+Result<bool> check_shared_library(const std::filesystem::path& path);
+
+}  // namespace odograph

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <odograph/plugin.h>
+
+#include "sdk/config/spec.hpp"
+
+namespace odograph {
+
+/// NAME.odoplugin.json: what a plugin library says of itself, readable without running it.
+struct Manifest {
+  std::filesystem::path path;     // of the manifest
+  std::filesystem::path library;  // absolute
+  std::string id;
+  std::string version;
+  std::string summary;
+  std::vector<std::string> interfaces;
+  uint32_t abi_major = 0;
+  uint32_t abi_minor = 0;
+  std::string sha256;  // of the library, lower-case hex
+  std::vector<Spec> parameters;
+};
+
+/// Reads a manifest. A failure names file, line and column.
+Result<Manifest> read_manifest(const std::filesystem::path& path);
+
+/// The manifest's text for a loaded plugin table. `library` is its file name, `sha256` its hash.
+std::string write_manifest(const odo_plugin& plugin, const std::string& library, const std::string& sha256);
+
+/// A plugin's parameter table as specs. ODO_E_DATA when a row is smaller than version 1.0 of it or makes no sense.
+Result<std::vector<Spec>> parameter_specs(const odo_plugin& plugin);
+
+/// SHA-256 of a file in lower-case hex, or ODO_E_NOT_FOUND.
+Result<std::string> sha256_of(const std::filesystem::path& file);
+
+/// The table that manifests are checked against; `schemas/odoplugin.schema.json` is made from it.
+const Spec& manifest_spec();
+
+}  // namespace odograph

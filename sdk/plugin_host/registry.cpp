@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/plugin_host/registry.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <dlfcn.h>
+
+#include "sdk/base/nearest.hpp"
+
+namespace odograph {
+namespace fs = std::filesystem;
+
+namespace {
+constexpr std::string_view kSuffix = ".odoplugin.json";
+
+bool is_manifest(const std::string& name) {
+  return name.size() > kSuffix.size() && name.compare(name.size() - kSuffix.size(), kSuffix.size(), kSuffix) == 0;
+}
+}  // namespace
+
+std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
+  std::vector<fs::path> directories = first;
+  if (const char* path = std::getenv("ODOGRAPH_PLUGIN_PATH"))
+    for (const auto& part : split(path, ':')) directories.emplace_back(part);
+  Dl_info self{};
+  if (dladdr(reinterpret_cast<const void*>(&plugin_directories), &self) && self.dli_fname) {
+    std::error_code error;
+    const fs::path binary = fs::canonical(self.dli_fname, error);
+    if (!error) {  // PREFIX/lib[/TRIPLET]/libodograph.so or PREFIX/bin/odograph
+      directories.push_back(binary.parent_path() / "odograph/plugins");
+      directories.push_back(binary.parent_path() / "../lib/odograph/plugins");
+    }
+  }
+  directories.emplace_back(ODOGRAPH_PLUGIN_DIR);
+  return directories;
+}
+
+PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories) {
+  std::vector<fs::path> seen;
+  for (const auto& directory : directories) {
+    std::error_code error;
+    const fs::path real = fs::canonical(directory, error);
+    if (error || std::find(seen.begin(), seen.end(), real) != seen.end()) continue;
+    seen.push_back(real);
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(real, error))
+      if (is_manifest(entry.path().filename().string())) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    for (const auto& file : files) {
+      auto manifest = read_manifest(file);
+      if (manifest) manifests_.push_back(std::move(*manifest));
+      else problems_.push_back(manifest.failure().text);
+    }
+  }
+  directories_ = std::move(seen);
+}
+
+Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::string& interface_id,
+                                             const fs::path& base, const std::vector<std::string>& allow) {
+  const Manifest* found = nullptr;
+  if (is_manifest(id)) {
+    auto manifest = read_manifest(base / id);
+    if (!manifest) return manifest.failure();
+    found = explicit_.emplace_back(std::make_unique<Manifest>(std::move(*manifest))).get();
+  }
+  std::vector<std::string> usable;
+  for (const Manifest& manifest : manifests_) {
+    const bool serves =
+        std::find(manifest.interfaces.begin(), manifest.interfaces.end(), interface_id) != manifest.interfaces.end();
+    if (serves) usable.push_back(manifest.id);
+    if (manifest.id != id) continue;
+    if (found)
+      return Failure{ODO_E_CONFIG, "two plugins have the id '" + id + "': " + found->path.string() + " and " +
+                                       manifest.path.string() + "; expected one, or the path of one manifest"};
+    found = &manifest;
+  }
+  if (!found) {
+    std::string text = "no plugin '" + id + "'";
+    text += usable.empty() ? "; no plugin for " + interface_id + " lies in " : "; expected one of " + join(usable) + " (nearest: '" + nearest(id, usable) + "'), from ";
+    for (size_t i = 0; i < directories_.size(); ++i) text += (i ? ":" : "") + directories_[i].string();
+    if (directories_.empty()) text += "any directory";
+    for (const auto& problem : problems_) text += "; passed over: " + problem;
+    return Failure{ODO_E_NOT_FOUND, text};
+  }
+  if (std::find(found->interfaces.begin(), found->interfaces.end(), interface_id) == found->interfaces.end())
+    return Failure{ODO_E_CONFIG, "plugin '" + found->id + "' serves " + join(found->interfaces) + "; expected one that serves " +
+                                     interface_id + (usable.empty() ? "" : ": " + join(usable) + " (nearest: '" + nearest(id, usable) + "')")};
+  if (!allow.empty() && std::find(allow.begin(), allow.end(), found->id) == allow.end())
+    return Failure{ODO_E_CONFIG, "plugin '" + found->id + "' is not on the allow list (plugins.allow); expected one of " +
+                                     join(allow) + " (nearest: '" + nearest(found->id, allow) + "')"};
+  return found;
+}
+
+}  // namespace odograph

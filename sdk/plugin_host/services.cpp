@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/plugin_host/services.hpp"
+
+#include <cstring>
+#include <string_view>
+
+#include "sdk/base/version.hpp"
+
+namespace odograph {
+namespace {
+
+HostServices& of(const odo_host* host) {
+  return *const_cast<HostServices*>(static_cast<const HostServices*>(host));
+}
+
+std::string text_of(const odo_string* s) { return s && s->size ? std::string(s->data, s->size) : std::string(); }
+
+/// SplitMix64 (Steele, Lea & Flood 2014): neighbouring inputs give unrelated outputs.
+uint64_t mix(uint64_t x) {
+  x += 0x9E3779B97F4A7C15u;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+  return x ^ (x >> 31);
+}
+
+}  // namespace
+
+HostServices::HostServices(uint64_t seed, std::filesystem::path base, Listener listener)
+    : odo_host{}, seed_(seed), base_(std::move(base)), listener_(std::move(listener)) {
+  struct_size = sizeof(odo_host);
+  abi_major_min = abi_major_max = ODO_ABI_MAJOR;
+  abi_minor = ODO_ABI_MINOR;
+  version = {kVersion, std::strlen(kVersion)};
+  get_service = find_service;
+}
+
+const void* HostServices::find_service(const odo_host*, const char* id, uint64_t size) {
+  static const odo_report_service reports{
+      sizeof(odo_report_service), 0,
+      [](const odo_host* host, uint32_t instance, uint32_t severity, const odo_string* key, const odo_string* text) {
+        of(host).report(instance, severity, text_of(key), text_of(text));
+      }};
+  static const odo_random_service random{sizeof(odo_random_service), 0,
+                                         [](const odo_host* host, uint32_t instance, uint64_t stream) {
+                                           return mix(mix(of(host).seed_ + instance) ^ stream);
+                                         }};
+  static const odo_asset_service assets{
+      sizeof(odo_asset_service), 0,
+      [](const odo_host* host, const odo_string* name, char* path, uint64_t capacity) -> int64_t {
+        std::error_code error;
+        const auto found = std::filesystem::canonical(of(host).base_ / text_of(name), error);
+        if (error) return ODO_E_NOT_FOUND;
+        const std::string text = found.string();
+        std::memcpy(path, text.data(), std::min<uint64_t>(capacity, text.size()));
+        return static_cast<int64_t>(text.size());
+      }};
+  const std::string_view wanted(id, size);
+  if (wanted == ODO_SERVICE_REPORT) return &reports;
+  if (wanted == ODO_SERVICE_RANDOM) return &random;
+  if (wanted == ODO_SERVICE_ASSETS) return &assets;
+  return nullptr;
+}
+
+void HostServices::name_instance(uint32_t instance, const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  names_[instance] = id;
+}
+
+void HostServices::report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text) {
+  Report report{severity, "host", key, text};
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto name = names_.find(instance); name != names_.end()) report.origin = name->second;
+    const auto now = std::chrono::steady_clock::now();
+    auto [entry, is_new] = recent_.try_emplace(report.origin + '\n' + key);
+    if (!is_new && now - entry->second.last < std::chrono::seconds(1)) {
+      ++entry->second.held_back;
+      return;
+    }
+    if (entry->second.held_back > 0) report.text += " (and " + std::to_string(entry->second.held_back) + " more like it)";
+    entry->second = {now, 0};
+  }
+  if (listener_) listener_(report);
+}
+
+}  // namespace odograph

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include <odograph/plugin.h>
+
+namespace odograph {
+
+/// A report of a plugin or of the host, for people.
+struct Report {
+  uint32_t severity;
+  std::string origin;  // plugin id, or "host"
+  std::string key;
+  std::string text;
+};
+
+/// The odo_host that plugins see, with its services: report, random, assets. Outlives every instance made with it.
+class HostServices : public odo_host {
+ public:
+  using Listener = std::function<void(const Report&)>;
+
+  HostServices(uint64_t seed, std::filesystem::path base, Listener listener);
+  HostServices(const HostServices&) = delete;
+  HostServices& operator=(const HostServices&) = delete;
+
+  /// Gives an instance number its plugin's name, for reports. [control]
+  void name_instance(uint32_t instance, const std::string& id);
+
+  /// Passes a report on, at most one a second (of this machine's clock) for each origin and key; the rest are counted
+  /// into the next one. [any]
+  void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text);
+
+ private:
+  static const void* find_service(const odo_host* host, const char* id, uint64_t size);
+
+  struct Recent {
+    std::chrono::steady_clock::time_point last;
+    uint64_t held_back = 0;
+  };
+
+  uint64_t seed_;
+  std::filesystem::path base_;
+  Listener listener_;
+  std::mutex mutex_;
+  std::map<uint32_t, std::string> names_;
+  std::map<std::string, Recent> recent_;
+};
+
+}  // namespace odograph
