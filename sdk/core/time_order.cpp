@@ -20,6 +20,11 @@ bool may_be_late(uint32_t type) {
   return type == ODO_TYPE_GNSS || type == ODO_TYPE_WAYPOINT || type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE;
 }
 
+/// Among equal times: what describes a sensor before what it measured, then by type.
+uint32_t rank_of(uint32_t type) {
+  return type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE ? 0 : type;
+}
+
 }  // namespace
 
 TimeOrder::TimeOrder(size_t capacity, int64_t max_wait_ns) : max_wait_ns_(max_wait_ns), slots_(capacity) {
@@ -29,7 +34,7 @@ TimeOrder::TimeOrder(size_t capacity, int64_t max_wait_ns) : max_wait_ns_(max_wa
 }
 
 bool TimeOrder::later(const Entry& a, const Entry& b) {
-  return a.t_ns != b.t_ns ? a.t_ns > b.t_ns : a.type != b.type ? a.type > b.type : a.sequence > b.sequence;
+  return a.t_ns != b.t_ns ? a.t_ns > b.t_ns : a.rank != b.rank ? a.rank > b.rank : a.sequence > b.sequence;
 }
 
 TimeOrder::Stream& TimeOrder::stream_of(const odo_header& message) {
@@ -54,7 +59,7 @@ TimeOrder::Verdict TimeOrder::push(const odo_header& message) {
     if (newest_ns_ != INT64_MIN && t_ns - newest_ns_ > kFarAhead_ns && ++stream.ahead < kBelieveAhead)
       return Verdict::implausible;
     stream.ahead = 0;
-    if (released_ns_ != INT64_MIN && t_ns <= released_ns_) {
+    if (released_ns_ != INT64_MIN && t_ns < released_ns_) {
       if (t_ns <= stream.latest_ns && stream.behind == 0) {
         stream.behind = 1;
         return Verdict::late;
@@ -68,15 +73,20 @@ TimeOrder::Verdict TimeOrder::push(const odo_header& message) {
   const uint32_t slot = free_.back();
   free_.pop_back();
   slots_[slot].assign(message);
-  heap_.push_back({t_ns, message.type, slot, sequence_++});
+  heap_.push_back({t_ns, rank_of(message.type), slot, sequence_++});
   std::push_heap(heap_.begin(), heap_.end(), later);
   stream.latest_ns = std::max(stream.latest_ns, t_ns);
-  if (!may_be_late(message.type)) newest_ns_ = std::max(newest_ns_, t_ns);
+  if (!may_be_late(message.type)) {
+    newest_ns_ = std::max(newest_ns_, t_ns);
+    if (oldest_ns_ == INT64_MIN) oldest_ns_ = t_ns;
+  }
   return Verdict::accepted;
 }
 
 int64_t TimeOrder::watermark() const {
   if (newest_ns_ == INT64_MIN) return INT64_MAX;  // only calibrations so far: nothing to wait for
+  // At first nobody knows which sensors there are: all get the longest wait to show up.
+  if (newest_ns_ - oldest_ns_ < max_wait_ns_) return newest_ns_ - max_wait_ns_;
   int64_t slowest = INT64_MAX;
   for (const Stream& stream : streams_)
     if (stream.used && stream.latest_ns != INT64_MIN && holds_back(static_cast<uint32_t>(stream.key >> 32) & 0xFFFFFFF))
@@ -101,7 +111,7 @@ bool TimeOrder::pop(AnyMessage& out, bool flush) {
 
 void TimeOrder::restart() {
   for (Stream& stream : streams_) stream.latest_ns = INT64_MIN, stream.ahead = stream.behind = 0;
-  newest_ns_ = released_ns_ = INT64_MIN;
+  oldest_ns_ = newest_ns_ = released_ns_ = INT64_MIN;
 }
 
 bool TimeOrder::drain(AnyMessage& out) {

@@ -48,7 +48,7 @@ class TimeOrder {
   };
   struct Entry {
     int64_t t_ns;
-    uint32_t type;
+    uint32_t rank;
     uint32_t slot;
     uint64_t sequence;
   };
@@ -59,6 +59,7 @@ class TimeOrder {
   void take_first(AnyMessage& out);
 
   int64_t max_wait_ns_;
+  int64_t oldest_ns_ = INT64_MIN;  // of the first sample
   int64_t newest_ns_ = INT64_MIN;
   int64_t released_ns_ = INT64_MIN;
   uint64_t sequence_ = 0;

@@ -21,6 +21,8 @@ template <class... Types> constexpr uint32_t mask(Types... types) { return ((1u 
 /// A table may end before a function that is optional; then it reads as null.
 #define ODO_OPTIONAL(table, function) (ODO_HAS(&(table), function) ? (table).function : nullptr)
 
+}  // namespace
+
 std::vector<odo_value> values_of(const PluginChoice& choice) {
   std::vector<odo_value> values;
   for (const auto& [spec, value] : choice.parameters) {
@@ -40,8 +42,6 @@ std::vector<odo_value> values_of(const PluginChoice& choice) {
   }
   return values;
 }
-
-}  // namespace
 
 KindTypes kind_types(const std::string& id) {
   if (id == ODO_INTERFACE_ATTITUDE)

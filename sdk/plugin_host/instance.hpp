@@ -77,11 +77,14 @@ class PluginInstance {
   bool alive_ = true;
 };
 
-/// The message types a kind is given and owes, as bit masks, or zeros for an unknown interface.
+/// The message types a kind is given and owes, as bit masks; zeros for an unknown interface.
 struct KindTypes {
   uint32_t inputs;
   uint32_t outputs;
 };
+/// A choice's parameters as a plugin is given them; they point into the choice.
+std::vector<odo_value> values_of(const PluginChoice& choice);
+
 KindTypes kind_types(const std::string& interface_id);
 
 }  // namespace odograph

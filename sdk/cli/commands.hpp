@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "sdk/base/result.hpp"
+
+namespace odograph {
+
+/// Exit statuses of the command line.
+enum Exit { kDone = 0, kLostTracking = 1, kBadUsage = 2, kBadData = 3, kPluginFailure = 4 };
+
+/// Each adds its subcommand; its callback writes the exit status.
+void add_run(CLI::App& app, int& status);
+void add_eval(CLI::App& app, int& status);
+void add_sim(CLI::App& app, int& status);
+void add_config(CLI::App& app, int& status);
+void add_plugins(CLI::App& app, int& status);
+void add_convert(CLI::App& app, int& status);
+void add_bench(CLI::App& app, int& status);
+
+/// Prints "odograph: text" on standard error and returns the status that fits the failure.
+int complain(const Failure& failure);
+
+/// A progress bar on a terminal, nothing in a pipe.
+class Progress {
+ public:
+  explicit Progress(std::string what);
+  ~Progress();
+  void show(size_t done, size_t all);
+
+ private:
+  std::string what_;
+  bool on_;
+  int percent_ = -1;
+};
+
+}  // namespace odograph

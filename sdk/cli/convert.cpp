@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include "sdk/base/nearest.hpp"
+#include "sdk/cli/commands.hpp"
+#include "sdk/core/geodesy.hpp"
+#include "sdk/recording/odo_file.hpp"
+
+namespace odograph {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ConvertArguments {
+  std::string input, output, origin;
+  int jpeg_quality = 0;
+};
+
+Result<bool> to_recording(const Recording& recording, const fs::path& output, int jpeg_quality) {
+  auto writer = OdoWriter::create(output, jpeg_quality);
+  if (!writer) return writer.failure();
+  Progress progress("convert");
+  size_t done = 0;
+  for (const RecordedMessage& m : recording.messages) {
+    progress.show(++done, recording.messages.size());
+    if (m.message.header().type != ODO_TYPE_FRAME) {
+      if (const auto written = (*writer)->write(m.message.header()); !written) return written.failure();
+      continue;
+    }
+    const auto frame = load_frame(m);
+    if (!frame) return frame.failure();
+    const auto written = (*writer)->write(frame->header);
+    frame->release(&*frame);
+    if (!written) return written.failure();
+  }
+  for (const odo_step& step : recording.true_steps)
+    if (const auto written = (*writer)->write(step.header); !written) return written.failure();
+  for (const StampedPose& pose : recording.truth)
+    if (const auto written = (*writer)->write_truth(pose); !written) return written.failure();
+  if (!(*writer)->flush()) return Failure{ODO_E_NOT_FOUND, output.string() + ": writing failed; is the disk full?"};
+  return true;
+}
+
+Result<Trajectory> read_track(const fs::path& input) {
+  std::error_code error;
+  if (fs::is_directory(input, error) && fs::exists(input / "trajectory.tum", error)) return read_tum(input / "trajectory.tum");
+  if (input.extension() == ".csv") return read_euroc_truth(input);
+  auto kitti = read_kitti_poses(input, {});
+  return kitti ? std::move(kitti) : read_tum(input);
+}
+
+int convert(const ConvertArguments& a) {
+  const fs::path input = a.input, output = a.output;
+  if (output.extension() == ".odo") {
+    const auto recording = read_recording(input);
+    if (!recording) return complain(recording.failure());
+    for (const auto& warning : recording->warnings) std::fprintf(stderr, "%s: %s\n", a.input.c_str(), warning.c_str());
+    if (const auto done = to_recording(*recording, output, a.jpeg_quality); !done) return complain(done.failure());
+    std::printf("%s: %s, %zu messages, %zu true poses\n", a.output.c_str(), recording->format.c_str(), recording->messages.size(), recording->truth.size());
+    return kDone;
+  }
+  auto track = read_track(input);
+  if (!track) {
+    const auto recording = read_recording(input);
+    if (!recording || recording->truth.empty()) return complain(track.failure());
+    track = recording->truth;
+  }
+  auto geodesy = std::make_shared<Geodesy>();
+  ToGeodetic to_geodetic;
+  if (!a.origin.empty()) {
+    const auto parts = split(a.origin, ',');
+    if (parts.size() != 3) return complain({ODO_E_ARGUMENT, "--origin: expected LATITUDE,LONGITUDE,HEIGHT in degrees and metres"});
+    const double degree = EIGEN_PI / 180;
+    geodesy->set_origin({std::stod(parts[0]) * degree, std::stod(parts[1]) * degree, std::stod(parts[2])});
+    to_geodetic = [geodesy](const Eigen::Vector3d& p) { return geodesy->to_geodetic({p.x(), p.y(), p.z()}); };
+  }
+  const auto written = write_trajectory(output, *track, to_geodetic);
+  if (!written) return complain(written.failure());
+  std::printf("%s: %zu poses\n", a.output.c_str(), track->size());
+  return kDone;
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app, int& status) {
+  auto* command = app.add_subcommand("convert", "Convert a recording to *.odo, or a track to TUM, KITTI, CSV, GPX, KML, GeoJSON");
+  auto a = std::make_shared<ConvertArguments>();
+  command->add_option("input", a->input, "recording, track, or folder of a run")->required();
+  command->add_option("output", a->output, "file; its ending says the format: .odo .tum .kitti .csv .gpx .kml .geojson")->required();
+  command->add_option("--origin", a->origin, "of the track's frame, for GPX, KML and GeoJSON: LATITUDE,LONGITUDE,HEIGHT (degrees, metres)");
+  command->add_option("--jpeg", a->jpeg_quality, "store pictures as JPEG of this quality; 0 = PNG, lossless")->capture_default_str()->check(CLI::Range(0, 100));
+  command->callback([a, &status] { status = convert(*a); });
+}
+
+}  // namespace odograph

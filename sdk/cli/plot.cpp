@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/cli/plot.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <unistd.h>
+
+namespace odograph {
+namespace {
+
+/// Plain words only: the text goes into a gnuplot script.
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' || c == '\\' || c == '\n' ? ' ' : c;
+  return out + "'";
+}
+
+std::string script(const Plot& plot, const std::string& output) {
+  std::ostringstream s;
+  s << "set terminal svg size 800," << (plot.equal_axes ? 640 : 360) << " dynamic background rgb 'white' font 'sans-serif,13'\n"
+    << "set output " << quoted(output) << "\nset grid\nset key outside below noenhanced\nset xlabel " << quoted(plot.x_label)
+    << "\nset ylabel " << quoted(plot.y_label) << '\n';
+  if (plot.equal_axes) s << "set size ratio -1\n";
+  for (size_t i = 0; i < plot.series.size(); ++i) {
+    s << "$d" << i << " << EOD\n";
+    for (const auto& [x, y] : plot.series[i].points) s << x << ' ' << y << '\n';
+    s << "EOD\n";
+  }
+  s << "plot ";
+  for (size_t i = 0; i < plot.series.size(); ++i)
+    s << (i ? ", " : "") << "$d" << i << " with " << plot.series[i].style << " title " << quoted(plot.series[i].name);
+  s << '\n';
+  return s.str();
+}
+
+}  // namespace
+
+Result<std::string> draw_svg(const Plot& plot) {
+  const Failure none{ODO_E_UNSUPPORTED, "No picture: gnuplot could not be run (on Debian: apt install gnuplot-nox)."};
+  std::string folder = (std::filesystem::temp_directory_path() / "odograph-XXXXXX").string();
+  if (!mkdtemp(folder.data())) return none;
+  const std::string output = folder + "/plot.svg";
+  std::string svg;
+  if (FILE* pipe = popen("gnuplot 2>/dev/null", "w")) {
+    const std::string text = script(plot, output);
+    std::fwrite(text.data(), 1, text.size(), pipe);
+    if (pclose(pipe) == 0) {
+      std::ifstream file(output);
+      std::stringstream content;
+      content << file.rdbuf();
+      svg = content.str();
+    }
+  }
+  std::error_code error;
+  std::filesystem::remove_all(folder, error);
+  const size_t begin = svg.find("<svg");
+  if (begin == std::string::npos) return none;
+  return svg.substr(begin);
+}
+
+}  // namespace odograph

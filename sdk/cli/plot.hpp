@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sdk/base/result.hpp"
+
+namespace odograph {
+
+struct PlotSeries {
+  std::string name;
+  std::string style;  // gnuplot's "with": lines, points, steps ...
+  std::vector<std::pair<double, double>> points;
+};
+
+struct Plot {
+  std::string title, x_label, y_label;
+  bool equal_axes = false;
+  std::vector<PlotSeries> series;
+};
+
+/// The plot as an SVG element, drawn by the installed gnuplot. ODO_E_UNSUPPORTED when there is none.
+Result<std::string> draw_svg(const Plot& plot);
+
+}  // namespace odograph

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "sdk/cli/commands.hpp"
+#include "sdk/cli/runner.hpp"
+
+namespace odograph {
+namespace {
+
+struct RunArguments {
+  RunOptions options;
+  std::string input, output = "out";
+  bool report = false, json = false;
+};
+
+int run(RunArguments& a) {
+  const auto recording = read_recording(a.input);
+  if (!recording) return complain(recording.failure());
+  for (const auto& warning : recording->warnings) std::fprintf(stderr, "%s: %s\n", a.input.c_str(), warning.c_str());
+  Progress progress("run");
+  a.options.progress = [&](size_t done, size_t all) { progress.show(done, all); };
+  const auto result = replay(*recording, a.options);
+  if (!result) {
+    const int status = complain(result.failure());
+    return result.failure().status == ODO_E_NOT_FOUND ? kBadUsage : status;
+  }
+  const auto written = write_run(a.output, *recording, *result, a.options);
+  if (!written) return complain(written.failure());
+  if (a.report)
+    if (const auto report = write_report(a.output, *recording, *result); !report) return complain(report.failure());
+  for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", report.c_str());
+  if (a.json) {
+    std::ifstream file(std::filesystem::path(a.output) / "summary.json");
+    std::stringstream text;
+    text << file.rdbuf();
+    std::fputs(text.str().c_str(), stdout);
+  } else {
+    const odo_statistics& s = result->statistics;
+    std::printf("%s: %s, %zu poses, %.2f m, %llu steps, %llu frames; tracking %.1f s, degraded %.1f s, lost %.1f s\n", a.input.c_str(),
+                recording->format.c_str(), result->track.size(), s.distance_m, static_cast<unsigned long long>(s.steps),
+                static_cast<unsigned long long>(s.frames), s.tracking_s, s.degraded_s, s.lost_s);
+    std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");
+  }
+  return result->track.empty() || result->final_state == ODO_LOST ? kLostTracking : kDone;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& status) {
+  auto* command = app.add_subcommand("run", "Run a pipeline over a recording");
+  auto a = std::make_shared<RunArguments>();
+  command->add_option("-c,--config", a->options.config, "pipeline config (YAML)")->required();
+  command->add_option("-i,--input", a->input, "recording: EuRoC/ASL, TUM RGB-D, KITTI, ADVIO, Indoor Location trace, image folder, *.odo")->required();
+  command->add_option("-o,--output", a->output, "folder for trajectory.tum, steps.csv, scale.csv, fixes.csv, summary.json")->capture_default_str();
+  command->add_option("--plugins", a->options.plugin_path, "folder to look for plugins in first");
+  command->add_option("--seed", a->options.seed, "of the random numbers handed to plugins")->capture_default_str();
+  command->add_flag("--report", a->report, "write report.html with pictures");
+  command->add_flag("--json", a->json, "print the summary as one JSON object");
+  command->callback([a, &status] { status = run(*a); });
+}
+
+}  // namespace odograph

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <odograph/odograph.h>
+
+#include "sdk/evaluation/evaluation.hpp"
+#include "sdk/recording/recording.hpp"
+
+namespace odograph {
+
+/// Everything that a replay gave, as the files of a run have it.
+struct RunResult {
+  struct Fix {
+    odo_fix fix;
+    bool accepted;
+  };
+  Trajectory track;             // in n; of the camera where the recording has one, otherwise of the body
+  std::vector<uint32_t> states; // of each pose
+  std::vector<odo_step> steps;
+  std::vector<odo_scale> scales;
+  std::vector<Fix> fixes;
+  odo_statistics statistics{};
+  std::vector<double> frame_ms; // work between one camera pose and the next
+  std::vector<double> imu_us;   // work of each IMU sample alone
+  uint32_t final_state = 0;
+  uint32_t final_reason = 0;
+  double heading_turn_rad = 0;  // applied by replay.align_heading_over
+  std::vector<std::string> reports;
+  std::string config_text;
+};
+
+struct RunOptions {
+  std::string config;           // a YAML file
+  std::string plugin_path;
+  uint64_t seed = 0;
+  bool collect_timing = true;
+  std::function<void(size_t done, size_t all)> progress;
+};
+
+/// Replays a recording through a session of the C API, deterministically.
+Result<RunResult> replay(const Recording& recording, const RunOptions& options);
+
+/// The waypoints of a recording, in order of time.
+std::vector<Waypoint> waypoints_of(const Recording& recording);
+
+/// trajectory.tum, steps.csv, scale.csv, fixes.csv, summary.json.
+Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result, const RunOptions& options);
+
+/// report.html: what happened, in pictures (by gnuplot, where it is installed).
+Result<bool> write_report(const std::filesystem::path& folder, const Recording& recording, const RunResult& result);
+
+/// Peak resident memory of this process, MB.
+double peak_rss_mb();
+
+}  // namespace odograph

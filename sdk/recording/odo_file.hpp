@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <span>
+
+#include "sdk/recording/recording.hpp"
+
+namespace odograph {
+
+/// Odograph's own recording, *.odo. Append-only: a file header and then records, each with its size and a checksum, so
+/// that after a crash everything up to the last whole record is there. Little-endian. Layout in docs/recording.md.
+///
+///   header  "ODOREC1\n", u32 version = 1, u32 0
+///   record  u32 "ODOR", u32 type, u32 payload size, u32 CRC-32 of type, size and payload; payload
+///
+/// The payload of a message is its ABI struct, which grows as the ABI grows; of a frame the struct without pointers and
+/// behind it the encoded picture (PNG or JPEG).
+class OdoWriter {
+ public:
+  static constexpr uint32_t kTruthPose = 0x10000;  // i64 t_ns, f64 q[4] (w x y z), f64 p[3]: the camera, or the body without one
+
+  /// Creates or truncates the file. jpeg_quality 0 = lossless PNG.
+  static Result<std::unique_ptr<OdoWriter>> create(const std::filesystem::path& file, int jpeg_quality);
+
+  /// Any message; a frame needs its pixels.
+  Result<bool> write(const odo_header& message);
+  /// A frame whose picture has been encoded already.
+  Result<bool> write_encoded_frame(const odo_frame& frame, std::span<const unsigned char> picture);
+  Result<bool> write_truth(const StampedPose& pose);
+  /// True when everything has reached the operating system.
+  bool flush();
+  int jpeg_quality() const { return jpeg_quality_; }
+
+ private:
+  OdoWriter(std::filesystem::path file, int jpeg_quality);
+  Result<bool> record(uint32_t type, std::span<const unsigned char> head, std::span<const unsigned char> tail = {});
+
+  std::filesystem::path path_;
+  std::ofstream out_;
+  int jpeg_quality_;
+};
+
+/// A frame's picture as PNG (quality 0) or JPEG.
+Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jpeg_quality);
+
+}  // namespace odograph

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Readers of recordings with inertial sensors: EuRoC/ASL, ADVIO, Indoor Location Competition.
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/config/spec.hpp"
+#include "sdk/recording/recording.hpp"
+#include "sdk/recording/text_rows.hpp"
+
+namespace odograph {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kGravity = 9.80665;
+constexpr double kRadians = 3.14159265358979323846 / 180.0;
+
+/// Adds one message a row, made by `make(values, t_ns)` from the numbers of the row.
+template <class Make>
+Result<bool> add_rows(Recording& recording, const fs::path& file, size_t least, bool nanoseconds, Make&& make) {
+  return read_rows(file, [&](const TextRow& row) -> Result<bool> {
+    const auto v = numbers(row, least);
+    if (!v) return v.failure();
+    const auto t = nanoseconds ? row.integer(0) : parse_seconds(row.fields[0]);
+    if (!t) return row.wrong(t.failure().text);
+    const auto message = make(*v, *t);
+    recording.add(message.header);
+    return true;
+  });
+}
+
+std::vector<double> reals(const YamlNode* node) {
+  std::vector<double> values;
+  if (node)
+    for (const auto& item : node->items)
+      if (const auto value = parse_quantity(item.text, "")) values.push_back(*value);
+  return values;
+}
+
+/// sensor.yaml of a camera, as the ASL format has it.
+Result<odo_calibration> read_asl_camera(const fs::path& file, uint32_t id) {
+  const auto node = read_yaml(file.string());
+  if (!node) return node.failure();
+  const auto intrinsics = reals(node->find("intrinsics")), distortion = reals(node->find("distortion_coefficients")),
+             resolution = reals(node->find("resolution"));
+  const YamlNode* T = node->find("T_BS");
+  const auto T_b_c = reals(T ? T->find("data") : nullptr);
+  const YamlNode* model = node->find("distortion_model");
+  if (intrinsics.size() != 4 || resolution.size() != 2)
+    return Failure{ODO_E_DATA, at(file.string(), {}, "expected intrinsics: [fu, fv, cu, cv] and resolution: [width, height]")};
+  auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+  c.id = id;
+  const bool fisheye = model && (model->text == "equidistant" || model->text == "kannala_brandt");
+  c.model = fisheye ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
+  c.fx = intrinsics[0], c.fy = intrinsics[1], c.cx = intrinsics[2], c.cy = intrinsics[3];
+  c.width = static_cast<uint32_t>(resolution[0]), c.height = static_cast<uint32_t>(resolution[1]);
+  c.distortion_count = distortion.size() >= 8 ? 8 : distortion.size() >= 5 ? 5 : distortion.size() >= 4 ? 4 : 0;
+  std::copy_n(distortion.begin(), c.distortion_count, c.distortion);
+  if (T_b_c.size() == 16) {
+    Eigen::Matrix3d R;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) R(i, j) = T_b_c[static_cast<size_t>(4 * i + j)];
+    const Eigen::Quaterniond q = Eigen::Quaterniond(R).normalized();
+    c.q_b_c[0] = q.w(), c.q_b_c[1] = q.x(), c.q_b_c[2] = q.y(), c.q_b_c[3] = q.z();
+    for (size_t i = 0; i < 3; ++i) c.p_b_c[i] = T_b_c[4 * i + 3];
+    c.header.flags = ODO_CALIBRATION_EXTRINSICS;
+  }
+  if (!message_is_finite(c.header)) return Failure{ODO_E_DATA, file.string() + ": the calibration makes no sense (focal length, size, rotation)"};
+  return c;
+}
+
+double scalar(const YamlNode& node, const char* key) {
+  const YamlNode* found = node.find(key);
+  const auto value = found ? parse_quantity(found->text, "") : Result<double>(0.0);
+  return value ? *value : 0.0;
+}
+
+}  // namespace
+
+Result<Recording> read_euroc(const fs::path& given) {
+  std::error_code error;
+  const fs::path folder = fs::exists(given / "mav0", error) ? given / "mav0" : given;
+  Recording recording{.format = "EuRoC/ASL", .path = given};
+  if (fs::exists(folder / "imu0/sensor.yaml", error)) {
+    const auto node = read_yaml((folder / "imu0/sensor.yaml").string());
+    if (!node) return node.failure();
+    auto noise = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, 0);
+    noise.gyro_noise = scalar(*node, "gyroscope_noise_density");
+    noise.gyro_walk = scalar(*node, "gyroscope_random_walk");
+    noise.accel_noise = scalar(*node, "accelerometer_noise_density");
+    noise.accel_walk = scalar(*node, "accelerometer_random_walk");
+    if (noise.gyro_noise > 0) recording.add(noise.header);
+  }
+  if (fs::exists(folder / "imu0/data.csv", error)) {
+    const auto done = add_rows(recording, folder / "imu0/data.csv", 7, true, [](const auto& v, int64_t t) {
+      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
+      imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+      for (size_t i = 0; i < 3; ++i) imu.gyro_b[i] = v[1 + i], imu.accel_b[i] = v[4 + i];
+      return imu;
+    });
+    if (!done) return done.failure();
+  }
+  if (fs::exists(folder / "cam0", error)) {
+    const auto camera = read_asl_camera(folder / "cam0/sensor.yaml", 0);
+    if (!camera) return camera.failure();
+    recording.add(camera->header);
+    const auto done = read_rows(folder / "cam0/data.csv", [&](const TextRow& row) -> Result<bool> {
+      const auto t = row.integer(0);
+      if (!t) return t.failure();
+      if (row.fields.size() < 2) return row.wrong("expected 'time,file'");
+      recording.add(make_message<odo_frame>(ODO_TYPE_FRAME, *t).header, {folder / "cam0/data" / std::string(row.fields[1])});
+      return true;
+    });
+    if (!done) return done.failure();
+  }
+  const fs::path truth_file = folder / "state_groundtruth_estimate0/data.csv";
+  if (fs::exists(truth_file, error)) {
+    auto truth = read_euroc_truth(truth_file);
+    if (!truth) return truth.failure();
+    // The truth is of the body; with a camera everything here speaks of the camera.
+    for (const auto& m : recording.messages)
+      if (m.message.header().type == ODO_TYPE_CALIBRATION && (m.message.header().flags & ODO_CALIBRATION_EXTRINSICS)) {
+        const auto& c = as<odo_calibration>(m.message.header());
+        const Eigen::Quaterniond q_b_c(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
+        for (auto& x : *truth) {
+          x.p += x.q * Eigen::Vector3d(c.p_b_c);
+          x.q = x.q * q_b_c;
+        }
+      }
+    recording.truth = std::move(*truth);
+  }
+  if (recording.messages.empty()) return Failure{ODO_E_DATA, given.string() + ": neither imu0/data.csv nor cam0 in it"};
+  recording.sort();
+  return recording;
+}
+
+Result<Recording> read_advio(const fs::path& folder) {
+  Recording recording{.format = "ADVIO", .path = folder};
+  const fs::path phone = folder / "iphone";
+  std::error_code error;
+  const auto optional = [&](const fs::path& file, auto&& read) -> Result<bool> {
+    return fs::exists(file, error) ? read(file) : Result<bool>(true);
+  };
+  const auto imu_rows = [&](uint32_t flag) {
+    return [&recording, flag](const fs::path& file) {
+      return add_rows(recording, file, 4, false, [flag](const auto& v, int64_t t) {
+        auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
+        imu.header.flags = flag;
+        for (size_t i = 0; i < 3; ++i)  // iOS gives gravity's own direction, in g; specific force is its opposite
+          (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[i] = flag == ODO_IMU_GYRO ? v[1 + i] : -kGravity * v[1 + i];
+        return imu;
+      });
+    };
+  };
+  for (const auto& done : {
+           optional(phone / "accelerometer.csv", imu_rows(ODO_IMU_ACCEL)),
+           optional(phone / "gyro.csv", imu_rows(ODO_IMU_GYRO)),
+           optional(phone / "magnetometer.csv", [&](const fs::path& file) {
+             return add_rows(recording, file, 4, false, [](const auto& v, int64_t t) {
+               auto m = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, t);
+               for (size_t i = 0; i < 3; ++i) m.field_b[i] = v[1 + i] * 1e-6;
+               return m;
+             });
+           }),
+           optional(phone / "barometer.csv", [&](const fs::path& file) {
+             return add_rows(recording, file, 2, false, [](const auto& v, int64_t t) {
+               auto m = make_message<odo_barometer>(ODO_TYPE_BAROMETER, t);
+               m.pressure_pa = v[1] * 1000.0;
+               return m;
+             });
+           }),
+           optional(phone / "platform-location.csv", [&](const fs::path& file) {
+             return add_rows(recording, file, 6, false, [](const auto& v, int64_t t) {
+               auto m = make_message<odo_gnss>(ODO_TYPE_GNSS, t);
+               m.header.flags = ODO_GNSS_POSITION | ODO_GNSS_HEIGHT | ODO_GNSS_COVARIANCE;
+               m.latitude_rad = v[1] * kRadians, m.longitude_rad = v[2] * kRadians;
+               m.height_m = v[4];
+               m.covariance_n[0] = m.covariance_n[4] = 0.5 * v[3] * v[3];
+               m.covariance_n[8] = v[5] * v[5];
+               return m;
+             });
+           })})
+    if (!done) return done.failure();
+  if (fs::exists(phone / "frames", error) && fs::exists(phone / "frames.csv", error)) {
+    const auto camera = read_camera_yaml(folder / "camera.yaml", nullptr);
+    if (!camera) return camera.failure();
+    recording.add(camera->header);
+    int64_t index = 0;
+    const auto frames = read_rows(phone / "frames.csv", [&](const TextRow& row) -> Result<bool> {
+      const auto t = parse_seconds(row.fields[0]);
+      if (!t) return row.wrong(t.failure().text);
+      char name[32];
+      std::snprintf(name, sizeof name, "%05lld.png", static_cast<long long>(++index));
+      recording.add(make_message<odo_frame>(ODO_TYPE_FRAME, *t).header, {phone / "frames" / name});
+      return true;
+    });
+    if (!frames) return frames.failure();
+  } else if (fs::exists(phone / "frames.mov", error)) {
+    recording.warnings.push_back("iphone/frames.mov is not read; for pictures run: ffmpeg -i frames.mov frames/%05d.png, and add a camera.yaml");
+  }
+  if (fs::exists(folder / "ground-truth/pose.csv", error)) {
+    const auto done = read_rows(folder / "ground-truth/pose.csv", [&](const TextRow& row) -> Result<bool> {
+      const auto v = numbers(row, 8);
+      const auto t = parse_seconds(row.fields[0]);
+      if (!v) return v.failure();
+      if (!t) return row.wrong(t.failure().text);
+      recording.truth.push_back({*t, Eigen::Quaterniond((*v)[4], (*v)[5], (*v)[6], (*v)[7]).normalized(), {(*v)[1], (*v)[2], (*v)[3]}});
+      return true;
+    });
+    if (!done) return done.failure();
+  }
+  if (recording.messages.empty()) return Failure{ODO_E_DATA, folder.string() + ": no sensor files in iphone/"};
+  recording.sort();
+  return recording;
+}
+
+Result<Recording> read_indoor_location(const fs::path& file) {
+  Recording recording{.format = "Indoor Location Competition", .path = file};
+  const auto done = read_rows(file, [&](const TextRow& row) -> Result<bool> {
+    if (row.fields.size() < 2) return row.wrong("expected 'time TYPE values'");
+    const std::string_view type = row.fields[1];
+    const bool accel = type == "TYPE_ACCELEROMETER", gyro = type == "TYPE_GYROSCOPE", field = type == "TYPE_MAGNETIC_FIELD";
+    if (!accel && !gyro && !field && type != "TYPE_WAYPOINT") return true;  // rotation vectors, WiFi, beacons
+    const auto milliseconds = row.integer(0);
+    if (!milliseconds) return milliseconds.failure();
+    if (*milliseconds < 0 || *milliseconds > 9'000'000'000'000) return row.wrong("the time is out of range");
+    double v[3] = {0, 0, 0};
+    for (size_t i = 0; i < (type == "TYPE_WAYPOINT" ? 2u : 3u); ++i) {
+      const auto value = row.number(2 + i);
+      if (!value) return value.failure();
+      v[i] = *value;
+    }
+    const int64_t t_ns = *milliseconds * 1'000'000;
+    if (field) {
+      auto m = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, t_ns);
+      for (int i = 0; i < 3; ++i) m.field_b[i] = v[i] * 1e-6;
+      recording.add(m.header);
+    } else if (accel || gyro) {
+      auto m = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
+      m.header.flags = accel ? ODO_IMU_ACCEL : ODO_IMU_GYRO;
+      std::copy(v, v + 3, accel ? m.accel_b : m.gyro_b);
+      recording.add(m.header);
+    } else {
+      auto m = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, t_ns);
+      m.p_n[0] = v[1], m.p_n[1] = v[0];  // the floor map's x is east and its y north
+      m.sigma_m = 0.5;
+      recording.add(m.header);
+    }
+    return true;
+  });
+  if (!done) return done.failure();
+  if (!recording.has(ODO_TYPE_IMU)) return Failure{ODO_E_DATA, file.string() + ": no TYPE_ACCELEROMETER and TYPE_GYROSCOPE rows; not an Indoor Location Competition trace?"};
+  recording.sort();
+  return recording;
+}
+
+}  // namespace odograph

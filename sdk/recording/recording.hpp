@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sdk/core/messages.hpp"
+#include "sdk/recording/trajectory.hpp"
+
+namespace odograph {
+
+/// Where a camera frame's picture is: a file of its own, or a part of one.
+struct PictureRef {
+  std::filesystem::path file;
+  uint64_t offset = 0;
+  uint64_t size = 0;  // 0: the whole file
+};
+
+/// One message of a recording; a frame has its picture apart.
+struct RecordedMessage {
+  AnyMessage message;
+  PictureRef picture;
+};
+
+/// A recording in memory, except for its pictures. Messages are in order of time.
+struct Recording {
+  std::string format;           // "EuRoC/ASL", ...
+  std::filesystem::path path;
+  std::vector<RecordedMessage> messages;
+  Trajectory truth;             // of the camera where there is one, otherwise of the body; may be empty
+  std::vector<odo_step> true_steps;
+  std::vector<std::string> warnings;
+
+  bool has(uint32_t type) const;
+  void add(const odo_header& message, PictureRef picture = {});
+  /// Puts the messages into order; equal times keep the order in which they were added.
+  void sort();
+};
+
+/// Finds out by looking what it is, and reads it: an Odograph recording (*.odo), EuRoC/ASL, TUM RGB-D, KITTI odometry,
+/// ADVIO, an Indoor Location Competition trace (*.txt), or a folder of numbered images with a camera.yaml.
+/// Failures name file and line (ODO_E_DATA), or say what was looked for (ODO_E_NOT_FOUND).
+Result<Recording> read_recording(const std::filesystem::path& path);
+
+Result<Recording> read_odo(const std::filesystem::path& file);
+Result<Recording> read_euroc(const std::filesystem::path& folder);
+Result<Recording> read_tum_rgbd(const std::filesystem::path& folder);
+Result<Recording> read_kitti(const std::filesystem::path& folder);
+Result<Recording> read_advio(const std::filesystem::path& folder);
+Result<Recording> read_indoor_location(const std::filesystem::path& file);
+Result<Recording> read_image_folder(const std::filesystem::path& folder);
+
+/// camera.yaml: model, width, height, fx, fy, cx, cy, distortion, fps, mount. `fps` may be null.
+Result<odo_calibration> read_camera_yaml(const std::filesystem::path& file, double* fps);
+
+/// Loads a frame's picture and fills in pixels, size and format. The result carries retain and release, so nobody has to
+/// copy it; the caller releases it once.
+Result<odo_frame> load_frame(const RecordedMessage& message);
+
+}  // namespace odograph
