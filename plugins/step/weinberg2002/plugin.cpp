@@ -8,7 +8,7 @@ namespace {
 /// step = K (a_max - a_min)^(1/4) (Weinberg, Analog Devices AN-602, 2002).
 class Weinberg2002 : public odograph::StepPlugin<Weinberg2002> {
  public:
-  double k = 0.48, relative_sigma = 0.10;
+  double k = 0.42, relative_sigma = 0.10;
 
   static constexpr odo::Description description{"step/weinberg2002", "1.0.0",
                                                 "Steps of length K (a_max - a_min)^(1/4) (Weinberg 2002)",

@@ -12,7 +12,78 @@ namespace {
 
 Eigen::Vector3d ray(const cv::Point2d& normalized) { return Eigen::Vector3d(normalized.x, normalized.y, 1.0).normalized(); }
 
+/// Sampson distance of a match to an epipolar geometry, in normalized coordinates.
+double sampson(const Eigen::Matrix3d& E, const cv::Point2d& a, const cv::Point2d& b) {
+  const Eigen::Vector3d x0(a.x, a.y, 1), x1(b.x, b.y, 1);
+  const Eigen::Vector3d l1 = E * x0, l0 = E.transpose() * x1;
+  const double weight = l1.x() * l1.x() + l1.y() * l1.y() + l0.x() * l0.x() + l0.y() * l0.y();
+  return x1.dot(l1) / std::sqrt(std::max(weight, 1e-18));
+}
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+Eigen::Matrix3d rotation(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  return angle < 1e-15 ? Eigen::Matrix3d::Identity().eval() : Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
+}
+
+void refine(TwoView& view, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second, double threshold) {
+  using Vector5d = Eigen::Matrix<double, 5, 1>;
+  using Matrix5d = Eigen::Matrix<double, 5, 5>;
+  for (int iteration = 0; iteration < 10; ++iteration) {
+    Eigen::Vector3d u = view.t_1_0.unitOrthogonal();
+    const Eigen::Vector3d v = view.t_1_0.cross(u);
+    const auto essential = [&](const Vector5d& d) -> Eigen::Matrix3d {
+      return cross_matrix((view.t_1_0 + d[3] * u + d[4] * v).normalized()) * rotation(d.head<3>()) * view.R_1_0;
+    };
+    const double h = 1e-6;
+    const Eigen::Matrix3d E = essential(Vector5d::Zero());
+    Eigen::Matrix3d moved[5];
+    for (int k = 0; k < 5; ++k) moved[k] = essential(h * Vector5d::Unit(k));
+    Matrix5d H = Matrix5d::Identity() * 1e-12;
+    Vector5d g = Vector5d::Zero();
+    for (size_t i = 0; i < first.size(); ++i) {
+      if (!view.inliers[i]) continue;
+      const double error = sampson(E, first[i], second[i]);
+      const double weight = std::min(1.0, 0.5 * threshold / std::max(std::abs(error), 1e-12));
+      Vector5d J;
+      for (int k = 0; k < 5; ++k) J[k] = (sampson(moved[k], first[i], second[i]) - error) / h;
+      H += weight * J * J.transpose();
+      g += weight * error * J;
+    }
+    const Vector5d step = -H.ldlt().solve(g);
+    view.t_1_0 = (view.t_1_0 + step[3] * u + step[4] * v).normalized();
+    view.R_1_0 = rotation(step.head<3>()) * view.R_1_0;
+    if (step.norm() < 1e-9) break;
+  }
+}
+
 }  // namespace
+
+std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second) {
+  const size_t n = first.size();
+  if (n < 12) return std::nullopt;
+  std::vector<double> residuals(n, 0.0);
+  PureRotation result{Eigen::Matrix3d::Identity(), 0.0};
+  double limit = 1e9;
+  for (int iteration = 0; iteration < 4; ++iteration) {  // least squares on the better half of the matches, repeatedly
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    for (size_t i = 0; i < n; ++i)
+      if (residuals[i] <= limit) H += ray(second[i]) * ray(first[i]).transpose();
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const double side = (svd.matrixU() * svd.matrixV().transpose()).determinant();
+    result.R_1_0 = svd.matrixU() * Eigen::Vector3d(1, 1, side).asDiagonal() * svd.matrixV().transpose();
+    for (size_t i = 0; i < n; ++i) residuals[i] = (result.R_1_0 * ray(first[i]) - ray(second[i])).norm();
+    std::vector<double> sorted = residuals;
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
+    limit = result.median_residual_rad = sorted[n / 2];
+  }
+  return result;
+}
 
 std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
                                 double threshold) {
@@ -28,13 +99,22 @@ std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std
     for (int j = 0; j < 3; ++j) result.R_1_0(i, j) = R.at<double>(i, j);
     result.t_1_0[i] = t.at<double>(i);
   }
-  std::vector<double> angles;
   result.inliers.resize(first.size(), 0);
   for (size_t i = 0; i < first.size(); ++i) {
     if (!mask.at<uchar>(static_cast<int>(i))) continue;
     result.inliers[i] = 1;
     ++result.count;
-    angles.push_back(std::acos(std::min(1.0, (result.R_1_0 * ray(first[i])).dot(ray(second[i])))));
+  }
+  if (result.count < 12) return std::nullopt;
+  refine(result, first, second, threshold);
+  const Eigen::Matrix3d E_refined = cross_matrix(result.t_1_0) * result.R_1_0;
+  std::vector<double> angles;
+  result.count = 0;
+  for (size_t i = 0; i < first.size(); ++i) {
+    if (result.inliers[i] && std::abs(sampson(E_refined, first[i], second[i])) > threshold) result.inliers[i] = 0;
+    if (!result.inliers[i]) continue;
+    ++result.count;
+    angles.push_back((result.R_1_0 * ray(first[i]) - ray(second[i])).norm());
   }
   if (angles.empty()) return std::nullopt;
   std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2), angles.end());

@@ -15,7 +15,8 @@ struct Sighting {
   cv::Point2d normalized;
 };
 
-/// Relative pose of two views from five-point RANSAC (Nister 2004).
+/// Relative pose of two views: five-point RANSAC (Nister 2004), then Gauss-Newton on the Sampson error of the inliers
+/// (Hartley & Zisserman 2003, section 11.4.3) with Huber weights, over rotation and direction of translation.
 struct TwoView {
   Eigen::Matrix3d R_1_0;        ///< takes vectors from the first camera to the second
   Eigen::Vector3d t_1_0;        ///< unit length; x_1 = R_1_0 x_0 + t_1_0
@@ -23,6 +24,14 @@ struct TwoView {
   int count = 0;                ///< of inliers
   double median_parallax_rad = 0;  ///< angle between the rays after taking out the rotation
 };
+
+/// The rotation alone that best explains the matches, and the median angle that it leaves over: what parallax there is.
+/// Unlike an essential matrix it is well defined without parallax. Nothing when there are too few matches.
+struct PureRotation {
+  Eigen::Matrix3d R_1_0;
+  double median_residual_rad;
+};
+std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second);
 
 /// Nothing when there are too few matches. `threshold` in normalized coordinates.
 std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second, double threshold);

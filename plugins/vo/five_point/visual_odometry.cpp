@@ -91,7 +91,25 @@ bool VisualOdometry::try_start(Motion& motion) {
     second.push_back(normalized_[i]);
     ids.push_back(seen->first);
   }
-  const auto pair = two_view(first, second, threshold());
+  const auto rotation = pure_rotation(first, second);
+  if (!rotation) {
+    begin(false);
+    return false;
+  }
+  std::optional<TwoView> pair;
+  const bool moved = rotation->median_residual_rad > 0.25 * p_.start_parallax_rad;
+  if (moved) pair = two_view(first, second, threshold());
+  if (!moved || (pair && pair->median_parallax_rad < p_.start_parallax_rad)) {
+    // Rotation is known without parallax; the position is not, and stays where it was.
+    const Eigen::Matrix3d R_0_1 = (pair ? pair->R_1_0 : rotation->R_1_0).transpose();
+    motion.inliers = static_cast<unsigned>(pair ? static_cast<size_t>(pair->count) : first.size() / 2);
+    motion.q_c0_c1 = Eigen::Quaterniond(T_w_c_.linear().transpose() * R_0_1).normalized();
+    motion.rotation_valid = true;
+    motion.rotation_sigma_rad = std::max(threshold(), rotation->median_residual_rad) / std::sqrt(static_cast<double>(first.size()));
+    T_w_c_.linear() = R_0_1;
+    if (first.size() * 2 < reference_.size()) begin(false);
+    return false;
+  }
   if (!pair || pair->count < p_.min_inliers) {
     begin(false);
     return false;
@@ -99,16 +117,6 @@ bool VisualOdometry::try_start(Motion& motion) {
   motion.inliers = static_cast<unsigned>(pair->count);
   Isometry3d T_1_0 = Isometry3d::Identity();
   T_1_0.linear() = pair->R_1_0;
-  if (pair->median_parallax_rad < p_.start_parallax_rad) {
-    // Rotation is known without parallax; the position is not, and stays where it was.
-    const Eigen::Matrix3d R_0_1 = pair->R_1_0.transpose();
-    motion.q_c0_c1 = Eigen::Quaterniond(T_w_c_.linear().transpose() * R_0_1).normalized();
-    motion.rotation_valid = true;
-    motion.rotation_sigma_rad = threshold() / std::sqrt(static_cast<double>(pair->count));
-    T_w_c_.linear() = R_0_1;
-    if (first.size() * 2 < reference_.size()) begin(false);
-    return false;
-  }
   T_1_0.translation() = pair->t_1_0;
   T_w_c_ = T_1_0.inverse();
   for (size_t i = 0; i < ids.size(); ++i) {

@@ -35,7 +35,7 @@ class VisualOdometry {
   struct Parameters {
     CornerTracker::Parameters corners;
     double inlier_px = 1.5;            ///< reprojection threshold
-    double start_parallax_rad = 0.017; ///< median, to start from two views (1 deg)
+    double start_parallax_rad = 0.008; ///< median, to start from two views (1 deg)
     double point_parallax_rad = 0.012; ///< to triangulate a point
     int min_inliers = 15;
     double dark_grey = 8.0;            ///< mean grey below which a picture is too dark
