@@ -11,12 +11,18 @@
 
 namespace odograph {
 
-template <class Estimator> class StepPlugin {
+template <class Estimator>
+class StepPlugin {
  public:
   std::array<double, 3> forward_axis{0.0, 1.0, -1.0};
 
   static odo::Parameter<Estimator> forward_axis_parameter() {
-    return {ODO_PARAMETER_REALS, "forward_axis", "", -1, 1, "",
+    return {ODO_PARAMETER_REALS,
+            "forward_axis",
+            "",
+            -1,
+            1,
+            "",
             "body axis that points where the walker goes; the default suits a phone held upright or flat in front",
             static_cast<std::array<double, 3> Estimator::*>(&Estimator::forward_axis)};
   }

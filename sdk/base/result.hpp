@@ -17,7 +17,8 @@ struct Failure {
 };
 
 /// A value or a Failure. Errors are values inside the host; exceptions stay within a library.
-template <class T> class Result {
+template <class T>
+class Result {
  public:
   Result(T value) : state_(std::move(value)) {}
   Result(Failure failure) : state_(std::move(failure)) {}

@@ -25,7 +25,8 @@ int check(const std::string& file, const std::string& plugins) {
 void list(const std::vector<Spec>& specs, const std::string& indent) {
   for (const Spec& spec : specs) {
     std::string about = spec.help.empty() ? expectation(spec) : spec.help;
-    if (spec.type != SpecType::map && spec.type != SpecType::plugin && spec.type != SpecType::list && !spec.help.empty())
+    if (spec.type != SpecType::map && spec.type != SpecType::plugin && spec.type != SpecType::list &&
+        !spec.help.empty())
       about += "; " + expectation(spec);
     if (!spec.fallback.empty()) about += "; default " + spec.fallback;
     std::printf("%s%-*s %s\n", indent.c_str(), 28 - static_cast<int>(indent.size()), spec.name.c_str(), about.c_str());
@@ -34,10 +35,14 @@ void list(const std::vector<Spec>& specs, const std::string& indent) {
 }
 
 int schema(const std::string& which) {
-  if (which == "pipeline") std::fputs(json_schema(pipeline_spec(), "Odograph pipeline config").c_str(), stdout);
-  else if (which == "camera") std::fputs(json_schema(camera_spec(), "Odograph camera.yaml").c_str(), stdout);
-  else if (which == "scenario") std::fputs(json_schema(scenario_spec(), "Odograph simulation scenario").c_str(), stdout);
-  else std::fputs(json_schema(manifest_spec(), "Odograph plugin manifest").c_str(), stdout);
+  if (which == "pipeline")
+    std::fputs(json_schema(pipeline_spec(), "Odograph pipeline config").c_str(), stdout);
+  else if (which == "camera")
+    std::fputs(json_schema(camera_spec(), "Odograph camera.yaml").c_str(), stdout);
+  else if (which == "scenario")
+    std::fputs(json_schema(scenario_spec(), "Odograph simulation scenario").c_str(), stdout);
+  else
+    std::fputs(json_schema(manifest_spec(), "Odograph plugin manifest").c_str(), stdout);
   return kDone;
 }
 
@@ -59,7 +64,8 @@ void add_config(CLI::App& app, int& status) {
   auto which = std::make_shared<std::string>("pipeline");
   auto* schema_command = command->add_subcommand("schema", "Print a JSON Schema");
   schema_command->add_option("which", *which, "pipeline, camera, scenario or odoplugin")
-      ->check(CLI::IsMember({"pipeline", "camera", "scenario", "odoplugin"}))->capture_default_str();
+      ->check(CLI::IsMember({"pipeline", "camera", "scenario", "odoplugin"}))
+      ->capture_default_str();
   schema_command->callback([=, &status] { status = schema(*which); });
 }
 

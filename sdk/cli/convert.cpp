@@ -43,7 +43,8 @@ Result<bool> to_recording(const Recording& recording, const fs::path& output, in
 
 Result<Trajectory> read_track(const fs::path& input) {
   std::error_code error;
-  if (fs::is_directory(input, error) && fs::exists(input / "trajectory.tum", error)) return read_tum(input / "trajectory.tum");
+  if (fs::is_directory(input, error) && fs::exists(input / "trajectory.tum", error))
+    return read_tum(input / "trajectory.tum");
   if (input.extension() == ".csv") return read_euroc_truth(input);
   auto kitti = read_kitti_poses(input, {});
   return kitti ? std::move(kitti) : read_tum(input);
@@ -56,7 +57,8 @@ int convert(const ConvertArguments& a) {
     if (!recording) return complain(recording.failure());
     for (const auto& warning : recording->warnings) std::fprintf(stderr, "%s: %s\n", a.input.c_str(), warning.c_str());
     if (const auto done = to_recording(*recording, output, a.jpeg_quality); !done) return complain(done.failure());
-    std::printf("%s: %s, %zu messages, %zu true poses\n", a.output.c_str(), recording->format.c_str(), recording->messages.size(), recording->truth.size());
+    std::printf("%s: %s, %zu messages, %zu true poses\n", a.output.c_str(), recording->format.c_str(),
+                recording->messages.size(), recording->truth.size());
     return kDone;
   }
   auto track = read_track(input);
@@ -69,7 +71,8 @@ int convert(const ConvertArguments& a) {
   ToGeodetic to_geodetic;
   if (!a.origin.empty()) {
     const auto parts = split(a.origin, ',');
-    if (parts.size() != 3) return complain({ODO_E_ARGUMENT, "--origin: expected LATITUDE,LONGITUDE,HEIGHT in degrees and metres"});
+    if (parts.size() != 3)
+      return complain({ODO_E_ARGUMENT, "--origin: expected LATITUDE,LONGITUDE,HEIGHT in degrees and metres"});
     const double degree = EIGEN_PI / 180;
     geodesy->set_origin({std::stod(parts[0]) * degree, std::stod(parts[1]) * degree, std::stod(parts[2])});
     to_geodetic = [geodesy](const Eigen::Vector3d& p) { return geodesy->to_geodetic({p.x(), p.y(), p.z()}); };
@@ -83,12 +86,17 @@ int convert(const ConvertArguments& a) {
 }  // namespace
 
 void add_convert(CLI::App& app, int& status) {
-  auto* command = app.add_subcommand("convert", "Convert a recording to *.odo, or a track to TUM, KITTI, CSV, GPX, KML, GeoJSON");
+  auto* command =
+      app.add_subcommand("convert", "Convert a recording to *.odo, or a track to TUM, KITTI, CSV, GPX, KML, GeoJSON");
   auto a = std::make_shared<ConvertArguments>();
   command->add_option("input", a->input, "recording, track, or folder of a run")->required();
-  command->add_option("output", a->output, "file; its ending says the format: .odo .tum .kitti .csv .gpx .kml .geojson")->required();
-  command->add_option("--origin", a->origin, "of the track's frame, for GPX, KML and GeoJSON: LATITUDE,LONGITUDE,HEIGHT (degrees, metres)");
-  command->add_option("--jpeg", a->jpeg_quality, "store pictures as JPEG of this quality; 0 = PNG, lossless")->capture_default_str()->check(CLI::Range(0, 100));
+  command->add_option("output", a->output, "file; its ending says the format: .odo .tum .kitti .csv .gpx .kml .geojson")
+      ->required();
+  command->add_option("--origin", a->origin,
+                      "of the track's frame, for GPX, KML and GeoJSON: LATITUDE,LONGITUDE,HEIGHT (degrees, metres)");
+  command->add_option("--jpeg", a->jpeg_quality, "store pictures as JPEG of this quality; 0 = PNG, lossless")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 100));
   command->callback([a, &status] { status = convert(*a); });
 }
 

@@ -50,7 +50,8 @@ Result<Reference> read_reference(const fs::path& path) {
   const bool is_file = !fs::is_directory(path, error);
   if (is_file && path.extension() != ".odo") {
     const fs::path times = path.parent_path() / "times.txt";
-    auto trajectory = read_trajectory_file(path, fs::exists(times, error) && path.filename() == "poses.txt" ? times : fs::path());
+    auto trajectory =
+        read_trajectory_file(path, fs::exists(times, error) && path.filename() == "poses.txt" ? times : fs::path());
     if (trajectory) {
       reference.trajectory = std::move(*trajectory);
       return reference;
@@ -77,7 +78,8 @@ Result<Trajectory> read_estimate(const fs::path& path) {
 }
 
 Json json_of(const Statistics& s) {
-  return {{"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median}, {"std", s.std}, {"min", s.min}, {"max", s.max}, {"sse", s.sse}};
+  return {{"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median}, {"std", s.std},
+          {"min", s.min},   {"max", s.max},   {"sse", s.sse}};
 }
 
 Json cdf_of(const std::vector<double>& errors) {
@@ -94,16 +96,22 @@ std::vector<double> degrees(std::vector<double> radians) {
 Json evaluate_waypoints(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
   const double turn = heading_offset(track, waypoints, metres);
   const WaypointErrors errors = waypoint_errors(lay_over(track, waypoints, turn), waypoints);
-  return {{"waypoints", waypoints.size()}, {"reference_m", errors.reference_m}, {"estimate_m", errors.estimate_m},
-          {"distance_error_percent", 100 * errors.distance_error()}, {"heading_turn_rad", turn},
-          {"position_m", json_of(statistics_of(errors.position_m))}, {"position_cdf_m", cdf_of(errors.position_m)}};
+  return {{"waypoints", waypoints.size()},
+          {"reference_m", errors.reference_m},
+          {"estimate_m", errors.estimate_m},
+          {"distance_error_percent", 100 * errors.distance_error()},
+          {"heading_turn_rad", turn},
+          {"position_m", json_of(statistics_of(errors.position_m))},
+          {"position_cdf_m", cdf_of(errors.position_m)}};
 }
 
-Result<Json> evaluate_trajectory(const Trajectory& reference, const Trajectory& estimate, const EvalArguments& a, Alignment alignment) {
+Result<Json> evaluate_trajectory(const Trajectory& reference, const Trajectory& estimate, const EvalArguments& a,
+                                 Alignment alignment) {
   const Pairs pairs = associate(reference, estimate, a.max_difference_s);
   if (pairs.reference.size() < 2)
-    return Failure{ODO_E_DATA, "only " + std::to_string(pairs.reference.size()) + " poses of reference and estimate are within " +
-                                   std::to_string(a.max_difference_s) + " s of each other; are the clocks the same? (--max-diff)"};
+    return Failure{ODO_E_DATA, "only " + std::to_string(pairs.reference.size()) +
+                                   " poses of reference and estimate are within " + std::to_string(a.max_difference_s) +
+                                   " s of each other; are the clocks the same? (--max-diff)"};
   double scale = 1;
   const Trajectory aligned = align(pairs, alignment, &scale);
   const PoseErrors ape = absolute_errors(pairs.reference, aligned);
@@ -111,47 +119,66 @@ Result<Json> evaluate_trajectory(const Trajectory& reference, const Trajectory& 
   const double length = path_length(pairs.reference);
   const auto ratios = scale_along_path(pairs.reference, aligned, a.window_m);
   std::vector<double> horizontal, ratio_values;
-  for (size_t i = 0; i < aligned.size(); ++i) horizontal.push_back((aligned[i].p - pairs.reference[i].p).head<2>().norm());
+  for (size_t i = 0; i < aligned.size(); ++i)
+    horizontal.push_back((aligned[i].p - pairs.reference[i].p).head<2>().norm());
   Json ratio_rows = Json::array();
   for (const auto& [s, r] : ratios) ratio_rows.push_back({s, r}), ratio_values.push_back(r);
   const double percent = length > 0 ? 100.0 / length : 0.0;
-  Json out = {{"n", pairs.reference.size()}, {"alignment", a.alignment}, {"scale", scale}, {"path_m", length}, {"path_estimate_m", path_length(aligned)},
-              {"ape_m", json_of(statistics_of(ape.translation_m))}, {"ape_deg", json_of(statistics_of(degrees(ape.rotation_rad)))},
-              {"rpe_m", json_of(statistics_of(rpe.translation_m))}, {"rpe_deg", json_of(statistics_of(degrees(rpe.rotation_rad)))},
-              {"rpe_delta", a.rpe_delta}, {"rpe_unit", a.rpe_unit}, {"ape_percent_of_path", statistics_of(ape.translation_m).rmse * percent},
-              {"end_error_m", ape.translation_m.back()}, {"end_error_percent", ape.translation_m.back() * percent},
-              {"horizontal_m", json_of(statistics_of(horizontal))}, {"horizontal_cdf_m", cdf_of(horizontal)},
-              {"scale_ratio", {{"median", percentile(ratio_values, 0.5)}, {"p10", percentile(ratio_values, 0.1)}, {"p90", percentile(ratio_values, 0.9)}, {"along_path", ratio_rows}}}};
+  Json out = {{"n", pairs.reference.size()},
+              {"alignment", a.alignment},
+              {"scale", scale},
+              {"path_m", length},
+              {"path_estimate_m", path_length(aligned)},
+              {"ape_m", json_of(statistics_of(ape.translation_m))},
+              {"ape_deg", json_of(statistics_of(degrees(ape.rotation_rad)))},
+              {"rpe_m", json_of(statistics_of(rpe.translation_m))},
+              {"rpe_deg", json_of(statistics_of(degrees(rpe.rotation_rad)))},
+              {"rpe_delta", a.rpe_delta},
+              {"rpe_unit", a.rpe_unit},
+              {"ape_percent_of_path", statistics_of(ape.translation_m).rmse * percent},
+              {"end_error_m", ape.translation_m.back()},
+              {"end_error_percent", ape.translation_m.back() * percent},
+              {"horizontal_m", json_of(statistics_of(horizontal))},
+              {"horizontal_cdf_m", cdf_of(horizontal)},
+              {"scale_ratio",
+               {{"median", percentile(ratio_values, 0.5)},
+                {"p10", percentile(ratio_values, 0.1)},
+                {"p90", percentile(ratio_values, 0.9)},
+                {"along_path", ratio_rows}}}};
   return out;
 }
 
 void print(const Json& json, const std::string& head) {
   const auto line = [](const char* name, const Json& s, const char* unit) {
-    std::printf("%-22s rmse %-11.6g mean %-11.6g median %-11.6g std %-11.6g min %-11.6g max %-11.6g sse %-11.6g %s\n", name, s["rmse"].get<double>(),
-                s["mean"].get<double>(), s["median"].get<double>(), s["std"].get<double>(), s["min"].get<double>(), s["max"].get<double>(), s["sse"].get<double>(), unit);
+    std::printf("%-22s rmse %-11.6g mean %-11.6g median %-11.6g std %-11.6g min %-11.6g max %-11.6g sse %-11.6g %s\n",
+                name, s["rmse"].get<double>(), s["mean"].get<double>(), s["median"].get<double>(),
+                s["std"].get<double>(), s["min"].get<double>(), s["max"].get<double>(), s["sse"].get<double>(), unit);
   };
   std::printf("%s\n", head.c_str());
   if (json.contains("waypoints")) {
     const Json& w = json["waypoints"];
-    std::printf("waypoints              %zu, %.2f m along them, track %.2f m: distance error %+.2f %%\n", w["waypoints"].get<size_t>(),
-                w["reference_m"].get<double>(), w["estimate_m"].get<double>(), w["distance_error_percent"].get<double>());
+    std::printf("waypoints              %zu, %.2f m along them, track %.2f m: distance error %+.2f %%\n",
+                w["waypoints"].get<size_t>(), w["reference_m"].get<double>(), w["estimate_m"].get<double>(),
+                w["distance_error_percent"].get<double>());
     line("position at waypoints", w["position_m"], "m");
   }
   if (!json.contains("n")) return;
-  std::printf("poses %zu, path %.3f m, alignment %s, scale %.6f\n", json["n"].get<size_t>(), json["path_m"].get<double>(),
-              json["alignment"].get<std::string>().c_str(), json["scale"].get<double>());
+  std::printf("poses %zu, path %.3f m, alignment %s, scale %.6f\n", json["n"].get<size_t>(),
+              json["path_m"].get<double>(), json["alignment"].get<std::string>().c_str(), json["scale"].get<double>());
   line("APE translation", json["ape_m"], "m");
   line("APE rotation", json["ape_deg"], "deg");
   line("RPE translation", json["rpe_m"], "m");
   line("RPE rotation", json["rpe_deg"], "deg");
   line("horizontal error", json["horizontal_m"], "m");
-  std::printf("APE is %.3f %% of the path; error at the end %.3f m, %.3f %% of the path\n", json["ape_percent_of_path"].get<double>(),
-              json["end_error_m"].get<double>(), json["end_error_percent"].get<double>());
+  std::printf("APE is %.3f %% of the path; error at the end %.3f m, %.3f %% of the path\n",
+              json["ape_percent_of_path"].get<double>(), json["end_error_m"].get<double>(),
+              json["end_error_percent"].get<double>());
   std::printf("horizontal error below:");
-  for (const auto& [p, value] : json["horizontal_cdf_m"].items()) std::printf("  %s %%: %.3f m", p.c_str(), value.get<double>());
+  for (const auto& [p, value] : json["horizontal_cdf_m"].items())
+    std::printf("  %s %%: %.3f m", p.c_str(), value.get<double>());
   const Json& ratio = json["scale_ratio"];
-  std::printf("\nscale ratio along the path (windows of the path): median %.4f, 10 %%: %.4f, 90 %%: %.4f\n", ratio["median"].get<double>(),
-              ratio["p10"].get<double>(), ratio["p90"].get<double>());
+  std::printf("\nscale ratio along the path (windows of the path): median %.4f, 10 %%: %.4f, 90 %%: %.4f\n",
+              ratio["median"].get<double>(), ratio["p10"].get<double>(), ratio["p90"].get<double>());
 }
 
 int eval(const EvalArguments& a) {
@@ -162,14 +189,17 @@ int eval(const EvalArguments& a) {
   const auto estimate = read_estimate(a.estimate);
   if (!estimate) return complain(estimate.failure());
   Json out = Json::object();
-  if (reference->waypoints.size() >= 2) out["waypoints"] = evaluate_waypoints(*estimate, reference->waypoints, a.align_first_m);
+  if (reference->waypoints.size() >= 2)
+    out["waypoints"] = evaluate_waypoints(*estimate, reference->waypoints, a.align_first_m);
   if (!reference->trajectory.empty()) {
     const auto result = evaluate_trajectory(reference->trajectory, *estimate, a, *alignment);
     if (!result) return complain(result.failure());
     out.update(*result);
   }
-  if (a.json) std::printf("%s\n", out.dump(2).c_str());
-  else print(out, a.estimate + " against " + a.reference);
+  if (a.json)
+    std::printf("%s\n", out.dump(2).c_str());
+  else
+    print(out, a.estimate + " against " + a.reference);
   return kDone;
 }
 
@@ -178,14 +208,25 @@ int eval(const EvalArguments& a) {
 void add_eval(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("eval", "Compare a track with the truth");
   auto a = std::make_shared<EvalArguments>();
-  command->add_option("--ref", a->reference, "truth: TUM, KITTI or EuRoC poses, a recording that has truth, or a walk with waypoints")->required();
+  command
+      ->add_option("--ref", a->reference,
+                   "truth: TUM, KITTI or EuRoC poses, a recording that has truth, or a walk with waypoints")
+      ->required();
   command->add_option("--est", a->estimate, "track: TUM or KITTI poses, or the folder of a run")->required();
   command->add_option("--align", a->alignment, "none, first, yaw, se3 or sim3")->capture_default_str();
-  command->add_option("--max-diff", a->max_difference_s, "largest difference of time within a pair, s")->capture_default_str();
-  command->add_option("--rpe-delta", a->rpe_delta, "interval of the relative error")->capture_default_str()->check(CLI::PositiveNumber);
-  command->add_option("--rpe-unit", a->rpe_unit, "frames or metres")->capture_default_str()->check(CLI::IsMember({"frames", "metres"}));
-  command->add_option("--window", a->window_m, "window of the scale ratio along the path, m")->capture_default_str()->check(CLI::PositiveNumber);
-  command->add_option("--align-first", a->align_first_m, "waypoints: the heading is fitted over these first metres")->capture_default_str();
+  command->add_option("--max-diff", a->max_difference_s, "largest difference of time within a pair, s")
+      ->capture_default_str();
+  command->add_option("--rpe-delta", a->rpe_delta, "interval of the relative error")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->add_option("--rpe-unit", a->rpe_unit, "frames or metres")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"frames", "metres"}));
+  command->add_option("--window", a->window_m, "window of the scale ratio along the path, m")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->add_option("--align-first", a->align_first_m, "waypoints: the heading is fitted over these first metres")
+      ->capture_default_str();
   command->add_flag("--json", a->json, "print one JSON object");
   command->callback([a, &status] { status = eval(*a); });
 }

@@ -14,7 +14,8 @@ void describe(const Manifest& m) {
   std::printf("%s %s\n  %s\n  serves %s, ABI %u.%u, library %s\n", m.id.c_str(), m.version.c_str(), m.summary.c_str(),
               join(m.interfaces).c_str(), m.abi_major, m.abi_minor, m.library.c_str());
   for (const Spec& p : m.parameters)
-    std::printf("  %-20s %s; %s; default %s\n", p.name.c_str(), p.help.c_str(), expectation(p).c_str(), p.fallback.c_str());
+    std::printf("  %-20s %s; %s; default %s\n", p.name.c_str(), p.help.c_str(), expectation(p).c_str(),
+                p.fallback.c_str());
 }
 
 int plugins(const std::string& id, const std::string& folder) {
@@ -32,14 +33,16 @@ int plugins(const std::string& id, const std::string& folder) {
     }
   }
   if (id.empty()) return kDone;
-  std::fprintf(stderr, "no plugin '%s'; expected one of %s%s\n", id.c_str(), join(ids).c_str(), did_you_mean(id, ids).c_str());
+  std::fprintf(stderr, "no plugin '%s'; expected one of %s%s\n", id.c_str(), join(ids).c_str(),
+               did_you_mean(id, ids).c_str());
   return kBadUsage;
 }
 
 int check(const std::string& file) {
   bool good = true;
   for (const PluginCheck& check : check_plugin(file)) {
-    std::printf("%-4s %s%s%s\n", check.passed ? "ok" : "FAIL", check.what.c_str(), check.detail.empty() ? "" : ": ", check.detail.c_str());
+    std::printf("%-4s %s%s%s\n", check.passed ? "ok" : "FAIL", check.what.c_str(), check.detail.empty() ? "" : ": ",
+                check.detail.c_str());
     good = good && check.passed;
   }
   return good ? kDone : kPluginFailure;
@@ -58,7 +61,8 @@ void add_plugins(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("plugin", "For vendors: check a plugin library, write its manifest");
   command->require_subcommand(1);
   auto file = std::make_shared<std::string>();
-  auto* check_command = command->add_subcommand("check", "Put a plugin library to the test, each test in a process of its own");
+  auto* check_command =
+      command->add_subcommand("check", "Put a plugin library to the test, each test in a process of its own");
   check_command->add_option("file", *file, "plugin library")->required();
   check_command->callback([=, &status] { status = check(*file); });
   auto* manifest = command->add_subcommand("manifest", "Write NAME.odoplugin.json beside a plugin library");

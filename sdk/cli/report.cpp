@@ -38,7 +38,8 @@ Plot track_plot(const Recording& recording, const RunResult& result) {
     if (pairs.reference.size() > 2) {
       const bool metric = !result.scales.empty() || !recording.has(ODO_TYPE_FRAME);
       PlotSeries truth{.name = metric ? "truth (turned to fit)" : "truth (Sim(3) to fit)", .style = "lines lw 1 dt 2"};
-      const Trajectory aligned = align({pairs.estimate, pairs.reference}, metric ? Alignment::yaw : Alignment::sim3, nullptr);
+      const Trajectory aligned =
+          align({pairs.estimate, pairs.reference}, metric ? Alignment::yaw : Alignment::sim3, nullptr);
       for (const auto& x : aligned) truth.points.emplace_back(x.p.y(), x.p.x());
       plot.series.push_back(truth);
     }
@@ -74,16 +75,24 @@ Result<bool> write_report(const std::filesystem::path& folder, const Recording& 
   }
   const odo_statistics& s = result.statistics;
   std::ostringstream html;
-  html << "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Odograph run</title>\n<style>body{font:16px sans-serif;"
-          "max-width:60em;margin:2em auto;padding:0 1em}th{text-align:left;padding-right:2em}svg{max-width:100%;height:auto}"
+  html << "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Odograph run</title>\n<style>body{font:16px "
+          "sans-serif;"
+          "max-width:60em;margin:2em auto;padding:0 "
+          "1em}th{text-align:left;padding-right:2em}svg{max-width:100%;height:auto}"
           "pre{background:#f4f4f4;padding:1em;overflow:auto}</style>\n<h1>Odograph run</h1>\n<table>\n";
-  html << row("Recording", recording.path.string() + " (" + recording.format + ")") << row("Distance", fixed(s.distance_m, 2) + " m")
-       << row("Steps", std::to_string(s.steps)) << row("Camera frames", std::to_string(s.frames))
-       << row("Tracking / degraded / lost", fixed(s.tracking_s, 1) + " s / " + fixed(s.degraded_s, 1) + " s / " + fixed(s.lost_s, 1) + " s")
-       << row("At the end", std::string(odo_state_text(result.final_state)) + (result.final_reason ? std::string(": ") + odo_reason_text(result.final_reason) : ""))
+  html << row("Recording", recording.path.string() + " (" + recording.format + ")")
+       << row("Distance", fixed(s.distance_m, 2) + " m") << row("Steps", std::to_string(s.steps))
+       << row("Camera frames", std::to_string(s.frames))
+       << row("Tracking / degraded / lost",
+              fixed(s.tracking_s, 1) + " s / " + fixed(s.degraded_s, 1) + " s / " + fixed(s.lost_s, 1) + " s")
+       << row("At the end", std::string(odo_state_text(result.final_state)) +
+                                (result.final_reason ? std::string(": ") + odo_reason_text(result.final_reason) : ""))
        << row("Fixes accepted / rejected", std::to_string(s.fixes_accepted) + " / " + std::to_string(s.fixes_rejected))
-       << row("Work a frame, median / 99 %", fixed(percentile(result.frame_ms, 0.5), 2) + " ms / " + fixed(percentile(result.frame_ms, 0.99), 2) + " ms")
-       << row("Dropped: late, duplicate, invalid, overflow", std::to_string(s.late) + ", " + std::to_string(s.duplicate) + ", " + std::to_string(s.invalid) + ", " + std::to_string(s.overflow))
+       << row("Work a frame, median / 99 %", fixed(percentile(result.frame_ms, 0.5), 2) + " ms / " +
+                                                 fixed(percentile(result.frame_ms, 0.99), 2) + " ms")
+       << row("Dropped: late, duplicate, invalid, overflow",
+              std::to_string(s.late) + ", " + std::to_string(s.duplicate) + ", " + std::to_string(s.invalid) + ", " +
+                  std::to_string(s.overflow))
        << row("Plugin faults", std::to_string(s.plugin_faults)) << "</table>\n";
   for (const Plot& plot : plots) {
     const auto svg = draw_svg(plot);

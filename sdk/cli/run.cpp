@@ -38,9 +38,10 @@ int run(RunArguments& a) {
     std::fputs(text.str().c_str(), stdout);
   } else {
     const odo_statistics& s = result->statistics;
-    std::printf("%s: %s, %zu poses, %.2f m, %llu steps, %llu frames; tracking %.1f s, degraded %.1f s, lost %.1f s\n", a.input.c_str(),
-                recording->format.c_str(), result->track.size(), s.distance_m, static_cast<unsigned long long>(s.steps),
-                static_cast<unsigned long long>(s.frames), s.tracking_s, s.degraded_s, s.lost_s);
+    std::printf("%s: %s, %zu poses, %.2f m, %llu steps, %llu frames; tracking %.1f s, degraded %.1f s, lost %.1f s\n",
+                a.input.c_str(), recording->format.c_str(), result->track.size(), s.distance_m,
+                static_cast<unsigned long long>(s.steps), static_cast<unsigned long long>(s.frames), s.tracking_s,
+                s.degraded_s, s.lost_s);
     std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");
   }
   return result->track.empty() || result->final_state == ODO_LOST ? kLostTracking : kDone;
@@ -52,8 +53,13 @@ void add_run(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("run", "Run a pipeline over a recording");
   auto a = std::make_shared<RunArguments>();
   command->add_option("-c,--config", a->options.config, "pipeline config (YAML)")->required();
-  command->add_option("-i,--input", a->input, "recording: EuRoC/ASL, TUM RGB-D, KITTI, ADVIO, Indoor Location trace, image folder, *.odo")->required();
-  command->add_option("-o,--output", a->output, "folder for trajectory.tum, steps.csv, scale.csv, fixes.csv, summary.json")->capture_default_str();
+  command
+      ->add_option("-i,--input", a->input,
+                   "recording: EuRoC/ASL, TUM RGB-D, KITTI, ADVIO, Indoor Location trace, image folder, *.odo")
+      ->required();
+  command
+      ->add_option("-o,--output", a->output, "folder for trajectory.tum, steps.csv, scale.csv, fixes.csv, summary.json")
+      ->capture_default_str();
   command->add_option("--plugins", a->options.plugin_path, "folder to look for plugins in first");
   command->add_option("--seed", a->options.seed, "of the random numbers handed to plugins")->capture_default_str();
   command->add_flag("--report", a->report, "write report.html with pictures");

@@ -47,7 +47,8 @@ struct Collector {
   }
 
   void take_pose(const odo_pose& pose) {
-    const StampedPose x{pose.header.t_ns, {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}, Eigen::Vector3d(pose.p_n)};
+    const StampedPose x{
+        pose.header.t_ns, {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}, Eigen::Vector3d(pose.p_n)};
     if (!result.track.empty() && result.track.back().t_ns >= x.t_ns) {  // a fix corrected the latest pose
       result.track.back() = x;
       return;
@@ -107,7 +108,8 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   RunResult result;
   result.config_text = config->text;
   Collector collector{result};
-  odo_session_set_callback(session, ODO_ON_POSE | ODO_ON_STEP | ODO_ON_SCALE | ODO_ON_FIX | ODO_ON_STATE, Collector::on_event, &collector);
+  odo_session_set_callback(session, ODO_ON_POSE | ODO_ON_STEP | ODO_ON_SCALE | ODO_ON_FIX | ODO_ON_STATE,
+                           Collector::on_event, &collector);
   size_t done = 0;
   for (const RecordedMessage& message : recording.messages) {
     const bool is_frame = message.message.header().type == ODO_TYPE_FRAME;
@@ -145,7 +147,8 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
     if (config->replay.align_heading_over_m > 0)
       result.heading_turn_rad = heading_offset(result.track, waypoints, config->replay.align_heading_over_m);
     result.track = lay_over(result.track, waypoints, result.heading_turn_rad);
-    for (odo_step& step : result.steps) step.heading_rad = std::remainder(step.heading_rad + result.heading_turn_rad, 2 * EIGEN_PI);
+    for (odo_step& step : result.steps)
+      step.heading_rad = std::remainder(step.heading_rad + result.heading_turn_rad, 2 * EIGEN_PI);
   }
   return result;
 }
@@ -156,7 +159,8 @@ double peak_rss_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result, const RunOptions& options) {
+Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
+                       const RunOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return Failure{ODO_E_NOT_FOUND, folder.string() + ": cannot be created: " + error.message()};
@@ -173,9 +177,13 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
     scales << s.header.t_ns << ',' << s.header.source << ',' << s.metres_per_unit << ',' << s.sigma << ",1\n";
   fixes << std::setprecision(9) << "t_ns,source,kind,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,yaw_rad,accepted\n";
   for (const auto& [f, accepted] : result.fixes)
-    fixes << f.header.t_ns << ',' << f.header.source << ',' << ((f.header.flags & ODO_FIX_ORIENTATION) ? "pose" : (f.header.flags & ODO_FIX_YAW) ? "yaw" : "position")
-          << ',' << f.p_n[0] << ',' << f.p_n[1] << ',' << f.p_n[2] << ',' << std::sqrt(f.covariance_n[0]) << ',' << std::sqrt(f.covariance_n[4]) << ','
-          << std::sqrt(f.covariance_n[8]) << ',' << f.yaw_rad << ',' << (accepted ? 1 : 0) << '\n';
+    fixes << f.header.t_ns << ',' << f.header.source << ','
+          << ((f.header.flags & ODO_FIX_ORIENTATION) ? "pose"
+              : (f.header.flags & ODO_FIX_YAW)       ? "yaw"
+                                                     : "position")
+          << ',' << f.p_n[0] << ',' << f.p_n[1] << ',' << f.p_n[2] << ',' << std::sqrt(f.covariance_n[0]) << ','
+          << std::sqrt(f.covariance_n[4]) << ',' << std::sqrt(f.covariance_n[8]) << ',' << f.yaw_rad << ','
+          << (accepted ? 1 : 0) << '\n';
 
   const odo_statistics& s = result.statistics;
   const nlohmann::ordered_json summary = {
@@ -189,13 +197,22 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
       {"final_state", odo_state_text(result.final_state)},
       {"final_reason", odo_reason_text(result.final_reason)},
       {"fixes", {{"accepted", s.fixes_accepted}, {"rejected", s.fixes_rejected}}},
-      {"timing_ms", {{"frame", {{"median", percentile(result.frame_ms, 0.5)}, {"p99", percentile(result.frame_ms, 0.99)}}}}},
+      {"timing_ms",
+       {{"frame", {{"median", percentile(result.frame_ms, 0.5)}, {"p99", percentile(result.frame_ms, 0.99)}}}}},
       {"timing_us", {{"imu", {{"median", percentile(result.imu_us, 0.5)}, {"p99", percentile(result.imu_us, 0.99)}}}}},
       {"peak_rss_mb", peak_rss_mb()},
-      {"faults", {{"late", s.late}, {"duplicate", s.duplicate}, {"invalid", s.invalid}, {"overflow", s.overflow}, {"gaps", s.gaps}, {"plugin", s.plugin_faults}}},
+      {"faults",
+       {{"late", s.late},
+        {"duplicate", s.duplicate},
+        {"invalid", s.invalid},
+        {"overflow", s.overflow},
+        {"gaps", s.gaps},
+        {"plugin", s.plugin_faults}}},
       {"heading_turn_rad", result.heading_turn_rad},
       {"reports", result.reports},
-      {"versions", {{"odograph", odo_version()}, {"abi", std::to_string(odo_abi_version() >> 16) + "." + std::to_string(odo_abi_version() & 0xFFFF)}}},
+      {"versions",
+       {{"odograph", odo_version()},
+        {"abi", std::to_string(odo_abi_version() >> 16) + "." + std::to_string(odo_abi_version() & 0xFFFF)}}},
       {"seed", options.seed},
       {"config", result.config_text}};
   std::ofstream file(folder / "summary.json");

@@ -19,14 +19,14 @@ struct RunResult {
     odo_fix fix;
     bool accepted;
   };
-  Trajectory track;             // in n; of the camera where the recording has one, otherwise of the body
-  std::vector<uint32_t> states; // of each pose
+  Trajectory track;              // in n; of the camera where the recording has one, otherwise of the body
+  std::vector<uint32_t> states;  // of each pose
   std::vector<odo_step> steps;
   std::vector<odo_scale> scales;
   std::vector<Fix> fixes;
   odo_statistics statistics{};
-  std::vector<double> frame_ms; // work between one camera pose and the next
-  std::vector<double> imu_us;   // work of each IMU sample alone
+  std::vector<double> frame_ms;  // work between one camera pose and the next
+  std::vector<double> imu_us;    // work of each IMU sample alone
   uint32_t final_state = 0;
   uint32_t final_reason = 0;
   double heading_turn_rad = 0;  // applied by replay.align_heading_over
@@ -35,7 +35,7 @@ struct RunResult {
 };
 
 struct RunOptions {
-  std::string config;           // a YAML file
+  std::string config;  // a YAML file
   std::string plugin_path;
   uint64_t seed = 0;
   bool collect_timing = true;
@@ -49,7 +49,8 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options);
 std::vector<Waypoint> waypoints_of(const Recording& recording);
 
 /// trajectory.tum, steps.csv, scale.csv, fixes.csv, summary.json.
-Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result, const RunOptions& options);
+Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
+                       const RunOptions& options);
 
 /// report.html: what happened, in pictures (by gnuplot, where it is installed).
 Result<bool> write_report(const std::filesystem::path& folder, const Recording& recording, const RunResult& result);

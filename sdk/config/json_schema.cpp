@@ -31,11 +31,11 @@ void quantity(JsonText& json, const Spec& spec) {
   const auto units = units_like(spec.unit);
   if (units.empty()) {
     json.key("type").string("number");
-    if (spec.min != spec.max) json.key("minimum").number(spec.min).key("maximum").number(spec.max);
+    if (spec.bounded()) json.key("minimum").number(spec.min).key("maximum").number(spec.max);
     return;
   }
   json.key("oneOf").open('[').open('{').key("type").string("number");
-  if (spec.min != spec.max) json.key("minimum").number(spec.min).key("maximum").number(spec.max);
+  if (spec.bounded()) json.key("minimum").number(spec.min).key("maximum").number(spec.max);
   json.close('}').open('{').key("type").string("string");
   json.key("pattern").string("^[-+0-9.eE]+ *(" + join(units, "|") + ")$").close('}').close(']');
 }
@@ -50,12 +50,17 @@ void describe(JsonText& json, const Spec& spec) {
     case SpecType::boolean: json.key("type").string("boolean"); break;
     case SpecType::integer:
       json.key("type").string("integer");
-      if (spec.min != spec.max) json.key("minimum").number(spec.min).key("maximum").number(spec.max);
+      if (spec.bounded()) json.key("minimum").number(spec.min).key("maximum").number(spec.max);
       break;
     case SpecType::real: quantity(json, spec); break;
     case SpecType::reals: {
       Spec one = spec;
-      json.key("type").string("array").key("minItems").number(double(spec.count)).key("maxItems").number(double(spec.count));
+      json.key("type")
+          .string("array")
+          .key("minItems")
+          .number(double(spec.count))
+          .key("maxItems")
+          .number(double(spec.count));
       json.key("items").open('{');
       quantity(json, one);
       json.close('}');
@@ -76,7 +81,15 @@ void describe(JsonText& json, const Spec& spec) {
       json.key("type").string("object").key("additionalProperties").boolean(false);
       json.key("required").open('[').string("plugin").close(']').key("properties").open('{');
       json.key("plugin").open('{').key("type").string("string").close('}');
-      json.key("parameters").open('{').key("type").open('[').string("object").string("null").close(']').close('}').close('}');
+      json.key("parameters")
+          .open('{')
+          .key("type")
+          .open('[')
+          .string("object")
+          .string("null")
+          .close(']')
+          .close('}')
+          .close('}');
       break;
   }
 }

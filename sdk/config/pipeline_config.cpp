@@ -31,7 +31,8 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   for (const auto& directory : early_texts(root, "search")) directories.push_back(base / directory);
   PluginRegistry registry(plugin_directories(directories));
   const auto allow = early_texts(root, "allow");
-  const PluginResolver resolver = [&](const std::string& id, const std::string& kind) -> Result<const std::vector<Spec>*> {
+  const PluginResolver resolver = [&](const std::string& id,
+                                      const std::string& kind) -> Result<const std::vector<Spec>*> {
     auto manifest = registry.find(id, kind, base, allow);
     if (!manifest) return manifest.failure();
     return &(*manifest)->parameters;
@@ -52,8 +53,8 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
     config.start = {{p[0], p[1], p[2]}, start["heading"].real, true};
   }
   const Value& ordering = v["time_ordering"];
-  config.ordering = {ordering["max_wait"].real, ordering["max_gap"].real, static_cast<size_t>(ordering["queue"].integer),
-                     static_cast<size_t>(ordering["frames"].integer)};
+  config.ordering = {ordering["max_wait"].real, ordering["max_gap"].real,
+                     static_cast<size_t>(ordering["queue"].integer), static_cast<size_t>(ordering["frames"].integer)};
   const Value& coupling = v["coupling"];
   config.coupling.orientation = coupling["orientation"].text == "attitude" ? Orientation::attitude : Orientation::vo;
   config.coupling.vertical = coupling["vertical"].text == "scaled" ? Vertical::scaled : Vertical::ignore;
@@ -83,9 +84,15 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
     }
   }
   if (config.step_estimator && !config.attitude)
-    return Failure{ODO_E_CONFIG, at(name, v["step_estimator"].mark, "step_estimator: needs orientation; expected an 'attitude' plugin beside it (nearest: 'attitude')")};
+    return Failure{
+        ODO_E_CONFIG,
+        at(name, v["step_estimator"].mark,
+           "step_estimator: needs orientation; expected an 'attitude' plugin beside it (nearest: 'attitude')")};
   if (config.scale_source && !config.vo_frontend)
-    return Failure{ODO_E_CONFIG, at(name, v["scale_source"].mark, "scale_source: nothing to scale; expected a 'vo_frontend' plugin beside it (nearest: 'vo_frontend')")};
+    return Failure{
+        ODO_E_CONFIG,
+        at(name, v["scale_source"].mark,
+           "scale_source: nothing to scale; expected a 'vo_frontend' plugin beside it (nearest: 'vo_frontend')")};
   return config;
 }
 

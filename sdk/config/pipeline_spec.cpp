@@ -14,7 +14,8 @@ Spec map(const char* name, const char* help, std::vector<Spec> children) {
   return {.name = name, .type = SpecType::map, .help = help, .children = std::move(children)};
 }
 Spec real(const char* name, const char* unit, double min, double max, const char* fallback, const char* help) {
-  return {.name = name, .type = SpecType::real, .unit = unit, .min = min, .max = max, .fallback = fallback, .help = help};
+  return {
+      .name = name, .type = SpecType::real, .unit = unit, .min = min, .max = max, .fallback = fallback, .help = help};
 }
 Spec integer(const char* name, double min, double max, const char* fallback, const char* help) {
   return {.name = name, .type = SpecType::integer, .min = min, .max = max, .fallback = fallback, .help = help};
@@ -38,53 +39,79 @@ const Spec& pipeline_spec() {
   static const Spec spec = [] {
     Spec version = integer("odograph", 1, 1, "1", "version of this file format");
     version.required = true;
-    Spec position{.name = "position", .type = SpecType::reals, .unit = "m", .fallback = "[0, 0, 0]", .help = "north, east, down", .count = 3};
-    Spec fixers{.name = "absolute_fixers", .type = SpecType::list, .help = "positions and orientations from outside, any number",
+    Spec position{.name = "position",
+                  .type = SpecType::reals,
+                  .unit = "m",
+                  .fallback = "[0, 0, 0]",
+                  .help = "north, east, down",
+                  .count = 3};
+    Spec fixers{.name = "absolute_fixers",
+                .type = SpecType::list,
+                .help = "positions and orientations from outside, any number",
                 .children = {plugin("fixer", ODO_INTERFACE_ABSOLUTE_FIXER, "")}};
-    return map("pipeline", "An Odograph pipeline", {
-        version,
-        map("plugins", "where plugins come from", {
-            texts("search", "directory", "directories, relative to this file, before the standard ones"),
-            texts("allow", "id", "if given, only these plugin ids may be loaded"),
-            boolean("verify_hash", "true", "refuse a library whose hash is not its manifest's"),
-        }),
-        map("walker", "the person who carries the device", {
-            real("height", "m", 0.5, 2.5, "1.70", "body height; a plugin's parameter 'walker_height' takes it unless given"),
-        }),
-        map("navigation", "the local frame n (North-East-Down)", {
-            map("origin", "of n; without it the first GNSS fix", {
-                real("latitude", "rad", -1.5707963267948966, 1.5707963267948966, "0", "geodetic, WGS 84"),
-                real("longitude", "rad", -6.283185307179586, 6.283185307179586, "0", "WGS 84"),
-                real("height", "m", -1000, 10000, "0", "above the ellipsoid"),
-            }),
-            map("start", "pose at the start; without it the first fix, or zero", {
-                position,
-                real("heading", "rad", -6.283185307179586, 6.283185307179586, "0", "from north to east"),
-            }),
-        }),
-        map("time_ordering", "how samples of several sensors are merged", {
-            real("max_wait", "s", 0, 5, "0.2", "longest wait for a slower sensor, in sensor time"),
-            real("max_gap", "s", 0.01, 60, "1", "a longer pause of the IMU or the camera is a fault"),
-            integer("queue", 64, 1000000, "4096", "most samples waiting; more are dropped and counted"),
-            integer("frames", 1, 64, "8", "most camera frames held, by the host and by plugins"),
-        }),
-        plugin("attitude", ODO_INTERFACE_ATTITUDE, "orientation of the body"),
-        plugin("step_estimator", ODO_INTERFACE_STEP_ESTIMATOR, "steps and how the device is carried"),
-        plugin("vo_frontend", ODO_INTERFACE_VO_FRONTEND, "camera motion up to scale"),
-        plugin("scale_source", ODO_INTERFACE_SCALE_SOURCE, "metres per VO unit"),
-        fixers,
-        map("coupling", "how everything becomes one pose", {
-            choice("type", "per_frame", "per_frame", "per_frame: each frame's displacement is scaled on its own (Antigny et al. 2019, section 3.4)"),
-            choice("orientation", "vo|attitude", "vo", "vo: chained from frame to frame as in the paper; attitude: from the IMU"),
-            choice("vertical", "ignore|scaled", "ignore", "ignore: horizontal displacement only, as in the paper; scaled: all three components"),
-            real("fix_gate", "", 0, 100, "5", "a fix further off than this many standard deviations is rejected; 0 = never"),
-            real("bridge", "s", 0, 60, "2", "how long steps alone may carry the pose while the camera sees nothing before it is lost"),
-        }),
-        map("replay", "how `odograph run` lays a recording's map over n", {
-            boolean("start_at_first_waypoint", "false", "the written track starts at the recording's first waypoint"),
-            real("align_heading_over", "m", 0, 1000, "0", "the written track is turned to fit the waypoints of its first metres; 0 = not"),
-        }),
-    });
+    return map(
+        "pipeline", "An Odograph pipeline",
+        {
+            version,
+            map("plugins", "where plugins come from",
+                {
+                    texts("search", "directory", "directories, relative to this file, before the standard ones"),
+                    texts("allow", "id", "if given, only these plugin ids may be loaded"),
+                    boolean("verify_hash", "true", "refuse a library whose hash is not its manifest's"),
+                }),
+            map("walker", "the person who carries the device",
+                {
+                    real("height", "m", 0.5, 2.5, "1.70",
+                         "body height; a plugin's parameter 'walker_height' takes it unless given"),
+                }),
+            map("navigation", "the local frame n (North-East-Down)",
+                {
+                    map("origin", "of n; without it the first GNSS fix",
+                        {
+                            real("latitude", "rad", -1.5707963267948966, 1.5707963267948966, "0", "geodetic, WGS 84"),
+                            real("longitude", "rad", -6.283185307179586, 6.283185307179586, "0", "WGS 84"),
+                            real("height", "m", -1000, 10000, "0", "above the ellipsoid"),
+                        }),
+                    map("start", "pose at the start; without it the first fix, or zero",
+                        {
+                            position,
+                            real("heading", "rad", -6.283185307179586, 6.283185307179586, "0", "from north to east"),
+                        }),
+                }),
+            map("time_ordering", "how samples of several sensors are merged",
+                {
+                    real("max_wait", "s", 0, 5, "0.2", "longest wait for a slower sensor, in sensor time"),
+                    real("max_gap", "s", 0.01, 60, "1", "a longer pause of the IMU or the camera is a fault"),
+                    integer("queue", 64, 1000000, "4096", "most samples waiting; more are dropped and counted"),
+                    integer("frames", 1, 64, "8", "most camera frames held, by the host and by plugins"),
+                }),
+            plugin("attitude", ODO_INTERFACE_ATTITUDE, "orientation of the body"),
+            plugin("step_estimator", ODO_INTERFACE_STEP_ESTIMATOR, "steps and how the device is carried"),
+            plugin("vo_frontend", ODO_INTERFACE_VO_FRONTEND, "camera motion up to scale"),
+            plugin("scale_source", ODO_INTERFACE_SCALE_SOURCE, "metres per VO unit"),
+            fixers,
+            map("coupling", "how everything becomes one pose",
+                {
+                    choice(
+                        "type", "per_frame", "per_frame",
+                        "per_frame: each frame's displacement is scaled on its own (Antigny et al. 2019, section 3.4)"),
+                    choice("orientation", "vo|attitude", "vo",
+                           "vo: chained from frame to frame as in the paper; attitude: from the IMU"),
+                    choice("vertical", "ignore|scaled", "ignore",
+                           "ignore: horizontal displacement only, as in the paper; scaled: all three components"),
+                    real("fix_gate", "", 0, 100, "5",
+                         "a fix further off than this many standard deviations is rejected; 0 = never"),
+                    real("bridge", "s", 0, 60, "2",
+                         "how long steps alone may carry the pose while the camera sees nothing before it is lost"),
+                }),
+            map("replay", "how `odograph run` lays a recording's map over n",
+                {
+                    boolean("start_at_first_waypoint", "false",
+                            "the written track starts at the recording's first waypoint"),
+                    real("align_heading_over", "m", 0, 1000, "0",
+                         "the written track is turned to fit the waypoints of its first metres; 0 = not"),
+                }),
+        });
   }();
   return spec;
 }

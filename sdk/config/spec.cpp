@@ -16,7 +16,7 @@ std::string number(double value) {
 }
 
 std::string range(const Spec& spec) {
-  if (spec.min == spec.max) return "";
+  if (!spec.bounded()) return "";
   return " from " + number(spec.min) + " to " + number(spec.max);
 }
 
@@ -52,9 +52,9 @@ class Checker {
     std::vector<std::string> names;
     for (const Spec& spec : table) names.push_back(spec.name);
     if (node.kind != YamlNode::Kind::map && !(node.kind == YamlNode::Kind::null && !path.empty())) {
-      const std::string found = node.kind == YamlNode::Kind::scalar ? "'" + node.text.substr(0, 60) + "'" : node.kind_name();
-      fail(node.mark, path, found + "; expected a map with the keys " + join(names) +
-                                did_you_mean(node.text, names));
+      const std::string found =
+          node.kind == YamlNode::Kind::scalar ? "'" + node.text.substr(0, 60) + "'" : node.kind_name();
+      fail(node.mark, path, found + "; expected a map with the keys " + join(names) + did_you_mean(node.text, names));
       return;
     }
     const std::string prefix = path.empty() ? "" : path + ".";
@@ -63,8 +63,9 @@ class Checker {
       for (const Spec& spec : table) known = known || spec.name == entry.key;
       if (known) continue;
       const std::string close = nearest(entry.key, names);
-      fail(entry.mark, path, "unknown key '" + entry.key.substr(0, 60) + "'; expected one of " + join(names) +
-                                 (close.empty() ? "" : " (nearest: '" + close + "')"));
+      fail(entry.mark, path,
+           "unknown key '" + entry.key.substr(0, 60) + "'; expected one of " + join(names) +
+               (close.empty() ? "" : " (nearest: '" + close + "')"));
     }
     for (const Spec& spec : table) {
       const YamlNode* child = node.find(spec.name);
@@ -93,9 +94,10 @@ class Checker {
 
   void check_reals(const YamlNode& node, const Spec& spec, const std::string& path, Value& value) {
     if (node.kind != YamlNode::Kind::sequence || node.items.size() != spec.count) {
-      fail(node.mark, path, (node.kind == YamlNode::Kind::sequence ? "a list of " + std::to_string(node.items.size())
-                                                                   : std::string(node.kind_name())) +
-                                "; expected " + expectation(spec));
+      fail(node.mark, path,
+           (node.kind == YamlNode::Kind::sequence ? "a list of " + std::to_string(node.items.size())
+                                                  : std::string(node.kind_name())) +
+               "; expected " + expectation(spec));
       value.reals.assign(spec.count, 0.0);
       return;
     }
@@ -129,7 +131,9 @@ class Checker {
       return;
     }
     const std::string shown = "'" + node.text.substr(0, 60) + "'";
-    const auto wrong = [&](const std::string& more) { fail(node.mark, path, shown + more + "; expected " + expectation(spec)); };
+    const auto wrong = [&](const std::string& more) {
+      fail(node.mark, path, shown + more + "; expected " + expectation(spec));
+    };
     value.text = node.text;
     switch (spec.type) {
       case SpecType::boolean:
@@ -161,8 +165,9 @@ class Checker {
     }
   }
 
-  template <class Wrong> void check_range(double x, const Spec& spec, Wrong&& wrong) {
-    if (spec.min != spec.max && (x < spec.min || x > spec.max)) wrong(" is out of range");
+  template <class Wrong>
+  void check_range(double x, const Spec& spec, Wrong&& wrong) {
+    if (spec.bounded() && (x < spec.min || x > spec.max)) wrong(" is out of range");
   }
 
   const std::string& name_;
@@ -210,7 +215,8 @@ std::string expectation(const Spec& spec) {
     case SpecType::integer: return "a whole number" + range(spec);
     case SpecType::real: return "a number" + (spec.unit.empty() ? "" : " in " + spec.unit) + range(spec);
     case SpecType::reals:
-      return "a list of " + std::to_string(spec.count) + " numbers" + (spec.unit.empty() ? "" : " in " + spec.unit) + range(spec);
+      return "a list of " + std::to_string(spec.count) + " numbers" + (spec.unit.empty() ? "" : " in " + spec.unit) +
+             range(spec);
     case SpecType::choice: return "one of " + join(split(spec.choices, '|'));
     case SpecType::text: return "a text" + (spec.help.empty() ? "" : " (" + spec.help + ")");
     case SpecType::list: return "a list, each item " + expectation(spec.children.front());

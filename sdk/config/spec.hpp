@@ -19,7 +19,7 @@ struct Spec {
   SpecType type = SpecType::text;
   std::string unit;      // SI; values may be written with another unit of the same dimension
   double min = 0.0;      // inclusive
-  double max = 0.0;      // inclusive; min == max means no bound
+  double max = 0.0;      // inclusive; both 0: no bound
   std::string fallback;  // as YAML text, in `unit`
   std::string choices;   // separated by '|'
   std::string help;
@@ -27,6 +27,8 @@ struct Spec {
   size_t count = 1;            // of reals
   std::string interface_id;    // of a plugin
   std::vector<Spec> children;  // of a map; of a list the one item
+
+  bool bounded() const { return min != 0.0 || max != 0.0; }
 };
 
 /// A checked value with the place it came from. Defaults are filled in; `given` tells them apart.

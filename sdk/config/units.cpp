@@ -17,12 +17,29 @@ struct Unit {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr Unit kUnits[] = {
-    {"m", "m", 1.0},          {"mm", "m", 1e-3},          {"cm", "m", 1e-2},         {"km", "m", 1e3},
-    {"s", "s", 1.0},          {"ms", "s", 1e-3},          {"us", "s", 1e-6},         {"ns", "s", 1e-9},
-    {"min", "s", 60.0},       {"rad", "rad", 1.0},        {"deg", "rad", kPi / 180}, {"mrad", "rad", 1e-3},
-    {"m/s", "m/s", 1.0},      {"km/h", "m/s", 1 / 3.6},   {"m/s^2", "m/s^2", 1.0},   {"rad/s", "rad/s", 1.0},
-    {"deg/s", "rad/s", kPi / 180}, {"Hz", "Hz", 1.0},     {"Pa", "Pa", 1.0},         {"hPa", "Pa", 100.0},
-    {"T", "T", 1.0},          {"uT", "T", 1e-6},          {"px", "px", 1.0},
+    {"m", "m", 1.0},
+    {"mm", "m", 1e-3},
+    {"cm", "m", 1e-2},
+    {"km", "m", 1e3},
+    {"s", "s", 1.0},
+    {"ms", "s", 1e-3},
+    {"us", "s", 1e-6},
+    {"ns", "s", 1e-9},
+    {"min", "s", 60.0},
+    {"rad", "rad", 1.0},
+    {"deg", "rad", kPi / 180},
+    {"mrad", "rad", 1e-3},
+    {"m/s", "m/s", 1.0},
+    {"km/h", "m/s", 1 / 3.6},
+    {"m/s^2", "m/s^2", 1.0},
+    {"rad/s", "rad/s", 1.0},
+    {"deg/s", "rad/s", kPi / 180},
+    {"Hz", "Hz", 1.0},
+    {"Pa", "Pa", 1.0},
+    {"hPa", "Pa", 100.0},
+    {"T", "T", 1.0},
+    {"uT", "T", 1e-6},
+    {"px", "px", 1.0},
 };
 
 }  // namespace
@@ -47,8 +64,8 @@ Result<double> parse_quantity(const std::string& text, const std::string& unit) 
     if (written == u.name && unit == u.si) return number * u.factor;
   const auto known = units_like(unit);
   if (known.empty()) return Failure{ODO_E_CONFIG, "'" + written + "' stands after a number that has no unit"};
-  return Failure{ODO_E_CONFIG, "unit '" + written + "' does not fit; expected one of " + join(known) +
-                                   " (nearest: '" + nearest(written, known) + "')"};
+  return Failure{ODO_E_CONFIG, "unit '" + written + "' does not fit; expected one of " + join(known) + " (nearest: '" +
+                                   nearest(written, known) + "')"};
 }
 
 }  // namespace odograph

@@ -17,9 +17,7 @@ struct Refused {
   std::string text;
 };
 
-Mark from_yaml(const YAML::Mark& mark) {
-  return mark.is_null() ? Mark{} : Mark{mark.line + 1, mark.column + 1};
-}
+Mark from_yaml(const YAML::Mark& mark) { return mark.is_null() ? Mark{} : Mark{mark.line + 1, mark.column + 1}; }
 
 /// Builds the tree from the parser's events, so that nothing is expanded, followed or kept beyond the limits.
 class TreeBuilder : public YAML::EventHandler {
@@ -30,9 +28,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    add(mark, "", anchor, YamlNode::Kind::null);
-  }
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { add(mark, "", anchor, YamlNode::Kind::null); }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
     throw Refused{from_yaml(mark), "aliases (*name) are not allowed here; expected the value itself, written out"};
   }
@@ -82,8 +78,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   YamlNode& add(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t, YamlNode::Kind kind) {
-    if (expecting_key())
-      throw Refused{from_yaml(mark), "a key must be a word; expected 'name: value'"};
+    if (expecting_key()) throw Refused{from_yaml(mark), "a key must be a word; expected 'name: value'"};
     if (tag != "" && tag != "?" && tag != "!")
       throw Refused{from_yaml(mark), "tags (" + tag + ") are not allowed here; expected a plain value"};
     count(mark);
@@ -121,21 +116,27 @@ class TreeBuilder : public YAML::EventHandler {
   int nodes_ = 0;
 };
 
-/// What the YAML library words badly or does not check: tabs in the indentation, NUL and other bytes that are not UTF-8.
+/// What the YAML library words badly or does not check: tabs in the indentation, NUL and other bytes that are not
+/// UTF-8.
 void check_bytes(const std::string& text) {
   Mark mark;
   bool indentation = true;
   for (size_t i = 0; i < text.size(); ++mark.column) {
     const auto byte = static_cast<unsigned char>(text[i]);
-    int more = byte < 0x80 ? 0 : byte >= 0xC2 && byte < 0xE0 ? 1 : byte >= 0xE0 && byte < 0xF0 ? 2
-                                 : byte >= 0xF0 && byte < 0xF5 ? 3 : -1;
+    int more = byte < 0x80                   ? 0
+               : byte >= 0xC2 && byte < 0xE0 ? 1
+               : byte >= 0xE0 && byte < 0xF0 ? 2
+               : byte >= 0xF0 && byte < 0xF5 ? 3
+                                             : -1;
     if (byte == 0) throw Refused{mark, "a NUL byte; expected a text file in UTF-8"};
     if (indentation && byte == '\t') throw Refused{mark, "a tab in the indentation; expected spaces"};
     for (int k = 1; k <= more; ++k)
       if (i + k >= text.size() || (static_cast<unsigned char>(text[i + k]) & 0xC0) != 0x80) more = -1;
     if (more < 0) throw Refused{mark, "bytes that are not UTF-8; expected a text file in UTF-8"};
-    if (byte == '\n') mark = {mark.line + 1, 0}, indentation = true;
-    else if (byte != ' ') indentation = false;
+    if (byte == '\n')
+      mark = {mark.line + 1, 0}, indentation = true;
+    else if (byte != ' ')
+      indentation = false;
     i += static_cast<size_t>(more) + 1;
   }
 }
@@ -164,16 +165,16 @@ std::string at(const std::string& name, Mark mark, const std::string& text) {
 Result<YamlNode> parse_yaml(const std::string& text, const std::string& name, const YamlLimits& limits) {
   try {
     if (text.size() > limits.bytes)
-      throw Refused{{}, "the file has " + std::to_string(text.size()) + " bytes; expected at most " +
-                            std::to_string(limits.bytes)};
+      throw Refused{
+          {},
+          "the file has " + std::to_string(text.size()) + " bytes; expected at most " + std::to_string(limits.bytes)};
     check_bytes(text);
     std::istringstream stream(text);
     YAML::Parser parser(stream);
     TreeBuilder builder(limits);
     if (!parser.HandleNextDocument(builder)) return YamlNode{};
     TreeBuilder rest(limits);
-    if (parser.HandleNextDocument(rest))
-      throw Refused{rest.root.mark, "a second document (---); expected one"};
+    if (parser.HandleNextDocument(rest)) throw Refused{rest.root.mark, "a second document (---); expected one"};
     return std::move(builder.root);
   } catch (const Refused& refused) {
     return Failure{ODO_E_CONFIG, at(name, refused.mark, refused.text)};
@@ -190,8 +191,9 @@ Result<std::string> read_limited(const std::string& path, const YamlLimits& limi
     return Failure{ODO_E_NOT_FOUND, at(path, {}, "is a directory; expected a YAML file")};
   const auto size = std::filesystem::file_size(path, error);
   if (!error && size > limits.bytes)
-    return Failure{ODO_E_CONFIG, at(path, {}, "the file has " + std::to_string(size) + " bytes; expected at most " +
-                                                  std::to_string(limits.bytes))};
+    return Failure{ODO_E_CONFIG, at(path, {},
+                                    "the file has " + std::to_string(size) + " bytes; expected at most " +
+                                        std::to_string(limits.bytes))};
   std::ifstream file(path, std::ios::binary);
   if (!file) return Failure{ODO_E_NOT_FOUND, at(path, {}, "cannot be opened; expected a YAML file")};
   std::string text(limits.bytes + 1, '\0');  // also right for a pipe, whose size nobody knows

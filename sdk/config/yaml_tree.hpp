@@ -44,8 +44,8 @@ struct YamlLimits {
   int nodes = 100000;
 };
 
-/// Reads one document within the limits. Anchors, aliases, tags, duplicate keys, tabs in the indentation, bytes that are
-/// not UTF-8 and second documents are refused. A failure's text is "name:line:column: what".
+/// Reads one document within the limits. Anchors, aliases, tags, duplicate keys, tabs in the indentation, bytes that
+/// are not UTF-8 and second documents are refused. A failure's text is "name:line:column: what".
 Result<YamlNode> parse_yaml(const std::string& text, const std::string& name, const YamlLimits& limits = {});
 
 /// A file's text, not read at all when it is larger than the limit. ODO_E_NOT_FOUND when it cannot be opened.

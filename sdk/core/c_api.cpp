@@ -21,7 +21,8 @@ namespace {
 
 using odograph::Failure;
 
-template <class Work> int32_t guarded(Work&& work) noexcept {
+template <class Work>
+int32_t guarded(Work&& work) noexcept {
   try {
     return work();
   } catch (const std::bad_alloc&) {
@@ -163,8 +164,16 @@ const char* odo_state_text(uint32_t state) {
 }
 
 const char* odo_reason_text(uint32_t reason) {
-  static const char* const texts[] = {"",           "initialising",  "too dark",      "moving too fast", "too few features",
-                                      "no parallax", "no steps yet", "sensor silent", "plugin failed",   "no scale yet"};
+  static const char* const texts[] = {"",
+                                      "initialising",
+                                      "too dark",
+                                      "moving too fast",
+                                      "too few features",
+                                      "no parallax",
+                                      "no steps yet",
+                                      "sensor silent",
+                                      "plugin failed",
+                                      "no scale yet"};
   return reason < 10 ? texts[reason] : "unknown";
 }
 

@@ -41,7 +41,8 @@ FrameStore::~FrameStore() {
 
 size_t FrameStore::in_use() const {
   const std::lock_guard lock(mutex_);
-  return static_cast<size_t>(std::count_if(holders_.begin(), holders_.end(), [](const auto& h) { return h->holds > 0; }));
+  return static_cast<size_t>(
+      std::count_if(holders_.begin(), holders_.end(), [](const auto& h) { return h->holds > 0; }));
 }
 
 bool FrameStore::copy_pixels(odo_frame& frame, std::vector<uint8_t>& pixels) {

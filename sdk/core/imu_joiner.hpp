@@ -14,7 +14,8 @@ namespace odograph {
 class ImuJoiner {
  public:
   /// Calls `take(const odo_imu&)` for each whole sample that the new one completes, in order.
-  template <class Take> void push(const odo_imu& sample, Take&& take) {
+  template <class Take>
+  void push(const odo_imu& sample, Take&& take) {
     constexpr uint32_t both = ODO_IMU_GYRO | ODO_IMU_ACCEL;
     if ((sample.header.flags & both) == both) return take(sample);
     if (sample.header.flags & ODO_IMU_GYRO) {

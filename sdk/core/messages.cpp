@@ -70,13 +70,15 @@ bool message_is_finite(const odo_header& header) {
     case ODO_TYPE_CALIBRATION: {
       const auto& m = as<odo_calibration>(header);
       return finite(&m.fx, 4) && m.fx > 0 && m.fy > 0 && finite(m.distortion, 8) && m.width > 0 && m.height > 0 &&
-             (m.distortion_count == 0 || m.distortion_count == 4 || m.distortion_count == 5 || m.distortion_count == 8) &&
+             (m.distortion_count == 0 || m.distortion_count == 4 || m.distortion_count == 5 ||
+              m.distortion_count == 8) &&
              (m.model == ODO_CAMERA_PINHOLE || m.model == ODO_CAMERA_KANNALA_BRANDT) &&
              when(ODO_CALIBRATION_EXTRINSICS, unit(m.q_b_c) && finite(m.p_b_c, 3));
     }
     case ODO_TYPE_IMU_NOISE: return finite(&as<odo_imu_noise>(header).gyro_noise, 4);
     case ODO_TYPE_WAYPOINT: return finite(as<odo_waypoint>(header).p_n, 4) && as<odo_waypoint>(header).sigma_m >= 0;
-    case ODO_TYPE_ATTITUDE: return unit(as<odo_attitude>(header).q_n_b) && finite(as<odo_attitude>(header).covariance_n, 12);
+    case ODO_TYPE_ATTITUDE:
+      return unit(as<odo_attitude>(header).q_n_b) && finite(as<odo_attitude>(header).covariance_n, 12);
     case ODO_TYPE_STEP: {
       const auto& m = as<odo_step>(header);
       return finite(&m.length_m, 4) && m.length_m >= 0 && m.sigma_m >= 0 && m.t_end_ns > m.t_start_ns;
@@ -87,7 +89,8 @@ bool message_is_finite(const odo_header& header) {
       return when(ODO_VO_ROTATION, unit(m.q_c0_c1)) && when(ODO_VO_TRANSLATION, finite(m.p_c0_c1, 3)) &&
              when(ODO_VO_COVARIANCE, finite(m.covariance, 36)) && header.t_ns > m.t_from_ns;
     }
-    case ODO_TYPE_SCALE: return finite(&as<odo_scale>(header).metres_per_unit, 3) && as<odo_scale>(header).metres_per_unit >= 0;
+    case ODO_TYPE_SCALE:
+      return finite(&as<odo_scale>(header).metres_per_unit, 3) && as<odo_scale>(header).metres_per_unit >= 0;
     case ODO_TYPE_FIX: {
       const auto& m = as<odo_fix>(header);
       return finite(m.p_n, 3) && finite(m.covariance_n, 9) && when(ODO_FIX_ORIENTATION, unit(m.q_n_b)) &&

@@ -23,7 +23,8 @@ const MessageInfo* message_info(uint32_t type);
 bool message_is_finite(const odo_header& message);
 
 /// A zeroed message with its size, type and time filled in.
-template <class Message> Message make_message(uint32_t type, int64_t t_ns) {
+template <class Message>
+Message make_message(uint32_t type, int64_t t_ns) {
   Message message;
   std::memset(static_cast<void*>(&message), 0, sizeof message);
   message.header.struct_size = sizeof(Message);
@@ -33,7 +34,8 @@ template <class Message> Message make_message(uint32_t type, int64_t t_ns) {
 }
 
 /// The message behind a header whose type has been looked at.
-template <class Message> const Message& as(const odo_header& header) {
+template <class Message>
+const Message& as(const odo_header& header) {
   return reinterpret_cast<const Message&>(header);
 }
 

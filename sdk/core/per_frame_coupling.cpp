@@ -131,7 +131,8 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
   }
   carried_by_steps_ = !translated;
   if (translated) last_tracked_ns_ = motion.header.t_ns;
-  if (state == ODO_LOST && after && seconds(motion.header.t_ns - last_tracked_ns_) < config_.bridge_s) state = ODO_DEGRADED;
+  if (state == ODO_LOST && after && seconds(motion.header.t_ns - last_tracked_ns_) < config_.bridge_s)
+    state = ODO_DEGRADED;
   if (translated) move(d_n, relative, dt_s);
   return publish(motion.header.t_ns, state, reason);
 }
@@ -169,7 +170,8 @@ void PerFrameCoupling::move(const Vector3d& d_n, double relative_sigma, double d
 
 Matrix3d PerFrameCoupling::position_covariance() const {
   const Vector3d along = relative_sigma_ * since_fix_n_;
-  const Vector3d across = std::sqrt(std::max(0.0, rotation_covariance_(2, 2))) * Vector3d(-since_fix_n_.y(), since_fix_n_.x(), 0.0);
+  const Vector3d across =
+      std::sqrt(std::max(0.0, rotation_covariance_(2, 2))) * Vector3d(-since_fix_n_.y(), since_fix_n_.x(), 0.0);
   return independent_covariance_ + along * along.transpose() + across * across.transpose();
 }
 

@@ -6,9 +6,7 @@ namespace odograph {
 void Pipeline::process(const odo_header& message) {
   watch_.see(message);
   switch (message.type) {
-    case ODO_TYPE_IMU:
-      joiner_.push(as<odo_imu>(message), [this](const odo_imu& whole) { on_imu(whole); });
-      break;
+    case ODO_TYPE_IMU: joiner_.push(as<odo_imu>(message), [this](const odo_imu& whole) { on_imu(whole); }); break;
     case ODO_TYPE_MAGNETOMETER:
     case ODO_TYPE_IMU_NOISE:
       if (attitude_) attitude_->process(message);
@@ -85,7 +83,8 @@ void Pipeline::on_fixes(std::span<AnyMessage> events) {
     std::array<double, 3> p_n;
     const bool used = coupling_.on_fix(fix, p_n);
     ++(used ? counters_.fixes_accepted : counters_.fixes_rejected);
-    for (int i = 0; i < 3; ++i) fix.p_n[i] = p_n[static_cast<size_t>(i)];  // what is published is metric, and says what became of it
+    for (int i = 0; i < 3; ++i)
+      fix.p_n[i] = p_n[static_cast<size_t>(i)];  // what is published is metric, and says what became of it
     fix.header.quality = used ? 1.0f : 0.0f;
     publish_(fix.header);
     if (used && scale_) scale_->process(fix.header);
@@ -140,7 +139,8 @@ void Pipeline::reset() {
 }
 
 Pipeline::Pipeline(const PipelineConfig& config, Geodesy& geodesy, Publish publish)
-    : coupling_(config.coupling, config.start, {config.vo_frontend.has_value(), config.scale_source.has_value()}, geodesy),
+    : coupling_(config.coupling, config.start, {config.vo_frontend.has_value(), config.scale_source.has_value()},
+                geodesy),
       watch_(config.ordering.max_gap_s),
       publish_(std::move(publish)) {
   if (config.origin) geodesy.set_origin(*config.origin);

@@ -10,9 +10,7 @@ namespace {
 
 constexpr int64_t kExtrapolate_ns = 500'000'000;
 
-Eigen::Quaterniond quaternion(const odo_pose& pose) {
-  return {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]};
-}
+Eigen::Quaterniond quaternion(const odo_pose& pose) { return {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}; }
 
 }  // namespace
 

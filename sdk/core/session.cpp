@@ -41,7 +41,8 @@ Session::~Session() {
   }
   AnyMessage message;
   while (order_.drain(message))
-    if (message.header().type == ODO_TYPE_FRAME) as<odo_frame>(message.header()).release(&as<odo_frame>(message.header()));
+    if (message.header().type == ODO_TYPE_FRAME)
+      as<odo_frame>(message.header()).release(&as<odo_frame>(message.header()));
   pipeline_.reset();  // before the frame store: plugins may hold frames
 }
 
@@ -63,7 +64,9 @@ int32_t Session::push(const odo_header& sample) {
     const MessageInfo* info = message_info(sample.type);
     host_.report(0, ODO_SEVERITY_WARNING, std::string("invalid_") + (info ? info->name : "message"),
                  std::string("dropped a sample of ") + (info ? info->name : "unknown type") +
-                     (status == ODO_E_STRUCT_SIZE ? ": its struct is too small" : status == ODO_E_UNSUPPORTED ? ": not an input" : ": a number is not finite or out of its range"));
+                     (status == ODO_E_STRUCT_SIZE   ? ": its struct is too small"
+                      : status == ODO_E_UNSUPPORTED ? ": not an input"
+                                                    : ": a number is not finite or out of its range"));
     return status;
   }
   if (sample.type == ODO_TYPE_FRAME) {
@@ -79,8 +82,10 @@ int32_t Session::push(const odo_header& sample) {
   } else {
     status = enqueue(sample);
   }
-  if (live_) queue_changed_.notify_one();
-  else process_ready(false);
+  if (live_)
+    queue_changed_.notify_one();
+  else
+    process_ready(false);
   return status;
 }
 
@@ -116,7 +121,8 @@ int32_t Session::enqueue(const odo_header& sample) {
 void Session::restart_clock() {
   AnyMessage message;
   while (order_.drain(message))
-    if (message.header().type == ODO_TYPE_FRAME) as<odo_frame>(message.header()).release(&as<odo_frame>(message.header()));
+    if (message.header().type == ODO_TYPE_FRAME)
+      as<odo_frame>(message.header()).release(&as<odo_frame>(message.header()));
   order_.restart();
   restart_pending_ = true;
 }
@@ -134,7 +140,8 @@ void Session::process_ready(bool flush) {
       if (!order_.pop(message, flush)) break;
     }
     pipeline_->process(message.header());
-    if (message.header().type == ODO_TYPE_FRAME) as<odo_frame>(message.header()).release(&as<odo_frame>(message.header()));
+    if (message.header().type == ODO_TYPE_FRAME)
+      as<odo_frame>(message.header()).release(&as<odo_frame>(message.header()));
     const std::lock_guard answers(answers_mutex_);
     ++statistics_.processed;
   }
@@ -156,12 +163,11 @@ int32_t Session::flush() {
 }
 
 void Session::publish(const odo_header& event) {
-  if ((callback_mask_.load(std::memory_order_relaxed) >> event.type & 1) && callback_) callback_(callback_user_, &event);
+  if ((callback_mask_.load(std::memory_order_relaxed) >> event.type & 1) && callback_)
+    callback_(callback_user_, &event);
 }
 
-int32_t Session::pose(int64_t t_ns, odo_pose& out) const {
-  return pipeline_->pose_at(t_ns, out);
-}
+int32_t Session::pose(int64_t t_ns, odo_pose& out) const { return pipeline_->pose_at(t_ns, out); }
 
 void Session::set_callback(uint32_t mask, odo_callback callback, void* user) {
   const std::lock_guard lock(work_mutex_);
@@ -200,7 +206,8 @@ void Session::reported(const Report& report) {
     if (report.severity >= ODO_SEVERITY_WARNING) {
       ++errors_;
       last_error_.status = ODO_E_ERROR;
-      std::snprintf(last_error_.message, sizeof last_error_.message, "%s: %s", report.origin.c_str(), report.text.c_str());
+      std::snprintf(last_error_.message, sizeof last_error_.message, "%s: %s", report.origin.c_str(),
+                    report.text.c_str());
     }
     listener = listener_;
   }

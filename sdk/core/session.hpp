@@ -15,11 +15,12 @@
 
 namespace odograph {
 
-/// What is behind odo_session: the queue, the thread (when live), the locks. Three locks, always taken in this order and
-/// never two of the same: work (the pipeline), queue (samples waiting), answers (poses, counters, last error).
+/// What is behind odo_session: the queue, the thread (when live), the locks. Three locks, always taken in this order
+/// and never two of the same: work (the pipeline), queue (samples waiting), answers (poses, counters, last error).
 class Session {
  public:
-  static Result<std::unique_ptr<Session>> make(PipelineConfig config, std::filesystem::path base, bool live, uint64_t seed);
+  static Result<std::unique_ptr<Session>> make(PipelineConfig config, std::filesystem::path base, bool live,
+                                               uint64_t seed);
   ~Session();
 
   int32_t push(const odo_header& sample);

@@ -17,13 +17,12 @@ bool holds_back(uint32_t type) {
 
 /// Slow sensors are passed on late rather than lost; what uses them looks the pose of their time up.
 bool may_be_late(uint32_t type) {
-  return type == ODO_TYPE_GNSS || type == ODO_TYPE_WAYPOINT || type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE;
+  return type == ODO_TYPE_GNSS || type == ODO_TYPE_WAYPOINT || type == ODO_TYPE_CALIBRATION ||
+         type == ODO_TYPE_IMU_NOISE;
 }
 
 /// Among equal times: what describes a sensor before what it measured, then by type.
-uint32_t rank_of(uint32_t type) {
-  return type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE ? 0 : type;
-}
+uint32_t rank_of(uint32_t type) { return type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE ? 0 : type; }
 
 }  // namespace
 

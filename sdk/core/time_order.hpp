@@ -15,8 +15,8 @@ class TimeOrder {
  public:
   enum class Verdict {
     accepted,
-    late,       // its time has been released already
-    duplicate,  // same sensor and time as the one before
+    late,         // its time has been released already
+    duplicate,    // same sensor and time as the one before
     implausible,  // far ahead of everything else, and alone with that
     full,
     restarted,  // not taken: the sensor clock was set back; the caller drains, restarts and pushes again
@@ -42,7 +42,7 @@ class TimeOrder {
   struct Stream {
     uint64_t key = 0;
     int64_t latest_ns = 0;
-    int ahead = 0;  // consecutive samples far ahead
+    int ahead = 0;   // consecutive samples far ahead
     int behind = 0;  // consecutive late ones
     bool used = false;
   };

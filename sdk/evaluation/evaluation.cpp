@@ -71,13 +71,16 @@ Pairs associate(const Trajectory& reference, const Trajectory& estimate, double 
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return longer[a].t_ns < longer[b].t_ns; });
   Pairs pairs;
   for (const StampedPose& pose : shorter) {
-    const auto after = std::lower_bound(order.begin(), order.end(), pose.t_ns, [&](size_t i, int64_t t) { return longer[i].t_ns < t; });
+    const auto after = std::lower_bound(order.begin(), order.end(), pose.t_ns,
+                                        [&](size_t i, int64_t t) { return longer[i].t_ns < t; });
     const double t_s = as_double_seconds(pose.t_ns);
     auto best = order.end();
     double best_s = max_difference_s;
-    for (auto candidate = after == order.begin() ? after : after - 1; candidate != order.end() && candidate <= after; ++candidate) {
+    for (auto candidate = after == order.begin() ? after : after - 1; candidate != order.end() && candidate <= after;
+         ++candidate) {
       const double difference_s = std::abs(as_double_seconds(longer[*candidate].t_ns) - t_s);
-      if (difference_s < best_s || (difference_s <= best_s && best == order.end())) best = candidate, best_s = difference_s;
+      if (difference_s < best_s || (difference_s <= best_s && best == order.end()))
+        best = candidate, best_s = difference_s;
     }
     if (best == order.end()) continue;
     pairs.reference.push_back(estimate_is_longer ? pose : longer[*best]);
@@ -121,7 +124,8 @@ Trajectory align(const Pairs& pairs, Alignment alignment, double* scale) {
   if (scale) *scale = 1.0;
   if (pairs.reference.empty() || alignment == Alignment::none) return pairs.estimate;
   if (alignment == Alignment::first)
-    return transformed(pairs.estimate, 1.0, isometry(pairs.reference.front()) * isometry(pairs.estimate.front()).inverse());
+    return transformed(pairs.estimate, 1.0,
+                       isometry(pairs.reference.front()) * isometry(pairs.estimate.front()).inverse());
   if (alignment == Alignment::yaw) return transformed(pairs.estimate, 1.0, yaw_alignment(pairs));
   const auto n = static_cast<Eigen::Index>(pairs.reference.size());
   Eigen::Matrix3Xd from(3, n), to(3, n);
@@ -171,7 +175,8 @@ PoseErrors relative_errors(const Trajectory& reference, const Trajectory& estima
   return errors;
 }
 
-std::vector<std::pair<double, double>> scale_along_path(const Trajectory& reference, const Trajectory& estimate, double window_m) {
+std::vector<std::pair<double, double>> scale_along_path(const Trajectory& reference, const Trajectory& estimate,
+                                                        double window_m) {
   std::vector<std::pair<double, double>> ratios;
   double path = 0, begin_path = 0;
   size_t begin = 0;
@@ -188,7 +193,8 @@ std::vector<std::pair<double, double>> scale_along_path(const Trajectory& refere
 
 Vector3d position_at(const Trajectory& trajectory, int64_t t_ns) {
   if (trajectory.empty()) return Vector3d::Zero();
-  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), t_ns, [](const StampedPose& x, int64_t t) { return x.t_ns < t; });
+  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), t_ns,
+                                      [](const StampedPose& x, int64_t t) { return x.t_ns < t; });
   if (after == trajectory.begin()) return trajectory.front().p;
   if (after == trajectory.end()) return trajectory.back().p;
   const StampedPose &a = *(after - 1), &b = *after;

@@ -42,7 +42,8 @@ PoseErrors absolute_errors(const Trajectory& reference, const Trajectory& estima
 PoseErrors relative_errors(const Trajectory& reference, const Trajectory& estimate, double delta, bool metres);
 
 /// Ratio of the estimate's to the reference's displacement over windows of the path: (metres along the path, ratio).
-std::vector<std::pair<double, double>> scale_along_path(const Trajectory& reference, const Trajectory& estimate, double window_m);
+std::vector<std::pair<double, double>> scale_along_path(const Trajectory& reference, const Trajectory& estimate,
+                                                        double window_m);
 
 /// Position at a time, linear between poses, held before the first and after the last.
 Eigen::Vector3d position_at(const Trajectory& trajectory, int64_t t_ns);
@@ -53,8 +54,8 @@ struct Waypoint {
   Eigen::Vector3d p_n;
 };
 
-/// Turn about the vertical, in rad, that fits the track to the waypoints within the first `metres` of their polyline (and
-/// at least one), both taken from the first waypoint on.
+/// Turn about the vertical, in rad, that fits the track to the waypoints within the first `metres` of their polyline
+/// (and at least one), both taken from the first waypoint on.
 double heading_offset(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres);
 /// The track turned about its place at the first waypoint, and shifted so that this place is the waypoint.
 Trajectory lay_over(const Trajectory& track, const std::vector<Waypoint>& waypoints, double turn_rad);

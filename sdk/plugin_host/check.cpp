@@ -83,13 +83,17 @@ class TestInput {
  private:
   static constexpr size_t kFrames = 100;
 
-  template <class M> void add(const M& message) { messages.emplace_back().assign(message.header); }
+  template <class M>
+  void add(const M& message) {
+    messages.emplace_back().assign(message.header);
+  }
 
   void add_camera(int k, int64_t t_ns) {
     auto& pixels = pixels_[static_cast<size_t>(k)];
     for (int y = 0; y < 48; ++y)
       for (int x = 0; x < 64; ++x)
-        pixels[static_cast<size_t>(y * 64 + x)] = static_cast<uint8_t>((((x + k / 4) / 8 + y / 8) % 2) * 180 + 30 + (x * 7 + y * 13) % 20);
+        pixels[static_cast<size_t>(y * 64 + x)] =
+            static_cast<uint8_t>((((x + k / 4) / 8 + y / 8) % 2) * 180 + 30 + (x * 7 + y * 13) % 20);
     auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
     frame.format = ODO_FORMAT_GREY8;
     frame.width = 64, frame.height = 48;
@@ -124,7 +128,8 @@ class Subject {
     };
     sink_.owner = this;
     status = table_.create(&host, 1, &table_.interfaces[0], &instance_);
-    if (status >= 0) status = table_.configure(instance_, values.data(), static_cast<uint32_t>(values.size()), sizeof(odo_value));
+    if (status >= 0)
+      status = table_.configure(instance_, values.data(), static_cast<uint32_t>(values.size()), sizeof(odo_value));
     if (status >= 0) status = table_.activate(instance_, &sink_);
   }
   ~Subject() {
@@ -180,7 +185,8 @@ std::vector<PluginCheck> check_plugin(const std::filesystem::path& path) {
   if (!checks.back().passed) return checks;
 
   const TestInput input;
-  const auto with = [&](const std::function<std::string(const odo_plugin&, const std::vector<odo_value>&, const std::vector<AnyMessage>&)>& test) {
+  const auto with = [&](const std::function<std::string(const odo_plugin&, const std::vector<odo_value>&,
+                                                        const std::vector<AnyMessage>&)>& test) {
     return [&, test] {
       const auto library = PluginLibrary::load(path, &host);
       const odo_plugin& table = (*library)->table();
@@ -197,44 +203,52 @@ std::vector<PluginCheck> check_plugin(const std::filesystem::path& path) {
     const auto refused = PluginLibrary::load(path, &future);
     return refused ? std::string("it started") : std::string();
   }));
-  checks.push_back(in_child("lives from create to destroy with its default parameters", with([&](const odo_plugin& table, const auto& values, const auto&) -> std::string {
-    const Subject subject(table, host, values);
-    return subject.status >= 0 ? "" : "status " + std::to_string(subject.status);
-  })));
-  checks.push_back(in_child("processes ten seconds of input and emits good events", with([&](const odo_plugin& table, const auto& values, const auto& messages) -> std::string {
-    Subject subject(table, host, values);
-    const int32_t status = subject.process(messages, 1);
-    if (status <= ODO_E_MEMORY) return "status " + std::to_string(status);
-    if (!subject.all_finite) return "an event has numbers that are not finite";
-    return "";
-  })));
-  checks.push_back(in_child("gives the same events however the input is cut", with([&](const odo_plugin& table, const auto& values, const auto& messages) -> std::string {
-    Subject one(table, host, values), other(table, host, values);
-    one.process(messages, 1);
-    other.process(messages, 17);
-    return one.events == other.events ? "" : std::to_string(one.events.size()) + " events differ from " + std::to_string(other.events.size());
-  })));
-  checks.push_back(in_child("gives the same events after reset", with([&](const odo_plugin& table, const auto& values, const auto& messages) -> std::string {
-    if (!ODO_HAS(&table, reset) || !table.reset) return "";
-    Subject subject(table, host, values);
-    subject.process(messages, 1);
-    const auto first = std::exchange(subject.events, {});
-    if (table.reset(subject.instance()) < 0) return "reset failed";
-    subject.process(messages, 1);
-    return subject.events == first ? "" : "events differ";
-  })));
-  checks.push_back(in_child("survives an empty batch and messages of unknown types", with([&](const odo_plugin& table, const auto& values, const auto&) -> std::string {
-    Subject subject(table, host, values);
-    const odo_batch empty{sizeof empty, 0, nullptr};
-    auto strange = make_message<odo_pose>(29, 5);
-    const odo_header* messages[] = {&strange.header};
-    const odo_batch batch{sizeof batch, 1, messages};
-    if (subject.status < 0) return "status " + std::to_string(subject.status);
-    const auto library = PluginLibrary::load(path, &host);
-    (*library)->table().process(subject.instance(), &empty);
-    (*library)->table().process(subject.instance(), &batch);
-    return "";
-  })));
+  checks.push_back(in_child("lives from create to destroy with its default parameters",
+                            with([&](const odo_plugin& table, const auto& values, const auto&) -> std::string {
+                              const Subject subject(table, host, values);
+                              return subject.status >= 0 ? "" : "status " + std::to_string(subject.status);
+                            })));
+  checks.push_back(in_child("processes ten seconds of input and emits good events",
+                            with([&](const odo_plugin& table, const auto& values, const auto& messages) -> std::string {
+                              Subject subject(table, host, values);
+                              const int32_t status = subject.process(messages, 1);
+                              if (status <= ODO_E_MEMORY) return "status " + std::to_string(status);
+                              if (!subject.all_finite) return "an event has numbers that are not finite";
+                              return "";
+                            })));
+  checks.push_back(in_child("gives the same events however the input is cut",
+                            with([&](const odo_plugin& table, const auto& values, const auto& messages) -> std::string {
+                              Subject one(table, host, values), other(table, host, values);
+                              one.process(messages, 1);
+                              other.process(messages, 17);
+                              return one.events == other.events
+                                         ? ""
+                                         : std::to_string(one.events.size()) + " events differ from " +
+                                               std::to_string(other.events.size());
+                            })));
+  checks.push_back(in_child("gives the same events after reset",
+                            with([&](const odo_plugin& table, const auto& values, const auto& messages) -> std::string {
+                              if (!ODO_HAS(&table, reset) || !table.reset) return "";
+                              Subject subject(table, host, values);
+                              subject.process(messages, 1);
+                              const auto first = std::exchange(subject.events, {});
+                              if (table.reset(subject.instance()) < 0) return "reset failed";
+                              subject.process(messages, 1);
+                              return subject.events == first ? "" : "events differ";
+                            })));
+  checks.push_back(in_child("survives an empty batch and messages of unknown types",
+                            with([&](const odo_plugin& table, const auto& values, const auto&) -> std::string {
+                              Subject subject(table, host, values);
+                              const odo_batch empty{sizeof empty, 0, nullptr};
+                              auto strange = make_message<odo_pose>(29, 5);
+                              const odo_header* messages[] = {&strange.header};
+                              const odo_batch batch{sizeof batch, 1, messages};
+                              if (subject.status < 0) return "status " + std::to_string(subject.status);
+                              const auto library = PluginLibrary::load(path, &host);
+                              (*library)->table().process(subject.instance(), &empty);
+                              (*library)->table().process(subject.instance(), &batch);
+                              return "";
+                            })));
   return checks;
 }
 

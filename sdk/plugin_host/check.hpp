@@ -15,8 +15,8 @@ struct PluginCheck {
 };
 
 /// Puts a plugin library to the test: file format, entry, table, life of an instance, hostile input, repeatability and
-/// independence of how the input is cut into batches. Whatever runs the plugin's code runs in a child process, so that a
-/// crash is a failed test. [control]
+/// independence of how the input is cut into batches. Whatever runs the plugin's code runs in a child process, so that
+/// a crash is a failed test. [control]
 std::vector<PluginCheck> check_plugin(const std::filesystem::path& library);
 
 }  // namespace odograph

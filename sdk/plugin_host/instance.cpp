@@ -16,7 +16,10 @@ namespace {
 
 constexpr int kFailuresBeforeGivingUp = 5;
 
-template <class... Types> constexpr uint32_t mask(Types... types) { return ((1u << types) | ...); }
+template <class... Types>
+constexpr uint32_t mask(Types... types) {
+  return ((1u << types) | ...);
+}
 
 /// A table may end before a function that is optional; then it reads as null.
 #define ODO_OPTIONAL(table, function) (ODO_HAS(&(table), function) ? (table).function : nullptr)
@@ -31,10 +34,24 @@ std::vector<odo_value> values_of(const PluginChoice& choice) {
     out.name = {spec.name.data(), spec.name.size()};
     out.text = {value.text.data(), value.text.size()};
     switch (spec.type) {
-      case SpecType::boolean: out.type = ODO_PARAMETER_BOOL; out.integer = value.boolean; break;
-      case SpecType::integer: out.type = ODO_PARAMETER_INT; out.integer = value.integer; break;
-      case SpecType::real: out.type = ODO_PARAMETER_REAL; out.reals = &value.real; out.count = 1; break;
-      case SpecType::reals: out.type = ODO_PARAMETER_REALS; out.reals = value.reals.data(); out.count = value.reals.size(); break;
+      case SpecType::boolean:
+        out.type = ODO_PARAMETER_BOOL;
+        out.integer = value.boolean;
+        break;
+      case SpecType::integer:
+        out.type = ODO_PARAMETER_INT;
+        out.integer = value.integer;
+        break;
+      case SpecType::real:
+        out.type = ODO_PARAMETER_REAL;
+        out.reals = &value.real;
+        out.count = 1;
+        break;
+      case SpecType::reals:
+        out.type = ODO_PARAMETER_REALS;
+        out.reals = value.reals.data();
+        out.count = value.reals.size();
+        break;
       case SpecType::choice: out.type = ODO_PARAMETER_CHOICE; break;
       default: out.type = ODO_PARAMETER_STRING;
     }
@@ -53,8 +70,9 @@ KindTypes kind_types(const std::string& id) {
   if (id == ODO_INTERFACE_SCALE_SOURCE)
     return {mask(ODO_TYPE_VO_MOTION, ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE, ODO_TYPE_FIX), mask(ODO_TYPE_SCALE)};
   if (id == ODO_INTERFACE_ABSOLUTE_FIXER)
-    return {mask(ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_FRAME, ODO_TYPE_CALIBRATION, ODO_TYPE_POSE),
-            mask(ODO_TYPE_FIX)};
+    return {
+        mask(ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_FRAME, ODO_TYPE_CALIBRATION, ODO_TYPE_POSE),
+        mask(ODO_TYPE_FIX)};
   return {0, 0};
 }
 
@@ -130,8 +148,10 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
   const odo_header* messages[] = {&message};
   const odo_batch batch{sizeof(odo_batch), 1, messages};
   const int32_t status = library_->table().process(instance_, &batch);
-  if (status < 0) failed(status);
-  else failures_in_a_row_ = 0;
+  if (status < 0)
+    failed(status);
+  else
+    failures_in_a_row_ = 0;
   return buffer_.events();
 }
 

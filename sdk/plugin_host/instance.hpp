@@ -28,8 +28,8 @@ class EventBuffer {
   size_t count_ = 0;
 };
 
-/// One instance of a plugin, through its whole life. What it emits is checked before anybody sees it. A failing instance
-/// is reset, and after too many failures left out; a library that says ODO_E_FATAL is quarantined.
+/// One instance of a plugin, through its whole life. What it emits is checked before anybody sees it. A failing
+/// instance is reset, and after too many failures left out; a library that says ODO_E_FATAL is quarantined.
 class PluginInstance {
  public:
   /// Creates, configures and activates. The failure names the plugin, the step and what the plugin reported.
@@ -56,7 +56,8 @@ class PluginInstance {
     PluginInstance* owner;
   };
 
-  PluginInstance(std::shared_ptr<PluginLibrary> library, HostServices& host, uint32_t number, const PluginChoice& choice);
+  PluginInstance(std::shared_ptr<PluginLibrary> library, HostServices& host, uint32_t number,
+                 const PluginChoice& choice);
   static int32_t emit(const odo_sink* sink, const odo_header* event);
   int32_t start();
   void failed(int32_t status);

@@ -67,7 +67,9 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const Manifest& manif
                                       ", but this host speaks " + std::to_string(host->abi_major_max)};
   if (verify_hash) {
     const auto hash = sha256_of(manifest.library);
-    if (!hash) return Failure{ODO_E_NOT_FOUND, manifest.library.string() + ": cannot be opened (named by " + manifest.path.string() + ")"};
+    if (!hash)
+      return Failure{ODO_E_NOT_FOUND,
+                     manifest.library.string() + ": cannot be opened (named by " + manifest.path.string() + ")"};
     // The format first: "truncated" says more than "hash differs".
     const auto file = check_shared_library(manifest.library);
     if (!file) return file.failure();

@@ -54,7 +54,8 @@ Result<bool> check_shared_library(const std::filesystem::path& path) {
   const auto truncated = [&](uint64_t end) { return end > size || end < 0x40; };
   const uint64_t table_end = header.e_phoff + uint64_t(header.e_phnum) * sizeof(Elf64_Phdr);
   if (file.gcount() < static_cast<std::streamsize>(sizeof header) || header.e_phentsize != sizeof(Elf64_Phdr) ||
-      truncated(table_end) || (header.e_shnum && truncated(header.e_shoff + uint64_t(header.e_shnum) * header.e_shentsize)))
+      truncated(table_end) ||
+      (header.e_shnum && truncated(header.e_shoff + uint64_t(header.e_shnum) * header.e_shentsize)))
     return fail("truncated: " + std::to_string(size) + " bytes are there, its tables lie beyond");
   file.clear();
   file.seekg(static_cast<std::streamoff>(header.e_phoff));

@@ -17,8 +17,8 @@ constexpr struct {
   SpecType type;
   const char* name;
 } kTypes[] = {
-    {ODO_PARAMETER_BOOL, SpecType::boolean, "bool"},   {ODO_PARAMETER_INT, SpecType::integer, "int"},
-    {ODO_PARAMETER_REAL, SpecType::real, "real"},      {ODO_PARAMETER_STRING, SpecType::text, "string"},
+    {ODO_PARAMETER_BOOL, SpecType::boolean, "bool"},    {ODO_PARAMETER_INT, SpecType::integer, "int"},
+    {ODO_PARAMETER_REAL, SpecType::real, "real"},       {ODO_PARAMETER_STRING, SpecType::text, "string"},
     {ODO_PARAMETER_CHOICE, SpecType::choice, "choice"}, {ODO_PARAMETER_REALS, SpecType::reals, "reals"},
 };
 
@@ -40,10 +40,14 @@ const Spec& manifest_spec() {
     Spec parameter{.name = "parameter", .type = SpecType::map};
     parameter.children = {
         text_spec("name", "lower_case"),
-        {.name = "type", .type = SpecType::choice, .choices = "bool|int|real|string|choice|reals", .help = "of the value", .required = true},
+        {.name = "type",
+         .type = SpecType::choice,
+         .choices = "bool|int|real|string|choice|reals",
+         .help = "of the value",
+         .required = true},
         text_spec("unit", "SI", false),
         {.name = "min", .type = SpecType::real, .fallback = "0", .help = "inclusive"},
-        {.name = "max", .type = SpecType::real, .fallback = "0", .help = "inclusive; no bound where min equals max"},
+        {.name = "max", .type = SpecType::real, .fallback = "0", .help = "inclusive; no bound where both are 0"},
         text_spec("default", "as written in YAML, in the unit", false),
         text_spec("choices", "separated by |", false),
         {.name = "count", .type = SpecType::integer, .min = 1, .max = 64, .fallback = "1", .help = "of reals"},
@@ -51,7 +55,12 @@ const Spec& manifest_spec() {
     };
     Spec root{.name = "manifest", .type = SpecType::map};
     root.children = {
-        {.name = "odoplugin", .type = SpecType::integer, .min = 1, .max = 1, .help = "version of this format", .required = true},
+        {.name = "odoplugin",
+         .type = SpecType::integer,
+         .min = 1,
+         .max = 1,
+         .help = "version of this format",
+         .required = true},
         text_spec("id", "group/name"),
         text_spec("version", "major.minor.patch"),
         text_spec("summary", "one sentence"),
@@ -83,7 +92,8 @@ Result<Manifest> read_manifest(const std::filesystem::path& path) {
   manifest.sha256 = value["sha256"].text;
   for (const Value& item : value["interfaces"].items) manifest.interfaces.push_back(item.text);
   const auto& abi = value["abi"].items;
-  if (abi.size() != 2) return Failure{ODO_E_CONFIG, at(path.string(), value["abi"].mark, "abi: expected [major, minor]")};
+  if (abi.size() != 2)
+    return Failure{ODO_E_CONFIG, at(path.string(), value["abi"].mark, "abi: expected [major, minor]")};
   manifest.abi_major = static_cast<uint32_t>(abi[0].integer);
   manifest.abi_minor = static_cast<uint32_t>(abi[1].integer);
   const std::filesystem::path library = value["library"].text;
@@ -121,7 +131,8 @@ Result<std::vector<Spec>> parameter_specs(const odo_plugin& plugin) {
     bool known = false;
     for (const auto& type : kTypes)
       if (row.type == type.code) spec.type = type.type, known = true;
-    if (!known) return Failure{ODO_E_DATA, "parameter '" + spec.name + "' has unknown type " + std::to_string(row.type)};
+    if (!known)
+      return Failure{ODO_E_DATA, "parameter '" + spec.name + "' has unknown type " + std::to_string(row.type)};
     spec.unit = text(row.unit);
     spec.min = row.min;
     spec.max = row.max;

@@ -49,8 +49,10 @@ PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories) {
     std::sort(files.begin(), files.end());
     for (const auto& file : files) {
       auto manifest = read_manifest(file);
-      if (manifest) manifests_.push_back(std::move(*manifest));
-      else problems_.push_back(manifest.failure().text);
+      if (manifest)
+        manifests_.push_back(std::move(*manifest));
+      else
+        problems_.push_back(manifest.failure().text);
     }
   }
   directories_ = std::move(seen);
@@ -77,18 +79,22 @@ Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::s
   }
   if (!found) {
     std::string text = "no plugin '" + id + "'";
-    text += usable.empty() ? "; no plugin for " + interface_id + " lies in " : "; expected one of " + join(usable) + " (nearest: '" + nearest(id, usable) + "'), from ";
+    text += usable.empty() ? "; no plugin for " + interface_id + " lies in "
+                           : "; expected one of " + join(usable) + " (nearest: '" + nearest(id, usable) + "'), from ";
     for (size_t i = 0; i < directories_.size(); ++i) text += (i ? ":" : "") + directories_[i].string();
     if (directories_.empty()) text += "any directory";
     for (const auto& problem : problems_) text += "; passed over: " + problem;
     return Failure{ODO_E_NOT_FOUND, text};
   }
   if (std::find(found->interfaces.begin(), found->interfaces.end(), interface_id) == found->interfaces.end())
-    return Failure{ODO_E_CONFIG, "plugin '" + found->id + "' serves " + join(found->interfaces) + "; expected one that serves " +
-                                     interface_id + (usable.empty() ? "" : ": " + join(usable) + " (nearest: '" + nearest(id, usable) + "')")};
+    return Failure{ODO_E_CONFIG,
+                   "plugin '" + found->id + "' serves " + join(found->interfaces) + "; expected one that serves " +
+                       interface_id +
+                       (usable.empty() ? "" : ": " + join(usable) + " (nearest: '" + nearest(id, usable) + "')")};
   if (!allow.empty() && std::find(allow.begin(), allow.end(), found->id) == allow.end())
-    return Failure{ODO_E_CONFIG, "plugin '" + found->id + "' is not on the allow list (plugins.allow); expected one of " +
-                                     join(allow) + " (nearest: '" + nearest(found->id, allow) + "')"};
+    return Failure{ODO_E_CONFIG, "plugin '" + found->id +
+                                     "' is not on the allow list (plugins.allow); expected one of " + join(allow) +
+                                     " (nearest: '" + nearest(found->id, allow) + "')"};
   return found;
 }
 

@@ -19,8 +19,8 @@ class PluginRegistry {
   /// The plugin with this id, or with this manifest path when `id` ends in ".odoplugin.json" (relative to `base`).
   /// Failures: unknown id with the nearest one, two manifests with one id, a kind it does not serve, not on `allow`
   /// (empty allows all).
-  Result<const Manifest*> find(const std::string& id, const std::string& interface_id, const std::filesystem::path& base,
-                               const std::vector<std::string>& allow);
+  Result<const Manifest*> find(const std::string& id, const std::string& interface_id,
+                               const std::filesystem::path& base, const std::vector<std::string>& allow);
 
   const std::vector<Manifest>& manifests() const { return manifests_; }
   /// Manifests that could not be read, as sentences.

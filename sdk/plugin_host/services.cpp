@@ -9,9 +9,7 @@
 namespace odograph {
 namespace {
 
-HostServices& of(const odo_host* host) {
-  return *const_cast<HostServices*>(static_cast<const HostServices*>(host));
-}
+HostServices& of(const odo_host* host) { return *const_cast<HostServices*>(static_cast<const HostServices*>(host)); }
 
 std::string text_of(const odo_string* s) { return s && s->size ? std::string(s->data, s->size) : std::string(); }
 
@@ -77,7 +75,8 @@ void HostServices::report(uint32_t instance, uint32_t severity, const std::strin
       ++entry->second.held_back;
       return;
     }
-    if (entry->second.held_back > 0) report.text += " (and " + std::to_string(entry->second.held_back) + " more like it)";
+    if (entry->second.held_back > 0)
+      report.text += " (and " + std::to_string(entry->second.held_back) + " more like it)";
     entry->second = {now, 0};
   }
   if (listener_) listener_(report);

@@ -21,7 +21,8 @@ struct RecordHead {
 };
 static_assert(sizeof(RecordHead) == 16);
 
-uint32_t checksum(uint32_t type, uint32_t size, std::span<const unsigned char> head, std::span<const unsigned char> tail) {
+uint32_t checksum(uint32_t type, uint32_t size, std::span<const unsigned char> head,
+                  std::span<const unsigned char> tail) {
   const uint32_t numbers[2] = {type, size};
   uLong crc = crc32(0, reinterpret_cast<const Bytef*>(numbers), sizeof numbers);
   crc = crc32(crc, head.data(), static_cast<uInt>(head.size()));
@@ -29,7 +30,8 @@ uint32_t checksum(uint32_t type, uint32_t size, std::span<const unsigned char> h
   return static_cast<uint32_t>(crc);
 }
 
-template <class T> std::span<const unsigned char> bytes_of(const T& value) {
+template <class T>
+std::span<const unsigned char> bytes_of(const T& value) {
   return {reinterpret_cast<const unsigned char*>(&value), sizeof value};
 }
 
@@ -54,7 +56,8 @@ Result<std::unique_ptr<OdoWriter>> OdoWriter::create(const fs::path& file, int j
   return writer;
 }
 
-Result<bool> OdoWriter::record(uint32_t type, std::span<const unsigned char> head, std::span<const unsigned char> tail) {
+Result<bool> OdoWriter::record(uint32_t type, std::span<const unsigned char> head,
+                               std::span<const unsigned char> tail) {
   const auto size = static_cast<uint32_t>(head.size() + tail.size());
   const RecordHead record{kRecord, type, size, checksum(type, size, head, tail)};
   out_.write(reinterpret_cast<const char*>(&record), sizeof record);
@@ -88,7 +91,8 @@ Result<bool> OdoWriter::write_encoded_frame(const odo_frame& frame, std::span<co
 }
 
 Result<bool> OdoWriter::write_truth(const StampedPose& pose) {
-  const TruthRecord truth{pose.t_ns, {pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z()}, {pose.p.x(), pose.p.y(), pose.p.z()}};
+  const TruthRecord truth{
+      pose.t_ns, {pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z()}, {pose.p.x(), pose.p.y(), pose.p.z()}};
   return record(kTruthPose, bytes_of(truth));
 }
 
@@ -101,7 +105,9 @@ Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jp
   cv::Mat image;
   switch (frame.format) {
     case ODO_FORMAT_RGB8: cv::cvtColor(cv::Mat(rows, columns, CV_8UC3, data, stride), image, cv::COLOR_RGB2BGR); break;
-    case ODO_FORMAT_RGBA8: cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), image, cv::COLOR_RGBA2BGR); break;
+    case ODO_FORMAT_RGBA8:
+      cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), image, cv::COLOR_RGBA2BGR);
+      break;
     default: image = cv::Mat(rows, columns, CV_8UC1, data, stride);
   }
   std::vector<unsigned char> bytes;
@@ -118,7 +124,8 @@ void take(Recording& recording, const RecordHead& head, std::span<const unsigned
   if (head.type == OdoWriter::kTruthPose && payload.size() >= sizeof(TruthRecord)) {
     TruthRecord t;
     std::memcpy(&t, payload.data(), sizeof t);
-    recording.truth.push_back({t.t_ns, Eigen::Quaterniond(t.q[0], t.q[1], t.q[2], t.q[3]).normalized(), {t.p[0], t.p[1], t.p[2]}});
+    recording.truth.push_back(
+        {t.t_ns, Eigen::Quaterniond(t.q[0], t.q[1], t.q[2], t.q[3]).normalized(), {t.p[0], t.p[1], t.p[2]}});
     return;
   }
   const MessageInfo* info = message_info(head.type);
@@ -147,8 +154,11 @@ Result<Recording> read_odo(const fs::path& file) {
   uint32_t version[2] = {};
   in.read(magic, sizeof magic);
   in.read(reinterpret_cast<char*>(version), sizeof version);
-  if (!in || std::memcmp(magic, kMagic, sizeof magic) != 0) return Failure{ODO_E_DATA, file.string() + ": not an Odograph recording"};
-  if (version[0] != 1) return Failure{ODO_E_VERSION, file.string() + ": recording version " + std::to_string(version[0]) + "; this program reads version 1"};
+  if (!in || std::memcmp(magic, kMagic, sizeof magic) != 0)
+    return Failure{ODO_E_DATA, file.string() + ": not an Odograph recording"};
+  if (version[0] != 1)
+    return Failure{ODO_E_VERSION, file.string() + ": recording version " + std::to_string(version[0]) +
+                                      "; this program reads version 1"};
   uint64_t offset = 16;
   std::vector<unsigned char> payload;
   for (;;) {
@@ -159,10 +169,12 @@ Result<Recording> read_odo(const fs::path& file) {
     if (whole) {
       payload.resize(head.size);
       in.read(reinterpret_cast<char*>(payload.data()), head.size);
-      whole = in.gcount() == static_cast<std::streamsize>(head.size) && checksum(head.type, head.size, payload, {}) == head.crc;
+      whole = in.gcount() == static_cast<std::streamsize>(head.size) &&
+              checksum(head.type, head.size, payload, {}) == head.crc;
     }
     if (!whole) {  // a crash while it was written: what came before is good
-      recording.warnings.push_back("damaged or cut off at byte " + std::to_string(offset) + "; everything before it was read");
+      recording.warnings.push_back("damaged or cut off at byte " + std::to_string(offset) +
+                                   "; everything before it was read");
       break;
     }
     take(recording, head, payload, offset + sizeof head);

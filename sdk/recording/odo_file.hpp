@@ -20,7 +20,8 @@ namespace odograph {
 /// behind it the encoded picture (PNG or JPEG).
 class OdoWriter {
  public:
-  static constexpr uint32_t kTruthPose = 0x10000;  // i64 t_ns, f64 q[4] (w x y z), f64 p[3]: the camera, or the body without one
+  static constexpr uint32_t kTruthPose =
+      0x10000;  // i64 t_ns, f64 q[4] (w x y z), f64 p[3]: the camera, or the body without one
 
   /// Creates or truncates the file. jpeg_quality 0 = lossless PNG.
   static Result<std::unique_ptr<OdoWriter>> create(const std::filesystem::path& file, int jpeg_quality);

@@ -13,8 +13,10 @@ namespace {
 
 bool is_picture(const fs::path& path) {
   std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".pgm" || extension == ".bmp";
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".pgm" ||
+         extension == ".bmp";
 }
 
 /// Pictures of a folder in the order of their names, numbers by value ("2.png" before "10.png").
@@ -50,7 +52,8 @@ Result<Recording> read_image_folder(const fs::path& folder) {
   recording.add(camera->header);
   auto files = pictures_of(folder);
   if (files.empty()) files = pictures_of(folder / "images");
-  if (files.empty()) return Failure{ODO_E_DATA, folder.string() + ": no pictures (png, jpg, pgm, bmp) beside camera.yaml"};
+  if (files.empty())
+    return Failure{ODO_E_DATA, folder.string() + ": no pictures (png, jpg, pgm, bmp) beside camera.yaml"};
   for (size_t i = 0; i < files.size(); ++i)
     add_frame(recording, static_cast<int64_t>(static_cast<double>(i) * 1e9 / fps + 0.5), 0, {files[i]});
   std::error_code error;
@@ -78,7 +81,9 @@ Result<Recording> read_kitti(const fs::path& folder) {
     return true;
   });
   if (!calib) return calib.failure();
-  if (!(calibration.fx > 0)) return Failure{ODO_E_DATA, (folder / "calib.txt").string() + ": no line 'P0: ...' with the left camera's projection"};
+  if (!(calibration.fx > 0))
+    return Failure{ODO_E_DATA,
+                   (folder / "calib.txt").string() + ": no line 'P0: ...' with the left camera's projection"};
   std::vector<int64_t> times;
   const auto stamps = read_rows(folder / "times.txt", [&](const TextRow& row) -> Result<bool> {
     const auto t = parse_seconds(row.fields[0]);
@@ -89,7 +94,8 @@ Result<Recording> read_kitti(const fs::path& folder) {
   if (!stamps) return stamps.failure();
   const auto files = pictures_of(folder / "image_0");
   if (files.size() > times.size())
-    return Failure{ODO_E_DATA, folder.string() + ": " + std::to_string(files.size()) + " pictures in image_0 but " + std::to_string(times.size()) + " times in times.txt"};
+    return Failure{ODO_E_DATA, folder.string() + ": " + std::to_string(files.size()) + " pictures in image_0 but " +
+                                   std::to_string(times.size()) + " times in times.txt"};
   if (files.empty()) return Failure{ODO_E_DATA, (folder / "image_0").string() + ": no pictures"};
   RecordedMessage probe;
   auto empty = make_message<odo_frame>(ODO_TYPE_FRAME, 0);

@@ -48,7 +48,8 @@ Result<odo_calibration> read_asl_camera(const fs::path& file, uint32_t id) {
   const auto T_b_c = reals(T ? T->find("data") : nullptr);
   const YamlNode* model = node->find("distortion_model");
   if (intrinsics.size() != 4 || resolution.size() != 2)
-    return Failure{ODO_E_DATA, at(file.string(), {}, "expected intrinsics: [fu, fv, cu, cv] and resolution: [width, height]")};
+    return Failure{ODO_E_DATA,
+                   at(file.string(), {}, "expected intrinsics: [fu, fv, cu, cv] and resolution: [width, height]")};
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
   c.id = id;
   const bool fisheye = model && (model->text == "equidistant" || model->text == "kannala_brandt");
@@ -66,7 +67,8 @@ Result<odo_calibration> read_asl_camera(const fs::path& file, uint32_t id) {
     for (size_t i = 0; i < 3; ++i) c.p_b_c[i] = T_b_c[4 * i + 3];
     c.header.flags = ODO_CALIBRATION_EXTRINSICS;
   }
-  if (!message_is_finite(c.header)) return Failure{ODO_E_DATA, file.string() + ": the calibration makes no sense (focal length, size, rotation)"};
+  if (!message_is_finite(c.header))
+    return Failure{ODO_E_DATA, file.string() + ": the calibration makes no sense (focal length, size, rotation)"};
   return c;
 }
 
@@ -109,7 +111,8 @@ Result<Recording> read_euroc(const fs::path& given) {
       const auto t = row.integer(0);
       if (!t) return t.failure();
       if (row.fields.size() < 2) return row.wrong("expected 'time,file'");
-      recording.add(make_message<odo_frame>(ODO_TYPE_FRAME, *t).header, {folder / "cam0/data" / std::string(row.fields[1])});
+      recording.add(make_message<odo_frame>(ODO_TYPE_FRAME, *t).header,
+                    {folder / "cam0/data" / std::string(row.fields[1])});
       return true;
     });
     if (!done) return done.failure();
@@ -153,34 +156,35 @@ Result<Recording> read_advio(const fs::path& folder) {
       });
     };
   };
-  for (const auto& done : {
-           optional(phone / "accelerometer.csv", imu_rows(ODO_IMU_ACCEL)),
-           optional(phone / "gyro.csv", imu_rows(ODO_IMU_GYRO)),
-           optional(phone / "magnetometer.csv", [&](const fs::path& file) {
-             return add_rows(recording, file, 4, false, [](const auto& v, int64_t t) {
-               auto m = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, t);
-               for (size_t i = 0; i < 3; ++i) m.field_b[i] = v[1 + i] * 1e-6;
-               return m;
-             });
-           }),
-           optional(phone / "barometer.csv", [&](const fs::path& file) {
-             return add_rows(recording, file, 2, false, [](const auto& v, int64_t t) {
-               auto m = make_message<odo_barometer>(ODO_TYPE_BAROMETER, t);
-               m.pressure_pa = v[1] * 1000.0;
-               return m;
-             });
-           }),
-           optional(phone / "platform-location.csv", [&](const fs::path& file) {
-             return add_rows(recording, file, 6, false, [](const auto& v, int64_t t) {
-               auto m = make_message<odo_gnss>(ODO_TYPE_GNSS, t);
-               m.header.flags = ODO_GNSS_POSITION | ODO_GNSS_HEIGHT | ODO_GNSS_COVARIANCE;
-               m.latitude_rad = v[1] * kRadians, m.longitude_rad = v[2] * kRadians;
-               m.height_m = v[4];
-               m.covariance_n[0] = m.covariance_n[4] = 0.5 * v[3] * v[3];
-               m.covariance_n[8] = v[5] * v[5];
-               return m;
-             });
-           })})
+  for (const auto& done : {optional(phone / "accelerometer.csv", imu_rows(ODO_IMU_ACCEL)),
+                           optional(phone / "gyro.csv", imu_rows(ODO_IMU_GYRO)),
+                           optional(phone / "magnetometer.csv",
+                                    [&](const fs::path& file) {
+                                      return add_rows(recording, file, 4, false, [](const auto& v, int64_t t) {
+                                        auto m = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, t);
+                                        for (size_t i = 0; i < 3; ++i) m.field_b[i] = v[1 + i] * 1e-6;
+                                        return m;
+                                      });
+                                    }),
+                           optional(phone / "barometer.csv",
+                                    [&](const fs::path& file) {
+                                      return add_rows(recording, file, 2, false, [](const auto& v, int64_t t) {
+                                        auto m = make_message<odo_barometer>(ODO_TYPE_BAROMETER, t);
+                                        m.pressure_pa = v[1] * 1000.0;
+                                        return m;
+                                      });
+                                    }),
+                           optional(phone / "platform-location.csv", [&](const fs::path& file) {
+                             return add_rows(recording, file, 6, false, [](const auto& v, int64_t t) {
+                               auto m = make_message<odo_gnss>(ODO_TYPE_GNSS, t);
+                               m.header.flags = ODO_GNSS_POSITION | ODO_GNSS_HEIGHT | ODO_GNSS_COVARIANCE;
+                               m.latitude_rad = v[1] * kRadians, m.longitude_rad = v[2] * kRadians;
+                               m.height_m = v[4];
+                               m.covariance_n[0] = m.covariance_n[4] = 0.5 * v[3] * v[3];
+                               m.covariance_n[8] = v[5] * v[5];
+                               return m;
+                             });
+                           })})
     if (!done) return done.failure();
   if (fs::exists(phone / "frames", error) && fs::exists(phone / "frames.csv", error)) {
     const auto camera = read_camera_yaml(folder / "camera.yaml", nullptr);
@@ -197,7 +201,8 @@ Result<Recording> read_advio(const fs::path& folder) {
     });
     if (!frames) return frames.failure();
   } else if (fs::exists(phone / "frames.mov", error)) {
-    recording.warnings.push_back("iphone/frames.mov is not read; for pictures run: ffmpeg -i frames.mov frames/%05d.png, and add a camera.yaml");
+    recording.warnings.push_back(
+        "iphone/frames.mov is not read; for pictures run: ffmpeg -i frames.mov frames/%05d.png, and add a camera.yaml");
   }
   if (fs::exists(folder / "ground-truth/pose.csv", error)) {
     const auto done = read_rows(folder / "ground-truth/pose.csv", [&](const TextRow& row) -> Result<bool> {
@@ -205,7 +210,8 @@ Result<Recording> read_advio(const fs::path& folder) {
       const auto t = parse_seconds(row.fields[0]);
       if (!v) return v.failure();
       if (!t) return row.wrong(t.failure().text);
-      recording.truth.push_back({*t, Eigen::Quaterniond((*v)[4], (*v)[5], (*v)[6], (*v)[7]).normalized(), {(*v)[1], (*v)[2], (*v)[3]}});
+      recording.truth.push_back(
+          {*t, Eigen::Quaterniond((*v)[4], (*v)[5], (*v)[6], (*v)[7]).normalized(), {(*v)[1], (*v)[2], (*v)[3]}});
       return true;
     });
     if (!done) return done.failure();
@@ -220,7 +226,8 @@ Result<Recording> read_indoor_location(const fs::path& file) {
   const auto done = read_rows(file, [&](const TextRow& row) -> Result<bool> {
     if (row.fields.size() < 2) return row.wrong("expected 'time TYPE values'");
     const std::string_view type = row.fields[1];
-    const bool accel = type == "TYPE_ACCELEROMETER", gyro = type == "TYPE_GYROSCOPE", field = type == "TYPE_MAGNETIC_FIELD";
+    const bool accel = type == "TYPE_ACCELEROMETER", gyro = type == "TYPE_GYROSCOPE",
+               field = type == "TYPE_MAGNETIC_FIELD";
     if (!accel && !gyro && !field && type != "TYPE_WAYPOINT") return true;  // rotation vectors, WiFi, beacons
     const auto milliseconds = row.integer(0);
     if (!milliseconds) return milliseconds.failure();
@@ -250,7 +257,10 @@ Result<Recording> read_indoor_location(const fs::path& file) {
     return true;
   });
   if (!done) return done.failure();
-  if (!recording.has(ODO_TYPE_IMU)) return Failure{ODO_E_DATA, file.string() + ": no TYPE_ACCELEROMETER and TYPE_GYROSCOPE rows; not an Indoor Location Competition trace?"};
+  if (!recording.has(ODO_TYPE_IMU))
+    return Failure{
+        ODO_E_DATA,
+        file.string() + ": no TYPE_ACCELEROMETER and TYPE_GYROSCOPE rows; not an Indoor Location Competition trace?"};
   recording.sort();
   return recording;
 }

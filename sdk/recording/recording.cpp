@@ -11,7 +11,8 @@ namespace odograph {
 namespace fs = std::filesystem;
 
 bool Recording::has(uint32_t type) const {
-  return std::any_of(messages.begin(), messages.end(), [type](const auto& m) { return m.message.header().type == type; });
+  return std::any_of(messages.begin(), messages.end(),
+                     [type](const auto& m) { return m.message.header().type == type; });
 }
 
 void Recording::add(const odo_header& message, PictureRef picture) {
@@ -21,9 +22,8 @@ void Recording::add(const odo_header& message, PictureRef picture) {
 }
 
 void Recording::sort() {
-  std::stable_sort(messages.begin(), messages.end(), [](const auto& a, const auto& b) {
-    return a.message.header().t_ns < b.message.header().t_ns;
-  });
+  std::stable_sort(messages.begin(), messages.end(),
+                   [](const auto& a, const auto& b) { return a.message.header().t_ns < b.message.header().t_ns; });
 }
 
 Result<Recording> read_recording(const fs::path& path) {
@@ -34,14 +34,19 @@ Result<Recording> read_recording(const fs::path& path) {
     std::ifstream(path, std::ios::binary).read(magic, sizeof magic);
     if (std::string_view(magic, 6) == "ODOREC") return read_odo(path);
     if (path.extension() == ".txt") return read_indoor_location(path);
-    return Failure{ODO_E_DATA, path.string() + ": not a recording; expected an Odograph recording (.odo) or an Indoor Location Competition trace (.txt)"};
+    return Failure{
+        ODO_E_DATA,
+        path.string() +
+            ": not a recording; expected an Odograph recording (.odo) or an Indoor Location Competition trace (.txt)"};
   }
   if (fs::exists(path / "mav0", error) || fs::exists(path / "imu0", error)) return read_euroc(path);
   if (fs::exists(path / "image_0", error)) return read_kitti(path);
   if (fs::exists(path / "iphone", error)) return read_advio(path);
   if (fs::exists(path / "rgb.txt", error)) return read_tum_rgbd(path);
   if (fs::exists(path / "camera.yaml", error)) return read_image_folder(path);
-  return Failure{ODO_E_DATA, path.string() + ": no recording in this folder; looked for mav0/ (EuRoC/ASL), image_0/ (KITTI), iphone/ (ADVIO), rgb.txt (TUM RGB-D), camera.yaml (images)"};
+  return Failure{ODO_E_DATA, path.string() +
+                                 ": no recording in this folder; looked for mav0/ (EuRoC/ASL), image_0/ (KITTI), "
+                                 "iphone/ (ADVIO), rgb.txt (TUM RGB-D), camera.yaml (images)"};
 }
 
 namespace {

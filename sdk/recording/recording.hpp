@@ -26,10 +26,10 @@ struct RecordedMessage {
 
 /// A recording in memory, except for its pictures. Messages are in order of time.
 struct Recording {
-  std::string format;           // "EuRoC/ASL", ...
+  std::string format;  // "EuRoC/ASL", ...
   std::filesystem::path path;
   std::vector<RecordedMessage> messages;
-  Trajectory truth;             // of the camera where there is one, otherwise of the body; may be empty
+  Trajectory truth;  // of the camera where there is one, otherwise of the body; may be empty
   std::vector<odo_step> true_steps;
   std::vector<std::string> warnings;
 
@@ -55,8 +55,8 @@ Result<Recording> read_image_folder(const std::filesystem::path& folder);
 /// camera.yaml: model, width, height, fx, fy, cx, cy, distortion, fps, mount. `fps` may be null.
 Result<odo_calibration> read_camera_yaml(const std::filesystem::path& file, double* fps);
 
-/// Loads a frame's picture and fills in pixels, size and format. The result carries retain and release, so nobody has to
-/// copy it; the caller releases it once.
+/// Loads a frame's picture and fills in pixels, size and format. The result carries retain and release, so nobody has
+/// to copy it; the caller releases it once.
 Result<odo_frame> load_frame(const RecordedMessage& message);
 
 }  // namespace odograph

@@ -46,13 +46,15 @@ Result<int64_t> TextRow::integer(size_t field) const {
   const std::string_view text = fields[field];
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
   if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
-    return wrong("field " + std::to_string(field + 1) + " '" + std::string(text.substr(0, 40)) + "' is not a whole number");
+    return wrong("field " + std::to_string(field + 1) + " '" + std::string(text.substr(0, 40)) +
+                 "' is not a whole number");
   return value;
 }
 
 Result<std::vector<double>> numbers(const TextRow& row, size_t least) {
   if (row.fields.size() < least)
-    return row.wrong("expected at least " + std::to_string(least) + " fields, found " + std::to_string(row.fields.size()));
+    return row.wrong("expected at least " + std::to_string(least) + " fields, found " +
+                     std::to_string(row.fields.size()));
   std::vector<double> values;
   for (size_t i = 0; i < row.fields.size(); ++i) {
     const auto value = row.number(i);
@@ -66,18 +68,21 @@ Result<std::vector<double>> numbers(const TextRow& row, size_t least) {
 }
 
 namespace {
-Result<bool> read_lines(const std::filesystem::path& path, bool may_have_head, const std::function<Result<bool>(const TextRow&)>& take) {
+Result<bool> read_lines(const std::filesystem::path& path, bool may_have_head,
+                        const std::function<Result<bool>(const TextRow&)>& take) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be opened"};
   std::string line;
   bool first = true;
   for (int number = 1; std::getline(file, line); ++number) {
-    if (line.size() > kLongestLine) return Failure{ODO_E_DATA, path.string() + ":" + std::to_string(number) + ": the line is too long for a table"};
+    if (line.size() > kLongestLine)
+      return Failure{ODO_E_DATA, path.string() + ":" + std::to_string(number) + ": the line is too long for a table"};
     if (line.empty() || line[0] == '#') continue;
     const TextRow row{fields_of(line), &path, number};
     if (row.fields.empty()) continue;
     const char head = row.fields[0][0];
-    const bool is_head = may_have_head && first && !(head == '-' || head == '+' || head == '.' || (head >= '0' && head <= '9'));
+    const bool is_head =
+        may_have_head && first && !(head == '-' || head == '+' || head == '.' || (head >= '0' && head <= '9'));
     first = false;
     if (is_head) continue;
     if (const auto taken = take(row); !taken) return taken.failure();
@@ -90,7 +95,8 @@ Result<bool> read_rows(const std::filesystem::path& path, const std::function<Re
   return read_lines(path, true, take);
 }
 
-Result<bool> read_rows_with_names(const std::filesystem::path& path, const std::function<Result<bool>(const TextRow&)>& take) {
+Result<bool> read_rows_with_names(const std::filesystem::path& path,
+                                  const std::function<Result<bool>(const TextRow&)>& take) {
   return read_lines(path, false, take);
 }
 

@@ -29,7 +29,8 @@ struct TextRow {
 Result<bool> read_rows(const std::filesystem::path& path, const std::function<Result<bool>(const TextRow&)>& take);
 
 /// As read_rows, for tables whose lines start with a name: no line is taken for a head.
-Result<bool> read_rows_with_names(const std::filesystem::path& path, const std::function<Result<bool>(const TextRow&)>& take);
+Result<bool> read_rows_with_names(const std::filesystem::path& path,
+                                  const std::function<Result<bool>(const TextRow&)>& take);
 
 /// All fields of a row as numbers, at least `least`.
 Result<std::vector<double>> numbers(const TextRow& row, size_t least);

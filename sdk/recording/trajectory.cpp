@@ -94,7 +94,8 @@ Result<Trajectory> read_kitti_poses(const std::filesystem::path& path, const std
     }
     if (std::abs(R.determinant() - 1.0) > 0.01) return row.wrong("the first three columns are no rotation");
     const size_t k = trajectory.size();
-    return add_pose(trajectory, row, k < stamps.size() ? stamps[k] : static_cast<int64_t>(k) * 100'000'000, Eigen::Quaterniond(R), p);
+    return add_pose(trajectory, row, k < stamps.size() ? stamps[k] : static_cast<int64_t>(k) * 100'000'000,
+                    Eigen::Quaterniond(R), p);
   });
   if (!done) return done.failure();
   return not_empty(std::move(trajectory), path);
@@ -125,8 +126,8 @@ constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
 void write_tum(std::ostream& out, const Trajectory& trajectory) {
   for (const auto& x : trajectory)
-    out << format_seconds(x.t_ns) << ' ' << x.p.x() << ' ' << x.p.y() << ' ' << x.p.z() << ' ' << x.q.x() << ' ' << x.q.y()
-        << ' ' << x.q.z() << ' ' << x.q.w() << '\n';
+    out << format_seconds(x.t_ns) << ' ' << x.p.x() << ' ' << x.p.y() << ' ' << x.p.z() << ' ' << x.q.x() << ' '
+        << x.q.y() << ' ' << x.q.z() << ' ' << x.q.w() << '\n';
 }
 
 void write_kitti(std::ostream& out, const Trajectory& trajectory) {
@@ -140,8 +141,8 @@ void write_kitti(std::ostream& out, const Trajectory& trajectory) {
 void write_csv(std::ostream& out, const Trajectory& trajectory) {
   out << "t_ns,x_m,y_m,z_m,qw,qx,qy,qz\n";
   for (const auto& x : trajectory)
-    out << x.t_ns << ',' << x.p.x() << ',' << x.p.y() << ',' << x.p.z() << ',' << x.q.w() << ',' << x.q.x() << ',' << x.q.y()
-        << ',' << x.q.z() << '\n';
+    out << x.t_ns << ',' << x.p.x() << ',' << x.p.y() << ',' << x.p.z() << ',' << x.q.w() << ',' << x.q.x() << ','
+        << x.q.y() << ',' << x.q.z() << '\n';
 }
 
 void write_gpx(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
@@ -149,13 +150,15 @@ void write_gpx(std::ostream& out, const Trajectory& trajectory, const ToGeodetic
          "xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><trkseg>\n";
   for (const auto& x : trajectory) {
     const auto g = to_geodetic(x.p);
-    out << "<trkpt lat=\"" << g[0] * kDegrees << "\" lon=\"" << g[1] * kDegrees << "\"><ele>" << g[2] << "</ele></trkpt>\n";
+    out << "<trkpt lat=\"" << g[0] * kDegrees << "\" lon=\"" << g[1] * kDegrees << "\"><ele>" << g[2]
+        << "</ele></trkpt>\n";
   }
   out << "</trkseg></trk>\n</gpx>\n";
 }
 
 void write_kml(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
-  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark>"
+  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml "
+         "xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark>"
          "<name>Odograph</name><LineString><tessellate>1</tessellate><coordinates>\n";
   for (const auto& x : trajectory) {
     const auto g = to_geodetic(x.p);
@@ -165,7 +168,8 @@ void write_kml(std::ostream& out, const Trajectory& trajectory, const ToGeodetic
 }
 
 void write_geojson(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
-  out << "{\"type\":\"Feature\",\"properties\":{\"name\":\"Odograph\"},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[";
+  out << "{\"type\":\"Feature\",\"properties\":{\"name\":\"Odograph\"},\"geometry\":{\"type\":\"LineString\","
+         "\"coordinates\":[";
   for (size_t i = 0; i < trajectory.size(); ++i) {
     const auto g = to_geodetic(trajectory[i].p);
     out << (i ? ",\n" : "\n") << '[' << g[1] * kDegrees << ',' << g[0] * kDegrees << ',' << g[2] << ']';
@@ -175,21 +179,31 @@ void write_geojson(std::ostream& out, const Trajectory& trajectory, const ToGeod
 
 }  // namespace
 
-Result<bool> write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
+Result<bool> write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
+                              const ToGeodetic& to_geodetic) {
   const std::string kind = path.extension().string();
   const bool on_earth = kind == ".gpx" || kind == ".kml" || kind == ".geojson";
   if (!on_earth && kind != ".tum" && kind != ".txt" && kind != ".kitti" && kind != ".csv")
-    return Failure{ODO_E_UNSUPPORTED, path.string() + ": unknown format '" + kind + "'; expected .tum, .txt, .kitti, .csv, .gpx, .kml or .geojson"};
+    return Failure{ODO_E_UNSUPPORTED, path.string() + ": unknown format '" + kind +
+                                          "'; expected .tum, .txt, .kitti, .csv, .gpx, .kml or .geojson"};
   if (on_earth && !to_geodetic)
-    return Failure{ODO_E_UNSUPPORTED, path.string() + ": needs a place on the Earth; give --origin LATITUDE,LONGITUDE,HEIGHT (degrees, metres)"};
+    return Failure{
+        ODO_E_UNSUPPORTED,
+        path.string() + ": needs a place on the Earth; give --origin LATITUDE,LONGITUDE,HEIGHT (degrees, metres)"};
   std::ofstream out(path, std::ios::binary);
   out << std::setprecision(12);
-  if (kind == ".kitti") write_kitti(out, trajectory);
-  else if (kind == ".csv") write_csv(out, trajectory);
-  else if (kind == ".gpx") write_gpx(out, trajectory, to_geodetic);
-  else if (kind == ".kml") write_kml(out, trajectory, to_geodetic);
-  else if (kind == ".geojson") write_geojson(out, trajectory, to_geodetic);
-  else write_tum(out, trajectory);
+  if (kind == ".kitti")
+    write_kitti(out, trajectory);
+  else if (kind == ".csv")
+    write_csv(out, trajectory);
+  else if (kind == ".gpx")
+    write_gpx(out, trajectory, to_geodetic);
+  else if (kind == ".kml")
+    write_kml(out, trajectory, to_geodetic);
+  else if (kind == ".geojson")
+    write_geojson(out, trajectory, to_geodetic);
+  else
+    write_tum(out, trajectory);
   if (!out.flush()) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be written"};
   return true;
 }

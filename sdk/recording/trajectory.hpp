@@ -29,7 +29,8 @@ std::string format_seconds(int64_t t_ns);
 
 /// TUM: `seconds x y z qx qy qz qw`; lines with '#' are comments. Failures name file:line.
 Result<Trajectory> read_tum(const std::filesystem::path& path);
-/// KITTI odometry: twelve numbers a line, the upper 3x4 of T_world_camera. Times from `times` (seconds a line), or 10 Hz.
+/// KITTI odometry: twelve numbers a line, the upper 3x4 of T_world_camera. Times from `times` (seconds a line), or 10
+/// Hz.
 Result<Trajectory> read_kitti_poses(const std::filesystem::path& path, const std::filesystem::path& times);
 /// EuRoC state_groundtruth_estimate0/data.csv: t_ns, p, q (w x y z), ...
 Result<Trajectory> read_euroc_truth(const std::filesystem::path& path);
@@ -37,7 +38,8 @@ Result<Trajectory> read_euroc_truth(const std::filesystem::path& path);
 /// Writers by the file's extension: .tum/.txt, .kitti, .csv, and on the Earth .gpx, .kml, .geojson (`to_geodetic` gives
 /// latitude and longitude in rad and height in m for a p; without it those formats are refused).
 using ToGeodetic = std::function<std::array<double, 3>(const Eigen::Vector3d& p_n)>;
-Result<bool> write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory, const ToGeodetic& to_geodetic);
+Result<bool> write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
+                              const ToGeodetic& to_geodetic);
 
 /// Length of the polyline through all positions, m.
 double path_length(const Trajectory& trajectory);

@@ -10,7 +10,9 @@ namespace odograph {
 /// 2014) and Box-Muller.
 class Random {
  public:
-  Random(uint64_t seed, uint64_t stream) : state_(seed * 0x9E3779B97F4A7C15u ^ (stream + 1) * 0xD1B54A32D192ED03u) { next(); }
+  Random(uint64_t seed, uint64_t stream) : state_(seed * 0x9E3779B97F4A7C15u ^ (stream + 1) * 0xD1B54A32D192ED03u) {
+    next();
+  }
 
   uint64_t next() {
     uint64_t x = state_ += 0x9E3779B97F4A7C15u;

@@ -16,13 +16,18 @@ using Eigen::Vector3d;
 
 int64_t nanoseconds(double t_s) { return static_cast<int64_t>(std::llround(t_s * 1e9)); }
 
-Vector3d normal3(Random& random, double sigma) { return sigma * Vector3d(random.normal(), random.normal(), random.normal()); }
+Vector3d normal3(Random& random, double sigma) {
+  return sigma * Vector3d(random.normal(), random.normal(), random.normal());
+}
 
 /// White noise, a constant bias and a random walk, as an Allan deviation separates them.
 class SensorError {
  public:
   SensorError(Random random, double bias, double noise, double walk, double rate_hz)
-      : random_(random), bias_(normal3(random_, bias)), noise_(noise * std::sqrt(rate_hz)), walk_(walk / std::sqrt(rate_hz)) {}
+      : random_(random),
+        bias_(normal3(random_, bias)),
+        noise_(noise * std::sqrt(rate_hz)),
+        walk_(walk / std::sqrt(rate_hz)) {}
   Vector3d next() {
     bias_ += normal3(random_, walk_);
     return bias_ + normal3(random_, noise_);
@@ -45,7 +50,8 @@ Eigen::Isometry3d camera_pose(const Walker& walker, double t_s) {
 
 class Simulation {
  public:
-  Simulation(const Scenario& c, uint64_t seed, OdoWriter& writer) : c_(c), seed_(seed), writer_(writer), walker_(c, seed), world_(c, seed) {
+  Simulation(const Scenario& c, uint64_t seed, OdoWriter& writer)
+      : c_(c), seed_(seed), writer_(writer), walker_(c, seed), world_(c, seed) {
     geodesy_.set_origin({0.8238, -0.0271, 20.0});
   }
 
@@ -83,7 +89,8 @@ class Simulation {
 
   Result<bool> write_head() {
     auto noise = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, kStart_ns);
-    noise.gyro_noise = c_.gyro_noise, noise.gyro_walk = c_.gyro_walk, noise.accel_noise = c_.accel_noise, noise.accel_walk = c_.accel_walk;
+    noise.gyro_noise = c_.gyro_noise, noise.gyro_walk = c_.gyro_walk, noise.accel_noise = c_.accel_noise,
+    noise.accel_walk = c_.accel_walk;
     if (const auto w = writer_.write(noise.header); !w) return w;
     auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, kStart_ns);
     calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
@@ -159,7 +166,8 @@ class Simulation {
 
 }  // namespace
 
-Result<bool> simulate(const Scenario& scenario, uint64_t seed, const std::filesystem::path& output, const std::function<void(size_t, size_t)>& progress) {
+Result<bool> simulate(const Scenario& scenario, uint64_t seed, const std::filesystem::path& output,
+                      const std::function<void(size_t, size_t)>& progress) {
   auto writer = OdoWriter::create(output, scenario.jpeg_quality);
   if (!writer) return writer.failure();
   return Simulation(scenario, seed, **writer).run(progress);

@@ -52,7 +52,8 @@ double Walker::vigour(double t) const {
 }
 
 double Walker::arc_length(double t) const {
-  return c_.speed_mps * ramp_s_ * (smooth_integral((t - c_.stand_s) / ramp_s_) - smooth_integral((t - c_.stand_s - walk_s_) / ramp_s_));
+  return c_.speed_mps * ramp_s_ *
+         (smooth_integral((t - c_.stand_s) / ramp_s_) - smooth_integral((t - c_.stand_s - walk_s_) / ramp_s_));
 }
 
 double Walker::step_phase(double t) const {
@@ -75,7 +76,7 @@ Eigen::Isometry3d Walker::pose(double t) const {
   double heading = 0;
   path(arc_length(t), p, heading);
   const double v = vigour(t), phase = step_phase(t);
-  const double bob = -0.022 * v * std::cos(2 * kPi * phase) + 0.004 * v * std::cos(4 * kPi * phase);
+  const double bob = -0.022 * v * std::cos(2 * kPi * phase) + 0.001 * v * std::cos(4 * kPi * phase);
   const double sway = 0.018 * v * std::sin(kPi * phase), surge = 0.012 * v * std::sin(2 * kPi * phase + 0.6);
   const auto tremor = [&](int i, double hz) { return std::sin(2 * kPi * hz * t + tremor_phase_[i]); };
   const Eigen::Vector2d forward(std::cos(heading), std::sin(heading)), right(-forward.y(), forward.x());
@@ -89,7 +90,9 @@ Eigen::Isometry3d Walker::pose(double t) const {
   camera_axes << 0, 0, -1, 1, 0, 0, 0, -1, 0;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
-                Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX())).toRotationMatrix() * camera_axes;
+                Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+                   .toRotationMatrix() *
+               camera_axes;
   T.translation() = Eigen::Vector3d(p.x(), p.y(), -up);
   return T;
 }

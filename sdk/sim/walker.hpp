@@ -10,9 +10,9 @@
 
 namespace odograph {
 
-/// The simulated walk in closed form: pose of the phone's body (x right, y up, z out of the screen) in n at any time. The
-/// path is straight, turns on an arc and goes straight again; walking starts and ends smoothly. The hand bobs with each
-/// step (lowest at the foot's contact), sways with each stride and trembles. Shares nothing with any estimator.
+/// The simulated walk in closed form: pose of the phone's body (x right, y up, z out of the screen) in n at any time.
+/// The path is straight, turns on an arc and goes straight again; walking starts and ends smoothly. The hand bobs with
+/// each step (lowest at the foot's contact), sways with each stride and trembles. Shares nothing with any estimator.
 class Walker {
  public:
   Walker(const Scenario& scenario, uint64_t seed);

@@ -40,9 +40,11 @@ void draw_facade(cv::Mat& texture, Random& random) {
       const double grey = random.uniform(15, 110);
       cv::rectangle(texture, pane, grey, cv::FILLED);
       cv::rectangle(texture, pane, random.uniform(170, 240), 4);
-      cv::line(texture, {pane.x + pane.width / 2, pane.y}, {pane.x + pane.width / 2, pane.y + pane.height}, random.uniform(150, 220), 3);
+      cv::line(texture, {pane.x + pane.width / 2, pane.y}, {pane.x + pane.width / 2, pane.y + pane.height},
+               random.uniform(150, 220), 3);
       if (random.uniform() < 0.3)
-        cv::rectangle(texture, {pane.x + 6, pane.y + pane.height + 8, pane.width - 10, 12}, random.uniform(20, 240), cv::FILLED);
+        cv::rectangle(texture, {pane.x + 6, pane.y + pane.height + 8, pane.width - 10, 12}, random.uniform(20, 240),
+                      cv::FILLED);
     }
 }
 
@@ -60,8 +62,10 @@ struct World::Scene {
 World::World(const Scenario& scenario, uint64_t seed) : scene_(std::make_unique<Scene>()) {
   for (uint64_t i = 0; i < 4; ++i) add_texture(seed * 16 + i, true, 12.0);
   for (uint64_t i = 4; i < 6; ++i) add_texture(seed * 16 + i, false, 8.0);
-  if (scenario.world == "room") build_room(scenario);
-  else build_street(scenario);
+  if (scenario.world == "room")
+    build_room(scenario);
+  else
+    build_street(scenario);
   rtcCommitScene(scene_->scene);
 }
 
@@ -86,8 +90,10 @@ size_t World::add_texture(uint64_t seed, bool facade, double metres) {
 
 void World::add_quad(const Vector3d& corner, const Vector3d& u, const Vector3d& v, size_t texture) {
   RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_QUAD);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 4));
-  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, 4 * sizeof(unsigned), 1));
+  auto* vertices = static_cast<float*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 4));
+  auto* indices = static_cast<unsigned*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, 4 * sizeof(unsigned), 1));
   const Vector3d corners[4] = {corner, corner + u, corner + u + v, corner + v};
   for (int i = 0; i < 4; ++i) {
     for (int k = 0; k < 3; ++k) vertices[3 * i + k] = static_cast<float>(corners[i][k]);
@@ -118,10 +124,12 @@ void World::build_street(const Scenario& c) {
   add_quad({far, -30, 0}, {0, 60, 0}, height * up, 1);
   const Eigen::AngleAxisd turn(c.turn_rad, Vector3d::UnitZ());
   const double side = c.turn_rad < 0 ? -1.0 : 1.0;
-  const Vector3d start(c.straight_m + c.turn_radius_m * std::sin(std::abs(c.turn_rad)), side * c.turn_radius_m * (1 - std::cos(c.turn_rad)), 0);
+  const Vector3d start(c.straight_m + c.turn_radius_m * std::sin(std::abs(c.turn_rad)),
+                       side * c.turn_radius_m * (1 - std::cos(c.turn_rad)), 0);
   for (const double edge : {-5.5, 5.5})
     for (int k = 0; k < static_cast<int>(far / 9) + 2; ++k)
-      add_quad(start + turn * Vector3d(5 + 9 * k, edge + 0.6 * (k % 2), 0), turn * Vector3d(8.6, 0, 0), height * up, static_cast<size_t>(k + 2) % 4);
+      add_quad(start + turn * Vector3d(5 + 9 * k, edge + 0.6 * (k % 2), 0), turn * Vector3d(8.6, 0, 0), height * up,
+               static_cast<size_t>(k + 2) % 4);
   add_quad(start + turn * Vector3d(far, -20, 0), turn * Vector3d(0, 40, 0), height * up, 3);
 }
 
@@ -146,7 +154,8 @@ void World::build_room(const Scenario& c) {
 double World::shade(size_t index, double u_m, double v_m, double footprint_m) const {
   const Texture& texture = textures_[index];
   const double texel = texture.metres / kTextureSize;
-  const double level = std::clamp(std::log2(std::max(1.0, footprint_m / texel)), 0.0, static_cast<double>(texture.levels.size()) - 1.001);
+  const double level = std::clamp(std::log2(std::max(1.0, footprint_m / texel)), 0.0,
+                                  static_cast<double>(texture.levels.size()) - 1.001);
   const auto sample = [&](size_t l) {
     const cv::Mat& image = texture.levels[l];
     const int size = image.cols;
@@ -171,7 +180,8 @@ cv::Mat World::render(const Eigen::Isometry3d& T_n_c, const Scenario& camera) co
     rtcInitIntersectContext(&context);
     for (int y = from; y < to; ++y) {
       for (int x = 0; x < camera.width; ++x) {
-        const Vector3d ray_c((x - 0.5 * (camera.width - 1)) / camera.focal_px, (y - 0.5 * (camera.height - 1)) / camera.focal_px, 1.0);
+        const Vector3d ray_c((x - 0.5 * (camera.width - 1)) / camera.focal_px,
+                             (y - 0.5 * (camera.height - 1)) / camera.focal_px, 1.0);
         const Vector3d ray = T_n_c.linear() * ray_c;
         RTCRayHit hit{};
         hit.ray.org_x = static_cast<float>(T_n_c.translation().x());
@@ -191,7 +201,8 @@ cv::Mat World::render(const Eigen::Isometry3d& T_n_c, const Scenario& camera) co
           const Vector3d normal = quad.u.cross(quad.v).normalized();
           const double slant = std::max(0.15, std::abs(normal.dot(ray.normalized())));
           const double depth = hit.ray.tfar;
-          grey = shade(quad.texture, quad.offset_m + hit.hit.u * quad.u.norm(), hit.hit.v * quad.v.norm(), depth / camera.focal_px / std::sqrt(slant));
+          grey = shade(quad.texture, quad.offset_m + hit.hit.u * quad.u.norm(), hit.hit.v * quad.v.norm(),
+                       depth / camera.focal_px / std::sqrt(slant));
           grey *= 0.75 + 0.25 * std::abs(normal.dot(Vector3d(0.48, 0.6, 0.64)));
         }
         image.at<uint8_t>(y, x) = static_cast<uint8_t>(std::clamp(grey, 0.0, 255.0));

@@ -21,7 +21,8 @@ class World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// An 8-bit grey picture of an ideal pinhole camera at T_n_c, without noise. The same bytes for any number of threads.
+  /// An 8-bit grey picture of an ideal pinhole camera at T_n_c, without noise. The same bytes for any number of
+  /// threads.
   cv::Mat render(const Eigen::Isometry3d& T_n_c, const Scenario& camera) const;
 
  private:
@@ -42,7 +43,7 @@ class World {
   struct Quad {
     Eigen::Vector3d u, v;  // sides
     size_t texture;
-    double offset_m;       // shifts the texture, so that no two planes look the same
+    double offset_m;  // shifts the texture, so that no two planes look the same
   };
   std::vector<Quad> quads_;
 };

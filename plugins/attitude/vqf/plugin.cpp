@@ -20,12 +20,15 @@ class VqfPlugin {
   bool magnetometer = false;
   std::array<double, 3> forward_axis{0.0, 1.0, -1.0};
 
-  static constexpr odo::Description description{
-      "attitude/vqf", "1.0.0", "Orientation with bias estimation after Laidig & Seel 2023 (VQF)", ODO_INTERFACE_ATTITUDE};
+  static constexpr odo::Description description{"attitude/vqf", "1.0.0",
+                                                "Orientation with bias estimation after Laidig & Seel 2023 (VQF)",
+                                                ODO_INTERFACE_ATTITUDE};
 
   static std::vector<odo::Parameter<VqfPlugin>> parameters() {
-    return {odo::real("tau_acc", "s", 0.1, 60, &VqfPlugin::tau_acc, "time constant of the inclination correction (Laidig & Seel 2023)"),
-            odo::real("tau_mag", "s", 0.1, 600, &VqfPlugin::tau_mag, "time constant of the heading correction (Laidig & Seel 2023)"),
+    return {odo::real("tau_acc", "s", 0.1, 60, &VqfPlugin::tau_acc,
+                      "time constant of the inclination correction (Laidig & Seel 2023)"),
+            odo::real("tau_mag", "s", 0.1, 600, &VqfPlugin::tau_mag,
+                      "time constant of the heading correction (Laidig & Seel 2023)"),
             odo::boolean("magnetometer", &VqfPlugin::magnetometer, "refer the heading to magnetic north"),
             odo::reals("forward_axis", "", -1, 1, &VqfPlugin::forward_axis,
                        "body axis that starts out facing north; the default suits a phone held upright or flat")};

@@ -58,8 +58,12 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
 void Filter::update_rest(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   const Vector3d gyro_low = rest_gyro_low_.update(gyro, p_.rest_filter_tau_s, dt_s);
   const Vector3d accel_low = rest_accel_low_.update(accel, p_.rest_filter_tau_s, dt_s);
+  const Vector3d sway = gyro_low - rest_gyro_slow_.update(gyro_low, p_.rest_sway_tau_s, dt_s);
+  const double k = 1.0 - std::exp(-dt_s / p_.rest_sway_tau_s);
+  rest_sway_variance_ += k * (sway.squaredNorm() - rest_sway_variance_);
   const bool still = (gyro - gyro_low).norm() < p_.rest_gyro_radps && (accel - accel_low).norm() < p_.rest_accel_mps2 &&
-                     gyro_low.cwiseAbs().maxCoeff() < p_.bias_clip_radps;
+                     gyro_low.cwiseAbs().maxCoeff() < p_.bias_clip_radps &&
+                     rest_sway_variance_ < p_.rest_sway_radps * p_.rest_sway_radps;
   rest_time_s_ = still ? rest_time_s_ + dt_s : 0.0;
 }
 
@@ -113,8 +117,10 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
     mag_norm_ += k * (norm - mag_norm_);
     mag_dip_rad_ += k * (dip - mag_dip_rad_);
   }
-  if (close(mag_candidate_norm_, mag_candidate_dip_rad_)) mag_candidate_s_ += dt_s;
-  else mag_candidate_norm_ = norm, mag_candidate_dip_rad_ = dip, mag_candidate_s_ = 0.0;
+  if (close(mag_candidate_norm_, mag_candidate_dip_rad_))
+    mag_candidate_s_ += dt_s;
+  else
+    mag_candidate_norm_ = norm, mag_candidate_dip_rad_ = dip, mag_candidate_s_ = 0.0;
   if (mag_disturbed_ && mag_candidate_s_ > p_.mag_new_s) {
     mag_norm_ = mag_candidate_norm_, mag_dip_rad_ = mag_candidate_dip_rad_;
     mag_candidate_s_ = 0.0;
@@ -131,9 +137,7 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
   heading_sigma_ += k * (0.05 - heading_sigma_);
 }
 
-Quaterniond Filter::orientation() const {
-  return (exp_rotation({0, 0, delta_rad_}) * q_accel_ * q_gyro_).normalized();
-}
+Quaterniond Filter::orientation() const { return (exp_rotation({0, 0, delta_rad_}) * q_accel_ * q_gyro_).normalized(); }
 
 double Filter::bias_sigma() const { return std::sqrt(bias_covariance_.diagonal().maxCoeff()); }
 

@@ -11,22 +11,25 @@ namespace odograph::vqf {
 /// Symbols, defaults and meaning after Laidig & Seel, "VQF: Highly accurate IMU orientation estimation with bias
 /// estimation and magnetic disturbance rejection", Information Fusion 91 (2023).
 struct Parameters {
-  double tau_acc_s = 3.0;                    ///< time constant of the inclination correction, tau_acc
-  double tau_mag_s = 9.0;                    ///< time constant of the heading correction, tau_mag
-  double bias_sigma_init_radps = 0.00873;    ///< standard deviation of the initial bias (0.5 deg/s)
-  double bias_forgetting_s = 100.0;          ///< time in which the bias grows uncertain by 0.1 deg/s
-  double bias_clip_radps = 0.0349;           ///< largest bias believed (2 deg/s)
-  double bias_sigma_motion_radps = 0.001745; ///< converged uncertainty while moving (0.1 deg/s)
-  double bias_vertical_forgetting = 1e-4;    ///< weight of "no bias about the vertical" while moving
-  double bias_sigma_rest_radps = 0.000524;   ///< converged uncertainty at rest (0.03 deg/s)
-  double rest_min_s = 1.5;                   ///< time without movement that counts as rest
-  double rest_filter_tau_s = 0.5;            ///< of the signals that tell rest
-  double rest_gyro_radps = 0.0349;           ///< deviation of the gyroscope allowed at rest (2 deg/s)
-  double rest_accel_mps2 = 0.5;              ///< deviation of the accelerometer allowed at rest
-  double mag_ref_tau_s = 20.0;               ///< adaptation of the reference norm and dip
-  double mag_norm_tolerance = 0.1;           ///< relative deviation of the norm that is undisturbed
-  double mag_dip_tolerance_rad = 0.175;      ///< deviation of the dip that is undisturbed (10 deg)
-  double mag_new_s = 20.0;                   ///< steady field for that long becomes the new reference
+  double tau_acc_s = 3.0;                     ///< time constant of the inclination correction, tau_acc
+  double tau_mag_s = 9.0;                     ///< time constant of the heading correction, tau_mag
+  double bias_sigma_init_radps = 0.00873;     ///< standard deviation of the initial bias (0.5 deg/s)
+  double bias_forgetting_s = 100.0;           ///< time in which the bias grows uncertain by 0.1 deg/s
+  double bias_clip_radps = 0.0349;            ///< largest bias believed (2 deg/s)
+  double bias_sigma_motion_radps = 0.001745;  ///< converged uncertainty while moving (0.1 deg/s)
+  double bias_vertical_forgetting = 1e-4;     ///< weight of "no bias about the vertical" while moving
+  double bias_sigma_rest_radps = 0.000524;    ///< converged uncertainty at rest (0.03 deg/s)
+  double rest_min_s = 1.5;                    ///< time without movement that counts as rest
+  double rest_filter_tau_s = 0.5;             ///< of the signals that tell rest
+  double rest_gyro_radps = 0.0349;            ///< deviation of the gyroscope allowed at rest (2 deg/s)
+  double rest_accel_mps2 = 0.5;               ///< deviation of the accelerometer allowed at rest
+  double rest_sway_radps = 0.0026;       ///< slow sway of the gyroscope allowed at rest (0.15 deg/s); not in the paper:
+                                         ///< a hand that stands still sways slower than the paper's test can see
+  double rest_sway_tau_s = 3.0;          ///< time over which the sway is taken
+  double mag_ref_tau_s = 20.0;           ///< adaptation of the reference norm and dip
+  double mag_norm_tolerance = 0.1;       ///< relative deviation of the norm that is undisturbed
+  double mag_dip_tolerance_rad = 0.175;  ///< deviation of the dip that is undisturbed (10 deg)
+  double mag_new_s = 20.0;               ///< steady field for that long becomes the new reference
 };
 
 /// Orientation from gyroscope and accelerometer, optionally magnetometer, with gyroscope bias estimation at rest and in
@@ -58,7 +61,8 @@ class Filter {
 
  private:
   /// Two first-order low-pass filters in cascade.
-  template <class T> struct LowPass {
+  template <class T>
+  struct LowPass {
     T first = T::Zero(), second = T::Zero();
     bool started = false;
     const T& update(const T& x, double tau_s, double dt_s) {
@@ -87,7 +91,8 @@ class Filter {
   Eigen::Matrix3d bias_covariance_ = Eigen::Matrix3d::Zero();
   LowPass<Eigen::Matrix3d> rotation_low_;
   LowPass<Eigen::Vector3d> bias_low_;
-  LowPass<Eigen::Vector3d> rest_gyro_low_, rest_accel_low_;
+  LowPass<Eigen::Vector3d> rest_gyro_low_, rest_accel_low_, rest_gyro_slow_;
+  double rest_sway_variance_ = 0.0;
   double rest_time_s_ = 0.0;
   double time_s_ = 0.0;
   double heading_sigma_ = 0.0;

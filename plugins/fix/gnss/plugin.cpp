@@ -13,13 +13,17 @@ class Gnss {
   int64_t min_satellites = 0;
   bool height = false;
 
-  static constexpr odo::Description description{"fix/gnss", "1.0.0", "Position fixes from a GNSS receiver", ODO_INTERFACE_ABSOLUTE_FIXER};
+  static constexpr odo::Description description{"fix/gnss", "1.0.0", "Position fixes from a GNSS receiver",
+                                                ODO_INTERFACE_ABSOLUTE_FIXER};
   static std::vector<odo::Parameter<Gnss>> parameters() {
-    return {odo::real("sigma", "m", 0.01, 1000, &Gnss::sigma, "standard deviation of a position that comes without one"),
-            odo::real("sigma_factor", "", 0.1, 100, &Gnss::sigma_factor, "the receiver's own standard deviation is multiplied by this"),
-            odo::real("min_sigma", "m", 0.001, 1000, &Gnss::min_sigma, "smallest standard deviation believed"),
-            odo::integer("min_satellites", 0, 100, &Gnss::min_satellites, "positions from fewer are ignored (where the number is known)"),
-            odo::boolean("height", &Gnss::height, "use the height too")};
+    return {
+        odo::real("sigma", "m", 0.01, 1000, &Gnss::sigma, "standard deviation of a position that comes without one"),
+        odo::real("sigma_factor", "", 0.1, 100, &Gnss::sigma_factor,
+                  "the receiver's own standard deviation is multiplied by this"),
+        odo::real("min_sigma", "m", 0.001, 1000, &Gnss::min_sigma, "smallest standard deviation believed"),
+        odo::integer("min_satellites", 0, 100, &Gnss::min_satellites,
+                     "positions from fewer are ignored (where the number is known)"),
+        odo::boolean("height", &Gnss::height, "use the height too")};
   }
 
   void on(const odo_gnss& sample, odo::Output& output) {

@@ -11,8 +11,8 @@ class Waypoint {
   std::string use = "first";
   double min_sigma = 0.1;
 
-  static constexpr odo::Description description{"fix/waypoint", "1.0.0", "Position fixes from places that the user confirmed",
-                                                ODO_INTERFACE_ABSOLUTE_FIXER};
+  static constexpr odo::Description description{
+      "fix/waypoint", "1.0.0", "Position fixes from places that the user confirmed", ODO_INTERFACE_ABSOLUTE_FIXER};
   static std::vector<odo::Parameter<Waypoint>> parameters() {
     return {odo::choice("use", "first|all", &Waypoint::use, "first: only where the track begins; all: every waypoint"),
             odo::real("min_sigma", "m", 0.001, 100, &Waypoint::min_sigma, "smallest standard deviation believed")};

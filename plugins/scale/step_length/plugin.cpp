@@ -9,16 +9,19 @@ class StepLength {
  public:
   double hold = 1.6;
 
-  static constexpr odo::Description description{"scale/step_length", "1.0.0",
-                                                "Metres per VO unit from step lengths (Antigny et al. 2019, eq. (5)-(7))",
-                                                ODO_INTERFACE_SCALE_SOURCE};
+  static constexpr odo::Description description{
+      "scale/step_length", "1.0.0", "Metres per VO unit from step lengths (Antigny et al. 2019, eq. (5)-(7))",
+      ODO_INTERFACE_SCALE_SOURCE};
   static std::vector<odo::Parameter<StepLength>> parameters() {
-    return {odo::real("hold", "", 1, 5, &StepLength::hold,
-                      "without a new step the walker stands after this many step durations; covers the delay of detection")};
+    return {odo::real(
+        "hold", "", 1, 5, &StepLength::hold,
+        "without a new step the walker stands after this many step durations; covers the delay of detection")};
   }
   void configured() { steps_ = odograph::step_scale::StepInterpolation(hold); }
 
-  void on(const odo_step& step, odo::Output&) { steps_.add_step(step.t_start_ns, step.t_end_ns, step.length_m, step.sigma_m); }
+  void on(const odo_step& step, odo::Output&) {
+    steps_.add_step(step.t_start_ns, step.t_end_ns, step.length_m, step.sigma_m);
+  }
   void on(const odo_motion_mode& mode, odo::Output&) {
     if (mode.mode == ODO_MODE_STATIC) steps_.stand(mode.header.t_ns);
   }

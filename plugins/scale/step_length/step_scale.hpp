@@ -13,9 +13,9 @@ struct Displacement {
   double relative_sigma;
 };
 
-/// D_step of Antigny et al. 2019, eq. (6): the metric displacement between two images, interpolated linearly in time from
-/// step lengths. While step k+1 is under way the speed is that of step k, step_k / dt_step_k; an interval that touches
-/// several steps is the sum of its parts. No allocation.
+/// D_step of Antigny et al. 2019, eq. (6): the metric displacement between two images, interpolated linearly in time
+/// from step lengths. While step k+1 is under way the speed is that of step k, step_k / dt_step_k; an interval that
+/// touches several steps is the sum of its parts. No allocation.
 class StepInterpolation {
  public:
   /// `hold` times a step's duration after its end the walker is taken to stand, unless another step came.

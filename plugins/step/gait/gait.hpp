@@ -41,7 +41,8 @@ class Gait {
     if (!found) return std::nullopt;
     const double expected = 1e9 / static_cast<double>(found->t_end_ns - found->t_start_ns);
     const bool turned = heading_.norm() > 0;
-    const Step step{*found, frequency_.estimate(expected), std::atan2(heading_.y(), heading_.x()), turned, signal_.carrying()};
+    const Step step{*found, frequency_.estimate(expected), std::atan2(heading_.y(), heading_.x()), turned,
+                    signal_.carrying()};
     heading_.setZero();
     return step;
   }

@@ -17,11 +17,11 @@ enum class Carrying { unknown, still, texting, swinging };
 class GaitSignal {
  public:
   struct Parameters {
-    double smooth_tau_s = 0.09;       ///< mean delay of the smoothing
-    double mean_tau_s = 1.2;          ///< of the mean that is taken off
-    double spread_tau_s = 0.6;        ///< of the spreads
-    double still_accel_mps2 = 0.45;   ///< a smaller spread of the accelerometer's norm is standing
-    double swing_gyro_radps = 1.6;    ///< a larger mean turn rate is an arm that swings
+    double smooth_tau_s = 0.09;      ///< mean delay of the smoothing
+    double mean_tau_s = 1.2;         ///< of the mean that is taken off
+    double spread_tau_s = 0.6;       ///< of the spreads
+    double still_accel_mps2 = 0.45;  ///< a smaller spread of the accelerometer's norm is standing
+    double swing_gyro_radps = 1.6;   ///< a larger mean turn rate is an arm that swings
   };
 
   explicit GaitSignal(const Parameters& parameters) : p_(parameters) {}

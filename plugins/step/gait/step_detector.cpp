@@ -28,7 +28,8 @@ std::optional<DetectedStep> StepDetector::update(int64_t t_ns, double value, boo
   } else {
     const double threshold = std::max(p_.min_peak_mps2, p_.relative_peak * typical_peak_);
     const bool peak = last_value_ > previous_value_ && last_value_ >= value && last_value_ > threshold;
-    if (peak && active && (!candidate_ || last_value_ > candidate_value_) && last_ns_ - last_step_ns_ > ns(p_.min_interval_s)) {
+    if (peak && active && (!candidate_ || last_value_ > candidate_value_) &&
+        last_ns_ - last_step_ns_ > ns(p_.min_interval_s)) {
       candidate_ = true;
       candidate_value_ = last_value_;
       candidate_ns_ = top(previous_ns_, previous_value_, last_ns_, last_value_, t_ns, value);

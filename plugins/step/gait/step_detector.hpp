@@ -18,12 +18,12 @@ struct DetectedStep {
 class StepDetector {
  public:
   struct Parameters {
-    double min_peak_mps2 = 0.35;      ///< smaller peaks are no steps
-    double relative_peak = 0.35;      ///< nor are peaks below this part of the recent ones
-    double min_interval_s = 0.30;     ///< 3.3 steps a second
-    double max_interval_s = 1.1;      ///< after a longer pause a step begins anew
-    double start_interval_s = 0.55;   ///< assumed length of the first step after a pause
-    double confirm_s = 0.12;          ///< how long a peak must stay the highest
+    double min_peak_mps2 = 0.35;     ///< smaller peaks are no steps
+    double relative_peak = 0.35;     ///< nor are peaks below this part of the recent ones
+    double min_interval_s = 0.30;    ///< 3.3 steps a second
+    double max_interval_s = 1.1;     ///< after a longer pause a step begins anew
+    double start_interval_s = 0.55;  ///< assumed length of the first step after a pause
+    double confirm_s = 0.12;         ///< how long a peak must stay the highest
   };
 
   explicit StepDetector(const Parameters& parameters) : p_(parameters) {}

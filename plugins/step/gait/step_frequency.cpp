@@ -39,7 +39,8 @@ double StepFrequency::estimate(double expected_hz) const {
   double here = power(low, now);
   for (double f = low; f <= high; f += kGrid_hz) {
     const double next = power(f + kGrid_hz, now);
-    if (here > best_power && here >= previous && here >= next) best = f, best_power = here, left = previous, right = next;
+    if (here > best_power && here >= previous && here >= next)
+      best = f, best_power = here, left = previous, right = next;
     previous = here;
     here = next;
   }

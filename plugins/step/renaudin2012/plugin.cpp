@@ -9,16 +9,19 @@ class Renaudin2012 : public odograph::StepPlugin<Renaudin2012> {
   double walker_height = 1.70, a = 0.1297, b = 0.1388, c = 0.0508, relative_sigma = 0.08;
 
   static constexpr odo::Description description{
-      "step/renaudin2012", "1.0.0", "Steps of length h (a f + b) + c from step frequency and body height (Renaudin et al. 2012)",
+      "step/renaudin2012", "1.0.0",
+      "Steps of length h (a f + b) + c from step frequency and body height (Renaudin et al. 2012)",
       ODO_INTERFACE_STEP_ESTIMATOR};
 
   static std::vector<odo::Parameter<Renaudin2012>> parameters() {
     using P = Renaudin2012;
     return {odo::real("walker_height", "m", 0.5, 2.5, &P::walker_height, "body height h"),
-            odo::real("a", "s", -1, 1, &P::a, "slope over the step frequency; universal value, see the README for its source"),
+            odo::real("a", "s", -1, 1, &P::a,
+                      "slope over the step frequency; universal value, see the README for its source"),
             odo::real("b", "", -2, 2, &P::b, "part that is proportional to the height; universal value"),
             odo::real("c", "m", -2, 2, &P::c, "constant part; universal value"),
-            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma, "standard deviation of a length, as a part of it"),
+            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma,
+                      "standard deviation of a length, as a part of it"),
             forward_axis_parameter()};
   }
 

@@ -16,12 +16,16 @@ class Weinberg2002 : public odograph::StepPlugin<Weinberg2002> {
 
   static std::vector<odo::Parameter<Weinberg2002>> parameters() {
     using P = Weinberg2002;
-    return {odo::real("k", "", 0.05, 2, &P::k, "K, for the smoothed norm of the specific force; see the README for its source"),
-            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma, "standard deviation of a length, as a part of it"),
+    return {odo::real("k", "", 0.05, 2, &P::k,
+                      "K, for the smoothed norm of the specific force; see the README for its source"),
+            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma,
+                      "standard deviation of a length, as a part of it"),
             forward_axis_parameter()};
   }
 
-  double length_m(const odograph::gait::Step& step) const { return k * std::pow(std::max(0.0, step.detected.swing_mps2), 0.25); }
+  double length_m(const odograph::gait::Step& step) const {
+    return k * std::pow(std::max(0.0, step.detected.swing_mps2), 0.25);
+  }
   double sigma_m(double length) const { return relative_sigma * length; }
 };
 

@@ -14,8 +14,10 @@ void CameraModel::undistort(const std::vector<cv::Point2f>& pixels, std::vector<
   }
   const cv::Matx33d K(fx, 0, cx, 0, fy, cy, 0, 0, 1);
   const std::vector<cv::Point2d> exact(pixels.begin(), pixels.end());
-  if (distortion == Distortion::kannala_brandt) cv::fisheye::undistortPoints(exact, normalized, K, coefficients);
-  else cv::undistortPoints(exact, normalized, K, coefficients);
+  if (distortion == Distortion::kannala_brandt)
+    cv::fisheye::undistortPoints(exact, normalized, K, coefficients);
+  else
+    cv::undistortPoints(exact, normalized, K, coefficients);
 }
 
 }  // namespace odograph::five_point

@@ -8,17 +8,17 @@
 
 namespace odograph::five_point {
 
-/// Corners (Shi & Tomasi 1994) followed from frame to frame by pyramidal Lucas-Kanade (Bouguet 2000), forwards and back,
-/// spread over the picture by a grid. Knows nothing of geometry.
+/// Corners (Shi & Tomasi 1994) followed from frame to frame by pyramidal Lucas-Kanade (Bouguet 2000), forwards and
+/// back, spread over the picture by a grid. Knows nothing of geometry.
 class CornerTracker {
  public:
   struct Parameters {
-    int most = 500;                  ///< corners kept
-    int cell_px = 32;                ///< at most one new corner a cell
-    double quality = 0.01;           ///< relative to the best corner
-    int window_px = 21;              ///< of Lucas-Kanade
-    int levels = 4;                  ///< of the pyramid
-    double back_px = 0.7;            ///< largest forward-backward distance
+    int most = 500;         ///< corners kept
+    int cell_px = 32;       ///< at most one new corner a cell
+    double quality = 0.01;  ///< relative to the best corner
+    int window_px = 21;     ///< of Lucas-Kanade
+    int levels = 4;         ///< of the pyramid
+    double back_px = 0.7;   ///< largest forward-backward distance
   };
   struct Track {
     uint64_t id;

@@ -16,8 +16,12 @@ cv::Mat grey_of(const odo_frame& frame, cv::Mat& converted) {
   auto* data = const_cast<uint8_t*>(frame.planes[0].data);
   const auto stride = static_cast<size_t>(frame.planes[0].row_stride);
   switch (frame.format) {
-    case ODO_FORMAT_RGB8: cv::cvtColor(cv::Mat(rows, columns, CV_8UC3, data, stride), converted, cv::COLOR_RGB2GRAY); return converted;
-    case ODO_FORMAT_RGBA8: cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), converted, cv::COLOR_RGBA2GRAY); return converted;
+    case ODO_FORMAT_RGB8:
+      cv::cvtColor(cv::Mat(rows, columns, CV_8UC3, data, stride), converted, cv::COLOR_RGB2GRAY);
+      return converted;
+    case ODO_FORMAT_RGBA8:
+      cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), converted, cv::COLOR_RGBA2GRAY);
+      return converted;
     default: return {rows, columns, CV_8UC1, data, stride};
   }
 }
@@ -37,12 +41,13 @@ class FivePoint {
   int64_t corners = 500;
   double inlier_threshold = 1.5;
 
-  static constexpr odo::Description description{"vo/five_point", "1.0.0",
-                                                "Plain visual odometry: KLT, five-point start, PnP on triangulated points",
-                                                ODO_INTERFACE_VO_FRONTEND};
+  static constexpr odo::Description description{
+      "vo/five_point", "1.0.0", "Plain visual odometry: KLT, five-point start, PnP on triangulated points",
+      ODO_INTERFACE_VO_FRONTEND};
   static std::vector<odo::Parameter<FivePoint>> parameters() {
     return {odo::integer("corners", 50, 5000, &FivePoint::corners, "most corners followed"),
-            odo::real("inlier_threshold", "px", 0.1, 10, &FivePoint::inlier_threshold, "largest reprojection error of an inlier")};
+            odo::real("inlier_threshold", "px", 0.1, 10, &FivePoint::inlier_threshold,
+                      "largest reprojection error of an inlier")};
   }
 
   void on(const odo_calibration& c, odo::Output&) {
@@ -61,7 +66,8 @@ class FivePoint {
   }
 
   void on(const odo_frame& frame, odo::Output& output) {
-    if (!vo_ || frame.calibration != calibration_) throw odo::Error(ODO_E_DISCARD, "a frame without the calibration it names");
+    if (!vo_ || frame.calibration != calibration_)
+      throw odo::Error(ODO_E_DISCARD, "a frame without the calibration it names");
     if (static_cast<int>(frame.width) != size_.width || static_cast<int>(frame.height) != size_.height)
       throw odo::Error(ODO_E_DISCARD, "a frame of another size than its calibration's");
     cv::Mat mask;
@@ -87,12 +93,15 @@ class FivePoint {
     if (motion.rotation_valid) event.header.flags |= ODO_VO_ROTATION;
     if (motion.translation_valid) event.header.flags |= ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
     event.camera = frame.calibration;
-    event.state = motion.state == Tracking::tracking ? ODO_TRACKING : motion.state == Tracking::degraded ? ODO_DEGRADED : ODO_LOST;
+    event.state = motion.state == Tracking::tracking   ? ODO_TRACKING
+                  : motion.state == Tracking::degraded ? ODO_DEGRADED
+                                                       : ODO_LOST;
     event.reason = reason(motion.trouble);
     event.scale_group = motion.scale_group;
     event.tracked = motion.tracked;
     event.inliers = motion.inliers;
-    event.header.quality = motion.tracked ? static_cast<float>(motion.inliers) / static_cast<float>(motion.tracked) : 0.0f;
+    event.header.quality =
+        motion.tracked ? static_cast<float>(motion.inliers) / static_cast<float>(motion.tracked) : 0.0f;
     return event;
   }
 

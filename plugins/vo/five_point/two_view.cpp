@@ -10,7 +10,9 @@
 namespace odograph::five_point {
 namespace {
 
-Eigen::Vector3d ray(const cv::Point2d& normalized) { return Eigen::Vector3d(normalized.x, normalized.y, 1.0).normalized(); }
+Eigen::Vector3d ray(const cv::Point2d& normalized) {
+  return Eigen::Vector3d(normalized.x, normalized.y, 1.0).normalized();
+}
 
 /// Sampson distance of a match to an epipolar geometry, in normalized coordinates.
 double sampson(const Eigen::Matrix3d& E, const cv::Point2d& a, const cv::Point2d& b) {
@@ -31,7 +33,8 @@ Eigen::Matrix3d rotation(const Eigen::Vector3d& w) {
   return angle < 1e-15 ? Eigen::Matrix3d::Identity().eval() : Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
 }
 
-void refine(TwoView& view, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second, double threshold) {
+void refine(TwoView& view, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
+            double threshold) {
   using Vector5d = Eigen::Matrix<double, 5, 1>;
   using Matrix5d = Eigen::Matrix<double, 5, 5>;
   for (int iteration = 0; iteration < 10; ++iteration) {
@@ -64,7 +67,8 @@ void refine(TwoView& view, const std::vector<cv::Point2d>& first, const std::vec
 
 }  // namespace
 
-std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second) {
+std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first,
+                                          const std::vector<cv::Point2d>& second) {
   const size_t n = first.size();
   if (n < 12) return std::nullopt;
   std::vector<double> residuals(n, 0.0);

@@ -18,10 +18,10 @@ struct Sighting {
 /// Relative pose of two views: five-point RANSAC (Nister 2004), then Gauss-Newton on the Sampson error of the inliers
 /// (Hartley & Zisserman 2003, section 11.4.3) with Huber weights, over rotation and direction of translation.
 struct TwoView {
-  Eigen::Matrix3d R_1_0;        ///< takes vectors from the first camera to the second
-  Eigen::Vector3d t_1_0;        ///< unit length; x_1 = R_1_0 x_0 + t_1_0
-  std::vector<char> inliers;    ///< of the matches, also in front of both cameras
-  int count = 0;                ///< of inliers
+  Eigen::Matrix3d R_1_0;           ///< takes vectors from the first camera to the second
+  Eigen::Vector3d t_1_0;           ///< unit length; x_1 = R_1_0 x_0 + t_1_0
+  std::vector<char> inliers;       ///< of the matches, also in front of both cameras
+  int count = 0;                   ///< of inliers
   double median_parallax_rad = 0;  ///< angle between the rays after taking out the rotation
 };
 
@@ -31,13 +31,16 @@ struct PureRotation {
   Eigen::Matrix3d R_1_0;
   double median_residual_rad;
 };
-std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second);
+std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first,
+                                          const std::vector<cv::Point2d>& second);
 
 /// Nothing when there are too few matches. `threshold` in normalized coordinates.
-std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second, double threshold);
+std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
+                                double threshold);
 
-/// The point nearest to all rays, refined by two Gauss-Newton steps of the reprojection error; nothing when it lies behind
-/// a camera, its largest error exceeds `threshold`, or the rays are less than `min_parallax_rad` apart.
-std::optional<Eigen::Vector3d> triangulate(const std::vector<Sighting>& sightings, double threshold, double min_parallax_rad);
+/// The point nearest to all rays, refined by two Gauss-Newton steps of the reprojection error; nothing when it lies
+/// behind a camera, its largest error exceeds `threshold`, or the rays are less than `min_parallax_rad` apart.
+std::optional<Eigen::Vector3d> triangulate(const std::vector<Sighting>& sightings, double threshold,
+                                           double min_parallax_rad);
 
 }  // namespace odograph::five_point

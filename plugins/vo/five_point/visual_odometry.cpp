@@ -105,7 +105,8 @@ bool VisualOdometry::try_start(Motion& motion) {
     motion.inliers = static_cast<unsigned>(pair ? static_cast<size_t>(pair->count) : first.size() / 2);
     motion.q_c0_c1 = Eigen::Quaterniond(T_w_c_.linear().transpose() * R_0_1).normalized();
     motion.rotation_valid = true;
-    motion.rotation_sigma_rad = std::max(threshold(), rotation->median_residual_rad) / std::sqrt(static_cast<double>(first.size()));
+    motion.rotation_sigma_rad =
+        std::max(threshold(), rotation->median_residual_rad) / std::sqrt(static_cast<double>(first.size()));
     T_w_c_.linear() = R_0_1;
     if (first.size() * 2 < reference_.size()) begin(false);
     return false;
@@ -155,8 +156,8 @@ bool VisualOdometry::locate(Motion& motion) {
   cv::Mat r, t, inliers;
   split((T_w_c_ * last_step_).inverse(), r, t);
   const cv::Matx33d K = cv::Matx33d::eye();
-  const bool solved = cv::solvePnPRansac(world, image, K, cv::noArray(), r, t, true, 200, static_cast<float>(2 * threshold()),
-                                         0.999, inliers, cv::SOLVEPNP_ITERATIVE);
+  const bool solved = cv::solvePnPRansac(world, image, K, cv::noArray(), r, t, true, 200,
+                                         static_cast<float>(2 * threshold()), 0.999, inliers, cv::SOLVEPNP_ITERATIVE);
   if (!solved || inliers.rows < p_.min_inliers) return false;
   std::vector<cv::Point3d> good_world;
   std::vector<cv::Point2d> good_image;

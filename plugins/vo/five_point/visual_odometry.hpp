@@ -28,18 +28,18 @@ struct Motion {
 };
 
 /// Plain monocular visual odometry: KLT corners; a start from the five-point essential matrix as soon as there is
-/// parallax; then each frame's pose by PnP on the points triangulated so far, and new points triangulated from the poses.
-/// So the scale is one for as long as the tracks hold (a scale group); nothing is optimized jointly.
+/// parallax; then each frame's pose by PnP on the points triangulated so far, and new points triangulated from the
+/// poses. So the scale is one for as long as the tracks hold (a scale group); nothing is optimized jointly.
 class VisualOdometry {
  public:
   struct Parameters {
     CornerTracker::Parameters corners;
-    double inlier_px = 1.5;            ///< reprojection threshold
-    double start_parallax_rad = 0.008; ///< median, to start from two views (1 deg)
-    double point_parallax_rad = 0.012; ///< to triangulate a point
+    double inlier_px = 1.5;             ///< reprojection threshold
+    double start_parallax_rad = 0.008;  ///< median, to start from two views (1 deg)
+    double point_parallax_rad = 0.012;  ///< to triangulate a point
     int min_inliers = 15;
-    double dark_grey = 8.0;            ///< mean grey below which a picture is too dark
-    size_t sightings = 10;             ///< kept for each point
+    double dark_grey = 8.0;  ///< mean grey below which a picture is too dark
+    size_t sightings = 10;   ///< kept for each point
   };
 
   VisualOdometry(const Parameters& parameters, const CameraModel& camera)

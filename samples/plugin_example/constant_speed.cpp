@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A whole plugin: scales each motion as if the camera always moved at one speed.
+#include <cmath>
+
+#include <odograph/plugin.hpp>
+
+struct ConstantSpeed {
+  double speed = 1.3;
+
+  static constexpr odo::Description description{"example/constant_speed", "1.0.0",
+                                                "Metres per VO unit from one known speed", ODO_INTERFACE_SCALE_SOURCE};
+
+  static std::vector<odo::Parameter<ConstantSpeed>> parameters() {
+    return {odo::real("speed", "m/s", 0.0, 50.0, &ConstantSpeed::speed, "of the camera")};
+  }
+
+  void on(const odo_vo_motion& motion, odo::Output& output) {
+    const double* p = motion.p_c0_c1;
+    const double units = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    if ((motion.header.flags & ODO_VO_TRANSLATION) == 0 || units < 1e-9) return;
+    auto scale = odo::make<odo_scale>(motion.header.t_ns);
+    scale.metres_per_unit = speed * 1e-9 * static_cast<double>(motion.header.t_ns - motion.t_from_ns) / units;
+    scale.sigma = 0.2 * scale.metres_per_unit;
+    scale.valid_from_ns = motion.t_from_ns;
+    scale.valid_to_ns = motion.header.t_ns;
+    scale.scale_group = motion.scale_group;
+    output.emit(scale);
+  }
+};
+
+ODO_PLUGIN(ConstantSpeed)

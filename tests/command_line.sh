@@ -1,0 +1,68 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# The command line as a person uses it: exit statuses, where output goes, and the real recordings where they are.
+set -u
+odograph=$1 source=$2 data=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failed=0
+expect() { # status, words that must be in the output, command...
+  want=$1 words=$2
+  shift 2
+  "$@" >out 2>err </dev/null
+  got=$?
+  if [ $got -ne "$want" ] || ! cat out err | grep -qF -- "$words"; then
+    echo "FAILED: $* -> $got, expected $want and '$words'"; cat out err; failed=1
+  fi
+}
+configs=$source/samples/configs
+expect 0 "Exit status" "$odograph" --help
+expect 0 "." "$odograph" --version
+expect 2 "subcommand" "$odograph"
+expect 2 "" "$odograph" nonsense
+expect 0 "attitude/vqf" "$odograph" plugins
+expect 0 "tau_acc" "$odograph" plugins attitude/vqf
+expect 2 "did you mean 'attitude/vqf'" "$odograph" plugins attitude/vfq
+expect 0 "good" "$odograph" config check "$configs/antigny2019.yaml"
+expect 0 "time_ordering" "$odograph" config keys
+printf 'odograph: 1\natitude:\n  plugin: x\n' >bad.yaml
+expect 2 "bad.yaml:2:1: unknown key 'atitude'" "$odograph" config check bad.yaml
+expect 2 "missing.yaml:1:1" "$odograph" config check missing.yaml
+expect 3 "no recording in this folder" "$odograph" run -c "$configs/monocular.yaml" -i "$source" -o o
+expect 3 "no such file" "$odograph" run -c "$configs/monocular.yaml" -i nothing -o o
+printf 'odograph_scenario: 1\nwalker:\n  sped: 3\n' >bad_scenario.yaml
+expect 2 "bad_scenario.yaml:3:3: walker: unknown key 'sped'" "$odograph" sim bad_scenario.yaml -o x.odo
+cat >tiny.yaml <<'YAML'
+odograph_scenario: 1
+walker: {straight: 3 m, stand: 1 s}
+camera: {width: 160, height: 120, focal: 120 px}
+YAML
+expect 0 "tiny.odo" "$odograph" sim tiny.yaml -o tiny.odo --seed 3
+expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o --report
+expect 2 "bad.yaml:2:1" "$odograph" run -c bad.yaml -i tiny.odo -o o
+expect 0 "<svg" cat o/report.html
+expect 0 '"distance_m"' "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o2 --json
+python3 -m json.tool out >/dev/null || { echo "FAILED: --json is not one JSON object"; failed=1; }
+expect 0 "APE" "$odograph" eval --ref tiny.odo --est o --align yaw
+expect 0 '"ape_m"' "$odograph" eval --ref tiny.odo --est o --json
+expect 2 "unknown alignment" "$odograph" eval --ref tiny.odo --est o --align sideways
+expect 0 "poses" "$odograph" convert o track.gpx --origin 47.2,-1.55,20
+expect 0 "poses" "$odograph" convert o track.kml --origin 47.2,-1.55,20
+expect 0 "poses" "$odograph" convert o track.geojson --origin 47.2,-1.55,20
+expect 2 "needs a place on the Earth" "$odograph" convert o track.gpx
+expect 0 "messages" "$odograph" convert tiny.odo copy.odo
+expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i copy.odo -o o3
+head -c 100000 tiny.odo >cut.odo
+expect 0 "cut off" "$odograph" run -c "$configs/phone_walk.yaml" -i cut.odo -o o4
+expect 4 "FAIL" "$odograph" plugin check "$source/README.md"
+if [ -d "$data" ]; then
+  walk=$(ls "$data"/phone_walks/*.txt | head -1)
+  expect 0 "steps" "$odograph" run -c "$configs/phone_walk.yaml" -i "$walk" -o w
+  expect 0 "distance error" "$odograph" eval --ref "$walk" --est w
+  expect 0 "written to" "$odograph" run -c "$configs/monocular.yaml" -i "$data/tsukuba_90" -o t
+  expect 0 "of the path" "$odograph" eval --ref "$data/tsukuba_90" --est t --align sim3
+else
+  echo "SKIPPED: no real recordings at $data"
+fi
+exit $failed

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include "plugins/scale/step_length/step_scale.hpp"
+#include "sdk/core/messages.hpp"
+#include "sdk/core/per_frame_coupling.hpp"
+
+using namespace odograph;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("coupling");
+
+namespace {
+
+constexpr int64_t kSecond = 1'000'000'000;
+
+odo_vo_motion motion(int64_t from, int64_t to, const Vector3d& p_c0_c1) {
+  auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, to);
+  m.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
+  m.t_from_ns = from;
+  m.q_c0_c1[0] = 1.0;
+  Vector3d::Map(m.p_c0_c1) = p_c0_c1;
+  m.state = ODO_TRACKING;
+  return m;
+}
+
+odo_scale scale(double metres_per_unit) {
+  auto s = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
+  s.metres_per_unit = metres_per_unit;
+  s.sigma = 0.1 * metres_per_unit;
+  s.header.flags = ODO_SCALE_HORIZONTAL;
+  return s;
+}
+
+odo_fix position_fix(int64_t t, double north, double east, double sigma) {
+  auto f = make_message<odo_fix>(ODO_TYPE_FIX, t);
+  f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+  f.p_n[0] = north, f.p_n[1] = east;
+  f.covariance_n[0] = f.covariance_n[4] = sigma * sigma;
+  return f;
+}
+
+}  // namespace
+
+TEST_CASE("eq. (6): a step's length is used during the following step") {
+  step_scale::StepInterpolation steps(1.6);
+  CHECK_FALSE(steps.between(0, kSecond / 10).has_value());
+  steps.add_step(0, kSecond / 2, 0.70, 0.05);               // step 1: 1.4 m/s, in force from 0.5 s on
+  CHECK_FALSE(steps.between(0, kSecond / 10).has_value());  // before any step was complete
+  CHECK(steps.between(kSecond / 2, kSecond * 6 / 10)->metres == doctest::Approx(0.14));
+  steps.add_step(kSecond / 2, kSecond, 0.60, 0.05);  // step 2: 1.2 m/s, in force from 1.0 s on
+  // An interval that lies across the end of step 2: half at step 1's speed, half at step 2's.
+  CHECK(steps.between(kSecond * 95 / 100, kSecond * 105 / 100)->metres == doctest::Approx(0.05 * 1.4 + 0.05 * 1.2));
+  // Over the whole of step 3 the displacement is exactly step 2's length when both last equally long.
+  CHECK(steps.between(kSecond, kSecond * 3 / 2)->metres == doctest::Approx(0.60));
+}
+
+TEST_CASE("a walker who stops stands, and is set going again by the next step") {
+  step_scale::StepInterpolation steps(1.6);
+  steps.add_step(0, kSecond / 2, 0.70, 0.05);
+  CHECK(steps.between(2 * kSecond, 3 * kSecond)->metres == 0.0);
+  steps.stand(kSecond * 6 / 10);
+  CHECK(steps.between(kSecond / 2, kSecond)->metres == doctest::Approx(0.14));
+  steps.add_step(2 * kSecond, kSecond * 5 / 2, 0.70, 0.05);
+  CHECK(steps.between(kSecond * 5 / 2, kSecond * 26 / 10)->metres == doctest::Approx(0.14));
+}
+
+TEST_CASE("each displacement is scaled on its own, horizontally, in NED") {
+  Geodesy geodesy;
+  PerFrameCoupling coupling({}, {}, {true, true}, geodesy);
+  const odo_pose first = coupling.on_first_frame(0);
+  // Without attitude the camera starts level, facing north: z forward is north, x right is east, y down is down.
+  Eigen::Quaterniond q(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
+  CHECK((q * Vector3d::UnitZ() - Vector3d::UnitX()).norm() < 1e-12);
+  CHECK((q * Vector3d::UnitX() - Vector3d::UnitY()).norm() < 1e-12);
+  const odo_scale s = scale(2.0);
+  odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0.1, 0.2, 0.5}), &s);
+  CHECK(pose.p_n[0] == doctest::Approx(1.0));
+  CHECK(pose.p_n[1] == doctest::Approx(0.2));
+  CHECK(pose.p_n[2] == 0.0);  // the vertical displacement is ignored, as in the paper
+  CHECK(pose.state == ODO_TRACKING);
+  CHECK((pose.header.flags & ODO_POSE_METRIC) != 0);
+  pose = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 1}), nullptr);
+  CHECK(pose.state == ODO_DEGRADED);
+  CHECK(pose.reason == ODO_REASON_NO_SCALE);
+  CHECK(pose.p_n[0] == doctest::Approx(1.0));  // nothing is invented
+  CHECK(coupling.distance_m() == doctest::Approx(std::hypot(1.0, 0.2)));
+}
+
+TEST_CASE("rotation is chained from frame to frame") {
+  Geodesy geodesy;
+  PerFrameCoupling coupling({}, {}, {true, false}, geodesy);
+  coupling.on_first_frame(0);
+  auto turn = motion(0, kSecond, Vector3d::Zero());
+  const Eigen::Quaterniond right(Eigen::AngleAxisd(EIGEN_PI / 2, Vector3d::UnitY()));  // about the camera's down axis
+  turn.q_c0_c1[0] = right.w(), turn.q_c0_c1[2] = right.y();
+  coupling.on_vo_motion(turn, nullptr);
+  const odo_pose pose = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 3}), nullptr);
+  CHECK(pose.p_n[0] == doctest::Approx(0.0));
+  CHECK(pose.p_n[1] == doctest::Approx(3.0));  // facing east now; VO units, no scale source
+  CHECK((pose.header.flags & ODO_POSE_METRIC) == 0);
+}
+
+TEST_CASE("the first fix places the track, later ones pull it by their weight, wrong ones are rejected") {
+  Geodesy geodesy;
+  CouplingConfig config;
+  PerFrameCoupling coupling(config, {}, {true, true}, geodesy);
+  coupling.on_first_frame(0);
+  std::array<double, 3> p;
+  CHECK(coupling.on_fix(position_fix(0, 100, 50, 1.0), p));
+  odo_pose pose = *coupling.take_correction();
+  CHECK(pose.p_n[0] == doctest::Approx(100).epsilon(1e-6));
+  const odo_scale s = scale(1.0);
+  pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 10}), &s);
+  CHECK(pose.p_n[0] == doctest::Approx(110));
+  CHECK_FALSE(coupling.on_fix(position_fix(kSecond, 150, 50, 1.0), p));
+  CHECK_FALSE(coupling.take_correction().has_value());
+  CHECK(coupling.on_fix(position_fix(kSecond, 111, 50, 1.0), p));
+  pose = *coupling.take_correction();
+  CHECK(pose.p_n[0] > 110.2);
+  CHECK(pose.p_n[0] < 111.0);
+  // The uncertainty along the way was that of the scale: the correction shrinks it.
+  CHECK(pose.covariance[3 * 6 + 3] < 1.0);
+}
+
+TEST_CASE("a track that is wrong itself follows the fixes in the end") {
+  Geodesy geodesy;
+  PerFrameCoupling coupling({}, {}, {true, true}, geodesy);
+  coupling.on_first_frame(0);
+  std::array<double, 3> p;
+  coupling.on_fix(position_fix(0, 0, 0, 0.5), p);
+  int needed = 0;
+  while (!coupling.on_fix(position_fix(0, 500, 0, 0.5), p)) REQUIRE(++needed < 20);
+  CHECK(coupling.take_correction()->p_n[0] == doctest::Approx(500).epsilon(1e-3));
+}
+
+TEST_CASE("steps carry the position where there is no camera") {
+  Geodesy geodesy;
+  PerFrameCoupling coupling({}, {{10, 20, 0}, EIGEN_PI / 2, true}, {false, false}, geodesy);
+  auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
+  attitude.q_n_b[0] = 1.0;
+  coupling.on_attitude(attitude);
+  REQUIRE(coupling.start_without_camera().has_value());
+  auto step = make_message<odo_step>(ODO_TYPE_STEP, kSecond);
+  step.header.flags = ODO_STEP_HEADING;
+  step.t_end_ns = kSecond / 2;
+  step.length_m = 0.7, step.sigma_m = 0.07;
+  const auto pose = coupling.on_step(step);
+  REQUIRE(pose.has_value());
+  CHECK(pose->p_n[0] == doctest::Approx(10));
+  CHECK(pose->p_n[1] == doctest::Approx(20.7));  // the start's heading is east
+  CHECK(std::sqrt(pose->covariance[4 * 6 + 4]) == doctest::Approx(0.07));
+  odo_pose later{};
+  CHECK(coupling.pose_at(kSecond / 4, later) == ODO_OK);
+  CHECK(later.p_n[1] == doctest::Approx(20.35));
+  CHECK(coupling.pose_at(-1, later) == ODO_E_NOT_FOUND);
+}
+
+TEST_CASE("NED and geodetic coordinates are each other's inverse to a micrometre over 20 km") {
+  Geodesy geodesy;
+  geodesy.set_origin({0.8238, -0.0271, 20.0});
+  for (const std::array<double, 3> p : {std::array<double, 3>{0, 0, 0}, {20000, -15000, -300}, {-7, 12000, 40}}) {
+    const auto back = geodesy.from_geodetic(geodesy.to_geodetic(p));
+    for (size_t i = 0; i < 3; ++i) CHECK(std::abs(back[i] - p[i]) < 1e-6);
+  }
+  const auto north = geodesy.to_geodetic({1000, 0, 0}), east = geodesy.to_geodetic({0, 1000, 0}),
+             down = geodesy.to_geodetic({0, 0, 5});
+  CHECK(north[0] > 0.8238);
+  CHECK(east[1] > -0.0271);
+  CHECK(down[2] == doctest::Approx(15.0));
+}
+
+TEST_SUITE_END();

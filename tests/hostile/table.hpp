@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A good plugin table written by hand, for the broken plugins to break in one place.
+#pragma once
+
+#include <cstring>
+
+#include <odograph/plugin.h>
+#include <odograph/scale_source.h>
+
+#ifndef HOSTILE_ID
+#define HOSTILE_ID "test/hostile"
+#endif
+
+namespace hostile {
+
+inline const odo_sink*& sink() {
+  static const odo_sink* kept = nullptr;
+  return kept;
+}
+inline int& instance() {
+  static int thing = 0;
+  return thing;
+}
+
+inline odo_plugin table() {
+  static const odo_string interfaces[] = {{ODO_INTERFACE_SCALE_SOURCE, sizeof(ODO_INTERFACE_SCALE_SOURCE) - 1}};
+  odo_plugin t;
+  std::memset(&t, 0, sizeof t);
+  t.struct_size = sizeof t;
+  t.abi_major = ODO_ABI_MAJOR;
+  t.interface_count = 1;
+  t.interfaces = interfaces;
+  t.id = {HOSTILE_ID, sizeof(HOSTILE_ID) - 1};
+  t.version = {"1.0.0", 5};
+  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** out) -> int32_t {
+    *out = reinterpret_cast<odo_instance*>(&instance());
+    return ODO_OK;
+  };
+  t.configure = [](odo_instance*, const odo_value*, uint32_t, uint32_t) -> int32_t { return ODO_OK; };
+  t.activate = [](odo_instance*, const odo_sink* s) -> int32_t { return sink() = s, ODO_OK; };
+  t.process = [](odo_instance*, const odo_batch*) -> int32_t { return ODO_OK; };
+  t.destroy = [](odo_instance*) {};
+  t.reset = [](odo_instance*) -> int32_t { return ODO_OK; };
+  return t;
+}
+
+inline int32_t fill(odo_plugin* out, const odo_plugin& t, uint32_t size = sizeof(odo_plugin)) {
+  std::memcpy(static_cast<void*>(out), &t, size);
+  out->struct_size = size;
+  return ODO_OK;
+}
+
+}  // namespace hostile

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ends before `process`: no version of the ABI was ever that small.
+#include "tests/hostile/table.hpp"
+
+extern "C" int32_t odo_plugin_entry_v1(const odo_host*, odo_plugin* out) {
+  return hostile::fill(out, hostile::table(), offsetof(odo_plugin, process));
+}

@@ -1,0 +1,27 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Outside the tree, against the installed package: the C99 sample through CMake and through pkg-config, and the plugin
+# sample, which carries its C++ runtime inside.
+set -eu
+source=$1 build=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cmake --install "$build" --prefix "$work/prefix" >/dev/null
+cp -r "$source/samples" "$work/samples"
+export PKG_CONFIG_PATH="$(dirname "$(find "$work/prefix" -name odograph.pc)")"
+export ODOGRAPH_PLUGIN_PATH="$(pkg-config --variable=plugindir odograph)"
+
+cmake -S "$work/samples/embed_c" -B "$work/cmake" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
+cmake --build "$work/cmake" >/dev/null
+"$work/cmake/embed_c" "$work/samples/configs/phone_walk.yaml" | tail -1
+
+libdir=$(pkg-config --variable=libdir odograph)
+gcc -std=c99 -pedantic-errors -Wall -Wextra -Werror "$work/samples/embed_c/main.c" -o "$work/embed_pc" $(pkg-config --cflags --libs odograph) -lm -Wl,-rpath,"$libdir"
+"$work/embed_pc" "$work/samples/configs/phone_walk.yaml" | tail -1
+
+cmake -S "$work/samples/plugin_example" -B "$work/plugin" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
+cmake --build "$work/plugin" >/dev/null
+"$work/prefix/bin/odograph" plugin manifest "$work/plugin/constant_speed.so"
+"$work/prefix/bin/odograph" plugin check "$work/plugin/constant_speed.so"
+[ "$(nm -D --defined-only "$work/plugin/constant_speed.so" | awk '{print $NF}')" = odo_plugin_entry_v1 ]
+"$work/prefix/bin/odograph" plugins --plugins "$work/plugin" example/constant_speed

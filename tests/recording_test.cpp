@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "sdk/recording/odo_file.hpp"
+#include "sdk/recording/text_rows.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+namespace fs = std::filesystem;
+
+TEST_SUITE_BEGIN("recording");
+
+namespace {
+
+/// A small recording with everything in it.
+fs::path small_recording(const TemporaryFolder& folder, int frames) {
+  const auto path = folder / "small.odo";
+  auto created = OdoWriter::create(path, 0);
+  OdoWriter* writer = created->get();
+  auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+  calibration.model = ODO_CAMERA_PINHOLE;
+  calibration.width = 8, calibration.height = 6, calibration.fx = calibration.fy = 5;
+  REQUIRE(writer->write(calibration.header).ok());
+  std::vector<uint8_t> pixels(8 * 6);
+  for (int i = 0; i < frames; ++i) {
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, i * 1000 + 1);
+    imu.accel_b[2] = 9.81 + i;
+    REQUIRE(writer->write(imu.header).ok());
+    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, i * 1000 + 2);
+    frame.format = ODO_FORMAT_GREY8;
+    frame.width = 8, frame.height = 6;
+    pixels[7] = static_cast<uint8_t>(i);
+    frame.planes[0] = {pixels.data(), 8, 1, 0};
+    REQUIRE(writer->write(frame.header).ok());
+    REQUIRE(writer->write_truth({i * 1000 + 2, Eigen::Quaterniond::Identity(), {1.0 * i, 2, 3}}).ok());
+  }
+  REQUIRE(writer->flush());
+  return path;
+}
+
+void mkdirs(const fs::path& path) { fs::create_directories(path); }
+void picture(const fs::path& path) { cv::imwrite(path.string(), cv::Mat(48, 64, CV_8U, cv::Scalar(77))); }
+
+}  // namespace
+
+TEST_CASE("an Odograph recording gives back what was written, bit for bit") {
+  const TemporaryFolder folder;
+  const auto recording = read_recording(small_recording(folder, 5));
+  REQUIRE(recording.ok());
+  CHECK(recording->messages.size() == 11);
+  CHECK(recording->truth.size() == 5);
+  CHECK(recording->warnings.empty());
+  int frames = 0;
+  for (const auto& m : recording->messages) {
+    if (m.message.header().type != ODO_TYPE_FRAME) continue;
+    const auto frame = load_frame(m);
+    REQUIRE(frame.ok());
+    CHECK(frame->planes[0].data[7] == frames++);
+    frame->release(&*frame);
+  }
+  CHECK(frames == 5);
+}
+
+TEST_CASE("after a crash everything up to the last whole record is there") {
+  const TemporaryFolder folder;
+  const auto path = small_recording(folder, 5);
+  const std::string whole = read_text(path);
+  const size_t all = read_recording(path)->messages.size();
+  size_t previous = 0;
+  for (size_t cut = 16; cut < whole.size(); cut += 7) {
+    write_text(folder / "cut.odo", whole.substr(0, cut));
+    const auto recording = read_odo(folder / "cut.odo");
+    if (!recording) continue;  // not even the first record
+    CHECK(recording->messages.size() >= previous);
+    CHECK(recording->messages.size() <= all);
+    previous = recording->messages.size();
+  }
+  CHECK(previous >= all - 1);
+  // A flipped bit is noticed and ends the reading there.
+  std::string damaged = whole;
+  damaged[whole.size() / 2] = static_cast<char>(damaged[whole.size() / 2] ^ 4);
+  write_text(folder / "damaged.odo", damaged);
+  const auto recording = read_odo(folder / "damaged.odo");
+  REQUIRE(recording.ok());
+  CHECK(recording->messages.size() < all);
+  CHECK(recording->warnings.size() == 1);
+}
+
+TEST_CASE("random bytes behind a good head never crash the reader") {
+  const TemporaryFolder folder;
+  const std::string whole = read_text(small_recording(folder, 2));
+  rc::check("random damage", [&] {
+    std::string bytes = whole;
+    for (int i = 0; i < 8; ++i) bytes[*rc::gen::inRange<size_t>(16, bytes.size())] = *rc::gen::arbitrary<char>();
+    write_text(folder / "random.odo", bytes);
+    const auto recording = read_odo(folder / "random.odo");
+    if (recording)
+      for (const auto& m : recording->messages)
+        if (m.message.header().type == ODO_TYPE_FRAME)
+          if (const auto frame = load_frame(m)) frame->release(&*frame);
+  });
+}
+
+TEST_CASE("times survive the way through text exactly") {
+  rc::check("nanoseconds", [](int64_t t) {
+    const int64_t t_ns = t % 9'000'000'000'000'000'000;
+    RC_ASSERT(*parse_seconds(format_seconds(t_ns)) == t_ns);
+  });
+  CHECK(*parse_seconds("1305031098.6659") == 1305031098665900000);
+  CHECK(*parse_seconds("1.000000e-01") == 100000000);
+  CHECK_FALSE(parse_seconds("1.2.3").ok());
+}
+
+TEST_CASE("trajectories survive the way through TUM and KITTI files") {
+  const TemporaryFolder folder;
+  Trajectory track;
+  for (int i = 0; i < 20; ++i)
+    track.push_back({1574129954212000000 + i * 100'000'000LL,
+                     Eigen::Quaterniond(Eigen::AngleAxisd(0.2 * i, Eigen::Vector3d(1, 2, 3).normalized())),
+                     {0.1 * i, -3.0, 1e-3 * i}});
+  const auto same = [&](const Trajectory& other, bool times) {
+    REQUIRE(other.size() == track.size());
+    for (size_t i = 0; i < track.size(); ++i) {
+      if (times) CHECK(other[i].t_ns == track[i].t_ns);
+      CHECK((other[i].p - track[i].p).norm() < 1e-9);
+      CHECK(other[i].q.angularDistance(track[i].q) < 1e-9);
+    }
+  };
+  REQUIRE(write_trajectory(folder / "a.tum", track, nullptr).ok());
+  same(*read_tum(folder / "a.tum"), true);
+  REQUIRE(write_trajectory(folder / "a.kitti", track, nullptr).ok());
+  same(*read_kitti_poses(folder / "a.kitti", {}), false);
+  CHECK_FALSE(write_trajectory(folder / "a.gpx", track, nullptr).ok());
+  const ToGeodetic somewhere = [](const Eigen::Vector3d& p) {
+    return std::array<double, 3>{0.8 + p.x() * 1e-7, 0.1, 5};
+  };
+  for (const char* name : {"a.gpx", "a.kml", "a.geojson", "a.csv"})
+    CHECK(write_trajectory(folder / name, track, somewhere).ok());
+  CHECK(read_text(folder / "a.geojson").find("LineString") != std::string::npos);
+  CHECK_FALSE(write_trajectory(folder / "a.xyz", track, nullptr).ok());
+}
+
+TEST_CASE("bad tables are named with file and line") {
+  const TemporaryFolder folder;
+  CHECK(read_tum(write_text(folder / "a.tum", "# head\n1 2 3 4 0 0 0 1\n2 2 3 x 0 0 0 1\n"))
+            .failure()
+            .text.find("a.tum:3: field 4 'x'") != std::string::npos);
+  CHECK(read_tum(write_text(folder / "b.tum", "1 2 3\n")).failure().text.find("b.tum:1: expected at least 8") !=
+        std::string::npos);
+  CHECK(read_tum(write_text(folder / "c.tum", "1 2 3 4 0 0 0 0\n")).failure().text.find("norm") != std::string::npos);
+  CHECK(read_tum(write_text(folder / "d.tum", "")).failure().text.find("no poses") != std::string::npos);
+  CHECK(read_recording(folder / "nothing").failure().status == ODO_E_NOT_FOUND);
+  CHECK(read_recording(folder.path()).failure().text.find("looked for") != std::string::npos);
+}
+
+TEST_CASE("EuRoC, TUM RGB-D, ADVIO and image folders are recognised and read") {
+  const TemporaryFolder folder;
+  const auto euroc = folder / "euroc";
+  mkdirs(euroc / "mav0/cam0/data");
+  mkdirs(euroc / "mav0/imu0");
+  mkdirs(euroc / "mav0/state_groundtruth_estimate0");
+  write_text(euroc / "mav0/imu0/data.csv",
+             "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n100,1,2,3,4,5,6\n200,1,2,3,4,5,6\n");
+  write_text(euroc / "mav0/imu0/sensor.yaml",
+             "sensor_type: imu\ngyroscope_noise_density: 1.7e-04\ngyroscope_random_walk: "
+             "2e-05\naccelerometer_noise_density: 2e-3\naccelerometer_random_walk: 3e-3\n");
+  write_text(euroc / "mav0/cam0/sensor.yaml",
+             "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [0,-1,0,0.5,\n         1,0,0,0,\n         "
+             "0,0,1,0,\n         0,0,0,1]\n"
+             "rate_hz: 20\nresolution: [64, 48]\ncamera_model: pinhole\nintrinsics: [50, 51, 32, "
+             "24]\ndistortion_model: radial-tangential\ndistortion_coefficients: [-0.28, 0.07, 1e-4, 1e-5]\n");
+  write_text(euroc / "mav0/cam0/data.csv", "#timestamp [ns],filename\n150,150.png\n");
+  picture(euroc / "mav0/cam0/data/150.png");
+  write_text(euroc / "mav0/state_groundtruth_estimate0/data.csv",
+             "#t,p,q,v,bw,ba\n150,1,2,3,1,0,0,0,0,0,0,0,0,0,0,0,0\n");
+  const auto e = read_recording(euroc);
+  REQUIRE_MESSAGE(e.ok(), (e.ok() ? "" : e.failure().text));
+  CHECK(e->format == "EuRoC/ASL");
+  CHECK(e->messages.size() == 5);
+  CHECK(e->truth.at(0).p.x() == doctest::Approx(1.5));  // of the camera: the lever arm is added
+  for (const auto& m : e->messages)
+    if (m.message.header().type == ODO_TYPE_CALIBRATION) {
+      const auto& c = as<odo_calibration>(m.message.header());
+      CHECK(c.distortion_count == 4);
+      CHECK(c.q_b_c[3] == doctest::Approx(std::sqrt(0.5)));
+    }
+
+  const auto tum = folder / "tum";
+  mkdirs(tum / "rgb");
+  picture(tum / "rgb/1.png");
+  write_text(tum / "rgb.txt", "# color images\n1.5 rgb/1.png\n");
+  write_text(tum / "groundtruth.txt", "1.5 1 2 3 0 0 0 1\n");
+  write_text(tum / "accelerometer.txt", "1.4 0 0 9.8\n");
+  const auto t = read_recording(tum);
+  REQUIRE(t.ok());
+  CHECK(t->format == "TUM RGB-D");
+  CHECK(t->messages.size() == 3);
+
+  const auto advio = folder / "advio";
+  mkdirs(advio / "iphone");
+  mkdirs(advio / "ground-truth");
+  write_text(advio / "iphone/accelerometer.csv", "0.01,0.0,-1.0,0.0\n0.02,0.0,-1.0,0.0\n");
+  write_text(advio / "iphone/gyro.csv", "0.015,0.1,0.2,0.3\n");
+  write_text(advio / "iphone/platform-location.csv", "0.5,60.1,24.9,5,20,3,1\n");
+  write_text(advio / "ground-truth/pose.csv", "0.01,1,2,3,1,0,0,0\n");
+  const auto a = read_recording(advio);
+  REQUIRE(a.ok());
+  CHECK(a->format == "ADVIO");
+  for (const auto& m : a->messages)
+    if (m.message.header().type == ODO_TYPE_IMU && (m.message.header().flags & ODO_IMU_ACCEL))
+      CHECK(as<odo_imu>(m.message.header()).accel_b[1] == doctest::Approx(9.80665));  // at rest it points up
+
+  const auto images = folder / "images";
+  mkdirs(images);
+  for (const char* name : {"2.png", "10.png", "1.png"}) picture(images / name);
+  write_text(images / "camera.yaml", "width: 64\nheight: 48\nfx: 50 px\nfy: 50\ncx: 32\ncy: 24\nfps: 10 Hz\n");
+  const auto i = read_recording(images);
+  REQUIRE_MESSAGE(i.ok(), (i.ok() ? "" : i.failure().text));
+  REQUIRE(i->messages.size() == 4);
+  CHECK(i->messages[3].picture.file.filename() == "10.png");  // by number, not by letter
+  CHECK(i->messages[3].message.header().t_ns == 200'000'000);
+  write_text(images / "camera.yaml", "width: 64\nheight: 48\nfx: 50\nfz: 50\ncx: 32\ncy: 24\n");
+  CHECK(read_recording(images).failure().text.find("camera.yaml:4:1: unknown key 'fz'") != std::string::npos);
+}
+
+TEST_CASE("the real recordings are read") {
+  const auto folder = data_or_skip("");
+  if (folder.empty()) return;
+  const auto kitti = read_recording(folder / "kitti_clip_b");
+  REQUIRE(kitti.ok());
+  CHECK(kitti->format == "KITTI odometry");
+  CHECK(kitti->truth.size() == 51);
+  CHECK(path_length(kitti->truth) == doctest::Approx(51.8).epsilon(0.01));
+  const auto tsukuba = read_recording(folder / "tsukuba_90");
+  REQUIRE(tsukuba.ok());
+  CHECK(tsukuba->truth.size() == 90);
+  int walks = 0;
+  for (const auto& entry : fs::directory_iterator(folder / "phone_walks")) {
+    if (entry.path().extension() != ".txt") continue;
+    const auto walk = read_recording(entry.path());
+    REQUIRE(walk.ok());
+    CHECK(walk->has(ODO_TYPE_WAYPOINT));
+    ++walks;
+  }
+  CHECK(walks == 80);
+}
+
+TEST_SUITE_END();

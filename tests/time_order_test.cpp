@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include "sdk/core/imu_joiner.hpp"
+#include "sdk/core/time_order.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("time_order");
+
+namespace {
+
+constexpr int64_t kMs = 1'000'000;
+
+odo_header message(uint32_t type, int64_t t_ns) {
+  odo_header h{};
+  h.type = type;
+  h.t_ns = t_ns;
+  return h;
+}
+
+/// Whole messages for the queue, which copies by type.
+AnyMessage whole(uint32_t type, int64_t t_ns) {
+  AnyMessage m{};
+  m.header() = message(type, t_ns);
+  m.header().struct_size = static_cast<uint32_t>(message_info(type)->size);
+  return m;
+}
+
+std::vector<std::pair<int64_t, uint32_t>> drain(TimeOrder& order) {
+  std::vector<std::pair<int64_t, uint32_t>> out;
+  AnyMessage m;
+  while (order.pop(m, true)) out.emplace_back(m.header().t_ns, m.header().type);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("whatever the arrival within the wait, the order of release is the same") {
+  rc::check("shuffled arrivals", [] {
+    std::vector<std::pair<int64_t, AnyMessage>> arrivals;  // arrival time, message
+    for (int i = 0; i < 200; ++i) {
+      const int64_t t = i * 5 * kMs;
+      arrivals.emplace_back(t + *rc::gen::inRange<int64_t>(0, 90 * kMs), whole(ODO_TYPE_IMU, t));
+      if (i % 7 == 0)
+        arrivals.emplace_back(t + *rc::gen::inRange<int64_t>(0, 90 * kMs), whole(ODO_TYPE_MAGNETOMETER, t + kMs));
+      if (i % 10 == 0)
+        arrivals.emplace_back(t + *rc::gen::inRange<int64_t>(0, 90 * kMs), whole(ODO_TYPE_FRAME, t + 2 * kMs));
+    }
+    // Each sensor delivers in its own order; only between sensors it is mixed.
+    std::stable_sort(arrivals.begin(), arrivals.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const uint32_t type : {ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_FRAME}) {
+      std::vector<AnyMessage> of_type;
+      for (const auto& a : arrivals)
+        if (a.second.header().type == type) of_type.push_back(a.second);
+      std::sort(of_type.begin(), of_type.end(),
+                [](const auto& a, const auto& b) { return a.header().t_ns < b.header().t_ns; });
+      size_t k = 0;
+      for (auto& a : arrivals)
+        if (a.second.header().type == type) a.second = of_type[k++];
+    }
+    TimeOrder order(1024, 200 * kMs);
+    std::vector<std::pair<int64_t, uint32_t>> released;
+    AnyMessage m;
+    for (const auto& [at, sample] : arrivals) {
+      RC_ASSERT(order.push(sample.header()) == TimeOrder::Verdict::accepted);
+      while (order.pop(m, false)) released.emplace_back(m.header().t_ns, m.header().type);
+    }
+    for (const auto& rest : drain(order)) released.push_back(rest);
+    RC_ASSERT(released.size() == arrivals.size());
+    RC_ASSERT(std::is_sorted(released.begin(), released.end()));
+  });
+}
+
+TEST_CASE("late, duplicate and wild samples are told apart") {
+  TimeOrder order(64, 50 * kMs);
+  AnyMessage m;
+  for (int i = 0; i < 20; ++i) order.push(whole(ODO_TYPE_IMU, i * 10 * kMs).header());
+  while (order.pop(m, false)) {
+  }
+  CHECK(order.push(whole(ODO_TYPE_IMU, 190 * kMs).header()) == TimeOrder::Verdict::duplicate);
+  CHECK(order.push(whole(ODO_TYPE_IMU, 20 * kMs).header()) == TimeOrder::Verdict::late);
+  CHECK(order.push(whole(ODO_TYPE_IMU, 3'000'000 * kMs).header()) == TimeOrder::Verdict::implausible);
+  CHECK(order.push(whole(ODO_TYPE_IMU, 200 * kMs).header()) == TimeOrder::Verdict::accepted);
+  CHECK(order.push(whole(ODO_TYPE_GNSS, 10 * kMs).header()) ==
+        TimeOrder::Verdict::accepted);  // slow sensors may be late
+}
+
+TEST_CASE("a sensor clock that is set back restarts the order instead of dropping everything") {
+  TimeOrder order(256, 50 * kMs);
+  AnyMessage m;
+  for (int i = 1000; i < 1100; ++i) {
+    order.push(whole(ODO_TYPE_IMU, i * 10 * kMs).header());
+    while (order.pop(m, false)) {
+    }
+  }
+  int pushes = 0;
+  while (order.push(whole(ODO_TYPE_IMU, pushes * 10 * kMs).header()) != TimeOrder::Verdict::restarted)
+    REQUIRE(++pushes < 100);
+  while (order.drain(m)) {
+  }
+  order.restart();
+  CHECK(order.push(whole(ODO_TYPE_IMU, ++pushes * 10 * kMs).header()) == TimeOrder::Verdict::accepted);
+}
+
+TEST_CASE("a full queue says so and loses nothing that it holds") {
+  TimeOrder order(64, 10'000 * kMs);
+  int accepted = 0;
+  for (int i = 0; i < 100; ++i)
+    if (order.push(whole(ODO_TYPE_IMU, i * kMs).header()) == TimeOrder::Verdict::accepted) ++accepted;
+  CHECK(accepted == 64);
+  CHECK(drain(order).size() == 64);
+}
+
+TEST_CASE("calibrations come before the frames of the same time") {
+  TimeOrder order(64, 0);
+  order.push(whole(ODO_TYPE_FRAME, 5).header());
+  order.push(whole(ODO_TYPE_CALIBRATION, 5).header());
+  const auto out = drain(order);
+  CHECK(out.front().second == ODO_TYPE_CALIBRATION);
+}
+
+TEST_CASE("accelerometer and gyroscope that come apart are joined by interpolation") {
+  ImuJoiner joiner;
+  std::vector<odo_imu> whole_samples;
+  const auto push = [&](uint32_t flag, int64_t t, double x) {
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
+    imu.header.flags = flag;
+    (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[0] = x;
+    joiner.push(imu, [&](const odo_imu& w) { whole_samples.push_back(w); });
+  };
+  push(ODO_IMU_GYRO, 50, 1.0);  // before the first accelerometer sample: nothing to interpolate from
+  push(ODO_IMU_ACCEL, 100, 10.0);
+  push(ODO_IMU_GYRO, 125, 2.0);
+  push(ODO_IMU_GYRO, 175, 3.0);
+  push(ODO_IMU_ACCEL, 200, 20.0);
+  REQUIRE(whole_samples.size() == 2);
+  CHECK(whole_samples[0].accel_b[0] == doctest::Approx(12.5));
+  CHECK(whole_samples[1].accel_b[0] == doctest::Approx(17.5));
+  CHECK(whole_samples[1].gyro_b[0] == 3.0);
+}
+
+TEST_SUITE_END();
