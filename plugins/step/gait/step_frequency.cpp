@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 namespace odograph::gait {
 namespace {
@@ -16,31 +17,39 @@ void StepFrequency::add(int64_t t_ns, double value) {
   samples_[count_++ % samples_.size()] = {t_ns, value};
 }
 
-double StepFrequency::power(double frequency_hz, int64_t now_ns) const {
-  double re = 0, im = 0;
-  const size_t kept = std::min(count_, samples_.size());
-  for (size_t i = 0; i < kept; ++i) {
-    const Sample& s = samples_[i];
-    const double age = static_cast<double>(now_ns - s.t_ns) * 1e-9;
-    if (age > kWindow_s) continue;
-    const double window = 0.5 - 0.5 * std::cos(2 * kPi * age / kWindow_s);
-    const double phase = 2 * kPi * frequency_hz * age;
-    re += window * s.value * std::cos(phase);
-    im += window * s.value * std::sin(phase);
-  }
-  return re * re + im * im;
-}
-
 double StepFrequency::estimate(double expected_hz) const {
   if (count_ < 50) return expected_hz;
   const int64_t now = samples_[(count_ - 1) % samples_.size()].t_ns;
   const double low = std::max(kLowest_hz, expected_hz / 1.35), high = std::min(kHighest_hz, expected_hz * 1.35);
-  double best = 0, best_power = 0, left = 0, right = 0, previous = power(low - kGrid_hz, now);
-  double here = power(low, now);
+  // Each sample's phasor is turned on from one frequency of the grid to the next: two sines a sample, not one a term.
+  struct Phasor {
+    std::complex<double> value, turn;
+  };
+  std::array<Phasor, kSamples> phasors;
+  size_t used = 0;
+  for (size_t i = 0; i < std::min(count_, kSamples); ++i) {
+    const double age = static_cast<double>(now - samples_[i].t_ns) * 1e-9;
+    if (age > kWindow_s) continue;
+    const double window = 0.5 - 0.5 * std::cos(2 * kPi * age / kWindow_s);
+    phasors[used++] = {std::polar(window, 2 * kPi * (low - kGrid_hz) * age) * samples_[i].value,
+                       std::polar(1.0, 2 * kPi * kGrid_hz * age)};
+  }
+  const auto next_power = [&] {
+    std::complex<double> sum = 0;
+    for (size_t i = 0; i < used; ++i) {
+      Phasor& p = phasors[i];
+      sum += p.value;
+      p.value = {p.value.real() * p.turn.real() - p.value.imag() * p.turn.imag(),
+                 p.value.real() * p.turn.imag() + p.value.imag() * p.turn.real()};
+    }
+    return std::norm(sum);
+  };
+  double best = 0, best_power = 0, left = 0, right = 0, previous = next_power(), here = next_power();
   for (double f = low; f <= high; f += kGrid_hz) {
-    const double next = power(f + kGrid_hz, now);
-    if (here > best_power && here >= previous && here >= next)
+    const double next = next_power();
+    if (here > best_power && here >= previous && here >= next) {
       best = f, best_power = here, left = previous, right = next;
+    }
     previous = here;
     here = next;
   }

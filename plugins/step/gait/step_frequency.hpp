@@ -22,13 +22,13 @@ class StepFrequency {
   double estimate(double expected_hz) const;
 
  private:
-  double power(double frequency_hz, int64_t now_ns) const;
+  static constexpr size_t kSamples = 256;
 
   struct Sample {
     int64_t t_ns;
     double value;
   };
-  std::array<Sample, 256> samples_{};
+  std::array<Sample, kSamples> samples_{};
   size_t count_ = 0;
   int64_t last_kept_ns_ = INT64_MIN;
 };
