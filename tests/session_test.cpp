@@ -272,6 +272,28 @@ TEST_CASE("a frame is held without a copy while it waits, and given back exactly
   CHECK(holds == releases);
 }
 
+TEST_CASE("a camera's time offset brings its frames onto the IMU's clock") {
+  App app(kCamera);
+  auto c = calibration(64, 48);
+  c.header.flags = ODO_CALIBRATION_TIME_OFFSET;
+  c.time_offset_ns = 30'000'000;
+  odo_session_push(app.session, &c.header);
+  app.walk(0, 20);
+  const std::vector<uint8_t> pixels(64 * 48, 90);
+  auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'200'000'000);
+  f.format = ODO_FORMAT_GREY8;
+  f.width = 64, f.height = 48;
+  f.planes[0] = {pixels.data(), 64, 1, 0};
+  CHECK(odo_session_push(app.session, &f.header) == ODO_OK);
+  app.walk(20, 50);
+  odo_session_flush(app.session);
+  odo_pose pose{};
+  pose.header.struct_size = sizeof pose;
+  CHECK(odo_session_get_pose(app.session, 1'230'000'000, &pose) == ODO_OK);
+  CHECK(pose.header.t_ns == 1'230'000'000);
+  CHECK((pose.header.flags & ODO_POSE_CAMERA) != 0);
+}
+
 TEST_CASE("too many waiting frames are refused, not piled up") {
   App app(kCamera + "time_ordering:\n  frames: 3\n  max_wait: 5 s\n");
   const auto c = calibration(64, 48);

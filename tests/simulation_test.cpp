@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
 
 #include "sdk/cli/runner.hpp"
 #include "sdk/sim/simulate.hpp"
@@ -85,6 +90,12 @@ TEST_CASE("the paper's pipeline follows a simulated walk") {
   CHECK(write_report(folder / "out", *recording, *result).ok());
   for (const char* name : {"trajectory.tum", "steps.csv", "scale.csv", "fixes.csv", "summary.json", "report.html"})
     CHECK(std::filesystem::file_size(folder / (std::string("out/") + name)) > 30);
+  const auto schema_json = nlohmann::json::parse(read_text(source("schemas/summary.schema.json")));
+  const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+  valijson::Schema schema;
+  valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(schema_json), schema);
+  valijson::Validator validator;
+  CHECK(validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(summary), nullptr));
 }
 
 TEST_CASE("fixes from GNSS bound a walk on the Earth") {

@@ -102,7 +102,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   const auto config = read_pipeline_config_file(options.config, directories);
   if (!config) return config.failure();
   auto opened = open_session(options);
-  if (!opened) return opened.failure();
+  if (!opened) return Failure{ODO_E_ERROR, opened.failure().text};  // the config was good: it is a plugin
   odo_session* session = opened->get();
 
   RunResult result;

@@ -77,9 +77,11 @@ int32_t Session::push(const odo_header& sample) {
       ++(status == ODO_E_EXHAUSTED ? statistics_.overflow : statistics_.invalid);
       return status;
     }
+    held.header.t_ns += time_offset_ns(held.calibration);
     status = enqueue(held.header);
     if (status < 0) held.release(&held);
   } else {
+    if (sample.type == ODO_TYPE_CALIBRATION) note_time_offset(as<odo_calibration>(sample));
     status = enqueue(sample);
   }
   if (live_)
@@ -87,6 +89,19 @@ int32_t Session::push(const odo_header& sample) {
   else
     process_ready(false);
   return status;
+}
+
+/// From here on everything runs on the IMU's clock: a camera's frames are shifted as they come in.
+void Session::note_time_offset(const odo_calibration& calibration) {
+  const std::lock_guard lock(queue_mutex_);
+  const bool given = (calibration.header.flags & ODO_CALIBRATION_TIME_OFFSET) != 0;
+  camera_offsets_ns_[calibration.id] = given ? calibration.time_offset_ns : 0;
+}
+
+int64_t Session::time_offset_ns(uint32_t calibration) {
+  const std::lock_guard lock(queue_mutex_);
+  const auto found = camera_offsets_ns_.find(calibration);
+  return found == camera_offsets_ns_.end() ? 0 : found->second;
 }
 
 int32_t Session::enqueue(const odo_header& sample) {

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -45,6 +46,8 @@ class Session {
   void work();
   void reported(const Report& report);
   void restart_clock();
+  void note_time_offset(const odo_calibration& calibration);
+  int64_t time_offset_ns(uint32_t calibration);
 
   PipelineConfig config_;
   bool live_;
@@ -61,6 +64,7 @@ class Session {
   std::mutex queue_mutex_;
   std::condition_variable queue_changed_;
   TimeOrder order_;
+  std::map<uint32_t, int64_t> camera_offsets_ns_;  // by calibration id: IMU time minus camera time
   bool restart_pending_ = false;
   bool stopping_ = false;
 
