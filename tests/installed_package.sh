@@ -8,6 +8,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cmake --install "$build" --prefix "$work/prefix" >/dev/null
 cp -r "$source/samples" "$work/samples"
+export CMAKE_GENERATOR=Ninja
 export PKG_CONFIG_PATH="$(dirname "$(find "$work/prefix" -name odograph.pc)")"
 export ODOGRAPH_PLUGIN_PATH="$(pkg-config --variable=plugindir odograph)"
 

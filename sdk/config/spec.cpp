@@ -28,7 +28,7 @@ class Checker {
   std::vector<std::string> errors;
 
   Value check(const YamlNode& node, const Spec& spec, const std::string& path) {
-    Value value;
+    Value value{.name = spec.name};
     value.mark = node.mark;
     value.given = true;
     switch (spec.type) {
@@ -50,6 +50,7 @@ class Checker {
 
   void check_map(const YamlNode& node, const std::vector<Spec>& table, const std::string& path, Value& value) {
     std::vector<std::string> names;
+    names.reserve(table.size());
     for (const Spec& spec : table) names.push_back(spec.name);
     if (node.kind != YamlNode::Kind::map && !(node.kind == YamlNode::Kind::null && !path.empty())) {
       const std::string found =
@@ -72,13 +73,13 @@ class Checker {
       if (child && child->kind == YamlNode::Kind::null && spec.type != SpecType::map && spec.type != SpecType::plugin &&
           spec.type != SpecType::list) {
         fail(child->mark, prefix + spec.name, "nothing; expected " + expectation(spec));
-        value.children.emplace_back(spec.name, default_value(spec));
+        value.children.push_back(default_value(spec));
       } else if (child && !(child->kind == YamlNode::Kind::null && spec.type != SpecType::map)) {
-        value.children.emplace_back(spec.name, check(*child, spec, prefix + spec.name));
+        value.children.push_back(check(*child, spec, prefix + spec.name));
       } else {
         if (spec.required)
           fail(node.mark, path, "the key '" + spec.name + "' is missing; expected " + expectation(spec));
-        value.children.emplace_back(spec.name, default_value(spec));
+        value.children.push_back(default_value(spec));
       }
     }
   }
@@ -118,7 +119,7 @@ class Checker {
         parameters.children = **table;
       } else {
         fail(chosen->mark, path + ".plugin", table.failure().text);
-        value.children.emplace_back("plugin", Value{.text = chosen->text});
+        value.children.push_back(Value{.name = "plugin", .text = chosen->text});
         return;
       }
     }
@@ -176,23 +177,23 @@ class Checker {
 
 }  // namespace
 
-const Value* Value::find(std::string_view name) const {
-  for (const auto& [key, value] : children)
-    if (key == name) return &value;
+const Value* Value::find(std::string_view key) const {
+  for (const Value& child : children)
+    if (child.name == key) return &child;
   return nullptr;
 }
 
-const Value& Value::operator[](std::string_view name) const {
-  const Value* value = find(name);
-  if (!value) throw std::logic_error("no such key in the table: " + std::string(name));
+const Value& Value::operator[](std::string_view key) const {
+  const Value* value = find(key);
+  if (!value) throw std::logic_error("no such key in the table: " + std::string(key));
   return *value;
 }
 
 Value default_value(const Spec& spec) {
-  Value value;
+  Value value{.name = spec.name};
   switch (spec.type) {
     case SpecType::map:
-      for (const Spec& child : spec.children) value.children.emplace_back(child.name, default_value(child));
+      for (const Spec& child : spec.children) value.children.push_back(default_value(child));
       break;
     case SpecType::boolean: value.boolean = spec.fallback == "true"; break;
     case SpecType::integer: value.integer = std::strtoll(spec.fallback.c_str(), nullptr, 10); break;

@@ -33,6 +33,7 @@ struct Spec {
 
 /// A checked value with the place it came from. Defaults are filled in; `given` tells them apart.
 struct Value {
+  std::string name;  // its key, in a table
   Mark mark;
   bool given = false;
   bool boolean = false;
@@ -41,11 +42,11 @@ struct Value {
   std::string text;
   std::vector<double> reals;
   std::vector<Value> items;
-  std::vector<std::pair<std::string, Value>> children;
+  std::vector<Value> children;
 
   /// The child of that name; asking for one that the table does not have is a programming error.
-  const Value& operator[](std::string_view name) const;
-  const Value* find(std::string_view name) const;
+  const Value& operator[](std::string_view key) const;
+  const Value* find(std::string_view key) const;
 };
 
 /// The parameter table of a plugin by id, or why it is not to be had. The pointer lives as long as the resolver.

@@ -92,7 +92,7 @@ class TestInput {
     auto& pixels = pixels_[static_cast<size_t>(k)];
     for (int y = 0; y < 48; ++y)
       for (int x = 0; x < 64; ++x)
-        pixels[static_cast<size_t>(y * 64 + x)] =
+        pixels[static_cast<size_t>(y) * 64 + static_cast<size_t>(x)] =
             static_cast<uint8_t>((((x + k / 4) / 8 + y / 8) % 2) * 180 + 30 + (x * 7 + y * 13) % 20);
     auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
     frame.format = ODO_FORMAT_GREY8;

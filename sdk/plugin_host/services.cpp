@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/plugin_host/services.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <string_view>
 
@@ -49,7 +50,7 @@ const void* HostServices::find_service(const odo_host*, const char* id, uint64_t
         const auto found = std::filesystem::canonical(of(host).base_ / text_of(name), error);
         if (error) return ODO_E_NOT_FOUND;
         const std::string text = found.string();
-        std::memcpy(path, text.data(), std::min<uint64_t>(capacity, text.size()));
+        std::copy_n(text.data(), std::min<uint64_t>(capacity, text.size()), path);
         return static_cast<int64_t>(text.size());
       }};
   const std::string_view wanted(id, size);

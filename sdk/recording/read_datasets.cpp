@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Readers of image datasets: TUM RGB-D, KITTI odometry, folders of images.
+
 #include <algorithm>
+#include <cmath>
 
 #include "sdk/recording/recording.hpp"
 #include "sdk/recording/text_rows.hpp"
@@ -55,7 +57,7 @@ Result<Recording> read_image_folder(const fs::path& folder) {
   if (files.empty())
     return Failure{ODO_E_DATA, folder.string() + ": no pictures (png, jpg, pgm, bmp) beside camera.yaml"};
   for (size_t i = 0; i < files.size(); ++i)
-    add_frame(recording, static_cast<int64_t>(static_cast<double>(i) * 1e9 / fps + 0.5), 0, {files[i]});
+    add_frame(recording, std::llround(static_cast<double>(i) * 1e9 / fps), 0, {files[i]});
   std::error_code error;
   if (fs::exists(folder / "groundtruth.tum", error)) {
     auto truth = read_tum(folder / "groundtruth.tum");

@@ -112,8 +112,8 @@ void World::build_street(const Scenario& c) {
   // Houses of changing depth along both sides of the first straight, leaving the crossing open.
   const double crossing = c.straight_m + c.turn_radius_m;
   for (const double side : {-1.0, 1.0}) {
-    int k = 0;
-    for (double north = -15; north < far; north += 9, ++k) {
+    for (int k = 0; - 15 + 9 * k < far; ++k) {
+      const double north = -15 + 9 * k;
       if (std::abs(north + 4.5 - crossing) < 6.5 && side * c.turn_rad > 0) continue;
       const double east = side * (5.0 + 0.8 * (k % 3));
       add_quad({north, east, 0}, {8.6, 0, 0}, height * up, static_cast<size_t>(k + (side > 0)) % 4);

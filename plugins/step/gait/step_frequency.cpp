@@ -45,10 +45,11 @@ double StepFrequency::estimate(double expected_hz) const {
     return std::norm(sum);
   };
   double best = 0, best_power = 0, left = 0, right = 0, previous = next_power(), here = next_power();
-  for (double f = low; f <= high; f += kGrid_hz) {
+  const int steps = static_cast<int>((high - low) / kGrid_hz);
+  for (int i = 0; i <= steps; ++i) {
     const double next = next_power();
     if (here > best_power && here >= previous && here >= next) {
-      best = f, best_power = here, left = previous, right = next;
+      best = low + i * kGrid_hz, best_power = here, left = previous, right = next;
     }
     previous = here;
     here = next;

@@ -36,7 +36,8 @@ void CornerTracker::refill(const cv::Mat& mask) {
   const int columns = latest_.cols / p_.cell_px + 1, rows = latest_.rows / p_.cell_px + 1;
   std::vector<char> taken(static_cast<size_t>(columns * rows), 0);
   const auto cell = [&](const cv::Point2f& p) {
-    return static_cast<size_t>(static_cast<int>(p.y) / p_.cell_px * columns + static_cast<int>(p.x) / p_.cell_px);
+    const int row = static_cast<int>(p.y) / p_.cell_px, column = static_cast<int>(p.x) / p_.cell_px;
+    return static_cast<size_t>(row * columns + column);
   };
   for (const Track& track : tracks_) taken[cell(track.pixel)] = 1;
   const int wanted = p_.most - static_cast<int>(tracks_.size());
