@@ -35,7 +35,9 @@ printf 'odograph_scenario: 1\nwalker:\n  sped: 3\n' >bad_scenario.yaml
 expect 2 "bad_scenario.yaml:3:3: walker: unknown key 'sped'" "$odograph" sim bad_scenario.yaml -o x.odo
 cat >tiny.yaml <<'YAML'
 odograph_scenario: 1
-walker: {straight: 3 m, stand: 1 s}
+walker: {stand: 1.5 s}
+route:
+  points: [[0, 0, 0], [6, 0, 0]]
 camera: {width: 160, height: 120, focal: 120 px}
 YAML
 expect 0 "tiny.odo" "$odograph" sim tiny.yaml -o tiny.odo --seed 3

@@ -4,7 +4,7 @@
 #include "plugins/step/gait/gait.hpp"
 #include "sdk/cli/runner.hpp"
 #include "sdk/sim/random.hpp"
-#include "sdk/sim/walker.hpp"
+#include "tests/plain_walk.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -13,14 +13,15 @@ TEST_SUITE_BEGIN("gait");
 
 namespace {
 
-std::vector<gait::Step> steps_at(const Walker& walker, double hz, double noise, uint64_t seed) {
+std::vector<gait::Step> steps_at(const PlainWalk& walk, double hz, double noise, uint64_t seed) {
   gait::Gait gait({}, {}, Eigen::Vector3d(0, 1, -1));
   Random random(seed, 9);
   std::vector<gait::Step> steps;
-  for (double t = 0; t < walker.duration_s(); t += 1 / hz) {
-    auto k = walker.kinematics(t);
-    for (int i = 0; i < 3; ++i) k.specific_force_b[i] += noise * random.normal();
-    if (const auto step = gait.update(static_cast<int64_t>(t * 1e9), k.angular_velocity_b, k.specific_force_b))
+  for (double t = 0; t < walk.phone.duration_s(); t += 1 / hz) {
+    const auto k = walk.phone.at(t);
+    Eigen::Vector3d force = k.specific_force_b();
+    for (int i = 0; i < 3; ++i) force[i] += noise * random.normal();
+    if (const auto step = gait.update(static_cast<int64_t>(t * 1e9), k.angular_velocity_b, force))
       steps.push_back(*step);
   }
   return steps;
@@ -28,22 +29,19 @@ std::vector<gait::Step> steps_at(const Walker& walker, double hz, double noise, 
 
 }  // namespace
 
-TEST_CASE("steps of simulated walkers are found at every sample rate") {
+TEST_CASE("steps of a plain walk are found at every sample rate") {
   for (const double hz : {25.0, 50.0, 100.0, 200.0, 500.0}) {
     for (const double speed : {0.9, 1.35, 1.8}) {
-      Scenario s;
-      s.speed_mps = speed;
-      s.step_length_m = 0.5 + 0.17 * speed;
-      const Walker walker(s, static_cast<uint64_t>(hz + 10 * speed));
-      const auto steps = steps_at(walker, hz, 0.05, 1);
+      const PlainWalk walk(speed, 0.5 + 0.17 * speed, static_cast<uint64_t>(hz + 10 * speed));
+      const auto steps = steps_at(walk, hz, 0.05, 1);
       CAPTURE(hz);
       CAPTURE(speed);
-      CHECK(std::abs(static_cast<double>(steps.size()) - static_cast<double>(walker.steps().size())) <= 3);
+      CHECK(std::abs(static_cast<double>(steps.size()) - static_cast<double>(walk.steps.size())) <= 3);
       // In the middle of the walk, each step ends near a true contact.
       std::vector<double> off;
       for (const auto& step : steps) {
         double nearest = 1;
-        for (const auto& truth : walker.steps()) {
+        for (const auto& truth : walk.steps) {
           const double d = static_cast<double>(step.detected.t_end_ns) * 1e-9 - truth.t_end_s;
           if (std::abs(d) < std::abs(nearest)) nearest = d;
         }

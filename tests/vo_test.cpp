@@ -4,7 +4,7 @@
 #include "plugins/vo/five_point/visual_odometry.hpp"
 #include "sdk/cli/runner.hpp"
 #include "sdk/sim/random.hpp"
-#include "sdk/sim/world.hpp"
+#include "sdk/sim/camera.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -108,17 +108,19 @@ TEST_CASE("both camera models undistort what they distort") {
 }
 
 TEST_CASE("darkness is lost and said, not invented; afterwards it starts anew in another scale group") {
-  Scenario camera;
-  camera.width = 320, camera.height = 240, camera.focal_px = 250;
-  const World world(camera, 3);
+  Scenario scenario;
+  scenario.camera.width = 320, scenario.camera.height = 240, scenario.camera.focal_px = 250;
+  const World world(scenario, 3);
+  const SimCamera camera(scenario.camera, 1.0, 3);
+  View view(world, camera, scenario);
   VisualOdometry vo({}, {CameraModel::Distortion::radial_tangential, 250, 250, 159.5, 119.5, {}});
   const auto frame = [&](int i) {
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;
-    T.translation() = Vector3d(0.13 * i, 0, -1.5);
-    return world.render(T, camera);
+    Eigen::Matrix3d upright;
+    upright << 0, 0, -1, 1, 0, 0, 0, -1, 0;  // the phone's x, y, z while its camera looks north
+    const odograph::Motion held(1.0, {Vector3d(0.13 * i, 0, -1.5)}, {Eigen::Quaterniond(upright)});
+    return camera.develop(view.render(held, 0.1 * i), static_cast<size_t>(i));
   };
-  Motion motion;
+  five_point::Motion motion;
   for (int i = 0; i < 10; ++i) motion = vo.process(frame(i), {});
   CHECK(motion.state == Tracking::tracking);
   CHECK(motion.scale_group == 0);

@@ -4,7 +4,7 @@
 #include "plugins/attitude/vqf/vqf.hpp"
 #include "sdk/evaluation/evaluation.hpp"
 #include "sdk/sim/random.hpp"
-#include "sdk/sim/walker.hpp"
+#include "tests/plain_walk.hpp"
 
 using namespace odograph;
 using Eigen::Vector3d;
@@ -45,66 +45,63 @@ TEST_CASE("a still device: inclination at once, bias within seconds") {
 TEST_CASE(
     "a walking phone: inclination within a degree, heading drift within two degrees a minute once the bias is known") {
   for (const uint64_t seed : {1u, 2u, 3u}) {
-    Scenario s;
-    s.straight_m = 60;
-    s.stand_s = 4;
-    const Walker walker(s, seed);
+    const PlainWalk walk(1.35, 0.72, seed, 4, 60);
     vqf::Filter filter{vqf::Parameters{}};
     Random random(seed, 4);
     const Vector3d gyro_bias = 0.004 * Vector3d(random.normal(), random.normal(), random.normal());
     std::vector<double> inclination;
     for (int i = 0; i < 1000; ++i) {  // ten seconds on a table: the bias becomes known
       const Vector3d n(random.normal(), random.normal(), random.normal());
-      filter.update(gyro_bias + 0.002 * n, walker.kinematics(0).specific_force_b + 0.03 * n, 0.01);
+      filter.update(gyro_bias + 0.002 * n, walk.phone.at(0.5).specific_force_b() + 0.03 * n, 0.01);
     }
     CHECK((filter.bias() - gyro_bias).norm() < 5e-4);
     double start = 0, end = 0, start_t = 0;
-    for (double t = 0; t < walker.duration_s(); t += 0.01) {
-      const auto k = walker.kinematics(t);
+    for (double t = 0; t < walk.phone.duration_s(); t += 0.01) {
+      const auto k = walk.phone.at(t);
       const Vector3d n(random.normal(), random.normal(), random.normal());
-      filter.update(k.angular_velocity_b + gyro_bias + 0.002 * n, k.specific_force_b + 0.03 * n, 0.01);
+      filter.update(k.angular_velocity_b + gyro_bias + 0.002 * n, k.specific_force_b() + 0.03 * n, 0.01);
       if (t < 5) continue;
-      inclination.push_back(inclination_error(filter, walker.pose(t)));
+      inclination.push_back(inclination_error(filter, walk.phone.pose(t)));
       end = std::remainder(
-          heading_of(kNedFromEnu * filter.orientation()) - heading_of(Eigen::Quaterniond(walker.pose(t).linear())),
+          heading_of(kNedFromEnu * filter.orientation()) - heading_of(Eigen::Quaterniond(walk.phone.pose(t).linear())),
           6.283185307179586);
       if (start_t == 0) start = end, start_t = t;
     }
     CHECK(statistics_of(inclination).rmse < 0.0175);
-    const double minutes = (walker.duration_s() - start_t) / 60;
+    const double minutes = (walk.phone.duration_s() - start_t) / 60;
     CHECK(std::abs(std::remainder(end - start, 6.283185307179586)) / minutes < 0.035);
   }
 }
 
 TEST_CASE("irregular sampling gives the same orientation as regular sampling") {
-  const Walker walker(Scenario{}, 5);
+  const PlainWalk walk(1.35, 0.72, 5);
   vqf::Filter regular{vqf::Parameters{}}, irregular{vqf::Parameters{}};
   Random random(3, 3);
   double t = 0;
   while (t < 30) {  // long after the turn, whose centripetal acceleration looks like a tilt of 2.7 degrees
     const double dt = random.uniform(0.002, 0.018);
     t += dt;
-    const auto k = walker.kinematics(t - dt / 2);
-    irregular.update(k.angular_velocity_b, walker.kinematics(t).specific_force_b, dt);
+    const auto k = walk.phone.at(t - dt / 2);
+    irregular.update(k.angular_velocity_b, walk.phone.at(t).specific_force_b(), dt);
   }
   for (double r = 0.01; r < t; r += 0.01) {
-    const auto k = walker.kinematics(r - 0.005);
-    regular.update(k.angular_velocity_b, walker.kinematics(r).specific_force_b, 0.01);
+    const auto k = walk.phone.at(r - 0.005);
+    regular.update(k.angular_velocity_b, walk.phone.at(r).specific_force_b(), 0.01);
   }
-  CHECK(inclination_error(irregular, walker.pose(t)) < 0.01);
-  CHECK(inclination_error(regular, walker.pose(t)) < 0.01);
+  CHECK(inclination_error(irregular, walk.phone.pose(t)) < 0.01);
+  CHECK(inclination_error(regular, walk.phone.pose(t)) < 0.01);
 }
 
 TEST_CASE("the magnetometer finds north, and a disturbance does not bend the heading") {
   vqf::Filter filter{vqf::Parameters{}};
-  const Walker walker(Scenario{}, 5);
+  const PlainWalk walk(1.35, 0.72, 5);
   const Vector3d field_n(21e-6, 0, 43e-6);
   double worst_before = 0, worst_during = 0;
   for (int i = 0; i < 2800; ++i) {
     const double t = i * 0.01;
-    const auto k = walker.kinematics(t);
-    const Eigen::Isometry3d T = walker.pose(t);
-    filter.update(k.angular_velocity_b, k.specific_force_b, 0.01);
+    const auto k = walk.phone.at(t);
+    const Eigen::Isometry3d T = walk.phone.pose(t);
+    filter.update(k.angular_velocity_b, k.specific_force_b(), 0.01);
     Vector3d field = T.linear().transpose() * field_n;
     const bool disturbed = t > 15 && t < 25;
     if (disturbed) field += Vector3d(40e-6, 10e-6, -20e-6);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cstdio>
 
 #include "sdk/base/nearest.hpp"
 #include "sdk/cli/commands.hpp"
+#include "sdk/config/spec.hpp"
 #include "sdk/core/geodesy.hpp"
 #include "sdk/recording/odo_file.hpp"
 
@@ -37,6 +39,8 @@ Result<bool> to_recording(const Recording& recording, const fs::path& output, in
     if (const auto written = (*writer)->write(step.header); !written) return written.failure();
   for (const StampedPose& pose : recording.truth)
     if (const auto written = (*writer)->write_truth(pose); !written) return written.failure();
+  for (const TrueState& state : recording.true_states)
+    if (const auto written = (*writer)->write_true_state(state); !written) return written.failure();
   if (!(*writer)->flush()) return Failure{ODO_E_NOT_FOUND, output.string() + ": writing failed; is the disk full?"};
   return true;
 }
@@ -61,6 +65,16 @@ int convert(const ConvertArguments& a) {
                 recording->messages.size(), recording->truth.size());
     return kDone;
   }
+  if (output.extension().empty()) {
+    const auto recording = read_recording(input);
+    if (!recording) return complain(recording.failure());
+    Progress progress("convert");
+    const auto done = write_euroc(*recording, output, [&](size_t i, size_t n) { progress.show(i, n); });
+    if (!done) return complain(done.failure());
+    std::printf("%s: EuRoC/ASL, %zu messages, %zu true states\n", a.output.c_str(), recording->messages.size(),
+                recording->true_states.size());
+    return kDone;
+  }
   auto track = read_track(input);
   if (!track) {
     const auto recording = read_recording(input);
@@ -73,8 +87,13 @@ int convert(const ConvertArguments& a) {
     const auto parts = split(a.origin, ',');
     if (parts.size() != 3)
       return complain({ODO_E_ARGUMENT, "--origin: expected LATITUDE,LONGITUDE,HEIGHT in degrees and metres"});
-    const double degree = EIGEN_PI / 180;
-    geodesy->set_origin({std::stod(parts[0]) * degree, std::stod(parts[1]) * degree, std::stod(parts[2])});
+    std::array<double, 3> origin{};
+    for (size_t i = 0; i < 3; ++i) {
+      const auto number = parse_quantity(parts[i], "");
+      if (!number) return complain({ODO_E_ARGUMENT, "--origin: '" + parts[i] + "'; expected a number"});
+      origin[i] = *number * (i < 2 ? EIGEN_PI / 180 : 1.0);
+    }
+    geodesy->set_origin(origin);
     to_geodetic = [geodesy](const Eigen::Vector3d& p) { return geodesy->to_geodetic({p.x(), p.y(), p.z()}); };
   }
   const auto written = write_trajectory(output, *track, to_geodetic);
@@ -86,11 +105,14 @@ int convert(const ConvertArguments& a) {
 }  // namespace
 
 void add_convert(CLI::App& app, int& status) {
-  auto* command =
-      app.add_subcommand("convert", "Convert a recording to *.odo, or a track to TUM, KITTI, CSV, GPX, KML, GeoJSON");
+  auto* command = app.add_subcommand(
+      "convert",
+      "Convert a recording to *.odo or an EuRoC/ASL folder, or a track to TUM, KITTI, CSV, GPX, KML, GeoJSON");
   auto a = std::make_shared<ConvertArguments>();
   command->add_option("input", a->input, "recording, track, or folder of a run")->required();
-  command->add_option("output", a->output, "file; its ending says the format: .odo .tum .kitti .csv .gpx .kml .geojson")
+  command
+      ->add_option("output", a->output,
+                   "its ending says the format: .odo .tum .kitti .csv .gpx .kml .geojson; none: EuRoC/ASL folder")
       ->required();
   command->add_option("--origin", a->origin,
                       "of the track's frame, for GPX, KML and GeoJSON: LATITUDE,LONGITUDE,HEIGHT (degrees, metres)");

@@ -11,17 +11,25 @@ namespace {
 struct SimArguments {
   std::string scenario, output;
   uint64_t seed = 1;
+  unsigned threads = 0;
 };
 
 int sim(const SimArguments& a) {
   const auto scenario = read_scenario(a.scenario);
   if (!scenario) return std::fprintf(stderr, "%s\n", scenario.failure().text.c_str()), kBadUsage;
   Progress progress("sim");
-  const auto done = simulate(*scenario, a.seed, a.output, [&](size_t i, size_t n) { progress.show(i, n); });
+  const auto done = simulate(
+      *scenario, a.seed, a.output, [&](size_t i, size_t n) { progress.show(i, n); }, a.threads);
   if (!done) return complain(done.failure());
   std::error_code error;
   std::printf("%s: %.1f MB\n", a.output.c_str(),
               static_cast<double>(std::filesystem::file_size(a.output, error)) / 1e6);
+  const auto& t = done->times;
+  const double all = std::max(1e-9, t.render_s + t.develop_s + t.encode_s), frames = static_cast<double>(done->frames);
+  std::printf(
+      "%zu frames in %.1f s, %.1f a second on %u threads; rays and shading %.0f %%, sensor %.0f %%, coding %.0f %%\n",
+      done->frames, done->seconds, frames / std::max(1e-9, done->seconds), done->threads, 100 * t.render_s / all,
+      100 * t.develop_s / all, 100 * t.encode_s / all);
   return kDone;
 }
 
@@ -35,6 +43,8 @@ void add_sim(CLI::App& app, int& status) {
       ->required();
   command->add_option("-o,--output", a->output, "recording to write (*.odo)")->required();
   command->add_option("--seed", a->seed, "another seed: another world, tremor and noise")->capture_default_str();
+  command->add_option("--threads", a->threads, "0: one a core; the recording is the same for any number")
+      ->capture_default_str();
   command->callback([a, &status] { status = sim(*a); });
 }
 

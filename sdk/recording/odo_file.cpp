@@ -41,6 +41,13 @@ struct TruthRecord {
   double p[3];
 };
 
+struct StateRecord {
+  TruthRecord pose;
+  double v[3], gyro_bias[3], accel_bias[3];
+  uint32_t mode, zero;
+};
+static_assert(sizeof(StateRecord) == 144);
+
 }  // namespace
 
 OdoWriter::OdoWriter(fs::path file, int jpeg_quality)
@@ -96,6 +103,14 @@ Result<bool> OdoWriter::write_truth(const StampedPose& pose) {
   return record(kTruthPose, bytes_of(truth));
 }
 
+Result<bool> OdoWriter::write_true_state(const TrueState& s) {
+  StateRecord r{{s.t_ns, {s.q.w(), s.q.x(), s.q.y(), s.q.z()}, {s.p.x(), s.p.y(), s.p.z()}}, {}, {}, {}, s.mode, 0};
+  Eigen::Vector3d::Map(r.v) = s.v;
+  Eigen::Vector3d::Map(r.gyro_bias) = s.gyro_bias;
+  Eigen::Vector3d::Map(r.accel_bias) = s.accel_bias;
+  return record(kTrueState, bytes_of(r));
+}
+
 bool OdoWriter::flush() { return static_cast<bool>(out_.flush()); }
 
 Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jpeg_quality) {
@@ -126,6 +141,16 @@ void take(Recording& recording, const RecordHead& head, std::span<const unsigned
     std::memcpy(&t, payload.data(), sizeof t);
     recording.truth.push_back(
         {t.t_ns, Eigen::Quaterniond(t.q[0], t.q[1], t.q[2], t.q[3]).normalized(), {t.p[0], t.p[1], t.p[2]}});
+    return;
+  }
+  if (head.type == OdoWriter::kTrueState && payload.size() >= sizeof(StateRecord)) {
+    StateRecord r;
+    std::memcpy(&r, payload.data(), sizeof r);
+    using Eigen::Vector3d;
+    const double* q = r.pose.q;
+    recording.true_states.push_back({r.pose.t_ns, Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(),
+                                     Vector3d::Map(r.pose.p), Vector3d::Map(r.v), Vector3d::Map(r.gyro_bias),
+                                     Vector3d::Map(r.accel_bias), r.mode});
     return;
   }
   const MessageInfo* info = message_info(head.type);

@@ -23,6 +23,9 @@ class OdoWriter {
   static constexpr uint32_t kTruthPose =
       0x10000;  // i64 t_ns, f64 q[4] (w x y z), f64 p[3]: the camera, or the body without one
 
+  /// i64 t_ns, f64 q[4] (w x y z), p[3], v[3], gyro bias[3], accelerometer bias[3]: the body; u32 ODO_MODE_*, u32 0
+  static constexpr uint32_t kTrueState = 0x10001;
+
   /// Creates or truncates the file. jpeg_quality 0 = lossless PNG.
   static Result<std::unique_ptr<OdoWriter>> create(const std::filesystem::path& file, int jpeg_quality);
 
@@ -31,6 +34,7 @@ class OdoWriter {
   /// A frame whose picture has been encoded already.
   Result<bool> write_encoded_frame(const odo_frame& frame, std::span<const unsigned char> picture);
   Result<bool> write_truth(const StampedPose& pose);
+  Result<bool> write_true_state(const TrueState& state);
   /// True when everything has reached the operating system.
   bool flush();
   int jpeg_quality() const { return jpeg_quality_; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,6 +25,15 @@ struct RecordedMessage {
   PictureRef picture;
 };
 
+/// What a simulator knows of the body b at an IMU sample.
+struct TrueState {
+  int64_t t_ns = 0;
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();  ///< from b to n
+  Eigen::Vector3d p, v;                                   ///< in n, m and m/s
+  Eigen::Vector3d gyro_bias, accel_bias;                  ///< in b, rad/s and m/s^2
+  uint32_t mode = 0;                                      ///< ODO_MODE_*
+};
+
 /// A recording in memory, except for its pictures. Messages are in order of time.
 struct Recording {
   std::string format;  // "EuRoC/ASL", ...
@@ -31,6 +41,7 @@ struct Recording {
   std::vector<RecordedMessage> messages;
   Trajectory truth;  // of the camera where there is one, otherwise of the body; may be empty
   std::vector<odo_step> true_steps;
+  std::vector<TrueState> true_states;
   std::vector<std::string> warnings;
 
   bool has(uint32_t type) const;
@@ -51,6 +62,12 @@ Result<Recording> read_kitti(const std::filesystem::path& folder);
 Result<Recording> read_advio(const std::filesystem::path& folder);
 Result<Recording> read_indoor_location(const std::filesystem::path& file);
 Result<Recording> read_image_folder(const std::filesystem::path& folder);
+
+/// Writes camera, IMU and (of a simulation) the true states as an EuRoC/ASL folder, with `camchain-imucam.yaml` and
+/// `imu.yaml` in Kalibr's form beside `mav0`. Pictures become PNG; time stamps stay the camera's own (Kalibr's file
+/// says the offset). Other sensors have no place in that format and are left out.
+Result<bool> write_euroc(const Recording& recording, const std::filesystem::path& folder,
+                         const std::function<void(size_t, size_t)>& progress);
 
 /// camera.yaml: model, width, height, fx, fy, cx, cy, distortion, fps, mount. `fps` may be null.
 Result<odo_calibration> read_camera_yaml(const std::filesystem::path& file, double* fps);

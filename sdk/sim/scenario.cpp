@@ -11,65 +11,177 @@ Spec real(const char* name, const char* unit, double min, double max, const char
 Spec integer(const char* name, double min, double max, const char* fallback, const char* help) {
   return {.name = name, .type = SpecType::integer, .min = min, .max = max, .fallback = fallback, .help = help};
 }
+Spec choice(const char* name, const char* choices, const char* fallback, const char* help) {
+  return {.name = name, .type = SpecType::choice, .fallback = fallback, .choices = choices, .help = help};
+}
+Spec boolean(const char* name, const char* fallback, const char* help) {
+  return {.name = name, .type = SpecType::boolean, .fallback = fallback, .help = help};
+}
 Spec map(const char* name, const char* help, std::vector<Spec> children) {
   return {.name = name, .type = SpecType::map, .help = help, .children = std::move(children)};
+}
+Spec list(const char* name, const char* help, Spec item) {
+  return {.name = name, .type = SpecType::list, .help = help, .children = {std::move(item)}};
+}
+
+Spec required(Spec spec) {
+  spec.required = true;
+  return spec;
+}
+
+Spec world_spec() {
+  return map("world", "what there is to see",
+             {choice("type", "street|room|corridor", "street",
+                     "a street of houses along the route, a furnished hall, or a white corridor"),
+              real("street_width", "m", 4, 80, "16", "between the facades"),
+              real("house_height", "m", 3, 200, "12", "mean height of the houses"),
+              boolean("glass", "true", "windows reflect what stands opposite"),
+              boolean("shadows", "true", "of the sun"), integer("trees", 0, 100, "12", "for every 100 m of the route"),
+              integer("parked_cars", 0, 100, "8", "for every 100 m of the route"),
+              integer("pedestrians", 0, 200, "6", "walking, for every 100 m of the route"),
+              integer("cars", 0, 50, "2", "driving, for every 100 m of the route"),
+              real("light", "", 0.01, 1, "1", "of the day: 1 noon, 0.03 night under lamps")});
+}
+
+Spec route_spec() {
+  const Spec point{.name = "point",
+                   .type = SpecType::reals,
+                   .unit = "m",
+                   .min = -1e4,
+                   .max = 1e4,
+                   .help = "north, east, up",
+                   .count = 3};
+  Spec event =
+      map("event", "what happens on the way",
+          {required(real("at", "m", 0, 1e5, "0", "distance along the route")),
+           required(choice("do", "stand|look_around|handle|turn|evade|shuffle|speed|texting|swinging|pocket", "stand",
+                           "stop and stand still, look around, type and gesture (handle) or turn in place; step "
+                           "around somebody; small steps; another speed; another way to carry the phone")),
+           real("for", "s", 0, 3600, "5", "how long, where the walker stands; over how long otherwise"),
+           real("speed", "m/s", 0.2, 4, "1.35", "for `do: speed`; above 2.2 the walker runs"),
+           boolean("waypoint", "false", "a surveyed mark on the ground: the recording says when he is on it")});
+  return map(
+      "route", "where the walk goes",
+      {list("points", "corners of the route, at least two", point),
+       real("corner", "m", 0.3, 100, "3", "radius of the corners"), list("events", "in any order", std::move(event))});
+}
+
+Spec camera_spec() {
+  return map("camera", "the phone's rear camera",
+             {integer("width", 64, 4096, "640", "pixels"),
+              integer("height", 48, 4096, "480", "pixels"),
+              choice("model", "pinhole|kannala_brandt", "pinhole", "lens"),
+              real("focal", "px", 50, 5000, "500", "focal length"),
+              {.name = "distortion",
+               .type = SpecType::reals,
+               .min = -2,
+               .max = 2,
+               .fallback = "",
+               .help = "k1 k2 p1 p2 of a pinhole, k1 k2 k3 k4 of Kannala-Brandt",
+               .count = 4},
+              real("rate", "Hz", 1, 120, "10", "frames a second"),
+              real("pitch", "rad", -1.57, 1.57, "-0.2", "of the view when texting; negative looks down"),
+              real("row_time", "s", 0, 1e-3, "30e-6", "rolling shutter: from one row to the next; 0 = global shutter"),
+              real("exposure", "s", 0, 0.1, "8e-3", "of a frame; moving pictures blur over it"),
+              real("exposure_steps", "", 0, 1, "0.03", "standard deviation of the gain's steps from frame to frame"),
+              real("vignetting", "", 0, 1, "0.25", "loss of light in the corners"),
+              real("shot_noise", "", 0, 5, "0.35", "standard deviation of a grey value at 1, growing with its root"),
+              real("read_noise", "", 0, 50, "1.2", "standard deviation of a grey value in the dark"),
+              real("drop", "", 0, 0.9, "0", "fraction of the frames that are lost"),
+              real("jitter", "s", 0, 0.05, "0", "standard deviation of the time stamps"),
+              real("time_offset", "s", -0.2, 0.2, "0", "IMU time = camera time + this; told in the calibration"),
+              integer("jpeg_quality", 0, 100, "90", "of the stored pictures; 0 = PNG")});
+}
+
+Spec imu_spec() {
+  return map(
+      "imu", "inertial sensor",
+      {real("rate", "Hz", 20, 1000, "200", "samples a second"), real("gyro_noise", "", 0, 1, "1e-3", "rad/s/sqrt(Hz)"),
+       real("gyro_walk", "", 0, 1, "1e-5", "rad/s^2/sqrt(Hz)"), real("accel_noise", "", 0, 1, "1e-2", "m/s^2/sqrt(Hz)"),
+       real("accel_walk", "", 0, 1, "1e-4", "m/s^3/sqrt(Hz)"),
+       real("gyro_bias", "rad/s", 0, 1, "5e-3", "standard deviation of the constant bias"),
+       real("accel_bias", "m/s^2", 0, 5, "5e-2", "standard deviation of the constant bias"),
+       real("scale_error", "", 0, 0.2, "3e-3", "standard deviation of each axis's scale"),
+       real("misalignment", "rad", 0, 0.2, "3e-3", "standard deviation of each axis's angle"),
+       real("gyro_range", "rad/s", 0.5, 100, "34.9", "saturates beyond"),
+       real("accel_range", "m/s^2", 15, 1000, "78.5", "saturates beyond"),
+       real("gyro_step", "rad/s", 0, 0.1, "1.07e-3", "quantisation"),
+       real("accel_step", "m/s^2", 0, 1, "2.4e-3", "quantisation"),
+       real("drop", "", 0, 0.9, "0", "fraction of the samples that are lost")});
 }
 
 }  // namespace
 
 const Spec& scenario_spec() {
-  static const Spec spec = [] {
-    Spec version = integer("odograph_scenario", 1, 1, "1", "version of this file format");
-    version.required = true;
-    return map(
-        "scenario", "A simulated walk",
-        {
-            version,
-            {.name = "world",
-             .type = SpecType::choice,
-             .fallback = "street",
-             .choices = "street|room",
-             .help = "textured planes: a street of facades, or a room"},
-            map("walker", "who walks, and where",
-                {
-                    real("height", "m", 1.0, 2.3, "1.70", "body height; the phone is held at 0.85 of it"),
-                    real("speed", "m/s", 0.3, 2.5, "1.35", "walking speed"),
-                    real("step_length", "m", 0.2, 1.2, "0.72",
-                         "mean length of a step at that speed; left and right differ by 2 %"),
-                    real("stand", "s", 0.5, 60, "2", "standing before and after the walk"),
-                    real("straight", "m", 1, 500, "18", "length of the path before the turn, and again after it"),
-                    real("turn", "rad", -3, 3, "1.2", "angle of the turn, to the right positive"),
-                    real("turn_radius", "m", 1, 100, "4", "radius of the turn"),
-                }),
-            map("camera", "the phone's rear camera",
-                {
-                    integer("width", 64, 4096, "640", "pixels"),
-                    integer("height", 48, 4096, "480", "pixels"),
-                    real("focal", "px", 50, 5000, "500", "focal length"),
-                    real("rate", "Hz", 1, 120, "10", "frames a second"),
-                    real("pitch", "rad", -1.5, 1.5, "-0.2", "of the view; negative looks down"),
-                    real("noise", "", 0, 50, "2", "standard deviation of a grey value, of 255"),
-                    integer("jpeg_quality", 0, 100, "92", "of the stored pictures; 0 = PNG"),
-                }),
-            map("imu", "inertial sensor",
-                {
-                    real("rate", "Hz", 20, 1000, "200", "samples a second"),
-                    real("gyro_noise", "", 0, 1, "1e-3", "rad/s/sqrt(Hz)"),
-                    real("gyro_walk", "", 0, 1, "1e-5", "rad/s^2/sqrt(Hz)"),
-                    real("accel_noise", "", 0, 1, "1e-2", "m/s^2/sqrt(Hz)"),
-                    real("accel_walk", "", 0, 1, "1e-4", "m/s^3/sqrt(Hz)"),
-                    real("gyro_bias", "rad/s", 0, 1, "5e-3", "standard deviation of the constant bias"),
-                    real("accel_bias", "m/s^2", 0, 5, "5e-2", "standard deviation of the constant bias"),
-                }),
-            map("gnss", "satellite receiver, one fix a second",
-                {
-                    real("sigma", "m", 0.01, 100, "4",
-                         "standard deviation of each horizontal component, correlated over 10 s"),
-                }),
-        });
-  }();
+  static const Spec spec =
+      map("scenario", "A simulated walk",
+          {required(integer("odograph_scenario", 1, 1, "1", "version of this file format")), world_spec(),
+           map("walker", "who walks; seeds draw the individual's gait",
+               {real("height", "m", 1.0, 2.3, "1.70", "body height"),
+                real("speed", "m/s", 0.3, 4, "1.35", "mean walking speed; above 2.2 he runs"),
+                choice("carry", "texting|swinging|pocket", "texting", "how the phone is carried at the start"),
+                real("stand", "s", 0.5, 600, "2", "standing before and after the walk")}),
+           route_spec(), camera_spec(), imu_spec(),
+           map("magnetometer", "three-axis compass",
+               {real("rate", "Hz", 1, 200, "50", "samples a second"),
+                real("noise", "T", 0, 1e-4, "0.4e-6", "standard deviation of a sample"),
+                real("hard_iron", "T", 0, 1e-3, "3e-6", "standard deviation of the phone's own constant field"),
+                real("soft_iron", "", 0, 0.5, "0.02", "standard deviation of the entries of its distortion"),
+                real("disturbance", "T", 0, 1e-3, "5e-6",
+                     "standard deviation of fields along the way, a few metres wide")}),
+           map("barometer", "pressure, once a second",
+               {real("noise", "Pa", 0, 100, "3", "standard deviation of a sample"),
+                real("drift", "Pa", 0, 1000, "20", "standard deviation reached in an hour of weather"),
+                real("wind", "Pa", 0, 100, "4", "standard deviation of gusts, a few seconds long")}),
+           map("gnss", "satellite receiver, one fix a second",
+               {real("sigma", "m", 0.01, 100, "4", "standard deviation of each horizontal component in the open"),
+                real("canyon_sigma", "m", 0.01, 200, "12", "the same between the houses"),
+                real("correlation", "s", 1, 600, "20", "time constant of the error"),
+                real("availability", "", 0, 1, "0.9", "fraction of the time with a fix, lost in whole stretches")})});
   return spec;
 }
+
+namespace {
+
+Result<Scenario> take(const Value& v, const std::string& path) {
+  Scenario s;
+  const Value &d = v["world"], &w = v["walker"], &r = v["route"], &c = v["camera"], &i = v["imu"];
+  s.world = {d["type"].text,       d["street_width"].real, d["house_height"].real,   d["glass"].boolean,
+             d["shadows"].boolean, d["trees"].integer,     d["parked_cars"].integer, d["pedestrians"].integer,
+             d["cars"].integer,    d["light"].real};
+  s.walker = {w["height"].real, w["speed"].real, w["carry"].text, w["stand"].real};
+  if (r["points"].given) {
+    s.route.clear();
+    for (const Value& p : r["points"].items) s.route.emplace_back(p.reals[0], p.reals[1], p.reals[2]);
+    if (s.route.size() < 2)
+      return Failure{ODO_E_CONFIG,
+                     at(path, r["points"].mark,
+                        "route.points: " + std::to_string(s.route.size()) + " points; expected at least two")};
+  }
+  s.corner_m = r["corner"].real;
+  for (const Value& e : r["events"].items)
+    s.events.push_back({e["at"].real, e["do"].text, e["for"].real, e["speed"].real, e["waypoint"].boolean});
+  s.camera.width = static_cast<int>(c["width"].integer), s.camera.height = static_cast<int>(c["height"].integer);
+  s.camera.model = c["model"].text, s.camera.focal_px = c["focal"].real;
+  if (c["distortion"].given) s.camera.distortion = c["distortion"].reals;
+  s.camera.rate_hz = c["rate"].real, s.camera.pitch_rad = c["pitch"].real;
+  s.camera.row_time_s = c["row_time"].real, s.camera.exposure_s = c["exposure"].real;
+  s.camera.exposure_steps = c["exposure_steps"].real, s.camera.vignetting = c["vignetting"].real;
+  s.camera.shot_noise = c["shot_noise"].real, s.camera.read_noise = c["read_noise"].real;
+  s.camera.drop = c["drop"].real, s.camera.jitter_s = c["jitter"].real, s.camera.time_offset_s = c["time_offset"].real;
+  s.camera.jpeg_quality = static_cast<int>(c["jpeg_quality"].integer);
+  s.imu = {i["rate"].real,         i["gyro_noise"].real, i["gyro_walk"].real,   i["accel_noise"].real,
+           i["accel_walk"].real,   i["gyro_bias"].real,  i["accel_bias"].real,  i["scale_error"].real,
+           i["misalignment"].real, i["gyro_range"].real, i["accel_range"].real, i["gyro_step"].real,
+           i["accel_step"].real,   i["drop"].real};
+  const Value &m = v["magnetometer"], &b = v["barometer"], &g = v["gnss"];
+  s.magnetometer = {m["rate"].real, m["noise"].real, m["hard_iron"].real, m["soft_iron"].real, m["disturbance"].real};
+  s.barometer = {b["noise"].real, b["drift"].real, b["wind"].real};
+  s.gnss = {g["sigma"].real, g["canyon_sigma"].real, g["correlation"].real, g["availability"].real};
+  return s;
+}
+
+}  // namespace
 
 Result<Scenario> read_scenario(const std::string& path) {
   auto node = read_yaml(path);
@@ -79,22 +191,7 @@ Result<Scenario> read_scenario(const std::string& path) {
   };
   const auto checked = validate(*node, scenario_spec(), path, none);
   if (!checked) return checked.failure();
-  const Value& v = *checked;
-  const Value &w = v["walker"], &c = v["camera"], &i = v["imu"];
-  Scenario s;
-  s.world = v["world"].text;
-  s.walker_height_m = w["height"].real, s.speed_mps = w["speed"].real, s.step_length_m = w["step_length"].real;
-  s.stand_s = w["stand"].real, s.straight_m = w["straight"].real, s.turn_rad = w["turn"].real,
-  s.turn_radius_m = w["turn_radius"].real;
-  s.width = static_cast<int>(c["width"].integer), s.height = static_cast<int>(c["height"].integer);
-  s.focal_px = c["focal"].real, s.camera_hz = c["rate"].real, s.pitch_rad = c["pitch"].real,
-  s.pixel_noise = c["noise"].real;
-  s.jpeg_quality = static_cast<int>(c["jpeg_quality"].integer);
-  s.imu_hz = i["rate"].real, s.gyro_noise = i["gyro_noise"].real, s.gyro_walk = i["gyro_walk"].real;
-  s.accel_noise = i["accel_noise"].real, s.accel_walk = i["accel_walk"].real, s.gyro_bias = i["gyro_bias"].real,
-  s.accel_bias = i["accel_bias"].real;
-  s.gnss_sigma_m = v["gnss"]["sigma"].real;
-  return s;
+  return take(*checked, path);
 }
 
 }  // namespace odograph

@@ -2,31 +2,65 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "sdk/config/spec.hpp"
 
 namespace odograph {
 
-/// What `odograph sim` is asked for. Every number is a key of the scenario file (scenario_spec).
+/// What `odograph sim` is asked for. Every number is a key of the scenario file; scenario_spec says what it means.
 struct Scenario {
-  std::string world = "street";
-  double walker_height_m = 1.70;
-  double speed_mps = 1.35;
-  double step_length_m = 0.72;  // at that speed
-  double stand_s = 2.0;         // before and after walking
-  double straight_m = 18.0;     // before and after the turn
-  double turn_rad = 1.2;
-  double turn_radius_m = 4.0;
-  double pitch_rad = -0.2;
-  int width = 640, height = 480;
-  double focal_px = 500.0;
-  double camera_hz = 10.0;
-  double pixel_noise = 2.0;
-  int jpeg_quality = 92;
-  double imu_hz = 200.0;
-  double gyro_noise = 1e-3, gyro_walk = 1e-5, accel_noise = 1e-2, accel_walk = 1e-4;
-  double gyro_bias = 5e-3, accel_bias = 5e-2;
-  double gnss_sigma_m = 4.0;
+  struct World {
+    std::string type = "street";
+    double street_width_m = 16, house_height_m = 12;
+    bool glass = true, shadows = true;
+    int64_t trees = 12, parked_cars = 8, pedestrians = 6, cars = 2;  // per 100 m of route
+    double light = 1.0;
+  } world;
+  struct Walker {
+    double height_m = 1.70, speed_mps = 1.35;
+    std::string carry = "texting";
+    double stand_s = 2.0;  // before and after the walk
+  } walker;
+  struct Event {
+    double at_m = 0;
+    std::string what;  // stand, look_around, handle, turn, evade, shuffle, speed, texting, swinging, pocket
+    double for_s = 0;
+    double speed_mps = 0;
+    bool waypoint = false;
+  };
+  std::vector<Eigen::Vector3d> route = {{0, 0, 0}, {18, 0, 0}, {24, 16, 0}};  // north, east, up
+  double corner_m = 3.0;
+  std::vector<Event> events;
+  struct Camera {
+    int width = 640, height = 480;
+    std::string model = "pinhole";
+    double focal_px = 500;
+    std::vector<double> distortion = {0, 0, 0, 0};  // k1 k2 p1 p2, or Kannala-Brandt's k1 k2 k3 k4
+    double rate_hz = 10, pitch_rad = -0.2;
+    double row_time_s = 30e-6, exposure_s = 8e-3;
+    double exposure_steps = 0.03, vignetting = 0.25, shot_noise = 0.35, read_noise = 1.2;
+    double drop = 0, jitter_s = 0, time_offset_s = 0;
+    int jpeg_quality = 90;
+  } camera;
+  struct Imu {
+    double rate_hz = 200;
+    double gyro_noise = 1e-3, gyro_walk = 1e-5, accel_noise = 1e-2, accel_walk = 1e-4;
+    double gyro_bias = 5e-3, accel_bias = 5e-2, scale_error = 3e-3, misalignment_rad = 3e-3;
+    double gyro_range = 34.9, accel_range = 78.5, gyro_step = 1.07e-3, accel_step = 2.4e-3;
+    double drop = 0;
+  } imu;
+  struct Magnetometer {
+    double rate_hz = 50, noise = 0.4e-6, hard_iron = 3e-6, soft_iron = 0.02, disturbance = 5e-6;
+  } magnetometer;
+  struct Barometer {
+    double noise_pa = 3.0, drift_pa = 20.0, wind_pa = 4.0;
+  } barometer;
+  struct Gnss {
+    double sigma_m = 4, canyon_sigma_m = 12, correlation_s = 20, availability = 0.9;
+  } gnss;
 };
 
 /// The table of scenario files.

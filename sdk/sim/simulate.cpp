@@ -1,176 +1,211 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/sim/simulate.hpp"
 
+#include <chrono>
 #include <cmath>
 
 #include "sdk/core/geodesy.hpp"
 #include "sdk/recording/odo_file.hpp"
-#include "sdk/sim/random.hpp"
+#include "sdk/sim/sensors.hpp"
 #include "sdk/sim/walker.hpp"
-#include "sdk/sim/world.hpp"
 
 namespace odograph {
 namespace {
 
 using Eigen::Vector3d;
 
-int64_t nanoseconds(double t_s) { return static_cast<int64_t>(std::llround(t_s * 1e9)); }
+constexpr int64_t kStart_ns = 1'000'000'000'000;
 
-Vector3d normal3(Random& random, double sigma) {
-  return sigma * Vector3d(random.normal(), random.normal(), random.normal());
-}
+int64_t clock_ns(double t_s) { return kStart_ns + static_cast<int64_t>(std::llround(t_s * 1e9)); }
 
-/// White noise, a constant bias and a random walk, as an Allan deviation separates them.
-class SensorError {
- public:
-  SensorError(Random random, double bias, double noise, double walk, double rate_hz)
-      : random_(random),
-        bias_(normal3(random_, bias)),
-        noise_(noise * std::sqrt(rate_hz)),
-        walk_(walk / std::sqrt(rate_hz)) {}
-  Vector3d next() {
-    bias_ += normal3(random_, walk_);
-    return bias_ + normal3(random_, noise_);
-  }
-
- private:
-  Random random_;
-  Vector3d bias_;
-  double noise_, walk_;
+struct ExposedFrame {
+  double t_s;        // true
+  int64_t stamp_ns;  // as the camera's clock has it
 };
 
-/// R_b_c of a phone: the camera's x, y, z are the body's x, -y, -z.
-const Eigen::Quaterniond kCameraInBody(0.0, 1.0, 0.0, 0.0);
-
-Eigen::Isometry3d camera_pose(const Walker& walker, double t_s) {
-  Eigen::Isometry3d T = walker.pose(t_s);
-  T.linear() = (T.linear() * kCameraInBody.toRotationMatrix()).eval();
-  return T;
+/// The frames that are not lost, each with the time stamp that the phone gives it.
+std::vector<ExposedFrame> expose(const Scenario::Camera& c, double duration_s, uint64_t seed) {
+  Random random(seed, 90);
+  std::vector<ExposedFrame> frames;
+  const double half = 0.5 * c.height * c.row_time_s + 0.5 * c.exposure_s;
+  for (size_t k = 0;; ++k) {
+    const double t = half + static_cast<double>(k) / c.rate_hz;
+    if (t + half >= duration_s) return frames;
+    const bool lost = random.uniform() < c.drop;
+    const double jitter = c.jitter_s * random.normal();
+    if (!lost)
+      frames.push_back({t, clock_ns(t + std::clamp(jitter, -0.4 / c.rate_hz, 0.4 / c.rate_hz) - c.time_offset_s)});
+  }
 }
 
 class Simulation {
  public:
-  Simulation(const Scenario& c, uint64_t seed, OdoWriter& writer)
-      : c_(c), seed_(seed), writer_(writer), walker_(c, seed), world_(c, seed) {
+  Simulation(const Scenario& c, uint64_t seed, OdoWriter& writer, unsigned threads)
+      : c_(c),
+        writer_(writer),
+        walk_(make_walk(c, seed)),
+        world_(c, seed),
+        camera_(c.camera, c.world.light, seed),
+        frames_(expose(c.camera, walk_.phone.duration_s(), seed)),
+        drops_(seed, 91),
+        gyro_(Random(seed, 2),
+              {c.imu.gyro_bias, c.imu.gyro_walk, c.imu.gyro_noise, c.imu.scale_error, c.imu.misalignment_rad,
+               c.imu.gyro_range, c.imu.gyro_step},
+              c.imu.rate_hz),
+        accel_(Random(seed, 3),
+               {c.imu.accel_bias, c.imu.accel_walk, c.imu.accel_noise, c.imu.scale_error, c.imu.misalignment_rad,
+                c.imu.accel_range, c.imu.accel_step},
+               c.imu.rate_hz),
+        magnetometer_(c.magnetometer, seed),
+        barometer_(c.barometer, seed),
+        gnss_(c, seed) {
     geodesy_.set_origin({0.8238, -0.0271, 20.0});
+    std::vector<double> times;
+    for (const auto& frame : frames_) times.push_back(frame.t_s);
+    maker_ = std::make_unique<FrameMaker>(world_, camera_, c_, walk_.phone, std::move(times), threads);
   }
 
-  Result<bool> run(const std::function<void(size_t, size_t)>& progress) {
-    if (const auto head = write_head(); !head) return head;
-    SensorError gyro(Random(seed_, 2), c_.gyro_bias, c_.gyro_noise, c_.gyro_walk, c_.imu_hz);
-    SensorError accel(Random(seed_, 3), c_.accel_bias, c_.accel_noise, c_.accel_walk, c_.imu_hz);
-    const auto samples = static_cast<size_t>(walker_.duration_s() * c_.imu_hz);
-    size_t next_frame = 0, next_slow = 0;
-    for (size_t i = 0; i < samples; ++i) {
-      const double t = static_cast<double>(i) / c_.imu_hz;
-      const auto k = walker_.kinematics(t);
-      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, kStart_ns + nanoseconds(t));
-      imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-      Vector3d::Map(imu.gyro_b) = k.angular_velocity_b + gyro.next();
-      Vector3d::Map(imu.accel_b) = k.specific_force_b + accel.next();
-      if (const auto w = writer_.write(imu.header); !w) return w;
-      if (static_cast<double>(next_slow) <= t)
-        if (const auto w = write_slow(static_cast<double>(next_slow++)); !w) return w;
-      if (i % std::max<size_t>(1, static_cast<size_t>(c_.imu_hz / 50)) == 0)
-        if (const auto w = write_magnetometer(t); !w) return w;
-      if (static_cast<double>(next_frame) / c_.camera_hz <= t) {
-        if (const auto w = write_frame(next_frame++); !w) return w;
-        if (progress) progress(i, samples);
+  Result<SimulationReport> run(const std::function<void(size_t, size_t)>& progress) {
+    const auto start = std::chrono::steady_clock::now();
+    write_head();
+    const auto samples = static_cast<size_t>(walk_.phone.duration_s() * c_.imu.rate_hz);
+    double next_second = 0, next_field = 0;
+    size_t next_frame = 0, next_mark = 0, next_mode = 0;
+    for (size_t i = 0; i < samples && failure_.text.empty(); ++i) {
+      const double t = static_cast<double>(i) / c_.imu.rate_hz;
+      while (next_mode < walk_.modes.size() && walk_.modes[next_mode].t_start_s <= t)
+        mode_ = walk_.modes[next_mode++].mode;
+      write_imu(t);
+      for (; next_field <= t; next_field += 1 / c_.magnetometer.rate_hz) write_magnetometer(t);
+      for (; next_second <= t; next_second += 1) write_slow(t);
+      for (; next_mark < walk_.waypoints.size() && walk_.waypoints[next_mark].t_s <= t; ++next_mark)
+        write_mark(walk_.waypoints[next_mark]);
+      for (; next_frame < frames_.size() && frames_[next_frame].t_s <= t; ++next_frame) {
+        write_frame(next_frame);
+        if (progress) progress(next_frame, frames_.size());
       }
     }
-    for (const auto& step : walker_.steps())
-      if (const auto w = write_step(step); !w) return w;
+    for (const auto& step : walk_.steps) write_step(step);
+    if (!failure_.text.empty()) return failure_;
     if (!writer_.flush()) return Failure{ODO_E_NOT_FOUND, "writing the recording failed; is the disk full?"};
-    return true;
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+    return SimulationReport{next_frame, wall.count(), maker_->threads(), maker_->times()};
   }
 
  private:
-  static constexpr int64_t kStart_ns = 1'000'000'000'000;
+  /// Keeps the first failure; nothing is written after it.
+  void check(const Result<bool>& written) {
+    if (!written && failure_.text.empty()) failure_ = written.failure();
+  }
 
-  Result<bool> write_head() {
+  void write_head() {
     auto noise = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, kStart_ns);
-    noise.gyro_noise = c_.gyro_noise, noise.gyro_walk = c_.gyro_walk, noise.accel_noise = c_.accel_noise,
-    noise.accel_walk = c_.accel_walk;
-    if (const auto w = writer_.write(noise.header); !w) return w;
-    auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, kStart_ns);
-    calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
-    calibration.model = ODO_CAMERA_PINHOLE;
-    calibration.width = static_cast<uint32_t>(c_.width), calibration.height = static_cast<uint32_t>(c_.height);
-    calibration.fx = calibration.fy = c_.focal_px;
-    calibration.cx = 0.5 * (c_.width - 1), calibration.cy = 0.5 * (c_.height - 1);
-    calibration.q_b_c[0] = kCameraInBody.w(), calibration.q_b_c[1] = kCameraInBody.x();
-    return writer_.write(calibration.header);
+    noise.gyro_noise = c_.imu.gyro_noise, noise.gyro_walk = c_.imu.gyro_walk, noise.accel_noise = c_.imu.accel_noise,
+    noise.accel_walk = c_.imu.accel_walk;
+    check(writer_.write(noise.header));
+    auto m = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, kStart_ns);
+    m.header.flags = ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET;
+    m.model = c_.camera.model == "kannala_brandt" ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
+    m.width = static_cast<uint32_t>(c_.camera.width), m.height = static_cast<uint32_t>(c_.camera.height);
+    m.fx = m.fy = c_.camera.focal_px, m.cx = camera_.cx(), m.cy = camera_.cy();
+    std::copy(c_.camera.distortion.begin(), c_.camera.distortion.end(), m.distortion);
+    m.distortion_count = 4;
+    const Eigen::Quaterniond q = SimCamera::in_body();
+    m.q_b_c[0] = q.w(), m.q_b_c[1] = q.x(), m.q_b_c[2] = q.y(), m.q_b_c[3] = q.z();
+    m.time_offset_ns = std::llround(c_.camera.time_offset_s * 1e9);
+    check(writer_.write(m.header));
   }
 
-  Result<bool> write_frame(size_t index) {
-    const double t = static_cast<double>(index) / c_.camera_hz;
-    const Eigen::Isometry3d T_n_c = camera_pose(walker_, t);
-    cv::Mat image = world_.render(T_n_c, c_);
-    Random random(seed_, 1000 + index);
-    for (auto pixel = image.begin<uint8_t>(); pixel != image.end<uint8_t>(); ++pixel)
-      *pixel = cv::saturate_cast<uint8_t>(*pixel + c_.pixel_noise * random.normal());
-    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, kStart_ns + nanoseconds(t));
+  void write_imu(double t) {
+    const auto state = walk_.phone.at(t);
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, clock_ns(t));
+    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    Vector3d::Map(imu.gyro_b) = gyro_.measure(state.angular_velocity_b);
+    Vector3d::Map(imu.accel_b) = accel_.measure(state.specific_force_b());
+    if (drops_.uniform() >= c_.imu.drop) check(writer_.write(imu.header));
+    const Eigen::Quaterniond q(state.T_n_b.linear());
+    check(writer_.write_true_state(
+        {imu.header.t_ns, q, state.T_n_b.translation(), state.velocity_n, gyro_.bias(), accel_.bias(), mode_}));
+  }
+
+  void write_frame(size_t k) {
+    const auto picture = maker_->take(k);
+    if (!picture) return check(picture.failure());
+    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, frames_[k].stamp_ns);
     frame.format = ODO_FORMAT_GREY8;
-    frame.width = static_cast<uint32_t>(image.cols), frame.height = static_cast<uint32_t>(image.rows);
-    frame.planes[0] = {image.data, static_cast<int64_t>(image.step[0]), 1, 0};
-    if (const auto w = writer_.write(frame.header); !w) return w;
-    return writer_.write_truth({frame.header.t_ns, Eigen::Quaterniond(T_n_c.linear()), T_n_c.translation()});
+    frame.width = static_cast<uint32_t>(c_.camera.width), frame.height = static_cast<uint32_t>(c_.camera.height);
+    frame.exposure_ns = std::llround(c_.camera.exposure_s * 1e9);
+    frame.line_time_ns = std::llround(c_.camera.row_time_s * 1e9);
+    check(writer_.write_encoded_frame(frame, *picture));
+    const Eigen::Isometry3d T = SimCamera::pose(walk_.phone, frames_[k].t_s);
+    check(writer_.write_truth({clock_ns(frames_[k].t_s), Eigen::Quaterniond(T.linear()), T.translation()}));
   }
 
-  Result<bool> write_magnetometer(double t) {
-    auto m = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, kStart_ns + nanoseconds(t));
-    Random random(seed_, 500000 + static_cast<uint64_t>(t * 1000));
-    const Vector3d field_n(21e-6, 0.0, 43e-6);  // middle Europe; magnetic north is n's north
-    Vector3d::Map(m.field_b) = walker_.pose(t).linear().transpose() * field_n + normal3(random, 0.3e-6);
-    return writer_.write(m.header);
+  void write_magnetometer(double t) {
+    auto m = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, clock_ns(t));
+    Vector3d::Map(m.field_b) = magnetometer_.measure(walk_.phone.pose(t));
+    check(writer_.write(m.header));
   }
 
-  /// GNSS and barometer, once a second. The GNSS error is a first-order Gauss-Markov process.
-  Result<bool> write_slow(double t) {
-    const Vector3d p = walker_.pose(t).translation();
-    const double keep = std::exp(-1.0 / 10.0);
-    Random random(seed_, 900000 + static_cast<uint64_t>(t));
-    gnss_error_ = keep * gnss_error_ + std::sqrt(1 - keep * keep) * normal3(random, c_.gnss_sigma_m);
-    const Vector3d measured = p + Vector3d(gnss_error_.x(), gnss_error_.y(), 2 * gnss_error_.z());
-    const auto geodetic = geodesy_.to_geodetic({measured.x(), measured.y(), measured.z()});
-    auto gnss = make_message<odo_gnss>(ODO_TYPE_GNSS, kStart_ns + nanoseconds(t));
-    gnss.header.flags = ODO_GNSS_POSITION | ODO_GNSS_HEIGHT | ODO_GNSS_COVARIANCE;
-    gnss.latitude_rad = geodetic[0], gnss.longitude_rad = geodetic[1], gnss.height_m = geodetic[2];
-    gnss.covariance_n[0] = gnss.covariance_n[4] = c_.gnss_sigma_m * c_.gnss_sigma_m;
-    gnss.covariance_n[8] = 4 * c_.gnss_sigma_m * c_.gnss_sigma_m;
-    gnss.satellites = 9;
-    if (const auto w = writer_.write(gnss.header); !w) return w;
-    auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, kStart_ns + nanoseconds(t));
-    barometer.pressure_pa = 101325.0 + 12.0 * p.z() + random.normal();
-    return writer_.write(barometer.header);
+  void write_slow(double t) {
+    const Vector3d p = walk_.phone.pose(t).translation();
+    if (const auto fix = gnss_.measure(p); fix.available) {
+      const auto geodetic = geodesy_.to_geodetic({fix.p_n.x(), fix.p_n.y(), fix.p_n.z()});
+      auto gnss = make_message<odo_gnss>(ODO_TYPE_GNSS, clock_ns(t));
+      gnss.header.flags = ODO_GNSS_POSITION | ODO_GNSS_HEIGHT | ODO_GNSS_COVARIANCE;
+      gnss.latitude_rad = geodetic[0], gnss.longitude_rad = geodetic[1], gnss.height_m = geodetic[2];
+      gnss.covariance_n[0] = gnss.covariance_n[4] = fix.sigma_m * fix.sigma_m;
+      gnss.covariance_n[8] = 4 * fix.sigma_m * fix.sigma_m;
+      gnss.satellites = 9;
+      check(writer_.write(gnss.header));
+    }
+    auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, clock_ns(t));
+    barometer.pressure_pa = barometer_.measure(20.0 - p.z());
+    check(writer_.write(barometer.header));
   }
 
-  Result<bool> write_step(const Walker::Step& step) {
-    auto s = make_message<odo_step>(ODO_TYPE_STEP, kStart_ns + nanoseconds(step.t_end_s));
-    s.t_start_ns = kStart_ns + nanoseconds(step.t_start_s);
-    s.t_end_ns = kStart_ns + nanoseconds(step.t_end_s);
+  void write_mark(const Walk::Mark& mark) {
+    auto m = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, clock_ns(mark.t_s));
+    m.header.flags = ODO_WAYPOINT_VERTICAL;
+    Vector3d::Map(m.p_n) = mark.p_n;
+    m.sigma_m = 0.3;  // a walker stands over a mark, not in it
+    check(writer_.write(m.header));
+  }
+
+  void write_step(const Walk::Step& step) {
+    auto s = make_message<odo_step>(ODO_TYPE_STEP, clock_ns(step.t_end_s));
+    s.t_start_ns = clock_ns(step.t_start_s);
+    s.t_end_ns = clock_ns(step.t_end_s);
     s.length_m = step.length_m;
     s.frequency_hz = 1.0 / (step.t_end_s - step.t_start_s);
-    s.mode = ODO_MODE_WALKING_TEXTING;
-    return writer_.write(s.header);
+    s.mode = step.mode;
+    check(writer_.write(s.header));
   }
 
   const Scenario& c_;
-  uint64_t seed_;
   OdoWriter& writer_;
-  Walker walker_;
-  World world_;
+  const Walk walk_;
+  const World world_;
+  const SimCamera camera_;
+  const std::vector<ExposedFrame> frames_;
+  Random drops_;
+  SimTriad gyro_, accel_;
+  SimMagnetometer magnetometer_;
+  SimBarometer barometer_;
+  SimGnss gnss_;
   Geodesy geodesy_;
-  Vector3d gnss_error_ = Vector3d::Zero();
+  std::unique_ptr<FrameMaker> maker_;
+  uint32_t mode_ = ODO_MODE_STATIC;
+  Failure failure_{ODO_OK, ""};
 };
 
 }  // namespace
 
-Result<bool> simulate(const Scenario& scenario, uint64_t seed, const std::filesystem::path& output,
-                      const std::function<void(size_t, size_t)>& progress) {
-  auto writer = OdoWriter::create(output, scenario.jpeg_quality);
+Result<SimulationReport> simulate(const Scenario& scenario, uint64_t seed, const std::filesystem::path& output,
+                                  const std::function<void(size_t, size_t)>& progress, unsigned threads) {
+  auto writer = OdoWriter::create(output, scenario.camera.jpeg_quality);
   if (!writer) return writer.failure();
-  return Simulation(scenario, seed, **writer).run(progress);
+  return Simulation(scenario, seed, **writer, threads).run(progress);
 }
 
 }  // namespace odograph

@@ -3,216 +3,261 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
-
-#include <embree3/rtcore.h>
-#include <opencv2/imgproc.hpp>
 
 #include "sdk/sim/random.hpp"
 
 namespace odograph {
 namespace {
 
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kTextureSize = 1024;
+constexpr double kPi = 3.14159265358979323846;
+using Set = TextureSet;
 
-/// Value noise over several octaves: no repetition, corners at every distance.
-cv::Mat noise_texture(Random& random) {
-  cv::Mat sum(kTextureSize, kTextureSize, CV_32F, cv::Scalar(0));
-  for (int cells = 8; cells <= 256; cells *= 2) {
-    cv::Mat coarse(cells, cells, CV_32F), fine;
-    for (int y = 0; y < cells; ++y)
-      for (int x = 0; x < cells; ++x) coarse.at<float>(y, x) = static_cast<float>(random.uniform(-1, 1));
-    cv::resize(coarse, fine, sum.size(), 0, 0, cv::INTER_CUBIC);
-    sum += fine * (cells <= 32 ? 18.0 : 14.0);
+/// A leg of the route between two of its corners.
+struct Leg {
+  Vector3d from, to;  // north, east, up
+  Vector3d along;     // unit, level
+  Vector3d aside;     // unit, to the right
+  double length;
+
+  /// d metres along and `right` metres beside it, on the ground, in n.
+  Vector3d at(double d, double right) const {
+    Vector3d p = from + d * along + right * aside;
+    p.z() = -(from.z() + (to.z() - from.z()) * std::clamp(d / length, 0.0, 1.0));
+    return p;
   }
-  return sum + 120.0;
+  double heading() const { return std::atan2(along.y(), along.x()); }
+};
+
+std::vector<Leg> legs_of(const Route& route) {
+  std::vector<Leg> legs;
+  const auto& points = route.points();
+  for (size_t i = 1; i < points.size(); ++i) {
+    Vector3d along = points[i] - points[i - 1];
+    along.z() = 0;
+    const double length = along.norm();
+    along /= length;
+    legs.push_back({points[i - 1], points[i], along, {-along.y(), along.x(), 0}, length});
+  }
+  return legs;
 }
 
-/// Rows of windows with sills and frames, each with its own brightness, some signs.
-void draw_facade(cv::Mat& texture, Random& random) {
-  const int storey = 128, window = 96;
-  for (int y = 30; y + storey <= kTextureSize; y += storey)
-    for (int x = 14; x + window <= kTextureSize; x += window) {
-      if (random.uniform() < 0.12) continue;
-      const cv::Rect pane(x, y, 44 + static_cast<int>(random.uniform(0, 18)), 70);
-      const double grey = random.uniform(15, 110);
-      cv::rectangle(texture, pane, grey, cv::FILLED);
-      cv::rectangle(texture, pane, random.uniform(170, 240), 4);
-      cv::line(texture, {pane.x + pane.width / 2, pane.y}, {pane.x + pane.width / 2, pane.y + pane.height},
-               random.uniform(150, 220), 3);
-      if (random.uniform() < 0.3)
-        cv::rectangle(texture, {pane.x + 6, pane.y + pane.height + 8, pane.width - 10, 12}, random.uniform(20, 240),
-                      cv::FILLED);
-    }
+double distance_to(const Leg& leg, const Vector3d& p_n) {
+  const Vector3d d(p_n.x() - leg.from.x(), p_n.y() - leg.from.y(), 0);
+  return (d - std::clamp(d.dot(leg.along), 0.0, leg.length) * leg.along).norm();
+}
+
+/// True when no leg comes nearer to the point than that.
+bool is_free(const std::vector<Leg>& legs, const Vector3d& p_n, double clearance) {
+  return std::all_of(legs.begin(), legs.end(), [&](const Leg& leg) { return distance_to(leg, p_n) >= clearance; });
+}
+
+Mesh person(Random& random) {
+  Mesh m;
+  const auto tone = static_cast<float>(random.uniform(0.4, 1.7)), legs = static_cast<float>(random.uniform(0.3, 1.2));
+  const double height = random.uniform(0.92, 1.08);
+  m.add_box({0.15, -0.1, 0}, {0.2, 0.15, 0.85 * height}, 0, Set::kCloth, legs);
+  m.add_box({-0.15, 0.1, 0}, {0.2, 0.15, 0.85 * height}, 0, Set::kCloth, legs);
+  m.add_box({0, 0, -0.82 * height}, {0.26, 0.46, 0.62 * height}, 0, Set::kCloth, tone);
+  m.add_box({0, 0, -1.48 * height}, {0.2, 0.17, 0.26}, 0, Set::kPaint, 1.3f);
+  return m;
+}
+
+Mesh car(Random& random) {
+  Mesh m;
+  const auto tone = static_cast<float>(random.uniform(0.3, 1.7));
+  m.add_box({0, 0, -0.25}, {4.3, 1.75, 0.65}, 0, Set::kPaint, tone);
+  m.add_box({-0.3, 0, -0.9}, {2.3, 1.6, 0.55}, 0, Set::kPaint, 0.4f);
+  for (const double x : {-1.35, 1.35}) m.add_box({x, 0, 0}, {0.65, 1.78, 0.6}, 0, Set::kAsphalt, 0.4f);
+  return m;
 }
 
 }  // namespace
 
-struct World::Scene {
-  RTCDevice device = rtcNewDevice("threads=1");
-  RTCScene scene = rtcNewScene(device);
-  ~Scene() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
-};
-
-World::World(const Scenario& scenario, uint64_t seed) : scene_(std::make_unique<Scene>()) {
-  for (uint64_t i = 0; i < 4; ++i) add_texture(seed * 16 + i, true, 12.0);
-  for (uint64_t i = 4; i < 6; ++i) add_texture(seed * 16 + i, false, 8.0);
-  if (scenario.world == "room")
-    build_room(scenario);
+World::World(const Scenario& c, uint64_t seed) : device_(rtcNewDevice("threads=1")), textures_(seed) {
+  const Route route(c.route, c.corner_m);
+  Random random(seed, 60);
+  const double azimuth = random.uniform(0, 2 * kPi), height = random.uniform(0.5, 1.0);
+  sun_ = Vector3d(std::cos(height) * std::cos(azimuth), std::cos(height) * std::sin(azimuth), -std::sin(height))
+             .cast<float>();
+  meshes_.emplace_back();
+  if (c.world.type == "room")
+    build_hall(c, route, seed);
+  else if (c.world.type == "corridor")
+    build_corridor(route);
   else
-    build_street(scenario);
-  rtcCommitScene(scene_->scene);
+    build_street(c, route, seed);
+  add_movers(c, route, seed);
+  for (const Mesh& mesh : meshes_) scenes_.push_back(mesh.build(device_));
 }
 
-World::~World() = default;
+World::~World() {
+  for (RTCScene scene : scenes_) rtcReleaseScene(scene);
+  rtcReleaseDevice(device_);
+}
 
-size_t World::add_texture(uint64_t seed, bool facade, double metres) {
-  Random random(seed, 7);
-  cv::Mat image = noise_texture(random);
-  if (facade) draw_facade(image, random);
-  Texture texture;
-  texture.metres = metres;
-  texture.levels.emplace_back();
-  image.convertTo(texture.levels.back(), CV_8U);
-  while (texture.levels.back().cols > 8) {
-    cv::Mat half;
-    cv::resize(texture.levels.back(), half, {}, 0.5, 0.5, cv::INTER_AREA);
-    texture.levels.push_back(half);
+Eigen::Isometry3d World::Mover::at(double t) const {
+  const double d = std::fmod(start_m + speed_mps * t, length_m);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() << from.x() + d * std::cos(heading), from.y() + d * std::sin(heading), -up_m;
+  T.linear() = Eigen::AngleAxisd(heading, Vector3d::UnitZ()).toRotationMatrix();
+  return T;
+}
+
+void World::build_street(const Scenario& c, const Route& route, uint64_t seed) {
+  Mesh& m = meshes_[0];
+  const auto legs = legs_of(route);
+  Vector3d low = route.points().front(), high = low;
+  for (const auto& p : route.points()) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const double margin = 120;
+  m.add_quad({low.x() - margin, low.y() - margin, -low.z() + 0.02}, {high.x() - low.x() + 2 * margin, 0, 0},
+             {0, high.y() - low.y() + 2 * margin, 0}, Set::kPaving);
+  double lift_m = 0.01;          // each road a little above the ones before
+  for (const Leg& leg : legs) {  // the road itself, following its slope
+    const Vector3d above(0, 0, -(lift_m += 0.004));
+    const double half = std::min(3.0, 0.25 * c.world.street_width_m), lift = leg.to.z() == leg.from.z() ? 0.0 : 2.0;
+    const Vector3d start = leg.at(0, -half - lift) + above;
+    m.add_quad(start, leg.at(leg.length, -half - lift) + above - start, 2 * (half + lift) * leg.aside, Set::kAsphalt);
+    for (double d = 2; d + 3 < leg.length; d += 7)  // lane marks
+      m.add_quad(leg.at(d, -0.08) + 2 * above, 3 * leg.along, 0.16 * leg.aside, Set::kWall);
   }
-  textures_.push_back(std::move(texture));
-  return textures_.size() - 1;
-}
-
-void World::add_quad(const Vector3d& corner, const Vector3d& u, const Vector3d& v, size_t texture) {
-  RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_QUAD);
-  auto* vertices = static_cast<float*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 4));
-  auto* indices = static_cast<unsigned*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, 4 * sizeof(unsigned), 1));
-  const Vector3d corners[4] = {corner, corner + u, corner + u + v, corner + v};
-  for (int i = 0; i < 4; ++i) {
-    for (int k = 0; k < 3; ++k) vertices[3 * i + k] = static_cast<float>(corners[i][k]);
-    indices[i] = static_cast<unsigned>(i);
-  }
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene_->scene, geometry);
-  rtcReleaseGeometry(geometry);
-  quads_.push_back({u, v, texture, 3.7 * static_cast<double>(quads_.size())});
-}
-
-void World::build_street(const Scenario& c) {
-  const double far = c.straight_m + 25, height = 9;
-  const Vector3d up(0, 0, -1);
-  add_quad({-40, -60, 0}, {2 * far + 80, 0, 0}, {0, 120, 0}, 4);  // ground
-  // Houses of changing depth along both sides of the first straight, leaving the crossing open.
-  const double crossing = c.straight_m + c.turn_radius_m;
-  for (const double side : {-1.0, 1.0}) {
-    for (int k = 0; - 15 + 9 * k < far; ++k) {
-      const double north = -15 + 9 * k;
-      if (std::abs(north + 4.5 - crossing) < 6.5 && side * c.turn_rad > 0) continue;
-      const double east = side * (5.0 + 0.8 * (k % 3));
-      add_quad({north, east, 0}, {8.6, 0, 0}, height * up, static_cast<size_t>(k + (side > 0)) % 4);
-      add_quad({north, east, 0}, {0, side * 3, 0}, height * up, static_cast<size_t>(k + 1) % 4);
-    }
-  }
-  // The house at the end, and both sides of the street turned into.
-  add_quad({far, -30, 0}, {0, 60, 0}, height * up, 1);
-  const Eigen::AngleAxisd turn(c.turn_rad, Vector3d::UnitZ());
-  const double side = c.turn_rad < 0 ? -1.0 : 1.0;
-  const Vector3d start(c.straight_m + c.turn_radius_m * std::sin(std::abs(c.turn_rad)),
-                       side * c.turn_radius_m * (1 - std::cos(c.turn_rad)), 0);
-  for (const double edge : {-5.5, 5.5})
-    for (int k = 0; k < static_cast<int>(far / 9) + 2; ++k)
-      add_quad(start + turn * Vector3d(5 + 9 * k, edge + 0.6 * (k % 2), 0), turn * Vector3d(8.6, 0, 0), height * up,
-               static_cast<size_t>(k + 2) % 4);
-  add_quad(start + turn * Vector3d(far, -20, 0), turn * Vector3d(0, 40, 0), height * up, 3);
-}
-
-void World::build_room(const Scenario& c) {
-  const double reach = 2 * c.straight_m + std::abs(c.turn_rad) * c.turn_radius_m + 3;
-  const Vector3d up(0, 0, -3.2);
-  const double low = -3, high = reach, west = -reach, east = reach;
-  add_quad({low, west, 0}, {high - low, 0, 0}, {0, east - west, 0}, 4);
-  add_quad({low, west, up.z()}, {high - low, 0, 0}, {0, east - west, 0}, 5);
-  add_quad({high, west, 0}, {0, east - west, 0}, up, 0);
-  add_quad({low, west, 0}, {0, east - west, 0}, up, 1);
-  add_quad({low, west, 0}, {high - low, 0, 0}, up, 2);
-  add_quad({low, east, 0}, {high - low, 0, 0}, up, 3);
-  for (int k = 0; k < 12; ++k) {  // pillars
-    const double north = 2.0 + 3.1 * k, side = (k % 2 ? 1.0 : -1.0) * 2.2;
-    if (north > high - 1) break;
-    add_quad({north, side, 0}, {0.5, 0, 0}, up, static_cast<size_t>(k) % 4);
-    add_quad({north, side, 0}, {0, side > 0 ? 0.5 : -0.5, 0}, up, static_cast<size_t>(k + 1) % 4);
-  }
-}
-
-double World::shade(size_t index, double u_m, double v_m, double footprint_m) const {
-  const Texture& texture = textures_[index];
-  const double texel = texture.metres / kTextureSize;
-  const double level = std::clamp(std::log2(std::max(1.0, footprint_m / texel)), 0.0,
-                                  static_cast<double>(texture.levels.size()) - 1.001);
-  const auto sample = [&](size_t l) {
-    const cv::Mat& image = texture.levels[l];
-    const int size = image.cols;
-    const double scale = size / texture.metres;
-    const double x = u_m * scale - 0.5, y = v_m * scale - 0.5;
-    const double fx = std::floor(x), fy = std::floor(y);
-    const int x0 = static_cast<int>(fx) & (size - 1), y0 = static_cast<int>(fy) & (size - 1);
-    const int x1 = (x0 + 1) & (size - 1), y1 = (y0 + 1) & (size - 1);
-    const double wx = x - fx, wy = y - fy;
-    const auto *r0 = image.ptr<uint8_t>(y0), *r1 = image.ptr<uint8_t>(y1);
-    return (1 - wy) * ((1 - wx) * r0[x0] + wx * r0[x1]) + wy * ((1 - wx) * r1[x0] + wx * r1[x1]);
+  build_houses(c, route, seed);
+  Random random(seed, 61);
+  const double per_metre = 0.01, edge = 0.5 * c.world.street_width_m;
+  const auto place = [&](int64_t density, double right, auto&& put) {
+    for (const Leg& leg : legs)
+      for (int64_t k = 0; k < std::llround(static_cast<double>(density) * per_metre * leg.length); ++k) {
+        const double side = random.uniform() < 0.5 ? -1 : 1, d = random.uniform(0, leg.length);
+        const Vector3d p = leg.at(d, side * right);
+        if (is_free(legs, p, std::min(2.0, 0.6 * right))) put(p, leg.heading());
+      }
   };
-  const auto l = static_cast<size_t>(level);
-  const double w = level - static_cast<double>(l);
-  return (1 - w) * sample(l) + w * sample(l + 1);
+  place(c.world.trees, edge - 1.2, [&](const Vector3d& p, double) {
+    const double height = random.uniform(2.2, 3.5);
+    m.add_box(p, {0.3, 0.3, height}, random.uniform(0, 3), Set::kLeaves, 0.7f);
+    m.add_ball(p - Vector3d(0, 0, height + 1.2), random.uniform(1.3, 2.4), Set::kLeaves, random.next());
+  });
+  place(c.world.parked_cars, edge - 3.0, [&](const Vector3d& p, double heading) {
+    const auto tone = static_cast<float>(random.uniform(0.4, 1.6));
+    m.add_box(p - Vector3d(0, 0, 0.25), {4.3, 1.75, 0.65}, heading, Set::kPaint, tone);
+    m.add_box(p - Vector3d(0, 0, 0.9), {2.3, 1.6, 0.55}, heading, Set::kPaint, 0.4f);
+  });
+  place(6, edge - 0.6, [&](const Vector3d& p, double) { m.add_box(p, {0.12, 0.12, 5}, 0, Set::kAsphalt, 0.8f); });
 }
 
-cv::Mat World::render(const Eigen::Isometry3d& T_n_c, const Scenario& camera) const {
-  cv::Mat image(camera.height, camera.width, CV_8U);
-  const auto rows = [&](int from, int to) {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (int y = from; y < to; ++y) {
-      for (int x = 0; x < camera.width; ++x) {
-        const Vector3d ray_c((x - 0.5 * (camera.width - 1)) / camera.focal_px,
-                             (y - 0.5 * (camera.height - 1)) / camera.focal_px, 1.0);
-        const Vector3d ray = T_n_c.linear() * ray_c;
-        RTCRayHit hit{};
-        hit.ray.org_x = static_cast<float>(T_n_c.translation().x());
-        hit.ray.org_y = static_cast<float>(T_n_c.translation().y());
-        hit.ray.org_z = static_cast<float>(T_n_c.translation().z());
-        hit.ray.dir_x = static_cast<float>(ray.x());
-        hit.ray.dir_y = static_cast<float>(ray.y());
-        hit.ray.dir_z = static_cast<float>(ray.z());
-        hit.ray.tnear = 0.05f;
-        hit.ray.tfar = 1e6f;
-        hit.ray.mask = ~0u;
-        hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(scene_->scene, &context, &hit);
-        double grey = 215.0 - 25.0 * std::clamp(-ray.normalized().z(), 0.0, 1.0);  // sky
-        if (hit.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
-          const Quad& quad = quads_[hit.hit.geomID];
-          const Vector3d normal = quad.u.cross(quad.v).normalized();
-          const double slant = std::max(0.15, std::abs(normal.dot(ray.normalized())));
-          const double depth = hit.ray.tfar;
-          grey = shade(quad.texture, quad.offset_m + hit.hit.u * quad.u.norm(), hit.hit.v * quad.v.norm(),
-                       depth / camera.focal_px / std::sqrt(slant));
-          grey *= 0.75 + 0.25 * std::abs(normal.dot(Vector3d(0.48, 0.6, 0.64)));
-        }
-        image.at<uint8_t>(y, x) = static_cast<uint8_t>(std::clamp(grey, 0.0, 255.0));
+void World::build_houses(const Scenario& c, const Route& route, uint64_t seed) {
+  Mesh& m = meshes_[0];
+  auto legs = legs_of(route);
+  const double edge = 0.5 * c.world.street_width_m;
+  Random random(seed, 62);
+  const auto house = [&](const Vector3d& corner, const Vector3d& front, const Vector3d& back) {
+    const double tall = c.world.house_height_m * random.uniform(0.6, 1.4);
+    const Vector3d up(0, 0, -tall);
+    const auto facade = static_cast<uint32_t>(random.next() % Set::kFacades);
+    const auto tone = static_cast<float>(random.uniform(0.8, 1.15));
+    // v runs down the wall from its top, so that windows stand upright.
+    m.add_quad(corner + up, front, -up, facade, tone);
+    m.add_quad(corner + up, back, -up, facade, tone);
+    m.add_quad(corner + front + up, back, -up, facade, tone);
+    m.add_quad(corner + up, front, back, Set::kAsphalt, 1.2f);
+  };
+  for (const Leg& leg : legs) {
+    for (const double side : {-1.0, 1.0}) {
+      for (double d = -30; d < leg.length + 30;) {
+        const double width = random.uniform(8, 17), set_back = random.uniform(0, 2.5);
+        const double depth = random.uniform(7, 12);
+        const Vector3d corner = leg.at(d, side * (edge + set_back));
+        const Vector3d front = width * leg.along, back = side * depth * leg.aside;
+        bool free = true;
+        for (const double a : {0.0, 0.5, 1.0})
+          for (const double b : {0.0, 0.5, 1.0})
+            free = free && is_free(legs, corner + a * front + b * back, edge - 0.2);
+        // Seen from the street, the facade's u runs to the right.
+        if (free) house(side > 0 ? Vector3d(corner + front) : corner, side > 0 ? Vector3d(-front) : front, back);
+        d += width + (random.uniform() < 0.12 ? random.uniform(3, 9) : 0.0);
       }
     }
-  };
-  std::thread half(rows, 0, camera.height / 2);
-  rows(camera.height / 2, camera.height);
-  half.join();
-  return image;
+  }
+  for (const bool end : {false, true}) {  // what closes the view at both ends
+    const Leg& leg = end ? legs.back() : legs.front();
+    const Vector3d middle = leg.at(end ? leg.length + 45 : -45, 0);
+    for (int k = -3; k < 3; ++k)
+      house(middle + (end ? 14.0 : -14.0) * k * leg.aside, (end ? 14 : -14) * leg.aside, (end ? 8 : -8) * leg.along);
+  }
+}
+
+void World::build_hall(const Scenario&, const Route& route, uint64_t seed) {
+  Mesh& m = meshes_[0];
+  const auto legs = legs_of(route);
+  Vector3d low = route.points().front(), high = low;
+  for (const auto& p : route.points()) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  low -= Vector3d(5, 5, 0), high += Vector3d(5, 5, 0);
+  const double north = high.x() - low.x(), east = high.y() - low.y();
+  const Vector3d down(0, 0, 3.4);
+  const Vector3d a(low.x(), low.y(), -3.4);
+  m.add_quad(a + down, {north, 0, 0}, {0, east, 0}, Set::kPaving);
+  m.add_quad(a, {north, 0, 0}, {0, east, 0}, Set::kWall);
+  m.add_quad(a, {north, 0, 0}, down, 0);
+  m.add_quad(a + Vector3d(0, east, 0), {north, 0, 0}, down, 1);
+  m.add_quad(a, {0, east, 0}, down, 3);
+  m.add_quad(a + Vector3d(north, 0, 0), {0, east, 0}, down, 4);
+  Random random(seed, 63);
+  for (int k = 0; k < static_cast<int>(north * east / 30); ++k) {
+    const Vector3d p(random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y()), 0);
+    if (!is_free(legs, p, 1.2)) continue;
+    if (k % 3 == 0)
+      m.add_box(p, {0.5, 0.5, 3.4}, random.uniform(0, 1.5), 1, 1.0f);
+    else
+      m.add_box(p, {random.uniform(0.5, 1.5), random.uniform(0.5, 1.0), random.uniform(0.5, 1.6)}, random.uniform(0, 3),
+                Set::kCloth, static_cast<float>(random.uniform(0.5, 1.6)));
+  }
+}
+
+void World::build_corridor(const Route& route) {
+  Mesh& m = meshes_[0];
+  for (const Leg& leg : legs_of(route)) {
+    const Vector3d run = (leg.length + 2.4) * leg.along, across = 2.4 * leg.aside, up(0, 0, -2.6);
+    const Vector3d corner = leg.at(-1.2, -1.2);
+    m.add_quad(corner, run, across, Set::kWall, 0.7f);
+    m.add_quad(corner + up, run, across, Set::kWall, 1.1f);
+    for (double d = 0; d < leg.length - 1; d += 6) {  // doors are all there is
+      m.add_quad(leg.at(d + 2, -1.19), 0.9 * leg.along, {0, 0, -2.05}, Set::kWall, 0.8f);
+      m.add_quad(leg.at(d + 4, 1.19), 0.9 * leg.along, {0, 0, -2.05}, Set::kWall, 0.85f);
+    }
+    m.add_quad(leg.at(0.8, -1.2), (leg.length - 1.6) * leg.along, up, Set::kWall);
+    m.add_quad(leg.at(0.8, 1.2), (leg.length - 1.6) * leg.along, up, Set::kWall, 0.95f);
+  }
+  const auto legs = legs_of(route);
+  m.add_quad(legs.front().at(-1.2, -1.2), 2.4 * legs.front().aside, {0, 0, -2.6}, Set::kWall, 0.9f);
+  m.add_quad(legs.back().at(legs.back().length + 1.2, -1.2), 2.4 * legs.back().aside, {0, 0, -2.6}, Set::kWall, 0.9f);
+}
+
+void World::add_movers(const Scenario& c, const Route& route, uint64_t seed) {
+  if (c.world.type == "corridor") return;
+  Random random(seed, 64);
+  const size_t people = meshes_.size();
+  for (int k = 0; k < 4; ++k) meshes_.push_back(person(random));
+  const size_t cars = meshes_.size();
+  for (int k = 0; k < 2; ++k) meshes_.push_back(car(random));
+  const double edge = 0.5 * c.world.street_width_m;
+  for (const Leg& leg : legs_of(route)) {
+    const auto send = [&](size_t mesh, double right, double speed) {
+      const bool back = random.uniform() < 0.5;
+      const Vector3d start = leg.at(back ? leg.length : 0, right);
+      movers_.push_back({mesh, start.head<2>(), leg.heading() + (back ? kPi : 0), leg.length, speed,
+                         random.uniform(0, leg.length), leg.from.z()});
+    };
+    const auto number = [&](int64_t density) {
+      return static_cast<int>(std::floor(static_cast<double>(density) * leg.length / 100 + random.uniform()));
+    };
+    for (int k = number(c.world.pedestrians); k > 0; --k)
+      send(people + random.next() % 4, random.uniform(-1, 1) * std::min(edge - 1, 4.5), random.uniform(1.0, 1.7));
+    for (int k = number(c.world.cars); k > 0 && c.world.type == "street" && edge > 5; --k)
+      send(cars + random.next() % 2, (random.uniform() < 0.5 ? -1 : 1) * std::min(edge - 5.2, 3.0),
+           random.uniform(5, 11));
+  }
 }
 
 }  // namespace odograph

@@ -1,51 +1,81 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <memory>
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <opencv2/core.hpp>
+#include <embree3/rtcore.h>
 
+#include "sdk/sim/route.hpp"
 #include "sdk/sim/scenario.hpp"
+#include "sdk/sim/texture.hpp"
 
 namespace odograph {
 
-/// A world of textured planes, rendered by Embree (a packaged ray caster). Coordinates: n (North-East-Down), m.
+/// Textured quadrilaterals that Embree (a packaged ray caster) can hit. Coordinates: n, or the object's own; m.
+class Mesh {
+ public:
+  struct Surface {
+    Eigen::Vector3f normal;
+    float u_m, v_m;    ///< lengths of the sides
+    float u0_m, v0_m;  ///< where in the texture it starts, so that no two look the same
+    uint32_t texture;
+    float brightness;
+  };
+  /// A parallelogram; u lies along the first side, v along the second.
+  void add_quad(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v, uint32_t texture,
+                float brightness = 1.0f);
+  /// A box standing on `foot` (its middle), turned about the vertical.
+  void add_box(const Eigen::Vector3d& foot, const Eigen::Vector3d& size, double heading, uint32_t texture,
+               float brightness = 1.0f);
+  /// A lumpy ball, as of leaves.
+  void add_ball(const Eigen::Vector3d& middle, double radius, uint32_t texture, uint64_t seed);
+  RTCScene build(RTCDevice device) const;
+  const Surface& surface(uint32_t i) const { return surfaces_[i]; }
+
+ private:
+  void add(const Eigen::Vector3d corners[4], const Surface& surface);
+  std::vector<float> vertices_;
+  std::vector<Surface> surfaces_;
+};
+
+/// Streets, halls and corridors along a route with everything that moves there. Thread: immutable after construction.
 class World {
  public:
-  /// A street whose facades accompany the scenario's path, or a room around it; textures are drawn from the seed.
   World(const Scenario& scenario, uint64_t seed);
   ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// An 8-bit grey picture of an ideal pinhole camera at T_n_c, without noise. The same bytes for any number of
-  /// threads.
-  cv::Mat render(const Eigen::Isometry3d& T_n_c, const Scenario& camera) const;
+  /// Somebody or something on its way: along a straight line, over and over.
+  struct Mover {
+    size_t mesh;  ///< in meshes()
+    Eigen::Vector2d from;
+    double heading, length_m, speed_mps, start_m, up_m;
+    Eigen::Isometry3d at(double t_s) const;
+  };
+
+  RTCDevice device() const { return device_; }
+  const std::vector<Mesh>& meshes() const { return meshes_; }      ///< 0 is what stands still
+  const std::vector<RTCScene>& scenes() const { return scenes_; }  ///< of each mesh
+  const std::vector<Mover>& movers() const { return movers_; }
+  const TextureSet& textures() const { return textures_; }
+  Eigen::Vector3f sun() const { return sun_; }  ///< towards it, in n
 
  private:
-  struct Scene;  // Embree's handles
-  struct Texture {
-    std::vector<cv::Mat> levels;  // 8-bit grey, each half the size of the one before
-    double metres = 1.0;          // side of the finest level's square
-  };
+  void build_street(const Scenario& c, const Route& route, uint64_t seed);
+  void build_houses(const Scenario& c, const Route& route, uint64_t seed);
+  void build_hall(const Scenario& c, const Route& route, uint64_t seed);
+  void build_corridor(const Route& route);
+  void add_movers(const Scenario& c, const Route& route, uint64_t seed);
 
-  void add_quad(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v, size_t texture);
-  void build_street(const Scenario& scenario);
-  void build_room(const Scenario& scenario);
-  size_t add_texture(uint64_t seed, bool facade, double metres);
-  double shade(size_t texture, double u_m, double v_m, double footprint_m) const;
-
-  std::unique_ptr<Scene> scene_;
-  std::vector<Texture> textures_;
-  struct Quad {
-    Eigen::Vector3d u, v;  // sides
-    size_t texture;
-    double offset_m;  // shifts the texture, so that no two planes look the same
-  };
-  std::vector<Quad> quads_;
+  RTCDevice device_;
+  TextureSet textures_;
+  std::vector<Mesh> meshes_;
+  std::vector<RTCScene> scenes_;
+  std::vector<Mover> movers_;
+  Eigen::Vector3f sun_;
 };
 
 }  // namespace odograph

@@ -10,7 +10,8 @@
 #include "sdk/cli/runner.hpp"
 #include "sdk/plugin_host/instance.hpp"
 #include "sdk/sim/random.hpp"
-#include "sdk/sim/world.hpp"
+#include "sdk/sim/camera.hpp"
+#include "sdk/sim/walker.hpp"
 
 namespace {
 
@@ -144,10 +145,11 @@ BENCHMARK(memory)->Iterations(1)->Unit(benchmark::kMillisecond);
 void render_frame(benchmark::State& state) {
   const Scenario scenario;
   const World world(scenario, 1);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;
-  T.translation() = Eigen::Vector3d(0, 0, -1.5);
-  for (auto _ : state) benchmark::DoNotOptimize(world.render(T, scenario).data);
+  const SimCamera camera(scenario.camera, 1.0, 1);
+  const Motion phone = make_walk(scenario, 1).phone;
+  View view(world, camera, scenario);
+  double t = 2;
+  for (auto _ : state) benchmark::DoNotOptimize(camera.develop(view.render(phone, t += 0.1), 1).data);
 }
 BENCHMARK(render_frame)->Unit(benchmark::kMillisecond);
 

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/sim/camera.hpp"
+
+#include <array>
+#include <cmath>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "sdk/sim/random.hpp"
+
+namespace odograph {
+namespace {
+
+/// Many normal numbers fast: a table of exact quantiles, looked up at random.
+const std::vector<float>& normal_table() {
+  static const std::vector<float> table = [] {
+    std::vector<float> t(65536);
+    Random random(1, 1);
+    for (float& x : t) x = static_cast<float>(random.normal());
+    return t;
+  }();
+  return table;
+}
+
+cv::Matx33d intrinsics(const Scenario::Camera& c) {
+  return {c.focal_px, 0, 0.5 * (c.width - 1), 0, c.focal_px, 0.5 * (c.height - 1), 0, 0, 1};
+}
+
+}  // namespace
+
+const Eigen::Quaterniond& SimCamera::in_body() {
+  static const Eigen::Quaterniond q(0.0, 1.0, 0.0, 0.0);
+  return q;
+}
+
+Eigen::Isometry3d SimCamera::pose(const Motion& phone, double t_s) {
+  Eigen::Isometry3d T = phone.pose(t_s);
+  T.linear() = (T.linear() * in_body().toRotationMatrix()).eval();
+  return T;
+}
+
+SimCamera::SimCamera(const Scenario::Camera& camera, double light, uint64_t seed)
+    : c_(camera), light_(light), seed_(seed), vignette_(camera.height, camera.width, CV_32F) {
+  std::vector<cv::Point2d> pixels, rays;
+  for (int y = 0; y < c_.height; ++y)
+    for (int x = 0; x < c_.width; ++x) pixels.emplace_back(x, y);
+  const cv::TermCriteria exact(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-12);
+  if (c_.model == "kannala_brandt")
+    cv::fisheye::undistortPoints(pixels, rays, intrinsics(c_), cv::Mat(c_.distortion, true));
+  else
+    cv::undistortPoints(pixels, rays, intrinsics(c_), c_.distortion, cv::noArray(), cv::noArray(), exact);
+  rays_.reserve(rays.size());
+  const double corner = std::hypot(cx(), cy());
+  for (size_t i = 0; i < rays.size(); ++i) {
+    rays_.push_back(Eigen::Vector3d(rays[i].x, rays[i].y, 1).normalized().cast<float>());
+    const double r = std::hypot(pixels[i].x - cx(), pixels[i].y - cy()) / corner;
+    vignette_.at<float>(static_cast<int>(pixels[i].y), static_cast<int>(pixels[i].x)) =
+        static_cast<float>(1 - c_.vignetting * r * r);
+  }
+}
+
+Eigen::Vector2d SimCamera::project(const Eigen::Vector3d& p) const {
+  std::vector<cv::Point2d> out;
+  const cv::Vec3d zero(0, 0, 0);
+  if (c_.model == "kannala_brandt")
+    cv::fisheye::projectPoints(std::vector<cv::Point3d>{{p.x(), p.y(), p.z()}}, out, zero, zero, intrinsics(c_),
+                               cv::Mat(c_.distortion, true));
+  else
+    cv::projectPoints(std::vector<cv::Point3d>{{p.x(), p.y(), p.z()}}, zero, zero, intrinsics(c_), c_.distortion, out);
+  return {out[0].x, out[0].y};
+}
+
+cv::Mat SimCamera::develop(const cv::Mat& light, size_t frame) const {
+  // The exposure follows the light as far as it can, in steps; what is missing is made up by gain, which brings noise.
+  Random random(seed_, 1000 + frame);
+  const double step = std::exp(c_.exposure_steps * Random(seed_, 70 + frame / 7).normal());
+  const auto gain = static_cast<float>(std::min(12.0, 1 / light_));
+  const auto brightness = static_cast<float>(light_ * gain * step);
+  const auto shot = static_cast<float>(c_.shot_noise * c_.shot_noise) * gain;
+  const auto read = static_cast<float>(c_.read_noise * c_.read_noise) * gain * gain;
+  const auto& normal = normal_table();
+  cv::Mat picture(light.size(), CV_8U);
+  for (int y = 0; y < light.rows; ++y) {
+    const auto *in = light.ptr<float>(y), *fall = vignette_.ptr<float>(y);
+    auto* out = picture.ptr<uint8_t>(y);
+    for (int x = 0; x < light.cols; x += 4) {
+      uint64_t bits = random.next();
+      for (int k = x; k < std::min(x + 4, light.cols); ++k, bits >>= 16) {
+        const float grey = in[k] * fall[k] * brightness;
+        out[k] = cv::saturate_cast<uint8_t>(grey + std::sqrt(shot * grey + read) * normal[bits & 0xffff]);
+      }
+    }
+  }
+  return picture;
+}
+
+}  // namespace odograph

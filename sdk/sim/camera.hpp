@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "sdk/sim/motion.hpp"
+#include "sdk/sim/world.hpp"
+
+namespace odograph {
+
+/// A phone's rear camera: lens, rolling shutter, exposure, noise.
+class SimCamera {
+ public:
+  SimCamera(const Scenario::Camera& camera, double light, uint64_t seed);
+
+  /// From the camera to the body b: the camera's x, y, z are the body's x, -y, -z.
+  static const Eigen::Quaterniond& in_body();
+  static Eigen::Isometry3d pose(const Motion& phone, double t_s);
+
+  int width() const { return c_.width; }
+  int height() const { return c_.height; }
+  double cx() const { return 0.5 * (c_.width - 1); }
+  double cy() const { return 0.5 * (c_.height - 1); }
+  /// When row y is exposed (its middle), from the middle of the middle row.
+  double row_offset_s(double y) const { return (y - cy()) * c_.row_time_s; }
+  /// The ray of a pixel's centre, in c, with unit length.
+  const Eigen::Vector3f& ray(int x, int y) const { return rays_[static_cast<size_t>(y * c_.width + x)]; }
+  /// Where a point in c appears (pixels), lens distortion included.
+  Eigen::Vector2d project(const Eigen::Vector3d& p_c) const;
+
+  /// Turns what the lens sees (grey, 0 to 255 of a well-lit scene) into stored pixels.
+  cv::Mat develop(const cv::Mat& light, size_t frame) const;
+
+ private:
+  Scenario::Camera c_;
+  double light_;
+  uint64_t seed_;
+  std::vector<Eigen::Vector3f> rays_;
+  cv::Mat vignette_;
+};
+
+/// One thread's eye on the world. Renders a frame as the shutter rolls over the moving phone.
+class View {
+ public:
+  View(const World& world, const SimCamera& camera, const Scenario& scenario);
+  ~View();
+  View(const View&) = delete;
+  View& operator=(const View&) = delete;
+
+  /// 32-bit float grey of the frame whose middle row is exposed around t.
+  cv::Mat render(const Motion& phone, double t_s);
+
+ private:
+  struct Hit;
+  void place_movers(double t_s);
+  void shade_row(const Eigen::Vector3f& origin, float* row, float* depth);
+  float sky(const Eigen::Vector3f& ray) const;
+  float surface_grey(const RTCRayHit& hit, float distance_before, bool* glass, Eigen::Vector3f* normal) const;
+  cv::Mat blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s) const;
+
+  const World& world_;
+  const SimCamera& camera_;
+  const Scenario& c_;
+  RTCScene scene_;
+  std::vector<RTCGeometry> movers_;
+  std::vector<size_t> mesh_of_instance_;
+  std::vector<Eigen::Matrix3f> turn_of_instance_;
+  std::vector<RTCRayHit> hits_;
+  std::vector<RTCRay> shadows_;
+  std::vector<int> shadow_pixels_, glass_pixels_;
+  std::vector<RTCRayHit> mirrors_;
+};
+
+}  // namespace odograph

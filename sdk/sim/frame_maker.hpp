@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "sdk/base/result.hpp"
+#include "sdk/sim/camera.hpp"
+
+namespace odograph {
+
+/// Renders, develops and encodes frames, several at a time, each by one thread from its number alone: the same bytes
+/// whatever the number of threads.
+class FrameMaker {
+ public:
+  struct Times {
+    double render_s = 0, develop_s = 0, encode_s = 0;  ///< summed over threads
+  };
+  /// `threads` 0: as many as there are cores.
+  FrameMaker(const World& world, const SimCamera& camera, const Scenario& scenario, const Motion& phone,
+             std::vector<double> exposures_s, unsigned threads);
+
+  /// The encoded picture of frame k; ask in ascending order. The picture is gone with the next call.
+  Result<std::vector<unsigned char>> take(size_t k);
+  const Times& times() const { return times_; }
+  unsigned threads() const { return static_cast<unsigned>(views_.size()); }
+
+ private:
+  void make_batch(size_t first);
+
+  const SimCamera& camera_;
+  const Scenario& c_;
+  const Motion& phone_;
+  std::vector<double> exposures_s_;
+  std::vector<std::unique_ptr<View>> views_;
+  std::vector<Result<std::vector<unsigned char>>> batch_;
+  size_t batch_first_ = 0;
+  Times times_;
+};
+
+}  // namespace odograph

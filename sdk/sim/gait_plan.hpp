@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "sdk/sim/random.hpp"
+#include "sdk/sim/route.hpp"
+#include "sdk/sim/scenario.hpp"
+
+namespace odograph {
+
+/// What the seed draws of a person.
+struct Individual {
+  Individual(const Scenario& scenario, uint64_t seed);
+  double height_m;
+  double length_factor;                 ///< own deviation from the law of his height
+  double asymmetry;                     ///< a left step is longer than a right one by twice this fraction
+  double fatigue_per_km;                ///< fraction by which steps shorten
+  double bounce;                        ///< trunk's rise as a fraction of an inverted pendulum's
+  double sway_m, surge_m;               ///< amplitudes
+  double shock;                         ///< heel strike at the hand, m/s^2 at 1.35 m/s
+  double pitch_rad, yaw_rad, roll_rad;  ///< amplitudes of the phone's turning with the gait
+  double phases[6];
+  double tremor;  ///< of the hand, factor
+  double hold_height_m, hold_forward_m;
+
+  /// Step length at a speed, on level ground, without variation.
+  double step_length(double speed_mps) const;
+};
+
+/// The feet's part of a walk: steps in time and along the route, and what is done while standing.
+struct GaitPlan {
+  struct Step {
+    double t0, t1;  ///< s
+    double s0, s1;  ///< along the route, m
+    double length_m;
+    uint32_t mode;
+  };
+  struct Stand {
+    double t0, t1;
+    std::string what;
+  };
+  std::vector<Step> steps;
+  std::vector<Stand> stands;
+  std::vector<std::pair<double, std::string>> carries;  ///< from this time on
+  std::vector<std::pair<double, double>> evasions;      ///< middle, duration
+  std::vector<std::pair<double, double>> marks;         ///< time, distance along the route
+  double duration_s = 0;
+};
+
+GaitPlan plan_gait(const Scenario& scenario, const Route& route, const Individual& who, uint64_t seed);
+
+}  // namespace odograph

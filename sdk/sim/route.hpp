@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace odograph {
+
+/// A path through given points (north, east, up; m) whose corners are rounded by arcs.
+class Route {
+ public:
+  /// Where the route is at a distance along it.
+  struct Place {
+    Eigen::Vector2d north_east;
+    double up = 0.0;       ///< of the ground, m; linear between points
+    double heading = 0.0;  ///< rad, from north to the east, without jumps of 2 pi
+    double slope = 0.0;    ///< rise over run
+  };
+  /// At least two points that differ; arcs are smaller where a leg is too short for `corner_radius_m`.
+  Route(const std::vector<Eigen::Vector3d>& points, double corner_radius_m);
+
+  Place at(double s_m) const;  ///< continued straight before the start and behind the end
+  double length() const { return length_; }
+  const std::vector<Eigen::Vector3d>& points() const { return points_; }
+
+ private:
+  struct Piece {
+    double start;  // along the route
+    double length;
+    Eigen::Vector2d from;
+    double heading;
+    double curvature;  // 1/m, to the right positive
+  };
+  struct Height {
+    double s, up;
+  };
+  void add(double length, double curvature);
+
+  std::vector<Eigen::Vector3d> points_;
+  std::vector<Piece> pieces_;
+  std::vector<Height> heights_;
+  double length_ = 0.0;
+};
+
+}  // namespace odograph

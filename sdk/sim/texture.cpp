@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/sim/texture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+#include "sdk/sim/random.hpp"
+
+namespace odograph {
+namespace {
+
+constexpr int kSize = 1024;
+
+/// Value noise over octaves from `coarsest` to `finest` cells a side; repeats without a seam.
+cv::Mat noise(Random& random, int coarsest, int finest, double amplitude, double persistence) {
+  cv::Mat sum(kSize, kSize, CV_32F, cv::Scalar(0));
+  for (int cells = coarsest; cells <= finest; cells *= 2, amplitude *= persistence) {
+    cv::Mat coarse(cells, cells, CV_32F), padded, fine;
+    for (int y = 0; y < cells; ++y)
+      for (int x = 0; x < cells; ++x) coarse.at<float>(y, x) = static_cast<float>(random.uniform(-1, 1));
+    cv::copyMakeBorder(coarse, padded, 2, 2, 2, 2, cv::BORDER_WRAP);
+    const int cell = kSize / cells;
+    cv::resize(padded, fine, {}, cell, cell, cv::INTER_CUBIC);
+    sum += amplitude * fine(cv::Rect(2 * cell, 2 * cell, kSize, kSize));
+  }
+  return sum;
+}
+
+void draw_bricks(cv::Mat& picture, Random& random) {
+  for (int row = 0; row < 128; ++row)
+    for (int k = 0; k < 42; ++k) {
+      const int x = k * 24 + (row % 2) * 12;
+      const double tone = random.uniform(-14, 14);
+      picture(cv::Rect(std::min(x, kSize - 23), row * 8, 22, 7)) += tone;
+    }
+}
+
+/// Storeys of windows with frames and panes; `regular` ones repeat exactly, as offices do.
+void draw_windows(cv::Mat& picture, cv::Mat& glass, Random& random, bool regular) {
+  const int storey = regular ? 128 : 256, bay = regular ? 64 : 128;
+  const int width = static_cast<int>(bay * random.uniform(0.45, 0.7)), height = static_cast<int>(storey * 0.55);
+  const double frame = random.uniform(150, 235), dark = random.uniform(30, 70);
+  for (int y = storey / 5; y + height < kSize; y += storey)
+    for (int x = bay / 6; x + width < kSize; x += bay) {
+      if (!regular && random.uniform() < 0.1) continue;
+      const cv::Rect pane(x, y, regular ? width : width - static_cast<int>(random.uniform(0, 14)), height);
+      cv::rectangle(picture, pane, regular ? dark : random.uniform(25, 100), cv::FILLED);
+      cv::rectangle(glass, pane, 255, cv::FILLED);
+      if (!regular && random.uniform() < 0.4) {  // a curtain
+        const cv::Rect curtain(pane.x, pane.y, pane.width / 3, pane.height);
+        cv::rectangle(picture, curtain, random.uniform(120, 200), cv::FILLED);
+      }
+      cv::rectangle(picture, pane, frame, 4);
+      cv::rectangle(glass, pane, 0, 4);
+      cv::line(picture, {pane.x + pane.width / 2, pane.y}, {pane.x + pane.width / 2, pane.y + pane.height}, frame, 3);
+      if (!regular)
+        cv::line(picture, {pane.x - 4, pane.y + height + 4}, {pane.x + pane.width + 4, pane.y + height + 4},
+                 random.uniform(60, 220), 6);
+    }
+}
+
+void draw_signs(cv::Mat& picture, Random& random) {
+  static const char* const kWords[] = {"CAFE",   "HOTEL", "BANK", "BOOKS", "PHARMACIE",
+                                       "BAKERY", "TAXI",  "24 h", "METRO"};
+  for (int k = 0; k < 3; ++k) {
+    const cv::Point at(static_cast<int>(random.uniform(0, 700)), static_cast<int>(random.uniform(60, 1000)));
+    const double back = random.uniform(20, 230);
+    cv::rectangle(picture, cv::Rect(at.x, at.y - 44, 280, 56) & cv::Rect(0, 0, kSize, kSize), back, cv::FILLED);
+    cv::putText(picture, kWords[random.next() % std::size(kWords)], at + cv::Point(12, 0), cv::FONT_HERSHEY_DUPLEX, 1.5,
+                back > 128 ? 20 : 240, 3, cv::LINE_AA);
+  }
+}
+
+Texture facade(uint64_t seed, bool regular) {
+  Random random(seed, 7);
+  cv::Mat picture = noise(random, 4, 512, 14, 0.72) + random.uniform(105, 175);
+  cv::Mat glass(kSize, kSize, CV_8U, cv::Scalar(0)), grey;
+  if (!regular) draw_bricks(picture, random);
+  draw_windows(picture, glass, random, regular);
+  if (!regular) draw_signs(picture, random);
+  picture += noise(random, 256, 512, 5, 0.8);
+  picture.convertTo(grey, CV_8U);
+  return {grey, glass, 12.0f};
+}
+
+Texture paving(uint64_t seed) {
+  Random random(seed, 7);
+  cv::Mat picture = noise(random, 8, 512, 16, 0.85) + 130, grey;
+  for (int y = 0; y < kSize; y += 64)
+    for (int x = 0; x < kSize; x += 64) {
+      picture(cv::Rect(x, y, 64, 64)) += random.uniform(-14, 14);
+      cv::rectangle(picture, cv::Rect(x, y, 64, 64), 85, 2);
+    }
+  picture.convertTo(grey, CV_8U);
+  return {grey, {}, 8.0f};
+}
+
+Texture plain(uint64_t seed, double mean, double amplitude, double persistence, float side_m) {
+  Random random(seed, 7);
+  cv::Mat grey;
+  cv::Mat(noise(random, 8, 512, amplitude, persistence) + mean).convertTo(grey, CV_8U);
+  return {grey, {}, side_m};
+}
+
+/// Asphalt: grains of stone, patches, cracks.
+Texture asphalt(uint64_t seed) {
+  Random random(seed, 7);
+  cv::Mat picture = noise(random, 4, 32, 9, 0.8) + noise(random, 128, 512, 16, 1.1) + 88, grey;
+  for (int k = 0; k < 5; ++k) {
+    cv::Point at(static_cast<int>(random.uniform(0, kSize)), static_cast<int>(random.uniform(0, kSize)));
+    for (int i = 0; i < 30; ++i) {
+      const cv::Point next =
+          at + cv::Point(static_cast<int>(random.uniform(-25, 30)), static_cast<int>(random.uniform(-8, 24)));
+      cv::line(picture, at, next, random.uniform(30, 55), 2);
+      at = next;
+    }
+  }
+  picture.convertTo(grey, CV_8U);
+  return {grey, {}, 6.0f};
+}
+
+}  // namespace
+
+Texture::Texture(const cv::Mat& grey, const cv::Mat& glass, float side_m)
+    : texel_m_(side_m / static_cast<float>(grey.cols)) {
+  Level level{grey, glass, 0, 0, 0};
+  while (true) {
+    level.per_metre = static_cast<float>(level.grey.cols) / side_m;
+    level.mask = level.grey.cols - 1;
+    levels_.push_back(level);
+    if (level.grey.cols <= 4) break;
+    Level half = level;
+    cv::resize(level.grey, half.grey, {}, 0.5, 0.5, cv::INTER_AREA);
+    if (!glass.empty()) cv::resize(level.glass, half.glass, {}, 0.5, 0.5, cv::INTER_AREA);
+    level = half;
+  }
+}
+
+Texture::Texel Texture::at(float u_m, float v_m, float footprint_m) const {
+  int exponent = 0;
+  const float mantissa =
+      std::frexp(std::max(1.0f, footprint_m / texel_m_), &exponent);  // footprint = m * 2^e, m in [0.5, 1)
+  const auto l = static_cast<size_t>(std::clamp(exponent - 1, 0, static_cast<int>(levels_.size()) - 2));
+  const float blend = exponent - 1 >= static_cast<int>(levels_.size()) - 1 ? 1.0f : 2.0f * mantissa - 1.0f;
+  const auto sample = [&](const Level& level) {
+    const float x = u_m * level.per_metre - 0.5f, y = v_m * level.per_metre - 0.5f;
+    const float fx = std::floor(x), fy = std::floor(y), wx = x - fx, wy = y - fy;
+    const int x0 = static_cast<int>(fx) & level.mask, y0 = static_cast<int>(fy) & level.mask;
+    const int x1 = (x0 + 1) & level.mask, y1 = (y0 + 1) & level.mask;
+    const auto *r0 = level.grey.ptr<uint8_t>(y0), *r1 = level.grey.ptr<uint8_t>(y1);
+    const auto a = static_cast<float>(r0[x0]), b = static_cast<float>(r0[x1]), c = static_cast<float>(r1[x0]),
+               d = static_cast<float>(r1[x1]);
+    return (1 - wy) * (a + wx * (b - a)) + wy * (c + wx * (d - c));
+  };
+  const Level& fine = levels_[l];
+  Texel texel{sample(fine) * (1 - blend) + blend * sample(levels_[l + 1]), false};
+  if (!fine.glass.empty()) {
+    const int x = static_cast<int>(std::floor(u_m * fine.per_metre)) & fine.mask;
+    const int y = static_cast<int>(std::floor(v_m * fine.per_metre)) & fine.mask;
+    texel.glass = fine.glass.ptr<uint8_t>(y)[x] > 127;
+  }
+  return texel;
+}
+
+TextureSet::TextureSet(uint64_t seed) {
+  for (uint64_t k = 0; k < kFacades; ++k) all.push_back(facade(seed * 64 + k, k % 3 == 2));
+  all.push_back(paving(seed * 64 + 10));
+  all.push_back(asphalt(seed * 64 + 11));
+  all.push_back(plain(seed * 64 + 12, 80, 34, 0.85, 3.0f));   // leaves
+  all.push_back(plain(seed * 64 + 13, 120, 60, 0.45, 7.0f));  // car paint, with reflections of no particular place
+  all.push_back(plain(seed * 64 + 14, 100, 45, 0.75, 2.0f));  // cloth
+  all.push_back(plain(seed * 64 + 15, 205, 3, 0.8, 4.0f));    // a white wall
+}
+
+}  // namespace odograph

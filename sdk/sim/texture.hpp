@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace odograph {
+
+/// A square picture that repeats in both directions, with its smaller copies (a mip map).
+class Texture {
+ public:
+  /// 8-bit grey of 2^n pixels a side; `glass` (same size, 255 where a pane is) may be empty.
+  Texture(const cv::Mat& grey, const cv::Mat& glass, float side_m);
+
+  struct Texel {
+    float grey;
+    bool glass;
+  };
+  /// At (u, v) metres, averaged over about `footprint_m`.
+  Texel at(float u_m, float v_m, float footprint_m) const;
+
+ private:
+  struct Level {
+    cv::Mat grey, glass;
+    float per_metre;
+    int mask, shift;
+  };
+  std::vector<Level> levels_;
+  float texel_m_;
+};
+
+/// The pictures that worlds are papered with, drawn from the seed.
+struct TextureSet {
+  explicit TextureSet(uint64_t seed);
+  static constexpr uint32_t kFacades = 6, kPaving = 6, kAsphalt = 7, kLeaves = 8, kPaint = 9, kCloth = 10, kWall = 11;
+  std::vector<Texture> all;
+};
+
+}  // namespace odograph
