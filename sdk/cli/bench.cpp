@@ -113,6 +113,8 @@ void add_bench(CLI::App& app, int& status) {
   walks_command->add_flag("--each", a->each, "a line for each walk");
   walks_command->add_flag("--json", a->json, "print one JSON object");
   walks_command->callback([a, &status] { status = walks(*a); });
+  add_bench_walk700(*command, status);
+  add_bench_gait(*command, status);
 }
 
 }  // namespace odograph

@@ -18,6 +18,8 @@ void add_config(CLI::App& app, int& status);
 void add_plugins(CLI::App& app, int& status);
 void add_convert(CLI::App& app, int& status);
 void add_bench(CLI::App& app, int& status);
+void add_bench_walk700(CLI::App& bench, int& status);
+void add_bench_gait(CLI::App& bench, int& status);
 
 /// Prints "odograph: text" on standard error and returns the status that fits the failure.
 int complain(const Failure& failure);

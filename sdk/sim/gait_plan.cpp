@@ -122,9 +122,10 @@ GaitPlan plan_gait(const Scenario& c, const Route& route, const Individual& who,
   Feet feet(c, route, who, seed);
   auto events = c.events;
   std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.at_m < b.at_m; });
+  const double finish = std::min(route.length(), c.walk_m);
   for (const auto& e : events) {
-    if (e.at_m > route.length()) break;
-    feet.walk_to(std::min(e.at_m, route.length()), is_stop(e.what));
+    if (e.at_m > finish) break;
+    feet.walk_to(e.at_m, is_stop(e.what));
     if (e.waypoint && !is_stop(e.what)) feet.mark(0);
     if (is_stop(e.what)) {
       feet.stand(e.for_s, e.what);
@@ -139,7 +140,7 @@ GaitPlan plan_gait(const Scenario& c, const Route& route, const Individual& who,
       feet.set_speed(e.speed_mps);
     }
   }
-  feet.walk_to(route.length(), true);
+  feet.walk_to(finish, true);
   feet.finish(c.walker.stand_s);
   return std::move(feet.plan);
 }

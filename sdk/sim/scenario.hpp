@@ -33,6 +33,7 @@ struct Scenario {
   };
   std::vector<Eigen::Vector3d> route = {{0, 0, 0}, {18, 0, 0}, {24, 16, 0}};  // north, east, up
   double corner_m = 3.0;
+  double walk_m = 1e9;  // the walk ends here, if the route does not; no key: benches shorten with it
   std::vector<Event> events;
   struct Camera {
     int width = 640, height = 480;

@@ -45,9 +45,10 @@ Motion VisualOdometry::process(const cv::Mat& grey, const cv::Mat& mask) {
   if (!have_reference_) {
     begin(false);
   } else if (started_) {
-    if (locate(motion)) {
+    if (locate(motion) && agrees_with_two_views(T_w_c0)) {
       extend_map();
     } else {
+      motion = Motion{.tracked = motion.tracked};
       motion.state = Tracking::lost;
       motion.trouble = tracker_.mean_grey() < p_.dark_grey ? Trouble::too_dark : Trouble::few_features;
       begin(true);
@@ -65,6 +66,8 @@ Motion VisualOdometry::process(const cv::Mat& grey, const cv::Mat& mask) {
     motion.rotation_valid = true;
   }
   motion.scale_group = group_;
+  previous_.clear();
+  for (size_t i = 0; i < tracker_.tracks().size(); ++i) previous_[tracker_.tracks()[i].id] = normalized_[i];
   tracker_.refill(mask);
   return motion;
 }
@@ -74,6 +77,8 @@ void VisualOdometry::begin(bool new_group) {
   if (new_group) ++group_;
   have_reference_ = true;
   started_ = false;
+  contradiction_.setZero();
+  since_start_ = 0;
   points_.clear();
   reference_.clear();
   T_w_c_.setIdentity();
@@ -140,6 +145,36 @@ bool VisualOdometry::try_start(Motion& motion) {
   return true;
 }
 
+/// A map that has drifted apart still finds inliers, and bends the path slowly and steadily; the two latest pictures,
+/// which know nothing of it, tell: the turns that both say must agree in the mean.
+bool VisualOdometry::agrees_with_two_views(const Isometry3d& T_w_c0) {
+  if (++since_start_ % p_.check_every != 0) return true;
+  std::vector<cv::Point2d> first, second;
+  for (size_t i = 0; i < tracker_.tracks().size(); ++i)
+    if (const auto seen = previous_.find(tracker_.tracks()[i].id); seen != previous_.end()) {
+      first.push_back(seen->second);
+      second.push_back(normalized_[i]);
+    }
+  const auto pair = two_view(first, second, threshold());
+  if (!pair || 2 * static_cast<size_t>(pair->count) < first.size() || pair->median_parallax_rad < p_.start_parallax_rad)
+    return true;  // no witness
+  const Eigen::AngleAxisd difference(pair->R_1_0 * T_w_c0.linear().transpose() * T_w_c_.linear());
+  const double most = 2 * p_.contradiction_rad;  // one wrong pair of views is no contradiction
+  contradiction_ = 0.6 * contradiction_ + 0.4 * std::min(difference.angle(), most) * difference.axis();
+  return contradiction_.norm() < p_.contradiction_rad;
+}
+
+/// Near planes have a second, mirrored pose, and few points that agree by chance have any: neither puts what the camera
+/// sees before it, after a turn that a hand can make between two frames.
+bool VisualOdometry::plausible(const Isometry3d& T_c_w, const Isometry3d& T_predicted,
+                               const std::vector<cv::Point3d>& inliers, size_t asked) const {
+  if (4 * inliers.size() < asked) return false;
+  if (Eigen::AngleAxisd(T_c_w.linear() * T_predicted.linear()).angle() > p_.surprise_rad) return false;
+  size_t behind = 0;
+  for (const auto& X : inliers) behind += (T_c_w * Vector3d(X.x, X.y, X.z)).z() <= 0;
+  return 20 * behind <= inliers.size();
+}
+
 /// The frame's pose by PnP: RANSAC from the predicted pose, then Levenberg-Marquardt on the inliers.
 bool VisualOdometry::locate(Motion& motion) {
   std::vector<cv::Point3d> world;
@@ -169,7 +204,9 @@ bool VisualOdometry::locate(Motion& motion) {
     good_image.push_back(image[i]);
   }
   cv::solvePnPRefineLM(good_world, good_image, K, cv::noArray(), r, t);
-  T_w_c_ = isometry(r, t).inverse();
+  const Isometry3d T_c_w = isometry(r, t), T_predicted = T_w_c_ * last_step_;
+  if (!plausible(T_c_w, T_predicted, good_world, world.size())) return false;
+  T_w_c_ = T_c_w.inverse();
   double depth = 0.0;
   for (size_t i = 0; i < ids.size(); ++i) {
     Point& point = points_[ids[i]];

@@ -40,6 +40,10 @@ class VisualOdometry {
     int min_inliers = 15;
     double dark_grey = 8.0;  ///< mean grey below which a picture is too dark
     size_t sightings = 10;   ///< kept for each point
+    double contradiction_rad =
+        0.0025;                 ///< most between a frame's turn by the map and by the two latest pictures, in the mean
+    int check_every = 2;        ///< frames
+    double surprise_rad = 0.5;  ///< most that a frame's turn differs from the one before
   };
 
   VisualOdometry(const Parameters& parameters, const CameraModel& camera)
@@ -59,6 +63,9 @@ class VisualOdometry {
   void begin(bool new_group);
   bool try_start(Motion& motion);
   bool locate(Motion& motion);
+  bool plausible(const Eigen::Isometry3d& T_c_w, const Eigen::Isometry3d& T_predicted,
+                 const std::vector<cv::Point3d>& inliers, size_t asked) const;
+  bool agrees_with_two_views(const Eigen::Isometry3d& T_w_c0);
   void extend_map();
   double threshold() const { return p_.inlier_px / camera_.focal(); }
 
@@ -68,6 +75,9 @@ class VisualOdometry {
   std::vector<cv::Point2d> normalized_;
   std::unordered_map<uint64_t, Point> points_;
   std::unordered_map<uint64_t, cv::Point2d> reference_;
+  std::unordered_map<uint64_t, cv::Point2d> previous_;
+  Eigen::Vector3d contradiction_ = Eigen::Vector3d::Zero();
+  int since_start_ = 0;
   Eigen::Isometry3d T_w_c_ = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d last_step_ = Eigen::Isometry3d::Identity();
   bool have_reference_ = false;

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The 0.7 km walk of Antigny et al. 2019 rebuilt: `odograph bench walk700` prints its Table 5.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+#include <zlib.h>
+
+#include "sdk/cli/commands.hpp"
+#include "sdk/cli/runner.hpp"
+#include "sdk/sim/simulate.hpp"
+
+namespace odograph {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kWalkers[] = {"W1", "M1", "W2"};
+
+struct Walk700Arguments {
+  std::vector<std::string> configs = {"samples/configs/antigny2019.yaml",
+                                      "samples/configs/antigny2019_fixed_step.yaml"};
+  std::string scenarios = "samples/scenarios", keep = "out/bench";
+  uint64_t seeds = 1, first_seed = 1;
+  bool quick = false, json = false;
+};
+
+/// Errors of one run: at the scored places (m, and the distance walked there), and the mean over all frames.
+struct Walk700Row {
+  std::array<double, 3> error_m{}, walked_m{};
+  double mean_m = 0;
+};
+
+Result<std::string> text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file (run from the source folder, or say where)"};
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// The recording of a walker and seed, rendered unless it is kept from an earlier run of the same scenario.
+Result<fs::path> recording_of(const Walk700Arguments& a, const std::string& walker, uint64_t seed) {
+  const fs::path file = fs::path(a.scenarios) / ("walk700_" + walker + ".yaml");
+  const auto text = text_of(file);
+  if (!text) return text.failure();
+  auto scenario = read_scenario(file.string());
+  if (!scenario) return scenario.failure();
+  if (a.quick) scenario->walk_m = 120.0;
+  const auto sum = crc32(0, reinterpret_cast<const Bytef*>(text->data()), static_cast<uInt>(text->size()));
+  char mark[64];
+  std::snprintf(mark, sizeof mark, "-s%llu-%08lx%s.odo", static_cast<unsigned long long>(seed), sum,
+                a.quick ? "-quick" : "");
+  std::error_code error;
+  fs::create_directories(a.keep, error);
+  const fs::path kept = fs::path(a.keep) / ("walk700_" + walker + mark);
+  if (fs::exists(kept, error)) return kept;
+  const fs::path part = kept.string() + ".part";  // a stopped run leaves no half recording under the name
+  Progress progress("sim " + walker + " seed " + std::to_string(seed));
+  const auto done = simulate(*scenario, seed, part, [&](size_t i, size_t n) { progress.show(i, n); });
+  if (!done) return done.failure();
+  fs::rename(part, kept, error);
+  return error ? Result<fs::path>(Failure{ODO_E_NOT_FOUND, kept.string() + ": cannot be written"}) : kept;
+}
+
+/// The config with the walker's height in it, as the paper's authors knew their walkers'.
+Result<fs::path> config_of(const Walk700Arguments& a, const std::string& config, const std::string& walker,
+                           double height_m) {
+  const auto text = text_of(config);
+  if (!text) return text.failure();
+  const std::regex height("(walker:\\s*\\n\\s+height:)[^\\n]*");
+  if (!std::regex_search(*text, height))
+    return Failure{ODO_E_CONFIG, config + ": expected 'walker:' with 'height:' in the line below, to be filled in"};
+  const fs::path file = fs::path(a.keep) / (fs::path(config).stem().string() + "-" + walker + ".yaml");
+  std::ofstream(file) << std::regex_replace(*text, height, "$1 " + std::to_string(height_m));
+  return file;
+}
+
+/// Turned and shifted onto the truth over its first ten metres, as an app does that knows where it starts.
+Trajectory started(const Trajectory& truth, const Trajectory& track) {
+  std::vector<Waypoint> start;
+  double walked = 0, next = 0;
+  for (size_t i = 0; i < truth.size() && walked <= 12; ++i) {
+    if (i > 0) walked += (truth[i].p - truth[i - 1].p).head<2>().norm();
+    if (walked >= next) start.push_back({truth[i].t_ns, truth[i].p}), next += 1;
+  }
+  return lay_over(track, start, heading_offset(track, start, 10));
+}
+
+Result<Walk700Row> run(const Walk700Arguments& a, const std::string& config, const std::string& walker, uint64_t seed) {
+  const auto file = recording_of(a, walker, seed);
+  if (!file) return file.failure();
+  const auto recording = read_recording(*file);
+  if (!recording) return recording.failure();
+  const auto scenario = read_scenario((fs::path(a.scenarios) / ("walk700_" + walker + ".yaml")).string());
+  const auto own_config = config_of(a, config, walker, scenario->walker.height_m);
+  if (!own_config) return own_config.failure();
+  Progress progress("run " + walker + " seed " + std::to_string(seed));
+  RunOptions options;
+  options.config = own_config->string();
+  options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
+  const auto result = replay(*recording, options);
+  if (!result) return result.failure();
+  const Trajectory track = started(recording->truth, result->track);
+  const auto error_at = [&](int64_t t) {
+    return (position_at(track, t) - position_at(recording->truth, t)).head<2>().norm();
+  };
+  const auto walked_until = [&](int64_t t) {
+    double sum = 0;
+    for (const odo_step& step : recording->true_steps) sum += step.t_end_ns <= t ? step.length_m : 0.0;
+    return sum;
+  };
+  Walk700Row row;
+  for (const StampedPose& pose : recording->truth) row.mean_m += error_at(pose.t_ns);
+  row.mean_m /= static_cast<double>(std::max<size_t>(1, recording->truth.size()));
+  const auto marks = waypoints_of(*recording);
+  const int64_t end = recording->truth.back().t_ns;
+  const std::array<double, 3> wanted = {120, 550, 1e9};
+  for (size_t k = 0; k < 3; ++k) {
+    int64_t t = end;
+    for (const Waypoint& mark : marks)
+      if (std::abs(walked_until(mark.t_ns) - wanted[k]) < std::abs(walked_until(t) - wanted[k])) t = mark.t_ns;
+    row.error_m[k] = error_at(t), row.walked_m[k] = walked_until(t);
+  }
+  return row;
+}
+
+double median_of(const std::vector<Walk700Row>& rows, const std::function<double(const Walk700Row&)>& value) {
+  std::vector<double> values;
+  for (const Walk700Row& row : rows) values.push_back(value(row));
+  return percentile(values, 0.5);
+}
+
+using Table = std::vector<std::vector<std::vector<Walk700Row>>>;  // config, walker, seed
+
+void print(const Walk700Arguments& a, const Table& table) {
+  std::printf("Positioning errors and percent of the distance walked, after Antigny et al. 2019, Table 5.\n");
+  for (size_t c = 0; c < a.configs.size(); ++c)
+    std::printf("%c: %s\n", static_cast<char>('a' + c), a.configs[c].c_str());
+  std::printf(
+      "%llu seed%s (each another individual, town and noise), median; start and heading from the first 10 m.\n\n",
+      static_cast<unsigned long long>(a.seeds), a.seeds == 1 ? "" : "s");
+  std::printf("%-28s", "");
+  for (const char* walker : kWalkers) std::printf("  %-*s", static_cast<int>(20 * a.configs.size()), walker);
+  std::printf("\n%-28s", "");
+  for (size_t w = 0; w < 3; ++w) {
+    std::printf("  ");
+    for (size_t c = 0; c < a.configs.size(); ++c) std::printf("%-20c", static_cast<char>('a' + c));
+  }
+  const char* const names[] = {"On waypoint (after 120 m)", "On waypoint (after 550 m)", "On finish (after 700 m)"};
+  for (size_t k = 0; k < 4; ++k) {
+    if (a.quick && k > 0 && k < 3) continue;
+    std::printf("\n%-28s", k < 3 ? names[k] : "Mean positioning error");
+    for (size_t w = 0; w < 3; ++w) {
+      std::printf("  ");
+      for (const auto& config : table) {
+        char cell[40];
+        if (k < 3)
+          std::snprintf(cell, sizeof cell, "%6.2f m (%5.2f %%)",
+                        median_of(config[w], [&](const auto& row) { return row.error_m[k]; }),
+                        median_of(config[w], [&](const auto& row) { return 100 * row.error_m[k] / row.walked_m[k]; }));
+        else
+          std::snprintf(cell, sizeof cell, "%6.2f m", median_of(config[w], [](const auto& row) { return row.mean_m; }));
+        std::printf("%-20s", cell);
+      }
+    }
+  }
+  std::printf("\n");
+}
+
+int walk700(const Walk700Arguments& a) {
+  Table table(a.configs.size(), std::vector<std::vector<Walk700Row>>(3));
+  nlohmann::ordered_json all = nlohmann::json::array();
+  for (uint64_t seed = a.first_seed; seed < a.first_seed + a.seeds; ++seed)
+    for (size_t w = 0; w < 3; ++w)
+      for (size_t c = 0; c < a.configs.size(); ++c) {
+        const auto row = run(a, a.configs[c], kWalkers[w], seed);
+        if (!row) return complain(row.failure());
+        table[c][w].push_back(*row);
+        all.push_back({{"config", a.configs[c]},
+                       {"walker", kWalkers[w]},
+                       {"seed", seed},
+                       {"error_m", row->error_m},
+                       {"walked_m", row->walked_m},
+                       {"mean_m", row->mean_m}});
+      }
+  if (a.json)
+    std::printf("%s\n", all.dump(2).c_str());
+  else
+    print(a, table);
+  return kDone;
+}
+
+}  // namespace
+
+void add_bench_walk700(CLI::App& bench, int& status) {
+  auto a = std::make_shared<Walk700Arguments>();
+  auto* command = bench.add_subcommand(
+      "walk700", "The 0.7 km walk of Antigny et al. 2019, simulated: their Table 5, adaptive beside fixed step length");
+  command->add_option("-c,--config", a->configs, "pipeline configs to compare")->capture_default_str();
+  command->add_option("--seeds", a->seeds, "how many")->capture_default_str()->check(CLI::Range(1, 1000));
+  command->add_option("--first-seed", a->first_seed, "the first of them")->capture_default_str();
+  command->add_flag("--quick", a->quick, "the first 120 m alone");
+  command->add_option("--scenarios", a->scenarios, "folder of walk700_{W1,M1,W2}.yaml")->capture_default_str();
+  command->add_option("--keep", a->keep, "recordings are kept here and rendered once")->capture_default_str();
+  command->add_flag("--json", a->json, "print one JSON array, an entry for each run");
+  command->callback([a, &status] { status = walk700(*a); });
+}
+
+}  // namespace odograph
