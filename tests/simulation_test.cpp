@@ -7,6 +7,7 @@
 #include <valijson/validator.hpp>
 
 #include "sdk/cli/runner.hpp"
+#include "sdk/sim/sensors.hpp"
 #include "sdk/sim/simulate.hpp"
 #include "sdk/sim/walker.hpp"
 #include "tests/support.hpp"
@@ -142,6 +143,7 @@ TEST_CASE("points appear where lens, motion and rolling shutter put them") {
 TEST_CASE("the paper's pipeline follows a simulated walk") {
   const TemporaryFolder folder;
   Scenario s = small();
+  s.camera = Scenario().camera;  // the resolution that the configs are made for
   REQUIRE(simulate(s, 11, folder / "walk.odo", nullptr).ok());
   const auto recording = read_recording(folder / "walk.odo");
   REQUIRE(recording.ok());
@@ -216,6 +218,44 @@ TEST_CASE("every scenario that comes with the SDK is valid and walks its route")
     ++found;
   }
   CHECK(found >= 13);
+}
+
+namespace {
+
+/// Overlapping Allan deviation of a rate signal (IEEE Std 952-1997).
+double allan_deviation(const std::vector<double>& rate, double hz, double tau_s) {
+  const auto m = static_cast<size_t>(std::lround(tau_s * hz));
+  std::vector<double> angle(rate.size() + 1, 0.0);
+  for (size_t i = 0; i < rate.size(); ++i) angle[i + 1] = angle[i] + rate[i] / hz;
+  double sum = 0;
+  size_t n = 0;
+  for (size_t i = 0; i + 2 * m < angle.size(); ++i, ++n) {
+    const double d = angle[i + 2 * m] - 2 * angle[i + m] + angle[i];
+    sum += d * d;
+  }
+  return std::sqrt(sum / (2 * tau_s * tau_s * static_cast<double>(n)));
+}
+
+std::vector<double> resting(const SimTriad::Errors& errors, double hz, double duration_s) {
+  SimTriad triad(Random(4, 2), errors, hz);
+  std::vector<double> x;
+  for (int i = 0; i < static_cast<int>(duration_s * hz); ++i) x.push_back(triad.measure(Eigen::Vector3d::Zero()).x());
+  return x;
+}
+
+}  // namespace
+
+TEST_CASE("the IMU's Allan deviation is what was asked for") {
+  const double hz = 100, noise = 2e-3, walk = 1e-4;
+  const auto white = resting({0.1, 0, noise, 0, 0, 1e3, 0}, hz, 20000);
+  for (const double tau : {0.1, 1.0, 10.0})
+    CHECK(allan_deviation(white, hz, tau) == doctest::Approx(noise / std::sqrt(tau)).epsilon(0.05));
+  const auto wandering = resting({0.1, walk, 0, 0, 0, 1e3, 0}, hz, 20000);
+  for (const double tau : {1.0, 10.0, 100.0})
+    CHECK(allan_deviation(wandering, hz, tau) == doctest::Approx(walk * std::sqrt(tau / 3)).epsilon(0.15));
+  const auto both = resting({0.1, walk, noise, 0, 0, 1e3, 0}, hz, 20000);
+  CHECK(allan_deviation(both, hz, 10) ==
+        doctest::Approx(std::sqrt(noise * noise / 10 + walk * walk * 10 / 3)).epsilon(0.08));
 }
 
 TEST_CASE("fixes from GNSS bound a walk on the Earth") {

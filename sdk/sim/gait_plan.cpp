@@ -102,12 +102,12 @@ Individual::Individual(const Scenario& c, uint64_t seed) : height_m(c.walker.hei
   length_factor = 1 + limited(random, 0.04, 0.10);
   asymmetry = limited(random, 0.012, 0.03);
   fatigue_per_km = random.uniform(0.0, 0.03);
-  bounce = random.uniform(0.42, 0.72);
+  bounce = random.uniform(0.55, 0.95);
   sway_m = random.uniform(0.012, 0.026);
   surge_m = random.uniform(0.006, 0.014);
-  shock = random.uniform(0.8, 2.6);
-  pitch_rad = random.uniform(0.006, 0.022), yaw_rad = random.uniform(0.012, 0.045),
-  roll_rad = random.uniform(0.008, 0.03);
+  shock = random.uniform(0.5, 1.5);
+  pitch_rad = random.uniform(0.045, 0.09), yaw_rad = random.uniform(0.055, 0.12),
+  roll_rad = random.uniform(0.015, 0.04);
   for (double& phase : phases) phase = random.uniform(0, 2 * kPi);
   tremor = random.uniform(0.6, 1.6);
   hold_height_m = height_m * random.uniform(0.68, 0.82);
