@@ -6,26 +6,13 @@
 #include <odograph/vo_frontend.h>
 
 #include "sdk/config/pipeline_config.hpp"
+#include "sdk/config/table.hpp"
 
 namespace odograph {
 namespace {
 
-Spec map(const char* name, const char* help, std::vector<Spec> children) {
-  return {.name = name, .type = SpecType::map, .help = help, .children = std::move(children)};
-}
-Spec real(const char* name, const char* unit, double min, double max, const char* fallback, const char* help) {
-  return {
-      .name = name, .type = SpecType::real, .unit = unit, .min = min, .max = max, .fallback = fallback, .help = help};
-}
-Spec integer(const char* name, double min, double max, const char* fallback, const char* help) {
-  return {.name = name, .type = SpecType::integer, .min = min, .max = max, .fallback = fallback, .help = help};
-}
-Spec choice(const char* name, const char* choices, const char* fallback, const char* help) {
-  return {.name = name, .type = SpecType::choice, .fallback = fallback, .choices = choices, .help = help};
-}
-Spec boolean(const char* name, const char* fallback, const char* help) {
-  return {.name = name, .type = SpecType::boolean, .fallback = fallback, .help = help};
-}
+using table::boolean, table::choice, table::integer, table::map, table::real;
+
 Spec texts(const char* name, const char* item, const char* help) {
   return {.name = name, .type = SpecType::list, .help = help, .children = {{.name = item, .type = SpecType::text}}};
 }

@@ -54,9 +54,8 @@ class View {
   cv::Mat render(const Motion& phone, double t_s);
 
  private:
-  struct Hit;
   void place_movers(double t_s);
-  void shade_row(const Eigen::Vector3f& origin, float* row, float* depth);
+  void shade_row(float* row, float* depth);
   float sky(const Eigen::Vector3f& ray) const;
   float surface_grey(const RTCRayHit& hit, float distance_before, bool* glass, Eigen::Vector3f* normal) const;
   cv::Mat blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s) const;

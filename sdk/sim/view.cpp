@@ -92,7 +92,7 @@ float View::surface_grey(const RTCRayHit& hit, float before, bool* glass, Vector
   return texel.grey * surface.brightness;
 }
 
-void View::shade_row(const Vector3f& origin, float* row, float* depth) {
+void View::shade_row(float* row, float* depth) {
   const auto width = static_cast<unsigned>(camera_.width());
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -129,8 +129,6 @@ void View::shade_row(const Vector3f& origin, float* row, float* depth) {
     row[x] += sunlight;
     aim(shadows_.emplace_back(), point, sun);
     shadow_pixels_.push_back(static_cast<int>(x));
-    shadows_.back().id = static_cast<unsigned>(x);
-    shadows_.back().time = 0;
     hits_[x].hit.Ng_x = sunlight;  // to take back where the sun does not reach
   }
   if (!shadows_.empty()) {
@@ -151,7 +149,6 @@ void View::shade_row(const Vector3f& origin, float* row, float* depth) {
         nothing ? std::min(255.0f, sky(direction(hit.ray))) : 0.7f * surface_grey(hit, depth[x], &glass, &normal);
     row[x] = 0.55f * row[x] + 0.45f * seen;
   }
-  (void)origin;
 }
 
 cv::Mat View::render(const Motion& phone, double t_s) {
@@ -162,7 +159,7 @@ cv::Mat View::render(const Motion& phone, double t_s) {
     const Eigen::Matrix3f R = T.linear().cast<float>();
     const Vector3f origin = T.translation().cast<float>();
     for (int x = 0; x < camera_.width(); ++x) aim(hits_[static_cast<size_t>(x)], origin, R * camera_.ray(x, y));
-    shade_row(origin, grey.ptr<float>(y), depth.ptr<float>(y));
+    shade_row(grey.ptr<float>(y), depth.ptr<float>(y));
   }
   cv::Mat sharp;
   cv::GaussianBlur(grey, sharp, {3, 3}, 0.5);  // the lens, and edges that one ray a pixel leaves jagged
