@@ -55,7 +55,11 @@ class View {
 
  private:
   void place_movers(double t_s);
+  bool same_face(size_t a, size_t b) const;
+  void look_along_row();
   void shade_row(float* row, float* depth);
+  void cast_shadows(float* row);
+  void cast_reflections(float* row, const float* depth);
   float sky(const Eigen::Vector3f& ray) const;
   float surface_grey(const RTCRayHit& hit, float distance_before, bool* glass, Eigen::Vector3f* normal) const;
   cv::Mat blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s) const;
@@ -66,11 +70,14 @@ class View {
   RTCScene scene_;
   std::vector<RTCGeometry> movers_;
   std::vector<size_t> mesh_of_instance_;
-  std::vector<Eigen::Matrix3f> turn_of_instance_;
-  std::vector<RTCRayHit> hits_;
+  std::vector<Eigen::Isometry3f> place_of_instance_;
+  // One row at work: what its rays hit, what the sun adds to it, rays towards the sun, and those that glass sends on.
+  std::vector<RTCRayHit> hits_, mirrors_;
+  std::vector<float> sunlight_;
   std::vector<RTCRay> shadows_;
-  std::vector<int> shadow_pixels_, glass_pixels_;
-  std::vector<RTCRayHit> mirrors_;
+  std::vector<size_t> glass_pixels_;
+  std::vector<RTCRayHit*> doubtful_;
+  std::vector<RTCRay*> towards_sun_;
 };
 
 }  // namespace odograph

@@ -8,17 +8,19 @@ namespace odograph {
 
 using Eigen::Vector3d;
 
-void Mesh::add(const Vector3d corners[4], const Surface& surface) {
-  for (int i = 0; i < 4; ++i)
-    for (int k = 0; k < 3; ++k) vertices_.push_back(static_cast<float>(corners[i][k]));
+void Mesh::add(const std::array<Vector3d, 4>& corners, const Surface& surface) {
+  for (const Vector3d& corner : corners)
+    for (const double x : corner) vertices_.push_back(static_cast<float>(x));
   surfaces_.push_back(surface);
 }
 
 void Mesh::add_quad(const Vector3d& corner, const Vector3d& u, const Vector3d& v, uint32_t texture, float brightness) {
-  const Vector3d corners[4] = {corner, corner + u, corner + u + v, corner + v};
-  const auto k = static_cast<float>(surfaces_.size());
-  add(corners, {u.cross(v).normalized().cast<float>(), static_cast<float>(u.norm()), static_cast<float>(v.norm()),
-                std::fmod(3.71f * k, 97.0f), 0.0f, texture, brightness});
+  // No two faces begin at the same place of their picture.
+  const double start = std::fmod(3.71 * static_cast<double>(surfaces_.size()), 97.0);
+  const Vector3d along = u.normalized();
+  add({corner, corner + u, corner + u + v, corner + v},
+      {u.cross(v).normalized().cast<float>(), (corner - start * along).cast<float>(), along.cast<float>(),
+       v.normalized().cast<float>(), texture, brightness});
 }
 
 void Mesh::add_box(const Vector3d& foot, const Vector3d& size, double heading, uint32_t texture, float brightness) {
@@ -46,11 +48,11 @@ void Mesh::add_ball(const Vector3d& middle, double radius, uint32_t texture, uin
   for (int j = 0; j <= kUp; ++j) grid[j][kAround] = grid[j][0];
   for (int j = 0; j < kUp; ++j)
     for (int i = 0; i < kAround; ++i) {
-      const Vector3d corners[4] = {grid[j][i], grid[j][i + 1], grid[j + 1][i + 1], grid[j + 1][i]};
+      const std::array<Vector3d, 4> corners = {grid[j][i], grid[j][i + 1], grid[j + 1][i + 1], grid[j + 1][i]};
       const Vector3d normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalized();
-      const auto side = static_cast<float>(radius);
-      add(corners, {normal.cast<float>(), 0.6f * side, 0.5f * side, static_cast<float>(random.uniform(0, 3)),
-                    static_cast<float>(random.uniform(0, 3)), texture, static_cast<float>(random.uniform(0.8, 1.2))});
+      const Vector3d along = normal.unitOrthogonal(), start = random.uniform(0, 3) * along;
+      add(corners, {normal.cast<float>(), (corners[0] - start).cast<float>(), along.cast<float>(),
+                    normal.cross(along).cast<float>(), texture, static_cast<float>(random.uniform(0.8, 1.2))});
     }
 }
 

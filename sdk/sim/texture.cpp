@@ -2,6 +2,7 @@
 #include "sdk/sim/texture.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include <opencv2/imgproc.hpp>
@@ -125,43 +126,45 @@ Texture asphalt(uint64_t seed) {
 
 Texture::Texture(const cv::Mat& grey, const cv::Mat& glass, float side_m)
     : texel_m_(side_m / static_cast<float>(grey.cols)) {
-  Level level{grey, glass, 0, 0, 0};
-  while (true) {
-    level.per_metre = static_cast<float>(level.grey.cols) / side_m;
-    level.mask = level.grey.cols - 1;
-    levels_.push_back(level);
-    if (level.grey.cols <= 4) break;
-    Level half = level;
-    cv::resize(level.grey, half.grey, {}, 0.5, 0.5, cv::INTER_AREA);
-    if (!glass.empty()) cv::resize(level.glass, half.glass, {}, 0.5, 0.5, cv::INTER_AREA);
+  cv::Mat level = grey, panes = glass;
+  for (int size = grey.cols; size >= 4; size /= 2) {
+    offsets_.push_back(pixels_.size());
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
+        const bool pane = !panes.empty() && panes.at<uint8_t>(y, x) > 127;
+        pixels_.push_back(static_cast<uint8_t>((level.at<uint8_t>(y, x) & ~1u) | (pane ? 1u : 0u)));
+      }
+    cv::Mat half;
+    cv::resize(level, half, {}, 0.5, 0.5, cv::INTER_AREA);
     level = half;
+    if (!panes.empty()) cv::resize(glass, panes, half.size(), 0, 0, cv::INTER_AREA);
   }
+  log2_size_ = std::countr_zero(static_cast<unsigned>(grey.cols));
 }
 
 Texture::Texel Texture::at(float u_m, float v_m, float footprint_m) const {
-  int exponent = 0;
-  const float mantissa =
-      std::frexp(std::max(1.0f, footprint_m / texel_m_), &exponent);  // footprint = m * 2^e, m in [0.5, 1)
-  const auto l = static_cast<size_t>(std::clamp(exponent - 1, 0, static_cast<int>(levels_.size()) - 2));
-  const float blend = exponent - 1 >= static_cast<int>(levels_.size()) - 1 ? 1.0f : 2.0f * mantissa - 1.0f;
-  const auto sample = [&](const Level& level) {
-    const float x = u_m * level.per_metre - 0.5f, y = v_m * level.per_metre - 0.5f;
-    const float fx = std::floor(x), fy = std::floor(y), wx = x - fx, wy = y - fy;
-    const int x0 = static_cast<int>(fx) & level.mask, y0 = static_cast<int>(fy) & level.mask;
-    const int x1 = (x0 + 1) & level.mask, y1 = (y0 + 1) & level.mask;
-    const auto *r0 = level.grey.ptr<uint8_t>(y0), *r1 = level.grey.ptr<uint8_t>(y1);
-    const auto a = static_cast<float>(r0[x0]), b = static_cast<float>(r0[x1]), c = static_cast<float>(r1[x0]),
-               d = static_cast<float>(r1[x1]);
-    return (1 - wy) * (a + wx * (b - a)) + wy * (c + wx * (d - c));
+  // footprint = (1 + fraction) * 2^exponent texels, read off its bits.
+  const auto bits = std::bit_cast<uint32_t>(std::max(1.0f, footprint_m / texel_m_));
+  const int last = static_cast<int>(offsets_.size()) - 1;
+  const int exponent = std::min(static_cast<int>(bits >> 23) - 127, last);
+  const uint32_t fraction = exponent < last ? (bits >> 15) & 255u : 0u;  // in 256ths, as all below
+  const float per_metre = 256.0f / texel_m_;
+  const int u = static_cast<int>(u_m * per_metre + 0.5f), v = static_cast<int>(v_m * per_metre + 0.5f);
+  const auto sample = [&](int l) {
+    const int x = (u >> l) - 128, y = (v >> l) - 128, shift = log2_size_ - l, mask = (1 << shift) - 1;
+    const auto wx = static_cast<uint32_t>(x & 255), wy = static_cast<uint32_t>(y & 255);
+    const int x0 = (x >> 8) & mask, x1 = ((x >> 8) + 1) & mask;
+    const uint8_t* level = pixels_.data() + offsets_[static_cast<size_t>(l)];
+    const uint8_t *r0 = level + (((y >> 8) & mask) << shift), *r1 = level + ((((y >> 8) + 1) & mask) << shift);
+    return ((256 - wx) * r0[x0] + wx * r0[x1]) * (256 - wy) + ((256 - wx) * r1[x0] + wx * r1[x1]) * wy;
   };
-  const Level& fine = levels_[l];
-  Texel texel{sample(fine) * (1 - blend) + blend * sample(levels_[l + 1]), false};
-  if (!fine.glass.empty()) {
-    const int x = static_cast<int>(std::floor(u_m * fine.per_metre)) & fine.mask;
-    const int y = static_cast<int>(std::floor(v_m * fine.per_metre)) & fine.mask;
-    texel.glass = fine.glass.ptr<uint8_t>(y)[x] > 127;
-  }
-  return texel;
+  float grey = static_cast<float>(sample(exponent));
+  if (fraction > 0)
+    grey += static_cast<float>(fraction) * (1 / 256.0f) * (static_cast<float>(sample(exponent + 1)) - grey);
+  const int shift = log2_size_ - exponent, mask = (1 << shift) - 1;
+  const int x = (u >> (8 + exponent)) & mask, y = (v >> (8 + exponent)) & mask;
+  const uint8_t nearest = pixels_[offsets_[static_cast<size_t>(exponent)] + static_cast<size_t>((y << shift) + x)];
+  return {grey * (1 / 65536.0f), (nearest & 1) != 0};
 }
 
 TextureSet::TextureSet(uint64_t seed) {

@@ -22,12 +22,10 @@ class Texture {
   Texel at(float u_m, float v_m, float footprint_m) const;
 
  private:
-  struct Level {
-    cv::Mat grey, glass;
-    float per_metre;
-    int mask, shift;
-  };
-  std::vector<Level> levels_;
+  /// All levels, one after the other. The lowest bit of a pixel says that it is glass.
+  std::vector<uint8_t> pixels_;
+  std::vector<size_t> offsets_;
+  int log2_size_ = 0;
   float texel_m_;
 };
 

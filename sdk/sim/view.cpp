@@ -39,13 +39,14 @@ View::View(const World& world, const SimCamera& camera, const Scenario& scenario
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene_, geometry, static_cast<unsigned>(mesh_of_instance_.size()));
     mesh_of_instance_.push_back(mesh);
-    turn_of_instance_.push_back(Eigen::Matrix3f::Identity());
+    place_of_instance_.push_back(Eigen::Isometry3f::Identity());
     return geometry;
   };
   rtcReleaseGeometry(instance(0));
   for (const auto& mover : world.movers()) movers_.push_back(instance(mover.mesh));
   rtcCommitScene(scene_);
-  hits_.resize(static_cast<size_t>(camera.width()));
+  const auto width = static_cast<size_t>(camera.width());
+  hits_.resize(width), shadows_.resize(width), sunlight_.resize(width);
 }
 
 View::~View() {
@@ -59,7 +60,7 @@ void View::place_movers(double t_s) {
     const Eigen::Matrix<float, 3, 4> top = T.matrix().topRows<3>();
     rtcSetGeometryTransform(movers_[k], 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, top.data());
     rtcCommitGeometry(movers_[k]);
-    turn_of_instance_[k + 1] = T.linear();
+    place_of_instance_[k + 1] = T;
   }
   rtcCommitScene(scene_);
 }
@@ -73,35 +74,118 @@ float View::sky(const Vector3f& ray) const {
     const float cloud = clouds.at(0.35f * u + 1.0f, 0.35f * v, 0.02f).grey - 80.0f;
     grey += std::clamp(cloud, -10.0f, 30.0f) * std::min(1.0f, 4 * up);
   }
-  const float aside = std::acos(std::clamp(ray.dot(world_.sun()), -1.0f, 1.0f));
-  return grey + 400.0f * std::exp(-std::pow(aside / 0.045f, 2.0f)) + 60.0f * std::exp(-aside / 0.2f);
+  const float aside2 = (ray - world_.sun()).squaredNorm();  // of the angle to the sun, as the chord has it
+  if (aside2 < 0.04f) grey += 400.0f * std::exp(-aside2 / (0.045f * 0.045f));
+  return aside2 < 1.44f ? grey + 60.0f * std::exp(-std::sqrt(aside2) / 0.2f) : grey;
 }
 
 float View::surface_grey(const RTCRayHit& hit, float before, bool* glass, Vector3f* normal) const {
   const size_t instance = hit.hit.instID[0];
   const auto& surface = world_.meshes()[mesh_of_instance_[instance]].surface(hit.hit.primID);
-  *normal = turn_of_instance_[instance] * surface.normal;
   const Vector3f ray = direction(hit.ray);
+  Vector3f at = end(hit.ray);
+  if (instance == 0) {
+    *normal = surface.normal;
+    at -= surface.origin;
+  } else {
+    const auto& T = place_of_instance_[instance];
+    *normal = T.linear() * surface.normal;
+    at = T.linear().transpose() * (at - T.translation()) - surface.origin;
+  }
   float facing = normal->dot(ray);
   if (facing > 0) *normal = -*normal;
   facing = std::max(0.12f, std::abs(facing));
   const float pixel = (hit.ray.tfar + before) / static_cast<float>(c_.camera.focal_px);
-  const auto texel = world_.textures().all[surface.texture].at(
-      surface.u0_m + hit.hit.u * surface.u_m, surface.v0_m + hit.hit.v * surface.v_m, pixel / std::sqrt(facing));
+  const auto texel =
+      world_.textures().all[surface.texture].at(surface.along.dot(at), surface.down.dot(at), pixel / std::sqrt(facing));
   *glass = texel.glass && c_.world.glass;
   return texel.grey * surface.brightness;
 }
 
-void View::shade_row(float* row, float* depth) {
-  const auto width = static_cast<unsigned>(camera_.width());
+/// True where two rays of a row have met the same face of what stands still.
+bool View::same_face(size_t a, size_t b) const {
+  const auto &ha = hits_[a].hit, &hb = hits_[b].hit;
+  return ha.geomID != RTC_INVALID_GEOMETRY_ID && hb.geomID == ha.geomID && ha.instID[0] == 0 && hb.instID[0] == 0 &&
+         ha.primID == hb.primID;
+}
+
+/// What each pixel of the row sees. Every second ray is cast; where its neighbours meet the same face the one between
+/// them meets that face's plane, and is cast otherwise.
+void View::look_along_row() {
+  const size_t width = hits_.size();
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect1M(scene_, &context, hits_.data(), width, sizeof(RTCRayHit));
-  shadows_.clear(), shadow_pixels_.clear(), mirrors_.clear(), glass_pixels_.clear();
+  rtcIntersect1M(scene_, &context, hits_.data(), static_cast<unsigned>((width + 1) / 2), 2 * sizeof(RTCRayHit));
+  doubtful_.clear();
+  for (size_t x = 1; x < width; x += 2) {
+    if (x + 1 == width || !same_face(x - 1, x + 1)) {
+      doubtful_.push_back(&hits_[x]);
+      continue;
+    }
+    RTCRayHit& hit = hits_[x];
+    hit.hit = hits_[x - 1].hit;
+    const auto& face = world_.meshes()[0].surface(hit.hit.primID);
+    const Vector3f origin(hit.ray.org_x, hit.ray.org_y, hit.ray.org_z);
+    hit.ray.tfar = face.normal.dot(face.origin - origin) / face.normal.dot(direction(hit.ray));
+  }
+  if (!doubtful_.empty()) rtcIntersect1Mp(scene_, &context, doubtful_.data(), static_cast<unsigned>(doubtful_.size()));
+}
+
+/// Takes the sunlight from the pixels that it does not reach; every second ray first, as above.
+void View::cast_shadows(float* row) {
+  const size_t width = hits_.size();
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  const auto lit = [&](size_t x) { return sunlight_[x] > 0; };
+  const auto cast = [&] {
+    if (!towards_sun_.empty())
+      rtcOccluded1Mp(scene_, &context, towards_sun_.data(), static_cast<unsigned>(towards_sun_.size()));
+    towards_sun_.clear();
+  };
+  for (size_t x = 0; x < width; x += 2)
+    if (lit(x)) towards_sun_.push_back(&shadows_[x]);
+  cast();
+  for (size_t x = 1; x < width; x += 2) {
+    if (!lit(x)) continue;
+    const bool sure = x + 1 < width && lit(x - 1) && lit(x + 1) && same_face(x - 1, x + 1) &&
+                      (shadows_[x - 1].tfar < 0) == (shadows_[x + 1].tfar < 0);
+    if (sure)
+      shadows_[x].tfar = shadows_[x - 1].tfar;
+    else
+      towards_sun_.push_back(&shadows_[x]);
+  }
+  cast();
+  for (size_t x = 0; x < width; ++x)
+    if (lit(x) && shadows_[x].tfar < 0) row[x] -= sunlight_[x];
+}
+
+void View::cast_reflections(float* row, const float* depth) {
+  if (mirrors_.empty()) return;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1M(scene_, &context, mirrors_.data(), static_cast<unsigned>(mirrors_.size()), sizeof(RTCRayHit));
+  for (size_t k = 0; k < mirrors_.size(); ++k) {
+    const RTCRayHit& hit = mirrors_[k];
+    const size_t x = glass_pixels_[k];
+    bool glass = false;
+    Vector3f normal;
+    const bool nothing = hit.hit.geomID == RTC_INVALID_GEOMETRY_ID;
+    const float seen =
+        nothing ? std::min(255.0f, sky(direction(hit.ray))) : 0.7f * surface_grey(hit, depth[x], &glass, &normal);
+    row[x] = 0.55f * row[x] + 0.45f * seen;
+  }
+}
+
+void View::shade_row(float* row, float* depth) {
+  look_along_row();
+  mirrors_.clear(), glass_pixels_.clear();
   const Vector3f sun = world_.sun();
-  for (unsigned x = 0; x < width; ++x) {
+  const bool shadows = c_.world.shadows && c_.world.type != "room" && c_.world.type != "corridor";
+  for (size_t x = 0; x < hits_.size(); ++x) {
     const RTCRayHit& hit = hits_[x];
+    sunlight_[x] = 0;
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
       row[x] = sky(direction(hit.ray));
       depth[x] = kFar;
@@ -117,38 +201,18 @@ void View::shade_row(float* row, float* depth) {
     const Vector3f point = end(hit.ray) + 0.01f * normal;
     if (glass) {
       const Vector3f ray = direction(hit.ray);
-      glass_pixels_.push_back(static_cast<int>(x));
+      glass_pixels_.push_back(x);
       aim(mirrors_.emplace_back(), point, ray - 2 * normal.dot(ray) * normal);
     }
     if (lit <= 0.01f) continue;
     const float sunlight = 0.65f * lit * grey;
-    if (!c_.world.shadows || c_.world.type != "street") {
-      row[x] += 0.5f * sunlight;
-      continue;
-    }
-    row[x] += sunlight;
-    aim(shadows_.emplace_back(), point, sun);
-    shadow_pixels_.push_back(static_cast<int>(x));
-    hits_[x].hit.Ng_x = sunlight;  // to take back where the sun does not reach
+    row[x] += shadows ? sunlight : 0.5f * sunlight;
+    if (!shadows) continue;
+    sunlight_[x] = sunlight;
+    aim(shadows_[x], point, sun);
   }
-  if (!shadows_.empty()) {
-    rtcOccluded1M(scene_, &context, shadows_.data(), static_cast<unsigned>(shadows_.size()), sizeof(RTCRay));
-    for (size_t k = 0; k < shadows_.size(); ++k)
-      if (shadows_[k].tfar < 0) row[shadow_pixels_[k]] -= hits_[static_cast<size_t>(shadow_pixels_[k])].hit.Ng_x;
-  }
-  if (mirrors_.empty()) return;
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  rtcIntersect1M(scene_, &context, mirrors_.data(), static_cast<unsigned>(mirrors_.size()), sizeof(RTCRayHit));
-  for (size_t k = 0; k < mirrors_.size(); ++k) {
-    const RTCRayHit& hit = mirrors_[k];
-    const auto x = static_cast<size_t>(glass_pixels_[k]);
-    bool glass = false;
-    Vector3f normal;
-    const bool nothing = hit.hit.geomID == RTC_INVALID_GEOMETRY_ID;
-    const float seen =
-        nothing ? std::min(255.0f, sky(direction(hit.ray))) : 0.7f * surface_grey(hit, depth[x], &glass, &normal);
-    row[x] = 0.55f * row[x] + 0.45f * seen;
-  }
+  if (shadows) cast_shadows(row);
+  cast_reflections(row, depth);
 }
 
 cv::Mat View::render(const Motion& phone, double t_s) {
@@ -173,27 +237,35 @@ cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& p
   const Vector3f move = (R_c_b * state.T_n_b.linear().transpose() * state.velocity_n).cast<float>();
   const auto reach = static_cast<float>(c_.camera.exposure_s * c_.camera.focal_px);
   cv::Mat out(grey.size(), CV_32F);
-  for (int y = 0; y < grey.rows; ++y)
-    for (int x = 0; x < grey.cols; ++x) {
+  const int right = grey.cols - 1, bottom = grey.rows - 1;
+  const auto* pixels = grey.ptr<float>();
+  for (int y = 0; y <= bottom; ++y) {
+    const auto *row = grey.ptr<float>(y), *depths = depth.ptr<float>(y);
+    auto* to = out.ptr<float>(y);
+    for (int x = 0; x <= right; ++x) {
+      // The flow of a point at (X, Y, 1) z.
       const Vector3f& ray = camera_.ray(x, y);
-      const Vector3f speed = -turn.cross(ray) - move / depth.at<float>(y, x);  // of the point, by its distance
-      const float u = reach * (speed.x() - ray.x() / ray.z() * speed.z()) / ray.z();
-      const float v = reach * (speed.y() - ray.y() / ray.z() * speed.z()) / ray.z();
+      const float near = 1.0f / ray.z(), X = ray.x() * near, Y = ray.y() * near, inverse_z = near / depths[x];
+      const float away = (turn.y() * X - turn.x() * Y) - inverse_z * move.z();
+      const float u = reach * (turn.z() * Y - turn.y() - inverse_z * move.x() - X * away);
+      const float v = reach * (turn.x() - turn.z() * X - inverse_z * move.y() - Y * away);
       const float length = std::max(std::abs(u), std::abs(v));
       if (length < 0.75f) {
-        out.at<float>(y, x) = grey.at<float>(y, x);
+        to[x] = row[x];
         continue;
       }
       const int taps = std::min(15, 2 * static_cast<int>(0.5f * length) + 3);
+      const float step = 1.0f / static_cast<float>(taps);
+      // Half a pixel more, and pixels are found by cutting off the fraction.
+      float px = static_cast<float>(x) + 0.5f + (0.5f * step - 0.5f) * u;
+      float py = static_cast<float>(y) + 0.5f + (0.5f * step - 0.5f) * v;
       float sum = 0;
-      for (int k = 0; k < taps; ++k) {
-        const float s = (static_cast<float>(k) + 0.5f) / static_cast<float>(taps) - 0.5f;
-        const int px = std::clamp(static_cast<int>(std::lround(static_cast<float>(x) + s * u)), 0, grey.cols - 1);
-        const int py = std::clamp(static_cast<int>(std::lround(static_cast<float>(y) + s * v)), 0, grey.rows - 1);
-        sum += grey.at<float>(py, px);
-      }
-      out.at<float>(y, x) = sum / static_cast<float>(taps);
+      for (int k = 0; k < taps; ++k, px += step * u, py += step * v)
+        sum += pixels[std::clamp(static_cast<int>(py), 0, bottom) * grey.cols +
+                      std::clamp(static_cast<int>(px), 0, right)];
+      to[x] = sum * step;
     }
+  }
   return out;
 }
 

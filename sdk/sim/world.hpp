@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -16,10 +17,9 @@ namespace odograph {
 /// Textured quadrilaterals that Embree (a packaged ray caster) can hit. Coordinates: n, or the object's own; m.
 class Mesh {
  public:
+  /// One face and how its paper lies on it: a point's place in the texture is (p - origin) along two unit vectors.
   struct Surface {
-    Eigen::Vector3f normal;
-    float u_m, v_m;    ///< lengths of the sides
-    float u0_m, v0_m;  ///< where in the texture it starts, so that no two look the same
+    Eigen::Vector3f normal, origin, along, down;
     uint32_t texture;
     float brightness;
   };
@@ -31,11 +31,15 @@ class Mesh {
                float brightness = 1.0f);
   /// A lumpy ball, as of leaves.
   void add_ball(const Eigen::Vector3d& middle, double radius, uint32_t texture, uint64_t seed);
+  /// For shapes that are not made of boxes, as city models are.
+  void add_triangle(const Eigen::Vector3d corners[3], const Surface& surface) {
+    add({corners[0], corners[1], corners[2], corners[2]}, surface);
+  }
   RTCScene build(RTCDevice device) const;
   const Surface& surface(uint32_t i) const { return surfaces_[i]; }
 
  private:
-  void add(const Eigen::Vector3d corners[4], const Surface& surface);
+  void add(const std::array<Eigen::Vector3d, 4>& corners, const Surface& surface);
   std::vector<float> vertices_;
   std::vector<Surface> surfaces_;
 };
