@@ -91,7 +91,7 @@ TEST_CASE("the real walks: steps, distance and position stay what they are or ge
     options.plugin_path = plugin_folder().string();
     const auto result = replay(*recording, options);
     REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
-    const auto e = waypoint_errors(result->track, waypoints_of(*recording));
+    const auto e = waypoint_errors(result->track, recording->waypoints());
     distance.push_back(std::abs(e.distance_error()));
     reference += e.reference_m, estimate += e.estimate_m;
     steps += result->statistics.steps;

@@ -7,6 +7,7 @@
 #include <valijson/validator.hpp>
 
 #include "sdk/cli/runner.hpp"
+#include "sdk/sim/drive.hpp"
 #include "sdk/sim/sensors.hpp"
 #include "sdk/sim/simulate.hpp"
 #include "sdk/sim/walker.hpp"
@@ -37,16 +38,16 @@ Scenario tiny() {
 
 TEST_CASE("the same seed gives the same bytes for any number of threads, another seed others") {
   const TemporaryFolder folder;
-  REQUIRE(simulate(tiny(), 5, folder / "a.odo", nullptr, 1).ok());
-  REQUIRE(simulate(tiny(), 5, folder / "b.odo", nullptr, 3).ok());
-  REQUIRE(simulate(tiny(), 6, folder / "c.odo", nullptr, 1).ok());
+  REQUIRE(simulate(tiny(), 5, folder / "a.odo", {.threads = 1}).ok());
+  REQUIRE(simulate(tiny(), 5, folder / "b.odo", {.threads = 3}).ok());
+  REQUIRE(simulate(tiny(), 6, folder / "c.odo", {.threads = 1}).ok());
   const std::string a = read_text(folder / "a.odo");
   CHECK(a == read_text(folder / "b.odo"));
   CHECK(a != read_text(folder / "c.odo"));
 }
 
 TEST_CASE("the motion's derivatives are those of its poses") {
-  const Walk walk = make_walk(small(), 3);
+  const Journey walk = make_walk(small(), 3);
   const double h = 2e-5;
   double worst_speed = 0, worst_acceleration = 0, worst_turn = 0, speed = 0, acceleration = 0, turn = 0;
   for (double t = 0.3; t < walk.phone.duration_s() - 0.3; t += 0.00713) {
@@ -70,7 +71,7 @@ TEST_CASE("the motion's derivatives are those of its poses") {
 }
 
 TEST_CASE("the ideal IMU integrates to the true motion") {
-  const Walk walk = make_walk(small(), 3);
+  const Journey walk = make_walk(small(), 3);
   const Motion& phone = walk.phone;
   const double dt = 5e-4;
   Eigen::Isometry3d T = phone.pose(0.5);
@@ -92,7 +93,7 @@ TEST_CASE("the ideal IMU integrates to the true motion") {
 TEST_CASE("the true steps cover the walk, and stops end it where they should") {
   Scenario s = small();
   s.events = {{6.0, "stand", 3.0, 0, true}, {12.0, "turn", 4.0, 0, false}};
-  const Walk walk = make_walk(s, 3);
+  const Journey walk = make_walk(s, 3);
   double sum = 0, longest_break = 0;
   for (size_t i = 0; i < walk.steps.size(); ++i) {
     const auto& step = walk.steps[i];
@@ -144,7 +145,7 @@ TEST_CASE("the paper's pipeline follows a simulated walk") {
   const TemporaryFolder folder;
   Scenario s = small();
   s.camera = Scenario().camera;  // the resolution that the configs are made for
-  REQUIRE(simulate(s, 11, folder / "walk.odo", nullptr).ok());
+  REQUIRE(simulate(s, 11, folder / "walk.odo").ok());
   const auto recording = read_recording(folder / "walk.odo");
   REQUIRE(recording.ok());
   RunOptions options;
@@ -175,7 +176,7 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
   Scenario scenario = small();
   scenario.camera.distortion = {-0.1, 0.02, 0.0005, -0.001};
   scenario.route = {{0, 0, 0}, {5, 0, 0}};
-  REQUIRE(simulate(scenario, 9, folder / "walk.odo", nullptr).ok());
+  REQUIRE(simulate(scenario, 9, folder / "walk.odo").ok());
   const auto original = read_recording(folder / "walk.odo");
   REQUIRE(original.ok());
   REQUIRE(write_euroc(*original, folder / "asl", nullptr).ok());
@@ -205,7 +206,8 @@ TEST_CASE("every scenario that comes with the SDK is valid and walks its route")
     CAPTURE(entry.path().string());
     const auto scenario = read_scenario(entry.path().string());
     REQUIRE_MESSAGE(scenario.ok(), (scenario.ok() ? "" : scenario.failure().text));
-    const Walk walk = make_walk(*scenario, 2);
+    const Route route(scenario->route, scenario->corner_m);
+    const Journey walk = scenario->drives() ? make_drive(*scenario, route, 2) : make_walk(*scenario, route, 2);
     CHECK(walk.phone.duration_s() > 5);
     double fastest = 0, hardest = 0;
     for (double t = 0; t < walk.phone.duration_s(); t += 0.01) {
@@ -213,11 +215,11 @@ TEST_CASE("every scenario that comes with the SDK is valid and walks its route")
       fastest = std::max(fastest, state.velocity_n.head<2>().norm());
       hardest = std::max(hardest, state.specific_force_b().norm());
     }
-    CHECK(fastest < 7);
+    CHECK(fastest < (scenario->drives() ? 15 : 7));
     CHECK(hardest < 80);
     ++found;
   }
-  CHECK(found >= 13);
+  CHECK(found >= 16);
 }
 
 namespace {
@@ -265,7 +267,7 @@ TEST_CASE("fixes from GNSS bound a walk on the Earth") {
   s.route = {{0, 0, 0}, {25, 0, 0}, {25, 25, 0}};
   s.gnss = {1.0, 1.0, 20.0, 1.0};
   s.magnetometer.hard_iron = s.magnetometer.disturbance = 0;
-  REQUIRE(simulate(s, 4, folder / "walk.odo", nullptr).ok());
+  REQUIRE(simulate(s, 4, folder / "walk.odo").ok());
   const auto recording = read_recording(folder / "walk.odo");
   RunOptions options;
   options.config = write_text(folder / "c.yaml",

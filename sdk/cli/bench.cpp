@@ -39,7 +39,7 @@ Result<std::vector<WalkRow>> run_walks(const std::string& config, const std::vec
     options.config = config;
     const auto result = replay(*recording, options);
     if (!result) return result.failure();
-    const auto waypoints = waypoints_of(*recording);
+    const auto waypoints = recording->waypoints();
     const double turn = heading_offset(result->track, waypoints, align_first_m);
     const WaypointErrors e = waypoint_errors(lay_over(result->track, waypoints, turn), waypoints);
     rows.push_back({files[i].filename().string(), e.reference_m, e.estimate_m, 100 * e.distance_error(),

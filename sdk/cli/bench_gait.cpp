@@ -60,7 +60,7 @@ Series resampled(const Recording& recording) {
 }
 
 Series simulated(const Scenario& scenario, uint64_t seed) {
-  const Walk walk = make_walk(scenario, seed);
+  const Journey walk = make_walk(scenario, seed);
   Random random(seed, 5);
   Series series;
   for (double t = walk.steps.front().t_start_s; t < walk.phone.duration_s(); t += 1 / kRate_hz) {

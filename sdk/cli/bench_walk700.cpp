@@ -63,7 +63,7 @@ Result<fs::path> recording_of(const Walk700Arguments& a, const std::string& walk
   if (fs::exists(kept, error)) return kept;
   const fs::path part = kept.string() + ".part";  // a stopped run leaves no half recording under the name
   Progress progress("sim " + walker + " seed " + std::to_string(seed));
-  const auto done = simulate(*scenario, seed, part, [&](size_t i, size_t n) { progress.show(i, n); });
+  const auto done = simulate(*scenario, seed, part, {.progress = [&](size_t i, size_t n) { progress.show(i, n); }});
   if (!done) return done.failure();
   fs::rename(part, kept, error);
   return error ? Result<fs::path>(Failure{ODO_E_NOT_FOUND, kept.string() + ": cannot be written"}) : kept;
@@ -119,7 +119,7 @@ Result<Walk700Row> run(const Walk700Arguments& a, const std::string& config, con
   Walk700Row row;
   for (const StampedPose& pose : recording->truth) row.mean_m += error_at(pose.t_ns);
   row.mean_m /= static_cast<double>(std::max<size_t>(1, recording->truth.size()));
-  const auto marks = waypoints_of(*recording);
+  const auto marks = recording->waypoints();
   const int64_t end = recording->truth.back().t_ns;
   const std::array<double, 3> wanted = {120, 550, 1e9};
   for (size_t k = 0; k < 3; ++k) {

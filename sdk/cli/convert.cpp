@@ -41,6 +41,10 @@ Result<bool> to_recording(const Recording& recording, const fs::path& output, in
     if (const auto written = (*writer)->write_truth(pose); !written) return written.failure();
   for (const TrueState& state : recording.true_states)
     if (const auto written = (*writer)->write_true_state(state); !written) return written.failure();
+  for (const TrueSkyline& skyline : recording.true_skylines)
+    if (const auto written = (*writer)->write_true_skyline(skyline); !written) return written.failure();
+  for (const TrueSighting& sighting : recording.true_sightings)
+    if (const auto written = (*writer)->write_true_sighting(sighting); !written) return written.failure();
   if (!(*writer)->flush()) return Failure{ODO_E_NOT_FOUND, output.string() + ": writing failed; is the disk full?"};
   return true;
 }

@@ -57,7 +57,7 @@ Result<Reference> read_reference(const fs::path& path) {
       return reference;
     }
     if (auto walk = read_indoor_location(path)) {
-      reference.waypoints = waypoints_of(*walk);
+      reference.waypoints = walk->waypoints();
       return reference;
     }
     return trajectory.failure();
@@ -65,7 +65,7 @@ Result<Reference> read_reference(const fs::path& path) {
   auto recording = read_recording(path);
   if (!recording) return recording.failure();
   reference.trajectory = std::move(recording->truth);
-  reference.waypoints = waypoints_of(*recording);
+  reference.waypoints = recording->waypoints();
   if (reference.trajectory.empty() && reference.waypoints.empty())
     return Failure{ODO_E_DATA, path.string() + ": this recording has no truth"};
   return reference;

@@ -45,7 +45,7 @@ Plot track_plot(const Recording& recording, const RunResult& result) {
     }
   }
   PlotSeries waypoints{.name = "waypoints", .style = "points pt 7"};
-  for (const auto& w : waypoints_of(recording)) waypoints.points.emplace_back(w.p_n.y(), w.p_n.x());
+  for (const auto& w : recording.waypoints()) waypoints.points.emplace_back(w.p_n.y(), w.p_n.x());
   if (!waypoints.points.empty()) plot.series.push_back(waypoints);
   PlotSeries fixes{.name = "fixes", .style = "points pt 2"};
   for (const auto& f : result.fixes) fixes.points.emplace_back(f.fix.p_n[1], f.fix.p_n[0]);

@@ -87,14 +87,6 @@ void note_error(odo_session* session, RunResult& result) {
 
 }  // namespace
 
-std::vector<Waypoint> waypoints_of(const Recording& recording) {
-  std::vector<Waypoint> waypoints;
-  for (const auto& m : recording.messages)
-    if (m.message.header().type == ODO_TYPE_WAYPOINT)
-      waypoints.push_back({m.message.header().t_ns, Eigen::Vector3d(as<odo_waypoint>(m.message.header()).p_n)});
-  return waypoints;
-}
-
 Result<RunResult> replay(const Recording& recording, const RunOptions& options) {
   // The config is read once more than the session does, for the replay section, which is not the session's business.
   std::vector<std::filesystem::path> directories;
@@ -142,7 +134,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   odo_session_get_statistics(session, &result.statistics);
   if (options.progress) options.progress(recording.messages.size(), recording.messages.size());
 
-  const auto waypoints = waypoints_of(recording);
+  const auto waypoints = recording.waypoints();
   if (config->replay.start_at_first_waypoint && !waypoints.empty() && !result.track.empty()) {
     if (config->replay.align_heading_over_m > 0)
       result.heading_turn_rad = heading_offset(result.track, waypoints, config->replay.align_heading_over_m);

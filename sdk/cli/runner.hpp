@@ -45,9 +45,6 @@ struct RunOptions {
 /// Replays a recording through a session of the C API, deterministically.
 Result<RunResult> replay(const Recording& recording, const RunOptions& options);
 
-/// The waypoints of a recording, in order of time.
-std::vector<Waypoint> waypoints_of(const Recording& recording);
-
 /// trajectory.tum, steps.csv, scale.csv, fixes.csv, summary.json.
 Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
                        const RunOptions& options);

@@ -9,7 +9,7 @@ namespace odograph {
 namespace {
 
 struct SimArguments {
-  std::string scenario, output;
+  std::string scenario, output, city, walk;
   uint64_t seed = 1;
   unsigned threads = 0;
 };
@@ -17,9 +17,16 @@ struct SimArguments {
 int sim(const SimArguments& a) {
   const auto scenario = read_scenario(a.scenario);
   if (!scenario) return std::fprintf(stderr, "%s\n", scenario.failure().text.c_str()), kBadUsage;
+  std::optional<Recording> walk;
+  if (!a.walk.empty()) {
+    auto recording = read_recording(a.walk);
+    if (!recording) return complain(recording.failure());
+    walk = std::move(*recording);
+  }
   Progress progress("sim");
-  const auto done = simulate(
-      *scenario, a.seed, a.output, [&](size_t i, size_t n) { progress.show(i, n); }, a.threads);
+  SimulationOptions options{.threads = a.threads, .city = a.city, .walk = walk ? &*walk : nullptr};
+  options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
+  const auto done = simulate(*scenario, a.seed, a.output, options);
   if (!done) return complain(done.failure());
   std::error_code error;
   std::printf("%s: %.1f MB\n", a.output.c_str(),
@@ -36,13 +43,17 @@ int sim(const SimArguments& a) {
 }  // namespace
 
 void add_sim(CLI::App& app, int& status) {
-  auto* command =
-      app.add_subcommand("sim", "Simulate a walk with camera, IMU, magnetometer, GNSS, barometer and exact truth");
+  auto* command = app.add_subcommand(
+      "sim", "Simulate a walk or a drive with camera, IMU, magnetometer, GNSS, barometer and exact truth");
   auto a = std::make_shared<SimArguments>();
   command->add_option("scenario", a->scenario, "scenario file (YAML); keys: odograph config schema scenario")
       ->required();
   command->add_option("-o,--output", a->output, "recording to write (*.odo)")->required();
   command->add_option("--seed", a->seed, "another seed: another world, tremor and noise")->capture_default_str();
+  command->add_option("--city", a->city,
+                      "write the generated town's buildings and known objects as CityJSON, as a surveyor knows them");
+  command->add_option("--walk", a->walk,
+                      "a real walk (Indoor Location Competition trace): its own sensors, pictures rendered along it");
   command->add_option("--threads", a->threads, "0: one a core; the recording is the same for any number")
       ->capture_default_str();
   command->callback([a, &status] { status = sim(*a); });

@@ -48,12 +48,6 @@ std::vector<std::pair<double, double>> scale_along_path(const Trajectory& refere
 /// Position at a time, linear between poses, held before the first and after the last.
 Eigen::Vector3d position_at(const Trajectory& trajectory, int64_t t_ns);
 
-/// A surveyed place and when it was passed.
-struct Waypoint {
-  int64_t t_ns;
-  Eigen::Vector3d p_n;
-};
-
 /// Turn about the vertical, in rad, that fits the track to the waypoints within the first `metres` of their polyline
 /// (and at least one), both taken from the first waypoint on.
 double heading_offset(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres);

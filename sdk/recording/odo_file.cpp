@@ -47,6 +47,12 @@ struct StateRecord {
   uint32_t mode, zero;
 };
 static_assert(sizeof(StateRecord) == 144);
+static_assert(sizeof(TrueSighting) == 80 && std::is_trivially_copyable_v<TrueSighting>);
+
+struct SkylineHead {
+  int64_t t_ns;
+  uint32_t directions, zero;
+};
 
 }  // namespace
 
@@ -111,6 +117,16 @@ Result<bool> OdoWriter::write_true_state(const TrueState& s) {
   return record(kTrueState, bytes_of(r));
 }
 
+Result<bool> OdoWriter::write_true_skyline(const TrueSkyline& s) {
+  const SkylineHead head{s.t_ns, static_cast<uint32_t>(s.elevation_rad.size()), 0};
+  std::vector<float> lines = s.elevation_rad;
+  lines.insert(lines.end(), s.distance_m.begin(), s.distance_m.end());
+  return record(kTrueSkyline, bytes_of(head),
+                {reinterpret_cast<const unsigned char*>(lines.data()), lines.size() * sizeof(float)});
+}
+
+Result<bool> OdoWriter::write_true_sighting(const TrueSighting& s) { return record(kTrueSighting, bytes_of(s)); }
+
 bool OdoWriter::flush() { return static_cast<bool>(out_.flush()); }
 
 Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jpeg_quality) {
@@ -151,6 +167,24 @@ void take(Recording& recording, const RecordHead& head, std::span<const unsigned
     recording.true_states.push_back({r.pose.t_ns, Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(),
                                      Vector3d::Map(r.pose.p), Vector3d::Map(r.v), Vector3d::Map(r.gyro_bias),
                                      Vector3d::Map(r.accel_bias), r.mode});
+    return;
+  }
+  if (head.type == OdoWriter::kTrueSighting && payload.size() >= sizeof(TrueSighting)) {
+    std::memcpy(&recording.true_sightings.emplace_back(), payload.data(), sizeof(TrueSighting));
+    return;
+  }
+  if (head.type == OdoWriter::kTrueSkyline && payload.size() >= sizeof(SkylineHead)) {
+    SkylineHead s;
+    std::memcpy(&s, payload.data(), sizeof s);
+    if ((payload.size() - sizeof s) / (2 * sizeof(float)) < s.directions) return;
+    TrueSkyline& line = recording.true_skylines.emplace_back();
+    line.t_ns = s.t_ns;
+    line.elevation_rad.resize(s.directions), line.distance_m.resize(s.directions);
+    const size_t size = s.directions * sizeof(float);
+    if (size > 0) {
+      std::memcpy(line.elevation_rad.data(), payload.data() + sizeof s, size);
+      std::memcpy(line.distance_m.data(), payload.data() + sizeof s + size, size);
+    }
     return;
   }
   const MessageInfo* info = message_info(head.type);

@@ -26,6 +26,12 @@ class OdoWriter {
   /// i64 t_ns, f64 q[4] (w x y z), p[3], v[3], gyro bias[3], accelerometer bias[3]: the body; u32 ODO_MODE_*, u32 0
   static constexpr uint32_t kTrueState = 0x10001;
 
+  /// i64 t_ns; u32 directions, u32 0; f32 elevation[directions], f32 distance[directions]
+  static constexpr uint32_t kTrueSkyline = 0x10002;
+
+  /// i64 t_ns; u32 tag, f32 visible part; f64 corners[8] (px)
+  static constexpr uint32_t kTrueSighting = 0x10003;
+
   /// Creates or truncates the file. jpeg_quality 0 = lossless PNG.
   static Result<std::unique_ptr<OdoWriter>> create(const std::filesystem::path& file, int jpeg_quality);
 
@@ -35,6 +41,8 @@ class OdoWriter {
   Result<bool> write_encoded_frame(const odo_frame& frame, std::span<const unsigned char> picture);
   Result<bool> write_truth(const StampedPose& pose);
   Result<bool> write_true_state(const TrueState& state);
+  Result<bool> write_true_skyline(const TrueSkyline& skyline);
+  Result<bool> write_true_sighting(const TrueSighting& sighting);
   /// True when everything has reached the operating system.
   bool flush();
   int jpeg_quality() const { return jpeg_quality_; }

@@ -227,8 +227,8 @@ Result<Recording> read_indoor_location(const fs::path& file) {
     if (row.fields.size() < 2) return row.wrong("expected 'time TYPE values'");
     const std::string_view type = row.fields[1];
     const bool accel = type == "TYPE_ACCELEROMETER", gyro = type == "TYPE_GYROSCOPE",
-               field = type == "TYPE_MAGNETIC_FIELD";
-    if (!accel && !gyro && !field && type != "TYPE_WAYPOINT") return true;  // rotation vectors, WiFi, beacons
+               field = type == "TYPE_MAGNETIC_FIELD", attitude = type == "TYPE_ROTATION_VECTOR";
+    if (!accel && !gyro && !field && !attitude && type != "TYPE_WAYPOINT") return true;  // WiFi, beacons
     const auto milliseconds = row.integer(0);
     if (!milliseconds) return milliseconds.failure();
     if (*milliseconds < 0 || *milliseconds > 9'000'000'000'000) return row.wrong("the time is out of range");
@@ -239,7 +239,12 @@ Result<Recording> read_indoor_location(const fs::path& file) {
       v[i] = *value;
     }
     const int64_t t_ns = *milliseconds * 1'000'000;
-    if (field) {
+    if (attitude) {  // the vector part of the rotation from b to east, north, up
+      const Eigen::Quaterniond q_enu_b(std::sqrt(std::max(0.0, 1 - v[0] * v[0] - v[1] * v[1] - v[2] * v[2])), v[0],
+                                       v[1], v[2]);
+      const Eigen::Quaterniond q_n_enu(0, std::sqrt(0.5), std::sqrt(0.5), 0);
+      recording.phone_attitudes.push_back({t_ns, (q_n_enu * q_enu_b).normalized(), Eigen::Vector3d::Zero()});
+    } else if (field) {
       auto m = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, t_ns);
       for (int i = 0; i < 3; ++i) m.field_b[i] = v[i] * 1e-6;
       recording.add(m.header);

@@ -15,6 +15,14 @@ bool Recording::has(uint32_t type) const {
                      [type](const auto& m) { return m.message.header().type == type; });
 }
 
+std::vector<Waypoint> Recording::waypoints() const {
+  std::vector<Waypoint> all;
+  for (const auto& m : messages)
+    if (m.message.header().type == ODO_TYPE_WAYPOINT)
+      all.push_back({m.message.header().t_ns, Eigen::Vector3d(as<odo_waypoint>(m.message.header()).p_n)});
+  return all;
+}
+
 void Recording::add(const odo_header& message, PictureRef picture) {
   messages.emplace_back();
   messages.back().message.assign(message);

@@ -34,17 +34,37 @@ struct TrueState {
   uint32_t mode = 0;                                      ///< ODO_MODE_*
 };
 
+/// Where the sky began around the camera, as a simulator knows it: of every direction from north to the east the
+/// elevation (rad) and the distance (m; 0: nothing there) of the highest edge.
+struct TrueSkyline {
+  int64_t t_ns = 0;
+  std::vector<float> elevation_rad, distance_m;
+};
+
+/// A known object in a frame, as a simulator knows it.
+struct TrueSighting {
+  int64_t t_ns = 0;  ///< of the frame, true
+  uint32_t tag = 0;
+  float visible = 0;       ///< part of it that nothing hides
+  double corners_px[8]{};  ///< x, y: lower left, lower right, upper right, upper left as one reads it
+};
+
 /// A recording in memory, except for its pictures. Messages are in order of time.
 struct Recording {
   std::string format;  // "EuRoC/ASL", ...
   std::filesystem::path path;
   std::vector<RecordedMessage> messages;
   Trajectory truth;  // of the camera where there is one, otherwise of the body; may be empty
+  /// The phone's own orientation where its recording has one: q from b to n (magnetic north). No input, a comparison.
+  std::vector<StampedPose> phone_attitudes;
   std::vector<odo_step> true_steps;
   std::vector<TrueState> true_states;
+  std::vector<TrueSkyline> true_skylines;
+  std::vector<TrueSighting> true_sightings;
   std::vector<std::string> warnings;
 
   bool has(uint32_t type) const;
+  std::vector<Waypoint> waypoints() const;  ///< in order of time
   void add(const odo_header& message, PictureRef picture = {});
   /// Puts the messages into order; equal times keep the order in which they were added.
   void sort();

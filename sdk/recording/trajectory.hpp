@@ -22,6 +22,12 @@ struct StampedPose {
 };
 using Trajectory = std::vector<StampedPose>;
 
+/// A surveyed place and when it was passed.
+struct Waypoint {
+  int64_t t_ns;
+  Eigen::Vector3d p_n;
+};
+
 /// Decimal seconds to nanoseconds without going through a double.
 Result<int64_t> parse_seconds(std::string_view text);
 /// "12.345678901", nine decimals.

@@ -71,6 +71,19 @@ Eigen::Vector2d SimCamera::project(const Eigen::Vector3d& p) const {
   return {out[0].x, out[0].y};
 }
 
+std::optional<Eigen::Vector2d> SimCamera::project_rolling(const Motion& phone, double t_s,
+                                                          const Eigen::Vector3d& p_n) const {
+  Eigen::Vector2d pixel(cx(), cy());
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Vector3d p_c = pose(phone, t_s + row_offset_s(pixel.y())).inverse() * p_n;
+    if (p_c.z() < 0.05 || p_c.head<2>().norm() > 4 * p_c.z()) return {};
+    pixel = project(p_c);
+    if (!(std::abs(pixel.x() - cx()) < c_.width && std::abs(pixel.y() - cy()) < c_.height)) return {};
+  }
+  const bool inside = pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= c_.width - 1 && pixel.y() <= c_.height - 1;
+  return inside ? std::optional(pixel) : std::nullopt;
+}
+
 cv::Mat SimCamera::develop(const cv::Mat& light, size_t frame) const {
   // The exposure follows the light as far as it can, in steps; what is missing is made up by gain, which brings noise.
   Random random(seed_, 1000 + frame);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -31,6 +32,10 @@ class SimCamera {
   /// Where a point in c appears (pixels), lens distortion included.
   Eigen::Vector2d project(const Eigen::Vector3d& p_c) const;
 
+  /// Where a point in n appears in the frame at t, each row seen from where the camera is in its own moment; nothing
+  /// outside the picture.
+  std::optional<Eigen::Vector2d> project_rolling(const Motion& phone, double t_s, const Eigen::Vector3d& p_n) const;
+
   /// Turns what the lens sees (grey, 0 to 255 of a well-lit scene) into stored pixels.
   cv::Mat develop(const cv::Mat& light, size_t frame) const;
 
@@ -52,6 +57,8 @@ class View {
 
   /// 32-bit float grey of the frame whose middle row is exposed around t.
   cv::Mat render(const Motion& phone, double t_s);
+  /// The part of a known object that nothing stands before, 0 to 1, in steps of a 25th.
+  double visible_part(const KnownObject& object, const Eigen::Vector3d& eye_n, double t_s);
 
  private:
   void place_movers(double t_s);

@@ -23,6 +23,12 @@ void Mesh::add_quad(const Vector3d& corner, const Vector3d& u, const Vector3d& v
        v.normalized().cast<float>(), texture, brightness});
 }
 
+void Mesh::add_picture(const Vector3d& corner, const Vector3d& u, const Vector3d& v, uint32_t texture) {
+  add({corner, corner + u, corner + u + v, corner + v},
+      {u.cross(v).normalized().cast<float>(), corner.cast<float>(), u.normalized().cast<float>(),
+       v.normalized().cast<float>(), texture, 1.0f});
+}
+
 void Mesh::add_box(const Vector3d& foot, const Vector3d& size, double heading, uint32_t texture, float brightness) {
   const Eigen::AngleAxisd turn(heading, Vector3d::UnitZ());
   const Vector3d x = turn * Vector3d(size.x(), 0, 0), y = turn * Vector3d(0, size.y(), 0), up(0, 0, -size.z());

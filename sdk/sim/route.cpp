@@ -52,6 +52,23 @@ void Route::add(double length, double curvature) {
   length_ += length;
 }
 
+double Route::curvature_at(double s) const {
+  auto piece =
+      std::upper_bound(pieces_.begin(), pieces_.end(), s, [](double v, const Piece& p) { return v < p.start; });
+  return piece == pieces_.begin() ? 0.0 : (piece - 1)->curvature;
+}
+
+void Route::set_heights(const std::vector<double>& up_m) {
+  heights_.clear();
+  for (const double up : up_m) heights_.push_back({static_cast<double>(heights_.size()), up});
+  std::vector<double> nearest(points_.size(), 1e300);
+  for (const Height& h : heights_) {
+    const Eigen::Vector2d here = at(h.s).north_east;
+    for (size_t i = 0; i < points_.size(); ++i)
+      if (const double d = (points_[i].head<2>() - here).norm(); d < nearest[i]) nearest[i] = d, points_[i].z() = h.up;
+  }
+}
+
 Route::Place Route::at(double s) const {
   auto piece =
       std::upper_bound(pieces_.begin(), pieces_.end(), s, [](double v, const Piece& p) { return v < p.start; });

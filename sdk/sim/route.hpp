@@ -22,6 +22,9 @@ class Route {
 
   Place at(double s_m) const;  ///< continued straight before the start and behind the end
   double length() const { return length_; }
+  double curvature_at(double s_m) const;  ///< 1/m, to the right positive
+  /// Heights of the ground at every metre along the route, at least one; between them they are linear.
+  void set_heights(const std::vector<double>& up_m);
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
 
  private:

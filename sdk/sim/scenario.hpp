@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,18 @@ struct Scenario {
   struct World {
     std::string type = "street";
     double street_width_m = 16, house_height_m = 12;
+    std::string model;                            // a city model's file, for the type city
+    std::optional<Eigen::Vector3d> model_origin;  // easting, northing, height of the route's zero
+    std::optional<Eigen::Vector2d> sun;           // azimuth, height, rad
+    std::vector<Eigen::Vector2d> unmapped;        // stretches of the route whose buildings no model has, m
     bool glass = true, shadows = true;
     int64_t trees = 12, parked_cars = 8, pedestrians = 6, cars = 2;  // per 100 m of route
     double light = 1.0;
   } world;
+  struct Vehicle {
+    double speed_mps = 11.0, camera_height_m = 1.55;
+  } vehicle;
+  std::string carrier = "walker";
   struct Walker {
     double height_m = 1.70, speed_mps = 1.35;
     std::string carry = "texting";
@@ -35,6 +44,10 @@ struct Scenario {
   double corner_m = 3.0;
   double walk_m = 1e9;  // the walk ends here, if the route does not; no key: benches shorten with it
   std::vector<Event> events;
+  struct Object {
+    double at_m = 0, right_m = 4, up_m = 1.8, side_m = 0.8;
+  };
+  std::vector<Object> objects;
   struct Camera {
     int width = 640, height = 480;
     std::string model = "pinhole";
@@ -62,6 +75,9 @@ struct Scenario {
   struct Gnss {
     double sigma_m = 4, canyon_sigma_m = 12, correlation_s = 20, availability = 0.9;
   } gnss;
+
+  bool is_indoors() const { return world.type == "room" || world.type == "corridor"; }
+  bool drives() const { return carrier == "car"; }
 };
 
 /// The table of scenario files.

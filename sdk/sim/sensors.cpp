@@ -75,7 +75,7 @@ double SimBarometer::measure(double up) {
 
 SimGnss::SimGnss(const Scenario& scenario, uint64_t seed)
     : c_(scenario.gnss),
-      indoors_(scenario.world.type != "street"),
+      indoors_(scenario.is_indoors()),
       random_(seed, 82),
       error_(normal3(random_, 1)),
       narrow_(random_.normal()) {}

@@ -6,6 +6,8 @@
 
 #include "sdk/core/geodesy.hpp"
 #include "sdk/recording/odo_file.hpp"
+#include "sdk/sim/drive.hpp"
+#include "sdk/sim/retrace.hpp"
 #include "sdk/sim/sensors.hpp"
 #include "sdk/sim/walker.hpp"
 
@@ -15,12 +17,12 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int64_t kStart_ns = 1'000'000'000'000;
-
-int64_t clock_ns(double t_s) { return kStart_ns + static_cast<int64_t>(std::llround(t_s * 1e9)); }
+constexpr size_t kSkylineDirections = 720;  // half a degree, as Gakne & O'Keefe 2018, eq. (2)
+constexpr double kSightingRange_m = 40;
 
 struct ExposedFrame {
-  double t_s;        // true
-  int64_t stamp_ns;  // as the camera's clock has it
+  double t_s;      // true
+  double stamp_s;  // as the camera's clock has it
 };
 
 /// The frames that are not lost, each with the time stamp that the phone gives it.
@@ -33,18 +35,24 @@ std::vector<ExposedFrame> expose(const Scenario::Camera& c, double duration_s, u
     if (t + half >= duration_s) return frames;
     const bool lost = random.uniform() < c.drop;
     const double jitter = c.jitter_s * random.normal();
-    if (!lost)
-      frames.push_back({t, clock_ns(t + std::clamp(jitter, -0.4 / c.rate_hz, 0.4 / c.rate_hz) - c.time_offset_s)});
+    if (!lost) frames.push_back({t, t + std::clamp(jitter, -0.4 / c.rate_hz, 0.4 / c.rate_hz) - c.time_offset_s});
   }
+}
+
+Journey travel(const Scenario& c, const Route& route, uint64_t seed) {
+  return c.drives() ? make_drive(c, route, seed) : make_walk(c, route, seed);
 }
 
 class Simulation {
  public:
-  Simulation(const Scenario& c, uint64_t seed, OdoWriter& writer, unsigned threads)
+  /// `city` and `retraced` may be null.
+  Simulation(const Scenario& c, uint64_t seed, OdoWriter& writer, const CityModel* city, const Retraced* retraced,
+             unsigned threads)
       : c_(c),
         writer_(writer),
-        walk_(make_walk(c, seed)),
-        world_(c, seed),
+        start_ns_(retraced ? retraced->start_ns : kStart_ns),
+        world_(c, seed, city),
+        walk_(retraced ? retraced->journey : travel(c, world_.route(), seed)),
         camera_(c.camera, c.world.light, seed),
         frames_(expose(c.camera, walk_.phone.duration_s(), seed)),
         drops_(seed, 91),
@@ -58,7 +66,8 @@ class Simulation {
                c.imu.rate_hz),
         magnetometer_(c.magnetometer, seed),
         barometer_(c.barometer, seed),
-        gnss_(c, seed) {
+        gnss_(c, seed),
+        watcher_(world_, camera_, c) {
     geodesy_.set_origin({0.8238, -0.0271, 20.0});
     std::vector<double> times;
     for (const auto& frame : frames_) times.push_back(frame.t_s);
@@ -67,7 +76,42 @@ class Simulation {
 
   Result<SimulationReport> run(const std::function<void(size_t, size_t)>& progress) {
     const auto start = std::chrono::steady_clock::now();
-    write_head();
+    write_imu_noise();
+    write_calibration();
+    simulate_sensors(progress);
+    for (const auto& step : walk_.steps) write_step(step);
+    return report(start);
+  }
+
+  /// The same with a real walk's own samples.
+  Result<SimulationReport> run_along(const Recording& real, const std::function<void(size_t, size_t)>& progress) {
+    const auto start = std::chrono::steady_clock::now();
+    write_calibration();
+    size_t next_frame = 0, next_mark = 0;
+    for (const auto& m : real.messages) {
+      const odo_header& header = m.message.header();
+      const double t = static_cast<double>(header.t_ns - start_ns_) * 1e-9;
+      write_frames_until(t, next_frame, progress);
+      if (header.type == ODO_TYPE_WAYPOINT) {
+        write_mark(walk_.waypoints[next_mark++]);
+      } else {
+        check(writer_.write(header));
+      }
+      if (header.type == ODO_TYPE_IMU && (header.flags & ODO_IMU_ACCEL)) {
+        const auto s = walk_.phone.at(t);
+        check(writer_.write_true_state({header.t_ns, Eigen::Quaterniond(s.T_n_b.linear()), s.T_n_b.translation(),
+                                        s.velocity_n, Vector3d::Zero(), Vector3d::Zero(), ODO_MODE_UNKNOWN}));
+      }
+      if (!failure_.text.empty()) break;
+    }
+    write_frames_until(1e9, next_frame, progress);
+    return report(start);
+  }
+
+  const World& world() const { return world_; }
+
+ private:
+  void simulate_sensors(const std::function<void(size_t, size_t)>& progress) {
     const auto samples = static_cast<size_t>(walk_.phone.duration_s() * c_.imu.rate_hz);
     double next_second = 0, next_field = 0;
     size_t next_frame = 0, next_mark = 0, next_mode = 0;
@@ -80,30 +124,40 @@ class Simulation {
       for (; next_second <= t; next_second += 1) write_slow(t);
       for (; next_mark < walk_.waypoints.size() && walk_.waypoints[next_mark].t_s <= t; ++next_mark)
         write_mark(walk_.waypoints[next_mark]);
-      for (; next_frame < frames_.size() && frames_[next_frame].t_s <= t; ++next_frame) {
-        write_frame(next_frame);
-        if (progress) progress(next_frame, frames_.size());
-      }
+      write_frames_until(t, next_frame, progress);
     }
-    for (const auto& step : walk_.steps) write_step(step);
+  }
+
+  void write_frames_until(double t, size_t& next, const std::function<void(size_t, size_t)>& progress) {
+    for (; next < frames_.size() && frames_[next].t_s <= t && failure_.text.empty(); ++next) {
+      write_frame(next);
+      if (progress) progress(next, frames_.size());
+    }
+  }
+
+  Result<SimulationReport> report(std::chrono::steady_clock::time_point start) {
     if (!failure_.text.empty()) return failure_;
     if (!writer_.flush()) return Failure{ODO_E_NOT_FOUND, "writing the recording failed; is the disk full?"};
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-    return SimulationReport{next_frame, wall.count(), maker_->threads(), maker_->times()};
+    return SimulationReport{frames_.size(), wall.count(), maker_->threads(), maker_->times()};
   }
 
- private:
+  int64_t clock_ns(double t_s) const { return start_ns_ + static_cast<int64_t>(std::llround(t_s * 1e9)); }
+
   /// Keeps the first failure; nothing is written after it.
   void check(const Result<bool>& written) {
     if (!written && failure_.text.empty()) failure_ = written.failure();
   }
 
-  void write_head() {
-    auto noise = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, kStart_ns);
+  void write_imu_noise() {
+    auto noise = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, start_ns_);
     noise.gyro_noise = c_.imu.gyro_noise, noise.gyro_walk = c_.imu.gyro_walk, noise.accel_noise = c_.imu.accel_noise,
     noise.accel_walk = c_.imu.accel_walk;
     check(writer_.write(noise.header));
-    auto m = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, kStart_ns);
+  }
+
+  void write_calibration() {
+    auto m = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, start_ns_);
     m.header.flags = ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET;
     m.model = c_.camera.model == "kannala_brandt" ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
     m.width = static_cast<uint32_t>(c_.camera.width), m.height = static_cast<uint32_t>(c_.camera.height);
@@ -131,7 +185,7 @@ class Simulation {
   void write_frame(size_t k) {
     const auto picture = maker_->take(k);
     if (!picture) return check(picture.failure());
-    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, frames_[k].stamp_ns);
+    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, clock_ns(frames_[k].stamp_s));
     frame.format = ODO_FORMAT_GREY8;
     frame.width = static_cast<uint32_t>(c_.camera.width), frame.height = static_cast<uint32_t>(c_.camera.height);
     frame.exposure_ns = std::llround(c_.camera.exposure_s * 1e9);
@@ -139,6 +193,30 @@ class Simulation {
     check(writer_.write_encoded_frame(frame, *picture));
     const Eigen::Isometry3d T = SimCamera::pose(walk_.phone, frames_[k].t_s);
     check(writer_.write_truth({clock_ns(frames_[k].t_s), Eigen::Quaterniond(T.linear()), T.translation()}));
+    for (const KnownObject& object : world_.known_objects()) write_sighting(object, frames_[k].t_s, T.translation());
+  }
+
+  void write_sighting(const KnownObject& object, double t, const Vector3d& eye) {
+    const Vector3d middle = 0.5 * (object.corners[0] + object.corners[2]);
+    const Vector3d front = (object.corners[1] - object.corners[0]).cross(object.corners[0] - object.corners[3]);
+    if ((middle - eye).norm() > kSightingRange_m || (middle - eye).dot(front) < 0) return;
+    TrueSighting sighting{.t_ns = clock_ns(t), .tag = object.tag};
+    for (size_t i = 0; i < 4; ++i) {
+      const auto pixel = camera_.project_rolling(walk_.phone, t, object.corners[i]);
+      if (!pixel) return;
+      sighting.corners_px[2 * i] = pixel->x(), sighting.corners_px[2 * i + 1] = pixel->y();
+    }
+    sighting.visible = static_cast<float>(watcher_.visible_part(object, eye, t));
+    if (sighting.visible > 0) check(writer_.write_true_sighting(sighting));
+  }
+
+  void write_skyline(double t) {
+    TrueSkyline skyline{.t_ns = clock_ns(t)};
+    for (const auto& point : world_.skyline(walk_.phone.pose(t).translation(), kSkylineDirections)) {
+      skyline.elevation_rad.push_back(point.elevation_rad);
+      skyline.distance_m.push_back(point.distance_m);
+    }
+    check(writer_.write_true_skyline(skyline));
   }
 
   void write_magnetometer(double t) {
@@ -162,9 +240,10 @@ class Simulation {
     auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, clock_ns(t));
     barometer.pressure_pa = barometer_.measure(20.0 - p.z());
     check(writer_.write(barometer.header));
+    if (!c_.is_indoors()) write_skyline(t);
   }
 
-  void write_mark(const Walk::Mark& mark) {
+  void write_mark(const Journey::Mark& mark) {
     auto m = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, clock_ns(mark.t_s));
     m.header.flags = ODO_WAYPOINT_VERTICAL;
     Vector3d::Map(m.p_n) = mark.p_n;
@@ -172,7 +251,7 @@ class Simulation {
     check(writer_.write(m.header));
   }
 
-  void write_step(const Walk::Step& step) {
+  void write_step(const Journey::Step& step) {
     auto s = make_message<odo_step>(ODO_TYPE_STEP, clock_ns(step.t_end_s));
     s.t_start_ns = clock_ns(step.t_start_s);
     s.t_end_ns = clock_ns(step.t_end_s);
@@ -184,8 +263,9 @@ class Simulation {
 
   const Scenario& c_;
   OdoWriter& writer_;
-  const Walk walk_;
+  const int64_t start_ns_;
   const World world_;
+  const Journey walk_;
   const SimCamera camera_;
   const std::vector<ExposedFrame> frames_;
   Random drops_;
@@ -193,6 +273,7 @@ class Simulation {
   SimMagnetometer magnetometer_;
   SimBarometer barometer_;
   SimGnss gnss_;
+  View watcher_;
   Geodesy geodesy_;
   std::unique_ptr<FrameMaker> maker_;
   uint32_t mode_ = ODO_MODE_STATIC;
@@ -202,10 +283,34 @@ class Simulation {
 }  // namespace
 
 Result<SimulationReport> simulate(const Scenario& scenario, uint64_t seed, const std::filesystem::path& output,
-                                  const std::function<void(size_t, size_t)>& progress, unsigned threads) {
-  auto writer = OdoWriter::create(output, scenario.camera.jpeg_quality);
+                                  const SimulationOptions& options) {
+  std::optional<CityModel> city;
+  if (scenario.world.type == "city") {
+    auto model = read_city_model(scenario.world.model, scenario.world.model_origin);
+    if (!model) return model.failure();
+    city = std::move(*model);
+  }
+  Scenario c = scenario;
+  std::optional<Retraced> retraced;
+  if (options.walk) {
+    auto walk = retrace(*options.walk);
+    if (!walk) return walk.failure();
+    retraced = std::move(*walk);
+    c.route = retraced->route;
+    c.events.clear(), c.objects.clear();
+  }
+  auto writer = OdoWriter::create(output, c.camera.jpeg_quality);
   if (!writer) return writer.failure();
-  return Simulation(scenario, seed, **writer, threads).run(progress);
+  Simulation simulation(c, seed, **writer, city ? &*city : nullptr, retraced ? &*retraced : nullptr, options.threads);
+  if (const auto blocked = simulation.world().route_blocked_at_m())
+    return Failure{ODO_E_CONFIG, scenario.world.model + ": the route leads into a building after " +
+                                     std::to_string(std::lround(*blocked)) + " m"};
+  if (!options.city.empty()) {
+    const auto written =
+        write_city_json(options.city, simulation.world().buildings(), simulation.world().known_objects());
+    if (!written) return written.failure();
+  }
+  return options.walk ? simulation.run_along(*options.walk, options.progress) : simulation.run(options.progress);
 }
 
 }  // namespace odograph

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "sdk/base/result.hpp"
+#include "sdk/recording/recording.hpp"
 #include "sdk/sim/frame_maker.hpp"
 #include "sdk/sim/scenario.hpp"
 
@@ -17,10 +18,21 @@ struct SimulationReport {
   FrameMaker::Times times;
 };
 
+struct SimulationOptions {
+  unsigned threads = 0;                          ///< 0: as many as cores
+  std::function<void(size_t, size_t)> progress;  ///< frames done, frames in all; may be empty
+  std::filesystem::path city;                    ///< CityJSON of the generated town; empty: none is written
+  const Recording* walk = nullptr;               ///< a real walk to retrace in the scenario's world (hybrid)
+};
+
 /// Makes an Odograph recording of the scenario: IMU, magnetometer, GNSS, barometer, surveyed marks, camera frames, and
-/// the truth: the camera's pose at every frame, the body's state at every IMU sample, steps and modes. The same
-/// scenario and seed give the same bytes, whatever the number of threads (0: as many as cores).
+/// the truth: the camera's pose at every frame, the body's state at every IMU sample, steps and modes, the skyline once
+/// a second (720 directions), known objects in the frames. The same scenario and seed give the same bytes, whatever the
+/// number of threads.
+///
+/// With a real walk the recording has that walk's own sensor samples and waypoints (turned to its phone's north) and
+/// pictures rendered along it; see retrace().
 Result<SimulationReport> simulate(const Scenario& scenario, uint64_t seed, const std::filesystem::path& output,
-                                  const std::function<void(size_t, size_t)>& progress, unsigned threads = 0);
+                                  const SimulationOptions& options = {});
 
 }  // namespace odograph

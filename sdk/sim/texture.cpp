@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include <apriltag/tag36h11.h>
 #include <opencv2/imgproc.hpp>
 
 #include "sdk/sim/random.hpp"
@@ -165,6 +166,19 @@ Texture::Texel Texture::at(float u_m, float v_m, float footprint_m) const {
   const int x = (u >> (8 + exponent)) & mask, y = (v >> (8 + exponent)) & mask;
   const uint8_t nearest = pixels_[offsets_[static_cast<size_t>(exponent)] + static_cast<size_t>((y << shift) + x)];
   return {grey * (1 / 65536.0f), (nearest & 1) != 0};
+}
+
+Texture tag_texture(uint32_t tag, float board_m) {
+  apriltag_family_t* family = tag36h11_create();
+  image_u8_t* cells = apriltag_to_image(family, static_cast<int>(tag % family->ncodes));
+  cv::Mat fine, board;
+  // Cells do not come out even in pixels, so their edges are averaged.
+  cv::resize(cv::Mat(cells->height, cells->width, CV_8U, cells->buf, static_cast<size_t>(cells->stride)), fine,
+             {256 * cells->width, 256 * cells->height}, 0, 0, cv::INTER_NEAREST);
+  cv::resize(fine, board, {512, 512}, 0, 0, cv::INTER_AREA);
+  image_u8_destroy(cells);
+  tag36h11_destroy(family);
+  return {board, {}, board_m};
 }
 
 TextureSet::TextureSet(uint64_t seed) {

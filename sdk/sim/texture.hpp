@@ -29,6 +29,9 @@ class Texture {
   float texel_m_;
 };
 
+/// A tag of the AprilTag family 36h11 on its white board, which is `board_m` wide.
+Texture tag_texture(uint32_t tag, float board_m);
+
 /// The pictures that worlds are papered with, drawn from the seed.
 struct TextureSet {
   explicit TextureSet(uint64_t seed);

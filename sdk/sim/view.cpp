@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <opencv2/imgproc.hpp>
@@ -9,6 +10,7 @@
 namespace odograph {
 namespace {
 
+using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr float kFar = 1e5f;
@@ -182,7 +184,7 @@ void View::shade_row(float* row, float* depth) {
   look_along_row();
   mirrors_.clear(), glass_pixels_.clear();
   const Vector3f sun = world_.sun();
-  const bool shadows = c_.world.shadows && c_.world.type != "room" && c_.world.type != "corridor";
+  const bool shadows = c_.world.shadows && !c_.is_indoors();
   for (size_t x = 0; x < hits_.size(); ++x) {
     const RTCRayHit& hit = hits_[x];
     sunlight_[x] = 0;
@@ -228,6 +230,24 @@ cv::Mat View::render(const Motion& phone, double t_s) {
   cv::Mat sharp;
   cv::GaussianBlur(grey, sharp, {3, 3}, 0.5);  // the lens, and edges that one ray a pixel leaves jagged
   return c_.camera.exposure_s > 0 ? blurred(sharp, depth, phone, t_s) : sharp;
+}
+
+double View::visible_part(const KnownObject& object, const Vector3d& eye_n, double t_s) {
+  place_movers(t_s);
+  constexpr int kSide = 5;
+  std::array<RTCRay, kSide * kSide> rays;
+  const Vector3d u = object.corners[1] - object.corners[0], v = object.corners[3] - object.corners[0];
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const Vector3d point = object.corners[0] + (i % kSide + 0.5) / kSide * u + (i / kSide + 0.5) / kSide * v;
+    auto& ray = rays[static_cast<size_t>(i)];
+    aim(ray, eye_n.cast<float>(), (point - eye_n).cast<float>());
+    ray.tfar = 0.998f;  // just before the board
+  }
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1M(scene_, &context, rays.data(), kSide * kSide, sizeof(RTCRay));
+  return static_cast<double>(std::count_if(rays.begin(), rays.end(), [](const RTCRay& r) { return r.tfar > 0; })) /
+         (kSide * kSide);
 }
 
 cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s) const {

@@ -28,11 +28,11 @@ class Body {
         seed_(seed),
         n_(static_cast<size_t>(std::ceil(plan.duration_s * kRate_hz)) + 1) {}
 
-  Walk walk() {
+  Journey walk() {
     feet();
     trunk();
     hand();
-    Walk walk;
+    Journey walk;
     walk.phone = Motion(kRate_hz, std::move(p_), std::move(q_));
     for (const auto& s : plan_.steps) walk.steps.push_back({s.t0, s.t1, s.length_m, s.mode});
     walk.modes = modes();
@@ -213,8 +213,8 @@ class Body {
     }
   }
 
-  std::vector<Walk::Mode> modes() const {
-    std::vector<Walk::Mode> modes;
+  std::vector<Journey::Mode> modes() const {
+    std::vector<Journey::Mode> modes;
     const auto add = [&](double t, uint32_t mode) {
       if (modes.empty() || modes.back().mode != mode) modes.push_back({t, mode});
     };
@@ -241,8 +241,11 @@ class Body {
 
 }  // namespace
 
-Walk make_walk(const Scenario& scenario, uint64_t seed) {
-  const Route route(scenario.route, scenario.corner_m);
+Journey make_walk(const Scenario& scenario, uint64_t seed) {
+  return make_walk(scenario, Route(scenario.route, scenario.corner_m), seed);
+}
+
+Journey make_walk(const Scenario& scenario, const Route& route, uint64_t seed) {
   const Individual who(scenario, seed);
   const GaitPlan plan = plan_gait(scenario, route, who, seed);
   return Body(scenario, route, who, plan, seed).walk();

@@ -1,34 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
-#include "sdk/sim/motion.hpp"
+#include "sdk/sim/journey.hpp"
+#include "sdk/sim/route.hpp"
 #include "sdk/sim/scenario.hpp"
 
 namespace odograph {
-
-/// A walk that took place: how the phone moved, and the truth about the feet.
-struct Walk {
-  Motion phone;  ///< of the body b (x right, y up, z out of the screen)
-  struct Step {
-    double t_start_s, t_end_s;  ///< one foot's contact to the other's
-    double length_m;
-    uint32_t mode;  ///< ODO_MODE_*
-  };
-  std::vector<Step> steps;
-  struct Mode {
-    double t_start_s;
-    uint32_t mode;
-  };
-  std::vector<Mode> modes;  ///< each holds until the next begins
-  struct Mark {
-    double t_s;
-    Eigen::Vector3d p_n;  ///< of the ground under the walker
-  };
-  std::vector<Mark> waypoints;
-};
 
 /// The walk of the individual whom the seed draws: body and hand with models of their own, shared with no estimator.
 ///
@@ -37,6 +14,7 @@ struct Walk {
 /// %: Hausdorff et al. 1996). The trunk rises and falls as an inverted pendulum would, flattened; sways with each
 /// stride; the heel's shock rings through the body. The hand hangs on the trunk as a damped spring, trembles and
 /// drifts.
-Walk make_walk(const Scenario& scenario, uint64_t seed);
+Journey make_walk(const Scenario& scenario, const Route& route, uint64_t seed);
+Journey make_walk(const Scenario& scenario, uint64_t seed);  ///< on the route as the scenario has it
 
 }  // namespace odograph

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "sdk/base/result.hpp"
+
+namespace odograph {
+
+/// A 3D city model as triangles with a meaning, in n (north, east, down; m) about an origin of its own choice.
+struct CityModel {
+  enum class Kind { wall, roof, road, paved, green, water };
+  struct Face {
+    std::array<Eigen::Vector3d, 3> corners;
+    Eigen::Vector3d normal;  ///< unit; out of a building, up from the ground
+    Kind kind;
+    uint32_t object;  ///< in objects
+  };
+  struct Object {
+    std::string id;
+    bool is_building = false;
+    double top_up_m = 0;  ///< of its highest corner
+  };
+  std::vector<Face> faces;
+  std::vector<Object> objects;
+  /// Easting, northing and height, in the file's own reference system, of n's origin.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  Eigen::Vector3d low, high;  ///< bounds in n
+};
+
+/// Reads CityJSON (1.0 to 2.0; of several levels of detail the finest that has surfaces) or Wavefront OBJ (x east, y
+/// north, z up; groups whose names begin with "terrain" or "ground" are ground). Without an origin the south-west
+/// corner at the lowest height becomes it. Failures name the file and the city object.
+Result<CityModel> read_city_model(const std::filesystem::path& file, std::optional<Eigen::Vector3d> origin = {});
+/// The same from text, `name` standing for the file in messages.
+Result<CityModel> parse_city_json(std::string_view text, const std::string& name,
+                                  std::optional<Eigen::Vector3d> origin = {});
+
+/// Cuts a polygon, whose first ring is its border and whose others are holes, into triangles. Rings are planar up to
+/// the surveyors' errors and may touch themselves. Thread: any.
+std::vector<std::array<Eigen::Vector3d, 3>> triangulate(const std::vector<std::vector<Eigen::Vector3d>>& rings);
+/// The normal of a ring after Newell: as long as twice its area.
+Eigen::Vector3d newell_normal(const std::vector<Eigen::Vector3d>& ring);
+
+/// One building of a generated town: a parallelogram's prism.
+struct Building {
+  std::array<Eigen::Vector3d, 4> foot;  ///< in n, around
+  double height_m = 0;
+  bool surveyed = true;  ///< false: newer than the city model, which does not have it
+};
+/// A sign on a wall whose place and picture (a tag of the family 36h11) are known.
+struct KnownObject {
+  uint32_t tag = 0;
+  std::array<Eigen::Vector3d, 4> corners;  ///< in n: lower left, lower right, upper right, upper left as one reads it
+};
+/// Writes what a surveyor would know of a generated town as CityJSON 2.0: x east, y north, z up from n's origin; the
+/// buildings that are surveyed as LoD1 solids, known objects as CityFurniture with the attribute `tag36h11`.
+Result<bool> write_city_json(const std::filesystem::path& file, const std::vector<Building>& buildings,
+                             const std::vector<KnownObject>& objects);
+
+}  // namespace odograph
