@@ -127,13 +127,13 @@ TEST_CASE("points appear where lens, motion and rolling shutter put them") {
     for (int y = 5; y < s.camera.height; y += 37)
       for (int x = 5; x < s.camera.width; x += 41) {
         // A point on the ray of a pixel, seen from where the phone is while that row is exposed.
-        const Eigen::Isometry3d T = SimCamera::pose(phone, t + camera.row_offset_s(y));
+        const Eigen::Isometry3d T = camera.pose(phone, t + camera.row_offset_s(y));
         const Eigen::Vector3d p_n = T * (7.0 * camera.ray(x, y).cast<double>());
         // Found again from outside: fixed point over the row at which it appears.
         double row = camera.cy();
         Eigen::Vector2d seen;
         for (int k = 0; k < 20; ++k) {
-          seen = camera.project(SimCamera::pose(phone, t + camera.row_offset_s(row)).inverse() * p_n);
+          seen = camera.project(camera.pose(phone, t + camera.row_offset_s(row)).inverse() * p_n);
           row = seen.y();
         }
         CHECK((seen - Eigen::Vector2d(x, y)).norm() < 0.05);
@@ -198,6 +198,23 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
   CHECK(same);
   REQUIRE(copy->truth.size() == original->true_states.size());
   CHECK(std::filesystem::exists(folder / "asl/camchain-imucam.yaml"));
+  // As the data set's own files begin and are laid out.
+  const auto first_line = [&](const char* file) {
+    const std::string text = read_text(folder / (std::string("asl/mav0/") + file));
+    return text.substr(0, text.find_first_of("\r\n"));
+  };
+  CHECK(first_line("cam0/data.csv") == "#timestamp [ns],filename");
+  CHECK(first_line("imu0/data.csv") ==
+        "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],"
+        "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]");
+  CHECK(first_line("state_groundtruth_estimate0/data.csv")
+            .starts_with("#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+                         "q_RS_z [], v_RS_R_x [m s^-1]"));
+  const std::string camera = read_text(folder / "asl/mav0/cam0/sensor.yaml");
+  for (const char* key : {"sensor_type: camera", "T_BS:", "cols: 4", "rows: 4", "data: [",
+                          "rate_hz:", "resolution:", "camera_model: pinhole",
+                          "intrinsics:", "distortion_model: radial-tangential", "distortion_coefficients:"})
+    CHECK_MESSAGE(camera.find(key) != std::string::npos, key);
 }
 
 TEST_CASE("every scenario that comes with the SDK is valid and walks its route") {
@@ -223,20 +240,6 @@ TEST_CASE("every scenario that comes with the SDK is valid and walks its route")
 }
 
 namespace {
-
-/// Overlapping Allan deviation of a rate signal (IEEE Std 952-1997).
-double allan_deviation(const std::vector<double>& rate, double hz, double tau_s) {
-  const auto m = static_cast<size_t>(std::lround(tau_s * hz));
-  std::vector<double> angle(rate.size() + 1, 0.0);
-  for (size_t i = 0; i < rate.size(); ++i) angle[i + 1] = angle[i] + rate[i] / hz;
-  double sum = 0;
-  size_t n = 0;
-  for (size_t i = 0; i + 2 * m < angle.size(); ++i, ++n) {
-    const double d = angle[i + 2 * m] - 2 * angle[i + m] + angle[i];
-    sum += d * d;
-  }
-  return std::sqrt(sum / (2 * tau_s * tau_s * static_cast<double>(n)));
-}
 
 std::vector<double> resting(const SimTriad::Errors& errors, double hz, double duration_s) {
   SimTriad triad(Random(4, 2), errors, hz);

@@ -9,6 +9,7 @@
 #include "sdk/sim/drive.hpp"
 #include "sdk/sim/retrace.hpp"
 #include "sdk/sim/simulate.hpp"
+#include "sdk/sim/walker.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -227,6 +228,7 @@ TEST_CASE("a car keeps its limits, stops, dives and shakes, and its camera looks
   REQUIRE(s.ok());
   const Route route(s->route, s->corner_m);
   const Journey drive = make_drive(*s, route, 4);
+  const SimCamera camera(s->camera, 1, 1);
   double fastest = 0, sideways = 0, pull = 0, worst_tilt = 0, stopped_s = 0, path = 0;
   const double dt = 0.01;
   for (double t = 0.5; t < drive.phone.duration_s() - 0.5; t += dt) {
@@ -239,7 +241,7 @@ TEST_CASE("a car keeps its limits, stops, dives and shakes, and its camera looks
       const Eigen::Vector2d v = k.velocity_n.head<2>() / speed, a = k.acceleration_n.head<2>();
       pull = std::max(pull, std::abs(a.dot(v))), sideways = std::max(sideways, std::abs(v.x() * a.y() - v.y() * a.x()));
     }
-    const Vector3d looks = SimCamera::pose(drive.phone, t).linear().col(2);
+    const Vector3d looks = camera.pose(drive.phone, t).linear().col(2);
     worst_tilt = std::max(worst_tilt, std::acos(std::min(1.0, -looks.z())));
   }
   CHECK(fastest > 7);
@@ -261,6 +263,47 @@ TEST_CASE("a car keeps its limits, stops, dives and shakes, and its camera looks
     (std::abs(hz - 26.667) < 1 ? power : other) += std::norm(sum);
   }
   CHECK(power > 3 * other);
+}
+
+TEST_CASE("in the pocket the lens sees nothing, and a crowd fills the picture") {
+  const TemporaryFolder folder;
+  Scenario s;
+  s.camera.width = 96, s.camera.height = 72, s.camera.focal_px = 75;
+  s.route = {{0, 0, 0}, {20, 0, 0}};
+  s.events = {{5, "pocket"}, {12, "texting"}};
+  s.world.street_width_m = 7, s.world.pedestrians = 200, s.world.cars = 0;
+  const auto made = simulate(s, 3, folder / "p.odo");
+  REQUIRE(made.ok());
+  const auto recording = read_recording(folder / "p.odo");
+  size_t dark = 0, bright = 0;
+  for (const auto& m : recording->messages) {
+    if (m.message.header().type != ODO_TYPE_FRAME) continue;
+    const auto frame = load_frame(m);
+    double sum = 0;
+    for (int i = 0; i < 96; ++i) sum += frame->planes[0].data[36 * frame->planes[0].row_stride + i];
+    frame->release(&*frame);
+    (sum / 96 < 25 ? dark : bright) += 1;
+  }
+  CHECK(dark > 35);
+  CHECK(bright > 70);
+  double most = 0;
+  for (const float part : made->moving_parts) most = std::max(most, static_cast<double>(part));
+  CHECK(most > 0.15);
+  CHECK(most < 0.7);
+}
+
+TEST_CASE("between the kerbs the walker is lower by a kerb") {
+  Scenario s;
+  s.route = {{0, 0, 0}, {30, 0, 0}};
+  const Journey level = make_walk(s, 3);
+  s.events = {{8, "cross", 6}};
+  const Journey crossing = make_walk(s, 3);
+  double lower = 0;
+  size_t n = 0;
+  const double from = 2 + 8 / 1.35;
+  for (double t = from + 1.5; t < from + 4.5; t += 0.01, ++n)
+    lower += crossing.phone.pose(t).translation().z() - level.phone.pose(t).translation().z();
+  CHECK(lower / static_cast<double>(n) == doctest::Approx(0.12).epsilon(0.1));
 }
 
 TEST_CASE("a drive's scenario refuses what only a walker does, and the other way round") {

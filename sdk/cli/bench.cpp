@@ -114,7 +114,10 @@ void add_bench(CLI::App& app, int& status) {
   walks_command->add_flag("--json", a->json, "print one JSON object");
   walks_command->callback([a, &status] { status = walks(*a); });
   add_bench_walk700(*command, status);
+  add_bench_allan(*command, status);
+  add_bench_drive(*command, status);
   add_bench_gait(*command, status);
+  add_bench_tracks(*command, status);
 }
 
 }  // namespace odograph

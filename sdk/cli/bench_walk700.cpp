@@ -7,14 +7,12 @@
 #include <cstdio>
 #include <fstream>
 #include <regex>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
-#include <zlib.h>
-
 #include "sdk/cli/commands.hpp"
+#include "sdk/cli/kept_recordings.hpp"
 #include "sdk/cli/runner.hpp"
-#include "sdk/sim/simulate.hpp"
+#include "sdk/sim/scenario.hpp"
 
 namespace odograph {
 namespace {
@@ -37,38 +35,6 @@ struct Walk700Row {
   double mean_m = 0;
 };
 
-Result<std::string> text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file (run from the source folder, or say where)"};
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-/// The recording of a walker and seed, rendered unless it is kept from an earlier run of the same scenario.
-Result<fs::path> recording_of(const Walk700Arguments& a, const std::string& walker, uint64_t seed) {
-  const fs::path file = fs::path(a.scenarios) / ("walk700_" + walker + ".yaml");
-  const auto text = text_of(file);
-  if (!text) return text.failure();
-  auto scenario = read_scenario(file.string());
-  if (!scenario) return scenario.failure();
-  if (a.quick) scenario->walk_m = 120.0;
-  const auto sum = crc32(0, reinterpret_cast<const Bytef*>(text->data()), static_cast<uInt>(text->size()));
-  char mark[64];
-  std::snprintf(mark, sizeof mark, "-s%llu-%08lx%s.odo", static_cast<unsigned long long>(seed), sum,
-                a.quick ? "-quick" : "");
-  std::error_code error;
-  fs::create_directories(a.keep, error);
-  const fs::path kept = fs::path(a.keep) / ("walk700_" + walker + mark);
-  if (fs::exists(kept, error)) return kept;
-  const fs::path part = kept.string() + ".part";  // a stopped run leaves no half recording under the name
-  Progress progress("sim " + walker + " seed " + std::to_string(seed));
-  const auto done = simulate(*scenario, seed, part, {.progress = [&](size_t i, size_t n) { progress.show(i, n); }});
-  if (!done) return done.failure();
-  fs::rename(part, kept, error);
-  return error ? Result<fs::path>(Failure{ODO_E_NOT_FOUND, kept.string() + ": cannot be written"}) : kept;
-}
-
 /// The config with the walker's height in it, as the paper's authors knew their walkers'.
 Result<fs::path> config_of(const Walk700Arguments& a, const std::string& config, const std::string& walker,
                            double height_m) {
@@ -82,19 +48,9 @@ Result<fs::path> config_of(const Walk700Arguments& a, const std::string& config,
   return file;
 }
 
-/// Turned and shifted onto the truth over its first ten metres, as an app does that knows where it starts.
-Trajectory started(const Trajectory& truth, const Trajectory& track) {
-  std::vector<Waypoint> start;
-  double walked = 0, next = 0;
-  for (size_t i = 0; i < truth.size() && walked <= 12; ++i) {
-    if (i > 0) walked += (truth[i].p - truth[i - 1].p).head<2>().norm();
-    if (walked >= next) start.push_back({truth[i].t_ns, truth[i].p}), next += 1;
-  }
-  return lay_over(track, start, heading_offset(track, start, 10));
-}
-
 Result<Walk700Row> run(const Walk700Arguments& a, const std::string& config, const std::string& walker, uint64_t seed) {
-  const auto file = recording_of(a, walker, seed);
+  const auto file =
+      kept_recording(fs::path(a.scenarios) / ("walk700_" + walker + ".yaml"), seed, a.keep, a.quick ? 120.0 : 0.0);
   if (!file) return file.failure();
   const auto recording = read_recording(*file);
   if (!recording) return recording.failure();
@@ -107,7 +63,7 @@ Result<Walk700Row> run(const Walk700Arguments& a, const std::string& config, con
   options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
   const auto result = replay(*recording, options);
   if (!result) return result.failure();
-  const Trajectory track = started(recording->truth, result->track);
+  const Trajectory track = started(recording->truth, result->track, 12);
   const auto error_at = [&](int64_t t) {
     return (position_at(track, t) - position_at(recording->truth, t)).head<2>().norm();
   };

@@ -18,6 +18,9 @@ Statistics statistics_of(std::vector<double> errors);
 /// The value below which the part `p` (0 to 1) of the errors lies, linear between ranks.
 double percentile(std::vector<double> values, double p);
 
+/// Overlapping Allan deviation of a rate signal over `tau_s` (IEEE Std 952-1997).
+double allan_deviation(const std::vector<double>& rate, double hz, double tau_s);
+
 enum class Alignment { none, first, yaw, se3, sim3 };
 Result<Alignment> parse_alignment(const std::string& name);
 

@@ -7,6 +7,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/core/imu_joiner.hpp"
 #include "sdk/recording/odo_file.hpp"
 #include "sdk/recording/recording.hpp"
 
@@ -23,9 +24,9 @@ std::string text(double x) {
 }
 
 template <class Numbers>
-std::string list(const Numbers& numbers, size_t count) {
+std::string list(const Numbers& numbers, size_t count, const char* separator = ", ") {
   std::string s;
-  for (size_t i = 0; i < count; ++i) s += (i ? ", " : "") + text(numbers[i]);
+  for (size_t i = 0; i < count; ++i) s += (i ? separator : "") + text(numbers[i]);
   return s;
 }
 
@@ -63,15 +64,16 @@ class EurocWriter {
     std::string imu =
         "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
         "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
+    ImuJoiner joiner;  // phones deliver the two sensors apart
     size_t done = 0;
     for (const auto& m : r_.messages) {
       const odo_header& header = m.message.header();
       const std::string stamp = std::to_string(header.t_ns);
       if (progress) progress(++done, r_.messages.size());
       if (header.type == ODO_TYPE_IMU) {
-        const auto& sample = as<odo_imu>(header);
-        imu += stamp + "," + text(sample.gyro_b[0]) + "," + text(sample.gyro_b[1]) + "," + text(sample.gyro_b[2]) +
-               "," + text(sample.accel_b[0]) + "," + text(sample.accel_b[1]) + "," + text(sample.accel_b[2]) + "\n";
+        joiner.push(as<odo_imu>(header), [&](const odo_imu& s) {
+          imu += std::to_string(s.header.t_ns) + "," + list(s.gyro_b, 3, ",") + "," + list(s.accel_b, 3, ",") + "\n";
+        });
       } else if (header.type == ODO_TYPE_FRAME) {
         const auto frame = load_frame(m);
         if (!frame) return frame.failure();
@@ -148,14 +150,15 @@ class EurocWriter {
 
   void write_truth() {
     std::string csv =
-        "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z [],"
-        "v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1],b_w_RS_S_x [rad s^-1],b_w_RS_S_y [rad s^-1],"
-        "b_w_RS_S_z [rad s^-1],b_a_RS_S_x [m s^-2],b_a_RS_S_y [m s^-2],b_a_RS_S_z [m s^-2]\n";
+        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], "
+        "v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], "
+        "b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]\n";
     for (const TrueState& s : r_.true_states) {
       const Eigen::Vector4d q(s.q.w(), s.q.x(), s.q.y(), s.q.z());
       csv += std::to_string(s.t_ns);
-      for (const auto& numbers : {list(s.p, 3), list(q, 4), list(s.v, 3), list(s.gyro_bias, 3), list(s.accel_bias, 3)})
-        csv += ", " + numbers;
+      for (const auto& numbers : {list(s.p, 3, ","), list(q, 4, ","), list(s.v, 3, ","), list(s.gyro_bias, 3, ","),
+                                  list(s.accel_bias, 3, ",")})
+        csv += "," + numbers;
       csv += "\n";
     }
     if (!r_.true_states.empty()) write_text("mav0/state_groundtruth_estimate0/data.csv", csv);

@@ -29,19 +29,18 @@ cv::Matx33d intrinsics(const Scenario::Camera& c) {
 
 }  // namespace
 
-const Eigen::Quaterniond& SimCamera::in_body() {
-  static const Eigen::Quaterniond q(0.0, 1.0, 0.0, 0.0);
-  return q;
-}
-
-Eigen::Isometry3d SimCamera::pose(const Motion& phone, double t_s) {
+Eigen::Isometry3d SimCamera::pose(const Motion& phone, double t_s) const {
   Eigen::Isometry3d T = phone.pose(t_s);
-  T.linear() = (T.linear() * in_body().toRotationMatrix()).eval();
+  T.linear() = (T.linear() * in_body_.toRotationMatrix()).eval();
   return T;
 }
 
 SimCamera::SimCamera(const Scenario::Camera& camera, double light, uint64_t seed)
-    : c_(camera), light_(light), seed_(seed), vignette_(camera.height, camera.width, CV_32F) {
+    : c_(camera),
+      light_(light),
+      seed_(seed),
+      in_body_(Eigen::Quaterniond(0, 1, 0, 0) * Eigen::AngleAxisd(camera.tilt_rad, Eigen::Vector3d::UnitX())),
+      vignette_(camera.height, camera.width, CV_32F) {
   std::vector<cv::Point2d> pixels, rays;
   for (int y = 0; y < c_.height; ++y)
     for (int x = 0; x < c_.width; ++x) pixels.emplace_back(x, y);
@@ -84,12 +83,12 @@ std::optional<Eigen::Vector2d> SimCamera::project_rolling(const Motion& phone, d
   return inside ? std::optional(pixel) : std::nullopt;
 }
 
-cv::Mat SimCamera::develop(const cv::Mat& light, size_t frame) const {
+cv::Mat SimCamera::develop(const cv::Mat& light, size_t frame, double open) const {
   // The exposure follows the light as far as it can, in steps; what is missing is made up by gain, which brings noise.
   Random random(seed_, 1000 + frame);
   const double step = std::exp(c_.exposure_steps * Random(seed_, 70 + frame / 7).normal());
-  const auto gain = static_cast<float>(std::min(12.0, 1 / light_));
-  const auto brightness = static_cast<float>(light_ * gain * step);
+  const auto gain = static_cast<float>(std::min(12.0, 1 / (light_ * std::max(open, 1e-3))));
+  const auto brightness = static_cast<float>(light_ * open * gain * step);
   const auto shot = static_cast<float>(c_.shot_noise * c_.shot_noise) * gain;
   const auto read = static_cast<float>(c_.read_noise * c_.read_noise) * gain * gain;
   const auto& normal = normal_table();

@@ -17,9 +17,9 @@ class SimCamera {
  public:
   SimCamera(const Scenario::Camera& camera, double light, uint64_t seed);
 
-  /// From the camera to the body b: the camera's x, y, z are the body's x, -y, -z.
-  static const Eigen::Quaterniond& in_body();
-  static Eigen::Isometry3d pose(const Motion& phone, double t_s);
+  /// From the camera to the body b: without tilt the camera's x, y, z are the body's x, -y, -z.
+  const Eigen::Quaterniond& in_body() const { return in_body_; }
+  Eigen::Isometry3d pose(const Motion& phone, double t_s) const;
 
   int width() const { return c_.width; }
   int height() const { return c_.height; }
@@ -36,13 +36,15 @@ class SimCamera {
   /// outside the picture.
   std::optional<Eigen::Vector2d> project_rolling(const Motion& phone, double t_s, const Eigen::Vector3d& p_n) const;
 
-  /// Turns what the lens sees (grey, 0 to 255 of a well-lit scene) into stored pixels.
-  cv::Mat develop(const cv::Mat& light, size_t frame) const;
+  /// Turns what the lens sees (grey, 0 to 255 of a well-lit scene) into stored pixels; `open` is the part of the light
+  /// that gets to the lens.
+  cv::Mat develop(const cv::Mat& light, size_t frame, double open = 1.0) const;
 
  private:
   Scenario::Camera c_;
   double light_;
   uint64_t seed_;
+  Eigen::Quaterniond in_body_;
   std::vector<Eigen::Vector3f> rays_;
   cv::Mat vignette_;
 };
@@ -57,6 +59,8 @@ class View {
 
   /// 32-bit float grey of the frame whose middle row is exposed around t.
   cv::Mat render(const Motion& phone, double t_s);
+  /// The part of the last frame's pixels that show something that moves.
+  double moving_part() const { return moving_part_; }
   /// The part of a known object that nothing stands before, 0 to 1, in steps of a 25th.
   double visible_part(const KnownObject& object, const Eigen::Vector3d& eye_n, double t_s);
 
@@ -64,7 +68,7 @@ class View {
   void place_movers(double t_s);
   bool same_face(size_t a, size_t b) const;
   void look_along_row();
-  void shade_row(float* row, float* depth);
+  void shade_row(float* row, float* depth, uint16_t* instance);
   void cast_shadows(float* row);
   void cast_reflections(float* row, const float* depth);
   float sky(const Eigen::Vector3f& ray) const;
@@ -78,6 +82,8 @@ class View {
   std::vector<RTCGeometry> movers_;
   std::vector<size_t> mesh_of_instance_;
   std::vector<Eigen::Isometry3f> place_of_instance_;
+  cv::Mat instance_of_pixel_;  // of the frame at work
+  double moving_part_ = 0;
   // One row at work: what its rays hit, what the sun adds to it, rays towards the sun, and those that glass sends on.
   std::vector<RTCRayHit> hits_, mirrors_;
   std::vector<float> sunlight_;

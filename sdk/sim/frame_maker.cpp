@@ -23,9 +23,9 @@ Result<std::vector<unsigned char>> encode(const cv::Mat& picture, int jpeg_quali
 
 }  // namespace
 
-FrameMaker::FrameMaker(const World& world, const SimCamera& camera, const Scenario& scenario, const Motion& phone,
+FrameMaker::FrameMaker(const World& world, const SimCamera& camera, const Scenario& scenario, const Journey& journey,
                        std::vector<double> exposures_s, unsigned threads)
-    : camera_(camera), c_(scenario), phone_(phone), exposures_s_(std::move(exposures_s)) {
+    : camera_(camera), c_(scenario), journey_(journey), exposures_s_(std::move(exposures_s)) {
   if (threads == 0) threads = std::clamp(std::thread::hardware_concurrency(), 1u, 16u);
   for (unsigned i = 0; i < threads; ++i) views_.push_back(std::make_unique<View>(world, camera, scenario));
 }
@@ -39,15 +39,17 @@ Result<std::vector<unsigned char>> FrameMaker::take(size_t k) {
 void FrameMaker::make_batch(size_t first) {
   const size_t last = std::min(exposures_s_.size(), first + 8 * views_.size());
   batch_first_ = first;
+  moving_parts_.resize(last);
   batch_.assign(last - first, Failure{ODO_E_DATA, "not rendered"});
   std::atomic<size_t> next{first};
   std::vector<Times> times(views_.size());
   const auto work = [&](size_t thread) {
     for (size_t k = next++; k < last; k = next++) {
       const double start = now();
-      const cv::Mat light = views_[thread]->render(phone_, exposures_s_[k]);
+      const cv::Mat light = views_[thread]->render(journey_.phone, exposures_s_[k]);
+      moving_parts_[k] = static_cast<float>(views_[thread]->moving_part());
       const double rendered = now();
-      const cv::Mat picture = camera_.develop(light, k);
+      const cv::Mat picture = camera_.develop(light, k, journey_.open_at(exposures_s_[k]));
       const double developed = now();
       batch_[k - first] = encode(picture, c_.camera.jpeg_quality);
       times[thread].render_s += rendered - start;

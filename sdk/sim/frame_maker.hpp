@@ -7,6 +7,7 @@
 
 #include "sdk/base/result.hpp"
 #include "sdk/sim/camera.hpp"
+#include "sdk/sim/journey.hpp"
 
 namespace odograph {
 
@@ -18,12 +19,14 @@ class FrameMaker {
     double render_s = 0, develop_s = 0, encode_s = 0;  ///< summed over threads
   };
   /// `threads` 0: as many as there are cores.
-  FrameMaker(const World& world, const SimCamera& camera, const Scenario& scenario, const Motion& phone,
+  FrameMaker(const World& world, const SimCamera& camera, const Scenario& scenario, const Journey& journey,
              std::vector<double> exposures_s, unsigned threads);
 
   /// The encoded picture of frame k; ask in ascending order. The picture is gone with the next call.
   Result<std::vector<unsigned char>> take(size_t k);
   const Times& times() const { return times_; }
+  /// Of each frame made so far: how much of it shows something that moves.
+  const std::vector<float>& moving_parts() const { return moving_parts_; }
   unsigned threads() const { return static_cast<unsigned>(views_.size()); }
 
  private:
@@ -31,12 +34,13 @@ class FrameMaker {
 
   const SimCamera& camera_;
   const Scenario& c_;
-  const Motion& phone_;
+  const Journey& journey_;
   std::vector<double> exposures_s_;
   std::vector<std::unique_ptr<View>> views_;
   std::vector<Result<std::vector<unsigned char>>> batch_;
   size_t batch_first_ = 0;
   Times times_;
+  std::vector<float> moving_parts_;
 };
 
 }  // namespace odograph

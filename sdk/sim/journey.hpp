@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -27,6 +28,21 @@ struct Journey {
     Eigen::Vector3d p_n;  ///< of the ground under the walker
   };
   std::vector<Mark> waypoints;
+  struct Cover {
+    double t_start_s, t_end_s;
+  };
+  std::vector<Cover> covers;  ///< while the phone is in a pocket
+
+  /// The part of the light that gets to the lens.
+  double open_at(double t_s) const {
+    constexpr double kSlip_s = 0.3, kDark = 1e-3;
+    double open = 1;
+    for (const Cover& c : covers) {
+      const double inside = std::min(t_s - c.t_start_s, c.t_end_s - t_s) / kSlip_s;
+      open = std::min(open, std::clamp(0.5 - inside, kDark, 1.0));
+    }
+    return open;
+  }
 };
 
 }  // namespace odograph

@@ -58,16 +58,18 @@ Spec world_spec() {
 
 Spec route_spec() {
   const Spec point = reals("point", "m", -1e4, 1e4, 3, "north, east, up");
-  Spec event = map(
-      "event", "what happens on the way",
-      {required(real("at", "m", 0, 1e5, "0", "distance along the route")),
-       required(choice("do", "stand|look_around|handle|turn|evade|shuffle|speed|bump|texting|swinging|pocket", "stand",
-                       "stop and stand still, look around, type and gesture (handle) or turn in place; step "
-                       "around somebody; small steps; another speed; another way to carry the phone; a car knows "
-                       "stand, speed and bump (a hump in the road)")),
-       real("for", "s", 0, 3600, "5", "how long, where the walker stands; over how long otherwise"),
-       real("speed", "m/s", 0.2, 40, "1.35", "for `do: speed`; above 2.2 a walker runs"),
-       boolean("waypoint", "false", "a surveyed mark on the ground: the recording says when he is on it")});
+  Spec event =
+      map("event", "what happens on the way",
+          {required(real("at", "m", 0, 1e5, "0", "distance along the route")),
+           required(choice("do", "stand|look_around|handle|turn|evade|cross|shuffle|speed|bump|texting|swinging|pocket",
+                           "stand",
+                           "stop and stand still, look around, type and gesture (handle) or turn in place; step "
+                           "around somebody; cross a road from kerb to kerb; small steps; another speed; another way "
+                           "to carry the phone; a car knows "
+                           "stand, speed and bump (a hump in the road)")),
+           real("for", "s", 0, 3600, "5", "how long, where the walker stands; over how long otherwise"),
+           real("speed", "m/s", 0.2, 40, "1.35", "for `do: speed`; above 2.2 a walker runs"),
+           boolean("waypoint", "false", "a surveyed mark on the ground: the recording says when he is on it")});
   Spec object = map("object", "a board with a tag of the family 36h11, its place surveyed; tags are numbered from 0",
                     {required(real("at", "m", 0, 1e5, "0", "distance along the route; it faces those who come")),
                      real("right", "m", -100, 100, "4", "beside the route"),
@@ -81,23 +83,25 @@ Spec route_spec() {
 }
 
 Spec camera_spec() {
-  return map("camera", "the phone's rear camera",
-             {integer("width", 64, 4096, "640", "pixels"), integer("height", 48, 4096, "480", "pixels"),
-              choice("model", "pinhole|kannala_brandt", "pinhole", "lens"),
-              real("focal", "px", 50, 5000, "500", "focal length"),
-              reals("distortion", "", -2, 2, 4, "k1 k2 p1 p2 of a pinhole, k1 k2 k3 k4 of Kannala-Brandt"),
-              real("rate", "Hz", 1, 120, "10", "frames a second"),
-              real("pitch", "rad", -1.57, 1.57, "-0.2", "of the view when texting; negative looks down"),
-              real("row_time", "s", 0, 1e-3, "30e-6", "rolling shutter: from one row to the next; 0 = global shutter"),
-              real("exposure", "s", 0, 0.1, "8e-3", "of a frame; moving pictures blur over it"),
-              real("exposure_steps", "", 0, 1, "0.03", "standard deviation of the gain's steps from frame to frame"),
-              real("vignetting", "", 0, 1, "0.25", "loss of light in the corners"),
-              real("shot_noise", "", 0, 5, "0.35", "standard deviation of a grey value at 1, growing with its root"),
-              real("read_noise", "", 0, 50, "1.2", "standard deviation of a grey value in the dark"),
-              real("drop", "", 0, 0.9, "0", "fraction of the frames that are lost"),
-              real("jitter", "s", 0, 0.05, "0", "standard deviation of the time stamps"),
-              real("time_offset", "s", -0.2, 0.2, "0", "IMU time = camera time + this; told in the calibration"),
-              integer("jpeg_quality", 0, 100, "90", "of the stored pictures; 0 = PNG")});
+  return map(
+      "camera", "the phone's rear camera",
+      {integer("width", 64, 4096, "640", "pixels"), integer("height", 48, 4096, "480", "pixels"),
+       choice("model", "pinhole|kannala_brandt", "pinhole", "lens"),
+       real("focal", "px", 50, 5000, "500", "focal length"),
+       reals("distortion", "", -2, 2, 4, "k1 k2 p1 p2 of a pinhole, k1 k2 k3 k4 of Kannala-Brandt"),
+       real("rate", "Hz", 1, 120, "10", "frames a second"),
+       real("pitch", "rad", -1.57, 1.57, "-0.2", "of the view when texting; negative looks down"),
+       real("tilt", "rad", -1.6, 1.6, "0", "of the camera in the phone, from straight out of its back towards its top"),
+       real("row_time", "s", 0, 1e-3, "30e-6", "rolling shutter: from one row to the next; 0 = global shutter"),
+       real("exposure", "s", 0, 0.1, "8e-3", "of a frame; moving pictures blur over it"),
+       real("exposure_steps", "", 0, 1, "0.03", "standard deviation of the gain's steps from frame to frame"),
+       real("vignetting", "", 0, 1, "0.25", "loss of light in the corners"),
+       real("shot_noise", "", 0, 5, "0.35", "standard deviation of a grey value at 1, growing with its root"),
+       real("read_noise", "", 0, 50, "1.2", "standard deviation of a grey value in the dark"),
+       real("drop", "", 0, 0.9, "0", "fraction of the frames that are lost"),
+       real("jitter", "s", 0, 0.05, "0", "standard deviation of the time stamps"),
+       real("time_offset", "s", -0.2, 0.2, "0", "IMU time = camera time + this; told in the calibration"),
+       integer("jpeg_quality", 0, 100, "90", "of the stored pictures; 0 = PNG")});
 }
 
 Spec imu_spec() {
@@ -205,7 +209,7 @@ Result<Scenario> take(const Value& v, const std::string& path) {
   s.camera.width = static_cast<int>(c["width"].integer), s.camera.height = static_cast<int>(c["height"].integer);
   s.camera.model = c["model"].text, s.camera.focal_px = c["focal"].real;
   if (c["distortion"].given) s.camera.distortion = c["distortion"].reals;
-  s.camera.rate_hz = c["rate"].real, s.camera.pitch_rad = c["pitch"].real;
+  s.camera.rate_hz = c["rate"].real, s.camera.pitch_rad = c["pitch"].real, s.camera.tilt_rad = c["tilt"].real;
   s.camera.row_time_s = c["row_time"].real, s.camera.exposure_s = c["exposure"].real;
   s.camera.exposure_steps = c["exposure_steps"].real, s.camera.vignetting = c["vignetting"].real;
   s.camera.shot_noise = c["shot_noise"].real, s.camera.read_noise = c["read_noise"].real;

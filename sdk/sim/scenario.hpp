@@ -35,7 +35,8 @@ struct Scenario {
   } walker;
   struct Event {
     double at_m = 0;
-    std::string what;  // stand, look_around, handle, turn, evade, shuffle, speed, texting, swinging, pocket
+    std::string
+        what;  // stand, look_around, handle, turn, evade, cross, shuffle, speed, bump, texting, swinging, pocket
     double for_s = 0;
     double speed_mps = 0;
     bool waypoint = false;
@@ -53,7 +54,7 @@ struct Scenario {
     std::string model = "pinhole";
     double focal_px = 500;
     std::vector<double> distortion = {0, 0, 0, 0};  // k1 k2 p1 p2, or Kannala-Brandt's k1 k2 k3 k4
-    double rate_hz = 10, pitch_rad = -0.2;
+    double rate_hz = 10, pitch_rad = -0.2, tilt_rad = 0;
     double row_time_s = 30e-6, exposure_s = 8e-3;
     double exposure_steps = 0.03, vignetting = 0.25, shot_noise = 0.35, read_noise = 1.2;
     double drop = 0, jitter_s = 0, time_offset_s = 0;

@@ -71,7 +71,7 @@ class Simulation {
     geodesy_.set_origin({0.8238, -0.0271, 20.0});
     std::vector<double> times;
     for (const auto& frame : frames_) times.push_back(frame.t_s);
-    maker_ = std::make_unique<FrameMaker>(world_, camera_, c_, walk_.phone, std::move(times), threads);
+    maker_ = std::make_unique<FrameMaker>(world_, camera_, c_, walk_, std::move(times), threads);
   }
 
   Result<SimulationReport> run(const std::function<void(size_t, size_t)>& progress) {
@@ -139,7 +139,7 @@ class Simulation {
     if (!failure_.text.empty()) return failure_;
     if (!writer_.flush()) return Failure{ODO_E_NOT_FOUND, "writing the recording failed; is the disk full?"};
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-    return SimulationReport{frames_.size(), wall.count(), maker_->threads(), maker_->times()};
+    return SimulationReport{frames_.size(), wall.count(), maker_->threads(), maker_->times(), maker_->moving_parts()};
   }
 
   int64_t clock_ns(double t_s) const { return start_ns_ + static_cast<int64_t>(std::llround(t_s * 1e9)); }
@@ -164,7 +164,7 @@ class Simulation {
     m.fx = m.fy = c_.camera.focal_px, m.cx = camera_.cx(), m.cy = camera_.cy();
     std::copy(c_.camera.distortion.begin(), c_.camera.distortion.end(), m.distortion);
     m.distortion_count = 4;
-    const Eigen::Quaterniond q = SimCamera::in_body();
+    const Eigen::Quaterniond q = camera_.in_body();
     m.q_b_c[0] = q.w(), m.q_b_c[1] = q.x(), m.q_b_c[2] = q.y(), m.q_b_c[3] = q.z();
     m.time_offset_ns = std::llround(c_.camera.time_offset_s * 1e9);
     check(writer_.write(m.header));
@@ -191,7 +191,7 @@ class Simulation {
     frame.exposure_ns = std::llround(c_.camera.exposure_s * 1e9);
     frame.line_time_ns = std::llround(c_.camera.row_time_s * 1e9);
     check(writer_.write_encoded_frame(frame, *picture));
-    const Eigen::Isometry3d T = SimCamera::pose(walk_.phone, frames_[k].t_s);
+    const Eigen::Isometry3d T = camera_.pose(walk_.phone, frames_[k].t_s);
     check(writer_.write_truth({clock_ns(frames_[k].t_s), Eigen::Quaterniond(T.linear()), T.translation()}));
     for (const KnownObject& object : world_.known_objects()) write_sighting(object, frames_[k].t_s, T.translation());
   }

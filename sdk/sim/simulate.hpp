@@ -16,6 +16,7 @@ struct SimulationReport {
   double seconds = 0;  ///< wall clock
   unsigned threads = 0;
   FrameMaker::Times times;
+  std::vector<float> moving_parts;  ///< of each frame: how much of it shows something that moves
 };
 
 struct SimulationOptions {

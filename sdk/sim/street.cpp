@@ -25,6 +25,19 @@ void World::build_street(const Scenario& c, uint64_t seed) {
     const double half = std::min(3.0, 0.25 * c.world.street_width_m), lift = leg.to.z() == leg.from.z() ? 0.0 : 2.0;
     const Vector3d start = leg.at(0, -half - lift) + above;
     m.add_quad(start, leg.at(leg.length, -half - lift) + above - start, 2 * (half + lift) * leg.aside, Set::kAsphalt);
+    if (const double rise = leg.to.z() - leg.from.z(); std::abs(rise) > 0.2 * leg.length) {
+      // Stairs: a tread for each step of 0.29 m, above the slope, and its riser.
+      const auto treads = static_cast<int>(std::lround(leg.length / 0.29));
+      const double run = leg.length / treads, riser = rise / treads;
+      for (int k = 0; k < treads; ++k) {
+        Vector3d corner = leg.at(k * run, -half - lift);
+        corner.z() -= 0.03 + std::max(riser, 0.0);
+        m.add_quad(corner, 2 * (half + lift) * leg.aside, run * leg.along, Set::kPaving, k % 2 == 0 ? 1.1f : 0.95f);
+        const Vector3d edge = riser > 0 ? corner : Vector3d(corner + run * leg.along);
+        m.add_quad(edge, 2 * (half + lift) * leg.aside, {0, 0, std::abs(riser)}, Set::kPaving, 0.8f);
+      }
+      continue;
+    }
     for (double d = 2; d + 3 < leg.length; d += 7)  // lane marks
       m.add_quad(leg.at(d, -0.08) + 2 * above, 3 * leg.along, 0.16 * leg.aside, Set::kWall);
   }

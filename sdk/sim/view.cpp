@@ -180,7 +180,7 @@ void View::cast_reflections(float* row, const float* depth) {
   }
 }
 
-void View::shade_row(float* row, float* depth) {
+void View::shade_row(float* row, float* depth, uint16_t* instance) {
   look_along_row();
   mirrors_.clear(), glass_pixels_.clear();
   const Vector3f sun = world_.sun();
@@ -188,6 +188,7 @@ void View::shade_row(float* row, float* depth) {
   for (size_t x = 0; x < hits_.size(); ++x) {
     const RTCRayHit& hit = hits_[x];
     sunlight_[x] = 0;
+    instance[x] = 0;
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
       row[x] = sky(direction(hit.ray));
       depth[x] = kFar;
@@ -200,6 +201,7 @@ void View::shade_row(float* row, float* depth) {
     // Ambient light comes from the sky: less from below.
     row[x] = grey * (0.80f - 0.15f * normal.z());
     depth[x] = hit.ray.tfar;
+    instance[x] = static_cast<uint16_t>(hit.hit.instID[0]);
     const Vector3f point = end(hit.ray) + 0.01f * normal;
     if (glass) {
       const Vector3f ray = direction(hit.ray);
@@ -220,13 +222,15 @@ void View::shade_row(float* row, float* depth) {
 cv::Mat View::render(const Motion& phone, double t_s) {
   place_movers(t_s);
   cv::Mat grey(camera_.height(), camera_.width(), CV_32F), depth(grey.size(), CV_32F);
+  instance_of_pixel_.create(grey.size(), CV_16U);
   for (int y = 0; y < camera_.height(); ++y) {
-    const Eigen::Isometry3d T = SimCamera::pose(phone, t_s + camera_.row_offset_s(y));
+    const Eigen::Isometry3d T = camera_.pose(phone, t_s + camera_.row_offset_s(y));
     const Eigen::Matrix3f R = T.linear().cast<float>();
     const Vector3f origin = T.translation().cast<float>();
     for (int x = 0; x < camera_.width(); ++x) aim(hits_[static_cast<size_t>(x)], origin, R * camera_.ray(x, y));
-    shade_row(grey.ptr<float>(y), depth.ptr<float>(y));
+    shade_row(grey.ptr<float>(y), depth.ptr<float>(y), instance_of_pixel_.ptr<uint16_t>(y));
   }
+  moving_part_ = static_cast<double>(cv::countNonZero(instance_of_pixel_)) / static_cast<double>(grey.total());
   cv::Mat sharp;
   cv::GaussianBlur(grey, sharp, {3, 3}, 0.5);  // the lens, and edges that one ray a pixel leaves jagged
   return c_.camera.exposure_s > 0 ? blurred(sharp, depth, phone, t_s) : sharp;
@@ -252,17 +256,24 @@ double View::visible_part(const KnownObject& object, const Vector3d& eye_n, doub
 
 cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s) const {
   const auto state = phone.at(t_s);
-  const Eigen::Matrix3d R_c_b = SimCamera::in_body().conjugate().toRotationMatrix();
+  const Eigen::Matrix3d R_c_b = camera_.in_body().conjugate().toRotationMatrix();
   const Vector3f turn = (R_c_b * state.angular_velocity_b).cast<float>();
-  const Vector3f move = (R_c_b * state.T_n_b.linear().transpose() * state.velocity_n).cast<float>();
+  const Eigen::Matrix3d R_c_n = R_c_b * state.T_n_b.linear().transpose();
+  std::vector<Vector3f> moves = {(R_c_n * state.velocity_n).cast<float>()};  // against what stands, and each mover
+  for (const auto& mover : world_.movers()) {
+    const Vector3d velocity = mover.speed_mps * Vector3d(std::cos(mover.heading), std::sin(mover.heading), 0);
+    moves.push_back((R_c_n * (state.velocity_n - velocity)).cast<float>());
+  }
   const auto reach = static_cast<float>(c_.camera.exposure_s * c_.camera.focal_px);
   cv::Mat out(grey.size(), CV_32F);
   const int right = grey.cols - 1, bottom = grey.rows - 1;
   const auto* pixels = grey.ptr<float>();
   for (int y = 0; y <= bottom; ++y) {
     const auto *row = grey.ptr<float>(y), *depths = depth.ptr<float>(y);
+    const auto* instances = instance_of_pixel_.ptr<uint16_t>(y);
     auto* to = out.ptr<float>(y);
     for (int x = 0; x <= right; ++x) {
+      const Vector3f& move = moves[instances[x]];
       // The flow of a point at (X, Y, 1) z.
       const Vector3f& ray = camera_.ray(x, y);
       const float near = 1.0f / ray.z(), X = ray.x() * near, Y = ray.y() * near, inverse_z = near / depths[x];

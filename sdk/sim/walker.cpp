@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kRate_hz = 400.0;  // of the control points: heel shocks ring at 15 to 25 Hz
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = 3.14159265358979323846, kKerb_m = 0.12;
 
 /// Everything that the body and the hand do, as samples at kRate_hz.
 class Body {
@@ -36,6 +36,10 @@ class Body {
     walk.phone = Motion(kRate_hz, std::move(p_), std::move(q_));
     for (const auto& s : plan_.steps) walk.steps.push_back({s.t0, s.t1, s.length_m, s.mode});
     walk.modes = modes();
+    for (size_t k = 0; k < plan_.carries.size(); ++k)
+      if (plan_.carries[k].second == "pocket")
+        walk.covers.push_back(
+            {plan_.carries[k].first, k + 1 < plan_.carries.size() ? plan_.carries[k + 1].first : plan_.duration_s + 1});
     for (const auto& [t, s] : plan_.marks) {
       const auto place = route_.at(s);
       walk.waypoints.push_back({t, {place.north_east.x(), place.north_east.y(), -place.up}});
@@ -84,6 +88,8 @@ class Body {
       const auto place = route_.at(distance_[i]);
       north[i] = place.north_east.x(), east[i] = place.north_east.y(), up[i] = place.up, heading_[i] = place.heading;
     }
+    for (const auto& [from, to] : plan_.roads)
+      for (size_t i = sample(from); i < sample(to); ++i) up[i] -= kKerb_m;
     smooth(north, 0.25, kRate_hz), smooth(east, 0.25, kRate_hz), smooth(up, 0.12, kRate_hz);
     smooth(heading_, 0.30, kRate_hz);
     add_wander(lateral_, Random(seed_, 21), 8.0, 0.18, kRate_hz);

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = 3.14159265358979323846, kElbow_m = 0.9;
 using Set = TextureSet;
 
 Mesh person(Random& random) {
@@ -138,8 +138,12 @@ void World::add_movers(const Scenario& c, uint64_t seed) {
     const auto number = [&](int64_t density) {
       return static_cast<int>(std::floor(static_cast<double>(density) * leg.length / 100 + random.uniform()));
     };
+    const auto aside = [&](double most) {  // nobody walks through whoever carries the camera
+      const double right = random.uniform(-1, 1) * (most - kElbow_m);
+      return right + std::copysign(kElbow_m, right);
+    };
     for (int k = number(c.world.pedestrians); k > 0; --k)
-      send(people + random.next() % 4, random.uniform(-1, 1) * std::min(edge - 1, 4.5), random.uniform(1.0, 1.7));
+      send(people + random.next() % 4, aside(std::min(edge - 1, 4.5)), random.uniform(1.0, 1.7));
     for (int k = number(c.world.cars); k > 0 && !c.is_indoors() && edge > 5; --k)
       send(cars + random.next() % 2, (random.uniform() < 0.5 ? -1 : 1) * std::min(edge - 5.2, 3.0),
            random.uniform(5, 11));

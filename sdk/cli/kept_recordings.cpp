@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/cli/kept_recordings.hpp"
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include <zlib.h>
+
+#include "sdk/cli/commands.hpp"
+#include "sdk/evaluation/evaluation.hpp"
+#include "sdk/sim/simulate.hpp"
+
+namespace odograph {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Counts up with every change of the simulator that changes its recordings, so that old ones are not taken for new.
+constexpr int kSimulator = 3;
+
+}  // namespace
+
+Result<std::string> text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file (run from the source folder, or say where)"};
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+Result<fs::path> kept_recording(const fs::path& file, uint64_t seed, const fs::path& keep, double first_m) {
+  const auto text = text_of(file);
+  if (!text) return text.failure();
+  auto scenario = read_scenario(file.string());
+  if (!scenario) return scenario.failure();
+  if (first_m > 0) scenario->walk_m = first_m;
+  const auto sum = crc32(kSimulator, reinterpret_cast<const Bytef*>(text->data()), static_cast<uInt>(text->size()));
+  char mark[64];
+  std::snprintf(mark, sizeof mark, "-s%llu-%08lx%s.odo", static_cast<unsigned long long>(seed), sum,
+                first_m > 0 ? "-quick" : "");
+  std::error_code error;
+  fs::create_directories(keep, error);
+  const fs::path kept = keep / (file.stem().string() + mark);
+  if (fs::exists(kept, error)) return kept;
+  const fs::path part = kept.string() + ".part";  // a stopped run leaves no half recording under the name
+  Progress progress("sim " + file.stem().string() + " seed " + std::to_string(seed));
+  const auto done = simulate(*scenario, seed, part, {.progress = [&](size_t i, size_t n) { progress.show(i, n); }});
+  if (!done) return done.failure();
+  fs::rename(part, kept, error);
+  if (error) return Failure{ODO_E_NOT_FOUND, kept.string() + ": cannot be written"};
+  return kept;
+}
+
+Trajectory started(const Trajectory& truth, const Trajectory& track, double over_m) {
+  std::vector<Waypoint> start;
+  double walked = 0, next = 0;
+  for (size_t i = 0; i < truth.size() && walked <= over_m; ++i) {
+    if (i > 0) walked += (truth[i].p - truth[i - 1].p).head<2>().norm();
+    if (walked >= next) start.push_back({truth[i].t_ns, truth[i].p}), next += 1;
+  }
+  return lay_over(track, start, heading_offset(track, start, over_m));
+}
+
+}  // namespace odograph

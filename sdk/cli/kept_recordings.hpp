@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sdk/recording/recording.hpp"
+
+namespace odograph {
+
+/// A file's text, or why there is none.
+Result<std::string> text_of(const std::filesystem::path& file);
+
+/// The recording of a scenario and seed in the folder `keep`, made now unless it is kept there from an earlier run of
+/// the same scenario by the same simulator. `first_m` above 0: only that much of the way. Shows progress.
+Result<std::filesystem::path> kept_recording(const std::filesystem::path& scenario, uint64_t seed,
+                                             const std::filesystem::path& keep, double first_m);
+
+/// Turned and shifted onto the truth over its first metres, as an app does that knows where it starts.
+Trajectory started(const Trajectory& truth, const Trajectory& track, double over_m);
+
+}  // namespace odograph
