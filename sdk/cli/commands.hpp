@@ -18,9 +18,11 @@ void add_config(CLI::App& app, int& status);
 void add_plugins(CLI::App& app, int& status);
 void add_convert(CLI::App& app, int& status);
 void add_bench(CLI::App& app, int& status);
+void add_steps(CLI::App& app, int& status);
 void add_bench_walk700(CLI::App& bench, int& status);
 void add_bench_allan(CLI::App& bench, int& status);
 void add_bench_drive(CLI::App& bench, int& status);
+void add_bench_steps(CLI::App& bench, int& status);
 void add_bench_tracks(CLI::App& bench, int& status);
 void add_bench_gait(CLI::App& bench, int& status);
 

@@ -36,6 +36,8 @@ struct Collector {
     switch (event.type) {
       case ODO_TYPE_POSE: take_pose(as<odo_pose>(event)); break;
       case ODO_TYPE_STEP: result.steps.push_back(as<odo_step>(event)); break;
+      case ODO_TYPE_MOTION_MODE: result.modes.push_back(as<odo_motion_mode>(event)); break;
+      case ODO_TYPE_ATTITUDE: result.attitudes.push_back(as<odo_attitude>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
       case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), event.quality > 0.5f}); break;
       case ODO_TYPE_STATE:
@@ -100,8 +102,9 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   RunResult result;
   result.config_text = config->text;
   Collector collector{result};
-  odo_session_set_callback(session, ODO_ON_POSE | ODO_ON_STEP | ODO_ON_SCALE | ODO_ON_FIX | ODO_ON_STATE,
-                           Collector::on_event, &collector);
+  uint64_t wanted = ODO_ON_POSE | ODO_ON_STEP | ODO_ON_MOTION_MODE | ODO_ON_SCALE | ODO_ON_FIX | ODO_ON_STATE;
+  if (options.collect_attitudes) wanted |= ODO_ON_ATTITUDE;
+  odo_session_set_callback(session, wanted, Collector::on_event, &collector);
   size_t done = 0;
   for (const RecordedMessage& message : recording.messages) {
     const bool is_frame = message.message.header().type == ODO_TYPE_FRAME;

@@ -24,6 +24,8 @@ struct RunResult {
   std::vector<odo_step> steps;
   std::vector<odo_scale> scales;
   std::vector<Fix> fixes;
+  std::vector<odo_motion_mode> modes;   // each from its own time until the next one's
+  std::vector<odo_attitude> attitudes;  // where RunOptions asks for them
   odo_statistics statistics{};
   std::vector<double> frame_ms;  // work between one camera pose and the next
   std::vector<double> imu_us;    // work of each IMU sample alone
@@ -39,6 +41,7 @@ struct RunOptions {
   std::string plugin_path;
   uint64_t seed = 0;
   bool collect_timing = true;
+  bool collect_attitudes = false;
   std::function<void(size_t done, size_t all)> progress;
 };
 

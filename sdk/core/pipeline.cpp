@@ -88,6 +88,7 @@ void Pipeline::on_fixes(std::span<AnyMessage> events) {
     fix.header.quality = used ? 1.0f : 0.0f;
     publish_(fix.header);
     if (used && scale_) scale_->process(fix.header);
+    if (used && step_) on_steps(step_->process(fix.header));
   }
   if (const auto corrected = coupling_.take_correction()) publish_(corrected->header);
 }

@@ -47,14 +47,14 @@ class Simulation {
  public:
   /// `city` and `retraced` may be null.
   Simulation(const Scenario& c, uint64_t seed, OdoWriter& writer, const CityModel* city, const Retraced* retraced,
-             unsigned threads)
+             unsigned threads, bool frames)
       : c_(c),
         writer_(writer),
         start_ns_(retraced ? retraced->start_ns : kStart_ns),
         world_(c, seed, city),
         walk_(retraced ? retraced->journey : travel(c, world_.route(), seed)),
         camera_(c.camera, c.world.light, seed),
-        frames_(expose(c.camera, walk_.phone.duration_s(), seed)),
+        frames_(frames ? expose(c.camera, walk_.phone.duration_s(), seed) : std::vector<ExposedFrame>()),
         drops_(seed, 91),
         gyro_(Random(seed, 2),
               {c.imu.gyro_bias, c.imu.gyro_walk, c.imu.gyro_noise, c.imu.scale_error, c.imu.misalignment_rad,
@@ -77,7 +77,7 @@ class Simulation {
   Result<SimulationReport> run(const std::function<void(size_t, size_t)>& progress) {
     const auto start = std::chrono::steady_clock::now();
     write_imu_noise();
-    write_calibration();
+    if (!frames_.empty()) write_calibration();
     simulate_sensors(progress);
     for (const auto& step : walk_.steps) write_step(step);
     return report(start);
@@ -240,7 +240,7 @@ class Simulation {
     auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, clock_ns(t));
     barometer.pressure_pa = barometer_.measure(20.0 - p.z());
     check(writer_.write(barometer.header));
-    if (!c_.is_indoors()) write_skyline(t);
+    if (!c_.is_indoors() && !frames_.empty()) write_skyline(t);
   }
 
   void write_mark(const Journey::Mark& mark) {
@@ -301,7 +301,8 @@ Result<SimulationReport> simulate(const Scenario& scenario, uint64_t seed, const
   }
   auto writer = OdoWriter::create(output, c.camera.jpeg_quality);
   if (!writer) return writer.failure();
-  Simulation simulation(c, seed, **writer, city ? &*city : nullptr, retraced ? &*retraced : nullptr, options.threads);
+  Simulation simulation(c, seed, **writer, city ? &*city : nullptr, retraced ? &*retraced : nullptr, options.threads,
+                        options.frames);
   if (const auto blocked = simulation.world().route_blocked_at_m())
     return Failure{ODO_E_CONFIG, scenario.world.model + ": the route leads into a building after " +
                                      std::to_string(std::lround(*blocked)) + " m"};

@@ -23,6 +23,7 @@ struct SimulationOptions {
   unsigned threads = 0;                          ///< 0: as many as cores
   std::function<void(size_t, size_t)> progress;  ///< frames done, frames in all; may be empty
   std::filesystem::path city;                    ///< CityJSON of the generated town; empty: none is written
+  bool frames = true;                            ///< false: no camera, the other sensors alone, much faster
   const Recording* walk = nullptr;               ///< a real walk to retrace in the scenario's world (hybrid)
 };
 

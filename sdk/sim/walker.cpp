@@ -196,9 +196,11 @@ class Body {
       p_[i] = base_[i] + Eigen::AngleAxisd(facing, Vector3d::UnitZ()) * offset;
       const double yaw = facing + who_.yaw_rad * v * std::sin(kPi * ph + who_.phases[1]) + other(3);
       const double pitch = held * (c_.camera.pitch_rad + look_pitch_[i]) + s * (-1.1 + angle) +
-                           k * (-1.4 + 0.35 * v * std::sin(kPi * ph)) +
+                           k * (0.1 + 0.35 * v * std::sin(kPi * ph)) +  // the thigh
+
                            who_.pitch_rad * v * std::sin(2 * kPi * ph + who_.phases[2]) + other(4);
-      const double roll = s * 0.4 + k * 0.9 + who_.roll_rad * v * std::sin(kPi * ph + who_.phases[3]) + other(5);
+      const double roll = s * 0.4 + k * 2.8 +  // top down in the pocket
+                          who_.roll_rad * v * std::sin(kPi * ph + who_.phases[3]) + other(5);
       q_[i] = Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Vector3d::UnitY()) *
               Eigen::AngleAxisd(roll, Vector3d::UnitX()) * upright;
       if (i > 0 && q_[i].dot(q_[i - 1]) < 0) q_[i].coeffs() *= -1;

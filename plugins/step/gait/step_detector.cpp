@@ -2,6 +2,7 @@
 #include "plugins/step/gait/step_detector.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace odograph::gait {
 namespace {
@@ -39,6 +40,7 @@ std::optional<DetectedStep> StepDetector::update(int64_t t_ns, double value, boo
     if (t_ns - last_step_ns_ > ns(2 * p_.max_interval_s)) typical_peak_ *= 0.99;
   }
   lowest_ = std::min(lowest_, value);
+  absolute_sum_ += std::abs(value), sum_ += value, ++count_;
   previous_ns_ = last_ns_, previous_value_ = last_value_;
   last_ns_ = t_ns, last_value_ = value;
   return found;
@@ -47,8 +49,13 @@ std::optional<DetectedStep> StepDetector::update(int64_t t_ns, double value, boo
 std::optional<DetectedStep> StepDetector::confirm() {
   candidate_ = false;
   const bool fresh = candidate_ns_ - last_step_ns_ > ns(p_.max_interval_s);
-  const DetectedStep step{fresh ? candidate_ns_ - ns(p_.start_interval_s) : last_step_ns_, candidate_ns_,
-                          candidate_value_ - lowest_before_candidate_};
+  const DetectedStep step{fresh ? candidate_ns_ - ns(p_.start_interval_s) : last_step_ns_,
+                          candidate_ns_,
+                          candidate_value_ - lowest_before_candidate_,
+                          absolute_sum_ / std::max(1, count_),
+                          sum_ / std::max(1, count_),
+                          candidate_value_};
+  absolute_sum_ = sum_ = 0, count_ = 0;
   typical_peak_ = typical_peak_ == 0.0 ? candidate_value_ : typical_peak_ + 0.25 * (candidate_value_ - typical_peak_);
   last_step_ns_ = candidate_ns_;
   lowest_ = last_value_;

@@ -10,7 +10,10 @@ namespace odograph::gait {
 struct DetectedStep {
   int64_t t_start_ns;
   int64_t t_end_ns;
-  double swing_mps2;  ///< largest minus smallest value of the signal within the step
+  double swing_mps2;     ///< largest minus smallest value of the signal within the step
+  double mean_abs_mps2;  ///< mean of its absolute value
+  double mean_mps2;      ///< mean
+  double peak_mps2;      ///< largest value
 };
 
 /// Peaks of the gait signal with a threshold that follows the walker, a refractory time and a longest step. The peak is
@@ -45,6 +48,8 @@ class StepDetector {
   int64_t candidate_ns_ = 0;
   double candidate_value_ = 0.0;
   double lowest_ = 0.0, lowest_before_candidate_ = 0.0;
+  double absolute_sum_ = 0.0, sum_ = 0.0;
+  int count_ = 0;
   int64_t last_step_ns_ = INT64_MIN / 2;
 };
 

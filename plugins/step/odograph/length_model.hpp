@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "plugins/step/odograph/step_finder.hpp"
+
+namespace odograph::steps {
+
+/// How the phone is carried.
+enum class Carry : uint32_t { texting, swinging, pocket, running };
+
+/// Step length from the trunk's rise. A leg that swings over as a stiff pendulum lifts the trunk by L^2 / (8 l)
+/// (Zijlstra & Hof, Gait & Posture 2003), so L grows as the root of the rise. A hand that rocks adds to the rise that
+/// the phone feels; the rotation rate tells how much. Where the numbers come from is said in the README.
+struct LengthModel {
+  double base_m = 0.092, per_root_rise = 3.304, per_rate_and_root = -0.766;
+
+  double length_m(const FoundStep& step) const;
+};
+
+/// What is learnt of a walker: one factor on the model's lengths and the turn between the steps' headings and the
+/// fixes' frame, by a Kalman filter on the way from fix to fix as a vector, so that a fix that lies beside the way
+/// betrays itself. Ways that contradict what is known are not believed; a way is closed by the next fix that fits.
+class Walker {
+ public:
+  struct Parameters {
+    double factor_sigma = 0.10;      ///< how much walkers differ
+    double step_sigma = 0.06;        ///< of one step, as a part of it
+    double turn_drift_rad = 0.0005;  ///< of the headings, for the root of a metre
+    double least_way_m = 12.0;       ///< between two fixes that teach something
+  };
+  explicit Walker(const Parameters& parameters) : p_(parameters), variance_(p_.factor_sigma * p_.factor_sigma) {}
+
+  double factor() const { return factor_; }
+  void set_factor(double factor) { factor_ = factor; }
+  /// Of a step of that length: the walker's part, common to all steps, and the step's own.
+  double sigma_m(double length_m) const;
+  double factor_sigma() const;
+
+  void on_step(double model_length_m, double heading_rad);
+  /// A position in a level frame, with the standard deviation of each component.
+  void on_fix(const Eigen::Vector2d& p_n, double sigma_m);
+
+  std::vector<uint8_t> save() const;
+  bool load(const uint8_t* data, size_t size);
+
+ private:
+  Parameters p_;
+  double factor_ = 1.0, variance_;
+  bool has_turn_ = false;
+  double turn_rad_ = 0, turn_variance_ = 0;
+  // Since the anchor, the last fix that was believed.
+  bool has_anchor_ = false;
+  Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero(), way_ = Eigen::Vector2d::Zero();
+  double anchor_sigma_m_ = 0, walked_m_ = 0, own_variance_m2_ = 0;
+  int doubted_ = 0;
+};
+
+}  // namespace odograph::steps

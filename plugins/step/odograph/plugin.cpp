@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <odograph/plugin.hpp>
+
+#include "plugins/step/odograph/mode.hpp"
+
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using namespace odograph::steps;
+
+constexpr double kGravity = 9.80665;
+
+class OdographSteps {
+ public:
+  LengthModel model;
+  double factor = 1.0, factor_sigma = 0.10;
+  bool learn = true;
+  std::array<double, 3> forward_axis{0.0, 1.0, -1.0};
+
+  static constexpr odo::Description description{
+      "step/odograph", "1.0.0", "Steps from regular peaks of the vertical acceleration, lengths from the trunk's rise",
+      ODO_INTERFACE_STEP_ESTIMATOR};
+
+  static std::vector<odo::Parameter<OdographSteps>> parameters() {
+    using P = OdographSteps;
+    return {odo::real("factor", "", 0.5, 2, &P::factor, "the walker's own, on the model's lengths, where it is known"),
+            odo::real("factor_sigma", "", 0.005, 0.5, &P::factor_sigma,
+                      "its standard deviation; the default is that of people of whom nothing is known"),
+            odo::boolean("learn", &P::learn, "learn the factor from the way between position fixes"),
+            odo::reals("forward_axis", "", -1, 1, &P::forward_axis,
+                       "body axis that points where the walker goes; the default suits a phone held upright or flat in "
+                       "front")};
+  }
+
+  void configured() {
+    if (Vector3d(forward_axis.data()).norm() < 1e-6) throw odo::Error(ODO_E_CONFIG, "forward_axis must not be zero");
+    forward_b_ = Vector3d(forward_axis.data()).normalized();
+    new_walker();
+  }
+
+  /// As after configure: what was learnt is forgotten too, unless it is loaded again.
+  void reset() {
+    resampler_ = Resampler();
+    signal_.reset(), finder_.reset(), judge_.reset();
+    hand_ = HandJudge();
+    walking_ = false, stopped_ns_ = 0;
+    headings_.fill({});
+    heading_count_ = 0, heading_now_.setZero();
+    q_n_b_.setIdentity(), has_attitude_ = false;
+    count_ = 0;
+    mode_ = ODO_MODE_UNKNOWN;
+    new_walker();
+  }
+
+  std::vector<uint8_t> save() const { return walker_->save(); }
+  void load(const uint8_t* data, size_t size) {
+    if (!walker_->load(data, size)) throw odo::Error(ODO_E_DATA, "not what step/odograph saved");
+  }
+
+  void on(const odo_attitude& a, odo::Output&) {
+    q_n_b_ = Quaterniond(a.q_n_b[0], a.q_n_b[1], a.q_n_b[2], a.q_n_b[3]);
+    has_attitude_ = true;
+    const Vector3d forward = q_n_b_ * forward_b_;
+    const double level = std::hypot(forward.x(), forward.y());
+    if (level > 0.2) heading_now_ = Vector2d(forward.x(), forward.y()) / level;
+  }
+
+  void on(const odo_imu& imu, odo::Output& output) {
+    const Vector3d accel(imu.accel_b), gyro(imu.gyro_b);
+    if (!accel.allFinite() || !gyro.allFinite()) return;
+    // Without an attitude the norm stands in for the vertical.
+    const Vector3d force = has_attitude_ ? Vector3d(q_n_b_ * accel) : Vector3d(0, 0, -accel.norm());
+    resampler_.push(
+        {imu.header.t_ns, -force.z() - kGravity, force.head<2>().norm(), gyro.norm()},
+        [&](const WalkSample& s) { on_sample(s, output); }, [&] { signal_.reset(), finder_.reset(); });
+  }
+
+  void on(const odo_fix& fix, odo::Output&) {
+    if (!learn || (fix.header.flags & (ODO_FIX_NORTH | ODO_FIX_EAST)) != (ODO_FIX_NORTH | ODO_FIX_EAST)) return;
+    const double sigma = std::sqrt(0.5 * std::max(0.0, fix.covariance_n[0] + fix.covariance_n[4]));
+    walker_->on_fix(Vector2d(fix.p_n[0], fix.p_n[1]), std::max(sigma, 0.05));
+  }
+
+ private:
+  struct Heading {
+    int64_t t_ns = 0;
+    Vector2d forward = Vector2d::Zero();
+  };
+
+  void new_walker() {
+    Walker::Parameters p;
+    p.factor_sigma = factor_sigma;
+    walker_.emplace(p);
+    walker_->set_factor(factor);
+  }
+
+  void on_sample(const WalkSample& s, odo::Output& output) {
+    if (mode_ == ODO_MODE_UNKNOWN && stopped_ns_ == 0) stopped_ns_ = s.t_ns;
+    headings_[heading_count_++ % headings_.size()] = {s.t_ns, heading_now_};
+    signal_.add(s);
+    finder_.update(signal_);
+    for (const FoundStep& step : finder_.found()) emit(step, s.t_ns, output);
+    const bool stopped = std::exchange(walking_, finder_.walking()) && !walking_;
+    // Standing begins with the last step, not when the next one is found to be missing; what the hand does is judged
+    // from then on.
+    if (stopped) hand_ = HandJudge(), stopped_ns_ = finder_.since_ns();
+    if (!walking_) {
+      const bool still = hand_.is_still(signal_, s.t_ns);
+      set_mode(still ? ODO_MODE_STATIC : ODO_MODE_HANDLING, std::max(stopped_ns_, hand_.since_ns()), output);
+    }
+  }
+
+  void emit(const FoundStep& step, int64_t now_ns, odo::Output& output) {
+    const Vector3d up_b = q_n_b_.conjugate() * Vector3d(0, 0, -1);
+    const uint32_t mode = mode_of(judge_.judge(step, up_b));
+    set_mode(mode,
+             std::max(judge_.since_ns(), mode_ == ODO_MODE_STATIC || mode_ == ODO_MODE_HANDLING ? step.t_start_ns : 0),
+             output);
+    const double model_length = model.length_m(step);
+    auto event = odo::make<odo_step>(now_ns);
+    event.t_start_ns = step.t_start_ns, event.t_end_ns = step.t_end_ns;
+    event.frequency_hz = 1e9 / static_cast<double>(std::max<int64_t>(1, step.t_end_ns - step.t_start_ns));
+    event.length_m = walker_->factor() * model_length;
+    event.sigma_m = walker_->sigma_m(event.length_m);
+    event.mode = mode;
+    event.index = count_++;
+    event.header.quality = 0.9f;
+    if (const Vector2d f = heading_of(step); f.norm() > 0) {
+      event.heading_rad = std::atan2(f.y(), f.x());
+      event.header.flags |= ODO_STEP_HEADING;
+      walker_->on_step(model_length, event.heading_rad);
+    }
+    output.emit(event);
+  }
+
+  /// Where the phone pointed, averaged over the step and the one before: a stride, over which the body's turning to the
+  /// left and the right cancels.
+  Vector2d heading_of(const FoundStep& step) const {
+    const int64_t from = step.t_end_ns - 2 * (step.t_end_ns - step.t_start_ns);
+    Vector2d sum = Vector2d::Zero();
+    for (const Heading& h : headings_)
+      if (h.t_ns > from && h.t_ns <= step.t_end_ns) sum += h.forward;
+    return sum;
+  }
+
+  void set_mode(uint32_t mode, int64_t since_ns, odo::Output& output) {
+    if (mode == mode_) return;
+    auto event = odo::make<odo_motion_mode>(since_ns);
+    event.mode = mode_ = mode;
+    output.emit(event);
+  }
+
+  static uint32_t mode_of(Carry carry) {
+    switch (carry) {
+      case Carry::swinging: return ODO_MODE_WALKING_SWINGING;
+      case Carry::pocket: return ODO_MODE_WALKING_POCKET;
+      case Carry::running: return ODO_MODE_RUNNING;
+      default: return ODO_MODE_WALKING_TEXTING;
+    }
+  }
+
+  std::optional<Walker> walker_;
+  Resampler resampler_;
+  WalkSignal signal_;
+  StepFinder finder_;
+  CarryJudge judge_;
+  HandJudge hand_;
+  int64_t stopped_ns_ = 0;
+  Quaterniond q_n_b_ = Quaterniond::Identity();
+  Vector3d forward_b_ = Vector3d(0, 1, -1).normalized();
+  Vector2d heading_now_ = Vector2d::Zero();
+  std::array<Heading, 256> headings_{};
+  size_t heading_count_ = 0;
+  bool has_attitude_ = false, walking_ = false;
+  uint32_t mode_ = ODO_MODE_UNKNOWN;
+  uint32_t count_ = 0;
+};
+
+}  // namespace
+
+ODO_PLUGIN(OdographSteps)

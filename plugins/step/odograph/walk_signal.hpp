@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+namespace odograph::steps {
+
+/// What a sample of the phone says about walking, at a steady rate.
+struct WalkSample {
+  int64_t t_ns = 0;
+  double vertical = 0;  ///< up, without gravity, m/s^2
+  double level = 0;     ///< norm of what is level, m/s^2
+  double gyro = 0;      ///< norm, rad/s
+};
+
+/// Brings samples of any rate, regular or not, to a steady 50 Hz: the mean of what was interpolated linearly over each
+/// cell of 20 ms. A gap of more than a quarter of a second begins anew. No allocation.
+class Resampler {
+ public:
+  static constexpr int64_t kCell_ns = 20'000'000;
+  static constexpr int64_t kGap_ns = 250'000'000;
+
+  /// Calls take(const WalkSample&) for each cell that is now complete and gap() where the signal broke off.
+  template <class Take, class Gap>
+  void push(const WalkSample& s, Take&& take, Gap&& gap) {
+    if (!started_ || s.t_ns - last_.t_ns > kGap_ns) {
+      if (started_) gap();
+      started_ = true;
+      last_ = s;
+      cell_ns_ = s.t_ns - s.t_ns % kCell_ns + kCell_ns;  // the first whole one
+      sum_ = {};
+      return;
+    }
+    if (s.t_ns <= last_.t_ns) return;
+    int64_t from = last_.t_ns;
+    const double span = static_cast<double>(s.t_ns - last_.t_ns);
+    const auto at = [&](int64_t t, double a, double b) {
+      return a + (b - a) * static_cast<double>(t - last_.t_ns) / span;
+    };
+    while (from < s.t_ns) {
+      const int64_t edge = from < cell_ns_ ? cell_ns_ : cell_ns_ + kCell_ns;
+      const int64_t to = edge < s.t_ns ? edge : s.t_ns;
+      if (from >= cell_ns_) {
+        const double weight = static_cast<double>(to - from) / static_cast<double>(kCell_ns);
+        const int64_t middle = from + (to - from) / 2;
+        sum_.vertical += weight * at(middle, last_.vertical, s.vertical);
+        sum_.level += weight * at(middle, last_.level, s.level);
+        sum_.gyro += weight * at(middle, last_.gyro, s.gyro);
+        if (to == cell_ns_ + kCell_ns) {
+          sum_.t_ns = cell_ns_ + kCell_ns / 2;
+          take(sum_);
+          cell_ns_ += kCell_ns;
+          sum_ = {};
+        }
+      }
+      from = to;
+    }
+    last_ = s;
+  }
+
+ private:
+  bool started_ = false;
+  WalkSample last_;
+  int64_t cell_ns_ = 0;
+  WalkSample sum_;
+};
+
+/// The last seconds of the steady samples, and the vertical acceleration smoothed without delay in time: a Gaussian of
+/// 60 ms about an instant 0.2 s ago, less the mean of the last two and a half seconds. No allocation.
+class WalkSignal {
+ public:
+  static constexpr double kRate_hz = 50.0;
+  static constexpr size_t kHalf = 10;   ///< samples of the Gaussian on either side
+  static constexpr size_t kKept = 256;  ///< a power of two; five seconds
+  static constexpr size_t kMean = 125;  ///< samples of the mean
+
+  void add(const WalkSample& sample);
+  void reset() { *this = WalkSignal(); }
+
+  /// Smoothed values so far; the newest has index smooth_count() - 1.
+  size_t smooth_count() const { return smooth_count_; }
+  double smooth(size_t i) const { return smooth_[i % kKept]; }
+  int64_t smooth_ns(size_t i) const { return raw_[i % kKept].t_ns; }
+  /// Of the last `seconds` of what add() was given.
+  double spread(double seconds) const;      ///< standard deviation of the vertical, m/s^2
+  double gyro_level(double seconds) const;  ///< mean norm, rad/s
+  /// The part of the acceleration's power that is vertical, over the last `seconds`: 0 to 1, a third if it is no
+  /// direction's.
+  double vertical_part(double seconds) const;
+  /// The same between two smoothed values.
+  double gyro_between(size_t from, size_t to) const;
+  /// How far the vertical acceleration between two smoothed values, one period of it, carries: integrated twice, its
+  /// mean and the velocity's taken off; highest less lowest, m.
+  double rise_between(size_t from, size_t to) const;
+  /// How much the smoothed signal repeats itself after `lag` samples, over the last `window` ones: -1 to 1.
+  double regularity(size_t lag, size_t window) const;
+
+ private:
+  std::array<WalkSample, kKept> raw_{};
+  std::array<double, kKept> smooth_{};
+  size_t count_ = 0, smooth_count_ = 0;
+};
+
+}  // namespace odograph::steps

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "plugins/step/odograph/mode.hpp"
+#include "sdk/cli/runner.hpp"
+#include "sdk/sim/random.hpp"
+#include "sdk/sim/simulate.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+using namespace odograph::steps;
+
+TEST_SUITE_BEGIN("steps");
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Feeds a walk of steady steps, standing before and after, and collects what is found.
+std::vector<FoundStep> found_at(double rate_hz, double step_hz, double rise_m, double walk_s, double jitter,
+                                uint64_t seed) {
+  Resampler resampler;
+  WalkSignal signal;
+  StepFinder finder;
+  Random random(seed, 1);
+  std::vector<FoundStep> steps;
+  const double w = 2 * kPi * step_hz;
+  for (double t = 0; t < walk_s + 8; t += (1 + jitter * random.uniform(-1, 1)) / rate_hz) {
+    const bool walks = t > 4 && t < 4 + walk_s;
+    const double up = (walks ? 0.5 * rise_m * w * w * std::cos(w * (t - 4)) : 0.0) + 0.1 * random.normal();
+    resampler.push(
+        {static_cast<int64_t>(t * 1e9), up, walks ? 0.6 : 0.05, walks ? 0.5 : 0.05},
+        [&](const WalkSample& s) {
+          signal.add(s);
+          finder.update(signal);
+          for (const FoundStep& step : finder.found()) steps.push_back(step);
+        },
+        [&] { signal.reset(), finder.reset(); });
+  }
+  return steps;
+}
+
+}  // namespace
+
+TEST_CASE("steps are counted, timed and their rise is measured at any rate, regular or not") {
+  for (const double rate : {25.0, 50.0, 100.0, 200.0, 500.0})
+    for (const double hz : {1.4, 1.9, 2.6})
+      for (const double jitter : {0.0, 0.6}) {
+        CAPTURE(rate);
+        CAPTURE(hz);
+        CAPTURE(jitter);
+        const auto steps = found_at(rate, hz, 0.04, 20, jitter, 3);
+        CHECK(std::abs(static_cast<double>(steps.size()) - 20 * hz) <= 1.5);
+        double interval = 0, rise = 0;
+        for (const FoundStep& s : steps) {
+          interval += static_cast<double>(s.t_end_ns - s.t_start_ns) * 1e-9 / static_cast<double>(steps.size());
+          rise += s.rise_m / static_cast<double>(steps.size());
+        }
+        CHECK(interval == doctest::Approx(1 / hz).epsilon(0.03));
+        // The smoothing takes a part of quick steps, the same for everybody.
+        CHECK(rise == doctest::Approx(0.04 * std::exp(-0.5 * std::pow(2 * kPi * hz * 0.06, 2))).epsilon(0.12));
+      }
+}
+
+TEST_CASE("no step in ten minutes of gestures and typing, nor of turning on the spot") {
+  const TemporaryFolder folder;
+  for (const char* what : {"handle", "turn"}) {
+    Scenario s;
+    s.route = {{0, 0, 0}, {1, 0, 0}};
+    for (int k = 0; k < 60; ++k) s.events.push_back({0.0, what, 10.0});
+    REQUIRE(simulate(s, 51, folder / "w.odo", {.threads = 1, .frames = false}).ok());
+    const auto recording = read_recording(folder / "w.odo");
+    RunOptions options;
+    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    CHECK(result->steps.size() <= recording->true_steps.size());  // the metre to the place and away
+  }
+}
+
+TEST_CASE("a gap and broken samples end a walk and do not break the next") {
+  Resampler resampler;
+  WalkSignal signal;
+  StepFinder finder;
+  size_t steps = 0, gaps = 0;
+  const auto feed = [&](double from, double to) {
+    for (double t = from; t < to; t += 0.01) {
+      const double w = 2 * kPi * 1.9;
+      const WalkSample s{static_cast<int64_t>(t * 1e9), 0.02 * w * w * std::cos(w * t), 0.5, 0.5};
+      const auto take = [&](const WalkSample& x) {
+        signal.add(x);
+        finder.update(signal);
+        steps += finder.found().size();
+      };
+      const auto gap = [&] { ++gaps, signal.reset(), finder.reset(); };
+      resampler.push(s, take, gap);
+      resampler.push(s, take, gap);                                     // twice
+      resampler.push({s.t_ns - 30'000'000, 1e3, 1e3, 1e3}, take, gap);  // late
+    }
+  };
+  feed(0, 10);
+  const size_t before = steps;
+  CHECK(std::abs(static_cast<double>(before) - 18) <= 2);
+  feed(13, 23);
+  CHECK(gaps == 1);
+  CHECK(std::abs(static_cast<double>(steps - before) - 18) <= 2);
+}
+
+namespace {
+
+/// A walker whose steps are longer than the model says by `factor`, fixes every 50 m.
+double learnt(double factor, double fix_sigma_m, int fixes, int wrong_fix, uint64_t seed) {
+  Walker walker({});
+  Random random(seed, 2);
+  Eigen::Vector2d p(0, 0);
+  const double turn = random.uniform(-3, 3);
+  double heading = 0, walked = 0;
+  int fix = 0;
+  const auto seen = [&](bool wrong) {
+    const Eigen::Vector2d error(random.normal(), random.normal());
+    Eigen::Vector2d at = Eigen::Rotation2Dd(turn) * p + fix_sigma_m * error;
+    if (wrong) at += 20 * Eigen::Vector2d(random.normal(), random.normal()).normalized();
+    walker.on_fix(at, fix_sigma_m);
+  };
+  seen(false);
+  while (fix < fixes) {
+    const double length = 0.65 * (1 + 0.03 * random.normal());
+    heading += 0.01 * random.normal();
+    p += factor * length * Eigen::Vector2d(std::cos(heading), std::sin(heading));
+    walked += factor * length;
+    walker.on_step(length, heading);
+    if (walked > 50 * (fix + 1)) ++fix, seen(fix == wrong_fix);
+  }
+  return walker.factor();
+}
+
+}  // namespace
+
+TEST_CASE("fixes every 50 m teach the walker's factor within 200 m") {
+  std::vector<double> errors;
+  for (uint64_t seed = 1; seed <= 60; ++seed) {
+    const double factor = 0.85 + 0.005 * static_cast<double>(seed);
+    errors.push_back(std::abs(learnt(factor, 1.0, 4, -1, seed) / factor - 1));
+  }
+  CHECK(percentile(errors, 0.5) < 0.010);
+  CHECK(percentile(errors, 0.8) < 0.015);
+}
+
+TEST_CASE("one wrong fix of 20 m does not spoil what was learnt") {
+  size_t spoilt = 0;
+  for (uint64_t seed = 1; seed <= 100; ++seed) {
+    const double right = learnt(1.08, 1.0, 8, -1, seed), with_wrong = learnt(1.08, 1.0, 8, 5, seed);
+    spoilt += std::abs(with_wrong / right - 1) > 0.01;
+  }
+  CHECK(spoilt <= 5);
+}
+
+TEST_CASE("what was learnt is kept, and nonsense is not loaded") {
+  Walker walker({});
+  walker.set_factor(1.07);
+  Walker other({});
+  const auto bytes = walker.save();
+  CHECK(other.load(bytes.data(), bytes.size()));
+  CHECK(other.factor() == 1.07);
+  CHECK_FALSE(other.load(bytes.data(), 3));
+  std::vector<uint8_t> wrong(bytes.size(), 0xff);
+  CHECK_FALSE(other.load(wrong.data(), wrong.size()));
+  CHECK(other.factor() == 1.07);
+}
+
+TEST_CASE("a simulated walker: counts, times, modes and no step while standing, typing or turning") {
+  const TemporaryFolder folder;
+  Scenario s;
+  s.route = {{0, 0, 0}, {40, 0, 0}, {40, 20, 0}};
+  s.walker.stand_s = 4;
+  s.events = {{20, "handle", 30}, {30, "turn", 20}, {45, "swinging"}};
+  for (const uint64_t seed : {41, 42, 43}) {
+    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
+    const auto recording = read_recording(folder / "w.odo");
+    REQUIRE(recording.ok());
+    RunOptions options;
+    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    CHECK(std::abs(static_cast<double>(result->steps.size()) - static_cast<double>(recording->true_steps.size())) <= 3);
+    std::vector<double> late;
+    for (const odo_step& step : result->steps) {
+      double nearest = 1e9;
+      for (const odo_step& truth : recording->true_steps)
+        nearest = std::min(nearest, std::abs(static_cast<double>(truth.t_end_ns - step.t_end_ns)));
+      late.push_back(nearest * 1e-6);
+    }
+    CHECK(percentile(late, 0.5) < 60);
+    CHECK(percentile(late, 1.0) < 800);  // so no step where nobody walks
+  }
+}
+
+TEST_CASE("the real walks with the best of the step estimators") {
+  const auto folder = data_or_skip("phone_walks");
+  if (folder.empty()) return;
+  std::vector<double> distance;
+  double reference = 0, estimate = 0;
+  int k = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".txt" || k++ % 4 != 0) continue;  // a quarter: this is a regression test
+    const auto recording = read_recording(entry.path());
+    REQUIRE(recording.ok());
+    RunOptions options;
+    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const auto e = waypoint_errors(result->track, recording->waypoints());
+    distance.push_back(std::abs(e.distance_error()));
+    reference += e.reference_m, estimate += e.estimate_m;
+  }
+  CHECK(percentile(distance, 0.5) < 0.06);
+  CHECK(percentile(distance, 0.9) < 0.15);
+  CHECK(std::abs(estimate / reference - 1) < 0.04);
+}
+
+TEST_SUITE_END();
