@@ -26,9 +26,9 @@ struct GaitArguments {
   uint64_t seeds = 40;
 };
 
-/// Samples of a walk at kRate_hz: norms of acceleration and of rotation rate.
+/// Samples of a walk at kRate_hz: norms of acceleration and of rotation rate, and the acceleration that is level.
 struct Series {
-  std::vector<double> acceleration, rotation;
+  std::vector<double> acceleration, rotation, level;
 };
 
 struct GaitFigures {
@@ -36,6 +36,7 @@ struct GaitFigures {
   double acceleration_std;       ///< of the norm, m/s^2
   double acceleration_p95;       ///< of the norm's deviation from its mean, m/s^2
   double rotation_rms;           ///< rad/s
+  double level_rms;              ///< of the level acceleration, m/s^2, by the phone's own orientation or the true one
   double stride_part;            ///< power around half the step frequency over that around it
   double shock_part;             ///< power above 8 Hz over all power
   std::vector<double> spectrum;  ///< of the acceleration's norm, (m/s^2)^2/Hz at 0.1 Hz steps
@@ -45,6 +46,8 @@ Series resampled(const Recording& recording) {
   Series series;
   int64_t next = 0;
   Eigen::Vector3d a = Eigen::Vector3d::Zero();
+  size_t at = 0;
+  const auto& attitudes = recording.phone_attitudes;
   for (const auto& m : recording.messages) {
     if (m.message.header().type != ODO_TYPE_IMU) continue;
     const auto& imu = as<odo_imu>(m.message.header());
@@ -54,6 +57,8 @@ Series resampled(const Recording& recording) {
     for (; next <= imu.header.t_ns; next += static_cast<int64_t>(1e9 / kRate_hz)) {
       series.acceleration.push_back(a.norm());
       series.rotation.push_back(Eigen::Vector3d::Map(imu.gyro_b).norm());
+      while (at + 1 < attitudes.size() && attitudes[at + 1].t_ns <= imu.header.t_ns) ++at;
+      if (!attitudes.empty()) series.level.push_back((attitudes[at].q * a).head<2>().norm());
     }
   }
   return series;
@@ -70,6 +75,7 @@ Series simulated(const Scenario& scenario, uint64_t seed) {
     };
     series.acceleration.push_back(
         (s.specific_force_b() + noise(scenario.imu.accel_noise * std::sqrt(kRate_hz))).norm());
+    series.level.push_back((s.T_n_b.linear() * s.specific_force_b()).head<2>().norm());
     series.rotation.push_back((s.angular_velocity_b + noise(scenario.imu.gyro_noise * std::sqrt(kRate_hz))).norm());
   }
   return series;
@@ -119,6 +125,7 @@ GaitFigures figures_of(const Series& s) {
   f.acceleration_std = a.std;
   f.acceleration_p95 = percentile(deviation, 0.95);
   f.rotation_rms = statistics_of(s.rotation).rmse;
+  f.level_rms = statistics_of(s.level).rmse;
   return f;
 }
 
@@ -131,6 +138,7 @@ constexpr Figure kFigures[] = {
     {"acceleration, std of the norm (m/s^2)", &GaitFigures::acceleration_std},
     {"acceleration, 95 % of |norm - mean| (m/s^2)", &GaitFigures::acceleration_p95},
     {"rotation rate, rms (rad/s)", &GaitFigures::rotation_rms},
+    {"level acceleration, rms (m/s^2)", &GaitFigures::level_rms},
     {"stride's power over step's", &GaitFigures::stride_part},
     {"power above 8 Hz over all", &GaitFigures::shock_part},
 };
@@ -200,7 +208,7 @@ int gait(const GaitArguments& a) {
     const auto r = column(real, f.value), m = column(made, f.value);
     const bool here = percentile(m, 0.25) >= percentile(r, 0) && percentile(m, 0.75) <= percentile(r, 1);
     inside = inside && here;
-    std::printf("%-46s %7.3f %7.3f %7.3f %7.3f %9.3f %7.3f %7.3f %s\n", f.name, percentile(r, 0), percentile(r, 0.25),
+    std::printf("%-46s %7.4f %7.4f %7.4f %7.4f %9.4f %7.4f %7.4f %s\n", f.name, percentile(r, 0), percentile(r, 0.25),
                 percentile(r, 0.75), percentile(r, 1), percentile(m, 0.25), percentile(m, 0.5), percentile(m, 0.75),
                 here ? "" : "  outside");
   }

@@ -105,14 +105,15 @@ Individual::Individual(const Scenario& c, uint64_t seed) : height_m(c.walker.hei
   fatigue_per_km = random.uniform(0.0, 0.03);
   bounce = random.uniform(0.55, 0.95);
   sway_m = random.uniform(0.012, 0.026);
-  surge_m = random.uniform(0.006, 0.014);
-  shock = random.uniform(0.5, 1.5);
+  surge_m = random.uniform(0.006, 0.013);
+  shock = random.uniform(1.8, 4.4);
   pitch_rad = random.uniform(0.045, 0.09), yaw_rad = random.uniform(0.055, 0.12),
   roll_rad = random.uniform(0.015, 0.04);
   for (double& phase : phases) phase = random.uniform(0, 2 * kPi);
   tremor = random.uniform(0.6, 1.6);
   hold_height_m = height_m * random.uniform(0.68, 0.82);
   hold_forward_m = random.uniform(0.25, 0.40);
+  limp = random.uniform(0.10, 0.24);
 }
 
 double Individual::step_length(double speed_mps) const {

@@ -18,6 +18,7 @@ struct Individual {
   double fatigue_per_km;                ///< fraction by which steps shorten
   double bounce;                        ///< trunk's rise as a fraction of an inverted pendulum's
   double sway_m, surge_m;               ///< amplitudes
+  double limp;                          ///< the trunk's rise is higher by this fraction over one foot than the mean
   double shock;                         ///< heel strike at the hand, m/s^2 at 1.35 m/s
   double pitch_rad, yaw_rad, roll_rad;  ///< amplitudes of the phone's turning with the gait
   double phases[6];

@@ -58,6 +58,7 @@ class Body {
     distance_ = Signal(n_), phase_ = Signal(n_), bounce_ = Signal(n_), vigour_ = Signal(n_);
     double s = 0, phase = 0;
     size_t done = 0;
+    double limp = who_.limp;
     const auto fill = [&](double to) {
       for (; done < n_ && time(done) < to; ++done) distance_[done] = s, phase_[done] = phase;
     };
@@ -69,10 +70,12 @@ class Body {
         phase_[done] = phase + x;
         const double leg = 0.53 * who_.height_m, half = std::min(0.5 * step.length_m, 0.6 * leg);
         bounce_[done] =
+            (1 + limp) *
             (step.mode == ODO_MODE_RUNNING ? 0.05 : who_.bounce * (leg - std::sqrt(leg * leg - half * half)));
         vigour_[done] = step.length_m / 0.7;
       }
       s = step.s1;
+      limp = -limp;
       phase += 1;
     }
     fill(plan_.duration_s + 1);
@@ -105,6 +108,7 @@ class Body {
     Signal aside(n_), sway_noise(n_), nod(n_);
     add_wander(sway_noise, Random(seed_, 23), 1.2, 0.004, kRate_hz);
     add_wander(nod, Random(seed_, 24), 1.2, 0.004, kRate_hz);
+    smooth(sway_noise, 0.12, kRate_hz), smooth(nod, 0.12, kRate_hz);  // a wander alone has no finite acceleration
     base_.resize(n_);
     for (size_t i = 0; i < n_; ++i) {
       const double h = heading_[i], ph = phase_[i];
@@ -114,7 +118,6 @@ class Body {
       base_[i] = {north[i] + forward * std::cos(h) - right * std::sin(h),
                   east[i] + forward * std::sin(h) + right * std::cos(h), -(up[i] + rise)};
     }
-    shocks();
   }
 
   /// Heel strikes: a damped ring, up and backwards.
@@ -175,9 +178,10 @@ class Body {
       add_wander(drift[k], Random(seed_, 30 + k), 2.5, k < 3 ? 0.006 : 0.016, kRate_hz);
       add_ring(shake[k], Random(seed_, 40 + k), 8.5, 0.25, who_.tremor * (k < 3 ? 6e-5 : 9e-4), kRate_hz);
       add_ring(wave[k], Random(seed_, 50 + k), 1.3, 0.5, k < 3 ? 0.02 : 0.09, kRate_hz);
-      smooth(drift[k], 0.15, kRate_hz), smooth(wave[k], 0.06, kRate_hz);
+      smooth(drift[k], 0.15, kRate_hz), smooth(wave[k], 0.06, kRate_hz), smooth(shake[k], 0.012, kRate_hz);
     }
     hang();
+    shocks();
     Eigen::Matrix3d axes;  // columns: the body's x, y, z in the forward-right-down frame of an upright phone
     axes << 0, 0, -1, 1, 0, 0, 0, -1, 0;
     const Eigen::Quaterniond upright(axes);

@@ -7,20 +7,21 @@
 namespace odograph::steps {
 namespace {
 
-constexpr double kLeastSwing_mps2 = 0.7;                 // a smaller one is no step, even of somebody who shuffles
+constexpr double kLeastSwing_mps2 = 0.5;                 // a smaller one is no step, even of somebody who shuffles
 constexpr double kRelativeSwing = 0.25;                  // of the typical one
 constexpr double kConfirm_s = 0.12;                      // a peak must stay the highest for that long
 constexpr double kShortest_s = 0.27;                     // 3.7 steps a second, a sprint
 constexpr double kLongest_s = 1.1;                       // after that a walk is over
 constexpr double kRefractory = 0.55;                     // of the typical interval, within a walk
-constexpr double kUpright = 0.38, kStillUpright = 0.25;  // part of the power that is vertical, to begin and to go on
+constexpr double kUpright = 0.60, kStillUpright = 0.40;  // part of the power that is vertical, to begin and to go on
 constexpr size_t kToBegin = 4;                           // peaks that are alike
-constexpr double kSettingOut = 1.5;                      // times the mean interval, of the first steps of a walk
-constexpr double kWeakest = 0.2;                         // part of the typical swing, of the same
+constexpr double kSettingOut = 1.7;                      // times the mean interval, of the first steps of a walk
+constexpr double kWeakest = 0.12;                        // part of the typical swing, of the same
 constexpr double kPush = 0.55;                           // of the typical swing
 constexpr int kStrayToEnd = 3;                           // steps in a row that are not, which end a walk
 constexpr double kMissing = 2.0;                         // times the typical interval: a walk is over
-constexpr double kRegular = 0.5;                         // autocorrelation at a step's lag from which a walk may begin
+constexpr double kSwingPerRate = 3.5;  // m/s^2 for a rad/s, to begin: a hand that moves by itself turns more
+constexpr double kRegularToBegin = 0.85, kRegular = 0.5;  // autocorrelation at a step's lag from which a walk may begin
 constexpr double kAlike = 1.45;  // largest over smallest of three intervals, where a walk begins
 constexpr double kPartOver_s = 0.8;
 constexpr double kArmLag_s = 0.03;  // the hand follows the trunk by that much
@@ -101,14 +102,16 @@ void StepFinder::begin(const WalkSignal& signal) {
   }
   const double mean_s = (peaks_[last].t_ns - peaks_[first_alike].t_ns) * 1e-9 / (kToBegin - 1);
   if (longest > kAlike * shortest || strongest > 3 * weakest) return;
-  if (signal.vertical_part(2 * kPartOver_s) < kUpright || repetition(signal, mean_s, 2) < kRegular) return;
+  if (signal.vertical_part(2 * kPartOver_s) < kUpright || repetition(signal, mean_s, 2) < kRegularToBegin) return;
+  const double rate = signal.gyro_between(peaks_[first_alike].index, peaks_[last].index);
+  if (swings / (kToBegin - 1) < kSwingPerRate * rate) return;
   walking_ = true;
   stray_ = 0;
   typical_s_ = mean_s;
   typical_swing_ = swings / (kToBegin - 1);
   size_t first = first_alike;
   const auto belongs = [&](size_t i) {
-    return interval_s(i + 1) < kSettingOut * mean_s && peaks_[i].upright > kStillUpright &&
+    return interval_s(i + 1) < kSettingOut * mean_s && peaks_[i].upright > 0.5 * kUpright &&
            peaks_[i].value - peaks_[i].low > kWeakest * typical_swing_;
   };
   while (first > 0 && belongs(first - 1)) --first;
