@@ -17,7 +17,7 @@ enum class Carry : uint32_t { texting, swinging, pocket, running };
 /// (Zijlstra & Hof, Gait & Posture 2003), so L grows as the root of the rise. A hand that rocks adds to the rise that
 /// the phone feels; the rotation rate tells how much. Where the numbers come from is said in the README.
 struct LengthModel {
-  double base_m = 0.092, per_root_rise = 3.304, per_rate_and_root = -0.766;
+  double base_m = 0.093, per_root_rise = 3.337, per_rate_and_root = -0.774;
 
   double length_m(const FoundStep& step) const;
 };
