@@ -58,6 +58,28 @@ expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i copy.odo
 head -c 100000 tiny.odo >cut.odo
 expect 0 "cut off" "$odograph" run -c "$configs/phone_walk.yaml" -i cut.odo -o o4
 expect 4 "FAIL" "$odograph" plugin check "$source/README.md"
+expect 0 "one foot's fall" "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --plot steps.html --each
+expect 0 "<svg" cat steps.html
+expect 0 '"distance_m"' "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --json
+python3 -m json.tool out >/dev/null || { echo "FAILED: steps --json is not one JSON object"; failed=1; }
+expect 0 "asked for" "$odograph" bench allan --scenario tiny.yaml --hours 0.1
+expect 0 "track length" "$odograph" bench tracks tiny.odo
+expect 0 "typing" "$odograph" bench steps --seeds 1 -c "$configs/phone_walk_odograph.yaml"
+cat >car.yaml <<'YAML'
+odograph_scenario: 1
+carrier: car
+world: {type: downtown, unmapped: [[20, 40]]}
+route:
+  points: [[0, 0, 0], [60, 0, 0]]
+camera: {width: 96, height: 72, focal: 60 px}
+YAML
+expect 0 "car.odo" "$odograph" sim car.yaml -o car.odo --city town.city.json
+expect 0 "CityJSON" cat town.city.json
+expect 0 "Figure 11" "$odograph" bench drive --scenario car.yaml -c "$configs/monocular.yaml" --keep kept
+printf 'odograph_scenario: 1\nworld: {type: city, model: nothing.city.json}\n' >city.yaml
+expect 3 "nothing.city.json: no such file" "$odograph" sim city.yaml -o x.odo
+printf '{"type": "CityJSON"}' >nothing.city.json
+expect 3 "version" "$odograph" sim city.yaml -o x.odo
 if [ -d "$data" ]; then
   walk=$(ls "$data"/phone_walks/*.txt | head -1)
   expect 0 "steps" "$odograph" run -c "$configs/phone_walk.yaml" -i "$walk" -o w
