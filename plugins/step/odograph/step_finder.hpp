@@ -19,7 +19,7 @@ struct FoundStep {
 };
 
 /// Finds the contacts of feet as peaks of the smoothed vertical acceleration: the trunk is lowest there and is pushed
-/// up. A walk begins with four steps that are alike, whose signal repeats itself and is mostly vertical; they are
+/// up. A walk begins with four peaks that are alike, whose signal repeats itself and is mostly vertical; they are
 /// reported together. It goes on while such steps keep coming. So waving, typing and turning on the spot, which are as
 /// strong but neither regular nor vertical, are no steps. No allocation.
 class StepFinder {
