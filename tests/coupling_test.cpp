@@ -134,6 +134,48 @@ TEST_CASE("a track that is wrong itself follows the fixes in the end") {
   CHECK(coupling.take_correction()->p_n[0] == doctest::Approx(500).epsilon(1e-3));
 }
 
+TEST_CASE("an orientation fix turns the track by what it is worth, and not at all when it is absurd") {
+  Geodesy geodesy;
+  PerFrameCoupling coupling({}, {}, {true, true}, geodesy);
+  const odo_pose first = coupling.on_first_frame(0);
+  const Eigen::Quaterniond q_n_c(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
+  const Eigen::Quaterniond q_b_c(0, 1, 0, 0);
+  const auto fix_of = [&](double yaw, double sigma) {
+    auto f = make_message<odo_fix>(ODO_TYPE_FIX, 0);
+    f.header.flags = ODO_FIX_ORIENTATION;
+    const Eigen::Quaterniond q =
+        Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitZ())) * q_n_c * q_b_c.conjugate();
+    f.q_n_b[0] = q.w(), f.q_n_b[1] = q.x(), f.q_n_b[2] = q.y(), f.q_n_b[3] = q.z();
+    f.orientation_cov_n[0] = f.orientation_cov_n[4] = f.orientation_cov_n[8] = sigma * sigma;
+    return f;
+  };
+  std::array<double, 3> p_n{};
+  CHECK_FALSE(coupling.on_fix(fix_of(2.5, 0.01), p_n));
+  CHECK(coupling.on_fix(fix_of(0.1, 0.002), p_n));
+  const odo_scale s = scale(1.0);
+  const odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 1}), &s);
+  CHECK(std::atan2(pose.p_n[1], pose.p_n[0]) == doctest::Approx(0.1).epsilon(0.01));
+  CHECK(coupling.on_fix(fix_of(0.102, 0.05), p_n));  // a worse one hardly moves it
+  CHECK(pose.covariance[14] < 0.01 * 0.01);
+}
+
+TEST_CASE("without a scale the position's uncertainty grows by the fastest speed, until a fix") {
+  Geodesy geodesy;
+  CouplingConfig config;
+  config.fastest_mps = 10;
+  PerFrameCoupling coupling(config, {{0, 0, 0}, 0, true}, {true, true}, geodesy);
+  coupling.on_first_frame(0);
+  odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 1}), nullptr);
+  CHECK(std::sqrt(pose.covariance[3 * 6 + 3]) == doctest::Approx(10));
+  CHECK(pose.state == ODO_DEGRADED);
+  std::array<double, 3> p_n{};
+  CHECK(coupling.on_fix(position_fix(kSecond, 8, 0, 0.5), p_n));
+  CHECK(coupling.take_correction()->p_n[0] == doctest::Approx(8).epsilon(0.01));
+  const odo_scale s = scale(2.0);
+  pose = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 1}), &s);
+  CHECK(std::sqrt(pose.covariance[4 * 6 + 4]) < 1);
+}
+
 TEST_CASE("steps carry the position where there is no camera") {
   Geodesy geodesy;
   PerFrameCoupling coupling({}, {{10, 20, 0}, EIGEN_PI / 2, true}, {false, false}, geodesy);

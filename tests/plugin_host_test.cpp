@@ -19,7 +19,7 @@ namespace {
 fs::path hostile(const std::string& name) { return fs::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ".so"); }
 
 std::string refusal(const fs::path& library) {
-  const HostServices host(0, ".", nullptr);
+  const HostServices host(0, {"."}, nullptr);
   const auto loaded = PluginLibrary::load(library, &host);
   REQUIRE_FALSE(loaded.ok());
   CHECK(loaded.failure().text.find(library.string()) != std::string::npos);
@@ -75,7 +75,7 @@ TEST_CASE("plugins whose table cannot be used are refused with the reason") {
 }
 
 TEST_CASE("smaller and larger tables work") {
-  HostServices host(0, ".", nullptr);
+  HostServices host(0, {"."}, nullptr);
   for (const char* name : {"good", "table_smaller", "table_larger"}) {
     CAPTURE(name);
     auto made = PluginInstance::make(choice_of(name), false, 1, host);
@@ -88,7 +88,7 @@ TEST_CASE("smaller and larger tables work") {
 
 TEST_CASE("an instance that cannot be made is a named failure, also when its constructor throws") {
   std::string reported;
-  HostServices host(0, ".", [&](const Report& report) { reported += report.origin + ": " + report.text; });
+  HostServices host(0, {"."}, [&](const Report& report) { reported += report.origin + ": " + report.text; });
   for (const char* name : {"create_throws", "create_fails", "create_null"}) {
     CAPTURE(name);
     const auto made = PluginInstance::make(choice_of(name), false, 1, host);
@@ -100,7 +100,7 @@ TEST_CASE("an instance that cannot be made is a named failure, also when its con
 }
 
 TEST_CASE("bad events do not get through, and do no harm") {
-  HostServices host(0, ".", nullptr);
+  HostServices host(0, {"."}, nullptr);
   auto made = PluginInstance::make(choice_of("bad_events"), false, 1, host);
   REQUIRE(made.ok());
   const auto events = (*made)->process(motion(5).header);
@@ -110,7 +110,7 @@ TEST_CASE("bad events do not get through, and do no harm") {
 }
 
 TEST_CASE("a plugin that keeps failing is reset, then left out; a fatal one at once") {
-  HostServices host(0, ".", nullptr);
+  HostServices host(0, {"."}, nullptr);
   auto failing = PluginInstance::make(choice_of("fails_always"), false, 1, host);
   REQUIRE(failing.ok());
   for (int i = 0; i < 4; ++i) (*failing)->process(motion(5 + i).header);
@@ -125,7 +125,7 @@ TEST_CASE("a plugin that keeps failing is reset, then left out; a fatal one at o
 
 TEST_CASE("manifests: two plugins with one id, a changed library, a lying manifest, a file that is not there") {
   const TemporaryFolder folder;
-  const HostServices host(0, ".", nullptr);
+  const HostServices host(0, {"."}, nullptr);
   const auto install = [&](const std::string& name) {
     fs::copy_file(hostile("good"), folder / (name + ".so"));
     return *write_manifest_beside(folder / (name + ".so"));
@@ -172,7 +172,7 @@ TEST_CASE("a manifest is what the library says of itself") {
   for (const auto& entry : fs::directory_iterator(plugin_folder())) {
     if (entry.path().extension() != ".so") continue;
     CAPTURE(entry.path().string());
-    const HostServices host(0, ".", nullptr);
+    const HostServices host(0, {"."}, nullptr);
     auto path = entry.path();
     path.replace_extension();
     const auto manifest = read_manifest(path.string() + ".odoplugin.json");

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Counts up with every change of the simulator that changes its recordings, so that old ones are not taken for new.
-constexpr int kSimulator = 4;
+constexpr int kSimulator = 5;
 
 }  // namespace
 
@@ -28,6 +28,8 @@ Result<std::string> text_of(const fs::path& file) {
   text << in.rdbuf();
   return text.str();
 }
+
+fs::path assets_of(const fs::path& recording) { return fs::path(recording).replace_extension(".assets"); }
 
 Result<fs::path> kept_recording(const fs::path& file, uint64_t seed, const fs::path& keep, double first_m) {
   const auto text = text_of(file);
@@ -43,9 +45,13 @@ Result<fs::path> kept_recording(const fs::path& file, uint64_t seed, const fs::p
   fs::create_directories(keep, error);
   const fs::path kept = keep / (file.stem().string() + mark);
   if (fs::exists(kept, error)) return kept;
+  const fs::path assets = assets_of(kept);
+  fs::create_directories(assets, error);
   const fs::path part = kept.string() + ".part";  // a stopped run leaves no half recording under the name
   Progress progress("sim " + file.stem().string() + " seed " + std::to_string(seed));
-  const auto done = simulate(*scenario, seed, part, {.progress = [&](size_t i, size_t n) { progress.show(i, n); }});
+  const auto done =
+      simulate(*scenario, seed, part,
+               {.progress = [&](size_t i, size_t n) { progress.show(i, n); }, .city = assets / "city.json"});
   if (!done) return done.failure();
   fs::rename(part, kept, error);
   if (error) return Failure{ODO_E_NOT_FOUND, kept.string() + ": cannot be written"};

@@ -13,6 +13,9 @@ Result<std::string> text_of(const std::filesystem::path& file);
 Result<std::filesystem::path> kept_recording(const std::filesystem::path& scenario, uint64_t seed,
                                              const std::filesystem::path& keep, double first_m);
 
+/// The folder beside a kept recording with what belongs to it: the generated town's model, `city.json`.
+std::filesystem::path assets_of(const std::filesystem::path& recording);
+
 /// Turned and shifted onto the truth over its first metres, as an app does that knows where it starts.
 Trajectory started(const Trajectory& truth, const Trajectory& track, double over_m);
 

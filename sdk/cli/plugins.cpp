@@ -38,9 +38,15 @@ int plugins(const std::string& id, const std::string& folder) {
   return kBadUsage;
 }
 
-int check(const std::string& file) {
+int check(const std::string& file, const std::vector<std::string>& set) {
+  std::vector<std::pair<std::string, std::string>> settings;
+  for (const std::string& one : set) {
+    const auto equals = one.find('=');
+    if (equals == std::string::npos) return complain({ODO_E_ARGUMENT, "--set " + one + ": expected NAME=VALUE"});
+    settings.emplace_back(one.substr(0, equals), one.substr(equals + 1));
+  }
   bool good = true;
-  for (const PluginCheck& check : check_plugin(file)) {
+  for (const PluginCheck& check : check_plugin(file, settings)) {
     std::printf("%-4s %s%s%s\n", check.passed ? "ok" : "FAIL", check.what.c_str(), check.detail.empty() ? "" : ": ",
                 check.detail.c_str());
     good = good && check.passed;
@@ -64,7 +70,9 @@ void add_plugins(CLI::App& app, int& status) {
   auto* check_command =
       command->add_subcommand("check", "Put a plugin library to the test, each test in a process of its own");
   check_command->add_option("file", *file, "plugin library")->required();
-  check_command->callback([=, &status] { status = check(*file); });
+  auto set = std::make_shared<std::vector<std::string>>();
+  check_command->add_option("--set", *set, "a parameter that has no good default, as NAME=VALUE");
+  check_command->callback([=, &status] { status = check(*file, *set); });
   auto* manifest = command->add_subcommand("manifest", "Write NAME.odoplugin.json beside a plugin library");
   manifest->add_option("file", *file, "plugin library")->required();
   manifest->callback([=, &status] {

@@ -71,6 +71,7 @@ Result<SessionPtr> open_session(const RunOptions& options) {
   o.config_path = {options.config.data(), options.config.size()};
   o.plugin_path = {options.plugin_path.data(), options.plugin_path.size()};
   o.seed = options.seed;
+  o.asset_path = {options.asset_path.data(), options.asset_path.size()};
   odo_error error{};
   error.struct_size = sizeof error;
   odo_session* session = nullptr;

@@ -39,6 +39,7 @@ struct RunResult {
 struct RunOptions {
   std::string config;  // a YAML file
   std::string plugin_path;
+  std::string asset_path;  // folders of files that the config names, where they are not beside it
   uint64_t seed = 0;
   bool collect_timing = true;
   bool collect_attitudes = false;

@@ -60,6 +60,7 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   config.coupling.vertical = coupling["vertical"].text == "scaled" ? Vertical::scaled : Vertical::ignore;
   config.coupling.fix_gate_sigma = coupling["fix_gate"].real;
   config.coupling.bridge_s = coupling["bridge"].real;
+  config.coupling.fastest_mps = coupling["fastest"].real;
   config.replay = {v["replay"]["start_at_first_waypoint"].boolean, v["replay"]["align_heading_over"].real};
 
   const auto choose = [&](const Value& value, const Spec& spec) {

@@ -34,6 +34,7 @@ struct CouplingConfig {
   Vertical vertical = Vertical::ignore;
   double fix_gate_sigma = 5.0;
   double bridge_s = 2.0;
+  double fastest_mps = 2.0;
 };
 
 struct OrderingConfig {

@@ -90,6 +90,9 @@ const Spec& pipeline_spec() {
                          "a fix further off than this many standard deviations is rejected; 0 = never"),
                     real("bridge", "s", 0, 60, "2",
                          "how long steps alone may carry the pose while the camera sees nothing before it is lost"),
+                    real("fastest", "m/s", 0.01, 200, "2",
+                         "how fast the carrier may be: what is added to the position's uncertainty while there is no "
+                         "scale or no picture"),
                 }),
             map("replay", "how `odograph run` lays a recording's map over n",
                 {

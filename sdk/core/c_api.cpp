@@ -52,8 +52,12 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
   auto config = path.empty() ? odograph::read_pipeline_config(config_text, "<text>", directories)
                              : odograph::read_pipeline_config_file(path, directories);
   if (!config) return fail(error, config.failure());
-  const auto base = path.empty() ? std::filesystem::current_path() : std::filesystem::absolute(path).parent_path();
-  auto session = odograph::Session::make(std::move(*config), base, options.run != ODO_RUN_REPLAY,
+  std::vector<std::filesystem::path> assets = {path.empty() ? std::filesystem::current_path()
+                                                            : std::filesystem::absolute(path).parent_path()};
+  if (ODO_HAS(&options, asset_path))
+    for (const auto& part : odograph::split(text(options.asset_path), ':'))
+      assets.push_back(std::filesystem::absolute(part));
+  auto session = odograph::Session::make(std::move(*config), std::move(assets), options.run != ODO_RUN_REPLAY,
                                          ODO_HAS(&options, seed) ? options.seed : 0);
   if (!session) return fail(error, session.failure());
   *out = new odo_session{std::move(*session)};

@@ -94,6 +94,7 @@ bool message_is_finite(const odo_header& header) {
     case ODO_TYPE_FIX: {
       const auto& m = as<odo_fix>(header);
       return finite(m.p_n, 3) && finite(m.covariance_n, 9) && when(ODO_FIX_ORIENTATION, unit(m.q_n_b)) &&
+             when(ODO_FIX_SLANT, finite(m.landmark_n, 3) && finite(&m.slant_distance_m, 1)) &&
              when(ODO_FIX_YAW, finite(&m.yaw_rad, 2)) && when(ODO_FIX_GEODETIC, finite(&m.latitude_rad, 3)) &&
              finite(&m.integrity, 1);
     }

@@ -15,8 +15,10 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr int kBelieveFixesAfter = 5;  // that many rejected in a row say that it is we who are wrong
-constexpr double kPlaceless_m = 1e4;   // how little a position means before the first fix
+constexpr int kBelieveFixesAfter = 5;        // that many rejected in a row say that it is we who are wrong
+constexpr double kPlaceless_m = 1e4;         // how little a position means before the first fix
+constexpr double kHeadingUnknown_rad = 0.2;  // of a start without a compass
+constexpr double kTurnWalk = 0.003;          // rad/sqrt(s): a chain of frames drifts by this more than it says
 
 Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized(); }
 
@@ -43,7 +45,9 @@ void PerFrameCoupling::reset() {
   rotation_covariance_.setZero();
   independent_covariance_.setZero();
   since_fix_n_.setZero();
-  relative_sigma_ = 0.0;
+  relative_sigma_ = unseen_sigma_m_ = 0.0;
+  heading_variance_ = kHeadingUnknown_rad * kHeadingUnknown_rad, tilt_variance_ = 0.0;
+  turned_by_fixes_ = false;
   scale_ = {};
   last_pose_ns_ = last_tracked_ns_ = INT64_MIN;
   attitude_count_ = 0;
@@ -88,6 +92,8 @@ Quaterniond PerFrameCoupling::initial_camera_orientation(int64_t t_ns) const {
 odo_pose PerFrameCoupling::on_first_frame(int64_t t_ns) {
   camera_ = true;
   q_n_ = initial_camera_orientation(t_ns);
+  if (const auto attitude = attitude_at(t_ns); attitude && (attitude->header.flags & ODO_ATTITUDE_NORTH))
+    heading_variance_ = attitude->covariance_n[8];
   last_pose_ns_ = last_tracked_ns_ = t_ns;
   return publish(t_ns, ODO_DEGRADED, ODO_REASON_INITIALISING);
 }
@@ -102,6 +108,7 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
   const auto before = attitude_at(motion.t_from_ns);
   const auto after = attitude_at(motion.header.t_ns);
   if (after) rotation_covariance_ = Eigen::Map<const RowMatrix3d>(after->covariance_n);
+  if (turned_by_fixes_) rotation_covariance_(2, 2) = heading_variance_;
   const bool rotated = (motion.header.flags & ODO_VO_ROTATION) != 0;
   if (after && config_.orientation == Orientation::attitude) {
     q_n_ = orientation_from(*after) * q_b_c_;
@@ -129,6 +136,7 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
       if (state == ODO_TRACKING) state = ODO_DEGRADED, reason = ODO_REASON_NO_SCALE;
     }
   }
+  drift(motion, dt_s, inputs_.scale && (!scale || !translated));
   carried_by_steps_ = !translated;
   if (translated) last_tracked_ns_ = motion.header.t_ns;
   if (state == ODO_LOST && after && seconds(motion.header.t_ns - last_tracked_ns_) < config_.bridge_s)
@@ -168,11 +176,59 @@ void PerFrameCoupling::move(const Vector3d& d_n, double relative_sigma, double d
   since_fix_n_ += d_n;
 }
 
+/// What becomes less certain from one frame to the next.
+void PerFrameCoupling::drift(const odo_vo_motion& motion, double dt_s, bool lost_metres) {
+  const double walk = kTurnWalk * kTurnWalk * dt_s;
+  heading_variance_ += motion.covariance[14] + walk;
+  tilt_variance_ += std::max(motion.covariance[0], motion.covariance[7]) + walk;
+  if (lost_metres) unseen_sigma_m_ += config_.fastest_mps * dt_s;
+}
+
 Matrix3d PerFrameCoupling::position_covariance() const {
   const Vector3d along = relative_sigma_ * since_fix_n_;
   const Vector3d across =
       std::sqrt(std::max(0.0, rotation_covariance_(2, 2))) * Vector3d(-since_fix_n_.y(), since_fix_n_.x(), 0.0);
-  return independent_covariance_ + along * along.transpose() + across * across.transpose();
+  Matrix3d unseen = Matrix3d::Zero();
+  unseen.diagonal().head<2>().setConstant(unseen_sigma_m_ * unseen_sigma_m_);
+  return independent_covariance_ + along * along.transpose() + across * across.transpose() + unseen;
+}
+
+/// Orientation fixes by a gated Kalman update, heading and inclination apart; an attitude's inclination is left alone.
+bool PerFrameCoupling::turn_by(const odo_fix& fix) {
+  odo_pose then{};
+  const bool known = history_.at(fix.header.t_ns, then) == ODO_OK;
+  const Quaterniond q_then = known ? quaternion(then.q_n) : q_n_;
+  Vector3d turn = Vector3d::Zero();
+  double yaw_variance = fix.yaw_sigma_rad * fix.yaw_sigma_rad, tilt_variance = 0.0;
+  const bool whole = (fix.header.flags & ODO_FIX_ORIENTATION) != 0;
+  if (whole) {
+    Quaterniond q = quaternion(fix.q_n_b);
+    if (camera_) q = q * q_b_c_;
+    const Eigen::AngleAxisd difference(q * q_then.conjugate());
+    turn = difference.angle() * difference.axis();
+    yaw_variance = fix.orientation_cov_n[8];
+    tilt_variance = std::max(fix.orientation_cov_n[0], fix.orientation_cov_n[4]);
+  } else {
+    const Vector3d y_n = (camera_ ? q_then * q_b_c_.conjugate() : q_then) * Vector3d::UnitY();
+    turn.z() = std::remainder(fix.yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
+  }
+  const double gate = config_.fix_gate_sigma, S = heading_variance_ + yaw_variance + 1e-12;
+  if (gate > 0 && turn.z() * turn.z() > gate * gate * S) return false;
+  turn.z() *= heading_variance_ / S;
+  heading_variance_ *= yaw_variance / S;
+  if (whole && config_.orientation == Orientation::vo) {
+    const double gain = tilt_variance_ / (tilt_variance_ + tilt_variance + 1e-12);
+    turn.head<2>() *= gain;
+    tilt_variance_ *= 1 - gain;
+  } else {
+    turn.head<2>().setZero();
+  }
+  turned_by_fixes_ = true;
+  heading_offset_rad_ += turn.z();
+  if (const double angle = turn.norm(); angle > 0)
+    q_n_ = (Quaterniond(Eigen::AngleAxisd(angle, turn / angle)) * q_n_).normalized();
+  rotation_covariance_(2, 2) = heading_variance_;
+  return true;
 }
 
 bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) {
@@ -183,11 +239,7 @@ bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) 
     z = Vector3d(geodesy_.from_geodetic({fix.latitude_rad, fix.longitude_rad, fix.height_m}).data());
   }
   p_out = {z.x(), z.y(), z.z()};
-  if (flags & ODO_FIX_YAW) {
-    const double turn = std::remainder(fix.yaw_rad - heading_offset_rad_, 2 * EIGEN_PI);
-    heading_offset_rad_ += turn;
-    q_n_ = (about_down(turn) * q_n_).normalized();
-  }
+  const bool turned = (flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0 && turn_by(fix);
   // The fix speaks of its own time; what moved since then moved both.
   odo_pose then{};
   Vector3d predicted = p_n_;
@@ -201,7 +253,7 @@ bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) 
     R.col(i).setZero();
     R(i, i) = kPlaceless_m * kPlaceless_m;
   }
-  if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) return (flags & ODO_FIX_YAW) != 0;
+  if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) return turned;
   Matrix3d P = position_covariance();
   if (!placed_ || rejected_in_a_row_ >= kBelieveFixesAfter) P = Matrix3d::Identity() * kPlaceless_m * kPlaceless_m;
   const Matrix3d S = P + R + Matrix3d::Identity() * 1e-9;
@@ -215,7 +267,7 @@ bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) 
   p_n_ += correction;
   independent_covariance_ = (Matrix3d::Identity() - K) * P;
   since_fix_n_.setZero();
-  relative_sigma_ = 0.0;
+  relative_sigma_ = unseen_sigma_m_ = 0.0;
   placed_ = true;
   rejected_in_a_row_ = 0;
   corrected_ = true;

@@ -25,7 +25,8 @@ struct CouplingInputs {
 /// Fixes correct the position by a gated Kalman update, and start it.
 ///
 /// The position's covariance is P0 + (errors that are common to the whole path since the last fix): a relative scale
-/// error along the displacement g since then, and a heading error across it.
+/// error along the displacement g since then, a heading error across it, and the fastest speed times the time in which
+/// the motion had no length.
 class PerFrameCoupling {
  public:
   PerFrameCoupling(const CouplingConfig& config, const StartPose& start, CouplingInputs inputs, Geodesy& geodesy);
@@ -67,6 +68,8 @@ class PerFrameCoupling {
   Eigen::Quaterniond initial_camera_orientation(int64_t t_ns) const;
   Eigen::Matrix3d position_covariance() const;
   void move(const Eigen::Vector3d& d_n, double relative_sigma, double dt_s);
+  void drift(const odo_vo_motion& motion, double dt_s, bool lost_metres);
+  bool turn_by(const odo_fix& fix);
   odo_pose publish(int64_t t_ns, uint32_t state, uint32_t reason);
   bool metric() const { return inputs_.scale || !inputs_.vo; }
 
@@ -88,6 +91,9 @@ class PerFrameCoupling {
   Eigen::Vector3d since_fix_n_ = Eigen::Vector3d::Zero();
   double relative_sigma_ = 0.0;
   double heading_offset_rad_ = 0.0;
+  double heading_variance_ = 0.0, tilt_variance_ = 0.0;  // rad^2, of q_n_, where fixes correct it
+  bool turned_by_fixes_ = false;
+  double unseen_sigma_m_ = 0.0;  // what may have been moved, since the last fix, without a scale or a picture
   Scale scale_;
   double distance_m_ = 0.0;
   int64_t last_pose_ns_ = INT64_MIN;

@@ -6,9 +6,9 @@
 
 namespace odograph {
 
-Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::filesystem::path base, bool live,
-                                               uint64_t seed) {
-  std::unique_ptr<Session> session(new Session(std::move(config), std::move(base), live, seed));
+Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
+                                               bool live, uint64_t seed) {
+  std::unique_ptr<Session> session(new Session(std::move(config), std::move(assets), live, seed));
   auto pipeline = Pipeline::make(session->config_, session->host_, session->geodesy_,
                                  [raw = session.get()](const odo_header& event) { raw->publish(event); });
   if (!pipeline) {
@@ -21,10 +21,10 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::files
   return session;
 }
 
-Session::Session(PipelineConfig config, std::filesystem::path base, bool live, uint64_t seed)
+Session::Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed)
     : config_(std::move(config)),
       live_(live),
-      host_(seed, std::move(base), [this](const Report& report) { reported(report); }),
+      host_(seed, std::move(assets), [this](const Report& report) { reported(report); }),
       frames_(config_.ordering.frames),
       order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {
   statistics_.struct_size = sizeof statistics_;

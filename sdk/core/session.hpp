@@ -20,8 +20,8 @@ namespace odograph {
 /// and never two of the same: work (the pipeline), queue (samples waiting), answers (poses, counters, last error).
 class Session {
  public:
-  static Result<std::unique_ptr<Session>> make(PipelineConfig config, std::filesystem::path base, bool live,
-                                               uint64_t seed);
+  static Result<std::unique_ptr<Session>> make(PipelineConfig config, std::vector<std::filesystem::path> assets,
+                                               bool live, uint64_t seed);
   ~Session();
 
   int32_t push(const odo_header& sample);
@@ -37,7 +37,7 @@ class Session {
   const PipelineConfig& config() const { return config_; }
 
  private:
-  Session(PipelineConfig config, std::filesystem::path base, bool live, uint64_t seed);
+  Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed);
 
   int32_t check(const odo_header& sample);
   int32_t enqueue(const odo_header& sample);

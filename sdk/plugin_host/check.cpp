@@ -172,12 +172,13 @@ std::vector<AnyMessage> inputs_of(const odo_plugin& table, const std::vector<Any
 
 }  // namespace
 
-std::vector<PluginCheck> check_plugin(const std::filesystem::path& path) {
+std::vector<PluginCheck> check_plugin(const std::filesystem::path& path,
+                                      const std::vector<std::pair<std::string, std::string>>& settings) {
   std::vector<PluginCheck> checks;
   const auto file = check_shared_library(path);
   checks.push_back({"is a shared library for this machine", file.ok(), file ? "" : file.failure().text});
   if (!file) return checks;
-  const HostServices host(1, ".", nullptr);
+  const HostServices host(1, {std::filesystem::current_path()}, nullptr);
   checks.push_back(in_child("loads and fills a good table", [&] {
     const auto library = PluginLibrary::load(path, &host);
     return library ? std::string() : library.failure().text;
@@ -192,7 +193,11 @@ std::vector<PluginCheck> check_plugin(const std::filesystem::path& path) {
       const odo_plugin& table = (*library)->table();
       PluginChoice choice;
       choice.manifest.parameters = *parameter_specs(table);
-      for (const Spec& spec : choice.manifest.parameters) choice.parameters.emplace_back(spec, default_value(spec));
+      for (Spec spec : choice.manifest.parameters) {
+        for (const auto& [name, value] : settings)
+          if (spec.name == name) spec.fallback = value;
+        choice.parameters.emplace_back(spec, default_value(spec));
+      }
       return test(table, values_of(choice), inputs_of(table, input.messages));
     };
   };

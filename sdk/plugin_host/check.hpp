@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace odograph {
@@ -16,7 +17,9 @@ struct PluginCheck {
 
 /// Puts a plugin library to the test: file format, entry, table, life of an instance, hostile input, repeatability and
 /// independence of how the input is cut into batches. Whatever runs the plugin's code runs in a child process, so that
-/// a crash is a failed test. [control]
-std::vector<PluginCheck> check_plugin(const std::filesystem::path& library);
+/// a crash is a failed test. `settings` are parameters, name and value, for plugins that have no good default.
+/// [control]
+std::vector<PluginCheck> check_plugin(const std::filesystem::path& library,
+                                      const std::vector<std::pair<std::string, std::string>>& settings = {});
 
 }  // namespace odograph

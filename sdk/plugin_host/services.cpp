@@ -24,8 +24,8 @@ uint64_t mix(uint64_t x) {
 
 }  // namespace
 
-HostServices::HostServices(uint64_t seed, std::filesystem::path base, Listener listener)
-    : odo_host{}, seed_(seed), base_(std::move(base)), listener_(std::move(listener)) {
+HostServices::HostServices(uint64_t seed, std::vector<std::filesystem::path> assets, Listener listener)
+    : odo_host{}, seed_(seed), assets_(std::move(assets)), listener_(std::move(listener)) {
   struct_size = sizeof(odo_host);
   abi_major_min = abi_major_max = ODO_ABI_MAJOR;
   abi_minor = ODO_ABI_MINOR;
@@ -46,12 +46,15 @@ const void* HostServices::find_service(const odo_host*, const char* id, uint64_t
   static const odo_asset_service assets{
       sizeof(odo_asset_service), 0,
       [](const odo_host* host, const odo_string* name, char* path, uint64_t capacity) -> int64_t {
-        std::error_code error;
-        const auto found = std::filesystem::canonical(of(host).base_ / text_of(name), error);
-        if (error) return ODO_E_NOT_FOUND;
-        const std::string text = found.string();
-        std::copy_n(text.data(), std::min<uint64_t>(capacity, text.size()), path);
-        return static_cast<int64_t>(text.size());
+        for (const auto& folder : of(host).assets_) {
+          std::error_code error;
+          const auto found = std::filesystem::canonical(folder / text_of(name), error);
+          if (error) continue;
+          const std::string text = found.string();
+          std::copy_n(text.data(), std::min<uint64_t>(capacity, text.size()), path);
+          return static_cast<int64_t>(text.size());
+        }
+        return ODO_E_NOT_FOUND;
       }};
   const std::string_view wanted(id, size);
   if (wanted == ODO_SERVICE_REPORT) return &reports;

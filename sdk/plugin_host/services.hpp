@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include <odograph/plugin.h>
 
@@ -26,7 +27,8 @@ class HostServices : public odo_host {
  public:
   using Listener = std::function<void(const Report&)>;
 
-  HostServices(uint64_t seed, std::filesystem::path base, Listener listener);
+  /// `assets`: directories in which files that a config names are looked for, in this order.
+  HostServices(uint64_t seed, std::vector<std::filesystem::path> assets, Listener listener);
   HostServices(const HostServices&) = delete;
   HostServices& operator=(const HostServices&) = delete;
 
@@ -46,7 +48,7 @@ class HostServices : public odo_host {
   };
 
   uint64_t seed_;
-  std::filesystem::path base_;
+  std::vector<std::filesystem::path> assets_;
   Listener listener_;
   std::mutex mutex_;
   std::map<uint32_t, std::string> names_;

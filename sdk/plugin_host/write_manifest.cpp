@@ -9,7 +9,7 @@
 namespace odograph {
 
 Result<std::filesystem::path> write_manifest_beside(const std::filesystem::path& file) {
-  const HostServices host(0, ".", nullptr);
+  const HostServices host(0, {"."}, nullptr);
   const auto library = PluginLibrary::load(file, &host);
   if (!library) return library.failure();
   const auto hash = sha256_of(file);

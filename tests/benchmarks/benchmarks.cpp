@@ -57,7 +57,7 @@ std::unique_ptr<PluginInstance> noop(HostServices& host) {
 }
 
 void plugin_call(benchmark::State& state) {
-  HostServices host(0, ".", nullptr);
+  HostServices host(0, {"."}, nullptr);
   const auto instance = noop(host);
   const odo_imu imu = sample(1);
   for (auto _ : state) benchmark::DoNotOptimize(instance->process(imu.header).size());

@@ -35,6 +35,7 @@ typedef struct odo_session_options {
   odo_string config_text;  /* ... or its text; exactly one of the two */
   odo_string plugin_path;  /* directories to look for plugins in before all others, separated by ':' (';' on Windows) */
   uint64_t seed;           /* of the random numbers handed to plugins */
+  odo_string asset_path;   /* directories to look in for files that the config names and that are not beside it */
 } odo_session_options;
 
 /* How a session did so far. Counters count from creation. */

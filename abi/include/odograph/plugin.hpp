@@ -13,7 +13,7 @@
 //   };
 //   ODO_PLUGIN(Example)
 //
-// Optional members: void configured() (throw odo::Error to refuse), void reset(), std::vector<uint8_t> save() const,
+// Optional members: void configured() or configured(odo::Output&) (throw odo::Error to refuse), void reset(), std::vector<uint8_t> save() const,
 // void load(const uint8_t*, size_t), const void* extension(std::string_view id).
 // No exception leaves the plugin: each becomes a status code and a report, also when the plugin carries a C++ runtime of
 // its own, because the guard is compiled into the plugin.
@@ -119,6 +119,18 @@ class Output {
     const odo_string k = str(key), t = str(text);
     if (report_ && report_->report) report_->report(host_, instance_, severity, &k, &t);
   }
+  /// The path of a file that the config names, or null where there is none. [control]
+  std::unique_ptr<std::string> asset(std::string_view name) const {
+    static const std::string_view id = ODO_SERVICE_ASSETS;
+    const void* found = host_ && host_->get_service ? host_->get_service(host_, id.data(), id.size()) : nullptr;
+    const auto* assets = static_cast<const odo_asset_service*>(found);
+    const odo_string wanted = str(name);
+    std::string path(4096, '\0');
+    const int64_t size = assets && assets->resolve ? assets->resolve(host_, &wanted, &path[0], path.size()) : -1;
+    if (size < 0 || size > static_cast<int64_t>(path.size())) return nullptr;
+    path.resize(static_cast<size_t>(size));
+    return std::make_unique<std::string>(std::move(path));
+  }
   const odo_host* host() const noexcept { return host_; }
   uint32_t instance() const noexcept { return instance_; }
 
@@ -196,6 +208,10 @@ template <class T> std::string default_text(const T& object, const Parameter<T>&
 
 template <class T, class = void> struct has_configured : std::false_type {};
 template <class T> struct has_configured<T, std::void_t<decltype(std::declval<T&>().configured())>> : std::true_type {};
+template <class T, class = void> struct has_configured_with_host : std::false_type {};
+template <class T>
+struct has_configured_with_host<T, std::void_t<decltype(std::declval<T&>().configured(std::declval<Output&>()))>>
+    : std::true_type {};
 template <class T, class = void> struct has_reset : std::false_type {};
 template <class T> struct has_reset<T, std::void_t<decltype(std::declval<T&>().reset())>> : std::true_type {};
 template <class T, class = void> struct has_save : std::false_type {};
@@ -333,7 +349,8 @@ template <class T> class Glue {
           },
           instance.parameters[stored.first].member);
     }
-    if constexpr (has_configured<T>::value) instance.object->configured();
+    if constexpr (has_configured_with_host<T>::value) instance.object->configured(instance.output);
+    else if constexpr (has_configured<T>::value) instance.object->configured();
   }
 
   static int32_t configure(odo_instance* handle, const odo_value* values, uint32_t count, uint32_t stride) noexcept {

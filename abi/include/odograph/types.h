@@ -296,18 +296,21 @@ typedef struct odo_scale {
 #define ODO_FIX_YAW UINT32_C(8)
 #define ODO_FIX_ORIENTATION UINT32_C(16)
 #define ODO_FIX_GEODETIC UINT32_C(32) /* latitude etc. are valid and p_n is not: the host converts, having the origin */
+#define ODO_FIX_SLANT UINT32_C(64)    /* landmark_n and slant_distance_m are valid */
 typedef struct odo_fix {
   odo_header header;
   double p_n[3];
   double covariance_n[9];        /* of p_n, m^2 */
   double q_n_b[4];
   double orientation_cov_n[9];   /* rad^2 */
-  double yaw_rad;                /* heading of the body's forward axis in n */
+  double yaw_rad;                /* heading of the body's y axis (a phone's top) in n */
   double yaw_sigma_rad;
   double latitude_rad;
   double longitude_rad;
   double height_m;               /* ellipsoidal */
   double integrity;              /* probability that the error is larger than the covariance can explain */
+  double landmark_n[3];          /* a known point in view of the camera, such as a roof's edge, m */
+  double slant_distance_m;       /* from the camera to it */
 } odo_fix;
 
 /* The answer: a metric pose with its uncertainty. */

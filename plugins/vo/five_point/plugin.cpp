@@ -1,30 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <optional>
 
-#include <odograph/plugin.hpp>
-#include <opencv2/imgproc.hpp>
-
+#include "plugins/camera/frame_view.hpp"
 #include "plugins/vo/five_point/visual_odometry.hpp"
 
 namespace {
 
 using namespace odograph::five_point;
-
-/// The grey picture of a frame, without a copy where the format has a grey plane.
-cv::Mat grey_of(const odo_frame& frame, cv::Mat& converted) {
-  const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
-  auto* data = const_cast<uint8_t*>(frame.planes[0].data);
-  const auto stride = static_cast<size_t>(frame.planes[0].row_stride);
-  switch (frame.format) {
-    case ODO_FORMAT_RGB8:
-      cv::cvtColor(cv::Mat(rows, columns, CV_8UC3, data, stride), converted, cv::COLOR_RGB2GRAY);
-      return converted;
-    case ODO_FORMAT_RGBA8:
-      cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), converted, cv::COLOR_RGBA2GRAY);
-      return converted;
-    default: return {rows, columns, CV_8UC1, data, stride};
-  }
-}
 
 uint32_t reason(Trouble trouble) {
   switch (trouble) {
@@ -51,29 +33,18 @@ class FivePoint {
   }
 
   void on(const odo_calibration& c, odo::Output&) {
-    CameraModel camera;
-    camera.distortion = c.model == ODO_CAMERA_KANNALA_BRANDT ? CameraModel::Distortion::kannala_brandt
-                                                             : CameraModel::Distortion::radial_tangential;
-    camera.fx = c.fx, camera.fy = c.fy, camera.cx = c.cx, camera.cy = c.cy;
-    camera.coefficients.assign(c.distortion, c.distortion + c.distortion_count);
     VisualOdometry::Parameters p;
     p.corners.most = static_cast<int>(corners);
     p.inlier_px = inlier_threshold;
     calibration_ = c.id;
     size_ = {static_cast<int>(c.width), static_cast<int>(c.height)};
-    vo_.emplace(p, camera);
+    vo_.emplace(p, odograph::camera_of(c));
     previous_ns_ = INT64_MIN;
   }
 
   void on(const odo_frame& frame, odo::Output& output) {
-    if (!vo_ || frame.calibration != calibration_)
-      throw odo::Error(ODO_E_DISCARD, "a frame without the calibration it names");
-    if (static_cast<int>(frame.width) != size_.width || static_cast<int>(frame.height) != size_.height)
-      throw odo::Error(ODO_E_DISCARD, "a frame of another size than its calibration's");
-    cv::Mat mask;
-    if ((frame.header.flags & ODO_FRAME_MASK) && frame.mask.data)
-      mask = cv::Mat(size_, CV_8UC1, const_cast<uint8_t*>(frame.mask.data), static_cast<size_t>(frame.mask.row_stride));
-    const Motion motion = vo_->process(grey_of(frame, converted_), mask);
+    odograph::check_frame(frame, vo_ ? calibration_ : frame.calibration + 1, size_);
+    const Motion motion = vo_->process(odograph::grey_of(frame, converted_), odograph::mask_of(frame));
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
     if (from_ns == INT64_MIN) return;
     output.emit(event_of(motion, from_ns, frame));

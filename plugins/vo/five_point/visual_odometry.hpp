@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "plugins/vo/five_point/camera_model.hpp"
+#include "plugins/camera/camera_model.hpp"
 #include "plugins/vo/five_point/corner_tracker.hpp"
 #include "plugins/vo/five_point/two_view.hpp"
 

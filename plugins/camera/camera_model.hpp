@@ -3,11 +3,12 @@
 
 #include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/core.hpp>
 
-namespace odograph::five_point {
+namespace odograph {
 
-/// Intrinsics of a camera; pixels to rays and nothing else.
+/// Intrinsics of a camera: pixels to rays and back.
 struct CameraModel {
   enum class Distortion { radial_tangential, kannala_brandt };
   Distortion distortion = Distortion::radial_tangential;
@@ -16,7 +17,9 @@ struct CameraModel {
 
   /// Pixels to normalized image coordinates (x/z, y/z) of an ideal pinhole. `normalized` is resized.
   void undistort(const std::vector<cv::Point2f>& pixels, std::vector<cv::Point2d>& normalized) const;
+  /// Normalized image coordinates to pixels: exactly the model, also where its polynomial means nothing any more.
+  Eigen::Vector2d project(const Eigen::Vector2d& normalized) const;
   double focal() const { return 0.5 * (fx + fy); }
 };
 
-}  // namespace odograph::five_point
+}  // namespace odograph

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What every plugin that looks at frames does first.
+#pragma once
+
+#include <odograph/plugin.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "plugins/camera/camera_model.hpp"
+
+namespace odograph {
+
+inline CameraModel camera_of(const odo_calibration& c) {
+  CameraModel camera;
+  camera.distortion = c.model == ODO_CAMERA_KANNALA_BRANDT ? CameraModel::Distortion::kannala_brandt
+                                                           : CameraModel::Distortion::radial_tangential;
+  camera.fx = c.fx, camera.fy = c.fy, camera.cx = c.cx, camera.cy = c.cy;
+  camera.coefficients.assign(c.distortion, c.distortion + c.distortion_count);
+  return camera;
+}
+
+/// Throws odo::Error (discard) where the frame does not belong to the calibration.
+inline void check_frame(const odo_frame& frame, uint32_t calibration, cv::Size size) {
+  if (frame.calibration != calibration) throw odo::Error(ODO_E_DISCARD, "a frame without the calibration it names");
+  if (static_cast<int>(frame.width) != size.width || static_cast<int>(frame.height) != size.height)
+    throw odo::Error(ODO_E_DISCARD, "a frame of another size than its calibration's");
+}
+
+/// The grey picture of a frame, without a copy where the format has a grey plane.
+inline cv::Mat grey_of(const odo_frame& frame, cv::Mat& converted) {
+  const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
+  auto* data = const_cast<uint8_t*>(frame.planes[0].data);
+  const auto stride = static_cast<size_t>(frame.planes[0].row_stride);
+  switch (frame.format) {
+    case ODO_FORMAT_RGB8:
+      cv::cvtColor(cv::Mat(rows, columns, CV_8UC3, data, stride), converted, cv::COLOR_RGB2GRAY);
+      return converted;
+    case ODO_FORMAT_RGBA8:
+      cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), converted, cv::COLOR_RGBA2GRAY);
+      return converted;
+    default: return {rows, columns, CV_8UC1, data, stride};
+  }
+}
+
+/// The frame's mask (0 = do not use), empty where it has none.
+inline cv::Mat mask_of(const odo_frame& frame) {
+  if ((frame.header.flags & ODO_FRAME_MASK) == 0 || !frame.mask.data) return {};
+  return {static_cast<int>(frame.height), static_cast<int>(frame.width), CV_8UC1, const_cast<uint8_t*>(frame.mask.data),
+          static_cast<size_t>(frame.mask.row_stride)};
+}
+
+}  // namespace odograph

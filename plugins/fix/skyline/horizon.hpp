@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "plugins/fix/skyline/city_outline.hpp"
+
+namespace odograph::skyline {
+
+/// Where the sky ends around a place: eq. (2) of Gakne & O'Keefe 2018, N = 720 directions from north to the east, each
+/// in the middle of its half degree.
+struct Horizon {
+  static constexpr int kDirections = 720;
+  std::array<float, kDirections> elevation_tan{};  ///< tangent of the highest elevation; 0 where nothing is
+  std::array<float, kDirections> height_m{};       ///< of the point there, above the place
+};
+
+/// Skylines of a city model, from anywhere.
+class City {
+ public:
+  explicit City(std::vector<Edge> edges) : edges_(std::move(edges)) {}
+
+  /// Keeps the edges that can be seen at more than an elevation of `least_tan` from within `radius_m` of a place.
+  void look_around(const Eigen::Vector3d& p_n, double radius_m, double least_tan);
+  /// The skyline from a place, of the edges that look_around() kept. Thread: any, between calls of look_around().
+  void horizon(const Eigen::Vector3d& p_n, Horizon& out) const;
+
+ private:
+  std::vector<Edge> edges_, near_;
+};
+
+}  // namespace odograph::skyline

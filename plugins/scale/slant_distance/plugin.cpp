@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Geometry>
+#include <odograph/plugin.hpp>
+
+#include "plugins/scale/slant_distance/slant_scale.hpp"
+
+namespace {
+
+/// Scale from slant distances to the roofs of a city model: eq. (4) to (6) of Gakne & O'Keefe 2018.
+class SlantDistance {
+ public:
+  double window = 15, least_way = 8, unit_drift = 0.03, unit = 0;
+
+  static constexpr odo::Description description{
+      "scale/slant_distance", "1.0.0", "Metres per VO unit from slant distances to roofs (Gakne & O'Keefe 2018)",
+      ODO_INTERFACE_SCALE_SOURCE};
+  static std::vector<odo::Parameter<SlantDistance>> parameters() {
+    return {odo::real("window", "s", 1, 3600, &SlantDistance::window, "fixes of this time count"),
+            odo::real("least_way", "m", 0.1, 1000, &SlantDistance::least_way,
+                      "no scale before the fixes lie this far apart"),
+            odo::real("unit_drift", "", 0, 1, &SlantDistance::unit_drift,
+                      "by how much of itself a VO unit changes within a window"),
+            odo::real("unit", "m", 0, 1000, &SlantDistance::unit,
+                      "a VO unit's length until slant distances tell; 0: none is given")};
+  }
+  void configured() { scale_ = odograph::slant_scale::SlantScale(window, least_way, unit_drift); }
+
+  void on(const odo_fix& fix, odo::Output&) {
+    constexpr uint32_t needed = ODO_FIX_SLANT | ODO_FIX_NORTH | ODO_FIX_EAST;
+    if ((fix.header.flags & needed) != needed) return;
+    const Eigen::Vector3d to_landmark = Eigen::Vector3d(fix.landmark_n) - Eigen::Vector3d(fix.p_n);
+    if (!(fix.slant_distance_m > 0) || to_landmark.norm() < 1e-6) return;
+    // P_3DBM: back from the roof point by the slant distance.
+    const Eigen::Vector3d place = Eigen::Vector3d(fix.landmark_n) - fix.slant_distance_m * to_landmark.normalized();
+    scale_.add_place(fix.header.t_ns, place.head<2>(),
+                     std::max(1e-6, 0.5 * (fix.covariance_n[0] + fix.covariance_n[4])));
+  }
+
+  void on(const odo_vo_motion& motion, odo::Output& output) {
+    constexpr uint32_t needed = ODO_VO_TRANSLATION | ODO_VO_NAVIGATION;
+    if ((motion.header.flags & needed) != needed) return;
+    const Eigen::Quaterniond q(motion.q_n_c0[0], motion.q_n_c0[1], motion.q_n_c0[2], motion.q_n_c0[3]);
+    const Eigen::Vector3d d_n = q * Eigen::Vector3d(motion.p_c0_c1);
+    scale_.add_motion(motion.t_from_ns, motion.header.t_ns, d_n, motion.scale_group);
+    auto scale = odo::make<odo_scale>(motion.header.t_ns);
+    if (scale_.scale()) {
+      scale.metres_per_unit = scale_.scale()->metres_per_unit, scale.sigma = scale_.scale()->sigma;
+    } else if (unit > 0) {
+      scale.metres_per_unit = unit, scale.sigma = 0.5 * unit;
+    } else {
+      return;
+    }
+    scale.displacement_m = scale.metres_per_unit * d_n.head<2>().norm();
+    scale.valid_from_ns = motion.t_from_ns, scale.valid_to_ns = motion.header.t_ns;
+    scale.scale_group = motion.scale_group;
+    scale.header.flags = ODO_SCALE_HORIZONTAL;
+    output.emit(scale);
+  }
+
+ private:
+  odograph::slant_scale::SlantScale scale_{window, least_way, unit_drift};
+};
+
+}  // namespace
+
+ODO_PLUGIN(SlantDistance)

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/scale/slant_distance/slant_scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace odograph::slant_scale {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kNanoseconds = 1e-9;
+constexpr double kHuber = 1.5;
+constexpr double kGuess = 0.3;   // relative; of a scale that rests on the speed before
+constexpr double kSmooth = 0.3;  // of the speed, from one motion to the next
+
+}  // namespace
+
+void SlantScale::add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d& d_n, uint32_t group) {
+  if (group_ != group) {
+    group_ = group;
+    path_.clear(), pairs_.clear();
+    at_.setZero();
+    scale_.reset();
+  }
+  const double dt = static_cast<double>(t_ns - from_ns) * kNanoseconds, way = d_n.head<2>().norm();
+  if (!scale_ && speed_mps_ > 0.5 && way > 1e-9) scale_ = Scale{speed_mps_ * dt / way, kGuess * speed_mps_ * dt / way};
+  if (scale_ && dt > 0) speed_mps_ += kSmooth * (scale_->metres_per_unit * way / dt - speed_mps_);
+  at_ += d_n.head<2>();
+  path_.push_back({t_ns, at_});
+  while (static_cast<double>(t_ns - path_.front().t_ns) * kNanoseconds > window_s_) path_.pop_front();
+}
+
+void SlantScale::add_place(int64_t t_ns, const Vector2d& p_n, double variance) {
+  const auto at =
+      std::lower_bound(path_.begin(), path_.end(), t_ns, [](const Point& p, int64_t t) { return p.t_ns < t; });
+  if (at == path_.end() || at->t_ns != t_ns) return;
+  pairs_.push_back({t_ns, p_n, at->p, variance});
+  while (static_cast<double>(t_ns - pairs_.front().t_ns) * kNanoseconds > window_s_) pairs_.pop_front();
+  fit();
+}
+
+/// model = a + s R(angle) vo: the heading is the coupling's business, and a line through its errors would be too short,
+/// so the angle is fitted with the scale and then forgotten.
+void SlantScale::fit() {
+  if (pairs_.size() < 3) return;
+  std::vector<double> weights(pairs_.size(), 1.0);
+  double s = 0, sigma = 0;
+  Vector2d spread_m = Vector2d::Zero();
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    double total = 0;
+    Vector2d mean_m = Vector2d::Zero(), mean_v = Vector2d::Zero();
+    for (size_t i = 0; i < pairs_.size(); ++i) {
+      const double w = weights[i] / pairs_[i].variance;
+      total += w, mean_m += w * pairs_[i].model_m, mean_v += w * pairs_[i].vo;
+    }
+    mean_m /= total, mean_v /= total;
+    double dot = 0, cross = 0, vv = 0;
+    spread_m.setZero();
+    for (size_t i = 0; i < pairs_.size(); ++i) {
+      const Vector2d m = pairs_[i].model_m - mean_m, v = pairs_[i].vo - mean_v;
+      const double w = weights[i] / pairs_[i].variance;
+      dot += w * m.dot(v), cross += w * (v.x() * m.y() - v.y() * m.x()), vv += w * v.squaredNorm();
+      spread_m = spread_m.cwiseMax(m.cwiseAbs());
+    }
+    if (vv <= 0) return;
+    s = std::hypot(dot, cross) / vv;
+    const double c = dot / std::hypot(dot, cross), t = cross / std::hypot(dot, cross);
+    double chi = 0, n = 0;
+    for (size_t i = 0; i < pairs_.size(); ++i) {
+      const Vector2d v = pairs_[i].vo - mean_v;
+      const Vector2d r = pairs_[i].model_m - mean_m - s * Vector2d(c * v.x() - t * v.y(), t * v.x() + c * v.y());
+      const double z = r.norm() / std::sqrt(pairs_[i].variance);
+      weights[i] = std::min(1.0, kHuber / std::max(z, 1e-9));
+      chi += weights[i] * z * z, n += 2;
+    }
+    sigma = std::sqrt(std::max(1.0, chi / std::max(1.0, n - 4)) / vv);
+  }
+  if (2 * spread_m.norm() < least_way_m_) return;  // nearly standing: the line has no direction
+  scale_ = Scale{s, std::hypot(sigma, unit_drift_ * s)};
+}
+
+}  // namespace odograph::slant_scale

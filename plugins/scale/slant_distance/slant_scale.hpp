@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include <Eigen/Core>
+
+namespace odograph::slant_scale {
+
+struct Scale {
+  double metres_per_unit, sigma;
+};
+
+/// Metres per VO unit from slant distances to known roof points: eq. (4) to (6) of Gakne & O'Keefe 2018.
+///
+/// Eq. (5) divides the slant distance by ||P_3DBM - P_VO||, that is, one length in metres by the same one in VO units.
+/// Here the length is the way between two fixes: in metres the difference of the slant vectors to the roof points,
+/// P_3DBM = X - d_slant u; in VO units the sum of eq. (6)'s displacements, with their directions. The scale is the
+/// robust least-squares line through the fixes of the window, so that no single pair of them rules.
+class SlantScale {
+ public:
+  /// `unit_drift`: by how much of itself a VO unit changes within a window.
+  SlantScale(double window_s, double least_way_m, double unit_drift)
+      : window_s_(window_s), least_way_m_(least_way_m), unit_drift_(unit_drift) {}
+
+  /// A motion's displacement in n, VO units. A new group forgets what was in the old one's unit, and
+  /// begins with the speed that the old one ended with.
+  void add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d& d_n, uint32_t group);
+  /// The vehicle's place by the city model, m, and the variance of one axis, m^2.
+  void add_place(int64_t t_ns, const Eigen::Vector2d& p_n, double variance);
+  const std::optional<Scale>& scale() const { return scale_; }
+
+ private:
+  struct Point {
+    int64_t t_ns;
+    Eigen::Vector2d p;  // VO units
+  };
+  struct Pair {
+    int64_t t_ns;
+    Eigen::Vector2d model_m, vo;
+    double variance;
+  };
+  void fit();
+
+  double window_s_, least_way_m_, unit_drift_;
+  std::deque<Point> path_;
+  std::deque<Pair> pairs_;
+  Eigen::Vector2d at_ = Eigen::Vector2d::Zero();
+  std::optional<uint32_t> group_;
+  std::optional<Scale> scale_;
+  double speed_mps_ = 0;
+};
+
+}  // namespace odograph::slant_scale

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <optional>
+
+#include "plugins/camera/frame_view.hpp"
+#include "plugins/vo/gakne2018/sky_odometry.hpp"
+
+namespace {
+
+using namespace odograph::gakne2018;
+
+constexpr double kTurnKnown_rad = 0.0;     // between two pictures: it is the gyroscope's
+constexpr double kTurnUnknown_rad = 0.15;  // what a car turns by
+
+/// The visual odometry of Gakne & O'Keefe 2018, for a camera that looks up. What their vanishing points say, roll,
+/// pitch and heading, comes from the attitude; without one the camera is taken to look straight up.
+class Gakne2018 {
+ public:
+  int64_t features = 1000;
+  double inlier_threshold = 2.5;
+
+  static constexpr odo::Description description{
+      "vo/gakne2018", "1.0.0",
+      "Visual odometry of a sky-pointing camera: ORB, RANSAC, rigid motion (Gakne & O'Keefe 2018)",
+      ODO_INTERFACE_VO_FRONTEND};
+  static std::vector<odo::Parameter<Gakne2018>> parameters() {
+    return {odo::integer("features", 100, 10000, &Gakne2018::features, "ORB features in a picture"),
+            odo::real("inlier_threshold", "px", 0.1, 50, &Gakne2018::inlier_threshold,
+                      "largest distance of an inlier, near the zenith")};
+  }
+
+  void on(const odo_calibration& c, odo::Output&) {
+    calibration_ = c.id;
+    size_ = {static_cast<int>(c.width), static_cast<int>(c.height)};
+    SkyOdometry::Parameters p;
+    p.features = static_cast<int>(features);
+    const auto camera = odograph::camera_of(c);
+    p.inlier_rad = inlier_threshold / camera.focal();
+    vo_.emplace(p, camera);
+    q_b_c_ = Eigen::Quaterniond(0, 1, 0, 0);
+    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS)
+      q_b_c_ = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
+    previous_ns_ = INT64_MIN;
+  }
+
+  void on(const odo_attitude& attitude, odo::Output&) {
+    q_n_b_ = Eigen::Quaterniond(attitude.q_n_b[0], attitude.q_n_b[1], attitude.q_n_b[2], attitude.q_n_b[3]);
+  }
+
+  void on(const odo_frame& frame, odo::Output& output) {
+    odograph::check_frame(frame, vo_ ? calibration_ : frame.calibration + 1, size_);
+    const Motion motion = vo_->process(odograph::grey_of(frame, converted_), odograph::mask_of(frame), level(),
+                                       q_n_b_ ? kTurnKnown_rad : kTurnUnknown_rad);
+    const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
+    if (from_ns == INT64_MIN) return;
+    auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
+    event.t_from_ns = from_ns;
+    const auto& q = motion.q_c0_c1;
+    event.q_c0_c1[0] = q.w(), event.q_c0_c1[1] = q.x(), event.q_c0_c1[2] = q.y(), event.q_c0_c1[3] = q.z();
+    Eigen::Vector3d::Map(event.p_c0_c1) = motion.p_c0_c1;
+    for (int i = 0; i < 3; ++i) {
+      event.covariance[7 * i] = motion.rotation_sigma_rad * motion.rotation_sigma_rad;
+      event.covariance[7 * (i + 3)] = motion.position_sigma * motion.position_sigma;
+    }
+    if (motion.valid) event.header.flags |= ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
+    event.camera = frame.calibration;
+    event.state = motion.valid ? ODO_TRACKING : ODO_LOST;
+    event.reason = motion.valid ? ODO_REASON_NONE : ODO_REASON_FEW_FEATURES;
+    event.tracked = motion.matches, event.inliers = motion.inliers;
+    event.header.quality =
+        motion.matches ? static_cast<float>(motion.inliers) / static_cast<float>(motion.matches) : 0.0f;
+    output.emit(event);
+  }
+
+ private:
+  /// From c to a level frame: n, as the attitude knows it, or the camera's own turned over.
+  Eigen::Quaterniond level() const { return q_n_b_ ? (*q_n_b_ * q_b_c_).normalized() : Eigen::Quaterniond(0, 1, 0, 0); }
+
+  std::optional<SkyOdometry> vo_;
+  std::optional<Eigen::Quaterniond> q_n_b_;
+  Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();
+  cv::Mat converted_;
+  cv::Size size_;
+  uint32_t calibration_ = 0;
+  int64_t previous_ns_ = INT64_MIN;
+};
+
+}  // namespace
+
+ODO_PLUGIN(Gakne2018)

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/vo/gakne2018/sky_odometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <Eigen/Dense>
+
+namespace odograph::gakne2018 {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kFar = 1e3;     // a point that does not meet the plane
+constexpr double kLowest = 0.2;  // sine of the least elevation that is used
+constexpr int kTrials = 500;
+constexpr double kApart = 0.3;  // of a pair that says how much the camera turned
+constexpr double kNear = 0.25;  // a match farther than this on the plane is one of the many windows alike
+
+/// The motion by which most pairs move, and who they are.
+std::vector<double> ransac(const std::vector<Vector2d>& p, const std::vector<Vector2d>& q, double threshold,
+                           double most_turn) {
+  std::minstd_rand random(1);  // the same picture gives the same answer
+  std::vector<double> best(p.size(), 0.0);
+  size_t most = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const size_t i = random() % p.size(), j = random() % p.size();
+    const Vector2d a = p[j] - p[i], b = q[j] - q[i];
+    if (a.norm() < kApart || std::abs(a.norm() - b.norm()) > 2 * threshold) continue;
+    const double turn = std::clamp(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b)), -most_turn, most_turn);
+    const Matrix2d R = Eigen::Rotation2Dd(turn).toRotationMatrix();
+    const Vector2d T = 0.5 * (q[i] + q[j] - R * (p[i] + p[j]));
+    std::vector<double> in(p.size(), 0.0);
+    size_t count = 0;
+    for (size_t k = 0; k < p.size(); ++k)
+      if ((R * p[k] + T - q[k]).squaredNorm() < threshold * threshold) in[k] = 1.0, ++count;
+    if (count > most) most = count, best.swap(in);
+  }
+  return best;
+}
+
+/// The same with no more turn than that.
+Rigid2d limited(Rigid2d rigid, const std::vector<Vector2d>& p, const std::vector<Vector2d>& q,
+                const std::vector<double>& weights, double most_turn) {
+  const double turn = std::atan2(rigid.R(1, 0), rigid.R(0, 0));
+  if (std::abs(turn) <= most_turn) return rigid;
+  rigid.R = Eigen::Rotation2Dd(std::copysign(most_turn, turn)).toRotationMatrix();
+  double total = 0;
+  rigid.T.setZero();
+  for (size_t i = 0; i < p.size(); ++i) total += weights[i], rigid.T += weights[i] * (q[i] - rigid.R * p[i]);
+  rigid.T /= total;
+  return rigid;
+}
+
+}  // namespace
+
+Rigid2d rigid_motion(const std::vector<Vector2d>& p, const std::vector<Vector2d>& q,
+                     const std::vector<double>& weights) {
+  double total = 0;
+  Vector2d p0 = Vector2d::Zero(), q0 = Vector2d::Zero();
+  for (size_t i = 0; i < p.size(); ++i) total += weights[i], p0 += weights[i] * p[i], q0 += weights[i] * q[i];
+  if (total <= 0) return {};
+  p0 /= total, q0 /= total;
+  Matrix2d S = Matrix2d::Zero();
+  for (size_t i = 0; i < p.size(); ++i) S += weights[i] * (p[i] - p0) * (q[i] - q0).transpose();
+  const Eigen::JacobiSVD<Matrix2d> svd(S, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double side = (svd.matrixV() * svd.matrixU().transpose()).determinant();
+  Rigid2d motion;
+  motion.R = svd.matrixV() * Vector2d(1, side).asDiagonal() * svd.matrixU().transpose();
+  motion.T = q0 - motion.R * p0;
+  return motion;
+}
+
+SkyOdometry::SkyOdometry(const Parameters& parameters, const CameraModel& camera)
+    : p_(parameters), camera_(camera), orb_(cv::ORB::create(parameters.features)), matcher_(cv::NORM_HAMMING, true) {}
+
+Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c,
+                            double most_turn) {
+  Picture now;
+  now.q_l_c = q_l_c;
+  orb_->detectAndCompute(grey, mask, now.keypoints, now.descriptors);
+  std::vector<cv::Point2f> pixels;
+  for (const auto& keypoint : now.keypoints) pixels.push_back(keypoint.pt);
+  std::vector<cv::Point2d> normalized;
+  camera_.undistort(pixels, normalized);
+  for (const auto& n : normalized) {
+    const Vector3d ray = q_l_c * Vector3d(n.x, n.y, 1).normalized();
+    now.level.push_back(ray.z() < -kLowest ? Vector2d(ray.head<2>() / -ray.z()) : Vector2d(kFar, kFar));
+  }
+
+  Motion motion;
+  std::vector<Vector2d> p, q;
+  if (!before_.descriptors.empty() && !now.descriptors.empty()) {
+    std::vector<cv::DMatch> matches;
+    matcher_.match(before_.descriptors, now.descriptors, matches);
+    for (const auto& match : matches) {
+      const Vector2d& a = before_.level[static_cast<size_t>(match.queryIdx)];
+      const Vector2d& b = now.level[static_cast<size_t>(match.trainIdx)];
+      if (a.x() < kFar && b.x() < kFar && match.distance < 64 && (a - b).norm() < kNear) p.push_back(a), q.push_back(b);
+    }
+  }
+  motion.matches = static_cast<unsigned>(p.size());
+  if (p.size() >= p_.min_inliers) {
+    std::vector<double> weights = ransac(p, q, p_.inlier_rad, most_turn);
+    motion.inliers = static_cast<unsigned>(std::count(weights.begin(), weights.end(), 1.0));
+    if (motion.inliers >= p_.min_inliers) {
+      const std::vector<double> inlier = weights;
+      Rigid2d rigid;
+      double square = 0;
+      for (int iteration = 0; iteration < 5; ++iteration) {
+        rigid = rigid_motion(p, q, weights);
+        rigid = limited(rigid, p, q, weights, most_turn);
+        square = 0;
+        for (size_t i = 0; i < p.size(); ++i) {
+          const double error = (rigid.R * p[i] + rigid.T - q[i]).norm();
+          weights[i] = inlier[i] * std::min(1.0, 0.3 * p_.inlier_rad / std::max(error, 1e-9));
+          square += inlier[i] * error * error;
+        }
+      }
+      // The points move by R and T; the camera moves the other way.
+      const double turn = std::atan2(rigid.R(1, 0), rigid.R(0, 0));
+      const Eigen::Quaterniond q_l0_l1(Eigen::AngleAxisd(-turn, Vector3d::UnitZ()));
+      const Vector2d way = -rigid.R.transpose() * rigid.T;
+      motion.q_c0_c1 = (before_.q_l_c.conjugate() * q_l0_l1 * now.q_l_c).normalized();
+      motion.p_c0_c1 = before_.q_l_c.conjugate() * Vector3d(way.x(), way.y(), 0);
+      motion.position_sigma = std::sqrt(square / motion.inliers) / std::sqrt(static_cast<double>(motion.inliers));
+      motion.rotation_sigma_rad = 2 * motion.position_sigma;
+      motion.valid = true;
+    }
+  }
+  before_ = std::move(now);
+  return motion;
+}
+
+}  // namespace odograph::gakne2018

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <opencv2/features2d.hpp>
+
+#include "plugins/camera/camera_model.hpp"
+
+namespace odograph::gakne2018 {
+
+/// Motion from the picture before to this one. The unit of length is the height, over the camera, of what was matched.
+struct Motion {
+  Eigen::Quaterniond q_c0_c1 = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d p_c0_c1 = Eigen::Vector3d::Zero();
+  double rotation_sigma_rad = 0, position_sigma = 0;
+  bool valid = false;
+  unsigned matches = 0, inliers = 0;
+};
+
+/// Visual odometry of a camera that looks up: section 3.1 of Gakne & O'Keefe 2018.
+///
+/// ORB features are matched between consecutive pictures, turned level and laid onto the plane one unit above the
+/// camera; RANSAC and then weighted least squares by singular value decomposition (eq. (1)) find the rigid motion of
+/// the plane's points. Its rotation is the vehicle's turn, its translation the way, in units of the roofs' height: as
+/// in the paper, points at different heights disagree about the length.
+class SkyOdometry {
+ public:
+  struct Parameters {
+    int features = 1000;
+    double inlier_rad = 0.006;  ///< of the plane's points: about the tangent of an angle
+    unsigned min_inliers = 12;
+  };
+
+  SkyOdometry(const Parameters& parameters, const CameraModel& camera);
+  /// `q_l_c`: from c to a level frame l, whose z points down. `most_turn`: how much l itself may have turned since the
+  /// picture before, rad. Walls at both sides of a street shear the plane's points, and eq. (1) takes that for a turn.
+  Motion process(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c, double most_turn);
+
+ private:
+  struct Picture {
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+    std::vector<Eigen::Vector2d> level;  // on the plane; far away where it does not meet it
+    Eigen::Quaterniond q_l_c = Eigen::Quaterniond::Identity();
+  };
+
+  Parameters p_;
+  CameraModel camera_;
+  cv::Ptr<cv::ORB> orb_;
+  cv::BFMatcher matcher_;
+  Picture before_;
+};
+
+/// R and T of eq. (1): the least weighted sum of ||R p_i + T - q_i||^2.
+struct Rigid2d {
+  Eigen::Matrix2d R = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d T = Eigen::Vector2d::Zero();
+};
+Rigid2d rigid_motion(const std::vector<Eigen::Vector2d>& p, const std::vector<Eigen::Vector2d>& q,
+                     const std::vector<double>& weights);
+
+}  // namespace odograph::gakne2018

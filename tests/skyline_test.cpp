@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include <opencv2/imgproc.hpp>
+
+#include "plugins/fix/skyline/matcher.hpp"
+#include "plugins/scale/slant_distance/slant_scale.hpp"
+#include "plugins/vo/gakne2018/sky_odometry.hpp"
+#include "sdk/sim/city_model.hpp"
+
+using namespace odograph;
+using namespace odograph::skyline;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("skyline");
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// Edges of an upright box: its middle (north, east), its sides and its height.
+void add_box(std::vector<Edge>& edges, double north, double east, double a, double b, double height) {
+  Vector3d foot[4], roof[4];
+  const double sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  for (int i = 0; i < 4; ++i) {
+    foot[i] = {north + 0.5 * a * sign[i][0], east + 0.5 * b * sign[i][1], 0};
+    roof[i] = foot[i] - Vector3d(0, 0, height);
+  }
+  for (int i = 0; i < 4; ++i) {
+    edges.push_back({foot[i], roof[i]});
+    edges.push_back({roof[i], roof[(i + 1) % 4]});
+  }
+}
+
+std::vector<Edge> a_street() {
+  std::vector<Edge> edges;
+  add_box(edges, 0, -25, 30, 20, 50), add_box(edges, 34, -27, 28, 22, 38), add_box(edges, -33, -26, 30, 20, 61);
+  add_box(edges, 8, 24, 40, 18, 44), add_box(edges, 47, 26, 25, 20, 57), add_box(edges, -30, 25, 26, 20, 35);
+  return edges;
+}
+
+/// What an upward camera at a place would see, with a border 45 degrees from the zenith.
+std::vector<SkyEdge> seen_from(const City& city, const Vector3d& p_n, const Eigen::Quaterniond& q_n_c) {
+  Horizon horizon;
+  city.horizon(p_n, horizon);
+  std::vector<SkyEdge> edges;
+  for (int j = 0; j < Horizon::kDirections; ++j) {
+    const double azimuth = (j + 0.5) * 0.5 * kDegree;
+    const double elevation = std::atan(static_cast<double>(horizon.elevation_tan[static_cast<size_t>(j)]));
+    const bool open = elevation < 45 * kDegree;
+    const double e = open ? 45 * kDegree : elevation;
+    const Vector3d u(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), -std::sin(e));
+    edges.push_back({q_n_c.conjugate() * u, open});
+  }
+  return edges;
+}
+
+const Eigen::Quaterniond kUp(Eigen::AngleAxisd(0.3, Vector3d::UnitZ()) * Eigen::Quaterniond(0, 1, 0, 0));
+
+}  // namespace
+
+TEST_CASE("the skyline of a wall is where geometry puts it") {
+  std::vector<Edge> edges;
+  add_box(edges, 30, 0, 20, 40, 25);  // its near wall 20 m to the north, 40 m wide
+  City city(edges);
+  const Vector3d eye(0, 0, -1.5);
+  city.look_around(eye, 5, 0.05);
+  Horizon horizon;
+  city.horizon(eye, horizon);
+  CHECK(horizon.height_m[0] == doctest::Approx(23.5));
+  CHECK(std::atan(horizon.elevation_tan[0]) ==
+        doctest::Approx(std::atan2(23.5, 20 / std::cos(0.25 * kDegree))).epsilon(1e-4));
+  // 40 degrees to the east the ray meets the near wall 26.1 m away; 60 degrees is past the house.
+  CHECK(horizon.elevation_tan[80] == doctest::Approx(23.5 * std::cos(40.25 * kDegree) / 20).epsilon(1e-4));
+  CHECK(horizon.elevation_tan[120] == 0);
+  CHECK(horizon.elevation_tan[360] == 0);
+}
+
+TEST_CASE("a place and a heading are found again, and an inclination is told from a place") {
+  City city(a_street());
+  const Vector3d place(3.2, -1.7, -1.5);
+  city.look_around(place, 60, 0.05);
+  const auto edges = seen_from(city, place, kUp);
+  Matcher matcher{City(a_street())};
+  const Eigen::Quaterniond off(Eigen::AngleAxisd(2 * kDegree, Vector3d::UnitZ()));
+  const auto match =
+      matcher.match(edges, {place + Vector3d(-2.4, 1.9, 0), off * kUp, 2.0, 2 * kDegree, 0.5 * kDegree, 40});
+  REQUIRE(match);
+  CHECK((match->p_n - place).norm() < 0.3);
+  CHECK(match->q_n_c.angularDistance(kUp) < 0.3 * kDegree);
+  CHECK(match->agreement > 0.97);
+  CHECK(match->rival < 0.05);
+  // Eq. (4): the highest point is as far as it is.
+  CHECK((match->landmark_n - match->p_n).norm() == doctest::Approx(match->slant_distance_m));
+  CHECK(match->slant_distance_m > 30);
+}
+
+TEST_CASE("houses that the model lacks cost agreement, not the place") {
+  City city(a_street());
+  auto with_new = a_street();
+  add_box(with_new, 20, 22, 14, 12, 90);  // newer than the model
+  City now(with_new);
+  const Vector3d place(1.0, 0.5, -1.5);
+  now.look_around(place, 60, 0.05);
+  Matcher matcher{City(a_street())};
+  const auto match =
+      matcher.match(seen_from(now, place, kUp), {place + Vector3d(1.5, -1, 0), kUp, 2.0, kDegree, 0.5 * kDegree, 40});
+  REQUIRE(match);
+  CHECK((match->p_n - place).norm() < 0.8);
+  CHECK(match->agreement < 0.97);
+}
+
+TEST_CASE("a straight canyon without ends is a long cloud along the street") {
+  std::vector<Edge> edges;
+  add_box(edges, 0, -25, 2000, 20, 50), add_box(edges, 0, 25, 2000, 20, 50);
+  City city(edges);
+  city.look_around({0, 0, -1.5}, 60, 0.05);
+  Matcher matcher{City(edges)};
+  const auto match =
+      matcher.match(seen_from(city, {0, 0, -1.5}, kUp), {{0, 0, -1.5}, kUp, 3.0, kDegree, 0.3 * kDegree, 40});
+  REQUIRE(match);
+  CHECK(std::sqrt(match->covariance(0, 0)) > 4.0);
+  CHECK(std::sqrt(match->covariance(1, 1)) < 1.5);
+}
+
+TEST_CASE("sky is told from walls in a picture, and where it leaves the picture") {
+  CameraModel camera{.fx = 300, .fy = 300, .cx = 319.5, .cy = 239.5};
+  cv::Mat picture(480, 640, CV_8UC1);
+  cv::RNG(5).fill(picture, cv::RNG::NORMAL, 150, 2);
+  cv::GaussianBlur(picture, picture, {3, 3}, 0);
+  cv::Mat wall = picture(cv::Rect(0, 0, 200, 480));
+  for (int y = 0; y < 480; y += 8)
+    for (int x = 0; x < 200; x += 8) wall(cv::Rect(x, y, 8, 8)).setTo((x + y) / 8 % 2 ? 90 : 110);
+  SkyFinder finder(camera, picture.size());
+  const auto& edges = finder.find(picture, Vector3d::UnitZ(), Vector3d::UnitX());
+  REQUIRE(edges.size() > 700);
+  int wall_side = 0;
+  for (const SkyEdge& e : edges) {
+    const Eigen::Vector2d p = camera.project(e.ray_c.head<2>() / e.ray_c.z());
+    if (e.open) {
+      CHECK((p.x() < 6 || p.x() > 633 || p.y() < 6 || p.y() > 473));
+      continue;
+    }
+    ++wall_side;
+    CHECK(p.x() == doctest::Approx(199).epsilon(0.03));
+  }
+  CHECK(wall_side > 150);
+  cv::Mat roof = picture.clone();
+  for (int y = 0; y < 480; y += 8)
+    for (int x = 0; x < 640; x += 8) roof(cv::Rect(x, y, 8, 8)).setTo((x + y) / 8 % 2 ? 60 : 140);
+  CHECK(finder.find(roof, Vector3d::UnitZ(), Vector3d::UnitX()).empty());     // under a bridge
+  CHECK(finder.find(picture, Vector3d::UnitX(), Vector3d::UnitZ()).empty());  // looking ahead
+}
+
+TEST_CASE("a generated town's model is read back; damaged models are refused by name") {
+  const std::string file = "skyline-city.json";
+  Building house{{Vector3d(0, 0, 0), Vector3d(10, 0, 0), Vector3d(10, 8, 0), Vector3d(0, 8, 0)}, 30, true};
+  REQUIRE(write_city_json(file, {house}, {}));
+  const auto edges = read_city_outline(file, {0, 0, 0});
+  CHECK(edges.size() == 12);
+  double top = 0;
+  for (const Edge& e : edges) top = std::min(top, std::min(e.from.z(), e.to.z()));
+  CHECK(top == doctest::Approx(-30));
+  CHECK(read_city_outline(file, {0, 0, 5})[0].from.z() ==
+        doctest::Approx(read_city_outline(file, {0, 0, 0})[0].from.z() + 5));
+  const auto refusal = [](const std::string& text) -> std::string {
+    try {
+      parse_city_outline(text, "town.json", {0, 0, 0});
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  CHECK(refusal("{").find("town.json: not CityJSON") == 0);
+  CHECK(
+      refusal(
+          R"({"type":"CityJSON","vertices":[[0,0,0]],"CityObjects":{"a":{"type":"Building","geometry":[{"boundaries":[[0,1,7]]}]}}})")
+          .find("a: no vertex 1; there are 1") != std::string::npos);
+  CHECK(refusal(R"({"type":"CityJSON","vertices":[],"CityObjects":{}})").find("no building") != std::string::npos);
+  CHECK(refusal(R"({"type":"CityJSON","vertices":[[1,2]],"CityObjects":{}})").find("vertex 0") != std::string::npos);
+}
+
+TEST_CASE("eq. (5): the scale is the line through places, whatever the heading, and outliers do not bend it") {
+  slant_scale::SlantScale scale(15, 8, 0.02);
+  const double metres_per_unit = 0.4;
+  const Eigen::Rotation2Dd turned(0.1);
+  Eigen::Vector2d at(0, 0);
+  for (int k = 0; k < 100; ++k) {
+    const int64_t t = (k + 1) * 100'000'000LL;
+    at += turned * Eigen::Vector2d(1.0, 0.05 * k / 100);
+    scale.add_motion(t - 100'000'000, t, {1.0 / metres_per_unit, 0.05 * k / 100 / metres_per_unit, 0}, 1);
+    if (k % 5 == 0)
+      scale.add_place(t, at + Eigen::Vector2d(k == 50 ? 25.0 : 0.2 * std::sin(k), 0.2 * std::cos(3 * k)), 0.25);
+  }
+  REQUIRE(scale.scale());
+  CHECK(scale.scale()->metres_per_unit == doctest::Approx(metres_per_unit).epsilon(0.03));
+  CHECK(scale.scale()->sigma < 0.1 * metres_per_unit);
+  // Another unit: until there are fixes again the speed before goes on.
+  scale.add_motion(10'000'000'000, 10'100'000'000, {0.2, 0, 0}, 2);
+  REQUIRE(scale.scale());
+  CHECK(scale.scale()->metres_per_unit == doctest::Approx(5.0).epsilon(0.05));
+  CHECK(scale.scale()->sigma > 1.0);
+}
+
+TEST_CASE("eq. (1): the rigid motion of weighted points") {
+  std::vector<Eigen::Vector2d> p, q;
+  const Eigen::Rotation2Dd R(0.2);
+  for (int i = 0; i < 20; ++i) {
+    p.emplace_back(std::cos(i * 1.7), std::sin(i * 2.3));
+    q.push_back(R * p.back() + Eigen::Vector2d(0.3, -0.1));
+  }
+  q[3] += Eigen::Vector2d(5, 5);
+  std::vector<double> weights(20, 1.0);
+  weights[3] = 0;
+  const auto motion = gakne2018::rigid_motion(p, q, weights);
+  CHECK((motion.R - R.toRotationMatrix()).norm() < 1e-9);
+  CHECK((motion.T - Eigen::Vector2d(0.3, -0.1)).norm() < 1e-9);
+}
+
+TEST_CASE("the sky's odometry moves against the roofs, in units of their height") {
+  cv::Mat noise(120, 160, CV_8UC1), roofs;
+  cv::RNG(7).fill(noise, cv::RNG::UNIFORM, 0, 255);
+  cv::resize(noise, roofs, {1280, 960}, 0, 0, cv::INTER_LINEAR);
+  CameraModel camera{.fx = 400, .fy = 400, .cx = 319.5, .cy = 239.5};
+  gakne2018::SkyOdometry vo({}, camera);
+  const Eigen::Quaterniond level(0, 1, 0, 0);  // x right of the picture stays x
+  vo.process(roofs(cv::Rect(300, 200, 640, 480)), {}, level, 0.1);
+  const auto motion = vo.process(roofs(cv::Rect(308, 196, 640, 480)), {}, level, 0.1);
+  REQUIRE(motion.valid);
+  CHECK(motion.p_c0_c1.x() == doctest::Approx(8.0 / 400).epsilon(0.05));
+  CHECK(motion.p_c0_c1.y() == doctest::Approx(-4.0 / 400).epsilon(0.1));
+  CHECK(motion.q_c0_c1.angularDistance(Eigen::Quaterniond::Identity()) < 0.002);
+  const auto nothing = vo.process(cv::Mat(480, 640, CV_8UC1, cv::Scalar(128)), {}, level, 0.1);
+  CHECK_FALSE(nothing.valid);
+}
+
+TEST_SUITE_END();
