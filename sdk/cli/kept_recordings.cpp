@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Counts up with every change of the simulator that changes its recordings, so that old ones are not taken for new.
-constexpr int kSimulator = 5;
+constexpr int kSimulator = 6;
 
 }  // namespace
 

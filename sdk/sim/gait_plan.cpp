@@ -113,7 +113,7 @@ Individual::Individual(const Scenario& c, uint64_t seed) : height_m(c.walker.hei
   tremor = random.uniform(0.6, 1.6);
   hold_height_m = height_m * random.uniform(0.68, 0.82);
   hold_forward_m = random.uniform(0.25, 0.40);
-  limp = random.uniform(0.10, 0.24);
+  limp = random.uniform(0.15, 0.27);
 }
 
 double Individual::step_length(double speed_mps) const {
