@@ -135,4 +135,27 @@ TEST_CASE("waypoints: the heading is fitted over the first metres, errors are ho
   CHECK(errors.position_m.back() == doctest::Approx(2.0));
 }
 
+TEST_CASE("with the true lengths only the directions err") {
+  Pairs pairs;
+  const auto pose = [](int i, double x, double y) {
+    return StampedPose{i * 1'000'000LL, Eigen::Quaterniond::Identity(), {x, y, 0}};
+  };
+  for (int i = 0; i <= 40; ++i) {
+    pairs.reference.push_back(pose(i, 2.0 * i, 0));
+    pairs.estimate.push_back(pose(i, i < 20 ? 0.1 * i : 1.9 + 0.3 * (i - 19), 0));  // the unit changes on the way
+  }
+  TrueLengths t = with_true_lengths(pairs, 0);
+  CHECK((t.track.back().p - pairs.reference.back().p).norm() < 1e-9);
+  CHECK(percentile(t.direction_error_rad, 1.0) < 1e-9);
+  t = with_true_lengths(pairs, 10);
+  CHECK((t.track.back().p - pairs.reference.back().p).norm() < 1e-9);
+  // One step backwards costs twice its length; one that is missing costs it once.
+  for (int i = 30; i <= 40; ++i) pairs.estimate[static_cast<size_t>(i)].p.x() -= 0.6;
+  CHECK((with_true_lengths(pairs, 0).track.back().p - pairs.reference.back().p).norm() == doctest::Approx(4.0));
+  for (int i = 35; i <= 40; ++i) pairs.estimate[static_cast<size_t>(i)].p.x() -= 0.3;
+  t = with_true_lengths(pairs, 0);
+  CHECK(t.without_motion == 1);
+  CHECK((t.track.back().p - pairs.reference.back().p).norm() == doctest::Approx(6.0));
+}
+
 TEST_SUITE_END();

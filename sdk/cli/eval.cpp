@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
@@ -16,7 +17,8 @@ namespace fs = std::filesystem;
 struct EvalArguments {
   std::string reference, estimate, alignment = "none", rpe_unit = "frames";
   double max_difference_s = 0.01, rpe_delta = 1, window_m = 10, align_first_m = 10;
-  bool json = false;
+  double true_window_m = 0;
+  bool true_lengths = false, json = false;
 };
 
 /// A reference: a trajectory, or the waypoints of a walk.
@@ -105,6 +107,23 @@ Json evaluate_waypoints(const Trajectory& track, const std::vector<Waypoint>& wa
           {"position_cdf_m", cdf_of(errors.position_m)}};
 }
 
+Json evaluate_true_lengths(const Pairs& pairs, double window_m, double length_m) {
+  const TrueLengths scaled = with_true_lengths(pairs, window_m);
+  const PoseErrors errors = absolute_errors(pairs.reference, scaled.track);
+  const auto directions = degrees(scaled.direction_error_rad);
+  const Statistics ape = statistics_of(errors.translation_m);
+  const double percent = length_m > 0 ? 100.0 / length_m : 0.0;
+  return {{"window_m", window_m},
+          {"end_error_m", errors.translation_m.back()},
+          {"end_error_percent", errors.translation_m.back() * percent},
+          {"ape_m", json_of(ape)},
+          {"ape_percent_of_path", ape.rmse * percent},
+          {"direction_median_deg", percentile(directions, 0.5)},
+          {"direction_p90_deg", percentile(directions, 0.9)},
+          {"backwards", std::count_if(directions.begin(), directions.end(), [](double d) { return d > 90; })},
+          {"without_motion", scaled.without_motion}};
+}
+
 Result<Json> evaluate_trajectory(const Trajectory& reference, const Trajectory& estimate, const EvalArguments& a,
                                  Alignment alignment) {
   const Pairs pairs = associate(reference, estimate, a.max_difference_s);
@@ -145,7 +164,19 @@ Result<Json> evaluate_trajectory(const Trajectory& reference, const Trajectory& 
                 {"p10", percentile(ratio_values, 0.1)},
                 {"p90", percentile(ratio_values, 0.9)},
                 {"along_path", ratio_rows}}}};
+  if (a.true_lengths) out["true_lengths"] = evaluate_true_lengths(pairs, a.true_window_m, length);
   return out;
+}
+
+void print_true_lengths(const Json& t) {
+  std::printf(
+      "with the true length of each %s: error at the end %.3f m, %.3f %% of the path; APE rmse %.3f m, %.3f %%\n",
+      t["window_m"].get<double>() > 0 ? "window" : "frame's displacement", t["end_error_m"].get<double>(),
+      t["end_error_percent"].get<double>(), t["ape_m"]["rmse"].get<double>(), t["ape_percent_of_path"].get<double>());
+  std::printf(
+      "direction of the displacements: median error %.3f deg, 90 %% %.3f deg; %zu backwards; %zu frames without any\n",
+      t["direction_median_deg"].get<double>(), t["direction_p90_deg"].get<double>(), t["backwards"].get<size_t>(),
+      t["without_motion"].get<size_t>());
 }
 
 void print(const Json& json, const std::string& head) {
@@ -179,6 +210,7 @@ void print(const Json& json, const std::string& head) {
   const Json& ratio = json["scale_ratio"];
   std::printf("\nscale ratio along the path (windows of the path): median %.4f, 10 %%: %.4f, 90 %%: %.4f\n",
               ratio["median"].get<double>(), ratio["p10"].get<double>(), ratio["p90"].get<double>());
+  if (json.contains("true_lengths")) print_true_lengths(json["true_lengths"]);
 }
 
 int eval(const EvalArguments& a) {
@@ -227,6 +259,13 @@ void add_eval(CLI::App& app, int& status) {
       ->check(CLI::PositiveNumber);
   command->add_option("--align-first", a->align_first_m, "waypoints: the heading is fitted over these first metres")
       ->capture_default_str();
+  command->add_flag("--true-lengths", a->true_lengths,
+                    "also with the true length given for each frame's displacement: what a scale source would leave");
+  command
+      ->add_option("--true-window", a->true_window_m,
+                   "with --true-lengths: one factor for all of this much of the path, m; 0: for each frame")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   command->add_flag("--json", a->json, "print one JSON object");
   command->callback([a, &status] { status = eval(*a); });
 }

@@ -204,6 +204,39 @@ std::vector<std::pair<double, double>> scale_along_path(const Trajectory& refere
   return ratios;
 }
 
+TrueLengths with_true_lengths(const Pairs& pairs, double window_m) {
+  const Trajectory &truth = pairs.reference, &estimate = pairs.estimate;
+  TrueLengths out;
+  if (truth.empty()) return out;
+  std::vector<double> factor(truth.size(), 1.0);
+  double path = 0;
+  size_t begin = 0;
+  for (size_t i = 1; i < truth.size(); ++i) {
+    path += (truth[i].p - truth[i - 1].p).norm();
+    if (path < window_m && i + 1 < truth.size()) continue;
+    const double true_m = (truth[i].p - truth[begin].p).norm(), own = (estimate[i].p - estimate[begin].p).norm();
+    for (size_t k = begin + 1; k <= i; ++k) factor[k] = own > 1e-12 ? true_m / own : 1.0;
+    begin = i, path = 0;
+  }
+  out.track.push_back({truth[0].t_ns, truth[0].q, truth[0].p});
+  const Eigen::Quaterniond turn = truth[0].q * estimate[0].q.conjugate();
+  for (size_t i = 1; i < truth.size(); ++i) {
+    const Vector3d d_true = truth[i].p - truth[i - 1].p, d = turn * (estimate[i].p - estimate[i - 1].p);
+    const double standing =
+        1e-3 * std::max(1e-9, (truth.back().p - truth[0].p).norm() / static_cast<double>(truth.size()));
+    const bool moved = d.norm() > 1e-12;
+    if (d_true.norm() > standing) {
+      const Vector3d own = (turn * estimate[i - 1].q).conjugate() * d, right = truth[i - 1].q.conjugate() * d_true;
+      if (moved)
+        out.direction_error_rad.push_back(std::atan2(own.cross(right).norm(), own.dot(right)));
+      else
+        ++out.without_motion;
+    }
+    out.track.push_back({truth[i].t_ns, turn * estimate[i].q, out.track.back().p + factor[i] * d});
+  }
+  return out;
+}
+
 Vector3d position_at(const Trajectory& trajectory, int64_t t_ns) {
   if (trajectory.empty()) return Vector3d::Zero();
   const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), t_ns,

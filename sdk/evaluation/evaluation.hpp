@@ -48,6 +48,17 @@ PoseErrors relative_errors(const Trajectory& reference, const Trajectory& estima
 std::vector<std::pair<double, double>> scale_along_path(const Trajectory& reference, const Trajectory& estimate,
                                                         double window_m);
 
+/// The estimate with the true lengths: what is left is the error that no scale source can mend. With a window of 0 each
+/// frame's displacement gets the true one's length, otherwise all displacements within a window of the true path share
+/// one factor, the ratio of both displacements over it. Directions and orientations stay the estimate's. A frame
+/// without any displacement stays where it is.
+struct TrueLengths {
+  Trajectory track;
+  std::vector<double> direction_error_rad;  ///< of each frame's displacement, in the camera's own frame
+  size_t without_motion = 0;                ///< frames that moved in truth and not in the estimate
+};
+TrueLengths with_true_lengths(const Pairs& pairs, double window_m);
+
 /// Position at a time, linear between poses, held before the first and after the last.
 Eigen::Vector3d position_at(const Trajectory& trajectory, int64_t t_ns);
 
