@@ -13,6 +13,8 @@ namespace {
 using namespace odograph::skyline;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kNowhere_m = 1000;
+constexpr int kDoubtful = 4;     // failures in a row
+constexpr double kSame_m = 2.5;  // between two places, but for what the prior says was moved
 
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
 class Skyline {
@@ -77,11 +79,28 @@ class Skyline {
     const auto match = matcher_->match(
         edges, {Eigen::Vector3d(pose_->p_n), q_n_c, std::sqrt(variance) + failures_, yaw_sigma, tilt_sigma, radius});
     const bool good = match && match->agreement >= min_agreement && match->rival < 0.2;
-    failures_ = good ? 0 : failures_ + 1;
-    if (good) output.emit(fix_of(*match, frame.header.t_ns));
+    if (!good || !confirmed(match->p_n - Eigen::Vector3d(pose_->p_n), std::sqrt(variance))) {
+      ++failures_;
+      return;
+    }
+    failures_ = 0;
+    output.emit(fix_of(*match, frame.header.t_ns));
   }
 
  private:
+  /// After some failures the search is wide and blocks look alike: two places in a row must say the same of
+  /// the prior, up to what it has become less certain by.
+  bool confirmed(const Eigen::Vector3d& from_prior, double sigma_m) {
+    if (failures_ < kDoubtful) {
+      candidate_.reset();
+      return true;
+    }
+    const double less_certain = std::max(0.0, sigma_m - candidate_sigma_m_);
+    const bool same = candidate_ && (from_prior - *candidate_).norm() < kSame_m + less_certain;
+    candidate_ = from_prior, candidate_sigma_m_ = sigma_m;
+    return same;
+  }
+
   odo_fix fix_of(const Match& match, int64_t t_ns) const {
     auto fix = odo::make<odo_fix>(t_ns);
     fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_ORIENTATION | ODO_FIX_SLANT;
@@ -111,6 +130,8 @@ class Skyline {
   cv::Size size_;
   uint32_t calibration_ = 0;
   int64_t last_ns_ = INT64_MIN;
+  std::optional<Eigen::Vector3d> candidate_;
+  double candidate_sigma_m_ = 0;
   int failures_ = 0;  // in a row; each widens the search by three metres
 };
 

@@ -13,7 +13,8 @@ using Eigen::Vector2d;
 
 constexpr double kNanoseconds = 1e-9;
 constexpr double kHuber = 1.5;
-constexpr double kGuess = 0.3;   // relative; of a scale that rests on the speed before
+constexpr double kGuess = 0.3;  // relative; of a scale that rests on the speed before
+constexpr double kGuess_s = 1.0, kStanding_mps = 0.5;
 constexpr double kSmooth = 0.3;  // of the speed, from one motion to the next
 
 }  // namespace
@@ -24,13 +25,31 @@ void SlantScale::add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d
     path_.clear(), pairs_.clear();
     at_.setZero();
     scale_.reset();
+    guess_s_ = guess_way_ = 0;
+    known_ = false;
   }
   const double dt = static_cast<double>(t_ns - from_ns) * kNanoseconds, way = d_n.head<2>().norm();
-  if (!scale_ && speed_mps_ > 0.5 && way > 1e-9) scale_ = Scale{speed_mps_ * dt / way, kGuess * speed_mps_ * dt / way};
-  if (scale_ && dt > 0) speed_mps_ += kSmooth * (scale_->metres_per_unit * way / dt - speed_mps_);
+  guess(dt, way);
   at_ += d_n.head<2>();
   path_.push_back({t_ns, at_});
   while (static_cast<double>(t_ns - path_.front().t_ns) * kNanoseconds > window_s_) path_.pop_front();
+}
+
+/// Until fixes tell the new unit the vehicle goes on as fast as before: motion by motion for a second, and then with
+/// the scale that this second had. A single motion would not do: it may cover the time in which the odometry was lost.
+void SlantScale::guess(double dt, double way) {
+  if (dt <= 0) return;
+  if (known_) {
+    speed_mps_ += kSmooth * (scale_->metres_per_unit * way / dt - speed_mps_);
+    return;
+  }
+  if (speed_mps_ < kStanding_mps || way < 1e-9) return;
+  if (guess_s_ < kGuess_s) {
+    guess_s_ += dt, guess_way_ += way;
+    scale_ = Scale{speed_mps_ * dt / way, kGuess * speed_mps_ * dt / way};
+    if (guess_s_ >= kGuess_s)
+      scale_ = Scale{speed_mps_ * guess_s_ / guess_way_, kGuess * speed_mps_ * guess_s_ / guess_way_};
+  }
 }
 
 void SlantScale::add_place(int64_t t_ns, const Vector2d& p_n, double variance) {
@@ -80,6 +99,7 @@ void SlantScale::fit() {
   }
   if (2 * spread_m.norm() < least_way_m_) return;  // nearly standing: the line has no direction
   scale_ = Scale{s, std::hypot(sigma, unit_drift_ * s)};
+  known_ = true;
 }
 
 }  // namespace odograph::slant_scale

@@ -43,6 +43,7 @@ class SlantScale {
     double variance;
   };
   void fit();
+  void guess(double dt_s, double way);
 
   double window_s_, least_way_m_, unit_drift_;
   std::deque<Point> path_;
@@ -50,7 +51,8 @@ class SlantScale {
   Eigen::Vector2d at_ = Eigen::Vector2d::Zero();
   std::optional<uint32_t> group_;
   std::optional<Scale> scale_;
-  double speed_mps_ = 0;
+  bool known_ = false;  ///< by fixes, not by the speed before
+  double speed_mps_ = 0, guess_s_ = 0, guess_way_ = 0;
 };
 
 }  // namespace odograph::slant_scale

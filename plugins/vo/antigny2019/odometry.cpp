@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/vo/antigny2019/odometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include <opencv2/calib3d.hpp>
+
+namespace odograph::antigny2019 {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+cv::UsacParams msac(double threshold) {
+  cv::UsacParams params;
+  params.confidence = 0.999;
+  params.maxIterations = 2000;
+  params.score = cv::SCORE_METHOD_MSAC;
+  params.loMethod = cv::LOCAL_OPTIM_INNER_LO;
+  params.sampler = cv::SAMPLING_UNIFORM;
+  params.threshold = threshold;
+  params.randomGeneratorState = 1;  // the same pictures give the same answer
+  return params;
+}
+
+Matrix3d matrix(const cv::Mat& m) {
+  Matrix3d out;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) out(i, j) = m.at<double>(i, j);
+  return out;
+}
+
+Vector3d ray(const cv::Point2d& ideal, double f) { return {ideal.x / f, ideal.y / f, 1}; }
+
+/// The point where two rays pass each other, in the first's frame, or nothing when it is behind one of them.
+std::optional<Vector3d> meet(const Vector3d& u, const Vector3d& v_in_second, const Isometry3d& T_1_2) {
+  const Vector3d v = T_1_2.linear() * v_in_second, t = T_1_2.translation();
+  const double uu = u.dot(u), vv = v.dot(v), uv = u.dot(v), det = uu * vv - uv * uv;
+  if (det < 1e-12 * uu * vv) return std::nullopt;
+  const double x = (vv * u.dot(t) - uv * v.dot(t)) / det, y = (uv * u.dot(t) - uu * v.dot(t)) / det;
+  if (x <= 0 || y <= 0) return std::nullopt;
+  return 0.5 * (x * u + t + y * v);
+}
+
+}  // namespace
+
+Odometry::Odometry(const Parameters& parameters, const CameraModel& camera, cv::Size size)
+    : p_(parameters),
+      camera_(camera),
+      size_(size),
+      f_(camera.focal()),
+      finder_(FeatureFinder::make(parameters.features, parameters.most)) {}
+
+Odometry::Picture Odometry::look(const cv::Mat& grey, const cv::Mat& mask) {
+  Picture picture;
+  picture.features = sparse(finder_->find(grey, mask), size_, p_.cell_px, p_.in_a_cell);
+  camera_.undistort(picture.features.pixels, picture.ideal);
+  for (auto& p : picture.ideal) p *= f_;
+  return picture;
+}
+
+std::optional<Odometry::EpipolarPair> Odometry::epipolar(const Picture& a, const Picture& b,
+                                                         const std::vector<std::pair<int, int>>& pairs) const {
+  if (pairs.size() < p_.min_inliers) return std::nullopt;
+  std::vector<cv::Point2d> first, second;
+  for (const auto& [i, j] : pairs)
+    first.push_back(a.ideal[static_cast<size_t>(i)]), second.push_back(b.ideal[static_cast<size_t>(j)]);
+  const cv::Matx33d K(f_, 0, 0, 0, f_, 0, 0, 0, 1);
+  cv::Mat mask, R, t;
+  const cv::Mat E = cv::findEssentialMat(first, second, K, K, cv::noArray(), cv::noArray(), mask, msac(p_.inlier_px));
+  if (E.rows != 3 || E.cols != 3) return std::nullopt;
+  cv::recoverPose(E, first, second, K, R, t, 1e4, mask);
+  EpipolarPair out;
+  Isometry3d T_1_0 = Isometry3d::Identity();
+  T_1_0.linear() = matrix(R);
+  T_1_0.translation() = Vector3d(t.at<double>(0), t.at<double>(1), t.at<double>(2));
+  out.T_0_1 = T_1_0.inverse();
+  std::vector<double> parallax;
+  for (size_t k = 0; k < pairs.size(); ++k) {
+    if (!mask.at<uint8_t>(static_cast<int>(k))) continue;
+    out.inliers.push_back(pairs[k]);
+    const Vector3d turned = T_1_0.linear() * ray(first[k], f_);
+    parallax.push_back(
+        std::hypot(f_ * turned.x() / turned.z() - second[k].x, f_ * turned.y() / turned.z() - second[k].y));
+  }
+  if (out.inliers.size() < p_.min_inliers) return std::nullopt;
+  std::nth_element(parallax.begin(), parallax.begin() + static_cast<std::ptrdiff_t>(parallax.size() / 2),
+                   parallax.end());
+  out.parallax_px = parallax[parallax.size() / 2];
+  return out;
+}
+
+/// The points of a and b that are seen again, triangulated, and the pose that sees them so.
+bool Odometry::locate(const Picture& now, const std::vector<std::pair<int, int>>& pairs, Isometry3d& T_b_c,
+                      Motion& motion) const {
+  std::unordered_map<int, int> in_a;
+  for (const auto& [i, j] : ab_) in_a[j] = i;
+  std::vector<cv::Point3d> world;
+  std::vector<cv::Point2d> image;
+  const Isometry3d T_b_a = T_a_b_.inverse();
+  for (const auto& [j, k] : pairs) {
+    const auto found = in_a.find(j);
+    if (found == in_a.end()) continue;
+    const auto X =
+        meet(ray(b_->ideal[static_cast<size_t>(j)], f_), ray(a_->ideal[static_cast<size_t>(found->second)], f_), T_b_a);
+    if (!X) continue;
+    world.emplace_back(X->x(), X->y(), X->z());
+    image.push_back(now.ideal[static_cast<size_t>(k)]);
+  }
+  if (world.size() < p_.min_inliers) return false;
+  cv::Mat K = (cv::Mat_<double>(3, 3) << f_, 0, 0, 0, f_, 0, 0, 0, 1), r, t, inliers;
+  if (!cv::solvePnPRansac(world, image, K, cv::noArray(), r, t, inliers, msac(2 * p_.inlier_px))) return false;
+  if (inliers.total() < p_.min_inliers || 2 * inliers.total() < world.size()) return false;
+  std::vector<cv::Point3d> good_world;
+  std::vector<cv::Point2d> good_image;
+  for (size_t k = 0; k < inliers.total(); ++k) {
+    const auto i = static_cast<size_t>(inliers.at<int>(static_cast<int>(k)));
+    good_world.push_back(world[i]), good_image.push_back(image[i]);
+  }
+  cv::solvePnPRefineLM(good_world, good_image, K, cv::noArray(), r, t);
+  cv::Mat R;
+  cv::Rodrigues(r, R);
+  Isometry3d T_c_b = Isometry3d::Identity();
+  T_c_b.linear() = matrix(R);
+  T_c_b.translation() = Vector3d(t.at<double>(0), t.at<double>(1), t.at<double>(2));
+  // A pose that leaps by many times the last way, or half a turn, is no pose.
+  if (T_c_b.translation().norm() > 10 * T_a_b_.translation().norm()) return false;
+  if (Eigen::AngleAxisd(T_c_b.linear()).angle() > 0.6) return false;
+  T_b_c = T_c_b.inverse();
+  double depth = 0;
+  for (const auto& X : good_world) depth += X.z;
+  motion.inliers = static_cast<unsigned>(inliers.total());
+  motion.rotation_sigma_rad = p_.inlier_px / f_ / std::sqrt(static_cast<double>(good_world.size()));
+  motion.position_sigma = motion.rotation_sigma_rad * depth / static_cast<double>(good_world.size());
+  return true;
+}
+
+Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
+  Motion motion;
+  Picture now = look(grey, mask);
+  if (!b_) {
+    b_ = std::move(now);
+    return motion;
+  }
+  const auto pairs = match(b_->features, now.features, p_.ratio);
+  motion.matches = static_cast<unsigned>(pairs.size());
+  const auto pair = epipolar(*b_, now, pairs);
+  Isometry3d T_b_c = T_b_before_;
+  bool located = false;
+  if (pair) {
+    motion.inliers = static_cast<unsigned>(pair->inliers.size());
+    located = a_ && locate(now, pair->inliers, T_b_c, motion);
+    const bool parallax = pair->parallax_px > p_.parallax_px;
+    if (!located) {  // rotation is known all the same; the way only when it can be a new unit
+      T_b_c.linear() = pair->T_0_1.linear();
+      motion.rotation_sigma_rad = p_.inlier_px / f_ / std::sqrt(static_cast<double>(pair->inliers.size()));
+    }
+    if (!located && parallax) {
+      if (a_) ++group_;
+      T_b_c.translation() = unit_ * pair->T_0_1.translation();
+      motion.position_sigma = 0.1 * unit_;
+      located = true;
+    }
+    motion.outcome = located ? Outcome::tracking : Outcome::no_parallax;
+    motion.rotation_valid = true;
+    motion.translation_valid = located;
+    motion.T_c0_c1 = T_b_before_.inverse() * T_b_c;
+    if (located && parallax) {
+      a_ = std::move(b_), b_ = std::move(now);
+      ab_ = pair->inliers;
+      T_a_b_ = T_b_c;
+      unit_ = std::max(1e-6, T_a_b_.translation().norm());
+      T_b_before_.setIdentity();
+    } else {
+      T_b_before_ = T_b_c;
+    }
+  } else {  // nothing in common any more: begin anew
+    ++group_;
+    a_.reset(), b_ = std::move(now), ab_.clear();
+    T_b_before_.setIdentity();
+    unit_ = 1.0;
+  }
+  motion.scale_group = group_;
+  return motion;
+}
+
+}  // namespace odograph::antigny2019

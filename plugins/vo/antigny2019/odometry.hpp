@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "plugins/camera/camera_model.hpp"
+#include "plugins/vo/antigny2019/features.hpp"
+
+namespace odograph::antigny2019 {
+
+enum class Outcome { tracking, no_parallax, lost };
+
+/// Motion from the picture before to this one.
+struct Motion {
+  Eigen::Isometry3d T_c0_c1 = Eigen::Isometry3d::Identity();
+  double rotation_sigma_rad = 0, position_sigma = 0;
+  Outcome outcome = Outcome::lost;
+  bool rotation_valid = false, translation_valid = false;
+  unsigned scale_group = 0, matches = 0, inliers = 0;
+};
+
+/// The visual odometry of Antigny et al. 2019, section 3.2 and Figure 3: features, sparse selection, SSD matching with
+/// unique correspondences, epipolar outlier rejection by MSAC, triangulation of the inliers of t-2 and t-1 that are
+/// seen again in t, the pose at t by PnP (eq. (2), (3)). No map is kept: the unit of length is handed on from one
+/// triple of pictures to the next.
+///
+/// What the paper leaves open: it starts with the essential matrix of the first two pictures that have parallax, whose
+/// distance becomes the unit; a picture with too little parallax to the one before does not become t-1.
+class Odometry {
+ public:
+  struct Parameters {
+    std::string features = "surf";
+    int most = 1500, cell_px = 32, in_a_cell = 6;
+    double ratio = 0.6;  ///< of the squared differences
+    double inlier_px = 1.5, parallax_px = 4.0;
+    unsigned min_inliers = 12;
+  };
+
+  Odometry(const Parameters& parameters, const CameraModel& camera, cv::Size size);
+  Motion process(const cv::Mat& grey, const cv::Mat& mask);
+
+ private:
+  struct Picture {
+    Features features;
+    std::vector<cv::Point2d> ideal;  // pixels of an ideal camera with the focal length
+  };
+  struct EpipolarPair {
+    Eigen::Isometry3d T_0_1;  // of the second in the first, unit distance
+    std::vector<std::pair<int, int>> inliers;
+    double parallax_px;  // median, without the rotation
+  };
+
+  Picture look(const cv::Mat& grey, const cv::Mat& mask);
+  std::optional<EpipolarPair> epipolar(const Picture& a, const Picture& b,
+                                       const std::vector<std::pair<int, int>>& pairs) const;
+  bool locate(const Picture& now, const std::vector<std::pair<int, int>>& pairs, Eigen::Isometry3d& T_b_c,
+              Motion& motion) const;
+
+  Parameters p_;
+  CameraModel camera_;
+  cv::Size size_;
+  double f_;
+  std::unique_ptr<FeatureFinder> finder_;
+  std::optional<Picture> a_, b_;         // t-2 and t-1
+  std::vector<std::pair<int, int>> ab_;  // inliers of both
+  Eigen::Isometry3d T_a_b_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_b_before_ = Eigen::Isometry3d::Identity();  // the picture before, in b
+  double unit_ = 1.0;
+  unsigned group_ = 0;
+};
+
+}  // namespace odograph::antigny2019

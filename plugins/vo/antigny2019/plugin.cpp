@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <optional>
+
+#include "plugins/camera/frame_view.hpp"
+#include "plugins/vo/antigny2019/odometry.hpp"
+
+namespace {
+
+using namespace odograph::antigny2019;
+
+/// The visual odometry of Antigny et al. 2019, section 3.2.
+class Antigny2019 {
+ public:
+  std::string features = "surf";
+  int64_t most_features = 1500;
+  double ratio = 0.6, inlier_threshold = 1.5;
+
+  static constexpr odo::Description description{
+      "vo/antigny2019", "1.0.0",
+      "Visual odometry without a map: SURF, SSD, MSAC, triangulation, PnP (Antigny et al. 2019)",
+      ODO_INTERFACE_VO_FRONTEND};
+  static std::vector<odo::Parameter<Antigny2019>> parameters() {
+    return {odo::choice("features", "surf|sift|orb|akaze", &Antigny2019::features,
+                        "detector and descriptor; the paper's is SURF"),
+            odo::integer("most_features", 100, 10000, &Antigny2019::most_features,
+                         "found in a picture, before the sparse selection"),
+            odo::real("ratio", "", 0.1, 1, &Antigny2019::ratio,
+                      "a match's squared difference to that of the second best, at most"),
+            odo::real("inlier_threshold", "px", 0.1, 10, &Antigny2019::inlier_threshold,
+                      "distance to the epipolar line of an inlier; twice that for PnP")};
+  }
+
+  void on(const odo_calibration& c, odo::Output&) {
+    calibration_ = c.id;
+    size_ = {static_cast<int>(c.width), static_cast<int>(c.height)};
+    Odometry::Parameters p;
+    p.features = features, p.most = static_cast<int>(most_features), p.ratio = ratio, p.inlier_px = inlier_threshold;
+    vo_.emplace(p, odograph::camera_of(c), size_);
+    previous_ns_ = INT64_MIN;
+  }
+
+  void on(const odo_frame& frame, odo::Output& output) {
+    odograph::check_frame(frame, vo_ ? calibration_ : frame.calibration + 1, size_);
+    const cv::Mat grey = odograph::grey_of(frame, converted_);
+    const Motion motion = vo_->process(grey, odograph::mask_of(frame));
+    const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
+    if (from_ns == INT64_MIN) return;
+    auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
+    event.t_from_ns = from_ns;
+    const Eigen::Quaterniond q = Eigen::Quaterniond(motion.T_c0_c1.linear()).normalized();
+    event.q_c0_c1[0] = q.w(), event.q_c0_c1[1] = q.x(), event.q_c0_c1[2] = q.y(), event.q_c0_c1[3] = q.z();
+    Eigen::Vector3d::Map(event.p_c0_c1) = motion.T_c0_c1.translation();
+    for (int i = 0; i < 3; ++i) {
+      event.covariance[7 * i] = motion.rotation_sigma_rad * motion.rotation_sigma_rad;
+      event.covariance[7 * (i + 3)] = motion.position_sigma * motion.position_sigma;
+    }
+    if (motion.rotation_valid) event.header.flags |= ODO_VO_ROTATION;
+    if (motion.translation_valid) event.header.flags |= ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
+    event.camera = frame.calibration;
+    const bool tracking = motion.outcome == Outcome::tracking, lost = motion.outcome == Outcome::lost;
+    event.state = tracking ? ODO_TRACKING : lost ? ODO_LOST : ODO_DEGRADED;
+    event.reason = tracking                    ? ODO_REASON_NONE
+                   : !lost                     ? ODO_REASON_NO_PARALLAX
+                   : cv::mean(grey)[0] < kDark ? ODO_REASON_TOO_DARK
+                                               : ODO_REASON_FEW_FEATURES;
+    event.scale_group = motion.scale_group;
+    event.tracked = motion.matches, event.inliers = motion.inliers;
+    event.header.quality =
+        motion.matches ? static_cast<float>(motion.inliers) / static_cast<float>(motion.matches) : 0.0f;
+    output.emit(event);
+  }
+
+ private:
+  static constexpr double kDark = 8;  // mean grey
+  std::optional<Odometry> vo_;
+  cv::Mat converted_;
+  cv::Size size_;
+  uint32_t calibration_ = 0;
+  int64_t previous_ns_ = INT64_MIN;
+};
+
+}  // namespace
+
+ODO_PLUGIN(Antigny2019)
