@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include "plugins/vo/antigny2019/odometry.hpp"
 #include "plugins/vo/five_point/visual_odometry.hpp"
 #include "sdk/cli/runner.hpp"
 #include "sdk/sim/random.hpp"
@@ -134,6 +135,71 @@ TEST_CASE("darkness is lost and said, not invented; afterwards it starts anew in
   for (int i = 15; i < 25; ++i) motion = vo.process(frame(i), {});
   CHECK(motion.state == Tracking::tracking);
   CHECK(motion.scale_group > 0);
+}
+
+TEST_CASE("sparse selection keeps the strongest of each cell; matches are mutual and unlike the second best") {
+  antigny2019::Features all;
+  for (int i = 0; i < 50; ++i) {
+    all.pixels.emplace_back(10.0f + 0.1f * static_cast<float>(i), 10.0f);
+    all.strength.push_back(static_cast<float>(i % 7));
+    all.descriptors.push_back(cv::Mat(1, 4, CV_32F, cv::Scalar(i)));
+  }
+  all.pixels.emplace_back(200.0f, 100.0f), all.strength.push_back(0.1f);
+  all.descriptors.push_back(cv::Mat(1, 4, CV_32F, cv::Scalar(500)));
+  const auto few = antigny2019::sparse(all, {320, 240}, 32, 3);
+  REQUIRE(few.pixels.size() == 4);
+  CHECK(few.strength[0] == 6);
+  CHECK(few.strength[2] == 6);
+  CHECK(few.pixels[3].x == 200);
+  antigny2019::Features a, b;
+  for (const float v : {0.0f, 10.0f, 20.0f, 20.5f})
+    a.pixels.emplace_back(), a.descriptors.push_back(cv::Mat(1, 4, CV_32F, cv::Scalar(v)));
+  for (const float v : {10.2f, 0.3f, 20.2f})
+    b.pixels.emplace_back(), b.descriptors.push_back(cv::Mat(1, 4, CV_32F, cv::Scalar(v)));
+  const auto pairs = antigny2019::match(a, b, 0.6);
+  REQUIRE(pairs.size() == 3);
+  CHECK(pairs[0] == std::pair(0, 1));
+  CHECK(pairs[1] == std::pair(1, 0));
+  CHECK(pairs[2] == std::pair(2, 2));  // the fourth has the same nearest, which prefers the third
+}
+
+TEST_CASE("Antigny et al.'s odometry: a standing camera has no way, a moving one keeps its unit, darkness ends it") {
+  Scenario scenario;
+  scenario.camera.width = 480, scenario.camera.height = 360, scenario.camera.focal_px = 375;
+  const World world(scenario, 5);
+  const SimCamera camera(scenario.camera, 1.0, 5);
+  View view(world, camera, scenario);
+  const CameraModel model{CameraModel::Distortion::radial_tangential, 375, 375, 239.5, 179.5, {}};
+  for (const char* features : {"surf", "sift", "orb", "akaze"}) {
+    CAPTURE(features);
+    antigny2019::Odometry::Parameters p;
+    p.features = features, p.ratio = 0.8;
+    antigny2019::Odometry vo(p, model, {480, 360});
+    const auto frame = [&](int i, double north) {
+      Eigen::Matrix3d upright;
+      upright << 0, 0, -1, 1, 0, 0, 0, -1, 0;
+      const odograph::Motion held(1.0, {Vector3d(north, 0, -1.5)}, {Eigen::Quaterniond(upright)});
+      return camera.develop(view.render(held, 0.1 * i), static_cast<size_t>(i));
+    };
+    antigny2019::Motion motion;
+    for (int i = 0; i < 4; ++i) motion = vo.process(frame(i, 0), {});
+    CHECK(motion.outcome == antigny2019::Outcome::no_parallax);
+    CHECK_FALSE(motion.translation_valid);
+    std::vector<double> ways;
+    int moved = 0;
+    for (int i = 4; i < 12; ++i) {
+      motion = vo.process(frame(i, 0.4 * (i - 3)), {});
+      if (!motion.translation_valid || moved++ == 0) continue;  // the first covers the time before it
+      CHECK(motion.T_c0_c1.translation().normalized().z() > 0.97);
+      ways.push_back(motion.T_c0_c1.translation().norm());
+    }
+    REQUIRE(moved >= 5);
+    std::sort(ways.begin(), ways.end());
+    CHECK(ways.back() < 3 * ways.front());  // each way is equally long; the unit drifts
+    motion = vo.process(cv::Mat(360, 480, CV_8U, cv::Scalar(2)), {});
+    CHECK(motion.outcome == antigny2019::Outcome::lost);
+    CHECK_FALSE(motion.rotation_valid);
+  }
 }
 
 TEST_CASE("the real clips: error after Sim(3) stays below the plain baseline of 4.3 % and 4.1 % of the path") {
