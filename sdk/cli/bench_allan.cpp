@@ -3,7 +3,6 @@
 // `odograph bench allan`: the simulated IMU at rest, its Allan deviation beside what the scenario asks for.
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/plot.hpp"
@@ -58,11 +57,8 @@ int allan(const AllanArguments& a) {
     plot.series.push_back(std::move(asked)), plot.series.push_back(std::move(made));
   }
   if (a.plot.empty()) return kDone;
-  const auto svg = draw_svg(plot);
-  if (!svg) return complain(svg.failure());
-  std::ofstream out(a.plot);
-  out << *svg;
-  return out.flush() ? kDone : complain({ODO_E_NOT_FOUND, a.plot + ": cannot be written"});
+  const auto written = write_svg(plot, a.plot);
+  return written ? kDone : complain(written.failure());
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 #include <nlohmann/json.hpp>
 
@@ -141,12 +140,7 @@ Result<bool> plot(const DriveArguments& a, const std::vector<DriveErrors>& all) 
     for (int p = 0; p <= 100; ++p) series.points.emplace_back(percentile(all[c].horizontal_m, 0.01 * p), 0.01 * p);
     plot.series.push_back(std::move(series));
   }
-  const auto svg = draw_svg(plot);
-  if (!svg) return svg.failure();
-  std::ofstream out(a.plot);
-  out << *svg;
-  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, a.plot + ": cannot be written"};
-  return true;
+  return write_svg(plot, a.plot);
 }
 
 int drive(const DriveArguments& a) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <complex>
 #include <cstdio>
-#include <fstream>
 
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/plot.hpp"
@@ -164,12 +163,7 @@ Result<bool> plot_spectra(const std::string& file, const std::vector<GaitFigures
       }
       plot.series.push_back(std::move(series));
     }
-  const auto svg = draw_svg(plot);
-  if (!svg) return svg.failure();
-  std::ofstream out(file);
-  out << *svg;
-  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, file + ": cannot be written"};
-  return true;
+  return write_svg(plot, file);
 }
 
 int gait(const GaitArguments& a) {

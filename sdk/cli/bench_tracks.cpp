@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -180,11 +179,8 @@ int tracks(const TrackArguments& a) {
     plot.series.push_back(std::move(series));
   }
   if (a.plot.empty()) return kDone;
-  const auto svg = draw_svg(plot);
-  if (!svg) return complain(svg.failure());
-  std::ofstream out(a.plot);
-  out << *svg;
-  return out.flush() ? kDone : complain({ODO_E_NOT_FOUND, a.plot + ": cannot be written"});
+  const auto written = write_svg(plot, a.plot);
+  return written ? kDone : complain(written.failure());
 }
 
 }  // namespace

@@ -63,4 +63,13 @@ Result<std::string> draw_svg(const Plot& plot) {
   return svg.substr(begin);
 }
 
+Result<bool> write_svg(const Plot& plot, const std::string& file) {
+  const auto svg = draw_svg(plot);
+  if (!svg) return svg.failure();
+  std::ofstream out(file);
+  out << *svg;
+  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, file + ": cannot be written"};
+  return true;
+}
+
 }  // namespace odograph

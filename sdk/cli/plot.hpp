@@ -23,5 +23,7 @@ struct Plot {
 
 /// The plot as an SVG element, drawn by the installed gnuplot. ODO_E_UNSUPPORTED when there is none.
 Result<std::string> draw_svg(const Plot& plot);
+/// The same into a file.
+Result<bool> write_svg(const Plot& plot, const std::string& file);
 
 }  // namespace odograph

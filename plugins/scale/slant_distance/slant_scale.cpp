@@ -13,6 +13,8 @@ using Eigen::Vector2d;
 
 constexpr double kNanoseconds = 1e-9;
 constexpr double kHuber = 1.5;
+constexpr double kLeap = 0.7;   // of the logarithm: a factor of two
+constexpr int kInsist = 20;     // fixes in a row
 constexpr double kGuess = 0.3;  // relative; of a scale that rests on the speed before
 constexpr double kGuess_s = 1.0, kStanding_mps = 0.5;
 constexpr double kSmooth = 0.3;  // of the speed, from one motion to the next
@@ -98,6 +100,10 @@ void SlantScale::fit() {
     sigma = std::sqrt(std::max(1.0, chi / std::max(1.0, n - 4)) / vv);
   }
   if (2 * spread_m.norm() < least_way_m_) return;  // nearly standing: the line has no direction
+  // A unit does not double within a window: the fixes are of another place that looks alike, unless they insist.
+  const bool leaps = known_ && std::abs(std::log(s / scale_->metres_per_unit)) > kLeap;
+  leaps_ = leaps ? leaps_ + 1 : 0;
+  if (leaps && leaps_ < kInsist) return;
   scale_ = Scale{s, std::hypot(sigma, unit_drift_ * s)};
   known_ = true;
 }

@@ -51,6 +51,7 @@ class SlantScale {
   Eigen::Vector2d at_ = Eigen::Vector2d::Zero();
   std::optional<uint32_t> group_;
   std::optional<Scale> scale_;
+  int leaps_ = 0;
   bool known_ = false;  ///< by fixes, not by the speed before
   double speed_mps_ = 0, guess_s_ = 0, guess_way_ = 0;
 };
