@@ -3,6 +3,7 @@
 // What every plugin that looks at frames does first.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <odograph/plugin.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -47,6 +48,18 @@ inline cv::Mat mask_of(const odo_frame& frame) {
   if ((frame.header.flags & ODO_FRAME_MASK) == 0 || !frame.mask.data) return {};
   return {static_cast<int>(frame.height), static_cast<int>(frame.width), CV_8UC1, const_cast<uint8_t*>(frame.mask.data),
           static_cast<size_t>(frame.mask.row_stride)};
+}
+
+/// Writes a motion and its uncertainty, the same in all directions, into an event.
+inline void put_motion(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector3d& p_c0_c1, double rotation_sigma_rad,
+                       double position_sigma, odo_vo_motion& event) {
+  event.q_c0_c1[0] = q_c0_c1.w(), event.q_c0_c1[1] = q_c0_c1.x();
+  event.q_c0_c1[2] = q_c0_c1.y(), event.q_c0_c1[3] = q_c0_c1.z();
+  Eigen::Vector3d::Map(event.p_c0_c1) = p_c0_c1;
+  for (int i = 0; i < 3; ++i) {
+    event.covariance[7 * i] = rotation_sigma_rad * rotation_sigma_rad;
+    event.covariance[7 * (i + 3)] = position_sigma * position_sigma;
+  }
 }
 
 }  // namespace odograph

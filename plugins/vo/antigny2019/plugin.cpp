@@ -47,13 +47,8 @@ class Antigny2019 {
     if (from_ns == INT64_MIN) return;
     auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
     event.t_from_ns = from_ns;
-    const Eigen::Quaterniond q = Eigen::Quaterniond(motion.T_c0_c1.linear()).normalized();
-    event.q_c0_c1[0] = q.w(), event.q_c0_c1[1] = q.x(), event.q_c0_c1[2] = q.y(), event.q_c0_c1[3] = q.z();
-    Eigen::Vector3d::Map(event.p_c0_c1) = motion.T_c0_c1.translation();
-    for (int i = 0; i < 3; ++i) {
-      event.covariance[7 * i] = motion.rotation_sigma_rad * motion.rotation_sigma_rad;
-      event.covariance[7 * (i + 3)] = motion.position_sigma * motion.position_sigma;
-    }
+    odograph::put_motion(Eigen::Quaterniond(motion.T_c0_c1.linear()).normalized(), motion.T_c0_c1.translation(),
+                         motion.rotation_sigma_rad, motion.position_sigma, event);
     if (motion.rotation_valid) event.header.flags |= ODO_VO_ROTATION;
     if (motion.translation_valid) event.header.flags |= ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
     event.camera = frame.calibration;

@@ -54,13 +54,7 @@ class Gakne2018 {
     if (from_ns == INT64_MIN) return;
     auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
     event.t_from_ns = from_ns;
-    const auto& q = motion.q_c0_c1;
-    event.q_c0_c1[0] = q.w(), event.q_c0_c1[1] = q.x(), event.q_c0_c1[2] = q.y(), event.q_c0_c1[3] = q.z();
-    Eigen::Vector3d::Map(event.p_c0_c1) = motion.p_c0_c1;
-    for (int i = 0; i < 3; ++i) {
-      event.covariance[7 * i] = motion.rotation_sigma_rad * motion.rotation_sigma_rad;
-      event.covariance[7 * (i + 3)] = motion.position_sigma * motion.position_sigma;
-    }
+    odograph::put_motion(motion.q_c0_c1, motion.p_c0_c1, motion.rotation_sigma_rad, motion.position_sigma, event);
     if (motion.valid) event.header.flags |= ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
     event.camera = frame.calibration;
     event.state = motion.valid ? ODO_TRACKING : ODO_LOST;
