@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 
 #include <opencv2/imgproc.hpp>
@@ -156,7 +157,7 @@ TEST_CASE("sky is told from walls in a picture, and where it leaves the picture"
 }
 
 TEST_CASE("a generated town's model is read back; damaged models are refused by name") {
-  const std::string file = "skyline-city.json";
+  const std::string file = (std::filesystem::temp_directory_path() / "odograph-skyline-city.json").string();
   Building house{{Vector3d(0, 0, 0), Vector3d(10, 0, 0), Vector3d(10, 8, 0), Vector3d(0, 8, 0)}, 30, true};
   REQUIRE(write_city_json(file, {house}, {}));
   const auto edges = read_city_outline(file, {0, 0, 0});
