@@ -2,7 +2,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 
 #include <opencv2/imgproc.hpp>
@@ -11,6 +10,7 @@
 #include "plugins/scale/slant_distance/slant_scale.hpp"
 #include "plugins/vo/gakne2018/sky_odometry.hpp"
 #include "sdk/sim/city_model.hpp"
+#include "tests/support.hpp"
 
 using namespace odograph;
 using namespace odograph::skyline;
@@ -157,7 +157,8 @@ TEST_CASE("sky is told from walls in a picture, and where it leaves the picture"
 }
 
 TEST_CASE("a generated town's model is read back; damaged models are refused by name") {
-  const std::string file = (std::filesystem::temp_directory_path() / "odograph-skyline-city.json").string();
+  const TemporaryFolder folder;
+  const std::string file = (folder / "city.json").string();
   Building house{{Vector3d(0, 0, 0), Vector3d(10, 0, 0), Vector3d(10, 8, 0), Vector3d(0, 8, 0)}, 30, true};
   REQUIRE(write_city_json(file, {house}, {}));
   const auto edges = read_city_outline(file, {0, 0, 0});

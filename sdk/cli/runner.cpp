@@ -109,7 +109,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   size_t done = 0;
   for (const RecordedMessage& message : recording.messages) {
     const bool is_frame = message.message.header().type == ODO_TYPE_FRAME;
-    if (is_frame && !config->vo_frontend) {
+    if (is_frame && !config->vo_frontend && config->fixers.empty()) {
       ++done;
       continue;  // nobody looks at it: do not decode it
     }

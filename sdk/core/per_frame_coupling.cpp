@@ -199,7 +199,7 @@ bool PerFrameCoupling::turn_by(const odo_fix& fix) {
   const bool known = history_.at(fix.header.t_ns, then) == ODO_OK;
   const Quaterniond q_then = known ? quaternion(then.q_n) : q_n_;
   Vector3d turn = Vector3d::Zero();
-  double yaw_variance = fix.yaw_sigma_rad * fix.yaw_sigma_rad, tilt_variance = 0.0;
+  double yaw_variance = fix.yaw_sigma_rad * fix.yaw_sigma_rad, fix_tilt_variance = 0.0;
   const bool whole = (fix.header.flags & ODO_FIX_ORIENTATION) != 0;
   if (whole) {
     Quaterniond q = quaternion(fix.q_n_b);
@@ -207,7 +207,7 @@ bool PerFrameCoupling::turn_by(const odo_fix& fix) {
     const Eigen::AngleAxisd difference(q * q_then.conjugate());
     turn = difference.angle() * difference.axis();
     yaw_variance = fix.orientation_cov_n[8];
-    tilt_variance = std::max(fix.orientation_cov_n[0], fix.orientation_cov_n[4]);
+    fix_tilt_variance = std::max(fix.orientation_cov_n[0], fix.orientation_cov_n[4]);
   } else {
     const Vector3d y_n = (camera_ ? q_then * q_b_c_.conjugate() : q_then) * Vector3d::UnitY();
     turn.z() = std::remainder(fix.yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
@@ -217,7 +217,7 @@ bool PerFrameCoupling::turn_by(const odo_fix& fix) {
   turn.z() *= heading_variance_ / S;
   heading_variance_ *= yaw_variance / S;
   if (whole && config_.orientation == Orientation::vo) {
-    const double gain = tilt_variance_ / (tilt_variance_ + tilt_variance + 1e-12);
+    const double gain = tilt_variance_ / (tilt_variance_ + fix_tilt_variance + 1e-12);
     turn.head<2>() *= gain;
     tilt_variance_ *= 1 - gain;
   } else {
