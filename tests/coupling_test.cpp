@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "plugins/scale/step_length/step_scale.hpp"
+#include "sdk/core/gyro_chain.hpp"
 #include "sdk/core/messages.hpp"
 #include "sdk/core/per_frame_coupling.hpp"
 
@@ -210,6 +211,122 @@ TEST_CASE("NED and geodetic coordinates are each other's inverse to a micrometre
   CHECK(north[0] > 0.8238);
   CHECK(east[1] > -0.0271);
   CHECK(down[2] == doctest::Approx(15.0));
+}
+
+namespace {
+
+/// A body that turns by `rate_b` for a while and accelerates by `accel_n`; the gyroscope is off by `bias`.
+void keep_imu(GyroChain& chain, Eigen::Quaterniond q, int64_t from, int64_t to, const Vector3d& rate_b,
+              const Vector3d& accel_n, const Vector3d& bias) {
+  constexpr int64_t kStep = 5'000'000;
+  for (int64_t t = from + kStep; t <= to; t += kStep) {
+    const double angle = rate_b.norm() * 0.005;
+    if (angle > 0) q = q * Eigen::Quaterniond(Eigen::AngleAxisd(angle, rate_b.normalized()));
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
+    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    Vector3d::Map(imu.gyro_b) = rate_b + bias;
+    Vector3d::Map(imu.accel_b) = q.conjugate() * (accel_n - Vector3d(0, 0, 9.81));
+    chain.keep(imu);
+  }
+}
+
+const Eigen::Quaterniond kLevel = Eigen::Quaterniond::Identity();
+const Eigen::Matrix3d kOneDegree = Eigen::Matrix3d::Identity() * 3e-4;
+
+}  // namespace
+
+TEST_CASE("a gyroscope's chain turns as the body does, whatever the camera's mounting") {
+  GyroChain chain;
+  chain.reset(kLevel, kOneDegree);
+  const Eigen::Quaterniond mounted(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()));
+  keep_imu(chain, kLevel, 0, kSecond, {0.3, -0.2, 1.0}, Vector3d::Zero(), Vector3d::Zero());
+  const auto imu = chain.between(0, kSecond, mounted);
+  REQUIRE(imu);
+  const Eigen::Quaterniond turn_b(Eigen::AngleAxisd(std::sqrt(1.13), Vector3d(0.3, -0.2, 1.0).normalized()));
+  CHECK(imu->q_c0_c1.angularDistance(mounted.conjugate() * turn_b * mounted) < 1e-9);
+  CHECK_FALSE(chain.between(0, kSecond * 2, mounted));     // samples end before
+  CHECK_FALSE(chain.between(-kSecond, kSecond, mounted));  // or begin later
+}
+
+TEST_CASE("standing, pictures tell the gyroscope's bias and the accelerometer the vertical; braking tells nothing") {
+  GyroChain chain;
+  const Eigen::Quaterniond leaning(Eigen::AngleAxisd(0.02, Vector3d::UnitX()));
+  chain.reset(leaning, kOneDegree);
+  const Vector3d bias(0.006, -0.004, 0.003);
+  constexpr int64_t kFrame = 100'000'000;
+  const auto drive = [&](int64_t from, int64_t to, const Vector3d& accel_n, bool standing) {
+    for (int64_t t = from; t < to; t += kFrame) {
+      keep_imu(chain, kLevel, t, t + kFrame, Vector3d::Zero(), accel_n, bias);
+      const auto imu = chain.between(t, t + kFrame, kLevel);
+      REQUIRE(imu);
+      chain.turn(imu->q_c0_c1, imu->dt_s);
+      if (standing) chain.seen_turn(imu->q_c0_c1, kLevel, 0, imu->dt_s);
+      chain.feel(imu->force_c, standing);
+    }
+  };
+  drive(0, 5 * kSecond, Vector3d::Zero(), true);
+  CHECK((chain.bias_c() - bias).norm() < 0.0005);
+  const Vector3d up = chain.q_n_c() * -Vector3d::UnitZ();
+  CHECK(std::hypot(up.x(), up.y()) < 0.004);
+  drive(5 * kSecond, 10 * kSecond, {1.8, 0, 0}, false);  // five seconds of accelerating
+  const Vector3d after = chain.q_n_c() * -Vector3d::UnitZ();
+  CHECK(std::hypot(after.x(), after.y()) < 0.012);
+  const double sigma = std::sqrt(chain.covariance_n()(0, 0));
+  CHECK(sigma > 0.001);
+  CHECK(sigma < 0.02);
+}
+
+TEST_CASE("orientation fixes correct a gyroscope's chain, and its bias; a wild one is refused") {
+  GyroChain chain;
+  chain.reset(kLevel, kOneDegree);
+  const Vector3d bias(0, 0, 0.008);
+  for (int k = 0; k < 100; ++k) {
+    chain.turn(Eigen::Quaterniond(Eigen::AngleAxisd(bias.z() * 0.1, Vector3d::UnitZ())), 0.1);
+    if (k % 5 != 4) continue;
+    const Eigen::AngleAxisd off(chain.q_n_c().conjugate());
+    CHECK(chain.correct(off.angle() * off.axis(), kOneDegree * 0.1, 5));
+  }
+  CHECK(chain.bias_c().z() == doctest::Approx(0.008).epsilon(0.15));
+  CHECK(chain.q_n_c().angularDistance(kLevel) < 0.01);
+  const Eigen::Quaterniond before = chain.q_n_c();
+  CHECK_FALSE(chain.correct({0, 0, 0.5}, kOneDegree * 0.1, 5));
+  CHECK(chain.q_n_c().angularDistance(before) == 0);
+}
+
+TEST_CASE("the coupling chains the gyroscope's rotations where the config says so") {
+  Geodesy geodesy;
+  PerFrameCoupling coupling({.orientation = Orientation::gyroscope}, {}, {.vo = true, .scale = false}, geodesy);
+  auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
+  attitude.q_n_b[0] = 1;
+  coupling.on_attitude(attitude);
+  coupling.on_first_frame(0);
+  for (int k = 0; k < 200; ++k) {  // a bend of 90 degrees, driven in a second
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, (k + 1) * 5'000'000LL);
+    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    imu.gyro_b[2] = EIGEN_PI / 2;
+    imu.accel_b[2] = -9.81;
+    coupling.on_imu(imu);
+  }
+  auto no_picture = motion(0, kSecond, {0, 0, 0});
+  no_picture.header.flags = 0;
+  const odo_pose pose = coupling.on_vo_motion(no_picture, nullptr);
+  const Eigen::Quaterniond camera(0, 1, 0, 0);  // its mounting unless a calibration says otherwise
+  const Eigen::Quaterniond expected(Eigen::AngleAxisd(EIGEN_PI / 2, Vector3d::UnitZ()));
+  CHECK(Eigen::Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]).angularDistance(expected * camera) <
+        1e-3);
+}
+
+TEST_CASE("a motion faster than the carrier can be is a mistake, not a displacement") {
+  Geodesy geodesy;
+  PerFrameCoupling coupling({.fastest_mps = 2}, {}, {.vo = true, .scale = true}, geodesy);
+  coupling.on_first_frame(0);
+  const odo_scale metre = scale(1.0);
+  const odo_pose walked = coupling.on_vo_motion(motion(0, kSecond / 10, {0.15, 0, 0}), &metre);
+  CHECK(walked.distance_m == doctest::Approx(0.15));
+  const odo_pose leapt = coupling.on_vo_motion(motion(kSecond / 10, kSecond / 5, {3.0, 0, 0}), &metre);
+  CHECK(leapt.distance_m == doctest::Approx(0.15));
+  CHECK(leapt.state == ODO_DEGRADED);
+  CHECK(leapt.reason == ODO_REASON_TOO_FAST);
 }
 
 TEST_SUITE_END();

@@ -50,7 +50,7 @@ std::vector<SkyEdge> seen_from(const City& city, const Vector3d& p_n, const Eige
   std::vector<SkyEdge> edges;
   for (int j = 0; j < Horizon::kDirections; ++j) {
     const double azimuth = (j + 0.5) * 0.5 * kDegree;
-    const double elevation = std::atan(static_cast<double>(horizon.elevation_tan[static_cast<size_t>(j)]));
+    const double elevation = static_cast<double>(horizon.elevation[static_cast<size_t>(j)]);
     const bool open = elevation < 45 * kDegree;
     const double e = open ? 45 * kDegree : elevation;
     const Vector3d u(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), -std::sin(e));
@@ -72,12 +72,11 @@ TEST_CASE("the skyline of a wall is where geometry puts it") {
   Horizon horizon;
   city.horizon(eye, horizon);
   CHECK(horizon.height_m[0] == doctest::Approx(23.5));
-  CHECK(std::atan(horizon.elevation_tan[0]) ==
-        doctest::Approx(std::atan2(23.5, 20 / std::cos(0.25 * kDegree))).epsilon(1e-4));
+  CHECK(horizon.elevation[0] == doctest::Approx(std::atan2(23.5, 20 / std::cos(0.25 * kDegree))).epsilon(1e-4));
   // 40 degrees to the east the ray meets the near wall 26.1 m away; 60 degrees is past the house.
-  CHECK(horizon.elevation_tan[80] == doctest::Approx(23.5 * std::cos(40.25 * kDegree) / 20).epsilon(1e-4));
-  CHECK(horizon.elevation_tan[120] == 0);
-  CHECK(horizon.elevation_tan[360] == 0);
+  CHECK(std::tan(horizon.elevation[80]) == doctest::Approx(23.5 * std::cos(40.25 * kDegree) / 20).epsilon(1e-4));
+  CHECK(horizon.elevation[120] == 0);
+  CHECK(horizon.elevation[360] == 0);
 }
 
 TEST_CASE("a place and a heading are found again, and an inclination is told from a place") {
@@ -112,6 +111,24 @@ TEST_CASE("houses that the model lacks cost agreement, not the place") {
   REQUIRE(match);
   CHECK((match->p_n - place).norm() < 0.8);
   CHECK(match->agreement < 0.97);
+}
+
+TEST_CASE("one who is lost is placed when several pictures agree, by as much as the odometry slips meanwhile") {
+  City city(a_street());
+  Matcher matcher{City(a_street())};
+  for (int picture = 0; picture < 6; ++picture) {
+    const Vector3d place(-6.0 + 2 * picture, 0.5, -1.5), error(13.0 + 0.3 * picture, -9, 0);
+    city.look_around(place, 60, 0.05);
+    const auto match = matcher.match(seen_from(city, place, kUp), {.p_n = place + error,
+                                                                   .q_n_c = kUp,
+                                                                   .position_sigma_m = 8,
+                                                                   .yaw_sigma_rad = 3 * kDegree,
+                                                                   .tilt_sigma_rad = 0.5 * kDegree,
+                                                                   .farthest_m = 40,
+                                                                   .lost = true});
+    REQUIRE(match.has_value() == (picture >= 3));
+    if (match) CHECK((match->p_n - place).norm() < 0.5);
+  }
 }
 
 TEST_CASE("a straight canyon without ends is a long cloud along the street") {

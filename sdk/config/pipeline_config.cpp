@@ -56,7 +56,10 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   config.ordering = {ordering["max_wait"].real, ordering["max_gap"].real,
                      static_cast<size_t>(ordering["queue"].integer), static_cast<size_t>(ordering["frames"].integer)};
   const Value& coupling = v["coupling"];
-  config.coupling.orientation = coupling["orientation"].text == "attitude" ? Orientation::attitude : Orientation::vo;
+  const std::string& orientation = coupling["orientation"].text;
+  config.coupling.orientation = orientation == "attitude"    ? Orientation::attitude
+                                : orientation == "gyroscope" ? Orientation::gyroscope
+                                                             : Orientation::vo;
   config.coupling.vertical = coupling["vertical"].text == "scaled" ? Vertical::scaled : Vertical::ignore;
   config.coupling.fix_gate_sigma = coupling["fix_gate"].real;
   config.coupling.bridge_s = coupling["bridge"].real;

@@ -26,7 +26,7 @@ struct StartPose {
   bool given = false;
 };
 
-enum class Orientation { vo, attitude };
+enum class Orientation { vo, gyroscope, attitude };
 enum class Vertical { ignore, scaled };
 
 struct CouplingConfig {

@@ -82,8 +82,10 @@ const Spec& pipeline_spec() {
                     choice(
                         "type", "per_frame", "per_frame",
                         "per_frame: each frame's displacement is scaled on its own (Antigny et al. 2019, section 3.4)"),
-                    choice("orientation", "vo|attitude", "vo",
-                           "vo: chained from frame to frame as in the paper; attitude: from the IMU"),
+                    choice("orientation", "vo|gyroscope|attitude", "vo",
+                           "vo: chained from frame to frame as in the paper; gyroscope: chained with the attitude "
+                           "source's rotations; both corrected by fixes; attitude: the attitude source's, fixes turn "
+                           "its heading"),
                     choice("vertical", "ignore|scaled", "ignore",
                            "ignore: horizontal displacement only, as in the paper; scaled: all three components"),
                     real("fix_gate", "", 0, 100, "5",
@@ -92,7 +94,7 @@ const Spec& pipeline_spec() {
                          "how long steps alone may carry the pose while the camera sees nothing before it is lost"),
                     real("fastest", "m/s", 0.01, 200, "2",
                          "how fast the carrier may be: what is added to the position's uncertainty while there is no "
-                         "scale or no picture"),
+                         "scale or no picture; a motion five times faster is a mistake and left out"),
                 }),
             map("replay", "how `odograph run` lays a recording's map over n",
                 {

@@ -18,6 +18,7 @@ using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 constexpr int kBelieveFixesAfter = 5;        // that many rejected in a row say that it is we who are wrong
 constexpr double kPlaceless_m = 1e4;         // how little a position means before the first fix
 constexpr double kHeadingUnknown_rad = 0.2;  // of a start without a compass
+constexpr double kImpossible = 5.0;          // times the fastest: a motion that the picture or the scale got wrong
 constexpr double kTurnWalk = 0.003;          // rad/sqrt(s): a chain of frames drifts by this more than it says
 
 Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized(); }
@@ -92,8 +93,11 @@ Quaterniond PerFrameCoupling::initial_camera_orientation(int64_t t_ns) const {
 odo_pose PerFrameCoupling::on_first_frame(int64_t t_ns) {
   camera_ = true;
   q_n_ = initial_camera_orientation(t_ns);
-  if (const auto attitude = attitude_at(t_ns); attitude && (attitude->header.flags & ODO_ATTITUDE_NORTH))
-    heading_variance_ = attitude->covariance_n[8];
+  if (const auto attitude = attitude_at(t_ns)) {
+    tilt_variance_ = std::max(attitude->covariance_n[0], attitude->covariance_n[4]);
+    if (attitude->header.flags & ODO_ATTITUDE_NORTH) heading_variance_ = attitude->covariance_n[8];
+  }
+  chain_.reset(q_n_, Vector3d(tilt_variance_, tilt_variance_, heading_variance_).asDiagonal());
   last_pose_ns_ = last_tracked_ns_ = t_ns;
   return publish(t_ns, ODO_DEGRADED, ODO_REASON_INITIALISING);
 }
@@ -108,18 +112,19 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
   const auto before = attitude_at(motion.t_from_ns);
   const auto after = attitude_at(motion.header.t_ns);
   if (after) rotation_covariance_ = Eigen::Map<const RowMatrix3d>(after->covariance_n);
-  if (turned_by_fixes_) rotation_covariance_(2, 2) = heading_variance_;
-  const bool rotated = (motion.header.flags & ODO_VO_ROTATION) != 0;
+  const bool turned = before && after, rotated = (motion.header.flags & ODO_VO_ROTATION) != 0;
   if (after && config_.orientation == Orientation::attitude) {
     q_n_ = orientation_from(*after) * q_b_c_;
+  } else if (config_.orientation == Orientation::gyroscope && turn_with_gyroscope(motion)) {
   } else if (rotated) {
     q_n_ = (q_n_c0 * quaternion(motion.q_c0_c1)).normalized();
-  } else if (before && after) {  // the picture says nothing: the gyroscope's rotation instead
-    q_n_ = (orientation_from(*after) * orientation_from(*before).conjugate() * q_n_c0).normalized();
+  } else if (turned) {  // the picture says nothing: the gyroscope's rotation instead
+    const Quaterniond q_b0_b1 = quaternion(before->q_n_b).conjugate() * quaternion(after->q_n_b);
+    q_n_ = (q_n_c0 * q_b_c_.conjugate() * q_b0_b1 * q_b_c_).normalized();
   }
 
   const double dt_s = seconds(motion.header.t_ns - motion.t_from_ns);
-  const bool translated = (motion.header.flags & ODO_VO_TRANSLATION) != 0 && motion.state != ODO_LOST;
+  bool translated = (motion.header.flags & ODO_VO_TRANSLATION) != 0 && motion.state != ODO_LOST;
   Vector3d d_n = Vector3d::Zero();
   if (translated) d_n = q_n_c0 * Vector3d(motion.p_c0_c1);
   uint32_t state = motion.state, reason = motion.reason;
@@ -131,12 +136,17 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
       d_n *= scale->metres_per_unit;
       const bool horizontal = (scale->header.flags & ODO_SCALE_HORIZONTAL) != 0;
       if (horizontal && config_.vertical == Vertical::ignore) d_n.z() = 0.0;
+      if (d_n.norm() > kImpossible * config_.fastest_mps * dt_s) {
+        translated = false;
+        state = ODO_DEGRADED, reason = ODO_REASON_TOO_FAST;
+      }
     } else {
       d_n.setZero();
       if (state == ODO_TRACKING) state = ODO_DEGRADED, reason = ODO_REASON_NO_SCALE;
     }
   }
   drift(motion, dt_s, inputs_.scale && (!scale || !translated));
+  share_rotation_covariance();
   carried_by_steps_ = !translated;
   if (translated) last_tracked_ns_ = motion.header.t_ns;
   if (state == ODO_LOST && after && seconds(motion.header.t_ns - last_tracked_ns_) < config_.bridge_s)
@@ -193,6 +203,41 @@ Matrix3d PerFrameCoupling::position_covariance() const {
   return independent_covariance_ + along * along.transpose() + across * across.transpose() + unseen;
 }
 
+bool PerFrameCoupling::turn_with_gyroscope(const odo_vo_motion& motion) {
+  const auto imu = chain_.between(motion.t_from_ns, motion.header.t_ns, q_b_c_);
+  if (!imu) return false;
+  chain_.turn(imu->q_c0_c1, imu->dt_s);
+  // With parallax a picture's rotation and translation are too much alike to tell a bias.
+  const bool pure = motion.reason == ODO_REASON_NO_PARALLAX && (motion.header.flags & ODO_VO_ROTATION) != 0;
+  if (pure)
+    chain_.seen_turn(imu->q_c0_c1, quaternion(motion.q_c0_c1),
+                     std::sqrt(std::max({motion.covariance[0], motion.covariance[7], motion.covariance[14]})),
+                     imu->dt_s);
+  chain_.feel(imu->force_c, pure);
+  q_n_ = chain_.q_n_c();
+  return true;
+}
+
+void PerFrameCoupling::share_rotation_covariance() {
+  if (camera_ && config_.orientation == Orientation::gyroscope) {
+    rotation_covariance_ = chain_.covariance_n();
+  } else if (turned_by_fixes_) {
+    rotation_covariance_(2, 2) = heading_variance_;
+    if (config_.orientation == Orientation::vo) rotation_covariance_.diagonal().head<2>().setConstant(tilt_variance_);
+  }
+}
+
+bool PerFrameCoupling::turn_chain_by(const Vector3d& off_n, const odo_fix& fix) {
+  Matrix3d R = Eigen::Map<const RowMatrix3d>(fix.orientation_cov_n);
+  const auto turn = chain_.correct(off_n, R, config_.fix_gate_sigma);
+  if (!turn) return false;
+  turned_by_fixes_ = true;
+  heading_offset_rad_ += turn->z();
+  q_n_ = chain_.q_n_c();
+  share_rotation_covariance();
+  return true;
+}
+
 /// Orientation fixes by a gated Kalman update, heading and inclination apart; an attitude's inclination is left alone.
 bool PerFrameCoupling::turn_by(const odo_fix& fix) {
   odo_pose then{};
@@ -212,11 +257,12 @@ bool PerFrameCoupling::turn_by(const odo_fix& fix) {
     const Vector3d y_n = (camera_ ? q_then * q_b_c_.conjugate() : q_then) * Vector3d::UnitY();
     turn.z() = std::remainder(fix.yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
   }
+  if (whole && camera_ && config_.orientation == Orientation::gyroscope) return turn_chain_by(turn, fix);
   const double gate = config_.fix_gate_sigma, S = heading_variance_ + yaw_variance + 1e-12;
   if (gate > 0 && turn.z() * turn.z() > gate * gate * S) return false;
   turn.z() *= heading_variance_ / S;
   heading_variance_ *= yaw_variance / S;
-  if (whole && config_.orientation == Orientation::vo) {
+  if (whole && config_.orientation != Orientation::attitude) {
     const double gain = tilt_variance_ / (tilt_variance_ + fix_tilt_variance + 1e-12);
     turn.head<2>() *= gain;
     tilt_variance_ *= 1 - gain;
@@ -227,7 +273,7 @@ bool PerFrameCoupling::turn_by(const odo_fix& fix) {
   heading_offset_rad_ += turn.z();
   if (const double angle = turn.norm(); angle > 0)
     q_n_ = (Quaterniond(Eigen::AngleAxisd(angle, turn / angle)) * q_n_).normalized();
-  rotation_covariance_(2, 2) = heading_variance_;
+  share_rotation_covariance();
   return true;
 }
 

@@ -9,6 +9,7 @@
 
 #include "sdk/config/pipeline_config.hpp"
 #include "sdk/core/geodesy.hpp"
+#include "sdk/core/gyro_chain.hpp"
 #include "sdk/core/pose_history.hpp"
 
 namespace odograph {
@@ -32,6 +33,8 @@ class PerFrameCoupling {
   PerFrameCoupling(const CouplingConfig& config, const StartPose& start, CouplingInputs inputs, Geodesy& geodesy);
 
   void on_calibration(const odo_calibration& calibration);
+  /// A whole sample, gyroscope and accelerometer.
+  void on_imu(const odo_imu& imu) { chain_.keep(imu); }
   void on_attitude(const odo_attitude& attitude);
 
   /// The camera starts at this frame: its pose is the first of the track.
@@ -69,7 +72,10 @@ class PerFrameCoupling {
   Eigen::Matrix3d position_covariance() const;
   void move(const Eigen::Vector3d& d_n, double relative_sigma, double dt_s);
   void drift(const odo_vo_motion& motion, double dt_s, bool lost_metres);
+  bool turn_with_gyroscope(const odo_vo_motion& motion);
   bool turn_by(const odo_fix& fix);
+  bool turn_chain_by(const Eigen::Vector3d& off_n, const odo_fix& fix);
+  void share_rotation_covariance();
   odo_pose publish(int64_t t_ns, uint32_t state, uint32_t reason);
   bool metric() const { return inputs_.scale || !inputs_.vo; }
 
@@ -93,6 +99,7 @@ class PerFrameCoupling {
   double heading_offset_rad_ = 0.0;
   double heading_variance_ = 0.0, tilt_variance_ = 0.0;  // rad^2, of q_n_, where fixes correct it
   bool turned_by_fixes_ = false;
+  GyroChain chain_;              // q_n_ where the config says so
   double unseen_sigma_m_ = 0.0;  // what may have been moved, since the last fix, without a scale or a picture
   Scale scale_;
   double distance_m_ = 0.0;

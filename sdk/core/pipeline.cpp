@@ -24,6 +24,7 @@ void Pipeline::process(const odo_header& message) {
 }
 
 void Pipeline::on_imu(const odo_imu& imu) {
+  coupling_.on_imu(imu);
   if (attitude_) {
     for (AnyMessage& event : attitude_->process(imu.header)) {
       coupling_.on_attitude(as<odo_attitude>(event.header()));

@@ -36,7 +36,8 @@ void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double least
 
 void City::horizon(const Eigen::Vector3d& p_n, Horizon& out) const {
   static const Directions directions;
-  out.elevation_tan.fill(0), out.height_m.fill(0);
+  std::array<float, kN> highest{};  // tangents
+  out.height_m.fill(0);
   for (const Edge& e : near_) {
     const double x0 = e.from.x() - p_n.x(), y0 = e.from.y() - p_n.y(), h0 = p_n.z() - e.from.z();
     const double x1 = e.to.x() - p_n.x(), y1 = e.to.y() - p_n.y(), h1 = p_n.z() - e.to.z();
@@ -56,10 +57,11 @@ void City::horizon(const Eigen::Vector3d& p_n, Horizon& out) const {
       if (r <= 1e-3) continue;
       const double h = h0 + t * (h1 - h0);
       const auto elevation_tan = static_cast<float>(h / r);
-      if (elevation_tan <= out.elevation_tan[k]) continue;
-      out.elevation_tan[k] = elevation_tan, out.height_m[k] = static_cast<float>(h);
+      if (elevation_tan <= highest[k]) continue;
+      highest[k] = elevation_tan, out.height_m[k] = static_cast<float>(h);
     }
   }
+  for (size_t k = 0; k < highest.size(); ++k) out.elevation[k] = std::atan(highest[k]);
 }
 
 }  // namespace odograph::skyline

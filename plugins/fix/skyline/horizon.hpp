@@ -12,8 +12,8 @@ namespace odograph::skyline {
 /// in the middle of its half degree.
 struct Horizon {
   static constexpr int kDirections = 720;
-  std::array<float, kDirections> elevation_tan{};  ///< tangent of the highest elevation; 0 where nothing is
-  std::array<float, kDirections> height_m{};       ///< of the point there, above the place
+  std::array<float, kDirections> elevation{};  ///< rad, the highest; 0 where nothing is
+  std::array<float, kDirections> height_m{};   ///< of the point there, above the place
 };
 
 /// Skylines of a city model, from anywhere.

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "plugins/fix/skyline/horizon.hpp"
+#include "plugins/fix/skyline/seen_skyline.hpp"
 #include "plugins/fix/skyline/sky_finder.hpp"
 
 namespace odograph::skyline {
@@ -15,6 +16,8 @@ struct Prior {
   Eigen::Vector3d p_n;  ///< of the camera; the height is taken as it is
   Eigen::Quaterniond q_n_c;
   double position_sigma_m, yaw_sigma_rad, tilt_sigma_rad, farthest_m;
+  /// The picture before did not tell the place: several must agree on where the prior is wrong.
+  bool lost = false;
 };
 
 struct Match {
@@ -29,6 +32,25 @@ struct Match {
   double slant_distance_m;
 };
 
+/// A place of the search, and how well the picture fits there.
+struct Place {
+  Guess guess;
+  double cost;
+};
+
+/// What several pictures say of each offset from the prior: their costs' running mean. An offset holds from picture to
+/// picture but for what the odometry errs by meanwhile: a cell.
+class OffsetMap {
+ public:
+  void clear() { pictures_ = 0; }
+  /// Replaces the costs of `places`, which lie on a lattice of `step_m`, by the means. Returns how many pictures count.
+  int average(std::vector<Place>& places, double step_m);
+
+ private:
+  std::vector<float> means_, before_;
+  int reach_ = -1, pictures_ = 0;
+};
+
 /// Finds the place and the orientation whose skyline looks like the one in the picture. Where the paper correlates
 /// binary images of a database of places, this compares the elevation at which the sky ends, direction by direction,
 /// with the model's, computed where it is needed; the loss of a direction is bounded, because models miss trees and new
@@ -39,17 +61,20 @@ class Matcher {
   std::optional<Match> match(const std::vector<SkyEdge>& edges, const Prior& prior);
 
  private:
-  struct Guess {
-    double north = 0, east = 0, yaw = 0, tilt_north = 0, tilt_east = 0;  ///< from the prior
-  };
   double cost(const Guess& guess, bool new_place);
-  Eigen::Quaterniond turned(const Guess& guess) const;
+  void search(double radius_m, double step_m);
+  Place refine(Place from, double step_m);
+  /// Best place and best other one.
+  std::optional<Place> choose(double step_m, double& rival_cost);
+  void weigh(const Place& best, double rival_cost, Match& match);
+  bool describe(const Place& best, Match& match);
 
   City city_;
   Prior prior_{};
-  std::vector<Eigen::Vector3d> rays_n_;  // by the prior's orientation
-  std::vector<char> open_;
+  SeenSkyline seen_;
   Horizon horizon_;
+  std::vector<Place> places_;
+  OffsetMap offsets_;
 };
 
 }  // namespace odograph::skyline

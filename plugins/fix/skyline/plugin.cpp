@@ -13,8 +13,9 @@ namespace {
 using namespace odograph::skyline;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kNowhere_m = 1000;
-constexpr int kDoubtful = 4;     // failures in a row
-constexpr double kSame_m = 2.5;  // between two places, but for what the prior says was moved
+constexpr int kDoubtful = 4;  // failures in a row
+constexpr double kMostTilt_rad = 3 * kDegree;
+constexpr double kRival = 0.2;  // of another place's likelihood
 
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
 class Skyline {
@@ -35,7 +36,7 @@ class Skyline {
             odo::real("min_agreement", "", 0.1, 1, &Skyline::min_agreement,
                       "part of the directions in which picture and model must agree"),
             odo::real("tilt_sigma", "rad", 0.0001, 0.5, &Skyline::tilt_sigma,
-                      "standard deviation of the prior's inclination"),
+                      "least standard deviation of the prior's inclination"),
             odo::real("min_sigma", "m", 0.001, 100, &Skyline::min_sigma, "smallest standard deviation believed")};
   }
 
@@ -76,10 +77,16 @@ class Skyline {
     if (edges.empty()) return;
     last_ns_ = frame.header.t_ns;
     const double yaw_sigma = std::clamp(std::sqrt(pose_->covariance[14]), 1.0 * kDegree, 30 * kDegree);
-    const auto match = matcher_->match(
-        edges, {Eigen::Vector3d(pose_->p_n), q_n_c, std::sqrt(variance) + failures_, yaw_sigma, tilt_sigma, radius});
-    const bool good = match && match->agreement >= min_agreement && match->rival < 0.2;
-    if (!good || !confirmed(match->p_n - Eigen::Vector3d(pose_->p_n), std::sqrt(variance))) {
+    const double tilt =
+        std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma, kMostTilt_rad);
+    const auto match = matcher_->match(edges, {.p_n = Eigen::Vector3d(pose_->p_n),
+                                               .q_n_c = q_n_c,
+                                               .position_sigma_m = std::sqrt(variance) + failures_,
+                                               .yaw_sigma_rad = yaw_sigma,
+                                               .tilt_sigma_rad = tilt,
+                                               .farthest_m = radius,
+                                               .lost = failures_ >= kDoubtful});
+    if (!match || match->agreement < min_agreement || match->rival > kRival) {
       ++failures_;
       return;
     }
@@ -88,19 +95,6 @@ class Skyline {
   }
 
  private:
-  /// After some failures the search is wide and blocks look alike: two places in a row must say the same of
-  /// the prior, up to what it has become less certain by.
-  bool confirmed(const Eigen::Vector3d& from_prior, double sigma_m) {
-    if (failures_ < kDoubtful) {
-      candidate_.reset();
-      return true;
-    }
-    const double less_certain = std::max(0.0, sigma_m - candidate_sigma_m_);
-    const bool same = candidate_ && (from_prior - *candidate_).norm() < kSame_m + less_certain;
-    candidate_ = from_prior, candidate_sigma_m_ = sigma_m;
-    return same;
-  }
-
   odo_fix fix_of(const Match& match, int64_t t_ns) const {
     auto fix = odo::make<odo_fix>(t_ns);
     fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_ORIENTATION | ODO_FIX_SLANT;
@@ -130,8 +124,6 @@ class Skyline {
   cv::Size size_;
   uint32_t calibration_ = 0;
   int64_t last_ns_ = INT64_MIN;
-  std::optional<Eigen::Vector3d> candidate_;
-  double candidate_sigma_m_ = 0;
   int failures_ = 0;  // in a row; each widens the search by three metres
 };
 

@@ -17,7 +17,6 @@ constexpr double kLeap = 0.7;   // of the logarithm: a factor of two
 constexpr int kInsist = 20;     // fixes in a row
 constexpr double kGuess = 0.3;  // relative; of a scale that rests on the speed before
 constexpr double kGuess_s = 1.0, kStanding_mps = 0.5;
-constexpr double kSmooth = 0.3;  // of the speed, from one motion to the next
 
 }  // namespace
 
@@ -27,7 +26,8 @@ void SlantScale::add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d
     path_.clear(), pairs_.clear();
     at_.setZero();
     scale_.reset();
-    guess_s_ = guess_way_ = 0;
+    guess_s_ = 0;
+    guessed_.clear();
     known_ = false;
   }
   const double dt = static_cast<double>(t_ns - from_ns) * kNanoseconds, way = d_n.head<2>().norm();
@@ -37,21 +37,23 @@ void SlantScale::add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d
   while (static_cast<double>(t_ns - path_.front().t_ns) * kNanoseconds > window_s_) path_.pop_front();
 }
 
-/// Until fixes tell the new unit the vehicle goes on as fast as before: motion by motion for a second, and then with
-/// the scale that this second had. A single motion would not do: it may cover the time in which the odometry was lost.
+double SlantScale::RunningMedian::median() const {
+  const size_t n = std::min(count_, values_.size());
+  if (n == 0) return 0;
+  std::array<double, 11> sorted = values_;
+  std::nth_element(sorted.begin(), sorted.begin() + n / 2, sorted.begin() + n);
+  return sorted[n / 2];
+}
+
+/// Until fixes tell the new unit the vehicle goes on as fast as before, as the motions of the first second have it.
 void SlantScale::guess(double dt, double way) {
   if (dt <= 0) return;
-  if (known_) {
-    speed_mps_ += kSmooth * (scale_->metres_per_unit * way / dt - speed_mps_);
-    return;
-  }
-  if (speed_mps_ < kStanding_mps || way < 1e-9) return;
-  if (guess_s_ < kGuess_s) {
-    guess_s_ += dt, guess_way_ += way;
-    scale_ = Scale{speed_mps_ * dt / way, kGuess * speed_mps_ * dt / way};
-    if (guess_s_ >= kGuess_s)
-      scale_ = Scale{speed_mps_ * guess_s_ / guess_way_, kGuess * speed_mps_ * guess_s_ / guess_way_};
-  }
+  if (known_) return speed_mps_.add(scale_->metres_per_unit * way / dt);
+  const double speed = speed_mps_.median();
+  if (speed < kStanding_mps || way < 1e-9 || guess_s_ >= kGuess_s) return;
+  guess_s_ += dt;
+  guessed_.add(speed * dt / way);
+  scale_ = Scale{guessed_.median(), kGuess * guessed_.median()};
 }
 
 void SlantScale::add_place(int64_t t_ns, const Vector2d& p_n, double variance) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <array>
 #include <deque>
 #include <optional>
 
@@ -45,6 +46,18 @@ class SlantScale {
   void fit();
   void guess(double dt_s, double way);
 
+  /// Median of the latest values: a picture misunderstood makes one motion of any length.
+  class RunningMedian {
+   public:
+    void clear() { count_ = 0; }
+    void add(double value) { values_[count_++ % values_.size()] = value; }
+    double median() const;  ///< 0 without values
+
+   private:
+    std::array<double, 11> values_{};
+    size_t count_ = 0;
+  };
+
   double window_s_, least_way_m_, unit_drift_;
   std::deque<Point> path_;
   std::deque<Pair> pairs_;
@@ -52,8 +65,10 @@ class SlantScale {
   std::optional<uint32_t> group_;
   std::optional<Scale> scale_;
   int leaps_ = 0;
-  bool known_ = false;  ///< by fixes, not by the speed before
-  double speed_mps_ = 0, guess_s_ = 0, guess_way_ = 0;
+  bool known_ = false;       ///< by fixes, not by the speed before
+  RunningMedian speed_mps_;  ///< of the latest motions whose unit was known
+  RunningMedian guessed_;    ///< metres per unit, of the first motions of a new unit
+  double guess_s_ = 0;
 };
 
 }  // namespace odograph::slant_scale

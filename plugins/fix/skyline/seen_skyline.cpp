@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/skyline/seen_skyline.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace odograph::skyline {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kSteepest = 20;  // tangent of the elevation: towards the zenith an azimuth means nothing
+
+}  // namespace
+
+Eigen::Quaterniond Guess::rotation() const {
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  const Eigen::Vector3d tilt(tilt_north, tilt_east, 0);
+  const double angle = tilt.norm();
+  return angle > 0 ? turn * Eigen::Quaterniond(Eigen::AngleAxisd(angle, tilt / angle)) : turn;
+}
+
+void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c) {
+  rays_.clear();
+  lowest_ = 0.5 * std::numbers::pi;
+  for (const SkyEdge& e : edges) {
+    const Eigen::Vector3d u = q_n_c * e.ray_c;
+    const double level = std::hypot(u.x(), u.y());
+    Ray ray{};
+    ray.azimuth = std::atan2(u.y(), u.x()), ray.elevation = std::atan2(-u.z(), level);
+    ray.slope = std::clamp(-u.z() / std::max(level, 1e-9), -kSteepest, kSteepest);
+    ray.cosine = std::cos(ray.azimuth), ray.sine = std::sin(ray.azimuth);
+    ray.below = e.open ? 0 : 1;
+    rays_.push_back(ray);
+    lowest_ = std::min(lowest_, ray.elevation);
+  }
+}
+
+/// By how much the model's skyline is above what is seen; a small inclination is taken to first order.
+inline double SeenSkyline::difference(const Ray& ray, const Horizon& model, const Guess& g) const {
+  const double up = g.tilt_east * ray.cosine - g.tilt_north * ray.sine;
+  const double round = g.yaw + ray.slope * (g.tilt_north * ray.cosine + g.tilt_east * ray.sine);
+  const double turns = (ray.azimuth + round) * (1 / kTurn) + 2;  // positive
+  const auto j = static_cast<size_t>((turns - static_cast<int>(turns)) * Horizon::kDirections);
+  const double above = static_cast<double>(model.elevation[j]) - ray.elevation - up;
+  return std::max(above, -above * ray.below);
+}
+
+double SeenSkyline::loss(const Horizon& model, const Guess& guess, double most_rad) const {
+  double sum = 0;
+  for (const Ray& ray : rays_) sum += std::min(most_rad, difference(ray, model, guess));
+  return sum / static_cast<double>(rays_.size());
+}
+
+double SeenSkyline::agreement(const Horizon& model, const Guess& guess, double bound_rad) const {
+  const auto agreeing =
+      std::count_if(rays_.begin(), rays_.end(), [&](const Ray& r) { return difference(r, model, guess) < bound_rad; });
+  return static_cast<double>(agreeing) / static_cast<double>(rays_.size());
+}
+
+}  // namespace odograph::skyline

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "plugins/fix/skyline/horizon.hpp"
+#include "plugins/fix/skyline/sky_finder.hpp"
+
+namespace odograph::skyline {
+
+/// Where the camera is, from the prior: m and rad. The inclination turns first, about north and east; then the yaw.
+struct Guess {
+  double north = 0, east = 0, yaw = 0, tilt_north = 0, tilt_east = 0;
+
+  Eigen::Quaterniond rotation() const;
+};
+
+/// A picture's skyline by azimuth and elevation in n as the prior has it, to be laid over a model's.
+class SeenSkyline {
+ public:
+  void set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c);
+  size_t size() const { return rays_.size(); }
+  double lowest_rad() const { return lowest_; }
+
+  /// Mean loss of a direction, rad, from the model's skyline of the guess's place: `most` at most, and none where the
+  /// sky goes on below the picture's border and the model's roof lies there too.
+  double loss(const Horizon& model, const Guess& guess, double most_rad) const;
+  /// Part of the directions whose loss is below a bound.
+  double agreement(const Horizon& model, const Guess& guess, double bound_rad) const;
+
+ private:
+  struct Ray {
+    double azimuth, elevation, slope, cosine, sine;  // slope: tangent of the elevation; of the azimuth the others
+    double below;  // what counts of a roof seen above the model's: 0 where the picture ends, else 1
+  };
+  double difference(const Ray& ray, const Horizon& model, const Guess& guess) const;
+
+  std::vector<Ray> rays_;
+  double lowest_ = 0;
+};
+
+}  // namespace odograph::skyline

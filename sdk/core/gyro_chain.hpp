@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <odograph/types.h>
+
+namespace odograph {
+
+/// Orientation chained from a gyroscope's rotations, corrected by whatever sees the orientation: an error-state Kalman
+/// filter of the rotation's error (rad, in n, on the left) and of the gyroscope's bias (rad/s, in the camera's axes),
+/// after Sola, "Quaternion kinematics for the error-state Kalman filter" (2017), with global angular errors. The bias
+/// is learnt from fixes of the orientation and from pictures without parallax. The accelerometer counts where the
+/// carrier stands; in motion so little that a car's braking does not tilt the world.
+class GyroChain {
+ public:
+  GyroChain() { reset(Eigen::Quaterniond::Identity(), Eigen::Matrix3d::Identity()); }
+  void reset(const Eigen::Quaterniond& q_n_c, const Eigen::Matrix3d& covariance_n);
+
+  /// Keeps a whole IMU sample for turns to come. Times increase.
+  void keep(const odo_imu& imu) { samples_[count_++ % samples_.size()] = imu; }
+
+  /// What the IMU said between two times, in the camera's axes.
+  struct Interval {
+    Eigen::Quaterniond q_c0_c1;  ///< the gyroscope's rotation as it came
+    Eigen::Vector3d force_c;     ///< mean specific force, m/s^2, in the axes at the end
+    double dt_s;
+  };
+  /// Nothing where samples lack.
+  std::optional<Interval> between(int64_t from_ns, int64_t to_ns, const Eigen::Quaterniond& q_b_c) const;
+
+  /// The gyroscope's rotation over dt.
+  void turn(const Eigen::Quaterniond& q_c0_c1, double dt_s);
+  /// The specific force seen then, after turn().
+  void feel(const Eigen::Vector3d& force_c, bool standing);
+  /// The same rotation, seen by a camera (rad, standard deviation of each axis).
+  void seen_turn(const Eigen::Quaterniond& gyro_q_c0_c1, const Eigen::Quaterniond& seen_q_c0_c1, double sigma_rad,
+                 double dt_s);
+  /// The orientation was off by this rotation, rad in n; false, and nothing changed, outside a gate (0: none) of
+  /// standard deviations. Returns what it turned by.
+  std::optional<Eigen::Vector3d> correct(const Eigen::Vector3d& off_n, const Eigen::Matrix3d& covariance_n,
+                                         double gate_sigma);
+
+  const Eigen::Quaterniond& q_n_c() const { return q_n_c_; }
+  Eigen::Matrix3d covariance_n() const { return P_.topLeftCorner<3, 3>(); }
+  const Eigen::Vector3d& bias_c() const { return bias_c_; }
+
+ private:
+  using Matrix6d = Eigen::Matrix<double, 6, 6>;
+  using Vector6d = Eigen::Matrix<double, 6, 1>;
+  Eigen::Vector3d apply(const Vector6d& error);
+
+  Eigen::Quaterniond q_n_c_;
+  Eigen::Vector3d bias_c_;
+  Matrix6d P_;
+  std::array<odo_imu, 1024> samples_{};
+  size_t count_ = 0;
+};
+
+}  // namespace odograph
