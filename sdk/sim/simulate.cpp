@@ -186,6 +186,7 @@ class Simulation {
     const auto picture = maker_->take(k);
     if (!picture) return check(picture.failure());
     auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, clock_ns(frames_[k].stamp_s));
+    frame.header.flags = ODO_FRAME_EXPOSURE | ODO_FRAME_LINE_TIME;
     frame.format = ODO_FORMAT_GREY8;
     frame.width = static_cast<uint32_t>(c_.camera.width), frame.height = static_cast<uint32_t>(c_.camera.height);
     frame.exposure_ns = std::llround(c_.camera.exposure_s * 1e9);

@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 
 #include "plugins/camera/camera_model.hpp"
-#include "plugins/vo/five_point/corner_tracker.hpp"
-#include "plugins/vo/five_point/two_view.hpp"
+#include "plugins/camera/corner_tracker.hpp"
+#include "plugins/camera/two_view.hpp"
 
 namespace odograph::five_point {
 

@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace odograph::five_point {
+namespace odograph {
 
 /// Corners (Shi & Tomasi 1994) followed from frame to frame by pyramidal Lucas-Kanade (Bouguet 2000), forwards and
 /// back, spread over the picture by a grid. Knows nothing of geometry.
@@ -27,8 +27,9 @@ class CornerTracker {
 
   explicit CornerTracker(const Parameters& parameters) : p_(parameters) {}
 
-  /// Follows the corners into the next picture (8-bit grey). What is lost is gone from tracks().
-  void follow(const cv::Mat& grey);
+  /// Follows the corners into the next picture (8-bit grey), from where they were or, where given, from where they are
+  /// expected (one for each track). What is lost is gone from tracks().
+  void follow(const cv::Mat& grey, const std::vector<cv::Point2f>& expected = {});
   /// Fills the empty cells with new corners of the latest picture. `mask` may be empty.
   void refill(const cv::Mat& mask);
   /// Removes tracks for which `keep` is false (same order as tracks()).
@@ -48,4 +49,4 @@ class CornerTracker {
   double mean_grey_ = 0.0;
 };
 
-}  // namespace odograph::five_point
+}  // namespace odograph

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "plugins/vo/five_point/two_view.hpp"
+#include "plugins/camera/two_view.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <Eigen/Dense>
 #include <opencv2/calib3d.hpp>
 
-namespace odograph::five_point {
+namespace odograph {
 namespace {
 
 Eigen::Vector3d ray(const cv::Point2d& normalized) {
@@ -163,4 +163,4 @@ std::optional<Eigen::Vector3d> triangulate(const std::vector<Sighting>& sighting
   return std::nullopt;
 }
 
-}  // namespace odograph::five_point
+}  // namespace odograph

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
-namespace odograph::five_point {
+namespace odograph {
 
 /// A ray seen by a camera at a known pose.
 struct Sighting {
@@ -43,4 +43,4 @@ std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std
 std::optional<Eigen::Vector3d> triangulate(const std::vector<Sighting>& sightings, double threshold,
                                            double min_parallax_rad);
 
-}  // namespace odograph::five_point
+}  // namespace odograph

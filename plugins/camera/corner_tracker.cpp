@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "plugins/vo/five_point/corner_tracker.hpp"
+#include "plugins/camera/corner_tracker.hpp"
 
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-namespace odograph::five_point {
+namespace odograph {
 
-void CornerTracker::follow(const cv::Mat& grey) {
+void CornerTracker::follow(const cv::Mat& grey, const std::vector<cv::Point2f>& expected) {
   grey.copyTo(latest_);  // the borrowed pixels end with the call; new corners are looked for later in this one
   mean_grey_ = cv::mean(latest_)[0];
   const cv::Size window(p_.window_px, p_.window_px);
@@ -16,7 +16,10 @@ void CornerTracker::follow(const cv::Mat& grey) {
     for (const Track& track : tracks_) from.push_back(track.pixel);
     std::vector<uchar> found, found_back;
     const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.01);
-    cv::calcOpticalFlowPyrLK(pyramid_, next_pyramid_, from, to, found, cv::noArray(), window, p_.levels, stop);
+    const bool guided = expected.size() == from.size();
+    if (guided) to = expected;
+    cv::calcOpticalFlowPyrLK(pyramid_, next_pyramid_, from, to, found, cv::noArray(), window, p_.levels, stop,
+                             guided ? cv::OPTFLOW_USE_INITIAL_FLOW : 0);
     back = from;
     cv::calcOpticalFlowPyrLK(next_pyramid_, pyramid_, to, back, found_back, cv::noArray(), window, p_.levels, stop,
                              cv::OPTFLOW_USE_INITIAL_FLOW);
@@ -68,4 +71,4 @@ void CornerTracker::clear() {
   pyramid_.clear();
 }
 
-}  // namespace odograph::five_point
+}  // namespace odograph

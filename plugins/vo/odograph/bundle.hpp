@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "plugins/vo/odograph/window.hpp"
+
+namespace odograph::vo {
+
+struct BundleReport {
+  bool solved = false;
+  int observations = 0, iterations = 0;
+};
+
+/// Adjusts the window's keyframes, the inverse depths of its located points and the gyroscope's bias together (Ceres,
+/// Levenberg-Marquardt with a Schur complement, Cauchy loss). While no keyframe has been forgotten yet the first pose
+/// and the first baseline's length are held; afterwards the two oldest poses, which earlier windows have settled: so
+/// the unit stays what it was. `sigma`: of an observation, normalized. Single-threaded and repeatable bit for bit.
+BundleReport adjust(Window& window, Eigen::Vector3d& bias_c, double sigma);
+
+}  // namespace odograph::vo

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+namespace odograph::vo {
+
+/// A gyroscope's rotation between two times, with what a bias would change (Forster et al., "On-manifold
+/// preintegration", 2017, eq. (33) and (44)).
+struct GyroRotation {
+  Eigen::Quaterniond q_c0_c1;
+  Eigen::Matrix3d by_bias;  ///< derivative of the right-hand small rotation by the bias, s
+  double sigma_rad;         ///< noise, and scale and misalignment by the angle turned
+};
+
+/// The latest gyroscope samples, in the camera's axes. No allocation.
+class Gyroscope {
+ public:
+  void add(int64_t t_ns, const Eigen::Vector3d& rate_c);
+  /// Nothing where samples lack; after the newest sample its rate goes on for a moment.
+  std::optional<GyroRotation> between(int64_t from_ns, int64_t to_ns, const Eigen::Vector3d& bias_c) const;
+  /// rad/s at a time, the nearest sample's.
+  std::optional<Eigen::Vector3d> rate(int64_t t_ns) const;
+  void clear() { count_ = 0; }
+
+ private:
+  struct Sample {
+    int64_t t_ns;
+    Eigen::Vector3d rate_c;
+  };
+  const Sample& back(size_t i) const { return samples_[(count_ - 1 - i) % samples_.size()]; }
+
+  std::array<Sample, 4096> samples_{};
+  size_t count_ = 0;
+};
+
+Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& angle);
+Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q);
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
+
+}  // namespace odograph::vo

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/vo/odograph/odometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/calib3d.hpp>
+
+#include "plugins/camera/two_view.hpp"
+#include "plugins/vo/odograph/bundle.hpp"
+
+namespace odograph::vo {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Quaterniond;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr size_t kKeyframes = 8;
+constexpr int kLeastPoints = 12;
+constexpr double kStartParallax_rad = 0.004;  // median: less tells nothing of depth
+constexpr double kPointParallax_rad = 0.002;  // of a point whose depth shall count
+constexpr double kKeyParallax_rad = 0.012;    // median since the last keyframe
+constexpr double kFewLeft = 0.6;              // of what the last keyframe had
+constexpr double kLoose_px = 8;               // how far off a prediction may be
+constexpr double kDarkGrey = 8;
+constexpr double kLearnAfter_s = 0.4;
+constexpr double kBiasKnown_radps = 0.0005;
+constexpr double kSurprise_rad = 0.5;  // most that a frame turns otherwise than expected
+constexpr double kOutlier = 4;         // sigmas, after an adjustment
+
+Isometry3d isometry(const Quaterniond& q, const Vector3d& p) {
+  Isometry3d T = Isometry3d::Identity();
+  T.linear() = q.normalized().toRotationMatrix();
+  T.translation() = p;
+  return T;
+}
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Vector3d ray(const Vector2d& seen) { return Vector3d(seen.x(), seen.y(), 1).normalized(); }
+
+}  // namespace
+
+Odometry::Odometry(const Parameters& parameters, const CameraModel& camera)
+    : p_(parameters), camera_(camera), tracker_(p_.corners), window_(kKeyframes) {}
+
+Motion Odometry::process(const Frame& frame) {
+  Motion motion;
+  predict(frame);
+  follow(frame);
+  straighten(frame);
+  motion.tracked = static_cast<unsigned>(seen_.size());
+  if (!have_reference_) {
+    begin(frame, false);
+  } else if (!started_) {
+    start_or_turn(motion);
+    if (started_ || seen_.size() < kFewLeft * static_cast<double>(seen_at_keyframe_)) {
+      if (started_)
+        make_keyframe(frame);
+      else
+        begin(frame, false);
+    }
+  } else if (!place(motion)) {
+    motion = Motion{.tracked = motion.tracked};
+    motion.trouble = tracker_.mean_grey() < kDarkGrey ? Trouble::too_dark : Trouble::few_features;
+    begin(frame, true);
+  } else if (wants_keyframe()) {
+    make_keyframe(frame);
+  }
+  motion.scale_group = group_;
+  last_ns_ = frame.t_ns;
+  return motion;
+}
+
+/// How the camera turned since the last frame: by the gyroscope, or as between the two frames before.
+void Odometry::predict(const Frame& frame) {
+  step_s_ = have_reference_ ? static_cast<double>(frame.t_ns - last_ns_) * 1e-9 : 0;
+  turn_.reset();
+  if (have_reference_) turn_ = gyroscope_.between(last_ns_, frame.t_ns, bias_c_);
+  expected_turn_ = turn_ ? turn_->q_c0_c1 : Quaterniond(last_step_.linear());
+}
+
+/// Where a corner is looked for: where the map says from the pose expected, or where the turn alone moves it.
+Vector2d Odometry::expected_at(const Seen& s, const Isometry3d& T_expected) const {
+  const auto found = window_.landmarks().find(s.track);
+  if (started_ && found != window_.landmarks().end() && found->second.located) {
+    const Eigen::Vector4d X = window_.point(found->second);
+    const Vector3d y = T_expected.linear().transpose() * (X.head<3>() - X.w() * T_expected.translation());
+    if (y.z() > 1e-3) return y.head<2>() / y.z();
+  }
+  const Vector3d y = expected_turn_.conjugate() * Vector3d(s.at.x(), s.at.y(), 1);
+  return y.z() > 0.1 ? Vector2d(y.head<2>() / y.z()) : s.at;
+}
+
+void Odometry::follow(const Frame& frame) {
+  std::vector<cv::Point2f> expected;
+  const Isometry3d T_expected = expected_pose();
+  for (size_t i = 0; i < tracker_.tracks().size(); ++i) {
+    // By how much the motion moves it, added to where it was: the same distortion on both sides.
+    const Vector2d shift = camera_.project(expected_at(seen_[i], T_expected)) - camera_.project(seen_[i].at);
+    const cv::Point2f& pixel = tracker_.tracks()[i].pixel;
+    expected.emplace_back(pixel.x + static_cast<float>(shift.x()), pixel.y + static_cast<float>(shift.y()));
+  }
+  tracker_.follow(frame.grey, expected);
+}
+
+/// Pixels to normalized coordinates, each as the middle row's time would have seen it had the camera only turned.
+void Odometry::straighten(const Frame& frame) {
+  std::vector<cv::Point2f> pixels;
+  for (const auto& track : tracker_.tracks()) pixels.push_back(track.pixel);
+  camera_.undistort(pixels, straight_);
+  seen_.clear();
+  const auto rate = frame.line_time_s > 0 ? gyroscope_.rate(frame.t_ns) : std::nullopt;
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    Vector2d at(straight_[i].x, straight_[i].y);
+    if (rate) {
+      const double late_s = (static_cast<double>(pixels[i].y) - 0.5 * (frame.grey.rows - 1)) * frame.line_time_s;
+      const Vector3d x = exp_rotation((*rate - bias_c_) * late_s) * Vector3d(at.x(), at.y(), 1);
+      at = x.head<2>() / x.z();
+    }
+    seen_.push_back({tracker_.tracks()[i].id, at});
+  }
+}
+
+/// Before there is a map: the rotation alone, until there is enough parallax to start one.
+void Odometry::start_or_turn(Motion& motion) {
+  std::vector<cv::Point2d> first, second;
+  std::vector<size_t> which;
+  const auto& landmarks = window_.landmarks();
+  for (size_t i = 0; i < seen_.size(); ++i) {
+    const auto found = landmarks.find(seen_[i].track);
+    if (found == landmarks.end()) continue;
+    const Vector2d& a = found->second.seen.front().seen;
+    first.emplace_back(a.x(), a.y()), second.emplace_back(seen_[i].at.x(), seen_[i].at.y());
+    which.push_back(i);
+  }
+  motion.state = Tracking::lost;
+  motion.trouble = tracker_.mean_grey() < kDarkGrey ? Trouble::too_dark : Trouble::few_features;
+  if (turn_) {  // the picture may say nothing, the gyroscope does
+    motion.q_c0_c1 = turn_->q_c0_c1;
+    motion.covariance.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() * turn_->sigma_rad * turn_->sigma_rad;
+    motion.rotation_valid = true;
+  }
+  const auto rotation = pure_rotation(first, second);
+  if (!rotation) {
+    seen_at_keyframe_ = 1000000;  // a new reference is wanted
+    return;
+  }
+  motion.state = Tracking::degraded;
+  motion.trouble = Trouble::no_parallax;
+  learn_bias(Quaterniond(rotation->R_1_0.transpose()), std::max(sigma(), rotation->median_residual_rad));
+  if (rotation->median_residual_rad > 0.25 * kStartParallax_rad && start(motion, first, second, which)) return;
+  const Quaterniond q_w_c(rotation->R_1_0.transpose());
+  const double sigma_rad =
+      std::max(sigma(), rotation->median_residual_rad) / std::sqrt(static_cast<double>(first.size()));
+  if (!motion.rotation_valid) {
+    motion.q_c0_c1 = (Quaterniond(T_w_c_.linear()).conjugate() * q_w_c).normalized();
+    motion.covariance.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() * sigma_rad * sigma_rad;
+    motion.rotation_valid = true;
+  }
+  T_w_c_.linear() = T_w_c_.linear() * motion.q_c0_c1.toRotationMatrix();
+  last_step_ = isometry(motion.q_c0_c1, Vector3d::Zero());
+  motion.inliers = static_cast<unsigned>(first.size());
+}
+
+/// Without a way the picture's turn since the reference has no drift, the gyroscope's has.
+void Odometry::learn_bias(const Quaterniond& seen_turn, double sigma_rad) {
+  const double since_s = static_cast<double>(last_ns_ - reference_ns_) * 1e-9 + step_s_;
+  if (!turn_ || since_s < kLearnAfter_s) return;
+  const auto turn = gyroscope_.between(reference_ns_, reference_ns_ + static_cast<int64_t>(since_s * 1e9), bias_c_);
+  const double sigma = sigma_rad / since_s, variance = bias_sigma_ * bias_sigma_;
+  if (!turn || sigma > bias_sigma_) return;
+  bias_c_ += variance / (variance + sigma * sigma) * log_rotation(seen_turn.conjugate() * turn->q_c0_c1) / since_s;
+  bias_sigma_ = std::max(kBiasKnown_radps, sigma);
+}
+
+bool Odometry::start(Motion& motion, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
+                     const std::vector<size_t>& which) {
+  const auto pair = two_view(first, second, 3 * sigma());
+  if (!pair || pair->count < kLeastPoints || 2 * static_cast<size_t>(pair->count) < first.size() ||
+      pair->median_parallax_rad < kStartParallax_rad)
+    return false;
+  Isometry3d T_1_0 = Isometry3d::Identity();
+  T_1_0.linear() = pair->R_1_0;
+  T_1_0.translation() = pair->t_1_0;
+  Isometry3d T_w_c = T_1_0.inverse();
+  // The unit: the median depth of the first points is one.
+  std::vector<double> depths;
+  for (size_t i = 0; i < which.size(); ++i)
+    if (pair->inliers[i])
+      if (const auto X =
+              triangulate({{Isometry3d::Identity(), first[i]}, {T_w_c, second[i]}}, 0.02, kPointParallax_rad))
+        depths.push_back(X->z());
+  if (static_cast<int>(depths.size()) < kLeastPoints) return false;
+  T_w_c.translation() /= median(depths);
+  // Everything since the reference is this motion's: the rotation was told before, the way is told now.
+  motion.q_c0_c1 = (Quaterniond(T_w_c_.linear()).conjugate() * Quaterniond(T_w_c.linear())).normalized();
+  motion.p_c0_c1 = T_w_c_.linear().transpose() * T_w_c.translation();
+  motion.rotation_valid = motion.translation_valid = true;
+  const double turn_sigma = sigma() / std::sqrt(static_cast<double>(pair->count));
+  const double way_sigma = 0.1 * motion.p_c0_c1.norm();
+  motion.covariance.setZero();
+  motion.covariance.diagonal().head<3>().setConstant(turn_sigma * turn_sigma);
+  motion.covariance.diagonal().tail<3>().setConstant(way_sigma * way_sigma);
+  motion.state = Tracking::tracking;
+  motion.trouble = Trouble::none;
+  motion.inliers = static_cast<unsigned>(pair->count);
+  for (size_t i = 0; i < which.size(); ++i)
+    if (!pair->inliers[i]) window_.forget(seen_[which[i]].track);
+  const double frames =
+      std::max(1.0, std::round(static_cast<double>(last_ns_ - reference_ns_) * 1e-9 / std::max(step_s_, 1e-3)) + 1);
+  last_step_ = isometry(turn_ ? turn_->q_c0_c1 : motion.q_c0_c1, motion.p_c0_c1 / frames);
+  last_step_s_ = step_s_;
+  T_w_c_ = T_w_c;
+  last_covariance_ = motion.covariance;
+  started_ = true;
+  return true;
+}
+
+Isometry3d Odometry::expected_pose() const {
+  if (!started_) return T_w_c_;
+  const double ahead = last_step_s_ > 0 ? step_s_ / last_step_s_ : 1;
+  return window_.keyframes().back().T_w_c * T_k_c_ * isometry(expected_turn_, ahead * last_step_.translation());
+}
+
+/// Robust fit from where the camera is expected; where that fails, from wherever three points put it (RANSAC).
+std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points) {
+  const Isometry3d expected = expected_pose();
+  std::optional<RotationPrior> prior;
+  if (turn_) prior = RotationPrior{Quaterniond(expected.linear()), turn_->sigma_rad + 0.003 * step_s_};
+  const auto good = [&](const std::optional<FittedPose>& pose) {
+    return pose && pose->count >= kLeastPoints && 2 * static_cast<size_t>(pose->count) >= points.size();
+  };
+  const double loose = kLoose_px / camera_.focal();
+  auto pose = fit_pose(points, expected, sigma(), loose, prior);
+  if (good(pose)) return pose;
+  std::vector<cv::Point3d> world;
+  std::vector<cv::Point2d> image;
+  for (const PointSeen& point : points) {
+    const Vector3d X = point.X_w.head<3>() / std::max(point.X_w.w(), 1e-6);
+    world.emplace_back(X.x(), X.y(), X.z()), image.emplace_back(point.seen.x(), point.seen.y());
+  }
+  cv::Mat r, t;
+  const cv::Matx33d K = cv::Matx33d::eye();
+  if (!cv::solvePnPRansac(world, image, K, cv::noArray(), r, t, false, 200, static_cast<float>(4 * sigma()), 0.999,
+                          cv::noArray(), cv::SOLVEPNP_AP3P))
+    return pose;
+  const Quaterniond q_c_w = exp_rotation(Vector3d(r.at<double>(0), r.at<double>(1), r.at<double>(2)));
+  const Isometry3d T_c_w = isometry(q_c_w, Vector3d(t.at<double>(0), t.at<double>(1), t.at<double>(2)));
+  const auto other = fit_pose(points, T_c_w.inverse(), sigma(), 0.3 * loose, prior);
+  return other && (!pose || other->count > pose->count) ? other : pose;
+}
+
+bool Odometry::place(Motion& motion) {
+  std::vector<PointSeen> points;
+  fitted_.clear();
+  for (const Seen& s : seen_) {
+    const auto found = window_.landmarks().find(s.track);
+    if (found == window_.landmarks().end() || !found->second.located) continue;
+    points.push_back({window_.point(found->second), s.at, window_.anchor(found->second), found->second.variance});
+    fitted_.push_back(s.track);
+  }
+  if (static_cast<int>(points.size()) < kLeastPoints) return false;
+  const auto pose = fit(points);
+  if (!pose || pose->count < kLeastPoints || 4 * static_cast<size_t>(pose->count) < points.size()) return false;
+  for (size_t i = 0; i < fitted_.size(); ++i) {
+    Landmark& landmark = window_.landmarks()[fitted_[i]];
+    landmark.misses = pose->inliers[i] ? 0 : landmark.misses + 1;
+    if (landmark.misses > 2) window_.forget(fitted_[i]);  // moves, or its depth is wrong: it may start anew
+  }
+  const Isometry3d T_before = window_.keyframes().back().T_w_c * T_k_c_;
+  const Isometry3d step = T_before.inverse() * pose->T_w_c;
+  if (Eigen::AngleAxisd(step.linear() * expected_turn_.conjugate().toRotationMatrix()).angle() > kSurprise_rad)
+    return false;
+  motion.inliers = static_cast<unsigned>(pose->count);
+  report(*pose, motion);
+  return true;
+}
+
+void Odometry::report(const FittedPose& pose, Motion& motion) {
+  const Isometry3d T_before = window_.keyframes().back().T_w_c * T_k_c_;
+  last_step_ = T_before.inverse() * pose.T_w_c;
+  last_step_s_ = step_s_;
+  motion.q_c0_c1 = Quaterniond(last_step_.linear()).normalized();
+  motion.p_c0_c1 = last_step_.translation();
+  motion.rotation_valid = motion.translation_valid = true;
+  motion.state = Tracking::tracking;
+  motion.trouble = Trouble::none;
+  // Both poses stand by the same points: their errors are taken as independent.
+  Eigen::Matrix<double, 6, 6> to_c0 = Eigen::Matrix<double, 6, 6>::Zero();
+  to_c0.topLeftCorner<3, 3>() = last_step_.linear();
+  to_c0.bottomRightCorner<3, 3>() = T_before.linear().transpose();
+  motion.covariance = to_c0 * (pose.covariance + last_covariance_) * to_c0.transpose();
+  last_covariance_ = pose.covariance;
+  T_w_c_ = pose.T_w_c;
+  T_k_c_ = window_.keyframes().back().T_w_c.inverse() * T_w_c_;
+}
+
+/// Parallax enough to tell depths, or few of the last keyframe's points left.
+bool Odometry::wants_keyframe() const {
+  const Keyframe& last = window_.keyframes().back();
+  const Eigen::Matrix3d R_k_c = last.T_w_c.linear().transpose() * T_w_c_.linear();
+  std::vector<double> parallax;
+  size_t located = 0;
+  const auto& landmarks = window_.landmarks();
+  for (const Seen& s : seen_) {
+    const auto found = landmarks.find(s.track);
+    if (found == landmarks.end() || found->second.seen.empty()) continue;
+    located += found->second.located;
+    const Observation& o = found->second.seen.back();
+    if (o.keyframe == last.id) parallax.push_back((R_k_c * ray(s.at) - ray(o.seen)).norm());
+  }
+  const double kept = static_cast<double>(parallax.size());
+  if (median(parallax) > kKeyParallax_rad) return true;
+  return kept < kFewLeft * static_cast<double>(seen_at_keyframe_) ||
+         static_cast<double>(located) < kFewLeft * static_cast<double>(located_at_keyframe_);
+}
+
+void Odometry::make_keyframe(const Frame& frame) {
+  Keyframe keyframe{0, T_w_c_, gyroscope_.between(reference_ns_, frame.t_ns, bias_c_), bias_c_};
+  window_.add(std::move(keyframe));
+  std::vector<uint64_t> alive;
+  for (const Seen& s : seen_) {
+    window_.observe(s.track, s.at);
+    alive.push_back(s.track);
+  }
+  std::sort(alive.begin(), alive.end());
+  window_.locate(kPointParallax_rad);
+  adjust(window_, bias_c_, sigma());
+  drop_outliers();
+  window_.weigh_depths(sigma());
+  window_.slide();
+  window_.forget_but(alive);
+  T_w_c_ = window_.keyframes().back().T_w_c;
+  T_k_c_.setIdentity();
+  reference_ns_ = frame.t_ns;
+  tracker_.refill(frame.mask);
+  const size_t before = seen_.size();
+  straighten(frame);
+  for (size_t i = before; i < seen_.size(); ++i) window_.observe(seen_[i].track, seen_[i].at);
+  seen_at_keyframe_ = seen_.size();
+  located_at_keyframe_ = 0;
+  for (const Seen& s : seen_) located_at_keyframe_ += window_.landmarks()[s.track].located;
+}
+
+/// Observations that an adjustment left over are other things: what moves, what was followed wrongly.
+void Odometry::drop_outliers() {
+  const double bound = kOutlier * sigma();
+  std::vector<uint64_t> gone;
+  for (auto& [track, landmark] : window_.landmarks()) {
+    if (!landmark.located) continue;
+    const Eigen::Vector4d X = window_.point(landmark);
+    int bad = 0;
+    for (const Observation& o : landmark.seen) {
+      const Isometry3d& T = window_.keyframe(o.keyframe).T_w_c;
+      const Vector3d y = T.linear().transpose() * (X.head<3>() - X.w() * T.translation());
+      bad += y.z() <= 0 || (y.head<2>() / y.z() - o.seen).norm() > bound;
+    }
+    if (bad > 1 || (bad == 1 && landmark.seen.size() < 4)) gone.push_back(track);
+  }
+  for (const uint64_t track : gone) window_.forget(track);
+}
+
+/// The latest frame becomes the first of a new map; its corners are what is known.
+void Odometry::begin(const Frame& frame, bool new_group) {
+  if (new_group) ++group_;
+  have_reference_ = true;
+  started_ = false;
+  window_.clear();
+  T_w_c_.setIdentity(), T_k_c_.setIdentity();
+  if (new_group) last_step_.setIdentity();
+  last_step_.translation().setZero();
+  last_covariance_.setZero();
+  reference_ns_ = frame.t_ns;
+  tracker_.refill(frame.mask);
+  straighten(frame);
+  window_.add({0, T_w_c_, std::nullopt, bias_c_});
+  for (const Seen& s : seen_) window_.observe(s.track, s.at);
+  seen_at_keyframe_ = seen_.size();
+}
+
+}  // namespace odograph::vo

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include "plugins/vo/odograph/bundle.hpp"
+#include "plugins/vo/odograph/odometry.hpp"
+#include "sdk/sim/camera.hpp"
+#include "sdk/sim/random.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+using namespace odograph::vo;
+using Eigen::Isometry3d;
+using Eigen::Quaterniond;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("vo_odograph");
+
+namespace {
+
+constexpr int64_t kMilli = 1'000'000;
+
+Isometry3d pose(const Vector3d& p, const Vector3d& turn) {
+  Isometry3d T = Isometry3d::Identity();
+  T.translation() = p;
+  T.linear() = exp_rotation(turn).toRotationMatrix();
+  return T;
+}
+
+std::vector<Vector3d> scene(uint64_t seed, size_t n = 150) {
+  Random random(seed, 3);
+  std::vector<Vector3d> points;
+  for (size_t i = 0; i < n; ++i)
+    points.emplace_back(random.uniform(-4, 4), random.uniform(-3, 3), random.uniform(3, 15));
+  return points;
+}
+
+Vector2d see(const Isometry3d& T_w_c, const Vector3d& X, Random& random, double sigma) {
+  const Vector3d x = T_w_c.inverse() * X;
+  return x.head<2>() / x.z() + sigma * Vector2d(random.normal(), random.normal());
+}
+
+/// A camera that walks to the right and turns; every point seen by every keyframe.
+Isometry3d on_the_way(int k) { return pose({0.25 * k, 0.02 * k, 0.05 * k}, {0.01 * k, 0.03 * k, -0.01 * k}); }
+
+}  // namespace
+
+TEST_CASE("a gyroscope's rotation, its derivative by the bias, and gaps") {
+  Gyroscope gyroscope;
+  const Vector3d bias(0.01, -0.02, 0.005);
+  const auto rate = [](double t) { return Vector3d(std::sin(3 * t), 0.5 * std::cos(2 * t), 0.3); };
+  Quaterniond truth = Quaterniond::Identity();
+  for (int i = 0; i <= 1000; ++i) {
+    gyroscope.add(i * kMilli, rate(0.001 * i) + bias);
+    if (i > 0) truth = truth * exp_rotation(rate(0.001 * i - 0.0005) * 0.001);
+  }
+  const auto turn = gyroscope.between(0, 1000 * kMilli, bias);
+  REQUIRE(turn);
+  CHECK(turn->q_c0_c1.angularDistance(truth) < 1e-5);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d h = 1e-5 * Vector3d::Unit(axis);
+    const auto moved = gyroscope.between(0, 1000 * kMilli, bias + h);
+    const Vector3d numeric = log_rotation(turn->q_c0_c1.conjugate() * moved->q_c0_c1) / 1e-5;
+    CHECK((numeric - turn->by_bias.col(axis)).norm() < 1e-3);
+  }
+  CHECK_FALSE(gyroscope.between(0, 1200 * kMilli, bias));
+  CHECK_FALSE(gyroscope.between(2000 * kMilli, 2100 * kMilli, bias));
+}
+
+TEST_CASE("a pose is found among wrong points, and its covariance is what its error is") {
+  double nees = 0;
+  constexpr int kRuns = 60;
+  for (int run = 0; run < kRuns; ++run) {
+    Random random(static_cast<uint64_t>(run), 5);
+    const Isometry3d T = pose({0.2, -0.1, 0.3}, {0.02, 0.05, -0.03});
+    std::vector<PointSeen> points;
+    for (const Vector3d& X : scene(static_cast<uint64_t>(run) + 9)) {
+      PointSeen point;
+      point.X_w << X / X.z(), 1 / X.z();
+      point.anchor_w.setZero();
+      point.seen = see(T, X, random, 1e-3);
+      if (points.size() % 4 == 0) point.seen += Vector2d(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2));
+      points.push_back(point);
+    }
+    const auto fit = fit_pose(points, Isometry3d::Identity(), 1e-3, 0.2, std::nullopt);
+    REQUIRE(fit);
+    CHECK(fit->count > 95);
+    Eigen::Matrix<double, 6, 1> error;
+    error << log_rotation(Quaterniond(T.linear()).conjugate() * Quaterniond(fit->T_w_c.linear())),
+        fit->T_w_c.translation() - T.translation();
+    CHECK(error.tail<3>().norm() < 0.03);
+    nees += error.dot(fit->covariance.inverse() * error) / 6 / kRuns;
+  }
+  CHECK(nees > 0.5);
+  CHECK(nees < 1.6);
+}
+
+TEST_CASE("an unknown depth counts along its epipolar line alone") {
+  // One point far off its true depth, seen from the side: without its variance it pulls the pose.
+  Random random(3, 3);
+  const Isometry3d T = pose({0.3, 0, 0}, Vector3d::Zero());
+  std::vector<PointSeen> points;
+  for (const Vector3d& X : scene(4, 30)) {
+    PointSeen point;
+    const bool wrong = points.size() % 2 == 0;
+    const double inverse = wrong ? 1.15 / X.z() : 1 / X.z();
+    point.X_w << X / X.z(), inverse;
+    point.anchor_w.setZero();
+    point.seen = see(T, X, random, 0);
+    point.inverse_depth_variance = wrong ? 0.02 * 0.02 : 0;
+    points.push_back(point);
+  }
+  const auto fit = fit_pose(points, T, 1e-3, 1e-2, std::nullopt);
+  REQUIRE(fit);
+  const double error = (fit->T_w_c.translation() - T.translation()).norm();
+  for (PointSeen& point : points) point.inverse_depth_variance = 0;
+  const auto fooled = fit_pose(points, T, 1e-3, 1e-2, std::nullopt);
+  REQUIRE(fooled);
+  CHECK(error < 0.3 * (fooled->T_w_c.translation() - T.translation()).norm());
+}
+
+TEST_CASE("the window's adjustment mends poses, depths and the gyroscope's bias, and keeps the unit") {
+  Random random(8, 8);
+  const double sigma = 8e-4;
+  const Vector3d bias(0.008, -0.005, 0.003);
+  Window window(8);
+  const auto points = scene(6);
+  for (int k = 0; k < 6; ++k) {
+    const Isometry3d T = on_the_way(k);
+    Keyframe keyframe{0, T, std::nullopt, Vector3d::Zero()};
+    if (k > 0) {  // a gyroscope that is off by its bias for 0.4 s
+      const Quaterniond turn = Quaterniond(on_the_way(k - 1).linear()).conjugate() * Quaterniond(T.linear());
+      keyframe.turn = GyroRotation{turn * exp_rotation(0.4 * bias), -0.4 * Eigen::Matrix3d::Identity(), 2e-4};
+    }
+    if (k > 1) {  // the first two hold the unit
+      keyframe.T_w_c.translation() += 0.02 * Vector3d(random.normal(), random.normal(), random.normal());
+      keyframe.T_w_c.linear() *=
+          exp_rotation(0.005 * Vector3d(random.normal(), random.normal(), random.normal())).toRotationMatrix();
+    }
+    window.add(keyframe);
+    for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(T, points[i], random, sigma));
+  }
+  window.locate(0.002);
+  CHECK(window.located() > 140);
+  Vector3d found = Vector3d::Zero();
+  const auto report = adjust(window, found, sigma);
+  REQUIRE(report.solved);
+  for (int k = 1; k < 6; ++k) {
+    const Isometry3d error = on_the_way(k).inverse() * window.keyframes()[static_cast<size_t>(k)].T_w_c;
+    CHECK(error.translation().norm() < 0.01);
+    CHECK(Eigen::AngleAxisd(error.linear()).angle() < 0.0025);
+  }
+  CHECK((found - bias).norm() < 0.002);
+  // The same window gives the same numbers, bit for bit.
+  Vector3d again = found;
+  Window copy = window;
+  adjust(window, found, sigma), adjust(copy, again, sigma);
+  CHECK(found == again);
+  CHECK(window.keyframes().back().T_w_c.matrix() == copy.keyframes().back().T_w_c.matrix());
+}
+
+TEST_CASE("a point outlives the keyframe that saw it first") {
+  Window window(3);
+  Random random(1, 1);
+  const auto points = scene(2, 20);
+  for (int k = 0; k < 5; ++k) {
+    window.add({0, on_the_way(k), std::nullopt, Vector3d::Zero()});
+    for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(on_the_way(k), points[i], random, 0));
+    window.locate(0.001);
+    window.slide();
+  }
+  CHECK(window.keyframes().size() == 3);
+  for (const auto& [track, landmark] : window.landmarks()) {
+    CHECK(landmark.seen.size() == 3);
+    REQUIRE(landmark.located);
+    const Eigen::Vector4d X = window.point(landmark);
+    CHECK((X.head<3>() / X.w() - points[track]).norm() < 1e-6);
+  }
+}
+
+namespace {
+
+/// A street, rendered along a walk, with a gyroscope's samples between the frames.
+class Film {
+ public:
+  explicit Film(double row_time_s = 0) {
+    scenario_.camera.width = 320, scenario_.camera.height = 240, scenario_.camera.focal_px = 250;
+    scenario_.camera.row_time_s = row_time_s;
+    world_.emplace(scenario_, 3);
+    camera_.emplace(scenario_.camera, 1.0, 3);
+    view_.emplace(*world_, *camera_, scenario_);
+  }
+  static Quaterniond held(double yaw) {
+    Eigen::Matrix3d upright;
+    upright << 0, 0, -1, 1, 0, 0, 0, -1, 0;  // the phone's x, y, z while its camera looks north
+    return Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitZ())) * Quaterniond(upright);
+  }
+  cv::Mat frame(const Vector3d& p, double yaw, size_t index) {
+    const odograph::Motion still(1.0, {p}, {held(yaw)});
+    return camera_->develop(view_->render(still, 0.1 * static_cast<double>(index)), index);
+  }
+  static CameraModel model() { return {CameraModel::Distortion::radial_tangential, 250, 250, 159.5, 119.5, {}}; }
+  /// The camera's turn about its own axes for a yaw rate: the phone's mounting turns y down.
+  static void turn(Odometry& vo, int from_ms, int to_ms, double yaw_rate) {
+    for (int t = from_ms + 5; t <= to_ms; t += 5) vo.add_gyroscope(t * kMilli, {0, yaw_rate, 0});
+  }
+
+ private:
+  Scenario scenario_;
+  std::optional<World> world_;
+  std::optional<SimCamera> camera_;
+  std::optional<View> view_;
+};
+
+}  // namespace
+
+TEST_CASE("a walk along a street: one unit, straight, the same twice; darkness is lost and said") {
+  Film film;
+  std::vector<cv::Mat> frames;
+  for (size_t i = 0; i < 40; ++i) frames.push_back(film.frame({0.13 * static_cast<double>(i), 0, -1.5}, 0, i));
+  std::vector<vo::Motion> first;
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    Odometry vo({}, Film::model());
+    Vector3d p = Vector3d::Zero();
+    std::vector<double> lengths;
+    for (size_t i = 0; i < frames.size(); ++i) {
+      const vo::Motion motion = vo.process({frames[i], {}, static_cast<int64_t>(i) * 100 * kMilli, 0});
+      if (repeat == 0)
+        first.push_back(motion);
+      else
+        CHECK(motion.p_c0_c1 == first[i].p_c0_c1);
+      if (motion.translation_valid && i > 6) lengths.push_back(motion.p_c0_c1.norm());
+      p += motion.p_c0_c1;
+      if (i > 8) CHECK(motion.state == vo::Tracking::tracking);
+    }
+    CHECK(std::abs(p.x()) < 0.03 * p.norm());
+    std::sort(lengths.begin(), lengths.end());
+    CHECK(lengths[lengths.size() * 9 / 10] < 1.25 * lengths[lengths.size() / 10]);
+    const cv::Mat dark(240, 320, CV_8U, cv::Scalar(2));
+    for (size_t i = 40; i < 44; ++i) {
+      const auto motion = vo.process({dark, {}, static_cast<int64_t>(i) * 100 * kMilli, 0});
+      CHECK(motion.state == vo::Tracking::lost);
+      CHECK(motion.trouble == vo::Trouble::too_dark);
+      CHECK_FALSE(motion.translation_valid);
+    }
+    unsigned group = 0;
+    for (size_t i = 0; i < 12; ++i)
+      group = vo.process({frames[i + 20], {}, static_cast<int64_t>(i + 44) * 100 * kMilli, 0}).scale_group;
+    CHECK(group > 0);
+  }
+}
+
+TEST_CASE("turning on the spot: a rotation, no translation, and the gyroscope's bias is learnt") {
+  Film film;
+  Odometry vo({}, Film::model());
+  const double rate = 0.2, bias = 0.01;
+  Quaterniond q = Quaterniond::Identity();
+  for (size_t i = 0; i < 15; ++i) {
+    const int now_ms = static_cast<int>(i) * 100;
+    if (i > 0) Film::turn(vo, now_ms - 100, now_ms, rate + bias);
+    const auto motion =
+        vo.process({film.frame({0, 0, -1.5}, 0.02 * static_cast<double>(i), i), {}, now_ms * kMilli, 0});
+    CHECK_FALSE(motion.translation_valid);
+    if (i == 0) continue;
+    CHECK(motion.trouble == vo::Trouble::no_parallax);
+    q = q * motion.q_c0_c1;
+  }
+  CHECK(log_rotation(q).y() == doctest::Approx(0.28).epsilon(0.02));
+  CHECK(vo.gyro_bias_c().y() == doctest::Approx(bias).epsilon(0.2));
+}
+
+TEST_SUITE_END();
