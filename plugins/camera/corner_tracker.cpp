@@ -66,6 +66,22 @@ void CornerTracker::drop(const std::vector<char>& keep) {
   tracks_.swap(kept);
 }
 
+CornerTracker CornerTracker::snapshot() const {
+  CornerTracker copy = *this;
+  copy.latest_ = latest_.clone();
+  copy.next_pyramid_.clear();
+  for (cv::Mat& level : copy.pyramid_) {
+    // A level is a window into a larger picture; the margin comes along.
+    cv::Size whole;
+    cv::Point corner;
+    level.locateROI(whole, corner);
+    const cv::Size size = level.size();
+    level.adjustROI(corner.y, whole.height - corner.y - size.height, corner.x, whole.width - corner.x - size.width);
+    level = level.clone()(cv::Rect(corner, size));
+  }
+  return copy;
+}
+
 void CornerTracker::clear() {
   tracks_.clear();
   pyramid_.clear();

@@ -35,6 +35,8 @@ class CornerTracker {
   /// Removes tracks for which `keep` is false (same order as tracks()).
   void drop(const std::vector<char>& keep);
   void clear();
+  /// All of it, the picture too, to go on from later: pictures are otherwise shared between copies.
+  CornerTracker snapshot() const;
 
   const std::vector<Track>& tracks() const { return tracks_; }
   /// Standard deviation of the grey values and their mean, of the latest picture: too dark, too plain.

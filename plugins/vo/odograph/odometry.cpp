@@ -24,6 +24,9 @@ constexpr double kPointParallax_rad = 0.002;  // of a point whose depth shall co
 constexpr double kKeyParallax_rad = 0.012;    // median since the last keyframe
 constexpr double kFewLeft = 0.6;              // of what the last keyframe had
 constexpr double kLoose_px = 8;               // how far off a prediction may be
+constexpr double kSearch_s = 1.0;
+constexpr double kDrift_radps = 0.003;  // of a gyroscope whose bias is known
+constexpr double kStanding = 0.004;     // of the median depth, between two keyframes
 constexpr double kDarkGrey = 8;
 constexpr double kLearnAfter_s = 0.4;
 constexpr double kBiasKnown_radps = 0.0005;
@@ -54,29 +57,61 @@ Odometry::Odometry(const Parameters& parameters, const CameraModel& camera)
 Motion Odometry::process(const Frame& frame) {
   Motion motion;
   predict(frame);
-  follow(frame);
-  straighten(frame);
-  motion.tracked = static_cast<unsigned>(seen_.size());
-  if (!have_reference_) {
-    begin(frame, false);
-  } else if (!started_) {
-    start_or_turn(motion);
-    if (started_ || seen_.size() < kFewLeft * static_cast<double>(seen_at_keyframe_)) {
+  if (searching_since_ns_) {
+    search(frame, motion);
+  } else {
+    follow(frame, expected_pose());
+    straighten(frame);
+    motion.tracked = static_cast<unsigned>(seen_.size());
+    if (!have_reference_) {
+      begin(frame, false);
+    } else if (!started_) {
+      start_or_turn(motion);
       if (started_)
         make_keyframe(frame);
-      else
+      else if (static_cast<double>(seen_.size()) < kFewLeft * static_cast<double>(seen_at_keyframe_))
         begin(frame, false);
+    } else if (!place(expected_pose(), motion)) {
+      searching_since_ns_ = frame.t_ns;
+      search(frame, motion);
+    } else if (wants_keyframe()) {
+      make_keyframe(frame);
     }
-  } else if (!place(motion)) {
-    motion = Motion{.tracked = motion.tracked};
-    motion.trouble = tracker_.mean_grey() < kDarkGrey ? Trouble::too_dark : Trouble::few_features;
-    begin(frame, true);
-  } else if (wants_keyframe()) {
-    make_keyframe(frame);
+    seen_before_ = seen_.size();
   }
   motion.scale_group = group_;
   last_ns_ = frame.t_ns;
   return motion;
+}
+
+/// Something stands before the camera, or it is dark, or it turned too fast: for a while the camera is looked for from
+/// where it was last well placed; then a new map begins.
+void Odometry::search(const Frame& frame, Motion& motion) {
+  if (haven_) {
+    tracker_ = haven_->tracker.snapshot();
+    seen_ = haven_->seen;
+    const Isometry3d expected = pose_before() * isometry(expected_turn_, Vector3d::Zero());
+    follow(frame, expected);
+    straighten(frame);
+    motion = Motion{.tracked = static_cast<unsigned>(seen_.size())};
+    // A few points that agree before something that passes are no place.
+    const size_t wanted = located_at_keyframe_ * 2 / 5;
+    const Isometry3d T_k_c = T_k_c_, T_w_c = T_w_c_, last_step = last_step_;
+    if (place(expected, motion) && motion.inliers >= wanted) {
+      searching_since_ns_.reset();
+      return;
+    }
+    T_k_c_ = T_k_c, T_w_c_ = T_w_c, last_step_ = last_step;
+  }
+  motion = Motion{.tracked = motion.tracked};
+  motion.trouble = tracker_.mean_grey() < kDarkGrey ? Trouble::too_dark : Trouble::few_features;
+  if (turn_) {
+    motion.q_c0_c1 = turn_->q_c0_c1;
+    motion.covariance.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() * turn_->sigma_rad * turn_->sigma_rad;
+    motion.rotation_valid = true;
+    T_k_c_.linear() = T_k_c_.linear() * turn_->q_c0_c1.toRotationMatrix();
+  }
+  if (!haven_ || static_cast<double>(frame.t_ns - *searching_since_ns_) * 1e-9 > kSearch_s) begin(frame, true);
 }
 
 /// How the camera turned since the last frame: by the gyroscope, or as between the two frames before.
@@ -99,9 +134,8 @@ Vector2d Odometry::expected_at(const Seen& s, const Isometry3d& T_expected) cons
   return y.z() > 0.1 ? Vector2d(y.head<2>() / y.z()) : s.at;
 }
 
-void Odometry::follow(const Frame& frame) {
+void Odometry::follow(const Frame& frame, const Isometry3d& T_expected) {
   std::vector<cv::Point2f> expected;
-  const Isometry3d T_expected = expected_pose();
   for (size_t i = 0; i < tracker_.tracks().size(); ++i) {
     // By how much the motion moves it, added to where it was: the same distortion on both sides.
     const Vector2d shift = camera_.project(expected_at(seen_[i], T_expected)) - camera_.project(seen_[i].at);
@@ -227,14 +261,15 @@ bool Odometry::start(Motion& motion, const std::vector<cv::Point2d>& first, cons
 Isometry3d Odometry::expected_pose() const {
   if (!started_) return T_w_c_;
   const double ahead = last_step_s_ > 0 ? step_s_ / last_step_s_ : 1;
-  return window_.keyframes().back().T_w_c * T_k_c_ * isometry(expected_turn_, ahead * last_step_.translation());
+  return pose_before() * isometry(expected_turn_, ahead * last_step_.translation());
 }
 
 /// Robust fit from where the camera is expected; where that fails, from wherever three points put it (RANSAC).
-std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points) {
-  const Isometry3d expected = expected_pose();
+std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points, const Isometry3d& expected) {
   std::optional<RotationPrior> prior;
-  if (turn_) prior = RotationPrior{Quaterniond(expected.linear()), turn_->sigma_rad + 0.003 * step_s_};
+  const double blind_s =
+      step_s_ + (searching_since_ns_ ? static_cast<double>(last_ns_ - *searching_since_ns_) * 1e-9 : 0.0);
+  if (turn_) prior = RotationPrior{Quaterniond(expected.linear()), turn_->sigma_rad + kDrift_radps * blind_s};
   const auto good = [&](const std::optional<FittedPose>& pose) {
     return pose && pose->count >= kLeastPoints && 2 * static_cast<size_t>(pose->count) >= points.size();
   };
@@ -258,7 +293,7 @@ std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points) {
   return other && (!pose || other->count > pose->count) ? other : pose;
 }
 
-bool Odometry::place(Motion& motion) {
+bool Odometry::place(const Isometry3d& T_expected, Motion& motion) {
   std::vector<PointSeen> points;
   fitted_.clear();
   for (const Seen& s : seen_) {
@@ -268,24 +303,21 @@ bool Odometry::place(Motion& motion) {
     fitted_.push_back(s.track);
   }
   if (static_cast<int>(points.size()) < kLeastPoints) return false;
-  const auto pose = fit(points);
+  const auto pose = fit(points, T_expected);
   if (!pose || pose->count < kLeastPoints || 4 * static_cast<size_t>(pose->count) < points.size()) return false;
   for (size_t i = 0; i < fitted_.size(); ++i) {
     Landmark& landmark = window_.landmarks()[fitted_[i]];
     landmark.misses = pose->inliers[i] ? 0 : landmark.misses + 1;
     if (landmark.misses > 2) window_.forget(fitted_[i]);  // moves, or its depth is wrong: it may start anew
   }
-  const Isometry3d T_before = window_.keyframes().back().T_w_c * T_k_c_;
-  const Isometry3d step = T_before.inverse() * pose->T_w_c;
-  if (Eigen::AngleAxisd(step.linear() * expected_turn_.conjugate().toRotationMatrix()).angle() > kSurprise_rad)
-    return false;
+  if (Eigen::AngleAxisd(T_expected.linear().transpose() * pose->T_w_c.linear()).angle() > kSurprise_rad) return false;
   motion.inliers = static_cast<unsigned>(pose->count);
   report(*pose, motion);
   return true;
 }
 
 void Odometry::report(const FittedPose& pose, Motion& motion) {
-  const Isometry3d T_before = window_.keyframes().back().T_w_c * T_k_c_;
+  const Isometry3d T_before = pose_before();
   last_step_ = T_before.inverse() * pose.T_w_c;
   last_step_s_ = step_s_;
   motion.q_c0_c1 = Quaterniond(last_step_.linear()).normalized();
@@ -305,6 +337,7 @@ void Odometry::report(const FittedPose& pose, Motion& motion) {
 
 /// Parallax enough to tell depths, or few of the last keyframe's points left.
 bool Odometry::wants_keyframe() const {
+  if (static_cast<double>(seen_.size()) < kFewLeft * static_cast<double>(seen_before_)) return false;  // see what comes
   const Keyframe& last = window_.keyframes().back();
   const Eigen::Matrix3d R_k_c = last.T_w_c.linear().transpose() * T_w_c_.linear();
   std::vector<double> parallax;
@@ -324,8 +357,14 @@ bool Odometry::wants_keyframe() const {
 }
 
 void Odometry::make_keyframe(const Frame& frame) {
-  Keyframe keyframe{0, T_w_c_, gyroscope_.between(reference_ns_, frame.t_ns, bias_c_), bias_c_};
-  window_.add(std::move(keyframe));
+  // While the camera stands its keyframes would push those with a way out of the window, and the unit with them.
+  const auto& keyframes = window_.keyframes();
+  const size_t n = keyframes.size();
+  if (n > 2 && (keyframes[n - 1].T_w_c.translation() - keyframes[n - 2].T_w_c.translation()).norm() <
+                   kStanding * window_.depth_median())
+    window_.drop_newest();
+  const int64_t before_ns = window_.keyframes().back().t_ns;
+  window_.add({0, frame.t_ns, T_w_c_, gyroscope_.between(before_ns, frame.t_ns, bias_c_), bias_c_});
   std::vector<uint64_t> alive;
   for (const Seen& s : seen_) {
     window_.observe(s.track, s.at);
@@ -345,6 +384,7 @@ void Odometry::make_keyframe(const Frame& frame) {
   const size_t before = seen_.size();
   straighten(frame);
   for (size_t i = before; i < seen_.size(); ++i) window_.observe(seen_[i].track, seen_[i].at);
+  haven_ = Haven{tracker_.snapshot(), seen_};
   seen_at_keyframe_ = seen_.size();
   located_at_keyframe_ = 0;
   for (const Seen& s : seen_) located_at_keyframe_ += window_.landmarks()[s.track].located;
@@ -373,6 +413,8 @@ void Odometry::begin(const Frame& frame, bool new_group) {
   if (new_group) ++group_;
   have_reference_ = true;
   started_ = false;
+  searching_since_ns_.reset();
+  haven_.reset();
   window_.clear();
   T_w_c_.setIdentity(), T_k_c_.setIdentity();
   if (new_group) last_step_.setIdentity();
@@ -381,7 +423,7 @@ void Odometry::begin(const Frame& frame, bool new_group) {
   reference_ns_ = frame.t_ns;
   tracker_.refill(frame.mask);
   straighten(frame);
-  window_.add({0, T_w_c_, std::nullopt, bias_c_});
+  window_.add({0, frame.t_ns, T_w_c_, std::nullopt, bias_c_});
   for (const Seen& s : seen_) window_.observe(s.track, s.at);
   seen_at_keyframe_ = seen_.size();
 }

@@ -63,17 +63,25 @@ class Odometry {
     Eigen::Vector2d at;  ///< normalized
   };
 
+  /// Where the camera was well placed last, to be found again from there.
+  struct Haven {
+    CornerTracker tracker;
+    std::vector<Seen> seen;
+  };
+
   void predict(const Frame& frame);
+  Eigen::Isometry3d pose_before() const { return window_.keyframes().back().T_w_c * T_k_c_; }
   Eigen::Isometry3d expected_pose() const;
   Eigen::Vector2d expected_at(const Seen& seen, const Eigen::Isometry3d& T_expected) const;
-  void follow(const Frame& frame);
+  void follow(const Frame& frame, const Eigen::Isometry3d& T_expected);
   void straighten(const Frame& frame);
   void start_or_turn(Motion& motion);
   void learn_bias(const Eigen::Quaterniond& seen_turn, double sigma_rad);
   bool start(Motion& motion, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
              const std::vector<size_t>& which);
-  bool place(Motion& motion);
-  std::optional<FittedPose> fit(const std::vector<PointSeen>& points);
+  bool place(const Eigen::Isometry3d& T_expected, Motion& motion);
+  void search(const Frame& frame, Motion& motion);
+  std::optional<FittedPose> fit(const std::vector<PointSeen>& points, const Eigen::Isometry3d& T_expected);
   void report(const FittedPose& pose, Motion& motion);
   bool wants_keyframe() const;
   void make_keyframe(const Frame& frame);
@@ -103,7 +111,9 @@ class Odometry {
   Eigen::Matrix<double, 6, 6> last_covariance_ = Eigen::Matrix<double, 6, 6>::Zero();
   bool started_ = false, have_reference_ = false;
   unsigned group_ = 0;
-  size_t located_at_keyframe_ = 0, seen_at_keyframe_ = 0;
+  size_t located_at_keyframe_ = 0, seen_at_keyframe_ = 0, seen_before_ = 0;
+  std::optional<Haven> haven_;
+  std::optional<int64_t> searching_since_ns_;
 };
 
 }  // namespace odograph::vo

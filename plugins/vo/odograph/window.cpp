@@ -25,6 +25,15 @@ void Window::add(Keyframe keyframe) {
   keyframes_.push_back(std::move(keyframe));
 }
 
+void Window::drop_newest() {
+  for (auto& [track, landmark] : landmarks_) {
+    if (landmark.seen.empty() || landmark.seen.back().keyframe != keyframes_.back().id) continue;
+    landmark.seen.pop_back();
+    if (landmark.seen.empty()) landmark.located = false;
+  }
+  keyframes_.pop_back();
+}
+
 void Window::observe(uint64_t track, const Eigen::Vector2d& seen) {
   landmarks_[track].seen.push_back({keyframes_.back().id, seen});
 }

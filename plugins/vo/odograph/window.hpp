@@ -16,6 +16,7 @@ namespace odograph::vo {
 
 struct Keyframe {
   uint32_t id;
+  int64_t t_ns;
   Eigen::Isometry3d T_w_c;
   std::optional<GyroRotation> turn;  ///< from the keyframe before, with the bias of then
   Eigen::Vector3d turn_bias_c;
@@ -42,6 +43,8 @@ class Window {
 
   void clear();
   void add(Keyframe keyframe);
+  /// The newest keyframe goes, with what it saw: the next one takes its place.
+  void drop_newest();
   void observe(uint64_t track, const Eigen::Vector2d& seen);  ///< by the newest keyframe
   /// Depths of points that have come to have parallax; the others stay unlocated.
   void locate(double least_parallax_rad);
