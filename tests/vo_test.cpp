@@ -60,6 +60,33 @@ TEST_CASE("two views: rotation and direction of the translation, with a third of
   CHECK(view->count < 230);
 }
 
+TEST_CASE("two views with little parallax: the right way and turn, or nothing while two ways explain them") {
+  int told = 0;
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    Random random(seed, 6);
+    const Scene scene = random_scene(seed);
+    const Eigen::Isometry3d T = pose({0.09 * std::cos(0.5 * static_cast<double>(seed)), 0.04, 0.06}, 0.02);
+    auto first = scene.project(Eigen::Isometry3d::Identity(), 6e-4, random), second = scene.project(T, 6e-4, random);
+    for (size_t i = 0; i < 40; ++i) second[i] = {random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4)};
+    const auto turn = pure_rotation(first, second);
+    REQUIRE(turn);
+    const auto view = two_view_near(first, second, turn->R_1_0, 2e-3, 200);
+    if (!view) continue;
+    ++told;
+    const Eigen::Isometry3d T_1_0 = T.inverse();
+    CHECK(Eigen::AngleAxisd(view->R_1_0 * T_1_0.linear().transpose()).angle() < 3e-3);
+    CHECK(view->t_1_0.dot(T_1_0.translation().normalized()) > 0.9);
+  }
+  CHECK(told >= 8);
+  // Far points and noise alone: any way is as good as another.
+  Random random(77, 6);
+  Scene far = random_scene(3);
+  for (auto& X : far.points) X *= 100;
+  const auto first = far.project(Eigen::Isometry3d::Identity(), 6e-4, random);
+  const auto second = far.project(pose({0.05, 0, 0}, 0.02), 6e-4, random);
+  CHECK_FALSE(two_view_near(first, second, pure_rotation(first, second)->R_1_0, 2e-3, 200));
+}
+
 TEST_CASE("pure rotation is told from motion") {
   Random random(5, 4);
   const Scene scene = random_scene(2);

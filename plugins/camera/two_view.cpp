@@ -10,6 +10,10 @@
 namespace odograph {
 namespace {
 
+constexpr double kSameDirection = 0.94;  // cosine of 20 degrees
+constexpr double kAmbiguous = 1.15;
+const Eigen::Vector3d kDirections[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {-1, 0, 1}, {0, 1, 1}, {0, -1, 1}};
+
 Eigen::Vector3d ray(const cv::Point2d& normalized) {
   return Eigen::Vector3d(normalized.x, normalized.y, 1.0).normalized();
 }
@@ -65,6 +69,46 @@ void refine(TwoView& view, const std::vector<cv::Point2d>& first, const std::vec
   }
 }
 
+/// Depths by a pair have the sign that most of them have in front of both cameras.
+void face_forward(TwoView& view, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second) {
+  int sign = 0;
+  for (size_t i = 0; i < first.size(); ++i) {
+    const Eigen::Vector3d x0 = view.R_1_0 * Eigen::Vector3d(first[i].x, first[i].y, 1), x1(second[i].x, second[i].y, 1);
+    // z1 x1 = z0 R x0 + t, times x1.
+    sign += x1.cross(view.t_1_0).dot(x1.cross(x0)) < 0 ? 1 : -1;
+  }
+  if (sign < 0) view.t_1_0 = -view.t_1_0;
+}
+
+double bounded_cost(const TwoView& view, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
+                    double threshold) {
+  const Eigen::Matrix3d E = cross_matrix(view.t_1_0) * view.R_1_0;
+  double sum = 0;
+  for (size_t i = 0; i < first.size(); ++i) {
+    const double error = sampson(E, first[i], second[i]);
+    sum += std::min(error * error, threshold * threshold);
+  }
+  return sum;
+}
+
+/// Which matches agree with a refined pair, and their parallax; false without any.
+bool measure(TwoView& result, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
+             double threshold) {
+  const Eigen::Matrix3d E_refined = cross_matrix(result.t_1_0) * result.R_1_0;
+  std::vector<double> angles;
+  result.count = 0;
+  for (size_t i = 0; i < first.size(); ++i) {
+    if (result.inliers[i] && std::abs(sampson(E_refined, first[i], second[i])) > threshold) result.inliers[i] = 0;
+    if (!result.inliers[i]) continue;
+    ++result.count;
+    angles.push_back((result.R_1_0 * ray(first[i]) - ray(second[i])).norm());
+  }
+  if (angles.empty()) return false;
+  std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2), angles.end());
+  result.median_parallax_rad = angles[angles.size() / 2];
+  return true;
+}
+
 }  // namespace
 
 std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first,
@@ -90,11 +134,11 @@ std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first,
 }
 
 std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
-                                double threshold) {
+                                double threshold, int trials) {
   if (first.size() < 12) return std::nullopt;
   cv::Mat mask;
   const cv::Matx33d K = cv::Matx33d::eye();
-  cv::Mat E = cv::findEssentialMat(first, second, K, cv::RANSAC, 0.9999, threshold, 1000, mask);
+  cv::Mat E = cv::findEssentialMat(first, second, K, cv::RANSAC, 0.9999, threshold, trials, mask);
   if (E.rows != 3 || E.cols != 3) return std::nullopt;
   cv::Mat R, t;
   cv::recoverPose(E, first, second, K, R, t, 1e5, mask);
@@ -111,18 +155,36 @@ std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std
   }
   if (result.count < 12) return std::nullopt;
   refine(result, first, second, threshold);
-  const Eigen::Matrix3d E_refined = cross_matrix(result.t_1_0) * result.R_1_0;
-  std::vector<double> angles;
-  result.count = 0;
-  for (size_t i = 0; i < first.size(); ++i) {
-    if (result.inliers[i] && std::abs(sampson(E_refined, first[i], second[i])) > threshold) result.inliers[i] = 0;
-    if (!result.inliers[i]) continue;
-    ++result.count;
-    angles.push_back((result.R_1_0 * ray(first[i]) - ray(second[i])).norm());
-  }
-  if (angles.empty()) return std::nullopt;
-  std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2), angles.end());
-  result.median_parallax_rad = angles[angles.size() / 2];
+  if (!measure(result, first, second, threshold)) return std::nullopt;
+  return result;
+}
+
+std::optional<TwoView> two_view_near(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
+                                     const Eigen::Matrix3d& R_1_0, double threshold, int trials) {
+  struct Candidate {
+    TwoView view;
+    double cost;
+  };
+  std::vector<Candidate> candidates;
+  const auto consider = [&](TwoView view) {
+    for (const double bound : {4 * threshold, 1.5 * threshold}) {
+      const Eigen::Matrix3d E = cross_matrix(view.t_1_0) * view.R_1_0;
+      view.inliers.resize(first.size());
+      for (size_t i = 0; i < first.size(); ++i) view.inliers[i] = std::abs(sampson(E, first[i], second[i])) < bound;
+      refine(view, first, second, threshold);
+    }
+    face_forward(view, first, second);
+    candidates.push_back({view, bounded_cost(view, first, second, threshold)});
+  };
+  if (const auto pair = two_view(first, second, threshold, trials)) consider(*pair);
+  for (const Eigen::Vector3d& t : kDirections) consider({.R_1_0 = R_1_0, .t_1_0 = t.normalized()});
+  const auto best = std::min_element(candidates.begin(), candidates.end(),
+                                     [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+  for (const Candidate& other : candidates)
+    if (std::abs(other.view.t_1_0.dot(best->view.t_1_0)) < kSameDirection && other.cost < kAmbiguous * best->cost)
+      return std::nullopt;
+  TwoView result = best->view;
+  if (!measure(result, first, second, threshold) || result.count < 12) return std::nullopt;
   return result;
 }
 

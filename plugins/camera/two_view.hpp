@@ -36,7 +36,13 @@ std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first,
 
 /// Nothing when there are too few matches. `threshold` in normalized coordinates.
 std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
-                                double threshold);
+                                double threshold, int trials = 1000);
+
+/// The same where there is little parallax and the turn is nearly known: besides the RANSAC's result several directions
+/// of the translation are tried, each refined together with the turn, over all matches with a bounded loss. Nothing
+/// either when a quite different direction explains the matches nearly as well: what is seen is ambiguous yet.
+std::optional<TwoView> two_view_near(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
+                                     const Eigen::Matrix3d& R_1_0, double threshold, int trials);
 
 /// The point nearest to all rays, refined by two Gauss-Newton steps of the reprojection error; nothing when it lies
 /// behind a camera, its largest error exceeds `threshold`, or the rays are less than `min_parallax_rad` apart.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "plugins/camera/two_view.hpp"
 #include "plugins/vo/odograph/bundle.hpp"
@@ -19,15 +20,21 @@ using Eigen::Vector3d;
 
 constexpr size_t kKeyframes = 8;
 constexpr int kLeastPoints = 12;
+constexpr int kStartTrials = 200;
+constexpr double kDoubtful = 0.72;            // of the points: fewer that agree, twice, while the first window fills
+constexpr double kTurnAgrees = 1.5;           // of the parallax
 constexpr double kStartParallax_rad = 0.004;  // median: less tells nothing of depth
 constexpr double kPointParallax_rad = 0.002;  // of a point whose depth shall count
 constexpr double kKeyParallax_rad = 0.012;    // median since the last keyframe
 constexpr double kFewLeft = 0.6;              // of what the last keyframe had
 constexpr double kLoose_px = 8;               // how far off a prediction may be
+constexpr double kLeastNoise_px = 0.3, kMostNoise_px = 1.2;  // of a corner
+constexpr double kCoarse = 2.5, kCoarser = 1.3, kLearnNoise = 0.1;
 constexpr double kSearch_s = 1.0;
 constexpr double kDrift_radps = 0.003;  // of a gyroscope whose bias is known
 constexpr double kStanding = 0.004;     // of the median depth, between two keyframes
-constexpr double kDarkGrey = 8;
+constexpr double kDarkGrey = 8, kDimGrey = 60;
+constexpr double kDimBlur_px = 1.5;
 constexpr double kLearnAfter_s = 0.4;
 constexpr double kBiasKnown_radps = 0.0005;
 constexpr double kSurprise_rad = 0.5;  // most that a frame turns otherwise than expected
@@ -52,7 +59,7 @@ Vector3d ray(const Vector2d& seen) { return Vector3d(seen.x(), seen.y(), 1).norm
 }  // namespace
 
 Odometry::Odometry(const Parameters& parameters, const CameraModel& camera)
-    : p_(parameters), camera_(camera), tracker_(p_.corners), window_(kKeyframes) {}
+    : p_(parameters), camera_(camera), tracker_(p_.corners), window_(kKeyframes), noise_px_(parameters.noise_px) {}
 
 Motion Odometry::process(const Frame& frame) {
   Motion motion;
@@ -73,6 +80,7 @@ Motion Odometry::process(const Frame& frame) {
         begin(frame, false);
     } else if (!place(expected_pose(), motion)) {
       searching_since_ns_ = frame.t_ns;
+      if (doubts_ > 1) haven_.reset();
       search(frame, motion);
     } else if (wants_keyframe()) {
       make_keyframe(frame);
@@ -142,6 +150,10 @@ void Odometry::follow(const Frame& frame, const Isometry3d& T_expected) {
     const cv::Point2f& pixel = tracker_.tracks()[i].pixel;
     expected.emplace_back(pixel.x + static_cast<float>(shift.x()), pixel.y + static_cast<float>(shift.y()));
   }
+  if (cv::mean(frame.grey)[0] < kDimGrey) {  // by night the noise has more gradient than what is there
+    cv::GaussianBlur(frame.grey, smooth_, {}, kDimBlur_px);
+    return tracker_.follow(smooth_, expected);
+  }
   tracker_.follow(frame.grey, expected);
 }
 
@@ -189,9 +201,9 @@ void Odometry::start_or_turn(Motion& motion) {
   }
   motion.state = Tracking::degraded;
   motion.trouble = Trouble::no_parallax;
-  learn_bias(Quaterniond(rotation->R_1_0.transpose()), std::max(sigma(), rotation->median_residual_rad));
-  if (rotation->median_residual_rad > 0.25 * kStartParallax_rad && start(motion, first, second, which)) return;
   const Quaterniond q_w_c(rotation->R_1_0.transpose());
+  learn_bias(q_w_c, std::max(sigma(), rotation->median_residual_rad));
+  if (rotation->median_residual_rad > 0.25 * kStartParallax_rad && start(motion, first, second, which, q_w_c)) return;
   const double sigma_rad =
       std::max(sigma(), rotation->median_residual_rad) / std::sqrt(static_cast<double>(first.size()));
   if (!motion.rotation_valid) {
@@ -216,11 +228,17 @@ void Odometry::learn_bias(const Quaterniond& seen_turn, double sigma_rad) {
 }
 
 bool Odometry::start(Motion& motion, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
-                     const std::vector<size_t>& which) {
-  const auto pair = two_view(first, second, 3 * sigma());
+                     const std::vector<size_t>& which, const Quaterniond& turn_alone) {
+  const auto pair = two_view_near(first, second, turn_alone.conjugate().toRotationMatrix(), 3 * sigma(), kStartTrials);
   if (!pair || pair->count < kLeastPoints || 2 * static_cast<size_t>(pair->count) < first.size() ||
-      pair->median_parallax_rad < kStartParallax_rad)
+      pair->median_parallax_rad < kStartParallax_rad) {
+    if (!pair || 2 * static_cast<size_t>(pair->count) < first.size())
+      noise_px_ = std::min(kMostNoise_px, kCoarser * noise_px_);
     return false;
+  }
+  // With little parallax a wrong way can be made up for by a wrong turn; but by no more than the parallax allows.
+  const Quaterniond q_w_c(pair->R_1_0.transpose());
+  if (q_w_c.angularDistance(turn_alone) > kTurnAgrees * pair->median_parallax_rad) return false;
   Isometry3d T_1_0 = Isometry3d::Identity();
   T_1_0.linear() = pair->R_1_0;
   T_1_0.translation() = pair->t_1_0;
@@ -276,6 +294,10 @@ std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points, co
   const double loose = kLoose_px / camera_.focal();
   auto pose = fit_pose(points, expected, sigma(), loose, prior);
   if (good(pose)) return pose;
+  if (const auto coarse = fit_pose(points, expected, kCoarse * sigma(), loose, prior); good(coarse)) {
+    noise_px_ = std::min(kMostNoise_px, kCoarser * noise_px_);
+    return coarse;
+  }
   std::vector<cv::Point3d> world;
   std::vector<cv::Point2d> image;
   for (const PointSeen& point : points) {
@@ -311,9 +333,27 @@ bool Odometry::place(const Isometry3d& T_expected, Motion& motion) {
     if (landmark.misses > 2) window_.forget(fitted_[i]);  // moves, or its depth is wrong: it may start anew
   }
   if (Eigen::AngleAxisd(T_expected.linear().transpose() * pose->T_w_c.linear()).angle() > kSurprise_rad) return false;
+  // A start from little parallax may have been a false one: its map explains less from frame to frame.
+  const bool doubtful = !window_.slid() && pose->count < kDoubtful * static_cast<double>(points.size());
+  doubts_ = doubtful ? doubts_ + 1 : 0;
+  if (doubts_ > 1) return false;
+  learn_noise(points, *pose);
   motion.inliers = static_cast<unsigned>(pose->count);
   report(*pose, motion);
   return true;
+}
+
+/// How well corners are followed depends on the light: the median of what is left over, which for two normal components
+/// of equal deviation is 1.18 deviations (Rayleigh).
+void Odometry::learn_noise(const std::vector<PointSeen>& points, const FittedPose& pose) {
+  std::vector<double> errors;
+  for (const PointSeen& point : points) {
+    const Vector3d y =
+        pose.T_w_c.linear().transpose() * (point.X_w.head<3>() - point.X_w.w() * pose.T_w_c.translation());
+    if (y.z() > 1e-9) errors.push_back((y.head<2>() / y.z() - point.seen).norm());
+  }
+  const double seen_px = std::clamp(median(errors) / 1.18 * camera_.focal(), kLeastNoise_px, kMostNoise_px);
+  noise_px_ += kLearnNoise * (seen_px - noise_px_);
 }
 
 void Odometry::report(const FittedPose& pose, Motion& motion) {
@@ -415,6 +455,7 @@ void Odometry::begin(const Frame& frame, bool new_group) {
   started_ = false;
   searching_since_ns_.reset();
   haven_.reset();
+  doubts_ = 0;
   window_.clear();
   T_w_c_.setIdentity(), T_k_c_.setIdentity();
   if (new_group) last_step_.setIdentity();

@@ -43,8 +43,8 @@ class Odometry {
  public:
   struct Parameters {
     CornerTracker::Parameters corners{
-        .most = 250, .cell_px = 28, .quality = 0.01, .window_px = 15, .levels = 3, .back_px = 0.7};
-    double noise_px = 0.4;  ///< standard deviation of a corner
+        .most = 250, .cell_px = 28, .quality = 0.01, .window_px = 19, .levels = 3, .back_px = 0.7};
+    double noise_px = 0.4;  ///< standard deviation of a corner, to begin with: by night it is more
   };
 
   Odometry(const Parameters& parameters, const CameraModel& camera);
@@ -78,7 +78,7 @@ class Odometry {
   void start_or_turn(Motion& motion);
   void learn_bias(const Eigen::Quaterniond& seen_turn, double sigma_rad);
   bool start(Motion& motion, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
-             const std::vector<size_t>& which);
+             const std::vector<size_t>& which, const Eigen::Quaterniond& turn_alone);
   bool place(const Eigen::Isometry3d& T_expected, Motion& motion);
   void search(const Frame& frame, Motion& motion);
   std::optional<FittedPose> fit(const std::vector<PointSeen>& points, const Eigen::Isometry3d& T_expected);
@@ -87,7 +87,8 @@ class Odometry {
   void make_keyframe(const Frame& frame);
   void drop_outliers();
   void begin(const Frame& frame, bool new_group);
-  double sigma() const { return p_.noise_px / camera_.focal(); }
+  double sigma() const { return noise_px_ / camera_.focal(); }
+  void learn_noise(const std::vector<PointSeen>& points, const FittedPose& pose);
 
   Parameters p_;
   CameraModel camera_;
@@ -97,6 +98,7 @@ class Odometry {
   double bias_sigma_ = 0.01;  // rad/s, before the window knows better
   Window window_;
 
+  cv::Mat smooth_;
   std::vector<Seen> seen_;
   std::vector<cv::Point2d> straight_;
   std::vector<uint64_t> fitted_;  // tracks of the latest fit, in its order
@@ -112,6 +114,8 @@ class Odometry {
   bool started_ = false, have_reference_ = false;
   unsigned group_ = 0;
   size_t located_at_keyframe_ = 0, seen_at_keyframe_ = 0, seen_before_ = 0;
+  double noise_px_;
+  int doubts_ = 0;
   std::optional<Haven> haven_;
   std::optional<int64_t> searching_since_ns_;
 };
