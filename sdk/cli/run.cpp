@@ -58,7 +58,8 @@ void add_run(CLI::App& app, int& status) {
                    "recording: EuRoC/ASL, TUM RGB-D, KITTI, ADVIO, Indoor Location trace, image folder, *.odo")
       ->required();
   command
-      ->add_option("-o,--output", a->output, "folder for trajectory.tum, steps.csv, scale.csv, fixes.csv, summary.json")
+      ->add_option("-o,--output", a->output,
+                   "folder for trajectory.tum, vo.csv, steps.csv, scale.csv, fixes.csv, summary.json")
       ->capture_default_str();
   command->add_option("--plugins", a->options.plugin_path, "folder to look for plugins in first");
   command->add_option("--assets", a->options.asset_path,

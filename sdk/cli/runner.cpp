@@ -38,6 +38,7 @@ struct Collector {
       case ODO_TYPE_STEP: result.steps.push_back(as<odo_step>(event)); break;
       case ODO_TYPE_MOTION_MODE: result.modes.push_back(as<odo_motion_mode>(event)); break;
       case ODO_TYPE_ATTITUDE: result.attitudes.push_back(as<odo_attitude>(event)); break;
+      case ODO_TYPE_VO_MOTION: result.motions.push_back(as<odo_vo_motion>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
       case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), event.quality > 0.5f}); break;
       case ODO_TYPE_STATE:
@@ -103,7 +104,8 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   RunResult result;
   result.config_text = config->text;
   Collector collector{result};
-  uint64_t wanted = ODO_ON_POSE | ODO_ON_STEP | ODO_ON_MOTION_MODE | ODO_ON_SCALE | ODO_ON_FIX | ODO_ON_STATE;
+  uint64_t wanted =
+      ODO_ON_POSE | ODO_ON_VO_MOTION | ODO_ON_STEP | ODO_ON_MOTION_MODE | ODO_ON_SCALE | ODO_ON_FIX | ODO_ON_STATE;
   if (options.collect_attitudes) wanted |= ODO_ON_ATTITUDE;
   odo_session_set_callback(session, wanted, Collector::on_event, &collector);
   size_t done = 0;
@@ -155,6 +157,25 @@ double peak_rss_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
+namespace {
+
+void write_motions(const std::filesystem::path& file, const std::vector<odo_vo_motion>& motions) {
+  if (motions.empty()) return;
+  std::ofstream out(file);
+  out << std::setprecision(9) << "t_from_ns,t_ns,state,reason,scale_group,tracked,inliers,qw,qx,qy,qz,x,y,z,"
+      << "sigma_rotation_rad,sigma_position\n";
+  for (const odo_vo_motion& m : motions) {
+    const double* c = m.covariance;
+    out << m.t_from_ns << ',' << m.header.t_ns << ',' << m.state << ',' << m.reason << ',' << m.scale_group << ','
+        << m.tracked << ',' << m.inliers;
+    for (const double q : m.q_c0_c1) out << ',' << q;
+    for (const double p : m.p_c0_c1) out << ',' << p;
+    out << ',' << std::sqrt((c[0] + c[7] + c[14]) / 3) << ',' << std::sqrt((c[21] + c[28] + c[35]) / 3) << '\n';
+  }
+}
+
+}  // namespace
+
 Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
                        const RunOptions& options) {
   std::error_code error;
@@ -168,6 +189,7 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
   for (const odo_step& s : result.steps)
     steps << s.t_start_ns << ',' << s.t_end_ns << ',' << s.length_m << ',' << s.sigma_m << ',' << s.frequency_hz << ','
           << odo_mode_text(s.mode) << ',' << s.heading_rad << '\n';
+  write_motions(folder / "vo.csv", result.motions);
   scales << std::setprecision(9) << "t_ns,source,scale_m,sigma_m,used\n";
   for (const odo_scale& s : result.scales)
     scales << s.header.t_ns << ',' << s.header.source << ',' << s.metres_per_unit << ',' << s.sigma << ",1\n";

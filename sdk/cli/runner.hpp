@@ -22,6 +22,7 @@ struct RunResult {
   Trajectory track;              // in n; of the camera where the recording has one, otherwise of the body
   std::vector<uint32_t> states;  // of each pose
   std::vector<odo_step> steps;
+  std::vector<odo_vo_motion> motions;
   std::vector<odo_scale> scales;
   std::vector<Fix> fixes;
   std::vector<odo_motion_mode> modes;   // each from its own time until the next one's
@@ -49,7 +50,7 @@ struct RunOptions {
 /// Replays a recording through a session of the C API, deterministically.
 Result<RunResult> replay(const Recording& recording, const RunOptions& options);
 
-/// trajectory.tum, steps.csv, scale.csv, fixes.csv, summary.json.
+/// trajectory.tum, vo.csv, steps.csv, scale.csv, fixes.csv, summary.json.
 Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
                        const RunOptions& options);
 

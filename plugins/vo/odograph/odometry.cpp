@@ -23,6 +23,7 @@ constexpr int kLeastPoints = 12;
 constexpr int kStartTrials = 200;
 constexpr double kDoubtful = 0.72;            // of the points: fewer that agree, twice, while the first window fills
 constexpr double kTurnAgrees = 1.5;           // of the parallax
+constexpr double kStartTurn = 0.25;           // of the parallax: what a start leaves uncertain of the turn
 constexpr double kStartParallax_rad = 0.004;  // median: less tells nothing of depth
 constexpr double kPointParallax_rad = 0.002;  // of a point whose depth shall count
 constexpr double kKeyParallax_rad = 0.012;    // median since the last keyframe
@@ -30,6 +31,7 @@ constexpr double kFewLeft = 0.6;              // of what the last keyframe had
 constexpr double kLoose_px = 8;               // how far off a prediction may be
 constexpr double kLeastNoise_px = 0.3, kMostNoise_px = 1.2;  // of a corner
 constexpr double kCoarse = 2.5, kCoarser = 1.3, kLearnNoise = 0.1;
+constexpr double kTurnFloor_rad = 1e-4;  // time stamps, the way between rows
 constexpr double kSearch_s = 1.0;
 constexpr double kDrift_radps = 0.003;  // of a gyroscope whose bias is known
 constexpr double kStanding = 0.004;     // of the median depth, between two keyframes
@@ -256,7 +258,9 @@ bool Odometry::start(Motion& motion, const std::vector<cv::Point2d>& first, cons
   motion.q_c0_c1 = (Quaterniond(T_w_c_.linear()).conjugate() * Quaterniond(T_w_c.linear())).normalized();
   motion.p_c0_c1 = T_w_c_.linear().transpose() * T_w_c.translation();
   motion.rotation_valid = motion.translation_valid = true;
-  const double turn_sigma = sigma() / std::sqrt(static_cast<double>(pair->count));
+  // What the turns told since the reference were off by is in this one.
+  const double blind_s = static_cast<double>(last_ns_ - reference_ns_) * 1e-9 + step_s_;
+  const double turn_sigma = std::hypot(kStartTurn * pair->median_parallax_rad, turn_ ? bias_sigma_ * blind_s : 0.0);
   const double way_sigma = 0.1 * motion.p_c0_c1.norm();
   motion.covariance.setZero();
   motion.covariance.diagonal().head<3>().setConstant(turn_sigma * turn_sigma);
@@ -370,6 +374,7 @@ void Odometry::report(const FittedPose& pose, Motion& motion) {
   to_c0.topLeftCorner<3, 3>() = last_step_.linear();
   to_c0.bottomRightCorner<3, 3>() = T_before.linear().transpose();
   motion.covariance = to_c0 * (pose.covariance + last_covariance_) * to_c0.transpose();
+  motion.covariance.diagonal().head<3>().array() += kTurnFloor_rad * kTurnFloor_rad;
   last_covariance_ = pose.covariance;
   T_w_c_ = pose.T_w_c;
   T_k_c_ = window_.keyframes().back().T_w_c.inverse() * T_w_c_;
