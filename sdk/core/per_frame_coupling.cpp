@@ -52,7 +52,7 @@ void PerFrameCoupling::reset() {
   scale_ = {};
   last_pose_ns_ = last_tracked_ns_ = INT64_MIN;
   attitude_count_ = 0;
-  camera_ = carried_by_steps_ = corrected_ = false;
+  camera_ = carried_by_steps_ = corrected_ = metric_by_vo_ = false;
   rejected_in_a_row_ = 0;
   history_.clear();
 }
@@ -129,7 +129,8 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
   if (translated) d_n = q_n_c0 * Vector3d(motion.p_c0_c1);
   uint32_t state = motion.state, reason = motion.reason;
   double relative = 0.0;
-  if (inputs_.scale) {
+  metric_by_vo_ = (motion.header.flags & ODO_VO_METRIC) != 0;
+  if (inputs_.scale && !metric_by_vo_) {
     if (scale) {
       scale_ = {scale->metres_per_unit, scale->sigma};
       relative = scale->metres_per_unit > 0 ? std::min(1.0, scale->sigma / scale->metres_per_unit) : 0.0;
@@ -145,7 +146,7 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
       if (state == ODO_TRACKING) state = ODO_DEGRADED, reason = ODO_REASON_NO_SCALE;
     }
   }
-  drift(motion, dt_s, inputs_.scale && (!scale || !translated));
+  drift(motion, dt_s, metric() && (!translated || !(scale || metric_by_vo_)));
   share_rotation_covariance();
   carried_by_steps_ = !translated;
   if (translated) last_tracked_ns_ = motion.header.t_ns;

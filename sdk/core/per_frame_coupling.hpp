@@ -77,7 +77,7 @@ class PerFrameCoupling {
   bool turn_chain_by(const Eigen::Vector3d& off_n, const odo_fix& fix);
   void share_rotation_covariance();
   odo_pose publish(int64_t t_ns, uint32_t state, uint32_t reason);
-  bool metric() const { return inputs_.scale || !inputs_.vo; }
+  bool metric() const { return inputs_.scale || !inputs_.vo || metric_by_vo_; }
 
   CouplingConfig config_;
   StartPose start_;
@@ -110,6 +110,7 @@ class PerFrameCoupling {
   bool camera_ = false;
   bool carried_by_steps_ = false;
   bool corrected_ = false;
+  bool metric_by_vo_ = false;
   bool placed_ = false;  // by a fix or by the config
   int rejected_in_a_row_ = 0;
 };

@@ -261,6 +261,7 @@ typedef struct odo_motion_mode {
 #define ODO_VO_TRANSLATION UINT32_C(2) /* p_c0_c1 is valid */
 #define ODO_VO_COVARIANCE UINT32_C(4)
 #define ODO_VO_NAVIGATION UINT32_C(8)  /* q_n_c0 is valid; set by the host, never by a front-end */
+#define ODO_VO_METRIC UINT32_C(16)     /* the VO unit is the metre */
 typedef struct odo_vo_motion {
   odo_header header;     /* t_ns: time of the later frame, c1 */
   int64_t t_from_ns;     /* time of the earlier frame, c0: the t_ns of the last result */
