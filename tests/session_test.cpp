@@ -179,21 +179,51 @@ TEST_CASE("a live session with samples from several threads gives the replay's e
       odo_session_last_error(live.session, &error);
     }
   });
+  std::atomic<int64_t> now_ns{0};  // of the IMU: a sensor that ran seconds ahead would make the others late
   std::thread barometer([&] {
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < 200 && !stop; ++i) {
+      while (now_ns < 1'000'000'000 + i * 50'000'000LL && !stop) std::this_thread::yield();
       auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000 + i * 50'000'000LL);
       b.pressure_pa = 101325;
       odo_session_push(live.session, &b.header);
-      std::this_thread::yield();
     }
   });
-  live.walk(0, 1000);
+  for (int i = 0; i < 1000; i += 10) {
+    live.walk(i, i + 10);
+    now_ns = 1'000'000'000 + (i + 10) * 10'000'000LL;
+  }
+  now_ns = INT64_MAX;
   barometer.join();
   odo_session_flush(live.session);
   odo_session_set_callback(live.session, 0, nullptr, nullptr);
   stop = true;
   reader.join();
+  const odo_statistics seen = live.statistics();
+  CAPTURE(seen.late);
+  CAPTURE(seen.overflow);
+  CAPTURE(live.events.size());
+  CAPTURE(replay.events.size());
   CHECK(live.events == replay.events);
+}
+
+TEST_CASE("a sensor that is late for good is counted, and costs the others nothing") {
+  App replay(kWalk), app(kWalk);
+  replay.walk(0, 1000);
+  odo_session_flush(replay.session);
+  for (int i = 0; i < 1000; i += 10) {
+    app.walk(i, i + 10);
+    auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000 + (i - 300) * 10'000'000LL);
+    b.pressure_pa = 101325;
+    odo_session_push(app.session, &b.header);
+  }
+  for (int i = 0; i < 200; ++i) {  // nothing else comes any more
+    auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 8'000'000'000 + i * 1'000'000LL);
+    b.pressure_pa = 101325;
+    odo_session_push(app.session, &b.header);
+  }
+  odo_session_flush(app.session);
+  CHECK(app.statistics().late > 250);
+  CHECK(app.events == replay.events);
 }
 
 TEST_CASE("bad samples are counted, survived and recovered from") {

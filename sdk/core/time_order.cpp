@@ -63,10 +63,11 @@ TimeOrder::Verdict TimeOrder::push(const odo_header& message) {
         stream.behind = 1;
         return Verdict::late;
       }
-      if (++stream.behind < kBelieveBehind) return Verdict::late;
+      // A slow sensor that is late is late; and while others go on it is not the clock that was set back.
+      if (++stream.behind < kBelieveBehind || !holds_back(message.type)) return Verdict::late;
       return Verdict::restarted;
     }
-    stream.behind = 0;
+    for (Stream& any : streams_) any.behind = 0;
   }
   if (free_.empty()) return Verdict::full;
   const uint32_t slot = free_.back();
