@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include "plugins/scale/step_fit/step_fit.hpp"
 #include "plugins/scale/step_length/step_scale.hpp"
 #include "sdk/core/gyro_chain.hpp"
 #include "sdk/core/messages.hpp"
@@ -327,6 +328,52 @@ TEST_CASE("a motion faster than the carrier can be is a mistake, not a displacem
   CHECK(leapt.distance_m == doctest::Approx(0.15));
   CHECK(leapt.state == ODO_DEGRADED);
   CHECK(leapt.reason == ODO_REASON_TOO_FAST);
+}
+
+TEST_CASE(
+    "one scale from all steps: gestures do not count, the steps' own errors average out, a new group begins anew") {
+  step_fit::StepFit fit(0.004, 0.05);
+  const double metres_per_unit = 4.0;
+  int64_t t = 0;
+  double x = 0;
+  const auto move = [&](double metres) {
+    fit.add_motion(t, t + kSecond / 10, Eigen::Vector2d(metres / metres_per_unit, 0), 0);
+    t += kSecond / 10, x += metres;
+  };
+  for (int k = 0; k < 40; ++k) {  // standing, the hand moves to and fro, and the detector counts steps
+    move(k % 10 < 5 ? 0.02 : -0.02);
+    if (k % 5 == 4) CHECK_FALSE(fit.add_step(t - kSecond / 2, t, 0.6, 0.05));
+  }
+  CHECK_FALSE(fit.scale());
+  int counted = 0;
+  for (int step = 0; step < 40; ++step) {
+    for (int k = 0; k < 5; ++k) move(0.14);
+    counted += fit.add_step(t - kSecond / 2, t, step % 2 ? 0.62 : 0.78, 0.07);  // seven tenths in the mean
+    if (step == 0) CHECK_FALSE(fit.scale());
+  }
+  CHECK(counted >= 37);
+  REQUIRE(fit.scale());
+  CHECK(fit.scale()->metres_per_unit == doctest::Approx(metres_per_unit).epsilon(0.03));
+  CHECK(fit.scale()->relative_sigma < 0.08);
+  CHECK_FALSE(fit.add_step(t, t + kSecond, 0.7, 0.07));  // the odometry is not there yet
+  fit.add_motion(t, t + kSecond / 10, {0.1, 0}, 1);
+  CHECK_FALSE(fit.scale());
+}
+
+TEST_CASE("a steady scale also holds for the motions of its group that came before it; a frame's own does not") {
+  for (const bool steady : {true, false}) {
+    Geodesy geodesy;
+    PerFrameCoupling coupling({.fastest_mps = 20}, {.position_m = {0, 0, 0}, .heading_rad = 0, .given = true},
+                              {.vo = true, .scale = true}, geodesy);
+    coupling.on_first_frame(0);
+    for (int k = 0; k < 10; ++k) coupling.on_vo_motion(motion(k * kSecond, (k + 1) * kSecond, {0, 0, 0.5}), nullptr);
+    odo_scale two = scale(2.0);
+    if (steady) two.header.flags |= ODO_SCALE_STEADY;
+    const odo_pose pose = coupling.on_vo_motion(motion(10 * kSecond, 11 * kSecond, {0, 0, 0.5}), &two);
+    CHECK(pose.distance_m == doctest::Approx(steady ? 11.0 : 1.0));
+    const odo_pose next = coupling.on_vo_motion(motion(11 * kSecond, 12 * kSecond, {0, 0, 0.5}), &two);
+    CHECK(next.distance_m == doctest::Approx(steady ? 12.0 : 2.0));
+  }
 }
 
 TEST_SUITE_END();

@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 constexpr const char* kWalkers[] = {"W1", "M1", "W2"};
 
 struct Walk700Arguments {
-  std::vector<std::string> configs = {"samples/configs/antigny2019.yaml",
-                                      "samples/configs/antigny2019_fixed_step.yaml"};
+  std::vector<std::string> configs = {"samples/configs/antigny2019.yaml", "samples/configs/antigny2019_fixed_step.yaml",
+                                      "samples/configs/phone_walk_camera.yaml"};
   std::string scenarios = "samples/scenarios", keep = "out/bench";
   uint64_t seeds = 1, first_seed = 1;
   bool quick = false, json = false;

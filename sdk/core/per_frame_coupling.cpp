@@ -54,6 +54,7 @@ void PerFrameCoupling::reset() {
   attitude_count_ = 0;
   camera_ = carried_by_steps_ = corrected_ = metric_by_vo_ = false;
   rejected_in_a_row_ = 0;
+  unscaled_.reset();
   history_.clear();
 }
 
@@ -130,6 +131,7 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
   uint32_t state = motion.state, reason = motion.reason;
   double relative = 0.0;
   metric_by_vo_ = (motion.header.flags & ODO_VO_METRIC) != 0;
+  Vector3d late_n = Vector3d::Zero();
   if (inputs_.scale && !metric_by_vo_) {
     if (scale) {
       scale_ = {scale->metres_per_unit, scale->sigma};
@@ -141,7 +143,9 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
         translated = false;
         state = ODO_DEGRADED, reason = ODO_REASON_TOO_FAST;
       }
+      if (translated && unscaled_) late_n = catch_up(*scale);
     } else {
+      if (translated) wait_for_scale(motion, d_n);
       d_n.setZero();
       if (state == ODO_TRACKING) state = ODO_DEGRADED, reason = ODO_REASON_NO_SCALE;
     }
@@ -152,7 +156,10 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
   if (translated) last_tracked_ns_ = motion.header.t_ns;
   if (state == ODO_LOST && after && seconds(motion.header.t_ns - last_tracked_ns_) < config_.bridge_s)
     state = ODO_DEGRADED;
-  if (translated) move(d_n, relative, dt_s);
+  if (translated) {
+    if (!late_n.isZero()) move(late_n, relative, 0.0);
+    move(d_n, relative, dt_s);
+  }
   return publish(motion.header.t_ns, state, reason);
 }
 
@@ -185,6 +192,22 @@ void PerFrameCoupling::move(const Vector3d& d_n, double relative_sigma, double d
   const double total = since_fix_n_.norm() + length;
   if (total > 0) relative_sigma_ += (relative_sigma - relative_sigma_) * length / total;
   since_fix_n_ += d_n;
+}
+
+void PerFrameCoupling::wait_for_scale(const odo_vo_motion& motion, const Vector3d& d_n) {
+  if (!unscaled_ || unscaled_->group != motion.scale_group)
+    unscaled_ = Unscaled{Vector3d::Zero(), motion.scale_group, unseen_sigma_m_};
+  unscaled_->d_n += d_n;
+}
+
+/// What a group moved before its scale was known, in metres, once the scale holds for it.
+Vector3d PerFrameCoupling::catch_up(const odo_scale& scale) {
+  const Unscaled waiting = *std::exchange(unscaled_, std::nullopt);
+  if (waiting.group != scale.scale_group || (scale.header.flags & ODO_SCALE_STEADY) == 0) return Vector3d::Zero();
+  unseen_sigma_m_ = waiting.sigma_before_m;
+  Vector3d d_n = scale.metres_per_unit * waiting.d_n;
+  if ((scale.header.flags & ODO_SCALE_HORIZONTAL) != 0 && config_.vertical == Vertical::ignore) d_n.z() = 0.0;
+  return d_n;
 }
 
 /// What becomes less certain from one frame to the next.
@@ -314,6 +337,7 @@ bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) 
   p_n_ += correction;
   independent_covariance_ = (Matrix3d::Identity() - K) * P;
   since_fix_n_.setZero();
+  unscaled_.reset();  // the fix knows where that led
   relative_sigma_ = unseen_sigma_m_ = 0.0;
   placed_ = true;
   rejected_in_a_row_ = 0;

@@ -71,6 +71,8 @@ class PerFrameCoupling {
   Eigen::Quaterniond initial_camera_orientation(int64_t t_ns) const;
   Eigen::Matrix3d position_covariance() const;
   void move(const Eigen::Vector3d& d_n, double relative_sigma, double dt_s);
+  void wait_for_scale(const odo_vo_motion& motion, const Eigen::Vector3d& d_n);
+  Eigen::Vector3d catch_up(const odo_scale& scale);
   void drift(const odo_vo_motion& motion, double dt_s, bool lost_metres);
   bool turn_with_gyroscope(const odo_vo_motion& motion);
   bool turn_by(const odo_fix& fix);
@@ -111,6 +113,12 @@ class PerFrameCoupling {
   bool carried_by_steps_ = false;
   bool corrected_ = false;
   bool metric_by_vo_ = false;
+  struct Unscaled {                                 // what a scale group has moved before its scale is known
+    Eigen::Vector3d d_n = Eigen::Vector3d::Zero();  // VO units
+    uint32_t group = 0;
+    double sigma_before_m = 0;
+  };
+  std::optional<Unscaled> unscaled_;
   bool placed_ = false;  // by a fix or by the config
   int rejected_in_a_row_ = 0;
 };
