@@ -107,12 +107,16 @@ Result<Recording> read_euroc(const fs::path& given) {
     const auto camera = read_asl_camera(folder / "cam0/sensor.yaml", 0);
     if (!camera) return camera.failure();
     recording.add(camera->header);
+    const auto sensor = read_yaml((folder / "cam0/sensor.yaml").string());
+    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 0);
+    frame.line_time_ns = sensor ? std::llround(scalar(*sensor, "line_delay") * 1e9) : 0;  // our own key, Kalibr's name
+    if (frame.line_time_ns > 0) frame.header.flags |= ODO_FRAME_LINE_TIME;
     const auto done = read_rows(folder / "cam0/data.csv", [&](const TextRow& row) -> Result<bool> {
       const auto t = row.integer(0);
       if (!t) return t.failure();
       if (row.fields.size() < 2) return row.wrong("expected 'time,file'");
-      recording.add(make_message<odo_frame>(ODO_TYPE_FRAME, *t).header,
-                    {folder / "cam0/data" / std::string(row.fields[1])});
+      frame.header.t_ns = *t;
+      recording.add(frame.header, {folder / "cam0/data" / std::string(row.fields[1])});
       return true;
     });
     if (!done) return done.failure();

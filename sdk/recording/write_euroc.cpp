@@ -108,6 +108,16 @@ class EurocWriter {
     return s;
   }
 
+  /// Kalibr's name for it, in s; nothing of a global shutter.
+  std::string line_delay(const std::string& indent) const {
+    for (const auto& m : r_.messages)
+      if (m.message.header().type == ODO_TYPE_FRAME) {
+        const int64_t line_ns = as<odo_frame>(m.message.header()).line_time_ns;
+        return line_ns > 0 ? indent + "line_delay: " + text(static_cast<double>(line_ns) * 1e-9) + "\n" : "";
+      }
+    return "";
+  }
+
   void write_camera() {
     Eigen::Isometry3d T_b_c = Eigen::Isometry3d::Identity();
     T_b_c.linear() =
@@ -125,13 +135,14 @@ class EurocWriter {
                    "\nT_BS:\n  cols: 4\n  rows: 4\n  data: [" + data + "]\nrate_hz: " + text(rate(ODO_TYPE_FRAME)) +
                    "\nresolution: " + size + "\ncamera_model: pinhole\nintrinsics: [" + list(intrinsics, 4) +
                    "]\ndistortion_model: " + (fisheye ? "equidistant" : "radial-tangential") +
-                   "\ndistortion_coefficients: [" + list(camera_.distortion, coefficients) + "]\n");
+                   "\ndistortion_coefficients: [" + list(camera_.distortion, coefficients) + "]\n" + line_delay(""));
     write_text("camchain-imucam.yaml",
                "cam0:\n  T_cam_imu:\n" + rows(T_b_c.inverse().matrix(), "  ") +
                    "  camera_model: pinhole\n  intrinsics: [" + list(intrinsics, 4) +
                    "]\n  distortion_model: " + (fisheye ? "equidistant" : "radtan") + "\n  distortion_coeffs: [" +
                    list(camera_.distortion, 4) + "]\n  resolution: " + size + "\n  rostopic: /cam0/image_raw\n" +
-                   "  timeshift_cam_imu: " + text(static_cast<double>(camera_.time_offset_ns) * 1e-9) + "\n");
+                   "  timeshift_cam_imu: " + text(static_cast<double>(camera_.time_offset_ns) * 1e-9) + "\n" +
+                   line_delay("  "));
   }
 
   void write_imu() {
