@@ -9,5 +9,5 @@ grep -rlE '#include <odograph/' plugins --include='*.[ch]pp' | grep -vE '/(plugi
 grep -rnE '#include "(sdk|plugins|tests)/' samples && fail "a sample includes more than what is installed"
 grep -rnE '#include "plugins/' sdk && fail "the host includes a plugin"
 grep -rnE '#include <opencv2|embree|CLI/|nlohmann' sdk/base sdk/config sdk/core sdk/plugin_host && fail "the host core uses a heavy library"
-grep -rnE 'std::(cout|cerr|exit)|[^f]printf *\(' sdk/base sdk/config sdk/core plugins --include='*.[ch]pp' | grep -v snprintf && fail "a library writes to the terminal or ends the program"
+grep -rnE 'std::(cout|cerr|exit|getenv)|printf *\(|[^a-z_]getenv *\(' sdk/base sdk/config sdk/core plugins --include='*.[ch]pp' | grep -v snprintf && fail "a library writes to the terminal or ends the program"
 exit 0

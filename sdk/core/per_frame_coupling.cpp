@@ -108,21 +108,28 @@ void PerFrameCoupling::prepare(odo_vo_motion& motion) const {
   motion.header.flags |= ODO_VO_NAVIGATION;
 }
 
+/// The later frame's orientation, by what the config prefers and what there is.
+void PerFrameCoupling::turn(const odo_vo_motion& motion, const std::optional<odo_attitude>& before,
+                            const std::optional<odo_attitude>& after) {
+  if (after && config_.orientation == Orientation::attitude) {
+    q_n_ = orientation_from(*after) * q_b_c_;
+    return;
+  }
+  if (config_.orientation == Orientation::gyroscope && turn_with_gyroscope(motion)) return;
+  if (motion.header.flags & ODO_VO_ROTATION) {
+    q_n_ = (q_n_ * quaternion(motion.q_c0_c1)).normalized();
+  } else if (before && after) {  // the picture says nothing: the attitude source's rotation instead
+    const Quaterniond q_b0_b1 = quaternion(before->q_n_b).conjugate() * quaternion(after->q_n_b);
+    q_n_ = (q_n_ * q_b_c_.conjugate() * q_b0_b1 * q_b_c_).normalized();
+  }
+}
+
 odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_scale* scale) {
   const Quaterniond q_n_c0 = q_n_;
   const auto before = attitude_at(motion.t_from_ns);
   const auto after = attitude_at(motion.header.t_ns);
   if (after) rotation_covariance_ = Eigen::Map<const RowMatrix3d>(after->covariance_n);
-  const bool turned = before && after, rotated = (motion.header.flags & ODO_VO_ROTATION) != 0;
-  if (after && config_.orientation == Orientation::attitude) {
-    q_n_ = orientation_from(*after) * q_b_c_;
-  } else if (config_.orientation == Orientation::gyroscope && turn_with_gyroscope(motion)) {
-  } else if (rotated) {
-    q_n_ = (q_n_c0 * quaternion(motion.q_c0_c1)).normalized();
-  } else if (turned) {  // the picture says nothing: the gyroscope's rotation instead
-    const Quaterniond q_b0_b1 = quaternion(before->q_n_b).conjugate() * quaternion(after->q_n_b);
-    q_n_ = (q_n_c0 * q_b_c_.conjugate() * q_b0_b1 * q_b_c_).normalized();
-  }
+  turn(motion, before, after);
 
   const double dt_s = seconds(motion.header.t_ns - motion.t_from_ns);
   bool translated = (motion.header.flags & ODO_VO_TRANSLATION) != 0 && motion.state != ODO_LOST;

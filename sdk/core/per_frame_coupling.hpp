@@ -74,6 +74,8 @@ class PerFrameCoupling {
   void wait_for_scale(const odo_vo_motion& motion, const Eigen::Vector3d& d_n);
   Eigen::Vector3d catch_up(const odo_scale& scale);
   void drift(const odo_vo_motion& motion, double dt_s, bool lost_metres);
+  void turn(const odo_vo_motion& motion, const std::optional<odo_attitude>& before,
+            const std::optional<odo_attitude>& after);
   bool turn_with_gyroscope(const odo_vo_motion& motion);
   bool turn_by(const odo_fix& fix);
   bool turn_chain_by(const Eigen::Vector3d& off_n, const odo_fix& fix);

@@ -50,10 +50,10 @@ Motion Odometry::process(const Frame& frame) {
     if (!have_reference_) {
       begin(frame, false);
     } else if (!started_) {
-      start_or_turn(motion);
+      const bool in_sight = start_or_turn(motion);
       if (started_)
         make_keyframe(frame);
-      else if (static_cast<double>(seen_.size()) < kFewLeft * static_cast<double>(seen_at_keyframe_))
+      else if (!in_sight || static_cast<double>(seen_.size()) < kFewLeft * static_cast<double>(seen_at_keyframe_))
         begin(frame, false);
     } else if (!place(expected_pose(), motion)) {
       searching_since_ns_ = frame.t_ns;
@@ -193,20 +193,20 @@ std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points, co
 
 bool Odometry::place(const Isometry3d& T_expected, Motion& motion) {
   std::vector<PointSeen> points;
-  fitted_.clear();
+  std::vector<uint64_t> tracks;
   for (const Seen& s : seen_) {
     const auto found = window_.landmarks().find(s.track);
     if (found == window_.landmarks().end() || !found->second.located) continue;
     points.push_back({window_.point(found->second), s.at, window_.anchor(found->second), found->second.variance});
-    fitted_.push_back(s.track);
+    tracks.push_back(s.track);
   }
   if (static_cast<int>(points.size()) < kLeastPoints) return false;
   const auto pose = fit(points, T_expected);
   if (!pose || pose->count < kLeastPoints || 4 * static_cast<size_t>(pose->count) < points.size()) return false;
-  for (size_t i = 0; i < fitted_.size(); ++i) {
-    Landmark& landmark = window_.landmarks()[fitted_[i]];
+  for (size_t i = 0; i < tracks.size(); ++i) {
+    Landmark& landmark = window_.landmarks()[tracks[i]];
     landmark.misses = pose->inliers[i] ? 0 : landmark.misses + 1;
-    if (landmark.misses > 2) window_.forget(fitted_[i]);  // moves, or its depth is wrong: it may start anew
+    if (landmark.misses > 2) window_.forget(tracks[i]);  // moves, or its depth is wrong: it may start anew
   }
   if (Eigen::AngleAxisd(T_expected.linear().transpose() * pose->T_w_c.linear()).angle() > kSurprise_rad) return false;
   // A start from little parallax may have been a false one: its map explains less from frame to frame.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 #include "plugins/camera/camera_model.hpp"
@@ -75,7 +74,7 @@ class Odometry {
   Eigen::Vector2d expected_at(const Seen& seen, const Eigen::Isometry3d& T_expected) const;
   void follow(const Frame& frame, const Eigen::Isometry3d& T_expected);
   void straighten(const Frame& frame);
-  void start_or_turn(Motion& motion);
+  bool start_or_turn(Motion& motion);
   void learn_bias(const Eigen::Quaterniond& seen_turn, double sigma_rad);
   bool start(Motion& motion, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
              const std::vector<size_t>& which, const Eigen::Quaterniond& turn_alone);
@@ -101,7 +100,6 @@ class Odometry {
   cv::Mat smooth_;
   std::vector<Seen> seen_;
   std::vector<cv::Point2d> straight_;
-  std::vector<uint64_t> fitted_;  // tracks of the latest fit, in its order
 
   int64_t last_ns_ = 0, reference_ns_ = 0;
   std::optional<GyroRotation> turn_;  // from the last frame to this one

@@ -43,10 +43,6 @@ class OdographVo {
     odograph::check_frame(frame, vo_ ? calibration_ : frame.calibration + 1, size_);
     const Motion motion = vo_->process({odograph::grey_of(frame, converted_), odograph::mask_of(frame),
                                         frame.header.t_ns, static_cast<double>(frame.line_time_ns) * 1e-9});
-    if (getenv("VODBG"))
-      fprintf(stderr, "%.2f st %d tr %d grp %u tracked %u in %u p %.5f\n", frame.header.t_ns * 1e-9 - 1000,
-              (int)motion.state, (int)motion.trouble, motion.scale_group, motion.tracked, motion.inliers,
-              motion.p_c0_c1.norm());
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
     if (from_ns != INT64_MIN) output.emit(event_of(motion, from_ns, frame));
   }

@@ -23,8 +23,9 @@ constexpr double kBiasKnown_radps = 0.0005;
 
 }  // namespace
 
-/// Before there is a map: the rotation alone, until there is enough parallax to start one.
-void Odometry::start_or_turn(Motion& motion) {
+/// Before there is a map: the rotation alone, until there is enough parallax to start one. False where the reference
+/// has been lost from sight.
+bool Odometry::start_or_turn(Motion& motion) {
   std::vector<cv::Point2d> first, second;
   std::vector<size_t> which;
   const auto& landmarks = window_.landmarks();
@@ -43,15 +44,13 @@ void Odometry::start_or_turn(Motion& motion) {
     motion.rotation_valid = true;
   }
   const auto rotation = pure_rotation(first, second);
-  if (!rotation) {
-    seen_at_keyframe_ = 1000000;  // a new reference is wanted
-    return;
-  }
+  if (!rotation) return false;
   motion.state = Tracking::degraded;
   motion.trouble = Trouble::no_parallax;
   const Quaterniond q_w_c(rotation->R_1_0.transpose());
   learn_bias(q_w_c, std::max(sigma(), rotation->median_residual_rad));
-  if (rotation->median_residual_rad > 0.25 * kStartParallax_rad && start(motion, first, second, which, q_w_c)) return;
+  if (rotation->median_residual_rad > 0.25 * kStartParallax_rad && start(motion, first, second, which, q_w_c))
+    return true;
   const double sigma_rad =
       std::max(sigma(), rotation->median_residual_rad) / std::sqrt(static_cast<double>(first.size()));
   if (!motion.rotation_valid) {
@@ -62,6 +61,7 @@ void Odometry::start_or_turn(Motion& motion) {
   T_w_c_.linear() = T_w_c_.linear() * motion.q_c0_c1.toRotationMatrix();
   last_step_ = isometry(motion.q_c0_c1, Vector3d::Zero());
   motion.inliers = static_cast<unsigned>(first.size());
+  return true;
 }
 
 /// Without a way the picture's turn since the reference has no drift, the gyroscope's has.

@@ -54,7 +54,7 @@ class Window {
   void forget_but(const std::vector<uint64_t>& alive);  ///< points seen by fewer than two and not followed any more
 
   Eigen::Vector4d point(const Landmark& landmark) const;  ///< in w, homogeneous
-  const Eigen::Vector3d anchor(const Landmark& landmark) const {
+  Eigen::Vector3d anchor(const Landmark& landmark) const {
     return keyframe(landmark.seen.front().keyframe).T_w_c.translation();
   }
   /// What the observations leave uncertain of each inverse depth, the poses taken as known.

@@ -89,7 +89,7 @@ class Vit {
     if (!std::exchange(started_, true)) system_->start();
   }
 
-  static vit_camera_calibration calibration_of(const odo_calibration& c) {
+  vit_camera_calibration calibration_of(const odo_calibration& c) const {
     vit_camera_calibration v{};
     v.width = static_cast<int>(c.width), v.height = static_cast<int>(c.height);
     v.fx = c.fx, v.fy = c.fy, v.cx = c.cx, v.cy = c.cy;
@@ -100,14 +100,7 @@ class Vit {
               : c.distortion_count == 4              ? VIT_CAMERA_DISTORTION_RT4
               : c.distortion_count == 5              ? VIT_CAMERA_DISTORTION_RT5
                                                      : VIT_CAMERA_DISTORTION_RT8;
-    Eigen::Quaterniond q(0, 1, 0, 0);
-    Isometry3d T = Isometry3d::Identity();
-    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) {
-      q = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
-      T.translation() = Eigen::Vector3d(c.p_b_c);
-    }
-    T.linear() = q.toRotationMatrix();
-    Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>{v.transform} = T.matrix();
+    Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>{v.transform} = T_b_c_.matrix();
     return v;
   }
 
