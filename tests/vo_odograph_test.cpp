@@ -231,7 +231,7 @@ TEST_CASE("a walk along a street: one unit, straight, the same twice; darkness i
         CHECK(motion.p_c0_c1 == first[i].p_c0_c1);
       if (motion.translation_valid && i > 6) lengths.push_back(motion.p_c0_c1.norm());
       p += motion.p_c0_c1;
-      if (i > 8) CHECK(motion.state == vo::Tracking::tracking);
+      if (i > 8) CHECK(motion.state == Tracking::tracking);
     }
     CHECK(std::abs(p.x()) < 0.03 * p.norm());
     std::sort(lengths.begin(), lengths.end());
@@ -242,22 +242,22 @@ TEST_CASE("a walk along a street: one unit, straight, the same twice; darkness i
     const auto darken = [&](int count) {
       for (int i = 0; i < count; ++i) {
         const auto motion = next(dark);
-        CHECK(motion.state == vo::Tracking::lost);
-        CHECK(motion.trouble == vo::Trouble::too_dark);
+        CHECK(motion.state == Tracking::lost);
+        CHECK(motion.trouble == Trouble::too_dark);
         CHECK_FALSE(motion.translation_valid);
       }
     };
     // After a moment it is found again where it was, in the same unit.
     darken(4);
     const auto back = next(frames[39]);
-    CHECK(back.state == vo::Tracking::tracking);
+    CHECK(back.state == Tracking::tracking);
     CHECK(back.scale_group == 0);
     CHECK(back.p_c0_c1.norm() < 0.3 * lengths[lengths.size() / 2]);
     darken(15);
     for (size_t i = 0; i < 12; ++i) {
       const auto motion = next(frames[i + 20]);
       CHECK(motion.scale_group > 0);
-      if (i > 8) CHECK(motion.state == vo::Tracking::tracking);
+      if (i > 8) CHECK(motion.state == Tracking::tracking);
     }
   }
 }
@@ -274,7 +274,7 @@ TEST_CASE("turning on the spot: a rotation, no translation, and the gyroscope's 
         vo.process({film.frame({0, 0, -1.5}, 0.02 * static_cast<double>(i), i), {}, now_ms * kMilli, 0});
     CHECK_FALSE(motion.translation_valid);
     if (i == 0) continue;
-    CHECK(motion.trouble == vo::Trouble::no_parallax);
+    CHECK(motion.trouble == Trouble::no_parallax);
     q = q * motion.q_c0_c1;
   }
   CHECK(log_rotation(q).y() == doctest::Approx(0.28).epsilon(0.02));

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/camera/camera_model.hpp"
+#include "plugins/camera/tracking.hpp"
 
 namespace odograph {
 
@@ -48,6 +49,28 @@ inline cv::Mat mask_of(const odo_frame& frame) {
   if ((frame.header.flags & ODO_FRAME_MASK) == 0 || !frame.mask.data) return {};
   return {static_cast<int>(frame.height), static_cast<int>(frame.width), CV_8UC1, const_cast<uint8_t*>(frame.mask.data),
           static_cast<size_t>(frame.mask.row_stride)};
+}
+
+/// The event of a motion that ends with a frame: all but the motion itself and the state.
+inline odo_vo_motion motion_event(const odo_frame& frame, int64_t from_ns, bool rotation, bool translation,
+                                  uint32_t tracked, uint32_t inliers) {
+  auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
+  event.t_from_ns = from_ns;
+  if (rotation) event.header.flags |= ODO_VO_ROTATION;
+  if (translation) event.header.flags |= ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
+  event.camera = frame.calibration;
+  event.tracked = tracked, event.inliers = inliers;
+  event.header.quality = tracked ? static_cast<float>(inliers) / static_cast<float>(tracked) : 0.0f;
+  return event;
+}
+
+inline void put_state(Tracking tracking, Trouble trouble, odo_vo_motion& event) {
+  event.state = tracking == Tracking::tracking ? ODO_TRACKING : tracking == Tracking::lost ? ODO_LOST : ODO_DEGRADED;
+  event.reason = trouble == Trouble::none           ? ODO_REASON_NONE
+                 : trouble == Trouble::too_dark     ? ODO_REASON_TOO_DARK
+                 : trouble == Trouble::few_features ? ODO_REASON_FEW_FEATURES
+                 : trouble == Trouble::no_parallax  ? ODO_REASON_NO_PARALLAX
+                                                    : ODO_REASON_INITIALISING;
 }
 
 /// Writes a motion and its uncertainty, the same in all directions, into an event.

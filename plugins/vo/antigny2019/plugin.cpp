@@ -45,23 +45,19 @@ class Antigny2019 {
     const Motion motion = vo_->process(grey, odograph::mask_of(frame));
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
     if (from_ns == INT64_MIN) return;
-    auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
-    event.t_from_ns = from_ns;
+    auto event = odograph::motion_event(frame, from_ns, motion.rotation_valid, motion.translation_valid, motion.matches,
+                                        motion.inliers);
     odograph::put_motion(Eigen::Quaterniond(motion.T_c0_c1.linear()).normalized(), motion.T_c0_c1.translation(),
                          motion.rotation_sigma_rad, motion.position_sigma, event);
-    if (motion.rotation_valid) event.header.flags |= ODO_VO_ROTATION;
-    if (motion.translation_valid) event.header.flags |= ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
-    event.camera = frame.calibration;
-    const bool tracking = motion.outcome == Outcome::tracking, lost = motion.outcome == Outcome::lost;
-    event.state = tracking ? ODO_TRACKING : lost ? ODO_LOST : ODO_DEGRADED;
-    event.reason = tracking                    ? ODO_REASON_NONE
-                   : !lost                     ? ODO_REASON_NO_PARALLAX
-                   : cv::mean(grey)[0] < kDark ? ODO_REASON_TOO_DARK
-                                               : ODO_REASON_FEW_FEATURES;
+    if (motion.outcome == Outcome::tracking)
+      odograph::put_state(odograph::Tracking::tracking, odograph::Trouble::none, event);
+    else if (motion.outcome == Outcome::lost)
+      odograph::put_state(odograph::Tracking::lost,
+                          cv::mean(grey)[0] < kDark ? odograph::Trouble::too_dark : odograph::Trouble::few_features,
+                          event);
+    else
+      odograph::put_state(odograph::Tracking::degraded, odograph::Trouble::no_parallax, event);
     event.scale_group = motion.scale_group;
-    event.tracked = motion.matches, event.inliers = motion.inliers;
-    event.header.quality =
-        motion.matches ? static_cast<float>(motion.inliers) / static_cast<float>(motion.matches) : 0.0f;
     output.emit(event);
   }
 

@@ -8,16 +8,6 @@ namespace {
 
 using namespace odograph::five_point;
 
-uint32_t reason(Trouble trouble) {
-  switch (trouble) {
-    case Trouble::none: return ODO_REASON_NONE;
-    case Trouble::too_dark: return ODO_REASON_TOO_DARK;
-    case Trouble::few_features: return ODO_REASON_FEW_FEATURES;
-    case Trouble::no_parallax: return ODO_REASON_NO_PARALLAX;
-    default: return ODO_REASON_INITIALISING;
-  }
-}
-
 class FivePoint {
  public:
   int64_t corners = 500;
@@ -52,21 +42,11 @@ class FivePoint {
 
  private:
   static odo_vo_motion event_of(const Motion& motion, int64_t from_ns, const odo_frame& frame) {
-    auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
-    event.t_from_ns = from_ns;
+    auto event = odograph::motion_event(frame, from_ns, motion.rotation_valid, motion.translation_valid, motion.tracked,
+                                        motion.inliers);
     odograph::put_motion(motion.q_c0_c1, motion.p_c0_c1, motion.rotation_sigma_rad, motion.position_sigma, event);
-    if (motion.rotation_valid) event.header.flags |= ODO_VO_ROTATION;
-    if (motion.translation_valid) event.header.flags |= ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
-    event.camera = frame.calibration;
-    event.state = motion.state == Tracking::tracking   ? ODO_TRACKING
-                  : motion.state == Tracking::degraded ? ODO_DEGRADED
-                                                       : ODO_LOST;
-    event.reason = reason(motion.trouble);
+    odograph::put_state(motion.state, motion.trouble, event);
     event.scale_group = motion.scale_group;
-    event.tracked = motion.tracked;
-    event.inliers = motion.inliers;
-    event.header.quality =
-        motion.tracked ? static_cast<float>(motion.inliers) / static_cast<float>(motion.tracked) : 0.0f;
     return event;
   }
 

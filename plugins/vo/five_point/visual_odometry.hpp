@@ -8,12 +8,10 @@
 
 #include "plugins/camera/camera_model.hpp"
 #include "plugins/camera/corner_tracker.hpp"
+#include "plugins/camera/tracking.hpp"
 #include "plugins/camera/two_view.hpp"
 
 namespace odograph::five_point {
-
-enum class Tracking { tracking, degraded, lost };
-enum class Trouble { none, initialising, too_dark, few_features, no_parallax };
 
 /// Motion from the previous frame to this one.
 struct Motion {

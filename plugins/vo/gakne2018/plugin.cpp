@@ -52,16 +52,10 @@ class Gakne2018 {
                                        q_n_b_ ? kTurnKnown_rad : kTurnUnknown_rad);
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
     if (from_ns == INT64_MIN) return;
-    auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
-    event.t_from_ns = from_ns;
+    auto event = odograph::motion_event(frame, from_ns, motion.valid, motion.valid, motion.matches, motion.inliers);
     odograph::put_motion(motion.q_c0_c1, motion.p_c0_c1, motion.rotation_sigma_rad, motion.position_sigma, event);
-    if (motion.valid) event.header.flags |= ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
-    event.camera = frame.calibration;
-    event.state = motion.valid ? ODO_TRACKING : ODO_LOST;
-    event.reason = motion.valid ? ODO_REASON_NONE : ODO_REASON_FEW_FEATURES;
-    event.tracked = motion.matches, event.inliers = motion.inliers;
-    event.header.quality =
-        motion.matches ? static_cast<float>(motion.inliers) / static_cast<float>(motion.matches) : 0.0f;
+    odograph::put_state(motion.valid ? odograph::Tracking::tracking : odograph::Tracking::lost,
+                        motion.valid ? odograph::Trouble::none : odograph::Trouble::few_features, event);
     output.emit(event);
   }
 

@@ -6,14 +6,12 @@
 
 #include "plugins/camera/camera_model.hpp"
 #include "plugins/camera/corner_tracker.hpp"
+#include "plugins/camera/tracking.hpp"
 #include "plugins/vo/odograph/gyroscope.hpp"
 #include "plugins/vo/odograph/pose_fit.hpp"
 #include "plugins/vo/odograph/window.hpp"
 
 namespace odograph::vo {
-
-enum class Tracking { tracking, degraded, lost };
-enum class Trouble { none, initialising, too_dark, few_features, no_parallax };
 
 /// Motion from the previous frame to this one.
 struct Motion {
