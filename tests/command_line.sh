@@ -55,6 +55,17 @@ expect 0 "poses" "$odograph" convert o track.geojson --origin 47.2,-1.55,20
 expect 2 "needs a place on the Earth" "$odograph" convert o track.gpx
 expect 0 "messages" "$odograph" convert tiny.odo copy.odo
 expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i copy.odo -o o3
+expect 0 "true size" "$odograph" calibrate --print board.svg
+expect 0 "</svg>" cat board.svg
+expect 2 "expected COLUMNSxROWS" "$odograph" calibrate tiny.odo --squares many
+expect 2 "no pictures; expected" "$odograph" calibrate
+expect 3 "does not exist" "$odograph" calibrate nothing
+expect 3 "--squares" "$odograph" calibrate tiny.odo
+expect 0 "worst: focal length" "$odograph" bench calibrate --seeds 1 --pictures 12 --keep boards
+expect 0 "'camera: FILE'" "$odograph" calibrate boards/pinhole_s1 -o c
+expect 0 "<svg" cat c/calibration.html
+printf 'odograph: 1\ncamera: c/camera.yaml\nvo_frontend: {plugin: vo/five_point}\n' >own_camera.yaml
+expect 0 "good" "$odograph" config check own_camera.yaml
 head -c 100000 tiny.odo >cut.odo
 expect 0 "cut off" "$odograph" run -c "$configs/phone_walk.yaml" -i cut.odo -o o4
 expect 4 "FAIL" "$odograph" plugin check "$source/README.md"

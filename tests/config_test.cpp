@@ -8,7 +8,7 @@
 #include <valijson/validator.hpp>
 
 #include "sdk/config/pipeline_config.hpp"
-#include "sdk/recording/camera_spec.hpp"
+#include "sdk/config/camera_yaml.hpp"
 #include "sdk/sim/scenario.hpp"
 #include "tests/support.hpp"
 
@@ -56,6 +56,7 @@ TEST_CASE("every broken config is named with its place, what was expected and th
        "f.yaml:3:3:",
        {"verticl", "nearest: 'vertical'"}},
       {"wrong type", "odograph: 1\nwalker: tall\n", "f.yaml:2:9:", {"'tall'", "expected a map", "height"}},
+      {"a camera that is not there", "odograph: 1\ncamera: nowhere.yaml\n", "f.yaml:2:9:", {"camera:", "nowhere.yaml"}},
       {"not a number",
        "odograph: 1\nwalker:\n  height: tall\n",
        "f.yaml:3:11:",

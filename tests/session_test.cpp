@@ -324,6 +324,37 @@ TEST_CASE("a camera's time offset brings its frames onto the IMU's clock") {
   CHECK((pose.header.flags & ODO_POSE_CAMERA) != 0);
 }
 
+TEST_CASE("a config's camera stands above what is pushed, and needs nothing to be pushed") {
+  const TemporaryFolder folder;
+  const auto file = write_text(folder / "camera.yaml",
+                               "width: 64\nheight: 48\nfx: 60\nfy: 60\ncx: 31.5\ncy: 23.5\ntime_offset: 30 ms\n");
+  for (const bool pushed : {false, true}) {
+    CAPTURE(pushed);
+    App app(kCamera + "camera: " + file.string() + "\n");
+    const auto wrong = calibration(320, 240);
+    if (pushed) CHECK(odo_session_push(app.session, &wrong.header) == ODO_OK);
+    app.walk(0, 20);
+    const std::vector<uint8_t> pixels(64 * 48, 90);
+    for (int i = 0; i < 3; ++i) {
+      auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'200'000'000 + i * 100'000'000LL);
+      f.format = ODO_FORMAT_GREY8;
+      f.width = 64, f.height = 48;
+      f.planes[0] = {pixels.data(), 64, 1, 0};
+      CHECK(odo_session_push(app.session, &f.header) == ODO_OK);
+    }
+    app.walk(20, 50);
+    odo_session_flush(app.session);
+    odo_pose pose{};
+    pose.header.struct_size = sizeof pose;
+    CHECK(odo_session_get_pose(app.session, 1'430'000'000, &pose) == ODO_OK);
+    CHECK((pose.header.flags & ODO_POSE_CAMERA) != 0);
+    odo_error error{};
+    error.struct_size = sizeof error;
+    odo_session_last_error(app.session, &error);
+    CHECK(std::string(error.message).find("calibration") == std::string::npos);  // every frame was of the right size
+  }
+}
+
 TEST_CASE("too many waiting frames are refused, not piled up") {
   App app(kCamera + "time_ordering:\n  frames: 3\n  max_wait: 5 s\n");
   const auto c = calibration(64, 48);

@@ -115,6 +115,7 @@ void add_bench(CLI::App& app, int& status) {
   walks_command->callback([a, &status] { status = walks(*a); });
   add_bench_walk700(*command, status);
   add_bench_allan(*command, status);
+  add_bench_calibrate(*command, status);
   add_bench_drive(*command, status);
   add_bench_gait(*command, status);
   add_bench_vo(*command, status);

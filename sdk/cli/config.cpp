@@ -4,7 +4,7 @@
 #include "sdk/cli/commands.hpp"
 #include "sdk/config/pipeline_config.hpp"
 #include "sdk/plugin_host/manifest.hpp"
-#include "sdk/recording/camera_spec.hpp"
+#include "sdk/config/camera_yaml.hpp"
 #include "sdk/sim/scenario.hpp"
 
 namespace odograph {

@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
   odograph::add_config(app, status);
   odograph::add_plugins(app, status);
   odograph::add_convert(app, status);
+  odograph::add_calibrate(app, status);
   odograph::add_bench(app, status);
   try {
     app.parse(argc, argv);

@@ -26,6 +26,7 @@ std::string script(const Plot& plot, const std::string& output) {
     << "set output " << quoted(output) << "\nset grid\nset key outside below noenhanced\nset xlabel "
     << quoted(plot.x_label) << "\nset ylabel " << quoted(plot.y_label) << '\n';
   if (plot.equal_axes) s << "set size ratio -1\n";
+  if (plot.y_down) s << "set yrange [] reverse\n";
   for (size_t i = 0; i < plot.series.size(); ++i) {
     s << "$d" << i << " << EOD\n";
     for (const auto& [x, y] : plot.series[i].points) s << x << ' ' << y << '\n';

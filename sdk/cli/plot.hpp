@@ -11,13 +11,13 @@ namespace odograph {
 
 struct PlotSeries {
   std::string name;
-  std::string style;  // gnuplot's "with": lines, points, steps ...
-  std::vector<std::pair<double, double>> points;
+  std::string style;                              // gnuplot's "with": lines, points, steps ...
+  std::vector<std::pair<double, double>> points;  // NaN breaks a line
 };
 
 struct Plot {
   std::string title, x_label, y_label;
-  bool equal_axes = false;
+  bool equal_axes = false, y_down = false;
   std::vector<PlotSeries> series;
 };
 

@@ -2,6 +2,7 @@
 #include "sdk/config/pipeline_config.hpp"
 
 #include "sdk/base/nearest.hpp"
+#include "sdk/config/camera_yaml.hpp"
 
 namespace odograph {
 namespace {
@@ -51,6 +52,11 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   if (start.given) {
     const auto& p = start["position"].reals;
     config.start = {{p[0], p[1], p[2]}, start["heading"].real, true};
+  }
+  if (v["camera"].given) {
+    const auto camera = read_camera_yaml(base / v["camera"].text, nullptr);
+    if (!camera) return Failure{ODO_E_CONFIG, at(name, v["camera"].mark, "camera: " + camera.failure().text)};
+    config.camera = *camera;
   }
   const Value& ordering = v["time_ordering"];
   config.ordering = {ordering["max_wait"].real, ordering["max_gap"].real,

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <odograph/types.h>
+
 #include "sdk/config/spec.hpp"
 #include "sdk/plugin_host/registry.hpp"
 
@@ -57,6 +59,7 @@ struct PipelineConfig {
   bool verify_hash = true;
   std::optional<std::array<double, 3>> origin;  // latitude rad, longitude rad, height m
   StartPose start;
+  std::optional<odo_calibration> camera;  // its mount and time offset only where their flags are set
   OrderingConfig ordering;
   CouplingConfig coupling;
   ReplayConfig replay;

@@ -65,6 +65,11 @@ const Spec& pipeline_spec() {
                             real("heading", "rad", -6.283185307179586, 6.283185307179586, "0", "from north to east"),
                         }),
                 }),
+            Spec{.name = "camera",
+                 .type = SpecType::text,
+                 .help =
+                     "camera.yaml of `odograph calibrate`, relative to this file; it stands above what a recording or "
+                     "an app says of its lens, and of the mount and the time offset where it has them"},
             map("time_ordering", "how samples of several sensors are merged",
                 {
                     real("max_wait", "s", 0, 5, "0.2", "longest wait for a slower sensor, in sensor time"),

@@ -17,6 +17,10 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
     return failure;
   }
   session->pipeline_ = std::move(*pipeline);
+  if (const auto& camera = session->config_.camera) {
+    session->note_time_offset(*camera);
+    session->pipeline_->process(camera->header);
+  }
   if (live) session->thread_ = std::thread([raw = session.get()] { raw->work(); });
   return session;
 }
@@ -81,14 +85,37 @@ int32_t Session::push(const odo_header& sample) {
     status = enqueue(held.header);
     if (status < 0) held.release(&held);
   } else {
-    if (sample.type == ODO_TYPE_CALIBRATION) note_time_offset(as<odo_calibration>(sample));
-    status = enqueue(sample);
+    if (sample.type == ODO_TYPE_CALIBRATION) {
+      const odo_calibration calibration = with_own(as<odo_calibration>(sample));
+      note_time_offset(calibration);
+      status = enqueue(calibration.header);
+    } else {
+      status = enqueue(sample);
+    }
   }
   if (live_)
     queue_changed_.notify_one();
   else
     process_ready(false);
   return status;
+}
+
+/// The config's camera stands above what is pushed; mount and time offset only where the config has them.
+odo_calibration Session::with_own(const odo_calibration& pushed) const {
+  if (!config_.camera || config_.camera->id != pushed.id) return pushed;
+  odo_calibration own = *config_.camera;
+  own.header.t_ns = pushed.header.t_ns;
+  own.header.source = pushed.header.source;
+  if (!(own.header.flags & ODO_CALIBRATION_EXTRINSICS)) {
+    std::memcpy(own.q_b_c, pushed.q_b_c, sizeof own.q_b_c);
+    std::memcpy(own.p_b_c, pushed.p_b_c, sizeof own.p_b_c);
+    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_EXTRINSICS;
+  }
+  if (!(own.header.flags & ODO_CALIBRATION_TIME_OFFSET)) {
+    own.time_offset_ns = pushed.time_offset_ns;
+    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_TIME_OFFSET;
+  }
+  return own;
 }
 
 /// From here on everything runs on the IMU's clock: a camera's frames are shifted as they come in.

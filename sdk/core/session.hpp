@@ -46,6 +46,7 @@ class Session {
   void work();
   void reported(const Report& report);
   void restart_clock();
+  odo_calibration with_own(const odo_calibration& calibration) const;
   void note_time_offset(const odo_calibration& calibration);
   int64_t time_offset_ns(uint32_t calibration);
 

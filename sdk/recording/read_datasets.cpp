@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/config/camera_yaml.hpp"
 #include "sdk/recording/recording.hpp"
 #include "sdk/recording/text_rows.hpp"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sdk/config/spec.hpp"
+#include "sdk/config/camera_yaml.hpp"
 #include "sdk/recording/recording.hpp"
 #include "sdk/recording/text_rows.hpp"
 

@@ -89,9 +89,6 @@ Result<Recording> read_image_folder(const std::filesystem::path& folder);
 Result<bool> write_euroc(const Recording& recording, const std::filesystem::path& folder,
                          const std::function<void(size_t, size_t)>& progress);
 
-/// camera.yaml: model, width, height, fx, fy, cx, cy, distortion, fps, mount. `fps` may be null.
-Result<odo_calibration> read_camera_yaml(const std::filesystem::path& file, double* fps);
-
 /// Loads a frame's picture and fills in pixels, size and format. The result carries retain and release, so nobody has
 /// to copy it; the caller releases it once.
 Result<odo_frame> load_frame(const RecordedMessage& message);

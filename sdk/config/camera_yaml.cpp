@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "sdk/config/camera_yaml.hpp"
+
+#include <cmath>
+#include <cstring>
+
 #include "sdk/base/nearest.hpp"
-#include "sdk/config/spec.hpp"
-#include "sdk/recording/camera_spec.hpp"
-#include "sdk/recording/recording.hpp"
 
 namespace odograph {
 
 const Spec& camera_spec() {
   static const Spec spec = [] {
-    const auto pixels = [](const char* name, const char* help) {
+    const auto pixels = [](const char* name, double min, const char* help) {
       return Spec{.name = name,
                   .type = SpecType::real,
                   .unit = "px",
-                  .min = -100000,
+                  .min = min,
                   .max = 100000,
                   .help = help,
                   .required = true};
@@ -29,10 +31,10 @@ const Spec& camera_spec() {
          .help = "pinhole: radial-tangential distortion"},
         size("width"),
         size("height"),
-        pixels("fx", "focal length"),
-        pixels("fy", "focal length"),
-        pixels("cx", "principal point, first pixel's centre is 0"),
-        pixels("cy", "principal point"),
+        pixels("fx", 1, "focal length"),
+        pixels("fy", 1, "focal length"),
+        pixels("cx", -100000, "principal point, first pixel's centre is 0"),
+        pixels("cy", -100000, "principal point"),
         {.name = "distortion",
          .type = SpecType::list,
          .help = "0, 4, 5 or 8 coefficients in OpenCV's order",
@@ -81,7 +83,10 @@ Result<odo_calibration> read_camera_yaml(const std::filesystem::path& file, doub
   const auto checked = validate(*node, camera_spec(), file.string(), none);
   if (!checked) return checked.failure();
   const Value& v = *checked;
-  auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+  odo_calibration c;
+  std::memset(&c, 0, sizeof c);
+  c.header.struct_size = sizeof c;
+  c.header.type = ODO_TYPE_CALIBRATION;
   c.model = v["model"].text == "kannala_brandt" ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
   c.width = static_cast<uint32_t>(v["width"].integer);
   c.height = static_cast<uint32_t>(v["height"].integer);
@@ -107,8 +112,6 @@ Result<odo_calibration> read_camera_yaml(const std::filesystem::path& file, doub
     c.time_offset_ns = static_cast<int64_t>(v["time_offset"].real * 1e9);
     c.header.flags |= ODO_CALIBRATION_TIME_OFFSET;
   }
-  if (!message_is_finite(c.header))
-    return Failure{ODO_E_CONFIG, at(file.string(), v["fx"].mark, "fx, fy: expected focal lengths above 0")};
   if (fps) *fps = v["fps"].real;
   return c;
 }
