@@ -135,6 +135,22 @@ TEST_CASE("waypoints: the heading is fitted over the first metres, errors are ho
   CHECK(errors.position_m.back() == doctest::Approx(2.0));
 }
 
+TEST_CASE("a unit that drifts shows as a change of scale within windows") {
+  Pairs pairs;
+  double own = 0;
+  for (int i = 0; i <= 400; ++i) {
+    const double unit = 0.7 * (1 + 0.001 * i);  // 0.1 m a pose; 10 m: 100 poses
+    pairs.reference.push_back({i, Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}});
+    pairs.estimate.push_back({i, Eigen::Quaterniond::Identity(), {0, own, 0}});
+    own += 0.1 * unit;
+  }
+  const auto changes = scale_changes(pairs, 10);
+  REQUIRE(changes.size() == 4);
+  CHECK(changes[0] == doctest::Approx(1.0245 / 1.0745 - 1).epsilon(0.01));
+  for (const double change : changes) CHECK(change < -0.03);
+  CHECK(scale_changes({}, 10).empty());
+}
+
 TEST_CASE("with the true lengths only the directions err") {
   Pairs pairs;
   const auto pose = [](int i, double x, double y) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include "sdk/cli/commands.hpp"
@@ -25,7 +26,37 @@ struct WalkRow {
   double reference_m, estimate_m, distance_percent, position_median_m;
   std::vector<double> position_m;
   uint64_t steps;
+  double heading_drift_deg_min;  ///< of our heading from the phone's own; NaN where it has none
 };
+
+/// How fast the heading leaves the phone's own: the median of the last tenth less that of the first, by the time
+/// between.
+double heading_drift(const RunResult& result, const Recording& recording) {
+  const auto& own = recording.phone_attitudes;
+  std::vector<double> t_s, off_rad;
+  size_t at = 0;
+  for (const odo_attitude& a : result.attitudes) {
+    while (at + 1 < own.size() && own[at + 1].t_ns <= a.header.t_ns) ++at;
+    if (at + 1 >= own.size() || own[at].t_ns > a.header.t_ns) continue;
+    const double w =
+        static_cast<double>(a.header.t_ns - own[at].t_ns) / static_cast<double>(own[at + 1].t_ns - own[at].t_ns);
+    const Eigen::Quaterniond q(a.q_n_b[0], a.q_n_b[1], a.q_n_b[2], a.q_n_b[3]);
+    const Eigen::Quaterniond off = q * own[at].q.slerp(w, own[at + 1].q).conjugate();
+    const double heading = 2 * std::atan2(off.z(), off.w());
+    const double last = off_rad.empty() ? heading : off_rad.back();
+    off_rad.push_back(last + std::remainder(heading - last, 2 * EIGEN_PI));
+    t_s.push_back(static_cast<double>(a.header.t_ns) * 1e-9);
+  }
+  const size_t tenth = t_s.size() / 10;
+  if (tenth < 10) return std::nan("");
+  const auto median = [&](size_t from) {
+    std::vector<double> part(off_rad.begin() + static_cast<std::ptrdiff_t>(from),
+                             off_rad.begin() + static_cast<std::ptrdiff_t>(from + tenth));
+    return percentile(part, 0.5);
+  };
+  const double seconds = t_s[t_s.size() - 1 - tenth / 2] - t_s[tenth / 2];
+  return (median(t_s.size() - tenth) - median(0)) * 180 / EIGEN_PI / seconds * 60;
+}
 
 Result<std::vector<WalkRow>> run_walks(const std::string& config, const std::vector<fs::path>& files,
                                        double align_first_m) {
@@ -37,23 +68,26 @@ Result<std::vector<WalkRow>> run_walks(const std::string& config, const std::vec
     if (!recording) return recording.failure();
     RunOptions options;
     options.config = config;
+    options.collect_attitudes = true;
     const auto result = replay(*recording, options);
     if (!result) return result.failure();
     const auto waypoints = recording->waypoints();
     const double turn = heading_offset(result->track, waypoints, align_first_m);
     const WaypointErrors e = waypoint_errors(lay_over(result->track, waypoints, turn), waypoints);
     rows.push_back({files[i].filename().string(), e.reference_m, e.estimate_m, 100 * e.distance_error(),
-                    percentile(e.position_m, 0.5), e.position_m, result->statistics.steps});
+                    percentile(e.position_m, 0.5), e.position_m, result->statistics.steps,
+                    heading_drift(*result, *recording)});
   }
   return rows;
 }
 
 nlohmann::ordered_json summary(const std::string& config, const std::vector<WalkRow>& rows) {
-  std::vector<double> distance, medians, all;
+  std::vector<double> distance, medians, all, drift;
   double reference = 0, estimate = 0;
   for (const WalkRow& row : rows) {
     distance.push_back(std::abs(row.distance_percent));
     medians.push_back(row.position_median_m);
+    if (std::isfinite(row.heading_drift_deg_min)) drift.push_back(std::abs(row.heading_drift_deg_min));
     all.insert(all.end(), row.position_m.begin(), row.position_m.end());
     reference += row.reference_m, estimate += row.estimate_m;
   }
@@ -63,6 +97,9 @@ nlohmann::ordered_json summary(const std::string& config, const std::vector<Walk
           {"total_percent", 100 * (estimate - reference) / reference},
           {"distance_percent", {{"median", percentile(distance, 0.5)}, {"p90", percentile(distance, 0.9)}}},
           {"position_m", {{"median", percentile(all, 0.5)}, {"p90", percentile(all, 0.9)}}},
+          {"heading_drift_deg_min",
+           {{"median", drift.empty() ? std::nan("") : percentile(drift, 0.5)},
+            {"p90", drift.empty() ? std::nan("") : percentile(drift, 0.9)}}},
           {"position_walk_median_m", {{"median", percentile(medians, 0.5)}, {"p90", percentile(medians, 0.9)}}}};
 }
 
@@ -76,9 +113,11 @@ int walks(const WalkArguments& a) {
   nlohmann::ordered_json all = nlohmann::json::array();
   if (!a.json)
     std::printf(
-        "%zu walks from %s; heading fitted over the first %.0f m\n\n%-44s %9s %19s %19s\n%-44s %9s %9s %9s %9s %9s\n",
+        "%zu walks from %s; heading fitted over the first %.0f m\n\n%-44s %9s %19s %19s %19s\n%-44s %9s %9s %9s %9s "
+        "%9s %9s "
+        "%9s\n",
         files.size(), a.data.c_str(), a.align_first_m, "", "total", "distance error (%)", "position error (m)",
-        "config", "(%)", "median", "90 %", "median", "90 %");
+        "heading (deg/min)", "config", "(%)", "median", "90 %", "median", "90 %", "median", "90 %");
   for (const auto& config : a.configs) {
     const auto rows = run_walks(config, files, a.align_first_m);
     if (!rows) return complain(rows.failure());
@@ -87,12 +126,16 @@ int walks(const WalkArguments& a) {
     if (a.json) continue;
     if (a.each)
       for (const WalkRow& row : *rows)
-        std::printf("  %-42s %+8.2f  %7.2f m of %7.2f m, %4llu steps, waypoints %.2f m\n", row.name.c_str(),
-                    row.distance_percent, row.estimate_m, row.reference_m, static_cast<unsigned long long>(row.steps),
-                    row.position_median_m);
-    std::printf("%-44s %+9.2f %9.2f %9.2f %9.2f %9.2f\n", config.c_str(), s["total_percent"].get<double>(),
-                s["distance_percent"]["median"].get<double>(), s["distance_percent"]["p90"].get<double>(),
-                s["position_m"]["median"].get<double>(), s["position_m"]["p90"].get<double>());
+        std::printf("  %-42s %+8.2f  %7.2f m of %7.2f m, %4llu steps, waypoints %.2f m, heading %+.1f deg/min\n",
+                    row.name.c_str(), row.distance_percent, row.estimate_m, row.reference_m,
+                    static_cast<unsigned long long>(row.steps), row.position_median_m, row.heading_drift_deg_min);
+    std::printf(
+        "%-44s %+9.2f %9.2f %9.2f %9.2f %9.2f %9.1f %9.1f\n", config.c_str(), s["total_percent"].get<double>(),
+        s["distance_percent"]["median"].get<double>(), s["distance_percent"]["p90"].get<double>(),
+        s["position_m"]["median"].get<double>(), s["position_m"]["p90"].get<double>(),
+        s["heading_drift_deg_min"]["median"].is_null() ? std::nan("")
+                                                       : s["heading_drift_deg_min"]["median"].get<double>(),
+        s["heading_drift_deg_min"]["p90"].is_null() ? std::nan("") : s["heading_drift_deg_min"]["p90"].get<double>());
   }
   if (a.json) std::printf("%s\n", all.dump(2).c_str());
   return kDone;

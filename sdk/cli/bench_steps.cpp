@@ -32,7 +32,7 @@ struct StepFigures {
   double mode_right_s = 0, mode_all_s = 0;
   std::map<std::pair<uint32_t, uint32_t>, double> modes_s;  ///< true and estimated
   double false_handling = 0, false_turning = 0;             ///< steps in ten minutes
-  std::vector<double> tilt_deg, drift_deg_min;
+  std::vector<double> tilt_deg, drift_deg_min, wander_deg;
 };
 
 /// A walk with all that people do: stops, looking around, evading, other ways to carry the phone.
@@ -109,11 +109,13 @@ void score_modes(const Recording& recording, const RunResult& result, StepFigure
   }
 }
 
-/// Inclination over the whole walk, and how fast the heading leaves the truth after half a minute.
+/// Inclination over the whole walk, how fast the heading leaves the truth after half a minute, and how far it strays
+/// (95 % of the time) from north, or without a magnetometer from what it was then.
 void score_attitude(const Recording& recording, const RunResult& result, StepFigures& f) {
   size_t at = 0;
   double squares = 0;
   size_t n = 0;
+  std::vector<double> strays;
   double first_deg = 0, last_deg = 0, first_s = -1, last_s = 0, before = 0, turns = 0;
   for (const odo_attitude& a : result.attitudes) {
     while (at + 1 < recording.true_states.size() && recording.true_states[at].t_ns < a.header.t_ns) ++at;
@@ -129,9 +131,11 @@ void score_attitude(const Recording& recording, const RunResult& result, StepFig
       if (first_s < 0) first_s = t, first_deg = heading, before = heading;
       turns += std::remainder(heading - before, 360.0);
       before = heading, last_s = t, last_deg = first_deg + turns;
+      strays.push_back(std::abs((a.header.flags & ODO_ATTITUDE_NORTH) ? first_deg + turns : turns));
     }
   }
   if (n > 0) f.tilt_deg.push_back(std::sqrt(squares / static_cast<double>(n)));
+  if (!strays.empty()) f.wander_deg.push_back(percentile(strays, 0.95));
   if (last_s > first_s + 30) f.drift_deg_min.push_back(std::abs(last_deg - first_deg) / (last_s - first_s) * 60);
 }
 
@@ -154,7 +158,8 @@ nlohmann::ordered_json summary(const std::string& config, const StepFigures& f, 
            {{"handling", f.false_handling / static_cast<double>(seeds)},
             {"turning", f.false_turning / static_cast<double>(seeds)}}},
           {"tilt_rms_deg", percentile(f.tilt_deg, 0.5)},
-          {"drift_deg_per_min", percentile(f.drift_deg_min, 0.5)}};
+          {"drift_deg_per_min", percentile(f.drift_deg_min, 0.5)},
+          {"heading_wander_deg", percentile(f.wander_deg, 0.5)}};
 }
 
 int steps(const StepArguments& a) {
@@ -195,12 +200,13 @@ int steps(const StepArguments& a) {
       "and in a\npocket; ten minutes each of typing and gestures, and of turning on the spot.\n\n",
       static_cast<unsigned long long>(a.seeds));
   std::printf(
-      "%-42s %15s %15s %14s %6s %15s %6s %13s %6s %7s\n%-42s %7s %7s %7s %7s %6s %7s %6s %7s %7s %6s %6s %6s %6s %7s\n",
+      "%-42s %15s %15s %14s %6s %15s %6s %13s %6s %7s %6s\n%-42s %7s %7s %7s %7s %6s %7s %6s %7s %7s %6s %6s %6s %6s "
+      "%7s %6s\n",
       "", "count (%)", "times (ms)", "latency (ms)", "mode", "distance (%)", "NEES", "false steps", "tilt", "drift",
-      "config", "median", "worst", "start", "end", "median", "90 %", "(%)", "median", "90 %", "", "typing", "turns",
-      "deg", "deg/min");
+      "stray", "config", "median", "worst", "start", "end", "median", "90 %", "(%)", "median", "90 %", "", "typing",
+      "turns", "deg", "deg/min", "deg");
   for (const auto& r : rows)
-    std::printf("%-42s %7.2f %7.2f %7.0f %7.0f %6.0f %7.0f %6.1f %7.2f %7.2f %6.2f %6.1f %6.1f %6.2f %7.2f\n",
+    std::printf("%-42s %7.2f %7.2f %7.0f %7.0f %6.0f %7.0f %6.1f %7.2f %7.2f %6.2f %6.1f %6.1f %6.2f %7.2f %6.2f\n",
                 r["config"].get<std::string>().c_str(), r["count_percent"]["median"].get<double>(),
                 r["count_percent"]["worst"].get<double>(), r["start_ms"].get<double>(), r["end_ms"].get<double>(),
                 r["latency_ms"]["median"].get<double>(), r["latency_ms"]["p90"].get<double>(),
@@ -208,7 +214,7 @@ int steps(const StepArguments& a) {
                 r["distance_percent"]["p90"].get<double>(), r["normalised_error_squared"].get<double>(),
                 r["false_steps_in_10_min"]["handling"].get<double>(),
                 r["false_steps_in_10_min"]["turning"].get<double>(), r["tilt_rms_deg"].get<double>(),
-                r["drift_deg_per_min"].get<double>());
+                r["drift_deg_per_min"].get<double>(), r["heading_wander_deg"].get<double>());
   if (!a.confusion) return kDone;
   for (size_t c = 0; c < a.configs.size(); ++c) {
     std::printf("\n%s: seconds in which the true mode was taken for\n", a.configs[c].c_str());

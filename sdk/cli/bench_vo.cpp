@@ -23,6 +23,7 @@ constexpr double kTrueWindow_m = 10;
 
 struct VoArguments {
   std::vector<std::string> configs = {"samples/configs/monocular.yaml", "samples/configs/monocular_antigny2019.yaml",
+                                      "samples/configs/monocular_gakne2018.yaml",
                                       "samples/configs/monocular_odograph.yaml"};
   std::vector<std::string> scenarios = {"samples/scenarios/street_short.yaml"}, recordings;
   std::string keep = "out/bench";
@@ -78,6 +79,8 @@ Result<Json> run_one(const Recording& recording, const std::string& config, cons
   std::vector<double> turn_deg;
   for (const double rad : relative_errors(pairs.reference, aligned, 1, false).rotation_rad)
     turn_deg.push_back(rad * 180 / EIGEN_PI);
+  std::vector<double> changes;
+  for (const double change : scale_changes(pairs, kTrueWindow_m)) changes.push_back(100 * std::abs(change));
   const Consistency nees = consistency_of(recording.truth, result->motions);
   const auto part = [&](uint32_t state) {
     return static_cast<double>(std::count(result->states.begin(), result->states.end(), state)) /
@@ -89,6 +92,8 @@ Result<Json> run_one(const Recording& recording, const std::string& config, cons
               {"ape_percent", statistics_of(absolute_errors(pairs.reference, aligned).translation_m).rmse * percent},
               {"true_lengths_end_percent", end_with(0)},
               {"true_windows_end_percent", end_with(kTrueWindow_m)},
+              {"scale_change_median_percent", changes.empty() ? std::nan("") : percentile(changes, 0.5)},
+              {"scale_change_p95_percent", changes.empty() ? std::nan("") : percentile(changes, 0.95)},
               {"rotation_median_deg", percentile(turn_deg, 0.5)},
               {"tracking", part(ODO_TRACKING)},
               {"lost", part(ODO_LOST)},
@@ -100,9 +105,10 @@ Result<Json> run_one(const Recording& recording, const std::string& config, cons
 
 void print_row(const Json& row, const std::string& name) {
   const auto value = [&](const char* key) { return row[key].is_null() ? std::nan("") : row[key].get<double>(); };
-  std::printf("%-26s %-24s %7.2f %9.2f %9.2f %9.4f %7.0f %5.0f %7.2f %7.2f %7.1f %7.1f\n", name.c_str(),
+  std::printf("%-26s %-24s %7.2f %9.2f %9.2f %7.2f %7.2f %9.4f %7.0f %5.0f %7.2f %7.2f %7.1f %7.1f\n", name.c_str(),
               fs::path(row["config"].get<std::string>()).stem().c_str(), value("ape_percent"),
-              value("true_lengths_end_percent"), value("true_windows_end_percent"), value("rotation_median_deg"),
+              value("true_lengths_end_percent"), value("true_windows_end_percent"),
+              value("scale_change_median_percent"), value("scale_change_p95_percent"), value("rotation_median_deg"),
               100 * value("tracking"), 100 * value("lost"), value("rotation_nees"), value("direction_nees"),
               value("frame_ms_median"), value("frame_ms_p99"));
 }
@@ -159,17 +165,19 @@ int bench_vo(const VoArguments& a) {
     std::printf("%s\n", Json(rows).dump(2).c_str());
     return kDone;
   }
-  std::printf("%-26s %-24s %7s %9s %9s %9s %7s %5s %7s %7s %7s %7s\n", "recording", "config", "APE", "lengths",
-              "windows", "turn", "track", "lost", "NEES", "NEES", "ms", "ms");
-  std::printf("%-26s %-24s %7s %9s %9s %9s %7s %5s %7s %7s %7s %7s\n", "", "", "%", "end %", "end %", "deg", "%", "%",
-              "turn", "way", "median", "99 %");
+  std::printf("%-26s %-24s %7s %9s %9s %7s %7s %9s %7s %5s %7s %7s %7s %7s\n", "recording", "config", "APE", "lengths",
+              "windows", "scale", "scale", "turn", "track", "lost", "NEES", "NEES", "ms", "ms");
+  std::printf("%-26s %-24s %7s %9s %9s %7s %7s %9s %7s %5s %7s %7s %7s %7s\n", "", "", "%", "end %", "end %",
+              "median %", "95 %", "deg", "%", "%", "turn", "way", "median", "99 %");
   for (const Json& row : rows) print_row(row, row["recording"].get<std::string>().substr(0, 26));
   if (files->size() > 1)
     for (const std::string& config : a.configs) print_row(medians(rows, config), "median");
   std::printf(
       "\nAPE: after Sim(3), of the path. lengths, windows: error at the end when each frame's displacement, or each "
       "%.0f m of\n"
-      "the path, is given its true length. turn: rotation error of a frame, median. NEES: normalised error squared of "
+      "the path, is given its true length. scale: how much it\n"
+      "changes from one half of such a stretch to the other. turn: rotation error of a frame, median. NEES: normalised "
+      "error squared of "
       "a\n"
       "frame's turn and of its direction, by degree of freedom; 1 is consistent.\n",
       kTrueWindow_m);

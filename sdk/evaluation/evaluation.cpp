@@ -237,6 +237,23 @@ TrueLengths with_true_lengths(const Pairs& pairs, double window_m) {
   return out;
 }
 
+std::vector<double> scale_changes(const Pairs& pairs, double window_m) {
+  const Trajectory &truth = pairs.reference, &estimate = pairs.estimate;
+  std::vector<double> changes;
+  double path = 0, before = 0;  // scale of the half before; 0: none
+  size_t begin = 0;
+  bool second = false;
+  for (size_t i = 1; i < truth.size(); ++i) {
+    path += (truth[i].p - truth[i - 1].p).norm();
+    if (path < 0.5 * window_m) continue;
+    const double true_m = (truth[i].p - truth[begin].p).norm(), own = (estimate[i].p - estimate[begin].p).norm();
+    const double scale = true_m > 0.25 * window_m && own > 1e-12 ? true_m / own : 0;
+    if (second && scale > 0 && before > 0) changes.push_back(scale / before - 1);
+    before = scale, second = !second, begin = i, path = 0;
+  }
+  return changes;
+}
+
 Vector3d position_at(const Trajectory& trajectory, int64_t t_ns) {
   if (trajectory.empty()) return Vector3d::Zero();
   const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), t_ns,

@@ -59,6 +59,11 @@ struct TrueLengths {
 };
 TrueLengths with_true_lengths(const Pairs& pairs, double window_m);
 
+/// How far the estimate's scale moves within windows of the true path: of each window whose two halves both lead
+/// somewhere, the ratio of the second half's scale (true displacement over the estimate's) to the first half's,
+/// minus 1.
+std::vector<double> scale_changes(const Pairs& pairs, double window_m);
+
 /// Position at a time, linear between poses, held before the first and after the last.
 Eigen::Vector3d position_at(const Trajectory& trajectory, int64_t t_ns);
 

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Glue that the attitude sources share: samples in, one orientation out for each. A filter works in East-North-Up.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Geometry>
+#include <odograph/plugin.hpp>
+
+namespace odograph {
+
+/// `Filter` has update(gyro, accel, dt_s), update_magnetometer(field, dt_s), ready(), orientation(), bias(),
+/// inclination_sigma(), heading_sigma(), has_heading(), mag_disturbed() and at_rest().
+template <class Filter>
+class AttitudeSource {
+ public:
+  AttitudeSource() = default;
+  AttitudeSource(Filter filter, bool magnetometer, const std::array<double, 3>& forward_axis)
+      : filter_(std::move(filter)), magnetometer_(magnetometer), forward_axis_(forward_axis.data()) {
+    if (forward_axis_.norm() < 1e-6) throw odo::Error(ODO_E_CONFIG, "forward_axis must not be zero");
+  }
+
+  void on(const odo_imu& imu, odo::Output& output) {
+    const double dt = last_ns_ == INT64_MIN ? 0.01 : static_cast<double>(imu.header.t_ns - last_ns_) * 1e-9;
+    last_ns_ = imu.header.t_ns;
+    if (dt <= 0) return;
+    filter_->update(Eigen::Vector3d(imu.gyro_b), Eigen::Vector3d(imu.accel_b), std::min(dt, kLongestStep_s));
+    if (!filter_->ready()) return;
+    if (first_ns_ == INT64_MIN) first_ns_ = imu.header.t_ns;
+    const bool wait = magnetometer_ && !filter_->has_heading() && imu.header.t_ns - first_ns_ < kWaitForNorth_ns;
+    if (wait) return;
+    // ENU to NED; without a magnetometer turned so that the start faces north.
+    static const Eigen::Quaterniond ned_from_enu(0.0, std::sqrt(0.5), std::sqrt(0.5), 0.0);
+    const Eigen::Quaterniond q_ned_b = ned_from_enu * filter_->orientation();
+    if (!aligned_) {
+      aligned_ = true;
+      const Eigen::Vector3d forward = q_ned_b * forward_axis_;
+      turn_ = Eigen::Quaterniond(Eigen::AngleAxisd(-std::atan2(forward.y(), forward.x()), Eigen::Vector3d::UnitZ()));
+    }
+    const Eigen::Quaterniond q = filter_->has_heading() ? q_ned_b : turn_ * q_ned_b;
+    auto event = odo::make<odo_attitude>(imu.header.t_ns);
+    event.q_n_b[0] = q.w(), event.q_n_b[1] = q.x(), event.q_n_b[2] = q.y(), event.q_n_b[3] = q.z();
+    const double tilt = filter_->inclination_sigma(), heading = filter_->heading_sigma();
+    event.covariance_n[0] = event.covariance_n[4] = tilt * tilt;
+    event.covariance_n[8] = heading * heading;
+    Eigen::Vector3d::Map(event.gyro_bias_b) = filter_->bias();
+    if (filter_->has_heading()) event.header.flags |= ODO_ATTITUDE_NORTH;
+    if (filter_->mag_disturbed()) event.header.flags |= ODO_ATTITUDE_MAG_DISTURBED;
+    if (filter_->at_rest()) event.header.flags |= ODO_ATTITUDE_REST;
+    output.emit(event);
+  }
+
+  void on(const odo_magnetometer& sample) {
+    if (!magnetometer_) return;
+    const double dt = last_mag_ns_ == INT64_MIN ? 0.02 : static_cast<double>(sample.header.t_ns - last_mag_ns_) * 1e-9;
+    last_mag_ns_ = sample.header.t_ns;
+    if (dt > 0) filter_->update_magnetometer(Eigen::Vector3d(sample.field_b), std::min(dt, kLongestStep_s));
+  }
+
+ private:
+  /// Gaps longer than this are bridged by the gyroscope's last word no more; the filter goes on as if little time
+  /// passed.
+  static constexpr double kLongestStep_s = 0.2;
+  /// So that the heading does not jump when the first magnetometer sample comes a little late.
+  static constexpr int64_t kWaitForNorth_ns = 1'000'000'000;
+
+  std::optional<Filter> filter_;
+  bool magnetometer_ = false;
+  Eigen::Vector3d forward_axis_ = Eigen::Vector3d::UnitY();
+  Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
+  bool aligned_ = false;
+  int64_t first_ns_ = INT64_MIN;
+  int64_t last_ns_ = INT64_MIN;
+  int64_t last_mag_ns_ = INT64_MIN;
+};
+
+}  // namespace odograph

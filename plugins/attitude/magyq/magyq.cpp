@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/attitude/magyq/magyq.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odograph::magyq {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kGravity = 9.80665;
+constexpr double kBetweenUpdates_s = 0.2;  // neighbouring samples of a field err alike
+constexpr double kStrengthTau_s = 60;      // of the field's long mean
+constexpr double kSurprise = 4.0;          // of an innovation squared over its variance
+
+Quaterniond exp_rotation(const Vector3d& angle) {
+  const double norm = angle.norm();
+  if (norm < 1e-12) return {1.0, 0.5 * angle.x(), 0.5 * angle.y(), 0.5 * angle.z()};
+  const Vector3d axis = angle / norm * std::sin(0.5 * norm);
+  return {std::cos(0.5 * norm), axis.x(), axis.y(), axis.z()};
+}
+
+}  // namespace
+
+void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
+  if (!started_) {
+    if (accel.norm() < 1.0) return;  // free fall or a dead sensor: no vertical to start from
+    started_ = true;
+    q_ = Quaterniond::FromTwoVectors(accel, Vector3d::UnitZ());
+    P_.setZero();
+    P_.topLeftCorner<2, 2>().diagonal().setConstant(0.1 * 0.1);
+    P_.block<3, 3>(3, 3).diagonal().setConstant(p_.bias_sigma_radps * p_.bias_sigma_radps);
+    return;
+  }
+  predict(gyro, dt_s);
+  window_s_ += dt_s, ++window_count_;
+  accel_sum_ += q_ * accel, rate_sum_ += gyro;
+  accel_squares_ += accel.squaredNorm(), rate_squares_ += gyro.squaredNorm();
+  if (window_s_ >= p_.window_s) level();
+}
+
+/// Strapdown integration; the error is carried in the Earth's axes, where a bias error turns with the body.
+void Filter::predict(const Vector3d& gyro, double dt_s) {
+  q_ = (q_ * exp_rotation((gyro - bias_) * dt_s)).normalized();
+  const Matrix3d by_bias = -q_.toRotationMatrix() * dt_s;
+  const Matrix3d cross = P_.block<3, 3>(0, 3) + by_bias * P_.block<3, 3>(3, 3);
+  P_.block<3, 3>(0, 0) += by_bias * P_.block<3, 3>(3, 0) + cross * by_bias.transpose();
+  P_.block<3, 3>(0, 3) = cross;
+  P_.block<3, 3>(3, 0) = cross.transpose();
+  P_.block<3, 4>(0, kFieldOff) += by_bias * P_.block<3, 4>(3, kFieldOff);
+  P_.block<4, 3>(kFieldOff, 0) = P_.block<3, 4>(0, kFieldOff).transpose();
+  P_.block<3, 3>(0, 0).diagonal().array() += p_.gyro_noise * p_.gyro_noise * dt_s;
+  P_.block<3, 3>(3, 3).diagonal().array() += p_.gyro_walk * p_.gyro_walk * dt_s;
+}
+
+/// The mean acceleration in the Earth's axes is the vertical, but for what the speed changed within the window. At the
+/// very start, where the first sample may have met a swing, it is believed as it is.
+void Filter::level() {
+  const auto n = static_cast<double>(window_count_);
+  const Vector3d mean = accel_sum_ / n, rate = rate_sum_ / n;
+  const double accel_spread = std::sqrt(std::max(0.0, accel_squares_ / n - std::pow(mean.norm(), 2)));
+  const double rate_spread = std::sqrt(std::max(0.0, rate_squares_ / n - rate.squaredNorm()));
+  calm_ = accel_spread < p_.calm_accel_mps2;
+  at_rest_ = accel_spread < p_.rest_accel_mps2 && rate_spread < p_.rest_gyro_radps;
+  // What a rotation error of the true over the estimated axes does to the vertical.
+  const double sigma = (at_rest_ ? 0.1 : 1.0) * p_.accel_sigma_mps2 / kGravity;
+  const double norm = std::max(mean.norm(), 1.0);
+  Row H = Row::Zero();
+  H[0] = 1;
+  correct(H, mean.y() / norm, sigma * sigma, settled_ ? 5.0 : 0.0);
+  H.setZero(), H[1] = 1;
+  correct(H, -mean.x() / norm, sigma * sigma, settled_ ? 5.0 : 0.0);
+  settled_ = true;
+  if (at_rest_) rest(rate, std::max(p_.rest_sway_radps, rate_spread));
+  window_s_ = 0, window_count_ = 0;
+  accel_sum_.setZero(), rate_sum_.setZero();
+  accel_squares_ = rate_squares_ = 0;
+}
+
+/// A device that does not move shows its bias; a hand that stands still sways, by as much as the rate is spread.
+void Filter::rest(const Vector3d& rate, double sigma) {
+  for (int i = 0; i < 3; ++i) {
+    Row H = Row::Zero();
+    H[3 + i] = 1;
+    correct(H, rate[i] - bias_[i], sigma * sigma, 5.0);
+  }
+}
+
+/// One row of the Kalman filter's update; false, and nothing changed, outside the gate (0: none).
+bool Filter::correct(const Row& H, double innovation, double variance, double gate_sigma) {
+  const Eigen::Matrix<double, kStates, 1> PHt = P_ * H.transpose();
+  const double S = H.dot(PHt) + variance;
+  if (gate_sigma > 0 && innovation * innovation > gate_sigma * gate_sigma * S) return false;
+  const Eigen::Matrix<double, kStates, 1> K = PHt / S, error = K * innovation;
+  q_ = (exp_rotation(error.head<3>()) * q_).normalized();
+  bias_ += error.segment<3>(3);
+  field_off_rad_ += error[kFieldOff];
+  iron_ += error.tail<3>();
+  P_ -= K * PHt.transpose();
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+  return true;
+}
+
+/// Nobody walks, and both halves of the window show the same strength.
+bool Filter::is_quasi_static(double dt_s) const {
+  const auto window = static_cast<size_t>(
+      std::clamp(p_.field_window_s / std::max(dt_s, 1e-3), 4.0, static_cast<double>(norms_.size())));
+  if (norm_count_ < window) return false;
+  double halves[2] = {0, 0};
+  for (size_t i = 0; i < 2 * (window / 2); ++i) halves[i < window / 2] += norms_[(norm_count_ - 1 - i) % norms_.size()];
+  return calm_ && std::abs(halves[0] - halves[1]) < p_.field_change * halves[0];
+}
+
+void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
+  const double norm = field.norm();
+  if (!started_ || norm <= 0) return;
+  norms_[norm_count_++ % norms_.size()] = norm;
+  quasi_static_ = is_quasi_static(dt_s);
+  seen_s_ += dt_s;
+  strength_ += std::max(1 - std::exp(-dt_s / kStrengthTau_s), std::min(1.0, dt_s / seen_s_)) * (norm - strength_);
+
+  // Where the walker has come to, the field is off north by something else.
+  if (quasi_static_) {
+    P_(kFieldOff, kFieldOff) += p_.field_turn * p_.field_turn * dt_s;
+  } else {
+    const double keep = std::exp(-dt_s / p_.field_off_s);
+    field_off_rad_ *= keep;
+    P_.row(kFieldOff) *= keep;
+    P_.col(kFieldOff) *= keep;
+    P_(kFieldOff, kFieldOff) += (1 - keep * keep) * p_.field_off_sigma_rad * p_.field_off_sigma_rad;
+  }
+
+  field_sum_ += q_ * (field / strength_ - iron_);
+  since_update_s_ += dt_s;
+  if (since_update_s_ < kBetweenUpdates_s) return;
+  see_field(field_sum_ * dt_s / since_update_s_);
+  field_sum_.setZero(), since_update_s_ = 0;
+}
+
+/// The heading that the field shows, east of north: an error of ours to the left, what disturbs it, the iron's share.
+void Filter::see_field(const Vector3d& earth) {
+  const double level = earth.head<2>().norm(), heading = std::atan2(earth.x(), earth.y());
+  if (level < 0.05) return;  // it points straight down: no heading
+  if (!has_heading_) {       // nothing is known yet: north is where the field says
+    has_heading_ = true;
+    q_ = (exp_rotation({0, 0, heading}) * q_).normalized();
+    P_.row(kHeading).setZero(), P_.col(kHeading).setZero();
+    P_(kHeading, kHeading) = M_PI * M_PI;
+    P_(kFieldOff, kFieldOff) = p_.field_off_sigma_rad * p_.field_off_sigma_rad;
+    P_.bottomRightCorner<3, 3>().diagonal().setConstant(p_.hard_iron_sigma * p_.hard_iron_sigma);
+    return see_field(exp_rotation({0, 0, heading}) * earth);
+  }
+  Row H = Row::Zero();
+  H[kHeading] = 1, H[kFieldOff] = 1;
+  const Vector3d east_of_field(std::cos(heading) / level, -std::sin(heading) / level, 0);
+  H.tail<3>() = east_of_field.transpose() * q_.toRotationMatrix();
+  const double variance = p_.field_heading_sigma_rad * p_.field_heading_sigma_rad / (level * level);
+  const double innovation = std::remainder(heading - field_off_rad_, 2 * M_PI);
+  // Steel is near: the surprise is the field's, whatever its usual size.
+  const double usual = (H * P_ * H.transpose()).value() + variance;
+  if (innovation * innovation > kSurprise * usual) P_(kFieldOff, kFieldOff) += innovation * innovation;
+  correct(H, innovation, variance, 0);
+}
+
+double Filter::heading_sigma() const { return std::sqrt(P_(kHeading, kHeading)); }
+double Filter::inclination_sigma() const { return std::sqrt(std::max(P_(0, 0), P_(1, 1))); }
+
+}  // namespace odograph::magyq

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace odograph::magyq {
+
+/// After Renaudin & Combettes, "Magnetic, Acceleration Fields and Gyroscope Quaternion (MAGYQ)-Based Attitude
+/// Estimation with Smartphone Sensors for Indoor Pedestrian Navigation", Sensors 14 (2014).
+struct Parameters {
+  double gyro_noise = 1e-3;         ///< rad/s/sqrt(Hz); a phone's, scale errors and misalignment included
+  double gyro_walk = 1e-5;          ///< rad/s^2/sqrt(Hz), of the bias
+  double bias_sigma_radps = 0.006;  ///< of the bias at the start
+  double window_s = 1.0;            ///< over which the acceleration is averaged: a stride's swing is gone then
+  double accel_sigma_mps2 = 0.35;   ///< of that average: speed that changes within the window
+  double rest_gyro_radps = 0.02, rest_accel_mps2 = 0.15;  ///< deviations in the window that are no movement
+  double rest_sway_radps = 0.0026;                        ///< mean rate that is no rotation
+  double field_window_s = 1.0;             ///< of which both halves must show a field of the same strength
+  double field_change = 0.006;             ///< within this part of it: a quasi-static field
+  double calm_accel_mps2 = 0.6;            ///< spread of the acceleration of somebody who does not walk
+  double field_heading_sigma_rad = 0.008;  ///< of a heading that the field shows: noise and tilt
+  double field_off_sigma_rad = 0.25;       ///< how far the field points off north, where something disturbs it
+  double field_off_s = 5;                  ///< time constant of that, on foot
+  double field_turn = 0.002;               ///< rad/sqrt(s): how it wanders in quasi-static phases
+  double hard_iron_sigma = 0.06;           ///< the device's own field, in parts of the Earth's
+};
+
+/// Orientation by gyroscope, corrected where a field allows it. The acceleration averaged over a stride shows the
+/// vertical. The magnetic field's direction in the Earth's axes is off north by what disturbs it, which changes as the
+/// walker goes, slowly while its strength is quasi-static: so over a second or two the field shows the gyroscope's
+/// error (the paper's magnetic angular rate update) whatever disturbs it, and over a minute it shows north. A Kalman
+/// filter of the errors of ten states: rotation (in the Earth's axes), gyroscope bias, how far the field is off
+/// north here, and the device's own field (hard iron), which turns with it. Earth frame: East-North-Up. No allocation.
+class Filter {
+ public:
+  explicit Filter(const Parameters& parameters) : p_(parameters) {}
+
+  /// gyro rad/s, accel m/s^2 in body axes; dt_s > 0 since the last sample.
+  void update(const Eigen::Vector3d& gyro, const Eigen::Vector3d& accel, double dt_s);
+  /// Field in body axes, any unit; dt_s since the last magnetometer sample.
+  void update_magnetometer(const Eigen::Vector3d& field, double dt_s);
+
+  bool ready() const { return started_; }
+  /// Body to Earth (ENU). Heading is relative to the start until a magnetometer spoke.
+  const Eigen::Quaterniond& orientation() const { return q_; }
+  /// rad/s, to be subtracted.
+  const Eigen::Vector3d& bias() const { return bias_; }
+  bool at_rest() const { return at_rest_; }
+  bool has_heading() const { return has_heading_; }
+  /// The field's strength changes.
+  bool mag_disturbed() const { return !quasi_static_; }
+  double heading_sigma() const;
+  double inclination_sigma() const;
+
+ private:
+  static constexpr int kStates = 10, kHeading = 2, kFieldOff = 6, kIron = 7;
+  using Matrix = Eigen::Matrix<double, kStates, kStates>;
+  using Row = Eigen::Matrix<double, 1, kStates>;
+
+  void predict(const Eigen::Vector3d& gyro, double dt_s);
+  void level();
+  void rest(const Eigen::Vector3d& rate, double sigma_radps);
+  bool is_quasi_static(double dt_s) const;
+  void see_field(const Eigen::Vector3d& field_earth);
+  bool correct(const Row& H, double innovation, double variance, double gate_sigma);
+
+  Parameters p_;
+  bool started_ = false;
+  Eigen::Quaterniond q_ = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
+  Matrix P_ = Matrix::Zero();
+
+  // The window of the acceleration and of what tells rest.
+  double window_s_ = 0;
+  size_t window_count_ = 0;
+  Eigen::Vector3d accel_sum_ = Eigen::Vector3d::Zero(), rate_sum_ = Eigen::Vector3d::Zero();
+  double accel_squares_ = 0, rate_squares_ = 0;
+  bool at_rest_ = false, settled_ = false;
+
+  // The magnetic field.
+  std::array<double, 256> norms_{};
+  size_t norm_count_ = 0;
+  double since_update_s_ = 0, seen_s_ = 0;
+  Eigen::Vector3d field_sum_ = Eigen::Vector3d::Zero();  // in the Earth's axes
+  double field_off_rad_ = 0;
+  Eigen::Vector3d iron_ = Eigen::Vector3d::Zero();  // in body axes, parts of the field's strength
+  double strength_ = 0;                             // the field's long mean
+  bool calm_ = false, quasi_static_ = false, has_heading_ = false;
+};
+
+}  // namespace odograph::magyq
