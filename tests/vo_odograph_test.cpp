@@ -262,6 +262,29 @@ TEST_CASE("a walk along a street: one unit, straight, the same twice; darkness i
   }
 }
 
+TEST_CASE("nothing grows over 10,000 frames") {
+  Film film;
+  std::vector<cv::Mat> frames;
+  for (size_t i = 0; i < 40; ++i) frames.push_back(film.frame({0.13 * static_cast<double>(i), 0, -1.5}, 0, i));
+  const auto resident_kb = [] {
+    std::ifstream file("/proc/self/statm");
+    long all = 0, resident = 0;
+    file >> all >> resident;
+    return resident * (sysconf(_SC_PAGESIZE) / 1024);
+  };
+  Odometry vo({}, Film::model());
+  long settled_kb = 0;
+  size_t tracked = 0;
+  for (size_t i = 0; i < 10000; ++i) {  // up and down the street
+    const size_t k = i % 78, at = k < 40 ? k : 78 - k;
+    const auto motion = vo.process({frames[at], {}, static_cast<int64_t>(i) * 100 * kMilli, 0});
+    tracked += motion.state == Tracking::tracking;
+    if (i == 2000) settled_kb = resident_kb();
+  }
+  CHECK(tracked > 9000);
+  CHECK(resident_kb() - settled_kb < 2048);
+}
+
 TEST_CASE("turning on the spot: a rotation, no translation, and the gyroscope's bias is learnt") {
   Film film;
   Odometry vo({}, Film::model());

@@ -241,11 +241,13 @@ void Odometry::report(const FittedPose& pose, Motion& motion) {
   motion.rotation_valid = motion.translation_valid = true;
   motion.state = Tracking::tracking;
   motion.trouble = Trouble::none;
-  // Both poses stand by the same points: their errors are taken as independent.
-  Eigen::Matrix<double, 6, 6> to_c0 = Eigen::Matrix<double, 6, 6>::Zero();
+  // Both poses stand by the map; what the gyroscope tied this turn to the last by, they share.
+  Eigen::Matrix<double, 6, 6> to_c0 = Eigen::Matrix<double, 6, 6>::Zero(),
+                              own = Eigen::Matrix<double, 6, 6>::Identity();
   to_c0.topLeftCorner<3, 3>() = last_step_.linear();
   to_c0.bottomRightCorner<3, 3>() = T_before.linear().transpose();
-  motion.covariance = to_c0 * (pose.covariance + last_covariance_) * to_c0.transpose();
+  if (turn_) own.topLeftCorner<3, 3>() -= pose.covariance.topLeftCorner<3, 3>() / std::pow(turn_->sigma_rad, 2);
+  motion.covariance = to_c0 * (pose.covariance + own * last_covariance_ * own.transpose()) * to_c0.transpose();
   motion.covariance.diagonal().head<3>().array() += kTurnFloor_rad * kTurnFloor_rad;
   last_covariance_ = pose.covariance;
   T_w_c_ = pose.T_w_c;
