@@ -21,8 +21,10 @@ constexpr double kPush = 0.55;                           // of the typical swing
 constexpr int kStrayToEnd = 3;                           // steps in a row that are not, which end a walk
 constexpr double kMissing = 2.0;                         // times the typical interval: a walk is over
 constexpr double kSwingPerRate = 3.5;  // m/s^2 for a rad/s, to begin: a hand that moves by itself turns more
+constexpr double kSurelyNoHand = 7, kSurelyUpright = 0.75;  // a hand that turns less than that, or moves up and down
 constexpr double kRegularToBegin = 0.85, kRegular = 0.5;  // autocorrelation at a step's lag from which a walk may begin
-constexpr double kAlike = 1.45;  // largest over smallest of three intervals, where a walk begins
+constexpr double kAlike = 1.45;                       // largest over smallest of three intervals, where a walk begins
+constexpr double kSameLeg = 1.15, kUnlikeLegs = 2.2;  // the same of two steps of one leg, and of both
 constexpr double kPartOver_s = 0.8;
 constexpr double kArmLag_s = 0.03;  // the hand follows the trunk by that much
 
@@ -101,10 +103,16 @@ void StepFinder::begin(const WalkSignal& signal) {
     swings += swing;
   }
   const double mean_s = (peaks_[last].t_ns - peaks_[first_alike].t_ns) * 1e-9 / (kToBegin - 1);
-  if (longest > kAlike * shortest || strongest > 3 * weakest) return;
-  if (signal.vertical_part(2 * kPartOver_s) < kUpright || repetition(signal, mean_s, 2) < kRegularToBegin) return;
+  // Of somebody whose legs are unlike every other interval is like the one before last.
+  const double side = interval_s(last) / interval_s(last - 2);
+  const bool limps = std::max(side, 1 / side) < kSameLeg && longest < kUnlikeLegs * shortest;
+  if (longest > kAlike * shortest && !limps) return;
+  if (strongest > (longest > kAlike * shortest ? 1.5 : 3.0) * weakest) return;
   const double rate = signal.gyro_between(peaks_[first_alike].index, peaks_[last].index);
-  if (swings / (kToBegin - 1) < kSwingPerRate * rate) return;
+  const double swing_per_rate = swings / (kToBegin - 1) / std::max(rate, 1e-3);
+  const double upright = swing_per_rate < kSurelyNoHand ? kSurelyUpright : kUpright;
+  if (swing_per_rate < kSwingPerRate || signal.vertical_part(2 * kPartOver_s) < upright) return;
+  if (repetition(signal, mean_s, 2) < kRegularToBegin) return;
   walking_ = true;
   stray_ = 0;
   typical_s_ = mean_s;
