@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -257,6 +258,57 @@ TEST_CASE("bad samples are counted, survived and recovered from") {
   CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
   CHECK(pose.state == ODO_TRACKING);
   for (const double x : pose.p_n) CHECK(std::isfinite(x));
+}
+
+TEST_CASE("steps come back within two seconds of every fault of the sensor") {
+  for (const std::string attitude : {"vqf", "magyq"}) {
+    const std::string yaml =
+        "odograph: 1\nattitude:\n  plugin: attitude/" + attitude + "\nstep_estimator:\n  plugin: step/odograph\n";
+    enum Fault { silence, not_numbers, saturated, duplicated, reordered, jittered };
+    for (const Fault fault : {silence, not_numbers, saturated, duplicated, reordered, jittered}) {
+      CAPTURE(attitude);
+      CAPTURE(static_cast<int>(fault));
+      App app(yaml);
+      const auto push = [&](int i, double scale, int64_t late_ns) {
+        const double t = 0.01 * i;
+        double gyro[3] = {0.05 * std::sin(6 * t), 0.01, 0.1 * std::sin(3 * t)};
+        double accel[3] = {0.1, 9.81 + 2.2 * std::sin(2 * 3.14159265 * 1.9 * t), 0.4};
+        for (double& x : accel) x = std::clamp(scale * x, -78.5, 78.5);
+        for (double& x : gyro) x = std::clamp(scale * x, -34.9, 34.9);
+        odo_session_push_imu(app.session, static_cast<int64_t>(t * 1e9) + 1'000'000'000 + late_ns, gyro, accel);
+      };
+      const double nan3[3] = {std::numeric_limits<double>::quiet_NaN(), 0, 0};
+      app.walk(0, 2000);
+      for (int i = 2000; i < 2400; ++i) {  // four seconds of it
+        if (fault == not_numbers) odo_session_push_imu(app.session, i * 10'000'000LL + 1'000'000'000, nan3, nan3);
+        if (fault == saturated) push(i, 1e5, 0);
+        if (fault == duplicated) push(i, 1, 0), push(i, 1, 0);
+        if (fault == reordered) push(i ^ 1, 1, 0);
+        if (fault == jittered) push(i, 1, (i * 7919 % 100) * 200'000LL);
+      }
+      app.walk(2400, 4000);
+      odo_session_flush(app.session);
+      std::vector<int64_t> ends;
+      for (const std::string& bytes : app.events) {
+        odo_step step;
+        if (reinterpret_cast<const odo_header*>(bytes.data())->type != ODO_TYPE_STEP) continue;
+        std::memcpy(&step, bytes.data(), std::min(sizeof step, bytes.size()));
+        if (step.t_start_ns > 25'000'000'000) ends.push_back(step.t_end_ns);
+      }
+      REQUIRE(ends.size() > 2);
+      CHECK(ends.front() < 27'000'000'000);  // a step that ended within two seconds of the fault's end
+      CHECK(std::abs(static_cast<int>(ends.size()) - 29) < 4);  // and no more, no fewer than were walked from then on
+      const auto s = app.statistics();
+      if (fault == silence || fault == not_numbers) CHECK(s.gaps == 1);
+      if (fault == not_numbers) CHECK(s.invalid == 400);
+      if (fault == duplicated) CHECK(s.duplicate == 400);
+      odo_pose pose{};
+      pose.header.struct_size = sizeof pose;
+      CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+      for (const double x : pose.p_n) CHECK(std::isfinite(x));
+      CHECK(pose.state == ODO_TRACKING);
+    }
+  }
 }
 
 TEST_CASE("a sensor clock that is set back starts the session anew") {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace odograph::magyq {
 namespace {
@@ -36,6 +37,17 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
     return;
   }
   predict(gyro, dt_s);
+  if (gyro.norm() > p_.violent_gyro_radps || accel.norm() > p_.violent_accel_mps2) {
+    violent_ = true;
+    return;
+  }
+  if (std::exchange(violent_, false)) {
+    P_.topRows<3>().setZero(), P_.leftCols<3>().setZero();
+    P_.topLeftCorner<3, 3>().diagonal().setConstant(1.0);
+    settled_ = false;
+    q_ = Quaterniond::FromTwoVectors(q_ * accel, Vector3d::UnitZ()) * q_;
+    forget_window();
+  }
   window_s_ += dt_s, ++window_count_;
   accel_sum_ += q_ * accel, rate_sum_ += gyro;
   accel_squares_ += accel.squaredNorm(), rate_squares_ += gyro.squaredNorm();
@@ -75,6 +87,10 @@ void Filter::level() {
   correct(H, -mean.x() / norm, sigma * sigma, settled_ ? 5.0 : 0.0);
   settled_ = true;
   if (at_rest_) rest(rate, std::max(p_.rest_sway_radps, rate_spread));
+  forget_window();
+}
+
+void Filter::forget_window() {
   window_s_ = 0, window_count_ = 0;
   accel_sum_.setZero(), rate_sum_.setZero();
   accel_squares_ = rate_squares_ = 0;

@@ -18,6 +18,8 @@ struct Parameters {
   double accel_sigma_mps2 = 0.35;   ///< of that average: speed that changes within the window
   double rest_gyro_radps = 0.02, rest_accel_mps2 = 0.15;  ///< deviations in the window that are no movement
   double rest_sway_radps = 0.0026;                        ///< mean rate that is no rotation
+  double violent_gyro_radps = 30.0;                       ///< beyond this a phone's sensors saturate,
+  double violent_accel_mps2 = 60.0;                       ///< and the inclination has to be found again
   double field_window_s = 1.0;             ///< of which both halves must show a field of the same strength
   double field_change = 0.006;             ///< within this part of it: a quasi-static field
   double calm_accel_mps2 = 0.6;            ///< spread of the acceleration of somebody who does not walk
@@ -62,6 +64,7 @@ class Filter {
 
   void predict(const Eigen::Vector3d& gyro, double dt_s);
   void level();
+  void forget_window();
   void rest(const Eigen::Vector3d& rate, double sigma_radps);
   bool is_quasi_static(double dt_s) const;
   void see_field(const Eigen::Vector3d& field_earth);
@@ -78,7 +81,7 @@ class Filter {
   size_t window_count_ = 0;
   Eigen::Vector3d accel_sum_ = Eigen::Vector3d::Zero(), rate_sum_ = Eigen::Vector3d::Zero();
   double accel_squares_ = 0, rate_squares_ = 0;
-  bool at_rest_ = false, settled_ = false;
+  bool at_rest_ = false, settled_ = false, violent_ = false;
 
   // The magnetic field.
   std::array<double, 256> norms_{};

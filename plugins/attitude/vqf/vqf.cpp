@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace odograph::vqf {
 namespace {
@@ -42,6 +43,14 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   time_s_ += dt_s;
   update_rest(gyro, accel, dt_s);
   q_gyro_ = (q_gyro_ * exp_rotation((gyro - bias_) * dt_s)).normalized();
+
+  // Of a saturated sensor only so much is known that the inclination has to be found again.
+  if (gyro.norm() > p_.violent_gyro_radps || accel.norm() > p_.violent_accel_mps2) {
+    violent_ = true;
+    heading_sigma_ += 0.1 * gyro.norm() * dt_s;
+    return;
+  }
+  if (std::exchange(violent_, false)) accel_low_.started = false, time_s_ = dt_s;
 
   // Inclination correction: the acceleration, averaged in the nearly inertial frame, points up. While the average is
   // young it is an average over all there is, which converges much faster.

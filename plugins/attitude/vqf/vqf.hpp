@@ -26,6 +26,8 @@ struct Parameters {
   double rest_sway_radps = 0.0026;       ///< slow sway of the gyroscope allowed at rest (0.15 deg/s); not in the paper:
                                          ///< a hand that stands still sways slower than the paper's test can see
   double rest_sway_tau_s = 3.0;          ///< time over which the sway is taken
+  double violent_gyro_radps = 30.0;      ///< beyond this a phone's sensors saturate; not in the paper: after a blow
+  double violent_accel_mps2 = 60.0;      ///< nobody knows the inclination, and its average begins anew
   double mag_ref_tau_s = 20.0;           ///< adaptation of the reference norm and dip
   double mag_norm_tolerance = 0.1;       ///< relative deviation of the norm that is undisturbed
   double mag_dip_tolerance_rad = 0.175;  ///< deviation of the dip that is undisturbed (10 deg)
@@ -95,6 +97,7 @@ class Filter {
   double rest_sway_variance_ = 0.0;
   double rest_time_s_ = 0.0;
   double time_s_ = 0.0;
+  bool violent_ = false;
   double heading_sigma_ = 0.0;
 
   bool has_heading_ = false;

@@ -11,7 +11,7 @@ constexpr double kLoose_radps = 0.92, kHeld_radps = 0.85;  // mean rate of a ste
 constexpr double kOnEnd = 0.75, kTopDown = -0.5;           // part of up that is the phone's long axis
 constexpr double kThigh_radps = 1.4;                       // more than a hand that holds an upright phone
 constexpr int kStepsToBelieve = 2;
-constexpr double kMoves_mps2 = 0.6, kMoves_radps = 0.35, kWindow_s = 0.5;
+constexpr double kMoves_mps2 = 0.6, kMoves_radps = 0.2, kWindow_s = 0.5;
 constexpr int64_t kPause_ns = 4'000'000'000;
 
 }  // namespace

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Attitude and steps allocate nothing once a session has run for a while: every malloc of the process is counted.
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include <odograph/odograph.h>
+
+extern "C" {
+void* __libc_malloc(size_t size);
+void* __libc_calloc(size_t count, size_t size);
+void* __libc_realloc(void* pointer, size_t size);
+}
+
+namespace {
+
+std::atomic<long> allocations{0};
+
+long walk(odo_session* session, int from, int to) {
+  const long before = allocations;
+  for (int i = from; i < to; ++i) {
+    const double t = 0.01 * i;
+    const double gyro[3] = {0.05 * std::sin(6 * t), 0.01, 0.1 * std::sin(3 * t)};
+    const double accel[3] = {0.1, 9.81 + 2.2 * std::sin(2 * 3.14159265 * 1.9 * t), 0.4};
+    odo_session_push_imu(session, static_cast<int64_t>(t * 1e9) + 1'000'000'000, gyro, accel);
+  }
+  return allocations - before;
+}
+
+int check(const std::string& attitude, const std::string& steps, const std::string& plugins) {
+  const std::string yaml =
+      "odograph: 1\nattitude: {plugin: " + attitude + "}\nstep_estimator: {plugin: " + steps + "}\n";
+  odo_session_options options{};
+  options.struct_size = sizeof options;
+  options.run = ODO_RUN_REPLAY;
+  options.config_text = {yaml.data(), yaml.size()};
+  options.plugin_path = {plugins.data(), plugins.size()};
+  odo_session* session = nullptr;
+  const long before = allocations;
+  odo_error error{};
+  error.struct_size = sizeof error;
+  if (odo_session_create(&options, &session, &error) < 0) {
+    std::printf("FAILED: %s\n", error.message);
+    return 1;
+  }
+  const long created = allocations - before;  // shows that they are counted, in the host and behind it
+  long events = 0;
+  odo_session_set_callback(
+      session, 0xFFFFFFFFu, [](void* user, const odo_header*) { ++*static_cast<long*>(user); }, &events);
+  const long first = walk(session, 0, 1500);
+  const long events_before = events;
+  const long later = walk(session, 1500, 6000);
+  odo_statistics statistics{};
+  statistics.struct_size = sizeof statistics;
+  odo_session_get_statistics(session, &statistics);
+  const auto stepped = static_cast<unsigned long long>(statistics.steps);
+  std::printf(
+      "%s, %s: %ld allocations to create it, %ld in 15 s of starting, %ld in 45 s after them, %llu steps, %ld events\n",
+      attitude.c_str(), steps.c_str(), created, first, later, stepped, events - events_before);
+  odo_session_destroy(session);
+  return created > 100 && later == 0 && stepped > 80 && events - events_before > 4000 ? 0 : 1;
+}
+
+}  // namespace
+
+extern "C" {
+void* malloc(size_t size) { return ++allocations, __libc_malloc(size); }
+void* calloc(size_t count, size_t size) { return ++allocations, __libc_calloc(count, size); }
+void* realloc(void* pointer, size_t size) { return ++allocations, __libc_realloc(pointer, size); }
+}
+
+int main(int, char** arguments) {
+  int failed = 0;
+  for (const char* attitude : {"attitude/vqf", "attitude/magyq"})
+    for (const char* steps : {"step/odograph", "step/renaudin2012", "step/weinberg2002"})
+      failed += check(attitude, steps, arguments[1]);
+  return failed;
+}
