@@ -44,6 +44,9 @@ expect 0 "tiny.odo" "$odograph" sim tiny.yaml -o tiny.odo --seed 3
 expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o --report
 expect 2 "bad.yaml:2:1" "$odograph" run -c bad.yaml -i tiny.odo -o o
 expect 0 "<svg" cat o/report.html
+expect 0 "written to" "$odograph" run -c "$configs/phone_walk_odograph.yaml" -i tiny.odo -o o --state walker.state
+expect 0 "written to" "$odograph" run -c "$configs/phone_walk_odograph.yaml" -i tiny.odo -o o --state walker.state
+expect 3 "walker.broken: " sh -c 'head -c 20 walker.state >walker.broken; "$@"' - "$odograph" run -c "$configs/phone_walk_odograph.yaml" -i tiny.odo -o o --state walker.broken
 expect 0 '"distance_m"' "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o2 --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: --json is not one JSON object"; failed=1; }
 expect 0 "APE" "$odograph" eval --ref tiny.odo --est o --align yaw

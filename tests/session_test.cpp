@@ -311,6 +311,43 @@ TEST_CASE("steps come back within two seconds of every fault of the sensor") {
   }
 }
 
+TEST_CASE("what a session has learnt goes on in the next one") {
+  const std::string yaml = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n";
+  const auto saved = [](const App& app) {
+    std::string blob(static_cast<size_t>(odo_session_save(app.session, nullptr, 0)), ' ');
+    CHECK(odo_session_save(app.session, blob.data(), blob.size()) == static_cast<int64_t>(blob.size()));
+    return blob;
+  };
+  const auto walked_m = [](App& app) {
+    app.walk(0, 2000);
+    odo_session_flush(app.session);
+    return app.statistics().distance_m;
+  };
+  App before(yaml + "  parameters: {factor: 1.2}\n");  // as if it had been learnt
+  const std::string blob = saved(before);
+  CHECK(blob.find("step/odograph") != std::string::npos);
+  App plain(yaml), next(yaml);
+  CHECK(odo_session_load(next.session, blob.data(), blob.size()) == ODO_OK);
+  CHECK(saved(next) == blob);
+  const double next_m = walked_m(next), plain_m = walked_m(plain);
+  CHECK(next_m == doctest::Approx(1.2 * plain_m).epsilon(0.01));
+
+  for (size_t i = 0; i < blob.size(); ++i) {  // whatever is damaged, nothing is taken
+    std::string damaged = blob;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x10);
+    CHECK(odo_session_load(plain.session, damaged.data(), damaged.size()) == ODO_E_DATA);
+    CHECK(odo_session_load(plain.session, blob.data(), i) == ODO_E_DATA);
+  }
+  CHECK(saved(plain) == saved(App(yaml)));
+  App other(kWalk);  // another estimator's is passed over
+  CHECK(odo_session_load(other.session, blob.data(), blob.size()) == ODO_OK);
+  CHECK(odo_session_load(nullptr, blob.data(), blob.size()) == ODO_E_ARGUMENT);
+
+  next.walk(0, 100);  // a clock that was set back: the walker is the same
+  for (int i = 0; i < 60; ++i) next.walk(i, i + 1);
+  CHECK(saved(next) == blob);
+}
+
 TEST_CASE("a sensor clock that is set back starts the session anew") {
   App app(kWalk);
   app.walk(5000, 6000);

@@ -64,6 +64,9 @@ void add_run(CLI::App& app, int& status) {
   command->add_option("--plugins", a->options.plugin_path, "folder to look for plugins in first");
   command->add_option("--assets", a->options.asset_path,
                       "folder of files that the config names, such as a city model, where they are not beside it");
+  command->add_option("--state", a->options.state,
+                      "file with what the plugins have learnt of the walker and the device: read where it exists, and "
+                      "written at the end");
   command->add_option("--seed", a->options.seed, "of the random numbers handed to plugins")->capture_default_str();
   command->add_flag("--report", a->report, "write report.html with pictures");
   command->add_flag("--json", a->json, "print the summary as one JSON object");

@@ -2,6 +2,8 @@
 #include "sdk/cli/runner.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <sstream>
 #include <chrono>
 #include <cstring>
 #include <fstream>
@@ -81,6 +83,34 @@ Result<SessionPtr> open_session(const RunOptions& options) {
   return SessionPtr(session);
 }
 
+/// Gives the session what a file holds; a file that is not there yet is none.
+Result<bool> read_state(odo_session* session, const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return true;
+  std::stringstream bytes;
+  bytes << file.rdbuf();
+  const std::string blob = bytes.str();
+  if (odo_session_load(session, blob.data(), blob.size()) == ODO_OK) return true;
+  odo_error error{};
+  error.struct_size = sizeof error;
+  odo_session_last_error(session, &error);
+  return Failure{ODO_E_DATA, path + ": " + error.message};
+}
+
+/// Beside the file first: what was there stays whole if this does not come to its end.
+Result<bool> write_state(odo_session* session, const std::string& path) {
+  std::string blob(static_cast<size_t>(std::max<int64_t>(0, odo_session_save(session, nullptr, 0))), '\0');
+  odo_session_save(session, blob.data(), blob.size());
+  const std::string beside = path + ".new";
+  std::ofstream file(beside, std::ios::binary);
+  file << blob;
+  file.close();
+  std::error_code error;
+  if (file) std::filesystem::rename(beside, path, error);
+  if (!file || error) return Failure{ODO_E_NOT_FOUND, path + ": cannot be written"};
+  return true;
+}
+
 void note_error(odo_session* session, RunResult& result) {
   odo_error error{};
   error.struct_size = sizeof error;
@@ -100,6 +130,9 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   auto opened = open_session(options);
   if (!opened) return Failure{ODO_E_ERROR, opened.failure().text};  // the config was good: it is a plugin
   odo_session* session = opened->get();
+
+  if (!options.state.empty())
+    if (const auto read = read_state(session, options.state); !read) return read.failure();
 
   RunResult result;
   result.config_text = config->text;
@@ -136,6 +169,8 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   }
   odo_session_flush(session);
   note_error(session, result);
+  if (!options.state.empty())
+    if (const auto written = write_state(session, options.state); !written) return written.failure();
   result.statistics.struct_size = sizeof result.statistics;
   odo_session_get_statistics(session, &result.statistics);
   if (options.progress) options.progress(recording.messages.size(), recording.messages.size());

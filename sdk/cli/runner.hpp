@@ -41,6 +41,7 @@ struct RunOptions {
   std::string config;  // a YAML file
   std::string plugin_path;
   std::string asset_path;  // folders of files that the config names, where they are not beside it
+  std::string state;       // a file with what the plugins have learnt; read where it exists, and written anew
   uint64_t seed = 0;
   bool collect_timing = true;
   bool collect_attitudes = false;

@@ -138,6 +138,18 @@ int32_t odo_session_from_geodetic(odo_session* session, const double* geodetic, 
   return guarded([&] { return session->session->from_geodetic(geodetic, p_n); });
 }
 
+int64_t odo_session_save(odo_session* session, void* data, uint64_t capacity) {
+  if (!session || (capacity > 0 && !data)) return ODO_E_ARGUMENT;
+  int64_t size = 0;
+  const int32_t status = guarded([&] { return size = session->session->save(data, capacity), ODO_OK; });
+  return status < 0 ? status : size;
+}
+
+int32_t odo_session_load(odo_session* session, const void* data, uint64_t size) {
+  if (!session || !data) return ODO_E_ARGUMENT;
+  return guarded([&] { return session->session->load(data, size); });
+}
+
 const char* odo_version(void) { return odograph::kVersion; }
 uint32_t odo_abi_version(void) { return ODO_ABI_MAJOR << 16 | ODO_ABI_MINOR; }
 

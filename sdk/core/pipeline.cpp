@@ -123,16 +123,16 @@ bool Pipeline::any_dead() const {
 
 uint64_t Pipeline::plugin_faults() const {
   uint64_t faults = 0;
-  for (const auto* instance : {attitude_.get(), step_.get(), vo_.get(), scale_.get()})
-    if (instance) faults += instance->faults();
-  for (const auto& fixer : fixers_) faults += fixer->faults();
+  for (const PluginInstance* instance : instances()) faults += instance->faults();
   return faults;
 }
 
 void Pipeline::reset() {
-  for (auto* instance : {attitude_.get(), step_.get(), vo_.get(), scale_.get()})
-    if (instance) instance->reset();
-  for (auto& fixer : fixers_) fixer->reset();
+  for (PluginInstance* instance : instances()) {
+    const auto learnt = instance->save();  // the clock was set back, the walker is the same
+    instance->reset();
+    if (!learnt.empty()) instance->load(learnt);
+  }
   coupling_.reset();
   joiner_.reset();
   watch_.reset();

@@ -32,6 +32,12 @@ class Pipeline {
   /// Starts anew, for a sensor clock that was set back. Geodetic origin and counters stay.
   void reset();
 
+  /// What the plugins have learnt and want to keep, as a blob of this host's (docs/embed.md).
+  std::vector<uint8_t> save() const;
+  /// Gives each plugin what it saved; other plugins' parts are passed over. A failure says what is wrong; nothing is
+  /// changed where the blob itself is damaged.
+  Result<bool> load(std::span<const uint8_t> blob);
+
   const Counters& counters() const { return counters_; }
   uint64_t plugin_faults() const;
   uint64_t gaps() const { return watch_.gaps(); }
@@ -49,6 +55,7 @@ class Pipeline {
   void publish_pose(odo_pose pose);
   void set_state(int64_t t_ns, uint32_t state, uint32_t reason);
   bool any_dead() const;
+  std::vector<PluginInstance*> instances() const;
 
   std::unique_ptr<PluginInstance> attitude_, step_, vo_, scale_;
   std::vector<std::unique_ptr<PluginInstance>> fixers_;

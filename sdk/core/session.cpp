@@ -270,6 +270,21 @@ int32_t Session::last_error(odo_error& out) {
   return out.status;
 }
 
+int64_t Session::save(void* data, uint64_t capacity) const {
+  const std::lock_guard work(work_mutex_);
+  const auto blob = pipeline_->save();
+  if (data && blob.size() <= capacity) std::memcpy(data, blob.data(), blob.size());
+  return static_cast<int64_t>(blob.size());
+}
+
+int32_t Session::load(const void* data, uint64_t size) {
+  const std::lock_guard work(work_mutex_);
+  const auto loaded = pipeline_->load({static_cast<const uint8_t*>(data), static_cast<size_t>(size)});
+  if (loaded) return ODO_OK;
+  host_.report(0, ODO_SEVERITY_WARNING, "load", loaded.failure().text);
+  return loaded.failure().status;
+}
+
 int32_t Session::to_geodetic(const double* p_n, double* geodetic) const {
   if (!geodesy_.has_origin()) return ODO_NOT_READY;
   const auto g = geodesy_.to_geodetic({p_n[0], p_n[1], p_n[2]});

@@ -30,6 +30,8 @@ class Session {
   void set_callback(uint32_t mask, odo_callback callback, void* user);
   void statistics(odo_statistics& out) const;
   int32_t last_error(odo_error& out);
+  int64_t save(void* data, uint64_t capacity) const;
+  int32_t load(const void* data, uint64_t size);
   int32_t to_geodetic(const double* p_n, double* geodetic) const;
   int32_t from_geodetic(const double* geodetic, double* p_n) const;
   /// A second listener for everything that is reported, for the command line. [control]

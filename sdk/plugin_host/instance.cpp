@@ -14,6 +14,7 @@
 namespace odograph {
 namespace {
 
+constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
 constexpr int kFailuresBeforeGivingUp = 5;
 
 template <class... Types>
@@ -177,6 +178,20 @@ void PluginInstance::reset() {
   table.destroy(instance_);
   instance_ = nullptr;
   if (start() < 0) alive_ = false;
+}
+
+std::vector<uint8_t> PluginInstance::save() const {
+  const auto function = ODO_OPTIONAL(library_->table(), save);
+  if (!alive_ || !function) return {};
+  const int64_t needed = function(instance_, nullptr, 0);
+  if (needed <= 0 || needed > kLargestState) return {};
+  std::vector<uint8_t> bytes(static_cast<size_t>(needed));
+  return function(instance_, bytes.data(), bytes.size()) == needed ? bytes : std::vector<uint8_t>();
+}
+
+bool PluginInstance::load(std::span<const uint8_t> data) {
+  const auto function = ODO_OPTIONAL(library_->table(), load);
+  return alive_ && function && function(instance_, data.data(), data.size()) >= 0;
 }
 
 void PluginInstance::fault(const char* key, const std::string& text) {

@@ -46,7 +46,13 @@ class PluginInstance {
   /// Back to the state after activation. [control]
   void reset();
 
+  /// What should survive a restart; empty where the plugin keeps nothing. [control]
+  std::vector<uint8_t> save() const;
+  /// False, and nothing changed, when the plugin does not take it. [control]
+  bool load(std::span<const uint8_t> data);
+
   const std::string& id() const { return id_; }
+  const std::string& interface_id() const { return choice_.interface_id; }
   /// False once it failed for good.
   bool alive() const { return alive_; }
   uint64_t faults() const { return faults_; }

@@ -115,6 +115,13 @@ ODO_EXPORT int32_t odo_session_last_error(odo_session *session, odo_error *error
 ODO_EXPORT int32_t odo_session_to_geodetic(odo_session *session, const double *p_n, double *geodetic);
 ODO_EXPORT int32_t odo_session_from_geodetic(odo_session *session, const double *geodetic, double *p_n);
 
+/* [control] What the plugins have learnt and should outlive the session (a walker's step length ...), as a blob for
+ * odo_session_load. Returns the bytes needed, and writes them if `capacity` suffices; data may be null with capacity 0. */
+ODO_EXPORT int64_t odo_session_save(odo_session *session, void *data, uint64_t capacity);
+/* [control] Before the first sample as a rule. What another plugin than those of this config saved is passed over.
+ * ODO_E_DATA when the blob is damaged (nothing changed) or a plugin does not take its part (the others have theirs). */
+ODO_EXPORT int32_t odo_session_load(odo_session *session, const void *data, uint64_t size);
+
 /* [any] "major.minor.patch" of the library, terminated, never null. */
 ODO_EXPORT const char *odo_version(void);
 
