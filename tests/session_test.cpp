@@ -311,6 +311,57 @@ TEST_CASE("steps come back within two seconds of every fault of the sensor") {
   }
 }
 
+TEST_CASE("position fixes teach the step estimator the walker's step length") {
+  const std::string yaml =
+      "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n"
+      "absolute_fixers:\n  - plugin: fix/waypoint\n    parameters: {use: all}\ncoupling:\n  fix_gate: 0\n";
+  // Where the walker would be with his model's steps; the marks say that each is a tenth longer.
+  App model(yaml);
+  model.walk(0, 12000);
+  odo_session_flush(model.session);
+  std::vector<odo_waypoint> marks;
+  double walked_m = 0;
+  const odo_pose* last = nullptr;
+  for (const std::string& bytes : model.events) {
+    const auto* pose = reinterpret_cast<const odo_pose*>(bytes.data());
+    if (pose->header.type != ODO_TYPE_POSE) continue;
+    if (last) walked_m += std::hypot(pose->p_n[0] - last->p_n[0], pose->p_n[1] - last->p_n[1]);
+    last = pose;
+    if (walked_m < 12.0 * static_cast<double>(marks.size())) continue;
+    auto mark = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, pose->header.t_ns);
+    for (int k = 0; k < 3; ++k) mark.p_n[k] = 1.1 * pose->p_n[k];
+    marks.push_back(mark);
+  }
+  REQUIRE(marks.size() > 5);
+  App app(yaml);
+  size_t next = 0;
+  const auto mean_step_m = [&](int from, int to) {
+    app.events.clear();
+    for (int i = from; i < to; ++i) {
+      app.walk(i, i + 1);
+      while (next < marks.size() && marks[next].header.t_ns <= i * 10'000'000LL + 1'000'000'000)
+        odo_session_push(app.session, &marks[next++].header);
+    }
+    odo_session_flush(app.session);
+    double sum = 0;
+    int n = 0;
+    for (const std::string& bytes : app.events) {
+      odo_step step;
+      if (reinterpret_cast<const odo_header*>(bytes.data())->type != ODO_TYPE_STEP) continue;
+      std::memcpy(&step, bytes.data(), std::min(sizeof step, bytes.size()));
+      sum += step.length_m, ++n;
+    }
+    return sum / std::max(1, n);
+  };
+  const double before_m = mean_step_m(0, 1000), after_m = mean_step_m(1000, 12000);
+  mean_step_m(12000, 12001);
+  CHECK(app.statistics().fixes_accepted > 5);
+  const double last_m = mean_step_m(12001, 13000);
+  CHECK(last_m > 1.06 * before_m);
+  CHECK(last_m < 1.13 * before_m);
+  CHECK(after_m > before_m);
+}
+
 TEST_CASE("what a session has learnt goes on in the next one") {
   const std::string yaml = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n";
   const auto saved = [](const App& app) {

@@ -17,7 +17,11 @@ void Pipeline::process(const odo_header& message) {
       if (vo_) vo_->process(message);
       offer_to_fixers(message);
       break;
-    default: offer_to_fixers(message);  // GNSS, barometer, waypoints
+    case ODO_TYPE_BAROMETER:
+      if (step_) on_steps(step_->process(message));
+      offer_to_fixers(message);
+      break;
+    default: offer_to_fixers(message);  // GNSS, waypoints
   }
   if (watch_.imu_silent() && attitude_) set_state(watch_.now_ns(), ODO_LOST, ODO_REASON_SENSOR_SILENT);
   if (watch_.camera_silent() && vo_) set_state(watch_.now_ns(), ODO_LOST, ODO_REASON_SENSOR_SILENT);

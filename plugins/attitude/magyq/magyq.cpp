@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "plugins/attitude/exp_rotation.hpp"
+
 namespace odograph::magyq {
 namespace {
 
@@ -16,13 +18,6 @@ constexpr double kGravity = 9.80665;
 constexpr double kBetweenUpdates_s = 0.2;  // neighbouring samples of a field err alike
 constexpr double kStrengthTau_s = 60;      // of the field's long mean
 constexpr double kSurprise = 4.0;          // of an innovation squared over its variance
-
-Quaterniond exp_rotation(const Vector3d& angle) {
-  const double norm = angle.norm();
-  if (norm < 1e-12) return {1.0, 0.5 * angle.x(), 0.5 * angle.y(), 0.5 * angle.z()};
-  const Vector3d axis = angle / norm * std::sin(0.5 * norm);
-  return {std::cos(0.5 * norm), axis.x(), axis.y(), axis.z()};
-}
 
 }  // namespace
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "plugins/attitude/exp_rotation.hpp"
+
 namespace odograph::vqf {
 namespace {
 
@@ -13,13 +15,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kPi = 3.14159265358979323846;
-
-Quaterniond exp_rotation(const Vector3d& angle) {
-  const double norm = angle.norm();
-  if (norm < 1e-12) return {1.0, 0.5 * angle.x(), 0.5 * angle.y(), 0.5 * angle.z()};
-  const Vector3d axis = angle / norm * std::sin(0.5 * norm);
-  return {std::cos(0.5 * norm), axis.x(), axis.y(), axis.z()};
-}
 
 /// Shortest rotation that brings a unit vector to the vertical.
 Quaterniond to_vertical(const Vector3d& up) {

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <odograph/plugin.hpp>
 
+#include "plugins/step/odograph/climb.hpp"
 #include "plugins/step/odograph/mode.hpp"
 
 namespace {
@@ -49,7 +50,8 @@ class OdographSteps {
   /// As after configure: what was learnt is forgotten too, unless it is loaded again.
   void reset() {
     resampler_ = Resampler();
-    signal_.reset(), finder_.reset(), judge_.reset();
+    signal_.reset(), finder_.reset(), judge_.reset(), climb_.reset();
+    carried_ = ODO_MODE_WALKING_TEXTING, mode_since_ns_ = INT64_MIN;
     hand_ = HandJudge();
     walking_ = false, stopped_ns_ = 0;
     headings_.fill({});
@@ -81,6 +83,12 @@ class OdographSteps {
     resampler_.push(
         {imu.header.t_ns, -force.z() - kGravity, force.head<2>().norm(), gyro.norm()},
         [&](const WalkSample& s) { on_sample(s, output); }, [&] { signal_.reset(), finder_.reset(); });
+  }
+
+  void on(const odo_barometer& sample, odo::Output& output) {
+    climb_.add(sample.header.t_ns, sample.pressure_pa);
+    if (walking_ && (mode_ == ODO_MODE_STAIRS) != climb_.climbs())
+      set_mode(walking_mode(), std::max(climb_.since_ns(), mode_since_ns_), output);
   }
 
   void on(const odo_fix& fix, odo::Output&) {
@@ -120,7 +128,8 @@ class OdographSteps {
 
   void emit(const FoundStep& step, int64_t now_ns, odo::Output& output) {
     const Vector3d up_b = q_n_b_.conjugate() * Vector3d(0, 0, -1);
-    const uint32_t mode = mode_of(judge_.judge(step, up_b));
+    carried_ = mode_of(judge_.judge(step, up_b));
+    const uint32_t mode = walking_mode();
     set_mode(mode,
              std::max(judge_.since_ns(), mode_ == ODO_MODE_STATIC || mode_ == ODO_MODE_HANDLING ? step.t_start_ns : 0),
              output);
@@ -153,10 +162,13 @@ class OdographSteps {
 
   void set_mode(uint32_t mode, int64_t since_ns, odo::Output& output) {
     if (mode == mode_) return;
-    auto event = odo::make<odo_motion_mode>(since_ns);
+    auto event = odo::make<odo_motion_mode>(std::max(since_ns, mode_since_ns_));  // in order of time
+    mode_since_ns_ = event.header.t_ns;
     event.mode = mode_ = mode;
     output.emit(event);
   }
+
+  uint32_t walking_mode() const { return climb_.climbs() ? ODO_MODE_STAIRS : carried_; }
 
   static uint32_t mode_of(Carry carry) {
     switch (carry) {
@@ -168,6 +180,9 @@ class OdographSteps {
   }
 
   std::optional<Walker> walker_;
+  Climb climb_;
+  uint32_t carried_ = ODO_MODE_WALKING_TEXTING;
+  int64_t mode_since_ns_ = INT64_MIN;
   Resampler resampler_;
   WalkSignal signal_;
   StepFinder finder_;
