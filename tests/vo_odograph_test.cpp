@@ -253,7 +253,7 @@ TEST_CASE("a walk along a street: one unit, straight, the same twice; darkness i
     CHECK(back.state == Tracking::tracking);
     CHECK(back.scale_group == 0);
     CHECK(back.p_c0_c1.norm() < 0.3 * lengths[lengths.size() / 2]);
-    darken(15);
+    darken(30);
     for (size_t i = 0; i < 12; ++i) {
       const auto motion = next(frames[i + 20]);
       CHECK(motion.scale_group > 0);
