@@ -362,6 +362,41 @@ TEST_CASE("position fixes teach the step estimator the walker's step length") {
   CHECK(after_m > before_m);
 }
 
+TEST_CASE("a camera that knows the metre teaches the step estimator too") {
+  // The system made for the tests of vo/vit goes a metre a second; by his steps' model the walker goes 1.08.
+  App app(std::string("odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n") +
+          "vo_frontend:\n  plugin: vo/vit\n  parameters: {library: " + ODOGRAPH_TEST_VIT + ", wait: 5 s}\n");
+  REQUIRE_MESSAGE(app.session, app.message);
+  const auto c = calibration(64, 48);
+  odo_session_push(app.session, &c.header);
+  std::vector<uint8_t> pixels(64 * 48);
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(i * 37);
+  for (int i = 0; i < 15000; ++i) {
+    app.walk(i, i + 1);
+    if (i % 10 != 5) continue;
+    auto f = make_message<odo_frame>(ODO_TYPE_FRAME, i * 10'000'000LL + 1'000'000'000);
+    f.format = ODO_FORMAT_GREY8;
+    f.width = 64, f.height = 48;
+    f.planes[0] = {pixels.data(), 64, 1, 0};
+    odo_session_push(app.session, &f.header);
+  }
+  odo_session_flush(app.session);
+  std::vector<double> lengths;
+  for (const std::string& bytes : app.events)
+    if (odo_step step; reinterpret_cast<const odo_header*>(bytes.data())->type == ODO_TYPE_STEP) {
+      std::memcpy(&step, bytes.data(), std::min(sizeof step, bytes.size()));
+      lengths.push_back(step.length_m);
+    }
+  REQUIRE(lengths.size() > 250);
+  const auto speed = [&](size_t from, size_t to) {
+    double sum = 0;
+    for (size_t i = from; i < to; ++i) sum += lengths[i];
+    return 1.9 * sum / static_cast<double>(to - from);
+  };
+  CHECK(speed(0, 20) > 1.05);
+  CHECK(speed(lengths.size() - 20, lengths.size()) == doctest::Approx(1.0).epsilon(0.025));
+}
+
 TEST_CASE("what a session has learnt goes on in the next one") {
   const std::string yaml = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n";
   const auto saved = [](const App& app) {

@@ -75,7 +75,12 @@ void Pipeline::on_vo_motion(odo_vo_motion& motion) {
       if (in_time && candidate.scale_group == motion.scale_group) scale = &candidate;
     }
   }
-  publish_pose(coupling_.on_vo_motion(motion, scale));
+  const odo_pose pose = coupling_.on_vo_motion(motion, scale);
+  publish_pose(pose);
+  if (!step_) return;
+  const bool own = scale_ ? scale && (scale->header.flags & ODO_SCALE_NOT_BY_STEPS) != 0
+                          : (motion.header.flags & ODO_VO_METRIC) != 0;
+  if (const auto fix = teacher_.see(pose, own)) on_steps(step_->process(fix->header));
 }
 
 void Pipeline::offer_to_fixers(const odo_header& message) {
@@ -94,6 +99,7 @@ void Pipeline::on_fixes(std::span<AnyMessage> events) {
     publish_(fix.header);
     if (used && scale_) scale_->process(fix.header);
     if (used && step_) on_steps(step_->process(fix.header));
+    if (used) teacher_.fixed(fix.header.t_ns);
   }
   if (const auto corrected = coupling_.take_correction()) publish_(corrected->header);
 }
@@ -140,6 +146,7 @@ void Pipeline::reset() {
   coupling_.reset();
   joiner_.reset();
   watch_.reset();
+  teacher_.reset();
   camera_started_ = false;
   state_ = 0;
 }

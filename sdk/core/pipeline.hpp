@@ -8,6 +8,7 @@
 #include "sdk/core/imu_joiner.hpp"
 #include "sdk/core/per_frame_coupling.hpp"
 #include "sdk/core/sensor_watch.hpp"
+#include "sdk/core/way_teacher.hpp"
 #include "sdk/plugin_host/instance.hpp"
 
 namespace odograph {
@@ -62,6 +63,7 @@ class Pipeline {
   PerFrameCoupling coupling_;
   ImuJoiner joiner_;
   SensorWatch watch_;
+  WayTeacher teacher_;
   Publish publish_;
   Counters counters_;
   bool camera_started_ = false;

@@ -2,7 +2,8 @@
  *
  * Kind of plugin: steps and how the device is carried
  *
- * Given: odo_imu, odo_attitude (of the same times), odo_barometer, odo_fix (those that were used: p_n is metric).
+ * Given: odo_imu, odo_attitude (of the same times), odo_barometer, odo_fix (those that were used: p_n is metric;
+ *        and the way of a camera that knows the metre without steps).
  * Owes:  one odo_step for each step, in order of t_end_ns, never overlapping, at most 0.5 s after the foot's contact;
  *        one odo_motion_mode whenever the mode changes.
  *        sigma_m is the standard deviation of length_m and must be consistent: errors are normalised by it in tests.

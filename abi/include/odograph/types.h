@@ -280,6 +280,7 @@ typedef struct odo_vo_motion {
 /* How long a VO unit is. */
 #define ODO_SCALE_HORIZONTAL UINT32_C(1) /* to be applied to the horizontal part of the displacement only */
 #define ODO_SCALE_STEADY UINT32_C(2)     /* holds for the motions of its group that came before it too */
+#define ODO_SCALE_NOT_BY_STEPS UINT32_C(4) /* owes nothing to step lengths: the way it gives may teach them */
 typedef struct odo_scale {
   odo_header header;
   int64_t valid_from_ns;  /* motions that end after this ... */

@@ -53,7 +53,7 @@ class SlantDistance {
     scale.displacement_m = scale.metres_per_unit * d_n.head<2>().norm();
     scale.valid_from_ns = motion.t_from_ns, scale.valid_to_ns = motion.header.t_ns;
     scale.scale_group = motion.scale_group;
-    scale.header.flags = ODO_SCALE_HORIZONTAL;
+    scale.header.flags = ODO_SCALE_HORIZONTAL | ODO_SCALE_NOT_BY_STEPS;
     output.emit(scale);
   }
 
