@@ -87,16 +87,20 @@ void imu_push(benchmark::State& state, const char* yaml) {
 }
 BENCHMARK_CAPTURE(imu_push, attitude,
                   "odograph: 1\nattitude:\n  plugin: attitude/vqf\ntime_ordering:\n  max_wait: 0\n");
+BENCHMARK_CAPTURE(imu_push, magyq, "odograph: 1\nattitude:\n  plugin: attitude/magyq\ntime_ordering:\n  max_wait: 0\n");
 BENCHMARK_CAPTURE(imu_push, attitude_and_steps,
+                  "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n"
+                  "time_ordering:\n  max_wait: 0\n");
+BENCHMARK_CAPTURE(imu_push, attitude_and_steps_renaudin2012,
                   "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/renaudin2012\n"
                   "time_ordering:\n  max_wait: 0\n");
 
 /// Whole frames through the session, decoding not counted. One iteration is the whole clip.
-void vo_frames(benchmark::State& state) {
+void vo_frames(benchmark::State& state, const char* config) {
   const auto recording = read_recording(std::filesystem::path(ODOGRAPH_DATA) / "tsukuba_90");
   if (!recording) return state.SkipWithError("no tsukuba_90");
   RunOptions options;
-  options.config = ODOGRAPH_SOURCE "/samples/configs/monocular.yaml";
+  options.config = std::string(ODOGRAPH_SOURCE "/samples/configs/") + config;
   options.plugin_path = ODOGRAPH_BUILD "/lib/odograph/plugins";
   std::vector<double> ms;
   for (auto _ : state) {
@@ -107,7 +111,8 @@ void vo_frames(benchmark::State& state) {
   state.counters["frame_ms_p99"] = percentile(ms, 0.99);
   state.counters["frames_per_s"] = 1000.0 / percentile(ms, 0.5);
 }
-BENCHMARK(vo_frames)->Unit(benchmark::kMillisecond)->Iterations(5);
+BENCHMARK_CAPTURE(vo_frames, five_point, "monocular.yaml")->Unit(benchmark::kMillisecond)->Iterations(5);
+BENCHMARK_CAPTURE(vo_frames, odograph, "monocular_odograph.yaml")->Unit(benchmark::kMillisecond)->Iterations(5);
 
 /// Resident memory of a session with attitude and steps: at rest, and after an hour of IMU samples at 200 Hz.
 double resident_mb() {
