@@ -10,6 +10,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "sdk/cli/commands.hpp"
+#include "sdk/cli/picture_source.hpp"
 #include "sdk/cli/plot.hpp"
 #include "sdk/evaluation/evaluation.hpp"
 #include "sdk/recording/recording.hpp"
@@ -33,12 +34,6 @@ struct TrackFigures {
 };
 
 constexpr int kCorners = 400;
-
-cv::Mat grey_of(const odo_frame& f) {
-  const cv::Mat view(static_cast<int>(f.height), static_cast<int>(f.width), CV_8U,
-                     const_cast<uint8_t*>(f.planes[0].data), static_cast<size_t>(f.planes[0].row_stride));
-  return view.clone();
-}
 
 /// Pixels to rays at depth 1, by the recording's own calibration.
 std::vector<cv::Point2f> rays_of(const std::vector<cv::Point2f>& pixels, const odo_calibration& c) {

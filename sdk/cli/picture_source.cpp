@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "sdk/cli/temporary_folder.hpp"
 #include "sdk/recording/recording.hpp"
 
 namespace odograph {
@@ -52,17 +53,10 @@ std::vector<PictureSource> of_folder(const fs::path& folder, const std::shared_p
   return sources;
 }
 
-cv::Mat grey_of(const RecordedMessage& message) {
+cv::Mat load_grey(const RecordedMessage& message) {
   const auto frame = load_frame(message);
   if (!frame) return {};
-  const bool colour = frame->format == ODO_FORMAT_RGB8;
-  const cv::Mat pixels(static_cast<int>(frame->height), static_cast<int>(frame->width), colour ? CV_8UC3 : CV_8U,
-                       const_cast<uint8_t*>(frame->planes[0].data), static_cast<size_t>(frame->planes[0].row_stride));
-  cv::Mat grey;
-  if (colour)
-    cv::cvtColor(pixels, grey, cv::COLOR_RGB2GRAY);
-  else
-    grey = pixels.clone();
+  const cv::Mat grey = grey_of(*frame);
   frame->release(&*frame);
   return grey;
 }
@@ -78,43 +72,42 @@ Result<std::vector<PictureSource>> of_recording(const std::string& path) {
     if (header.type != ODO_TYPE_FRAME || header.t_ns - last_ns < kBetween_ns) continue;
     last_ns = header.t_ns;
     sources.push_back({"frame at " + std::to_string(header.t_ns) + " ns",
-                       [recording, i] { return grey_of(recording->messages[i]); }});
+                       [recording, i] { return load_grey(recording->messages[i]); }});
   }
   return sources;
 }
 
-/// A folder for a video's pictures, gone with its last user.
-struct TemporaryFolder {
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "odograph-XXXXXX").string();
-    if (mkdtemp(name.data())) path = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code error;
-    if (!path.empty()) fs::remove_all(path, error);
-  }
-  fs::path path;
-};
-
 Result<std::vector<PictureSource>> of_video(const std::string& path) {
   const auto folder = std::make_shared<TemporaryFolder>();
-  std::string in = "file:" + path, out = (folder->path / "%05d.png").string();
+  std::string in = "file:" + path, out = (folder->path() / "%05d.png").string();
   std::string words[] = {"ffmpeg", "-v", "error", "-noautorotate", "-i", in, "-vf", "fps=3", out};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   pid_t child = 0;
   int status = 0;
-  if (folder->path.empty() || posix_spawnp(&child, "ffmpeg", nullptr, nullptr, arguments.data(), environ) != 0)
+  if (folder->path().empty() || posix_spawnp(&child, "ffmpeg", nullptr, nullptr, arguments.data(), environ) != 0)
     return Failure{ODO_E_UNSUPPORTED, path +
                                           ": a video needs ffmpeg, which could not be run (on Debian: apt install "
                                           "ffmpeg); a folder of pictures needs nothing"};
   if (waitpid(child, &status, 0) != child || status != 0)
     return Failure{ODO_E_DATA, path + ": ffmpeg could not read this video"};
-  return of_folder(folder->path, folder);
+  return of_folder(folder->path(), folder);
 }
 
 }  // namespace
+
+cv::Mat grey_of(const odo_frame& frame) {
+  const bool colour = frame.format == ODO_FORMAT_RGB8;
+  const cv::Mat pixels(static_cast<int>(frame.height), static_cast<int>(frame.width), colour ? CV_8UC3 : CV_8U,
+                       const_cast<uint8_t*>(frame.planes[0].data), static_cast<size_t>(frame.planes[0].row_stride));
+  cv::Mat grey;
+  if (colour)
+    cv::cvtColor(pixels, grey, cv::COLOR_RGB2GRAY);
+  else
+    grey = pixels.clone();
+  return grey;
+}
 
 Result<std::vector<PictureSource>> pictures_of(const std::string& path) {
   std::error_code error;

@@ -18,6 +18,9 @@ struct PictureSource {
   std::function<cv::Mat()> grey;
 };
 
+/// A frame's pixels in grey, a copy.
+cv::Mat grey_of(const odo_frame& frame);
+
 /// The pictures behind a path, found out by looking: a picture, a folder of them, a recording's frames, or a video
 /// (by ffmpeg where it is installed). Of frames that follow each other quickly some three a second are taken.
 Result<std::vector<PictureSource>> pictures_of(const std::string& path);

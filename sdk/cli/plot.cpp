@@ -2,12 +2,10 @@
 #include "sdk/cli/plot.hpp"
 
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 
-#include <unistd.h>
+#include "sdk/cli/temporary_folder.hpp"
 
 namespace odograph {
 namespace {
@@ -43,9 +41,9 @@ std::string script(const Plot& plot, const std::string& output) {
 
 Result<std::string> draw_svg(const Plot& plot) {
   const Failure none{ODO_E_UNSUPPORTED, "No picture: gnuplot could not be run (on Debian: apt install gnuplot-nox)."};
-  std::string folder = (std::filesystem::temp_directory_path() / "odograph-XXXXXX").string();
-  if (!mkdtemp(folder.data())) return none;
-  const std::string output = folder + "/plot.svg";
+  const TemporaryFolder folder;
+  if (folder.path().empty()) return none;
+  const std::string output = (folder.path() / "plot.svg").string();
   std::string svg;
   if (FILE* pipe = popen("gnuplot 2>/dev/null", "w")) {
     const std::string text = script(plot, output);
@@ -57,8 +55,6 @@ Result<std::string> draw_svg(const Plot& plot) {
       svg = content.str();
     }
   }
-  std::error_code error;
-  std::filesystem::remove_all(folder, error);
   const size_t begin = svg.find("<svg");
   if (begin == std::string::npos) return none;
   return svg.substr(begin);

@@ -17,6 +17,7 @@ using Eigen::Vector3d;
 constexpr double kGravity = 9.80665;
 constexpr double kBetweenUpdates_s = 0.2;  // neighbouring samples of a field err alike
 constexpr double kStrengthTau_s = 60;      // of the field's long mean
+constexpr double kUnusual = 0.1;           // of the strength
 constexpr double kSurprise = 4.0;          // of an innovation squared over its variance
 
 }  // namespace
@@ -100,11 +101,11 @@ void Filter::rest(const Vector3d& rate, double sigma) {
   }
 }
 
-/// One row of the Kalman filter's update; false, and nothing changed, outside the gate (0: none).
-bool Filter::correct(const Row& H, double innovation, double variance, double gate_sigma) {
+/// One row of the Kalman filter's update; nothing is changed outside the gate (0: none).
+void Filter::correct(const Row& H, double innovation, double variance, double gate_sigma) {
   const Eigen::Matrix<double, kStates, 1> PHt = P_ * H.transpose();
   const double S = H.dot(PHt) + variance;
-  if (gate_sigma > 0 && innovation * innovation > gate_sigma * gate_sigma * S) return false;
+  if (gate_sigma > 0 && innovation * innovation > gate_sigma * gate_sigma * S) return;
   const Eigen::Matrix<double, kStates, 1> K = PHt / S, error = K * innovation;
   q_ = (exp_rotation(error.head<3>()) * q_).normalized();
   bias_ += error.segment<3>(3);
@@ -112,7 +113,6 @@ bool Filter::correct(const Row& H, double innovation, double variance, double ga
   iron_ += error.tail<3>();
   P_ -= K * PHt.transpose();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
-  return true;
 }
 
 /// Nobody walks, and both halves of the window show the same strength.
@@ -132,6 +132,7 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
   quasi_static_ = is_quasi_static(dt_s);
   seen_s_ += dt_s;
   strength_ += std::max(1 - std::exp(-dt_s / kStrengthTau_s), std::min(1.0, dt_s / seen_s_)) * (norm - strength_);
+  disturbed_ = std::abs(norm - strength_) > kUnusual * strength_;
 
   // Where the walker has come to, the field is off north by something else.
   if (quasi_static_) {

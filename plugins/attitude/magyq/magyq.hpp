@@ -17,7 +17,7 @@ struct Parameters {
   double window_s = 1.0;            ///< over which the acceleration is averaged: a stride's swing is gone then
   double accel_sigma_mps2 = 0.35;   ///< of that average: speed that changes within the window
   double rest_gyro_radps = 0.02, rest_accel_mps2 = 0.15;  ///< deviations in the window that are no movement
-  double rest_sway_radps = 0.0026;                        ///< mean rate that is no rotation
+  double rest_sway_radps = 0.0026;                        ///< least doubt about the mean rate at rest
   double violent_gyro_radps = 30.0;                       ///< beyond this a phone's sensors saturate,
   double violent_accel_mps2 = 60.0;                       ///< and the inclination has to be found again
   double field_window_s = 1.0;             ///< of which both halves must show a field of the same strength
@@ -52,13 +52,13 @@ class Filter {
   const Eigen::Vector3d& bias() const { return bias_; }
   bool at_rest() const { return at_rest_; }
   bool has_heading() const { return has_heading_; }
-  /// The field's strength changes.
-  bool mag_disturbed() const { return !quasi_static_; }
+  /// The field is much stronger or weaker than it is as a rule.
+  bool mag_disturbed() const { return disturbed_; }
   double heading_sigma() const;
   double inclination_sigma() const;
 
  private:
-  static constexpr int kStates = 10, kHeading = 2, kFieldOff = 6, kIron = 7;
+  static constexpr int kStates = 10, kHeading = 2, kFieldOff = 6;
   using Matrix = Eigen::Matrix<double, kStates, kStates>;
   using Row = Eigen::Matrix<double, 1, kStates>;
 
@@ -68,7 +68,7 @@ class Filter {
   void rest(const Eigen::Vector3d& rate, double sigma_radps);
   bool is_quasi_static(double dt_s) const;
   void see_field(const Eigen::Vector3d& field_earth);
-  bool correct(const Row& H, double innovation, double variance, double gate_sigma);
+  void correct(const Row& H, double innovation, double variance, double gate_sigma);
 
   Parameters p_;
   bool started_ = false;
@@ -91,7 +91,7 @@ class Filter {
   double field_off_rad_ = 0;
   Eigen::Vector3d iron_ = Eigen::Vector3d::Zero();  // in body axes, parts of the field's strength
   double strength_ = 0;                             // the field's long mean
-  bool calm_ = false, quasi_static_ = false, has_heading_ = false;
+  bool calm_ = false, quasi_static_ = false, disturbed_ = false, has_heading_ = false;
 };
 
 }  // namespace odograph::magyq
