@@ -87,7 +87,8 @@ bool message_is_finite(const odo_header& header) {
     case ODO_TYPE_VO_MOTION: {
       const auto& m = as<odo_vo_motion>(header);
       return when(ODO_VO_ROTATION, unit(m.q_c0_c1)) && when(ODO_VO_TRANSLATION, finite(m.p_c0_c1, 3)) &&
-             when(ODO_VO_COVARIANCE, finite(m.covariance, 36)) && header.t_ns > m.t_from_ns;
+             when(ODO_VO_COVARIANCE, finite(m.covariance, 36)) && when(ODO_VO_INERTIAL, finite(&m.scale_sigma, 13)) &&
+             header.t_ns > m.t_from_ns;
     }
     case ODO_TYPE_SCALE:
       return finite(&as<odo_scale>(header).metres_per_unit, 3) && as<odo_scale>(header).metres_per_unit >= 0;

@@ -39,7 +39,7 @@ const Message& as(const odo_header& header) {
   return reinterpret_cast<const Message&>(header);
 }
 
-constexpr size_t kLargestMessage = 512;
+constexpr size_t kLargestMessage = 640;
 constexpr double kNanoseconds = 1e-9;
 
 /// A message by value, whatever its type.

@@ -10,11 +10,12 @@ void Pipeline::process(const odo_header& message) {
     case ODO_TYPE_MAGNETOMETER:
     case ODO_TYPE_IMU_NOISE:
       if (attitude_) attitude_->process(message);
+      if (vo_) on_vo_events(vo_->process(message));
       break;
     case ODO_TYPE_FRAME: on_frame(as<odo_frame>(message)); break;
     case ODO_TYPE_CALIBRATION:
       coupling_.on_calibration(as<odo_calibration>(message));
-      if (vo_) vo_->process(message);
+      if (vo_) on_vo_events(vo_->process(message));
       offer_to_fixers(message);
       break;
     case ODO_TYPE_BAROMETER:
@@ -34,11 +35,11 @@ void Pipeline::on_imu(const odo_imu& imu) {
       coupling_.on_attitude(as<odo_attitude>(event.header()));
       publish_(event.header());
       if (const auto first = coupling_.start_without_camera()) publish_pose(*first);
-      if (vo_) vo_->process(event.header());
+      if (vo_) on_vo_events(vo_->process(event.header()));
       if (step_) on_steps(step_->process(event.header()));
     }
   }
-  if (vo_) vo_->process(imu.header);
+  if (vo_) on_vo_events(vo_->process(imu.header));
   if (step_) on_steps(step_->process(imu.header));
 }
 
@@ -59,8 +60,17 @@ void Pipeline::on_frame(const odo_frame& frame) {
     camera_started_ = true;
     publish_pose(coupling_.on_first_frame(frame.header.t_ns));
   }
-  for (AnyMessage& event : vo_->process(frame.header)) on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
+  on_vo_events(vo_->process(frame.header));
   offer_to_fixers(frame.header);
+}
+
+void Pipeline::on_vo_events(std::span<AnyMessage> events) {
+  for (AnyMessage& event : events) {
+    if (event.header().type == ODO_TYPE_VO_MOTION)
+      on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
+    else
+      publish_(event.header());
+  }
 }
 
 void Pipeline::on_vo_motion(odo_vo_motion& motion) {

@@ -50,6 +50,7 @@ class Pipeline {
   void on_imu(const odo_imu& imu);
   void on_steps(std::span<AnyMessage> events);
   void on_frame(const odo_frame& frame);
+  void on_vo_events(std::span<AnyMessage> events);
   void on_vo_motion(odo_vo_motion& motion);
   void on_fixes(std::span<AnyMessage> events);
   void offer_to_fixers(const odo_header& message);

@@ -87,6 +87,7 @@ ODO_EXPORT int32_t odo_session_flush(odo_session *session);
 ODO_EXPORT int32_t odo_session_get_pose(odo_session *session, int64_t t_ns, odo_pose *pose);
 
 /* Event masks for callbacks: 1 << ODO_TYPE_*. */
+#define ODO_ON_CALIBRATION (UINT32_C(1) << 6) /* what a front-end refined the camera to: ODO_CALIBRATION_REFINED */
 #define ODO_ON_ATTITUDE (UINT32_C(1) << 16)
 #define ODO_ON_STEP (UINT32_C(1) << 17)
 #define ODO_ON_MOTION_MODE (UINT32_C(1) << 18)

@@ -170,6 +170,8 @@ typedef struct odo_frame {
 #define ODO_CAMERA_KANNALA_BRANDT UINT32_C(2) /* fisheye; distortion k1 k2 k3 k4 (Kannala & Brandt 2006, as in OpenCV) */
 #define ODO_CALIBRATION_EXTRINSICS UINT32_C(1)
 #define ODO_CALIBRATION_TIME_OFFSET UINT32_C(2)
+#define ODO_CALIBRATION_LINE_TIME UINT32_C(4)
+#define ODO_CALIBRATION_REFINED UINT32_C(8) /* an event: what a front-end has refined the camera to, while running */
 typedef struct odo_calibration {
   odo_header header;
   uint32_t id;
@@ -183,6 +185,7 @@ typedef struct odo_calibration {
   double q_b_c[4];           /* camera to body */
   double p_b_c[3];           /* camera's position in b, m */
   int64_t time_offset_ns;    /* IMU time = camera time + time_offset_ns */
+  int64_t line_time_ns;      /* rolling shutter: from one row's exposure to the next's */
 } odo_calibration;
 
 /* IMU noise as an Allan deviation gives it. */
@@ -261,7 +264,8 @@ typedef struct odo_motion_mode {
 #define ODO_VO_TRANSLATION UINT32_C(2) /* p_c0_c1 is valid */
 #define ODO_VO_COVARIANCE UINT32_C(4)
 #define ODO_VO_NAVIGATION UINT32_C(8)  /* q_n_c0 is valid; set by the host, never by a front-end */
-#define ODO_VO_METRIC UINT32_C(16)     /* the VO unit is the metre */
+#define ODO_VO_METRIC UINT32_C(16)     /* the VO unit is the metre, as well as scale_sigma says */
+#define ODO_VO_INERTIAL UINT32_C(32)   /* scale_sigma, velocity_c1, gravity_c1 and the biases are valid */
 typedef struct odo_vo_motion {
   odo_header header;     /* t_ns: time of the later frame, c1 */
   int64_t t_from_ns;     /* time of the earlier frame, c0: the t_ns of the last result */
@@ -275,6 +279,11 @@ typedef struct odo_vo_motion {
   uint32_t scale_group;  /* motions of one group share one unknown unit; a new number says the unit changed */
   uint32_t tracked;      /* features followed from c0 to c1 */
   uint32_t inliers;      /* of them, those that agree with the motion */
+  double scale_sigma;    /* relative standard deviation of the unit: common to neighbouring motions of a group */
+  double velocity_c1[3]; /* of the camera at the later frame, in its axes, VO units/s */
+  double gravity_c1[3];  /* direction of gravity in c1, downwards, unit length */
+  double gyro_bias_b[3]; /* rad/s, to be subtracted */
+  double accel_bias_b[3]; /* m/s^2, to be subtracted */
 } odo_vo_motion;
 
 /* How long a VO unit is. */
