@@ -51,6 +51,9 @@ class Odometry {
   /// The next frame. For the first one the result means nothing.
   Motion process(const Frame& frame);
 
+  /// The lens was focused or shifted; the map stays.
+  void change_lens(const CameraModel& camera) { camera_ = camera; }
+
   /// rad/s, what the window found.
   const Eigen::Vector3d& gyro_bias_c() const { return bias_c_; }
 

@@ -19,7 +19,9 @@ constexpr double kStandPixels = 1.2;       // what one rotation leaves over of t
 constexpr double kStandSigma_mps = 0.04;   // a hand's sway
 constexpr size_t kStandCorners = 15;
 constexpr size_t kLeastTrack = 3;  // observations
-constexpr int kMostMisses = 2;
+constexpr int kMostMisses = 3;
+constexpr size_t kLeastForNoise = 5;
+constexpr double kMedianNis = 0.8;          // of chi-square with 2 to 10 degrees of freedom, by their number
 constexpr double kHeadingSigma_rad = 1e-4;  // a choice of ours: heading and position are not measured
 
 }  // namespace
@@ -55,6 +57,7 @@ void Filter::count(const Outcome& outcome, FrameReport& report) {
   report.accepted += outcome.accepted;
   report.nis_sum += outcome.nis;
   report.dof_sum += outcome.dof;
+  report.nis_per_dof.push_back(outcome.nis / outcome.dof);
 }
 
 FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
@@ -68,11 +71,13 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   for (const Corner& corner : frame.corners) tracks_[corner.track].push_back({newest().id, corner.pixel});
   if (report.standing) update_zero_velocity(state_, kStandSigma_mps);
   update_landmarks(frame, report);
-  update_tracks(frame, report);
+  update_tracks(report);
   marginalise();
   update_scale_sigma();
+  if (!recent_.empty()) update_pixel_sigma(report, static_cast<double>(frame.t_ns - recent_.back().t_ns) * 1e-9);
   recent_.push_back(frame);
   while (static_cast<double>(frame.t_ns - recent_.front().t_ns) * 1e-9 > 1.5 * kStandWindow_s) recent_.pop_front();
+  report_ = report;
   return report;
 }
 
@@ -145,16 +150,17 @@ void Filter::update_landmarks(const FrameCorners& frame, FrameReport& report) {
 }
 
 /// Tracks that ended, and those that span the window: they will lose their oldest clone.
-void Filter::update_tracks(const FrameCorners& frame, FrameReport& report) {
+void Filter::update_tracks(FrameReport& report) {
   const bool full = state_.clones.size() > p_.clones;
   const uint32_t oldest = state_.clones.front().id;
   std::vector<std::pair<uint64_t, bool>> ready;  // and whether it goes on
   for (auto& [track, seen] : tracks_) {
     const bool alive = !seen.empty() && seen.back().clone == newest().id;
+    // A camera that stands gets no new clones, and its landmarks become fewer.
+    const bool wanted = report.standing && state_.landmarks.size() < p_.landmarks && seen.size() >= kLeastTrack;
     const bool spans = full && !seen.empty() && seen.front().clone == oldest;
-    if (!alive || spans) ready.emplace_back(track, alive);
+    if (!alive || spans || wanted) ready.emplace_back(track, alive);
   }
-  (void)frame;
   std::stable_sort(ready.begin(), ready.end(),
                    [&](const auto& a, const auto& b) { return tracks_[a.first].size() > tracks_[b.first].size(); });
   size_t used = 0;
@@ -165,7 +171,7 @@ void Filter::update_tracks(const FrameCorners& frame, FrameReport& report) {
       if (alive) tracks_[track] = {seen.back()};
       continue;
     }
-    if (alive && state_.landmarks.size() < p_.landmarks && seen.size() >= p_.clones / 2) {
+    if (alive && state_.landmarks.size() < p_.landmarks && (report.standing || seen.size() >= p_.clones / 2)) {
       const Outcome outcome = add_landmark(state_, track, seen, p_);
       count(outcome, report);
       if (outcome.accepted) continue;
@@ -180,6 +186,20 @@ void Filter::update_tracks(const FrameCorners& frame, FrameReport& report) {
 
 void Filter::marginalise() {
   while (state_.clones.size() > p_.clones) forget_clone(0);
+}
+
+/// How well corners are followed depends on light, blur and compression: the median of the normalised innovations,
+/// which is 0.7 to 0.9 of the degrees of freedom where the noise is right. In the logarithm, towards it with a time
+/// constant.
+void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
+  if (report.nis_per_dof.size() < kLeastForNoise) return;
+  std::vector<double> ratios = report.nis_per_dof;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  const double seen = p_.pixel_sigma * std::sqrt(std::clamp(*middle / kMedianNis, 0.01, 100.0));
+  const double part = 1 - std::exp(-dt_s / p_.pixel_sigma_s);
+  p_.pixel_sigma =
+      std::clamp(p_.pixel_sigma * std::pow(seen / p_.pixel_sigma, part), p_.least_pixel_sigma, p_.most_pixel_sigma);
 }
 
 double Filter::velocity_sigma() const { return std::sqrt(state_.P.block<3, 3>(block::nu, block::nu).trace()); }

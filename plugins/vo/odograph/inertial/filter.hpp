@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <deque>
 #include <map>
 #include <vector>
@@ -30,7 +31,8 @@ struct FrameReport {
   bool standing = false;
   int tried = 0, accepted = 0;  ///< tracks and landmarks
   double nis_sum = 0;
-  int dof_sum = 0;  ///< of what was tried
+  int dof_sum = 0;                  ///< of what was tried
+  std::vector<double> nis_per_dof;  ///< of each
 };
 
 /// Visual-inertial multi-state constraint Kalman filter (Mourikis & Roumeliotis 2007) with landmarks (Li & Mourikis
@@ -49,14 +51,22 @@ class Filter {
   /// The IMU must reach to the frame's time plus the camera's time offset.
   FrameReport process(const FrameCorners& frame, const ImuBuffer& imu);
 
+  /// The lens as it is refined, times and plus what it was changed by.
+  void change_lens(double focal_factor, const Eigen::Vector2d& centre_px) {
+    LensVector change = LensVector::Zero();
+    change << std::log(focal_factor), centre_px, 0, 0;
+    correct(state_.camera.lens, change);
+  }
+
   const State& state() const { return state_; }
   /// Of the camera's pose in the newest clone.
   const Clone& newest() const { return state_.clones.back(); }
   /// Relative standard deviation of the metre.
   double scale_sigma() const { return scale_sigma_; }
   double velocity_sigma() const;
+  double pixel_sigma() const { return p_.pixel_sigma; }
 
-  FilterParameters& parameters() { return p_; }
+  const FrameReport& report() const { return report_; }
 
  private:
   using Track = std::vector<Observation>;
@@ -64,9 +74,10 @@ class Filter {
   bool stands(const FrameCorners& frame, const ImuBuffer& imu) const;
   void forget_clone(size_t i);
   void update_landmarks(const FrameCorners& frame, FrameReport& report);
-  void update_tracks(const FrameCorners& frame, FrameReport& report);
+  void update_tracks(FrameReport& report);
   void marginalise();
   void update_scale_sigma();
+  void update_pixel_sigma(const FrameReport& report, double dt_s);
   static void count(const Outcome& outcome, FrameReport& report);
 
   FilterParameters p_;
@@ -76,6 +87,7 @@ class Filter {
   uint32_t next_id_ = 0;
   bool stood_ = false;
   double scale_sigma_ = 1;
+  FrameReport report_;
 };
 
 }  // namespace odograph::vio

@@ -161,6 +161,12 @@ InertialMotion InertialOdometry::estimate(const Pending& frame) {
   return out;
 }
 
+void InertialOdometry::change_lens(const CameraModel& before, const CameraModel& now) {
+  camera_.lens = now;
+  visual_->change_lens(now);
+  if (filter_) filter_->change_lens(now.focal() / before.focal(), {now.cx - before.cx, now.cy - before.cy});
+}
+
 void InertialOdometry::lose() {
   filter_.reset();
   start_frames_.clear();

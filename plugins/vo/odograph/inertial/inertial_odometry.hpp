@@ -53,6 +53,9 @@ class InertialOdometry {
   /// The motion of the frame that was begun, once the IMU reaches far enough, or at once with `force`.
   std::optional<InertialMotion> finish(bool force);
 
+  /// The lens was focused or shifted by as much as lies between the two; what was refined of it stays.
+  void change_lens(const CameraModel& before, const CameraModel& now);
+
   const Filter* filter() const { return filter_ ? &*filter_ : nullptr; }
 
  private:

@@ -68,8 +68,12 @@ bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterPa
     by_gyro << R, vR, xR;
     Phi = A * Phi;
     Q = A * Q * A.transpose();
-    Q.topLeftCorner<9, 9>() += sq(p.noise.gyro) * dt * by_gyro * by_gyro.transpose();
-    Q.block<3, 3>(block::nu, block::nu).diagonal().array() += sq(p.noise.accel) * dt;
+    const double rate = (a.gyro_b - state.nav.gyro_bias).norm();
+    const double acceleration = dt > 0 ? (state.nav.v_w - v).norm() / dt : 0;
+    const double gyro = sq(p.noise.gyro) + sq(p.noise.gyro_by_rate * rate);
+    const double accel = sq(p.noise.accel) + sq(p.noise.accel_by_motion * acceleration);
+    Q.topLeftCorner<9, 9>() += gyro * dt * by_gyro * by_gyro.transpose();
+    Q.block<3, 3>(block::nu, block::nu).diagonal().array() += accel * dt;
     Q.block<3, 3>(block::gyro_bias, block::gyro_bias).diagonal().array() += sq(p.noise.gyro_walk) * dt;
     Q.block<3, 3>(block::accel_bias, block::accel_bias).diagonal().array() += sq(p.noise.accel_walk) * dt;
   });

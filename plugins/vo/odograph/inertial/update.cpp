@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using vo::cross_matrix;
 
-constexpr double kTail = 0.05;      // of true measurements that the gate may refuse
+constexpr double kTail = 0.01;      // of true measurements that the gate may refuse
 constexpr double kFarDepths = 1e3;  // m: a landmark farther away is as good as infinitely far
 
 /// Residuals and derivatives of a track by its clones, its point, line time and lens. Columns: of each clone six, then
