@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "sdk/cli/bench_vo_reference.hpp"
 #include "sdk/cli/bench_vo_row.hpp"
 #include "sdk/cli/bench_vo_table.hpp"
 #include "sdk/cli/commands.hpp"
@@ -74,11 +75,7 @@ Result<Recording> read_with_reference(const fs::path& file, const VoArguments& a
   if (!recording) return recording.failure();
   if (!recording->has(ODO_TYPE_FRAME)) return Failure{ODO_E_DATA, file.string() + ": no camera frames"};
   if (a.reference.empty()) return recording;
-  auto poses = read_tum(a.reference);
-  if (!poses) return poses.failure();
-  std::stable_sort(poses->begin(), poses->end(),
-                   [](const StampedPose& x, const StampedPose& y) { return x.t_ns < y.t_ns; });
-  if (a.reference_frame == "body") poses = camera_poses(*recording, *poses);
+  auto poses = read_reference(a.reference, a.reference_frame, *recording);
   if (!poses) return poses.failure();
   recording->truth = std::move(*poses);
   return recording;

@@ -179,18 +179,4 @@ PlotSeries scale_series(const Recording& recording, const RunResult& result, con
   return series;
 }
 
-Result<Trajectory> camera_poses(const Recording& recording, const Trajectory& body) {
-  for (const RecordedMessage& m : recording.messages) {
-    if (m.message.header().type != ODO_TYPE_CALIBRATION) continue;
-    const auto& c = as<odo_calibration>(m.message.header());
-    if (!(c.header.flags & ODO_CALIBRATION_EXTRINSICS)) continue;
-    const Eigen::Quaterniond q_b_c(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
-    Trajectory camera = body;
-    for (StampedPose& x : camera) x.p += x.q * Vector3d(c.p_b_c), x.q = (x.q * q_b_c).normalized();
-    return camera;
-  }
-  return Failure{ODO_E_DATA, recording.path.string() +
-                                 ": no camera-IMU extrinsics, so poses of the body say nothing of the camera"};
-}
-
 }  // namespace odograph

@@ -16,7 +16,4 @@ nlohmann::ordered_json vo_row(const Recording& recording, const RunResult& resul
 /// The odometry's scale along the true path: of metric windows as it is, otherwise by its median.
 PlotSeries scale_series(const Recording& recording, const RunResult& result, const std::string& name);
 
-/// Body poses (IMU) as poses of the recording's camera, by its calibration. ODO_E_DATA where it has no extrinsics.
-Result<Trajectory> camera_poses(const Recording& recording, const Trajectory& body);
-
 }  // namespace odograph

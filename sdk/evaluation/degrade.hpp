@@ -17,7 +17,7 @@ constexpr double kPhoneAccelNoise = 1.57e-3;  ///< m/s^2/sqrt(Hz)
 /// How a recording's sensors are made worse, or parts of it left out. What the recording says of its sensors (noise,
 /// time offset, calibration) stays as it is: the odometry is told of none of it.
 struct Degradation {
-  std::string name;
+  std::string name{};
   /// White noise is added until there is so many times a phone's (kPhone...), a phone's being taken as there already.
   double imu_noise_factor = 1;
   double accel_bias_mps2 = 0;  ///< m/s^2, on each axis of the accelerometer
