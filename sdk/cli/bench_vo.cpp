@@ -22,7 +22,7 @@ constexpr double kQuick_m = 120;  // as `bench walk700 --quick`, which keeps the
 struct VoArguments {
   std::vector<std::string> configs = {"samples/configs/monocular.yaml", "samples/configs/monocular_antigny2019.yaml",
                                       "samples/configs/monocular_gakne2018.yaml",
-                                      "samples/configs/monocular_odograph.yaml"};
+                                      "samples/configs/monocular_odograph.yaml", "samples/configs/inertial_odograph.yaml"};
   std::vector<std::string> scenarios = {"samples/scenarios/street_short.yaml"}, recordings;
   std::string keep = "out/bench", reference, reference_frame = "camera", plot, gap, dark;
   uint64_t seeds = 1, first_seed = 1, sensor_seed = 1;

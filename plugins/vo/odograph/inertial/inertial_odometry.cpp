@@ -209,6 +209,14 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
     J.block<3, 3>(3, 0) = R * vo::cross_matrix(clones[j].p_w), J.block<3, 3>(3, 6) = -J.block<3, 3>(3, 0);
     J.block<3, 3>(3, 3) = -R, J.block<3, 3>(3, 9) = R;
     m.covariance = J * state.P.block<12, 12>(state.clone_at(i), state.clone_at(i)) * J.transpose();
+    // What was told of the frame before has been corrected since, by this: the motion mends it.
+    const Isometry3d corrected = vo::isometry(clones[i].q_w_c, clones[i].p_w);
+    const Vector3d turned = vo::log_rotation(Quaterniond(T_w_previous_.linear().transpose() * corrected.linear()));
+    const Vector3d moved = T_w_previous_.linear().transpose() * (corrected.translation() - T_w_previous_.translation());
+    m.covariance.topLeftCorner<3, 3>() += turned * turned.transpose();
+    m.covariance.bottomRightCorner<3, 3>() += moved * moved.transpose();
+    m.covariance.diagonal().head<3>().array() += std::pow(p_.rotation_floor_rad, 2);
+    m.covariance.diagonal().tail<3>().array() += std::pow(p_.position_floor_m, 2);
   } else {
     const double dt = 0.05;
     m.covariance.diagonal().head<3>().setConstant(1e-6);
