@@ -26,6 +26,19 @@ std::vector<Vector3d> rays_of(const std::vector<cv::Point2f>& pixels, const Came
   return rays;
 }
 
+/// Mean difference of two patches after their exposures are made equal (gain and offset), grey levels of the first.
+double patch_difference(const cv::Mat& a, cv::Point2f at_a, const cv::Mat& b, cv::Point2f at_b, cv::Size size) {
+  cv::Mat patch_a, patch_b;
+  cv::getRectSubPix(a, size, at_a, patch_a, CV_32F);
+  cv::getRectSubPix(b, size, at_b, patch_b, CV_32F);
+  cv::Scalar mean_a, mean_b, deviation_a, deviation_b;
+  cv::meanStdDev(patch_a, mean_a, deviation_a);
+  cv::meanStdDev(patch_b, mean_b, deviation_b);
+  const double gain = std::clamp(deviation_a[0] / std::max(1.0, deviation_b[0]), 0.5, 2.0);
+  patch_b = (patch_b - mean_b[0]) * gain - (patch_a - mean_a[0]);
+  return cv::norm(patch_b, cv::NORM_L1) / static_cast<double>(size.area());
+}
+
 template <class Items>
 void keep_only(Items& items, const std::vector<char>& keep) {
   size_t n = 0;
@@ -106,6 +119,7 @@ void GuidedCorners::track_forward(const Pyramid& now, std::vector<cv::Point2f>& 
 /// From frame to frame small errors add up; the picture where the corner was found knows no drift.
 void GuidedCorners::refine_by_reference(const Pyramid& now) {
   const cv::Size window(p_.window_px, p_.window_px);
+  std::vector<char> keep(tracks_.size(), 1);
   for (const auto& [number, picture] : pictures_) {
     if (number + 1 >= frame_) continue;  // that was just done
     std::vector<size_t> which;
@@ -115,24 +129,20 @@ void GuidedCorners::refine_by_reference(const Pyramid& now) {
         which.push_back(i), from.push_back(tracks_[i].reference_pixel), to.push_back(tracks_[i].pixel);
     if (which.empty()) continue;
     std::vector<uchar> found;
-    std::vector<float> err;
-    cv::calcOpticalFlowPyrLK(picture, now, from, to, found, err, window, p_.reference_levels, kStop,
+    cv::calcOpticalFlowPyrLK(picture, now, from, to, found, cv::noArray(), window, p_.reference_levels, kStop,
                              cv::OPTFLOW_USE_INITIAL_FLOW);
     for (size_t k = 0; k < which.size(); ++k) {
       Track& t = tracks_[which[k]];
-      if (found[k] && err[k] > p_.reference_error) {
-        t.reference = UINT32_MAX;
-        continue;
-      }
-      if (found[k] && cv::norm(to[k] - t.pixel) < p_.reference_px)
+      if (found[k] && cv::norm(to[k] - t.pixel) < p_.reference_px) {
         t.pixel = to[k];
-      else
+        // At an edge behind which something else moves, the corner of both is no point of the world.
+        keep[which[k]] = patch_difference(picture[0], from[k], now[0], to[k], window) < p_.reference_error;
+      } else {
         t.reference = frame_, t.reference_pixel = t.pixel;
+      }
     }
   }
-  tracks_.erase(
-      std::remove_if(tracks_.begin(), tracks_.end(), [](const Track& t) { return t.reference == UINT32_MAX; }),
-      tracks_.end());
+  keep_only(tracks_, keep);
   const uint32_t oldest = pictures_.front().first;
   for (Track& t : tracks_)
     if (t.reference < oldest + (pictures_.size() == p_.references)) t.reference = frame_, t.reference_pixel = t.pixel;

@@ -18,11 +18,13 @@ constexpr double kStandForce_mps2 = 0.35;  // standard deviation of the specific
 constexpr double kStandPixels = 1.2;       // what one rotation leaves over of the picture's flow, median
 constexpr double kStandSigma_mps = 0.04;   // a hand's sway
 constexpr size_t kStandCorners = 15;
-constexpr size_t kLeastTrack = 3;  // observations
+constexpr double kLeastParallax_px = 1;  // between two clones
+constexpr size_t kLeastTrack = 3;        // observations
 constexpr int kMostMisses = 3;
 constexpr size_t kLeastForNoise = 5;
-constexpr double kMedianNis = 0.8;          // of chi-square with 2 to 10 degrees of freedom, by their number
-constexpr double kHeadingSigma_rad = 1e-4;  // a choice of ours: heading and position are not measured
+constexpr double kMedianNis = 0.8;             // of chi-square with 2 to 10 degrees of freedom, by their number
+constexpr double kLeastDisplacement_m = 0.15;  // over the window, that tells its scale
+constexpr double kHeadingSigma_rad = 1e-4;     // a choice of ours: heading and position are not measured
 
 }  // namespace
 
@@ -65,7 +67,8 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   const int64_t t_ns = frame.t_ns + static_cast<int64_t>(std::llround(state_.camera.time_offset_s * 1e9));
   report.imu_whole = propagate(state_, std::max(t_ns, state_.t_ns), imu, p_);
   report.standing = stands(frame, imu);
-  if (report.standing && stood_ && state_.clones.size() > 2) forget_clone(state_.clones.size() - 1);
+  if (state_.clones.size() > 2 && ((report.standing && stood_) || without_parallax()))
+    forget_clone(state_.clones.size() - 1);
   stood_ = report.standing;
   augment(state_, next_id_++, frame.t_ns, imu, p_);
   for (const Corner& corner : frame.corners) tracks_[corner.track].push_back({newest().id, corner.pixel});
@@ -115,6 +118,18 @@ bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
   if (first.size() < kStandCorners) return false;
   const auto rotation = pure_rotation(first, second);
   return rotation && rotation->median_residual_rad * camera.lens.focal() < kStandPixels;
+}
+
+/// The newest clone sees what the one before it saw: it would push those with parallax out of the window.
+bool Filter::without_parallax() const {
+  if (state_.landmarks.size() < kStandCorners) return false;
+  std::vector<double> inverse_depths;
+  for (const Landmark& landmark : state_.landmarks) inverse_depths.push_back(landmark.at.z());
+  const auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
+  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
+  const size_t n = state_.clones.size();
+  return (state_.clones[n - 1].p_w - state_.clones[n - 2].p_w).norm() * *middle * state_.camera.lens.focal() <
+         kLeastParallax_px;
 }
 
 void Filter::forget_clone(size_t i) {
@@ -204,27 +219,20 @@ void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
 
 double Filter::velocity_sigma() const { return std::sqrt(state_.P.block<3, 3>(block::nu, block::nu).trace()); }
 
-/// By the displacement over the window where there is one, by the landmarks' depths where the camera stands.
+/// By the displacement over the window.
 void Filter::update_scale_sigma() {
   const size_t last = state_.clones.size() - 1;
   const Clone &a = state_.clones.front(), &b = state_.clones[last];
   const Vector3d d = b.p_w - a.p_w;
-  double best = INFINITY;
-  if (d.norm() > 0.1) {
-    // d = p_b - p_a: theta_b x p_b - theta_a x p_a + rho_b - rho_a; along d.
-    const Vector3d u = d.normalized();
-    Eigen::VectorXd J = Eigen::VectorXd::Zero(state_.size());
-    J.segment<3>(state_.clone_at(0)) = -a.p_w.cross(u);
-    J.segment<3>(state_.clone_at(0) + 3) = -u;
-    J.segment<3>(state_.clone_at(last)) = b.p_w.cross(u);
-    J.segment<3>(state_.clone_at(last) + 3) = u;
-    best = std::sqrt(std::max(0.0, J.dot(state_.P * J))) / d.norm();
-  }
-  for (size_t j = 0; j < state_.landmarks.size(); ++j) {
-    const int k = state_.landmark_at(j) + 2;
-    best = std::min(best, std::sqrt(state_.P(k, k)) / state_.landmarks[j].at.z());
-  }
-  if (std::isfinite(best)) scale_sigma_ = best;
+  if (d.norm() < kLeastDisplacement_m) return;  // a camera that stands keeps its map, and what it knows of the metre
+  // d = p_b - p_a: theta_b x p_b - theta_a x p_a + rho_b - rho_a; along d.
+  const Vector3d u = d.normalized();
+  Eigen::VectorXd J = Eigen::VectorXd::Zero(state_.size());
+  J.segment<3>(state_.clone_at(0)) = -a.p_w.cross(u);
+  J.segment<3>(state_.clone_at(0) + 3) = -u;
+  J.segment<3>(state_.clone_at(last)) = b.p_w.cross(u);
+  J.segment<3>(state_.clone_at(last) + 3) = u;
+  scale_sigma_ = std::sqrt(std::max(0.0, J.dot(state_.P * J))) / d.norm();
 }
 
 }  // namespace odograph::vio

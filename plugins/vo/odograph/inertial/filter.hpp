@@ -72,6 +72,7 @@ class Filter {
   using Track = std::vector<Observation>;
 
   bool stands(const FrameCorners& frame, const ImuBuffer& imu) const;
+  bool without_parallax() const;
   void forget_clone(size_t i);
   void update_landmarks(const FrameCorners& frame, FrameReport& report);
   void update_tracks(FrameReport& report);
