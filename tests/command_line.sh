@@ -92,6 +92,7 @@ expect 0 "Metre" "$odograph" bench vo tiny.odo -c "$configs/monocular_odograph.y
 expect 0 "</svg>" cat scale.svg
 expect 2 "expected FROM:FOR" "$odograph" bench vo tiny.odo --gap 10
 expect 2 "is for one recording" "$odograph" bench vo tiny.odo copy.odo --reference o/trajectory.tum
+expect 0 "4 s windows: S mm  N mm" "$odograph" bench tracks --excitation-only tiny.odo
 expect 0 "typing" "$odograph" bench steps --seeds 1 -c "$configs/phone_walk_odograph.yaml"
 cat >car.yaml <<'YAML'
 odograph_scenario: 1

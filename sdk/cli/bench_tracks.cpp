@@ -155,11 +155,15 @@ std::string name_of(std::string file) {
 
 /// S, N and the pull of each recording that has truth, in a table of their own.
 Result<bool> print_excitation(const TrackArguments& a) {
+  std::error_code error;
+  const bool with_error = std::filesystem::exists(a.config, error);
   std::printf(
       "\nS: true motion about the quadratic in time that fits a window best, rms; N: error of %s after Sim(3) in that\n"
       "window, about a quadratic too, rms. Medians over windows that overlap by half, standing ones left out.\n"
       "Pull: S^2 / (S^2 + N^2).\n\n",
       a.config.c_str());
+  if (!with_error)
+    std::printf("%s: no such file (run from the source folder, or say where), so there is no N.\n\n", a.config.c_str());
   std::printf("%-34s", "");
   for (const double window : kWindows_s) std::printf(" | %2.0f s windows: S mm  N mm  pull   n", window);
   std::printf("\n");
@@ -172,17 +176,25 @@ Result<bool> print_excitation(const TrackArguments& a) {
       std::printf(" | no truth\n");
       continue;
     }
-    Progress progress(name);
-    RunOptions options;
-    options.config = a.config;
-    options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
-    const auto result = replay(*recording, options);
-    if (!result) return result.failure();
-    // A camera's clock that the recording does not know of may be off by more than an evaluation would forgive.
-    const Pairs pairs = associate(recording->truth, result->track, 0.045);
+    Pairs pairs{recording->truth, recording->truth};
+    if (with_error) {
+      Progress progress(name);
+      RunOptions options;
+      options.config = a.config;
+      options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
+      const auto result = replay(*recording, options);
+      if (!result) return result.failure();
+      // A camera's clock that the recording does not know of may be off by more than an evaluation would forgive.
+      pairs = associate(recording->truth, result->track, 0.045);
+    }
     for (const double window : kWindows_s) {
       const Excitation e = excitation_of(pairs, {.window_s = window});
-      std::printf(" |               %5.1f %5.1f  %4.2f %3zu", 1e3 * e.motion_m, 1e3 * e.error_m, e.pull, e.windows);
+      std::printf(" |               %5.1f", 1e3 * e.motion_m);
+      if (with_error)
+        std::printf(" %5.1f  %4.2f", 1e3 * e.error_m, e.pull);
+      else
+        std::printf(" %5s  %4s", "-", "-");
+      std::printf(" %3zu", e.windows);
     }
     std::printf("\n");
   }
