@@ -84,9 +84,9 @@ const Spec& pipeline_spec() {
             fixers,
             map("coupling", "how everything becomes one pose",
                 {
-                    choice(
-                        "type", "per_frame", "per_frame",
-                        "per_frame: each frame's displacement is scaled on its own (Antigny et al. 2019, section 3.4)"),
+                    choice("type", "paper|per_frame", "paper",
+                           "paper: each frame's displacement is scaled on its own (Antigny et al. 2019, section 3.4); "
+                           "per_frame: its name until 0.1"),
                     choice("orientation", "vo|gyroscope|attitude", "vo",
                            "vo: chained from frame to frame as in the paper; gyroscope: chained with the attitude "
                            "source's rotations; both corrected by fixes; attitude: the attitude source's, fixes turn "

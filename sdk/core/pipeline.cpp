@@ -9,16 +9,18 @@ void Pipeline::process(const odo_header& message) {
     case ODO_TYPE_IMU: joiner_.push(as<odo_imu>(message), [this](const odo_imu& whole) { on_imu(whole); }); break;
     case ODO_TYPE_MAGNETOMETER:
     case ODO_TYPE_IMU_NOISE:
+      if (message.type == ODO_TYPE_IMU_NOISE) estimator_->on_imu_noise(as<odo_imu_noise>(message));
       if (attitude_) attitude_->process(message);
       if (vo_) on_vo_events(vo_->process(message));
       break;
     case ODO_TYPE_FRAME: on_frame(as<odo_frame>(message)); break;
     case ODO_TYPE_CALIBRATION:
-      coupling_.on_calibration(as<odo_calibration>(message));
+      estimator_->on_calibration(as<odo_calibration>(message));
       if (vo_) on_vo_events(vo_->process(message));
       offer_to_fixers(message);
       break;
     case ODO_TYPE_BAROMETER:
+      estimator_->update(&as<odo_barometer>(message));
       if (step_) on_steps(step_->process(message));
       offer_to_fixers(message);
       break;
@@ -29,12 +31,12 @@ void Pipeline::process(const odo_header& message) {
 }
 
 void Pipeline::on_imu(const odo_imu& imu) {
-  coupling_.on_imu(imu);
+  estimator_->propagate(imu);
   if (attitude_) {
     for (AnyMessage& event : attitude_->process(imu.header)) {
-      coupling_.on_attitude(as<odo_attitude>(event.header()));
+      estimator_->update(&as<odo_attitude>(event.header()));
       publish_(event.header());
-      if (const auto first = coupling_.start_without_camera()) publish_pose(*first);
+      publish_pose();
       if (vo_) on_vo_events(vo_->process(event.header()));
       if (step_) on_steps(step_->process(event.header()));
     }
@@ -47,19 +49,19 @@ void Pipeline::on_steps(std::span<AnyMessage> events) {
   for (AnyMessage& event : events) {
     publish_(event.header());
     if (scale_) scale_->process(event.header());
+    if (event.header().type == ODO_TYPE_MOTION_MODE) estimator_->update(&as<odo_motion_mode>(event.header()));
     if (event.header().type != ODO_TYPE_STEP) continue;
     ++counters_.steps;
-    if (const auto pose = coupling_.on_step(as<odo_step>(event.header()))) publish_pose(*pose);
+    estimator_->update(&as<odo_step>(event.header()));
+    publish_pose();
   }
 }
 
 void Pipeline::on_frame(const odo_frame& frame) {
   ++counters_.frames;
   if (!vo_) return offer_to_fixers(frame.header);
-  if (!camera_started_) {
-    camera_started_ = true;
-    publish_pose(coupling_.on_first_frame(frame.header.t_ns));
-  }
+  estimator_->update(FrameTime{frame.header.t_ns});
+  publish_pose();
   on_vo_events(vo_->process(frame.header));
   offer_to_fixers(frame.header);
 }
@@ -74,7 +76,7 @@ void Pipeline::on_vo_events(std::span<AnyMessage> events) {
 }
 
 void Pipeline::on_vo_motion(odo_vo_motion& motion) {
-  coupling_.prepare(motion);
+  estimator_->prepare(motion);
   publish_(motion.header);
   const odo_scale* scale = nullptr;
   if (scale_) {
@@ -85,12 +87,10 @@ void Pipeline::on_vo_motion(odo_vo_motion& motion) {
       if (in_time && candidate.scale_group == motion.scale_group) scale = &candidate;
     }
   }
-  const odo_pose pose = coupling_.on_vo_motion(motion, scale);
-  publish_pose(pose);
-  if (!step_) return;
-  const bool own = scale_ ? scale && (scale->header.flags & ODO_SCALE_NOT_BY_STEPS) != 0
-                          : (motion.header.flags & ODO_VO_METRIC) != 0;
-  if (const auto fix = teacher_.see(pose, own)) on_steps(step_->process(fix->header));
+  estimator_->update(RelativeMotion{&motion, scale});
+  publish_pose();
+  publish_correction();
+  teach_steps();
 }
 
 void Pipeline::offer_to_fixers(const odo_header& message) {
@@ -100,25 +100,42 @@ void Pipeline::offer_to_fixers(const odo_header& message) {
 void Pipeline::on_fixes(std::span<AnyMessage> events) {
   for (AnyMessage& event : events) {
     auto& fix = reinterpret_cast<odo_fix&>(event.header());
-    std::array<double, 3> p_n;
-    const bool used = coupling_.on_fix(fix, p_n);
+    resolve_geodetic(fix, geodesy_);  // what is published is metric, and says what became of it
+    const bool used = estimator_->update(&fix).accepted;
     ++(used ? counters_.fixes_accepted : counters_.fixes_rejected);
-    for (int i = 0; i < 3; ++i)
-      fix.p_n[i] = p_n[static_cast<size_t>(i)];  // what is published is metric, and says what became of it
     fix.header.quality = used ? 1.0f : 0.0f;
     publish_(fix.header);
     if (used && scale_) scale_->process(fix.header);
     if (used && step_) on_steps(step_->process(fix.header));
-    if (used) teacher_.fixed(fix.header.t_ns);
   }
-  if (const auto corrected = coupling_.take_correction()) publish_(corrected->header);
+  publish_correction();
 }
 
-void Pipeline::publish_pose(odo_pose pose) {
+void Pipeline::publish_pose() {
+  odo_pose pose;
+  if (!estimator_->take_pose(pose)) return;
   if (any_dead() && pose.state == ODO_TRACKING) pose.state = ODO_DEGRADED, pose.reason = ODO_REASON_PLUGIN_FAILED;
   set_state(pose.header.t_ns, pose.state, pose.reason);
   publish_(pose.header);
   for (auto& fixer : fixers_) on_fixes(fixer->process(pose.header));
+}
+
+void Pipeline::publish_correction() {
+  Correction correction;
+  odo_pose pose;
+  if (estimator_->take_correction(correction, pose)) publish_(pose.header);
+}
+
+void Pipeline::teach_steps() {
+  odo_fix reference;
+  if (estimator_->take_step_reference(reference) && step_) on_steps(step_->process(reference.header));
+}
+
+int32_t Pipeline::pose_at(int64_t t_ns, odo_pose& out) const {
+  Estimate estimate;
+  const int32_t status = estimator_->at(t_ns, estimate);
+  if (status == ODO_OK) out = estimate.pose;
+  return status;
 }
 
 void Pipeline::set_state(int64_t t_ns, uint32_t state, uint32_t reason) {
@@ -153,17 +170,16 @@ void Pipeline::reset() {
     instance->reset();
     if (!learnt.empty()) instance->load(learnt);
   }
-  coupling_.reset();
+  estimator_->reset();
   joiner_.reset();
   watch_.reset();
-  teacher_.reset();
-  camera_started_ = false;
   state_ = 0;
 }
 
 Pipeline::Pipeline(const PipelineConfig& config, Geodesy& geodesy, Publish publish)
-    : coupling_(config.coupling, config.start, {config.vo_frontend.has_value(), config.scale_source.has_value()},
-                geodesy),
+    : estimator_(make_estimator(config.coupling, config.start,
+                                {config.vo_frontend.has_value(), config.scale_source.has_value()})),
+      geodesy_(geodesy),
       watch_(config.ordering.max_gap_s),
       publish_(std::move(publish)) {
   if (config.origin) geodesy.set_origin(*config.origin);

@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "sdk/core/imu_joiner.hpp"
-#include "sdk/core/per_frame_coupling.hpp"
+#include "sdk/config/pipeline_config.hpp"
+#include "sdk/core/geodesy.hpp"
 #include "sdk/core/sensor_watch.hpp"
-#include "sdk/core/way_teacher.hpp"
+#include "sdk/estimator/estimator.hpp"
 #include "sdk/plugin_host/instance.hpp"
 
 namespace odograph {
@@ -29,7 +30,8 @@ class Pipeline {
                                                 Publish publish);
 
   void process(const odo_header& message);
-  int32_t pose_at(int64_t t_ns, odo_pose& out) const { return coupling_.pose_at(t_ns, out); }
+  /// Estimator::at. [any]
+  int32_t pose_at(int64_t t_ns, odo_pose& out) const;
   /// Starts anew, for a sensor clock that was set back. Geodetic origin and counters stay.
   void reset();
 
@@ -42,7 +44,7 @@ class Pipeline {
   const Counters& counters() const { return counters_; }
   uint64_t plugin_faults() const;
   uint64_t gaps() const { return watch_.gaps(); }
-  double distance_m() const { return coupling_.distance_m(); }
+  double distance_m() const { return estimator_->distance_m(); }
 
  private:
   Pipeline(const PipelineConfig& config, Geodesy& geodesy, Publish publish);
@@ -54,20 +56,21 @@ class Pipeline {
   void on_vo_motion(odo_vo_motion& motion);
   void on_fixes(std::span<AnyMessage> events);
   void offer_to_fixers(const odo_header& message);
-  void publish_pose(odo_pose pose);
+  void publish_pose();
+  void publish_correction();
+  void teach_steps();
   void set_state(int64_t t_ns, uint32_t state, uint32_t reason);
   bool any_dead() const;
   std::vector<PluginInstance*> instances() const;
 
   std::unique_ptr<PluginInstance> attitude_, step_, vo_, scale_;
   std::vector<std::unique_ptr<PluginInstance>> fixers_;
-  PerFrameCoupling coupling_;
+  std::unique_ptr<Estimator> estimator_;
+  Geodesy& geodesy_;
   ImuJoiner joiner_;
   SensorWatch watch_;
-  WayTeacher teacher_;
   Publish publish_;
   Counters counters_;
-  bool camera_started_ = false;
   uint32_t state_ = 0;
   uint32_t reason_ = ODO_REASON_INITIALISING;
   int64_t state_since_ns_ = 0;

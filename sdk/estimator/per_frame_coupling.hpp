@@ -8,17 +8,11 @@
 #include <Eigen/Geometry>
 
 #include "sdk/config/pipeline_config.hpp"
-#include "sdk/core/geodesy.hpp"
-#include "sdk/core/gyro_chain.hpp"
 #include "sdk/core/pose_history.hpp"
+#include "sdk/estimator/estimator.hpp"
+#include "sdk/estimator/gyro_chain.hpp"
 
 namespace odograph {
-
-/// What the pipeline consists of, as far as the coupling must know.
-struct CouplingInputs {
-  bool vo = false;
-  bool scale = false;
-};
 
 /// The coupling of Antigny et al. 2019, section 3.4: each frame's displacement, rotated into n, is multiplied by that
 /// frame's scale (eq. (7), computed by the scale source) and added to the horizontal position; rotation is chained from
@@ -30,7 +24,7 @@ struct CouplingInputs {
 /// the motion had no length.
 class PerFrameCoupling {
  public:
-  PerFrameCoupling(const CouplingConfig& config, const StartPose& start, CouplingInputs inputs, Geodesy& geodesy);
+  PerFrameCoupling(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs);
 
   void on_calibration(const odo_calibration& calibration);
   /// A whole sample, gyroscope and accelerometer.
@@ -47,8 +41,8 @@ class PerFrameCoupling {
   std::optional<odo_pose> on_step(const odo_step& step);
   /// The first pose of a track without a camera, as soon as there is an orientation.
   std::optional<odo_pose> start_without_camera();
-  /// True when the fix was used. `p_n` gets the position it meant.
-  bool on_fix(const odo_fix& fix, std::array<double, 3>& p_n);
+  /// A fix whose p_n is filled in, at its own time.
+  UpdateResult on_fix(const odo_fix& fix);
 
   /// The latest pose anew, once after a fix that moved it.
   std::optional<odo_pose> take_correction();
@@ -57,6 +51,9 @@ class PerFrameCoupling {
   int32_t pose_at(int64_t t_ns, odo_pose& out) const { return history_.at(t_ns, out); }
 
   double distance_m() const { return distance_m_; }
+  /// INT64_MIN before the first.
+  int64_t last_pose_ns() const { return last_pose_ns_; }
+  const Eigen::Quaterniond& q_b_c() const { return q_b_c_; }
   /// Position and orientation as they were at the start; the geodetic origin stays.
   void reset();
 
@@ -85,8 +82,7 @@ class PerFrameCoupling {
 
   CouplingConfig config_;
   StartPose start_;
-  CouplingInputs inputs_;
-  Geodesy& geodesy_;
+  EstimatorInputs inputs_;
   PoseHistory history_;
 
   std::array<odo_attitude, 128> attitudes_{};

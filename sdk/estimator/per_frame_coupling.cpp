@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/core/per_frame_coupling.hpp"
+#include "sdk/estimator/per_frame_coupling.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,9 +29,8 @@ double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
 
 }  // namespace
 
-PerFrameCoupling::PerFrameCoupling(const CouplingConfig& config, const StartPose& start, CouplingInputs inputs,
-                                   Geodesy& geodesy)
-    : config_(config), start_(start), inputs_(inputs), geodesy_(geodesy) {
+PerFrameCoupling::PerFrameCoupling(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs)
+    : config_(config), start_(start), inputs_(inputs) {
   reset();
 }
 
@@ -308,14 +307,9 @@ bool PerFrameCoupling::turn_by(const odo_fix& fix) {
   return true;
 }
 
-bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) {
+UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
   const uint32_t flags = fix.header.flags;
-  Vector3d z(fix.p_n);
-  if (flags & ODO_FIX_GEODETIC) {
-    if (!geodesy_.has_origin()) geodesy_.set_origin({fix.latitude_rad, fix.longitude_rad, fix.height_m});
-    z = Vector3d(geodesy_.from_geodetic({fix.latitude_rad, fix.longitude_rad, fix.height_m}).data());
-  }
-  p_out = {z.x(), z.y(), z.z()};
+  const Vector3d z(fix.p_n);
   const bool turned = (flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0 && turn_by(fix);
   // The fix speaks of its own time; what moved since then moved both.
   odo_pose then{};
@@ -330,14 +324,17 @@ bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) 
     R.col(i).setZero();
     R(i, i) = kPlaceless_m * kPlaceless_m;
   }
-  if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) return turned;
+  if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) return {turned, 0.0, 0};
   Matrix3d P = position_covariance();
   if (!placed_ || rejected_in_a_row_ >= kBelieveFixesAfter) P = Matrix3d::Identity() * kPlaceless_m * kPlaceless_m;
   const Matrix3d S = P + R + Matrix3d::Identity() * 1e-9;
   const double gate = config_.fix_gate_sigma;
-  if (gate > 0 && innovation.dot(S.ldlt().solve(innovation)) > gate * gate) {
+  const double nis = innovation.dot(S.ldlt().solve(innovation));
+  int dof = 0;
+  for (uint32_t flag : {ODO_FIX_NORTH, ODO_FIX_EAST, ODO_FIX_DOWN}) dof += (flags & flag) != 0;
+  if (gate > 0 && nis > gate * gate) {
     ++rejected_in_a_row_;
-    return false;
+    return {false, nis, dof};
   }
   const Matrix3d K = P * S.inverse();
   const Vector3d correction = K * innovation;
@@ -349,7 +346,7 @@ bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) 
   placed_ = true;
   rejected_in_a_row_ = 0;
   corrected_ = true;
-  return true;
+  return {true, nis, dof};
 }
 
 std::optional<odo_pose> PerFrameCoupling::take_correction() {
