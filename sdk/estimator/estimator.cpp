@@ -5,12 +5,14 @@
 
 #include "sdk/config/pipeline_config.hpp"
 #include "sdk/core/geodesy.hpp"
+#include "sdk/estimator/inertial_estimator.hpp"
 #include "sdk/estimator/paper_estimator.hpp"
 
 namespace odograph {
 
 std::unique_ptr<Estimator> make_estimator(const CouplingConfig& config, const StartPose& start,
                                           EstimatorInputs inputs) {
+  if (config.type == CouplingType::inertial) return std::make_unique<InertialEstimator>(config, start, inputs);
   return std::make_unique<PaperEstimator>(config, start, inputs);
 }
 

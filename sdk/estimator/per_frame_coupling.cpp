@@ -25,6 +25,11 @@ Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1]
 
 Quaterniond about_down(double angle_rad) { return Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())); }
 
+/// Of a motion's rotation, in c0; only where ODO_VO_COVARIANCE is set.
+Matrix3d rotation_covariance_of(const odo_vo_motion& motion) {
+  return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(motion.covariance).topLeftCorner<3, 3>();
+}
+
 double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
 
 }  // namespace
@@ -35,8 +40,6 @@ PerFrameCoupling::PerFrameCoupling(const CouplingConfig& config, const StartPose
 }
 
 void PerFrameCoupling::reset() {
-  // A phone's rear camera: x right as the body's, y down and z forward against the body's up and out of the screen.
-  if (!camera_) q_b_c_ = Quaterniond(0.0, 1.0, 0.0, 0.0);
   p_n_ = Vector3d(start_.position_m.data());
   heading_offset_rad_ = start_.heading_rad;
   placed_ = start_.given;
@@ -156,7 +159,7 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
       if (state == ODO_TRACKING) state = ODO_DEGRADED, reason = ODO_REASON_NO_SCALE;
     }
   }
-  drift(motion, dt_s, metric() && (!translated || !(scale || metric_by_vo_)));
+  drift(motion, q_n_c0, dt_s, metric() && (!translated || !(scale || metric_by_vo_)));
   share_rotation_covariance();
   carried_by_steps_ = !translated;
   if (translated) last_tracked_ns_ = motion.header.t_ns;
@@ -217,10 +220,15 @@ Vector3d PerFrameCoupling::catch_up(const odo_scale& scale) {
 }
 
 /// What becomes less certain from one frame to the next.
-void PerFrameCoupling::drift(const odo_vo_motion& motion, double dt_s, bool lost_metres) {
+void PerFrameCoupling::drift(const odo_vo_motion& motion, const Quaterniond& q_n_c0, double dt_s, bool lost_metres) {
   const double walk = kTurnWalk * kTurnWalk * dt_s;
-  heading_variance_ += motion.covariance[14] + walk;
-  tilt_variance_ += std::max(motion.covariance[0], motion.covariance[7]) + walk;
+  Matrix3d turned = Matrix3d::Zero();
+  if (motion.header.flags & ODO_VO_COVARIANCE) {
+    const Matrix3d R_n_c0 = q_n_c0.toRotationMatrix();
+    turned = R_n_c0 * rotation_covariance_of(motion) * R_n_c0.transpose();
+  }
+  heading_variance_ += turned(2, 2) + walk;
+  tilt_variance_ += std::max(turned(0, 0), turned(1, 1)) + walk;
   if (lost_metres) unseen_sigma_m_ += config_.fastest_mps * dt_s;
 }
 
@@ -240,9 +248,10 @@ bool PerFrameCoupling::turn_with_gyroscope(const odo_vo_motion& motion) {
   // With parallax a picture's rotation and translation are too much alike to tell a bias.
   const bool pure = motion.reason == ODO_REASON_NO_PARALLAX && (motion.header.flags & ODO_VO_ROTATION) != 0;
   if (pure)
-    chain_.seen_turn(imu->q_c0_c1, quaternion(motion.q_c0_c1),
-                     std::sqrt(std::max({motion.covariance[0], motion.covariance[7], motion.covariance[14]})),
-                     imu->dt_s);
+    chain_.seen_turn(
+        imu->q_c0_c1, quaternion(motion.q_c0_c1),
+        motion.header.flags & ODO_VO_COVARIANCE ? std::sqrt(rotation_covariance_of(motion).diagonal().maxCoeff()) : 0.0,
+        imu->dt_s);
   chain_.feel(imu->force_c, pure);
   q_n_ = chain_.q_n_c();
   return true;
@@ -310,7 +319,7 @@ bool PerFrameCoupling::turn_by(const odo_fix& fix) {
 UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
   const uint32_t flags = fix.header.flags;
   const Vector3d z(fix.p_n);
-  const bool turned = (flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0 && turn_by(fix);
+  const bool turns = (flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0;
   // The fix speaks of its own time; what moved since then moved both.
   odo_pose then{};
   Vector3d predicted = p_n_;
@@ -324,7 +333,10 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     R.col(i).setZero();
     R(i, i) = kPlaceless_m * kPlaceless_m;
   }
-  if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) return {turned, 0.0, 0};
+  if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) {
+    corrected_ = turns && turn_by(fix);
+    return {corrected_, 0.0, 0};
+  }
   Matrix3d P = position_covariance();
   if (!placed_ || rejected_in_a_row_ >= kBelieveFixesAfter) P = Matrix3d::Identity() * kPlaceless_m * kPlaceless_m;
   const Matrix3d S = P + R + Matrix3d::Identity() * 1e-9;
@@ -336,6 +348,7 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     ++rejected_in_a_row_;
     return {false, nis, dof};
   }
+  if (turns) turn_by(fix);  // a fix whose position is refused does not turn either
   const Matrix3d K = P * S.inverse();
   const Vector3d correction = K * innovation;
   p_n_ += correction;

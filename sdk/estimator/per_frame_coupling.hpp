@@ -70,7 +70,7 @@ class PerFrameCoupling {
   void move(const Eigen::Vector3d& d_n, double relative_sigma, double dt_s);
   void wait_for_scale(const odo_vo_motion& motion, const Eigen::Vector3d& d_n);
   Eigen::Vector3d catch_up(const odo_scale& scale);
-  void drift(const odo_vo_motion& motion, double dt_s, bool lost_metres);
+  void drift(const odo_vo_motion& motion, const Eigen::Quaterniond& q_n_c0, double dt_s, bool lost_metres);
   void turn(const odo_vo_motion& motion, const std::optional<odo_attitude>& before,
             const std::optional<odo_attitude>& after);
   bool turn_with_gyroscope(const odo_vo_motion& motion);
@@ -88,7 +88,8 @@ class PerFrameCoupling {
   std::array<odo_attitude, 128> attitudes_{};
   size_t attitude_count_ = 0;
 
-  Eigen::Quaterniond q_b_c_;
+  // A phone's rear camera: x right as the body's, y down and z forward against the body's up and out of the screen.
+  Eigen::Quaterniond q_b_c_{0.0, 1.0, 0.0, 0.0};
   Eigen::Quaterniond q_n_ = Eigen::Quaterniond::Identity();  // of the camera, or of the body without one
   Eigen::Vector3d p_n_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_n_ = Eigen::Vector3d::Zero();
