@@ -4,7 +4,9 @@
 #include "plugins/scale/step_fit/step_fit.hpp"
 #include "plugins/scale/step_length/step_scale.hpp"
 #include "sdk/estimator/gyro_chain.hpp"
+#include "sdk/core/geodesy.hpp"
 #include "sdk/core/messages.hpp"
+#include "sdk/estimator/paper_estimator.hpp"
 #include "sdk/estimator/per_frame_coupling.hpp"
 
 using namespace odograph;
@@ -166,6 +168,34 @@ TEST_CASE("without a scale the position's uncertainty grows by the fastest speed
   const odo_scale s = scale(2.0);
   pose = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 1}), &s);
   CHECK(std::sqrt(pose.covariance[4 * 6 + 4]) < 1);
+}
+
+TEST_CASE("a pose says metric and velocity only when that is so, and the first scale announces what it moves") {
+  PaperEstimator estimator({}, {}, {true, true});
+  const auto flags_after = [&](const Measurement& measurement) {
+    estimator.update(measurement);
+    odo_pose pose;
+    REQUIRE(estimator.take_pose(pose));
+    return pose.header.flags & (ODO_POSE_METRIC | ODO_POSE_VELOCITY);
+  };
+  CHECK(flags_after(FrameTime{0}) == 0);
+  auto first = motion(0, kSecond / 10, {0, 0, 0.1}), second = motion(kSecond / 10, kSecond / 5, {0, 0, 0.1});
+  CHECK(flags_after(RelativeMotion{&first, nullptr}) == 0);  // no scale yet
+  auto late = scale(2.0);
+  late.header.flags |= ODO_SCALE_STEADY;
+  estimator.update(RelativeMotion{&second, &late});
+  Correction correction;
+  odo_pose pose;
+  REQUIRE(estimator.take_correction(correction, pose));
+  CHECK(correction.reason == kCorrectionScale);
+  CHECK(correction.p.norm() == doctest::Approx(0.2));  // the first motion, in metres
+  REQUIRE(estimator.take_pose(pose));
+  CHECK((pose.header.flags & ODO_POSE_METRIC) != 0);
+  CHECK((pose.header.flags & ODO_POSE_VELOCITY) != 0);
+  auto blind = motion(kSecond / 5, kSecond * 3 / 10, {0, 0, 0});
+  blind.header.flags = 0;
+  blind.state = ODO_LOST;
+  CHECK(flags_after(RelativeMotion{&blind, nullptr}) == ODO_POSE_METRIC);  // metres, but how fast nobody knows
 }
 
 TEST_CASE("steps carry the position where there is no camera") {

@@ -42,7 +42,7 @@ struct Collector {
       case ODO_TYPE_ATTITUDE: result.attitudes.push_back(as<odo_attitude>(event)); break;
       case ODO_TYPE_VO_MOTION: result.motions.push_back(as<odo_vo_motion>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
-      case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), event.quality > 0.5f}); break;
+      case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FIX_ACCEPTED) != 0}); break;
       case ODO_TYPE_STATE:
         result.final_state = as<odo_state>(event).state;
         result.final_reason = as<odo_state>(event).reason;

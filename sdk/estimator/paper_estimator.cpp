@@ -65,6 +65,7 @@ int32_t PaperEstimator::at(int64_t t_ns, Estimate& out) const {
   out.q_n_b = camera ? orientation(out.pose) * coupling_.q_b_c().conjugate() : orientation(out.pose);
   out.p_n_b = Eigen::Vector3d(out.pose.p_n);  // the papers have no lever arm
   out.v_n_b = Eigen::Vector3d(out.pose.velocity_n);
+  out.velocity_is_mean = true;
   return ODO_OK;
 }
 
@@ -72,6 +73,11 @@ bool PaperEstimator::take_pose(odo_pose& pose) { return take(pose_, pose); }
 
 bool PaperEstimator::take_correction(Correction& correction, odo_pose& pose) {
   odo_pose before{};
+  if (const auto caught_up = coupling_.take_caught_up(); caught_up && pose_) {
+    pose = *pose_;
+    correction = {pose.header.t_ns, Eigen::Quaterniond::Identity(), *caught_up, kCorrectionScale};
+    return true;
+  }
   if (coupling_.pose_at(coupling_.last_pose_ns(), before) != ODO_OK) return false;
   const auto after = coupling_.take_correction();
   if (!after) return false;

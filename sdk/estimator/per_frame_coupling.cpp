@@ -45,6 +45,8 @@ void PerFrameCoupling::reset() {
   placed_ = start_.given;
   q_n_.setIdentity();
   velocity_n_.setZero();
+  velocity_known_ = false;
+  caught_up_n_.reset();
   rotation_covariance_.setZero();
   independent_covariance_.setZero();
   since_fix_n_.setZero();
@@ -128,6 +130,7 @@ void PerFrameCoupling::turn(const odo_vo_motion& motion, const std::optional<odo
 
 odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_scale* scale) {
   const Quaterniond q_n_c0 = q_n_;
+  velocity_known_ = false;
   const auto before = attitude_at(motion.t_from_ns);
   const auto after = attitude_at(motion.header.t_ns);
   if (after) rotation_covariance_ = Eigen::Map<const RowMatrix3d>(after->covariance_n);
@@ -166,7 +169,7 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
   if (state == ODO_LOST && after && seconds(motion.header.t_ns - last_tracked_ns_) < config_.bridge_s)
     state = ODO_DEGRADED;
   if (translated) {
-    if (!late_n.isZero()) move(late_n, relative, 0.0);
+    if (!late_n.isZero()) move(late_n, relative, 0.0), caught_up_n_ = late_n;
     move(d_n, relative, dt_s);
   }
   return publish(motion.header.t_ns, state, reason);
@@ -196,7 +199,7 @@ void PerFrameCoupling::move(const Vector3d& d_n, double relative_sigma, double d
   const double length = d_n.norm();
   p_n_ += d_n;
   distance_m_ += length;
-  if (dt_s > 0) velocity_n_ = d_n / dt_s;
+  if (dt_s > 0) velocity_n_ = d_n / dt_s, velocity_known_ = true;
   // The relative errors along the path are averaged by length and taken as common to all of it.
   const double total = since_fix_n_.norm() + length;
   if (total > 0) relative_sigma_ += (relative_sigma - relative_sigma_) * length / total;
@@ -369,8 +372,9 @@ std::optional<odo_pose> PerFrameCoupling::take_correction() {
 
 odo_pose PerFrameCoupling::publish(int64_t t_ns, uint32_t state, uint32_t reason) {
   auto pose = make_message<odo_pose>(ODO_TYPE_POSE, t_ns);
-  pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_VELOCITY;
-  if (metric()) pose.header.flags |= ODO_POSE_METRIC;
+  pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION;
+  if (metre_known()) pose.header.flags |= ODO_POSE_METRIC;
+  if (metre_known() && velocity_known_) pose.header.flags |= ODO_POSE_VELOCITY;
   if (camera_) pose.header.flags |= ODO_POSE_CAMERA;
   pose.q_n[0] = q_n_.w(), pose.q_n[1] = q_n_.x(), pose.q_n[2] = q_n_.y(), pose.q_n[3] = q_n_.z();
   Vector3d::Map(pose.p_n) = p_n_;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -46,6 +47,8 @@ class PerFrameCoupling {
 
   /// The latest pose anew, once after a fix that moved it.
   std::optional<odo_pose> take_correction();
+  /// What the latest motion added because its scale also holds for what came before, m in n; once.
+  std::optional<Eigen::Vector3d> take_caught_up() { return std::exchange(caught_up_n_, std::nullopt); }
 
   /// PoseHistory::at. [any]
   int32_t pose_at(int64_t t_ns, odo_pose& out) const { return history_.at(t_ns, out); }
@@ -78,6 +81,10 @@ class PerFrameCoupling {
   bool turn_chain_by(const Eigen::Vector3d& off_n, const odo_fix& fix);
   void share_rotation_covariance();
   odo_pose publish(int64_t t_ns, uint32_t state, uint32_t reason);
+  /// Positions are in metres, and nothing waits for a scale.
+  bool metre_known() const {
+    return !inputs_.vo || metric_by_vo_ || (inputs_.scale && scale_.metres_per_unit > 0 && !unscaled_);
+  }
   bool metric() const { return inputs_.scale || !inputs_.vo || metric_by_vo_; }
 
   CouplingConfig config_;
@@ -112,6 +119,8 @@ class PerFrameCoupling {
   bool carried_by_steps_ = false;
   bool corrected_ = false;
   bool metric_by_vo_ = false;
+  bool velocity_known_ = false;
+  std::optional<Eigen::Vector3d> caught_up_n_;
   struct Unscaled {                                 // what a scale group has moved before its scale is known
     Eigen::Vector3d d_n = Eigen::Vector3d::Zero();  // VO units
     uint32_t group = 0;
