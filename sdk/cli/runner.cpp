@@ -259,6 +259,8 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
         {"duplicate", s.duplicate},
         {"invalid", s.invalid},
         {"overflow", s.overflow},
+        {"wild", s.wild},
+        {"events_dropped", s.events_dropped},
         {"gaps", s.gaps},
         {"plugin", s.plugin_faults}}},
       {"heading_turn_rad", result.heading_turn_rad},

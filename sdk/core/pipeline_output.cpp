@@ -77,20 +77,20 @@ void Pipeline::publish_restart(const odo_pose& pose) {
   publish_(event.header);
 }
 
-/// The pose with the state of the body that belongs to it, so that it can be carried on with inertial samples.
+/// The pose, and the state of the body that it is carried on from: the estimator's newest, or the pose's own where the
+/// estimator does not go on between poses.
 void Pipeline::tell_stream(const odo_pose& pose) {
-  PosePredictor::Base base;
-  base.pose = pose;
-  base.q_n_b = orientation(pose);
-  base.p_n_b = Vector3d(pose.p_n);
+  PosePredictor::Base base{pose, orientation(pose), Vector3d(pose.p_n), {}};
   Estimate estimate;
-  if (estimator_->at(pose.header.t_ns, estimate) == ODO_OK) {
+  const bool goes_on = estimator_->at(INT64_MIN, estimate) == ODO_OK && !estimate.velocity_is_mean &&
+                       estimate.pose.header.t_ns >= pose.header.t_ns;
+  if (goes_on || estimator_->at(pose.header.t_ns, estimate) == ODO_OK) {
+    if (goes_on) base.pose = estimate.pose;
     base.q_n_b = estimate.q_n_b;
     base.p_n_b = estimate.p_n_b;
-    const bool told = (pose.header.flags & ODO_POSE_VELOCITY) != 0 && !estimate.velocity_is_mean;
-    if (told) base.v_n_b = estimate.v_n_b;
+    if (goes_on && (estimate.pose.header.flags & ODO_POSE_VELOCITY)) base.v_n_b = estimate.v_n_b;
   }
-  const bool by_motion = inertial_motion_ && inertial_motion_->header.t_ns == pose.header.t_ns;
+  const bool by_motion = inertial_motion_ && inertial_motion_->header.t_ns == base.pose.header.t_ns;
   if (!base.v_n_b && by_motion) base.v_n_b = orientation(pose) * Vector3d(inertial_motion_->velocity_c1);
   const bool by_estimator = !estimate.gyro_bias_b.isZero();
   if (by_estimator)
@@ -98,7 +98,7 @@ void Pipeline::tell_stream(const odo_pose& pose) {
   else if (by_motion)
     poses_.predictor().set_biases(Vector3d(inertial_motion_->gyro_bias_b), Vector3d(inertial_motion_->accel_bias_b));
   camera_knows_bias_ = camera_knows_bias_ || by_estimator || by_motion;
-  poses_.add_pose(base);
+  poses_.add_pose(pose, base);
 }
 
 bool Pipeline::sensor_silent() const { return (watch_.imu_silent() && attitude_) || (watch_.camera_silent() && vo_); }

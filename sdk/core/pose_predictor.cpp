@@ -46,7 +46,7 @@ void PosePredictor::clear() {
   const std::lock_guard lock(mutex_);
   track_.clear();
   base_ = {};
-  base_.pose.header.t_ns = INT64_MIN;
+  base_.pose.header.t_ns = published_ns_ = INT64_MIN;
   velocity_ = Velocity::none;
   v_n_b_.setZero(), rate_b_.setZero(), p_b_c_.setZero();
   q_b_c_.setIdentity(), q_align_.setIdentity();
@@ -90,8 +90,9 @@ void PosePredictor::correct(const Quaterniond& q, const Vector3d& p) {
   smooth_.jumped(then_ns, before, pose_of(body_at(then_ns)));
 }
 
-void PosePredictor::add_pose(const Base& base) {
+void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
   const std::lock_guard lock(mutex_);
+  published_ns_ = published_ns;
   const int64_t t_ns = base.pose.header.t_ns, then_ns = std::max(newest_ns(), t_ns);
   const bool begins = !has_pose() || is_camera(base_.pose) != is_camera(base.pose);
   const bool had_position = !begins && position_known(then_ns);
@@ -177,9 +178,9 @@ int64_t PosePredictor::newest_ns() const {
   return std::max({base_.pose.header.t_ns, track_.newest_ns(), attitude_.t_ns});
 }
 
-int64_t PosePredictor::newest_pose_ns() const {
+int64_t PosePredictor::published_ns() const {
   const std::lock_guard lock(mutex_);
-  return base_.pose.header.t_ns;
+  return published_ns_;
 }
 
 /// Without a camera a walker who stands gives no poses and stays where the last step led.
@@ -202,7 +203,7 @@ Quaterniond PosePredictor::orientation_at(int64_t t_ns, Vector3d& rate_b) const 
     return (from * point->q_e_b.conjugate() * now->q_e_b).normalized();
   }
   rate_b = by_attitude ? Vector3d::Zero() : rate_b_;
-  const double dt = std::clamp(seconds(t_ns, from_ns), 0.0, parameters_.ahead_s);
+  const double dt = std::clamp(seconds(t_ns, from_ns), -parameters_.ahead_s, parameters_.ahead_s);
   return (from * exp_rotation(dt * rate_b)).normalized();
 }
 
@@ -215,7 +216,7 @@ PosePredictor::Body PosePredictor::body_at(int64_t t_ns) const {
   body.v_n_b = v_n_b_;
   int64_t until_ns = pose_ns;
   const auto now = velocity_ == Velocity::now ? track_.at(t_ns, parameters_.ahead_s) : std::nullopt;
-  if (now && now->t_ns > pose_ns && base_point_) {
+  if (now && base_point_) {
     const Quaterniond q_n_e = base_.q_n_b * base_point_->q_e_b.conjugate();
     const Vector3d gravity_n(0, 0, parameters_.gravity_mps2);
     const double dt = seconds(now->t_ns, pose_ns);
@@ -224,7 +225,8 @@ PosePredictor::Body PosePredictor::body_at(int64_t t_ns) const {
     body.v_n_b += q_n_e * (now->v_e - base_point_->v_e) + dt * gravity_n;
     until_ns = now->t_ns;
   }
-  body.p_n_b += std::clamp(seconds(t_ns, until_ns), 0.0, parameters_.position_for_s) * body.v_n_b;
+  body.p_n_b +=
+      std::clamp(seconds(t_ns, until_ns), -parameters_.position_for_s, parameters_.position_for_s) * body.v_n_b;
   return body;
 }
 
@@ -254,12 +256,11 @@ int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
   out.header.t_ns = t_ns;
   out.header.flags &= ~(ODO_POSE_POSITION | ODO_POSE_METRIC | ODO_POSE_VELOCITY);
   out.header.flags |= ODO_POSE_ORIENTATION;
-  if (t_ns != base_.pose.header.t_ns) out.header.flags |= ODO_POSE_EXTRAPOLATED;
+  if (t_ns != published_ns_) out.header.flags |= ODO_POSE_EXTRAPOLATED;
   put(pose.q_n, out);
   out.state = state_, out.reason = reason_;
   if (!position_known(t_ns)) {
-    out.state = ODO_LOST;
-    if (state_ != ODO_LOST) out.reason = ODO_REASON_SENSOR_SILENT;
+    if (state_ == ODO_TRACKING) out.state = ODO_LOST, out.reason = ODO_REASON_SENSOR_SILENT;
     return ODO_OK;
   }
   out.header.flags |= base_.pose.header.flags & (ODO_POSE_POSITION | ODO_POSE_METRIC);

@@ -31,7 +31,8 @@ class PosePredictor {
     double unknown_sigma_mps = 1.5;   ///< without one: a walk
   };
 
-  /// A pose of the pipeline and the body's state that belongs to it.
+  /// What the pipeline knows best: a pose and the body's state at its time, which is that of the newest pose that it
+  /// has published, or later where its estimate has gone on with inertial samples.
   struct Base {
     odo_pose pose{};  ///< of the camera, or of the body without one
     Eigen::Quaterniond q_n_b = Eigen::Quaterniond::Identity();
@@ -48,17 +49,17 @@ class PosePredictor {
   /// Subtracted from the samples to come, rad/s and m/s^2. [process]
   void set_biases(const Eigen::Vector3d& gyro_b, const Eigen::Vector3d& accel_b);
   void add_attitude(const odo_attitude& attitude);
-  /// The newest pose, or the same one corrected. [process]
-  void add_pose(const Base& base);
+  /// A pose of this time has been published, or published anew because it was corrected. [process]
+  void add_pose(int64_t published_ns, const Base& base);
   /// What was at x in the old n is at q * x + p in the new one; the corrected pose follows. [process]
   void correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p);
   /// The pipeline's state from now on. [process]
   void set_state(uint32_t state, uint32_t reason);
 
-  /// Time of the newest pose; INT64_MIN before the first.
-  int64_t newest_pose_ns() const;
-  /// The pose at t, after the newest pose; INT64_MIN: at the newest sample. ODO_NOT_READY without pose and attitude,
-  /// ODO_E_NOT_FOUND beyond longest_s. Flags say what is known; `smooth`: corrections blended in. [any]
+  /// Time of the newest published pose; INT64_MIN before the first.
+  int64_t published_ns() const;
+  /// The pose at t, after the newest published one; INT64_MIN: at the newest sample. ODO_NOT_READY without pose and
+  /// attitude, ODO_E_NOT_FOUND beyond longest_s. Flags say what is known; `smooth`: corrections blended in. [any]
   int32_t at(int64_t t_ns, bool smooth, odo_pose& out) const;
   /// Blends corrections into a pose of the past. [any]
   void smoothen(odo_pose& pose) const;
@@ -94,6 +95,7 @@ class PosePredictor {
   Parameters parameters_;
   mutable std::mutex mutex_;
   InertialTrack track_;
+  int64_t published_ns_ = INT64_MIN;
   Base base_;
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();  // of the base's pose against its body
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
