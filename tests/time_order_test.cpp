@@ -33,7 +33,7 @@ AnyMessage whole(uint32_t type, int64_t t_ns) {
 std::vector<std::pair<int64_t, uint32_t>> drain(TimeOrder& order) {
   std::vector<std::pair<int64_t, uint32_t>> out;
   OwnedMessage m;
-  while (order.pop(m, true)) out.emplace_back(m.header().t_ns, m.header().type);
+  while (order.pop(m, INT64_MAX)) out.emplace_back(m.header().t_ns, m.header().type);
   return out;
 }
 
@@ -67,7 +67,7 @@ TEST_CASE("whatever the arrival within the wait, the order of release is the sam
     OwnedMessage m;
     for (const auto& [at, sample] : arrivals) {
       RC_ASSERT(order.push(OwnedMessage(sample.header())) == TimeOrder::Verdict::accepted);
-      while (order.pop(m, false)) released.emplace_back(m.header().t_ns, m.header().type);
+      while (order.pop(m)) released.emplace_back(m.header().t_ns, m.header().type);
     }
     for (const auto& rest : drain(order)) released.push_back(rest);
     RC_ASSERT(released.size() == arrivals.size());
@@ -79,7 +79,7 @@ TEST_CASE("late, duplicate and wild samples are told apart") {
   TimeOrder order(64, 50 * kMs);
   OwnedMessage m;
   for (int i = 0; i < 20; ++i) order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 10 * kMs).header()));
-  while (order.pop(m, false)) {
+  while (order.pop(m)) {
   }
   CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 190 * kMs).header())) == TimeOrder::Verdict::duplicate);
   CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 20 * kMs).header())) == TimeOrder::Verdict::late);
@@ -94,7 +94,7 @@ TEST_CASE("a sensor clock that is set back restarts the order instead of droppin
   OwnedMessage m;
   for (int i = 1000; i < 1100; ++i) {
     order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 10 * kMs).header()));
-    while (order.pop(m, false)) {
+    while (order.pop(m)) {
     }
   }
   int pushes = 0;
@@ -126,7 +126,7 @@ TEST_CASE("a sensor that starts while others run is waited for from its first sa
     if (frame_ms >= 1000 && frame_ms % 30 == 10)
       refused +=
           order.push(OwnedMessage(whole(ODO_TYPE_FRAME, frame_ms * kMs).header())) != TimeOrder::Verdict::accepted;
-    while (order.pop(m, false)) (m.header().type == ODO_TYPE_FRAME ? frames : imu).push_back(m.header().t_ns);
+    while (order.pop(m)) (m.header().type == ODO_TYPE_FRAME ? frames : imu).push_back(m.header().t_ns);
     if (frames.size() > 5) CHECK(imu.back() <= frames.back() + 31 * kMs);
   }
   CHECK(refused == 0);
@@ -156,7 +156,7 @@ TEST_CASE("a stream that stalled and comes late all at once does not restart the
         CHECK(verdict != TimeOrder::Verdict::restarted);
         CHECK((verdict == TimeOrder::Verdict::late) == (i == 599 && late * 5 < 598 * 5 - 50));
       }
-    while (order.pop(m, false)) {
+    while (order.pop(m)) {
     }
   }
 }
@@ -168,7 +168,7 @@ TEST_CASE("a sensor that is silent no longer holds the others back") {
   for (int i = 0; i < 600; ++i) {
     order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 5 * kMs).header()));
     if (i < 100 && i % 6 == 0) order.push(OwnedMessage(whole(ODO_TYPE_FRAME, i * 5 * kMs).header()));
-    while (order.pop(m, false)) released = m.header().t_ns;
+    while (order.pop(m)) released = m.header().t_ns;
     if (i == 200) CHECK(released == 800 * kMs);  // bounded by the wait
     if (i > 320) CHECK(released == i * 5 * kMs);
   }
@@ -179,7 +179,7 @@ TEST_CASE("times at the ends of the range overflow nothing") {
   for (const int64_t t : {INT64_MAX, INT64_MAX - 1, INT64_MIN + 1, int64_t(0), INT64_MAX})
     order.push(OwnedMessage(whole(ODO_TYPE_IMU, t).header()));
   OwnedMessage m;
-  while (order.pop(m, true)) {
+  while (order.pop(m, INT64_MAX)) {
   }
   CHECK(order.size() == 0);
 }

@@ -46,9 +46,9 @@ void PosePredictor::clear() {
   const std::lock_guard lock(mutex_);
   track_.clear();
   base_ = {};
-  base_.pose.header.t_ns = published_ns_ = INT64_MIN;
+  base_.pose.header.t_ns = published_ns_ = asked_ns_ = INT64_MIN;
   velocity_ = Velocity::none;
-  v_n_b_.setZero(), rate_b_.setZero(), p_b_c_.setZero();
+  v_n_b_.setZero(), rate_b_.setZero(), p_b_c_.setZero(), force_n_.setZero();
   q_b_c_.setIdentity(), q_align_.setIdentity();
   base_point_.reset();
   attitude_ = {};
@@ -80,7 +80,7 @@ void PosePredictor::add_attitude(const odo_attitude& attitude) {
 
 void PosePredictor::correct(const Quaterniond& q, const Vector3d& p) {
   const std::lock_guard lock(mutex_);
-  const int64_t then_ns = newest_ns();
+  const int64_t then_ns = std::max(newest_ns(), asked_ns_);
   const auto before = pose_of(body_at(then_ns));
   for (Support& support : supports_) support.p_n_b = q * support.p_n_b + p;
   base_.q_n_b = q * base_.q_n_b;
@@ -93,17 +93,22 @@ void PosePredictor::correct(const Quaterniond& q, const Vector3d& p) {
 void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
   const std::lock_guard lock(mutex_);
   published_ns_ = published_ns;
-  const int64_t t_ns = base.pose.header.t_ns, then_ns = std::max(newest_ns(), t_ns);
+  const int64_t t_ns = base.pose.header.t_ns, then_ns = std::max({newest_ns(), t_ns, asked_ns_});
   const bool begins = !has_pose() || is_camera(base_.pose) != is_camera(base.pose);
   const bool had_position = !begins && position_known(then_ns);
   const auto before = begins ? SmoothPose::Pose{} : pose_of(body_at(then_ns));
   const double dt = begins ? 0.0 : seconds(t_ns, base_.pose.header.t_ns);
   if (dt > 0) rate_b_ = dt < 0.2 ? Vector3d(log_rotation(base_.q_n_b.conjugate() * base.q_n_b) / dt) : Vector3d::Zero();
   if (begins) support_count_ = 0;
-  // A jump that nobody announced: what is kept for the velocity goes along.
-  const Vector3d unforeseen = begins ? Vector3d::Zero() : Vector3d(base.p_n_b - body_at(t_ns).p_n_b);
-  if (velocity_ == Velocity::now && unforeseen.norm() > parameters_.jump_m)
-    for (Support& support : supports_) support.p_n_b += unforeseen;
+  std::optional<Vector3d> foreseen;
+  if (!begins && velocity_ == Velocity::now) {
+    const Body body = body_at(t_ns);
+    const Vector3d jump = base.p_n_b - body.p_n_b;
+    const bool jumped = jump.norm() > parameters_.jump_m;  // and nobody announced it: what is kept goes along
+    for (Support& support : supports_)
+      if (jumped) support.p_n_b += jump;
+    if (!jumped && dt > 0) foreseen = body.v_n_b;
+  }
 
   base_ = base;
   q_b_c_ = base.q_n_b.conjugate() * quaternion(base.pose.q_n);
@@ -111,7 +116,7 @@ void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
   base_point_ = track_.at(t_ns, parameters_.ahead_s);
   if (base_point_ && base_point_->t_ns != t_ns) base_point_.reset();  // the samples end long before
   align_attitude();
-  choose_velocity();
+  choose_velocity(foreseen);
 
   if (begins) return smooth_.reset();
   const auto after = pose_of(body_at(then_ns));
@@ -127,7 +132,8 @@ void PosePredictor::align_attitude() {
   q_align_ = (base_.q_n_b * q.conjugate()).normalized();
 }
 
-void PosePredictor::choose_velocity() {
+/// `foreseen`: the velocity that the pose before would have had by now.
+void PosePredictor::choose_velocity(const std::optional<Vector3d>& foreseen) {
   const odo_pose& pose = base_.pose;
   const int64_t t_ns = pose.header.t_ns;
   velocity_ = Velocity::none;
@@ -144,21 +150,27 @@ void PosePredictor::choose_velocity() {
   if (inertial && metric && base_.v_n_b) {
     velocity_ = Velocity::now;
     v_n_b_ = *base_.v_n_b;
-  } else if (const auto fitted = is_camera(pose) ? fit_velocity() : std::nullopt) {
+    force_n_.setZero();
+    level_ = false;
+  } else if (is_camera(pose) && fit_velocity()) {
     velocity_ = Velocity::now;
-    v_n_b_ = *fitted;
+    if (!foreseen) return;
+    force_n_ += (v_n_b_ - *foreseen) / parameters_.force_tau_s;
+    if (const double norm = force_n_.norm(); norm > parameters_.largest_force_mps2)
+      force_n_ *= parameters_.largest_force_mps2 / norm;
   } else if (pose.header.flags & ODO_POSE_VELOCITY) {
     velocity_ = Velocity::mean;
     v_n_b_ = Vector3d(pose.velocity_n);
   }
 }
 
-/// Least squares over the newest poses: p_i - (what force and gravity moved between t_i and now) = p + v (t_i - now).
-std::optional<Vector3d> PosePredictor::fit_velocity() const {
-  if (!base_point_) return {};
+/// Velocity by least squares over the newest poses: p_i - (what force and gravity moved between t_i and now)
+/// = p + v (t_i - now). False where there are too few.
+bool PosePredictor::fit_velocity() {
+  if (!base_point_) return false;
   const Quaterniond q_n_e = base_.q_n_b * base_point_->q_e_b.conjugate();
-  const Vector3d gravity_n(0, 0, parameters_.gravity_mps2);
-  double n = 0, sum_t = 0, sum_tt = 0;
+  const Vector3d constant_n = Vector3d(0, 0, parameters_.gravity_mps2) + force_n_;
+  double n = 0, sum_t = 0, sum_tt = 0, height_m = 0;
   Vector3d sum_y = Vector3d::Zero(), sum_ty = Vector3d::Zero();
   const size_t kept = std::min(support_count_, supports_.size());
   for (size_t back = 1; back <= kept; ++back) {
@@ -166,12 +178,16 @@ std::optional<Vector3d> PosePredictor::fit_velocity() const {
     const double t = seconds(s.t_ns, base_.pose.header.t_ns);
     if (-t > parameters_.velocity_window_s) break;
     const Vector3d moved_e = s.point.p_e - base_point_->p_e - t * base_point_->v_e;
-    const Vector3d y = s.p_n_b - q_n_e * moved_e - 0.5 * t * t * gravity_n;
+    const Vector3d y = s.p_n_b - q_n_e * moved_e - 0.5 * t * t * constant_n;
     n += 1, sum_t += t, sum_tt += t * t, sum_y += y, sum_ty += t * y;
+    height_m = std::max(height_m, std::abs(s.p_n_b.z() - base_.p_n_b.z()));
   }
   const double spread = n * sum_tt - sum_t * sum_t;
-  if (n < static_cast<double>(parameters_.velocity_poses) || spread <= 0) return {};
-  return Vector3d((n * sum_ty - sum_t * sum_y) / spread);
+  if (n < static_cast<double>(parameters_.velocity_poses) || spread <= 0) return false;
+  v_n_b_ = (n * sum_ty - sum_t * sum_y) / spread;
+  level_ = height_m < parameters_.level_m;
+  if (level_) v_n_b_.z() = 0;
+  return true;
 }
 
 int64_t PosePredictor::newest_ns() const {
@@ -218,11 +234,13 @@ PosePredictor::Body PosePredictor::body_at(int64_t t_ns) const {
   const auto now = velocity_ == Velocity::now ? track_.at(t_ns, parameters_.ahead_s) : std::nullopt;
   if (now && base_point_) {
     const Quaterniond q_n_e = base_.q_n_b * base_point_->q_e_b.conjugate();
-    const Vector3d gravity_n(0, 0, parameters_.gravity_mps2);
+    const Vector3d constant_n = Vector3d(0, 0, parameters_.gravity_mps2) + force_n_;
     const double dt = seconds(now->t_ns, pose_ns);
-    body.p_n_b +=
-        dt * v_n_b_ + q_n_e * (now->p_e - base_point_->p_e - dt * base_point_->v_e) + 0.5 * dt * dt * gravity_n;
-    body.v_n_b += q_n_e * (now->v_e - base_point_->v_e) + dt * gravity_n;
+    Vector3d moved_n = q_n_e * (now->p_e - base_point_->p_e - dt * base_point_->v_e) + 0.5 * dt * dt * constant_n;
+    Vector3d gained_n = q_n_e * (now->v_e - base_point_->v_e) + dt * constant_n;
+    if (level_) moved_n.z() = gained_n.z() = 0;
+    body.p_n_b += dt * v_n_b_ + moved_n;
+    body.v_n_b += gained_n;
     until_ns = now->t_ns;
   }
   body.p_n_b +=
@@ -248,7 +266,10 @@ int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
   if (seconds(t_ns, newest_ns()) > parameters_.longest_s) return ODO_E_NOT_FOUND;
   const Body body = body_at(t_ns);
   SmoothPose::Pose pose = pose_of(body);
-  if (smooth) pose = smooth_.at(t_ns, pose);
+  if (smooth) {
+    pose = smooth_.at(t_ns, pose);
+    asked_ns_ = std::max(asked_ns_, t_ns);
+  }
 
   out = base_.pose;
   out.header.struct_size = sizeof out;

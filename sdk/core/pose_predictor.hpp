@@ -25,6 +25,9 @@ class PosePredictor {
     double attitude_after_s = 0.25;   ///< an older pose's orientation follows the attitude instead of the gyroscope
     double velocity_window_s = 0.35;  ///< of poses that a velocity is fitted to: more than half a step (judgement)
     size_t velocity_poses = 3;        ///< fewer tell none
+    double level_m = 0.001;    ///< positions that differ by less in height: the pipeline moves horizontally alone
+    double force_tau_s = 3.0;  ///< for what the force errs by in n (inclination, bias) with fitted velocities
+    double largest_force_mps2 = 1.0;  ///< of that error: 6 degrees of inclination
     double jump_m = 0.15;             ///< further from where it was predicted the track has jumped (judgement)
     double gravity_mps2 = 9.80665;    ///< standard gravity; elsewhere 0.03 off at most
     double velocity_sigma_mps = 0.1;  ///< of a known velocity: how the position's covariance grows (judgement)
@@ -89,8 +92,8 @@ class PosePredictor {
   Body body_at(int64_t t_ns) const;
   SmoothPose::Pose pose_of(const Body& body) const;
   void align_attitude();
-  void choose_velocity();
-  std::optional<Eigen::Vector3d> fit_velocity() const;
+  void choose_velocity(const std::optional<Eigen::Vector3d>& foreseen);
+  bool fit_velocity();
 
   Parameters parameters_;
   mutable std::mutex mutex_;
@@ -100,7 +103,9 @@ class PosePredictor {
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();  // of the base's pose against its body
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d v_n_b_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d rate_b_ = Eigen::Vector3d::Zero();  // between the last two poses, where the gyroscope says nothing
+  Eigen::Vector3d rate_b_ = Eigen::Vector3d::Zero();   // between the last two poses, where the gyroscope says nothing
+  Eigen::Vector3d force_n_ = Eigen::Vector3d::Zero();  // m/s^2, added to force and gravity
+  bool level_ = false;                                 // the pipeline moves horizontally alone
   Velocity velocity_ = Velocity::none;
   std::optional<InertialTrack::Point> base_point_;
   Attitude attitude_;
@@ -109,6 +114,7 @@ class PosePredictor {
   size_t support_count_ = 0;
   uint32_t state_ = ODO_LOST, reason_ = ODO_REASON_INITIALISING;
   SmoothPose smooth_;
+  mutable int64_t asked_ns_ = INT64_MIN;  // up to here smooth poses have been given: what was seen stays where it was
 };
 
 }  // namespace odograph

@@ -68,7 +68,7 @@ int32_t Session::push(const odo_header& sample) {
   if (turn_taken_ || stopping_)
     return status;  // who has the turn processes this too; within a callback it is this very thread
   const Turn turn(*this, lock);
-  process_waiting(lock, false);
+  process_waiting(lock, INT64_MIN);
   return status;
 }
 
@@ -225,15 +225,15 @@ void Session::give_turn() {
   turn_changed_.notify_all();
 }
 
-/// With the turn and the lock, which is given up while anything is called.
-void Session::process_waiting(Lock& lock, bool flush) {
+/// With the turn and the lock, which is given up while anything is called. What is pushed meanwhile is not flushed.
+void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
   for (;;) {
     OwnedMessage message;
     if (std::exchange(restart_pending_, false)) {
       lock.unlock();
       host_.report(0, ODO_SEVERITY_WARNING, "clock_restart", "the sensor clock was set back; starting anew");
       pipeline_->reset();
-    } else if (order_.pop(message, flush)) {
+    } else if (order_.pop(message, flush_until_ns)) {
       lock.unlock();
       pipeline_->process(message.header());
       message.release();
@@ -257,7 +257,7 @@ void Session::work() {
     if (stopping_) return;
     const Turn turn(*this, lock);
     const uint64_t asked = flushes_asked_;
-    process_waiting(lock, asked != flushes_done_);
+    process_waiting(lock, asked != flushes_done_ ? order_.latest_waiting_ns() : INT64_MIN);
     flushes_done_ = asked;
   }
 }
@@ -272,7 +272,7 @@ int32_t Session::flush() {
     return ODO_OK;
   }
   const Turn turn(*this, lock);
-  process_waiting(lock, true);
+  process_waiting(lock, order_.latest_waiting_ns());
   return ODO_OK;
 }
 

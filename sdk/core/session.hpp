@@ -91,7 +91,7 @@ class Session {
   void take_turn(Lock& lock);
   void give_turn();
   bool work_is_waiting() const;
-  void process_waiting(Lock& lock, bool flush);
+  void process_waiting(Lock& lock, int64_t flush_until_ns);
   void publish_progress();
   void work();
 

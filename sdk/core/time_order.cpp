@@ -120,8 +120,14 @@ void TimeOrder::take_first(OwnedMessage& out) {
   free_.push_back(entry.slot);
 }
 
-bool TimeOrder::pop(OwnedMessage& out, bool flush) {
-  if (heap_.empty() || (!flush && heap_.front().t_ns > watermark())) return false;
+int64_t TimeOrder::latest_waiting_ns() const {
+  int64_t latest = INT64_MIN;
+  for (const Entry& entry : heap_) latest = std::max(latest, entry.t_ns);
+  return latest;
+}
+
+bool TimeOrder::pop(OwnedMessage& out, int64_t flush_until_ns) {
+  if (heap_.empty() || heap_.front().t_ns > std::max(watermark(), flush_until_ns)) return false;
   take_first(out);
   released_ns_ = std::max(released_ns_, out.header().t_ns);
   return true;

@@ -42,9 +42,11 @@ class TimeOrder {
   /// Takes the message over where it is accepted, and leaves it alone where it is not.
   Verdict push(OwnedMessage&& message);
 
-  /// The next message in order, or false while a slower sensor may still deliver an earlier one.
-  /// With `flush` nothing is waited for.
-  bool pop(OwnedMessage& out, bool flush);
+  /// The next message in order, or false while a slower sensor may still deliver an earlier one. Up to `flush_until_ns`
+  /// nothing is waited for.
+  bool pop(OwnedMessage& out, int64_t flush_until_ns = INT64_MIN);
+  /// Time of the latest message that waits; INT64_MIN when none does.
+  int64_t latest_waiting_ns() const;
   /// True when pop without flush would give a message.
   bool ready() const { return !heap_.empty() && heap_.front().t_ns <= watermark(); }
 
