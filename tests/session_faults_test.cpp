@@ -104,6 +104,29 @@ TEST_CASE("a plugin that was reset, and a clock that was set back, are told of t
   CHECK(corrections.back().reason == ODO_CORRECTION_RESTART);
 }
 
+TEST_CASE("a clock that is set back before the first frame does not lose the camera's mount") {
+  const TestPlugins plugins{"needy_vo"};
+  const auto first_pose = [&](bool set_back) {
+    App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
+    auto c = calibration(64, 48);
+    c.header.flags = ODO_CALIBRATION_EXTRINSICS;
+    c.q_b_c[0] = c.q_b_c[3] = std::sqrt(0.5);  // by no means the default
+    odo_session_push(app.session, &c.header);
+    if (set_back) app.walk(9000, 9200);
+    app.walk(0, 200);
+    app.frame(2'900 * kMs);
+    app.walk(200, 300);
+    odo_session_flush(app.session);
+    const auto poses = app.all<odo_pose>(ODO_TYPE_POSE);
+    REQUIRE(poses.size() == 1);
+    return poses.front();
+  };
+  const odo_pose plain = first_pose(false), restarted = first_pose(true);
+  double dot = 0;
+  for (int i = 0; i < 4; ++i) dot += plain.q_n[i] * restarted.q_n[i];
+  CHECK(std::abs(dot) > 0.999);
+}
+
 TEST_CASE("a camera that starts after the other sensors works, and loses no frame") {
   for (const int late_ms : {100, 200, 1000, 5000}) {
     CAPTURE(late_ms);
