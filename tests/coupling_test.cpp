@@ -198,6 +198,26 @@ TEST_CASE("a pose says metric and velocity only when that is so, and the first s
   CHECK(flags_after(RelativeMotion{&blind, nullptr}) == ODO_POSE_METRIC);  // metres, but how fast nobody knows
 }
 
+TEST_CASE("a fix of the heading alone is announced and publishes the pose anew") {
+  PaperEstimator estimator({}, {}, {true, false});
+  auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
+  attitude.q_n_b[0] = 1.0;  // the phone's top looks east
+  estimator.update(&attitude);
+  estimator.update(FrameTime{0});
+  odo_pose first, pose;
+  REQUIRE(estimator.take_pose(first));
+  auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
+  fix.header.flags = ODO_FIX_YAW;
+  fix.yaw_rad = EIGEN_PI / 2 + 0.1;
+  fix.yaw_sigma_rad = 0.01;
+  Correction correction;
+  REQUIRE(estimator.update(&fix).accepted);
+  REQUIRE(estimator.take_correction(correction, pose));
+  CHECK(correction.q.angularDistance(Eigen::Quaterniond::Identity()) == doctest::Approx(0.1).epsilon(0.01));
+  CHECK(std::abs(correction.q.z()) > 0.04);
+  CHECK_FALSE(estimator.take_correction(correction, pose));
+}
+
 TEST_CASE("steps carry the position where there is no camera") {
   PerFrameCoupling coupling({}, {{10, 20, 0}, EIGEN_PI / 2, true}, {false, false});
   auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
