@@ -41,11 +41,13 @@ void Pipeline::process(const odo_header& message) {
       break;
     default: ask_fixers(message);  // GNSS, waypoints
   }
+  handle_events();
   watch_silence();
 }
 
 /// The attitude first: it is a prior of what the others make of the same sample.
 void Pipeline::on_imu(const odo_imu& imu) {
+  events_.begin();
   estimator_->propagate(imu);
   publish_estimates();
   ask(attitude_, imu.header);
