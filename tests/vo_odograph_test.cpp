@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <doctest/doctest.h>
 
 #include "plugins/vo/odograph/bundle.hpp"
@@ -157,6 +160,66 @@ TEST_CASE("the window's adjustment mends poses, depths and the gyroscope's bias,
   adjust(window, found, sigma), adjust(copy, again, sigma);
   CHECK(found == again);
   CHECK(window.keyframes().back().T_w_c.matrix() == copy.keyframes().back().T_w_c.matrix());
+}
+
+namespace {
+
+/// What the process writes to standard error while `work` runs.
+template <class Work>
+std::string standard_error_of(Work work) {
+  const TemporaryFolder folder;
+  const auto file = folder / "stderr";
+  std::fflush(stderr);
+  const int terminal = dup(STDERR_FILENO), caught = open(file.c_str(), O_CREAT | O_WRONLY, 0600);
+  REQUIRE((terminal >= 0 && caught >= 0 && dup2(caught, STDERR_FILENO) >= 0));
+  work();
+  std::fflush(stderr);
+  dup2(terminal, STDERR_FILENO);
+  close(caught), close(terminal);
+  return read_text(file);
+}
+
+Window window_on_the_way(int keyframes, double sigma) {
+  Random random(8, 8);
+  Window window(8);
+  const auto points = scene(6);
+  for (int k = 0; k < keyframes; ++k) {
+    window.add({0, 0, on_the_way(k), std::nullopt, Vector3d::Zero()});
+    for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(on_the_way(k), points[i], random, sigma));
+  }
+  window.locate(0.002);
+  return window;
+}
+
+}  // namespace
+
+TEST_CASE("points behind a camera where the adjustment starts do not stop it, and Ceres says nothing to the terminal") {
+  const double sigma = 8e-4;
+  Window window = window_on_the_way(6, sigma);
+  window.keyframes()[3].T_w_c.translation().z() += 4;  // past the nearest points
+  Vector3d bias = Vector3d::Zero();
+  BundleReport report;
+  const std::string said = standard_error_of([&] { report = adjust(window, bias, sigma); });
+  CHECK(said == "");
+  CHECK(report.solved);
+  CHECK_FALSE(report.failed);
+  CHECK((on_the_way(5).inverse() * window.keyframes()[5].T_w_c).translation().norm() < 0.02);
+}
+
+TEST_CASE("an adjustment that fails says so in its report alone, and leaves the window as it was") {
+  const double sigma = 8e-4;
+  Window window = window_on_the_way(6, sigma);
+  window.keyframes()[3].T_w_c.translation().x() = std::nan("");
+  const Window before = window;
+  Vector3d bias(0.001, 0, 0);
+  BundleReport report;
+  const std::string said = standard_error_of([&] { report = adjust(window, bias, sigma); });
+  CHECK(said == "");
+  CHECK(report.failed);
+  CHECK_FALSE(report.solved);
+  CHECK(bias == Vector3d(0.001, 0, 0));
+  CHECK(window.keyframes()[5].T_w_c.matrix() == before.keyframes()[5].T_w_c.matrix());
+  CHECK(window.landmarks().at(7).inverse_depth == before.landmarks().at(7).inverse_depth);
 }
 
 TEST_CASE("a point outlives the keyframe that saw it first") {

@@ -12,7 +12,8 @@
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/picture_source.hpp"
 #include "sdk/cli/plot.hpp"
-#include "sdk/evaluation/evaluation.hpp"
+#include "sdk/cli/runner.hpp"
+#include "sdk/evaluation/excitation.hpp"
 #include "sdk/recording/recording.hpp"
 
 namespace odograph {
@@ -20,8 +21,9 @@ namespace {
 
 struct TrackArguments {
   std::vector<std::string> recordings;
-  std::string plot;
+  std::string plot, config = "samples/configs/monocular_odograph.yaml";
   size_t frames = 200;
+  bool excitation_only = false;
 };
 
 struct TrackFigures {
@@ -144,7 +146,50 @@ Result<TrackFigures> figures_of(const std::string& file, size_t most) {
   return std::move(follower.figures);
 }
 
-int tracks(const TrackArguments& a) {
+constexpr double kWindows_s[] = {4, 8};
+
+std::string name_of(std::string file) {
+  while (file.size() > 1 && file.back() == '/') file.pop_back();
+  return std::filesystem::path(file).filename().string();
+}
+
+/// S, N and the pull of each recording that has truth, in a table of their own.
+Result<bool> print_excitation(const TrackArguments& a) {
+  std::printf(
+      "\nS: true motion about the quadratic in time that fits a window best, rms; N: error of %s after Sim(3) in that\n"
+      "window, about a quadratic too, rms. Medians over windows that overlap by half, standing ones left out.\n"
+      "Pull: S^2 / (S^2 + N^2).\n\n",
+      a.config.c_str());
+  std::printf("%-34s", "");
+  for (const double window : kWindows_s) std::printf(" | %2.0f s windows: S mm  N mm  pull   n", window);
+  std::printf("\n");
+  for (const std::string& file : a.recordings) {
+    const auto recording = read_recording(file);
+    if (!recording) return recording.failure();
+    const std::string name = name_of(file);
+    std::printf("%-34s", name.c_str());
+    if (recording->truth.size() < 10) {
+      std::printf(" | no truth\n");
+      continue;
+    }
+    Progress progress(name);
+    RunOptions options;
+    options.config = a.config;
+    options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
+    const auto result = replay(*recording, options);
+    if (!result) return result.failure();
+    // A camera's clock that the recording does not know of may be off by more than an evaluation would forgive.
+    const Pairs pairs = associate(recording->truth, result->track, 0.045);
+    for (const double window : kWindows_s) {
+      const Excitation e = excitation_of(pairs, {.window_s = window});
+      std::printf(" |               %5.1f %5.1f  %4.2f %3zu", 1e3 * e.motion_m, 1e3 * e.error_m, e.pull, e.windows);
+    }
+    std::printf("\n");
+  }
+  return true;
+}
+
+Result<bool> print_tracks(const TrackArguments& a) {
   Plot plot{.title = "Corners still followed", .x_label = "frames", .y_label = "part"};
   std::printf(
       "Up to %d corners, pyramidal Lucas-Kanade there and back within 0.7 px, five-point RANSAC within 1 px.\n\n",
@@ -155,10 +200,8 @@ int tracks(const TrackArguments& a) {
               "10 %", "50 %", "10 %", "50 %", "90 %");
   for (const std::string& file : a.recordings) {
     const auto f = figures_of(file, a.frames);
-    if (!f) return complain(f.failure());
-    std::string name = file;
-    while (name.size() > 1 && name.back() == '/') name.pop_back();
-    name = std::filesystem::path(name).filename().string();
+    if (!f) return f.failure();
+    const std::string name = name_of(file);
     std::printf("%-34s %6zu %6.1f | %6.0f %7.0f %7.0f | %7.3f %8.3f | %7.3f %8.3f | %7.2f %8.2f\n", name.c_str(),
                 f->frames, f->rate_hz, percentile(f->lengths, 0.25), percentile(f->lengths, 0.5),
                 percentile(f->lengths, 0.75), percentile(f->kept, 0.5), percentile(f->kept, 0.1),
@@ -173,9 +216,14 @@ int tracks(const TrackArguments& a) {
     }
     plot.series.push_back(std::move(series));
   }
-  if (a.plot.empty()) return kDone;
-  const auto written = write_svg(plot, a.plot);
-  return written ? kDone : complain(written.failure());
+  return a.plot.empty() ? Result<bool>(true) : write_svg(plot, a.plot);
+}
+
+int tracks(const TrackArguments& a) {
+  if (!a.excitation_only)
+    if (const auto done = print_tracks(a); !done) return complain(done.failure());
+  if (const auto done = print_excitation(a); !done) return complain(done.failure());
+  return kDone;
 }
 
 }  // namespace
@@ -187,6 +235,12 @@ void add_bench_tracks(CLI::App& bench, int& status) {
   command->add_option("recordings", a->recordings, "recordings with a camera, real and simulated")->required();
   command->add_option("--frames", a->frames, "the first so many of each")->capture_default_str();
   command->add_option("--plot", a->plot, "write how long corners are followed as SVG");
+  command->add_flag(
+      "--excitation-only", a->excitation_only,
+      "S, N and the pull alone: rms of the true motion about a quadratic in time, rms error of a visual "
+      "trajectory after Sim(3), and S^2/(S^2+N^2), in windows of 4 and 8 s (medians; overlapping by half; "
+      "windows with less than 0.25 m/s left out)");
+  command->add_option("-c,--config", a->config, "the pipeline whose error N is; vision alone")->capture_default_str();
   command->callback([a, &status] { status = tracks(*a); });
 }
 

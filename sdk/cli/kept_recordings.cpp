@@ -32,7 +32,7 @@ Result<std::string> text_of(const fs::path& file) {
 fs::path assets_of(const fs::path& recording) { return fs::path(recording).replace_extension(".assets"); }
 
 Result<fs::path> kept_recording(const fs::path& file, uint64_t seed, const fs::path& keep, double first_m) {
-  const auto text = text_of(file);
+  const auto text = scenario_text(file.string());
   if (!text) return text.failure();
   auto scenario = read_scenario(file.string());
   if (!scenario) return scenario.failure();

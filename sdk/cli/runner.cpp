@@ -30,7 +30,8 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 /// Collects events of the session; lives as long as the callback is set.
 struct Collector {
   RunResult& result;
-  double work_ms = 0;  // since the last camera pose
+  double work_ms = 0;     // since the last camera pose
+  int64_t pushed_ns = 0;  // time of the newest input
 
   static void on_event(void* user, const odo_header* event) { static_cast<Collector*>(user)->take(*event); }
 
@@ -40,7 +41,11 @@ struct Collector {
       case ODO_TYPE_STEP: result.steps.push_back(as<odo_step>(event)); break;
       case ODO_TYPE_MOTION_MODE: result.modes.push_back(as<odo_motion_mode>(event)); break;
       case ODO_TYPE_ATTITUDE: result.attitudes.push_back(as<odo_attitude>(event)); break;
-      case ODO_TYPE_VO_MOTION: result.motions.push_back(as<odo_vo_motion>(event)); break;
+      case ODO_TYPE_VO_MOTION:
+        result.motions.push_back(as<odo_vo_motion>(event));
+        result.motions_known_ns.push_back(std::max(pushed_ns, event.t_ns));
+        break;
+      case ODO_TYPE_CALIBRATION: result.refined.push_back(as<odo_calibration>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
       case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FIX_ACCEPTED) != 0}); break;
       case ODO_TYPE_STATE:
@@ -137,13 +142,14 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   RunResult result;
   result.config_text = config->text;
   Collector collector{result};
-  uint64_t wanted =
-      ODO_ON_POSE | ODO_ON_VO_MOTION | ODO_ON_STEP | ODO_ON_MOTION_MODE | ODO_ON_SCALE | ODO_ON_FIX | ODO_ON_STATE;
+  uint64_t wanted = ODO_ON_POSE | ODO_ON_VO_MOTION | ODO_ON_STEP | ODO_ON_MOTION_MODE | ODO_ON_SCALE | ODO_ON_FIX |
+                    ODO_ON_STATE | ODO_ON_CALIBRATION;
   if (options.collect_attitudes) wanted |= ODO_ON_ATTITUDE;
   odo_session_set_callback(session, wanted, Collector::on_event, &collector);
   size_t done = 0;
   for (const RecordedMessage& message : recording.messages) {
     const bool is_frame = message.message.header().type == ODO_TYPE_FRAME;
+    collector.pushed_ns = message.message.header().t_ns;
     if (is_frame && !config->vo_frontend && config->fixers.empty()) {
       ++done;
       continue;  // nobody looks at it: do not decode it

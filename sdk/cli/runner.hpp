@@ -23,6 +23,8 @@ struct RunResult {
   std::vector<uint32_t> states;  // of each pose
   std::vector<odo_step> steps;
   std::vector<odo_vo_motion> motions;
+  std::vector<int64_t> motions_known_ns;  // for each motion the time of the newest input when it came out
+  std::vector<odo_calibration> refined;   // what the front-end refined the camera to
   std::vector<odo_scale> scales;
   std::vector<Fix> fixes;
   std::vector<odo_motion_mode> modes;   // each from its own time until the next one's

@@ -10,14 +10,16 @@ namespace odograph {
 namespace {
 
 struct SimArguments {
-  std::string scenario, output, city, walk;
+  std::string scenario, output, city, walk, camera_profile;
   uint64_t seed = 1;
+  double first_m = 0;
   unsigned threads = 0;
 };
 
 int sim(const SimArguments& a) {
-  const auto scenario = read_scenario(a.scenario);
+  auto scenario = read_scenario(a.scenario, a.camera_profile);
   if (!scenario) return std::fprintf(stderr, "%s\n", scenario.failure().text.c_str()), kBadUsage;
+  if (a.first_m > 0) scenario->walk_m = a.first_m;
   std::optional<Recording> walk;
   if (!a.walk.empty()) {
     auto recording = read_recording(a.walk);
@@ -59,6 +61,9 @@ void add_sim(CLI::App& app, int& status) {
                       "write the generated town's buildings and known objects as CityJSON, as a surveyor knows them");
   command->add_option("--walk", a->walk,
                       "a real walk (Indoor Location Competition trace): its own sensors, pictures rendered along it");
+  command->add_option("--camera-profile", a->camera_profile,
+                      "a phone whose camera and IMU stand for the scenario's `camera: {profile: ...}`");
+  command->add_option("--first", a->first_m, "only so many metres of the route");
   command->add_option("--threads", a->threads, "0: one a core; the recording is the same for any number")
       ->capture_default_str();
   command->callback([a, &status] { status = sim(*a); });

@@ -265,6 +265,18 @@ Vector3d position_at(const Trajectory& trajectory, int64_t t_ns) {
   return a.p + w * (b.p - a.p);
 }
 
+std::optional<StampedPose> pose_at(const Trajectory& trajectory, int64_t t_ns, double largest_gap_s) {
+  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), t_ns,
+                                      [](const StampedPose& x, int64_t t) { return x.t_ns < t; });
+  if (after == trajectory.end()) return std::nullopt;
+  if (after->t_ns == t_ns) return *after;
+  if (after == trajectory.begin()) return std::nullopt;
+  const StampedPose &a = *(after - 1), &b = *after;
+  const double gap_ns = static_cast<double>(b.t_ns - a.t_ns), w = static_cast<double>(t_ns - a.t_ns) / gap_ns;
+  if (gap_ns * 1e-9 > largest_gap_s) return std::nullopt;
+  return StampedPose{t_ns, a.q.slerp(w, b.q), a.p + w * (b.p - a.p)};
+}
+
 double heading_offset(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
   if (waypoints.size() < 2) return 0.0;
   const Vector3d origin = position_at(track, waypoints.front().t_ns);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,6 +67,9 @@ std::vector<double> scale_changes(const Pairs& pairs, double window_m);
 
 /// Position at a time, linear between poses, held before the first and after the last.
 Eigen::Vector3d position_at(const Trajectory& trajectory, int64_t t_ns);
+
+/// Pose at a time, between its two neighbours if they are at most `largest_gap_s` apart; none outside the trajectory.
+std::optional<StampedPose> pose_at(const Trajectory& trajectory, int64_t t_ns, double largest_gap_s);
 
 /// Turn about the vertical, in rad, that fits the track to the waypoints within the first `metres` of their polyline
 /// (and at least one), both taken from the first waypoint on.

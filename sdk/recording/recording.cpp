@@ -95,6 +95,7 @@ Result<odo_frame> load_frame(const RecordedMessage& recorded) {
   }
   if (held->image.empty() || held->image.depth() != CV_8U)
     return Failure{ODO_E_DATA, recorded.picture.file.string() + ": the picture cannot be read as 8-bit grey or colour"};
+  if (recorded.picture.black) held->image = cv::Scalar::all(0);
   if (held->image.channels() == 3) {  // OpenCV decodes to BGR
     std::vector<cv::Mat> bgr;
     cv::split(held->image, bgr);

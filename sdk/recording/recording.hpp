@@ -16,7 +16,8 @@ namespace odograph {
 struct PictureRef {
   std::filesystem::path file;
   uint64_t offset = 0;
-  uint64_t size = 0;  // 0: the whole file
+  uint64_t size = 0;   // 0: the whole file
+  bool black = false;  // its size counts, not what it shows: something stood before the camera
 };
 
 /// One message of a recording; a frame has its picture apart.

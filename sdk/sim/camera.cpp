@@ -35,15 +35,17 @@ Eigen::Isometry3d SimCamera::pose(const Motion& phone, double t_s) const {
   return T;
 }
 
-SimCamera::SimCamera(const Scenario::Camera& camera, double light, uint64_t seed)
+SimCamera::SimCamera(const Scenario::Camera& camera, double light, uint64_t seed, const Motion* phone)
     : c_(camera),
       light_(light),
       seed_(seed),
       in_body_(Eigen::Quaterniond(0, 1, 0, 0) * Eigen::AngleAxisd(camera.tilt_rad, Eigen::Vector3d::UnitX())),
       vignette_(camera.height, camera.width, CV_32F) {
+  if (phone) lens_ = SimLens(camera, in_body_, *phone, seed);
+  if (lens_.moves()) margin_ = static_cast<int>(std::ceil(lens_.reach_px())) + 2;
   std::vector<cv::Point2d> pixels, rays;
-  for (int y = 0; y < c_.height; ++y)
-    for (int x = 0; x < c_.width; ++x) pixels.emplace_back(x, y);
+  for (int y = -margin_; y < c_.height + margin_; ++y)
+    for (int x = -margin_; x < c_.width + margin_; ++x) pixels.emplace_back(x, y);
   const cv::TermCriteria exact(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-12);
   if (c_.model == "kannala_brandt")
     cv::fisheye::undistortPoints(pixels, rays, intrinsics(c_), cv::Mat(c_.distortion, true));
@@ -53,6 +55,7 @@ SimCamera::SimCamera(const Scenario::Camera& camera, double light, uint64_t seed
   const double corner = std::hypot(cx(), cy());
   for (size_t i = 0; i < rays.size(); ++i) {
     rays_.push_back(Eigen::Vector3d(rays[i].x, rays[i].y, 1).normalized().cast<float>());
+    if (!cv::Rect2d(0, 0, c_.width, c_.height).contains(pixels[i])) continue;
     const double r = std::hypot(pixels[i].x - cx(), pixels[i].y - cy()) / corner;
     vignette_.at<float>(static_cast<int>(pixels[i].y), static_cast<int>(pixels[i].x)) =
         static_cast<float>(1 - c_.vignetting * r * r);
@@ -70,13 +73,26 @@ Eigen::Vector2d SimCamera::project(const Eigen::Vector3d& p) const {
   return {out[0].x, out[0].y};
 }
 
+Eigen::Vector3f SimCamera::ray(int x, int y, const SimLens::State& lens) const {
+  const double u = cx() + (x - lens.shift_px.x() - cx()) / lens.focal, left = std::floor(u);
+  const double v = cy() + (y - lens.shift_px.y() - cy()) / lens.focal, top = std::floor(v);
+  const auto a = static_cast<float>(u - left), b = static_cast<float>(v - top);
+  const int i = static_cast<int>(left), k = static_cast<int>(top);
+  return (1 - b) * ((1 - a) * ray(i, k) + a * ray(i + 1, k)) + b * ((1 - a) * ray(i, k + 1) + a * ray(i + 1, k + 1));
+}
+
 std::optional<Eigen::Vector2d> SimCamera::project_rolling(const Motion& phone, double t_s,
                                                           const Eigen::Vector3d& p_n) const {
   Eigen::Vector2d pixel(cx(), cy());
   for (int i = 0; i < 6; ++i) {
     const Eigen::Vector3d p_c = pose(phone, t_s + row_offset_s(pixel.y())).inverse() * p_n;
     if (p_c.z() < 0.05 || p_c.head<2>().norm() > 4 * p_c.z()) return {};
+    const SimLens::State lens = lens_.at(t_s + row_offset_s(pixel.y()));
     pixel = project(p_c);
+    if (lens_.moves()) {
+      const Eigen::Vector2d middle(cx(), cy());
+      pixel = middle + lens.focal * (pixel - middle) + lens.shift_px;
+    }
     if (!(std::abs(pixel.x() - cx()) < c_.width && std::abs(pixel.y() - cy()) < c_.height)) return {};
   }
   const bool inside = pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= c_.width - 1 && pixel.y() <= c_.height - 1;

@@ -7,6 +7,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "sdk/sim/lens.hpp"
 #include "sdk/sim/motion.hpp"
 #include "sdk/sim/world.hpp"
 
@@ -15,7 +16,8 @@ namespace odograph {
 /// A phone's rear camera: lens, rolling shutter, exposure, noise.
 class SimCamera {
  public:
-  SimCamera(const Scenario::Camera& camera, double light, uint64_t seed);
+  /// `phone`, where there is one, shakes the lens of a camera with a stabiliser and sets how long it focuses.
+  SimCamera(const Scenario::Camera& camera, double light, uint64_t seed, const Motion* phone = nullptr);
 
   /// From the camera to the body b: without tilt the camera's x, y, z are the body's x, -y, -z.
   const Eigen::Quaterniond& in_body() const { return in_body_; }
@@ -27,10 +29,15 @@ class SimCamera {
   double cy() const { return 0.5 * (c_.height - 1); }
   /// When row y is exposed (its middle), from the middle of the middle row.
   double row_offset_s(double y) const { return (y - cy()) * c_.row_time_s; }
-  /// The ray of a pixel's centre, in c, with unit length.
-  const Eigen::Vector3f& ray(int x, int y) const { return rays_[static_cast<size_t>(y * c_.width + x)]; }
-  /// Where a point in c appears (pixels), lens distortion included.
+  /// The ray of a pixel's centre, in c, with unit length, while the lens stands still.
+  const Eigen::Vector3f& ray(int x, int y) const {
+    return rays_[static_cast<size_t>((y + margin_) * (c_.width + 2 * margin_) + x + margin_)];
+  }
+  /// The same through a lens that has moved.
+  Eigen::Vector3f ray(int x, int y, const SimLens::State& lens) const;
+  /// Where a point in c appears (pixels), lens distortion included, while the lens stands still.
   Eigen::Vector2d project(const Eigen::Vector3d& p_c) const;
+  const SimLens& lens() const { return lens_; }
 
   /// Where a point in n appears in the frame at t, each row seen from where the camera is in its own moment; nothing
   /// outside the picture.
@@ -47,6 +54,8 @@ class SimCamera {
   Eigen::Quaterniond in_body_;
   std::vector<Eigen::Vector3f> rays_;
   cv::Mat vignette_;
+  SimLens lens_;
+  int margin_ = 0;  // of rays beyond the picture's edges, for a lens that moves
 };
 
 /// One thread's eye on the world. Renders a frame as the shutter rolls over the moving phone.
@@ -58,7 +67,9 @@ class View {
   View& operator=(const View&) = delete;
 
   /// 32-bit float grey of the frame whose middle row is exposed around t.
-  cv::Mat render(const Motion& phone, double t_s);
+  cv::Mat render(const Motion& phone, double t_s, double exposure_s);
+  /// With the scenario's exposure.
+  cv::Mat render(const Motion& phone, double t_s) { return render(phone, t_s, c_.camera.exposure_s); }
   /// The part of the last frame's pixels that show something that moves.
   double moving_part() const { return moving_part_; }
   /// The part of a known object that nothing stands before, 0 to 1, in steps of a 25th.
@@ -73,7 +84,7 @@ class View {
   void cast_reflections(float* row, const float* depth);
   float sky(const Eigen::Vector3f& ray) const;
   float surface_grey(const RTCRayHit& hit, float distance_before, bool* glass, Eigen::Vector3f* normal) const;
-  cv::Mat blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s) const;
+  cv::Mat blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s, double exposure_s) const;
 
   const World& world_;
   const SimCamera& camera_;

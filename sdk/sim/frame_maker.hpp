@@ -3,16 +3,23 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sdk/base/result.hpp"
 #include "sdk/sim/camera.hpp"
+#include "sdk/sim/codec.hpp"
 #include "sdk/sim/journey.hpp"
 
 namespace odograph {
 
-/// Renders, develops and encodes frames, several at a time, each by one thread from its number alone: the same bytes
-/// whatever the number of threads.
+/// When a frame's middle row is exposed (its middle), and for how long.
+struct Exposure {
+  double t_s, duration_s;
+};
+
+/// Renders, develops and encodes frames, several at a time, each by one thread from its number alone; a video codec
+/// takes them in their order. The same bytes whatever the number of threads.
 class FrameMaker {
  public:
   struct Times {
@@ -20,7 +27,7 @@ class FrameMaker {
   };
   /// `threads` 0: as many as there are cores.
   FrameMaker(const World& world, const SimCamera& camera, const Scenario& scenario, const Journey& journey,
-             std::vector<double> exposures_s, unsigned threads);
+             std::vector<Exposure> exposures, unsigned threads);
 
   /// The encoded picture of frame k; ask in ascending order. The picture is gone with the next call.
   Result<std::vector<unsigned char>> take(size_t k);
@@ -31,12 +38,15 @@ class FrameMaker {
 
  private:
   void make_batch(size_t first);
+  /// Does something with each frame from `first` until before `last`, on all threads.
+  void each(size_t first, size_t last, const std::function<void(size_t thread, size_t k)>& make);
 
   const SimCamera& camera_;
   const Scenario& c_;
   const Journey& journey_;
-  std::vector<double> exposures_s_;
+  std::vector<Exposure> exposures_;
   std::vector<std::unique_ptr<View>> views_;
+  std::optional<VideoCodec> codec_;
   std::vector<Result<std::vector<unsigned char>>> batch_;
   size_t batch_first_ = 0;
   Times times_;

@@ -43,6 +43,7 @@ class Feet {
   void carry(const std::string& how) { plan.carries.push_back({t_, carry_ = how}); }
   void mark(double ago) { plan.marks.push_back({t_ - ago, s_}); }
   void evade(double duration) { plan.evasions.push_back({t_ + 0.5 * duration, duration}); }
+  void darken(double duration) { plan.darknesses.push_back({t_, t_ + duration}); }
   void cross(double duration) { plan.roads.push_back({t_, t_ + duration}); }
   void set_speed(double speed) { speed_ = speed; }
   void shuffle(double duration) { shuffle_until_ = t_ + duration; }
@@ -138,6 +139,8 @@ GaitPlan plan_gait(const Scenario& c, const Route& route, const Individual& who,
       feet.evade(e.for_s);
     } else if (e.what == "cross") {
       feet.cross(e.for_s);
+    } else if (e.what == "dark") {
+      feet.darken(e.for_s);
     } else if (e.what == "shuffle") {
       feet.shuffle(e.for_s);
     } else if (e.what == "speed") {

@@ -45,6 +45,7 @@ struct GaitPlan {
   std::vector<Stand> stands;
   std::vector<std::pair<double, std::string>> carries;  ///< from this time on
   std::vector<std::pair<double, double>> roads;         ///< crossed from kerb to kerb: from, to
+  std::vector<std::pair<double, double>> darknesses;    ///< from, to
   std::vector<std::pair<double, double>> evasions;      ///< middle, duration
   std::vector<std::pair<double, double>> marks;         ///< time, distance along the route
   double duration_s = 0;

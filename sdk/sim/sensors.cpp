@@ -9,6 +9,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double kGravity = 9.80665;
+
 Vector3d normal3(Random& random, double sigma) {
   return sigma * Vector3d(random.normal(), random.normal(), random.normal());
 }
@@ -42,6 +44,53 @@ Vector3d SimTriad::measure(const Vector3d& truth) {
     if (e_.step > 0) x = e_.step * std::round(x / e_.step);
   }
   return m;
+}
+
+SimGyroErrors::SimGyroErrors(const Scenario::Imu& c, uint64_t seed) {
+  Random random(seed, 84);
+  per_kelvin_ = normal3(random, c.gyro_warming);
+  per_force_ = normal33(random, c.gyro_by_g / kGravity);
+}
+
+Vector3d SimGyroErrors::at(double t, const Vector3d& force) const {
+  constexpr double kWarming_K = 10, kWarming_s = 300;
+  return kWarming_K * (1 - std::exp(-t / kWarming_s)) * per_kelvin_ + per_force_ * force;
+}
+
+SimStamps::SimStamps(const Scenario::Imu& c, uint64_t seed) : c_(c), random_(seed, 85) {
+  stall_s_ = c_.gap_s > 0 ? -c_.gap_interval_s * std::log(1 - random_.uniform()) : 1e300;
+}
+
+double SimStamps::of(double t) {
+  if (c_.jitter_s <= 0 && c_.gap_s <= 0) return t;
+  constexpr double kBurst_s = 0.2e-3;  // between samples that come at once
+  if (t >= stall_s_) {
+    stall_end_s_ = stall_s_ + random_.uniform(0.3, 1) * c_.gap_s;
+    stall_s_ = stall_end_s_ - c_.gap_interval_s * std::log(1 - random_.uniform());
+  }
+  const double stamp = t < stall_end_s_ ? stall_end_s_ : t + c_.jitter_s * random_.normal();
+  return last_s_ = std::max(stamp, last_s_ + kBurst_s);
+}
+
+SimWildSamples::SimWildSamples(const Scenario::Imu& c, uint64_t seed) : c_(c), random_(seed, 86) {
+  if (c_.wild_interval_s > 0) draw_next(0);
+}
+
+void SimWildSamples::draw_next(double after_s) {
+  next_s_ = after_s - c_.wild_interval_s * std::log(1 - random_.uniform());
+}
+
+void SimWildSamples::spoil(double t, Vector3d& gyro, Vector3d& accel) {
+  if (t < next_s_) return;
+  const bool outside = count_++ % 2 == 0;  // of the range, by far
+  const double part = outside ? 1e3 : 0.9;
+  const auto axis = static_cast<int>(random_.next() % 3);
+  const double sign = random_.uniform() < 0.5 ? -1 : 1;
+  if (random_.uniform() < 0.5)
+    gyro[axis] = sign * part * c_.gyro_range;
+  else
+    accel[axis] = sign * part * c_.accel_range;
+  draw_next(t);
 }
 
 SimMagnetometer::SimMagnetometer(const Scenario::Magnetometer& m, uint64_t seed) : c_(m), random_(seed, 80) {

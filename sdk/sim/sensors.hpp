@@ -28,6 +28,46 @@ class SimTriad {
   Eigen::Vector3d bias_;
 };
 
+/// What a phone's gyroscope feels besides rotation: its own warming (by 10 K, time constant 5 min) and force.
+class SimGyroErrors {
+ public:
+  SimGyroErrors(const Scenario::Imu& imu, uint64_t seed);
+  /// rad/s, to be added to the bias.
+  Eigen::Vector3d at(double t_s, const Eigen::Vector3d& specific_force_b) const;
+
+ private:
+  Eigen::Vector3d per_kelvin_;
+  Eigen::Matrix3d per_force_;  // rad/s for each m/s^2
+};
+
+/// The time stamps that an app's callback gives to inertial samples: jitter, and now and then a stall after which the
+/// samples that were due come all at once. They never go back.
+class SimStamps {
+ public:
+  SimStamps(const Scenario::Imu& imu, uint64_t seed);
+  double of(double t_s);  ///< in the order of time; the true time itself where there is neither jitter nor gap
+
+ private:
+  Scenario::Imu c_;
+  Random random_;
+  double last_s_ = -1e9, stall_s_, stall_end_s_ = -1e9;
+};
+
+/// Wild samples: now and then one far outside the sensor's range, or a spike within it, in turn.
+class SimWildSamples {
+ public:
+  SimWildSamples(const Scenario::Imu& imu, uint64_t seed);
+  /// Spoils the measurements where it is time to.
+  void spoil(double t_s, Eigen::Vector3d& gyro_b, Eigen::Vector3d& accel_b);
+
+ private:
+  void draw_next(double after_s);
+  Scenario::Imu c_;
+  Random random_;
+  double next_s_ = 1e300;
+  size_t count_ = 0;
+};
+
 /// Earth's field, the phone's own iron, and iron along the way.
 class SimMagnetometer {
  public:

@@ -21,21 +21,47 @@ constexpr size_t kSkylineDirections = 720;  // half a degree, as Gakne & O'Keefe
 constexpr double kSightingRange_m = 40;
 
 struct ExposedFrame {
-  double t_s;      // true
-  double stamp_s;  // as the camera's clock has it
+  double t_s;      // true, the middle row's middle
+  double stamp_s;  // as the recording has it
+  double exposure_s;
 };
 
-/// The frames that are not lost, each with the time stamp that the phone gives it.
-std::vector<ExposedFrame> expose(const Scenario::Camera& c, double duration_s, uint64_t seed) {
+/// The exposure of each frame: it changes between the two of the scenario at random times.
+class Exposures {
+ public:
+  Exposures(const Scenario::Camera& c, uint64_t seed) : c_(c), random_(seed, 98), now_s_(c.exposure_s) {}
+  double at(double t_s) {
+    while (c_.exposure_longest_s > 0 && t_s >= next_s_) {
+      now_s_ = random_.uniform() < 0.5 ? c_.exposure_s : c_.exposure_longest_s;
+      next_s_ -= c_.exposure_interval_s * std::log(1 - random_.uniform());
+    }
+    return now_s_;
+  }
+
+ private:
+  const Scenario::Camera& c_;
+  Random random_;
+  double now_s_, next_s_ = 0;
+};
+
+/// The frames that are not lost, each with the time stamp that the recording gives it. The phone stamps the start of
+/// the first row's exposure; the recording wants the middle row's middle, and takes the way between them from the
+/// exposure, which it knows, and from its own idea of the row time.
+std::vector<ExposedFrame> expose(const Scenario& scenario, double duration_s, uint64_t seed) {
+  const Scenario::Camera& c = scenario.camera;
   Random random(seed, 90);
+  Exposures exposures(c, seed);
   std::vector<ExposedFrame> frames;
-  const double half = 0.5 * c.height * c.row_time_s + 0.5 * c.exposure_s;
+  const double half = 0.5 * c.height * c.row_time_s + 0.5 * std::max(c.exposure_s, c.exposure_longest_s);
+  const double conversion = 0.5 * (c.height - 1) * c.row_time_s * c.row_time_error;
   for (size_t k = 0;; ++k) {
     const double t = half + static_cast<double>(k) / c.rate_hz;
     if (t + half >= duration_s) return frames;
     const bool lost = random.uniform() < c.drop;
-    const double jitter = c.jitter_s * random.normal();
-    if (!lost) frames.push_back({t, t + std::clamp(jitter, -0.4 / c.rate_hz, 0.4 / c.rate_hz) - c.time_offset_s});
+    const double jitter = c.jitter_s * random.normal(), exposure = exposures.at(t);
+    if (lost || t < scenario.record_from_s) continue;
+    const double stamp = t + std::clamp(jitter, -0.4 / c.rate_hz, 0.4 / c.rate_hz) - c.time_offset_s;
+    frames.push_back({t, stamp + (conversion - c.unknown_time_offset_s), exposure});
   }
 }
 
@@ -53,40 +79,46 @@ class Simulation {
         start_ns_(retraced ? retraced->start_ns : kStart_ns),
         world_(c, seed, city),
         walk_(retraced ? retraced->journey : travel(c, world_.route(), seed)),
-        camera_(c.camera, c.world.light, seed),
-        frames_(frames ? expose(c.camera, walk_.phone.duration_s(), seed) : std::vector<ExposedFrame>()),
+        camera_(c.camera, c.world.light, seed, &walk_.phone),
+        frames_(frames ? expose(c, walk_.phone.duration_s(), seed) : std::vector<ExposedFrame>()),
         drops_(seed, 91),
+        report_errors_(seed, 99),
         gyro_(Random(seed, 2),
               {c.imu.gyro_bias, c.imu.gyro_walk, c.imu.gyro_noise, c.imu.scale_error, c.imu.misalignment_rad,
                c.imu.gyro_range, c.imu.gyro_step},
               c.imu.rate_hz),
         accel_(Random(seed, 3),
-               {c.imu.accel_bias, c.imu.accel_walk, c.imu.accel_noise, c.imu.scale_error, c.imu.misalignment_rad,
+               {c.imu.accel_bias, c.imu.accel_walk, c.imu.accel_noise,
+                c.imu.accel_scale_error < 0 ? c.imu.scale_error : c.imu.accel_scale_error, c.imu.misalignment_rad,
                 c.imu.accel_range, c.imu.accel_step},
                c.imu.rate_hz),
+        gyro_errors_(c.imu, seed),
+        stamps_(c.imu, seed),
+        wild_(c.imu, seed),
         magnetometer_(c.magnetometer, seed),
         barometer_(c.barometer, seed),
         gnss_(c, seed),
         watcher_(world_, camera_, c) {
     geodesy_.set_origin({0.8238, -0.0271, 20.0});
-    std::vector<double> times;
-    for (const auto& frame : frames_) times.push_back(frame.t_s);
-    maker_ = std::make_unique<FrameMaker>(world_, camera_, c_, walk_, std::move(times), threads);
+    std::vector<Exposure> exposures;
+    for (const auto& frame : frames_) exposures.push_back({frame.t_s, frame.exposure_s});
+    maker_ = std::make_unique<FrameMaker>(world_, camera_, c_, walk_, std::move(exposures), threads);
   }
 
   Result<SimulationReport> run(const std::function<void(size_t, size_t)>& progress) {
     const auto start = std::chrono::steady_clock::now();
     write_imu_noise();
-    if (!frames_.empty()) write_calibration();
+    if (!frames_.empty()) check(writer_.write(calibration().header));
     simulate_sensors(progress);
-    for (const auto& step : walk_.steps) write_step(step);
+    for (const auto& step : walk_.steps)
+      if (step.t_start_s >= c_.record_from_s) write_step(step);
     return report(start);
   }
 
   /// The same with a real walk's own samples.
   Result<SimulationReport> run_along(const Recording& real, const std::function<void(size_t, size_t)>& progress) {
     const auto start = std::chrono::steady_clock::now();
-    write_calibration();
+    check(writer_.write(calibration().header));
     size_t next_frame = 0, next_mark = 0;
     for (const auto& m : real.messages) {
       const odo_header& header = m.message.header();
@@ -115,7 +147,10 @@ class Simulation {
     const auto samples = static_cast<size_t>(walk_.phone.duration_s() * c_.imu.rate_hz);
     double next_second = 0, next_field = 0;
     size_t next_frame = 0, next_mark = 0, next_mode = 0;
-    for (size_t i = 0; i < samples && failure_.text.empty(); ++i) {
+    const auto first = static_cast<size_t>(std::ceil(c_.record_from_s * c_.imu.rate_hz));
+    next_second = next_field = c_.record_from_s;
+    while (next_mark < walk_.waypoints.size() && walk_.waypoints[next_mark].t_s < c_.record_from_s) ++next_mark;
+    for (size_t i = first; i < samples && failure_.text.empty(); ++i) {
       const double t = static_cast<double>(i) / c_.imu.rate_hz;
       while (next_mode < walk_.modes.size() && walk_.modes[next_mode].t_start_s <= t)
         mode_ = walk_.modes[next_mode++].mode;
@@ -156,41 +191,57 @@ class Simulation {
     check(writer_.write(noise.header));
   }
 
-  void write_calibration() {
+  /// As the recording knows the camera: the nominal lens.
+  odo_calibration calibration() const {
     auto m = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, start_ns_);
     m.header.flags = ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET;
     m.model = c_.camera.model == "kannala_brandt" ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
     m.width = static_cast<uint32_t>(c_.camera.width), m.height = static_cast<uint32_t>(c_.camera.height);
-    m.fx = m.fy = c_.camera.focal_px, m.cx = camera_.cx(), m.cy = camera_.cy();
+    m.fx = m.fy = c_.camera.focal_px * (1 + c_.camera.focal_error), m.cx = camera_.cx(), m.cy = camera_.cy();
     std::copy(c_.camera.distortion.begin(), c_.camera.distortion.end(), m.distortion);
     m.distortion_count = 4;
     const Eigen::Quaterniond q = camera_.in_body();
     m.q_b_c[0] = q.w(), m.q_b_c[1] = q.x(), m.q_b_c[2] = q.y(), m.q_b_c[3] = q.z();
     m.time_offset_ns = std::llround(c_.camera.time_offset_s * 1e9);
+    return m;
+  }
+
+  /// What a lens that reports itself says about frame k, in the middle of its exposure.
+  void write_reported_lens(size_t k) {
+    const SimLens::State lens = camera_.lens().at(frames_[k].t_s);
+    odo_calibration m = calibration();
+    m.header.t_ns = clock_ns(frames_[k].stamp_s);
+    m.fx *= lens.focal, m.fy *= lens.focal;
+    m.cx += lens.shift_px.x() + c_.camera.stabiliser.report_error_px * report_errors_.normal();
+    m.cy += lens.shift_px.y() + c_.camera.stabiliser.report_error_px * report_errors_.normal();
     check(writer_.write(m.header));
   }
 
   void write_imu(double t) {
     const auto state = walk_.phone.at(t);
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, clock_ns(t));
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-    Vector3d::Map(imu.gyro_b) = gyro_.measure(state.angular_velocity_b);
-    Vector3d::Map(imu.accel_b) = accel_.measure(state.specific_force_b());
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, clock_ns(stamps_.of(t)));
+    imu.header.flags = ODO_IMU_GYRO | (c_.imu.accelerometer ? ODO_IMU_ACCEL : 0);
+    const Vector3d force = state.specific_force_b(), drift = gyro_errors_.at(t, force);
+    Vector3d gyro = gyro_.measure(state.angular_velocity_b + drift), accel = accel_.measure(force);
+    wild_.spoil(t, gyro, accel);
+    Vector3d::Map(imu.gyro_b) = gyro;
+    if (c_.imu.accelerometer) Vector3d::Map(imu.accel_b) = accel;
     if (drops_.uniform() >= c_.imu.drop) check(writer_.write(imu.header));
     const Eigen::Quaterniond q(state.T_n_b.linear());
     check(writer_.write_true_state(
-        {imu.header.t_ns, q, state.T_n_b.translation(), state.velocity_n, gyro_.bias(), accel_.bias(), mode_}));
+        {clock_ns(t), q, state.T_n_b.translation(), state.velocity_n, gyro_.bias() + drift, accel_.bias(), mode_}));
   }
 
   void write_frame(size_t k) {
     const auto picture = maker_->take(k);
     if (!picture) return check(picture.failure());
+    if (c_.camera.stabiliser.reported && camera_.lens().moves()) write_reported_lens(k);
     auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, clock_ns(frames_[k].stamp_s));
     frame.header.flags = ODO_FRAME_EXPOSURE | ODO_FRAME_LINE_TIME;
     frame.format = ODO_FORMAT_GREY8;
     frame.width = static_cast<uint32_t>(c_.camera.width), frame.height = static_cast<uint32_t>(c_.camera.height);
-    frame.exposure_ns = std::llround(c_.camera.exposure_s * 1e9);
-    frame.line_time_ns = std::llround(c_.camera.row_time_s * 1e9);
+    frame.exposure_ns = std::llround(frames_[k].exposure_s * 1e9);
+    frame.line_time_ns = std::llround(c_.camera.row_time_s * (1 + c_.camera.row_time_error) * 1e9);
     check(writer_.write_encoded_frame(frame, *picture));
     const Eigen::Isometry3d T = camera_.pose(walk_.phone, frames_[k].t_s);
     check(writer_.write_truth({clock_ns(frames_[k].t_s), Eigen::Quaterniond(T.linear()), T.translation()}));
@@ -269,8 +320,11 @@ class Simulation {
   const Journey walk_;
   const SimCamera camera_;
   const std::vector<ExposedFrame> frames_;
-  Random drops_;
+  Random drops_, report_errors_;
   SimTriad gyro_, accel_;
+  const SimGyroErrors gyro_errors_;
+  SimStamps stamps_;
+  SimWildSamples wild_;
   SimMagnetometer magnetometer_;
   SimBarometer barometer_;
   SimGnss gnss_;
@@ -299,6 +353,7 @@ Result<SimulationReport> simulate(const Scenario& scenario, uint64_t seed, const
     retraced = std::move(*walk);
     c.route = retraced->route;
     c.events.clear(), c.objects.clear();
+    c.record_from_s = 0;
   }
   auto writer = OdoWriter::create(output, c.camera.jpeg_quality);
   if (!writer) return writer.failure();

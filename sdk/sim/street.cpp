@@ -43,6 +43,7 @@ void World::build_street(const Scenario& c, uint64_t seed) {
   }
   build_houses(c, seed);
   if (c.world.type == "downtown") build_background(c, seed);
+  build_far_fronts(c, seed);
   Random random(seed, 61);
   const double per_metre = 0.01, edge = 0.5 * c.world.street_width_m;
   const auto place = [&](int64_t density, double right, auto&& put) {
@@ -50,7 +51,7 @@ void World::build_street(const Scenario& c, uint64_t seed) {
       for (int64_t k = 0; k < std::llround(static_cast<double>(density) * per_metre * leg.length); ++k) {
         const double side = random.uniform() < 0.5 ? -1 : 1, d = random.uniform(0, leg.length);
         const Vector3d p = leg.at(d, side * right);
-        if (is_free(legs, p, std::min(2.0, 0.6 * right))) put(p, leg.heading());
+        if (is_free(legs, p, std::min(2.0, 0.6 * right)) && !is_cleared(p)) put(p, leg.heading());
       }
   };
   place(c.world.trees, edge - 1.2, [&](const Vector3d& p, double) {
@@ -84,9 +85,10 @@ void World::build_houses(const Scenario& c, uint64_t seed) {
   const auto legs = legs_of(route_);
   const bool towers = c.world.type == "downtown";
   const double edge = 0.5 * c.world.street_width_m;
-  Random random(seed, 62);
+  Random random(seed, 62), glass(seed, 67);
   const auto put = [&](const Vector3d& corner, const Vector3d& front, const Vector3d& back, double tall) {
-    const auto facade = static_cast<uint32_t>(random.next() % Set::kFacades);
+    auto facade = static_cast<uint32_t>(random.next() % Set::kFacades);
+    if (glass.uniform() < c.world.glass_fronts) facade = Set::kGlassFront;
     add_house(corner, front, back, tall, facade, static_cast<float>(random.uniform(0.8, 1.15)));
   };
   // Towers differ more than houses do: from a third to twice the mean and more.
@@ -106,7 +108,8 @@ void World::build_houses(const Scenario& c, uint64_t seed) {
         bool free = true;
         for (const double a : {0.0, 0.5, 1.0})
           for (const double b : {0.0, 0.5, 1.0})
-            free = free && is_free(legs, corner + a * front + b * back, edge - 0.2);
+            free = free && is_free(legs, corner + a * front + b * back, edge - 0.2) &&
+                   !is_cleared(corner + a * front + b * back);
         if (free) {
           put(side > 0 ? Vector3d(corner + front) : corner, side > 0 ? Vector3d(-front) : front, back, height());
           const double along = leg_start + d + 0.5 * width;
@@ -128,6 +131,7 @@ void World::build_houses(const Scenario& c, uint64_t seed) {
       bool free = true;
       for (const double a : {0.0, 1.0})
         for (const double b : {0.0, 1.0}) free = free && is_free(legs, corner + a * front + b * back, edge - 0.2);
+      if (is_cleared(corner + 0.5 * front)) continue;
       if (free || !towers) put(corner, front, back, height());
     }
   }
@@ -149,6 +153,7 @@ void World::build_background(const Scenario& c, uint64_t seed) {
       const auto tone = static_cast<float>(random.uniform(0.8, 1.15));
       const Vector3d middle = corner + Vector3d(0.5 * width, 0.5 * depth, 0);
       if (!is_free(legs, middle, 0.5 * c.world.street_width_m + 34 + 0.5 * std::hypot(width, depth))) continue;
+      if (is_cleared(middle)) continue;
       add_house(corner, {width, 0, 0}, {0, depth, 0}, tall, facade, tone);
     }
 }

@@ -106,6 +106,29 @@ Texture plain(uint64_t seed, double mean, double amplitude, double persistence, 
   return {grey, {}, side_m};
 }
 
+/// Ripples that mirror the sky and what stands beyond.
+Texture water(uint64_t seed) {
+  Random random(seed, 7);
+  cv::Mat grey;
+  cv::Mat(noise(random, 8, 256, 22, 0.7) + 95).convertTo(grey, CV_8U);
+  return {grey, cv::Mat(kSize, kSize, CV_8U, cv::Scalar(255)), static_cast<float>(TextureSet::kWater_m)};
+}
+
+/// Panes from edge to edge between thin posts.
+Texture glass_front(uint64_t seed) {
+  Random random(seed, 7);
+  cv::Mat picture(kSize, kSize, CV_32F, cv::Scalar(0)), glass(kSize, kSize, CV_8U, cv::Scalar(255)), grey;
+  for (int y = 0; y < kSize; y += 256)
+    for (int x = 0; x < kSize; x += 128) {
+      const cv::Rect pane(x, y, 128, 256);
+      picture(pane).setTo(random.uniform(45, 70));
+      cv::rectangle(picture, pane, 150, 2);
+      cv::rectangle(glass, pane, 0, 2);
+    }
+  picture.convertTo(grey, CV_8U);
+  return {grey, glass, 12.0f};
+}
+
 /// Asphalt: grains of stone, patches, cracks.
 Texture asphalt(uint64_t seed) {
   Random random(seed, 7);
@@ -189,6 +212,8 @@ TextureSet::TextureSet(uint64_t seed) {
   all.push_back(plain(seed * 64 + 13, 120, 60, 0.45, 7.0f));  // car paint, with reflections of no particular place
   all.push_back(plain(seed * 64 + 14, 100, 45, 0.75, 2.0f));  // cloth
   all.push_back(plain(seed * 64 + 15, 205, 3, 0.8, 4.0f));    // a white wall
+  all.push_back(water(seed * 64 + 16));
+  all.push_back(glass_front(seed * 64 + 17));
 }
 
 }  // namespace odograph

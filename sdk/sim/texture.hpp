@@ -35,7 +35,9 @@ Texture tag_texture(uint32_t tag, float board_m);
 /// The pictures that worlds are papered with, drawn from the seed.
 struct TextureSet {
   explicit TextureSet(uint64_t seed);
-  static constexpr uint32_t kFacades = 6, kPaving = 6, kAsphalt = 7, kLeaves = 8, kPaint = 9, kCloth = 10, kWall = 11;
+  static constexpr uint32_t kFacades = 6, kPaving = 6, kAsphalt = 7, kLeaves = 8, kPaint = 9, kCloth = 10, kWall = 11,
+                            kWater = 12, kGlassFront = 13;
+  static constexpr double kWater_m = 16;  ///< after which the water repeats
   std::vector<Texture> all;
 };
 

@@ -219,7 +219,7 @@ void View::shade_row(float* row, float* depth, uint16_t* instance) {
   cast_reflections(row, depth);
 }
 
-cv::Mat View::render(const Motion& phone, double t_s) {
+cv::Mat View::render(const Motion& phone, double t_s, double exposure_s) {
   place_movers(t_s);
   cv::Mat grey(camera_.height(), camera_.width(), CV_32F), depth(grey.size(), CV_32F);
   instance_of_pixel_.create(grey.size(), CV_16U);
@@ -227,13 +227,16 @@ cv::Mat View::render(const Motion& phone, double t_s) {
     const Eigen::Isometry3d T = camera_.pose(phone, t_s + camera_.row_offset_s(y));
     const Eigen::Matrix3f R = T.linear().cast<float>();
     const Vector3f origin = T.translation().cast<float>();
-    for (int x = 0; x < camera_.width(); ++x) aim(hits_[static_cast<size_t>(x)], origin, R * camera_.ray(x, y));
+    const bool still = !camera_.lens().moves();
+    const SimLens::State lens = camera_.lens().at(t_s + camera_.row_offset_s(y));
+    for (int x = 0; x < camera_.width(); ++x)
+      aim(hits_[static_cast<size_t>(x)], origin, R * (still ? camera_.ray(x, y) : camera_.ray(x, y, lens)));
     shade_row(grey.ptr<float>(y), depth.ptr<float>(y), instance_of_pixel_.ptr<uint16_t>(y));
   }
   moving_part_ = static_cast<double>(cv::countNonZero(instance_of_pixel_)) / static_cast<double>(grey.total());
   cv::Mat sharp;
   cv::GaussianBlur(grey, sharp, {3, 3}, 0.5);  // the lens, and edges that one ray a pixel leaves jagged
-  return c_.camera.exposure_s > 0 ? blurred(sharp, depth, phone, t_s) : sharp;
+  return exposure_s > 0 ? blurred(sharp, depth, phone, t_s, exposure_s) : sharp;
 }
 
 double View::visible_part(const KnownObject& object, const Vector3d& eye_n, double t_s) {
@@ -254,7 +257,8 @@ double View::visible_part(const KnownObject& object, const Vector3d& eye_n, doub
          (kSide * kSide);
 }
 
-cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s) const {
+cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s,
+                      double exposure_s) const {
   const auto state = phone.at(t_s);
   const Eigen::Matrix3d R_c_b = camera_.in_body().conjugate().toRotationMatrix();
   const Vector3f turn = (R_c_b * state.angular_velocity_b).cast<float>();
@@ -264,7 +268,7 @@ cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& p
     const Vector3d velocity = mover.speed_mps * Vector3d(std::cos(mover.heading), std::sin(mover.heading), 0);
     moves.push_back((R_c_n * (state.velocity_n - velocity)).cast<float>());
   }
-  const auto reach = static_cast<float>(c_.camera.exposure_s * c_.camera.focal_px);
+  const auto reach = static_cast<float>(exposure_s * c_.camera.focal_px);
   cv::Mat out(grey.size(), CV_32F);
   const int right = grey.cols - 1, bottom = grey.rows - 1;
   const auto* pixels = grey.ptr<float>();
@@ -272,14 +276,16 @@ cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& p
     const auto *row = grey.ptr<float>(y), *depths = depth.ptr<float>(y);
     const auto* instances = instance_of_pixel_.ptr<uint16_t>(y);
     auto* to = out.ptr<float>(y);
+    const Eigen::Vector2d lens = camera_.lens().at(t_s + camera_.row_offset_s(y)).rate_px_s * exposure_s;
+    const auto lens_u = static_cast<float>(lens.x()), lens_v = static_cast<float>(lens.y());
     for (int x = 0; x <= right; ++x) {
       const Vector3f& move = moves[instances[x]];
       // The flow of a point at (X, Y, 1) z.
       const Vector3f& ray = camera_.ray(x, y);
       const float near = 1.0f / ray.z(), X = ray.x() * near, Y = ray.y() * near, inverse_z = near / depths[x];
       const float away = (turn.y() * X - turn.x() * Y) - inverse_z * move.z();
-      const float u = reach * (turn.z() * Y - turn.y() - inverse_z * move.x() - X * away);
-      const float v = reach * (turn.x() - turn.z() * X - inverse_z * move.y() - Y * away);
+      const float u = reach * (turn.z() * Y - turn.y() - inverse_z * move.x() - X * away) + lens_u;
+      const float v = reach * (turn.x() - turn.z() * X - inverse_z * move.y() - Y * away) + lens_v;
       const float length = std::max(std::abs(u), std::abs(v));
       if (length < 0.75f) {
         to[x] = row[x];

@@ -40,6 +40,7 @@ class Body {
       if (plan_.carries[k].second == "pocket")
         walk.covers.push_back(
             {plan_.carries[k].first, k + 1 < plan_.carries.size() ? plan_.carries[k + 1].first : plan_.duration_s + 1});
+    for (const auto& [from, to] : plan_.darknesses) walk.covers.push_back({from, to});
     for (const auto& [t, s] : plan_.marks) {
       const auto place = route_.at(s);
       walk.waypoints.push_back({t, {place.north_east.x(), place.north_east.y(), -place.up}});
@@ -80,6 +81,7 @@ class Body {
     }
     fill(plan_.duration_s + 1);
     smooth(distance_, 0.13, kRate_hz), smooth(phase_, 0.025, kRate_hz);
+    for (double& b : bounce_) b *= c_.walker.bounce;
     smooth(bounce_, 0.16, kRate_hz), smooth(vigour_, 0.16, kRate_hz);
   }
 
@@ -96,7 +98,7 @@ class Body {
     smooth(north, 0.25, kRate_hz), smooth(east, 0.25, kRate_hz), smooth(up, 0.12, kRate_hz);
     smooth(heading_, 0.30, kRate_hz);
     add_wander(lateral_, Random(seed_, 21), 8.0, 0.18, kRate_hz);
-    for (size_t i = 0; i < n_; ++i) lateral_[i] *= std::min(1.0, distance_[i] / 4.0);
+    for (size_t i = 0; i < n_; ++i) lateral_[i] *= c_.walker.weave * std::min(1.0, distance_[i] / 4.0);
     Random side(seed_, 22);
     for (const auto& [middle, duration] : plan_.evasions) {
       const double reach = (side.uniform() < 0.5 ? -1 : 1) * side.uniform(0.5, 0.9);
@@ -111,9 +113,10 @@ class Body {
     smooth(sway_noise, 0.12, kRate_hz), smooth(nod, 0.12, kRate_hz);  // a wander alone has no finite acceleration
     base_.resize(n_);
     for (size_t i = 0; i < n_; ++i) {
-      const double h = heading_[i], ph = phase_[i];
-      const double forward = who_.surge_m * vigour_[i] * std::sin(2 * kPi * ph + 0.8) + nod[i];
-      const double right = lateral_[i] + sway_noise[i] + who_.sway_m * std::min(vigour_[i], 1.2) * std::sin(kPi * ph);
+      const double h = heading_[i], ph = phase_[i], sway = c_.walker.sway;
+      const double forward = sway * who_.surge_m * vigour_[i] * std::sin(2 * kPi * ph + 0.8) + nod[i];
+      const double right =
+          lateral_[i] + sway_noise[i] + sway * who_.sway_m * std::min(vigour_[i], 1.2) * std::sin(kPi * ph);
       const double rise = -0.5 * bounce_[i] * (std::cos(2 * kPi * ph) + 0.18 * std::cos(4 * kPi * ph + who_.phases[0]));
       base_[i] = {north[i] + forward * std::cos(h) - right * std::sin(h),
                   east[i] + forward * std::sin(h) + right * std::cos(h), -(up[i] + rise)};
@@ -187,7 +190,7 @@ class Body {
     const Eigen::Quaterniond upright(axes);
     p_.resize(n_), q_.resize(n_);
     for (size_t i = 0; i < n_; ++i) {
-      const double v = std::min(vigour_[i], 1.3), ph = phase_[i];
+      const double v = std::min(vigour_[i], 1.3), ph = phase_[i], rocking = c_.walker.rocking * v;
       const auto other = [&](size_t k) { return drift[k][i] + shake[k][i] + gesture_[i] * wave[k][i]; };
       const double arm = 0.38 * who_.height_m, angle = 0.35 * v * std::sin(kPi * ph + 0.3) - 0.05;
       const Vector3d text(who_.hold_forward_m, 0, -who_.hold_height_m);
@@ -198,13 +201,12 @@ class Body {
       Vector3d offset = held * text + s * swung + k * pocketed;
       offset += Vector3d(other(0), other(1), other(2));
       p_[i] = base_[i] + Eigen::AngleAxisd(facing, Vector3d::UnitZ()) * offset;
-      const double yaw = facing + who_.yaw_rad * v * std::sin(kPi * ph + who_.phases[1]) + other(3);
+      const double yaw = facing + who_.yaw_rad * rocking * std::sin(kPi * ph + who_.phases[1]) + other(3);
       const double pitch = held * (c_.camera.pitch_rad + look_pitch_[i]) + s * (-1.1 + angle) +
                            k * (0.1 + 0.35 * v * std::sin(kPi * ph)) +  // the thigh
-
-                           who_.pitch_rad * v * std::sin(2 * kPi * ph + who_.phases[2]) + other(4);
+                           who_.pitch_rad * rocking * std::sin(2 * kPi * ph + who_.phases[2]) + other(4);
       const double roll = s * 0.4 + k * 2.8 +  // top down in the pocket
-                          who_.roll_rad * v * std::sin(kPi * ph + who_.phases[3]) + other(5);
+                          who_.roll_rad * rocking * std::sin(kPi * ph + who_.phases[3]) + other(5);
       q_[i] = Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Vector3d::UnitY()) *
               Eigen::AngleAxisd(roll, Vector3d::UnitX()) * upright;
       if (i > 0 && q_[i].dot(q_[i - 1]) < 0) q_[i].coeffs() *= -1;

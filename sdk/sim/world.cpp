@@ -53,7 +53,7 @@ World::World(const Scenario& c, uint64_t seed, const CityModel* city)
   else if (city)
     lay_route_on(*city), build_city(*city, seed);
   else
-    build_street(c, seed);
+    clear_places(c), build_street(c, seed);
   add_known_objects(c);
   add_movers(c, seed);
   for (const Mesh& mesh : meshes_) scenes_.push_back(mesh.build(device_));
@@ -148,6 +148,7 @@ void World::add_movers(const Scenario& c, uint64_t seed) {
       send(cars + random.next() % 2, (random.uniform() < 0.5 ? -1 : 1) * std::min(edge - 5.2, 3.0),
            random.uniform(5, 11));
   }
+  add_rivers();
 }
 
 }  // namespace odograph

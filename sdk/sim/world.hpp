@@ -9,6 +9,7 @@
 #include <embree3/rtcore.h>
 
 #include "sdk/sim/city_model.hpp"
+#include "sdk/sim/leg.hpp"
 #include "sdk/sim/route.hpp"
 #include "sdk/sim/scenario.hpp"
 #include "sdk/sim/texture.hpp"
@@ -88,6 +89,10 @@ class World {
   void build_street(const Scenario& c, uint64_t seed);
   void build_houses(const Scenario& c, uint64_t seed);
   void build_background(const Scenario& c, uint64_t seed);
+  void clear_places(const Scenario& c);
+  bool is_cleared(const Eigen::Vector3d& p_n) const;
+  void build_far_fronts(const Scenario& c, uint64_t seed);
+  void add_rivers();
   void add_house(const Eigen::Vector3d& corner, const Eigen::Vector3d& front, const Eigen::Vector3d& back,
                  double height_m, uint32_t facade, float tone);
   void build_city(const CityModel& city, uint64_t seed);
@@ -96,6 +101,13 @@ class World {
   void build_corridor();
   void add_known_objects(const Scenario& c);
   void add_movers(const Scenario& c, uint64_t seed);
+
+  /// A rectangle beside a leg that is kept free of houses: a part of a square or of a river.
+  struct Cleared {
+    Leg leg;
+    double from, to, left, right;  ///< m along the leg and to its right
+    bool river;
+  };
 
   RTCDevice device_;
   TextureSet textures_;
@@ -106,6 +118,7 @@ class World {
   Eigen::Vector3f sun_;
   std::vector<Building> buildings_;
   std::vector<KnownObject> known_objects_;
+  std::vector<Cleared> cleared_;
   std::optional<double> blocked_at_m_;
 };
 

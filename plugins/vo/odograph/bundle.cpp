@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plugins/vo/odograph/bundle.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <ceres/ceres.h>
+
+#include "plugins/vo/odograph/ceres_silence.hpp"
 
 namespace odograph::vo {
 namespace {
@@ -15,6 +20,7 @@ constexpr double kCauchy = 1.5;            // sigmas
 constexpr double kBiasSigma_radps = 0.01;  // about the last window's bias, which began at none
 constexpr double kLengthSigma = 1e-3;      // of the first baseline, relative
 constexpr double kLeastInverse = 1e-6;
+constexpr double kLeastDepth = 1e-3;  // of y below, which is 1 in its anchor's picture
 
 /// Seven numbers: quaternion (x, y, z, w) of w from c, and position. Turned on the right, moved in w.
 class PoseManifold final : public ceres::Manifold {
@@ -49,7 +55,8 @@ class PoseManifold final : public ceres::Manifold {
 
 using PoseJacobian = Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>>;
 
-/// y = R_j' (R_a ray + rho (p_a - p_j)), seen at y_xy / y_z.
+/// y = R_j' (R_a ray + rho (p_a - p_j)), seen at y_xy / y_z. A point behind the camera counts as what is seen at the
+/// least depth, a focal length off, whatever its pose: it pulls nothing, and no step gains by bringing it there.
 class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
  public:
   Reprojection(const Eigen::Vector2d& anchor, const Eigen::Vector2d& seen, double sigma)
@@ -61,7 +68,7 @@ class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
     const Vector3d between = Eigen::Map<const Vector3d>(x[0] + 4) - Eigen::Map<const Vector3d>(x[1] + 4);
     const double rho = x[2][0];
     const Vector3d y = R_j_w * (R_a * ray_ + rho * between);
-    if (y.z() < 1e-3) return false;  // behind the camera: the step is too long
+    if (y.z() < kLeastDepth) return behind(residuals, jacobians);
     Eigen::Map<Eigen::Vector2d>{residuals} = per_sigma_ * (y.head<2>() / y.z() - seen_);
     if (!jacobians) return true;
     Eigen::Matrix<double, 2, 3> P;
@@ -81,6 +88,13 @@ class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
   }
 
  private:
+  bool behind(double* residuals, double** jacobians) const {
+    residuals[0] = per_sigma_ / kLeastDepth, residuals[1] = 0;
+    for (int k = 0; jacobians && k < 3; ++k)
+      if (jacobians[k]) std::fill_n(jacobians[k], 2 * parameter_block_sizes()[static_cast<size_t>(k)], 0.0);
+    return true;
+  }
+
   Vector3d ray_;
   Eigen::Vector2d seen_;
   double per_sigma_;
@@ -231,8 +245,12 @@ BundleReport adjust(Window& window, Vector3d& bias_c, double sigma) {
   options.logging_type = ceres::SILENT;
   options.function_tolerance = 1e-4;
   ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  report.solved = summary.IsSolutionUsable();
+  {
+    const CeresSilence silence;
+    ceres::Solve(options, &problem, &summary);
+  }
+  report.solved = summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
+  report.failed = !report.solved;
   report.iterations = static_cast<int>(summary.iterations.size());
   if (!report.solved) return report;
   bias_c = Eigen::Map<Vector3d>(bias);

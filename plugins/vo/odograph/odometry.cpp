@@ -291,7 +291,7 @@ void Odometry::make_keyframe(const Frame& frame) {
   }
   std::sort(alive.begin(), alive.end());
   window_.locate(kPointParallax_rad);
-  adjust(window_, bias_c_, sigma());
+  failed_adjustments_ += adjust(window_, bias_c_, sigma()).failed;
   drop_outliers();
   window_.weigh_depths(sigma());
   window_.slide();

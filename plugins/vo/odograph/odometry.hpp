@@ -51,8 +51,13 @@ class Odometry {
   /// The next frame. For the first one the result means nothing.
   Motion process(const Frame& frame);
 
+  /// The lens was focused or shifted; the map stays.
+  void change_lens(const CameraModel& camera) { camera_ = camera; }
+
   /// rad/s, what the window found.
   const Eigen::Vector3d& gyro_bias_c() const { return bias_c_; }
+  /// Windows whose adjustment failed since the beginning; each went on unadjusted.
+  uint64_t failed_adjustments() const { return failed_adjustments_; }
 
  private:
   struct Seen {
@@ -111,6 +116,7 @@ class Odometry {
   unsigned group_ = 0;
   size_t located_at_keyframe_ = 0, seen_at_keyframe_ = 0, seen_before_ = 0;
   double noise_px_;
+  uint64_t failed_adjustments_ = 0;
   int doubts_ = 0;
   std::optional<Haven> haven_;
   std::optional<int64_t> searching_since_ns_;

@@ -1,43 +1,120 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <optional>
 
 #include "plugins/camera/frame_view.hpp"
+#include "plugins/vo/odograph/inertial/inertial_odometry.hpp"
 #include "plugins/vo/odograph/odometry.hpp"
 
 namespace {
 
 using namespace odograph::vo;
+using odograph::vio::InertialMotion;
+using odograph::vio::InertialOdometry;
+
+constexpr int64_t kRefinedEvery_ns = 1'000'000'000;
 
 class OdographVo {
  public:
-  static constexpr odo::Description description{
-      "vo/odograph", "1.0.0", "Visual odometry: gyroscope-guided corners, keyframes, sliding-window bundle adjustment",
-      ODO_INTERFACE_VO_FRONTEND};
-  static std::vector<odo::Parameter<OdographVo>> parameters() { return {}; }
-
-  void on(const odo_calibration& c, odo::Output&) {
-    calibration_ = c.id;
-    size_ = {static_cast<int>(c.width), static_cast<int>(c.height)};
-    vo_.emplace(Odometry::Parameters{}, odograph::camera_of(c));
-    q_c_b_ = Eigen::Quaterniond(0, 1, 0, 0);  // a phone's rear camera
-    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS)
-      q_c_b_ = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]).conjugate();
-    previous_ns_ = INT64_MIN;
+  static constexpr odo::Description description{"vo/odograph", "2.0.0",
+                                                "Visual-inertial odometry: metric with an accelerometer, up to scale "
+                                                "without; rolling shutter, online calibration",
+                                                ODO_INTERFACE_VO_FRONTEND};
+  static std::vector<odo::Parameter<OdographVo>> parameters() {
+    return {
+        odo::boolean("inertial", &OdographVo::inertial_,
+                     "use accelerometer and gyroscope together for motions in metres; without it the gyroscope alone "
+                     "guides a visual odometry that is up to scale")};
   }
 
-  void on(const odo_imu& imu, odo::Output&) {
-    if (vo_) vo_->add_gyroscope(imu.header.t_ns, q_c_b_ * Eigen::Vector3d(imu.gyro_b));
+  void on(const odo_calibration& c, odo::Output& output) {
+    answer(true, output);
+    const bool same_camera = calibration_ && calibration_->id == c.id && calibration_->model == c.model &&
+                             calibration_->width == c.width && calibration_->height == c.height;
+    const odograph::CameraModel before = calibration_ ? odograph::camera_of(*calibration_) : odograph::CameraModel{};
+    calibration_ = c;
+    if (!same_camera || (!vo_ && !vio_)) return start();
+    // A phone that focuses or stabilises tells its lens again with every frame: the track goes on.
+    if (vio_) vio_->change_lens(before, odograph::camera_of(c));
+    if (vo_) vo_->change_lens(odograph::camera_of(c));
+  }
+
+  /// What the sensor's maker says replaces the defaults from here on.
+  void on(const odo_imu_noise& noise, odo::Output& output) {
+    answer(true, output);
+    noise_ = noise;
+    if (calibration_) start();
+  }
+
+  void on(const odo_imu& imu, odo::Output& output) {
+    if (vio_) {
+      const bool force = (imu.header.flags & ODO_IMU_ACCEL) != 0;
+      vio_->add_imu({imu.header.t_ns, Eigen::Vector3d(imu.gyro_b), Eigen::Vector3d(imu.accel_b)}, force);
+      answer(false, output);
+    } else if (vo_) {
+      vo_->add_gyroscope(imu.header.t_ns, q_b_c_.conjugate() * Eigen::Vector3d(imu.gyro_b));
+    }
   }
 
   void on(const odo_frame& frame, odo::Output& output) {
-    odograph::check_frame(frame, vo_ ? calibration_ : frame.calibration + 1, size_);
-    const Motion motion = vo_->process({odograph::grey_of(frame, converted_), odograph::mask_of(frame),
-                                        frame.header.t_ns, static_cast<double>(frame.line_time_ns) * 1e-9});
+    const bool known = calibration_ && (vo_ || vio_);
+    const cv::Size size =
+        known ? cv::Size(static_cast<int>(calibration_->width), static_cast<int>(calibration_->height)) : cv::Size();
+    odograph::check_frame(frame, known ? calibration_->id : frame.calibration + 1, size);
+    const Frame view{odograph::grey_of(frame, converted_), odograph::mask_of(frame), frame.header.t_ns,
+                     static_cast<double>(frame.line_time_ns) * 1e-9};
+    if (vio_) {
+      answer(true, output);
+      head_ = frame;
+      vio_->begin(view);
+      answer(false, output);
+      return;
+    }
+    const Motion motion = vo_->process(view);
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
     if (from_ns != INT64_MIN) output.emit(event_of(motion, from_ns, frame));
   }
 
  private:
+  void start() {
+    const odo_calibration& c = *calibration_;
+    q_b_c_ = Eigen::Quaterniond(0, 1, 0, 0);  // a phone's rear camera
+    odograph::vio::Camera camera;
+    camera.lens = odograph::camera_of(c);
+    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) {
+      q_b_c_ = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
+      camera.p_b_c = Eigen::Vector3d(c.p_b_c);
+    }
+    camera.q_b_c = q_b_c_;
+    camera.middle_row = 0.5 * (c.height - 1.0);
+    if (c.header.flags & ODO_CALIBRATION_LINE_TIME) camera.line_time_s = static_cast<double>(c.line_time_ns) * 1e-9;
+    previous_ns_ = INT64_MIN;
+    vo_.reset(), vio_.reset();
+    if (!inertial_) {
+      vo_.emplace(Odometry::Parameters{}, camera.lens);
+      return;
+    }
+    InertialOdometry::Parameters parameters;
+    if (noise_ && noise_->gyro_noise > 0 && noise_->accel_noise > 0) {
+      auto& n = parameters.filter.noise;
+      n.gyro = noise_->gyro_noise, n.accel = noise_->accel_noise;
+      if (noise_->gyro_walk > 0) n.gyro_walk = noise_->gyro_walk;
+      if (noise_->accel_walk > 0) n.accel_walk = noise_->accel_walk;
+    }
+    vio_.emplace(parameters, camera);
+  }
+
+  /// Gives the motion of the frame that waits, when the IMU has reached it or `force` says so.
+  void answer(bool force, odo::Output& output) {
+    if (!vio_) return;
+    const auto motion = vio_->finish(force);
+    if (!motion) return;
+    auto event = event_of(motion->motion, motion->from_ns, head_);
+    if (motion->metric) put_inertial(*motion, event);
+    output.emit(event);
+    if (motion->metric) refine(motion->t_ns, output);
+  }
+
   static odo_vo_motion event_of(const Motion& motion, int64_t from_ns, const odo_frame& frame) {
     auto event = odograph::motion_event(frame, from_ns, motion.rotation_valid, motion.translation_valid, motion.tracked,
                                         motion.inliers);
@@ -48,12 +125,44 @@ class OdographVo {
     return event;
   }
 
-  std::optional<Odometry> vo_;
-  Eigen::Quaterniond q_c_b_ = Eigen::Quaterniond::Identity();
+  static void put_inertial(const InertialMotion& m, odo_vo_motion& event) {
+    event.header.flags |= ODO_VO_INERTIAL | ODO_VO_METRIC;
+    event.scale_sigma = m.scale_sigma;
+    Eigen::Vector3d::Map(event.velocity_c1) = m.velocity_c;
+    Eigen::Vector3d::Map(event.gravity_c1) = m.gravity_c;
+    Eigen::Vector3d::Map(event.gyro_bias_b) = m.gyro_bias_b;
+    Eigen::Vector3d::Map(event.accel_bias_b) = m.accel_bias_b;
+  }
+
+  /// What the camera was found to be, once a second.
+  void refine(int64_t t_ns, odo::Output& output) {
+    if (t_ns - refined_ns_ < kRefinedEvery_ns || !vio_->filter()) return;
+    refined_ns_ = t_ns;
+    const odograph::vio::Camera& camera = vio_->filter()->state().camera;
+    odo_calibration c = *calibration_;
+    c.header.t_ns = t_ns;
+    c.header.flags |=
+        ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET | ODO_CALIBRATION_LINE_TIME | ODO_CALIBRATION_REFINED;
+    c.fx = camera.lens.fx, c.fy = camera.lens.fy, c.cx = camera.lens.cx, c.cy = camera.lens.cy;
+    c.distortion_count = static_cast<uint32_t>(camera.lens.coefficients.size());
+    std::copy(camera.lens.coefficients.begin(), camera.lens.coefficients.end(), c.distortion);
+    c.q_b_c[0] = camera.q_b_c.w(), c.q_b_c[1] = camera.q_b_c.x();
+    c.q_b_c[2] = camera.q_b_c.y(), c.q_b_c[3] = camera.q_b_c.z();
+    Eigen::Vector3d::Map(c.p_b_c) = camera.p_b_c;
+    c.time_offset_ns += static_cast<int64_t>(std::llround(camera.time_offset_s * 1e9));
+    c.line_time_ns = static_cast<int64_t>(std::llround(camera.line_time_s * 1e9));
+    output.emit(c);
+  }
+
+  bool inertial_ = true;
+  std::optional<odo_calibration> calibration_;
+  std::optional<odo_imu_noise> noise_;
+  std::optional<Odometry> vo_;  // up to scale
+  std::optional<InertialOdometry> vio_;
+  Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
-  cv::Size size_;
-  uint32_t calibration_ = 0;
-  int64_t previous_ns_ = INT64_MIN;
+  odo_frame head_{};  // of the frame that waits: its pixels are not kept
+  int64_t previous_ns_ = INT64_MIN, refined_ns_ = INT64_MIN / 2;
 };
 
 }  // namespace

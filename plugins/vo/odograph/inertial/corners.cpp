@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/vo/odograph/inertial/corners.hpp"
+
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+namespace odograph::vio {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr size_t kLeastForRansac = 10;
+constexpr double kLeastInliers = 0.4;  // fewer: it is the rotation that is wrong, nobody is taken out
+
+const cv::TermCriteria kStop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.01);
+
+std::vector<Vector3d> rays_of(const std::vector<cv::Point2f>& pixels, const CameraModel& lens) {
+  std::vector<cv::Point2d> straight;
+  lens.undistort(pixels, straight);
+  std::vector<Vector3d> rays;
+  rays.reserve(pixels.size());
+  for (const cv::Point2d& p : straight) rays.emplace_back(p.x, p.y, 1);
+  return rays;
+}
+
+template <class Items>
+void keep_only(Items& items, const std::vector<char>& keep) {
+  size_t n = 0;
+  for (size_t i = 0; i < items.size(); ++i)
+    if (keep[i]) items[n++] = items[i];
+  items.resize(n);
+}
+
+}  // namespace
+
+const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& mask, int64_t t_ns, double dt_s,
+                                          const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens) {
+  mean_grey_ = cv::mean(grey)[0];
+  if (mean_grey_ < p_.dim_grey)
+    cv::GaussianBlur(grey, smooth_, {}, p_.dim_blur_px);
+  else
+    grey.copyTo(smooth_);
+  Pyramid now;
+  cv::buildOpticalFlowPyramid(smooth_, now, {p_.window_px, p_.window_px}, p_.levels, true, cv::BORDER_REFLECT_101,
+                              cv::BORDER_CONSTANT, false);
+  ++frame_;
+  if (!pictures_.empty() && !tracks_.empty()) {
+    std::vector<cv::Point2f> to;
+    predict(q_c0_c1, lens, dt_s, to);
+    track_forward(now, to);
+    refine_by_reference(now);
+    drop_outliers(q_c0_c1, lens);
+    for (Track& t : tracks_)
+      t.parallax = dt_s > 0 ? Vector2d((Vector2d(t.pixel.x, t.pixel.y) - t.turned) / dt_s) : Vector2d(0, 0);
+  }
+  pictures_.emplace_back(frame_, std::move(now));
+  if (pictures_.size() > p_.references) pictures_.pop_front();
+  followed_ = tracks_.size();
+  if (static_cast<double>(followed_) < p_.refill_below * p_.most) refill(smooth_, mask);
+  corners_.t_ns = t_ns;
+  corners_.corners.clear();
+  for (const Track& t : tracks_) corners_.corners.push_back({t.id, Vector2d(t.pixel.x, t.pixel.y)});
+  return corners_;
+}
+
+void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens, double dt_s,
+                            std::vector<cv::Point2f>& to) {
+  std::vector<cv::Point2f> from;
+  for (const Track& t : tracks_) from.push_back(t.pixel);
+  const auto rays = rays_of(from, lens);
+  to.clear();
+  for (size_t i = 0; i < tracks_.size(); ++i) {
+    Track& t = tracks_[i];
+    t.ray = rays[i];
+    t.turned = Vector2d(t.pixel.x, t.pixel.y);
+    const Vector3d y = q_c0_c1.conjugate() * t.ray;
+    if (y.z() > 0.1) t.turned += lens.project(y.head<2>() / y.z()) - lens.project(t.ray.head<2>());
+    const Vector2d guess = t.turned + dt_s * t.parallax;
+    to.emplace_back(static_cast<float>(guess.x()), static_cast<float>(guess.y()));
+  }
+}
+
+void GuidedCorners::track_forward(const Pyramid& now, std::vector<cv::Point2f>& to) {
+  const Pyramid& before = pictures_.back().second;
+  const cv::Size window(p_.window_px, p_.window_px);
+  std::vector<cv::Point2f> from, back;
+  for (const Track& t : tracks_) from.push_back(t.pixel);
+  std::vector<uchar> found, found_back;
+  cv::calcOpticalFlowPyrLK(before, now, from, to, found, cv::noArray(), window, p_.levels, kStop,
+                           cv::OPTFLOW_USE_INITIAL_FLOW);
+  back = from;
+  cv::calcOpticalFlowPyrLK(now, before, to, back, found_back, cv::noArray(), window, 1, kStop,
+                           cv::OPTFLOW_USE_INITIAL_FLOW);
+  const cv::Rect2f inside(1, 1, static_cast<float>(now[0].cols - 2), static_cast<float>(now[0].rows - 2));
+  std::vector<char> keep(tracks_.size());
+  for (size_t i = 0; i < tracks_.size(); ++i) {
+    keep[i] = found[i] && found_back[i] && inside.contains(to[i]) && cv::norm(from[i] - back[i]) < p_.back_px;
+    tracks_[i].pixel = to[i];
+  }
+  keep_only(tracks_, keep);
+}
+
+/// From frame to frame small errors add up; the picture where the corner was found knows no drift.
+void GuidedCorners::refine_by_reference(const Pyramid& now) {
+  const cv::Size window(p_.window_px, p_.window_px);
+  for (const auto& [number, picture] : pictures_) {
+    if (number + 1 >= frame_) continue;  // that was just done
+    std::vector<size_t> which;
+    std::vector<cv::Point2f> from, to;
+    for (size_t i = 0; i < tracks_.size(); ++i)
+      if (tracks_[i].reference == number)
+        which.push_back(i), from.push_back(tracks_[i].reference_pixel), to.push_back(tracks_[i].pixel);
+    if (which.empty()) continue;
+    std::vector<uchar> found;
+    std::vector<float> err;
+    cv::calcOpticalFlowPyrLK(picture, now, from, to, found, err, window, p_.reference_levels, kStop,
+                             cv::OPTFLOW_USE_INITIAL_FLOW);
+    for (size_t k = 0; k < which.size(); ++k) {
+      Track& t = tracks_[which[k]];
+      if (found[k] && err[k] > p_.reference_error) {
+        t.reference = UINT32_MAX;
+        continue;
+      }
+      if (found[k] && cv::norm(to[k] - t.pixel) < p_.reference_px)
+        t.pixel = to[k];
+      else
+        t.reference = frame_, t.reference_pixel = t.pixel;
+    }
+  }
+  tracks_.erase(
+      std::remove_if(tracks_.begin(), tracks_.end(), [](const Track& t) { return t.reference == UINT32_MAX; }),
+      tracks_.end());
+  const uint32_t oldest = pictures_.front().first;
+  for (Track& t : tracks_)
+    if (t.reference < oldest + (pictures_.size() == p_.references)) t.reference = frame_, t.reference_pixel = t.pixel;
+}
+
+void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens) {
+  if (tracks_.size() < kLeastForRansac) return;
+  std::vector<cv::Point2f> pixels;
+  for (const Track& t : tracks_) pixels.push_back(t.pixel);
+  const auto rays = rays_of(pixels, lens);
+  std::vector<Vector3d> normals(tracks_.size());
+  for (size_t i = 0; i < tracks_.size(); ++i)
+    normals[i] = (q_c0_c1.conjugate() * tracks_[i].ray).normalized().cross(rays[i].normalized());
+  const double bound = p_.epipolar_px / lens.focal();
+  std::vector<char> best, inliers(tracks_.size());
+  size_t most = 0;
+  uint32_t random = 12345;  // the same draws in every frame
+  const auto draw = [&] { return (random = random * 1664525u + 1013904223u) >> 8; };
+  for (int trial = 0; trial < p_.trials; ++trial) {
+    const size_t i = draw() % tracks_.size(), j = draw() % tracks_.size();
+    const Vector3d t = normals[i].cross(normals[j]);
+    if (i == j || t.norm() < 1e-12) continue;
+    const Vector3d direction = t.normalized();
+    size_t count = 0;
+    for (size_t k = 0; k < tracks_.size(); ++k) count += inliers[k] = std::abs(normals[k].dot(direction)) < bound;
+    if (count > most) most = count, best = inliers;
+  }
+  if (static_cast<double>(most) > kLeastInliers * static_cast<double>(tracks_.size())) keep_only(tracks_, best);
+}
+
+void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {
+  const int columns = picture.cols / p_.cell_px + 1, rows = picture.rows / p_.cell_px + 1;
+  std::vector<char> taken(static_cast<size_t>(columns * rows), 0);
+  const auto cell = [&](const cv::Point2f& p) {
+    return static_cast<size_t>(static_cast<int>(p.y) / p_.cell_px * columns + static_cast<int>(p.x) / p_.cell_px);
+  };
+  for (const Track& t : tracks_) taken[cell(t.pixel)] = 1;
+  const auto wanted = static_cast<size_t>(std::max(0, p_.most - static_cast<int>(tracks_.size())));
+  std::vector<cv::Point2f> corners, chosen;
+  cv::goodFeaturesToTrack(picture, corners, 4 * p_.most, p_.quality, 0.35 * p_.cell_px, mask, 5);
+  for (const cv::Point2f& corner : corners) {
+    if (chosen.size() >= wanted) break;
+    if (std::exchange(taken[cell(corner)], 1)) continue;
+    chosen.push_back(corner);
+  }
+  if (chosen.empty()) return;
+  cv::cornerSubPix(picture, chosen, {4, 4}, {-1, -1}, {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.02});
+  for (const cv::Point2f& corner : chosen) {
+    Track t;
+    t.id = next_id_++, t.pixel = t.reference_pixel = corner, t.reference = frame_;
+    tracks_.push_back(t);
+  }
+}
+
+}  // namespace odograph::vio

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/vo/odograph/inertial/filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "plugins/camera/two_view.hpp"
+#include "plugins/vo/odograph/inertial/propagate.hpp"
+
+namespace odograph::vio {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kStandWindow_s = 0.4;
+constexpr double kStandForce_mps2 = 0.35;  // standard deviation of the specific force: a walk has more than 1
+constexpr double kStandPixels = 1.2;       // what one rotation leaves over of the picture's flow, median
+constexpr double kStandSigma_mps = 0.04;   // a hand's sway
+constexpr size_t kStandCorners = 15;
+constexpr size_t kLeastTrack = 3;  // observations
+constexpr int kMostMisses = 3;
+constexpr size_t kLeastForNoise = 5;
+constexpr double kMedianNis = 0.8;          // of chi-square with 2 to 10 degrees of freedom, by their number
+constexpr double kHeadingSigma_rad = 1e-4;  // a choice of ours: heading and position are not measured
+
+}  // namespace
+
+Filter::Filter(const FilterParameters& parameters, const Camera& camera, const Start& start) : p_(parameters) {
+  state_.t_ns = start.t_ns;
+  state_.nav = start.nav;
+  state_.camera = camera;
+  state_.P = Eigen::MatrixXd::Zero(block::fixed, block::fixed);
+  auto sigmas = state_.P.diagonal();
+  const auto set = [&](int from, int count, double sigma) { sigmas.segment(from, count).setConstant(sigma * sigma); };
+  set(block::theta, 2, start.tilt_rad);
+  set(block::theta + 2, 1, kHeadingSigma_rad);
+  set(block::nu, 3, start.velocity_mps);
+  set(block::rho, 3, 1e-4);
+  set(block::gyro_bias, 3, start.gyro_bias_radps);
+  set(block::accel_bias, 3, start.accel_bias_mps2);
+  set(block::extrinsics, 3, p_.priors.extrinsics_rad);
+  set(block::lever, 3, p_.priors.lever_m);
+  set(block::time_offset, 1, p_.priors.time_offset_s);
+  const double line = camera.line_time_s;
+  set(block::line_time, 1,
+      line > 0 ? p_.priors.line_time_relative * line : p_.priors.readout_s / (2 * camera.middle_row + 1));
+  set(block::lens, 1, p_.priors.focal_relative);
+  set(block::lens + 1, 2, p_.priors.centre_px);
+  set(block::lens + 3, 1, p_.priors.distortion[0]);
+  set(block::lens + 4, 1, p_.priors.distortion[1]);
+}
+
+void Filter::count(const Outcome& outcome, FrameReport& report) {
+  if (outcome.dof == 0) return;
+  ++report.tried;
+  report.accepted += outcome.accepted;
+  report.nis_sum += outcome.nis;
+  report.dof_sum += outcome.dof;
+  report.nis_per_dof.push_back(outcome.nis / outcome.dof);
+}
+
+FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
+  FrameReport report;
+  const int64_t t_ns = frame.t_ns + static_cast<int64_t>(std::llround(state_.camera.time_offset_s * 1e9));
+  report.imu_whole = propagate(state_, std::max(t_ns, state_.t_ns), imu, p_);
+  report.standing = stands(frame, imu);
+  if (report.standing && stood_ && state_.clones.size() > 2) forget_clone(state_.clones.size() - 1);
+  stood_ = report.standing;
+  augment(state_, next_id_++, frame.t_ns, imu, p_);
+  for (const Corner& corner : frame.corners) tracks_[corner.track].push_back({newest().id, corner.pixel});
+  if (report.standing) update_zero_velocity(state_, kStandSigma_mps);
+  update_landmarks(frame, report);
+  update_tracks(report);
+  marginalise();
+  update_scale_sigma();
+  if (!recent_.empty()) update_pixel_sigma(report, static_cast<double>(frame.t_ns - recent_.back().t_ns) * 1e-9);
+  recent_.push_back(frame);
+  while (static_cast<double>(frame.t_ns - recent_.front().t_ns) * 1e-9 > 1.5 * kStandWindow_s) recent_.pop_front();
+  report_ = report;
+  return report;
+}
+
+/// Nothing but a rotation in the picture, and a specific force that hardly changes.
+bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
+  const auto before = std::find_if(recent_.rbegin(), recent_.rend(), [&](const FrameCorners& f) {
+    return static_cast<double>(frame.t_ns - f.t_ns) * 1e-9 > kStandWindow_s;
+  });
+  if (before == recent_.rend()) return false;
+  Vector3d sum = Vector3d::Zero(), squares = Vector3d::Zero();
+  int n = 0;
+  imu.for_each(before->t_ns, frame.t_ns, 1'000'000'000,
+               [&](const ImuSample& a, const ImuSample&) { sum += a.accel_b, squares += a.accel_b.cwiseAbs2(), ++n; });
+  if (n < 5) return false;
+  // The change of direction that a turning phone sees of gravity is no motion: the length alone counts for it.
+  const Vector3d mean = sum / n;
+  const double variance = (squares / n - mean.cwiseAbs2()).sum();
+  double norms = 0, norm_squares = 0;
+  imu.for_each(before->t_ns, frame.t_ns, 1'000'000'000, [&](const ImuSample& a, const ImuSample&) {
+    const double norm = a.accel_b.norm();
+    norms += norm, norm_squares += norm * norm;
+  });
+  const double norm_variance = norm_squares / n - norms * norms / (n * n);
+  if (std::min(variance, 2 * norm_variance) > kStandForce_mps2 * kStandForce_mps2) return false;
+  std::vector<cv::Point2d> first, second;
+  const Camera& camera = state_.camera;
+  const Clone still;
+  for (const Corner& corner : frame.corners) {
+    const auto at = std::lower_bound(before->corners.begin(), before->corners.end(), corner.track,
+                                     [](const Corner& c, uint64_t track) { return c.track < track; });
+    if (at == before->corners.end() || at->track != corner.track) continue;
+    const Vector3d a = ray_of(still, camera, at->pixel), b = ray_of(still, camera, corner.pixel);
+    first.emplace_back(a.x(), a.y()), second.emplace_back(b.x(), b.y());
+  }
+  if (first.size() < kStandCorners) return false;
+  const auto rotation = pure_rotation(first, second);
+  return rotation && rotation->median_residual_rad * camera.lens.focal() < kStandPixels;
+}
+
+void Filter::forget_clone(size_t i) {
+  const uint32_t id = state_.clones[i].id;
+  const size_t other = i + 1 < state_.clones.size() ? state_.clones.size() - 1 : i - 1;
+  for (size_t j = 0; j < state_.landmarks.size(); ++j)
+    if (state_.landmarks[j].anchor == id) state_.move_anchor(j, other);
+  for (auto& [track, seen] : tracks_)
+    seen.erase(std::remove_if(seen.begin(), seen.end(), [id](const Observation& o) { return o.clone == id; }),
+               seen.end());
+  state_.remove_clone(i);
+}
+
+void Filter::update_landmarks(const FrameCorners& frame, FrameReport& report) {
+  for (size_t j = 0; j < state_.landmarks.size();) {
+    const uint64_t track = state_.landmarks[j].track;
+    const auto at = std::lower_bound(frame.corners.begin(), frame.corners.end(), track,
+                                     [](const Corner& c, uint64_t t) { return c.track < t; });
+    bool keep = at != frame.corners.end() && at->track == track;
+    if (keep) {
+      const Outcome outcome = update_with_landmark(state_, j, {newest().id, at->pixel}, p_);
+      count(outcome, report);
+      int& misses = state_.landmarks[j].misses;
+      misses = outcome.accepted ? 0 : misses + 1;
+      keep = misses < kMostMisses;
+    }
+    tracks_.erase(track);  // its observations are used
+    if (keep)
+      ++j;
+    else
+      state_.remove_landmark(j);
+  }
+}
+
+/// Tracks that ended, and those that span the window: they will lose their oldest clone.
+void Filter::update_tracks(FrameReport& report) {
+  const bool full = state_.clones.size() > p_.clones;
+  const uint32_t oldest = state_.clones.front().id;
+  std::vector<std::pair<uint64_t, bool>> ready;  // and whether it goes on
+  for (auto& [track, seen] : tracks_) {
+    const bool alive = !seen.empty() && seen.back().clone == newest().id;
+    // A camera that stands gets no new clones, and its landmarks become fewer.
+    const bool wanted = report.standing && state_.landmarks.size() < p_.landmarks && seen.size() >= kLeastTrack;
+    const bool spans = full && !seen.empty() && seen.front().clone == oldest;
+    if (!alive || spans || wanted) ready.emplace_back(track, alive);
+  }
+  std::stable_sort(ready.begin(), ready.end(),
+                   [&](const auto& a, const auto& b) { return tracks_[a.first].size() > tracks_[b.first].size(); });
+  size_t used = 0;
+  for (const auto& [track, alive] : ready) {
+    const Track seen = std::move(tracks_[track]);
+    tracks_.erase(track);
+    if (seen.size() < kLeastTrack) {
+      if (alive) tracks_[track] = {seen.back()};
+      continue;
+    }
+    if (alive && state_.landmarks.size() < p_.landmarks && (report.standing || seen.size() >= p_.clones / 2)) {
+      const Outcome outcome = add_landmark(state_, track, seen, p_);
+      count(outcome, report);
+      if (outcome.accepted) continue;
+    } else if (used < p_.features) {
+      const Outcome outcome = update_with_track(state_, seen, p_);
+      used += outcome.dof > 0;
+      count(outcome, report);
+    }
+    if (alive) tracks_[track] = {seen.back()};  // from here on it is another track
+  }
+}
+
+void Filter::marginalise() {
+  while (state_.clones.size() > p_.clones) forget_clone(0);
+}
+
+/// How well corners are followed depends on light, blur and compression: the median of the normalised innovations,
+/// which is 0.7 to 0.9 of the degrees of freedom where the noise is right. In the logarithm, towards it with a time
+/// constant.
+void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
+  if (report.nis_per_dof.size() < kLeastForNoise) return;
+  std::vector<double> ratios = report.nis_per_dof;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  const double seen = p_.pixel_sigma * std::sqrt(std::clamp(*middle / kMedianNis, 0.01, 100.0));
+  const double part = 1 - std::exp(-dt_s / p_.pixel_sigma_s);
+  p_.pixel_sigma =
+      std::clamp(p_.pixel_sigma * std::pow(seen / p_.pixel_sigma, part), p_.least_pixel_sigma, p_.most_pixel_sigma);
+}
+
+double Filter::velocity_sigma() const { return std::sqrt(state_.P.block<3, 3>(block::nu, block::nu).trace()); }
+
+/// By the displacement over the window where there is one, by the landmarks' depths where the camera stands.
+void Filter::update_scale_sigma() {
+  const size_t last = state_.clones.size() - 1;
+  const Clone &a = state_.clones.front(), &b = state_.clones[last];
+  const Vector3d d = b.p_w - a.p_w;
+  double best = INFINITY;
+  if (d.norm() > 0.1) {
+    // d = p_b - p_a: theta_b x p_b - theta_a x p_a + rho_b - rho_a; along d.
+    const Vector3d u = d.normalized();
+    Eigen::VectorXd J = Eigen::VectorXd::Zero(state_.size());
+    J.segment<3>(state_.clone_at(0)) = -a.p_w.cross(u);
+    J.segment<3>(state_.clone_at(0) + 3) = -u;
+    J.segment<3>(state_.clone_at(last)) = b.p_w.cross(u);
+    J.segment<3>(state_.clone_at(last) + 3) = u;
+    best = std::sqrt(std::max(0.0, J.dot(state_.P * J))) / d.norm();
+  }
+  for (size_t j = 0; j < state_.landmarks.size(); ++j) {
+    const int k = state_.landmark_at(j) + 2;
+    best = std::min(best, std::sqrt(state_.P(k, k)) / state_.landmarks[j].at.z());
+  }
+  if (std::isfinite(best)) scale_sigma_ = best;
+}
+
+}  // namespace odograph::vio

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <deque>
+#include <map>
+#include <vector>
+
+#include "plugins/vo/odograph/inertial/imu_buffer.hpp"
+#include "plugins/vo/odograph/inertial/observe.hpp"
+#include "plugins/vo/odograph/inertial/parameters.hpp"
+#include "plugins/vo/odograph/inertial/state.hpp"
+#include "plugins/vo/odograph/inertial/update.hpp"
+
+namespace odograph::vio {
+
+/// A followed corner in a frame.
+struct Corner {
+  uint64_t track;
+  Eigen::Vector2d pixel;
+};
+
+struct FrameCorners {
+  int64_t t_ns = 0;             ///< of the middle row, camera's clock
+  std::vector<Corner> corners;  ///< in ascending order of their tracks
+};
+
+/// How a frame went.
+struct FrameReport {
+  bool imu_whole = true;  ///< no samples were missing
+  bool standing = false;
+  int tried = 0, accepted = 0;  ///< tracks and landmarks
+  double nis_sum = 0;
+  int dof_sum = 0;                  ///< of what was tried
+  std::vector<double> nis_per_dof;  ///< of each
+};
+
+/// Visual-inertial multi-state constraint Kalman filter (Mourikis & Roumeliotis 2007) with landmarks (Li & Mourikis
+/// 2013), a rolling shutter whose rows have their own pose, and online refinement of lens, extrinsics, time offset and
+/// row time; right-invariant errors (state.hpp). One thread, deterministic.
+class Filter {
+ public:
+  /// `sigmas`: standard deviations of theta, nu, rho, gyroscope's bias, accelerometer's bias. Camera as calibrated.
+  struct Start {
+    int64_t t_ns = 0;  ///< IMU time
+    Navigation nav;
+    double tilt_rad = 0, velocity_mps = 0, gyro_bias_radps = 0, accel_bias_mps2 = 0;
+  };
+  Filter(const FilterParameters& parameters, const Camera& camera, const Start& start);
+
+  /// The IMU must reach to the frame's time plus the camera's time offset.
+  FrameReport process(const FrameCorners& frame, const ImuBuffer& imu);
+
+  /// The lens as it is refined, times and plus what it was changed by.
+  void change_lens(double focal_factor, const Eigen::Vector2d& centre_px) {
+    LensVector change = LensVector::Zero();
+    change << std::log(focal_factor), centre_px, 0, 0;
+    correct(state_.camera.lens, change);
+  }
+
+  const State& state() const { return state_; }
+  /// Of the camera's pose in the newest clone.
+  const Clone& newest() const { return state_.clones.back(); }
+  /// Relative standard deviation of the metre.
+  double scale_sigma() const { return scale_sigma_; }
+  double velocity_sigma() const;
+  double pixel_sigma() const { return p_.pixel_sigma; }
+
+  const FrameReport& report() const { return report_; }
+
+ private:
+  using Track = std::vector<Observation>;
+
+  bool stands(const FrameCorners& frame, const ImuBuffer& imu) const;
+  void forget_clone(size_t i);
+  void update_landmarks(const FrameCorners& frame, FrameReport& report);
+  void update_tracks(FrameReport& report);
+  void marginalise();
+  void update_scale_sigma();
+  void update_pixel_sigma(const FrameReport& report, double dt_s);
+  static void count(const Outcome& outcome, FrameReport& report);
+
+  FilterParameters p_;
+  State state_;
+  std::map<uint64_t, Track> tracks_;  // ordered: the same updates in the same order each time
+  std::deque<FrameCorners> recent_;   // of the last half second
+  uint32_t next_id_ = 0;
+  bool stood_ = false;
+  double scale_sigma_ = 1;
+  FrameReport report_;
+};
+
+}  // namespace odograph::vio

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/vo/odograph/inertial/inertial_odometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "plugins/vo/odograph/gyroscope.hpp"
+#include "plugins/vo/odograph/inertial/propagate.hpp"
+#include "plugins/vo/odograph/shared.hpp"
+
+namespace odograph::vio {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr int64_t kLongestGap_ns = 60'000'000;
+constexpr int64_t kAccelSilent_ns = 500'000'000;
+constexpr int64_t kMargin_ns = 2'000'000;
+constexpr double kKeepFrames_s = 3.5;
+constexpr int kLeastTried = 8;
+
+double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+}  // namespace
+
+InertialOdometry::InertialOdometry(const Parameters& parameters, const Camera& camera)
+    : p_(parameters), camera_(camera), corners_(parameters.corners) {
+  visual_.emplace(vo::Odometry::Parameters{}, camera.lens);
+}
+
+void InertialOdometry::add_imu(const ImuSample& sample, bool has_force) {
+  imu_.add(sample);
+  if (has_force) accel_ns_ = sample.t_ns;
+  visual_->add_gyroscope(sample.t_ns, camera_.q_b_c.conjugate() * sample.gyro_b);
+}
+
+Isometry3d InertialOdometry::camera_pose(const Navigation& nav) const {
+  const Camera& camera = filter_->state().camera;
+  return vo::isometry(nav.q_w_b * camera.q_b_c, nav.p_w + nav.q_w_b * camera.p_b_c);
+}
+
+/// Of the camera, by the gyroscope; none where samples lack.
+Quaterniond InertialOdometry::rotation_since(int64_t from_ns, int64_t to_ns) const {
+  const Camera& camera = filter_ ? filter_->state().camera : camera_;
+  const auto offset_ns = static_cast<int64_t>(std::llround(camera.time_offset_s * 1e9));
+  const Vector3d bias = filter_ ? filter_->state().nav.gyro_bias : Vector3d(camera_.q_b_c * visual_->gyro_bias_c());
+  Quaterniond q = Quaterniond::Identity();
+  const bool whole = imu_.for_each(from_ns + offset_ns, to_ns + offset_ns, kLongestGap_ns,
+                                   [&](const ImuSample& a, const ImuSample& b) {
+                                     const Vector3d rate = 0.5 * (a.gyro_b + b.gyro_b) - bias;
+                                     q = q * vo::exp_rotation(seconds(b.t_ns - a.t_ns) * rate);
+                                   });
+  return whole ? (camera.q_b_c.conjugate() * q * camera.q_b_c).normalized() : Quaterniond::Identity();
+}
+
+void InertialOdometry::begin(const vo::Frame& frame) {
+  if (camera_.line_time_s <= 0 && frame.line_time_s > 0) camera_.line_time_s = frame.line_time_s;
+  const bool first = previous_ns_ == INT64_MIN;
+  const Quaterniond turn = first ? Quaterniond::Identity() : rotation_since(previous_ns_, frame.t_ns);
+  const CameraModel& lens = filter_ ? filter_->state().camera.lens : camera_.lens;
+  corners_.follow(frame.grey, frame.mask, frame.t_ns, first ? 0 : seconds(frame.t_ns - previous_ns_), turn, lens);
+  Pending pending{frame.t_ns, {}, false, true};
+  if (!filter_) {
+    pending.visual = visual_->process(frame);
+    pending.visual_valid = true;
+  }
+  pending.estimate = estimated_ns_ == INT64_MIN || seconds(frame.t_ns - estimated_ns_) >= p_.least_interval_s;
+  if (pending.estimate) estimated_ns_ = frame.t_ns;
+  pending_ = pending;
+}
+
+std::optional<InertialMotion> InertialOdometry::finish(bool force) {
+  if (!pending_) return std::nullopt;
+  const Pending frame = *pending_;
+  const Camera& camera = filter_ ? filter_->state().camera : camera_;
+  const double reach_s = std::max(0.0, camera.time_offset_s) + (camera.middle_row + 1) * std::abs(camera.line_time_s);
+  const bool reached =
+      !imu_.empty() && imu_.newest_ns() >= frame.t_ns + kMargin_ns + static_cast<int64_t>(reach_s * 1e9);
+  const bool inertial = !imu_.empty() && accel_ns_ != INT64_MIN && frame.t_ns - accel_ns_ < kAccelSilent_ns;
+  if (!force && !reached && inertial) return std::nullopt;
+  pending_.reset();
+  const bool first = previous_ns_ == INT64_MIN;
+  InertialMotion out;
+  if (filter_) {
+    out = estimate(frame);
+  } else {
+    const vo::Motion& visual = frame.visual;
+    if (visual.scale_group != visual_group_) {
+      visual_group_ = visual.scale_group;
+      ++group_;
+      T_visual_.setIdentity();
+    }
+    if (visual.rotation_valid)
+      T_visual_ =
+          T_visual_ * vo::isometry(visual.q_c0_c1, visual.translation_valid ? visual.p_c0_c1 : Vector3d::Zero());
+    if (frame.estimate) {
+      start_frames_.push_back({corners_.corners(), T_visual_, visual.translation_valid, group_});
+      while (seconds(frame.t_ns - start_frames_.front().corners.t_ns) > kKeepFrames_s) start_frames_.pop_front();
+      if (inertial) try_start(frame.t_ns);
+    }
+    if (filter_) {
+      ++group_;
+      out = report(frame.t_ns, filter_->state().nav, true);
+      out.metres_per_unit = metres_per_unit_;
+    } else {
+      out.motion = visual;
+    }
+  }
+  out.motion.scale_group = group_;
+  out.from_ns = previous_ns_;
+  out.t_ns = previous_ns_ = frame.t_ns;
+  if (first) return std::nullopt;
+  return out;
+}
+
+void InertialOdometry::try_start(int64_t t_ns) {
+  metres_per_unit_.reset();
+  filter_ = start_still(start_frames_, imu_, camera_, p_.filter, p_.start);
+  if (!filter_ && (tried_ns_ == INT64_MIN || seconds(t_ns - tried_ns_) >= p_.start_every_s)) {
+    tried_ns_ = t_ns;
+    filter_ = start_moving(start_frames_, imu_, camera_, camera_.q_b_c * visual_->gyro_bias_c(), p_.filter, p_.start);
+  }
+  if (!filter_) return;
+  // Where the frame before was, by the filter.
+  Navigation before = filter_->state().nav;
+  const auto offset_ns = static_cast<int64_t>(std::llround(filter_->state().camera.time_offset_s * 1e9));
+  integrate(before, filter_->state().t_ns, previous_ns_ + offset_ns, imu_, p_.filter.gravity_mps2);
+  T_w_previous_ = camera_pose(before);
+  refused_since_ns_ = INT64_MIN;
+  tracked_ = accepted_ = static_cast<unsigned>(corners_.corners().corners.size());
+}
+
+InertialMotion InertialOdometry::estimate(const Pending& frame) {
+  if (!frame.estimate) {
+    Navigation nav = filter_->state().nav;
+    const auto offset_ns = static_cast<int64_t>(std::llround(filter_->state().camera.time_offset_s * 1e9));
+    integrate(nav, filter_->state().t_ns, frame.t_ns + offset_ns, imu_, p_.filter.gravity_mps2);
+    return report(frame.t_ns, nav, false);
+  }
+  const FrameReport seen = filter_->process(corners_.corners(), imu_);
+  tracked_ = static_cast<unsigned>(corners_.followed());
+  accepted_ = static_cast<unsigned>(seen.accepted);
+  const bool refused = seen.tried >= kLeastTried && seen.accepted < p_.least_accepted * seen.tried;
+  if (!refused) refused_since_ns_ = INT64_MIN;
+  if (refused && refused_since_ns_ == INT64_MIN) refused_since_ns_ = frame.t_ns;
+  InertialMotion out = report(frame.t_ns, filter_->state().nav, true);
+  const Navigation& nav = filter_->state().nav;
+  const bool wrong = !nav.v_w.allFinite() || nav.v_w.norm() > p_.most_speed_mps ||
+                     nav.accel_bias.norm() > p_.most_accel_bias_mps2 ||
+                     (refused && seconds(frame.t_ns - refused_since_ns_) > p_.diverged_s);
+  if (wrong || filter_->velocity_sigma() > p_.lost_sigma_mps) {
+    lose();
+    out.metric = false;
+    out.motion.translation_valid = false;
+    out.motion.rotation_valid = out.motion.q_c0_c1.coeffs().allFinite();
+    out.motion.state = Tracking::lost;
+    out.motion.trouble = corners_.mean_grey() < vo::kDarkGrey ? Trouble::too_dark : Trouble::few_features;
+  }
+  return out;
+}
+
+void InertialOdometry::change_lens(const CameraModel& before, const CameraModel& now) {
+  camera_.lens = now;
+  visual_->change_lens(now);
+  if (filter_) filter_->change_lens(now.focal() / before.focal(), {now.cx - before.cx, now.cy - before.cy});
+}
+
+void InertialOdometry::lose() {
+  filter_.reset();
+  start_frames_.clear();
+  const vo::Odometry::Parameters parameters{};
+  visual_.emplace(parameters, camera_.lens);
+  visual_group_ = 0;
+  T_visual_.setIdentity();
+  ++group_;
+}
+
+InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, bool with_clone) {
+  (void)t_ns;
+  InertialMotion out;
+  const State& state = filter_->state();
+  const Clone& clone = filter_->newest();
+  const Isometry3d T = with_clone ? vo::isometry(clone.q_w_c, clone.p_w) : camera_pose(nav);
+  const Isometry3d step = T_w_previous_.inverse() * T;
+  vo::Motion& m = out.motion;
+  m.q_c0_c1 = Quaterniond(step.linear()).normalized();
+  m.p_c0_c1 = step.translation();
+  m.rotation_valid = m.translation_valid = true;
+  m.tracked = tracked_, m.inliers = std::min(accepted_, tracked_);
+  const double velocity_sigma = filter_->velocity_sigma();
+  m.state = velocity_sigma > p_.degraded_sigma_mps ? Tracking::degraded : Tracking::tracking;
+  m.trouble = m.state == Tracking::tracking          ? Trouble::none
+              : corners_.mean_grey() < vo::kDarkGrey ? Trouble::too_dark
+                                                     : Trouble::few_features;
+  out.metric = true;
+  out.scale_sigma = filter_->scale_sigma();
+  const Eigen::Matrix3d R_c_w = T.linear().transpose();
+  out.velocity_c = R_c_w * nav.v_w;
+  out.gravity_c = R_c_w * Vector3d::UnitZ();
+  out.gyro_bias_b = nav.gyro_bias, out.accel_bias_b = nav.accel_bias;
+  const auto& clones = state.clones;
+  if (with_clone && clones.size() > 1) {
+    const size_t j = clones.size() - 1, i = j - 1;
+    const Eigen::Matrix3d R = clones[i].q_w_c.conjugate().toRotationMatrix();
+    Eigen::Matrix<double, 6, 12> J = Eigen::Matrix<double, 6, 12>::Zero();
+    J.block<3, 3>(0, 0) = -R, J.block<3, 3>(0, 6) = R;
+    J.block<3, 3>(3, 0) = R * vo::cross_matrix(clones[j].p_w), J.block<3, 3>(3, 6) = -J.block<3, 3>(3, 0);
+    J.block<3, 3>(3, 3) = -R, J.block<3, 3>(3, 9) = R;
+    m.covariance = J * state.P.block<12, 12>(state.clone_at(i), state.clone_at(i)) * J.transpose();
+    // What was told of the frame before has been corrected since, by this: the motion mends it.
+    const Isometry3d corrected = vo::isometry(clones[i].q_w_c, clones[i].p_w);
+    const Vector3d turned = vo::log_rotation(Quaterniond(T_w_previous_.linear().transpose() * corrected.linear()));
+    const Vector3d moved = T_w_previous_.linear().transpose() * (corrected.translation() - T_w_previous_.translation());
+    m.covariance.topLeftCorner<3, 3>() += turned * turned.transpose();
+    m.covariance.bottomRightCorner<3, 3>() += moved * moved.transpose();
+    m.covariance.diagonal().head<3>().array() += std::pow(p_.rotation_floor_rad, 2);
+    m.covariance.diagonal().tail<3>().array() += std::pow(p_.position_floor_m, 2);
+  } else {
+    const double dt = 0.05;
+    m.covariance.diagonal().head<3>().setConstant(1e-6);
+    m.covariance.diagonal().tail<3>().setConstant(velocity_sigma * velocity_sigma * dt * dt);
+  }
+  T_w_previous_ = T;
+  return out;
+}
+
+}  // namespace odograph::vio

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "plugins/vo/odograph/inertial/corners.hpp"
+#include "plugins/vo/odograph/inertial/filter.hpp"
+#include "plugins/vo/odograph/inertial/start.hpp"
+#include "plugins/vo/odograph/odometry.hpp"
+
+namespace odograph::vio {
+
+/// A frame's motion and what the inertial side knows with it.
+struct InertialMotion {
+  vo::Motion motion;
+  int64_t from_ns = 0, t_ns = 0;
+  bool metric = false;     ///< the rest is valid, and the motion in metres
+  double scale_sigma = 0;  ///< relative
+  Eigen::Vector3d velocity_c = Eigen::Vector3d::Zero(), gravity_c = Eigen::Vector3d::Zero();
+  Eigen::Vector3d gyro_bias_b = Eigen::Vector3d::Zero(), accel_bias_b = Eigen::Vector3d::Zero();
+  std::optional<double> metres_per_unit;  ///< of the group before, when this is the first motion of a metric one
+};
+
+/// The odometry of a phone with an IMU. Until inertia tells the metre it is the visual odometry; then a visual-inertial
+/// filter, which starts from standing or from the visual odometry in motion, and goes on through darkness by inertia
+/// alone. Where the filter is lost or wrong the visual odometry begins anew, with a new scale group.
+///
+/// A frame is followed at once and estimated when the IMU has reached its last row, or the next frame comes.
+class InertialOdometry {
+ public:
+  struct Parameters {
+    FilterParameters filter;
+    StartParameters start;
+    GuidedCorners::Parameters corners;
+    double least_interval_s = 0.045;  ///< frames that come faster are followed, not estimated
+    double lost_sigma_mps = 1.0;      ///< of the velocity: the filter is lost
+    double degraded_sigma_mps = 0.3;
+    double most_speed_mps = 15;  ///< of what a phone in a hand does
+    double most_accel_bias_mps2 = 1.5;
+    double least_accepted = 0.3;  ///< of the tracks, for `diverged_s`: the filter is wrong
+    double diverged_s = 1.0;
+    double start_every_s = 0.25;       ///< a start in motion is tried
+    double metric_sigma = 0.3;         ///< relative: above it the motion is up to scale
+    double rotation_floor_rad = 2e-4;  ///< of a frame's motion: what the corners share in their errors
+    double position_floor_m = 2e-3;    ///< the same; 0.4 px at a depth of 2.5 m
+  };
+
+  InertialOdometry(const Parameters& parameters, const Camera& camera);
+
+  /// Accelerometer and gyroscope in b. Without a force only the gyroscope's rate, and no metre.
+  void add_imu(const ImuSample& sample, bool has_force);
+  /// The next frame, at once behind finish(). Its pixels are used within the call alone.
+  void begin(const vo::Frame& frame);
+  /// The motion of the frame that was begun, once the IMU reaches far enough, or at once with `force`.
+  std::optional<InertialMotion> finish(bool force);
+
+  /// The lens was focused or shifted by as much as lies between the two; what was refined of it stays.
+  void change_lens(const CameraModel& before, const CameraModel& now);
+
+  const Filter* filter() const { return filter_ ? &*filter_ : nullptr; }
+
+ private:
+  struct Pending {
+    int64_t t_ns;
+    vo::Motion visual;
+    bool visual_valid;
+    bool estimate;
+  };
+
+  void try_start(int64_t t_ns);
+  InertialMotion estimate(const Pending& frame);
+  InertialMotion report(int64_t t_ns, const Navigation& nav, bool with_clone);
+  void lose();
+  Eigen::Isometry3d camera_pose(const Navigation& nav) const;
+  Eigen::Quaterniond rotation_since(int64_t from_ns, int64_t to_ns) const;
+
+  Parameters p_;
+  Camera camera_;
+  ImuBuffer imu_;
+  GuidedCorners corners_;
+  std::optional<vo::Odometry> visual_;
+  std::deque<StartFrame> start_frames_;
+  std::optional<Filter> filter_;
+  std::optional<Pending> pending_;
+  Eigen::Isometry3d T_w_previous_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_visual_ = Eigen::Isometry3d::Identity();  // chained from the visual motions of a group
+  int64_t previous_ns_ = INT64_MIN, estimated_ns_ = INT64_MIN, tried_ns_ = INT64_MIN, refused_since_ns_ = INT64_MIN;
+  int64_t accel_ns_ = INT64_MIN;
+  unsigned group_ = 0, visual_group_ = 0;
+  unsigned tracked_ = 0, accepted_ = 0;
+  std::optional<double> metres_per_unit_;
+};
+
+}  // namespace odograph::vio

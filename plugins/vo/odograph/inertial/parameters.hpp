@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+namespace odograph::vio {
+
+/// Noise densities of an inertial sensor, as an Allan deviation gives them. What it leaves out, scale error, cross
+/// axis, g-sensitivity and what lies between two samples, grows with the motion: it is added as noise in proportion to
+/// the acceleration and the rate.
+struct ImuNoise {
+  double gyro = 2e-4;             ///< rad/s/sqrt(Hz); BMI270, ICM-20602: 0.7e-4 to 1.4e-4, old phones 2.4e-4
+  double gyro_walk = 2e-5;        ///< rad/s^2/sqrt(Hz)
+  double accel = 3e-3;            ///< m/s^2/sqrt(Hz); the same: 1e-3 to 1.6e-3, old phones 4e-3
+  double accel_walk = 3e-4;       ///< m/s^3/sqrt(Hz)
+  double gyro_by_rate = 5e-4;     ///< of the rate, 1/sqrt(Hz): 0.1 % over 0.1 s
+  double accel_by_motion = 3e-3;  ///< of the acceleration, 1/sqrt(Hz): 0.7 % over 0.1 s
+};
+
+/// Standard deviations before the first measurement.
+struct Priors {
+  double tilt_rad = 0.01;               ///< of gravity's direction
+  double velocity_mps = 0.05;           ///< of a phone that is held still
+  double gyro_bias_radps = 0.02;        ///< 1 deg/s
+  double accel_bias_mps2 = 0.08;        ///< 8 mg, scale error included; phones calibrate it in the factory
+  double extrinsics_rad = 0.01;         ///< of the camera in the phone
+  double lever_m = 0.01;                ///< of the camera's place beside the IMU
+  double time_offset_s = 0.008;         ///< of the camera's clock
+  double line_time_relative = 0.1;      ///< of a rolling shutter's row time that is given
+  double readout_s = 0.006;             ///< of the time between the first row and the last where none is given
+  double focal_relative = 0.01;         ///< of the focal length
+  double centre_px = 3;                 ///< of the principal point
+  double distortion[2] = {0.01, 0.01};  ///< of the first two radial coefficients
+};
+
+/// Multi-state constraint Kalman filter.
+struct FilterParameters {
+  ImuNoise noise;
+  Priors priors;
+  double gravity_mps2 = 9.81;
+  size_t clones = 12;        ///< poses in the window
+  size_t landmarks = 40;     ///< points that are states
+  size_t features = 40;      ///< tracks that an update takes at most
+  double pixel_sigma = 1.0;  ///< of a followed corner at the start, px; then as the tracks' innovations say:
+  double least_pixel_sigma = 0.8, most_pixel_sigma = 4;  ///< px; corners err together, so that less is never believed
+  double pixel_sigma_s = 0.5;                            ///< time constant of that
+  double rotation_jitter_rad = 2e-4;  ///< of a picture against the gyroscope: stabilised lens, time stamps
+  double focal_walk = 1e-4;           ///< relative, 1/sqrt(s)
+  double centre_walk_px = 0.02;       ///< px/sqrt(s)
+  double least_parallax_rad = 0.01;   ///< of a track whose depth is told
+  double inverse_depth = 0.2, inverse_depth_sigma = 1.0;  ///< of a landmark without parallax, 1/m
+};
+
+}  // namespace odograph::vio

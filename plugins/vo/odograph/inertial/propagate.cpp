@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/vo/odograph/inertial/propagate.hpp"
+
+#include <cmath>
+
+#include "plugins/vo/odograph/gyroscope.hpp"
+
+namespace odograph::vio {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using vo::cross_matrix;
+using vo::exp_rotation;
+using Matrix15d = Eigen::Matrix<double, block::navigation, block::navigation>;
+
+constexpr int64_t kLongestGap_ns = 60'000'000;
+constexpr double kGapAcceleration_mps2 = 3;  // of a hand that nobody watched
+constexpr double kHalfReadout_s = 0.008;     // over which the change of the rate is taken
+
+double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+/// One stretch by the rate and the specific force of its middle. Returns the orientation of the middle.
+Matrix3d step(Navigation& nav, const ImuSample& from, const ImuSample& to, double dt, double gravity) {
+  const Vector3d rate = 0.5 * (from.gyro_b + to.gyro_b) - nav.gyro_bias;
+  const Vector3d force = 0.5 * (from.accel_b + to.accel_b) - nav.accel_bias;
+  const Matrix3d R = (nav.q_w_b * exp_rotation(0.5 * dt * rate)).toRotationMatrix();
+  const Vector3d a = R * force + Vector3d(0, 0, gravity);
+  nav.p_w += nav.v_w * dt + 0.5 * dt * dt * a;
+  nav.v_w += dt * a;
+  nav.q_w_b = (nav.q_w_b * exp_rotation(dt * rate)).normalized();
+  return R;
+}
+
+}  // namespace
+
+bool integrate(Navigation& nav, int64_t from_ns, int64_t to_ns, const ImuBuffer& imu, double gravity) {
+  if (from_ns <= to_ns)
+    return imu.for_each(from_ns, to_ns, kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
+      step(nav, a, b, seconds(b.t_ns - a.t_ns), gravity);
+    });
+  std::vector<std::pair<ImuSample, ImuSample>> stretches;
+  const bool whole = imu.for_each(to_ns, from_ns, kLongestGap_ns,
+                                  [&](const ImuSample& a, const ImuSample& b) { stretches.emplace_back(a, b); });
+  for (auto it = stretches.rbegin(); it != stretches.rend(); ++it)
+    step(nav, it->second, it->first, seconds(it->first.t_ns - it->second.t_ns), gravity);
+  return whole;
+}
+
+bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
+  Matrix15d Phi = Matrix15d::Identity(), Q = Matrix15d::Zero();
+  const Matrix3d g = cross_matrix(Vector3d(0, 0, p.gravity_mps2));
+  const auto sq = [](double x) { return x * x; };
+  const bool whole = imu.for_each(state.t_ns, to_ns, kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
+    const double dt = seconds(b.t_ns - a.t_ns);
+    const Vector3d v = state.nav.v_w, x = state.nav.p_w;
+    const Matrix3d R = step(state.nav, a, b, dt, p.gravity_mps2);
+    const Matrix3d vR = cross_matrix(0.5 * (v + state.nav.v_w)) * R, xR = cross_matrix(0.5 * (x + state.nav.p_w)) * R;
+    Matrix15d F = Matrix15d::Zero();
+    F.block<3, 3>(block::theta, block::gyro_bias) = -R;
+    F.block<3, 3>(block::nu, block::theta) = g;
+    F.block<3, 3>(block::nu, block::gyro_bias) = -vR;
+    F.block<3, 3>(block::nu, block::accel_bias) = -R;
+    F.block<3, 3>(block::rho, block::nu).setIdentity();
+    F.block<3, 3>(block::rho, block::gyro_bias) = -xR;
+    const Matrix15d A = Matrix15d::Identity() + dt * F + (0.5 * dt * dt) * F * F;
+    Eigen::Matrix<double, 9, 3> by_gyro;
+    by_gyro << R, vR, xR;
+    Phi = A * Phi;
+    Q = A * Q * A.transpose();
+    const double rate = (a.gyro_b - state.nav.gyro_bias).norm();
+    const double acceleration = dt > 0 ? (state.nav.v_w - v).norm() / dt : 0;
+    const double gyro = sq(p.noise.gyro) + sq(p.noise.gyro_by_rate * rate);
+    const double accel = sq(p.noise.accel) + sq(p.noise.accel_by_motion * acceleration);
+    Q.topLeftCorner<9, 9>() += gyro * dt * by_gyro * by_gyro.transpose();
+    Q.block<3, 3>(block::nu, block::nu).diagonal().array() += accel * dt;
+    Q.block<3, 3>(block::gyro_bias, block::gyro_bias).diagonal().array() += sq(p.noise.gyro_walk) * dt;
+    Q.block<3, 3>(block::accel_bias, block::accel_bias).diagonal().array() += sq(p.noise.accel_walk) * dt;
+  });
+  const int n = state.size(), rest = n - block::navigation;
+  auto& P = state.P;
+  P.topLeftCorner<block::navigation, block::navigation>() =
+      (Phi * P.topLeftCorner<block::navigation, block::navigation>() * Phi.transpose() + Q).eval();
+  P.block(0, block::navigation, block::navigation, rest) =
+      (Phi * P.block(0, block::navigation, block::navigation, rest)).eval();
+  P.block(block::navigation, 0, rest, block::navigation) =
+      P.block(0, block::navigation, block::navigation, rest).transpose();
+  const double dt = seconds(to_ns - state.t_ns);
+  P(block::lens, block::lens) += sq(p.focal_walk) * dt;
+  P(block::lens + 1, block::lens + 1) += sq(p.centre_walk_px) * dt;
+  P(block::lens + 2, block::lens + 2) += sq(p.centre_walk_px) * dt;
+  if (!whole) {
+    P.block<3, 3>(block::nu, block::nu).diagonal().array() += sq(kGapAcceleration_mps2 * dt);
+    P.block<3, 3>(block::rho, block::rho).diagonal().array() += sq(0.5 * kGapAcceleration_mps2 * dt * dt);
+  }
+  state.t_ns = to_ns;
+  return whole;
+}
+
+void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, const FilterParameters& p) {
+  const Navigation& nav = state.nav;
+  const Matrix3d R = nav.q_w_b.toRotationMatrix();
+  const auto half_ns = static_cast<int64_t>(kHalfReadout_s * 1e9);
+  const ImuSample before = imu.at(state.t_ns - half_ns), now = imu.at(state.t_ns), after = imu.at(state.t_ns + half_ns);
+  const Vector3d rate = now.gyro_b - nav.gyro_bias;
+  const Eigen::Quaterniond q_c_b = state.camera.q_b_c.conjugate();
+  Clone clone;
+  clone.id = id, clone.frame_ns = frame_ns;
+  clone.q_w_c = (nav.q_w_b * state.camera.q_b_c).normalized();
+  clone.p_w = nav.p_w + R * state.camera.p_b_c;
+  clone.rate_c = q_c_b * rate;
+  clone.rate_change_c = q_c_b * (after.gyro_b - before.gyro_b) / (2 * kHalfReadout_s);
+  clone.v_w = nav.v_w + R * rate.cross(state.camera.p_b_c);
+  clone.a_w = R * (0.25 * before.accel_b + 0.5 * now.accel_b + 0.25 * after.accel_b - nav.accel_bias) +
+              Vector3d(0, 0, p.gravity_mps2);
+  Eigen::Matrix<double, 6, block::fixed> J = Eigen::Matrix<double, 6, block::fixed>::Zero();
+  const Matrix3d x = cross_matrix(clone.p_w);
+  J.block<3, 3>(0, block::theta).setIdentity();
+  J.block<3, 3>(0, block::extrinsics) = R;
+  J.block<3, 1>(0, block::time_offset) = R * rate;
+  J.block<3, 3>(3, block::rho).setIdentity();
+  J.block<3, 3>(3, block::extrinsics) = x * R;
+  J.block<3, 3>(3, block::lever) = R;
+  J.block<3, 1>(3, block::time_offset) = clone.v_w + x * R * rate;
+  // The jitter turns the camera in its place: theta, and what keeps p = Exp(theta) p_est + rho where it is.
+  Eigen::Matrix<double, 6, 3> by_jitter;
+  by_jitter << Matrix3d::Identity(), x;
+  state.add_clone(clone, J, p.rotation_jitter_rad * p.rotation_jitter_rad * by_jitter * by_jitter.transpose());
+}
+
+}  // namespace odograph::vio

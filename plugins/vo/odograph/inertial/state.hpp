@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "plugins/vo/odograph/inertial/lens.hpp"
+
+namespace odograph::vio {
+
+/// Frames: w has z along gravity and any heading; b is the IMU's; c the camera's.
+/// Perturbation, everywhere the same, on the side of w (right-invariant error): R = Exp(theta) R_est,
+/// p = Exp(theta) p_est + rho, v = Exp(theta) v_est + nu; biases and camera parameters add. Heading and position of
+/// everything together, which nothing here measures, are then the same directions whatever the estimate
+/// (Barrau & Bonnabel 2015), so that no linearisation makes the filter believe it has seen them.
+struct Navigation {
+  Eigen::Quaterniond q_w_b = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), p_w = Eigen::Vector3d::Zero();
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero(), accel_bias = Eigen::Vector3d::Zero();
+};
+
+/// The camera as it is refined while running.
+struct Camera {
+  CameraModel lens;
+  Eigen::Quaterniond q_b_c = Eigen::Quaterniond::Identity();  ///< R_b_c = Exp(phi) R_est
+  Eigen::Vector3d p_b_c = Eigen::Vector3d::Zero();
+  double time_offset_s = 0;  ///< IMU time = frame's time + this
+  double line_time_s = 0;
+  double middle_row = 0;
+};
+
+/// A pose of the camera at the middle row of a frame, with the motion that the other rows saw.
+struct Clone {
+  uint32_t id = 0;
+  int64_t frame_ns = 0;
+  Eigen::Quaterniond q_w_c = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d p_w = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rate_c = Eigen::Vector3d::Zero(), rate_change_c = Eigen::Vector3d::Zero();  ///< rad/s, rad/s^2
+  Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), a_w = Eigen::Vector3d::Zero();
+};
+
+/// A point as its anchor saw it: x/z, y/z and the inverse of z, in the camera at the anchor's middle row.
+struct Landmark {
+  uint64_t track = 0;
+  uint32_t anchor = 0;  ///< clone's id
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  int misses = 0;
+};
+
+/// Where each block begins.
+namespace block {
+inline constexpr int theta = 0, nu = 3, rho = 6, gyro_bias = 9, accel_bias = 12, navigation = 15;
+inline constexpr int extrinsics = 15, lever = 18, time_offset = 21, line_time = 22, lens = 23, fixed = 28;
+}  // namespace block
+
+struct State {
+  int64_t t_ns = 0;  ///< IMU time
+  Navigation nav;
+  Camera camera;
+  std::vector<Clone> clones;  ///< oldest first
+  std::vector<Landmark> landmarks;
+  Eigen::MatrixXd P;  ///< in the order of block, then clones (theta, rho), then landmarks
+
+  int size() const { return landmark_at(landmarks.size()); }
+  int clone_at(size_t i) const { return block::fixed + 6 * static_cast<int>(i); }
+  int landmark_at(size_t j) const { return clone_at(clones.size()) + 3 * static_cast<int>(j); }
+  /// Index of a clone, or clones.size().
+  size_t find_clone(uint32_t id) const;
+  Eigen::Vector3d point(const Landmark& landmark) const;  ///< in w
+
+  void correct(const Eigen::VectorXd& delta);
+  /// Appends a clone whose error is J times the present one's, plus noise.
+  void add_clone(const Clone& clone, const Eigen::Matrix<double, 6, block::fixed>& J,
+                 const Eigen::Matrix<double, 6, 6>& noise);
+  void add_landmark(const Landmark& landmark, const Eigen::MatrixXd& cross, const Eigen::Matrix3d& covariance);
+  void remove_clone(size_t i);
+  void remove_landmark(size_t j);
+  /// Hangs a landmark on another clone.
+  void move_anchor(size_t j, size_t clone);
+
+ private:
+  void remove(int from, int count);
+};
+
+/// R(a) for the right-hand side of a pose, and its logarithm.
+Eigen::Vector3d landmark_ray(const Eigen::Vector3d& at);
+/// Derivative of (x, y, 1) / rho.
+Eigen::Matrix3d landmark_jacobian(const Eigen::Vector3d& at);
+
+}  // namespace odograph::vio

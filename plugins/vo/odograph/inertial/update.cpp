@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/vo/odograph/inertial/update.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+
+#include "plugins/vo/odograph/gyroscope.hpp"
+
+namespace odograph::vio {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using vo::cross_matrix;
+
+constexpr double kTail = 0.01;      // of true measurements that the gate may refuse
+constexpr double kFarDepths = 1e3;  // m: a landmark farther away is as good as infinitely far
+
+/// Residuals and derivatives of a track by its clones, its point, line time and lens. Columns: of each clone six, then
+/// line time and lens.
+struct TrackEquations {
+  Linearised z;
+  MatrixXd by_point;  ///< by x/z, y/z, 1/z in the anchor
+};
+
+std::optional<TrackEquations> equations(const State& state, const std::vector<Observation>& track,
+                                        const Eigen::Vector3d& at) {
+  const int rows = 2 * static_cast<int>(track.size());
+  const int clones = 6 * static_cast<int>(track.size()), columns = clones + 1 + kLensStates;
+  TrackEquations out;
+  out.z.residual.resize(rows);
+  out.z.H = MatrixXd::Zero(rows, columns);
+  out.by_point.resize(rows, 3);
+  for (const Observation& o : track) {
+    const int from = state.clone_at(state.find_clone(o.clone));
+    for (int k = 0; k < 6; ++k) out.z.columns.push_back(from + k);
+  }
+  for (int k = 0; k < 1 + kLensStates; ++k) out.z.columns.push_back(block::line_time + k);
+  const Clone& anchor = state.clones[state.find_clone(track.front().clone)];
+  const Matrix3d R = anchor.q_w_c.toRotationMatrix();
+  const Eigen::Vector3d p_w = anchor.p_w + R * landmark_ray(at);
+  const Matrix3d J_point = R * landmark_jacobian(at);
+  for (size_t i = 0; i < track.size(); ++i) {
+    const Clone& clone = state.clones[state.find_clone(track[i].clone)];
+    const auto o = observe(clone, state.camera, p_w, track[i].pixel.y());
+    if (!o) return std::nullopt;
+    const int row = 2 * static_cast<int>(i);
+    out.z.residual.segment<2>(row) = track[i].pixel - o->pixel;
+    out.z.H.block<2, 6>(row, 3 * row) = o->by_clone;
+    out.z.H.block<2, 6>(row, 0) -= o->by_clone;  // the anchor carries the point
+    out.z.H.block<2, 1>(row, clones) = o->by_line_time;
+    out.z.H.block<2, kLensStates>(row, clones + 1) = o->by_lens;
+    out.by_point.middleRows<2>(row) = o->by_point * J_point;
+  }
+  return out;
+}
+
+MatrixXd columns_of(const MatrixXd& P, const std::vector<int>& columns) {
+  MatrixXd out(P.rows(), static_cast<Eigen::Index>(columns.size()));
+  for (size_t k = 0; k < columns.size(); ++k) out.col(static_cast<Eigen::Index>(k)) = P.col(columns[k]);
+  return out;
+}
+
+MatrixXd rows_of(const MatrixXd& M, const std::vector<int>& rows) {
+  MatrixXd out(static_cast<Eigen::Index>(rows.size()), M.cols());
+  for (size_t k = 0; k < rows.size(); ++k) out.row(static_cast<Eigen::Index>(k)) = M.row(rows[k]);
+  return out;
+}
+
+}  // namespace
+
+double chi_square_bound(int dof, double tail) {
+  const double z = tail <= 0.002 ? 3.09 : tail <= 0.011 ? 2.326 : 1.645, n = dof;
+  const double c = 1 - 2 / (9 * n) + z * std::sqrt(2 / (9 * n));
+  return n * c * c * c;
+}
+
+Outcome update(State& state, const Linearised& z, double sigma, double tail) {
+  Outcome out;
+  out.dof = static_cast<int>(z.residual.size());
+  const MatrixXd PH = columns_of(state.P, z.columns) * z.H.transpose();
+  MatrixXd S = z.H * rows_of(PH, z.columns);
+  S.diagonal().array() += sigma * sigma;
+  const Eigen::LLT<MatrixXd> factor(S);
+  if (factor.info() != Eigen::Success) return out;
+  const VectorXd white = factor.matrixL().solve(z.residual);
+  out.nis = white.squaredNorm();
+  if (tail > 0 && out.nis > chi_square_bound(out.dof, tail)) return out;
+  const MatrixXd W = factor.matrixL().solve(PH.transpose());
+  state.P.noalias() -= W.transpose() * W;
+  state.correct(W.transpose() * white);
+  out.accepted = true;
+  return out;
+}
+
+Outcome update_with_track(State& state, const std::vector<Observation>& track, const FilterParameters& p) {
+  const auto point = triangulate(state, track, p);
+  if (!point || point->parallax_rad < p.least_parallax_rad || point->at.z() < 1 / kFarDepths) return {};
+  auto e = equations(state, track, point->at);
+  if (!e) return {};
+  // Q' [by_point | H | r]: below the third row the point is gone.
+  const Eigen::HouseholderQR<MatrixXd> qr(e->by_point);
+  const Eigen::Index rows = e->z.residual.size();
+  e->z.H.applyOnTheLeft(qr.householderQ().adjoint());
+  e->z.residual.applyOnTheLeft(qr.householderQ().adjoint());
+  Linearised z{e->z.residual.tail(rows - 3), e->z.H.bottomRows(rows - 3), std::move(e->z.columns)};
+  return update(state, z, p.pixel_sigma, kTail);
+}
+
+Outcome add_landmark(State& state, uint64_t id, const std::vector<Observation>& track, const FilterParameters& p) {
+  const auto point = triangulate(state, track, p);
+  if (!point) return {};
+  auto e = equations(state, track, point->at);
+  if (!e) return {};
+  if (point->parallax_rad < 2 * p.least_parallax_rad) {
+    const Eigen::Index rows = e->z.residual.size();
+    const double weight = p.pixel_sigma / p.inverse_depth_sigma;
+    e->z.H.conservativeResize(rows + 1, Eigen::NoChange);
+    e->z.H.row(rows).setZero();
+    e->by_point.conservativeResize(rows + 1, Eigen::NoChange);
+    e->by_point.row(rows) << 0, 0, weight;
+    e->z.residual.conservativeResize(rows + 1);
+    e->z.residual[rows] = weight * (p.inverse_depth - point->at.z());
+  }
+  const Eigen::HouseholderQR<MatrixXd> qr(e->by_point);
+  const Eigen::Index rows = e->z.residual.size();
+  const Matrix3d F = qr.matrixQR().topLeftCorner<3, 3>().triangularView<Eigen::Upper>();
+  if (std::abs(F(0, 0) * F(1, 1) * F(2, 2)) < 1e-12) return {};
+  e->z.H.applyOnTheLeft(qr.householderQ().adjoint());
+  e->z.residual.applyOnTheLeft(qr.householderQ().adjoint());
+  const std::vector<int> columns = e->z.columns;
+  const MatrixXd H1 = e->z.H.topRows<3>();
+  const Eigen::Vector3d r1 = e->z.residual.head<3>();
+  Outcome out{true, 0, static_cast<int>(rows - 3)};
+  // The point first, then the rest of the equations: these are then the point's too.
+  const Matrix3d F_inverse = F.inverse();
+  const MatrixXd PH = columns_of(state.P, columns) * H1.transpose();
+  const Matrix3d own = H1 * rows_of(PH, columns) + p.pixel_sigma * p.pixel_sigma * Matrix3d::Identity();
+  Linearised rest{e->z.residual.tail(rows - 3), e->z.H.bottomRows(rows - 3), columns};
+  {
+    // Gate before anything is added.
+    const MatrixXd PR = columns_of(state.P, columns) * rest.H.transpose();
+    MatrixXd S = rest.H * rows_of(PR, columns);
+    S.diagonal().array() += p.pixel_sigma * p.pixel_sigma;
+    out.nis = rest.residual.dot(S.ldlt().solve(rest.residual));
+    if (out.nis > chi_square_bound(out.dof, kTail)) return {false, out.nis, out.dof};
+  }
+  Landmark landmark{id, track.front().clone, point->at + F_inverse * r1, 0};
+  landmark.at.z() = std::max(landmark.at.z(), 1 / kFarDepths);
+  state.add_landmark(landmark, -F_inverse * PH.transpose(), F_inverse * own * F_inverse.transpose());
+  update(state, rest, p.pixel_sigma, 0);
+  return out;
+}
+
+Outcome update_with_landmark(State& state, size_t j, const Observation& seen, const FilterParameters& p) {
+  const Landmark& landmark = state.landmarks[j];
+  const size_t a = state.find_clone(landmark.anchor), i = state.find_clone(seen.clone);
+  const Eigen::Vector3d p_w = state.point(landmark);
+  const auto o = observe(state.clones[i], state.camera, p_w, seen.pixel.y());
+  if (!o) return {};
+  Linearised z;
+  z.residual = seen.pixel - o->pixel;
+  z.H = MatrixXd::Zero(2, 12 + 3 + 1 + kLensStates);
+  z.H.leftCols<6>() = o->by_clone;
+  z.H.middleCols<6>(6) = -o->by_clone;
+  z.H.middleCols<3>(12) = o->by_point * state.clones[a].q_w_c.toRotationMatrix() * landmark_jacobian(landmark.at);
+  z.H.col(15) = o->by_line_time;
+  z.H.rightCols<kLensStates>() = o->by_lens;
+  for (int k = 0; k < 6; ++k) z.columns.push_back(state.clone_at(i) + k);
+  for (int k = 0; k < 6; ++k) z.columns.push_back(state.clone_at(a) + k);
+  for (int k = 0; k < 3; ++k) z.columns.push_back(state.landmark_at(j) + k);
+  for (int k = 0; k < 1 + kLensStates; ++k) z.columns.push_back(block::line_time + k);
+  return update(state, z, p.pixel_sigma, kTail);
+}
+
+Outcome update_zero_velocity(State& state, double sigma_mps) {
+  Linearised z;
+  z.residual = -state.nav.v_w;
+  z.H.resize(3, 6);
+  z.H << -cross_matrix(state.nav.v_w), Matrix3d::Identity();
+  z.columns = {0, 1, 2, 3, 4, 5};
+  return update(state, z, sigma_mps, 0.001);
+}
+
+}  // namespace odograph::vio

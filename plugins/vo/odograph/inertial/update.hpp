@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "plugins/vo/odograph/inertial/observe.hpp"
+
+namespace odograph::vio {
+
+/// Residuals that depend on some of the states: `H` has one column for each of `columns`.
+struct Linearised {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd H;
+  std::vector<int> columns;
+};
+
+struct Outcome {
+  bool accepted = false;
+  double nis = 0;  ///< normalised innovation squared
+  int dof = 0;
+};
+
+/// Kalman update with independent noise of `sigma` on each residual; refused where the innovation is larger than the
+/// chi-square distribution has it in 1 - `tail` of the cases (no gate where tail is 0). `most`: at the gate a larger
+/// noise is not tried.
+Outcome update(State& state, const Linearised& z, double sigma, double tail);
+
+/// 1 - `tail` quantile of chi-square (Wilson & Hilferty 1931).
+double chi_square_bound(int dof, double tail);
+
+/// A track whose point is no state: its point is taken out of the equations (left null space, Mourikis & Roumeliotis
+/// 2007). Nothing accepted where the track tells no depth.
+Outcome update_with_track(State& state, const std::vector<Observation>& track, const FilterParameters& p);
+
+/// The same, and the point becomes a landmark. A point without parallax gets a wide prior on its inverse depth.
+Outcome add_landmark(State& state, uint64_t track_id, const std::vector<Observation>& track, const FilterParameters& p);
+
+/// A landmark seen again.
+Outcome update_with_landmark(State& state, size_t landmark, const Observation& seen, const FilterParameters& p);
+
+/// The body stands: v = 0 within sigma (m/s).
+Outcome update_zero_velocity(State& state, double sigma_mps);
+
+}  // namespace odograph::vio

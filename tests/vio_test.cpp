@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The visual-inertial filter's equations against numeric derivatives and closed forms.
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "plugins/vo/odograph/gyroscope.hpp"
+#include "plugins/vo/odograph/inertial/propagate.hpp"
+#include "plugins/vo/odograph/inertial/update.hpp"
+
+namespace {
+
+using namespace odograph::vio;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using odograph::CameraModel;
+using odograph::vo::exp_rotation;
+using odograph::vo::log_rotation;
+
+std::mt19937 generator(7);
+double normal() { return std::normal_distribution<double>()(generator); }
+Vector3d vector(double sigma) { return sigma * Vector3d(normal(), normal(), normal()); }
+
+Camera some_camera() {
+  Camera camera;
+  camera.lens = {CameraModel::Distortion::radial_tangential, 460, 458, 320, 240, {-0.2, 0.05, 0.001, -0.0005}};
+  camera.q_b_c = exp_rotation(Vector3d(0.3, 1.2, -0.4));
+  camera.p_b_c = Vector3d(0.02, -0.05, 0.01);
+  camera.line_time_s = 30e-6;
+  camera.middle_row = 239.5;
+  return camera;
+}
+
+State some_state() {
+  State state;
+  state.t_ns = 1'000'000'000;
+  state.camera = some_camera();
+  state.nav.q_w_b = exp_rotation(vector(1));
+  state.nav.v_w = vector(1), state.nav.p_w = Vector3d(30, -20, 5);
+  state.nav.gyro_bias = vector(0.01), state.nav.accel_bias = vector(0.1);
+  state.P = Eigen::MatrixXd::Identity(block::fixed, block::fixed) * 1e-4;
+  return state;
+}
+
+ImuBuffer some_imu() {
+  ImuBuffer imu;
+  for (int k = 0; k < 400; ++k) {
+    const double t = 0.005 * k;
+    imu.add({5'000'000LL * k, Vector3d(0.4 * std::sin(7 * t), 0.6 * std::cos(5 * t), 0.3),
+             Vector3d(1 + std::sin(9 * t), std::cos(8 * t), -9.8 + 2 * std::sin(12 * t))});
+  }
+  return imu;
+}
+
+/// The right-invariant difference of two poses: theta, rho.
+Eigen::Matrix<double, 6, 1> difference(const Quaterniond& q, const Vector3d& p, const Quaterniond& q0,
+                                       const Vector3d& p0) {
+  Eigen::Matrix<double, 6, 1> out;
+  const Quaterniond turn = q * q0.conjugate();
+  out << log_rotation(turn), p - turn * p0;
+  return out;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("vio");
+
+TEST_CASE("an observation's derivatives are those of finite differences") {
+  generator.seed(11);
+  for (int trial = 0; trial < 20; ++trial) {
+    State state = some_state();
+    const ImuBuffer imu = some_imu();
+    augment(state, 0, 1, imu, {});
+    const Clone& clone = state.clones[0];
+    const Vector3d p_w = clone.p_w + clone.q_w_c * Vector3d(normal() * 0.5, normal() * 0.5, 2 + std::abs(normal()));
+    const double row = 20 + 200 * (trial % 3);
+    const auto o = observe(clone, state.camera, p_w, row);
+    REQUIRE(o);
+    const double h = 1e-6;
+    const auto numeric = [&](auto change) {
+      const auto at = [&](double step) {
+        State moved = state;
+        Vector3d p = p_w;
+        change(moved, p, step);
+        return observe(moved.clones[0], moved.camera, p, row)->pixel;
+      };
+      return Eigen::Vector2d((at(h) - at(-h)) / (2 * h));
+    };
+    for (int k = 0; k < 3; ++k)
+      CHECK((numeric([&](State&, Vector3d& p, double d) { p[k] += d; }) - o->by_point.col(k)).norm() <
+            1e-3 * (1 + o->by_point.norm()));
+    const auto by_state = [&](int index) {
+      return numeric([&](State& s, Vector3d&, double d) {
+        Eigen::VectorXd delta = Eigen::VectorXd::Zero(s.size());
+        delta[index] = d;
+        s.correct(delta);
+      });
+    };
+    for (int k = 0; k < 6; ++k)
+      CHECK((by_state(state.clone_at(0) + k) - o->by_clone.col(k)).norm() < 1e-3 * (1 + o->by_clone.norm()));
+    CHECK((by_state(block::line_time) - o->by_line_time).norm() < 1e-3 * (1 + o->by_line_time.norm()));
+    for (int k = 0; k < kLensStates; ++k)
+      CHECK((by_state(block::lens + k) - o->by_lens.col(k)).norm() < 1e-3 * (1 + o->by_lens.col(k).norm()));
+  }
+}
+
+TEST_CASE("the covariance is carried by the derivative of the motion") {
+  generator.seed(12);
+  const ImuBuffer imu = some_imu();
+  const State state = some_state();
+  FilterParameters p;
+  p.noise = {0, 0, 0, 0, 0, 0};
+  p.focal_walk = p.centre_walk_px = 0;
+  const double h = 1e-5;
+  Eigen::MatrixXd numeric(15, 15);
+  const auto moved = [&](int k, double step) {
+    State s = state;
+    Eigen::VectorXd delta = Eigen::VectorXd::Zero(s.size());
+    delta[k] = step;
+    s.correct(delta);
+    propagate(s, state.t_ns + 300'000'000, imu, p);
+    return s.nav;
+  };
+  State reference = state;
+  propagate(reference, state.t_ns + 300'000'000, imu, p);
+  const auto minus = [&](const Navigation& a) {
+    Eigen::Matrix<double, 15, 1> out;
+    const Quaterniond turn = a.q_w_b * reference.nav.q_w_b.conjugate();
+    out << log_rotation(turn), a.v_w - turn * reference.nav.v_w, a.p_w - turn * reference.nav.p_w,
+        a.gyro_bias - reference.nav.gyro_bias, a.accel_bias - reference.nav.accel_bias;
+    return out;
+  };
+  for (int k = 0; k < 15; ++k) numeric.col(k) = (minus(moved(k, h)) - minus(moved(k, -h))) / (2 * h);
+  const Eigen::MatrixXd expected = numeric * state.P.topLeftCorner<15, 15>() * numeric.transpose();
+  const Eigen::MatrixXd carried = reference.P.topLeftCorner<15, 15>();
+  CHECK((carried - expected).norm() < 5e-3 * expected.norm());
+}
+
+TEST_CASE("a clone's covariance is that of the camera's pose") {
+  generator.seed(13);
+  const ImuBuffer imu = some_imu();
+  const State state = some_state();
+  FilterParameters p;
+  p.rotation_jitter_rad = 0;
+  State reference = state;
+  augment(reference, 0, 1, imu, p);
+  const double h = 1e-6;
+  Eigen::MatrixXd numeric(6, block::fixed);
+  for (int k = 0; k < block::fixed; ++k) {
+    const auto at = [&](double step) {
+      State s = state;
+      Eigen::VectorXd delta = Eigen::VectorXd::Zero(s.size());
+      delta[k] = step;
+      s.correct(delta);
+      if (k == block::time_offset) {  // the camera looks that much later
+        integrate(s.nav, s.t_ns, s.t_ns + static_cast<int64_t>(step * 1e9), imu, p.gravity_mps2);
+      }
+      augment(s, 0, 1, imu, p);
+      return difference(s.clones[0].q_w_c, s.clones[0].p_w, reference.clones[0].q_w_c, reference.clones[0].p_w);
+    };
+    numeric.col(k) = (at(h) - at(-h)) / (2 * h);
+  }
+  const Eigen::MatrixXd expected = numeric * state.P;
+  const Eigen::MatrixXd cloned = reference.P.block(block::fixed, 0, 6, block::fixed);
+  CHECK((cloned - expected).norm() < 1e-2 * expected.norm());
+  for (int k = 0; k < block::fixed; ++k)
+    CHECK((cloned.col(k) - expected.col(k)).norm() < 2e-2 * (expected.col(k).norm() + 1e-6));
+}
+
+TEST_CASE("a landmark hung on another clone keeps its place and its covariance in the world") {
+  generator.seed(14);
+  State state = some_state();
+  const ImuBuffer imu = some_imu();
+  augment(state, 0, 1, imu, {});
+  propagate(state, state.t_ns + 200'000'000, imu, {});
+  augment(state, 1, 2, imu, {});
+  Landmark landmark{5, 0, Vector3d(0.1, -0.2, 0.4), 0};
+  Eigen::MatrixXd cross = Eigen::MatrixXd::Zero(3, state.size());
+  state.add_landmark(landmark, cross, Vector3d(1e-6, 1e-6, 1e-4).asDiagonal());
+  const Vector3d before = state.point(state.landmarks[0]);
+  const auto covariance_in_w = [](const State& s) {  // of the point by theta_a, rho_a and its own
+    const size_t a = s.find_clone(s.landmarks[0].anchor);
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, s.size());
+    const Vector3d p = s.point(s.landmarks[0]);
+    J.block<3, 3>(0, s.clone_at(a)) = -odograph::vo::cross_matrix(p);
+    J.block<3, 3>(0, s.clone_at(a) + 3).setIdentity();
+    J.block<3, 3>(0, s.landmark_at(0)) = s.clones[a].q_w_c.toRotationMatrix() * landmark_jacobian(s.landmarks[0].at);
+    return Eigen::Matrix3d(J * s.P * J.transpose());
+  };
+  const Eigen::Matrix3d covariance = covariance_in_w(state);
+  state.move_anchor(0, 1);
+  CHECK((state.point(state.landmarks[0]) - before).norm() < 1e-9);
+  CHECK((covariance_in_w(state) - covariance).norm() < 1e-9 * covariance.norm());
+}
+
+TEST_SUITE_END();
