@@ -3,9 +3,11 @@
 
 #include "plugins/scale/step_fit/step_fit.hpp"
 #include "plugins/scale/step_length/step_scale.hpp"
-#include "sdk/core/gyro_chain.hpp"
+#include "sdk/estimator/gyro_chain.hpp"
+#include "sdk/core/geodesy.hpp"
 #include "sdk/core/messages.hpp"
-#include "sdk/core/per_frame_coupling.hpp"
+#include "sdk/estimator/paper_estimator.hpp"
+#include "sdk/estimator/per_frame_coupling.hpp"
 
 using namespace odograph;
 using Eigen::Vector3d;
@@ -68,8 +70,7 @@ TEST_CASE("a walker who stops stands, and is set going again by the next step") 
 }
 
 TEST_CASE("each displacement is scaled on its own, horizontally, in NED") {
-  Geodesy geodesy;
-  PerFrameCoupling coupling({}, {}, {true, true}, geodesy);
+  PerFrameCoupling coupling({}, {}, {true, true});
   const odo_pose first = coupling.on_first_frame(0);
   // Without attitude the camera starts level, facing north: z forward is north, x right is east, y down is down.
   Eigen::Quaterniond q(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
@@ -90,8 +91,7 @@ TEST_CASE("each displacement is scaled on its own, horizontally, in NED") {
 }
 
 TEST_CASE("rotation is chained from frame to frame") {
-  Geodesy geodesy;
-  PerFrameCoupling coupling({}, {}, {true, false}, geodesy);
+  PerFrameCoupling coupling({}, {}, {true, false});
   coupling.on_first_frame(0);
   auto turn = motion(0, kSecond, Vector3d::Zero());
   const Eigen::Quaterniond right(Eigen::AngleAxisd(EIGEN_PI / 2, Vector3d::UnitY()));  // about the camera's down axis
@@ -104,20 +104,18 @@ TEST_CASE("rotation is chained from frame to frame") {
 }
 
 TEST_CASE("the first fix places the track, later ones pull it by their weight, wrong ones are rejected") {
-  Geodesy geodesy;
   CouplingConfig config;
-  PerFrameCoupling coupling(config, {}, {true, true}, geodesy);
+  PerFrameCoupling coupling(config, {}, {true, true});
   coupling.on_first_frame(0);
-  std::array<double, 3> p;
-  CHECK(coupling.on_fix(position_fix(0, 100, 50, 1.0), p));
+  CHECK(coupling.on_fix(position_fix(0, 100, 50, 1.0)).accepted);
   odo_pose pose = *coupling.take_correction();
   CHECK(pose.p_n[0] == doctest::Approx(100).epsilon(1e-6));
   const odo_scale s = scale(1.0);
   pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 10}), &s);
   CHECK(pose.p_n[0] == doctest::Approx(110));
-  CHECK_FALSE(coupling.on_fix(position_fix(kSecond, 150, 50, 1.0), p));
+  CHECK_FALSE(coupling.on_fix(position_fix(kSecond, 150, 50, 1.0)).accepted);
   CHECK_FALSE(coupling.take_correction().has_value());
-  CHECK(coupling.on_fix(position_fix(kSecond, 111, 50, 1.0), p));
+  CHECK(coupling.on_fix(position_fix(kSecond, 111, 50, 1.0)).accepted);
   pose = *coupling.take_correction();
   CHECK(pose.p_n[0] > 110.2);
   CHECK(pose.p_n[0] < 111.0);
@@ -126,19 +124,16 @@ TEST_CASE("the first fix places the track, later ones pull it by their weight, w
 }
 
 TEST_CASE("a track that is wrong itself follows the fixes in the end") {
-  Geodesy geodesy;
-  PerFrameCoupling coupling({}, {}, {true, true}, geodesy);
+  PerFrameCoupling coupling({}, {}, {true, true});
   coupling.on_first_frame(0);
-  std::array<double, 3> p;
-  coupling.on_fix(position_fix(0, 0, 0, 0.5), p);
+  coupling.on_fix(position_fix(0, 0, 0, 0.5)).accepted;
   int needed = 0;
-  while (!coupling.on_fix(position_fix(0, 500, 0, 0.5), p)) REQUIRE(++needed < 20);
+  while (!coupling.on_fix(position_fix(0, 500, 0, 0.5)).accepted) REQUIRE(++needed < 20);
   CHECK(coupling.take_correction()->p_n[0] == doctest::Approx(500).epsilon(1e-3));
 }
 
 TEST_CASE("an orientation fix turns the track by what it is worth, and not at all when it is absurd") {
-  Geodesy geodesy;
-  PerFrameCoupling coupling({}, {}, {true, true}, geodesy);
+  PerFrameCoupling coupling({}, {}, {true, true});
   const odo_pose first = coupling.on_first_frame(0);
   const Eigen::Quaterniond q_n_c(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
   const Eigen::Quaterniond q_b_c(0, 1, 0, 0);
@@ -151,36 +146,80 @@ TEST_CASE("an orientation fix turns the track by what it is worth, and not at al
     f.orientation_cov_n[0] = f.orientation_cov_n[4] = f.orientation_cov_n[8] = sigma * sigma;
     return f;
   };
-  std::array<double, 3> p_n{};
-  CHECK_FALSE(coupling.on_fix(fix_of(2.5, 0.01), p_n));
-  CHECK(coupling.on_fix(fix_of(0.1, 0.002), p_n));
+  CHECK_FALSE(coupling.on_fix(fix_of(2.5, 0.01)).accepted);
+  CHECK(coupling.on_fix(fix_of(0.1, 0.002)).accepted);
   const odo_scale s = scale(1.0);
   const odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 1}), &s);
   CHECK(std::atan2(pose.p_n[1], pose.p_n[0]) == doctest::Approx(0.1).epsilon(0.01));
-  CHECK(coupling.on_fix(fix_of(0.102, 0.05), p_n));  // a worse one hardly moves it
+  CHECK(coupling.on_fix(fix_of(0.102, 0.05)).accepted);  // a worse one hardly moves it
   CHECK(pose.covariance[14] < 0.01 * 0.01);
 }
 
 TEST_CASE("without a scale the position's uncertainty grows by the fastest speed, until a fix") {
-  Geodesy geodesy;
   CouplingConfig config;
   config.fastest_mps = 10;
-  PerFrameCoupling coupling(config, {{0, 0, 0}, 0, true}, {true, true}, geodesy);
+  PerFrameCoupling coupling(config, {{0, 0, 0}, 0, true}, {true, true});
   coupling.on_first_frame(0);
   odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 1}), nullptr);
   CHECK(std::sqrt(pose.covariance[3 * 6 + 3]) == doctest::Approx(10));
   CHECK(pose.state == ODO_DEGRADED);
-  std::array<double, 3> p_n{};
-  CHECK(coupling.on_fix(position_fix(kSecond, 8, 0, 0.5), p_n));
+  CHECK(coupling.on_fix(position_fix(kSecond, 8, 0, 0.5)).accepted);
   CHECK(coupling.take_correction()->p_n[0] == doctest::Approx(8).epsilon(0.01));
   const odo_scale s = scale(2.0);
   pose = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 1}), &s);
   CHECK(std::sqrt(pose.covariance[4 * 6 + 4]) < 1);
 }
 
+TEST_CASE("a pose says metric and velocity only when that is so, and the first scale announces what it moves") {
+  PaperEstimator estimator({}, {}, {true, true});
+  const auto flags_after = [&](const Measurement& measurement) {
+    estimator.update(measurement);
+    odo_pose pose;
+    REQUIRE(estimator.take_pose(pose));
+    return pose.header.flags & (ODO_POSE_METRIC | ODO_POSE_VELOCITY);
+  };
+  CHECK(flags_after(FrameTime{0}) == 0);
+  auto first = motion(0, kSecond / 10, {0, 0, 0.1}), second = motion(kSecond / 10, kSecond / 5, {0, 0, 0.1});
+  CHECK(flags_after(RelativeMotion{&first, nullptr}) == 0);  // no scale yet
+  auto late = scale(2.0);
+  late.header.flags |= ODO_SCALE_STEADY;
+  estimator.update(RelativeMotion{&second, &late});
+  Correction correction;
+  odo_pose pose;
+  REQUIRE(estimator.take_correction(correction, pose));
+  CHECK(correction.reason == kCorrectionScale);
+  CHECK(correction.p.norm() == doctest::Approx(0.2));  // the first motion, in metres
+  REQUIRE(estimator.take_pose(pose));
+  CHECK((pose.header.flags & ODO_POSE_METRIC) != 0);
+  CHECK((pose.header.flags & ODO_POSE_VELOCITY) != 0);
+  auto blind = motion(kSecond / 5, kSecond * 3 / 10, {0, 0, 0});
+  blind.header.flags = 0;
+  blind.state = ODO_LOST;
+  CHECK(flags_after(RelativeMotion{&blind, nullptr}) == ODO_POSE_METRIC);  // metres, but how fast nobody knows
+}
+
+TEST_CASE("a fix of the heading alone is announced and publishes the pose anew") {
+  PaperEstimator estimator({}, {}, {true, false});
+  auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
+  attitude.q_n_b[0] = 1.0;  // the phone's top looks east
+  estimator.update(&attitude);
+  estimator.update(FrameTime{0});
+  odo_pose first, pose;
+  REQUIRE(estimator.take_pose(first));
+  auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
+  fix.header.flags = ODO_FIX_YAW;
+  fix.yaw_rad = EIGEN_PI / 2 + 0.1;
+  fix.yaw_sigma_rad = 0.01;
+  Correction correction;
+  REQUIRE(estimator.update(&fix).accepted);
+  REQUIRE(estimator.take_correction(correction, pose));
+  CHECK(correction.q.angularDistance(Eigen::Quaterniond::Identity()) == doctest::Approx(0.1).epsilon(0.01));
+  CHECK(std::abs(correction.q.z()) > 0.04);
+  CHECK_FALSE(estimator.take_correction(correction, pose));
+}
+
 TEST_CASE("steps carry the position where there is no camera") {
-  Geodesy geodesy;
-  PerFrameCoupling coupling({}, {{10, 20, 0}, EIGEN_PI / 2, true}, {false, false}, geodesy);
+  PerFrameCoupling coupling({}, {{10, 20, 0}, EIGEN_PI / 2, true}, {false, false});
   auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
   attitude.q_n_b[0] = 1.0;
   coupling.on_attitude(attitude);
@@ -295,8 +334,7 @@ TEST_CASE("orientation fixes correct a gyroscope's chain, and its bias; a wild o
 }
 
 TEST_CASE("the coupling chains the gyroscope's rotations where the config says so") {
-  Geodesy geodesy;
-  PerFrameCoupling coupling({.orientation = Orientation::gyroscope}, {}, {.vo = true, .scale = false}, geodesy);
+  PerFrameCoupling coupling({.orientation = Orientation::gyroscope}, {}, {.vo = true, .scale = false});
   auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
   attitude.q_n_b[0] = 1;
   coupling.on_attitude(attitude);
@@ -318,8 +356,7 @@ TEST_CASE("the coupling chains the gyroscope's rotations where the config says s
 }
 
 TEST_CASE("a motion faster than the carrier can be is a mistake, not a displacement") {
-  Geodesy geodesy;
-  PerFrameCoupling coupling({.fastest_mps = 2}, {}, {.vo = true, .scale = true}, geodesy);
+  PerFrameCoupling coupling({.fastest_mps = 2}, {}, {.vo = true, .scale = true});
   coupling.on_first_frame(0);
   const odo_scale metre = scale(1.0);
   const odo_pose walked = coupling.on_vo_motion(motion(0, kSecond / 10, {0.15, 0, 0}), &metre);
@@ -362,9 +399,8 @@ TEST_CASE(
 
 TEST_CASE("a steady scale also holds for the motions of its group that came before it; a frame's own does not") {
   for (const bool steady : {true, false}) {
-    Geodesy geodesy;
     PerFrameCoupling coupling({.fastest_mps = 20}, {.position_m = {0, 0, 0}, .heading_rad = 0, .given = true},
-                              {.vo = true, .scale = true}, geodesy);
+                              {.vo = true, .scale = true});
     coupling.on_first_frame(0);
     for (int k = 0; k < 10; ++k) coupling.on_vo_motion(motion(k * kSecond, (k + 1) * kSecond, {0, 0, 0.5}), nullptr);
     odo_scale two = scale(2.0);

@@ -24,12 +24,13 @@ inline const std::string kCamera =
 /// A session of the C API with everything that it says.
 class App {
  public:
-  explicit App(const std::string& yaml, uint32_t run = ODO_RUN_REPLAY) {
+  /// `plugins`: a further folder of plugins.
+  explicit App(const std::string& yaml, uint32_t run = ODO_RUN_REPLAY, const std::string& plugins = {}) {
     odo_session_options o{};
     o.struct_size = sizeof o;
     o.run = run;
     o.config_text = {yaml.data(), yaml.size()};
-    const std::string folder = plugin_folder().string();
+    const std::string folder = plugin_folder().string() + (plugins.empty() ? "" : ":" + plugins);
     o.plugin_path = {folder.data(), folder.size()};
     odo_error error{};
     error.struct_size = sizeof error;
@@ -50,6 +51,32 @@ class App {
           std::min(worst, odo_session_push_imu(session, static_cast<int64_t>(t * 1e9) + 1'000'000'000, gyro, accel));
     }
     return worst;
+  }
+  /// One grey frame of 64 x 48 pixels, copied by the session.
+  int32_t frame(int64_t t_ns, int64_t exposure_ns = 0) {
+    static const std::vector<uint8_t> pixels(64 * 48, 90);
+    auto f = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
+    f.format = ODO_FORMAT_GREY8;
+    f.width = 64, f.height = 48;
+    f.exposure_ns = exposure_ns;
+    f.planes[0] = {pixels.data(), 64, 1, 0};
+    return odo_session_push(session, &f.header);
+  }
+  odo_pose pose(int64_t t_ns, bool smooth = false) const {
+    odo_pose p{};
+    p.header.struct_size = sizeof p;
+    CHECK((smooth ? odo_session_get_smooth_pose : odo_session_get_pose)(session, t_ns, &p) == ODO_OK);
+    return p;
+  }
+  /// Every event of a type so far.
+  template <class Event>
+  std::vector<Event> all(uint32_t type) const {
+    std::vector<Event> found;
+    for (const std::string& bytes : events) {
+      if (reinterpret_cast<const odo_header*>(bytes.data())->type != type) continue;
+      std::memcpy(static_cast<void*>(&found.emplace_back()), bytes.data(), std::min(sizeof(Event), bytes.size()));
+    }
+    return found;
   }
   odo_statistics statistics() const {
     odo_statistics s{};

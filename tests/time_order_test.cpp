@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
+#include <algorithm>
+
 #include "sdk/core/imu_joiner.hpp"
 #include "sdk/core/time_order.hpp"
 
@@ -30,8 +32,8 @@ AnyMessage whole(uint32_t type, int64_t t_ns) {
 
 std::vector<std::pair<int64_t, uint32_t>> drain(TimeOrder& order) {
   std::vector<std::pair<int64_t, uint32_t>> out;
-  AnyMessage m;
-  while (order.pop(m, true)) out.emplace_back(m.header().t_ns, m.header().type);
+  OwnedMessage m;
+  while (order.pop(m, INT64_MAX)) out.emplace_back(m.header().t_ns, m.header().type);
   return out;
 }
 
@@ -62,10 +64,10 @@ TEST_CASE("whatever the arrival within the wait, the order of release is the sam
     }
     TimeOrder order(1024, 200 * kMs);
     std::vector<std::pair<int64_t, uint32_t>> released;
-    AnyMessage m;
+    OwnedMessage m;
     for (const auto& [at, sample] : arrivals) {
-      RC_ASSERT(order.push(sample.header()) == TimeOrder::Verdict::accepted);
-      while (order.pop(m, false)) released.emplace_back(m.header().t_ns, m.header().type);
+      RC_ASSERT(order.push(OwnedMessage(sample.header())) == TimeOrder::Verdict::accepted);
+      while (order.pop(m)) released.emplace_back(m.header().t_ns, m.header().type);
     }
     for (const auto& rest : drain(order)) released.push_back(rest);
     RC_ASSERT(released.size() == arrivals.size());
@@ -75,48 +77,117 @@ TEST_CASE("whatever the arrival within the wait, the order of release is the sam
 
 TEST_CASE("late, duplicate and wild samples are told apart") {
   TimeOrder order(64, 50 * kMs);
-  AnyMessage m;
-  for (int i = 0; i < 20; ++i) order.push(whole(ODO_TYPE_IMU, i * 10 * kMs).header());
-  while (order.pop(m, false)) {
+  OwnedMessage m;
+  for (int i = 0; i < 20; ++i) order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 10 * kMs).header()));
+  while (order.pop(m)) {
   }
-  CHECK(order.push(whole(ODO_TYPE_IMU, 190 * kMs).header()) == TimeOrder::Verdict::duplicate);
-  CHECK(order.push(whole(ODO_TYPE_IMU, 20 * kMs).header()) == TimeOrder::Verdict::late);
-  CHECK(order.push(whole(ODO_TYPE_IMU, 3'000'000 * kMs).header()) == TimeOrder::Verdict::implausible);
-  CHECK(order.push(whole(ODO_TYPE_IMU, 200 * kMs).header()) == TimeOrder::Verdict::accepted);
-  CHECK(order.push(whole(ODO_TYPE_GNSS, 10 * kMs).header()) ==
+  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 190 * kMs).header())) == TimeOrder::Verdict::duplicate);
+  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 20 * kMs).header())) == TimeOrder::Verdict::late);
+  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 3'000'000 * kMs).header())) == TimeOrder::Verdict::implausible);
+  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 200 * kMs).header())) == TimeOrder::Verdict::accepted);
+  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_GNSS, 10 * kMs).header())) ==
         TimeOrder::Verdict::accepted);  // slow sensors may be late
 }
 
 TEST_CASE("a sensor clock that is set back restarts the order instead of dropping everything") {
   TimeOrder order(256, 50 * kMs);
-  AnyMessage m;
+  OwnedMessage m;
   for (int i = 1000; i < 1100; ++i) {
-    order.push(whole(ODO_TYPE_IMU, i * 10 * kMs).header());
-    while (order.pop(m, false)) {
+    order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 10 * kMs).header()));
+    while (order.pop(m)) {
     }
   }
   int pushes = 0;
-  while (order.push(whole(ODO_TYPE_IMU, pushes * 10 * kMs).header()) != TimeOrder::Verdict::restarted)
+  while (order.push(OwnedMessage(whole(ODO_TYPE_IMU, pushes * 10 * kMs).header())) != TimeOrder::Verdict::restarted)
     REQUIRE(++pushes < 100);
   while (order.drain(m)) {
   }
   order.restart();
-  CHECK(order.push(whole(ODO_TYPE_IMU, ++pushes * 10 * kMs).header()) == TimeOrder::Verdict::accepted);
+  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, ++pushes * 10 * kMs).header())) == TimeOrder::Verdict::accepted);
 }
 
 TEST_CASE("a full queue says so and loses nothing that it holds") {
   TimeOrder order(64, 10'000 * kMs);
   int accepted = 0;
   for (int i = 0; i < 100; ++i)
-    if (order.push(whole(ODO_TYPE_IMU, i * kMs).header()) == TimeOrder::Verdict::accepted) ++accepted;
+    if (order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * kMs).header())) == TimeOrder::Verdict::accepted) ++accepted;
   CHECK(accepted == 64);
   CHECK(drain(order).size() == 64);
 }
 
+TEST_CASE("a sensor that starts while others run is waited for from its first sample on, and loses none") {
+  TimeOrder order(256, 200 * kMs);
+  OwnedMessage m;
+  std::vector<int64_t> frames, imu;
+  int refused = 0;
+  for (int i = 0; i < 400; ++i) {
+    order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 5 * kMs).header()));
+    const int64_t frame_ms = i * 5 - 60;  // delivered 60 ms after its time
+    if (frame_ms >= 1000 && frame_ms % 30 == 10)
+      refused +=
+          order.push(OwnedMessage(whole(ODO_TYPE_FRAME, frame_ms * kMs).header())) != TimeOrder::Verdict::accepted;
+    while (order.pop(m)) (m.header().type == ODO_TYPE_FRAME ? frames : imu).push_back(m.header().t_ns);
+    if (frames.size() > 5) CHECK(imu.back() <= frames.back() + 31 * kMs);
+  }
+  CHECK(refused == 0);
+  CHECK(frames.size() > 28);
+  CHECK(std::is_sorted(frames.begin(), frames.end()));
+  CHECK(std::is_sorted(imu.begin(), imu.end()));
+}
+
+TEST_CASE("a stream that stalled and comes late all at once does not restart the clock") {
+  TimeOrder order(256, 50 * kMs);
+  OwnedMessage m;
+  const auto gyro = [](int i) {
+    auto imu = whole(ODO_TYPE_IMU, i * 5 * kMs);
+    imu.header().flags = ODO_IMU_GYRO;
+    return imu;
+  };
+  const auto accel = [&](int i) {
+    auto imu = gyro(i);
+    imu.header().flags = ODO_IMU_ACCEL;
+    return imu;
+  };
+  for (int i = 0; i < 600; ++i) {
+    order.push(OwnedMessage(gyro(i).header()));
+    if (i < 200 || i == 599)
+      for (int late = i < 200 ? i : 200; late <= i; ++late) {
+        const auto verdict = order.push(OwnedMessage(accel(late).header()));
+        CHECK(verdict != TimeOrder::Verdict::restarted);
+        CHECK((verdict == TimeOrder::Verdict::late) == (i == 599 && late * 5 < 598 * 5 - 50));
+      }
+    while (order.pop(m)) {
+    }
+  }
+}
+
+TEST_CASE("a sensor that is silent no longer holds the others back") {
+  TimeOrder order(256, 200 * kMs);
+  OwnedMessage m;
+  int64_t released = 0;
+  for (int i = 0; i < 600; ++i) {
+    order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 5 * kMs).header()));
+    if (i < 100 && i % 6 == 0) order.push(OwnedMessage(whole(ODO_TYPE_FRAME, i * 5 * kMs).header()));
+    while (order.pop(m)) released = m.header().t_ns;
+    if (i == 200) CHECK(released == 800 * kMs);  // bounded by the wait
+    if (i > 320) CHECK(released == i * 5 * kMs);
+  }
+}
+
+TEST_CASE("times at the ends of the range overflow nothing") {
+  TimeOrder order(16, 200 * kMs);
+  for (const int64_t t : {INT64_MAX, INT64_MAX - 1, INT64_MIN + 1, int64_t(0), INT64_MAX})
+    order.push(OwnedMessage(whole(ODO_TYPE_IMU, t).header()));
+  OwnedMessage m;
+  while (order.pop(m, INT64_MAX)) {
+  }
+  CHECK(order.size() == 0);
+}
+
 TEST_CASE("calibrations come before the frames of the same time") {
   TimeOrder order(64, 0);
-  order.push(whole(ODO_TYPE_FRAME, 5).header());
-  order.push(whole(ODO_TYPE_CALIBRATION, 5).header());
+  order.push(OwnedMessage(whole(ODO_TYPE_FRAME, 5).header()));
+  order.push(OwnedMessage(whole(ODO_TYPE_CALIBRATION, 5).header()));
   const auto out = drain(order);
   CHECK(out.front().second == ODO_TYPE_CALIBRATION);
 }

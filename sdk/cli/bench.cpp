@@ -161,6 +161,7 @@ void add_bench(CLI::App& app, int& status) {
   add_bench_calibrate(*command, status);
   add_bench_drive(*command, status);
   add_bench_gait(*command, status);
+  add_bench_stream(*command, status);
   add_bench_vo(*command, status);
   add_bench_steps(*command, status);
   add_bench_tracks(*command, status);

@@ -27,6 +27,7 @@ void add_bench_drive(CLI::App& bench, int& status);
 void add_bench_steps(CLI::App& bench, int& status);
 void add_bench_tracks(CLI::App& bench, int& status);
 void add_bench_gait(CLI::App& bench, int& status);
+void add_bench_stream(CLI::App& bench, int& status);
 void add_bench_vo(CLI::App& bench, int& status);
 
 /// Prints "odograph: text" on standard error and returns the status that fits the failure.

@@ -47,7 +47,7 @@ struct Collector {
         break;
       case ODO_TYPE_CALIBRATION: result.refined.push_back(as<odo_calibration>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
-      case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), event.quality > 0.5f}); break;
+      case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FIX_ACCEPTED) != 0}); break;
       case ODO_TYPE_STATE:
         result.final_state = as<odo_state>(event).state;
         result.final_reason = as<odo_state>(event).reason;
@@ -265,6 +265,8 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
         {"duplicate", s.duplicate},
         {"invalid", s.invalid},
         {"overflow", s.overflow},
+        {"wild", s.wild},
+        {"events_dropped", s.events_dropped},
         {"gaps", s.gaps},
         {"plugin", s.plugin_faults}}},
       {"heading_turn_rad", result.heading_turn_rad},

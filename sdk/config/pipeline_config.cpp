@@ -62,6 +62,7 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   config.ordering = {ordering["max_wait"].real, ordering["max_gap"].real,
                      static_cast<size_t>(ordering["queue"].integer), static_cast<size_t>(ordering["frames"].integer)};
   const Value& coupling = v["coupling"];
+  config.coupling.type = coupling["type"].text == "inertial" ? CouplingType::inertial : CouplingType::paper;
   const std::string& orientation = coupling["orientation"].text;
   config.coupling.orientation = orientation == "attitude"    ? Orientation::attitude
                                 : orientation == "gyroscope" ? Orientation::gyroscope

@@ -31,12 +31,15 @@ struct StartPose {
 enum class Orientation { vo, gyroscope, attitude };
 enum class Vertical { ignore, scaled };
 
+enum class CouplingType { paper, inertial };
+
 struct CouplingConfig {
   Orientation orientation = Orientation::vo;
   Vertical vertical = Vertical::ignore;
   double fix_gate_sigma = 5.0;
   double bridge_s = 2.0;
   double fastest_mps = 2.0;
+  CouplingType type = CouplingType::paper;
 };
 
 struct OrderingConfig {

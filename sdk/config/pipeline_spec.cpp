@@ -84,15 +84,18 @@ const Spec& pipeline_spec() {
             fixers,
             map("coupling", "how everything becomes one pose",
                 {
-                    choice(
-                        "type", "per_frame", "per_frame",
-                        "per_frame: each frame's displacement is scaled on its own (Antigny et al. 2019, section 3.4)"),
+                    choice("type", "paper|per_frame|inertial", "paper",
+                           "paper: each frame's displacement is scaled on its own (Antigny et al. 2019, section 3.4); "
+                           "per_frame: its name until 0.1; inertial: an error-state Kalman filter of IMU, odometry, "
+                           "steps and fixes, which needs no scale source (docs/estimator.md)"),
                     choice("orientation", "vo|gyroscope|attitude", "vo",
-                           "vo: chained from frame to frame as in the paper; gyroscope: chained with the attitude "
+                           "paper alone. vo: chained from frame to frame as in the paper; gyroscope: chained with the "
+                           "attitude "
                            "source's rotations; both corrected by fixes; attitude: the attitude source's, fixes turn "
                            "its heading"),
                     choice("vertical", "ignore|scaled", "ignore",
-                           "ignore: horizontal displacement only, as in the paper; scaled: all three components"),
+                           "paper alone. ignore: horizontal displacement only, as in the paper; scaled: all three "
+                           "components"),
                     real("fix_gate", "", 0, 100, "5",
                          "a fix further off than this many standard deviations is rejected; 0 = never"),
                     real("bridge", "s", 0, 60, "2",

@@ -64,6 +64,20 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
   return ODO_OK;
 }
 
+int32_t get_pose(odo_session* session, int64_t t_ns, bool smooth, odo_pose* pose) {
+  if (!session || !pose) return ODO_E_ARGUMENT;
+  const uint32_t size = pose->header.struct_size;
+  if (size < sizeof(odo_header)) return ODO_E_STRUCT_SIZE;
+  return guarded([&] {
+    odo_pose found{};
+    const int32_t status = session->session->pose(t_ns, smooth, found);
+    if (status != ODO_OK) return status;
+    found.header.struct_size = std::min<uint32_t>(size, sizeof found);
+    std::memcpy(static_cast<void*>(pose), &found, found.header.struct_size);
+    return status;
+  });
+}
+
 }  // namespace
 
 extern "C" {
@@ -98,17 +112,11 @@ int32_t odo_session_flush(odo_session* session) {
 }
 
 int32_t odo_session_get_pose(odo_session* session, int64_t t_ns, odo_pose* pose) {
-  if (!session || !pose) return ODO_E_ARGUMENT;
-  const uint32_t size = pose->header.struct_size;
-  if (size < sizeof(odo_header)) return ODO_E_STRUCT_SIZE;
-  return guarded([&] {
-    odo_pose found{};
-    const int32_t status = session->session->pose(t_ns, found);
-    if (status != ODO_OK) return status;
-    found.header.struct_size = std::min<uint32_t>(size, sizeof found);
-    std::memcpy(static_cast<void*>(pose), &found, found.header.struct_size);
-    return status;
-  });
+  return get_pose(session, t_ns, false, pose);
+}
+
+int32_t odo_session_get_smooth_pose(odo_session* session, int64_t t_ns, odo_pose* pose) {
+  return get_pose(session, t_ns, true, pose);
 }
 
 int32_t odo_session_set_callback(odo_session* session, uint32_t mask, odo_callback callback, void* user) {

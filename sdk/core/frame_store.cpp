@@ -105,10 +105,9 @@ int32_t FrameStore::retain(const odo_frame* frame) {
 
 void FrameStore::release(const odo_frame* frame) {
   auto* holder = static_cast<Holder*>(frame->owner);
-  odo_frame original = holder->original;
+  const odo_frame original = holder->original;  // with the last hold the place may be taken again
   const bool give_back = !holder->copied;
-  const std::lock_guard lock(holder->store->mutex_);
-  if (--holder->holds == 0 && give_back) original.release(&original);
+  if (--holder->holds == 0 && give_back) original.release(&original);  // the app's code: no lock is held
 }
 
 }  // namespace odograph

@@ -12,7 +12,7 @@ namespace odograph {
 
 /// Holds the camera frames that wait in the queue or that plugins keep, within a quota. The pixels stay the app's when
 /// the app's frame can be retained; otherwise they are copied once on arrival. Retain and release may be called on any
-/// thread. Must outlive every frame it handed out.
+/// thread; the app's own release is called without a lock. Must outlive every frame it handed out.
 class FrameStore {
  public:
   explicit FrameStore(size_t quota);

@@ -25,6 +25,7 @@ constexpr MessageInfo kMessages[] = {
     {ODO_TYPE_FIX, "fix", sizeof(odo_fix), false},
     {ODO_TYPE_POSE, "pose", sizeof(odo_pose), false},
     {ODO_TYPE_STATE, "state", sizeof(odo_state), false},
+    {ODO_TYPE_CORRECTION, "correction", sizeof(odo_correction), false},
 };
 static_assert(std::all_of(std::begin(kMessages), std::end(kMessages),
                           [](const MessageInfo& info) { return info.size <= kLargestMessage; }));

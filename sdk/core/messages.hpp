@@ -51,4 +51,43 @@ struct AnyMessage {
   bool assign(const odo_header& message);
 };
 
+/// A message by value that owns the hold of its frame, if it is one: whoever has it last gives the frame back.
+class OwnedMessage {
+ public:
+  OwnedMessage() { message_.header().type = 0; }
+  /// Copies the message (of a type the host knows) and takes over the hold of a frame.
+  explicit OwnedMessage(const odo_header& message) {
+    if (!message_.assign(message)) message_.header().type = 0;
+  }
+  OwnedMessage(OwnedMessage&& other) noexcept { take(other); }
+  OwnedMessage& operator=(OwnedMessage&& other) noexcept {
+    if (this == &other) return *this;
+    release();
+    take(other);
+    return *this;
+  }
+  ~OwnedMessage() { release(); }
+
+  const odo_header& header() const { return message_.header(); }
+  odo_header& header() { return message_.header(); }
+  bool empty() const { return header().type == 0; }
+  /// Gives the frame back and is empty. Calls out of the host: hold no lock.
+  void release() {
+    if (header().type == ODO_TYPE_FRAME) {
+      const auto& frame = as<odo_frame>(header());
+      if (frame.release) frame.release(&frame);
+    }
+    header().type = 0;
+  }
+
+ private:
+  void take(OwnedMessage& other) {
+    if (!other.empty()) std::memcpy(message_.bytes, other.message_.bytes, other.header().struct_size);
+    header().type = other.empty() ? 0 : header().type;
+    other.header().type = 0;
+  }
+
+  AnyMessage message_;
+};
+
 }  // namespace odograph

@@ -1,180 +1,240 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/core/pipeline.hpp"
 
+#include <algorithm>
+#include <string>
+
 namespace odograph {
 
 void Pipeline::process(const odo_header& message) {
+  events_.begin();
   watch_.see(message);
   switch (message.type) {
     case ODO_TYPE_IMU: joiner_.push(as<odo_imu>(message), [this](const odo_imu& whole) { on_imu(whole); }); break;
-    case ODO_TYPE_MAGNETOMETER:
     case ODO_TYPE_IMU_NOISE:
-      if (attitude_) attitude_->process(message);
-      if (vo_) on_vo_events(vo_->process(message));
+      remember(message);
+      estimator_->on_imu_noise(as<odo_imu_noise>(message));
+      ask(attitude_, message);
+      ask(vo_, message);
       break;
-    case ODO_TYPE_FRAME: on_frame(as<odo_frame>(message)); break;
+    case ODO_TYPE_MAGNETOMETER:
+      ask(attitude_, message);
+      ask(vo_, message);
+      break;
+    case ODO_TYPE_FRAME:
+      ++counters_.frames;
+      if (vo_) estimator_->update(FrameTime{message.t_ns});
+      publish_estimates();
+      ask(vo_, message);
+      ask_fixers(message);
+      break;
     case ODO_TYPE_CALIBRATION:
-      coupling_.on_calibration(as<odo_calibration>(message));
-      if (vo_) on_vo_events(vo_->process(message));
-      offer_to_fixers(message);
+      remember(message);
+      estimator_->on_calibration(as<odo_calibration>(message));
+      ask(vo_, message);
+      ask_fixers(message);
       break;
     case ODO_TYPE_BAROMETER:
-      if (step_) on_steps(step_->process(message));
-      offer_to_fixers(message);
+      estimator_->update(&as<odo_barometer>(message));
+      ask(step_, message);
+      ask_fixers(message);
       break;
-    default: offer_to_fixers(message);  // GNSS, waypoints
+    default: ask_fixers(message);  // GNSS, waypoints
   }
-  if (watch_.imu_silent() && attitude_) set_state(watch_.now_ns(), ODO_LOST, ODO_REASON_SENSOR_SILENT);
-  if (watch_.camera_silent() && vo_) set_state(watch_.now_ns(), ODO_LOST, ODO_REASON_SENSOR_SILENT);
+  handle_events();
+  watch_silence();
 }
 
+/// The attitude first: it is a prior of what the others make of the same sample.
 void Pipeline::on_imu(const odo_imu& imu) {
-  coupling_.on_imu(imu);
-  if (attitude_) {
-    for (AnyMessage& event : attitude_->process(imu.header)) {
-      coupling_.on_attitude(as<odo_attitude>(event.header()));
-      publish_(event.header());
-      if (const auto first = coupling_.start_without_camera()) publish_pose(*first);
-      if (vo_) on_vo_events(vo_->process(event.header()));
-      if (step_) on_steps(step_->process(event.header()));
-    }
-  }
-  if (vo_) on_vo_events(vo_->process(imu.header));
-  if (step_) on_steps(step_->process(imu.header));
+  events_.begin();
+  estimator_->propagate(imu);
+  publish_estimates();
+  ask(attitude_, imu.header);
+  ask(vo_, imu.header);
+  ask(step_, imu.header);
 }
 
-void Pipeline::on_steps(std::span<AnyMessage> events) {
-  for (AnyMessage& event : events) {
+/// Hands a message to a plugin, and handles all that comes of it.
+void Pipeline::ask(const std::unique_ptr<PluginInstance>& plugin, const odo_header& message) {
+  if (!plugin) return;
+  take(*plugin, message);
+  handle_events();
+}
+
+void Pipeline::ask_fixers(const odo_header& message) {
+  for (const auto& fixer : fixers_) ask(fixer, message);
+}
+
+/// Hands a message to a plugin and copies what it answers into the queue.
+void Pipeline::take(PluginInstance& plugin, const odo_header& message) {
+  for (const AnyMessage& event : plugin.process(message)) enqueue(event.header());
+  if (plugin.take_reset()) describe_sensors_to(plugin);
+}
+
+/// After a reset a plugin knows of no camera any more.
+void Pipeline::describe_sensors_to(PluginInstance& plugin) {
+  for (const AnyMessage& description : descriptions_)
+    for (const AnyMessage& event : plugin.process(description.header())) enqueue(event.header());
+  plugin.take_reset();
+}
+
+void Pipeline::remember(const odo_header& description) {
+  const auto same = [&](const AnyMessage& known) {
+    if (known.header().type != description.type) return false;
+    return description.type == ODO_TYPE_CALIBRATION
+               ? as<odo_calibration>(known.header()).id == as<odo_calibration>(description).id
+               : known.header().source == description.source;
+  };
+  const auto found = std::find_if(descriptions_.begin(), descriptions_.end(), same);
+  (found != descriptions_.end() ? *found : descriptions_.emplace_back()).assign(description);
+}
+
+void Pipeline::enqueue(const odo_header& event) {
+  if (events_.push(event)) return;
+  ++counters_.events_dropped;
+  host_.report(event.source, ODO_SEVERITY_WARNING, "event_limit",
+               std::string("a ") + message_info(event.type)->name + " was dropped: one sample has given " +
+                   std::to_string(events_.limit()) + " events already; plugins that answer each other without end?");
+}
+
+void Pipeline::handle_events() {
+  while (!events_.empty()) {
+    AnyMessage event;
+    event.assign(events_.front().header());
+    events_.pop();
+    handle(event);
+    // Fixes of one call count as one: the corrected pose comes after the last of them.
+    const bool more_fixes = !events_.empty() && events_.front().header().type == ODO_TYPE_FIX;
+    if (event.header().type != ODO_TYPE_FIX || !more_fixes) publish_estimates();
+  }
+}
+
+void Pipeline::handle(AnyMessage& event) {
+  const odo_header& header = event.header();
+  switch (header.type) {
+    case ODO_TYPE_VO_MOTION: return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
+    case ODO_TYPE_FIX: return on_fix(reinterpret_cast<odo_fix&>(event.header()));
+    case ODO_TYPE_POSE:  // a prior for the fixers; it has been published
+      for (const auto& fixer : fixers_) take(*fixer, header);
+      return;
+    default: publish_(header);
+  }
+  switch (header.type) {
+    case ODO_TYPE_ATTITUDE:
+      poses_.predictor().add_attitude(as<odo_attitude>(header));
+      if (!camera_knows_bias_)
+        poses_.predictor().set_biases(Eigen::Vector3d(as<odo_attitude>(header).gyro_bias_b), Eigen::Vector3d::Zero());
+      estimator_->update(&as<odo_attitude>(header));
+      publish_estimates();
+      if (vo_) take(*vo_, header);
+      if (step_) take(*step_, header);
+      break;
+    case ODO_TYPE_STEP:
+      if (scale_) take(*scale_, header);
+      ++counters_.steps;
+      estimator_->update(&as<odo_step>(header));
+      break;
+    case ODO_TYPE_MOTION_MODE:
+      if (scale_) take(*scale_, header);
+      estimator_->update(&as<odo_motion_mode>(header));
+      break;
+    case ODO_TYPE_SCALE:
+      scale_to_come_ = as<odo_scale>(header);
+      estimator_->update(&as<odo_scale>(header));
+      break;
+    default: break;
+  }
+}
+
+/// The scale that holds for a motion: what the source answers to it, or what it has said before; null where there is
+/// none. The answer is taken at once, because the motion needs it.
+const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
+  if (!scale_) return nullptr;
+  const odo_scale* found = nullptr;
+  const auto consider = [&](const odo_scale& scale) {
+    const bool in_time = scale.valid_from_ns < motion.header.t_ns && motion.header.t_ns <= scale.valid_to_ns;
+    if (!in_time || scale.scale_group != motion.scale_group) return;
+    scale_in_use_ = scale;
+    found = &scale_in_use_;
+  };
+  if (scale_to_come_) consider(*scale_to_come_);
+  for (const AnyMessage& event : scale_->process(motion.header)) {
     publish_(event.header());
-    if (scale_) scale_->process(event.header());
-    if (event.header().type != ODO_TYPE_STEP) continue;
-    ++counters_.steps;
-    if (const auto pose = coupling_.on_step(as<odo_step>(event.header()))) publish_pose(*pose);
+    consider(as<odo_scale>(event.header()));
   }
-}
-
-void Pipeline::on_frame(const odo_frame& frame) {
-  ++counters_.frames;
-  if (!vo_) return offer_to_fixers(frame.header);
-  if (!camera_started_) {
-    camera_started_ = true;
-    publish_pose(coupling_.on_first_frame(frame.header.t_ns));
-  }
-  on_vo_events(vo_->process(frame.header));
-  offer_to_fixers(frame.header);
-}
-
-void Pipeline::on_vo_events(std::span<AnyMessage> events) {
-  for (AnyMessage& event : events) {
-    if (event.header().type == ODO_TYPE_VO_MOTION)
-      on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
-    else
-      publish_(event.header());
-  }
+  scale_->take_reset();  // a scale source is told of no sensors
+  return found;
 }
 
 void Pipeline::on_vo_motion(odo_vo_motion& motion) {
-  coupling_.prepare(motion);
+  estimator_->prepare(motion);
   publish_(motion.header);
-  const odo_scale* scale = nullptr;
-  if (scale_) {
-    for (AnyMessage& event : scale_->process(motion.header)) {
-      publish_(event.header());
-      const auto& candidate = as<odo_scale>(event.header());
-      const bool in_time = candidate.valid_from_ns < motion.header.t_ns && motion.header.t_ns <= candidate.valid_to_ns;
-      if (in_time && candidate.scale_group == motion.scale_group) scale = &candidate;
-    }
-  }
-  const odo_pose pose = coupling_.on_vo_motion(motion, scale);
-  publish_pose(pose);
-  if (!step_) return;
-  const bool own = scale_ ? scale && (scale->header.flags & ODO_SCALE_NOT_BY_STEPS) != 0
-                          : (motion.header.flags & ODO_VO_METRIC) != 0;
-  if (const auto fix = teacher_.see(pose, own)) on_steps(step_->process(fix->header));
+  inertial_motion_.reset();
+  if ((motion.header.flags & ODO_VO_INERTIAL) && (motion.header.flags & ODO_VO_METRIC)) inertial_motion_ = motion;
+  estimator_->update(RelativeMotion{&motion, scale_for(motion)});
+  publish_estimates();
+  odo_fix reference;
+  while (estimator_->take_step_reference(reference))
+    if (step_) take(*step_, reference.header);
 }
 
-void Pipeline::offer_to_fixers(const odo_header& message) {
-  for (auto& fixer : fixers_) on_fixes(fixer->process(message));
-}
-
-void Pipeline::on_fixes(std::span<AnyMessage> events) {
-  for (AnyMessage& event : events) {
-    auto& fix = reinterpret_cast<odo_fix&>(event.header());
-    std::array<double, 3> p_n;
-    const bool used = coupling_.on_fix(fix, p_n);
-    ++(used ? counters_.fixes_accepted : counters_.fixes_rejected);
-    for (int i = 0; i < 3; ++i)
-      fix.p_n[i] = p_n[static_cast<size_t>(i)];  // what is published is metric, and says what became of it
-    fix.header.quality = used ? 1.0f : 0.0f;
-    publish_(fix.header);
-    if (used && scale_) scale_->process(fix.header);
-    if (used && step_) on_steps(step_->process(fix.header));
-    if (used) teacher_.fixed(fix.header.t_ns);
-  }
-  if (const auto corrected = coupling_.take_correction()) publish_(corrected->header);
-}
-
-void Pipeline::publish_pose(odo_pose pose) {
-  if (any_dead() && pose.state == ODO_TRACKING) pose.state = ODO_DEGRADED, pose.reason = ODO_REASON_PLUGIN_FAILED;
-  set_state(pose.header.t_ns, pose.state, pose.reason);
-  publish_(pose.header);
-  for (auto& fixer : fixers_) on_fixes(fixer->process(pose.header));
-}
-
-void Pipeline::set_state(int64_t t_ns, uint32_t state, uint32_t reason) {
-  if (state_ != 0 && t_ns > state_since_ns_) {
-    counters_.state_s[state_] += static_cast<double>(t_ns - state_since_ns_) * kNanoseconds;
-    state_since_ns_ = t_ns;
-  }
-  if (state == state_ && reason == reason_) return;
-  if (state_ == 0) state_since_ns_ = t_ns;
-  state_ = state;
-  reason_ = reason;
-  auto event = make_message<odo_state>(ODO_TYPE_STATE, t_ns);
-  event.state = state;
-  event.reason = reason;
-  publish_(event.header);
-}
-
-bool Pipeline::any_dead() const {
-  const auto dead = [](const auto& instance) { return instance && !instance->alive(); };
-  return dead(attitude_) || dead(step_) || dead(vo_) || dead(scale_);
-}
-
-uint64_t Pipeline::plugin_faults() const {
-  uint64_t faults = 0;
-  for (const PluginInstance* instance : instances()) faults += instance->faults();
-  return faults;
+void Pipeline::on_fix(odo_fix& fix) {
+  resolve_geodetic(fix, geodesy_);  // what is published is metric, and says what became of it
+  fix.header.flags &= ~ODO_FIX_ACCEPTED;
+  const bool used = estimator_->update(&fix).accepted;
+  ++(used ? counters_.fixes_accepted : counters_.fixes_rejected);
+  if (used) fix.header.flags |= ODO_FIX_ACCEPTED;
+  publish_(fix.header);
+  if (used && scale_) take(*scale_, fix.header);
+  if (used && step_) take(*step_, fix.header);
 }
 
 void Pipeline::reset() {
+  events_.begin();
   for (PluginInstance* instance : instances()) {
     const auto learnt = instance->save();  // the clock was set back, the walker is the same
     instance->reset();
     if (!learnt.empty()) instance->load(learnt);
+    if (instance->take_reset()) describe_sensors_to(*instance);
   }
-  coupling_.reset();
+  estimator_->reset();
+  for (const AnyMessage& description : descriptions_) {
+    if (description.header().type == ODO_TYPE_CALIBRATION)
+      estimator_->on_calibration(as<odo_calibration>(description.header()));
+    else
+      estimator_->on_imu_noise(as<odo_imu_noise>(description.header()));
+  }
   joiner_.reset();
   watch_.reset();
-  teacher_.reset();
-  camera_started_ = false;
+  poses_.clear();
+  scale_to_come_.reset();
+  inertial_motion_.reset();
+  camera_knows_bias_ = false;
+  if (last_pose_ns_ != INT64_MIN) before_restart_ = last_pose_;
+  last_pose_ns_ = INT64_MIN;
   state_ = 0;
+  handle_events();
 }
 
-Pipeline::Pipeline(const PipelineConfig& config, Geodesy& geodesy, Publish publish)
-    : coupling_(config.coupling, config.start, {config.vo_frontend.has_value(), config.scale_source.has_value()},
-                geodesy),
+Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surroundings, Publish publish)
+    : estimator_(make_estimator(config.coupling, config.start,
+                                {config.vo_frontend.has_value(), config.scale_source.has_value()})),
+      host_(surroundings.host),
+      geodesy_(surroundings.geodesy),
+      poses_(surroundings.poses),
+      events_(Parameters{}.events_per_sample),
       watch_(config.ordering.max_gap_s),
       publish_(std::move(publish)) {
-  if (config.origin) geodesy.set_origin(*config.origin);
+  if (config.origin) geodesy_.set_origin(*config.origin);
 }
 
-Result<std::unique_ptr<Pipeline>> Pipeline::make(const PipelineConfig& config, HostServices& host, Geodesy& geodesy,
+Result<std::unique_ptr<Pipeline>> Pipeline::make(const PipelineConfig& config, const Surroundings& surroundings,
                                                  Publish publish) {
-  std::unique_ptr<Pipeline> pipeline(new Pipeline(config, geodesy, std::move(publish)));
+  std::unique_ptr<Pipeline> pipeline(new Pipeline(config, surroundings, std::move(publish)));
   uint32_t number = 0;
   const auto start = [&](const PluginChoice& choice, std::unique_ptr<PluginInstance>& slot) -> Result<bool> {
-    auto made = PluginInstance::make(choice, config.verify_hash, ++number, host);
+    auto made = PluginInstance::make(choice, config.verify_hash, ++number, surroundings.host);
     if (!made) return made.failure();
     slot = std::move(*made);
     return true;

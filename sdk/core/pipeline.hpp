@@ -3,34 +3,50 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "sdk/config/pipeline_config.hpp"
+#include "sdk/core/event_queue.hpp"
+#include "sdk/core/geodesy.hpp"
 #include "sdk/core/imu_joiner.hpp"
-#include "sdk/core/per_frame_coupling.hpp"
+#include "sdk/core/pose_stream.hpp"
 #include "sdk/core/sensor_watch.hpp"
-#include "sdk/core/way_teacher.hpp"
+#include "sdk/estimator/estimator.hpp"
 #include "sdk/plugin_host/instance.hpp"
 
 namespace odograph {
 
-/// Sensors -> plugins -> coupling -> pose. Takes messages in order of time and publishes every event. One thread at a
-/// time; output depends on the messages, the config and the seed alone.
+/// Sensors -> plugins -> estimator -> pose. Takes messages in order of time and publishes every event. A sample goes to
+/// the plugins that want it, one after the other; what each of them answers is copied into one queue and handled, first
+/// in, first out, before the next one is asked. One thread at a time; output depends on the messages, the config and
+/// the seed alone.
 class Pipeline {
  public:
   using Publish = std::function<void(const odo_header&)>;
 
+  struct Parameters {
+    size_t events_per_sample = 512;  ///< twice what one call of a plugin may emit; a walk gives fewer than ten
+  };
+
   struct Counters {
-    uint64_t frames = 0, steps = 0, fixes_accepted = 0, fixes_rejected = 0;
+    uint64_t frames = 0, steps = 0, fixes_accepted = 0, fixes_rejected = 0, events_dropped = 0;
     double state_s[4] = {0, 0, 0, 0};  // by ODO_TRACKING ...
   };
 
+  /// What a pipeline works with; outlives it.
+  struct Surroundings {
+    HostServices& host;
+    Geodesy& geodesy;
+    PoseStream& poses;  ///< gets every pose, attitude and state
+  };
+
   /// Loads and starts the plugins. `publish` is called for every event, within process.
-  static Result<std::unique_ptr<Pipeline>> make(const PipelineConfig& config, HostServices& host, Geodesy& geodesy,
+  static Result<std::unique_ptr<Pipeline>> make(const PipelineConfig& config, const Surroundings& surroundings,
                                                 Publish publish);
 
   void process(const odo_header& message);
-  int32_t pose_at(int64_t t_ns, odo_pose& out) const { return coupling_.pose_at(t_ns, out); }
-  /// Starts anew, for a sensor clock that was set back. Geodetic origin and counters stay.
+  /// Starts anew, for a sensor clock that was set back. Geodetic origin, counters and calibrations stay.
   void reset();
 
   /// What the plugins have learnt and want to keep, as a blob of this host's (docs/embed.md).
@@ -42,32 +58,57 @@ class Pipeline {
   const Counters& counters() const { return counters_; }
   uint64_t plugin_faults() const;
   uint64_t gaps() const { return watch_.gaps(); }
-  double distance_m() const { return coupling_.distance_m(); }
+  double distance_m() const { return estimator_->distance_m(); }
 
  private:
-  Pipeline(const PipelineConfig& config, Geodesy& geodesy, Publish publish);
+  Pipeline(const PipelineConfig& config, const Surroundings& surroundings, Publish publish);
 
+  // pipeline.cpp: from samples to the estimator
   void on_imu(const odo_imu& imu);
-  void on_steps(std::span<AnyMessage> events);
-  void on_frame(const odo_frame& frame);
-  void on_vo_events(std::span<AnyMessage> events);
+  void ask(const std::unique_ptr<PluginInstance>& plugin, const odo_header& message);
+  void ask_fixers(const odo_header& message);
+  void take(PluginInstance& plugin, const odo_header& message);
+  void describe_sensors_to(PluginInstance& plugin);
+  void enqueue(const odo_header& event);
+  void handle_events();
+  void handle(AnyMessage& event);
   void on_vo_motion(odo_vo_motion& motion);
-  void on_fixes(std::span<AnyMessage> events);
-  void offer_to_fixers(const odo_header& message);
-  void publish_pose(odo_pose pose);
+  void on_fix(odo_fix& fix);
+  const odo_scale* scale_for(const odo_vo_motion& motion);
+  void remember(const odo_header& description);
+
+  // pipeline_output.cpp: from the estimator to who listens
+  void publish_estimates();
+  void publish_pose(odo_pose pose, bool is_new);
+  void publish_correction(const Correction& correction, const odo_pose& corrected);
+  void publish_restart(const odo_pose& pose);
+  void tell_stream(const odo_pose& pose);
+  bool sensor_silent() const;
+  void watch_silence();
   void set_state(int64_t t_ns, uint32_t state, uint32_t reason);
   bool any_dead() const;
+
   std::vector<PluginInstance*> instances() const;
 
   std::unique_ptr<PluginInstance> attitude_, step_, vo_, scale_;
   std::vector<std::unique_ptr<PluginInstance>> fixers_;
-  PerFrameCoupling coupling_;
+  std::unique_ptr<Estimator> estimator_;
+  HostServices& host_;
+  Geodesy& geodesy_;
+  PoseStream& poses_;
+  EventQueue events_;
   ImuJoiner joiner_;
   SensorWatch watch_;
-  WayTeacher teacher_;
   Publish publish_;
   Counters counters_;
-  bool camera_started_ = false;
+  std::vector<AnyMessage> descriptions_;          // the newest calibration of each camera, the newest noise of each IMU
+  odo_scale scale_in_use_{};                      // for the motion that is being handled
+  std::optional<odo_scale> scale_to_come_;        // given with something else than a motion
+  std::optional<odo_vo_motion> inertial_motion_;  // the newest motion, where it tells velocity and biases
+  std::optional<odo_pose> before_restart_;
+  odo_pose last_pose_{};
+  int64_t last_pose_ns_ = INT64_MIN;
+  bool camera_knows_bias_ = false;
   uint32_t state_ = 0;
   uint32_t reason_ = ODO_REASON_INITIALISING;
   int64_t state_since_ns_ = 0;

@@ -5,6 +5,8 @@
 
 #include <odograph/types.h>
 
+#include "sdk/base/saturating.hpp"
+
 namespace odograph {
 
 /// Notices when a sensor that used to speak falls silent, in sensor time.
@@ -20,16 +22,20 @@ class SensorWatch {
   }
   bool imu_silent() const { return silent(imu_ns_); }
   bool camera_silent() const { return silent(frame_ns_); }
+  /// True when a time (INT64_MIN: none) is not further back than a sensor's pause may be.
+  bool recent(int64_t t_ns) const { return t_ns != INT64_MIN && saturating_difference(now_ns_, t_ns) <= max_gap_ns_; }
   int64_t now_ns() const { return now_ns_; }
   uint64_t gaps() const { return gaps_; }
   void reset() { imu_ns_ = frame_ns_ = now_ns_ = INT64_MIN; }
 
  private:
   void see(int64_t& last_ns, int64_t t_ns) {
-    if (last_ns != INT64_MIN && t_ns - last_ns > max_gap_ns_) ++gaps_;
+    if (last_ns != INT64_MIN && saturating_difference(t_ns, last_ns) > max_gap_ns_) ++gaps_;
     last_ns = t_ns;
   }
-  bool silent(int64_t last_ns) const { return last_ns != INT64_MIN && now_ns_ - last_ns > max_gap_ns_; }
+  bool silent(int64_t last_ns) const {
+    return last_ns != INT64_MIN && saturating_difference(now_ns_, last_ns) > max_gap_ns_;
+  }
 
   int64_t max_gap_ns_;
   int64_t imu_ns_ = INT64_MIN, frame_ns_ = INT64_MIN, now_ns_ = INT64_MIN;

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cstring>
 
+#include "sdk/base/saturating.hpp"
+
 namespace odograph {
 
 Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
                                                bool live, uint64_t seed) {
   std::unique_ptr<Session> session(new Session(std::move(config), std::move(assets), live, seed));
-  auto pipeline = Pipeline::make(session->config_, session->host_, session->geodesy_,
+  auto pipeline = Pipeline::make(session->config_, {session->host_, session->geodesy_, session->poses_},
                                  [raw = session.get()](const odo_header& event) { raw->publish(event); });
   if (!pipeline) {
     Failure failure = pipeline.failure();
@@ -21,6 +23,7 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
     session->note_time_offset(*camera);
     session->pipeline_->process(camera->header);
   }
+  session->publish_progress();
   if (live) session->thread_ = std::thread([raw = session.get()] { raw->work(); });
   return session;
 }
@@ -30,27 +33,23 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
       live_(live),
       host_(seed, std::move(assets), [this](const Report& report) { reported(report); }),
       frames_(config_.ordering.frames),
-      order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {
-  statistics_.struct_size = sizeof statistics_;
-}
+      order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {}
 
 Session::~Session() {
-  if (thread_.joinable()) {
-    {
-      const std::lock_guard lock(queue_mutex_);
-      stopping_ = true;
-    }
-    queue_changed_.notify_all();
-    thread_.join();
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
   }
-  AnyMessage message;
-  while (order_.drain(message))
-    if (message.header().type == ODO_TYPE_FRAME)
-      as<odo_frame>(message.header()).release(&as<odo_frame>(message.header()));
+  work_waiting_.notify_all();
+  if (thread_.joinable()) thread_.join();
+  OwnedMessage waiting;
+  while (order_.drain(waiting)) {
+  }
+  waiting.release();
   pipeline_.reset();  // before the frame store: plugins may hold frames
 }
 
-int32_t Session::check(const odo_header& sample) {
+int32_t Session::check(const odo_header& sample) const {
   const MessageInfo* info = message_info(sample.type);
   if (!info || !info->is_input) return ODO_E_UNSUPPORTED;
   if (sample.struct_size < info->size) return ODO_E_STRUCT_SIZE;
@@ -58,46 +57,58 @@ int32_t Session::check(const odo_header& sample) {
 }
 
 int32_t Session::push(const odo_header& sample) {
-  int32_t status = check(sample);
-  {
-    const std::lock_guard lock(answers_mutex_);
-    ++statistics_.pushed;
-    if (status < 0) ++statistics_.invalid;
-  }
-  if (status < 0) {
-    const MessageInfo* info = message_info(sample.type);
-    host_.report(0, ODO_SEVERITY_WARNING, std::string("invalid_") + (info ? info->name : "message"),
-                 std::string("dropped a sample of ") + (info ? info->name : "unknown type") +
-                     (status == ODO_E_STRUCT_SIZE   ? ": its struct is too small"
-                      : status == ODO_E_UNSUPPORTED ? ": not an input"
-                                                    : ": a number is not finite or out of its range"));
-    return status;
-  }
-  if (sample.type == ODO_TYPE_FRAME) {
+  ++intake_.pushed;
+  if (const int32_t status = check(sample); status < 0) return refuse_invalid(sample, status);
+  if (!gate_.within_range(sample)) return refuse_wild(sample, "outside the range of any such sensor");
+  OwnedMessage message;
+  if (const int32_t status = own(sample, message); status < 0) return status;
+  const int32_t status = enqueue(std::move(message));
+  if (live_) return status;
+  Lock lock(mutex_);
+  if (turn_taken_ || stopping_)
+    return status;  // who has the turn processes this too; within a callback it is this very thread
+  const Turn turn(*this, lock);
+  process_waiting(lock, INT64_MIN);
+  return status;
+}
+
+/// Makes the sample the session's own: a frame is retained or copied, times are brought onto the IMU's clock.
+int32_t Session::own(const odo_header& sample, OwnedMessage& out) {
+  if (sample.type == ODO_TYPE_CALIBRATION) {
+    const odo_calibration calibration = with_own(as<odo_calibration>(sample));
+    note_time_offset(calibration);
+    out = OwnedMessage(calibration.header);
+  } else if (sample.type == ODO_TYPE_FRAME) {
     odo_frame held;
-    status = frames_.adopt(as<odo_frame>(sample), held);
-    if (status < 0) {
-      const std::lock_guard lock(answers_mutex_);
-      ++(status == ODO_E_EXHAUSTED ? statistics_.overflow : statistics_.invalid);
+    if (const int32_t status = frames_.adopt(as<odo_frame>(sample), held); status < 0) {
+      ++(status == ODO_E_EXHAUSTED ? intake_.overflow : intake_.invalid);
       return status;
     }
-    held.header.t_ns += time_offset_ns(held.calibration);
-    status = enqueue(held.header);
-    if (status < 0) held.release(&held);
+    held.header.t_ns = saturating_sum(held.header.t_ns, time_offset_ns(held.calibration));
+    out = OwnedMessage(held.header);
   } else {
-    if (sample.type == ODO_TYPE_CALIBRATION) {
-      const odo_calibration calibration = with_own(as<odo_calibration>(sample));
-      note_time_offset(calibration);
-      status = enqueue(calibration.header);
-    } else {
-      status = enqueue(sample);
-    }
+    out = OwnedMessage(sample);
   }
-  if (live_)
-    queue_changed_.notify_one();
-  else
-    process_ready(false);
+  return ODO_OK;
+}
+
+int32_t Session::refuse_invalid(const odo_header& sample, int32_t status) {
+  ++intake_.invalid;
+  const MessageInfo* info = message_info(sample.type);
+  host_.report(0, ODO_SEVERITY_WARNING, std::string("invalid_") + (info ? info->name : "message"),
+               std::string("dropped a sample of ") + (info ? info->name : "unknown type") +
+                   (status == ODO_E_STRUCT_SIZE   ? ": its struct is too small"
+                    : status == ODO_E_UNSUPPORTED ? ": not an input"
+                                                  : ": a number is not finite or out of its range"));
   return status;
+}
+
+int32_t Session::refuse_wild(const odo_header& sample, const char* what) {
+  ++intake_.wild;
+  const char* name = message_info(sample.type)->name;
+  host_.report(0, ODO_SEVERITY_WARNING, std::string("wild_") + name,
+               std::string("dropped a sample of ") + name + ": " + what);
+  return ODO_E_DISCARD;
 }
 
 /// The config's camera stands above what is pushed; mount and time offset only where the config has them.
@@ -120,122 +131,200 @@ odo_calibration Session::with_own(const odo_calibration& pushed) const {
 
 /// From here on everything runs on the IMU's clock: a camera's frames are shifted as they come in.
 void Session::note_time_offset(const odo_calibration& calibration) {
-  const std::lock_guard lock(queue_mutex_);
+  const std::lock_guard lock(mutex_);
   const bool given = (calibration.header.flags & ODO_CALIBRATION_TIME_OFFSET) != 0;
   camera_offsets_ns_[calibration.id] = given ? calibration.time_offset_ns : 0;
 }
 
 int64_t Session::time_offset_ns(uint32_t calibration) {
-  const std::lock_guard lock(queue_mutex_);
+  const std::lock_guard lock(mutex_);
   const auto found = camera_offsets_ns_.find(calibration);
   return found == camera_offsets_ns_.end() ? 0 : found->second;
 }
 
-int32_t Session::enqueue(const odo_header& sample) {
-  TimeOrder::Verdict verdict;
+int32_t Session::enqueue(OwnedMessage message) {
+  std::vector<OwnedMessage> given_up;  // released without the lock
+  const odo_header header = message.header();
+  TimeOrder::Verdict verdict = TimeOrder::Verdict::accepted;
+  int spikes = 0;
+  bool wake;
   {
-    const std::lock_guard lock(queue_mutex_);
-    verdict = order_.push(sample);
-    if (verdict == TimeOrder::Verdict::restarted) {
-      restart_clock();
-      verdict = order_.push(sample);
+    const std::lock_guard lock(mutex_);
+    if (stopping_) return ODO_E_STATE;  // an app that pushes while its last frames are given back
+    if (header.type == ODO_TYPE_IMU) {
+      spikes = gate_.push(as<odo_imu>(message.header()), [&](const odo_imu& imu) {
+        const auto each = order(OwnedMessage(imu.header), given_up);
+        if (each == TimeOrder::Verdict::accepted) poses_.add_imu(imu);
+        if (each != TimeOrder::Verdict::accepted) verdict = each;
+      });
+    } else {
+      verdict = order(std::move(message), given_up);
     }
+    wake = work_is_waiting();
   }
-  if (verdict == TimeOrder::Verdict::accepted) return ODO_OK;
-  const char* name = message_info(sample.type)->name;
-  const std::lock_guard lock(answers_mutex_);
+  if (wake && live_) work_waiting_.notify_one();
+  if (spikes > 0) refuse_wild(header, "the one before it sticks out from both its neighbours");
+  return verdict == TimeOrder::Verdict::accepted ? ODO_OK : note_verdict(verdict, header);
+}
+
+/// Under the lock. What is not accepted goes to `given_up`.
+TimeOrder::Verdict Session::order(OwnedMessage message, std::vector<OwnedMessage>& given_up) {
+  TimeOrder::Verdict verdict = order_.push(std::move(message));
+  if (verdict == TimeOrder::Verdict::restarted) {
+    restart_clock(given_up);
+    verdict = order_.push(std::move(message));
+  }
+  if (message.header().type == ODO_TYPE_FRAME) given_up.push_back(std::move(message));
+  return verdict;
+}
+
+int32_t Session::note_verdict(TimeOrder::Verdict verdict, const odo_header& sample) {
+  const char* why = nullptr;
   switch (verdict) {
-    case TimeOrder::Verdict::late: ++statistics_.late; break;
-    case TimeOrder::Verdict::duplicate: ++statistics_.duplicate; break;
-    case TimeOrder::Verdict::full: ++statistics_.overflow; break;
-    default: ++statistics_.invalid;
+    case TimeOrder::Verdict::late: ++intake_.late, why = "came after its time had been processed"; break;
+    case TimeOrder::Verdict::duplicate: ++intake_.duplicate, why = "same sensor and time as the one before"; break;
+    case TimeOrder::Verdict::full: ++intake_.overflow, why = "the queue is full"; break;
+    default: ++intake_.invalid, why = "its time is far ahead of all others";
   }
+  const std::lock_guard lock(error_mutex_);
   ++errors_;
   last_error_.status = verdict == TimeOrder::Verdict::full ? ODO_E_EXHAUSTED : ODO_E_DISCARD;
-  const char* why = verdict == TimeOrder::Verdict::late        ? "dropped: came after its time had been processed"
-                    : verdict == TimeOrder::Verdict::duplicate ? "dropped: same sensor and time as the one before"
-                    : verdict == TimeOrder::Verdict::full      ? "dropped: the queue is full"
-                                                               : "dropped: its time is far ahead of all others";
-  std::snprintf(last_error_.message, sizeof last_error_.message, "a sample of %s was %s", name, why);
+  std::snprintf(last_error_.message, sizeof last_error_.message, "a sample of %s was dropped: %s",
+                message_info(sample.type)->name, why);
   return last_error_.status;
 }
 
-void Session::restart_clock() {
-  AnyMessage message;
-  while (order_.drain(message))
-    if (message.header().type == ODO_TYPE_FRAME)
-      as<odo_frame>(message.header()).release(&as<odo_frame>(message.header()));
+/// Under the lock. What waits is of the old clock, but for what describes the sensors.
+void Session::restart_clock(std::vector<OwnedMessage>& given_up) {
+  std::vector<OwnedMessage> descriptions;
+  OwnedMessage message;
+  while (order_.drain(message)) {
+    const uint32_t type = message.header().type;
+    const bool describes = type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE;
+    (describes ? descriptions : given_up).push_back(std::move(message));
+  }
   order_.restart();
+  gate_.reset();
+  poses_.clear();
+  for (OwnedMessage& description : descriptions) order_.push(std::move(description));
   restart_pending_ = true;
 }
 
-void Session::process_ready(bool flush) {
-  const std::lock_guard work(work_mutex_);
-  AnyMessage message;
+bool Session::work_is_waiting() const { return restart_pending_ || flushes_asked_ != flushes_done_ || order_.ready(); }
+
+/// Waits for the turn; only for threads that do not have it.
+void Session::take_turn(Lock& lock) {
+  turn_changed_.wait(lock, [this] { return !turn_taken_; });
+  turn_taken_ = true;
+  turn_holder_ = std::this_thread::get_id();
+}
+
+/// Under the lock.
+void Session::give_turn() {
+  turn_taken_ = false;
+  turn_changed_.notify_all();
+}
+
+/// With the turn and the lock, which is given up while anything is called. What is pushed meanwhile is not flushed.
+void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
   for (;;) {
-    {
-      const std::lock_guard queue(queue_mutex_);
-      if (std::exchange(restart_pending_, false)) {
-        host_.report(0, ODO_SEVERITY_WARNING, "clock_restart", "the sensor clock was set back; starting anew");
-        pipeline_->reset();
-      }
-      if (!order_.pop(message, flush)) break;
+    OwnedMessage message;
+    if (std::exchange(restart_pending_, false)) {
+      lock.unlock();
+      host_.report(0, ODO_SEVERITY_WARNING, "clock_restart", "the sensor clock was set back; starting anew");
+      pipeline_->reset();
+    } else if (order_.pop(message, flush_until_ns)) {
+      lock.unlock();
+      pipeline_->process(message.header());
+      message.release();
+      ++intake_.processed;
+    } else {
+      return;
     }
-    pipeline_->process(message.header());
-    if (message.header().type == ODO_TYPE_FRAME)
-      as<odo_frame>(message.header()).release(&as<odo_frame>(message.header()));
-    const std::lock_guard answers(answers_mutex_);
-    ++statistics_.processed;
+    publish_progress();
+    lock.lock();
   }
 }
 
+void Session::publish_progress() {
+  progress_.write({pipeline_->counters(), pipeline_->gaps(), pipeline_->plugin_faults(), pipeline_->distance_m()});
+}
+
 void Session::work() {
+  Lock lock(mutex_);
   for (;;) {
-    process_ready(false);
-    std::unique_lock lock(queue_mutex_);
+    work_waiting_.wait(lock, [this] { return stopping_ || work_is_waiting(); });
     if (stopping_) return;
-    // Woken by push; the time-out only covers a push between the two locks.
-    queue_changed_.wait_for(lock, std::chrono::milliseconds(5));
+    const Turn turn(*this, lock);
+    const uint64_t asked = flushes_asked_;
+    process_waiting(lock, asked != flushes_done_ ? order_.latest_waiting_ns() : INT64_MIN);
+    flushes_done_ = asked;
   }
 }
 
 int32_t Session::flush() {
-  process_ready(true);
+  Lock lock(mutex_);
+  if (has_turn()) return ODO_E_STATE;
+  if (live_) {
+    const uint64_t mine = ++flushes_asked_;
+    work_waiting_.notify_one();
+    turn_changed_.wait(lock, [&] { return flushes_done_ >= mine; });
+    return ODO_OK;
+  }
+  const Turn turn(*this, lock);
+  process_waiting(lock, order_.latest_waiting_ns());
   return ODO_OK;
 }
 
 void Session::publish(const odo_header& event) {
-  if ((callback_mask_.load(std::memory_order_relaxed) >> event.type & 1) && callback_)
-    callback_(callback_user_, &event);
+  if ((callback_mask_.load(std::memory_order_relaxed) >> event.type & 1) == 0) return;
+  odo_callback callback;
+  void* user;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!callback_) return;
+    callback = callback_, user = callback_user_;
+    callback_runs_ = true;
+    callback_thread_ = std::this_thread::get_id();
+  }
+  callback(user, &event);
+  {
+    const std::lock_guard lock(mutex_);
+    callback_runs_ = false;
+  }
+  turn_changed_.notify_all();
 }
 
-int32_t Session::pose(int64_t t_ns, odo_pose& out) const { return pipeline_->pose_at(t_ns, out); }
-
 void Session::set_callback(uint32_t mask, odo_callback callback, void* user) {
-  const std::lock_guard lock(work_mutex_);
-  callback_ = callback;
+  Lock lock(mutex_);
+  callback_ = mask != 0 ? callback : nullptr;
   callback_user_ = user;
   callback_mask_ = callback ? mask : 0;
+  turn_changed_.wait(lock, [this] { return !callback_runs_ || callback_thread_ == std::this_thread::get_id(); });
 }
 
 void Session::statistics(odo_statistics& out) const {
-  odo_statistics now;
-  {
-    const std::lock_guard work(work_mutex_);
-    const std::lock_guard answers(answers_mutex_);
-    now = statistics_;
-    const auto& counters = pipeline_->counters();
-    now.frames = counters.frames;
-    now.steps = counters.steps;
-    now.fixes_accepted = counters.fixes_accepted;
-    now.fixes_rejected = counters.fixes_rejected;
-    now.gaps = pipeline_->gaps();
-    now.plugin_faults = pipeline_->plugin_faults();
-    now.tracking_s = counters.state_s[ODO_TRACKING];
-    now.degraded_s = counters.state_s[ODO_DEGRADED];
-    now.lost_s = counters.state_s[ODO_LOST];
-    now.distance_m = pipeline_->distance_m();
-  }
+  const Progress progress = progress_.read();
+  const Pipeline::Counters& counters = progress.counters;
+  odo_statistics now{};
+  now.pushed = intake_.pushed;
+  now.processed = intake_.processed;
+  now.frames = counters.frames;
+  now.steps = counters.steps;
+  now.fixes_accepted = counters.fixes_accepted;
+  now.fixes_rejected = counters.fixes_rejected;
+  now.late = intake_.late;
+  now.duplicate = intake_.duplicate;
+  now.invalid = intake_.invalid;
+  now.overflow = intake_.overflow;
+  now.gaps = progress.gaps;
+  now.plugin_faults = progress.plugin_faults;
+  now.tracking_s = counters.state_s[ODO_TRACKING];
+  now.degraded_s = counters.state_s[ODO_DEGRADED];
+  now.lost_s = counters.state_s[ODO_LOST];
+  now.distance_m = progress.distance_m;
+  now.wild = intake_.wild;
+  now.events_dropped = counters.events_dropped;
   const uint32_t size = std::min<uint32_t>(out.struct_size, sizeof now);
   now.struct_size = size;
   std::memcpy(&out, &now, size);
@@ -244,7 +333,7 @@ void Session::statistics(odo_statistics& out) const {
 void Session::reported(const Report& report) {
   HostServices::Listener listener;
   {
-    const std::lock_guard lock(answers_mutex_);
+    const std::lock_guard lock(error_mutex_);
     if (report.severity >= ODO_SEVERITY_WARNING) {
       ++errors_;
       last_error_.status = ODO_E_ERROR;
@@ -257,12 +346,12 @@ void Session::reported(const Report& report) {
 }
 
 void Session::set_report_listener(HostServices::Listener listener) {
-  const std::lock_guard lock(answers_mutex_);
+  const std::lock_guard lock(error_mutex_);
   listener_ = std::move(listener);
 }
 
 int32_t Session::last_error(odo_error& out) {
-  const std::lock_guard lock(answers_mutex_);
+  const std::lock_guard lock(error_mutex_);
   if (errors_ == 0) return ODO_OK;
   out.status = last_error_.status;
   std::memcpy(out.message, last_error_.message, sizeof out.message);
@@ -270,15 +359,21 @@ int32_t Session::last_error(odo_error& out) {
   return out.status;
 }
 
-int64_t Session::save(void* data, uint64_t capacity) const {
-  const std::lock_guard work(work_mutex_);
+int64_t Session::save(void* data, uint64_t capacity) {
+  Lock lock(mutex_);
+  if (has_turn()) return ODO_E_STATE;
+  const Turn turn(*this, lock);
+  lock.unlock();
   const auto blob = pipeline_->save();
   if (data && blob.size() <= capacity) std::memcpy(data, blob.data(), blob.size());
   return static_cast<int64_t>(blob.size());
 }
 
 int32_t Session::load(const void* data, uint64_t size) {
-  const std::lock_guard work(work_mutex_);
+  Lock lock(mutex_);
+  if (has_turn()) return ODO_E_STATE;
+  const Turn turn(*this, lock);
+  lock.unlock();
   const auto loaded = pipeline_->load({static_cast<const uint8_t*>(data), static_cast<size_t>(size)});
   if (loaded) return ODO_OK;
   host_.report(0, ODO_SEVERITY_WARNING, "load", loaded.failure().text);

@@ -7,17 +7,24 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include <odograph/odograph.h>
 
+#include "sdk/base/snapshot.hpp"
 #include "sdk/core/frame_store.hpp"
 #include "sdk/core/pipeline.hpp"
+#include "sdk/core/pose_stream.hpp"
+#include "sdk/core/sample_gate.hpp"
 #include "sdk/core/time_order.hpp"
 
 namespace odograph {
 
-/// What is behind odo_session: the queue, the thread (when live), the locks. Three locks, always taken in this order
-/// and never two of the same: work (the pipeline), queue (samples waiting), answers (poses, counters, last error).
+/// What is behind odo_session: the queue, the thread (when live), the turn.
+///
+/// The pipeline belongs to whoever has the turn, one thread at a time: the session's own when live, whoever pushes or
+/// flushes in replay, and save and load. Only the turn's flag is under the lock, so that plugins work, callbacks are
+/// called and frames are given back with no lock held. Poses and counters are read without the turn.
 class Session {
  public:
   static Result<std::unique_ptr<Session>> make(PipelineConfig config, std::vector<std::filesystem::path> assets,
@@ -26,11 +33,13 @@ class Session {
 
   int32_t push(const odo_header& sample);
   int32_t flush();
-  int32_t pose(int64_t t_ns, odo_pose& out) const;
+  /// PoseStream::at.
+  int32_t pose(int64_t t_ns, bool smooth, odo_pose& out) const { return poses_.at(t_ns, smooth, out); }
   void set_callback(uint32_t mask, odo_callback callback, void* user);
   void statistics(odo_statistics& out) const;
   int32_t last_error(odo_error& out);
-  int64_t save(void* data, uint64_t capacity) const;
+  /// ODO_E_STATE from within a callback.
+  int64_t save(void* data, uint64_t capacity);
   int32_t load(const void* data, uint64_t size);
   int32_t to_geodetic(const double* p_n, double* geodetic) const;
   int32_t from_geodetic(const double* geodetic, double* p_n) const;
@@ -39,15 +48,55 @@ class Session {
   const PipelineConfig& config() const { return config_; }
 
  private:
+  /// Of what is pushed; counted by any thread.
+  struct Intake {
+    std::atomic<uint64_t> pushed{0}, processed{0}, late{0}, duplicate{0}, invalid{0}, overflow{0}, wild{0};
+  };
+  /// What the pipeline counts, as its last sample left it.
+  struct Progress {
+    Pipeline::Counters counters;
+    uint64_t gaps = 0, plugin_faults = 0;
+    double distance_m = 0;
+  };
+  using Lock = std::unique_lock<std::mutex>;
+
   Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed);
 
-  int32_t check(const odo_header& sample);
-  int32_t enqueue(const odo_header& sample);
-  void process_ready(bool flush);
-  void publish(const odo_header& event);
+  int32_t check(const odo_header& sample) const;
+  int32_t own(const odo_header& sample, OwnedMessage& out);
+  int32_t enqueue(OwnedMessage message);
+  TimeOrder::Verdict order(OwnedMessage message, std::vector<OwnedMessage>& given_up);
+  void restart_clock(std::vector<OwnedMessage>& given_up);
+  int32_t refuse_invalid(const odo_header& sample, int32_t status);
+  int32_t refuse_wild(const odo_header& sample, const char* what);
+  int32_t note_verdict(TimeOrder::Verdict verdict, const odo_header& sample);
+
+  /// The turn, from taking it to the end of the scope, however that is left.
+  class Turn {
+   public:
+    Turn(Session& session, Lock& lock) : session_(session), lock_(lock) { session_.take_turn(lock_); }
+    ~Turn() {
+      if (!lock_.owns_lock()) lock_.lock();
+      session_.give_turn();
+    }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    Session& session_;
+    Lock& lock_;
+  };
+
+  bool has_turn() const { return turn_taken_ && turn_holder_ == std::this_thread::get_id(); }
+  void take_turn(Lock& lock);
+  void give_turn();
+  bool work_is_waiting() const;
+  void process_waiting(Lock& lock, int64_t flush_until_ns);
+  void publish_progress();
   void work();
+
+  void publish(const odo_header& event);
   void reported(const Report& report);
-  void restart_clock();
   odo_calibration with_own(const odo_calibration& calibration) const;
   void note_time_offset(const odo_calibration& calibration);
   int64_t time_offset_ns(uint32_t calibration);
@@ -57,22 +106,28 @@ class Session {
   HostServices host_;
   Geodesy geodesy_;
   FrameStore frames_;
+  PoseStream poses_;
+  std::unique_ptr<Pipeline> pipeline_;  // whose turn it is
 
-  mutable std::recursive_mutex work_mutex_;  // recursive: a callback may ask for statistics
-  std::unique_ptr<Pipeline> pipeline_;
-  odo_callback callback_ = nullptr;
-  void* callback_user_ = nullptr;
-  std::atomic<uint32_t> callback_mask_{0};
-
-  std::mutex queue_mutex_;
-  std::condition_variable queue_changed_;
+  mutable std::mutex mutex_;  // for what follows; held for moments only
+  std::condition_variable work_waiting_, turn_changed_;
+  SampleGate gate_;
   TimeOrder order_;
   std::map<uint32_t, int64_t> camera_offsets_ns_;  // by calibration id: IMU time minus camera time
   bool restart_pending_ = false;
   bool stopping_ = false;
+  uint64_t flushes_asked_ = 0, flushes_done_ = 0;
+  bool turn_taken_ = false;
+  std::thread::id turn_holder_;
+  odo_callback callback_ = nullptr;
+  void* callback_user_ = nullptr;
+  bool callback_runs_ = false;
+  std::thread::id callback_thread_;
+  std::atomic<uint32_t> callback_mask_{0};
 
-  mutable std::mutex answers_mutex_;
-  odo_statistics statistics_{};
+  Intake intake_;
+  Snapshot<Progress> progress_;
+  mutable std::mutex error_mutex_;
   odo_error last_error_{};
   uint64_t errors_ = 0;
   HostServices::Listener listener_;

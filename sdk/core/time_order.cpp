@@ -3,12 +3,10 @@
 
 #include <algorithm>
 
+#include "sdk/base/saturating.hpp"
+
 namespace odograph {
 namespace {
-
-constexpr int64_t kFarAhead_ns = 10'000'000'000;  // one sample with a wild time must not make all others late
-constexpr int kBelieveAhead = 3;                  // but a sensor that says so three times has had a pause
-constexpr int kBelieveBehind = 50;                // and one that stays behind has had its clock set back
 
 /// Sensors that deliver steadily hold the others back; sensors that speak now and then do not.
 bool holds_back(uint32_t type) {
@@ -26,7 +24,8 @@ uint32_t rank_of(uint32_t type) { return type == ODO_TYPE_CALIBRATION || type ==
 
 }  // namespace
 
-TimeOrder::TimeOrder(size_t capacity, int64_t max_wait_ns) : max_wait_ns_(max_wait_ns), slots_(capacity) {
+TimeOrder::TimeOrder(size_t capacity, int64_t max_wait_ns, const Parameters& parameters)
+    : parameters_(parameters), max_wait_ns_(max_wait_ns), slots_(capacity) {
   free_.reserve(capacity);
   heap_.reserve(capacity);
   for (size_t i = capacity; i-- > 0;) free_.push_back(static_cast<uint32_t>(i));
@@ -44,77 +43,102 @@ TimeOrder::Stream& TimeOrder::stream_of(const odo_header& message) {
     if (stream.used && stream.key == key) return stream;
   for (Stream& stream : streams_)
     if (!stream.used) {
-      stream = {key, INT64_MIN, 0, 0, true};
+      stream = {key, INT64_MIN, 0, 0, true, false};
       return stream;
     }
   return streams_.back();
 }
 
-TimeOrder::Verdict TimeOrder::push(const odo_header& message) {
-  Stream& stream = stream_of(message);
-  const int64_t t_ns = message.t_ns;
-  if (!may_be_late(message.type)) {
+bool TimeOrder::silent(const Stream& stream) const {
+  return saturating_difference(newest_ns_, stream.latest_ns) > std::max(parameters_.silent_ns, max_wait_ns_);
+}
+
+/// Of a sample that is older than what was released. Its stream is noted first, so that the others wait for it.
+TimeOrder::Verdict TimeOrder::judge_late(Stream& stream, const odo_header& message) {
+  if (message.t_ns < stream.latest_ns) {  // the sensor itself went back; while others go on it is not the clock
+    const bool set_back = ++stream.behind >= parameters_.believe_behind && holds_back(message.type);
+    return set_back ? Verdict::restarted : Verdict::late;
+  }
+  if (stream.latest_ns == INT64_MIN || silent(stream)) stream.joined = false;
+  stream.latest_ns = message.t_ns;
+  stream.behind = 0;
+  const bool joins =
+      !stream.joined && holds_back(message.type) && saturating_difference(released_ns_, message.t_ns) <= max_wait_ns_;
+  return joins ? Verdict::accepted : Verdict::late;
+}
+
+TimeOrder::Verdict TimeOrder::push(OwnedMessage&& message) {
+  const odo_header& header = message.header();
+  Stream& stream = stream_of(header);
+  const int64_t t_ns = header.t_ns;
+  const bool ordered = !may_be_late(header.type);
+  if (ordered) {
     if (t_ns == stream.latest_ns) return Verdict::duplicate;
-    if (newest_ns_ != INT64_MIN && t_ns - newest_ns_ > kFarAhead_ns && ++stream.ahead < kBelieveAhead)
+    if (newest_ns_ != INT64_MIN && saturating_difference(t_ns, newest_ns_) > parameters_.far_ahead_ns &&
+        ++stream.ahead < parameters_.believe_ahead)
       return Verdict::implausible;
     stream.ahead = 0;
     if (released_ns_ != INT64_MIN && t_ns < released_ns_) {
-      if (t_ns <= stream.latest_ns && stream.behind == 0) {
-        stream.behind = 1;
-        return Verdict::late;
-      }
-      // A slow sensor that is late is late; and while others go on it is not the clock that was set back.
-      if (++stream.behind < kBelieveBehind || !holds_back(message.type)) return Verdict::late;
-      return Verdict::restarted;
+      if (const Verdict verdict = judge_late(stream, header); verdict != Verdict::accepted) return verdict;
+    } else {
+      stream.joined = true;
+      for (Stream& any : streams_) any.behind = 0;
     }
-    for (Stream& any : streams_) any.behind = 0;
   }
   if (free_.empty()) return Verdict::full;
-  const uint32_t slot = free_.back();
-  free_.pop_back();
-  slots_[slot].assign(message);
-  heap_.push_back({t_ns, rank_of(message.type), slot, sequence_++});
-  std::push_heap(heap_.begin(), heap_.end(), later);
   stream.latest_ns = std::max(stream.latest_ns, t_ns);
-  if (!may_be_late(message.type)) {
+  if (ordered) {
     newest_ns_ = std::max(newest_ns_, t_ns);
     if (oldest_ns_ == INT64_MIN) oldest_ns_ = t_ns;
   }
+  const uint32_t slot = free_.back();
+  free_.pop_back();
+  heap_.push_back({t_ns, rank_of(header.type), slot, sequence_++});
+  slots_[slot] = std::move(message);
+  std::push_heap(heap_.begin(), heap_.end(), later);
   return Verdict::accepted;
 }
 
 int64_t TimeOrder::watermark() const {
   if (newest_ns_ == INT64_MIN) return INT64_MAX;  // only calibrations so far: nothing to wait for
   // At first nobody knows which sensors there are: all get the longest wait to show up.
-  if (newest_ns_ - oldest_ns_ < max_wait_ns_) return newest_ns_ - max_wait_ns_;
+  const int64_t bound_ns = saturating_difference(newest_ns_, max_wait_ns_);
+  if (saturating_difference(newest_ns_, oldest_ns_) < max_wait_ns_) return bound_ns;
   int64_t slowest = INT64_MAX;
   for (const Stream& stream : streams_)
-    if (stream.used && stream.latest_ns != INT64_MIN && holds_back(static_cast<uint32_t>(stream.key >> 32) & 0xFFFFFFF))
+    if (stream.used && stream.latest_ns != INT64_MIN && !silent(stream) &&
+        holds_back(static_cast<uint32_t>(stream.key >> 32) & 0xFFFFFFF))
       slowest = std::min(slowest, stream.latest_ns);
-  return std::max(newest_ns_ - max_wait_ns_, std::min(slowest, newest_ns_));
+  return std::max(bound_ns, std::min(slowest, newest_ns_));
 }
 
-void TimeOrder::take_first(AnyMessage& out) {
+void TimeOrder::take_first(OwnedMessage& out) {
   std::pop_heap(heap_.begin(), heap_.end(), later);
   const Entry entry = heap_.back();
   heap_.pop_back();
-  out = slots_[entry.slot];
+  out = std::move(slots_[entry.slot]);
   free_.push_back(entry.slot);
 }
 
-bool TimeOrder::pop(AnyMessage& out, bool flush) {
-  if (heap_.empty() || (!flush && heap_.front().t_ns > watermark())) return false;
+int64_t TimeOrder::latest_waiting_ns() const {
+  int64_t latest = INT64_MIN;
+  for (const Entry& entry : heap_) latest = std::max(latest, entry.t_ns);
+  return latest;
+}
+
+bool TimeOrder::pop(OwnedMessage& out, int64_t flush_until_ns) {
+  if (heap_.empty() || heap_.front().t_ns > std::max(watermark(), flush_until_ns)) return false;
   take_first(out);
   released_ns_ = std::max(released_ns_, out.header().t_ns);
   return true;
 }
 
 void TimeOrder::restart() {
-  for (Stream& stream : streams_) stream.latest_ns = INT64_MIN, stream.ahead = stream.behind = 0;
+  for (Stream& stream : streams_) stream.latest_ns = INT64_MIN, stream.ahead = stream.behind = 0, stream.joined = false;
   oldest_ns_ = newest_ns_ = released_ns_ = INT64_MIN;
 }
 
-bool TimeOrder::drain(AnyMessage& out) {
+bool TimeOrder::drain(OwnedMessage& out) {
   if (heap_.empty()) return false;
   take_first(out);
   return true;

@@ -174,6 +174,7 @@ void PluginInstance::failed(int32_t status) {
 }
 
 void PluginInstance::reset() {
+  was_reset_ = true;
   const odo_plugin& table = library_->table();
   const auto function = ODO_OPTIONAL(table, reset);
   if (function && function(instance_) >= 0) return;

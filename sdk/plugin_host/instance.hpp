@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sdk/config/pipeline_config.hpp"
@@ -45,6 +46,8 @@ class PluginInstance {
   std::span<AnyMessage> process(const odo_header& message);
   /// Back to the state after activation. [control]
   void reset();
+  /// True once after a reset, also one of its own after a failure: what describes the sensors is to be told anew.
+  bool take_reset() { return std::exchange(was_reset_, false); }
 
   /// What should survive a restart; empty where the plugin keeps nothing. [control]
   std::vector<uint8_t> save() const;
@@ -82,6 +85,7 @@ class PluginInstance {
   uint64_t faults_ = 0;
   int failures_in_a_row_ = 0;
   bool alive_ = true;
+  bool was_reset_ = false;
 };
 
 /// The message types a kind is given and owes, as bit masks; zeros for an unknown interface.

@@ -26,7 +26,8 @@ typedef struct odo_error {
 } odo_error;
 
 #define ODO_RUN_LIVE UINT32_C(0)   /* samples are processed on a thread of the session's own */
-#define ODO_RUN_REPLAY UINT32_C(1) /* samples are processed within push, on the caller's thread: deterministic */
+#define ODO_RUN_REPLAY UINT32_C(1) /* samples are processed within push, on the caller's thread: deterministic. While
+                                    * one thread processes, what others push is processed by it */
 
 typedef struct odo_session_options {
   uint32_t struct_size;
@@ -58,6 +59,8 @@ typedef struct odo_statistics {
   double degraded_s;
   double lost_s;
   double distance_m;
+  uint64_t wild;             /* dropped: outside the sensor's range, or a spike against its neighbours */
+  uint64_t events_dropped;   /* of samples that gave more events than the pipeline takes of one */
 } odo_statistics;
 
 /* [control] Compiles the config, loads and starts the plugins. On failure *session is null and `error`, which may be
@@ -71,20 +74,31 @@ ODO_EXPORT void odo_session_destroy(odo_session *session);
 /* [any] Hands in a sample: odo_imu, odo_magnetometer, odo_barometer, odo_gnss, odo_frame, odo_calibration,
  * odo_imu_noise or odo_waypoint, each with struct_size and type set. The struct is copied; a frame's pixels are not if
  * it has retain and release (otherwise they are copied once, because they end with this call).
- * Samples of different sensors may come in any order within the configured wait (time_ordering.max_wait).
- * ODO_E_DISCARD (not finite, late, unknown calibration), ODO_E_EXHAUSTED (queue full), ODO_E_STRUCT_SIZE. */
+ * Samples of different sensors may come in any order within the configured wait (time_ordering.max_wait). An inertial
+ * sample that jumps away from the one before waits for the next one, and is dropped if that does not confirm it.
+ * No lock is held while a frame's retain or release is called: they may push.
+ * ODO_E_DISCARD (not finite, outside any sensor's range, late), ODO_E_EXHAUSTED (queue full), ODO_E_STRUCT_SIZE. */
 ODO_EXPORT int32_t odo_session_push(odo_session *session, const odo_header *sample);
 
 /* [any] Shorthand for the commonest sample. Arrays of 3, rad/s and m/s^2. */
 ODO_EXPORT int32_t odo_session_push_imu(odo_session *session, int64_t t_ns, const double *gyro_b, const double *accel_b);
 
-/* [control] Processes all that has been pushed, without waiting for slower sensors. Returns when done. */
+/* [control] Processes all that has been pushed, without waiting for slower sensors: on the session's thread when live,
+ * on the caller's in replay. Returns when done. ODO_E_STATE from within a callback. */
 ODO_EXPORT int32_t odo_session_flush(odo_session *session);
 
 #define ODO_TIME_LATEST INT64_MIN
-/* [any] The pose at a time of the sensor clock, or the latest one. Between two poses it is interpolated, up to 0.5 s
- * after the last one extrapolated (and flagged so). ODO_NOT_READY before the first pose, ODO_E_NOT_FOUND outside. */
+/* [any] The pose at a time of the sensor clock, or at the newest sample. Between two poses it is interpolated; after the
+ * last one it is carried on with the inertial samples that have been pushed meanwhile, and ahead of the newest sample
+ * (100 ms are meant, 0.5 s allowed) with their last values; it is flagged ODO_POSE_EXTRAPOLATED then. While the position
+ * is not known (camera off for more than 0.5 s, state lost) there is the orientation alone: look at the flags. Takes
+ * microseconds and never waits for the pipeline.
+ * ODO_NOT_READY before the first pose or attitude, ODO_E_NOT_FOUND outside. */
 ODO_EXPORT int32_t odo_session_get_pose(odo_session *session, int64_t t_ns, odo_pose *pose);
+
+/* [any] The same pose, but corrections (see odo_correction) are blended in: never faster than 0.5 m/s and 10 degrees/s
+ * beyond the true motion. For what is drawn and must not jump; places in n belong to odo_session_get_pose. */
+ODO_EXPORT int32_t odo_session_get_smooth_pose(odo_session *session, int64_t t_ns, odo_pose *pose);
 
 /* Event masks for callbacks: 1 << ODO_TYPE_*. */
 #define ODO_ON_CALIBRATION (UINT32_C(1) << 6) /* what a front-end refined the camera to: ODO_CALIBRATION_REFINED */
@@ -96,15 +110,18 @@ ODO_EXPORT int32_t odo_session_get_pose(odo_session *session, int64_t t_ns, odo_
 #define ODO_ON_FIX (UINT32_C(1) << 21)
 #define ODO_ON_POSE (UINT32_C(1) << 22)
 #define ODO_ON_STATE (UINT32_C(1) << 23)
+#define ODO_ON_CORRECTION (UINT32_C(1) << 24)
 
 /* Called with an event that is valid for the duration of the call; cast by event->type. On the session's thread when
- * live, within push or flush in replay. It may call [any] functions other than push and flush. */
+ * live, within push or flush in replay. No lock is held: it may call [any] functions; what it pushes is processed after
+ * it has returned. */
 typedef void (*odo_callback)(void *user, const odo_header *event);
 
-/* [control] Replaces the callback; mask 0 or a null function ends the calls, and none is running after the return. */
+/* [control] Replaces the callback; mask 0 or a null function ends the calls, and none is running after the return (but
+ * the one that it was called from). */
 ODO_EXPORT int32_t odo_session_set_callback(odo_session *session, uint32_t mask, odo_callback callback, void *user);
 
-/* [any] Accumulated counters. */
+/* [any] Accumulated counters. Never waits for the pipeline. */
 ODO_EXPORT int32_t odo_session_get_statistics(odo_session *session, odo_statistics *statistics);
 
 /* [any] The last error or warning that a push or a plugin caused, and how often since the last call; ODO_OK when none. */

@@ -83,6 +83,7 @@ typedef struct odo_string {
 #define ODO_TYPE_FIX UINT32_C(21)
 #define ODO_TYPE_POSE UINT32_C(22)
 #define ODO_TYPE_STATE UINT32_C(23)
+#define ODO_TYPE_CORRECTION UINT32_C(24)
 
 /* The head of every message. Frozen at 32 bytes; a message grows at its end. */
 typedef struct odo_header {
@@ -309,6 +310,7 @@ typedef struct odo_scale {
 #define ODO_FIX_ORIENTATION UINT32_C(16)
 #define ODO_FIX_GEODETIC UINT32_C(32) /* latitude etc. are valid and p_n is not: the host converts, having the origin */
 #define ODO_FIX_SLANT UINT32_C(64)    /* landmark_n and slant_distance_m are valid */
+#define ODO_FIX_ACCEPTED UINT32_C(128) /* it was used; set by the host on what it publishes, never by a fixer */
 typedef struct odo_fix {
   odo_header header;
   double p_n[3];
@@ -350,6 +352,20 @@ typedef struct odo_state {
   uint32_t state;
   uint32_t reason;
 } odo_state;
+
+/* The track was corrected and n with it: what was at x in the old n is at q_n * x + p_n in the new one. Given before the
+ * pose that it corrected; whoever keeps places in n (anchors) moves them by it, and turns them by q_n. */
+#define ODO_CORRECTION_FIX UINT32_C(1)       /* a position or orientation from outside */
+#define ODO_CORRECTION_SCALE UINT32_C(2)     /* the metre became known, or better known */
+#define ODO_CORRECTION_RECOVERED UINT32_C(3) /* a part of the estimate was started anew */
+#define ODO_CORRECTION_RESTART UINT32_C(4)   /* the sensor clock was set back: n begins anew, where the phone was */
+typedef struct odo_correction {
+  odo_header header; /* t_ns: of the pose at which the two agree best */
+  double q_n[4];     /* old n to new n, about the vertical */
+  double p_n[3];     /* m */
+  uint32_t reason;   /* ODO_CORRECTION_* */
+  uint32_t reserved; /* 0 */
+} odo_correction;
 
 #ifdef __cplusplus
 }

@@ -3,22 +3,17 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "sdk/config/pipeline_config.hpp"
-#include "sdk/core/geodesy.hpp"
-#include "sdk/core/gyro_chain.hpp"
 #include "sdk/core/pose_history.hpp"
+#include "sdk/estimator/estimator.hpp"
+#include "sdk/estimator/gyro_chain.hpp"
 
 namespace odograph {
-
-/// What the pipeline consists of, as far as the coupling must know.
-struct CouplingInputs {
-  bool vo = false;
-  bool scale = false;
-};
 
 /// The coupling of Antigny et al. 2019, section 3.4: each frame's displacement, rotated into n, is multiplied by that
 /// frame's scale (eq. (7), computed by the scale source) and added to the horizontal position; rotation is chained from
@@ -30,7 +25,7 @@ struct CouplingInputs {
 /// the motion had no length.
 class PerFrameCoupling {
  public:
-  PerFrameCoupling(const CouplingConfig& config, const StartPose& start, CouplingInputs inputs, Geodesy& geodesy);
+  PerFrameCoupling(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs);
 
   void on_calibration(const odo_calibration& calibration);
   /// A whole sample, gyroscope and accelerometer.
@@ -47,16 +42,21 @@ class PerFrameCoupling {
   std::optional<odo_pose> on_step(const odo_step& step);
   /// The first pose of a track without a camera, as soon as there is an orientation.
   std::optional<odo_pose> start_without_camera();
-  /// True when the fix was used. `p_n` gets the position it meant.
-  bool on_fix(const odo_fix& fix, std::array<double, 3>& p_n);
+  /// A fix whose p_n is filled in, at its own time.
+  UpdateResult on_fix(const odo_fix& fix);
 
   /// The latest pose anew, once after a fix that moved it.
   std::optional<odo_pose> take_correction();
+  /// What the latest motion added because its scale also holds for what came before, m in n; once.
+  std::optional<Eigen::Vector3d> take_caught_up() { return std::exchange(caught_up_n_, std::nullopt); }
 
   /// PoseHistory::at. [any]
   int32_t pose_at(int64_t t_ns, odo_pose& out) const { return history_.at(t_ns, out); }
 
   double distance_m() const { return distance_m_; }
+  /// INT64_MIN before the first.
+  int64_t last_pose_ns() const { return last_pose_ns_; }
+  const Eigen::Quaterniond& q_b_c() const { return q_b_c_; }
   /// Position and orientation as they were at the start; the geodetic origin stays.
   void reset();
 
@@ -73,7 +73,7 @@ class PerFrameCoupling {
   void move(const Eigen::Vector3d& d_n, double relative_sigma, double dt_s);
   void wait_for_scale(const odo_vo_motion& motion, const Eigen::Vector3d& d_n);
   Eigen::Vector3d catch_up(const odo_scale& scale);
-  void drift(const odo_vo_motion& motion, double dt_s, bool lost_metres);
+  void drift(const odo_vo_motion& motion, const Eigen::Quaterniond& q_n_c0, double dt_s, bool lost_metres);
   void turn(const odo_vo_motion& motion, const std::optional<odo_attitude>& before,
             const std::optional<odo_attitude>& after);
   bool turn_with_gyroscope(const odo_vo_motion& motion);
@@ -81,18 +81,22 @@ class PerFrameCoupling {
   bool turn_chain_by(const Eigen::Vector3d& off_n, const odo_fix& fix);
   void share_rotation_covariance();
   odo_pose publish(int64_t t_ns, uint32_t state, uint32_t reason);
+  /// Positions are in metres, and nothing waits for a scale.
+  bool metre_known() const {
+    return !inputs_.vo || metric_by_vo_ || (inputs_.scale && scale_.metres_per_unit > 0 && !unscaled_);
+  }
   bool metric() const { return inputs_.scale || !inputs_.vo || metric_by_vo_; }
 
   CouplingConfig config_;
   StartPose start_;
-  CouplingInputs inputs_;
-  Geodesy& geodesy_;
+  EstimatorInputs inputs_;
   PoseHistory history_;
 
   std::array<odo_attitude, 128> attitudes_{};
   size_t attitude_count_ = 0;
 
-  Eigen::Quaterniond q_b_c_;
+  // A phone's rear camera: x right as the body's, y down and z forward against the body's up and out of the screen.
+  Eigen::Quaterniond q_b_c_{0.0, 1.0, 0.0, 0.0};
   Eigen::Quaterniond q_n_ = Eigen::Quaterniond::Identity();  // of the camera, or of the body without one
   Eigen::Vector3d p_n_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_n_ = Eigen::Vector3d::Zero();
@@ -115,6 +119,8 @@ class PerFrameCoupling {
   bool carried_by_steps_ = false;
   bool corrected_ = false;
   bool metric_by_vo_ = false;
+  bool velocity_known_ = false;
+  std::optional<Eigen::Vector3d> caught_up_n_;
   struct Unscaled {                                 // what a scale group has moved before its scale is known
     Eigen::Vector3d d_n = Eigen::Vector3d::Zero();  // VO units
     uint32_t group = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/core/gyro_chain.hpp"
+#include "sdk/estimator/gyro_chain.hpp"
 
 #include <algorithm>
 #include <cmath>

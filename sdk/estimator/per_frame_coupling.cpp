@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/core/per_frame_coupling.hpp"
+#include "sdk/estimator/per_frame_coupling.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,24 +25,28 @@ Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1]
 
 Quaterniond about_down(double angle_rad) { return Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())); }
 
+/// Of a motion's rotation, in c0; only where ODO_VO_COVARIANCE is set.
+Matrix3d rotation_covariance_of(const odo_vo_motion& motion) {
+  return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(motion.covariance).topLeftCorner<3, 3>();
+}
+
 double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
 
 }  // namespace
 
-PerFrameCoupling::PerFrameCoupling(const CouplingConfig& config, const StartPose& start, CouplingInputs inputs,
-                                   Geodesy& geodesy)
-    : config_(config), start_(start), inputs_(inputs), geodesy_(geodesy) {
+PerFrameCoupling::PerFrameCoupling(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs)
+    : config_(config), start_(start), inputs_(inputs) {
   reset();
 }
 
 void PerFrameCoupling::reset() {
-  // A phone's rear camera: x right as the body's, y down and z forward against the body's up and out of the screen.
-  if (!camera_) q_b_c_ = Quaterniond(0.0, 1.0, 0.0, 0.0);
   p_n_ = Vector3d(start_.position_m.data());
   heading_offset_rad_ = start_.heading_rad;
   placed_ = start_.given;
   q_n_.setIdentity();
   velocity_n_.setZero();
+  velocity_known_ = false;
+  caught_up_n_.reset();
   rotation_covariance_.setZero();
   independent_covariance_.setZero();
   since_fix_n_.setZero();
@@ -126,6 +130,7 @@ void PerFrameCoupling::turn(const odo_vo_motion& motion, const std::optional<odo
 
 odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_scale* scale) {
   const Quaterniond q_n_c0 = q_n_;
+  velocity_known_ = false;
   const auto before = attitude_at(motion.t_from_ns);
   const auto after = attitude_at(motion.header.t_ns);
   if (after) rotation_covariance_ = Eigen::Map<const RowMatrix3d>(after->covariance_n);
@@ -157,14 +162,14 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
       if (state == ODO_TRACKING) state = ODO_DEGRADED, reason = ODO_REASON_NO_SCALE;
     }
   }
-  drift(motion, dt_s, metric() && (!translated || !(scale || metric_by_vo_)));
+  drift(motion, q_n_c0, dt_s, metric() && (!translated || !(scale || metric_by_vo_)));
   share_rotation_covariance();
   carried_by_steps_ = !translated;
   if (translated) last_tracked_ns_ = motion.header.t_ns;
   if (state == ODO_LOST && after && seconds(motion.header.t_ns - last_tracked_ns_) < config_.bridge_s)
     state = ODO_DEGRADED;
   if (translated) {
-    if (!late_n.isZero()) move(late_n, relative, 0.0);
+    if (!late_n.isZero()) move(late_n, relative, 0.0), caught_up_n_ = late_n;
     move(d_n, relative, dt_s);
   }
   return publish(motion.header.t_ns, state, reason);
@@ -194,7 +199,7 @@ void PerFrameCoupling::move(const Vector3d& d_n, double relative_sigma, double d
   const double length = d_n.norm();
   p_n_ += d_n;
   distance_m_ += length;
-  if (dt_s > 0) velocity_n_ = d_n / dt_s;
+  if (dt_s > 0) velocity_n_ = d_n / dt_s, velocity_known_ = true;
   // The relative errors along the path are averaged by length and taken as common to all of it.
   const double total = since_fix_n_.norm() + length;
   if (total > 0) relative_sigma_ += (relative_sigma - relative_sigma_) * length / total;
@@ -218,10 +223,15 @@ Vector3d PerFrameCoupling::catch_up(const odo_scale& scale) {
 }
 
 /// What becomes less certain from one frame to the next.
-void PerFrameCoupling::drift(const odo_vo_motion& motion, double dt_s, bool lost_metres) {
+void PerFrameCoupling::drift(const odo_vo_motion& motion, const Quaterniond& q_n_c0, double dt_s, bool lost_metres) {
   const double walk = kTurnWalk * kTurnWalk * dt_s;
-  heading_variance_ += motion.covariance[14] + walk;
-  tilt_variance_ += std::max(motion.covariance[0], motion.covariance[7]) + walk;
+  Matrix3d turned = Matrix3d::Zero();
+  if (motion.header.flags & ODO_VO_COVARIANCE) {
+    const Matrix3d R_n_c0 = q_n_c0.toRotationMatrix();
+    turned = R_n_c0 * rotation_covariance_of(motion) * R_n_c0.transpose();
+  }
+  heading_variance_ += turned(2, 2) + walk;
+  tilt_variance_ += std::max(turned(0, 0), turned(1, 1)) + walk;
   if (lost_metres) unseen_sigma_m_ += config_.fastest_mps * dt_s;
 }
 
@@ -241,9 +251,10 @@ bool PerFrameCoupling::turn_with_gyroscope(const odo_vo_motion& motion) {
   // With parallax a picture's rotation and translation are too much alike to tell a bias.
   const bool pure = motion.reason == ODO_REASON_NO_PARALLAX && (motion.header.flags & ODO_VO_ROTATION) != 0;
   if (pure)
-    chain_.seen_turn(imu->q_c0_c1, quaternion(motion.q_c0_c1),
-                     std::sqrt(std::max({motion.covariance[0], motion.covariance[7], motion.covariance[14]})),
-                     imu->dt_s);
+    chain_.seen_turn(
+        imu->q_c0_c1, quaternion(motion.q_c0_c1),
+        motion.header.flags & ODO_VO_COVARIANCE ? std::sqrt(rotation_covariance_of(motion).diagonal().maxCoeff()) : 0.0,
+        imu->dt_s);
   chain_.feel(imu->force_c, pure);
   q_n_ = chain_.q_n_c();
   return true;
@@ -308,15 +319,10 @@ bool PerFrameCoupling::turn_by(const odo_fix& fix) {
   return true;
 }
 
-bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) {
+UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
   const uint32_t flags = fix.header.flags;
-  Vector3d z(fix.p_n);
-  if (flags & ODO_FIX_GEODETIC) {
-    if (!geodesy_.has_origin()) geodesy_.set_origin({fix.latitude_rad, fix.longitude_rad, fix.height_m});
-    z = Vector3d(geodesy_.from_geodetic({fix.latitude_rad, fix.longitude_rad, fix.height_m}).data());
-  }
-  p_out = {z.x(), z.y(), z.z()};
-  const bool turned = (flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0 && turn_by(fix);
+  const Vector3d z(fix.p_n);
+  const bool turns = (flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0;
   // The fix speaks of its own time; what moved since then moved both.
   odo_pose then{};
   Vector3d predicted = p_n_;
@@ -330,15 +336,22 @@ bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) 
     R.col(i).setZero();
     R(i, i) = kPlaceless_m * kPlaceless_m;
   }
-  if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) return turned;
+  if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) {
+    corrected_ = turns && turn_by(fix);
+    return {corrected_, 0.0, 0};
+  }
   Matrix3d P = position_covariance();
   if (!placed_ || rejected_in_a_row_ >= kBelieveFixesAfter) P = Matrix3d::Identity() * kPlaceless_m * kPlaceless_m;
   const Matrix3d S = P + R + Matrix3d::Identity() * 1e-9;
   const double gate = config_.fix_gate_sigma;
-  if (gate > 0 && innovation.dot(S.ldlt().solve(innovation)) > gate * gate) {
+  const double nis = innovation.dot(S.ldlt().solve(innovation));
+  int dof = 0;
+  for (uint32_t flag : {ODO_FIX_NORTH, ODO_FIX_EAST, ODO_FIX_DOWN}) dof += (flags & flag) != 0;
+  if (gate > 0 && nis > gate * gate) {
     ++rejected_in_a_row_;
-    return false;
+    return {false, nis, dof};
   }
+  if (turns) turn_by(fix);  // a fix whose position is refused does not turn either
   const Matrix3d K = P * S.inverse();
   const Vector3d correction = K * innovation;
   p_n_ += correction;
@@ -349,7 +362,7 @@ bool PerFrameCoupling::on_fix(const odo_fix& fix, std::array<double, 3>& p_out) 
   placed_ = true;
   rejected_in_a_row_ = 0;
   corrected_ = true;
-  return true;
+  return {true, nis, dof};
 }
 
 std::optional<odo_pose> PerFrameCoupling::take_correction() {
@@ -359,8 +372,9 @@ std::optional<odo_pose> PerFrameCoupling::take_correction() {
 
 odo_pose PerFrameCoupling::publish(int64_t t_ns, uint32_t state, uint32_t reason) {
   auto pose = make_message<odo_pose>(ODO_TYPE_POSE, t_ns);
-  pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_VELOCITY;
-  if (metric()) pose.header.flags |= ODO_POSE_METRIC;
+  pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION;
+  if (metre_known()) pose.header.flags |= ODO_POSE_METRIC;
+  if (metre_known() && velocity_known_) pose.header.flags |= ODO_POSE_VELOCITY;
   if (camera_) pose.header.flags |= ODO_POSE_CAMERA;
   pose.q_n[0] = q_n_.w(), pose.q_n[1] = q_n_.x(), pose.q_n[2] = q_n_.y(), pose.q_n[3] = q_n_.z();
   Vector3d::Map(pose.p_n) = p_n_;

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <odograph/types.h>
+
+namespace odograph {
+
+/// Refuses what a sensor cannot have measured: values outside its range, and single inertial samples that stick out
+/// from both neighbours. An inertial sample that jumps away from the one before waits for the next one, which tells
+/// a spike (dropped) from a shock (both are passed on). No allocation. One thread at a time.
+class SampleGate {
+ public:
+  /// Widest ranges of phones' sensors and 15 % for scale and bias errors; spikes are a judgement.
+  struct Parameters {
+    double gyro_range_radps = 40;       ///< +-2000 deg/s (Bosch BMI270, TDK ICM-42688 data sheets)
+    double accel_range_mps2 = 180;      ///< +-16 g (the same)
+    double field_range_t = 5.6e-3;      ///< +-4912 uT (AKM AK09918 data sheet)
+    double pressure_low_pa = 25'000;    ///< 300 hPa (Bosch BMP390 data sheet)
+    double pressure_high_pa = 145'000;  ///< 1250 hPa (the same)
+    double gyro_spike_radps = 12;       ///< a hand's 500 rad/s^2 over 20 ms, with a margin
+    double accel_spike_mps2 = 80;       ///< twice a heel's shock at the hand
+    int64_t neighbour_ns = 50'000'000;  ///< samples further apart are no neighbours
+  };
+
+  enum class Verdict { passed, held, refused };
+
+  SampleGate() = default;
+  explicit SampleGate(const Parameters& parameters) : parameters_(parameters) {}
+
+  /// False when a number is outside the range of any phone's sensor. Other types than sensors' are always within.
+  bool within_range(const odo_header& sample) const;
+
+  /// Judges an inertial sample that is within range. `take(const odo_imu&)` is called for what may go on, in the order
+  /// of arrival: nothing (held), the sample, or the one that was held and the sample. Returns the number of spikes
+  /// dropped, 0 or 1.
+  template <class Take>
+  int push(const odo_imu& sample, Take&& take) {
+    Track& track = track_of(sample.header);
+    if (track.holding) {
+      track.holding = false;
+      const bool spike = differs(track.held, sample) && !differs(track.last, sample);
+      if (!spike) take(track.held);
+      take(sample);
+      track.last = sample;
+      return spike ? 1 : 0;
+    }
+    if (track.begun && differs(track.last, sample)) {
+      track.held = sample;
+      track.holding = true;
+      return 0;
+    }
+    take(sample);
+    track.last = sample;
+    track.begun = true;
+    return 0;
+  }
+  /// Forgets all samples, for a sensor clock that was set back.
+  void reset() { tracks_ = {}; }
+
+ private:
+  struct Track {
+    uint64_t key = 0;
+    bool begun = false, holding = false;
+    odo_imu last{}, held{};
+  };
+
+  Track& track_of(const odo_header& header);
+  /// Whether two samples are neighbours and too different for it.
+  bool differs(const odo_imu& a, const odo_imu& b) const;
+
+  Parameters parameters_;
+  std::array<Track, 6> tracks_{};  // gyroscope, accelerometer and both of two inertial sensors
+};
+
+}  // namespace odograph

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/estimator/error_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "sdk/estimator/rotation.hpp"
+
+namespace odograph::inertial {
+
+static_assert(kLogFactor == kLogScale + 1, "both are held together");
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using Error = Eigen::Matrix<double, kSize, 1>;
+using Rows3 = Eigen::Matrix<double, 3, kSize>;
+
+}  // namespace
+
+void ImuTransition::clear() {
+  for (Matrix3d* m : {&theta_by_bias, &v_by_theta, &v_by_gyro, &v_by_accel, &p_by_theta, &p_by_gyro, &p_by_accel})
+    m->setZero();
+  s = 0;
+}
+
+void ImuTransition::add(const Matrix3d& R_n_b, const Vector3d& force_n, double dt_s) {
+  const Matrix3d turned = skew(force_n * dt_s), R_dt = R_n_b * dt_s;
+  const Matrix3d turned_by_bias = turned * theta_by_bias;
+  p_by_theta += dt_s * v_by_theta - 0.5 * dt_s * turned;
+  p_by_gyro += dt_s * v_by_gyro - 0.5 * dt_s * turned_by_bias;
+  p_by_accel += dt_s * v_by_accel - 0.5 * dt_s * R_dt;
+  v_by_theta -= turned;
+  v_by_gyro -= turned_by_bias;
+  v_by_accel -= R_dt;
+  theta_by_bias -= R_dt;
+  s += dt_s;
+}
+
+void ErrorState::reset() { *this = ErrorState(); }
+
+void ErrorState::propagate(const ImuTransition& by, const ImuNoise& noise) {
+  // F P F' with F = I but for the rows of theta, v and p; p first, which needs the old ones.
+  Rows3 p = P.middleRows<3>(kPosition) + by.s * P.middleRows<3>(kVelocity);
+  p += by.p_by_theta.lazyProduct(P.middleRows<3>(kTheta));
+  p += by.p_by_gyro.lazyProduct(P.middleRows<3>(kGyroBias));
+  p += by.p_by_accel.lazyProduct(P.middleRows<3>(kAccelBias));
+  Rows3 v = P.middleRows<3>(kVelocity);
+  v += by.v_by_theta.lazyProduct(P.middleRows<3>(kTheta));
+  v += by.v_by_gyro.lazyProduct(P.middleRows<3>(kGyroBias));
+  v += by.v_by_accel.lazyProduct(P.middleRows<3>(kAccelBias));
+  P.middleRows<3>(kTheta) += by.theta_by_bias.lazyProduct(P.middleRows<3>(kGyroBias));
+  P.middleRows<3>(kPosition) = p;
+  P.middleRows<3>(kVelocity) = v;
+  using Columns3 = Eigen::Matrix<double, kSize, 3>;
+  Columns3 pc = P.middleCols<3>(kPosition) + by.s * P.middleCols<3>(kVelocity);
+  pc += P.middleCols<3>(kTheta).lazyProduct(by.p_by_theta.transpose());
+  pc += P.middleCols<3>(kGyroBias).lazyProduct(by.p_by_gyro.transpose());
+  pc += P.middleCols<3>(kAccelBias).lazyProduct(by.p_by_accel.transpose());
+  Columns3 vc = P.middleCols<3>(kVelocity);
+  vc += P.middleCols<3>(kTheta).lazyProduct(by.v_by_theta.transpose());
+  vc += P.middleCols<3>(kGyroBias).lazyProduct(by.v_by_gyro.transpose());
+  vc += P.middleCols<3>(kAccelBias).lazyProduct(by.v_by_accel.transpose());
+  P.middleCols<3>(kTheta) += P.middleCols<3>(kGyroBias).lazyProduct(by.theta_by_bias.transpose());
+  P.middleCols<3>(kPosition) = pc;
+  P.middleCols<3>(kVelocity) = vc;
+
+  add_variance(kTheta, 3, noise.gyro * by.s);
+  add_variance(kVelocity, 3, noise.accel * by.s);
+  add_variance(kPosition, 3, noise.accel * by.s * by.s * by.s / 3);
+  for (int i = 0; i < 3; ++i) {
+    P(kPosition + i, kVelocity + i) += noise.accel * by.s * by.s / 2;
+    P(kVelocity + i, kPosition + i) += noise.accel * by.s * by.s / 2;
+  }
+  add_variance(kGyroBias, 3, noise.gyro_walk * by.s);
+  add_variance(kAccelBias, 3, noise.accel_walk * by.s);
+}
+
+void ErrorState::copy_pose_block(int from, int to) {
+  P.middleRows<6>(to) = P.middleRows<6>(from).eval();
+  P.middleCols<6>(to) = P.middleCols<6>(from).eval();
+}
+
+void ErrorState::clone(int64_t t_ns) {
+  newest_ = (newest_ + 1) % kClones;
+  clone_count_ = std::min<size_t>(clone_count_ + 1, kClones);
+  clones_[newest_] = {t_ns, x.q_n_b, x.p_n};
+  copy_pose_block(kTheta, column_back(0));
+}
+
+void ErrorState::attach_vo(const PastPose& at, const Quaterniond& q_b_c, const Vector3d& p_b_c,
+                           double position_variance, double rotation_variance) {
+  const Vector3d lever_n = at.q_n_b * p_b_c;
+  x.q_n_vo = (at.q_n_b * q_b_c).normalized();
+  x.p_n_vo = at.p_n + lever_n;
+  const Matrix3d by_theta = -skew(lever_n);
+  Eigen::Matrix<double, 6, kSize> rows = (1 - at.w) * P.middleRows<6>(at.before) + at.w * P.middleRows<6>(at.after);
+  rows.bottomRows<3>() += by_theta.lazyProduct(rows.topRows<3>()).eval();
+  Eigen::Matrix<double, 6, 6> own = (1 - at.w) * rows.middleCols<6>(at.before) + at.w * rows.middleCols<6>(at.after);
+  own.rightCols<3>() += own.leftCols<3>().lazyProduct(by_theta.transpose()).eval();
+  P.middleRows<6>(kVo) = rows;
+  P.middleCols<6>(kVo) = rows.transpose();
+  P.block<6, 6>(kVo, kVo) = 0.5 * (own + own.transpose());
+  add_variance(kVo, 3, rotation_variance);
+  add_variance(kVoPosition, 3, position_variance);
+}
+
+void ErrorState::move_vo(const Quaterniond& q_c0_c1, const Vector3d& p_c0_c1, const Vector3d& expected_n,
+                         double position_variance, double rotation_variance) {
+  const Vector3d d_n = std::exp(x.log_scale) * (x.q_n_vo * p_c0_c1);
+  const Matrix3d by_theta = -skew(expected_n);
+  P.middleRows<3>(kVoPosition) += (expected_n * P.row(kLogScale) + by_theta.lazyProduct(P.middleRows<3>(kVo))).eval();
+  P.middleCols<3>(kVoPosition) +=
+      (P.col(kLogScale) * expected_n.transpose() + P.middleCols<3>(kVo).lazyProduct(by_theta.transpose())).eval();
+  add_variance(kVo, 3, rotation_variance);
+  add_variance(kVoPosition, 3, position_variance);
+  x.p_n_vo += d_n;
+  x.q_n_vo = (x.q_n_vo * q_c0_c1).normalized();
+}
+
+void ErrorState::place(const Vector3d& shift_n, const Vector3d& displacement_n, const Vector3d& v_n,
+                       double scale_variance, double position_variance, double velocity_variance) {
+  x.p_n += shift_n;
+  x.v_n = v_n;
+  for (int i = 0; i < 3; ++i) {
+    set_independent(kPosition + i, 0);
+    set_independent(kVelocity + i, velocity_variance);
+  }
+  Error by_scale = Error::Zero();
+  by_scale.segment<3>(kPosition) = displacement_n;
+  by_scale.segment<3>(kVelocity) = v_n;
+  by_scale *= std::sqrt(scale_variance);
+  for (int j = 0; j < kSize; ++j)
+    if (by_scale[j] != 0) P.col(j) += by_scale * by_scale[j];
+  by_scale *= std::sqrt(scale_variance);  // and with the scale itself
+  P.col(kLogScale) += by_scale;
+  P.row(kLogScale) += by_scale.transpose();
+  loosen_position(Matrix3d::Identity() * position_variance);
+}
+
+void ErrorState::set_independent(int at, double variance) {
+  P.row(at).setZero();
+  P.col(at).setZero();
+  P(at, at) = variance;
+}
+
+void ErrorState::shift(const Vector3d& by_n) {
+  x.p_n += by_n;
+  x.p_n_vo += by_n;
+  for (size_t i = 0; i < clone_count_; ++i) clones_[slot_back(i)].p_n += by_n;
+}
+
+void ErrorState::loosen_position(const Matrix3d& covariance) {
+  int blocks[kClones + 2] = {kPosition, kVoPosition};
+  for (int i = 0; i < kClones; ++i) blocks[i + 2] = kFirstClone + 6 * i + 3;
+  for (const int a : blocks)
+    for (const int b : blocks) P.block<3, 3>(a, b) += covariance;
+}
+
+void ErrorState::loosen_heading(double sigma_rad) {
+  Error common = Error::Zero();
+  const auto turned = [&](const Vector3d& v) { return Vector3d(sigma_rad * Vector3d::UnitZ().cross(v)); };
+  common[kTheta + 2] = common[kVo + 2] = sigma_rad;
+  common.segment<3>(kVelocity) = turned(x.v_n);
+  common.segment<3>(kVoPosition) = turned(x.p_n_vo - x.p_n);
+  common[kNorth] = -sigma_rad;  // the attitude source stays
+  common[kStepHeading] = sigma_rad;
+  for (size_t i = 0; i < clone_count_; ++i) {
+    common[column_back(i) + 2] = sigma_rad;
+    common.segment<3>(column_back(i) + 3) = turned(clone_back(i).p_n - x.p_n);
+  }
+  for (int j = 0; j < kSize; ++j)
+    if (common[j] != 0) P.col(j) += common * common[j];
+}
+
+Eigen::Matrix<double, 6, 6> ErrorState::covariance(const PastPose& at) const {
+  const double u = 1 - at.w;
+  if (u == 0 || at.before == at.after) return P.block<6, 6>(at.after, at.after);
+  const Eigen::Matrix<double, 6, 6> cross = P.block<6, 6>(at.before, at.after);
+  return u * u * P.block<6, 6>(at.before, at.before) + at.w * at.w * P.block<6, 6>(at.after, at.after) +
+         u * at.w * (cross + cross.transpose());
+}
+
+void ErrorState::apply(const Error& error) {
+  const auto turn = [&](Quaterniond& q, int at) { q = (exp_rotation(error.segment<3>(at)) * q).normalized(); };
+  turn(x.q_n_b, kTheta);
+  x.p_n += error.segment<3>(kPosition);
+  x.v_n += error.segment<3>(kVelocity);
+  x.gyro_bias_b += error.segment<3>(kGyroBias);
+  x.accel_bias_b += error.segment<3>(kAccelBias);
+  turn(x.q_n_vo, kVo);
+  x.p_n_vo += error.segment<3>(kVoPosition);
+  x.log_scale += error[kLogScale];
+  x.log_factor += error[kLogFactor];
+  x.step_heading_rad += error[kStepHeading];
+  x.north_rad += error[kNorth];
+  x.baro_m += error[kBaro];
+  for (size_t i = 0; i < clone_count_; ++i) {
+    Clone& clone = clones_[slot_back(i)];
+    turn(clone.q_n_b, column_back(i));
+    clone.p_n += error.segment<3>(column_back(i) + 3);
+  }
+}
+
+template <int D>
+UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis, bool hold_scale) {
+  Eigen::Matrix<double, kSize, D> PHt = Eigen::Matrix<double, kSize, D>::Zero();
+  Eigen::Matrix<double, D, D> S = innovation.noise;
+  for (int i = 0; i < innovation.count; ++i) {
+    const auto& part = innovation.parts[static_cast<size_t>(i)];
+    for (int c = 0; c < part.width; ++c)
+      for (int d = 0; d < D; ++d)
+        if (part.by(d, c) != 0) PHt.col(d) += P.col(part.at + c) * part.by(d, c);
+  }
+  for (int i = 0; i < innovation.count; ++i) {
+    const auto& part = innovation.parts[static_cast<size_t>(i)];
+    for (int c = 0; c < part.width; ++c) S.noalias() += part.by.col(c) * PHt.row(part.at + c);
+  }
+  const Eigen::LLT<Eigen::Matrix<double, D, D>> llt(0.5 * (S + S.transpose()));
+  if (llt.info() != Eigen::Success) return {false, 0.0, D};
+  const double nis = innovation.residual.dot(llt.solve(innovation.residual));
+  if (!(nis >= 0) || (most_nis > 0 && nis > most_nis)) return {false, nis, D};
+
+  const Error error = PHt.lazyProduct(llt.solve(innovation.residual));
+  const Eigen::Matrix<double, D, D> L_inverse = llt.matrixL().solve(Eigen::Matrix<double, D, D>::Identity().eval());
+  const Eigen::Matrix<double, kSize, D> W = PHt.lazyProduct(L_inverse.transpose());
+  const Eigen::Matrix2d held = P.block<2, 2>(kLogScale, kLogScale);  // log-scale and log-factor
+  for (int j = 0; j < kSize; ++j) {
+    for (int d = 0; d < D; ++d)
+      if (W(j, d) != 0) P.col(j).tail(kSize - j) -= W.col(d).tail(kSize - j) * W(j, d);
+    P.row(j).tail(kSize - j) = P.col(j).tail(kSize - j).transpose();
+  }
+  Error moved = error;
+  if (hold_scale) {
+    P.block<2, 2>(kLogScale, kLogScale) = held;
+    moved.segment<2>(kLogScale).setZero();
+  }
+  apply(moved);
+  return {true, nis, D};
+}
+
+template UpdateResult ErrorState::update<1>(const Innovation<1>&, double, bool);
+template UpdateResult ErrorState::update<2>(const Innovation<2>&, double, bool);
+template UpdateResult ErrorState::update<3>(const Innovation<3>&, double, bool);
+template UpdateResult ErrorState::update<6>(const Innovation<6>&, double, bool);
+
+}  // namespace odograph::inertial

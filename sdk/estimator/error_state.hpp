@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "sdk/estimator/estimator.hpp"
+
+namespace odograph::inertial {
+
+/// Where each part of the error stands. Rotations err on the left: R_true = Exp(theta) R, theta in n; all others add.
+/// A pose block is theta and position one after the other, of the body now, of the odometry and of each clone.
+constexpr int kTheta = 0, kPosition = 3, kVelocity = 6, kGyroBias = 9, kAccelBias = 12;
+constexpr int kVo = 15, kVoPosition = 18, kLogScale = 21, kLogFactor = 22, kStepHeading = 23, kNorth = 24, kBaro = 25;
+constexpr int kFirstClone = 26, kClones = 12, kSize = kFirstClone + 6 * kClones;
+
+using Covariance = Eigen::Matrix<double, kSize, kSize>;
+
+/// The state that the errors are of.
+struct State {
+  Eigen::Quaterniond q_n_b = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d p_n = Eigen::Vector3d::Zero();               ///< m, of the body
+  Eigen::Vector3d v_n = Eigen::Vector3d::Zero();               ///< m/s
+  Eigen::Vector3d gyro_bias_b = Eigen::Vector3d::Zero();       ///< rad/s
+  Eigen::Vector3d accel_bias_b = Eigen::Vector3d::Zero();      ///< m/s^2
+  Eigen::Quaterniond q_n_vo = Eigen::Quaterniond::Identity();  ///< of the camera, as the odometry's map has it
+  Eigen::Vector3d p_n_vo = Eigen::Vector3d::Zero();            ///< m
+  double log_scale = 0;                                        ///< metres per VO unit
+  double log_factor = 0;                                       ///< true step length by the step estimator's
+  double step_heading_rad = 0;                                 ///< to be added to the steps' heading
+  double north_rad = 0;  ///< heading of the attitude source minus the heading here
+  double baro_m = 0;     ///< barometer's height downwards minus p_n.z
+};
+
+struct Clone {
+  int64_t t_ns = INT64_MIN;
+  Eigen::Quaterniond q_n_b = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d p_n = Eigen::Vector3d::Zero();
+};
+
+/// A pose between two clones, or between the newest clone and now: its error is (1 - w) times the one at `before` and
+/// w times the one at `after` (columns of pose blocks).
+struct PastPose {
+  Eigen::Quaterniond q_n_b;
+  Eigen::Vector3d p_n;
+  int before, after;
+  double w;
+};
+
+/// residual = z - h(x), its derivative by the error in blocks of three columns, and the covariance of z.
+template <int D>
+struct Innovation {
+  using Vector = Eigen::Matrix<double, D, 1>;
+  using Block = Eigen::Matrix<double, D, 3>;
+  Vector residual = Vector::Zero();
+  Eigen::Matrix<double, D, D> noise = Eigen::Matrix<double, D, D>::Zero();
+  struct Part {
+    int at, width;
+    Block by;
+  };
+  std::array<Part, 12> parts;
+  int count = 0;
+
+  void by(int at, const Block& derivative) { parts[static_cast<size_t>(count++)] = {at, 3, derivative}; }
+  void by_one(int at, const Vector& derivative) {
+    Part& part = parts[static_cast<size_t>(count++)];
+    part = {at, 1, Block::Zero()};
+    part.by.col(0) = derivative;
+  }
+  void by_pose(const PastPose& pose, const Block& by_theta, const Block& by_position) {
+    for (const auto& [at, weight] : {std::pair{pose.before, 1 - pose.w}, std::pair{pose.after, pose.w}}) {
+      if (weight == 0) continue;
+      if (!by_theta.isZero(0)) by(at, weight * by_theta);
+      if (!by_position.isZero(0)) by(at + 3, weight * by_position);
+    }
+  }
+};
+
+/// How errors at the start of an interval become errors at its end (accumulated over IMU samples).
+struct ImuTransition {
+  Eigen::Matrix3d theta_by_bias, v_by_theta, v_by_gyro, v_by_accel, p_by_theta, p_by_gyro, p_by_accel;
+  double s = 0;  ///< duration
+  ImuTransition() { clear(); }
+  void clear();
+  /// Adds a sample: R_n_b at its middle, specific force in n, m/s^2.
+  void add(const Eigen::Matrix3d& R_n_b, const Eigen::Vector3d& force_n, double dt_s);
+};
+
+/// Spectral densities over an interval, squared.
+struct ImuNoise {
+  double gyro, gyro_walk, accel, accel_walk;
+};
+
+/// State, covariance and clones of the error-state Kalman filter (Sola 2017, with global angular errors; clones after
+/// Roumeliotis & Burdick 2002). Fixed size, no allocation.
+class ErrorState {
+ public:
+  State x;
+  Covariance P = Covariance::Zero();
+
+  void reset();
+
+  void propagate(const ImuTransition& by, const ImuNoise& noise);
+  /// The pose now becomes a clone; the oldest goes.
+  void clone(int64_t t_ns);
+  void forget_clones() { clone_count_ = 0; }
+  /// 0 is the newest.
+  const Clone& clone_back(size_t i) const { return clones_[slot_back(i)]; }
+  size_t clone_count() const { return clone_count_; }
+  /// Column of its pose block.
+  int column_back(size_t i) const { return kFirstClone + 6 * static_cast<int>(slot_back(i)); }
+
+  /// The odometry's pose is set to the camera's there, whose errors it shares, and noise added, squared.
+  void attach_vo(const PastPose& at, const Eigen::Quaterniond& q_b_c, const Eigen::Vector3d& p_b_c,
+                 double position_variance, double rotation_variance);
+  /// The odometry goes on: rotation, displacement in its own axes and scale. `expected_n` is the same displacement, m,
+  /// as it was expected: the derivative by the scale is taken there, since the odometry's own noise in it would pull
+  /// the scale, and all that depends on it, towards zero.
+  void move_vo(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector3d& p_c0_c1, const Eigen::Vector3d& expected_n,
+               double position_variance, double rotation_variance);
+
+  /// The body is shifted to where the scale, just known, says that a displacement led; clones are to be forgotten. What
+  /// position and velocity err by is the scale's error (its variance) along them and variances of their own.
+  void place(const Eigen::Vector3d& shift_n, const Eigen::Vector3d& displacement_n, const Eigen::Vector3d& v_n,
+             double scale_variance, double position_variance, double velocity_variance);
+
+  /// A scalar part is known anew, and owes nothing to the others.
+  void set_independent(int at, double variance);
+  void add_variance(int at, int count, double variance) { P.diagonal().segment(at, count).array() += variance; }
+  /// Everything is moved together.
+  void shift(const Eigen::Vector3d& by_n);
+  /// Everything may have been moved together by that much, m.
+  void loosen_position(const Eigen::Matrix3d& covariance);
+  /// Everything may have been turned together about down, through the body's place, rad.
+  void loosen_heading(double sigma_rad);
+
+  /// Of a pose's rotation in n and position.
+  Eigen::Matrix<double, 6, 6> covariance(const PastPose& at) const;
+
+  /// Kalman update behind a gate on the normalised innovation squared (0: none). With `hold_scale` log-scale and
+  /// log-factor are considered parameters (Schmidt 1966): their doubt counts, but this measurement does not move them.
+  template <int D>
+  UpdateResult update(const Innovation<D>& innovation, double most_nis, bool hold_scale = false);
+
+ private:
+  size_t slot_back(size_t i) const { return (newest_ + kClones - i) % kClones; }
+  void apply(const Eigen::Matrix<double, kSize, 1>& error);
+  void copy_pose_block(int from, int to);
+
+  std::array<Clone, kClones> clones_;
+  size_t clone_count_ = 0, newest_ = 0;
+};
+
+}  // namespace odograph::inertial

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <mutex>
+#include <optional>
+
+#include "sdk/config/pipeline_config.hpp"
+#include "sdk/core/pose_history.hpp"
+#include "sdk/estimator/error_state.hpp"
+#include "sdk/estimator/estimator.hpp"
+#include "sdk/estimator/inertial_parameters.hpp"
+#include "sdk/estimator/pose_track.hpp"
+#include "sdk/estimator/scale_start.hpp"
+
+namespace odograph {
+
+/// The estimator that joins everything: an error-state Kalman filter of the body's motion, the odometry's pose and
+/// scale, the walker's step factor and the headings of steps and compass. docs/estimator.md derives it.
+class InertialEstimator : public Estimator {
+ public:
+  InertialEstimator(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs,
+                    const inertial::Parameters& parameters = {});
+
+  void on_calibration(const odo_calibration& calibration) override;
+  void on_imu_noise(const odo_imu_noise& noise) override;
+  void propagate(const odo_imu& imu) override;
+  UpdateResult update(const Measurement& measurement) override;
+  void prepare(odo_vo_motion& motion) const override;
+  int32_t at(int64_t t_ns, Estimate& out) const override;
+  bool take_pose(odo_pose& pose) override;
+  bool take_correction(Correction& correction, odo_pose& pose) override;
+  bool take_step_reference(odo_fix& reference) override;
+  double distance_m() const override { return distance_m_; }
+  void reset() override;
+
+  /// Relative sigma of the metre, and what of its information came from where, for reports and tests.
+  struct ScaleReport {
+    bool known;
+    double log_scale, sigma, log_factor, factor_sigma;
+    double inertia, steps;  ///< information gained, 1/variance
+    double noise_m;         ///< the odometry's error against its map as the windows have it
+  };
+  ScaleReport scale_report() const;
+
+ private:
+  UpdateResult apply(const FrameTime& frame);
+  UpdateResult apply(const odo_attitude* attitude);
+  UpdateResult apply(const RelativeMotion& relative);
+  UpdateResult apply(const odo_step* step);
+  UpdateResult apply(const odo_scale* scale);
+  UpdateResult apply(const odo_fix* fix);
+  UpdateResult apply(const odo_barometer* barometer);
+  UpdateResult apply(const odo_motion_mode* mode);
+
+  // Time (inertial_estimator.cpp).
+  void start(int64_t t_ns, const Eigen::Quaterniond& q_n_b, double tilt_sigma, double heading_sigma);
+  void start_without_attitude(int64_t t_ns);
+  void advance_to(int64_t t_ns);
+  void integrate(const Eigen::Vector3d& gyro_b, const Eigen::Vector3d& accel_b, int64_t to_ns);
+  void coast(int64_t to_ns);
+  void flush(bool gap = false);
+  void clone_when_due();
+  void watch_quiet(const odo_imu& imu, double dt_s);
+  void stand(const odo_imu& imu);
+  void remind_of_speed();
+  bool unaided() const;
+  std::optional<inertial::PastPose> past(int64_t t_ns) const;
+  Eigen::Quaterniond heading_offset() const;
+
+  // The odometry (inertial_odometry.cpp).
+  void begin_group(const odo_vo_motion& motion, bool metric);
+  bool attach(int64_t t_ns);
+  void detach();
+  Eigen::Vector3d expected_displacement(int64_t t_ns, const Eigen::Vector3d& odometry_n) const;
+  UpdateResult see_position(int64_t t_ns, double dt_s);
+  UpdateResult see_rotation(int64_t t_ns, double dt_s);
+  void use_inertial(const odo_vo_motion& motion);
+  void use_metric_scale(double sigma, int64_t t_ns);
+  void use_window(const inertial::WindowScale& window);
+  void try_scale_start(int64_t t_ns);
+  void know_scale(double log_scale, double variance, double steps_share, int64_t t_ns);
+  void put_in_place(int64_t t_ns, double variance);
+
+  // Steps (inertial_steps.cpp).
+  void doubt_steps();
+  void place_by(inertial::Innovation<6>& seen);
+
+  // Poses (inertial_poses.cpp).
+  void publish(int64_t t_ns, uint32_t state, uint32_t reason);
+  odo_pose make_pose(int64_t t_ns, const inertial::PastPose& at) const;
+  void snapshot();
+  void refer_steps(const odo_pose& pose);
+  void note_jump(const odo_pose& before, uint32_t reason);
+
+  inertial::Parameters p_;
+  CouplingConfig config_;
+  StartPose start_;
+  EstimatorInputs inputs_;
+  inertial::ErrorState e_;
+  inertial::PoseTrack track_;
+  PoseHistory history_;
+
+  Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
+  Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
+  double gyro_noise_ = 0, accel_noise_ = 0, gyro_walk_ = 0, accel_walk_ = 0;
+
+  bool started_ = false, started_by_attitude_ = false, camera_ = false, placed_ = false, metric_ = false,
+       north_ = false, heading_open_ = false;
+  int64_t t_ns_ = INT64_MIN, first_imu_ns_ = INT64_MIN, attitude_ns_ = INT64_MIN, informed_ns_ = INT64_MIN,
+          reminded_ns_ = INT64_MIN;
+  std::optional<odo_imu> last_imu_;
+  inertial::ImuTransition transition_;
+  bool inertial_front_end_ = false;
+
+  struct Quiet {
+    double accel_mean = 0, accel_variance = 1, gyro = 1, gyro_mean[3] = {0, 0, 0};
+  } quiet_;
+  bool resting_ = false;
+  uint32_t mode_ = 0;
+  int64_t stood_ns_ = INT64_MIN;
+
+  struct Odometry {
+    bool attached = false, metric = false, known = false, first_group = true, unbroken = true, any = false;
+    uint32_t group = 0;
+    int64_t t_ns = INT64_MIN, translated_ns = INT64_MIN;
+    Eigen::Vector3d y_n = Eigen::Vector3d::Zero();      // position since the group began, VO units
+    Eigen::Vector3d start_n = Eigen::Vector3d::Zero();  // of the camera then, m
+    Eigen::Vector3d last_n = Eigen::Vector3d::Zero();   // of the camera at the last motion's end, m
+    int64_t last_ns = INT64_MIN;
+    double sigma_m = 0, told_information = 0;
+    int64_t told_ns = 0, gravity_ns = INT64_MIN;
+    double inertia_information = 0, steps_information = 0, own_information = 0;
+    int rejected = 0;
+  } vo_;
+  inertial::InertialScale window_;
+  inertial::ScaleStart scale_start_;
+
+  bool stepped_ = false;
+  int64_t step_ns_ = INT64_MIN;
+  double step_mean_m_ = 0;
+  int steps_rejected_ = 0, fixes_rejected_ = 0;
+  bool baro_started_ = false;
+
+  std::optional<odo_pose> pose_, corrected_;
+  std::optional<Correction> correction_;
+  std::optional<odo_fix> reference_;
+  double reference_path_m_ = -1;
+  Eigen::Vector2d reference_last_ = Eigen::Vector2d::Zero();
+  int64_t fixed_ns_ = INT64_MIN, last_pose_ns_ = INT64_MIN;
+  uint32_t last_state_ = 0, last_reason_ = 0;
+  double distance_m_ = 0;
+  Eigen::Vector3d distance_from_ = Eigen::Vector3d::Zero();
+
+  mutable std::mutex newest_mutex_;
+  Estimate newest_;
+  Eigen::Vector3d newest_rate_b_ = Eigen::Vector3d::Zero();
+  int64_t newest_ns_ = INT64_MIN;
+};
+
+}  // namespace odograph

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Relative motion of a front-end and its scale. The odometry's pose is a part of the state: it goes on by each motion
+// and is tied to the body's by "the odometry's position errs by so much against its map", so that motions that share a
+// pose are not taken for independent.
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/core/messages.hpp"
+#include "sdk/estimator/inertial_estimator.hpp"
+#include "sdk/estimator/rotation.hpp"
+
+namespace odograph {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using namespace inertial;
+
+namespace {
+
+constexpr double kUnstatedMetricSigma = 0.02;  // of a front-end that says metric and no more
+constexpr double kChord_s = 0.5;               // over which a velocity is taken: a step
+
+double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
+Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized(); }
+double squared(double x) { return x * x; }
+
+}  // namespace
+
+UpdateResult InertialEstimator::apply(const FrameTime& frame) {
+  if (!inputs_.vo || camera_) return {};
+  camera_ = true;
+  if (!started_) start_without_attitude(frame.t_ns);
+  advance_to(frame.t_ns);
+  flush();
+  if (!metric_ && !placed_) {  // the start is the camera's
+    const Vector3d moved = Vector3d(start_.position_m.data()) - (e_.x.p_n + e_.x.q_n_b * p_b_c_);
+    e_.x.p_n += moved;
+    e_.set_independent(kPosition, 0.0);
+    e_.set_independent(kPosition + 1, 0.0);
+    e_.set_independent(kPosition + 2, 0.0);
+    e_.forget_clones();
+    e_.clone(t_ns_);
+    track_.begin_segment();
+  }
+  publish(frame.t_ns, ODO_DEGRADED, ODO_REASON_INITIALISING);
+  return {true, 0.0, 0};
+}
+
+void InertialEstimator::detach() {
+  vo_.attached = false;
+  window_.restart();
+}
+
+bool InertialEstimator::attach(int64_t t_ns) {
+  const auto at = past(t_ns);
+  if (!at) return false;
+  e_.attach_vo(*at, q_b_c_, p_b_c_, squared(vo_.sigma_m), squared(p_.vo_rotation_sigma_rad));
+  vo_.attached = true;
+  window_.restart();
+  return true;
+}
+
+void InertialEstimator::begin_group(const odo_vo_motion& motion, bool metric) {
+  const bool first = !vo_.any;
+  const double sigma_m = vo_.sigma_m;
+  vo_ = {};
+  vo_.first_group = first;
+  vo_.sigma_m = sigma_m;
+  vo_.any = true;
+  vo_.group = motion.scale_group;
+  vo_.metric = metric;
+  e_.x.log_scale = 0;
+  e_.set_independent(kLogScale, squared(p_.unknown_scale_sigma));
+  if (const auto at = past(motion.t_from_ns)) vo_.start_n = at->p_n + at->q_n_b * p_b_c_;
+  scale_start_.restart();
+  scale_start_.add_motion(motion.t_from_ns, vo_.y_n);
+  detach();
+}
+
+UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
+  const odo_vo_motion& m = *relative.motion;
+  const uint32_t flags = m.header.flags;
+  const int64_t t = m.header.t_ns;
+  if (!started_) start_without_attitude(m.t_from_ns);
+  camera_ = true;
+  advance_to(t);
+  flush();
+  const bool metric = (flags & ODO_VO_METRIC) != 0, lost = m.state == ODO_LOST;
+  const bool rotates = (flags & ODO_VO_ROTATION) != 0 && !lost;
+  const bool translates = rotates && (flags & ODO_VO_TRANSLATION) != 0;
+  inertial_front_end_ = metric && (flags & ODO_VO_INERTIAL) != 0;
+  if (!vo_.any || m.scale_group != vo_.group || metric != vo_.metric) begin_group(m, metric);
+  const double dt_s = seconds(t - m.t_from_ns);
+  UpdateResult result;
+  if (!translates) vo_.unbroken = false, detach();
+  if (translates && dt_s > 0) {
+    if (!vo_.attached || vo_.t_ns != m.t_from_ns) vo_.unbroken &= vo_.t_ns == INT64_MIN && attach(m.t_from_ns);
+    if (!vo_.attached) attach(m.t_from_ns);
+    if (vo_.attached) {
+      const Vector3d p_c0_c1(m.p_c0_c1);
+      const Vector3d expected_n = expected_displacement(t, std::exp(e_.x.log_scale) * (e_.x.q_n_vo * p_c0_c1));
+      const double length_m = expected_n.norm();
+      vo_.y_n += e_.x.q_n_vo * p_c0_c1;
+      e_.move_vo(quaternion(m.q_c0_c1), p_c0_c1, expected_n, squared(p_.vo_drift_per_root_m) * length_m,
+                 squared(p_.vo_rotation_walk) * dt_s);
+      e_.add_variance(kLogScale, 1, metric ? squared(p_.vio_scale_walk) * dt_s : squared(p_.vo_scale_walk) * length_m);
+      vo_.t_ns = t;
+      if (metric) use_metric_scale(inertial_front_end_ ? m.scale_sigma : kUnstatedMetricSigma, t);
+      see_rotation(t, dt_s);
+      if (vo_.known) result = see_position(t, dt_s);
+      scale_start_.add_motion(t, vo_.y_n);
+      if (inertial_front_end_) {
+        use_inertial(m);
+      } else if (const auto at = past(t)) {
+        const auto window =
+            window_.add_frame(t, at->q_n_b * p_b_c_, vo_.y_n, vo_.known ? p_.window_s : p_.start_window_s);
+        if (window && !metric) use_window(*window);
+      }
+      try_scale_start(t);
+      vo_.translated_ns = t;
+      if (const auto at = past(t)) vo_.last_n = at->p_n + at->q_n_b * p_b_c_, vo_.last_ns = t;
+      if (vo_.known) informed_ns_ = t_ns_;
+    }
+  }
+  if (relative.scale) apply(relative.scale);
+  uint32_t state = m.state, reason = m.reason;
+  if (state == ODO_TRACKING && !vo_.known) state = ODO_DEGRADED, reason = ODO_REASON_NO_SCALE;
+  const int64_t carried_ns = std::max(vo_.translated_ns, step_ns_);
+  if (state == ODO_LOST && carried_ns != INT64_MIN && seconds(t - carried_ns) < config_.bridge_s) state = ODO_DEGRADED;
+  publish(t, state, reason);
+  return result;
+}
+
+/// The camera's displacement since the last motion as the IMU has it, or where that is not known the odometry's own.
+Vector3d InertialEstimator::expected_displacement(int64_t t_ns, const Vector3d& odometry_n) const {
+  const auto at = past(t_ns);
+  if (!vo_.known || !at || vo_.last_ns != vo_.t_ns || vo_.last_ns == INT64_MIN) return odometry_n;
+  return at->p_n + at->q_n_b * p_b_c_ - vo_.last_n;
+}
+
+UpdateResult InertialEstimator::see_rotation(int64_t t_ns, double dt_s) {
+  const auto at = past(t_ns);
+  if (!at) return {};
+  Innovation<3> seen;  // of the difference, which is zero but for the odometry's error
+  seen.residual = -log_rotation(e_.x.q_n_vo * (at->q_n_b * q_b_c_).conjugate());
+  seen.by(kVo, Matrix3d::Identity());
+  seen.by_pose(*at, -Matrix3d::Identity(), Matrix3d::Zero());
+  const double same = std::max(1.0, p_.vo_correlation_s / dt_s);  // frames that share one error
+  seen.noise = Matrix3d::Identity() * (squared(p_.vo_rotation_sigma_rad) * same);
+  const UpdateResult result = e_.update(seen, p_.gate[3]);
+  if (!result.accepted) attach(t_ns);
+  return result;
+}
+
+UpdateResult InertialEstimator::see_position(int64_t t_ns, double dt_s) {
+  const auto at = past(t_ns);
+  if (!at) return {};
+  const Vector3d lever_n = at->q_n_b * p_b_c_;
+  Innovation<3> seen;
+  seen.residual = at->p_n + lever_n - e_.x.p_n_vo;
+  seen.by(kVoPosition, Matrix3d::Identity());
+  seen.by_pose(*at, skew(lever_n), -Matrix3d::Identity());
+  const double same = std::max(1.0, p_.vo_correlation_s / dt_s);
+  seen.noise = Matrix3d::Identity() * (squared(vo_.sigma_m) * same);
+  // What inertia says of the scale comes by use_window, whose regression knows that the odometry errs; here it would
+  // be pulled towards zero.
+  const UpdateResult result = e_.update(seen, p_.gate[3], true);
+  if (result.accepted) {
+    vo_.rejected = 0;
+    return result;
+  }
+  if (++vo_.rejected > p_.most_rejected) {  // it is not the odometry that is wrong
+    vo_.rejected = 0;
+    for (int i = 0; i < 3; ++i) e_.set_independent(kVelocity + i, squared(p_.jump_velocity_sigma_mps));
+    for (int i = 0; i < 3; ++i) e_.set_independent(kAccelBias + i, squared(p_.accel_bias_sigma));
+    e_.x.accel_bias_b.setZero();
+    if (const double speed = e_.x.v_n.norm(); speed > config_.fastest_mps) e_.x.v_n *= config_.fastest_mps / speed;
+  }
+  attach(t_ns);
+  return result;
+}
+
+/// Velocity and inclination of a front-end that has used the IMU itself.
+void InertialEstimator::use_inertial(const odo_vo_motion& m) {
+  const int64_t t = m.header.t_ns;
+  const auto at = past(t);
+  if (!at) return;
+  const Quaterniond q_n_c = at->q_n_b * q_b_c_;
+  constexpr double kUnknownVelocity_mps = 0.3, kNow_s = 0.05, kVelocity_mps = 0.1;
+  if (e_.P.diagonal().segment<3>(kVelocity).maxCoeff() > squared(kUnknownVelocity_mps) && seconds(t_ns_ - t) < kNow_s) {
+    Innovation<3> velocity;
+    const Vector3d v_n = std::exp(e_.x.log_scale) * (q_n_c * Vector3d(m.velocity_c1));
+    velocity.residual = v_n - e_.x.v_n;
+    velocity.by(kVelocity, Matrix3d::Identity());
+    velocity.by_one(kLogScale, -v_n);
+    velocity.noise = Matrix3d::Identity() * squared(kVelocity_mps);
+    e_.update(velocity, p_.gate[3]);
+  }
+  if (vo_.gravity_ns != INT64_MIN && seconds(t - vo_.gravity_ns) < p_.attitude_interval_s) return;
+  vo_.gravity_ns = t;
+  Innovation<2> down;
+  const Vector3d g_n = q_n_c * Vector3d(m.gravity_c1);
+  down.residual = -g_n.head<2>();
+  Eigen::Matrix<double, 2, 3> by_theta;
+  by_theta << 0, 1, 0, -1, 0, 0;
+  down.by_pose(*at, by_theta, Eigen::Matrix<double, 2, 3>::Zero());
+  down.noise = Eigen::Matrix2d::Identity() * squared(p_.attitude_unaided_tilt_rad);
+  e_.update(down, p_.gate[2]);
+}
+
+/// A front-end's own doubt about the metre is one error common to its motions: only what it has become surer of since
+/// is news.
+void InertialEstimator::use_metric_scale(double sigma, int64_t t_ns) {
+  const double information = 1 / squared(std::clamp(sigma, 1e-3, 1.0));
+  if (!vo_.known) {
+    know_scale(0.0, 1 / information, 0.0, t_ns);
+    vo_.told_information = information, vo_.told_ns = t_ns;
+    vo_.own_information = information;
+    return;
+  }
+  vo_.told_information *= std::exp(-seconds(t_ns - vo_.told_ns) / p_.vio_scale_forgetting_s);
+  vo_.told_ns = t_ns;
+  vo_.own_information = information;
+  const double held = 1 / e_.P(kLogScale, kLogScale);
+  if (information < held && information < 0.5 * vo_.told_information) {  // it has lost confidence
+    e_.add_variance(kLogScale, 1, 1 / information - 1 / held);
+    vo_.told_information = information;
+  }
+  if (information <= 1.02 * vo_.told_information) return;
+  Innovation<1> metre;
+  metre.residual[0] = -e_.x.log_scale;
+  metre.by_one(kLogScale, Innovation<1>::Vector::Ones());
+  metre.noise(0, 0) = 1 / (information - vo_.told_information);
+  e_.update(metre, 0);
+  vo_.told_information = information;
+}
+
+void InertialEstimator::use_window(const WindowScale& window) {
+  if (window.noise_m > 0) {
+    const double measured = std::clamp(window.noise_m, p_.vo_least_sigma_m, 0.2);
+    vo_.sigma_m += 0.3 * (measured - vo_.sigma_m);
+  }
+  if (!vo_.known) return scale_start_.add_window(window);
+  const double r = std::exp(-e_.x.log_scale);
+  Innovation<1> seen;
+  seen.residual[0] = window.units_per_m - r;
+  seen.by_one(kLogScale, Innovation<1>::Vector::Constant(-r));
+  seen.noise(0, 0) = squared(window.sigma);
+  const double before = 1 / e_.P(kLogScale, kLogScale);
+  if (!e_.update(seen, p_.gate[1]).accepted) return;
+  const double gained = 1 / e_.P(kLogScale, kLogScale) - before;
+  vo_.inertia_information += gained;
+  vo_.own_information += squared(r / window.sigma);
+}
+
+UpdateResult InertialEstimator::apply(const odo_scale* scale) {
+  // Steps speak for themselves.
+  if (!vo_.any || scale->scale_group != vo_.group || scale->metres_per_unit <= 0 || vo_.metric) return {};
+  if ((scale->header.flags & ODO_SCALE_NOT_BY_STEPS) == 0 && stepped_) return {};
+  const double sigma = std::clamp(scale->sigma / scale->metres_per_unit, 1e-3, 1.0);
+  const double value = std::log(scale->metres_per_unit), information = 1 / squared(sigma);
+  if (!vo_.known) {
+    know_scale(value, squared(sigma), 0.0, vo_.t_ns);
+    vo_.told_information = information, vo_.told_ns = scale->header.t_ns;
+    return {true, 0.0, 1};
+  }
+  vo_.told_information *= std::exp(-seconds(scale->header.t_ns - vo_.told_ns) / p_.vio_scale_forgetting_s);
+  vo_.told_ns = scale->header.t_ns;
+  if (information <= 1.02 * vo_.told_information) return {};
+  Innovation<1> seen;
+  seen.residual[0] = value - e_.x.log_scale;
+  seen.by_one(kLogScale, Innovation<1>::Vector::Ones());
+  seen.noise(0, 0) = 1 / (information - vo_.told_information);
+  const UpdateResult result = e_.update(seen, p_.gate[1]);
+  if (!result.accepted) return result;
+  vo_.told_information = information;
+  if (scale->header.flags & ODO_SCALE_NOT_BY_STEPS) vo_.own_information = information;
+  return result;
+}
+
+void InertialEstimator::try_scale_start(int64_t t_ns) {
+  if (vo_.known) return;
+  const auto known = scale_start_.known(e_.x.log_factor, e_.P(kLogFactor, kLogFactor));
+  if (!known) return;
+  know_scale(known->log_scale, known->variance, known->steps_share, t_ns);
+  vo_.inertia_information = (1 - known->steps_share) / known->variance;
+  vo_.steps_information = known->steps_share / known->variance;
+  vo_.own_information = vo_.inertia_information;
+}
+
+void InertialEstimator::know_scale(double log_scale, double variance, double steps_share, int64_t t_ns) {
+  vo_.known = true;
+  e_.x.log_scale = log_scale;
+  e_.set_independent(kLogScale, variance);
+  const double shared = steps_share * e_.P(kLogFactor, kLogFactor);
+  e_.P(kLogScale, kLogFactor) = e_.P(kLogFactor, kLogScale) = shared;
+  if (!vo_.metric && vo_.first_group && vo_.unbroken && !placed_) put_in_place(t_ns, variance);
+  metric_ = true;
+  detach();  // the odometry's pose had no scale until now
+}
+
+/// What the first group moved before its scale was known: position and velocity now follow from the start.
+void InertialEstimator::put_in_place(int64_t t_ns, double variance) {
+  const auto at = past(t_ns);
+  const auto before = scale_start_.at(t_ns - static_cast<int64_t>(kChord_s * 1e9));
+  if (!at || !before) return;
+  flush();
+  const double scale = std::exp(e_.x.log_scale);
+  const Vector3d moved_n = scale * vo_.y_n, v_n = scale / kChord_s * (vo_.y_n - *before);
+  const Vector3d shift = vo_.start_n + moved_n - (at->p_n + at->q_n_b * p_b_c_);
+  constexpr double kVelocity_mps = 0.3;  // a chord over a step, and the gait within it
+  e_.place(shift, moved_n, v_n, variance, squared(vo_.sigma_m) + squared(p_.vo_drift_per_root_m) * moved_n.norm(),
+           squared(kVelocity_mps));
+  e_.forget_clones();  // how they lie to each other was not known either
+  e_.clone(t_ns_);
+  track_.begin_segment();
+}
+
+}  // namespace odograph

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace odograph::inertial {
+
+/// Every sigma of the inertial estimator: unit, meaning, and where it comes from. "judgement" is a choice, with the
+/// range in which it was seen not to matter much; "figures" are those of docs/estimator.md.
+struct Parameters {
+  // The IMU. An odo_imu_noise adds to the first two in quadrature and replaces the walks.
+  double gyro_noise = 1e-3;         ///< rad/s/sqrt(Hz); a phone's 1e-4 to 2.4e-4 and its scale error in turns
+  double gyro_walk = 3e-5;          ///< rad/s^2/sqrt(Hz); temperature
+  double gyro_bias_sigma = 0.009;   ///< rad/s at the start: 0.5 deg/s, data sheets of BMI270 and ICM-20602
+  double accel_noise = 0.05;        ///< m/s^2/sqrt(Hz); white noise of 0.002 to 0.01, scale error, vibration
+  double accel_walk = 1e-3;         ///< m/s^3/sqrt(Hz); judgement
+  double accel_bias_sigma = 0.15;   ///< m/s^2 at the start: +-20 mg, data sheets
+  double unaided_accel_noise = 2;   ///< the same where nothing but steps knows the velocity: they shall carry
+  double unaided_after_s = 3.0;     ///< s without a camera until then; judgement
+  double gap_rotation_noise = 0.7;  ///< rad/sqrt(s) where IMU samples lack: a hand turns by 30 deg/s rms
+  double gap_accel_noise = 3.0;     ///< m/s^2/sqrt(Hz) there: gait
+  double longest_gap_s = 0.05;      ///< s between samples that is no gap: ten at 200 Hz, two or three at 50 Hz
+
+  // The start.
+  double start_speed_sigma_mps = 1.0;    ///< m/s: may walk already
+  double start_tilt_sigma_rad = 0.03;    ///< rad, without an attitude source
+  double start_heading_sigma_rad = 0.2;  ///< rad, against north, without a compass; for fixes alone
+  double settled_velocity_mps = 0.3;     ///< m/s of sigma, below which fixes may turn the heading
+  double uninformed_sigma_m = 100;       ///< m: of what the first fix does not say, and of the barometer at first
+
+  // Visual odometry: the error of a position against the map, correlated over a time, and the map's drift.
+  double vo_position_sigma_m = 0.02;     ///< m, until the window regression has measured it; 6 to 8 mm simulated,
+                                         ///< 17 to 64 mm on real phones (detrended over 4 s)
+  double vo_least_sigma_m = 0.01;        ///< m; a floor: pictures of a rolling shutter, time stamps
+  double vo_rotation_sigma_rad = 0.003;  ///< rad against the map
+  double vo_correlation_s = 0.5;         ///< s over which both are the same error; judgement, 0.25 to 1
+  double vo_drift_per_root_m = 0.01;     ///< m/sqrt(m): across the path, without scale and heading
+  double vo_rotation_walk = 1e-3;        ///< rad/sqrt(s): 0.018 deg a frame at 10 Hz (odograph bench vo)
+  double vo_scale_walk = 2e-3;           ///< 1/sqrt(m) of log-scale: 0.9 % between halves of 10 m (odograph bench vo)
+  double vo_standing_scale_walk = 0.01;  ///< 1/sqrt(s) while standing: 3 % over a stop is usual
+  double vio_scale_walk = 1e-3;          ///< 1/sqrt(s) of a metric front-end's log-scale; judgement
+  double vio_scale_forgetting_s = 20;    ///< s: how long its scale_sigma speaks of the same error
+  double unknown_scale_sigma = 1.0;      ///< of log-scale before anything is known
+  double jump_velocity_sigma_mps = 1.0;  ///< m/s: what is left of the velocity when odometry contradicts it
+  int most_rejected = 3;                 ///< odometry updates in a row, until the velocity is doubted
+
+  // Steps.
+  double factor_sigma = 0.10;           ///< of the walker's log factor: ten walkers differ so (docs/accuracy.md)
+  double factor_walk = 0.003;           ///< for the root of a step: a walker changes, and so does what plugins learn
+  double step_own_sigma = 0.06;         ///< of a step's length, relative, own to the step: step/odograph's README
+  double step_across_rad = 0.10;        ///< rad, direction of one step against its heading: a hand sways
+  double step_loose_across_rad = 0.5;   ///< rad, the same with the phone swung or in a pocket
+  double step_heading_sigma_rad = 0.3;  ///< rad between the phone's axis and the walk at the start; judgement
+  double step_heading_walk = 0.02;      ///< rad for the root of a step; judgement
+  double step_level_sigma_m = 0.1;      ///< m up or down in a step that carries the position: slopes of a seventh
+  double stair_level_sigma_m = 0.2;     ///< m, on stairs
+  int most_steps_rejected = 4;          ///< in a row, until heading, factor and (without inertia) scale are doubted
+  double doubted_scale_sigma = 0.5;     ///< of log-scale then
+
+  // Standing.
+  double still_speed_mps = 0.02;     ///< m/s, a device laid down
+  double standing_speed_mps = 0.08;  ///< m/s, in the hand of somebody who stands
+  double still_gyro_radps = 0.002;   ///< rad/s, a gyroscope that lies still, as a measurement of its bias
+  double quiet_accel_mps2 = 0.25;    ///< m/s^2 rms about its mean: below it nobody walks (a step has above 1)
+  double quiet_gyro_radps = 0.35;    ///< rad/s
+  double quiet_tau_s = 0.3;          ///< s, of both
+
+  // Attitude, barometer, speed.
+  double attitude_interval_s = 1.0;         ///< s: nearer ones are the same error
+  double attitude_tilt_rad = 0.05;          ///< rad, beside a camera: 1 deg rms, but the same over many seconds
+  double attitude_unaided_tilt_rad = 0.02;  ///< rad, where no camera tells the inclination
+  double attitude_bias_radps = 0.005;       ///< rad/s: an attitude source's gyroscope bias, many times over the same
+  double attitude_yaw_rad = 0.02;           ///< rad
+  double north_walk = 0.01;                 ///< rad/sqrt(s): a compass in a street goes astray
+  double gyro_heading_walk = 2e-4;          ///< rad/sqrt(s): an attitude without north, the same gyroscope's
+  double baro_sigma_m = 0.5;                ///< m: 4 Pa of wind and 3 of noise
+  double baro_walk = 0.02;                  ///< m/sqrt(s): 20 Pa in an hour, doors
+  double uninformed_speed_s = 1.0;          ///< s between two reminders of the fastest speed where nothing else speaks
+
+  double idle_speed_mps = 0.5;  ///< m/s: without a camera and without steps
+
+  // The window regression of the scale (InertialScale).
+  double window_s = 4.0;                ///< s; findings measure S and N over it
+  double start_window_s = 2.5;          ///< s, as long as no scale is known; judgement
+  double window_correlation_s = 0.5;    ///< s over which the odometry's error is one error
+  double window_least_relative = 0.01;  ///< of scale, common to all windows: accelerometer's scale error 0.5 to 1 %
+  double start_scale_sigma = 0.15;      ///< of log-scale, at which it counts as known
+
+  // The gate: 99.9 % of good measurements pass (chi-square).
+  double gate[7] = {0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
+  double most_integrity_risk = 0.5;  ///< a fix that is wrong more often than not is none
+  double announced_jump_m = 0.05;    ///< m: smaller corrections need no event
+  double announced_turn_rad = 0.01;  ///< rad
+  double reference_path_m = 20;      ///< m between two displacement references for the step estimator
+  double reference_sigma = 0.03;     ///< relative: a metre less well known does not teach
+  double gravity_mps2 = 9.81;        ///< m/s^2, 9.78 to 9.83 on Earth; the difference is bias
+};
+
+}  // namespace odograph::inertial

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Steps over their whole interval, and fixes of any subset at their own time.
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/core/messages.hpp"
+#include "sdk/estimator/inertial_estimator.hpp"
+#include "sdk/estimator/rotation.hpp"
+
+namespace odograph {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using namespace inertial;
+using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+namespace {
+
+constexpr double kUsual = 0.1;         // weight of a step in the usual length
+constexpr double kNothing = 1e12;      // variance of what a fix does not have
+constexpr int kBelieveFixesAfter = 5;  // rejected in a row: it is the track that is wrong
+
+double squared(double x) { return x * x; }
+Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized(); }
+
+}  // namespace
+
+UpdateResult InertialEstimator::apply(const odo_step* step) {
+  if (!started_ || step->length_m <= 0) return {};
+  flush();
+  const double stated = step->sigma_m / step->length_m, own = std::min(p_.step_own_sigma, std::max(stated, 0.01));
+  if (!std::exchange(stepped_, true)) e_.set_independent(kLogFactor, std::max(1e-4, squared(stated) - squared(own)));
+  e_.add_variance(kLogFactor, 1, squared(p_.factor_walk));
+  e_.add_variance(kStepHeading, 1, squared(p_.step_heading_walk));
+  step_ns_ = step->t_end_ns;
+  if (!vo_.known && vo_.any && scale_start_.add_step(step->t_start_ns, step->t_end_ns, step->length_m))
+    try_scale_start(vo_.t_ns);
+
+  auto from = past(step->t_start_ns);
+  const auto to = past(step->t_end_ns);
+  double covered = 1;
+  if (!from && to && !inputs_.vo) {  // told later than the clones reach back: the rest of it
+    const int64_t oldest_ns = e_.clone_back(e_.clone_count() - 1).t_ns;
+    from = past(oldest_ns);
+    covered = static_cast<double>(step->t_end_ns - oldest_ns) / static_cast<double>(step->t_end_ns - step->t_start_ns);
+  }
+  UpdateResult result;
+  if (from && to && covered > 0) {
+    const double length_m = covered * std::exp(e_.x.log_factor) * step->length_m;
+    const Vector3d moved = to->p_n - from->p_n;
+    const bool heading = (step->header.flags & ODO_STEP_HEADING) != 0;
+    const double direction =
+        heading ? step->heading_rad + start_.heading_rad + e_.x.step_heading_rad : std::atan2(moved.y(), moved.x());
+    const Vector3d along(std::cos(direction), std::sin(direction), 0), across(-along.y(), along.x(), 0);
+    Innovation<3> walked;
+    walked.residual = length_m * along - moved;
+    walked.by_pose(*to, Matrix3d::Zero(), Matrix3d::Identity());
+    walked.by_pose(*from, Matrix3d::Zero(), -Matrix3d::Identity());
+    const bool stairs = step->mode == ODO_MODE_STAIRS;
+    // Derivatives and noise at the usual length: this step's own error in them would favour short steps.
+    if (step_mean_m_ == 0) step_mean_m_ = step->length_m;
+    const double usual_m = covered * std::exp(e_.x.log_factor) * step_mean_m_;
+    if (!stairs) walked.by_one(kLogFactor, -usual_m * along);
+    if (heading) walked.by_one(kStepHeading, -usual_m * across);
+    const bool loose = step->mode == ODO_MODE_WALKING_SWINGING || step->mode == ODO_MODE_WALKING_POCKET;
+    const double sway = !heading ? EIGEN_PI : loose && !unaided() ? p_.step_loose_across_rad : p_.step_across_rad;
+    const double level_m = stairs ? p_.stair_level_sigma_m : p_.step_level_sigma_m;
+    walked.noise =
+        squared(own * length_m) * along * along.transpose() + squared(sway * length_m) * across * across.transpose();
+    walked.noise(2, 2) = squared(level_m);
+    step_mean_m_ += kUsual * (step->length_m - step_mean_m_);
+    const double before = 1 / e_.P(kLogScale, kLogScale);
+    result = e_.update(walked, p_.gate[3]);
+    if (result.accepted) {
+      steps_rejected_ = 0;
+      metric_ = true;
+      if (vo_.known) vo_.steps_information += 1 / e_.P(kLogScale, kLogScale) - before;
+      informed_ns_ = t_ns_;
+    } else if (++steps_rejected_ >= p_.most_steps_rejected) {
+      doubt_steps();
+    }
+  }
+  if (!inputs_.vo) publish(step->t_end_ns, ODO_TRACKING, ODO_REASON_NONE);
+  return result;
+}
+
+/// Steps in a row that contradict what is known: the phone is held otherwise, the walker goes otherwise, or the unit of
+/// an odometry without a metre of its own has changed unsaid.
+void InertialEstimator::doubt_steps() {
+  steps_rejected_ = 0;
+  e_.add_variance(kStepHeading, 1, squared(p_.step_heading_sigma_rad));
+  e_.add_variance(kLogFactor, 1, squared(p_.factor_sigma));
+  if (vo_.known && !vo_.metric) e_.add_variance(kLogScale, 1, squared(p_.doubted_scale_sigma));
+  if (unaided()) e_.add_variance(kVelocity, 3, squared(p_.jump_velocity_sigma_mps));
+}
+
+/// The first position moves the whole track there, and says how well that is known; nothing was known before.
+void InertialEstimator::place_by(Innovation<6>& seen) {
+  e_.shift(seen.residual.tail<3>());
+  Matrix3d covariance = seen.noise.bottomRightCorner<3, 3>();
+  for (int i = 0; i < 3; ++i) covariance(i, i) = std::min(covariance(i, i), squared(p_.uninformed_sigma_m));
+  e_.loosen_position(covariance);
+  seen.residual.tail<3>().setZero();
+  seen.noise.bottomRightCorner<3, 3>() = Matrix3d::Identity() * kNothing;
+  vo_.last_ns = INT64_MIN;
+}
+
+UpdateResult InertialEstimator::apply(const odo_fix* fix) {
+  const uint32_t flags = fix->header.flags;
+  flush();
+  const auto at = past(fix->header.t_ns);
+  if (!at || fix->integrity > p_.most_integrity_risk) return {};
+  const Vector3d lever_n = camera_ ? Vector3d(at->q_n_b * p_b_c_) : Vector3d::Zero();
+  const bool whole = (flags & ODO_FIX_ORIENTATION) != 0, yaw = !whole && (flags & ODO_FIX_YAW) != 0;
+  const bool positions = (flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) != 0;
+  if (!positions && !whole && !yaw) return {};
+  // Rotation first, position below; what the fix does not have is noise without end.
+  Innovation<6> seen;
+  seen.noise.diagonal().setConstant(kNothing);
+  Eigen::Matrix<double, 6, 3> by_theta = Eigen::Matrix<double, 6, 3>::Zero(), by_position = by_theta;
+  int dof = 0;
+  if (whole) {
+    seen.residual.head<3>() = log_rotation(quaternion(fix->q_n_b) * at->q_n_b.conjugate());
+    by_theta.topRows<3>().setIdentity();
+    seen.noise.topLeftCorner<3, 3>() = Eigen::Map<const RowMatrix3d>(fix->orientation_cov_n);
+    dof += 3;
+  } else if (yaw) {
+    const Vector3d y_n = at->q_n_b * Vector3d::UnitY();
+    const double horizontal = std::max(1e-6, y_n.head<2>().squaredNorm());
+    seen.residual[2] = std::remainder(fix->yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
+    by_theta.row(2) << -y_n.x() * y_n.z() / horizontal, -y_n.y() * y_n.z() / horizontal, 1;
+    seen.noise(2, 2) = squared(fix->yaw_sigma_rad);
+    dof += 1;
+  }
+  if (positions) {
+    const Matrix3d R = Eigen::Map<const RowMatrix3d>(fix->covariance_n);
+    const auto has = [&](int axis) { return (flags & (ODO_FIX_NORTH << axis)) != 0; };
+    for (int i = 0; i < 3; ++i) {
+      if (!has(i)) continue;
+      seen.residual[3 + i] = fix->p_n[i] - at->p_n[i] - lever_n[i];
+      by_theta.row(3 + i) = -skew(lever_n).row(i);
+      by_position(3 + i, i) = 1;
+      for (int j = 0; j < 3; ++j)
+        if (has(j)) seen.noise(3 + i, 3 + j) = R(i, j);
+      ++dof;
+    }
+  }
+  for (int i = 0; i < 6; ++i) seen.noise(i, i) += 1e-12;
+  if (fixes_rejected_ >= kBelieveFixesAfter) placed_ = false;
+  if (positions && !placed_) place_by(seen);
+  // Against fixes the heading of a start without a compass is open, and is told by the path; that needs a velocity.
+  if (positions && !north_ && !heading_open_ &&
+      e_.P.diagonal().segment<2>(kVelocity).maxCoeff() < squared(p_.settled_velocity_mps)) {
+    heading_open_ = true;
+    e_.loosen_heading(p_.start_heading_sigma_rad);
+  }
+  seen.by_pose(*at, by_theta, by_position);
+  UpdateResult result = e_.update(seen, squared(config_.fix_gate_sigma));
+  result.dof = dof;
+  if (!result.accepted) {
+    ++fixes_rejected_;
+    return result;
+  }
+  fixes_rejected_ = 0;
+  if (positions) placed_ = metric_ = true, fixed_ns_ = fix->header.t_ns;
+  informed_ns_ = t_ns_;
+  return result;
+}
+
+}  // namespace odograph

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "sdk/estimator/estimator.hpp"
+#include "sdk/estimator/per_frame_coupling.hpp"
+#include "sdk/estimator/way_teacher.hpp"
+
+namespace odograph {
+
+/// The papers' estimator behind the host's interface: each frame's displacement times that frame's scale (Antigny et
+/// al. 2019, eq. (5) to (8)), corrected by gated fixes. Velocity is that of the last motion; biases are not estimated.
+class PaperEstimator : public Estimator {
+ public:
+  PaperEstimator(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs);
+
+  void on_calibration(const odo_calibration& calibration) override { coupling_.on_calibration(calibration); }
+  void on_imu_noise(const odo_imu_noise&) override {}  // the papers' coupling has no noise model of the IMU
+  void propagate(const odo_imu& imu) override { coupling_.on_imu(imu); }
+  UpdateResult update(const Measurement& measurement) override;
+  void prepare(odo_vo_motion& motion) const override { coupling_.prepare(motion); }
+  int32_t at(int64_t t_ns, Estimate& out) const override;
+  bool take_pose(odo_pose& pose) override;
+  bool take_correction(Correction& correction, odo_pose& pose) override;
+  bool take_step_reference(odo_fix& reference) override;
+  double distance_m() const override { return coupling_.distance_m(); }
+  void reset() override;
+
+ private:
+  UpdateResult apply(const FrameTime& frame);
+  UpdateResult apply(const odo_attitude* attitude);
+  UpdateResult apply(const RelativeMotion& relative);
+  UpdateResult apply(const odo_step* step);
+  UpdateResult apply(const odo_fix* fix);
+  /// Scales come with the motion they belong to; the papers use neither height nor mode.
+  UpdateResult apply(const odo_scale*) { return {}; }
+  UpdateResult apply(const odo_barometer*) { return {}; }
+  UpdateResult apply(const odo_motion_mode*) { return {}; }
+
+  EstimatorInputs inputs_;
+  PerFrameCoupling coupling_;
+  WayTeacher teacher_;
+  std::optional<odo_pose> pose_;
+  std::optional<odo_fix> reference_;
+  bool camera_started_ = false;
+};
+
+}  // namespace odograph

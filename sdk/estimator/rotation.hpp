@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace odograph {
+
+/// Exp: a rotation vector, rad, to a rotation.
+inline Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& angle) {
+  const double norm = angle.norm();
+  return norm > 0 ? Eigen::Quaterniond(Eigen::AngleAxisd(norm, angle / norm)) : Eigen::Quaterniond::Identity();
+}
+
+/// Log: the shortest rotation vector, rad.
+inline Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q) {
+  const Eigen::AngleAxisd rotation(q.w() < 0 ? Eigen::Quaterniond(-q.coeffs()) : q);
+  return rotation.angle() * rotation.axis();
+}
+
+/// [v]x, so that skew(a) * b is a x b.
+inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+}  // namespace odograph

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The papers' estimator: its figures are held, and its defects of 0.1 stay mended.
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "sdk/estimator/paper_estimator.hpp"
+#include "tests/estimator_walk.hpp"
+
+using namespace odograph;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("estimator_paper");
+
+namespace {
+
+constexpr int64_t kSecond = 1'000'000'000;
+
+odo_vo_motion standing(int64_t from, int64_t to) {
+  auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, to);
+  m.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
+  m.t_from_ns = from;
+  m.q_c0_c1[0] = 1;
+  m.state = ODO_TRACKING;
+  return m;
+}
+
+odo_fix yaw_fix(int64_t t, double yaw, double sigma) {
+  auto f = make_message<odo_fix>(ODO_TYPE_FIX, t);
+  f.header.flags = ODO_FIX_YAW;
+  f.yaw_rad = yaw, f.yaw_sigma_rad = sigma;
+  return f;
+}
+
+Quaterniond orientation(const odo_pose& pose) {
+  return Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
+}
+
+/// Heading of the body's y axis for a camera that is mounted as a phone's.
+double body_yaw(const odo_pose& pose) {
+  const Vector3d y = orientation(pose) * Quaterniond(0, 1, 0, 0).conjugate() * Vector3d::UnitY();
+  return std::atan2(y.y(), y.x());
+}
+
+}  // namespace
+
+TEST_CASE("the track over a walk is what it was before there was an interface") {
+  WalkMeasurements what;
+  what.odometry.units_per_m = 1;
+  EstimatorWalk walk(estimator_scenario(40), what, 1);
+  PaperEstimator estimator({}, {}, {true, false});
+  odo_pose last{};
+  double sum = 0;
+  int poses = 0;
+  walk.run(estimator, [&](double, const odo_pose& pose) {
+    last = pose;
+    sum += pose.p_n[0] + 2 * pose.p_n[1] + 3 * pose.q_n[1];
+    ++poses;
+  });
+  // Printed by the first version behind the interface, whose tracks of `odograph run` were those of 0.1 byte for byte.
+  CHECK(poses == GOLDEN_POSES);
+  CHECK(last.p_n[0] == doctest::Approx(GOLDEN_X).epsilon(1e-9));
+  CHECK(last.p_n[1] == doctest::Approx(GOLDEN_Y).epsilon(1e-9));
+  CHECK(last.distance_m == doctest::Approx(GOLDEN_D).epsilon(1e-9));
+  CHECK(sum == doctest::Approx(GOLDEN_S).epsilon(1e-9));
+}
+
+TEST_CASE("doubt about the camera's own down axis is doubt about the heading, which a yaw fix then corrects") {
+  for (const int axis : {0, 1, 2}) {
+    PerFrameCoupling coupling({}, {}, {true, true});
+    coupling.on_first_frame(0);  // level, looking to the north: y is down
+    // 0.2 rad of an uninformed start would hide what is tested.
+    coupling.on_fix(yaw_fix(0, EIGEN_PI, 0.001));
+    auto m = standing(0, kSecond);
+    m.header.flags |= ODO_VO_COVARIANCE;
+    m.covariance[7 * axis] = 0.2 * 0.2;
+    const odo_pose before = coupling.on_vo_motion(m, nullptr);
+    const double yaw = body_yaw(before);
+    CHECK(coupling.on_fix(yaw_fix(kSecond, yaw + 0.1, 0.02)).accepted == (axis == 1));
+    const odo_pose after = coupling.on_vo_motion(standing(kSecond, 2 * kSecond), nullptr);
+    const double turned = std::remainder(body_yaw(after) - yaw, 2 * EIGEN_PI);
+    if (axis == 1)
+      CHECK(turned == doctest::Approx(0.1).epsilon(0.02));
+    else
+      CHECK(std::abs(turned) < 0.01);
+  }
+}
+
+TEST_CASE("covariances that are not flagged valid are not read") {
+  for (const auto orientation_by : {Orientation::vo, Orientation::gyroscope}) {
+    PerFrameCoupling coupling({.orientation = orientation_by}, {}, {true, true});
+    coupling.on_first_frame(0);
+    auto m = standing(0, kSecond);
+    for (double& c : m.covariance) c = std::numeric_limits<double>::quiet_NaN();
+    coupling.on_vo_motion(m, nullptr);
+    coupling.on_fix(yaw_fix(kSecond, EIGEN_PI, 0.1));
+    const odo_pose pose = coupling.on_vo_motion(standing(kSecond, 2 * kSecond), nullptr);
+    CHECK(orientation(pose).coeffs().allFinite());
+    CHECK(std::isfinite(pose.covariance[14]));
+  }
+}
+
+TEST_CASE("a fix whose position is refused does not turn the heading either") {
+  PerFrameCoupling coupling({}, {{0, 0, 0}, 0, true}, {true, true});
+  const double before = body_yaw(coupling.on_first_frame(0));
+  auto fix = yaw_fix(0, before + 0.1, 0.01);
+  fix.header.flags |= ODO_FIX_NORTH | ODO_FIX_EAST;
+  fix.p_n[0] = 500;
+  fix.covariance_n[0] = fix.covariance_n[4] = 1;
+  CHECK_FALSE(coupling.on_fix(fix).accepted);
+  CHECK(body_yaw(coupling.on_vo_motion(standing(0, kSecond), nullptr)) == doctest::Approx(before));
+}
+
+TEST_CASE("a fix of the heading alone is published") {
+  PaperEstimator estimator({}, {}, {true, true});
+  estimator.update(FrameTime{0});
+  odo_pose first, corrected;
+  REQUIRE(estimator.take_pose(first));
+  const auto fix = yaw_fix(0, body_yaw(first) + 0.1, 0.01);
+  CHECK(estimator.update(&fix).accepted);
+  Correction correction;
+  REQUIRE(estimator.take_correction(correction, corrected));
+  CHECK(std::remainder(body_yaw(corrected) - body_yaw(first), 2 * EIGEN_PI) == doctest::Approx(0.1).epsilon(0.02));
+  CHECK(log_rotation(correction.q).z() == doctest::Approx(0.1).epsilon(0.02));
+  CHECK(correction.reason == kCorrectionFix);
+}
+
+TEST_CASE("a clock that is set back before the first frame leaves the camera's mount alone") {
+  for (const bool inertial : {false, true}) {
+    CouplingConfig config;
+    config.type = inertial ? CouplingType::inertial : CouplingType::paper;
+    const auto estimator = make_estimator(config, {}, {true, true});
+    auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+    calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
+    calibration.q_b_c[0] = 1;
+    estimator->on_calibration(calibration);
+    estimator->reset();
+    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
+    attitude.q_n_b[0] = 1;
+    estimator->update(&attitude);
+    estimator->update(FrameTime{0});
+    odo_pose pose;
+    REQUIRE(estimator->take_pose(pose));
+    CHECK(orientation(pose).angularDistance(Quaterniond::Identity()) < 1e-6);
+  }
+}
+
+TEST_SUITE_END();

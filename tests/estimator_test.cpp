@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The inertial estimator on simulated measurements: algebra against oracles, consistency, and what it must survive.
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include <Eigen/LU>
+
+#include "tests/estimator_walk.hpp"
+
+using namespace odograph;
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("estimator");
+
+namespace {
+
+struct Outcome {
+  double end_error_m = 0, worst_error_m = 0, worst_jump_m = 0, position_nees = 0, heading_nees = 0, scale_error = 0,
+         scale_sigma = 0, factor_error = 0, path_ratio = 0, first_metric_s = -1;
+  int poses = 0, references = 0, corrections = 0;
+  bool finite = true;
+};
+
+Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 40,
+                 const inertial::Parameters& parameters = {}) {
+  EstimatorWalk walk(estimator_scenario(length_m), what, seed);
+  CouplingConfig config;
+  config.type = CouplingType::inertial;
+  InertialEstimator estimator(config, {}, {what.camera, false}, parameters);
+  Outcome o;
+  bool has_start = false;
+  Vector3d start = Vector3d::Zero(), last = Vector3d::Zero(), last_truth = Vector3d::Zero(), path_from = last,
+           truth_from = last;
+  double path = 0, true_path = 0;
+  walk.run(
+      estimator,
+      [&](double t, const odo_pose& pose) {
+        const auto truth = walk.truth(t);
+        if (!has_start) has_start = true, start = truth.p_n_c;
+        const Vector3d p(pose.p_n), p_true = truth.p_n_c - (what.fix_every_s > 0 ? Vector3d(Vector3d::Zero()) : start);
+        o.finite = o.finite && p.allFinite();
+        const bool metric = (pose.header.flags & ODO_POSE_METRIC) != 0;
+        if (!metric) return;
+        const Vector3d error = p - p_true;
+        if (o.first_metric_s < 0)
+          o.first_metric_s = t, path_from = p, truth_from = p_true;
+        else
+          o.worst_jump_m = std::max(o.worst_jump_m, (p - last - (p_true - last_truth)).norm());
+        last = p, last_truth = p_true;
+        if ((p_true - truth_from).norm() > 1) {
+          path += (p - path_from).norm(), true_path += (p_true - truth_from).norm();
+          path_from = p, truth_from = p_true;
+        }
+        o.end_error_m = error.head<2>().norm();
+        o.worst_error_m = std::max(o.worst_error_m, o.end_error_m);
+        odo_fix reference;
+        o.references += estimator.take_step_reference(reference);
+        if (t < 10) return;
+        const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> P(pose.covariance);
+        const Eigen::Matrix2d horizontal = P.block<2, 2>(3, 3);
+        o.position_nees += error.head<2>().dot(horizontal.inverse() * error.head<2>()) / 2;
+        const Quaterniond q(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
+        o.heading_nees += std::pow(log_rotation(truth.q_n_c * q.conjugate()).z(), 2) / P(2, 2);
+        ++o.poses;
+      },
+      [&](const Correction&, const odo_pose&) { ++o.corrections; });
+  const auto report = estimator.scale_report();
+  o.scale_error = report.known ? report.log_scale + std::log(what.odometry.units_per_m) : 0;
+  o.scale_sigma = report.sigma;
+  o.factor_error = report.log_factor - walk.log_factor();
+  o.position_nees /= std::max(1, o.poses), o.heading_nees /= std::max(1, o.poses);
+  o.path_ratio = path / std::max(1e-9, true_path);
+  return o;
+}
+
+}  // namespace
+
+TEST_CASE("the transition of errors over IMU samples agrees with finite differences") {
+  using namespace inertial;
+  struct Motion {
+    Quaterniond q;
+    Vector3d v, p;
+  };
+  const auto integrate = [](Motion m, const Vector3d& gyro_bias, const Vector3d& accel_bias, ImuTransition* by) {
+    constexpr double dt = 0.005;
+    for (int k = 0; k < 40; ++k) {
+      const Vector3d gyro(0.7, -1.1 + 0.02 * k, 0.4), accel(1.0, -9.0, 2.0 + 0.05 * k);
+      const Vector3d rotation = (gyro - gyro_bias) * dt;
+      const Matrix3d R = (m.q * exp_rotation(0.5 * rotation)).toRotationMatrix();
+      const Vector3d force = R * (accel - accel_bias), a = force + Vector3d(0, 0, 9.81);
+      m.p += dt * m.v + 0.5 * dt * dt * a;
+      m.v += dt * a;
+      m.q = m.q * exp_rotation(rotation);
+      if (by) by->add(R, force, dt);
+    }
+    return m;
+  };
+  const Motion start{exp_rotation({0.3, -0.2, 1.0}), {1, 0.2, -0.1}, {5, 6, 7}};
+  ImuTransition by;
+  const Motion end = integrate(start, Vector3d::Zero(), Vector3d::Zero(), &by);
+  constexpr double h = 1e-6;
+  for (int i = 0; i < 3; ++i) {
+    const Vector3d e = h * Vector3d::Unit(i);
+    const Motion turned =
+        integrate({exp_rotation(e) * start.q, start.v, start.p}, Vector3d::Zero(), Vector3d::Zero(), nullptr);
+    CHECK(((turned.v - end.v) / h - by.v_by_theta.col(i)).norm() < 1e-3);
+    CHECK(((turned.p - end.p) / h - by.p_by_theta.col(i)).norm() < 1e-3);
+    const Motion biased = integrate(start, e, Vector3d::Zero(), nullptr);
+    CHECK((log_rotation(biased.q * end.q.conjugate()) / h - by.theta_by_bias.col(i)).norm() < 2e-3);
+    CHECK(((biased.v - end.v) / h - by.v_by_gyro.col(i)).norm() < 5e-3);
+    CHECK(((biased.p - end.p) / h - by.p_by_gyro.col(i)).norm() < 5e-3);
+    const Motion pushed = integrate(start, Vector3d::Zero(), e, nullptr);
+    CHECK(((pushed.v - end.v) / h - by.v_by_accel.col(i)).norm() < 1e-4);
+    CHECK(((pushed.p - end.p) / h - by.p_by_accel.col(i)).norm() < 1e-4);
+  }
+}
+
+TEST_CASE("the update is the textbook's, and a considered scale stays where it is") {
+  using namespace inertial;
+  Random random(3, 1);
+  for (const bool hold : {false, true}) {
+    ErrorState e;
+    e.clone(0);
+    Covariance A;
+    for (int i = 0; i < kSize; ++i)
+      for (int j = 0; j < kSize; ++j) A(i, j) = 0.1 * random.normal();
+    e.P = A * A.transpose() + 0.01 * Covariance::Identity();
+    const Covariance P = e.P;
+    Innovation<3> z;
+    Eigen::Matrix<double, 3, kSize> H = Eigen::Matrix<double, 3, kSize>::Zero();
+    Matrix3d by_p, by_v;
+    for (int i = 0; i < 9; ++i) by_p(i) = random.normal(), by_v(i) = random.normal();
+    z.by(kPosition, by_p), z.by(kVelocity, by_v), z.by_one(kLogScale, Vector3d(1, 2, 3));
+    H.middleCols<3>(kPosition) = by_p, H.middleCols<3>(kVelocity) = by_v, H.col(kLogScale) = Vector3d(1, 2, 3);
+    z.residual = Vector3d(0.1, -0.2, 0.3);
+    z.noise = 0.3 * Matrix3d::Identity();
+    const UpdateResult result = e.update(z, 0, hold);
+    const Matrix3d S = H * P * H.transpose() + z.noise;
+    Eigen::Matrix<double, kSize, 3> K = P * H.transpose() * S.inverse();
+    if (hold) K.row(kLogScale).setZero(), K.row(kLogFactor).setZero();
+    const Covariance I_KH = Covariance::Identity() - K * H;  // Joseph's form holds for any gain
+    const Covariance expected = I_KH * P * I_KH.transpose() + K * z.noise * K.transpose();
+    CHECK((e.P - expected).norm() < 1e-9 * P.norm());
+    CHECK((e.x.v_n - (K * z.residual).segment<3>(kVelocity)).norm() < 1e-12);
+    CHECK((e.x.log_scale == 0) == hold);
+    CHECK(result.nis == doctest::Approx(z.residual.dot(S.inverse() * z.residual)));
+  }
+}
+
+TEST_CASE(
+    "errors are as large as the covariance says: 20 walks each, with and without a metre, with and without fixes") {
+  for (const bool metric : {false, true})
+    for (const bool fixes : {false, true}) {
+      WalkMeasurements what;
+      if (metric) what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
+      if (fixes) what.fix_every_s = 2;
+      double position = 0, heading = 0;
+      for (uint64_t seed = 1; seed <= 20; ++seed) {
+        const Outcome o = run_walk(what, seed);
+        position += o.position_nees / 20, heading += o.heading_nees / 20;
+      }
+      CAPTURE(metric);
+      CAPTURE(fixes);
+      CHECK(position > 0.5);
+      CHECK(position < 2.0);
+      CHECK(heading > 0.5);
+      CHECK(heading < 2.0);
+    }
+}
+
+TEST_CASE("the scale does not move with the odometry's own covariance, nor collapse where the odometry errs by 5 cm") {
+  for (const double error_m : {0.02, 0.05}) {
+    WalkMeasurements what;
+    what.odometry.position_m = error_m;
+    double length_4 = 0, length_quarter = 0, worst = 0;
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+      what.odometry.stated_covariance = 4;
+      const Outcome more = run_walk(what, seed);
+      what.odometry.stated_covariance = 0.25;
+      const Outcome less = run_walk(what, seed);
+      length_4 += more.path_ratio, length_quarter += less.path_ratio;
+      worst = std::max(worst, std::abs(more.scale_error) / more.scale_sigma);
+      CHECK(more.path_ratio > 0.9);
+      CHECK(more.path_ratio < 1.1);
+    }
+    CHECK(length_4 == doctest::Approx(length_quarter).epsilon(0.02));
+    CHECK(worst < 3.5);
+  }
+}
+
+TEST_CASE("inertia alone tells the scale of an odometry without a metre") {
+  WalkMeasurements what;
+  what.steps = false;
+  what.odometry.position_m = 0.008;  // as measured on simulated pictures
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    const Outcome o = run_walk(what, seed, 60);
+    CHECK(std::abs(o.scale_error) < 0.06);
+    CHECK(std::abs(o.scale_error) < 3 * o.scale_sigma);
+  }
+}
+
+TEST_CASE("a metric odometry that is sure passes through; steps outweigh one that is not, and learn from one that is") {
+  WalkMeasurements sure;
+  sure.odometry.units_per_m = 1, sure.odometry.scale_sigma = 0.005, sure.odometry.scale_walk = 0;
+  sure.odometry.position_m = 0.005, sure.odometry.drift_per_root_m = 0;
+  sure.step_factor_sigma = 0.15;
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    const Outcome o = run_walk(sure, seed, 60);
+    CHECK(o.path_ratio == doctest::Approx(1.0).epsilon(0.015));
+    CHECK(std::abs(o.factor_error) < 0.05);
+    CHECK(o.references >= 1);
+  }
+  WalkMeasurements doubtful = sure;
+  doubtful.odometry.scale_sigma = 0.3;
+  doubtful.step_factor_sigma = 0.02;
+  for (uint64_t seed = 1; seed <= 5; ++seed) CHECK(std::abs(run_walk(doubtful, seed, 60).path_ratio - 1) < 0.07);
+}
+
+TEST_CASE("steps carry while the camera is blind, and the covariance says so") {
+  WalkMeasurements what;
+  what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.01;
+  what.odometry.blind_from_s = 12, what.odometry.blind_to_s = 22;
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    const Outcome o = run_walk(what, seed, 40);
+    CHECK(o.worst_error_m < 1.5);
+    CHECK(o.position_nees < 4);
+  }
+}
+
+TEST_CASE("the metre comes without a jump, from standing and in mid-walk") {
+  for (const double start_s : {0.0, 6.0}) {
+    WalkMeasurements what;
+    what.start_s = start_s;
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+      const Outcome o = run_walk(what, seed);
+      CHECK(o.first_metric_s > 0);
+      CHECK(o.first_metric_s - start_s < 5);
+      CHECK(o.worst_jump_m < 0.5);
+    }
+  }
+}
+
+TEST_CASE("numbers whose flag is not set are not read") {
+  WalkMeasurements what, poisoned;
+  poisoned.change = [](double, odo_vo_motion& m) {
+    m.header.flags &= ~ODO_VO_COVARIANCE;
+    for (double& c : m.covariance) c = std::numeric_limits<double>::quiet_NaN();
+    m.velocity_c1[0] = m.scale_sigma = std::numeric_limits<double>::quiet_NaN();
+  };
+  const Outcome clean = run_walk(what, 1), odd = run_walk(poisoned, 1);
+  CHECK(odd.finite);
+  CHECK(odd.end_error_m == clean.end_error_m);
+}
+
+TEST_CASE("a fix that lies, an odometry that jumps, and a unit that changes unsaid do not carry the pose away") {
+  WalkMeasurements jump;
+  jump.odometry.units_per_m = 1, jump.odometry.scale_sigma = 0.01;
+  jump.change = [](double t, odo_vo_motion& m) {
+    if (t > 15 && t < 15.1) m.p_c0_c1[2] += 20;
+  };
+  CHECK(run_walk(jump, 1).worst_error_m < 1.5);
+  WalkMeasurements unit;  // M5: after a stop the unit is another
+  unit.change = [](double t, odo_vo_motion& m) {
+    if (t > 15)
+      for (double& p : m.p_c0_c1) p *= 2.5;
+  };
+  const Outcome o = run_walk(unit, 2, 60);
+  CHECK(o.finite);
+  CHECK(o.worst_error_m < 12);
+}
+
+TEST_SUITE_END();

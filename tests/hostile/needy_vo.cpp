@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// A front-end that refuses frames of a camera that it has not been told of, forgets it when reset, and breaks down at
+// an exposure of 666 ns. It sees 5 cm forward between any two frames.
+#define HOSTILE_ID "test/needy_vo"
+#include <odograph/vo_frontend.h>
+
+#include "tests/hostile/table.hpp"
+
+namespace {
+
+struct {
+  bool calibrated = false;
+  int64_t last_ns = 0;
+} state;
+
+int32_t take(const odo_header& message) {
+  if (message.type == ODO_TYPE_CALIBRATION) state.calibrated = true;
+  if (message.type != ODO_TYPE_FRAME) return ODO_OK;
+  if (reinterpret_cast<const odo_frame&>(message).exposure_ns == 666) return ODO_E_ERROR;
+  if (!state.calibrated) return ODO_E_DISCARD;
+  if (state.last_ns != 0) {
+    odo_vo_motion motion;
+    std::memset(&motion, 0, sizeof motion);
+    motion.header.struct_size = sizeof motion;
+    motion.header.type = ODO_TYPE_VO_MOTION;
+    motion.header.t_ns = message.t_ns;
+    motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
+    motion.t_from_ns = state.last_ns;
+    motion.q_c0_c1[0] = 1;
+    motion.p_c0_c1[2] = 0.05;
+    motion.state = ODO_TRACKING;
+    hostile::sink()->emit(hostile::sink(), &motion.header);
+  }
+  state.last_ns = message.t_ns;
+  return ODO_OK;
+}
+
+}  // namespace
+
+extern "C" int32_t odo_plugin_entry_v1(const odo_host*, odo_plugin* out) {
+  static const odo_string kind{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1};
+  odo_plugin t = hostile::table();
+  t.interfaces = &kind;
+  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** out_instance) -> int32_t {
+    state = {};
+    *out_instance = reinterpret_cast<odo_instance*>(&hostile::instance());
+    return ODO_OK;
+  };
+  t.activate = [](odo_instance*, const odo_sink* s) -> int32_t { return hostile::sink() = s, ODO_OK; };
+  t.reset = [](odo_instance*) -> int32_t { return state = {}, ODO_OK; };
+  t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
+    for (uint32_t i = 0; i < batch->count; ++i)
+      if (const int32_t status = take(*batch->messages[i]); status < 0) return status;
+    return ODO_OK;
+  };
+  return hostile::fill(out, t);
+}

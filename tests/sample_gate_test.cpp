@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include <cmath>
+#include <vector>
+
+#include "sdk/core/messages.hpp"
+#include "sdk/core/sample_gate.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("sample_gate");
+
+namespace {
+
+odo_imu sample(int i, double gyro, double accel, uint32_t flags = ODO_IMU_GYRO | ODO_IMU_ACCEL) {
+  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'000 + i * 5'000'000LL);
+  imu.header.flags = flags;
+  imu.gyro_b[0] = gyro;
+  imu.accel_b[1] = accel;
+  return imu;
+}
+
+struct Passed {
+  SampleGate gate;
+  std::vector<odo_imu> out;
+  int spikes = 0;
+  void push(const odo_imu& imu) {
+    spikes += gate.push(imu, [this](const odo_imu& passed) { out.push_back(passed); });
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a single sample that sticks out is dropped, and only that one") {
+  Passed passed;
+  for (int i = 0; i < 100; ++i) passed.push(sample(i, i == 50 ? 30.0 : 0.1, 9.81));
+  for (int i = 100; i < 200; ++i) passed.push(sample(i, 0.1, i == 150 ? -150.0 : 9.81));
+  CHECK(passed.spikes == 2);
+  REQUIRE(passed.out.size() == 198);
+  for (const auto& imu : passed.out) CHECK(std::abs(imu.gyro_b[0]) < 1);
+}
+
+TEST_CASE("a shock that lasts, a saturated sensor and a pause lose nothing") {
+  Passed passed;
+  for (int i = 0; i < 300; ++i) {
+    const bool shock = i >= 50 && i < 52, saturated = i >= 100 && i < 150;
+    passed.push(sample(i < 200 ? i : i + 100, saturated ? 34.9 : 0.1, shock ? 150.0 : i < 200 ? 9.81 : -140.0));
+  }
+  CHECK(passed.spikes == 0);
+  REQUIRE(passed.out.size() == 300);
+  for (size_t i = 1; i < passed.out.size(); ++i) CHECK(passed.out[i].header.t_ns > passed.out[i - 1].header.t_ns);
+}
+
+TEST_CASE("sensors that come apart are judged apart") {
+  Passed passed;
+  for (int i = 0; i < 100; ++i) {
+    passed.push(sample(2 * i, i == 50 ? 30.0 : 0.1, 0, ODO_IMU_GYRO));
+    passed.push(sample(2 * i + 1, 0, 9.81, ODO_IMU_ACCEL));
+  }
+  CHECK(passed.spikes == 1);
+  CHECK(passed.out.size() == 199);
+}
+
+TEST_CASE("what a hand can do passes, whatever it does") {
+  rc::check("band-limited motion", [] {
+    const double hz = *rc::gen::inRange(1, 8), phase = *rc::gen::inRange(0, 628) * 0.01;
+    const double rate = 500 / (2 * 3.14159265 * hz), force = *rc::gen::inRange(0, 60);
+    Passed passed;
+    for (int i = 0; i < 400; ++i) {
+      const double x = 2 * 3.14159265 * hz * i * 0.005 + phase;
+      passed.push(sample(i, std::min(rate, 30.0) * std::sin(x), 9.81 + force * std::cos(x)));
+    }
+    RC_ASSERT(passed.spikes == 0);
+    RC_ASSERT(passed.out.size() == 400u);
+  });
+}
+
+TEST_CASE("values that no sensor of a phone can give are out of range") {
+  const SampleGate gate;
+  CHECK(gate.within_range(sample(0, 34.9, 157).header));
+  CHECK_FALSE(gate.within_range(sample(0, 41, 0).header));
+  CHECK_FALSE(gate.within_range(sample(0, 0, -1e6).header));
+  CHECK(gate.within_range(sample(0, 1e300, 9.81, ODO_IMU_ACCEL).header));  // what is not valid is not looked at
+  auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 0);
+  barometer.pressure_pa = 101325;
+  CHECK(gate.within_range(barometer.header));
+  barometer.pressure_pa = 1013.25;  // in hectopascal
+  CHECK_FALSE(gate.within_range(barometer.header));
+  auto field = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 0);
+  field.field_b[2] = 50e-6;
+  CHECK(gate.within_range(field.header));
+  field.field_b[2] = 50;  // in microtesla
+  CHECK_FALSE(gate.within_range(field.header));
+}
+
+TEST_SUITE_END();
