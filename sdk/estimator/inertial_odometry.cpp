@@ -292,17 +292,14 @@ void InertialEstimator::try_scale_start(int64_t t_ns) {
 
 void InertialEstimator::know_scale(double log_scale, double variance, double steps_share, int64_t t_ns) {
   vo_.known = true;
-  e_.x.log_scale = log_scale;
-  e_.set_independent(kLogScale, variance);
-  const double shared = steps_share * e_.P(kLogFactor, kLogFactor);
-  e_.P(kLogScale, kLogFactor) = e_.P(kLogFactor, kLogScale) = shared;
-  if (!vo_.metric && vo_.first_group && vo_.unbroken && !placed_) put_in_place(t_ns, variance);
+  e_.set_scale(log_scale, variance, steps_share);
+  if (!vo_.metric && vo_.first_group && vo_.unbroken && !placed_) put_in_place(t_ns);
   metric_ = true;
   detach();  // the odometry's pose had no scale until now
 }
 
 /// What the first group moved before its scale was known: position and velocity now follow from the start.
-void InertialEstimator::put_in_place(int64_t t_ns, double variance) {
+void InertialEstimator::put_in_place(int64_t t_ns) {
   const auto at = past(t_ns);
   const auto before = scale_start_.at(t_ns - static_cast<int64_t>(kChord_s * 1e9));
   if (!at || !before) return;
@@ -311,7 +308,7 @@ void InertialEstimator::put_in_place(int64_t t_ns, double variance) {
   const Vector3d moved_n = scale * vo_.y_n, v_n = scale / kChord_s * (vo_.y_n - *before);
   const Vector3d shift = vo_.start_n + moved_n - (at->p_n + at->q_n_b * p_b_c_);
   constexpr double kVelocity_mps = 0.3;  // a chord over a step, and the gait within it
-  e_.place(shift, moved_n, v_n, variance, squared(vo_.sigma_m) + squared(p_.vo_drift_per_root_m) * moved_n.norm(),
+  e_.place(shift, moved_n, v_n, squared(vo_.sigma_m) + squared(p_.vo_drift_per_root_m) * moved_n.norm(),
            squared(kVelocity_mps));
   e_.forget_clones();  // how they lie to each other was not known either
   e_.clone(t_ns_);
