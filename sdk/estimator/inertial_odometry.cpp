@@ -94,9 +94,12 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
   if (!vo_.any || m.scale_group != vo_.group || metric != vo_.metric) begin_group(m, metric);
   const double dt_s = seconds(t - m.t_from_ns);
   UpdateResult result;
-  if (!translates) vo_.unbroken = false, detach();
+  if (!translates) {  // without parallax, before the first motion, the camera is still where it was
+    vo_.unbroken = vo_.unbroken && !lost && vo_.y_n.isZero();
+    detach();
+  }
   if (translates && dt_s > 0) {
-    if (!vo_.attached || vo_.t_ns != m.t_from_ns) vo_.unbroken &= vo_.t_ns == INT64_MIN && attach(m.t_from_ns);
+    if (vo_.attached && vo_.t_ns != m.t_from_ns) vo_.unbroken = false, detach();
     if (!vo_.attached) attach(m.t_from_ns);
     if (vo_.attached) {
       const Vector3d p_c0_c1(m.p_c0_c1);
