@@ -60,11 +60,11 @@ TEST_CASE("the track over a walk is what it was before there was an interface") 
     ++poses;
   });
   // Printed by the first version behind the interface, whose tracks of `odograph run` were those of 0.1 byte for byte.
-  CHECK(poses == 0);
-  CHECK(last.p_n[0] == doctest::Approx(0.0).epsilon(1e-9));
-  CHECK(last.p_n[1] == doctest::Approx(0.0).epsilon(1e-9));
-  CHECK(last.distance_m == doctest::Approx(0.0).epsilon(1e-9));
-  CHECK(sum == doctest::Approx(0.0).epsilon(1e-9));
+  CHECK(poses == 330);
+  CHECK(last.p_n[0] == doctest::Approx(32.0373828943).epsilon(1e-9));
+  CHECK(last.p_n[1] == doctest::Approx(16.4413162123).epsilon(1e-9));
+  CHECK(last.distance_m == doctest::Approx(43.0243454087).epsilon(1e-9));
+  CHECK(sum == doctest::Approx(8654.03192937).epsilon(1e-9));
 }
 
 TEST_CASE("doubt about the camera's own down axis is doubt about the heading, which a yaw fix then corrects") {
