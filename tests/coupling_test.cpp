@@ -3,6 +3,7 @@
 
 #include "plugins/scale/step_fit/step_fit.hpp"
 #include "plugins/scale/step_length/step_scale.hpp"
+#include "sdk/core/geodesy.hpp"
 #include "sdk/estimator/gyro_chain.hpp"
 #include "sdk/core/geodesy.hpp"
 #include "sdk/core/messages.hpp"

@@ -123,23 +123,35 @@ void ErrorState::move_vo(const Quaterniond& q_c0_c1, const Vector3d& p_c0_c1, co
 }
 
 void ErrorState::place(const Vector3d& shift_n, const Vector3d& displacement_n, const Vector3d& v_n,
-                       double scale_variance, double position_variance, double velocity_variance) {
+                       double position_variance, double velocity_variance) {
   x.p_n += shift_n;
   x.v_n = v_n;
   for (int i = 0; i < 3; ++i) {
     set_independent(kPosition + i, 0);
     set_independent(kVelocity + i, velocity_variance);
   }
-  Error by_scale = Error::Zero();
-  by_scale.segment<3>(kPosition) = displacement_n;
-  by_scale.segment<3>(kVelocity) = v_n;
-  by_scale *= std::sqrt(scale_variance);
-  for (int j = 0; j < kSize; ++j)
-    if (by_scale[j] != 0) P.col(j) += by_scale * by_scale[j];
-  by_scale *= std::sqrt(scale_variance);  // and with the scale itself
-  P.col(kLogScale) += by_scale;
-  P.row(kLogScale) += by_scale.transpose();
+  // Both err by the scale's error, and so with whatever the scale's error goes with.
+  const Eigen::Matrix<double, 1, kSize> scale = P.row(kLogScale);
+  const double scale_variance = P(kLogScale, kLogScale);
+  const auto follows = [&](int at, const Vector3d& by_scale) {
+    P.middleRows<3>(at) += by_scale * scale;
+    P.middleCols<3>(at) += scale.transpose() * by_scale.transpose();
+  };
+  follows(kPosition, displacement_n);
+  follows(kVelocity, v_n);
+  P.block<3, 3>(kPosition, kPosition) += scale_variance * displacement_n * displacement_n.transpose();
+  P.block<3, 3>(kVelocity, kVelocity) += scale_variance * v_n * v_n.transpose();
+  P.block<3, 3>(kPosition, kVelocity) += scale_variance * displacement_n * v_n.transpose();
+  P.block<3, 3>(kVelocity, kPosition) += scale_variance * v_n * displacement_n.transpose();
   loosen_position(Matrix3d::Identity() * position_variance);
+}
+
+void ErrorState::set_scale(double log_scale, double variance, double factor_share) {
+  x.log_scale = log_scale;
+  const double own = std::max(0.0, variance - factor_share * factor_share * P(kLogFactor, kLogFactor));
+  P.row(kLogScale) = factor_share * P.row(kLogFactor).eval();
+  P.col(kLogScale) = P.row(kLogScale).transpose();
+  P(kLogScale, kLogScale) = factor_share * factor_share * P(kLogFactor, kLogFactor) + own;
 }
 
 void ErrorState::set_independent(int at, double variance) {

@@ -127,7 +127,9 @@ class ErrorState {
   /// The body is shifted to where the scale, just known, says that a displacement led; clones are to be forgotten. What
   /// position and velocity err by is the scale's error (its variance) along them and variances of their own.
   void place(const Eigen::Vector3d& shift_n, const Eigen::Vector3d& displacement_n, const Eigen::Vector3d& v_n,
-             double scale_variance, double position_variance, double velocity_variance);
+             double position_variance, double velocity_variance);
+  /// The log-scale is known anew; a share of its error is the walker's log-factor's.
+  void set_scale(double log_scale, double variance, double factor_share);
 
   /// A scalar part is known anew, and owes nothing to the others.
   void set_independent(int at, double variance);

@@ -80,7 +80,7 @@ class InertialEstimator : public Estimator {
   void use_window(const inertial::WindowScale& window);
   void try_scale_start(int64_t t_ns);
   void know_scale(double log_scale, double variance, double steps_share, int64_t t_ns);
-  void put_in_place(int64_t t_ns, double variance);
+  void put_in_place(int64_t t_ns);
 
   // Steps (inertial_steps.cpp).
   void doubt_steps();

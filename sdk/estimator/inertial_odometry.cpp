@@ -94,9 +94,12 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
   if (!vo_.any || m.scale_group != vo_.group || metric != vo_.metric) begin_group(m, metric);
   const double dt_s = seconds(t - m.t_from_ns);
   UpdateResult result;
-  if (!translates) vo_.unbroken = false, detach();
+  if (!translates) {  // without parallax, before the first motion, the camera is still where it was
+    vo_.unbroken = vo_.unbroken && !lost && vo_.y_n.isZero();
+    detach();
+  }
   if (translates && dt_s > 0) {
-    if (!vo_.attached || vo_.t_ns != m.t_from_ns) vo_.unbroken &= vo_.t_ns == INT64_MIN && attach(m.t_from_ns);
+    if (vo_.attached && vo_.t_ns != m.t_from_ns) vo_.unbroken = false, detach();
     if (!vo_.attached) attach(m.t_from_ns);
     if (vo_.attached) {
       const Vector3d p_c0_c1(m.p_c0_c1);
@@ -292,17 +295,14 @@ void InertialEstimator::try_scale_start(int64_t t_ns) {
 
 void InertialEstimator::know_scale(double log_scale, double variance, double steps_share, int64_t t_ns) {
   vo_.known = true;
-  e_.x.log_scale = log_scale;
-  e_.set_independent(kLogScale, variance);
-  const double shared = steps_share * e_.P(kLogFactor, kLogFactor);
-  e_.P(kLogScale, kLogFactor) = e_.P(kLogFactor, kLogScale) = shared;
-  if (!vo_.metric && vo_.first_group && vo_.unbroken && !placed_) put_in_place(t_ns, variance);
+  e_.set_scale(log_scale, variance, steps_share);
+  if (!vo_.metric && vo_.first_group && vo_.unbroken && !placed_) put_in_place(t_ns);
   metric_ = true;
   detach();  // the odometry's pose had no scale until now
 }
 
 /// What the first group moved before its scale was known: position and velocity now follow from the start.
-void InertialEstimator::put_in_place(int64_t t_ns, double variance) {
+void InertialEstimator::put_in_place(int64_t t_ns) {
   const auto at = past(t_ns);
   const auto before = scale_start_.at(t_ns - static_cast<int64_t>(kChord_s * 1e9));
   if (!at || !before) return;
@@ -311,7 +311,7 @@ void InertialEstimator::put_in_place(int64_t t_ns, double variance) {
   const Vector3d moved_n = scale * vo_.y_n, v_n = scale / kChord_s * (vo_.y_n - *before);
   const Vector3d shift = vo_.start_n + moved_n - (at->p_n + at->q_n_b * p_b_c_);
   constexpr double kVelocity_mps = 0.3;  // a chord over a step, and the gait within it
-  e_.place(shift, moved_n, v_n, variance, squared(vo_.sigma_m) + squared(p_.vo_drift_per_root_m) * moved_n.norm(),
+  e_.place(shift, moved_n, v_n, squared(vo_.sigma_m) + squared(p_.vo_drift_per_root_m) * moved_n.norm(),
            squared(kVelocity_mps));
   e_.forget_clones();  // how they lie to each other was not known either
   e_.clone(t_ns_);
