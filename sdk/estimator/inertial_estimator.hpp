@@ -126,8 +126,6 @@ class InertialEstimator : public Estimator {
     int64_t t_ns = INT64_MIN, translated_ns = INT64_MIN;
     Eigen::Vector3d y_n = Eigen::Vector3d::Zero();      // position since the group began, VO units
     Eigen::Vector3d start_n = Eigen::Vector3d::Zero();  // of the camera then, m
-    Eigen::Vector3d last_n = Eigen::Vector3d::Zero();   // of the camera at the last motion's end, m
-    int64_t last_ns = INT64_MIN;
     double sigma_m = 0, told_information = 0;
     int64_t told_ns = 0, gravity_ns = INT64_MIN;
     double inertia_information = 0, steps_information = 0, own_information = 0;

@@ -123,7 +123,6 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
       }
       try_scale_start(t);
       vo_.translated_ns = t;
-      if (const auto at = past(t)) vo_.last_n = at->p_n + at->q_n_b * p_b_c_, vo_.last_ns = t;
       if (vo_.known) informed_ns_ = t_ns_;
     }
   }
@@ -138,9 +137,9 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
 
 /// The camera's displacement since the last motion as the IMU has it, or where that is not known the odometry's own.
 Vector3d InertialEstimator::expected_displacement(int64_t t_ns, const Vector3d& odometry_n) const {
-  const auto at = past(t_ns);
-  if (!vo_.known || !at || vo_.last_ns != vo_.t_ns || vo_.last_ns == INT64_MIN) return odometry_n;
-  return at->p_n + at->q_n_b * p_b_c_ - vo_.last_n;
+  const auto from = past(vo_.t_ns), to = past(t_ns);
+  if (!vo_.known || !from || !to || vo_.t_ns == INT64_MIN) return odometry_n;
+  return to->p_n + to->q_n_b * p_b_c_ - (from->p_n + from->q_n_b * p_b_c_);
 }
 
 UpdateResult InertialEstimator::see_rotation(int64_t t_ns, double dt_s) {
@@ -198,6 +197,7 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
     velocity.residual = v_n - e_.x.v_n;
     velocity.by(kVelocity, Matrix3d::Identity());
     velocity.by_one(kLogScale, -v_n);
+    velocity.by_pose(*at, skew(v_n), Matrix3d::Zero());
     velocity.noise = Matrix3d::Identity() * squared(kVelocity_mps);
     e_.update(velocity, p_.gate[3]);
   }

@@ -104,7 +104,6 @@ void InertialEstimator::place_by(Innovation<6>& seen) {
   e_.loosen_position(covariance);
   seen.residual.tail<3>().setZero();
   seen.noise.bottomRightCorner<3, 3>() = Matrix3d::Identity() * kNothing;
-  vo_.last_ns = INT64_MIN;
 }
 
 UpdateResult InertialEstimator::apply(const odo_fix* fix) {
