@@ -22,7 +22,8 @@ constexpr double kQuick_m = 120;  // as `bench walk700 --quick`, which keeps the
 struct VoArguments {
   std::vector<std::string> configs = {"samples/configs/monocular.yaml", "samples/configs/monocular_antigny2019.yaml",
                                       "samples/configs/monocular_gakne2018.yaml",
-                                      "samples/configs/monocular_odograph.yaml", "samples/configs/inertial_odograph.yaml"};
+                                      "samples/configs/monocular_odograph.yaml",
+                                      "samples/configs/inertial_odograph.yaml"};
   std::vector<std::string> scenarios = {"samples/scenarios/street_short.yaml"}, recordings;
   std::string keep = "out/bench", reference, reference_frame = "camera", plot, gap, dark;
   uint64_t seeds = 1, first_seed = 1, sensor_seed = 1;
@@ -104,9 +105,10 @@ Result<bool> run_one(const Recording& recording, const std::string& name, const 
   if (!variant.name.empty()) row["sensors"] = variant.name;
   row.update(vo_row(recording, *result));
   out.rows.push_back(std::move(row));
-  if (!recording.truth.empty())
-    out.plot.series.push_back(
-        scale_series(recording, *result, variant.name.empty() ? what : what + " " + variant.name));
+  if (!recording.truth.empty()) {
+    auto series = scale_series(recording, *result, variant.name.empty() ? what : what + " " + variant.name);
+    if (!series.points.empty()) out.plot.series.push_back(std::move(series));
+  }
   return true;
 }
 
@@ -134,6 +136,10 @@ int bench_vo(const VoArguments& a) {
   else
     print_vo_tables(out.rows);
   if (a.plot.empty()) return kDone;
+  if (out.plot.series.empty()) {
+    std::fprintf(stderr, "%s: nothing to plot, no path is long enough to have a scale\n", a.plot.c_str());
+    return kDone;
+  }
   const auto written = write_svg(out.plot, a.plot);
   return written ? kDone : complain(written.failure());
 }
