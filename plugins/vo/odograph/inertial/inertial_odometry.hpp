@@ -41,7 +41,8 @@ class InertialOdometry {
     double least_accepted = 0.3;  ///< of the tracks, for `diverged_s`: the filter is wrong
     double diverged_s = 1.0;
     double start_every_s = 0.25;       ///< a start in motion is tried
-    double metric_sigma = 0.3;         ///< relative: above it the motion is up to scale
+    double scale_sigma_factor = 2;     ///< the filter takes corners' errors for independent, which they are not:
+    double scale_sigma_floor = 0.01;   ///< relative; both by the 5 m stretches of euroc_mh05 and a simulated phone
     double rotation_floor_rad = 2e-4;  ///< of a frame's motion: what the corners share in their errors
     double position_floor_m = 2e-3;    ///< the same; 0.4 px at a depth of 2.5 m
   };
