@@ -23,7 +23,7 @@ class GuidedCorners {
     int levels = 3;              ///< of the pyramid
     double back_px = 0.7;        ///< largest distance between the way there and the way back
     int reference_levels = 1;    ///< of the pyramid, against the picture where the corner was found
-    double reference_error = 8;  ///< grey levels, mean: what looks otherwise than where it was found is dropped
+    double reference_error = 6;  ///< grey levels, mean: what looks otherwise than where it was found is dropped
     double reference_px = 1.5;   ///< most that the reference moves a corner
     size_t references = 8;       ///< frames that a corner is compared with its first picture
     double refill_below = 0.85;  ///< of `most`
