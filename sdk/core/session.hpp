@@ -49,8 +49,8 @@ class Session {
   void reported(const Report& report);
   void restart_clock();
   odo_calibration with_own(const odo_calibration& calibration) const;
-  void note_time_offset(const odo_calibration& calibration);
-  int64_t time_offset_ns(uint32_t calibration);
+  void note_timing(const odo_calibration& calibration);
+  void put_timing(odo_frame& frame);
 
   PipelineConfig config_;
   bool live_;
@@ -67,7 +67,13 @@ class Session {
   std::mutex queue_mutex_;
   std::condition_variable queue_changed_;
   TimeOrder order_;
-  std::map<uint32_t, int64_t> camera_offsets_ns_;  // by calibration id: IMU time minus camera time
+  struct CameraTiming {
+    int64_t offset_ns = 0;  // IMU time minus camera time
+    int64_t line_time_ns = 0;
+    bool line_time = false;     // given
+    bool above_frames = false;  // by the config, which stands above what frames say
+  };
+  std::map<uint32_t, CameraTiming> camera_timing_;  // by calibration id
   bool restart_pending_ = false;
   bool stopping_ = false;
 
