@@ -55,9 +55,9 @@ struct HandHeld {
     constexpr int64_t kFirst_ns = 5'000'000'000;
     for (int i = 0; i < static_cast<int>(seconds * imu_hz); ++i) {
       const double t = i / imu_hz;
-      data.gyro.push_back(
-          {kFirst_ns + std::llround(t * 1e9),
-           rate_b(t) + gyro_bias + gyro_noise_rps * Eigen::Vector3d(normal(random), normal(random), normal(random))});
+      data.gyro.push_back({kFirst_ns + std::llround(t * 1e9),
+                           mount * (rate_b(t) + gyro_bias +
+                                    gyro_noise_rps * Eigen::Vector3d(normal(random), normal(random), normal(random)))});
     }
     std::vector<Eigen::Vector3d> points;
     for (int i = 0; i < static_cast<int>(60 * (seconds * walk_mps + 20)); ++i)
@@ -75,7 +75,7 @@ struct HandHeld {
           const double at = t + (row - 239.5) * row_time_s;
           const Eigen::Vector3d p = (q_n_b(at) * q_b_c).conjugate() * (points[k] - p_n(at));
           seen = p.z() > 0.5 && p.norm() < 25 && std::abs(p.x() / p.z()) < 1 && std::abs(p.y() / p.z()) < 1;
-          pixel = project(Lens::pinhole, lens, 5, Eigen::Vector2d(p.head<2>() / p.z()));
+          pixel = project(Lens::pinhole, lens, 1, Eigen::Vector2d(p.head<2>() / p.z()));
           row = pixel.y();
         }
         seen = seen && pixel.x() > 3 && pixel.x() < 636 && pixel.y() > 3 && pixel.y() < 476;
