@@ -29,26 +29,6 @@ struct Fit {
   std::vector<Vector6d> poses;
 };
 
-/// Normalized image coordinates to pixels (OpenCV's documentation has both formulas).
-template <class T>
-Eigen::Matrix<T, 2, 1> bent(Lens model, const T* lens, size_t coefficients, const Eigen::Matrix<T, 2, 1>& p) {
-  const auto k = [&](size_t i) { return i < coefficients ? lens[4 + i] : T(0); };
-  const T r2 = p.squaredNorm();
-  Eigen::Matrix<T, 2, 1> d = p;
-  if (model == Lens::kannala_brandt) {
-    if (r2 > T(1e-16)) {
-      const T r = sqrt(r2), theta = atan(r), t2 = theta * theta;
-      d *= theta * (T(1) + t2 * (k(0) + t2 * (k(1) + t2 * (k(2) + t2 * k(3))))) / r;
-    }
-  } else {
-    const T radial = (T(1) + r2 * (k(0) + r2 * (k(1) + r2 * k(4)))) / (T(1) + r2 * (k(5) + r2 * (k(6) + r2 * k(7))));
-    const T xy = T(2) * p.x() * p.y();
-    d = radial * p + Eigen::Matrix<T, 2, 1>(k(2) * xy + k(3) * (r2 + T(2) * p.x() * p.x()),
-                                            k(2) * (r2 + T(2) * p.y() * p.y()) + k(3) * xy);
-  }
-  return {lens[0] * d.x() + lens[2], lens[1] * d.y() + lens[3]};
-}
-
 /// One corner: measured minus modelled pixels.
 struct CornerResidual {
   Lens model;
@@ -64,7 +44,7 @@ struct CornerResidual {
     ceres::AngleAxisRotatePoint(pose, corner, p);
     for (int i = 0; i < 3; ++i) p[i] += pose[3 + i];
     if (p[2] < T(1e-6)) return false;
-    const auto modelled = bent(model, lens, coefficients, Eigen::Matrix<T, 2, 1>(p[0] / p[2], p[1] / p[2]));
+    const auto modelled = project(model, lens, coefficients, Eigen::Matrix<T, 2, 1>(p[0] / p[2], p[1] / p[2]));
     residual[0] = T(pixel.x) - modelled.x();
     residual[1] = T(pixel.y) - modelled.y();
     return true;

@@ -9,10 +9,9 @@
 
 #include "sdk/base/result.hpp"
 #include "sdk/calibration/board.hpp"
+#include "sdk/calibration/lens_model.hpp"
 
 namespace odograph {
-
-enum class Lens { pinhole, kannala_brandt };
 
 struct LensOptions {
   Lens lens = Lens::pinhole;

@@ -159,6 +159,7 @@ void add_bench(CLI::App& app, int& status) {
   add_bench_walk700(*command, status);
   add_bench_allan(*command, status);
   add_bench_calibrate(*command, status);
+  add_bench_calibrate_imu(*command, status);
   add_bench_drive(*command, status);
   add_bench_gait(*command, status);
   add_bench_stream(*command, status);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `odograph calibrate`: a camera's intrinsics from pictures of a board, and pictures that show how far to believe them.
+// `odograph calibrate`: a camera's intrinsics from pictures of a board, and pictures that show how far to believe them;
+// with --imu how it sits on its IMU.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/cli/board_option.hpp"
+#include "sdk/cli/calibrate_imu.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/picture_source.hpp"
 #include "sdk/cli/plot.hpp"
@@ -24,6 +26,7 @@ struct CalibrateArguments {
   BoardOptions options;
   std::vector<std::string> inputs;
   std::string output = "calibration", print;
+  CalibrateImuArguments imu;
   size_t most = 60;
   bool json = false;
 };
@@ -144,13 +147,6 @@ std::string figures_of(const LensCalibration& c) {
   return text;
 }
 
-Result<bool> write_file(const fs::path& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  if (!file.flush()) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be written"};
-  return true;
-}
-
 std::string page_of(const LensCalibration& c, const std::vector<std::string>& doubts) {
   std::string html =
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Odograph "
@@ -205,10 +201,14 @@ int calibrate(const CalibrateArguments& a) {
   const auto board = a.options.board();
   if (!board) return complain(board.failure());
   if (!a.print.empty()) return print_board(a, *board);
-  if (a.inputs.empty())
+  CalibrateImuArguments imu = a.imu;
+  imu.output = a.output, imu.json = a.json;
+  if (a.inputs.empty()) {
+    if (!imu.recording.empty()) return calibrate_imu(imu, nullptr);
     return complain({ODO_E_ARGUMENT,
                      "calibrate: no pictures; expected pictures, folders, a recording or a video (or "
-                     "--print FILE.svg for a board)"});
+                     "--imu RECORDING without a board, or --print FILE.svg for a board)"});
+  }
   std::vector<PictureSource> sources;
   for (const auto& input : a.inputs) {
     auto more = pictures_of(input);
@@ -237,6 +237,7 @@ int calibrate(const CalibrateArguments& a) {
   for (const auto& [name, text] :
        {std::pair{"camera.yaml", camera_yaml(*found)}, {"calibration.html", page_of(*found, doubts)}})
     if (const auto written = write_file(folder / name, text); !written) return complain(written.failure());
+  if (!imu.recording.empty()) return calibrate_imu(imu, &*found);
   if (a.json) {
     std::printf("%s\n", json_of(*found, doubts).dump(2).c_str());
     return kDone;
@@ -250,9 +251,16 @@ int calibrate(const CalibrateArguments& a) {
 
 }  // namespace
 
+Result<bool> write_file(const fs::path& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  if (!file.flush()) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be written"};
+  return true;
+}
+
 void add_calibrate(CLI::App& app, int& status) {
   auto* command =
-      app.add_subcommand("calibrate", "A camera's intrinsics from pictures of a checkerboard or ChArUco board");
+      app.add_subcommand("calibrate", "A camera's intrinsics from pictures of a board, and its place on the IMU");
   auto a = std::make_shared<CalibrateArguments>();
   command->add_option("pictures", a->inputs, "pictures, folders of them, a recording, a video");
   command->add_option("-o,--output", a->output, "folder for camera.yaml and calibration.html")->capture_default_str();
@@ -262,6 +270,11 @@ void add_calibrate(CLI::App& app, int& status) {
   command->add_option("--most", a->most, "of many pictures the most different ones are used, this many")
       ->capture_default_str()
       ->check(CLI::Range(3, 1000));
+  command->add_option("--imu", a->imu.recording,
+                      "a lively recording with IMU: camera-IMU rotation, time offset, row time; without pictures of a "
+                      "board the lens too, as far as rotation shows it");
+  command->add_option("--camera", a->imu.camera, "with --imu: a camera.yaml to start from, instead of the recording's");
+  command->add_flag("--keep-lens", a->imu.keep_lens, "with --imu: do not touch the lens");
   command->add_flag("--json", a->json, "print one JSON object");
   command->callback([a, &status] { status = calibrate(*a); });
 }

@@ -68,6 +68,13 @@ const Spec& camera_spec() {
          .max = 10,
          .fallback = "0",
          .help = "IMU time minus camera time"},
+        {.name = "row_time",
+         .type = SpecType::real,
+         .unit = "s",
+         .min = 0,
+         .max = 1e-3,
+         .fallback = "0",
+         .help = "rolling shutter: from one row to the next; 0 = global shutter. Stands above what frames say"},
     };
     return root;
   }();
@@ -109,8 +116,12 @@ Result<odo_calibration> read_camera_yaml(const std::filesystem::path& file, doub
     c.header.flags |= ODO_CALIBRATION_EXTRINSICS;
   }
   if (v["time_offset"].given) {
-    c.time_offset_ns = static_cast<int64_t>(v["time_offset"].real * 1e9);
+    c.time_offset_ns = std::llround(v["time_offset"].real * 1e9);
     c.header.flags |= ODO_CALIBRATION_TIME_OFFSET;
+  }
+  if (v["row_time"].given) {
+    c.line_time_ns = std::llround(v["row_time"].real * 1e9);
+    c.header.flags |= ODO_CALIBRATION_LINE_TIME;
   }
   if (fps) *fps = v["fps"].real;
   return c;

@@ -20,7 +20,7 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
   }
   session->pipeline_ = std::move(*pipeline);
   if (const auto& camera = session->config_.camera) {
-    session->note_time_offset(*camera);
+    session->note_timing(*camera);
     session->pipeline_->process(camera->header);
   }
   session->publish_progress();
@@ -76,7 +76,7 @@ int32_t Session::push(const odo_header& sample) {
 int32_t Session::own(const odo_header& sample, OwnedMessage& out) {
   if (sample.type == ODO_TYPE_CALIBRATION) {
     const odo_calibration calibration = with_own(as<odo_calibration>(sample));
-    note_time_offset(calibration);
+    note_timing(calibration);
     out = OwnedMessage(calibration.header);
   } else if (sample.type == ODO_TYPE_FRAME) {
     odo_frame held;
@@ -84,7 +84,7 @@ int32_t Session::own(const odo_header& sample, OwnedMessage& out) {
       ++(status == ODO_E_EXHAUSTED ? intake_.overflow : intake_.invalid);
       return status;
     }
-    held.header.t_ns = saturating_sum(held.header.t_ns, time_offset_ns(held.calibration));
+    put_timing(held);
     out = OwnedMessage(held.header);
   } else {
     out = OwnedMessage(sample);
@@ -111,7 +111,7 @@ int32_t Session::refuse_wild(const odo_header& sample, const char* what) {
   return ODO_E_DISCARD;
 }
 
-/// The config's camera stands above what is pushed; mount and time offset only where the config has them.
+/// The config's camera stands above what is pushed; mount, time offset and row time only where the config has them.
 odo_calibration Session::with_own(const odo_calibration& pushed) const {
   if (!config_.camera || config_.camera->id != pushed.id) return pushed;
   odo_calibration own = *config_.camera;
@@ -126,20 +126,35 @@ odo_calibration Session::with_own(const odo_calibration& pushed) const {
     own.time_offset_ns = pushed.time_offset_ns;
     own.header.flags |= pushed.header.flags & ODO_CALIBRATION_TIME_OFFSET;
   }
+  if (!(own.header.flags & ODO_CALIBRATION_LINE_TIME)) {
+    own.line_time_ns = pushed.line_time_ns;
+    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_LINE_TIME;
+  }
   return own;
 }
 
-/// From here on everything runs on the IMU's clock: a camera's frames are shifted as they come in.
-void Session::note_time_offset(const odo_calibration& calibration) {
+void Session::note_timing(const odo_calibration& calibration) {
   const std::lock_guard lock(mutex_);
-  const bool given = (calibration.header.flags & ODO_CALIBRATION_TIME_OFFSET) != 0;
-  camera_offsets_ns_[calibration.id] = given ? calibration.time_offset_ns : 0;
+  const uint32_t flags = calibration.header.flags;
+  const auto& own = config_.camera;
+  camera_timing_[calibration.id] = {
+      .offset_ns = flags & ODO_CALIBRATION_TIME_OFFSET ? calibration.time_offset_ns : 0,
+      .line_time_ns = calibration.line_time_ns,
+      .line_time = (flags & ODO_CALIBRATION_LINE_TIME) != 0,
+      .above_frames = own && own->id == calibration.id && (own->header.flags & ODO_CALIBRATION_LINE_TIME) != 0};
 }
 
-int64_t Session::time_offset_ns(uint32_t calibration) {
+/// From here on everything runs on the IMU's clock: a camera's frames are shifted as they come in. A frame that does
+/// not tell its row time gets the calibration's.
+void Session::put_timing(odo_frame& frame) {
   const std::lock_guard lock(mutex_);
-  const auto found = camera_offsets_ns_.find(calibration);
-  return found == camera_offsets_ns_.end() ? 0 : found->second;
+  const auto found = camera_timing_.find(frame.calibration);
+  if (found == camera_timing_.end()) return;
+  const CameraTiming& timing = found->second;
+  frame.header.t_ns = saturating_sum(frame.header.t_ns, timing.offset_ns);
+  if (!timing.line_time || (!timing.above_frames && (frame.header.flags & ODO_FRAME_LINE_TIME))) return;
+  frame.line_time_ns = timing.line_time_ns;
+  frame.header.flags |= ODO_FRAME_LINE_TIME;
 }
 
 int32_t Session::enqueue(OwnedMessage message) {

@@ -98,8 +98,8 @@ class Session {
   void publish(const odo_header& event);
   void reported(const Report& report);
   odo_calibration with_own(const odo_calibration& calibration) const;
-  void note_time_offset(const odo_calibration& calibration);
-  int64_t time_offset_ns(uint32_t calibration);
+  void note_timing(const odo_calibration& calibration);
+  void put_timing(odo_frame& frame);
 
   PipelineConfig config_;
   bool live_;
@@ -113,7 +113,13 @@ class Session {
   std::condition_variable work_waiting_, turn_changed_;
   SampleGate gate_;
   TimeOrder order_;
-  std::map<uint32_t, int64_t> camera_offsets_ns_;  // by calibration id: IMU time minus camera time
+  struct CameraTiming {
+    int64_t offset_ns = 0;  // IMU time minus camera time
+    int64_t line_time_ns = 0;
+    bool line_time = false;     // given
+    bool above_frames = false;  // by the config, which stands above what frames say
+  };
+  std::map<uint32_t, CameraTiming> camera_timing_;  // by calibration id
   bool restart_pending_ = false;
   bool stopping_ = false;
   uint64_t flushes_asked_ = 0, flushes_done_ = 0;

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace odograph {
+
+struct GyroSample {
+  int64_t t_ns = 0;
+  Eigen::Vector3d rate_b = Eigen::Vector3d::Zero();  ///< rad/s
+};
+
+/// The rotation of a rotation vector, rad.
+Eigen::Quaterniond rotation_of(const Eigen::Vector3d& v);
+/// The rotation vector of a unit quaternion, rad, at most pi long.
+Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q);
+
+/// Orientation of the body by its gyroscope, as a function of time: the rate is linear between samples, and each
+/// interval's rotation is the exponential of its integral (the second term of the Magnus series, below 1e-5 rad at
+/// 50 Hz and the rates of hands, is left out). Times are seconds after the first sample.
+class GyroOrientation {
+ public:
+  /// The rate is scale (measured - bias), rad/s. Samples in strictly ascending order of time, two at least.
+  GyroOrientation(const std::vector<GyroSample>& samples, const Eigen::Vector3d& bias_b,
+                  const Eigen::Matrix3d& scale = Eigen::Matrix3d::Identity());
+
+  double seconds(int64_t t_ns) const { return static_cast<double>(t_ns - first_ns_) * 1e-9; }
+  /// Whether there are samples all the way, with none further apart than `gap_s`.
+  bool covers(double from_s, double to_s, double gap_s) const;
+  /// From the body at `t_s` to the body at the first sample; beyond the samples the nearest interval's rate is carried
+  /// on.
+  Eigen::Quaterniond at(double t_s) const;
+  Eigen::Vector3d rate(double t_s) const;
+
+ private:
+  struct Knot {
+    double t_s;
+    Eigen::Quaterniond q;
+    Eigen::Vector3d rate, acceleration;
+  };
+  size_t interval(double t_s) const;
+  int64_t first_ns_;
+  std::vector<Knot> knots_;
+};
+
+}  // namespace odograph
