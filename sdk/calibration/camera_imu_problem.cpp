@@ -37,11 +37,13 @@ struct CameraImuProblem::Sight {
 struct CameraImuProblem::Window {
   std::array<double, kWindowFrames> t_s{};  ///< camera's clock
   std::vector<std::array<Sight, kWindowFrames>> corners;
-  Eigen::Matrix<double, kPath, 1> path;  ///< in the body's axes at the reference time
-  std::vector<Vector3d> points;  ///< x/z, y/z, 1/z in the camera's axes at the reference time, from the first frame
-  double reference_s = 0;        ///< IMU's clock
-  Quaterniond q_reference_g;     ///< from the gyroscope's frame to the body at the reference time
-  Matrix3d R_reference_c;        ///< from the camera to the body at the reference time
+  Eigen::Map<Eigen::Matrix<double, kPath, 1>> path{nullptr};  ///< in the body's axes at the reference time
+  /// Three numbers each: x/z, y/z, 1/z in the camera's axes at the reference time, from the first frame.
+  double* points = nullptr;
+  bool started = false;
+  double reference_s = 0;     ///< IMU's clock
+  Quaterniond q_reference_g;  ///< from the gyroscope's frame to the body at the reference time
+  Matrix3d R_reference_c;     ///< from the camera to the body at the reference time
 
   Vector3d place(size_t frame) const {
     return frame == 0 ? Vector3d::Zero().eval() : path.segment<3>(3 * static_cast<Eigen::Index>(frame - 1)).eval();
@@ -213,6 +215,18 @@ CameraImuProblem::CameraImuProblem(const CameraImuData& data, const std::vector<
     }
     windows_.push_back(std::move(window));
   }
+  size_t size = shared::count;
+  for (const auto& window : windows_) size += kPath + 3 * window->corners.size();
+  numbers_.resize(size);
+  double* next = numbers_.data() + shared::count;
+  for (auto& window : windows_) {
+    new (&window->path) Eigen::Map<Eigen::Matrix<double, kPath, 1>>(next);
+    next += kPath;
+  }
+  for (auto& window : windows_) {
+    window->points = next;
+    next += 3 * window->corners.size();
+  }
 }
 
 void CameraImuProblem::relinearize(const CameraImuLinearization& at) {
@@ -275,32 +289,33 @@ void CameraImuProblem::start(Window& window, const SharedUnknowns& x, double sca
   for (size_t k = 1; k < kWindowFrames; ++k)
     window.path.segment<3>(3 * static_cast<Eigen::Index>(k - 1)) =
         (window.t_s[k] - window.t_s[0]) / (window.t_s.back() - window.t_s[0]) * best;
-  window.points.clear();
   for (size_t i = 0; i < n.size(); ++i) {
     const Vector3d p = window.R_reference_c.transpose() * a[i];
     const double w = std::clamp(inverse_depth(i) / p.z(), 0.0, kNearest);
-    window.points.emplace_back(p.x() / p.z(), p.y() / p.z(), w);
+    Vector3d::Map(window.points + 3 * i) = Vector3d(p.x() / p.z(), p.y() / p.z(), w);
   }
 }
 
 bool CameraImuProblem::solve(SharedUnknowns& unknowns, const std::array<bool, shared::count>& fixed, double scale_px) {
   x_ = unknowns, fixed_ = fixed, scale_px_ = scale_px;
+  SharedUnknowns::Map(numbers_.data()) = x_;
   problem_ = std::make_unique<ceres::Problem>();
   blocks_.clear();
   auto* ordering = new ceres::ParameterBlockOrdering;
   auto* loss = new ceres::CauchyLoss(scale_px);
   for (auto& window : windows_) {
-    if (window->points.empty()) {
+    if (!window->started) {
       window->reference_s = window->t_s[kWindowFrames / 2] + x_[shared::time_offset];
       window->R_reference_c = at_.q_b_c.toRotationMatrix();
     }
     window->q_reference_g = at_.gyro->at(window->reference_s).conjugate();
-    if (window->points.empty()) start(*window, x_, scale_px);
+    if (!window->started) start(*window, x_, scale_px);
+    window->started = true;
     for (size_t i = 0; i < window->corners.size(); ++i) {
       for (const Sight& sight : window->corners[i])
-        blocks_.push_back(problem_->AddResidualBlock(new Reprojection(at_, *window, sight), loss, x_.data(),
-                                                     window->path.data(), window->points[i].data()));
-      ordering->AddElementToGroup(window->points[i].data(), 0);
+        blocks_.push_back(problem_->AddResidualBlock(new Reprojection(at_, *window, sight), loss, numbers_.data(),
+                                                     window->path.data(), window->points + 3 * i));
+      ordering->AddElementToGroup(window->points + 3 * i, 0);
     }
     ordering->AddElementToGroup(window->path.data(), 1);
   }
@@ -314,12 +329,12 @@ bool CameraImuProblem::solve(SharedUnknowns& unknowns, const std::array<bool, sh
   }
   problem_->AddResidualBlock(
       new ceres::AutoDiffCostFunction<SharedPrior, shared::count, shared::count>(new SharedPrior{at_}), nullptr,
-      x_.data());
-  ordering->AddElementToGroup(x_.data(), 1);
+      numbers_.data());
+  ordering->AddElementToGroup(numbers_.data(), 1);
   std::vector<int> kept;
   for (int i = 0; i < static_cast<int>(shared::count); ++i)
     if (fixed[static_cast<size_t>(i)]) kept.push_back(i);
-  if (!kept.empty()) problem_->SetManifold(x_.data(), new ceres::SubsetManifold(shared::count, kept));
+  if (!kept.empty()) problem_->SetManifold(numbers_.data(), new ceres::SubsetManifold(shared::count, kept));
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.linear_solver_ordering.reset(ordering);
@@ -330,6 +345,7 @@ bool CameraImuProblem::solve(SharedUnknowns& unknowns, const std::array<bool, sh
   ceres::Solver::Summary summary;
   ceres::Solve(options, problem_.get(), &summary);
   if (!summary.IsSolutionUsable()) return false;
+  x_ = SharedUnknowns::Map(numbers_.data());
   unknowns = x_;
   measure();
   return true;
@@ -381,7 +397,7 @@ MatrixXd CameraImuProblem::covariance() const {
         Eigen::Matrix<double, 2, kPath, Eigen::RowMajor> by_path;
         Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
         double* jacobians[] = {by_shared.data(), by_path.data(), by_point.data()};
-        const double* blocks[] = {x_.data(), window->path.data(), window->points[i].data()};
+        const double* blocks[] = {x_.data(), window->path.data(), window->points + 3 * i};
         Vector2d r;
         problem_->GetCostFunctionForResidualBlock(blocks_[block])->Evaluate(blocks, r.data(), jacobians);
         const double weight = 1 / std::sqrt(1 + r.squaredNorm() / (scale_px_ * scale_px_));  // Cauchy's

@@ -71,6 +71,8 @@ class CameraImuProblem {
   CameraImuLinearization at_;
   std::vector<std::unique_ptr<Window>> windows_;
   SharedUnknowns x_;
+  /// All that Ceres moves, in one piece: it orders by address, and the order decides the last bits.
+  std::vector<double> numbers_;
   double scale_px_ = 1;
   std::array<bool, shared::count> fixed_{};
   std::unique_ptr<ceres::Problem> problem_;
