@@ -63,7 +63,7 @@ expect 0 "</svg>" cat board.svg
 expect 2 "expected COLUMNSxROWS" "$odograph" calibrate tiny.odo --squares many
 expect 2 "no pictures; expected" "$odograph" calibrate
 expect 3 "does not exist" "$odograph" calibrate nothing
-expect 3 "at least" "$odograph" calibrate --imu tiny.odo -o c4
+expect 0 "beware" "$odograph" calibrate --imu tiny.odo -o c4
 expect 3 "no such file" "$odograph" calibrate --imu nothing -o c4
 expect 3 "--squares" "$odograph" calibrate tiny.odo
 expect 0 "worst: focal length" "$odograph" bench calibrate --seeds 1 --pictures 12 --keep boards
