@@ -36,7 +36,7 @@ struct Parameters {
   double vo_rotation_walk = 1e-3;        ///< rad/sqrt(s): 0.018 deg a frame at 10 Hz (odograph bench vo)
   double vo_scale_walk = 2e-3;           ///< 1/sqrt(m) of log-scale: 0.9 % between halves of 10 m (odograph bench vo)
   double vo_standing_scale_walk = 0.01;  ///< 1/sqrt(s) while standing: 3 % over a stop is usual
-  double vio_scale_walk = 1e-3;          ///< 1/sqrt(s) of a metric front-end's log-scale; judgement
+  double vio_scale_walk = 2e-4;          ///< 1/sqrt(s) of a metric front-end's log-scale: 0.5 % over ten minutes; judgement
   double vio_scale_forgetting_s = 20;    ///< s: how long its scale_sigma speaks of the same error
   double unknown_scale_sigma = 1.0;      ///< of log-scale before anything is known
   double jump_velocity_sigma_mps = 1.0;  ///< m/s: what is left of the velocity when odometry contradicts it

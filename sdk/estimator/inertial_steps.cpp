@@ -31,7 +31,8 @@ UpdateResult InertialEstimator::apply(const odo_step* step) {
   if (!started_ || step->length_m <= 0) return {};
   flush();
   const double stated = step->sigma_m / step->length_m, own = std::min(p_.step_own_sigma, std::max(stated, 0.01));
-  if (!std::exchange(stepped_, true)) e_.set_independent(kLogFactor, std::max(1e-4, squared(stated) - squared(own)));
+  if (!std::exchange(stepped_, true))
+    e_.set_independent(kLogFactor, std::max(squared(p_.factor_sigma), squared(stated) - squared(own)));
   e_.add_variance(kLogFactor, 1, squared(p_.factor_walk));
   e_.add_variance(kStepHeading, 1, squared(p_.step_heading_walk));
   step_ns_ = step->t_end_ns;
@@ -41,7 +42,7 @@ UpdateResult InertialEstimator::apply(const odo_step* step) {
   auto from = past(step->t_start_ns);
   const auto to = past(step->t_end_ns);
   double covered = 1;
-  if (!from && to && !inputs_.vo) {  // told later than the clones reach back: the rest of it
+  if (!from && to && !camera_) {  // told later than the clones reach back: the rest of it
     const int64_t oldest_ns = e_.clone_back(e_.clone_count() - 1).t_ns;
     from = past(oldest_ns);
     covered = static_cast<double>(step->t_end_ns - oldest_ns) / static_cast<double>(step->t_end_ns - step->t_start_ns);
@@ -82,7 +83,7 @@ UpdateResult InertialEstimator::apply(const odo_step* step) {
       doubt_steps();
     }
   }
-  if (!inputs_.vo) publish(step->t_end_ns, ODO_TRACKING, ODO_REASON_NONE);
+  if (!camera_) publish(step->t_end_ns, ODO_TRACKING, ODO_REASON_NONE);  // none there, or none yet
   return result;
 }
 
