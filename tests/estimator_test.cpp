@@ -122,7 +122,7 @@ TEST_CASE("the transition of errors over IMU samples agrees with finite differen
 TEST_CASE("the update is the textbook's, and a considered scale stays where it is") {
   using namespace inertial;
   Random random(3, 1);
-  for (const bool hold : {false, true}) {
+  for (const Hold hold : {Hold::nothing, Hold::scale, Hold::scale_and_factor}) {
     ErrorState e;
     e.clone(0);
     Covariance A;
@@ -141,12 +141,13 @@ TEST_CASE("the update is the textbook's, and a considered scale stays where it i
     const UpdateResult result = e.update(z, 0, hold);
     const Matrix3d S = H * P * H.transpose() + z.noise;
     Eigen::Matrix<double, kSize, 3> K = P * H.transpose() * S.inverse();
-    if (hold) K.row(kLogScale).setZero(), K.row(kLogFactor).setZero();
+    if (hold != Hold::nothing) K.row(kLogScale).setZero();
+    if (hold == Hold::scale_and_factor) K.row(kLogFactor).setZero();
     const Covariance I_KH = Covariance::Identity() - K * H;  // Joseph's form holds for any gain
     const Covariance expected = I_KH * P * I_KH.transpose() + K * z.noise * K.transpose();
     CHECK((e.P - expected).norm() < 1e-9 * P.norm());
     CHECK((e.x.v_n - (K * z.residual).segment<3>(kVelocity)).norm() < 1e-12);
-    CHECK((e.x.log_scale == 0) == hold);
+    CHECK((e.x.log_scale == 0) == (hold != Hold::nothing));
     CHECK(result.nis == doctest::Approx(z.residual.dot(S.inverse() * z.residual)));
   }
 }

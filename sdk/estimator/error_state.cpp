@@ -219,7 +219,7 @@ void ErrorState::apply(const Error& error) {
 }
 
 template <int D>
-UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis, bool hold_scale) {
+UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis, Hold hold) {
   Eigen::Matrix<double, kSize, D> PHt = Eigen::Matrix<double, kSize, D>::Zero();
   Eigen::Matrix<double, D, D> S = innovation.noise;
   for (int i = 0; i < innovation.count; ++i) {
@@ -247,17 +247,20 @@ UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis
     P.row(j).tail(kSize - j) = P.col(j).tail(kSize - j).transpose();
   }
   Error moved = error;
-  if (hold_scale) {
+  if (hold == Hold::scale_and_factor) {
     P.block<2, 2>(kLogScale, kLogScale) = held;
     moved.segment<2>(kLogScale).setZero();
+  } else if (hold == Hold::scale) {
+    P(kLogScale, kLogScale) = held(0, 0);
+    moved[kLogScale] = 0;
   }
   apply(moved);
   return {true, nis, D};
 }
 
-template UpdateResult ErrorState::update<1>(const Innovation<1>&, double, bool);
-template UpdateResult ErrorState::update<2>(const Innovation<2>&, double, bool);
-template UpdateResult ErrorState::update<3>(const Innovation<3>&, double, bool);
-template UpdateResult ErrorState::update<6>(const Innovation<6>&, double, bool);
+template UpdateResult ErrorState::update<1>(const Innovation<1>&, double, Hold);
+template UpdateResult ErrorState::update<2>(const Innovation<2>&, double, Hold);
+template UpdateResult ErrorState::update<3>(const Innovation<3>&, double, Hold);
+template UpdateResult ErrorState::update<6>(const Innovation<6>&, double, Hold);
 
 }  // namespace odograph::inertial

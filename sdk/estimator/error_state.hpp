@@ -52,6 +52,9 @@ struct PastPose {
   double w;
 };
 
+/// What an update leaves where it is.
+enum class Hold { nothing, scale, scale_and_factor };
+
 /// residual = z - h(x), its derivative by the error in blocks of three columns, and the covariance of z.
 template <int D>
 struct Innovation {
@@ -144,10 +147,10 @@ class ErrorState {
   /// Of a pose's rotation in n and position.
   Eigen::Matrix<double, 6, 6> covariance(const PastPose& at) const;
 
-  /// Kalman update behind a gate on the normalised innovation squared (0: none). With `hold_scale` log-scale and
+  /// Kalman update behind a gate on the normalised innovation squared (0: none). With a hold log-scale, or it and
   /// log-factor are considered parameters (Schmidt 1966): their doubt counts, but this measurement does not move them.
   template <int D>
-  UpdateResult update(const Innovation<D>& innovation, double most_nis, bool hold_scale = false);
+  UpdateResult update(const Innovation<D>& innovation, double most_nis, Hold hold = Hold::nothing);
 
  private:
   size_t slot_back(size_t i) const { return (newest_ + kClones - i) % kClones; }

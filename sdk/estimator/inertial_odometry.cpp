@@ -168,7 +168,7 @@ UpdateResult InertialEstimator::see_position(int64_t t_ns, double dt_s) {
   seen.noise = Matrix3d::Identity() * (squared(vo_.sigma_m) * same);
   // What inertia says of the scale comes by use_window, whose regression knows that the odometry errs; here it would
   // be pulled towards zero.
-  const UpdateResult result = e_.update(seen, p_.gate[3], true);
+  const UpdateResult result = e_.update(seen, p_.gate[3], Hold::scale_and_factor);
   if (result.accepted) {
     vo_.rejected = 0;
     return result;

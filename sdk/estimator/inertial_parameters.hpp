@@ -36,17 +36,18 @@ struct Parameters {
   double vo_rotation_walk = 1e-3;        ///< rad/sqrt(s): 0.018 deg a frame at 10 Hz (odograph bench vo)
   double vo_scale_walk = 2e-3;           ///< 1/sqrt(m) of log-scale: 0.9 % between halves of 10 m (odograph bench vo)
   double vo_standing_scale_walk = 0.01;  ///< 1/sqrt(s) while standing: 3 % over a stop is usual
-  double vio_scale_walk = 2e-4;          ///< 1/sqrt(s) of a metric front-end's log-scale: 0.5 % over ten minutes; judgement
+  double vio_scale_walk = 2e-4;  ///< 1/sqrt(s) of a metric front-end's log-scale: 0.5 % over ten minutes; judgement
   double vio_scale_forgetting_s = 20;    ///< s: how long its scale_sigma speaks of the same error
   double unknown_scale_sigma = 1.0;      ///< of log-scale before anything is known
   double jump_velocity_sigma_mps = 1.0;  ///< m/s: what is left of the velocity when odometry contradicts it
   int most_rejected = 3;                 ///< odometry updates in a row, until the velocity is doubted
 
   // Steps.
-  double factor_sigma = 0.10;           ///< of the walker's log factor: ten walkers differ so (docs/accuracy.md)
-  double factor_walk = 0.003;           ///< for the root of a step: a walker changes, and so does what plugins learn
-  double step_own_sigma = 0.06;         ///< of a step's length, relative, own to the step: step/odograph's README
-  double step_across_rad = 0.10;        ///< rad, direction of one step against its heading: a hand sways
+  double factor_sigma = 0.10;        ///< of the walker's log factor: ten walkers differ so (docs/accuracy.md)
+  double taught_scale_sigma = 0.03;  ///< of log-scale, of a metric front-end: below it steps do not move it; judgement
+  double factor_walk = 0.003;        ///< for the root of a step: a walker changes, and so does what plugins learn
+  double step_own_sigma = 0.06;      ///< of a step's length, relative, own to the step: step/odograph's README
+  double step_across_rad = 0.10;     ///< rad, direction of one step against its heading: a hand sways
   double step_loose_across_rad = 0.5;   ///< rad, the same with the phone swung or in a pocket
   double step_heading_sigma_rad = 0.3;  ///< rad between the phone's axis and the walk at the start; judgement
   double step_heading_walk = 0.02;      ///< rad for the root of a step; judgement

@@ -73,7 +73,9 @@ UpdateResult InertialEstimator::apply(const odo_step* step) {
     walked.noise(2, 2) = squared(level_m);
     step_mean_m_ += kUsual * (step->length_m - step_mean_m_);
     const double before = 1 / e_.P(kLogScale, kLogScale);
-    result = e_.update(walked, p_.gate[3]);
+    // A front-end that knows the metre better than walkers differ teaches the walker's factor, not the other way round.
+    const bool taught = vo_.known && vo_.metric && e_.P(kLogScale, kLogScale) < squared(p_.taught_scale_sigma);
+    result = e_.update(walked, p_.gate[3], taught ? Hold::scale : Hold::nothing);
     if (result.accepted) {
       steps_rejected_ = 0;
       metric_ = true;
