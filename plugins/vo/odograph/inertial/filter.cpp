@@ -80,7 +80,6 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   if (!recent_.empty()) update_pixel_sigma(report, static_cast<double>(frame.t_ns - recent_.back().t_ns) * 1e-9);
   recent_.push_back(frame);
   while (static_cast<double>(frame.t_ns - recent_.front().t_ns) * 1e-9 > 1.5 * kStandWindow_s) recent_.pop_front();
-  report_ = report;
   return report;
 }
 

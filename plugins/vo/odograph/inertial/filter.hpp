@@ -40,7 +40,7 @@ struct FrameReport {
 /// row time; right-invariant errors (state.hpp). One thread, deterministic.
 class Filter {
  public:
-  /// `sigmas`: standard deviations of theta, nu, rho, gyroscope's bias, accelerometer's bias. Camera as calibrated.
+  /// Where the filter begins, and the standard deviations of that; the camera is as calibrated.
   struct Start {
     int64_t t_ns = 0;  ///< IMU time
     Navigation nav;
@@ -64,9 +64,6 @@ class Filter {
   /// Relative standard deviation of the metre.
   double scale_sigma() const { return scale_sigma_; }
   double velocity_sigma() const;
-  double pixel_sigma() const { return p_.pixel_sigma; }
-
-  const FrameReport& report() const { return report_; }
 
  private:
   using Track = std::vector<Observation>;
@@ -88,7 +85,6 @@ class Filter {
   uint32_t next_id_ = 0;
   bool stood_ = false;
   double scale_sigma_ = 1;
-  FrameReport report_;
 };
 
 }  // namespace odograph::vio

@@ -61,10 +61,9 @@ void InertialOdometry::begin(const vo::Frame& frame) {
   const Quaterniond turn = first ? Quaterniond::Identity() : rotation_since(previous_ns_, frame.t_ns);
   const CameraModel& lens = filter_ ? filter_->state().camera.lens : camera_.lens;
   corners_.follow(frame.grey, frame.mask, frame.t_ns, first ? 0 : seconds(frame.t_ns - previous_ns_), turn, lens);
-  Pending pending{frame.t_ns, {}, false, true};
+  Pending pending{frame.t_ns, {}, true};
   if (!filter_) {
     pending.visual = visual_->process(frame);
-    pending.visual_valid = true;
   }
   pending.estimate = estimated_ns_ == INT64_MIN || seconds(frame.t_ns - estimated_ns_) >= p_.least_interval_s;
   if (pending.estimate) estimated_ns_ = frame.t_ns;
@@ -103,7 +102,6 @@ std::optional<InertialMotion> InertialOdometry::finish(bool force) {
     if (filter_) {
       ++group_;
       out = report(frame.t_ns, filter_->state().nav, true);
-      out.metres_per_unit = metres_per_unit_;
     } else {
       out.motion = visual;
     }
@@ -116,7 +114,6 @@ std::optional<InertialMotion> InertialOdometry::finish(bool force) {
 }
 
 void InertialOdometry::try_start(int64_t t_ns) {
-  metres_per_unit_.reset();
   filter_ = start_still(start_frames_, imu_, camera_, p_.filter, p_.start);
   if (!filter_ && (tried_ns_ == INT64_MIN || seconds(t_ns - tried_ns_) >= p_.start_every_s)) {
     tried_ns_ = t_ns;
@@ -178,7 +175,6 @@ void InertialOdometry::lose() {
 }
 
 InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, bool with_clone) {
-  (void)t_ns;
   InertialMotion out;
   const State& state = filter_->state();
   const Clone& clone = filter_->newest();
@@ -201,7 +197,8 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
   out.gravity_c = R_c_w * Vector3d::UnitZ();
   out.gyro_bias_b = nav.gyro_bias, out.accel_bias_b = nav.accel_bias;
   const auto& clones = state.clones;
-  if (with_clone && clones.size() > 1) {
+  // While the camera stands the frame before has lost its clone.
+  if (with_clone && clones.size() > 1 && clones[clones.size() - 2].frame_ns == previous_ns_) {
     const size_t j = clones.size() - 1, i = j - 1;
     const Eigen::Matrix3d R = clones[i].q_w_c.conjugate().toRotationMatrix();
     Eigen::Matrix<double, 6, 12> J = Eigen::Matrix<double, 6, 12>::Zero();
@@ -218,8 +215,8 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
     m.covariance.diagonal().head<3>().array() += std::pow(p_.rotation_floor_rad, 2);
     m.covariance.diagonal().tail<3>().array() += std::pow(p_.position_floor_m, 2);
   } else {
-    const double dt = 0.05;
-    m.covariance.diagonal().head<3>().setConstant(1e-6);
+    const double dt = seconds(t_ns - previous_ns_);
+    m.covariance.diagonal().head<3>().setConstant(std::pow(p_.blind_rotation_rad, 2));
     m.covariance.diagonal().tail<3>().setConstant(velocity_sigma * velocity_sigma * dt * dt);
   }
   T_w_previous_ = T;

@@ -19,7 +19,6 @@ struct InertialMotion {
   double scale_sigma = 0;  ///< relative
   Eigen::Vector3d velocity_c = Eigen::Vector3d::Zero(), gravity_c = Eigen::Vector3d::Zero();
   Eigen::Vector3d gyro_bias_b = Eigen::Vector3d::Zero(), accel_bias_b = Eigen::Vector3d::Zero();
-  std::optional<double> metres_per_unit;  ///< of the group before, when this is the first motion of a metric one
 };
 
 /// The odometry of a phone with an IMU. Until inertia tells the metre it is the visual odometry; then a visual-inertial
@@ -44,6 +43,7 @@ class InertialOdometry {
     double scale_sigma_factor = 2;     ///< the filter takes corners' errors for independent, which they are not:
     double scale_sigma_floor = 0.01;   ///< relative; both by the 5 m stretches of euroc_mh05 and a simulated phone
     double rotation_floor_rad = 2e-4;  ///< of a frame's motion: what the corners share in their errors
+    double blind_rotation_rad = 1e-3;  ///< of a frame's motion by the IMU alone
     double position_floor_m = 2e-3;    ///< the same; 0.4 px at a depth of 2.5 m
   };
 
@@ -65,7 +65,6 @@ class InertialOdometry {
   struct Pending {
     int64_t t_ns;
     vo::Motion visual;
-    bool visual_valid;
     bool estimate;
   };
 
@@ -90,7 +89,6 @@ class InertialOdometry {
   int64_t accel_ns_ = INT64_MIN;
   unsigned group_ = 0, visual_group_ = 0;
   unsigned tracked_ = 0, accepted_ = 0;
-  std::optional<double> metres_per_unit_;
 };
 
 }  // namespace odograph::vio

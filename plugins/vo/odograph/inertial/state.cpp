@@ -128,7 +128,7 @@ void State::move_anchor(size_t j, size_t to) {
   const Matrix3d by_theta = to_at * R_b_w * cross_matrix(p);
   const Matrix3d by_rho = to_at * R_b_w;
   const Matrix3d by_own = to_at * R_b_w * a.q_w_c.toRotationMatrix() * landmark_jacobian(landmark.at);
-  const int n = size(), f = landmark_at(j), ca = clone_at(from), cb = clone_at(to);
+  const int f = landmark_at(j), ca = clone_at(from), cb = clone_at(to);
   // delta = R_b' ( rho_a - rho_b + [p] (theta_b - theta_a) + R_a J delta_a )
   const Eigen::MatrixXd rows = by_theta * (P.middleRows<3>(cb) - P.middleRows<3>(ca)) +
                                by_rho * (P.middleRows<3>(ca + 3) - P.middleRows<3>(cb + 3)) +
@@ -139,7 +139,6 @@ void State::move_anchor(size_t j, size_t to) {
   P.middleRows<3>(f) = rows;
   P.middleCols<3>(f) = rows.transpose();
   P.block<3, 3>(f, f) = 0.5 * (own + own.transpose());
-  (void)n;
   landmark.at = at;
   landmark.anchor = b.id;
 }
