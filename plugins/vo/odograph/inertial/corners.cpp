@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "plugins/vo/odograph/gyroscope.hpp"
+
 namespace odograph::vio {
 namespace {
 
@@ -26,27 +28,6 @@ std::vector<Vector3d> rays_of(const std::vector<cv::Point2f>& pixels, const Came
   return rays;
 }
 
-/// Mean difference of two patches after their exposures are made equal (gain and offset), grey levels of the first.
-double patch_difference(const cv::Mat& a, cv::Point2f at_a, const cv::Mat& b, cv::Point2f at_b, cv::Size size) {
-  cv::Mat patch_a, patch_b;
-  cv::getRectSubPix(a, size, at_a, patch_a, CV_32F);
-  cv::getRectSubPix(b, size, at_b, patch_b, CV_32F);
-  cv::Scalar mean_a, mean_b, deviation_a, deviation_b;
-  cv::meanStdDev(patch_a, mean_a, deviation_a);
-  cv::meanStdDev(patch_b, mean_b, deviation_b);
-  const double gain = std::clamp(deviation_a[0] / std::max(1.0, deviation_b[0]), 0.5, 2.0);
-  patch_b = (patch_b - mean_b[0]) * gain - (patch_a - mean_a[0]);
-  return cv::norm(patch_b, cv::NORM_L1) / static_cast<double>(size.area());
-}
-
-template <class Items>
-void keep_only(Items& items, const std::vector<char>& keep) {
-  size_t n = 0;
-  for (size_t i = 0; i < items.size(); ++i)
-    if (keep[i]) items[n++] = items[i];
-  items.resize(n);
-}
-
 }  // namespace
 
 const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& mask, int64_t t_ns, double dt_s,
@@ -59,24 +40,32 @@ const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& ma
   Pyramid now;
   cv::buildOpticalFlowPyramid(smooth_, now, {p_.window_px, p_.window_px}, p_.levels, true, cv::BORDER_REFLECT_101,
                               cv::BORDER_CONSTANT, false);
-  ++frame_;
-  if (!pictures_.empty() && !tracks_.empty()) {
+  if (!before_.empty() && !tracks_.empty()) {
     std::vector<cv::Point2f> to;
     predict(q_c0_c1, lens, dt_s, to);
     track_forward(now, to);
-    refine_by_reference(now);
+    refine_by_patch(now[0], q_c0_c1);
     drop_outliers(q_c0_c1, lens);
     for (Track& t : tracks_)
       t.parallax = dt_s > 0 ? Vector2d((Vector2d(t.pixel.x, t.pixel.y) - t.turned) / dt_s) : Vector2d(0, 0);
   }
-  pictures_.emplace_back(frame_, std::move(now));
-  if (pictures_.size() > p_.references) pictures_.pop_front();
+  before_ = std::move(now);
   followed_ = tracks_.size();
   if (static_cast<double>(followed_) < p_.refill_below * p_.most) refill(smooth_, mask);
   corners_.t_ns = t_ns;
   corners_.corners.clear();
   for (const Track& t : tracks_) corners_.corners.push_back({t.id, Vector2d(t.pixel.x, t.pixel.y)});
   return corners_;
+}
+
+void GuidedCorners::keep_only(const std::vector<char>& keep) {
+  size_t n = 0;
+  for (size_t i = 0; i < tracks_.size(); ++i)
+    if (keep[i])
+      tracks_[n++] = tracks_[i];
+    else
+      free_patches_.push_back(tracks_[i].patch);
+  tracks_.resize(n);
 }
 
 void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens, double dt_s,
@@ -97,15 +86,14 @@ void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const CameraModel
 }
 
 void GuidedCorners::track_forward(const Pyramid& now, std::vector<cv::Point2f>& to) {
-  const Pyramid& before = pictures_.back().second;
   const cv::Size window(p_.window_px, p_.window_px);
   std::vector<cv::Point2f> from, back;
   for (const Track& t : tracks_) from.push_back(t.pixel);
   std::vector<uchar> found, found_back;
-  cv::calcOpticalFlowPyrLK(before, now, from, to, found, cv::noArray(), window, p_.levels, kStop,
+  cv::calcOpticalFlowPyrLK(before_, now, from, to, found, cv::noArray(), window, p_.levels, kStop,
                            cv::OPTFLOW_USE_INITIAL_FLOW);
   back = from;
-  cv::calcOpticalFlowPyrLK(now, before, to, back, found_back, cv::noArray(), window, 1, kStop,
+  cv::calcOpticalFlowPyrLK(now, before_, to, back, found_back, cv::noArray(), window, 1, kStop,
                            cv::OPTFLOW_USE_INITIAL_FLOW);
   const cv::Rect2f inside(1, 1, static_cast<float>(now[0].cols - 2), static_cast<float>(now[0].rows - 2));
   std::vector<char> keep(tracks_.size());
@@ -113,39 +101,31 @@ void GuidedCorners::track_forward(const Pyramid& now, std::vector<cv::Point2f>& 
     keep[i] = found[i] && found_back[i] && inside.contains(to[i]) && cv::norm(from[i] - back[i]) < p_.back_px;
     tracks_[i].pixel = to[i];
   }
-  keep_only(tracks_, keep);
+  keep_only(keep);
 }
 
 /// From frame to frame small errors add up; the picture where the corner was found knows no drift.
-void GuidedCorners::refine_by_reference(const Pyramid& now) {
-  const cv::Size window(p_.window_px, p_.window_px);
+void GuidedCorners::refine_by_patch(const cv::Mat& picture, const Eigen::Quaterniond& q_c0_c1) {
+  const Eigen::Matrix2d roll = Eigen::Rotation2Dd(-vo::log_rotation(q_c0_c1).z()).toRotationMatrix();
   std::vector<char> keep(tracks_.size(), 1);
-  for (const auto& [number, picture] : pictures_) {
-    if (number + 1 >= frame_) continue;  // that was just done
-    std::vector<size_t> which;
-    std::vector<cv::Point2f> from, to;
-    for (size_t i = 0; i < tracks_.size(); ++i)
-      if (tracks_[i].reference == number)
-        which.push_back(i), from.push_back(tracks_[i].reference_pixel), to.push_back(tracks_[i].pixel);
-    if (which.empty()) continue;
-    std::vector<uchar> found;
-    cv::calcOpticalFlowPyrLK(picture, now, from, to, found, cv::noArray(), window, p_.reference_levels, kStop,
-                             cv::OPTFLOW_USE_INITIAL_FLOW);
-    for (size_t k = 0; k < which.size(); ++k) {
-      Track& t = tracks_[which[k]];
-      if (found[k] && cv::norm(to[k] - t.pixel) < p_.reference_px) {
-        t.pixel = to[k];
-        // At an edge behind which something else moves, the corner of both is no point of the world.
-        keep[which[k]] = patch_difference(picture[0], from[k], now[0], to[k], window) < p_.reference_error;
-      } else {
-        t.reference = frame_, t.reference_pixel = t.pixel;
-      }
+  for (size_t i = 0; i < tracks_.size(); ++i) {
+    Track& t = tracks_[i];
+    const Vector2d pixel(t.pixel.x, t.pixel.y);
+    std::optional<Patch::Match> match;
+    if (t.known) match = patches_[t.patch].find(picture, {pixel, roll * t.map.A}, p_.patch);
+    const double growth = match ? std::abs(match->map.A.determinant()) : 0;
+    if (match && (match->map.at - pixel).norm() < p_.reference_px && growth > p_.least_growth &&
+        growth < p_.most_growth) {
+      t.map = match->map;
+      t.pixel = {static_cast<float>(t.map.at.x()), static_cast<float>(t.map.at.y())};
+      // At an edge behind which something else moves, the corner of both is no point of the world.
+      keep[i] = match->difference < p_.reference_error;
+    } else {
+      t.map = {pixel, Eigen::Matrix2d::Identity()};
+      t.known = patches_[t.patch].remember(picture, pixel, p_.patch);
     }
   }
-  keep_only(tracks_, keep);
-  const uint32_t oldest = pictures_.front().first;
-  for (Track& t : tracks_)
-    if (t.reference < oldest + (pictures_.size() == p_.references)) t.reference = frame_, t.reference_pixel = t.pixel;
+  keep_only(keep);
 }
 
 void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens) {
@@ -170,7 +150,7 @@ void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Camer
     for (size_t k = 0; k < tracks_.size(); ++k) count += inliers[k] = std::abs(normals[k].dot(direction)) < bound;
     if (count > most) most = count, best = inliers;
   }
-  if (static_cast<double>(most) > kLeastInliers * static_cast<double>(tracks_.size())) keep_only(tracks_, best);
+  if (static_cast<double>(most) > kLeastInliers * static_cast<double>(tracks_.size())) keep_only(best);
 }
 
 void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {
@@ -192,7 +172,16 @@ void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {
   cv::cornerSubPix(picture, chosen, {4, 4}, {-1, -1}, {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.02});
   for (const cv::Point2f& corner : chosen) {
     Track t;
-    t.id = next_id_++, t.pixel = t.reference_pixel = corner, t.reference = frame_;
+    t.id = next_id_++, t.pixel = corner;
+    t.map.at = {corner.x, corner.y};
+    if (free_patches_.empty()) {
+      t.patch = patches_.size();
+      patches_.emplace_back();
+    } else {
+      t.patch = free_patches_.back();
+      free_patches_.pop_back();
+    }
+    t.known = patches_[t.patch].remember(picture, t.map.at, p_.patch);
     tracks_.push_back(t);
   }
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <deque>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "plugins/camera/camera_model.hpp"
 #include "plugins/vo/odograph/inertial/filter.hpp"
+#include "plugins/vo/odograph/inertial/patch.hpp"
 
 namespace odograph::vio {
 
@@ -22,12 +22,12 @@ class GuidedCorners {
     int window_px = 15;          ///< of Lucas-Kanade
     int levels = 3;              ///< of the pyramid
     double back_px = 0.7;        ///< largest distance between the way there and the way back
-    int reference_levels = 1;    ///< of the pyramid, against the picture where the corner was found
+    Patch::Parameters patch;     ///< of a corner against the picture where it was found
     double reference_error = 6;  ///< grey levels, mean: what looks otherwise than where it was found is dropped
     double reference_px = 1.5;   ///< most that the reference moves a corner
-    size_t references = 8;       ///< frames that a corner is compared with its first picture
-    double refill_below = 0.85;  ///< of `most`
-    double epipolar_px = 2.0;    ///< distance from the epipolar line of an inlier
+    double least_growth = 0.5, most_growth = 3;  ///< in area, until a corner's patch is taken anew
+    double refill_below = 0.85;                  ///< of `most`
+    double epipolar_px = 2.0;                    ///< distance from the epipolar line of an inlier
     int trials = 40;
     double dark_grey = 8;
     double dim_grey = 60, dim_blur_px = 1.5;  ///< by night the noise has more gradient than what is there
@@ -47,8 +47,9 @@ class GuidedCorners {
   struct Track {
     uint64_t id = 0;
     cv::Point2f pixel;
-    uint32_t reference = 0;  ///< frame where it was found
-    cv::Point2f reference_pixel;
+    size_t patch = 0;                                    ///< of patches_
+    Patch::Map map;                                      ///< of the patch in the latest picture
+    bool known = false;                                  ///< there is a patch
     Eigen::Vector3d ray = Eigen::Vector3d::Zero();       ///< z = 1
     Eigen::Vector2d turned = Eigen::Vector2d::Zero();    ///< where the rotation alone puts it, px
     Eigen::Vector2d parallax = Eigen::Vector2d::Zero();  ///< of the rest, px/s
@@ -57,17 +58,19 @@ class GuidedCorners {
 
   void predict(const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens, double dt_s, std::vector<cv::Point2f>& to);
   void track_forward(const Pyramid& now, std::vector<cv::Point2f>& to);
-  void refine_by_reference(const Pyramid& now);
+  void refine_by_patch(const cv::Mat& picture, const Eigen::Quaterniond& q_c0_c1);
   void drop_outliers(const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens);
   void refill(const cv::Mat& picture, const cv::Mat& mask);
+  void keep_only(const std::vector<char>& keep);
 
   Parameters p_;
-  std::deque<std::pair<uint32_t, Pyramid>> pictures_;  ///< the latest
+  Pyramid before_;
   std::vector<Track> tracks_;
+  std::vector<Patch> patches_;
+  std::vector<size_t> free_patches_;
   FrameCorners corners_;
   cv::Mat smooth_;
   uint64_t next_id_ = 0;
-  uint32_t frame_ = 0;
   size_t followed_ = 0;
   double mean_grey_ = 0;
 };

@@ -66,6 +66,7 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   FrameReport report;
   const int64_t t_ns = frame.t_ns + static_cast<int64_t>(std::llround(state_.camera.time_offset_s * 1e9));
   report.imu_whole = propagate(state_, std::max(t_ns, state_.t_ns), imu, p_);
+  if (!recent_.empty()) let_corners_walk(static_cast<double>(frame.t_ns - recent_.back().t_ns) * 1e-9);
   report.standing = stands(frame, imu);
   if (state_.clones.size() > 2 && ((report.standing && stood_) || without_parallax()))
     forget_clone(state_.clones.size() - 1);
@@ -81,6 +82,12 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   recent_.push_back(frame);
   while (static_cast<double>(frame.t_ns - recent_.front().t_ns) * 1e-9 > 1.5 * kStandWindow_s) recent_.pop_front();
   return report;
+}
+
+void Filter::let_corners_walk(double dt_s) {
+  const double walk = p_.corner_walk_px / state_.camera.lens.focal();
+  for (size_t j = 0; j < state_.landmarks.size(); ++j)
+    state_.P.diagonal().segment<2>(state_.landmark_at(j)).array() += walk * walk * dt_s;
 }
 
 /// Nothing but a rotation in the picture, and a specific force that hardly changes.
@@ -210,10 +217,11 @@ void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
   std::vector<double> ratios = report.nis_per_dof;
   const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
   std::nth_element(ratios.begin(), middle, ratios.end());
-  const double seen = p_.pixel_sigma * std::sqrt(std::clamp(*middle / kMedianNis, 0.01, 100.0));
-  const double part = 1 - std::exp(-dt_s / p_.pixel_sigma_s);
-  p_.pixel_sigma =
-      std::clamp(p_.pixel_sigma * std::pow(seen / p_.pixel_sigma, part), p_.least_pixel_sigma, p_.most_pixel_sigma);
+  const double seen = p_.gate_sigma * std::sqrt(std::clamp(*middle / kMedianNis, 0.01, 100.0));
+  const double part = 1 - std::exp(-dt_s / p_.gate_sigma_s);
+  p_.gate_sigma =
+      std::clamp(p_.gate_sigma * std::pow(seen / p_.gate_sigma, part), p_.least_gate_sigma, p_.most_pixel_sigma);
+  p_.pixel_sigma = std::max(p_.gate_sigma, p_.least_pixel_sigma);
 }
 
 double Filter::velocity_sigma() const { return std::sqrt(state_.P.block<3, 3>(block::nu, block::nu).trace()); }

@@ -71,6 +71,7 @@ class Filter {
   bool stands(const FrameCorners& frame, const ImuBuffer& imu) const;
   bool without_parallax() const;
   void forget_clone(size_t i);
+  void let_corners_walk(double dt_s);
   void update_landmarks(const FrameCorners& frame, FrameReport& report);
   void update_tracks(FrameReport& report);
   void marginalise();

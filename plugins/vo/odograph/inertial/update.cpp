@@ -59,6 +59,35 @@ std::optional<TrackEquations> equations(const State& state, const std::vector<Ob
   return out;
 }
 
+/// Makes the errors of a track's observations independent, of one pixel_sigma each: white noise, and the corner's walk
+/// up to the last of them.
+void whiten(const State& state, const std::vector<Observation>& track, const FilterParameters& p, Linearised& z,
+            MatrixXd& by_point) {
+  const auto n = static_cast<Eigen::Index>(track.size());
+  const auto age = [&](const Observation& o) {
+    return static_cast<double>(state.clones[state.find_clone(track.back().clone)].frame_ns -
+                               state.clones[state.find_clone(o.clone)].frame_ns) *
+           1e-9;
+  };
+  const double walk = p.corner_walk_px / p.pixel_sigma;
+  MatrixXd R = MatrixXd::Identity(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double age_s = age(track[static_cast<size_t>(i)]);  // the oldest first: all before it have walked farther
+    for (Eigen::Index j = 0; j <= i; ++j) R(i, j) += walk * walk * age_s;
+  }
+  const Eigen::LLT<MatrixXd> factor(R);  // reads the lower triangle
+  const auto apply = [&](auto&& M) {
+    for (int axis = 0; axis < 2; ++axis) {
+      MatrixXd rows = M(Eigen::seqN(axis, n, 2), Eigen::all);
+      factor.matrixL().solveInPlace(rows);
+      M(Eigen::seqN(axis, n, 2), Eigen::all) = rows;
+    }
+  };
+  apply(z.residual);
+  apply(z.H);
+  apply(by_point);
+}
+
 MatrixXd columns_of(const MatrixXd& P, const std::vector<int>& columns) {
   MatrixXd out(P.rows(), static_cast<Eigen::Index>(columns.size()));
   for (size_t k = 0; k < columns.size(); ++k) out.col(static_cast<Eigen::Index>(k)) = P.col(columns[k]);
@@ -71,6 +100,12 @@ MatrixXd rows_of(const MatrixXd& M, const std::vector<int>& rows) {
   return out;
 }
 
+/// Normalised innovation squared with independent noise of sigma.
+double nis_of(MatrixXd S, const VectorXd& residual, double sigma) {
+  S.diagonal().array() += sigma * sigma;
+  return residual.dot(S.ldlt().solve(residual));
+}
+
 }  // namespace
 
 double chi_square_bound(int dof, double tail) {
@@ -79,17 +114,17 @@ double chi_square_bound(int dof, double tail) {
   return n * c * c * c;
 }
 
-Outcome update(State& state, const Linearised& z, double sigma, double tail) {
+Outcome update(State& state, const Linearised& z, double sigma, double gate_sigma, double tail) {
   Outcome out;
   out.dof = static_cast<int>(z.residual.size());
   const MatrixXd PH = columns_of(state.P, z.columns) * z.H.transpose();
   MatrixXd S = z.H * rows_of(PH, z.columns);
+  out.nis = nis_of(S, z.residual, gate_sigma);
+  if (tail > 0 && !(out.nis < chi_square_bound(out.dof, tail))) return out;
   S.diagonal().array() += sigma * sigma;
   const Eigen::LLT<MatrixXd> factor(S);
   if (factor.info() != Eigen::Success) return out;
   const VectorXd white = factor.matrixL().solve(z.residual);
-  out.nis = white.squaredNorm();
-  if (tail > 0 && out.nis > chi_square_bound(out.dof, tail)) return out;
   const MatrixXd W = factor.matrixL().solve(PH.transpose());
   state.P.noalias() -= W.transpose() * W;
   state.correct(W.transpose() * white);
@@ -102,13 +137,14 @@ Outcome update_with_track(State& state, const std::vector<Observation>& track, c
   if (!point || point->parallax_rad < p.least_parallax_rad || point->at.z() < 1 / kFarDepths) return {};
   auto e = equations(state, track, point->at);
   if (!e) return {};
+  whiten(state, track, p, e->z, e->by_point);
   // Q' [by_point | H | r]: below the third row the point is gone.
   const Eigen::HouseholderQR<MatrixXd> qr(e->by_point);
   const Eigen::Index rows = e->z.residual.size();
   e->z.H.applyOnTheLeft(qr.householderQ().adjoint());
   e->z.residual.applyOnTheLeft(qr.householderQ().adjoint());
   Linearised z{e->z.residual.tail(rows - 3), e->z.H.bottomRows(rows - 3), std::move(e->z.columns)};
-  return update(state, z, p.pixel_sigma, kTail);
+  return update(state, z, p.pixel_sigma, p.gate_sigma, kTail);
 }
 
 Outcome add_landmark(State& state, uint64_t id, const std::vector<Observation>& track, const FilterParameters& p) {
@@ -116,6 +152,7 @@ Outcome add_landmark(State& state, uint64_t id, const std::vector<Observation>& 
   if (!point) return {};
   auto e = equations(state, track, point->at);
   if (!e) return {};
+  whiten(state, track, p, e->z, e->by_point);
   if (point->parallax_rad < 2 * p.least_parallax_rad) {
     const Eigen::Index rows = e->z.residual.size();
     const double weight = p.pixel_sigma / p.inverse_depth_sigma;
@@ -144,15 +181,13 @@ Outcome add_landmark(State& state, uint64_t id, const std::vector<Observation>& 
   {
     // Gate before anything is added.
     const MatrixXd PR = columns_of(state.P, columns) * rest.H.transpose();
-    MatrixXd S = rest.H * rows_of(PR, columns);
-    S.diagonal().array() += p.pixel_sigma * p.pixel_sigma;
-    out.nis = rest.residual.dot(S.ldlt().solve(rest.residual));
-    if (out.nis > chi_square_bound(out.dof, kTail)) return {false, out.nis, out.dof};
+    out.nis = nis_of(rest.H * rows_of(PR, columns), rest.residual, p.gate_sigma);
+    if (!(out.nis < chi_square_bound(out.dof, kTail))) return {false, out.nis, out.dof};
   }
   Landmark landmark{id, track.front().clone, point->at + F_inverse * r1, 0};
   landmark.at.z() = std::max(landmark.at.z(), 1 / kFarDepths);
   state.add_landmark(landmark, -F_inverse * PH.transpose(), F_inverse * own * F_inverse.transpose());
-  update(state, rest, p.pixel_sigma, 0);
+  update(state, rest, p.pixel_sigma, p.pixel_sigma, 0);
   return out;
 }
 
@@ -174,7 +209,7 @@ Outcome update_with_landmark(State& state, size_t j, const Observation& seen, co
   for (int k = 0; k < 6; ++k) z.columns.push_back(state.clone_at(a) + k);
   for (int k = 0; k < 3; ++k) z.columns.push_back(state.landmark_at(j) + k);
   for (int k = 0; k < 1 + kLensStates; ++k) z.columns.push_back(block::line_time + k);
-  return update(state, z, p.pixel_sigma, kTail);
+  return update(state, z, p.pixel_sigma, p.gate_sigma, kTail);
 }
 
 Outcome update_zero_velocity(State& state, double sigma_mps) {
@@ -183,7 +218,7 @@ Outcome update_zero_velocity(State& state, double sigma_mps) {
   z.H.resize(3, 6);
   z.H << -cross_matrix(state.nav.v_w), Matrix3d::Identity();
   z.columns = {0, 1, 2, 3, 4, 5};
-  return update(state, z, sigma_mps, 0.001);
+  return update(state, z, sigma_mps, sigma_mps, 0.001);
 }
 
 }  // namespace odograph::vio

@@ -21,9 +21,8 @@ struct Outcome {
 };
 
 /// Kalman update with independent noise of `sigma` on each residual; refused where the innovation is larger than the
-/// chi-square distribution has it in 1 - `tail` of the cases (no gate where tail is 0). `most`: at the gate a larger
-/// noise is not tried.
-Outcome update(State& state, const Linearised& z, double sigma, double tail);
+/// chi-square distribution has it with noise of `gate_sigma` in 1 - `tail` of the cases (no gate where tail is 0).
+Outcome update(State& state, const Linearised& z, double sigma, double gate_sigma, double tail);
 
 /// 1 - `tail` quantile of chi-square (Wilson & Hilferty 1931).
 double chi_square_bound(int dof, double tail);
