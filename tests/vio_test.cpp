@@ -5,7 +5,10 @@
 
 #include <random>
 
+#include <opencv2/imgproc.hpp>
+
 #include "plugins/vo/odograph/gyroscope.hpp"
+#include "plugins/vo/odograph/inertial/patch.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
 #include "plugins/vo/odograph/inertial/update.hpp"
 
@@ -100,6 +103,9 @@ TEST_CASE("an observation's derivatives are those of finite differences") {
     for (int k = 0; k < 6; ++k)
       CHECK((by_state(state.clone_at(0) + k) - o->by_clone.col(k)).norm() < 1e-3 * (1 + o->by_clone.norm()));
     CHECK((by_state(block::line_time) - o->by_line_time).norm() < 1e-3 * (1 + o->by_line_time.norm()));
+    CHECK((by_state(block::follow) - o->by_follow).norm() < 1e-3 * (1 + o->by_follow.norm()));
+    for (int k = 0; k < 2; ++k)
+      CHECK((by_state(state.clone_at(0) + block::clone_shift + k) - Eigen::Vector2d::Unit(k)).norm() < 1e-3);
     for (int k = 0; k < kLensStates; ++k)
       CHECK((by_state(block::lens + k) - o->by_lens.col(k)).norm() < 1e-3 * (1 + o->by_lens.col(k).norm()));
   }
@@ -135,6 +141,73 @@ TEST_CASE("the covariance is carried by the derivative of the motion") {
   const Eigen::MatrixXd expected = numeric * state.P.topLeftCorner<15, 15>() * numeric.transpose();
   const Eigen::MatrixXd carried = reference.P.topLeftCorner<15, 15>();
   CHECK((carried - expected).norm() < 5e-3 * expected.norm());
+}
+
+TEST_CASE("a stabilised lens's shift and its covariance follow the gyroscope") {
+  generator.seed(15);
+  const ImuBuffer imu = some_imu();
+  State state = some_state();
+  state.camera.follow = 0.6;
+  state.camera.shift_px = {1, -2};
+  FilterParameters p;
+  p.stabiliser.drive_error = p.stabiliser.follow_walk = 0;
+  const auto shift = [&](double follow, Eigen::Vector2d from) {
+    State s = state;
+    s.camera.follow = follow, s.camera.shift_px = from;
+    propagate(s, state.t_ns + 100'000'000, imu, p);
+    return s;
+  };
+  const State moved = shift(0.6, state.camera.shift_px);
+  CHECK((lens_moves(state, state.t_ns + 100'000'000, imu, p) - (moved.camera.shift_px - state.camera.shift_px)).norm() <
+        1e-9);
+  const double h = 1e-4;
+  Eigen::Matrix<double, 2, 3> J;
+  for (int k = 0; k < 2; ++k)
+    J.col(k) =
+        (shift(0.6, state.camera.shift_px + h * Eigen::Vector2d::Unit(k)).camera.shift_px - moved.camera.shift_px) / h;
+  J.col(2) = (shift(0.6 + h, state.camera.shift_px).camera.shift_px - moved.camera.shift_px) / h;
+  REQUIRE(J.col(2).norm() > 1);  // there was a turn to follow
+  const Eigen::Matrix2d expected = J * state.P.block<3, 3>(block::shift, block::shift) * J.transpose();
+  const Eigen::Matrix2d carried = moved.P.block<2, 2>(block::shift, block::shift);
+  CHECK((carried - expected).norm() < 1e-6 * expected.norm());
+  // What is not followed does not move.
+  CHECK(shift(0, Eigen::Vector2d::Zero()).camera.shift_px.norm() == 0);
+}
+
+TEST_CASE("a patch is found again grown, sheared, shifted and in another light") {
+  cv::Mat texture(240, 240, CV_8U);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 240; ++x)
+      texture.at<uchar>(y, x) =
+          static_cast<uchar>(120 + 40 * std::sin(0.31 * x + 0.1 * y) + 35 * std::sin(0.27 * y - 0.12 * x) +
+                             20 * std::sin(0.05 * x * y / 40.));
+  Eigen::Matrix2d A;
+  A << 1.15, 0.05, -0.04, 1.1;
+  const Eigen::Vector2d at(110.3, 121.6), now_at(113.1, 118.2);
+  cv::Mat now(240, 240, CV_8U);
+  const Eigen::Matrix2d back = A.inverse();
+  cv::Mat map_x(240, 240, CV_32F), map_y(240, 240, CV_32F);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 240; ++x) {
+      const Eigen::Vector2d from = at + back * (Eigen::Vector2d(x, y) - now_at);
+      map_x.at<float>(y, x) = static_cast<float>(from.x()), map_y.at<float>(y, x) = static_cast<float>(from.y());
+    }
+  cv::remap(texture, now, map_x, map_y, cv::INTER_LINEAR);
+  now.convertTo(now, CV_8U, 0.8, 10);
+  Patch::Parameters p;
+  p.affine_sigma = 0.2;
+  Patch patch;
+  REQUIRE(patch.remember(texture, at, p));
+  const auto match = patch.find(now, {now_at + Eigen::Vector2d(0.7, -0.5), Eigen::Matrix2d::Identity()}, p);
+  REQUIRE(match);
+  CHECK((match->map.at - now_at).norm() < 0.05);
+  CHECK((match->map.A - A).norm() < 0.03);
+  CHECK(match->difference < 1.5);
+  // Nothing to be seen, and the border.
+  CHECK_FALSE(patch.remember(cv::Mat(100, 100, CV_8U, cv::Scalar(80)), {50, 50}, p));
+  CHECK_FALSE(patch.remember(texture, {4, 100}, p));
+  REQUIRE(patch.remember(texture, at, p));
+  CHECK_FALSE(patch.find(now, {{2, 2}, Eigen::Matrix2d::Identity()}, p));
 }
 
 TEST_CASE("a clone's covariance is that of the camera's pose") {

@@ -143,7 +143,8 @@ class OdographVo {
     c.header.t_ns = t_ns;
     c.header.flags |=
         ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET | ODO_CALIBRATION_LINE_TIME | ODO_CALIBRATION_REFINED;
-    c.fx = camera.lens.fx, c.fy = camera.lens.fy, c.cx = camera.lens.cx, c.cy = camera.lens.cy;
+    c.fx = camera.lens.fx, c.fy = camera.lens.fy, c.cx = camera.lens.cx + camera.told_px.x(),
+    c.cy = camera.lens.cy + camera.told_px.y();
     c.distortion_count = static_cast<uint32_t>(camera.lens.coefficients.size());
     std::copy(camera.lens.coefficients.begin(), camera.lens.coefficients.end(), c.distortion);
     c.q_b_c[0] = camera.q_b_c.w(), c.q_b_c[1] = camera.q_b_c.x();

@@ -31,7 +31,8 @@ std::vector<Vector3d> rays_of(const std::vector<cv::Point2f>& pixels, const Came
 }  // namespace
 
 const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& mask, int64_t t_ns, double dt_s,
-                                          const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens) {
+                                          const Eigen::Quaterniond& q_c0_c1, const Vector2d& shift_px,
+                                          const CameraModel& lens) {
   mean_grey_ = cv::mean(grey)[0];
   if (mean_grey_ < p_.dim_grey)
     cv::GaussianBlur(grey, smooth_, {}, p_.dim_blur_px);
@@ -42,10 +43,10 @@ const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& ma
                               cv::BORDER_CONSTANT, false);
   if (!before_.empty() && !tracks_.empty()) {
     std::vector<cv::Point2f> to;
-    predict(q_c0_c1, lens, dt_s, to);
+    predict(q_c0_c1, shift_px, lens, dt_s, to);
     track_forward(now, to);
     refine_by_patch(now[0], q_c0_c1);
-    drop_outliers(q_c0_c1, lens);
+    drop_outliers(q_c0_c1, shift_px, lens);
     for (Track& t : tracks_)
       t.parallax = dt_s > 0 ? Vector2d((Vector2d(t.pixel.x, t.pixel.y) - t.turned) / dt_s) : Vector2d(0, 0);
   }
@@ -68,8 +69,8 @@ void GuidedCorners::keep_only(const std::vector<char>& keep) {
   tracks_.resize(n);
 }
 
-void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens, double dt_s,
-                            std::vector<cv::Point2f>& to) {
+void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const Vector2d& shift_px, const CameraModel& lens,
+                            double dt_s, std::vector<cv::Point2f>& to) {
   std::vector<cv::Point2f> from;
   for (const Track& t : tracks_) from.push_back(t.pixel);
   const auto rays = rays_of(from, lens);
@@ -77,7 +78,7 @@ void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const CameraModel
   for (size_t i = 0; i < tracks_.size(); ++i) {
     Track& t = tracks_[i];
     t.ray = rays[i];
-    t.turned = Vector2d(t.pixel.x, t.pixel.y);
+    t.turned = Vector2d(t.pixel.x, t.pixel.y) + shift_px;
     const Vector3d y = q_c0_c1.conjugate() * t.ray;
     if (y.z() > 0.1) t.turned += lens.project(y.head<2>() / y.z()) - lens.project(t.ray.head<2>());
     const Vector2d guess = t.turned + dt_s * t.parallax;
@@ -128,10 +129,12 @@ void GuidedCorners::refine_by_patch(const cv::Mat& picture, const Eigen::Quatern
   keep_only(keep);
 }
 
-void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens) {
+void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Vector2d& shift_px,
+                                  const CameraModel& lens) {
   if (tracks_.size() < kLeastForRansac) return;
   std::vector<cv::Point2f> pixels;
-  for (const Track& t : tracks_) pixels.push_back(t.pixel);
+  const cv::Point2f shift(static_cast<float>(shift_px.x()), static_cast<float>(shift_px.y()));
+  for (const Track& t : tracks_) pixels.push_back(t.pixel - shift);
   const auto rays = rays_of(pixels, lens);
   std::vector<Vector3d> normals(tracks_.size());
   for (size_t i = 0; i < tracks_.size(); ++i)

@@ -35,9 +35,10 @@ class GuidedCorners {
 
   explicit GuidedCorners(const Parameters& parameters) : p_(parameters) {}
 
-  /// `q_c0_c1`: the camera's rotation since the frame before.
+  /// `q_c0_c1`: the camera's rotation since the frame before; `shift_px`: what a stabilised lens moved the picture.
   const FrameCorners& follow(const cv::Mat& grey, const cv::Mat& mask, int64_t t_ns, double dt_s,
-                             const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens);
+                             const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px,
+                             const CameraModel& lens);
   const FrameCorners& corners() const { return corners_; }
   /// Of the corners of the frame before, those that are still followed.
   size_t followed() const { return followed_; }
@@ -51,15 +52,16 @@ class GuidedCorners {
     Patch::Map map;                                      ///< of the patch in the latest picture
     bool known = false;                                  ///< there is a patch
     Eigen::Vector3d ray = Eigen::Vector3d::Zero();       ///< z = 1
-    Eigen::Vector2d turned = Eigen::Vector2d::Zero();    ///< where the rotation alone puts it, px
+    Eigen::Vector2d turned = Eigen::Vector2d::Zero();    ///< where rotation and shift alone put it, px
     Eigen::Vector2d parallax = Eigen::Vector2d::Zero();  ///< of the rest, px/s
   };
   using Pyramid = std::vector<cv::Mat>;
 
-  void predict(const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens, double dt_s, std::vector<cv::Point2f>& to);
+  void predict(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px, const CameraModel& lens, double dt_s,
+               std::vector<cv::Point2f>& to);
   void track_forward(const Pyramid& now, std::vector<cv::Point2f>& to);
   void refine_by_patch(const cv::Mat& picture, const Eigen::Quaterniond& q_c0_c1);
-  void drop_outliers(const Eigen::Quaterniond& q_c0_c1, const CameraModel& lens);
+  void drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px, const CameraModel& lens);
   void refill(const cv::Mat& picture, const cv::Mat& mask);
   void keep_only(const std::vector<char>& keep);
 

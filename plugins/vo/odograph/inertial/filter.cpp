@@ -47,6 +47,8 @@ Filter::Filter(const FilterParameters& parameters, const Camera& camera, const S
   const double line = camera.line_time_s;
   set(block::line_time, 1,
       line > 0 ? p_.priors.line_time_relative * line : p_.priors.readout_s / (2 * camera.middle_row + 1));
+  set(block::shift, 2, p_.stabiliser.shift_sigma_px);
+  set(block::follow, 1, p_.stabiliser.follow_sigma);
   set(block::lens, 1, p_.priors.focal_relative);
   set(block::lens + 1, 2, p_.priors.centre_px);
   set(block::lens + 3, 1, p_.priors.distortion[0]);

@@ -54,8 +54,9 @@ class Filter {
   /// The lens as it is refined, times and plus what it was changed by.
   void change_lens(double focal_factor, const Eigen::Vector2d& centre_px) {
     LensVector change = LensVector::Zero();
-    change << std::log(focal_factor), centre_px, 0, 0;
+    change << std::log(focal_factor), 0, 0, 0, 0;
     correct(state_.camera.lens, change);
+    state_.camera.told_px += centre_px;  // of the frames to come alone
   }
 
   const State& state() const { return state_; }

@@ -60,7 +60,14 @@ void InertialOdometry::begin(const vo::Frame& frame) {
   const bool first = previous_ns_ == INT64_MIN;
   const Quaterniond turn = first ? Quaterniond::Identity() : rotation_since(previous_ns_, frame.t_ns);
   const CameraModel& lens = filter_ ? filter_->state().camera.lens : camera_.lens;
-  corners_.follow(frame.grey, frame.mask, frame.t_ns, first ? 0 : seconds(frame.t_ns - previous_ns_), turn, lens);
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  if (filter_ && !first) {
+    const double offset_s = filter_->state().camera.time_offset_s;
+    const auto offset_ns = static_cast<int64_t>(std::llround(offset_s * 1e9));
+    shift = lens_moves(filter_->state(), frame.t_ns + offset_ns, imu_, p_.filter);
+  }
+  corners_.follow(frame.grey, frame.mask, frame.t_ns, first ? 0 : seconds(frame.t_ns - previous_ns_), turn, shift,
+                  lens);
   Pending pending{frame.t_ns, {}, true};
   if (!filter_) {
     pending.visual = visual_->process(frame);
@@ -201,11 +208,12 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
   if (with_clone && clones.size() > 1 && clones[clones.size() - 2].frame_ns == previous_ns_) {
     const size_t j = clones.size() - 1, i = j - 1;
     const Eigen::Matrix3d R = clones[i].q_w_c.conjugate().toRotationMatrix();
-    Eigen::Matrix<double, 6, 12> J = Eigen::Matrix<double, 6, 12>::Zero();
-    J.block<3, 3>(0, 0) = -R, J.block<3, 3>(0, 6) = R;
-    J.block<3, 3>(3, 0) = R * vo::cross_matrix(clones[j].p_w), J.block<3, 3>(3, 6) = -J.block<3, 3>(3, 0);
-    J.block<3, 3>(3, 3) = -R, J.block<3, 3>(3, 9) = R;
-    m.covariance = J * state.P.block<12, 12>(state.clone_at(i), state.clone_at(i)) * J.transpose();
+    constexpr int next = block::clone, both = 2 * block::clone;
+    Eigen::Matrix<double, 6, both> J = Eigen::Matrix<double, 6, both>::Zero();
+    J.block<3, 3>(0, 0) = -R, J.block<3, 3>(0, next) = R;
+    J.block<3, 3>(3, 0) = R * vo::cross_matrix(clones[j].p_w), J.block<3, 3>(3, next) = -J.block<3, 3>(3, 0);
+    J.block<3, 3>(3, 3) = -R, J.block<3, 3>(3, next + 3) = R;
+    m.covariance = J * state.P.block<both, both>(state.clone_at(i), state.clone_at(i)) * J.transpose();
     // What was told of the frame before has been corrected since, by this: the motion mends it.
     const Isometry3d corrected = vo::isometry(clones[i].q_w_c, clones[i].p_w);
     const Vector3d turned = vo::log_rotation(Quaterniond(T_w_previous_.linear().transpose() * corrected.linear()));

@@ -34,11 +34,12 @@ std::optional<Observed> observe(const Clone& c, const Camera& camera, const Vect
   if (y.z() < kNearest_m) return std::nullopt;
   const Projection projection = project(camera.lens, y);
   Observed out;
-  out.pixel = projection.pixel;
+  out.pixel = projection.pixel + c.shift_px + dt * c.shift_rate_px_s;
+  out.by_follow = dt * c.drive_px_s;
   out.by_lens = projection.by_lens;
   out.by_point = projection.by_point * R_c_w;
   const Vector3d by_time = y.cross(c.rate_c + dt * c.rate_change_c) - R_c_w * (c.v_w + dt * c.a_w);
-  out.by_line_time = rows * projection.by_point * by_time;
+  out.by_line_time = rows * (projection.by_point * by_time + c.shift_rate_px_s);
   out.by_clone << out.by_point * cross_matrix(p_w), -out.by_point;
   out.depth_m = y.z();
   return out;
@@ -47,9 +48,10 @@ std::optional<Observed> observe(const Clone& c, const Camera& camera, const Vect
 Vector3d ray_of(const Clone& c, const Camera& camera, const Vector2d& pixel) {
   thread_local std::vector<cv::Point2f> one(1);
   thread_local std::vector<cv::Point2d> straight(1);
-  one[0] = {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
-  camera.lens.undistort(one, straight);
   const double dt = (pixel.y() - camera.middle_row) * camera.line_time_s;
+  const Vector2d unshifted = pixel - c.shift_px - dt * c.shift_rate_px_s;
+  one[0] = {static_cast<float>(unshifted.x()), static_cast<float>(unshifted.y())};
+  camera.lens.undistort(one, straight);
   const Vector3d ray = row_rotation(c, dt) * Vector3d(straight[0].x, straight[0].y, 1);
   return ray / ray.z();
 }

@@ -21,7 +21,8 @@ struct Observed {
   Eigen::Matrix<double, 2, 3> by_point;  ///< px by metres in w
   Eigen::Vector2d by_line_time;          ///< px by s
   Eigen::Matrix<double, 2, kLensStates> by_lens;
-  Eigen::Matrix<double, 2, 6> by_clone;  ///< theta, rho
+  Eigen::Matrix<double, 2, 6> by_clone;  ///< theta, rho; by the clone's shift it is the identity
+  Eigen::Vector2d by_follow;             ///< by what part of the rotation the lens takes out
   double depth_m = 0;
 };
 

@@ -33,10 +33,23 @@ struct Priors {
   double distortion[2] = {0.01, 0.01};  ///< of the first two radial coefficients
 };
 
+/// A lens or sensor that moves against the phone's shake. It follows the rotation's high frequencies as far as its
+/// travel reaches and gives way near its end, each maker in his own way: a gain and a leak stand for it, and an error
+/// in proportion to what it does.
+struct StabiliserParameters {
+  double follow_sigma = 0.3;  ///< of the gain before the first measurement; 0 is a fixed lens, 1 takes out all
+  double follow_walk = 0.2;   ///< in proportion to the gain, 1/sqrt(s): a fixed lens stays one
+  double leak_hz = 5;         ///< 0.5 to 0.9 where little is asked of it, to 13 near the end of its travel
+  double drive_error = 0.25;  ///< of its speed, relative,
+  double error_s = 0.1;       ///< correlated over this time
+  double shift_sigma_px = 1;  ///< before the first measurement
+};
+
 /// Multi-state constraint Kalman filter.
 struct FilterParameters {
   ImuNoise noise;
   Priors priors;
+  StabiliserParameters stabiliser;
   double gravity_mps2 = 9.81;
   size_t clones = 12;     ///< poses in the window
   size_t landmarks = 40;  ///< points that are states

@@ -9,6 +9,7 @@ namespace odograph::vio {
 namespace {
 
 using Eigen::Matrix3d;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using vo::cross_matrix;
 using vo::exp_rotation;
@@ -16,7 +17,8 @@ using Matrix15d = Eigen::Matrix<double, block::navigation, block::navigation>;
 
 constexpr int64_t kLongestGap_ns = 60'000'000;
 constexpr double kGapAcceleration_mps2 = 3;  // of a hand that nobody watched
-constexpr double kHalfReadout_s = 0.008;     // over which the change of the rate is taken
+constexpr double kTwoPi = 6.283185307179586;
+constexpr double kHalfReadout_s = 0.008;  // over which the change of the rate is taken
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
@@ -32,6 +34,9 @@ Matrix3d step(Navigation& nav, const ImuSample& from, const ImuSample& to, doubl
   return R;
 }
 
+/// Rate of the shift of a lens that takes out all of the rotation, px/s.
+Vector2d drive_of(double focal_px, const Vector3d& rate_c) { return focal_px * Vector2d(rate_c.y(), -rate_c.x()); }
+
 }  // namespace
 
 bool integrate(Navigation& nav, int64_t from_ns, int64_t to_ns, const ImuBuffer& imu, double gravity) {
@@ -45,6 +50,38 @@ bool integrate(Navigation& nav, int64_t from_ns, int64_t to_ns, const ImuBuffer&
   for (auto it = stretches.rbegin(); it != stretches.rend(); ++it)
     step(nav, it->second, it->first, seconds(it->first.t_ns - it->second.t_ns), gravity);
   return whole;
+}
+
+/// Where the stabilised lens is at `to_ns`, with its covariance.
+void shift_lens(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
+  const StabiliserParameters& s = p.stabiliser;
+  Camera& camera = state.camera;
+  const Matrix3d R_c_b = camera.q_b_c.conjugate().toRotationMatrix();
+  double keep = 1, noise = 0;
+  Vector2d by_follow = Vector2d::Zero();
+  const double likely = camera.follow * camera.follow + state.P(block::follow, block::follow);
+  imu.for_each(state.t_ns, to_ns, kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
+    const double dt = seconds(b.t_ns - a.t_ns), decay = 1 / (1 + dt * kTwoPi * s.leak_hz);
+    const Vector2d drive = drive_of(camera.lens.focal(), R_c_b * (0.5 * (a.gyro_b + b.gyro_b) - state.nav.gyro_bias));
+    camera.shift_px = decay * (camera.shift_px + dt * camera.follow * drive);
+    by_follow = decay * (by_follow + dt * drive);
+    noise = decay * decay * (noise + s.drive_error * s.drive_error * likely * drive.squaredNorm() * s.error_s * dt);
+    keep *= decay;
+  });
+  auto& P = state.P;
+  P.middleRows<2>(block::shift) = (keep * P.middleRows<2>(block::shift) + by_follow * P.row(block::follow)).eval();
+  P.middleCols<2>(block::shift) =
+      (keep * P.middleCols<2>(block::shift) + P.col(block::follow) * by_follow.transpose()).eval();
+  P.block<2, 2>(block::shift, block::shift).diagonal().array() += noise;
+  P(block::follow, block::follow) += s.follow_walk * s.follow_walk * likely * seconds(to_ns - state.t_ns);
+}
+
+Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
+  State moved;
+  moved.t_ns = state.t_ns, moved.nav.gyro_bias = state.nav.gyro_bias, moved.camera = state.camera;
+  moved.P = Eigen::MatrixXd::Zero(block::fixed, block::fixed);
+  shift_lens(moved, to_ns, imu, p);
+  return moved.camera.shift_px - state.camera.shift_px;
 }
 
 bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
@@ -79,6 +116,7 @@ bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterPa
   });
   const int n = state.size(), rest = n - block::navigation;
   auto& P = state.P;
+  shift_lens(state, to_ns, imu, p);
   P.topLeftCorner<block::navigation, block::navigation>() =
       (Phi * P.topLeftCorner<block::navigation, block::navigation>() * Phi.transpose() + Q).eval();
   P.block(0, block::navigation, block::navigation, rest) =
@@ -113,7 +151,12 @@ void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, 
   clone.v_w = nav.v_w + R * rate.cross(state.camera.p_b_c);
   clone.a_w = R * (0.25 * before.accel_b + 0.5 * now.accel_b + 0.25 * after.accel_b - nav.accel_bias) +
               Vector3d(0, 0, p.gravity_mps2);
-  Eigen::Matrix<double, 6, block::fixed> J = Eigen::Matrix<double, 6, block::fixed>::Zero();
+  clone.drive_px_s = drive_of(state.camera.lens.focal(), clone.rate_c);
+  clone.shift_px = state.camera.shift_px + state.camera.told_px;
+  clone.shift_rate_px_s =
+      state.camera.follow * clone.drive_px_s - kTwoPi * p.stabiliser.leak_hz * state.camera.shift_px;
+  using Jacobian = Eigen::Matrix<double, block::clone, block::fixed>;
+  Jacobian J = Jacobian::Zero();
   const Matrix3d x = cross_matrix(clone.p_w);
   J.block<3, 3>(0, block::theta).setIdentity();
   J.block<3, 3>(0, block::extrinsics) = R;
@@ -125,7 +168,11 @@ void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, 
   // The jitter turns the camera in its place: theta, and what keeps p = Exp(theta) p_est + rho where it is.
   Eigen::Matrix<double, 6, 3> by_jitter;
   by_jitter << Matrix3d::Identity(), x;
-  state.add_clone(clone, J, p.rotation_jitter_rad * p.rotation_jitter_rad * by_jitter * by_jitter.transpose());
+  J.block<2, 2>(block::clone_shift, block::shift).setIdentity();
+  J.block<2, 1>(block::clone_shift, block::time_offset) = clone.shift_rate_px_s;
+  State::CloneMatrix noise = State::CloneMatrix::Zero();
+  noise.topLeftCorner<6, 6>() = p.rotation_jitter_rad * p.rotation_jitter_rad * by_jitter * by_jitter.transpose();
+  state.add_clone(clone, J, noise);
 }
 
 }  // namespace odograph::vio

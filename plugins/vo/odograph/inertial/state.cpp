@@ -53,6 +53,8 @@ void State::correct(const Eigen::VectorXd& d) {
   camera.time_offset_s += d[block::time_offset];
   camera.line_time_s += d[block::line_time];
   vio::correct(camera.lens, d.segment<kLensStates>(block::lens));
+  camera.shift_px += d.segment<2>(block::shift);
+  camera.follow += d[block::follow];
   for (size_t i = 0; i < clones.size(); ++i) {
     Clone& c = clones[i];
     const Vector3d theta_c = d.segment<3>(clone_at(i));
@@ -60,6 +62,8 @@ void State::correct(const Eigen::VectorXd& d) {
     c.q_w_c = turned(c.q_w_c, theta_c);
     c.p_w = turn_c * c.p_w + d.segment<3>(clone_at(i) + 3);
     c.v_w = turn_c * c.v_w;
+    c.shift_px += d.segment<2>(clone_at(i) + block::clone_shift);
+    c.shift_rate_px_s += d[block::follow] * c.drive_px_s;
   }
   for (size_t j = 0; j < landmarks.size(); ++j) {
     landmarks[j].at += d.segment<3>(landmark_at(j));
@@ -67,22 +71,23 @@ void State::correct(const Eigen::VectorXd& d) {
   }
 }
 
-void State::add_clone(const Clone& clone, const Eigen::Matrix<double, 6, block::fixed>& J,
-                      const Eigen::Matrix<double, 6, 6>& noise) {
+void State::add_clone(const Clone& clone, const Eigen::Matrix<double, block::clone, block::fixed>& J,
+                      const CloneMatrix& noise) {
+  constexpr int k = block::clone;
   const int n = size(), at = clone_at(clones.size());
   const Eigen::MatrixXd cross = J * P.topRows<block::fixed>();
-  const Eigen::Matrix<double, 6, 6> own = cross.leftCols<block::fixed>() * J.transpose() + noise;
-  Eigen::MatrixXd grown(n + 6, n + 6);
+  const CloneMatrix own = cross.leftCols<block::fixed>() * J.transpose() + noise;
+  Eigen::MatrixXd grown(n + k, n + k);
   const int after = n - at;
   grown.topLeftCorner(at, at) = P.topLeftCorner(at, at);
   grown.bottomLeftCorner(after, at) = P.bottomLeftCorner(after, at);
   grown.topRightCorner(at, after) = P.topRightCorner(at, after);
   grown.bottomRightCorner(after, after) = P.bottomRightCorner(after, after);
-  grown.block(at, 0, 6, at) = cross.leftCols(at);
-  grown.block(at, at + 6, 6, after) = cross.rightCols(after);
-  grown.block(0, at, at, 6) = cross.leftCols(at).transpose();
-  grown.block(at + 6, at, after, 6) = cross.rightCols(after).transpose();
-  grown.block<6, 6>(at, at) = 0.5 * (own + own.transpose());
+  grown.block(at, 0, k, at) = cross.leftCols(at);
+  grown.block(at, at + k, k, after) = cross.rightCols(after);
+  grown.block(0, at, at, k) = cross.leftCols(at).transpose();
+  grown.block(at + k, at, after, k) = cross.rightCols(after).transpose();
+  grown.block<k, k>(at, at) = 0.5 * (own + own.transpose());
   P.swap(grown);
   clones.push_back(clone);
 }
@@ -104,7 +109,7 @@ void State::remove(int from, int count) {
 }
 
 void State::remove_clone(size_t i) {
-  remove(clone_at(i), 6);
+  remove(clone_at(i), block::clone);
   clones.erase(clones.begin() + static_cast<std::ptrdiff_t>(i));
 }
 

@@ -30,6 +30,11 @@ struct Camera {
   double time_offset_s = 0;  ///< IMU time = frame's time + this
   double line_time_s = 0;
   double middle_row = 0;
+  /// A stabilised lens shifts the picture against the phone's shake: s' = follow f (w_y, -w_x) - leak s, w the rate in
+  /// c.
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
+  double follow = 0;                                  ///< 0: fixed lens; 1: takes out all
+  Eigen::Vector2d told_px = Eigen::Vector2d::Zero();  ///< shift that the calibration told since the start
 };
 
 /// A pose of the camera at the middle row of a frame, with the motion that the other rows saw.
@@ -40,6 +45,8 @@ struct Clone {
   Eigen::Vector3d p_w = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate_c = Eigen::Vector3d::Zero(), rate_change_c = Eigen::Vector3d::Zero();  ///< rad/s, rad/s^2
   Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), a_w = Eigen::Vector3d::Zero();
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero(), shift_rate_px_s = Eigen::Vector2d::Zero();
+  Eigen::Vector2d drive_px_s = Eigen::Vector2d::Zero();  ///< of the shift where the lens followed all
 };
 
 /// A point as its anchor saw it: x/z, y/z and the inverse of z, in the camera at the anchor's middle row.
@@ -53,7 +60,9 @@ struct Landmark {
 /// Where each block begins.
 namespace block {
 inline constexpr int theta = 0, nu = 3, rho = 6, gyro_bias = 9, accel_bias = 12, navigation = 15;
-inline constexpr int extrinsics = 15, lever = 18, time_offset = 21, line_time = 22, lens = 23, fixed = 28;
+inline constexpr int extrinsics = 15, lever = 18, time_offset = 21, line_time = 22, lens = 23;
+inline constexpr int shift = 28, follow = 30, fixed = 31;
+inline constexpr int clone = 8, clone_shift = 6;  // theta, rho, shift
 }  // namespace block
 
 struct State {
@@ -62,10 +71,10 @@ struct State {
   Camera camera;
   std::vector<Clone> clones;  ///< oldest first
   std::vector<Landmark> landmarks;
-  Eigen::MatrixXd P;  ///< in the order of block, then clones (theta, rho), then landmarks
+  Eigen::MatrixXd P;  ///< in the order of block, then clones (theta, rho, shift), then landmarks
 
   int size() const { return landmark_at(landmarks.size()); }
-  int clone_at(size_t i) const { return block::fixed + 6 * static_cast<int>(i); }
+  int clone_at(size_t i) const { return block::fixed + block::clone * static_cast<int>(i); }
   int landmark_at(size_t j) const { return clone_at(clones.size()) + 3 * static_cast<int>(j); }
   /// Index of a clone, or clones.size().
   size_t find_clone(uint32_t id) const;
@@ -73,8 +82,9 @@ struct State {
 
   void correct(const Eigen::VectorXd& delta);
   /// Appends a clone whose error is J times the present one's, plus noise.
-  void add_clone(const Clone& clone, const Eigen::Matrix<double, 6, block::fixed>& J,
-                 const Eigen::Matrix<double, 6, 6>& noise);
+  using CloneMatrix = Eigen::Matrix<double, block::clone, block::clone>;
+  void add_clone(const Clone& clone, const Eigen::Matrix<double, block::clone, block::fixed>& J,
+                 const CloneMatrix& noise);
   void add_landmark(const Landmark& landmark, const Eigen::MatrixXd& cross, const Eigen::Matrix3d& covariance);
   void remove_clone(size_t i);
   void remove_landmark(size_t j);

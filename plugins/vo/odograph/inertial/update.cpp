@@ -20,26 +20,39 @@ using vo::cross_matrix;
 constexpr double kTail = 0.01;      // of true measurements that the gate may refuse
 constexpr double kFarDepths = 1e3;  // m: a landmark farther away is as good as infinitely far
 
-/// Residuals and derivatives of a track by its clones, its point, line time and lens. Columns: of each clone six, then
-/// line time and lens.
+/// Residuals and derivatives of a track by its clones, its point and the camera. Columns: of each clone block::clone,
+/// then line time, lens and follow.
 struct TrackEquations {
   Linearised z;
   MatrixXd by_point;  ///< by x/z, y/z, 1/z in the anchor
 };
 
+constexpr int kCameraColumns = 1 + kLensStates + 1;
+
+void add_camera_columns(std::vector<int>& columns) {
+  for (int k = 0; k < 1 + kLensStates; ++k) columns.push_back(block::line_time + k);
+  columns.push_back(block::follow);
+}
+
+Eigen::Matrix<double, 2, kCameraColumns> by_camera(const Observed& o) {
+  Eigen::Matrix<double, 2, kCameraColumns> J;
+  J << o.by_line_time, o.by_lens, o.by_follow;
+  return J;
+}
+
 std::optional<TrackEquations> equations(const State& state, const std::vector<Observation>& track,
                                         const Eigen::Vector3d& at) {
   const int rows = 2 * static_cast<int>(track.size());
-  const int clones = 6 * static_cast<int>(track.size()), columns = clones + 1 + kLensStates;
+  const int clones = block::clone * static_cast<int>(track.size()), columns = clones + kCameraColumns;
   TrackEquations out;
   out.z.residual.resize(rows);
   out.z.H = MatrixXd::Zero(rows, columns);
   out.by_point.resize(rows, 3);
   for (const Observation& o : track) {
     const int from = state.clone_at(state.find_clone(o.clone));
-    for (int k = 0; k < 6; ++k) out.z.columns.push_back(from + k);
+    for (int k = 0; k < block::clone; ++k) out.z.columns.push_back(from + k);
   }
-  for (int k = 0; k < 1 + kLensStates; ++k) out.z.columns.push_back(block::line_time + k);
+  add_camera_columns(out.z.columns);
   const Clone& anchor = state.clones[state.find_clone(track.front().clone)];
   const Matrix3d R = anchor.q_w_c.toRotationMatrix();
   const Eigen::Vector3d p_w = anchor.p_w + R * landmark_ray(at);
@@ -50,10 +63,11 @@ std::optional<TrackEquations> equations(const State& state, const std::vector<Ob
     if (!o) return std::nullopt;
     const int row = 2 * static_cast<int>(i);
     out.z.residual.segment<2>(row) = track[i].pixel - o->pixel;
-    out.z.H.block<2, 6>(row, 3 * row) = o->by_clone;
+    const int own = block::clone * static_cast<int>(i);
+    out.z.H.block<2, 6>(row, own) = o->by_clone;
+    out.z.H.block<2, 2>(row, own + block::clone_shift).setIdentity();
     out.z.H.block<2, 6>(row, 0) -= o->by_clone;  // the anchor carries the point
-    out.z.H.block<2, 1>(row, clones) = o->by_line_time;
-    out.z.H.block<2, kLensStates>(row, clones + 1) = o->by_lens;
+    out.z.H.block<2, kCameraColumns>(row, clones) = by_camera(*o);
     out.by_point.middleRows<2>(row) = o->by_point * J_point;
   }
   return out;
@@ -199,16 +213,17 @@ Outcome update_with_landmark(State& state, size_t j, const Observation& seen, co
   if (!o) return {};
   Linearised z;
   z.residual = seen.pixel - o->pixel;
-  z.H = MatrixXd::Zero(2, 12 + 3 + 1 + kLensStates);
+  constexpr int anchor = block::clone, point = anchor + 6;
+  z.H = MatrixXd::Zero(2, point + 3 + kCameraColumns);
   z.H.leftCols<6>() = o->by_clone;
-  z.H.middleCols<6>(6) = -o->by_clone;
-  z.H.middleCols<3>(12) = o->by_point * state.clones[a].q_w_c.toRotationMatrix() * landmark_jacobian(landmark.at);
-  z.H.col(15) = o->by_line_time;
-  z.H.rightCols<kLensStates>() = o->by_lens;
-  for (int k = 0; k < 6; ++k) z.columns.push_back(state.clone_at(i) + k);
+  z.H.middleCols<2>(block::clone_shift).setIdentity();
+  z.H.middleCols<6>(anchor) = -o->by_clone;
+  z.H.middleCols<3>(point) = o->by_point * state.clones[a].q_w_c.toRotationMatrix() * landmark_jacobian(landmark.at);
+  z.H.rightCols<kCameraColumns>() = by_camera(*o);
+  for (int k = 0; k < block::clone; ++k) z.columns.push_back(state.clone_at(i) + k);
   for (int k = 0; k < 6; ++k) z.columns.push_back(state.clone_at(a) + k);
   for (int k = 0; k < 3; ++k) z.columns.push_back(state.landmark_at(j) + k);
-  for (int k = 0; k < 1 + kLensStates; ++k) z.columns.push_back(block::line_time + k);
+  add_camera_columns(z.columns);
   return update(state, z, p.pixel_sigma, p.gate_sigma, kTail);
 }
 
