@@ -36,7 +36,7 @@ class Walker {
   struct Parameters {
     double factor_sigma = 0.10;         ///< how much walkers differ
     double step_sigma = 0.06;           ///< of one step, as a part of it
-    double gentle_step_sigma = 0.25;    ///< the same of a gentle one
+    double gentle_step_sigma = 0.30;    ///< the same of a gentle one
     double gentle_factor_sigma = 0.10;  ///< how much a gentle walker's factor differs from his own when he is not
     double turn_drift_rad = 0.0005;     ///< of the headings, for the root of a metre
     double least_way_m = 12.0;          ///< between two fixes that teach something

@@ -26,7 +26,7 @@ StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   Parameters p;
   p.gentle = true;
   p.least_swing_mps2 = 0.17;
-  p.relative_swing = 0.30;
+  p.relative_swing = 0.20;
   p.longest_s = 1.4;
   p.to_begin = 5;
   p.alike = 1.8;
