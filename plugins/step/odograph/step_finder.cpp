@@ -34,7 +34,7 @@ StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   p.upright = p.surely_upright = p.still_upright = 0;
   p.regular = 0.3;
   p.swing_per_rate = p.surely_no_hand = 0;
-  p.most_tilting_radps = 0.2;
+  p.most_tilting_radps = 0.21;
   p.swing_per_tilting = 10;
   p.missing = 2.2;
   p.weakest = 0.2;
