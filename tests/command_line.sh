@@ -91,7 +91,8 @@ expect 0 "Poses asked 30 ms ahead" "$odograph" bench stream tiny.odo -c "$config
 expect 0 "Shape and cost" "$odograph" bench vo tiny.odo -c "$configs/monocular_odograph.yaml" --sensors --cut 1 --dark 2:1
 expect 0 '"wrongly_certain_percent"' "$odograph" bench vo tiny.odo -c "$configs/monocular_odograph.yaml" --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: bench vo --json is not one JSON value"; failed=1; }
-expect 0 "nothing to plot" "$odograph" bench vo tiny.odo -c "$configs/monocular_odograph.yaml" --reference o/trajectory.tum --plot scale.svg
+awk '{print $1, 0, 0, 0, $5, $6, $7, $8}' o/trajectory.tum >still.tum
+expect 0 "nothing to plot" "$odograph" bench vo tiny.odo -c "$configs/monocular_odograph.yaml" --reference still.tum --plot scale.svg
 expect 2 "expected FROM:FOR" "$odograph" bench vo tiny.odo --gap 10
 expect 2 "is for one recording" "$odograph" bench vo tiny.odo copy.odo --reference o/trajectory.tum
 expect 0 "4 s windows: S mm  N mm" "$odograph" bench tracks --excitation-only tiny.odo

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "plugins/step/odograph/climb.hpp"
+#include "plugins/step/odograph/gait_finder.hpp"
 #include "plugins/step/odograph/mode.hpp"
 #include "sdk/cli/runner.hpp"
 #include "sdk/sim/random.hpp"
@@ -32,7 +33,10 @@ std::vector<FoundStep> found_at(double rate_hz, double step_hz, double rise_m, d
     const bool walks = t > 4 && t < 4 + walk_s;
     const double up = (walks ? 0.5 * rise_m * w * w * std::cos(w * (t - 4)) : 0.0) + 0.1 * random.normal();
     resampler.push(
-        {static_cast<int64_t>(t * 1e9), up, walks ? 0.6 : 0.05, walks ? 0.5 : 0.05},
+        {.t_ns = static_cast<int64_t>(t * 1e9),
+         .vertical = up,
+         .level = walks ? 0.6 : 0.05,
+         .gyro = walks ? 0.5 : 0.05},
         [&](const WalkSample& s) {
           signal.add(s);
           finder.update(signal);
@@ -65,6 +69,143 @@ TEST_CASE("steps are counted, timed and their rise is measured at any rate, regu
       }
 }
 
+namespace {
+
+/// Steps that are found while the phone oscillates for a time, standing before and after: of the vertical acceleration
+/// the amplitude of the step and, relative to it, of twice its frequency; the hand tilts by a rate of that root mean
+/// square at 1.3 Hz meanwhile.
+std::vector<FoundStep> found_in_gentle(double step_hz, double amplitude_mps2, double second_harmonic,
+                                       double tilting_radps, double walk_s) {
+  Resampler resampler;
+  GaitFinder finder;
+  Random random(7, 1);
+  std::vector<FoundStep> steps;
+  const double w = 2 * kPi * step_hz;
+  for (double t = 0; t < walk_s + 8; t += 0.01) {
+    const double on = t > 4 && t < 4 + walk_s ? 1 : 0;
+    const double up = on * amplitude_mps2 * (std::cos(w * (t - 4)) + second_harmonic * std::cos(2 * w * (t - 4) + 1.0));
+    const Eigen::Vector2d noise(random.normal(), random.normal());
+    const WalkSample sample{
+        .t_ns = static_cast<int64_t>(t * 1e9),
+        .vertical = up + 0.08 * random.normal(),
+        .level = 0.3,
+        .gyro = 0.4,  // scanning
+        .horizontal_n = 0.1 * noise + on * Eigen::Vector2d(0.15 * std::sin(w * t), 0),
+        .tilting_n = tilting_radps * std::sqrt(2.0) * Eigen::Vector2d(std::sin(2 * kPi * 1.3 * t), 0)};
+    resampler.push(
+        sample,
+        [&](const WalkSample& s) {
+          finder.add(s);
+          for (const FoundStep& step : finder.found()) steps.push_back(step);
+        },
+        [&] { finder.reset(); });
+  }
+  return steps;
+}
+
+}  // namespace
+
+TEST_CASE("gentle steps are counted from 0.8 Hz and 0.2 m/s^2 on, those with a strong second harmonic too") {
+  for (const double hz : {0.8, 1.0, 1.25, 1.5, 1.7})
+    for (const double second : {0.0, 0.6}) {
+      CAPTURE(hz);
+      CAPTURE(second);
+      const auto steps = found_in_gentle(hz, 0.2, second, 0.05, 30);
+      CHECK(std::abs(static_cast<double>(steps.size()) - 30 * hz) <= 3);
+      for (size_t i = 1; i < steps.size(); ++i) CHECK(steps[i].t_start_ns >= steps[i - 1].t_end_ns);
+    }
+  for (const double hz : {2.0, 2.3, 2.6}) {  // quick ones need more
+    CAPTURE(hz);
+    CHECK(std::abs(static_cast<double>(found_in_gentle(hz, 0.5, 0, 0.05, 30).size()) - 30 * hz) <= 2);
+  }
+}
+
+TEST_CASE("a hand that tilts the phone as gestures do hides gentle steps, so that gestures are none") {
+  CHECK(found_in_gentle(1.3, 0.4, 0, 0.1, 30).size() > 30);
+  CHECK(found_in_gentle(1.3, 0.4, 0, 0.5, 30).empty());
+}
+
+TEST_CASE("nothing is found after a vivid walk ended, while it leaves the mean") {
+  Resampler resampler;
+  GaitFinder finder;
+  Random random(9, 1);
+  int64_t last_ns = 0;
+  for (double t = 0; t < 30; t += 0.01) {
+    const double w = 2 * kPi * 1.83;
+    const double up = t > 4 && t < 20 ? 3.5 * std::cos(w * (t - 4)) : 0.0;
+    resampler.push(
+        {.t_ns = static_cast<int64_t>(t * 1e9), .vertical = up + 0.03 * random.normal(), .level = 0.3, .gyro = 0.3},
+        [&](const WalkSample& s) {
+          finder.add(s);
+          for (const FoundStep& step : finder.found()) last_ns = step.t_end_ns;
+        },
+        [&] { finder.reset(); });
+  }
+  CHECK(static_cast<double>(last_ns) * 1e-9 == doctest::Approx(20.0).epsilon(0.02));
+}
+
+TEST_CASE("a gentle step's length follows cadence and rise, and is doubted more") {
+  const LengthModel model;
+  const FoundStep slow{.whole_rise_m = 0.015, .frequency_hz = 1.1, .gentle = true};
+  FoundStep quick = slow, high = slow;
+  quick.frequency_hz = 1.6, high.whole_rise_m = 0.03;
+  CHECK(model.length_m(quick) > 1.1 * model.length_m(slow));
+  CHECK(model.length_m(high) > 1.1 * model.length_m(slow));
+  // Orendurff et al. 2004: 0.7 m/s, rise 2.7 cm, of which the phone's holder leaves half; 0.58 m at 1.2 Hz.
+  const FoundStep of_paper{.whole_rise_m = 0.0137, .frequency_hz = 1.2, .gentle = true};
+  CHECK(model.length_m(of_paper) == doctest::Approx(0.55).epsilon(0.15));
+  const Walker walker({});
+  CHECK(walker.sigma_m(0.5, true) > 2 * walker.sigma_m(0.5, false));
+}
+
+TEST_CASE("simulated users who look through the phone: counts and distances") {
+  const TemporaryFolder folder;
+  Scenario s;
+  s.walker.gait = "viewing", s.walker.speed_mps = 0.8, s.walker.stand_s = 4;
+  s.route = {{0, 0, 0}, {25, 0, 0}, {25, 20, 0}};
+  s.events = {{10, "look_around", 6}, {18, "sidestep", 3}, {24, "stand", 5}, {30, "backwards", 3}, {36, "shuffle", 3}};
+  std::vector<double> counts, distances;
+  for (const uint64_t seed : {31, 32, 33, 34}) {
+    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
+    const auto recording = read_recording(folder / "w.odo");
+    REQUIRE(recording.ok());
+    RunOptions options;
+    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    double truth = 0, estimate = 0;
+    for (const odo_step& step : recording->true_steps) truth += step.length_m;
+    for (const odo_step& step : result->steps) estimate += step.length_m;
+    counts.push_back(
+        std::abs(static_cast<double>(result->steps.size()) / static_cast<double>(recording->true_steps.size()) - 1));
+    distances.push_back(std::abs(estimate / truth - 1));
+  }
+  CHECK(percentile(counts, 0.5) < 0.04);
+  CHECK(percentile(counts, 1.0) < 0.10);
+  CHECK(percentile(distances, 0.5) < 0.12);
+  CHECK(percentile(distances, 1.0) < 0.25);
+}
+
+TEST_CASE("the slow walk through a house has its 50 to 66 steps and 29 to 38 m") {
+  const auto folder = data_or_skip("phone_house");
+  if (folder.empty()) return;
+  auto recording = read_recording(folder);
+  REQUIRE(recording.ok());
+  std::erase_if(recording->messages, [](const RecordedMessage& m) { return m.message.header().type != ODO_TYPE_IMU; });
+  RunOptions options;
+  options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+  options.plugin_path = plugin_folder().string();
+  const auto result = replay(*recording, options);
+  REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+  double path_m = 0;
+  for (const odo_step& step : result->steps) path_m += step.length_m;
+  CHECK(result->steps.size() >= 50);
+  CHECK(result->steps.size() <= 66);
+  CHECK(path_m > 29);
+  CHECK(path_m < 38);
+}
+
 TEST_CASE("next to no step in ten minutes of vivid gestures, none in turning on the spot") {
   const TemporaryFolder folder;
   for (const char* what : {"handle", "turn"}) {
@@ -92,7 +233,8 @@ TEST_CASE("a gap and broken samples end a walk and do not break the next") {
   const auto feed = [&](double from, double to) {
     for (double t = from; t < to; t += 0.01) {
       const double w = 2 * kPi * 1.9;
-      const WalkSample s{static_cast<int64_t>(t * 1e9), 0.02 * w * w * std::cos(w * t), 0.5, 0.5};
+      const WalkSample s{
+          .t_ns = static_cast<int64_t>(t * 1e9), .vertical = 0.02 * w * w * std::cos(w * t), .level = 0.5, .gyro = 0.5};
       const auto take = [&](const WalkSample& x) {
         signal.add(x);
         finder.update(signal);
@@ -100,8 +242,8 @@ TEST_CASE("a gap and broken samples end a walk and do not break the next") {
       };
       const auto gap = [&] { ++gaps, signal.reset(), finder.reset(); };
       resampler.push(s, take, gap);
-      resampler.push(s, take, gap);                                     // twice
-      resampler.push({s.t_ns - 30'000'000, 1e3, 1e3, 1e3}, take, gap);  // late
+      resampler.push(s, take, gap);                                                                          // twice
+      resampler.push({.t_ns = s.t_ns - 30'000'000, .vertical = 1e3, .level = 1e3, .gyro = 1e3}, take, gap);  // late
     }
   };
   feed(0, 10);

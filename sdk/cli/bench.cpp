@@ -160,6 +160,7 @@ void add_bench(CLI::App& app, int& status) {
   add_bench_allan(*command, status);
   add_bench_calibrate(*command, status);
   add_bench_calibrate_imu(*command, status);
+  add_bench_canyon(*command, status);
   add_bench_drive(*command, status);
   add_bench_gait(*command, status);
   add_bench_stream(*command, status);

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 struct StepArguments {
   std::vector<std::string> configs = {"samples/configs/phone_walk.yaml"};
   uint64_t seeds = 10, first_seed = 1;
+  std::string walkers = "surveyors";
   bool json = false, confusion = false;
 };
 
@@ -47,8 +48,25 @@ Scenario walk_of(uint64_t seed) {
   return s;
 }
 
-Scenario rest_of(const char* what) {
+/// Somebody who looks at the world through the phone: slow and gentle, with stops, turns, small steps, steps to the
+/// side and backwards.
+Scenario viewing_of(uint64_t seed) {
+  Random random(seed, 131);
   Scenario s;
+  s.walker.gait = "viewing";
+  s.walker.height_m = random.uniform(1.55, 1.92), s.walker.speed_mps = random.uniform(0.5, 1.2);
+  s.walker.stand_s = 4;
+  s.route = {{0, 0, 0}, {25, 0, 0}, {25, 20, 0}, {0, 20, 0}};
+  s.events = {{8, "look_around", 6},  {15, "speed"},        {20, "shuffle", 4}, {28, "sidestep", 3},
+              {34, "stand", 8},       {40, "backwards", 4}, {46, "turn", 8},    {50, "speed"},
+              {55, "look_around", 5}, {60, "handle", 6},    {64, "sidestep", 3}};
+  for (auto& event : s.events) event.speed_mps = random.uniform(0.5, 1.2);
+  return s;
+}
+
+Scenario rest_of(const char* what, const std::string& walkers) {
+  Scenario s;
+  if (walkers == "viewers") s.walker.gait = "viewing", s.walker.speed_mps = 0.8;
   s.walker.stand_s = 1;
   s.route = {{0, 0, 0}, {1, 0, 0}};
   for (int k = 0; k < (std::string_view(what) == "turn" ? 60 : 1); ++k)
@@ -168,8 +186,9 @@ int steps(const StepArguments& a) {
   for (uint64_t k = 0; k < a.seeds; ++k) {
     progress.show(k, a.seeds);
     const uint64_t seed = a.first_seed + k;
-    const auto walk = recording_of(walk_of(seed), seed), handling = recording_of(rest_of("handle"), seed),
-               turning = recording_of(rest_of("turn"), seed);
+    const auto walk = recording_of(a.walkers == "viewers" ? viewing_of(seed) : walk_of(seed), seed),
+               handling = recording_of(rest_of("handle", a.walkers), seed),
+               turning = recording_of(rest_of("turn", a.walkers), seed);
     for (const auto* r : {&walk, &handling, &turning})
       if (!*r) return complain(r->failure());
     for (size_t c = 0; c < a.configs.size(); ++c) {
@@ -195,10 +214,13 @@ int steps(const StepArguments& a) {
     std::printf("%s\n", rows.dump(2).c_str());
     return kDone;
   }
-  std::printf(
-      "%llu simulated walkers of 1.55 to 1.92 m, 175 m each with stops, looking around, evading, the phone held, swung "
-      "and in a\npocket; ten minutes each of typing and gestures, and of turning on the spot.\n\n",
-      static_cast<unsigned long long>(a.seeds));
+  std::printf("%llu simulated %s; ten minutes each of typing and gestures, and of turning on the spot.\n\n",
+              static_cast<unsigned long long>(a.seeds),
+              a.walkers == "viewers"
+                  ? "users of 1.55 to 1.92 m who look through the phone, 70 m each at 0.5 to 1.2 m/s with stops,\n"
+                    "looking around, turning, small steps, steps to the side and backwards"
+                  : "walkers of 1.55 to 1.92 m, 175 m each with stops, looking around, evading, the phone held, swung\n"
+                    "and in a pocket");
   std::printf(
       "%-42s %15s %15s %14s %6s %15s %6s %13s %6s %7s %6s\n%-42s %7s %7s %7s %7s %6s %7s %6s %7s %7s %6s %6s %6s %6s "
       "%7s %6s\n",
@@ -233,6 +255,9 @@ void add_bench_steps(CLI::App& bench, int& status) {
   command->add_option("-c,--config", a->configs, "pipeline configs to compare")->capture_default_str();
   command->add_option("--seeds", a->seeds, "how many walkers")->capture_default_str()->check(CLI::Range(1, 1000));
   command->add_option("--first-seed", a->first_seed, "the first of them")->capture_default_str();
+  command->add_option("--walkers", a->walkers, "brisk surveyors, or viewers who look through the phone")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"surveyors", "viewers"}));
   command->add_flag("--confusion", a->confusion, "print what modes were taken for");
   command->add_flag("--json", a->json, "print one JSON array, an entry for each config");
   command->callback([a, &status] { status = steps(*a); });

@@ -23,6 +23,7 @@ void add_steps(CLI::App& app, int& status);
 void add_bench_walk700(CLI::App& bench, int& status);
 void add_bench_allan(CLI::App& bench, int& status);
 void add_bench_calibrate(CLI::App& bench, int& status);
+void add_bench_canyon(CLI::App& bench, int& status);
 void add_bench_calibrate_imu(CLI::App& bench, int& status);
 void add_bench_drive(CLI::App& bench, int& status);
 void add_bench_steps(CLI::App& bench, int& status);

@@ -47,23 +47,35 @@ class Feet {
   void cross(double duration) { plan.roads.push_back({t_, t_ + duration}); }
   void set_speed(double speed) { speed_ = speed; }
   void shuffle(double duration) { shuffle_until_ = t_ + duration; }
+  void sidestep(double duration) {
+    side_until_ = t_ + duration;
+    plan.facings.push_back({t_, t_ + duration, random_.uniform() < 0.5 ? -kPi / 2 : kPi / 2});
+  }
+  void backwards(double duration) {
+    backwards_until_ = t_ + duration;
+    plan.facings.push_back({t_, t_ + duration, kPi});
+  }
 
   /// Walks to a distance along the route; `stops` there, or goes on through.
   void walk_to(double s_end, bool stops) {
     int since_start = rests_ ? 0 : 2;
     while (s_ < s_end - 1e-6) {
       const bool shuffles = t_ < shuffle_until_;
-      wander_ += -0.05 * wander_ + 0.01 * random_.normal();
+      wander_ += -0.05 * wander_ + who_.speed_kick * random_.normal();
       double speed = speed_ * (1 + wander_);
       if (since_start == 0) speed *= 0.6;
       if (since_start == 1) speed *= 0.85;
       const double slope = route_.at(s_).slope;
       const bool stairs = std::abs(slope) > 0.2;
-      double nominal = who_.step_length(speed);
+      const bool back = t_ < backwards_until_, aside = t_ < side_until_;
+      if (back) speed *= 0.6;
+      double nominal = (back ? 0.8 : 1.0) * who_.step_length(speed);
       if (stairs) nominal = 0.29, speed = std::min(speed, 0.5);  // a step a tread
       if (shuffles) nominal = random_.uniform(0.12, 0.28), speed = nominal * random_.uniform(1.1, 1.8);
-      const double period = nominal / speed * (1 + limited(random_, 0.015, 0.045));
-      double length = nominal * (1 + limited(random_, 0.02, 0.06)) * (left_ ? 1 + who_.asymmetry : 1 - who_.asymmetry);
+      if (aside) nominal = random_.uniform(0.18, 0.32), speed = nominal * random_.uniform(1.0, 1.5);
+      const double period = nominal / speed * (1 + limited(random_, who_.step_time_sigma, 3 * who_.step_time_sigma));
+      double length = nominal * (1 + limited(random_, who_.step_length_sigma, 3 * who_.step_length_sigma)) *
+                      (left_ ? 1 + who_.asymmetry : 1 - who_.asymmetry);
       if (!stairs) length *= who_.length_factor * (1 - who_.fatigue_per_km * s_ * 1e-3);
       const double left = s_end - s_;
       double time = period;
@@ -73,7 +85,8 @@ class Feet {
         length = left / n;
       }
       const uint32_t mode = stairs ? ODO_MODE_STAIRS : speed > kRunning_mps ? ODO_MODE_RUNNING : carry_mode(carry_);
-      plan.steps.push_back({t_, t_ + time, s_, s_ + length, length, mode});
+      const double rise = who_.rise_sigma > 0 ? 1 + limited(random_, who_.rise_sigma, 3 * who_.rise_sigma) : 1.0;
+      plan.steps.push_back({t_, t_ + time, s_, s_ + length, length, mode, rise});
       t_ += time;
       s_ += length;
       left_ = !left_;
@@ -92,7 +105,7 @@ class Feet {
   const Route& route_;
   const Individual& who_;
   Random random_;
-  double speed_, wander_ = 0, t_ = 0, s_ = 0, shuffle_until_ = -1;
+  double speed_, wander_ = 0, t_ = 0, s_ = 0, shuffle_until_ = -1, side_until_ = -1, backwards_until_ = -1;
   std::string carry_;
   bool left_ = true, rests_ = true;
 };
@@ -115,6 +128,25 @@ Individual::Individual(const Scenario& c, uint64_t seed) : height_m(c.walker.hei
   hold_height_m = height_m * random.uniform(0.68, 0.82);
   hold_forward_m = random.uniform(0.25, 0.40);
   limp = random.uniform(0.15, 0.27);
+  if (c.walker.gait == "viewing") view(seed);
+}
+
+/// Slow walkers: the trunk rises by 2.7 cm (sd 0.5) at 0.7 m/s, two thirds of an inverted pendulum's, and sways by 7.0
+/// cm (1.3) from side to side (Orendurff et al., J Rehabil Res Dev 41, 2004); knees and arms that keep a picture steady
+/// leave a half of the rise; step time varies about twice as much as of brisk ones (Beauchet et al., J Neuroeng Rehabil
+/// 6, 2009).
+void Individual::view(uint64_t seed) {
+  Random random(seed, 13);
+  bounce = random.uniform(0.25, 0.65);
+  sway_m = random.uniform(0.025, 0.045);
+  shock *= random.uniform(0.2, 0.5);
+  rocking = random.uniform(0.25, 0.6);
+  hold_height_m = height_m * random.uniform(0.80, 0.90);
+  hold_forward_m = random.uniform(0.30, 0.50);
+  step_time_sigma = 0.03, step_length_sigma = 0.04, rise_sigma = 0.15;
+  speed_kick = 0.03;
+  least_rise_m = 0.010;
+  scans = true;
 }
 
 double Individual::step_length(double speed_mps) const {
@@ -143,6 +175,10 @@ GaitPlan plan_gait(const Scenario& c, const Route& route, const Individual& who,
       feet.darken(e.for_s);
     } else if (e.what == "shuffle") {
       feet.shuffle(e.for_s);
+    } else if (e.what == "sidestep") {
+      feet.sidestep(e.for_s);
+    } else if (e.what == "backwards") {
+      feet.backwards(e.for_s);
     } else if (e.what == "speed") {
       feet.set_speed(e.speed_mps);
     }

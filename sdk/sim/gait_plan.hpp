@@ -24,9 +24,18 @@ struct Individual {
   double phases[6];
   double tremor;  ///< of the hand, factor
   double hold_height_m, hold_forward_m;
+  double step_time_sigma = 0.015, step_length_sigma = 0.02;  ///< from step to step, as a part of it
+  double least_rise_m = 0;                                   ///< a step of no length lifts the trunk by that much
+  double rise_sigma = 0;                                     ///< of the trunk's rise, the same
+  double speed_kick = 0.01;                                  ///< the speed's wander from step to step, as a part of it
+  double rocking = 1;  ///< of the phone with the gait, over that of a surveyor's hand
+  bool scans = false;  ///< turns the phone to and fro while walking
 
   /// Step length at a speed, on level ground, without variation.
   double step_length(double speed_mps) const;
+
+ private:
+  void view(uint64_t seed);
 };
 
 /// The feet's part of a walk: steps in time and along the route, and what is done while standing.
@@ -36,6 +45,7 @@ struct GaitPlan {
     double s0, s1;  ///< along the route, m
     double length_m;
     uint32_t mode;
+    double rise = 1;  ///< of the trunk, over the usual of such a step
   };
   struct Stand {
     double t0, t1;
@@ -48,6 +58,10 @@ struct GaitPlan {
   std::vector<std::pair<double, double>> darknesses;    ///< from, to
   std::vector<std::pair<double, double>> evasions;      ///< middle, duration
   std::vector<std::pair<double, double>> marks;         ///< time, distance along the route
+  struct Facing {
+    double t0, t1, yaw_rad;
+  };
+  std::vector<Facing> facings;  ///< while walking, the body faces that far off the route's direction
   double duration_s = 0;
 };
 

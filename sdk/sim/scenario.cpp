@@ -88,7 +88,7 @@ Result<Scenario> take(const Value& v, const std::string& path, const std::string
   s.world = std::move(*world);
   s.carrier = v["carrier"].text;
   s.vehicle = {v["vehicle"]["speed"].real, v["vehicle"]["camera_height"].real};
-  s.walker = {w["height"].real, w["speed"].real, w["carry"].text, w["stand"].real,
+  s.walker = {w["height"].real, w["speed"].real, w["carry"].text, w["gait"].text,   w["stand"].real,
               w["bounce"].real, w["sway"].real,  w["weave"].real, w["rocking"].real};
   s.record_from_s = v["record"]["from"].real;
   if (r["points"].given) {

@@ -34,13 +34,14 @@ struct Scenario {
   struct Walker {
     double height_m = 1.70, speed_mps = 1.35;
     std::string carry = "texting";
+    std::string gait = "brisk";                           // or viewing: somebody who looks through the phone
     double stand_s = 2.0;                                 // before and after the walk
     double bounce = 1, sway = 1, weave = 1, rocking = 1;  // over the usual
   } walker;
   struct Event {
     double at_m = 0;
-    std::string
-        what;  // stand, look_around, handle, turn, evade, cross, shuffle, speed, bump, texting, swinging, pocket, dark
+    std::string what;  // stand, look_around, handle, turn, evade, cross, shuffle, sidestep, backwards, speed, bump,
+                       // texting, swinging, pocket, dark
     double for_s = 0;
     double speed_mps = 0;
     bool waypoint = false;

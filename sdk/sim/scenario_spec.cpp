@@ -62,18 +62,21 @@ Spec world_spec() {
 
 Spec route_spec() {
   const Spec point = reals("point", "m", -1e4, 1e4, 3, "north, east, up");
-  Spec event = map(
-      "event", "what happens on the way",
-      {required(real("at", "m", 0, 1e5, "0", "distance along the route")),
-       required(choice(
-           "do", "stand|look_around|handle|turn|evade|cross|shuffle|speed|bump|texting|swinging|pocket|dark", "stand",
-           "stop and stand still, look around, type and gesture (handle) or turn in place; step "
-           "around somebody; cross a road from kerb to kerb; small steps; another speed; another way "
-           "to carry the phone; nothing to be seen for a while (dark); a car knows "
-           "stand, speed and bump (a hump in the road)")),
-       real("for", "s", 0, 3600, "5", "how long, where the walker stands; over how long otherwise"),
-       real("speed", "m/s", 0.2, 40, "1.35", "for `do: speed`; above 2.2 a walker runs"),
-       boolean("waypoint", "false", "a surveyed mark on the ground: the recording says when he is on it")});
+  Spec event =
+      map("event", "what happens on the way",
+          {required(real("at", "m", 0, 1e5, "0", "distance along the route")),
+           required(choice("do",
+                           "stand|look_around|handle|turn|evade|cross|shuffle|sidestep|backwards|speed|bump|texting|"
+                           "swinging|pocket|dark",
+                           "stand",
+                           "stop and stand still, look around, type and gesture (handle) or turn in place; step "
+                           "around somebody; cross a road from kerb to kerb; small steps (shuffle); small steps to the "
+                           "side or backwards; another speed; another way "
+                           "to carry the phone; nothing to be seen for a while (dark); a car knows "
+                           "stand, speed and bump (a hump in the road)")),
+           real("for", "s", 0, 3600, "5", "how long, where the walker stands; over how long otherwise"),
+           real("speed", "m/s", 0.2, 40, "1.35", "for `do: speed`; above 2.2 a walker runs"),
+           boolean("waypoint", "false", "a surveyed mark on the ground: the recording says when he is on it")});
   Spec object = map("object", "a board with a tag of the family 36h11, its place surveyed; tags are numbered from 0",
                     {required(real("at", "m", 0, 1e5, "0", "distance along the route; it faces those who come")),
                      real("right", "m", -100, 100, "4", "beside the route"),
@@ -188,6 +191,9 @@ const Spec& scenario_spec() {
                {real("height", "m", 1.0, 2.3, "1.70", "body height"),
                 real("speed", "m/s", 0.3, 4, "1.35", "mean walking speed; above 2.2 he runs"),
                 choice("carry", "texting|swinging|pocket", "texting", "how the phone is carried at the start"),
+                choice("gait", "brisk|viewing", "brisk",
+                       "walks to get somewhere, or looks at the world through the phone: gentle, unsteady, scanning, "
+                       "phone held up; give such a walker 0.5 to 1.2 m/s"),
                 real("stand", "s", 0.5, 600, "2", "standing before and after the walk or drive"),
                 real("bounce", "", 0, 3, "1", "rise and fall of the trunk over the usual"),
                 real("sway", "", 0, 3, "1", "swaying and surging with the stride over the usual"),

@@ -70,9 +70,9 @@ class Body {
         distance_[done] = step.s0 + x * (step.s1 - step.s0);
         phase_[done] = phase + x;
         const double leg = 0.53 * who_.height_m, half = std::min(0.5 * step.length_m, 0.6 * leg);
+        const double pendulum = who_.bounce * (leg - std::sqrt(leg * leg - half * half));
         bounce_[done] =
-            (1 + limp) *
-            (step.mode == ODO_MODE_RUNNING ? 0.05 : who_.bounce * (leg - std::sqrt(leg * leg - half * half)));
+            (1 + limp) * step.rise * (step.mode == ODO_MODE_RUNNING ? 0.05 : std::max(who_.least_rise_m, pendulum));
         vigour_[done] = step.length_m / 0.7;
       }
       s = step.s1;
@@ -161,7 +161,21 @@ class Body {
         for (size_t i = from; i < to; ++i) gesture_[i] = 1;
       }
     }
+    for (const auto& f : plan_.facings)
+      for (size_t i = sample(f.t0); i < sample(f.t1); ++i) look_yaw_[i] += f.yaw_rad;
+    if (who_.scans) scan();
     smooth(look_yaw_, 0.35, kRate_hz), smooth(look_pitch_, 0.35, kRate_hz), smooth(gesture_, 0.3, kRate_hz);
+  }
+
+  /// Somebody who looks through the phone while walking turns it from one thing to the next.
+  void scan() {
+    Random random(seed_, 28);
+    for (double t = 0; t < plan_.duration_s;) {
+      const double next = t + random.uniform(1.5, 5.0);
+      const double yaw = random.uniform() < 0.4 ? 0.0 : random.uniform(-0.7, 0.7), pitch = random.uniform(-0.2, 0.2);
+      for (size_t i = sample(t); i < sample(next); ++i) look_yaw_[i] += yaw, look_pitch_[i] += pitch;
+      t = next;
+    }
   }
 
   /// How the phone is held against the trunk, and what the hand adds.
@@ -190,7 +204,7 @@ class Body {
     const Eigen::Quaterniond upright(axes);
     p_.resize(n_), q_.resize(n_);
     for (size_t i = 0; i < n_; ++i) {
-      const double v = std::min(vigour_[i], 1.3), ph = phase_[i], rocking = c_.walker.rocking * v;
+      const double v = std::min(vigour_[i], 1.3), ph = phase_[i], rocking = c_.walker.rocking * who_.rocking * v;
       const auto other = [&](size_t k) { return drift[k][i] + shake[k][i] + gesture_[i] * wave[k][i]; };
       const double arm = 0.38 * who_.height_m, angle = 0.35 * v * std::sin(kPi * ph + 0.3) - 0.05;
       const Vector3d text(who_.hold_forward_m, 0, -who_.hold_height_m);

@@ -1,19 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
 
 #include <odograph/plugin.hpp>
 
+#include "plugins/fix/gnss/correlated_error.hpp"
+
 namespace {
 
-/// Position fixes straight from the receiver. What the receiver says of its accuracy is multiplied, because phones are
-/// optimistic between houses; a floor keeps a single fix from ruling.
+using odograph::gnss::CorrelatedError;
+
+constexpr double kEquator_m = 6378137.0, kEccentricity2 = 6.69437999014e-3;  // WGS 84
+
+/// Position fixes from the receiver, weighed for what they are: errors between houses are alike for tens of seconds and
+/// jump.
 class Gnss {
  public:
-  double sigma = 10.0, sigma_factor = 1.5, min_sigma = 2.0;
+  double sigma = 10.0, sigma_factor = 1.5, min_sigma = 2.0, correlation = 20.0, bias_time = 60.0;
   int64_t min_satellites = 0;
   bool height = false;
 
-  static constexpr odo::Description description{"fix/gnss", "1.0.0", "Position fixes from a GNSS receiver",
+  static constexpr odo::Description description{"fix/gnss", "1.1.0", "Position fixes from a GNSS receiver",
                                                 ODO_INTERFACE_ABSOLUTE_FIXER};
   static std::vector<odo::Parameter<Gnss>> parameters() {
     return {
@@ -21,9 +30,26 @@ class Gnss {
         odo::real("sigma_factor", "", 0.1, 100, &Gnss::sigma_factor,
                   "the receiver's own standard deviation is multiplied by this"),
         odo::real("min_sigma", "m", 0.001, 1000, &Gnss::min_sigma, "smallest standard deviation believed"),
+        odo::real("correlation", "s", 0, 3600, &Gnss::correlation,
+                  "time constant of the receiver's error; 0: positions are independent and do not jump"),
+        odo::real("bias_time", "s", 1, 3600, &Gnss::bias_time, "time constant with which a jump is forgotten"),
         odo::integer("min_satellites", 0, 100, &Gnss::min_satellites,
                      "positions from fewer are ignored (where the number is known)"),
         odo::boolean("height", &Gnss::height, "use the height too")};
+  }
+
+  void configured() { reset(); }
+  void reset() {
+    CorrelatedError::Parameters p;
+    p.correlation_s = correlation, p.bias_s = bias_time;
+    error_.emplace(p);
+    has_origin_ = false;
+  }
+
+  void on(const odo_pose& pose, odo::Output&) {
+    constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_METRIC;
+    if ((pose.header.flags & needed) != needed || (pose.header.flags & ODO_POSE_EXTRAPOLATED)) return;
+    error_->on_path(pose.header.t_ns, {pose.p_n[0], pose.p_n[1]}, std::sqrt(std::max(0.0, pose.covariance[14])));
   }
 
   void on(const odo_gnss& sample, odo::Output& output) {
@@ -35,14 +61,40 @@ class Gnss {
     fix.latitude_rad = sample.latitude_rad;
     fix.longitude_rad = sample.longitude_rad;
     fix.height_m = (sample.header.flags & ODO_GNSS_HEIGHT) ? sample.height_m : 0.0;
+    double variance[3];
     for (int i = 0; i < 3; ++i) {
       const bool given = (sample.header.flags & ODO_GNSS_COVARIANCE) && sample.covariance_n[4 * i] > 0;
-      const double variance = given ? sample.covariance_n[4 * i] * sigma_factor * sigma_factor : sigma * sigma;
-      fix.covariance_n[4 * i] = std::max(min_sigma * min_sigma, variance);
+      const double own = given ? sample.covariance_n[4 * i] * sigma_factor * sigma_factor : sigma * sigma;
+      variance[i] = std::max(min_sigma * min_sigma, own);
     }
+    if (correlation > 0) weigh(sample, variance, fix);
+    for (int i = 0; i < 3; ++i) fix.covariance_n[4 * i] = variance[i];
     fix.integrity = 0.05;
     output.emit(fix);
   }
+
+ private:
+  /// Takes a jump's bias off the fix and says with which variance it tells as much as an independent one.
+  void weigh(const odo_gnss& sample, double (&variance)[3], odo_fix& fix) {
+    if (!std::exchange(has_origin_, true)) {
+      latitude_rad_ = sample.latitude_rad, longitude_rad_ = sample.longitude_rad;
+      const double s = std::sin(latitude_rad_), w = std::sqrt(1 - kEccentricity2 * s * s);
+      north_per_rad_ = kEquator_m * (1 - kEccentricity2) / (w * w * w);
+      east_per_rad_ = kEquator_m / w * std::cos(latitude_rad_);
+    }
+    const Eigen::Vector2d seen((sample.latitude_rad - latitude_rad_) * north_per_rad_,
+                               std::remainder(sample.longitude_rad - longitude_rad_, 2 * EIGEN_PI) * east_per_rad_);
+    const double own = 0.5 * (variance[0] + variance[1]);
+    const auto corrected = error_->on_position(sample.header.t_ns, seen, std::sqrt(own));
+    const Eigen::Vector2d off = seen - corrected.position_m;
+    fix.latitude_rad -= off.x() / north_per_rad_;
+    fix.longitude_rad -= off.y() / east_per_rad_;
+    for (double& v : variance) v *= corrected.sigma_m * corrected.sigma_m / own;
+  }
+
+  std::optional<CorrelatedError> error_;
+  bool has_origin_ = false;
+  double latitude_rad_ = 0, longitude_rad_ = 0, north_per_rad_ = 1, east_per_rad_ = 1;
 };
 
 }  // namespace

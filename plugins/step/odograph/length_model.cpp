@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kShortest_m = 0.15, kLongest_m = 1.6;
+constexpr double kLeastRise_m = 0.001;
 constexpr double kCalmest_radps = 0.2, kWildest_radps = 1.4;  // beyond, nobody has been measured
 constexpr double kGate = 9.0;                                 // squared, of two components: 1 % of good ways
 constexpr int kBelieveAfter = 3;  // ways in a row that contradict what is known, but not each other's anchor
@@ -20,6 +21,12 @@ constexpr int kBelieveAfter = 3;  // ways in a row that contradict what is known
 }  // namespace
 
 double LengthModel::length_m(const FoundStep& step) const {
+  if (step.gentle) {
+    const double by_cadence = std::pow(at_one_mps_m * std::pow(step.frequency_hz, by_speed), 1 / (1 - by_speed));
+    const double by_rise = per_root_gentle_rise * std::sqrt(std::max(kLeastRise_m, step.whole_rise_m));
+    const double length = std::pow(by_cadence, 1 - part_of_rise) * std::pow(by_rise, part_of_rise);
+    return std::clamp(gentle_factor * length, kShortest_m, kLongest_m);
+  }
   const double rate = std::clamp(step.gyro_radps, kCalmest_radps, kWildest_radps);
   const double root = std::sqrt(std::max(0.0, step.rise_m));
   return std::clamp(base_m + (per_root_rise + per_rate_and_root * rate) * root, kShortest_m, kLongest_m);
@@ -27,14 +34,17 @@ double LengthModel::length_m(const FoundStep& step) const {
 
 double Walker::factor_sigma() const { return std::sqrt(variance_); }
 
-double Walker::sigma_m(double length_m) const {
-  return length_m * std::sqrt(variance_ + p_.step_sigma * p_.step_sigma);
+double Walker::sigma_m(double length_m, bool gentle) const {
+  const double own = gentle ? std::hypot(p_.gentle_step_sigma, p_.gentle_factor_sigma) : p_.step_sigma;
+  return length_m * std::sqrt(variance_ + own * own);
 }
 
-void Walker::on_step(double length_m, double heading_rad) {
+void Walker::on_step(double length_m, double heading_rad, bool gentle) {
   way_ += length_m * Eigen::Vector2d(std::cos(heading_rad), std::sin(heading_rad));
   walked_m_ += length_m;
-  own_variance_m2_ += length_m * length_m * p_.step_sigma * p_.step_sigma;
+  const double own = gentle ? p_.gentle_step_sigma : p_.step_sigma;
+  own_variance_m2_ += length_m * length_m * own * own;
+  if (gentle) gentle_m_ += length_m;
 }
 
 void Walker::on_fix(const Eigen::Vector2d& p_n, double sigma_m) {
@@ -42,7 +52,7 @@ void Walker::on_fix(const Eigen::Vector2d& p_n, double sigma_m) {
     has_anchor_ = true;
     anchor_ = p_n, anchor_sigma_m_ = sigma_m;
     way_.setZero();
-    walked_m_ = own_variance_m2_ = 0;
+    walked_m_ = gentle_m_ = own_variance_m2_ = 0;
     doubted_ = 0;
   };
   if (!has_anchor_) return anchor_here();
@@ -63,7 +73,7 @@ void Walker::on_fix(const Eigen::Vector2d& p_n, double sigma_m) {
   H.col(0) = turned;                                              // by the factor
   H.col(1) = factor_ * Eigen::Vector2d(-turned.y(), turned.x());  // by the turn
   const Eigen::Matrix2d P = Eigen::Vector2d(variance_, turn_variance_).asDiagonal();
-  const double own = fix_sigma * fix_sigma + own_variance_m2_;
+  const double own = fix_sigma * fix_sigma + own_variance_m2_ + std::pow(p_.gentle_factor_sigma * gentle_m_, 2);
   const Eigen::Matrix2d S = H * P * H.transpose() + Eigen::Matrix2d::Identity() * own;
   const Eigen::Vector2d innovation = seen - expected;
   const Eigen::Matrix2d inverse = S.inverse();

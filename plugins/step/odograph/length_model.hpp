@@ -15,9 +15,15 @@ enum class Carry : uint32_t { texting, swinging, pocket, running };
 
 /// Step length from the trunk's rise. A leg that swings over as a stiff pendulum lifts the trunk by L^2 / (8 l)
 /// (Zijlstra & Hof, Gait & Posture 2003), so L grows as the root of the rise. A hand that rocks adds to the rise that
-/// the phone feels; the rotation rate tells how much. Where the numbers come from is said in the README.
+/// the phone feels; the rotation rate tells how much. Of gentle steps the rise tells less, because knees and arms
+/// soften it, and the cadence more: L = a v^0.42 with v = L f (Grieve & Gear, Ergonomics 1966; down to 0.1 m/s by Wu et
+/// al., Scientific Reports 2019) is L = (a f^0.42)^(1 / 0.58). Where the numbers come from is said in the README.
 struct LengthModel {
-  double base_m = 0.093, per_root_rise = 3.337, per_rate_and_root = -0.774;
+  double base_m = 0.0928, per_root_rise = 3.329, per_rate_and_root = -0.772;
+  double at_one_mps_m = 0.632, by_speed = 0.42;  ///< a, for a height of 1.70 m, and its exponent
+  double per_root_gentle_rise = 4.0;             ///< m for a root of a metre: l = 0.90 m, knees and arms take 55 %
+  double part_of_rise = 0.45;                    ///< of the gentle step's logarithm
+  double gentle_factor = 0.965;                  ///< gentle walkers take small steps among the others
 
   double length_m(const FoundStep& step) const;
 };
@@ -28,20 +34,22 @@ struct LengthModel {
 class Walker {
  public:
   struct Parameters {
-    double factor_sigma = 0.10;      ///< how much walkers differ
-    double step_sigma = 0.06;        ///< of one step, as a part of it
-    double turn_drift_rad = 0.0005;  ///< of the headings, for the root of a metre
-    double least_way_m = 12.0;       ///< between two fixes that teach something
+    double factor_sigma = 0.10;         ///< how much walkers differ
+    double step_sigma = 0.06;           ///< of one step, as a part of it
+    double gentle_step_sigma = 0.30;    ///< the same of a gentle one
+    double gentle_factor_sigma = 0.10;  ///< how much a gentle walker's factor differs from his own when he is not
+    double turn_drift_rad = 0.0005;     ///< of the headings, for the root of a metre
+    double least_way_m = 12.0;          ///< between two fixes that teach something
   };
   explicit Walker(const Parameters& parameters) : p_(parameters), variance_(p_.factor_sigma * p_.factor_sigma) {}
 
   double factor() const { return factor_; }
   void set_factor(double factor) { factor_ = factor; }
-  /// Of a step of that length: the walker's part, common to all steps, and the step's own.
-  double sigma_m(double length_m) const;
+  /// Of a step of that length: the walker's part, common to all steps, and the step's own. m
+  double sigma_m(double length_m, bool gentle = false) const;
   double factor_sigma() const;
 
-  void on_step(double model_length_m, double heading_rad);
+  void on_step(double model_length_m, double heading_rad, bool gentle = false);
   /// A position in a level frame, with the standard deviation of each component.
   void on_fix(const Eigen::Vector2d& p_n, double sigma_m);
 
@@ -56,7 +64,7 @@ class Walker {
   // Since the anchor, the last fix that was believed.
   bool has_anchor_ = false;
   Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero(), way_ = Eigen::Vector2d::Zero();
-  double anchor_sigma_m_ = 0, walked_m_ = 0, own_variance_m2_ = 0;
+  double anchor_sigma_m_ = 0, walked_m_ = 0, gentle_m_ = 0, own_variance_m2_ = 0;
   int doubted_ = 0;
 };
 

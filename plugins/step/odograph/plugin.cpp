@@ -8,6 +8,7 @@
 #include <odograph/plugin.hpp>
 
 #include "plugins/step/odograph/climb.hpp"
+#include "plugins/step/odograph/gait_finder.hpp"
 #include "plugins/step/odograph/mode.hpp"
 
 namespace {
@@ -51,7 +52,7 @@ class OdographSteps {
   /// As after configure: what was learnt is forgotten too, unless it is loaded again.
   void reset() {
     resampler_ = Resampler();
-    signal_.reset(), finder_.reset(), judge_.reset(), climb_.reset();
+    finder_.reset(), judge_.reset(), climb_.reset();
     carried_ = ODO_MODE_WALKING_TEXTING, mode_since_ns_ = INT64_MIN;
     hand_ = HandJudge();
     walking_ = false, stopped_ns_ = 0;
@@ -81,9 +82,10 @@ class OdographSteps {
     if (!accel.allFinite() || !gyro.allFinite()) return;
     // Without an attitude the norm stands in for the vertical.
     const Vector3d force = has_attitude_ ? Vector3d(q_n_b_ * accel) : Vector3d(0, 0, -accel.norm());
+    const Vector2d horizontal = force.head<2>(), tilting = Vector3d(q_n_b_ * gyro).head<2>();
     resampler_.push(
-        {imu.header.t_ns, -force.z() - kGravity, force.head<2>().norm(), gyro.norm()},
-        [&](const WalkSample& s) { on_sample(s, output); }, [&] { signal_.reset(), finder_.reset(); });
+        {imu.header.t_ns, -force.z() - kGravity, horizontal.norm(), gyro.norm(), horizontal, tilting},
+        [&](const WalkSample& s) { on_sample(s, output); }, [&] { finder_.reset(); });
   }
 
   void on(const odo_barometer& sample, odo::Output& output) {
@@ -114,15 +116,14 @@ class OdographSteps {
   void on_sample(const WalkSample& s, odo::Output& output) {
     if (mode_ == ODO_MODE_UNKNOWN && stopped_ns_ == 0) stopped_ns_ = s.t_ns;
     headings_[heading_count_++ % headings_.size()] = {s.t_ns, heading_now_};
-    signal_.add(s);
-    finder_.update(signal_);
+    finder_.add(s);
     for (const FoundStep& step : finder_.found()) emit(step, s.t_ns, output);
     const bool stopped = std::exchange(walking_, finder_.walking()) && !walking_;
     // Standing begins with the last step, not when the next one is found to be missing; what the hand does is judged
     // from then on.
     if (stopped) hand_ = HandJudge(), stopped_ns_ = finder_.since_ns();
     if (!walking_) {
-      const bool still = hand_.is_still(signal_, s.t_ns);
+      const bool still = hand_.is_still(finder_.signal(), s.t_ns);
       set_mode(still ? ODO_MODE_STATIC : ODO_MODE_HANDLING, std::max(stopped_ns_, hand_.since_ns()), output);
     }
   }
@@ -140,14 +141,14 @@ class OdographSteps {
     event.frequency_hz = 1e9 / static_cast<double>(std::max<int64_t>(1, step.t_end_ns - step.t_start_ns));
     const bool treads = mode == ODO_MODE_STAIRS;  // there the stairs say how far a step goes, not the walker
     event.length_m = treads ? kTread_m : walker_->factor() * model_length;
-    event.sigma_m = treads ? kTreadSigma_m : walker_->sigma_m(event.length_m);
+    event.sigma_m = treads ? kTreadSigma_m : walker_->sigma_m(event.length_m, step.gentle);
     event.mode = mode;
     event.index = count_++;
-    event.header.quality = 0.9f;
+    event.header.quality = step.gentle ? 0.7f : 0.9f;
     if (const Vector2d f = heading_of(step); f.norm() > 0) {
       event.heading_rad = std::atan2(f.y(), f.x());
       event.header.flags |= ODO_STEP_HEADING;
-      walker_->on_step(treads ? kTread_m / walker_->factor() : model_length, event.heading_rad);
+      walker_->on_step(treads ? kTread_m / walker_->factor() : model_length, event.heading_rad, step.gentle);
     }
     output.emit(event);
   }
@@ -186,8 +187,7 @@ class OdographSteps {
   uint32_t carried_ = ODO_MODE_WALKING_TEXTING;
   int64_t mode_since_ns_ = INT64_MIN;
   Resampler resampler_;
-  WalkSignal signal_;
-  StepFinder finder_;
+  GaitFinder finder_;
   CarryJudge judge_;
   HandJudge hand_;
   int64_t stopped_ns_ = 0;

@@ -13,9 +13,11 @@ namespace odograph::steps {
 struct FoundStep {
   int64_t t_start_ns, t_end_ns;  ///< one foot's contact to the other's
   double swing_mps2;             ///< largest less smallest smoothed vertical acceleration
-  double rise_m;                 ///< of the trunk within the step: highest less lowest
+  double rise_m;                 ///< of the trunk within the step, smoothed: highest less lowest
+  double whole_rise_m;           ///< the same, with what the smoothing took given back
   double gyro_radps;             ///< mean rotation rate
   double frequency_hz;           ///< of the steps around it
+  bool gentle;                   ///< found by the finder of gentle steps
 };
 
 /// Finds the contacts of feet as peaks of the smoothed vertical acceleration: the trunk is lowest there and is pushed
@@ -24,6 +26,34 @@ struct FoundStep {
 /// strong but neither regular nor vertical, are no steps. No allocation.
 class StepFinder {
  public:
+  /// Numbers without a source were set on the walks that the README names.
+  struct Parameters {
+    bool gentle = false;
+    double least_swing_mps2 = 0.5;      ///< a smaller one is no step, even of somebody who shuffles
+    double relative_swing = 0.25;       ///< least swing within a walk, of the typical one
+    double longest_s = 1.1;             ///< of a step; after that a walk is over
+    double missing = 2.0;               ///< times the typical interval: a walk is over
+    size_t to_begin = 4;                ///< peaks that are alike
+    double alike = 1.45;                ///< largest over smallest of their intervals
+    double regular_to_begin = 0.85;     ///< autocorrelation at a step's lag from which a walk may begin
+    double upright = 0.60;              ///< vertical part of the power, to begin
+    double surely_upright = 0.75;       ///< the same where the swing is not surely no hand's
+    double still_upright = 0.40;        ///< the same to go on
+    double regular = 0.5;               ///< autocorrelation with which a walk goes on without it
+    double swing_per_rate = 3.5;        ///< m/s^2 for a rad/s, to begin: a hand that moves by itself turns more
+    double surely_no_hand = 7;          ///< the same, of a hand that surely does not
+    double most_tilting_radps = 1e9;    ///< a hand that tilts more by itself hides steps; root mean square
+    double swing_per_tilting = 0;       ///< m/s^2 for a rad/s, above which a hand that tilts more hides none
+    double least_alternating_part = 0;  ///< vertical part of the alternating power
+    double setting_out = 1.7;           ///< longest of the first steps, over the mean interval
+    double weakest = 0.12;              ///< least swing of the same, of the typical one
+    size_t kept_peaks = 8;              ///< those before a walk was sure of which are looked at, at most kMostPeaks
+    double weak = 0;                    ///< peaks below this part of the strongest are harmonics, before a walk
+    static Parameters of_gentle_steps();
+  };
+
+  StepFinder() : StepFinder(Parameters{}) {}
+  explicit StepFinder(const Parameters& parameters) : p_(parameters) {}
   /// Looks at the newest smoothed value of the signal.
   void update(const WalkSignal& signal);
   /// What the last update() found, oldest first.
@@ -31,32 +61,37 @@ class StepFinder {
   bool walking() const { return walking_; }
   /// When the walk that goes on began, or the last one ended.
   int64_t since_ns() const { return since_ns_; }
-  void reset() { *this = StepFinder(); }
+  void reset() { *this = StepFinder(p_); }
 
  private:
+  static constexpr size_t kMostPeaks = 16;
   struct Peak {
     size_t index;
     double t_ns;  // between samples
     double value, low;
-    double upright;  // the vertical part of the power around it
+    bool a_foot;  // it may be a foot's contact, by what the hand does meanwhile
   };
+  bool hand_moves(const WalkSignal& signal, double swing_mps2, double seconds) const;
+  bool may_be_walk(const WalkSignal& signal, double swing_mps2, size_t first, size_t last) const;
   void confirm(const WalkSignal& signal);
   void begin(const WalkSignal& signal);
+  void begin_without_weak(const WalkSignal& signal);
   void go_on(const WalkSignal& signal);
   double repetition(const WalkSignal& signal, double interval_s, size_t intervals) const;
   void emit(const WalkSignal& signal, const Peak& from, const Peak& to);
   double interval_s(size_t newer) const;
 
+  Parameters p_;
   bool walking_ = false;
   int64_t since_ns_ = 0;
   bool candidate_ = false;
   Peak best_{};
   double low_ = 1e9;
-  std::array<Peak, 8> peaks_{};  // the last ones, newest last
+  std::array<Peak, kMostPeaks> peaks_{};  // the last ones, newest last
   size_t peak_count_ = 0;
   int stray_ = 0;
   double typical_swing_ = 0, typical_s_ = 0.55;
-  std::array<FoundStep, 8> found_{};
+  std::array<FoundStep, kMostPeaks> found_{};
   size_t found_count_ = 0;
 };
 

@@ -5,35 +5,47 @@
 #include <cmath>
 
 namespace odograph::steps {
-namespace {
 
-constexpr double kGaussian_s = 0.06;
-
-std::array<double, 2 * WalkSignal::kHalf + 1> gaussian() {
-  std::array<double, 2 * WalkSignal::kHalf + 1> w{};
+WalkSignal::WalkSignal(double sigma_s, size_t half, bool tapered)
+    : sigma_s_(sigma_s), half_(std::min(half, kMostHalf)), tapered_(tapered) {
+  for (size_t i = 0; i < kMean; ++i)
+    mean_weights_[i] = tapered ? std::pow(std::sin(M_PI * (static_cast<double>(i) + 0.5) / kMean), 2) : 1.0;
   double sum = 0;
-  for (size_t i = 0; i < w.size(); ++i) {
-    const double x = (static_cast<double>(i) - static_cast<double>(WalkSignal::kHalf)) / WalkSignal::kRate_hz;
-    sum += w[i] = std::exp(-0.5 * x * x / (kGaussian_s * kGaussian_s));
+  for (size_t i = 0; i < 2 * half_ + 1; ++i) {
+    const double x = (static_cast<double>(i) - static_cast<double>(half_)) / kRate_hz;
+    sum += weights_[i] = std::exp(-0.5 * x * x / (sigma_s_ * sigma_s_));
   }
-  for (double& x : w) x /= sum;
-  return w;
+  for (double& x : weights_) x /= sum;
 }
 
-}  // namespace
+double WalkSignal::gain(double frequency_hz) const {
+  const double turn_rad = 2 * M_PI * frequency_hz * sigma_s_;
+  return std::exp(-0.5 * turn_rad * turn_rad);
+}
 
 void WalkSignal::add(const WalkSample& sample) {
-  static const auto weights = gaussian();
   raw_[count_++ % kKept] = sample;
-  if (count_ < 2 * kHalf + 1) return;
+  const size_t length = 2 * half_ + 1;
+  if (count_ < length) return;
   double value = 0;
-  for (size_t i = 0; i < weights.size(); ++i)
-    value += weights[i] * raw_[(count_ - weights.size() + i) % kKept].vertical;
+  Eigen::Vector2d horizontal = Eigen::Vector2d::Zero(), tilting = Eigen::Vector2d::Zero();
+  for (size_t i = 0; i < length; ++i) {
+    const WalkSample& s = raw_[(count_ - length + i) % kKept];
+    value += weights_[i] * s.vertical;
+    horizontal += weights_[i] * s.horizontal_n;
+    tilting += weights_[i] * s.tilting_n;
+  }
   const size_t n = std::min(count_, kMean);
-  double mean = 0;
-  for (size_t i = count_ - n; i < count_; ++i) mean += raw_[i % kKept].vertical;
-  smooth_count_ = count_ - kHalf;
-  smooth_[(smooth_count_ - 1) % kKept] = value - mean / static_cast<double>(n);
+  double mean = 0, weights = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const double weight = mean_weights_[i + kMean - n];
+    mean += weight * raw_[(count_ - n + i) % kKept].vertical;
+    weights += weight;
+  }
+  smooth_count_ = count_ - half_;
+  smooth_[(smooth_count_ - 1) % kKept] = value - mean / weights;
+  smooth_horizontal_[(smooth_count_ - 1) % kKept] = horizontal;
+  smooth_tilting_[(smooth_count_ - 1) % kKept] = tilting;
 }
 
 double WalkSignal::spread(double seconds) const {
@@ -63,6 +75,37 @@ double WalkSignal::vertical_part(double seconds) const {
   return all > 0 ? up * up / all : 0.0;
 }
 
+size_t WalkSignal::smoothed_within(double seconds) const {
+  const size_t all = smooth_count_ > half_ ? std::min(smooth_count_ - half_, kKept - 2 * half_) : 0;
+  return std::min(all, static_cast<size_t>(seconds * kRate_hz));
+}
+
+double WalkSignal::tilting(double seconds) const {
+  const size_t n = smoothed_within(seconds);
+  if (n < 2) return 0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double squares = 0;
+  for (size_t i = smooth_count_ - n; i < smooth_count_; ++i) {
+    const Eigen::Vector2d& x = smooth_tilting_[i % kKept];
+    sum += x, squares += x.squaredNorm();
+  }
+  const Eigen::Vector2d mean = sum / static_cast<double>(n);
+  return std::sqrt(std::max(0.0, squares / static_cast<double>(n) - mean.squaredNorm()));
+}
+
+double WalkSignal::alternating_part(double seconds) const {
+  const size_t n = smoothed_within(seconds);
+  if (n < 2) return 0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), squares = Eigen::Vector3d::Zero();
+  for (size_t i = smooth_count_ - n; i < smooth_count_; ++i) {
+    const Eigen::Vector2d& level = smooth_horizontal_[i % kKept];
+    const Eigen::Vector3d x(level.x(), level.y(), smooth_[i % kKept]);
+    sum += x, squares += x.cwiseAbs2();
+  }
+  const Eigen::Vector3d power = squares / static_cast<double>(n) - (sum / static_cast<double>(n)).cwiseAbs2();
+  return power.sum() > 0 ? power.z() / power.sum() : 0.0;
+}
+
 double WalkSignal::gyro_between(size_t from, size_t to) const {
   double sum = 0;
   for (size_t i = from; i < to; ++i) sum += raw_[i % kKept].gyro;
@@ -87,7 +130,7 @@ double WalkSignal::rise_between(size_t from, size_t to) const {
 }
 
 double WalkSignal::regularity(size_t lag, size_t window) const {
-  if (smooth_count_ < kHalf + lag + window + 1 || lag + window + kHalf > kKept) return 0;
+  if (smooth_count_ < half_ + lag + window + 1 || lag + window + half_ > kKept) return 0;
   double product = 0, now = 0, before = 0;
   for (size_t i = smooth_count_ - window; i < smooth_count_; ++i) {
     const double a = smooth(i), b = smooth(i - lag);

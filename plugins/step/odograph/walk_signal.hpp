@@ -12,9 +12,20 @@ namespace odograph::steps {
 /// What a sample of the phone says about walking, at a steady rate.
 struct WalkSample {
   int64_t t_ns = 0;
-  double vertical = 0;  ///< up, without gravity, m/s^2
-  double level = 0;     ///< norm of what is level, m/s^2
-  double gyro = 0;      ///< norm, rad/s
+  double vertical = 0;                                     ///< up, without gravity, m/s^2
+  double level = 0;                                        ///< norm of the horizontal acceleration, m/s^2
+  double gyro = 0;                                         ///< norm of the rotation rate, rad/s
+  Eigen::Vector2d horizontal_n = Eigen::Vector2d::Zero();  ///< acceleration, m/s^2
+  Eigen::Vector2d tilting_n = Eigen::Vector2d::Zero();     ///< rotation rate about horizontal axes, rad/s
+
+  /// Adds `weight` of the value between `a` and `b` at the fraction `x`.
+  void add(double weight, const WalkSample& a, const WalkSample& b, double x) {
+    vertical += weight * (a.vertical + (b.vertical - a.vertical) * x);
+    level += weight * (a.level + (b.level - a.level) * x);
+    gyro += weight * (a.gyro + (b.gyro - a.gyro) * x);
+    horizontal_n += weight * (a.horizontal_n + (b.horizontal_n - a.horizontal_n) * x);
+    tilting_n += weight * (a.tilting_n + (b.tilting_n - a.tilting_n) * x);
+  }
 };
 
 /// Brings samples of any rate, regular or not, to a steady 50 Hz: the mean of what was interpolated linearly over each
@@ -38,18 +49,13 @@ class Resampler {
     if (s.t_ns <= last_.t_ns) return;
     int64_t from = last_.t_ns;
     const double span = static_cast<double>(s.t_ns - last_.t_ns);
-    const auto at = [&](int64_t t, double a, double b) {
-      return a + (b - a) * static_cast<double>(t - last_.t_ns) / span;
-    };
     while (from < s.t_ns) {
       const int64_t edge = from < cell_ns_ ? cell_ns_ : cell_ns_ + kCell_ns;
       const int64_t to = edge < s.t_ns ? edge : s.t_ns;
       if (from >= cell_ns_) {
         const double weight = static_cast<double>(to - from) / static_cast<double>(kCell_ns);
         const int64_t middle = from + (to - from) / 2;
-        sum_.vertical += weight * at(middle, last_.vertical, s.vertical);
-        sum_.level += weight * at(middle, last_.level, s.level);
-        sum_.gyro += weight * at(middle, last_.gyro, s.gyro);
+        sum_.add(weight, last_, s, static_cast<double>(middle - last_.t_ns) / span);
         if (to == cell_ns_ + kCell_ns) {
           sum_.t_ns = cell_ns_ + kCell_ns / 2;
           take(sum_);
@@ -69,17 +75,23 @@ class Resampler {
   WalkSample sum_;
 };
 
-/// The last seconds of the steady samples, and the vertical acceleration smoothed without delay in time: a Gaussian of
-/// 60 ms about an instant 0.2 s ago, less the mean of the last two and a half seconds. No allocation.
+/// The last seconds of the steady samples, and the vertical acceleration smoothed without delay in time: a Gaussian
+/// about an instant half its length ago, less the mean of the last two and a half seconds. No allocation.
 class WalkSignal {
  public:
   static constexpr double kRate_hz = 50.0;
-  static constexpr size_t kHalf = 10;   ///< samples of the Gaussian on either side
+  static constexpr size_t kMostHalf = 20;
   static constexpr size_t kKept = 256;  ///< a power of two; five seconds
   static constexpr size_t kMean = 125;  ///< samples of the mean
 
+  /// `sigma_s` of the Gaussian, which has `half` samples on either side of its middle, at most kMostHalf. A tapered
+  /// mean (Hann) does not ripple while a vivid walk leaves its window; it lags by half the window.
+  explicit WalkSignal(double sigma_s = 0.06, size_t half = 10, bool tapered = false);
   void add(const WalkSample& sample);
-  void reset() { *this = WalkSignal(); }
+  void reset() { *this = WalkSignal(sigma_s_, half_, tapered_); }
+  size_t half() const { return half_; }
+  /// What the Gaussian leaves of an oscillation.
+  double gain(double frequency_hz) const;
 
   /// Smoothed values so far; the newest has index smooth_count() - 1.
   size_t smooth_count() const { return smooth_count_; }
@@ -93,6 +105,12 @@ class WalkSignal {
   double vertical_part(double seconds) const;
   /// The same between two smoothed values.
   double gyro_between(size_t from, size_t to) const;
+  /// Root mean square of the smoothed rotation rate about horizontal axes over the last `seconds`, less its mean: how
+  /// much a hand tilts to and fro, whatever it turns to look at. rad/s.
+  double tilting(double seconds) const;
+  /// The vertical part of the power of the acceleration over the last `seconds`, its mean taken off: 0 to 1. Unlike
+  /// vertical_part() no error of the inclination counts.
+  double alternating_part(double seconds) const;
   /// How far the vertical acceleration between two smoothed values, one period of it, carries: integrated twice, its
   /// mean and the velocity's taken off; highest less lowest, m.
   double rise_between(size_t from, size_t to) const;
@@ -100,8 +118,16 @@ class WalkSignal {
   double regularity(size_t lag, size_t window) const;
 
  private:
+  size_t smoothed_within(double seconds) const;
+
+  double sigma_s_;
+  size_t half_;
+  bool tapered_;
+  std::array<double, 2 * kMostHalf + 1> weights_{};
+  std::array<double, kMean> mean_weights_{};  // the oldest first
   std::array<WalkSample, kKept> raw_{};
   std::array<double, kKept> smooth_{};
+  std::array<Eigen::Vector2d, kKept> smooth_horizontal_{}, smooth_tilting_{};
   size_t count_ = 0, smooth_count_ = 0;
 };
 

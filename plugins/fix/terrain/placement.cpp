@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/terrain/placement.hpp"
+
+#include <GeographicLib/LocalCartesian.hpp>
+#include <GeographicLib/UTMUPS.hpp>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace odograph::terrain {
+
+struct Placement::Earth {
+  GeographicLib::LocalCartesian local;
+  bool geographic;
+  int zone;
+  bool northern;
+};
+
+Placement::Placement(const Parameters& parameters, const Reference& reference) : p_(parameters) {
+  if (!p_.geodetic) return;
+  const auto& o = p_.geodetic_origin;
+  const int epsg = reference.epsg;
+  const auto within = [&](int first, int zones) { return epsg > first && epsg <= first + zones; };
+  int zone = 0;
+  if (within(32600, 60)) zone = epsg - 32600;
+  if (within(32700, 60)) zone = epsg - 32700;
+  if (epsg >= 25828 && epsg <= 25838) zone = epsg - 25800;
+  if (zone == 0 && !reference.geographic)
+    throw std::runtime_error("geodetic_origin: the model's projection (EPSG " + std::to_string(epsg) +
+                             ") is not known; give model_origin in its coordinates");
+  earth_.reset(new Earth{GeographicLib::LocalCartesian(o[0], o[1], o[2]), zone == 0, zone, !within(32700, 60)});
+}
+
+Placement::~Placement() = default;
+Placement::Placement(Placement&&) noexcept = default;
+Placement& Placement::operator=(Placement&&) noexcept = default;
+
+bool Placement::ground_at(const Terrain& terrain, double north_m, double east_m, double expected_down_m,
+                          double& down_m) const {
+  double height_m = 0;
+  if (!earth_) {
+    const double c = std::cos(p_.grid_north_rad), s = std::sin(p_.grid_north_rad), zero_m = p_.model_origin[2];
+    const double grid_east = c * east_m - s * north_m, grid_north = s * east_m + c * north_m;
+    if (!terrain.height_at(p_.model_origin[0] + grid_east, p_.model_origin[1] + grid_north, zero_m - expected_down_m,
+                           height_m))
+      return false;
+    down_m = zero_m - height_m;
+    return true;
+  }
+  double latitude = 0, longitude = 0, height = 0, x = 0, y = 0, up = 0;
+  earth_->local.Reverse(east_m, north_m, -expected_down_m, latitude, longitude, height);
+  x = longitude, y = latitude;
+  if (!earth_->geographic) {
+    int zone = 0;
+    bool northern = true;
+    double easting = 0, northing = 0;
+    try {
+      GeographicLib::UTMUPS::Forward(latitude, longitude, zone, northern, easting, northing, earth_->zone);
+      GeographicLib::UTMUPS::Transfer(zone, northern, easting, northing, zone, earth_->northern, easting, northing,
+                                      zone);
+    } catch (const std::exception&) {
+      return false;  // far outside of the zone
+    }
+    x = easting, y = northing;
+  }
+  if (!terrain.height_at(x, y, height - p_.geoid_height_m, height_m)) return false;
+  earth_->local.Forward(latitude, longitude, height_m + p_.geoid_height_m, x, y, up);
+  down_m = -up;
+  return true;
+}
+
+}  // namespace odograph::terrain

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <odograph/plugin.hpp>
+
+#include "plugins/fix/terrain/placement.hpp"
+
+namespace {
+
+using namespace odograph::terrain;
+
+/// Heights from the ground's: eq. (4) of Antigny et al. 2019.
+class TerrainFixer {
+ public:
+  std::string model;
+  std::array<double, 3> model_origin = {0, 0, 0}, geodetic_origin = {0, 0, 0};
+  bool geodetic = false;
+  double grid_north = 0, geoid_height = 0, height = 1.70, hand = 0.9, hand_sigma = 0.15, model_sigma = 0.1;
+  double interval = 1, correlation = 1, most_horizontal_sigma = 100;
+
+  static constexpr odo::Description description{"fix/terrain", "1.0.0",
+                                                "Heights from a terrain model and how high a phone is held",
+                                                ODO_INTERFACE_ABSOLUTE_FIXER};
+  static std::vector<odo::Parameter<TerrainFixer>> parameters() {
+    using P = TerrainFixer;
+    return {
+        odo::text("model", &P::model, "OBJ mesh, ESRI ASCII grid or GeoTIFF, beside the config"),
+        odo::reals("model_origin", "m", -1e8, 1e8, &P::model_origin,
+                   "easting, northing and height of n's origin in the model"),
+        odo::real("grid_north", "rad", -3.2, 3.2, &P::grid_north, "the model's north, from true north to the east"),
+        odo::boolean("geodetic", &P::geodetic,
+                     "geodetic_origin stands for model_origin; the model is geographic or UTM"),
+        odo::reals("geodetic_origin", "", -1e5, 1e5, &P::geodetic_origin,
+                   "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),
+        odo::real("geoid_height", "m", -200, 200, &P::geoid_height, "ellipsoidal height of the model's zero height"),
+        odo::real("height", "m", 0.5, 2.5, &P::height, "the walker's"),
+        odo::real("hand", "", 0, 1.5, &P::hand, "how high the phone is held, as a part of the walker's height"),
+        odo::real("hand_sigma", "m", 0.01, 2, &P::hand_sigma, "standard deviation of that: hands move"),
+        odo::real("model_sigma", "m", 0.001, 100, &P::model_sigma, "standard deviation of the model's heights"),
+        odo::real("interval", "s", 0.05, 3600, &P::interval, "time between two fixes at least"),
+        odo::real("correlation", "s", 0, 3600, &P::correlation,
+                  "a fix's error stays alike for that long; its variance is raised accordingly"),
+        odo::real("most_horizontal_sigma", "m", 0.01, 1e6, &P::most_horizontal_sigma,
+                  "the prior's horizontal standard deviation is taken as at most this")};
+  }
+
+  void configured(odo::Output& host) {
+    if (model.empty()) throw odo::Error(ODO_E_CONFIG, "model: expected a terrain model");
+    const auto file = host.asset(model);
+    if (!file) throw odo::Error(ODO_E_CONFIG, "model: no file '" + model + "' where the config lies");
+    try {
+      terrain_.emplace(read_terrain(*file));
+      placement_.emplace(Placement::Parameters{model_origin, grid_north, geodetic_origin, geodetic, geoid_height},
+                         terrain_->reference());
+    } catch (const std::runtime_error& error) {
+      throw odo::Error(ODO_E_CONFIG, error.what());
+    }
+  }
+
+  void reset() { last_ns_ = INT64_MIN; }
+
+  void on(const odo_pose& pose, odo::Output& output) {
+    constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_METRIC;
+    if ((pose.header.flags & needed) != needed || (pose.header.flags & ODO_POSE_EXTRAPOLATED)) return;
+    const double since_s = last_ns_ == INT64_MIN ? 1e9 : static_cast<double>(pose.header.t_ns - last_ns_) * 1e-9;
+    if (since_s < interval) return;
+    const double held_m = hand * height, north = pose.p_n[0], east = pose.p_n[1];
+    double down = 0;
+    if (!placement_->ground_at(*terrain_, north, east, pose.p_n[2] + held_m, down)) return;
+    const double horizontal =
+        std::min(most_horizontal_sigma, std::sqrt(std::max({0.0, pose.covariance[21], pose.covariance[28]})));
+    const double by_place = rise_within(north, east, down, horizontal);
+    auto fix = odo::make<odo_fix>(pose.header.t_ns);
+    fix.header.flags = ODO_FIX_DOWN;
+    fix.p_n[2] = down - held_m;
+    // Many fixes whose errors are alike for tau tell as much as white ones of 2 tau / interval times the variance.
+    const double alike = std::max(1.0, 2 * correlation / std::max(interval, std::min(since_s, correlation)));
+    fix.covariance_n[8] = alike * (hand_sigma * hand_sigma + model_sigma * model_sigma + by_place * by_place);
+    fix.integrity = 0.01;
+    last_ns_ = pose.header.t_ns;
+    output.emit(fix);
+  }
+
+ private:
+  /// What being elsewhere does to the height: the ground a standard deviation away in four directions.
+  double rise_within(double north, double east, double down, double sigma_m) const {
+    double squares = 0;
+    int n = 0;
+    for (const auto& [dn, de] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+      double other = 0;
+      if (!placement_->ground_at(*terrain_, north + dn * sigma_m, east + de * sigma_m, down, other)) continue;
+      squares += (other - down) * (other - down), ++n;
+    }
+    return n > 0 ? std::sqrt(2 * squares / n) : sigma_m;  // both axes; where the model ends nothing is known
+  }
+
+  std::optional<Terrain> terrain_;
+  std::optional<Placement> placement_;
+  int64_t last_ns_ = INT64_MIN;
+};
+
+}  // namespace
+
+ODO_PLUGIN(TerrainFixer)

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <fstream>
+
+#include <doctest/doctest.h>
+
+#include "plugins/fix/gnss/correlated_error.hpp"
+#include "sdk/cli/runner.hpp"
+#include "sdk/core/messages.hpp"
+#include "sdk/sim/random.hpp"
+#include "sdk/sim/simulate.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+using namespace odograph::gnss;
+
+TEST_SUITE_BEGIN("gnss");
+
+namespace {
+
+/// A walk to the north at 1.3 m/s of which the path is known, positions once a second with a Gauss-Markov error.
+struct Canyon {
+  CorrelatedError filter{CorrelatedError::Parameters{}};
+  Random random;
+  double sigma_m;
+  Eigen::Vector2d error;
+  int second = 0;
+
+  Canyon(uint64_t seed, double sigma) : random(seed, 1), sigma_m(sigma), error(random.normal(), random.normal()) {
+    error *= sigma;
+  }
+  Eigen::Vector2d place() const { return {1.3 * second, 0}; }
+  CorrelatedError::Corrected next(const Eigen::Vector2d& reflection = Eigen::Vector2d::Zero()) {
+    const double keep = std::exp(-1 / 20.0), kick = sigma_m * std::sqrt(1 - keep * keep);
+    error = keep * error + kick * Eigen::Vector2d(random.normal(), random.normal());
+    ++second;
+    const int64_t t_ns = second * 1'000'000'000LL;
+    filter.on_path(t_ns, place(), 0.05);
+    return filter.on_position(t_ns, place() + error + reflection, sigma_m);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the mean of correlated positions is as far off as their variance says") {
+  double squares = 0, variance = 0;
+  for (uint64_t seed = 1; seed <= 200; ++seed) {
+    Canyon canyon(seed, 12);
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    double weights = 0;
+    for (int k = 0; k < 120; ++k) {
+      const auto seen = canyon.next();
+      const double weight = 1 / (seen.sigma_m * seen.sigma_m);
+      sum += weight * (seen.position_m - canyon.place()), weights += weight;
+    }
+    squares += (sum / weights).squaredNorm() / 2 / 200, variance += 1 / weights / 200;
+  }
+  CHECK(squares / variance > 0.5);
+  CHECK(squares / variance < 1.6);  // independent ones would be 40 times as sure
+}
+
+TEST_CASE("a reflection of 40 m for a minute is taken off while it lasts, and is no bias after it") {
+  int whole = 0;
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    Canyon canyon(seed, 6);
+    int jumps = 0;
+    double worst_m = 0;
+    for (int k = 0; k < 180; ++k) {
+      const bool reflected = k >= 60 && k < 120;
+      const auto seen = canyon.next(reflected ? Eigen::Vector2d(0, 40) : Eigen::Vector2d::Zero());
+      jumps += seen.jumped;
+      // How far an estimator that trusts the fix as told is pulled in one go, of a prior of 5 m.
+      const double gain = 25 / (25 + seen.sigma_m * seen.sigma_m);
+      worst_m = std::max(worst_m, gain * (seen.position_m - canyon.place()).norm());
+    }
+    whole += jumps == 2;
+    CHECK(worst_m < 10);
+    CHECK(canyon.filter.bias_m().norm() < 25);
+  }
+  CHECK(whole >= 27);
+}
+
+TEST_CASE("an error that only wanders is no jump, nor is a path that was corrected") {
+  int jumps = 0;
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    Canyon canyon(seed, 12);
+    for (int k = 0; k < 200; ++k) jumps += canyon.next().jumped;
+  }
+  CHECK(jumps <= 6);  // of 6,000
+  Canyon canyon(7, 3);
+  for (int k = 0; k < 20; ++k) canyon.next();
+  canyon.filter.on_path(20'500'000'000, canyon.place() + Eigen::Vector2d(30, -20), 0.05);
+  CHECK_FALSE(canyon.filter.on_position(21'000'000'000, canyon.place(), 3).jumped);
+}
+
+TEST_CASE("40 m off for a minute in a canyon pull a simulated walk far less than independent fixes would") {
+  const TemporaryFolder folder;
+  Scenario s;
+  s.walker.stand_s = 4;
+  s.route = {{0, 0, 0}, {110, 0, 0}, {110, 90, 0}};
+  s.gnss = {.sigma_m = 12, .canyon_sigma_m = 12, .correlation_s = 20, .availability = 1};
+  std::vector<double> worst[2];
+  for (const uint64_t seed : {11, 12, 13, 14, 15}) {
+    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
+    auto recording = read_recording(folder / "w.odo");
+    REQUIRE(recording.ok());
+    const auto& truth = recording->true_states;
+    for (RecordedMessage& m : recording->messages) {
+      if (m.message.header().type != ODO_TYPE_GNSS) continue;
+      auto& gnss = reinterpret_cast<odo_gnss&>(m.message.header());
+      const double t = static_cast<double>(gnss.header.t_ns - truth.front().t_ns) * 1e-9;
+      if (t > 60 && t < 120) gnss.longitude_rad += 40 / (6378137.0 * std::cos(gnss.latitude_rad));
+    }
+    for (const int correlation : {0, 20}) {
+      std::ofstream(folder / "p.yaml")
+          << "odograph: 1\nattitude:\n  plugin: attitude/magyq\nstep_estimator:\n  plugin: "
+             "step/odograph\ncoupling:\n  type: inertial\nabsolute_fixers:\n  - plugin: fix/gnss\n"
+             "    parameters: {correlation: " +
+                 std::to_string(correlation) + " s}\n";
+      RunOptions options;
+      options.config = (folder / "p.yaml").string();
+      options.plugin_path = plugin_folder().string();
+      const auto result = replay(*recording, options);
+      REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+      double largest = 0;
+      size_t at = 0;
+      for (const StampedPose& pose : result->track) {
+        while (at + 1 < truth.size() && truth[at].t_ns < pose.t_ns) ++at;
+        const double t = static_cast<double>(pose.t_ns - truth.front().t_ns) * 1e-9;
+        if (t > 60 && t < 125) largest = std::max(largest, (pose.p - truth[at].p).head<2>().norm());
+      }
+      worst[correlation > 0].push_back(largest);
+    }
+  }
+  CHECK(percentile(worst[1], 0.5) < 0.6 * percentile(worst[0], 0.5));
+}
+
+TEST_SUITE_END();
