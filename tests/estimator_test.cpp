@@ -119,10 +119,11 @@ TEST_CASE("the transition of errors over IMU samples agrees with finite differen
   }
 }
 
-TEST_CASE("the update is the textbook's, and a considered scale stays where it is") {
+TEST_CASE("the update is the textbook's, and what is considered stays where it is") {
   using namespace inertial;
   Random random(3, 1);
-  for (const Hold hold : {Hold::nothing, Hold::scale, Hold::scale_and_factor}) {
+  for (const Hold hold : {Hold::nothing, Hold::scale, Hold::scale_and_factor, Hold::scale_and_steps,
+                          Hold::all_but_steps, Hold::all_but_scale_and_steps}) {
     ErrorState e;
     e.clone(0);
     Covariance A;
@@ -141,13 +142,20 @@ TEST_CASE("the update is the textbook's, and a considered scale stays where it i
     const UpdateResult result = e.update(z, 0, hold);
     const Matrix3d S = H * P * H.transpose() + z.noise;
     Eigen::Matrix<double, kSize, 3> K = P * H.transpose() * S.inverse();
-    if (hold != Hold::nothing) K.row(kLogScale).setZero();
-    if (hold == Hold::scale_and_factor) K.row(kLogFactor).setZero();
+    const auto held = [hold](int column) {
+      const bool few = column == kLogScale || column == kLogFactor || column == kStepHeading;
+      if (hold == Hold::all_but_steps) return !few || column == kLogScale;
+      if (hold == Hold::all_but_scale_and_steps) return !few;
+      return few && column < kLogScale + static_cast<int>(hold);
+    };
+    for (int i = 0; i < kSize; ++i)
+      if (held(i)) K.row(i).setZero();
     const Covariance I_KH = Covariance::Identity() - K * H;  // Joseph's form holds for any gain
     const Covariance expected = I_KH * P * I_KH.transpose() + K * z.noise * K.transpose();
     CHECK((e.P - expected).norm() < 1e-9 * P.norm());
     CHECK((e.x.v_n - (K * z.residual).segment<3>(kVelocity)).norm() < 1e-12);
-    CHECK((e.x.log_scale == 0) == (hold != Hold::nothing));
+    CHECK((e.x.log_scale == 0) == held(kLogScale));
+    CHECK((e.x.log_factor == 0) == held(kLogFactor));
     CHECK(result.nis == doctest::Approx(z.residual.dot(S.inverse() * z.residual)));
   }
 }
@@ -219,6 +227,56 @@ TEST_CASE("a metric odometry that is sure passes through; steps outweigh one tha
   doubtful.odometry.scale_sigma = 0.3;
   doubtful.step_factor_sigma = 0.02;
   for (uint64_t seed = 1; seed <= 5; ++seed) CHECK(std::abs(run_walk(doubtful, seed, 60).path_ratio - 1) < 0.07);
+}
+
+TEST_CASE(
+    "steps told late after a stop are walked in full and say nothing of the walker, whether a camera may come or not") {
+  for (const bool vo : {false, true}) {
+    CouplingConfig config;
+    config.type = CouplingType::inertial;
+    InertialEstimator estimator(config, {}, {vo, false});
+    const auto ns = [](double t_s) { return 1'000'000'000 + static_cast<int64_t>(std::llround(t_s * 1e9)); };
+    // Stands for 8 s, goes eight steps that are told together 0.4 s after the last, goes on; over and over.
+    constexpr double kStep_s = 0.5, kStep_m = 0.7, kCycle_s = 16;
+    double walked = 0, path = 0, last = 0;
+    int told = 0;
+    for (double t = 0; t < 80; t += 0.01) {
+      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, ns(t));
+      imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+      imu.accel_b[2] = -9.81;
+      const double in_cycle = std::fmod(t, kCycle_s);
+      if (in_cycle > 8) imu.accel_b[0] = 2 * std::sin(4 * EIGEN_PI * t);
+      estimator.propagate(imu);
+      auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ns(t));
+      attitude.q_n_b[0] = 1;
+      attitude.covariance_n[0] = attitude.covariance_n[4] = 4e-4;
+      estimator.update(&attitude);
+      odo_pose pose;
+      const auto drain = [&] {
+        Correction correction;
+        while (estimator.take_correction(correction, pose)) path += pose.p_n[0] - last, last = pose.p_n[0];
+        while (estimator.take_pose(pose)) path += pose.p_n[0] - last, last = pose.p_n[0];
+      };
+      drain();
+      const int cycle = static_cast<int>(t / kCycle_s);
+      const int done = static_cast<int>((in_cycle - 8 - 0.4) / kStep_s);  // ends of steps that are 0.4 s ago
+      for (int k = told - cycle * 14; done >= 8 && k < std::min(done, 14); ++k, ++told) {
+        auto step = make_message<odo_step>(ODO_TYPE_STEP, ns(t));
+        step.header.flags = ODO_STEP_HEADING;
+        step.t_start_ns = ns(cycle * kCycle_s + 8 + k * kStep_s),
+        step.t_end_ns = ns(cycle * kCycle_s + 8 + (k + 1) * kStep_s);
+        step.length_m = kStep_m, step.sigma_m = 0.07;
+        step.mode = ODO_MODE_WALKING_TEXTING;
+        CHECK(estimator.update(&step).accepted);
+        walked += kStep_m;
+        drain();
+      }
+    }
+    CHECK(walked == doctest::Approx(5 * 14 * kStep_m));
+    CHECK(last == doctest::Approx(walked).epsilon(0.01));
+    CHECK(path == doctest::Approx(walked).epsilon(0.01));
+    CHECK(std::abs(estimator.scale_report().log_factor) < 0.01);
+  }
 }
 
 TEST_CASE("steps carry while the camera is blind, and the covariance says so") {

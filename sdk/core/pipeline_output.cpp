@@ -27,19 +27,15 @@ Quaterniond about_down(const Quaterniond& q) {
 
 }  // namespace
 
-/// All that the estimator has to say. A correction goes before the pose that it moved.
+/// All that the estimator has to say, in order of time: a correction and the pose that it moved before newer poses.
 void Pipeline::publish_estimates() {
   Correction correction;
-  odo_pose corrected{};
+  odo_pose corrected{}, pose{};
   const bool moved = estimator_->take_correction(correction, corrected);
   if (moved) publish_correction(correction, corrected);
-  odo_pose pose;
-  bool told = false;
-  while (estimator_->take_pose(pose)) {
-    publish_pose(pose, true);
-    told = told || pose.header.t_ns == corrected.header.t_ns;
-  }
-  if (moved && !told) publish_pose(corrected, false);
+  bool any = estimator_->take_pose(pose);
+  if (moved && !(any && pose.header.t_ns == corrected.header.t_ns)) publish_pose(corrected, false);
+  for (; any; any = estimator_->take_pose(pose)) publish_pose(pose, true);
 }
 
 void Pipeline::publish_pose(odo_pose pose, bool is_new) {

@@ -10,7 +10,7 @@
 
 namespace odograph::inertial {
 
-static_assert(kLogFactor == kLogScale + 1, "both are held together");
+static_assert(kLogFactor == kLogScale + 1 && kStepHeading == kLogScale + 2, "they are held together");
 
 namespace {
 
@@ -166,11 +166,31 @@ void ErrorState::shift(const Vector3d& by_n) {
   for (size_t i = 0; i < clone_count_; ++i) clones_[slot_back(i)].p_n += by_n;
 }
 
+namespace {
+
+/// Where the positions of the body, the odometry and the clones stand.
+constexpr std::array<int, kClones + 2> position_columns() {
+  std::array<int, kClones + 2> columns{kPosition, kVoPosition};
+  for (int i = 0; i < kClones; ++i) columns[static_cast<size_t>(i) + 2] = kFirstClone + 6 * i + 3;
+  return columns;
+}
+
+}  // namespace
+
 void ErrorState::loosen_position(const Matrix3d& covariance) {
-  int blocks[kClones + 2] = {kPosition, kVoPosition};
-  for (int i = 0; i < kClones; ++i) blocks[i + 2] = kFirstClone + 6 * i + 3;
-  for (const int a : blocks)
-    for (const int b : blocks) P.block<3, 3>(a, b) += covariance;
+  for (const int a : position_columns())
+    for (const int b : position_columns()) P.block<3, 3>(a, b) += covariance;
+}
+
+void ErrorState::shift_by_step(const Vector3d& by_n, const Vector3d& by_factor, const Vector3d& by_heading,
+                               const Matrix3d& noise) {
+  shift(by_n);
+  const Rows3 rows = by_factor * P.row(kLogFactor) + by_heading * P.row(kStepHeading);
+  for (const int a : position_columns()) P.middleRows<3>(a) += rows;
+  const Eigen::Matrix<double, kSize, 3> columns =
+      P.col(kLogFactor) * by_factor.transpose() + P.col(kStepHeading) * by_heading.transpose();
+  for (const int a : position_columns()) P.middleCols<3>(a) += columns;
+  loosen_position(noise);
 }
 
 void ErrorState::loosen_heading(double sigma_rad) {
@@ -187,6 +207,21 @@ void ErrorState::loosen_heading(double sigma_rad) {
   }
   for (int j = 0; j < kSize; ++j)
     if (common[j] != 0) P.col(j) += common * common[j];
+}
+
+void ErrorState::loosen_velocity_since(int64_t t_ns, int64_t now_ns, double sigma_mps) {
+  std::array<std::pair<int, double>, kClones + 2> moved;
+  size_t count = 0;
+  const auto since = [&](int64_t to_ns) { return static_cast<double>(to_ns - t_ns) * 1e-9 * sigma_mps; };
+  if (t_ns >= now_ns) return;
+  moved[count++] = {kVelocity, sigma_mps};
+  moved[count++] = {kPosition, since(now_ns)};
+  for (size_t i = 0; i < clone_count_ && clone_back(i).t_ns > t_ns; ++i)
+    moved[count++] = {column_back(i) + 3, since(clone_back(i).t_ns)};
+  for (size_t a = 0; a < count; ++a)
+    for (size_t b = 0; b < count; ++b)
+      for (int axis = 0; axis < 2; ++axis)
+        P(moved[a].first + axis, moved[b].first + axis) += moved[a].second * moved[b].second;
 }
 
 Eigen::Matrix<double, 6, 6> ErrorState::covariance(const PastPose& at) const {
@@ -240,20 +275,27 @@ UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis
   const Error error = PHt.lazyProduct(llt.solve(innovation.residual));
   const Eigen::Matrix<double, D, D> L_inverse = llt.matrixL().solve(Eigen::Matrix<double, D, D>::Identity().eval());
   const Eigen::Matrix<double, kSize, D> W = PHt.lazyProduct(L_inverse.transpose());
-  const Eigen::Matrix2d held = P.block<2, 2>(kLogScale, kLogScale);  // log-scale and log-factor
+  if (hold == Hold::all_but_steps || hold == Hold::all_but_scale_and_steps) {
+    const int first = hold == Hold::all_but_steps ? kLogFactor : kLogScale;
+    Error few = Error::Zero();
+    for (int j = first; j <= kStepHeading; ++j) {
+      for (int d = 0; d < D; ++d) P.col(j) -= W.col(d) * W(j, d);
+      few[j] = error[j];
+    }
+    for (int j = first; j <= kStepHeading; ++j) P.row(j) = P.col(j).transpose();
+    apply(few);
+    return {true, nis, D};
+  }
+  const int held_count = static_cast<int>(hold);
+  const Matrix3d held = P.block<3, 3>(kLogScale, kLogScale);
   for (int j = 0; j < kSize; ++j) {
     for (int d = 0; d < D; ++d)
       if (W(j, d) != 0) P.col(j).tail(kSize - j) -= W.col(d).tail(kSize - j) * W(j, d);
     P.row(j).tail(kSize - j) = P.col(j).tail(kSize - j).transpose();
   }
+  P.block(kLogScale, kLogScale, held_count, held_count) = held.topLeftCorner(held_count, held_count);
   Error moved = error;
-  if (hold == Hold::scale_and_factor) {
-    P.block<2, 2>(kLogScale, kLogScale) = held;
-    moved.segment<2>(kLogScale).setZero();
-  } else if (hold == Hold::scale) {
-    P(kLogScale, kLogScale) = held(0, 0);
-    moved[kLogScale] = 0;
-  }
+  moved.segment(kLogScale, held_count).setZero();
   apply(moved);
   return {true, nis, D};
 }

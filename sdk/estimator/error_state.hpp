@@ -52,8 +52,8 @@ struct PastPose {
   double w;
 };
 
-/// What an update leaves where it is.
-enum class Hold { nothing, scale, scale_and_factor };
+/// What an update leaves where it is. Steps: log-factor and heading of the steps.
+enum class Hold { nothing, scale, scale_and_factor, scale_and_steps, all_but_steps, all_but_scale_and_steps };
 
 /// residual = z - h(x), its derivative by the error in blocks of three columns, and the covariance of z.
 template <int D>
@@ -139,16 +139,22 @@ class ErrorState {
   void add_variance(int at, int count, double variance) { P.diagonal().segment(at, count).array() += variance; }
   /// Everything is moved together.
   void shift(const Eigen::Vector3d& by_n);
+  /// Everything is moved by a step whose derivatives by log-factor and steps' heading and whose noise are given.
+  void shift_by_step(const Eigen::Vector3d& by_n, const Eigen::Vector3d& by_factor, const Eigen::Vector3d& by_heading,
+                     const Eigen::Matrix3d& noise);
   /// Everything may have been moved together by that much, m.
   void loosen_position(const Eigen::Matrix3d& covariance);
   /// Everything may have been turned together about down, through the body's place, rad.
   void loosen_heading(double sigma_rad);
 
+  /// The horizontal velocity may have changed then by that much in each axis, and what followed with it.
+  void loosen_velocity_since(int64_t t_ns, int64_t now_ns, double sigma_mps);
+
   /// Of a pose's rotation in n and position.
   Eigen::Matrix<double, 6, 6> covariance(const PastPose& at) const;
 
-  /// Kalman update behind a gate on the normalised innovation squared (0: none). With a hold log-scale, or it and
-  /// log-factor are considered parameters (Schmidt 1966): their doubt counts, but this measurement does not move them.
+  /// Kalman update behind a gate on the normalised innovation squared (0: none). What is held are considered parameters
+  /// (Schmidt 1966): their doubt counts, but this measurement does not move them.
   template <int D>
   UpdateResult update(const Innovation<D>& innovation, double most_nis, Hold hold = Hold::nothing);
 

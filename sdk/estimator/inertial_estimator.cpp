@@ -47,8 +47,8 @@ void InertialEstimator::reset() {
   heading_open_ = start_.given;
   placed_ = start_.given;
   metric_ = !inputs_.vo;
-  t_ns_ = first_imu_ns_ = attitude_ns_ = informed_ns_ = reminded_ns_ = stood_ns_ = step_ns_ = fixed_ns_ =
-      last_pose_ns_ = INT64_MIN;
+  t_ns_ = first_imu_ns_ = first_frame_ns_ = rested_ns_ = attitude_ns_ = informed_ns_ = reminded_ns_ = stood_ns_ =
+      step_ns_ = fixed_ns_ = last_pose_ns_ = INT64_MIN;
   last_imu_.reset();
   transition_.clear();
   inertial_front_end_ = false;
@@ -182,9 +182,9 @@ void InertialEstimator::advance_to(int64_t t_ns) {
 }
 
 bool InertialEstimator::unaided() const {
-  return !camera_ || vo_.translated_ns == INT64_MIN
-             ? !inputs_.vo || seconds(t_ns_ - first_imu_ns_) > 2 * p_.unaided_after_s
-             : seconds(t_ns_ - vo_.translated_ns) > p_.unaided_after_s;
+  if (!camera_) return true;
+  return vo_.translated_ns == INT64_MIN ? seconds(t_ns_ - first_frame_ns_) > 2 * p_.unaided_after_s
+                                        : seconds(t_ns_ - vo_.translated_ns) > p_.unaided_after_s;
 }
 
 void InertialEstimator::flush(bool gap) {
@@ -231,7 +231,7 @@ void InertialEstimator::stand(const odo_imu& imu) {
   // Every kStandInterval_s the same sway: worth one measurement a second.
   const double sigma = resting_ ? p_.still_speed_mps : p_.standing_speed_mps;
   still.noise = Matrix3d::Identity() * (squared(sigma) / kStandInterval_s);
-  if (e_.update(still, 0).accepted) reminded_ns_ = t_ns_;
+  if (e_.update(still, 0, unaided() ? Hold::scale_and_steps : Hold::nothing).accepted) reminded_ns_ = t_ns_;
   if (vo_.known && !vo_.metric) e_.add_variance(kLogScale, 1, squared(p_.vo_standing_scale_walk) * kStandInterval_s);
   if (!resting_) return;
   Innovation<3> rate;
@@ -249,11 +249,15 @@ void InertialEstimator::remind_of_speed() {
   if (since_s < (idle ? kStandInterval_s : p_.uninformed_speed_s)) return;
   reminded_ns_ = t_ns_;
   flush();
+  if (idle && step_ns_ > rested_ns_) {  // since the last step, which went on until now
+    rested_ns_ = step_ns_;
+    rest_between(step_ns_, t_ns_);
+  }
   Innovation<3> speed;
   speed.residual = -e_.x.v_n;
   speed.by(kVelocity, Matrix3d::Identity());
   speed.noise = Matrix3d::Identity() * squared(idle ? p_.idle_speed_mps : config_.fastest_mps);
-  e_.update(speed, 0);
+  e_.update(speed, 0, Hold::scale_and_steps);
 }
 
 UpdateResult InertialEstimator::apply(const odo_attitude* attitude) {
@@ -271,7 +275,10 @@ UpdateResult InertialEstimator::apply(const odo_attitude* attitude) {
       e_.set_independent(kNorth, variance);
       e_.P(kNorth, kTheta + 2) = e_.P(kTheta + 2, kNorth) = -variance;
     }
-    if (!inputs_.vo) publish(t, ODO_TRACKING, ODO_REASON_NONE);
+    if (inputs_.vo)
+      publish(t, ODO_DEGRADED, ODO_REASON_INITIALISING);
+    else
+      publish(t, ODO_TRACKING, ODO_REASON_NONE);
     return {true, 0.0, 0};
   }
   if (seconds(t - attitude_ns_) < p_.attitude_interval_s) return {};

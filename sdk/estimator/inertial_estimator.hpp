@@ -76,6 +76,7 @@ class InertialEstimator : public Estimator {
   UpdateResult see_position(int64_t t_ns, double dt_s);
   UpdateResult see_rotation(int64_t t_ns, double dt_s);
   void use_inertial(const odo_vo_motion& motion);
+  bool walks(int64_t t_ns) const;
   void use_metric_scale(double sigma, int64_t t_ns);
   void use_window(const inertial::WindowScale& window);
   void try_scale_start(int64_t t_ns);
@@ -83,6 +84,8 @@ class InertialEstimator : public Estimator {
   void put_in_place(int64_t t_ns);
 
   // Steps (inertial_steps.cpp).
+  UpdateResult see_step(const odo_step& step, double own_sigma);
+  void rest_between(int64_t from_ns, int64_t to_ns);
   void doubt_steps();
   void place_by(inertial::Innovation<6>& seen);
 
@@ -108,7 +111,7 @@ class InertialEstimator : public Estimator {
   bool started_ = false, started_by_attitude_ = false, camera_ = false, placed_ = false, metric_ = false,
        north_ = false, heading_open_ = false;
   int64_t t_ns_ = INT64_MIN, first_imu_ns_ = INT64_MIN, attitude_ns_ = INT64_MIN, informed_ns_ = INT64_MIN,
-          reminded_ns_ = INT64_MIN;
+          reminded_ns_ = INT64_MIN, first_frame_ns_ = INT64_MIN, rested_ns_ = INT64_MIN;
   std::optional<odo_imu> last_imu_;
   inertial::ImuTransition transition_;
   bool inertial_front_end_ = false;

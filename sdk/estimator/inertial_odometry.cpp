@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kUnstatedMetricSigma = 0.02;  // of a front-end that says metric and no more
 constexpr double kChord_s = 0.5;               // over which a velocity is taken: a step
+constexpr int64_t kStepsTellVelocity_ns = 1'000'000'000;
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
 Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized(); }
@@ -30,10 +31,13 @@ double squared(double x) { return x * x; }
 
 UpdateResult InertialEstimator::apply(const FrameTime& frame) {
   if (!inputs_.vo || camera_) return {};
-  camera_ = true;
   if (!started_) start_without_attitude(frame.t_ns);
   advance_to(frame.t_ns);
   flush();
+  camera_ = true;
+  first_frame_ns_ = frame.t_ns;
+  if (!stepped_ || frame.t_ns - step_ns_ > kStepsTellVelocity_ns)  // may walk already
+    for (int i = 0; i < 3; ++i) e_.set_independent(kVelocity + i, squared(p_.start_speed_sigma_mps));
   if (!metric_ && !placed_) {  // the start is the camera's
     const Vector3d moved = Vector3d(start_.position_m.data()) - (e_.x.p_n + e_.x.q_n_b * p_b_c_);
     e_.x.p_n += moved;
@@ -213,8 +217,15 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
   e_.update(down, p_.gate[2]);
 }
 
-/// A front-end's own doubt about the metre is one error common to its motions: only what it has become surer of since
-/// is news.
+/// Where the camera hardly moves a front-end's doubt about its displacement is no doubt about the metre.
+bool InertialEstimator::walks(int64_t t_ns) const {
+  constexpr double kChord_m = 0.5;  // in kChord_s: half the slowest walk
+  const auto before = scale_start_.at(t_ns - 2 * static_cast<int64_t>(kChord_s * 1e9));
+  return before && std::exp(e_.x.log_scale) * (vo_.y_n - *before).norm() > kChord_m;
+}
+
+/// A front-end's own doubt about the metre is one error common to its motions, so that the scale is never better known
+/// for it than the front-end says at its surest.
 void InertialEstimator::use_metric_scale(double sigma, int64_t t_ns) {
   const double information = 1 / squared(std::clamp(sigma, 1e-3, 1.0));
   if (!vo_.known) {
@@ -223,21 +234,20 @@ void InertialEstimator::use_metric_scale(double sigma, int64_t t_ns) {
     vo_.own_information = information;
     return;
   }
-  vo_.told_information *= std::exp(-seconds(t_ns - vo_.told_ns) / p_.vio_scale_forgetting_s);
-  vo_.told_ns = t_ns;
   vo_.own_information = information;
   const double held = 1 / e_.P(kLogScale, kLogScale);
-  if (information < held && information < 0.5 * vo_.told_information) {  // it has lost confidence
-    e_.add_variance(kLogScale, 1, 1 / information - 1 / held);
+  if (information < p_.lost_confidence * vo_.told_information && walks(t_ns)) {
+    if (information < held) e_.add_variance(kLogScale, 1, 1 / information - 1 / held);
     vo_.told_information = information;
+    return;
   }
-  if (information <= 1.02 * vo_.told_information) return;
+  vo_.told_information = std::max(vo_.told_information, information);
+  if (information <= 1.02 * held) return;
   Innovation<1> metre;
   metre.residual[0] = -e_.x.log_scale;
   metre.by_one(kLogScale, Innovation<1>::Vector::Ones());
-  metre.noise(0, 0) = 1 / (information - vo_.told_information);
+  metre.noise(0, 0) = 1 / (information - held);
   e_.update(metre, 0);
-  vo_.told_information = information;
 }
 
 void InertialEstimator::use_window(const WindowScale& window) {
@@ -252,7 +262,7 @@ void InertialEstimator::use_window(const WindowScale& window) {
   seen.by_one(kLogScale, Innovation<1>::Vector::Constant(-r));
   seen.noise(0, 0) = squared(window.sigma);
   const double before = 1 / e_.P(kLogScale, kLogScale);
-  if (!e_.update(seen, p_.gate[1]).accepted) return;
+  if (!e_.update(seen, p_.gate[1], Hold::all_but_scale_and_steps).accepted) return;
   const double gained = 1 / e_.P(kLogScale, kLogScale) - before;
   vo_.inertia_information += gained;
   vo_.own_information += squared(r / window.sigma);

@@ -38,16 +38,20 @@ struct Parameters {
   double vo_standing_scale_walk = 0.01;  ///< 1/sqrt(s) while standing: 3 % over a stop is usual
   double vio_scale_walk = 2e-4;  ///< 1/sqrt(s) of a metric front-end's log-scale: 0.5 % over ten minutes; judgement
   double vio_scale_forgetting_s = 20;    ///< s: how long its scale_sigma speaks of the same error
+  double lost_confidence = 0.25;         ///< share of its information: less is a front-end that doubts its metre anew
   double unknown_scale_sigma = 1.0;      ///< of log-scale before anything is known
   double jump_velocity_sigma_mps = 1.0;  ///< m/s: what is left of the velocity when odometry contradicts it
   int most_rejected = 3;                 ///< odometry updates in a row, until the velocity is doubted
 
   // Steps.
   double factor_sigma = 0.10;        ///< of the walker's log factor: ten walkers differ so (docs/accuracy.md)
-  double taught_scale_sigma = 0.03;  ///< of log-scale, of a metric front-end: below it steps do not move it; judgement
-  double factor_walk = 0.003;        ///< for the root of a step: a walker changes, and so does what plugins learn
+  double taught_scale_sigma = 0.05;  ///< of log-scale, of a metric front-end: below it steps do not move it; judgement
+  double factor_walk = 0.01;         ///< for the root of a step: a walker changes, and so does what plugins learn
   double step_own_sigma = 0.06;      ///< of a step's length, relative, own to the step: step/odograph's README
+  double step_correlation = 10;      ///< steps whose own error is one error, where they are compared with odometry
   double step_across_rad = 0.10;     ///< rad, direction of one step against its heading: a hand sways
+  double step_velocity_sigma_mps = 10;  ///< m/s from step to step where nothing else moves the body: large, so that
+                                        ///< what was expected counts for nothing against a step
   double step_loose_across_rad = 0.5;   ///< rad, the same with the phone swung or in a pocket
   double step_heading_sigma_rad = 0.3;  ///< rad between the phone's axis and the walk at the start; judgement
   double step_heading_walk = 0.02;      ///< rad for the root of a step; judgement
@@ -77,6 +81,7 @@ struct Parameters {
   double uninformed_speed_s = 1.0;          ///< s between two reminders of the fastest speed where nothing else speaks
 
   double idle_speed_mps = 0.5;  ///< m/s: without a camera and without steps
+  double rest_speed_mps = 0.2;  ///< m/s, mean between the end of a step and the start of the next one, there; judgement
 
   // The window regression of the scale (InertialScale).
   double window_s = 4.0;                ///< s; findings measure S and N over it

@@ -35,58 +35,94 @@ UpdateResult InertialEstimator::apply(const odo_step* step) {
     e_.set_independent(kLogFactor, std::max(squared(p_.factor_sigma), squared(stated) - squared(own)));
   e_.add_variance(kLogFactor, 1, squared(p_.factor_walk));
   e_.add_variance(kStepHeading, 1, squared(p_.step_heading_walk));
+  if (unaided() && step_ns_ != INT64_MIN && step->t_start_ns > step_ns_) rest_between(step_ns_, step->t_start_ns);
   step_ns_ = step->t_end_ns;
   if (!vo_.known && vo_.any && scale_start_.add_step(step->t_start_ns, step->t_end_ns, step->length_m))
     try_scale_start(vo_.t_ns);
 
-  auto from = past(step->t_start_ns);
-  const auto to = past(step->t_end_ns);
-  double covered = 1;
-  if (!from && to && !camera_) {  // told later than the clones reach back: the rest of it
-    const int64_t oldest_ns = e_.clone_back(e_.clone_count() - 1).t_ns;
-    from = past(oldest_ns);
-    covered = static_cast<double>(step->t_end_ns - oldest_ns) / static_cast<double>(step->t_end_ns - step->t_start_ns);
-  }
-  UpdateResult result;
-  if (from && to && covered > 0) {
-    const double length_m = covered * std::exp(e_.x.log_factor) * step->length_m;
-    const Vector3d moved = to->p_n - from->p_n;
-    const bool heading = (step->header.flags & ODO_STEP_HEADING) != 0;
-    const double direction =
-        heading ? step->heading_rad + start_.heading_rad + e_.x.step_heading_rad : std::atan2(moved.y(), moved.x());
-    const Vector3d along(std::cos(direction), std::sin(direction), 0), across(-along.y(), along.x(), 0);
-    Innovation<3> walked;
-    walked.residual = length_m * along - moved;
-    walked.by_pose(*to, Matrix3d::Zero(), Matrix3d::Identity());
-    walked.by_pose(*from, Matrix3d::Zero(), -Matrix3d::Identity());
-    const bool stairs = step->mode == ODO_MODE_STAIRS;
-    // Derivatives and noise at the usual length: this step's own error in them would favour short steps.
-    if (step_mean_m_ == 0) step_mean_m_ = step->length_m;
-    const double usual_m = covered * std::exp(e_.x.log_factor) * step_mean_m_;
-    if (!stairs) walked.by_one(kLogFactor, -usual_m * along);
-    if (heading) walked.by_one(kStepHeading, -usual_m * across);
-    const bool loose = step->mode == ODO_MODE_WALKING_SWINGING || step->mode == ODO_MODE_WALKING_POCKET;
-    const double sway = !heading ? EIGEN_PI : loose && !unaided() ? p_.step_loose_across_rad : p_.step_across_rad;
-    const double level_m = stairs ? p_.stair_level_sigma_m : p_.step_level_sigma_m;
-    walked.noise =
-        squared(own * length_m) * along * along.transpose() + squared(sway * length_m) * across * across.transpose();
-    walked.noise(2, 2) = squared(level_m);
-    step_mean_m_ += kUsual * (step->length_m - step_mean_m_);
-    const double before = 1 / e_.P(kLogScale, kLogScale);
-    // A front-end that knows the metre better than walkers differ teaches the walker's factor, not the other way round.
-    const bool taught = vo_.known && vo_.metric && e_.P(kLogScale, kLogScale) < squared(p_.taught_scale_sigma);
-    result = e_.update(walked, p_.gate[3], taught ? Hold::scale : Hold::nothing);
-    if (result.accepted) {
-      steps_rejected_ = 0;
-      metric_ = true;
-      if (vo_.known) vo_.steps_information += 1 / e_.P(kLogScale, kLogScale) - before;
-      informed_ns_ = t_ns_;
-    } else if (++steps_rejected_ >= p_.most_steps_rejected) {
-      doubt_steps();
-    }
+  const UpdateResult result = see_step(*step, own);
+  if (result.accepted) {
+    steps_rejected_ = 0;
+    metric_ = true;
+    informed_ns_ = t_ns_;
+  } else if (result.dof > 0 && ++steps_rejected_ >= p_.most_steps_rejected) {
+    doubt_steps();
   }
   if (!camera_) publish(step->t_end_ns, ODO_TRACKING, ODO_REASON_NONE);  // none there, or none yet
   return result;
+}
+
+/// A step's displacement between the poses at its start and end. Own error relative to its length.
+UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma) {
+  const int64_t oldest_ns = e_.clone_back(e_.clone_count() - 1).t_ns;
+  const int64_t from_ns = std::max(step.t_start_ns, oldest_ns);
+  const auto from = past(from_ns), to = past(step.t_end_ns);
+  // Of a step told later than the clones reach back: the share that they cover.
+  const double covered =
+      from && to ? static_cast<double>(step.t_end_ns - from_ns) / static_cast<double>(step.t_end_ns - step.t_start_ns)
+                 : 0.0;
+  const bool heading = (step.header.flags & ODO_STEP_HEADING) != 0, stairs = step.mode == ODO_MODE_STAIRS;
+  if (covered < 1 && !(unaided() && heading)) return {};
+
+  const Vector3d moved = covered > 0 ? Vector3d(to->p_n - from->p_n) : Vector3d(Vector3d::Zero());
+  const double direction =
+      heading ? step.heading_rad + start_.heading_rad + e_.x.step_heading_rad : std::atan2(moved.y(), moved.x());
+  const Vector3d along(std::cos(direction), std::sin(direction), 0), across(-along.y(), along.x(), 0);
+  const double length_m = std::exp(e_.x.log_factor) * step.length_m;
+  // Derivatives at the usual length: this step's own error in them would favour short steps.
+  if (step_mean_m_ == 0) step_mean_m_ = step.length_m;
+  const double usual_m = std::exp(e_.x.log_factor) * step_mean_m_;
+  step_mean_m_ += kUsual * (step.length_m - step_mean_m_);
+  const Vector3d by_factor = (stairs ? 0.0 : usual_m) * along, by_heading = (heading ? usual_m : 0.0) * across;
+  const bool loose = step.mode == ODO_MODE_WALKING_SWINGING || step.mode == ODO_MODE_WALKING_POCKET;
+  const double sway = !heading ? EIGEN_PI : loose && !unaided() ? p_.step_loose_across_rad : p_.step_across_rad;
+  Matrix3d noise = squared(own_sigma * length_m) * along * along.transpose() +
+                   squared(sway * length_m) * across * across.transpose();
+  noise(2, 2) = squared(stairs ? p_.stair_level_sigma_m : p_.step_level_sigma_m);
+
+  if (const double rest = 1 - covered; rest > 0) {
+    e_.shift_by_step(rest * length_m * along, rest * by_factor, rest * by_heading, rest * rest * noise);
+    if (covered <= 0) return {true, 0.0, 0};
+  }
+  if (unaided()) e_.loosen_velocity_since(from_ns, t_ns_, p_.step_velocity_sigma_mps);
+  Innovation<3> walked;
+  walked.residual = covered * length_m * along - moved;
+  walked.by_pose(*to, Matrix3d::Zero(), Matrix3d::Identity());
+  walked.by_pose(*from, Matrix3d::Zero(), -Matrix3d::Identity());
+  walked.by_one(kLogFactor, -covered * by_factor);
+  walked.by_one(kStepHeading, -covered * by_heading);
+  walked.noise = covered * covered * noise;
+  if (!unaided()) walked.noise += (p_.step_correlation - 1) * squared(own_sigma * length_m) * along * along.transpose();
+  const double before = 1 / e_.P(kLogScale, kLogScale);
+  // Where nothing else moves the body, what it was expected to do is no news of the walker: fixes are. Where odometry
+  // moves it, steps and scale learn from each other; a front-end that knows the metre better than walkers differ learns
+  // nothing from steps.
+  const bool followed = vo_.known && vo_.attached;
+  const bool taught = followed && vo_.metric && e_.P(kLogScale, kLogScale) < squared(p_.taught_scale_sigma);
+  const Hold hold = unaided()  ? Hold::scale_and_steps
+                    : taught   ? Hold::all_but_steps
+                    : followed ? Hold::all_but_scale_and_steps
+                               : Hold::nothing;
+
+  const UpdateResult result = e_.update(walked, p_.gate[3], hold);
+  if (result.accepted && vo_.known) vo_.steps_information += 1 / e_.P(kLogScale, kLogScale) - before;
+  return result;
+}
+
+/// Where nothing but steps moves the body it rests between them.
+void InertialEstimator::rest_between(int64_t from_ns, int64_t to_ns) {
+  from_ns = std::max(from_ns, e_.clone_back(e_.clone_count() - 1).t_ns);
+  const auto from = past(from_ns), to = past(to_ns);
+  if (!from || !to || to_ns <= from_ns) return;
+  e_.loosen_velocity_since(from_ns, t_ns_, p_.step_velocity_sigma_mps);
+  Innovation<2> rested;
+  const Eigen::Matrix<double, 2, 3> horizontal = Matrix3d::Identity().topRows<2>();
+  rested.residual = (from->p_n - to->p_n).head<2>();
+  rested.by_pose(*to, Eigen::Matrix<double, 2, 3>::Zero(), horizontal);
+  rested.by_pose(*from, Eigen::Matrix<double, 2, 3>::Zero(), -horizontal);
+  const double gap_s = static_cast<double>(to_ns - from_ns) * kNanoseconds;
+  rested.noise = Eigen::Matrix2d::Identity() * squared(p_.rest_speed_mps * gap_s);
+  e_.update(rested, 0, Hold::scale_and_steps);
 }
 
 /// Steps in a row that contradict what is known: the phone is held otherwise, the walker goes otherwise, or the unit of
