@@ -207,7 +207,8 @@ TEST_CASE("heights on slopes, a kerb and stairs are within 0.3 m of the truth, w
   write(folder / "p.yaml",
         "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\ncoupling:\n  type: "
         "inertial\n"
-        "absolute_fixers:\n  - plugin: fix/gnss\n    parameters: {min_sigma: 1 m, correlation: 0 s}\n  - plugin: fix/terrain\n"
+        "absolute_fixers:\n  - plugin: fix/gnss\n    parameters: {min_sigma: 1 m, correlation: 0 s}\n  - plugin: "
+        "fix/terrain\n"
         "    parameters: {model: hill.obj, hand: 0.75, most_horizontal_sigma: 3 m}\n");
   Scenario s;
   s.walker.stand_s = 4;

@@ -59,8 +59,6 @@ void Filter::count(const Outcome& outcome, FrameReport& report) {
   if (outcome.dof == 0) return;
   ++report.tried;
   report.accepted += outcome.accepted;
-  report.nis_sum += outcome.nis;
-  report.dof_sum += outcome.dof;
   report.nis_per_dof.push_back(outcome.nis / outcome.dof);
 }
 

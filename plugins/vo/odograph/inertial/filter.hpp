@@ -29,10 +29,8 @@ struct FrameCorners {
 struct FrameReport {
   bool imu_whole = true;  ///< no samples were missing
   bool standing = false;
-  int tried = 0, accepted = 0;  ///< tracks and landmarks
-  double nis_sum = 0;
-  int dof_sum = 0;                  ///< of what was tried
-  std::vector<double> nis_per_dof;  ///< of each
+  int tried = 0, accepted = 0;      ///< tracks and landmarks
+  std::vector<double> nis_per_dof;  ///< of each that was tried
 };
 
 /// Visual-inertial multi-state constraint Kalman filter (Mourikis & Roumeliotis 2007) with landmarks (Li & Mourikis
@@ -65,6 +63,8 @@ class Filter {
   /// Relative standard deviation of the metre.
   double scale_sigma() const { return scale_sigma_; }
   double velocity_sigma() const;
+  /// Noise of the corners as the innovations have it, px.
+  double gate_sigma() const { return p_.gate_sigma; }
 
  private:
   using Track = std::vector<Observation>;

@@ -188,16 +188,13 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
   Camera seen = camera;
   for (int pass = 0; pass < s.passes; ++pass) {
     Filter filter(p, seen, start);
-    double nis = 0;
-    int dof = 0;
-    for (size_t i = from; i < frames.size(); ++i) {
-      const FrameReport report = filter.process(frames[i].corners, imu);
-      nis += report.nis_sum, dof += report.dof_sum;
-    }
+    int accepted = 0;
+    for (size_t i = from; i < frames.size(); ++i) accepted += filter.process(frames[i].corners, imu).accepted;
     const Navigation& end = filter.state().nav;
     if (!end.v_w.allFinite() || end.accel_bias.norm() > s.most_accel_bias_mps2) return std::nullopt;
     if (pass + 1 == s.passes) {
-      if (dof == 0 || nis / dof > s.most_nis || filter.scale_sigma() > s.scale_sigma) return std::nullopt;
+      if (accepted == 0 || filter.gate_sigma() > s.most_gate_px || filter.scale_sigma() > s.scale_sigma)
+        return std::nullopt;
       return filter;
     }
     // The end's estimate, carried back to the beginning, is where the next pass linearises.

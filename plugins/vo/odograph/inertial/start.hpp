@@ -25,7 +25,7 @@ struct StartParameters {
   double alignment_sigma = 0.35;     ///< relative, of the metre by the visual poses: more is no start
   double scale_sigma = 0.15;         ///< relative, of the metre that the filter leaves: more is no start
   double most_accel_bias_mps2 = 0.8;
-  double most_nis = 3;  ///< per degree of freedom, of all tracks of the start
+  double most_gate_px = 1.5;  ///< of the corners' noise as the filter finds it: more, and it is the start that is wrong
   int passes = 3;
 };
 
