@@ -132,6 +132,7 @@ void InertialOdometry::try_start(int64_t t_ns) {
   const auto offset_ns = static_cast<int64_t>(std::llround(filter_->state().camera.time_offset_s * 1e9));
   integrate(before, filter_->state().t_ns, previous_ns_ + offset_ns, imu_, p_.filter.gravity_mps2);
   T_w_previous_ = camera_pose(before);
+  told_.clear();
   refused_since_ns_ = INT64_MIN;
   tracked_ = accepted_ = static_cast<unsigned>(corners_.corners().corners.size());
 }
@@ -186,7 +187,8 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
   const State& state = filter_->state();
   const Clone& clone = filter_->newest();
   const Isometry3d T = with_clone ? vo::isometry(clone.q_w_c, clone.p_w) : camera_pose(nav);
-  const Isometry3d step = T_w_previous_.inverse() * T;
+  const Isometry3d T_w_before = previous_pose();
+  const Isometry3d step = T_w_before.inverse() * T;
   vo::Motion& m = out.motion;
   m.q_c0_c1 = Quaterniond(step.linear()).normalized();
   m.p_c0_c1 = step.translation();
@@ -214,12 +216,6 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
     J.block<3, 3>(3, 0) = R * vo::cross_matrix(clones[j].p_w), J.block<3, 3>(3, next) = -J.block<3, 3>(3, 0);
     J.block<3, 3>(3, 3) = -R, J.block<3, 3>(3, next + 3) = R;
     m.covariance = J * state.P.block<both, both>(state.clone_at(i), state.clone_at(i)) * J.transpose();
-    // What was told of the frame before has been corrected since, by this: the motion mends it.
-    const Isometry3d corrected = vo::isometry(clones[i].q_w_c, clones[i].p_w);
-    const Vector3d turned = vo::log_rotation(Quaterniond(T_w_previous_.linear().transpose() * corrected.linear()));
-    const Vector3d moved = T_w_previous_.linear().transpose() * (corrected.translation() - T_w_previous_.translation());
-    m.covariance.topLeftCorner<3, 3>() += turned * turned.transpose();
-    m.covariance.bottomRightCorner<3, 3>() += moved * moved.transpose();
     m.covariance.diagonal().head<3>().array() += std::pow(p_.rotation_floor_rad, 2);
     m.covariance.diagonal().tail<3>().array() += std::pow(p_.position_floor_m, 2);
   } else {
@@ -228,7 +224,21 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
     m.covariance.diagonal().tail<3>().setConstant(velocity_sigma * velocity_sigma * dt * dt);
   }
   T_w_previous_ = T;
+  told_.clear();
+  for (auto clone_before = clones.rbegin(); clone_before != clones.rend() && told_.size() < 2; ++clone_before)
+    told_.push_back({clone_before->id, vo::isometry(clone_before->q_w_c, clone_before->p_w).inverse() * T});
   return out;
+}
+
+/// The frame before, as it is seen by now: the filter corrects where everything of the window is together, by what it
+/// learns of the way so far; that is no motion. A clone may have been forgotten since, then the one before it holds it.
+Isometry3d InertialOdometry::previous_pose() const {
+  const State& state = filter_->state();
+  for (const Told& told : told_) {
+    const size_t i = state.find_clone(told.clone);
+    if (i < state.clones.size()) return vo::isometry(state.clones[i].q_w_c, state.clones[i].p_w) * told.T_clone_c;
+  }
+  return T_w_previous_;
 }
 
 }  // namespace odograph::vio

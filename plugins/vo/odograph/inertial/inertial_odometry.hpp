@@ -68,7 +68,14 @@ class InertialOdometry {
     bool estimate;
   };
 
+  /// The frame that was told last, by a clone of the window.
+  struct Told {
+    uint32_t clone;
+    Eigen::Isometry3d T_clone_c;
+  };
+
   void try_start(int64_t t_ns);
+  Eigen::Isometry3d previous_pose() const;
   InertialMotion estimate(const Pending& frame);
   InertialMotion report(int64_t t_ns, const Navigation& nav, bool with_clone);
   void lose();
@@ -83,6 +90,7 @@ class InertialOdometry {
   std::deque<StartFrame> start_frames_;
   std::optional<Filter> filter_;
   std::optional<Pending> pending_;
+  std::vector<Told> told_;  ///< the newest clone and the one before it
   Eigen::Isometry3d T_w_previous_ = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_visual_ = Eigen::Isometry3d::Identity();  // chained from the visual motions of a group
   int64_t previous_ns_ = INT64_MIN, estimated_ns_ = INT64_MIN, tried_ns_ = INT64_MIN, refused_since_ns_ = INT64_MIN;
