@@ -20,6 +20,7 @@ void add_convert(CLI::App& app, int& status);
 void add_calibrate(CLI::App& app, int& status);
 void add_bench(CLI::App& app, int& status);
 void add_steps(CLI::App& app, int& status);
+void add_compare(CLI::App& app, int& status);
 void add_bench_walk700(CLI::App& bench, int& status);
 void add_bench_allan(CLI::App& bench, int& status);
 void add_bench_calibrate(CLI::App& bench, int& status);

@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
   odograph::add_eval(app, status);
   odograph::add_sim(app, status);
   odograph::add_steps(app, status);
+  odograph::add_compare(app, status);
   odograph::add_config(app, status);
   odograph::add_plugins(app, status);
   odograph::add_convert(app, status);
