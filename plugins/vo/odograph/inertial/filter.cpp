@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kStandWindow_s = 0.4;
 constexpr double kStandForce_mps2 = 0.35;  // standard deviation of the specific force: a walk has more than 1
 constexpr double kStandPixels = 1.2;       // what one rotation leaves over of the picture's flow, median
-constexpr double kStandSigma_mps = 0.04;   // a hand's sway
+constexpr double kStandSigma_mps = 0.1;    // a hand's sway has 0.03 to 0.1
 constexpr size_t kStandCorners = 15;
 constexpr double kLeastParallax_px = 1;  // between two clones
 constexpr size_t kLeastTrack = 3;        // observations
