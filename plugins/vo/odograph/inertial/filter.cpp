@@ -16,7 +16,6 @@ using Eigen::Vector3d;
 constexpr double kStandWindow_s = 0.4;
 constexpr double kStandForce_mps2 = 0.35;  // standard deviation of the specific force: a walk has more than 1
 constexpr double kStandPixels = 1.2;       // what one rotation leaves over of the picture's flow, median
-constexpr double kStandSigma_mps = 0.1;    // a hand's sway has 0.03 to 0.1
 constexpr size_t kStandCorners = 15;
 constexpr double kLeastParallax_px = 1;  // between two clones
 constexpr size_t kLeastTrack = 3;        // observations
@@ -28,7 +27,8 @@ constexpr double kHeadingSigma_rad = 1e-4;     // a choice of ours: heading and 
 
 }  // namespace
 
-Filter::Filter(const FilterParameters& parameters, const Camera& camera, const Start& start) : p_(parameters) {
+Filter::Filter(const FilterParameters& parameters, const Camera& camera, const Start& start)
+    : p_(parameters), calibrated_(camera) {
   state_.t_ns = start.t_ns;
   state_.nav = start.nav;
   state_.camera = camera;
@@ -73,7 +73,7 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   stood_ = report.standing;
   augment(state_, next_id_++, frame.t_ns, imu, p_);
   for (const Corner& corner : frame.corners) tracks_[corner.track].push_back({newest().id, corner.pixel});
-  if (report.standing) update_zero_velocity(state_, kStandSigma_mps);
+  if (report.standing) update_zero_velocity(state_, p_.stand.sigma_mps(newest().rate_c.norm()));
   update_landmarks(frame, report);
   update_tracks(report);
   marginalise();
@@ -225,6 +225,19 @@ void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
 }
 
 double Filter::velocity_sigma() const { return std::sqrt(state_.P.block<3, 3>(block::nu, block::nu).trace()); }
+
+double Filter::camera_pull() const {
+  const Camera& now = state_.camera;
+  const auto squared = [](double difference, double sigma) { return difference * difference / (sigma * sigma); };
+  const Priors& prior = p_.priors;
+  double sum = squared(now.time_offset_s - calibrated_.time_offset_s, prior.time_offset_s);
+  sum += squared(std::log(now.lens.fx / (calibrated_.lens.fx * focal_told_)), prior.focal_relative);
+  sum += squared(now.lens.cx - calibrated_.lens.cx, prior.centre_px);
+  sum += squared(now.lens.cy - calibrated_.lens.cy, prior.centre_px);
+  if (calibrated_.line_time_s > 0)
+    sum += squared(now.line_time_s / calibrated_.line_time_s - 1, prior.line_time_relative);
+  return sum;
+}
 
 /// By the displacement over the window.
 void Filter::update_scale_sigma() {

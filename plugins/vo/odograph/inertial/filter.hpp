@@ -54,6 +54,7 @@ class Filter {
     LensVector change = LensVector::Zero();
     change << std::log(focal_factor), 0, 0, 0, 0;
     correct(state_.camera.lens, change);
+    focal_told_ *= focal_factor;
     state_.camera.told_px += centre_px;  // of the frames to come alone
   }
 
@@ -63,6 +64,9 @@ class Filter {
   /// Relative standard deviation of the metre.
   double scale_sigma() const { return scale_sigma_; }
   double velocity_sigma() const;
+  /// How far the camera was pulled from its calibration: squares of time offset, focal length, centre and, where it was
+  /// given, row time, by their priors' sigmas. A wrong metre is explained by a wrong camera before anything else.
+  double camera_pull() const;
   /// Noise of the corners as the innovations have it, px.
   double gate_sigma() const { return p_.gate_sigma; }
 
@@ -81,6 +85,8 @@ class Filter {
   static void count(const Outcome& outcome, FrameReport& report);
 
   FilterParameters p_;
+  Camera calibrated_;
+  double focal_told_ = 1;  ///< by which calibrations changed the focal length since
   State state_;
   std::map<uint64_t, Track> tracks_;  // ordered: the same updates in the same order each time
   std::deque<FrameCorners> recent_;   // of the last half second

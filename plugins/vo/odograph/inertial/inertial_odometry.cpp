@@ -133,6 +133,7 @@ void InertialOdometry::try_start(int64_t t_ns) {
   integrate(before, filter_->state().t_ns, previous_ns_ + offset_ns, imu_, p_.filter.gravity_mps2);
   T_w_previous_ = camera_pose(before);
   told_.clear();
+  started_ns_ = filter_->state().t_ns;
   refused_since_ns_ = INT64_MIN;
   tracked_ = accepted_ = static_cast<unsigned>(corners_.corners().corners.size());
 }
@@ -153,7 +154,7 @@ InertialMotion InertialOdometry::estimate(const Pending& frame) {
   InertialMotion out = report(frame.t_ns, filter_->state().nav, true);
   const Navigation& nav = filter_->state().nav;
   const bool wrong = !nav.v_w.allFinite() || nav.v_w.norm() > p_.most_speed_mps ||
-                     nav.accel_bias.norm() > p_.most_accel_bias_mps2 ||
+                     nav.accel_bias.norm() > p_.most_accel_bias_mps2 || filter_->camera_pull() > p_.most_camera_pull ||
                      (refused && seconds(frame.t_ns - refused_since_ns_) > p_.diverged_s);
   if (wrong || filter_->velocity_sigma() > p_.lost_sigma_mps) {
     lose();
@@ -231,9 +232,11 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
 }
 
 /// The frame before, as it is seen by now: the filter corrects where everything of the window is together, by what it
-/// learns of the way so far; that is no motion. A clone may have been forgotten since, then the one before it holds it.
+/// learns of the way so far; that is no motion, but for the first seconds, whose metre is still being found: there the
+/// motion mends what was told. A clone may have been forgotten since, then the one before it holds the frame.
 Isometry3d InertialOdometry::previous_pose() const {
   const State& state = filter_->state();
+  if (seconds(state.t_ns - started_ns_) < p_.mended_s) return T_w_previous_;
   for (const Told& told : told_) {
     const size_t i = state.find_clone(told.clone);
     if (i < state.clones.size()) return vo::isometry(state.clones[i].q_w_c, state.clones[i].p_w) * told.T_clone_c;

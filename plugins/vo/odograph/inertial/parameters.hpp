@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 namespace odograph::vio {
@@ -45,11 +46,19 @@ struct StabiliserParameters {
   double shift_sigma_px = 1;  ///< before the first measurement
 };
 
+/// What it is to stand. Who turns on the spot carries the phone around: at the rate times an arm's length.
+struct StandParameters {
+  double sway_mps = 0.1;  ///< of a hand, 0.03 to 0.1
+  double arm_m = 0.5;
+  double sigma_mps(double rate_radps) const { return std::hypot(sway_mps, arm_m * rate_radps); }
+};
+
 /// Multi-state constraint Kalman filter.
 struct FilterParameters {
   ImuNoise noise;
   Priors priors;
   StabiliserParameters stabiliser;
+  StandParameters stand;
   double gravity_mps2 = 9.81;
   size_t clones = 12;     ///< poses in the window
   size_t landmarks = 40;  ///< points that are states

@@ -137,6 +137,7 @@ std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const Im
   const double spread = std::sqrt(std::max(0.0, (force_squares / n - force.cwiseAbs2()).sum()));
   if (spread > s.still_force_mps2 || std::abs(force.norm() - p.gravity_mps2) > 3 * p.priors.accel_bias_mps2)
     return std::nullopt;
+  if (p.stand.arm_m * std::sqrt(rate_squares / n) > s.still_arm_mps) return std::nullopt;
   // Nothing but a rotation in the pictures.
   std::vector<cv::Point2d> first, second;
   const Clone still;
@@ -157,7 +158,8 @@ std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const Im
   start.nav.q_w_b = between(force, -Vector3d::UnitZ());
   const bool steady = std::sqrt(rate_squares / n) < s.still_rate_radps;
   if (steady) start.nav.gyro_bias = rate;
-  start.tilt_rad = p.priors.tilt_rad, start.velocity_mps = p.priors.velocity_mps;
+  start.tilt_rad = p.priors.tilt_rad,
+  start.velocity_mps = std::hypot(p.priors.velocity_mps, p.stand.arm_m * std::sqrt(rate_squares / n));
   start.gyro_bias_radps = steady ? kStillBiasSigma_radps : p.priors.gyro_bias_radps;
   start.accel_bias_mps2 = p.priors.accel_bias_mps2;
   Filter filter(p, camera, start);
@@ -193,7 +195,8 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
     const Navigation& end = filter.state().nav;
     if (!end.v_w.allFinite() || end.accel_bias.norm() > s.most_accel_bias_mps2) return std::nullopt;
     if (pass + 1 == s.passes) {
-      if (accepted == 0 || filter.gate_sigma() > s.most_gate_px || filter.scale_sigma() > s.scale_sigma)
+      if (accepted == 0 || filter.gate_sigma() > s.most_gate_px || filter.scale_sigma() > s.scale_sigma ||
+          filter.camera_pull() > s.most_camera_pull)
         return std::nullopt;
       return filter;
     }

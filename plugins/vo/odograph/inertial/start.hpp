@@ -20,11 +20,13 @@ struct StartParameters {
   double still_s = 0.5;              ///< of a phone that is held still, before the filter starts from it
   double still_force_mps2 = 0.35;    ///< standard deviation of the specific force
   double still_rate_radps = 0.05;    ///< below this the mean rate is the gyroscope's bias
+  double still_arm_mps = 0.15;       ///< speed of a phone that somebody who turns carries around
   double still_px = 1.5;             ///< of the picture's flow that a rotation leaves over
   double least_s = 0.8, most_s = 3;  ///< of motion that a start in motion looks at
   double alignment_sigma = 0.35;     ///< relative, of the metre by the visual poses: more is no start
   double scale_sigma = 0.15;         ///< relative, of the metre that the filter leaves: more is no start
   double most_accel_bias_mps2 = 0.8;
+  double most_camera_pull = 10;  ///< Filter::camera_pull, of five degrees of freedom
   double most_gate_px = 1.5;  ///< of the corners' noise as the filter finds it: more, and it is the start that is wrong
   int passes = 3;
 };
