@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/calibration/camera_imu_problem.hpp"
-
 #include <algorithm>
 #include <cmath>
+
+#include "sdk/calibration/camera_imu_window.hpp"
 
 namespace odograph {
 namespace {
 
 using Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Quaterniond, Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 
-constexpr int kPath = 3 * (kWindowFrames - 1);
-constexpr double kBend =
-    1;  // of a path, from straight and even, in its own lengths: only holds it where nothing else does
 constexpr double kLength = 1e-3;      // of a path from 1: the scale is nobody's to know
 constexpr double kLeastDepth = 0.05;  // before a camera, of a point one away; nearer or behind it is held there
 constexpr double kNearest = 0.5;      // of the path's length, inverse: a point's start
-constexpr double kSteady_s = 1;       // windows' scores are taken together over this time
 
 Matrix3d cross_matrix(const Vector3d& v) {
   Matrix3d m;
@@ -24,41 +20,6 @@ Matrix3d cross_matrix(const Vector3d& v) {
 }
 
 }  // namespace
-
-/// A corner in a frame, and how the path passes there: its position is linear in the path's numbers.
-struct CameraImuProblem::Sight {
-  LensRay ray;
-  cv::Point2f pixel;
-  double t_s = 0;   ///< of the frame, on the camera's clock, after the first IMU sample
-  double rows = 0;  ///< below the middle row
-  size_t frame = 0;
-};
-
-struct CameraImuProblem::Window {
-  std::array<double, kWindowFrames> t_s{};  ///< camera's clock
-  std::vector<std::array<Sight, kWindowFrames>> corners;
-  Eigen::Map<Eigen::Matrix<double, kPath, 1>> path{nullptr};  ///< in the body's axes at the reference time
-  /// Three numbers each: x/z, y/z, 1/z in the camera's axes at the reference time, from the first frame.
-  double* points = nullptr;
-  bool started = false;
-  double reference_s = 0;     ///< IMU's clock
-  Quaterniond q_reference_g;  ///< from the gyroscope's frame to the body at the reference time
-  Matrix3d R_reference_c;     ///< from the camera to the body at the reference time
-
-  Vector3d place(size_t frame) const {
-    return frame == 0 ? Vector3d::Zero().eval() : path.segment<3>(3 * static_cast<Eigen::Index>(frame - 1)).eval();
-  }
-  /// Weights of the frames' positions in the position dt after a frame, and in its derivative.
-  void passing(size_t frame, double dt, std::array<double, kWindowFrames>& weight,
-               std::array<double, kWindowFrames>& rate) const {
-    const size_t before = frame == 0 ? 0 : frame - 1, after = std::min(frame + 1, kWindowFrames - 1);
-    const double slope = 1 / (t_s[after] - t_s[before]);
-    weight.fill(0), rate.fill(0);
-    rate[after] += slope, rate[before] -= slope;
-    for (size_t k = 0; k < kWindowFrames; ++k) weight[k] = dt * rate[k];
-    weight[frame] += 1;
-  }
-};
 
 /// Pixels that a point is off in a frame, in normalized coordinates times the focal length.
 class CameraImuProblem::Reprojection final : public ceres::SizedCostFunction<2, shared::count, kPath, 3> {
@@ -366,77 +327,6 @@ void CameraImuProblem::measure() {
             {sight.t_s + x_[shared::time_offset], sight.pixel.x, sight.pixel.y, values[i], values[i + 1]});
         i += 2;
       }
-}
-
-MatrixXd CameraImuProblem::covariance() const {
-  std::vector<Eigen::Index> place;  // of each free column among all
-  for (Eigen::Index i = 0; i < shared::count; ++i)
-    if (!fixed_[static_cast<size_t>(i)]) place.push_back(i);
-  const auto n = static_cast<Eigen::Index>(place.size());
-  // Of each window: rows of J for the free shared unknowns and the path, what the points explain projected out corner
-  // by corner, then what the path explains.
-  MatrixXd information = MatrixXd::Zero(n, n), scatter = MatrixXd::Zero(n, n);
-  VectorXd score = VectorXd::Zero(n);
-  double since_s = -INFINITY;
-  int spans = 0;
-  const auto close = [&] {
-    if (score.squaredNorm() > 0) ++spans;
-    scatter += score * score.transpose();
-    score.setZero();
-  };
-  constexpr Eigen::Index kRows = 2 * kWindowFrames;
-  size_t block = 0;
-  for (const auto& window : windows_) {
-    MatrixXd rows(kRows * static_cast<Eigen::Index>(window->corners.size()), n + kPath);
-    VectorXd values(rows.rows());
-    for (size_t i = 0; i < window->corners.size(); ++i) {
-      MatrixXd J(kRows, n + kPath);
-      Eigen::Matrix<double, kRows, 3> own;
-      for (size_t k = 0; k < kWindowFrames; ++k, ++block) {
-        Eigen::Matrix<double, 2, shared::count, Eigen::RowMajor> by_shared;
-        Eigen::Matrix<double, 2, kPath, Eigen::RowMajor> by_path;
-        Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
-        double* jacobians[] = {by_shared.data(), by_path.data(), by_point.data()};
-        const double* blocks[] = {x_.data(), window->path.data(), window->points + 3 * i};
-        Vector2d r;
-        problem_->GetCostFunctionForResidualBlock(blocks_[block])->Evaluate(blocks, r.data(), jacobians);
-        const double weight = 1 / std::sqrt(1 + r.squaredNorm() / (scale_px_ * scale_px_));  // Cauchy's
-        const auto row = 2 * static_cast<Eigen::Index>(k);
-        for (Eigen::Index c = 0; c < n; ++c)
-          J.block<2, 1>(row, c) = weight * by_shared.col(place[static_cast<size_t>(c)]);
-        J.block<2, kPath>(row, n) = weight * by_path;
-        own.block<2, 3>(row, 0) = weight * by_point;
-        values.segment<2>(kRows * static_cast<Eigen::Index>(i) + row) = weight * r;
-      }
-      const Matrix3d weight = own.transpose() * own + 1e-9 * Matrix3d::Identity();
-      rows.middleRows<kRows>(kRows * static_cast<Eigen::Index>(i)) = J - own * weight.ldlt().solve(own.transpose() * J);
-    }
-    const MatrixXd path = rows.rightCols<kPath>();
-    MatrixXd weight = path.transpose() * path;
-    weight.diagonal().array() += std::pow(kBend, -2);
-    weight.diagonal().tail<3>().array() += 1e3;
-    const MatrixXd left = rows.leftCols(n) - path * weight.ldlt().solve(path.transpose() * rows.leftCols(n));
-    information += left.transpose() * left;
-    if (window->t_s[0] - since_s > kSteady_s) close(), since_s = window->t_s[0];
-    score += left.transpose() * values;
-  }
-  close();
-  scatter *= spans > 1 ? spans / (spans - 1.0) : 1.0;
-  for (Eigen::Index i = 0; i < n; ++i)
-    if (const double sigma = at_.prior_sigma[place[static_cast<size_t>(i)]]; sigma > 0)
-      information(i, i) += std::pow(sigma, -2), scatter(i, i) += std::pow(sigma, -2);
-  // Scaled to a unit diagonal first: the unknowns have different units.
-  const VectorXd unit = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(unit.asDiagonal() * information * unit.asDiagonal());
-  const VectorXd inverted = eigen.eigenvalues().cwiseMax(1e-12).cwiseInverse();
-  const MatrixXd inverse = unit.asDiagonal() *
-                           (eigen.eigenvectors() * inverted.asDiagonal() * eigen.eigenvectors().transpose()) *
-                           unit.asDiagonal();
-  const MatrixXd free = inverse * scatter * inverse;
-  MatrixXd out = MatrixXd::Zero(shared::count, shared::count);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index k = 0; k < n; ++k) out(place[static_cast<size_t>(i)], place[static_cast<size_t>(k)]) = free(i, k);
-  return out;
 }
 
 }  // namespace odograph

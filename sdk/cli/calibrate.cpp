@@ -147,22 +147,6 @@ std::string figures_of(const LensCalibration& c) {
   return text;
 }
 
-std::string page_of(const LensCalibration& c, const std::vector<std::string>& doubts) {
-  std::string html =
-      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Odograph "
-      "calibration</title>\n<style>body{font:16px "
-      "sans-serif;max-width:60em;margin:2em auto;padding:0 1em}svg{max-width:100%;height:auto}</style>\n"
-      "<h1>Camera calibration</h1>\n<pre>" +
-      figures_of(c) + "</pre>\n";
-  for (const auto& doubt : doubts) html += "<p>Beware: " + doubt + "</p>\n";
-  html += "<pre>" + camera_yaml(c) + "</pre>\n";
-  for (const Plot& plot : plots_of(c)) {
-    const auto svg = draw_svg(plot);
-    html += "<h2>" + plot.title + "</h2>\n" + (svg ? *svg : "<p>" + svg.failure().text + "</p>\n");
-  }
-  return html + "</html>\n";
-}
-
 nlohmann::ordered_json json_of(const LensCalibration& c, const std::vector<std::string>& doubts) {
   nlohmann::ordered_json pictures = nlohmann::json::array();
   for (const auto& p : c.pictures)
@@ -234,8 +218,9 @@ int calibrate(const CalibrateArguments& a) {
   std::error_code error;
   fs::create_directories(a.output, error);
   const fs::path folder = a.output;
-  for (const auto& [name, text] :
-       {std::pair{"camera.yaml", camera_yaml(*found)}, {"calibration.html", page_of(*found, doubts)}})
+  for (const auto& [name, text] : {std::pair{"camera.yaml", camera_yaml(*found)},
+                                   {"calibration.html", plots_page("Camera calibration", figures_of(*found), doubts,
+                                                                   camera_yaml(*found), plots_of(*found))}})
     if (const auto written = write_file(folder / name, text); !written) return complain(written.failure());
   if (!imu.recording.empty()) return calibrate_imu(imu, &*found);
   if (a.json) {

@@ -98,21 +98,6 @@ std::string figures_of(const CameraImuCalibration& c) {
   return text;
 }
 
-std::string page_of(const CameraImuCalibration& c, const std::vector<std::string>& doubts) {
-  std::string html =
-      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Odograph camera and IMU</title>\n"
-      "<style>body{font:16px sans-serif;max-width:60em;margin:2em auto;padding:0 1em}"
-      "svg{max-width:100%;height:auto}</style>\n<h1>Camera and IMU</h1>\n<pre>" +
-      figures_of(c) + "</pre>\n";
-  for (const auto& doubt : doubts) html += "<p>Beware: " + doubt + "</p>\n";
-  html += "<pre>" + camera_yaml(c) + "</pre>\n";
-  for (const Plot& plot : plots_of(c)) {
-    const auto svg = draw_svg(plot);
-    html += "<h2>" + plot.title + "</h2>\n" + (svg ? *svg : "<p>" + svg.failure().text + "</p>\n");
-  }
-  return html + "</html>\n";
-}
-
 nlohmann::ordered_json json_of(const CameraImuCalibration& c, const std::vector<std::string>& doubts) {
   const auto one = [](const Estimate& e) {
     return nlohmann::ordered_json{
@@ -194,8 +179,9 @@ int calibrate_imu(const CalibrateImuArguments& a, const LensCalibration* board) 
   const auto doubts = doubts_about(*found);
   std::error_code error;
   fs::create_directories(a.output, error);
-  for (const auto& [name, text] :
-       {std::pair{"camera.yaml", camera_yaml(*found)}, {"camera_imu.html", page_of(*found, doubts)}})
+  for (const auto& [name, text] : {std::pair{"camera.yaml", camera_yaml(*found)},
+                                   {"camera_imu.html", plots_page("Camera and IMU", figures_of(*found), doubts,
+                                                                  camera_yaml(*found), plots_of(*found))}})
     if (const auto written = write_file(fs::path(a.output) / name, text); !written) return complain(written.failure());
   if (a.json) {
     std::printf("%s\n", json_of(*found, doubts).dump(2).c_str());

@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "sdk/cli/temporary_folder.hpp"
+#include "sdk/base/temporary_folder.hpp"
 #include "sdk/recording/recording.hpp"
 
 namespace odograph {

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "sdk/cli/temporary_folder.hpp"
+#include "sdk/base/temporary_folder.hpp"
 
 namespace odograph {
 namespace {
@@ -67,6 +67,21 @@ Result<bool> write_svg(const Plot& plot, const std::string& file) {
   out << *svg;
   if (!out.flush()) return Failure{ODO_E_NOT_FOUND, file + ": cannot be written"};
   return true;
+}
+
+std::string plots_page(const std::string& title, const std::string& figures, const std::vector<std::string>& doubts,
+                       const std::string& written, const std::vector<Plot>& plots) {
+  std::string html = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Odograph: " + title +
+                     "</title>\n<style>body{font:16px sans-serif;max-width:60em;margin:2em auto;padding:0 1em}"
+                     "svg{max-width:100%;height:auto}</style>\n<h1>" +
+                     title + "</h1>\n<pre>" + figures + "</pre>\n";
+  for (const auto& doubt : doubts) html += "<p>Beware: " + doubt + "</p>\n";
+  html += "<pre>" + written + "</pre>\n";
+  for (const Plot& plot : plots) {
+    const auto svg = draw_svg(plot);
+    html += "<h2>" + plot.title + "</h2>\n" + (svg ? *svg : "<p>" + svg.failure().text + "</p>\n");
+  }
+  return html + "</html>\n";
 }
 
 }  // namespace odograph

@@ -26,4 +26,9 @@ Result<std::string> draw_svg(const Plot& plot);
 /// The same into a file.
 Result<bool> write_svg(const Plot& plot, const std::string& file);
 
+/// A self-contained HTML page: figures, what makes them doubtful, the file that was written, and the plots (or why
+/// not).
+std::string plots_page(const std::string& title, const std::string& figures, const std::vector<std::string>& doubts,
+                       const std::string& written, const std::vector<Plot>& plots);
+
 }  // namespace odograph
