@@ -1,12 +1,19 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pins the ABI's layout: reads the structs out of the headers, which are the one source, and writes from them
+"""The ABI's one source is its headers; from the structs and type numbers in them this writes
 
-  include/odograph/layout.h   static asserts of every offset and size, for C99 and C++
-  golden/layout_v1.txt        the same as text, to compare releases by
+  include/odograph/layout.h    static asserts of every offset and size, for C99 and C++
+  include/odograph/messages.h  all messages as one list (for whoever names, dispatches, records), and the sizes of 1.0
+  golden/layout_v1.txt         the layout as text, to compare releases by
 
-`layout.py --check` writes nothing and fails when either is out of date, or when a struct of `golden/released_v1.txt`
+`golden/minimum_v1.txt` holds the smallest size that a reader accepts of each struct: what version 1.0 of it had. A struct
+that is new there is added with the size that it has; nothing else ever changes in it. Adding a message is one edit: its
+struct and its ODO_TYPE number in types.h, then this script.
+
+`layout.py --check` writes nothing and fails when something is out of date, or when a struct of `golden/released_v1.txt`
 (if there has been a release) lost, moved or changed a field: structs grow at their end only.
+`layout.py --grow FOLDER` writes the headers as a later version might have them, for tests: each struct that may grow has
+another field `grown` at its end, an array of two doubles.
 Offsets are those of a 64-bit platform with natural alignment (x86-64, AArch64, RISC-V 64).
 """
 import pathlib
@@ -14,15 +21,18 @@ import re
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
+INCLUDE = HERE / "include/odograph"
 HEADERS = ["types.h", "odograph.h", "plugin.h"]
+FROZEN = {"odo_string", "odo_plane", "odo_header"}  # embedded by value in others
 SCALARS = {"uint8_t": 1, "int32_t": 4, "uint32_t": 4, "float": 4, "double": 8, "int64_t": 8, "uint64_t": 8, "char": 1}
+WRITTEN = "/* SPDX-License-Identifier: Apache-2.0\n *\n * Written by abi/layout.py; do not edit. "
 
 
-def structs():
+def structs(include=INCLUDE):
     """Yields (name, [(field, offset, size)], size); embedded structs must be defined before they are used."""
     known = {name: (size, size) for name, size in SCALARS.items()}
     for header in HEADERS:
-        text = re.sub(r"/\*.*?\*/", "", (HERE / "include/odograph" / header).read_text(), flags=re.S)
+        text = re.sub(r"/\*.*?\*/", "", (include / header).read_text(), flags=re.S).replace("ODO_CALL ", "")
         for name, body in re.findall(r"typedef struct (\w+) \{(.*?)\n\} \1;", text, flags=re.S):
             fields, end, widest = [], 0, 1
             for line in re.sub(r"\([^()]*\(\*(\w+)\)", r"(*\1)", body).split(";"):
@@ -52,18 +62,57 @@ def structs():
             yield name, fields, end
 
 
+def type_numbers():
+    """Message types by struct name, in the order of their numbers."""
+    text = (INCLUDE / "types.h").read_text()
+    numbers = re.findall(r"#define ODO_TYPE_(\w+) UINT32_C\((0x[0-9A-Fa-f]+)\)", text)
+    return {"odo_" + name.lower(): name for name, number in sorted(numbers, key=lambda x: int(x[1], 16))}
+
+
+def minimum_sizes(sizes):
+    """What version 1.0 of each struct has; new structs are appended."""
+    lines = (HERE / "golden/minimum_v1.txt").read_text().splitlines()
+    minimum = {line.split()[0]: int(line.split()[1]) for line in lines}
+    for name, size in sizes.items():
+        if name not in FROZEN and minimum.setdefault(name, size) > size:
+            sys.exit(f"{name} has {size} bytes, version 1.0 of it had {minimum[name]}: structs never shrink")
+    return minimum
+
+
+def render_messages(sizes, minimum):
+    types = type_numbers()
+    missing = [name for name in types if name not in sizes]
+    if missing:
+        sys.exit(f"types.h: no struct for the message types of {', '.join(missing)}")
+    rows = [f"  X(ODO_TYPE_{label}, {name}, {name[4:]}, {name.upper()}_SIZE_MIN)" for name, label in types.items()]
+    width = max(len(row) for row in rows) + 1
+    table = " \\\n".join([row.ljust(width) for row in rows[:-1]] + [rows[-1]])
+    constants = "\n".join(f"#define {name.upper()}_SIZE_MIN UINT32_C({minimum[name]})" for name in minimum)
+    return WRITTEN + """All messages as one list, and how large version 1.0 of each
+ * struct was: a reader accepts what is at least as large, and takes fields behind its end for absent.
+ */
+#ifndef ODOGRAPH_MESSAGES_H
+#define ODOGRAPH_MESSAGES_H
+
+#include <odograph/types.h>
+
+/* clang-format off */
+/* X(type number, struct, name in files, size of 1.0) */
+#define ODO_FOR_EACH_MESSAGE(X) \\
+""" + table + "\n\n" + constants + "\n/* clang-format on */\n\n#endif\n"
+
+
 def render():
-    asserts, golden = [], []
+    asserts, golden, sizes = [], [], {}
     for name, fields, size in structs():
+        sizes[name] = size
         golden.append(f"{name} {size}")
         asserts.append(f"ODO_LAYOUT({name}, sizeof({name}) == {size})")
         for field, offset, length in fields:
             golden.append(f"{name}.{field} {offset} {length}")
             asserts.append(f"ODO_LAYOUT({name}_{field}, offsetof({name}, {field}) == {offset})")
-    header = """/* SPDX-License-Identifier: Apache-2.0
- *
- * Written by abi/layout.py; do not edit. Including this header proves at compile time that this compiler lays the ABI's
- * structs out as every other one does.
+    header = WRITTEN + """Including this header proves at compile time that this
+ * compiler lays the ABI's structs out as every other one does.
  */
 #ifndef ODOGRAPH_LAYOUT_H
 #define ODOGRAPH_LAYOUT_H
@@ -71,22 +120,43 @@ def render():
 #include <odograph/odograph.h>
 #include <odograph/plugin.h>
 
-#if UINTPTR_MAX == UINT64_MAX
 #define ODO_LAYOUT(name, condition) typedef char odo_layout_of_##name[(condition) ? 1 : -1];
 /* clang-format off */
 """ + "\n".join(asserts) + """
 /* clang-format on */
 #undef ODO_LAYOUT
-#endif
 
 #endif
 """
-    return header, "\n".join(golden) + "\n"
+    minimum = minimum_sizes(sizes)
+    return {
+        INCLUDE / "layout.h": header,
+        INCLUDE / "messages.h": render_messages(sizes, minimum),
+        HERE / "golden/layout_v1.txt": "\n".join(golden) + "\n",
+        HERE / "golden/minimum_v1.txt": "".join(f"{name} {size}\n" for name, size in minimum.items()),
+    }
+
+
+def grow(folder):
+    """The headers of a later version: a field more in each struct, the minor version higher where it is not a draft's."""
+    folder = pathlib.Path(folder) / "odograph"
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in sorted(INCLUDE.glob("*.h*")):
+        text = path.read_text()
+        if path.name in HEADERS:
+            text = re.sub(r"(typedef struct (\w+) \{.*?)(\n\} \2;)",
+                          lambda m: m[0] if m[2] in FROZEN else f"{m[1]}\n  double grown[2];{m[3]}", text, flags=re.S)
+        if path.name == "layout.h":
+            text = "#include <odograph/odograph.h>\n#include <odograph/plugin.h>\n"
+        target = folder / path.name
+        if not target.exists() or target.read_text() != text:
+            target.write_text(text)
 
 
 def main():
-    header, golden = render()
-    targets = {HERE / "include/odograph/layout.h": header, HERE / "golden/layout_v1.txt": golden}
+    if "--grow" in sys.argv:
+        return grow(sys.argv[sys.argv.index("--grow") + 1])
+    targets = render()
     if "--check" not in sys.argv:
         for path, text in targets.items():
             path.write_text(text)
@@ -94,6 +164,7 @@ def main():
     for path, text in targets.items():
         if not path.exists() or path.read_text() != text:
             sys.exit(f"{path} is out of date: run abi/layout.py")
+    golden = targets[HERE / "golden/layout_v1.txt"]
     released = HERE / "golden/released_v1.txt"
     if released.exists():
         now = dict(line.split(" ", 1) for line in golden.splitlines())

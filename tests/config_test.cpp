@@ -81,7 +81,7 @@ TEST_CASE("every broken config is named with its place, what was expected and th
       {"plugin of another kind",
        "odograph: 1\nattitude:\n  plugin: fix/gnss\n",
        "f.yaml:3:11:",
-       {"fix/gnss", "odo.attitude/1"}},
+       {"fix/gnss", "odo.attitude/draft2"}},
       {"no plugin named", "odograph: 1\nattitude:\n  parameters: {}\n", "f.yaml:3:3:", {"'plugin' is missing"}},
       {"unknown parameter",
        "odograph: 1\nattitude:\n  plugin: attitude/vqf\n  parameters:\n    tau_ac: 3\n",
@@ -169,7 +169,7 @@ TEST_CASE("the walker's height reaches the plugins unless they are given their o
             parameters,
         "f.yaml", {plugin_folder()});
     REQUIRE(config.ok());
-    for (const auto& [spec, value] : config->step_estimator->parameters)
+    for (const auto& [spec, value] : config->step_estimators.front().parameters)
       if (spec.name == "walker_height") return value.real;
     return 0.0;
   };

@@ -72,7 +72,7 @@ TEST_CASE("a degradation of nothing changes nothing") {
   const Recording before = recording(), after = degraded(before, {}, 1);
   REQUIRE(after.messages.size() == before.messages.size());
   for (size_t i = 0; i < before.messages.size(); ++i)
-    REQUIRE(std::memcmp(&after.messages[i].message, &before.messages[i].message, sizeof(AnyMessage)) == 0);
+    REQUIRE(std::ranges::equal(after.messages[i].message.bytes(), before.messages[i].message.bytes()));
 }
 
 TEST_CASE("the same seed gives the same bits, another one other noise") {

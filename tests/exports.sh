@@ -1,12 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Nothing visible but the contract: odo_* in the library, the entry in each plugin; and nothing undefined.
+# Nothing visible but the contract: odo_* of one version in the library, the entry in each plugin; and nothing undefined.
 set -eu
 lib=$1/lib
-others=$(nm -D --defined-only "$lib/libodograph.so" | awk '{print $NF}' | grep -v '^odo_' || true)
+node=ODOGRAPH_DRAFT_2
+symbols() { nm -D --defined-only --with-symbol-versions "$1" | awk '$2 != "A" {print $NF}'; }
+others=$(symbols "$lib/libodograph.so" | grep -v "^odo_[a-z_]*@@$node\$" || true)
 [ -z "$others" ] || { echo "libodograph.so also exports: $others"; exit 1; }
-[ "$(nm -D --defined-only "$lib/libodograph.so" | grep -c ' odo_')" -ge 15 ]
+[ "$(symbols "$lib/libodograph.so" | wc -l)" -ge 25 ]
 for plugin in "$lib"/odograph/plugins/*.so; do
-  symbols=$(nm -D --defined-only "$plugin" | awk '{print $NF}')
-  [ "$symbols" = odo_plugin_entry_v1 ] || { echo "$plugin exports: $symbols"; exit 1; }
+  found=$(symbols "$plugin")
+  [ "$found" = odo_plugin_entry_draft2 ] || { echo "$plugin exports: $found"; exit 1; }
 done
+size=$(stat -L -c %s "$lib/libodograph.so")
+echo "$(symbols "$lib/libodograph.so" | wc -l) functions, all $node; the library has $size bytes"

@@ -20,9 +20,26 @@ libdir=$(pkg-config --variable=libdir odograph)
 gcc -std=c99 -pedantic-errors -Wall -Wextra -Werror "$work/samples/embed_c/main.c" -o "$work/embed_pc" $(pkg-config --cflags --libs odograph) -lm -Wl,-rpath,"$libdir"
 "$work/embed_pc" "$work/samples/configs/phone_walk.yaml" | tail -1
 
+cmake -S "$work/samples/live_c" -B "$work/live" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
+cmake --build "$work/live" >/dev/null
+"$work/live/live" "$work/samples/configs/phone_walk.yaml" "$work/live.odo" | tail -1
+python3 "$work/samples/python/odograph_live.py" "$libdir/libodograph.so" "$work/samples/configs/phone_walk.yaml"
+
 cmake -S "$work/samples/plugin_example" -B "$work/plugin" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
 cmake --build "$work/plugin" >/dev/null
 "$work/prefix/bin/odograph" plugin manifest "$work/plugin/constant_speed.so"
 "$work/prefix/bin/odograph" plugin check "$work/plugin/constant_speed.so"
-[ "$(nm -D --defined-only "$work/plugin/constant_speed.so" | awk '{print $NF}')" = odo_plugin_entry_v1 ]
+[ "$(nm -D --defined-only "$work/plugin/constant_speed.so" | awk '{print $NF}')" = odo_plugin_entry_draft2 ]
+
+# A new plugin of each kind, in both languages: it builds, passes the check and runs.
+for kind in attitude step_estimator vo_frontend scale_source absolute_fixer; do
+  for language in "" --c; do
+    name=fresh_$kind${language#--}
+    "$work/prefix/bin/odograph" plugin new $kind trial/$name "$work/$name" $language >/dev/null
+    cmake -S "$work/$name" -B "$work/$name/build" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
+    cmake --build "$work/$name/build" >/dev/null
+    "$work/prefix/bin/odograph" plugin check "$work/$name/build/$name.so" > "$work/$name/said" || { grep FAIL "$work/$name/said"; exit 1; }
+    "$work/prefix/bin/odograph" config check "$work/$name/pipeline.yaml" >/dev/null
+  done
+done
 "$work/prefix/bin/odograph" plugins --plugins "$work/plugin" example/constant_speed

@@ -49,7 +49,7 @@ int check(const std::string& attitude, const std::string& steps, const std::stri
   const long created = allocations - before;  // shows that they are counted, in the host and behind it
   long events = 0;
   odo_session_set_callback(
-      session, 0xFFFFFFFFu, [](void* user, const odo_header*) { ++*static_cast<long*>(user); }, &events);
+      session, nullptr, ODO_ALL_EVENTS, [](void* user, const odo_header*) { ++*static_cast<long*>(user); }, &events);
   const long first = walk(session, 0, 1500);
   const long events_before = events;
   const long later = walk(session, 1500, 6000);

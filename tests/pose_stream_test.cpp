@@ -268,7 +268,7 @@ TEST_CASE("without poses there is the attitude alone, and without that nothing")
   attitude.q_n_b[0] = q.w(), attitude.q_n_b[1] = q.x(), attitude.q_n_b[2] = q.y(), attitude.q_n_b[3] = q.z();
   replay.poses.predictor().add_attitude(attitude);
   CHECK(replay.poses.at(ns(1.03), false, out) == ODO_OK);
-  CHECK(out.header.flags == (ODO_POSE_ORIENTATION | ODO_POSE_EXTRAPOLATED));
+  CHECK(out.header.flags == (ODO_POSE_ORIENTATION | ODO_POSE_EXTRAPOLATED | ODO_POSE_ANGULAR_VELOCITY));
   CHECK(replay.poses.at(ns(2), false, out) == ODO_E_NOT_FOUND);
 }
 

@@ -36,7 +36,7 @@ class App {
     error.struct_size = sizeof error;
     status = odo_session_create(&o, &session, &error);
     message = error.message;
-    if (session) odo_session_set_callback(session, 0xFFFFFFFFu, on_event, this);
+    if (session) odo_session_set_callback(session, nullptr, ODO_ALL_EVENTS, on_event, this);
   }
   ~App() { odo_session_destroy(session); }
   App(const App&) = delete;
@@ -88,12 +88,17 @@ class App {
   odo_session* session = nullptr;
   int32_t status;
   std::string message;
-  std::vector<std::string> events;  // the bytes of every event
+  std::vector<std::string> events;  // the bytes of every event but reports
+  std::vector<odo_report> reports;
   std::atomic<int> poses{0};
 
  private:
   static void on_event(void* user, const odo_header* event) {
     auto& self = *static_cast<App*>(user);
+    if (event->type == ODO_TYPE_REPORT) {  // what people are told is no part of what a run gives
+      self.reports.push_back(as<odo_report>(*event));
+      return;
+    }
     self.events.emplace_back(reinterpret_cast<const char*>(event), event->struct_size);
     if (event->type == ODO_TYPE_POSE) {
       ++self.poses;

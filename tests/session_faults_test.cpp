@@ -11,8 +11,8 @@
 
 #include <odograph/odograph.h>
 
-#include "sdk/plugin_host/write_manifest.hpp"
 #include "tests/session_app.hpp"
+#include "tests/test_plugins.hpp"
 
 using namespace odograph;
 using namespace std::chrono_literals;
@@ -22,23 +22,6 @@ TEST_SUITE_BEGIN("session_faults");
 namespace {
 
 constexpr int64_t kMs = 1'000'000;
-
-/// The tests' own plugins with manifests, in a folder of their own.
-class TestPlugins {
- public:
-  explicit TestPlugins(std::initializer_list<const char*> names) {
-    for (const std::string name : names) {
-      const auto library = folder_ / (name + ".so");
-      std::filesystem::copy_file(std::filesystem::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ".so"), library);
-      const auto written = write_manifest_beside(library);
-      REQUIRE_MESSAGE(written.ok(), (written.ok() ? "" : written.failure().text));
-    }
-  }
-  std::string path() const { return folder_.path().string(); }
-
- private:
-  TemporaryFolder folder_;
-};
 
 const std::string kNeedy = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: test/needy_vo\n";
 
@@ -217,8 +200,9 @@ TEST_CASE("an app may push within release and within a callback") {
       App app(kNeedy + "time_ordering:\n  frames: 64\n", run, plugins.path());
       REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
       reentrant.session = app.session;
+      const uint32_t poses = ODO_TYPE_POSE;
       odo_session_set_callback(
-          app.session, ODO_ON_POSE,
+          app.session, &poses, 1,
           [](void* user, const odo_header*) {
             auto& self = *static_cast<Reentrant*>(user);
             self.push_barometer();
@@ -252,8 +236,9 @@ TEST_CASE("a live session calls back on one thread of its own, also while flush 
     int after_end = 0;
     std::atomic<bool> ended{false};
   } seen;
+  const uint32_t both[] = {ODO_TYPE_ATTITUDE, ODO_TYPE_POSE};
   odo_session_set_callback(
-      app.session, ODO_ON_ATTITUDE | ODO_ON_POSE,
+      app.session, both, 2,
       [](void* user, const odo_header*) {
         auto& self = *static_cast<Seen*>(user);
         if (self.ended) ++self.after_end;
@@ -266,7 +251,7 @@ TEST_CASE("a live session calls back on one thread of its own, also while flush 
   }
   CHECK(app.statistics().processed == 1000);
   app.walk(1000, 1200);
-  odo_session_set_callback(app.session, 0, nullptr, nullptr);
+  odo_session_set_callback(app.session, nullptr, 0, nullptr, nullptr);
   seen.ended = true;
   odo_session_flush(app.session);
   CHECK(seen.threads.size() > 900);
@@ -284,8 +269,9 @@ TEST_CASE("pose and statistics are answered while the pipeline is busy") {
   struct Gate {
     std::atomic<bool>&blocked, &go_on;
   } gate{blocked, go_on};
+  const uint32_t attitudes = ODO_TYPE_ATTITUDE;
   odo_session_set_callback(
-      app.session, ODO_ON_ATTITUDE,
+      app.session, &attitudes, 1,
       [](void* user, const odo_header*) {  // an app that takes its time: the pipeline stands still
         auto& self = *static_cast<Gate*>(user);
         self.blocked = true;
@@ -307,7 +293,7 @@ TEST_CASE("pose and statistics are answered while the pipeline is busy") {
     pose_us.push_back(std::chrono::duration<double, std::micro>(end - middle).count());
   }
   go_on = true;
-  odo_session_set_callback(app.session, 0, nullptr, nullptr);
+  odo_session_set_callback(app.session, nullptr, 0, nullptr, nullptr);
   std::sort(statistics_us.begin(), statistics_us.end());
   std::sort(pose_us.begin(), pose_us.end());
   MESSAGE("statistics: median " << statistics_us[1000] << " us, 99 % " << statistics_us[1980] << " us; pose: median "

@@ -24,10 +24,10 @@ odo_header message(uint32_t type, int64_t t_ns) {
 
 /// Whole messages for the queue, which copies by type.
 AnyMessage whole(uint32_t type, int64_t t_ns) {
-  AnyMessage m{};
-  m.header() = message(type, t_ns);
-  m.header().struct_size = static_cast<uint32_t>(message_info(type)->size);
-  return m;
+  odo_pose room{};  // larger than any sample here
+  room.header = message(type, t_ns);
+  room.header.struct_size = static_cast<uint32_t>(message_info(type)->size);
+  return AnyMessage(room.header);
 }
 
 std::vector<std::pair<int64_t, uint32_t>> drain(TimeOrder& order) {

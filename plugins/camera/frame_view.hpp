@@ -40,6 +40,9 @@ inline cv::Mat grey_of(const odo_frame& frame, cv::Mat& converted) {
     case ODO_FORMAT_RGBA8:
       cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), converted, cv::COLOR_RGBA2GRAY);
       return converted;
+    case ODO_FORMAT_BGRA8:
+      cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), converted, cv::COLOR_BGRA2GRAY);
+      return converted;
     default: return {rows, columns, CV_8UC1, data, stride};
   }
 }

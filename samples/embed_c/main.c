@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   odo_session_options options;
   odo_session* session = NULL;
   odo_error error;
+  const uint32_t wanted = ODO_TYPE_STEP;
   odo_pose pose;
   int steps = 0;
   int i;
@@ -44,7 +45,7 @@ int main(int argc, char** argv) {
     fprintf(stderr, "%s\n", error.message);
     return 2;
   }
-  odo_session_set_callback(session, ODO_ON_STEP, on_event, &steps);
+  odo_session_set_callback(session, &wanted, 1, on_event, &steps);
 
   for (i = 0; i < 2000; ++i) {
     const double t = i * 0.01;

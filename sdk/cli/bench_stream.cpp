@@ -114,7 +114,8 @@ Result<Stream> run_stream(const Recording& recording, const StreamArguments& a) 
     return Failure{status, error.message};
   const std::unique_ptr<odo_session, void (*)(odo_session*)> session(raw, odo_session_destroy);
   Stream stream;
-  odo_session_set_callback(raw, ODO_ON_POSE | ODO_ON_CORRECTION, on_event, &stream);
+  const uint32_t wanted[] = {ODO_TYPE_POSE, ODO_TYPE_CORRECTION};
+  odo_session_set_callback(raw, wanted, 2, on_event, &stream);
 
   const auto arrivals = arrivals_of(recording, a);
   const auto ahead_ns = static_cast<int64_t>(a.ahead_ms * 1e6);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
+#include <fstream>
 
 #include "sdk/base/nearest.hpp"
 #include "sdk/cli/commands.hpp"
-#include "sdk/plugin_host/check.hpp"
+#include "sdk/cli/plugin_skeleton.hpp"
 #include "sdk/plugin_host/registry.hpp"
-#include "sdk/plugin_host/write_manifest.hpp"
+#include "sdk/validator/check.hpp"
+#include "sdk/validator/write_manifest.hpp"
 
 namespace odograph {
 namespace {
@@ -38,20 +40,39 @@ int plugins(const std::string& id, const std::string& folder) {
   return kBadUsage;
 }
 
-int check(const std::string& file, const std::vector<std::string>& set) {
-  std::vector<std::pair<std::string, std::string>> settings;
-  for (const std::string& one : set) {
+struct CheckWish {
+  std::string file, format = "text", output;
+  std::vector<std::string> set, only;
+  bool list = false, times = false;
+};
+
+int check(const CheckWish& wish) {
+  if (wish.list) {
+    for (const auto& [id, what] : plugin_check_cases()) std::printf("%-26s %s\n", id.c_str(), what.c_str());
+    return kDone;
+  }
+  if (wish.file.empty()) return complain({ODO_E_ARGUMENT, "which plugin library? (odograph plugin check FILE.so)"});
+  CheckOptions options;
+  options.only = wish.only;
+  for (const std::string& one : wish.set) {
     const auto equals = one.find('=');
     if (equals == std::string::npos) return complain({ODO_E_ARGUMENT, "--set " + one + ": expected NAME=VALUE"});
-    settings.emplace_back(one.substr(0, equals), one.substr(equals + 1));
+    options.settings.emplace_back(one.substr(0, equals), one.substr(equals + 1));
   }
-  bool good = true;
-  for (const PluginCheck& check : check_plugin(file, settings)) {
-    std::printf("%-4s %s%s%s\n", check.passed ? "ok" : "FAIL", check.what.c_str(), check.detail.empty() ? "" : ": ",
-                check.detail.c_str());
-    good = good && check.passed;
+  const auto checks = check_plugin(wish.file, options);
+  const std::string text = wish.format == "json"    ? check_as_json(wish.file, checks)
+                           : wish.format == "junit" ? check_as_junit(wish.file, checks)
+                                                    : check_as_text(checks, wish.times);
+  if (wish.output.empty()) {
+    std::fputs(text.c_str(), stdout);
+  } else {
+    std::ofstream out(wish.output, std::ios::binary);
+    out << text;
+    if (!out.flush()) return complain({ODO_E_NOT_FOUND, wish.output + ": cannot be written"});
   }
-  return good ? kDone : kPluginFailure;
+  for (const PluginCheck& one : checks)
+    if (one.outcome == PluginCheck::Outcome::failed) return kPluginFailure;
+  return kDone;
 }
 
 }  // namespace
@@ -67,12 +88,36 @@ void add_plugins(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("plugin", "For vendors: check a plugin library, write its manifest");
   command->require_subcommand(1);
   auto file = std::make_shared<std::string>();
+  auto wish = std::make_shared<CheckWish>();
   auto* check_command =
-      command->add_subcommand("check", "Put a plugin library to the test, each test in a process of its own");
-  check_command->add_option("file", *file, "plugin library")->required();
-  auto set = std::make_shared<std::vector<std::string>>();
-  check_command->add_option("--set", *set, "a parameter that has no good default, as NAME=VALUE");
-  check_command->callback([=, &status] { status = check(*file, *set); });
+      command->add_subcommand("check", "Put a plugin library to the test, each case in a process of its own");
+  check_command->add_option("file", wish->file, "plugin library");
+  check_command->add_option("--set", wish->set, "a parameter that has no good default, as NAME=VALUE");
+  check_command->add_option("--only", wish->only, "only cases whose id begins with this, such as events or step.late");
+  check_command->add_option("--format", wish->format, "text, json or junit")
+      ->check(CLI::IsMember({"text", "json", "junit"}));
+  check_command->add_option("-o,--output", wish->output, "file to write to instead of the terminal");
+  check_command->add_flag("--times", wish->times, "how long each case took");
+  check_command->add_flag("--list", wish->list, "list the cases");
+  check_command->callback([=, &status] { status = check(*wish); });
+  struct NewWish {
+    std::string kind, id, folder;
+    bool in_c = false;
+  };
+  auto fresh = std::make_shared<NewWish>();
+  auto* new_command = command->add_subcommand("new", "Write the source of a new plugin, ready to be built and run");
+  new_command->add_option("kind", fresh->kind, "attitude, step_estimator, vo_frontend, scale_source or absolute_fixer")
+      ->required();
+  new_command->add_option("id", fresh->id, "group/name")->required();
+  new_command->add_option("folder", fresh->folder, "where to; a folder of the plugin's name unless given");
+  new_command->add_flag("--c", fresh->in_c, "in C99 instead of C++17");
+  new_command->callback([=, &status] {
+    const std::filesystem::path where =
+        fresh->folder.empty() ? fresh->id.substr(fresh->id.find('/') + 1) : fresh->folder;
+    const auto written = write_plugin_skeleton(fresh->kind, fresh->id, where, fresh->in_c);
+    status = written ? kDone : complain(written.failure());
+    if (written) std::printf("%s: see README.md there\n", where.c_str());
+  });
   auto* manifest = command->add_subcommand("manifest", "Write NAME.odoplugin.json beside a plugin library");
   manifest->add_option("file", *file, "plugin library")->required();
   manifest->callback([=, &status] {

@@ -142,15 +142,16 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   RunResult result;
   result.config_text = config->text;
   Collector collector{result};
-  uint64_t wanted = ODO_ON_POSE | ODO_ON_VO_MOTION | ODO_ON_STEP | ODO_ON_MOTION_MODE | ODO_ON_SCALE | ODO_ON_FIX |
-                    ODO_ON_STATE | ODO_ON_CALIBRATION;
-  if (options.collect_attitudes) wanted |= ODO_ON_ATTITUDE;
-  odo_session_set_callback(session, wanted, Collector::on_event, &collector);
+  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,  ODO_TYPE_VO_MOTION, ODO_TYPE_STEP,  ODO_TYPE_MOTION_MODE,
+                                  ODO_TYPE_SCALE, ODO_TYPE_FIX,       ODO_TYPE_STATE, ODO_TYPE_CALIBRATION};
+  if (options.collect_attitudes) wanted.push_back(ODO_TYPE_ATTITUDE);
+  odo_session_set_callback(session, wanted.data(), static_cast<uint32_t>(wanted.size()), Collector::on_event,
+                           &collector);
   size_t done = 0;
   for (const RecordedMessage& message : recording.messages) {
     const bool is_frame = message.message.header().type == ODO_TYPE_FRAME;
     collector.pushed_ns = message.message.header().t_ns;
-    if (is_frame && !config->vo_frontend && config->fixers.empty()) {
+    if (is_frame && config->vo_frontends.empty() && config->fixers.empty()) {
       ++done;
       continue;  // nobody looks at it: do not decode it
     }

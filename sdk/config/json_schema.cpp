@@ -40,6 +40,14 @@ void quantity(JsonText& json, const Spec& spec) {
   json.key("pattern").string("^[-+0-9.eE]+ *(" + join(units, "|") + ")$").close('}').close(']');
 }
 
+void plugin(JsonText& json) {
+  json.key("type").string("object").key("additionalProperties").boolean(false);
+  json.key("required").open('[').string("plugin").close(']').key("properties").open('{');
+  json.key("plugin").open('{').key("type").string("string").close('}');
+  json.key("parameters").open('{').key("type").open('[').string("object").string("null").close(']').close('}');
+  json.close('}');
+}
+
 void describe(JsonText& json, const Spec& spec) {
   std::string help = spec.help;
   if (!spec.unit.empty()) help += (help.empty() ? "" : "; ") + std::string("in ") + spec.unit;
@@ -77,19 +85,12 @@ void describe(JsonText& json, const Spec& spec) {
       describe(json, spec.children.front());
       json.close('}');
       break;
-    case SpecType::plugin:
-      json.key("type").string("object").key("additionalProperties").boolean(false);
-      json.key("required").open('[').string("plugin").close(']').key("properties").open('{');
-      json.key("plugin").open('{').key("type").string("string").close('}');
-      json.key("parameters")
-          .open('{')
-          .key("type")
-          .open('[')
-          .string("object")
-          .string("null")
-          .close(']')
-          .close('}')
-          .close('}');
+    case SpecType::plugins:
+      json.key("oneOf").open('[').open('{');
+      plugin(json);
+      json.close('}').open('{').key("type").string("array").key("items").open('{');
+      plugin(json);
+      json.close('}').close('}').close(']');
       break;
   }
 }

@@ -84,22 +84,20 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   };
   for (const Spec& spec : pipeline_spec().children) {
     const Value& value = v[spec.name];
-    if (spec.type == SpecType::list && spec.name == "absolute_fixers") {
-      for (const Value& item : value.items) config.fixers.push_back(choose(item, spec.children.front()));
-    } else if (spec.type == SpecType::plugin && value.given) {
-      auto& slot = spec.name == "attitude"         ? config.attitude
-                   : spec.name == "step_estimator" ? config.step_estimator
-                   : spec.name == "vo_frontend"    ? config.vo_frontend
-                                                   : config.scale_source;
-      slot = choose(value, spec);
-    }
+    if (spec.type != SpecType::plugins || !value.given) continue;
+    auto& kind = spec.name == "attitude"         ? config.attitudes
+                 : spec.name == "step_estimator" ? config.step_estimators
+                 : spec.name == "vo_frontend"    ? config.vo_frontends
+                 : spec.name == "scale_source"   ? config.scale_sources
+                                                 : config.fixers;
+    for (const Value& item : value.items) kind.push_back(choose(item, spec));
   }
-  if (config.step_estimator && !config.attitude)
+  if (!config.step_estimators.empty() && config.attitudes.empty())
     return Failure{
         ODO_E_CONFIG,
         at(name, v["step_estimator"].mark,
            "step_estimator: needs orientation; expected an 'attitude' plugin beside it (nearest: 'attitude')")};
-  if (config.scale_source && !config.vo_frontend)
+  if (!config.scale_sources.empty() && config.vo_frontends.empty())
     return Failure{
         ODO_E_CONFIG,
         at(name, v["scale_source"].mark,

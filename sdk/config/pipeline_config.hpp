@@ -66,8 +66,7 @@ struct PipelineConfig {
   OrderingConfig ordering;
   CouplingConfig coupling;
   ReplayConfig replay;
-  std::optional<PluginChoice> attitude, step_estimator, vo_frontend, scale_source;
-  std::vector<PluginChoice> fixers;
+  std::vector<PluginChoice> attitudes, step_estimators, vo_frontends, scale_sources, fixers;  // any number of each
 };
 
 /// The table of the whole file; the JSON Schema and the help are made from it.

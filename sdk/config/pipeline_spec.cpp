@@ -17,7 +17,7 @@ Spec texts(const char* name, const char* item, const char* help) {
   return {.name = name, .type = SpecType::list, .help = help, .children = {{.name = item, .type = SpecType::text}}};
 }
 Spec plugin(const char* name, const char* interface_id, const char* help) {
-  return {.name = name, .type = SpecType::plugin, .help = help, .interface_id = interface_id};
+  return {.name = name, .type = SpecType::plugins, .help = help, .interface_id = interface_id};
 }
 
 }  // namespace
@@ -32,10 +32,6 @@ const Spec& pipeline_spec() {
                   .fallback = "[0, 0, 0]",
                   .help = "north, east, down",
                   .count = 3};
-    Spec fixers{.name = "absolute_fixers",
-                .type = SpecType::list,
-                .help = "positions and orientations from outside, any number",
-                .children = {plugin("fixer", ODO_INTERFACE_ABSOLUTE_FIXER, "")}};
     return map(
         "pipeline", "An Odograph pipeline",
         {
@@ -81,7 +77,7 @@ const Spec& pipeline_spec() {
             plugin("step_estimator", ODO_INTERFACE_STEP_ESTIMATOR, "steps and how the device is carried"),
             plugin("vo_frontend", ODO_INTERFACE_VO_FRONTEND, "camera motion up to scale"),
             plugin("scale_source", ODO_INTERFACE_SCALE_SOURCE, "metres per VO unit"),
-            fixers,
+            plugin("absolute_fixers", ODO_INTERFACE_ABSOLUTE_FIXER, "positions and orientations from outside"),
             map("coupling", "how everything becomes one pose",
                 {
                     choice("type", "paper|per_frame|inertial", "paper",

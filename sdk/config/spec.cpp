@@ -33,7 +33,7 @@ class Checker {
     value.given = true;
     switch (spec.type) {
       case SpecType::map: check_map(node, spec.children, path, value); break;
-      case SpecType::plugin: check_plugin(node, spec, path, value); break;
+      case SpecType::plugins: check_plugins(node, spec, path, value); break;
       case SpecType::list: check_list(node, spec, path, value); break;
       case SpecType::reals: check_reals(node, spec, path, value); break;
       default: check_scalar(node, spec, path, value);
@@ -70,8 +70,8 @@ class Checker {
     }
     for (const Spec& spec : table) {
       const YamlNode* child = node.find(spec.name);
-      if (child && child->kind == YamlNode::Kind::null && spec.type != SpecType::map && spec.type != SpecType::plugin &&
-          spec.type != SpecType::list) {
+      if (child && child->kind == YamlNode::Kind::null && spec.type != SpecType::map &&
+          spec.type != SpecType::plugins && spec.type != SpecType::list) {
         fail(child->mark, prefix + spec.name, "nothing; expected " + expectation(spec));
         value.children.push_back(default_value(spec));
       } else if (child && !(child->kind == YamlNode::Kind::null && spec.type != SpecType::map)) {
@@ -106,6 +106,18 @@ class Checker {
     one.type = SpecType::real;
     for (size_t i = 0; i < node.items.size(); ++i)
       value.reals.push_back(check(node.items[i], one, path + "[" + std::to_string(i) + "]").real);
+  }
+
+  /// One plugin or a list of them.
+  void check_plugins(const YamlNode& node, const Spec& spec, const std::string& path, Value& value) {
+    const bool several = node.kind == YamlNode::Kind::sequence;
+    for (size_t i = 0; i < (several ? node.items.size() : 1); ++i) {
+      const YamlNode& one = several ? node.items[i] : node;
+      Value& item = value.items.emplace_back(Value{.name = spec.name});
+      item.mark = one.mark;
+      item.given = true;
+      check_plugin(one, spec, several ? path + "[" + std::to_string(i) + "]" : path, item);
+    }
   }
 
   /// {plugin: id, parameters: {...}}; the parameters are checked against the table in the plugin's manifest.
@@ -221,7 +233,7 @@ std::string expectation(const Spec& spec) {
     case SpecType::choice: return "one of " + join(split(spec.choices, '|'));
     case SpecType::text: return "a text" + (spec.help.empty() ? "" : " (" + spec.help + ")");
     case SpecType::list: return "a list, each item " + expectation(spec.children.front());
-    case SpecType::plugin: return "a map {plugin: ID, parameters: {...}}";
+    case SpecType::plugins: return "a map {plugin: ID, parameters: {...}}, or a list of such";
     default: return "a map";
   }
 }

@@ -10,7 +10,7 @@
 
 namespace odograph {
 
-enum class SpecType { boolean, integer, real, reals, text, choice, map, list, plugin };
+enum class SpecType { boolean, integer, real, reals, text, choice, map, list, plugins };
 
 /// One line of a table that says what may stand in a file. The same tables feed validation, the JSON Schema, the help
 /// texts and a plugin's manifest.
@@ -25,7 +25,7 @@ struct Spec {
   std::string help;
   bool required = false;
   size_t count = 1;            // of reals
-  std::string interface_id;    // of a plugin
+  std::string interface_id;    // of plugins
   std::vector<Spec> children;  // of a map; of a list the one item
 
   bool bounded() const { return min != 0.0 || max != 0.0; }

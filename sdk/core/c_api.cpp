@@ -33,7 +33,7 @@ int32_t guarded(Work&& work) noexcept {
 }
 
 int32_t fail(odo_error* error, const Failure& failure) {
-  if (error && error->struct_size >= sizeof *error) {
+  if (error && error->struct_size >= ODO_ERROR_SIZE_MIN) {
     error->status = failure.status;
     std::snprintf(error->message, sizeof error->message, "%s", failure.text.c_str());
   }
@@ -64,13 +64,13 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
   return ODO_OK;
 }
 
-int32_t get_pose(odo_session* session, int64_t t_ns, bool smooth, odo_pose* pose) {
+int32_t get_pose(odo_session* session, uint32_t of, bool smooth, int64_t t_ns, odo_pose* pose) {
   if (!session || !pose) return ODO_E_ARGUMENT;
   const uint32_t size = pose->header.struct_size;
   if (size < sizeof(odo_header)) return ODO_E_STRUCT_SIZE;
   return guarded([&] {
     odo_pose found{};
-    const int32_t status = session->session->pose(t_ns, smooth, found);
+    const int32_t status = session->session->pose_of(of, smooth, t_ns, found);
     if (status != ODO_OK) return status;
     found.header.struct_size = std::min<uint32_t>(size, sizeof found);
     std::memcpy(static_cast<void*>(pose), &found, found.header.struct_size);
@@ -85,8 +85,9 @@ extern "C" {
 int32_t odo_session_create(const odo_session_options* options, odo_session** session, odo_error* error) {
   if (session) *session = nullptr;
   if (!options || !session) return fail(error, {ODO_E_ARGUMENT, "options and session must not be null"});
-  if (options->struct_size < offsetof(odo_session_options, plugin_path))
-    return fail(error, {ODO_E_STRUCT_SIZE, "odo_session_options.struct_size is too small; was it set?"});
+  if (options->struct_size < ODO_SESSION_OPTIONS_SIZE_MIN)
+    return fail(error, {ODO_E_STRUCT_SIZE, "odo_session_options.struct_size = " + std::to_string(options->struct_size) +
+                                               "; expected at least " + std::to_string(ODO_SESSION_OPTIONS_SIZE_MIN)});
   return guarded([&] { return create(*options, session, error); });
 }
 
@@ -112,27 +113,38 @@ int32_t odo_session_flush(odo_session* session) {
 }
 
 int32_t odo_session_get_pose(odo_session* session, int64_t t_ns, odo_pose* pose) {
-  return get_pose(session, t_ns, false, pose);
+  return get_pose(session, ODO_OF_PIPELINE, false, t_ns, pose);
 }
 
 int32_t odo_session_get_smooth_pose(odo_session* session, int64_t t_ns, odo_pose* pose) {
-  return get_pose(session, t_ns, true, pose);
+  return get_pose(session, ODO_OF_PIPELINE, true, t_ns, pose);
 }
 
-int32_t odo_session_set_callback(odo_session* session, uint32_t mask, odo_callback callback, void* user) {
-  if (!session) return ODO_E_ARGUMENT;
-  return guarded([&] { return session->session->set_callback(mask, callback, user), ODO_OK; });
+int32_t odo_session_get_pose_of(odo_session* session, uint32_t of, uint32_t smooth, int64_t t_ns, odo_pose* pose) {
+  return get_pose(session, of, smooth != 0, t_ns, pose);
+}
+
+int32_t odo_session_set_callback(odo_session* session, const uint32_t* types, uint32_t count, odo_callback callback,
+                                 void* user) {
+  const bool all = !types && count == ODO_ALL_EVENTS;
+  if (!session || (count > 0 && !types && !all)) return ODO_E_ARGUMENT;
+  return guarded([&] {
+    odograph::TypeSet wanted;
+    for (uint32_t i = 0; i < count && !all; ++i) wanted.add(types[i]);
+    session->session->set_callback(all ? odograph::TypeSet::all() : wanted, callback, user);
+    return ODO_OK;
+  });
 }
 
 int32_t odo_session_get_statistics(odo_session* session, odo_statistics* statistics) {
   if (!session || !statistics) return ODO_E_ARGUMENT;
-  if (statistics->struct_size < sizeof(uint32_t) * 2) return ODO_E_STRUCT_SIZE;
+  if (statistics->struct_size < ODO_STATISTICS_SIZE_MIN) return ODO_E_STRUCT_SIZE;
   return guarded([&] { return session->session->statistics(*statistics), ODO_OK; });
 }
 
 int32_t odo_session_last_error(odo_session* session, odo_error* error) {
   if (!session || !error) return ODO_E_ARGUMENT;
-  if (error->struct_size < sizeof *error) return ODO_E_STRUCT_SIZE;
+  if (error->struct_size < ODO_ERROR_SIZE_MIN) return ODO_E_STRUCT_SIZE;
   return guarded([&] { return session->session->last_error(*error); });
 }
 

@@ -17,10 +17,11 @@ class EventQueue {
   /// A new sample: what it gives is counted from here.
   void begin() { taken_ = 0; }
   /// Copies an event. False, and nothing done, when the sample has given its share already.
-  bool push(const odo_header& event) {
+  bool push(const AnyMessage& event) {
     if (taken_ >= events_.size() || count_ >= events_.size()) return false;
     ++taken_;
-    return events_[(first_ + count_++) % events_.size()].assign(event);
+    events_[(first_ + count_++) % events_.size()] = event;
+    return true;
   }
   bool empty() const { return count_ == 0; }
   /// The oldest; valid until it is popped.

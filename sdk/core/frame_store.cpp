@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "sdk/core/messages.hpp"
+
 namespace odograph {
 namespace {
 
@@ -21,6 +23,12 @@ PlaneSize plane_size(const odo_frame& frame, int plane) {
       [[fallthrough]];
     case ODO_FORMAT_GREY8: return plane == 0 ? PlaneSize{h, w} : PlaneSize{0, 0};
     case ODO_FORMAT_RGB8: return plane == 0 ? PlaneSize{h, w * 3} : PlaneSize{0, 0};
+    case ODO_FORMAT_YUV420:  // planes 1 and 2 lie as far apart as their pixel stride says
+      if (plane == 1 || plane == 2) {
+        const size_t stride = std::max<size_t>(frame.planes[plane].pixel_stride, 1);
+        return {(h + 1) / 2, ((w + 1) / 2 - 1) * stride + 1};
+      }
+      return plane == 0 ? PlaneSize{h, w} : PlaneSize{0, 0};
     default: return plane == 0 ? PlaneSize{h, w * 4} : PlaneSize{0, 0};
   }
 }
@@ -69,7 +77,7 @@ bool FrameStore::copy_pixels(odo_frame& frame, std::vector<uint8_t>& pixels) {
   return !masked || copy(frame.mask, {frame.height, frame.width});
 }
 
-int32_t FrameStore::adopt(const odo_frame& frame, odo_frame& held) {
+int32_t FrameStore::adopt(odo_frame& frame) {
   Holder* holder = nullptr;
   {
     const std::lock_guard lock(mutex_);
@@ -81,17 +89,18 @@ int32_t FrameStore::adopt(const odo_frame& frame, odo_frame& held) {
       }
   }
   if (!holder) return ODO_E_EXHAUSTED;
-  holder->original = frame;
+  holder->original = copy_as<odo_frame>(frame.header);
   holder->copied = !(frame.retain && frame.release);
-  held = frame;
-  const bool kept = holder->copied ? copy_pixels(held, holder->pixels) : frame.retain(&frame) >= 0;
+  const bool kept = holder->copied ? copy_pixels(frame, holder->pixels) : frame.retain(&holder->original) >= 0;
   if (!kept) {
+    frame.release = nullptr;
+    const int32_t status = holder->copied ? ODO_E_DISCARD : ODO_E_EXHAUSTED;
     holder->holds = 0;
-    return holder->copied ? ODO_E_DISCARD : ODO_E_EXHAUSTED;
+    return status;
   }
-  held.owner = holder;
-  held.retain = retain;
-  held.release = release;
+  frame.owner = holder;
+  frame.retain = retain;
+  frame.release = release;
   return ODO_OK;
 }
 

@@ -20,9 +20,10 @@ class FrameStore {
   FrameStore(const FrameStore&) = delete;
   FrameStore& operator=(const FrameStore&) = delete;
 
-  /// Replaces the app's hold functions by the store's. The caller owns one hold and gives it up with release.
-  /// ODO_E_EXHAUSTED when the quota is used up or the app refuses.
-  int32_t adopt(const odo_frame& frame, odo_frame& held);
+  /// Replaces the app's hold functions by the store's, in a message that is as large as the host's struct. The caller
+  /// owns one hold and gives it up with release. ODO_E_EXHAUSTED when the quota is used up or the app refuses,
+  /// ODO_E_DISCARD when a row is longer than its stride; the frame has no release then.
+  int32_t adopt(odo_frame& frame);
   /// Frames held now.
   size_t in_use() const;
 

@@ -1,26 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include <odograph/types.h>
+#include <odograph/messages.h>
 
 namespace odograph {
 
-/// What the host knows of a message type: its name in files, how large version 1.0 of it is, and where its numbers are.
+/// What the host knows of a message type: its name in files, how large its struct is, and how large in version 1.0.
 struct MessageInfo {
   uint32_t type;
   const char* name;
-  size_t size;  // of the host's struct, which is version 1.0
-  bool is_input;
+  size_t size;      // of the host's struct
+  size_t min_size;  // of version 1.0: what is smaller is refused
 };
 
 /// Null for a type the host does not know.
 const MessageInfo* message_info(uint32_t type);
+/// "imu", "fix", or the number of a type that the host does not know.
+std::string message_name(uint32_t type);
+/// Whether an app may push it: everything but events and 0.
+inline bool is_input(uint32_t type) { return type != 0 && !ODO_IS_EVENT(type); }
 
-/// True when every number whose validity bit is set is finite, and quaternions are of unit length within 1e-3.
-bool message_is_finite(const odo_header& message);
+/// Why a message cannot be used, as "field = value; expected ...": a number whose validity bit is set and that is not
+/// finite or out of its range, a quaternion that is not of unit length within 1e-3. Empty where it can. Only for
+/// messages that are known to be as large as the host's struct (AnyMessage).
+std::string message_fault(const odo_header& message);
+inline bool message_is_good(const odo_header& message) { return message_fault(message).empty(); }
 
 /// A zeroed message with its size, type and time filled in.
 template <class Message>
@@ -39,31 +51,108 @@ const Message& as(const odo_header& header) {
   return reinterpret_cast<const Message&>(header);
 }
 
-constexpr size_t kLargestMessage = 640;
+/// The message by value as the host knows it: what its writer had beyond is left away, what it lacked is zero.
+template <class Message>
+Message copy_as(const odo_header& header) {
+  Message message{};
+  std::memcpy(static_cast<void*>(&message), &header, std::min<size_t>(header.struct_size, sizeof message));
+  message.header.struct_size = sizeof message;
+  return message;
+}
+
 constexpr double kNanoseconds = 1e-9;
 
-/// A message by value, whatever its type.
-struct AnyMessage {
-  alignas(8) unsigned char bytes[kLargestMessage];
-  const odo_header& header() const { return *reinterpret_cast<const odo_header*>(bytes); }
-  odo_header& header() { return *reinterpret_cast<odo_header*>(bytes); }
-  /// Copies what both sides know of the message and zeroes the rest. False when it is smaller than version 1.0.
+/// A message by value, whatever its type and whoever wrote it: a newer writer's fields are kept, an older one's missing
+/// fields are zero, and struct_size stays the writer's. There is always room for the host's struct. Larger messages
+/// than the host's own are kept on the heap.
+class AnyMessage {
+ public:
+  AnyMessage() { std::memset(inside_, 0, sizeof(odo_header)); }
+  explicit AnyMessage(const odo_header& message) : AnyMessage() { assign(message); }
+  AnyMessage(const AnyMessage& other) { copy(other); }
+  AnyMessage& operator=(const AnyMessage& other) {
+    if (this != &other) copy(other);
+    return *this;
+  }
+  AnyMessage(AnyMessage&& other) noexcept { take(other); }
+  AnyMessage& operator=(AnyMessage&& other) noexcept {
+    if (this != &other) take(other);
+    return *this;
+  }
+
+  const odo_header& header() const { return *reinterpret_cast<const odo_header*>(data()); }
+  odo_header& header() { return *reinterpret_cast<odo_header*>(data()); }
+  /// As its writer had it.
+  std::span<const unsigned char> bytes() const { return {data(), header().struct_size}; }
+  /// False, and nothing done, when it is smaller than version 1.0 of it or larger than any message may be.
   bool assign(const odo_header& message);
+
+ private:
+  static constexpr size_t kInside = 640;
+  unsigned char* data() { return outside_.empty() ? inside_ : reinterpret_cast<unsigned char*>(outside_.data()); }
+  const unsigned char* data() const { return const_cast<AnyMessage*>(this)->data(); }
+  void copy(const AnyMessage& other) {
+    room_ = other.room_;
+    outside_ = other.outside_;
+    if (outside_.empty()) std::memcpy(inside_, other.inside_, room_);
+  }
+  void take(AnyMessage& other) noexcept {
+    room_ = other.room_;
+    outside_ = std::move(other.outside_);
+    if (outside_.empty()) std::memcpy(inside_, other.inside_, room_);
+    other.room_ = sizeof(odo_header);
+    other.outside_.clear();
+  }
+
+  alignas(8) unsigned char inside_[kInside];
+  size_t room_ = sizeof(odo_header);
+  std::vector<uint64_t> outside_;
+};
+
+/// A set of message types that is asked with every message. [any, once built]
+class TypeSet {
+ public:
+  static TypeSet all() {
+    TypeSet set;
+    set.all_ = true;
+    return set;
+  }
+  void add(uint32_t type) {
+    known_ |= bit(type);
+    if (bit(type) == 0 && !has(type)) others_.push_back(type);
+  }
+  bool has(uint32_t type) const {
+    if (all_) return true;
+    if (const uint64_t own = bit(type)) return (known_ & own) != 0;
+    return !others_.empty() && std::find(others_.begin(), others_.end(), type) != others_.end();
+  }
+  bool empty() const { return !all_ && known_ == 0 && others_.empty(); }
+
+ private:
+  /// Inputs and events below 32 each have a bit of their own.
+  static uint64_t bit(uint32_t type) {
+    if (type < 32) return uint64_t(1) << type;
+    return type - 0x1000 < 32 ? uint64_t(1) << (type - 0x1000 + 32) : 0;
+  }
+
+  bool all_ = false;
+  uint64_t known_ = 0;
+  std::vector<uint32_t> others_;
 };
 
 /// A message by value that owns the hold of its frame, if it is one: whoever has it last gives the frame back.
 class OwnedMessage {
  public:
-  OwnedMessage() { message_.header().type = 0; }
-  /// Copies the message (of a type the host knows) and takes over the hold of a frame.
-  explicit OwnedMessage(const odo_header& message) {
-    if (!message_.assign(message)) message_.header().type = 0;
-  }
-  OwnedMessage(OwnedMessage&& other) noexcept { take(other); }
+  OwnedMessage() = default;
+  /// Takes over the message and the hold of a frame.
+  explicit OwnedMessage(AnyMessage&& message) : message_(std::move(message)) {}
+  explicit OwnedMessage(const odo_header& message) : message_(message) {}
+  OwnedMessage(OwnedMessage&& other) noexcept : message_(std::move(other.message_)) { other.header().type = 0; }
   OwnedMessage& operator=(OwnedMessage&& other) noexcept {
     if (this == &other) return *this;
     release();
-    take(other);
+    message_ = std::move(other.message_);
+    other.header().type = 0;
     return *this;
   }
   ~OwnedMessage() { release(); }
@@ -81,12 +170,6 @@ class OwnedMessage {
   }
 
  private:
-  void take(OwnedMessage& other) {
-    if (!other.empty()) std::memcpy(message_.bytes, other.message_.bytes, other.header().struct_size);
-    header().type = other.empty() ? 0 : header().type;
-    other.header().type = 0;
-  }
-
   AnyMessage message_;
 };
 

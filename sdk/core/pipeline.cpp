@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <string>
 
+#include <odograph/step_estimator.h>
+
 namespace odograph {
 
 void Pipeline::process(const odo_header& message) {
@@ -14,68 +16,65 @@ void Pipeline::process(const odo_header& message) {
     case ODO_TYPE_IMU_NOISE:
       remember(message);
       estimator_->on_imu_noise(as<odo_imu_noise>(message));
-      ask(attitude_, message);
-      ask(vo_, message);
-      break;
-    case ODO_TYPE_MAGNETOMETER:
-      ask(attitude_, message);
-      ask(vo_, message);
+      ask(message);
       break;
     case ODO_TYPE_FRAME:
       ++counters_.frames;
-      if (vo_) estimator_->update(FrameTime{message.t_ns});
+      if (has_vo_) estimator_->update(FrameTime{message.t_ns});
       publish_estimates();
-      ask(vo_, message);
-      ask_fixers(message);
+      ask(message);
       break;
     case ODO_TYPE_CALIBRATION:
       remember(message);
       estimator_->on_calibration(as<odo_calibration>(message));
-      ask(vo_, message);
-      ask_fixers(message);
+      ask(message);
       break;
     case ODO_TYPE_BAROMETER:
       estimator_->update(&as<odo_barometer>(message));
-      ask(step_, message);
-      ask_fixers(message);
+      ask(message);
       break;
-    default: ask_fixers(message);  // GNSS, waypoints
+    default: ask(message);  // magnetometer, GNSS, waypoints, and what only a plugin knows
   }
   handle_events();
   watch_silence();
 }
 
-/// The attitude first: it is a prior of what the others make of the same sample.
 void Pipeline::on_imu(const odo_imu& imu) {
   events_.begin();
   estimator_->propagate(imu);
   publish_estimates();
-  ask(attitude_, imu.header);
-  ask(vo_, imu.header);
-  ask(step_, imu.header);
+  ask(imu.header);
 }
 
-/// Hands a message to a plugin, and handles all that comes of it.
-void Pipeline::ask(const std::unique_ptr<PluginInstance>& plugin, const odo_header& message) {
-  if (!plugin) return;
-  take(*plugin, message);
-  handle_events();
+/// Hands a sample to the plugins that want it, the attitude first: it is a prior of what the others make of the same
+/// sample. All that comes of it is handled before the next one is asked.
+void Pipeline::ask(const odo_header& message) {
+  bool wanted = message_info(message.type) != nullptr;
+  for (PluginInstance* plugin : asked_) {
+    if (!plugin->wants(message.type)) continue;
+    wanted = true;
+    take(*plugin, message);
+    handle_events();
+  }
+  if (!wanted) ++counters_.unknown;
 }
 
-void Pipeline::ask_fixers(const odo_header& message) {
-  for (const auto& fixer : fixers_) ask(fixer, message);
+/// Hands an event to the plugins that want it, but not to the one that it came from.
+void Pipeline::tell(const odo_header& event) {
+  for (PluginInstance* plugin : asked_)
+    if (plugin->number() != event.source && plugin->wants(event.type)) take(*plugin, event);
 }
 
 /// Hands a message to a plugin and copies what it answers into the queue.
 void Pipeline::take(PluginInstance& plugin, const odo_header& message) {
-  for (const AnyMessage& event : plugin.process(message)) enqueue(event.header());
+  for (const AnyMessage& event : plugin.process(message)) enqueue(event);
   if (plugin.take_reset()) describe_sensors_to(plugin);
 }
 
 /// After a reset a plugin knows of no camera any more.
 void Pipeline::describe_sensors_to(PluginInstance& plugin) {
   for (const AnyMessage& description : descriptions_)
-    for (const AnyMessage& event : plugin.process(description.header())) enqueue(event.header());
+    for (const AnyMessage& event : plugin.process(description.header())) enqueue(event);
   plugin.take_reset();
 }
 
@@ -90,18 +89,17 @@ void Pipeline::remember(const odo_header& description) {
   (found != descriptions_.end() ? *found : descriptions_.emplace_back()).assign(description);
 }
 
-void Pipeline::enqueue(const odo_header& event) {
+void Pipeline::enqueue(const AnyMessage& event) {
   if (events_.push(event)) return;
   ++counters_.events_dropped;
-  host_.report(event.source, ODO_SEVERITY_WARNING, "event_limit",
-               std::string("a ") + message_info(event.type)->name + " was dropped: one sample has given " +
+  host_.report(event.header().source, ODO_SEVERITY_WARNING, "event_limit",
+               "a " + message_name(event.header().type) + " was dropped: one sample has given " +
                    std::to_string(events_.limit()) + " events already; plugins that answer each other without end?");
 }
 
 void Pipeline::handle_events() {
   while (!events_.empty()) {
-    AnyMessage event;
-    event.assign(events_.front().header());
+    AnyMessage event = events_.front();
     events_.pop();
     handle(event);
     // Fixes of one call count as one: the corrected pose comes after the last of them.
@@ -110,73 +108,95 @@ void Pipeline::handle_events() {
   }
 }
 
+/// Whether an event is of the plugin whose events of this type are used: the first that is alive.
+bool Pipeline::in_use(const odo_header& event) const {
+  for (const auto& plugin : plugins_)
+    if (plugin->alive() && plugin->gives(event.type)) return plugin->number() == event.source;
+  return false;
+}
+
 void Pipeline::handle(AnyMessage& event) {
   const odo_header& header = event.header();
   switch (header.type) {
-    case ODO_TYPE_VO_MOTION: return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
     case ODO_TYPE_FIX: return on_fix(reinterpret_cast<odo_fix&>(event.header()));
-    case ODO_TYPE_POSE:  // a prior for the fixers; it has been published
-      for (const auto& fixer : fixers_) take(*fixer, header);
-      return;
-    default: publish_(header);
+    case ODO_TYPE_POSE: return tell(header);  // a prior for the fixers; it has been published
+    case ODO_TYPE_VO_MOTION:
+      if (in_use(header)) return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
+      break;
+    default: break;
   }
+  publish_(header);
   switch (header.type) {
     case ODO_TYPE_ATTITUDE:
-      poses_.predictor().add_attitude(as<odo_attitude>(header));
-      if (!camera_knows_bias_)
-        poses_.predictor().set_biases(Eigen::Vector3d(as<odo_attitude>(header).gyro_bias_b), Eigen::Vector3d::Zero());
-      estimator_->update(&as<odo_attitude>(header));
-      publish_estimates();
-      if (vo_) take(*vo_, header);
-      if (step_) take(*step_, header);
+      if (in_use(header)) on_attitude(as<odo_attitude>(header));
       break;
     case ODO_TYPE_STEP:
-      if (scale_) take(*scale_, header);
+      if (!in_use(header)) break;
+      tell(header);
       ++counters_.steps;
       estimator_->update(&as<odo_step>(header));
       break;
     case ODO_TYPE_MOTION_MODE:
-      if (scale_) take(*scale_, header);
+      if (!in_use(header)) break;
+      tell(header);
       estimator_->update(&as<odo_motion_mode>(header));
       break;
     case ODO_TYPE_SCALE:
-      scale_to_come_ = as<odo_scale>(header);
+      for (size_t i = 0; i < scales_.size(); ++i)
+        if (scales_[i]->number() == header.source) scale_join_.note(i, as<odo_scale>(header));
       estimator_->update(&as<odo_scale>(header));
       break;
-    default: break;
+    case ODO_TYPE_VO_MOTION:
+    case ODO_TYPE_CALIBRATION: break;
+    default: tell(header);  // a vendor's
   }
 }
 
-/// The scale that holds for a motion: what the source answers to it, or what it has said before; null where there is
-/// none. The answer is taken at once, because the motion needs it.
+void Pipeline::on_attitude(const odo_attitude& attitude) {
+  poses_.predictor().add_attitude(attitude);
+  if (!camera_knows_bias_)
+    poses_.predictor().set_biases(Eigen::Vector3d(attitude.gyro_bias_b), Eigen::Vector3d::Zero());
+  estimator_->update(&attitude);
+  publish_estimates();
+  tell(attitude.header);
+}
+
+/// The scale that holds for a motion: what the sources answer to it, or what they have said before; null where there is
+/// none. The answers are taken at once, because the motion needs them.
 const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
-  if (!scale_) return nullptr;
-  const odo_scale* found = nullptr;
-  const auto consider = [&](const odo_scale& scale) {
-    const bool in_time = scale.valid_from_ns < motion.header.t_ns && motion.header.t_ns <= scale.valid_to_ns;
-    if (!in_time || scale.scale_group != motion.scale_group) return;
-    scale_in_use_ = scale;
-    found = &scale_in_use_;
-  };
-  if (scale_to_come_) consider(*scale_to_come_);
-  for (const AnyMessage& event : scale_->process(motion.header)) {
-    publish_(event.header());
-    consider(as<odo_scale>(event.header()));
+  scale_join_.begin(motion);
+  for (size_t i = 0; i < scales_.size(); ++i) {
+    for (const AnyMessage& event : scales_[i]->process(motion.header)) {
+      if (event.header().type != ODO_TYPE_SCALE) {
+        enqueue(event);
+        continue;
+      }
+      publish_(event.header());
+      scale_join_.answer(i, as<odo_scale>(event.header()));
+    }
+    if (scales_[i]->take_reset()) describe_sensors_to(*scales_[i]);
   }
-  scale_->take_reset();  // a scale source is told of no sensors
-  return found;
+  return scale_join_.joined();
 }
 
 void Pipeline::on_vo_motion(odo_vo_motion& motion) {
+  if (motion.state > ODO_LOST) motion.state = ODO_LOST;  // of a newer list (docs/abi.md)
   estimator_->prepare(motion);
   publish_(motion.header);
   inertial_motion_.reset();
-  if ((motion.header.flags & ODO_VO_INERTIAL) && (motion.header.flags & ODO_VO_METRIC)) inertial_motion_ = motion;
+  if ((motion.header.flags & ODO_VO_INERTIAL) && (motion.header.flags & ODO_VO_METRIC))
+    inertial_motion_ = copy_as<odo_vo_motion>(motion.header);
   estimator_->update(RelativeMotion{&motion, scale_for(motion)});
   publish_estimates();
+  for (PluginInstance* plugin : asked_) {  // the scale sources have had it
+    const bool is_scale = std::find(scales_.begin(), scales_.end(), plugin) != scales_.end();
+    if (!is_scale && plugin->number() != motion.header.source && plugin->wants(ODO_TYPE_VO_MOTION))
+      take(*plugin, motion.header);
+  }
   odo_fix reference;
   while (estimator_->take_step_reference(reference))
-    if (step_) take(*step_, reference.header);
+    for (PluginInstance* plugin : asked_)
+      if (plugin->interface_id() == ODO_INTERFACE_STEP_ESTIMATOR) take(*plugin, reference.header);
 }
 
 void Pipeline::on_fix(odo_fix& fix) {
@@ -186,13 +206,12 @@ void Pipeline::on_fix(odo_fix& fix) {
   ++(used ? counters_.fixes_accepted : counters_.fixes_rejected);
   if (used) fix.header.flags |= ODO_FIX_ACCEPTED;
   publish_(fix.header);
-  if (used && scale_) take(*scale_, fix.header);
-  if (used && step_) take(*step_, fix.header);
+  if (used) tell(fix.header);
 }
 
 void Pipeline::reset() {
   events_.begin();
-  for (PluginInstance* instance : instances()) {
+  for (const auto& instance : plugins_) {
     const auto learnt = instance->save();  // the clock was set back, the walker is the same
     instance->reset();
     if (!learnt.empty()) instance->load(learnt);
@@ -208,7 +227,7 @@ void Pipeline::reset() {
   joiner_.reset();
   watch_.reset();
   poses_.clear();
-  scale_to_come_.reset();
+  scale_join_.reset();
   inertial_motion_.reset();
   camera_knows_bias_ = false;
   if (last_pose_ns_ != INT64_MIN) before_restart_ = last_pose_;
@@ -218,37 +237,42 @@ void Pipeline::reset() {
 }
 
 Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surroundings, Publish publish)
-    : estimator_(make_estimator(config.coupling, config.start,
-                                {config.vo_frontend.has_value(), config.scale_source.has_value()})),
+    : estimator_(
+          make_estimator(config.coupling, config.start, {!config.vo_frontends.empty(), !config.scale_sources.empty()})),
       host_(surroundings.host),
       geodesy_(surroundings.geodesy),
       poses_(surroundings.poses),
       events_(Parameters{}.events_per_sample),
       watch_(config.ordering.max_gap_s),
-      publish_(std::move(publish)) {
+      publish_(std::move(publish)),
+      scale_join_(config.scale_sources.size()) {
   if (config.origin) geodesy_.set_origin(*config.origin);
 }
 
 Result<std::unique_ptr<Pipeline>> Pipeline::make(const PipelineConfig& config, const Surroundings& surroundings,
                                                  Publish publish) {
   std::unique_ptr<Pipeline> pipeline(new Pipeline(config, surroundings, std::move(publish)));
-  uint32_t number = 0;
-  const auto start = [&](const PluginChoice& choice, std::unique_ptr<PluginInstance>& slot) -> Result<bool> {
-    auto made = PluginInstance::make(choice, config.verify_hash, ++number, surroundings.host);
-    if (!made) return made.failure();
-    slot = std::move(*made);
-    return true;
-  };
-  const std::pair<const std::optional<PluginChoice>*, std::unique_ptr<PluginInstance>*> slots[] = {
-      {&config.attitude, &pipeline->attitude_},
-      {&config.step_estimator, &pipeline->step_},
-      {&config.vo_frontend, &pipeline->vo_},
-      {&config.scale_source, &pipeline->scale_}};
-  for (const auto& [choice, slot] : slots)
-    if (choice->has_value())
-      if (const auto started = start(**choice, *slot); !started) return started.failure();
-  for (const PluginChoice& choice : config.fixers)
-    if (const auto started = start(choice, pipeline->fixers_.emplace_back()); !started) return started.failure();
+  auto& plugins = pipeline->plugins_;
+  std::vector<PluginInstance*> attitudes, steps, odometries, fixers;
+  const std::pair<const std::vector<PluginChoice>*, std::vector<PluginInstance*>*> kinds[] = {
+      {&config.attitudes, &attitudes},
+      {&config.step_estimators, &steps},
+      {&config.vo_frontends, &odometries},
+      {&config.scale_sources, &pipeline->scales_},
+      {&config.fixers, &fixers}};
+  for (const auto& [choices, kind] : kinds)
+    for (const PluginChoice& choice : *choices) {
+      const auto number = static_cast<uint32_t>(plugins.size() + 1);
+      auto made = PluginInstance::make(choice, config.verify_hash, number, surroundings.host);
+      if (!made) return made.failure();
+      kind->push_back(plugins.emplace_back(std::move(*made)).get());
+    }
+  for (const auto* kind : {&attitudes, &odometries, &pipeline->scales_, &steps, &fixers})
+    pipeline->asked_.insert(pipeline->asked_.end(), kind->begin(), kind->end());
+  pipeline->has_attitude_ = !attitudes.empty();
+  pipeline->has_vo_ = !odometries.empty();
+  pipeline->gives_poses_to_ =
+      std::any_of(plugins.begin(), plugins.end(), [](const auto& plugin) { return plugin->wants(ODO_TYPE_POSE); });
   return pipeline;
 }
 

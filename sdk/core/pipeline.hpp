@@ -11,6 +11,7 @@
 #include "sdk/core/geodesy.hpp"
 #include "sdk/core/imu_joiner.hpp"
 #include "sdk/core/pose_stream.hpp"
+#include "sdk/core/scale_join.hpp"
 #include "sdk/core/sensor_watch.hpp"
 #include "sdk/estimator/estimator.hpp"
 #include "sdk/plugin_host/instance.hpp"
@@ -21,6 +22,10 @@ namespace odograph {
 /// the plugins that want it, one after the other; what each of them answers is copied into one queue and handled, first
 /// in, first out, before the next one is asked. One thread at a time; output depends on the messages, the config and
 /// the seed alone.
+///
+/// Of attitudes, steps, modes and motions several plugins may give: those of the first that is alive, in the config's
+/// order, are used, the others' are published alone. Scales of several sources are joined (see ScaleJoin), all fixes
+/// used.
 class Pipeline {
  public:
   using Publish = std::function<void(const odo_header&)>;
@@ -30,7 +35,7 @@ class Pipeline {
   };
 
   struct Counters {
-    uint64_t frames = 0, steps = 0, fixes_accepted = 0, fixes_rejected = 0, events_dropped = 0;
+    uint64_t frames = 0, steps = 0, fixes_accepted = 0, fixes_rejected = 0, events_dropped = 0, unknown = 0;
     double state_s[4] = {0, 0, 0, 0};  // by ODO_TRACKING ...
   };
 
@@ -65,13 +70,15 @@ class Pipeline {
 
   // pipeline.cpp: from samples to the estimator
   void on_imu(const odo_imu& imu);
-  void ask(const std::unique_ptr<PluginInstance>& plugin, const odo_header& message);
-  void ask_fixers(const odo_header& message);
+  void ask(const odo_header& message);
+  void tell(const odo_header& event);
   void take(PluginInstance& plugin, const odo_header& message);
   void describe_sensors_to(PluginInstance& plugin);
-  void enqueue(const odo_header& event);
+  void enqueue(const AnyMessage& event);
+  bool in_use(const odo_header& event) const;
   void handle_events();
   void handle(AnyMessage& event);
+  void on_attitude(const odo_attitude& attitude);
   void on_vo_motion(odo_vo_motion& motion);
   void on_fix(odo_fix& fix);
   const odo_scale* scale_for(const odo_vo_motion& motion);
@@ -88,10 +95,14 @@ class Pipeline {
   void set_state(int64_t t_ns, uint32_t state, uint32_t reason);
   bool any_dead() const;
 
-  std::vector<PluginInstance*> instances() const;
+  bool gives(uint32_t type) const;
+  std::vector<std::string> state_names() const;
 
-  std::unique_ptr<PluginInstance> attitude_, step_, vo_, scale_;
-  std::vector<std::unique_ptr<PluginInstance>> fixers_;
+  std::vector<std::unique_ptr<PluginInstance>> plugins_;  // in the order of their numbers, from 1
+  std::vector<PluginInstance*> asked_;                    // the same in the order in which they are asked
+  std::vector<PluginInstance*> scales_;                   // the scale sources
+  bool has_attitude_ = false, has_vo_ = false;
+  bool gives_poses_to_ = false;  // some plugin wants poses
   std::unique_ptr<Estimator> estimator_;
   HostServices& host_;
   Geodesy& geodesy_;
@@ -101,9 +112,8 @@ class Pipeline {
   SensorWatch watch_;
   Publish publish_;
   Counters counters_;
-  std::vector<AnyMessage> descriptions_;          // the newest calibration of each camera, the newest noise of each IMU
-  odo_scale scale_in_use_{};                      // for the motion that is being handled
-  std::optional<odo_scale> scale_to_come_;        // given with something else than a motion
+  std::vector<AnyMessage> descriptions_;  // the newest calibration of each camera, the newest noise of each IMU
+  ScaleJoin scale_join_;
   std::optional<odo_vo_motion> inertial_motion_;  // the newest motion, where it tells velocity and biases
   std::optional<odo_pose> before_restart_;
   odo_pose last_pose_{};

@@ -47,7 +47,7 @@ void Pipeline::publish_pose(odo_pose pose, bool is_new) {
   if (is_new) set_state(pose.header.t_ns, pose.state, pose.reason);
   tell_stream(pose);
   publish_(pose.header);
-  if (is_new && !fixers_.empty()) enqueue(pose.header);
+  if (is_new && gives_poses_to_) enqueue(AnyMessage(pose.header));
 }
 
 void Pipeline::publish_correction(const Correction& correction, const odo_pose& corrected) {
@@ -97,7 +97,9 @@ void Pipeline::tell_stream(const odo_pose& pose) {
   poses_.add_pose(pose, base);
 }
 
-bool Pipeline::sensor_silent() const { return (watch_.imu_silent() && attitude_) || (watch_.camera_silent() && vo_); }
+bool Pipeline::sensor_silent() const {
+  return (watch_.imu_silent() && has_attitude_) || (watch_.camera_silent() && has_vo_);
+}
 
 /// Between two poses nobody else would notice. As long as the other sensor gives poses it is not lost.
 void Pipeline::watch_silence() {
@@ -106,6 +108,7 @@ void Pipeline::watch_silence() {
 }
 
 void Pipeline::set_state(int64_t t_ns, uint32_t state, uint32_t reason) {
+  state = std::min(state, ODO_LOST);
   if (state_ != 0 && t_ns > state_since_ns_) {
     counters_.state_s[state_] += static_cast<double>(t_ns - state_since_ns_) * kNanoseconds;
     state_since_ns_ = t_ns;
@@ -121,16 +124,23 @@ void Pipeline::set_state(int64_t t_ns, uint32_t state, uint32_t reason) {
   publish_(event.header);
 }
 
+/// True while some plugin that is alive gives events of this type.
+bool Pipeline::gives(uint32_t type) const {
+  return std::any_of(plugins_.begin(), plugins_.end(),
+                     [type](const auto& plugin) { return plugin->alive() && plugin->gives(type); });
+}
+
+/// A fixer's end, and that of a plugin whose place another one takes, costs no state.
 bool Pipeline::any_dead() const {
-  const auto dead = [](const auto& instance) { return instance && !instance->alive(); };
-  return dead(attitude_) || dead(step_) || dead(vo_) || dead(scale_);
+  for (const auto& plugin : plugins_)
+    for (const uint32_t type : {ODO_TYPE_ATTITUDE, ODO_TYPE_STEP, ODO_TYPE_VO_MOTION, ODO_TYPE_SCALE})
+      if (!plugin->alive() && plugin->gives(type) && !gives(type)) return true;
+  return false;
 }
 
 uint64_t Pipeline::plugin_faults() const {
   uint64_t faults = 0;
-  for (const auto* instance : {&attitude_, &step_, &vo_, &scale_})  // no list: this is asked with every sample
-    if (*instance) faults += (*instance)->faults();
-  for (const auto& fixer : fixers_) faults += fixer->faults();
+  for (const auto& plugin : plugins_) faults += plugin->faults();
   return faults;
 }
 

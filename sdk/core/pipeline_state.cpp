@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the plugins have learnt, as a blob: "ODOSTATE", u32 version, u32 parts; of each part u32 and u64 lengths, the
-// interface and the plugin's id as "interface plugin", and its bytes; at last a u64 FNV-1a of all before.
-// Little-endian.
+// interface and the plugin's id as "interface plugin" (behind it " #2" for the second of the kind), and its bytes; at
+// last a u64 FNV-1a of all before. Little-endian.
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -79,25 +80,28 @@ std::optional<std::vector<Part>> parts_of(std::span<const uint8_t> blob) {
   return parts;
 }
 
-std::string name_of(const PluginInstance& instance) { return instance.interface_id() + " " + instance.id(); }
-
 }  // namespace
 
-std::vector<PluginInstance*> Pipeline::instances() const {
-  std::vector<PluginInstance*> all;
-  for (auto* instance : {attitude_.get(), step_.get(), vo_.get(), scale_.get()})
-    if (instance) all.push_back(instance);
-  for (const auto& fixer : fixers_) all.push_back(fixer.get());
-  return all;
+/// Of each plugin "interface id", and where that has been before " #2" and so on behind it.
+std::vector<std::string> Pipeline::state_names() const {
+  std::vector<std::string> names;
+  for (const auto& plugin : plugins_) {
+    const std::string plain = plugin->interface_id() + " " + plugin->id();
+    const auto same = [&](const std::string& name) { return name == plain || name.starts_with(plain + " #"); };
+    const auto before = std::count_if(names.begin(), names.end(), same);
+    names.push_back(before == 0 ? plain : plain + " #" + std::to_string(before + 1));
+  }
+  return names;
 }
 
 std::vector<uint8_t> Pipeline::save() const {
   std::vector<uint8_t> parts, blob(std::begin(kMagic), std::end(kMagic));
   uint32_t count = 0;
-  for (const PluginInstance* instance : instances()) {
-    const auto data = instance->save();
+  const auto names = state_names();
+  for (size_t i = 0; i < plugins_.size(); ++i) {
+    const auto data = plugins_[i]->save();
     if (data.empty()) continue;
-    const std::string name = name_of(*instance);
+    const std::string& name = names[i];
     put(parts, static_cast<uint32_t>(name.size()));
     put(parts, static_cast<uint64_t>(data.size()));
     parts.insert(parts.end(), name.begin(), name.end());
@@ -115,9 +119,10 @@ Result<bool> Pipeline::load(std::span<const uint8_t> blob) {
   const auto parts = parts_of(blob);
   if (!parts) return Failure{ODO_E_DATA, "what was to be loaded is not a saved state, or it is damaged"};
   std::string refused;
+  const auto names = state_names();
   for (const Part& part : *parts)
-    for (PluginInstance* instance : instances())
-      if (name_of(*instance) == part.name && !instance->load(part.data)) refused += " " + instance->id();
+    for (size_t i = 0; i < plugins_.size(); ++i)
+      if (names[i] == part.name && !plugins_[i]->load(part.data)) refused += " " + plugins_[i]->id();
   if (!refused.empty()) return Failure{ODO_E_DATA, "saved state not taken by:" + refused};
   return true;
 }

@@ -279,6 +279,11 @@ int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
   out.header.flags |= ODO_POSE_ORIENTATION;
   if (t_ns != published_ns_) out.header.flags |= ODO_POSE_EXTRAPOLATED;
   put(pose.q_n, out);
+  out.header.flags &= ~ODO_POSE_ANGULAR_VELOCITY;
+  if (track_.at(t_ns, parameters_.ahead_s)) {
+    out.header.flags |= ODO_POSE_ANGULAR_VELOCITY;
+    Vector3d::Map(out.angular_velocity) = q_b_c_.conjugate() * body.rate_b;
+  }
   out.state = state_, out.reason = reason_;
   if (!position_known(t_ns)) {
     if (state_ == ODO_TRACKING) out.state = ODO_LOST, out.reason = ODO_REASON_SENSOR_SILENT;

@@ -49,19 +49,10 @@ Session::~Session() {
   pipeline_.reset();  // before the frame store: plugins may hold frames
 }
 
-int32_t Session::check(const odo_header& sample) const {
-  const MessageInfo* info = message_info(sample.type);
-  if (!info || !info->is_input) return ODO_E_UNSUPPORTED;
-  if (sample.struct_size < info->size) return ODO_E_STRUCT_SIZE;
-  return message_is_finite(sample) ? ODO_OK : ODO_E_DISCARD;
-}
-
 int32_t Session::push(const odo_header& sample) {
   ++intake_.pushed;
-  if (const int32_t status = check(sample); status < 0) return refuse_invalid(sample, status);
-  if (!gate_.within_range(sample)) return refuse_wild(sample, "outside the range of any such sensor");
   OwnedMessage message;
-  if (const int32_t status = own(sample, message); status < 0) return status;
+  if (const int32_t status = take(sample, message); status < 0) return status;
   const int32_t status = enqueue(std::move(message));
   if (live_) return status;
   Lock lock(mutex_);
@@ -72,42 +63,57 @@ int32_t Session::push(const odo_header& sample) {
   return status;
 }
 
-/// Makes the sample the session's own: a frame is retained or copied, times are brought onto the IMU's clock.
-int32_t Session::own(const odo_header& sample, OwnedMessage& out) {
-  if (sample.type == ODO_TYPE_CALIBRATION) {
-    const odo_calibration calibration = with_own(as<odo_calibration>(sample));
+/// The sample as a message of the session's own, or why it is refused. What no one knows is taken: a plugin may.
+int32_t Session::take(const odo_header& sample, OwnedMessage& out) {
+  if (!is_input(sample.type))
+    return refuse_invalid(sample, ODO_E_ARGUMENT, "type = " + message_name(sample.type) + "; expected an input");
+  AnyMessage copy;
+  if (!copy.assign(sample)) {
+    const MessageInfo* info = message_info(sample.type);
+    return refuse_invalid(sample, ODO_E_STRUCT_SIZE,
+                          "struct_size = " + std::to_string(sample.struct_size) + "; expected " +
+                              std::to_string(info ? info->min_size : sizeof(odo_header)) + " to " +
+                              std::to_string(ODO_LARGEST_MESSAGE));
+  }
+  if (const std::string fault = message_fault(copy.header()); !fault.empty())
+    return refuse_invalid(sample, ODO_E_DISCARD, fault);
+  if (!gate_.within_range(copy.header())) return refuse_wild(sample, "outside the range of any such sensor");
+  return own(std::move(copy), out);
+}
+
+/// A frame is retained or copied, times are brought onto the IMU's clock.
+int32_t Session::own(AnyMessage&& sample, OwnedMessage& out) {
+  if (sample.header().type == ODO_TYPE_CALIBRATION) {
+    const odo_calibration calibration = with_own(copy_as<odo_calibration>(sample.header()));
     note_timing(calibration);
     out = OwnedMessage(calibration.header);
-  } else if (sample.type == ODO_TYPE_FRAME) {
-    odo_frame held;
-    if (const int32_t status = frames_.adopt(as<odo_frame>(sample), held); status < 0) {
-      ++(status == ODO_E_EXHAUSTED ? intake_.overflow : intake_.invalid);
+    return ODO_OK;
+  }
+  if (sample.header().type == ODO_TYPE_FRAME) {
+    auto& frame = reinterpret_cast<odo_frame&>(sample.header());
+    if (const int32_t status = frames_.adopt(frame); status == ODO_E_DISCARD) {
+      return refuse_invalid(frame.header, status, "a plane's row_stride is smaller than its row");
+    } else if (status < 0) {
+      ++intake_.overflow;
       return status;
     }
-    put_timing(held);
-    out = OwnedMessage(held.header);
-  } else {
-    out = OwnedMessage(sample);
+    put_timing(frame);
   }
+  out = OwnedMessage(std::move(sample));
   return ODO_OK;
 }
 
-int32_t Session::refuse_invalid(const odo_header& sample, int32_t status) {
+int32_t Session::refuse_invalid(const odo_header& sample, int32_t status, const std::string& why) {
   ++intake_.invalid;
-  const MessageInfo* info = message_info(sample.type);
-  host_.report(0, ODO_SEVERITY_WARNING, std::string("invalid_") + (info ? info->name : "message"),
-               std::string("dropped a sample of ") + (info ? info->name : "unknown type") +
-                   (status == ODO_E_STRUCT_SIZE   ? ": its struct is too small"
-                    : status == ODO_E_UNSUPPORTED ? ": not an input"
-                                                  : ": a number is not finite or out of its range"));
+  const std::string name = message_name(sample.type);
+  host_.report(0, ODO_SEVERITY_WARNING, "invalid_" + name, "dropped a sample of " + name + ": " + why, status);
   return status;
 }
 
 int32_t Session::refuse_wild(const odo_header& sample, const char* what) {
   ++intake_.wild;
-  const char* name = message_info(sample.type)->name;
-  host_.report(0, ODO_SEVERITY_WARNING, std::string("wild_") + name,
-               std::string("dropped a sample of ") + name + ": " + what);
+  const std::string name = message_name(sample.type);
+  host_.report(0, ODO_SEVERITY_WARNING, "wild_" + name, "dropped a sample of " + name + ": " + what, ODO_E_DISCARD);
   return ODO_E_DISCARD;
 }
 
@@ -142,6 +148,10 @@ void Session::note_timing(const odo_calibration& calibration) {
       .line_time_ns = calibration.line_time_ns,
       .line_time = (flags & ODO_CALIBRATION_LINE_TIME) != 0,
       .above_frames = own && own->id == calibration.id && (own->header.flags & ODO_CALIBRATION_LINE_TIME) != 0};
+  if (flags & ODO_CALIBRATION_EXTRINSICS)
+    mount_ = {Eigen::Quaterniond(calibration.q_b_c[0], calibration.q_b_c[1], calibration.q_b_c[2], calibration.q_b_c[3])
+                  .normalized(),
+              Eigen::Vector3d(calibration.p_b_c)};
 }
 
 /// From here on everything runs on the IMU's clock: a camera's frames are shifted as they come in. A frame that does
@@ -167,7 +177,7 @@ int32_t Session::enqueue(OwnedMessage message) {
     const std::lock_guard lock(mutex_);
     if (stopping_) return ODO_E_STATE;  // an app that pushes while its last frames are given back
     if (header.type == ODO_TYPE_IMU) {
-      spikes = gate_.push(as<odo_imu>(message.header()), [&](const odo_imu& imu) {
+      spikes = gate_.push(copy_as<odo_imu>(message.header()), [&](const odo_imu& imu) {
         const auto each = order(OwnedMessage(imu.header), given_up);
         if (each == TimeOrder::Verdict::accepted) poses_.add_imu(imu);
         if (each != TimeOrder::Verdict::accepted) verdict = each;
@@ -201,11 +211,13 @@ int32_t Session::note_verdict(TimeOrder::Verdict verdict, const odo_header& samp
     case TimeOrder::Verdict::full: ++intake_.overflow, why = "the queue is full"; break;
     default: ++intake_.invalid, why = "its time is far ahead of all others";
   }
+  const std::string name = message_name(sample.type);
+  host_.report(0, ODO_SEVERITY_WARNING, "dropped_" + name, "a sample of " + name + " was dropped: " + why,
+               ODO_E_DISCARD);
   const std::lock_guard lock(error_mutex_);
   ++errors_;
   last_error_.status = verdict == TimeOrder::Verdict::full ? ODO_E_EXHAUSTED : ODO_E_DISCARD;
-  std::snprintf(last_error_.message, sizeof last_error_.message, "a sample of %s was dropped: %s",
-                message_info(sample.type)->name, why);
+  std::snprintf(last_error_.message, sizeof last_error_.message, "a sample of %s was dropped: %s", name.c_str(), why);
   return last_error_.status;
 }
 
@@ -225,7 +237,9 @@ void Session::restart_clock(std::vector<OwnedMessage>& given_up) {
   restart_pending_ = true;
 }
 
-bool Session::work_is_waiting() const { return restart_pending_ || flushes_asked_ != flushes_done_ || order_.ready(); }
+bool Session::work_is_waiting() const {
+  return restart_pending_ || flushes_asked_ != flushes_done_ || order_.ready() || report_is_waiting();
+}
 
 /// Waits for the turn; only for threads that do not have it.
 void Session::take_turn(Lock& lock) {
@@ -250,9 +264,13 @@ void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
       pipeline_->reset();
     } else if (order_.pop(message, flush_until_ns)) {
       lock.unlock();
+      intake_.newest_ns = std::max<int64_t>(intake_.newest_ns, message.header().t_ns);
       pipeline_->process(message.header());
       message.release();
       ++intake_.processed;
+    } else if (report_is_waiting()) {
+      lock.unlock();
+      publish_reports();
     } else {
       return;
     }
@@ -292,12 +310,12 @@ int32_t Session::flush() {
 }
 
 void Session::publish(const odo_header& event) {
-  if ((callback_mask_.load(std::memory_order_relaxed) >> event.type & 1) == 0) return;
+  if (!has_callback_.load(std::memory_order_relaxed)) return;
   odo_callback callback;
   void* user;
   {
     const std::lock_guard lock(mutex_);
-    if (!callback_) return;
+    if (!callback_ || !callback_types_.has(event.type)) return;
     callback = callback_, user = callback_user_;
     callback_runs_ = true;
     callback_thread_ = std::this_thread::get_id();
@@ -310,11 +328,13 @@ void Session::publish(const odo_header& event) {
   turn_changed_.notify_all();
 }
 
-void Session::set_callback(uint32_t mask, odo_callback callback, void* user) {
+void Session::set_callback(TypeSet types, odo_callback callback, void* user) {
   Lock lock(mutex_);
-  callback_ = mask != 0 ? callback : nullptr;
+  callback_ = types.empty() ? nullptr : callback;
   callback_user_ = user;
-  callback_mask_ = callback ? mask : 0;
+  callback_types_ = std::move(types);
+  has_callback_ = callback_ != nullptr;
+  if (live_) work_waiting_.notify_one();  // what has been reported before
   turn_changed_.wait(lock, [this] { return !callback_runs_ || callback_thread_ == std::this_thread::get_id(); });
 }
 
@@ -340,6 +360,7 @@ void Session::statistics(odo_statistics& out) const {
   now.distance_m = progress.distance_m;
   now.wild = intake_.wild;
   now.events_dropped = counters.events_dropped;
+  now.unknown = counters.unknown;
   const uint32_t size = std::min<uint32_t>(out.struct_size, sizeof now);
   now.struct_size = size;
   std::memcpy(&out, &now, size);
@@ -351,13 +372,45 @@ void Session::reported(const Report& report) {
     const std::lock_guard lock(error_mutex_);
     if (report.severity >= ODO_SEVERITY_WARNING) {
       ++errors_;
-      last_error_.status = ODO_E_ERROR;
+      last_error_.status = report.status < 0                       ? report.status
+                           : report.severity == ODO_SEVERITY_ERROR ? ODO_E_ERROR
+                                                                   : ODO_E_DISCARD;
       std::snprintf(last_error_.message, sizeof last_error_.message, "%s: %s", report.origin.c_str(),
                     report.text.c_str());
     }
     listener = listener_;
+    if (reports_.size() < kMostReports) reports_.push_back(report);
+    has_reports_ = true;
   }
   if (listener) listener(report);
+  if (live_) {
+    const std::lock_guard lock(mutex_);  // so that the thread does not miss it
+    work_waiting_.notify_one();
+  }
+}
+
+/// Under the lock.
+bool Session::report_is_waiting() const { return has_reports_ && callback_ && callback_types_.has(ODO_TYPE_REPORT); }
+
+/// With the turn and without the lock: reports come from any thread, the callback on one.
+void Session::publish_reports() {
+  std::vector<Report> reports;
+  {
+    const std::lock_guard lock(error_mutex_);
+    reports.swap(reports_);
+    has_reports_ = false;
+  }
+  for (const Report& report : reports) {
+    auto event = make_message<odo_report>(ODO_TYPE_REPORT, intake_.newest_ns);
+    event.header.source = report.instance;
+    event.count = report.count;
+    event.severity = report.severity;
+    event.status = report.status;
+    std::snprintf(event.plugin, sizeof event.plugin, "%s", report.origin.c_str());
+    std::snprintf(event.key, sizeof event.key, "%s", report.key.c_str());
+    std::snprintf(event.text, sizeof event.text, "%s", report.text.c_str());
+    publish(event.header);
+  }
 }
 
 void Session::set_report_listener(HostServices::Listener listener) {

@@ -33,9 +33,9 @@ class Session {
 
   int32_t push(const odo_header& sample);
   int32_t flush();
-  /// PoseStream::at.
-  int32_t pose(int64_t t_ns, bool smooth, odo_pose& out) const { return poses_.at(t_ns, smooth, out); }
-  void set_callback(uint32_t mask, odo_callback callback, void* user);
+  /// PoseStream::at, of the body or the camera: ODO_OF_*.
+  int32_t pose_of(uint32_t of, bool smooth, int64_t t_ns, odo_pose& out) const;
+  void set_callback(TypeSet types, odo_callback callback, void* user);
   void statistics(odo_statistics& out) const;
   int32_t last_error(odo_error& out);
   /// ODO_E_STATE from within a callback.
@@ -51,6 +51,7 @@ class Session {
   /// Of what is pushed; counted by any thread.
   struct Intake {
     std::atomic<uint64_t> pushed{0}, processed{0}, late{0}, duplicate{0}, invalid{0}, overflow{0}, wild{0};
+    std::atomic<int64_t> newest_ns{INT64_MIN};
   };
   /// What the pipeline counts, as its last sample left it.
   struct Progress {
@@ -62,12 +63,12 @@ class Session {
 
   Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed);
 
-  int32_t check(const odo_header& sample) const;
-  int32_t own(const odo_header& sample, OwnedMessage& out);
+  int32_t take(const odo_header& sample, OwnedMessage& out);
+  int32_t own(AnyMessage&& sample, OwnedMessage& out);
   int32_t enqueue(OwnedMessage message);
   TimeOrder::Verdict order(OwnedMessage message, std::vector<OwnedMessage>& given_up);
   void restart_clock(std::vector<OwnedMessage>& given_up);
-  int32_t refuse_invalid(const odo_header& sample, int32_t status);
+  int32_t refuse_invalid(const odo_header& sample, int32_t status, const std::string& why);
   int32_t refuse_wild(const odo_header& sample, const char* what);
   int32_t note_verdict(TimeOrder::Verdict verdict, const odo_header& sample);
 
@@ -97,6 +98,8 @@ class Session {
 
   void publish(const odo_header& event);
   void reported(const Report& report);
+  bool report_is_waiting() const;
+  void publish_reports();
   odo_calibration with_own(const odo_calibration& calibration) const;
   void note_timing(const odo_calibration& calibration);
   void put_timing(odo_frame& frame);
@@ -120,6 +123,11 @@ class Session {
     bool above_frames = false;  // by the config, which stands above what frames say
   };
   std::map<uint32_t, CameraTiming> camera_timing_;  // by calibration id
+  struct Mount {
+    Eigen::Quaterniond q_b_c = Eigen::Quaterniond::Identity();
+    Eigen::Vector3d p_b_c = Eigen::Vector3d::Zero();
+  };
+  Mount mount_;  // of the camera that was described last
   bool restart_pending_ = false;
   bool stopping_ = false;
   uint64_t flushes_asked_ = 0, flushes_done_ = 0;
@@ -129,7 +137,8 @@ class Session {
   void* callback_user_ = nullptr;
   bool callback_runs_ = false;
   std::thread::id callback_thread_;
-  std::atomic<uint32_t> callback_mask_{0};
+  TypeSet callback_types_;
+  std::atomic<bool> has_callback_{false};
 
   Intake intake_;
   Snapshot<Progress> progress_;
@@ -137,6 +146,9 @@ class Session {
   odo_error last_error_{};
   uint64_t errors_ = 0;
   HostServices::Listener listener_;
+  static constexpr size_t kMostReports = 64;  // that wait to be told; more are only the last error
+  std::vector<Report> reports_;
+  std::atomic<bool> has_reports_{false};
 
   std::thread thread_;
 };

@@ -1,12 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an app asks of a session between samples: saved state and geodetic coordinates.
+// What an app asks of a session between samples: the pose of body or camera, saved state and geodetic coordinates.
 #include <algorithm>
 #include <cstring>
 
+#include "sdk/core/pose_frame.hpp"
 #include "sdk/core/session.hpp"
 
 namespace odograph {
+
+int32_t Session::pose_of(uint32_t of, bool smooth, int64_t t_ns, odo_pose& out) const {
+  if (of > ODO_OF_CAMERA) return ODO_E_ARGUMENT;
+  const int32_t status = poses_.at(t_ns, smooth, out);
+  const bool is_camera = (out.header.flags & ODO_POSE_CAMERA) != 0;
+  if (status != ODO_OK || of == ODO_OF_PIPELINE || is_camera == (of == ODO_OF_CAMERA)) return status;
+  Mount mount;
+  {
+    const std::lock_guard lock(mutex_);
+    mount = mount_;
+  }
+  if (is_camera)
+    move_pose(mount.q_b_c.conjugate(), -(mount.q_b_c.conjugate() * mount.p_b_c), out);
+  else
+    move_pose(mount.q_b_c, mount.p_b_c, out);
+  out.header.flags ^= ODO_POSE_CAMERA;
+  return status;
+}
 
 int64_t Session::save(void* data, uint64_t capacity) {
   Lock lock(mutex_);

@@ -16,7 +16,7 @@ bool holds_back(uint32_t type) {
 /// Slow sensors are passed on late rather than lost; what uses them looks the pose of their time up.
 bool may_be_late(uint32_t type) {
   return type == ODO_TYPE_GNSS || type == ODO_TYPE_WAYPOINT || type == ODO_TYPE_CALIBRATION ||
-         type == ODO_TYPE_IMU_NOISE;
+         type == ODO_TYPE_IMU_NOISE || !message_info(type);
 }
 
 /// Among equal times: what describes a sensor before what it measured, then by type.
@@ -36,14 +36,14 @@ bool TimeOrder::later(const Entry& a, const Entry& b) {
 }
 
 TimeOrder::Stream& TimeOrder::stream_of(const odo_header& message) {
-  uint64_t key = uint64_t(message.type) << 32 | message.source;
   // An accelerometer and a gyroscope that are delivered apart are two streams.
-  if (message.type == ODO_TYPE_IMU) key |= uint64_t(message.flags & 3) << 60;
+  const uint32_t part = message.type == ODO_TYPE_IMU ? message.flags & 3 : 0;
   for (Stream& stream : streams_)
-    if (stream.used && stream.key == key) return stream;
+    if (stream.used && stream.type == message.type && stream.source == message.source && stream.part == part)
+      return stream;
   for (Stream& stream : streams_)
     if (!stream.used) {
-      stream = {key, INT64_MIN, 0, 0, true, false};
+      stream = {message.type, message.source, part, INT64_MIN, 0, 0, true, false};
       return stream;
     }
   return streams_.back();
@@ -68,11 +68,11 @@ TimeOrder::Verdict TimeOrder::judge_late(Stream& stream, const odo_header& messa
 }
 
 TimeOrder::Verdict TimeOrder::push(OwnedMessage&& message) {
-  const odo_header& header = message.header();
-  Stream& stream = stream_of(header);
+  const odo_header header = message.header();
   const int64_t t_ns = header.t_ns;
   const bool ordered = !may_be_late(header.type);
   if (ordered) {
+    Stream& stream = stream_of(header);
     if (t_ns == stream.latest_ns) return Verdict::duplicate;
     if (newest_ns_ != INT64_MIN && saturating_difference(t_ns, newest_ns_) > parameters_.far_ahead_ns &&
         ++stream.ahead < parameters_.believe_ahead)
@@ -86,8 +86,9 @@ TimeOrder::Verdict TimeOrder::push(OwnedMessage&& message) {
     }
   }
   if (free_.empty()) return Verdict::full;
-  stream.latest_ns = std::max(stream.latest_ns, t_ns);
   if (ordered) {
+    Stream& stream = stream_of(header);
+    stream.latest_ns = std::max(stream.latest_ns, t_ns);
     newest_ns_ = std::max(newest_ns_, t_ns);
     if (oldest_ns_ == INT64_MIN) oldest_ns_ = t_ns;
   }
@@ -106,8 +107,7 @@ int64_t TimeOrder::watermark() const {
   if (saturating_difference(newest_ns_, oldest_ns_) < max_wait_ns_) return bound_ns;
   int64_t slowest = INT64_MAX;
   for (const Stream& stream : streams_)
-    if (stream.used && stream.latest_ns != INT64_MIN && !silent(stream) &&
-        holds_back(static_cast<uint32_t>(stream.key >> 32) & 0xFFFFFFF))
+    if (stream.used && stream.latest_ns != INT64_MIN && !silent(stream) && holds_back(stream.type))
       slowest = std::min(slowest, stream.latest_ns);
   return std::max(bound_ns, std::min(slowest, newest_ns_));
 }

@@ -60,7 +60,7 @@ class TimeOrder {
 
  private:
   struct Stream {
-    uint64_t key = 0;
+    uint32_t type = 0, source = 0, part = 0;  // part: which half of an IMU that delivers its sensors apart
     int64_t latest_ns = 0;
     int ahead = 0;   // consecutive samples far ahead
     int behind = 0;  // consecutive late ones that are behind the stream's own last time too

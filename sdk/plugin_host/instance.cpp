@@ -17,11 +17,6 @@ namespace {
 constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
 constexpr int kFailuresBeforeGivingUp = 5;
 
-template <class... Types>
-constexpr uint32_t mask(Types... types) {
-  return ((1u << types) | ...);
-}
-
 /// A table may end before a function that is optional; then it reads as null.
 #define ODO_OPTIONAL(table, function) (ODO_HAS(&(table), function) ? (table).function : nullptr)
 
@@ -63,28 +58,33 @@ std::vector<odo_value> values_of(const PluginChoice& choice) {
 
 KindTypes kind_types(const std::string& id) {
   if (id == ODO_INTERFACE_ATTITUDE)
-    return {mask(ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_IMU_NOISE), mask(ODO_TYPE_ATTITUDE)};
+    return {{ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_IMU_NOISE}, {ODO_TYPE_ATTITUDE}};
   if (id == ODO_INTERFACE_STEP_ESTIMATOR)
-    return {mask(ODO_TYPE_IMU, ODO_TYPE_ATTITUDE, ODO_TYPE_BAROMETER, ODO_TYPE_FIX),
-            mask(ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE)};
+    return {{ODO_TYPE_IMU, ODO_TYPE_ATTITUDE, ODO_TYPE_BAROMETER, ODO_TYPE_FIX}, {ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE}};
   if (id == ODO_INTERFACE_VO_FRONTEND)
-    return {mask(ODO_TYPE_CALIBRATION, ODO_TYPE_FRAME, ODO_TYPE_IMU, ODO_TYPE_IMU_NOISE, ODO_TYPE_ATTITUDE),
-            mask(ODO_TYPE_VO_MOTION, ODO_TYPE_CALIBRATION)};
+    return {{ODO_TYPE_CALIBRATION, ODO_TYPE_FRAME, ODO_TYPE_IMU, ODO_TYPE_IMU_NOISE, ODO_TYPE_ATTITUDE},
+            {ODO_TYPE_VO_MOTION, ODO_TYPE_CALIBRATION}};
   if (id == ODO_INTERFACE_SCALE_SOURCE)
-    return {mask(ODO_TYPE_VO_MOTION, ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE, ODO_TYPE_FIX), mask(ODO_TYPE_SCALE)};
+    return {{ODO_TYPE_VO_MOTION, ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE, ODO_TYPE_FIX}, {ODO_TYPE_SCALE}};
   if (id == ODO_INTERFACE_ABSOLUTE_FIXER)
-    return {
-        mask(ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_FRAME, ODO_TYPE_CALIBRATION, ODO_TYPE_POSE),
-        mask(ODO_TYPE_FIX)};
-  return {0, 0};
+    return {{ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_FRAME, ODO_TYPE_CALIBRATION, ODO_TYPE_POSE},
+            {ODO_TYPE_FIX}};
+  return {};
+}
+
+KindTypes plugin_types(const std::string& id, const odo_plugin& table) {
+  KindTypes types = kind_types(id);
+  types.inputs.insert(types.inputs.end(), table.inputs, table.inputs + table.input_count);
+  types.outputs.insert(types.outputs.end(), table.outputs, table.outputs + table.output_count);
+  return types;
 }
 
 PluginInstance::PluginInstance(std::shared_ptr<PluginLibrary> library, HostServices& host, uint32_t number,
                                const PluginChoice& choice)
     : library_(std::move(library)), host_(host), number_(number), choice_(choice), id_(choice.manifest.id) {
-  const KindTypes types = kind_types(choice.interface_id);
-  inputs_ = types.inputs;
-  outputs_ = types.outputs;
+  const KindTypes types = plugin_types(choice.interface_id, library_->table());
+  for (const uint32_t type : types.inputs) inputs_.add(type);
+  for (const uint32_t type : types.outputs) outputs_.add(type);
   sink_.struct_size = sizeof(odo_sink);
   sink_.instance = number;
   sink_.emit = emit;
@@ -124,22 +124,35 @@ int32_t PluginInstance::start() {
 
 int32_t PluginInstance::emit(const odo_sink* sink, const odo_header* event) {
   PluginInstance& self = *static_cast<const Sink*>(sink)->owner;
-  if (!event || event->type > 31 || (self.outputs_ >> event->type & 1) == 0) {
-    self.fault("wrong_event", "emitted an event of a type that its kind does not owe");
+  if (!event) return ODO_E_ARGUMENT;
+  const auto name = [&] { return message_name(event->type); };
+  if (!self.outputs_.has(event->type)) {
+    if (ODO_IS_EVENT(event->type) && !message_info(event->type)) return ODO_E_UNSUPPORTED;  // of a newer plugin
+    self.fault("wrong_event", "emitted type = " + name() + "; expected one that its kind owes or its table declares",
+               ODO_E_ARGUMENT);
     return ODO_E_ARGUMENT;
   }
   AnyMessage* slot = self.buffer_.next();
-  if (!slot) return ODO_E_EXHAUSTED;
+  if (!slot) {
+    if (!std::exchange(self.overflow_told_, true))
+      self.fault("many_events", "emitted more than " + std::to_string(EventBuffer::kCapacity) + " events in one call",
+                 ODO_E_EXHAUSTED);
+    return ODO_E_EXHAUSTED;
+  }
   if (!slot->assign(*event)) {
     self.buffer_.drop_last();
-    self.fault("small_event", "emitted an event smaller than version 1.0 of its struct");
+    const MessageInfo* info = message_info(event->type);
+    self.fault("event_size",
+               "emitted a " + name() + " with struct_size = " + std::to_string(event->struct_size) + "; expected " +
+                   std::to_string(info ? info->min_size : sizeof(odo_header)) + " to " +
+                   std::to_string(ODO_LARGEST_MESSAGE),
+               ODO_E_STRUCT_SIZE);
     return ODO_E_STRUCT_SIZE;
   }
   slot->header().source = self.number_;
-  if (!message_is_finite(slot->header())) {
+  if (const std::string fault = message_fault(slot->header()); !fault.empty()) {
     self.buffer_.drop_last();
-    self.fault("bad_event", std::string("emitted a ") + message_info(event->type)->name +
-                                " with a number that is not finite or out of its range");
+    self.fault("bad_event", "emitted a " + name() + " with " + fault, ODO_E_ARGUMENT);
     return ODO_E_ARGUMENT;
   }
   return ODO_OK;
@@ -147,23 +160,28 @@ int32_t PluginInstance::emit(const odo_sink* sink, const odo_header* event) {
 
 std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
   buffer_.clear();
+  overflow_told_ = false;
   if (!alive_ || !wants(message.type)) return {};
   const odo_header* messages[] = {&message};
   const odo_batch batch{sizeof(odo_batch), 1, messages};
   const int32_t status = library_->table().process(instance_, &batch);
   if (status < 0)
-    failed(status);
+    failed(status, message);
   else
     failures_in_a_row_ = 0;
   return buffer_.events();
 }
 
-void PluginInstance::failed(int32_t status) {
+void PluginInstance::failed(int32_t status, const odo_header& message) {
   if (status == ODO_E_DISCARD || status == ODO_E_ARGUMENT || status == ODO_E_EXHAUSTED || status == ODO_E_UNSUPPORTED) {
-    fault("discarded", std::string("discarded an input: ") + odo_status_text(status));
+    const std::string why = status == ODO_E_DISCARD ? "" : std::string(": ") + odo_status_text(status);
+    fault(
+        "discarded",
+        "discarded a sample of " + message_name(message.type) + " (t_ns = " + std::to_string(message.t_ns) + ")" + why,
+        status);
     return;
   }
-  fault("failed", std::string("failed: ") + odo_status_text(status));
+  fault("failed", "failed at a sample of " + message_name(message.type) + ": " + odo_status_text(status), status);
   if (status == ODO_E_FATAL) library_->quarantine();
   if (library_->quarantined() || ++failures_in_a_row_ >= kFailuresBeforeGivingUp) {
     alive_ = false;
@@ -197,9 +215,9 @@ bool PluginInstance::load(std::span<const uint8_t> data) {
   return alive_ && function && function(instance_, data.data(), data.size()) >= 0;
 }
 
-void PluginInstance::fault(const char* key, const std::string& text) {
+void PluginInstance::fault(const char* key, const std::string& text, int32_t status) {
   ++faults_;
-  host_.report(number_, ODO_SEVERITY_WARNING, key, text);
+  host_.report(number_, ODO_SEVERITY_WARNING, key, text, status);
 }
 
 }  // namespace odograph

@@ -40,8 +40,10 @@ class PluginInstance {
   PluginInstance(const PluginInstance&) = delete;
   PluginInstance& operator=(const PluginInstance&) = delete;
 
-  /// True when the plugin's kind is given messages of this type.
-  bool wants(uint32_t type) const { return (inputs_ >> (type & 31) & 1) != 0; }
+  /// True when the plugin's kind is given messages of this type, or the plugin declares that it wants them.
+  bool wants(uint32_t type) const { return inputs_.has(type); }
+  /// True when it owes or declares events of this type.
+  bool gives(uint32_t type) const { return outputs_.has(type); }
   /// Hands one message in and returns the events that came out; they are valid until the next call. [process]
   std::span<AnyMessage> process(const odo_header& message);
   /// Back to the state after activation. [control]
@@ -55,6 +57,8 @@ class PluginInstance {
   bool load(std::span<const uint8_t> data);
 
   const std::string& id() const { return id_; }
+  /// Its number in reports and in the `source` of its events, from 1.
+  uint32_t number() const { return number_; }
   const std::string& interface_id() const { return choice_.interface_id; }
   /// False once it failed for good.
   bool alive() const { return alive_; }
@@ -69,16 +73,15 @@ class PluginInstance {
                  const PluginChoice& choice);
   static int32_t emit(const odo_sink* sink, const odo_header* event);
   int32_t start();
-  void failed(int32_t status);
-  void fault(const char* key, const std::string& text);
+  void failed(int32_t status, const odo_header& message);
+  void fault(const char* key, const std::string& text, int32_t status);
 
   std::shared_ptr<PluginLibrary> library_;
   HostServices& host_;
   uint32_t number_;
   PluginChoice choice_;
   std::string id_;
-  uint32_t inputs_ = 0;
-  uint32_t outputs_ = 0;
+  TypeSet inputs_, outputs_;
   odo_instance* instance_ = nullptr;
   Sink sink_{};
   EventBuffer buffer_;
@@ -86,16 +89,18 @@ class PluginInstance {
   int failures_in_a_row_ = 0;
   bool alive_ = true;
   bool was_reset_ = false;
+  bool overflow_told_ = false;  // in this call
 };
 
-/// The message types a kind is given and owes, as bit masks; zeros for an unknown interface.
+/// The message types a kind is given and owes; empty for an unknown interface.
 struct KindTypes {
-  uint32_t inputs;
-  uint32_t outputs;
+  std::vector<uint32_t> inputs, outputs;
 };
+KindTypes kind_types(const std::string& interface_id);
+/// The same, and what the plugin's table declares beyond.
+KindTypes plugin_types(const std::string& interface_id, const odo_plugin& table);
+
 /// A choice's parameters as a plugin is given them; they point into the choice.
 std::vector<odo_value> values_of(const PluginChoice& choice);
-
-KindTypes kind_types(const std::string& interface_id);
 
 }  // namespace odograph

@@ -6,6 +6,7 @@
 
 #include <dlfcn.h>
 
+#include <odograph/messages.h>
 #include <odograph/odograph.h>
 
 namespace odograph {
@@ -13,8 +14,15 @@ namespace {
 
 std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
 
-/// What version 1.0 of the table must contain: everything up to and with `destroy`.
-constexpr size_t kRequired = offsetof(odo_plugin, destroy) + sizeof(void*);
+/// A draft's plugin fits a host of the same draft alone.
+std::string version_fault(const odo_plugin& table, const odo_host& host) {
+  const std::string speaks = "it speaks ABI " + std::to_string(table.abi_major) + "." + std::to_string(table.abi_minor);
+  if (table.abi_major < host.abi_major_min || table.abi_major > host.abi_major_max)
+    return speaks + ", this host speaks major " + std::to_string(host.abi_major_max);
+  if (table.abi_major == 0 && table.abi_minor != host.abi_minor)
+    return speaks + ", a draft; this host speaks draft 0." + std::to_string(host.abi_minor) + ": build it anew";
+  return "";
+}
 
 }  // namespace
 
@@ -41,20 +49,23 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const std::filesystem
     return fail(status < 0 ? status : ODO_E_ERROR,
                 "it refused to start: " + (refusal.empty() ? odo_status_text(status) : refusal));
   }
-  if (filled->abi_major < host->abi_major_min || filled->abi_major > host->abi_major_max)
-    return fail(ODO_E_VERSION, "it speaks ABI major " + std::to_string(filled->abi_major) + ", this host speaks " +
-                                   std::to_string(host->abi_major_max));
-  if (filled->struct_size < kRequired)
-    return fail(ODO_E_STRUCT_SIZE, "its table has " + std::to_string(filled->struct_size) + " bytes; ABI 1 needs " +
-                                       std::to_string(kRequired));
+  if (const auto fault = version_fault(*filled, *host); !fault.empty()) return fail(ODO_E_VERSION, fault);
+  if (filled->struct_size < ODO_PLUGIN_SIZE_MIN)
+    return fail(ODO_E_STRUCT_SIZE, "its table has struct_size = " + std::to_string(filled->struct_size) +
+                                       "; expected at least " + std::to_string(ODO_PLUGIN_SIZE_MIN));
   auto library = std::make_shared<PluginLibrary>();
   library->path_ = path;
   std::memcpy(&library->table_, filled, std::min<size_t>(filled->struct_size, sizeof(odo_plugin)));
   const odo_plugin& t = library->table_;
-  if (!t.create || !t.configure || !t.activate || !t.process || !t.destroy)
-    return fail(ODO_E_DATA, "its table lacks one of create, configure, activate, process, destroy");
-  if (text(t.id).empty() || t.interface_count == 0 || !t.interfaces)
-    return fail(ODO_E_DATA, "its table names no id or no interface");
+  for (const auto& [present, name] :
+       {std::pair{t.create != nullptr, "create"}, std::pair{t.configure != nullptr, "configure"},
+        std::pair{t.activate != nullptr, "activate"}, std::pair{t.process != nullptr, "process"},
+        std::pair{t.destroy != nullptr, "destroy"}})
+    if (!present) return fail(ODO_E_DATA, std::string("its table lacks ") + name);
+  if (text(t.id).empty()) return fail(ODO_E_DATA, "its table names no id");
+  if (t.interface_count == 0 || !t.interfaces) return fail(ODO_E_DATA, "its table names no interface");
+  if ((t.input_count > 0 && !t.inputs) || (t.output_count > 0 && !t.outputs))
+    return fail(ODO_E_DATA, "its table counts inputs or outputs and has no list of them");
   const auto parameters = parameter_specs(t);
   if (!parameters) return fail(parameters.failure().status, parameters.failure().text);
   return library;
@@ -62,9 +73,11 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const std::filesystem
 
 Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const Manifest& manifest, bool verify_hash,
                                                            const odo_host* host) {
-  if (manifest.abi_major < host->abi_major_min || manifest.abi_major > host->abi_major_max)
-    return Failure{ODO_E_VERSION, manifest.path.string() + ": ABI major " + std::to_string(manifest.abi_major) +
-                                      ", but this host speaks " + std::to_string(host->abi_major_max)};
+  odo_plugin promised{};
+  promised.abi_major = manifest.abi_major;
+  promised.abi_minor = manifest.abi_minor;
+  if (const auto fault = version_fault(promised, *host); !fault.empty())
+    return Failure{ODO_E_VERSION, manifest.path.string() + ": " + fault};
   if (verify_hash) {
     const auto hash = sha256_of(manifest.library);
     if (!hash)

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/plugin_host/manifest.hpp"
 
+#include <algorithm>
 #include <charconv>
+#include <cstring>
 
 #include <sys/types.h>
 
+#include <odograph/messages.h>
 #include <sha2.h>
 
 #include "sdk/base/json_text.hpp"
@@ -120,12 +123,13 @@ Result<Manifest> read_manifest(const std::filesystem::path& path) {
 
 Result<std::vector<Spec>> parameter_specs(const odo_plugin& plugin) {
   std::vector<Spec> specs;
-  if (plugin.parameter_count > 0 && (!plugin.parameters || plugin.parameter_stride < sizeof(odo_parameter)))
+  if (plugin.parameter_count > 0 && (!plugin.parameters || plugin.parameter_stride < ODO_PARAMETER_SIZE_MIN))
     return Failure{ODO_E_DATA, "its parameter table has rows of " + std::to_string(plugin.parameter_stride) +
-                                   " bytes; expected at least " + std::to_string(sizeof(odo_parameter))};
+                                   " bytes; expected at least " + std::to_string(ODO_PARAMETER_SIZE_MIN)};
   for (uint32_t i = 0; i < plugin.parameter_count; ++i) {
-    const auto& row = *reinterpret_cast<const odo_parameter*>(reinterpret_cast<const char*>(plugin.parameters) +
-                                                              size_t(i) * plugin.parameter_stride);
+    odo_parameter row{};  // of an older plugin: what it does not know is zero
+    std::memcpy(&row, reinterpret_cast<const char*>(plugin.parameters) + size_t(i) * plugin.parameter_stride,
+                std::min<size_t>(plugin.parameter_stride, sizeof row));
     Spec spec;
     spec.name = text(row.name);
     bool known = false;
@@ -138,7 +142,7 @@ Result<std::vector<Spec>> parameter_specs(const odo_plugin& plugin) {
     spec.max = row.max;
     spec.fallback = text(row.default_text);
     spec.choices = text(row.choices);
-    spec.count = row.count;
+    spec.count = spec.type == SpecType::reals ? row.count : 1;
     spec.help = text(row.help);
     specs.push_back(std::move(spec));
   }

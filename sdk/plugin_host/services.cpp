@@ -68,8 +68,9 @@ void HostServices::name_instance(uint32_t instance, const std::string& id) {
   names_[instance] = id;
 }
 
-void HostServices::report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text) {
-  Report report{severity, "host", key, text};
+void HostServices::report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
+                          int32_t status) {
+  Report report{severity, "host", key, text, instance, 1, status};
   {
     const std::lock_guard lock(mutex_);
     if (const auto name = names_.find(instance); name != names_.end()) report.origin = name->second;
@@ -79,6 +80,7 @@ void HostServices::report(uint32_t instance, uint32_t severity, const std::strin
       ++entry->second.held_back;
       return;
     }
+    report.count += entry->second.held_back;
     if (entry->second.held_back > 0)
       report.text += " (and " + std::to_string(entry->second.held_back) + " more like it)";
     entry->second = {now, 0};

@@ -20,6 +20,9 @@ struct Report {
   std::string origin;  // plugin id, or "host"
   std::string key;
   std::string text;
+  uint32_t instance = 0;    // 0: the host
+  uint64_t count = 1;       // how many like it this one stands for
+  int32_t status = ODO_OK;  // that belongs to it
 };
 
 /// The odo_host that plugins see, with its services: report, random, assets. Outlives every instance made with it.
@@ -37,7 +40,8 @@ class HostServices : public odo_host {
 
   /// Passes a report on, at most one a second (of this machine's clock) for each origin and key; the rest are counted
   /// into the next one. [any]
-  void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text);
+  void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
+              int32_t status = ODO_OK);
 
  private:
   static const void* find_service(const odo_host* host, const char* id, uint64_t size);

@@ -5,30 +5,11 @@
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <zlib.h>
 
 namespace odograph {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr char kMagic[8] = {'O', 'D', 'O', 'R', 'E', 'C', '1', '\n'};
-constexpr uint32_t kRecord = 0x524F444F;  // "ODOR"
-constexpr uint32_t kLargestPayload = 64u << 20;
-
-struct RecordHead {
-  uint32_t magic, type, size, crc;
-};
-static_assert(sizeof(RecordHead) == 16);
-
-uint32_t checksum(uint32_t type, uint32_t size, std::span<const unsigned char> head,
-                  std::span<const unsigned char> tail) {
-  const uint32_t numbers[2] = {type, size};
-  uLong crc = crc32(0, reinterpret_cast<const Bytef*>(numbers), sizeof numbers);
-  crc = crc32(crc, head.data(), static_cast<uInt>(head.size()));
-  if (!tail.empty()) crc = crc32(crc, tail.data(), static_cast<uInt>(tail.size()));
-  return static_cast<uint32_t>(crc);
-}
 
 template <class T>
 std::span<const unsigned char> bytes_of(const T& value) {
@@ -56,28 +37,20 @@ struct SkylineHead {
 
 }  // namespace
 
-OdoWriter::OdoWriter(fs::path file, int jpeg_quality)
-    : path_(std::move(file)), out_(path_, std::ios::binary | std::ios::trunc), jpeg_quality_(jpeg_quality) {
-  const uint32_t version[2] = {1, 0};
-  out_.write(kMagic, sizeof kMagic);
-  out_.write(reinterpret_cast<const char*>(version), sizeof version);
+Result<std::unique_ptr<OdoWriter>> OdoWriter::create(const fs::path& file, int jpeg_quality) {
+  auto records = RecordWriter::create(file);
+  if (!records) return records.failure();
+  return std::unique_ptr<OdoWriter>(new OdoWriter(file, std::move(*records), jpeg_quality));
 }
 
-Result<std::unique_ptr<OdoWriter>> OdoWriter::create(const fs::path& file, int jpeg_quality) {
-  std::unique_ptr<OdoWriter> writer(new OdoWriter(file, jpeg_quality));
-  if (!writer->out_) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be written"};
-  return writer;
+Result<bool> OdoWriter::written(bool good) const {
+  if (!good) return Failure{ODO_E_NOT_FOUND, path_.string() + ": writing failed; is the disk full?"};
+  return true;
 }
 
 Result<bool> OdoWriter::record(uint32_t type, std::span<const unsigned char> head,
                                std::span<const unsigned char> tail) {
-  const auto size = static_cast<uint32_t>(head.size() + tail.size());
-  const RecordHead record{kRecord, type, size, checksum(type, size, head, tail)};
-  out_.write(reinterpret_cast<const char*>(&record), sizeof record);
-  out_.write(reinterpret_cast<const char*>(head.data()), static_cast<std::streamsize>(head.size()));
-  out_.write(reinterpret_cast<const char*>(tail.data()), static_cast<std::streamsize>(tail.size()));
-  if (!out_) return Failure{ODO_E_NOT_FOUND, path_.string() + ": writing failed; is the disk full?"};
-  return true;
+  return written(records_.write(type, head, tail));
 }
 
 Result<bool> OdoWriter::write(const odo_header& message) {
@@ -87,20 +60,14 @@ Result<bool> OdoWriter::write(const odo_header& message) {
     if (!picture) return picture.failure();
     return write_encoded_frame(frame, *picture);
   }
-  AnyMessage copy;
-  if (!copy.assign(message)) return Failure{ODO_E_STRUCT_SIZE, "a message of unknown type or too small"};
-  return record(message.type, {copy.bytes, copy.header().struct_size});
+  if (AnyMessage copy; !copy.assign(message))
+    return Failure{ODO_E_STRUCT_SIZE, "a " + message_name(message.type) + " with struct_size = " +
+                                          std::to_string(message.struct_size) + " cannot be recorded"};
+  return written(records_.write(message, {}));
 }
 
 Result<bool> OdoWriter::write_encoded_frame(const odo_frame& frame, std::span<const unsigned char> picture) {
-  odo_frame bare = frame;  // pointers mean nothing in a file
-  for (auto& plane : bare.planes) plane = {};
-  bare.mask = {};
-  bare.owner = nullptr;
-  bare.retain = nullptr;
-  bare.release = nullptr;
-  bare.header.flags &= ~ODO_FRAME_MASK;
-  return record(ODO_TYPE_FRAME, bytes_of(bare), picture);
+  return written(records_.write(frame.header, picture));
 }
 
 Result<bool> OdoWriter::write_truth(const StampedPose& pose) {
@@ -127,7 +94,7 @@ Result<bool> OdoWriter::write_true_skyline(const TrueSkyline& s) {
 
 Result<bool> OdoWriter::write_true_sighting(const TrueSighting& s) { return record(kTrueSighting, bytes_of(s)); }
 
-bool OdoWriter::flush() { return static_cast<bool>(out_.flush()); }
+bool OdoWriter::flush() { return records_.flush(); }
 
 Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jpeg_quality) {
   const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
@@ -150,16 +117,30 @@ Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jp
 
 namespace {
 
+/// An ABI message as its writer knew it, older or newer than this program; behind a frame's struct lies its picture.
+void take_message(Recording& recording, const RecordReader& record) {
+  AnyMessage message;
+  std::span<const unsigned char> picture;
+  if (!record.message(message, picture)) return;
+  const odo_header& header = message.header();
+  if (header.type == ODO_TYPE_STEP) recording.true_steps.push_back(copy_as<odo_step>(header));
+  if (header.type == ODO_TYPE_FRAME)
+    recording.add(header, {recording.path, record.payload_offset() + header.struct_size, picture.size()});
+  else if (is_input(header.type))
+    recording.add(header);
+}
+
 /// Takes one whole record into the recording.
-void take(Recording& recording, const RecordHead& head, std::span<const unsigned char> payload, uint64_t offset) {
-  if (head.type == OdoWriter::kTruthPose && payload.size() >= sizeof(TruthRecord)) {
+void take(Recording& recording, const RecordReader& record) {
+  const auto payload = record.payload();
+  if (record.type() == OdoWriter::kTruthPose && payload.size() >= sizeof(TruthRecord)) {
     TruthRecord t;
     std::memcpy(&t, payload.data(), sizeof t);
     recording.truth.push_back(
         {t.t_ns, Eigen::Quaterniond(t.q[0], t.q[1], t.q[2], t.q[3]).normalized(), {t.p[0], t.p[1], t.p[2]}});
     return;
   }
-  if (head.type == OdoWriter::kTrueState && payload.size() >= sizeof(StateRecord)) {
+  if (record.type() == OdoWriter::kTrueState && payload.size() >= sizeof(StateRecord)) {
     StateRecord r;
     std::memcpy(&r, payload.data(), sizeof r);
     using Eigen::Vector3d;
@@ -169,11 +150,11 @@ void take(Recording& recording, const RecordHead& head, std::span<const unsigned
                                      Vector3d::Map(r.accel_bias), r.mode});
     return;
   }
-  if (head.type == OdoWriter::kTrueSighting && payload.size() >= sizeof(TrueSighting)) {
+  if (record.type() == OdoWriter::kTrueSighting && payload.size() >= sizeof(TrueSighting)) {
     std::memcpy(&recording.true_sightings.emplace_back(), payload.data(), sizeof(TrueSighting));
     return;
   }
-  if (head.type == OdoWriter::kTrueSkyline && payload.size() >= sizeof(SkylineHead)) {
+  if (record.type() == OdoWriter::kTrueSkyline && payload.size() >= sizeof(SkylineHead)) {
     SkylineHead s;
     std::memcpy(&s, payload.data(), sizeof s);
     if ((payload.size() - sizeof s) / (2 * sizeof(float)) < s.directions) return;
@@ -187,58 +168,19 @@ void take(Recording& recording, const RecordHead& head, std::span<const unsigned
     }
     return;
   }
-  const MessageInfo* info = message_info(head.type);
-  if (!info || payload.size() < info->size) return;  // a newer version's record: not for us
-  alignas(8) unsigned char aligned[kLargestMessage] = {};
-  std::memcpy(aligned, payload.data(), std::min(payload.size(), sizeof aligned));
-  auto& message = *reinterpret_cast<odo_header*>(aligned);
-  if (message.type != head.type || message.struct_size < info->size || message.struct_size > payload.size()) return;
-  if (head.type == ODO_TYPE_STEP) recording.true_steps.push_back(as<odo_step>(message));
-  if (head.type == ODO_TYPE_FRAME) {
-    auto& frame = reinterpret_cast<odo_frame&>(message);
-    for (auto& plane : frame.planes) plane = {};
-    frame.owner = nullptr, frame.retain = nullptr, frame.release = nullptr;
-    recording.add(message, {recording.path, offset + message.struct_size, payload.size() - message.struct_size});
-  } else if (info->is_input) {
-    recording.add(message);
-  }
+  take_message(recording, record);
 }
 
 }  // namespace
 
 Result<Recording> read_odo(const fs::path& file) {
   Recording recording{.format = "Odograph", .path = file};
-  std::ifstream in(file, std::ios::binary);
-  char magic[8] = {};
-  uint32_t version[2] = {};
-  in.read(magic, sizeof magic);
-  in.read(reinterpret_cast<char*>(version), sizeof version);
-  if (!in || std::memcmp(magic, kMagic, sizeof magic) != 0)
-    return Failure{ODO_E_DATA, file.string() + ": not an Odograph recording"};
-  if (version[0] != 1)
-    return Failure{ODO_E_VERSION, file.string() + ": recording version " + std::to_string(version[0]) +
-                                      "; this program reads version 1"};
-  uint64_t offset = 16;
-  std::vector<unsigned char> payload;
-  for (;;) {
-    RecordHead head{};
-    in.read(reinterpret_cast<char*>(&head), sizeof head);
-    if (in.gcount() == 0) break;
-    bool whole = in.gcount() == sizeof head && head.magic == kRecord && head.size <= kLargestPayload;
-    if (whole) {
-      payload.resize(head.size);
-      in.read(reinterpret_cast<char*>(payload.data()), head.size);
-      whole = in.gcount() == static_cast<std::streamsize>(head.size) &&
-              checksum(head.type, head.size, payload, {}) == head.crc;
-    }
-    if (!whole) {  // a crash while it was written: what came before is good
-      recording.warnings.push_back("damaged or cut off at byte " + std::to_string(offset) +
-                                   "; everything before it was read");
-      break;
-    }
-    take(recording, head, payload, offset + sizeof head);
-    offset += sizeof head + head.size;
-  }
+  auto records = RecordReader::open(file);
+  if (!records) return records.failure();
+  while (records->next()) take(recording, *records);
+  if (records->damaged_at() > 0)  // a crash while it was written: what came before is good
+    recording.warnings.push_back("damaged or cut off at byte " + std::to_string(records->damaged_at()) +
+                                 "; everything before it was read");
   if (recording.messages.empty()) return Failure{ODO_E_DATA, file.string() + ": no whole record in it"};
   recording.sort();
   return recording;

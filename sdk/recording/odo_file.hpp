@@ -6,18 +6,14 @@
 #include <memory>
 #include <span>
 
+#include "sdk/core/record_file.hpp"
 #include "sdk/recording/recording.hpp"
 
 namespace odograph {
 
-/// Odograph's own recording, *.odo. Append-only: a file header and then records, each with its size and a checksum, so
-/// that after a crash everything up to the last whole record is there. Little-endian. Layout in docs/recording.md.
-///
-///   header  "ODOREC1\n", u32 version = 1, u32 0
-///   record  u32 "ODOR", u32 type, u32 payload size, u32 CRC-32 of type, size and payload; payload
-///
-/// The payload of a message is its ABI struct, which grows as the ABI grows; of a frame the struct without pointers and
-/// behind it the encoded picture (PNG or JPEG).
+/// Odograph's own recording, *.odo: records (RecordWriter), of which layout and types are in docs/recording.md. The
+/// payload of a message is its ABI struct as its writer knew it; of a frame the struct without pointers and behind it
+/// the encoded picture (PNG or JPEG).
 class OdoWriter {
  public:
   static constexpr uint32_t kTruthPose =
@@ -48,11 +44,13 @@ class OdoWriter {
   int jpeg_quality() const { return jpeg_quality_; }
 
  private:
-  OdoWriter(std::filesystem::path file, int jpeg_quality);
+  OdoWriter(std::filesystem::path file, RecordWriter records, int jpeg_quality)
+      : path_(std::move(file)), records_(std::move(records)), jpeg_quality_(jpeg_quality) {}
+  Result<bool> written(bool good) const;
   Result<bool> record(uint32_t type, std::span<const unsigned char> head, std::span<const unsigned char> tail = {});
 
   std::filesystem::path path_;
-  std::ofstream out_;
+  RecordWriter records_;
   int jpeg_quality_;
 };
 

@@ -68,7 +68,7 @@ Result<odo_calibration> read_asl_camera(const fs::path& file, uint32_t id) {
     for (size_t i = 0; i < 3; ++i) c.p_b_c[i] = T_b_c[4 * i + 3];
     c.header.flags = ODO_CALIBRATION_EXTRINSICS;
   }
-  if (!message_is_finite(c.header))
+  if (!message_is_good(c.header))
     return Failure{ODO_E_DATA, file.string() + ": the calibration makes no sense (focal length, size, rotation)"};
   return c;
 }

@@ -101,7 +101,7 @@ Result<odo_frame> load_frame(const RecordedMessage& recorded) {
     cv::split(held->image, bgr);
     cv::merge(std::vector<cv::Mat>{bgr[2], bgr[1], bgr[0]}, held->image);
   }
-  odo_frame frame = as<odo_frame>(recorded.message.header());
+  auto frame = copy_as<odo_frame>(recorded.message.header());
   const cv::Mat& image = held->image;
   frame.width = static_cast<uint32_t>(image.cols);
   frame.height = static_cast<uint32_t>(image.rows);

@@ -75,8 +75,9 @@ void imu_push(benchmark::State& state, const char* yaml) {
   odo_session* session = nullptr;
   if (odo_session_create(&options, &session, nullptr) != ODO_OK) return state.SkipWithError("no session");
   int64_t attitudes = 0;
+  const uint32_t wanted = ODO_TYPE_ATTITUDE;
   odo_session_set_callback(
-      session, ODO_ON_ATTITUDE, [](void* user, const odo_header*) { ++*static_cast<int64_t*>(user); }, &attitudes);
+      session, &wanted, 1, [](void* user, const odo_header*) { ++*static_cast<int64_t*>(user); }, &attitudes);
   int64_t i = 0;
   for (auto _ : state) {
     const odo_imu imu = sample(++i);

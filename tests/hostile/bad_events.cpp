@@ -4,7 +4,7 @@
 
 #include "tests/hostile/table.hpp"
 
-extern "C" int32_t odo_plugin_entry_v1(const odo_host*, odo_plugin* out) {
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   odo_plugin t = hostile::table();
   t.process = [](odo_instance*, const odo_batch*) -> int32_t {
     const odo_sink* sink = hostile::sink();

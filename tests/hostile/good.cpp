@@ -2,6 +2,4 @@
 // Nothing wrong with this one: what the others differ from.
 #include "tests/hostile/table.hpp"
 
-extern "C" int32_t odo_plugin_entry_v1(const odo_host*, odo_plugin* out) {
-  return hostile::fill(out, hostile::table());
-}
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) { return hostile::fill(out, hostile::table()); }

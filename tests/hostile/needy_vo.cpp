@@ -37,7 +37,7 @@ int32_t take(const odo_header& message) {
 
 }  // namespace
 
-extern "C" int32_t odo_plugin_entry_v1(const odo_host*, odo_plugin* out) {
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   static const odo_string kind{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1};
   odo_plugin t = hostile::table();
   t.interfaces = &kind;

@@ -5,7 +5,7 @@
 
 #include "tests/hostile/table.hpp"
 
-extern "C" int32_t odo_plugin_entry_v1(const odo_host*, odo_plugin* out) {
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   static const odo_string kind{ODO_INTERFACE_STEP_ESTIMATOR, sizeof(ODO_INTERFACE_STEP_ESTIMATOR) - 1};
   odo_plugin t = hostile::table();
   t.interfaces = &kind;

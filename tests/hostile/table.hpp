@@ -29,6 +29,7 @@ inline odo_plugin table() {
   std::memset(&t, 0, sizeof t);
   t.struct_size = sizeof t;
   t.abi_major = ODO_ABI_MAJOR;
+  t.abi_minor = ODO_ABI_MINOR;
   t.interface_count = 1;
   t.interfaces = interfaces;
   t.id = {HOSTILE_ID, sizeof(HOSTILE_ID) - 1};

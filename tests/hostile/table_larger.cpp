@@ -2,7 +2,7 @@
 // Built against a later minor version, whose table goes on; and careless enough to write all of it. That is survived.
 #include "tests/hostile/table.hpp"
 
-extern "C" int32_t odo_plugin_entry_v1(const odo_host*, odo_plugin* out) {
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   struct Larger {
     odo_plugin known;
     void* later[16];

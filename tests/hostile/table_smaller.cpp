@@ -2,6 +2,6 @@
 // Ends after `destroy`: the optional functions are not there. That is allowed.
 #include "tests/hostile/table.hpp"
 
-extern "C" int32_t odo_plugin_entry_v1(const odo_host*, odo_plugin* out) {
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   return hostile::fill(out, hostile::table(), offsetof(odo_plugin, reset));
 }

@@ -10,6 +10,6 @@
 
 #include <odograph/plugin.h>
 
-#define ODO_INTERFACE_ABSOLUTE_FIXER "odo.absolute_fixer/1"
+#define ODO_INTERFACE_ABSOLUTE_FIXER "odo.absolute_fixer/draft2"
 
 #endif

@@ -12,6 +12,6 @@
 
 #include <odograph/plugin.h>
 
-#define ODO_INTERFACE_ATTITUDE "odo.attitude/1"
+#define ODO_INTERFACE_ATTITUDE "odo.attitude/draft2"
 
 #endif

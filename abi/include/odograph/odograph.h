@@ -61,15 +61,16 @@ typedef struct odo_statistics {
   double distance_m;
   uint64_t wild;             /* dropped: outside the sensor's range, or a spike against its neighbours */
   uint64_t events_dropped;   /* of samples that gave more events than the pipeline takes of one */
+  uint64_t unknown;          /* samples of a type that neither the library nor any of its plugins knows */
 } odo_statistics;
 
 /* [control] Compiles the config, loads and starts the plugins. On failure *session is null and `error`, which may be
  * null, says why: a bad config with file:line:column, a plugin with its path and reason.
  * ODO_E_CONFIG, ODO_E_NOT_FOUND, ODO_E_VERSION, ODO_E_ARGUMENT ... */
-ODO_EXPORT int32_t odo_session_create(const odo_session_options *options, odo_session **session, odo_error *error);
+ODO_API int32_t ODO_CALL odo_session_create(const odo_session_options *options, odo_session **session, odo_error *error);
 
 /* [control] Stops the session's thread, destroys the plugins' instances, releases held frames. Null is allowed. */
-ODO_EXPORT void odo_session_destroy(odo_session *session);
+ODO_API void ODO_CALL odo_session_destroy(odo_session *session);
 
 /* [any] Hands in a sample: odo_imu, odo_magnetometer, odo_barometer, odo_gnss, odo_frame, odo_calibration,
  * odo_imu_noise or odo_waypoint, each with struct_size and type set. The struct is copied; a frame's pixels are not if
@@ -78,14 +79,14 @@ ODO_EXPORT void odo_session_destroy(odo_session *session);
  * sample that jumps away from the one before waits for the next one, and is dropped if that does not confirm it.
  * No lock is held while a frame's retain or release is called: they may push.
  * ODO_E_DISCARD (not finite, outside any sensor's range, late), ODO_E_EXHAUSTED (queue full), ODO_E_STRUCT_SIZE. */
-ODO_EXPORT int32_t odo_session_push(odo_session *session, const odo_header *sample);
+ODO_API int32_t ODO_CALL odo_session_push(odo_session *session, const odo_header *sample);
 
 /* [any] Shorthand for the commonest sample. Arrays of 3, rad/s and m/s^2. */
-ODO_EXPORT int32_t odo_session_push_imu(odo_session *session, int64_t t_ns, const double *gyro_b, const double *accel_b);
+ODO_API int32_t ODO_CALL odo_session_push_imu(odo_session *session, int64_t t_ns, const double *gyro_b, const double *accel_b);
 
 /* [control] Processes all that has been pushed, without waiting for slower sensors: on the session's thread when live,
  * on the caller's in replay. Returns when done. ODO_E_STATE from within a callback. */
-ODO_EXPORT int32_t odo_session_flush(odo_session *session);
+ODO_API int32_t ODO_CALL odo_session_flush(odo_session *session);
 
 #define ODO_TIME_LATEST INT64_MIN
 /* [any] The pose at a time of the sensor clock, or at the newest sample. Between two poses it is interpolated; after the
@@ -94,63 +95,63 @@ ODO_EXPORT int32_t odo_session_flush(odo_session *session);
  * is not known (camera off for more than 0.5 s, state lost) there is the orientation alone: look at the flags. Takes
  * microseconds and never waits for the pipeline.
  * ODO_NOT_READY before the first pose or attitude, ODO_E_NOT_FOUND outside. */
-ODO_EXPORT int32_t odo_session_get_pose(odo_session *session, int64_t t_ns, odo_pose *pose);
+ODO_API int32_t ODO_CALL odo_session_get_pose(odo_session *session, int64_t t_ns, odo_pose *pose);
+
+#define ODO_OF_PIPELINE UINT32_C(0) /* of what the config has: the camera, or the body where there is none */
+#define ODO_OF_BODY UINT32_C(1)
+#define ODO_OF_CAMERA UINT32_C(2)
+/* [any] As odo_session_get_pose, of what the caller asks for: ODO_OF_*. Between camera and body it goes by the newest
+ * calibration's mount (ODO_CALIBRATION_EXTRINSICS), without one it is taken for zero. `smooth`: not 0 for the smooth
+ * pose. ODO_E_ARGUMENT for another ODO_OF_*. */
+ODO_API int32_t ODO_CALL odo_session_get_pose_of(odo_session *session, uint32_t of, uint32_t smooth, int64_t t_ns,
+                                                 odo_pose *pose);
 
 /* [any] The same pose, but corrections (see odo_correction) are blended in: never faster than 0.5 m/s and 10 degrees/s
  * beyond the true motion. For what is drawn and must not jump; places in n belong to odo_session_get_pose. */
-ODO_EXPORT int32_t odo_session_get_smooth_pose(odo_session *session, int64_t t_ns, odo_pose *pose);
-
-/* Event masks for callbacks: 1 << ODO_TYPE_*. */
-#define ODO_ON_CALIBRATION (UINT32_C(1) << 6) /* what a front-end refined the camera to: ODO_CALIBRATION_REFINED */
-#define ODO_ON_ATTITUDE (UINT32_C(1) << 16)
-#define ODO_ON_STEP (UINT32_C(1) << 17)
-#define ODO_ON_MOTION_MODE (UINT32_C(1) << 18)
-#define ODO_ON_VO_MOTION (UINT32_C(1) << 19)
-#define ODO_ON_SCALE (UINT32_C(1) << 20)
-#define ODO_ON_FIX (UINT32_C(1) << 21)
-#define ODO_ON_POSE (UINT32_C(1) << 22)
-#define ODO_ON_STATE (UINT32_C(1) << 23)
-#define ODO_ON_CORRECTION (UINT32_C(1) << 24)
+ODO_API int32_t ODO_CALL odo_session_get_smooth_pose(odo_session *session, int64_t t_ns, odo_pose *pose);
 
 /* Called with an event that is valid for the duration of the call; cast by event->type. On the session's thread when
  * live, within push or flush in replay. No lock is held: it may call [any] functions; what it pushes is processed after
  * it has returned. */
-typedef void (*odo_callback)(void *user, const odo_header *event);
+typedef void (ODO_CALL *odo_callback)(void *user, const odo_header *event);
 
-/* [control] Replaces the callback; mask 0 or a null function ends the calls, and none is running after the return (but
- * the one that it was called from). */
-ODO_EXPORT int32_t odo_session_set_callback(odo_session *session, uint32_t mask, odo_callback callback, void *user);
+#define ODO_ALL_EVENTS UINT32_MAX
+/* [control] Replaces the callback. `types` are the events that are wanted (ODO_TYPE_*, vendors' too; ODO_TYPE_CALIBRATION
+ * stands for what a front-end refined the camera to), copied; one that this library never gives is no error. With the
+ * count ODO_ALL_EVENTS and null types it is called for all. No types or a null function end the calls, and none is running after the return (but the one that it was called from). */
+ODO_API int32_t ODO_CALL odo_session_set_callback(odo_session *session, const uint32_t *types, uint32_t count,
+                                                  odo_callback callback, void *user);
 
 /* [any] Accumulated counters. Never waits for the pipeline. */
-ODO_EXPORT int32_t odo_session_get_statistics(odo_session *session, odo_statistics *statistics);
+ODO_API int32_t ODO_CALL odo_session_get_statistics(odo_session *session, odo_statistics *statistics);
 
 /* [any] The last error or warning that a push or a plugin caused, and how often since the last call; ODO_OK when none. */
-ODO_EXPORT int32_t odo_session_last_error(odo_session *session, odo_error *error);
+ODO_API int32_t ODO_CALL odo_session_last_error(odo_session *session, odo_error *error);
 
 /* [any] Local NED to WGS 84 and back, exact (GeographicLib::LocalCartesian). p_n and geodetic are arrays of 3; geodetic
  * is latitude and longitude in rad, ellipsoidal height in m. ODO_NOT_READY while the origin is not known (neither
  * navigation.origin nor a GNSS fix). */
-ODO_EXPORT int32_t odo_session_to_geodetic(odo_session *session, const double *p_n, double *geodetic);
-ODO_EXPORT int32_t odo_session_from_geodetic(odo_session *session, const double *geodetic, double *p_n);
+ODO_API int32_t ODO_CALL odo_session_to_geodetic(odo_session *session, const double *p_n, double *geodetic);
+ODO_API int32_t ODO_CALL odo_session_from_geodetic(odo_session *session, const double *geodetic, double *p_n);
 
 /* [control] What the plugins have learnt and should outlive the session (a walker's step length ...), as a blob for
  * odo_session_load. Returns the bytes needed, and writes them if `capacity` suffices; data may be null with capacity 0. */
-ODO_EXPORT int64_t odo_session_save(odo_session *session, void *data, uint64_t capacity);
+ODO_API int64_t ODO_CALL odo_session_save(odo_session *session, void *data, uint64_t capacity);
 /* [control] Before the first sample as a rule. What another plugin than those of this config saved is passed over.
  * ODO_E_DATA when the blob is damaged (nothing changed) or a plugin does not take its part (the others have theirs). */
-ODO_EXPORT int32_t odo_session_load(odo_session *session, const void *data, uint64_t size);
+ODO_API int32_t ODO_CALL odo_session_load(odo_session *session, const void *data, uint64_t size);
 
 /* [any] "major.minor.patch" of the library, terminated, never null. */
-ODO_EXPORT const char *odo_version(void);
+ODO_API const char *ODO_CALL odo_version(void);
 
 /* [any] ABI of the library: major << 16 | minor. */
-ODO_EXPORT uint32_t odo_abi_version(void);
+ODO_API uint32_t ODO_CALL odo_abi_version(void);
 
 /* [any] A status code, a state (ODO_TRACKING ...), a reason or a motion mode in words; never null. */
-ODO_EXPORT const char *odo_status_text(int32_t status);
-ODO_EXPORT const char *odo_state_text(uint32_t state);
-ODO_EXPORT const char *odo_reason_text(uint32_t reason);
-ODO_EXPORT const char *odo_mode_text(uint32_t mode);
+ODO_API const char *ODO_CALL odo_status_text(int32_t status);
+ODO_API const char *ODO_CALL odo_state_text(uint32_t state);
+ODO_API const char *ODO_CALL odo_reason_text(uint32_t reason);
+ODO_API const char *ODO_CALL odo_mode_text(uint32_t mode);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Header-only C++17 wrapper for plugin authors. A plugin is a class with a description, a parameter table and one
+// Header-only C++17 wrapper for plugin authors, part 3: the plugin itself. A plugin is a class with a description, a parameter table and one
 // `on(message, output)` for each message it wants:
 //
 //   struct Example {
@@ -14,7 +14,9 @@
 //   ODO_PLUGIN(Example)
 //
 // Optional members: void configured() or configured(odo::Output&) (throw odo::Error to refuse), void reset(), std::vector<uint8_t> save() const,
-// void load(const uint8_t*, size_t), const void* extension(std::string_view id).
+// void load(const uint8_t*, size_t), const void* extension(std::string_view id); static constexpr uint32_t extra_inputs[] and
+// extra_outputs[] for message types beyond those of its kind, and `using VendorMessages = odo::Messages<acme_wifi, ...>`
+// for vendors' own that on() takes.
 // No exception leaves the plugin: each becomes a status code and a report, also when the plugin carries a C++ runtime of
 // its own, because the guard is compiled into the plugin.
 #ifndef ODOGRAPH_PLUGIN_HPP
@@ -27,32 +29,17 @@
 #include <odograph/step_estimator.h>
 #include <odograph/vo_frontend.h>
 
-#include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
+#include <odograph/plugin_messages.hpp>
+#include <odograph/plugin_parameters.hpp>
+
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <new>
-#include <stdexcept>
-#include <string>
-#include <string_view>
-#include <type_traits>
 #include <utility>
-#include <variant>
 #include <vector>
 
 namespace odo {
-
-/// Thrown by a plugin to fail with a chosen status. Any other exception becomes ODO_E_ERROR.
-class Error : public std::runtime_error {
- public:
-  Error(int32_t status, const std::string& text) : std::runtime_error(text), status_(status) {}
-  int32_t status() const noexcept { return status_; }
-
- private:
-  int32_t status_;
-};
 
 struct Description {
   const char* id;
@@ -61,150 +48,10 @@ struct Description {
   const char* interface_id;
 };
 
-inline odo_string str(std::string_view text) { return {text.data(), static_cast<uint64_t>(text.size())}; }
-inline std::string_view view(const odo_string& text) {
-  return text.size == 0 ? std::string_view() : std::string_view(text.data, static_cast<size_t>(text.size));
-}
-
-template <class Message> struct type_of;
-#define ODO_DETAIL_TYPE(name, number) \
-  template <> struct type_of<name> : std::integral_constant<uint32_t, number> {}
-ODO_DETAIL_TYPE(odo_imu, ODO_TYPE_IMU);
-ODO_DETAIL_TYPE(odo_magnetometer, ODO_TYPE_MAGNETOMETER);
-ODO_DETAIL_TYPE(odo_barometer, ODO_TYPE_BAROMETER);
-ODO_DETAIL_TYPE(odo_gnss, ODO_TYPE_GNSS);
-ODO_DETAIL_TYPE(odo_frame, ODO_TYPE_FRAME);
-ODO_DETAIL_TYPE(odo_calibration, ODO_TYPE_CALIBRATION);
-ODO_DETAIL_TYPE(odo_imu_noise, ODO_TYPE_IMU_NOISE);
-ODO_DETAIL_TYPE(odo_waypoint, ODO_TYPE_WAYPOINT);
-ODO_DETAIL_TYPE(odo_attitude, ODO_TYPE_ATTITUDE);
-ODO_DETAIL_TYPE(odo_step, ODO_TYPE_STEP);
-ODO_DETAIL_TYPE(odo_motion_mode, ODO_TYPE_MOTION_MODE);
-ODO_DETAIL_TYPE(odo_vo_motion, ODO_TYPE_VO_MOTION);
-ODO_DETAIL_TYPE(odo_scale, ODO_TYPE_SCALE);
-ODO_DETAIL_TYPE(odo_fix, ODO_TYPE_FIX);
-ODO_DETAIL_TYPE(odo_pose, ODO_TYPE_POSE);
-ODO_DETAIL_TYPE(odo_state, ODO_TYPE_STATE);
-#undef ODO_DETAIL_TYPE
-
-/// A zeroed message with its size, type and time filled in.
-template <class Message> Message make(int64_t t_ns) {
-  Message message;
-  std::memset(&message, 0, sizeof message);
-  message.header.struct_size = sizeof(Message);
-  message.header.type = type_of<Message>::value;
-  message.header.t_ns = t_ns;
-  return message;
-}
-
-/// The way out of a plugin: events to the sink, text to the report service. [process]
-class Output {
- public:
-  Output() = default;
-  Output(const odo_host* host, uint32_t instance) : host_(host), instance_(instance) {
-    if (host && host->get_service)
-      report_ = static_cast<const odo_report_service*>(
-          host->get_service(host, ODO_SERVICE_REPORT, sizeof(ODO_SERVICE_REPORT) - 1));
-  }
-  void connect(const odo_sink* sink) { sink_ = sink; }
-
-  /// Copies the event to the host. Throws odo::Error when the host refuses it.
-  template <class Message> void emit(Message event) {
-    event.header.struct_size = sizeof(Message);
-    event.header.type = type_of<Message>::value;
-    const int32_t status = sink_ ? sink_->emit(sink_, &event.header) : ODO_E_STATE;
-    if (status < 0) throw Error(status, "the host refused an event of type " + std::to_string(event.header.type));
-  }
-  void report(uint32_t severity, std::string_view key, std::string_view text) const noexcept {
-    const odo_string k = str(key), t = str(text);
-    if (report_ && report_->report) report_->report(host_, instance_, severity, &k, &t);
-  }
-  /// The path of a file that the config names, or null where there is none. [control]
-  std::unique_ptr<std::string> asset(std::string_view name) const {
-    static const std::string_view id = ODO_SERVICE_ASSETS;
-    const void* found = host_ && host_->get_service ? host_->get_service(host_, id.data(), id.size()) : nullptr;
-    const auto* assets = static_cast<const odo_asset_service*>(found);
-    const odo_string wanted = str(name);
-    std::string path(4096, '\0');
-    const int64_t size = assets && assets->resolve ? assets->resolve(host_, &wanted, &path[0], path.size()) : -1;
-    if (size < 0 || size > static_cast<int64_t>(path.size())) return nullptr;
-    path.resize(static_cast<size_t>(size));
-    return std::make_unique<std::string>(std::move(path));
-  }
-  const odo_host* host() const noexcept { return host_; }
-  uint32_t instance() const noexcept { return instance_; }
-
- private:
-  const odo_host* host_ = nullptr;
-  uint32_t instance_ = 0;
-  const odo_report_service* report_ = nullptr;
-  const odo_sink* sink_ = nullptr;
-};
-
-/// One parameter: its line of the table and the member it sets. Made by real(), reals(), integer(), boolean(), text(),
-/// choice().
-template <class T> struct Parameter {
-  using Member = std::variant<double T::*, int64_t T::*, bool T::*, std::string T::*, std::array<double, 3> T::*>;
-  uint32_t type;
-  const char* name;
-  const char* unit;
-  double min;
-  double max;
-  const char* choices;
-  const char* help;
-  Member member;
-};
-
-template <class T>
-Parameter<T> real(const char* name, const char* unit, double min, double max, double T::*member, const char* help) {
-  return {ODO_PARAMETER_REAL, name, unit, min, max, "", help, member};
-}
-template <class T>
-Parameter<T> reals(const char* name, const char* unit, double min, double max, std::array<double, 3> T::*member,
-                   const char* help) {
-  return {ODO_PARAMETER_REALS, name, unit, min, max, "", help, member};
-}
-template <class T>
-Parameter<T> integer(const char* name, int64_t min, int64_t max, int64_t T::*member, const char* help) {
-  return {ODO_PARAMETER_INT, name, "", static_cast<double>(min), static_cast<double>(max), "", help, member};
-}
-template <class T> Parameter<T> boolean(const char* name, bool T::*member, const char* help) {
-  return {ODO_PARAMETER_BOOL, name, "", 0, 1, "", help, member};
-}
-template <class T> Parameter<T> text(const char* name, std::string T::*member, const char* help) {
-  return {ODO_PARAMETER_STRING, name, "", 0, 0, "", help, member};
-}
-template <class T>
-Parameter<T> choice(const char* name, const char* choices, std::string T::*member, const char* help) {
-  return {ODO_PARAMETER_CHOICE, name, "", 0, 0, choices, help, member};
-}
+/// The vendors' messages that a plugin's on() takes.
+template <class... Own> struct Messages {};
 
 namespace detail {
-
-inline std::string number_text(double value) {
-  char buffer[40];
-  for (int digits = 1; digits <= 17; ++digits) {
-    std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
-    if (std::strtod(buffer, nullptr) == value) break;
-  }
-  for (char* c = buffer; *c; ++c)
-    if (*c == ',') *c = '.';
-  return buffer;
-}
-
-template <class T> std::string default_text(const T& object, const Parameter<T>& parameter) {
-  return std::visit(
-      [&](auto member) -> std::string {
-        const auto& value = object.*member;
-        using V = std::decay_t<decltype(value)>;
-        if constexpr (std::is_same_v<V, bool>) return value ? "true" : "false";
-        else if constexpr (std::is_same_v<V, double>) return number_text(value);
-        else if constexpr (std::is_same_v<V, int64_t>) return std::to_string(value);
-        else if constexpr (std::is_same_v<V, std::string>) return value;
-        else return "[" + number_text(value[0]) + ", " + number_text(value[1]) + ", " + number_text(value[2]) + "]";
-      },
-      parameter.member);
-}
 
 template <class T, class = void> struct has_configured : std::false_type {};
 template <class T> struct has_configured<T, std::void_t<decltype(std::declval<T&>().configured())>> : std::true_type {};
@@ -225,14 +72,23 @@ struct has_on<T, M,
               std::void_t<decltype(std::declval<T&>().on(std::declval<const M&>(), std::declval<Output&>()))>>
     : std::true_type {};
 
+template <class T, class = void> struct vendor_messages { using type = Messages<>; };
+template <class T> struct vendor_messages<T, std::void_t<typename T::VendorMessages>> {
+  using type = typename T::VendorMessages;
+};
+template <class T, class = void> struct has_extra_inputs : std::false_type {};
+template <class T> struct has_extra_inputs<T, std::void_t<decltype(T::extra_inputs)>> : std::true_type {};
+template <class T, class = void> struct has_extra_outputs : std::false_type {};
+template <class T> struct has_extra_outputs<T, std::void_t<decltype(T::extra_outputs)>> : std::true_type {};
+
 /// The C table of a plugin class, and the guard around each call.
 template <class T> class Glue {
  public:
   static int32_t entry(const odo_host* host, odo_plugin* out) noexcept {
-    static constexpr char no_version[] = "this plugin speaks ABI 1 only";
+    static constexpr char no_version[] = "this plugin speaks another ABI than the host";
     static constexpr char no_memory[] = "the plugin could not build its tables";
-    if (!host || !out || out->struct_size < offsetof(odo_plugin, parameters)) return ODO_E_STRUCT_SIZE;
-    if (host->abi_major_min > ODO_ABI_MAJOR || host->abi_major_max < ODO_ABI_MAJOR) {
+    if (!host || !out || out->struct_size < ODO_PLUGIN_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+    if (!ODO_HOST_FITS(host)) {
       out->refusal = {no_version, sizeof no_version - 1};
       return ODO_E_VERSION;
     }
@@ -315,6 +171,14 @@ template <class T> class Glue {
         plugin.save = save;
         plugin.load = load;
         plugin.get_interface = get_interface;
+        if constexpr (has_extra_inputs<T>::value) {
+          plugin.inputs = T::extra_inputs;
+          plugin.input_count = static_cast<uint32_t>(std::size(T::extra_inputs));
+        }
+        if constexpr (has_extra_outputs<T>::value) {
+          plugin.outputs = T::extra_outputs;
+          plugin.output_count = static_cast<uint32_t>(std::size(T::extra_outputs));
+        }
         plugin.destroy = destroy;
       }
     };
@@ -322,8 +186,9 @@ template <class T> class Glue {
     return instance.plugin;
   }
 
-  static int32_t create(const odo_host* host, uint32_t number, const odo_string*, odo_instance** out) noexcept {
-    if (!out) return ODO_E_ARGUMENT;
+  static int32_t ODO_CALL create(const odo_host* host, uint32_t number, const odo_string* kind, odo_instance** out) noexcept {
+    if (!out || !kind) return ODO_E_ARGUMENT;
+    if (view(*kind) != T::description.interface_id) return ODO_E_UNSUPPORTED;
     const Output output(host, number);
     return guarded(&output, [&]() -> int32_t {
       auto instance = std::make_unique<Instance>();
@@ -353,7 +218,7 @@ template <class T> class Glue {
     else if constexpr (has_configured<T>::value) instance.object->configured();
   }
 
-  static int32_t configure(odo_instance* handle, const odo_value* values, uint32_t count, uint32_t stride) noexcept {
+  static int32_t ODO_CALL configure(odo_instance* handle, const odo_value* values, uint32_t count, uint32_t stride) noexcept {
     Instance* instance = of(handle);
     return guarded(&instance->output, [&]() -> int32_t {
       instance->values.clear();
@@ -361,13 +226,16 @@ template <class T> class Glue {
       instance->texts.clear();
       instance->reals.reserve(count);
       instance->texts.reserve(count);
+      if (stride < ODO_VALUE_SIZE_MIN) return ODO_E_STRUCT_SIZE;
       for (uint32_t i = 0; i < count; ++i) {
-        const auto* value = reinterpret_cast<const odo_value*>(reinterpret_cast<const char*>(values) + size_t(i) * stride);
+        odo_value value{};  // of an older host: the fields it does not know are zero
+        std::memcpy(&value, reinterpret_cast<const char*>(values) + size_t(i) * stride,
+                    stride < sizeof value ? stride : sizeof value);
         for (size_t row = 0; row < instance->parameters.size(); ++row) {
-          if (view(value->name) != instance->parameters[row].name) continue;
-          odo_value kept = *value;
-          instance->reals.emplace_back(value->reals, value->reals + value->count);
-          instance->texts.emplace_back(view(value->text));
+          if (view(value.name) != instance->parameters[row].name) continue;
+          odo_value kept = value;
+          instance->reals.emplace_back(value.reals, value.reals + value.count);
+          instance->texts.emplace_back(view(value.text));
           kept.reals = instance->reals.back().data();
           kept.text = str(instance->texts.back());
           instance->values.emplace_back(row, kept);
@@ -378,7 +246,7 @@ template <class T> class Glue {
     });
   }
 
-  static int32_t activate(odo_instance* handle, const odo_sink* sink) noexcept {
+  static int32_t ODO_CALL activate(odo_instance* handle, const odo_sink* sink) noexcept {
     of(handle)->output.connect(sink);
     return ODO_OK;
   }
@@ -387,7 +255,7 @@ template <class T> class Glue {
     if constexpr (has_on<T, Message>::value) {
       if (header->struct_size >= sizeof(Message)) {
         instance.object->on(*reinterpret_cast<const Message*>(header), instance.output);
-      } else {  // an older host: the fields it does not know are zero
+      } else if (header->struct_size >= min_size_of<Message>::value) {  // an older host: what it does not know is zero
         Message grown;
         std::memset(&grown, 0, sizeof grown);
         std::memcpy(static_cast<void*>(&grown), header, header->struct_size);
@@ -396,35 +264,30 @@ template <class T> class Glue {
     }
   }
 
-  static int32_t process(odo_instance* handle, const odo_batch* batch) noexcept {
+  /// A newer host's message that is none of the vendor's own is not for us.
+  template <class... Own> static void deliver_vendors(Instance& instance, const odo_header* header, Messages<Own...>) {
+    ((header->type == type_of<Own>::value ? deliver<Own>(instance, header) : void()), ...);
+    (void)instance, (void)header;
+  }
+
+  static int32_t ODO_CALL process(odo_instance* handle, const odo_batch* batch) noexcept {
     Instance* instance = of(handle);
     return guarded(&instance->output, [&]() -> int32_t {
       for (uint32_t i = 0; i < batch->count; ++i) {
         const odo_header* header = batch->messages[i];
         switch (header->type) {
-          case ODO_TYPE_IMU: deliver<odo_imu>(*instance, header); break;
-          case ODO_TYPE_MAGNETOMETER: deliver<odo_magnetometer>(*instance, header); break;
-          case ODO_TYPE_BAROMETER: deliver<odo_barometer>(*instance, header); break;
-          case ODO_TYPE_GNSS: deliver<odo_gnss>(*instance, header); break;
-          case ODO_TYPE_FRAME: deliver<odo_frame>(*instance, header); break;
-          case ODO_TYPE_CALIBRATION: deliver<odo_calibration>(*instance, header); break;
-          case ODO_TYPE_IMU_NOISE: deliver<odo_imu_noise>(*instance, header); break;
-          case ODO_TYPE_WAYPOINT: deliver<odo_waypoint>(*instance, header); break;
-          case ODO_TYPE_ATTITUDE: deliver<odo_attitude>(*instance, header); break;
-          case ODO_TYPE_STEP: deliver<odo_step>(*instance, header); break;
-          case ODO_TYPE_MOTION_MODE: deliver<odo_motion_mode>(*instance, header); break;
-          case ODO_TYPE_VO_MOTION: deliver<odo_vo_motion>(*instance, header); break;
-          case ODO_TYPE_SCALE: deliver<odo_scale>(*instance, header); break;
-          case ODO_TYPE_FIX: deliver<odo_fix>(*instance, header); break;
-          case ODO_TYPE_POSE: deliver<odo_pose>(*instance, header); break;
-          default: break;  // a newer host's message: not for us
+#define ODO_DETAIL_DELIVER(number, type, name, min_size) \
+  case number: deliver<type>(*instance, header); break;
+          ODO_FOR_EACH_MESSAGE(ODO_DETAIL_DELIVER)
+#undef ODO_DETAIL_DELIVER
+          default: deliver_vendors(*instance, header, typename vendor_messages<T>::type());
         }
       }
       return ODO_OK;
     });
   }
 
-  static int32_t reset(odo_instance* handle) noexcept {
+  static int32_t ODO_CALL reset(odo_instance* handle) noexcept {
     Instance* instance = of(handle);
     return guarded(&instance->output, [&]() -> int32_t {
       if constexpr (has_reset<T>::value) {
@@ -437,7 +300,7 @@ template <class T> class Glue {
     });
   }
 
-  static int64_t save(odo_instance* handle, void* data, uint64_t capacity) noexcept {
+  static int64_t ODO_CALL save(odo_instance* handle, void* data, uint64_t capacity) noexcept {
     int64_t needed = 0;
     if constexpr (has_save<T>::value) {
       Instance* instance = of(handle);
@@ -454,7 +317,7 @@ template <class T> class Glue {
     return needed;
   }
 
-  static int32_t load(odo_instance* handle, const void* data, uint64_t size) noexcept {
+  static int32_t ODO_CALL load(odo_instance* handle, const void* data, uint64_t size) noexcept {
     if constexpr (has_save<T>::value) {
       Instance* instance = of(handle);
       return guarded(&instance->output, [&]() -> int32_t {
@@ -467,7 +330,7 @@ template <class T> class Glue {
     }
   }
 
-  static const void* get_interface(odo_instance* handle, const char* id, uint64_t size) noexcept {
+  static const void* ODO_CALL get_interface(odo_instance* handle, const char* id, uint64_t size) noexcept {
     if constexpr (has_extension<T>::value) {
       const void* found = nullptr;
       guarded(&of(handle)->output, [&]() -> int32_t {
@@ -481,7 +344,7 @@ template <class T> class Glue {
     }
   }
 
-  static void destroy(odo_instance* handle) noexcept { delete of(handle); }
+  static void ODO_CALL destroy(odo_instance* handle) noexcept { delete of(handle); }
 };
 
 }  // namespace detail
@@ -489,7 +352,7 @@ template <class T> class Glue {
 
 /// Exports the class as this library's plugin. Once in a plugin, at namespace scope.
 #define ODO_PLUGIN(Class)                                                              \
-  extern "C" ODO_EXPORT int32_t odo_plugin_entry_v1(const odo_host* host, odo_plugin* out) { \
+  extern "C" ODO_EXPORT int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) { \
     return odo::detail::Glue<Class>::entry(host, out);                                 \
   }
 

@@ -11,6 +11,6 @@
 
 #include <odograph/plugin.h>
 
-#define ODO_INTERFACE_SCALE_SOURCE "odo.scale_source/1"
+#define ODO_INTERFACE_SCALE_SOURCE "odo.scale_source/draft2"
 
 #endif

@@ -13,6 +13,6 @@
 
 #include <odograph/plugin.h>
 
-#define ODO_INTERFACE_STEP_ESTIMATOR "odo.step_estimator/1"
+#define ODO_INTERFACE_STEP_ESTIMATOR "odo.step_estimator/draft2"
 
 #endif

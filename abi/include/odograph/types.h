@@ -7,7 +7,11 @@
  *
  * Rules that hold for every struct here
  *  - It starts with `uint32_t struct_size`, the size its writer knew. Fields are only ever appended; a reader asks
- *    ODO_HAS(pointer, field) before it touches a field that did not exist in version 1.0.
+ *    ODO_HAS(pointer, field) before it touches a field that did not exist in version 1.0 (the sizes of which are in
+ *    messages.h). What is smaller than version 1.0 is refused, what is larger than the reader's struct is passed on whole.
+ *  - No pointer is ever appended to a message: who passes it on need not understand it.
+ *  - A number out of a list (a mode, a reason, a state, a format) may be newer than its reader: docs/abi.md says for each
+ *    list what an unknown one counts as.
  *  - Fixed-width integers, float, double and pointers only; padding is explicit and zero; layout.h pins every offset.
  *  - A value is valid when its bit in `header.flags` says so, never by being or not being NaN.
  *  - SI units and radians. Time is int64_t nanoseconds of the sensor clock (any epoch, one clock for all sensors).
@@ -21,21 +25,42 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* One layout for all: pointers of 8 bytes, everything aligned to its own size. */
+#if UINTPTR_MAX != UINT64_MAX
+#error "Odograph's ABI is for 64-bit targets: a struct with pointers would be laid out otherwise here"
+#endif
+
+/* How functions are called across the border. Windows compilers may be told to use another convention by default. */
+#if defined(_WIN32)
+#define ODO_CALL __cdecl
+#else
+#define ODO_CALL
+#endif
+
+/* ODO_EXPORT: what a plugin exports, its entry. ODO_API: what the library exports and an app imports. */
 #if defined(_WIN32)
 #define ODO_EXPORT __declspec(dllexport)
+#if defined(ODO_BUILDING_LIBRARY)
+#define ODO_API __declspec(dllexport)
+#else
+#define ODO_API __declspec(dllimport)
+#endif
 #elif defined(__GNUC__)
 #define ODO_EXPORT __attribute__((visibility("default")))
+#define ODO_API ODO_EXPORT
 #else
 #define ODO_EXPORT
+#define ODO_API
 #endif
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* The ABI spoken by these headers. A break raises the major and renames the entry symbol; an addition raises the minor. */
-#define ODO_ABI_MAJOR UINT32_C(1)
-#define ODO_ABI_MINOR UINT32_C(0)
+/* The ABI spoken by these headers. A break raises the major and renames the entry symbol; an addition raises the minor.
+ * Major 0 is a draft: host and plugin must be of the same draft, which is the minor. The freeze makes it 1.0. */
+#define ODO_ABI_MAJOR UINT32_C(0)
+#define ODO_ABI_MINOR UINT32_C(2)
 
 /* True when the struct behind `ptr` is large enough to hold `field`. Its first member is, by rule, its size. */
 #define ODO_HAS(ptr, field)                                                                                            \
@@ -67,23 +92,36 @@ typedef struct odo_string {
 } odo_string;
 
 /* ---- messages ----------------------------------------------------------------------------------------------------- */
-#define ODO_TYPE_IMU UINT32_C(1)
-#define ODO_TYPE_MAGNETOMETER UINT32_C(2)
-#define ODO_TYPE_BAROMETER UINT32_C(3)
-#define ODO_TYPE_GNSS UINT32_C(4)
-#define ODO_TYPE_FRAME UINT32_C(5)
-#define ODO_TYPE_CALIBRATION UINT32_C(6)
-#define ODO_TYPE_IMU_NOISE UINT32_C(7)
-#define ODO_TYPE_WAYPOINT UINT32_C(8)
-#define ODO_TYPE_ATTITUDE UINT32_C(16)
-#define ODO_TYPE_STEP UINT32_C(17)
-#define ODO_TYPE_MOTION_MODE UINT32_C(18)
-#define ODO_TYPE_VO_MOTION UINT32_C(19)
-#define ODO_TYPE_SCALE UINT32_C(20)
-#define ODO_TYPE_FIX UINT32_C(21)
-#define ODO_TYPE_POSE UINT32_C(22)
-#define ODO_TYPE_STATE UINT32_C(23)
-#define ODO_TYPE_CORRECTION UINT32_C(24)
+/* Numbers by range: 0 is none, 0x1 to 0xFFF are inputs, 0x1000 to 0x1FFF events, up to 0x7FFFFFFF reserved, and the upper
+ * half belongs to vendors. What a host does not know and is not an event, it takes, puts into order, records and hands to
+ * the plugins that declare it. */
+#define ODO_TYPE_IMU UINT32_C(0x1)
+#define ODO_TYPE_MAGNETOMETER UINT32_C(0x2)
+#define ODO_TYPE_BAROMETER UINT32_C(0x3)
+#define ODO_TYPE_GNSS UINT32_C(0x4)
+#define ODO_TYPE_FRAME UINT32_C(0x5)
+#define ODO_TYPE_CALIBRATION UINT32_C(0x6)
+#define ODO_TYPE_IMU_NOISE UINT32_C(0x7)
+#define ODO_TYPE_WAYPOINT UINT32_C(0x8)
+#define ODO_TYPE_ATTITUDE UINT32_C(0x1001)
+#define ODO_TYPE_STEP UINT32_C(0x1002)
+#define ODO_TYPE_MOTION_MODE UINT32_C(0x1003)
+#define ODO_TYPE_VO_MOTION UINT32_C(0x1004)
+#define ODO_TYPE_SCALE UINT32_C(0x1005)
+#define ODO_TYPE_FIX UINT32_C(0x1006)
+#define ODO_TYPE_POSE UINT32_C(0x1007)
+#define ODO_TYPE_STATE UINT32_C(0x1008)
+#define ODO_TYPE_CORRECTION UINT32_C(0x1009)
+#define ODO_TYPE_REPORT UINT32_C(0x100A)
+
+/* A vendor's own message: `vendor` (below 2^19) as docs/abi.md says, `number` (below 4096) as the vendor likes. It starts
+ * with an odo_header, has at most ODO_LARGEST_MESSAGE bytes and no pointer: it is copied, recorded and replayed. Vendor 0
+ * is for experiments. */
+#define ODO_TYPE_VENDOR(vendor, number)                                                                                \
+  (UINT32_C(0x80000000) | ((uint32_t)(vendor) & UINT32_C(0x7FFFF)) << 12 | ((uint32_t)(number) & UINT32_C(0xFFF)))
+#define ODO_IS_EVENT(type) (((uint32_t)(type) >> 12) == 1)
+#define ODO_IS_VENDOR(type) (((uint32_t)(type) >> 31) == 1)
+#define ODO_LARGEST_MESSAGE UINT32_C(65536)
 
 /* The head of every message. Frozen at 32 bytes; a message grows at its end. */
 typedef struct odo_header {
@@ -106,14 +144,18 @@ typedef struct odo_imu {
   double accel_b[3]; /* specific force, m/s^2: about +9.81 upwards at rest */
 } odo_imu;
 
+#define ODO_MAGNETOMETER_SIGMA UINT32_C(1)
 typedef struct odo_magnetometer {
   odo_header header;
   double field_b[3]; /* magnetic flux density, tesla */
+  double sigma_t;    /* standard deviation of each component, tesla; valid with ODO_MAGNETOMETER_SIGMA */
 } odo_magnetometer;
 
+#define ODO_BAROMETER_SIGMA UINT32_C(1)
 typedef struct odo_barometer {
   odo_header header;
   double pressure_pa;
+  double sigma_pa; /* standard deviation, Pa; valid with ODO_BAROMETER_SIGMA */
 } odo_barometer;
 
 #define ODO_GNSS_POSITION UINT32_C(1)
@@ -144,6 +186,8 @@ typedef struct odo_plane {
 #define ODO_FORMAT_NV21 UINT32_C(3)  /* plane 0 luma, plane 1 interleaved V U, both at half size */
 #define ODO_FORMAT_RGB8 UINT32_C(4)
 #define ODO_FORMAT_RGBA8 UINT32_C(5)
+#define ODO_FORMAT_YUV420 UINT32_C(6) /* planes 0 luma, 1 U, 2 V, both at half size; any pixel stride (Android's YUV_420_888) */
+#define ODO_FORMAT_BGRA8 UINT32_C(7)
 
 /* A borrowed camera frame. The pixels belong to whoever made the frame and are lent for the duration of the call.
  * To keep them longer, call retain (it may answer ODO_E_EXHAUSTED when too many are held) and later release, once for
@@ -151,6 +195,7 @@ typedef struct odo_plane {
 #define ODO_FRAME_EXPOSURE UINT32_C(1)
 #define ODO_FRAME_LINE_TIME UINT32_C(2)
 #define ODO_FRAME_MASK UINT32_C(4)
+#define ODO_FRAME_INTRINSICS UINT32_C(8) /* fx, fy, cx, cy of this frame stand above its calibration's (autofocus) */
 typedef struct odo_frame {
   odo_header header;
   uint32_t format;      /* ODO_FORMAT_* */
@@ -162,8 +207,12 @@ typedef struct odo_frame {
   int64_t exposure_ns;  /* duration */
   int64_t line_time_ns; /* rolling shutter: from one row's exposure to the next's; 0 = global shutter */
   void *owner;          /* for retain and release alone */
-  int32_t (*retain)(const struct odo_frame *frame);  /* [any] ODO_OK or ODO_E_EXHAUSTED; null = cannot be kept */
-  void (*release)(const struct odo_frame *frame);    /* [any] */
+  int32_t (ODO_CALL *retain)(const struct odo_frame *frame);  /* [any] ODO_OK or ODO_E_EXHAUSTED; null = cannot be kept */
+  void (ODO_CALL *release)(const struct odo_frame *frame);    /* [any] */
+  double fx;            /* pixels; valid with ODO_FRAME_INTRINSICS */
+  double fy;
+  double cx;            /* of the pixel centre, as in odo_calibration */
+  double cy;
 } odo_frame;
 
 /* Camera calibration; sent before the first frame that names its id, and again whenever it changes. */
@@ -334,6 +383,8 @@ typedef struct odo_fix {
 #define ODO_POSE_METRIC UINT32_C(8)       /* position is in metres; without it in VO units */
 #define ODO_POSE_CAMERA UINT32_C(16)      /* of the camera; without it of the body */
 #define ODO_POSE_EXTRAPOLATED UINT32_C(32)
+#define ODO_POSE_ANGULAR_VELOCITY UINT32_C(64)
+#define ODO_POSE_VELOCITY_COVARIANCE UINT32_C(128)
 typedef struct odo_pose {
   odo_header header;
   double q_n[4];         /* camera (or body) to n */
@@ -345,6 +396,8 @@ typedef struct odo_pose {
   double distance_m;     /* travelled since the start */
   uint32_t state;        /* ODO_TRACKING, ODO_DEGRADED, ODO_LOST */
   uint32_t reason;       /* ODO_REASON_* */
+  double angular_velocity[3];    /* rad/s, in the pose's own axes (camera or body), bias subtracted */
+  double velocity_covariance[9]; /* of velocity_n, (m/s)^2 */
 } odo_pose;
 
 typedef struct odo_state {
@@ -366,6 +419,23 @@ typedef struct odo_correction {
   uint32_t reason;   /* ODO_CORRECTION_* */
   uint32_t reserved; /* 0 */
 } odo_correction;
+
+#define ODO_SEVERITY_DEBUG UINT32_C(0)
+#define ODO_SEVERITY_INFO UINT32_C(1)
+#define ODO_SEVERITY_WARNING UINT32_C(2)
+#define ODO_SEVERITY_ERROR UINT32_C(3)
+
+/* Something that a person should know. Texts are UTF-8, terminated, and cut off where they are too long. Of equal origin
+ * and key at most one a second is given; `count` says how many that one stands for. */
+typedef struct odo_report {
+  odo_header header;  /* t_ns: the newest sensor time; source: the instance's number, 0 for the host */
+  uint64_t count;     /* reports that this one stands for, itself among them */
+  uint32_t severity;  /* ODO_SEVERITY_* */
+  int32_t status;     /* the status code that belongs to it, ODO_OK where there is none */
+  char plugin[64];    /* the plugin's id, or "host" */
+  char key[64];       /* equal for reports of one kind: "wild_imu" */
+  char text[1024];    /* names the field and its value */
+} odo_report;
 
 #ifdef __cplusplus
 }

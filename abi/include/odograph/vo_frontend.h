@@ -16,6 +16,6 @@
 
 #include <odograph/plugin.h>
 
-#define ODO_INTERFACE_VO_FRONTEND "odo.vo_frontend/1"
+#define ODO_INTERFACE_VO_FRONTEND "odo.vo_frontend/draft2"
 
 #endif

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "sdk/plugin_host/library.hpp"
-#include "sdk/plugin_host/write_manifest.hpp"
+#include "sdk/validator/write_manifest.hpp"
 
 int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {

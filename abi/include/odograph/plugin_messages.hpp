@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The C++17 wrapper for plugin authors, part 1: messages in, events and reports out. A vendor's own message takes part
+// once its type number is told:
+//
+//   struct acme_wifi { odo_header header; double rssi_dbm; };
+//   template <> struct odo::type_of<acme_wifi> : std::integral_constant<uint32_t, ODO_TYPE_VENDOR(7, 1)> {};
+#ifndef ODOGRAPH_PLUGIN_MESSAGES_HPP
+#define ODOGRAPH_PLUGIN_MESSAGES_HPP
+
+#include <odograph/messages.h>
+#include <odograph/plugin.h>
+
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+namespace odo {
+
+/// Thrown by a plugin to fail with a chosen status. Any other exception becomes ODO_E_ERROR.
+class Error : public std::runtime_error {
+ public:
+  Error(int32_t status, const std::string& text) : std::runtime_error(text), status_(status) {}
+  int32_t status() const noexcept { return status_; }
+
+ private:
+  int32_t status_;
+};
+
+inline odo_string str(std::string_view text) { return {text.data(), static_cast<uint64_t>(text.size())}; }
+inline std::string_view view(const odo_string& text) {
+  return text.size == 0 ? std::string_view() : std::string_view(text.data, static_cast<size_t>(text.size));
+}
+
+/// The type number of a message's struct.
+template <class Message> struct type_of;
+#define ODO_DETAIL_TYPE(number, type, name, min_size) \
+  template <> struct type_of<type> : std::integral_constant<uint32_t, number> {};
+ODO_FOR_EACH_MESSAGE(ODO_DETAIL_TYPE)
+#undef ODO_DETAIL_TYPE
+
+/// The smallest size at which a message is taken: version 1.0's, and all of it for a vendor's own.
+template <class Message> struct min_size_of : std::integral_constant<uint32_t, sizeof(Message)> {};
+#define ODO_DETAIL_SIZE(number, type, name, min_size) \
+  template <> struct min_size_of<type> : std::integral_constant<uint32_t, min_size> {};
+ODO_FOR_EACH_MESSAGE(ODO_DETAIL_SIZE)
+#undef ODO_DETAIL_SIZE
+
+/// A zeroed message with its size, type and time filled in.
+template <class Message> Message make(int64_t t_ns) {
+  Message message;
+  std::memset(&message, 0, sizeof message);
+  message.header.struct_size = sizeof(Message);
+  message.header.type = type_of<Message>::value;
+  message.header.t_ns = t_ns;
+  return message;
+}
+
+/// The way out of a plugin: events to the sink, text to the report service. [process]
+class Output {
+ public:
+  Output() = default;
+  Output(const odo_host* host, uint32_t instance) : host_(host), instance_(instance) {
+    if (host && host->get_service)
+      report_ = static_cast<const odo_report_service*>(
+          host->get_service(host, ODO_SERVICE_REPORT, sizeof(ODO_SERVICE_REPORT) - 1));
+  }
+  void connect(const odo_sink* sink) { sink_ = sink; }
+
+  /// Copies the event to the host. False when the host is too old to know it; throws odo::Error when it refuses it.
+  template <class Message> bool emit(Message event) {
+    event.header.struct_size = sizeof(Message);
+    event.header.type = type_of<Message>::value;
+    const int32_t status = sink_ ? sink_->emit(sink_, &event.header) : ODO_E_STATE;
+    if (status < 0 && status != ODO_E_UNSUPPORTED)
+      throw Error(status, "the host refused an event of type " + std::to_string(event.header.type));
+    return status >= 0;
+  }
+  void report(uint32_t severity, std::string_view key, std::string_view text) const noexcept {
+    const odo_string k = str(key), t = str(text);
+    if (report_ && report_->report) report_->report(host_, instance_, severity, &k, &t);
+  }
+  /// The path of a file that the config names, or null where there is none. [control]
+  std::unique_ptr<std::string> asset(std::string_view name) const {
+    static const std::string_view id = ODO_SERVICE_ASSETS;
+    const void* found = host_ && host_->get_service ? host_->get_service(host_, id.data(), id.size()) : nullptr;
+    const auto* assets = static_cast<const odo_asset_service*>(found);
+    const odo_string wanted = str(name);
+    std::string path(4096, '\0');
+    const int64_t size = assets && assets->resolve ? assets->resolve(host_, &wanted, &path[0], path.size()) : -1;
+    if (size < 0 || size > static_cast<int64_t>(path.size())) return nullptr;
+    path.resize(static_cast<size_t>(size));
+    return std::make_unique<std::string>(std::move(path));
+  }
+  const odo_host* host() const noexcept { return host_; }
+  uint32_t instance() const noexcept { return instance_; }
+
+ private:
+  const odo_host* host_ = nullptr;
+  uint32_t instance_ = 0;
+  const odo_report_service* report_ = nullptr;
+  const odo_sink* sink_ = nullptr;
+};
+
+}  // namespace odo
+
+#endif

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Odograph ABI, part 4: recordings (*.odo), to be written while an app runs and replayed later.
+ *
+ * A recording holds messages as their writer knew them, older or newer than this library, vendors' own too. Pictures are
+ * kept as the app encoded them (PNG or JPEG, as `odograph` reads them): this library decodes none.
+ */
+#ifndef ODOGRAPH_RECORDING_H
+#define ODOGRAPH_RECORDING_H
+
+#include <odograph/odograph.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct odo_recording odo_recording;
+typedef struct odo_recorder odo_recorder;
+
+/* [any] Opens a recording and looks for its messages; what is damaged at its end is left out. On failure *recording is
+ * null and `error`, which may be null, says why: ODO_E_NOT_FOUND, ODO_E_DATA, ODO_E_VERSION. */
+ODO_API int32_t ODO_CALL odo_recording_open(const odo_string *path, odo_recording **recording, odo_error *error);
+
+/* [any, one thread at a time] The next message in the order of time; valid until the next call. Of a frame the planes are
+ * null and *picture is its picture, encoded; otherwise *picture is null. `picture` and `picture_size` may be null.
+ * ODO_NOT_READY at the end. */
+ODO_API int32_t ODO_CALL odo_recording_next(odo_recording *recording, const odo_header **message, const void **picture,
+                                            uint64_t *picture_size);
+
+/* [any] Null is allowed. */
+ODO_API void ODO_CALL odo_recording_close(odo_recording *recording);
+
+/* [any] Creates a recording; a file of that name is overwritten. */
+ODO_API int32_t ODO_CALL odo_recorder_create(const odo_string *path, odo_recorder **recorder, odo_error *error);
+
+/* [any, one thread at a time] Appends a message of any type as it is, of a frame the encoded picture too (none: the frame
+ * is left out of a replay). After a crash everything up to the last whole message can be read.
+ * ODO_E_STRUCT_SIZE, ODO_E_ARGUMENT (an event is written with its type; 0 is none), ODO_E_DATA when the disk is full. */
+ODO_API int32_t ODO_CALL odo_recorder_write(odo_recorder *recorder, const odo_header *message, const void *picture,
+                                            uint64_t picture_size);
+
+/* [any] ODO_E_DATA when something did not reach the file. Null is allowed. */
+ODO_API int32_t ODO_CALL odo_recorder_close(odo_recorder *recorder);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

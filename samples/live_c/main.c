@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * A live app as a phone has it, in C99: gyroscope at 200 Hz and accelerometer at 104 Hz apart, a camera that starts a
+ * second late and whose autofocus moves, pictures that are lent and not copied, a camera that fails for two seconds,
+ * poses asked 30 ms ahead for the screen, reports for the user, what was learnt kept for the next time.
+ *
+ *   live pipeline.yaml [recording.odo]     # the second: everything that was pushed is recorded there too
+ */
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <odograph/recording.h>
+
+#define WIDTH 64
+#define HEIGHT 48
+#define SECONDS 12
+
+static int steps, reports; /* written on the library's thread, read after a flush */
+static int lent;           /* under the lock */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+
+/* Comes on the library's own thread. */
+static void on_event(void *user, const odo_header *event) {
+  (void)user;
+  if (event->type == ODO_TYPE_STEP) ++steps;
+  if (event->type == ODO_TYPE_REPORT) {
+    const odo_report *report = (const odo_report *)(const void *)event;
+    ++reports;
+    printf("%s: %s\n", report->plugin, report->text);
+  }
+}
+
+/* A picture of the camera's pool; the library gives it back on any thread. */
+struct picture {
+  int holds;
+  uint8_t pixels[WIDTH * HEIGHT];
+};
+
+static int32_t retain(const odo_frame *frame) {
+  pthread_mutex_lock(&lock);
+  ++((struct picture *)frame->owner)->holds;
+  pthread_mutex_unlock(&lock);
+  return ODO_OK;
+}
+
+static void release(const odo_frame *frame) {
+  struct picture *picture = (struct picture *)frame->owner;
+  int last;
+  pthread_mutex_lock(&lock);
+  last = --picture->holds == 0;
+  lent -= last;
+  pthread_mutex_unlock(&lock);
+  if (last) free(picture);
+}
+
+static void push(odo_session *session, odo_recorder *recorder, const odo_header *sample) {
+  odo_session_push(session, sample);
+  if (recorder) odo_recorder_write(recorder, sample, NULL, 0); /* a frame's picture would be encoded here */
+}
+
+static void push_inertial(odo_session *session, odo_recorder *recorder, int64_t t_ns, uint32_t which, double t) {
+  odo_imu imu;
+  memset(&imu, 0, sizeof imu);
+  imu.header.struct_size = sizeof imu;
+  imu.header.type = ODO_TYPE_IMU;
+  imu.header.t_ns = t_ns;
+  imu.header.flags = which;
+  imu.gyro_b[2] = 0.1 * sin(3 * t);
+  imu.accel_b[1] = 9.81 + 2.2 * sin(12 * t);
+  push(session, recorder, &imu.header);
+}
+
+static void push_frame(odo_session *session, odo_recorder *recorder, int64_t t_ns, int number) {
+  struct picture *picture = (struct picture *)malloc(sizeof *picture);
+  odo_frame frame;
+  if (!picture) return;
+  memset(picture->pixels, 90 + number % 50, sizeof picture->pixels);
+  picture->holds = 1;
+  pthread_mutex_lock(&lock);
+  ++lent;
+  pthread_mutex_unlock(&lock);
+  memset(&frame, 0, sizeof frame);
+  frame.header.struct_size = sizeof frame;
+  frame.header.type = ODO_TYPE_FRAME;
+  frame.header.t_ns = t_ns;
+  frame.header.flags = ODO_FRAME_INTRINSICS;
+  frame.format = ODO_FORMAT_GREY8;
+  frame.width = WIDTH, frame.height = HEIGHT;
+  frame.planes[0].data = picture->pixels;
+  frame.planes[0].row_stride = WIDTH, frame.planes[0].pixel_stride = 1;
+  frame.fx = frame.fy = 60 * (1 + 0.03 * sin(0.2 * number)); /* as ARCore and ARKit give them */
+  frame.cx = 31.5, frame.cy = 23.5;
+  frame.owner = picture;
+  frame.retain = retain;
+  frame.release = release;
+  push(session, recorder, &frame.header);
+  release(&frame); /* the app's own hold */
+}
+
+static void push_calibration(odo_session *session, odo_recorder *recorder, int64_t t_ns) {
+  odo_calibration calibration;
+  memset(&calibration, 0, sizeof calibration);
+  calibration.header.struct_size = sizeof calibration;
+  calibration.header.type = ODO_TYPE_CALIBRATION;
+  calibration.header.t_ns = t_ns;
+  calibration.model = ODO_CAMERA_PINHOLE;
+  calibration.width = WIDTH, calibration.height = HEIGHT;
+  calibration.fx = calibration.fy = 60, calibration.cx = 31.5, calibration.cy = 23.5;
+  push(session, recorder, &calibration.header);
+}
+
+/* What a session has learnt, in memory of its own; the app keeps it in a file for each user. */
+static void *learnt(odo_session *session, int64_t *size) {
+  void *data;
+  *size = odo_session_save(session, NULL, 0);
+  data = *size > 0 ? malloc((size_t)*size) : NULL;
+  if (data && odo_session_save(session, data, (uint64_t)*size) != *size) *size = 0;
+  return data;
+}
+
+static int run(odo_session *session, odo_recorder *recorder) {
+  int64_t t_ns, next_gyro = 0, next_accel = 0, next_frame = 1000000000; /* the camera starts late */
+  int frames = 0, poses = 0;
+  for (t_ns = 0; t_ns < SECONDS * (int64_t)1000000000; t_ns += 1000000) { /* an app is called by its sensors here */
+    const double t = 1e-9 * (double)t_ns;
+    if (t_ns >= next_gyro) push_inertial(session, recorder, t_ns, ODO_IMU_GYRO, t), next_gyro += 5000000;
+    if (t_ns >= next_accel) push_inertial(session, recorder, t_ns, ODO_IMU_ACCEL, t), next_accel += 9615385;
+    if (t_ns >= next_frame) {
+      const int failed = t > 6 && t < 8; /* somebody else has taken the camera */
+      if (frames == 0) push_calibration(session, recorder, t_ns);
+      if (!failed) push_frame(session, recorder, t_ns, frames++);
+      next_frame += 33333333;
+    }
+    if (t_ns % 16000000 == 0) { /* the screen */
+      odo_pose pose;
+      memset(&pose, 0, sizeof pose);
+      pose.header.struct_size = sizeof pose;
+      if (odo_session_get_smooth_pose(session, t_ns + 30000000, &pose) == ODO_OK) ++poses;
+    }
+    if (t_ns % 500000000 == 0) odo_session_flush(session); /* here time does not pass: a live app never needs this */
+  }
+  odo_session_flush(session);
+  printf("%d frames, %d poses for the screen, %d steps, %d reports\n", frames, poses, steps, reports);
+  return poses > 0 && frames > 0;
+}
+
+int main(int argc, char **argv) {
+  const uint32_t wanted[] = {ODO_TYPE_STEP, ODO_TYPE_REPORT};
+  odo_session_options options;
+  odo_session *session;
+  odo_recorder *recorder = NULL;
+  odo_error error;
+  odo_string file;
+  void *state;
+  int64_t size;
+  int good;
+
+  if (argc < 2) return fprintf(stderr, "usage: %s pipeline.yaml [recording.odo]\n", argv[0]), 2;
+  memset(&options, 0, sizeof options);
+  options.struct_size = sizeof options;
+  options.run = ODO_RUN_LIVE;
+  options.config_path.data = argv[1], options.config_path.size = strlen(argv[1]);
+  memset(&error, 0, sizeof error);
+  error.struct_size = sizeof error;
+  if (odo_session_create(&options, &session, &error) != ODO_OK) return fprintf(stderr, "%s\n", error.message), 2;
+  odo_session_set_callback(session, wanted, 2, on_event, NULL);
+  if (argc > 2) {
+    file.data = argv[2], file.size = strlen(argv[2]);
+    if (odo_recorder_create(&file, &recorder, &error) != ODO_OK) fprintf(stderr, "%s\n", error.message);
+  }
+  good = run(session, recorder);
+  odo_recorder_close(recorder);
+
+  state = learnt(session, &size);
+  odo_session_destroy(session);
+  if (state && odo_session_create(&options, &session, &error) == ODO_OK) { /* the next time */
+    if (odo_session_load(session, state, (uint64_t)size) != ODO_OK) good = 0;
+    odo_session_destroy(session);
+  }
+  free(state);
+  printf("%d bytes learnt, %d pictures still lent\n", (int)size, lent);
+  return good && lent == 0 ? 0 : 1;
+}

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Recordings through the C API: what is written is read, in the order of time, whoever made the structs.
+#include <doctest/doctest.h>
+
+#include <cstring>
+
+#include <odograph/messages.h>
+#include <odograph/recording.h>
+
+#include "sdk/core/record_file.hpp"
+#include "tests/session_app.hpp"
+#include "tests/test_plugins.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("recording_api");
+
+namespace {
+
+constexpr uint32_t kWifi = ODO_TYPE_VENDOR(7, 1);
+
+struct Wifi {
+  odo_header header;
+  double rssi_dbm[250];
+};
+
+odo_string text(const std::string& s) { return {s.data(), s.size()}; }
+
+odo_recorder* recorder(const std::filesystem::path& path) {
+  odo_recorder* made = nullptr;
+  const std::string name = path.string();
+  const odo_string file = text(name);
+  REQUIRE(odo_recorder_create(&file, &made, nullptr) == ODO_OK);
+  return made;
+}
+
+odo_recording* recording(const std::filesystem::path& path, int32_t expected = ODO_OK, std::string* why = nullptr) {
+  odo_recording* made = nullptr;
+  const std::string name = path.string();
+  const odo_string file = text(name);
+  odo_error error{};
+  error.struct_size = sizeof error;
+  CHECK(odo_recording_open(&file, &made, &error) == expected);
+  if (why) *why = error.message;
+  return made;
+}
+
+}  // namespace
+
+TEST_CASE("messages, vendors' and those of other versions come back as they were, in the order of time") {
+  const TemporaryFolder folder;
+  const auto path = folder / "mixed.odo";
+  odo_recorder* out = recorder(path);
+  Wifi wifi{};
+  wifi.header.struct_size = sizeof wifi, wifi.header.type = kWifi, wifi.header.t_ns = 30;
+  wifi.rssi_dbm[249] = -70;
+  auto older = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 20);
+  older.header.struct_size = ODO_MAGNETOMETER_SIZE_MIN;
+  struct {
+    odo_barometer barometer;
+    double grown;
+  } newer{make_message<odo_barometer>(ODO_TYPE_BAROMETER, 10), 7.5};
+  newer.barometer.header.struct_size = sizeof newer;
+  for (const odo_header* message : {&wifi.header, &older.header, &newer.barometer.header})
+    CHECK(odo_recorder_write(out, message, nullptr, 0) == ODO_OK);
+  CHECK(odo_recorder_close(out) == ODO_OK);
+
+  odo_recording* in = recording(path);
+  REQUIRE(in);
+  const odo_header* message = nullptr;
+  REQUIRE(odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK);
+  CHECK(message->struct_size == sizeof newer);
+  CHECK(std::memcmp(message, &newer, sizeof newer) == 0);
+  REQUIRE(odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK);
+  CHECK(message->struct_size == ODO_MAGNETOMETER_SIZE_MIN);
+  REQUIRE(odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK);
+  CHECK(std::memcmp(message, &wifi, sizeof wifi) == 0);
+  CHECK(odo_recording_next(in, &message, nullptr, nullptr) == ODO_NOT_READY);
+  CHECK(message == nullptr);
+  odo_recording_close(in);
+}
+
+TEST_CASE("a frame comes back with its encoded picture and without pointers") {
+  const TemporaryFolder folder;
+  odo_recorder* out = recorder(folder / "frame.odo");
+  auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 5);
+  frame.width = 8, frame.height = 6, frame.format = ODO_FORMAT_GREY8;
+  frame.fx = 5, frame.header.flags = ODO_FRAME_INTRINSICS | ODO_FRAME_MASK;
+  frame.planes[0].data = reinterpret_cast<const uint8_t*>(&frame);
+  frame.owner = &frame;
+  const std::string picture = "as the app encoded it";
+  CHECK(odo_recorder_write(out, &frame.header, picture.data(), picture.size()) == ODO_OK);
+  CHECK(odo_recorder_close(out) == ODO_OK);
+  odo_recording* in = recording(folder / "frame.odo");
+  REQUIRE(in);
+  const odo_header* message = nullptr;
+  const void* found = nullptr;
+  uint64_t size = 0;
+  REQUIRE(odo_recording_next(in, &message, &found, &size) == ODO_OK);
+  CHECK(std::string(static_cast<const char*>(found), size) == picture);
+  CHECK(as<odo_frame>(*message).planes[0].data == nullptr);
+  CHECK(as<odo_frame>(*message).owner == nullptr);
+  CHECK(as<odo_frame>(*message).fx == 5);
+  CHECK(message->flags == ODO_FRAME_INTRINSICS);
+  odo_recording_close(in);
+}
+
+TEST_CASE("a recording that was cut off is read up to there; what is none is refused in words") {
+  const TemporaryFolder folder;
+  const auto path = folder / "cut.odo";
+  odo_recorder* out = recorder(path);
+  for (int i = 0; i < 3; ++i) {
+    const auto imu = make_message<odo_imu>(ODO_TYPE_IMU, i);
+    CHECK(odo_recorder_write(out, &imu.header, nullptr, 0) == ODO_OK);
+  }
+  CHECK(odo_recorder_close(out) == ODO_OK);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 5);
+  odo_recording* in = recording(path);
+  REQUIRE(in);
+  const odo_header* message = nullptr;
+  int count = 0;
+  while (odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK) ++count;
+  CHECK(count == 2);
+  odo_recording_close(in);
+  std::string why;
+  CHECK(recording(folder / "none.odo", ODO_E_NOT_FOUND, &why) == nullptr);
+  CHECK(why.find("none.odo: cannot be opened") != std::string::npos);
+  CHECK(recording(write_text(folder / "text.odo", "no recording at all"), ODO_E_DATA) == nullptr);
+  CHECK(odo_recording_open(nullptr, nullptr, nullptr) == ODO_E_ARGUMENT);
+  CHECK(odo_recorder_close(nullptr) == ODO_OK);
+}
+
+TEST_CASE("recordings of minor version 0, in which events were numbered from 16, are read with today's numbers") {
+  const TemporaryFolder folder;
+  const auto path = folder / "first.odo";
+  {
+    auto writer = RecordWriter::create(path);
+    REQUIRE(writer.ok());
+    auto step = make_message<odo_step>(ODO_TYPE_STEP, 5);
+    step.header.type = 17;
+    CHECK(writer->write(17, {reinterpret_cast<const unsigned char*>(&step), sizeof step}));
+    CHECK(writer->flush());
+  }
+  std::fstream(path, std::ios::in | std::ios::out | std::ios::binary).seekp(12).write("\0\0\0\0", 4);
+  auto reader = RecordReader::open(path);
+  REQUIRE(reader.ok());
+  REQUIRE(reader->next());
+  AnyMessage message;
+  std::span<const unsigned char> picture;
+  REQUIRE(reader->message(message, picture));
+  CHECK(message.header().type == ODO_TYPE_STEP);
+}
+
+TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' messages replays to the bit") {
+  const TestPlugins plugins{"wifi_fixer"};
+  const std::string yaml =
+      "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: step/renaudin2012\n"
+      "  - plugin: step/weinberg2002\nvo_frontend:\n  plugin: vo/five_point\nscale_source:\n"
+      "  - plugin: scale/fixed_step\n  - plugin: scale/step_length\nabsolute_fixers:\n  - plugin: test/wifi_fixer\n";
+  const TemporaryFolder folder;
+  const auto path = folder / "run.odo";
+  App live(yaml, ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(live.status == ODO_OK, live.message);
+  odo_recorder* out = recorder(path);
+  const auto push = [&](const odo_header& message) {
+    CHECK(odo_recorder_write(out, &message, nullptr, 0) == ODO_OK);
+    CHECK(odo_session_push(live.session, &message) == ODO_OK);
+  };
+  for (int i = 0; i < 1500; ++i) {
+    const double t = i / 100.0;
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, static_cast<int64_t>(t * 1e9) + 1'000'000'000);
+    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    imu.gyro_b[2] = 0.1 * std::sin(3 * t), imu.accel_b[1] = 9.81 + 2.2 * std::sin(2 * 3.14159265 * 1.9 * t);
+    push(imu.header);
+    Wifi wifi{};
+    wifi.header.struct_size = sizeof wifi, wifi.header.type = kWifi, wifi.header.t_ns = imu.header.t_ns + 7;
+    if (i % 100 == 50) push(wifi.header);
+  }
+  odo_session_flush(live.session);
+  CHECK(odo_recorder_close(out) == ODO_OK);
+  CHECK(live.all<odo_fix>(ODO_TYPE_FIX).size() == 15);
+  CHECK(live.statistics().unknown == 0);
+  CHECK(live.statistics().plugin_faults == 0);
+
+  App again(yaml, ODO_RUN_REPLAY, plugins.path());
+  odo_recording* in = recording(path);
+  REQUIRE(in);
+  const odo_header* message = nullptr;
+  while (odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK)
+    CHECK(odo_session_push(again.session, message) == ODO_OK);
+  odo_session_flush(again.session);
+  odo_recording_close(in);
+  CHECK(live.events.size() > 1500);
+  CHECK(live.events == again.events);
+}
+
+TEST_SUITE_END();

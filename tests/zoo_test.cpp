@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The validator against bad plugins: each is found by the case that its file is named for.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "sdk/validator/check.hpp"
+#include "sdk/validator/write_manifest.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+namespace fs = std::filesystem;
+
+TEST_SUITE_BEGIN("zoo");
+
+namespace {
+
+const fs::path kZoo = fs::path(ODOGRAPH_BUILD) / "tests/zoo";
+
+/// "events_size__zero.so" is for "events.size".
+std::string case_of(const fs::path& library) {
+  std::string name = library.stem().string();
+  name.resize(name.find("__"));
+  name[name.find('_')] = '.';
+  return name;
+}
+
+std::vector<fs::path> animals(bool good) {
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(kZoo))
+    if (entry.path().extension() == ".so" && entry.path().filename().string().starts_with("good_") == good)
+      found.push_back(entry.path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::vector<PluginCheck> check(const fs::path& library, const std::string& only, double limit_s = 0) {
+  CheckOptions options;
+  if (!only.empty()) options.only = {only};
+  options.limit_s = limit_s;
+  return check_plugin(library, options);
+}
+
+}  // namespace
+
+TEST_CASE("there are at least 80 cases, their ids are unique, and most of them have their animal") {
+  std::set<std::string> ids, hunted;
+  for (const auto& [id, what] : plugin_check_cases()) CHECK_MESSAGE(ids.insert(id).second, id);
+  for (const fs::path& animal : animals(false)) {
+    CHECK_MESSAGE(ids.count(case_of(animal)) == 1, case_of(animal));
+    hunted.insert(case_of(animal));
+  }
+  CHECK(ids.size() >= 80);
+  CHECK(animals(false).size() >= 45);
+  CHECK(hunted.size() >= 80);
+}
+
+TEST_CASE("each bad plugin is found by the case that it is named for") {
+  for (const fs::path& animal : animals(false)) {
+    const auto checks = check(animal, case_of(animal), 3);
+    CAPTURE(animal.filename().string());
+    const auto own = std::find_if(checks.begin(), checks.end(), [&](const auto& c) { return c.id == case_of(animal); });
+    REQUIRE(own != checks.end());
+    CHECK(own->outcome == PluginCheck::Outcome::failed);
+    CHECK_FALSE(own->detail.empty());
+  }
+}
+
+TEST_CASE("a good plugin of each kind passes every case") {
+  for (const fs::path& animal : animals(true)) {
+    const TemporaryFolder folder;
+    const auto library = folder / animal.filename().string();
+    fs::copy_file(animal, library);
+    REQUIRE(write_manifest_beside(library).ok());
+    for (const PluginCheck& one : check(library, "")) {
+      CAPTURE(animal.filename().string());
+      CAPTURE(one.id);
+      CHECK_MESSAGE(one.outcome != PluginCheck::Outcome::failed, one.detail);
+    }
+  }
+}
+
+TEST_CASE("what ended a plugin is told with the place: an exit with status 0 too") {
+  const auto detail = [](const char* animal) {
+    return check(kZoo / (std::string(animal) + ".so"), "process.works", 4).front().detail;
+  };
+  CHECK(detail("process_works__exit").find("ended the process with status 0 in process of") != std::string::npos);
+  CHECK(detail("process_works__segfault").find("Segmentation fault in process of") != std::string::npos);
+  CHECK(detail("process_works__hangs").find("took longer than 4 s in process of") != std::string::npos);
+  CHECK(detail("process_works__throws").find("the fortieth sample is unlucky") != std::string::npos);
+}
+
+TEST_CASE("the file's cases: no library, no manifest, one of another library, one that lies") {
+  const TemporaryFolder folder;
+  const auto text = write_text(folder / "text.so", "no library");
+  CHECK(check(text, "file.library").front().outcome == PluginCheck::Outcome::failed);
+  const auto library = folder / "scale.so";
+  fs::copy_file(kZoo / "good_scale.so", library);
+  CHECK(check(library, "file.manifest").front().outcome == PluginCheck::Outcome::failed);
+  const auto manifest = write_manifest_beside(library);
+  REQUIRE(manifest.ok());
+  for (const PluginCheck& one : check(library, "file."))
+    CHECK_MESSAGE(one.outcome == PluginCheck::Outcome::passed, one.id);
+  const std::string said = read_text(*manifest);
+  auto lie = said;
+  lie.replace(lie.find("1.0.0"), 5, "2.0.0");
+  write_text(*manifest, lie);
+  CHECK(check(library, "file.manifest_agrees").front().outcome == PluginCheck::Outcome::failed);
+  write_text(*manifest, said);
+  std::ofstream(library, std::ios::binary | std::ios::app) << "changed";
+  CHECK(check(library, "file.hash").front().outcome == PluginCheck::Outcome::failed);
+}
+
+TEST_CASE("a plugin that ends the process is no manifest, and says why") {
+  for (const char* animal : {"entry_fills_table__exit", "entry_loads__exit_in_static"}) {
+    const TemporaryFolder folder;
+    const auto library = folder / "bad.so";
+    fs::copy_file(kZoo / (std::string(animal) + ".so"), library);
+    const auto manifest = write_manifest_beside(library);
+    REQUIRE_FALSE(manifest.ok());
+    CHECK(manifest.failure().text.find("the plugin ended the process with status 0 in loading") != std::string::npos);
+  }
+}
+
+TEST_CASE("results are text, JSON and JUnit") {
+  const auto checks = check(kZoo / "scale_unit__millimetres.so", "scale.");
+  const std::string text = check_as_text(checks, true);
+  CHECK(text.find("FAIL scale.unit") != std::string::npos);
+  CHECK(text.find("4 cases: 3 passed, 1 failed, 0 do not apply") != std::string::npos);
+  const auto json = nlohmann::json::parse(check_as_json("a/b.so", checks));
+  CHECK(json["failed"] == 1);
+  CHECK(json["cases"].size() == 4);
+  const std::string junit = check_as_junit("<a>&.so", checks);
+  CHECK(junit.find("<testsuite name=\"&lt;a&gt;&amp;.so\" tests=\"4\" failures=\"1\"") != std::string::npos);
+  CHECK(junit.find("<testcase classname=\"scale\" name=\"unit\"") != std::string::npos);
+}
+
+TEST_SUITE_END();
