@@ -23,11 +23,11 @@ static int lent;           /* under the lock */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
 /* Comes on the library's own thread. */
-static void on_event(void *user, const odo_header *event) {
+static void on_event(void* user, const odo_header* event) {
   (void)user;
   if (event->type == ODO_TYPE_STEP) ++steps;
   if (event->type == ODO_TYPE_REPORT) {
-    const odo_report *report = (const odo_report *)(const void *)event;
+    const odo_report* report = (const odo_report*)(const void*)event;
     ++reports;
     printf("%s: %s\n", report->plugin, report->text);
   }
@@ -39,15 +39,15 @@ struct picture {
   uint8_t pixels[WIDTH * HEIGHT];
 };
 
-static int32_t retain(const odo_frame *frame) {
+static int32_t retain(const odo_frame* frame) {
   pthread_mutex_lock(&lock);
-  ++((struct picture *)frame->owner)->holds;
+  ++((struct picture*)frame->owner)->holds;
   pthread_mutex_unlock(&lock);
   return ODO_OK;
 }
 
-static void release(const odo_frame *frame) {
-  struct picture *picture = (struct picture *)frame->owner;
+static void release(const odo_frame* frame) {
+  struct picture* picture = (struct picture*)frame->owner;
   int last;
   pthread_mutex_lock(&lock);
   last = --picture->holds == 0;
@@ -56,12 +56,12 @@ static void release(const odo_frame *frame) {
   if (last) free(picture);
 }
 
-static void push(odo_session *session, odo_recorder *recorder, const odo_header *sample) {
+static void push(odo_session* session, odo_recorder* recorder, const odo_header* sample) {
   odo_session_push(session, sample);
   if (recorder) odo_recorder_write(recorder, sample, NULL, 0); /* a frame's picture would be encoded here */
 }
 
-static void push_inertial(odo_session *session, odo_recorder *recorder, int64_t t_ns, uint32_t which, double t) {
+static void push_inertial(odo_session* session, odo_recorder* recorder, int64_t t_ns, uint32_t which, double t) {
   odo_imu imu;
   memset(&imu, 0, sizeof imu);
   imu.header.struct_size = sizeof imu;
@@ -73,8 +73,8 @@ static void push_inertial(odo_session *session, odo_recorder *recorder, int64_t 
   push(session, recorder, &imu.header);
 }
 
-static void push_frame(odo_session *session, odo_recorder *recorder, int64_t t_ns, int number) {
-  struct picture *picture = (struct picture *)malloc(sizeof *picture);
+static void push_frame(odo_session* session, odo_recorder* recorder, int64_t t_ns, int number) {
+  struct picture* picture = (struct picture*)malloc(sizeof *picture);
   odo_frame frame;
   if (!picture) return;
   memset(picture->pixels, 90 + number % 50, sizeof picture->pixels);
@@ -100,7 +100,7 @@ static void push_frame(odo_session *session, odo_recorder *recorder, int64_t t_n
   release(&frame); /* the app's own hold */
 }
 
-static void push_calibration(odo_session *session, odo_recorder *recorder, int64_t t_ns) {
+static void push_calibration(odo_session* session, odo_recorder* recorder, int64_t t_ns) {
   odo_calibration calibration;
   memset(&calibration, 0, sizeof calibration);
   calibration.header.struct_size = sizeof calibration;
@@ -113,15 +113,15 @@ static void push_calibration(odo_session *session, odo_recorder *recorder, int64
 }
 
 /* What a session has learnt, in memory of its own; the app keeps it in a file for each user. */
-static void *learnt(odo_session *session, int64_t *size) {
-  void *data;
+static void* learnt(odo_session* session, int64_t* size) {
+  void* data;
   *size = odo_session_save(session, NULL, 0);
   data = *size > 0 ? malloc((size_t)*size) : NULL;
   if (data && odo_session_save(session, data, (uint64_t)*size) != *size) *size = 0;
   return data;
 }
 
-static int run(odo_session *session, odo_recorder *recorder) {
+static int run(odo_session* session, odo_recorder* recorder) {
   int64_t t_ns, next_gyro = 0, next_accel = 0, next_frame = 1000000000; /* the camera starts late */
   int frames = 0, poses = 0;
   for (t_ns = 0; t_ns < SECONDS * (int64_t)1000000000; t_ns += 1000000) { /* an app is called by its sensors here */
@@ -147,14 +147,14 @@ static int run(odo_session *session, odo_recorder *recorder) {
   return poses > 0 && frames > 0;
 }
 
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
   const uint32_t wanted[] = {ODO_TYPE_STEP, ODO_TYPE_REPORT};
   odo_session_options options;
-  odo_session *session;
-  odo_recorder *recorder = NULL;
+  odo_session* session;
+  odo_recorder* recorder = NULL;
   odo_error error;
   odo_string file;
-  void *state;
+  void* state;
   int64_t size;
   int good;
 

@@ -25,8 +25,8 @@ static struct {
   double magnetometer_seen, vendor_size_seen, attitude_grown;
 } seen;
 
-static void on_event(void *user, const odo_header *event) {
-  const odo_attitude *attitude = (const odo_attitude *)(const void *)event;
+static void on_event(void* user, const odo_header* event) {
+  const odo_attitude* attitude = (const odo_attitude*)(const void*)event;
   (void)user;
   if (event->type != ODO_TYPE_ATTITUDE) return;
   ++seen.attitudes;
@@ -40,19 +40,19 @@ static void on_event(void *user, const odo_header *event) {
 #endif
 }
 
-static void *load(void *library, const char *name) {
-  void *found = dlsym(library, name);
+static void* load(void* library, const char* name) {
+  void* found = dlsym(library, name);
   if (!found) fprintf(stderr, "%s is missing\n", name), exit(2);
   return found;
 }
-#define LOAD(name) *(void **)(&name) = load(library, "odo_" #name)
+#define LOAD(name) *(void**)(&name) = load(library, "odo_" #name)
 
-static int write_recording(void *library, const char *path) {
-  int32_t (*recorder_create)(const odo_string *, odo_recorder **, odo_error *);
-  int32_t (*recorder_write)(odo_recorder *, const odo_header *, const void *, uint64_t);
-  int32_t (*recorder_close)(odo_recorder *);
+static int write_recording(void* library, const char* path) {
+  int32_t (*recorder_create)(const odo_string*, odo_recorder**, odo_error*);
+  int32_t (*recorder_write)(odo_recorder*, const odo_header*, const void*, uint64_t);
+  int32_t (*recorder_close)(odo_recorder*);
   odo_string file;
-  odo_recorder *recorder;
+  odo_recorder* recorder;
   int32_t worst = ODO_OK;
   int i;
   LOAD(recorder_create);
@@ -83,26 +83,26 @@ static int write_recording(void *library, const char *path) {
   return recorder_close(recorder) == ODO_OK && worst == ODO_OK ? 0 : 4;
 }
 
-static int replay(void *library, const char *path, const char *plugins) {
+static int replay(void* library, const char* path, const char* plugins) {
   static const char config[] = "odograph: 1\nattitude:\n  plugin: test/growth\n  parameters: {answer: 42}\n";
-  int32_t (*recording_open)(const odo_string *, odo_recording **, odo_error *);
-  int32_t (*recording_next)(odo_recording *, const odo_header **, const void **, uint64_t *);
-  void (*recording_close)(odo_recording *);
-  int32_t (*session_create)(const odo_session_options *, odo_session **, odo_error *);
-  int32_t (*session_set_callback)(odo_session *, const uint32_t *, uint32_t, odo_callback, void *);
-  int32_t (*session_push)(odo_session *, const odo_header *);
-  int32_t (*session_flush)(odo_session *);
-  int32_t (*session_get_pose)(odo_session *, int64_t, odo_pose *);
-  int32_t (*session_get_statistics)(odo_session *, odo_statistics *);
-  void (*session_destroy)(odo_session *);
+  int32_t (*recording_open)(const odo_string*, odo_recording**, odo_error*);
+  int32_t (*recording_next)(odo_recording*, const odo_header**, const void**, uint64_t*);
+  void (*recording_close)(odo_recording*);
+  int32_t (*session_create)(const odo_session_options*, odo_session**, odo_error*);
+  int32_t (*session_set_callback)(odo_session*, const uint32_t*, uint32_t, odo_callback, void*);
+  int32_t (*session_push)(odo_session*, const odo_header*);
+  int32_t (*session_flush)(odo_session*);
+  int32_t (*session_get_pose)(odo_session*, int64_t, odo_pose*);
+  int32_t (*session_get_statistics)(odo_session*, odo_statistics*);
+  void (*session_destroy)(odo_session*);
   odo_session_options options;
   odo_error error;
   odo_string file;
-  odo_recording *recording;
-  odo_session *session;
+  odo_recording* recording;
+  odo_session* session;
   odo_statistics statistics;
   odo_pose pose;
-  const odo_header *message;
+  const odo_header* message;
   int32_t worst = ODO_OK;
   LOAD(recording_open);
   LOAD(recording_next);
@@ -131,17 +131,19 @@ static int replay(void *library, const char *path, const char *plugins) {
   while (recording_next(recording, &message, NULL, NULL) == ODO_OK) worst |= session_push(session, message);
   session_flush(session);
   session_get_statistics(session, &statistics);
-  printf("worst %d, processed %llu, faults %llu, unknown %llu, attitudes %d, field %g, vendor %g, answer %g in %d, pose %d\n",
-         (int)worst, (unsigned long long)statistics.processed, (unsigned long long)statistics.plugin_faults,
-         (unsigned long long)statistics.unknown, seen.attitudes, seen.magnetometer_seen, seen.vendor_size_seen,
-         seen.attitude_grown, seen.grown, (int)session_get_pose(session, ODO_TIME_LATEST, &pose));
+  printf(
+      "worst %d, processed %llu, faults %llu, unknown %llu, attitudes %d, field %g, vendor %g, answer %g in %d, pose "
+      "%d\n",
+      (int)worst, (unsigned long long)statistics.processed, (unsigned long long)statistics.plugin_faults,
+      (unsigned long long)statistics.unknown, seen.attitudes, seen.magnetometer_seen, seen.vendor_size_seen,
+      seen.attitude_grown, seen.grown, (int)session_get_pose(session, ODO_TIME_LATEST, &pose));
   session_destroy(session);
   recording_close(recording);
   return 0;
 }
 
-int main(int argc, char **argv) {
-  void *library = argc > 3 ? dlopen(argv[1], RTLD_NOW | RTLD_LOCAL) : NULL;
+int main(int argc, char** argv) {
+  void* library = argc > 3 ? dlopen(argv[1], RTLD_NOW | RTLD_LOCAL) : NULL;
   if (!library) return fprintf(stderr, "%s\n", argc > 3 ? dlerror() : "usage: see the source"), 2;
   if (strcmp(argv[2], "write") == 0) return write_recording(library, argv[3]);
   return argc > 4 ? replay(library, argv[3], argv[4]) : 2;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * An attitude for the growth matrix, built with today's headers and, with ODO_TEST_GROWN, with those of a later version.
- * Its gyro_bias_b says what it saw: the samples so far, the newest magnetometer's field of the later version, and the
- * size of the newest vendor's message. */
+ * An attitude for the growth matrix, built with today's headers and, with ODO_TEST_GROWN, with those of a later
+ * version. Its gyro_bias_b says what it saw: the samples so far, the newest magnetometer's field of the later version,
+ * and the size of the newest vendor's message. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,28 +10,28 @@
 #include <odograph/messages.h>
 
 struct odo_instance {
-  const odo_sink *sink;
+  const odo_sink* sink;
   double samples, field, vendor_size;
 };
 
-static int32_t create(const odo_host *host, uint32_t number, const odo_string *kind, odo_instance **out) {
+static int32_t create(const odo_host* host, uint32_t number, const odo_string* kind, odo_instance** out) {
   (void)host, (void)number, (void)kind;
-  *out = (odo_instance *)calloc(1, sizeof **out);
+  *out = (odo_instance*)calloc(1, sizeof **out);
   return *out ? ODO_OK : ODO_E_MEMORY;
 }
 
-static int32_t configure(odo_instance *self, const odo_value *values, uint32_t count, uint32_t stride) {
+static int32_t configure(odo_instance* self, const odo_value* values, uint32_t count, uint32_t stride) {
   (void)self;
   if (count != 1 || stride < ODO_VALUE_SIZE_MIN || values->integer != 42) return ODO_E_CONFIG;
   return ODO_OK;
 }
 
-static int32_t activate(odo_instance *self, const odo_sink *sink) {
+static int32_t activate(odo_instance* self, const odo_sink* sink) {
   self->sink = sink;
   return ODO_OK;
 }
 
-static int32_t answer(odo_instance *self, const odo_header *sample) {
+static int32_t answer(odo_instance* self, const odo_header* sample) {
   odo_attitude attitude;
   memset(&attitude, 0, sizeof attitude);
   attitude.header.struct_size = sizeof attitude;
@@ -48,15 +48,15 @@ static int32_t answer(odo_instance *self, const odo_header *sample) {
   return self->sink->emit(self->sink, &attitude.header);
 }
 
-static int32_t process(odo_instance *self, const odo_batch *batch) {
+static int32_t process(odo_instance* self, const odo_batch* batch) {
   uint32_t i;
   for (i = 0; i < batch->count; ++i) {
-    const odo_header *message = batch->messages[i];
+    const odo_header* message = batch->messages[i];
     int32_t status = ODO_OK;
     if (message->type == ODO_TYPE_VENDOR(9, 1)) self->vendor_size = message->struct_size;
 #ifdef ODO_TEST_GROWN
     if (message->type == ODO_TYPE_MAGNETOMETER) {
-      const odo_magnetometer *field = (const odo_magnetometer *)(const void *)message;
+      const odo_magnetometer* field = (const odo_magnetometer*)(const void*)message;
       self->field = ODO_HAS(field, grown) ? field->grown[0] : -1;
     }
 #endif
@@ -66,9 +66,9 @@ static int32_t process(odo_instance *self, const odo_batch *batch) {
   return ODO_OK;
 }
 
-static void destroy(odo_instance *self) { free(self); }
+static void destroy(odo_instance* self) { free(self); }
 
-int32_t ODO_PLUGIN_ENTRY(const odo_host *host, odo_plugin *out) {
+int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   static const odo_string kind = {ODO_INTERFACE_ATTITUDE, sizeof ODO_INTERFACE_ATTITUDE - 1};
   static const uint32_t inputs[] = {ODO_TYPE_VENDOR(9, 1)};
   static odo_parameter row;
