@@ -5,9 +5,11 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <memory>
 
 #include <unistd.h>
 
+#include "sdk/core/sample_gate.hpp"
 #include "sdk/validator/bench.hpp"
 
 namespace odograph {
@@ -54,28 +56,29 @@ void change_numbers(AnyMessage& message, Change&& change) {
   }
 }
 
-/// Every tenth message of each kind, so that good ones come between.
-std::string every_tenth(Bench& bench, double value) {
-  int count = 0;
-  return survives(bench, bench.input, [&](AnyMessage& message) {
-    if (++count % 10 == 0) change_numbers(message, [=](double& x) { x = value; });
-  });
+/// Every tenth message, so that good ones come between.
+Handling every_tenth(double value) {
+  Handling handling;
+  auto count = std::make_shared<int>(0);
+  handling.change = [=](AnyMessage& message) {
+    if (++*count % 10 == 0) change_numbers(message, [=](double& x) { x = value; });
+  };
+  return handling;
 }
-std::string zeros(Bench& bench) { return every_tenth(bench, 0.0); }
-std::string huge(Bench& bench) { return every_tenth(bench, 1e300); }
-std::string subnormal(Bench& bench) { return every_tenth(bench, std::numeric_limits<double>::denorm_min()); }
-std::string not_a_number(Bench& bench) {
-  int count = 0;
+std::string zeros(Bench& bench) { return survives(bench, bench.input, every_tenth(0.0).change); }
+std::string subnormal(Bench& bench) {
+  return survives(bench, bench.input, every_tenth(std::numeric_limits<double>::denorm_min()).change);
+}
+
+/// What a host lets nobody see: the plugin must only survive it.
+std::string only_survives(Bench& bench, double value) {
   std::string why;
   const auto subject = bench.started(why);
-  if (!subject) return why;
-  Handling handling;
-  handling.change = [&](AnyMessage& message) {
-    if (++count % 10 == 0) change_numbers(message, [](double& x) { x = std::nan(""); });
-  };
-  subject->process(bench.input, handling);  // a host lets none through: the plugin must only survive
-  return "";
+  if (subject) subject->process(bench.input, every_tenth(value));
+  return why;
 }
+std::string huge(Bench& bench) { return only_survives(bench, 1e300); }
+std::string not_a_number(Bench& bench) { return only_survives(bench, std::nan("")); }
 
 std::string long_steps(Bench& bench) {
   if (!bench.wants(ODO_TYPE_STEP)) return "~it is given no steps";
@@ -140,6 +143,7 @@ std::string backwards(Bench& bench) {
 /// Bits flipped anywhere behind the header of anything but pointers; numbers made finite again, as a host would.
 std::string fuzzed(Bench& bench) {
   uint32_t random = 99;
+  const SampleGate gate;
   return survives(bench, bench.input, [&](AnyMessage& message) {
     random = random * 1664525u + 1013904223u;
     if (random >> 30 || message.header().type == ODO_TYPE_FRAME) return;
@@ -149,7 +153,8 @@ std::string fuzzed(Bench& bench) {
       random = random * 1664525u + 1013904223u;
       bytes[sizeof(odo_header) + (random >> 8) % size] ^= static_cast<unsigned char>(1u << (random & 7));
     }
-    if (!message_is_good(message.header())) message.header().type = 0x0FED;  // a host drops it
+    const bool dropped = !message_is_good(message.header()) || !gate.within_range(message.header());
+    if (dropped) message.header().type = 0x0FED;  // by any host
   });
 }
 
