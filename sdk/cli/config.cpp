@@ -25,7 +25,7 @@ int check(const std::string& file, const std::string& plugins) {
 void list(const std::vector<Spec>& specs, const std::string& indent) {
   for (const Spec& spec : specs) {
     std::string about = spec.help.empty() ? expectation(spec) : spec.help;
-    if (spec.type != SpecType::map && spec.type != SpecType::plugin && spec.type != SpecType::list &&
+    if (spec.type != SpecType::map && spec.type != SpecType::plugins && spec.type != SpecType::list &&
         !spec.help.empty())
       about += "; " + expectation(spec);
     if (!spec.fallback.empty()) about += "; default " + spec.fallback;
