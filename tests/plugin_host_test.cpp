@@ -72,7 +72,7 @@ TEST_CASE("plugins whose table cannot be used are refused with the reason") {
   CHECK(contains(refusal(hostile("abi_too_new")), "speaks ABI 3.2, this host speaks major 0"));
   CHECK(contains(refusal(hostile("refuses")), "the licence has expired"));
   CHECK(contains(refusal(hostile("table_too_small")), "its table has"));
-  CHECK(contains(refusal(hostile("no_functions")), "its table lacks create"));
+  CHECK(contains(refusal(hostile("no_functions")), "its table lacks process"));
 }
 
 TEST_CASE("smaller and larger tables work") {

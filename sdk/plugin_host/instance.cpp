@@ -124,7 +124,10 @@ int32_t PluginInstance::start() {
 
 int32_t PluginInstance::emit(const odo_sink* sink, const odo_header* event) {
   PluginInstance& self = *static_cast<const Sink*>(sink)->owner;
-  if (!event) return ODO_E_ARGUMENT;
+  if (!event) {
+    self.fault("no_event", "emitted event = null", ODO_E_ARGUMENT);
+    return ODO_E_ARGUMENT;
+  }
   const auto name = [&] { return message_name(event->type); };
   if (!self.outputs_.has(event->type)) {
     if (ODO_IS_EVENT(event->type) && !message_info(event->type)) return ODO_E_UNSUPPORTED;  // of a newer plugin
