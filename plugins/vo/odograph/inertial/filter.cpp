@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plugins/camera/two_view.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
 
 namespace odograph::vio {
@@ -13,10 +12,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kStandWindow_s = 0.4;
-constexpr double kStandForce_mps2 = 0.35;  // standard deviation of the specific force: a walk has more than 1
-constexpr double kStandPixels = 1.2;       // what one rotation leaves over of the picture's flow, median
-constexpr size_t kStandCorners = 15;
 constexpr double kLeastParallax_px = 1;  // between two clones
 constexpr size_t kLeastTrack = 3;        // observations
 constexpr int kMostMisses = 3;
@@ -80,7 +75,7 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   update_scale_sigma();
   if (!recent_.empty()) update_pixel_sigma(report, static_cast<double>(frame.t_ns - recent_.back().t_ns) * 1e-9);
   recent_.push_back(frame);
-  while (static_cast<double>(frame.t_ns - recent_.front().t_ns) * 1e-9 > 1.5 * kStandWindow_s) recent_.pop_front();
+  while (static_cast<double>(frame.t_ns - recent_.front().t_ns) * 1e-9 > 1.5 * p_.stand.window_s) recent_.pop_front();
   return report;
 }
 
@@ -93,7 +88,7 @@ void Filter::let_corners_walk(double dt_s) {
 /// Nothing but a rotation in the picture, and a specific force that hardly changes.
 bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
   const auto before = std::find_if(recent_.rbegin(), recent_.rend(), [&](const FrameCorners& f) {
-    return static_cast<double>(frame.t_ns - f.t_ns) * 1e-9 > kStandWindow_s;
+    return static_cast<double>(frame.t_ns - f.t_ns) * 1e-9 > p_.stand.window_s;
   });
   if (before == recent_.rend()) return false;
   Vector3d sum = Vector3d::Zero(), squares = Vector3d::Zero();
@@ -110,25 +105,14 @@ bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
     norms += norm, norm_squares += norm * norm;
   });
   const double norm_variance = norm_squares / n - norms * norms / (n * n);
-  if (std::min(variance, 2 * norm_variance) > kStandForce_mps2 * kStandForce_mps2) return false;
-  std::vector<cv::Point2d> first, second;
-  const Camera& camera = state_.camera;
-  const Clone still;
-  for (const Corner& corner : frame.corners) {
-    const auto at = std::lower_bound(before->corners.begin(), before->corners.end(), corner.track,
-                                     [](const Corner& c, uint64_t track) { return c.track < track; });
-    if (at == before->corners.end() || at->track != corner.track) continue;
-    const Vector3d a = ray_of(still, camera, at->pixel), b = ray_of(still, camera, corner.pixel);
-    first.emplace_back(a.x(), a.y()), second.emplace_back(b.x(), b.y());
-  }
-  if (first.size() < kStandCorners) return false;
-  const auto rotation = pure_rotation(first, second);
-  return rotation && rotation->median_residual_rad * camera.lens.focal() < kStandPixels;
+  if (std::min(variance, 2 * norm_variance) > p_.stand.force_mps2 * p_.stand.force_mps2) return false;
+  const auto flow_px = flow_beside_rotation(*before, frame, state_.camera, p_.stand.least_corners);
+  return flow_px && *flow_px < p_.stand.flow_px;
 }
 
 /// The newest clone sees what the one before it saw: it would push those with parallax out of the window.
 bool Filter::without_parallax() const {
-  if (state_.landmarks.size() < kStandCorners) return false;
+  if (state_.landmarks.size() < p_.stand.least_corners) return false;
   std::vector<double> inverse_depths;
   for (const Landmark& landmark : state_.landmarks) inverse_depths.push_back(landmark.at.z());
   const auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);

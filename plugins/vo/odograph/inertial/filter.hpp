@@ -9,21 +9,11 @@
 #include "plugins/vo/odograph/inertial/imu_buffer.hpp"
 #include "plugins/vo/odograph/inertial/observe.hpp"
 #include "plugins/vo/odograph/inertial/parameters.hpp"
+#include "plugins/vo/odograph/inertial/standing.hpp"
 #include "plugins/vo/odograph/inertial/state.hpp"
 #include "plugins/vo/odograph/inertial/update.hpp"
 
 namespace odograph::vio {
-
-/// A followed corner in a frame.
-struct Corner {
-  uint64_t track;
-  Eigen::Vector2d pixel;
-};
-
-struct FrameCorners {
-  int64_t t_ns = 0;             ///< of the middle row, camera's clock
-  std::vector<Corner> corners;  ///< in ascending order of their tracks
-};
 
 /// How a frame went.
 struct FrameReport {

@@ -50,6 +50,10 @@ struct StabiliserParameters {
 struct StandParameters {
   double sway_mps = 0.1;  ///< of a hand, 0.03 to 0.1
   double arm_m = 0.5;
+  double window_s = 0.4;      ///< over which it is looked at
+  double force_mps2 = 0.35;   ///< standard deviation of the specific force: a walk has more than 1
+  double flow_px = 1.2;       ///< of the picture, beside one rotation, median
+  size_t least_corners = 15;  ///< that tell it
   double sigma_mps(double rate_radps) const { return std::hypot(sway_mps, arm_m * rate_radps); }
 };
 

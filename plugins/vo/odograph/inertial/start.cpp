@@ -6,7 +6,6 @@
 
 #include <Eigen/Dense>
 
-#include "plugins/camera/two_view.hpp"
 #include "plugins/vo/odograph/gyroscope.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
 
@@ -135,23 +134,11 @@ std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const Im
   if (!whole || n < 10) return std::nullopt;
   force /= n, rate /= n;
   const double spread = std::sqrt(std::max(0.0, (force_squares / n - force.cwiseAbs2()).sum()));
-  if (spread > s.still_force_mps2 || std::abs(force.norm() - p.gravity_mps2) > 3 * p.priors.accel_bias_mps2)
+  if (spread > p.stand.force_mps2 || std::abs(force.norm() - p.gravity_mps2) > 3 * p.priors.accel_bias_mps2)
     return std::nullopt;
   if (p.stand.arm_m * std::sqrt(rate_squares / n) > s.still_arm_mps) return std::nullopt;
-  // Nothing but a rotation in the pictures.
-  std::vector<cv::Point2d> first, second;
-  const Clone still;
-  for (const Corner& corner : last.corners.corners) {
-    const auto& before = frames[from].corners.corners;
-    const auto at = std::lower_bound(before.begin(), before.end(), corner.track,
-                                     [](const Corner& c, uint64_t track) { return c.track < track; });
-    if (at == before.end() || at->track != corner.track) continue;
-    const Vector3d a = ray_of(still, camera, at->pixel), b = ray_of(still, camera, corner.pixel);
-    first.emplace_back(a.x(), a.y()), second.emplace_back(b.x(), b.y());
-  }
-  if (first.size() < 15) return std::nullopt;
-  const auto rotation = pure_rotation(first, second);
-  if (!rotation || rotation->median_residual_rad * camera.lens.focal() > s.still_px) return std::nullopt;
+  const auto flow_px = flow_beside_rotation(frames[from].corners, last.corners, camera, p.stand.least_corners);
+  if (!flow_px || *flow_px > s.still_px) return std::nullopt;
   Filter::Start start;
   start.t_ns = t0_ns;
   // Specific force at rest is minus gravity.

@@ -18,7 +18,6 @@ struct StartFrame {
 
 struct StartParameters {
   double still_s = 0.5;              ///< of a phone that is held still, before the filter starts from it
-  double still_force_mps2 = 0.35;    ///< standard deviation of the specific force
   double still_rate_radps = 0.05;    ///< below this the mean rate is the gyroscope's bias
   double still_arm_mps = 0.15;       ///< speed of a phone that somebody who turns carries around
   double still_px = 1.5;             ///< of the picture's flow that a rotation leaves over
