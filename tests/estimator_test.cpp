@@ -122,7 +122,7 @@ TEST_CASE("the transition of errors over IMU samples agrees with finite differen
 TEST_CASE("the update is the textbook's, and what is considered stays where it is") {
   using namespace inertial;
   Random random(3, 1);
-  for (const Hold hold : {Hold::nothing, Hold::scale, Hold::scale_and_factor, Hold::scale_and_steps,
+  for (const Hold hold : {Hold::nothing, Hold::scale_and_factor, Hold::scale_and_steps, Hold::odometry_and_scale,
                           Hold::all_but_steps, Hold::all_but_scale_and_steps}) {
     ErrorState e;
     e.clone(0);
@@ -142,11 +142,17 @@ TEST_CASE("the update is the textbook's, and what is considered stays where it i
     const UpdateResult result = e.update(z, 0, hold);
     const Matrix3d S = H * P * H.transpose() + z.noise;
     Eigen::Matrix<double, kSize, 3> K = P * H.transpose() * S.inverse();
-    const auto held = [hold](int column) {
+    const auto [first, n] = held_columns(hold);
+    if (n > 0) {  // the gain where they are known
+      const Covariance given =
+          P - P.middleCols(first, n) * P.block(first, first, n, n).inverse() * P.middleRows(first, n);
+      K = given * H.transpose() * (H * given * H.transpose() + z.noise).inverse();
+    }
+    const auto held = [&, from = first, count = n](int column) {
       const bool few = column == kLogScale || column == kLogFactor || column == kStepHeading;
       if (hold == Hold::all_but_steps) return !few || column == kLogScale;
       if (hold == Hold::all_but_scale_and_steps) return !few;
-      return few && column < kLogScale + static_cast<int>(hold);
+      return column >= from && column < from + count;
     };
     for (int i = 0; i < kSize; ++i)
       if (held(i)) K.row(i).setZero();
@@ -165,6 +171,8 @@ TEST_CASE(
   for (const bool metric : {false, true})
     for (const bool fixes : {false, true}) {
       WalkMeasurements what;
+      const inertial::Parameters assumed;
+      what.odometry.rotation_walk = metric ? assumed.vio_rotation_walk : assumed.vo_rotation_walk;
       if (metric) what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
       if (fixes) what.fix_every_s = 2;
       double position = 0, heading = 0;
@@ -176,7 +184,7 @@ TEST_CASE(
       CAPTURE(fixes);
       CHECK(position > 0.5);
       CHECK(position < 2.0);
-      CHECK(heading > 0.25);  // too careful without fixes
+      CHECK(heading > 0.5);
       CHECK(heading < 2.0);
     }
 }
@@ -226,7 +234,8 @@ TEST_CASE("a metric odometry that is sure passes through; steps outweigh one tha
   WalkMeasurements doubtful = sure;
   doubtful.odometry.scale_sigma = 0.3;
   doubtful.step_factor_sigma = 0.02;
-  for (uint64_t seed = 1; seed <= 5; ++seed) CHECK(std::abs(run_walk(doubtful, seed, 60).path_ratio - 1) < 0.07);
+  // To what walkers are taken to differ by (factor_sigma), where the odometry is off by 0.3 in the mean.
+  for (uint64_t seed = 1; seed <= 5; ++seed) CHECK(std::abs(run_walk(doubtful, seed, 60).path_ratio - 1) < 0.1);
 }
 
 TEST_CASE(
@@ -298,7 +307,7 @@ TEST_CASE("the metre comes without a jump, from standing and in mid-walk") {
       const Outcome o = run_walk(what, seed);
       CHECK(o.first_metric_s > 0);
       CHECK(o.first_metric_s - start_s < 5);
-      CHECK(o.worst_jump_m < 0.8);
+      CHECK(o.worst_jump_m < 0.3);
     }
   }
 }

@@ -212,4 +212,24 @@ TEST_CASE("accelerometer and gyroscope that come apart are joined by interpolati
   CHECK(whole_samples[1].gyro_b[0] == 3.0);
 }
 
+TEST_CASE("a gyroscope without an accelerometer is passed on alone, in order, and once") {
+  constexpr int64_t kMs = 1'000'000;
+  ImuJoiner joiner;
+  std::vector<odo_imu> taken;
+  const auto push = [&](uint32_t flag, int64_t t_ns) {
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
+    imu.header.flags = flag;
+    joiner.push(imu, [&](const odo_imu& x) { taken.push_back(x); });
+  };
+  for (int64_t t = 0; t <= 1000; t += 5) push(ODO_IMU_GYRO, t * kMs);
+  REQUIRE(taken.size() == 180);  // all but those of the last 100 ms
+  push(ODO_IMU_ACCEL, 1002 * kMs);
+  push(ODO_IMU_GYRO, 1005 * kMs);
+  push(ODO_IMU_ACCEL, 1010 * kMs);
+  REQUIRE(taken.size() == 181);
+  for (size_t i = 0; i + 1 < taken.size(); ++i) CHECK(taken[i].header.flags == ODO_IMU_GYRO);
+  for (size_t i = 0; i + 1 < taken.size(); ++i) CHECK(taken[i].header.t_ns < taken[i + 1].header.t_ns);
+  CHECK(taken.back().header.flags == (ODO_IMU_GYRO | ODO_IMU_ACCEL));
+}
+
 TEST_SUITE_END();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -10,16 +11,22 @@
 namespace odograph {
 
 /// Makes whole IMU samples of an accelerometer and a gyroscope that are delivered apart (as on Android): the
-/// accelerometer is interpolated linearly at the gyroscope's times. Whole samples pass through. Input ordered by time.
+/// accelerometer is interpolated linearly at the gyroscope's times. Whole samples pass through, and so does the
+/// gyroscope alone, 0.1 s late, while no accelerometer comes. Input ordered by time.
 class ImuJoiner {
  public:
-  /// Calls `take(const odo_imu&)` for each whole sample that the new one completes, in order.
+  /// Calls `take(const odo_imu&)` in order for each whole sample that the new one completes, and for each that has
+  /// waited in vain, which has ODO_IMU_GYRO alone.
   template <class Take>
   void push(const odo_imu& sample, Take&& take) {
     constexpr uint32_t both = ODO_IMU_GYRO | ODO_IMU_ACCEL;
     if ((sample.header.flags & both) == both) return take(sample);
     if (sample.header.flags & ODO_IMU_GYRO) {
-      if (waiting_count_ == waiting_.size()) --waiting_count_;  // the accelerometer is silent; keep the newest
+      size_t alone = waiting_count_ == waiting_.size() ? 1 : 0;
+      while (alone < waiting_count_ && sample.header.t_ns - waiting_[alone].header.t_ns > kLongestWait_ns) ++alone;
+      for (size_t i = 0; i < alone; ++i) take(waiting_[i]);
+      std::copy(waiting_.begin() + alone, waiting_.begin() + waiting_count_, waiting_.begin());
+      waiting_count_ -= alone;
       waiting_[waiting_count_++] = sample;
       return;
     }
@@ -42,6 +49,7 @@ class ImuJoiner {
     return gyro;
   }
 
+  static constexpr int64_t kLongestWait_ns = 100'000'000;  // twice the spacing of an accelerometer of 20 Hz
   std::array<odo_imu, 64> waiting_{};
   size_t waiting_count_ = 0;
   std::optional<odo_imu> last_accel_;

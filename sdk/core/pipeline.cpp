@@ -5,6 +5,7 @@
 #include <string>
 
 #include <odograph/step_estimator.h>
+#include <odograph/vo_frontend.h>
 
 namespace odograph {
 
@@ -41,6 +42,11 @@ void Pipeline::process(const odo_header& message) {
 
 void Pipeline::on_imu(const odo_imu& imu) {
   events_.begin();
+  if ((imu.header.flags & ODO_IMU_ACCEL) == 0) {  // front-ends alone: all others need gravity
+    for (PluginInstance* plugin : asked_)
+      if (plugin->interface_id() == ODO_INTERFACE_VO_FRONTEND && plugin->wants(ODO_TYPE_IMU)) take(*plugin, imu.header);
+    return handle_events();
+  }
   estimator_->propagate(imu);
   publish_estimates();
   ask(imu.header);

@@ -10,7 +10,8 @@
 
 namespace odograph::inertial {
 
-static_assert(kLogFactor == kLogScale + 1 && kStepHeading == kLogScale + 2, "they are held together");
+static_assert(kLogScale == kVo + 6 && kLogFactor == kLogScale + 1 && kStepHeading == kLogScale + 2,
+              "they are held together");
 
 namespace {
 
@@ -20,7 +21,18 @@ using Eigen::Vector3d;
 using Error = Eigen::Matrix<double, kSize, 1>;
 using Rows3 = Eigen::Matrix<double, 3, kSize>;
 
+constexpr int kMostHeld = 8;  // pose of the odometry, log-scale and log-factor
+
 }  // namespace
+
+std::pair<int, int> held_columns(Hold hold) {
+  switch (hold) {
+    case Hold::scale_and_factor: return {kLogScale, 2};
+    case Hold::scale_and_steps: return {kLogScale, 3};
+    case Hold::odometry_and_scale: return {kVo, kMostHeld};
+    default: return {0, 0};
+  }
+}
 
 void ImuTransition::clear() {
   for (Matrix3d* m : {&theta_by_bias, &v_by_theta, &v_by_gyro, &v_by_accel, &p_by_theta, &p_by_gyro, &p_by_accel})
@@ -253,6 +265,51 @@ void ErrorState::apply(const Error& error) {
   }
 }
 
+/// The gain is that of a filter that knows what is held, so that what errs by it is not moved in its stead: with
+/// a = P's columns of that, G = a P_hh^-1 and B = H a,
+///   K = (P H' - G B') (S - B P_hh^-1 B')^-1,   P <- P - K N' - N K',   N = K (S - 2 B P_hh^-1 B') / 2 + G B'.
+template <int D>
+bool ErrorState::update_given(Hold hold, const Eigen::Matrix<double, kSize, D>& PHt,
+                              const Eigen::Matrix<double, D, D>& S, const Eigen::Matrix<double, D, 1>& residual) {
+  const auto [first, held] = held_columns(hold);
+  using MatrixH = Eigen::Matrix<double, kMostHeld, kMostHeld>;
+  using SquareD = Eigen::Matrix<double, D, D>;
+  MatrixH P_hh = MatrixH::Identity();  // what is not held: independent, and without effect
+  Eigen::Matrix<double, kMostHeld, D> Bt = Eigen::Matrix<double, kMostHeld, D>::Zero();
+  P_hh.topLeftCorner(held, held) = P.block(first, first, held, held);
+  for (int i = 0; i < held; ++i) Bt.row(i) = PHt.row(first + i);
+  const Eigen::LLT<MatrixH> hh(P_hh);
+  if (hh.info() != Eigen::Success) return false;
+  const Eigen::Matrix<double, kMostHeld, D> known = hh.solve(Bt);
+  const SquareD by_held = Bt.transpose() * known;
+  const SquareD given = 0.5 * (S + S.transpose()) - by_held;
+  const Eigen::LLT<SquareD> llt(given);
+  if (llt.info() != Eigen::Success) return false;
+  const SquareD inverse = llt.solve(SquareD(SquareD::Identity()));
+  const SquareD half = 0.5 * (S - 2 * by_held);
+  Eigen::Matrix<double, kSize, D> K, N;
+  Error moved;
+  for (int i = 0; i < kSize; ++i) {
+    Eigen::Matrix<double, 1, D> GBt = Eigen::Matrix<double, 1, D>::Zero();
+    for (int h = 0; h < held; ++h) GBt += P(i, first + h) * known.row(h);
+    Eigen::Matrix<double, 1, D> k = (PHt.row(i) - GBt) * inverse;
+    if (i >= first && i < first + held) k.setZero();
+    K.row(i) = k;
+    N.row(i) = k * half + GBt;
+    moved[i] = k.dot(residual);
+  }
+  for (int j = 0; j < kSize; ++j) {
+    for (int d = 0; d < D; ++d) {
+      const double n = N(j, d), k = K(j, d);
+      P.col(j).tail(kSize - j) -= K.col(d).tail(kSize - j) * n;
+      P.col(j).tail(kSize - j) -= N.col(d).tail(kSize - j) * k;
+    }
+    P.row(j).tail(kSize - j) = P.col(j).tail(kSize - j).transpose();
+  }
+  apply(moved);
+  return true;
+}
+
 template <int D>
 UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis, Hold hold) {
   Eigen::Matrix<double, kSize, D> PHt = Eigen::Matrix<double, kSize, D>::Zero();
@@ -272,31 +329,28 @@ UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis
   const double nis = innovation.residual.dot(llt.solve(innovation.residual));
   if (!(nis >= 0) || (most_nis > 0 && nis > most_nis)) return {false, nis, D};
 
+  if (held_columns(hold).second > 0)
+    return update_given(hold, PHt, S, innovation.residual) ? UpdateResult{true, nis, D} : UpdateResult{false, nis, D};
   const Error error = PHt.lazyProduct(llt.solve(innovation.residual));
   const Eigen::Matrix<double, D, D> L_inverse = llt.matrixL().solve(Eigen::Matrix<double, D, D>::Identity().eval());
   const Eigen::Matrix<double, kSize, D> W = PHt.lazyProduct(L_inverse.transpose());
-  if (hold == Hold::all_but_steps || hold == Hold::all_but_scale_and_steps) {
-    const int first = hold == Hold::all_but_steps ? kLogFactor : kLogScale;
-    Error few = Error::Zero();
-    for (int j = first; j <= kStepHeading; ++j) {
-      for (int d = 0; d < D; ++d) P.col(j) -= W.col(d) * W(j, d);
-      few[j] = error[j];
+  if (hold == Hold::nothing) {
+    for (int j = 0; j < kSize; ++j) {
+      for (int d = 0; d < D; ++d)
+        if (W(j, d) != 0) P.col(j).tail(kSize - j) -= W.col(d).tail(kSize - j) * W(j, d);
+      P.row(j).tail(kSize - j) = P.col(j).tail(kSize - j).transpose();
     }
-    for (int j = first; j <= kStepHeading; ++j) P.row(j) = P.col(j).transpose();
-    apply(few);
+    apply(error);
     return {true, nis, D};
   }
-  const int held_count = static_cast<int>(hold);
-  const Matrix3d held = P.block<3, 3>(kLogScale, kLogScale);
-  for (int j = 0; j < kSize; ++j) {
-    for (int d = 0; d < D; ++d)
-      if (W(j, d) != 0) P.col(j).tail(kSize - j) -= W.col(d).tail(kSize - j) * W(j, d);
-    P.row(j).tail(kSize - j) = P.col(j).tail(kSize - j).transpose();
+  const int first = hold == Hold::all_but_steps ? kLogFactor : kLogScale;
+  Error few = Error::Zero();
+  for (int j = first; j <= kStepHeading; ++j) {
+    for (int d = 0; d < D; ++d) P.col(j) -= W.col(d) * W(j, d);
+    few[j] = error[j];
   }
-  P.block(kLogScale, kLogScale, held_count, held_count) = held.topLeftCorner(held_count, held_count);
-  Error moved = error;
-  moved.segment(kLogScale, held_count).setZero();
-  apply(moved);
+  for (int j = first; j <= kStepHeading; ++j) P.row(j) = P.col(j).transpose();
+  apply(few);
   return {true, nis, D};
 }
 

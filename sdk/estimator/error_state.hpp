@@ -52,8 +52,19 @@ struct PastPose {
   double w;
 };
 
-/// What an update leaves where it is. Steps: log-factor and heading of the steps.
-enum class Hold { nothing, scale, scale_and_factor, scale_and_steps, all_but_steps, all_but_scale_and_steps };
+/// What an update leaves where it is (steps: log-factor and heading of the steps; odometry: its pose). Up to
+/// odometry_and_scale what is held is taken as known by the gain, and what errs by it is not moved in its stead; with
+/// "all but" the gain is the usual one.
+enum class Hold {
+  nothing,
+  scale_and_factor,
+  scale_and_steps,
+  odometry_and_scale,
+  all_but_steps,
+  all_but_scale_and_steps,
+};
+/// The columns that it leaves where they are: from there, that many; of the first four.
+std::pair<int, int> held_columns(Hold hold);
 
 /// residual = z - h(x), its derivative by the error in blocks of three columns, and the covariance of z.
 template <int D>
@@ -162,6 +173,9 @@ class ErrorState {
   size_t slot_back(size_t i) const { return (newest_ + kClones - i) % kClones; }
   void apply(const Eigen::Matrix<double, kSize, 1>& error);
   void copy_pose_block(int from, int to);
+  template <int D>
+  bool update_given(Hold hold, const Eigen::Matrix<double, kSize, D>& PHt, const Eigen::Matrix<double, D, D>& S,
+                    const Eigen::Matrix<double, D, 1>& residual);
 
   std::array<Clone, kClones> clones_;
   size_t clone_count_ = 0, newest_ = 0;

@@ -45,7 +45,7 @@ void InertialEstimator::reset() {
   history_.clear();
   started_ = started_by_attitude_ = camera_ = resting_ = stepped_ = baro_started_ = north_ = false;
   heading_open_ = start_.given;
-  placed_ = start_.given;
+  placed_ = start_.given ? kAllAxes : 0;
   metric_ = !inputs_.vo;
   t_ns_ = first_imu_ns_ = first_frame_ns_ = rested_ns_ = attitude_ns_ = informed_ns_ = reminded_ns_ = stood_ns_ =
       step_ns_ = fixed_ns_ = last_pose_ns_ = INT64_MIN;
@@ -218,9 +218,26 @@ void InertialEstimator::watch_quiet(const odo_imu& imu, double dt_s) {
   Vector3d::Map(quiet_.gyro_mean) += k * (gyro - Vector3d::Map(quiet_.gyro_mean));
 }
 
+/// What a measurement that speaks neither of the metre nor of the walker leaves where it is: a front-end's own metre
+/// has weighed inertia already, and where nothing but steps moves the body there is nothing to learn from.
+Hold InertialEstimator::calm() const {
+  if (unaided()) return Hold::scale_and_steps;
+  return vo_.known && vo_.metric ? Hold::scale_and_factor : Hold::nothing;
+}
+
+/// The same for one that ties the body to the odometry: a front-end that has used inertia itself is not to be mended by
+/// it.
+Hold InertialEstimator::follow() const { return led() ? Hold::odometry_and_scale : calm(); }
+
+/// A front-end that has used inertia itself leads: it knows inclination and standing from the same samples.
+bool InertialEstimator::led() const {
+  return vo_.known && vo_.attached && inertial_front_end_ && vo_.own_information > 1 / squared(p_.led_scale_sigma);
+}
+
 /// Zero velocity: where a plugin says that the device rests or its carrier stands, and the samples agree.
 void InertialEstimator::stand(const odo_imu& imu) {
   if (!resting_ && mode_ != ODO_MODE_STATIC) return;
+  if (led()) return;  // by somebody who knows that as well
   if (quiet_.accel_variance > squared(p_.quiet_accel_mps2) || quiet_.gyro > p_.quiet_gyro_radps) return;
   if (stood_ns_ != INT64_MIN && seconds(t_ns_ - stood_ns_) < kStandInterval_s) return;
   stood_ns_ = imu.header.t_ns;
@@ -231,14 +248,14 @@ void InertialEstimator::stand(const odo_imu& imu) {
   // Every kStandInterval_s the same sway: worth one measurement a second.
   const double sigma = resting_ ? p_.still_speed_mps : p_.standing_speed_mps;
   still.noise = Matrix3d::Identity() * (squared(sigma) / kStandInterval_s);
-  if (e_.update(still, 0, unaided() ? Hold::scale_and_steps : Hold::nothing).accepted) reminded_ns_ = t_ns_;
+  if (e_.update(still, 0, follow()).accepted) reminded_ns_ = t_ns_;
   if (vo_.known && !vo_.metric) e_.add_variance(kLogScale, 1, squared(p_.vo_standing_scale_walk) * kStandInterval_s);
   if (!resting_) return;
   Innovation<3> rate;
   rate.residual = Vector3d::Map(quiet_.gyro_mean) - e_.x.gyro_bias_b;
   rate.by(kGyroBias, Matrix3d::Identity());
   rate.noise = Matrix3d::Identity() * (squared(p_.still_gyro_radps) / kStandInterval_s);
-  e_.update(rate, p_.gate[3]);
+  e_.update(rate, p_.gate[3], calm());
 }
 
 /// Where nothing has spoken for a while the carrier is at least no faster than he can be, and without a camera nobody
@@ -282,6 +299,7 @@ UpdateResult InertialEstimator::apply(const odo_attitude* attitude) {
     return {true, 0.0, 0};
   }
   if (seconds(t - attitude_ns_) < p_.attitude_interval_s) return {};
+  if (led() && !north) return {};
   attitude_ns_ = t;
   flush();
   const auto then = past(t);
@@ -296,15 +314,16 @@ UpdateResult InertialEstimator::apply(const odo_attitude* attitude) {
     bias.residual = Vector3d(attitude->gyro_bias_b) - e_.x.gyro_bias_b;
     bias.by(kGyroBias, Matrix3d::Identity());
     bias.noise = Matrix3d::Identity() * squared(p_.attitude_bias_radps);
-    e_.update(bias, p_.gate[3]);
+    e_.update(bias, p_.gate[3], calm());
   }
-  const double tilt = std::max(tilt_sigma, unaided() ? p_.attitude_unaided_tilt_rad : p_.attitude_tilt_rad);
+  const double own_tilt = led() ? EIGEN_PI : unaided() ? p_.attitude_unaided_tilt_rad : p_.attitude_tilt_rad;
+  const double tilt = std::max(tilt_sigma, own_tilt);
   // Beside a camera a heading without north is the same gyroscope's once more.
   const bool yaw = north || !inputs_.vo;
   const double heading = yaw ? p_.attitude_yaw_rad : EIGEN_PI;
   if (!yaw) seen.residual.z() = 0;
   seen.noise.diagonal() << squared(tilt), squared(tilt), squared(heading);
-  return e_.update(seen, p_.gate[3]);
+  return e_.update(seen, p_.gate[3], calm());
 }
 
 UpdateResult InertialEstimator::apply(const odo_barometer* barometer) {
@@ -319,7 +338,7 @@ UpdateResult InertialEstimator::apply(const odo_barometer* barometer) {
   height.by_pose(*then, Eigen::RowVector3d::Zero(), Eigen::RowVector3d::UnitZ());
   height.by_one(kBaro, Innovation<1>::Vector::Ones());
   height.noise(0, 0) = squared(p_.baro_sigma_m);
-  return e_.update(height, p_.gate[1]);
+  return e_.update(height, p_.gate[1], calm());
 }
 
 UpdateResult InertialEstimator::apply(const odo_motion_mode* mode) {

@@ -65,6 +65,9 @@ class InertialEstimator : public Estimator {
   void stand(const odo_imu& imu);
   void remind_of_speed();
   bool unaided() const;
+  bool led() const;
+  inertial::Hold calm() const;
+  inertial::Hold follow() const;
   std::optional<inertial::PastPose> past(int64_t t_ns) const;
   Eigen::Quaterniond heading_offset() const;
 
@@ -73,11 +76,14 @@ class InertialEstimator : public Estimator {
   bool attach(int64_t t_ns);
   void detach();
   Eigen::Vector3d expected_displacement(int64_t t_ns, const Eigen::Vector3d& odometry_n) const;
+  UpdateResult tie(inertial::Innovation<3>& seen, double inertial_sigma, double sigma, double dt_s,
+                   inertial::Hold hold);
   UpdateResult see_position(int64_t t_ns, double dt_s);
   UpdateResult see_rotation(int64_t t_ns, double dt_s);
   void use_inertial(const odo_vo_motion& motion);
   bool walks(int64_t t_ns) const;
-  void use_metric_scale(double sigma, int64_t t_ns);
+  void use_metric_scale(const odo_vo_motion& motion);
+  void begin_here(const odo_vo_motion& motion);
   void use_window(const inertial::WindowScale& window);
   void try_scale_start(int64_t t_ns);
   void know_scale(double log_scale, double variance, double steps_share, int64_t t_ns);
@@ -87,7 +93,7 @@ class InertialEstimator : public Estimator {
   UpdateResult see_step(const odo_step& step, double own_sigma);
   void rest_between(int64_t from_ns, int64_t to_ns);
   void doubt_steps();
-  void place_by(inertial::Innovation<6>& seen);
+  void place_by(inertial::Innovation<6>& seen, uint32_t axes);
 
   // Poses (inertial_poses.cpp).
   void publish(int64_t t_ns, uint32_t state, uint32_t reason);
@@ -108,8 +114,8 @@ class InertialEstimator : public Estimator {
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
   double gyro_noise_ = 0, accel_noise_ = 0, gyro_walk_ = 0, accel_walk_ = 0;
 
-  bool started_ = false, started_by_attitude_ = false, camera_ = false, placed_ = false, metric_ = false,
-       north_ = false, heading_open_ = false;
+  bool started_ = false, started_by_attitude_ = false, camera_ = false, metric_ = false, north_ = false,
+       heading_open_ = false;
   int64_t t_ns_ = INT64_MIN, first_imu_ns_ = INT64_MIN, attitude_ns_ = INT64_MIN, informed_ns_ = INT64_MIN,
           reminded_ns_ = INT64_MIN, first_frame_ns_ = INT64_MIN, rested_ns_ = INT64_MIN;
   std::optional<odo_imu> last_imu_;
@@ -119,6 +125,8 @@ class InertialEstimator : public Estimator {
   struct Quiet {
     double accel_mean = 0, accel_variance = 1, gyro = 1, gyro_mean[3] = {0, 0, 0};
   } quiet_;
+  static constexpr uint32_t kHorizontal = ODO_FIX_NORTH | ODO_FIX_EAST, kAllAxes = kHorizontal | ODO_FIX_DOWN;
+  uint32_t placed_ = 0;  ///< axes whose place against n is known, from the start or by fixes
   bool resting_ = false;
   uint32_t mode_ = 0;
   int64_t stood_ns_ = INT64_MIN;

@@ -20,6 +20,7 @@ using namespace inertial;
 namespace {
 
 constexpr double kUnstatedMetricSigma = 0.02;  // of a front-end that says metric and no more
+constexpr double kInertialVelocity_mps = 0.1;  // of a front-end that has used the IMU itself
 constexpr double kChord_s = 0.5;               // over which a velocity is taken: a step
 constexpr int64_t kStepsTellVelocity_ns = 1'000'000'000;
 
@@ -38,7 +39,7 @@ UpdateResult InertialEstimator::apply(const FrameTime& frame) {
   first_frame_ns_ = frame.t_ns;
   if (!stepped_ || frame.t_ns - step_ns_ > kStepsTellVelocity_ns)  // may walk already
     for (int i = 0; i < 3; ++i) e_.set_independent(kVelocity + i, squared(p_.start_speed_sigma_mps));
-  if (!metric_ && !placed_) {  // the start is the camera's
+  if (!metric_ && placed_ == 0) {  // the start is the camera's
     const Vector3d moved = Vector3d(start_.position_m.data()) - (e_.x.p_n + e_.x.q_n_b * p_b_c_);
     e_.x.p_n += moved;
     e_.set_independent(kPosition, 0.0);
@@ -111,10 +112,10 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
       const double length_m = expected_n.norm();
       vo_.y_n += e_.x.q_n_vo * p_c0_c1;
       e_.move_vo(quaternion(m.q_c0_c1), p_c0_c1, expected_n, squared(p_.vo_drift_per_root_m) * length_m,
-                 squared(p_.vo_rotation_walk) * dt_s);
+                 squared(inertial_front_end_ ? p_.vio_rotation_walk : p_.vo_rotation_walk) * dt_s);
       e_.add_variance(kLogScale, 1, metric ? squared(p_.vio_scale_walk) * dt_s : squared(p_.vo_scale_walk) * length_m);
       vo_.t_ns = t;
-      if (metric) use_metric_scale(inertial_front_end_ ? m.scale_sigma : kUnstatedMetricSigma, t);
+      if (metric) use_metric_scale(m);
       see_rotation(t, dt_s);
       if (vo_.known) result = see_position(t, dt_s);
       scale_start_.add_motion(t, vo_.y_n);
@@ -146,6 +147,18 @@ Vector3d InertialEstimator::expected_displacement(int64_t t_ns, const Vector3d& 
   return to->p_n + to->q_n_b * p_b_c_ - (from->p_n + from->q_n_b * p_b_c_);
 }
 
+/// The body is where the odometry has it: closely where that has used inertia itself, unless the IMU disagrees;
+/// otherwise as well as an odometry is against its map.
+UpdateResult InertialEstimator::tie(Innovation<3>& seen, double inertial_sigma, double sigma, double dt_s, Hold hold) {
+  if (hold == Hold::odometry_and_scale) {
+    seen.noise = Matrix3d::Identity() * squared(inertial_sigma);
+    if (const UpdateResult result = e_.update(seen, p_.gate[3], hold); result.accepted) return result;
+  }
+  const double same = std::max(1.0, p_.vo_correlation_s / dt_s);  // frames that share one error
+  seen.noise = Matrix3d::Identity() * (squared(sigma) * same);
+  return e_.update(seen, p_.gate[3], hold);
+}
+
 UpdateResult InertialEstimator::see_rotation(int64_t t_ns, double dt_s) {
   const auto at = past(t_ns);
   if (!at) return {};
@@ -153,9 +166,7 @@ UpdateResult InertialEstimator::see_rotation(int64_t t_ns, double dt_s) {
   seen.residual = -log_rotation(e_.x.q_n_vo * (at->q_n_b * q_b_c_).conjugate());
   seen.by(kVo, Matrix3d::Identity());
   seen.by_pose(*at, -Matrix3d::Identity(), Matrix3d::Zero());
-  const double same = std::max(1.0, p_.vo_correlation_s / dt_s);  // frames that share one error
-  seen.noise = Matrix3d::Identity() * (squared(p_.vo_rotation_sigma_rad) * same);
-  const UpdateResult result = e_.update(seen, p_.gate[3]);
+  const UpdateResult result = tie(seen, p_.vio_rotation_sigma_rad, p_.vo_rotation_sigma_rad, dt_s, follow());
   if (!result.accepted) attach(t_ns);
   return result;
 }
@@ -168,11 +179,10 @@ UpdateResult InertialEstimator::see_position(int64_t t_ns, double dt_s) {
   seen.residual = at->p_n + lever_n - e_.x.p_n_vo;
   seen.by(kVoPosition, Matrix3d::Identity());
   seen.by_pose(*at, skew(lever_n), -Matrix3d::Identity());
-  const double same = std::max(1.0, p_.vo_correlation_s / dt_s);
-  seen.noise = Matrix3d::Identity() * (squared(vo_.sigma_m) * same);
   // What inertia says of the scale comes by use_window, whose regression knows that the odometry errs; here it would
   // be pulled towards zero.
-  const UpdateResult result = e_.update(seen, p_.gate[3], Hold::scale_and_factor);
+  const UpdateResult result =
+      tie(seen, p_.vio_position_sigma_m, vo_.sigma_m, dt_s, inertial_front_end_ ? follow() : Hold::scale_and_factor);
   if (result.accepted) {
     vo_.rejected = 0;
     return result;
@@ -194,7 +204,7 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
   const auto at = past(t);
   if (!at) return;
   const Quaterniond q_n_c = at->q_n_b * q_b_c_;
-  constexpr double kUnknownVelocity_mps = 0.3, kNow_s = 0.05, kVelocity_mps = 0.1;
+  constexpr double kUnknownVelocity_mps = 0.3, kNow_s = 0.05;
   if (e_.P.diagonal().segment<3>(kVelocity).maxCoeff() > squared(kUnknownVelocity_mps) && seconds(t_ns_ - t) < kNow_s) {
     Innovation<3> velocity;
     const Vector3d v_n = std::exp(e_.x.log_scale) * (q_n_c * Vector3d(m.velocity_c1));
@@ -202,8 +212,8 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
     velocity.by(kVelocity, Matrix3d::Identity());
     velocity.by_one(kLogScale, -v_n);
     velocity.by_pose(*at, skew(v_n), Matrix3d::Zero());
-    velocity.noise = Matrix3d::Identity() * squared(kVelocity_mps);
-    e_.update(velocity, p_.gate[3]);
+    velocity.noise = Matrix3d::Identity() * squared(kInertialVelocity_mps);
+    e_.update(velocity, p_.gate[3], follow());
   }
   if (vo_.gravity_ns != INT64_MIN && seconds(t - vo_.gravity_ns) < p_.attitude_interval_s) return;
   vo_.gravity_ns = t;
@@ -214,7 +224,7 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
   by_theta << 0, 1, 0, -1, 0, 0;
   down.by_pose(*at, by_theta, Eigen::Matrix<double, 2, 3>::Zero());
   down.noise = Eigen::Matrix2d::Identity() * squared(p_.attitude_unaided_tilt_rad);
-  e_.update(down, p_.gate[2]);
+  e_.update(down, p_.gate[2], calm());
 }
 
 /// Where the camera hardly moves a front-end's doubt about its displacement is no doubt about the metre.
@@ -226,9 +236,12 @@ bool InertialEstimator::walks(int64_t t_ns) const {
 
 /// A front-end's own doubt about the metre is one error common to its motions, so that the scale is never better known
 /// for it than the front-end says at its surest.
-void InertialEstimator::use_metric_scale(double sigma, int64_t t_ns) {
+void InertialEstimator::use_metric_scale(const odo_vo_motion& m) {
+  const int64_t t_ns = m.header.t_ns;
+  const double sigma = inertial_front_end_ ? m.scale_sigma : kUnstatedMetricSigma;
   const double information = 1 / squared(std::clamp(sigma, 1e-3, 1.0));
   if (!vo_.known) {
+    if (!metric_ && placed_ == 0 && inertial_front_end_) begin_here(m);
     know_scale(0.0, 1 / information, 0.0, t_ns);
     vo_.told_information = information, vo_.told_ns = t_ns;
     vo_.own_information = information;
@@ -306,9 +319,22 @@ void InertialEstimator::try_scale_start(int64_t t_ns) {
 void InertialEstimator::know_scale(double log_scale, double variance, double steps_share, int64_t t_ns) {
   vo_.known = true;
   e_.set_scale(log_scale, variance, steps_share);
-  if (!vo_.metric && vo_.first_group && vo_.unbroken && !placed_) put_in_place(t_ns);
+  if (!metric_ && !vo_.metric && vo_.first_group && vo_.unbroken && (placed_ & kHorizontal) == 0) put_in_place(t_ns);
   metric_ = true;
   detach();  // the odometry's pose had no scale until now
+}
+
+/// Nobody was told a position until now, and nobody said where the start was: n is laid so that the position now is as
+/// supposed, and what is learnt later of the time before, as steps tell it, moves nothing.
+void InertialEstimator::begin_here(const odo_vo_motion& m) {
+  const auto at = past(m.header.t_ns);
+  if (!at) return;
+  flush();
+  const Vector3d v_n = at->q_n_b * q_b_c_ * Vector3d(m.velocity_c1);
+  e_.place(Vector3d::Zero(), Vector3d::Zero(), v_n, 0.0, squared(kInertialVelocity_mps));
+  e_.forget_clones();
+  e_.clone(t_ns_);
+  track_.begin_segment();
 }
 
 /// What the first group moved before its scale was known: position and velocity now follow from the start.
@@ -319,10 +345,13 @@ void InertialEstimator::put_in_place(int64_t t_ns) {
   flush();
   const double scale = std::exp(e_.x.log_scale);
   const Vector3d moved_n = scale * vo_.y_n, v_n = scale / kChord_s * (vo_.y_n - *before);
-  const Vector3d shift = vo_.start_n + moved_n - (at->p_n + at->q_n_b * p_b_c_);
+  Vector3d shift = vo_.start_n + moved_n - (at->p_n + at->q_n_b * p_b_c_);
   constexpr double kVelocity_mps = 0.3;  // a chord over a step, and the gait within it
+  const double height_variance = (placed_ & ODO_FIX_DOWN) ? e_.P(kPosition + 2, kPosition + 2) : 0.0;
+  if (height_variance > 0) shift.z() = 0;
   e_.place(shift, moved_n, v_n, squared(vo_.sigma_m) + squared(p_.vo_drift_per_root_m) * moved_n.norm(),
            squared(kVelocity_mps));
+  e_.add_variance(kPosition + 2, 1, height_variance);
   e_.forget_clones();  // how they lie to each other was not known either
   e_.clone(t_ns_);
   track_.begin_segment();

@@ -27,15 +27,21 @@ struct Parameters {
   double uninformed_sigma_m = 100;       ///< m: of what the first fix does not say, and of the barometer at first
 
   // Visual odometry: the error of a position against the map, correlated over a time, and the map's drift.
-  double vo_position_sigma_m = 0.02;     ///< m, until the window regression has measured it; 6 to 8 mm simulated,
-                                         ///< 17 to 64 mm on real phones (detrended over 4 s)
-  double vo_least_sigma_m = 0.01;        ///< m; a floor: pictures of a rolling shutter, time stamps
-  double vo_rotation_sigma_rad = 0.003;  ///< rad against the map
-  double vo_correlation_s = 0.5;         ///< s over which both are the same error; judgement, 0.25 to 1
-  double vo_drift_per_root_m = 0.01;     ///< m/sqrt(m): across the path, without scale and heading
-  double vo_rotation_walk = 1e-3;        ///< rad/sqrt(s): 0.018 deg a frame at 10 Hz (odograph bench vo)
-  double vo_scale_walk = 2e-3;           ///< 1/sqrt(m) of log-scale: 0.9 % between halves of 10 m (odograph bench vo)
-  double vo_standing_scale_walk = 0.01;  ///< 1/sqrt(s) while standing: 3 % over a stop is usual
+  double vo_position_sigma_m = 0.02;      ///< m, until the window regression has measured it; 6 to 8 mm simulated,
+                                          ///< 17 to 64 mm on real phones (detrended over 4 s)
+  double vo_least_sigma_m = 0.01;         ///< m; a floor: pictures of a rolling shutter, time stamps
+  double vo_rotation_sigma_rad = 0.003;   ///< rad against the map
+  double vo_correlation_s = 0.5;          ///< s over which both are the same error; judgement, 0.25 to 1
+  double vo_drift_per_root_m = 0.01;      ///< m/sqrt(m): across the path, without scale and heading
+  double vo_rotation_walk = 1e-3;         ///< rad/sqrt(s): 0.018 deg a frame at 10 Hz (odograph bench vo)
+  double vo_scale_walk = 2e-3;            ///< 1/sqrt(m) of log-scale: 0.9 % between halves of 10 m (odograph bench vo)
+  double vo_standing_scale_walk = 0.01;   ///< 1/sqrt(s) while standing: 3 % over a stop is usual
+  double vio_position_sigma_m = 0.005;    ///< m, of a front-end that used inertia itself, against its own path: its
+                                          ///< sliding window moves from frame to frame by 2 to 4 mm
+  double vio_rotation_sigma_rad = 0.001;  ///< rad, the same of its rotation: 0.4e-3 stated a frame
+  double vio_rotation_walk = 1.5e-3;      ///< rad/sqrt(s) of its rotation: 3 to 50 mrad over ten minutes of six walks
+  double led_scale_sigma = 0.2;           ///< of log-scale, as such a front-end states it: above, it is an odometry
+                                          ///< like others, and standing and steps speak too; judgement
   double vio_scale_walk = 2e-4;  ///< 1/sqrt(s) of a metric front-end's log-scale: 0.5 % over ten minutes; judgement
   double vio_scale_forgetting_s = 20;    ///< s: how long its scale_sigma speaks of the same error
   double lost_confidence = 0.25;         ///< share of its information: less is a front-end that doubts its metre anew
@@ -45,7 +51,8 @@ struct Parameters {
 
   // Steps.
   double factor_sigma = 0.10;        ///< of the walker's log factor: ten walkers differ so (docs/accuracy.md)
-  double taught_scale_sigma = 0.05;  ///< of log-scale, of a metric front-end: below it steps do not move it; judgement
+  double taught_scale_sigma = 0.10;  ///< of log-scale, as a metric front-end states it: below it, which is how walkers
+                                     ///< differ, steps do not move it
   double factor_walk = 0.01;         ///< for the root of a step: a walker changes, and so does what plugins learn
   double step_own_sigma = 0.06;      ///< of a step's length, relative, own to the step: step/odograph's README
   double step_correlation = 10;      ///< steps whose own error is one error, where they are compared with odometry

@@ -3,6 +3,7 @@
 // Steps over their whole interval, and fixes of any subset at their own time.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sdk/core/messages.hpp"
 #include "sdk/estimator/inertial_estimator.hpp"
@@ -43,7 +44,8 @@ UpdateResult InertialEstimator::apply(const odo_step* step) {
   const UpdateResult result = see_step(*step, own);
   if (result.accepted) {
     steps_rejected_ = 0;
-    metric_ = true;
+    // A front-end that moves, but not in metres yet, will put what was walked in place; until then nothing is shown.
+    metric_ = metric_ || vo_.known || unaided();
     informed_ns_ = t_ns_;
   } else if (result.dof > 0 && ++steps_rejected_ >= p_.most_steps_rejected) {
     doubt_steps();
@@ -95,15 +97,15 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
   if (!unaided()) walked.noise += (p_.step_correlation - 1) * squared(own_sigma * length_m) * along * along.transpose();
   const double before = 1 / e_.P(kLogScale, kLogScale);
   // Where nothing else moves the body, what it was expected to do is no news of the walker: fixes are. Where odometry
-  // moves it, steps and scale learn from each other; a front-end that knows the metre better than walkers differ learns
-  // nothing from steps.
+  // moves it, steps and scale learn from each other, and what was walked stays unless the scale of an odometry without
+  // a metre has come into doubt; a front-end that says it knows the metre better than walkers differ learns nothing.
   const bool followed = vo_.known && vo_.attached;
-  const bool taught = followed && vo_.metric && e_.P(kLogScale, kLogScale) < squared(p_.taught_scale_sigma);
-  const Hold hold = unaided()  ? Hold::scale_and_steps
-                    : taught   ? Hold::all_but_steps
-                    : followed ? Hold::all_but_scale_and_steps
-                               : Hold::nothing;
-
+  const bool taught = followed && vo_.metric && vo_.own_information > 1 / squared(p_.taught_scale_sigma);
+  const bool doubted = !vo_.metric && e_.P(kLogScale, kLogScale) > squared(2 * p_.start_scale_sigma);
+  const Hold hold = unaided()              ? Hold::scale_and_steps
+                    : taught               ? Hold::all_but_steps
+                    : followed && !doubted ? Hold::all_but_scale_and_steps
+                                           : Hold::nothing;
   const UpdateResult result = e_.update(walked, p_.gate[3], hold);
   if (result.accepted && vo_.known) vo_.steps_information += 1 / e_.P(kLogScale, kLogScale) - before;
   return result;
@@ -135,14 +137,26 @@ void InertialEstimator::doubt_steps() {
   if (unaided()) e_.add_variance(kVelocity, 3, squared(p_.jump_velocity_sigma_mps));
 }
 
-/// The first position moves the whole track there, and says how well that is known; nothing was known before.
-void InertialEstimator::place_by(Innovation<6>& seen) {
-  e_.shift(seen.residual.tail<3>());
-  Matrix3d covariance = seen.noise.bottomRightCorner<3, 3>();
-  for (int i = 0; i < 3; ++i) covariance(i, i) = std::min(covariance(i, i), squared(p_.uninformed_sigma_m));
+/// The first position of an axis moves the whole track there, and says how well that is known; nothing was known
+/// before, and nothing is said of the other axes.
+void InertialEstimator::place_by(Innovation<6>& seen, uint32_t axes) {
+  Vector3d moved = Vector3d::Zero();
+  Matrix3d covariance = Matrix3d::Zero();
+  const auto first = [&](int axis) { return (axes & (ODO_FIX_NORTH << axis)) != 0; };
+  for (int i = 0; i < 3; ++i) {
+    if (!first(i)) continue;
+    moved[i] = std::exchange(seen.residual[3 + i], 0.0);
+    for (int j = 0; j < 3; ++j)
+      if (first(j)) covariance(i, j) = seen.noise(3 + i, 3 + j);
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (!first(i)) continue;
+    seen.noise.row(3 + i).setZero();
+    seen.noise.col(3 + i).setZero();
+    seen.noise(3 + i, 3 + i) = kNothing;
+  }
+  e_.shift(moved);
   e_.loosen_position(covariance);
-  seen.residual.tail<3>().setZero();
-  seen.noise.bottomRightCorner<3, 3>() = Matrix3d::Identity() * kNothing;
 }
 
 UpdateResult InertialEstimator::apply(const odo_fix* fix) {
@@ -152,7 +166,7 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   if (!at || fix->integrity > p_.most_integrity_risk) return {};
   const Vector3d lever_n = camera_ ? Vector3d(at->q_n_b * p_b_c_) : Vector3d::Zero();
   const bool whole = (flags & ODO_FIX_ORIENTATION) != 0, yaw = !whole && (flags & ODO_FIX_YAW) != 0;
-  const bool positions = (flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) != 0;
+  const bool positions = (flags & kAllAxes) != 0, horizontal = (flags & kHorizontal) != 0;
   if (!positions && !whole && !yaw) return {};
   // Rotation first, position below; what the fix does not have is noise without end.
   Innovation<6> seen;
@@ -186,10 +200,11 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
     }
   }
   for (int i = 0; i < 6; ++i) seen.noise(i, i) += 1e-12;
-  if (fixes_rejected_ >= kBelieveFixesAfter) placed_ = false;
-  if (positions && !placed_) place_by(seen);
+  const uint32_t axes = flags & kAllAxes;
+  if (fixes_rejected_ >= kBelieveFixesAfter) placed_ &= ~axes;
+  if (axes & ~placed_) place_by(seen, axes & ~placed_);
   // Against fixes the heading of a start without a compass is open, and is told by the path; that needs a velocity.
-  if (positions && !north_ && !heading_open_ &&
+  if (horizontal && !north_ && !heading_open_ &&
       e_.P.diagonal().segment<2>(kVelocity).maxCoeff() < squared(p_.settled_velocity_mps)) {
     heading_open_ = true;
     e_.loosen_heading(p_.start_heading_sigma_rad);
@@ -202,7 +217,8 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
     return result;
   }
   fixes_rejected_ = 0;
-  if (positions) placed_ = metric_ = true, fixed_ns_ = fix->header.t_ns;
+  placed_ |= axes;
+  if (horizontal) metric_ = true, fixed_ns_ = fix->header.t_ns;
   informed_ns_ = t_ns_;
   return result;
 }

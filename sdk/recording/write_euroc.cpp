@@ -72,6 +72,7 @@ class EurocWriter {
       if (progress) progress(++done, r_.messages.size());
       if (header.type == ODO_TYPE_IMU) {
         joiner.push(as<odo_imu>(header), [&](const odo_imu& s) {
+          if ((s.header.flags & ODO_IMU_ACCEL) == 0) return;  // the layout has whole samples only
           imu += std::to_string(s.header.t_ns) + "," + list(s.gyro_b, 3, ",") + "," + list(s.accel_b, 3, ",") + "\n";
         });
       } else if (header.type == ODO_TYPE_FRAME) {

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Who leads: a front-end that has used inertia itself; and what a first fix says.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/estimator_walk.hpp"
+
+using namespace odograph;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("estimator");
+
+TEST_CASE("where a front-end that has used inertia is sure, the track is its own, from a start without a jump on") {
+  for (const double start_s : {0.0, 6.0})
+    for (uint64_t seed = 1; seed <= 10; ++seed) {
+      WalkMeasurements what;
+      what.start_s = start_s;
+      what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.03;
+      what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
+      what.step_factor_sigma = 0.3;  // steps that know nothing of this walker
+      Quaterniond q = Quaterniond::Identity();
+      Vector3d own = Vector3d::Zero(), own_from = own, from = own;
+      double worst_m = 0, worst_jump_m = 0, before_m = -1;
+      what.change = [&](double, odo_vo_motion& m) {
+        own += q * Vector3d(m.p_c0_c1);
+        q = q * Quaterniond(m.q_c0_c1[0], m.q_c0_c1[1], m.q_c0_c1[2], m.q_c0_c1[3]);
+      };
+      EstimatorWalk walk(estimator_scenario(40), what, seed);
+      CouplingConfig config;
+      config.type = CouplingType::inertial;
+      InertialEstimator estimator(config, {}, {true, false});
+      walk.run(estimator, [&](double, const odo_pose& pose) {
+        if ((pose.header.flags & ODO_POSE_METRIC) == 0) return;
+        if (before_m < 0) own_from = own, from = Vector3d(pose.p_n);
+        const double difference_m = (Vector3d(pose.p_n) - from).norm() - (own - own_from).norm();
+        worst_m = std::max(worst_m, std::abs(difference_m));
+        if (before_m >= 0) worst_jump_m = std::max(worst_jump_m, std::abs(difference_m - before_m));
+        before_m = before_m < 0 ? 0 : difference_m;
+      });
+      CAPTURE(start_s);
+      CAPTURE(seed);
+      CHECK(worst_m < 0.1);  // of 40 m
+      CHECK(worst_jump_m < 0.05);
+    }
+}
+
+TEST_CASE("a first fix of the height alone says nothing of north and east, nor that the position is known") {
+  CouplingConfig config;
+  config.type = CouplingType::inertial;
+  InertialEstimator estimator(config, {}, {true, false});
+  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 0);
+  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+  imu.accel_b[2] = -9.81;
+  for (imu.header.t_ns = 0; imu.header.t_ns <= 1'000'000'000; imu.header.t_ns += 5'000'000) estimator.propagate(imu);
+  Estimate before, after;
+  REQUIRE(estimator.at(INT64_MIN, before) == ODO_OK);
+  auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 1'000'000'000);
+  fix.header.flags = ODO_FIX_DOWN;
+  fix.p_n[2] = -30;
+  fix.covariance_n[8] = 0.25;
+  CHECK(estimator.update(&fix).accepted);
+  REQUIRE(estimator.at(INT64_MIN, after) == ODO_OK);
+  CHECK(after.p_n_b.z() == doctest::Approx(before.p_n_b.z() - 30).epsilon(0.01));
+  CHECK(after.p_n_b.head<2>().isApprox(before.p_n_b.head<2>()));
+  for (const int i : {21, 28})
+    CHECK(after.pose.covariance[i] < before.pose.covariance[i] + 1);  // m^2, in a tenth of a second
+  CHECK((after.pose.header.flags & ODO_POSE_POSITION) == 0);
+  fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+  fix.p_n[0] = 100, fix.p_n[1] = 50;
+  fix.covariance_n[0] = fix.covariance_n[4] = 4;
+  CHECK(estimator.update(&fix).accepted);
+  REQUIRE(estimator.at(INT64_MIN, after) == ODO_OK);
+  CHECK(after.p_n_b.x() == doctest::Approx(100).epsilon(0.01));
+  CHECK(after.p_n_b.z() == doctest::Approx(before.p_n_b.z() - 30).epsilon(0.01));
+  CHECK((after.pose.header.flags & ODO_POSE_POSITION) != 0);
+}
+
+TEST_SUITE_END();
