@@ -163,6 +163,7 @@ void add_bench(CLI::App& app, int& status) {
   add_bench_canyon(*command, status);
   add_bench_drive(*command, status);
   add_bench_gait(*command, status);
+  add_bench_known_object(*command, status);
   add_bench_stream(*command, status);
   add_bench_vo(*command, status);
   add_bench_steps(*command, status);

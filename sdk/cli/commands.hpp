@@ -30,6 +30,7 @@ void add_bench_drive(CLI::App& bench, int& status);
 void add_bench_steps(CLI::App& bench, int& status);
 void add_bench_tracks(CLI::App& bench, int& status);
 void add_bench_gait(CLI::App& bench, int& status);
+void add_bench_known_object(CLI::App& bench, int& status);
 void add_bench_stream(CLI::App& bench, int& status);
 void add_bench_vo(CLI::App& bench, int& status);
 

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/known_object/finder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odograph::known_object {
+
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr int64_t kFollow_ns = 350'000'000;  // frames at 10 Hz, two of them lost
+
+/// How far two poses are apart, as angles: of the rotation and of the place against the distance.
+double apart_rad(const Pose& a, const Pose& b) {
+  const double turned = Eigen::AngleAxisd(a.R_c_o.transpose() * b.R_c_o).angle();
+  const Vector3d moved = a.R_c_o.transpose() * a.t_c_o - b.R_c_o.transpose() * b.t_c_o;  // of the camera, in o
+  return std::max(turned, moved.norm() / std::max(0.1, a.t_c_o.norm()));
+}
+
+/// Where the camera's motion has taken an object to.
+Pose carried_on(const Pose& pose, const RollingLens& lens, int64_t by_ns) {
+  const double s = static_cast<double>(by_ns) * 1e-9;
+  Eigen::Matrix<double, 6, 1> motion;
+  motion << -s * lens.rate_c, -s * lens.velocity_c;
+  return pose.moved(motion);
+}
+
+}  // namespace
+
+Finder::Finder(const Parameters& parameters, std::vector<PlaneObject> objects)
+    : p_(parameters),
+      objects_(std::move(objects)),
+      search_(PictureSearch::Parameters{}, objects_),
+      followed_(objects_.size()) {
+  std::vector<std::string> families;
+  for (const PlaneObject& object : objects_) {
+    pyramids_.emplace_back(object);
+    if (object.tag >= 0)
+      families.push_back(object.family);
+    else
+      has_pictures_ = true;
+  }
+  if (!families.empty()) tags_ = std::make_unique<TagDetector>(families);
+}
+
+Finder::~Finder() = default;
+
+void Finder::forget() {
+  followed_.assign(objects_.size(), {});
+  searched_ns_ = INT64_MIN;
+}
+
+bool Finder::is_good(const Alignment& a) const {
+  return a.correlation >= p_.least_correlation && a.agreeing_part >= p_.least_agreeing &&
+         a.side_px >= p_.least_side_px && a.oblique_rad <= p_.most_oblique_rad;
+}
+
+/// The pose reached from the best of the starts, and the other one of the plane there.
+std::optional<Sighting> Finder::look_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens,
+                                        const std::vector<Pose>& starts, bool fine) const {
+  Sighting sighting;
+  sighting.object = object;
+  const auto add = [&](const Pose& start, bool from_near) {
+    auto a = aligner_.align(frame, lens, pyramids_[object], start, from_near);
+    if (!a || !is_good(*a)) return;
+    for (Alignment& known : sighting.poses)
+      if (apart_rad(known.pose, a->pose) < p_.same_pose_rad) {
+        if (a->cost < known.cost) known = *a;
+        return;
+      }
+    sighting.poses.push_back(*a);
+  };
+  for (const Pose& start : starts) add(start, fine);
+  if (sighting.poses.empty()) return {};
+  const auto order = [&] {
+    std::sort(sighting.poses.begin(), sighting.poses.end(),
+              [](const Alignment& a, const Alignment& b) { return a.cost < b.cost; });
+  };
+  order();
+  // The other pose of the plane: of the corners as the best one has them.
+  std::vector<cv::Point3d> corners_o;
+  std::vector<cv::Point2d> seen;
+  for (const Vector3d& corner : objects_[object].corners_o()) {
+    const Vector3d p = sighting.poses[0].pose * corner;
+    if (p.z() < 0.05) return sighting;
+    corners_o.emplace_back(corner.x(), corner.y(), 0);
+    seen.emplace_back(p.x() / p.z(), p.y() / p.z());
+  }
+  const std::vector<Pose> both = plane_poses(corners_o, seen);
+  for (const Pose& pose : both)
+    if (apart_rad(pose, sighting.poses[0].pose) > p_.same_pose_rad) add(pose, true);
+  order();
+  if (sighting.poses.size() > 2) sighting.poses.resize(2);
+  return sighting;
+}
+
+/// Starts for each place in the frame where an object seems to be.
+std::vector<std::vector<Pose>> Finder::places_of(size_t object, const RollingLens& lens,
+                                                 const std::vector<SeenTag>& tags,
+                                                 const PictureSearch::Features* features) const {
+  std::vector<std::vector<Pose>> places;
+  const PlaneObject& o = objects_[object];
+  if (o.tag < 0) {
+    if (!features) return {};
+    for (auto& place : search_.find(object, *features, lens.camera)) places.push_back(std::move(place.poses));
+    return places;
+  }
+  const auto corners = o.corners_o();
+  for (const SeenTag& tag : tags) {
+    if (tag.number != o.tag || tag.family != o.family) continue;
+    std::vector<cv::Point3d> points_o;
+    for (const Vector3d& corner : corners) points_o.emplace_back(corner.x(), corner.y(), 0);
+    std::vector<cv::Point2d> normalised;
+    lens.camera.undistort({tag.corners.begin(), tag.corners.end()}, normalised);
+    places.push_back(plane_poses(points_o, normalised));
+  }
+  return places;
+}
+
+std::vector<Sighting> Finder::find(int64_t t_ns, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens,
+                                   const std::vector<char>& possible) {
+  const auto wanted = [&](size_t k) { return k >= possible.size() || possible[k]; };
+  bool any = false;
+  for (size_t k = 0; k < objects_.size(); ++k) any = any || wanted(k);
+  if (!any) return {};
+  const Aligner::Frame frame(grey, mask, aligner_.parameters());
+  const bool due = searched_ns_ == INT64_MIN || static_cast<double>(t_ns - searched_ns_) * 1e-9 >= p_.search_interval_s;
+  std::vector<SeenTag> tags;
+  if (tags_) tags = tags_->find(grey);
+  std::optional<PictureSearch::Features> features;
+  if (has_pictures_ && due) {
+    searched_ns_ = t_ns;
+    features = search_.look(grey, mask, lens.camera);
+  }
+  std::vector<Sighting> found;
+  for (size_t k = 0; k < objects_.size(); ++k) {
+    if (!wanted(k)) continue;
+    const bool searched = objects_[k].tag >= 0 || features;
+    std::optional<Sighting> seen;
+    int at_places = 0;
+    for (const auto& starts : places_of(k, lens, tags, features ? &*features : nullptr)) {
+      auto here = look_at(k, frame, lens, starts, false);
+      if (!here) continue;
+      const bool same = seen && apart_rad(seen->poses[0].pose, here->poses[0].pose) < 0.05;
+      if (!same) ++at_places;
+      if (!seen || here->poses[0].cost < seen->poses[0].cost) seen = std::move(here);
+    }
+    Followed& last = followed_[k];
+    if (!seen && last.t_ns != INT64_MIN && t_ns - last.t_ns <= kFollow_ns)
+      if ((seen = look_at(k, frame, lens, {carried_on(last.pose, lens, t_ns - last.t_ns)}, false))) at_places = 1;
+    if (!seen || at_places > 1) {
+      if (searched) last = {};
+      continue;
+    }
+    seen->t_ns = t_ns;
+    last = {t_ns, seen->poses[0].pose};
+    found.push_back(std::move(*seen));
+  }
+  return found;
+}
+
+}  // namespace odograph::known_object

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "plugins/fix/known_object/alignment.hpp"
+#include "plugins/fix/known_object/picture_search.hpp"
+#include "plugins/fix/known_object/tags.hpp"
+
+namespace odograph::known_object {
+
+/// An object in a frame. A plane seen with little perspective has two poses; which of them is right is not decided
+/// here.
+struct Sighting {
+  size_t object = 0;
+  int64_t t_ns = 0;
+  std::vector<Alignment> poses;  ///< one or two, the better one first
+};
+
+/// Finds known objects in frames: tags in each, pictures where a search is due, and from then on where they were. What
+/// is seen at two places at once is nowhere. One thread at a time.
+class Finder {
+ public:
+  struct Parameters {
+    double search_interval_s = 0.5;
+    double least_correlation = 0.75;  ///< of the whole object; bench
+    double least_agreeing = 0.8;      ///< part of its parts; bench
+    double least_side_px = 18;        ///< root of its area: smaller ones have no pattern left; bench
+    double same_pose_rad = 0.01;      ///< two poses nearer than that are one
+    double most_oblique_rad = 1.22;   ///< 70 degrees
+  };
+  Finder(const Parameters& parameters, std::vector<PlaneObject> objects);
+  ~Finder();
+
+  /// `grey` 8-bit of the lens's size; `mask` may be empty; `possible` says of each object whether it may be in view.
+  std::vector<Sighting> find(int64_t t_ns, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens,
+                             const std::vector<char>& possible);
+  void forget();
+  const std::vector<PlaneObject>& objects() const { return objects_; }
+
+ private:
+  struct Followed {
+    int64_t t_ns = INT64_MIN;
+    Pose pose;
+  };
+  std::optional<Sighting> look_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens,
+                                  const std::vector<Pose>& starts, bool fine) const;
+  bool is_good(const Alignment& alignment) const;
+  std::vector<std::vector<Pose>> places_of(size_t object, const RollingLens& lens, const std::vector<SeenTag>& tags,
+                                           const PictureSearch::Features* features) const;
+
+  Parameters p_;
+  std::vector<PlaneObject> objects_;
+  std::vector<Pyramid> pyramids_;
+  Aligner aligner_{Aligner::Parameters{}};
+  PictureSearch search_;
+  std::unique_ptr<TagDetector> tags_;
+  std::vector<Followed> followed_;
+  int64_t searched_ns_ = INT64_MIN;
+  bool has_pictures_ = false;
+};
+
+}  // namespace odograph::known_object

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/known_object/judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odograph::known_object {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+namespace {
+
+constexpr double kGate = 3.5;  // sigmas
+constexpr double kLeastGate_m = 1, kLeastGate_rad = 0.1;
+constexpr double kFastest_mps = 2.5;        // of a walker, between two sightings
+constexpr double kSway_m = 0.15;            // of whoever stands
+constexpr int64_t kGap_ns = 1'500'000'000;  // after which an object is met anew
+constexpr size_t kFewestStanding = 5;       // sightings
+
+double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+Matrix3d skew(const Vector3d& v) {
+  Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+/// What corners that are seen `pixel_sigma` off, each on its own, make of a pose.
+Matrix6 covariance_of_corners(const Pose& pose, const PlaneObject& object, const RollingLens& lens, double sigma_px) {
+  Matrix6 H = 1e-6 * Matrix6::Identity();
+  for (const Vector3d& corner : object.corners_o()) {
+    const Vector3d p_c = pose * corner;
+    const auto seen = lens.project(p_c);
+    if (!seen) continue;
+    Eigen::Matrix<double, 2, 6> J;
+    J.leftCols<3>() = -seen->by_point * skew(p_c);
+    J.rightCols<3>() = seen->by_point;
+    H += J.transpose() * J / (sigma_px * sigma_px);
+  }
+  return H.inverse();
+}
+
+}  // namespace
+
+void Judge::forget() {
+  encounters_.clear();
+  told_path_m_ = 0;
+}
+
+Judge::Candidate Judge::candidate(const Alignment& alignment, const PlaneObject& object, const RollingLens& lens,
+                                  const Prior& prior) const {
+  const Pose& seen = alignment.pose;
+  const Matrix6 by_picture = (alignment.information + 1e-6 * Matrix6::Identity()).inverse() +
+                             covariance_of_corners(seen, object, lens, p_.pixel_sigma);
+  // Gravity: where down is in c by the prior, against where the object's own down is.
+  const Matrix3d& R_n_o = object.place.R_n_o;
+  const Vector3d down_o = R_n_o.transpose() * Vector3d::UnitZ();
+  const Vector3d down_by_object = seen.R_c_o * down_o, down_by_prior = prior.q_n_c.conjugate() * Vector3d::UnitZ();
+  // A survey that leans, leans the object.
+  const double lean = object.sigma_m / std::min(object.width_m, object.height_m);
+  const double sigma = std::hypot(std::max(p_.gravity_sigma_rad, prior.tilt_sigma_rad), lean);
+  Eigen::Matrix<double, 3, 6> G = Eigen::Matrix<double, 3, 6>::Zero();
+  G.leftCols<3>() = -skew(down_by_object);
+  const Vector3d off = down_by_prior - down_by_object;
+  const Matrix6 information = by_picture.inverse();
+  const Matrix6 H = information + G.transpose() * G / (sigma * sigma);
+  const Matrix6 covariance = H.inverse();
+  const Vector6 step = covariance * (G.transpose() * off / (sigma * sigma));
+  const double by_gravity = (off - G * step).squaredNorm() / (sigma * sigma) + step.dot(information * step);
+  const Pose pose = seen.moved(step);
+
+  Candidate c;
+  c.cost = alignment.cost + by_gravity;
+  c.upright = by_gravity < kGate * kGate;
+  Estimate& e = c.estimate;
+  const Matrix3d R_n_c = R_n_o * pose.R_c_o.transpose();
+  e.q_n_c = Eigen::Quaterniond(R_n_c).normalized();
+  e.from_object_n = -(R_n_c * pose.t_c_o);
+  e.p_n = object.place.p_n + e.from_object_n;
+  e.correlation = alignment.correlation, e.oblique_rad = alignment.oblique_rad;
+  // The survey turns and shifts the object; the lens stretches the distance.
+  const double w = object.width_m, h = object.height_m, s = object.sigma_m;
+  const Vector3d turn(s / h, s / w, s / std::hypot(w, h));
+  const Matrix3d by_turn = R_n_o * turn.cwiseAbs2().asDiagonal() * R_n_o.transpose();
+  const Matrix3d lever = skew(e.from_object_n);
+  const Vector3d stretch = p_.focal_sigma * e.from_object_n;
+  e.covariance_n = R_n_c * covariance.bottomRightCorner<3, 3>() * R_n_c.transpose() +
+                   lever * by_turn * lever.transpose() + stretch * stretch.transpose() +
+                   Matrix3d::Identity() * (0.25 * s * s);
+  e.orientation_covariance_n = R_n_c * covariance.topLeftCorner<3, 3>() * R_n_c.transpose() + by_turn;
+  c.can_be = can_be(e, prior);
+  return c;
+}
+
+bool Judge::can_be(const Estimate& e, const Prior& prior) const {
+  const Vector3d off = e.p_n - prior.p_n;
+  const double own_variance = std::max(e.covariance_n(0, 0), e.covariance_n(1, 1));
+  if (!prior.placed)
+    return prior.loose_m <= 0 || off.head<2>().norm() < prior.loose_m + kGate * std::sqrt(own_variance);
+  const double drifted = p_.drift * std::max(0.0, prior.path_m - told_path_m_);
+  const auto gate = [&](double prior_sigma, double variance) {
+    return kGate * std::sqrt(prior_sigma * prior_sigma + variance) + kLeastGate_m + drifted;
+  };
+  if (off.head<2>().norm() > gate(prior.horizontal_sigma_m, own_variance)) return false;
+  if (std::abs(off.z()) > gate(prior.vertical_sigma_m, e.covariance_n(2, 2))) return false;
+  const Eigen::Quaterniond turned = e.q_n_c * prior.q_n_c.conjugate();
+  const double yaw = std::remainder(2 * std::atan2(turned.z(), turned.w()), 2 * EIGEN_PI);
+  const double yaw_variance = prior.yaw_sigma_rad * prior.yaw_sigma_rad + e.orientation_covariance_n(2, 2);
+  return std::abs(yaw) < kGate * std::sqrt(yaw_variance) + kLeastGate_rad;
+}
+
+/// The walker has been in one place since some seconds.
+bool Judge::is_steady(const Encounter& encounter, int64_t t_ns) const {
+  Vector3d mean = Vector3d::Zero();
+  size_t n = 0;
+  for (const Seen& s : encounter.seen)
+    if (seconds(t_ns - s.t_ns) <= p_.stand_s) mean += s.p_n, ++n;
+  if (n < kFewestStanding || seconds(t_ns - encounter.seen.front().t_ns) < 0.9 * p_.stand_s) return false;
+  mean /= static_cast<double>(n);
+  for (const Seen& s : encounter.seen)
+    if (seconds(t_ns - s.t_ns) <= p_.stand_s && (s.p_n - mean).norm() > kSway_m + 2 * s.sigma_m) return false;
+  return true;
+}
+
+std::optional<Estimate> Judge::judge(const Sighting& sighting, const PlaneObject& object, const RollingLens& lens,
+                                     const Prior& prior) {
+  std::vector<Candidate> upright;
+  for (const Alignment& alignment : sighting.poses) {
+    Candidate c = candidate(alignment, object, lens, prior);
+    if (c.upright) upright.push_back(std::move(c));
+  }
+  Encounter& encounter = encounters_[sighting.object];
+  const auto refuse = [&](uint64_t& reason) -> std::optional<Estimate> {
+    ++reason;
+    encounter.seen.clear();
+    return std::nullopt;
+  };
+  if (upright.empty()) return refuse(refusals_.not_upright);
+  std::sort(upright.begin(), upright.end(), [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+  std::vector<Candidate> left;
+  for (Candidate& c : upright)
+    if (c.cost - upright.front().cost < p_.ambiguous && c.can_be) left.push_back(c);
+  if (left.empty()) return refuse(refusals_.elsewhere);
+  if (left.size() > 1) return refuse(refusals_.ambiguous);
+  Estimate estimate = left.front().estimate;
+  estimate.object = sighting.object, estimate.t_ns = sighting.t_ns;
+  const double sigma_m = std::sqrt(std::max(estimate.covariance_n(0, 0), estimate.covariance_n(1, 1)));
+  if (!(sigma_m < p_.most_horizontal_sigma_m)) return refuse(refusals_.unsure);
+
+  const int64_t t = sighting.t_ns;
+  if (!encounter.seen.empty()) {
+    const Seen& last = encounter.seen.back();
+    const double may_m = kFastest_mps * seconds(t - last.t_ns) + 3 * std::hypot(sigma_m, last.sigma_m);
+    if (t - last.t_ns > kGap_ns || (estimate.p_n - last.p_n).norm() > may_m) encounter.seen.clear();
+  }
+  encounter.seen.push_back({t, estimate.p_n, sigma_m});
+  while (seconds(t - encounter.seen.front().t_ns) > p_.stand_s + 1) encounter.seen.pop_front();
+  const auto needed = static_cast<size_t>(p_.confirmations * (prior.placed ? 1 : 2));
+  if (encounter.seen.size() < needed) return std::nullopt;
+
+  estimate.standing = is_steady(encounter, t);
+  const auto since = [&](int64_t told_ns) { return told_ns == INT64_MIN ? 1e9 : seconds(t - told_ns); };
+  int64_t& told = estimate.standing ? encounter.told_standing_ns : encounter.told_ns;
+  if (since(told) < p_.interval_s) return std::nullopt;
+  if (!estimate.standing && since(encounter.told_standing_ns) < p_.hold_s) return std::nullopt;
+  // Fixes by one object err alike: together they tell as much as independent ones of so much more variance.
+  const double alike = std::max(1.0, 2 * p_.alike_s / std::max(p_.interval_s, since(told)));
+  estimate.covariance_n *= alike;
+  estimate.orientation_covariance_n *= alike;
+  told = t;
+  told_path_m_ = prior.path_m;
+  return estimate;
+}
+
+}  // namespace odograph::known_object

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "plugins/camera/frame_view.hpp"
+#include "plugins/fix/known_object/judge.hpp"
+#include "plugins/fix/known_object/read_objects.hpp"
+
+namespace {
+
+using namespace odograph::known_object;
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int64_t kKeep_ns = 2'000'000'000;      // of poses
+constexpr int64_t kPatience_ns = 1'000'000'000;  // with which a sighting waits for its pose
+constexpr int64_t kNear_ns = 120'000'000;        // a pose is good for a frame so far away, if none is nearer
+constexpr double kSatellites_m = 15;             // beside four of a receiver's own sigmas
+constexpr int64_t kFresh_ns = 10'000'000'000;    // of satellite positions
+
+/// The camera's pose by objects of known picture, size and place: section 3.5 of Antigny et al. 2019.
+class KnownObject {
+ public:
+  std::string objects, prior = "after_first";
+  bool geodetic = false;
+  std::array<double, 3> geodetic_origin = {0, 0, 0};
+  double interval = 0.5, search_interval = 0.5, stand = 3, hold = 10, range = 30, least_correlation = 0.75,
+         least_agreement = 0.8, most_oblique = 70 * kDegree, gravity_sigma = 1 * kDegree, pixel_sigma = 0.1,
+         focal_sigma = 0.003, drift = 0.05;
+
+  static constexpr odo::Description description{
+      "fix/known_object", "1.0.0",
+      "Position and orientation from pictures and tags of known place (Antigny et al. 2019)",
+      ODO_INTERFACE_ABSOLUTE_FIXER};
+  static std::vector<odo::Parameter<KnownObject>> parameters() {
+    using P = KnownObject;
+    return {
+        odo::text("objects", &P::objects, "GeoJSON or YAML file of the objects, beside the config"),
+        odo::boolean("geodetic", &P::geodetic, "geodetic_origin is n's origin"),
+        odo::reals("geodetic_origin", "", -1e5, 1e5, &P::geodetic_origin,
+                   "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),
+        odo::choice("prior", "after_first|always", &P::prior,
+                    "from when on the pose must agree with an object's place: after the first fix by one, or always"),
+        odo::real("interval", "s", 0, 3600, &P::interval, "time between two fixes by the same object at least"),
+        odo::real("search_interval", "s", 0, 3600, &P::search_interval, "time between two searches for pictures"),
+        odo::real("stand", "s", 0.5, 60, &P::stand, "after so long in one place a fix counts as taken in front"),
+        odo::real("hold", "s", 0, 3600, &P::hold, "after such a fix there is none by this object from walking"),
+        odo::real("range", "m", 0.5, 200, &P::range, "farthest object that is looked for"),
+        odo::real("least_correlation", "", 0.3, 1, &P::least_correlation, "of the picture expected with the one seen"),
+        odo::real("least_agreement", "", 0.3, 1, &P::least_agreement,
+                  "part of an object's parts that must agree by themselves"),
+        odo::real("most_oblique", "rad", 0.1, 1.4, &P::most_oblique, "between the line of sight and the normal"),
+        odo::real("gravity_sigma", "rad", 0.0001, 0.5, &P::gravity_sigma,
+                  "least standard deviation of the pose's inclination"),
+        odo::real("pixel_sigma", "", 0.001, 10, &P::pixel_sigma,
+                  "pixels by which a frame errs as a whole, at each corner: lens, interpolation"),
+        odo::real("focal_sigma", "", 0, 0.2, &P::focal_sigma, "relative standard deviation of the focal length"),
+        odo::real("drift", "", 0, 1, &P::drift,
+                  "of the path since the last fix: what the pose may be off beyond its own sigma")};
+  }
+
+  void configured(odo::Output& host) {
+    if (objects.empty()) throw odo::Error(ODO_E_CONFIG, "objects: expected a file of objects");
+    const auto file = host.asset(objects);
+    if (!file) throw odo::Error(ODO_E_CONFIG, "objects: no file '" + objects + "' where the config lies");
+    Finder::Parameters f;
+    f.search_interval_s = search_interval, f.least_correlation = least_correlation, f.least_agreeing = least_agreement;
+    f.most_oblique_rad = most_oblique;
+    Judge::Parameters j;
+    j.interval_s = interval, j.stand_s = stand, j.hold_s = hold, j.gravity_sigma_rad = gravity_sigma;
+    j.pixel_sigma = pixel_sigma, j.focal_sigma = focal_sigma, j.drift = drift;
+    judge_.emplace(j);
+    try {
+      auto all = read_objects(*file);
+      lay_out(all);
+      finder_ = std::make_unique<Finder>(f, std::move(all));
+    } catch (const std::runtime_error& error) {
+      throw odo::Error(ODO_E_CONFIG, error.what());
+    }
+    reset();
+  }
+
+  void reset() {
+    finder_->forget();
+    judge_->forget();
+    poses_.clear(), waiting_.clear();
+    calibrated_ = false;
+    // Places of local objects, and of others where the origin is known, are in n from the start.
+    map_known_ = !any_geodetic_ || geodetic;
+    placed_ = prior == "always" && map_known_;
+    n_from_map_.setZero();
+    told_map_.reset(), satellites_.reset();
+  }
+
+  void on(const odo_calibration& c, odo::Output&) {
+    calibration_ = c.id;
+    lens_.camera = odograph::camera_of(c);
+    lens_.width = static_cast<int>(c.width), lens_.height = static_cast<int>(c.height);
+    line_time_ns_ = (c.header.flags & ODO_CALIBRATION_LINE_TIME) ? c.line_time_ns : 0;
+    q_b_c_ = Quaterniond(0, 1, 0, 0);
+    p_b_c_.setZero();
+    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) {
+      q_b_c_ = Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]).normalized();
+      p_b_c_ = Vector3d(c.p_b_c);
+    }
+    calibrated_ = true;
+  }
+
+  void on(const odo_gnss& g, odo::Output&) {
+    if (!(g.header.flags & ODO_GNSS_POSITION) || !any_geodetic_) return;
+    const bool given = (g.header.flags & ODO_GNSS_COVARIANCE) && g.covariance_n[0] > 0;
+    const double sigma = given ? std::sqrt(std::max(g.covariance_n[0], g.covariance_n[4])) : 10.0;
+    satellites_ =
+        Satellites{g.header.t_ns, on_map(g.latitude_rad, g.longitude_rad, datum_[2]), kSatellites_m + 4 * sigma};
+  }
+
+  void on(const odo_pose& pose, odo::Output& output) {
+    if (!(pose.header.flags & ODO_POSE_ORIENTATION) || (pose.header.flags & ODO_POSE_EXTRAPOLATED)) return;
+    while (!poses_.empty() && poses_.back().header.t_ns >= pose.header.t_ns) poses_.pop_back();
+    poses_.push_back(pose);
+    while (pose.header.t_ns - poses_.front().header.t_ns > kKeep_ns) poses_.pop_front();
+    learn_map(pose);
+    decide(output);
+  }
+
+  void on(const odo_frame& frame, odo::Output& output) {
+    odograph::check_frame(frame, calibrated_ ? calibration_ : frame.calibration + 1, {lens_.width, lens_.height});
+    RollingLens lens = lens_;
+    const int64_t line_ns = (frame.header.flags & ODO_FRAME_LINE_TIME) ? frame.line_time_ns : line_time_ns_;
+    lens.line_time_s = static_cast<double>(line_ns) * 1e-9;
+    move(lens);
+    const cv::Mat grey = odograph::grey_of(frame, converted_);
+    for (Sighting& s : finder_->find(frame.header.t_ns, grey, odograph::mask_of(frame), lens, possible()))
+      waiting_.push_back({std::move(s), lens});
+    decide(output);
+  }
+
+ private:
+  struct Waiting {
+    Sighting sighting;
+    RollingLens lens;
+  };
+  struct Satellites {
+    int64_t t_ns;
+    Vector3d p_map;
+    double loose_m;
+  };
+
+  /// Objects on the Earth get places on a map: n where its origin is known, otherwise north, east, down about the first
+  /// of them.
+  void lay_out(std::vector<PlaneObject>& all) {
+    any_geodetic_ = false;
+    for (const PlaneObject& o : all) {
+      if (!o.place.geodetic || any_geodetic_) continue;
+      any_geodetic_ = true;
+      datum_ = {o.place.latitude_rad, o.place.longitude_rad, o.place.height_m};
+    }
+    if (geodetic) datum_ = {geodetic_origin[0] * kDegree, geodetic_origin[1] * kDegree, geodetic_origin[2]};
+    for (PlaneObject& o : all) {
+      if (any_geodetic_ && !o.place.geodetic && !geodetic)
+        throw std::runtime_error("object '" + o.id + "' has a place in n, others on the Earth: give geodetic_origin");
+      if (o.place.geodetic) o.place.p_n = on_map(o.place.latitude_rad, o.place.longitude_rad, o.place.height_m);
+    }
+  }
+
+  Vector3d on_map(double latitude_rad, double longitude_rad, double height_m) const {
+    const RadianLengths metres(datum_[0]);
+    const double east_rad = std::remainder(longitude_rad - datum_[1], 2 * std::numbers::pi);
+    return {(latitude_rad - datum_[0]) * metres.north_m, east_rad * metres.east_m, datum_[2] - height_m};
+  }
+
+  /// Where n lies on the map of objects whose origin nobody told: as the first pose after a fix has it.
+  void learn_map(const odo_pose& pose) {
+    if (!told_map_ || !(pose.header.flags & ODO_POSE_METRIC) || !(pose.header.flags & ODO_POSE_POSITION)) return;
+    if (!map_known_) n_from_map_ = Vector3d(pose.p_n) - *told_map_;
+    placed_ = true;
+    told_map_.reset();
+  }
+
+  /// The camera's rotation rate and velocity, by the two newest poses.
+  void move(RollingLens& lens) const {
+    lens.rate_c.setZero(), lens.velocity_c.setZero();
+    if (poses_.size() < 2) return;
+    const odo_pose &a = poses_[poses_.size() - 2], &b = poses_.back();
+    const double dt_s = static_cast<double>(b.header.t_ns - a.header.t_ns) * 1e-9;
+    if (dt_s < 1e-3 || dt_s > 0.3) return;
+    const Eigen::AngleAxisd turned(camera(a).conjugate() * camera(b));
+    lens.rate_c = turned.angle() / dt_s * turned.axis();
+    constexpr uint32_t moving = ODO_POSE_VELOCITY | ODO_POSE_METRIC;
+    if ((b.header.flags & moving) == moving) lens.velocity_c = camera(b).conjugate() * Vector3d(b.velocity_n);
+  }
+
+  Quaterniond camera(const odo_pose& pose) const {
+    const Quaterniond q = Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]).normalized();
+    return (pose.header.flags & ODO_POSE_CAMERA) ? q : (q * q_b_c_).normalized();
+  }
+
+  Prior prior_of(const odo_pose& pose) const {
+    Prior p;
+    p.q_n_c = camera(pose);
+    p.p_n = Vector3d(pose.p_n) - n_from_map_;
+    if (!(pose.header.flags & ODO_POSE_CAMERA)) p.p_n += p.q_n_c * (q_b_c_.conjugate() * p_b_c_);
+    const auto sigma = [&](int a, int b) {
+      return std::sqrt(std::max({0.0, pose.covariance[7 * a], pose.covariance[7 * b]}));
+    };
+    p.tilt_sigma_rad = std::min(sigma(0, 1), 5 * kDegree), p.yaw_sigma_rad = sigma(2, 2);
+    p.horizontal_sigma_m = sigma(3, 4), p.vertical_sigma_m = sigma(5, 5);
+    p.path_m = pose.distance_m;
+    p.placed = placed_ && (pose.header.flags & ODO_POSE_METRIC) && (pose.header.flags & ODO_POSE_POSITION);
+    if (!p.placed && satellites_ && std::abs(pose.header.t_ns - satellites_->t_ns) < kFresh_ns)
+      p.p_n = satellites_->p_map, p.loose_m = satellites_->loose_m;
+    return p;
+  }
+
+  /// The prior at a frame's time: at that time, between two poses, or near enough where none will come any more.
+  std::optional<Prior> prior_at(int64_t t_ns) const {
+    for (size_t k = poses_.size(); k-- > 0;) {
+      const odo_pose& b = poses_[k];
+      if (b.header.t_ns == t_ns) return prior_of(b);
+      if (b.header.t_ns > t_ns) continue;
+      if (k + 1 == poses_.size()) return {};
+      const odo_pose& after = poses_[k + 1];
+      const double all = static_cast<double>(after.header.t_ns - b.header.t_ns);
+      const double part = static_cast<double>(t_ns - b.header.t_ns) / all;
+      if (all > 5e8) return {};
+      Prior p = prior_of(part < 0.5 ? b : after);
+      p.q_n_c = camera(b).slerp(part, camera(after));
+      return p;
+    }
+    return {};
+  }
+
+  std::vector<char> possible() const {
+    const auto& all = finder_->objects();
+    std::vector<char> result(all.size(), 1);
+    if (poses_.empty() || !calibrated_) return result;
+    const Prior p = prior_of(poses_.back());
+    if (!p.placed && p.loose_m <= 0) return result;
+    const double off_m = p.placed ? 4 * p.horizontal_sigma_m + 3 + drift * p.path_m : p.loose_m;
+    for (size_t k = 0; k < all.size(); ++k) {
+      const Vector3d to = all[k].place.p_n - p.p_n;
+      result[k] = to.head<2>().norm() < range + off_m && all[k].place.R_n_o.col(2).dot(to) > -off_m;
+    }
+    return result;
+  }
+
+  void decide(odo::Output& output) {
+    std::deque<Waiting> still;
+    std::vector<std::pair<Estimate, Prior>> told;
+    for (Waiting& w : waiting_) {
+      const int64_t t = w.sighting.t_ns;
+      auto p = prior_at(t);
+      const bool late = !poses_.empty() && poses_.back().header.t_ns - t > kPatience_ns;
+      if (!p && !poses_.empty() && std::abs(poses_.back().header.t_ns - t) < kNear_ns && waiting_.size() > 3)
+        p = prior_of(poses_.back());
+      if (!p) {
+        if (!late && still.size() < 16) still.push_back(std::move(w));
+        continue;
+      }
+      const PlaneObject& object = finder_->objects()[w.sighting.object];
+      if (auto estimate = judge_->judge(w.sighting, object, w.lens, *p)) told.emplace_back(*estimate, *p);
+    }
+    waiting_ = std::move(still);
+    for (const auto& [estimate, p] : told) tell(estimate, output);
+  }
+
+  void tell(const Estimate& e, odo::Output& output) {
+    const PlaneObject& object = finder_->objects()[e.object];
+    auto fix = odo::make<odo_fix>(e.t_ns);
+    fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_ORIENTATION;
+    fix.header.quality = static_cast<float>(std::clamp(e.correlation, 0.0, 1.0));
+    const Quaterniond q_n_b = (e.q_n_c * q_b_c_.conjugate()).normalized();
+    // Without a front-end the pose is the body's.
+    const bool of_camera = poses_.empty() || (poses_.back().header.flags & ODO_POSE_CAMERA) != 0;
+    const Vector3d lever = of_camera ? Vector3d(Vector3d::Zero()) : Vector3d(q_n_b * p_b_c_);
+    if (object.place.geodetic && !geodetic) {
+      fix.header.flags |= ODO_FIX_GEODETIC;
+      const RadianLengths metres(object.place.latitude_rad);
+      const Vector3d from = e.from_object_n - lever;
+      fix.latitude_rad = object.place.latitude_rad + from.x() / metres.north_m;
+      fix.longitude_rad = object.place.longitude_rad + from.y() / metres.east_m;
+      fix.height_m = object.place.height_m - from.z();
+    } else {
+      Vector3d::Map(fix.p_n) = e.p_n - lever;
+    }
+    Eigen::Map<Matrix3d>(fix.covariance_n) = 0.5 * (e.covariance_n + e.covariance_n.transpose());
+    fix.q_n_b[0] = q_n_b.w(), fix.q_n_b[1] = q_n_b.x(), fix.q_n_b[2] = q_n_b.y(), fix.q_n_b[3] = q_n_b.z();
+    Eigen::Map<Matrix3d>(fix.orientation_cov_n) =
+        0.5 * (e.orientation_covariance_n + e.orientation_covariance_n.transpose());
+    fix.integrity = e.standing ? 0.001 : 0.01;
+    told_map_ = e.p_n;
+    output.emit(fix);
+  }
+
+  std::unique_ptr<Finder> finder_;
+  std::optional<Judge> judge_;
+  RollingLens lens_;
+  bool calibrated_ = false, any_geodetic_ = false, map_known_ = false, placed_ = false;
+  uint32_t calibration_ = 0;
+  int64_t line_time_ns_ = 0;
+  Quaterniond q_b_c_ = Quaterniond(0, 1, 0, 0);
+  Vector3d p_b_c_ = Vector3d::Zero(), n_from_map_ = Vector3d::Zero();
+  std::array<double, 3> datum_ = {0, 0, 0};  // latitude and longitude in rad, height in m, of the map's zero
+  std::deque<odo_pose> poses_;
+  std::deque<Waiting> waiting_;
+  std::optional<Vector3d> told_map_;
+  std::optional<Satellites> satellites_;
+  cv::Mat converted_;
+};
+
+}  // namespace
+
+ODO_PLUGIN(KnownObject)
