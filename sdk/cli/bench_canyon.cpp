@@ -11,6 +11,7 @@
 
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/runner.hpp"
+#include "sdk/sim/random.hpp"
 #include "sdk/sim/simulate.hpp"
 
 namespace odograph {
@@ -25,7 +26,7 @@ constexpr double kSettled_s = 20;                          // nothing before cou
 struct CanyonArguments {
   std::vector<std::string> configs;
   uint64_t seeds = 10, first_seed = 1;
-  double sigma_m = 12, reflection_m = 40;
+  double sigma_m = 12, reflection_m = 40, velocity_sigma_mps = 0;
   bool json = false;
 };
 
@@ -54,6 +55,29 @@ void reflect(Recording& recording, double off_m) {
     auto& gnss = reinterpret_cast<odo_gnss&>(m.message.header());
     const double t = static_cast<double>(gnss.header.t_ns - start_ns) * 1e-9;
     if (t > kFrom_s && t < kTo_s) gnss.longitude_rad += off_m / (kEquator_m * std::cos(gnss.latitude_rad));
+  }
+}
+
+/// Velocities as receivers have them from Doppler shifts, which reflections off walls hardly touch: the mean over a
+/// second, with an error in each component that is alike for two.
+void add_velocities(Recording& recording, double sigma_mps, uint64_t seed) {
+  constexpr size_t kHalf = 100;  // states, at 200 Hz
+  const double keep = std::exp(-0.5);
+  Random random(seed, 41);
+  Eigen::Vector2d error = sigma_mps * Eigen::Vector2d(random.normal(), random.normal());
+  const auto& truth = recording.true_states;
+  size_t at = 0;
+  for (RecordedMessage& m : recording.messages) {
+    if (m.message.header().type != ODO_TYPE_GNSS) continue;
+    auto& gnss = reinterpret_cast<odo_gnss&>(m.message.header());
+    while (at + 1 < truth.size() && truth[at].t_ns < gnss.header.t_ns) ++at;
+    const auto &from = truth[at > kHalf ? at - kHalf : 0], &to = truth[std::min(truth.size() - 1, at + kHalf)];
+    const double dt_s = static_cast<double>(to.t_ns - from.t_ns) * 1e-9;
+    const double kick = sigma_mps * std::sqrt(1 - keep * keep);
+    error = keep * error + kick * Eigen::Vector2d(random.normal(), random.normal());
+    const Eigen::Vector2d velocity = (to.p - from.p).head<2>() / std::max(0.1, dt_s) + error;
+    gnss.header.flags |= ODO_GNSS_VELOCITY;
+    gnss.velocity_n[0] = velocity.x(), gnss.velocity_n[1] = velocity.y();
   }
 }
 
@@ -95,6 +119,7 @@ int run_canyon(const CanyonArguments& a) {
     fs::remove(file, error);
     if (!recording) return complain(recording.failure());
     reflect(*recording, a.reflection_m);
+    if (a.velocity_sigma_mps > 0) add_velocities(*recording, a.velocity_sigma_mps, a.first_seed + k);
     for (size_t c = 0; c < a.configs.size(); ++c) {
       RunOptions options;
       options.config = a.configs[c];
@@ -148,6 +173,10 @@ void add_bench_canyon(CLI::App& bench, int& status) {
   command->add_option("--first-seed", a->first_seed, "the first of them")->capture_default_str();
   command->add_option("--sigma", a->sigma_m, "standard deviation of each component, m")->capture_default_str();
   command->add_option("--reflection", a->reflection_m, "how far off for a minute, m")->capture_default_str();
+  command
+      ->add_option("--velocity-sigma", a->velocity_sigma_mps,
+                   "the receiver tells velocities, off by that in each component, m/s; 0: it tells none")
+      ->capture_default_str();
   command->add_flag("--json", a->json, "print one JSON array, an entry for each config");
   command->callback([a, &status] { status = run_canyon(*a); });
 }

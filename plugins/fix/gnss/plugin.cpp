@@ -4,14 +4,18 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <odograph/plugin.hpp>
 
 #include "plugins/fix/gnss/correlated_error.hpp"
+#include "plugins/fix/gnss/path_heading.hpp"
 
 namespace {
 
 using odograph::gnss::CorrelatedError;
+using odograph::gnss::PathHeading;
 
+constexpr double kPi = 3.14159265358979323846;
 constexpr double kEquator_m = 6378137.0, kEccentricity2 = 6.69437999014e-3;  // WGS 84
 
 /// Position fixes from the receiver, weighed for what they are: errors between houses are alike for tens of seconds and
@@ -20,10 +24,12 @@ class Gnss {
  public:
   double sigma = 10.0, sigma_factor = 1.5, min_sigma = 2.0, correlation = 20.0, bias_time = 60.0;
   int64_t min_satellites = 0;
-  bool height = false;
+  bool height = false, heading = true;
+  double hold_sigma = 0.05, velocity_sigma = 0.5;
 
-  static constexpr odo::Description description{"fix/gnss", "1.1.0", "Position fixes from a GNSS receiver",
+  static constexpr odo::Description description{"fix/gnss", "1.2.0", "Position and heading fixes from a GNSS receiver",
                                                 ODO_INTERFACE_ABSOLUTE_FIXER};
+  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_STEP, ODO_TYPE_ATTITUDE};  // the walked path
   static std::vector<odo::Parameter<Gnss>> parameters() {
     return {
         odo::real("sigma", "m", 0.01, 1000, &Gnss::sigma, "standard deviation of a position that comes without one"),
@@ -35,7 +41,11 @@ class Gnss {
         odo::real("bias_time", "s", 1, 3600, &Gnss::bias_time, "time constant with which a jump is forgotten"),
         odo::integer("min_satellites", 0, 100, &Gnss::min_satellites,
                      "positions from fewer are ignored (where the number is known)"),
-        odo::boolean("height", &Gnss::height, "use the height too")};
+        odo::boolean("height", &Gnss::height, "use the height too"),
+        odo::boolean("heading", &Gnss::heading, "tell the heading that turns the walked path to the positions"),
+        odo::real("hold_sigma", "rad", 0, 3.2, &Gnss::hold_sigma, "of the phone's direction against the walk's"),
+        odo::real("velocity_sigma", "m/s", 0.01, 100, &Gnss::velocity_sigma,
+                  "standard deviation of a satellite velocity between houses")};
   }
 
   void configured() { reset(); }
@@ -44,12 +54,23 @@ class Gnss {
     p.correlation_s = correlation, p.bias_s = bias_time;
     error_.emplace(p);
     has_origin_ = false;
+    PathHeading::Parameters h;
+    h.correlation_s = std::max(0.5, correlation);
+    path_.emplace(h);
+    attitude_.reset();
   }
 
   void on(const odo_pose& pose, odo::Output&) {
     constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_METRIC;
     if ((pose.header.flags & needed) != needed || (pose.header.flags & ODO_POSE_EXTRAPOLATED)) return;
     error_->on_path(pose.header.t_ns, {pose.p_n[0], pose.p_n[1]}, std::sqrt(std::max(0.0, pose.covariance[14])));
+  }
+
+  void on(const odo_attitude& attitude, odo::Output&) { attitude_ = attitude; }
+
+  void on(const odo_step& step, odo::Output&) {
+    if ((step.header.flags & ODO_STEP_HEADING) == 0) return;
+    path_->add_step(step.t_start_ns, step.t_end_ns, step.length_m, step.heading_rad);
   }
 
   void on(const odo_gnss& sample, odo::Output& output) {
@@ -67,6 +88,7 @@ class Gnss {
       const double own = given ? sample.covariance_n[4 * i] * sigma_factor * sigma_factor : sigma * sigma;
       variance[i] = std::max(min_sigma * min_sigma, own);
     }
+    if (heading) follow(sample, std::sqrt(0.5 * (variance[0] + variance[1])), output);
     if (correlation > 0) weigh(sample, variance, fix);
     for (int i = 0; i < 3; ++i) fix.covariance_n[4 * i] = variance[i];
     fix.integrity = 0.05;
@@ -74,16 +96,40 @@ class Gnss {
   }
 
  private:
-  /// Takes a jump's bias off the fix and says with which variance it tells as much as an independent one.
-  void weigh(const odo_gnss& sample, double (&variance)[3], odo_fix& fix) {
+  /// North and east about the first position, m.
+  Eigen::Vector2d seen_at(const odo_gnss& sample) {
     if (!std::exchange(has_origin_, true)) {
       latitude_rad_ = sample.latitude_rad, longitude_rad_ = sample.longitude_rad;
       const double s = std::sin(latitude_rad_), w = std::sqrt(1 - kEccentricity2 * s * s);
       north_per_rad_ = kEquator_m * (1 - kEccentricity2) / (w * w * w);
       east_per_rad_ = kEquator_m / w * std::cos(latitude_rad_);
     }
-    const Eigen::Vector2d seen((sample.latitude_rad - latitude_rad_) * north_per_rad_,
-                               std::remainder(sample.longitude_rad - longitude_rad_, 2 * EIGEN_PI) * east_per_rad_);
+    return {(sample.latitude_rad - latitude_rad_) * north_per_rad_,
+            std::remainder(sample.longitude_rad - longitude_rad_, 2 * kPi) * east_per_rad_};
+  }
+
+  /// The heading by which the whole path fits all positions so far, where it has become better known.
+  void follow(const odo_gnss& sample, double sigma_m, odo::Output& output) {
+    path_->add_position(sample.header.t_ns, seen_at(sample), sigma_m);
+    if (sample.header.flags & ODO_GNSS_VELOCITY)
+      path_->add_velocity(sample.header.t_ns, {sample.velocity_n[0], sample.velocity_n[1]}, velocity_sigma);
+    if (!attitude_) return;
+    const auto turn = path_->news();
+    if (!turn) return;
+    const double* q = attitude_->q_n_b;
+    const Eigen::Vector3d y_n = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized() * Eigen::Vector3d::UnitY();
+    if (y_n.head<2>().norm() < 0.1) return;  // a phone that stands upright has no heading of its top
+    auto fix = odo::make<odo_fix>(attitude_->header.t_ns);
+    fix.header.flags = ODO_FIX_YAW;
+    fix.yaw_rad = std::remainder(std::atan2(y_n.y(), y_n.x()) + turn->rad, 2 * kPi);
+    fix.yaw_sigma_rad = std::hypot(turn->sigma_rad, hold_sigma);
+    fix.integrity = 0.05;
+    output.emit(fix);
+  }
+
+  /// Takes a jump's bias off the fix and says with which variance it tells as much as an independent one.
+  void weigh(const odo_gnss& sample, double (&variance)[3], odo_fix& fix) {
+    const Eigen::Vector2d seen = seen_at(sample);
     const double own = 0.5 * (variance[0] + variance[1]);
     const auto corrected = error_->on_position(sample.header.t_ns, seen, std::sqrt(own));
     const Eigen::Vector2d off = seen - corrected.position_m;
@@ -93,6 +139,8 @@ class Gnss {
   }
 
   std::optional<CorrelatedError> error_;
+  std::optional<PathHeading> path_;
+  std::optional<odo_attitude> attitude_;
   bool has_origin_ = false;
   double latitude_rad_ = 0, longitude_rad_ = 0, north_per_rad_ = 1, east_per_rad_ = 1;
 };

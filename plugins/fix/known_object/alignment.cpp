@@ -15,6 +15,7 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr int kIterations = 12, kTurns = 3;  // of Gauss-Newton; of what a pixel sees, between them
+constexpr double kRim = 2;                   // blurs
 constexpr double kLeastVisible = 0.5;
 constexpr double kSettled_px = 0.01;
 constexpr double kLeastNoise_grey = 0.7;  // a camera's own, and rounding
@@ -76,8 +77,11 @@ Aligner::Frame::Frame(const cv::Mat& grey, const cv::Mat& frame_mask, const Para
   cv::Mat sharp;
   grey.convertTo(sharp, CV_32F);
   for (const double sigma : parameters.blur_px) {
-    cv::Mat level = sharp;
-    if (sigma > 0) cv::GaussianBlur(sharp, level, {0, 0}, sigma);
+    cv::Mat level;
+    if (sigma > 0)
+      cv::GaussianBlur(sharp, level, {0, 0}, sigma);
+    else
+      level = sharp;
     blurred.push_back(level);
   }
 }
@@ -109,9 +113,30 @@ std::vector<Aligner::Sample> Aligner::expected(const RollingLens& lens, const Py
       if (!seen) continue;
       const Matrix2d px_by_m = seen->by_point * pose.R_c_o.leftCols<2>();
       if (std::abs(px_by_m.determinant()) < 1e-3) continue;
+      // Near its rim a blurred frame shows what is around the object.
+      const double rim_x_m = std::min(0.2 * picture.width_m(), kRim * sigma_px / px_by_m.col(0).norm());
+      const double rim_y_m = std::min(0.2 * picture.height_m(), kRim * sigma_px / px_by_m.col(1).norm());
+      if (std::abs(x_o.x()) > 0.5 * picture.width_m() - rim_x_m ||
+          std::abs(x_o.y()) > 0.5 * picture.height_m() - rim_y_m)
+        continue;
       samples.push_back({x_o, picture.seen(x_o.head<2>(), px_by_m.inverse(), sigma_px)});
     }
   return samples;
+}
+
+/// Gain and offset by all that is seen: a pose must not be moved by the light.
+Aligner::Light Aligner::first_light(const cv::Mat& grey, const RollingLens& lens, const std::vector<Sample>& samples,
+                                    const Pose& pose) {
+  Correlation c;
+  for (const Sample& s : samples) {
+    const auto seen = lens.project(pose * s.x_o);
+    if (seen && lens.is_inside(seen->pixel, 1)) c.add(s.expected, at(grey, seen->pixel.x(), seen->pixel.y()));
+  }
+  Light light;
+  if (c.n < 8 || c.variance_x() < 1) return light;
+  light.gain = std::max(0.1, c.value() * std::sqrt(c.variance_y() / c.variance_x()));
+  light.offset = c.y / c.n - light.gain * c.x / c.n;
+  return light;
 }
 
 bool Aligner::refine(const Frame& frame, size_t level, const RollingLens& lens, const Pyramid& picture,
@@ -124,10 +149,11 @@ bool Aligner::refine(const Frame& frame, size_t level, const RollingLens& lens, 
   Light light;
   std::vector<Sample> samples;
   std::vector<double> residuals;
-  double noise = 8;
+  double noise = 15;
   bool settled = false;
   for (int iteration = 0; iteration < kIterations && !settled; ++iteration) {
     if (iteration % (kIterations / kTurns) == 0) samples = expected(lens, picture, a.pose, sigma_px);
+    if (iteration == 0) light = first_light(grey, lens, samples, a.pose);
     Matrix10 H = Matrix10::Zero();
     Vector10 g = Vector10::Zero();
     residuals.clear();

@@ -46,7 +46,7 @@ class Aligner {
  public:
   struct Parameters {
     std::vector<double> blur_px = {3, 1.2, 0};  ///< of frame and picture, from coarse to fine
-    double lens_blur_px = 0.7;  ///< pixel, lens and interpolation, of frames that are not blurred further; judgement
+    double lens_blur_px = 0.6;  ///< pixel, lens and interpolation, of frames that are not blurred further; judgement
     size_t points = 1600;       ///< compared
     double alike_points = 8;    ///< neighbours whose errors are alike: what information is divided by; bench
     int parts = 4;              ///< the object is cut into parts x parts for `agreeing_part`
@@ -73,6 +73,8 @@ class Aligner {
   };
   std::vector<Sample> expected(const RollingLens& lens, const Pyramid& picture, const Pose& pose,
                                double sigma_px) const;
+  static Light first_light(const cv::Mat& grey, const RollingLens& lens, const std::vector<Sample>& samples,
+                           const Pose& pose);
   bool refine(const Frame& frame, size_t level, const RollingLens& lens, const Pyramid& picture, Alignment& a) const;
   void judge(const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens, const Pyramid& picture,
              const std::vector<Sample>& samples, const Light& light, Alignment& a) const;

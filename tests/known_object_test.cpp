@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <doctest/doctest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "plugins/fix/known_object/judge.hpp"
+#include "plugins/fix/known_object/read_objects.hpp"
+#include "plugins/fix/known_object/text_tree.hpp"
+#include "sdk/core/geodesy.hpp"
+#include "sdk/core/messages.hpp"
+#include "sdk/sim/poster.hpp"
+#include "sdk/sim/random.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+using namespace odograph::known_object;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("known_object");
+
+namespace {
+
+constexpr double kDegree = EIGEN_PI / 180;
+
+/// Read looking north: right is east, down is down, into the wall is north.
+Matrix3d wall_axes() {
+  Matrix3d R;
+  R << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  return R;
+}
+
+PlaneObject poster(uint64_t content = 1) {
+  PlaneObject o;
+  o.id = "poster";
+  o.width_m = 1.2, o.height_m = 1.8;
+  o.picture = poster_picture(1, content, {600, 900});
+  o.place.R_n_o = wall_axes();
+  o.place.p_n = {0, 0, -1.7};
+  return o;
+}
+
+odo_calibration calibration(int kind) {
+  auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+  c.width = 640, c.height = 480, c.fx = c.fy = 500, c.cx = 319.5, c.cy = 239.5;
+  c.model = ODO_CAMERA_PINHOLE;
+  const double radtan[] = {-0.15, 0.05, 4e-4, -3e-4}, fisheye[] = {-0.02, 0.008, -0.003, 0};
+  if (kind > 0) c.distortion_count = 4;
+  if (kind == 1) std::copy(radtan, radtan + 4, c.distortion);
+  if (kind == 2) c.model = ODO_CAMERA_KANNALA_BRANDT, c.fx = c.fy = 430, std::copy(fisheye, fisheye + 4, c.distortion);
+  return c;
+}
+
+RollingLens lens_of(const odo_calibration& c) {
+  RollingLens lens;
+  lens.camera.distortion = c.model == ODO_CAMERA_KANNALA_BRANDT ? CameraModel::Distortion::kannala_brandt
+                                                                : CameraModel::Distortion::radial_tangential;
+  lens.camera.fx = c.fx, lens.camera.fy = c.fy, lens.camera.cx = c.cx, lens.camera.cy = c.cy;
+  lens.camera.coefficients.assign(c.distortion, c.distortion + c.distortion_count);
+  lens.width = 640, lens.height = 480;
+  return lens;
+}
+
+/// The camera `distance` away and `oblique` to the right of the normal, looking at the object.
+struct Scene {
+  Vector3d p_n;
+  Matrix3d R_n_c;
+  Scene(const PlaneObject& o, double distance_m, double oblique_rad, double aside_m = 0.1) {
+    p_n = o.place.p_n + distance_m * Vector3d(-std::cos(oblique_rad), std::sin(oblique_rad), 0) + Vector3d(0, 0, 0.2);
+    const Vector3d forward = (o.place.p_n + Vector3d(0, aside_m, 0.1) - p_n).normalized();
+    const Vector3d right = Vector3d::UnitZ().cross(forward).normalized();
+    R_n_c << right, forward.cross(right), forward;
+  }
+  Pose pose(const PlaneObject& o) const {
+    return {R_n_c.transpose() * o.place.R_n_o, R_n_c.transpose() * (o.place.p_n - p_n)};
+  }
+  Vector3d place_by(const Pose& pose, const PlaneObject& o) const {
+    return o.place.p_n - o.place.R_n_o * pose.R_c_o.transpose() * pose.t_c_o;
+  }
+  Prior prior() const {
+    Prior p;
+    p.q_n_c = Eigen::Quaterniond(R_n_c), p.p_n = p_n, p.placed = true;
+    p.tilt_sigma_rad = kDegree, p.yaw_sigma_rad = 3 * kDegree, p.horizontal_sigma_m = 1, p.vertical_sigma_m = 0.3;
+    return p;
+  }
+};
+
+FlatPicture flat(const PlaneObject& o, const cv::Mat& grey, const Pose& pose) {
+  FlatPicture f{grey, o.width_m, o.height_m, Eigen::Isometry3d::Identity()};
+  f.T_c_o.linear() = pose.R_c_o, f.T_c_o.translation() = pose.t_c_o;
+  return f;
+}
+
+cv::Mat wall() {
+  Random random(3, 1);
+  cv::Mat grey(512, 512, CV_8U);
+  for (uint8_t& p : cv::Mat_<uint8_t>(grey)) p = static_cast<uint8_t>(random.uniform(60, 180));
+  cv::GaussianBlur(grey, grey, {0, 0}, 3);
+  return grey;
+}
+
+cv::Mat frame_of(const std::vector<FlatPicture>& pictures, const odo_calibration& c, PosterCamera::Shot shot = {}) {
+  std::vector<FlatPicture> all = pictures;
+  FlatPicture back = pictures.front();
+  back.grey = wall(), back.width_m = 40, back.height_m = 40;
+  back.T_c_o.translation() += 0.05 * back.T_c_o.linear().col(2);
+  all.insert(all.begin(), back);
+  return PosterCamera(c).take(all, shot);
+}
+
+std::string why(const std::filesystem::path& file) {
+  try {
+    read_objects(file);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("YAML and GeoJSON tell the same object, by its corners and by its middle") {
+  const TemporaryFolder folder;
+  cv::imwrite((folder / "p.png").string(), poster_picture(1, 1, {60, 90}));
+  const double latitude = 47.2, longitude = -1.55, height = 20;
+  Geodesy earth;
+  earth.set_origin({latitude * kDegree, longitude * kDegree, height});
+  // It faces east: one reads it looking west, right is north.
+  const Vector3d corners[] = {{-0.6, 0, 0.9}, {0.6, 0, 0.9}, {0.6, 0, -0.9}, {-0.6, 0, -0.9}};
+  std::string yaml = "odograph_objects: 1\nobjects:\n  - id: p\n    picture: p.png\n    corners:\n", ring;
+  for (int k = 0; k < 5; ++k) {
+    const Vector3d& c = corners[k % 4];
+    const auto g = earth.to_geodetic({c.x(), c.y(), c.z()});
+    char text[200];
+    std::snprintf(text, sizeof text, "%.10f, %.10f", g[0] / kDegree, g[1] / kDegree);
+    if (k < 4) yaml += std::string("      - [") + text + ", " + std::to_string(g[2]) + "]\n";
+    std::snprintf(text, sizeof text, "%s[%.10f, %.10f, %.5f]", k ? ", " : "", g[1] / kDegree, g[0] / kDegree, g[2]);
+    ring += text;
+  }
+  const std::string feature = "{\"type\": \"FeatureCollection\", \"features\": [{\"type\": \"Feature\", ";
+  write_text(folder / "o.yaml", yaml);
+  write_text(folder / "o.geojson", feature +
+                                       "\"properties\": {\"id\": \"p\", \"picture\": \"p.png\"}, \"geometry\": "
+                                       "{\"type\": \"Polygon\", \"coordinates\": [[" +
+                                       ring + "]]}}]}");
+  write_text(folder / "point.json",
+             feature +
+                 "\"properties\": {\"id\": \"p\", \"picture\": \"p.png\", \"facing_deg\": 90, \"width\": 1.2, "
+                 "\"height\": 1.8}, \"geometry\": {\"type\": \"Point\", \"coordinates\": [-1.55, 47.2, 20]}}]}");
+  Matrix3d axes;
+  axes << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // right is north, down is down, into the wall is west
+  for (const char* name : {"o.yaml", "o.geojson", "point.json"}) {
+    CAPTURE(name);
+    const auto objects = read_objects(folder / name);
+    REQUIRE(objects.size() == 1);
+    const PlaneObject& o = objects.front();
+    CHECK(o.place.geodetic);
+    CHECK((o.place.R_n_o - axes).norm() < 1e-3);
+    CHECK(o.width_m == doctest::Approx(1.2).epsilon(1e-4));
+    CHECK(o.height_m == doctest::Approx(1.8).epsilon(1e-4));
+    CHECK(std::abs(o.place.latitude_rad / kDegree - latitude) < 1e-8);
+    CHECK(std::abs(o.place.longitude_rad / kDegree - longitude) < 1e-8);
+    CHECK(std::abs(o.place.height_m - height) < 1e-3);
+    CHECK(o.picture.cols == 60);
+  }
+}
+
+TEST_CASE("what is wrong with a file of objects is named, with the object") {
+  const TemporaryFolder folder;
+  const std::string head = "odograph_objects: 1\nobjects:\n  - ";
+  const auto says = [&](const std::string& text, const std::string& expected) {
+    write_text(folder / "o.yaml", text);
+    const std::string said = why(folder / "o.yaml");
+    CHECK_MESSAGE(said.find(expected) != std::string::npos, said);
+  };
+  const std::string square = "corners_n: [[5, 0, 0], [5, 1, 0], [5, 1, -1], [5, 0, -1]]";
+  says("", "empty, or it cannot be read");
+  says("objects: []", "expected 'odograph_objects: 1'");
+  says("odograph_objects: 1\nobjects: []", "expected 1 to 1000 objects");
+  says(head + "{tag: 3, " + square + "}", "object 1: id: expected a name");
+  says(head + "{id: a, " + square + "}", "expected either picture or tag");
+  says(head + "{id: a, tag: 3, family: 12h1, " + square + "}", "family '12h1' is not known");
+  says(head + "{id: a, tag: 100000, " + square + "}", "has no tag 100000");
+  says(head + "{id: a, picture: none.png, " + square + "}", "none.png");
+  says(head + "{id: a, tag: 3, corners_n: [[5, 0, 0], [5, 1, 0], [5, 2, -1], [5, 0, -1]]}", "are no rectangle");
+  says(head + "{id: a, tag: 3, corners_n: [[5, 0, 0], [5, 1, 0], [5, 1, -1]]}", "corners: expected four");
+  says(head + "{id: a, tag: 3, " + square + "}\n  - {id: a, tag: 4, " + square + "}", "the id 'a' is there twice");
+  says("a: &x [1]\nb: *x", "line 2, column 4: aliases are not read");
+  says("a: 1\na: 2", "the key 'a' is there twice");
+  std::string deep(100, '[');
+  says("a: " + deep, "more than 64 levels");
+  write_text(folder / "o.json", "{\"type\": \"FeatureCollection\", \"features\": [{\"properties\": {}}]}");
+  CHECK(why(folder / "o.json").find("object 1: expected a geometry") != std::string::npos);
+  CHECK(why(source("tests/data/objects.yaml")).empty());
+}
+
+TEST_CASE("the lens's derivative is the numeric one, in rows that are exposed one after the other") {
+  for (int kind = 0; kind < 3; ++kind) {
+    CAPTURE(kind);
+    RollingLens lens = lens_of(calibration(kind));
+    const Vector3d p(0.4, -0.3, 2.5);
+    const auto seen = lens.project(p);
+    REQUIRE(seen);
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d step = 1e-5 * Vector3d::Unit(k);
+      const Eigen::Vector2d numeric = (lens.project(p + step)->pixel - lens.project(p - step)->pixel) / 2e-5;
+      CHECK((numeric - seen->by_point.col(k)).norm() < 1e-3);
+    }
+    // Rows above the middle are earlier: a camera that goes to the right has seen more to the right then.
+    lens.line_time_s = 30e-6, lens.velocity_c = {1, 0, 0};
+    const auto rolling = lens.project(p);
+    const double after_s = (rolling->pixel.y() - 239.5) * 30e-6;
+    CHECK(rolling->pixel.x() - seen->pixel.x() == doctest::Approx(-after_s * seen->by_point(0, 0)).epsilon(0.02));
+    CHECK_FALSE(lens.project({0.1, 0.1, -1}));
+  }
+}
+
+TEST_CASE("alignment finds the pose to a few millimetres from some pixels away, through every lens") {
+  const PlaneObject o = poster();
+  const Pyramid pyramid(o);
+  const Aligner aligner{Aligner::Parameters{}};
+  for (int kind = 0; kind < 3; ++kind)
+    for (const double oblique : {0.0, 40.0, 60.0}) {
+      CAPTURE(kind), CAPTURE(oblique);
+      const odo_calibration c = calibration(kind);
+      const Scene scene(o, 4, oblique * kDegree);
+      const Pose truth = scene.pose(o);
+      const cv::Mat grey = frame_of({flat(o, o.picture, truth)}, c);
+      Eigen::Matrix<double, 6, 1> off;
+      off << 0.004, -0.004, 0.005, 0.02, -0.02, 0.08;
+      const auto a = aligner.align({grey, {}, aligner.parameters()}, lens_of(c), pyramid, truth.moved(off));
+      REQUIRE(a);
+      CHECK((scene.place_by(a->pose, o) - scene.p_n).norm() < 0.02);
+      CHECK(Eigen::AngleAxisd(a->pose.R_c_o.transpose() * truth.R_c_o).angle() < 0.006);
+      CHECK(a->correlation > 0.9);
+      CHECK(a->agreeing_part > 0.9);
+      CHECK(a->oblique_rad == doctest::Approx(oblique * kDegree).epsilon(0.05));
+    }
+}
+
+TEST_CASE("a poster is found from aside; mirrored, exchanged and doubled ones are not") {
+  const PlaneObject o = poster();
+  const odo_calibration c = calibration(1);
+  const RollingLens lens = lens_of(c);
+  Finder finder({}, {o});
+  const auto look = [&](const std::vector<FlatPicture>& pictures) {
+    finder.forget();
+    return finder.find(1'000'000'000, frame_of(pictures, c), {}, lens, {});
+  };
+  for (const double oblique : {0.0, 30.0, 55.0}) {
+    CAPTURE(oblique);
+    const Scene scene(o, 4, oblique * kDegree);
+    const auto seen = look({flat(o, o.picture, scene.pose(o))});
+    REQUIRE(seen.size() == 1);
+    CHECK((scene.place_by(seen[0].poses[0].pose, o) - scene.p_n).norm() < 0.05);
+    cv::Mat mirrored;
+    cv::flip(o.picture, mirrored, 1);
+    CHECK(look({flat(o, mirrored, scene.pose(o))}).empty());
+    CHECK(look({flat(o, poster(2).picture, scene.pose(o))}).empty());
+    cv::Mat half = o.picture.clone();
+    poster(3).picture.rowRange(0, half.rows / 2).copyTo(half.rowRange(0, half.rows / 2));
+    CHECK(look({flat(o, half, scene.pose(o))}).empty());
+  }
+  const Scene scene(o, 6, 0.1);
+  Pose left = scene.pose(o), right = left;
+  left.t_c_o -= 0.8 * left.R_c_o.col(0), right.t_c_o += 0.8 * right.R_c_o.col(0);
+  CHECK(look({flat(o, o.picture, left), flat(o, o.picture, right)}).empty());
+  CHECK(look({flat(o, o.picture, left)}).size() == 1);
+}
+
+TEST_CASE("a tag is found and followed, another number is not") {
+  PlaneObject o = poster();
+  o.width_m = o.height_m = 0.8;
+  o.tag = 7, o.family = "36h11";
+  o.picture = tag_picture("36h11", 7);
+  const odo_calibration c = calibration(2);
+  Finder finder({}, {o});
+  const Scene scene(o, 4, 0.5);
+  PlaneObject board = o;  // with a white rim, as printed
+  board.width_m = board.height_m = 1.0;
+  cv::Mat rim;
+  const auto on_board = [&](int tag) {
+    cv::copyMakeBorder(tag_picture("36h11", tag), rim, 16, 16, 16, 16, cv::BORDER_CONSTANT, cv::Scalar(255));
+    return frame_of({flat(board, rim, scene.pose(o))}, c);
+  };
+  const auto seen = finder.find(0, on_board(7), {}, lens_of(c), {});
+  REQUIRE(seen.size() == 1);
+  CHECK((scene.place_by(seen[0].poses[0].pose, o) - scene.p_n).norm() < 0.05);
+  CHECK(finder.find(1'000'000'000, on_board(8), {}, lens_of(c), {}).empty());
+  CHECK(finder.find(2'000'000'000, on_board(7), {}, lens_of(c), {0}).empty());  // not where one may be in view
+}
+
+namespace {
+
+/// A sighting as good as a picture of the poster makes it, with the plane's other pose beside it.
+Sighting sighting_of(const Scene& scene, const PlaneObject& o, int64_t t_ns, double cost_of_other) {
+  Sighting s;
+  s.t_ns = t_ns;
+  Alignment a;
+  a.pose = scene.pose(o);
+  a.information.setIdentity();
+  a.information *= 1e5;
+  a.correlation = 0.95, a.agreeing_part = 1;
+  s.poses.push_back(a);
+  if (cost_of_other >= 0) {  // mirrored about the line of sight
+    const Vector3d sight = a.pose.t_c_o.normalized();
+    const double turn =
+        2 * std::atan2(a.pose.R_c_o.col(2).cross(sight).dot(a.pose.R_c_o.col(1)), a.pose.R_c_o.col(2).dot(sight));
+    a.pose.R_c_o = Eigen::AngleAxisd(turn, a.pose.R_c_o.col(1)) * a.pose.R_c_o;
+    a.cost = cost_of_other;
+    s.poses.push_back(a);
+  }
+  return s;
+}
+
+std::optional<Estimate> after_frames(Judge& judge, const Scene& scene, const PlaneObject& o, const Prior& prior,
+                                     int frames, double cost_of_other = -1, int first = 0) {
+  std::optional<Estimate> last;
+  for (int k = first; k < first + frames; ++k)
+    if (auto e =
+            judge.judge(sighting_of(scene, o, k * 100'000'000LL, cost_of_other), o, lens_of(calibration(0)), prior))
+      last = e;
+  return last;
+}
+
+}  // namespace
+
+TEST_CASE("a plane's two poses: the better one, the possible one, or none") {
+  const PlaneObject o = poster();
+  const Scene scene(o, 5, 0.6);
+  Judge judge({});
+  const auto clear = after_frames(judge, scene, o, scene.prior(), 5, 30);
+  REQUIRE(clear);
+  CHECK((clear->p_n - scene.p_n).norm() < 0.02);
+  // Alike by the picture: the other one is 5 m away, which the prior excludes.
+  judge.forget();
+  Prior prior = scene.prior();
+  prior.horizontal_sigma_m = 0.3;
+  CHECK(after_frames(judge, scene, o, prior, 5, 1));
+  judge.forget();
+  prior.placed = false;
+  CHECK_FALSE(after_frames(judge, scene, o, prior, 20, 1));
+  CHECK(judge.refusals().ambiguous > 0);
+}
+
+TEST_CASE("an object that leans against gravity, or is not where it belongs, is refused") {
+  const PlaneObject o = poster();
+  const Scene scene(o, 5, 0.3);
+  Judge judge({});
+  Prior prior = scene.prior();
+  prior.q_n_c = Eigen::Quaterniond(Eigen::AngleAxisd(10 * kDegree, Vector3d::UnitX())) * prior.q_n_c;
+  CHECK_FALSE(after_frames(judge, scene, o, prior, 20));
+  CHECK(judge.refusals().not_upright == 20);
+  prior = scene.prior();
+  prior.p_n += Vector3d(0, 12, 0);
+  CHECK_FALSE(after_frames(judge, scene, o, prior, 20));
+  CHECK(judge.refusals().elsewhere == 20);
+  prior = scene.prior();
+  prior.q_n_c = Eigen::Quaterniond(Eigen::AngleAxisd(60 * kDegree, Vector3d::UnitZ())) * prior.q_n_c;
+  CHECK_FALSE(after_frames(judge, scene, o, prior, 20));
+  // 12 m off after a path of 300 m is drift, and what the object is for.
+  prior = scene.prior();
+  prior.p_n += Vector3d(0, 12, 0), prior.path_m = 300;
+  CHECK(after_frames(judge, scene, o, prior, 5));
+}
+
+TEST_CASE("who has stood before it for seconds gets a fix that later ones from walking do not replace") {
+  const PlaneObject o = poster();
+  const Scene scene(o, 3, 0.1), grazing(o, 3, 1.1);
+  Judge judge({});
+  CHECK_FALSE(after_frames(judge, scene, o, scene.prior(), 2));  // not confirmed
+  auto e = after_frames(judge, scene, o, scene.prior(), 3, -1, 2);
+  REQUIRE(e);
+  CHECK_FALSE(e->standing);
+  e = after_frames(judge, scene, o, scene.prior(), 40, -1, 5);
+  REQUIRE(e);
+  CHECK(e->standing);
+  CHECK_FALSE(after_frames(judge, grazing, o, grazing.prior(), 20, -1, 45));
+  // Its heading is where the doubt is: what is across the line of sight grows with the angle and the distance.
+  CHECK(e->covariance_n.trace() > 0);
+}
+
+TEST_SUITE_END();
