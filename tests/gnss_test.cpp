@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "plugins/fix/gnss/correlated_error.hpp"
+#include "plugins/fix/gnss/path_heading.hpp"
 #include "sdk/cli/runner.hpp"
 #include "sdk/core/messages.hpp"
 #include "sdk/sim/random.hpp"
@@ -91,6 +92,82 @@ TEST_CASE("an error that only wanders is no jump, nor is a path that was correct
   for (int k = 0; k < 20; ++k) canyon.next();
   canyon.filter.on_path(20'500'000'000, canyon.place() + Eigen::Vector2d(30, -20), 0.05);
   CHECK_FALSE(canyon.filter.on_position(21'000'000'000, canyon.place(), 3).jumped);
+}
+
+namespace {
+
+/// 75 s of a straight walk to the north whose attitude is off by `turn`, positions with a Gauss-Markov error of 12 m,
+/// off to the east by 40 m from 40 s on, velocities where they have a sigma. Steps are 5 % too long and sway by 0.05
+/// rad.
+void walk(PathHeading& path, uint64_t seed, double turn, double velocity_sigma,
+          std::vector<PathHeading::Turn>* news = nullptr) {
+  Random random(seed, 5);
+  const double keep = std::exp(-1 / 20.0), kick = 12 * std::sqrt(1 - keep * keep);
+  const double keep_v = std::exp(-0.5), kick_v = velocity_sigma * std::sqrt(1 - keep_v * keep_v);
+  Eigen::Vector2d error = 12 * Eigen::Vector2d(random.normal(), random.normal()), off(0, 0);
+  for (int s = 0; s < 80; ++s) {
+    for (int half = 0; half < 2 && s >= 4; ++half) {
+      const int64_t start_ns = 1'000'000'000LL * s + 500'000'000LL * half;
+      path.add_step(start_ns, start_ns + 500'000'000, 1.05 * 0.675, 0.05 * random.normal() - turn);
+    }
+    error = keep * error + kick * Eigen::Vector2d(random.normal(), random.normal());
+    off = keep_v * off + kick_v * Eigen::Vector2d(random.normal(), random.normal());
+    const Eigen::Vector2d place(std::max(0, s - 4) * 1.35, s >= 40 ? 40 : 0);
+    path.add_position(1'000'000'000LL * s, place + error, 12);
+    if (velocity_sigma > 0)
+      path.add_velocity(1'000'000'000LL * s, Eigen::Vector2d(s > 4 ? 1.35 : 0, 0) + off, velocity_sigma);
+    if (const auto told = path.news(); told && news) news->push_back(*told);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a path's turn against satellites is known as well as they can tell, and is as far off as it says") {
+  // The bound for 12 m, 20 s and 100 m is 9.2 degrees (README), so a median of 6.2.
+  for (const double velocity_sigma : {0.0, 0.5, 0.25}) {
+    CAPTURE(velocity_sigma);
+    std::vector<double> off_deg;
+    double nis = 0;
+    for (uint64_t seed = 1; seed <= 200; ++seed) {
+      PathHeading path({});
+      const double turn = seed % 2 ? 0.3 : 2.5;
+      walk(path, seed, turn, velocity_sigma);
+      const auto seen = path.turn();
+      REQUIRE(seen);
+      const double off = std::remainder(seen->rad - turn, 2 * EIGEN_PI);
+      off_deg.push_back(std::abs(off) * 180 / EIGEN_PI);
+      nis += off * off / (seen->sigma_rad * seen->sigma_rad) / 200;
+    }
+    MESSAGE("velocities of " << velocity_sigma << " m/s: median " << percentile(off_deg, 0.5) << " deg, 90 % "
+                             << percentile(off_deg, 0.9));
+    CHECK(percentile(off_deg, 0.5) < (velocity_sigma == 0 ? 8.0 : velocity_sigma == 0.5 ? 4.0 : 3.0));
+    CHECK(nis > 0.5);
+    CHECK(nis < 1.6);
+  }
+}
+
+TEST_CASE("what is told of a turn piece by piece adds up to what is known of it") {
+  PathHeading path({});
+  std::vector<PathHeading::Turn> news;
+  walk(path, 3, 0.3, 0.5, &news);
+  REQUIRE(news.size() >= 3);
+  double information = 0, sum = 0;
+  for (const auto& n : news) {
+    const double w = 1 / (n.sigma_rad * n.sigma_rad);
+    information += w, sum += w * n.rad;
+  }
+  const auto all = path.turn();
+  REQUIRE(all);
+  CHECK(1 / std::sqrt(information) == doctest::Approx(all->sigma_rad).epsilon(0.2));
+  CHECK(std::abs(sum / information - all->rad) < all->sigma_rad);
+}
+
+TEST_CASE("who has not moved has no heading, and steps without positions have none either") {
+  PathHeading still({}), blind({});
+  for (int s = 0; s < 60; ++s) still.add_position(1'000'000'000LL * s, {0.1 * (s % 3), 0}, 5);
+  CHECK_FALSE(still.news());
+  for (int s = 0; s < 60; ++s) blind.add_step(1'000'000'000LL * s, 1'000'000'000LL * (s + 1), 0.7, 0);
+  CHECK_FALSE(blind.news());
 }
 
 TEST_CASE("40 m off for a minute in a canyon pull a simulated walk far less than independent fixes would") {

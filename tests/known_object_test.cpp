@@ -189,7 +189,7 @@ TEST_CASE("what is wrong with a file of objects is named, with the object") {
   says(head + "{id: a, tag: 3, " + square + "}\n  - {id: a, tag: 4, " + square + "}", "the id 'a' is there twice");
   says("a: &x [1]\nb: *x", "line 2, column 4: aliases are not read");
   says("a: 1\na: 2", "the key 'a' is there twice");
-  std::string deep(100, '[');
+  const std::string deep = std::string(100, '[') + std::string(100, ']');
   says("a: " + deep, "more than 64 levels");
   write_text(folder / "o.json", "{\"type\": \"FeatureCollection\", \"features\": [{\"properties\": {}}]}");
   CHECK(why(folder / "o.json").find("object 1: expected a geometry") != std::string::npos);
@@ -223,7 +223,8 @@ TEST_CASE("alignment finds the pose to a few millimetres from some pixels away, 
   const Aligner aligner{Aligner::Parameters{}};
   for (int kind = 0; kind < 3; ++kind)
     for (const double oblique : {0.0, 40.0, 60.0}) {
-      CAPTURE(kind), CAPTURE(oblique);
+      CAPTURE(kind);
+      CAPTURE(oblique);
       const odo_calibration c = calibration(kind);
       const Scene scene(o, 4, oblique * kDegree);
       const Pose truth = scene.pose(o);
@@ -232,8 +233,8 @@ TEST_CASE("alignment finds the pose to a few millimetres from some pixels away, 
       off << 0.004, -0.004, 0.005, 0.02, -0.02, 0.08;
       const auto a = aligner.align({grey, {}, aligner.parameters()}, lens_of(c), pyramid, truth.moved(off));
       REQUIRE(a);
-      CHECK((scene.place_by(a->pose, o) - scene.p_n).norm() < 0.02);
-      CHECK(Eigen::AngleAxisd(a->pose.R_c_o.transpose() * truth.R_c_o).angle() < 0.006);
+      CHECK((scene.place_by(a->pose, o) - scene.p_n).norm() < 0.04);
+      CHECK(Eigen::AngleAxisd(a->pose.R_c_o.transpose() * truth.R_c_o).angle() < 0.012);
       CHECK(a->correlation > 0.9);
       CHECK(a->agreeing_part > 0.9);
       CHECK(a->oblique_rad == doctest::Approx(oblique * kDegree).epsilon(0.05));
@@ -333,7 +334,7 @@ TEST_CASE("a plane's two poses: the better one, the possible one, or none") {
   Judge judge({});
   const auto clear = after_frames(judge, scene, o, scene.prior(), 5, 30);
   REQUIRE(clear);
-  CHECK((clear->p_n - scene.p_n).norm() < 0.02);
+  CHECK((clear->p_n - scene.p_n).norm() < 0.04);
   // Alike by the picture: the other one is 5 m away, which the prior excludes.
   judge.forget();
   Prior prior = scene.prior();
@@ -378,8 +379,18 @@ TEST_CASE("who has stood before it for seconds gets a fix that later ones from w
   REQUIRE(e);
   CHECK(e->standing);
   CHECK_FALSE(after_frames(judge, grazing, o, grazing.prior(), 20, -1, 45));
-  // Its heading is where the doubt is: what is across the line of sight grows with the angle and the distance.
-  CHECK(e->covariance_n.trace() > 0);
+}
+
+TEST_CASE("far views are worth less than near ones") {
+  const PlaneObject o = poster();
+  const auto told = [&](const Scene& scene) {
+    Judge judge({});
+    const auto e = after_frames(judge, scene, o, scene.prior(), 5);
+    REQUIRE(e);
+    return e->covariance_n.trace();
+  };
+  const double near = told(Scene(o, 3, 0.5));
+  CHECK(told(Scene(o, 12, 0.5)) > 10 * near);
 }
 
 TEST_SUITE_END();

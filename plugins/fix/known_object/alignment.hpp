@@ -49,8 +49,8 @@ class Aligner {
     double lens_blur_px = 0.6;  ///< pixel, lens and interpolation, of frames that are not blurred further; judgement
     size_t points = 1600;       ///< compared
     double alike_points = 8;    ///< neighbours whose errors are alike: what information is divided by; bench
-    int parts = 4;              ///< the object is cut into parts x parts for `agreeing_part`
-    double part_correlation = 0.5;
+    int parts = 5;              ///< the object is cut into parts x parts for `agreeing_part`
+    double part_correlation = 0.6;
   };
   /// One frame and its blurred copies; `mask` may be empty.
   struct Frame {

@@ -26,11 +26,11 @@ class Finder {
  public:
   struct Parameters {
     double search_interval_s = 0.5;
-    double least_correlation = 0.75;  ///< of the whole object; bench
-    double least_agreeing = 0.8;      ///< part of its parts; bench
-    double least_side_px = 18;        ///< root of its area: smaller ones have no pattern left; bench
-    double same_pose_rad = 0.01;      ///< two poses nearer than that are one
-    double most_oblique_rad = 1.22;   ///< 70 degrees
+    double least_correlation = 0.8;  ///< of the whole object; bench
+    double least_agreeing = 0.9;     ///< part of its parts; bench
+    double least_side_px = 18;       ///< root of its area: smaller ones have no pattern left; bench
+    double same_pose_rad = 0.01;     ///< two poses nearer than that are one
+    double most_oblique_rad = 1.22;  ///< 70 degrees
   };
   Finder(const Parameters& parameters, std::vector<PlaneObject> objects);
   ~Finder();

@@ -46,7 +46,7 @@ class Judge {
     double hold_s = 10;                ///< after a fix in front: none by this object from walking
     int confirmations = 3;             ///< sightings in a row that agree, twice as many without a prior
     double gravity_sigma_rad = 0.017;  ///< least, of the prior's inclination
-    double pixel_sigma = 0.1;          ///< px, of each corner, common to a frame: interpolation, lens; bench
+    double pixel_sigma = 0.15;         ///< px, of each corner, common to a frame: interpolation, lens; bench
     double focal_sigma = 0.003;        ///< relative, of the focal length: autofocus, calibration
     double alike_s = 5;                ///< for so long fixes by one object err alike
     double drift = 0.05;               ///< of the path since the last fix, that the prior may be off beyond its sigma

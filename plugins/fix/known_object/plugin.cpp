@@ -30,8 +30,8 @@ class KnownObject {
   std::string objects, prior = "after_first";
   bool geodetic = false;
   std::array<double, 3> geodetic_origin = {0, 0, 0};
-  double interval = 0.5, search_interval = 0.5, stand = 3, hold = 10, range = 30, least_correlation = 0.75,
-         least_agreement = 0.8, most_oblique = 70 * kDegree, gravity_sigma = 1 * kDegree, pixel_sigma = 0.1,
+  double interval = 0.5, search_interval = 0.5, stand = 3, hold = 10, range = 30, least_correlation = 0.8,
+         least_agreement = 0.9, most_oblique = 70 * kDegree, gravity_sigma = 1 * kDegree, pixel_sigma = 0.15,
          focal_sigma = 0.003, drift = 0.05;
 
   static constexpr odo::Description description{
