@@ -38,6 +38,14 @@ const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& ma
     cv::GaussianBlur(grey, smooth_, {}, p_.dim_blur_px);
   else
     grey.copyTo(smooth_);
+  corners_.t_ns = t_ns;
+  corners_.corners.clear();
+  if (mean_grey_ < p_.dark_grey) {
+    keep_only(std::vector<char>(tracks_.size(), 0));
+    before_.clear();
+    followed_ = 0;
+    return corners_;
+  }
   Pyramid now;
   cv::buildOpticalFlowPyramid(smooth_, now, {p_.window_px, p_.window_px}, p_.levels, true, cv::BORDER_REFLECT_101,
                               cv::BORDER_CONSTANT, false);
@@ -53,8 +61,6 @@ const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& ma
   before_ = std::move(now);
   followed_ = tracks_.size();
   if (static_cast<double>(followed_) < p_.refill_below * p_.most) refill(smooth_, mask);
-  corners_.t_ns = t_ns;
-  corners_.corners.clear();
   for (const Track& t : tracks_) corners_.corners.push_back({t.id, Vector2d(t.pixel.x, t.pixel.y)});
   return corners_;
 }

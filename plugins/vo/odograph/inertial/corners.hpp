@@ -29,7 +29,7 @@ class GuidedCorners {
     double refill_below = 0.85;                  ///< of `most`
     double epipolar_px = 2.0;                    ///< distance from the epipolar line of an inlier
     int trials = 40;
-    double dark_grey = 8;
+    double dark_grey = 8;                     ///< mean below which what is followed is the sensor's noise
     double dim_grey = 60, dim_blur_px = 1.5;  ///< by night the noise has more gradient than what is there
   };
 

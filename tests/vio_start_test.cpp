@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// When the visual-inertial filter begins, when it takes itself for standing, and what it does not look at.
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "plugins/vo/odograph/gyroscope.hpp"
+#include "plugins/vo/odograph/inertial/corners.hpp"
+#include "plugins/vo/odograph/inertial/observe.hpp"
+#include "plugins/vo/odograph/inertial/start.hpp"
+
+namespace {
+
+using namespace odograph::vio;
+using Eigen::Quaterniond;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using odograph::CameraModel;
+using odograph::vo::exp_rotation;
+
+constexpr double kGravity_mps2 = 9.81;
+
+Camera global_shutter() {
+  Camera camera;
+  camera.lens = {CameraModel::Distortion::radial_tangential, 460, 460, 320, 240, {0, 0, 0, 0}};
+  camera.middle_row = 239.5;
+  return camera;
+}
+
+/// A phone that is held upright (y down) and turns about gravity, or is carried along x as well: 1.2 s, 20 frames and
+/// 200 samples a second, 60 points at 3 to 8 m.
+struct Scene {
+  std::deque<StartFrame> frames;
+  ImuBuffer imu;
+
+  Scene(double rate_radps, double speed_mps, double bias_radps = 0) {
+    std::mt19937 generator(3);
+    std::uniform_real_distribution<double> across(-2, 2), depth(3, 8);
+    std::vector<Vector3d> points;
+    for (int k = 0; k < 60; ++k) points.emplace_back(across(generator), across(generator), depth(generator));
+    std::normal_distribution<double> noise(0, 0.2);
+    const Camera camera = global_shutter();
+    for (int k = 0; k <= 260; ++k)
+      imu.add({5'000'000LL * k, Vector3d(0, rate_radps + bias_radps, 0), Vector3d(0, -kGravity_mps2, 0)});
+    for (int k = 1; k <= 24; ++k) {
+      const double t = 0.05 * k;
+      StartFrame frame;
+      frame.corners.t_ns = static_cast<int64_t>(std::llround(t * 1e9));
+      const Quaterniond q = exp_rotation(Vector3d(0, rate_radps * t, 0));
+      for (size_t j = 0; j < points.size(); ++j) {
+        const Vector3d at = q.conjugate() * (points[j] - Vector3d(speed_mps * t, 0, 0));
+        if (at.z() < 0.5) continue;
+        const Vector2d pixel =
+            camera.lens.project(at.head<2>() / at.z()) + Vector2d(noise(generator), noise(generator));
+        if (pixel.x() > 0 && pixel.x() < 640 && pixel.y() > 0 && pixel.y() < 480)
+          frame.corners.corners.push_back({j, pixel});
+      }
+      frames.push_back(frame);
+    }
+  }
+
+  std::optional<Filter> start() const { return start_still(frames, imu, global_shutter(), {}, {}); }
+};
+
+}  // namespace
+
+TEST_SUITE_BEGIN("vio_start");
+
+TEST_CASE("a phone that is held still starts, and its gyroscope's bias is known") {
+  const auto filter = Scene(0, 0, 0.01).start();
+  REQUIRE(filter);
+  CHECK(filter->state().nav.gyro_bias.y() == doctest::Approx(0.01).epsilon(0.05));
+  CHECK(filter->state().nav.v_w.norm() < 0.02);
+  const Vector3d up_b = filter->state().nav.q_w_b.conjugate() * -Vector3d::UnitZ();
+  CHECK(up_b.dot(-Vector3d::UnitY()) > 0.9999);
+}
+
+TEST_CASE("a phone that turns slowly starts, and its turn is not taken for a bias") {
+  const auto filter = Scene(0.1, 0).start();
+  REQUIRE(filter);
+  CHECK(std::abs(filter->state().nav.gyro_bias.y()) < 0.01);
+}
+
+TEST_CASE("who turns on the spot carries the phone around: that is no stillness") {
+  CHECK_FALSE(Scene(0.6, 0).start());
+}
+
+TEST_CASE("an even motion has the force of stillness, and the pictures tell it") { CHECK_FALSE(Scene(0, 0.3).start()); }
+
+TEST_CASE("what a rotation leaves over of the picture's flow is the parallax") {
+  const Scene turning(0.3, 0), moving(0.3, 0.5);
+  const auto flow = [](const Scene& s) {
+    return flow_beside_rotation(s.frames[4].corners, s.frames[12].corners, global_shutter(), 15);
+  };
+  REQUIRE(flow(turning));
+  CHECK(*flow(turning) < 0.6);
+  REQUIRE(flow(moving));
+  CHECK(*flow(moving) > 2);
+  CHECK_FALSE(flow_beside_rotation(turning.frames[4].corners, turning.frames[12].corners, global_shutter(), 500));
+}
+
+TEST_CASE("the hot pixels of a dark picture are no corners") {
+  cv::Mat bright(480, 640, CV_8U), dark(480, 640, CV_8U, cv::Scalar(2));
+  for (int y = 0; y < bright.rows; ++y)
+    for (int x = 0; x < bright.cols; ++x) bright.at<uchar>(y, x) = (x / 40 + y / 40) % 2 ? 180 : 60;
+  cv::RNG random(5);
+  for (int k = 0; k < 4000; ++k) dark.at<uchar>(random.uniform(0, 480), random.uniform(0, 640)) = 120;
+  GuidedCorners corners({});
+  const CameraModel lens = global_shutter().lens;
+  const auto follow = [&](const cv::Mat& picture, int64_t k) {
+    return corners
+        .follow(picture, {}, 50'000'000 * k, k > 0 ? 0.05 : 0, Quaterniond::Identity(), Vector2d::Zero(), lens)
+        .corners;
+  };
+  const auto before = follow(bright, 0);
+  REQUIRE(before.size() > 50);
+  CHECK(follow(bright, 1).size() > 50);
+  CHECK(follow(dark, 2).empty());
+  CHECK(corners.followed() == 0);
+  CHECK(follow(dark, 3).empty());
+  const auto after = follow(bright, 4);
+  REQUIRE(after.size() > 50);
+  CHECK(after.front().track > before.back().track);  // nothing is followed through the dark
+}
+
+TEST_SUITE_END();
