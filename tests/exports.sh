@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Nothing visible but the contract: odo_* of one version in the library, the entry in each plugin; and nothing undefined.
+# With a second argument ON the library is one file to ship: it needs the C library alone and has at most 4 MB.
 set -eu
 lib=$1/lib
 node=ODOGRAPH_DRAFT_2
@@ -12,5 +13,10 @@ for plugin in "$lib"/odograph/plugins/*.so; do
   found=$(symbols "$plugin")
   [ "$found" = odo_plugin_entry_draft2 ] || { echo "$plugin exports: $found"; exit 1; }
 done
+needed=$(readelf -d "$lib/libodograph.so" | sed -n 's/.*NEEDED.*\[\(.*\)\]/\1/p' | grep -v '^lib[cm]\.so\|^ld-linux' | tr '\n' ' ' || true)
 size=$(stat -L -c %s "$lib/libodograph.so")
-echo "$(symbols "$lib/libodograph.so" | wc -l) functions, all $node; the library has $size bytes"
+if [ "${2:-}" = ON ]; then
+  [ -z "$needed" ] || { echo "libodograph.so needs $needed"; exit 1; }
+  [ "$size" -le 4194304 ] || { echo "libodograph.so has $size bytes"; exit 1; }
+fi
+echo "$(symbols "$lib/libodograph.so" | wc -l) functions, all $node; the library has $size bytes and needs the C library${needed:+ and $needed}"

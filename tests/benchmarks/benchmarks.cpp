@@ -51,7 +51,7 @@ std::unique_ptr<PluginInstance> noop(HostServices& host) {
   PluginChoice choice;
   choice.manifest.id = "bench/noop";
   choice.manifest.library = ODOGRAPH_BUILD "/tests/benchmarks/bench_noop.so";
-  choice.manifest.abi_major = 1;
+  choice.manifest.abi_major = ODO_ABI_MAJOR, choice.manifest.abi_minor = ODO_ABI_MINOR;
   choice.interface_id = ODO_INTERFACE_ATTITUDE;
   return std::move(*PluginInstance::make(choice, false, 1, host));
 }
