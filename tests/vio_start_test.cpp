@@ -54,7 +54,7 @@ struct Scene {
         const Vector2d pixel =
             camera.lens.project(at.head<2>() / at.z()) + Vector2d(noise(generator), noise(generator));
         if (pixel.x() > 0 && pixel.x() < 640 && pixel.y() > 0 && pixel.y() < 480)
-          frame.corners.corners.push_back({j, pixel});
+          frame.corners.corners.push_back({j, pixel, pixel.y()});
       }
       frames.push_back(frame);
     }

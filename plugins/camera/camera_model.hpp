@@ -20,6 +20,7 @@ struct CameraModel {
   /// Normalized image coordinates to pixels: exactly the model, also where its polynomial means nothing any more.
   Eigen::Vector2d project(const Eigen::Vector2d& normalized) const;
   double focal() const { return 0.5 * (fx + fy); }
+  bool operator==(const CameraModel&) const = default;
 };
 
 }  // namespace odograph

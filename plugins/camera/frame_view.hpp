@@ -3,6 +3,9 @@
 // What every plugin that looks at frames does first.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include <Eigen/Geometry>
 #include <odograph/plugin.hpp>
 #include <opencv2/imgproc.hpp>
@@ -21,12 +24,43 @@ inline CameraModel camera_of(const odo_calibration& c) {
   return camera;
 }
 
-/// Throws odo::Error (discard) where the frame does not belong to the calibration.
-inline void check_frame(const odo_frame& frame, uint32_t calibration, cv::Size size) {
-  if (frame.calibration != calibration) throw odo::Error(ODO_E_DISCARD, "a frame without the calibration it names");
-  if (static_cast<int>(frame.width) != size.width || static_cast<int>(frame.height) != size.height)
-    throw odo::Error(ODO_E_DISCARD, "a frame of another size than its calibration's");
-}
+/// The camera as its calibrations and its frames tell it. Pixels.
+class ToldCamera {
+ public:
+  /// Takes a calibration. True where it is another camera than before; a phone that focuses or stabilises tells its own
+  /// lens again and again.
+  bool take(const odo_calibration& c) {
+    const bool same =
+        told_ && told_->id == c.id && told_->model == c.model && told_->width == c.width && told_->height == c.height;
+    told_ = c;
+    return !same;
+  }
+
+  const std::optional<odo_calibration>& calibration() const { return told_; }
+  cv::Size size() const {
+    return told_ ? cv::Size(static_cast<int>(told_->width), static_cast<int>(told_->height)) : cv::Size();
+  }
+
+  /// The lens that took a frame: its calibration's, with the frame's own focal length and centre where it tells them.
+  /// Throws odo::Error (discard) where the frame does not belong to the calibration.
+  CameraModel lens_of(const odo_frame& frame) const {
+    const auto discard = [](const std::string& text) { throw odo::Error(ODO_E_DISCARD, text); };
+    if (!told_ || frame.calibration != told_->id)
+      discard("calibration = " + std::to_string(frame.calibration) +
+              (told_ ? "; expected " + std::to_string(told_->id) + ", which was described last"
+                     : "; it was not described"));
+    if (frame.width != told_->width || frame.height != told_->height)
+      discard("width x height = " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
+              "; expected its calibration's " + std::to_string(told_->width) + " x " + std::to_string(told_->height));
+    CameraModel lens = camera_of(*told_);
+    if (frame.header.flags & ODO_FRAME_INTRINSICS)
+      lens.fx = frame.fx, lens.fy = frame.fy, lens.cx = frame.cx, lens.cy = frame.cy;
+    return lens;
+  }
+
+ private:
+  std::optional<odo_calibration> told_;
+};
 
 /// The grey picture of a frame, without a copy where the format has a grey plane.
 inline cv::Mat grey_of(const odo_frame& frame, cv::Mat& converted) {

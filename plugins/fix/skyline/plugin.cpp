@@ -52,9 +52,7 @@ class Skyline {
   }
 
   void on(const odo_calibration& c, odo::Output&) {
-    calibration_ = c.id;
-    size_ = {static_cast<int>(c.width), static_cast<int>(c.height)};
-    finder_.emplace(odograph::camera_of(c), size_);
+    camera_.take(c);
     q_c_b_.setIdentity();
     if (c.header.flags & ODO_CALIBRATION_EXTRINSICS)
       q_c_b_ = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]).conjugate();
@@ -63,7 +61,7 @@ class Skyline {
   void on(const odo_pose& pose, odo::Output&) { pose_ = pose; }
 
   void on(const odo_frame& frame, odo::Output& output) {
-    odograph::check_frame(frame, finder_ ? calibration_ : frame.calibration + 1, size_);
+    const odograph::CameraModel lens = camera_.lens_of(frame);
     constexpr uint32_t needed = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_CAMERA | ODO_POSE_METRIC;
     if (!pose_ || (pose_->header.flags & needed) != needed || pose_->header.t_ns != frame.header.t_ns) return;
     const int64_t wait_ns = static_cast<int64_t>(interval * 1e9) - 1'000'000;
@@ -72,6 +70,7 @@ class Skyline {
     if (std::sqrt(variance) > kNowhere_m) return;  // there is no prior yet
     const Eigen::Quaterniond q_n_c(pose_->q_n[0], pose_->q_n[1], pose_->q_n[2], pose_->q_n[3]);
     const Eigen::Quaterniond q_c_n = q_n_c.conjugate();
+    if (!finder_ || lens != lens_) finder_.emplace(lens_ = lens, camera_.size());
     const auto& edges = finder_->find(odograph::grey_of(frame, converted_), q_c_n * -Eigen::Vector3d::UnitZ(),
                                       q_c_n * Eigen::Vector3d::UnitX());
     if (edges.empty()) return;
@@ -121,8 +120,8 @@ class Skyline {
   std::optional<odo_pose> pose_;
   Eigen::Quaterniond q_c_b_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
-  cv::Size size_;
-  uint32_t calibration_ = 0;
+  odograph::ToldCamera camera_;
+  odograph::CameraModel lens_;  // that finder_ was made for
   int64_t last_ns_ = INT64_MIN;
   int failures_ = 0;  // in a row; each widens the search by three metres
 };

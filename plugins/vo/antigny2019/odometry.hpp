@@ -41,12 +41,14 @@ class Odometry {
   };
 
   Odometry(const Parameters& parameters, const CameraModel& camera, cv::Size size);
+  /// Of the frames to come: focused or shifted. What is kept of earlier pictures is of an ideal camera.
+  void change_lens(const CameraModel& camera) { camera_ = camera; }
   Motion process(const cv::Mat& grey, const cv::Mat& mask);
 
  private:
   struct Picture {
     Features features;
-    std::vector<cv::Point2d> ideal;  // pixels of an ideal camera with the focal length
+    std::vector<cv::Point2d> ideal;  // pixels of an ideal camera with the focal length f_
   };
   struct EpipolarPair {
     Eigen::Isometry3d T_0_1;  // of the second in the first, unit distance

@@ -31,16 +31,18 @@ class Antigny2019 {
   }
 
   void on(const odo_calibration& c, odo::Output&) {
-    calibration_ = c.id;
-    size_ = {static_cast<int>(c.width), static_cast<int>(c.height)};
+    if (!camera_.take(c)) return;  // the lens comes with each frame
     Odometry::Parameters p;
     p.features = features, p.most = static_cast<int>(most_features), p.ratio = ratio, p.inlier_px = inlier_threshold;
-    vo_.emplace(p, odograph::camera_of(c), size_);
+    vo_.emplace(p, odograph::camera_of(c), camera_.size());
     previous_ns_ = INT64_MIN;
   }
 
   void on(const odo_frame& frame, odo::Output& output) {
-    odograph::check_frame(frame, vo_ ? calibration_ : frame.calibration + 1, size_);
+    const odograph::CameraModel lens = camera_.lens_of(frame);
+    if (frame.header.t_ns <= previous_ns_)
+      throw odo::Error(ODO_E_DISCARD, "t_ns is not after that of the frame before");
+    vo_->change_lens(lens);
     const cv::Mat grey = odograph::grey_of(frame, converted_);
     const Motion motion = vo_->process(grey, odograph::mask_of(frame));
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
@@ -65,8 +67,7 @@ class Antigny2019 {
   static constexpr double kDark = 8;  // mean grey
   std::optional<Odometry> vo_;
   cv::Mat converted_;
-  cv::Size size_;
-  uint32_t calibration_ = 0;
+  odograph::ToldCamera camera_;
   int64_t previous_ns_ = INT64_MIN;
 };
 

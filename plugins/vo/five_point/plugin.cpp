@@ -23,17 +23,19 @@ class FivePoint {
   }
 
   void on(const odo_calibration& c, odo::Output&) {
+    if (!camera_.take(c)) return;  // the lens comes with each frame
     VisualOdometry::Parameters p;
     p.corners.most = static_cast<int>(corners);
     p.inlier_px = inlier_threshold;
-    calibration_ = c.id;
-    size_ = {static_cast<int>(c.width), static_cast<int>(c.height)};
     vo_.emplace(p, odograph::camera_of(c));
     previous_ns_ = INT64_MIN;
   }
 
   void on(const odo_frame& frame, odo::Output& output) {
-    odograph::check_frame(frame, vo_ ? calibration_ : frame.calibration + 1, size_);
+    const odograph::CameraModel lens = camera_.lens_of(frame);
+    if (frame.header.t_ns <= previous_ns_)
+      throw odo::Error(ODO_E_DISCARD, "t_ns is not after that of the frame before");
+    vo_->change_lens(lens);
     const Motion motion = vo_->process(odograph::grey_of(frame, converted_), odograph::mask_of(frame));
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
     if (from_ns == INT64_MIN) return;
@@ -52,8 +54,7 @@ class FivePoint {
 
   std::optional<VisualOdometry> vo_;
   cv::Mat converted_;
-  cv::Size size_;
-  uint32_t calibration_ = 0;
+  odograph::ToldCamera camera_;
   int64_t previous_ns_ = INT64_MIN;
 };
 

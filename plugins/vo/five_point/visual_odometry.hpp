@@ -47,6 +47,8 @@ class VisualOdometry {
   VisualOdometry(const Parameters& parameters, const CameraModel& camera)
       : p_(parameters), camera_(camera), tracker_(parameters.corners) {}
 
+  /// Of the frames to come: focused or shifted. The map, which has no pixels, stays.
+  void change_lens(const CameraModel& camera) { camera_ = camera; }
   /// The next frame, 8-bit grey. For the first frame the result means nothing.
   Motion process(const cv::Mat& grey, const cv::Mat& mask);
 

@@ -29,16 +29,15 @@ class Gakne2018 {
   }
 
   void on(const odo_calibration& c, odo::Output&) {
-    calibration_ = c.id;
-    size_ = {static_cast<int>(c.width), static_cast<int>(c.height)};
+    q_b_c_ = Eigen::Quaterniond(0, 1, 0, 0);
+    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS)
+      q_b_c_ = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
+    if (!camera_.take(c)) return;  // the lens comes with each frame
     SkyOdometry::Parameters p;
     p.features = static_cast<int>(features);
     const auto camera = odograph::camera_of(c);
     p.inlier_rad = inlier_threshold / camera.focal();
     vo_.emplace(p, camera);
-    q_b_c_ = Eigen::Quaterniond(0, 1, 0, 0);
-    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS)
-      q_b_c_ = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
     previous_ns_ = INT64_MIN;
   }
 
@@ -47,7 +46,10 @@ class Gakne2018 {
   }
 
   void on(const odo_frame& frame, odo::Output& output) {
-    odograph::check_frame(frame, vo_ ? calibration_ : frame.calibration + 1, size_);
+    const odograph::CameraModel lens = camera_.lens_of(frame);
+    if (frame.header.t_ns <= previous_ns_)
+      throw odo::Error(ODO_E_DISCARD, "t_ns is not after that of the frame before");
+    vo_->change_lens(lens);
     const Motion motion = vo_->process(odograph::grey_of(frame, converted_), odograph::mask_of(frame), level(),
                                        q_n_b_ ? kTurnKnown_rad : kTurnUnknown_rad);
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
@@ -67,8 +69,7 @@ class Gakne2018 {
   std::optional<Eigen::Quaterniond> q_n_b_;
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
-  cv::Size size_;
-  uint32_t calibration_ = 0;
+  odograph::ToldCamera camera_;
   int64_t previous_ns_ = INT64_MIN;
 };
 

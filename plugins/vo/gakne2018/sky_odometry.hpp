@@ -35,6 +35,8 @@ class SkyOdometry {
   };
 
   SkyOdometry(const Parameters& parameters, const CameraModel& camera);
+  /// Of the frames to come: focused or shifted.
+  void change_lens(const CameraModel& camera) { camera_ = camera; }
   /// `q_l_c`: from c to a level frame l, whose z points down. `most_turn`: how much l itself may have turned since the
   /// picture before, rad. Walls at both sides of a street shear the plane's points, and eq. (1) takes that for a turn.
   Motion process(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c, double most_turn);

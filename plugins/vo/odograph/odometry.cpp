@@ -75,6 +75,7 @@ void Odometry::search(const Frame& frame, Motion& motion) {
   if (haven_) {
     tracker_ = haven_->tracker.snapshot();
     seen_ = haven_->seen;
+    seen_lens_ = haven_->lens;
     const Isometry3d expected = pose_before() * isometry(expected_turn_, Vector3d::Zero());
     follow(frame, expected);
     straighten(frame);
@@ -123,7 +124,7 @@ void Odometry::follow(const Frame& frame, const Isometry3d& T_expected) {
   std::vector<cv::Point2f> expected;
   for (size_t i = 0; i < tracker_.tracks().size(); ++i) {
     // By how much the motion moves it, added to where it was: the same distortion on both sides.
-    const Vector2d shift = camera_.project(expected_at(seen_[i], T_expected)) - camera_.project(seen_[i].at);
+    const Vector2d shift = camera_.project(expected_at(seen_[i], T_expected)) - seen_lens_.project(seen_[i].at);
     const cv::Point2f& pixel = tracker_.tracks()[i].pixel;
     expected.emplace_back(pixel.x + static_cast<float>(shift.x()), pixel.y + static_cast<float>(shift.y()));
   }
@@ -139,6 +140,7 @@ void Odometry::straighten(const Frame& frame) {
   std::vector<cv::Point2f> pixels;
   for (const auto& track : tracker_.tracks()) pixels.push_back(track.pixel);
   camera_.undistort(pixels, straight_);
+  seen_lens_ = camera_;
   seen_.clear();
   const auto rate = frame.line_time_s > 0 ? gyroscope_.rate(frame.t_ns) : std::nullopt;
   for (size_t i = 0; i < pixels.size(); ++i) {
@@ -303,7 +305,7 @@ void Odometry::make_keyframe(const Frame& frame) {
   const size_t before = seen_.size();
   straighten(frame);
   for (size_t i = before; i < seen_.size(); ++i) window_.observe(seen_[i].track, seen_[i].at);
-  haven_ = Haven{tracker_.snapshot(), seen_};
+  haven_ = Haven{tracker_.snapshot(), seen_, seen_lens_};
   seen_at_keyframe_ = seen_.size();
   located_at_keyframe_ = 0;
   for (const Seen& s : seen_) located_at_keyframe_ += window_.landmarks()[s.track].located;

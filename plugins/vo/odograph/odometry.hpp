@@ -51,7 +51,7 @@ class Odometry {
   /// The next frame. For the first one the result means nothing.
   Motion process(const Frame& frame);
 
-  /// The lens was focused or shifted; the map stays.
+  /// Of the frames to come: focused or shifted. The map, which has no pixels, stays.
   void change_lens(const CameraModel& camera) { camera_ = camera; }
 
   /// rad/s, what the window found.
@@ -69,6 +69,7 @@ class Odometry {
   struct Haven {
     CornerTracker tracker;
     std::vector<Seen> seen;
+    CameraModel lens;
   };
 
   void predict(const Frame& frame);
@@ -102,6 +103,7 @@ class Odometry {
 
   cv::Mat smooth_;
   std::vector<Seen> seen_;
+  CameraModel seen_lens_;  // of the picture in which seen_ were
   std::vector<cv::Point2d> straight_;
 
   int64_t last_ns_ = 0, reference_ns_ = 0;

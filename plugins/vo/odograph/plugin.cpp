@@ -13,6 +13,8 @@ using odograph::vio::InertialMotion;
 using odograph::vio::InertialOdometry;
 
 constexpr int64_t kRefinedEvery_ns = 1'000'000'000;
+/// Beyond every phone's sensor (data sheets of Bosch BMI270 and TDK ICM-42688, times two).
+constexpr double kMostRate_radps = 70, kMostForce_mps2 = 320;
 
 class OdographVo {
  public:
@@ -29,24 +31,21 @@ class OdographVo {
 
   void on(const odo_calibration& c, odo::Output& output) {
     answer(true, output);
-    const bool same_camera = calibration_ && calibration_->id == c.id && calibration_->model == c.model &&
-                             calibration_->width == c.width && calibration_->height == c.height;
-    const odograph::CameraModel before = calibration_ ? odograph::camera_of(*calibration_) : odograph::CameraModel{};
-    calibration_ = c;
-    if (!same_camera || (!vo_ && !vio_)) return start();
-    // A phone that focuses or stabilises tells its lens again with every frame: the track goes on.
-    if (vio_) vio_->change_lens(before, odograph::camera_of(c));
-    if (vo_) vo_->change_lens(odograph::camera_of(c));
+    if (camera_.take(c) || (!vo_ && !vio_)) start();
   }
 
   /// What the sensor's maker says replaces the defaults from here on.
   void on(const odo_imu_noise& noise, odo::Output& output) {
     answer(true, output);
     noise_ = noise;
-    if (calibration_) start();
+    if (camera_.calibration()) start();
   }
 
   void on(const odo_imu& imu, odo::Output& output) {
+    const bool sane =
+        Eigen::Vector3d(imu.gyro_b).norm() < kMostRate_radps &&
+        ((imu.header.flags & ODO_IMU_ACCEL) == 0 || Eigen::Vector3d(imu.accel_b).norm() < kMostForce_mps2);
+    if (!sane) throw odo::Error(ODO_E_DISCARD, "gyro_b or accel_b is beyond any phone's sensor");
     if (vio_) {
       const bool force = (imu.header.flags & ODO_IMU_ACCEL) != 0;
       vio_->add_imu({imu.header.t_ns, Eigen::Vector3d(imu.gyro_b), Eigen::Vector3d(imu.accel_b)}, force);
@@ -57,19 +56,20 @@ class OdographVo {
   }
 
   void on(const odo_frame& frame, odo::Output& output) {
-    const bool known = calibration_ && (vo_ || vio_);
-    const cv::Size size =
-        known ? cv::Size(static_cast<int>(calibration_->width), static_cast<int>(calibration_->height)) : cv::Size();
-    odograph::check_frame(frame, known ? calibration_->id : frame.calibration + 1, size);
+    const odograph::CameraModel lens = camera_.lens_of(frame);
+    if (frame.header.t_ns <= frame_ns_) throw odo::Error(ODO_E_DISCARD, "t_ns is not after that of the frame before");
+    frame_ns_ = frame.header.t_ns;
     const Frame view{odograph::grey_of(frame, converted_), odograph::mask_of(frame), frame.header.t_ns,
                      static_cast<double>(frame.line_time_ns) * 1e-9};
     if (vio_) {
       answer(true, output);
+      vio_->change_lens(lens);
       head_ = frame;
       vio_->begin(view);
       answer(false, output);
       return;
     }
+    vo_->change_lens(lens);
     const Motion motion = vo_->process(view);
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
     if (from_ns != INT64_MIN) output.emit(event_of(motion, from_ns, frame));
@@ -77,7 +77,7 @@ class OdographVo {
 
  private:
   void start() {
-    const odo_calibration& c = *calibration_;
+    const odo_calibration& c = *camera_.calibration();
     q_b_c_ = Eigen::Quaterniond(0, 1, 0, 0);  // a phone's rear camera
     odograph::vio::Camera camera;
     camera.lens = odograph::camera_of(c);
@@ -88,7 +88,7 @@ class OdographVo {
     camera.q_b_c = q_b_c_;
     camera.middle_row = 0.5 * (c.height - 1.0);
     if (c.header.flags & ODO_CALIBRATION_LINE_TIME) camera.line_time_s = static_cast<double>(c.line_time_ns) * 1e-9;
-    previous_ns_ = INT64_MIN;
+    previous_ns_ = frame_ns_ = INT64_MIN;
     vo_.reset(), vio_.reset();
     if (!inertial_) {
       vo_.emplace(Odometry::Parameters{}, camera.lens);
@@ -139,14 +139,14 @@ class OdographVo {
     if (t_ns - refined_ns_ < kRefinedEvery_ns || !vio_->filter()) return;
     refined_ns_ = t_ns;
     const odograph::vio::Camera& camera = vio_->filter()->state().camera;
-    odo_calibration c = *calibration_;
+    const odograph::CameraModel lens = vio_->lens();
+    odo_calibration c = *camera_.calibration();
     c.header.t_ns = t_ns;
     c.header.flags |=
         ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET | ODO_CALIBRATION_LINE_TIME | ODO_CALIBRATION_REFINED;
-    c.fx = camera.lens.fx, c.fy = camera.lens.fy, c.cx = camera.lens.cx + camera.told_px.x(),
-    c.cy = camera.lens.cy + camera.told_px.y();
-    c.distortion_count = static_cast<uint32_t>(camera.lens.coefficients.size());
-    std::copy(camera.lens.coefficients.begin(), camera.lens.coefficients.end(), c.distortion);
+    c.fx = lens.fx, c.fy = lens.fy, c.cx = lens.cx, c.cy = lens.cy;
+    c.distortion_count = static_cast<uint32_t>(lens.coefficients.size());
+    std::copy(lens.coefficients.begin(), lens.coefficients.end(), c.distortion);
     c.q_b_c[0] = camera.q_b_c.w(), c.q_b_c[1] = camera.q_b_c.x();
     c.q_b_c[2] = camera.q_b_c.y(), c.q_b_c[3] = camera.q_b_c.z();
     Eigen::Vector3d::Map(c.p_b_c) = camera.p_b_c;
@@ -156,14 +156,14 @@ class OdographVo {
   }
 
   bool inertial_ = true;
-  std::optional<odo_calibration> calibration_;
+  odograph::ToldCamera camera_;
   std::optional<odo_imu_noise> noise_;
   std::optional<Odometry> vo_;  // up to scale
   std::optional<InertialOdometry> vio_;
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
   odo_frame head_{};  // of the frame that waits: its pixels are not kept
-  int64_t previous_ns_ = INT64_MIN, refined_ns_ = INT64_MIN / 2;
+  int64_t previous_ns_ = INT64_MIN, frame_ns_ = INT64_MIN, refined_ns_ = INT64_MIN / 2;
 };
 
 }  // namespace

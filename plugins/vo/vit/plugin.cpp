@@ -47,8 +47,7 @@ class Vit {
   }
 
   void on(const odo_calibration& c, odo::Output&) {
-    calibration_ = c.id;
-    size_ = {static_cast<int>(c.width), static_cast<int>(c.height)};
+    camera_.take(c);
     T_b_c_ = Isometry3d::Identity();
     Eigen::Quaterniond q(0, 1, 0, 0);  // a phone's rear camera
     if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) {
@@ -68,7 +67,7 @@ class Vit {
   }
 
   void on(const odo_frame& frame, odo::Output& output) {
-    odograph::check_frame(frame, size_.width > 0 ? calibration_ : frame.calibration + 1, size_);
+    camera_.lens_of(frame);  // the interface has no lens of a frame
     start();
     const cv::Mat grey = odograph::grey_of(frame, converted_);
     const auto stride = static_cast<uint32_t>(grey.step);
@@ -120,7 +119,7 @@ class Vit {
     odograph::put_motion(Eigen::Quaterniond(step.linear()), step.translation(), kTurnSigma_rad,
                          kWaySigma * length + 1e-3, event);
     event.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
-    event.camera = calibration_;
+    event.camera = camera_.calibration()->id;
     event.state = ODO_TRACKING;
     output.emit(event);
   }
@@ -130,7 +129,7 @@ class Vit {
     auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
     event.t_from_ns = std::exchange(last_ns_, frame.header.t_ns);
     event.q_c0_c1[0] = 1;
-    event.camera = calibration_;
+    event.camera = camera_.calibration()->id;
     event.state = ODO_LOST;
     event.reason = ODO_REASON_INITIALISING;
     output.emit(event);
@@ -139,8 +138,7 @@ class Vit {
   std::optional<System> system_;
   Isometry3d T_b_c_ = Isometry3d::Identity(), T_w_c_ = Isometry3d::Identity();
   cv::Mat converted_;
-  cv::Size size_;
-  uint32_t calibration_ = 0;
+  odograph::ToldCamera camera_;
   int64_t last_ns_ = INT64_MIN, first_ns_ = INT64_MIN;
   bool started_ = false;
 };

@@ -33,6 +33,8 @@ std::vector<Vector3d> rays_of(const std::vector<cv::Point2f>& pixels, const Came
 const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& mask, int64_t t_ns, double dt_s,
                                           const Eigen::Quaterniond& q_c0_c1, const Vector2d& shift_px,
                                           const CameraModel& lens) {
+  const CameraModel before = before_.empty() ? lens : lens_;
+  lens_ = lens;
   mean_grey_ = cv::mean(grey)[0];
   if (mean_grey_ < p_.dim_grey)
     cv::GaussianBlur(grey, smooth_, {}, p_.dim_blur_px);
@@ -51,17 +53,17 @@ const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& ma
                               cv::BORDER_CONSTANT, false);
   if (!before_.empty() && !tracks_.empty()) {
     std::vector<cv::Point2f> to;
-    predict(q_c0_c1, shift_px, lens, dt_s, to);
+    predict(q_c0_c1, shift_px, before, dt_s, to);
     track_forward(now, to);
     refine_by_patch(now[0], q_c0_c1);
-    drop_outliers(q_c0_c1, shift_px, lens);
+    drop_outliers(q_c0_c1, shift_px);
     for (Track& t : tracks_)
       t.parallax = dt_s > 0 ? Vector2d((Vector2d(t.pixel.x, t.pixel.y) - t.turned) / dt_s) : Vector2d(0, 0);
   }
   before_ = std::move(now);
   followed_ = tracks_.size();
   if (static_cast<double>(followed_) < p_.refill_below * p_.most) refill(smooth_, mask);
-  for (const Track& t : tracks_) corners_.corners.push_back({t.id, Vector2d(t.pixel.x, t.pixel.y)});
+  for (const Track& t : tracks_) corners_.corners.push_back({t.id, Vector2d(t.pixel.x, t.pixel.y), t.pixel.y});
   return corners_;
 }
 
@@ -75,18 +77,19 @@ void GuidedCorners::keep_only(const std::vector<char>& keep) {
   tracks_.resize(n);
 }
 
-void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const Vector2d& shift_px, const CameraModel& lens,
+void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const Vector2d& shift_px, const CameraModel& before,
                             double dt_s, std::vector<cv::Point2f>& to) {
   std::vector<cv::Point2f> from;
   for (const Track& t : tracks_) from.push_back(t.pixel);
-  const auto rays = rays_of(from, lens);
+  const auto rays = rays_of(from, before);
   to.clear();
   for (size_t i = 0; i < tracks_.size(); ++i) {
     Track& t = tracks_[i];
     t.ray = rays[i];
     t.turned = Vector2d(t.pixel.x, t.pixel.y) + shift_px;
     const Vector3d y = q_c0_c1.conjugate() * t.ray;
-    if (y.z() > 0.1) t.turned += lens.project(y.head<2>() / y.z()) - lens.project(t.ray.head<2>());
+    const Vector3d& seen = y.z() > 0.1 ? y : t.ray;
+    t.turned += lens_.project(seen.head<2>() / seen.z()) - before.project(t.ray.head<2>());
     const Vector2d guess = t.turned + dt_s * t.parallax;
     to.emplace_back(static_cast<float>(guess.x()), static_cast<float>(guess.y()));
   }
@@ -135,17 +138,16 @@ void GuidedCorners::refine_by_patch(const cv::Mat& picture, const Eigen::Quatern
   keep_only(keep);
 }
 
-void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Vector2d& shift_px,
-                                  const CameraModel& lens) {
+void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Vector2d& shift_px) {
   if (tracks_.size() < kLeastForRansac) return;
   std::vector<cv::Point2f> pixels;
   const cv::Point2f shift(static_cast<float>(shift_px.x()), static_cast<float>(shift_px.y()));
   for (const Track& t : tracks_) pixels.push_back(t.pixel - shift);
-  const auto rays = rays_of(pixels, lens);
+  const auto rays = rays_of(pixels, lens_);
   std::vector<Vector3d> normals(tracks_.size());
   for (size_t i = 0; i < tracks_.size(); ++i)
     normals[i] = (q_c0_c1.conjugate() * tracks_[i].ray).normalized().cross(rays[i].normalized());
-  const double bound = p_.epipolar_px / lens.focal();
+  const double bound = p_.epipolar_px / lens_.focal();
   std::vector<char> best, inliers(tracks_.size());
   size_t most = 0;
   uint32_t random = 12345;  // the same draws in every frame

@@ -35,10 +35,12 @@ class GuidedCorners {
 
   explicit GuidedCorners(const Parameters& parameters) : p_(parameters) {}
 
-  /// `q_c0_c1`: the camera's rotation since the frame before; `shift_px`: what a stabilised lens moved the picture.
+  /// `q_c0_c1`: the camera's rotation since the frame before; `shift_px`: what a stabilised lens moved the picture;
+  /// `lens`: the one that took the picture.
   const FrameCorners& follow(const cv::Mat& grey, const cv::Mat& mask, int64_t t_ns, double dt_s,
                              const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px,
                              const CameraModel& lens);
+  /// In the latest frame's own pixels.
   const FrameCorners& corners() const { return corners_; }
   /// Of the corners of the frame before, those that are still followed.
   size_t followed() const { return followed_; }
@@ -57,11 +59,11 @@ class GuidedCorners {
   };
   using Pyramid = std::vector<cv::Mat>;
 
-  void predict(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px, const CameraModel& lens, double dt_s,
-               std::vector<cv::Point2f>& to);
+  void predict(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px, const CameraModel& before,
+               double dt_s, std::vector<cv::Point2f>& to);
   void track_forward(const Pyramid& now, std::vector<cv::Point2f>& to);
   void refine_by_patch(const cv::Mat& picture, const Eigen::Quaterniond& q_c0_c1);
-  void drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px, const CameraModel& lens);
+  void drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px);
   void refill(const cv::Mat& picture, const cv::Mat& mask);
   void keep_only(const std::vector<char>& keep);
 
@@ -72,6 +74,7 @@ class GuidedCorners {
   std::vector<size_t> free_patches_;
   FrameCorners corners_;
   cv::Mat smooth_;
+  CameraModel lens_;  ///< of the latest picture
   uint64_t next_id_ = 0;
   size_t followed_ = 0;
   double mean_grey_ = 0;

@@ -67,7 +67,7 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
     forget_clone(state_.clones.size() - 1);
   stood_ = report.standing;
   augment(state_, next_id_++, frame.t_ns, imu, p_);
-  for (const Corner& corner : frame.corners) tracks_[corner.track].push_back({newest().id, corner.pixel});
+  for (const Corner& corner : frame.corners) tracks_[corner.track].push_back({newest().id, corner.pixel, corner.row});
   if (report.standing) update_zero_velocity(state_, p_.stand.sigma_mps(newest().rate_c.norm()));
   update_landmarks(frame, report);
   update_tracks(report);
@@ -140,7 +140,7 @@ void Filter::update_landmarks(const FrameCorners& frame, FrameReport& report) {
                                      [](const Corner& c, uint64_t t) { return c.track < t; });
     bool keep = at != frame.corners.end() && at->track == track;
     if (keep) {
-      const Outcome outcome = update_with_landmark(state_, j, {newest().id, at->pixel}, p_);
+      const Outcome outcome = update_with_landmark(state_, j, {newest().id, at->pixel, at->row}, p_);
       count(outcome, report);
       int& misses = state_.landmarks[j].misses;
       misses = outcome.accepted ? 0 : misses + 1;
@@ -215,7 +215,7 @@ double Filter::camera_pull() const {
   const auto squared = [](double difference, double sigma) { return difference * difference / (sigma * sigma); };
   const Priors& prior = p_.priors;
   double sum = squared(now.time_offset_s - calibrated_.time_offset_s, prior.time_offset_s);
-  sum += squared(std::log(now.lens.fx / (calibrated_.lens.fx * focal_told_)), prior.focal_relative);
+  sum += squared(std::log(now.lens.fx / calibrated_.lens.fx), prior.focal_relative);
   sum += squared(now.lens.cx - calibrated_.lens.cx, prior.centre_px);
   sum += squared(now.lens.cy - calibrated_.lens.cy, prior.centre_px);
   if (calibrated_.line_time_s > 0)

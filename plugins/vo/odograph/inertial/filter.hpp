@@ -39,15 +39,6 @@ class Filter {
   /// The IMU must reach to the frame's time plus the camera's time offset.
   FrameReport process(const FrameCorners& frame, const ImuBuffer& imu);
 
-  /// The lens as it is refined, times and plus what it was changed by.
-  void change_lens(double focal_factor, const Eigen::Vector2d& centre_px) {
-    LensVector change = LensVector::Zero();
-    change << std::log(focal_factor), 0, 0, 0, 0;
-    correct(state_.camera.lens, change);
-    focal_told_ *= focal_factor;
-    state_.camera.told_px += centre_px;  // of the frames to come alone
-  }
-
   const State& state() const { return state_; }
   /// Of the camera's pose in the newest clone.
   const Clone& newest() const { return state_.clones.back(); }
@@ -76,7 +67,6 @@ class Filter {
 
   FilterParameters p_;
   Camera calibrated_;
-  double focal_told_ = 1;  ///< by which calibrations changed the focal length since
   State state_;
   std::map<uint64_t, Track> tracks_;  // ordered: the same updates in the same order each time
   std::deque<FrameCorners> recent_;   // of the last half second

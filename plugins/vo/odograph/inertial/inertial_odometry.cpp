@@ -26,7 +26,7 @@ double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 }  // namespace
 
 InertialOdometry::InertialOdometry(const Parameters& parameters, const Camera& camera)
-    : p_(parameters), camera_(camera), corners_(parameters.corners) {
+    : p_(parameters), camera_(camera), lens_told_(camera.lens), corners_(parameters.corners) {
   visual_.emplace(vo::Odometry::Parameters{}, camera.lens);
 }
 
@@ -59,15 +59,15 @@ void InertialOdometry::begin(const vo::Frame& frame) {
   if (camera_.line_time_s <= 0 && frame.line_time_s > 0) camera_.line_time_s = frame.line_time_s;
   const bool first = previous_ns_ == INT64_MIN;
   const Quaterniond turn = first ? Quaterniond::Identity() : rotation_since(previous_ns_, frame.t_ns);
-  const CameraModel& lens = filter_ ? filter_->state().camera.lens : camera_.lens;
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   if (filter_ && !first) {
     const double offset_s = filter_->state().camera.time_offset_s;
     const auto offset_ns = static_cast<int64_t>(std::llround(offset_s * 1e9));
     shift = lens_moves(filter_->state(), frame.t_ns + offset_ns, imu_, p_.filter);
   }
-  corners_.follow(frame.grey, frame.mask, frame.t_ns, first ? 0 : seconds(frame.t_ns - previous_ns_), turn, shift,
-                  lens);
+  seen_ = corners_.follow(frame.grey, frame.mask, frame.t_ns, first ? 0 : seconds(frame.t_ns - previous_ns_), turn,
+                          shift, lens());
+  for (Corner& corner : seen_.corners) corner.pixel = vio::change_lens(corner.pixel, lens_told_, camera_.lens);
   Pending pending{frame.t_ns, {}, true};
   if (!filter_) {
     pending.visual = visual_->process(frame);
@@ -102,7 +102,7 @@ std::optional<InertialMotion> InertialOdometry::finish(bool force) {
       T_visual_ =
           T_visual_ * vo::isometry(visual.q_c0_c1, visual.translation_valid ? visual.p_c0_c1 : Vector3d::Zero());
     if (frame.estimate) {
-      start_frames_.push_back({corners_.corners(), T_visual_, visual.translation_valid, group_});
+      start_frames_.push_back({seen_, T_visual_, visual.translation_valid, group_});
       while (seconds(frame.t_ns - start_frames_.front().corners.t_ns) > kKeepFrames_s) start_frames_.pop_front();
       if (inertial) try_start(frame.t_ns);
     }
@@ -145,7 +145,7 @@ InertialMotion InertialOdometry::estimate(const Pending& frame) {
     integrate(nav, filter_->state().t_ns, frame.t_ns + offset_ns, imu_, p_.filter.gravity_mps2);
     return report(frame.t_ns, nav, false);
   }
-  const FrameReport seen = filter_->process(corners_.corners(), imu_);
+  const FrameReport seen = filter_->process(seen_, imu_);
   tracked_ = static_cast<unsigned>(corners_.followed());
   accepted_ = static_cast<unsigned>(seen.accepted);
   const bool refused = seen.tried >= kLeastTried && seen.accepted < p_.least_accepted * seen.tried;
@@ -167,17 +167,27 @@ InertialMotion InertialOdometry::estimate(const Pending& frame) {
   return out;
 }
 
-void InertialOdometry::change_lens(const CameraModel& before, const CameraModel& now) {
-  camera_.lens = now;
-  visual_->change_lens(now);
-  if (filter_) filter_->change_lens(now.focal() / before.focal(), {now.cx - before.cx, now.cy - before.cy});
+void InertialOdometry::change_lens(const CameraModel& told) {
+  lens_told_ = told;
+  visual_->change_lens(told);
+}
+
+CameraModel InertialOdometry::lens() const {
+  CameraModel lens = lens_told_;
+  if (!filter_) return lens;
+  const CameraModel &refined = filter_->state().camera.lens, &calibrated = camera_.lens;
+  const double by_x = lens.fx / calibrated.fx, by_y = lens.fy / calibrated.fy;
+  lens.cx += (refined.cx - calibrated.cx) * by_x, lens.cy += (refined.cy - calibrated.cy) * by_y;
+  lens.fx = refined.fx * by_x, lens.fy = refined.fy * by_y;
+  if (lens.coefficients == calibrated.coefficients) lens.coefficients = refined.coefficients;
+  return lens;
 }
 
 void InertialOdometry::lose() {
   filter_.reset();
   start_frames_.clear();
   const vo::Odometry::Parameters parameters{};
-  visual_.emplace(parameters, camera_.lens);
+  visual_.emplace(parameters, lens_told_);
   visual_group_ = 0;
   T_visual_.setIdentity();
   ++group_;

@@ -58,8 +58,10 @@ class InertialOdometry {
   /// The motion of the frame that was begun, once the IMU reaches far enough, or at once with `force`.
   std::optional<InertialMotion> finish(bool force);
 
-  /// The lens was focused or shifted by as much as lies between the two; what was refined of it stays.
-  void change_lens(const CameraModel& before, const CameraModel& now);
+  /// Of the frames to come: focused or shifted, as the camera says. What was refined of the calibrated lens stays.
+  void change_lens(const CameraModel& told);
+  /// That of the newest frame, as it is refined.
+  CameraModel lens() const;
 
   const Filter* filter() const { return filter_ ? &*filter_ : nullptr; }
 
@@ -85,9 +87,11 @@ class InertialOdometry {
   Eigen::Quaterniond rotation_since(int64_t from_ns, int64_t to_ns) const;
 
   Parameters p_;
-  Camera camera_;
+  Camera camera_;          ///< as calibrated at the start
+  CameraModel lens_told_;  ///< of the newest frame
   ImuBuffer imu_;
   GuidedCorners corners_;
+  FrameCorners seen_;  ///< corners_ as the calibrated lens would have them
   std::optional<vo::Odometry> visual_;
   std::deque<StartFrame> start_frames_;
   std::optional<Filter> filter_;

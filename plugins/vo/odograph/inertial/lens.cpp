@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace odograph::vio {
 namespace {
@@ -17,6 +18,15 @@ void correct(CameraModel& lens, const LensVector& delta) {
   lens.cx += delta[1], lens.cy += delta[2];
   if (lens.coefficients.size() < 4) lens.coefficients.resize(4, 0.0);
   lens.coefficients[0] += delta[3], lens.coefficients[1] += delta[4];
+}
+
+Eigen::Vector2d change_lens(const Eigen::Vector2d& pixel, const CameraModel& taken_with, const CameraModel& in) {
+  if (taken_with.distortion == in.distortion && taken_with.coefficients == in.coefficients)
+    return {in.cx + (pixel.x() - taken_with.cx) * (in.fx / taken_with.fx),
+            in.cy + (pixel.y() - taken_with.cy) * (in.fy / taken_with.fy)};
+  std::vector<cv::Point2d> straight;
+  taken_with.undistort({cv::Point2f(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()))}, straight);
+  return in.project({straight[0].x, straight[0].y});
 }
 
 Projection project(const CameraModel& lens, const Eigen::Vector3d& y) {

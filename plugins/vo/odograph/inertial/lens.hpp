@@ -14,6 +14,9 @@ using LensVector = Eigen::Matrix<double, kLensStates, 1>;
 
 void correct(CameraModel& lens, const LensVector& delta);
 
+/// Where a pixel of a frame that `taken_with` took would lie in one that `in` had taken, px.
+Eigen::Vector2d change_lens(const Eigen::Vector2d& pixel, const CameraModel& taken_with, const CameraModel& in);
+
 struct Projection {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> by_point;  ///< px by the point's coordinates in the camera

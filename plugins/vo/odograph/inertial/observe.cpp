@@ -45,10 +45,10 @@ std::optional<Observed> observe(const Clone& c, const Camera& camera, const Vect
   return out;
 }
 
-Vector3d ray_of(const Clone& c, const Camera& camera, const Vector2d& pixel) {
+Vector3d ray_of(const Clone& c, const Camera& camera, const Vector2d& pixel, double row) {
   thread_local std::vector<cv::Point2f> one(1);
   thread_local std::vector<cv::Point2d> straight(1);
-  const double dt = (pixel.y() - camera.middle_row) * camera.line_time_s;
+  const double dt = (row - camera.middle_row) * camera.line_time_s;
   const Vector2d unshifted = pixel - c.shift_px - dt * c.shift_rate_px_s;
   one[0] = {static_cast<float>(unshifted.x()), static_cast<float>(unshifted.y())};
   camera.lens.undistort(one, straight);
@@ -65,7 +65,7 @@ std::optional<Triangulated> triangulate(const State& state, const std::vector<Ob
   std::vector<View> views;
   for (const Observation& o : track) {
     const Clone& c = state.clones[state.find_clone(o.clone)];
-    views.push_back({&c, (c.q_w_c * ray_of(c, state.camera, o.pixel)).normalized()});
+    views.push_back({&c, (c.q_w_c * ray_of(c, state.camera, o.pixel, o.row)).normalized()});
   }
   Triangulated out;
   const View& first = views.front();
@@ -76,7 +76,7 @@ std::optional<Triangulated> triangulate(const State& state, const std::vector<Ob
     if (angle > widest) widest = angle, other = &view;
   }
   out.parallax_rad = widest;
-  const Vector3d ray = ray_of(*first.clone, state.camera, track.front().pixel);
+  const Vector3d ray = ray_of(*first.clone, state.camera, track.front().pixel, track.front().row);
   out.at = Vector3d(ray.x(), ray.y(), p.inverse_depth);
   if (other && widest > 0.5 * p.least_parallax_rad) {
     const Vector3d b = other->clone->p_w - first.clone->p_w;
@@ -98,7 +98,7 @@ std::optional<Triangulated> triangulate(const State& state, const std::vector<Ob
     const Matrix3d J_point = R * landmark_jacobian(out.at);
     bool seen = true;
     for (size_t i = 0; i < track.size() && seen; ++i) {
-      const auto o = observe(*views[i].clone, state.camera, p_w, track[i].pixel.y());
+      const auto o = observe(*views[i].clone, state.camera, p_w, track[i].row);
       seen = o.has_value();
       if (!seen) break;
       const Vector2d error = track[i].pixel - o->pixel;

@@ -11,8 +11,9 @@ namespace odograph::vio {
 
 /// A corner as a clone's frame has it.
 struct Observation {
-  uint32_t clone = 0;  ///< id
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  uint32_t clone = 0;                               ///< id
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< as the calibrated lens would have it
+  double row = 0;                                   ///< of the frame
 };
 
 /// Where a clone's frame has a point, with the rolling shutter: the row's time decides the pose.
@@ -30,7 +31,7 @@ struct Observed {
 std::optional<Observed> observe(const Clone& clone, const Camera& camera, const Eigen::Vector3d& p_w, double row);
 
 /// The ray of a pixel in the clone's camera at the middle row, z = 1: without distortion and the turn between the rows.
-Eigen::Vector3d ray_of(const Clone& clone, const Camera& camera, const Eigen::Vector2d& pixel);
+Eigen::Vector3d ray_of(const Clone& clone, const Camera& camera, const Eigen::Vector2d& pixel, double row);
 
 /// A point from a track with its first clone as anchor.
 struct Triangulated {

@@ -152,7 +152,7 @@ void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, 
   clone.a_w = R * (0.25 * before.accel_b + 0.5 * now.accel_b + 0.25 * after.accel_b - nav.accel_bias) +
               Vector3d(0, 0, p.gravity_mps2);
   clone.drive_px_s = drive_of(state.camera.lens.focal(), clone.rate_c);
-  clone.shift_px = state.camera.shift_px + state.camera.told_px;
+  clone.shift_px = state.camera.shift_px;
   clone.shift_rate_px_s =
       state.camera.follow * clone.drive_px_s - kTwoPi * p.stabiliser.leak_hz * state.camera.shift_px;
   using Jacobian = Eigen::Matrix<double, block::clone, block::fixed>;

@@ -16,7 +16,8 @@ std::optional<double> flow_beside_rotation(const FrameCorners& before, const Fra
     const auto at = std::lower_bound(before.corners.begin(), before.corners.end(), corner.track,
                                      [](const Corner& c, uint64_t track) { return c.track < track; });
     if (at == before.corners.end() || at->track != corner.track) continue;
-    const Eigen::Vector3d a = ray_of(still, camera, at->pixel), b = ray_of(still, camera, corner.pixel);
+    const Eigen::Vector3d a = ray_of(still, camera, at->pixel, at->row);
+    const Eigen::Vector3d b = ray_of(still, camera, corner.pixel, corner.row);
     first.emplace_back(a.x(), a.y()), second.emplace_back(b.x(), b.y());
   }
   if (first.size() < least) return std::nullopt;

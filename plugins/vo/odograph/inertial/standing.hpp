@@ -14,7 +14,8 @@ namespace odograph::vio {
 /// A followed corner in a frame.
 struct Corner {
   uint64_t track;
-  Eigen::Vector2d pixel;
+  Eigen::Vector2d pixel;  ///< as the calibrated lens would have it, whatever lens the frame was taken with
+  double row = 0;         ///< of the frame, for the time of its exposure
 };
 
 struct FrameCorners {

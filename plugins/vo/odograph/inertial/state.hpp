@@ -33,8 +33,7 @@ struct Camera {
   /// A stabilised lens shifts the picture against the phone's shake: s' = follow f (w_y, -w_x) - leak s, w the rate in
   /// c.
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
-  double follow = 0;                                  ///< 0: fixed lens; 1: takes out all
-  Eigen::Vector2d told_px = Eigen::Vector2d::Zero();  ///< shift that the calibration told since the start
+  double follow = 0;  ///< 0: fixed lens; 1: takes out all
 };
 
 /// A pose of the camera at the middle row of a frame, with the motion that the other rows saw.

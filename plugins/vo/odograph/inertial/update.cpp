@@ -59,7 +59,7 @@ std::optional<TrackEquations> equations(const State& state, const std::vector<Ob
   const Matrix3d J_point = R * landmark_jacobian(at);
   for (size_t i = 0; i < track.size(); ++i) {
     const Clone& clone = state.clones[state.find_clone(track[i].clone)];
-    const auto o = observe(clone, state.camera, p_w, track[i].pixel.y());
+    const auto o = observe(clone, state.camera, p_w, track[i].row);
     if (!o) return std::nullopt;
     const int row = 2 * static_cast<int>(i);
     out.z.residual.segment<2>(row) = track[i].pixel - o->pixel;
@@ -209,7 +209,7 @@ Outcome update_with_landmark(State& state, size_t j, const Observation& seen, co
   const Landmark& landmark = state.landmarks[j];
   const size_t a = state.find_clone(landmark.anchor), i = state.find_clone(seen.clone);
   const Eigen::Vector3d p_w = state.point(landmark);
-  const auto o = observe(state.clones[i], state.camera, p_w, seen.pixel.y());
+  const auto o = observe(state.clones[i], state.camera, p_w, seen.row);
   if (!o) return {};
   Linearised z;
   z.residual = seen.pixel - o->pixel;
