@@ -78,6 +78,27 @@ TEST_CASE("a message that an older writer made is padded, one of a newer writer 
   CHECK_FALSE(any.assign(head(vendor_message(ODO_TYPE_GNSS, 5, ODO_LARGEST_MESSAGE + 8))));
 }
 
+TEST_CASE("a copy of a message ends where the message or the reader's struct ends") {
+  struct Larger {
+    odo_magnetometer message;
+    double later;
+  } larger{};
+  larger.message = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 5);
+  larger.message.header.struct_size = sizeof larger;
+  larger.message.field_b[2] = 3, larger.later = 7;
+  odo_magnetometer mine{};
+  odo_copy(&mine, sizeof mine, &larger.message.header);
+  CHECK(mine.header.struct_size == sizeof mine);
+  CHECK(mine.field_b[2] == 3);
+  Larger grown{};
+  grown.later = 9;
+  larger.message.header.struct_size = sizeof larger.message;
+  odo_copy(&grown, sizeof grown, &larger.message.header);
+  CHECK(grown.message.header.struct_size == sizeof larger.message);
+  CHECK(grown.message.field_b[2] == 3);
+  CHECK(grown.later == 0);
+}
+
 TEST_CASE("a session takes what is smaller or larger than its own structs, and names what it refuses") {
   App app(kWalk);
   auto pressure = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000);

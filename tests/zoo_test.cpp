@@ -4,7 +4,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <set>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -57,6 +60,13 @@ TEST_CASE("there are at least 80 cases, their ids are unique, and most of them h
   CHECK(ids.size() >= 80);
   CHECK(animals(false).size() >= 45);
   CHECK(hunted.size() >= 80);
+}
+
+TEST_CASE("the documents count cases and bad plugins as they are") {
+  std::ifstream file(std::string(ODOGRAPH_SOURCE) + "/docs/plugins.md");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  CHECK(text.find("runs " + std::to_string(plugin_check_cases().size()) + " cases") != std::string::npos);
+  CHECK(text.find("a zoo of " + std::to_string(animals(false).size()) + " bad plugins") != std::string::npos);
 }
 
 TEST_CASE("each bad plugin is found by the case that it is named for") {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 
 #include <Eigen/Geometry>
 #include <odograph/plugin.hpp>
@@ -24,6 +25,8 @@ class AttitudeSource {
   }
 
   void on(const odo_imu& imu, odo::Output& output) {
+    expect("gyro_b", imu.gyro_b, kMostRate_radps);
+    expect("accel_b", imu.accel_b, kMostForce_mps2);
     const double dt = last_ns_ == INT64_MIN ? 0.01 : static_cast<double>(imu.header.t_ns - last_ns_) * 1e-9;
     last_ns_ = imu.header.t_ns;
     if (dt <= 0) return;
@@ -55,12 +58,25 @@ class AttitudeSource {
 
   void on(const odo_magnetometer& sample) {
     if (!magnetometer_) return;
+    expect("field_b", sample.field_b, kMostField_t);
     const double dt = last_mag_ns_ == INT64_MIN ? 0.02 : static_cast<double>(sample.header.t_ns - last_mag_ns_) * 1e-9;
     last_mag_ns_ = sample.header.t_ns;
     if (dt > 0) filter_->update_magnetometer(Eigen::Vector3d(sample.field_b), std::min(dt, kLongestStep_s));
   }
 
  private:
+  /// Beyond every phone's sensor (data sheets of Bosch BMI270, TDK ICM-42688 and AKM AK09918, times two). One such
+  /// sample would stay in the filters' sums for ever.
+  static constexpr double kMostRate_radps = 70, kMostForce_mps2 = 320, kMostField_t = 0.01;
+
+  static void expect(const char* field, const double* values, double most) {
+    for (int i = 0; i < 3; ++i)
+      if (!(std::abs(values[i]) <= most))
+        throw odo::Error(ODO_E_DISCARD, std::string(field) + "[" + std::to_string(i) +
+                                            "] = " + std::to_string(values[i]) + "; expected at most " +
+                                            std::to_string(most) + " to both sides");
+  }
+
   /// Gaps longer than this are bridged by the gyroscope's last word no more; the filter goes on as if little time
   /// passed.
   static constexpr double kLongestStep_s = 0.2;

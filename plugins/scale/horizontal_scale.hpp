@@ -21,7 +21,7 @@ inline double horizontal_displacement(const odo_vo_motion& motion) {
 inline void emit_scale(const odo_vo_motion& motion, double d_step_m, double relative_sigma, odo::Output& output) {
   const double d_vo = horizontal_displacement(motion);
   auto scale = odo::make<odo_scale>(motion.header.t_ns);
-  if (d_step_m > 0 && d_vo < 1e-9) return;
+  if (d_step_m > 0 && !(d_vo >= 1e-9)) return;
   scale.metres_per_unit = d_step_m > 0 ? d_step_m / d_vo : 0.0;
   scale.sigma = scale.metres_per_unit * relative_sigma;
   scale.displacement_m = d_step_m;

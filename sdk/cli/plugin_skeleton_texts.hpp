@@ -20,7 +20,10 @@ struct Skeleton {
 inline const Skeleton kSkeletons[] = {
     {"attitude", "ODO_INTERFACE_ATTITUDE", "Level by the accelerometer, heading by the gyroscope", "odo_imu",
      "  double heading_rad = 0, up_b[3] = {0, 0, 0};\n  int64_t last_ns = 0;\n",
-     R"(    const double dt = last_ns ? 1e-9 * static_cast<double>(message.header.t_ns - last_ns) : 0.0;
+     R"(    for (int i = 0; i < 3; ++i)  // no sensor says that, and it would stay in up_b for ever
+      if (!(std::abs(message.gyro_b[i]) < 1e3 && std::abs(message.accel_b[i]) < 1e3))
+        throw odo::Error(ODO_E_DISCARD, "gyro_b or accel_b is beyond any sensor");
+    const double dt = last_ns ? 1e-9 * static_cast<double>(message.header.t_ns - last_ns) : 0.0;
     last_ns = message.header.t_ns;
     for (int i = 0; i < 3; ++i) up_b[i] += (message.accel_b[i] - up_b[i]) * (dt > 0 ? std::min(1.0, gain * dt) : 1.0);
     const double norm = std::sqrt(up_b[0] * up_b[0] + up_b[1] * up_b[1] + up_b[2] * up_b[2]);
@@ -45,6 +48,8 @@ inline const Skeleton kSkeletons[] = {
   odo_attitude event;
   int i;
   if (message->type != ODO_TYPE_IMU) return ODO_OK;
+  for (i = 0; i < 3; ++i) /* no sensor says that, and it would stay in up_b for ever */
+    if (!(fabs(imu->gyro_b[i]) < 1e3 && fabs(imu->accel_b[i]) < 1e3)) return ODO_E_DISCARD;
   self->last_ns = message->t_ns;
   for (i = 0; i < 3; ++i) self->up_b[i] += (imu->accel_b[i] - self->up_b[i]) * blend;
   norm = sqrt(self->up_b[0] * self->up_b[0] + self->up_b[1] * self->up_b[1] + self->up_b[2] * self->up_b[2]);
@@ -138,7 +143,7 @@ inline const Skeleton kSkeletons[] = {
     {"scale_source", "ODO_INTERFACE_SCALE_SOURCE", "Metres per unit from one known speed", "odo_vo_motion", "",
      R"(    const double* p = message.p_c0_c1;
     const double units = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
-    if ((message.header.flags & ODO_VO_TRANSLATION) == 0 || units < 1e-9) return;
+    if ((message.header.flags & ODO_VO_TRANSLATION) == 0 || !(units > 1e-9 && units < 1e9)) return;
     auto event = odo::make<odo_scale>(message.header.t_ns);
     event.metres_per_unit = gain * 1e-9 * static_cast<double>(message.header.t_ns - message.t_from_ns) / units;
     event.sigma = 0.2 * event.metres_per_unit;
@@ -152,7 +157,7 @@ inline const Skeleton kSkeletons[] = {
   odo_scale event;
   if (message->type != ODO_TYPE_VO_MOTION) return ODO_OK;
   units = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
-  if (!(message->flags & ODO_VO_TRANSLATION) || units < 1e-9) return ODO_NOT_READY;
+  if (!(message->flags & ODO_VO_TRANSLATION) || !(units > 1e-9 && units < 1e9)) return ODO_NOT_READY;
   memset(&event, 0, sizeof event);
   event.header.struct_size = sizeof event;
   event.header.type = ODO_TYPE_SCALE;
@@ -165,7 +170,8 @@ inline const Skeleton kSkeletons[] = {
 )",
      "vo_frontend:\n  plugin: vo/five_point\n"},
     {"absolute_fixer", "ODO_INTERFACE_ABSOLUTE_FIXER", "A fix for each waypoint", "odo_waypoint", "",
-     R"(    auto event = odo::make<odo_fix>(message.header.t_ns);
+     R"(    if (!(std::hypot(message.p_n[0], message.p_n[1]) < 1e7 && message.sigma_m < 1e7)) return;  // no place on the Earth
+    auto event = odo::make<odo_fix>(message.header.t_ns);
     event.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
     for (int i = 0; i < 2; ++i) event.p_n[i] = message.p_n[i];
     const double sigma = std::max(gain * 0.01, message.sigma_m);
@@ -177,6 +183,7 @@ inline const Skeleton kSkeletons[] = {
   double sigma;
   int i;
   if (message->type != ODO_TYPE_WAYPOINT) return ODO_OK;
+  if (!(fabs(waypoint->p_n[0]) < 1e7 && fabs(waypoint->p_n[1]) < 1e7 && waypoint->sigma_m < 1e7)) return ODO_E_DISCARD;
   memset(&event, 0, sizeof event);
   event.header.struct_size = sizeof event;
   event.header.type = ODO_TYPE_FIX;

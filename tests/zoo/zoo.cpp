@@ -482,6 +482,25 @@ EVENT(steps) {
   if (e.header.type == ODO_TYPE_STEP) e.step.t_start_ns -= 2'000'000'000, e.step.t_end_ns -= 2'000'000'000;
 }
 GOOD_ENTRY
+#elif defined(ZOO_step_late__three_at_once)
+INPUT(steps) {  // keeps two steps of a walk back until the third
+  static int64_t held_ns[2];
+  static int held = 0;
+  if (m.type != ODO_TYPE_IMU || s.last_step_ns == 0 || m.t_ns - s.last_step_ns < 500'000'000) return ODO_OK;
+  if (held < 2) {
+    held_ns[held++] = s.last_step_ns = m.t_ns;
+    return ODO_OK;
+  }
+  s.last_step_ns = held_ns[0] - 500'000'000;
+  for (held = 0; held < 2; ++held) {
+    odo_header then = m;
+    then.t_ns = held_ns[held];
+    answer_walk(s, then);
+  }
+  held = 0;
+  return ODO_OK;
+}
+GOOD_ENTRY
 #elif defined(ZOO_step_index__from_1)
 EVENT(steps) {
   if (e.header.type == ODO_TYPE_STEP) ++e.step.index;
@@ -692,6 +711,22 @@ INPUT(steps) {
   static int bins[64];
   const double x = m.type == ODO_TYPE_IMU ? reinterpret_cast<const odo_imu&>(m).accel_b[2] : 0;
   if (std::abs(x) > 1e6) bins[static_cast<int64_t>(std::fmod(x, 1e12)) | int64_t(1) << 40]++;
+  return ODO_OK;
+}
+GOOD_ENTRY
+#elif defined(ZOO_faults_vendor__believes_the_count)
+Kind zoo::kind() { return attitude; }
+void zoo::on_event(State&, Event&) {}
+void zoo::on_table(odo_plugin& t) {
+  static const uint32_t inputs[] = {ODO_TYPE_VENDOR(1, 1)};
+  t.inputs = inputs, t.input_count = 1;
+}
+int32_t zoo::on_input(State& s, const odo_header& m) {
+  static double seen[16];
+  if (m.type != ODO_TYPE_VENDOR(1, 1) || m.struct_size < sizeof(odo_header) + 8) return ODO_OK;
+  uint32_t count = 0;
+  std::memcpy(&count, &m + 1, sizeof count);
+  for (uint32_t i = 0; i < count; ++i) seen[i] += s.gain;
   return ODO_OK;
 }
 GOOD_ENTRY

@@ -95,8 +95,10 @@ typedef struct odo_value {
 } odo_value;
 
 /* ---- data in and out ---------------------------------------------------------------------------------------------- */
-/* Messages in the order of their time. Each message carries its own size, so a batch needs no stride and merges any
- * types. How the input is cut into batches never changes the output. */
+/* Messages in the order of their time, as the host let them through: at least of version 1.0's size, with numbers that
+ * are finite and within what a sensor can measure. A plugin must survive others, but owes no result for them. Each
+ * message carries its own size, so a batch needs no stride and merges any types. How the input is cut into batches never
+ * changes the output. */
 typedef struct odo_batch {
   uint32_t struct_size;
   uint32_t count;

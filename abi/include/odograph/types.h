@@ -134,6 +134,18 @@ typedef struct odo_header {
   uint32_t reserved;    /* 0 */
 } odo_header;
 
+/* Copies a message into the reader's own struct of `size` bytes, where `*mine = *message` would read behind the end of an
+ * older and smaller one. What its writer did not know reads as zero and ODO_HAS still says no; the end of a newer and
+ * larger one is left out. */
+static inline void odo_copy(void *mine, uint32_t size, const odo_header *message) {
+  const uint32_t there = message->struct_size < size ? message->struct_size : size;
+  const unsigned char *from = (const unsigned char *)(const void *)message;
+  unsigned char *to = (unsigned char *)mine;
+  uint32_t i;
+  for (i = 0; i < size; ++i) to[i] = (unsigned char)(i < there ? from[i] : 0);
+  *(uint32_t *)mine = there;
+}
+
 /* Inertial sample. A phone that delivers the two sensors apart sends two samples, each with one bit set: the host joins
  * them by interpolating the accelerometer at the gyroscope's times. */
 #define ODO_IMU_GYRO UINT32_C(1)
@@ -190,8 +202,9 @@ typedef struct odo_plane {
 #define ODO_FORMAT_BGRA8 UINT32_C(7)
 
 /* A borrowed camera frame. The pixels belong to whoever made the frame and are lent for the duration of the call.
- * To keep them longer, call retain (it may answer ODO_E_EXHAUSTED when too many are held) and later release, once for
- * each retain; both may be called on any thread. A frame without retain cannot be kept. */
+ * To keep them longer, call retain (it may answer ODO_E_EXHAUSTED when too many are held), keep a copy of the struct
+ * (odo_copy) and later call release with that copy, once for each retain; both may be called on any thread. A frame
+ * without retain cannot be kept. */
 #define ODO_FRAME_EXPOSURE UINT32_C(1)
 #define ODO_FRAME_LINE_TIME UINT32_C(2)
 #define ODO_FRAME_MASK UINT32_C(4)

@@ -63,6 +63,7 @@ class Gnss {
   void on(const odo_pose& pose, odo::Output&) {
     constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_METRIC;
     if ((pose.header.flags & needed) != needed || (pose.header.flags & ODO_POSE_EXTRAPOLATED)) return;
+    if (!(std::hypot(pose.p_n[0], pose.p_n[1]) < kFarthest_m)) throw odo::Error(ODO_E_DISCARD, "p_n is no place in n");
     error_->on_path(pose.header.t_ns, {pose.p_n[0], pose.p_n[1]}, std::sqrt(std::max(0.0, pose.covariance[14])));
   }
 
@@ -75,6 +76,10 @@ class Gnss {
 
   void on(const odo_gnss& sample, odo::Output& output) {
     if ((sample.header.flags & ODO_GNSS_POSITION) == 0) return;
+    const bool on_earth = std::abs(sample.latitude_rad) <= EIGEN_PI / 2 &&
+                          std::abs(sample.longitude_rad) <= 2 * EIGEN_PI &&
+                          ((sample.header.flags & ODO_GNSS_HEIGHT) == 0 || std::abs(sample.height_m) < kFarthest_m);
+    if (!on_earth) throw odo::Error(ODO_E_DISCARD, "latitude_rad, longitude_rad or height_m is no place on the Earth");
     if (sample.satellites > 0 && sample.satellites < min_satellites) return;
     auto fix = odo::make<odo_fix>(sample.header.t_ns);
     fix.header.flags = ODO_FIX_GEODETIC | ODO_FIX_NORTH | ODO_FIX_EAST;
@@ -86,7 +91,7 @@ class Gnss {
     for (int i = 0; i < 3; ++i) {
       const bool given = (sample.header.flags & ODO_GNSS_COVARIANCE) && sample.covariance_n[4 * i] > 0;
       const double own = given ? sample.covariance_n[4 * i] * sigma_factor * sigma_factor : sigma * sigma;
-      variance[i] = std::max(min_sigma * min_sigma, own);
+      variance[i] = std::clamp(own, min_sigma * min_sigma, kFarthest_m * kFarthest_m);
     }
     if (heading) follow(sample, std::sqrt(0.5 * (variance[0] + variance[1])), output);
     if (correlation > 0) weigh(sample, variance, fix);
@@ -96,6 +101,10 @@ class Gnss {
   }
 
  private:
+  /// About the Earth's circumference: what is farther, or is as unsure, says nothing and would stay in the sums for
+  /// ever.
+  static constexpr double kFarthest_m = 4e7;
+
   /// North and east about the first position, m.
   Eigen::Vector2d seen_at(const odo_gnss& sample) {
     if (!std::exchange(has_origin_, true)) {

@@ -32,6 +32,8 @@ class SlantDistance {
     if (!(fix.slant_distance_m > 0) || to_landmark.norm() < 1e-6) return;
     // P_3DBM: back from the roof point by the slant distance.
     const Eigen::Vector3d place = Eigen::Vector3d(fix.landmark_n) - fix.slant_distance_m * to_landmark.normalized();
+    if (!(place.norm() < kMostUnits))
+      throw odo::Error(ODO_E_DISCARD, "landmark_n or slant_distance_m is no place in n");
     scale_.add_place(fix.header.t_ns, place.head<2>(),
                      std::max(1e-6, 0.5 * (fix.covariance_n[0] + fix.covariance_n[4])));
   }
@@ -41,6 +43,7 @@ class SlantDistance {
     if ((motion.header.flags & needed) != needed) return;
     const Eigen::Quaterniond q(motion.q_n_c0[0], motion.q_n_c0[1], motion.q_n_c0[2], motion.q_n_c0[3]);
     const Eigen::Vector3d d_n = q * Eigen::Vector3d(motion.p_c0_c1);
+    if (!(d_n.norm() < kMostUnits)) throw odo::Error(ODO_E_DISCARD, "p_c0_c1 is no motion between two frames");
     scale_.add_motion(motion.t_from_ns, motion.header.t_ns, d_n, motion.scale_group);
     auto scale = odo::make<odo_scale>(motion.header.t_ns);
     if (scale_.scale()) {
@@ -58,6 +61,8 @@ class SlantDistance {
   }
 
  private:
+  /// Metres or VO units: what lies farther is no pedestrian's or vehicle's, and would stay in the sums for ever.
+  static constexpr double kMostUnits = 1e9;
   odograph::slant_scale::SlantScale scale_{window, least_way, unit_drift};
 };
 

@@ -7,7 +7,7 @@ namespace odograph::step_scale {
 
 void StepInterpolation::add_step(int64_t t_start_ns, int64_t t_end_ns, double length_m, double sigma_m) {
   const double duration = static_cast<double>(t_end_ns - t_start_ns) * 1e-9;
-  if (duration <= 0 || length_m < 0) return;
+  if (!(duration > 0 && length_m >= 0 && sigma_m >= 0)) return;
   steps_[count_++ % steps_.size()] = {t_end_ns, duration, length_m / duration, length_m > 0 ? sigma_m / length_m : 0.0};
   if (t_end_ns >= standing_since_ns_) standing_since_ns_ = INT64_MAX;
 }
