@@ -91,6 +91,7 @@ class KnownObject {
     judge_->forget();
     poses_.clear(), waiting_.clear();
     calibrated_ = false;
+    camera_ = {};
     // Places of local objects, and of others where the origin is known, are in n from the start.
     map_known_ = !any_geodetic_ || geodetic;
     placed_ = prior == "always" && map_known_;
@@ -99,7 +100,7 @@ class KnownObject {
   }
 
   void on(const odo_calibration& c, odo::Output&) {
-    calibration_ = c.id;
+    camera_.take(c);
     lens_.camera = odograph::camera_of(c);
     lens_.width = static_cast<int>(c.width), lens_.height = static_cast<int>(c.height);
     line_time_ns_ = (c.header.flags & ODO_CALIBRATION_LINE_TIME) ? c.line_time_ns : 0;
@@ -130,8 +131,8 @@ class KnownObject {
   }
 
   void on(const odo_frame& frame, odo::Output& output) {
-    odograph::check_frame(frame, calibrated_ ? calibration_ : frame.calibration + 1, {lens_.width, lens_.height});
     RollingLens lens = lens_;
+    lens.camera = camera_.lens_of(frame);
     const int64_t line_ns = (frame.header.flags & ODO_FRAME_LINE_TIME) ? frame.line_time_ns : line_time_ns_;
     lens.line_time_s = static_cast<double>(line_ns) * 1e-9;
     move(lens);
@@ -302,7 +303,7 @@ class KnownObject {
   std::optional<Judge> judge_;
   RollingLens lens_;
   bool calibrated_ = false, any_geodetic_ = false, map_known_ = false, placed_ = false;
-  uint32_t calibration_ = 0;
+  odograph::ToldCamera camera_;
   int64_t line_time_ns_ = 0;
   Quaterniond q_b_c_ = Quaterniond(0, 1, 0, 0);
   Vector3d p_b_c_ = Vector3d::Zero(), n_from_map_ = Vector3d::Zero();
