@@ -18,7 +18,7 @@ struct ConstantSpeed {
   void on(const odo_vo_motion& motion, odo::Output& output) {
     const double* p = motion.p_c0_c1;
     const double units = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
-    if ((motion.header.flags & ODO_VO_TRANSLATION) == 0 || units < 1e-9) return;
+    if ((motion.header.flags & ODO_VO_TRANSLATION) == 0 || !(units > 1e-9 && units < 1e9)) return;  // NaN too
     auto scale = odo::make<odo_scale>(motion.header.t_ns);
     scale.metres_per_unit = speed * 1e-9 * static_cast<double>(motion.header.t_ns - motion.t_from_ns) / units;
     scale.sigma = 0.2 * scale.metres_per_unit;
