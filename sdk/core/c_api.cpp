@@ -11,6 +11,7 @@
 
 #include "sdk/base/nearest.hpp"
 #include "sdk/base/version.hpp"
+#include "sdk/core/c_guard.hpp"
 #include "sdk/core/session.hpp"
 
 struct odo_session {
@@ -19,26 +20,9 @@ struct odo_session {
 
 namespace {
 
+using odograph::fail;
 using odograph::Failure;
-
-template <class Work>
-int32_t guarded(Work&& work) noexcept {
-  try {
-    return work();
-  } catch (const std::bad_alloc&) {
-    return ODO_E_MEMORY;
-  } catch (...) {
-    return ODO_E_ERROR;
-  }
-}
-
-int32_t fail(odo_error* error, const Failure& failure) {
-  if (error && error->struct_size >= ODO_ERROR_SIZE_MIN) {
-    error->status = failure.status;
-    std::snprintf(error->message, sizeof error->message, "%s", failure.text.c_str());
-  }
-  return failure.status;
-}
+using odograph::guarded;
 
 std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
 

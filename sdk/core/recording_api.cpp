@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <new>
 
+#include "sdk/core/c_guard.hpp"
 #include "sdk/core/record_file.hpp"
 
 struct odo_recording {
@@ -28,26 +29,9 @@ struct odo_recorder {
 
 namespace {
 
+using odograph::fail;
 using odograph::Failure;
-
-template <class Work>
-int32_t guarded(Work&& work) noexcept {
-  try {
-    return work();
-  } catch (const std::bad_alloc&) {
-    return ODO_E_MEMORY;
-  } catch (...) {
-    return ODO_E_ERROR;
-  }
-}
-
-int32_t fail(odo_error* error, const Failure& failure) {
-  if (error && error->struct_size >= ODO_ERROR_SIZE_MIN) {
-    error->status = failure.status;
-    std::snprintf(error->message, sizeof error->message, "%s", failure.text.c_str());
-  }
-  return failure.status;
-}
+using odograph::guarded;
 
 int32_t open(const std::filesystem::path& path, odo_recording** out, odo_error* error) {
   auto reader = odograph::RecordReader::open(path);

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sdk/sim/lens_model.hpp"
 #include "sdk/sim/random.hpp"
 
 namespace odograph {
@@ -23,29 +23,14 @@ BoardCamera::BoardCamera(const Board& board, const odo_calibration& lens)
   std::vector<cv::Point2d> pixels;
   for (int y = 0; y < kSide * height; ++y)
     for (int x = 0; x < kSide * width; ++x) pixels.emplace_back((x + 0.5) / kSide - 0.5, (y + 0.5) / kSide - 0.5);
-  const cv::Matx33d K(lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1);
-  const std::vector<double> distortion(lens.distortion, lens.distortion + lens.distortion_count);
-  if (lens.model == ODO_CAMERA_KANNALA_BRANDT)
-    cv::fisheye::undistortPoints(pixels, rays_, K, distortion);
-  else
-    cv::undistortPoints(pixels, rays_, K, distortion, cv::noArray(), cv::noArray(),
-                        cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 50, 1e-10));
+  rays_ = rays_of(lens, pixels);
 }
 
 bool BoardCamera::is_whole(const Eigen::Isometry3d& T_c_board) const {
   for (int y = 0; y <= board_.rows; ++y)
     for (int x = 0; x <= board_.columns; ++x) {
       const Eigen::Vector3d p = T_c_board * Eigen::Vector3d(x * board_.square_m, y * board_.square_m, 0);
-      const cv::Matx33d K(lens_.fx, 0, lens_.cx, 0, lens_.fy, lens_.cy, 0, 0, 1);
-      const std::vector<double> distortion(lens_.distortion, lens_.distortion + lens_.distortion_count);
-      const std::vector<cv::Point3d> point = {{p.x(), p.y(), p.z()}};
-      std::vector<cv::Point2d> pixel;
-      const cv::Vec3d zero(0, 0, 0);
-      if (lens_.model == ODO_CAMERA_KANNALA_BRANDT)
-        cv::fisheye::projectPoints(point, pixel, zero, zero, K, distortion);
-      else
-        cv::projectPoints(point, zero, zero, K, distortion, pixel);
-      if (!cv::Rect2d(2, 2, lens_.width - 5, lens_.height - 5).contains(pixel[0])) return false;
+      if (!cv::Rect2d(2, 2, lens_.width - 5, lens_.height - 5).contains(project(lens_, p))) return false;
     }
   return true;
 }

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include <apriltag/tag36h11.h>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sdk/sim/lens_model.hpp"
 #include "sdk/sim/random.hpp"
 
 namespace odograph {
@@ -110,16 +110,10 @@ cv::Mat tag_board_picture(uint32_t tag, int side_px) {
 
 PosterCamera::PosterCamera(const odo_calibration& lens) : lens_(lens) {
   const int width = static_cast<int>(lens.width), height = static_cast<int>(lens.height);
-  std::vector<cv::Point2d> pixels, rays;
+  std::vector<cv::Point2d> pixels;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) pixels.emplace_back(x, y);
-  const cv::Matx33d K(lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1);
-  const std::vector<double> distortion(lens.distortion, lens.distortion + lens.distortion_count);
-  if (lens.model == ODO_CAMERA_KANNALA_BRANDT)
-    cv::fisheye::undistortPoints(pixels, rays, K, distortion);
-  else
-    cv::undistortPoints(pixels, rays, K, distortion, cv::noArray(), cv::noArray(),
-                        cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 50, 1e-10));
+  const std::vector<cv::Point2d> rays = rays_of(lens, pixels);
   rays_.create(height, width, CV_32FC2);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -129,16 +123,8 @@ PosterCamera::PosterCamera(const odo_calibration& lens) : lens_(lens) {
 }
 
 Eigen::Vector2d PosterCamera::project(const Vector3d& p) const {
-  const cv::Matx33d K(lens_.fx, 0, lens_.cx, 0, lens_.fy, lens_.cy, 0, 0, 1);
-  const std::vector<double> distortion(lens_.distortion, lens_.distortion + lens_.distortion_count);
-  const std::vector<cv::Point3d> point = {{p.x(), p.y(), p.z()}};
-  std::vector<cv::Point2d> pixel;
-  const cv::Vec3d zero(0, 0, 0);
-  if (lens_.model == ODO_CAMERA_KANNALA_BRANDT)
-    cv::fisheye::projectPoints(point, pixel, zero, zero, K, distortion);
-  else
-    cv::projectPoints(point, zero, zero, K, distortion, pixel);
-  return {pixel[0].x, pixel[0].y};
+  const cv::Point2d pixel = odograph::project(lens_, p);
+  return {pixel.x, pixel.y};
 }
 
 bool PosterCamera::sees(const FlatPicture& o, double margin_px) const {
