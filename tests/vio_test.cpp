@@ -42,6 +42,7 @@ State some_state() {
   state.nav.q_w_b = exp_rotation(vector(1));
   state.nav.v_w = vector(1), state.nav.p_w = Vector3d(30, -20, 5);
   state.nav.gyro_bias = vector(0.01), state.nav.accel_bias = vector(0.1);
+  for (int k = 0; k < 3; ++k) state.nav.gyro_axes.col(k) += vector(0.02), state.nav.accel_axes.col(k) += vector(0.02);
   state.P = Eigen::MatrixXd::Identity(block::fixed, block::fixed) * 1e-4;
   return state;
 }
@@ -119,7 +120,8 @@ TEST_CASE("the covariance is carried by the derivative of the motion") {
   p.noise = {0, 0, 0, 0, 0, 0};
   p.focal_walk = p.centre_walk_px = 0;
   const double h = 1e-5;
-  Eigen::MatrixXd numeric(15, 15);
+  constexpr int sensed = block::navigation + block::axes;
+  Eigen::MatrixXd numeric(15, sensed);
   const auto moved = [&](int k, double step) {
     State s = state;
     Eigen::VectorXd delta = Eigen::VectorXd::Zero(s.size());
@@ -137,10 +139,12 @@ TEST_CASE("the covariance is carried by the derivative of the motion") {
         a.gyro_bias - reference.nav.gyro_bias, a.accel_bias - reference.nav.accel_bias;
     return out;
   };
-  for (int k = 0; k < 15; ++k) numeric.col(k) = (minus(moved(k, h)) - minus(moved(k, -h))) / (2 * h);
-  const Eigen::MatrixXd expected = numeric * state.P.topLeftCorner<15, 15>() * numeric.transpose();
+  for (int k = 0; k < sensed; ++k) numeric.col(k) = (minus(moved(k, h)) - minus(moved(k, -h))) / (2 * h);
+  const Eigen::MatrixXd expected = numeric * state.P.topLeftCorner<sensed, sensed>() * numeric.transpose();
   const Eigen::MatrixXd carried = reference.P.topLeftCorner<15, 15>();
   CHECK((carried - expected).norm() < 5e-3 * expected.norm());
+  const Eigen::MatrixXd with_axes = numeric.rightCols<block::axes>() * 1e-4;
+  CHECK((reference.P.block<15, block::axes>(0, block::gyro_axes) - with_axes).norm() < 5e-3 * with_axes.norm());
 }
 
 TEST_CASE("a stabilised lens's shift and its covariance follow the gyroscope") {

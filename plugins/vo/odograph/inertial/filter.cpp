@@ -18,7 +18,13 @@ constexpr int kMostMisses = 3;
 constexpr size_t kLeastForNoise = 5;
 constexpr double kMedianNis = 0.8;             // of chi-square with 2 to 10 degrees of freedom, by their number
 constexpr double kLeastDisplacement_m = 0.15;  // over the window, that tells its scale
-constexpr double kHeadingSigma_rad = 1e-4;     // a choice of ours: heading and position are not measured
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+constexpr double kHeadingSigma_rad = 1e-4;  // a choice of ours: heading and position are not measured
 
 }  // namespace
 
@@ -36,6 +42,11 @@ Filter::Filter(const FilterParameters& parameters, const Camera& camera, const S
   set(block::rho, 3, 1e-4);
   set(block::gyro_bias, 3, start.gyro_bias_radps);
   set(block::accel_bias, 3, start.accel_bias_mps2);
+  for (int i = 0; i < 9; ++i) {
+    const bool own = i % 4 == 0;
+    set(block::gyro_axes + i, 1, own ? p_.priors.gyro_scale : p_.priors.misalignment_rad);
+    set(block::accel_axes + i, 1, own ? p_.priors.accel_scale : p_.priors.misalignment_rad);
+  }
   set(block::extrinsics, 3, p_.priors.extrinsics_rad);
   set(block::lever, 3, p_.priors.lever_m);
   set(block::time_offset, 1, p_.priors.time_offset_s);
@@ -55,6 +66,7 @@ void Filter::count(const Outcome& outcome, FrameReport& report) {
   ++report.tried;
   report.accepted += outcome.accepted;
   report.nis_per_dof.push_back(outcome.nis / outcome.dof);
+  if (outcome.rms_px > 0) report.rms_px.push_back(outcome.rms_px);
 }
 
 FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
@@ -134,24 +146,24 @@ void Filter::forget_clone(size_t i) {
 }
 
 void Filter::update_landmarks(const FrameCorners& frame, FrameReport& report) {
-  for (size_t j = 0; j < state_.landmarks.size();) {
+  std::vector<SeenLandmark> seen;
+  for (size_t j = 0; j < state_.landmarks.size(); ++j) {
     const uint64_t track = state_.landmarks[j].track;
     const auto at = std::lower_bound(frame.corners.begin(), frame.corners.end(), track,
                                      [](const Corner& c, uint64_t t) { return c.track < t; });
-    bool keep = at != frame.corners.end() && at->track == track;
-    if (keep) {
-      const Outcome outcome = update_with_landmark(state_, j, {newest().id, at->pixel, at->row}, p_);
-      count(outcome, report);
-      int& misses = state_.landmarks[j].misses;
-      misses = outcome.accepted ? 0 : misses + 1;
-      keep = misses < kMostMisses;
-    }
+    if (at != frame.corners.end() && at->track == track) seen.push_back({j, {newest().id, at->pixel, at->row}});
     tracks_.erase(track);  // its observations are used
-    if (keep)
-      ++j;
-    else
-      state_.remove_landmark(j);
   }
+  const std::vector<Outcome> outcomes = update_with_landmarks(state_, seen, p_);
+  std::vector<char> keep(state_.landmarks.size(), 0);
+  for (size_t k = 0; k < seen.size(); ++k) {
+    count(outcomes[k], report);
+    int& misses = state_.landmarks[seen[k].landmark].misses;
+    misses = outcomes[k].accepted ? 0 : misses + 1;
+    keep[seen[k].landmark] = misses < kMostMisses;
+  }
+  for (size_t j = keep.size(); j-- > 0;)
+    if (!keep[j]) state_.remove_landmark(j);
 }
 
 /// Tracks that ended, and those that span the window: they will lose their oldest clone.
@@ -197,15 +209,16 @@ void Filter::marginalise() {
 /// which is 0.7 to 0.9 of the degrees of freedom where the noise is right. In the logarithm, towards it with a time
 /// constant.
 void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
-  if (report.nis_per_dof.size() < kLeastForNoise) return;
-  std::vector<double> ratios = report.nis_per_dof;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  const double seen = p_.gate_sigma * std::sqrt(std::clamp(*middle / kMedianNis, 0.01, 100.0));
   const double part = 1 - std::exp(-dt_s / p_.gate_sigma_s);
-  p_.gate_sigma =
-      std::clamp(p_.gate_sigma * std::pow(seen / p_.gate_sigma, part), p_.least_gate_sigma, p_.most_pixel_sigma);
-  p_.pixel_sigma = std::max(p_.gate_sigma, p_.least_pixel_sigma);
+  const auto towards = [&](double value, double seen) { return value * std::pow(seen / value, part); };
+  if (report.nis_per_dof.size() >= kLeastForNoise) {
+    const double ratio = median(report.nis_per_dof) / kMedianNis;
+    p_.gate_sigma = std::clamp(towards(p_.gate_sigma, p_.gate_sigma * std::sqrt(std::clamp(ratio, 0.01, 100.0))),
+                               p_.least_gate_sigma, p_.most_pixel_sigma);
+    p_.pixel_sigma = std::max(p_.gate_sigma, p_.least_pixel_sigma);
+  }
+  if (report.rms_px.size() >= kLeastForNoise)
+    p_.plain_residual_px = std::max(p_.least_residual_px, towards(p_.plain_residual_px, median(report.rms_px)));
 }
 
 double Filter::velocity_sigma() const { return std::sqrt(state_.P.block<3, 3>(block::nu, block::nu).trace()); }

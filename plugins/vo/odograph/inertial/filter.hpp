@@ -21,6 +21,7 @@ struct FrameReport {
   bool standing = false;
   int tried = 0, accepted = 0;      ///< tracks and landmarks
   std::vector<double> nis_per_dof;  ///< of each that was tried
+  std::vector<double> rms_px;       ///< Outcome::rms_px of the tracks among them
 };
 
 /// Visual-inertial multi-state constraint Kalman filter (Mourikis & Roumeliotis 2007) with landmarks (Li & Mourikis

@@ -45,11 +45,13 @@ Isometry3d InertialOdometry::camera_pose(const Navigation& nav) const {
 Quaterniond InertialOdometry::rotation_since(int64_t from_ns, int64_t to_ns) const {
   const Camera& camera = filter_ ? filter_->state().camera : camera_;
   const auto offset_ns = static_cast<int64_t>(std::llround(camera.time_offset_s * 1e9));
-  const Vector3d bias = filter_ ? filter_->state().nav.gyro_bias : Vector3d(camera_.q_b_c * visual_->gyro_bias_c());
+  Navigation nav;
+  nav.gyro_bias = camera_.q_b_c * visual_->gyro_bias_c();
+  if (filter_) nav = filter_->state().nav;
   Quaterniond q = Quaterniond::Identity();
   const bool whole = imu_.for_each(from_ns + offset_ns, to_ns + offset_ns, kLongestGap_ns,
                                    [&](const ImuSample& a, const ImuSample& b) {
-                                     const Vector3d rate = 0.5 * (a.gyro_b + b.gyro_b) - bias;
+                                     const Vector3d rate = nav.rate(0.5 * (a.gyro_b + b.gyro_b));
                                      q = q * vo::exp_rotation(seconds(b.t_ns - a.t_ns) * rate);
                                    });
   return whole ? (camera.q_b_c.conjugate() * q * camera.q_b_c).normalized() : Quaterniond::Identity();

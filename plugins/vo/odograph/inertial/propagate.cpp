@@ -24,8 +24,8 @@ double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 /// One stretch by the rate and the specific force of its middle. Returns the orientation of the middle.
 Matrix3d step(Navigation& nav, const ImuSample& from, const ImuSample& to, double dt, double gravity) {
-  const Vector3d rate = 0.5 * (from.gyro_b + to.gyro_b) - nav.gyro_bias;
-  const Vector3d force = 0.5 * (from.accel_b + to.accel_b) - nav.accel_bias;
+  const Vector3d rate = nav.rate(0.5 * (from.gyro_b + to.gyro_b));
+  const Vector3d force = nav.force(0.5 * (from.accel_b + to.accel_b));
   const Matrix3d R = (nav.q_w_b * exp_rotation(0.5 * dt * rate)).toRotationMatrix();
   const Vector3d a = R * force + Vector3d(0, 0, gravity);
   nav.p_w += nav.v_w * dt + 0.5 * dt * dt * a;
@@ -62,7 +62,7 @@ void shift_lens(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterP
   const double likely = camera.follow * camera.follow + state.P(block::follow, block::follow);
   imu.for_each(state.t_ns, to_ns, kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
     const double dt = seconds(b.t_ns - a.t_ns), decay = 1 / (1 + dt * kTwoPi * s.leak_hz);
-    const Vector2d drive = drive_of(camera.lens.focal(), R_c_b * (0.5 * (a.gyro_b + b.gyro_b) - state.nav.gyro_bias));
+    const Vector2d drive = drive_of(camera.lens.focal(), R_c_b * state.nav.rate(0.5 * (a.gyro_b + b.gyro_b)));
     camera.shift_px = decay * (camera.shift_px + dt * camera.follow * drive);
     by_follow = decay * (by_follow + dt * drive);
     noise = decay * decay * (noise + s.drive_error * s.drive_error * likely * drive.squaredNorm() * s.error_s * dt);
@@ -78,7 +78,7 @@ void shift_lens(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterP
 
 Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
   State moved;
-  moved.t_ns = state.t_ns, moved.nav.gyro_bias = state.nav.gyro_bias, moved.camera = state.camera;
+  moved.t_ns = state.t_ns, moved.nav = state.nav, moved.camera = state.camera;
   moved.P = Eigen::MatrixXd::Zero(block::fixed, block::fixed);
   shift_lens(moved, to_ns, imu, p);
   return moved.camera.shift_px - state.camera.shift_px;
@@ -86,6 +86,8 @@ Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, con
 
 bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
   Matrix15d Phi = Matrix15d::Identity(), Q = Matrix15d::Zero();
+  using ByAxes = Eigen::Matrix<double, block::navigation, block::axes>;
+  ByAxes Psi = ByAxes::Zero();
   const Matrix3d g = cross_matrix(Vector3d(0, 0, p.gravity_mps2));
   const auto sq = [](double x) { return x * x; };
   const bool whole = imu.for_each(state.t_ns, to_ns, kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
@@ -94,18 +96,25 @@ bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterPa
     const Matrix3d R = step(state.nav, a, b, dt, p.gravity_mps2);
     const Matrix3d vR = cross_matrix(0.5 * (v + state.nav.v_w)) * R, xR = cross_matrix(0.5 * (x + state.nav.p_w)) * R;
     Matrix15d F = Matrix15d::Zero();
-    F.block<3, 3>(block::theta, block::gyro_bias) = -R;
-    F.block<3, 3>(block::nu, block::theta) = g;
-    F.block<3, 3>(block::nu, block::gyro_bias) = -vR;
-    F.block<3, 3>(block::nu, block::accel_bias) = -R;
-    F.block<3, 3>(block::rho, block::nu).setIdentity();
-    F.block<3, 3>(block::rho, block::gyro_bias) = -xR;
-    const Matrix15d A = Matrix15d::Identity() + dt * F + (0.5 * dt * dt) * F * F;
     Eigen::Matrix<double, 9, 3> by_gyro;
     by_gyro << R, vR, xR;
+    const Matrix3d R_accel = R * state.nav.accel_axes;
+    F.block<9, 3>(0, block::gyro_bias) = -by_gyro * state.nav.gyro_axes;
+    F.block<3, 3>(block::nu, block::theta) = g;
+    F.block<3, 3>(block::nu, block::accel_bias) = -R_accel;
+    F.block<3, 3>(block::rho, block::nu).setIdentity();
+    const Matrix15d A = Matrix15d::Identity() + dt * F + (0.5 * dt * dt) * F * F;
     Phi = A * Phi;
+    const Vector3d gyro_b = 0.5 * (a.gyro_b + b.gyro_b) - state.nav.gyro_bias;
+    const Vector3d accel_b = 0.5 * (a.accel_b + b.accel_b) - state.nav.accel_bias;
+    Psi = (A * Psi).eval();
+    for (int k = 0; k < 3; ++k) {
+      Psi.block<9, 3>(0, 3 * k) += dt * gyro_b[k] * by_gyro;
+      Psi.block<3, 3>(block::nu, 9 + 3 * k) += dt * accel_b[k] * R;
+      Psi.block<3, 3>(block::rho, 9 + 3 * k) += 0.5 * dt * dt * accel_b[k] * R;
+    }
     Q = A * Q * A.transpose();
-    const double rate = (a.gyro_b - state.nav.gyro_bias).norm();
+    const double rate = gyro_b.norm();
     const double acceleration = dt > 0 ? (state.nav.v_w - v).norm() / dt : 0;
     const double gyro = sq(p.noise.gyro) + sq(p.noise.gyro_by_rate * rate);
     const double accel = sq(p.noise.accel) + sq(p.noise.accel_by_motion * acceleration);
@@ -117,12 +126,13 @@ bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterPa
   const int n = state.size(), rest = n - block::navigation;
   auto& P = state.P;
   shift_lens(state, to_ns, imu, p);
-  P.topLeftCorner<block::navigation, block::navigation>() =
-      (Phi * P.topLeftCorner<block::navigation, block::navigation>() * Phi.transpose() + Q).eval();
-  P.block(0, block::navigation, block::navigation, rest) =
-      (Phi * P.block(0, block::navigation, block::navigation, rest)).eval();
-  P.block(block::navigation, 0, rest, block::navigation) =
-      P.block(0, block::navigation, block::navigation, rest).transpose();
+  const Eigen::MatrixXd moved =
+      Phi * P.topRows<block::navigation>() + Psi * P.middleRows<block::axes>(block::gyro_axes);
+  const Matrix15d own = moved.leftCols<block::navigation>() * Phi.transpose() +
+                        moved.middleCols<block::axes>(block::gyro_axes) * Psi.transpose() + Q;
+  P.topLeftCorner<block::navigation, block::navigation>() = 0.5 * (own + own.transpose());
+  P.topRightCorner(block::navigation, rest) = moved.rightCols(rest);
+  P.bottomLeftCorner(rest, block::navigation) = moved.rightCols(rest).transpose();
   const double dt = seconds(to_ns - state.t_ns);
   P(block::lens, block::lens) += sq(p.focal_walk) * dt;
   P(block::lens + 1, block::lens + 1) += sq(p.centre_walk_px) * dt;
@@ -140,17 +150,17 @@ void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, 
   const Matrix3d R = nav.q_w_b.toRotationMatrix();
   const auto half_ns = static_cast<int64_t>(kHalfReadout_s * 1e9);
   const ImuSample before = imu.at(state.t_ns - half_ns), now = imu.at(state.t_ns), after = imu.at(state.t_ns + half_ns);
-  const Vector3d rate = now.gyro_b - nav.gyro_bias;
+  const Vector3d rate = nav.rate(now.gyro_b);
   const Eigen::Quaterniond q_c_b = state.camera.q_b_c.conjugate();
   Clone clone;
   clone.id = id, clone.frame_ns = frame_ns;
   clone.q_w_c = (nav.q_w_b * state.camera.q_b_c).normalized();
   clone.p_w = nav.p_w + R * state.camera.p_b_c;
   clone.rate_c = q_c_b * rate;
-  clone.rate_change_c = q_c_b * (after.gyro_b - before.gyro_b) / (2 * kHalfReadout_s);
+  clone.rate_change_c = q_c_b * (nav.gyro_axes * (after.gyro_b - before.gyro_b)) / (2 * kHalfReadout_s);
   clone.v_w = nav.v_w + R * rate.cross(state.camera.p_b_c);
-  clone.a_w = R * (0.25 * before.accel_b + 0.5 * now.accel_b + 0.25 * after.accel_b - nav.accel_bias) +
-              Vector3d(0, 0, p.gravity_mps2);
+  clone.a_w =
+      R * nav.force(0.25 * before.accel_b + 0.5 * now.accel_b + 0.25 * after.accel_b) + Vector3d(0, 0, p.gravity_mps2);
   clone.drive_px_s = drive_of(state.camera.lens.focal(), clone.rate_c);
   clone.shift_px = state.camera.shift_px;
   clone.shift_rate_px_s =

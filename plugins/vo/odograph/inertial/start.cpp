@@ -192,6 +192,7 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
     if (!integrate(begin, filter.state().t_ns, start.t_ns, imu, p.gravity_mps2)) return std::nullopt;
     begin.p_w.setZero();
     begin.accel_bias.setZero();  // the prior's: the equations are linear in it
+    begin.gyro_axes.setIdentity(), begin.accel_axes.setIdentity();
     start.nav = begin;
   }
   return std::nullopt;

@@ -48,6 +48,8 @@ void State::correct(const Eigen::VectorXd& d) {
   nav.p_w = turn * nav.p_w + d.segment<3>(block::rho);
   nav.gyro_bias += d.segment<3>(block::gyro_bias);
   nav.accel_bias += d.segment<3>(block::accel_bias);
+  nav.gyro_axes += Eigen::Map<const Matrix3d>(d.data() + block::gyro_axes);
+  nav.accel_axes += Eigen::Map<const Matrix3d>(d.data() + block::accel_axes);
   camera.q_b_c = turned(camera.q_b_c, d.segment<3>(block::extrinsics));
   camera.p_b_c += d.segment<3>(block::lever);
   camera.time_offset_s += d[block::time_offset];

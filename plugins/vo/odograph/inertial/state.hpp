@@ -20,6 +20,12 @@ struct Navigation {
   Eigen::Quaterniond q_w_b = Eigen::Quaterniond::Identity();
   Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), p_w = Eigen::Vector3d::Zero();
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero(), accel_bias = Eigen::Vector3d::Zero();
+  /// Scale and misalignment of the sensors' axes. What the accelerometer's have in common is the metre itself, and
+  /// nothing here tells it; the rest does harm: of a walk's rise and fall some goes forward, at the steps' own rate.
+  Eigen::Matrix3d gyro_axes = Eigen::Matrix3d::Identity(), accel_axes = Eigen::Matrix3d::Identity();
+
+  Eigen::Vector3d rate(const Eigen::Vector3d& measured_b) const { return gyro_axes * (measured_b - gyro_bias); }
+  Eigen::Vector3d force(const Eigen::Vector3d& measured_b) const { return accel_axes * (measured_b - accel_bias); }
 };
 
 /// The camera as it is refined while running.
@@ -54,13 +60,15 @@ struct Landmark {
   uint32_t anchor = 0;  ///< clone's id
   Eigen::Vector3d at = Eigen::Vector3d::Zero();
   int misses = 0;
+  double rms_px = 0;  ///< of what its corners left
 };
 
 /// Where each block begins.
 namespace block {
 inline constexpr int theta = 0, nu = 3, rho = 6, gyro_bias = 9, accel_bias = 12, navigation = 15;
-inline constexpr int extrinsics = 15, lever = 18, time_offset = 21, line_time = 22, lens = 23;
-inline constexpr int shift = 28, follow = 30, fixed = 31;
+inline constexpr int gyro_axes = 15, accel_axes = 24, axes = 18;  // column by column; axes: of both
+inline constexpr int extrinsics = 33, lever = 36, time_offset = 39, line_time = 40, lens = 41;
+inline constexpr int shift = 46, follow = 48, fixed = 49;
 inline constexpr int clone = 8, clone_shift = 6;  // theta, rho, shift
 }  // namespace block
 

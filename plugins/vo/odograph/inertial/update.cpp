@@ -18,6 +18,7 @@ using Eigen::VectorXd;
 using vo::cross_matrix;
 
 constexpr double kTail = 0.01;      // of true measurements that the gate may refuse
+constexpr size_t kTogether = 20;    // landmarks of one update: the covariance is gone through once for all of them
 constexpr double kFarDepths = 1e3;  // m: a landmark farther away is as good as infinitely far
 
 /// Residuals and derivatives of a track by its clones, its point and the camera. Columns: of each clone block::clone,
@@ -114,10 +115,27 @@ MatrixXd rows_of(const MatrixXd& M, const std::vector<int>& rows) {
   return out;
 }
 
+/// Of a corner that left `rms_px` beside one point of the world: not all are equally good.
+double pixel_sigma(double rms_px, const FilterParameters& p) {
+  return p.pixel_sigma * std::max(1.0, rms_px / p.plain_residual_px);
+}
+
 /// Normalised innovation squared with independent noise of sigma.
 double nis_of(MatrixXd S, const VectorXd& residual, double sigma) {
   S.diagonal().array() += sigma * sigma;
   return residual.dot(S.ldlt().solve(residual));
+}
+
+/// The update itself; `S` is the innovation's covariance. False, and nothing done, where that is none.
+bool apply(State& state, const MatrixXd& PH, const MatrixXd& S, const VectorXd& residual) {
+  const Eigen::LLT<MatrixXd> factor(S);
+  if (factor.info() != Eigen::Success) return false;
+  const VectorXd white = factor.matrixL().solve(residual);
+  const MatrixXd W = factor.matrixL().solve(PH.transpose());
+  state.P.selfadjointView<Eigen::Lower>().rankUpdate(W.transpose(), -1);
+  state.P.triangularView<Eigen::StrictlyUpper>() = state.P.transpose();
+  state.correct(W.transpose() * white);
+  return true;
 }
 
 }  // namespace
@@ -136,13 +154,7 @@ Outcome update(State& state, const Linearised& z, double sigma, double gate_sigm
   out.nis = nis_of(S, z.residual, gate_sigma);
   if (tail > 0 && !(out.nis < chi_square_bound(out.dof, tail))) return out;
   S.diagonal().array() += sigma * sigma;
-  const Eigen::LLT<MatrixXd> factor(S);
-  if (factor.info() != Eigen::Success) return out;
-  const VectorXd white = factor.matrixL().solve(z.residual);
-  const MatrixXd W = factor.matrixL().solve(PH.transpose());
-  state.P.noalias() -= W.transpose() * W;
-  state.correct(W.transpose() * white);
-  out.accepted = true;
+  out.accepted = apply(state, PH, S, z.residual);
   return out;
 }
 
@@ -158,7 +170,9 @@ Outcome update_with_track(State& state, const std::vector<Observation>& track, c
   e->z.H.applyOnTheLeft(qr.householderQ().adjoint());
   e->z.residual.applyOnTheLeft(qr.householderQ().adjoint());
   Linearised z{e->z.residual.tail(rows - 3), e->z.H.bottomRows(rows - 3), std::move(e->z.columns)};
-  return update(state, z, p.pixel_sigma, p.gate_sigma, kTail);
+  Outcome out = update(state, z, pixel_sigma(point->rms_px, p), p.gate_sigma, kTail);
+  out.rms_px = point->rms_px;
+  return out;
 }
 
 Outcome add_landmark(State& state, uint64_t id, const std::vector<Observation>& track, const FilterParameters& p) {
@@ -186,33 +200,37 @@ Outcome add_landmark(State& state, uint64_t id, const std::vector<Observation>& 
   const std::vector<int> columns = e->z.columns;
   const MatrixXd H1 = e->z.H.topRows<3>();
   const Eigen::Vector3d r1 = e->z.residual.head<3>();
-  Outcome out{true, 0, static_cast<int>(rows - 3)};
+  Outcome out{true, 0, static_cast<int>(rows - 3), point->rms_px};
   // The point first, then the rest of the equations: these are then the point's too.
   const Matrix3d F_inverse = F.inverse();
   const MatrixXd PH = columns_of(state.P, columns) * H1.transpose();
-  const Matrix3d own = H1 * rows_of(PH, columns) + p.pixel_sigma * p.pixel_sigma * Matrix3d::Identity();
+  const double first_sigma = pixel_sigma(point->rms_px, p);
+  const Matrix3d own = H1 * rows_of(PH, columns) + first_sigma * first_sigma * Matrix3d::Identity();
   Linearised rest{e->z.residual.tail(rows - 3), e->z.H.bottomRows(rows - 3), columns};
   {
     // Gate before anything is added.
     const MatrixXd PR = columns_of(state.P, columns) * rest.H.transpose();
     out.nis = nis_of(rest.H * rows_of(PR, columns), rest.residual, p.gate_sigma);
-    if (!(out.nis < chi_square_bound(out.dof, kTail))) return {false, out.nis, out.dof};
+    if (!(out.nis < chi_square_bound(out.dof, kTail))) return {false, out.nis, out.dof, out.rms_px};
   }
-  Landmark landmark{id, track.front().clone, point->at + F_inverse * r1, 0};
+  Landmark landmark{id, track.front().clone, point->at + F_inverse * r1, 0, point->rms_px};
   landmark.at.z() = std::max(landmark.at.z(), 1 / kFarDepths);
   state.add_landmark(landmark, -F_inverse * PH.transpose(), F_inverse * own * F_inverse.transpose());
-  update(state, rest, p.pixel_sigma, p.pixel_sigma, 0);
+  const double sigma = pixel_sigma(point->rms_px, p);
+  update(state, rest, sigma, sigma, 0);
   return out;
 }
 
-Outcome update_with_landmark(State& state, size_t j, const Observation& seen, const FilterParameters& p) {
-  const Landmark& landmark = state.landmarks[j];
-  const size_t a = state.find_clone(landmark.anchor), i = state.find_clone(seen.clone);
-  const Eigen::Vector3d p_w = state.point(landmark);
-  const auto o = observe(state.clones[i], state.camera, p_w, seen.row);
-  if (!o) return {};
+namespace {
+
+/// Nothing where the landmark is behind the camera.
+std::optional<Linearised> landmark_equations(const State& state, const SeenLandmark& seen) {
+  const Landmark& landmark = state.landmarks[seen.landmark];
+  const size_t a = state.find_clone(landmark.anchor), i = state.find_clone(seen.at.clone);
+  const auto o = observe(state.clones[i], state.camera, state.point(landmark), seen.at.row);
+  if (!o) return std::nullopt;
   Linearised z;
-  z.residual = seen.pixel - o->pixel;
+  z.residual = seen.at.pixel - o->pixel;
   constexpr int anchor = block::clone, point = anchor + 6;
   z.H = MatrixXd::Zero(2, point + 3 + kCameraColumns);
   z.H.leftCols<6>() = o->by_clone;
@@ -222,9 +240,49 @@ Outcome update_with_landmark(State& state, size_t j, const Observation& seen, co
   z.H.rightCols<kCameraColumns>() = by_camera(*o);
   for (int k = 0; k < block::clone; ++k) z.columns.push_back(state.clone_at(i) + k);
   for (int k = 0; k < 6; ++k) z.columns.push_back(state.clone_at(a) + k);
-  for (int k = 0; k < 3; ++k) z.columns.push_back(state.landmark_at(j) + k);
+  for (int k = 0; k < 3; ++k) z.columns.push_back(state.landmark_at(seen.landmark) + k);
   add_camera_columns(z.columns);
-  return update(state, z, p.pixel_sigma, p.gate_sigma, kTail);
+  return z;
+}
+
+}  // namespace
+
+std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenLandmark>& seen,
+                                           const FilterParameters& p) {
+  std::vector<Outcome> outcomes(seen.size());
+  for (size_t from = 0; from < seen.size(); from += kTogether) {
+    const size_t until = std::min(seen.size(), from + kTogether);
+    std::vector<Linearised> accepted;
+    for (size_t k = from; k < until; ++k) {
+      auto z = landmark_equations(state, seen[k]);
+      if (!z) continue;
+      Outcome& out = outcomes[k];
+      out.dof = 2;
+      const MatrixXd own = state.P(z->columns, z->columns);
+      out.nis = nis_of(z->H * own * z->H.transpose(), z->residual, p.gate_sigma);
+      out.accepted = out.nis < chi_square_bound(out.dof, kTail);
+      double& rms_px = state.landmarks[seen[k].landmark].rms_px;
+      rms_px = std::sqrt((1 - p.residual_part) * rms_px * rms_px + p.residual_part * z->residual.squaredNorm());
+      if (!out.accepted) continue;
+      const double weight = 1 / pixel_sigma(rms_px, p);
+      z->residual *= weight, z->H *= weight;
+      accepted.push_back(std::move(*z));
+    }
+    if (accepted.empty()) continue;
+    const auto rows = 2 * static_cast<Eigen::Index>(accepted.size());
+    MatrixXd PH(state.P.rows(), rows), S(rows, rows);
+    VectorXd residual(rows);
+    for (size_t k = 0; k < accepted.size(); ++k) {
+      const auto at = 2 * static_cast<Eigen::Index>(k);
+      PH.middleCols<2>(at).noalias() = columns_of(state.P, accepted[k].columns) * accepted[k].H.transpose();
+      residual.segment<2>(at) = accepted[k].residual;
+    }
+    for (size_t k = 0; k < accepted.size(); ++k)
+      S.middleRows<2>(2 * static_cast<Eigen::Index>(k)) = accepted[k].H * rows_of(PH, accepted[k].columns);
+    S.diagonal().array() += 1;
+    apply(state, PH, S, residual);
+  }
+  return outcomes;
 }
 
 Outcome update_zero_velocity(State& state, double sigma_mps) {

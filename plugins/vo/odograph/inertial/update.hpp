@@ -18,6 +18,7 @@ struct Outcome {
   bool accepted = false;
   double nis = 0;  ///< normalised innovation squared
   int dof = 0;
+  double rms_px = 0;  ///< of a triangulated track's corners beside one point; 0: no track
 };
 
 /// Kalman update with independent noise of `sigma` on each residual; refused where the innovation is larger than the
@@ -35,7 +36,14 @@ Outcome update_with_track(State& state, const std::vector<Observation>& track, c
 Outcome add_landmark(State& state, uint64_t track_id, const std::vector<Observation>& track, const FilterParameters& p);
 
 /// A landmark seen again.
-Outcome update_with_landmark(State& state, size_t landmark, const Observation& seen, const FilterParameters& p);
+struct SeenLandmark {
+  size_t landmark = 0;  ///< of State::landmarks
+  Observation at;
+};
+
+/// Some together, each gated by itself. A landmark behind the camera gives an outcome without degrees of freedom.
+std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenLandmark>& seen,
+                                           const FilterParameters& p);
 
 /// The body stands: v = 0 within sigma (m/s).
 Outcome update_zero_velocity(State& state, double sigma_mps);

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The visual-inertial filter on a walk past points whose places are known: what an IMU's axes and bad corners do to the
+// metre.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "plugins/vo/odograph/gyroscope.hpp"
+#include "plugins/vo/odograph/inertial/filter.hpp"
+#include "plugins/vo/odograph/inertial/update.hpp"
+
+namespace {
+
+using namespace odograph::vio;
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using odograph::CameraModel;
+using odograph::vo::exp_rotation;
+using odograph::vo::log_rotation;
+
+constexpr double kGravity = 9.81, kPi = 3.141592653589793, kFrame_s = 0.1, kSample_s = 0.005;
+constexpr int kWidth = 640, kHeight = 480;
+
+/// A phone in the hand of a walker: 1.5 m/s towards x, two steps a second.
+struct Walk {
+  static Vector3d position(double t) {
+    return {1.5 * t + 0.01 * std::sin(4 * kPi * t + 1), 0.02 * std::sin(2 * kPi * t), 0.022 * std::sin(4 * kPi * t)};
+  }
+  static Quaterniond orientation(double t) {
+    Matrix3d forward;  // camera: x right, y down, z forward
+    forward << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+    const Vector3d sway(0.04 * std::sin(4 * kPi * t + 0.5), 0.05 * std::sin(2 * kPi * t + 2), 0.02 * std::sin(kPi * t));
+    return Quaterniond(forward) * exp_rotation(sway);
+  }
+  static Vector3d velocity(double t) { return (position(t + 1e-4) - position(t - 1e-4)) / 2e-4; }
+  static ImuSample imu(double t) {
+    constexpr double h = 1e-3;
+    const Vector3d a = (position(t + h) - 2 * position(t) + position(t - h)) / (h * h);
+    const Quaterniond q = orientation(t);
+    const Vector3d rate = log_rotation(orientation(t - h).conjugate() * orientation(t + h)) / (2 * h);
+    return {std::llround(t * 1e9), rate, q.conjugate() * (a - Vector3d(0, 0, kGravity))};
+  }
+};
+
+struct Trial {
+  Matrix3d gyro_axes = Matrix3d::Identity(), accel_axes = Matrix3d::Identity();
+  double bad_corners = 0;  ///< part of the points that slide
+  FilterParameters p;
+  double duration_s = 25;
+
+  struct Result {
+    double scale = 0;  ///< of the way by the filter to the true one, after the first 5 s
+    State state;
+  };
+  Result run() const {
+    std::mt19937 generator(5);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> uniform;
+    struct Point {
+      Vector3d p;
+      Vector2d slide;
+      bool bad;
+    };
+    std::vector<Point> points(900);
+    for (Point& x : points) {
+      const double side = uniform(generator) < 0.5 ? -1 : 1;
+      x.p = {90 * uniform(generator), side * (3 + 7 * uniform(generator)), -6 + 7.5 * uniform(generator)};
+      x.bad = uniform(generator) < bad_corners;
+      x.slide.setZero();
+    }
+    Camera camera;
+    camera.lens = {CameraModel::Distortion::radial_tangential, 500, 500, 320, 240, {0, 0, 0, 0}};
+    camera.middle_row = 0.5 * (kHeight - 1);
+    Filter::Start start;
+    start.nav.q_w_b = Walk::orientation(0), start.nav.v_w = Walk::velocity(0);
+    start.tilt_rad = 0.005, start.velocity_mps = 0.05, start.gyro_bias_radps = 0.003, start.accel_bias_mps2 = 0.05;
+    Filter filter(p, camera, start);
+    ImuBuffer imu;
+    Result out;
+    double way = 0, true_way = 0, next_sample_s = 0;
+    Vector3d before = Vector3d::Zero(), true_before = Vector3d::Zero();
+    for (int frame = 0; frame * kFrame_s < duration_s; ++frame) {
+      const double t = frame * kFrame_s;
+      for (; next_sample_s < t + 0.03; next_sample_s += kSample_s) {
+        ImuSample s = Walk::imu(next_sample_s);
+        s.gyro_b = gyro_axes * s.gyro_b + 0.002 * Vector3d(normal(generator), normal(generator), normal(generator));
+        s.accel_b = accel_axes * s.accel_b + 0.02 * Vector3d(normal(generator), normal(generator), normal(generator));
+        imu.add(s);
+      }
+      FrameCorners corners;
+      corners.t_ns = std::llround(t * 1e9);
+      const Quaterniond q = Walk::orientation(t);
+      for (size_t k = 0; k < points.size(); ++k) {
+        Point& x = points[k];
+        const Vector3d y = q.conjugate() * (x.p - Walk::position(t));
+        if (y.z() < 0.5 || y.z() > 30) continue;
+        const Vector2d pixel = camera.lens.project(y.head<2>() / y.z());
+        if (!(pixel.x() > 0 && pixel.y() > 0 && pixel.x() < kWidth && pixel.y() < kHeight)) continue;
+        // A bad corner is held back by what lies behind it, unevenly.
+        const Vector2d outward = (pixel - Vector2d(320, 240)).normalized();
+        if (x.bad) x.slide += (-0.35 + 0.5 * normal(generator)) * outward;
+        const Vector2d noise = 0.15 * Vector2d(normal(generator), normal(generator));
+        corners.corners.push_back({k, pixel + x.slide + noise, pixel.y()});
+      }
+      filter.process(corners, imu);
+      const Vector3d now = filter.newest().p_w, true_now = Walk::position(t);
+      if (t > 5 && frame % 10 == 0) {
+        if (true_way > 0 || before != Vector3d::Zero())
+          way += (now - before).norm(), true_way += (true_now - true_before).norm();
+        before = now, true_before = true_now;
+      }
+    }
+    out.scale = way / true_way;
+    out.state = filter.state();
+    return out;
+  }
+};
+
+}  // namespace
+
+TEST_SUITE_BEGIN("vio_filter");
+
+TEST_CASE("axes that are askew are found, and leave the metre alone") {
+  Trial trial;
+  trial.accel_axes << 1, 0.004, -0.006, 0.004, 1, 0.003, 0.007, -0.005, 1;
+  trial.gyro_axes << 1.006, 0.003, 0, -0.003, 0.996, 0.004, 0.002, 0, 1;
+  const auto found = trial.run();
+  CHECK(std::abs(found.scale - 1) < 0.0045);
+  CHECK(found.state.nav.gyro_axes(0, 0) == doctest::Approx(1 / 1.006).epsilon(0.003));
+  trial.p.priors.gyro_scale = trial.p.priors.accel_scale = trial.p.priors.misalignment_rad = 0;
+  const auto taken_as_right = trial.run();
+  MESSAGE("scale " << found.scale << ", with axes taken as right " << taken_as_right.scale);
+  CHECK(std::abs(taken_as_right.scale - 1) > 2 * std::abs(found.scale - 1));
+}
+
+TEST_CASE("corners that slide weigh less than those that stay, and leave the metre alone") {
+  Trial trial;
+  trial.bad_corners = 0.3;
+  const auto weighed = trial.run();
+  trial.p.plain_residual_px = trial.p.least_residual_px = 1e3;  // all alike
+  const auto alike = trial.run();
+  MESSAGE("scale " << weighed.scale << ", all corners alike " << alike.scale);
+  CHECK(std::abs(weighed.scale - 1) < 0.022);
+  CHECK(std::abs(alike.scale - 1) > 1.5 * std::abs(weighed.scale - 1));
+}
+
+TEST_CASE("landmarks seen together are what they are one after the other, where the equations are linear") {
+  Trial trial;
+  trial.duration_s = 3;
+  const State state = trial.run().state;
+  REQUIRE(state.landmarks.size() > 4);
+  FilterParameters p;
+  p.residual_part = 0;
+  std::vector<SeenLandmark> seen;
+  const Clone& newest = state.clones.back();
+  for (size_t j = 0; j < 4; ++j) {
+    const double row = 200;
+    const auto o = observe(newest, state.camera, state.point(state.landmarks[j]), row);
+    REQUIRE(o);
+    seen.push_back({j, {newest.id, o->pixel + Vector2d(0.01, -0.01 * static_cast<double>(j)), row}});
+  }
+  State together = state, alone = state;
+  for (const Outcome& outcome : update_with_landmarks(together, seen, p)) CHECK(outcome.accepted);
+  for (const SeenLandmark& one : seen) CHECK(update_with_landmarks(alone, {one}, p)[0].accepted);
+  CHECK((together.P - alone.P).norm() < 1e-4 * alone.P.norm());
+  CHECK((together.nav.v_w - alone.nav.v_w).norm() < 1e-6);
+  CHECK((together.P - together.P.transpose()).norm() == 0);
+  CHECK(together.P.diagonal().sum() < state.P.diagonal().sum());
+}
+
+TEST_SUITE_END();
