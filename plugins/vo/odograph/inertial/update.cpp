@@ -117,7 +117,8 @@ MatrixXd rows_of(const MatrixXd& M, const std::vector<int>& rows) {
 
 /// Of a corner that left `rms_px` beside one point of the world: not all are equally good.
 double pixel_sigma(double rms_px, const FilterParameters& p) {
-  return p.pixel_sigma * std::max(1.0, rms_px / p.plain_residual_px);
+  const double excess = std::max(1.0, rms_px / p.plain_residual_px);
+  return p.pixel_sigma * excess * excess;
 }
 
 /// Normalised innovation squared with independent noise of sigma.
