@@ -140,7 +140,7 @@ TEST_CASE("recordings of minor version 0, in which events were numbered from 16,
     auto step = make_message<odo_step>(ODO_TYPE_STEP, 5);
     step.header.type = 17;
     CHECK(writer->write(17, {reinterpret_cast<const unsigned char*>(&step), sizeof step}));
-    CHECK(writer->flush());
+    CHECK(writer->finish().ok());
   }
   std::fstream(path, std::ios::in | std::ios::out | std::ios::binary).seekp(12).write("\0\0\0\0", 4);
   auto reader = RecordReader::open(path);

@@ -22,7 +22,7 @@ int sim(const SimArguments& a) {
   if (a.first_m > 0) scenario->walk_m = a.first_m;
   std::optional<Recording> walk;
   if (!a.walk.empty()) {
-    auto recording = read_recording(a.walk);
+    auto recording = open_recording(a.walk);
     if (!recording) return complain(recording.failure());
     walk = std::move(*recording);
   }

@@ -94,8 +94,6 @@ Result<bool> OdoWriter::write_true_skyline(const TrueSkyline& s) {
 
 Result<bool> OdoWriter::write_true_sighting(const TrueSighting& s) { return record(kTrueSighting, bytes_of(s)); }
 
-bool OdoWriter::flush() { return records_.flush(); }
-
 Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jpeg_quality) {
   const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
   auto* data = const_cast<uint8_t*>(frame.planes[0].data);
@@ -136,6 +134,10 @@ void take(Recording& recording, const RecordReader& record) {
   if (record.type() == OdoWriter::kTruthPose && payload.size() >= sizeof(TruthRecord)) {
     TruthRecord t;
     std::memcpy(&t, payload.data(), sizeof t);
+    if (!is_plausible_time(t.t_ns)) {
+      ++recording.loss.wild_times;
+      return;
+    }
     recording.truth.push_back(
         {t.t_ns, Eigen::Quaterniond(t.q[0], t.q[1], t.q[2], t.q[3]).normalized(), {t.p[0], t.p[1], t.p[2]}});
     return;
@@ -178,10 +180,11 @@ Result<Recording> read_odo(const fs::path& file) {
   auto records = RecordReader::open(file);
   if (!records) return records.failure();
   while (records->next()) take(recording, *records);
-  if (records->damaged_at() > 0)  // a crash while it was written: what came before is good
-    recording.warnings.push_back("damaged or cut off at byte " + std::to_string(records->damaged_at()) +
-                                 "; everything before it was read");
-  if (recording.messages.empty()) return Failure{ODO_E_DATA, file.string() + ": no whole record in it"};
+  recording.loss.file = records->loss();
+  if (const std::string lost = recording.loss.file.text(); !lost.empty()) recording.warnings.push_back(lost);
+  if (recording.messages.empty())
+    return Failure{ODO_E_DATA, file.string() + ": no whole message in it" +
+                                   (recording.loss.file.any() ? "; " + recording.loss.file.text() : "")};
   recording.sort();
   return recording;
 }
