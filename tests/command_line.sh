@@ -126,6 +126,23 @@ expect 0 '"pictures": 1' cat o7/summary.json
 expect 3 "1 pictures cannot be read" "$odograph" convert euroc mended2.odo
 sed -i 's/resolution: .*/resolution: [320, 240]/' euroc/mav0/cam0/sensor.yaml
 expect 3 "calibration 0 is for 320 x 240" "$odograph" run -c "$configs/monocular.yaml" -i euroc -o o8
+# What goes wrong with the sensors of any recording.
+cat >faults.yaml <<'YAML'
+odograph_faults: 1
+seed: 3
+faults:
+  - {fault: drop, sensor: gyroscope, from: 2 s, for: 300 ms}
+  - {fault: value, sensor: accelerometer, part: 0.01, value: 1e300}
+  - {fault: repeat, sensor: magnetometer, part: 0.5}
+  - {fault: delay, sensor: camera, from: 3 s, for: 1 s, by: 2 s}
+  - {fault: black, sensor: camera, from: 5 s, for: 500 ms}
+YAML
+expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o10 --faults faults.yaml
+grep -q '"wild": 0' o10/summary.json && { echo "FAILED: --faults spoiled nothing"; failed=1; }
+expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o11 --faults faults.yaml
+cmp -s o10/trajectory.tum o11/trajectory.tum || { echo "FAILED: the same faults gave another track"; failed=1; }
+printf 'odograph_faults: 1\nfaults: [{fault: melt, sensor: imu}]\n' >melt.yaml
+expect 2 "melt.yaml:2:18: faults[0].fault: 'melt'" "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o12 --faults melt.yaml
 mkfifo pipe
 expect 3 "a pipe or a device" timeout 10 "$odograph" run -c "$configs/phone_walk.yaml" -i pipe -o o9
 expect 2 "a pipe or a device" timeout 10 "$odograph" config check pipe

@@ -67,10 +67,6 @@ Outcome walk(App& app, int from, int to) {
   return out;
 }
 
-std::string with_scale(const std::string& more) {
-  return kWalk + "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  plugin: zoo/animal\n" + more;
-}
-
 }  // namespace
 
 TEST_CASE("the same bytes come out of a plugin inside and outside the process") {
@@ -127,8 +123,12 @@ TEST_CASE("every plugin of the zoo, isolated as a scale source or an odometry: t
                  "scale/step_length\n  - {plugin: zoo/animal, isolation: process, time_limit: 0.3 s}\n"
                : "");
       App app(pipeline, ODO_RUN_REPLAY, plugins);
-      const Outcome out = walk(app, 0, 300);
       ++animals;
+      const auto lens = calibration(64, 48);
+      if (app.session) odo_session_push(app.session, &lens.header);
+      for (int i = 0; app.session && i < 60; ++i)
+        app.walk(5 * i, 5 * i + 5), app.frame(1'000'000'000 + 50'000'000LL * i);
+      const Outcome out = walk(app, 300, 310);
       if (!app.session) {  // refused in words, naming it
         CHECK(out.message.find(animal + ".so") != std::string::npos);
         continue;
@@ -261,16 +261,19 @@ TEST_CASE("a plugin that ends again and again waits longer each time, and gives 
   CHECK(out.poses > 0);
 }
 
-TEST_CASE("while its plugin comes back the pose goes on and says degraded") {
-  const TemporaryFolder folder;
-  const std::string plugins = install(folder, "process_works__segfault", ODO_INTERFACE_SCALE_SOURCE);
-  App app(with_scale("  isolation: process\n"), ODO_RUN_REPLAY, plugins);
+TEST_CASE("while its plugin comes back the pose goes on and says degraded, and then tracking again") {
+  const TestPlugins plugins{"crashing_attitude"};
+  App app(
+      "odograph: 1\nattitude: {plugin: test/crashing_attitude, isolation: process}\n"
+      "step_estimator: {plugin: step/renaudin2012}\n",
+      ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-  const auto c = calibration(64, 48);
-  odo_session_push(app.session, &c.header);
-  for (int i = 0; i < 100; ++i) app.walk(10 * i, 10 * i + 10), app.frame(1'000'000'000 + 100'000'000LL * i);
-  const Outcome out = walk(app, 1000, 1010);
-  CHECK(out.poses > 50);
+  const Outcome out = walk(app, 0, 1500);
+  CHECK(app.statistics().plugin_faults == 5);  // at 3, 6, 9, 12 and 15 s, each time at once back
+  CHECK(out.poses >= 15);
+  CHECK(out.degraded >= 3);
+  CHECK(out.degraded < out.poses / 2);
+  CHECK(out.says("test/crashing_attitude: was ended by a signal (Segmentation fault) in process; is started anew"));
 }
 
 TEST_CASE("the sandbox: no program, no socket, no file written; files read") {

@@ -120,7 +120,6 @@ int compare(const CompareArguments& a) {
         return result.failure().status == ODO_E_NOT_FOUND ? kBadUsage : status;
       }
       done = status_over(result->loss, done);
-      result->session.reset();
       results.push_back(std::move(*result));
     }
     std::vector<NamedRun> runs;

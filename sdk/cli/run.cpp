@@ -6,6 +6,7 @@
 #include "sdk/base/printable.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/runner.hpp"
+#include "sdk/evaluation/faults.hpp"
 
 namespace odograph {
 namespace {
@@ -13,15 +14,21 @@ namespace {
 struct RunArguments {
   RunOptions options;
   ReadOptions reading;
-  std::string input, output = "out";
+  std::string input, output = "out", faults;
   bool report = false, json = false;
 };
 
 int run(RunArguments& a) {
-  const auto recording = open_recording(a.input, a.reading);
+  auto recording = open_recording(a.input, a.reading);
   if (!recording) return complain(recording.failure());
+  if (!a.faults.empty()) {
+    const auto faults = read_faults(a.faults);
+    if (!faults) return complain(faults.failure());
+    *recording = with_faults(*recording, *faults);
+  }
   Progress progress("run");
   a.options.progress = [&](size_t done, size_t all) { progress.show(done, all); };
+  a.options.keep_session = true;
   const auto result = replay(*recording, a.options);
   if (!result) {
     const int status = complain(result.failure());
@@ -70,6 +77,8 @@ void add_run(CLI::App& app, int& status) {
                       "written at the end");
   command->add_flag("--pictures-outside", a->reading.pictures_outside,
                     "pictures may lie outside of the recording's folder");
+  command->add_option("--faults", a->faults,
+                      "YAML file of what is to go wrong with the sensors; keys: odograph config schema faults");
   command->add_option("--seed", a->options.seed, "of the random numbers handed to plugins")->capture_default_str();
   command->add_flag("--report", a->report, "write report.html with pictures");
   command->add_flag("--json", a->json, "print the summary as one JSON object");

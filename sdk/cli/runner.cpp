@@ -20,6 +20,7 @@ struct SessionDeleter {
 using SessionPtr = std::unique_ptr<odo_session, SessionDeleter>;
 
 constexpr uint64_t kMostPicturesNamed = 5;
+constexpr size_t kMostReports = 100;
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -50,8 +51,17 @@ struct Collector {
         result.final_state = as<odo_state>(event).state;
         result.final_reason = as<odo_state>(event).reason;
         break;
+      case ODO_TYPE_REPORT: take_report(as<odo_report>(event)); break;
       default: break;
     }
+  }
+
+  /// Warnings and errors, each text once.
+  void take_report(const odo_report& report) {
+    const std::string text = std::string(report.plugin) + ": " + report.text;
+    if (report.severity >= ODO_SEVERITY_WARNING && result.reports.size() < kMostReports &&
+        std::find(result.reports.begin(), result.reports.end(), text) == result.reports.end())
+      result.reports.push_back(text);
   }
 
   void take_pose(const odo_pose& pose) {
@@ -107,14 +117,6 @@ Result<bool> write_state(odo_session* session, const std::string& path) {
   return write_whole_file(path, blob);
 }
 
-void note_error(odo_session* session, RunResult& result) {
-  odo_error error{};
-  error.struct_size = sizeof error;
-  if (odo_session_last_error(session, &error) != ODO_OK && result.reports.size() < 100 &&
-      std::find(result.reports.begin(), result.reports.end(), error.message) == result.reports.end())
-    result.reports.emplace_back(error.message);
-}
-
 }  // namespace
 
 Result<RunResult> replay(const Recording& recording, const RunOptions& options) {
@@ -134,10 +136,11 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   RunResult result;
   result.config_text = config->text;
   result.loss = recording.loss;
-  result.session = shared;
+  if (options.keep_session) result.session = shared;
   Collector collector{result};
-  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,  ODO_TYPE_VO_MOTION, ODO_TYPE_STEP,  ODO_TYPE_MOTION_MODE,
-                                  ODO_TYPE_SCALE, ODO_TYPE_FIX,       ODO_TYPE_STATE, ODO_TYPE_CALIBRATION};
+  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,        ODO_TYPE_VO_MOTION,   ODO_TYPE_STEP,
+                                  ODO_TYPE_MOTION_MODE, ODO_TYPE_SCALE,       ODO_TYPE_FIX,
+                                  ODO_TYPE_STATE,       ODO_TYPE_CALIBRATION, ODO_TYPE_REPORT};
   if (options.collect_attitudes) wanted.push_back(ODO_TYPE_ATTITUDE);
   odo_session_set_callback(session, wanted.data(), static_cast<uint32_t>(wanted.size()), Collector::on_event,
                            &collector);
@@ -149,7 +152,6 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
       ++done;
       continue;  // nobody looks at it: do not decode it
     }
-    int32_t status;
     if (is_frame) {
       const auto frame = load_frame(message);
       ++done;
@@ -158,22 +160,20 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
         continue;
       }
       const auto start = std::chrono::steady_clock::now();
-      status = odo_session_push(session, &frame->header);
+      odo_session_push(session, &frame->header);
       collector.work_ms += milliseconds_since(start);
       frame->release(&*frame);
     } else {
       const auto start = std::chrono::steady_clock::now();
-      status = odo_session_push(session, &message.message.header());
+      odo_session_push(session, &message.message.header());
       const double ms = milliseconds_since(start);
       collector.work_ms += ms;
       if (options.collect_timing && message.message.header().type == ODO_TYPE_IMU) result.imu_us.push_back(ms * 1e3);
     }
-    if (status < 0) note_error(session, result);
     if (!is_frame) ++done;
     if (options.progress && (done % 64 == 0 || is_frame)) options.progress(done, recording.messages.size());
   }
   odo_session_flush(session);
-  note_error(session, result);
   odo_session_set_callback(session, nullptr, 0, nullptr, nullptr);  // the collector ends here
   if (result.loss.pictures > 0)
     result.reports.push_back(std::to_string(result.loss.pictures) + " pictures cannot be read; each cost its frame");

@@ -38,7 +38,7 @@ struct RunResult {
   double heading_turn_rad = 0;  // applied by replay.align_heading_over
   std::vector<std::string> reports;
   RecordingLoss loss;             // of the recording, with the pictures that turned out to be unreadable
-  std::shared_ptr<void> session;  // ends with this: a plugin that fails in its end takes no results with it
+  std::shared_ptr<void> session;  // where RunOptions asks for it
   std::string config_text;
 };
 
@@ -50,6 +50,7 @@ struct RunOptions {
   uint64_t seed = 0;
   bool collect_timing = true;
   bool collect_attitudes = false;
+  bool keep_session = false;  // it ends with the result: a plugin that fails in its end takes no results with it
   std::function<void(size_t done, size_t all)> progress;
 };
 

@@ -33,9 +33,9 @@ constexpr bool is_plausible_time(int64_t t_ns) { return t_ns >= -kFarthestTime_n
 /// Whether an app may push it: everything but events and 0.
 inline bool is_input(uint32_t type) { return type != 0 && !ODO_IS_EVENT(type); }
 
-/// Why a message cannot be used, as "field = value; expected ...": a wild time, a number whose validity bit is set and that is not
-/// finite or out of its range, a quaternion that is not of unit length within 1e-3. Empty where it can. Only for
-/// messages that are known to be as large as the host's struct (AnyMessage).
+/// Why a message cannot be used, as "field = value; expected ...": a wild time, a number whose validity bit is set and
+/// that is not finite or out of its range, a quaternion that is not of unit length within 1e-3. Empty where it can.
+/// Only for messages that are known to be as large as the host's struct (AnyMessage).
 std::string message_fault(const odo_header& message);
 inline bool message_is_good(const odo_header& message) { return message_fault(message).empty(); }
 

@@ -11,7 +11,7 @@ namespace odograph {
 namespace {
 
 constexpr char kMagic[8] = {'O', 'D', 'O', 'R', 'E', 'C', '1', '\n'};
-constexpr uint32_t kRecord = 0x524F444F;  // "ODOR"
+constexpr uint32_t kRecord = 0x524F444F;      // "ODOR"
 constexpr uint64_t kLook = 4096;              // bytes that looking at a place costs at least
 constexpr uint64_t kLeastEffort = 16u << 20;  // of small files
 constexpr uint32_t kEndMark = 0x1FFFF;
