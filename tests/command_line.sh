@@ -109,8 +109,9 @@ expect 0 "messages" "$odograph" convert same.odo link.odo
 cmp -s copy.odo same.odo || { echo "FAILED: a recording converted into itself is another one"; failed=1; }
 expect 3 "disk full" sh -c 'trap "" XFSZ; ulimit -f 100; "$@"' - "$odograph" convert same.odo same.odo
 cmp -s copy.odo same.odo || { echo "FAILED: a full disk took the recording that was there"; failed=1; }
+cp o/summary.json before.json
 expect 3 "disk full" sh -c 'trap "" XFSZ; ulimit -f 1; "$@"' - "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o
-expect 0 "Antigny" cat o/summary.json
+cmp -s o/summary.json before.json || { echo "FAILED: a full disk took the results that were there"; failed=1; }
 ls ./*.part o/*.part 2>/dev/null && { echo "FAILED: something unfinished was left"; failed=1; }
 # A folder with older results: what this run has not is gone.
 expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o6 --report

@@ -11,9 +11,10 @@ namespace odograph {
 namespace {
 
 constexpr char kMagic[8] = {'O', 'D', 'O', 'R', 'E', 'C', '1', '\n'};
-constexpr uint32_t kRecord = 0x524F444F;      // "ODOR"
-constexpr uint64_t kLook = 4096;              // bytes that looking at a place costs at least
-constexpr uint64_t kLeastEffort = 16u << 20;  // of small files
+constexpr uint32_t kRecord = 0x524F444F;                     // "ODOR"
+constexpr size_t kFirstLook = 4096, kLargestLook = 1 << 20;  // bytes read at once on the way to the next record
+constexpr uint64_t kLook = 4096;                             // bytes that looking at a place costs at least
+constexpr uint64_t kLeastEffort = 16u << 20;                 // of small files
 constexpr uint32_t kEndMark = 0x1FFFF;
 constexpr uint32_t kVersion = 1, kMinor = 2, kMinorOfEndMark = 2;
 
@@ -199,7 +200,7 @@ uint64_t RecordReader::end_of_damage() {
   if (in_.gcount() == sizeof head && head.magic == kRecord && (by_size == size_ || is_record_at(by_size)))
     return by_size;
   constexpr std::string_view kMark("ODOR");
-  std::vector<char> part(1 << 20);
+  std::vector<char> part(kFirstLook);
   for (uint64_t at = offset_ + 1; at + sizeof head <= size_;) {
     in_.clear();
     in_.seekg(static_cast<std::streamoff>(at));
@@ -211,6 +212,7 @@ uint64_t RecordReader::end_of_damage() {
       if (is_record_at(at + found)) return at + found;
     }
     at += text.size() - (kMark.size() - 1);
+    part.resize(std::min(2 * part.size(), kLargestLook));  // the next record is near, as a rule
   }
   return size_;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/recording/odo_file.hpp"
 
+#include <cmath>
 #include <cstring>
 
 #include <opencv2/imgcodecs.hpp>
@@ -115,6 +116,12 @@ Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jp
 
 namespace {
 
+/// An orientation as it was written; one that is off by more than rounding is normalised.
+Eigen::Quaterniond unit(const double* q) {
+  const Eigen::Quaterniond as_written(q[0], q[1], q[2], q[3]);
+  return std::abs(as_written.squaredNorm() - 1) < 1e-12 ? as_written : as_written.normalized();
+}
+
 /// An ABI message as its writer knew it, older or newer than this program; behind a frame's struct lies its picture.
 void take_message(Recording& recording, const RecordReader& record) {
   AnyMessage message;
@@ -138,18 +145,15 @@ void take(Recording& recording, const RecordReader& record) {
       ++recording.loss.wild_times;
       return;
     }
-    recording.truth.push_back(
-        {t.t_ns, Eigen::Quaterniond(t.q[0], t.q[1], t.q[2], t.q[3]).normalized(), {t.p[0], t.p[1], t.p[2]}});
+    recording.truth.push_back({t.t_ns, unit(t.q), {t.p[0], t.p[1], t.p[2]}});
     return;
   }
   if (record.type() == OdoWriter::kTrueState && payload.size() >= sizeof(StateRecord)) {
     StateRecord r;
     std::memcpy(&r, payload.data(), sizeof r);
     using Eigen::Vector3d;
-    const double* q = r.pose.q;
-    recording.true_states.push_back({r.pose.t_ns, Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(),
-                                     Vector3d::Map(r.pose.p), Vector3d::Map(r.v), Vector3d::Map(r.gyro_bias),
-                                     Vector3d::Map(r.accel_bias), r.mode});
+    recording.true_states.push_back({r.pose.t_ns, unit(r.pose.q), Vector3d::Map(r.pose.p), Vector3d::Map(r.v),
+                                     Vector3d::Map(r.gyro_bias), Vector3d::Map(r.accel_bias), r.mode});
     return;
   }
   if (record.type() == OdoWriter::kTrueSighting && payload.size() >= sizeof(TrueSighting)) {
