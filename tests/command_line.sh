@@ -86,7 +86,69 @@ expect 2 "needs ffmpeg" env PATH=/nowhere "$odograph" calibrate film.mp4 -o c3
 printf 'odograph: 1\ncamera: c/camera.yaml\nvo_frontend: {plugin: vo/five_point}\n' >own_camera.yaml
 expect 0 "good" "$odograph" config check own_camera.yaml
 head -c 100000 tiny.odo >cut.odo
-expect 0 "cut off" "$odograph" run -c "$configs/phone_walk.yaml" -i cut.odo -o o4
+expect 3 "end mark is missing" "$odograph" run -c "$configs/phone_walk.yaml" -i cut.odo -o o4
+expect 0 '"cut_off": true' cat o4/summary.json
+# What is lost is said by every command, in words and by its status.
+python3 - <<'PY'
+data = bytearray(open("tiny.odo", "rb").read())
+data[len(data) // 3] ^= 4
+open("flip.odo", "wb").write(data)
+PY
+expect 3 "1 of " "$odograph" run -c "$configs/phone_walk.yaml" -i flip.odo -o o5
+expect 0 '"records": 1' cat o5/summary.json
+expect 3 "records are lost" "$odograph" steps flip.odo -c "$configs/phone_walk_odograph.yaml"
+expect 3 "records are lost" "$odograph" eval --ref flip.odo --est o --align yaw
+expect 3 "records are lost" "$odograph" convert flip.odo mended.odo
+expect 0 "messages" "$odograph" convert mended.odo again.odo
+expect 3 "records are lost" "$odograph" compare "$configs/phone_walk.yaml" -i flip.odo
+# Input and output may be the same file, also by a link; a full disk leaves what was there.
+cp tiny.odo same.odo
+ln -s same.odo link.odo
+expect 0 "messages" "$odograph" convert same.odo same.odo
+expect 0 "messages" "$odograph" convert same.odo link.odo
+cmp -s copy.odo same.odo || { echo "FAILED: a recording converted into itself is another one"; failed=1; }
+expect 3 "disk full" sh -c 'trap "" XFSZ; ulimit -f 100; "$@"' - "$odograph" convert same.odo same.odo
+cmp -s copy.odo same.odo || { echo "FAILED: a full disk took the recording that was there"; failed=1; }
+cp o/summary.json before.json
+expect 3 "disk full" sh -c 'trap "" XFSZ; ulimit -f 1; "$@"' - "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o
+cmp -s o/summary.json before.json || { echo "FAILED: a full disk took the results that were there"; failed=1; }
+ls ./*.part o/*.part 2>/dev/null && { echo "FAILED: something unfinished was left"; failed=1; }
+# A folder with older results: what this run has not is gone.
+expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o6 --report
+expect 0 "written to" "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o6
+ls o6/vo.csv o6/report.html 2>/dev/null && { echo "FAILED: results of an older run were left"; failed=1; }
+# EuRoC: what it has no place for is said, a folder is not overwritten, a damaged picture costs its frame alone.
+expect 0 "left out, because EuRoC/ASL has no place for it" "$odograph" convert tiny.odo euroc
+expect 2 "holds a recording" "$odograph" convert tiny.odo euroc
+picture=$(ls euroc/mav0/cam0/data/*.png | sed -n 20p)
+: >"$picture"
+expect 3 "1 pictures cannot be read" "$odograph" run -c "$configs/monocular.yaml" -i euroc -o o7
+expect 0 '"pictures": 1' cat o7/summary.json
+expect 3 "1 pictures cannot be read" "$odograph" convert euroc mended2.odo
+sed -i 's/resolution: .*/resolution: [320, 240]/' euroc/mav0/cam0/sensor.yaml
+expect 3 "calibration 0 is for 320 x 240" "$odograph" run -c "$configs/monocular.yaml" -i euroc -o o8
+# What goes wrong with the sensors of any recording.
+cat >faults.yaml <<'YAML'
+odograph_faults: 1
+seed: 3
+faults:
+  - {fault: drop, sensor: gyroscope, from: 2 s, for: 300 ms}
+  - {fault: value, sensor: accelerometer, part: 0.01, value: 1e300}
+  - {fault: repeat, sensor: magnetometer, part: 0.5}
+  - {fault: delay, sensor: camera, from: 3 s, for: 1 s, by: 2 s}
+  - {fault: black, sensor: camera, from: 5 s, for: 500 ms}
+YAML
+expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o10 --faults faults.yaml
+grep -q '"wild": 0' o10/summary.json && { echo "FAILED: --faults spoiled nothing"; failed=1; }
+expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o11 --faults faults.yaml
+cmp -s o10/trajectory.tum o11/trajectory.tum || { echo "FAILED: the same faults gave another track"; failed=1; }
+printf 'odograph_faults: 1\nfaults: [{fault: melt, sensor: imu}]\n' >melt.yaml
+expect 2 "melt.yaml:2:18: faults[0].fault: 'melt'" "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o12 --faults melt.yaml
+mkfifo pipe
+expect 3 "a pipe or a device" timeout 10 "$odograph" run -c "$configs/phone_walk.yaml" -i pipe -o o9
+expect 2 "a pipe or a device" timeout 10 "$odograph" config check pipe
+printf 'odograph: 1\nb\033ad: 3\n' >escape.yaml
+expect 2 'b\x1Bad' "$odograph" config check escape.yaml
 expect 4 "FAIL" "$odograph" plugin check "$source/README.md"
 expect 0 "one foot's fall" "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --plot steps.html --each
 expect 0 "<svg" cat steps.html

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <cstring>
+#include <tuple>
 
 #include <odograph/messages.h>
 #include <odograph/recording.h>
@@ -115,14 +116,23 @@ TEST_CASE("a recording that was cut off is read up to there; what is none is ref
     CHECK(odo_recorder_write(out, &imu.header, nullptr, 0) == ODO_OK);
   }
   CHECK(odo_recorder_close(out) == ODO_OK);
-  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 5);
-  odo_recording* in = recording(path);
-  REQUIRE(in);
-  const odo_header* message = nullptr;
-  int count = 0;
-  while (odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK) ++count;
-  CHECK(count == 2);
-  odo_recording_close(in);
+  const auto whole = std::filesystem::file_size(path);
+  for (const auto& [cut, messages, words] :
+       {std::tuple{0, 3, ""}, {5, 3, "end mark is missing"}, {24, 3, "cut off"}, {29, 2, "2 records were read"}}) {
+    CAPTURE(cut);
+    std::filesystem::resize_file(path, whole - static_cast<uintmax_t>(cut));
+    odo_recording* in = recording(path);
+    REQUIRE(in);
+    odo_error loss{};
+    loss.struct_size = sizeof loss;
+    CHECK(odo_recording_loss(in, &loss) == (cut > 0 ? ODO_E_DATA : ODO_OK));
+    CHECK(std::string(loss.message).find(words) != std::string::npos);
+    const odo_header* message = nullptr;
+    int count = 0;
+    while (odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK) ++count;
+    CHECK(count == messages);
+    odo_recording_close(in);
+  }
   std::string why;
   CHECK(recording(folder / "none.odo", ODO_E_NOT_FOUND, &why) == nullptr);
   CHECK(why.find("none.odo: cannot be opened") != std::string::npos);
@@ -140,7 +150,7 @@ TEST_CASE("recordings of minor version 0, in which events were numbered from 16,
     auto step = make_message<odo_step>(ODO_TYPE_STEP, 5);
     step.header.type = 17;
     CHECK(writer->write(17, {reinterpret_cast<const unsigned char*>(&step), sizeof step}));
-    CHECK(writer->flush());
+    CHECK(writer->finish().ok());
   }
   std::fstream(path, std::ios::in | std::ios::out | std::ios::binary).seekp(12).write("\0\0\0\0", 4);
   auto reader = RecordReader::open(path);

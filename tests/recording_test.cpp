@@ -37,7 +37,7 @@ fs::path small_recording(const TemporaryFolder& folder, int frames) {
     REQUIRE(writer->write(frame.header).ok());
     REQUIRE(writer->write_truth({i * 1000 + 2, Eigen::Quaterniond::Identity(), {1.0 * i, 2, 3}}).ok());
   }
-  REQUIRE(writer->flush());
+  REQUIRE(writer->finish().ok());
   return path;
 }
 
@@ -79,13 +79,13 @@ TEST_CASE("after a crash everything up to the last whole record is there") {
     previous = recording->messages.size();
   }
   CHECK(previous >= all - 1);
-  // A flipped bit is noticed and ends the reading there.
+  // A flipped bit is noticed and costs its record.
   std::string damaged = whole;
   damaged[whole.size() / 2] = static_cast<char>(damaged[whole.size() / 2] ^ 4);
   write_text(folder / "damaged.odo", damaged);
   const auto recording = read_odo(folder / "damaged.odo");
   REQUIRE(recording.ok());
-  CHECK(recording->messages.size() < all);
+  CHECK(recording->messages.size() >= all - 1);
   CHECK(recording->warnings.size() == 1);
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("random bytes behind a good head never crash the reader") {
 
 TEST_CASE("times survive the way through text exactly") {
   rc::check("nanoseconds", [](int64_t t) {
-    const int64_t t_ns = t % 9'000'000'000'000'000'000;
+    const int64_t t_ns = t % 4'600'000'000'000'000'000;
     RC_ASSERT(*parse_seconds(format_seconds(t_ns)) == t_ns);
   });
   CHECK(*parse_seconds("1305031098.6659") == 1305031098665900000);

@@ -64,7 +64,7 @@ Result<std::vector<WalkRow>> run_walks(const std::string& config, const std::vec
   std::vector<WalkRow> rows;
   for (size_t i = 0; i < files.size(); ++i) {
     progress.show(i, files.size());
-    const auto recording = read_recording(files[i]);
+    const auto recording = open_recording(files[i]);
     if (!recording) return recording.failure();
     RunOptions options;
     options.config = config;

@@ -21,7 +21,7 @@ struct BenchArguments {
 };
 
 Result<bool> one(const BenchArguments& a, const std::string& file) {
-  const auto recording = read_recording(file);
+  const auto recording = open_recording(file);
   if (!recording) return recording.failure();
   Progress progress(file);
   auto data = camera_imu_data(*recording, [&](size_t done, size_t all) { progress.show(done, all); });

@@ -114,7 +114,7 @@ int run_canyon(const CanyonArguments& a) {
     progress.show(k, a.seeds);
     const auto made = simulate(canyon(a.sigma_m), a.first_seed + k, file, {.threads = 1, .frames = false});
     if (!made) return complain(made.failure());
-    auto recording = read_recording(file);
+    auto recording = open_recording(file);
     std::error_code error;
     fs::remove(file, error);
     if (!recording) return complain(recording.failure());

@@ -69,7 +69,7 @@ Trajectory levelled(const Trajectory& truth, const Trajectory& track) {
 Result<bool> add_run(const DriveArguments& a, const std::string& config, uint64_t seed, DriveErrors& errors) {
   const auto file = kept_recording(a.scenario, seed, a.keep, a.quick ? 300.0 : 0.0);
   if (!file) return file.failure();
-  const auto recording = read_recording(*file);
+  const auto recording = open_recording(*file);
   if (!recording) return recording.failure();
   Progress progress("run " + config + " seed " + std::to_string(seed));
   RunOptions options;

@@ -177,7 +177,7 @@ int gait(const GaitArguments& a) {
   if (files.empty()) return complain({ODO_E_NOT_FOUND, a.data + ": no walks (*.txt) in this folder"});
   std::sort(files.begin(), files.end());
   for (const auto& file : files) {
-    const auto recording = read_recording(file);
+    const auto recording = open_recording(file);
     if (!recording) return complain(recording.failure());
     if (const Series s = resampled(*recording); s.acceleration.size() >= static_cast<size_t>(10 * kRate_hz))
       real.push_back(figures_of(s));

@@ -78,7 +78,7 @@ Result<Recording> recording_of(const Scenario& scenario, uint64_t seed) {
   const fs::path file = fs::temp_directory_path() / ("odograph-steps-" + std::to_string(getpid()) + ".odo");
   const auto made = simulate(scenario, seed, file, {.threads = 1, .frames = false});
   if (!made) return made.failure();
-  auto recording = read_recording(file);
+  auto recording = open_recording(file);
   std::error_code error;
   fs::remove(file, error);
   return recording;

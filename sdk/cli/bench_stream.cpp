@@ -220,7 +220,7 @@ int bench_stream(const StreamArguments& a) {
                 "smooth", "get_pose us", "", "", "median    99 %", "median    99 %", "position", "polls", "", "cm",
                 "cm", "median   99 %");
   for (const fs::path& file : files) {
-    const auto recording = read_recording(file);
+    const auto recording = open_recording(file);
     if (!recording) return complain(recording.failure());
     const auto stream = run_stream(*recording, a);
     if (!stream) return complain(stream.failure());

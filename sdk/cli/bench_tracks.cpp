@@ -121,7 +121,7 @@ class Follower {
 };
 
 Result<TrackFigures> figures_of(const std::string& file, size_t most) {
-  const auto recording = read_recording(file);
+  const auto recording = open_recording(file);
   if (!recording) return recording.failure();
   odo_calibration calibration{};
   std::vector<const RecordedMessage*> frames;
@@ -168,7 +168,7 @@ Result<bool> print_excitation(const TrackArguments& a) {
   for (const double window : kWindows_s) std::printf(" | %2.0f s windows: S mm  N mm  pull   n", window);
   std::printf("\n");
   for (const std::string& file : a.recordings) {
-    const auto recording = read_recording(file);
+    const auto recording = open_recording(file);
     if (!recording) return recording.failure();
     const std::string name = name_of(file);
     std::printf("%-34s", name.c_str());

@@ -72,7 +72,7 @@ Result<std::vector<Degradation>> variants_of(const VoArguments& a) {
 }
 
 Result<Recording> read_with_reference(const fs::path& file, const VoArguments& a) {
-  auto recording = read_recording(file);
+  auto recording = open_recording(file);
   if (!recording) return recording.failure();
   if (!recording->has(ODO_TYPE_FRAME)) return Failure{ODO_E_DATA, file.string() + ": no camera frames"};
   if (a.reference.empty()) return recording;

@@ -52,7 +52,7 @@ Result<Walk700Row> run(const Walk700Arguments& a, const std::string& config, con
   const auto file =
       kept_recording(fs::path(a.scenarios) / ("walk700_" + walker + ".yaml"), seed, a.keep, a.quick ? 120.0 : 0.0);
   if (!file) return file.failure();
-  const auto recording = read_recording(*file);
+  const auto recording = open_recording(*file);
   if (!recording) return recording.failure();
   const auto scenario = read_scenario((fs::path(a.scenarios) / ("walk700_" + walker + ".yaml")).string());
   const auto own_config = config_of(a, config, walker, scenario->walker.height_m);

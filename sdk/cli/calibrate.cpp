@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sdk/base/output_file.hpp"
 #include "sdk/cli/board_option.hpp"
 #include "sdk/cli/calibrate_imu.hpp"
 #include "sdk/cli/commands.hpp"
@@ -236,12 +237,7 @@ int calibrate(const CalibrateArguments& a) {
 
 }  // namespace
 
-Result<bool> write_file(const fs::path& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  if (!file.flush()) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be written"};
-  return true;
-}
+Result<bool> write_file(const fs::path& path, const std::string& text) { return write_whole_file(path, text); }
 
 void add_calibrate(CLI::App& app, int& status) {
   auto* command =

@@ -159,7 +159,7 @@ Result<bool> start_from(const CalibrateImuArguments& a, const LensCalibration* b
 }  // namespace
 
 int calibrate_imu(const CalibrateImuArguments& a, const LensCalibration* board) {
-  const auto recording = read_recording(a.recording);
+  const auto recording = open_recording(a.recording);
   if (!recording) return complain(recording.failure());
   Result<CameraImuData> data = Failure{};
   {
@@ -185,12 +185,12 @@ int calibrate_imu(const CalibrateImuArguments& a, const LensCalibration* board) 
     if (const auto written = write_file(fs::path(a.output) / name, text); !written) return complain(written.failure());
   if (a.json) {
     std::printf("%s\n", json_of(*found, doubts).dump(2).c_str());
-    return kDone;
+    return status_over(recording->loss, kDone);
   }
   std::printf("%s", figures_of(*found).c_str());
   for (const auto& doubt : doubts) std::printf("beware: %s\n", doubt.c_str());
   std::printf("%s/camera.yaml (in a config: 'camera: FILE'), %s/camera_imu.html\n", a.output.c_str(), a.output.c_str());
-  return kDone;
+  return status_over(recording->loss, kDone);
 }
 
 }  // namespace odograph

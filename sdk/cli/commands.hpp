@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "sdk/base/result.hpp"
+#include "sdk/recording/recording.hpp"
 
 namespace odograph {
 
@@ -36,6 +37,12 @@ void add_bench_vo(CLI::App& bench, int& status);
 
 /// Prints "odograph: text" on standard error and returns the status that fits the failure.
 int complain(const Failure& failure);
+
+/// Reads a recording, and says on standard error what it lacks.
+Result<Recording> open_recording(const std::string& path, const ReadOptions& options = {});
+
+/// The status of a command that came to its end over a recording: kBadData where something of it was lost.
+int status_over(const RecordingLoss& loss, int status);
 
 /// A progress bar on a terminal, nothing in a pipe.
 class Progress {

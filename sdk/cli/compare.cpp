@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sdk/base/output_file.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/run_plots.hpp"
 
@@ -103,9 +104,10 @@ int compare(const CompareArguments& a) {
   const auto configs = names_of(a.configs), recordings = names_of(a.recordings);
   std::string page = html::head("Odograph, " + std::to_string(a.configs.size()) + " configs");
   std::vector<Row> all;
+  int done = kDone;
   Progress progress("compare");
   for (size_t r = 0; r < a.recordings.size(); ++r) {
-    const auto recording = read_recording(a.recordings[r]);
+    const auto recording = open_recording(a.recordings[r]);
     if (!recording) return complain(recording.failure());
     std::vector<RunResult> results;
     for (size_t c = 0; c < a.configs.size(); ++c) {
@@ -117,6 +119,7 @@ int compare(const CompareArguments& a) {
         const int status = complain(result.failure());
         return result.failure().status == ODO_E_NOT_FOUND ? kBadUsage : status;
       }
+      done = status_over(result->loss, done);
       results.push_back(std::move(*result));
     }
     std::vector<NamedRun> runs;
@@ -141,16 +144,15 @@ int compare(const CompareArguments& a) {
                   cells[3].c_str(), cells[4].c_str(), cells[5].c_str(), cells[6].c_str());
     }
   }
-  if (a.output.empty()) return kDone;
+  if (a.output.empty()) return done;
   for (size_t c = 0; c < a.configs.size(); ++c) {
     std::ifstream file(a.configs[c]);
     std::stringstream text;
     text << file.rdbuf();
     page += "<h2>" + html::escape(configs[c]) + "</h2>\n<pre>" + html::escape(text.str()) + "</pre>\n";
   }
-  std::ofstream out(a.output);
-  out << page << "</html>\n";
-  return out.flush() ? kDone : complain({ODO_E_NOT_FOUND, a.output + ": cannot be written"});
+  const auto written = write_whole_file(a.output, page + "</html>\n");
+  return written ? done : complain(written.failure());
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
+#include "sdk/base/printable.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/config/pipeline_config.hpp"
 #include "sdk/plugin_host/manifest.hpp"
 #include "sdk/config/camera_yaml.hpp"
+#include "sdk/evaluation/faults.hpp"
 #include "sdk/sim/scenario.hpp"
 
 namespace odograph {
@@ -15,7 +17,7 @@ int check(const std::string& file, const std::string& plugins) {
   if (!plugins.empty()) directories.emplace_back(plugins);
   const auto config = read_pipeline_config_file(file, directories);
   if (!config) {
-    std::fprintf(stderr, "%s\n", config.failure().text.c_str());
+    std::fprintf(stderr, "%s\n", printable(config.failure().text).c_str());
     return kBadUsage;
   }
   std::printf("%s: good\n", file.c_str());
@@ -41,6 +43,8 @@ int schema(const std::string& which) {
     std::fputs(json_schema(camera_spec(), "Odograph camera.yaml").c_str(), stdout);
   else if (which == "scenario")
     std::fputs(json_schema(scenario_spec(), "Odograph simulation scenario").c_str(), stdout);
+  else if (which == "faults")
+    std::fputs(json_schema(faults_spec(), "Odograph faults of sensors").c_str(), stdout);
   else
     std::fputs(json_schema(manifest_spec(), "Odograph plugin manifest").c_str(), stdout);
   return kDone;
@@ -63,8 +67,8 @@ void add_config(CLI::App& app, int& status) {
   });
   auto which = std::make_shared<std::string>("pipeline");
   auto* schema_command = command->add_subcommand("schema", "Print a JSON Schema");
-  schema_command->add_option("which", *which, "pipeline, camera, scenario or odoplugin")
-      ->check(CLI::IsMember({"pipeline", "camera", "scenario", "odoplugin"}))
+  schema_command->add_option("which", *which, "pipeline, camera, scenario, faults or odoplugin")
+      ->check(CLI::IsMember({"pipeline", "camera", "scenario", "faults", "odoplugin"}))
       ->capture_default_str();
   schema_command->callback([=, &status] { status = schema(*which); });
 }

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "sdk/base/nearest.hpp"
+#include "sdk/base/printable.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/config/spec.hpp"
 #include "sdk/core/geodesy.hpp"
@@ -16,9 +17,11 @@ namespace fs = std::filesystem;
 struct ConvertArguments {
   std::string input, output, origin;
   int jpeg_quality = 0;
+  ReadOptions reading;
 };
 
-Result<bool> to_recording(const Recording& recording, const fs::path& output, int jpeg_quality) {
+/// Writes all that there is. Pictures that cannot be read cost their frames; they are counted in `lost`.
+Result<bool> to_recording(const Recording& recording, const fs::path& output, int jpeg_quality, uint64_t& lost) {
   auto writer = OdoWriter::create(output, jpeg_quality);
   if (!writer) return writer.failure();
   Progress progress("convert");
@@ -30,7 +33,10 @@ Result<bool> to_recording(const Recording& recording, const fs::path& output, in
       continue;
     }
     const auto frame = load_frame(m);
-    if (!frame) return frame.failure();
+    if (!frame) {
+      if (lost++ == 0) std::fprintf(stderr, "%s\n", printable(frame.failure().text).c_str());
+      continue;
+    }
     const auto written = (*writer)->write(frame->header);
     frame->release(&*frame);
     if (!written) return written.failure();
@@ -45,8 +51,7 @@ Result<bool> to_recording(const Recording& recording, const fs::path& output, in
     if (const auto written = (*writer)->write_true_skyline(skyline); !written) return written.failure();
   for (const TrueSighting& sighting : recording.true_sightings)
     if (const auto written = (*writer)->write_true_sighting(sighting); !written) return written.failure();
-  if (!(*writer)->flush()) return Failure{ODO_E_NOT_FOUND, output.string() + ": writing failed; is the disk full?"};
-  return true;
+  return (*writer)->finish();
 }
 
 Result<Trajectory> read_track(const fs::path& input) {
@@ -58,32 +63,51 @@ Result<Trajectory> read_track(const fs::path& input) {
   return kitti ? std::move(kitti) : read_tum(input);
 }
 
+void say_pictures(uint64_t lost) {
+  if (lost > 0) std::fprintf(stderr, "%zu pictures cannot be read; their frames are left out\n", size_t(lost));
+}
+
+int convert_to_recording(const ConvertArguments& a) {
+  const auto recording = open_recording(a.input, a.reading);
+  if (!recording) return complain(recording.failure());
+  RecordingLoss loss = recording->loss;
+  if (const auto done = to_recording(*recording, a.output, a.jpeg_quality, loss.pictures); !done)
+    return complain(done.failure());
+  say_pictures(loss.pictures);
+  std::printf("%s: %s, %zu messages, %zu true poses\n", a.output.c_str(), recording->format.c_str(),
+              recording->messages.size() - static_cast<size_t>(loss.pictures), recording->truth.size());
+  return status_over(loss, kDone);
+}
+
+int convert_to_euroc(const ConvertArguments& a) {
+  const auto recording = open_recording(a.input, a.reading);
+  if (!recording) return complain(recording.failure());
+  RecordingLoss loss = recording->loss;
+  Result<EurocWritten> done = Failure{};
+  {
+    Progress progress("convert");
+    done = write_euroc(*recording, a.output, [&](size_t i, size_t n) { progress.show(i, n); });
+  }
+  if (!done) return complain(done.failure());
+  loss.pictures = done->pictures_lost;
+  say_pictures(loss.pictures);
+  if (!done->left_out.empty())
+    std::fprintf(stderr, "left out, because EuRoC/ASL has no place for it: %s\n", done->left_out.c_str());
+  std::printf("%s: EuRoC/ASL, %zu messages, %zu true states\n", a.output.c_str(), done->messages, done->true_states);
+  return status_over(loss, kDone);
+}
+
 int convert(const ConvertArguments& a) {
   const fs::path input = a.input, output = a.output;
-  if (output.extension() == ".odo") {
-    const auto recording = read_recording(input);
-    if (!recording) return complain(recording.failure());
-    for (const auto& warning : recording->warnings) std::fprintf(stderr, "%s: %s\n", a.input.c_str(), warning.c_str());
-    if (const auto done = to_recording(*recording, output, a.jpeg_quality); !done) return complain(done.failure());
-    std::printf("%s: %s, %zu messages, %zu true poses\n", a.output.c_str(), recording->format.c_str(),
-                recording->messages.size(), recording->truth.size());
-    return kDone;
-  }
-  if (output.extension().empty()) {
-    const auto recording = read_recording(input);
-    if (!recording) return complain(recording.failure());
-    Progress progress("convert");
-    const auto done = write_euroc(*recording, output, [&](size_t i, size_t n) { progress.show(i, n); });
-    if (!done) return complain(done.failure());
-    std::printf("%s: EuRoC/ASL, %zu messages, %zu true states\n", a.output.c_str(), recording->messages.size(),
-                recording->true_states.size());
-    return kDone;
-  }
+  if (output.extension() == ".odo") return convert_to_recording(a);
+  if (output.extension().empty()) return convert_to_euroc(a);
+  int status = kDone;
   auto track = read_track(input);
   if (!track) {
-    const auto recording = read_recording(input);
+    const auto recording = open_recording(input);
     if (!recording || recording->truth.empty()) return complain(track.failure());
     track = recording->truth;
+    status = status_over(recording->loss, kDone);
   }
   auto geodesy = std::make_shared<Geodesy>();
   ToGeodetic to_geodetic;
@@ -103,7 +127,7 @@ int convert(const ConvertArguments& a) {
   const auto written = write_trajectory(output, *track, to_geodetic);
   if (!written) return complain(written.failure());
   std::printf("%s: %zu poses\n", a.output.c_str(), track->size());
-  return kDone;
+  return status;
 }
 
 }  // namespace
@@ -123,6 +147,8 @@ void add_convert(CLI::App& app, int& status) {
   command->add_option("--jpeg", a->jpeg_quality, "store pictures as JPEG of this quality; 0 = PNG, lossless")
       ->capture_default_str()
       ->check(CLI::Range(0, 100));
+  command->add_flag("--pictures-outside", a->reading.pictures_outside,
+                    "pictures may lie outside of the recording's folder");
   command->callback([a, &status] { status = convert(*a); });
 }
 

@@ -25,6 +25,7 @@ struct EvalArguments {
 struct Reference {
   Trajectory trajectory;
   std::vector<Waypoint> waypoints;
+  RecordingLoss loss;
 };
 
 /// TUM or KITTI poses by looking at the first line; EuRoC's by its name.
@@ -64,8 +65,9 @@ Result<Reference> read_reference(const fs::path& path) {
     }
     return trajectory.failure();
   }
-  auto recording = read_recording(path);
+  auto recording = open_recording(path);
   if (!recording) return recording.failure();
+  reference.loss = recording->loss;
   reference.trajectory = std::move(recording->truth);
   reference.waypoints = recording->waypoints();
   if (reference.trajectory.empty() && reference.waypoints.empty())
@@ -232,7 +234,7 @@ int eval(const EvalArguments& a) {
     std::printf("%s\n", out.dump(2).c_str());
   else
     print(out, a.estimate + " against " + a.reference);
-  return kDone;
+  return status_over(reference->loss, kDone);
 }
 
 }  // namespace

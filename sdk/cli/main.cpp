@@ -5,20 +5,34 @@
 
 #include <odograph/odograph.h>
 
+#include "sdk/base/printable.hpp"
 #include "sdk/cli/commands.hpp"
 
 namespace odograph {
 
 int complain(const Failure& failure) {
-  std::fprintf(stderr, "%s\n", failure.text.c_str());
+  std::fprintf(stderr, "%s\n", printable(failure.text).c_str());
   switch (failure.status) {
     case ODO_E_CONFIG:
     case ODO_E_ARGUMENT:
     case ODO_E_UNSUPPORTED: return kBadUsage;
     case ODO_E_DATA:
+    case ODO_E_VERSION:
     case ODO_E_NOT_FOUND: return kBadData;
     default: return kPluginFailure;
   }
+}
+
+Result<Recording> open_recording(const std::string& path, const ReadOptions& options) {
+  auto recording = read_recording(path, options);
+  if (recording)
+    for (const auto& warning : recording->warnings)
+      std::fprintf(stderr, "%s\n", printable(path + ": " + warning).c_str());
+  return recording;
+}
+
+int status_over(const RecordingLoss& loss, int status) {
+  return loss.any() && (status == kDone || status == kLostTracking) ? kBadData : status;
 }
 
 Progress::Progress(std::string what) : what_(std::move(what)), on_(isatty(STDERR_FILENO) != 0) {}
@@ -40,7 +54,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Odograph: a metric 6-DoF pose from a hand-held phone's sensors"};
   app.require_subcommand(1);
   app.set_version_flag("--version", odo_version());
-  app.footer("Exit status: 0 done, 1 ran but lost tracking, 2 bad usage or config, 3 bad data, 4 plugin failure.");
+  app.footer(
+      "Exit status: 0 done, 1 ran but lost tracking, 2 bad usage or config, 3 bad data, or "
+      "some of the input was lost (what could be read was used), 4 plugin failure.");
   int status = odograph::kDone;
   odograph::add_run(app, status);
   odograph::add_eval(app, status);
@@ -57,7 +73,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? odograph::kDone : odograph::kBadUsage;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "odograph: %s\n", error.what());
+    std::fprintf(stderr, "odograph: %s\n", odograph::printable(error.what()).c_str());
     return odograph::kBadData;
   }
   return status;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "sdk/base/output_file.hpp"
 #include "sdk/cli/plot.hpp"
 
 #include <cstdio>
@@ -63,10 +64,7 @@ Result<std::string> draw_svg(const Plot& plot) {
 Result<bool> write_svg(const Plot& plot, const std::string& file) {
   const auto svg = draw_svg(plot);
   if (!svg) return svg.failure();
-  std::ofstream out(file);
-  out << *svg;
-  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, file + ": cannot be written"};
-  return true;
+  return write_whole_file(file, *svg);
 }
 
 std::string plots_page(const std::string& title, const std::string& figures, const std::vector<std::string>& doubts,

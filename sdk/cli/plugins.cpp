@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "sdk/base/nearest.hpp"
+#include "sdk/base/printable.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/plugin_skeleton.hpp"
 #include "sdk/plugin_host/registry.hpp"
@@ -24,7 +25,7 @@ int plugins(const std::string& id, const std::string& folder) {
   std::vector<std::filesystem::path> first;
   if (!folder.empty()) first.emplace_back(folder);
   const PluginRegistry registry(plugin_directories(first));
-  for (const auto& problem : registry.problems()) std::fprintf(stderr, "passed over: %s\n", problem.c_str());
+  for (const auto& problem : registry.problems()) std::fprintf(stderr, "passed over: %s\n", printable(problem).c_str());
   std::vector<std::string> ids;
   for (const Manifest& m : registry.manifests()) {
     ids.push_back(m.id);
@@ -122,7 +123,8 @@ void add_plugins(CLI::App& app, int& status) {
   manifest->add_option("file", *file, "plugin library")->required();
   manifest->callback([=, &status] {
     const auto written = write_manifest_beside(*file);
-    status = written ? kDone : (std::fprintf(stderr, "%s\n", written.failure().text.c_str()), kPluginFailure);
+    status =
+        written ? kDone : (std::fprintf(stderr, "%s\n", printable(written.failure().text).c_str()), kPluginFailure);
     if (written) std::printf("%s\n", written->c_str());
   });
 }

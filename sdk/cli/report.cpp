@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "sdk/base/output_file.hpp"
 #include "sdk/cli/run_plots.hpp"
 
 namespace odograph {
@@ -39,10 +40,7 @@ Result<bool> write_report(const std::filesystem::path& folder, const Recording& 
   page << html::figures(plots_of(recording, {{"Odograph", &result}}));
   for (const auto& report : result.reports) page << "<p>" << escape(report) << "</p>\n";
   page << "<h2>Config</h2>\n<pre>" << escape(result.config_text) << "</pre>\n</html>\n";
-  std::ofstream file(folder / "report.html");
-  file << page.str();
-  if (!file.flush()) return Failure{ODO_E_NOT_FOUND, (folder / "report.html").string() + ": cannot be written"};
-  return true;
+  return write_whole_file(folder / "report.html", page.str());
 }
 
 }  // namespace odograph

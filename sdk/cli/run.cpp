@@ -3,24 +3,32 @@
 #include <fstream>
 #include <sstream>
 
+#include "sdk/base/printable.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/runner.hpp"
+#include "sdk/evaluation/faults.hpp"
 
 namespace odograph {
 namespace {
 
 struct RunArguments {
   RunOptions options;
-  std::string input, output = "out";
+  ReadOptions reading;
+  std::string input, output = "out", faults;
   bool report = false, json = false;
 };
 
 int run(RunArguments& a) {
-  const auto recording = read_recording(a.input);
+  auto recording = open_recording(a.input, a.reading);
   if (!recording) return complain(recording.failure());
-  for (const auto& warning : recording->warnings) std::fprintf(stderr, "%s: %s\n", a.input.c_str(), warning.c_str());
+  if (!a.faults.empty()) {
+    const auto faults = read_faults(a.faults);
+    if (!faults) return complain(faults.failure());
+    *recording = with_faults(*recording, *faults);
+  }
   Progress progress("run");
   a.options.progress = [&](size_t done, size_t all) { progress.show(done, all); };
+  a.options.keep_session = true;
   const auto result = replay(*recording, a.options);
   if (!result) {
     const int status = complain(result.failure());
@@ -30,7 +38,7 @@ int run(RunArguments& a) {
   if (!written) return complain(written.failure());
   if (a.report)
     if (const auto report = write_report(a.output, *recording, *result); !report) return complain(report.failure());
-  for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", report.c_str());
+  for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
   if (a.json) {
     std::ifstream file(std::filesystem::path(a.output) / "summary.json");
     std::stringstream text;
@@ -44,7 +52,7 @@ int run(RunArguments& a) {
                 s.degraded_s, s.lost_s);
     std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");
   }
-  return result->track.empty() || result->final_state == ODO_LOST ? kLostTracking : kDone;
+  return status_over(result->loss, result->track.empty() || result->final_state == ODO_LOST ? kLostTracking : kDone);
 }
 
 }  // namespace
@@ -67,6 +75,10 @@ void add_run(CLI::App& app, int& status) {
   command->add_option("--state", a->options.state,
                       "file with what the plugins have learnt of the walker and the device: read where it exists, and "
                       "written at the end");
+  command->add_flag("--pictures-outside", a->reading.pictures_outside,
+                    "pictures may lie outside of the recording's folder");
+  command->add_option("--faults", a->faults,
+                      "YAML file of what is to go wrong with the sensors; keys: odograph config schema faults");
   command->add_option("--seed", a->options.seed, "of the random numbers handed to plugins")->capture_default_str();
   command->add_flag("--report", a->report, "write report.html with pictures");
   command->add_flag("--json", a->json, "print the summary as one JSON object");

@@ -2,17 +2,13 @@
 #include "sdk/cli/runner.hpp"
 
 #include <algorithm>
-#include <filesystem>
-#include <sstream>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
-#include <iomanip>
+#include <sstream>
 
-#include <sys/resource.h>
-
-#include <nlohmann/json.hpp>
-
+#include "sdk/base/output_file.hpp"
 #include "sdk/config/pipeline_config.hpp"
 
 namespace odograph {
@@ -22,6 +18,9 @@ struct SessionDeleter {
   void operator()(odo_session* session) const { odo_session_destroy(session); }
 };
 using SessionPtr = std::unique_ptr<odo_session, SessionDeleter>;
+
+constexpr uint64_t kMostPicturesNamed = 5;
+constexpr size_t kMostReports = 100;
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -52,8 +51,17 @@ struct Collector {
         result.final_state = as<odo_state>(event).state;
         result.final_reason = as<odo_state>(event).reason;
         break;
+      case ODO_TYPE_REPORT: take_report(as<odo_report>(event)); break;
       default: break;
     }
+  }
+
+  /// Warnings and errors, each text once.
+  void take_report(const odo_report& report) {
+    const std::string text = std::string(report.plugin) + ": " + report.text;
+    if (report.severity >= ODO_SEVERITY_WARNING && result.reports.size() < kMostReports &&
+        std::find(result.reports.begin(), result.reports.end(), text) == result.reports.end())
+      result.reports.push_back(text);
   }
 
   void take_pose(const odo_pose& pose) {
@@ -106,22 +114,7 @@ Result<bool> read_state(odo_session* session, const std::string& path) {
 Result<bool> write_state(odo_session* session, const std::string& path) {
   std::string blob(static_cast<size_t>(std::max<int64_t>(0, odo_session_save(session, nullptr, 0))), '\0');
   odo_session_save(session, blob.data(), blob.size());
-  const std::string beside = path + ".new";
-  std::ofstream file(beside, std::ios::binary);
-  file << blob;
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(beside, path, error);
-  if (!file || error) return Failure{ODO_E_NOT_FOUND, path + ": cannot be written"};
-  return true;
-}
-
-void note_error(odo_session* session, RunResult& result) {
-  odo_error error{};
-  error.struct_size = sizeof error;
-  if (odo_session_last_error(session, &error) != ODO_OK && result.reports.size() < 100 &&
-      std::find(result.reports.begin(), result.reports.end(), error.message) == result.reports.end())
-    result.reports.emplace_back(error.message);
+  return write_whole_file(path, blob);
 }
 
 }  // namespace
@@ -134,16 +127,20 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   if (!config) return config.failure();
   auto opened = open_session(options);
   if (!opened) return Failure{ODO_E_ERROR, opened.failure().text};  // the config was good: it is a plugin
-  odo_session* session = opened->get();
+  const std::shared_ptr<odo_session> shared = std::move(*opened);
+  odo_session* session = shared.get();
 
   if (!options.state.empty())
     if (const auto read = read_state(session, options.state); !read) return read.failure();
 
   RunResult result;
   result.config_text = config->text;
+  result.loss = recording.loss;
+  if (options.keep_session) result.session = shared;
   Collector collector{result};
-  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,  ODO_TYPE_VO_MOTION, ODO_TYPE_STEP,  ODO_TYPE_MOTION_MODE,
-                                  ODO_TYPE_SCALE, ODO_TYPE_FIX,       ODO_TYPE_STATE, ODO_TYPE_CALIBRATION};
+  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,        ODO_TYPE_VO_MOTION,   ODO_TYPE_STEP,
+                                  ODO_TYPE_MOTION_MODE, ODO_TYPE_SCALE,       ODO_TYPE_FIX,
+                                  ODO_TYPE_STATE,       ODO_TYPE_CALIBRATION, ODO_TYPE_REPORT};
   if (options.collect_attitudes) wanted.push_back(ODO_TYPE_ATTITUDE);
   odo_session_set_callback(session, wanted.data(), static_cast<uint32_t>(wanted.size()), Collector::on_event,
                            &collector);
@@ -155,27 +152,31 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
       ++done;
       continue;  // nobody looks at it: do not decode it
     }
-    int32_t status;
     if (is_frame) {
       const auto frame = load_frame(message);
-      if (!frame) return frame.failure();
+      ++done;
+      if (!frame) {  // costs this frame
+        if (result.loss.pictures++ < kMostPicturesNamed) result.reports.push_back(frame.failure().text);
+        continue;
+      }
       const auto start = std::chrono::steady_clock::now();
-      status = odo_session_push(session, &frame->header);
+      odo_session_push(session, &frame->header);
       collector.work_ms += milliseconds_since(start);
       frame->release(&*frame);
     } else {
       const auto start = std::chrono::steady_clock::now();
-      status = odo_session_push(session, &message.message.header());
+      odo_session_push(session, &message.message.header());
       const double ms = milliseconds_since(start);
       collector.work_ms += ms;
       if (options.collect_timing && message.message.header().type == ODO_TYPE_IMU) result.imu_us.push_back(ms * 1e3);
     }
-    if (status < 0) note_error(session, result);
-    ++done;
+    if (!is_frame) ++done;
     if (options.progress && (done % 64 == 0 || is_frame)) options.progress(done, recording.messages.size());
   }
   odo_session_flush(session);
-  note_error(session, result);
+  odo_session_set_callback(session, nullptr, 0, nullptr, nullptr);  // the collector ends here
+  if (result.loss.pictures > 0)
+    result.reports.push_back(std::to_string(result.loss.pictures) + " pictures cannot be read; each cost its frame");
   if (!options.state.empty())
     if (const auto written = write_state(session, options.state); !written) return written.failure();
   result.statistics.struct_size = sizeof result.statistics;
@@ -191,97 +192,6 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
       step.heading_rad = std::remainder(step.heading_rad + result.heading_turn_rad, 2 * EIGEN_PI);
   }
   return result;
-}
-
-double peak_rss_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
-}
-
-namespace {
-
-void write_motions(const std::filesystem::path& file, const std::vector<odo_vo_motion>& motions) {
-  if (motions.empty()) return;
-  std::ofstream out(file);
-  out << std::setprecision(9) << "t_from_ns,t_ns,state,reason,scale_group,tracked,inliers,qw,qx,qy,qz,x,y,z,"
-      << "sigma_rotation_rad,sigma_position\n";
-  for (const odo_vo_motion& m : motions) {
-    const double* c = m.covariance;
-    out << m.t_from_ns << ',' << m.header.t_ns << ',' << m.state << ',' << m.reason << ',' << m.scale_group << ','
-        << m.tracked << ',' << m.inliers;
-    for (const double q : m.q_c0_c1) out << ',' << q;
-    for (const double p : m.p_c0_c1) out << ',' << p;
-    out << ',' << std::sqrt((c[0] + c[7] + c[14]) / 3) << ',' << std::sqrt((c[21] + c[28] + c[35]) / 3) << '\n';
-  }
-}
-
-}  // namespace
-
-Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
-                       const RunOptions& options) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return Failure{ODO_E_NOT_FOUND, folder.string() + ": cannot be created: " + error.message()};
-  const auto track = write_trajectory(folder / "trajectory.tum", result.track, nullptr);
-  if (!track) return track.failure();
-
-  std::ofstream steps(folder / "steps.csv"), scales(folder / "scale.csv"), fixes(folder / "fixes.csv");
-  steps << std::setprecision(9) << "t_start_ns,t_end_ns,length_m,sigma_m,frequency_hz,mode,heading_rad\n";
-  for (const odo_step& s : result.steps)
-    steps << s.t_start_ns << ',' << s.t_end_ns << ',' << s.length_m << ',' << s.sigma_m << ',' << s.frequency_hz << ','
-          << odo_mode_text(s.mode) << ',' << s.heading_rad << '\n';
-  write_motions(folder / "vo.csv", result.motions);
-  scales << std::setprecision(9) << "t_ns,source,scale_m,sigma_m,used\n";
-  for (const odo_scale& s : result.scales)
-    scales << s.header.t_ns << ',' << s.header.source << ',' << s.metres_per_unit << ',' << s.sigma << ",1\n";
-  fixes << std::setprecision(9) << "t_ns,source,kind,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,yaw_rad,accepted\n";
-  for (const auto& [f, accepted] : result.fixes)
-    fixes << f.header.t_ns << ',' << f.header.source << ','
-          << ((f.header.flags & ODO_FIX_ORIENTATION) ? "pose"
-              : (f.header.flags & ODO_FIX_YAW)       ? "yaw"
-                                                     : "position")
-          << ',' << f.p_n[0] << ',' << f.p_n[1] << ',' << f.p_n[2] << ',' << std::sqrt(f.covariance_n[0]) << ','
-          << std::sqrt(f.covariance_n[4]) << ',' << std::sqrt(f.covariance_n[8]) << ',' << f.yaw_rad << ','
-          << (accepted ? 1 : 0) << '\n';
-
-  const odo_statistics& s = result.statistics;
-  const nlohmann::ordered_json summary = {
-      {"recording", recording.path.string()},
-      {"format", recording.format},
-      {"distance_m", s.distance_m},
-      {"steps", s.steps},
-      {"frames", s.frames},
-      {"poses", result.track.size()},
-      {"states_s", {{"tracking", s.tracking_s}, {"degraded", s.degraded_s}, {"lost", s.lost_s}}},
-      {"final_state", odo_state_text(result.final_state)},
-      {"final_reason", odo_reason_text(result.final_reason)},
-      {"fixes", {{"accepted", s.fixes_accepted}, {"rejected", s.fixes_rejected}}},
-      {"timing_ms",
-       {{"frame", {{"median", percentile(result.frame_ms, 0.5)}, {"p99", percentile(result.frame_ms, 0.99)}}}}},
-      {"timing_us", {{"imu", {{"median", percentile(result.imu_us, 0.5)}, {"p99", percentile(result.imu_us, 0.99)}}}}},
-      {"peak_rss_mb", peak_rss_mb()},
-      {"faults",
-       {{"late", s.late},
-        {"duplicate", s.duplicate},
-        {"invalid", s.invalid},
-        {"overflow", s.overflow},
-        {"wild", s.wild},
-        {"events_dropped", s.events_dropped},
-        {"gaps", s.gaps},
-        {"plugin", s.plugin_faults}}},
-      {"heading_turn_rad", result.heading_turn_rad},
-      {"reports", result.reports},
-      {"versions",
-       {{"odograph", odo_version()},
-        {"abi", std::to_string(odo_abi_version() >> 16) + "." + std::to_string(odo_abi_version() & 0xFFFF)}}},
-      {"seed", options.seed},
-      {"config", result.config_text}};
-  std::ofstream file(folder / "summary.json");
-  file << summary.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-  if (!steps.flush() || !scales.flush() || !fixes.flush() || !file.flush())
-    return Failure{ODO_E_NOT_FOUND, folder.string() + ": writing failed; is the disk full?"};
-  return true;
 }
 
 }  // namespace odograph

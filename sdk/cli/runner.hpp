@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,8 @@ struct RunResult {
   uint32_t final_reason = 0;
   double heading_turn_rad = 0;  // applied by replay.align_heading_over
   std::vector<std::string> reports;
+  RecordingLoss loss;             // of the recording, with the pictures that turned out to be unreadable
+  std::shared_ptr<void> session;  // where RunOptions asks for it
   std::string config_text;
 };
 
@@ -47,13 +50,15 @@ struct RunOptions {
   uint64_t seed = 0;
   bool collect_timing = true;
   bool collect_attitudes = false;
+  bool keep_session = false;  // it ends with the result: a plugin that fails in its end takes no results with it
   std::function<void(size_t done, size_t all)> progress;
 };
 
 /// Replays a recording through a session of the C API, deterministically.
 Result<RunResult> replay(const Recording& recording, const RunOptions& options);
 
-/// trajectory.tum, vo.csv, steps.csv, scale.csv, fixes.csv, summary.json.
+/// trajectory.tum, vo.csv, steps.csv, scale.csv, fixes.csv, summary.json: all of them anew, or none where one cannot be
+/// written. Files of an older run that this one has not are removed.
 Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
                        const RunOptions& options);
 

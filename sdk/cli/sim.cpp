@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "sdk/base/printable.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/evaluation/evaluation.hpp"
 #include "sdk/sim/simulate.hpp"
@@ -18,11 +19,11 @@ struct SimArguments {
 
 int sim(const SimArguments& a) {
   auto scenario = read_scenario(a.scenario, a.camera_profile);
-  if (!scenario) return std::fprintf(stderr, "%s\n", scenario.failure().text.c_str()), kBadUsage;
+  if (!scenario) return std::fprintf(stderr, "%s\n", printable(scenario.failure().text).c_str()), kBadUsage;
   if (a.first_m > 0) scenario->walk_m = a.first_m;
   std::optional<Recording> walk;
   if (!a.walk.empty()) {
-    auto recording = read_recording(a.walk);
+    auto recording = open_recording(a.walk);
     if (!recording) return complain(recording.failure());
     walk = std::move(*recording);
   }

@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sdk/base/output_file.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/plot.hpp"
 #include "sdk/cli/runner.hpp"
@@ -82,7 +83,7 @@ Result<std::string> page_of(const StepsArguments& a, const Recording& recording,
 }
 
 int steps(const StepsArguments& a) {
-  const auto recording = read_recording(a.recording);
+  const auto recording = open_recording(a.recording);
   if (!recording) return complain(recording.failure());
   Progress progress("steps");
   RunOptions options;
@@ -131,12 +132,12 @@ int steps(const StepsArguments& a) {
       std::printf("truth: %zu steps, %.1f m\n", recording->true_steps.size(), walked);
     }
   }
-  if (a.plot.empty()) return kDone;
+  const int done = status_over(result->loss, kDone);
+  if (a.plot.empty()) return done;
   const auto page = page_of(a, *recording, *result, start);
   if (!page) return complain(page.failure());
-  std::ofstream out(a.plot);
-  out << *page;
-  return out.flush() ? kDone : complain({ODO_E_NOT_FOUND, a.plot + ": cannot be written"});
+  const auto written = write_whole_file(a.plot, *page);
+  return written ? done : complain(written.failure());
 }
 
 }  // namespace

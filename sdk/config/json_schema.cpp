@@ -45,6 +45,11 @@ void plugin(JsonText& json) {
   json.key("required").open('[').string("plugin").close(']').key("properties").open('{');
   json.key("plugin").open('{').key("type").string("string").close('}');
   json.key("parameters").open('{').key("type").open('[').string("object").string("null").close(']').close('}');
+  for (const Spec& spec : plugin_choice_specs()) {
+    json.key(spec.name).open('{');
+    describe(json, spec);
+    json.close('}');
+  }
   json.close('}');
 }
 

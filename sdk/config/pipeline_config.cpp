@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/config/pipeline_config.hpp"
 
+#include <algorithm>
+
 #include "sdk/base/nearest.hpp"
 #include "sdk/config/camera_yaml.hpp"
 
@@ -18,11 +20,27 @@ std::vector<std::string> early_texts(const YamlNode& root, const char* key) {
   return texts;
 }
 
+std::string early_text(const YamlNode& root, const char* key) {
+  const YamlNode* plugins = root.find("plugins");
+  const YamlNode* node = plugins ? plugins->find(key) : nullptr;
+  return node ? node->text : "";
+}
+
 /// A parameter named walker_height that the config does not give takes the walker's height.
 void share_walker(PluginChoice& choice, const Value& walker) {
   for (auto& [spec, value] : choice.parameters)
     if (spec.name == "walker_height" && spec.type == SpecType::real && !value.given && walker["height"].given)
       value.real = walker["height"].real;
+}
+
+Isolation isolation_of(const Value& plugin, const Value& plugins, const std::filesystem::path& base) {
+  Isolation isolation;
+  const Value& own = plugin["isolation"];
+  isolation.process = (own.given ? own : plugins["isolation"]).text == "process";
+  isolation.time_s = plugin["time_limit"].real;
+  isolation.memory_bytes = static_cast<uint64_t>(plugin["memory_limit"].integer) << 20;
+  if (plugins["host"].given) isolation.program = base / plugins["host"].text;
+  return isolation;
 }
 
 Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, const std::string& name,
@@ -32,6 +50,7 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   for (const auto& directory : early_texts(root, "search")) directories.push_back(base / directory);
   PluginRegistry registry(plugin_directories(directories));
   const auto allow = early_texts(root, "allow");
+  registry.allow_writable(early_text(root, "allow_writable") == "true");
   const PluginResolver resolver = [&](const std::string& id,
                                       const std::string& kind) -> Result<const std::vector<Spec>*> {
     auto manifest = registry.find(id, kind, base, allow);
@@ -45,7 +64,8 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   PipelineConfig config;
   config.name = name;
   config.text = text;
-  config.verify_hash = v["plugins"]["verify_hash"].boolean;
+  const bool by_hash = std::any_of(allow.begin(), allow.end(), is_sha256);  // what is allowed by its hash must have it
+  config.verify_hash = v["plugins"]["verify_hash"].boolean || by_hash;
   const Value& origin = v["navigation"]["origin"];
   if (origin.given) config.origin = {origin["latitude"].real, origin["longitude"].real, origin["height"].real};
   const Value& start = v["navigation"]["start"];
@@ -80,6 +100,17 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
     for (const Spec& parameter : choice.manifest.parameters)
       choice.parameters.emplace_back(parameter, value["parameters"][parameter.name]);
     share_walker(choice, v["walker"]);
+    choice.isolation = isolation_of(value, v["plugins"], base);
+    if (value["fallback"].given) {
+      auto fallback = std::make_shared<PluginChoice>();
+      fallback->manifest = **registry.find(value["fallback"].text, spec.interface_id, base, allow);
+      fallback->interface_id = spec.interface_id;
+      for (const Spec& parameter : fallback->manifest.parameters)
+        fallback->parameters.emplace_back(parameter, default_value(parameter));
+      share_walker(*fallback, v["walker"]);
+      fallback->isolation = choice.isolation;
+      choice.fallback = std::move(fallback);
+    }
     return choice;
   };
   for (const Spec& spec : pipeline_spec().children) {

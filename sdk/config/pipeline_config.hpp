@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,11 +15,21 @@
 
 namespace odograph {
 
+/// A process of its own for a plugin, and what it may take there.
+struct Isolation {
+  bool process = false;
+  double time_s = 2;                          ///< longest call; longer than any of ours on a slow phone
+  uint64_t memory_bytes = uint64_t(2) << 30;  ///< of address space; OpenCV and its threads take 0.5
+  std::filesystem::path program;              ///< odograph-plugin-host; empty: where the library looks for it
+};
+
 /// One plugin as the config chose it.
 struct PluginChoice {
   Manifest manifest;
   std::string interface_id;
   std::vector<std::pair<Spec, Value>> parameters;  // all of the plugin's table, defaults filled in
+  Isolation isolation;
+  std::shared_ptr<const PluginChoice> fallback;  // what takes its place when it is given up; may be null
 };
 
 /// Where a run starts, in n.

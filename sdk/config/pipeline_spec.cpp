@@ -39,8 +39,17 @@ const Spec& pipeline_spec() {
             map("plugins", "where plugins come from",
                 {
                     texts("search", "directory", "directories, relative to this file, before the standard ones"),
-                    texts("allow", "id", "if given, only these plugin ids may be loaded"),
+                    texts("allow", "id, path or SHA-256",
+                          "if given, only plugins with one of these ids, manifest or library paths, or hashes of the "
+                          "library may be loaded"),
                     boolean("verify_hash", "true", "refuse a library whose hash is not its manifest's"),
+                    boolean("allow_writable", "false",
+                            "load also from folders and files that every user of the machine may write to"),
+                    choice("isolation", "none|process", "none",
+                           "process: each plugin that says nothing else runs in a process of its own"),
+                    Spec{.name = "host",
+                         .type = SpecType::text,
+                         .help = "path of odograph-plugin-host, where it does not lie beside the library"},
                 }),
             map("walker", "the person who carries the device",
                 {

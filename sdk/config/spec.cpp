@@ -135,7 +135,13 @@ class Checker {
         return;
       }
     }
-    check_map(node, {id, parameters}, path, value);
+    std::vector<Spec> table = {id, parameters};
+    table.insert(table.end(), plugin_choice_specs().begin(), plugin_choice_specs().end());
+    check_map(node, table, path, value);
+    const Value* fallback = value.find("fallback");
+    if (!fallback || !fallback->given) return;
+    if (const auto other = resolver_(fallback->text, spec.interface_id); !other)
+      fail(fallback->mark, path + ".fallback", other.failure().text);
   }
 
   void check_scalar(const YamlNode& node, const Spec& spec, const std::string& path, Value& value) {
@@ -220,6 +226,32 @@ Value default_value(const Spec& spec) {
     default: value.text = spec.fallback;
   }
   return value;
+}
+
+const std::vector<Spec>& plugin_choice_specs() {
+  static const std::vector<Spec> specs = {
+      {.name = "isolation",
+       .type = SpecType::choice,
+       .choices = "none|process",
+       .help = "process: in a process of its own, which may crash, hang or be killed; plugins.isolation unless given"},
+      {.name = "fallback",
+       .type = SpecType::text,
+       .help = "the plugin that takes its place when it is given up, with that plugin's own defaults"},
+      {.name = "time_limit",
+       .type = SpecType::real,
+       .unit = "s",
+       .min = 0.01,
+       .max = 600,
+       .fallback = "2",
+       .help = "of one call in a process of its own; what takes longer is ended and started anew"},
+      {.name = "memory_limit",
+       .type = SpecType::integer,
+       .min = 64,
+       .max = 1000000,
+       .fallback = "2048",
+       .help = "MB of address space of its own process"},
+  };
+  return specs;
 }
 
 std::string expectation(const Spec& spec) {

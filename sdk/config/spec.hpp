@@ -53,6 +53,9 @@ struct Value {
 using PluginResolver =
     std::function<Result<const std::vector<Spec>*>(const std::string& id, const std::string& interface_id)>;
 
+/// What may stand beside `plugin` and `parameters` where a config chooses a plugin.
+const std::vector<Spec>& plugin_choice_specs();
+
 /// Checks a document against a table. All mistakes are found in one pass, each as "name:line:column: ..." on a line of
 /// its own with what was expected and the nearest valid key.
 Result<Value> validate(const YamlNode& node, const Spec& spec, const std::string& name, const PluginResolver& resolver);

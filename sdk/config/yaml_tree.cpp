@@ -189,6 +189,8 @@ Result<std::string> read_limited(const std::string& path, const YamlLimits& limi
   std::error_code error;
   if (std::filesystem::is_directory(path, error))
     return Failure{ODO_E_NOT_FOUND, at(path, {}, "is a directory; expected a YAML file")};
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
+    return Failure{ODO_E_NOT_FOUND, at(path, {}, "is a pipe or a device; expected a YAML file")};
   const auto size = std::filesystem::file_size(path, error);
   if (!error && size > limits.bytes)
     return Failure{ODO_E_CONFIG, at(path, {},
@@ -196,7 +198,7 @@ Result<std::string> read_limited(const std::string& path, const YamlLimits& limi
                                         std::to_string(limits.bytes))};
   std::ifstream file(path, std::ios::binary);
   if (!file) return Failure{ODO_E_NOT_FOUND, at(path, {}, "cannot be opened; expected a YAML file")};
-  std::string text(limits.bytes + 1, '\0');  // also right for a pipe, whose size nobody knows
+  std::string text(limits.bytes + 1, '\0');  // also right for a file that grows
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<size_t>(file.gcount()));
   return text;

@@ -13,6 +13,7 @@
 #include "sdk/base/version.hpp"
 #include "sdk/core/c_guard.hpp"
 #include "sdk/core/session.hpp"
+#include "sdk/plugin_host/breadcrumb.hpp"
 
 struct odo_session {
   std::unique_ptr<odograph::Session> session;
@@ -41,6 +42,7 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
   if (ODO_HAS(&options, asset_path))
     for (const auto& part : odograph::split(text(options.asset_path), ':'))
       assets.push_back(std::filesystem::absolute(part));
+  if (!ODO_HAS(&options, flags) || !(options.flags & ODO_SESSION_NO_CRASH_NOTES)) odograph::name_culprits();
   auto session = odograph::Session::make(std::move(*config), std::move(assets), options.run != ODO_RUN_REPLAY,
                                          ODO_HAS(&options, seed) ? options.seed : 0);
   if (!session) return fail(error, session.failure());
@@ -90,6 +92,10 @@ int32_t odo_session_push_imu(odo_session* session, int64_t t_ns, const double* g
   std::copy(gyro_b, gyro_b + 3, imu.gyro_b);
   std::copy(accel_b, accel_b + 3, imu.accel_b);
   return guarded([&] { return session->session->push(imu.header); });
+}
+
+uint64_t odo_current_plugin_call(char* text, uint64_t capacity) {
+  return text ? odograph::current_plugin_call(text, static_cast<size_t>(capacity)) : 0;
 }
 
 int32_t odo_session_flush(odo_session* session) {

@@ -35,6 +35,40 @@ PlaneSize plane_size(const odo_frame& frame, int plane) {
 
 }  // namespace
 
+size_t pixel_bytes(const odo_frame& frame) {
+  size_t total = 0;
+  for (int p = 0; p < 4; ++p) total += plane_size(frame, p).rows * plane_size(frame, p).bytes;
+  const bool masked = (frame.header.flags & ODO_FRAME_MASK) != 0 && frame.mask.data;
+  return total + (masked ? size_t(frame.width) * frame.height : 0);
+}
+
+bool copy_pixels(odo_frame& frame, std::span<uint8_t> room) {
+  const bool masked = (frame.header.flags & ODO_FRAME_MASK) != 0 && frame.mask.data;
+  uint8_t* to = room.data();
+  const auto copy = [&](odo_plane& plane, PlaneSize size) {
+    if (static_cast<size_t>(std::llabs(plane.row_stride)) < size.bytes) return false;
+    for (size_t row = 0; row < size.rows; ++row)
+      std::memcpy(to + row * size.bytes, plane.data + static_cast<int64_t>(row) * plane.row_stride, size.bytes);
+    plane.data = to;
+    plane.row_stride = static_cast<int64_t>(size.bytes);
+    to += size.rows * size.bytes;
+    return true;
+  };
+  for (int p = 0; p < 4; ++p) {
+    const PlaneSize size = plane_size(frame, p);
+    if (size.rows == 0) continue;
+    if (!frame.planes[p].data || !copy(frame.planes[p], size)) return false;
+  }
+  return !masked || copy(frame.mask, {frame.height, frame.width});
+}
+
+namespace {
+bool copy_into(odo_frame& frame, std::vector<uint8_t>& pixels) {
+  pixels.resize(pixel_bytes(frame));
+  return copy_pixels(frame, pixels);
+}
+}  // namespace
+
 FrameStore::FrameStore(size_t quota) {
   for (size_t i = 0; i < quota; ++i) {
     holders_.push_back(std::make_unique<Holder>());
@@ -53,30 +87,6 @@ size_t FrameStore::in_use() const {
       std::count_if(holders_.begin(), holders_.end(), [](const auto& h) { return h->holds > 0; }));
 }
 
-bool FrameStore::copy_pixels(odo_frame& frame, std::vector<uint8_t>& pixels) {
-  size_t total = 0;
-  for (int p = 0; p < 4; ++p) total += plane_size(frame, p).rows * plane_size(frame, p).bytes;
-  const bool masked = (frame.header.flags & ODO_FRAME_MASK) != 0 && frame.mask.data;
-  if (masked) total += size_t(frame.width) * frame.height;
-  pixels.resize(total);
-  uint8_t* to = pixels.data();
-  const auto copy = [&](odo_plane& plane, PlaneSize size) {
-    if (static_cast<size_t>(std::llabs(plane.row_stride)) < size.bytes) return false;
-    for (size_t row = 0; row < size.rows; ++row)
-      std::memcpy(to + row * size.bytes, plane.data + static_cast<int64_t>(row) * plane.row_stride, size.bytes);
-    plane.data = to;
-    plane.row_stride = static_cast<int64_t>(size.bytes);
-    to += size.rows * size.bytes;
-    return true;
-  };
-  for (int p = 0; p < 4; ++p) {
-    const PlaneSize size = plane_size(frame, p);
-    if (size.rows == 0) continue;
-    if (!frame.planes[p].data || !copy(frame.planes[p], size)) return false;
-  }
-  return !masked || copy(frame.mask, {frame.height, frame.width});
-}
-
 int32_t FrameStore::adopt(odo_frame& frame) {
   Holder* holder = nullptr;
   {
@@ -91,7 +101,7 @@ int32_t FrameStore::adopt(odo_frame& frame) {
   if (!holder) return ODO_E_EXHAUSTED;
   holder->original = copy_as<odo_frame>(frame.header);
   holder->copied = !(frame.retain && frame.release);
-  const bool kept = holder->copied ? copy_pixels(frame, holder->pixels) : frame.retain(&holder->original) >= 0;
+  const bool kept = holder->copied ? copy_into(frame, holder->pixels) : frame.retain(&holder->original) >= 0;
   if (!kept) {
     frame.release = nullptr;
     const int32_t status = holder->copied ? ODO_E_DISCARD : ODO_E_EXHAUSTED;

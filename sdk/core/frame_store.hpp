@@ -4,11 +4,18 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include <odograph/types.h>
 
 namespace odograph {
+
+/// Bytes of a frame's pixels and mask without gaps between rows.
+size_t pixel_bytes(const odo_frame& frame);
+/// Copies them to `room`, which has as many, and lets the frame's planes point there. False, and the frame unusable,
+/// when a plane is missing or a row is longer than its stride.
+bool copy_pixels(odo_frame& frame, std::span<uint8_t> room);
 
 /// Holds the camera frames that wait in the queue or that plugins keep, within a quota. The pixels stay the app's when
 /// the app's frame can be retained; otherwise they are copied once on arrival. Retain and release may be called on any
@@ -38,7 +45,6 @@ class FrameStore {
 
   static int32_t retain(const odo_frame* frame);
   static void release(const odo_frame* frame);
-  static bool copy_pixels(odo_frame& frame, std::vector<uint8_t>& pixels);
 
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Holder>> holders_;

@@ -87,7 +87,8 @@ void judge_calibration(Judge& judge, const odo_calibration& m) {
       .finite("cx", m.cx)
       .finite("cy", m.cy)
       .finite("distortion", m.distortion, 8);
-  judge.that(m.width > 0, "width", m.width, "pixels").that(m.height > 0, "height", m.height, "pixels");
+  judge.that(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
+      .that(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384");
   judge.that(m.distortion_count == 0 || m.distortion_count == 4 || m.distortion_count == 5 || m.distortion_count == 8,
              "distortion_count", m.distortion_count, "0, 4, 5 or 8");
   judge.that(m.model == ODO_CAMERA_PINHOLE || m.model == ODO_CAMERA_KANNALA_BRANDT, "model", m.model,
@@ -139,6 +140,8 @@ std::string message_name(uint32_t type) {
 
 std::string message_fault(const odo_header& header) {
   Judge judge(header);
+  if (!is_plausible_time(header.t_ns))
+    return "t_ns = " + std::to_string(header.t_ns) + "; expected at most 2^62 from the clock's zero";
   switch (header.type) {
     case ODO_TYPE_IMU: {
       const auto& m = as<odo_imu>(header);

@@ -25,12 +25,17 @@ struct MessageInfo {
 const MessageInfo* message_info(uint32_t type);
 /// "imu", "fix", or the number of a type that the host does not know.
 std::string message_name(uint32_t type);
+/// Times further from the clock's zero are refused, so that no difference of two overflows: 146 years, and the epoch of
+/// any clock lies nearer.
+constexpr int64_t kFarthestTime_ns = int64_t(1) << 62;
+constexpr bool is_plausible_time(int64_t t_ns) { return t_ns >= -kFarthestTime_ns && t_ns <= kFarthestTime_ns; }
+
 /// Whether an app may push it: everything but events and 0.
 inline bool is_input(uint32_t type) { return type != 0 && !ODO_IS_EVENT(type); }
 
-/// Why a message cannot be used, as "field = value; expected ...": a number whose validity bit is set and that is not
-/// finite or out of its range, a quaternion that is not of unit length within 1e-3. Empty where it can. Only for
-/// messages that are known to be as large as the host's struct (AnyMessage).
+/// Why a message cannot be used, as "field = value; expected ...": a wild time, a number whose validity bit is set and
+/// that is not finite or out of its range, a quaternion that is not of unit length within 1e-3. Empty where it can.
+/// Only for messages that are known to be as large as the host's struct (AnyMessage).
 std::string message_fault(const odo_header& message);
 inline bool message_is_good(const odo_header& message) { return message_fault(message).empty(); }
 

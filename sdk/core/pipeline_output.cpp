@@ -134,7 +134,7 @@ bool Pipeline::gives(uint32_t type) const {
 bool Pipeline::any_dead() const {
   for (const auto& plugin : plugins_)
     for (const uint32_t type : {ODO_TYPE_ATTITUDE, ODO_TYPE_STEP, ODO_TYPE_VO_MOTION, ODO_TYPE_SCALE})
-      if (!plugin->alive() && plugin->gives(type) && !gives(type)) return true;
+      if (plugin->gives(type) && (plugin->recovering() || (!plugin->alive() && !gives(type)))) return true;
   return false;
 }
 

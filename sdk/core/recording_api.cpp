@@ -78,6 +78,15 @@ int32_t odo_recording_next(odo_recording* recording, const odo_header** message,
   });
 }
 
+int32_t odo_recording_loss(odo_recording* recording, odo_error* loss) {
+  if (!recording || !loss) return ODO_E_ARGUMENT;
+  if (loss->struct_size < ODO_ERROR_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  return guarded([&]() -> int32_t {
+    const std::string text = recording->reader.loss().text();
+    return odograph::fail(loss, {text.empty() ? ODO_OK : ODO_E_DATA, text});
+  });
+}
+
 void odo_recording_close(odo_recording* recording) { delete recording; }
 
 int32_t odo_recorder_create(const odo_string* path, odo_recorder** recorder, odo_error* error) {
@@ -107,7 +116,9 @@ int32_t odo_recorder_write(odo_recorder* recorder, const odo_header* message, co
 
 int32_t odo_recorder_close(odo_recorder* recorder) {
   if (!recorder) return ODO_OK;
-  const bool good = guarded([&] { return recorder->writer.flush() ? ODO_OK : ODO_E_DATA; }) == ODO_OK && recorder->good;
+  bool good = recorder->good;
+  if (good) good = guarded([&] { return recorder->writer.finish() ? ODO_OK : ODO_E_DATA; }) == ODO_OK;
+  if (!good) recorder->writer.abandon();  // what did reach the disk is worth more than room on it
   delete recorder;
   return good ? ODO_OK : ODO_E_DATA;
 }

@@ -91,6 +91,8 @@ int32_t Session::own(AnyMessage&& sample, OwnedMessage& out) {
   }
   if (sample.header().type == ODO_TYPE_FRAME) {
     auto& frame = reinterpret_cast<odo_frame&>(sample.header());
+    if (const std::string fault = size_fault(frame); !fault.empty())
+      return refuse_invalid(frame.header, ODO_E_DISCARD, fault);
     if (const int32_t status = frames_.adopt(frame); status == ODO_E_DISCARD) {
       return refuse_invalid(frame.header, status, "a plane's row_stride is smaller than its row");
     } else if (status < 0) {
@@ -144,6 +146,8 @@ void Session::note_timing(const odo_calibration& calibration) {
   const uint32_t flags = calibration.header.flags;
   const auto& own = config_.camera;
   camera_timing_[calibration.id] = {
+      .width = calibration.width,
+      .height = calibration.height,
       .offset_ns = flags & ODO_CALIBRATION_TIME_OFFSET ? calibration.time_offset_ns : 0,
       .line_time_ns = calibration.line_time_ns,
       .line_time = (flags & ODO_CALIBRATION_LINE_TIME) != 0,
@@ -165,6 +169,18 @@ void Session::put_timing(odo_frame& frame) {
   if (!timing.line_time || (!timing.above_frames && (frame.header.flags & ODO_FRAME_LINE_TIME))) return;
   frame.line_time_ns = timing.line_time_ns;
   frame.header.flags |= ODO_FRAME_LINE_TIME;
+}
+
+/// A lens is known for one size of picture, unless the frame brings its own intrinsics.
+std::string Session::size_fault(const odo_frame& frame) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = camera_timing_.find(frame.calibration);
+  if (found == camera_timing_.end() || (frame.header.flags & ODO_FRAME_INTRINSICS)) return "";
+  const CameraTiming& camera = found->second;
+  if (camera.width == frame.width && camera.height == frame.height) return "";
+  const auto size = [](uint32_t w, uint32_t h) { return std::to_string(w) + " x " + std::to_string(h); };
+  return "it has " + size(frame.width, frame.height) + " pixels; calibration " + std::to_string(frame.calibration) +
+         " is for " + size(camera.width, camera.height);
 }
 
 int32_t Session::enqueue(OwnedMessage message) {

@@ -103,6 +103,7 @@ class Session {
   odo_calibration with_own(const odo_calibration& calibration) const;
   void note_timing(const odo_calibration& calibration);
   void put_timing(odo_frame& frame);
+  std::string size_fault(const odo_frame& frame) const;
 
   PipelineConfig config_;
   bool live_;
@@ -117,7 +118,8 @@ class Session {
   SampleGate gate_;
   TimeOrder order_;
   struct CameraTiming {
-    int64_t offset_ns = 0;  // IMU time minus camera time
+    uint32_t width = 0, height = 0;  // that the calibration is for
+    int64_t offset_ns = 0;           // IMU time minus camera time
     int64_t line_time_ns = 0;
     bool line_time = false;     // given
     bool above_frames = false;  // by the config, which stands above what frames say

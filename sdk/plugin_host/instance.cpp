@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/plugin_host/instance.hpp"
 
-#include <cstddef>
+#include <algorithm>
 
 #include <odograph/absolute_fixer.h>
 #include <odograph/attitude.h>
@@ -11,14 +11,23 @@
 
 #include <odograph/odograph.h>
 
+#include "sdk/base/saturating.hpp"
+#include "sdk/plugin_host/library_backend.hpp"
+#include "sdk/plugin_host/process_backend.hpp"
+
 namespace odograph {
 namespace {
 
-constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
-constexpr int kFailuresBeforeGivingUp = 5;
-
-/// A table may end before a function that is optional; then it reads as null.
-#define ODO_OPTIONAL(table, function) (ODO_HAS(&(table), function) ? (table).function : nullptr)
+/// The backend that a choice wishes for.
+Result<std::unique_ptr<PluginBackend>> open_backend(const PluginChoice& choice, bool verify_hash, HostServices& host,
+                                                    const odo_sink& sink) {
+  const auto general = [](auto made) -> Result<std::unique_ptr<PluginBackend>> {
+    if (!made) return made.failure();
+    return std::unique_ptr<PluginBackend>(std::move(*made));
+  };
+  return choice.isolation.process ? general(ProcessBackend::load(choice, verify_hash, host, sink))
+                                  : general(LibraryBackend::load(choice, verify_hash, host, sink));
+}
 
 }  // namespace
 
@@ -79,47 +88,80 @@ KindTypes plugin_types(const std::string& id, const odo_plugin& table) {
   return types;
 }
 
-PluginInstance::PluginInstance(std::shared_ptr<PluginLibrary> library, HostServices& host, uint32_t number,
-                               const PluginChoice& choice)
-    : library_(std::move(library)), host_(host), number_(number), choice_(choice), id_(choice.manifest.id) {
-  const KindTypes types = plugin_types(choice.interface_id, library_->table());
-  for (const uint32_t type : types.inputs) inputs_.add(type);
-  for (const uint32_t type : types.outputs) outputs_.add(type);
+PluginInstance::PluginInstance(const PluginChoice& choice, bool verify_hash, HostServices& host, uint32_t number)
+    : choice_(std::make_shared<PluginChoice>(choice)), verify_hash_(verify_hash), host_(host), number_(number) {
   sink_.struct_size = sizeof(odo_sink);
   sink_.instance = number;
   sink_.emit = emit;
   sink_.owner = this;
 }
 
-PluginInstance::~PluginInstance() {
-  if (instance_) library_->table().destroy(instance_);
-}
+PluginInstance::~PluginInstance() = default;
 
 Result<std::unique_ptr<PluginInstance>> PluginInstance::make(const PluginChoice& choice, bool verify_hash,
                                                              uint32_t number, HostServices& host) {
-  auto library = PluginLibrary::load(choice.manifest, verify_hash, &host);
-  if (!library) return library.failure();
-  host.name_instance(number, choice.manifest.id);
-  std::unique_ptr<PluginInstance> made(new PluginInstance(*library, host, number, choice));
-  if (const int32_t status = made->start(); status < 0)
-    return Failure{status, choice.manifest.library.string() + ": plugin '" + choice.manifest.id +
-                               "' could not be created, configured and activated: " + odo_status_text(status)};
+  std::unique_ptr<PluginInstance> made(new PluginInstance(choice, verify_hash, host, number));
+  auto opened = made->open();
+  if (!opened && made->choice_->fallback) {
+    host.report(number, ODO_SEVERITY_ERROR, "given_up", opened.failure().text, opened.failure().status);
+    made->use_fallback();
+    if (!made->alive_) return opened.failure();
+    return made;
+  }
+  if (!opened) return opened.failure();
   return made;
 }
 
-int32_t PluginInstance::start() {
-  const odo_plugin& table = library_->table();
-  const odo_string interface_id{choice_.interface_id.data(), choice_.interface_id.size()};
-  int32_t status = table.create(&host_, number_, &interface_id, &instance_);
-  if (status >= 0 && !instance_) status = ODO_E_ERROR;
-  if (status < 0) {
-    instance_ = nullptr;
-    return status;
+/// Makes a backend and starts the plugin in it. The end of a process of its own is no failure.
+Result<bool> PluginInstance::open() {
+  host_.name_instance(number_, id());
+  learn_types();
+  auto opened = open_backend(*choice_, verify_hash_, host_, sink_);
+  started_ns_ = now_ns_;
+  if (!opened) {
+    if (!choice_->isolation.process || opened.failure().status != ODO_E_FATAL) return opened.failure();
+    note_end(opened.failure().text);
+    return true;
   }
-  const auto values = values_of(choice_);
-  status = table.configure(instance_, values.data(), static_cast<uint32_t>(values.size()), sizeof(odo_value));
-  if (status >= 0) status = table.activate(instance_, &sink_);
-  return status;
+  backend_ = std::move(*opened);
+  learn_types();
+  const int32_t status = backend_->start();
+  if (has_ended()) {
+    note_end(backend_->ended());
+    return true;
+  }
+  if (status >= 0) return true;
+  backend_.reset();
+  return Failure{status, choice_->manifest.library.string() + ": plugin '" + id() +
+                             "' could not be created, configured and activated: " + odo_status_text(status)};
+}
+
+void PluginInstance::learn_types() {
+  const KindTypes types = backend_ ? backend_->types() : kind_types(choice_->interface_id);
+  inputs_ = outputs_ = {};
+  for (const uint32_t type : types.inputs) inputs_.add(type);
+  for (const uint32_t type : types.outputs) outputs_.add(type);
+}
+
+int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault) {
+  const MessageInfo* info = message_info(event.type);
+  const auto name = [&] { return message_name(event.type); };
+  if (!outputs.has(event.type)) {
+    if (ODO_IS_EVENT(event.type) && !info) return ODO_E_UNSUPPORTED;  // of a newer plugin
+    fault = {"wrong_event", "emitted type = " + name() + "; expected one that its kind owes or its table declares"};
+    return ODO_E_ARGUMENT;
+  }
+  if (!copy.assign(event)) {
+    fault = {"event_size", "emitted a " + name() + " with struct_size = " + std::to_string(event.struct_size) +
+                               "; expected " + std::to_string(info ? info->min_size : sizeof(odo_header)) + " to " +
+                               std::to_string(ODO_LARGEST_MESSAGE)};
+    return ODO_E_STRUCT_SIZE;
+  }
+  if (const std::string wrong = message_fault(copy.header()); !wrong.empty()) {
+    fault = {"bad_event", "emitted a " + name() + " with " + wrong};
+    return ODO_E_ARGUMENT;
+  }
+  return ODO_OK;
 }
 
 int32_t PluginInstance::emit(const odo_sink* sink, const odo_header* event) {
@@ -128,51 +170,113 @@ int32_t PluginInstance::emit(const odo_sink* sink, const odo_header* event) {
     self.fault("no_event", "emitted event = null", ODO_E_ARGUMENT);
     return ODO_E_ARGUMENT;
   }
-  const auto name = [&] { return message_name(event->type); };
-  if (!self.outputs_.has(event->type)) {
-    if (ODO_IS_EVENT(event->type) && !message_info(event->type)) return ODO_E_UNSUPPORTED;  // of a newer plugin
-    self.fault("wrong_event", "emitted type = " + name() + "; expected one that its kind owes or its table declares",
-               ODO_E_ARGUMENT);
-    return ODO_E_ARGUMENT;
-  }
   AnyMessage* slot = self.buffer_.next();
-  if (!slot) {
+  if (!slot && self.outputs_.has(event->type)) {
     if (!std::exchange(self.overflow_told_, true))
       self.fault("many_events", "emitted more than " + std::to_string(EventBuffer::kCapacity) + " events in one call",
                  ODO_E_EXHAUSTED);
     return ODO_E_EXHAUSTED;
   }
-  if (!slot->assign(*event)) {
-    self.buffer_.drop_last();
-    const MessageInfo* info = message_info(event->type);
-    self.fault("event_size",
-               "emitted a " + name() + " with struct_size = " + std::to_string(event->struct_size) + "; expected " +
-                   std::to_string(info ? info->min_size : sizeof(odo_header)) + " to " +
-                   std::to_string(ODO_LARGEST_MESSAGE),
-               ODO_E_STRUCT_SIZE);
-    return ODO_E_STRUCT_SIZE;
-  }
-  slot->header().source = self.number_;
-  if (const std::string fault = message_fault(slot->header()); !fault.empty()) {
-    self.buffer_.drop_last();
-    self.fault("bad_event", "emitted a " + name() + " with " + fault, ODO_E_ARGUMENT);
-    return ODO_E_ARGUMENT;
-  }
-  return ODO_OK;
+  AnyMessage none;
+  EventFault fault;
+  const int32_t status = judge_event(*event, self.outputs_, slot ? *slot : none, fault);
+  if (status == ODO_OK) return slot->header().source = self.number_, ODO_OK;
+  if (slot) self.buffer_.drop_last();
+  if (status != ODO_E_UNSUPPORTED) self.fault(fault.key, fault.text, status);
+  return status;
 }
 
 std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
   buffer_.clear();
   overflow_told_ = false;
   if (!alive_ || !wants(message.type)) return {};
-  const odo_header* messages[] = {&message};
-  const odo_batch batch{sizeof(odo_batch), 1, messages};
-  const int32_t status = library_->table().process(instance_, &batch);
+  now_ns_ = std::max(now_ns_, message.t_ns);
+  if (!backend_) {  // its process is down; what it is given first are the descriptions of the sensors
+    if (now_ns_ >= back_at_ns_) revive();
+    return {};
+  }
+  const int32_t status = backend_->process(message);
+  if (has_ended()) {
+    note_end(backend_->ended());
+    if (alive_ && !backend_ && now_ns_ >= back_at_ns_) revive();
+    return {};
+  }
   if (status < 0)
     failed(status, message);
   else
     failures_in_a_row_ = 0;
+  if (choice_->isolation.process) save_now_and_then();
   return buffer_.events();
+}
+
+/// Its process has ended: says so, and decides when it comes back, or what takes its place.
+void PluginInstance::note_end(const std::string& what) {
+  backend_.reset();
+  ++faults_;
+  if (saturating_difference(now_ns_, started_ns_) > parameters_.good_ns) ends_in_a_row_ = 0;
+  ++ends_in_a_row_;
+  if (ends_in_a_row_ >= parameters_.ends_before_fallback && choice_->fallback) {
+    host_.report(number_, ODO_SEVERITY_ERROR, "isolated", what + ", for the last time", ODO_E_ERROR);
+    use_fallback();
+    return;
+  }
+  int64_t wait_ns = 0;
+  if (ends_in_a_row_ > 1)
+    wait_ns = std::min(parameters_.longest_wait_ns, parameters_.first_wait_ns << std::min(ends_in_a_row_ - 2, 16));
+  back_at_ns_ = now_ns_ == INT64_MIN ? INT64_MIN : saturating_sum(now_ns_, wait_ns);
+  recovering_until_ns_ = INT64_MIN;
+  host_.report(number_, ODO_SEVERITY_ERROR, "isolated",
+               what + "; is started anew" +
+                   (wait_ns > 0 ? " after " + std::to_string(wait_ns / 1'000'000) + " ms of sensor time" : ""),
+               ODO_E_ERROR);
+}
+
+/// Starts its process anew and hands over what it had learnt.
+void PluginInstance::revive() {
+  const auto opened = open();
+  if (!opened) {
+    host_.report(number_, ODO_SEVERITY_ERROR, "isolated", opened.failure().text, opened.failure().status);
+    return give_up();
+  }
+  if (!backend_) return;
+  if (!saved_.empty()) backend_->load(saved_);
+  if (has_ended()) return note_end(backend_->ended());
+  was_reset_ = true;
+  recovering_until_ns_ = saturating_sum(now_ns_, parameters_.recovering_ns);
+}
+
+void PluginInstance::give_up() {
+  host_.report(number_, ODO_SEVERITY_ERROR, "given_up", "is left out from now on");
+  if (!use_fallback()) alive_ = false;
+}
+
+/// False where there is none that works.
+bool PluginInstance::use_fallback() {
+  if (!choice_->fallback) return false;
+  backend_.reset();
+  const std::string before = id();
+  choice_ = choice_->fallback;
+  failures_in_a_row_ = ends_in_a_row_ = 0;
+  saved_.clear();
+  const auto opened = open();
+  if (!opened) {
+    host_.report(number_, ODO_SEVERITY_ERROR, "fallback", opened.failure().text, opened.failure().status);
+    alive_ = false;
+    return false;
+  }
+  host_.report(number_, ODO_SEVERITY_WARNING, "fallback", "takes the place of " + before);
+  was_reset_ = true;
+  recovering_until_ns_ = now_ns_ == INT64_MIN ? INT64_MIN : saturating_sum(now_ns_, parameters_.recovering_ns);
+  return true;
+}
+
+void PluginInstance::save_now_and_then() {
+  if (saved_ns_ == INT64_MIN) saved_ns_ = now_ns_;
+  if (!backend_ || now_ns_ - saved_ns_ < parameters_.between_saves_ns) return;
+  saved_ns_ = now_ns_;
+  auto learnt = backend_->save();
+  if (has_ended()) return note_end(backend_->ended());
+  saved_ = std::move(learnt);
 }
 
 void PluginInstance::failed(int32_t status, const odo_header& message) {
@@ -185,37 +289,34 @@ void PluginInstance::failed(int32_t status, const odo_header& message) {
     return;
   }
   fault("failed", "failed at a sample of " + message_name(message.type) + ": " + odo_status_text(status), status);
-  if (status == ODO_E_FATAL) library_->quarantine();
-  if (library_->quarantined() || ++failures_in_a_row_ >= kFailuresBeforeGivingUp) {
-    alive_ = false;
-    host_.report(number_, ODO_SEVERITY_ERROR, "given_up", "is left out from now on");
-    return;
-  }
+  if (status == ODO_E_FATAL) backend_->quarantine();
+  if (backend_->quarantined() || ++failures_in_a_row_ >= parameters_.failures_before_giving_up) return give_up();
   reset();
 }
 
 void PluginInstance::reset() {
   was_reset_ = true;
-  const odo_plugin& table = library_->table();
-  const auto function = ODO_OPTIONAL(table, reset);
-  if (function && function(instance_) >= 0) return;
-  table.destroy(instance_);
-  instance_ = nullptr;
-  if (start() < 0) alive_ = false;
+  if (!backend_) return;
+  const int32_t status = backend_->reset();
+  if (has_ended()) return note_end(backend_->ended());
+  if (status < 0) give_up();
 }
 
 std::vector<uint8_t> PluginInstance::save() const {
-  const auto function = ODO_OPTIONAL(library_->table(), save);
-  if (!alive_ || !function) return {};
-  const int64_t needed = function(instance_, nullptr, 0);
-  if (needed <= 0 || needed > kLargestState) return {};
-  std::vector<uint8_t> bytes(static_cast<size_t>(needed));
-  return function(instance_, bytes.data(), bytes.size()) == needed ? bytes : std::vector<uint8_t>();
+  if (!alive()) return saved_;
+  auto learnt = backend_->save();
+  return has_ended() ? saved_ : learnt;  // the next call says that it has ended
 }
 
 bool PluginInstance::load(std::span<const uint8_t> data) {
-  const auto function = ODO_OPTIONAL(library_->table(), load);
-  return alive_ && function && function(instance_, data.data(), data.size()) >= 0;
+  const bool taken = alive() && backend_->load(data);
+  if (taken && choice_->isolation.process) saved_.assign(data.begin(), data.end());
+  return taken;
+}
+
+int PluginInstance::process_id() const {
+  const auto* process = dynamic_cast<const ProcessBackend*>(backend_.get());
+  return process ? process->process_id() : -1;
 }
 
 void PluginInstance::fault(const char* key, const std::string& text, int32_t status) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -9,7 +10,7 @@
 
 #include "sdk/config/pipeline_config.hpp"
 #include "sdk/core/messages.hpp"
-#include "sdk/plugin_host/library.hpp"
+#include "sdk/plugin_host/backend.hpp"
 #include "sdk/plugin_host/services.hpp"
 
 namespace odograph {
@@ -30,10 +31,24 @@ class EventBuffer {
 };
 
 /// One instance of a plugin, through its whole life. What it emits is checked before anybody sees it. A failing
-/// instance is reset, and after too many failures left out; a library that says ODO_E_FATAL is quarantined.
+/// instance is reset, and after too many failures left out; a library that says ODO_E_FATAL is quarantined. One in a
+/// process of its own that ends is started anew, with what it had learnt, after waits that double (of sensor time, so
+/// that a replay repeats itself). Where there is a fallback, it takes the place of what was given up or ended too
+/// often.
 class PluginInstance {
  public:
-  /// Creates, configures and activates. The failure names the plugin, the step and what the plugin reported.
+  struct Parameters {
+    int failures_before_giving_up = 5;          ///< in a row
+    int64_t first_wait_ns = 100'000'000;        ///< after the second end in a row; the first costs no wait
+    int64_t longest_wait_ns = 10'000'000'000;   ///< Judgement: an app's user looks again after ten seconds
+    int64_t good_ns = 1'000'000'000;            ///< what ran for longer begins to count its ends anew
+    int ends_before_fallback = 3;               ///< in a row
+    int64_t between_saves_ns = 10'000'000'000;  ///< of what an isolated plugin has learnt; that much may be lost
+    int64_t recovering_ns = 1'000'000'000;      ///< after a new start the pose is called degraded
+  };
+
+  /// Creates, configures and activates. The failure names the plugin, the step and what the plugin reported. A plugin
+  /// whose own process ends meanwhile is no failure: it is started anew like later.
   static Result<std::unique_ptr<PluginInstance>> make(const PluginChoice& choice, bool verify_hash, uint32_t number,
                                                       HostServices& host);
   ~PluginInstance();
@@ -56,46 +71,68 @@ class PluginInstance {
   /// False, and nothing changed, when the plugin does not take it. [control]
   bool load(std::span<const uint8_t> data);
 
-  const std::string& id() const { return id_; }
+  const std::string& id() const { return choice_->manifest.id; }
   /// Its number in reports and in the `source` of its events, from 1.
   uint32_t number() const { return number_; }
-  const std::string& interface_id() const { return choice_.interface_id; }
-  /// False once it failed for good.
-  bool alive() const { return alive_; }
+  const std::string& interface_id() const { return choice_->interface_id; }
+  /// False while its process is down, and once it failed for good.
+  bool alive() const { return alive_ && backend_; }
+  /// True for a while after its process was started anew.
+  bool recovering() const { return now_ns_ < recovering_until_ns_; }
   uint64_t faults() const { return faults_; }
+  /// Of the plugin's own process; -1 where it has none.
+  int process_id() const;
 
  private:
   struct Sink : odo_sink {
     PluginInstance* owner;
   };
 
-  PluginInstance(std::shared_ptr<PluginLibrary> library, HostServices& host, uint32_t number,
-                 const PluginChoice& choice);
+  PluginInstance(const PluginChoice& choice, bool verify_hash, HostServices& host, uint32_t number);
   static int32_t emit(const odo_sink* sink, const odo_header* event);
-  int32_t start();
+  Result<bool> open();
+  bool has_ended() const { return backend_ && !backend_->ended().empty(); }
+  void note_end(const std::string& what);
+  void revive();
+  void give_up();
+  bool use_fallback();
+  void learn_types();
+  void save_now_and_then();
   void failed(int32_t status, const odo_header& message);
   void fault(const char* key, const std::string& text, int32_t status);
 
-  std::shared_ptr<PluginLibrary> library_;
+  Parameters parameters_;
+  std::shared_ptr<const PluginChoice> choice_;
+  bool verify_hash_;
   HostServices& host_;
   uint32_t number_;
-  PluginChoice choice_;
-  std::string id_;
   TypeSet inputs_, outputs_;
-  odo_instance* instance_ = nullptr;
   Sink sink_{};
   EventBuffer buffer_;
+  std::unique_ptr<PluginBackend> backend_;  // none while its process is down
   uint64_t faults_ = 0;
   int failures_in_a_row_ = 0;
   bool alive_ = true;
   bool was_reset_ = false;
   bool overflow_told_ = false;  // in this call
+  // Of a process of its own, in sensor time:
+  int64_t now_ns_ = INT64_MIN, started_ns_ = INT64_MIN, back_at_ns_ = INT64_MIN, recovering_until_ns_ = INT64_MIN;
+  int64_t saved_ns_ = INT64_MIN;
+  int ends_in_a_row_ = 0;
+  std::vector<uint8_t> saved_;
 };
 
-/// The message types a kind is given and owes; empty for an unknown interface.
-struct KindTypes {
-  std::vector<uint32_t> inputs, outputs;
+/// What is wrong with an event, for a report.
+struct EventFault {
+  const char* key = "";
+  std::string text;
 };
+
+/// Whether a plugin with these outputs may emit an event, with a copy of it: ODO_OK, ODO_E_UNSUPPORTED (nothing is
+/// wrong), or a status with its fault.
+int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault);
+
+/// The message types a kind is given and owes; empty for an unknown interface.
 KindTypes kind_types(const std::string& interface_id);
 /// The same, and what the plugin's table declares beyond.
 KindTypes plugin_types(const std::string& interface_id, const odo_plugin& table);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
 
 #include <dlfcn.h>
 
@@ -43,7 +44,14 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const std::filesystem
   alignas(odo_plugin) unsigned char room[4096] = {};
   auto* filled = reinterpret_cast<odo_plugin*>(room);
   filled->struct_size = sizeof(odo_plugin);
-  const int32_t status = entry(host, filled);
+  int32_t status = ODO_E_ERROR;
+  try {
+    status = entry(host, filled);
+  } catch (const std::exception& error) {
+    return fail(ODO_E_ERROR, std::string("an exception came out of its entry: ") + error.what());
+  } catch (...) {
+    return fail(ODO_E_ERROR, "an exception came out of its entry");
+  }
   if (status != ODO_OK) {
     const std::string refusal = text(filled->refusal);
     return fail(status < 0 ? status : ODO_E_ERROR,

@@ -19,6 +19,35 @@ bool is_manifest(const std::string& name) {
 }
 }  // namespace
 
+namespace {
+
+/// By id, by the path of its manifest or library, or by the library's hash, which is verified when it is loaded.
+bool is_allowed(const Manifest& manifest, const std::vector<std::string>& allow, const fs::path& base) {
+  return std::any_of(allow.begin(), allow.end(), [&](const std::string& item) {
+    if (item == manifest.id || (is_sha256(item) && item == manifest.sha256)) return true;
+    std::error_code error;
+    const fs::path path = base / item;
+    return fs::equivalent(path, manifest.library, error) || fs::equivalent(path, manifest.path, error);
+  });
+}
+
+/// The first of folder, manifest and library that everybody may write to; empty where none is.
+fs::path open_to_all(const Manifest& manifest) {
+  for (const fs::path& path :
+       {manifest.path.parent_path(), manifest.library.parent_path(), manifest.path, manifest.library}) {
+    std::error_code error;
+    const auto status = fs::status(path.empty() ? fs::path(".") : path, error);
+    if (!error && (status.permissions() & fs::perms::others_write) != fs::perms::none) return path;
+  }
+  return {};
+}
+
+}  // namespace
+
+bool is_sha256(const std::string& text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
 std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
   std::vector<fs::path> directories = first;
   if (const char* path = std::getenv("ODOGRAPH_PLUGIN_PATH"))
@@ -91,10 +120,14 @@ Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::s
                    "plugin '" + found->id + "' serves " + join(found->interfaces) + "; expected one that serves " +
                        interface_id +
                        (usable.empty() ? "" : ": " + join(usable) + " (nearest: '" + nearest(id, usable) + "')")};
-  if (!allow.empty() && std::find(allow.begin(), allow.end(), found->id) == allow.end())
+  if (!allow.empty() && !is_allowed(*found, allow, base))
     return Failure{ODO_E_CONFIG, "plugin '" + found->id +
                                      "' is not on the allow list (plugins.allow); expected one of " + join(allow) +
                                      " (nearest: '" + nearest(found->id, allow) + "')"};
+  if (const fs::path open = allow_writable_ ? fs::path() : open_to_all(*found); !open.empty())
+    return Failure{ODO_E_CONFIG,
+                   "plugin '" + found->id + "': " + open.string() +
+                       " may be written to by every user; expected 'chmod o-w', or plugins.allow_writable"};
   return found;
 }
 

@@ -18,9 +18,12 @@ class PluginRegistry {
 
   /// The plugin with this id, or with this manifest path when `id` ends in ".odoplugin.json" (relative to `base`).
   /// Failures: unknown id with the nearest one, two manifests with one id, a kind it does not serve, not on `allow`
-  /// (empty allows all).
+  /// (ids, paths of manifest or library, SHA-256 of the library; empty allows all), or open to everybody's writing.
   Result<const Manifest*> find(const std::string& id, const std::string& interface_id,
                                const std::filesystem::path& base, const std::vector<std::string>& allow);
+
+  /// Whether plugins may come from folders and files that every user of the machine may write to; at first not.
+  void allow_writable(bool allowed) { allow_writable_ = allowed; }
 
   const std::vector<Manifest>& manifests() const { return manifests_; }
   /// Manifests that could not be read, as sentences.
@@ -31,7 +34,11 @@ class PluginRegistry {
   std::vector<Manifest> manifests_;
   std::vector<std::unique_ptr<Manifest>> explicit_;
   std::vector<std::string> problems_;
+  bool allow_writable_ = false;
 };
+
+/// 64 hexadecimal digits.
+bool is_sha256(const std::string& text);
 
 /// `first` in order, then $ODOGRAPH_PLUGIN_PATH, then the folder that belongs to this program or library.
 std::vector<std::filesystem::path> plugin_directories(const std::vector<std::filesystem::path>& first);

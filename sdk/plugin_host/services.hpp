@@ -34,14 +34,18 @@ class HostServices : public odo_host {
   HostServices(uint64_t seed, std::vector<std::filesystem::path> assets, Listener listener);
   HostServices(const HostServices&) = delete;
   HostServices& operator=(const HostServices&) = delete;
+  virtual ~HostServices() = default;
 
   /// Gives an instance number its plugin's name, for reports. [control]
   void name_instance(uint32_t instance, const std::string& id);
 
   /// Passes a report on, at most one a second (of this machine's clock) for each origin and key; the rest are counted
   /// into the next one. [any]
-  void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
-              int32_t status = ODO_OK);
+  virtual void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
+                      int32_t status = ODO_OK);
+
+  uint64_t seed() const { return seed_; }
+  const std::vector<std::filesystem::path>& assets() const { return assets_; }
 
  private:
   static const void* find_service(const odo_host* host, const char* id, uint64_t size);

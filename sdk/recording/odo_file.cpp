@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/recording/odo_file.hpp"
 
+#include <cmath>
 #include <cstring>
 
 #include <opencv2/imgcodecs.hpp>
@@ -94,8 +95,6 @@ Result<bool> OdoWriter::write_true_skyline(const TrueSkyline& s) {
 
 Result<bool> OdoWriter::write_true_sighting(const TrueSighting& s) { return record(kTrueSighting, bytes_of(s)); }
 
-bool OdoWriter::flush() { return records_.flush(); }
-
 Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jpeg_quality) {
   const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
   auto* data = const_cast<uint8_t*>(frame.planes[0].data);
@@ -117,6 +116,12 @@ Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jp
 
 namespace {
 
+/// An orientation as it was written; one that is off by more than rounding is normalised.
+Eigen::Quaterniond unit(const double* q) {
+  const Eigen::Quaterniond as_written(q[0], q[1], q[2], q[3]);
+  return std::abs(as_written.squaredNorm() - 1) < 1e-12 ? as_written : as_written.normalized();
+}
+
 /// An ABI message as its writer knew it, older or newer than this program; behind a frame's struct lies its picture.
 void take_message(Recording& recording, const RecordReader& record) {
   AnyMessage message;
@@ -136,18 +141,19 @@ void take(Recording& recording, const RecordReader& record) {
   if (record.type() == OdoWriter::kTruthPose && payload.size() >= sizeof(TruthRecord)) {
     TruthRecord t;
     std::memcpy(&t, payload.data(), sizeof t);
-    recording.truth.push_back(
-        {t.t_ns, Eigen::Quaterniond(t.q[0], t.q[1], t.q[2], t.q[3]).normalized(), {t.p[0], t.p[1], t.p[2]}});
+    if (!is_plausible_time(t.t_ns)) {
+      ++recording.loss.wild_times;
+      return;
+    }
+    recording.truth.push_back({t.t_ns, unit(t.q), {t.p[0], t.p[1], t.p[2]}});
     return;
   }
   if (record.type() == OdoWriter::kTrueState && payload.size() >= sizeof(StateRecord)) {
     StateRecord r;
     std::memcpy(&r, payload.data(), sizeof r);
     using Eigen::Vector3d;
-    const double* q = r.pose.q;
-    recording.true_states.push_back({r.pose.t_ns, Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(),
-                                     Vector3d::Map(r.pose.p), Vector3d::Map(r.v), Vector3d::Map(r.gyro_bias),
-                                     Vector3d::Map(r.accel_bias), r.mode});
+    recording.true_states.push_back({r.pose.t_ns, unit(r.pose.q), Vector3d::Map(r.pose.p), Vector3d::Map(r.v),
+                                     Vector3d::Map(r.gyro_bias), Vector3d::Map(r.accel_bias), r.mode});
     return;
   }
   if (record.type() == OdoWriter::kTrueSighting && payload.size() >= sizeof(TrueSighting)) {
@@ -178,10 +184,11 @@ Result<Recording> read_odo(const fs::path& file) {
   auto records = RecordReader::open(file);
   if (!records) return records.failure();
   while (records->next()) take(recording, *records);
-  if (records->damaged_at() > 0)  // a crash while it was written: what came before is good
-    recording.warnings.push_back("damaged or cut off at byte " + std::to_string(records->damaged_at()) +
-                                 "; everything before it was read");
-  if (recording.messages.empty()) return Failure{ODO_E_DATA, file.string() + ": no whole record in it"};
+  recording.loss.file = records->loss();
+  if (const std::string lost = recording.loss.file.text(); !lost.empty()) recording.warnings.push_back(lost);
+  if (recording.messages.empty())
+    return Failure{ODO_E_DATA, file.string() + ": no whole message in it" +
+                                   (recording.loss.file.any() ? "; " + recording.loss.file.text() : "")};
   recording.sort();
   return recording;
 }

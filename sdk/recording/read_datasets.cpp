@@ -100,11 +100,13 @@ Result<Recording> read_kitti(const fs::path& folder) {
     return Failure{ODO_E_DATA, folder.string() + ": " + std::to_string(files.size()) + " pictures in image_0 but " +
                                    std::to_string(times.size()) + " times in times.txt"};
   if (files.empty()) return Failure{ODO_E_DATA, (folder / "image_0").string() + ": no pictures"};
-  RecordedMessage probe;
-  auto empty = make_message<odo_frame>(ODO_TYPE_FRAME, 0);
-  probe.message.assign(empty.header);
-  probe.picture = {files.front()};
-  const auto first = load_frame(probe);
+  Result<odo_frame> first = Failure{};
+  for (size_t i = 0; i < files.size() && !first; ++i) {  // a damaged picture costs its frame alone
+    RecordedMessage probe;
+    probe.message.assign(make_message<odo_frame>(ODO_TYPE_FRAME, 0).header);
+    probe.picture = {files[i]};
+    first = load_frame(probe);
+  }
   if (!first) return first.failure();
   calibration.width = first->width, calibration.height = first->height;
   first->release(&*first);
@@ -119,7 +121,7 @@ Result<Recording> read_kitti(const fs::path& folder) {
   return recording;
 }
 
-Result<Recording> read_tum_rgbd(const fs::path& folder) {
+Result<Recording> read_tum_rgbd(const fs::path& folder, const ReadOptions& options) {
   Recording recording{.format = "TUM RGB-D", .path = folder};
   std::error_code error;
   if (fs::exists(folder / "camera.yaml", error)) {
@@ -137,8 +139,9 @@ Result<Recording> read_tum_rgbd(const fs::path& folder) {
   const auto pictures = read_rows(folder / "rgb.txt", [&](const TextRow& row) -> Result<bool> {
     const auto t = parse_seconds(row.fields[0]);
     if (!t) return row.wrong(t.failure().text);
-    if (row.fields.size() < 2) return row.wrong("expected 'time file'");
-    add_frame(recording, *t, 0, {folder / std::string(row.fields[1])});
+    const auto picture = picture_of(row, folder, options);
+    if (!picture) return picture.failure();
+    add_frame(recording, *t, 0, {*picture});
     return true;
   });
   if (!pictures) return pictures.failure();

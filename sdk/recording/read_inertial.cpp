@@ -31,45 +31,79 @@ Result<bool> add_rows(Recording& recording, const fs::path& file, size_t least, 
   });
 }
 
-std::vector<double> reals(const YamlNode* node) {
+std::string number_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+/// A list of exactly `count` numbers (any number where 0), each within +-`limit`; what is wrong is named with its
+/// place.
+Result<std::vector<double>> reals(const std::string& file, const YamlNode& map, const char* key, size_t count,
+                                  double limit) {
+  const YamlNode* node = map.find(key);
+  if (!node || node->kind != YamlNode::Kind::sequence || (count > 0 && node->items.size() != count))
+    return Failure{ODO_E_DATA, at(file, node ? node->mark : map.mark,
+                                  std::string(key) + ": expected a list of " +
+                                      (count > 0 ? std::to_string(count) + " numbers" : "numbers"))};
   std::vector<double> values;
-  if (node)
-    for (const auto& item : node->items)
-      if (const auto value = parse_quantity(item.text, "")) values.push_back(*value);
+  for (const auto& item : node->items) {
+    const auto value = parse_quantity(item.text, "");
+    if (!value || !std::isfinite(*value) || std::abs(*value) > limit)
+      return Failure{ODO_E_DATA,
+                     at(file, item.mark,
+                        std::string(key) + ": '" + item.text + "'; expected a number within +-" + number_text(limit))};
+    values.push_back(*value);
+  }
   return values;
 }
 
+/// The mount out of T_BS, a matrix of 4 x 4 from the camera to the body.
+Result<bool> read_mount(const std::string& file, const YamlNode& T, odo_calibration& c) {
+  const auto T_b_c = reals(file, T, "data", 16, 1e3);
+  if (!T_b_c) return T_b_c.failure();
+  Eigen::Matrix3d R;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) R(i, j) = (*T_b_c)[static_cast<size_t>(4 * i + j)];
+  if (!((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01) || !(R.determinant() > 0))
+    return Failure{ODO_E_DATA, at(file, T.find("data")->mark, "T_BS: its 3 x 3 part is no rotation")};
+  const Eigen::Quaterniond q = Eigen::Quaterniond(R).normalized();
+  c.q_b_c[0] = q.w(), c.q_b_c[1] = q.x(), c.q_b_c[2] = q.y(), c.q_b_c[3] = q.z();
+  for (size_t i = 0; i < 3; ++i) c.p_b_c[i] = (*T_b_c)[4 * i + 3];
+  c.header.flags = ODO_CALIBRATION_EXTRINSICS;
+  return true;
+}
+
 /// sensor.yaml of a camera, as the ASL format has it.
-Result<odo_calibration> read_asl_camera(const fs::path& file, uint32_t id) {
-  const auto node = read_yaml(file.string());
+Result<odo_calibration> read_asl_camera(const fs::path& path, uint32_t id) {
+  const std::string file = path.string();
+  const auto node = read_yaml(file);
   if (!node) return node.failure();
-  const auto intrinsics = reals(node->find("intrinsics")), distortion = reals(node->find("distortion_coefficients")),
-             resolution = reals(node->find("resolution"));
-  const YamlNode* T = node->find("T_BS");
-  const auto T_b_c = reals(T ? T->find("data") : nullptr);
-  const YamlNode* model = node->find("distortion_model");
-  if (intrinsics.size() != 4 || resolution.size() != 2)
-    return Failure{ODO_E_DATA,
-                   at(file.string(), {}, "expected intrinsics: [fu, fv, cu, cv] and resolution: [width, height]")};
+  const auto intrinsics = reals(file, *node, "intrinsics", 4, 1e6);
+  if (!intrinsics) return intrinsics.failure();
+  const auto resolution = reals(file, *node, "resolution", 2, 1e6);
+  if (!resolution) return resolution.failure();
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
   c.id = id;
+  const YamlNode* model = node->find("distortion_model");
   const bool fisheye = model && (model->text == "equidistant" || model->text == "kannala_brandt");
   c.model = fisheye ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
-  c.fx = intrinsics[0], c.fy = intrinsics[1], c.cx = intrinsics[2], c.cy = intrinsics[3];
-  c.width = static_cast<uint32_t>(resolution[0]), c.height = static_cast<uint32_t>(resolution[1]);
-  c.distortion_count = distortion.size() >= 8 ? 8 : distortion.size() >= 5 ? 5 : distortion.size() >= 4 ? 4 : 0;
-  std::copy_n(distortion.begin(), c.distortion_count, c.distortion);
-  if (T_b_c.size() == 16) {
-    Eigen::Matrix3d R;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) R(i, j) = T_b_c[static_cast<size_t>(4 * i + j)];
-    const Eigen::Quaterniond q = Eigen::Quaterniond(R).normalized();
-    c.q_b_c[0] = q.w(), c.q_b_c[1] = q.x(), c.q_b_c[2] = q.y(), c.q_b_c[3] = q.z();
-    for (size_t i = 0; i < 3; ++i) c.p_b_c[i] = T_b_c[4 * i + 3];
-    c.header.flags = ODO_CALIBRATION_EXTRINSICS;
+  c.fx = (*intrinsics)[0], c.fy = (*intrinsics)[1], c.cx = (*intrinsics)[2], c.cy = (*intrinsics)[3];
+  for (const double pixels : *resolution)
+    if (!(pixels >= 1 && pixels <= 16384 && pixels == std::floor(pixels)))
+      return Failure{ODO_E_DATA, at(file, node->find("resolution")->mark,
+                                    "resolution: " + number_text(pixels) + "; expected whole pixels, 1 to 16384")};
+  c.width = static_cast<uint32_t>((*resolution)[0]), c.height = static_cast<uint32_t>((*resolution)[1]);
+  if (node->find("distortion_coefficients")) {
+    const auto k = reals(file, *node, "distortion_coefficients", 0, 1e4);
+    if (!k) return k.failure();
+    c.distortion_count = k->size() >= 8 ? 8 : k->size() >= 5 ? 5 : k->size() >= 4 ? 4 : 0;
+    std::copy_n(k->begin(), c.distortion_count, c.distortion);
   }
-  if (!message_is_good(c.header))
-    return Failure{ODO_E_DATA, file.string() + ": the calibration makes no sense (focal length, size, rotation)"};
+  if (const YamlNode* T = node->find("T_BS"))
+    if (const auto mount = read_mount(file, *T, c); !mount) return mount.failure();
+  if (const std::string fault = message_fault(c.header); !fault.empty())
+    return Failure{ODO_E_DATA, at(file, node->find("intrinsics")->mark, fault)};
   return c;
 }
 
@@ -81,7 +115,7 @@ double scalar(const YamlNode& node, const char* key) {
 
 }  // namespace
 
-Result<Recording> read_euroc(const fs::path& given) {
+Result<Recording> read_euroc(const fs::path& given, const ReadOptions& options) {
   std::error_code error;
   const fs::path folder = fs::exists(given / "mav0", error) ? given / "mav0" : given;
   Recording recording{.format = "EuRoC/ASL", .path = given};
@@ -110,14 +144,19 @@ Result<Recording> read_euroc(const fs::path& given) {
     recording.add(camera->header);
     const auto sensor = read_yaml((folder / "cam0/sensor.yaml").string());
     auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 0);
-    frame.line_time_ns = sensor ? std::llround(scalar(*sensor, "line_delay") * 1e9) : 0;  // our own key, Kalibr's name
+    const double line_s = sensor ? scalar(*sensor, "line_delay") : 0;  // our own key, Kalibr's name
+    if (!(line_s >= 0 && line_s < 1e-2))
+      return Failure{ODO_E_DATA, (folder / "cam0/sensor.yaml").string() + ": line_delay: " + number_text(line_s) +
+                                     "; expected seconds from one row to the next, below 0.01"};
+    frame.line_time_ns = std::llround(line_s * 1e9);
     if (frame.line_time_ns > 0) frame.header.flags |= ODO_FRAME_LINE_TIME;
     const auto done = read_rows(folder / "cam0/data.csv", [&](const TextRow& row) -> Result<bool> {
       const auto t = row.integer(0);
       if (!t) return t.failure();
-      if (row.fields.size() < 2) return row.wrong("expected 'time,file'");
+      const auto picture = picture_of(row, folder / "cam0/data", options);
+      if (!picture) return picture.failure();
       frame.header.t_ns = *t;
-      recording.add(frame.header, {folder / "cam0/data" / std::string(row.fields[1])});
+      recording.add(frame.header, {*picture});
       return true;
     });
     if (!done) return done.failure();

@@ -24,6 +24,10 @@ std::vector<Waypoint> Recording::waypoints() const {
 }
 
 void Recording::add(const odo_header& message, PictureRef picture) {
+  if (!is_plausible_time(message.t_ns)) {
+    ++loss.wild_times;
+    return;
+  }
   messages.emplace_back();
   messages.back().message.assign(message);
   messages.back().picture = std::move(picture);
@@ -34,27 +38,40 @@ void Recording::sort() {
                    [](const auto& a, const auto& b) { return a.message.header().t_ns < b.message.header().t_ns; });
 }
 
-Result<Recording> read_recording(const fs::path& path) {
+namespace {
+
+Result<Recording> read_whatever(const fs::path& path, const ReadOptions& options) {
   std::error_code error;
   if (!fs::exists(path, error)) return Failure{ODO_E_NOT_FOUND, path.string() + ": no such file or folder"};
   if (!fs::is_directory(path, error)) {
-    char magic[8] = {};
-    std::ifstream(path, std::ios::binary).read(magic, sizeof magic);
-    if (std::string_view(magic, 6) == "ODOREC") return read_odo(path);
+    if (!fs::is_regular_file(path, error))
+      return Failure{ODO_E_DATA, path.string() + ": neither a file nor a folder; a pipe or a device is no recording"};
+    if (RecordReader::looks_like_one(path)) return read_odo(path);
     if (path.extension() == ".txt") return read_indoor_location(path);
     return Failure{
         ODO_E_DATA,
         path.string() +
             ": not a recording; expected an Odograph recording (.odo) or an Indoor Location Competition trace (.txt)"};
   }
-  if (fs::exists(path / "mav0", error) || fs::exists(path / "imu0", error)) return read_euroc(path);
+  if (fs::exists(path / "mav0", error) || fs::exists(path / "imu0", error)) return read_euroc(path, options);
   if (fs::exists(path / "image_0", error)) return read_kitti(path);
   if (fs::exists(path / "iphone", error)) return read_advio(path);
-  if (fs::exists(path / "rgb.txt", error)) return read_tum_rgbd(path);
+  if (fs::exists(path / "rgb.txt", error)) return read_tum_rgbd(path, options);
   if (fs::exists(path / "camera.yaml", error)) return read_image_folder(path);
   return Failure{ODO_E_DATA, path.string() +
                                  ": no recording in this folder; looked for mav0/ (EuRoC/ASL), image_0/ (KITTI), "
                                  "iphone/ (ADVIO), rgb.txt (TUM RGB-D), camera.yaml (images)"};
+}
+
+}  // namespace
+
+Result<Recording> read_recording(const fs::path& path, const ReadOptions& options) {
+  auto recording = read_whatever(path, options);
+  if (recording && recording->loss.wild_times > 0)
+    recording->warnings.push_back(std::to_string(recording->loss.wild_times) +
+                                  " messages have times beyond +-2^62 ns and were left out");
+  if (recording && recording->messages.empty()) return Failure{ODO_E_DATA, path.string() + ": no usable message in it"};
+  return recording;
 }
 
 namespace {
@@ -75,6 +92,8 @@ void release(const odo_frame* frame) {
 }
 
 cv::Mat decode(const PictureRef& picture) {
+  std::error_code error;
+  if (!fs::is_regular_file(picture.file, error)) return {};  // a pipe would wait for ever
   if (picture.size == 0) return cv::imread(picture.file.string(), cv::IMREAD_ANYCOLOR);
   std::ifstream file(picture.file, std::ios::binary);
   std::vector<uchar> bytes(picture.size);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sdk/core/messages.hpp"
+#include "sdk/core/record_file.hpp"
 #include "sdk/recording/trajectory.hpp"
 
 namespace odograph {
@@ -50,6 +51,20 @@ struct TrueSighting {
   double corners_px[8]{};  ///< x, y: lower left, lower right, upper right, upper left as one reads it
 };
 
+/// What a recording lacks of what it should hold.
+struct RecordingLoss {
+  RecordLoss file;          ///< of an Odograph recording
+  uint64_t pictures = 0;    ///< that are missing or damaged, as far as they have been looked at; each costs its frame
+  uint64_t wild_times = 0;  ///< messages further from the clock's zero than kFarthestTime_ns, left out
+  bool any() const { return file.any() || pictures > 0 || wild_times > 0; }
+};
+
+/// How recordings are read.
+struct ReadOptions {
+  /// A picture's name may lead out of the recording's folder. Off: nobody's recording gets to name our files.
+  bool pictures_outside = false;
+};
+
 /// A recording in memory, except for its pictures. Messages are in order of time.
 struct Recording {
   std::string format;  // "EuRoC/ASL", ...
@@ -62,10 +77,12 @@ struct Recording {
   std::vector<TrueState> true_states;
   std::vector<TrueSkyline> true_skylines;
   std::vector<TrueSighting> true_sightings;
+  RecordingLoss loss;
   std::vector<std::string> warnings;
 
   bool has(uint32_t type) const;
   std::vector<Waypoint> waypoints() const;  ///< in order of time
+  /// A message with a wild time is counted and left out.
   void add(const odo_header& message, PictureRef picture = {});
   /// Puts the messages into order; equal times keep the order in which they were added.
   void sort();
@@ -74,11 +91,11 @@ struct Recording {
 /// Finds out by looking what it is, and reads it: an Odograph recording (*.odo), EuRoC/ASL, TUM RGB-D, KITTI odometry,
 /// ADVIO, an Indoor Location Competition trace (*.txt), or a folder of numbered images with a camera.yaml.
 /// Failures name file and line (ODO_E_DATA), or say what was looked for (ODO_E_NOT_FOUND).
-Result<Recording> read_recording(const std::filesystem::path& path);
+Result<Recording> read_recording(const std::filesystem::path& path, const ReadOptions& options = {});
 
 Result<Recording> read_odo(const std::filesystem::path& file);
-Result<Recording> read_euroc(const std::filesystem::path& folder);
-Result<Recording> read_tum_rgbd(const std::filesystem::path& folder);
+Result<Recording> read_euroc(const std::filesystem::path& folder, const ReadOptions& options = {});
+Result<Recording> read_tum_rgbd(const std::filesystem::path& folder, const ReadOptions& options = {});
 Result<Recording> read_kitti(const std::filesystem::path& folder);
 Result<Recording> read_advio(const std::filesystem::path& folder);
 Result<Recording> read_indoor_location(const std::filesystem::path& file);
@@ -86,9 +103,15 @@ Result<Recording> read_image_folder(const std::filesystem::path& folder);
 
 /// Writes camera, IMU and (of a simulation) the true states as an EuRoC/ASL folder, with `camchain-imucam.yaml` and
 /// `imu.yaml` in Kalibr's form beside `mav0`. Pictures become PNG; time stamps stay the camera's own (Kalibr's file
-/// says the offset). Other sensors have no place in that format and are left out.
-Result<bool> write_euroc(const Recording& recording, const std::filesystem::path& folder,
-                         const std::function<void(size_t, size_t)>& progress);
+/// says the offset). Other sensors have no place in that format and are left out; the result says which. A folder that
+/// holds a recording already is refused (ODO_E_ARGUMENT): the files of two would mix.
+struct EurocWritten {
+  size_t messages = 0, true_states = 0;
+  uint64_t pictures_lost = 0;
+  std::string left_out;  ///< "120 magnetometer, 12 gnss", or empty
+};
+Result<EurocWritten> write_euroc(const Recording& recording, const std::filesystem::path& folder,
+                                 const std::function<void(size_t, size_t)>& progress);
 
 /// Loads a frame's picture and fills in pixels, size and format. The result carries retain and release, so nobody has
 /// to copy it; the caller releases it once.

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <fstream>
 
+#include "sdk/core/messages.hpp"
+#include "sdk/recording/recording.hpp"
+
 namespace odograph {
 namespace {
 
@@ -51,6 +54,13 @@ Result<int64_t> TextRow::integer(size_t field) const {
   return value;
 }
 
+Result<int64_t> TextRow::time_ns(size_t field) const {
+  const auto value = integer(field);
+  if (!value || is_plausible_time(*value)) return value;
+  return wrong("field " + std::to_string(field + 1) + " '" + std::string(fields[field].substr(0, 40)) +
+               "' is no time; expected at most 2^62 ns from the clock's zero");
+}
+
 Result<std::vector<double>> numbers(const TextRow& row, size_t least) {
   if (row.fields.size() < least)
     return row.wrong("expected at least " + std::to_string(least) + " fields, found " +
@@ -67,9 +77,21 @@ Result<std::vector<double>> numbers(const TextRow& row, size_t least) {
   return values;
 }
 
+Result<std::filesystem::path> picture_of(const TextRow& row, const std::filesystem::path& folder,
+                                         const ReadOptions& options) {
+  if (row.fields.size() < 2) return row.wrong("expected a time and the name of a picture");
+  const std::filesystem::path name = std::string(row.fields[1]), plain = name.lexically_normal();
+  if (!options.pictures_outside && (plain.is_absolute() || (!plain.empty() && *plain.begin() == "..")))
+    return row.wrong("'" + name.string() + "' leads out of the recording's folder; --pictures-outside allows it");
+  return folder / name;
+}
+
 namespace {
 Result<bool> read_lines(const std::filesystem::path& path, bool may_have_head,
                         const std::function<Result<bool>(const TextRow&)>& take) {
+  std::error_code error;
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
+    return Failure{ODO_E_NOT_FOUND, path.string() + ": not a file; a pipe or a device cannot be read as a table"};
   std::ifstream file(path, std::ios::binary);
   if (!file) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be opened"};
   std::string line;

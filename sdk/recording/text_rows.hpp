@@ -11,6 +11,8 @@
 
 namespace odograph {
 
+struct ReadOptions;
+
 /// One line of a text table: its fields and where it stands, for messages.
 struct TextRow {
   std::vector<std::string_view> fields;
@@ -21,6 +23,8 @@ struct TextRow {
   Result<double> number(size_t field) const;
   /// A field as a whole number.
   Result<int64_t> integer(size_t field) const;
+  /// A field as a time in whole nanoseconds, not further from the clock's zero than kFarthestTime_ns.
+  Result<int64_t> time_ns(size_t field) const;
   Failure wrong(const std::string& text) const;
 };
 
@@ -31,6 +35,11 @@ Result<bool> read_rows(const std::filesystem::path& path, const std::function<Re
 /// As read_rows, for tables whose lines start with a name: no line is taken for a head.
 Result<bool> read_rows_with_names(const std::filesystem::path& path,
                                   const std::function<Result<bool>(const TextRow&)>& take);
+
+/// Where a picture lies that a table's row names behind its time. A name that leads out of the folder, absolute or by
+/// "..", is refused unless the options allow it; links within the folder are the user's own.
+Result<std::filesystem::path> picture_of(const TextRow& row, const std::filesystem::path& folder,
+                                         const ReadOptions& options);
 
 /// All fields of a row as numbers, at least `least`.
 Result<std::vector<double>> numbers(const TextRow& row, size_t least);

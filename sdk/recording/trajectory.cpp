@@ -6,16 +6,20 @@
 #include <fstream>
 #include <iomanip>
 
+#include "sdk/base/output_file.hpp"
+#include "sdk/core/messages.hpp"
 #include "sdk/recording/text_rows.hpp"
 
 namespace odograph {
 
 Result<int64_t> parse_seconds(std::string_view text) {
+  constexpr int64_t kFarthest_s = kFarthestTime_ns / 1'000'000'000 - 1;
   const Failure wrong{ODO_E_DATA, "'" + std::string(text.substr(0, 40)) + "' is not a time in seconds"};
   if (text.find_first_of("eE") != std::string_view::npos) {  // KITTI writes 1.0e-01
     double seconds = 0;
     const auto parsed = std::from_chars(text.data(), text.data() + text.size(), seconds);
-    if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || !(std::abs(seconds) < 9e9)) return wrong;
+    if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || !(std::abs(seconds) <= kFarthest_s))
+      return wrong;
     return static_cast<int64_t>(std::llround(seconds * 1e9));
   }
   const bool negative = !text.empty() && text[0] == '-';
@@ -23,7 +27,7 @@ Result<int64_t> parse_seconds(std::string_view text) {
   const size_t point = std::min(text.find('.'), text.size());
   int64_t whole = 0, fraction = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + point, whole);
-  if (parsed.ptr != text.data() + point || parsed.ec != std::errc() || whole > 9'000'000'000) return wrong;
+  if (parsed.ptr != text.data() + point || parsed.ec != std::errc() || whole < 0 || whole > kFarthest_s) return wrong;
   int64_t unit = 100'000'000;
   for (size_t i = point + 1; i < text.size(); ++i, unit /= 10) {
     if (text[i] < '0' || text[i] > '9') return wrong;
@@ -105,7 +109,7 @@ Result<Trajectory> read_euroc_truth(const std::filesystem::path& path) {
   Trajectory trajectory;
   const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
     const auto v = numbers(row, 8);
-    const auto t = row.integer(0);
+    const auto t = row.time_ns(0);
     if (!v) return v.failure();
     if (!t) return t.failure();
     return add_pose(trajectory, row, *t, {(*v)[4], (*v)[5], (*v)[6], (*v)[7]}, {(*v)[1], (*v)[2], (*v)[3]});
@@ -124,11 +128,16 @@ namespace {
 
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
+}  // namespace
+
 void write_tum(std::ostream& out, const Trajectory& trajectory) {
+  out << std::setprecision(12);
   for (const auto& x : trajectory)
     out << format_seconds(x.t_ns) << ' ' << x.p.x() << ' ' << x.p.y() << ' ' << x.p.z() << ' ' << x.q.x() << ' '
         << x.q.y() << ' ' << x.q.z() << ' ' << x.q.w() << '\n';
 }
+
+namespace {
 
 void write_kitti(std::ostream& out, const Trajectory& trajectory) {
   for (const auto& x : trajectory) {
@@ -190,7 +199,9 @@ Result<bool> write_trajectory(const std::filesystem::path& path, const Trajector
     return Failure{
         ODO_E_UNSUPPORTED,
         path.string() + ": needs a place on the Earth; give --origin LATITUDE,LONGITUDE,HEIGHT (degrees, metres)"};
-  std::ofstream out(path, std::ios::binary);
+  auto file = OutputFile::create(path);
+  if (!file) return file.failure();
+  std::ofstream& out = file->stream();
   out << std::setprecision(12);
   if (kind == ".kitti")
     write_kitti(out, trajectory);
@@ -204,8 +215,7 @@ Result<bool> write_trajectory(const std::filesystem::path& path, const Trajector
     write_geojson(out, trajectory, to_geodetic);
   else
     write_tum(out, trajectory);
-  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be written"};
-  return true;
+  return file->commit();
 }
 
 }  // namespace odograph

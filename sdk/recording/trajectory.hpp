@@ -41,6 +41,8 @@ Result<Trajectory> read_kitti_poses(const std::filesystem::path& path, const std
 /// EuRoC state_groundtruth_estimate0/data.csv: t_ns, p, q (w x y z), ...
 Result<Trajectory> read_euroc_truth(const std::filesystem::path& path);
 
+/// A track as TUM has it, with 12 digits.
+void write_tum(std::ostream& out, const Trajectory& trajectory);
 /// Writers by the file's extension: .tum/.txt, .kitti, .csv, and on the Earth .gpx, .kml, .geojson (`to_geodetic` gives
 /// latitude and longitude in rad and height in m for a p; without it those formats are refused).
 using ToGeodetic = std::function<std::array<double, 3>(const Eigen::Vector3d& p_n)>;

@@ -4,6 +4,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <fstream>
+#include <map>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -34,8 +35,10 @@ class EurocWriter {
  public:
   EurocWriter(const Recording& recording, const fs::path& folder) : r_(recording), folder_(folder) {}
 
-  Result<bool> write(const std::function<void(size_t, size_t)>& progress) {
+  Result<EurocWritten> write(const std::function<void(size_t, size_t)>& progress) {
     std::error_code error;
+    if (fs::exists(folder_ / "mav0", error))
+      return Failure{ODO_E_ARGUMENT, folder_.string() + ": holds a recording (mav0) already; expected another folder"};
     for (const char* part : {"mav0/cam0/data", "mav0/imu0", "mav0/state_groundtruth_estimate0"})
       if (fs::create_directories(folder_ / part, error); error)
         return Failure{ODO_E_NOT_FOUND, (folder_ / part).string() + ": cannot be created"};
@@ -44,12 +47,17 @@ class EurocWriter {
       if (m.message.header().type == ODO_TYPE_IMU_NOISE) noise_ = as<odo_imu_noise>(m.message.header());
     }
     write_text("mav0/body.yaml", "# General sensor definitions.\ncomment: " + r_.format + "\n");
-    if (const auto done = write_data(progress); !done) return done;
+    if (const auto done = write_data(progress); !done) return done.failure();
     if (r_.has(ODO_TYPE_FRAME)) write_camera();
     write_imu();
     write_truth();
     if (!complete_) return Failure{ODO_E_NOT_FOUND, folder_.string() + ": writing failed; is the disk full?"};
-    return true;
+    written_.true_states = r_.true_states.size();
+    if (r_.true_states.empty() && !r_.truth.empty())
+      written_.left_out = std::to_string(r_.truth.size()) + " true poses";
+    for (const auto& [type, count] : left_out_)
+      written_.left_out += (written_.left_out.empty() ? "" : ", ") + std::to_string(count) + " " + message_name(type);
+    return written_;
   }
 
  private:
@@ -72,18 +80,30 @@ class EurocWriter {
       if (progress) progress(++done, r_.messages.size());
       if (header.type == ODO_TYPE_IMU) {
         joiner.push(as<odo_imu>(header), [&](const odo_imu& s) {
-          if ((s.header.flags & ODO_IMU_ACCEL) == 0) return;  // the layout has whole samples only
+          if ((s.header.flags & ODO_IMU_ACCEL) == 0) {  // the layout has whole samples only
+            ++left_out_[ODO_TYPE_IMU];
+            return;
+          }
+          ++written_.messages;
           imu += std::to_string(s.header.t_ns) + "," + list(s.gyro_b, 3, ",") + "," + list(s.accel_b, 3, ",") + "\n";
         });
       } else if (header.type == ODO_TYPE_FRAME) {
         const auto frame = load_frame(m);
-        if (!frame) return frame.failure();
+        if (!frame) {
+          ++written_.pictures_lost;
+          continue;
+        }
         const auto picture = encode_picture(*frame, 0);
         frame->release(&*frame);
         if (!picture) return picture.failure();
         write_text("mav0/cam0/data/" + stamp + ".png", std::string(picture->begin(), picture->end()));
         frames += stamp + "," + stamp + ".png\n";
         ++frames_;
+        ++written_.messages;
+      } else if (header.type == ODO_TYPE_CALIBRATION || header.type == ODO_TYPE_IMU_NOISE) {
+        ++written_.messages;
+      } else {
+        ++left_out_[header.type];
       }
     }
     if (frames_ > 0) write_text("mav0/cam0/data.csv", frames);
@@ -181,13 +201,15 @@ class EurocWriter {
   odo_calibration camera_{};
   odo_imu_noise noise_{};
   size_t frames_ = 0;
+  EurocWritten written_;
+  std::map<uint32_t, size_t> left_out_;  // by type
   bool complete_ = true;
 };
 
 }  // namespace
 
-Result<bool> write_euroc(const Recording& recording, const fs::path& folder,
-                         const std::function<void(size_t, size_t)>& progress) {
+Result<EurocWritten> write_euroc(const Recording& recording, const fs::path& folder,
+                                 const std::function<void(size_t, size_t)>& progress) {
   return EurocWriter(recording, folder).write(progress);
 }
 

@@ -172,7 +172,7 @@ class Simulation {
 
   Result<SimulationReport> report(std::chrono::steady_clock::time_point start) {
     if (!failure_.text.empty()) return failure_;
-    if (!writer_.flush()) return Failure{ODO_E_NOT_FOUND, "writing the recording failed; is the disk full?"};
+    if (const auto finished = writer_.finish(); !finished) return finished.failure();
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     return SimulationReport{frames_.size(), wall.count(), maker_->threads(), maker_->times(), maker_->moving_parts()};
   }

@@ -29,6 +29,11 @@ typedef struct odo_error {
 #define ODO_RUN_REPLAY UINT32_C(1) /* samples are processed within push, on the caller's thread: deterministic. While
                                     * one thread processes, what others push is processed by it */
 
+/* Without this flag the first session of a process sets handlers for SIGSEGV, SIGBUS, SIGILL, SIGFPE and SIGABRT, where
+ * nobody else has: within a plugin's call they name plugin and call on standard error, then the signal does what it always
+ * did. An exit() within a plugin's call ends the process with status 4 then. */
+#define ODO_SESSION_NO_CRASH_NOTES UINT32_C(1)
+
 typedef struct odo_session_options {
   uint32_t struct_size;
   uint32_t run;            /* ODO_RUN_* */
@@ -37,6 +42,8 @@ typedef struct odo_session_options {
   odo_string plugin_path;  /* directories to look for plugins in before all others, separated by ':' (';' on Windows) */
   uint64_t seed;           /* of the random numbers handed to plugins */
   odo_string asset_path;   /* directories to look in for files that the config names and that are not beside it */
+  uint32_t flags;          /* ODO_SESSION_* */
+  uint32_t reserved;       /* 0 */
 } odo_session_options;
 
 /* How a session did so far. Counters count from creation. */
@@ -121,6 +128,11 @@ typedef void (ODO_CALL *odo_callback)(void *user, const odo_header *event);
  * count ODO_ALL_EVENTS and null types it is called for all. No types or a null function end the calls, and none is running after the return (but the one that it was called from). */
 ODO_API int32_t ODO_CALL odo_session_set_callback(odo_session *session, const uint32_t *types, uint32_t count,
                                                   odo_callback callback, void *user);
+
+/* [any] For a signal handler of the app's own: which plugin's call this thread is in ("acme/vo in process"), or another
+ * thread where this one is in none. Async-signal-safe. Writes at most `capacity` bytes, unterminated, and returns how many;
+ * 0: none. */
+ODO_API uint64_t ODO_CALL odo_current_plugin_call(char *text, uint64_t capacity);
 
 /* [any] Accumulated counters. Never waits for the pipeline. */
 ODO_API int32_t ODO_CALL odo_session_get_statistics(odo_session *session, odo_statistics *statistics);

@@ -17,7 +17,7 @@ extern "C" {
 typedef struct odo_recording odo_recording;
 typedef struct odo_recorder odo_recorder;
 
-/* [any] Opens a recording and looks for its messages; what is damaged at its end is left out. On failure *recording is
+/* [any] Opens a recording and looks for its messages; what is damaged is left out (odo_recording_loss). On failure *recording is
  * null and `error`, which may be null, says why: ODO_E_NOT_FOUND, ODO_E_DATA, ODO_E_VERSION. */
 ODO_API int32_t ODO_CALL odo_recording_open(const odo_string *path, odo_recording **recording, odo_error *error);
 
@@ -27,10 +27,15 @@ ODO_API int32_t ODO_CALL odo_recording_open(const odo_string *path, odo_recordin
 ODO_API int32_t ODO_CALL odo_recording_next(odo_recording *recording, const odo_header **message, const void **picture,
                                             uint64_t *picture_size);
 
+/* [any] What the recording lacks of what was written, in words: ODO_OK and an empty message when nothing, ODO_E_DATA when
+ * records are damaged or it was cut off. */
+ODO_API int32_t ODO_CALL odo_recording_loss(odo_recording *recording, odo_error *loss);
+
 /* [any] Null is allowed. */
 ODO_API void ODO_CALL odo_recording_close(odo_recording *recording);
 
-/* [any] Creates a recording; a file of that name is overwritten. */
+/* [any] Creates a recording. A file of that name stays until the new one is closed; until then that lies beside it as
+ * NAME.part. Where there is none, it is written in its place at once. */
 ODO_API int32_t ODO_CALL odo_recorder_create(const odo_string *path, odo_recorder **recorder, odo_error *error);
 
 /* [any, one thread at a time] Appends a message of any type as it is, of a frame the encoded picture too (none: the frame
@@ -39,7 +44,8 @@ ODO_API int32_t ODO_CALL odo_recorder_create(const odo_string *path, odo_recorde
 ODO_API int32_t ODO_CALL odo_recorder_write(odo_recorder *recorder, const odo_header *message, const void *picture,
                                             uint64_t picture_size);
 
-/* [any] ODO_E_DATA when something did not reach the file. Null is allowed. */
+/* [any] Sets the mark that tells a closed recording from one that was cut off. ODO_E_DATA when something did not reach
+ * the file: what did is left where it lies. Null is allowed. */
 ODO_API int32_t ODO_CALL odo_recorder_close(odo_recorder *recorder);
 
 #ifdef __cplusplus

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <odograph/plugin.h>
+
+namespace odograph {
+
+/// The message types a kind is given and owes; empty for an unknown interface.
+struct KindTypes {
+  std::vector<uint32_t> inputs, outputs;
+};
+
+/// One instance of a plugin where it runs: in this process (LibraryBackend) or in one of its own (ProcessBackend). All
+/// of it is [control] but process, which is [process]. Statuses are the plugin's own, ODO_E_ERROR where it threw.
+class PluginBackend {
+ public:
+  virtual ~PluginBackend() = default;  ///< destroys the instance
+
+  /// Creates, configures and activates.
+  virtual int32_t start() = 0;
+  virtual int32_t process(const odo_header& message) = 0;
+  /// Back to the state after activation, by the plugin's own function or by a new instance.
+  virtual int32_t reset() = 0;
+  virtual std::vector<uint8_t> save() = 0;
+  /// False, and nothing changed, when the plugin does not take it.
+  virtual bool load(std::span<const uint8_t> data) = 0;
+
+  /// What it is given and may emit, its kind's and what its table declares.
+  virtual const KindTypes& types() const = 0;
+  /// After ODO_E_FATAL: no instance of this library is used any more.
+  virtual void quarantine() = 0;
+  virtual bool quarantined() const = 0;
+  /// Why it has ended, such as "crashed (Segmentation fault) in process"; empty while it runs.
+  virtual std::string ended() const { return ""; }
+};
+
+}  // namespace odograph

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/plugin_host/breadcrumb.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+
+#include <unistd.h>
+
+namespace odograph {
+namespace {
+
+constexpr int kSlots = 128;  // threads within plugins at once; more go unnamed
+constexpr int kExitOfPlugin = 4;
+constexpr size_t kLongestId = 96;
+
+struct Crumb {
+  std::atomic<bool> taken{false};
+  std::atomic<const char*> call{nullptr};
+  char plugin[kLongestId] = {};
+};
+
+Crumb crumbs[kSlots];
+thread_local int current = -1;
+
+/// A stack that overflowed cannot carry the handler.
+class SignalStack {
+ public:
+  SignalStack() {
+    stack_t old{};
+    if (sigaltstack(nullptr, &old) != 0 || (old.ss_flags & SS_DISABLE) == 0) return;
+    memory_ = std::malloc(kSize);
+    if (!memory_) return;
+    stack_t mine{};
+    mine.ss_sp = memory_, mine.ss_size = kSize;
+    sigaltstack(&mine, nullptr);
+  }
+  ~SignalStack() {
+    if (!memory_) return;
+    stack_t none{};
+    none.ss_flags = SS_DISABLE;
+    sigaltstack(&none, nullptr);
+    std::free(memory_);
+  }
+
+ private:
+  static constexpr size_t kSize = 32 << 10;
+  void* memory_ = nullptr;
+};
+
+constexpr int kSignals[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
+std::atomic<bool> watching{false};
+
+void say(const char* what, size_t size) noexcept { (void)!write(STDERR_FILENO, what, size); }
+
+void say_culprit(const char* how) noexcept {
+  char call[kLongestId + 32];
+  const size_t size = current_plugin_call(call, sizeof call);
+  if (size == 0) return;
+  constexpr char kHead[] = "odograph: ";
+  say(kHead, sizeof kHead - 1);
+  say(how, std::strlen(how));
+  say(call, size);
+  say("\n", 1);
+}
+
+void on_signal(int signal_number) {
+  switch (signal_number) {
+    case SIGSEGV: say_culprit("segmentation fault in plugin "); break;
+    case SIGBUS: say_culprit("bus error in plugin "); break;
+    case SIGILL: say_culprit("illegal instruction in plugin "); break;
+    case SIGFPE: say_culprit("arithmetic fault in plugin "); break;
+    default: say_culprit("aborted in plugin ");
+  }
+  raise(signal_number);  // the disposition is the default again (SA_RESETHAND)
+}
+
+void at_exit() {
+  if (current < 0) return;
+  say_culprit("exit() was called in plugin ");
+  _exit(kExitOfPlugin);
+}
+
+}  // namespace
+
+Breadcrumb::Breadcrumb(const std::string& plugin, const char* call) noexcept : slot_(-1), outer_(current) {
+  if (watching.load(std::memory_order_relaxed)) thread_local const SignalStack stack;
+  for (int i = 0; i < kSlots; ++i) {
+    bool free = false;
+    if (!crumbs[i].taken.compare_exchange_strong(free, true, std::memory_order_acquire)) continue;
+    slot_ = i;
+    const size_t size = std::min(plugin.size(), kLongestId - 1);
+    std::memcpy(crumbs[i].plugin, plugin.data(), size);
+    crumbs[i].plugin[size] = 0;
+    crumbs[i].call.store(call, std::memory_order_release);
+    break;
+  }
+  current = slot_;
+}
+
+Breadcrumb::~Breadcrumb() {
+  current = outer_;
+  if (slot_ < 0) return;
+  crumbs[slot_].call.store(nullptr, std::memory_order_relaxed);
+  crumbs[slot_].taken.store(false, std::memory_order_release);
+}
+
+size_t current_plugin_call(char* text, size_t capacity) noexcept {
+  int slot = current;
+  for (int i = 0; slot < 0 && i < kSlots; ++i)
+    if (crumbs[i].call.load(std::memory_order_acquire)) slot = i;
+  const char* call = slot < 0 ? nullptr : crumbs[slot].call.load(std::memory_order_acquire);
+  if (!call) return 0;
+  size_t size = 0;
+  for (const char* part : {static_cast<const char*>(crumbs[slot].plugin), " in ", call}) {
+    const size_t length = std::min(std::strlen(part), capacity - size);
+    std::memcpy(text + size, part, length);
+    size += length;
+  }
+  return size;
+}
+
+void name_culprits() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    watching = true;
+    for (const int signal_number : kSignals) {
+      struct sigaction old {};
+      if (sigaction(signal_number, nullptr, &old) != 0 || (old.sa_flags & SA_SIGINFO) || old.sa_handler != SIG_DFL)
+        continue;
+      struct sigaction mine {};
+      mine.sa_handler = on_signal;
+      mine.sa_flags = SA_ONSTACK | static_cast<int>(SA_RESETHAND) | SA_NODEFER;
+      sigemptyset(&mine.sa_mask);
+      sigaction(signal_number, &mine, nullptr);
+    }
+    std::atexit(at_exit);
+  });
+}
+
+}  // namespace odograph

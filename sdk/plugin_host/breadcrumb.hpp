@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace odograph {
+
+/// Notes, for the time of a scope, that this thread is within a call of a plugin, where a signal handler can read it.
+/// No allocation, no system call but the first time on a thread.
+class Breadcrumb {
+ public:
+  /// `call` is a literal.
+  Breadcrumb(const std::string& plugin, const char* call) noexcept;
+  ~Breadcrumb();
+  Breadcrumb(const Breadcrumb&) = delete;
+  Breadcrumb& operator=(const Breadcrumb&) = delete;
+
+ private:
+  int slot_;
+  int outer_;
+};
+
+/// Which plugin's call this thread is in, as "attitude/vqf in process"; of another thread where this one is in none.
+/// Async-signal-safe. Returns the bytes written, without a terminator; 0 where no plugin is being called.
+size_t current_plugin_call(char* text, size_t capacity) noexcept;
+
+/// Names the plugin on standard error when a signal (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT) ends this process within
+/// a plugin's call, and turns an exit() from within one into _exit(4). Only signals that nobody else handles; what the
+/// signal does besides stays as it was. Once for a process. [any]
+void name_culprits();
+
+}  // namespace odograph

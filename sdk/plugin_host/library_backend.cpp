@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/plugin_host/library_backend.hpp"
+
+#include <cstddef>
+#include <new>
+
+#include <cxxabi.h>
+
+#include <odograph/messages.h>
+
+#include "sdk/plugin_host/breadcrumb.hpp"
+#include "sdk/plugin_host/instance.hpp"
+
+namespace odograph {
+namespace {
+
+constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
+
+/// A table may end before a function that is optional; then it reads as null.
+#define ODO_OPTIONAL(table, function) (ODO_HAS(&(table), function) ? (table).function : nullptr)
+
+}  // namespace
+
+LibraryBackend::LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
+                               const odo_sink& sink)
+    : library_(std::move(library)),
+      choice_(choice),
+      host_(host),
+      sink_(sink),
+      types_(plugin_types(choice.interface_id, library_->table())) {}
+
+Result<std::unique_ptr<LibraryBackend>> LibraryBackend::load(const PluginChoice& choice, bool verify_hash,
+                                                             HostServices& host, const odo_sink& sink) {
+  const Breadcrumb crumb(choice.manifest.id, "load");
+  auto library = PluginLibrary::load(choice.manifest, verify_hash, &host);
+  if (!library) return library.failure();
+  return std::unique_ptr<LibraryBackend>(new LibraryBackend(std::move(*library), choice, host, sink));
+}
+
+LibraryBackend::~LibraryBackend() { destroy(); }
+
+/// What the call returns. An exception out of it is a failure of the instance; the end of a thread goes on its way.
+template <class Work>
+int32_t LibraryBackend::call(const char* name, Work&& work) noexcept {
+  const Breadcrumb crumb(choice_.manifest.id, name);
+  std::string what;
+  try {
+    return work();
+  } catch (const abi::__forced_unwind&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    return ODO_E_MEMORY;
+  } catch (const std::exception& error) {
+    what = std::string(": ") + error.what();
+  } catch (...) {
+  }
+  host_.report(sink_.instance, ODO_SEVERITY_ERROR, "exception", std::string("an exception came out of ") + name + what,
+               ODO_E_ERROR);
+  return ODO_E_ERROR;
+}
+
+int32_t LibraryBackend::start() {
+  const odo_plugin& table = library_->table();
+  const odo_string interface_id{choice_.interface_id.data(), choice_.interface_id.size()};
+  int32_t status = call("create", [&] { return table.create(&host_, sink_.instance, &interface_id, &instance_); });
+  if (status >= 0 && !instance_) status = ODO_E_ERROR;
+  if (status < 0) {
+    instance_ = nullptr;
+    return status;
+  }
+  const auto values = values_of(choice_);
+  status = call("configure", [&] {
+    return table.configure(instance_, values.data(), static_cast<uint32_t>(values.size()), sizeof(odo_value));
+  });
+  return status < 0 ? status : call("activate", [&] { return table.activate(instance_, &sink_); });
+}
+
+int32_t LibraryBackend::process(const odo_header& message) {
+  if (!instance_) return ODO_E_STATE;
+  const odo_header* messages[] = {&message};
+  const odo_batch batch{sizeof(odo_batch), 1, messages};
+  return call("process", [&] { return library_->table().process(instance_, &batch); });
+}
+
+int32_t LibraryBackend::reset() {
+  const auto function = ODO_OPTIONAL(library_->table(), reset);
+  if (instance_ && function && call("reset", [&] { return function(instance_); }) >= 0) return ODO_OK;
+  destroy();
+  return start();
+}
+
+void LibraryBackend::destroy() {
+  if (odo_instance* ended = std::exchange(instance_, nullptr))
+    call("destroy", [&] { return library_->table().destroy(ended), ODO_OK; });
+}
+
+std::vector<uint8_t> LibraryBackend::save() {
+  const auto function = ODO_OPTIONAL(library_->table(), save);
+  if (!instance_ || !function) return {};
+  int64_t needed = 0, written = 0;
+  std::vector<uint8_t> bytes;
+  call("save", [&] { return needed = function(instance_, nullptr, 0), ODO_OK; });
+  if (needed <= 0 || needed > kLargestState) return {};
+  bytes.resize(static_cast<size_t>(needed));
+  call("save", [&] { return written = function(instance_, bytes.data(), bytes.size()), ODO_OK; });
+  return written == needed ? bytes : std::vector<uint8_t>();
+}
+
+bool LibraryBackend::load(std::span<const uint8_t> data) {
+  const auto function = ODO_OPTIONAL(library_->table(), load);
+  return instance_ && function && call("load", [&] { return function(instance_, data.data(), data.size()); }) >= 0;
+}
+
+}  // namespace odograph

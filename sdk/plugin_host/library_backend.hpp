@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "sdk/config/pipeline_config.hpp"
+#include "sdk/plugin_host/backend.hpp"
+#include "sdk/plugin_host/library.hpp"
+#include "sdk/plugin_host/services.hpp"
+
+namespace odograph {
+
+/// An instance in this process. An exception that leaves the plugin is caught and reported, as far as host and plugin
+/// share a C++ runtime's ABI; a crash is named by the breadcrumb (breadcrumb.hpp).
+class LibraryBackend : public PluginBackend {
+ public:
+  /// `choice` and `sink` outlive it.
+  static Result<std::unique_ptr<LibraryBackend>> load(const PluginChoice& choice, bool verify_hash, HostServices& host,
+                                                      const odo_sink& sink);
+  ~LibraryBackend() override;
+
+  int32_t start() override;
+  int32_t process(const odo_header& message) override;
+  int32_t reset() override;
+  std::vector<uint8_t> save() override;
+  bool load(std::span<const uint8_t> data) override;
+  const KindTypes& types() const override { return types_; }
+  void quarantine() override { library_->quarantine(); }
+  bool quarantined() const override { return library_->quarantined(); }
+
+ private:
+  LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
+                 const odo_sink& sink);
+  template <class Work>
+  int32_t call(const char* name, Work&& work) noexcept;
+  void destroy();
+
+  std::shared_ptr<PluginLibrary> library_;
+  const PluginChoice& choice_;
+  HostServices& host_;
+  const odo_sink& sink_;
+  KindTypes types_;
+  odo_instance* instance_ = nullptr;
+};
+
+}  // namespace odograph

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include <sys/types.h>
+
+#include "sdk/config/pipeline_config.hpp"
+#include "sdk/plugin_host/backend.hpp"
+#include "sdk/plugin_host/services.hpp"
+#include "sdk/plugin_host/wire.hpp"
+
+namespace odograph {
+
+/// An instance in a process of its own, the program `odograph-plugin-host`, behind a sandbox (sandbox.hpp). Messages
+/// and events go through shared memory, wake-ups through a socket; a frame's pixels are copied once, into memory that
+/// the plugin sees. Whatever the plugin does ends its own process alone: then ended() says what it was, every call is
+/// ODO_E_ERROR, and a new backend is to be made.
+class ProcessBackend : public PluginBackend {
+ public:
+  /// Starts the process and loads the library in it. The failure names the plugin and what it did. `choice` and `sink`
+  /// outlive it; the sink's emit gets every event within process().
+  static Result<std::unique_ptr<ProcessBackend>> load(const PluginChoice& choice, bool verify_hash, HostServices& host,
+                                                      const odo_sink& sink);
+  ~ProcessBackend() override;
+
+  int32_t start() override;
+  int32_t process(const odo_header& message) override;
+  int32_t reset() override;
+  std::vector<uint8_t> save() override;
+  bool load(std::span<const uint8_t> data) override;
+  const KindTypes& types() const override { return types_; }
+  void quarantine() override { quarantined_ = true; }
+  bool quarantined() const override { return quarantined_; }
+  std::string ended() const override { return ended_; }
+  pid_t process_id() const { return child_; }
+
+ private:
+  ProcessBackend(const PluginChoice& choice, HostServices& host, const odo_sink& sink)
+      : choice_(choice), host_(host), sink_(sink) {}
+  bool launch(const std::filesystem::path& program);
+  bool exchange(wire::Call call, const wire::Writer& request, double limit_s);
+  bool wait_for_answer(double limit_s);
+  int32_t answered();
+  bool take_records(wire::Reader& reader);
+  bool put_frame(const odo_header& message, wire::Writer& request);
+  void give_up(std::string what);
+  void reap(bool killed_by_us, const std::string& what);
+  wire::Writer request() { return wire::Writer({control_->request, wire::kAreaBytes}); }
+
+  struct FrameSlot {
+    uint64_t offset = 0, size = 0;
+  };
+
+  const PluginChoice& choice_;
+  HostServices& host_;
+  const odo_sink& sink_;
+  KindTypes types_;
+  pid_t child_ = -1;
+  int socket_ = -1, pixels_fd_ = -1;
+  wire::Control* control_ = nullptr;
+  uint8_t* pixels_ = nullptr;
+  uint64_t pixels_size_ = 0;
+  FrameSlot slots_[wire::kFrameSlots];
+  std::vector<uint64_t> answer_;  // copied before it is looked at
+  size_t answer_size_ = 0;
+  bool quarantined_ = false;
+  std::string ended_;
+};
+
+/// The program that runs plugins, beside this library or program or where it is installed to. Empty where it is
+/// missing.
+std::filesystem::path plugin_host_program();
+
+}  // namespace odograph

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What host and plugin process say to each other through shared memory. Both are of the same build (kWireVersion), but
+// the host takes nothing that the plugin's process writes on trust: it copies first and checks then.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace odograph::wire {
+
+constexpr uint32_t kVersion = 1;
+/// Descriptors of the plugin's process.
+constexpr int kSocket = 3, kControl = 4, kPixels = 5;
+
+enum Call : uint32_t { hello = 1, start, process, reset, save, load, end };
+enum Record : uint32_t { event = 1, report = 2 };
+
+constexpr size_t kFrameSlots = 8;  // as many as a session holds by default
+constexpr size_t kPixelBytes = size_t(512) << 20;
+constexpr size_t kAreaBytes = size_t(20) << 20;  // 256 events of the largest size, or a saved state of 16 MiB
+constexpr size_t kPhaseBytes = 32;
+
+/// The control memory: small state, then what is asked, then what is answered.
+struct Control {
+  uint32_t version;
+  uint32_t call;
+  uint64_t request_size, response_size;
+  std::atomic<uint32_t> holds[kFrameSlots];  // of each frame slot, by the plugin
+  char phase[kPhaseBytes];                   // the plugin's function that is being called
+  alignas(64) uint8_t request[kAreaBytes];
+  alignas(64) uint8_t response[kAreaBytes];
+};
+
+/// Appends numbers and texts; what does not fit makes it full and is left out.
+class Writer {
+ public:
+  explicit Writer(std::span<uint8_t> room) : room_(room) {}
+  template <class T>
+  void put(const T& value) {
+    put_raw(&value, sizeof value);
+  }
+  void put_bytes(const void* data, uint64_t size) {
+    if (sizeof size + size > room_.size() - at_) {
+      full_ = true;
+      return;
+    }
+    put(size);
+    put_raw(data, static_cast<size_t>(size));
+  }
+  void put_text(std::string_view text) { put_bytes(text.data(), text.size()); }
+  size_t size() const { return at_; }
+  bool full() const { return full_; }
+  void rewind(size_t to) { at_ = to; }
+
+ private:
+  void put_raw(const void* data, size_t size) {
+    if (full_ || size > room_.size() - at_) {
+      full_ = true;
+      return;
+    }
+    if (size > 0) std::memcpy(room_.data() + at_, data, size);
+    at_ += size;
+  }
+  std::span<uint8_t> room_;
+  size_t at_ = 0;
+  bool full_ = false;
+};
+
+/// Takes them from the front; what is not there reads as zero and makes it bad.
+class Reader {
+ public:
+  explicit Reader(std::span<const uint8_t> bytes) : left_(bytes) {}
+  template <class T>
+  T get() {
+    T value{};
+    if (left_.size() < sizeof value) {
+      good_ = false;
+      return value;
+    }
+    std::memcpy(&value, left_.data(), sizeof value);
+    left_ = left_.subspan(sizeof value);
+    return value;
+  }
+  std::span<const uint8_t> get_bytes() {
+    const auto size = get<uint64_t>();
+    if (!good_ || size > left_.size()) {
+      good_ = false;
+      return {};
+    }
+    const auto bytes = left_.first(static_cast<size_t>(size));
+    left_ = left_.subspan(static_cast<size_t>(size));
+    return bytes;
+  }
+  std::string get_text() {
+    const auto bytes = get_bytes();
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+  bool good() const { return good_; }
+  bool empty() const { return left_.empty(); }
+
+ private:
+  std::span<const uint8_t> left_;
+  bool good_ = true;
+};
+
+}  // namespace odograph::wire

@@ -1,0 +1,52 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Plugins in the app's own process that end it: each is named with the call, no status is 0, and results are written before
+# a plugin is destroyed.
+set -u
+odograph=$1 zoo=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failed=0
+cat >tiny.yaml <<'YAML'
+odograph_scenario: 1
+walker: {stand: 1.5 s}
+route:
+  points: [[0, 0, 0], [6, 0, 0]]
+camera: {width: 160, height: 120, focal: 120 px}
+YAML
+"$odograph" sim tiny.yaml -o tiny.odo >/dev/null || exit 1
+mkdir plugins
+# animal, words that must be said
+run() {
+  animal=$1
+  rm -f plugins/*
+  cp "$zoo/$animal.so" plugins/
+  "$odograph" plugin manifest "plugins/$animal.so" >/dev/null || { echo "FAILED: no manifest of $animal"; failed=1; return; }
+  printf 'odograph: 1\nplugins: {search: [plugins]}\nattitude: {plugin: attitude/vqf}\nvo_frontend: {plugin: vo/five_point}\n' >config.yaml
+  case $(cat plugins/*.json) in
+    *attitude*) printf 'odograph: 1\nplugins: {search: [plugins]}\nattitude: {plugin: zoo/animal}\n' >config.yaml ;;
+    *step_estimator*) printf 'step_estimator: {plugin: zoo/animal}\n' >>config.yaml ;;
+    *scale_source*) printf 'scale_source: {plugin: zoo/animal}\n' >>config.yaml ;;
+    *absolute_fixer*) printf 'absolute_fixers: [{plugin: zoo/animal}]\n' >>config.yaml ;;
+    *vo_frontend*) printf 'odograph: 1\nplugins: {search: [plugins]}\nvo_frontend: {plugin: zoo/animal}\n' >config.yaml ;;
+  esac
+  rm -rf out
+  (ulimit -c 0; exec "$odograph" run -c config.yaml -i tiny.odo -o out) >said 2>&1
+  status=$?
+}
+expect() {
+  run "$1"
+  [ $status -ne 0 ] || { echo "FAILED: $1 ended with status 0"; failed=1; }
+  grep -qF -- "$2" said || { echo "FAILED: $1: '$2' was not said"; cat said; failed=1; }
+}
+expect process_works__segfault "odograph: segmentation fault in plugin zoo/animal in process"
+expect process_works__exit "odograph: exit() was called in plugin zoo/animal in process"
+[ $status -eq 4 ] || { echo "FAILED: an exit in a plugin is status $status, expected 4"; failed=1; }
+expect process_works__abort "odograph: aborted in plugin zoo/animal in process"
+expect process_works__stack_overflow "odograph: segmentation fault in plugin zoo/animal in process"
+expect life_create_destroy__crash_in_destroy "in plugin zoo/animal in destroy"
+[ -s out/summary.json ] || { echo "FAILED: a crash in destroy took the results"; failed=1; }
+run process_works__throws
+grep -qF "an exception came out of process: the fortieth sample is unlucky" said || { echo "FAILED: an exception was not told"; cat said; failed=1; }
+exit $failed

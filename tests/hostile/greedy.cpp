@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// An attitude source that takes memory without end, and what it gets it uses.
+#define HOSTILE_ID "test/greedy"
+#include <cstdlib>
+
+#include <odograph/attitude.h>
+
+#include "tests/hostile/table.hpp"
+
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
+  static const odo_string interfaces[] = {{ODO_INTERFACE_ATTITUDE, sizeof(ODO_INTERFACE_ATTITUDE) - 1}};
+  odo_plugin t = hostile::table();
+  t.interfaces = interfaces;
+  t.process = [](odo_instance*, const odo_batch*) -> int32_t {
+    for (;;) {
+      void* memory = std::malloc(1 << 20);
+      if (!memory) std::abort();
+      std::memset(memory, 1, 1 << 20);
+    }
+  };
+  return hostile::fill(out, t);
+}

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Plugins in processes of their own: whatever they do, the host goes on and says who it was.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <thread>
+
+#include <odograph/attitude.h>
+#include <odograph/odograph.h>
+#include <odograph/scale_source.h>
+#include <odograph/step_estimator.h>
+
+#include "sdk/plugin_host/instance.hpp"
+#include "sdk/validator/write_manifest.hpp"
+#include "tests/session_app.hpp"
+#include "tests/test_plugins.hpp"
+
+using namespace odograph;
+namespace fs = std::filesystem;
+
+TEST_SUITE_BEGIN("isolation");
+
+namespace {
+
+const fs::path kZoo = fs::path(ODOGRAPH_BUILD) / "tests/zoo";
+
+/// A manifest that does not ask the plugin: hostile ones would not survive it.
+std::string install(const TemporaryFolder& folder, const std::string& animal, const std::string& kind) {
+  const std::string library = (folder / (animal + ".so")).string();
+  fs::copy_file(kZoo / (animal + ".so"), library, fs::copy_options::overwrite_existing);
+  const auto hash = sha256_of(library);
+  write_text(
+      folder / (animal + ".odoplugin.json"),
+      "{\"odoplugin\": 1, \"id\": \"zoo/animal\", \"version\": \"1.0.0\", \"summary\": \"Of the zoo.\", \"abi\": [" +
+          std::to_string(ODO_ABI_MAJOR) + ", " + std::to_string(ODO_ABI_MINOR) + "], \"interfaces\": [\"" + kind +
+          "\"], \"library\": \"" + animal + ".so\", \"sha256\": \"" + *hash + "\", \"parameters\": []}");
+  return folder.path().string();
+}
+
+/// How the pose and its states came out.
+struct Outcome {
+  int32_t status;
+  std::string message;
+  size_t poses = 0, degraded = 0;
+  std::vector<std::string> said;  // reports about isolated plugins
+  bool says(const std::string& words) const {
+    return std::any_of(said.begin(), said.end(),
+                       [&](const auto& text) { return text.find(words) != std::string::npos; });
+  }
+};
+
+Outcome walk(App& app, int from, int to) {
+  Outcome out{app.status, app.message};
+  if (!app.session) return out;
+  app.walk(from, to);
+  odo_session_flush(app.session);
+  for (const odo_pose& pose : app.all<odo_pose>(ODO_TYPE_POSE)) {
+    ++out.poses;
+    out.degraded += pose.state == ODO_DEGRADED && pose.reason == ODO_REASON_PLUGIN_FAILED ? 1 : 0;
+  }
+  for (const odo_report& report : app.reports)
+    if (std::string(report.key) != "discarded") out.said.push_back(std::string(report.plugin) + ": " + report.text);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("the same bytes come out of a plugin inside and outside the process") {
+  const auto events = [](const std::string& yaml) {
+    App app(yaml);
+    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    const auto c = calibration(64, 48);
+    odo_session_push(app.session, &c.header);
+    for (int i = 0; i < 60; ++i) app.walk(20 * i, 20 * i + 20), app.frame(1'000'000'000 + 200'000'000LL * i);
+    odo_session_flush(app.session);
+    return app.events;
+  };
+  const auto inside = events(kCamera), outside = events(kCamera + "plugins:\n  isolation: process\n");
+  REQUIRE(inside.size() > 1000);
+  CHECK(inside == outside);
+}
+
+TEST_CASE("what a plugin has learnt is saved out of its process and loaded into it") {
+  const std::string yaml = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n";
+  const auto saved = [](const std::string& text) {
+    App app(text);
+    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    app.walk(0, 2000);
+    odo_session_flush(app.session);
+    std::string blob(static_cast<size_t>(odo_session_save(app.session, nullptr, 0)), '\0');
+    odo_session_save(app.session, blob.data(), blob.size());
+    App second(text);
+    CHECK(odo_session_load(second.session, blob.data(), blob.size()) == ODO_OK);
+    return blob;
+  };
+  CHECK(saved(yaml) == saved(yaml + "plugins:\n  isolation: process\n"));
+}
+
+TEST_CASE("every plugin of the zoo, isolated as a scale source or an odometry: the host goes on and gives poses") {
+  size_t animals = 0, ended = 0;
+  for (const auto& entry : fs::directory_iterator(kZoo)) {
+    if (entry.path().extension() != ".so") continue;
+    const std::string animal = entry.path().stem().string();
+    for (const auto& [key, kind] : std::map<std::string, std::string>{{"attitude", ODO_INTERFACE_ATTITUDE},
+                                                                      {"step_estimator", ODO_INTERFACE_STEP_ESTIMATOR},
+                                                                      {"scale_source", ODO_INTERFACE_SCALE_SOURCE}}) {
+      const TemporaryFolder folder;
+      const std::string plugins = install(folder, animal, kind);
+      CAPTURE(animal);
+      CAPTURE(key);
+      // A good plugin of the kind stands first, so that poses do not hang on the animal.
+      const std::string pipeline =
+          "odograph: 1\nattitude:\n  - plugin: attitude/vqf\n" +
+          std::string(key == "attitude" ? "  - {plugin: zoo/animal, isolation: process, time_limit: 0.3 s}\n" : "") +
+          "step_estimator:\n  - plugin: step/renaudin2012\n" +
+          (key == "step_estimator" ? "  - {plugin: zoo/animal, isolation: process, time_limit: 0.3 s}\n" : "") +
+          (key == "scale_source"
+               ? "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  - plugin: "
+                 "scale/step_length\n  - {plugin: zoo/animal, isolation: process, time_limit: 0.3 s}\n"
+               : "");
+      App app(pipeline, ODO_RUN_REPLAY, plugins);
+      ++animals;
+      const auto lens = calibration(64, 48);
+      if (app.session) odo_session_push(app.session, &lens.header);
+      for (int i = 0; app.session && i < 60; ++i)
+        app.walk(5 * i, 5 * i + 5), app.frame(1'000'000'000 + 50'000'000LL * i);
+      const Outcome out = walk(app, 300, 310);
+      if (!app.session) {  // refused in words, naming it
+        CHECK(out.message.find(animal + ".so") != std::string::npos);
+        continue;
+      }
+      if (key != "scale_source") CHECK(out.poses > 0);
+      ended += out.says("started anew") ? 1 : 0;
+      odo_pose pose{};
+      pose.header.struct_size = sizeof pose;
+      CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+    }
+  }
+  MESSAGE(animals << " times a plugin of the zoo, " << ended << " of them ended their process");
+  CHECK(animals >= 350);
+  CHECK(ended >= 10);
+}
+
+TEST_CASE("what ended a plugin's process is said with its name and the call") {
+  const std::pair<const char*, const char*> cases[] = {
+      {"entry_loads__exit_in_static", "ended its process with status 0 in load"},
+      {"entry_loads__abort_in_static", "was ended by a signal (Aborted) in load"},
+      {"process_works__exit", "ended its process with status 0 in process"},
+      {"process_works__segfault", "was ended by a signal (Segmentation fault) in process"},
+      {"process_works__hangs", "took longer than 0.3 s in process"},
+  };
+  for (const auto& [animal, words] : cases) {
+    const TemporaryFolder folder;
+    std::string kind;
+    for (const char* each : {ODO_INTERFACE_ATTITUDE, ODO_INTERFACE_STEP_ESTIMATOR, ODO_INTERFACE_SCALE_SOURCE}) {
+      const std::string plugins = install(folder, animal, each);
+      const std::string key = each == std::string(ODO_INTERFACE_ATTITUDE)         ? "attitude"
+                              : each == std::string(ODO_INTERFACE_STEP_ESTIMATOR) ? "step_estimator"
+                                                                                  : "scale_source";
+      std::string yaml = "odograph: 1\n";
+      if (key != "attitude") yaml += "attitude:\n  plugin: attitude/vqf\n";
+      if (key == "scale_source") yaml += "vo_frontend:\n  plugin: vo/five_point\n";
+      yaml += key + ":\n  {plugin: zoo/animal, isolation: process, time_limit: 0.3 s}\n";
+      App app(yaml, ODO_RUN_REPLAY, plugins);
+      if (!app.session) continue;
+      const auto c = calibration(64, 48);
+      odo_session_push(app.session, &c.header);
+      for (int i = 0; i < 100; ++i) app.walk(10 * i, 10 * i + 10), app.frame(1'000'000'000 + 100'000'000LL * i);
+      const Outcome out = walk(app, 1000, 1010);
+      if (out.says(std::string("zoo/animal: ")) && out.says(words)) kind = each;
+    }
+    CAPTURE(animal);
+    CHECK_MESSAGE(!kind.empty(), words);
+  }
+}
+
+namespace {
+
+/// An instance of attitude/vqf in a process of its own.
+struct Isolated {
+  std::vector<std::string> said;
+  HostServices host{0, {"."}, [this](const Report& report) { said.push_back(report.text); }};
+  std::unique_ptr<PluginInstance> plugin;
+  int64_t t_ns = 1'000'000'000;
+
+  explicit Isolated(const std::string& more = "") {
+    const auto config = read_pipeline_config(
+        "odograph: 1\nattitude:\n  plugin: attitude/vqf\n  isolation: process\n" + more, "<text>", {plugin_folder()});
+    REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+    auto made = PluginInstance::make(config->attitudes.front(), true, 1, host);
+    REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
+    plugin = std::move(*made);
+  }
+  size_t sample() {
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns += 10'000'000);
+    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    imu.accel_b[1] = 9.81;
+    return plugin->process(imu.header).size();
+  }
+};
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+TEST_CASE("a thousand kills are survived, and each time the plugin is back at once") {
+  Isolated isolated;
+  std::vector<double> back_ms;
+  for (int i = 0; i < 1000; ++i) {
+    for (int k = 0; k < 120; ++k) isolated.sample();  // good for more than a second of sensor time
+    REQUIRE(isolated.plugin->alive());
+    kill(isolated.plugin->process_id(), SIGKILL);
+    const auto start = std::chrono::steady_clock::now();
+    for (int k = 0; k < 200 && isolated.sample() == 0; ++k) {
+    }
+    back_ms.push_back(milliseconds_since(start));
+  }
+  std::sort(back_ms.begin(), back_ms.end());
+  MESSAGE("back after " << back_ms[500] << " ms in the median, " << back_ms[990] << " at 99 %, " << back_ms.back()
+                        << " at most");
+  CHECK(back_ms[500] < 250);
+  CHECK(isolated.plugin->faults() == 1000);
+  CHECK(isolated.plugin->recovering());
+}
+
+TEST_CASE("what isolation adds to a batch") {
+  Isolated isolated;
+  std::vector<double> us;
+  for (int i = 0; i < 20'000; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    isolated.sample();
+    us.push_back(milliseconds_since(start) * 1e3);
+  }
+  std::sort(us.begin(), us.end());
+  MESSAGE("a batch takes " << us[10'000] << " us in the median, " << us[19'800] << " at 99 %");
+  CHECK(us[10'000] < 250);
+}
+
+TEST_CASE("a plugin that ends again and again waits longer each time, and gives way to its fallback") {
+  const TemporaryFolder folder;
+  const std::string plugins = install(folder, "entry_loads__exit_in_static", ODO_INTERFACE_ATTITUDE);
+  const std::string chosen = "odograph: 1\nattitude: {plugin: zoo/animal, isolation: process";
+  {
+    App app(chosen + "}\n", ODO_RUN_REPLAY, plugins);
+    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    const Outcome out = walk(app, 0, 1000);  // ten seconds: at 0, 0.1, 0.3, 0.7, 1.5, 3.1, 6.3 s
+    CHECK(app.statistics().plugin_faults >= 6);
+    CHECK(app.statistics().plugin_faults <= 10);
+    CHECK(out.poses == 0);
+  }
+  App app(chosen + ", fallback: attitude/vqf}\nstep_estimator: {plugin: step/renaudin2012}\n", ODO_RUN_REPLAY, plugins);
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const Outcome out = walk(app, 0, 1000);
+  CHECK(out.says("attitude/vqf: takes the place of zoo/animal"));
+  CHECK(out.poses > 0);
+}
+
+TEST_CASE("while its plugin comes back the pose goes on and says degraded, and then tracking again") {
+  const TestPlugins plugins{"crashing_attitude"};
+  App app(
+      "odograph: 1\nattitude: {plugin: test/crashing_attitude, isolation: process}\n"
+      "step_estimator: {plugin: step/renaudin2012}\n",
+      ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const Outcome out = walk(app, 0, 1500);
+  CHECK(app.statistics().plugin_faults == 5);  // at 3, 6, 9, 12 and 15 s, each time at once back
+  CHECK(out.poses >= 15);
+  CHECK(out.degraded >= 3);
+  CHECK(out.degraded < out.poses / 2);
+  CHECK(out.says("test/crashing_attitude: was ended by a signal (Segmentation fault) in process; is started anew"));
+}
+
+TEST_CASE("the sandbox: no program, no socket, no file written; files read") {
+  const TestPlugins plugins{"prying"};
+  App app("odograph: 1\nattitude: {plugin: test/prying, isolation: process}\n", ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const Outcome out = walk(app, 0, 20);
+  std::string all;
+  for (const auto& text : out.said) all += text + "\n";
+  CHECK_MESSAGE(out.says("socket no, write no, fork no, kill no, exec no, read yes, thread yes"), all);
+}
+
+TEST_CASE("a plugin that takes memory without end ends alone") {
+  const TestPlugins plugins{"greedy"};
+  App app("odograph: 1\nattitude: {plugin: test/greedy, isolation: process, memory_limit: 256}\n", ODO_RUN_REPLAY,
+          plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const Outcome out = walk(app, 0, 20);
+  CHECK_FALSE(out.said.empty());
+}
+
+TEST_SUITE_END();
