@@ -218,6 +218,11 @@ bool PluginInstance::load(std::span<const uint8_t> data) {
   return alive_ && function && function(instance_, data.data(), data.size()) >= 0;
 }
 
+const void* PluginInstance::extension(std::string_view id) const {
+  const auto function = ODO_OPTIONAL(library_->table(), get_interface);
+  return alive_ && function ? function(instance_, id.data(), id.size()) : nullptr;
+}
+
 void PluginInstance::fault(const char* key, const std::string& text, int32_t status) {
   ++faults_;
   host_.report(number_, ODO_SEVERITY_WARNING, key, text, status);
