@@ -194,7 +194,7 @@ class ErrorState {
     Eigen::Matrix<double, kSize, D> K, N;
   };
   template <int D>
-  void update_held(const Innovation<D>& innovation, const Gain<D>& gain);
+  void update_held(const Innovation<D>& innovation, const Gain<D>& gain, bool moves);
   template <int D>
   bool update_given(const Innovation<D>& innovation, Hold hold, const Eigen::Matrix<double, kSize, D>& PHt,
                     const Eigen::Matrix<double, D, D>& S);

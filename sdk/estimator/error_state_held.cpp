@@ -39,10 +39,15 @@ void ErrorState::shift_held(const Vector3d& by_n, const Matrix3d& covariance, do
   }
 }
 
-/// K and N of a held pose are made as those of the filter's own errors are.
+/// K and N of a held pose are made as those of the filter's own errors are. Where it does not move it is a considered
+/// parameter itself (Schmidt 1966): P_zx <- P_zx (I - K H)'.
 template <int D>
-void ErrorState::update_held(const Innovation<D>& innovation, const Gain<D>& gain) {
+void ErrorState::update_held(const Innovation<D>& innovation, const Gain<D>& gain, bool moves) {
   for (auto& held : held_) {
+    if (!moves) {
+      held.cross -= (held.by(innovation) * gain.K.transpose()).eval();
+      continue;
+    }
     const Eigen::Matrix<double, 6, D> by_held =
         held.cross.middleCols(gain.first, gain.count) * gain.known.topRows(gain.count);
     const Eigen::Matrix<double, 6, D> K = (held.by(innovation) - by_held) * gain.inverse;
@@ -55,9 +60,9 @@ void ErrorState::update_held(const Innovation<D>& innovation, const Gain<D>& gai
   }
 }
 
-template void ErrorState::update_held<1>(const Innovation<1>&, const Gain<1>&);
-template void ErrorState::update_held<2>(const Innovation<2>&, const Gain<2>&);
-template void ErrorState::update_held<3>(const Innovation<3>&, const Gain<3>&);
-template void ErrorState::update_held<6>(const Innovation<6>&, const Gain<6>&);
+template void ErrorState::update_held<1>(const Innovation<1>&, const Gain<1>&, bool);
+template void ErrorState::update_held<2>(const Innovation<2>&, const Gain<2>&, bool);
+template void ErrorState::update_held<3>(const Innovation<3>&, const Gain<3>&, bool);
+template void ErrorState::update_held<6>(const Innovation<6>&, const Gain<6>&, bool);
 
 }  // namespace odograph::inertial

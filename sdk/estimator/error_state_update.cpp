@@ -77,7 +77,8 @@ bool ErrorState::update_given(const Innovation<D>& innovation, Hold hold, const 
     }
     P.row(j).tail(kSize - j) = P.col(j).tail(kSize - j).transpose();
   }
-  update_held(innovation, gain);
+  // That the body follows an odometry that leads says nothing of where it was long ago.
+  update_held(innovation, gain, hold != Hold::odometry_and_scale);
   apply(moved);
   return true;
 }
@@ -113,7 +114,7 @@ UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis
       gain.half = 0.5 * S;
       gain.K = PHt * gain.inverse;
       gain.N = 0.5 * PHt;
-      update_held(innovation, gain);
+      update_held(innovation, gain, true);
     }
     for (int j = 0; j < kSize; ++j) {
       for (int d = 0; d < D; ++d)
