@@ -158,6 +158,7 @@ void add_bench(CLI::App& app, int& status) {
   walks_command->callback([a, &status] { status = walks(*a); });
   add_bench_walk700(*command, status);
   add_bench_allan(*command, status);
+  add_bench_anchors(*command, status);
   add_bench_calibrate(*command, status);
   add_bench_calibrate_imu(*command, status);
   add_bench_canyon(*command, status);

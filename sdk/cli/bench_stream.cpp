@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "sdk/cli/arrivals.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/kept_recordings.hpp"
 #include "sdk/cli/runner.hpp"
@@ -30,49 +31,6 @@ struct StreamArguments {
   double ahead_ms = 30, poll_hz = 60, accel_hz = 104, imu_late_ms = 3, frame_late_ms = 45, settle_s = 8;
   bool json = false;
 };
-
-/// A sample of the recording at the time at which an app would push it.
-struct Arrival {
-  int64_t at_ns;
-  odo_imu imu{};                           // where it is one
-  const RecordedMessage* other = nullptr;  // where it is not
-};
-
-/// The accelerometer apart, at a rate of its own: interpolated between the recording's samples.
-std::vector<Arrival> arrivals_of(const Recording& recording, const StreamArguments& a) {
-  std::vector<Arrival> out;
-  const auto imu_late = static_cast<int64_t>(a.imu_late_ms * 1e6),
-             frame_late = static_cast<int64_t>(a.frame_late_ms * 1e6);
-  const auto period = static_cast<int64_t>(1e9 / a.accel_hz);
-  int64_t next_ns = INT64_MIN;
-  const odo_imu* last = nullptr;
-  for (const RecordedMessage& message : recording.messages) {
-    const odo_header& header = message.message.header();
-    if (header.type != ODO_TYPE_IMU) {
-      const bool frame = header.type == ODO_TYPE_FRAME;
-      out.push_back({header.t_ns + (frame ? frame_late : imu_late), {}, &message});
-      continue;
-    }
-    const auto& imu = as<odo_imu>(header);
-    Arrival gyro{header.t_ns + imu_late, imu};
-    gyro.imu.header.flags = ODO_IMU_GYRO;
-    out.push_back(gyro);
-    if (next_ns == INT64_MIN) next_ns = header.t_ns;
-    for (; last && next_ns <= header.t_ns; next_ns += period) {
-      if (next_ns < last->header.t_ns) continue;
-      const double w =
-          static_cast<double>(next_ns - last->header.t_ns) / static_cast<double>(header.t_ns - last->header.t_ns);
-      Arrival accel{next_ns + imu_late, imu};
-      accel.imu.header.t_ns = next_ns;
-      accel.imu.header.flags = ODO_IMU_ACCEL;
-      for (int i = 0; i < 3; ++i) accel.imu.accel_b[i] = last->accel_b[i] + w * (imu.accel_b[i] - last->accel_b[i]);
-      out.push_back(accel);
-    }
-    last = &imu;
-  }
-  std::stable_sort(out.begin(), out.end(), [](const Arrival& x, const Arrival& y) { return x.at_ns < y.at_ns; });
-  return out;
-}
 
 struct Poll {
   int64_t t_ns;
@@ -117,7 +75,7 @@ Result<Stream> run_stream(const Recording& recording, const StreamArguments& a) 
   const uint32_t wanted[] = {ODO_TYPE_POSE, ODO_TYPE_CORRECTION};
   odo_session_set_callback(raw, wanted, 2, on_event, &stream);
 
-  const auto arrivals = arrivals_of(recording, a);
+  const auto arrivals = arrivals_of(recording, {a.accel_hz, a.imu_late_ms, a.frame_late_ms});
   const auto ahead_ns = static_cast<int64_t>(a.ahead_ms * 1e6);
   std::vector<int64_t> frames;  // when to ask for the pose at a frame's time
   for (const RecordedMessage& message : recording.messages)

@@ -24,6 +24,7 @@ void add_steps(CLI::App& app, int& status);
 void add_compare(CLI::App& app, int& status);
 void add_bench_walk700(CLI::App& bench, int& status);
 void add_bench_allan(CLI::App& bench, int& status);
+void add_bench_anchors(CLI::App& bench, int& status);
 void add_bench_calibrate(CLI::App& bench, int& status);
 void add_bench_canyon(CLI::App& bench, int& status);
 void add_bench_calibrate_imu(CLI::App& bench, int& status);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The C API: argument checks and the guard that lets no exception out; everything else is Session.
+#include <odograph/anchor.h>
 #include <odograph/layout.h>
 #include <odograph/odograph.h>
 
@@ -160,6 +161,43 @@ int32_t odo_session_load(odo_session* session, const void* data, uint64_t size) 
   return guarded([&] { return session->session->load(data, size); });
 }
 
+int32_t odo_anchor_create(odo_session* session, const odo_anchor_place* place, uint64_t* id) {
+  if (id) *id = 0;
+  if (!session || !place || !id) return ODO_E_ARGUMENT;
+  if (place->struct_size < ODO_ANCHOR_PLACE_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  return guarded([&] { return session->session->create_anchor(*place, *id); });
+}
+
+int32_t odo_anchor_get(odo_session* session, uint64_t id, uint32_t world, int64_t t_ns, odo_anchor* anchor) {
+  if (!session || !anchor) return ODO_E_ARGUMENT;
+  const uint32_t size = anchor->struct_size;
+  if (size < ODO_ANCHOR_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  return guarded([&] {
+    odo_anchor found{};
+    const int32_t status = session->session->anchor(id, world, t_ns, found);
+    if (status != ODO_OK) return status;
+    found.struct_size = std::min<uint32_t>(size, sizeof found);
+    std::memcpy(static_cast<void*>(anchor), &found, found.struct_size);
+    return status;
+  });
+}
+
+int64_t odo_anchor_list(odo_session* session, uint64_t* ids, uint64_t capacity) {
+  if (!session || (capacity > 0 && !ids)) return ODO_E_ARGUMENT;
+  int64_t count = 0;
+  const int32_t status = guarded([&] {
+    const auto all = session->session->anchor_ids();
+    std::copy_n(all.begin(), std::min<uint64_t>(capacity, all.size()), ids);
+    count = static_cast<int64_t>(all.size());
+    return ODO_OK;
+  });
+  return status < 0 ? status : count;
+}
+
+int32_t odo_anchor_remove(odo_session* session, uint64_t id) {
+  return session ? guarded([&] { return session->session->remove_anchor(id); }) : ODO_E_ARGUMENT;
+}
+
 const char* odo_version(void) { return odograph::kVersion; }
 uint32_t odo_abi_version(void) { return ODO_ABI_MAJOR << 16 | ODO_ABI_MINOR; }
 
@@ -199,8 +237,10 @@ const char* odo_reason_text(uint32_t reason) {
                                       "no steps yet",
                                       "sensor silent",
                                       "plugin failed",
-                                      "no scale yet"};
-  return reason < 10 ? texts[reason] : "unknown";
+                                      "no scale yet",
+                                      "no position fix yet",
+                                      "no ground known there"};
+  return reason < 12 ? texts[reason] : "unknown";
 }
 
 const char* odo_mode_text(uint32_t mode) {

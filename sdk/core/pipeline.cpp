@@ -224,6 +224,7 @@ void Pipeline::reset() {
     if (instance->take_reset()) describe_sensors_to(*instance);
   }
   estimator_->reset();
+  anchors_.lose_holds();
   for (const AnyMessage& description : descriptions_) {
     if (description.header().type == ODO_TYPE_CALIBRATION)
       estimator_->on_calibration(as<odo_calibration>(description.header()));
@@ -248,11 +249,15 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       host_(surroundings.host),
       geodesy_(surroundings.geodesy),
       poses_(surroundings.poses),
+      anchors_(surroundings.anchors),
+      world_mutex_(surroundings.world_mutex),
       events_(Parameters{}.events_per_sample),
       watch_(config.ordering.max_gap_s),
       publish_(std::move(publish)),
       scale_join_(config.scale_sources.size()) {
   if (config.origin) geodesy_.set_origin(*config.origin);
+  anchors_.set_ground(
+      [this](double north_m, double east_m, double near_down_m) { return ground_at(north_m, east_m, near_down_m); });
 }
 
 Result<std::unique_ptr<Pipeline>> Pipeline::make(const PipelineConfig& config, const Surroundings& surroundings,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sdk/config/pipeline_config.hpp"
+#include "sdk/core/anchors.hpp"
 #include "sdk/core/event_queue.hpp"
 #include "sdk/core/geodesy.hpp"
 #include "sdk/core/imu_joiner.hpp"
@@ -43,7 +44,9 @@ class Pipeline {
   struct Surroundings {
     HostServices& host;
     Geodesy& geodesy;
-    PoseStream& poses;  ///< gets every pose, attitude and state
+    PoseStream& poses;        ///< gets every pose, attitude and state
+    Anchors& anchors;         ///< follow the estimate
+    std::mutex& world_mutex;  ///< held while a correction moves poses and anchors
   };
 
   /// Loads and starts the plugins. `publish` is called for every event, within process.
@@ -89,6 +92,8 @@ class Pipeline {
   void publish_pose(odo_pose pose, bool is_new);
   void publish_correction(const Correction& correction, const odo_pose& corrected);
   void publish_restart(const odo_pose& pose);
+  void correct_world(int64_t t_ns, const Rigid& correction);
+  std::optional<double> ground_at(double north_m, double east_m, double near_down_m) const;
   void tell_stream(const odo_pose& pose);
   bool sensor_silent() const;
   void watch_silence();
@@ -107,6 +112,8 @@ class Pipeline {
   HostServices& host_;
   Geodesy& geodesy_;
   PoseStream& poses_;
+  Anchors& anchors_;
+  std::mutex& world_mutex_;
   EventQueue events_;
   ImuJoiner joiner_;
   SensorWatch watch_;

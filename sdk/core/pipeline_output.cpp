@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <odograph/terrain.h>
+
 #include "sdk/core/pipeline.hpp"
 
 namespace odograph {
@@ -45,7 +47,11 @@ void Pipeline::publish_pose(odo_pose pose, bool is_new) {
   last_pose_ = pose;
   last_pose_ns_ = pose.header.t_ns;
   if (is_new) set_state(pose.header.t_ns, pose.state, pose.reason);
-  tell_stream(pose);
+  {
+    const std::lock_guard lock(world_mutex_);
+    tell_stream(pose);
+    anchors_.follow(*estimator_, pose.header.t_ns, nullptr);
+  }
   publish_(pose.header);
   if (is_new && gives_poses_to_) enqueue(AnyMessage(pose.header));
 }
@@ -54,7 +60,7 @@ void Pipeline::publish_correction(const Correction& correction, const odo_pose& 
   const Vector3d after(corrected.p_n), before = correction.q.conjugate() * (after - correction.p);
   const Quaterniond q = about_down(correction.q);
   const Vector3d p = after - q * before;
-  poses_.predictor().correct(q, p);
+  correct_world(correction.t_ns, {q, p});
   auto event = make_message<odo_correction>(ODO_TYPE_CORRECTION, correction.t_ns);
   event.q_n[0] = q.w(), event.q_n[1] = q.x(), event.q_n[2] = q.y(), event.q_n[3] = q.z();
   Vector3d::Map(event.p_n) = p;
@@ -70,7 +76,32 @@ void Pipeline::publish_restart(const odo_pose& pose) {
   event.q_n[0] = q.w(), event.q_n[3] = q.z();
   Vector3d::Map(event.p_n) = Vector3d(pose.p_n) - q * Vector3d(before.p_n);
   event.reason = ODO_CORRECTION_RESTART;
+  const Rigid correction{q, Vector3d(event.p_n)};
+  {
+    const std::lock_guard lock(world_mutex_);
+    anchors_.follow(*estimator_, pose.header.t_ns, &correction);
+  }
   publish_(event.header);
+}
+
+/// Nobody sees a corrected phone among anchors that are not, nor the other way round.
+void Pipeline::correct_world(int64_t t_ns, const Rigid& correction) {
+  const std::lock_guard lock(world_mutex_);
+  poses_.predictor().correct(correction.q, correction.p);
+  anchors_.follow(*estimator_, t_ns, &correction);
+}
+
+/// What the first plugin with a terrain model says; nothing without one.
+std::optional<double> Pipeline::ground_at(double north_m, double east_m, double near_down_m) const {
+  for (const auto& plugin : plugins_) {
+    const auto* terrain = static_cast<const odo_terrain*>(plugin->extension(ODO_EXTENSION_TERRAIN));
+    double down_m = 0, sigma_m = 0;
+    if (terrain && ODO_HAS(terrain, height) && terrain->height &&
+        terrain->height(terrain->user, north_m, east_m, near_down_m, &down_m, &sigma_m) == ODO_OK &&
+        std::isfinite(down_m))
+      return down_m;
+  }
+  return std::nullopt;
 }
 
 /// The pose, and the state of the body that it is carried on from: the estimator's newest, or the pose's own where the

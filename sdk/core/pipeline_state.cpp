@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the plugins have learnt, as a blob: "ODOSTATE", u32 version, u32 parts; of each part u32 and u64 lengths, the
-// interface and the plugin's id as "interface plugin" (behind it " #2" for the second of the kind), and its bytes; at
-// last a u64 FNV-1a of all before. Little-endian.
+// What the plugins have learnt, and the anchors, as a blob: "ODOSTATE", u32 version, u32 parts; of each part u32 and
+// u64 lengths, the interface and the plugin's id as "interface plugin" (behind it " #2" for the second of the kind),
+// and its bytes; at last a u64 FNV-1a of all before. Little-endian.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -16,6 +16,7 @@ static_assert(std::endian::native == std::endian::little, "the blob is written a
 
 constexpr char kMagic[] = {'O', 'D', 'O', 'S', 'T', 'A', 'T', 'E'};
 constexpr uint32_t kVersion = 1;
+constexpr char kAnchors[] = "host anchors/1";  // the part of the host's own
 
 uint64_t fnv1a(std::span<const uint8_t> bytes) {
   uint64_t hash = 14695981039346656037u;
@@ -108,6 +109,13 @@ std::vector<uint8_t> Pipeline::save() const {
     parts.insert(parts.end(), data.begin(), data.end());
     ++count;
   }
+  if (const auto anchors = anchors_.save(); !anchors.empty()) {
+    put(parts, static_cast<uint32_t>(sizeof kAnchors - 1));
+    put(parts, static_cast<uint64_t>(anchors.size()));
+    parts.insert(parts.end(), kAnchors, kAnchors + sizeof kAnchors - 1);
+    parts.insert(parts.end(), anchors.begin(), anchors.end());
+    ++count;
+  }
   put(blob, kVersion);
   put(blob, count);
   blob.insert(blob.end(), parts.begin(), parts.end());
@@ -123,6 +131,8 @@ Result<bool> Pipeline::load(std::span<const uint8_t> blob) {
   for (const Part& part : *parts)
     for (size_t i = 0; i < plugins_.size(); ++i)
       if (names[i] == part.name && !plugins_[i]->load(part.data)) refused += " " + plugins_[i]->id();
+  for (const Part& part : *parts)
+    if (part.name == kAnchors && !anchors_.load(part.data)) refused += " anchors";
   if (!refused.empty()) return Failure{ODO_E_DATA, "saved state not taken by:" + refused};
   return true;
 }

@@ -11,8 +11,9 @@ namespace odograph {
 Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
                                                bool live, uint64_t seed) {
   std::unique_ptr<Session> session(new Session(std::move(config), std::move(assets), live, seed));
-  auto pipeline = Pipeline::make(session->config_, {session->host_, session->geodesy_, session->poses_},
-                                 [raw = session.get()](const odo_header& event) { raw->publish(event); });
+  auto pipeline = Pipeline::make(
+      session->config_, {session->host_, session->geodesy_, session->poses_, session->anchors_, session->world_mutex_},
+      [raw = session.get()](const odo_header& event) { raw->publish(event); });
   if (!pipeline) {
     Failure failure = pipeline.failure();
     if (session->errors_ > 0) failure.text += std::string("; ") + session->last_error_.message;

@@ -12,6 +12,7 @@
 #include <odograph/odograph.h>
 
 #include "sdk/base/snapshot.hpp"
+#include "sdk/core/anchors.hpp"
 #include "sdk/core/frame_store.hpp"
 #include "sdk/core/pipeline.hpp"
 #include "sdk/core/pose_stream.hpp"
@@ -43,6 +44,11 @@ class Session {
   int32_t load(const void* data, uint64_t size);
   int32_t to_geodetic(const double* p_n, double* geodetic) const;
   int32_t from_geodetic(const double* geodetic, double* p_n) const;
+  // session_anchors.cpp: anchor.h says what they do.
+  int32_t create_anchor(const odo_anchor_place& place, uint64_t& id);
+  int32_t anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor& out) const;
+  std::vector<uint64_t> anchor_ids() const { return anchors_.ids(); }
+  int32_t remove_anchor(uint64_t id) { return anchors_.remove(id) ? ODO_OK : ODO_E_NOT_FOUND; }
   /// A second listener for everything that is reported, for the command line. [control]
   void set_report_listener(HostServices::Listener listener);
   const PipelineConfig& config() const { return config_; }
@@ -111,6 +117,8 @@ class Session {
   Geodesy geodesy_;
   FrameStore frames_;
   PoseStream poses_;
+  Anchors anchors_{geodesy_};
+  mutable std::mutex world_mutex_;      // poses and anchors are corrected together
   std::unique_ptr<Pipeline> pipeline_;  // whose turn it is
 
   mutable std::mutex mutex_;  // for what follows; held for moments only

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "sdk/estimator/rotation.hpp"
 
 namespace odograph::inertial {
@@ -21,7 +19,22 @@ using Eigen::Vector3d;
 using Error = Eigen::Matrix<double, kSize, 1>;
 using Rows3 = Eigen::Matrix<double, 3, kSize>;
 
-constexpr int kMostHeld = 8;  // pose of the odometry, log-scale and log-factor
+/// Columns of theta, v and p of M F', F being the transition of errors; p first, which needs the old ones.
+template <int Rows>
+void propagate_columns(Eigen::Matrix<double, Rows, kSize>& M, const ImuTransition& by) {
+  using Columns3 = Eigen::Matrix<double, Rows, 3>;
+  Columns3 pc = M.template middleCols<3>(kPosition) + by.s * M.template middleCols<3>(kVelocity);
+  pc += M.template middleCols<3>(kTheta).lazyProduct(by.p_by_theta.transpose());
+  pc += M.template middleCols<3>(kGyroBias).lazyProduct(by.p_by_gyro.transpose());
+  pc += M.template middleCols<3>(kAccelBias).lazyProduct(by.p_by_accel.transpose());
+  Columns3 vc = M.template middleCols<3>(kVelocity);
+  vc += M.template middleCols<3>(kTheta).lazyProduct(by.v_by_theta.transpose());
+  vc += M.template middleCols<3>(kGyroBias).lazyProduct(by.v_by_gyro.transpose());
+  vc += M.template middleCols<3>(kAccelBias).lazyProduct(by.v_by_accel.transpose());
+  M.template middleCols<3>(kTheta) += M.template middleCols<3>(kGyroBias).lazyProduct(by.theta_by_bias.transpose());
+  M.template middleCols<3>(kPosition) = pc;
+  M.template middleCols<3>(kVelocity) = vc;
+}
 
 }  // namespace
 
@@ -53,7 +66,11 @@ void ImuTransition::add(const Matrix3d& R_n_b, const Vector3d& force_n, double d
   s += dt_s;
 }
 
-void ErrorState::reset() { *this = ErrorState(); }
+void ErrorState::reset() {
+  const uint64_t last_held = last_held_;  // whoever asks for what was held before is not to get another
+  *this = ErrorState();
+  last_held_ = last_held;
+}
 
 void ErrorState::propagate(const ImuTransition& by, const ImuNoise& noise) {
   // F P F' with F = I but for the rows of theta, v and p; p first, which needs the old ones.
@@ -68,18 +85,8 @@ void ErrorState::propagate(const ImuTransition& by, const ImuNoise& noise) {
   P.middleRows<3>(kTheta) += by.theta_by_bias.lazyProduct(P.middleRows<3>(kGyroBias));
   P.middleRows<3>(kPosition) = p;
   P.middleRows<3>(kVelocity) = v;
-  using Columns3 = Eigen::Matrix<double, kSize, 3>;
-  Columns3 pc = P.middleCols<3>(kPosition) + by.s * P.middleCols<3>(kVelocity);
-  pc += P.middleCols<3>(kTheta).lazyProduct(by.p_by_theta.transpose());
-  pc += P.middleCols<3>(kGyroBias).lazyProduct(by.p_by_gyro.transpose());
-  pc += P.middleCols<3>(kAccelBias).lazyProduct(by.p_by_accel.transpose());
-  Columns3 vc = P.middleCols<3>(kVelocity);
-  vc += P.middleCols<3>(kTheta).lazyProduct(by.v_by_theta.transpose());
-  vc += P.middleCols<3>(kGyroBias).lazyProduct(by.v_by_gyro.transpose());
-  vc += P.middleCols<3>(kAccelBias).lazyProduct(by.v_by_accel.transpose());
-  P.middleCols<3>(kTheta) += P.middleCols<3>(kGyroBias).lazyProduct(by.theta_by_bias.transpose());
-  P.middleCols<3>(kPosition) = pc;
-  P.middleCols<3>(kVelocity) = vc;
+  propagate_columns(P, by);
+  for (auto& held : held_) propagate_columns(held.cross, by);
 
   add_variance(kTheta, 3, noise.gyro * by.s);
   add_variance(kVelocity, 3, noise.accel * by.s);
@@ -95,6 +102,7 @@ void ErrorState::propagate(const ImuTransition& by, const ImuNoise& noise) {
 void ErrorState::copy_pose_block(int from, int to) {
   P.middleRows<6>(to) = P.middleRows<6>(from).eval();
   P.middleCols<6>(to) = P.middleCols<6>(from).eval();
+  for (auto& held : held_) held.cross.middleCols<6>(to) = held.cross.middleCols<6>(from).eval();
 }
 
 void ErrorState::clone(int64_t t_ns) {
@@ -119,6 +127,11 @@ void ErrorState::attach_vo(const PastPose& at, const Quaterniond& q_b_c, const V
   P.block<6, 6>(kVo, kVo) = 0.5 * (own + own.transpose());
   add_variance(kVo, 3, rotation_variance);
   add_variance(kVoPosition, 3, position_variance);
+  for (auto& held : held_) {
+    held.cross.middleCols<6>(kVo) =
+        ((1 - at.w) * held.cross.middleCols<6>(at.before) + at.w * held.cross.middleCols<6>(at.after)).eval();
+    held.cross.middleCols<3>(kVoPosition) += held.cross.middleCols<3>(kVo).lazyProduct(by_theta.transpose());
+  }
 }
 
 void ErrorState::move_vo(const Quaterniond& q_c0_c1, const Vector3d& p_c0_c1, const Vector3d& expected_n,
@@ -128,6 +141,9 @@ void ErrorState::move_vo(const Quaterniond& q_c0_c1, const Vector3d& p_c0_c1, co
   P.middleRows<3>(kVoPosition) += (expected_n * P.row(kLogScale) + by_theta.lazyProduct(P.middleRows<3>(kVo))).eval();
   P.middleCols<3>(kVoPosition) +=
       (P.col(kLogScale) * expected_n.transpose() + P.middleCols<3>(kVo).lazyProduct(by_theta.transpose())).eval();
+  for (auto& held : held_)
+    held.cross.middleCols<3>(kVoPosition) += held.cross.col(kLogScale) * expected_n.transpose() +
+                                             held.cross.middleCols<3>(kVo).lazyProduct(by_theta.transpose());
   add_variance(kVo, 3, rotation_variance);
   add_variance(kVoPosition, 3, position_variance);
   x.p_n_vo += d_n;
@@ -148,6 +164,7 @@ void ErrorState::place(const Vector3d& shift_n, const Vector3d& displacement_n, 
   const auto follows = [&](int at, const Vector3d& by_scale) {
     P.middleRows<3>(at) += by_scale * scale;
     P.middleCols<3>(at) += scale.transpose() * by_scale.transpose();
+    for (auto& held : held_) held.cross.middleCols<3>(at) += held.cross.col(kLogScale) * by_scale.transpose();
   };
   follows(kPosition, displacement_n);
   follows(kVelocity, v_n);
@@ -164,12 +181,14 @@ void ErrorState::set_scale(double log_scale, double variance, double factor_shar
   P.row(kLogScale) = factor_share * P.row(kLogFactor).eval();
   P.col(kLogScale) = P.row(kLogScale).transpose();
   P(kLogScale, kLogScale) = factor_share * factor_share * P(kLogFactor, kLogFactor) + own;
+  for (auto& held : held_) held.cross.col(kLogScale) = factor_share * held.cross.col(kLogFactor).eval();
 }
 
 void ErrorState::set_independent(int at, double variance) {
   P.row(at).setZero();
   P.col(at).setZero();
   P(at, at) = variance;
+  for (auto& held : held_) held.cross.col(at).setZero();
 }
 
 void ErrorState::shift(const Vector3d& by_n) {
@@ -202,6 +221,11 @@ void ErrorState::shift_by_step(const Vector3d& by_n, const Vector3d& by_factor, 
   const Eigen::Matrix<double, kSize, 3> columns =
       P.col(kLogFactor) * by_factor.transpose() + P.col(kStepHeading) * by_heading.transpose();
   for (const int a : position_columns()) P.middleCols<3>(a) += columns;
+  for (auto& held : held_) {
+    const Eigen::Matrix<double, 6, 3> of_held =
+        held.cross.col(kLogFactor) * by_factor.transpose() + held.cross.col(kStepHeading) * by_heading.transpose();
+    for (const int a : position_columns()) held.cross.middleCols<3>(a) += of_held;
+  }
   loosen_position(noise);
 }
 
@@ -219,6 +243,13 @@ void ErrorState::loosen_heading(double sigma_rad) {
   }
   for (int j = 0; j < kSize; ++j)
     if (common[j] != 0) P.col(j) += common * common[j];
+  for (auto& held : held_) {
+    Eigen::Matrix<double, 6, 1> of_held = Eigen::Matrix<double, 6, 1>::Zero();
+    of_held[2] = sigma_rad;
+    of_held.tail<3>() = turned(held.p_n - x.p_n);
+    held.cross += of_held * common.transpose();
+    held.own += of_held * of_held.transpose();
+  }
 }
 
 void ErrorState::loosen_velocity_since(int64_t t_ns, int64_t now_ns, double sigma_mps) {
@@ -234,6 +265,14 @@ void ErrorState::loosen_velocity_since(int64_t t_ns, int64_t now_ns, double sigm
     for (size_t b = 0; b < count; ++b)
       for (int axis = 0; axis < 2; ++axis)
         P(moved[a].first + axis, moved[b].first + axis) += moved[a].second * moved[b].second;
+  for (auto& held : held_) {
+    if (held.t_ns <= t_ns) continue;
+    const double of_held = since(held.t_ns);
+    for (int axis = 0; axis < 2; ++axis) {
+      for (size_t b = 0; b < count; ++b) held.cross(3 + axis, moved[b].first + axis) += of_held * moved[b].second;
+      held.own(3 + axis, 3 + axis) += of_held * of_held;
+    }
+  }
 }
 
 Eigen::Matrix<double, 6, 6> ErrorState::covariance(const PastPose& at) const {
@@ -243,120 +282,5 @@ Eigen::Matrix<double, 6, 6> ErrorState::covariance(const PastPose& at) const {
   return u * u * P.block<6, 6>(at.before, at.before) + at.w * at.w * P.block<6, 6>(at.after, at.after) +
          u * at.w * (cross + cross.transpose());
 }
-
-void ErrorState::apply(const Error& error) {
-  const auto turn = [&](Quaterniond& q, int at) { q = (exp_rotation(error.segment<3>(at)) * q).normalized(); };
-  turn(x.q_n_b, kTheta);
-  x.p_n += error.segment<3>(kPosition);
-  x.v_n += error.segment<3>(kVelocity);
-  x.gyro_bias_b += error.segment<3>(kGyroBias);
-  x.accel_bias_b += error.segment<3>(kAccelBias);
-  turn(x.q_n_vo, kVo);
-  x.p_n_vo += error.segment<3>(kVoPosition);
-  x.log_scale += error[kLogScale];
-  x.log_factor += error[kLogFactor];
-  x.step_heading_rad += error[kStepHeading];
-  x.north_rad += error[kNorth];
-  x.baro_m += error[kBaro];
-  for (size_t i = 0; i < clone_count_; ++i) {
-    Clone& clone = clones_[slot_back(i)];
-    turn(clone.q_n_b, column_back(i));
-    clone.p_n += error.segment<3>(column_back(i) + 3);
-  }
-}
-
-/// The gain is that of a filter that knows what is held, so that what errs by it is not moved in its stead: with
-/// a = P's columns of that, G = a P_hh^-1 and B = H a,
-///   K = (P H' - G B') (S - B P_hh^-1 B')^-1,   P <- P - K N' - N K',   N = K (S - 2 B P_hh^-1 B') / 2 + G B'.
-template <int D>
-bool ErrorState::update_given(Hold hold, const Eigen::Matrix<double, kSize, D>& PHt,
-                              const Eigen::Matrix<double, D, D>& S, const Eigen::Matrix<double, D, 1>& residual) {
-  const auto [first, held] = held_columns(hold);
-  using MatrixH = Eigen::Matrix<double, kMostHeld, kMostHeld>;
-  using SquareD = Eigen::Matrix<double, D, D>;
-  MatrixH P_hh = MatrixH::Identity();  // what is not held: independent, and without effect
-  Eigen::Matrix<double, kMostHeld, D> Bt = Eigen::Matrix<double, kMostHeld, D>::Zero();
-  P_hh.topLeftCorner(held, held) = P.block(first, first, held, held);
-  for (int i = 0; i < held; ++i) Bt.row(i) = PHt.row(first + i);
-  const Eigen::LLT<MatrixH> hh(P_hh);
-  if (hh.info() != Eigen::Success) return false;
-  const Eigen::Matrix<double, kMostHeld, D> known = hh.solve(Bt);
-  const SquareD by_held = Bt.transpose() * known;
-  const SquareD given = 0.5 * (S + S.transpose()) - by_held;
-  const Eigen::LLT<SquareD> llt(given);
-  if (llt.info() != Eigen::Success) return false;
-  const SquareD inverse = llt.solve(SquareD(SquareD::Identity()));
-  const SquareD half = 0.5 * (S - 2 * by_held);
-  Eigen::Matrix<double, kSize, D> K, N;
-  Error moved;
-  for (int i = 0; i < kSize; ++i) {
-    Eigen::Matrix<double, 1, D> GBt = Eigen::Matrix<double, 1, D>::Zero();
-    for (int h = 0; h < held; ++h) GBt += P(i, first + h) * known.row(h);
-    Eigen::Matrix<double, 1, D> k = (PHt.row(i) - GBt) * inverse;
-    if (i >= first && i < first + held) k.setZero();
-    K.row(i) = k;
-    N.row(i) = k * half + GBt;
-    moved[i] = k.dot(residual);
-  }
-  for (int j = 0; j < kSize; ++j) {
-    for (int d = 0; d < D; ++d) {
-      const double n = N(j, d), k = K(j, d);
-      P.col(j).tail(kSize - j) -= K.col(d).tail(kSize - j) * n;
-      P.col(j).tail(kSize - j) -= N.col(d).tail(kSize - j) * k;
-    }
-    P.row(j).tail(kSize - j) = P.col(j).tail(kSize - j).transpose();
-  }
-  apply(moved);
-  return true;
-}
-
-template <int D>
-UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis, Hold hold) {
-  Eigen::Matrix<double, kSize, D> PHt = Eigen::Matrix<double, kSize, D>::Zero();
-  Eigen::Matrix<double, D, D> S = innovation.noise;
-  for (int i = 0; i < innovation.count; ++i) {
-    const auto& part = innovation.parts[static_cast<size_t>(i)];
-    for (int c = 0; c < part.width; ++c)
-      for (int d = 0; d < D; ++d)
-        if (part.by(d, c) != 0) PHt.col(d) += P.col(part.at + c) * part.by(d, c);
-  }
-  for (int i = 0; i < innovation.count; ++i) {
-    const auto& part = innovation.parts[static_cast<size_t>(i)];
-    for (int c = 0; c < part.width; ++c) S.noalias() += part.by.col(c) * PHt.row(part.at + c);
-  }
-  const Eigen::LLT<Eigen::Matrix<double, D, D>> llt(0.5 * (S + S.transpose()));
-  if (llt.info() != Eigen::Success) return {false, 0.0, D};
-  const double nis = innovation.residual.dot(llt.solve(innovation.residual));
-  if (!(nis >= 0) || (most_nis > 0 && nis > most_nis)) return {false, nis, D};
-
-  if (held_columns(hold).second > 0)
-    return update_given(hold, PHt, S, innovation.residual) ? UpdateResult{true, nis, D} : UpdateResult{false, nis, D};
-  const Error error = PHt.lazyProduct(llt.solve(innovation.residual));
-  const Eigen::Matrix<double, D, D> L_inverse = llt.matrixL().solve(Eigen::Matrix<double, D, D>::Identity().eval());
-  const Eigen::Matrix<double, kSize, D> W = PHt.lazyProduct(L_inverse.transpose());
-  if (hold == Hold::nothing) {
-    for (int j = 0; j < kSize; ++j) {
-      for (int d = 0; d < D; ++d)
-        if (W(j, d) != 0) P.col(j).tail(kSize - j) -= W.col(d).tail(kSize - j) * W(j, d);
-      P.row(j).tail(kSize - j) = P.col(j).tail(kSize - j).transpose();
-    }
-    apply(error);
-    return {true, nis, D};
-  }
-  const int first = hold == Hold::all_but_steps ? kLogFactor : kLogScale;
-  Error few = Error::Zero();
-  for (int j = first; j <= kStepHeading; ++j) {
-    for (int d = 0; d < D; ++d) P.col(j) -= W.col(d) * W(j, d);
-    few[j] = error[j];
-  }
-  for (int j = first; j <= kStepHeading; ++j) P.row(j) = P.col(j).transpose();
-  apply(few);
-  return {true, nis, D};
-}
-
-template UpdateResult ErrorState::update<1>(const Innovation<1>&, double, Hold);
-template UpdateResult ErrorState::update<2>(const Innovation<2>&, double, Hold);
-template UpdateResult ErrorState::update<3>(const Innovation<3>&, double, Hold);
-template UpdateResult ErrorState::update<6>(const Innovation<6>&, double, Hold);
 
 }  // namespace odograph::inertial

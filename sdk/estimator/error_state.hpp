@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "sdk/estimator/estimator.hpp"
+#include "sdk/estimator/held_poses.hpp"
 
 namespace odograph::inertial {
 
@@ -65,6 +66,7 @@ enum class Hold {
 };
 /// The columns that it leaves where they are: from there, that many; of the first four.
 std::pair<int, int> held_columns(Hold hold);
+constexpr int kMostHeld = 8;  // pose of the odometry, log-scale and log-factor
 
 /// residual = z - h(x), its derivative by the error in blocks of three columns, and the covariance of z.
 template <int D>
@@ -111,7 +113,7 @@ struct ImuNoise {
 };
 
 /// State, covariance and clones of the error-state Kalman filter (Sola 2017, with global angular errors; clones after
-/// Roumeliotis & Burdick 2002). Fixed size, no allocation.
+/// Roumeliotis & Burdick 2002). Fixed size, no allocation but for held poses.
 class ErrorState {
  public:
   State x;
@@ -148,12 +150,14 @@ class ErrorState {
   /// A scalar part is known anew, and owes nothing to the others.
   void set_independent(int at, double variance);
   void add_variance(int at, int count, double variance) { P.diagonal().segment(at, count).array() += variance; }
-  /// Everything is moved together.
+  /// Everything is moved together, but not what is held.
   void shift(const Eigen::Vector3d& by_n);
+  /// What is held follows a shift of everything, whose covariance is given, by its share: share_of_correction.
+  void shift_held(const Eigen::Vector3d& by_n, const Eigen::Matrix3d& covariance, double fixed_m, double now_m);
   /// Everything is moved by a step whose derivatives by log-factor and steps' heading and whose noise are given.
   void shift_by_step(const Eigen::Vector3d& by_n, const Eigen::Vector3d& by_factor, const Eigen::Vector3d& by_heading,
                      const Eigen::Matrix3d& noise);
-  /// Everything may have been moved together by that much, m.
+  /// Everything but what is held may have been moved together by that much, m.
   void loosen_position(const Eigen::Matrix3d& covariance);
   /// Everything may have been turned together about down, through the body's place, rad.
   void loosen_heading(double sigma_rad);
@@ -164,6 +168,12 @@ class ErrorState {
   /// Of a pose's rotation in n and position.
   Eigen::Matrix<double, 6, 6> covariance(const PastPose& at) const;
 
+  /// Keeps a pose of the past as long as somebody wants it (error_state_held.cpp). Its number, from 1.
+  uint64_t hold(const PastPose& at, int64_t t_ns, double path_m);
+  void let_go(uint64_t id) { held_.remove(id); }
+  /// False where it is not held.
+  bool held(uint64_t id, HeldPose& out) const;
+
   /// Kalman update behind a gate on the normalised innovation squared (0: none). What is held are considered parameters
   /// (Schmidt 1966): their doubt counts, but this measurement does not move them.
   template <int D>
@@ -173,12 +183,26 @@ class ErrorState {
   size_t slot_back(size_t i) const { return (newest_ + kClones - i) % kClones; }
   void apply(const Eigen::Matrix<double, kSize, 1>& error);
   void copy_pose_block(int from, int to);
+  /// What an update did to the errors, for those that are not among them: gain K, its counterpart N (see update_given),
+  /// and what made them.
   template <int D>
-  bool update_given(Hold hold, const Eigen::Matrix<double, kSize, D>& PHt, const Eigen::Matrix<double, D, D>& S,
-                    const Eigen::Matrix<double, D, 1>& residual);
+  struct Gain {
+    using SquareD = Eigen::Matrix<double, D, D>;
+    int first = 0, count = 0;  ///< columns that were held
+    Eigen::Matrix<double, kMostHeld, D> known = Eigen::Matrix<double, kMostHeld, D>::Zero();
+    SquareD inverse, half;
+    Eigen::Matrix<double, kSize, D> K, N;
+  };
+  template <int D>
+  void update_held(const Innovation<D>& innovation, const Gain<D>& gain, bool moves);
+  template <int D>
+  bool update_given(const Innovation<D>& innovation, Hold hold, const Eigen::Matrix<double, kSize, D>& PHt,
+                    const Eigen::Matrix<double, D, D>& S);
 
   std::array<Clone, kClones> clones_;
   size_t clone_count_ = 0, newest_ = 0;
+  HeldPoses<kSize> held_;
+  uint64_t last_held_ = 0;
 };
 
 }  // namespace odograph::inertial

@@ -9,6 +9,8 @@
 #include <Eigen/Geometry>
 #include <odograph/types.h>
 
+#include "sdk/estimator/held_poses.hpp"
+
 namespace odograph {
 
 struct CouplingConfig;
@@ -93,6 +95,18 @@ class Estimator {
   virtual bool take_correction(Correction& correction, odo_pose& pose) = 0;
   /// A metric displacement reference for the step estimator, as a position fix; false when there is none.
   virtual bool take_step_reference(odo_fix& reference) = 0;
+
+  /// Holds the body's pose at t, or the oldest that is kept: what is learnt later moves it as it should, by as much of
+  /// a correction as is its own. A number from 1, never given twice; 0 where that time has not come yet. let_go ends
+  /// it.
+  virtual uint64_t hold_pose(int64_t t_ns) = 0;
+  virtual void let_go(uint64_t id) = 0;
+  /// As it is known now; false where it is not held (any more: reset).
+  virtual bool held_pose(uint64_t id, HeldPose& out) const = 0;
+  /// The body's pose now with its covariance, as held_pose has it; `own` and `cross` are the same as `now`.
+  virtual bool pose_now(HeldPose& out) const = 0;
+  /// Horizontal position against n is known, by the start that was given or by a fix.
+  virtual bool is_placed() const = 0;
 
   virtual double distance_m() const = 0;
   /// As at the start, for a sensor clock that was set back. The calibration stays.

@@ -63,6 +63,7 @@ void InertialEstimator::reset() {
   pose_.reset(), corrected_.reset(), correction_.reset(), reference_.reset();
   reference_path_m_ = -1;
   distance_m_ = 0;
+  fixed_distance_m_ = start_.given ? 0 : -1;
   const std::lock_guard lock(newest_mutex_);
   newest_ns_ = INT64_MIN;
 }

@@ -33,6 +33,11 @@ class InertialEstimator : public Estimator {
   bool take_step_reference(odo_fix& reference) override;
   double distance_m() const override { return distance_m_; }
   void reset() override;
+  uint64_t hold_pose(int64_t t_ns) override;
+  void let_go(uint64_t id) override { e_.let_go(id); }
+  bool held_pose(uint64_t id, HeldPose& out) const override { return e_.held(id, out); }
+  bool pose_now(HeldPose& out) const override;
+  bool is_placed() const override { return (placed_ & kHorizontal) == kHorizontal; }
 
   /// Relative sigma of the metre, and what of its information came from where, for reports and tests.
   struct ScaleReport {
@@ -159,6 +164,7 @@ class InertialEstimator : public Estimator {
   int64_t fixed_ns_ = INT64_MIN, last_pose_ns_ = INT64_MIN;
   uint32_t last_state_ = 0, last_reason_ = 0;
   double distance_m_ = 0;
+  double fixed_distance_m_ = -1;  ///< of the path, where the position was known last
   Eigen::Vector3d distance_from_ = Eigen::Vector3d::Zero();
 
   mutable std::mutex newest_mutex_;

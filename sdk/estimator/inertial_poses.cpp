@@ -139,6 +139,21 @@ void InertialEstimator::refer_steps(const odo_pose& pose) {
   reference_ = fix;
 }
 
+uint64_t InertialEstimator::hold_pose(int64_t t_ns) {
+  if (!started_ || t_ns > t_ns_) return 0;
+  flush();
+  const int64_t held_ns = std::max(t_ns, e_.clone_back(e_.clone_count() - 1).t_ns);
+  const auto at = past(held_ns);
+  return at ? e_.hold(*at, held_ns, distance_m_) : 0;
+}
+
+bool InertialEstimator::pose_now(HeldPose& out) const {
+  if (!started_) return false;
+  out.q_n_b = e_.x.q_n_b, out.p_n_b = e_.x.p_n;
+  out.own = out.now = out.cross = e_.P.block<6, 6>(kTheta, kTheta);
+  return true;
+}
+
 void InertialEstimator::prepare(odo_vo_motion& motion) const {
   Quaterniond q_n_c = e_.x.q_n_b * q_b_c_;
   if (const auto at = past(motion.t_from_ns)) q_n_c = at->q_n_b * q_b_c_;

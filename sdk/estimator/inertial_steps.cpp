@@ -157,6 +157,7 @@ void InertialEstimator::place_by(Innovation<6>& seen, uint32_t axes) {
   }
   e_.shift(moved);
   e_.loosen_position(covariance);
+  e_.shift_held(moved, covariance, fixed_distance_m_, distance_m_);
 }
 
 UpdateResult InertialEstimator::apply(const odo_fix* fix) {
@@ -218,7 +219,7 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   }
   fixes_rejected_ = 0;
   placed_ |= axes;
-  if (horizontal) metric_ = true, fixed_ns_ = fix->header.t_ns;
+  if (horizontal) metric_ = true, fixed_ns_ = fix->header.t_ns, fixed_distance_m_ = distance_m_;
   informed_ns_ = t_ns_;
   return result;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "sdk/estimator/estimator.hpp"
 #include "sdk/estimator/per_frame_coupling.hpp"
@@ -25,6 +26,11 @@ class PaperEstimator : public Estimator {
   bool take_correction(Correction& correction, odo_pose& pose) override;
   bool take_step_reference(odo_fix& reference) override;
   double distance_m() const override { return coupling_.distance_m(); }
+  uint64_t hold_pose(int64_t t_ns) override;
+  void let_go(uint64_t id) override;
+  bool held_pose(uint64_t id, HeldPose& out) const override;
+  bool pose_now(HeldPose& out) const override;
+  bool is_placed() const override { return fixed_m_ >= 0; }
   void reset() override;
 
  private:
@@ -38,12 +44,24 @@ class PaperEstimator : public Estimator {
   UpdateResult apply(const odo_barometer*) { return {}; }
   UpdateResult apply(const odo_motion_mode*) { return {}; }
 
+  /// A pose that is held moves by its share of each correction: the papers have no covariance over time.
+  struct Held {
+    uint64_t id;
+    double path_m;
+    HeldPose pose;
+  };
+  void correct_held(const Correction& correction, double fixed_m);
+
   EstimatorInputs inputs_;
+  bool start_given_;
   PerFrameCoupling coupling_;
+  std::vector<Held> held_;
+  uint64_t last_held_ = 0;
+  double fixed_m_, corrected_from_m_;  ///< of the path, where the position was known last, and before the newest fix
   WayTeacher teacher_;
   std::optional<odo_pose> pose_;
   std::optional<odo_fix> reference_;
-  bool camera_started_ = false;
+  bool camera_started_ = false, corrected_pending_ = false;
 };
 
 }  // namespace odograph

@@ -30,6 +30,9 @@ class PluginBackend {
   /// False, and nothing changed, when the plugin does not take it.
   virtual bool load(std::span<const uint8_t> data) = 0;
 
+  /// An extension's table, or null. Its functions run in this process, so that a plugin in another one has none.
+  virtual const void* extension(std::string_view) { return nullptr; }
+
   /// What it is given and may emit, its kind's and what its table declares.
   virtual const KindTypes& types() const = 0;
   /// After ODO_E_FATAL: no instance of this library is used any more.

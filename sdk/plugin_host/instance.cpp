@@ -319,6 +319,8 @@ int PluginInstance::process_id() const {
   return process ? process->process_id() : -1;
 }
 
+const void* PluginInstance::extension(std::string_view id) const { return alive() ? backend_->extension(id) : nullptr; }
+
 void PluginInstance::fault(const char* key, const std::string& text, int32_t status) {
   ++faults_;
   host_.report(number_, ODO_SEVERITY_WARNING, key, text, status);

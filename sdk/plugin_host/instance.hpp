@@ -71,6 +71,9 @@ class PluginInstance {
   /// False, and nothing changed, when the plugin does not take it. [control]
   bool load(std::span<const uint8_t> data);
 
+  /// An extension's table, or null, as for a plugin in a process of its own. [process]
+  const void* extension(std::string_view id) const;
+
   const std::string& id() const { return choice_->manifest.id; }
   /// Its number in reports and in the `source` of its events, from 1.
   uint32_t number() const { return number_; }

@@ -106,6 +106,14 @@ std::vector<uint8_t> LibraryBackend::save() {
   return written == needed ? bytes : std::vector<uint8_t>();
 }
 
+const void* LibraryBackend::extension(std::string_view id) {
+  const auto function = ODO_OPTIONAL(library_->table(), get_interface);
+  const void* table = nullptr;
+  if (instance_ && function)
+    call("get_interface", [&] { return table = function(instance_, id.data(), id.size()), ODO_OK; });
+  return table;
+}
+
 bool LibraryBackend::load(std::span<const uint8_t> data) {
   const auto function = ODO_OPTIONAL(library_->table(), load);
   return instance_ && function && call("load", [&] { return function(instance_, data.data(), data.size()); }) >= 0;

@@ -24,6 +24,7 @@ class LibraryBackend : public PluginBackend {
   int32_t reset() override;
   std::vector<uint8_t> save() override;
   bool load(std::span<const uint8_t> data) override;
+  const void* extension(std::string_view id) override;
   const KindTypes& types() const override { return types_; }
   void quarantine() override { library_->quarantine(); }
   bool quarantined() const override { return library_->quarantined(); }

@@ -6,8 +6,10 @@
 #ifndef ODOGRAPH_LAYOUT_H
 #define ODOGRAPH_LAYOUT_H
 
+#include <odograph/anchor.h>
 #include <odograph/odograph.h>
 #include <odograph/plugin.h>
+#include <odograph/terrain.h>
 
 #define ODO_LAYOUT(name, condition) typedef char odo_layout_of_##name[(condition) ? 1 : -1];
 /* clang-format off */
@@ -219,6 +221,40 @@ ODO_LAYOUT(odo_statistics_distance_m, offsetof(odo_statistics, distance_m) == 12
 ODO_LAYOUT(odo_statistics_wild, offsetof(odo_statistics, wild) == 136)
 ODO_LAYOUT(odo_statistics_events_dropped, offsetof(odo_statistics, events_dropped) == 144)
 ODO_LAYOUT(odo_statistics_unknown, offsetof(odo_statistics, unknown) == 152)
+ODO_LAYOUT(odo_anchor_place, sizeof(odo_anchor_place) == 136)
+ODO_LAYOUT(odo_anchor_place_struct_size, offsetof(odo_anchor_place, struct_size) == 0)
+ODO_LAYOUT(odo_anchor_place_kind, offsetof(odo_anchor_place, kind) == 4)
+ODO_LAYOUT(odo_anchor_place_t_ns, offsetof(odo_anchor_place, t_ns) == 8)
+ODO_LAYOUT(odo_anchor_place_world, offsetof(odo_anchor_place, world) == 16)
+ODO_LAYOUT(odo_anchor_place_height_above, offsetof(odo_anchor_place, height_above) == 20)
+ODO_LAYOUT(odo_anchor_place_q, offsetof(odo_anchor_place, q) == 24)
+ODO_LAYOUT(odo_anchor_place_p, offsetof(odo_anchor_place, p) == 56)
+ODO_LAYOUT(odo_anchor_place_latitude_rad, offsetof(odo_anchor_place, latitude_rad) == 80)
+ODO_LAYOUT(odo_anchor_place_longitude_rad, offsetof(odo_anchor_place, longitude_rad) == 88)
+ODO_LAYOUT(odo_anchor_place_height_m, offsetof(odo_anchor_place, height_m) == 96)
+ODO_LAYOUT(odo_anchor_place_geoid_height_m, offsetof(odo_anchor_place, geoid_height_m) == 104)
+ODO_LAYOUT(odo_anchor_place_sigma_m, offsetof(odo_anchor_place, sigma_m) == 112)
+ODO_LAYOUT(odo_anchor_place_name, offsetof(odo_anchor_place, name) == 120)
+ODO_LAYOUT(odo_anchor, sizeof(odo_anchor) == 264)
+ODO_LAYOUT(odo_anchor_struct_size, offsetof(odo_anchor, struct_size) == 0)
+ODO_LAYOUT(odo_anchor_kind, offsetof(odo_anchor, kind) == 4)
+ODO_LAYOUT(odo_anchor_id, offsetof(odo_anchor, id) == 8)
+ODO_LAYOUT(odo_anchor_t_ns, offsetof(odo_anchor, t_ns) == 16)
+ODO_LAYOUT(odo_anchor_flags, offsetof(odo_anchor, flags) == 24)
+ODO_LAYOUT(odo_anchor_state, offsetof(odo_anchor, state) == 28)
+ODO_LAYOUT(odo_anchor_reason, offsetof(odo_anchor, reason) == 32)
+ODO_LAYOUT(odo_anchor_reserved, offsetof(odo_anchor, reserved) == 36)
+ODO_LAYOUT(odo_anchor_q_n, offsetof(odo_anchor, q_n) == 40)
+ODO_LAYOUT(odo_anchor_p_n, offsetof(odo_anchor, p_n) == 72)
+ODO_LAYOUT(odo_anchor_q_view, offsetof(odo_anchor, q_view) == 96)
+ODO_LAYOUT(odo_anchor_p_view, offsetof(odo_anchor, p_view) == 128)
+ODO_LAYOUT(odo_anchor_position_sigma_m, offsetof(odo_anchor, position_sigma_m) == 152)
+ODO_LAYOUT(odo_anchor_yaw_sigma_rad, offsetof(odo_anchor, yaw_sigma_rad) == 160)
+ODO_LAYOUT(odo_anchor_view_sigma_m, offsetof(odo_anchor, view_sigma_m) == 168)
+ODO_LAYOUT(odo_anchor_latitude_rad, offsetof(odo_anchor, latitude_rad) == 176)
+ODO_LAYOUT(odo_anchor_longitude_rad, offsetof(odo_anchor, longitude_rad) == 184)
+ODO_LAYOUT(odo_anchor_height_m, offsetof(odo_anchor, height_m) == 192)
+ODO_LAYOUT(odo_anchor_name, offsetof(odo_anchor, name) == 200)
 ODO_LAYOUT(odo_host, sizeof(odo_host) == 40)
 ODO_LAYOUT(odo_host_struct_size, offsetof(odo_host, struct_size) == 0)
 ODO_LAYOUT(odo_host_abi_major_min, offsetof(odo_host, abi_major_min) == 4)
@@ -292,6 +328,11 @@ ODO_LAYOUT(odo_plugin_inputs, offsetof(odo_plugin, inputs) == 176)
 ODO_LAYOUT(odo_plugin_outputs, offsetof(odo_plugin, outputs) == 184)
 ODO_LAYOUT(odo_plugin_input_count, offsetof(odo_plugin, input_count) == 192)
 ODO_LAYOUT(odo_plugin_output_count, offsetof(odo_plugin, output_count) == 196)
+ODO_LAYOUT(odo_terrain, sizeof(odo_terrain) == 24)
+ODO_LAYOUT(odo_terrain_struct_size, offsetof(odo_terrain, struct_size) == 0)
+ODO_LAYOUT(odo_terrain_reserved, offsetof(odo_terrain, reserved) == 4)
+ODO_LAYOUT(odo_terrain_user, offsetof(odo_terrain, user) == 8)
+ODO_LAYOUT(odo_terrain_height, offsetof(odo_terrain, height) == 16)
 /* clang-format on */
 #undef ODO_LAYOUT
 

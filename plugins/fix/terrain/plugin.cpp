@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <odograph/plugin.hpp>
+#include <odograph/terrain.h>
 
 #include "plugins/fix/terrain/placement.hpp"
 
@@ -61,6 +62,11 @@ class TerrainFixer {
 
   void reset() { last_ns_ = INT64_MIN; }
 
+  /// The ground for anchors that stand above it.
+  const void* extension(std::string_view id) const {
+    return id == ODO_EXTENSION_TERRAIN && terrain_ ? &ground_ : nullptr;
+  }
+
   void on(const odo_pose& pose, odo::Output& output) {
     constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_METRIC;
     if ((pose.header.flags & needed) != needed || (pose.header.flags & ODO_POSE_EXTRAPOLATED)) return;
@@ -84,6 +90,13 @@ class TerrainFixer {
   }
 
  private:
+  static int32_t ODO_CALL ground_at(void* user, double north_m, double east_m, double near_down_m, double* down_m,
+                                    double* sigma_m) {
+    const auto& self = *static_cast<const TerrainFixer*>(user);
+    *sigma_m = self.model_sigma;
+    return self.placement_->ground_at(*self.terrain_, north_m, east_m, near_down_m, *down_m) ? ODO_OK : ODO_E_NOT_FOUND;
+  }
+
   /// What being elsewhere does to the height: the ground a standard deviation away in four directions.
   double rise_within(double north, double east, double down, double sigma_m) const {
     double squares = 0;
@@ -99,6 +112,7 @@ class TerrainFixer {
   std::optional<Terrain> terrain_;
   std::optional<Placement> placement_;
   int64_t last_ns_ = INT64_MIN;
+  odo_terrain ground_{sizeof(odo_terrain), 0, this, ground_at};
 };
 
 }  // namespace
