@@ -48,12 +48,19 @@ struct Collector {
       case ODO_TYPE_CALIBRATION: result.refined.push_back(as<odo_calibration>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
       case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FIX_ACCEPTED) != 0}); break;
+      case ODO_TYPE_REPORT: take_report(as<odo_report>(event)); break;
       case ODO_TYPE_STATE:
         result.final_state = as<odo_state>(event).state;
         result.final_reason = as<odo_state>(event).reason;
         break;
       default: break;
     }
+  }
+
+  void take_report(const odo_report& report) {
+    if (report.severity != ODO_SEVERITY_INFO) return;
+    auto& notice = result.notices[std::string(report.plugin) + ' ' + report.key];
+    notice.count += report.count, notice.text = report.text;
   }
 
   void take_pose(const odo_pose& pose) {
@@ -142,8 +149,9 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   RunResult result;
   result.config_text = config->text;
   Collector collector{result};
-  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,  ODO_TYPE_VO_MOTION, ODO_TYPE_STEP,  ODO_TYPE_MOTION_MODE,
-                                  ODO_TYPE_SCALE, ODO_TYPE_FIX,       ODO_TYPE_STATE, ODO_TYPE_CALIBRATION};
+  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,        ODO_TYPE_VO_MOTION,   ODO_TYPE_STEP,
+                                  ODO_TYPE_MOTION_MODE, ODO_TYPE_SCALE,       ODO_TYPE_FIX,
+                                  ODO_TYPE_STATE,       ODO_TYPE_CALIBRATION, ODO_TYPE_REPORT};
   if (options.collect_attitudes) wanted.push_back(ODO_TYPE_ATTITUDE);
   odo_session_set_callback(session, wanted.data(), static_cast<uint32_t>(wanted.size()), Collector::on_event,
                            &collector);
@@ -246,6 +254,8 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
           << (accepted ? 1 : 0) << '\n';
 
   const odo_statistics& s = result.statistics;
+  nlohmann::ordered_json notices = nlohmann::json::object();
+  for (const auto& [key, notice] : result.notices) notices[key] = {{"count", notice.count}, {"text", notice.text}};
   const nlohmann::ordered_json summary = {
       {"recording", recording.path.string()},
       {"format", recording.format},
@@ -272,6 +282,7 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
         {"plugin", s.plugin_faults}}},
       {"heading_turn_rad", result.heading_turn_rad},
       {"reports", result.reports},
+      {"notices", notices},
       {"versions",
        {{"odograph", odo_version()},
         {"abi", std::to_string(odo_abi_version() >> 16) + "." + std::to_string(odo_abi_version() & 0xFFFF)}}},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,12 @@ struct RunResult {
   uint32_t final_reason = 0;
   double heading_turn_rad = 0;  // applied by replay.align_heading_over
   std::vector<std::string> reports;
+  /// What plugins said beside errors, by plugin and key: the latest text, and how often.
+  struct Notice {
+    uint64_t count = 0;
+    std::string text;
+  };
+  std::map<std::string, Notice> notices;
   std::string config_text;
 };
 

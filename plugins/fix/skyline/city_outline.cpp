@@ -83,7 +83,7 @@ std::vector<Edge> parse_city_outline(const std::string& text, const std::string&
     const Json type = object.is_object() ? object.value("type", Json()) : Json();
     if (!type.is_string()) throw std::runtime_error(name + ": " + id + ": no \"type\"");
     const auto geometry = object.find("geometry");
-    if (!type.get<std::string>().starts_with("Building") || geometry == object.end() || !geometry->is_array()) continue;
+    if (geometry == object.end() || !geometry->is_array()) continue;
     const Json* finest = nullptr;
     for (const Json& g : *geometry)
       if (g.is_object() && g.contains("boundaries") && (!finest || level_of_detail(g) > level_of_detail(*finest)))
