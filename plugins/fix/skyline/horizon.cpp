@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kN = Horizon::kDirections;
 constexpr double kStep_rad = 2 * std::numbers::pi / kN;
+constexpr int kLattice = 2;  // places to each side from which edges are looked for
 
 struct Directions {
   std::array<float, kN> north, east;
@@ -62,48 +63,28 @@ void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double least
   }
   // What stands highest first: most of the others are then hidden at once.
   std::sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) { return a.bound > b.bound; });
-  drop_hidden(radius_m, lower_m);
-}
-
-/// Drops edges that others hide from all around: those that lie, seen from anywhere within the radius, below what the
-/// skylines of nine places on its border and in its middle have in common.
-void City::drop_hidden(double radius_m, double lower_m) {
-  constexpr size_t kWorthIt = 200;
-  if (near_.size() < kWorthIt) return;
-  std::array<float, kN> common{};
-  common.fill(1e9f);
+  std::vector<char> seen(near_.size(), 0);
   Horizon there;
-  for (int a = -1; a <= 1; ++a)
-    for (int b = -1; b <= 1; ++b) {
-      horizon(around_ + Eigen::Vector3d(a * radius_m, b * radius_m, -lower_m), there);
-      for (size_t k = 0; k < common.size(); ++k) common[k] = std::min(common[k], std::tan(there.elevation[k]));
+  Winners winners;
+  for (int a = -kLattice; a <= kLattice; ++a)
+    for (int b = -kLattice; b <= kLattice; ++b) {
+      envelope(near_, p_n + Eigen::Vector3d(a, b, 0) * (radius_m / kLattice), there, &winners);
+      for (const int winner : winners)
+        if (winner >= 0) seen[static_cast<size_t>(winner)] = 1;
     }
-  const auto hidden = [&](const Near& e) {
-    const double d2 = static_cast<double>(e.dx * e.dx + e.dy * e.dy);
-    const double t = std::clamp(-static_cast<double>(e.x * e.dx + e.y * e.dy) / d2, 0.0, 1.0);
-    const auto dt = static_cast<float>(t);
-    const double distance = static_cast<double>(std::hypot(e.x + dt * e.dx, e.y + dt * e.dy));
-    const double reach = 1.5 * radius_m;  // the square's corner
-    if (distance < 2 * reach) return false;
-    const double up = static_cast<double>(e.bound) * std::max(distance, 0.1);
-    const auto most = static_cast<float>(up / (distance - reach));
-    const auto aside = static_cast<float>(std::asin(reach / distance) / kStep_rad);
-    float begin = steps_of(e.x, e.y), end = steps_of(e.x + e.dx, e.y + e.dy);
-    if (end < begin) std::swap(begin, end);
-    if (end - begin > kN / 2) begin += kN, std::swap(begin, end);
-    for (int j = static_cast<int>(begin - aside) - 2; j <= static_cast<int>(end + aside) + 2; ++j)
-      if (common[static_cast<size_t>((j % kN + kN) % kN)] < most) return false;
-    return true;
-  };
-  std::erase_if(near_, hidden);
+  visible_.clear();
+  for (size_t i = 0; i < near_.size(); ++i)
+    if (seen[i]) visible_.push_back(near_[i]);
 }
 
-void City::horizon(const Eigen::Vector3d& p_n, Horizon& out) const {
+void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, Winners* winners) const {
   static const Directions directions;
   std::array<float, kN> highest{};  // tangents
   out.height_m.fill(0), out.distance_m.fill(0);
   const Eigen::Vector3f shift = (p_n - around_).cast<float>();
-  for (const Near& e : near_) {
+  if (winners) winners->fill(-1);
+  for (size_t i = 0; i < edges.size(); ++i) {
+    const Near& e = edges[i];
     const float x0 = e.x - shift.x(), y0 = e.y - shift.y(), h0 = shift.z() - e.z;
     const float x1 = x0 + e.dx, y1 = y0 + e.dy, h1 = h0 - e.dz;
     if (h0 <= 0 && h1 <= 0) continue;
@@ -126,6 +107,7 @@ void City::horizon(const Eigen::Vector3d& p_n, Horizon& out) const {
       const float h = h0 - t * e.dz;
       if (h <= highest[k] * r) continue;
       highest[k] = h / r, out.height_m[k] = h, out.distance_m[k] = r;
+      if (winners) (*winners)[k] = static_cast<int>(i);
     }
   }
   for (size_t k = 0; k < highest.size(); ++k) out.elevation[k] = std::atan(highest[k]);

@@ -75,7 +75,7 @@ double Matcher::cost_of_prior(const Guess& g) const {
 
 /// Mean loss of a direction, rad, with what the prior says.
 double Matcher::cost(const Guess& g, bool new_place) {
-  if (new_place) city_.horizon(place_of(g), horizon_);
+  if (new_place) city_.quick_horizon(place_of(g), horizon_);
   return seen_.loss(horizon_, g, kMost_rad) + cost_of_prior(g);
 }
 
@@ -88,7 +88,7 @@ void Matcher::search(double radius_m, double step_m) {
   for (int a = -reach; a <= reach; ++a)
     for (int b = -reach; b <= reach; ++b) {
       Place best{{.north = a * step_m, .east = b * step_m}, 1e9};
-      city_.horizon(place_of(best.guess), horizon_);
+      city_.quick_horizon(place_of(best.guess), horizon_);
       Guess g = best.guess;
       const auto look = [&](double yaw) {
         g.yaw = yaw;
@@ -112,9 +112,9 @@ bool Matcher::linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d&
     for (int side = 0; side < 2; ++side) {
       Eigen::Vector3d there = p;
       there[axis] += side ? kStep_m : -kStep_m;
-      city_.horizon(there, moved[axis][side]);
+      city_.quick_horizon(there, moved[axis][side]);
     }
-  city_.horizon(p, horizon_);
+  city_.quick_horizon(p, horizon_);
   seen_.residuals(horizon_, at, residuals_);
   H.setZero(), b.setZero();
   double directions = 0;
