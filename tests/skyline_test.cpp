@@ -417,6 +417,21 @@ TEST_CASE("eq. (5): the scale is the line through places, whatever the heading, 
   CHECK(scale.scale()->sigma > 1.0);
 }
 
+TEST_CASE("eq. (5) letter for letter falls with the way driven: it is no scale") {
+  const double u = 0.5;
+  slant_scale::LiteralScale scale;
+  CHECK_FALSE(scale.scale());
+  std::vector<double> at_10_40_160;
+  for (int metre = 1; metre <= 160; ++metre) {
+    scale.add_motion({1 / u, 0, 0}, 1);
+    scale.add_place({double(metre), 0, 0}, 40);
+    if (metre == 10 || metre == 40 || metre == 160) at_10_40_160.push_back(*scale.scale());
+  }
+  CHECK(at_10_40_160[0] == doctest::Approx(40.0 / 8));  // the previous position: one frame behind, 2 units
+  CHECK(at_10_40_160[1] == doctest::Approx(40.0 / 38));
+  CHECK(at_10_40_160[2] == doctest::Approx(40.0 / 158));
+}
+
 TEST_CASE("eq. (1): the rigid motion of weighted points") {
   std::vector<Eigen::Vector2d> p, q;
   const Eigen::Rotation2Dd R(0.2);

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "sdk/city/city_check.hpp"
 #include "sdk/city/street_route.hpp"
 #include "sdk/cli/city.hpp"
 #include "sdk/cli/commands.hpp"
@@ -44,9 +45,38 @@ Result<Eigen::Vector3d> write_city_scenario(const CityScenario& a) {
   return origin;
 }
 
+namespace {
+
+int check(const std::vector<std::string>& files) {
+  int status = kDone;
+  for (const std::string& file : files) {
+    const auto done = check_city_model(file);
+    if (!done) {
+      status = complain(done.failure());
+      continue;
+    }
+    const CityCheck& c = *done;
+    std::printf("%s: %s%s%s, %zu objects, %zu vertices, %zu surfaces with %zu holes%s%s\n", file.c_str(),
+                c.format.c_str(), c.version.empty() ? "" : " ", c.version.c_str(), c.objects, c.vertices, c.surfaces,
+                c.holes, c.reference_system.empty() ? ", no reference system" : ", ", c.reference_system.c_str());
+    if (c.surfaces == 0) std::printf("  nothing that could be seen in it\n");
+    for (const auto& [type, count] : c.skipped)
+      std::printf("  %zu geometries of the type %s are not used\n", count, type.c_str());
+    for (const auto& warning : c.warnings) std::printf("  warning: %s\n", warning.c_str());
+  }
+  return status;
+}
+
+}  // namespace
+
 void add_city(CLI::App& app, int& status) {
   auto* city = app.add_subcommand("city", "3D city models: what is in them, skylines, routes through their streets");
   city->require_subcommand(1);
+  auto files = std::make_shared<std::vector<std::string>>();
+  auto* checked =
+      city->add_subcommand("check", "Say what city models hold, or why they are refused; nothing is made of them");
+  checked->add_option("model", *files, "city models: CityJSON, CityJSONSeq or OBJ")->required();
+  checked->callback([files, &status] { status = check(*files); });
   auto r = std::make_shared<CityScenario>();
   auto* draw = city->add_subcommand("route", "Draw a route through a model's streets as a scenario for `odograph sim`");
   draw->add_option("model", r->model, "city model: CityJSON or OBJ")->required();

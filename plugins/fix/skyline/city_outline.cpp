@@ -15,6 +15,8 @@ namespace {
 using Eigen::Vector3d;
 using Json = nlohmann::json;
 
+constexpr double kFarthest_m = 1e8;
+
 bool is_point(const Json& v) {
   return v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
 }
@@ -76,6 +78,9 @@ std::vector<Edge> parse_city_outline(const std::string& text, const std::string&
     if (!is_point(v))
       throw std::runtime_error(name + ": vertex " + std::to_string(points.size()) + " is not three numbers");
     const Vector3d p = scale.cwiseProduct(point(v)) + shift - Vector3d(origin.data());
+    if (!(p.cwiseAbs().maxCoeff() < kFarthest_m))
+      throw std::runtime_error(name + ": vertex " + std::to_string(points.size()) +
+                               " is farther than any reference system's zero");
     points.emplace_back(p.y(), p.x(), -p.z());
   }
   std::vector<std::vector<Vector3d>> rings;

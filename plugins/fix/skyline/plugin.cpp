@@ -42,7 +42,7 @@ class Skyline {
       "fix/skyline", "1.0.0", "Position and heading from the skyline of a 3D city model (Gakne & O'Keefe 2018)",
       ODO_INTERFACE_ABSOLUTE_FIXER};
   static std::vector<odo::Parameter<Skyline>> parameters() {
-    return {odo::text("model", &Skyline::model, "CityJSON file of the buildings, beside the config"),
+    return {odo::text("model", &Skyline::model, "CityJSON file of the city, beside the config"),
             odo::reals("model_origin", "m", -1e8, 1e8, &Skyline::model_origin,
                        "easting, northing and height of n's origin in the model"),
             odo::choice("sky", "robust|flood_fill", &Skyline::sky,
@@ -50,7 +50,7 @@ class Skyline {
             odo::real("interval", "s", 0, 3600, &Skyline::interval, "time between two fixes at least"),
             odo::real("radius", "m", 2, 200, &Skyline::radius, "farthest from the prior that is searched"),
             odo::real("min_agreement", "", 0.1, 1, &Skyline::min_agreement,
-                      "part of the directions in which picture and model must agree"),
+                      "part of the directions with a roof's edge in which picture and model must agree"),
             odo::real("tilt_sigma", "rad", 0.0001, 0.5, &Skyline::tilt_sigma,
                       "least standard deviation of the prior's inclination"),
             odo::real("height_sigma", "m", 0.01, 100, &Skyline::height_sigma,
@@ -59,7 +59,7 @@ class Skyline {
   }
 
   void configured(odo::Output& host) {
-    if (model.empty()) throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the buildings");
+    if (model.empty()) throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the city");
     up_variance_ = height_sigma * height_sigma;
     const auto file = host.asset(model);
     if (!file) throw odo::Error(ODO_E_CONFIG, "model: no file '" + model + "' where the config lies");
