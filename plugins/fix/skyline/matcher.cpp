@@ -26,9 +26,10 @@ constexpr double kNewest = 0.35;               // a picture's part of an offset'
 constexpr int kPictures = 4;                   // that must have been seen before one of the lost is believed
 constexpr double kSlip_rad = 0.1 * kDegree;    // an offset is likelier to stay than to move by a cell
 constexpr double kLowest_rad = 3 * kDegree;    // what stands lower is not looked at: parked cars, hedges, far hills
-constexpr size_t kLeastEdges = 120;
-constexpr size_t kStarts = 2;  // places of the lattice that are refined
+constexpr size_t kLeastEdges = 240;            // a third of the directions: fewer have been seen to fit in wrong places
+constexpr size_t kStarts = 2;                  // places of the lattice that are refined
 constexpr double kFarthestStep_m = 2;
+constexpr double kDoubt_m = 2.5;  // standard deviation of a place with which nothing agrees, on drives through Delft
 constexpr double kHopeless_rad = 0.3 * kDegree;  // of a move's mean loss: no heading makes up for it
 constexpr int kLastSteps = 2;
 constexpr double kSpread_m = 2.5;  // between them
@@ -293,7 +294,9 @@ void Matcher::weigh(const Place& best, double rival_cost, Match& match) {
   H.diagonal().head<2>().array() += 1.0 / (30 * 30);
   H(3, 3) += 1.0;
   const Matrix6d P = H.inverse() * (left * left);
-  match.covariance = P.topLeftCorner<2, 2>() + cloud;
+  // Where picture and model agree in fewer directions, more of those that agree do so by chance.
+  const double doubt_m = kDoubt_m * (1 - match.agreement);
+  match.covariance = P.topLeftCorner<2, 2>() + cloud + Eigen::Matrix2d::Identity() * (doubt_m * doubt_m);
   match.height_sigma_m = std::sqrt(std::max(1e-6, P(2, 2)));
   match.yaw_sigma_rad = std::clamp(std::sqrt(std::max(0.0, P(3, 3))), 0.1 * kDegree, 30 * kDegree);
 }

@@ -25,6 +25,8 @@ constexpr double kRival = 0.2;     // of another place's likelihood
 constexpr double kClimb_m = 0.05;  // by which the height over n's origin becomes uncertain from fix to fix
 constexpr double kLeastHeightSigma_m = 0.1;
 
+constexpr double kMostOff = 2;  // of the path since the last fix: one who goes the other way than thought
+
 /// Why a frame gave no fix, as reports and summaries name it.
 enum Reason : size_t { kPrior, kSky, kAgreement, kAmbiguity, kReasons };
 constexpr const char* kReasonNames[kReasons] = {"prior", "sky", "agreement", "ambiguity"};
@@ -35,7 +37,7 @@ class Skyline {
   std::string model;
   std::array<double, 3> model_origin = {0, 0, 0};
   std::string sky = "robust";
-  double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.3, radius = 40;
+  double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.2, radius = 40;
   double height_sigma = 1.0;
 
   static constexpr odo::Description description{
@@ -125,11 +127,16 @@ class Skyline {
     const auto& edges = find_sky(picture, q_n_c.conjugate());
     if (edges.empty()) return refuse(kSky, "no sky around the zenith", output);
     const double yaw_sigma = std::clamp(std::sqrt(pose_->covariance[14]), 1.0 * kDegree, kUnknown_rad);
+    // Since the last fix the track may have gone astray by its heading. Who may be farther off than is searched would
+    // be placed where it only looks alike.
+    const double driven_m = pose_->distance_m - fixed_at_m_;
+    const double astray_m = driven_m * std::min(kMostOff, 3 * yaw_sigma);
+    if (astray_m > radius) return refuse(kPrior, "the pose may be farther off than is searched", output);
     const double tilt =
         std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma, kMostTilt_rad);
     const auto match = matcher_->match(edges, {.p_n = Eigen::Vector3d(pose_->p_n) - Eigen::Vector3d(0, 0, up_m_),
                                                .q_n_c = q_n_c,
-                                               .position_sigma_m = sigma + failures_,
+                                               .position_sigma_m = std::max(sigma + failures_, astray_m / 3),
                                                .yaw_sigma_rad = yaw_sigma,
                                                .tilt_sigma_rad = tilt,
                                                .farthest_m = radius,
@@ -140,6 +147,7 @@ class Skyline {
       return refuse(why->reason, why->text, output);
     }
     failures_ = 0;
+    fixed_at_m_ = pose_->distance_m;
     climb(*match);
     output.emit(fix_of(*match, picture.t_ns));
   }
@@ -220,6 +228,7 @@ class Skyline {
   std::optional<SkyFinder> finder_;
   std::optional<RobustSkyFinder> robust_;
   std::array<uint64_t, kReasons> refused_{};
+  double fixed_at_m_ = 0;              // of the path
   double up_m_ = 0, up_variance_ = 1;  // of the camera over the pose's height
   std::optional<odo_pose> pose_;
   std::optional<Picture> waiting_;
@@ -228,7 +237,7 @@ class Skyline {
   odograph::ToldCamera camera_;
   odograph::CameraModel lens_;  // that finder_ was made for
   int64_t last_ns_ = INT64_MIN;
-  int failures_ = 0;  // in a row; each widens the search by three metres
+  int failures_ = 0;  // in a row; each widens the search by a metre of standard deviation
 };
 
 }  // namespace
