@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/fix/skyline/matcher.hpp"
+#include "plugins/fix/skyline/robust_sky.hpp"
 #include "plugins/scale/slant_distance/slant_scale.hpp"
 #include "plugins/vo/gakne2018/sky_odometry.hpp"
 #include "sdk/sim/city_model.hpp"
@@ -173,6 +177,195 @@ TEST_CASE("sky is told from walls in a picture, and where it leaves the picture"
   CHECK(finder.find(picture, Vector3d::UnitX(), Vector3d::UnitZ()).empty());  // looking ahead
 }
 
+namespace {
+
+/// Elevation of the skyline in one direction by going through all edges: slow and plain.
+double elevation_by_all(const std::vector<Edge>& edges, const Vector3d& eye, double azimuth) {
+  const double c = std::cos(azimuth), s = std::sin(azimuth);
+  double highest = 0;
+  for (const Edge& e : edges) {
+    const Vector3d a = e.from - eye, d = e.to - e.from;
+    const double det = c * d.y() - s * d.x();
+    if (std::abs(det) < 1e-9) continue;
+    const double t = (s * a.x() - c * a.y()) / det;
+    const double r = c * (a.x() + t * d.x()) + s * (a.y() + t * d.y());
+    if (t < 0 || t > 1 || r <= 0) continue;
+    highest = std::max(highest, std::atan2(-(a.z() + t * d.z()), r));
+  }
+  return highest;
+}
+
+/// A fisheye's view upwards: clouds and sun over a ring of houses whose roofs are `elevation(azimuth)` high; walls of
+/// windows, the sunlit half brighter than the sky; the lens's rim grey.
+template <class Elevation>
+cv::Mat fisheye_view(const CameraModel& camera, Elevation&& elevation) {
+  cv::Mat picture(480, 640, CV_8UC1), noise(480, 640, CV_32F), clouds(15, 20, CV_32F);
+  cv::RNG random(11);
+  random.fill(noise, cv::RNG::NORMAL, 0, 4), random.fill(clouds, cv::RNG::UNIFORM, -12, 25);
+  cv::resize(clouds, clouds, picture.size(), 0, 0, cv::INTER_CUBIC);
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x) {
+      Vector3d ray;
+      double grey = 70;
+      if (ray_of(camera, {double(x), double(y)}, 1.56, ray)) {
+        const double azimuth = std::atan2(ray.y(), ray.x()), up = std::asin(ray.z());
+        if (up > elevation(azimuth)) {
+          grey = 190 + double(clouds.at<float>(y, x));
+          if ((ray - Vector3d(0.3, 0.4, 0.87).normalized()).norm() < 0.06) grey = 255;  // the sun
+        } else {
+          const bool window = std::fmod(azimuth * 20 + 100, 2) < 1 && std::fmod(up * 20 + 100, 2) < 1;
+          grey = window ? 50 : azimuth > 0 ? 215 : 110;
+        }
+      }
+      picture.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(grey + double(noise.at<float>(y, x)));
+    }
+  cv::GaussianBlur(picture, picture, {3, 3}, 0.6);
+  return picture;
+}
+
+}  // namespace
+
+TEST_CASE("the fast skyline is the plain one; the quick one, without hidden edges, nearly everywhere") {
+  std::vector<Edge> edges;
+  cv::RNG random(3);
+  for (int k = 0; k < 90; ++k)
+    add_box(edges, random.uniform(-200.0, 200.0), random.uniform(-200.0, 200.0), random.uniform(5.0, 25.0),
+            random.uniform(5.0, 25.0), random.uniform(4.0, 25.0));
+  City city(edges);
+  city.look_around({0, 0, -1.5}, 8, 0.05);
+  Horizon horizon, quick;
+  int quick_wrong = 0;
+  for (const Vector3d& eye : {Vector3d(0, 0, -1.5), Vector3d(7, -6, -1.5), Vector3d(-8, 8, -1.5)}) {
+    city.horizon(eye, horizon);
+    city.quick_horizon(eye, quick);
+    for (int j = 0; j < Horizon::kDirections; ++j) {
+      const double plain = elevation_by_all(edges, eye, (j + 0.5) * 0.5 * kDegree);
+      if (plain < 0.06) continue;
+      CHECK(double(horizon.elevation[size_t(j)]) == doctest::Approx(plain).epsilon(1e-3));
+      quick_wrong += std::abs(double(quick.elevation[size_t(j)]) - plain) > 1e-3;
+    }
+  }
+  CHECK(quick_wrong < 0.02 * 3 * Horizon::kDirections);
+}
+
+TEST_CASE("roofs are found through a fisheye under clouds, a sun and walls brighter than the sky") {
+  const CameraModel camera{
+      .distortion = CameraModel::Distortion::kannala_brandt, .fx = 200, .fy = 200, .cx = 319.5, .cy = 239.5};
+  const auto roofs = [](double azimuth) { return (std::sin(3 * azimuth) > 0 ? 38 : 28) * kDegree; };
+  const cv::Mat picture = fisheye_view(camera, roofs);
+  RobustSkyFinder finder({}, camera, picture.size());
+  const auto& edges = finder.find(picture, {}, Vector3d::UnitZ(), Vector3d::UnitX());
+  REQUIRE(edges.size() > 700);
+  int closed = 0, right = 0;
+  for (const SkyEdge& e : edges) {
+    if (e.open) continue;
+    ++closed;
+    const double up = std::asin(e.ray_c.z());
+    right += std::abs(up - roofs(std::atan2(e.ray_c.y(), e.ray_c.x()))) < kDegree;
+  }
+  CHECK(closed > 650);
+  CHECK(right > 0.65 * closed);  // flood fill: the clouds and the sun leave it none
+  // The picture's bottom masked: nothing is told of directions that are not seen.
+  cv::Mat mask(picture.size(), CV_8UC1, cv::Scalar(255));
+  mask.rowRange(300, 480).setTo(0);
+  for (const SkyEdge& e : finder.find(picture, mask, Vector3d::UnitZ(), Vector3d::UnitX())) {
+    Eigen::Vector2d pixel;
+    REQUIRE(pixel_of(camera, e.ray_c, 1.6, pixel));
+    CHECK(pixel.y() < 303);
+  }
+}
+
+TEST_CASE(
+    "sky of real photographs: the robust finder beside flood fill, on pictures that the network was not taught on") {
+  namespace fs = std::filesystem;
+  const fs::path folder = data_or_skip("sky_fisheye");
+  if (folder.empty()) return;
+  std::vector<fs::path> pictures;
+  for (const auto& entry : fs::directory_iterator(folder / "images")) pictures.push_back(entry.path());
+  std::sort(pictures.begin(), pictures.end());
+  // A circle of about 460 px is a hemisphere; the lens's own calibration is not known.
+  const double focal = 460 / (0.5 * std::numbers::pi);
+  const CameraModel camera{
+      .distortion = CameraModel::Distortion::kannala_brandt, .fx = focal, .fy = focal, .cx = 462.5, .cy = 462.5};
+  double right[2] = {}, all = 0, seconds = 0;
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    if (i / 10 % 2 == 0) continue;  // every other ten were taught
+    const cv::Mat grey = cv::imread(pictures[i].string(), cv::IMREAD_GRAYSCALE);
+    const cv::Mat truth = cv::imread((folder / "masks" / pictures[i].stem()).string() + ".png", cv::IMREAD_GRAYSCALE);
+    REQUIRE(grey.size() == truth.size());
+    RobustSkyFinder robust({}, camera, grey.size());
+    SkyFinder plain(camera, grey.size());
+    const auto start = std::chrono::steady_clock::now();
+    robust.find(grey, {}, Vector3d::UnitZ(), Vector3d::UnitX());
+    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    plain.find(grey, Vector3d::UnitZ(), Vector3d::UnitX());
+    cv::Mat masks[2], odds;
+    if (plain.mask().empty())
+      masks[0] = cv::Mat(grey.size(), CV_8U, cv::Scalar(0));
+    else
+      cv::resize(plain.mask(), masks[0], grey.size(), 0, 0, cv::INTER_NEAREST);
+    cv::resize(robust.log_odds(), odds, grey.size(), 0, 0, cv::INTER_LINEAR);
+    masks[1] = odds > 0;
+    cv::Mat circle(grey.size(), CV_8U, cv::Scalar(0));
+    cv::circle(circle, {463, 463}, 440, cv::Scalar(255), -1);
+    all += cv::countNonZero(circle);
+    for (int k = 0; k < 2; ++k) right[k] += cv::countNonZero(((masks[k] > 127) == (truth > 127)) & circle);
+  }
+  MESSAGE("pixels right: flood fill " << 100 * right[0] / all << " %, robust " << 100 * right[1] / all << " %; "
+                                      << 1e3 * seconds / 30 << " ms a picture");
+  CHECK(right[1] > right[0]);
+  CHECK(right[1] > 0.86 * all);
+}
+
+TEST_CASE("pixels and rays of a fisheye lens are inverse to each other, beyond 90 degrees too") {
+  const CameraModel camera{.distortion = CameraModel::Distortion::kannala_brandt,
+                           .fx = 200,
+                           .fy = 201,
+                           .cx = 319.5,
+                           .cy = 239.5,
+                           .coefficients = {0.01, -0.004, 0.001, 0}};
+  for (const double theta : {0.0, 0.5, 1.2, 1.56, 1.6}) {
+    const Vector3d ray(std::sin(theta) * 0.6, std::sin(theta) * -0.8, std::cos(theta));
+    Eigen::Vector2d pixel;
+    Vector3d back;
+    REQUIRE(pixel_of(camera, ray, 1.7, pixel));
+    REQUIRE(ray_of(camera, pixel, 1.7, back));
+    CHECK((back - ray).norm() < 1e-6);
+  }
+  Eigen::Vector2d pixel;
+  CHECK_FALSE(pixel_of(camera, Vector3d(1, 0, -0.1).normalized(), 1.52, pixel));
+}
+
+TEST_CASE("a refused picture says why") {
+  City city(a_street());
+  const Vector3d place(1, 0.5, -1.5);
+  city.look_around(place, 60, 0.05);
+  auto edges = seen_from(city, place, kUp);
+  Matcher matcher{City(a_street())};
+  const Prior prior{place, kUp, 1.0, kDegree, 0.5 * kDegree, 40};
+  for (SkyEdge& e : edges) e.open = true;
+  CHECK_FALSE(matcher.match(edges, prior));
+  CHECK(matcher.refusal() == Refusal::few_edges);
+  Prior lost = prior;
+  lost.lost = true;
+  CHECK_FALSE(matcher.match(seen_from(city, place, kUp), lost));
+  CHECK(matcher.refusal() == Refusal::gathering);
+}
+
+TEST_CASE("the height over the ground is found with the place") {
+  City city(a_street());
+  const Vector3d place(3.2, -1.7, -1.5);
+  city.look_around(place, 60, 0.05);
+  const auto edges = seen_from(city, place, kUp);
+  Matcher matcher{City(a_street())};
+  Prior prior{place + Vector3d(1.0, -0.8, 1.2), kUp, 1.0, kDegree, 0.2 * kDegree, 40};
+  prior.height_sigma_m = 2;
+  const auto match = matcher.match(edges, prior);
+  REQUIRE(match);
+  CHECK((match->p_n - place).head<2>().norm() < 0.4);
+  CHECK(std::abs(match->p_n.z() - place.z()) < 0.5);
+}
+
 TEST_CASE("a generated town's model is read back; damaged models are refused by name") {
   const TemporaryFolder folder;
   const std::string file = (folder / "city.json").string();
@@ -222,6 +415,21 @@ TEST_CASE("eq. (5): the scale is the line through places, whatever the heading, 
   REQUIRE(scale.scale());
   CHECK(scale.scale()->metres_per_unit == doctest::Approx(5.0).epsilon(0.05));
   CHECK(scale.scale()->sigma > 1.0);
+}
+
+TEST_CASE("eq. (5) letter for letter falls with the way driven: it is no scale") {
+  const double u = 0.5;
+  slant_scale::LiteralScale scale;
+  CHECK_FALSE(scale.scale());
+  std::vector<double> at_10_40_160;
+  for (int metre = 1; metre <= 160; ++metre) {
+    scale.add_motion({1 / u, 0, 0}, 1);
+    scale.add_place({double(metre), 0, 0}, 40);
+    if (metre == 10 || metre == 40 || metre == 160) at_10_40_160.push_back(*scale.scale());
+  }
+  CHECK(at_10_40_160[0] == doctest::Approx(40.0 / 8));  // the previous position: one frame behind, 2 units
+  CHECK(at_10_40_160[1] == doctest::Approx(40.0 / 38));
+  CHECK(at_10_40_160[2] == doctest::Approx(40.0 / 158));
 }
 
 TEST_CASE("eq. (1): the rigid motion of weighted points") {

@@ -6,6 +6,7 @@
 #include <odograph/odograph.h>
 
 #include "sdk/base/printable.hpp"
+#include "sdk/cli/city.hpp"
 #include "sdk/cli/commands.hpp"
 
 namespace odograph {
@@ -68,6 +69,7 @@ int main(int argc, char** argv) {
   odograph::add_convert(app, status);
   odograph::add_calibrate(app, status);
   odograph::add_bench(app, status);
+  odograph::add_city(app, status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -38,6 +38,8 @@ Result<bool> write_report(const std::filesystem::path& folder, const Recording& 
                   std::to_string(s.overflow))
        << row("Plugin faults", std::to_string(s.plugin_faults)) << "</table>\n";
   page << html::figures(plots_of(recording, {{"Odograph", &result}}));
+  for (const auto& [key, notice] : result.notices)
+    page << "<p>" << escape(key) << ", " << notice.count << " times: " << escape(notice.text) << "</p>\n";
   for (const auto& report : result.reports) page << "<p>" << escape(report) << "</p>\n";
   page << "<h2>Config</h2>\n<pre>" << escape(result.config_text) << "</pre>\n</html>\n";
   return write_whole_file(folder / "report.html", page.str());

@@ -75,6 +75,8 @@ Json json_of(const RecordingLoss& loss) {
 
 Json summary_of(const Recording& recording, const RunResult& result, const RunOptions& options) {
   const odo_statistics& s = result.statistics;
+  Json notices = Json::object();
+  for (const auto& [key, notice] : result.notices) notices[key] = {{"count", notice.count}, {"text", notice.text}};
   return {
       {"recording", recording.path.string()},
       {"format", recording.format},
@@ -103,6 +105,7 @@ Json summary_of(const Recording& recording, const RunResult& result, const RunOp
       {"warnings", recording.warnings},
       {"heading_turn_rad", result.heading_turn_rad},
       {"reports", result.reports},
+      {"notices", notices},
       {"versions",
        {{"odograph", odo_version()},
         {"abi", std::to_string(odo_abi_version() >> 16) + "." + std::to_string(odo_abi_version() & 0xFFFF)}}},

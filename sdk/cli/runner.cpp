@@ -47,17 +47,22 @@ struct Collector {
       case ODO_TYPE_CALIBRATION: result.refined.push_back(as<odo_calibration>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
       case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FIX_ACCEPTED) != 0}); break;
+      case ODO_TYPE_REPORT: take_report(as<odo_report>(event)); break;
       case ODO_TYPE_STATE:
         result.final_state = as<odo_state>(event).state;
         result.final_reason = as<odo_state>(event).reason;
         break;
-      case ODO_TYPE_REPORT: take_report(as<odo_report>(event)); break;
       default: break;
     }
   }
 
-  /// Warnings and errors, each text once.
+  /// Warnings and errors, each text once; what plugins say beside them, counted.
   void take_report(const odo_report& report) {
+    if (report.severity == ODO_SEVERITY_INFO) {
+      auto& notice = result.notices[std::string(report.plugin) + ' ' + report.key];
+      notice.count += report.count, notice.text = report.text;
+      return;
+    }
     const std::string text = std::string(report.plugin) + ": " + report.text;
     if (report.severity >= ODO_SEVERITY_WARNING && result.reports.size() < kMostReports &&
         std::find(result.reports.begin(), result.reports.end(), text) == result.reports.end())

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,6 +40,12 @@ struct RunResult {
   std::vector<std::string> reports;
   RecordingLoss loss;             // of the recording, with the pictures that turned out to be unreadable
   std::shared_ptr<void> session;  // where RunOptions asks for it
+  /// What plugins said beside errors, by plugin and key: the latest text, and how often.
+  struct Notice {
+    uint64_t count = 0;
+    std::string text;
+  };
+  std::map<std::string, Notice> notices;
   std::string config_text;
 };
 

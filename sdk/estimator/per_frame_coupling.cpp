@@ -18,6 +18,7 @@ using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 constexpr int kBelieveFixesAfter = 5;        // that many rejected in a row say that it is we who are wrong
 constexpr double kPlaceless_m = 1e4;         // how little a position means before the first fix
 constexpr double kHeadingUnknown_rad = 0.2;  // of a start without a compass
+constexpr double kAnyHeading_rad = 1.8;      // uniform over the circle: pi / sqrt(3)
 constexpr double kImpossible = 5.0;          // times the fastest: a motion that the picture or the scale got wrong
 constexpr double kTurnWalk = 0.003;          // rad/sqrt(s): a chain of frames drifts by this more than it says
 
@@ -102,6 +103,10 @@ odo_pose PerFrameCoupling::on_first_frame(int64_t t_ns) {
     tilt_variance_ = std::max(attitude->covariance_n[0], attitude->covariance_n[4]);
     if (attitude->header.flags & ODO_ATTITUDE_NORTH) heading_variance_ = attitude->covariance_n[8];
   }
+  // A start that tells no heading, which is then 0, leaves a chained gyroscope any: fixes may turn it around.
+  const bool any_heading = config_.orientation == Orientation::gyroscope && start_.heading_rad == 0 &&
+                           heading_variance_ == kHeadingUnknown_rad * kHeadingUnknown_rad;
+  if (any_heading) heading_variance_ = kAnyHeading_rad * kAnyHeading_rad;
   chain_.reset(q_n_, Vector3d(tilt_variance_, tilt_variance_, heading_variance_).asDiagonal());
   last_pose_ns_ = last_tracked_ns_ = t_ns;
   return publish(t_ns, ODO_DEGRADED, ODO_REASON_INITIALISING);

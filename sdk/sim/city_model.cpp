@@ -21,6 +21,8 @@ using Kind = CityModel::Kind;
 using Ring = std::vector<Vector3d>;  // in the file's axes: east, north, up
 
 constexpr size_t kMostFaces = 20'000'000;
+constexpr double kFarthest_m = 1e8;
+constexpr size_t kMostHoles = 100;  // in one surface: GLU takes a second for them, and a minute for ten times as many
 
 Kind ground_kind(const std::string& type) {
   if (type == "Road" || type == "Railway" || type == "TransportSquare" || type == "Bridge") return Kind::road;
@@ -136,6 +138,8 @@ class CityJson {
       if (!is_point(v)) return wrong("vertex " + std::to_string(points_.size()) + " is not three numbers");
       points_.push_back(scale.cwiseProduct(Vector3d(v[0].get<double>(), v[1].get<double>(), v[2].get<double>())) +
                         shift);
+      if (!(points_.back().cwiseAbs().maxCoeff() < kFarthest_m))
+        return wrong("vertex " + std::to_string(points_.size() - 1) + " is farther than any reference system's zero");
     }
     return true;
   }
@@ -178,6 +182,9 @@ class CityJson {
         ring.push_back(points_[index.get<size_t>()]);
       }
     }
+    if (rings.size() > kMostHoles + 1)
+      return wrong(id_ + ": a surface with " + std::to_string(rings.size() - 1) + " holes; at most " +
+                   std::to_string(kMostHoles));
     to_.add(rings, ground_kind(type_));
     return true;
   }
@@ -226,7 +233,7 @@ Result<CityModel> parse_city_json(std::string_view text, const std::string& name
   Json root;
   try {
     root = Json::parse(text);
-  } catch (const Json::parse_error& error) {
+  } catch (const Json::exception& error) {
     return Failure{ODO_E_DATA, name + ": " + error.what()};
   }
   Collector to(name, origin);
@@ -238,6 +245,8 @@ Result<CityModel> parse_city_json(std::string_view text, const std::string& name
 Result<CityModel> read_city_model(const fs::path& file, std::optional<Vector3d> origin) {
   std::ifstream in(file, std::ios::binary);
   if (!in) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file"};
+  if (std::error_code error; !fs::is_regular_file(file, error))
+    return Failure{ODO_E_DATA, file.string() + ": not a file but a folder or a device"};
   if (file.extension() == ".obj") return read_obj(file, origin);
   std::stringstream text;
   text << in.rdbuf();

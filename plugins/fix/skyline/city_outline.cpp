@@ -15,6 +15,8 @@ namespace {
 using Eigen::Vector3d;
 using Json = nlohmann::json;
 
+constexpr double kFarthest_m = 1e8;
+
 bool is_point(const Json& v) {
   return v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
 }
@@ -76,6 +78,9 @@ std::vector<Edge> parse_city_outline(const std::string& text, const std::string&
     if (!is_point(v))
       throw std::runtime_error(name + ": vertex " + std::to_string(points.size()) + " is not three numbers");
     const Vector3d p = scale.cwiseProduct(point(v)) + shift - Vector3d(origin.data());
+    if (!(p.cwiseAbs().maxCoeff() < kFarthest_m))
+      throw std::runtime_error(name + ": vertex " + std::to_string(points.size()) +
+                               " is farther than any reference system's zero");
     points.emplace_back(p.y(), p.x(), -p.z());
   }
   std::vector<std::vector<Vector3d>> rings;
@@ -83,7 +88,7 @@ std::vector<Edge> parse_city_outline(const std::string& text, const std::string&
     const Json type = object.is_object() ? object.value("type", Json()) : Json();
     if (!type.is_string()) throw std::runtime_error(name + ": " + id + ": no \"type\"");
     const auto geometry = object.find("geometry");
-    if (!type.get<std::string>().starts_with("Building") || geometry == object.end() || !geometry->is_array()) continue;
+    if (geometry == object.end() || !geometry->is_array()) continue;
     const Json* finest = nullptr;
     for (const Json& g : *geometry)
       if (g.is_object() && g.contains("boundaries") && (!finest || level_of_detail(g) > level_of_detail(*finest)))

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Dense>
 
 namespace odograph::skyline {
 namespace {
@@ -16,6 +16,8 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMost_rad = 3 * kDegree;      // a direction's largest loss
 constexpr double kAgrees_rad = 1.0 * kDegree;  // of one in which picture and model agree
 constexpr double kNoise_rad = 0.25 * kDegree;  // least mean loss believed
+constexpr double kSoft_rad = 0.6 * kDegree;    // from here on a direction pulls less and less (Geman & McClure 1987)
+constexpr double kStep_m = 0.25;               // of the numeric derivatives of the model's skyline
 constexpr double kCorrelated = 12;             // neighbouring directions err together: six degrees
 constexpr double kNearest_m = 6;               // always searched: priors are optimistic
 constexpr double kWide_m = 12;                 // farther than this the lattice is coarse
@@ -23,13 +25,20 @@ constexpr double kApart_m = 4;                 // farther from each other than t
 constexpr double kNewest = 0.35;               // a picture's part of an offset's mean
 constexpr int kPictures = 4;                   // that must have been seen before one of the lost is believed
 constexpr double kSlip_rad = 0.1 * kDegree;    // an offset is likelier to stay than to move by a cell
-constexpr size_t kLeastEdges = 120;
+constexpr double kLowest_rad = 3 * kDegree;    // what stands lower is not looked at: parked cars, hedges, far hills
+constexpr size_t kLeastEdges = 240;            // a third of the directions: fewer have been seen to fit in wrong places
+constexpr size_t kStarts = 2;                  // places of the lattice that are refined
+constexpr double kFarthestStep_m = 2;
+constexpr double kDoubt_m = 2.5;  // standard deviation of a place with which nothing agrees, on drives through Delft
+constexpr double kHopeless_rad = 0.3 * kDegree;  // of a move's mean loss: no heading makes up for it
+constexpr int kLastSteps = 2;
+constexpr double kSpread_m = 2.5;  // between them
 
 double apart(const Guess& x, const Guess& y) { return std::hypot(x.north - y.north, x.east - y.east); }
 
 /// From a mean loss to a logarithm of a likelihood.
-double to_log(size_t directions, double best_cost) {
-  return static_cast<double>(directions) / (kCorrelated * std::max(kNoise_rad, 0.5 * best_cost));
+double to_log(double directions, double best_cost) {
+  return directions / (kCorrelated * std::max(kNoise_rad, 0.5 * best_cost));
 }
 
 }  // namespace
@@ -58,12 +67,17 @@ int OffsetMap::average(std::vector<Place>& places, double step_m) {
   return ++pictures_;
 }
 
-/// Mean loss of a direction, rad, with what the prior says of the tilt.
-double Matcher::cost(const Guess& g, bool new_place) {
-  if (new_place) city_.horizon(prior_.p_n + Eigen::Vector3d(g.north, g.east, 0), horizon_);
+/// What the prior says of height and inclination, as a mean loss.
+double Matcher::cost_of_prior(const Guess& g) const {
   const double tilt = std::hypot(g.tilt_north, g.tilt_east) / prior_.tilt_sigma_rad;
-  return seen_.loss(horizon_, g, kMost_rad) +
-         0.5 * tilt * tilt * kNoise_rad * kCorrelated / static_cast<double>(seen_.size());
+  const double high = g.up / prior_.height_sigma_m;
+  return 0.5 * (tilt * tilt + high * high) * kNoise_rad * kCorrelated / std::max(1.0, seen_.total_weight());
+}
+
+/// Mean loss of a direction, rad, with what the prior says.
+double Matcher::cost(const Guess& g, bool new_place) {
+  if (new_place) city_.quick_horizon(place_of(g), horizon_);
+  return seen_.loss(horizon_, g, kMost_rad) + cost_of_prior(g);
 }
 
 /// A lattice of places, each with the best of the headings in reach.
@@ -75,11 +89,11 @@ void Matcher::search(double radius_m, double step_m) {
   for (int a = -reach; a <= reach; ++a)
     for (int b = -reach; b <= reach; ++b) {
       Place best{{.north = a * step_m, .east = b * step_m}, 1e9};
-      city_.horizon(prior_.p_n + Eigen::Vector3d(best.guess.north, best.guess.east, 0), horizon_);
+      city_.quick_horizon(place_of(best.guess), horizon_);
       Guess g = best.guess;
       const auto look = [&](double yaw) {
         g.yaw = yaw;
-        if (const double c = cost(g, false); c < best.cost) best = {g, c};
+        if (const double c = seen_.loss(horizon_, g, kMost_rad, 3); c < best.cost) best = {g, c};
       };
       for (int y = -turns; y <= turns; y += stride) look(y * kDegree);
       if (stride > 1) {
@@ -90,77 +104,179 @@ void Matcher::search(double radius_m, double step_m) {
     }
 }
 
-Place Matcher::refine(Place at, double step_m) {
-  for (double size = step_m / 2; size > 0.05; size /= 2) {
-    for (bool better = true; better;) {
-      better = false;
-      const double turn = size * kDegree;
-      // The turns first: they need no other skyline of the model.
-      const std::array<Guess, 10> moves = {{{.yaw = turn},
-                                            {.yaw = -turn},
-                                            {.tilt_north = 0.5 * turn},
-                                            {.tilt_north = -0.5 * turn},
-                                            {.tilt_east = 0.5 * turn},
-                                            {.tilt_east = -0.5 * turn},
-                                            {.north = size},
-                                            {.north = -size},
-                                            {.east = size},
-                                            {.east = -size}}};
-      city_.horizon(prior_.p_n + Eigen::Vector3d(at.guess.north, at.guess.east, 0), horizon_);
-      for (const Guess& m : moves) {
-        Guess g = at.guess;
-        g.north += m.north, g.east += m.east, g.yaw += m.yaw;
-        g.tilt_north += m.tilt_north, g.tilt_east += m.tilt_east;
-        const bool moved = m.north != 0 || m.east != 0;
-        if (const double c = cost(g, moved); c < at.cost - 1e-9) at = {g, c}, better = true;
-      }
+/// Normal equations of all six unknowns (north, east, up, yaw, tilt about north and east) at a guess: the model's
+/// skyline differentiated numerically, each direction weighted after Geman & McClure.
+bool Matcher::linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b) {
+  const Eigen::Vector3d p = place_of(at);
+  Horizon moved[3][2];
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side) {
+      Eigen::Vector3d there = p;
+      there[axis] += side ? kStep_m : -kStep_m;
+      city_.quick_horizon(there, moved[axis][side]);
+    }
+  city_.quick_horizon(p, horizon_);
+  seen_.residuals(horizon_, at, residuals_);
+  H.setZero(), b.setZero();
+  double directions = 0;
+  for (const auto& r : residuals_) {
+    const double soft = soft_rad * soft_rad / (soft_rad * soft_rad + r.value * r.value);
+    const double w = r.weight * soft * soft;
+    if (w < 1e-3) continue;
+    directions += w;
+    Vector6d J;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double d = moved[axis][1].elevation_at(r.azimuth) - moved[axis][0].elevation_at(r.azimuth);
+      // A jump is a house's end that passes, not a slope.
+      J[axis] = std::abs(d) < 0.1 ? d / (2 * kStep_m) : 0.0;
+    }
+    J[2] = -J[2];  // up
+    constexpr double kTurn_rad = 0.5 * kDegree;
+    const double turn = horizon_.elevation_at(r.azimuth + kTurn_rad) - horizon_.elevation_at(r.azimuth - kTurn_rad);
+    J[3] = std::abs(turn) < 0.1 ? turn / (2 * kTurn_rad) : 0.0;
+    J[4] = J[3] * r.slope * r.cosine + r.sine;
+    J[5] = J[3] * r.slope * r.sine - r.cosine;
+    H += w * J * J.transpose();
+    b -= w * r.value * J;
+  }
+  const double noise = kNoise_rad * kNoise_rad * kCorrelated;
+  H /= noise, b /= noise;
+  const double height = 1 / (prior_.height_sigma_m * prior_.height_sigma_m);
+  const double tilt = 1 / (prior_.tilt_sigma_rad * prior_.tilt_sigma_rad);
+  H(2, 2) += height, b[2] -= height * at.up;
+  H(4, 4) += tilt, b[4] -= tilt * at.tilt_north;
+  H(5, 5) += tilt, b[5] -= tilt * at.tilt_east;
+  return directions > 20;
+}
+
+/// One step of Levenberg's method.
+std::optional<Guess> Matcher::step(const Guess& at, double soft_rad, double damping) {
+  Matrix6d H;
+  Vector6d b;
+  if (!linearise(at, soft_rad, H, b)) return std::nullopt;
+  H.diagonal() *= 1 + damping;
+  H.diagonal().head<3>().array() += 1e-3;
+  H(3, 3) += 1e-3 / (kDegree * kDegree);
+  Vector6d d = H.ldlt().solve(b);
+  if (!d.allFinite()) return std::nullopt;
+  if (const double far = d.head<3>().norm(); far > kFarthestStep_m) d *= kFarthestStep_m / far;
+  if (const double turn = std::abs(d[3]); turn > kMost_rad) d *= kMost_rad / turn;
+  Guess g = at;
+  g.north += d[0], g.east += d[1], g.up += d[2], g.yaw += d[3], g.tilt_north += d[4], g.tilt_east += d[5];
+  return g;
+}
+
+/// Steps with ever narrower tolerance, so that walls that are degrees off pull first; then those that make it better.
+Place Matcher::refine(Place at) {
+  at.cost = cost(at.guess, true);
+  Place now = at;
+  for (const double soft_rad : {4 * kSoft_rad, 2 * kSoft_rad, kSoft_rad}) {
+    const auto next = step(now.guess, soft_rad, 1e-3);
+    if (!next) return at;
+    now = {*next, cost(*next, true)};
+    if (now.cost < at.cost) at = now;
+  }
+  now = at;
+  double damping = 1e-3;
+  for (int k = 0; k < kLastSteps; ++k) {
+    const auto next = step(now.guess, kSoft_rad, damping);
+    if (!next) break;
+    const double c = cost(*next, true);
+    if (c < now.cost - 1e-6) {
+      now = {*next, c}, damping = 1e-3;
+    } else if ((damping *= 100) > 20) {
+      break;
     }
   }
+  return now;
+}
+
+/// The best heading and inclination for a place, by ever smaller moves; the model's skyline there is at hand.
+void Matcher::turn(Place& at) {
+  for (double size = 0.8 * kDegree; size > 0.08 * kDegree; size *= 0.4)
+    for (bool better = true; better;) {
+      better = false;
+      const std::array<Guess, 6> moves = {{{.yaw = size},
+                                           {.yaw = -size},
+                                           {.tilt_north = 0.5 * size},
+                                           {.tilt_north = -0.5 * size},
+                                           {.tilt_east = 0.5 * size},
+                                           {.tilt_east = -0.5 * size}}};
+      for (const Guess& m : moves) {
+        Guess g = at.guess;
+        g.yaw += m.yaw, g.tilt_north += m.tilt_north, g.tilt_east += m.tilt_east;
+        if (const double c = cost(g, false); c < at.cost - 1e-7) at = {g, c}, better = true;
+      }
+    }
+}
+
+/// Vertical edges of houses tell the heading but have no slope to follow: a pattern search for the last metre, each
+/// place with the heading and the inclination that fit it best.
+Place Matcher::polish(Place at) {
+  at.cost = cost(at.guess, true);
+  turn(at);
+  for (double size = 0.6; size > 0.05; size *= 0.5)
+    for (bool better = true; better;) {
+      better = false;
+      const std::array<Guess, 6> moves = {
+          {{.north = size}, {.north = -size}, {.east = size}, {.east = -size}, {.up = size}, {.up = -size}}};
+      for (const Guess& m : moves) {
+        Place there = at;
+        there.guess.north += m.north, there.guess.east += m.east, there.guess.up += m.up;
+        there.cost = cost(there.guess, true);
+        if (there.cost > at.cost + kHopeless_rad) continue;
+        turn(there);
+        if (there.cost < at.cost - 1e-6) at = there, better = true;
+      }
+    }
   return at;
 }
 
 std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
   const auto by_cost = [](const Place& x, const Place& y) { return x.cost < y.cost; };
-  const auto other_than = [&](const Guess& guess) {
-    return std::find_if(places_.begin(), places_.end(),
-                        [&](const Place& p) { return apart(p.guess, guess) > kApart_m + 1; });
-  };
   rival_cost = 1e9;
   if (!prior_.lost) {
     offsets_.clear();
     std::sort(places_.begin(), places_.end(), by_cost);
-    Place best = refine(places_.front(), step_m);
-    if (const auto other = other_than(best.guess); other != places_.end()) {
-      const Place second = refine(*other, step_m);
-      if (apart(second.guess, best.guess) > kApart_m) {
-        rival_cost = std::max(best.cost, second.cost);
-        if (second.cost < best.cost) best = second;
-      }
+    // The best few of the lattice, apart from each other, each taken to where it is best.
+    std::vector<Place> starts, ends;
+    for (const Place& p : places_) {
+      if (std::any_of(starts.begin(), starts.end(),
+                      [&](const Place& s) { return apart(s.guess, p.guess) < kSpread_m; }))
+        continue;
+      starts.push_back(p);
+      if (starts.size() == kStarts) break;
     }
-    return best;
+    for (const Place& p : starts) ends.push_back(refine(p));
+    std::sort(ends.begin(), ends.end(), by_cost);
+    ends.front() = polish(ends.front());
+    for (const Place& p : ends)
+      if (apart(p.guess, ends.front().guess) > kApart_m) {
+        rival_cost = p.cost;
+        break;
+      }
+    (void)step_m;
+    return ends.front();
   }
   const int pictures = offsets_.average(places_, step_m);
   std::sort(places_.begin(), places_.end(), by_cost);
+  refusal_ = Refusal::gathering;
   if (pictures < kPictures) return std::nullopt;
   const Place first = places_.front();
-  if (const auto other = other_than(first.guess); other != places_.end()) rival_cost = other->cost - first.cost;
-  Place here = first;
-  here.cost = cost(here.guess, true);
-  here = refine(here, step_m);
+  const auto other = std::find_if(places_.begin(), places_.end(),
+                                  [&](const Place& p) { return apart(p.guess, first.guess) > kApart_m + 1; });
+  if (other != places_.end()) rival_cost = other->cost - first.cost;
+  const Place here = polish(refine(first));
+  refusal_ = Refusal::ambiguous;
   if (apart(here.guess, first.guess) > kApart_m) return std::nullopt;
   rival_cost += here.cost;
   return here;
 }
 
-/// How fast the likelihood falls to all sides, and what the places of the lattice say.
+/// How well the place is known: the curvature of the fit, what the lattice says, and how likely another place is.
 void Matcher::weigh(const Place& best, double rival_cost, Match& match) {
-  const double scale = to_log(seen_.size(), best.cost);
+  const double scale = to_log(seen_.total_weight(), best.cost);
   match.rival = rival_cost < 1e9 ? std::exp(-scale * (rival_cost - best.cost)) : 0.0;
-  const auto log_at = [&](double north, double east, double yaw) {
-    Guess g = best.guess;
-    g.north += north, g.east += east, g.yaw += yaw;
-    return scale * (cost(g, true) - best.cost);
-  };
   // A street that looks the same for a while is a long cloud, not a point.
   Eigen::Matrix2d cloud = Eigen::Matrix2d::Zero();
   double weight = 0;
@@ -170,23 +286,24 @@ void Matcher::weigh(const Place& best, double rival_cost, Match& match) {
     cloud += w * d * d.transpose(), weight += w;
   }
   cloud /= weight;
-  constexpr double s = 0.6;
-  const double nn = log_at(s, 0, 0) + log_at(-s, 0, 0), ee = log_at(0, s, 0) + log_at(0, -s, 0);
-  const double pp = log_at(s, s, 0) + log_at(-s, -s, 0), mm = log_at(s, -s, 0) + log_at(-s, s, 0);
-  Eigen::Matrix2d H;
-  H << nn, (pp - mm) / 4, (pp - mm) / 4, ee;
-  H /= s * s;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(H);
-  const Eigen::Vector2d information = eigen.eigenvalues().cwiseMax(1.0 / (30 * 30)).cwiseMin(1.0 / (0.2 * 0.2));
-  match.covariance = eigen.eigenvectors() * information.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
-  match.covariance += cloud;
-  const double yy = log_at(0, 0, kDegree) + log_at(0, 0, -kDegree);
-  match.yaw_sigma_rad = std::clamp(kDegree / std::sqrt(std::max(yy, 1e-6)), 0.1 * kDegree, 30 * kDegree);
+  Matrix6d H;
+  Vector6d b;
+  linearise(best.guess, kSoft_rad, H, b);
+  // What is left over beyond the noise is model error, which averages no better.
+  const double left = std::max(1.0, best.cost / kNoise_rad);
+  H.diagonal().head<2>().array() += 1.0 / (30 * 30);
+  H(3, 3) += 1.0;
+  const Matrix6d P = H.inverse() * (left * left);
+  // Where picture and model agree in fewer directions, more of those that agree do so by chance.
+  const double doubt_m = kDoubt_m * (1 - match.agreement);
+  match.covariance = P.topLeftCorner<2, 2>() + cloud + Eigen::Matrix2d::Identity() * (doubt_m * doubt_m);
+  match.height_sigma_m = std::sqrt(std::max(1e-6, P(2, 2)));
+  match.yaw_sigma_rad = std::clamp(std::sqrt(std::max(0.0, P(3, 3))), 0.1 * kDegree, 30 * kDegree);
 }
 
 /// Where the camera is, and the highest roof point that it sees; false where there is none.
 bool Matcher::describe(const Place& best, Match& match) {
-  match.p_n = prior_.p_n + Eigen::Vector3d(best.guess.north, best.guess.east, 0);
+  match.p_n = place_of(best.guess);
   match.q_n_c = best.guess.rotation() * prior_.q_n_c;
   city_.horizon(match.p_n, horizon_);
   match.agreement = seen_.agreement(horizon_, best.guess, kAgrees_rad);
@@ -203,18 +320,24 @@ bool Matcher::describe(const Place& best, Match& match) {
 }
 
 std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Prior& prior) {
-  const auto closed = std::count_if(edges.begin(), edges.end(), [](const SkyEdge& e) { return !e.open; });
+  const auto closed = std::count_if(edges.begin(), edges.end(), [](const SkyEdge& e) { return !e.open && !e.above; });
+  refusal_ = Refusal::few_edges;
   if (static_cast<size_t>(closed) < kLeastEdges) return std::nullopt;
+  refusal_ = Refusal::none;
   prior_ = prior;
   seen_.set(edges, prior.q_n_c);
   const double radius = std::min(std::max(3 * prior.position_sigma_m, kNearest_m), prior.farthest_m);
-  const double step = radius > kWide_m || prior.lost ? 2.0 : 1.0;
-  city_.look_around(prior.p_n, radius + 3, std::tan(std::max(0.05, seen_.lowest_rad() - 0.1)));
+  const double step = radius > kWide_m || prior.lost ? 2.0 : 1.5;
+  city_.look_around(prior.p_n, radius + 3, std::tan(std::max(kLowest_rad, seen_.lowest_rad() - 0.1)),
+                    3 * prior.height_sigma_m);
   search(radius, step);
   double rival_cost = 0;
   const auto best = choose(step, rival_cost);
   Match match;
-  if (!best || !describe(*best, match)) return std::nullopt;
+  if (!best) return std::nullopt;
+  refusal_ = Refusal::nothing_in_view;
+  if (!describe(*best, match)) return std::nullopt;
+  refusal_ = Refusal::none;
   weigh(*best, rival_cost, match);
   return match;
 }

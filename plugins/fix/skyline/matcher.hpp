@@ -13,11 +13,12 @@ namespace odograph::skyline {
 
 /// What is known before looking.
 struct Prior {
-  Eigen::Vector3d p_n;  ///< of the camera; the height is taken as it is
+  Eigen::Vector3d p_n;  ///< of the camera
   Eigen::Quaterniond q_n_c;
   double position_sigma_m, yaw_sigma_rad, tilt_sigma_rad, farthest_m;
   /// The picture before did not tell the place: several must agree on where the prior is wrong.
   bool lost = false;
+  double height_sigma_m = 0.05;  ///< of p_n's down
 };
 
 struct Match {
@@ -25,11 +26,21 @@ struct Match {
   Eigen::Quaterniond q_n_c;
   Eigen::Matrix2d covariance;  ///< of north and east, m^2
   double yaw_sigma_rad;
-  double agreement;  ///< part of the directions in which picture and model agree
+  double height_sigma_m;
+  double agreement;  ///< part of the directions with a roof's edge in which picture and model agree
   double rival;      ///< likelihood of the best other place over that of this one
   /// The highest point of the skyline: eq. (2) and (4) of Gakne & O'Keefe 2018.
   Eigen::Vector3d landmark_n;
   double slant_distance_m;
+};
+
+/// Why a picture told no place.
+enum class Refusal {
+  none,
+  few_edges,        ///< too few directions have a roof's edge in the picture
+  gathering,        ///< lost: several pictures must agree first
+  ambiguous,        ///< several places fit, or the pictures' best is not this picture's
+  nothing_in_view,  ///< the model has no roof there
 };
 
 /// A place of the search, and how well the picture fits there.
@@ -59,11 +70,24 @@ class Matcher {
  public:
   explicit Matcher(City city) : city_(std::move(city)) {}
   std::optional<Match> match(const std::vector<SkyEdge>& edges, const Prior& prior);
+  /// Why the latest match() gave nothing.
+  Refusal refusal() const { return refusal_; }
 
  private:
+  using Vector6d = Eigen::Matrix<double, 6, 1>;
+  using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+  Eigen::Vector3d place_of(const Guess& guess) const {
+    return prior_.p_n + Eigen::Vector3d(guess.north, guess.east, -guess.up);
+  }
   double cost(const Guess& guess, bool new_place);
+  double cost_of_prior(const Guess& guess) const;
   void search(double radius_m, double step_m);
-  Place refine(Place from, double step_m);
+  Place refine(Place from);
+  void turn(Place& at);
+  Place polish(Place from);
+  bool linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b);
+  std::optional<Guess> step(const Guess& at, double soft_rad, double damping);
   /// Best place and best other one.
   std::optional<Place> choose(double step_m, double& rival_cost);
   void weigh(const Place& best, double rival_cost, Match& match);
@@ -74,7 +98,9 @@ class Matcher {
   SeenSkyline seen_;
   Horizon horizon_;
   std::vector<Place> places_;
+  std::vector<SeenSkyline::Residual> residuals_;
   OffsetMap offsets_;
+  Refusal refusal_ = Refusal::none;
 };
 
 }  // namespace odograph::skyline

@@ -1,47 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Geometry>
 
 #include "plugins/camera/frame_view.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
+#include "plugins/fix/skyline/robust_sky.hpp"
 
 namespace {
 
 using namespace odograph::skyline;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kNowhere_m = 1000;
-constexpr int kDoubtful = 4;  // failures in a row
+constexpr double kUnscaled_m = 2.5;            // what a car that pulls away drives from fix to fix
+constexpr double kUnknown_rad = 60 * kDegree;  // three times this is any heading
+constexpr int kDoubtful = 4;                   // failures in a row
 constexpr double kMostTilt_rad = 3 * kDegree;
-constexpr double kRival = 0.2;  // of another place's likelihood
+constexpr double kRival = 0.2;     // of another place's likelihood
+constexpr double kClimb_m = 0.05;  // by which the height over n's origin becomes uncertain from fix to fix
+constexpr double kLeastHeightSigma_m = 0.1;
+
+constexpr double kMostOff = 2;  // of the path since the last fix: one who goes the other way than thought
+
+/// Why a frame gave no fix, as reports and summaries name it.
+enum Reason : size_t { kPrior, kSky, kAgreement, kAmbiguity, kReasons };
+constexpr const char* kReasonNames[kReasons] = {"prior", "sky", "agreement", "ambiguity"};
 
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
 class Skyline {
  public:
   std::string model;
   std::array<double, 3> model_origin = {0, 0, 0};
-  double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.3, radius = 40;
+  std::string sky = "robust";
+  double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.2, radius = 40;
+  double height_sigma = 1.0;
 
   static constexpr odo::Description description{
       "fix/skyline", "1.0.0", "Position and heading from the skyline of a 3D city model (Gakne & O'Keefe 2018)",
       ODO_INTERFACE_ABSOLUTE_FIXER};
   static std::vector<odo::Parameter<Skyline>> parameters() {
-    return {odo::text("model", &Skyline::model, "CityJSON file of the buildings, beside the config"),
+    return {odo::text("model", &Skyline::model, "CityJSON file of the city, beside the config"),
             odo::reals("model_origin", "m", -1e8, 1e8, &Skyline::model_origin,
                        "easting, northing and height of n's origin in the model"),
+            odo::choice("sky", "robust|flood_fill", &Skyline::sky,
+                        "how sky is told from the rest: flood_fill is the paper's"),
             odo::real("interval", "s", 0, 3600, &Skyline::interval, "time between two fixes at least"),
             odo::real("radius", "m", 2, 200, &Skyline::radius, "farthest from the prior that is searched"),
             odo::real("min_agreement", "", 0.1, 1, &Skyline::min_agreement,
-                      "part of the directions in which picture and model must agree"),
+                      "part of the directions with a roof's edge in which picture and model must agree"),
             odo::real("tilt_sigma", "rad", 0.0001, 0.5, &Skyline::tilt_sigma,
                       "least standard deviation of the prior's inclination"),
+            odo::real("height_sigma", "m", 0.01, 100, &Skyline::height_sigma,
+                      "standard deviation of the prior's height at the start"),
             odo::real("min_sigma", "m", 0.001, 100, &Skyline::min_sigma, "smallest standard deviation believed")};
   }
 
   void configured(odo::Output& host) {
-    if (model.empty()) throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the buildings");
+    if (model.empty()) throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the city");
+    up_variance_ = height_sigma * height_sigma;
     const auto file = host.asset(model);
     if (!file) throw odo::Error(ODO_E_CONFIG, "model: no file '" + model + "' where the config lies");
     try {
@@ -58,51 +79,139 @@ class Skyline {
       q_c_b_ = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]).conjugate();
   }
 
-  void on(const odo_pose& pose, odo::Output&) { pose_ = pose; }
+  void on(const odo_pose& pose, odo::Output& output) {
+    if (pose.header.flags & ODO_POSE_EXTRAPOLATED) return;
+    pose_ = pose;
+    if (!waiting_ || pose.header.t_ns < waiting_->t_ns) return;
+    const Picture picture = *std::exchange(waiting_, std::nullopt);
+    look(picture, output);
+  }
 
+  /// A frame waits for its pose where the front-end tells it later, having waited for the IMU itself.
   void on(const odo_frame& frame, odo::Output& output) {
     const odograph::CameraModel lens = camera_.lens_of(frame);
-    constexpr uint32_t needed = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_CAMERA | ODO_POSE_METRIC;
-    if (!pose_ || (pose_->header.flags & needed) != needed || pose_->header.t_ns != frame.header.t_ns) return;
-    const int64_t wait_ns = static_cast<int64_t>(interval * 1e9) - 1'000'000;
-    if (last_ns_ != INT64_MIN && frame.header.t_ns - last_ns_ < wait_ns) return;
-    const double variance = std::max(pose_->covariance[21], pose_->covariance[28]);
-    if (std::sqrt(variance) > kNowhere_m) return;  // there is no prior yet
-    const Eigen::Quaterniond q_n_c(pose_->q_n[0], pose_->q_n[1], pose_->q_n[2], pose_->q_n[3]);
-    const Eigen::Quaterniond q_c_n = q_n_c.conjugate();
-    if (!finder_ || lens != lens_) finder_.emplace(lens_ = lens, camera_.size());
-    const auto& edges = finder_->find(odograph::grey_of(frame, converted_), q_c_n * -Eigen::Vector3d::UnitZ(),
-                                      q_c_n * Eigen::Vector3d::UnitX());
-    if (edges.empty()) return;
-    last_ns_ = frame.header.t_ns;
-    const double yaw_sigma = std::clamp(std::sqrt(pose_->covariance[14]), 1.0 * kDegree, 30 * kDegree);
-    const double tilt =
-        std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma, kMostTilt_rad);
-    const auto match = matcher_->match(edges, {.p_n = Eigen::Vector3d(pose_->p_n),
-                                               .q_n_c = q_n_c,
-                                               .position_sigma_m = std::sqrt(variance) + failures_,
-                                               .yaw_sigma_rad = yaw_sigma,
-                                               .tilt_sigma_rad = tilt,
-                                               .farthest_m = radius,
-                                               .lost = failures_ >= kDoubtful});
-    if (!match || match->agreement < min_agreement || match->rival > kRival) {
-      ++failures_;
-      return;
+    const int64_t t_ns = frame.header.t_ns, wait_ns = static_cast<int64_t>(interval * 1e9) - 1'000'000;
+    if (last_ns_ != INT64_MIN && t_ns - last_ns_ < wait_ns) return;
+    last_ns_ = t_ns;
+    if (waiting_) refuse(kPrior, "no pose came for a picture", output);
+    Picture picture{t_ns, odograph::grey_of(frame, converted_), odograph::mask_of(frame), lens};
+    if (pose_ && pose_->header.t_ns == t_ns) {
+      waiting_.reset();
+      return look(picture, output);
     }
-    failures_ = 0;
-    output.emit(fix_of(*match, frame.header.t_ns));
+    picture.grey = picture.grey.clone(), picture.mask = picture.mask.clone();
+    waiting_ = picture;
   }
 
  private:
+  struct Picture {
+    int64_t t_ns;
+    cv::Mat grey, mask;
+    odograph::CameraModel lens;
+  };
+  struct Why {
+    Reason reason;
+    std::string text;
+  };
+
+  void look(const Picture& picture, odo::Output& output) {
+    constexpr uint32_t needed = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_CAMERA;
+    if ((pose_->header.flags & needed) != needed || pose_->header.t_ns != picture.t_ns)
+      return refuse(kPrior, "no pose of the camera at the frame's time", output);
+    const double variance = std::max(pose_->covariance[21], pose_->covariance[28]);
+    if (std::sqrt(variance) > kNowhere_m) return refuse(kPrior, "the pose is not placed yet", output);
+    // Without a metre the position stays where the last fix or the start was: the scale itself waits for fixes.
+    const bool metric = (pose_->header.flags & ODO_POSE_METRIC) != 0;
+    const double sigma = metric ? std::sqrt(variance) : std::max(std::sqrt(variance), kUnscaled_m);
+    const Eigen::Quaterniond q_n_c(pose_->q_n[0], pose_->q_n[1], pose_->q_n[2], pose_->q_n[3]);
+    const auto& edges = find_sky(picture, q_n_c.conjugate());
+    if (edges.empty()) return refuse(kSky, "no sky around the zenith", output);
+    const double yaw_sigma = std::clamp(std::sqrt(pose_->covariance[14]), 1.0 * kDegree, kUnknown_rad);
+    // Since the last fix the track may have gone astray by its heading. Who may be farther off than is searched would
+    // be placed where it only looks alike.
+    const double driven_m = pose_->distance_m - fixed_at_m_;
+    const double astray_m = driven_m * std::min(kMostOff, 3 * yaw_sigma);
+    if (astray_m > radius) return refuse(kPrior, "the pose may be farther off than is searched", output);
+    const double tilt =
+        std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma, kMostTilt_rad);
+    const auto match = matcher_->match(edges, {.p_n = Eigen::Vector3d(pose_->p_n) - Eigen::Vector3d(0, 0, up_m_),
+                                               .q_n_c = q_n_c,
+                                               .position_sigma_m = std::max(sigma + failures_, astray_m / 3),
+                                               .yaw_sigma_rad = yaw_sigma,
+                                               .tilt_sigma_rad = tilt,
+                                               .farthest_m = radius,
+                                               .lost = failures_ >= kDoubtful,
+                                               .height_sigma_m = std::sqrt(up_variance_)});
+    if (const auto why = judge(match)) {
+      ++failures_;
+      return refuse(why->reason, why->text, output);
+    }
+    failures_ = 0;
+    fixed_at_m_ = pose_->distance_m;
+    climb(*match);
+    output.emit(fix_of(*match, picture.t_ns));
+  }
+
+  const std::vector<SkyEdge>& find_sky(const Picture& picture, const Eigen::Quaterniond& q_c_n) {
+    const Eigen::Vector3d up_c = q_c_n * -Eigen::Vector3d::UnitZ(), north_c = q_c_n * Eigen::Vector3d::UnitX();
+    const bool same = picture.lens == lens_;
+    lens_ = picture.lens;
+    if (sky == "flood_fill") {
+      if (!finder_ || !same) finder_.emplace(lens_, camera_.size());
+      return finder_->find(picture.grey, up_c, north_c);
+    }
+    if (!robust_ || !same) robust_.emplace(RobustSkyFinder::Parameters{}, lens_, camera_.size());
+    return robust_->find(picture.grey, picture.mask, up_c, north_c);
+  }
+
+  /// What speaks against a match.
+  std::optional<Why> judge(const std::optional<Match>& match) const {
+    char text[120];
+    if (!match) {
+      switch (matcher_->refusal()) {
+        case Refusal::few_edges: return Why{kSky, "too few directions with a roof's edge"};
+        case Refusal::nothing_in_view: return Why{kAgreement, "the model has no roof in view"};
+        case Refusal::gathering: return Why{kAmbiguity, "lost: more pictures must agree"};
+        default: return Why{kAmbiguity, "pictures disagree about the place"};
+      }
+    }
+    if (match->agreement < min_agreement) {
+      std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are wanted", match->agreement,
+                    min_agreement);
+      return Why{kAgreement, text};
+    }
+    if (match->rival > kRival) {
+      std::snprintf(text, sizeof text, "another place is %.2f times as likely", match->rival);
+      return Why{kAmbiguity, text};
+    }
+    return std::nullopt;
+  }
+
+  /// Counts a frame without a fix, and says why.
+  void refuse(Reason reason, const std::string& text, odo::Output& output) {
+    ++refused_[reason];
+    std::string all = text + "; refused so far:";
+    for (size_t k = 0; k < kReasons; ++k)
+      all += std::string(k ? ", " : " ") + kReasonNames[k] + ' ' + std::to_string(refused_[k]);
+    output.report(ODO_SEVERITY_INFO, std::string("no_fix_") + kReasonNames[reason], all);
+  }
+
+  /// The height over n's origin follows the road, which the odometry does not.
+  void climb(const Match& match) {
+    const double measured = pose_->p_n[2] - match.p_n.z();
+    // The match has the prior in it already: its sigma is the sum's.
+    up_m_ = measured;
+    up_variance_ = std::max(match.height_sigma_m * match.height_sigma_m, kLeastHeightSigma_m * kLeastHeightSigma_m) +
+                   kClimb_m * kClimb_m;
+    up_variance_ = std::min(up_variance_, height_sigma * height_sigma);
+  }
+
   odo_fix fix_of(const Match& match, int64_t t_ns) const {
     auto fix = odo::make<odo_fix>(t_ns);
     fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_ORIENTATION | ODO_FIX_SLANT;
     fix.header.quality = static_cast<float>(match.agreement);
     Eigen::Vector3d::Map(fix.p_n) = match.p_n;
-    // What the inclination's error does to a place: roofs are seen at their height over it.
-    const double leaning = tilt_sigma * (match.p_n.z() - match.landmark_n.z());
-    const Eigen::Matrix2d covariance =
-        match.covariance + Eigen::Matrix2d::Identity() * (min_sigma * min_sigma + leaning * leaning);
+    const Eigen::Matrix2d covariance = match.covariance + Eigen::Matrix2d::Identity() * (min_sigma * min_sigma);
     fix.covariance_n[0] = covariance(0, 0), fix.covariance_n[1] = fix.covariance_n[3] = covariance(0, 1);
     fix.covariance_n[4] = covariance(1, 1);
     const Eigen::Quaterniond q_n_b = (match.q_n_c * q_c_b_).normalized();
@@ -117,13 +226,18 @@ class Skyline {
 
   std::optional<Matcher> matcher_;
   std::optional<SkyFinder> finder_;
+  std::optional<RobustSkyFinder> robust_;
+  std::array<uint64_t, kReasons> refused_{};
+  double fixed_at_m_ = 0;              // of the path
+  double up_m_ = 0, up_variance_ = 1;  // of the camera over the pose's height
   std::optional<odo_pose> pose_;
+  std::optional<Picture> waiting_;
   Eigen::Quaterniond q_c_b_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
   odograph::ToldCamera camera_;
   odograph::CameraModel lens_;  // that finder_ was made for
   int64_t last_ns_ = INT64_MIN;
-  int failures_ = 0;  // in a row; each widens the search by three metres
+  int failures_ = 0;  // in a row; each widens the search by a metre of standard deviation
 };
 
 }  // namespace

@@ -9,7 +9,8 @@ namespace odograph::skyline {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kSteepest = 20;  // tangent of the elevation: towards the zenith an azimuth means nothing
+constexpr double kLeastWeight = 0.1;  // of a direction that is not sure at all: it is right more often than not
+constexpr double kSteepest = 20;      // tangent of the elevation: towards the zenith an azimuth means nothing
 
 }  // namespace
 
@@ -22,7 +23,7 @@ Eigen::Quaterniond Guess::rotation() const {
 
 void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c) {
   rays_.clear();
-  lowest_ = 0.5 * std::numbers::pi;
+  lowest_ = 0.5 * std::numbers::pi, total_weight_ = 0;
   for (const SkyEdge& e : edges) {
     const Eigen::Vector3d u = q_n_c * e.ray_c;
     const double level = std::hypot(u.x(), u.y());
@@ -30,7 +31,9 @@ void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
     ray.azimuth = std::atan2(u.y(), u.x()), ray.elevation = std::atan2(-u.z(), level);
     ray.slope = std::clamp(-u.z() / std::max(level, 1e-9), -kSteepest, kSteepest);
     ray.cosine = std::cos(ray.azimuth), ray.sine = std::sin(ray.azimuth);
-    ray.below = e.open ? 0 : 1;
+    ray.below = e.open ? 0 : 1, ray.above = e.above ? 0 : 1;
+    ray.weight = kLeastWeight + (1 - kLeastWeight) * e.weight;
+    total_weight_ += ray.weight;
     rays_.push_back(ray);
     lowest_ = std::min(lowest_, ray.elevation);
   }
@@ -43,19 +46,39 @@ inline double SeenSkyline::difference(const Ray& ray, const Horizon& model, cons
   const double turns = (ray.azimuth + round) * (1 / kTurn) + 2;  // positive
   const auto j = static_cast<size_t>((turns - static_cast<int>(turns)) * Horizon::kDirections);
   const double above = static_cast<double>(model.elevation[j]) - ray.elevation - up;
-  return std::max(above, -above * ray.below);
+  return std::max(above * ray.above, -above * ray.below);
 }
 
-double SeenSkyline::loss(const Horizon& model, const Guess& guess, double most_rad) const {
-  double sum = 0;
-  for (const Ray& ray : rays_) sum += std::min(most_rad, difference(ray, model, guess));
-  return sum / static_cast<double>(rays_.size());
+double SeenSkyline::loss(const Horizon& model, const Guess& guess, double most_rad, size_t stride) const {
+  double sum = 0, total = 0;
+  for (size_t i = 0; i < rays_.size(); i += stride) {
+    sum += rays_[i].weight * std::min(most_rad, difference(rays_[i], model, guess));
+    total += rays_[i].weight;
+  }
+  return sum / std::max(total, 1e-9);
 }
 
 double SeenSkyline::agreement(const Horizon& model, const Guess& guess, double bound_rad) const {
-  const auto agreeing =
-      std::count_if(rays_.begin(), rays_.end(), [&](const Ray& r) { return difference(r, model, guess) < bound_rad; });
-  return static_cast<double>(agreeing) / static_cast<double>(rays_.size());
+  double agreeing = 0, total = 0;
+  for (const Ray& ray : rays_) {
+    const double d = difference(ray, model, guess);
+    const bool one_sided = ray.below == 0 || ray.above == 0;
+    if (one_sided && d < bound_rad) continue;
+    total += ray.weight;
+    if (d < bound_rad) agreeing += ray.weight;
+  }
+  return total > 0 ? agreeing / total : 0;
+}
+
+void SeenSkyline::residuals(const Horizon& model, const Guess& g, std::vector<Residual>& out) const {
+  out.clear();
+  for (const Ray& ray : rays_) {
+    const double up = g.tilt_east * ray.cosine - g.tilt_north * ray.sine;
+    const double round = g.yaw + ray.slope * (g.tilt_north * ray.cosine + g.tilt_east * ray.sine);
+    double value = model.elevation_at(ray.azimuth + round) - ray.elevation - up;
+    if ((value < 0 && ray.below == 0) || (value > 0 && ray.above == 0)) continue;
+    out.push_back({ray.azimuth + round, value, ray.weight, ray.slope, ray.cosine, ray.sine});
+  }
 }
 
 }  // namespace odograph::skyline

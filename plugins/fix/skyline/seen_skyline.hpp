@@ -12,7 +12,7 @@ namespace odograph::skyline {
 
 /// Where the camera is, from the prior: m and rad. The inclination turns first, about north and east; then the yaw.
 struct Guess {
-  double north = 0, east = 0, yaw = 0, tilt_north = 0, tilt_east = 0;
+  double north = 0, east = 0, yaw = 0, tilt_north = 0, tilt_east = 0, up = 0;
 
   Eigen::Quaterniond rotation() const;
 };
@@ -24,21 +24,35 @@ class SeenSkyline {
   size_t size() const { return rays_.size(); }
   double lowest_rad() const { return lowest_; }
 
-  /// Mean loss of a direction, rad, from the model's skyline of the guess's place: `most` at most, and none where the
-  /// sky goes on below the picture's border and the model's roof lies there too.
-  double loss(const Horizon& model, const Guess& guess, double most_rad) const;
-  /// Part of the directions whose loss is below a bound.
+  /// Mean loss of a direction, rad, from the model's skyline of the guess's place, by the weights of the directions:
+  /// `most_rad` at most, and none where the sky goes on below the picture's border and the model's roof lies there too.
+  /// `stride`: only every so many directions, for coarse searches.
+  double loss(const Horizon& model, const Guess& guess, double most_rad, size_t stride = 1) const;
+  /// Part of the directions whose loss is below a bound, of those in which the picture or the model has a roof's edge:
+  /// open sky that is open in the model too says little.
   double agreement(const Horizon& model, const Guess& guess, double bound_rad) const;
+  /// Sum of the weights: as many directions as count.
+  double total_weight() const { return total_weight_; }
+
+  /// A direction's signed difference, model less picture, rad; 0 where one-sided knowledge is fulfilled.
+  struct Residual {
+    double azimuth, value, weight;
+    double slope;  ///< tangent of its elevation
+    double cosine, sine;
+  };
+  void residuals(const Horizon& model, const Guess& guess, std::vector<Residual>& out) const;
 
  private:
   struct Ray {
     double azimuth, elevation, slope, cosine, sine;  // slope: tangent of the elevation; of the azimuth the others
     double below;  // what counts of a roof seen above the model's: 0 where the picture ends, else 1
+    double above;  // what counts of a roof seen below the model's: 0 where the picture begins below the edge
+    double weight;
   };
   double difference(const Ray& ray, const Horizon& model, const Guess& guess) const;
 
   std::vector<Ray> rays_;
-  double lowest_ = 0;
+  double lowest_ = 0, total_weight_ = 0;
 };
 
 }  // namespace odograph::skyline

@@ -12,8 +12,10 @@ namespace odograph::skyline {
 
 /// Where the sky ends in one direction from the zenith.
 struct SkyEdge {
-  Eigen::Vector3d ray_c;  ///< unit
-  bool open;              ///< the sky goes on beyond the picture: the edge is here or farther down
+  Eigen::Vector3d ray_c = Eigen::Vector3d::UnitZ();  ///< unit
+  bool open = false;   ///< the sky goes on beyond the picture: the edge is here or farther down
+  bool above = false;  ///< the picture begins below the edge: it is here or farther up
+  double weight = 1;   ///< 0 to 1: how sure the direction is
 };
 
 /// Tells sky from the rest in a picture that has the zenith in it, by filling from there over what is smooth (flood

@@ -9,13 +9,16 @@ namespace {
 /// Scale from slant distances to the roofs of a city model: eq. (4) to (6) of Gakne & O'Keefe 2018.
 class SlantDistance {
  public:
+  std::string formula = "baseline";
   double window = 15, least_way = 8, unit_drift = 0.03, unit = 0;
 
   static constexpr odo::Description description{
       "scale/slant_distance", "1.0.0", "Metres per VO unit from slant distances to roofs (Gakne & O'Keefe 2018)",
       ODO_INTERFACE_SCALE_SOURCE};
   static std::vector<odo::Parameter<SlantDistance>> parameters() {
-    return {odo::real("window", "s", 1, 3600, &SlantDistance::window, "fixes of this time count"),
+    return {odo::choice("formula", "baseline|gakne2018", &SlantDistance::formula,
+                        "the line through fixes, or eq. (5) letter for letter, which is no scale"),
+            odo::real("window", "s", 1, 3600, &SlantDistance::window, "fixes of this time count"),
             odo::real("least_way", "m", 0.1, 1000, &SlantDistance::least_way,
                       "no scale before the fixes lie this far apart"),
             odo::real("unit_drift", "", 0, 1, &SlantDistance::unit_drift,
@@ -34,6 +37,7 @@ class SlantDistance {
     const Eigen::Vector3d place = Eigen::Vector3d(fix.landmark_n) - fix.slant_distance_m * to_landmark.normalized();
     if (!(place.norm() < kMostUnits))
       throw odo::Error(ODO_E_DISCARD, "landmark_n or slant_distance_m is no place in n");
+    literal_.add_place(place, fix.slant_distance_m);
     scale_.add_place(fix.header.t_ns, place.head<2>(),
                      std::max(1e-6, 0.5 * (fix.covariance_n[0] + fix.covariance_n[4])));
   }
@@ -45,8 +49,11 @@ class SlantDistance {
     const Eigen::Vector3d d_n = q * Eigen::Vector3d(motion.p_c0_c1);
     if (!(d_n.norm() < kMostUnits)) throw odo::Error(ODO_E_DISCARD, "p_c0_c1 is no motion between two frames");
     scale_.add_motion(motion.t_from_ns, motion.header.t_ns, d_n, motion.scale_group);
+    literal_.add_motion(d_n, motion.scale_group);
     auto scale = odo::make<odo_scale>(motion.header.t_ns);
-    if (scale_.scale()) {
+    if (formula == "gakne2018" && literal_.scale()) {
+      scale.metres_per_unit = *literal_.scale(), scale.sigma = kLiteralSigma * *literal_.scale();
+    } else if (formula == "baseline" && scale_.scale()) {
       scale.metres_per_unit = scale_.scale()->metres_per_unit, scale.sigma = scale_.scale()->sigma;
     } else if (unit > 0) {
       scale.metres_per_unit = unit, scale.sigma = 0.5 * unit;
@@ -63,6 +70,8 @@ class SlantDistance {
  private:
   /// Metres or VO units: what lies farther is no pedestrian's or vehicle's, and would stay in the sums for ever.
   static constexpr double kMostUnits = 1e9;
+  static constexpr double kLiteralSigma = 0.5;  // relative; the paper gives none
+  odograph::slant_scale::LiteralScale literal_;
   odograph::slant_scale::SlantScale scale_{window, least_way, unit_drift};
 };
 

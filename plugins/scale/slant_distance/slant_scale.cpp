@@ -13,9 +13,10 @@ using Eigen::Vector2d;
 
 constexpr double kNanoseconds = 1e-9;
 constexpr double kHuber = 1.5;
-constexpr double kLeap = 0.7;   // of the logarithm: a factor of two
-constexpr int kInsist = 20;     // fixes in a row
-constexpr double kGuess = 0.3;  // relative; of a scale that rests on the speed before
+constexpr double kLeastBaseline = 1e-6;  // eq. (5) divides by it
+constexpr double kLeap = 0.7;            // of the logarithm: a factor of two
+constexpr int kInsist = 20;              // fixes in a row
+constexpr double kGuess = 0.3;           // relative; of a scale that rests on the speed before
 constexpr double kGuess_s = 1.0, kStanding_mps = 0.5;
 
 }  // namespace
@@ -108,6 +109,19 @@ void SlantScale::fit() {
   if (leaps && leaps_ < kInsist) return;
   scale_ = Scale{s, std::hypot(sigma, unit_drift_ * s)};
   known_ = true;
+}
+
+void LiteralScale::add_motion(const Eigen::Vector3d& d_n, uint32_t group) {
+  if (group_ && *group_ != group) at_ = before_ = last_place_;
+  group_ = group;
+  before_ = at_;
+  at_ += d_n;
+}
+
+void LiteralScale::add_place(const Eigen::Vector3d& p_n, double slant_distance_m) {
+  last_place_ = p_n;
+  const double baseline = (p_n - before_).norm();
+  if (baseline > kLeastBaseline) scale_ = slant_distance_m / baseline;
 }
 
 }  // namespace odograph::slant_scale

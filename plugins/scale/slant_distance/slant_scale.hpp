@@ -71,4 +71,22 @@ class SlantScale {
   double guess_s_ = 0;
 };
 
+/// Eq. (4) to (6) and Algorithm 1 letter for letter: s_g = d_slant / ||P_3DBM - P_VO||, P_VO being the previous
+/// position by the odometry alone, in its own unit, from the same origin. What that is worth: docs/slant_distance.md.
+class LiteralScale {
+ public:
+  /// A motion's displacement in n, VO units: eq. (6)'s positions. A new group begins where the last place was.
+  void add_motion(const Eigen::Vector3d& d_n, uint32_t group);
+  /// The place by the city model and the slant distance from there, m.
+  void add_place(const Eigen::Vector3d& p_n, double slant_distance_m);
+  /// Metres per unit; nothing before the first place.
+  std::optional<double> scale() const { return scale_; }
+
+ private:
+  Eigen::Vector3d at_ = Eigen::Vector3d::Zero(), before_ = Eigen::Vector3d::Zero(),
+                  last_place_ = Eigen::Vector3d::Zero();
+  std::optional<uint32_t> group_;
+  std::optional<double> scale_;
+};
+
 }  // namespace odograph::slant_scale

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include "sdk/city/city_check.hpp"
+#include "sdk/city/street_route.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("city");
+
+namespace {
+
+std::string refusal(const std::string& text) {
+  const auto done = check_city_text(text, "town.json");
+  return done ? std::string() : done.failure().text;
+}
+
+std::string town(const std::string& vertices, const std::string& boundaries, const std::string& more = "") {
+  return R"({"type":"CityJSON","version":"2.0",)" + more + R"("vertices":)" + vertices +
+         R"(,"CityObjects":{"a":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"1","boundaries":)" +
+         boundaries + "}]}}}";
+}
+
+const std::string kTriangle = "[[0,0,0],[10,0,0],[0,10,0]]";
+
+}  // namespace
+
+TEST_CASE("a city model's check counts what is in it") {
+  const auto one = check_city_text(town(kTriangle, "[[[0,1,2]]]"), "town.json");
+  REQUIRE(one);
+  CHECK(one->format == "CityJSON");
+  CHECK(one->objects == 1);
+  CHECK(one->surfaces == 1);
+  const auto lines = check_city_text(
+      R"({"type":"CityJSON","version":"2.0","CityObjects":{},"vertices":[],"transform":{"scale":[0.1,0.1,0.1],"translate":[0,0,0]}})"
+      "\n"
+      R"({"type":"CityJSONFeature","id":"b","CityObjects":{"b":{"type":"Building"}},"vertices":[[1,2,3]]})"
+      "\n",
+      "town.jsonl");
+  REQUIRE(lines);
+  CHECK(lines->format == "CityJSONSeq");
+  CHECK(lines->objects == 1);
+  const auto outside = check_city_text(
+      town(kTriangle, "[[[0,1,2]]]", R"("metadata":{"geographicalExtent":[0,0,0,5,5,5]},)"), "town.json");
+  REQUIRE(outside);
+  REQUIRE(outside->warnings.size() == 1);
+  CHECK(outside->warnings[0].find("geographicalExtent") != std::string::npos);
+}
+
+TEST_CASE("a damaged city model is refused in words that name the place") {
+  CHECK(refusal("{").find("town.json: not JSON at 1:2") == 0);
+  CHECK(refusal("[]").find("expected an object") != std::string::npos);
+  CHECK(refusal(R"({"version":"2.0"})").find("no \"type\"") != std::string::npos);
+  CHECK(refusal(R"({"type":"CityJSON","version":"0.8"})").find("CityJSON 1.0 to 2.0") != std::string::npos);
+  CHECK(refusal(town(kTriangle, "[[[0,1,9]]]")).find("a: no vertex 9; there are 3") != std::string::npos);
+  CHECK(refusal(town(kTriangle, "[[0,1,2]]")).find("not nested") != std::string::npos);
+  CHECK(refusal(town("[[18446744073709551616,0,0],[1,0,0],[0,1,0]]", "[[[0,1,2]]]")).find("vertex 0") !=
+        std::string::npos);
+  CHECK(refusal(town("[[1e400,0,0]]", "[]")).find("beyond all measure") != std::string::npos);
+  CHECK(refusal(town(kTriangle, "[]", R"("transform":{"scale":[1,1,1],"translate":[1e300,0,0]},)"))
+            .find("\"translate\"") != std::string::npos);
+  CHECK(refusal(R"({"type":"CityJSONFeature","id":"x","CityObjects":{"b":{"type":"Building"}},"vertices":[]})")
+            .find("no city object of that id") != std::string::npos);
+  std::string holes = "[[[0,1,2]";
+  for (int i = 0; i < 200; ++i) holes += ",[0,1,2]";
+  CHECK(refusal(town(kTriangle, holes + "]]")).find("200 holes") != std::string::npos);
+}
+
+TEST_CASE("what is no regular file, or too large, is not read") {
+  CHECK(check_city_model("/dev/zero").failure().text.find("a device") != std::string::npos);
+  const TemporaryFolder folder;
+  CHECK(check_city_model(folder / "none.json").failure().status == ODO_E_NOT_FOUND);
+  const auto file = write_text(folder / "town.json", town(kTriangle, "[[[0,1,2]]]"));
+  CHECK(check_city_model(file));
+  CityCheckLimits limits;
+  limits.file_bytes = 10;
+  CHECK(check_city_model(file, limits).failure().text.find("at most") != std::string::npos);
+}
+
+TEST_CASE("an OBJ model's faces are checked against its vertices") {
+  const TemporaryFolder folder;
+  const auto good = check_city_model(write_text(folder / "a.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -1\n"));
+  REQUIRE(good);
+  CHECK(good->surfaces == 1);
+  const auto bad = check_city_model(write_text(folder / "b.obj", "v 0 0 0\nf 1 2 3\n"));
+  REQUIRE_FALSE(bad);
+  CHECK(bad.failure().text.find("b.obj:2: no vertex 2; there are 1") != std::string::npos);
+}
+
+TEST_CASE("a route drawn through a model's streets keeps clear of its houses") {
+  // Four by four blocks of 30 m with streets of 14 m between them.
+  std::vector<Building> blocks;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) {
+      const Vector3d at(44.0 * i, 44.0 * j, 0);
+      blocks.push_back({{at, at + Vector3d(30, 0, 0), at + Vector3d(30, 30, 0), at + Vector3d(0, 30, 0)}, 12, true});
+    }
+  const TemporaryFolder folder;
+  REQUIRE(write_city_json(folder / "city.json", blocks, {}));
+  const auto city = read_city_model(folder / "city.json", Vector3d(0, 0, 0));
+  REQUIRE(city);
+  StreetRouteParameters p;
+  p.length_m = 150;
+  const auto route = draw_street_route(*city, 3, p);
+  REQUIRE(route);
+  double length = 0;
+  for (size_t i = 1; i < route->size(); ++i) {
+    const Vector3d a = (*route)[i - 1], b = (*route)[i];
+    length += (b - a).norm();
+    for (double t = 0; t <= 1; t += 0.05) {
+      const Vector3d at = a + t * (b - a);
+      for (const Building& block : blocks) {
+        const Vector3d in = at - block.foot[0];
+        CHECK_FALSE((in.x() > -1 && in.x() < 31 && in.y() > -1 && in.y() < 31));
+      }
+    }
+  }
+  CHECK(length > 130);
+  const auto again = draw_street_route(*city, 3, p), other = draw_street_route(*city, 4, p);
+  REQUIRE(again);
+  REQUIRE(other);
+  CHECK(*again == *route);
+  CHECK(*other != *route);
+}
+
+TEST_SUITE_END();
