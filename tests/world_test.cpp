@@ -76,7 +76,8 @@ TEST_CASE("a broken city model is refused with its name, the object and what was
   CHECK(why(replaced(kHouse, "[[3, 2, 1, 0]]", "7")).find("house: a surface is not a list") != std::string::npos);
   CHECK(why(replaced(kHouse, "[0.001, 0.001, 0.001]", "[0.001]")).find("transform") != std::string::npos);
   CHECK(why(replaced(kHouse, "[5000,5000,0]", "[5000,5000]")).find("vertex 0") != std::string::npos);
-  CHECK(why(replaced(kHouse, "[30000,20000,0]", "[3e11,20000,0]")).find("metres") != std::string::npos);
+  CHECK(why(replaced(kHouse, "[30000,20000,0]", "[2e8,20000,0]")).find("metres") != std::string::npos);
+  CHECK(why(replaced(kHouse, "[30000,20000,0]", "[3e11,20000,0]")).find("farther than") != std::string::npos);
 }
 
 TEST_CASE("an OBJ model is read as a city with its ground apart") {
