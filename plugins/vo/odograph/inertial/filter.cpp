@@ -18,13 +18,13 @@ constexpr int kMostMisses = 3;
 constexpr size_t kLeastForNoise = 5;
 constexpr double kMedianNis = 0.8;             // of chi-square with 2 to 10 degrees of freedom, by their number
 constexpr double kLeastDisplacement_m = 0.15;  // over the window, that tells its scale
+constexpr double kHeadingSigma_rad = 1e-4;     // a choice of ours: heading and position are not measured
+
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
-
-constexpr double kHeadingSigma_rad = 1e-4;  // a choice of ours: heading and position are not measured
 
 }  // namespace
 
@@ -127,10 +127,9 @@ bool Filter::without_parallax() const {
   if (state_.landmarks.size() < p_.stand.least_corners) return false;
   std::vector<double> inverse_depths;
   for (const Landmark& landmark : state_.landmarks) inverse_depths.push_back(landmark.at.z());
-  const auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
-  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
   const size_t n = state_.clones.size();
-  return (state_.clones[n - 1].p_w - state_.clones[n - 2].p_w).norm() * *middle * state_.camera.lens.focal() <
+  return (state_.clones[n - 1].p_w - state_.clones[n - 2].p_w).norm() * median(std::move(inverse_depths)) *
+             state_.camera.lens.focal() <
          kLeastParallax_px;
 }
 

@@ -15,10 +15,10 @@ bool integrate(Navigation& nav, int64_t from_ns, int64_t to_ns, const ImuBuffer&
 /// there is, and its velocity's variance grown.
 bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p);
 
-/// The camera's pose now becomes a clone. `imu` tells how it moves within the frame's readout.
 /// How far a stabilised lens shifts the picture from the state's time to `to_ns`, px.
 Eigen::Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p);
 
+/// The camera's pose now becomes a clone. `imu` tells how it moves within the frame's readout.
 void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, const FilterParameters& p);
 
 }  // namespace odograph::vio

@@ -281,7 +281,8 @@ std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenL
     for (size_t k = 0; k < accepted.size(); ++k)
       S.middleRows<2>(2 * static_cast<Eigen::Index>(k)) = accepted[k].H * rows_of(PH, accepted[k].columns);
     S.diagonal().array() += 1;
-    apply(state, PH, S, residual);
+    if (apply(state, PH, S, residual)) continue;
+    for (size_t k = from; k < until; ++k) outcomes[k].accepted = false;
   }
   return outcomes;
 }
