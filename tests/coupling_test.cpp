@@ -274,6 +274,24 @@ TEST_CASE("the coupling chains the gyroscope's rotations where the config says s
         1e-3);
 }
 
+TEST_CASE(
+    "a chained gyroscope that nobody told its heading is turned around by a fix; one that was told north is not") {
+  for (const bool told : {false, true}) {
+    CAPTURE(told);
+    PerFrameCoupling coupling({.orientation = Orientation::gyroscope},
+                              {.position_m = {0, 0, 0}, .heading_rad = 0, .given = true, .heading_given = told},
+                              {.vo = true, .scale = false});
+    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
+    attitude.q_n_b[0] = 1;
+    coupling.on_attitude(attitude);
+    coupling.on_first_frame(0);
+    auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
+    fix.header.flags = ODO_FIX_YAW;
+    fix.yaw_rad = -2.5, fix.yaw_sigma_rad = 0.02;
+    CHECK(coupling.on_fix(fix).accepted == !told);
+  }
+}
+
 TEST_CASE("a motion faster than the carrier can be is a mistake, not a displacement") {
   PerFrameCoupling coupling({.fastest_mps = 2}, {}, {.vo = true, .scale = true});
   coupling.on_first_frame(0);

@@ -71,7 +71,7 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   const Value& start = v["navigation"]["start"];
   if (start.given) {
     const auto& p = start["position"].reals;
-    config.start = {{p[0], p[1], p[2]}, start["heading"].real, true};
+    config.start = {{p[0], p[1], p[2]}, start["heading"].real, true, start["heading"].given};
   }
   if (v["camera"].given) {
     const auto camera = read_camera_yaml(base / v["camera"].text, nullptr);

@@ -36,7 +36,7 @@ struct PluginChoice {
 struct StartPose {
   std::array<double, 3> position_m{0, 0, 0};
   double heading_rad = 0.0;
-  bool given = false;
+  bool given = false, heading_given = false;
 };
 
 enum class Orientation { vo, gyroscope, attitude };

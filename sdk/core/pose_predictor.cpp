@@ -5,28 +5,16 @@
 #include <cmath>
 
 #include "sdk/base/saturating.hpp"
+#include "sdk/estimator/rotation.hpp"
 
 namespace odograph {
 namespace {
 
-using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 double seconds(int64_t later_ns, int64_t earlier_ns) {
   return static_cast<double>(saturating_difference(later_ns, earlier_ns)) * 1e-9;
-}
-
-Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized(); }
-
-Quaterniond exp_rotation(const Vector3d& angle) {
-  const double norm = angle.norm();
-  return norm > 0 ? Quaterniond(AngleAxisd(norm, angle / norm)) : Quaterniond::Identity();
-}
-
-Vector3d log_rotation(const Quaterniond& q) {
-  const AngleAxisd rotation(q);
-  return std::remainder(rotation.angle(), 2 * EIGEN_PI) * rotation.axis();
 }
 
 bool is_camera(const odo_pose& pose) { return (pose.header.flags & ODO_POSE_CAMERA) != 0; }

@@ -26,7 +26,6 @@ constexpr int64_t kWaitForAttitude_ns = 500'000'000;
 constexpr double kStandInterval_s = 0.2;
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
-Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized(); }
 double squared(double x) { return x * x; }
 
 }  // namespace

@@ -25,7 +25,6 @@ constexpr double kChord_s = 0.5;               // over which a velocity is taken
 constexpr int64_t kStepsTellVelocity_ns = 1'000'000'000;
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
-Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized(); }
 double squared(double x) { return x * x; }
 
 }  // namespace

@@ -24,8 +24,6 @@ constexpr double kNothing = 1e12;      // variance of what a fix does not have
 constexpr int kBelieveFixesAfter = 5;  // rejected in a row: it is the track that is wrong
 
 double squared(double x) { return x * x; }
-Quaterniond quaternion(const double* wxyz) { return Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized(); }
-
 }  // namespace
 
 UpdateResult InertialEstimator::apply(const odo_step* step) {

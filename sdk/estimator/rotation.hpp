@@ -18,6 +18,11 @@ inline Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q) {
   return rotation.angle() * rotation.axis();
 }
 
+/// Of a message, where w stands first; normalised.
+inline Eigen::Quaterniond quaternion(const double* wxyz) {
+  return Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized();
+}
+
 /// [v]x, so that skew(a) * b is a x b.
 inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
