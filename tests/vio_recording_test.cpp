@@ -113,6 +113,35 @@ TEST_CASE("a walk from standing is metric from its first step, through a lens th
   CHECK(std::abs(e.scale - 1) < 0.05);
 }
 
+TEST_CASE("a bias that a data sheet holds for steadier than a phone in a hand has it is not believed") {
+  const TemporaryFolder folder;
+  const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
+  REQUIRE(scenario);
+  Scenario shorter = *scenario;
+  shorter.walk_m = 3;
+  REQUIRE(simulate(shorter, 5, folder / "walk.odo", {}));
+  std::vector<Chain> chains;
+  for (const double walk : {1e-5, 1e-8, 1e-2}) {  // rad/s^2/sqrt(Hz); ten times that for the accelerometer
+    auto recording = read_recording(folder / "walk.odo");
+    REQUIRE(recording);
+    size_t told = 0;
+    for (const RecordedMessage& m : recording->messages)
+      if (m.message.header().type == ODO_TYPE_IMU_NOISE) {
+        auto noise = as<odo_imu_noise>(m.message.header());
+        noise.gyro_walk = walk, noise.accel_walk = 10 * walk;
+        recording->add(noise.header);
+        ++told;
+        break;
+      }
+    REQUIRE(told == 1);
+    recording->sort();
+    chains.push_back(chain_of(run(*recording)));
+    REQUIRE_FALSE(chains.back().track.empty());
+  }
+  CHECK(chains[0].track.back().p == chains[1].track.back().p);
+  CHECK(chains[0].track.back().p != chains[2].track.back().p);
+}
+
 TEST_CASE("a lens that breathes by 3 % keeps track and metre, and is the same told by calibrations or by the frames") {
   const TemporaryFolder folder;
   const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());

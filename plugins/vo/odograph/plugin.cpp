@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -98,8 +99,8 @@ class OdographVo {
     if (noise_ && noise_->gyro_noise > 0 && noise_->accel_noise > 0) {
       auto& n = parameters.filter.noise;
       n.gyro = noise_->gyro_noise, n.accel = noise_->accel_noise;
-      if (noise_->gyro_walk > 0) n.gyro_walk = noise_->gyro_walk;
-      if (noise_->accel_walk > 0) n.accel_walk = noise_->accel_walk;
+      n.gyro_walk = std::max(n.gyro_walk, noise_->gyro_walk);
+      n.accel_walk = std::max(n.accel_walk, noise_->accel_walk);
     }
     vio_.emplace(parameters, camera);
   }

@@ -17,8 +17,6 @@ using Eigen::Vector3d;
 constexpr size_t kLeastForRansac = 10;
 constexpr double kLeastInliers = 0.4;  // fewer: it is the rotation that is wrong, nobody is taken out
 
-const cv::TermCriteria kStop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.01);
-
 std::vector<Vector3d> rays_of(const std::vector<cv::Point2f>& pixels, const CameraModel& lens) {
   std::vector<cv::Point2d> straight;
   lens.undistort(pixels, straight);
@@ -48,19 +46,18 @@ const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& ma
     followed_ = 0;
     return corners_;
   }
-  Pyramid now;
-  cv::buildOpticalFlowPyramid(smooth_, now, {p_.window_px, p_.window_px}, p_.levels, true, cv::BORDER_REFLECT_101,
+  cv::buildOpticalFlowPyramid(smooth_, now_, {p_.window_px, p_.window_px}, p_.levels, true, cv::BORDER_REFLECT_101,
                               cv::BORDER_CONSTANT, false);
   if (!before_.empty() && !tracks_.empty()) {
     std::vector<cv::Point2f> to;
     predict(q_c0_c1, shift_px, before, dt_s, to);
-    track_forward(now, to);
-    refine_by_patch(now[0], q_c0_c1);
+    track_forward(to);
+    refine_by_patch(now_[0], q_c0_c1);
     drop_outliers(q_c0_c1, shift_px);
     for (Track& t : tracks_)
       t.parallax = dt_s > 0 ? Vector2d((Vector2d(t.pixel.x, t.pixel.y) - t.turned) / dt_s) : Vector2d(0, 0);
   }
-  before_ = std::move(now);
+  std::swap(before_, now_);
   followed_ = tracks_.size();
   if (static_cast<double>(followed_) < p_.refill_below * p_.most) refill(smooth_, mask);
   for (const Track& t : tracks_) corners_.corners.push_back({t.id, Vector2d(t.pixel.x, t.pixel.y), t.pixel.y});
@@ -95,20 +92,17 @@ void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const Vector2d& s
   }
 }
 
-void GuidedCorners::track_forward(const Pyramid& now, std::vector<cv::Point2f>& to) {
-  const cv::Size window(p_.window_px, p_.window_px);
-  std::vector<cv::Point2f> from, back;
+void GuidedCorners::track_forward(std::vector<cv::Point2f>& to) {
+  std::vector<cv::Point2f> from;
   for (const Track& t : tracks_) from.push_back(t.pixel);
-  std::vector<uchar> found, found_back;
-  cv::calcOpticalFlowPyrLK(before_, now, from, to, found, cv::noArray(), window, p_.levels, kStop,
+  std::vector<uchar> found;
+  cv::calcOpticalFlowPyrLK(before_, now_, from, to, found, cv::noArray(), {p_.window_px, p_.window_px}, p_.levels,
+                           {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, p_.settled_px},
                            cv::OPTFLOW_USE_INITIAL_FLOW);
-  back = from;
-  cv::calcOpticalFlowPyrLK(now, before_, to, back, found_back, cv::noArray(), window, 1, kStop,
-                           cv::OPTFLOW_USE_INITIAL_FLOW);
-  const cv::Rect2f inside(1, 1, static_cast<float>(now[0].cols - 2), static_cast<float>(now[0].rows - 2));
+  const cv::Rect2f inside(1, 1, static_cast<float>(now_[0].cols - 2), static_cast<float>(now_[0].rows - 2));
   std::vector<char> keep(tracks_.size());
   for (size_t i = 0; i < tracks_.size(); ++i) {
-    keep[i] = found[i] && found_back[i] && inside.contains(to[i]) && cv::norm(from[i] - back[i]) < p_.back_px;
+    keep[i] = found[i] && inside.contains(to[i]);
     tracks_[i].pixel = to[i];
   }
   keep_only(keep);
@@ -173,7 +167,7 @@ void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {
   for (const Track& t : tracks_) taken[cell(t.pixel)] = 1;
   const auto wanted = static_cast<size_t>(std::max(0, p_.most - static_cast<int>(tracks_.size())));
   std::vector<cv::Point2f> corners, chosen;
-  cv::goodFeaturesToTrack(picture, corners, 4 * p_.most, p_.quality, 0.35 * p_.cell_px, mask, 5);
+  cv::goodFeaturesToTrack(picture, corners, 4 * p_.most, p_.quality, p_.least_distance_px, mask, p_.block_px);
   for (const cv::Point2f& corner : corners) {
     if (chosen.size() >= wanted) break;
     if (std::exchange(taken[cell(corner)], 1)) continue;

@@ -16,17 +16,19 @@ namespace odograph::vio {
 class GuidedCorners {
  public:
   struct Parameters {
-    int most = 220;              ///< corners kept
-    int cell_px = 28;            ///< at most one new corner a cell
-    double quality = 0.01;       ///< relative to the best corner
-    int window_px = 15;          ///< of Lucas-Kanade
-    int levels = 3;              ///< of the pyramid
-    double back_px = 0.7;        ///< largest distance between the way there and the way back
-    Patch::Parameters patch;     ///< of a corner against the picture where it was found
-    double reference_error = 6;  ///< grey levels, mean: what looks otherwise than where it was found is dropped
-    double reference_px = 1.5;   ///< most that the reference moves a corner
+    int most = 220;                 ///< corners kept
+    int cell_px = 28;               ///< at most one new corner a cell
+    double least_distance_px = 10;  ///< between new corners
+    double quality = 0.01;          ///< relative to the best corner
+    int block_px = 5;               ///< over which a corner is looked at
+    int window_px = 15;             ///< of Lucas-Kanade
+    int levels = 3;                 ///< of the pyramid
+    double settled_px = 0.03;       ///< its last step; the patch is finer
+    Patch::Parameters patch;        ///< of a corner against the picture where it was found
+    double reference_error = 6;     ///< grey levels, mean: what looks otherwise than where it was found is dropped
+    double reference_px = 1.5;      ///< most that the reference moves a corner
     double least_growth = 0.5, most_growth = 3;  ///< in area, until a corner's patch is taken anew
-    double refill_below = 0.85;                  ///< of `most`
+    double refill_below = 0.7;                   ///< of `most`
     double epipolar_px = 2.0;                    ///< distance from the epipolar line of an inlier
     int trials = 40;
     double dark_grey = 8;                     ///< mean below which what is followed is the sensor's noise
@@ -61,14 +63,14 @@ class GuidedCorners {
 
   void predict(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px, const CameraModel& before,
                double dt_s, std::vector<cv::Point2f>& to);
-  void track_forward(const Pyramid& now, std::vector<cv::Point2f>& to);
+  void track_forward(std::vector<cv::Point2f>& to);
   void refine_by_patch(const cv::Mat& picture, const Eigen::Quaterniond& q_c0_c1);
   void drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px);
   void refill(const cv::Mat& picture, const cv::Mat& mask);
   void keep_only(const std::vector<char>& keep);
 
   Parameters p_;
-  Pyramid before_;
+  Pyramid before_, now_;
   std::vector<Track> tracks_;
   std::vector<Patch> patches_;
   std::vector<size_t> free_patches_;

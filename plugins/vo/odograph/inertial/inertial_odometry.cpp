@@ -212,7 +212,8 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
   m.trouble = m.state == Tracking::tracking          ? Trouble::none
               : corners_.mean_grey() < vo::kDarkGrey ? Trouble::too_dark
                                                      : Trouble::few_features;
-  out.scale_sigma = std::min(1.0, std::hypot(p_.scale_sigma_factor * filter_->scale_sigma(), p_.scale_sigma_floor));
+  out.scale_sigma = std::min(1.0, std::hypot(p_.scale_sigma_factor * filter_->scale_sigma(), p_.scale_sigma_floor,
+                                             p_.scale_sigma_stabilised * state.camera.follow));
   out.metric = true;
   const Eigen::Matrix3d R_c_w = T.linear().transpose();
   out.velocity_c = R_c_w * nav.v_w;

@@ -41,12 +41,13 @@ class InertialOdometry {
     double most_camera_pull = 100;  ///< Filter::camera_pull: the filter is wrong, not the camera
     double least_accepted = 0.3;    ///< of the tracks, for `diverged_s`: the filter is wrong
     double diverged_s = 1.0;
-    double start_every_s = 0.25;       ///< a start in motion is tried
-    double scale_sigma_factor = 2;     ///< the filter takes corners' errors for independent, which they are not:
-    double scale_sigma_floor = 0.01;   ///< relative; both by the 5 m stretches of euroc_mh05 and a simulated phone
-    double rotation_floor_rad = 2e-4;  ///< of a frame's motion: what the corners share in their errors
-    double blind_rotation_rad = 1e-3;  ///< of a frame's motion by the IMU alone
-    double position_floor_m = 2e-3;    ///< the same; 0.4 px at a depth of 2.5 m
+    double start_every_s = 0.25;           ///< a start in motion is tried
+    double scale_sigma_factor = 2;         ///< the filter takes corners' errors for independent, which they are not:
+    double scale_sigma_floor = 0.01;       ///< relative; both by the 5 m stretches of euroc_mh05 and a simulated phone
+    double scale_sigma_stabilised = 0.02;  ///< relative, times the gain of a stabilised lens: what its model leaves out
+    double rotation_floor_rad = 2e-4;      ///< of a frame's motion: what the corners share in their errors
+    double blind_rotation_rad = 1e-3;      ///< of a frame's motion by the IMU alone
+    double position_floor_m = 2e-3;        ///< the same; 0.4 px at a depth of 2.5 m
   };
 
   InertialOdometry(const Parameters& parameters, const Camera& camera);
