@@ -117,7 +117,8 @@ bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
     norms += norm, norm_squares += norm * norm;
   });
   const double norm_variance = norm_squares / n - norms * norms / (n * n);
-  if (std::min(variance, 2 * norm_variance) > p_.stand.force_mps2 * p_.stand.force_mps2) return false;
+  const double rate_hz = n / (static_cast<double>(frame.t_ns - before->t_ns) * 1e-9);
+  if (std::min(variance, 2 * norm_variance) > p_.stand.most_force_variance(p_.noise, rate_hz)) return false;
   const auto flow_px = flow_beside_rotation(*before, frame, state_.camera, p_.stand.least_corners);
   return flow_px && *flow_px < p_.stand.flow_px;
 }

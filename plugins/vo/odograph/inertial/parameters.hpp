@@ -56,9 +56,13 @@ struct StandParameters {
   double sway_mps = 0.1;  ///< of a hand, 0.03 to 0.1
   double arm_m = 0.5;
   double window_s = 0.4;      ///< over which it is looked at
-  double force_mps2 = 0.35;   ///< standard deviation of the specific force: a walk has more than 1
+  double force_mps2 = 0.5;    ///< of the specific force, beside the sensor's noise: a hand 0.3 to 0.45, a walk above 1
   double flow_px = 1.2;       ///< of the picture, beside one rotation, median
   size_t least_corners = 15;  ///< that tell it
+  /// Of the specific force's three axes together, (m/s^2)^2, by a sensor of this noise and so many samples a second.
+  double most_force_variance(const ImuNoise& noise, double rate_hz) const {
+    return force_mps2 * force_mps2 + 3 * noise.accel * noise.accel * rate_hz;
+  }
   double sigma_mps(double rate_radps) const { return std::hypot(sway_mps, arm_m * rate_radps); }
 };
 

@@ -28,6 +28,13 @@ int64_t imu_time(const StartFrame& frame, const Camera& camera) {
   return frame.corners.t_ns + static_cast<int64_t>(std::llround(camera.time_offset_s * 1e9));
 }
 
+/// The newest frame that is at least so long ago.
+std::optional<size_t> frame_before(const std::deque<StartFrame>& frames, double ago_s) {
+  for (size_t i = frames.size(); i-- > 0;)
+    if (seconds(frames.back().corners.t_ns - frames[i].corners.t_ns) > ago_s) return i;
+  return std::nullopt;
+}
+
 /// Rotation that takes `from` to the direction of `to`.
 Quaterniond between(const Vector3d& from, const Vector3d& to) { return Quaterniond::FromTwoVectors(from, to); }
 
@@ -118,11 +125,10 @@ std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, si
 
 std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const ImuBuffer& imu, const Camera& camera,
                                   const FilterParameters& p, const StartParameters& s) {
+  const auto before = frame_before(frames, s.still_s);
+  if (!before) return std::nullopt;
+  const size_t from = *before;
   const StartFrame& last = frames.back();
-  size_t from = frames.size();
-  while (from > 0 && seconds(last.corners.t_ns - frames[from - 1].corners.t_ns) <= s.still_s) --from;
-  if (from == 0) return std::nullopt;
-  --from;
   const int64_t t0_ns = imu_time(frames[from], camera), t1_ns = imu_time(last, camera);
   Vector3d force = Vector3d::Zero(), force_squares = Vector3d::Zero(), rate = Vector3d::Zero();
   double rate_squares = 0;
@@ -133,8 +139,9 @@ std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const Im
   });
   if (!whole || n < 10) return std::nullopt;
   force /= n, rate /= n;
-  const double spread = std::sqrt(std::max(0.0, (force_squares / n - force.cwiseAbs2()).sum()));
-  if (spread > p.stand.force_mps2 || std::abs(force.norm() - p.gravity_mps2) > 3 * p.priors.accel_bias_mps2)
+  const double variance = (force_squares / n - force.cwiseAbs2()).sum();
+  if (variance > p.stand.most_force_variance(p.noise, n / seconds(t1_ns - t0_ns)) ||
+      std::abs(force.norm() - p.gravity_mps2) > 3 * p.priors.accel_bias_mps2)
     return std::nullopt;
   if (p.stand.arm_m * std::sqrt(rate_squares / n) > s.still_arm_mps) return std::nullopt;
   const auto flow_px = flow_beside_rotation(frames[from].corners, last.corners, camera, p.stand.least_corners);
@@ -162,8 +169,13 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
          seconds(last.corners.t_ns - frames[from - 1].corners.t_ns) <= s.most_s)
     --from;
   if (from == frames.size() || seconds(last.corners.t_ns - frames[from].corners.t_ns) < s.least_s) return std::nullopt;
+  // Without parallax there is no way to compare with the accelerometer's: a camera that stands fits any metre.
+  if (const auto before = frame_before(frames, s.still_s)) {
+    const auto flow_px = flow_beside_rotation(frames[*before].corners, last.corners, camera, p.stand.least_corners);
+    if (flow_px && *flow_px < s.still_px) return std::nullopt;
+  }
   const auto alignment = align_with_imu(frames, from, imu, camera, gyro_bias, p);
-  if (!alignment || alignment->relative_sigma > s.alignment_sigma ||
+  if (!alignment || alignment->rms_m > s.most_rms_m || alignment->relative_sigma > s.alignment_sigma ||
       alignment->nav.accel_bias.norm() > s.most_accel_bias_mps2)
     return std::nullopt;
   Filter::Start start;

@@ -23,6 +23,7 @@ struct StartParameters {
   double still_px = 1.5;             ///< of the picture's flow that a rotation leaves over
   double least_s = 0.8, most_s = 3;  ///< of motion that a start in motion looks at
   double alignment_sigma = 0.35;     ///< relative, of the metre by the visual poses: more is no start
+  double most_rms_m = 0.1;           ///< that the visual poses leave beside the inertial ones: 0.01 where they are good
   double scale_sigma = 0.15;         ///< relative, of the metre that the filter leaves: more is no start
   double most_accel_bias_mps2 = 0.8;
   double most_camera_pull = 10;  ///< Filter::camera_pull, of five degrees of freedom
