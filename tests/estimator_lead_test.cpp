@@ -86,6 +86,39 @@ TEST_CASE("a heading that went astray with the gyroscope's bias before the walk 
     }
 }
 
+TEST_CASE("neither a barometer's readings nor a front-end's gravity is to be seen in the height of an app's pictures") {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    WalkMeasurements what;
+    what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02;
+    what.odometry.position_m = 0.001, what.odometry.rotation_rad = 0.0003, what.odometry.rotation_walk = 3e-4;
+    what.odometry.drift_per_root_m = 0;
+    CouplingConfig config;
+    config.type = CouplingType::inertial;
+    InertialEstimator estimator(config, {}, {true, false});
+    EstimatorWalk* running = nullptr;
+    int frame = 0;
+    what.change = [&](double t, odo_vo_motion& m) {
+      m.gravity_c1[0] += 0.01;  // a constant error, such as an accelerometer's bias makes
+      if (++frame % 10 != 0) return;
+      constexpr double kGust_m = 0.5, kSeaLevel_pa = 101325, kScaleHeight_m = 44330, kPower = 5.25588;
+      auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, EstimatorWalk::ns(t));
+      const double up_m = (frame % 20 == 0 ? kGust_m : -kGust_m) - running->truth(t).p_n_c.z();
+      barometer.pressure_pa = kSeaLevel_pa * std::pow(1 - up_m / kScaleHeight_m, kPower);
+      estimator.update(&barometer);
+    };
+    EstimatorWalk walk(estimator_scenario(60), what, seed);
+    running = &walk;
+    double worst_m = 0, last_m = 0;
+    walk.run(estimator, [&](double t, const odo_pose& pose) {
+      const double off_m = pose.p_n[2] - walk.truth(t).p_n_c.z();
+      if (t > 10) worst_m = std::max(worst_m, std::abs(off_m - last_m));
+      last_m = off_m;
+    });
+    CAPTURE(seed);
+    CHECK(worst_m < 0.015);
+  }
+}
+
 TEST_CASE("a first fix of the height alone says nothing of north and east, nor that the position is known") {
   CouplingConfig config;
   config.type = CouplingType::inertial;

@@ -159,7 +159,7 @@ class InertialEstimator : public Estimator {
   int64_t step_ns_ = INT64_MIN;
   double step_mean_m_ = 0;
   int steps_rejected_ = 0, fixes_rejected_ = 0, fixes_agreed_ = 0;
-  int64_t led_since_ns_ = INT64_MIN;
+  int64_t led_since_ns_ = INT64_MIN, baro_ns_ = INT64_MIN;
   bool baro_started_ = false;
 
   std::optional<odo_pose> pose_, corrected_;

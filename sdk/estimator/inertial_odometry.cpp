@@ -234,7 +234,7 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
     velocity.noise = Matrix3d::Identity() * squared(kInertialVelocity_mps);
     e_.update(velocity, p_.gate[3], follow());
   }
-  if (vo_.gravity_ns != INT64_MIN && seconds(t - vo_.gravity_ns) < p_.attitude_interval_s) return;
+  if (vo_.gravity_ns != INT64_MIN && seconds(t - vo_.gravity_ns) < p_.gravity_interval_s) return;
   vo_.gravity_ns = t;
   Innovation<2> down;
   const Vector3d g_n = q_n_c * Vector3d(m.gravity_c1);
@@ -242,7 +242,9 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
   Eigen::Matrix<double, 2, 3> by_theta;
   by_theta << 0, 1, 0, -1, 0, 0;
   down.by_pose(*at, by_theta, Eigen::Matrix<double, 2, 3>::Zero());
-  down.noise = Eigen::Matrix2d::Identity() * squared(p_.attitude_unaided_tilt_rad);
+  // Worth one a second, in small portions: a tilt that is mended moves the height that it has led to.
+  const double same = p_.attitude_interval_s / p_.gravity_interval_s;
+  down.noise = Eigen::Matrix2d::Identity() * (squared(p_.attitude_unaided_tilt_rad) * same);
   e_.update(down, p_.gate[2], calm());
 }
 

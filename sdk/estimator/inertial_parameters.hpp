@@ -82,14 +82,17 @@ struct Parameters {
   double quiet_tau_s = 0.3;          ///< s, of both
 
   // Attitude, barometer, speed.
-  double attitude_interval_s = 1.0;         ///< s: nearer ones are the same error
-  double attitude_tilt_rad = 0.05;          ///< rad, beside a camera: 1 deg rms, but the same over many seconds
+  double attitude_interval_s = 1.0;  ///< s: nearer ones are the same error
+  double gravity_interval_s = 0.2;   ///< s between two uses of a front-end's gravity, together worth one for each
+                                     ///< attitude_interval_s: at once they moved the height by 2 to 4 cm
+  double attitude_tilt_rad = 0.05;   ///< rad, beside a camera: 1 deg rms, but the same over many seconds
   double attitude_unaided_tilt_rad = 0.02;  ///< rad, where no camera tells the inclination
   double attitude_bias_radps = 0.005;       ///< rad/s: an attitude source's gyroscope bias, many times over the same
   double attitude_yaw_rad = 0.02;           ///< rad
   double north_walk = 0.01;                 ///< rad/sqrt(s): a compass in a street goes astray
   double gyro_heading_walk = 2e-4;          ///< rad/sqrt(s): an attitude without north, the same gyroscope's
   double baro_sigma_m = 0.5;                ///< m: 4 Pa of wind and 3 of noise
+  double baro_correlation_s = 10.0;         ///< s over which its error is one error; judgement
   double baro_walk = 0.02;                  ///< m/sqrt(s): 20 Pa in an hour, doors
   double uninformed_speed_s = 1.0;          ///< s between two reminders of the fastest speed where nothing else speaks
 
