@@ -48,6 +48,77 @@ TEST_CASE("where a front-end that has used inertia is sure, the track is its own
     }
 }
 
+TEST_CASE("a heading that went astray with the gyroscope's bias before the walk is known to, and mended") {
+  for (const double rate_radps : {0.0, 0.01, -0.015})
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+      constexpr double kStands_s = 6;  // until then the front-end's rotation is the gyroscope's, less a wrong bias
+      WalkMeasurements what;
+      what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02;
+      what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005, what.odometry.rotation_walk = 3e-4;
+      double last_s = -1;
+      what.change = [&](double t, odo_vo_motion& m) {
+        const double dt_s = last_s < 0 ? 0 : t - last_s;
+        last_s = t;
+        if (t > kStands_s) return;
+        m.scale_sigma = 1;
+        const Quaterniond astray = exp_rotation(rate_radps * dt_s * Vector3d(m.gravity_c1));
+        const Quaterniond q = Quaterniond(m.q_c0_c1[0], m.q_c0_c1[1], m.q_c0_c1[2], m.q_c0_c1[3]) * astray;
+        m.q_c0_c1[0] = q.w(), m.q_c0_c1[1] = q.x(), m.q_c0_c1[2] = q.y(), m.q_c0_c1[3] = q.z();
+      };
+      Scenario scenario = estimator_scenario(40);
+      scenario.walker.stand_s = kStands_s;
+      EstimatorWalk walk(scenario, what, seed);
+      CouplingConfig config;
+      config.type = CouplingType::inertial;
+      InertialEstimator estimator(config, {}, {true, false});
+      double error_rad = 0, sigma_rad = 0;
+      walk.run(estimator, [&](double t, const odo_pose& pose) {
+        if (t > 20) return;
+        const Quaterniond q(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
+        error_rad = log_rotation(walk.truth(t).q_n_c * q.conjugate()).z();
+        sigma_rad = std::sqrt(pose.covariance[14]);
+      });
+      CAPTURE(rate_radps);
+      CAPTURE(seed);
+      CHECK(std::abs(error_rad) < 3 * sigma_rad);
+      CHECK(std::abs(error_rad) < 0.03);  // of 0.06 and 0.09
+      CHECK(sigma_rad < 0.03);
+    }
+}
+
+TEST_CASE("neither a barometer's readings nor a front-end's gravity is to be seen in the height of an app's pictures") {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    WalkMeasurements what;
+    what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02;
+    what.odometry.position_m = 0.001, what.odometry.rotation_rad = 0.0003, what.odometry.rotation_walk = 3e-4;
+    what.odometry.drift_per_root_m = 0;
+    CouplingConfig config;
+    config.type = CouplingType::inertial;
+    InertialEstimator estimator(config, {}, {true, false});
+    EstimatorWalk* running = nullptr;
+    int frame = 0;
+    what.change = [&](double t, odo_vo_motion& m) {
+      m.gravity_c1[0] += 0.01;  // a constant error, such as an accelerometer's bias makes
+      if (++frame % 10 != 0) return;
+      constexpr double kGust_m = 0.5, kSeaLevel_pa = 101325, kScaleHeight_m = 44330, kPower = 5.25588;
+      auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, EstimatorWalk::ns(t));
+      const double up_m = (frame % 20 == 0 ? kGust_m : -kGust_m) - running->truth(t).p_n_c.z();
+      barometer.pressure_pa = kSeaLevel_pa * std::pow(1 - up_m / kScaleHeight_m, kPower);
+      estimator.update(&barometer);
+    };
+    EstimatorWalk walk(estimator_scenario(60), what, seed);
+    running = &walk;
+    double worst_m = 0, last_m = 0;
+    walk.run(estimator, [&](double t, const odo_pose& pose) {
+      const double off_m = pose.p_n[2] - walk.truth(t).p_n_c.z();
+      if (t > 10) worst_m = std::max(worst_m, std::abs(off_m - last_m));
+      last_m = off_m;
+    });
+    CAPTURE(seed);
+    CHECK(worst_m < 0.015);
+  }
+}
+
 TEST_CASE("a first fix of the height alone says nothing of north and east, nor that the position is known") {
   CouplingConfig config;
   config.type = CouplingType::inertial;

@@ -168,19 +168,24 @@ TEST_CASE("the update is the textbook's, and what is considered stays where it i
 
 TEST_CASE(
     "errors are as large as the covariance says: 20 walks each, with and without a metre, with and without fixes") {
-  for (const bool metric : {false, true})
+  enum class FrontEnd { no_metre, metric, metric_stabilised_lens };
+  for (const FrontEnd kind : {FrontEnd::no_metre, FrontEnd::metric, FrontEnd::metric_stabilised_lens})
     for (const bool fixes : {false, true}) {
       WalkMeasurements what;
       const inertial::Parameters assumed;
+      const bool metric = kind != FrontEnd::no_metre;
       what.odometry.rotation_walk = metric ? assumed.vio_rotation_walk : assumed.vo_rotation_walk;
       if (metric) what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
+      if (metric) what.odometry.rotation_rad = 5e-4;
+      if (kind == FrontEnd::metric_stabilised_lens)  // 2 to 3 mrad a frame, of which each half second leaves its trace
+        what.odometry.rotation_rad = 2.5e-3, what.odometry.rotation_walk = 2.5e-3 / std::sqrt(assumed.vo_correlation_s);
       if (fixes) what.fix_every_s = 2;
       double position = 0, heading = 0;
       for (uint64_t seed = 1; seed <= 20; ++seed) {
         const Outcome o = run_walk(what, seed);
         position += o.position_nees / 20, heading += o.heading_nees / 20;
       }
-      CAPTURE(metric);
+      CAPTURE(static_cast<int>(kind));
       CAPTURE(fixes);
       CHECK(position > 0.5);
       CHECK(position < 2.0);

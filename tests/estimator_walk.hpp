@@ -30,12 +30,17 @@ struct WalkMeasurements {
     double stated_covariance = 1;  ///< factor on the covariance that it states
     double blind_from_s = 1e9, blind_to_s = 1e9;
     double from_s = 0;
+    double off_from_s = 1e9, off_to_s = 1e9;  ///< no frame at all
   } odometry;
+  double no_imu_from_s = 1e9, no_imu_to_s = 1e9;
   bool steps = true, camera = true, attitude = true;
   double step_factor_sigma = 0.08, step_own = 0.05, step_heading_rad = 0.05, step_offset_rad = 0.1;
   double fix_every_s = 0, fix_sigma_m = 1.0, fix_late_s = 0.3;
   double start_s = 0, end_s = 1e9;
   std::function<void(double t_s, odo_vo_motion& motion)> change;
+  std::function<void(double t_s, odo_fix& fix)> change_fix;
+  std::function<void(double t_s, odo_step& step)> change_step;
+  std::function<int(double t_s)> step_times;  ///< how often a step is told
 
   struct Truth {
     Eigen::Quaterniond q_n_c;
@@ -97,11 +102,13 @@ class EstimatorWalk {
         imu.gyro_b[i] = state.angular_velocity_b[i] + gyro_bias_[i] + 1e-3 / std::sqrt(dt) * imu_random_.normal();
         imu.accel_b[i] = state.specific_force_b()[i] + accel_bias_[i] + 2e-3 / std::sqrt(dt) * imu_random_.normal();
       }
-      estimator.propagate(imu);
-      if (w_.attitude) attitude(estimator, t, state);
+      const bool no_imu = t >= w_.no_imu_from_s && t < w_.no_imu_to_s;
+      if (!no_imu) estimator.propagate(imu);
+      if (w_.attitude && !no_imu) attitude(estimator, t, state);
       drain();
       while (w_.camera && next_frame < t + dt) {
-        if (next_frame >= w_.odometry.from_s) frame(estimator, next_frame);
+        const bool off = next_frame >= w_.odometry.off_from_s && next_frame < w_.odometry.off_to_s;
+        if (next_frame >= w_.odometry.from_s && !off) frame(estimator, next_frame);
         drain();
         next_frame += 1 / w_.odometry.rate_hz;
       }
@@ -198,7 +205,9 @@ class EstimatorWalk {
     s.heading_rad = std::atan2(d.y(), d.x()) + step_offset_ + w_.step_heading_rad * random_.normal();
     s.frequency_hz = 1 / (true_step.t_end_s - true_step.t_start_s);
     s.mode = ODO_MODE_WALKING_TEXTING;
-    if (s.length_m > 0.05) estimator.update(&s);
+    if (w_.change_step) w_.change_step(true_step.t_end_s, s);
+    const int times = w_.step_times ? w_.step_times(true_step.t_end_s) : 1;
+    for (int i = 0; i < times && s.length_m > 0.05; ++i) estimator.update(&s);
   }
 
   odo_fix fix(double t) {
@@ -207,6 +216,7 @@ class EstimatorWalk {
     const Eigen::Vector3d p = truth(t).p_n_c;
     for (int i = 0; i < 2; ++i) f.p_n[i] = p[i] + w_.fix_sigma_m * random_.normal();
     f.covariance_n[0] = f.covariance_n[4] = w_.fix_sigma_m * w_.fix_sigma_m;
+    if (w_.change_fix) w_.change_fix(t, f);
     return f;
   }
 

@@ -59,7 +59,7 @@ std::multiset<std::string> contents(const Recording& recording) {
     const auto bytes = m.message.bytes();
     std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (m.picture.size > 0) {
-      std::ifstream file(m.picture.file, std::ios::binary);
+      std::ifstream file(*m.picture.file, std::ios::binary);
       std::string picture(m.picture.size, '\0');
       file.seekg(static_cast<std::streamoff>(m.picture.offset));
       file.read(picture.data(), static_cast<std::streamsize>(picture.size()));

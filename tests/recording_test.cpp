@@ -220,7 +220,7 @@ TEST_CASE("EuRoC, TUM RGB-D, ADVIO and image folders are recognised and read") {
   const auto i = read_recording(images);
   REQUIRE_MESSAGE(i.ok(), (i.ok() ? "" : i.failure().text));
   REQUIRE(i->messages.size() == 4);
-  CHECK(i->messages[3].picture.file.filename() == "10.png");  // by number, not by letter
+  CHECK(i->messages[3].picture.file->filename() == "10.png");  // by number, not by letter
   CHECK(i->messages[3].message.header().t_ns == 200'000'000);
   write_text(images / "camera.yaml", "width: 64\nheight: 48\nfx: 50\nfz: 50\ncx: 32\ncy: 24\n");
   CHECK(read_recording(images).failure().text.find("camera.yaml:4:1: unknown key 'fz'") != std::string::npos);
@@ -246,6 +246,31 @@ TEST_CASE("the real recordings are read") {
     ++walks;
   }
   CHECK(walks == 80);
+}
+
+TEST_CASE(
+    "a recording in memory is as large as its messages, and what a simulator knows is read where it is asked for") {
+  const TemporaryFolder folder;
+  Recording recording;
+  recording.add(make_message<odo_imu>(ODO_TYPE_IMU, 1).header);
+  CHECK(sizeof(RecordedMessage) <= 64);  // beside sizeof(odo_imu): there are 200 a second
+  StoredMessage copy = recording.messages[0].message;
+  auto& imu = reinterpret_cast<odo_imu&>(copy.header());
+  imu.accel_b[2] = 9.81;
+  CHECK(as<odo_imu>(recording.messages[0].message.header()).accel_b[2] == 0);
+  recording.messages[0].message = copy;
+  CHECK(as<odo_imu>(recording.messages[0].message.header()).accel_b[2] == 9.81);
+
+  const auto path = folder / "states.odo";
+  auto created = OdoWriter::create(path, 0);
+  REQUIRE(created.ok());
+  REQUIRE((*created)->write(imu.header).ok());
+  TrueState state{.t_ns = 1};
+  state.p = state.v = state.gyro_bias = state.accel_bias = Eigen::Vector3d::Zero();
+  REQUIRE((*created)->write_true_state(state).ok());
+  REQUIRE((*created)->finish().ok());
+  CHECK(read_recording(path)->true_states.size() == 1);
+  CHECK(read_recording(path, {.true_states = false})->true_states.empty());
 }
 
 TEST_SUITE_END();

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "sdk/cli/bench_consistency.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/runner.hpp"
 
@@ -162,6 +163,7 @@ void add_bench(CLI::App& app, int& status) {
   add_bench_calibrate(*command, status);
   add_bench_calibrate_imu(*command, status);
   add_bench_canyon(*command, status);
+  add_bench_consistency(*command, status);
   add_bench_drive(*command, status);
   add_bench_gait(*command, status);
   add_bench_known_object(*command, status);

@@ -19,6 +19,7 @@ struct RunArguments {
 };
 
 int run(RunArguments& a) {
+  a.reading.true_states = false;
   auto recording = open_recording(a.input, a.reading);
   if (!recording) return complain(recording.failure());
   if (!a.faults.empty()) {

@@ -42,12 +42,12 @@ void InertialEstimator::reset() {
   e_.reset();
   track_.clear();
   history_.clear();
-  started_ = started_by_attitude_ = camera_ = resting_ = stepped_ = baro_started_ = north_ = false;
+  started_ = started_by_attitude_ = camera_ = resting_ = stepped_ = step_loose_ = baro_started_ = north_ = false;
   heading_open_ = start_.given;
   placed_ = start_.given ? kAllAxes : 0;
   metric_ = !inputs_.vo;
   t_ns_ = first_imu_ns_ = first_frame_ns_ = rested_ns_ = attitude_ns_ = informed_ns_ = reminded_ns_ = stood_ns_ =
-      step_ns_ = fixed_ns_ = last_pose_ns_ = INT64_MIN;
+      step_ns_ = fixed_ns_ = led_since_ns_ = baro_ns_ = last_pose_ns_ = INT64_MIN;
   last_imu_.reset();
   transition_.clear();
   inertial_front_end_ = false;
@@ -57,7 +57,7 @@ void InertialEstimator::reset() {
   vo_.sigma_m = p_.vo_position_sigma_m;
   window_.restart();
   scale_start_.restart();
-  steps_rejected_ = fixes_rejected_ = 0;
+  steps_rejected_ = fixes_rejected_ = fixes_agreed_ = 0;
   step_mean_m_ = 0;
   pose_.reset(), corrected_.reset(), correction_.reset(), reference_.reset();
   reference_path_m_ = -1;
@@ -337,7 +337,11 @@ UpdateResult InertialEstimator::apply(const odo_barometer* barometer) {
   height.residual[0] = down_m - then->p_n.z() - e_.x.baro_m;
   height.by_pose(*then, Eigen::RowVector3d::Zero(), Eigen::RowVector3d::UnitZ());
   height.by_one(kBaro, Innovation<1>::Vector::Ones());
-  height.noise(0, 0) = squared(p_.baro_sigma_m);
+  // Gusts and doors last for seconds; beside a front-end that leads no single reading is to be seen in the height.
+  const double since_s = baro_ns_ == INT64_MIN ? p_.baro_correlation_s : seconds(barometer->header.t_ns - baro_ns_);
+  const double same = led() ? p_.baro_correlation_s / std::clamp(since_s, 0.01, p_.baro_correlation_s) : 1.0;
+  baro_ns_ = barometer->header.t_ns;
+  height.noise(0, 0) = squared(p_.baro_sigma_m) * same;
   return e_.update(height, p_.gate[1], calm());
 }
 

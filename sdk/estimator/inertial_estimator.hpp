@@ -85,6 +85,7 @@ class InertialEstimator : public Estimator {
                    inertial::Hold hold);
   UpdateResult see_position(int64_t t_ns, double dt_s);
   UpdateResult see_rotation(int64_t t_ns, double dt_s);
+  double rotation_variance(int64_t t_ns, double dt_s) const;
   void use_inertial(const odo_vo_motion& motion);
   bool walks(int64_t t_ns) const;
   void use_metric_scale(const odo_vo_motion& motion);
@@ -98,6 +99,7 @@ class InertialEstimator : public Estimator {
   UpdateResult see_step(const odo_step& step, double own_sigma);
   void rest_between(int64_t from_ns, int64_t to_ns);
   void doubt_steps();
+  bool outweighs_fixes(int64_t t_ns) const;
   void place_by(inertial::Innovation<6>& seen, uint32_t axes);
 
   // Poses (inertial_poses.cpp).
@@ -143,6 +145,9 @@ class InertialEstimator : public Estimator {
     Eigen::Vector3d y_n = Eigen::Vector3d::Zero();      // position since the group began, VO units
     Eigen::Vector3d start_n = Eigen::Vector3d::Zero();  // of the camera then, m
     double sigma_m = 0, told_information = 0;
+    double rotation_ms = 0;        // rad^2, mean square of what its rotations differ by from the gyroscope's
+    int64_t began_ns = INT64_MIN;  // of the group
+    bool has_walked = false;       // it has been surer of the metre than walkers differ
     int64_t told_ns = 0, gravity_ns = INT64_MIN;
     double inertia_information = 0, steps_information = 0, own_information = 0;
     int rejected = 0;
@@ -150,10 +155,11 @@ class InertialEstimator : public Estimator {
   inertial::InertialScale window_;
   inertial::ScaleStart scale_start_;
 
-  bool stepped_ = false;
+  bool stepped_ = false, step_loose_ = false;
   int64_t step_ns_ = INT64_MIN;
   double step_mean_m_ = 0;
-  int steps_rejected_ = 0, fixes_rejected_ = 0;
+  int steps_rejected_ = 0, fixes_rejected_ = 0, fixes_agreed_ = 0;
+  int64_t led_since_ns_ = INT64_MIN, baro_ns_ = INT64_MIN;
   bool baro_started_ = false;
 
   std::optional<odo_pose> pose_, corrected_;

@@ -74,6 +74,7 @@ void InertialEstimator::begin_group(const odo_vo_motion& motion, bool metric) {
   vo_.sigma_m = sigma_m;
   vo_.any = true;
   vo_.group = motion.scale_group;
+  vo_.began_ns = motion.t_from_ns;
   vo_.metric = metric;
   e_.x.log_scale = 0;
   e_.set_independent(kLogScale, squared(p_.unknown_scale_sigma));
@@ -111,10 +112,11 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
       const double length_m = expected_n.norm();
       vo_.y_n += e_.x.q_n_vo * p_c0_c1;
       e_.move_vo(quaternion(m.q_c0_c1), p_c0_c1, expected_n, squared(p_.vo_drift_per_root_m) * length_m,
-                 squared(inertial_front_end_ ? p_.vio_rotation_walk : p_.vo_rotation_walk) * dt_s);
+                 rotation_variance(t, dt_s));
       e_.add_variance(kLogScale, 1, metric ? squared(p_.vio_scale_walk) * dt_s : squared(p_.vo_scale_walk) * length_m);
       vo_.t_ns = t;
       if (metric) use_metric_scale(m);
+      vo_.has_walked = vo_.has_walked || vo_.own_information > 1 / squared(p_.taught_scale_sigma);
       see_rotation(t, dt_s);
       if (vo_.known) result = see_position(t, dt_s);
       scale_start_.add_motion(t, vo_.y_n);
@@ -130,6 +132,7 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
       if (vo_.known) informed_ns_ = t_ns_;
     }
   }
+  if (!led()) led_since_ns_ = t;
   if (relative.scale) apply(relative.scale);
   uint32_t state = m.state, reason = m.reason;
   if (state == ODO_TRACKING && !vo_.known) state = ODO_DEGRADED, reason = ODO_REASON_NO_SCALE;
@@ -158,6 +161,17 @@ UpdateResult InertialEstimator::tie(Innovation<3>& seen, double inertial_sigma, 
   return e_.update(seen, p_.gate[3], hold);
 }
 
+/// What a motion adds to the doubt about the odometry's rotation, rad^2. Errors against the gyroscope beyond the usual
+/// ones are renewed each correlation time, and each leaves its trace. A front-end with inertia that has not walked yet
+/// knows the gyroscope's bias badly, and that is one error for all that time: sigma^2 T^2 grows by 2 sigma^2 T dt.
+double InertialEstimator::rotation_variance(int64_t t_ns, double dt_s) const {
+  if (!inertial_front_end_) return squared(p_.vo_rotation_walk) * dt_s;
+  const double unusual = std::max(0.0, vo_.rotation_ms - squared(p_.vio_rotation_sigma_rad));
+  double rate = squared(p_.vio_rotation_walk) + unusual / p_.vo_correlation_s;
+  if (!vo_.has_walked) rate += 2 * squared(p_.vio_start_rate_radps) * seconds(t_ns - vo_.began_ns);
+  return rate * dt_s;
+}
+
 UpdateResult InertialEstimator::see_rotation(int64_t t_ns, double dt_s) {
   const auto at = past(t_ns);
   if (!at) return {};
@@ -165,7 +179,13 @@ UpdateResult InertialEstimator::see_rotation(int64_t t_ns, double dt_s) {
   seen.residual = -log_rotation(e_.x.q_n_vo * (at->q_n_b * q_b_c_).conjugate());
   seen.by(kVo, Matrix3d::Identity());
   seen.by_pose(*at, -Matrix3d::Identity(), Matrix3d::Zero());
-  const UpdateResult result = tie(seen, p_.vio_rotation_sigma_rad, p_.vo_rotation_sigma_rad, dt_s, follow());
+  const double weight = std::min(1.0, dt_s / p_.vo_rotation_memory_s);
+  vo_.rotation_ms += weight * (seen.residual.squaredNorm() / 3 - vo_.rotation_ms);
+  const double measured = std::sqrt(vo_.rotation_ms);
+  // Until the gyroscope's bias is known the heading of a start is the bias's to mend, and the odometry's with it.
+  const bool settled = e_.P.diagonal().segment<3>(kGyroBias).maxCoeff() < squared(p_.settled_gyro_bias_radps);
+  const UpdateResult result = tie(seen, std::max(p_.vio_rotation_sigma_rad, measured),
+                                  std::max(p_.vo_rotation_sigma_rad, measured), dt_s, settled ? follow() : calm());
   if (!result.accepted) attach(t_ns);
   return result;
 }
@@ -214,7 +234,7 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
     velocity.noise = Matrix3d::Identity() * squared(kInertialVelocity_mps);
     e_.update(velocity, p_.gate[3], follow());
   }
-  if (vo_.gravity_ns != INT64_MIN && seconds(t - vo_.gravity_ns) < p_.attitude_interval_s) return;
+  if (vo_.gravity_ns != INT64_MIN && seconds(t - vo_.gravity_ns) < p_.gravity_interval_s) return;
   vo_.gravity_ns = t;
   Innovation<2> down;
   const Vector3d g_n = q_n_c * Vector3d(m.gravity_c1);
@@ -222,7 +242,9 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
   Eigen::Matrix<double, 2, 3> by_theta;
   by_theta << 0, 1, 0, -1, 0, 0;
   down.by_pose(*at, by_theta, Eigen::Matrix<double, 2, 3>::Zero());
-  down.noise = Eigen::Matrix2d::Identity() * squared(p_.attitude_unaided_tilt_rad);
+  // Worth one a second, in small portions: a tilt that is mended moves the height that it has led to.
+  const double same = p_.attitude_interval_s / p_.gravity_interval_s;
+  down.noise = Eigen::Matrix2d::Identity() * (squared(p_.attitude_unaided_tilt_rad) * same);
   e_.update(down, p_.gate[2], calm());
 }
 

@@ -33,15 +33,21 @@ struct Parameters {
   double vo_rotation_sigma_rad = 0.003;   ///< rad against the map
   double vo_correlation_s = 0.5;          ///< s over which both are the same error; judgement, 0.25 to 1
   double vo_drift_per_root_m = 0.01;      ///< m/sqrt(m): across the path, without scale and heading
+  double vo_rotation_memory_s = 5.0;      ///< s over which its rotations are compared with the gyroscope's; judgement
   double vo_rotation_walk = 1e-3;         ///< rad/sqrt(s): 0.018 deg a frame at 10 Hz (odograph bench vo)
   double vo_scale_walk = 2e-3;            ///< 1/sqrt(m) of log-scale: 0.9 % between halves of 10 m (odograph bench vo)
   double vo_standing_scale_walk = 0.01;   ///< 1/sqrt(s) while standing: 3 % over a stop is usual
   double vio_position_sigma_m = 0.005;    ///< m, of a front-end that used inertia itself, against its own path: its
                                           ///< sliding window moves from frame to frame by 2 to 4 mm
   double vio_rotation_sigma_rad = 0.001;  ///< rad, the same of its rotation: 0.4e-3 stated a frame
-  double vio_rotation_walk = 1.5e-3;      ///< rad/sqrt(s) of its rotation: 3 to 50 mrad over ten minutes of six walks
-  double led_scale_sigma = 0.2;           ///< of log-scale, as such a front-end states it: above, it is an odometry
-                                          ///< like others, and standing and steps speak too; judgement
+  double vio_rotation_walk = 1.5e-3;      ///< rad/sqrt(s) of its rotation: 3 to 50 mrad over ten minutes of six walks;
+                                          ///< what is measured against the gyroscope comes on top
+  double vio_start_rate_radps = 0.01;     ///< rad/s: before it has walked its rotation is the gyroscope's, less a bias
+                                          ///< that it knows so badly; 4.6, 5, 10 and 17 mrad/s on four stabilised
+                                          ///< phones, below 1 mrad/s without stabiliser
+  double settled_gyro_bias_radps = 1.5e-3;  ///< rad/s of sigma, below which its rotation is followed; judgement
+  double led_scale_sigma = 0.2;             ///< of log-scale, as such a front-end states it: above, it is an odometry
+                                            ///< like others, and standing and steps speak too; judgement
   double vio_scale_walk = 2e-4;  ///< 1/sqrt(s) of a metric front-end's log-scale: 0.5 % over ten minutes; judgement
   double vio_scale_forgetting_s = 20;    ///< s: how long its scale_sigma speaks of the same error
   double lost_confidence = 0.25;         ///< share of its information: less is a front-end that doubts its metre anew
@@ -76,14 +82,17 @@ struct Parameters {
   double quiet_tau_s = 0.3;          ///< s, of both
 
   // Attitude, barometer, speed.
-  double attitude_interval_s = 1.0;         ///< s: nearer ones are the same error
-  double attitude_tilt_rad = 0.05;          ///< rad, beside a camera: 1 deg rms, but the same over many seconds
+  double attitude_interval_s = 1.0;  ///< s: nearer ones are the same error
+  double gravity_interval_s = 0.2;   ///< s between two uses of a front-end's gravity, together worth one for each
+                                     ///< attitude_interval_s: at once they moved the height by 2 to 4 cm
+  double attitude_tilt_rad = 0.05;   ///< rad, beside a camera: 1 deg rms, but the same over many seconds
   double attitude_unaided_tilt_rad = 0.02;  ///< rad, where no camera tells the inclination
   double attitude_bias_radps = 0.005;       ///< rad/s: an attitude source's gyroscope bias, many times over the same
   double attitude_yaw_rad = 0.02;           ///< rad
   double north_walk = 0.01;                 ///< rad/sqrt(s): a compass in a street goes astray
   double gyro_heading_walk = 2e-4;          ///< rad/sqrt(s): an attitude without north, the same gyroscope's
   double baro_sigma_m = 0.5;                ///< m: 4 Pa of wind and 3 of noise
+  double baro_correlation_s = 10.0;         ///< s over which its error is one error; judgement
   double baro_walk = 0.02;                  ///< m/sqrt(s): 20 Pa in an hour, doors
   double uninformed_speed_s = 1.0;          ///< s between two reminders of the fastest speed where nothing else speaks
 
@@ -100,6 +109,9 @@ struct Parameters {
   // The gate: 99.9 % of good measurements pass (chi-square).
   double gate[7] = {0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
   double most_integrity_risk = 0.5;  ///< a fix that is wrong more often than not is none
+  int most_fixes_rejected = 5;       ///< in a row: then it is the track that is wrong; judgement
+  int agreed_fixes = 10;             ///< in a row, after which a front-end that has led unbroken since is believed ...
+  double agreed_for_s = 90;          ///< s: ... for that long; reflections last a minute (bench canyon)
   double announced_jump_m = 0.05;    ///< m: smaller corrections need no event
   double announced_turn_rad = 0.01;  ///< rad
   double reference_path_m = 20;      ///< m between two displacement references for the step estimator

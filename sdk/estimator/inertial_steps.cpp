@@ -19,11 +19,14 @@ using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 namespace {
 
-constexpr double kUsual = 0.1;         // weight of a step in the usual length
-constexpr double kNothing = 1e12;      // variance of what a fix does not have
-constexpr int kBelieveFixesAfter = 5;  // rejected in a row: it is the track that is wrong
+constexpr double kUsual = 0.1;     // weight of a step in the usual length
+constexpr double kNothing = 1e12;  // variance of what a fix does not have
 
 double squared(double x) { return x * x; }
+bool is_loose(const odo_step& step) {
+  return step.mode == ODO_MODE_WALKING_SWINGING || step.mode == ODO_MODE_WALKING_POCKET;
+}
+
 }  // namespace
 
 UpdateResult InertialEstimator::apply(const odo_step* step) {
@@ -34,6 +37,9 @@ UpdateResult InertialEstimator::apply(const odo_step* step) {
     e_.set_independent(kLogFactor, std::max(squared(p_.factor_sigma), squared(stated) - squared(own)));
   e_.add_variance(kLogFactor, 1, squared(p_.factor_walk));
   e_.add_variance(kStepHeading, 1, squared(p_.step_heading_walk));
+  const bool loose = is_loose(*step);
+  if (std::exchange(step_loose_, loose) != loose)  // the phone is held otherwise
+    e_.add_variance(kStepHeading, 1, squared(p_.step_loose_across_rad));
   if (unaided() && step_ns_ != INT64_MIN && step->t_start_ns > step_ns_) rest_between(step_ns_, step->t_start_ns);
   step_ns_ = step->t_end_ns;
   if (!vo_.known && vo_.any && scale_start_.add_step(step->t_start_ns, step->t_end_ns, step->length_m))
@@ -74,8 +80,9 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
   const double usual_m = std::exp(e_.x.log_factor) * step_mean_m_;
   step_mean_m_ += kUsual * (step.length_m - step_mean_m_);
   const Vector3d by_factor = (stairs ? 0.0 : usual_m) * along, by_heading = (heading ? usual_m : 0.0) * across;
-  const bool loose = step.mode == ODO_MODE_WALKING_SWINGING || step.mode == ODO_MODE_WALKING_POCKET;
-  const double sway = !heading ? EIGEN_PI : loose && !unaided() ? p_.step_loose_across_rad : p_.step_across_rad;
+  const double sway = !heading                       ? EIGEN_PI
+                      : is_loose(step) && !unaided() ? p_.step_loose_across_rad
+                                                     : p_.step_across_rad;
   Matrix3d noise = squared(own_sigma * length_m) * along * along.transpose() +
                    squared(sway * length_m) * across * across.transpose();
   noise(2, 2) = squared(stairs ? p_.stair_level_sigma_m : p_.step_level_sigma_m);
@@ -158,6 +165,12 @@ void InertialEstimator::place_by(Innovation<6>& seen, uint32_t axes) {
   e_.shift_held(moved, covariance, fixed_distance_m_, distance_m_);
 }
 
+/// Fixes agreed with the track, and a front-end has led without a break since: it is not the track that is off.
+bool InertialEstimator::outweighs_fixes(int64_t t_ns) const {
+  return fixes_agreed_ >= p_.agreed_fixes && led() && led_since_ns_ <= fixed_ns_ &&
+         static_cast<double>(t_ns - fixed_ns_) * kNanoseconds < p_.agreed_for_s;
+}
+
 UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   const uint32_t flags = fix->header.flags;
   flush();
@@ -200,7 +213,10 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   }
   for (int i = 0; i < 6; ++i) seen.noise(i, i) += 1e-12;
   const uint32_t axes = flags & kAllAxes;
-  if (fixes_rejected_ >= kBelieveFixesAfter) placed_ &= ~axes;
+  if (fixes_rejected_ >= p_.most_fixes_rejected && !outweighs_fixes(fix->header.t_ns)) {
+    placed_ &= ~axes;
+    fixes_agreed_ = 0;
+  }
   if (axes & ~placed_) place_by(seen, axes & ~placed_);
   // Against fixes the heading of a start without a compass is open, and is told by the path; that needs a velocity.
   if (horizontal && !north_ && !heading_open_ &&
@@ -216,6 +232,7 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
     return result;
   }
   fixes_rejected_ = 0;
+  ++fixes_agreed_;
   placed_ |= axes;
   if (horizontal) metric_ = true, fixed_ns_ = fix->header.t_ns, fixed_distance_m_ = distance_m_;
   informed_ns_ = t_ns_;

@@ -13,8 +13,8 @@ enum Stream : uint64_t { kNoise = 71, kJitter, kWild };  // of random numbers: o
 
 int64_t nanoseconds(double s) { return std::llround(s * 1e9); }
 
-odo_imu& imu_of(RecordedMessage& m) { return reinterpret_cast<odo_imu&>(m.message); }
-odo_frame& frame_of(RecordedMessage& m) { return reinterpret_cast<odo_frame&>(m.message); }
+odo_imu& imu_of(RecordedMessage& m) { return reinterpret_cast<odo_imu&>(m.message.header()); }
+odo_frame& frame_of(RecordedMessage& m) { return reinterpret_cast<odo_frame&>(m.message.header()); }
 uint32_t type_of(const RecordedMessage& m) { return m.message.header().type; }
 int64_t time_of(const RecordedMessage& m) { return m.message.header().t_ns; }
 /// Gyroscope and accelerometer may come in samples of their own, each in order.
@@ -152,7 +152,7 @@ Recording degraded(const Recording& recording, const Degradation& d, uint64_t se
       line_ns = std::llround(d.line_time_factor * static_cast<double>(line_ns));
     };
     if (type_of(m) == ODO_TYPE_FRAME) longer(frame_of(m).line_time_ns);
-    if (type_of(m) == ODO_TYPE_CALIBRATION) longer(reinterpret_cast<odo_calibration&>(m.message).line_time_ns);
+    if (type_of(m) == ODO_TYPE_CALIBRATION) longer(reinterpret_cast<odo_calibration&>(m.message.header()).line_time_ns);
   }
   if (d.time_offset_s != 0 || d.stamp_jitter_s > 0) worsen_times(r, d, seed);
   return r;

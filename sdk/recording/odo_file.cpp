@@ -123,20 +123,21 @@ Eigen::Quaterniond unit(const double* q) {
 }
 
 /// An ABI message as its writer knew it, older or newer than this program; behind a frame's struct lies its picture.
-void take_message(Recording& recording, const RecordReader& record) {
+void take_message(Recording& recording, const RecordReader& record, const std::shared_ptr<const fs::path>& file) {
   AnyMessage message;
   std::span<const unsigned char> picture;
   if (!record.message(message, picture)) return;
   const odo_header& header = message.header();
   if (header.type == ODO_TYPE_STEP) recording.true_steps.push_back(copy_as<odo_step>(header));
   if (header.type == ODO_TYPE_FRAME)
-    recording.add(header, {recording.path, record.payload_offset() + header.struct_size, picture.size()});
+    recording.add(header, {file, record.payload_offset() + header.struct_size, picture.size()});
   else if (is_input(header.type))
     recording.add(header);
 }
 
 /// Takes one whole record into the recording.
-void take(Recording& recording, const RecordReader& record) {
+void take(Recording& recording, const RecordReader& record, const std::shared_ptr<const fs::path>& file,
+          bool true_states) {
   const auto payload = record.payload();
   if (record.type() == OdoWriter::kTruthPose && payload.size() >= sizeof(TruthRecord)) {
     TruthRecord t;
@@ -149,6 +150,7 @@ void take(Recording& recording, const RecordReader& record) {
     return;
   }
   if (record.type() == OdoWriter::kTrueState && payload.size() >= sizeof(StateRecord)) {
+    if (!true_states) return;
     StateRecord r;
     std::memcpy(&r, payload.data(), sizeof r);
     using Eigen::Vector3d;
@@ -174,16 +176,17 @@ void take(Recording& recording, const RecordReader& record) {
     }
     return;
   }
-  take_message(recording, record);
+  take_message(recording, record, file);
 }
 
 }  // namespace
 
-Result<Recording> read_odo(const fs::path& file) {
+Result<Recording> read_odo(const fs::path& file, const ReadOptions& options) {
   Recording recording{.format = "Odograph", .path = file};
   auto records = RecordReader::open(file);
   if (!records) return records.failure();
-  while (records->next()) take(recording, *records);
+  const auto shared = std::make_shared<const fs::path>(file);
+  while (records->next()) take(recording, *records, shared, options.true_states);
   recording.loss.file = records->loss();
   if (const std::string lost = recording.loss.file.text(); !lost.empty()) recording.warnings.push_back(lost);
   if (recording.messages.empty())

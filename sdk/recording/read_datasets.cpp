@@ -39,10 +39,10 @@ std::vector<fs::path> pictures_of(const fs::path& folder) {
   return files;
 }
 
-void add_frame(Recording& recording, int64_t t_ns, uint32_t calibration, PictureRef picture) {
+void add_frame(Recording& recording, int64_t t_ns, uint32_t calibration, const fs::path& picture) {
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
   frame.calibration = calibration;
-  recording.add(frame.header, std::move(picture));
+  recording.add(frame.header, {std::make_shared<const fs::path>(picture)});
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ Result<Recording> read_image_folder(const fs::path& folder) {
   if (files.empty())
     return Failure{ODO_E_DATA, folder.string() + ": no pictures (png, jpg, pgm, bmp) beside camera.yaml"};
   for (size_t i = 0; i < files.size(); ++i)
-    add_frame(recording, std::llround(static_cast<double>(i) * 1e9 / fps), 0, {files[i]});
+    add_frame(recording, std::llround(static_cast<double>(i) * 1e9 / fps), 0, files[i]);
   std::error_code error;
   if (fs::exists(folder / "groundtruth.tum", error)) {
     auto truth = read_tum(folder / "groundtruth.tum");
@@ -104,14 +104,14 @@ Result<Recording> read_kitti(const fs::path& folder) {
   for (size_t i = 0; i < files.size() && !first; ++i) {  // a damaged picture costs its frame alone
     RecordedMessage probe;
     probe.message.assign(make_message<odo_frame>(ODO_TYPE_FRAME, 0).header);
-    probe.picture = {files[i]};
+    probe.picture = {std::make_shared<const fs::path>(files[i])};
     first = load_frame(probe);
   }
   if (!first) return first.failure();
   calibration.width = first->width, calibration.height = first->height;
   first->release(&*first);
   recording.add(calibration.header);
-  for (size_t i = 0; i < files.size(); ++i) add_frame(recording, times[i], 0, {files[i]});
+  for (size_t i = 0; i < files.size(); ++i) add_frame(recording, times[i], 0, files[i]);
   std::error_code error;
   if (fs::exists(folder / "poses.txt", error)) {
     auto truth = read_kitti_poses(folder / "poses.txt", folder / "times.txt");
@@ -141,7 +141,7 @@ Result<Recording> read_tum_rgbd(const fs::path& folder, const ReadOptions& optio
     if (!t) return row.wrong(t.failure().text);
     const auto picture = picture_of(row, folder, options);
     if (!picture) return picture.failure();
-    add_frame(recording, *t, 0, {*picture});
+    add_frame(recording, *t, 0, *picture);
     return true;
   });
   if (!pictures) return pictures.failure();

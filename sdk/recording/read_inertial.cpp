@@ -156,7 +156,7 @@ Result<Recording> read_euroc(const fs::path& given, const ReadOptions& options) 
       const auto picture = picture_of(row, folder / "cam0/data", options);
       if (!picture) return picture.failure();
       frame.header.t_ns = *t;
-      recording.add(frame.header, {*picture});
+      recording.add(frame.header, {std::make_shared<const fs::path>(*picture)});
       return true;
     });
     if (!done) return done.failure();
@@ -240,7 +240,8 @@ Result<Recording> read_advio(const fs::path& folder) {
       if (!t) return row.wrong(t.failure().text);
       char name[32];
       std::snprintf(name, sizeof name, "%05lld.png", static_cast<long long>(++index));
-      recording.add(make_message<odo_frame>(ODO_TYPE_FRAME, *t).header, {phone / "frames" / name});
+      recording.add(make_message<odo_frame>(ODO_TYPE_FRAME, *t).header,
+                    {std::make_shared<const fs::path>(phone / "frames" / name)});
       return true;
     });
     if (!frames) return frames.failure();

@@ -34,8 +34,9 @@ void Recording::add(const odo_header& message, PictureRef picture) {
 }
 
 void Recording::sort() {
-  std::stable_sort(messages.begin(), messages.end(),
-                   [](const auto& a, const auto& b) { return a.message.header().t_ns < b.message.header().t_ns; });
+  const auto earlier = [](const auto& a, const auto& b) { return a.message.header().t_ns < b.message.header().t_ns; };
+  if (!std::is_sorted(messages.begin(), messages.end(), earlier))  // sorting takes as much memory again
+    std::stable_sort(messages.begin(), messages.end(), earlier);
 }
 
 namespace {
@@ -46,7 +47,7 @@ Result<Recording> read_whatever(const fs::path& path, const ReadOptions& options
   if (!fs::is_directory(path, error)) {
     if (!fs::is_regular_file(path, error))
       return Failure{ODO_E_DATA, path.string() + ": neither a file nor a folder; a pipe or a device is no recording"};
-    if (RecordReader::looks_like_one(path)) return read_odo(path);
+    if (RecordReader::looks_like_one(path)) return read_odo(path, options);
     if (path.extension() == ".txt") return read_indoor_location(path);
     return Failure{
         ODO_E_DATA,
@@ -91,11 +92,13 @@ void release(const odo_frame* frame) {
   if (--held->holds == 0) delete held;
 }
 
+std::string name_of(const PictureRef& picture) { return picture.file ? picture.file->string() : "no file"; }
+
 cv::Mat decode(const PictureRef& picture) {
   std::error_code error;
-  if (!fs::is_regular_file(picture.file, error)) return {};  // a pipe would wait for ever
-  if (picture.size == 0) return cv::imread(picture.file.string(), cv::IMREAD_ANYCOLOR);
-  std::ifstream file(picture.file, std::ios::binary);
+  if (!picture.file || !fs::is_regular_file(*picture.file, error)) return {};  // a pipe would wait for ever
+  if (picture.size == 0) return cv::imread(picture.file->string(), cv::IMREAD_ANYCOLOR);
+  std::ifstream file(*picture.file, std::ios::binary);
   std::vector<uchar> bytes(picture.size);
   file.seekg(static_cast<std::streamoff>(picture.offset));
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -110,10 +113,10 @@ Result<odo_frame> load_frame(const RecordedMessage& recorded) {
   try {
     held->image = decode(recorded.picture);
   } catch (const std::exception& error) {
-    return Failure{ODO_E_DATA, recorded.picture.file.string() + ": " + error.what()};
+    return Failure{ODO_E_DATA, name_of(recorded.picture) + ": " + error.what()};
   }
   if (held->image.empty() || held->image.depth() != CV_8U)
-    return Failure{ODO_E_DATA, recorded.picture.file.string() + ": the picture cannot be read as 8-bit grey or colour"};
+    return Failure{ODO_E_DATA, name_of(recorded.picture) + ": the picture cannot be read as 8-bit grey or colour"};
   if (recorded.picture.black) held->image = cv::Scalar::all(0);
   if (held->image.channels() == 3) {  // OpenCV decodes to BGR
     std::vector<cv::Mat> bgr;

@@ -9,13 +9,14 @@
 
 #include "sdk/core/messages.hpp"
 #include "sdk/core/record_file.hpp"
+#include "sdk/recording/stored_message.hpp"
 #include "sdk/recording/trajectory.hpp"
 
 namespace odograph {
 
 /// Where a camera frame's picture is: a file of its own, or a part of one.
 struct PictureRef {
-  std::filesystem::path file;
+  std::shared_ptr<const std::filesystem::path> file;  // null: none
   uint64_t offset = 0;
   uint64_t size = 0;   // 0: the whole file
   bool black = false;  // its size counts, not what it shows: something stood before the camera
@@ -23,7 +24,7 @@ struct PictureRef {
 
 /// One message of a recording; a frame has its picture apart.
 struct RecordedMessage {
-  AnyMessage message;
+  StoredMessage message;
   PictureRef picture;
 };
 
@@ -63,6 +64,8 @@ struct RecordingLoss {
 struct ReadOptions {
   /// A picture's name may lead out of the recording's folder. Off: nobody's recording gets to name our files.
   bool pictures_outside = false;
+  /// What a simulator knows of the body is read too, which takes 144 bytes for each IMU sample.
+  bool true_states = true;
 };
 
 /// A recording in memory, except for its pictures. Messages are in order of time.
@@ -93,7 +96,7 @@ struct Recording {
 /// Failures name file and line (ODO_E_DATA), or say what was looked for (ODO_E_NOT_FOUND).
 Result<Recording> read_recording(const std::filesystem::path& path, const ReadOptions& options = {});
 
-Result<Recording> read_odo(const std::filesystem::path& file);
+Result<Recording> read_odo(const std::filesystem::path& file, const ReadOptions& options = {});
 Result<Recording> read_euroc(const std::filesystem::path& folder, const ReadOptions& options = {});
 Result<Recording> read_tum_rgbd(const std::filesystem::path& folder, const ReadOptions& options = {});
 Result<Recording> read_kitti(const std::filesystem::path& folder);
