@@ -105,9 +105,10 @@ TEST_CASE("every plugin of the zoo, isolated as a scale source or an odometry: t
   for (const auto& entry : fs::directory_iterator(kZoo)) {
     if (entry.path().extension() != ".so") continue;
     const std::string animal = entry.path().stem().string();
-    for (const auto& [key, kind] : std::map<std::string, std::string>{{"attitude", ODO_INTERFACE_ATTITUDE},
-                                                                      {"step_estimator", ODO_INTERFACE_STEP_ESTIMATOR},
-                                                                      {"scale_source", ODO_INTERFACE_SCALE_SOURCE}}) {
+    for (const auto& each : std::map<std::string, std::string>{{"attitude", ODO_INTERFACE_ATTITUDE},
+                                                               {"step_estimator", ODO_INTERFACE_STEP_ESTIMATOR},
+                                                               {"scale_source", ODO_INTERFACE_SCALE_SOURCE}}) {
+      const std::string &key = each.first, &kind = each.second;
       const TemporaryFolder folder;
       const std::string plugins = install(folder, animal, kind);
       CAPTURE(animal);
@@ -153,7 +154,8 @@ TEST_CASE("what ended a plugin's process is said with its name and the call") {
       {"process_works__segfault", "was ended by a signal (Segmentation fault) in process"},
       {"process_works__hangs", "took longer than 0.3 s in process"},
   };
-  for (const auto& [animal, words] : cases) {
+  for (const auto& row : cases) {
+    const char *animal = row.first, *words = row.second;
     const TemporaryFolder folder;
     std::string kind;
     for (const char* each : {ODO_INTERFACE_ATTITUDE, ODO_INTERFACE_STEP_ESTIMATOR, ODO_INTERFACE_SCALE_SOURCE}) {
