@@ -191,7 +191,7 @@ TEST_CASE("a black picture has the size of what it hides") {
   REQUIRE(cv::imwrite(file.string(), cv::Mat(6, 8, CV_8UC1, cv::Scalar(200))));
   RecordedMessage m;
   m.message.assign(make_message<odo_frame>(ODO_TYPE_FRAME, 0).header);
-  m.picture = {.file = file};
+  m.picture = {.file = std::make_shared<const std::filesystem::path>(file)};
   for (const bool black : {false, true}) {
     m.picture.black = black;
     const auto frame = load_frame(m);

@@ -117,8 +117,14 @@ TEST_CASE("a recording that was cut off is read up to there; what is none is ref
   }
   CHECK(odo_recorder_close(out) == ODO_OK);
   const auto whole = std::filesystem::file_size(path);
-  for (const auto& [cut, messages, words] :
-       {std::tuple{0, 3, ""}, {5, 3, "end mark is missing"}, {24, 3, "cut off"}, {29, 2, "2 records were read"}}) {
+  struct Cut {
+    int bytes, messages;
+    const char* words;
+  };
+  for (const Cut& row :
+       {Cut{0, 3, ""}, {5, 3, "end mark is missing"}, {24, 3, "cut off"}, {29, 2, "2 records were read"}}) {
+    const int cut = row.bytes, messages = row.messages;
+    const char* words = row.words;
     CAPTURE(cut);
     std::filesystem::resize_file(path, whole - static_cast<uintmax_t>(cut));
     odo_recording* in = recording(path);

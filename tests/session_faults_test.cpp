@@ -353,4 +353,26 @@ TEST_CASE("while the camera is off there is the orientation, and the position is
   CHECK((app.pose(ODO_TIME_LATEST).header.flags & ODO_POSE_POSITION) != 0);
 }
 
+TEST_CASE("a frame that cannot be held is counted and reported in words") {
+  App app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: vo/five_point\n");
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const auto lens = calibration(64, 48);
+  odo_session_push(app.session, &lens.header);
+  app.walk(0, 10);
+  static const std::vector<uint8_t> pixels(64 * 48, 90);
+  auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'050'000'000);
+  f.format = ODO_FORMAT_GREY8, f.width = 64, f.height = 48;
+  f.planes[0] = {pixels.data(), 64, 1, 0};
+  f.retain = [](const odo_frame*) -> int32_t { return ODO_E_EXHAUSTED; };
+  f.release = [](const odo_frame*) {};
+  CHECK(odo_session_push(app.session, &f.header) == ODO_E_EXHAUSTED);
+  odo_session_flush(app.session);
+  CHECK(app.statistics().overflow == 1);
+  const auto told = std::find_if(app.reports.begin(), app.reports.end(),
+                                 [](const odo_report& r) { return std::string(r.key) == "dropped_frame"; });
+  REQUIRE(told != app.reports.end());
+  CHECK(told->status == ODO_E_EXHAUSTED);
+  CHECK(std::string(told->text).find("frames come faster than they are processed") != std::string::npos);
+}
+
 TEST_SUITE_END();

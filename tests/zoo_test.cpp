@@ -52,7 +52,7 @@ std::vector<PluginCheck> check(const fs::path& library, const std::string& only,
 
 TEST_CASE("there are at least 80 cases, their ids are unique, and most of them have their animal") {
   std::set<std::string> ids, hunted;
-  for (const auto& [id, what] : plugin_check_cases()) CHECK_MESSAGE(ids.insert(id).second, id);
+  for (const auto& one : plugin_check_cases()) CHECK_MESSAGE(ids.insert(one.first).second, one.first);
   for (const fs::path& animal : animals(false)) {
     CHECK_MESSAGE(ids.count(case_of(animal)) == 1, case_of(animal));
     hunted.insert(case_of(animal));

@@ -98,6 +98,10 @@ int32_t Session::own(AnyMessage&& sample, OwnedMessage& out) {
       return refuse_invalid(frame.header, status, "a plane's row_stride is smaller than its row");
     } else if (status < 0) {
       ++intake_.overflow;
+      host_.report(0, ODO_SEVERITY_WARNING, "dropped_frame",
+                   "a sample of frame was dropped: all pictures that may be held are still in use: frames come faster "
+                   "than they are processed, or its retain refused",
+                   status);
       return status;
     }
     put_timing(frame);

@@ -70,7 +70,7 @@ class Answer {
     int32_t status;
     std::string key, text;
   };
-  static constexpr size_t kMostEarly = 256, kMostReports = 1024;
+  static constexpr size_t kMostEarly = 256;
 
   void put_report(uint32_t severity, int32_t status, const std::string& key, const std::string& text) {
     const size_t before = out_.size();

@@ -6,6 +6,7 @@
 #include <exception>
 
 #include <dlfcn.h>
+#include <unwind.h>
 
 #include <odograph/messages.h>
 #include <odograph/odograph.h>
@@ -25,12 +26,21 @@ std::string version_fault(const odo_plugin& table, const odo_host& host) {
   return "";
 }
 
+/// An exception of a plugin may be unwound by another copy of libgcc than this one's, which then asks this one to set
+/// registers. A copy that has never unwound anything aborts there (`dwarf_reg_size_table`, libgcc's unwind-dw2.c), so
+/// it looks at its own stack once.
+void make_ready_for_foreign_exceptions() {
+  static const auto looked = _Unwind_Backtrace([](_Unwind_Context*, void*) { return _URC_END_OF_STACK; }, nullptr);
+  (void)looked;
+}
+
 }  // namespace
 
 Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const std::filesystem::path& path, const odo_host* host) {
   const auto fail = [&](int32_t status, const std::string& why) { return Failure{status, path.string() + ": " + why}; };
   const auto file = check_shared_library(path);
   if (!file) return file.failure();
+  make_ready_for_foreign_exceptions();
   dlerror();
   void* handle = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!handle) {

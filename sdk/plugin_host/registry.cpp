@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 
 #include <dlfcn.h>
 
@@ -55,7 +56,9 @@ std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
   Dl_info self{};
   if (dladdr(reinterpret_cast<const void*>(&plugin_directories), &self) && self.dli_fname) {
     std::error_code error;
-    const fs::path binary = fs::canonical(self.dli_fname, error);
+    // Of the program itself it is the name that it was called by, which the shell may have found in PATH.
+    const bool by_name = std::strchr(self.dli_fname, '/') == nullptr;
+    const fs::path binary = fs::canonical(by_name ? "/proc/self/exe" : self.dli_fname, error);
     if (!error) {  // PREFIX/lib[/TRIPLET]/libodograph.so or PREFIX/bin/odograph
       directories.push_back(binary.parent_path() / "odograph/plugins");
       directories.push_back(binary.parent_path() / "../lib/odograph/plugins");

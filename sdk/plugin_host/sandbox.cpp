@@ -19,6 +19,14 @@
 #include <unistd.h>
 #endif
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // GCC says so, clang by __has_feature
+#define ODOGRAPH_SANITIZERS
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define ODOGRAPH_SANITIZERS
+#endif
+#endif
+
 namespace odograph {
 namespace {
 
@@ -138,10 +146,10 @@ class Filter {
 #if defined(__x86_64__)
     only_for_reading(SYS_open, 1);
 #endif
-    only_with(SYS_clone, 0, CLONE_THREAD);
+    only_if(SYS_clone, 0, BPF_JSET, CLONE_THREAD);
     const auto self = static_cast<uint32_t>(getpid());
-    only_equal(SYS_kill, 0, self);
-    only_equal(SYS_tgkill, 0, self);
+    only_if(SYS_kill, 0, BPF_JEQ, self);
+    only_if(SYS_tgkill, 0, BPF_JEQ, self);
     refuse(SYS_tkill, EPERM);
     refuse(SYS_rt_sigqueueinfo, EPERM);
     refuse(SYS_rt_tgsigqueueinfo, EPERM);
@@ -171,17 +179,11 @@ class Filter {
     give(SECCOMP_RET_ERRNO | EPERM);
     give(SECCOMP_RET_ALLOW);
   }
-  void only_with(long number, int i, uint32_t bit) {
+  /// Allowed where the argument passes: BPF_JEQ, it is the value; BPF_JSET, it has one of its bits.
+  void only_if(long number, int i, uint16_t how, uint32_t value) {
     jump(BPF_JEQ, static_cast<uint32_t>(number), 0, 4);
     load(argument(i));
-    jump(BPF_JSET, bit, 1, 0);
-    give(SECCOMP_RET_ERRNO | EPERM);
-    give(SECCOMP_RET_ALLOW);
-  }
-  void only_equal(long number, int i, uint32_t value) {
-    jump(BPF_JEQ, static_cast<uint32_t>(number), 0, 4);
-    load(argument(i));
-    jump(BPF_JEQ, value, 1, 0);
+    jump(how, value, 1, 0);
     give(SECCOMP_RET_ERRNO | EPERM);
     give(SECCOMP_RET_ALLOW);
   }
@@ -196,7 +198,9 @@ bool filter_calls() { return false; }
 }  // namespace
 
 bool enter_sandbox(uint64_t memory_bytes) {
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes of address space
+#if defined(ODOGRAPH_SANITIZERS)  // they reserve terabytes of address space
+  (void)memory_bytes;
+#else
   limit(RLIMIT_AS, memory_bytes);
 #endif
   limit(RLIMIT_CORE, 0);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A small good plugin of each kind, for the bad ones of zoo.cpp to spoil in one place. They know the walk of
-// `odograph plugin check` and say what is true in it.
+// A small good plugin of each kind, for the bad ones of this folder to spoil in one place. They know the walk of
+// `odograph plugin check` and say what is true in it. Each animal is built for itself, with ZOO_name defined; the name
+// of the library is the case of the check that must find it.
 #pragma once
 
 #include <cmath>
@@ -218,3 +219,24 @@ inline int32_t good_entry(const odo_host* host, odo_plugin* out) {
 }
 
 }  // namespace zoo
+
+// What an animal spoils: its table, the events it gives, or what it does with an input.
+#define TABLE(k)                                                 \
+  Kind zoo::kind() { return k; }                                 \
+  void zoo::on_event(State&, Event&) {}                          \
+  int32_t zoo::on_input(State&, const odo_header&) { return 0; } \
+  void zoo::on_table([[maybe_unused]] odo_plugin& t)
+#define EVENT(k)                                                 \
+  Kind zoo::kind() { return k; }                                 \
+  void zoo::on_table(odo_plugin&) {}                             \
+  int32_t zoo::on_input(State&, const odo_header&) { return 0; } \
+  void zoo::on_event([[maybe_unused]] State& s, [[maybe_unused]] Event& e)
+#define INPUT(k)                        \
+  Kind zoo::kind() { return k; }        \
+  void zoo::on_table(odo_plugin&) {}    \
+  void zoo::on_event(State&, Event&) {} \
+  int32_t zoo::on_input([[maybe_unused]] State& s, [[maybe_unused]] const odo_header& m)
+#define GOOD_ENTRY                                                                        \
+  extern "C" ODO_EXPORT int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) { \
+    return good_entry(host, out);                                                         \
+  }
