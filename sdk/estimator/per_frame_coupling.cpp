@@ -58,6 +58,7 @@ void PerFrameCoupling::reset() {
   rejected_in_a_row_ = 0;
   unscaled_.reset();
   history_.clear();
+  corrections_ = {}, correction_count_ = 0;
 }
 
 void PerFrameCoupling::on_calibration(const odo_calibration& calibration) {

@@ -77,7 +77,9 @@ class PerFrameCoupling {
   void turn(const odo_vo_motion& motion, const std::optional<odo_attitude>& before,
             const std::optional<odo_attitude>& after);
   bool turn_with_gyroscope(const odo_vo_motion& motion);
-  bool turn_by(const odo_fix& fix);
+  std::optional<odo_pose> pose_then(int64_t t_ns) const;
+  void note_correction(const Eigen::Quaterniond& q_before, const Eigen::Vector3d& from_n);
+  bool turn_by(const odo_fix& fix, const Eigen::Quaterniond& q_then);
   bool turn_chain_by(const Eigen::Vector3d& off_n, const odo_fix& fix);
   void share_rotation_covariance();
   odo_pose publish(int64_t t_ns, uint32_t state, uint32_t reason);
@@ -91,6 +93,14 @@ class PerFrameCoupling {
   StartPose start_;
   EstimatorInputs inputs_;
   PoseHistory history_;
+  /// What a fix did to the latest pose, and to what lies before it: poses in history_ are as they were published.
+  struct Corrected {
+    int64_t t_ns = INT64_MIN;
+    Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
+    Eigen::Vector3d from_n = Eigen::Vector3d::Zero(), to_n = Eigen::Vector3d::Zero();
+  };
+  std::array<Corrected, 16> corrections_{};
+  size_t correction_count_ = 0;
 
   std::array<odo_attitude, 128> attitudes_{};
   size_t attitude_count_ = 0;

@@ -11,6 +11,7 @@
 #include "plugins/camera/frame_view.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
 #include "plugins/fix/skyline/robust_sky.hpp"
+#include "plugins/fix/skyline/sliced_worker.hpp"
 
 namespace {
 
@@ -25,7 +26,9 @@ constexpr double kRival = 0.2;     // of another place's likelihood
 constexpr double kClimb_m = 0.05;  // by which the height over n's origin becomes uncertain from fix to fix
 constexpr double kLeastHeightSigma_m = 0.1;
 
-constexpr double kMostOff = 2;  // of the path since the last fix: one who goes the other way than thought
+constexpr uint64_t kSlice = 1'600'000;  // of work a frame: about 8 ms
+constexpr uint64_t kSkyWork = 10;       // of a pixel
+constexpr double kMostOff = 2;          // of the path since the last fix: one who goes the other way than thought
 
 /// Why a frame gave no fix, as reports and summaries name it.
 enum Reason : size_t { kPrior, kSky, kAgreement, kAmbiguity, kReasons };
@@ -83,29 +86,28 @@ class Skyline {
     if (pose.header.flags & ODO_POSE_EXTRAPOLATED) return;
     pose_ = pose;
     if (!waiting_ || pose.header.t_ns < waiting_->t_ns) return;
-    const Picture picture = *std::exchange(waiting_, std::nullopt);
-    look(picture, output);
+    begin(*std::exchange(waiting_, std::nullopt), output);
   }
 
-  /// A frame waits for its pose where the front-end tells it later, having waited for the IMU itself.
+  /// A frame waits for its pose where the front-end tells it later, having waited for the IMU itself. While a picture
+  /// is worked on no other is taken; its fix comes with the frame at which the work is done.
   void on(const odo_frame& frame, odo::Output& output) {
+    if (worker_.busy()) {
+      if (!worker_.advance()) return;
+      finish(output);
+    }
     const odograph::CameraModel lens = camera_.lens_of(frame);
     const int64_t t_ns = frame.header.t_ns, wait_ns = static_cast<int64_t>(interval * 1e9) - 1'000'000;
     if (last_ns_ != INT64_MIN && t_ns - last_ns_ < wait_ns) return;
     last_ns_ = t_ns;
     if (waiting_) refuse(kPrior, "no pose came for a picture", output);
-    Picture picture{t_ns, odograph::grey_of(frame, converted_), odograph::mask_of(frame), lens};
-    if (pose_ && pose_->header.t_ns == t_ns) {
-      waiting_.reset();
-      return look(picture, output);
-    }
-    picture.grey = picture.grey.clone(), picture.mask = picture.mask.clone();
-    waiting_ = picture;
+    waiting_ = Picture{t_ns, odograph::grey_of(frame, converted_).clone(), odograph::mask_of(frame).clone(), lens};
+    if (pose_ && pose_->header.t_ns == t_ns) begin(*std::exchange(waiting_, std::nullopt), output);
   }
 
  private:
   struct Picture {
-    int64_t t_ns;
+    int64_t t_ns = 0;
     cv::Mat grey, mask;
     odograph::CameraModel lens;
   };
@@ -113,8 +115,16 @@ class Skyline {
     Reason reason;
     std::string text;
   };
+  /// A picture that is being worked on: the worker reads the first three and writes the others.
+  struct Look {
+    Picture picture;
+    odo_pose pose{};
+    Prior prior{};
+    bool sky_seen = false;
+    std::optional<Match> match;
+  };
 
-  void look(const Picture& picture, odo::Output& output) {
+  void begin(const Picture& picture, odo::Output& output) {
     constexpr uint32_t needed = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_CAMERA;
     if ((pose_->header.flags & needed) != needed || pose_->header.t_ns != picture.t_ns)
       return refuse(kPrior, "no pose of the camera at the frame's time", output);
@@ -123,9 +133,6 @@ class Skyline {
     // Without a metre the position stays where the last fix or the start was: the scale itself waits for fixes.
     const bool metric = (pose_->header.flags & ODO_POSE_METRIC) != 0;
     const double sigma = metric ? std::sqrt(variance) : std::max(std::sqrt(variance), kUnscaled_m);
-    const Eigen::Quaterniond q_n_c(pose_->q_n[0], pose_->q_n[1], pose_->q_n[2], pose_->q_n[3]);
-    const auto& edges = find_sky(picture, q_n_c.conjugate());
-    if (edges.empty()) return refuse(kSky, "no sky around the zenith", output);
     const double yaw_sigma = std::clamp(std::sqrt(pose_->covariance[14]), 1.0 * kDegree, kUnknown_rad);
     // Since the last fix the track may have gone astray by its heading. Who may be farther off than is searched would
     // be placed where it only looks alike.
@@ -134,22 +141,37 @@ class Skyline {
     if (astray_m > radius) return refuse(kPrior, "the pose may be farther off than is searched", output);
     const double tilt =
         std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma, kMostTilt_rad);
-    const auto match = matcher_->match(edges, {.p_n = Eigen::Vector3d(pose_->p_n) - Eigen::Vector3d(0, 0, up_m_),
-                                               .q_n_c = q_n_c,
-                                               .position_sigma_m = std::max(sigma + failures_, astray_m / 3),
-                                               .yaw_sigma_rad = yaw_sigma,
-                                               .tilt_sigma_rad = tilt,
-                                               .farthest_m = radius,
-                                               .lost = failures_ >= kDoubtful,
-                                               .height_sigma_m = std::sqrt(up_variance_)});
-    if (const auto why = judge(match)) {
+    const Eigen::Quaterniond q_n_c(pose_->q_n[0], pose_->q_n[1], pose_->q_n[2], pose_->q_n[3]);
+    look_ = {picture, *pose_,
+             Prior{.p_n = Eigen::Vector3d(pose_->p_n) - Eigen::Vector3d(0, 0, up_m_),
+                   .q_n_c = q_n_c,
+                   .position_sigma_m = std::max(sigma + failures_, astray_m / 3),
+                   .yaw_sigma_rad = yaw_sigma,
+                   .tilt_sigma_rad = tilt,
+                   .farthest_m = radius,
+                   .lost = failures_ >= kDoubtful,
+                   .height_sigma_m = std::sqrt(up_variance_)}};
+    worker_.start([this](const Spend& spend) { look(spend); });
+  }
+
+  /// On the worker's thread.
+  void look(const Spend& spend) {
+    const auto& edges = find_sky(look_.picture, look_.prior.q_n_c.conjugate());
+    spend(kSkyWork * look_.picture.grey.total());
+    look_.sky_seen = !edges.empty();
+    if (look_.sky_seen) look_.match = matcher_->match(edges, look_.prior, spend);
+  }
+
+  void finish(odo::Output& output) {
+    if (!look_.sky_seen) return refuse(kSky, "no sky around the zenith", output);
+    if (const auto why = judge(look_.match)) {
       ++failures_;
       return refuse(why->reason, why->text, output);
     }
     failures_ = 0;
-    fixed_at_m_ = pose_->distance_m;
-    climb(*match);
-    output.emit(fix_of(*match, picture.t_ns));
+    fixed_at_m_ = look_.pose.distance_m;
+    climb(*look_.match);
+    output.emit(fix_of(*look_.match, look_.picture.t_ns));
   }
 
   const std::vector<SkyEdge>& find_sky(const Picture& picture, const Eigen::Quaterniond& q_c_n) {
@@ -157,10 +179,10 @@ class Skyline {
     const bool same = picture.lens == lens_;
     lens_ = picture.lens;
     if (sky == "flood_fill") {
-      if (!finder_ || !same) finder_.emplace(lens_, camera_.size());
+      if (!finder_ || !same) finder_.emplace(lens_, picture.grey.size());
       return finder_->find(picture.grey, up_c, north_c);
     }
-    if (!robust_ || !same) robust_.emplace(RobustSkyFinder::Parameters{}, lens_, camera_.size());
+    if (!robust_ || !same) robust_.emplace(RobustSkyFinder::Parameters{}, lens_, picture.grey.size());
     return robust_->find(picture.grey, picture.mask, up_c, north_c);
   }
 
@@ -198,7 +220,7 @@ class Skyline {
 
   /// The height over n's origin follows the road, which the odometry does not.
   void climb(const Match& match) {
-    const double measured = pose_->p_n[2] - match.p_n.z();
+    const double measured = look_.pose.p_n[2] - match.p_n.z();
     // The match has the prior in it already: its sigma is the sum's.
     up_m_ = measured;
     up_variance_ = std::max(match.height_sigma_m * match.height_sigma_m, kLeastHeightSigma_m * kLeastHeightSigma_m) +
@@ -232,12 +254,14 @@ class Skyline {
   double up_m_ = 0, up_variance_ = 1;  // of the camera over the pose's height
   std::optional<odo_pose> pose_;
   std::optional<Picture> waiting_;
+  Look look_;
   Eigen::Quaterniond q_c_b_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
   odograph::ToldCamera camera_;
   odograph::CameraModel lens_;  // that finder_ was made for
   int64_t last_ns_ = INT64_MIN;
-  int failures_ = 0;  // in a row; each widens the search by a metre of standard deviation
+  int failures_ = 0;             // in a row; each widens the search by a metre of standard deviation
+  SlicedWorker worker_{kSlice};  // last: its thread ends before what it works with
 };
 
 }  // namespace
