@@ -8,9 +8,12 @@
 
 #include <Eigen/Geometry>
 
+#include <odograph/skylines.h>
+
 #include "plugins/camera/frame_view.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
 #include "plugins/fix/skyline/robust_sky.hpp"
+#include "plugins/fix/skyline/skyline_database.hpp"
 #include "plugins/fix/skyline/sliced_worker.hpp"
 
 namespace {
@@ -37,7 +40,7 @@ constexpr const char* kReasonNames[kReasons] = {"prior", "sky", "agreement", "am
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
 class Skyline {
  public:
-  std::string model;
+  std::string model, skylines;
   std::array<double, 3> model_origin = {0, 0, 0};
   std::string sky = "robust";
   double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.2, radius = 40;
@@ -47,33 +50,45 @@ class Skyline {
       "fix/skyline", "1.0.0", "Position and heading from the skyline of a 3D city model (Gakne & O'Keefe 2018)",
       ODO_INTERFACE_ABSOLUTE_FIXER};
   static std::vector<odo::Parameter<Skyline>> parameters() {
-    return {odo::text("model", &Skyline::model, "CityJSON file of the city, beside the config"),
-            odo::reals("model_origin", "m", -1e8, 1e8, &Skyline::model_origin,
-                       "easting, northing and height of n's origin in the model"),
-            odo::choice("sky", "robust|flood_fill", &Skyline::sky,
-                        "how sky is told from the rest: flood_fill is the paper's"),
-            odo::real("interval", "s", 0, 3600, &Skyline::interval, "time between two fixes at least"),
-            odo::real("radius", "m", 2, 200, &Skyline::radius, "farthest from the prior that is searched"),
-            odo::real("min_agreement", "", 0.1, 1, &Skyline::min_agreement,
-                      "part of the directions with a roof's edge in which picture and model must agree"),
-            odo::real("tilt_sigma", "rad", 0.0001, 0.5, &Skyline::tilt_sigma,
-                      "least standard deviation of the prior's inclination"),
-            odo::real("height_sigma", "m", 0.01, 100, &Skyline::height_sigma,
-                      "standard deviation of the prior's height at the start"),
-            odo::real("min_sigma", "m", 0.001, 100, &Skyline::min_sigma, "smallest standard deviation believed")};
+    return {
+        odo::text("model", &Skyline::model, "CityJSON file of the city, beside the config"),
+        odo::reals("model_origin", "m", -1e8, 1e8, &Skyline::model_origin,
+                   "easting, northing and height of n's origin in the model"),
+        odo::text("skylines", &Skyline::skylines,
+                  "database of skylines (`odograph city build`), beside the config; without a model also its edges"),
+        odo::choice("sky", "robust|flood_fill", &Skyline::sky,
+                    "how sky is told from the rest: flood_fill is the paper's"),
+        odo::real("interval", "s", 0, 3600, &Skyline::interval, "time between two fixes at least"),
+        odo::real("radius", "m", 2, 200, &Skyline::radius, "farthest from the prior that is searched"),
+        odo::real("min_agreement", "", 0.1, 1, &Skyline::min_agreement,
+                  "part of the directions with a roof's edge in which picture and model must agree"),
+        odo::real("tilt_sigma", "rad", 0.0001, 0.5, &Skyline::tilt_sigma,
+                  "least standard deviation of the prior's inclination"),
+        odo::real("height_sigma", "m", 0.01, 100, &Skyline::height_sigma,
+                  "standard deviation of the prior's height at the start"),
+        odo::real("min_sigma", "m", 0.001, 100, &Skyline::min_sigma, "smallest standard deviation believed")};
   }
 
   void configured(odo::Output& host) {
-    if (model.empty()) throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the city");
+    host_ = host;
+    if (model.empty() && skylines.empty())
+      throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the city, or a database in `skylines`");
     up_variance_ = height_sigma * height_sigma;
-    const auto file = host.asset(model);
-    if (!file) throw odo::Error(ODO_E_CONFIG, "model: no file '" + model + "' where the config lies");
+    const auto find = [&](const char* key, const std::string& name) {
+      const auto file = host.asset(name);
+      if (!file) throw odo::Error(ODO_E_CONFIG, key + std::string(": no file '") + name + "' where the config lies");
+      return *file;
+    };
     try {
-      matcher_.emplace(City(read_city_outline(*file, model_origin)));
+      if (!skylines.empty()) database_ = SkylineDatabase::open(find("skylines", skylines));
+      matcher_.emplace(
+          City(model.empty() ? edges_of_database() : read_city_outline(find("model", model), model_origin)));
     } catch (const std::runtime_error& error) {
       throw odo::Error(ODO_E_CONFIG, error.what());
     }
   }
+
+  const void* extension(std::string_view id) const { return id == ODO_EXTENSION_SKYLINES ? &told_skylines_ : nullptr; }
 
   void on(const odo_calibration& c, odo::Output&) {
     camera_.take(c);
@@ -186,6 +201,75 @@ class Skyline {
     return robust_->find(picture.grey, picture.mask, up_c, north_c);
   }
 
+  /// From the database's n to ours.
+  Eigen::Vector3d database_offset() const {
+    const Eigen::Vector3d d = database_.origin() - Eigen::Vector3d(model_origin.data());
+    return {d.y(), d.x(), -d.z()};
+  }
+  std::vector<Edge> edges_of_database() const {
+    auto edges = database_.edges();
+    for (Edge& e : edges) e.from += database_offset(), e.to += database_offset();
+    return edges;
+  }
+
+  /// Runs what the extension is asked for; what goes wrong is reported and told by a status.
+  template <class Work>
+  static int32_t ask(void* user, Work&& work) noexcept {
+    auto& self = *static_cast<Skyline*>(user);
+    try {
+      return work(self);
+    } catch (const std::bad_alloc&) {
+      return ODO_E_MEMORY;
+    } catch (const std::exception& error) {
+      self.host_.report(ODO_SEVERITY_ERROR, "skylines", error.what());
+      return ODO_E_DATA;
+    }
+  }
+  static int32_t ODO_CALL build(void* user, const odo_string* file, const double* places_n, uint64_t count,
+                                double spacing_m, odo_skyline_progress progress, void* context) noexcept {
+    return ask(user, [&](Skyline& self) -> int32_t {
+      if (self.model.empty()) return ODO_E_STATE;
+      std::vector<Eigen::Vector3d> places;
+      for (uint64_t i = 0; i < count; ++i) places.emplace_back(places_n + 3 * i);
+      DatabaseParameters p;
+      p.origin = Eigen::Vector3d(self.model_origin.data()), p.spacing_m = spacing_m;
+      const bool done = build_database(self.matcher_->city().edges(), places, p, std::string(odo::view(*file)),
+                                       [&](size_t n) { return !progress || progress(context, n, count) != 0; });
+      return done ? ODO_OK : ODO_E_DISCARD;
+    });
+  }
+  static int32_t ODO_CALL open(void* user, const odo_string* file, odo_skyline_database* what) noexcept {
+    return ask(user, [&](Skyline& self) -> int32_t {
+      self.asked_ = SkylineDatabase::open(std::string(odo::view(*file)));
+      what->places = self.asked_.size(), what->bytes = self.asked_.bytes();
+      Eigen::Vector3d::Map(what->origin) = self.asked_.origin();
+      what->spacing_m = self.asked_.spacing_m();
+      return ODO_OK;
+    });
+  }
+  static int32_t ODO_CALL nearest(void* user, double north_m, double east_m, uint64_t* place) noexcept {
+    return ask(user, [&](Skyline& self) -> int32_t {
+      if (self.asked_.size() == 0) return ODO_E_STATE;
+      if (!std::isfinite(north_m) || !std::isfinite(east_m)) return ODO_E_ARGUMENT;
+      *place = self.asked_.nearest(north_m, east_m);
+      return ODO_OK;
+    });
+  }
+  static int32_t ODO_CALL skyline(void* user, uint64_t place, double* p_n, float* elevation_rad, float* height_m,
+                                  float* distance_m) noexcept {
+    return ask(user, [&](Skyline& self) -> int32_t {
+      if (place >= self.asked_.size()) return ODO_E_NOT_FOUND;
+      Eigen::Vector3d::Map(p_n) = self.asked_.place(place);
+      if (!elevation_rad && !height_m && !distance_m) return ODO_OK;
+      Horizon horizon;
+      if (!self.asked_.horizon(place, horizon)) return ODO_E_DATA;
+      if (elevation_rad) std::copy(horizon.elevation.begin(), horizon.elevation.end(), elevation_rad);
+      if (height_m) std::copy(horizon.height_m.begin(), horizon.height_m.end(), height_m);
+      if (distance_m) std::copy(horizon.distance_m.begin(), horizon.distance_m.end(), distance_m);
+      return ODO_OK;
+    });
+  }
+
   /// What speaks against a match.
   std::optional<Why> judge(const std::optional<Match>& match) const {
     char text[120];
@@ -246,6 +330,9 @@ class Skyline {
     return fix;
   }
 
+  odo::Output host_;
+  SkylineDatabase database_, asked_;  // the config's; the extension's
+  odo_skylines told_skylines_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline};
   std::optional<Matcher> matcher_;
   std::optional<SkyFinder> finder_;
   std::optional<RobustSkyFinder> robust_;
