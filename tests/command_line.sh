@@ -190,7 +190,7 @@ expect 0 "11 places" "$odograph" city build town.city.json -o road.skylines --sp
 expect 3 "not a skyline database" "$odograph" city query town.city.json
 head -c 2000 town.skylines >cut.skylines
 expect 3 "bytes long" "$odograph" city query cut.skylines
-expect 3 "no such file" "$odograph" city show nothing.skylines --at 0 0 -o x.png
+expect 3 "nothing.skylines" "$odograph" city show nothing.skylines --at 0 0 -o x.png
 expect 0 "Figure 11" "$odograph" bench drive --scenario car.yaml -c "$configs/monocular.yaml" --keep kept
 printf 'odograph_scenario: 1\nworld: {type: city, model: nothing.city.json}\n' >city.yaml
 expect 3 "nothing.city.json: no such file" "$odograph" sim city.yaml -o x.odo

@@ -23,9 +23,9 @@ TEST_SUITE_BEGIN("skyline_worker");
 
 namespace {
 
-int advances_until_done(SlicedWorker& worker) {
+int advances_until_done(SlicedWorker& worker, uint64_t slice) {
   int n = 1;
-  while (!worker.advance()) ++n;
+  while (!worker.advance(slice)) ++n;
   return n;
 }
 
@@ -40,53 +40,60 @@ void sleep_ms(int n) { std::this_thread::sleep_for(std::chrono::milliseconds(n))
 }  // namespace
 
 TEST_CASE("after how many frames a job is done is told by its work, not by how long it took") {
-  SlicedWorker worker(100);
+  SlicedWorker worker;
   for (const int slow_ms : {0, 3}) {
     for (const int pause_ms : {0, 5}) {
-      worker.start([&](const Spend& spend) {
-        for (int k = 0; k < 10; ++k) spend(60), sleep_ms(slow_ms);
-      });
+      worker.start(
+          [&](const Spend& spend) {
+            for (int k = 0; k < 10; ++k) spend(60), sleep_ms(slow_ms);
+          },
+          100);
       CHECK(worker.busy());
       sleep_ms(pause_ms);
-      CHECK(advances_until_done(worker) == 6);  // 600 of work, the first 100 with the start
+      CHECK(advances_until_done(worker, 100) == 6);  // 600 of work, the first 100 with the start
       CHECK_FALSE(worker.busy());
     }
   }
 }
 
 TEST_CASE("a frame waits for one slice at most") {
-  SlicedWorker worker(100);
-  worker.start([](const Spend& spend) {
-    for (int k = 0; k < 40; ++k) spend(50), sleep_ms(5);  // two of them a slice, 200 ms in all
-  });
+  SlicedWorker worker;
+  worker.start(
+      [](const Spend& spend) {
+        for (int k = 0; k < 40; ++k) spend(50), sleep_ms(5);  // two of them a slice, 200 ms in all
+      },
+      100);
   double longest_ms = 0;
-  for (bool done = false; !done;) longest_ms = std::max(longest_ms, milliseconds_of([&] { done = worker.advance(); }));
+  for (bool done = false; !done;)
+    longest_ms = std::max(longest_ms, milliseconds_of([&] { done = worker.advance(100); }));
   CHECK(longest_ms < 100);  // 10, on a machine that is not busy
   CHECK(longest_ms > 5);
 }
 
 TEST_CASE("a job that throws tells so where it is asked for, and the next one runs") {
-  SlicedWorker worker(10);
-  worker.start([](const Spend&) { throw std::runtime_error("no sky"); });
-  CHECK_THROWS_WITH(advances_until_done(worker), "no sky");
+  SlicedWorker worker;
+  worker.start([](const Spend&) { throw std::runtime_error("no sky"); }, 10);
+  CHECK_THROWS_WITH(advances_until_done(worker, 10), "no sky");
   CHECK_FALSE(worker.busy());
   bool ran = false;
-  worker.start([&](const Spend&) { ran = true; });
-  CHECK(advances_until_done(worker) == 1);
+  worker.start([&](const Spend&) { ran = true; }, 10);
+  CHECK(advances_until_done(worker, 10) == 1);
   CHECK(ran);
 }
 
 TEST_CASE("a worker that goes while its job waits or works ends the job") {
   std::atomic<bool> went_on = false;
   CHECK(milliseconds_of([&] {
-          SlicedWorker worker(10);
-          worker.start([&](const Spend& spend) {
-            spend(1000);
-            went_on = true;
-          });
+          SlicedWorker worker;
+          worker.start(
+              [&](const Spend& spend) {
+                spend(1000);
+                went_on = true;
+              },
+              10);
         }) < 1000);
   CHECK_FALSE(went_on);
-  SlicedWorker never_started(10);
+  SlicedWorker never_started;
 }
 
 namespace {

@@ -89,6 +89,9 @@ class PerFrameCoupling {
   }
   bool metric() const { return inputs_.scale || !inputs_.vo || metric_by_vo_; }
 
+  static constexpr double kHeadingUnknown_rad = 0.2;  // of a start without a compass
+  static constexpr double kAnyHeading_rad = 1.8;      // uniform over the circle: pi / sqrt(3)
+
   CouplingConfig config_;
   StartPose start_;
   EstimatorInputs inputs_;

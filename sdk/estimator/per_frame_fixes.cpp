@@ -119,6 +119,10 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     ++rejected_in_a_row_;
     return {false, nis, dof};
   }
+  // The fix that places a track nobody told its start tells its heading too, which may be any.
+  if (!placed_ && (flags & ODO_FIX_ORIENTATION) != 0 && !start_.heading_given &&
+      heading_variance_ >= kHeadingUnknown_rad * kHeadingUnknown_rad)
+    heading_variance_ = std::max(heading_variance_, kAnyHeading_rad * kAnyHeading_rad);
   if (turns) turn_by(fix, q_then);  // a fix whose position is refused does not turn either
   const Matrix3d K = P * S.inverse();
   const Vector3d correction = K * innovation;

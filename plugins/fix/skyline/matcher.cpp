@@ -326,11 +326,15 @@ bool Matcher::describe(const Place& best, Match& match) {
   return true;
 }
 
+bool Matcher::tells_enough(const std::vector<SkyEdge>& edges) {
+  const auto closed = std::count_if(edges.begin(), edges.end(), [](const SkyEdge& e) { return !e.open && !e.above; });
+  return static_cast<size_t>(closed) >= kLeastEdges;
+}
+
 std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend) {
   spend_ = spend;
-  const auto closed = std::count_if(edges.begin(), edges.end(), [](const SkyEdge& e) { return !e.open && !e.above; });
   refusal_ = Refusal::few_edges;
-  if (static_cast<size_t>(closed) < kLeastEdges) return std::nullopt;
+  if (!tells_enough(edges)) return std::nullopt;
   refusal_ = Refusal::none;
   prior_ = prior;
   seen_.set(edges, prior.q_n_c);

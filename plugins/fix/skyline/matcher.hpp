@@ -71,6 +71,8 @@ class Matcher {
   explicit Matcher(City city) : city_(std::move(city)) {}
   /// `spend` is told of the work before it is done, and may wait or throw.
   std::optional<Match> match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend = nullptr);
+  /// Whether enough directions of a picture have a roof's edge.
+  static bool tells_enough(const std::vector<SkyEdge>& edges);
   const City& city() const { return city_; }
   /// Why the latest match() gave nothing.
   Refusal refusal() const { return refusal_; }

@@ -12,6 +12,7 @@
 
 #include "plugins/camera/frame_view.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
+#include "plugins/fix/skyline/place_finder.hpp"
 #include "plugins/fix/skyline/robust_sky.hpp"
 #include "plugins/fix/skyline/skyline_database.hpp"
 #include "plugins/fix/skyline/sliced_worker.hpp"
@@ -24,14 +25,19 @@ constexpr double kNowhere_m = 1000;
 constexpr double kUnscaled_m = 2.5;            // what a car that pulls away drives from fix to fix
 constexpr double kUnknown_rad = 60 * kDegree;  // three times this is any heading
 constexpr int kDoubtful = 4;                   // failures in a row
+constexpr int kHopeless = 20;                  // failures in a row after which the whole database is searched
 constexpr double kMostTilt_rad = 3 * kDegree;
-constexpr double kRival = 0.2;     // of another place's likelihood
+constexpr double kFoundSigma_m = 1.5, kFoundSigma_rad = 2 * kDegree;  // of a place found by several pictures
+constexpr double kFoundAgreement = 0.8;                               // of min_agreement
+constexpr double kFoundApart_m = 3;                                   // the newest picture's own match lies so near it
+constexpr double kRival = 0.2;                                        // of another place's likelihood
 constexpr double kClimb_m = 0.05;  // by which the height over n's origin becomes uncertain from fix to fix
 constexpr double kLeastHeightSigma_m = 0.1;
 
-constexpr uint64_t kSlice = 1'600'000;  // of work a frame: about 8 ms
-constexpr uint64_t kSkyWork = 10;       // of a pixel
-constexpr double kMostOff = 2;          // of the path since the last fix: one who goes the other way than thought
+constexpr double kWorkPerSecond = 48e6;                            // of sensor time: a quarter of a core
+constexpr uint64_t kLeastSlice = 400'000, kMostSlice = 3'200'000;  // of a frame: 2 and 16 ms
+constexpr uint64_t kSkyWork = 10;                                  // of a pixel
+constexpr double kMostOff = 2;  // of the path since the last fix: one who goes the other way than thought
 
 /// Why a frame gave no fix, as reports and summaries name it.
 enum Reason : size_t { kPrior, kSky, kAgreement, kAmbiguity, kReasons };
@@ -45,6 +51,7 @@ class Skyline {
   std::string sky = "robust";
   double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.2, radius = 40;
   double height_sigma = 1.0;
+  bool start_known = true;
 
   static constexpr odo::Description description{
       "fix/skyline", "1.0.0", "Position and heading from the skyline of a 3D city model (Gakne & O'Keefe 2018)",
@@ -66,6 +73,8 @@ class Skyline {
                   "least standard deviation of the prior's inclination"),
         odo::real("height_sigma", "m", 0.01, 100, &Skyline::height_sigma,
                   "standard deviation of the prior's height at the start"),
+        odo::boolean("start_known", &Skyline::start_known,
+                     "the pose is right from the start; if not, it is looked for in all of the database"),
         odo::real("min_sigma", "m", 0.001, 100, &Skyline::min_sigma, "smallest standard deviation believed")};
   }
 
@@ -73,14 +82,20 @@ class Skyline {
     host_ = host;
     if (model.empty() && skylines.empty())
       throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the city, or a database in `skylines`");
+    if (!start_known && skylines.empty())
+      throw odo::Error(ODO_E_CONFIG, "start_known: false wants a database in `skylines`");
     up_variance_ = height_sigma * height_sigma;
+    placed_ = start_known;
     const auto find = [&](const char* key, const std::string& name) {
       const auto file = host.asset(name);
       if (!file) throw odo::Error(ODO_E_CONFIG, key + std::string(": no file '") + name + "' where the config lies");
       return *file;
     };
     try {
-      if (!skylines.empty()) database_ = SkylineDatabase::open(find("skylines", skylines));
+      if (!skylines.empty()) {
+        database_ = SkylineDatabase::open(find("skylines", skylines));
+        place_finder_.emplace(PlaceFinder::Parameters{}, database_, database_offset());
+      }
       matcher_.emplace(
           City(model.empty() ? edges_of_database() : read_city_outline(find("model", model), model_origin)));
     } catch (const std::runtime_error& error) {
@@ -107,8 +122,12 @@ class Skyline {
   /// A frame waits for its pose where the front-end tells it later, having waited for the IMU itself. While a picture
   /// is worked on no other is taken; its fix comes with the frame at which the work is done.
   void on(const odo_frame& frame, odo::Output& output) {
+    const double passed_s = frame_ns_ == INT64_MIN ? 0 : static_cast<double>(frame.header.t_ns - frame_ns_) * 1e-9;
+    frame_ns_ = frame.header.t_ns;
+    slice_ =
+        std::clamp(static_cast<uint64_t>(std::clamp(passed_s, 0.0, 1.0) * kWorkPerSecond), kLeastSlice, kMostSlice);
     if (worker_.busy()) {
-      if (!worker_.advance()) return;
+      if (!worker_.advance(slice_)) return;
       finish(output);
     }
     const odograph::CameraModel lens = camera_.lens_of(frame);
@@ -135,6 +154,7 @@ class Skyline {
     Picture picture;
     odo_pose pose{};
     Prior prior{};
+    bool anywhere = false;  // the place is looked for in all of the database
     bool sky_seen = false;
     std::optional<Match> match;
   };
@@ -144,7 +164,7 @@ class Skyline {
     if ((pose_->header.flags & needed) != needed || pose_->header.t_ns != picture.t_ns)
       return refuse(kPrior, "no pose of the camera at the frame's time", output);
     const double variance = std::max(pose_->covariance[21], pose_->covariance[28]);
-    if (std::sqrt(variance) > kNowhere_m) return refuse(kPrior, "the pose is not placed yet", output);
+    if (placed_ && std::sqrt(variance) > kNowhere_m) return refuse(kPrior, "the pose is not placed yet", output);
     // Without a metre the position stays where the last fix or the start was: the scale itself waits for fixes.
     const bool metric = (pose_->header.flags & ODO_POSE_METRIC) != 0;
     const double sigma = metric ? std::sqrt(variance) : std::max(std::sqrt(variance), kUnscaled_m);
@@ -153,7 +173,14 @@ class Skyline {
     // be placed where it only looks alike.
     const double driven_m = pose_->distance_m - fixed_at_m_;
     const double astray_m = driven_m * std::min(kMostOff, 3 * yaw_sigma);
-    if (astray_m > radius) return refuse(kPrior, "the pose may be farther off than is searched", output);
+    const bool lost = astray_m > radius || failures_ >= kHopeless;
+    const bool anywhere = place_finder_ && (!placed_ || lost);
+    if (astray_m > radius && !anywhere) return refuse(kPrior, "the pose may be farther off than is searched", output);
+    if (anywhere && (!metric || pose_->state == ODO_LOST)) {
+      place_finder_->clear();
+      return refuse(kPrior, "not placed, and the odometry tells no metres", output);
+    }
+    if (anywhere && !place_finder_->wants(Eigen::Vector3d(pose_->p_n))) return;
     const double tilt =
         std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma, kMostTilt_rad);
     const Eigen::Quaterniond q_n_c(pose_->q_n[0], pose_->q_n[1], pose_->q_n[2], pose_->q_n[3]);
@@ -165,8 +192,9 @@ class Skyline {
                    .tilt_sigma_rad = tilt,
                    .farthest_m = radius,
                    .lost = failures_ >= kDoubtful,
-                   .height_sigma_m = std::sqrt(up_variance_)}};
-    worker_.start([this](const Spend& spend) { look(spend); });
+                   .height_sigma_m = std::sqrt(up_variance_)},
+             anywhere};
+    worker_.start([this](const Spend& spend) { look(spend); }, slice_);
   }
 
   /// On the worker's thread.
@@ -174,16 +202,43 @@ class Skyline {
     const auto& edges = find_sky(look_.picture, look_.prior.q_n_c.conjugate());
     spend(kSkyWork * look_.picture.grey.total());
     look_.sky_seen = !edges.empty();
+    if (look_.sky_seen && look_.anywhere) return look_anywhere(edges, spend);
     if (look_.sky_seen) look_.match = matcher_->match(edges, look_.prior, spend);
   }
 
+  /// The place that several pictures agree on, of all in the database; then the match of this picture there.
+  void look_anywhere(const std::vector<SkyEdge>& edges, const Spend& spend) {
+    if (!Matcher::tells_enough(edges)) {
+      look_.sky_seen = false;
+      return;
+    }
+    const auto found = place_finder_->add(edges, look_.prior.q_n_c, Eigen::Vector3d(look_.pose.p_n), spend);
+    if (!found) return;
+    Prior& prior = look_.prior;
+    prior.p_n = found->p_n;
+    prior.q_n_c = Eigen::AngleAxisd(found->yaw_rad, Eigen::Vector3d::UnitZ()) * prior.q_n_c;
+    prior.position_sigma_m = kFoundSigma_m, prior.yaw_sigma_rad = kFoundSigma_rad;
+    prior.height_sigma_m = kFoundSigma_m, prior.lost = false;
+    look_.match = matcher_->match(edges, prior, spend);
+    if (look_.match && (look_.match->p_n - found->p_n).head<2>().norm() > kFoundApart_m) look_.match.reset();
+  }
+
   void finish(odo::Output& output) {
-    if (!look_.sky_seen) return refuse(kSky, "no sky around the zenith", output);
+    if (!look_.sky_seen) return refuse(kSky, "no sky around the zenith, or too few roofs", output);
+    if (look_.anywhere && !look_.match) {
+      char text[120];
+      std::snprintf(text, sizeof text,
+                    "looked for everywhere: %zu pictures, the next best place is %.2g times as likely",
+                    place_finder_->pictures(), place_finder_->rival());
+      return refuse(kAmbiguity, text, output);
+    }
     if (const auto why = judge(look_.match)) {
       ++failures_;
       return refuse(why->reason, why->text, output);
     }
     failures_ = 0;
+    placed_ = true;
+    if (place_finder_) place_finder_->clear();
     fixed_at_m_ = look_.pose.distance_m;
     climb(*look_.match);
     output.emit(fix_of(*look_.match, look_.picture.t_ns));
@@ -281,9 +336,10 @@ class Skyline {
         default: return Why{kAmbiguity, "pictures disagree about the place"};
       }
     }
-    if (match->agreement < min_agreement) {
-      std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are wanted", match->agreement,
-                    min_agreement);
+    // Several pictures have told the place already where it was looked for anywhere.
+    const double least = look_.anywhere ? kFoundAgreement * min_agreement : min_agreement;
+    if (match->agreement < least) {
+      std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are wanted", match->agreement, least);
       return Why{kAgreement, text};
     }
     if (match->rival > kRival) {
@@ -332,6 +388,8 @@ class Skyline {
 
   odo::Output host_;
   SkylineDatabase database_, asked_;  // the config's; the extension's
+  std::optional<PlaceFinder> place_finder_;
+  bool placed_ = true;
   odo_skylines told_skylines_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline};
   std::optional<Matcher> matcher_;
   std::optional<SkyFinder> finder_;
@@ -346,9 +404,10 @@ class Skyline {
   cv::Mat converted_;
   odograph::ToldCamera camera_;
   odograph::CameraModel lens_;  // that finder_ was made for
-  int64_t last_ns_ = INT64_MIN;
-  int failures_ = 0;             // in a row; each widens the search by a metre of standard deviation
-  SlicedWorker worker_{kSlice};  // last: its thread ends before what it works with
+  int64_t last_ns_ = INT64_MIN, frame_ns_ = INT64_MIN;
+  uint64_t slice_ = kLeastSlice;  // of the newest frame
+  int failures_ = 0;              // in a row; each widens the search by a metre of standard deviation
+  SlicedWorker worker_;           // last: its thread ends before what it works with
 };
 
 }  // namespace

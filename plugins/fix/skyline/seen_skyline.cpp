@@ -69,6 +69,12 @@ double SeenSkyline::loss(const Horizon& model, const Guess& guess, double most_r
   return sum / std::max(total, 1e-9);
 }
 
+std::vector<SeenSkyline::Summary> SeenSkyline::summary() const {
+  std::vector<Summary> all;
+  for (const Ray& ray : rays_) all.push_back({ray.azimuth, ray.elevation, ray.above, ray.below});
+  return all;
+}
+
 double SeenSkyline::turned_loss(const Twice& twice, int half_degrees, double most_rad) const {
   constexpr int n = Horizon::kDirections;
   const float* model = twice.data() + ((half_degrees % n) + n) % n;

@@ -32,6 +32,11 @@ class SeenSkyline {
   /// the model's directions, twice one after the other.
   using Twice = std::array<float, 2 * Horizon::kDirections>;
   double turned_loss(const Twice& twice, int half_degrees, double most_rad) const;
+  /// A direction in short: the azimuth and elevation, rad, and what a model's roof above and below it counts.
+  struct Summary {
+    double azimuth, elevation, above, below;
+  };
+  std::vector<Summary> summary() const;
   size_t turned_size() const { return turned_.size(); }
   /// Part of the directions whose loss is below a bound, of those in which the picture or the model has a roof's edge:
   /// open sky that is open in the model too says little.

@@ -160,17 +160,31 @@ SkylineDatabase::Signature SkylineDatabase::signature_of(const Horizon& skyline)
   return signature;
 }
 
-std::vector<Edge> SkylineDatabase::edges() const {
-  std::vector<Edge> edges;
-  edges.reserve(edges_);
+bool SkylineDatabase::edge(size_t number, Edge& out) const {
+  if (number >= edges_) return false;
+  const auto e = read<DatabaseEdge>(edge_data_ + number * sizeof(DatabaseEdge));
   const auto point = [](const float* p) {
     return Eigen::Vector3d(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
   };
-  for (size_t i = 0; i < edges_; ++i) {
-    const auto e = read<DatabaseEdge>(edge_data_ + i * sizeof(DatabaseEdge));
-    const Edge edge{point(e.from), point(e.to)};
-    if (is_near(edge.from) && is_near(edge.to)) edges.push_back(edge);
-  }
+  out = {point(e.from), point(e.to)};
+  return is_near(out.from) && is_near(out.to);
+}
+
+std::vector<Edge> SkylineDatabase::edges() const {
+  std::vector<Edge> edges;
+  Edge one;
+  for (size_t i = 0; i < edges_; ++i)
+    if (edge(i, one)) edges.push_back(one);
+  return edges;
+}
+
+std::vector<Edge> SkylineDatabase::edges_seen_from(size_t i) const {
+  const auto p = read<DatabasePlace>(place_data_ + i * sizeof(DatabasePlace));
+  if (p.first_run > runs_ || p.runs > runs_ - p.first_run || p.runs > kMostRuns) return {};
+  std::vector<Edge> edges;
+  Edge one;
+  for (size_t k = 0; k < p.runs; ++k)
+    if (edge(read<uint32_t>(run_data_ + (p.first_run + k) * sizeof(uint32_t)) & kNoEdge, one)) edges.push_back(one);
   return edges;
 }
 

@@ -50,12 +50,15 @@ class SkylineDatabase {
   static Signature signature_of(const Horizon& skyline);
   /// The place nearest to a point of n, horizontally. Not where size() is 0. Thread: any.
   size_t nearest(double north_m, double east_m) const;
+  /// The model's edges that are seen from a place; none where the file is damaged there.
+  std::vector<Edge> edges_seen_from(size_t i) const;
   /// The model's edges that are seen from any place.
   std::vector<Edge> edges() const;
 
  private:
   void swap(SkylineDatabase& other) noexcept;
   void index();
+  bool edge(size_t number, Edge& out) const;
 
   void* mapped_ = nullptr;
   size_t size_ = 0;

@@ -15,11 +15,11 @@ SlicedWorker::~SlicedWorker() {
   if (thread_.joinable()) thread_.join();
 }
 
-void SlicedWorker::start(std::function<void(const Spend&)> job) {
+void SlicedWorker::start(std::function<void(const Spend&)> job, uint64_t slice) {
   {
     const std::lock_guard lock(mutex_);
     job_ = std::move(job);
-    granted_ = slice_, spent_ = 0;
+    granted_ = slice, spent_ = 0;
     busy_ = true;
   }
   changed_.notify_all();
@@ -32,7 +32,7 @@ void SlicedWorker::start(std::function<void(const Spend&)> job) {
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
-bool SlicedWorker::advance() {
+bool SlicedWorker::advance(uint64_t slice) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return waiting_ || !job_; });
   if (!job_) {
@@ -40,7 +40,7 @@ bool SlicedWorker::advance() {
     if (const auto thrown = std::exchange(thrown_, nullptr)) std::rethrow_exception(thrown);
     return true;
   }
-  granted_ += slice_;
+  granted_ += slice;
   waiting_ = false;
   lock.unlock();
   changed_.notify_all();

@@ -19,19 +19,18 @@ using Spend = std::function<void(uint64_t work)>;
 /// results at the same frames as the live run did, however fast either goes.
 class SlicedWorker {
  public:
-  /// `slice`: work between two frames.
-  explicit SlicedWorker(uint64_t slice) : slice_(slice) {}
+  SlicedWorker() = default;
   /// Ends a job that has not been asked for any more.
   ~SlicedWorker();
   SlicedWorker(const SlicedWorker&) = delete;
   SlicedWorker& operator=(const SlicedWorker&) = delete;
 
-  /// Begins a job, which gets the first slice. Not while busy().
-  void start(std::function<void(const Spend&)> job);
+  /// Begins a job with its first slice. Not while busy().
+  void start(std::function<void(const Spend&)> job, uint64_t slice);
   /// A job has begun that advance() has not told to be done.
   bool busy() const { return busy_; }
-  /// True once the job is done. What it threw is thrown here.
-  bool advance();
+  /// True once the job is done, otherwise it gets the next slice. What it threw is thrown here.
+  bool advance(uint64_t slice);
 
  private:
   struct Cancelled {};
@@ -39,7 +38,6 @@ class SlicedWorker {
   void work();
   void spend(uint64_t amount);
 
-  uint64_t slice_;
   bool busy_ = false;  // of the thread that gives jobs alone
   std::mutex mutex_;
   std::condition_variable changed_;
