@@ -22,7 +22,7 @@ import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 INCLUDE = HERE / "include/odograph"
-HEADERS = ["types.h", "odograph.h", "anchor.h", "plugin.h", "terrain.h"]
+HEADERS = ["types.h", "odograph.h", "anchor.h", "plugin.h", "terrain.h", "skylines.h"]
 FROZEN = {"odo_string", "odo_plane", "odo_header"}  # embedded by value in others
 SCALARS = {"uint8_t": 1, "int32_t": 4, "uint32_t": 4, "float": 4, "double": 8, "int64_t": 8, "uint64_t": 8, "char": 1}
 WRITTEN = "/* SPDX-License-Identifier: Apache-2.0\n *\n * Written by abi/layout.py; do not edit. "
@@ -120,6 +120,7 @@ def render():
 #include <odograph/anchor.h>
 #include <odograph/odograph.h>
 #include <odograph/plugin.h>
+#include <odograph/skylines.h>
 #include <odograph/terrain.h>
 
 #define ODO_LAYOUT(name, condition) typedef char odo_layout_of_##name[(condition) ? 1 : -1];

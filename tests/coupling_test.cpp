@@ -154,6 +154,54 @@ TEST_CASE("an orientation fix turns the track by what it is worth, and not at al
   CHECK(pose.covariance[14] < 0.01 * 0.01);
 }
 
+TEST_CASE("the fix that places a track turns it to any heading, later ones do not") {
+  PerFrameCoupling coupling({}, {}, {true, true});
+  const odo_pose first = coupling.on_first_frame(0);
+  const Eigen::Quaterniond q_n_c(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
+  const auto fix_of = [&](int64_t t, double yaw, double north) {
+    auto f = position_fix(t, north, 7, 0.5);
+    f.header.flags |= ODO_FIX_ORIENTATION;
+    const Eigen::Quaterniond q =
+        Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitZ())) * q_n_c * coupling.q_b_c().conjugate();
+    f.q_n_b[0] = q.w(), f.q_n_b[1] = q.x(), f.q_n_b[2] = q.y(), f.q_n_b[3] = q.z();
+    f.orientation_cov_n[0] = f.orientation_cov_n[4] = f.orientation_cov_n[8] = 1e-4;
+    return f;
+  };
+  REQUIRE(coupling.on_fix(fix_of(0, 2.5, 100)).accepted);
+  const odo_scale s = scale(1.0);
+  const odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 8}), &s);
+  CHECK(std::atan2(pose.p_n[1] - 7, pose.p_n[0] - 100) == doctest::Approx(2.5).epsilon(0.01));
+  coupling.on_fix(fix_of(kSecond, 0.0, pose.p_n[0]));
+  const odo_pose after = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 8}), &s);
+  CHECK(std::atan2(after.p_n[1] - pose.p_n[1], after.p_n[0] - pose.p_n[0]) == doctest::Approx(2.5).epsilon(0.05));
+}
+
+TEST_CASE("a late fix of the heading turns what was driven since its time, and an older one knows of it") {
+  PerFrameCoupling coupling({}, {}, {true, true});
+  coupling.on_first_frame(0);
+  const odo_scale s = scale(1.0);
+  for (int k = 0; k < 10; ++k) coupling.on_vo_motion(motion(k * kSecond, (k + 1) * kSecond, {0, 0, 10}), &s);
+  odo_pose now{};
+  REQUIRE(coupling.pose_at(10 * kSecond, now) == ODO_OK);
+  const Eigen::Quaterniond q(now.q_n[0], now.q_n[1], now.q_n[2], now.q_n[3]);
+  const Vector3d y_n = (q * coupling.q_b_c().conjugate()) * Vector3d::UnitY();
+  auto fix = position_fix(2 * kSecond, 20, 0, 0.5);  // was looking 0.3 rad farther to the right then
+  fix.header.flags |= ODO_FIX_YAW;
+  fix.yaw_sigma_rad = 0.01;
+  fix.yaw_rad = std::atan2(y_n.y(), y_n.x()) + 0.3;
+  REQUIRE(coupling.on_fix(fix).accepted);
+  const odo_pose turned = *coupling.take_correction();
+  const double yaw = std::atan2(turned.p_n[1], turned.p_n[0] - 20);
+  CHECK(yaw > 0.29);
+  CHECK(yaw < 0.31);
+  CHECK(std::hypot(turned.p_n[0] - 20, turned.p_n[1]) == doctest::Approx(80).epsilon(0.01));
+  // A second fix of 6 s that says where the corrected track was then changes nothing.
+  auto second = position_fix(6 * kSecond, 20 + 40 * std::cos(yaw), 40 * std::sin(yaw), 0.5);
+  REQUIRE(coupling.on_fix(second).accepted);
+  const odo_pose same = *coupling.take_correction();
+  CHECK((Vector3d(same.p_n) - Vector3d(turned.p_n)).norm() < 0.1);
+}
+
 TEST_CASE("without a scale the position's uncertainty grows by the fastest speed, until a fix") {
   CouplingConfig config;
   config.fastest_mps = 10;

@@ -22,11 +22,13 @@ namespace fs = std::filesystem;
 
 struct CityArguments {
   std::vector<std::string> models, lenses = {"wide"};
-  std::string config = "samples/configs/city_drive.yaml", keep = "out/bench";
+  std::string config = "samples/configs/city_drive.yaml", skylines, keep = "out/bench";
   uint64_t drives = 1, first_seed = 1;
   double length_m = 300;
   bool json = false;
 };
+
+constexpr int64_t kTold_ns = 3'000'000'000;  // a fix is told so late at most
 
 /// One run's figures.
 struct CityRun {
@@ -37,6 +39,7 @@ struct CityRun {
   size_t beyond = 0;                 ///< accepted fixes beyond three sigma of their own covariance
   size_t seconds = 0, with_fix = 0;  ///< with a skyline in view; of those with an accepted fix
   double frame_ms_99 = 0;
+  double found_after_m = -1, found_off_m = 0;  ///< path until the first accepted fix, and its error; -1: none came
   std::map<std::string, RunResult::Notice> notices;
 };
 
@@ -50,8 +53,24 @@ std::vector<int64_t> seconds_with_skyline(const Recording& recording) {
   return seconds;
 }
 
-void score(const Recording& recording, const RunResult& result, CityRun& run) {
+double path_until(const Recording& recording, int64_t t_ns) {
+  double path_m = 0;
+  for (size_t i = 1; i < recording.truth.size() && recording.truth[i].t_ns <= t_ns; ++i)
+    path_m += (recording.truth[i].p - recording.truth[i - 1].p).norm();
+  return path_m;
+}
+
+void score(const Recording& recording, const RunResult& result, CityRun& run, bool from_first_fix) {
+  int64_t from_ns = INT64_MIN;
+  for (const auto& [fix, accepted] : result.fixes) {
+    if (!accepted) continue;
+    run.found_after_m = path_until(recording, fix.header.t_ns);
+    run.found_off_m = (Eigen::Vector3d(fix.p_n) - position_at(recording.truth, fix.header.t_ns)).head<2>().norm();
+    if (from_first_fix) from_ns = fix.header.t_ns + kTold_ns;
+    break;
+  }
   for (const StampedPose& truth : recording.truth) {
+    if (truth.t_ns < from_ns) continue;
     const Eigen::Vector3d d = position_at(result.track, truth.t_ns) - truth.p;
     run.horizontal_m.push_back(d.head<2>().norm());
   }
@@ -80,7 +99,8 @@ void score(const Recording& recording, const RunResult& result, CityRun& run) {
 }
 
 /// The config with this model and origin in place of its own.
-Result<std::string> config_for(const std::string& config, const std::string& model, const Eigen::Vector3d& origin) {
+Result<std::string> config_for(const std::string& config, const std::string& model, const std::string& skylines,
+                               const Eigen::Vector3d& origin) {
   const auto text = text_of(config);
   if (!text) return text.failure();
   const std::string key = "model: city.json";
@@ -90,7 +110,11 @@ Result<std::string> config_for(const std::string& config, const std::string& mod
   char with[400];
   std::snprintf(with, sizeof with, "model: %s\n%smodel_origin: [%.4f m, %.4f m, %.4f m]", model.c_str(),
                 std::string(at - line, ' ').c_str(), origin.x(), origin.y(), origin.z());
-  return std::string(*text).replace(at, key.size(), with);
+  std::string replaced = std::string(*text).replace(at, key.size(), with);
+  const std::string database = "skylines: city.skylines";
+  if (const auto of = replaced.find(database); of != std::string::npos)
+    replaced.replace(of, database.size(), "skylines: " + std::filesystem::absolute(skylines).string());
+  return replaced;
 }
 
 Result<CityRun> run_one(const CityArguments& a, const std::string& model, const std::string& lens, uint64_t seed) {
@@ -108,7 +132,7 @@ Result<CityRun> run_one(const CityArguments& a, const std::string& model, const 
   if (!kept) return kept.failure();
   const auto recording = read_recording(*kept);
   if (!recording) return recording.failure();
-  const auto config = config_for(a.config, file.filename().string(), *origin);
+  const auto config = config_for(a.config, file.filename().string(), a.skylines, *origin);
   if (!config) return config.failure();
   RunOptions options;
   options.config = (fs::path(a.keep) / (stem + ".pipeline.yaml")).string();
@@ -118,7 +142,7 @@ Result<CityRun> run_one(const CityArguments& a, const std::string& model, const 
   options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
   const auto result = replay(*recording, options);
   if (!result) return result.failure();
-  score(*recording, *result, run);
+  score(*recording, *result, run, !a.skylines.empty());
   return run;
 }
 
@@ -131,6 +155,10 @@ void print(const CityRun& r) {
               percentile(r.horizontal_m, 0.5), percentile(r.horizontal_m, 0.95), percentile(r.horizontal_m, 1.0),
               percentile(r.fix_m, 0.5), percentile(r.fix_m, 0.95), r.accepted, r.refused, part(r.beyond, r.accepted),
               part(r.with_fix, r.seconds), r.frame_ms_99);
+  if (r.found_after_m >= 0)
+    std::printf("%7.0f %7.2f ", r.found_after_m, r.found_off_m);
+  else
+    std::printf("%7s %7s ", "-", "-");
   for (const auto& [key, notice] : r.notices)
     if (const auto at = key.find("no_fix_"); at != std::string::npos)
       std::printf(" %s %llu", key.c_str() + at + 7, static_cast<unsigned long long>(notice.count));
@@ -140,8 +168,9 @@ void print(const CityRun& r) {
 int bench(const CityArguments& a) {
   std::vector<CityRun> runs;
   if (!a.json)
-    std::printf("%-26s %7s %7s %7s %8s %8s %6s %6s %7s %7s %8s  %s\n", "model, lens, seed", "median", "95 %", "most",
-                "fix 50 %", "fix 95 %", "used", "refus.", ">3s %", "secs. %", "ms 99 %", "no fix because of (frames)");
+    std::printf("%-26s %7s %7s %7s %8s %8s %6s %6s %7s %7s %8s %7s %7s  %s\n", "model, lens, seed", "median", "95 %",
+                "most", "fix 50 %", "fix 95 %", "used", "refus.", ">3s %", "secs. %", "ms 99 %", "1st at", "off m",
+                "no fix because of (frames)");
   for (const std::string& lens : a.lenses) {
     CityRun all{.name = "all, " + lens};
     for (const std::string& model : a.models)
@@ -171,6 +200,7 @@ int bench(const CityArguments& a) {
          {"fixes", {{"used", r.accepted}, {"refused", r.refused}, {"beyond_3_sigma", r.beyond}}},
          {"seconds_with_skyline", r.seconds},
          {"seconds_with_fix", r.with_fix},
+         {"first_fix", {{"after_m", r.found_after_m}, {"off_m", r.found_off_m}}},
          {"frame_ms_99", r.frame_ms_99}});
   std::printf("%s\n", rows.dump(2).c_str());
   return kDone;
@@ -185,6 +215,8 @@ void add_bench_city(CLI::App& app, int& status) {
   command->add_option("model", a->models, "city models")->required();
   command->add_option("-c,--config", a->config, "pipeline with fix/skyline; its `model: city.json` is replaced")
       ->capture_default_str();
+  command->add_option("--skylines", a->skylines,
+                      "database that replaces `skylines: city.skylines`; errors count from the first fix on");
   command->add_option("--lens", a->lenses, "wide and narrow look up from a car, forward ahead from a walker's hand")
       ->capture_default_str()
       ->check(CLI::IsMember({"wide", "narrow", "forward"}));

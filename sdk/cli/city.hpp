@@ -15,6 +15,8 @@ namespace odograph {
 
 /// `odograph city ...`: city models, their skylines, routes through their streets.
 void add_city(CLI::App& app, int& status);
+/// `odograph city build`, `query` and `show`.
+void add_city_skylines(CLI::App& city, int& status);
 /// `odograph city bench`.
 void add_bench_city(CLI::App& city, int& status);
 

@@ -16,10 +16,8 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr double kHeadingUnknown_rad = 0.2;  // of a start without a compass
-constexpr double kAnyHeading_rad = 1.8;      // uniform over the circle: pi / sqrt(3)
-constexpr double kImpossible = 5.0;          // times the fastest: a motion that the picture or the scale got wrong
-constexpr double kTurnWalk = 0.003;          // rad/sqrt(s): a chain of frames drifts by this more than it says
+constexpr double kImpossible = 5.0;  // times the fastest: a motion that the picture or the scale got wrong
+constexpr double kTurnWalk = 0.003;  // rad/sqrt(s): a chain of frames drifts by this more than it says
 
 Quaterniond about_down(double angle_rad) { return Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())); }
 
@@ -58,6 +56,7 @@ void PerFrameCoupling::reset() {
   rejected_in_a_row_ = 0;
   unscaled_.reset();
   history_.clear();
+  corrections_ = {}, correction_count_ = 0;
 }
 
 void PerFrameCoupling::on_calibration(const odo_calibration& calibration) {

@@ -77,7 +77,9 @@ class PerFrameCoupling {
   void turn(const odo_vo_motion& motion, const std::optional<odo_attitude>& before,
             const std::optional<odo_attitude>& after);
   bool turn_with_gyroscope(const odo_vo_motion& motion);
-  bool turn_by(const odo_fix& fix);
+  std::optional<odo_pose> pose_then(int64_t t_ns) const;
+  void note_correction(const Eigen::Quaterniond& q_before, const Eigen::Vector3d& from_n);
+  bool turn_by(const odo_fix& fix, const Eigen::Quaterniond& q_then);
   bool turn_chain_by(const Eigen::Vector3d& off_n, const odo_fix& fix);
   void share_rotation_covariance();
   odo_pose publish(int64_t t_ns, uint32_t state, uint32_t reason);
@@ -87,10 +89,21 @@ class PerFrameCoupling {
   }
   bool metric() const { return inputs_.scale || !inputs_.vo || metric_by_vo_; }
 
+  static constexpr double kHeadingUnknown_rad = 0.2;  // of a start without a compass
+  static constexpr double kAnyHeading_rad = 1.8;      // uniform over the circle: pi / sqrt(3)
+
   CouplingConfig config_;
   StartPose start_;
   EstimatorInputs inputs_;
   PoseHistory history_;
+  /// What a fix did to the latest pose, and to what lies before it: poses in history_ are as they were published.
+  struct Corrected {
+    int64_t t_ns = INT64_MIN;
+    Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
+    Eigen::Vector3d from_n = Eigen::Vector3d::Zero(), to_n = Eigen::Vector3d::Zero();
+  };
+  std::array<Corrected, 16> corrections_{};
+  size_t correction_count_ = 0;
 
   std::array<odo_attitude, 128> attitudes_{};
   size_t attitude_count_ = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What fixes do to the track of PerFrameCoupling.
+// What fixes do to the track of PerFrameCoupling, at their own time.
 #include <algorithm>
 #include <cmath>
 
@@ -33,10 +33,7 @@ bool PerFrameCoupling::turn_chain_by(const Vector3d& off_n, const odo_fix& fix) 
 }
 
 /// Orientation fixes by a gated Kalman update, heading and inclination apart; an attitude's inclination is left alone.
-bool PerFrameCoupling::turn_by(const odo_fix& fix) {
-  odo_pose then{};
-  const bool known = history_.at(fix.header.t_ns, then) == ODO_OK;
-  const Quaterniond q_then = known ? quaternion(then.q_n) : q_n_;
+bool PerFrameCoupling::turn_by(const odo_fix& fix, const Quaterniond& q_then) {
   Vector3d turn = Vector3d::Zero();
   double yaw_variance = fix.yaw_sigma_rad * fix.yaw_sigma_rad, fix_tilt_variance = 0.0;
   const bool whole = (fix.header.flags & ODO_FIX_ORIENTATION) != 0;
@@ -71,15 +68,33 @@ bool PerFrameCoupling::turn_by(const odo_fix& fix) {
   return true;
 }
 
+/// The pose at a time before now as it is known now: with what fixes have corrected since it was published.
+std::optional<odo_pose> PerFrameCoupling::pose_then(int64_t t_ns) const {
+  odo_pose then{};
+  if (history_.at(t_ns, then) != ODO_OK) return std::nullopt;
+  Vector3d p_n(then.p_n);
+  Quaterniond q_n = quaternion(then.q_n);
+  for (size_t k = std::min(correction_count_, corrections_.size()); k > 0; --k) {  // the oldest first
+    const Corrected& c = corrections_[(correction_count_ - k) % corrections_.size()];
+    if (c.t_ns <= t_ns) continue;
+    p_n = c.to_n + c.turned * (p_n - c.from_n);
+    q_n = c.turned * q_n;
+  }
+  Vector3d::Map(then.p_n) = p_n;
+  then.q_n[0] = q_n.w(), then.q_n[1] = q_n.x(), then.q_n[2] = q_n.y(), then.q_n[3] = q_n.z();
+  return then;
+}
+
 UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
   const uint32_t flags = fix.header.flags;
   const Vector3d z(fix.p_n);
   const bool turns = (flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0;
   // The fix speaks of its own time; what moved since then moved both.
-  odo_pose then{};
-  Vector3d predicted = p_n_;
-  if (history_.at(fix.header.t_ns, then) == ODO_OK) predicted = Vector3d(then.p_n);
-  Vector3d innovation = z - predicted;
+  const auto then = pose_then(fix.header.t_ns);
+  const Vector3d from_n = p_n_,
+                 moved_since_n = then ? Vector3d(p_n_ - Vector3d(then->p_n)) : Vector3d(Vector3d::Zero());
+  const Quaterniond q_before = q_n_, q_then = then ? quaternion(then->q_n) : q_n_;
+  Vector3d innovation = z - (p_n_ - moved_since_n);
   Matrix3d R = Eigen::Map<const RowMatrix3d>(fix.covariance_n);
   for (int i = 0; i < 3; ++i) {
     if (flags & (ODO_FIX_NORTH << i)) continue;  // a component that the fix does not have
@@ -89,7 +104,8 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     R(i, i) = kPlaceless_m * kPlaceless_m;
   }
   if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) {
-    corrected_ = turns && turn_by(fix);
+    corrected_ = turns && turn_by(fix, q_then);
+    if (corrected_) note_correction(q_before, from_n);
     return {corrected_, 0.0, 0};
   }
   Matrix3d P = position_covariance();
@@ -103,18 +119,28 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     ++rejected_in_a_row_;
     return {false, nis, dof};
   }
-  if (turns) turn_by(fix);  // a fix whose position is refused does not turn either
+  // The fix that places a track nobody told its start tells its heading too, which may be any.
+  if (!placed_ && (flags & ODO_FIX_ORIENTATION) != 0 && !start_.heading_given &&
+      heading_variance_ >= kHeadingUnknown_rad * kHeadingUnknown_rad)
+    heading_variance_ = std::max(heading_variance_, kAnyHeading_rad * kAnyHeading_rad);
+  if (turns) turn_by(fix, q_then);  // a fix whose position is refused does not turn either
   const Matrix3d K = P * S.inverse();
   const Vector3d correction = K * innovation;
-  p_n_ += correction;
+  // What moved since then was led by the heading that has just been mended.
+  since_fix_n_ = (q_n_ * q_before.conjugate()) * moved_since_n;
+  p_n_ += correction + since_fix_n_ - moved_since_n;
   independent_covariance_ = (Matrix3d::Identity() - K) * P;
-  since_fix_n_.setZero();
+  note_correction(q_before, from_n);
   unscaled_.reset();  // the fix knows where that led
   relative_sigma_ = unseen_sigma_m_ = 0.0;
   placed_ = true;
   rejected_in_a_row_ = 0;
   corrected_ = true;
   return {true, nis, dof};
+}
+
+void PerFrameCoupling::note_correction(const Quaterniond& q_before, const Vector3d& from_n) {
+  corrections_[correction_count_++ % corrections_.size()] = {last_pose_ns_, q_n_ * q_before.conjugate(), from_n, p_n_};
 }
 
 }  // namespace odograph

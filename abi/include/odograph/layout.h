@@ -9,6 +9,7 @@
 #include <odograph/anchor.h>
 #include <odograph/odograph.h>
 #include <odograph/plugin.h>
+#include <odograph/skylines.h>
 #include <odograph/terrain.h>
 
 #define ODO_LAYOUT(name, condition) typedef char odo_layout_of_##name[(condition) ? 1 : -1];
@@ -333,6 +334,21 @@ ODO_LAYOUT(odo_terrain_struct_size, offsetof(odo_terrain, struct_size) == 0)
 ODO_LAYOUT(odo_terrain_reserved, offsetof(odo_terrain, reserved) == 4)
 ODO_LAYOUT(odo_terrain_user, offsetof(odo_terrain, user) == 8)
 ODO_LAYOUT(odo_terrain_height, offsetof(odo_terrain, height) == 16)
+ODO_LAYOUT(odo_skyline_database, sizeof(odo_skyline_database) == 56)
+ODO_LAYOUT(odo_skyline_database_struct_size, offsetof(odo_skyline_database, struct_size) == 0)
+ODO_LAYOUT(odo_skyline_database_reserved, offsetof(odo_skyline_database, reserved) == 4)
+ODO_LAYOUT(odo_skyline_database_places, offsetof(odo_skyline_database, places) == 8)
+ODO_LAYOUT(odo_skyline_database_bytes, offsetof(odo_skyline_database, bytes) == 16)
+ODO_LAYOUT(odo_skyline_database_origin, offsetof(odo_skyline_database, origin) == 24)
+ODO_LAYOUT(odo_skyline_database_spacing_m, offsetof(odo_skyline_database, spacing_m) == 48)
+ODO_LAYOUT(odo_skylines, sizeof(odo_skylines) == 48)
+ODO_LAYOUT(odo_skylines_struct_size, offsetof(odo_skylines, struct_size) == 0)
+ODO_LAYOUT(odo_skylines_reserved, offsetof(odo_skylines, reserved) == 4)
+ODO_LAYOUT(odo_skylines_user, offsetof(odo_skylines, user) == 8)
+ODO_LAYOUT(odo_skylines_build, offsetof(odo_skylines, build) == 16)
+ODO_LAYOUT(odo_skylines_open, offsetof(odo_skylines, open) == 24)
+ODO_LAYOUT(odo_skylines_nearest, offsetof(odo_skylines, nearest) == 32)
+ODO_LAYOUT(odo_skylines_skyline, offsetof(odo_skylines, skyline) == 40)
 /* clang-format on */
 #undef ODO_LAYOUT
 

@@ -10,10 +10,16 @@ namespace {
 
 constexpr int kN = Horizon::kDirections;
 constexpr double kStep_rad = 2 * std::numbers::pi / kN;
-constexpr int kLattice = 2;  // places to each side from which edges are looked for
+constexpr int kBlock = 8, kBlocks = kN / kBlock;
+constexpr float kSlack = 1.001f;  // of a bound, for what floats round
+constexpr int kLattice = 2;       // places to each side from which edges are looked for
 
 struct Directions {
   std::array<float, kN> north, east;
+  static const Directions& get() {
+    static const Directions directions;
+    return directions;
+  }
   Directions() {
     for (int j = 0; j < kN; ++j) {
       const double azimuth = (j + 0.5) * kStep_rad;
@@ -46,10 +52,27 @@ double Horizon::elevation_at(double azimuth_rad) const {
   return a + part * (b - a);
 }
 
-void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double least_tan, double lower_m) {
+bool trace_edge(const float from_n[3], const float to_n[3], const float p_n[3], int first, int end, Horizon& out) {
+  const Directions& directions = Directions::get();
+  const float x0 = from_n[0] - p_n[0], y0 = from_n[1] - p_n[1], h0 = p_n[2] - from_n[2];
+  const float dx = to_n[0] - from_n[0], dy = to_n[1] - from_n[1], dz = to_n[2] - from_n[2];
+  for (int j = first; j < end; ++j) {
+    const auto k = static_cast<size_t>(j);
+    const float c = directions.north[k], s = directions.east[k];
+    const float det = c * dy - s * dx;
+    const float t = std::abs(det) < 1e-7f ? 0.0f : std::clamp((s * x0 - c * y0) / det, 0.0f, 1.0f);
+    const float x = x0 + t * dx, y = y0 + t * dy, r = std::sqrt(x * x + y * y), h = h0 - t * dz;
+    if (!(r > 1e-3f && r < 1e7f && std::abs(h) < 1e7f)) return false;
+    out.elevation[k] = std::atan(h / r), out.height_m[k] = h, out.distance_m[k] = r;
+  }
+  return true;
+}
+
+void City::look_near(const Eigen::Vector3d& p_n, double radius_m, double least_tan, double lower_m) {
   near_.clear();
-  around_ = p_n;
-  for (const Edge& e : edges_) {
+  around_ = p_n, radius_m_ = radius_m, lower_m_ = lower_m;
+  for (size_t i = 0; i < edges_.size(); ++i) {
+    const Edge& e = edges_[i];
     const double up = p_n.z() + lower_m - std::min(e.from.z(), e.to.z());
     if (up <= 0) continue;
     const Eigen::Vector2d a = (e.from - p_n).head<2>(), d = (e.to - e.from).head<2>();
@@ -59,15 +82,39 @@ void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double least
     if (up <= least_tan * (distance - radius_m)) continue;
     const Eigen::Vector3f from = (e.from - p_n).cast<float>(), along = (e.to - e.from).cast<float>();
     near_.push_back({from.x(), from.y(), from.z(), along.x(), along.y(), along.z(),
-                     static_cast<float>(up / std::max(distance, 0.1))});
+                     static_cast<float>(up / std::max(distance - radius_m, 0.1)), static_cast<int>(i), 0, kBlocks});
+    if (distance <= 1.01 * radius_m) continue;
+    // Seen from elsewhere within the radius each of its points is turned by as much as this at most.
+    const double turned = std::asin(radius_m / distance) + kStep_rad;
+    const double begin = std::atan2(a.y(), a.x());
+    const double across = std::remainder(std::atan2(a.y() + d.y(), a.x() + d.x()) - begin, 2 * std::numbers::pi);
+    const double low = begin + std::min(0.0, across) - turned, high = begin + std::max(0.0, across) + turned;
+    const int first = static_cast<int>(std::floor(low / (kBlock * kStep_rad)));
+    const int last = static_cast<int>(std::floor(high / (kBlock * kStep_rad)));
+    if (last - first + 1 >= kBlocks) continue;
+    near_.back().first_block = static_cast<int16_t>((first + 2 * kBlocks) % kBlocks);
+    near_.back().blocks = static_cast<int16_t>(last - first + 1);
   }
-  // What stands highest first: most of the others are then hidden at once.
-  std::sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) { return a.bound > b.bound; });
+  // What may stand highest first: most of the others are then hidden at once.
+  std::stable_sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) { return a.bound > b.bound; });
+}
+
+void City::horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) const {
+  envelope(near_, p_n, out, &winners);
+  for (int& winner : winners)
+    if (winner >= 0) winner = near_[static_cast<size_t>(winner)].number;
+}
+
+void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double least_tan, double lower_m,
+                       const Spend& spend) {
+  if (spend) spend(kEdgeWork * edges_.size());
+  look_near(p_n, radius_m, least_tan, lower_m);
   std::vector<char> seen(near_.size(), 0);
   Horizon there;
   Winners winners;
   for (int a = -kLattice; a <= kLattice; ++a)
     for (int b = -kLattice; b <= kLattice; ++b) {
+      if (spend) spend(work_of(near_));
       envelope(near_, p_n + Eigen::Vector3d(a, b, 0) * (radius_m / kLattice), there, &winners);
       for (const int winner : winners)
         if (winner >= 0) seen[static_cast<size_t>(winner)] = 1;
@@ -78,13 +125,23 @@ void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double least
 }
 
 void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, Winners* winners) const {
-  static const Directions directions;
-  std::array<float, kN> highest{};  // tangents
+  const Directions& directions = Directions::get();
+  std::array<float, kN> highest{};         // tangents
+  std::array<float, kBlocks> lowest_of{};  // least of them in each block of directions: what cannot reach it is hidden
   out.height_m.fill(0), out.distance_m.fill(0);
   const Eigen::Vector3f shift = (p_n - around_).cast<float>();
+  const bool bounded = (p_n - around_).head<2>().norm() <= radius_m_ && p_n.z() - around_.z() <= lower_m_;
+  float lowest = 0;  // of all directions
   if (winners) winners->fill(-1);
   for (size_t i = 0; i < edges.size(); ++i) {
     const Near& e = edges[i];
+    if (bounded) {
+      const float highest_here = e.bound * kSlack;
+      if (highest_here < lowest) break;
+      int b = e.first_block, left = e.blocks;
+      while (left > 0 && highest_here < lowest_of[static_cast<size_t>(b)]) --left, b = b + 1 < kBlocks ? b + 1 : 0;
+      if (left == 0) continue;
+    }
     const float x0 = e.x - shift.x(), y0 = e.y - shift.y(), h0 = shift.z() - e.z;
     const float x1 = x0 + e.dx, y1 = y0 + e.dy, h1 = h0 - e.dz;
     if (h0 <= 0 && h1 <= 0) continue;
@@ -94,6 +151,18 @@ void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, 
     if (end < begin - 1) end += kN;
     if (end - begin > kN / 2 + 1) continue;  // seen from its own line
     const int first = static_cast<int>(std::floor(begin - 1.1f)), last = static_cast<int>(std::ceil(end + 0.1f));
+    const int first_block = (first + kN) / kBlock, last_block = (last + kN) / kBlock;
+    float least = lowest_of[static_cast<size_t>(first_block % kBlocks)];
+    for (int b = first_block + 1; b <= last_block; ++b)
+      least = std::min(least, lowest_of[static_cast<size_t>(b % kBlocks)]);
+    if (least > 0) {
+      // The highest it can be: its upper end's height at its nearest point's distance.
+      const float along = e.dx * e.dx + e.dy * e.dy;
+      const float t = std::clamp(-(x0 * e.dx + y0 * e.dy) / along, 0.0f, 1.0f);
+      const float nx = x0 + t * e.dx, ny = y0 + t * e.dy, h = kSlack * std::max(h0, h1);
+      if (h * h < least * least * (nx * nx + ny * ny)) continue;
+    }
+    bool higher = false;
     for (int j = first; j <= last; ++j) {
       const auto k = static_cast<size_t>(j < 0 ? j + kN : j >= kN ? j - kN : j);
       // Where the ray (c, s) meets the edge: from + t (to - from), at the distance r.
@@ -107,8 +176,16 @@ void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, 
       const float h = h0 - t * e.dz;
       if (h <= highest[k] * r) continue;
       highest[k] = h / r, out.height_m[k] = h, out.distance_m[k] = r;
+      higher = true;
       if (winners) (*winners)[k] = static_cast<int>(i);
     }
+    if (!higher) continue;
+    for (int b = first_block; b <= last_block; ++b) {
+      const auto block = static_cast<size_t>(b % kBlocks);
+      const auto* from = highest.data() + block * kBlock;
+      lowest_of[block] = *std::min_element(from, from + kBlock);
+    }
+    lowest = *std::min_element(lowest_of.begin(), lowest_of.end());
   }
   for (size_t k = 0; k < highest.size(); ++k) out.elevation[k] = std::atan(highest[k]);
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plugins/fix/skyline/city_outline.hpp"
+#include "plugins/fix/skyline/sliced_worker.hpp"
 
 namespace odograph::skyline {
 
@@ -21,31 +22,48 @@ struct Horizon {
   double elevation_at(double azimuth_rad) const;
 };
 
+/// What an edge (n, m) shows at directions from `first` until before `end` from a place; between its ends where
+/// rounding would say that a direction passes them by. False, and nothing of worth, where it is seen from its own line.
+bool trace_edge(const float from_n[3], const float to_n[3], const float p_n[3], int first, int end, Horizon& out);
+
 /// Skylines of a city model, from anywhere.
 class City {
  public:
   explicit City(std::vector<Edge> edges) : edges_(std::move(edges)) {}
 
   /// Keeps the edges that can be seen at more than an elevation of `least_tan` from within `radius_m` of a place and
-  /// from up to `lower_m` below it.
-  void look_around(const Eigen::Vector3d& p_n, double radius_m, double least_tan, double lower_m = 0);
+  /// from up to `lower_m` below it, for horizon() alone.
+  void look_near(const Eigen::Vector3d& p_n, double radius_m, double least_tan, double lower_m = 0);
+  /// The same for quick_horizon() too. `spend` is told of the work before it is done.
+  void look_around(const Eigen::Vector3d& p_n, double radius_m, double least_tan, double lower_m = 0,
+                   const Spend& spend = nullptr);
   /// The skyline from a place, of the edges that look_around() kept. Thread: any, between calls of look_around().
   void horizon(const Eigen::Vector3d& p_n, Horizon& out) const { envelope(near_, p_n, out, nullptr); }
+  /// With the number of the edge that is highest in each direction, -1 where none is.
+  using Winners = std::array<int, Horizon::kDirections>;
+  void horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) const;
+  const std::vector<Edge>& edges() const { return edges_; }
+  /// What quick_horizon() costs, for a Spend.
+  uint64_t quick_work() const { return work_of(visible_); }
   /// The same of those edges alone that are seen from one place or another of a lattice over the radius: many times
   /// faster, and without what shows in a gap between two places of the lattice only.
   void quick_horizon(const Eigen::Vector3d& p_n, Horizon& out) const { envelope(visible_, p_n, out, nullptr); }
 
  private:
+  static constexpr uint64_t kEdgeWork = 8;  // directions that an edge costs in the mean, measured
   struct Near {
-    float x, y, z, dx, dy, dz;  // from the place that was looked around
-    float bound;                // most that its elevation's tangent can be there
+    float x, y, z, dx, dy, dz;    // from the place that was looked around
+    float bound;                  // most that its elevation's tangent can be within the radius
+    int number;                   // among all edges
+    int16_t first_block, blocks;  // of directions in which it can lie within the radius; all where it is near
   };
-  using Winners = std::array<int, Horizon::kDirections>;  // which edge is the highest, -1 none
+  static uint64_t work_of(const std::vector<Near>& edges) { return kEdgeWork * edges.size() + Horizon::kDirections; }
   void envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, Winners* winners) const;
 
   std::vector<Edge> edges_;
   std::vector<Near> near_, visible_;
   Eigen::Vector3d around_ = Eigen::Vector3d::Zero();
+  double radius_m_ = 0, lower_m_ = 0;
 };
 
 }  // namespace odograph::skyline

@@ -27,6 +27,7 @@ constexpr int kPictures = 4;                   // that must have been seen befor
 constexpr double kSlip_rad = 0.1 * kDegree;    // an offset is likelier to stay than to move by a cell
 constexpr double kLowest_rad = 3 * kDegree;    // what stands lower is not looked at: parked cars, hedges, far hills
 constexpr size_t kLeastEdges = 240;            // a third of the directions: fewer have been seen to fit in wrong places
+constexpr uint64_t kTurnedCheaper = 3;         // a turned direction's loss than another's
 constexpr size_t kStarts = 2;                  // places of the lattice that are refined
 constexpr double kFarthestStep_m = 2;
 constexpr double kDoubt_m = 2.5;  // standard deviation of a place with which nothing agrees, on drives through Delft
@@ -76,6 +77,7 @@ double Matcher::cost_of_prior(const Guess& g) const {
 
 /// Mean loss of a direction, rad, with what the prior says.
 double Matcher::cost(const Guess& g, bool new_place) {
+  spend(seen_.size() + (new_place ? city_.quick_work() : 0));
   if (new_place) city_.quick_horizon(place_of(g), horizon_);
   return seen_.loss(horizon_, g, kMost_rad) + cost_of_prior(g);
 }
@@ -85,20 +87,24 @@ void Matcher::search(double radius_m, double step_m) {
   const int reach = static_cast<int>(std::ceil(radius_m / step_m));
   const int turns = static_cast<int>(std::ceil(std::min(3 * prior_.yaw_sigma_rad, std::numbers::pi) / kDegree));
   const int stride = turns > 8 ? 2 : 1;
+  const uint64_t work =
+      city_.quick_work() + static_cast<uint64_t>(2 * turns / stride + 3) * seen_.turned_size() / kTurnedCheaper;
   places_.clear();
   for (int a = -reach; a <= reach; ++a)
     for (int b = -reach; b <= reach; ++b) {
       Place best{{.north = a * step_m, .east = b * step_m}, 1e9};
+      spend(work);
       city_.quick_horizon(place_of(best.guess), horizon_);
-      Guess g = best.guess;
-      const auto look = [&](double yaw) {
-        g.yaw = yaw;
-        if (const double c = seen_.loss(horizon_, g, kMost_rad, 3); c < best.cost) best = {g, c};
+      const auto middle = std::copy(horizon_.elevation.begin(), horizon_.elevation.end(), twice_.begin());
+      std::copy(horizon_.elevation.begin(), horizon_.elevation.end(), middle);
+      const auto look = [&](int degrees) {
+        if (const double c = seen_.turned_loss(twice_, 2 * degrees, kMost_rad); c < best.cost)
+          best.guess.yaw = degrees * kDegree, best.cost = c;
       };
-      for (int y = -turns; y <= turns; y += stride) look(y * kDegree);
+      for (int y = -turns; y <= turns; y += stride) look(y);
       if (stride > 1) {
-        const double middle = best.guess.yaw;
-        look(middle - kDegree), look(middle + kDegree);
+        const auto best_degrees = static_cast<int>(std::lround(best.guess.yaw / kDegree));
+        look(best_degrees - 1), look(best_degrees + 1);
       }
       places_.push_back(best);
     }
@@ -108,6 +114,7 @@ void Matcher::search(double radius_m, double step_m) {
 /// skyline differentiated numerically, each direction weighted after Geman & McClure.
 bool Matcher::linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b) {
   const Eigen::Vector3d p = place_of(at);
+  spend(7 * city_.quick_work() + 4 * seen_.size());
   Horizon moved[3][2];
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side) {
@@ -319,17 +326,22 @@ bool Matcher::describe(const Place& best, Match& match) {
   return true;
 }
 
-std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Prior& prior) {
+bool Matcher::tells_enough(const std::vector<SkyEdge>& edges) {
   const auto closed = std::count_if(edges.begin(), edges.end(), [](const SkyEdge& e) { return !e.open && !e.above; });
+  return static_cast<size_t>(closed) >= kLeastEdges;
+}
+
+std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend) {
+  spend_ = spend;
   refusal_ = Refusal::few_edges;
-  if (static_cast<size_t>(closed) < kLeastEdges) return std::nullopt;
+  if (!tells_enough(edges)) return std::nullopt;
   refusal_ = Refusal::none;
   prior_ = prior;
   seen_.set(edges, prior.q_n_c);
   const double radius = std::min(std::max(3 * prior.position_sigma_m, kNearest_m), prior.farthest_m);
   const double step = radius > kWide_m || prior.lost ? 2.0 : 1.5;
   city_.look_around(prior.p_n, radius + 3, std::tan(std::max(kLowest_rad, seen_.lowest_rad() - 0.1)),
-                    3 * prior.height_sigma_m);
+                    3 * prior.height_sigma_m, spend);
   search(radius, step);
   double rival_cost = 0;
   const auto best = choose(step, rival_cost);

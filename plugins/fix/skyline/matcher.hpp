@@ -69,7 +69,11 @@ class OffsetMap {
 class Matcher {
  public:
   explicit Matcher(City city) : city_(std::move(city)) {}
-  std::optional<Match> match(const std::vector<SkyEdge>& edges, const Prior& prior);
+  /// `spend` is told of the work before it is done, and may wait or throw.
+  std::optional<Match> match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend = nullptr);
+  /// Whether enough directions of a picture have a roof's edge.
+  static bool tells_enough(const std::vector<SkyEdge>& edges);
+  const City& city() const { return city_; }
   /// Why the latest match() gave nothing.
   Refusal refusal() const { return refusal_; }
 
@@ -79,6 +83,9 @@ class Matcher {
 
   Eigen::Vector3d place_of(const Guess& guess) const {
     return prior_.p_n + Eigen::Vector3d(guess.north, guess.east, -guess.up);
+  }
+  void spend(uint64_t work) const {
+    if (spend_) spend_(work);
   }
   double cost(const Guess& guess, bool new_place);
   double cost_of_prior(const Guess& guess) const;
@@ -94,9 +101,11 @@ class Matcher {
   bool describe(const Place& best, Match& match);
 
   City city_;
+  Spend spend_;
   Prior prior_{};
   SeenSkyline seen_;
   Horizon horizon_;
+  SeenSkyline::Twice twice_{};
   std::vector<Place> places_;
   std::vector<SeenSkyline::Residual> residuals_;
   OffsetMap offsets_;

@@ -8,9 +8,14 @@
 
 #include <Eigen/Geometry>
 
+#include <odograph/skylines.h>
+
 #include "plugins/camera/frame_view.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
+#include "plugins/fix/skyline/place_finder.hpp"
 #include "plugins/fix/skyline/robust_sky.hpp"
+#include "plugins/fix/skyline/skyline_database.hpp"
+#include "plugins/fix/skyline/sliced_worker.hpp"
 
 namespace {
 
@@ -20,11 +25,18 @@ constexpr double kNowhere_m = 1000;
 constexpr double kUnscaled_m = 2.5;            // what a car that pulls away drives from fix to fix
 constexpr double kUnknown_rad = 60 * kDegree;  // three times this is any heading
 constexpr int kDoubtful = 4;                   // failures in a row
+constexpr int kHopeless = 20;                  // failures in a row after which the whole database is searched
 constexpr double kMostTilt_rad = 3 * kDegree;
-constexpr double kRival = 0.2;     // of another place's likelihood
+constexpr double kFoundSigma_m = 1.5, kFoundSigma_rad = 2 * kDegree;  // of a place found by several pictures
+constexpr double kFoundAgreement = 0.8;                               // of min_agreement
+constexpr double kFoundApart_m = 3;                                   // the newest picture's own match lies so near it
+constexpr double kRival = 0.2;                                        // of another place's likelihood
 constexpr double kClimb_m = 0.05;  // by which the height over n's origin becomes uncertain from fix to fix
 constexpr double kLeastHeightSigma_m = 0.1;
 
+constexpr double kWorkPerSecond = 48e6;                            // of sensor time: a quarter of a core
+constexpr uint64_t kLeastSlice = 400'000, kMostSlice = 3'200'000;  // of a frame: 2 and 16 ms
+constexpr uint64_t kSkyWork = 10;                                  // of a pixel
 constexpr double kMostOff = 2;  // of the path since the last fix: one who goes the other way than thought
 
 /// Why a frame gave no fix, as reports and summaries name it.
@@ -34,43 +46,64 @@ constexpr const char* kReasonNames[kReasons] = {"prior", "sky", "agreement", "am
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
 class Skyline {
  public:
-  std::string model;
+  std::string model, skylines;
   std::array<double, 3> model_origin = {0, 0, 0};
   std::string sky = "robust";
   double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.2, radius = 40;
   double height_sigma = 1.0;
+  bool start_known = true;
 
   static constexpr odo::Description description{
       "fix/skyline", "1.0.0", "Position and heading from the skyline of a 3D city model (Gakne & O'Keefe 2018)",
       ODO_INTERFACE_ABSOLUTE_FIXER};
   static std::vector<odo::Parameter<Skyline>> parameters() {
-    return {odo::text("model", &Skyline::model, "CityJSON file of the city, beside the config"),
-            odo::reals("model_origin", "m", -1e8, 1e8, &Skyline::model_origin,
-                       "easting, northing and height of n's origin in the model"),
-            odo::choice("sky", "robust|flood_fill", &Skyline::sky,
-                        "how sky is told from the rest: flood_fill is the paper's"),
-            odo::real("interval", "s", 0, 3600, &Skyline::interval, "time between two fixes at least"),
-            odo::real("radius", "m", 2, 200, &Skyline::radius, "farthest from the prior that is searched"),
-            odo::real("min_agreement", "", 0.1, 1, &Skyline::min_agreement,
-                      "part of the directions with a roof's edge in which picture and model must agree"),
-            odo::real("tilt_sigma", "rad", 0.0001, 0.5, &Skyline::tilt_sigma,
-                      "least standard deviation of the prior's inclination"),
-            odo::real("height_sigma", "m", 0.01, 100, &Skyline::height_sigma,
-                      "standard deviation of the prior's height at the start"),
-            odo::real("min_sigma", "m", 0.001, 100, &Skyline::min_sigma, "smallest standard deviation believed")};
+    return {
+        odo::text("model", &Skyline::model, "CityJSON file of the city, beside the config"),
+        odo::reals("model_origin", "m", -1e8, 1e8, &Skyline::model_origin,
+                   "easting, northing and height of n's origin in the model"),
+        odo::text("skylines", &Skyline::skylines,
+                  "database of skylines (`odograph city build`), beside the config; without a model also its edges"),
+        odo::choice("sky", "robust|flood_fill", &Skyline::sky,
+                    "how sky is told from the rest: flood_fill is the paper's"),
+        odo::real("interval", "s", 0, 3600, &Skyline::interval, "time between two fixes at least"),
+        odo::real("radius", "m", 2, 200, &Skyline::radius, "farthest from the prior that is searched"),
+        odo::real("min_agreement", "", 0.1, 1, &Skyline::min_agreement,
+                  "part of the directions with a roof's edge in which picture and model must agree"),
+        odo::real("tilt_sigma", "rad", 0.0001, 0.5, &Skyline::tilt_sigma,
+                  "least standard deviation of the prior's inclination"),
+        odo::real("height_sigma", "m", 0.01, 100, &Skyline::height_sigma,
+                  "standard deviation of the prior's height at the start"),
+        odo::boolean("start_known", &Skyline::start_known,
+                     "the pose is right from the start; if not, it is looked for in all of the database"),
+        odo::real("min_sigma", "m", 0.001, 100, &Skyline::min_sigma, "smallest standard deviation believed")};
   }
 
   void configured(odo::Output& host) {
-    if (model.empty()) throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the city");
+    host_ = host;
+    if (model.empty() && skylines.empty())
+      throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the city, or a database in `skylines`");
+    if (!start_known && skylines.empty())
+      throw odo::Error(ODO_E_CONFIG, "start_known: false wants a database in `skylines`");
     up_variance_ = height_sigma * height_sigma;
-    const auto file = host.asset(model);
-    if (!file) throw odo::Error(ODO_E_CONFIG, "model: no file '" + model + "' where the config lies");
+    placed_ = start_known;
+    const auto find = [&](const char* key, const std::string& name) {
+      const auto file = host.asset(name);
+      if (!file) throw odo::Error(ODO_E_CONFIG, key + std::string(": no file '") + name + "' where the config lies");
+      return *file;
+    };
     try {
-      matcher_.emplace(City(read_city_outline(*file, model_origin)));
+      if (!skylines.empty()) {
+        database_ = SkylineDatabase::open(find("skylines", skylines));
+        place_finder_.emplace(PlaceFinder::Parameters{}, database_, database_offset());
+      }
+      matcher_.emplace(
+          City(model.empty() ? edges_of_database() : read_city_outline(find("model", model), model_origin)));
     } catch (const std::runtime_error& error) {
       throw odo::Error(ODO_E_CONFIG, error.what());
     }
   }
+
+  const void* extension(std::string_view id) const { return id == ODO_EXTENSION_SKYLINES ? &told_skylines_ : nullptr; }
 
   void on(const odo_calibration& c, odo::Output&) {
     camera_.take(c);
@@ -83,29 +116,32 @@ class Skyline {
     if (pose.header.flags & ODO_POSE_EXTRAPOLATED) return;
     pose_ = pose;
     if (!waiting_ || pose.header.t_ns < waiting_->t_ns) return;
-    const Picture picture = *std::exchange(waiting_, std::nullopt);
-    look(picture, output);
+    begin(*std::exchange(waiting_, std::nullopt), output);
   }
 
-  /// A frame waits for its pose where the front-end tells it later, having waited for the IMU itself.
+  /// A frame waits for its pose where the front-end tells it later, having waited for the IMU itself. While a picture
+  /// is worked on no other is taken; its fix comes with the frame at which the work is done.
   void on(const odo_frame& frame, odo::Output& output) {
+    const double passed_s = frame_ns_ == INT64_MIN ? 0 : static_cast<double>(frame.header.t_ns - frame_ns_) * 1e-9;
+    frame_ns_ = frame.header.t_ns;
+    slice_ =
+        std::clamp(static_cast<uint64_t>(std::clamp(passed_s, 0.0, 1.0) * kWorkPerSecond), kLeastSlice, kMostSlice);
+    if (worker_.busy()) {
+      if (!worker_.advance(slice_)) return;
+      finish(output);
+    }
     const odograph::CameraModel lens = camera_.lens_of(frame);
     const int64_t t_ns = frame.header.t_ns, wait_ns = static_cast<int64_t>(interval * 1e9) - 1'000'000;
     if (last_ns_ != INT64_MIN && t_ns - last_ns_ < wait_ns) return;
     last_ns_ = t_ns;
     if (waiting_) refuse(kPrior, "no pose came for a picture", output);
-    Picture picture{t_ns, odograph::grey_of(frame, converted_), odograph::mask_of(frame), lens};
-    if (pose_ && pose_->header.t_ns == t_ns) {
-      waiting_.reset();
-      return look(picture, output);
-    }
-    picture.grey = picture.grey.clone(), picture.mask = picture.mask.clone();
-    waiting_ = picture;
+    waiting_ = Picture{t_ns, odograph::grey_of(frame, converted_).clone(), odograph::mask_of(frame).clone(), lens};
+    if (pose_ && pose_->header.t_ns == t_ns) begin(*std::exchange(waiting_, std::nullopt), output);
   }
 
  private:
   struct Picture {
-    int64_t t_ns;
+    int64_t t_ns = 0;
     cv::Mat grey, mask;
     odograph::CameraModel lens;
   };
@@ -113,43 +149,99 @@ class Skyline {
     Reason reason;
     std::string text;
   };
+  /// A picture that is being worked on: the worker reads the first three and writes the others.
+  struct Look {
+    Picture picture;
+    odo_pose pose{};
+    Prior prior{};
+    bool anywhere = false;  // the place is looked for in all of the database
+    bool sky_seen = false;
+    std::optional<Match> match;
+  };
 
-  void look(const Picture& picture, odo::Output& output) {
+  void begin(const Picture& picture, odo::Output& output) {
     constexpr uint32_t needed = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_CAMERA;
     if ((pose_->header.flags & needed) != needed || pose_->header.t_ns != picture.t_ns)
       return refuse(kPrior, "no pose of the camera at the frame's time", output);
     const double variance = std::max(pose_->covariance[21], pose_->covariance[28]);
-    if (std::sqrt(variance) > kNowhere_m) return refuse(kPrior, "the pose is not placed yet", output);
+    if (placed_ && std::sqrt(variance) > kNowhere_m) return refuse(kPrior, "the pose is not placed yet", output);
     // Without a metre the position stays where the last fix or the start was: the scale itself waits for fixes.
     const bool metric = (pose_->header.flags & ODO_POSE_METRIC) != 0;
     const double sigma = metric ? std::sqrt(variance) : std::max(std::sqrt(variance), kUnscaled_m);
-    const Eigen::Quaterniond q_n_c(pose_->q_n[0], pose_->q_n[1], pose_->q_n[2], pose_->q_n[3]);
-    const auto& edges = find_sky(picture, q_n_c.conjugate());
-    if (edges.empty()) return refuse(kSky, "no sky around the zenith", output);
     const double yaw_sigma = std::clamp(std::sqrt(pose_->covariance[14]), 1.0 * kDegree, kUnknown_rad);
     // Since the last fix the track may have gone astray by its heading. Who may be farther off than is searched would
     // be placed where it only looks alike.
     const double driven_m = pose_->distance_m - fixed_at_m_;
     const double astray_m = driven_m * std::min(kMostOff, 3 * yaw_sigma);
-    if (astray_m > radius) return refuse(kPrior, "the pose may be farther off than is searched", output);
+    const bool lost = astray_m > radius || failures_ >= kHopeless;
+    const bool anywhere = place_finder_ && (!placed_ || lost);
+    if (astray_m > radius && !anywhere) return refuse(kPrior, "the pose may be farther off than is searched", output);
+    if (anywhere && (!metric || pose_->state == ODO_LOST)) {
+      place_finder_->clear();
+      return refuse(kPrior, "not placed, and the odometry tells no metres", output);
+    }
+    if (anywhere && !place_finder_->wants(Eigen::Vector3d(pose_->p_n))) return;
     const double tilt =
         std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma, kMostTilt_rad);
-    const auto match = matcher_->match(edges, {.p_n = Eigen::Vector3d(pose_->p_n) - Eigen::Vector3d(0, 0, up_m_),
-                                               .q_n_c = q_n_c,
-                                               .position_sigma_m = std::max(sigma + failures_, astray_m / 3),
-                                               .yaw_sigma_rad = yaw_sigma,
-                                               .tilt_sigma_rad = tilt,
-                                               .farthest_m = radius,
-                                               .lost = failures_ >= kDoubtful,
-                                               .height_sigma_m = std::sqrt(up_variance_)});
-    if (const auto why = judge(match)) {
+    const Eigen::Quaterniond q_n_c(pose_->q_n[0], pose_->q_n[1], pose_->q_n[2], pose_->q_n[3]);
+    look_ = {picture, *pose_,
+             Prior{.p_n = Eigen::Vector3d(pose_->p_n) - Eigen::Vector3d(0, 0, up_m_),
+                   .q_n_c = q_n_c,
+                   .position_sigma_m = std::max(sigma + failures_, astray_m / 3),
+                   .yaw_sigma_rad = yaw_sigma,
+                   .tilt_sigma_rad = tilt,
+                   .farthest_m = radius,
+                   .lost = failures_ >= kDoubtful,
+                   .height_sigma_m = std::sqrt(up_variance_)},
+             anywhere};
+    worker_.start([this](const Spend& spend) { look(spend); }, slice_);
+  }
+
+  /// On the worker's thread.
+  void look(const Spend& spend) {
+    const auto& edges = find_sky(look_.picture, look_.prior.q_n_c.conjugate());
+    spend(kSkyWork * look_.picture.grey.total());
+    look_.sky_seen = !edges.empty();
+    if (look_.sky_seen && look_.anywhere) return look_anywhere(edges, spend);
+    if (look_.sky_seen) look_.match = matcher_->match(edges, look_.prior, spend);
+  }
+
+  /// The place that several pictures agree on, of all in the database; then the match of this picture there.
+  void look_anywhere(const std::vector<SkyEdge>& edges, const Spend& spend) {
+    if (!Matcher::tells_enough(edges)) {
+      look_.sky_seen = false;
+      return;
+    }
+    const auto found = place_finder_->add(edges, look_.prior.q_n_c, Eigen::Vector3d(look_.pose.p_n), spend);
+    if (!found) return;
+    Prior& prior = look_.prior;
+    prior.p_n = found->p_n;
+    prior.q_n_c = Eigen::AngleAxisd(found->yaw_rad, Eigen::Vector3d::UnitZ()) * prior.q_n_c;
+    prior.position_sigma_m = kFoundSigma_m, prior.yaw_sigma_rad = kFoundSigma_rad;
+    prior.height_sigma_m = kFoundSigma_m, prior.lost = false;
+    look_.match = matcher_->match(edges, prior, spend);
+    if (look_.match && (look_.match->p_n - found->p_n).head<2>().norm() > kFoundApart_m) look_.match.reset();
+  }
+
+  void finish(odo::Output& output) {
+    if (!look_.sky_seen) return refuse(kSky, "no sky around the zenith, or too few roofs", output);
+    if (look_.anywhere && !look_.match) {
+      char text[120];
+      std::snprintf(text, sizeof text,
+                    "looked for everywhere: %zu pictures, the next best place is %.2g times as likely",
+                    place_finder_->pictures(), place_finder_->rival());
+      return refuse(kAmbiguity, text, output);
+    }
+    if (const auto why = judge(look_.match)) {
       ++failures_;
       return refuse(why->reason, why->text, output);
     }
     failures_ = 0;
-    fixed_at_m_ = pose_->distance_m;
-    climb(*match);
-    output.emit(fix_of(*match, picture.t_ns));
+    placed_ = true;
+    if (place_finder_) place_finder_->clear();
+    fixed_at_m_ = look_.pose.distance_m;
+    climb(*look_.match);
+    output.emit(fix_of(*look_.match, look_.picture.t_ns));
   }
 
   const std::vector<SkyEdge>& find_sky(const Picture& picture, const Eigen::Quaterniond& q_c_n) {
@@ -157,11 +249,80 @@ class Skyline {
     const bool same = picture.lens == lens_;
     lens_ = picture.lens;
     if (sky == "flood_fill") {
-      if (!finder_ || !same) finder_.emplace(lens_, camera_.size());
+      if (!finder_ || !same) finder_.emplace(lens_, picture.grey.size());
       return finder_->find(picture.grey, up_c, north_c);
     }
-    if (!robust_ || !same) robust_.emplace(RobustSkyFinder::Parameters{}, lens_, camera_.size());
+    if (!robust_ || !same) robust_.emplace(RobustSkyFinder::Parameters{}, lens_, picture.grey.size());
     return robust_->find(picture.grey, picture.mask, up_c, north_c);
+  }
+
+  /// From the database's n to ours.
+  Eigen::Vector3d database_offset() const {
+    const Eigen::Vector3d d = database_.origin() - Eigen::Vector3d(model_origin.data());
+    return {d.y(), d.x(), -d.z()};
+  }
+  std::vector<Edge> edges_of_database() const {
+    auto edges = database_.edges();
+    for (Edge& e : edges) e.from += database_offset(), e.to += database_offset();
+    return edges;
+  }
+
+  /// Runs what the extension is asked for; what goes wrong is reported and told by a status.
+  template <class Work>
+  static int32_t ask(void* user, Work&& work) noexcept {
+    auto& self = *static_cast<Skyline*>(user);
+    try {
+      return work(self);
+    } catch (const std::bad_alloc&) {
+      return ODO_E_MEMORY;
+    } catch (const std::exception& error) {
+      self.host_.report(ODO_SEVERITY_ERROR, "skylines", error.what());
+      return ODO_E_DATA;
+    }
+  }
+  static int32_t ODO_CALL build(void* user, const odo_string* file, const double* places_n, uint64_t count,
+                                double spacing_m, odo_skyline_progress progress, void* context) noexcept {
+    return ask(user, [&](Skyline& self) -> int32_t {
+      if (self.model.empty()) return ODO_E_STATE;
+      std::vector<Eigen::Vector3d> places;
+      for (uint64_t i = 0; i < count; ++i) places.emplace_back(places_n + 3 * i);
+      DatabaseParameters p;
+      p.origin = Eigen::Vector3d(self.model_origin.data()), p.spacing_m = spacing_m;
+      const bool done = build_database(self.matcher_->city().edges(), places, p, std::string(odo::view(*file)),
+                                       [&](size_t n) { return !progress || progress(context, n, count) != 0; });
+      return done ? ODO_OK : ODO_E_DISCARD;
+    });
+  }
+  static int32_t ODO_CALL open(void* user, const odo_string* file, odo_skyline_database* what) noexcept {
+    return ask(user, [&](Skyline& self) -> int32_t {
+      self.asked_ = SkylineDatabase::open(std::string(odo::view(*file)));
+      what->places = self.asked_.size(), what->bytes = self.asked_.bytes();
+      Eigen::Vector3d::Map(what->origin) = self.asked_.origin();
+      what->spacing_m = self.asked_.spacing_m();
+      return ODO_OK;
+    });
+  }
+  static int32_t ODO_CALL nearest(void* user, double north_m, double east_m, uint64_t* place) noexcept {
+    return ask(user, [&](Skyline& self) -> int32_t {
+      if (self.asked_.size() == 0) return ODO_E_STATE;
+      if (!std::isfinite(north_m) || !std::isfinite(east_m)) return ODO_E_ARGUMENT;
+      *place = self.asked_.nearest(north_m, east_m);
+      return ODO_OK;
+    });
+  }
+  static int32_t ODO_CALL skyline(void* user, uint64_t place, double* p_n, float* elevation_rad, float* height_m,
+                                  float* distance_m) noexcept {
+    return ask(user, [&](Skyline& self) -> int32_t {
+      if (place >= self.asked_.size()) return ODO_E_NOT_FOUND;
+      Eigen::Vector3d::Map(p_n) = self.asked_.place(place);
+      if (!elevation_rad && !height_m && !distance_m) return ODO_OK;
+      Horizon horizon;
+      if (!self.asked_.horizon(place, horizon)) return ODO_E_DATA;
+      if (elevation_rad) std::copy(horizon.elevation.begin(), horizon.elevation.end(), elevation_rad);
+      if (height_m) std::copy(horizon.height_m.begin(), horizon.height_m.end(), height_m);
+      if (distance_m) std::copy(horizon.distance_m.begin(), horizon.distance_m.end(), distance_m);
+      return ODO_OK;
+    });
   }
 
   /// What speaks against a match.
@@ -175,9 +336,10 @@ class Skyline {
         default: return Why{kAmbiguity, "pictures disagree about the place"};
       }
     }
-    if (match->agreement < min_agreement) {
-      std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are wanted", match->agreement,
-                    min_agreement);
+    // Several pictures have told the place already where it was looked for anywhere.
+    const double least = look_.anywhere ? kFoundAgreement * min_agreement : min_agreement;
+    if (match->agreement < least) {
+      std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are wanted", match->agreement, least);
       return Why{kAgreement, text};
     }
     if (match->rival > kRival) {
@@ -198,7 +360,7 @@ class Skyline {
 
   /// The height over n's origin follows the road, which the odometry does not.
   void climb(const Match& match) {
-    const double measured = pose_->p_n[2] - match.p_n.z();
+    const double measured = look_.pose.p_n[2] - match.p_n.z();
     // The match has the prior in it already: its sigma is the sum's.
     up_m_ = measured;
     up_variance_ = std::max(match.height_sigma_m * match.height_sigma_m, kLeastHeightSigma_m * kLeastHeightSigma_m) +
@@ -224,6 +386,11 @@ class Skyline {
     return fix;
   }
 
+  odo::Output host_;
+  SkylineDatabase database_, asked_;  // the config's; the extension's
+  std::optional<PlaceFinder> place_finder_;
+  bool placed_ = true;
+  odo_skylines told_skylines_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline};
   std::optional<Matcher> matcher_;
   std::optional<SkyFinder> finder_;
   std::optional<RobustSkyFinder> robust_;
@@ -232,12 +399,15 @@ class Skyline {
   double up_m_ = 0, up_variance_ = 1;  // of the camera over the pose's height
   std::optional<odo_pose> pose_;
   std::optional<Picture> waiting_;
+  Look look_;
   Eigen::Quaterniond q_c_b_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
   odograph::ToldCamera camera_;
   odograph::CameraModel lens_;  // that finder_ was made for
-  int64_t last_ns_ = INT64_MIN;
-  int failures_ = 0;  // in a row; each widens the search by a metre of standard deviation
+  int64_t last_ns_ = INT64_MIN, frame_ns_ = INT64_MIN;
+  uint64_t slice_ = kLeastSlice;  // of the newest frame
+  int failures_ = 0;              // in a row; each widens the search by a metre of standard deviation
+  SlicedWorker worker_;           // last: its thread ends before what it works with
 };
 
 }  // namespace

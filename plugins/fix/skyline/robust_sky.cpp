@@ -52,6 +52,8 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
   const cv::Mat &contrast = features_.channels[4], &noise = features_.channels[9];
   const auto worth = static_cast<float>(p_.edge_odds);
   const auto most = static_cast<float>(p_.most_odds);
+  std::vector<Eigen::Vector2d> angles;  // cosine and sine from the zenith
+  for (int i = 0; i < rows_; ++i) angles.emplace_back(std::cos((i + 0.5) * step_rad_), std::sin((i + 0.5) * step_rad_));
   for (int j = 0; j < kColumns; ++j) {
     const double azimuth = (j + 0.5) * 2 * std::numbers::pi / kColumns;
     const Eigen::Vector3d level = std::cos(azimuth) * north + std::sin(azimuth) * east;
@@ -60,9 +62,9 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
     float* to = &samples_[static_cast<size_t>(j * rows_)];
     float* edge = &edges_at_[static_cast<size_t>(j * rows_)];
     for (int i = 0; i < rows_; ++i) {
-      const double angle = (i + 0.5) * step_rad_;
+      const Eigen::Vector2d& angle = angles[static_cast<size_t>(i)];
       Eigen::Vector2d pixel;
-      bool seen = pixel_of(camera_, std::cos(angle) * up_c + std::sin(angle) * level, p_.farthest_rad, pixel);
+      bool seen = pixel_of(camera_, angle.x() * up_c + angle.y() * level, p_.farthest_rad, pixel);
       if (seen) {
         const Eigen::Vector2d at = features_.small_of(pixel);
         const int x = static_cast<int>(std::lround(at.x())), y = static_cast<int>(std::lround(at.y()));

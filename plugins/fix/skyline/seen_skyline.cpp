@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kLeastWeight = 0.1;  // of a direction that is not sure at all: it is right more often than not
+constexpr size_t kStride = 3;         // of the directions of a coarse search
 constexpr double kSteepest = 20;      // tangent of the elevation: towards the zenith an azimuth means nothing
 
 }  // namespace
@@ -37,6 +38,16 @@ void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
     rays_.push_back(ray);
     lowest_ = std::min(lowest_, ray.elevation);
   }
+  turned_.clear();
+  turned_weight_ = 1e-9f;
+  constexpr int n = Horizon::kDirections;
+  for (size_t i = 0; i < rays_.size(); i += kStride) {
+    const Ray& ray = rays_[i];
+    const int direction = static_cast<int>(std::floor((ray.azimuth / kTurn + 1) * n)) % n;
+    turned_.push_back({direction, static_cast<float>(ray.elevation), static_cast<float>(ray.below),
+                       static_cast<float>(ray.above), static_cast<float>(ray.weight)});
+    turned_weight_ += turned_.back().weight;
+  }
 }
 
 /// By how much the model's skyline is above what is seen; a small inclination is taken to first order.
@@ -49,13 +60,31 @@ inline double SeenSkyline::difference(const Ray& ray, const Horizon& model, cons
   return std::max(above * ray.above, -above * ray.below);
 }
 
-double SeenSkyline::loss(const Horizon& model, const Guess& guess, double most_rad, size_t stride) const {
+double SeenSkyline::loss(const Horizon& model, const Guess& guess, double most_rad) const {
   double sum = 0, total = 0;
-  for (size_t i = 0; i < rays_.size(); i += stride) {
-    sum += rays_[i].weight * std::min(most_rad, difference(rays_[i], model, guess));
-    total += rays_[i].weight;
+  for (const Ray& ray : rays_) {
+    sum += ray.weight * std::min(most_rad, difference(ray, model, guess));
+    total += ray.weight;
   }
   return sum / std::max(total, 1e-9);
+}
+
+std::vector<SeenSkyline::Summary> SeenSkyline::summary() const {
+  std::vector<Summary> all;
+  for (const Ray& ray : rays_) all.push_back({ray.azimuth, ray.elevation, ray.above, ray.below});
+  return all;
+}
+
+double SeenSkyline::turned_loss(const Twice& twice, int half_degrees, double most_rad) const {
+  constexpr int n = Horizon::kDirections;
+  const float* model = twice.data() + ((half_degrees % n) + n) % n;
+  const auto most = static_cast<float>(most_rad);
+  float sum = 0;
+  for (const Turned& t : turned_) {
+    const float above = model[t.direction] - t.elevation;
+    sum += t.weight * std::min(most, std::max(above * t.above, -above * t.below));
+  }
+  return static_cast<double>(sum / turned_weight_);
 }
 
 double SeenSkyline::agreement(const Horizon& model, const Guess& guess, double bound_rad) const {

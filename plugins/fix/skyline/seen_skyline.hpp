@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -26,8 +27,17 @@ class SeenSkyline {
 
   /// Mean loss of a direction, rad, from the model's skyline of the guess's place, by the weights of the directions:
   /// `most_rad` at most, and none where the sky goes on below the picture's border and the model's roof lies there too.
-  /// `stride`: only every so many directions, for coarse searches.
-  double loss(const Horizon& model, const Guess& guess, double most_rad, size_t stride = 1) const;
+  double loss(const Horizon& model, const Guess& guess, double most_rad) const;
+  /// The same of every third direction, turned by half degrees alone, for coarse searches. `twice`: the elevations of
+  /// the model's directions, twice one after the other.
+  using Twice = std::array<float, 2 * Horizon::kDirections>;
+  double turned_loss(const Twice& twice, int half_degrees, double most_rad) const;
+  /// A direction in short: the azimuth and elevation, rad, and what a model's roof above and below it counts.
+  struct Summary {
+    double azimuth, elevation, above, below;
+  };
+  std::vector<Summary> summary() const;
+  size_t turned_size() const { return turned_.size(); }
   /// Part of the directions whose loss is below a bound, of those in which the picture or the model has a roof's edge:
   /// open sky that is open in the model too says little.
   double agreement(const Horizon& model, const Guess& guess, double bound_rad) const;
@@ -49,9 +59,15 @@ class SeenSkyline {
     double above;  // what counts of a roof seen below the model's: 0 where the picture begins below the edge
     double weight;
   };
+  struct Turned {
+    int direction;  // of the model's
+    float elevation, below, above, weight;
+  };
   double difference(const Ray& ray, const Horizon& model, const Guess& guess) const;
 
   std::vector<Ray> rays_;
+  std::vector<Turned> turned_;
+  float turned_weight_ = 0;
   double lowest_ = 0, total_weight_ = 0;
 };
 
