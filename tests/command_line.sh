@@ -183,7 +183,7 @@ expect 0 "skylines a second" "$odograph" city build town.city.json -o town.skyli
 expect 0 "places, 20.0 m apart" "$odograph" city query town.skylines
 expect 0 "azimuth_deg elevation_deg height_m distance_m" "$odograph" city query town.skylines --at 0 0
 expect 0 "11 skylines in" "$odograph" city query town.skylines --at 0 0 --to 6 8 --step 1
-expect 0 "" "$odograph" city show town.skylines --at 0 0 -o town.png
+expect 0 "skyline and map" "$odograph" city show town.skylines --at 0 0 -o town.png
 [ -s town.png ] || { echo "FAILED: no town.png"; failed=1; }
 printf '0, 0\n100, 0\n' >road.csv
 expect 0 "11 places" "$odograph" city build town.city.json -o road.skylines --spacing 10 --along road.csv

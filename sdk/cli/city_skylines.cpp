@@ -273,6 +273,7 @@ int show(const SkylineArguments& a) {
   if (!skyline) return complain(skyline.failure());
   if (!cv::imwrite(a.output, picture_of(**skylines, *what, *skyline)))
     return complain({ODO_E_ERROR, a.output + ": cannot be written"});
+  std::printf("%s: skyline and map of easting %.1f, northing %.1f\n", a.output.c_str(), a.at[0], a.at[1]);
   return kDone;
 }
 
