@@ -95,14 +95,18 @@ void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const Vector2d& s
 void GuidedCorners::track_forward(std::vector<cv::Point2f>& to) {
   std::vector<cv::Point2f> from;
   for (const Track& t : tracks_) from.push_back(t.pixel);
-  std::vector<uchar> found;
-  cv::calcOpticalFlowPyrLK(before_, now_, from, to, found, cv::noArray(), {p_.window_px, p_.window_px}, p_.levels,
-                           {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, p_.settled_px},
+  const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, p_.settled_px);
+  const cv::Size window(p_.window_px, p_.window_px);
+  std::vector<cv::Point2f> back = from;
+  std::vector<uchar> found, found_back;
+  cv::calcOpticalFlowPyrLK(before_, now_, from, to, found, cv::noArray(), window, p_.levels, stop,
+                           cv::OPTFLOW_USE_INITIAL_FLOW);
+  cv::calcOpticalFlowPyrLK(now_, before_, to, back, found_back, cv::noArray(), window, 1, stop,
                            cv::OPTFLOW_USE_INITIAL_FLOW);
   const cv::Rect2f inside(1, 1, static_cast<float>(now_[0].cols - 2), static_cast<float>(now_[0].rows - 2));
   std::vector<char> keep(tracks_.size());
   for (size_t i = 0; i < tracks_.size(); ++i) {
-    keep[i] = found[i] && inside.contains(to[i]);
+    keep[i] = found[i] && found_back[i] && inside.contains(to[i]) && cv::norm(from[i] - back[i]) < p_.back_px;
     tracks_[i].pixel = to[i];
   }
   keep_only(keep);

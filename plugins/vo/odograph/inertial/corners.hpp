@@ -23,7 +23,8 @@ class GuidedCorners {
     int block_px = 5;               ///< over which a corner is looked at
     int window_px = 15;             ///< of Lucas-Kanade
     int levels = 3;                 ///< of the pyramid
-    double settled_px = 0.03;       ///< its last step; the patch is finer
+    double settled_px = 0.01;       ///< its last step
+    double back_px = 0.7;           ///< largest distance between the way there and the way back
     Patch::Parameters patch;        ///< of a corner against the picture where it was found
     double reference_error = 6;     ///< grey levels, mean: what looks otherwise than where it was found is dropped
     double reference_px = 1.5;      ///< most that the reference moves a corner

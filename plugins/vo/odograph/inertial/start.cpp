@@ -170,10 +170,8 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
     --from;
   if (from == frames.size() || seconds(last.corners.t_ns - frames[from].corners.t_ns) < s.least_s) return std::nullopt;
   // Without parallax there is no way to compare with the accelerometer's: a camera that stands fits any metre.
-  if (const auto before = frame_before(frames, s.still_s)) {
-    const auto flow_px = flow_beside_rotation(frames[*before].corners, last.corners, camera, p.stand.least_corners);
-    if (flow_px && *flow_px < s.still_px) return std::nullopt;
-  }
+  const auto flow_px = flow_beside_rotation(frames[from].corners, last.corners, camera, p.stand.least_corners);
+  if (flow_px && *flow_px < s.least_flow_px) return std::nullopt;
   const auto alignment = align_with_imu(frames, from, imu, camera, gyro_bias, p);
   if (!alignment || alignment->rms_m > s.most_rms_m || alignment->relative_sigma > s.alignment_sigma ||
       alignment->nav.accel_bias.norm() > s.most_accel_bias_mps2)

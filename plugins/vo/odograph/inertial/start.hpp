@@ -21,6 +21,7 @@ struct StartParameters {
   double still_rate_radps = 0.05;    ///< below this the mean rate is the gyroscope's bias
   double still_arm_mps = 0.15;       ///< speed of a phone that somebody who turns carries around
   double still_px = 1.5;             ///< of the picture's flow that a rotation leaves over
+  double least_flow_px = 1;          ///< that it leaves over of a start in motion: a hand that stands has 0.2 to 0.7
   double least_s = 0.8, most_s = 3;  ///< of motion that a start in motion looks at
   double alignment_sigma = 0.35;     ///< relative, of the metre by the visual poses: more is no start
   double most_rms_m = 0.1;           ///< that the visual poses leave beside the inertial ones: 0.01 where they are good
