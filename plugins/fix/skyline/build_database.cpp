@@ -163,7 +163,7 @@ bool compute_all(const std::vector<Edge>& edges, const std::vector<Eigen::Vector
   }
   for (std::thread& thread : threads) thread.join();
   if (thrown) std::rethrow_exception(thrown);
-  return !stopped;
+  return !stopped && (!progress || progress(done));  // what was done since the last tick is told too
 }
 
 }  // namespace

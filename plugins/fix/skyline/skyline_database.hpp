@@ -80,8 +80,8 @@ struct DatabaseParameters {
 };
 
 /// Computes the skylines of places in n and writes them; the bytes do not depend on the number of threads. `progress`
-/// is called on the caller's thread with how many are done and may return false to stop. Throws std::runtime_error
-/// where the file cannot be written. False where it was stopped; nothing is left then.
+/// is called on the caller's thread with how many are done, at last with all, and may return false to stop. Throws
+/// std::runtime_error where the file cannot be written. False where it was stopped; nothing is left then.
 bool build_database(const std::vector<Edge>& edges, const std::vector<Eigen::Vector3d>& places_n,
                     const DatabaseParameters& parameters, const std::string& file,
                     const std::function<bool(size_t done)>& progress);
