@@ -11,7 +11,7 @@
 
 #include "sdk/cli/arrivals.hpp"
 #include "sdk/cli/commands.hpp"
-#include "sdk/cli/kept_recordings.hpp"
+#include "sdk/cli/replayed.hpp"
 #include "sdk/cli/runner.hpp"
 
 namespace odograph {
@@ -24,10 +24,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 struct AnchorArguments {
-  std::vector<std::string> recordings;
+  RecordingChoice choice;
   std::string config = "samples/configs/walk_marks.yaml";
-  std::string scenario = "samples/scenarios/street_short.yaml", keep = "out/bench";
-  uint64_t seeds = 1, first_seed = 1;
   double settle_s = 8, every_s = 1, ahead_m = 3, nearest_m = 2, farthest_m = 4, young_s = 0.2, mark_sigma_m = 0.02;
   bool json = false;
 };
@@ -64,16 +62,9 @@ class Walk {
   }
 
   Result<Sums> run() {
-    odo_session_options o{};
-    o.struct_size = sizeof o;
-    o.run = ODO_RUN_REPLAY;
-    o.config_path = {a_.config.data(), a_.config.size()};
-    odo_error error{};
-    error.struct_size = sizeof error;
-    odo_session* raw = nullptr;
-    if (const int32_t status = odo_session_create(&o, &raw, &error); status != ODO_OK)
-      return Failure{status, error.message};
-    const std::unique_ptr<odo_session, void (*)(odo_session*)> session(raw, odo_session_destroy);
+    const auto session = replay_session(a_.config);
+    if (!session) return session.failure();
+    odo_session* raw = session->get();
     session_ = raw;
     const uint32_t wanted[] = {ODO_TYPE_CORRECTION};
     odo_session_set_callback(raw, wanted, 1, on_correction, this);
@@ -84,16 +75,10 @@ class Walk {
       }
       const odo_header& header = arrival.other->message.header();
       if (header.type == ODO_TYPE_WAYPOINT) continue;  // the recording's own marks
-      if (header.type != ODO_TYPE_FRAME) {
-        odo_session_push(raw, &header);
-        continue;
-      }
-      if (const auto truth = truth_at(header.t_ns)) draw(*truth, header.t_ns);
-      const auto picture = load_frame(*arrival.other);
-      if (!picture) return picture.failure();
-      odo_session_push(raw, &picture->header);
-      picture->release(&*picture);
-      if (const auto truth = truth_at(header.t_ns)) place(*truth, header.t_ns);
+      const auto truth = header.type == ODO_TYPE_FRAME ? truth_at(header.t_ns) : std::nullopt;
+      if (truth) draw(*truth, header.t_ns);
+      if (const auto failure = push(raw, *arrival.other)) return *failure;
+      if (truth) place(*truth, header.t_ns);
     }
     finish();
     return sums_;
@@ -243,18 +228,14 @@ class Walk {
 };
 
 int bench_anchors(const AnchorArguments& a) {
-  std::vector<fs::path> files(a.recordings.begin(), a.recordings.end());
-  for (uint64_t seed = a.first_seed; a.recordings.empty() && seed < a.first_seed + a.seeds; ++seed) {
-    const auto file = kept_recording(a.scenario, seed, a.keep, 0);
-    if (!file) return complain(file.failure());
-    files.push_back(*file);
-  }
+  const auto files = a.choice.files();
+  if (!files) return complain(files.failure());
   Json rows = Json::array();
   if (!a.json)
     std::printf("%-30s %7s %15s %15s %8s %9s %9s %10s\n%-30s %7s %15s %15s %8s %9s %9s %10s\n", "recording", "looks",
                 "corrected px", "smooth px", "drift m", "sigma m", "start cm", "newest cm", "", "", "median    95 %",
                 "median    95 %", "", "", "", "");
-  for (const fs::path& file : files) {
+  for (const fs::path& file : *files) {
     const auto recording = read_recording(file);
     if (!recording) return complain(recording.failure());
     const auto sums = Walk(*recording, a).run();
@@ -300,12 +281,8 @@ int bench_anchors(const AnchorArguments& a) {
 void add_bench_anchors(CLI::App& bench, int& status) {
   auto a = std::make_shared<AnchorArguments>();
   auto* command = bench.add_subcommand("anchors", "Anchors on the screen and through a fix, in simulated time");
-  command->add_option("recordings", a->recordings, "recordings with camera, IMU and truth; none: simulated ones");
+  a->choice.add_options(*command, "recordings with camera, IMU and truth");
   command->add_option("-c,--config", a->config, "pipeline config with a start and fix/waypoint")->capture_default_str();
-  command->add_option("--scenario", a->scenario, "what is simulated")->capture_default_str();
-  command->add_option("--seeds", a->seeds, "how many of it")->capture_default_str()->check(CLI::Range(1, 1000));
-  command->add_option("--first-seed", a->first_seed, "the first of them")->capture_default_str();
-  command->add_option("--keep", a->keep, "recordings are kept here and rendered once")->capture_default_str();
   command->add_option("--settle", a->settle_s, "seconds from the first position to the first anchor")
       ->capture_default_str();
   command->add_option("--ahead", a->ahead_m, "m from the camera to a new anchor")->capture_default_str();

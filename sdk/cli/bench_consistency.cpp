@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/cli/commands.hpp"
+#include "sdk/cli/replayed.hpp"
 #include "sdk/cli/runner.hpp"
 #include "sdk/core/messages.hpp"
 
@@ -60,16 +61,9 @@ struct Cost {
 };
 
 Result<Poses> run(const Recording& recording, const std::string& config, double first_s, Cost& cost) {
-  odo_session_options o{};
-  o.struct_size = sizeof o;
-  o.run = ODO_RUN_REPLAY;
-  o.config_path = {config.data(), config.size()};
-  odo_error error{};
-  error.struct_size = sizeof error;
-  odo_session* raw = nullptr;
-  if (const int32_t status = odo_session_create(&o, &raw, &error); status != ODO_OK)
-    return Failure{status, error.message};
-  const std::unique_ptr<odo_session, void (*)(odo_session*)> session(raw, odo_session_destroy);
+  const auto session = replay_session(config);
+  if (!session) return session.failure();
+  odo_session* raw = session->get();
   Poses poses;
   const uint32_t wanted[] = {ODO_TYPE_POSE};
   odo_session_set_callback(raw, wanted, 1, on_event, &poses);
@@ -79,14 +73,7 @@ Result<Poses> run(const Recording& recording, const std::string& config, double 
     const odo_header& header = message.message.header();
     cost.recorded_s = static_cast<double>(header.t_ns - begin_ns) * kNanoseconds;
     if (cost.recorded_s > first_s) break;
-    if (header.type != ODO_TYPE_FRAME) {
-      odo_session_push(raw, &header);
-      continue;
-    }
-    const auto picture = load_frame(message);
-    if (!picture) continue;
-    odo_session_push(raw, &picture->header);
-    picture->release(&*picture);
+    if (const auto failure = push(raw, message)) return *failure;
   }
   odo_session_flush(raw);
   cost.cpu_s = cpu_s() - before_s;

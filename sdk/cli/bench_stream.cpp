@@ -12,7 +12,7 @@
 
 #include "sdk/cli/arrivals.hpp"
 #include "sdk/cli/commands.hpp"
-#include "sdk/cli/kept_recordings.hpp"
+#include "sdk/cli/replayed.hpp"
 #include "sdk/cli/runner.hpp"
 
 namespace odograph {
@@ -24,10 +24,8 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 struct StreamArguments {
-  std::vector<std::string> recordings;
+  RecordingChoice choice;
   std::string config = "samples/configs/walk.yaml";
-  std::string scenario = "samples/scenarios/street_short.yaml", keep = "out/bench";
-  uint64_t seeds = 1, first_seed = 1;
   double ahead_ms = 30, poll_hz = 60, accel_hz = 104, imu_late_ms = 3, frame_late_ms = 45, settle_s = 8;
   bool json = false;
 };
@@ -73,16 +71,9 @@ void poll(odo_session* session, int64_t t_ns, std::vector<Poll>& to, Stream* tim
 }
 
 Result<Stream> run_stream(const Recording& recording, const StreamArguments& a) {
-  odo_session_options o{};
-  o.struct_size = sizeof o;
-  o.run = ODO_RUN_REPLAY;
-  o.config_path = {a.config.data(), a.config.size()};
-  odo_error error{};
-  error.struct_size = sizeof error;
-  odo_session* raw = nullptr;
-  if (const int32_t status = odo_session_create(&o, &raw, &error); status != ODO_OK)
-    return Failure{status, error.message};
-  const std::unique_ptr<odo_session, void (*)(odo_session*)> session(raw, odo_session_destroy);
+  const auto session = replay_session(a.config);
+  if (!session) return session.failure();
+  odo_session* raw = session->get();
   Stream stream;
   const uint32_t wanted[] = {ODO_TYPE_POSE, ODO_TYPE_CORRECTION};
   odo_session_set_callback(raw, wanted, 2, on_event, &stream);
@@ -99,16 +90,10 @@ Result<Stream> run_stream(const Recording& recording, const StreamArguments& a) 
       poll(raw, screen_ns + ahead_ns, stream.polls, &stream);
     for (; frame < frames.size() && frames[frame] < arrival.at_ns; ++frame)
       poll(raw, frames[frame] + ahead_ns, stream.early, nullptr);
-    if (!arrival.other) {
+    if (!arrival.other)
       odo_session_push(raw, &arrival.imu.header);
-    } else if (arrival.other->message.header().type == ODO_TYPE_FRAME) {
-      const auto picture = load_frame(*arrival.other);
-      if (!picture) return picture.failure();
-      odo_session_push(raw, &picture->header);
-      picture->release(&*picture);
-    } else {
-      odo_session_push(raw, &arrival.other->message.header());
-    }
+    else if (const auto failure = push(raw, *arrival.other))
+      return *failure;
   }
   odo_session_flush(raw);
   return stream;
@@ -178,12 +163,8 @@ Json figures_of(const Stream& stream, const Recording& recording, const StreamAr
 }
 
 int bench_stream(const StreamArguments& a) {
-  std::vector<fs::path> files(a.recordings.begin(), a.recordings.end());
-  for (uint64_t seed = a.first_seed; a.recordings.empty() && seed < a.first_seed + a.seeds; ++seed) {
-    const auto file = kept_recording(a.scenario, seed, a.keep, 0);
-    if (!file) return complain(file.failure());
-    files.push_back(*file);
-  }
+  const auto files = a.choice.files();
+  if (!files) return complain(files.failure());
   Json rows = Json::array();
   if (!a.json)
     std::printf(
@@ -191,7 +172,7 @@ int bench_stream(const StreamArguments& a) {
         "recording", "frames", "orientation deg", "position mm", "no", "repeated", "corrections", "jump", "smooth",
         "get_pose us", "statistics", "", "", "median    99 %", "median    99 %", "position", "polls", "", "cm", "cm",
         "median   99 %", "us, 99 %");
-  for (const fs::path& file : files) {
+  for (const fs::path& file : *files) {
     const auto recording = open_recording(file);
     if (!recording) return complain(recording.failure());
     const auto stream = run_stream(*recording, a);
@@ -225,12 +206,8 @@ int bench_stream(const StreamArguments& a) {
 void add_bench_stream(CLI::App& bench, int& status) {
   auto a = std::make_shared<StreamArguments>();
   auto* command = bench.add_subcommand("stream", "Poses ahead of time, as an app asks for them, in simulated time");
-  command->add_option("recordings", a->recordings, "recordings with camera and IMU; none: simulated ones");
+  a->choice.add_options(*command, "recordings with camera and IMU");
   command->add_option("-c,--config", a->config, "pipeline config")->capture_default_str();
-  command->add_option("--scenario", a->scenario, "what is simulated")->capture_default_str();
-  command->add_option("--seeds", a->seeds, "how many of it")->capture_default_str()->check(CLI::Range(1, 1000));
-  command->add_option("--first-seed", a->first_seed, "the first of them")->capture_default_str();
-  command->add_option("--keep", a->keep, "recordings are kept here and rendered once")->capture_default_str();
   command->add_option("--ahead", a->ahead_ms, "ms ahead of the poll")->capture_default_str();
   command->add_option("--frame-late", a->frame_late_ms, "ms from a picture's time to its pose")->capture_default_str();
   command->add_option("--imu-late", a->imu_late_ms, "ms from a sample's time to its arrival")->capture_default_str();
