@@ -49,7 +49,10 @@ struct Walk {
 
 struct Trial {
   Matrix3d gyro_axes = Matrix3d::Identity(), accel_axes = Matrix3d::Identity();
-  double bad_corners = 0;  ///< part of the points that slide
+  double bad_corners = 0;                               ///< part of the points that slide
+  double breathing = 0;                                 ///< of the focal length, to and fro in five seconds
+  double follow = 0;                                    ///< part of the rotation that a stabilised lens takes out
+  double leak_hz = 0, end_leak_hz = 13, travel_px = 8;  ///< of that lens
   FilterParameters p;
   double duration_s = 25;
 
@@ -82,12 +85,18 @@ struct Trial {
     Filter filter(p, camera, start);
     ImuBuffer imu;
     Result out;
+    Vector2d shift = Vector2d::Zero();
     double way = 0, true_way = 0, next_sample_s = 0;
     Vector3d before = Vector3d::Zero(), true_before = Vector3d::Zero();
     for (int frame = 0; frame * kFrame_s < duration_s; ++frame) {
       const double t = frame * kFrame_s;
       for (; next_sample_s < t + 0.03; next_sample_s += kSample_s) {
         ImuSample s = Walk::imu(next_sample_s);
+        if (next_sample_s <= t) {
+          const double used = std::min(1.0, shift.norm() / travel_px);
+          const double leak = 2 * kPi * (leak_hz + (end_leak_hz - leak_hz) * used * used);
+          shift = (shift + kSample_s * follow * 500 * Vector2d(s.gyro_b.y(), -s.gyro_b.x())) / (1 + kSample_s * leak);
+        }
         s.gyro_b = gyro_axes * s.gyro_b + 0.002 * Vector3d(normal(generator), normal(generator), normal(generator));
         s.accel_b = accel_axes * s.accel_b + 0.02 * Vector3d(normal(generator), normal(generator), normal(generator));
         imu.add(s);
@@ -95,11 +104,13 @@ struct Trial {
       FrameCorners corners;
       corners.t_ns = std::llround(t * 1e9);
       const Quaterniond q = Walk::orientation(t);
+      CameraModel lens = camera.lens;
+      lens.fx = lens.fy = 500 * (1 + breathing * std::sin(2 * kPi * t / 5));
       for (size_t k = 0; k < points.size(); ++k) {
         Point& x = points[k];
         const Vector3d y = q.conjugate() * (x.p - Walk::position(t));
         if (y.z() < 0.5 || y.z() > 30) continue;
-        const Vector2d pixel = camera.lens.project(y.head<2>() / y.z());
+        const Vector2d pixel = lens.project(y.head<2>() / y.z()) + shift;
         if (!(pixel.x() > 0 && pixel.y() > 0 && pixel.x() < kWidth && pixel.y() < kHeight)) continue;
         // A bad corner is held back by what lies behind it, unevenly.
         const Vector2d outward = (pixel - Vector2d(320, 240)).normalized();
@@ -147,6 +158,35 @@ TEST_CASE("corners that slide weigh less than those that stay, and leave the met
   MESSAGE("scale " << weighed.scale << ", all corners alike " << alike.scale);
   CHECK(std::abs(weighed.scale - 1) < 0.0122);
   CHECK(std::abs(alike.scale - 1) > 1.5 * std::abs(weighed.scale - 1));
+}
+
+TEST_CASE("a focal length that moves and is not told leaves the metre alone") {
+  Trial trial;
+  trial.breathing = 0.006;
+  const auto followed = trial.run();
+  trial.p.focus_sigma = 0;
+  const auto taken_as_still = trial.run();
+  MESSAGE("scale " << followed.scale << ", lens taken as still " << taken_as_still.scale);
+  CHECK(std::abs(followed.scale - 1) < 0.02);
+  CHECK(std::abs(taken_as_still.scale - 1) > 2 * std::abs(followed.scale - 1));
+}
+
+TEST_CASE("a lens that does not follow the hand is known to be fixed, and one that does is not, whatever its leak") {
+  Trial trial;
+  const auto fixed = trial.run();
+  CHECK(std::abs(fixed.state.camera.follow) < 1e-3);
+  CHECK(fixed.state.camera.shift_px.norm() < 0.01);
+  CHECK(std::abs(fixed.scale - 1) < 0.005);
+  trial.follow = 0.8;
+  for (const double more : {0.4, 1.0, 2.5}) {  // than the model's
+    CAPTURE(more);
+    trial.leak_hz = 0.9 * more, trial.end_leak_hz = 13 * more;
+    const auto found = trial.run();
+    MESSAGE("leak x " << more << ": scale " << found.scale << ", follow " << found.state.camera.follow << ", leak "
+                      << found.state.camera.leak);
+    CHECK(found.state.camera.follow == doctest::Approx(0.8).epsilon(0.25));
+    CHECK(std::abs(found.scale - 1) < 0.01);
+  }
 }
 
 TEST_CASE("landmarks seen together are what they are one after the other, where the equations are linear") {

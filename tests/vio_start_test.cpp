@@ -3,6 +3,7 @@
 // When the visual-inertial filter begins, when it takes itself for standing, and what it does not look at.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "plugins/vo/odograph/gyroscope.hpp"
@@ -117,6 +118,45 @@ TEST_CASE("a camera that stands fits any metre, and no start in motion is made o
     CAPTURE(seed);
     CHECK_FALSE(start_moving(scene.frames, scene.imu, global_shutter(), Vector3d::Zero(), {}, {}));
   }
+}
+
+TEST_CASE("a start in motion knows that it did not stand so long ago: the metre of one second is better for it") {
+  // Standing for 2 s, then 1 s of a walk that begins; a visual odometry good to 0.3 % of the depth.
+  const auto velocity = [](double t) { return t < 2 ? 0.0 : 1.2 * (1 - std::exp(-(t - 2) / 0.4)); };
+  std::vector<double> with, without;
+  for (unsigned seed = 0; seed < 21; ++seed) {
+    std::mt19937 generator(seed);
+    std::normal_distribution<double> noise(0, 1);
+    ImuBuffer imu;
+    std::deque<StartFrame> frames;
+    double x = 0, next_frame_s = 2;
+    for (int k = 0; k <= 605; ++k) {
+      const double t = 0.005 * k;
+      const double force = (velocity(t + 1e-3) - velocity(t - 1e-3)) / 2e-3;
+      imu.add({5'000'000LL * k, Vector3d::Zero(), Vector3d(force, -kGravity_mps2, 0) + 0.3 * Vector3d(0.1, 0.1, 0.1)});
+      if (t >= next_frame_s - 1e-9 && t <= 3) {
+        StartFrame frame;
+        frame.corners.t_ns = 5'000'000LL * k;
+        frame.posed = true;
+        frame.T_w_c.translation() =
+            0.2 * Vector3d(x, 0, 0) + 3e-3 * Vector3d(noise(generator), noise(generator), noise(generator));
+        frames.push_back(frame);
+        next_frame_s += 0.1;
+      }
+      x += 0.005 * velocity(t);
+    }
+    const auto error = [&](double history_s) {
+      StartParameters s;
+      s.history_s = history_s;
+      const auto found = align_with_imu(frames, 0, imu, global_shutter(), Vector3d::Zero(), {}, s);
+      return found ? std::abs(std::log(found->metres_per_unit / 5)) : 3.0;
+    };
+    with.push_back(error(3)), without.push_back(error(0));
+  }
+  std::sort(with.begin(), with.end()), std::sort(without.begin(), without.end());
+  MESSAGE("median error of the metre, of its logarithm: " << with[10] << ", without the second before " << without[10]);
+  CHECK(with[10] < 0.35);
+  CHECK(without[10] > 1.5 * with[10]);
 }
 
 TEST_CASE("what a rotation leaves over of the picture's flow is the parallax") {

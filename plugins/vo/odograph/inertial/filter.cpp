@@ -55,6 +55,8 @@ Filter::Filter(const FilterParameters& parameters, const Camera& camera, const S
       line > 0 ? p_.priors.line_time_relative * line : p_.priors.readout_s / (2 * camera.middle_row + 1));
   set(block::shift, 2, p_.stabiliser.shift_sigma_px);
   set(block::follow, 1, p_.stabiliser.follow_sigma);
+  set(block::leak, 1, p_.stabiliser.leak_sigma);
+  set(block::focus, 1, p_.focus_sigma);
   set(block::lens, 1, p_.priors.focal_relative);
   set(block::lens + 1, 2, p_.priors.centre_px);
   set(block::lens + 3, 1, p_.priors.distortion[0]);
@@ -84,6 +86,7 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   update_landmarks(frame, report);
   update_tracks(report);
   marginalise();
+  settle_lens();
   update_scale_sigma();
   if (!recent_.empty()) update_pixel_sigma(report, static_cast<double>(frame.t_ns - recent_.back().t_ns) * 1e-9);
   recent_.push_back(frame);
@@ -203,6 +206,23 @@ void Filter::update_tracks(FrameReport& report) {
 
 void Filter::marginalise() {
   while (state_.clones.size() > p_.clones) forget_clone(0);
+}
+
+/// A stabiliser takes out most of the rotation or there is none: a lens that is seen not to follow is a fixed one, and
+/// what a small gain would do, which looks like a slow drift of the centre, is no longer possible.
+void Filter::settle_lens() {
+  if (fixed_lens_) return;
+  const StabiliserParameters& s = p_.stabiliser;
+  const double sigma = std::sqrt(state_.P(block::follow, block::follow));
+  const int64_t now_ns = newest().frame_ns;
+  if (state_.camera.follow + s.fixed_sigmas * sigma > s.least_follow) {
+    unfollowed_ns_ = 0;
+    return;
+  }
+  if (unfollowed_ns_ == 0) unfollowed_ns_ = now_ns;
+  if (static_cast<double>(now_ns - unfollowed_ns_) * 1e-9 < s.fixed_s) return;
+  fixed_lens_ = true;
+  hold_lens(state_);
 }
 
 /// How well corners are followed depends on light, blur and compression: the median of the normalised innovations,

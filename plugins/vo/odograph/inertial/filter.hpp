@@ -62,6 +62,7 @@ class Filter {
   void update_landmarks(const FrameCorners& frame, FrameReport& report);
   void update_tracks(FrameReport& report);
   void marginalise();
+  void settle_lens();
   void update_scale_sigma();
   void update_pixel_sigma(const FrameReport& report, double dt_s);
   static void count(const Outcome& outcome, FrameReport& report);
@@ -73,6 +74,8 @@ class Filter {
   std::deque<FrameCorners> recent_;   // of the last half second
   uint32_t next_id_ = 0;
   bool stood_ = false;
+  bool fixed_lens_ = false;    // no stabiliser: that is known
+  int64_t unfollowed_ns_ = 0;  // since when it looks like that; 0: it does not
   double scale_sigma_ = 1;
 };
 

@@ -25,6 +25,17 @@ Eigen::Quaterniond row_rotation(const Clone& c, double dt) {
   return exp_rotation(dt * c.rate_c + 0.5 * dt * dt * c.rate_change_c);
 }
 
+/// By the lens with another focal length.
+Projection zoomed(Projection p, const CameraModel& lens, double focal_px) {
+  const double by = focal_px / lens.focal();
+  const Vector2d centre(lens.cx, lens.cy);
+  p.pixel = centre + by * (p.pixel - centre);
+  p.by_point *= by;
+  p.by_lens.col(0) *= by;
+  p.by_lens.rightCols<2>() *= by;
+  return p;
+}
+
 }  // namespace
 
 std::optional<Observed> observe(const Clone& c, const Camera& camera, const Vector3d& p_w, double row) {
@@ -32,15 +43,17 @@ std::optional<Observed> observe(const Clone& c, const Camera& camera, const Vect
   const Matrix3d R_c_w = (c.q_w_c * row_rotation(c, dt)).conjugate().toRotationMatrix();
   const Vector3d y = R_c_w * (p_w - c.p_w - dt * c.v_w - 0.5 * dt * dt * c.a_w);
   if (y.z() < kNearest_m) return std::nullopt;
-  const Projection projection = project(camera.lens, y);
+  const Projection projection = zoomed(project(camera.lens, y), camera.lens, c.focal_px);
   Observed out;
   out.pixel = projection.pixel + c.shift_px + dt * c.shift_rate_px_s;
   out.by_follow = dt * c.drive_px_s;
   out.by_lens = projection.by_lens;
+  out.by_lens.col(0).setZero();
   out.by_point = projection.by_point * R_c_w;
   const Vector3d by_time = y.cross(c.rate_c + dt * c.rate_change_c) - R_c_w * (c.v_w + dt * c.a_w);
   out.by_line_time = rows * (projection.by_point * by_time + c.shift_rate_px_s);
-  out.by_clone << out.by_point * cross_matrix(p_w), -out.by_point;
+  out.by_clone << out.by_point * cross_matrix(p_w), -out.by_point, Eigen::Matrix2d::Identity(),
+      projection.by_lens.col(0);
   out.depth_m = y.z();
   return out;
 }
@@ -49,7 +62,9 @@ Vector3d ray_of(const Clone& c, const Camera& camera, const Vector2d& pixel, dou
   thread_local std::vector<cv::Point2f> one(1);
   thread_local std::vector<cv::Point2d> straight(1);
   const double dt = (row - camera.middle_row) * camera.line_time_s;
-  const Vector2d unshifted = pixel - c.shift_px - dt * c.shift_rate_px_s;
+  const Vector2d centre(camera.lens.cx, camera.lens.cy);
+  const Vector2d unshifted =
+      centre + (camera.lens.focal() / c.focal_px) * (pixel - c.shift_px - dt * c.shift_rate_px_s - centre);
   one[0] = {static_cast<float>(unshifted.x()), static_cast<float>(unshifted.y())};
   camera.lens.undistort(one, straight);
   const Vector3d ray = row_rotation(c, dt) * Vector3d(straight[0].x, straight[0].y, 1);

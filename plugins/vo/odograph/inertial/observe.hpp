@@ -19,11 +19,11 @@ struct Observation {
 /// Where a clone's frame has a point, with the rolling shutter: the row's time decides the pose.
 struct Observed {
   Eigen::Vector2d pixel;
-  Eigen::Matrix<double, 2, 3> by_point;  ///< px by metres in w
-  Eigen::Vector2d by_line_time;          ///< px by s
-  Eigen::Matrix<double, 2, kLensStates> by_lens;
-  Eigen::Matrix<double, 2, 6> by_clone;  ///< theta, rho; by the clone's shift it is the identity
-  Eigen::Vector2d by_follow;             ///< by what part of the rotation the lens takes out
+  Eigen::Matrix<double, 2, 3> by_point;           ///< px by metres in w
+  Eigen::Vector2d by_line_time;                   ///< px by s
+  Eigen::Matrix<double, 2, kLensStates> by_lens;  ///< the focal length is the clone's
+  Eigen::Matrix<double, 2, block::clone> by_clone;
+  Eigen::Vector2d by_follow;  ///< by what part of the rotation the lens takes out
   double depth_m = 0;
 };
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+
+#include <Eigen/Core>
 
 namespace odograph::vio {
 
@@ -43,12 +46,28 @@ struct Priors {
 /// travel reaches and gives way near its end, each maker in his own way: a gain and a leak stand for it, and an error
 /// in proportion to what it does.
 struct StabiliserParameters {
-  double follow_sigma = 0.3;  ///< of the gain before the first measurement; 0 is a fixed lens, 1 takes out all
-  double follow_walk = 0.2;   ///< in proportion to the gain, 1/sqrt(s): a fixed lens stays one
-  double leak_hz = 5;         ///< 0.5 to 0.9 where little is asked of it, to 13 near the end of its travel
-  double drive_error = 0.25;  ///< of its speed, relative,
-  double error_s = 0.1;       ///< correlated over this time
+  double follow_sigma = 0.3;   ///< of the gain before the first measurement; 0 is a fixed lens, 1 takes out all
+  double follow_walk = 0.2;    ///< in proportion to the gain, 1/sqrt(s): a fixed lens stays one
+  double leak_hz = 0.9;        ///< where little is asked of it; 0.5 to 0.9 in a driver of an IMX214's module
+  double end_leak_hz = 13;     ///< at the end of its travel; the same
+  double travel_rad = 0.0157;  ///< 0.9 degrees; 0.5 to 1.2
+  double leak_sigma = 0.7, leak_change_s = 10;  ///< of its logarithm, and over which time it changes
+  double drive_error = 0.25;                    ///< of its speed, relative,
+  double error_s = 0.1;                         ///< correlated over this time
+  /// Of a stabilised lens, which takes out most: one that follows less, by so many sigmas, for so long, is a fixed one.
+  double least_follow = 0.25, fixed_sigmas = 5, fixed_s = 0.5;
   double shift_sigma_px = 1;  ///< before the first measurement
+  /// By how many times e it gives way in a second, where it is shifted by so much.
+  double leak(double shift_px, double focal_px) const {
+    const double used = std::min(1.0, shift_px / (travel_rad * focal_px));
+    return 6.283185307179586 * (leak_hz + (end_leak_hz - leak_hz) * used * used);
+  }
+  /// The derivative of that by the shift.
+  Eigen::Vector2d leak_change(const Eigen::Vector2d& shift_px, double focal_px) const {
+    const double travel_px = travel_rad * focal_px;
+    if (shift_px.norm() >= travel_px) return Eigen::Vector2d::Zero();
+    return 2 * 6.283185307179586 * (end_leak_hz - leak_hz) / (travel_px * travel_px) * shift_px;
+  }
 };
 
 /// What it is to stand. Who turns on the spot carries the phone around: at the rate times an arm's length.
@@ -96,8 +115,11 @@ struct FilterParameters {
   double corner_walk_px = 0.3;
   double rotation_jitter_rad = 2e-4;  ///< of a picture against the gyroscope: stabilised lens, time stamps
   double focal_walk = 1e-4;           ///< relative, 1/sqrt(s)
-  double centre_walk_px = 0.02;       ///< px/sqrt(s)
-  double least_parallax_rad = 0.01;   ///< of a track whose depth is told
+  /// An autofocus moves the focal length about its mean, relative, and at another time is elsewhere: breathing of 0.5
+  /// to 1.2 % each way, moves 1.5 to 10 s apart. Many phones do not tell it.
+  double focus_sigma = 2e-3, focus_change_s = 4;
+  double centre_walk_px = 0.02;                           ///< px/sqrt(s)
+  double least_parallax_rad = 0.01;                       ///< of a track whose depth is told
   double inverse_depth = 0.2, inverse_depth_sigma = 1.0;  ///< of a landmark without parallax, 1/m
 };
 

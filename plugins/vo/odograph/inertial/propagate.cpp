@@ -17,8 +17,7 @@ using Matrix15d = Eigen::Matrix<double, block::navigation, block::navigation>;
 
 constexpr int64_t kLongestGap_ns = 60'000'000;
 constexpr double kGapAcceleration_mps2 = 3;  // of a hand that nobody watched
-constexpr double kTwoPi = 6.283185307179586;
-constexpr double kHalfReadout_s = 0.008;  // over which the change of the rate is taken
+constexpr double kHalfReadout_s = 0.008;     // over which the change of the rate is taken
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
@@ -32,6 +31,13 @@ Matrix3d step(Navigation& nav, const ImuSample& from, const ImuSample& to, doubl
   nav.v_w += dt * a;
   nav.q_w_b = (nav.q_w_b * exp_rotation(dt * rate)).normalized();
   return R;
+}
+
+/// A state that goes back to zero, of which `stays` is left, and lies about it with sigma (Ornstein & Uhlenbeck).
+void forget(double& value, Eigen::MatrixXd& P, int at, double stays, double sigma) {
+  value *= stays;
+  P.row(at) *= stays, P.col(at) *= stays;
+  P(at, at) += (1 - stays * stays) * sigma * sigma;
 }
 
 /// Rate of the shift of a lens that takes out all of the rotation, px/s.
@@ -57,23 +63,34 @@ void shift_lens(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterP
   const StabiliserParameters& s = p.stabiliser;
   Camera& camera = state.camera;
   const Matrix3d R_c_b = camera.q_b_c.conjugate().toRotationMatrix();
-  double keep = 1, noise = 0;
-  Vector2d by_follow = Vector2d::Zero();
+  double noise = 0;
+  Eigen::Matrix2d keep = Eigen::Matrix2d::Identity();
+  Vector2d by_follow = Vector2d::Zero(), by_leak = Vector2d::Zero();
   const double likely = camera.follow * camera.follow + state.P(block::follow, block::follow);
+  const double more = std::exp(camera.leak);
   imu.for_each(state.t_ns, to_ns, kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
-    const double dt = seconds(b.t_ns - a.t_ns), decay = 1 / (1 + dt * kTwoPi * s.leak_hz);
-    const Vector2d drive = drive_of(camera.lens.focal(), R_c_b * state.nav.rate(0.5 * (a.gyro_b + b.gyro_b)));
+    const double dt = seconds(b.t_ns - a.t_ns), focal = camera.lens.focal();
+    const double leak = more * s.leak(camera.shift_px.norm(), focal), decay = 1 / (1 + dt * leak);
+    const Vector2d by_shift = more * s.leak_change(camera.shift_px, focal);
+    const Vector2d drive = drive_of(focal, R_c_b * state.nav.rate(0.5 * (a.gyro_b + b.gyro_b)));
     camera.shift_px = decay * (camera.shift_px + dt * camera.follow * drive);
-    by_follow = decay * (by_follow + dt * drive);
+    const Eigen::Matrix2d step = decay * (Eigen::Matrix2d::Identity() - dt * camera.shift_px * by_shift.transpose());
+    by_follow = step * by_follow + decay * dt * drive;
+    by_leak = step * by_leak - decay * dt * leak * camera.shift_px;
     noise = decay * decay * (noise + s.drive_error * s.drive_error * likely * drive.squaredNorm() * s.error_s * dt);
-    keep *= decay;
+    keep = (step * keep).eval();
   });
   auto& P = state.P;
-  P.middleRows<2>(block::shift) = (keep * P.middleRows<2>(block::shift) + by_follow * P.row(block::follow)).eval();
+  const double dt_s = seconds(to_ns - state.t_ns), stays = std::exp(-dt_s / s.leak_change_s);
+  P.middleRows<2>(block::shift) =
+      (keep * P.middleRows<2>(block::shift) + by_follow * P.row(block::follow) + by_leak * P.row(block::leak)).eval();
   P.middleCols<2>(block::shift) =
-      (keep * P.middleCols<2>(block::shift) + P.col(block::follow) * by_follow.transpose()).eval();
+      (P.middleCols<2>(block::shift) * keep.transpose() + P.col(block::follow) * by_follow.transpose() +
+       P.col(block::leak) * by_leak.transpose())
+          .eval();
   P.block<2, 2>(block::shift, block::shift).diagonal().array() += noise;
-  P(block::follow, block::follow) += s.follow_walk * s.follow_walk * likely * seconds(to_ns - state.t_ns);
+  P(block::follow, block::follow) += s.follow_walk * s.follow_walk * likely * dt_s;
+  forget(camera.leak, P, block::leak, stays, s.leak_sigma);
 }
 
 Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
@@ -135,6 +152,7 @@ bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterPa
   P.bottomLeftCorner(rest, block::navigation) = moved.rightCols(rest).transpose();
   const double dt = seconds(to_ns - state.t_ns);
   P(block::lens, block::lens) += sq(p.focal_walk) * dt;
+  forget(state.camera.focus, P, block::focus, std::exp(-dt / p.focus_change_s), p.focus_sigma);
   P(block::lens + 1, block::lens + 1) += sq(p.centre_walk_px) * dt;
   P(block::lens + 2, block::lens + 2) += sq(p.centre_walk_px) * dt;
   if (!whole) {
@@ -163,8 +181,11 @@ void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, 
       R * nav.force(0.25 * before.accel_b + 0.5 * now.accel_b + 0.25 * after.accel_b) + Vector3d(0, 0, p.gravity_mps2);
   clone.drive_px_s = drive_of(state.camera.lens.focal(), clone.rate_c);
   clone.shift_px = state.camera.shift_px;
-  clone.shift_rate_px_s =
-      state.camera.follow * clone.drive_px_s - kTwoPi * p.stabiliser.leak_hz * state.camera.shift_px;
+  clone.focal_px = state.camera.focal_px();
+  clone.shift_rate_px_s = state.camera.follow * clone.drive_px_s -
+                          std::exp(state.camera.leak) *
+                              p.stabiliser.leak(state.camera.shift_px.norm(), state.camera.lens.focal()) *
+                              state.camera.shift_px;
   using Jacobian = Eigen::Matrix<double, block::clone, block::fixed>;
   Jacobian J = Jacobian::Zero();
   const Matrix3d x = cross_matrix(clone.p_w);
@@ -179,6 +200,7 @@ void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, 
   Eigen::Matrix<double, 6, 3> by_jitter;
   by_jitter << Matrix3d::Identity(), x;
   J.block<2, 2>(block::clone_shift, block::shift).setIdentity();
+  J(block::clone_focal, block::lens) = J(block::clone_focal, block::focus) = 1;
   J.block<2, 1>(block::clone_shift, block::time_offset) = clone.shift_rate_px_s;
   State::CloneMatrix noise = State::CloneMatrix::Zero();
   noise.topLeftCorner<6, 6>() = p.rotation_jitter_rad * p.rotation_jitter_rad * by_jitter * by_jitter.transpose();

@@ -11,7 +11,8 @@ namespace odograph::vio {
 std::optional<double> flow_beside_rotation(const FrameCorners& before, const FrameCorners& now, const Camera& camera,
                                            size_t least) {
   std::vector<cv::Point2d> first, second;
-  const Clone still;
+  Clone still;
+  still.focal_px = camera.lens.focal();
   for (const Corner& corner : now.corners) {
     const auto at = std::lower_bound(before.corners.begin(), before.corners.end(), corner.track,
                                      [](const Corner& c, uint64_t track) { return c.track < track; });

@@ -35,13 +35,36 @@ std::optional<size_t> frame_before(const std::deque<StartFrame>& frames, double 
   return std::nullopt;
 }
 
+/// Change of the velocity over a stretch by the specific force alone, in the w of the orientation at its end.
+struct ForceOverTime {
+  Vector3d v = Vector3d::Zero();
+  double s = 0;
+};
+ForceOverTime force_before(int64_t end_ns, double reach_s, const Quaterniond& q_w_b_end, const Vector3d& gyro_bias,
+                           const ImuBuffer& imu) {
+  const auto reach_ns = static_cast<int64_t>(reach_s * 1e9);
+  const int64_t from_ns = std::max(imu.oldest_ns(), end_ns - reach_ns);
+  if (from_ns >= end_ns) return {};
+  Quaterniond turn = Quaterniond::Identity();
+  Vector3d v = Vector3d::Zero();
+  const bool whole = imu.for_each(from_ns, end_ns, 60'000'000, [&](const ImuSample& a, const ImuSample& b) {
+    const double dt = seconds(b.t_ns - a.t_ns);
+    const Vector3d rate = 0.5 * (a.gyro_b + b.gyro_b) - gyro_bias;
+    v += dt * (turn * vo::exp_rotation(0.5 * dt * rate) * (0.5 * (a.accel_b + b.accel_b)));
+    turn = (turn * vo::exp_rotation(dt * rate)).normalized();
+  });
+  if (!whole) return {};
+  return {q_w_b_end * turn.conjugate() * v, seconds(end_ns - from_ns)};
+}
+
 /// Rotation that takes `from` to the direction of `to`.
 Quaterniond between(const Vector3d& from, const Vector3d& to) { return Quaterniond::FromTwoVectors(from, to); }
 
 }  // namespace
 
 std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, size_t from, const ImuBuffer& imu,
-                                        const Camera& camera, const Vector3d& gyro_bias, const FilterParameters& p) {
+                                        const Camera& camera, const Vector3d& gyro_bias, const FilterParameters& p,
+                                        const StartParameters& s) {
   const size_t count = frames.size() - from;
   if (count < kLeastFrames) return std::nullopt;
   const StartFrame& first = frames[from];
@@ -75,15 +98,19 @@ std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, si
     by_bias[i] = X;
   }
   // X is by minus V: the displacement that a bias of one takes away.
+  const ForceOverTime earlier = force_before(t0_ns, s.history_s - t.back(), q_w_b0, gyro_bias, imu);
+  const Vector3d force_s = earlier.v + v;
+  const double span_s = earlier.s + t.back();
   Vector3d down = -force_sum.normalized();
   const int rows = 3 * static_cast<int>(count);
   double sigma = kLeastVisualSigma, d = 0, d_sigma = 0, rms = 0;
   Eigen::VectorXd solution;
+  Alignment out;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Quaterniond tangent = between(Vector3d::UnitZ(), down);
     // Unknown: a, b (3 each), c across gravity (2), d, accelerometer's bias times d (3).
-    MatrixXd A = MatrixXd::Zero(rows + 3, 12);
-    Eigen::VectorXd z = Eigen::VectorXd::Zero(rows + 3);
+    MatrixXd A = MatrixXd::Zero(rows + 6, 12);
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(rows + 6);
     for (size_t i = 0; i < count; ++i) {
       const int row = 3 * static_cast<int>(i);
       const double half = 0.5 * t[i] * t[i];
@@ -98,6 +125,11 @@ std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, si
     A.topRows(rows) /= sigma, z.head(rows) /= sigma;
     const double bias_sigma = p.priors.accel_bias_mps2 * (d > 0 ? d : 1.0);
     A.block<3, 3>(rows, 9) = Matrix3d::Identity() / bias_sigma;
+    // What gravity leaves of the force changes the velocity, which for a hand does not change by much.
+    const double change_sigma = s.velocity_change_mps * (d > 0 ? d : 1.0);
+    A.block<3, 1>(rows + 3, 6) = span_s / change_sigma * (tangent * Vector3d::UnitX());
+    A.block<3, 1>(rows + 3, 7) = span_s / change_sigma * (tangent * Vector3d::UnitY());
+    A.block<3, 1>(rows + 3, 8) = (force_s + span_s * p.gravity_mps2 * down) / change_sigma;
     const Eigen::LDLT<MatrixXd> normal(A.transpose() * A);
     solution = normal.solve(A.transpose() * z);
     d = solution[8];
@@ -105,13 +137,12 @@ std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, si
     const double left = (A * solution - z).head(rows).squaredNorm();
     rms = sigma * std::sqrt(left / rows);
     sigma = std::max(kLeastVisualSigma, sigma * std::sqrt(left / std::max(1, rows - 9)));
-    Eigen::VectorXd unit = Eigen::VectorXd::Zero(12);
-    unit[8] = 1;
-    d_sigma = std::sqrt(std::max(0.0, normal.solve(unit)[8]));
+    const auto variance = [&](int i) { return std::max(0.0, normal.solve(Eigen::VectorXd::Unit(12, i))[i]); };
+    d_sigma = std::sqrt(variance(8));
+    out.tilt_rad = std::sqrt(std::max(variance(6), variance(7))) / (d * p.gravity_mps2);
     const Vector3d c = d * p.gravity_mps2 * down + tangent * Vector3d(solution[6], solution[7], 0);
     down = c.normalized();
   }
-  Alignment out;
   out.metres_per_unit = 1 / d;
   out.relative_sigma = d_sigma / d;
   out.rms_m = rms / d;
@@ -172,7 +203,7 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
   // Without parallax there is no way to compare with the accelerometer's: a camera that stands fits any metre.
   const auto flow_px = flow_beside_rotation(frames[from].corners, last.corners, camera, p.stand.least_corners);
   if (flow_px && *flow_px < s.least_flow_px) return std::nullopt;
-  const auto alignment = align_with_imu(frames, from, imu, camera, gyro_bias, p);
+  const auto alignment = align_with_imu(frames, from, imu, camera, gyro_bias, p, s);
   if (!alignment || alignment->rms_m > s.most_rms_m || alignment->relative_sigma > s.alignment_sigma ||
       alignment->nav.accel_bias.norm() > s.most_accel_bias_mps2)
     return std::nullopt;
@@ -180,7 +211,7 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
   start.t_ns = imu_time(frames[from], camera);
   start.nav = alignment->nav;
   start.nav.accel_bias.setZero();
-  start.tilt_rad = p.priors.tilt_rad;
+  start.tilt_rad = std::hypot(p.priors.tilt_rad, alignment->tilt_rad);
   start.velocity_mps = 0.15 + 2 * alignment->relative_sigma * alignment->nav.v_w.norm();
   start.gyro_bias_radps = 0.5 * p.priors.gyro_bias_radps;
   start.accel_bias_mps2 = p.priors.accel_bias_mps2;

@@ -29,6 +29,9 @@ struct StartParameters {
   double most_accel_bias_mps2 = 0.8;
   double most_camera_pull = 10;  ///< Filter::camera_pull, of five degrees of freedom
   double most_gate_px = 1.5;  ///< of the corners' noise as the filter finds it: more, and it is the start that is wrong
+  /// Of the velocity's change over the last history_s, of which a start in motion knows the end alone: who starts to
+  /// walk changes it by 1.4 m/s, to run by 3.
+  double velocity_change_mps = 1.5, history_s = 3;
   int passes = 3;
 };
 
@@ -40,11 +43,12 @@ struct Alignment {
   Navigation nav;  ///< at the first frame, in a w whose z is along gravity
   double metres_per_unit = 0;
   double relative_sigma = 0;  ///< of it
+  double tilt_rad = 0;        ///< standard deviation of gravity's direction
   double rms_m = 0;           ///< of what is left over
 };
 std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, size_t from, const ImuBuffer& imu,
                                         const Camera& camera, const Eigen::Vector3d& gyro_bias,
-                                        const FilterParameters& p);
+                                        const FilterParameters& p, const StartParameters& s);
 
 /// Tries to start a filter from the latest frames: still, or in motion. Nothing where the metre is not told yet.
 std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const ImuBuffer& imu, const Camera& camera,

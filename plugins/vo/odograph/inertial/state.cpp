@@ -2,6 +2,7 @@
 #include "plugins/vo/odograph/inertial/state.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "plugins/vo/odograph/gyroscope.hpp"
 
@@ -15,6 +16,7 @@ using vo::cross_matrix;
 using vo::exp_rotation;
 
 constexpr double kLeastInverseDepth = 1e-4;  // 1/m: as good as infinitely far
+constexpr double kMostLeak = 1.4;            // four times as much, or as little
 
 }  // namespace
 
@@ -57,6 +59,8 @@ void State::correct(const Eigen::VectorXd& d) {
   vio::correct(camera.lens, d.segment<kLensStates>(block::lens));
   camera.shift_px += d.segment<2>(block::shift);
   camera.follow += d[block::follow];
+  camera.focus += d[block::focus];
+  camera.leak = std::clamp(camera.leak + d[block::leak], -kMostLeak, kMostLeak);
   for (size_t i = 0; i < clones.size(); ++i) {
     Clone& c = clones[i];
     const Vector3d theta_c = d.segment<3>(clone_at(i));
@@ -66,6 +70,7 @@ void State::correct(const Eigen::VectorXd& d) {
     c.v_w = turn_c * c.v_w;
     c.shift_px += d.segment<2>(clone_at(i) + block::clone_shift);
     c.shift_rate_px_s += d[block::follow] * c.drive_px_s;
+    c.focal_px *= std::exp(d[clone_at(i) + block::clone_focal]);
   }
   for (size_t j = 0; j < landmarks.size(); ++j) {
     landmarks[j].at += d.segment<3>(landmark_at(j));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -36,10 +37,14 @@ struct Camera {
   double time_offset_s = 0;  ///< IMU time = frame's time + this
   double line_time_s = 0;
   double middle_row = 0;
-  /// A stabilised lens shifts the picture against the phone's shake: s' = follow f (w_y, -w_x) - leak s, w the rate in
-  /// c.
+  /// A stabilised lens shifts the picture against the phone's shake: s' = follow f (w_y, -w_x) - e^leak L(s) s, w the
+  /// rate in c, L as in StabiliserParameters.
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
   double follow = 0;  ///< 0: fixed lens; 1: takes out all
+  double leak = 0;    ///< log of how much more it gives way
+  double focus = 0;   ///< log of the present focal length against the lens's: autofocus moves it about that
+
+  double focal_px() const { return lens.focal() * std::exp(focus); }
 };
 
 /// A pose of the camera at the middle row of a frame, with the motion that the other rows saw.
@@ -52,6 +57,7 @@ struct Clone {
   Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), a_w = Eigen::Vector3d::Zero();
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero(), shift_rate_px_s = Eigen::Vector2d::Zero();
   Eigen::Vector2d drive_px_s = Eigen::Vector2d::Zero();  ///< of the shift where the lens followed all
+  double focal_px = 0;                                   ///< autofocus moves it
 };
 
 /// A point as its anchor saw it: x/z, y/z and the inverse of z, in the camera at the anchor's middle row.
@@ -68,8 +74,8 @@ namespace block {
 inline constexpr int theta = 0, nu = 3, rho = 6, gyro_bias = 9, accel_bias = 12, navigation = 15;
 inline constexpr int gyro_axes = 15, accel_axes = 24, axes = 18;  // column by column; axes: of both
 inline constexpr int extrinsics = 33, lever = 36, time_offset = 39, line_time = 40, lens = 41;
-inline constexpr int shift = 46, follow = 48, fixed = 49;
-inline constexpr int clone = 8, clone_shift = 6;  // theta, rho, shift
+inline constexpr int shift = 46, follow = 48, leak = 49, focus = 50, fixed = 51;
+inline constexpr int clone = 9, clone_shift = 6, clone_focal = 8;  // theta, rho, shift, log of the focal length
 }  // namespace block
 
 struct State {
@@ -78,7 +84,7 @@ struct State {
   Camera camera;
   std::vector<Clone> clones;  ///< oldest first
   std::vector<Landmark> landmarks;
-  Eigen::MatrixXd P;  ///< in the order of block, then clones (theta, rho, shift), then landmarks
+  Eigen::MatrixXd P;  ///< in the order of block, then clones, then landmarks
 
   int size() const { return landmark_at(landmarks.size()); }
   int clone_at(size_t i) const { return block::fixed + block::clone * static_cast<int>(i); }

@@ -65,9 +65,8 @@ std::optional<TrackEquations> equations(const State& state, const std::vector<Ob
     const int row = 2 * static_cast<int>(i);
     out.z.residual.segment<2>(row) = track[i].pixel - o->pixel;
     const int own = block::clone * static_cast<int>(i);
-    out.z.H.block<2, 6>(row, own) = o->by_clone;
-    out.z.H.block<2, 2>(row, own + block::clone_shift).setIdentity();
-    out.z.H.block<2, 6>(row, 0) -= o->by_clone;  // the anchor carries the point
+    out.z.H.block<2, block::clone>(row, own) = o->by_clone;
+    out.z.H.block<2, 6>(row, 0) -= o->by_clone.leftCols<6>();  // the anchor carries the point
     out.z.H.block<2, kCameraColumns>(row, clones) = by_camera(*o);
     out.by_point.middleRows<2>(row) = o->by_point * J_point;
   }
@@ -234,9 +233,8 @@ std::optional<Linearised> landmark_equations(const State& state, const SeenLandm
   z.residual = seen.at.pixel - o->pixel;
   constexpr int anchor = block::clone, point = anchor + 6;
   z.H = MatrixXd::Zero(2, point + 3 + kCameraColumns);
-  z.H.leftCols<6>() = o->by_clone;
-  z.H.middleCols<2>(block::clone_shift).setIdentity();
-  z.H.middleCols<6>(anchor) = -o->by_clone;
+  z.H.leftCols<block::clone>() = o->by_clone;
+  z.H.middleCols<6>(anchor) = -o->by_clone.leftCols<6>();
   z.H.middleCols<3>(point) = o->by_point * state.clones[a].q_w_c.toRotationMatrix() * landmark_jacobian(landmark.at);
   z.H.rightCols<kCameraColumns>() = by_camera(*o);
   for (int k = 0; k < block::clone; ++k) z.columns.push_back(state.clone_at(i) + k);
@@ -285,6 +283,23 @@ std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenL
     for (size_t k = from; k < until; ++k) outcomes[k].accepted = false;
   }
   return outcomes;
+}
+
+void hold_lens(State& state) {
+  constexpr double sigma_px = 0.01, sigma_gain = 1e-4;  // far below what is seen, far above rounding
+  Linearised z;
+  for (int k = 0; k < 3; ++k) z.columns.push_back(block::shift + k);
+  std::vector<double> held = {state.camera.shift_px.x(), state.camera.shift_px.y(), state.camera.follow};
+  for (size_t i = 0; i < state.clones.size(); ++i)
+    for (int k = 0; k < 2; ++k) {
+      z.columns.push_back(state.clone_at(i) + block::clone_shift + k);
+      held.push_back(state.clones[i].shift_px[k]);
+    }
+  const auto n = static_cast<Eigen::Index>(held.size());
+  z.H = MatrixXd::Identity(n, n);
+  z.H(2, 2) = sigma_px / sigma_gain;
+  z.residual = -z.H * Eigen::Map<const VectorXd>(held.data(), n);
+  update(state, z, sigma_px, sigma_px, 0);
 }
 
 Outcome update_zero_velocity(State& state, double sigma_mps) {

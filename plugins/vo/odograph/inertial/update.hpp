@@ -46,6 +46,9 @@ std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenL
                                            const FilterParameters& p);
 
 /// The body stands: v = 0 within sigma (m/s).
+/// A lens without stabiliser: neither it nor any clone's was ever shifted.
+void hold_lens(State& state);
+
 Outcome update_zero_velocity(State& state, double sigma_mps);
 
 }  // namespace odograph::vio
