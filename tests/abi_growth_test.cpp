@@ -181,7 +181,7 @@ TEST_CASE("scales of independent sources are averaged as logarithms by their var
   odo_vo_motion motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, 100);
   const auto scale = [](double metres, double sigma, uint32_t flags = 0) {
     auto s = make_message<odo_scale>(ODO_TYPE_SCALE, 100);
-    s.valid_to_ns = 1000, s.metres_per_unit = metres, s.sigma = sigma, s.header.flags = flags;
+    s.valid_to_ns = 100, s.metres_per_unit = metres, s.sigma = sigma, s.header.flags = flags;
     return s;
   };
   ScaleJoin join(2);
@@ -195,15 +195,50 @@ TEST_CASE("scales of independent sources are averaged as logarithms by their var
   CHECK(join.joined()->sigma / join.joined()->metres_per_unit == doctest::Approx(0.1 / std::sqrt(2.0)));
   join.answer(1, scale(2.0, 0.2, ODO_SCALE_HORIZONTAL));
   CHECK(join.joined()->metres_per_unit == 1.0);  // of another thing: not averaged
+  motion.header.t_ns = 150;
   join.begin(motion);
-  CHECK(join.joined() == nullptr);
-  auto late = scale(3.0, 0.1);
-  late.valid_from_ns = 100;
-  join.answer(0, late);
+  CHECK(join.joined() == nullptr);  // what was answered held for the motion before alone
+  auto early = scale(3.0, 0.1);
+  early.valid_from_ns = 150, early.valid_to_ns = 1000;
+  CHECK(join.answer(0, early));
   CHECK(join.joined() == nullptr);  // not of this motion
-  join.note(0, scale(3.0, 0.1));
+  motion.header.t_ns = 200;
   join.begin(motion);
-  CHECK(join.joined()->metres_per_unit == 3.0);
+  CHECK(join.joined()->metres_per_unit == 3.0);  // of those to come
+}
+
+TEST_CASE("a scale that comes too late is published as not accepted and reported, one for motions to come is not") {
+  const odo_vo_motion motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, 100);
+  auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 100);
+  scale.valid_to_ns = 100, scale.metres_per_unit = 2, scale.sigma = 0.1;
+  ScaleJoin join(1);
+  CHECK(join.note(0, scale));  // no motion yet: who knows
+  join.begin(motion);
+  CHECK(join.answer(0, scale));
+  CHECK_FALSE(join.note(0, scale));
+  scale.valid_to_ns = 101;
+  CHECK(join.note(0, scale));
+  scale.scale_group = 1;
+  CHECK_FALSE(join.note(0, scale));
+
+  const TestPlugins plugins{"late_scale"};
+  App app(kWalk + "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  plugin: test/late_scale\n", ODO_RUN_REPLAY,
+          plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const odo_calibration camera = calibration(64, 48);
+  odo_session_push(app.session, &camera.header);
+  for (int i = 0; i < 20; ++i) {
+    app.walk(10 * i, 10 * i + 10);
+    app.frame(1'000'000'000 + i * int64_t{100'000'000});
+  }
+  odo_session_flush(app.session);
+  const auto scales = app.all<odo_scale>(ODO_TYPE_SCALE);
+  REQUIRE(scales.size() == 19);
+  const auto accepted = [](const odo_scale& s) { return (s.header.flags & ODO_SCALE_ACCEPTED) != 0; };
+  CHECK(std::count_if(scales.begin(), scales.end(), accepted) == 6);
+  CHECK(accepted(scales[2]));
+  CHECK(std::any_of(app.reports.begin(), app.reports.end(),
+                    [](const odo_report& r) { return std::string(r.key) == "late_scale"; }));
 }
 
 TEST_CASE("a step estimator that is given up is followed by the next one") {

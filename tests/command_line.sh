@@ -36,14 +36,8 @@ expect 3 "no recording in this folder" "$odograph" run -c "$configs/monocular.ya
 expect 3 "no such file" "$odograph" run -c "$configs/monocular.yaml" -i nothing -o o
 printf 'odograph_scenario: 1\nwalker:\n  sped: 3\n' >bad_scenario.yaml
 expect 2 "bad_scenario.yaml:3:3: walker: unknown key 'sped'" "$odograph" sim bad_scenario.yaml -o x.odo
-cat >tiny.yaml <<'YAML'
-odograph_scenario: 1
-walker: {stand: 1.5 s}
-route:
-  points: [[0, 0, 0], [6, 0, 0]]
-camera: {width: 160, height: 120, focal: 120 px}
-YAML
-expect 0 "tiny.odo" "$odograph" sim tiny.yaml -o tiny.odo --seed 3
+tiny=$source/tests/data/tiny_walk.yaml
+expect 0 "tiny.odo" "$odograph" sim "$tiny" -o tiny.odo --seed 3
 expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o --report
 expect 2 "bad.yaml:2:1" "$odograph" run -c bad.yaml -i tiny.odo -o o
 expect 0 "<svg" cat o/report.html
@@ -157,7 +151,7 @@ expect 0 "one foot's fall" "$odograph" steps tiny.odo -c "$configs/phone_walk_od
 expect 0 "<svg" cat steps.html
 expect 0 '"distance_m"' "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: steps --json is not one JSON object"; failed=1; }
-expect 0 "asked for" "$odograph" bench allan --scenario tiny.yaml --hours 0.1
+expect 0 "asked for" "$odograph" bench allan --scenario "$tiny" --hours 0.1
 expect 0 "track length" "$odograph" bench tracks tiny.odo
 expect 0 "Poses asked 30 ms ahead" "$odograph" bench stream tiny.odo -c "$configs/antigny2019.yaml" --settle 1
 expect 0 "Shape and cost" "$odograph" bench vo tiny.odo -c "$configs/monocular_odograph.yaml" --sensors --cut 1 --dark 2:1

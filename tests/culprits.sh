@@ -3,19 +3,12 @@
 # Plugins in the app's own process that end it: each is named with the call, no status is 0, and results are written before
 # a plugin is destroyed.
 set -u
-odograph=$1 zoo=$2
+odograph=$1 zoo=$2 source=$3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
 failed=0
-cat >tiny.yaml <<'YAML'
-odograph_scenario: 1
-walker: {stand: 1.5 s}
-route:
-  points: [[0, 0, 0], [6, 0, 0]]
-camera: {width: 160, height: 120, focal: 120 px}
-YAML
-"$odograph" sim tiny.yaml -o tiny.odo >/dev/null || exit 1
+"$odograph" sim "$source/tests/data/tiny_walk.yaml" -o tiny.odo >/dev/null || exit 1
 mkdir plugins
 # animal, words that must be said
 run() {

@@ -9,6 +9,7 @@ A picture is anything with the buffer protocol, a NumPy array of uint8 above all
 import ctypes as c
 import math
 import sys
+import threading
 
 TYPE_IMU, TYPE_FRAME, TYPE_CALIBRATION = 0x1, 0x5, 0x6
 TYPE_STEP, TYPE_REPORT = 0x1002, 0x100A
@@ -94,16 +95,26 @@ class Session:
         self.odo = c.CDLL(library)
         self.odo.odo_state_text.restype = c.c_char_p
         self.session = c.c_void_p()
-        self.lent = {}  # pictures that the library holds, by number
+        self.lent = {}  # pictures that the library holds, by number: [pixels, how often retained]
         self.numbers = 0
+        self.lock = threading.Lock()
         error = Error(c.sizeof(Error))
         options = Options(c.sizeof(Options), 0 if live else 1, String(config_path))
         if self.odo.odo_session_create(c.byref(options), c.byref(self.session), c.byref(error)) != 0:
             raise RuntimeError(error.message.decode())
         self.callback = CALLBACK(lambda _, event: on_event(event))  # kept: the library calls it
-        self.retain = RETAIN(lambda frame: 0)
-        self.release = RELEASE(lambda frame: self.lent.pop(c.cast(frame, c.POINTER(Frame)).contents.owner, None) and None)
+        self.retain = RETAIN(lambda frame: self.hold(frame, 1))
+        self.release = RELEASE(lambda frame: self.hold(frame, -1) and None)
         self.odo.odo_session_set_callback(self.session, (c.c_uint32 * len(types))(*types), len(types), self.callback, None)
+
+    def hold(self, frame, by):
+        """The library, or a plugin, retains or releases a picture: from any thread, as often as it likes."""
+        number = c.cast(frame, c.POINTER(Frame)).contents.owner
+        with self.lock:
+            self.lent[number][1] += by
+            if self.lent[number][1] == 0:
+                del self.lent[number]
+        return 0
 
     def push(self, message):
         return self.odo.odo_session_push(self.session, c.byref(message))
@@ -120,10 +131,10 @@ class Session:
         frame.format, frame.width, frame.height = 1, width, height
         frame.planes[0] = Plane(c.addressof(pixels), row_stride, 1, 0)
         frame.owner, frame.retain, frame.release = self.numbers, self.retain, self.release
-        self.lent[self.numbers] = pixels
+        with self.lock:
+            self.lent[self.numbers] = [pixels, 1]  # the call's own
         status = self.push(frame)
-        if status < 0:
-            self.lent.pop(self.numbers, None)
+        self.hold(c.byref(frame), -1)
         return status
 
     def pose(self, t_ns=LATEST):

@@ -113,8 +113,9 @@ inline const Skeleton kSkeletons[] = {
      "attitude:\n  plugin: attitude/vqf\n"},
     {"vo_frontend", "ODO_INTERFACE_VO_FRONTEND", "Says of each frame that it cannot tell the motion yet", "odo_frame",
      "  int64_t last_ns = 0;\n  bool begun = false;\n",
-     R"(    const int64_t from_ns = std::exchange(last_ns, message.header.t_ns);
-    if (!std::exchange(begun, true) || message.header.t_ns <= from_ns) return;
+     R"(    if (begun && message.header.t_ns <= last_ns) throw odo::Error(ODO_E_DISCARD, "t_ns is not after the frame's before");
+    const int64_t from_ns = std::exchange(last_ns, message.header.t_ns);
+    if (!std::exchange(begun, true)) return;
     auto event = odo::make<odo_vo_motion>(message.header.t_ns);
     event.t_from_ns = from_ns;
     event.camera = message.calibration;
@@ -125,8 +126,9 @@ inline const Skeleton kSkeletons[] = {
   const int64_t from_ns = self->last_ns;
   odo_vo_motion event;
   if (message->type != ODO_TYPE_FRAME) return ODO_OK;
+  if (self->begun && message->t_ns <= from_ns) return ODO_E_DISCARD;
   self->last_ns = message->t_ns;
-  if (!self->begun || message->t_ns <= from_ns) {
+  if (!self->begun) {
     self->begun = 1;
     return ODO_NOT_READY;
   }

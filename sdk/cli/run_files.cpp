@@ -48,7 +48,8 @@ void write_steps(std::ostream& out, const std::vector<odo_step>& steps) {
 void write_scales(std::ostream& out, const std::vector<odo_scale>& scales) {
   out << std::setprecision(9) << "t_ns,source,scale_m,sigma_m,used\n";
   for (const odo_scale& s : scales)
-    out << s.header.t_ns << ',' << s.header.source << ',' << s.metres_per_unit << ',' << s.sigma << ",1\n";
+    out << s.header.t_ns << ',' << s.header.source << ',' << s.metres_per_unit << ',' << s.sigma << ','
+        << ((s.header.flags & ODO_SCALE_ACCEPTED) ? 1 : 0) << '\n';
 }
 
 void write_fixes(std::ostream& out, const std::vector<RunResult::Fix>& fixes) {

@@ -129,6 +129,7 @@ void Pipeline::handle(AnyMessage& event) {
     case ODO_TYPE_VO_MOTION:
       if (in_use(header)) return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
       break;
+    case ODO_TYPE_SCALE: return on_scale(reinterpret_cast<odo_scale&>(event.header()));
     default: break;
   }
   publish_(header);
@@ -147,11 +148,6 @@ void Pipeline::handle(AnyMessage& event) {
       tell(header);
       estimator_->update(&as<odo_motion_mode>(header));
       break;
-    case ODO_TYPE_SCALE:
-      for (size_t i = 0; i < scales_.size(); ++i)
-        if (scales_[i]->number() == header.source) scale_join_.note(i, as<odo_scale>(header));
-      estimator_->update(&as<odo_scale>(header));
-      break;
     case ODO_TYPE_VO_MOTION:
     case ODO_TYPE_CALIBRATION: break;
     default: tell(header);  // a vendor's
@@ -167,18 +163,38 @@ void Pipeline::on_attitude(const odo_attitude& attitude) {
   tell(attitude.header);
 }
 
+/// A scale that was said outside of a motion.
+void Pipeline::on_scale(odo_scale& scale) {
+  bool accepted = estimator_->update(&scale).accepted;
+  for (size_t i = 0; i < scales_.size(); ++i)
+    if (scales_[i]->number() == scale.header.source) accepted |= scale_join_.note(i, scale);
+  publish_scale(scale, accepted);
+}
+
+void Pipeline::publish_scale(odo_scale& scale, bool accepted) {
+  scale.header.flags &= ~ODO_SCALE_ACCEPTED;
+  if (accepted)
+    scale.header.flags |= ODO_SCALE_ACCEPTED;
+  else
+    host_.report(scale.header.source, ODO_SEVERITY_WARNING, "late_scale",
+                 "a scale changes nothing: it holds until valid_to_ns = " + std::to_string(scale.valid_to_ns) +
+                     " in scale_group " + std::to_string(scale.scale_group) + "; the newest motion ended at " +
+                     std::to_string(scale_join_.motion_ns()) + " in group " + std::to_string(scale_join_.group()));
+  publish_(scale.header);
+}
+
 /// The scale that holds for a motion: what the sources answer to it, or what they have said before; null where there is
 /// none. The answers are taken at once, because the motion needs them.
 const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
   scale_join_.begin(motion);
   for (size_t i = 0; i < scales_.size(); ++i) {
-    for (const AnyMessage& event : scales_[i]->process(motion.header)) {
+    for (AnyMessage& event : scales_[i]->process(motion.header)) {
       if (event.header().type != ODO_TYPE_SCALE) {
         enqueue(event);
         continue;
       }
-      publish_(event.header());
-      scale_join_.answer(i, as<odo_scale>(event.header()));
+      auto& scale = reinterpret_cast<odo_scale&>(event.header());
+      publish_scale(scale, scale_join_.answer(i, scale));
     }
     if (scales_[i]->take_reset()) describe_sensors_to(*scales_[i]);
   }

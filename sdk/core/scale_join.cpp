@@ -10,6 +10,11 @@ bool ScaleJoin::holds(const odo_scale& scale) const {
   return scale.scale_group == group_ && scale.valid_from_ns < t_ns_ && t_ns_ <= scale.valid_to_ns;
 }
 
+bool ScaleJoin::note(size_t source, const odo_scale& scale) {
+  newest_[source] = scale;
+  return t_ns_ == INT64_MIN || (scale.scale_group == group_ && scale.valid_to_ns > t_ns_);
+}
+
 void ScaleJoin::begin(const odo_vo_motion& motion) {
   t_ns_ = motion.header.t_ns;
   group_ = motion.scale_group;
@@ -18,8 +23,16 @@ void ScaleJoin::begin(const odo_vo_motion& motion) {
     if (newest_[i] && holds(*newest_[i])) found_[i] = newest_[i];
 }
 
-void ScaleJoin::answer(size_t source, const odo_scale& scale) {
-  if (holds(scale)) found_[source] = scale;
+bool ScaleJoin::answer(size_t source, const odo_scale& scale) {
+  const bool later = note(source, scale);
+  if (!holds(scale)) return later;
+  found_[source] = scale;
+  return true;
+}
+
+void ScaleJoin::reset() {
+  newest_.assign(newest_.size(), std::nullopt);
+  t_ns_ = INT64_MIN;
 }
 
 const odo_scale* ScaleJoin::joined() {

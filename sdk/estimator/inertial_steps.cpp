@@ -192,9 +192,9 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
     dof += 3;
   } else if (yaw) {
     const Vector3d y_n = at->q_n_b * Vector3d::UnitY();
-    const double horizontal = std::max(1e-6, y_n.head<2>().squaredNorm());
+    const double across = std::max(1e-6, y_n.head<2>().squaredNorm());
     seen.residual[2] = std::remainder(fix->yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
-    by_theta.row(2) << -y_n.x() * y_n.z() / horizontal, -y_n.y() * y_n.z() / horizontal, 1;
+    by_theta.row(2) << -y_n.x() * y_n.z() / across, -y_n.y() * y_n.z() / across, 1;
     seen.noise(2, 2) = squared(fix->yaw_sigma_rad);
     dof += 1;
   }

@@ -193,18 +193,19 @@ void sum_up(const VoFigureParameters& p, VoFigures& f) {
 std::vector<Stop> stops_of(const Trajectory& truth, const StandingParameters& p) {
   std::vector<Stop> stops;
   const auto half = static_cast<int64_t>(0.5e9 * p.window_s);
-  std::optional<int64_t> since;
+  constexpr int64_t kMoving = INT64_MIN;
+  int64_t since_ns = kMoving;
   const auto end = [&](int64_t t_ns) {
-    if (since && seconds(*since, t_ns) >= p.least_s) stops.push_back({*since, t_ns});
-    since.reset();
+    if (since_ns != kMoving && seconds(since_ns, t_ns) >= p.least_s) stops.push_back({since_ns, t_ns});
+    since_ns = kMoving;
   };
   for (const StampedPose& x : truth) {
     const int64_t from = std::max(truth.front().t_ns, x.t_ns - half), to = std::min(truth.back().t_ns, x.t_ns + half);
     const double moved_m = (position_at(truth, to) - position_at(truth, from)).norm();
     if (moved_m >= p.speed_mps * seconds(from, to))
       end(x.t_ns);
-    else if (!since)
-      since = x.t_ns;
+    else if (since_ns == kMoving)
+      since_ns = x.t_ns;
   }
   if (!truth.empty()) end(truth.back().t_ns);
   return stops;

@@ -2,6 +2,7 @@
 #include "sdk/plugin_host/library_backend.hpp"
 
 #include <cstddef>
+#include <exception>
 #include <new>
 
 #include <cxxabi.h>
@@ -39,7 +40,8 @@ Result<std::unique_ptr<LibraryBackend>> LibraryBackend::load(const PluginChoice&
 
 LibraryBackend::~LibraryBackend() { destroy(); }
 
-/// What the call returns. An exception out of it is a failure of the instance; the end of a thread goes on its way.
+/// What the call returns. An exception out of it is a failure of the instance. A plugin that ends the thread
+/// (pthread_exit) ends the process, here, where the call is still known.
 template <class Work>
 int32_t LibraryBackend::call(const char* name, Work&& work) noexcept {
   const Breadcrumb crumb(choice_.manifest.id, name);
@@ -47,7 +49,7 @@ int32_t LibraryBackend::call(const char* name, Work&& work) noexcept {
   try {
     return work();
   } catch (const abi::__forced_unwind&) {
-    throw;
+    std::terminate();
   } catch (const std::bad_alloc&) {
     return ODO_E_MEMORY;
   } catch (const std::exception& error) {

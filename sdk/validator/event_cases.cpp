@@ -84,9 +84,12 @@ std::string reserved(Bench& bench) {
 std::string flags(Bench& bench) {
   static const std::map<uint32_t, std::pair<uint32_t, uint32_t>> known = {
       // all bits, and the host's own
-      {ODO_TYPE_ATTITUDE, {7, 0}},     {ODO_TYPE_STEP, {1, 0}},
-      {ODO_TYPE_MOTION_MODE, {0, 0}},  {ODO_TYPE_VO_MOTION, {63, ODO_VO_NAVIGATION}},
-      {ODO_TYPE_SCALE, {7, 0}},        {ODO_TYPE_FIX, {255, ODO_FIX_ACCEPTED}},
+      {ODO_TYPE_ATTITUDE, {7, 0}},
+      {ODO_TYPE_STEP, {1, 0}},
+      {ODO_TYPE_MOTION_MODE, {0, 0}},
+      {ODO_TYPE_VO_MOTION, {63, ODO_VO_NAVIGATION}},
+      {ODO_TYPE_SCALE, {15, ODO_SCALE_ACCEPTED}},
+      {ODO_TYPE_FIX, {255, ODO_FIX_ACCEPTED}},
       {ODO_TYPE_CALIBRATION, {15, 0}},
   };
   return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {

@@ -253,10 +253,20 @@ std::string scale_group(Bench& bench) {
 }
 
 std::string scale_interval(Bench& bench) {
-  return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
+  return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [&](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all)
       if (scale->valid_from_ns >= scale->valid_to_ns)
         return "valid_from_ns is not before valid_to_ns" + at(scale->header);
+    // An answer to a motion holds for that motion; what is said on a step or a fix holds for motions to come.
+    for (const auto& [seen, scale] : all) {
+      int64_t past_ns = INT64_MIN;
+      for (const AnyMessage& message : bench.input)
+        if (message.header().type == ODO_TYPE_VO_MOTION && message.header().t_ns < seen->input_ns)
+          past_ns = std::max(past_ns, message.header().t_ns);
+      if (scale->valid_to_ns <= past_ns)
+        return "valid_to_ns = " + std::to_string(scale->valid_to_ns) + at(scale->header) + " when the motion until " +
+               std::to_string(past_ns) + " had been given: it comes too late";
+    }
     return "";
   });
 }

@@ -82,8 +82,9 @@ bool is_si_unit(std::string_view text) {
 std::string units(Bench& bench) {
   return of_each(bench, [](const Spec& spec) -> std::string {
     if (spec.unit.empty() || !is_number(spec)) return "";
-    return !is_si_unit(spec.unit) ? "has the unit '" + spec.unit + "'; expected one of the SI, such as m, s, rad, m/s^2"
-                                  : "";
+    return !is_si_unit(spec.unit)
+               ? "has the unit '" + spec.unit + "'; expected one of the SI, such as m, rad, m/s^2, m^(3/4)*s^(1/2)"
+               : "";
   });
 }
 

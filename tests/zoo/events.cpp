@@ -149,6 +149,9 @@ GOOD_ENTRY
 #elif defined(ZOO_scale_interval__turned)
 EVENT(scale) { std::swap(e.scale.valid_from_ns, e.scale.valid_to_ns); }
 GOOD_ENTRY
+#elif defined(ZOO_scale_interval__past)
+EVENT(scale) { e.scale.valid_from_ns -= 2'000'000'000, e.scale.valid_to_ns -= 1'000'000'000; }
+GOOD_ENTRY
 #elif defined(ZOO_scale_sigma__negative)
 EVENT(scale) { e.scale.sigma = -1; }
 GOOD_ENTRY

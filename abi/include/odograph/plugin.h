@@ -73,7 +73,7 @@ typedef struct odo_parameter {
   uint32_t struct_size;
   uint32_t type;          /* ODO_PARAMETER_* */
   odo_string name;        /* lower_case */
-  odo_string unit;        /* SI: "m", "s", "rad", "m/s^2", "" ... */
+  odo_string unit;        /* SI: "m", "rad", "m/s^2", "m^(3/4)*s^(1/2)" (products, quotients, powers), px; "" for a number */
   odo_string help;        /* one sentence with the source of the number */
   odo_string default_text; /* as one would write it in YAML, in `unit` */
   odo_string choices;     /* separated by '|' */
@@ -142,7 +142,7 @@ typedef struct odo_plugin {
   /* [control] */
   void (ODO_CALL *destroy)(odo_instance *instance);
   /* What follows is optional: a table may end here or leave any of it null. */
-  /* [control] Back to the state after activate. Without it the host makes a new instance. */
+  /* [control] Back to the state after activate; cameras and noise are told anew. Without it the host makes a new instance. */
   int32_t (ODO_CALL *reset)(odo_instance *instance);
   /* [control] What should survive a restart (a walker's personal parameters, ...). Returns the bytes needed; writes them
    * if `capacity` suffices. 0: nothing to save. */

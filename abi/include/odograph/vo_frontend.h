@@ -12,7 +12,7 @@
  *        one before in focal length and centre alone is the same camera, focused or stabilised: the track goes on.
  *        A frame whose time is not after the previous one's is none: ODO_E_DISCARD.
  * May:   give an odo_calibration with ODO_CALIBRATION_REFINED, once a second at most: what it found the camera to be.
- * reset: forgets tracks and map; the next frame is a first frame.
+ * reset: forgets tracks, map and cameras; the calibrations come anew, the next frame is a first frame.
  */
 #ifndef ODOGRAPH_VO_FRONTEND_H
 #define ODOGRAPH_VO_FRONTEND_H
