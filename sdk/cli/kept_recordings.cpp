@@ -44,9 +44,11 @@ Result<fs::path> kept_recording(const fs::path& file, uint64_t seed, const fs::p
   std::error_code error;
   fs::create_directories(keep, error);
   const fs::path kept = keep / (file.stem().string() + mark);
-  if (fs::exists(kept, error)) return kept;
   const fs::path assets = assets_of(kept);
   fs::create_directories(assets, error);
+  if (!scenario->objects.empty() && !fs::exists(assets / "objects.yaml", error))
+    if (const auto written = write_known_objects(*scenario, seed, assets); !written) return written.failure();
+  if (fs::exists(kept, error)) return kept;
   const fs::path part = kept.string() + ".part";  // a stopped run leaves no half recording under the name
   Progress progress("sim " + file.stem().string() + " seed " + std::to_string(seed));
   const auto done =

@@ -11,7 +11,7 @@ namespace odograph {
 namespace {
 
 struct SimArguments {
-  std::string scenario, output, city, walk, camera_profile;
+  std::string scenario, output, city, walk, camera_profile, objects;
   uint64_t seed = 1;
   double first_m = 0;
   unsigned threads = 0;
@@ -32,6 +32,9 @@ int sim(const SimArguments& a) {
   options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
   const auto done = simulate(*scenario, a.seed, a.output, options);
   if (!done) return complain(done.failure());
+  if (!a.objects.empty())
+    if (const auto written = write_known_objects(*scenario, a.seed, a.objects); !written)
+      return complain(written.failure());
   std::error_code error;
   std::printf("%s: %.1f MB\n", a.output.c_str(),
               static_cast<double>(std::filesystem::file_size(a.output, error)) / 1e6);
@@ -60,8 +63,13 @@ void add_sim(CLI::App& app, int& status) {
   command->add_option("--seed", a->seed, "another seed: another world, tremor and noise")->capture_default_str();
   command->add_option("--city", a->city,
                       "write the generated town's buildings and known objects as CityJSON, as a surveyor knows them");
-  command->add_option("--walk", a->walk,
-                      "a real walk (Indoor Location Competition trace): its own sensors, pictures rendered along it");
+  auto* objects = command->add_option(
+      "--objects", a->objects,
+      "folder for what a surveyor knows of the objects along the way: objects.yaml and pictures, for fix/known_object");
+  command
+      ->add_option("--walk", a->walk,
+                   "a real walk (Indoor Location Competition trace): its own sensors, pictures rendered along it")
+      ->excludes(objects);
   command->add_option("--camera-profile", a->camera_profile,
                       "a phone whose camera and IMU stand for the scenario's `camera: {profile: ...}`");
   command->add_option("--first", a->first_m, "only so many metres of the route");

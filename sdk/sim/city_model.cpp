@@ -284,6 +284,7 @@ Result<bool> write_city_json(const fs::path& file, const std::vector<Building>& 
            List::array({shell}));
   }
   for (const KnownObject& o : objects) {
+    if (!o.poster.empty()) continue;
     std::array<size_t, 4> corners{};
     for (size_t i = 0; i < 4; ++i) corners[i] = vertex(o.corners[i]);
     object("tag-" + std::to_string(o.tag), "CityFurniture", {{"tag36h11", o.tag}}, "MultiSurface",

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <Eigen/Geometry>
+#include <opencv2/core.hpp>
 
 #include "sdk/base/result.hpp"
 
@@ -55,13 +56,14 @@ struct Building {
   double height_m = 0;
   bool surveyed = true;  ///< false: newer than the city model, which does not have it
 };
-/// A sign on a wall whose place and picture (a tag of the family 36h11) are known.
+/// A sign whose place and picture are known: a tag of the family 36h11, or a poster.
 struct KnownObject {
-  uint32_t tag = 0;
+  uint32_t tag = 0;                        ///< its number, a poster's too
+  cv::Mat poster;                          ///< 8-bit grey; empty: it shows the tag
   std::array<Eigen::Vector3d, 4> corners;  ///< in n: lower left, lower right, upper right, upper left as one reads it
 };
 /// Writes what a surveyor would know of a generated town as CityJSON 2.0: x east, y north, z up from n's origin; the
-/// buildings that are surveyed as LoD1 solids, known objects as CityFurniture with the attribute `tag36h11`.
+/// buildings that are surveyed as LoD1 solids, tags as CityFurniture with the attribute `tag36h11`.
 Result<bool> write_city_json(const std::filesystem::path& file, const std::vector<Building>& buildings,
                              const std::vector<KnownObject>& objects);
 

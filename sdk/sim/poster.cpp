@@ -96,6 +96,13 @@ cv::Mat poster_picture(uint64_t layout, uint64_t content, cv::Size size_px) {
   return out;
 }
 
+cv::Mat hung_poster(uint64_t number, double aspect) {
+  constexpr int kLonger = 1024;
+  const cv::Size size =
+      aspect > 1 ? cv::Size(kLonger, whole(kLonger / aspect)) : cv::Size(whole(kLonger * aspect), kLonger);
+  return poster_picture(number, number, size);
+}
+
 cv::Mat tag_board_picture(uint32_t tag, int side_px) {
   apriltag_family_t* family = tag36h11_create();
   image_u8_t* cells = apriltag_to_image(family, static_cast<int>(tag % family->ncodes));

@@ -15,6 +15,9 @@ namespace odograph {
 /// are and what the header says, `content` all else: boards of one layout look alike.
 cv::Mat poster_picture(uint64_t layout, uint64_t content, cv::Size size_px);
 
+/// The poster that hangs beside a simulated walk: its longer side has 1024 pixels.
+cv::Mat hung_poster(uint64_t number, double aspect);
+
 /// The tag on a board of its own black border's size (8-bit grey).
 cv::Mat tag_board_picture(uint32_t tag, int side_px);
 

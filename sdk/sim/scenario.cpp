@@ -101,7 +101,8 @@ Result<Scenario> take(const Value& v, const std::string& path, const std::string
   }
   s.corner_m = r["corner"].real;
   for (const Value& o : r["objects"].items)
-    s.objects.push_back({o["at"].real, o["right"].real, o["up"].real, o["size"].real});
+    s.objects.push_back(
+        {o["at"].real, o["right"].real, o["up"].real, o["size"].real, o["kind"].text, o["aspect"].real});
   for (const Value& e : r["events"].items) {
     const std::string& what = e["do"].text;
     const bool car_only = what == "bump", both = what == "stand" || what == "speed";

@@ -53,6 +53,8 @@ struct Scenario {
   std::vector<Event> events;
   struct Object {
     double at_m = 0, right_m = 4, up_m = 1.8, side_m = 0.8;
+    std::string kind = "tag";   // or poster
+    double aspect = 2.0 / 3.0;  // of a poster: width over height, which is side_m
   };
   std::vector<Object> objects;
   struct Camera {

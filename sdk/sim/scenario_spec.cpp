@@ -77,11 +77,13 @@ Spec route_spec() {
            real("for", "s", 0, 3600, "5", "how long, where the walker stands; over how long otherwise"),
            real("speed", "m/s", 0.2, 40, "1.35", "for `do: speed`; above 2.2 a walker runs"),
            boolean("waypoint", "false", "a surveyed mark on the ground: the recording says when he is on it")});
-  Spec object = map("object", "a board with a tag of the family 36h11, its place surveyed; tags are numbered from 0",
+  Spec object = map("object", "a board with a tag of the family 36h11 or a poster, its place surveyed; numbered from 0",
                     {required(real("at", "m", 0, 1e5, "0", "distance along the route; it faces those who come")),
                      real("right", "m", -100, 100, "4", "beside the route"),
                      real("up", "m", 0, 100, "1.8", "of its middle above the ground"),
-                     real("size", "m", 0.05, 10, "0.8", "side of the tag's black square")});
+                     real("size", "m", 0.05, 10, "0.8", "side of the tag's black square, or the poster's height"),
+                     choice("kind", "tag|poster", "tag", "what it shows; posters are drawn by the seed"),
+                     real("aspect", "", 0.25, 4, "0.6667", "of a poster: width over height")});
   return map(
       "route", "where the walk or drive goes",
       {list("points", "corners of the route, at least two", point),

@@ -99,7 +99,7 @@ class Simulation {
         barometer_(c.barometer, seed),
         gnss_(c, seed),
         watcher_(world_, camera_, c) {
-    geodesy_.set_origin({0.8238, -0.0271, 20.0});
+    geodesy_.set_origin(kSimulatedOrigin);
     std::vector<Exposure> exposures;
     for (const auto& frame : frames_) exposures.push_back({frame.t_s, frame.exposure_s});
     maker_ = std::make_unique<FrameMaker>(world_, camera_, c_, walk_, std::move(exposures), threads);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 
@@ -26,6 +27,13 @@ struct SimulationOptions {
   bool frames = true;                            ///< false: no camera, the other sensors alone, much faster
   const Recording* walk = nullptr;               ///< a real walk to retrace in the scenario's world (hybrid)
 };
+
+/// Latitude and longitude (rad) and ellipsoidal height (m) of the origin of simulated walks and drives.
+inline constexpr std::array<double, 3> kSimulatedOrigin = {0.8238, -0.0271, 20.0};
+
+/// Writes what a surveyor knows of the scenario's objects, for fix/known_object: `objects.yaml` (corners as latitude,
+/// longitude, ellipsoidal height) and the posters' pictures beside it.
+Result<bool> write_known_objects(const Scenario& scenario, uint64_t seed, const std::filesystem::path& folder);
 
 /// Makes an Odograph recording of the scenario: IMU, magnetometer, GNSS, barometer, surveyed marks, camera frames, and
 /// the truth: the camera's pose at every frame, the body's state at every IMU sample, steps and modes, the skyline once

@@ -204,6 +204,14 @@ Texture tag_texture(uint32_t tag, float board_m) {
   return {board, {}, board_m};
 }
 
+Texture poster_texture(const cv::Mat& grey, float longer_m) {
+  const double scale = static_cast<double>(kSize) / std::max(grey.cols, grey.rows);
+  cv::Mat shown, square;
+  cv::resize(grey, shown, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
+  cv::copyMakeBorder(shown, square, 0, kSize - shown.rows, 0, kSize - shown.cols, cv::BORDER_REPLICATE);
+  return {square, {}, longer_m};
+}
+
 TextureSet::TextureSet(uint64_t seed) {
   for (uint64_t k = 0; k < kFacades; ++k) all.push_back(facade(seed * 64 + k, k % 3 == 2));
   all.push_back(paving(seed * 64 + 10));

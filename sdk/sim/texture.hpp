@@ -32,6 +32,9 @@ class Texture {
 /// A tag of the AprilTag family 36h11 on its white board, which is `board_m` wide.
 Texture tag_texture(uint32_t tag, float board_m);
 
+/// A picture of any shape, its longer side `longer_m`, in the upper left corner of a square texture of that side.
+Texture poster_texture(const cv::Mat& grey, float longer_m);
+
 /// The pictures that worlds are papered with, drawn from the seed.
 struct TextureSet {
   explicit TextureSet(uint64_t seed);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sdk/sim/leg.hpp"
+#include "sdk/sim/poster.hpp"
 #include "sdk/sim/random.hpp"
 
 namespace odograph {
@@ -54,7 +55,7 @@ World::World(const Scenario& c, uint64_t seed, const CityModel* city)
     lay_route_on(*city), build_city(*city, seed);
   else
     clear_places(c), build_street(c, seed);
-  add_known_objects(c);
+  add_known_objects(c, seed);
   add_movers(c, seed);
   for (const Mesh& mesh : meshes_) scenes_.push_back(mesh.build(device_));
 }
@@ -103,20 +104,34 @@ std::vector<World::SkylinePoint> World::skyline(const Vector3d& eye_n, size_t co
   return line;
 }
 
-void World::add_known_objects(const Scenario& c) {
-  const auto walled = [&](const Vector3d& middle, const Vector3d& right, double side, uint32_t tag) {
-    // The board is white around its tag: 10 cells of which the tag's black square takes 8.
-    const Vector3d u = 1.25 * side * right, v(0, 0, 1.25 * side), a = 0.4 * u, b = 0.4 * v;
+void World::add_known_objects(const Scenario& c, uint64_t seed) {
+  const auto hang = [&](const Vector3d& middle, const Vector3d& u, const Vector3d& v, Texture texture) {
     meshes_[0].add_picture(middle - 0.5 * u - 0.5 * v, u, v, static_cast<uint32_t>(textures_.all.size()));
-    textures_.all.push_back(tag_texture(tag, static_cast<float>(1.25 * side)));
-    known_objects_.push_back({tag, {middle - a + b, middle + a + b, middle + a - b, middle - a - b}});
+    textures_.all.push_back(std::move(texture));
+  };
+  const auto survey = [&](const Vector3d& middle, const Vector3d& a, const Vector3d& b, cv::Mat poster) {
+    known_objects_.push_back({static_cast<uint32_t>(known_objects_.size()),
+                              std::move(poster),
+                              {middle - a + b, middle + a + b, middle + a - b, middle - a - b}});
   };
   for (const auto& o : c.objects) {
     const auto place = route_.at(o.at_m);
     const Vector3d right(-std::sin(place.heading), std::cos(place.heading), 0);
     const Vector3d foot(place.north_east.x(), place.north_east.y(), -place.up);
-    walled(foot + o.right_m * right - Vector3d(0, 0, o.up_m), right, o.side_m,
-           static_cast<uint32_t>(known_objects_.size()));
+    const Vector3d middle = foot + o.right_m * right - Vector3d(0, 0, o.up_m), down(0, 0, 1);
+    const auto number = static_cast<uint32_t>(known_objects_.size());
+    if (o.kind == "poster") {
+      const double width_m = o.aspect * o.side_m;
+      cv::Mat poster = hung_poster(seed * 1000 + number, o.aspect);
+      hang(middle, width_m * right, o.side_m * down,
+           poster_texture(poster, static_cast<float>(std::max(width_m, o.side_m))));
+      survey(middle, 0.5 * width_m * right, 0.5 * o.side_m * down, std::move(poster));
+    } else {
+      // The board is white around its tag: 10 cells of which the tag's black square takes 8.
+      const double board_m = 1.25 * o.side_m;
+      hang(middle, board_m * right, board_m * down, tag_texture(number, static_cast<float>(board_m)));
+      survey(middle, 0.5 * o.side_m * right, 0.5 * o.side_m * down, {});
+    }
   }
 }
 

@@ -99,7 +99,7 @@ class World {
   void lay_route_on(const CityModel& city);
   void build_hall(uint64_t seed);
   void build_corridor();
-  void add_known_objects(const Scenario& c);
+  void add_known_objects(const Scenario& c, uint64_t seed);
   void add_movers(const Scenario& c, uint64_t seed);
 
   /// A rectangle beside a leg that is kept free of houses: a part of a square or of a river.
