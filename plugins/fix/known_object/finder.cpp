@@ -19,6 +19,17 @@ double apart_rad(const Pose& a, const Pose& b) {
   return std::max(turned, moved.norm() / std::max(0.1, a.t_c_o.norm()));
 }
 
+/// Whether an object is seen at places that do not overlap.
+bool are_apart(const std::vector<Pose>& seen, const PlaneObject& object) {
+  const double half_m = 0.5 * std::min(object.width_m, object.height_m);
+  for (const Pose& a : seen)
+    for (const Pose& b : seen) {
+      const double angle = std::acos(std::clamp(a.t_c_o.normalized().dot(b.t_c_o.normalized()), -1.0, 1.0));
+      if (angle > half_m / std::max(0.1, std::min(a.t_c_o.norm(), b.t_c_o.norm()))) return true;
+    }
+  return false;
+}
+
 /// Where the camera's motion has taken an object to.
 Pose carried_on(const Pose& pose, const RollingLens& lens, int64_t by_ns) {
   const double s = static_cast<double>(by_ns) * 1e-9;
@@ -57,14 +68,21 @@ bool Finder::is_good(const Alignment& a) const {
          a.side_px >= p_.least_side_px && a.oblique_rad <= p_.most_oblique_rad;
 }
 
+bool Finder::is_like(const Alignment& a) const {
+  return a.correlation >= p_.twin_correlation && a.agreeing_part >= p_.twin_agreeing && a.side_px >= p_.least_side_px;
+}
+
 /// The pose reached from the best of the starts, and the other one of the plane there.
-std::optional<Sighting> Finder::look_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens,
-                                        const std::vector<Pose>& starts, bool fine) const {
+Finder::Look Finder::look_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens,
+                             const std::vector<Pose>& starts, bool fine) const {
   Sighting sighting;
+  std::optional<Pose> like;
   sighting.object = object;
   const auto add = [&](const Pose& start, bool from_near) {
     auto a = aligner_.align(frame, lens, pyramids_[object], start, from_near);
-    if (!a || !is_good(*a)) return;
+    if (!a) return;
+    if (is_like(*a)) like = a->pose;
+    if (!is_good(*a)) return;
     for (Alignment& known : sighting.poses)
       if (apart_rad(known.pose, a->pose) < p_.same_pose_rad) {
         if (a->cost < known.cost) known = *a;
@@ -73,7 +91,7 @@ std::optional<Sighting> Finder::look_at(size_t object, const Aligner::Frame& fra
     sighting.poses.push_back(*a);
   };
   for (const Pose& start : starts) add(start, fine);
-  if (sighting.poses.empty()) return {};
+  if (sighting.poses.empty()) return {std::nullopt, like};
   const auto order = [&] {
     std::sort(sighting.poses.begin(), sighting.poses.end(),
               [](const Alignment& a, const Alignment& b) { return a.cost < b.cost; });
@@ -84,7 +102,7 @@ std::optional<Sighting> Finder::look_at(size_t object, const Aligner::Frame& fra
   std::vector<cv::Point2d> seen;
   for (const Vector3d& corner : objects_[object].corners_o()) {
     const Vector3d p = sighting.poses[0].pose * corner;
-    if (p.z() < 0.05) return sighting;
+    if (p.z() < 0.05) return {sighting, sighting.poses[0].pose};
     corners_o.emplace_back(corner.x(), corner.y(), 0);
     seen.emplace_back(p.x() / p.z(), p.y() / p.z());
   }
@@ -93,7 +111,8 @@ std::optional<Sighting> Finder::look_at(size_t object, const Aligner::Frame& fra
     if (apart_rad(pose, sighting.poses[0].pose) > p_.same_pose_rad) add(pose, true);
   order();
   if (sighting.poses.size() > 2) sighting.poses.resize(2);
-  return sighting;
+  const Pose best = sighting.poses[0].pose;
+  return {std::move(sighting), best};
 }
 
 /// Starts for each place in the frame where an object seems to be.
@@ -139,23 +158,25 @@ std::vector<Sighting> Finder::find(int64_t t_ns, const cv::Mat& grey, const cv::
     if (!wanted(k)) continue;
     const bool searched = objects_[k].tag >= 0 || features;
     std::optional<Sighting> seen;
-    int at_places = 0;
+    std::vector<Pose> like;  // every place that resembles it
     for (const auto& starts : places_of(k, lens, tags, features ? &*features : nullptr)) {
-      auto here = look_at(k, frame, lens, starts, false);
-      if (!here) continue;
-      const bool same = seen && apart_rad(seen->poses[0].pose, here->poses[0].pose) < 0.05;
-      if (!same) ++at_places;
-      if (!seen || here->poses[0].cost < seen->poses[0].cost) seen = std::move(here);
+      Look here = look_at(k, frame, lens, starts, false);
+      if (here.like) like.push_back(*here.like);
+      if (here.sighting && (!seen || here.sighting->poses[0].cost < seen->poses[0].cost))
+        seen = std::move(here.sighting);
     }
     Followed& last = followed_[k];
+    if (are_apart(like, objects_[k])) last.twins_ns = t_ns;
     if (!seen && last.t_ns != INT64_MIN && t_ns - last.t_ns <= kFollow_ns)
-      if ((seen = look_at(k, frame, lens, {carried_on(last.pose, lens, t_ns - last.t_ns)}, false))) at_places = 1;
-    if (!seen || at_places > 1) {
-      if (searched) last = {};
+      seen = look_at(k, frame, lens, {carried_on(last.pose, lens, t_ns - last.t_ns)}, false).sighting;
+    const bool twins =
+        last.twins_ns != INT64_MIN && static_cast<double>(t_ns - last.twins_ns) * 1e-9 < p_.twin_memory_s;
+    if (!seen || twins) {
+      if (searched) last.t_ns = INT64_MIN;
       continue;
     }
     seen->t_ns = t_ns;
-    last = {t_ns, seen->poses[0].pose};
+    last.t_ns = t_ns, last.pose = seen->poses[0].pose;
     found.push_back(std::move(*seen));
   }
   return found;

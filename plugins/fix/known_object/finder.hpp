@@ -21,7 +21,7 @@ struct Sighting {
 };
 
 /// Finds known objects in frames: tags in each, pictures where a search is due, and from then on where they were. What
-/// is seen at two places at once is nowhere. One thread at a time.
+/// is seen at two places at once is nowhere, and for a while after. One thread at a time.
 class Finder {
  public:
   struct Parameters {
@@ -31,6 +31,10 @@ class Finder {
     double least_side_px = 18;       ///< root of its area: smaller ones have no pattern left; bench
     double same_pose_rad = 0.01;     ///< two poses nearer than that are one
     double most_oblique_rad = 1.22;  ///< 70 degrees
+    /// A second place whose picture agrees so far makes an object's place doubtful: halves of boards that are the same,
+    /// shadows and noise on a true copy; the object's other pose and other boards of its layout reach 0.4; bench
+    double twin_correlation = 0.75, twin_agreeing = 0.5;
+    double twin_memory_s = 30;  ///< for so long such an object is not believed; judgement: to walk past both
   };
   Finder(const Parameters& parameters, std::vector<PlaneObject> objects);
   ~Finder();
@@ -45,10 +49,17 @@ class Finder {
   struct Followed {
     int64_t t_ns = INT64_MIN;
     Pose pose;
+    int64_t twins_ns = INT64_MIN;  ///< when it was last seen at two places
   };
-  std::optional<Sighting> look_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens,
-                                  const std::vector<Pose>& starts, bool fine) const;
+  /// What `look_at` made of one place: a sighting, or what only resembles the object.
+  struct Look {
+    std::optional<Sighting> sighting;
+    std::optional<Pose> like;
+  };
+  Look look_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens, const std::vector<Pose>& starts,
+               bool fine) const;
   bool is_good(const Alignment& alignment) const;
+  bool is_like(const Alignment& alignment) const;
   std::vector<std::vector<Pose>> places_of(size_t object, const RollingLens& lens, const std::vector<SeenTag>& tags,
                                            const PictureSearch::Features* features) const;
 
