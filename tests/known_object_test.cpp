@@ -12,7 +12,6 @@
 #include "sdk/core/messages.hpp"
 #include "sdk/sim/poster.hpp"
 #include "sdk/sim/random.hpp"
-#include "sdk/sim/simulate.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -292,49 +291,6 @@ TEST_CASE("what was seen at two places is not believed at one of them for half a
   CHECK(at(5, {flat(o, o.picture, left)}) == 0);
   CHECK(at(33, {flat(o, o.picture, left)}) == 0);
   CHECK(at(35, {flat(o, o.picture, left)}) == 1);
-}
-
-TEST_CASE("a poster and a tag beside a simulated walk are where the survey has them") {
-  const TemporaryFolder folder;
-  Scenario s;
-  s.route = {{0, 0, 0}, {5, 0, 0}};
-  s.objects = {{9, 1.0, 1.6, 1.8, "poster", 0.6}, {9, -0.8, 1.6, 0.6}};
-  s.world.pedestrians = 0, s.world.cars = 0;
-  s.camera.rate_hz = 2, s.camera.row_time_s = 0;
-  REQUIRE(simulate(s, 2, folder / "walk.odo").ok());
-  REQUIRE(write_known_objects(s, 2, folder / "survey").ok());
-  const auto recording = read_recording(folder / "walk.odo");
-  REQUIRE(recording.ok());
-  const std::vector<PlaneObject> objects = read_objects(folder / "survey" / "objects.yaml");
-  REQUIRE(objects.size() == 2);
-  CHECK(objects[0].id == "poster 0");
-  CHECK(std::abs(objects[0].width_m - 1.08) < 1e-3);
-  Geodesy geodesy;
-  geodesy.set_origin(kSimulatedOrigin);
-  const odo_calibration c = calibration(0);
-  const RollingLens lens = lens_of(c);
-  Finder finder({}, objects);
-  std::array<int, 2> seen{};
-  size_t frame_index = 0;
-  for (const auto& m : recording->messages) {
-    if (m.message.header().type != ODO_TYPE_FRAME) continue;
-    const StampedPose& truth = recording->truth[frame_index++];
-    const auto frame = load_frame(m);
-    REQUIRE(frame.ok());
-    const cv::Mat grey(480, 640, CV_8U, const_cast<uint8_t*>(frame->planes[0].data),
-                       static_cast<size_t>(frame->planes[0].row_stride));
-    for (const Sighting& sighting : finder.find(truth.t_ns, grey, {}, lens, {})) {
-      const PlaneObject& o = objects[sighting.object];
-      const auto middle = geodesy.from_geodetic({o.place.latitude_rad, o.place.longitude_rad, o.place.height_m});
-      const Vector3d p_c = truth.q.conjugate() * (Vector3d(middle.data()) - truth.p);
-      CAPTURE(o.id);
-      CHECK((sighting.poses[0].pose.t_c_o - p_c).norm() < 0.02 * p_c.norm());
-      ++seen[sighting.object];
-    }
-    frame->release(&*frame);
-  }
-  CHECK(seen[0] >= 3);
-  CHECK(seen[1] >= 3);
 }
 
 TEST_CASE("a tag is found and followed, another number is not") {
