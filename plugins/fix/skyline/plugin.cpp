@@ -8,9 +8,8 @@
 
 #include <Eigen/Geometry>
 
-#include <odograph/skylines.h>
-
 #include "plugins/camera/frame_view.hpp"
+#include "plugins/fix/skyline/database_extension.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
 #include "plugins/fix/skyline/place_finder.hpp"
 #include "plugins/fix/skyline/robust_sky.hpp"
@@ -31,8 +30,7 @@ constexpr double kFoundSigma_m = 1.5, kFoundSigma_rad = 2 * kDegree;  // of a pl
 constexpr double kFoundAgreement = 0.8;                               // of min_agreement
 constexpr double kFoundApart_m = 3;                                   // the newest picture's own match lies so near it
 constexpr double kRival = 0.2;                                        // of another place's likelihood
-constexpr double kClimb_m = 0.05;  // by which the height over n's origin becomes uncertain from fix to fix
-constexpr double kLeastHeightSigma_m = 0.1;
+constexpr double kClimb_m = 0.05, kLeastHeightSigma_m = 0.1;          // of the height: from fix to fix, at least
 
 constexpr double kWorkPerSecond = 48e6;                            // of sensor time: a quarter of a core
 constexpr uint64_t kLeastSlice = 400'000, kMostSlice = 3'200'000;  // of a frame: 2 and 16 ms
@@ -47,7 +45,9 @@ constexpr const char* kReasonNames[kReasons] = {"prior", "sky", "agreement", "am
 class Skyline {
  public:
   std::string model, skylines;
-  std::array<double, 3> model_origin = {0, 0, 0};
+  std::array<double, 3> model_origin = {0, 0, 0}, geodetic_origin = {0, 0, 0};
+  bool geodetic = false;
+  double geoid_height = 0;
   std::string sky = "robust";
   double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.2, radius = 40;
   double height_sigma = 1.0;
@@ -61,6 +61,12 @@ class Skyline {
         odo::text("model", &Skyline::model, "CityJSON file of the city, beside the config"),
         odo::reals("model_origin", "m", -1e8, 1e8, &Skyline::model_origin,
                    "easting, northing and height of n's origin in the model"),
+        odo::boolean("geodetic", &Skyline::geodetic,
+                     "geodetic_origin stands for model_origin; the model is geographic, UTM or RD New"),
+        odo::reals("geodetic_origin", "", -1e5, 1e5, &Skyline::geodetic_origin,
+                   "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),
+        odo::real("geoid_height", "m", -200, 200, &Skyline::geoid_height,
+                  "ellipsoidal height of the model's zero height"),
         odo::text("skylines", &Skyline::skylines,
                   "database of skylines (`odograph city build`), beside the config; without a model also its edges"),
         odo::choice("sky", "robust|flood_fill", &Skyline::sky,
@@ -79,13 +85,14 @@ class Skyline {
   }
 
   void configured(odo::Output& host) {
-    host_ = host;
     if (model.empty() && skylines.empty())
       throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the city, or a database in `skylines`");
     if (!start_known && skylines.empty())
       throw odo::Error(ODO_E_CONFIG, "start_known: false wants a database in `skylines`");
     up_variance_ = height_sigma * height_sigma;
     placed_ = start_known;
+    if (geodetic && !skylines.empty())
+      throw odo::Error(ODO_E_CONFIG, "geodetic: a database lies along the model's grid; give model_origin");
     const auto find = [&](const char* key, const std::string& name) {
       const auto file = host.asset(name);
       if (!file) throw odo::Error(ODO_E_CONFIG, key + std::string(": no file '") + name + "' where the config lies");
@@ -96,14 +103,17 @@ class Skyline {
         database_ = SkylineDatabase::open(find("skylines", skylines));
         place_finder_.emplace(PlaceFinder::Parameters{}, database_, database_offset());
       }
-      matcher_.emplace(
-          City(model.empty() ? edges_of_database() : read_city_outline(find("model", model), model_origin)));
+      const CityPlacement placement{model_origin, geodetic, geodetic_origin, geoid_height};
+      matcher_.emplace(City(model.empty() ? edges_of_database() : read_city_outline(find("model", model), placement)));
     } catch (const std::runtime_error& error) {
       throw odo::Error(ODO_E_CONFIG, error.what());
     }
+    extension_.emplace(host, model.empty() ? nullptr : &matcher_->city(), Eigen::Vector3d(model_origin.data()));
   }
 
-  const void* extension(std::string_view id) const { return id == ODO_EXTENSION_SKYLINES ? &told_skylines_ : nullptr; }
+  const void* extension(std::string_view id) const {
+    return id == ODO_EXTENSION_SKYLINES && extension_ ? extension_->told() : nullptr;
+  }
 
   void on(const odo_calibration& c, odo::Output&) {
     camera_.take(c);
@@ -267,64 +277,6 @@ class Skyline {
     return edges;
   }
 
-  /// Runs what the extension is asked for; what goes wrong is reported and told by a status.
-  template <class Work>
-  static int32_t ask(void* user, Work&& work) noexcept {
-    auto& self = *static_cast<Skyline*>(user);
-    try {
-      return work(self);
-    } catch (const std::bad_alloc&) {
-      return ODO_E_MEMORY;
-    } catch (const std::exception& error) {
-      self.host_.report(ODO_SEVERITY_ERROR, "skylines", error.what());
-      return ODO_E_DATA;
-    }
-  }
-  static int32_t ODO_CALL build(void* user, const odo_string* file, const double* places_n, uint64_t count,
-                                double spacing_m, odo_skyline_progress progress, void* context) noexcept {
-    return ask(user, [&](Skyline& self) -> int32_t {
-      if (self.model.empty()) return ODO_E_STATE;
-      std::vector<Eigen::Vector3d> places;
-      for (uint64_t i = 0; i < count; ++i) places.emplace_back(places_n + 3 * i);
-      DatabaseParameters p;
-      p.origin = Eigen::Vector3d(self.model_origin.data()), p.spacing_m = spacing_m;
-      const bool done = build_database(self.matcher_->city().edges(), places, p, std::string(odo::view(*file)),
-                                       [&](size_t n) { return !progress || progress(context, n, count) != 0; });
-      return done ? ODO_OK : ODO_E_DISCARD;
-    });
-  }
-  static int32_t ODO_CALL open(void* user, const odo_string* file, odo_skyline_database* what) noexcept {
-    return ask(user, [&](Skyline& self) -> int32_t {
-      self.asked_ = SkylineDatabase::open(std::string(odo::view(*file)));
-      what->places = self.asked_.size(), what->bytes = self.asked_.bytes();
-      Eigen::Vector3d::Map(what->origin) = self.asked_.origin();
-      what->spacing_m = self.asked_.spacing_m();
-      return ODO_OK;
-    });
-  }
-  static int32_t ODO_CALL nearest(void* user, double north_m, double east_m, uint64_t* place) noexcept {
-    return ask(user, [&](Skyline& self) -> int32_t {
-      if (self.asked_.size() == 0) return ODO_E_STATE;
-      if (!std::isfinite(north_m) || !std::isfinite(east_m)) return ODO_E_ARGUMENT;
-      *place = self.asked_.nearest(north_m, east_m);
-      return ODO_OK;
-    });
-  }
-  static int32_t ODO_CALL skyline(void* user, uint64_t place, double* p_n, float* elevation_rad, float* height_m,
-                                  float* distance_m) noexcept {
-    return ask(user, [&](Skyline& self) -> int32_t {
-      if (place >= self.asked_.size()) return ODO_E_NOT_FOUND;
-      Eigen::Vector3d::Map(p_n) = self.asked_.place(place);
-      if (!elevation_rad && !height_m && !distance_m) return ODO_OK;
-      Horizon horizon;
-      if (!self.asked_.horizon(place, horizon)) return ODO_E_DATA;
-      if (elevation_rad) std::copy(horizon.elevation.begin(), horizon.elevation.end(), elevation_rad);
-      if (height_m) std::copy(horizon.height_m.begin(), horizon.height_m.end(), height_m);
-      if (distance_m) std::copy(horizon.distance_m.begin(), horizon.distance_m.end(), distance_m);
-      return ODO_OK;
-    });
-  }
-
   /// What speaks against a match.
   std::optional<Why> judge(const std::optional<Match>& match) const {
     char text[120];
@@ -386,11 +338,10 @@ class Skyline {
     return fix;
   }
 
-  odo::Output host_;
-  SkylineDatabase database_, asked_;  // the config's; the extension's
+  SkylineDatabase database_;
   std::optional<PlaceFinder> place_finder_;
   bool placed_ = true;
-  odo_skylines told_skylines_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline};
+  std::optional<DatabaseExtension> extension_;
   std::optional<Matcher> matcher_;
   std::optional<SkyFinder> finder_;
   std::optional<RobustSkyFinder> robust_;
