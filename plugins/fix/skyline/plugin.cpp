@@ -15,6 +15,7 @@
 #include "plugins/fix/skyline/robust_sky.hpp"
 #include "plugins/fix/skyline/skyline_database.hpp"
 #include "plugins/fix/skyline/sliced_worker.hpp"
+#include "plugins/fix/skyline/vanishing_point.hpp"
 
 namespace {
 
@@ -27,14 +28,17 @@ constexpr int kDoubtful = 4;                   // failures in a row
 constexpr int kHopeless = 20;                  // failures in a row after which the whole database is searched
 constexpr double kMostTilt_rad = 3 * kDegree;
 constexpr double kFoundSigma_m = 1.5, kFoundSigma_rad = 2 * kDegree;  // of a place found by several pictures
-constexpr double kFoundAgreement = 0.8;                               // of min_agreement
-constexpr double kFoundApart_m = 3;                                   // the newest picture's own match lies so near it
-constexpr double kRival = 0.2;                                        // of another place's likelihood
-constexpr double kClimb_m = 0.05, kLeastHeightSigma_m = 0.1;          // of the height: from fix to fix, at least
+constexpr double kFewerAgree = 0.8;  // of min_agreement: of a place found by several pictures, or without a rival,
+constexpr double kNoRival = 1e-20;   // no other place being likelier than this (42 such in Delft: one was 1.1 m off)
+constexpr double kFoundApart_m = 3;  // the newest picture's own match lies so near it
+constexpr double kRival = 0.2;       // of another place's likelihood
+constexpr double kClimb_m = 0.05, kLeastHeightSigma_m = 0.1;  // of the height: from fix to fix, at least
 
 constexpr double kWorkPerSecond = 48e6;                            // of sensor time: a quarter of a core
 constexpr uint64_t kLeastSlice = 400'000, kMostSlice = 3'200'000;  // of a frame: 2 and 16 ms
 constexpr uint64_t kSkyWork = 10;                                  // of a pixel
+constexpr double kNoHeading_rad = 20 * kDegree;                    // from here on the heading is taken as unknown
+constexpr double kSlack_m = 6, kSlackOfPath = 0.05, kFarthestFromStart_m = 150;  // before the first fix
 constexpr double kMostOff = 2;  // of the path since the last fix: one who goes the other way than thought
 
 /// Why a frame gave no fix, as reports and summaries name it.
@@ -48,7 +52,7 @@ class Skyline {
   std::array<double, 3> model_origin = {0, 0, 0}, geodetic_origin = {0, 0, 0};
   bool geodetic = false;
   double geoid_height = 0;
-  std::string sky = "robust";
+  std::string sky = "robust", inclination = "pose";
   double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.2, radius = 40;
   double height_sigma = 1.0;
   bool start_known = true;
@@ -71,6 +75,8 @@ class Skyline {
                   "database of skylines (`odograph city build`), beside the config; without a model also its edges"),
         odo::choice("sky", "robust|flood_fill", &Skyline::sky,
                     "how sky is told from the rest: flood_fill is the paper's"),
+        odo::choice("inclination", "pose|vanishing_point", &Skyline::inclination,
+                    "where pitch and roll come from: vanishing_point is the paper's"),
         odo::real("interval", "s", 0, 3600, &Skyline::interval, "time between two fixes at least"),
         odo::real("radius", "m", 2, 200, &Skyline::radius, "farthest from the prior that is searched"),
         odo::real("min_agreement", "", 0.1, 1, &Skyline::min_agreement,
@@ -125,6 +131,7 @@ class Skyline {
   void on(const odo_pose& pose, odo::Output& output) {
     if (pose.header.flags & ODO_POSE_EXTRAPOLATED) return;
     pose_ = pose;
+    if (!start_n_ && (pose.header.flags & ODO_POSE_POSITION)) start_n_ = Eigen::Vector3d(pose.p_n);
     if (!waiting_ || pose.header.t_ns < waiting_->t_ns) return;
     begin(*std::exchange(waiting_, std::nullopt), output);
   }
@@ -183,9 +190,11 @@ class Skyline {
     // be placed where it only looks alike.
     const double driven_m = pose_->distance_m - fixed_at_m_;
     const double astray_m = driven_m * std::min(kMostOff, 3 * yaw_sigma);
-    const bool lost = astray_m > radius || failures_ >= kHopeless;
+    const auto slack_m = way_from_start(yaw_sigma, metric);
+    const bool lost = !slack_m && (astray_m > radius || failures_ >= kHopeless);
     const bool anywhere = place_finder_ && (!placed_ || lost);
-    if (astray_m > radius && !anywhere) return refuse(kPrior, "the pose may be farther off than is searched", output);
+    if (lost && astray_m > radius && !anywhere)
+      return refuse(kPrior, "the pose may be farther off than is searched", output);
     if (anywhere && (!metric || pose_->state == ODO_LOST)) {
       place_finder_->clear();
       return refuse(kPrior, "not placed, and the odometry tells no metres", output);
@@ -202,18 +211,41 @@ class Skyline {
                    .tilt_sigma_rad = tilt,
                    .farthest_m = radius,
                    .lost = failures_ >= kDoubtful,
-                   .height_sigma_m = std::sqrt(up_variance_)},
+                   .height_sigma_m = std::sqrt(up_variance_),
+                   .pivot_n = slack_m ? start_n_ : std::nullopt,
+                   .slack_m = slack_m.value_or(0)},
              anywhere};
     worker_.start([this](const Spend& spend) { look(spend); }, slice_);
   }
 
+  /// Before the first fix, without a heading: how well the distance from the start is known, m, where the place is to
+  /// be looked for on a circle around it.
+  std::optional<double> way_from_start(double yaw_sigma, bool metric) const {
+    if (!start_known || fixed_once_ || !metric || !start_n_ || yaw_sigma < kNoHeading_rad) return std::nullopt;
+    const double far_m = (Eigen::Vector3d(pose_->p_n) - *start_n_).head<2>().norm();
+    const double slack_m = kSlack_m + kSlackOfPath * pose_->distance_m;
+    if (far_m < slack_m || far_m > kFarthestFromStart_m) return std::nullopt;
+    return slack_m;
+  }
+
   /// On the worker's thread.
   void look(const Spend& spend) {
+    if (inclination == "vanishing_point") level(look_.prior, look_.picture);
     const auto& edges = find_sky(look_.picture, look_.prior.q_n_c.conjugate());
     spend(kSkyWork * look_.picture.grey.total());
     look_.sky_seen = !edges.empty();
     if (look_.sky_seen && look_.anywhere) return look_anywhere(edges, spend);
     if (look_.sky_seen) look_.match = matcher_->match(edges, look_.prior, spend);
+  }
+
+  /// The prior's pitch and roll are replaced by those of the upright lines in the picture, where these tell any.
+  static void level(Prior& prior, const Picture& picture) {
+    const VanishingPointParameters p;
+    const Eigen::Vector3d up_c = prior.q_n_c.conjugate() * -Eigen::Vector3d::UnitZ();
+    const auto zenith = vanishing_zenith(lines_of(picture.grey, picture.lens, p), up_c, p);
+    if (!zenith) return;
+    prior.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(zenith->up_c, up_c)).normalized();
+    prior.tilt_sigma_rad = std::max(zenith->sigma_rad, p.last_scale_rad);
   }
 
   /// The place that several pictures agree on, of all in the database; then the match of this picture there.
@@ -247,7 +279,7 @@ class Skyline {
       return refuse(why->reason, why->text, output);
     }
     failures_ = 0;
-    placed_ = true;
+    placed_ = fixed_once_ = true;
     if (place_finder_) place_finder_->clear();
     fixed_at_m_ = look_.pose.distance_m;
     climb(*look_.match);
@@ -289,7 +321,8 @@ class Skyline {
       }
     }
     // Several pictures have told the place already where it was looked for anywhere.
-    const double least = look_.anywhere ? kFoundAgreement * min_agreement : min_agreement;
+    const bool sure = look_.anywhere || match->rival < kNoRival;
+    const double least = sure ? kFewerAgree * min_agreement : min_agreement;
     if (match->agreement < least) {
       std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are wanted", match->agreement, least);
       return Why{kAgreement, text};
@@ -340,7 +373,8 @@ class Skyline {
 
   SkylineDatabase database_;
   std::optional<PlaceFinder> place_finder_;
-  bool placed_ = true;
+  bool placed_ = true, fixed_once_ = false;
+  std::optional<Eigen::Vector3d> start_n_;  // where the pose was at first
   std::optional<DatabaseExtension> extension_;
   std::optional<Matcher> matcher_;
   std::optional<SkyFinder> finder_;
