@@ -130,9 +130,9 @@ TEST_CASE("pitch and roll by vanishing points in pictures of real cities") {
       const auto part = [&](double p) {
         return errors.empty() ? 0 : errors[static_cast<size_t>(p * double(errors.size() - 1))];
       };
-      MESSAGE(drive.model << ", " << lens << ": " << errors.size() << " of " << pictures << " pictures tell a zenith, "
-                          << part(0.5) << " deg off in the median, " << part(0.95) << " at 95 %, " << beyond
-                          << " beyond 3 sigma");
+      MESSAGE(std::string(drive.model) << ", " << std::string(lens) << ": " << errors.size() << " of " << pictures
+                                       << " pictures tell a zenith, " << part(0.5) << " deg off in the median, "
+                                       << part(0.95) << " at 95 %, " << beyond << " beyond 3 sigma");
       CHECK(part(0.5) < 1.0);
     }
   }

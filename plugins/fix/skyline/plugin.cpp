@@ -230,7 +230,7 @@ class Skyline {
 
   /// On the worker's thread.
   void look(const Spend& spend) {
-    if (inclination == "vanishing_point") level(look_.prior, look_.picture);
+    if (inclination == "vanishing_point") level(look_.prior, look_.picture, tilt_sigma);
     const auto& edges = find_sky(look_.picture, look_.prior.q_n_c.conjugate());
     spend(kSkyWork * look_.picture.grey.total());
     look_.sky_seen = !edges.empty();
@@ -239,13 +239,13 @@ class Skyline {
   }
 
   /// The prior's pitch and roll are replaced by those of the upright lines in the picture, where these tell any.
-  static void level(Prior& prior, const Picture& picture) {
+  static void level(Prior& prior, const Picture& picture, double least_sigma_rad) {
     const VanishingPointParameters p;
     const Eigen::Vector3d up_c = prior.q_n_c.conjugate() * -Eigen::Vector3d::UnitZ();
     const auto zenith = vanishing_zenith(lines_of(picture.grey, picture.lens, p), up_c, p);
     if (!zenith) return;
     prior.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(zenith->up_c, up_c)).normalized();
-    prior.tilt_sigma_rad = std::max(zenith->sigma_rad, p.last_scale_rad);
+    prior.tilt_sigma_rad = std::max(zenith->sigma_rad, least_sigma_rad);
   }
 
   /// The place that several pictures agree on, of all in the database; then the match of this picture there.

@@ -28,7 +28,8 @@ struct VanishingPointParameters {
   double most_sigma_rad = 0.02;   ///< of a zenith that is told
 };
 
-/// The zenith in c, unit, and its standard deviation about each axis across it.
+/// The zenith in c, unit, and its standard deviation about each axis across it as the lines' residuals have it: in
+/// pictures of Delft half of the errors are beyond three of these, because roofs' edges lean alike.
 struct SeenZenith {
   Eigen::Vector3d up_c = Eigen::Vector3d::UnitZ();
   double sigma_rad = 0;
