@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include <fstream>
+
 #include "sdk/city/city_check.hpp"
 #include "sdk/city/street_route.hpp"
+#include "sdk/city/thinned_model.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -66,6 +69,28 @@ TEST_CASE("a damaged city model is refused in words that name the place") {
   std::string holes = "[[[0,1,2]";
   for (int i = 0; i < 200; ++i) holes += ",[0,1,2]";
   CHECK(refusal(town(kTriangle, holes + "]]")).find("200 holes") != std::string::npos);
+}
+
+TEST_CASE(
+    "a thinned model lacks about that part of its buildings, the same ones each time, and their parts with them") {
+  const TemporaryFolder folder;
+  std::string objects = R"("ground":{"type":"TINRelief"})";
+  for (int i = 0; i < 200; ++i) {
+    const std::string id = "b" + std::to_string(i);
+    objects +=
+        ",\"" + id + R"(":{"type":"Building"},")" + id + R"(p":{"type":"BuildingPart","parents":[")" + id + "\"]}";
+  }
+  std::ofstream(folder / "city.json") << R"({"type":"CityJSON","version":"2.0","vertices":[],"CityObjects":{)" +
+                                             objects + "}}";
+  const auto left = write_thinned_model(folder / "city.json", folder / "less.json", 0.2, 7);
+  REQUIRE(left);
+  CHECK(*left > 140);
+  CHECK(*left < 180);
+  CHECK(*write_thinned_model(folder / "city.json", folder / "again.json", 0.2, 7) == *left);
+  const auto checked = check_city_model((folder / "less.json").string());
+  REQUIRE(checked);
+  CHECK(checked->objects == 1 + 2 * *left);
+  CHECK_FALSE(write_thinned_model(folder / "none.json", folder / "less.json", 0.2, 7));
 }
 
 TEST_CASE("what is no regular file, or too large, is not read") {

@@ -119,6 +119,54 @@ TEST_CASE("neither a barometer's readings nor a front-end's gravity is to be see
   }
 }
 
+TEST_CASE(
+    "a fix that places a track without a start tells its heading too, whichever it is, and the track goes on so") {
+  for (const double heading_rad : {0.1, 1.6, 3.1, -2.2})
+    for (const bool whole : {true, false}) {
+      const Quaterniond turned(Eigen::AngleAxisd(heading_rad, Vector3d::UnitZ()));
+      const Vector3d at_n(300, -120, 0);
+      WalkMeasurements what;
+      what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02;
+      what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
+      what.fix_every_s = 8, what.fix_sigma_m = 0.1, what.fix_late_s = 0.8;
+      EstimatorWalk* made = nullptr;
+      const auto body_of = [&](double t) {
+        return (turned * made->truth(t).q_n_c * Quaterniond(0, -1, 0, 0)).normalized();
+      };
+      what.change_fix = [&](double t, odo_fix& fix) {
+        Vector3d::Map(fix.p_n) = at_n + turned * Vector3d(fix.p_n);
+        const Quaterniond q = body_of(t);
+        if (whole) {
+          fix.header.flags |= ODO_FIX_ORIENTATION;
+          fix.q_n_b[0] = q.w(), fix.q_n_b[1] = q.x(), fix.q_n_b[2] = q.y(), fix.q_n_b[3] = q.z();
+          for (const int i : {0, 4, 8}) fix.orientation_cov_n[i] = 0.01 * 0.01;
+        } else {
+          fix.header.flags |= ODO_FIX_YAW;
+          const Vector3d y_n = q * Vector3d::UnitY();
+          fix.yaw_rad = std::atan2(y_n.y(), y_n.x()), fix.yaw_sigma_rad = 0.01;
+        }
+      };
+      EstimatorWalk walk(estimator_scenario(40), what, 3);
+      made = &walk;
+      CouplingConfig config;
+      config.type = CouplingType::inertial;
+      InertialEstimator estimator(config, {}, {true, false});
+      double worst_m = 0, worst_rad = 0, seen = 0;
+      walk.run(estimator, [&](double t, const odo_pose& pose) {
+        if (t < 9.5) return;
+        ++seen;
+        const Quaterniond q(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
+        worst_rad = std::max(worst_rad, std::abs(log_rotation(turned * walk.truth(t).q_n_c * q.conjugate()).z()));
+        worst_m = std::max(worst_m, (at_n + turned * walk.truth(t).p_n_c - Vector3d(pose.p_n)).head<2>().norm());
+      });
+      CAPTURE(heading_rad);
+      CAPTURE(whole);
+      CHECK(seen > 100);
+      CHECK(worst_rad < 0.05);
+      CHECK(worst_m < 0.8);
+    }
+}
+
 TEST_CASE("a first fix of the height alone says nothing of north and east, nor that the position is known") {
   CouplingConfig config;
   config.type = CouplingType::inertial;

@@ -5,7 +5,7 @@ set -eu
 cd "$1"
 fail() { echo "$1"; exit 1; }
 grep -rnE '#include "(sdk|tests)/' plugins --include='*.[ch]pp' && fail "a plugin includes the host"
-grep -rlE '#include <odograph/' plugins --include='*.[ch]pp' | grep -vE '/(plugin\.cpp|step_plugin\.hpp|attitude_plugin\.hpp|horizontal_scale\.hpp|frame_view\.hpp)$' && fail "an algorithm file includes the ABI"
+grep -rlE '#include <odograph/' plugins --include='*.[ch]pp' | grep -vE '/(plugin\.cpp|step_plugin\.hpp|attitude_plugin\.hpp|horizontal_scale\.hpp|database_extension\.hpp|frame_view\.hpp)$' && fail "an algorithm file includes the ABI"
 grep -rnE '#include "(sdk|plugins|tests)/' samples && fail "a sample includes more than what is installed"
 grep -rnE '#include "plugins/' sdk && fail "the host includes a plugin"
 grep -rnE '#include <opencv2|embree|CLI/|nlohmann' sdk/base sdk/config sdk/core sdk/plugin_host && fail "the host core uses a heavy library"

@@ -133,6 +133,33 @@ TEST_CASE("one who is lost is placed when several pictures agree, by as much as 
   }
 }
 
+TEST_CASE("who knows the start but no heading is found on the circle around it, however far the track went astray") {
+  const Vector3d place(1, 0.5, -1.5), start(-20, 3, -1.5);
+  for (const double astray_deg : {-170.0, -60.0, 0.0, 35.0, 120.0}) {
+    CAPTURE(astray_deg);
+    Matcher matcher{City(a_street())};
+    City city(a_street());
+    city.look_around(place, 5, 0.05);
+    const Eigen::Quaterniond astray(Eigen::AngleAxisd(astray_deg * kDegree, Vector3d::UnitZ()));
+    // The odometry's path is 4 % too long.
+    const Prior prior{.p_n = start + astray * (1.04 * (place - start)),
+                      .q_n_c = astray * kUp,
+                      .position_sigma_m = 2,
+                      .yaw_sigma_rad = 60 * kDegree,
+                      .tilt_sigma_rad = 0.01,
+                      .farthest_m = 40,
+                      .lost = true,
+                      .pivot_n = start,
+                      .slack_m = 6};
+    const auto match = matcher.match(seen_from(city, place, kUp), prior);
+    REQUIRE(match);
+    CHECK((match->p_n - place).head<2>().norm() < 0.3);
+    CHECK(match->q_n_c.angularDistance(kUp) < 1 * kDegree);
+    CHECK(match->rival < 0.01);
+    CHECK(match->agreement > 0.9);
+  }
+}
+
 TEST_CASE("a straight canyon without ends is a long cloud along the street") {
   std::vector<Edge> edges;
   add_box(edges, 0, -25, 2000, 20, 50), add_box(edges, 0, 25, 2000, 20, 50);

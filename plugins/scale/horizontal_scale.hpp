@@ -10,25 +10,36 @@
 
 namespace odograph {
 
-/// D_VO, eq. (5): the horizontal part of a motion's displacement, in VO units.
-inline double horizontal_displacement(const odo_vo_motion& motion) {
+/// A motion's displacement in n, in VO units.
+inline Eigen::Vector3d displacement_n(const odo_vo_motion& motion) {
   const Eigen::Quaterniond q_n_c0(motion.q_n_c0[0], motion.q_n_c0[1], motion.q_n_c0[2], motion.q_n_c0[3]);
-  const Eigen::Vector3d d_n = q_n_c0 * Eigen::Vector3d(motion.p_c0_c1);
+  return q_n_c0 * Eigen::Vector3d(motion.p_c0_c1);
+}
+
+/// D_VO, eq. (5): the horizontal part of it.
+inline double horizontal_displacement(const odo_vo_motion& motion) {
+  const Eigen::Vector3d d_n = displacement_n(motion);
   return std::hypot(d_n.x(), d_n.y());
+}
+
+/// A scale for this motion and its time alone, the other fields being open.
+inline odo_scale scale_of(const odo_vo_motion& motion) {
+  auto scale = odo::make<odo_scale>(motion.header.t_ns);
+  scale.valid_from_ns = motion.t_from_ns;
+  scale.valid_to_ns = motion.header.t_ns;
+  scale.scale_group = motion.scale_group;
+  scale.header.flags = ODO_SCALE_HORIZONTAL;
+  return scale;
 }
 
 /// s = D_step / D_VO, eq. (7), for this one motion. Nothing is emitted where D_VO is too small to divide by.
 inline void emit_scale(const odo_vo_motion& motion, double d_step_m, double relative_sigma, odo::Output& output) {
   const double d_vo = horizontal_displacement(motion);
-  auto scale = odo::make<odo_scale>(motion.header.t_ns);
+  auto scale = scale_of(motion);
   if (d_step_m > 0 && !(d_vo >= 1e-9)) return;
   scale.metres_per_unit = d_step_m > 0 ? d_step_m / d_vo : 0.0;
   scale.sigma = scale.metres_per_unit * relative_sigma;
   scale.displacement_m = d_step_m;
-  scale.valid_from_ns = motion.t_from_ns;
-  scale.valid_to_ns = motion.header.t_ns;
-  scale.scale_group = motion.scale_group;
-  scale.header.flags = ODO_SCALE_HORIZONTAL;
   output.emit(scale);
 }
 

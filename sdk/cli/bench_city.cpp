@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 struct CityArguments {
   std::vector<std::string> models, lenses = {"wide"};
   std::string config = "samples/configs/city_drive.yaml", skylines, keep = "out/bench";
-  uint64_t drives = 1, first_seed = 1;
+  uint64_t drives = 1, first_seed = 1, skies = 1;
   double length_m = 300;
   bool json = false;
 };
@@ -34,11 +34,12 @@ constexpr int64_t kTold_ns = 3'000'000'000;  // a fix is told so late at most
 struct CityRun {
   std::string name;
   std::vector<double> horizontal_m;  ///< of each frame's pose
+  std::vector<double> tilt_deg;      ///< of each frame's pose: between its vertical and the true one
   std::vector<double> fix_m;         ///< of each accepted fix
   size_t accepted = 0, refused = 0;  ///< fixes, by the estimator
   size_t beyond = 0;                 ///< accepted fixes beyond three sigma of their own covariance
   size_t seconds = 0, with_fix = 0;  ///< with a skyline in view; of those with an accepted fix
-  double frame_ms_99 = 0;
+  double frame_ms_99 = 0, thread_ms_99 = 0;
   double found_after_m = -1, found_off_m = 0;  ///< path until the first accepted fix, and its error; -1: none came
   std::map<std::string, RunResult::Notice> notices;
 };
@@ -74,6 +75,13 @@ void score(const Recording& recording, const RunResult& result, CityRun& run, bo
     const Eigen::Vector3d d = position_at(result.track, truth.t_ns) - truth.p;
     run.horizontal_m.push_back(d.head<2>().norm());
   }
+  for (size_t i = 0, k = 0; i < result.track.size(); ++i) {
+    while (k + 1 < recording.truth.size() && recording.truth[k].t_ns < result.track[i].t_ns) ++k;
+    const Eigen::Vector3d down_c = recording.truth[k].q.conjugate() * Eigen::Vector3d::UnitZ();
+    const double cosine = (result.track[i].q * down_c).z();
+    if (recording.truth[k].t_ns == result.track[i].t_ns)
+      run.tilt_deg.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / EIGEN_PI);
+  }
   std::vector<int64_t> times;
   for (const auto& [fix, accepted] : result.fixes) {
     if (!accepted) {
@@ -95,6 +103,7 @@ void score(const Recording& recording, const RunResult& result, CityRun& run, bo
         std::any_of(times.begin(), times.end(), [&](int64_t t) { return std::abs(t - t_ns) <= 500'000'000; });
   }
   run.frame_ms_99 = percentile(result.frame_ms, 0.99);
+  run.thread_ms_99 = percentile(result.frame_thread_ms, 0.99);
   run.notices = result.notices;
 }
 
@@ -117,10 +126,14 @@ Result<std::string> config_for(const std::string& config, const std::string& mod
   return replaced;
 }
 
-Result<CityRun> run_one(const CityArguments& a, const std::string& model, const std::string& lens, uint64_t seed) {
+constexpr uint64_t kOtherSky = 1000;  // added to a drive's seed for each sky after the first
+
+Result<CityRun> run_one(const CityArguments& a, const std::string& model, const std::string& lens, uint64_t seed,
+                        uint64_t sky) {
   const fs::path file(model);
   const std::string city = file.stem().stem().string();
   CityRun run{.name = city + ' ' + lens + ' ' + std::to_string(seed)};
+  if (sky > 0) run.name += '+' + std::to_string(sky);
   const std::string stem = "city_" + city + '_' + lens + '_' + std::to_string(seed);
   std::error_code error;
   fs::create_directories(a.keep, error);
@@ -128,7 +141,7 @@ Result<CityRun> run_one(const CityArguments& a, const std::string& model, const 
   const auto origin =
       write_city_scenario({model, scenario.string(), lens, lens == "forward" ? "walker" : "car", seed, a.length_m});
   if (!origin) return origin.failure();
-  const auto kept = kept_recording(scenario, seed, a.keep, 0);
+  const auto kept = kept_recording(scenario, seed + kOtherSky * sky, a.keep, 0);
   if (!kept) return kept.failure();
   const auto recording = read_recording(*kept);
   if (!recording) return recording.failure();
@@ -151,10 +164,11 @@ double part(size_t of, size_t all) {
 }
 
 void print(const CityRun& r) {
-  std::printf("%-26s %7.2f %7.2f %7.2f %8.2f %8.2f %6zu %6zu %7.1f %7.0f %8.1f ", r.name.c_str(),
+  std::printf("%-26s %7.2f %7.2f %7.2f %8.2f %8.2f %6zu %6zu %7.1f %7.0f %8.1f %8.1f %5.2f %5.2f ", r.name.c_str(),
               percentile(r.horizontal_m, 0.5), percentile(r.horizontal_m, 0.95), percentile(r.horizontal_m, 1.0),
               percentile(r.fix_m, 0.5), percentile(r.fix_m, 0.95), r.accepted, r.refused, part(r.beyond, r.accepted),
-              part(r.with_fix, r.seconds), r.frame_ms_99);
+              part(r.with_fix, r.seconds), r.frame_ms_99, r.thread_ms_99, percentile(r.tilt_deg, 0.5),
+              percentile(r.tilt_deg, 0.95));
   if (r.found_after_m >= 0)
     std::printf("%7.0f %7.2f ", r.found_after_m, r.found_off_m);
   else
@@ -165,27 +179,31 @@ void print(const CityRun& r) {
   std::printf("\n");
 }
 
+void add(const CityRun& run, CityRun& all) {
+  all.horizontal_m.insert(all.horizontal_m.end(), run.horizontal_m.begin(), run.horizontal_m.end());
+  all.fix_m.insert(all.fix_m.end(), run.fix_m.begin(), run.fix_m.end());
+  all.tilt_deg.insert(all.tilt_deg.end(), run.tilt_deg.begin(), run.tilt_deg.end());
+  all.accepted += run.accepted, all.refused += run.refused, all.beyond += run.beyond;
+  all.seconds += run.seconds, all.with_fix += run.with_fix;
+  all.frame_ms_99 = std::max(all.frame_ms_99, run.frame_ms_99);
+  all.thread_ms_99 = std::max(all.thread_ms_99, run.thread_ms_99);
+}
+
 int bench(const CityArguments& a) {
   std::vector<CityRun> runs;
   if (!a.json)
-    std::printf("%-26s %7s %7s %7s %8s %8s %6s %6s %7s %7s %8s %7s %7s  %s\n", "model, lens, seed", "median", "95 %",
-                "most", "fix 50 %", "fix 95 %", "used", "refus.", ">3s %", "secs. %", "ms 99 %", "1st at", "off m",
-                "no fix because of (frames)");
+    std::printf("%-26s %7s %7s %7s %8s %8s %6s %6s %7s %7s %8s %8s %11s %7s %7s  %s\n", "model, lens, seed", "median",
+                "95 %", "most", "fix 50 %", "fix 95 %", "used", "refus.", ">3s %", "secs. %", "ms 99 %", "cpu 99 %",
+                "tilt, 95 %", "1st at", "off m", "no fix because of (frames)");
   for (const std::string& lens : a.lenses) {
     CityRun all{.name = "all, " + lens};
     for (const std::string& model : a.models)
-      for (uint64_t seed = a.first_seed; seed < a.first_seed + a.drives; ++seed) {
-        auto run = run_one(a, model, lens, seed);
+      for (uint64_t k = 0; k < a.drives * a.skies; ++k) {
+        auto run = run_one(a, model, lens, a.first_seed + k / a.skies, k % a.skies);
         if (!run) return complain(run.failure());
         if (!a.json) print(*run);
         std::fflush(stdout);
-        const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
-          to.insert(to.end(), from.begin(), from.end());
-        };
-        append(all.horizontal_m, run->horizontal_m), append(all.fix_m, run->fix_m);
-        all.accepted += run->accepted, all.refused += run->refused, all.beyond += run->beyond;
-        all.seconds += run->seconds, all.with_fix += run->with_fix;
-        all.frame_ms_99 = std::max(all.frame_ms_99, run->frame_ms_99);
+        add(*run, all);
         runs.push_back(std::move(*run));
       }
     if (!a.json) print(all);
@@ -201,7 +219,9 @@ int bench(const CityArguments& a) {
          {"seconds_with_skyline", r.seconds},
          {"seconds_with_fix", r.with_fix},
          {"first_fix", {{"after_m", r.found_after_m}, {"off_m", r.found_off_m}}},
-         {"frame_ms_99", r.frame_ms_99}});
+         {"frame_ms_99", r.frame_ms_99},
+         {"thread_ms_99", r.thread_ms_99},
+         {"tilt_deg", {{"50", percentile(r.tilt_deg, 0.5)}, {"95", percentile(r.tilt_deg, 0.95)}}}});
   std::printf("%s\n", rows.dump(2).c_str());
   return kDone;
 }
@@ -222,6 +242,9 @@ void add_bench_city(CLI::App& app, int& status) {
       ->check(CLI::IsMember({"wide", "narrow", "forward"}));
   command->add_option("--drives", a->drives, "in each model")->capture_default_str()->check(CLI::Range(1, 1000));
   command->add_option("--first-seed", a->first_seed, "of route, sun, clouds and noise")->capture_default_str();
+  command->add_option("--skies", a->skies, "each route under that many suns and clouds")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100));
   command->add_option("--length", a->length_m, "of each drive, m")->capture_default_str();
   command->add_option("--keep", a->keep, "recordings are kept here and rendered once")->capture_default_str();
   command->add_flag("--json", a->json, "print one JSON array");

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sdk/city/thinned_model.hpp"
 #include "sdk/cli/commands.hpp"
 #include "sdk/cli/kept_recordings.hpp"
 #include "sdk/cli/plot.hpp"
@@ -21,7 +22,7 @@ struct DriveArguments {
                                       "samples/configs/monocular.yaml", "samples/configs/city_drive.yaml"};
   std::string scenario = "samples/scenarios/drive_downtown.yaml", keep = "out/bench", plot;
   uint64_t seeds = 1, first_seed = 1;
-  double start_m = 50;
+  double start_m = 50, missing = 0;
   bool quick = false, json = false;
 };
 
@@ -66,6 +67,19 @@ Trajectory levelled(const Trajectory& truth, const Trajectory& track) {
   return out;
 }
 
+/// The folder of the city model that the pipeline is given: what was rendered, or less of it.
+Result<std::filesystem::path> model_for(const DriveArguments& a, const std::filesystem::path& recording,
+                                        uint64_t seed) {
+  const auto whole = assets_of(recording);
+  if (a.missing <= 0) return whole;
+  const auto folder = recording.parent_path() / (recording.stem().string() + ".missing");
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  const auto left = write_thinned_model(whole / "city.json", folder / "city.json", a.missing, seed);
+  if (!left) return left.failure();
+  return folder;
+}
+
 Result<bool> add_run(const DriveArguments& a, const std::string& config, uint64_t seed, DriveErrors& errors) {
   const auto file = kept_recording(a.scenario, seed, a.keep, a.quick ? 300.0 : 0.0);
   if (!file) return file.failure();
@@ -74,7 +88,9 @@ Result<bool> add_run(const DriveArguments& a, const std::string& config, uint64_
   Progress progress("run " + config + " seed " + std::to_string(seed));
   RunOptions options;
   options.config = config;
-  options.asset_path = assets_of(*file).string();
+  const auto assets = model_for(a, *file, seed);
+  if (!assets) return assets.failure();
+  options.asset_path = assets->string();
   options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
   const auto result = replay(*recording, options);
   if (!result) return result.failure();
@@ -104,7 +120,8 @@ void print(const DriveArguments& a, const std::vector<DriveErrors>& all) {
       "Horizontal errors after Gakne & O'Keefe 2018, Figure 11; where a config has no fixes, start\n"
       "and heading (and the scale, where it has no source of it) are from the first %.0f m.\n",
       a.start_m);
-  std::printf("%llu seed%s, all frames.\n\n%-44s", static_cast<unsigned long long>(a.seeds), a.seeds == 1 ? "" : "s",
+  std::printf("%llu seed%s, all frames; %.0f %% of the buildings are missing in the model.\n\n%-44s",
+              static_cast<unsigned long long>(a.seeds), a.seeds == 1 ? "" : "s", 100 * a.missing,
               "error in m of this part of the frames:");
   for (const double p : kParts) std::printf(" %6.0f%%", 100 * p);
   std::printf("  %-15s %-15s %9s %9s\n", "north", "east", "scale", "end");
@@ -181,6 +198,9 @@ void add_bench_drive(CLI::App& bench, int& status) {
   command->add_option("--first-seed", a->first_seed, "the first of them")->capture_default_str();
   command->add_flag("--quick", a->quick, "the first 300 m alone");
   command->add_option("--scenario", a->scenario, "the drive")->capture_default_str();
+  command->add_option("--missing", a->missing, "part of the buildings that the city model lacks, drawn by the seed")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
   command->add_option("--start", a->start_m, "start, heading and missing scale are fitted over these first metres")
       ->capture_default_str();
   command->add_option("--keep", a->keep, "recordings are kept here and rendered once")->capture_default_str();

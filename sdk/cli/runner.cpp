@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -26,11 +27,30 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// Processor time of the calling thread: what waits or is taken by other programs does not count.
+double thread_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+/// What a call takes: wall clock and processor time of the thread.
+struct Work {
+  double ms, thread_ms;
+};
+template <class Call>
+Work work_of(Call&& call) {
+  const auto start = std::chrono::steady_clock::now();
+  const double thread_start = thread_ms();
+  call();
+  return {milliseconds_since(start), thread_ms() - thread_start};
+}
+
 /// Collects events of the session; lives as long as the callback is set.
 struct Collector {
   RunResult& result;
-  double work_ms = 0;     // since the last camera pose
-  int64_t pushed_ns = 0;  // time of the newest input
+  double work_ms = 0, work_thread_ms = 0;  // since the last camera pose
+  int64_t pushed_ns = 0;                   // time of the newest input
 
   static void on_event(void* user, const odo_header* event) { static_cast<Collector*>(user)->take(*event); }
 
@@ -69,6 +89,8 @@ struct Collector {
       result.reports.push_back(text);
   }
 
+  void take(const Work& work) { work_ms += work.ms, work_thread_ms += work.thread_ms; }
+
   void take_pose(const odo_pose& pose) {
     const StampedPose x{
         pose.header.t_ns, {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}, Eigen::Vector3d(pose.p_n)};
@@ -80,7 +102,8 @@ struct Collector {
     result.states.push_back(pose.state);
     if (pose.header.flags & ODO_POSE_CAMERA) {
       result.frame_ms.push_back(work_ms);
-      work_ms = 0;
+      result.frame_thread_ms.push_back(work_thread_ms);
+      work_ms = work_thread_ms = 0;
     }
   }
 };
@@ -164,16 +187,13 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
         if (result.loss.pictures++ < kMostPicturesNamed) result.reports.push_back(frame.failure().text);
         continue;
       }
-      const auto start = std::chrono::steady_clock::now();
-      odo_session_push(session, &frame->header);
-      collector.work_ms += milliseconds_since(start);
+      collector.take(work_of([&] { odo_session_push(session, &frame->header); }));
       frame->release(&*frame);
     } else {
-      const auto start = std::chrono::steady_clock::now();
-      odo_session_push(session, &message.message.header());
-      const double ms = milliseconds_since(start);
-      collector.work_ms += ms;
-      if (options.collect_timing && message.message.header().type == ODO_TYPE_IMU) result.imu_us.push_back(ms * 1e3);
+      const Work work = work_of([&] { odo_session_push(session, &message.message.header()); });
+      collector.take(work);
+      if (options.collect_timing && message.message.header().type == ODO_TYPE_IMU)
+        result.imu_us.push_back(work.ms * 1e3);
     }
     if (!is_frame) ++done;
     if (options.progress && (done % 64 == 0 || is_frame)) options.progress(done, recording.messages.size());

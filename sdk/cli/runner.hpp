@@ -32,8 +32,9 @@ struct RunResult {
   std::vector<odo_motion_mode> modes;   // each from its own time until the next one's
   std::vector<odo_attitude> attitudes;  // where RunOptions asks for them
   odo_statistics statistics{};
-  std::vector<double> frame_ms;  // work between one camera pose and the next
-  std::vector<double> imu_us;    // work of each IMU sample alone
+  std::vector<double> frame_ms;         // work between one camera pose and the next
+  std::vector<double> frame_thread_ms;  // the same as processor time of the thread that pushes
+  std::vector<double> imu_us;           // work of each IMU sample alone
   uint32_t final_state = 0;
   uint32_t final_reason = 0;
   double heading_turn_rad = 0;  // applied by replay.align_heading_over

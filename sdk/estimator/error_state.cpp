@@ -229,6 +229,31 @@ void ErrorState::shift_by_step(const Vector3d& by_n, const Vector3d& by_factor, 
   loosen_position(noise);
 }
 
+void ErrorState::turn(double by_rad, const Vector3d& about_n) {
+  const Quaterniond q(Eigen::AngleAxisd(by_rad, Vector3d::UnitZ()));
+  const Matrix3d R = q.toRotationMatrix();
+  const auto turned = [&](const Quaterniond& a) { return (q * a).normalized(); };
+  const auto moved = [&](const Vector3d& p) { return Vector3d(about_n + R * (p - about_n)); };
+  x.q_n_b = turned(x.q_n_b), x.q_n_vo = turned(x.q_n_vo);
+  x.p_n = moved(x.p_n), x.p_n_vo = moved(x.p_n_vo);
+  x.v_n = (R * x.v_n).eval();
+  for (size_t i = 0; i < clone_count_; ++i) {
+    Clone& clone = clones_[slot_back(i)];
+    clone.q_n_b = turned(clone.q_n_b), clone.p_n = moved(clone.p_n);
+  }
+  std::array<int, 2 * kClones + 5> in_n = {kTheta, kPosition, kVelocity, kVo, kVoPosition};
+  for (int i = 0; i < 2 * kClones; ++i) in_n[static_cast<size_t>(i) + 5] = kFirstClone + 3 * i;
+  for (const int at : in_n) P.middleRows<3>(at) = (R * P.middleRows<3>(at)).eval();
+  for (const int at : in_n) P.middleCols<3>(at) = (P.middleCols<3>(at) * R.transpose()).eval();
+  for (auto& held : held_) {
+    held.q_n_b = turned(held.q_n_b), held.p_n = moved(held.p_n);
+    for (const int row : {0, 3}) held.cross.middleRows<3>(row) = (R * held.cross.middleRows<3>(row)).eval();
+    for (const int at : in_n) held.cross.middleCols<3>(at) = (held.cross.middleCols<3>(at) * R.transpose()).eval();
+    for (const int row : {0, 3}) held.own.middleRows<3>(row) = (R * held.own.middleRows<3>(row)).eval();
+    for (const int col : {0, 3}) held.own.middleCols<3>(col) = (held.own.middleCols<3>(col) * R.transpose()).eval();
+  }
+}
+
 void ErrorState::loosen_heading(double sigma_rad) {
   Error common = Error::Zero();
   const auto turned = [&](const Vector3d& v) { return Vector3d(sigma_rad * Vector3d::UnitZ().cross(v)); };

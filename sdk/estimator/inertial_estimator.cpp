@@ -44,6 +44,7 @@ void InertialEstimator::reset() {
   history_.clear();
   started_ = started_by_attitude_ = camera_ = resting_ = stepped_ = step_loose_ = baro_started_ = north_ = false;
   heading_open_ = start_.given;
+  turned_rad_ = 0;
   placed_ = start_.given ? kAllAxes : 0;
   metric_ = !inputs_.vo;
   t_ns_ = first_imu_ns_ = first_frame_ns_ = rested_ns_ = attitude_ns_ = informed_ns_ = reminded_ns_ = stood_ns_ =
@@ -81,7 +82,7 @@ void InertialEstimator::on_imu_noise(const odo_imu_noise& noise) {
 }
 
 Quaterniond InertialEstimator::heading_offset() const {
-  return Quaterniond(Eigen::AngleAxisd(start_.heading_rad, Vector3d::UnitZ()));
+  return Quaterniond(Eigen::AngleAxisd(start_.heading_rad + turned_rad_, Vector3d::UnitZ()));
 }
 
 void InertialEstimator::start(int64_t t_ns, const Quaterniond& q_n_b, double tilt_sigma, double heading_sigma) {

@@ -101,6 +101,8 @@ class InertialEstimator : public Estimator {
   void doubt_steps();
   bool outweighs_fixes(int64_t t_ns) const;
   void place_by(inertial::Innovation<6>& seen, uint32_t axes);
+  void turn_n(double by_rad);
+  bool tells_first_heading(const odo_fix& fix) const;
 
   // Poses (inertial_poses.cpp).
   void publish(int64_t t_ns, uint32_t state, uint32_t reason);
@@ -121,6 +123,7 @@ class InertialEstimator : public Estimator {
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
   double gyro_noise_ = 0, accel_noise_ = 0, gyro_walk_ = 0, accel_walk_ = 0;
 
+  double turned_rad_ = 0;  ///< by which n was turned since the start, when the first fix told the heading
   bool started_ = false, started_by_attitude_ = false, camera_ = false, metric_ = false, north_ = false,
        heading_open_ = false;
   int64_t t_ns_ = INT64_MIN, first_imu_ns_ = INT64_MIN, attitude_ns_ = INT64_MIN, informed_ns_ = INT64_MIN,

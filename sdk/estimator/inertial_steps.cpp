@@ -27,6 +27,16 @@ bool is_loose(const odo_step& step) {
   return step.mode == ODO_MODE_WALKING_SWINGING || step.mode == ODO_MODE_WALKING_POCKET;
 }
 
+/// Heading of a fix minus the body's.
+double heading_residual(const odo_fix& fix, const Eigen::Quaterniond& q_n_b) {
+  if (fix.header.flags & ODO_FIX_ORIENTATION) {
+    const Eigen::Quaterniond off = quaternion(fix.q_n_b) * q_n_b.conjugate();
+    return std::remainder(2 * std::atan2(off.z(), off.w()), 2 * EIGEN_PI);
+  }
+  const Vector3d y_n = q_n_b * Vector3d::UnitY();
+  return std::remainder(fix.yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
+}
+
 }  // namespace
 
 UpdateResult InertialEstimator::apply(const odo_step* step) {
@@ -71,8 +81,8 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
   if (covered < 1 && !(unaided() && heading)) return {};
 
   const Vector3d moved = covered > 0 ? Vector3d(to->p_n - from->p_n) : Vector3d(Vector3d::Zero());
-  const double direction =
-      heading ? step.heading_rad + start_.heading_rad + e_.x.step_heading_rad : std::atan2(moved.y(), moved.x());
+  const double direction = heading ? step.heading_rad + start_.heading_rad + turned_rad_ + e_.x.step_heading_rad
+                                   : std::atan2(moved.y(), moved.x());
   const Vector3d along(std::cos(direction), std::sin(direction), 0), across(-along.y(), along.x(), 0);
   const double length_m = std::exp(e_.x.log_factor) * step.length_m;
   // Derivatives at the usual length: this step's own error in them would favour short steps.
@@ -165,6 +175,26 @@ void InertialEstimator::place_by(Innovation<6>& seen, uint32_t axes) {
   e_.shift_held(moved, covariance, fixed_distance_m_, distance_m_);
 }
 
+/// Until now nobody knew which way n's axes point in the world: what the track and its sources tell in n is turned.
+void InertialEstimator::turn_n(double by_rad) {
+  turned_rad_ += by_rad;
+  const Eigen::Quaterniond q(Eigen::AngleAxisd(by_rad, Vector3d::UnitZ()));
+  const Vector3d about_n(start_.position_m.data());
+  e_.turn(by_rad, about_n);
+  track_.turn(q);
+  vo_.y_n = (q * vo_.y_n).eval();
+  vo_.start_n = about_n + q * (vo_.start_n - about_n);
+  window_.restart();
+  scale_start_.restart();
+}
+
+/// A fix places a track of which nobody has told the heading, and tells one.
+bool InertialEstimator::tells_first_heading(const odo_fix& fix) const {
+  const uint32_t flags = fix.header.flags;
+  const bool unheaded = !start_.given && !start_.heading_given && !north_ && fixed_ns_ == INT64_MIN;
+  return unheaded && (flags & kHorizontal) == kHorizontal && (flags & (ODO_FIX_ORIENTATION | ODO_FIX_YAW)) != 0;
+}
+
 /// Fixes agreed with the track, and a front-end has led without a break since: it is not the track that is off.
 bool InertialEstimator::outweighs_fixes(int64_t t_ns) const {
   return fixes_agreed_ >= p_.agreed_fixes && led() && led_since_ns_ <= fixed_ns_ &&
@@ -174,8 +204,14 @@ bool InertialEstimator::outweighs_fixes(int64_t t_ns) const {
 UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   const uint32_t flags = fix->header.flags;
   flush();
-  const auto at = past(fix->header.t_ns);
+  auto at = past(fix->header.t_ns);
   if (!at || fix->integrity > p_.most_integrity_risk) return {};
+  const bool turns = tells_first_heading(*fix);
+  if (turns) {
+    turn_n(heading_residual(*fix, at->q_n_b));
+    at = past(fix->header.t_ns);
+    if (!at) return {};
+  }
   const Vector3d lever_n = camera_ ? Vector3d(at->q_n_b * p_b_c_) : Vector3d::Zero();
   const bool whole = (flags & ODO_FIX_ORIENTATION) != 0, yaw = !whole && (flags & ODO_FIX_YAW) != 0;
   const bool positions = (flags & kAllAxes) != 0, horizontal = (flags & kHorizontal) != 0;
@@ -193,7 +229,7 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   } else if (yaw) {
     const Vector3d y_n = at->q_n_b * Vector3d::UnitY();
     const double across = std::max(1e-6, y_n.head<2>().squaredNorm());
-    seen.residual[2] = std::remainder(fix->yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
+    seen.residual[2] = heading_residual(*fix, at->q_n_b);
     by_theta.row(2) << -y_n.x() * y_n.z() / across, -y_n.y() * y_n.z() / across, 1;
     seen.noise(2, 2) = squared(fix->yaw_sigma_rad);
     dof += 1;
@@ -210,6 +246,13 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
         if (has(j)) seen.noise(3 + i, 3 + j) = R(i, j);
       ++dof;
     }
+  }
+  if (turns) {  // the heading is the fix's now, and as uncertain
+    e_.loosen_heading(std::sqrt(seen.noise(2, 2)));
+    heading_open_ = true;
+    seen.residual[2] = 0;
+    seen.noise.row(2).setZero(), seen.noise.col(2).setZero();
+    seen.noise(2, 2) = kNothing;
   }
   for (int i = 0; i < 6; ++i) seen.noise(i, i) += 1e-12;
   const uint32_t axes = flags & kAllAxes;

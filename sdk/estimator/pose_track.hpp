@@ -19,6 +19,10 @@ class PoseTrack {
   void add(int64_t t_ns, const Clone& clone, const State& x) {
     moments_[count_++ % moments_.size()] = {t_ns, segment_, x.q_n_b * clone.q_n_b.conjugate(), x.p_n - clone.p_n};
   }
+  /// n itself is turned.
+  void turn(const Eigen::Quaterniond& q) {
+    for (Moment& m : moments_) m.dq_n = q * m.dq_n * q.conjugate(), m.dp_n = (q * m.dp_n).eval();
+  }
 
   /// Nothing before the oldest clone; from now on the pose now.
   std::optional<PastPose> at(int64_t t_ns, int64_t now_ns, const ErrorState& e) const {
@@ -61,8 +65,8 @@ class PoseTrack {
   struct Moment {
     int64_t t_ns;
     uint64_t segment;
-    Eigen::Quaterniond dq_n;
-    Eigen::Vector3d dp_n;
+    Eigen::Quaterniond dq_n = Eigen::Quaterniond::Identity();
+    Eigen::Vector3d dp_n = Eigen::Vector3d::Zero();
   };
   std::array<Moment, 2048> moments_{};
   size_t count_ = 0;

@@ -4,10 +4,14 @@
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
+#include <GeographicLib/LocalCartesian.hpp>
 #include <nlohmann/json.hpp>
+
+#include "plugins/fix/projection.hpp"
 
 namespace odograph::skyline {
 namespace {
@@ -45,6 +49,38 @@ void collect(const Json& part, const std::vector<Vector3d>& points, const std::s
   }
 }
 
+/// From a model's easting, northing and height to n.
+class ModelToNavigation {
+ public:
+  ModelToNavigation(const CityPlacement& placement, const Json& root, const std::string& name) : p_(placement) {
+    if (!p_.geodetic) return;
+    const Json metadata = root.value("metadata", Json());
+    const Json system = metadata.is_object() ? metadata.value("referenceSystem", Json()) : Json();
+    const int epsg = system.is_string() ? epsg_of(system.get<std::string>()) : 0;
+    projection_ = Projection::of(epsg);
+    if (!projection_)
+      throw std::runtime_error(name + ": geodetic_origin: the model's reference system (EPSG " + std::to_string(epsg) +
+                               ") is not known; give model_origin in its coordinates");
+    local_.Reset(p_.geodetic_origin[0], p_.geodetic_origin[1], p_.geodetic_origin[2]);
+  }
+
+  Vector3d operator()(const Vector3d& at) const {
+    if (!projection_) {
+      const Vector3d d = at - Vector3d(p_.model_origin.data());
+      return {d.y(), d.x(), -d.z()};
+    }
+    const Geodetic g = projection_->geodetic({at.x(), at.y()});
+    double east = 0, north = 0, up = 0;
+    local_.Forward(g.latitude_deg, g.longitude_deg, at.z() + p_.geoid_height_m, east, north, up);
+    return {north, east, -up};
+  }
+
+ private:
+  CityPlacement p_;
+  std::optional<Projection> projection_;
+  GeographicLib::LocalCartesian local_;
+};
+
 }  // namespace
 
 std::vector<Edge> edges_of(const std::vector<std::vector<Vector3d>>& rings) {
@@ -59,8 +95,7 @@ std::vector<Edge> edges_of(const std::vector<std::vector<Vector3d>>& rings) {
   return edges;
 }
 
-std::vector<Edge> parse_city_outline(const std::string& text, const std::string& name,
-                                     const std::array<double, 3>& origin) {
+std::vector<Edge> parse_city_outline(const std::string& text, const std::string& name, const CityPlacement& placement) {
   const Json root = Json::parse(text, nullptr, false);
   if (!root.is_object() || root.value("type", Json()) != "CityJSON")
     throw std::runtime_error(name + ": not CityJSON: expected an object with \"type\": \"CityJSON\"");
@@ -73,15 +108,18 @@ std::vector<Edge> parse_city_outline(const std::string& text, const std::string&
   const Json vertices = root.value("vertices", Json()), objects = root.value("CityObjects", Json());
   if (!vertices.is_array() || !objects.is_object())
     throw std::runtime_error(name + ": no \"vertices\" or no \"CityObjects\" in it");
+  const ModelToNavigation to_navigation(placement, root, name);
   std::vector<Vector3d> points;
   for (const Json& v : vertices) {
     if (!is_point(v))
       throw std::runtime_error(name + ": vertex " + std::to_string(points.size()) + " is not three numbers");
-    const Vector3d p = scale.cwiseProduct(point(v)) + shift - Vector3d(origin.data());
+    const Vector3d at = scale.cwiseProduct(point(v)) + shift;
+    const bool near = at.cwiseAbs().maxCoeff() < kFarthest_m;
+    const Vector3d p = near ? to_navigation(at) : at;
     if (!(p.cwiseAbs().maxCoeff() < kFarthest_m))
       throw std::runtime_error(name + ": vertex " + std::to_string(points.size()) +
                                " is farther than any reference system's zero");
-    points.emplace_back(p.y(), p.x(), -p.z());
+    points.push_back(p);
   }
   std::vector<std::vector<Vector3d>> rings;
   for (const auto& [id, object] : objects.items()) {
@@ -100,12 +138,12 @@ std::vector<Edge> parse_city_outline(const std::string& text, const std::string&
   return edges;
 }
 
-std::vector<Edge> read_city_outline(const std::string& file, const std::array<double, 3>& origin) {
+std::vector<Edge> read_city_outline(const std::string& file, const CityPlacement& placement) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw std::runtime_error(file + ": no such file");
   std::stringstream text;
   text << in.rdbuf();
-  return parse_city_outline(text.str(), file, origin);
+  return parse_city_outline(text.str(), file, placement);
 }
 
 }  // namespace odograph::skyline

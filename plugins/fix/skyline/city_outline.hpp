@@ -18,11 +18,18 @@ struct Edge {
 /// nothing is higher than its border.
 std::vector<Edge> edges_of(const std::vector<std::vector<Eigen::Vector3d>>& rings);
 
-/// Reads the buildings of a CityJSON file (1.0 to 2.0, the finest level of detail). `origin` is n's origin as easting,
-/// northing and height of the file's own reference system. Throws std::runtime_error that names file and object.
-std::vector<Edge> read_city_outline(const std::string& file, const std::array<double, 3>& origin);
+/// Where n lies in a city model.
+struct CityPlacement {
+  std::array<double, 3> model_origin = {0, 0, 0};  ///< easting, northing and height of n's origin in the file, m
+  bool geodetic = false;  ///< geodetic_origin stands for model_origin, n's north is the true one
+  std::array<double, 3> geodetic_origin = {0, 0, 0};  ///< latitude and longitude in degrees, ellipsoidal height in m
+  double geoid_height_m = 0;                          ///< ellipsoidal height of the file's zero height
+};
+
+/// Reads the buildings of a CityJSON file (1.0 to 2.0, the finest level of detail). Throws std::runtime_error that
+/// names file and object, and where a geodetic origin needs a reference system that is not known here.
+std::vector<Edge> read_city_outline(const std::string& file, const CityPlacement& placement);
 /// The same from text, `name` standing for the file in messages.
-std::vector<Edge> parse_city_outline(const std::string& text, const std::string& name,
-                                     const std::array<double, 3>& origin);
+std::vector<Edge> parse_city_outline(const std::string& text, const std::string& name, const CityPlacement& placement);
 
 }  // namespace odograph::skyline

@@ -82,31 +82,50 @@ double Matcher::cost(const Guess& g, bool new_place) {
   return seen_.loss(horizon_, g, kMost_rad) + cost_of_prior(g);
 }
 
-/// A lattice of places, each with the best of the headings in reach.
+/// A place of the lattice, with the best of the headings in reach.
+void Matcher::look_at_place(Place best, int middle_deg, int turns, int stride) {
+  best.cost = 1e9;
+  spend(city_.quick_work() + static_cast<uint64_t>(2 * turns / stride + 3) * seen_.turned_size() / kTurnedCheaper);
+  city_.quick_horizon(place_of(best.guess), horizon_);
+  const auto middle = std::copy(horizon_.elevation.begin(), horizon_.elevation.end(), twice_.begin());
+  std::copy(horizon_.elevation.begin(), horizon_.elevation.end(), middle);
+  const auto look = [&](int degrees) {
+    const int turned = static_cast<int>(std::lround(std::remainder(degrees, 360)));
+    if (const double c = seen_.turned_loss(twice_, 2 * turned, kMost_rad); c < best.cost)
+      best.guess.yaw = turned * kDegree, best.cost = c;
+  };
+  for (int y = -turns; y <= turns; y += stride) look(middle_deg + y);
+  if (stride > 1) {
+    const auto best_degrees = static_cast<int>(std::lround(best.guess.yaw / kDegree));
+    look(best_degrees - 1), look(best_degrees + 1);
+  }
+  places_.push_back(best);
+}
+
 void Matcher::search(double radius_m, double step_m) {
   const int reach = static_cast<int>(std::ceil(radius_m / step_m));
   const int turns = static_cast<int>(std::ceil(std::min(3 * prior_.yaw_sigma_rad, std::numbers::pi) / kDegree));
-  const int stride = turns > 8 ? 2 : 1;
-  const uint64_t work =
-      city_.quick_work() + static_cast<uint64_t>(2 * turns / stride + 3) * seen_.turned_size() / kTurnedCheaper;
+  places_.clear();
+  for (int a = -reach; a <= reach; ++a)
+    for (int b = -reach; b <= reach; ++b)
+      look_at_place({{.north = a * step_m, .east = b * step_m}, 0}, 0, turns, turns > 8 ? 2 : 1);
+}
+
+/// A lattice over the ring around the pivot, which is the prior's place here. `way` leads from there to where the track
+/// is, m north and east: each place of the ring has its own heading.
+void Matcher::search_circle(const Eigen::Vector2d& way, double step_m) {
+  const double chord_m = way.norm();
+  const int reach = static_cast<int>(std::ceil((chord_m + prior_.slack_m) / step_m));
+  const double aside_rad = std::asin(std::min(1.0, prior_.slack_m / chord_m));
+  const int turns = std::min(180, static_cast<int>(std::ceil(aside_rad / kDegree)) + 2);
   places_.clear();
   for (int a = -reach; a <= reach; ++a)
     for (int b = -reach; b <= reach; ++b) {
-      Place best{{.north = a * step_m, .east = b * step_m}, 1e9};
-      spend(work);
-      city_.quick_horizon(place_of(best.guess), horizon_);
-      const auto middle = std::copy(horizon_.elevation.begin(), horizon_.elevation.end(), twice_.begin());
-      std::copy(horizon_.elevation.begin(), horizon_.elevation.end(), middle);
-      const auto look = [&](int degrees) {
-        if (const double c = seen_.turned_loss(twice_, 2 * degrees, kMost_rad); c < best.cost)
-          best.guess.yaw = degrees * kDegree, best.cost = c;
-      };
-      for (int y = -turns; y <= turns; y += stride) look(y);
-      if (stride > 1) {
-        const auto best_degrees = static_cast<int>(std::lround(best.guess.yaw / kDegree));
-        look(best_degrees - 1), look(best_degrees + 1);
-      }
-      places_.push_back(best);
+      const Eigen::Vector2d at(a * step_m, b * step_m);
+      if (std::abs(at.norm() - chord_m) > prior_.slack_m) continue;
+      const double turn = std::atan2(at.y(), at.x()) - std::atan2(way.y(), way.x());
+      look_at_place({{.north = at.x(), .east = at.y()}, 0}, static_cast<int>(std::lround(turn / kDegree)), turns,
+                    turns > 8 ? 2 : 1);
     }
 }
 
@@ -338,11 +357,18 @@ std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Pri
   refusal_ = Refusal::none;
   prior_ = prior;
   seen_.set(edges, prior.q_n_c);
-  const double radius = std::min(std::max(3 * prior.position_sigma_m, kNearest_m), prior.farthest_m);
-  const double step = radius > kWide_m || prior.lost ? 2.0 : 1.5;
-  city_.look_around(prior.p_n, radius + 3, std::tan(std::max(kLowest_rad, seen_.lowest_rad() - 0.1)),
+  const Eigen::Vector2d way =
+      prior.pivot_n ? Eigen::Vector2d((prior.p_n - *prior.pivot_n).head<2>()) : Eigen::Vector2d::Zero();
+  const double radius = prior.pivot_n ? way.norm() + prior.slack_m
+                                      : std::min(std::max(3 * prior.position_sigma_m, kNearest_m), prior.farthest_m);
+  if (prior.pivot_n) prior_.p_n.head<2>() = prior.pivot_n->head<2>(), prior_.lost = false;
+  const double step = radius > kWide_m || prior_.lost ? 2.0 : 1.5;
+  city_.look_around(prior_.p_n, radius + 3, std::tan(std::max(kLowest_rad, seen_.lowest_rad() - 0.1)),
                     3 * prior.height_sigma_m, spend);
-  search(radius, step);
+  if (prior.pivot_n)
+    search_circle(way, step);
+  else
+    search(radius, step);
   double rival_cost = 0;
   const auto best = choose(step, rival_cost);
   Match match;

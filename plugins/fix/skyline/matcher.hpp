@@ -19,6 +19,10 @@ struct Prior {
   /// The picture before did not tell the place: several must agree on where the prior is wrong.
   bool lost = false;
   double height_sigma_m = 0.05;  ///< of p_n's down
+  /// Where the position was known last, when the heading is not known: the way from there to p_n is known but for its
+  /// direction, to within slack_m, so the place lies on a circle, and where it lies on it says the heading.
+  std::optional<Eigen::Vector3d> pivot_n = std::nullopt;
+  double slack_m = 0;
 };
 
 struct Match {
@@ -90,6 +94,8 @@ class Matcher {
   double cost(const Guess& guess, bool new_place);
   double cost_of_prior(const Guess& guess) const;
   void search(double radius_m, double step_m);
+  void search_circle(const Eigen::Vector2d& way, double step_m);
+  void look_at_place(Place place, int middle_deg, int turns, int stride);
   Place refine(Place from);
   void turn(Place& at);
   Place polish(Place from);

@@ -8,14 +8,14 @@
 
 #include <Eigen/Geometry>
 
-#include <odograph/skylines.h>
-
 #include "plugins/camera/frame_view.hpp"
+#include "plugins/fix/skyline/database_extension.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
 #include "plugins/fix/skyline/place_finder.hpp"
 #include "plugins/fix/skyline/robust_sky.hpp"
 #include "plugins/fix/skyline/skyline_database.hpp"
 #include "plugins/fix/skyline/sliced_worker.hpp"
+#include "plugins/fix/skyline/vanishing_point.hpp"
 
 namespace {
 
@@ -28,15 +28,17 @@ constexpr int kDoubtful = 4;                   // failures in a row
 constexpr int kHopeless = 20;                  // failures in a row after which the whole database is searched
 constexpr double kMostTilt_rad = 3 * kDegree;
 constexpr double kFoundSigma_m = 1.5, kFoundSigma_rad = 2 * kDegree;  // of a place found by several pictures
-constexpr double kFoundAgreement = 0.8;                               // of min_agreement
-constexpr double kFoundApart_m = 3;                                   // the newest picture's own match lies so near it
-constexpr double kRival = 0.2;                                        // of another place's likelihood
-constexpr double kClimb_m = 0.05;  // by which the height over n's origin becomes uncertain from fix to fix
-constexpr double kLeastHeightSigma_m = 0.1;
+constexpr double kFewerAgree = 0.8;  // of min_agreement: of a place found by several pictures, or without a rival,
+constexpr double kNoRival = 1e-20;   // no other place being likelier than this (42 such in Delft: one was 1.1 m off)
+constexpr double kFoundApart_m = 3;  // the newest picture's own match lies so near it
+constexpr double kRival = 0.2;       // of another place's likelihood
+constexpr double kClimb_m = 0.05, kLeastHeightSigma_m = 0.1;  // of the height: from fix to fix, at least
 
 constexpr double kWorkPerSecond = 48e6;                            // of sensor time: a quarter of a core
 constexpr uint64_t kLeastSlice = 400'000, kMostSlice = 3'200'000;  // of a frame: 2 and 16 ms
 constexpr uint64_t kSkyWork = 10;                                  // of a pixel
+constexpr double kNoHeading_rad = 20 * kDegree;                    // from here on the heading is taken as unknown
+constexpr double kSlack_m = 6, kSlackOfPath = 0.05, kFarthestFromStart_m = 150;  // before the first fix
 constexpr double kMostOff = 2;  // of the path since the last fix: one who goes the other way than thought
 
 /// Why a frame gave no fix, as reports and summaries name it.
@@ -47,8 +49,10 @@ constexpr const char* kReasonNames[kReasons] = {"prior", "sky", "agreement", "am
 class Skyline {
  public:
   std::string model, skylines;
-  std::array<double, 3> model_origin = {0, 0, 0};
-  std::string sky = "robust";
+  std::array<double, 3> model_origin = {0, 0, 0}, geodetic_origin = {0, 0, 0};
+  bool geodetic = false;
+  double geoid_height = 0;
+  std::string sky = "robust", inclination = "pose";
   double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.2, radius = 40;
   double height_sigma = 1.0;
   bool start_known = true;
@@ -61,10 +65,18 @@ class Skyline {
         odo::text("model", &Skyline::model, "CityJSON file of the city, beside the config"),
         odo::reals("model_origin", "m", -1e8, 1e8, &Skyline::model_origin,
                    "easting, northing and height of n's origin in the model"),
+        odo::boolean("geodetic", &Skyline::geodetic,
+                     "geodetic_origin stands for model_origin; the model is geographic, UTM or RD New"),
+        odo::reals("geodetic_origin", "", -1e5, 1e5, &Skyline::geodetic_origin,
+                   "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),
+        odo::real("geoid_height", "m", -200, 200, &Skyline::geoid_height,
+                  "ellipsoidal height of the model's zero height"),
         odo::text("skylines", &Skyline::skylines,
                   "database of skylines (`odograph city build`), beside the config; without a model also its edges"),
         odo::choice("sky", "robust|flood_fill", &Skyline::sky,
                     "how sky is told from the rest: flood_fill is the paper's"),
+        odo::choice("inclination", "pose|vanishing_point", &Skyline::inclination,
+                    "where pitch and roll come from: vanishing_point is the paper's"),
         odo::real("interval", "s", 0, 3600, &Skyline::interval, "time between two fixes at least"),
         odo::real("radius", "m", 2, 200, &Skyline::radius, "farthest from the prior that is searched"),
         odo::real("min_agreement", "", 0.1, 1, &Skyline::min_agreement,
@@ -79,13 +91,14 @@ class Skyline {
   }
 
   void configured(odo::Output& host) {
-    host_ = host;
     if (model.empty() && skylines.empty())
       throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the city, or a database in `skylines`");
     if (!start_known && skylines.empty())
       throw odo::Error(ODO_E_CONFIG, "start_known: false wants a database in `skylines`");
     up_variance_ = height_sigma * height_sigma;
     placed_ = start_known;
+    if (geodetic && !skylines.empty())
+      throw odo::Error(ODO_E_CONFIG, "geodetic: a database lies along the model's grid; give model_origin");
     const auto find = [&](const char* key, const std::string& name) {
       const auto file = host.asset(name);
       if (!file) throw odo::Error(ODO_E_CONFIG, key + std::string(": no file '") + name + "' where the config lies");
@@ -96,14 +109,17 @@ class Skyline {
         database_ = SkylineDatabase::open(find("skylines", skylines));
         place_finder_.emplace(PlaceFinder::Parameters{}, database_, database_offset());
       }
-      matcher_.emplace(
-          City(model.empty() ? edges_of_database() : read_city_outline(find("model", model), model_origin)));
+      const CityPlacement placement{model_origin, geodetic, geodetic_origin, geoid_height};
+      matcher_.emplace(City(model.empty() ? edges_of_database() : read_city_outline(find("model", model), placement)));
     } catch (const std::runtime_error& error) {
       throw odo::Error(ODO_E_CONFIG, error.what());
     }
+    extension_.emplace(host, model.empty() ? nullptr : &matcher_->city(), Eigen::Vector3d(model_origin.data()));
   }
 
-  const void* extension(std::string_view id) const { return id == ODO_EXTENSION_SKYLINES ? &told_skylines_ : nullptr; }
+  const void* extension(std::string_view id) const {
+    return id == ODO_EXTENSION_SKYLINES && extension_ ? extension_->told() : nullptr;
+  }
 
   void on(const odo_calibration& c, odo::Output&) {
     camera_.take(c);
@@ -115,6 +131,7 @@ class Skyline {
   void on(const odo_pose& pose, odo::Output& output) {
     if (pose.header.flags & ODO_POSE_EXTRAPOLATED) return;
     pose_ = pose;
+    if (!start_n_ && (pose.header.flags & ODO_POSE_POSITION)) start_n_ = Eigen::Vector3d(pose.p_n);
     if (!waiting_ || pose.header.t_ns < waiting_->t_ns) return;
     begin(*std::exchange(waiting_, std::nullopt), output);
   }
@@ -173,9 +190,11 @@ class Skyline {
     // be placed where it only looks alike.
     const double driven_m = pose_->distance_m - fixed_at_m_;
     const double astray_m = driven_m * std::min(kMostOff, 3 * yaw_sigma);
-    const bool lost = astray_m > radius || failures_ >= kHopeless;
+    const auto slack_m = way_from_start(yaw_sigma, metric);
+    const bool lost = !slack_m && (astray_m > radius || failures_ >= kHopeless);
     const bool anywhere = place_finder_ && (!placed_ || lost);
-    if (astray_m > radius && !anywhere) return refuse(kPrior, "the pose may be farther off than is searched", output);
+    if (lost && astray_m > radius && !anywhere)
+      return refuse(kPrior, "the pose may be farther off than is searched", output);
     if (anywhere && (!metric || pose_->state == ODO_LOST)) {
       place_finder_->clear();
       return refuse(kPrior, "not placed, and the odometry tells no metres", output);
@@ -192,18 +211,41 @@ class Skyline {
                    .tilt_sigma_rad = tilt,
                    .farthest_m = radius,
                    .lost = failures_ >= kDoubtful,
-                   .height_sigma_m = std::sqrt(up_variance_)},
+                   .height_sigma_m = std::sqrt(up_variance_),
+                   .pivot_n = slack_m ? start_n_ : std::nullopt,
+                   .slack_m = slack_m.value_or(0)},
              anywhere};
     worker_.start([this](const Spend& spend) { look(spend); }, slice_);
   }
 
+  /// Before the first fix, without a heading: how well the distance from the start is known, m, where the place is to
+  /// be looked for on a circle around it.
+  std::optional<double> way_from_start(double yaw_sigma, bool metric) const {
+    if (!start_known || fixed_once_ || !metric || !start_n_ || yaw_sigma < kNoHeading_rad) return std::nullopt;
+    const double far_m = (Eigen::Vector3d(pose_->p_n) - *start_n_).head<2>().norm();
+    const double slack_m = kSlack_m + kSlackOfPath * pose_->distance_m;
+    if (far_m < slack_m || far_m > kFarthestFromStart_m) return std::nullopt;
+    return slack_m;
+  }
+
   /// On the worker's thread.
   void look(const Spend& spend) {
+    if (inclination == "vanishing_point") level(look_.prior, look_.picture, tilt_sigma);
     const auto& edges = find_sky(look_.picture, look_.prior.q_n_c.conjugate());
     spend(kSkyWork * look_.picture.grey.total());
     look_.sky_seen = !edges.empty();
     if (look_.sky_seen && look_.anywhere) return look_anywhere(edges, spend);
     if (look_.sky_seen) look_.match = matcher_->match(edges, look_.prior, spend);
+  }
+
+  /// The prior's pitch and roll are replaced by those of the upright lines in the picture, where these tell any.
+  static void level(Prior& prior, const Picture& picture, double least_sigma_rad) {
+    const VanishingPointParameters p;
+    const Eigen::Vector3d up_c = prior.q_n_c.conjugate() * -Eigen::Vector3d::UnitZ();
+    const auto zenith = vanishing_zenith(lines_of(picture.grey, picture.lens, p), up_c, p);
+    if (!zenith) return;
+    prior.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(zenith->up_c, up_c)).normalized();
+    prior.tilt_sigma_rad = std::max(zenith->sigma_rad, least_sigma_rad);
   }
 
   /// The place that several pictures agree on, of all in the database; then the match of this picture there.
@@ -237,7 +279,7 @@ class Skyline {
       return refuse(why->reason, why->text, output);
     }
     failures_ = 0;
-    placed_ = true;
+    placed_ = fixed_once_ = true;
     if (place_finder_) place_finder_->clear();
     fixed_at_m_ = look_.pose.distance_m;
     climb(*look_.match);
@@ -267,64 +309,6 @@ class Skyline {
     return edges;
   }
 
-  /// Runs what the extension is asked for; what goes wrong is reported and told by a status.
-  template <class Work>
-  static int32_t ask(void* user, Work&& work) noexcept {
-    auto& self = *static_cast<Skyline*>(user);
-    try {
-      return work(self);
-    } catch (const std::bad_alloc&) {
-      return ODO_E_MEMORY;
-    } catch (const std::exception& error) {
-      self.host_.report(ODO_SEVERITY_ERROR, "skylines", error.what());
-      return ODO_E_DATA;
-    }
-  }
-  static int32_t ODO_CALL build(void* user, const odo_string* file, const double* places_n, uint64_t count,
-                                double spacing_m, odo_skyline_progress progress, void* context) noexcept {
-    return ask(user, [&](Skyline& self) -> int32_t {
-      if (self.model.empty()) return ODO_E_STATE;
-      std::vector<Eigen::Vector3d> places;
-      for (uint64_t i = 0; i < count; ++i) places.emplace_back(places_n + 3 * i);
-      DatabaseParameters p;
-      p.origin = Eigen::Vector3d(self.model_origin.data()), p.spacing_m = spacing_m;
-      const bool done = build_database(self.matcher_->city().edges(), places, p, std::string(odo::view(*file)),
-                                       [&](size_t n) { return !progress || progress(context, n, count) != 0; });
-      return done ? ODO_OK : ODO_E_DISCARD;
-    });
-  }
-  static int32_t ODO_CALL open(void* user, const odo_string* file, odo_skyline_database* what) noexcept {
-    return ask(user, [&](Skyline& self) -> int32_t {
-      self.asked_ = SkylineDatabase::open(std::string(odo::view(*file)));
-      what->places = self.asked_.size(), what->bytes = self.asked_.bytes();
-      Eigen::Vector3d::Map(what->origin) = self.asked_.origin();
-      what->spacing_m = self.asked_.spacing_m();
-      return ODO_OK;
-    });
-  }
-  static int32_t ODO_CALL nearest(void* user, double north_m, double east_m, uint64_t* place) noexcept {
-    return ask(user, [&](Skyline& self) -> int32_t {
-      if (self.asked_.size() == 0) return ODO_E_STATE;
-      if (!std::isfinite(north_m) || !std::isfinite(east_m)) return ODO_E_ARGUMENT;
-      *place = self.asked_.nearest(north_m, east_m);
-      return ODO_OK;
-    });
-  }
-  static int32_t ODO_CALL skyline(void* user, uint64_t place, double* p_n, float* elevation_rad, float* height_m,
-                                  float* distance_m) noexcept {
-    return ask(user, [&](Skyline& self) -> int32_t {
-      if (place >= self.asked_.size()) return ODO_E_NOT_FOUND;
-      Eigen::Vector3d::Map(p_n) = self.asked_.place(place);
-      if (!elevation_rad && !height_m && !distance_m) return ODO_OK;
-      Horizon horizon;
-      if (!self.asked_.horizon(place, horizon)) return ODO_E_DATA;
-      if (elevation_rad) std::copy(horizon.elevation.begin(), horizon.elevation.end(), elevation_rad);
-      if (height_m) std::copy(horizon.height_m.begin(), horizon.height_m.end(), height_m);
-      if (distance_m) std::copy(horizon.distance_m.begin(), horizon.distance_m.end(), distance_m);
-      return ODO_OK;
-    });
-  }
-
   /// What speaks against a match.
   std::optional<Why> judge(const std::optional<Match>& match) const {
     char text[120];
@@ -337,7 +321,8 @@ class Skyline {
       }
     }
     // Several pictures have told the place already where it was looked for anywhere.
-    const double least = look_.anywhere ? kFoundAgreement * min_agreement : min_agreement;
+    const bool sure = look_.anywhere || match->rival < kNoRival;
+    const double least = sure ? kFewerAgree * min_agreement : min_agreement;
     if (match->agreement < least) {
       std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are wanted", match->agreement, least);
       return Why{kAgreement, text};
@@ -386,11 +371,11 @@ class Skyline {
     return fix;
   }
 
-  odo::Output host_;
-  SkylineDatabase database_, asked_;  // the config's; the extension's
+  SkylineDatabase database_;
   std::optional<PlaceFinder> place_finder_;
-  bool placed_ = true;
-  odo_skylines told_skylines_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline};
+  bool placed_ = true, fixed_once_ = false;
+  std::optional<Eigen::Vector3d> start_n_;  // where the pose was at first
+  std::optional<DatabaseExtension> extension_;
   std::optional<Matcher> matcher_;
   std::optional<SkyFinder> finder_;
   std::optional<RobustSkyFinder> robust_;

@@ -2,33 +2,30 @@
 #include "plugins/fix/terrain/placement.hpp"
 
 #include <GeographicLib/LocalCartesian.hpp>
-#include <GeographicLib/UTMUPS.hpp>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
+#include "plugins/fix/projection.hpp"
+
 namespace odograph::terrain {
+namespace {
+constexpr int kWgs84 = 4326;  // EPSG
+}
 
 struct Placement::Earth {
   GeographicLib::LocalCartesian local;
-  bool geographic;
-  int zone;
-  bool northern;
+  Projection projection;
 };
 
 Placement::Placement(const Parameters& parameters, const Reference& reference) : p_(parameters) {
   if (!p_.geodetic) return;
   const auto& o = p_.geodetic_origin;
-  const int epsg = reference.epsg;
-  const auto within = [&](int first, int zones) { return epsg > first && epsg <= first + zones; };
-  int zone = 0;
-  if (within(32600, 60)) zone = epsg - 32600;
-  if (within(32700, 60)) zone = epsg - 32700;
-  if (epsg >= 25828 && epsg <= 25838) zone = epsg - 25800;
-  if (zone == 0 && !reference.geographic)
-    throw std::runtime_error("geodetic_origin: the model's projection (EPSG " + std::to_string(epsg) +
+  const auto projection = reference.geographic ? Projection::of(kWgs84) : Projection::of(reference.epsg);
+  if (!projection)
+    throw std::runtime_error("geodetic_origin: the model's projection (EPSG " + std::to_string(reference.epsg) +
                              ") is not known; give model_origin in its coordinates");
-  earth_.reset(new Earth{GeographicLib::LocalCartesian(o[0], o[1], o[2]), zone == 0, zone, !within(32700, 60)});
+  earth_.reset(new Earth{GeographicLib::LocalCartesian(o[0], o[1], o[2]), *projection});
 }
 
 Placement::~Placement() = default;
@@ -49,21 +46,8 @@ bool Placement::ground_at(const Terrain& terrain, double north_m, double east_m,
   }
   double latitude = 0, longitude = 0, height = 0, x = 0, y = 0, up = 0;
   earth_->local.Reverse(east_m, north_m, -expected_down_m, latitude, longitude, height);
-  x = longitude, y = latitude;
-  if (!earth_->geographic) {
-    int zone = 0;
-    bool northern = true;
-    double easting = 0, northing = 0;
-    try {
-      GeographicLib::UTMUPS::Forward(latitude, longitude, zone, northern, easting, northing, earth_->zone);
-      GeographicLib::UTMUPS::Transfer(zone, northern, easting, northing, zone, earth_->northern, easting, northing,
-                                      zone);
-    } catch (const std::exception&) {
-      return false;  // far outside of the zone
-    }
-    x = easting, y = northing;
-  }
-  if (!terrain.height_at(x, y, height - p_.geoid_height_m, height_m)) return false;
+  const auto at = earth_->projection.grid({latitude, longitude});
+  if (!at || !terrain.height_at(at->easting_m, at->northing_m, height - p_.geoid_height_m, height_m)) return false;
   earth_->local.Forward(latitude, longitude, height_m + p_.geoid_height_m, x, y, up);
   down_m = -up;
   return true;

@@ -19,7 +19,7 @@ class Placement {
     double geoid_height_m = 0;  ///< ellipsoidal height of the model's zero height
   };
   /// Throws std::runtime_error where a geodetic origin needs a projection that is not known here: known are
-  /// geographic coordinates and UTM on WGS 84 (EPSG 326xx, 327xx) and ETRS89 (258xx), taken as equal.
+  /// those of plugins/fix/projection.hpp.
   Placement(const Parameters& parameters, const Reference& reference);
   ~Placement();
   Placement(Placement&&) noexcept;

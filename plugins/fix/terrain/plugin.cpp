@@ -32,7 +32,7 @@ class TerrainFixer {
                    "easting, northing and height of n's origin in the model"),
         odo::real("grid_north", "rad", -3.2, 3.2, &P::grid_north, "the model's north, from true north to the east"),
         odo::boolean("geodetic", &P::geodetic,
-                     "geodetic_origin stands for model_origin; the model is geographic or UTM"),
+                     "geodetic_origin stands for model_origin; the model is geographic, UTM or RD New"),
         odo::reals("geodetic_origin", "", -1e5, 1e5, &P::geodetic_origin,
                    "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),
         odo::real("geoid_height", "m", -200, 200, &P::geoid_height, "ellipsoidal height of the model's zero height"),

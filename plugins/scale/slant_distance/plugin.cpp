@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/Geometry>
 #include <odograph/plugin.hpp>
 
+#include "plugins/scale/horizontal_scale.hpp"
 #include "plugins/scale/slant_distance/slant_scale.hpp"
 
 namespace {
@@ -43,14 +43,12 @@ class SlantDistance {
   }
 
   void on(const odo_vo_motion& motion, odo::Output& output) {
-    constexpr uint32_t needed = ODO_VO_TRANSLATION | ODO_VO_NAVIGATION;
-    if ((motion.header.flags & needed) != needed) return;
-    const Eigen::Quaterniond q(motion.q_n_c0[0], motion.q_n_c0[1], motion.q_n_c0[2], motion.q_n_c0[3]);
-    const Eigen::Vector3d d_n = q * Eigen::Vector3d(motion.p_c0_c1);
+    if (!odograph::scalable(motion)) return;
+    const Eigen::Vector3d d_n = odograph::displacement_n(motion);
     if (!(d_n.norm() < kMostUnits)) throw odo::Error(ODO_E_DISCARD, "p_c0_c1 is no motion between two frames");
     scale_.add_motion(motion.t_from_ns, motion.header.t_ns, d_n, motion.scale_group);
     literal_.add_motion(d_n, motion.scale_group);
-    auto scale = odo::make<odo_scale>(motion.header.t_ns);
+    auto scale = odograph::scale_of(motion);
     if (formula == "gakne2018" && literal_.scale()) {
       scale.metres_per_unit = *literal_.scale(), scale.sigma = kLiteralSigma * *literal_.scale();
     } else if (formula == "baseline" && scale_.scale()) {
@@ -61,9 +59,7 @@ class SlantDistance {
       return;
     }
     scale.displacement_m = scale.metres_per_unit * d_n.head<2>().norm();
-    scale.valid_from_ns = motion.t_from_ns, scale.valid_to_ns = motion.header.t_ns;
-    scale.scale_group = motion.scale_group;
-    scale.header.flags = ODO_SCALE_HORIZONTAL | ODO_SCALE_NOT_BY_STEPS;
+    scale.header.flags |= ODO_SCALE_NOT_BY_STEPS;
     output.emit(scale);
   }
 

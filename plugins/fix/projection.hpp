@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The projections of city and terrain models that fixers know, because there is no PROJ in a plugin.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace odograph {
+
+/// Degrees on WGS 84; ETRS89 is taken as equal (they are half a metre apart).
+struct Geodetic {
+  double latitude_deg = 0, longitude_deg = 0;
+};
+
+/// A place of a projection, m.
+struct GridPlace {
+  double easting_m = 0, northing_m = 0;
+};
+
+/// RD New (EPSG 28992) to WGS 84: the oblique stereographic projection of the Netherlands (EPSG method 9809, IOGP
+/// Guidance Note 7-2, Bessel 1841) and the seven parameters of "Amersfoort to WGS 84 (4)" (EPSG 15934), which are good
+/// to a metre.
+Geodetic rd_new_to_wgs84(const GridPlace& place);
+/// The other way round, to a micrometre.
+GridPlace wgs84_to_rd_new(const Geodetic& place);
+
+/// How a model's coordinates lie on the Earth. Immutable.
+class Projection {
+ public:
+  /// Of an EPSG code: geographic coordinates (4326, 4258, 4979, 4937; easting is the longitude in degrees), UTM on WGS
+  /// 84 (326xx, 327xx) and ETRS89 (258xx), RD New with or without heights (28992, 7415). None for any other.
+  static std::optional<Projection> of(int epsg);
+
+  Geodetic geodetic(const GridPlace& place) const;
+  /// None where the projection does not reach.
+  std::optional<GridPlace> grid(const Geodetic& place) const;
+
+ private:
+  enum class Kind { geographic, utm, rd_new };
+  Projection(Kind kind, int zone, bool northern) : kind_(kind), zone_(zone), northern_(northern) {}
+
+  Kind kind_;
+  int zone_;
+  bool northern_;
+};
+
+/// The EPSG code at the end of a reference system's name as CityJSON has it
+/// (`https://www.opengis.net/def/crs/EPSG/0/7415`, `urn:ogc:def:crs:EPSG::7415`); 0 where there is none.
+int epsg_of(const std::string& reference_system);
+
+}  // namespace odograph

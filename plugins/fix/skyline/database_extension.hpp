@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The extension odo.skylines: databases of skylines are built and asked through the plugin that knows the city.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+#include <odograph/plugin.hpp>
+#include <odograph/skylines.h>
+
+#include "plugins/fix/skyline/horizon.hpp"
+#include "plugins/fix/skyline/skyline_database.hpp"
+
+namespace odograph::skyline {
+
+/// What the extension's functions need. One thread, the one that controls the plugin. It must not move: the host keeps
+/// pointers to it.
+class DatabaseExtension {
+ public:
+  /// `city`, which must outlive this, may be null: then nothing can be built. `origin` is easting, northing and height
+  /// of its n's origin in the model's reference system.
+  DatabaseExtension(const odo::Output& host, const City* city, const Eigen::Vector3d& origin)
+      : host_(host), city_(city), origin_(origin) {}
+  DatabaseExtension(const DatabaseExtension&) = delete;
+  DatabaseExtension& operator=(const DatabaseExtension&) = delete;
+
+  const odo_skylines* told() const { return &told_; }
+
+ private:
+  /// Runs what the extension is asked for; what goes wrong is reported and told by a status.
+  template <class Work>
+  static int32_t ask(void* user, Work&& work) noexcept {
+    auto& self = *static_cast<DatabaseExtension*>(user);
+    try {
+      return work(self);
+    } catch (const std::bad_alloc&) {
+      return ODO_E_MEMORY;
+    } catch (const std::exception& error) {
+      self.host_.report(ODO_SEVERITY_ERROR, "skylines", error.what());
+      return ODO_E_DATA;
+    }
+  }
+  static int32_t ODO_CALL build(void* user, const odo_string* file, const double* places_n, uint64_t count,
+                                double spacing_m, odo_skyline_progress progress, void* context) noexcept {
+    return ask(user, [&](DatabaseExtension& self) -> int32_t {
+      if (!self.city_) return ODO_E_STATE;
+      std::vector<Eigen::Vector3d> places;
+      for (uint64_t i = 0; i < count; ++i) places.emplace_back(places_n + 3 * i);
+      DatabaseParameters p;
+      p.origin = self.origin_, p.spacing_m = spacing_m;
+      const bool done = build_database(self.city_->edges(), places, p, std::string(odo::view(*file)),
+                                       [&](size_t n) { return !progress || progress(context, n, count) != 0; });
+      return done ? ODO_OK : ODO_E_DISCARD;
+    });
+  }
+  static int32_t ODO_CALL open(void* user, const odo_string* file, odo_skyline_database* what) noexcept {
+    return ask(user, [&](DatabaseExtension& self) -> int32_t {
+      self.asked_ = SkylineDatabase::open(std::string(odo::view(*file)));
+      what->places = self.asked_.size(), what->bytes = self.asked_.bytes();
+      Eigen::Vector3d::Map(what->origin) = self.asked_.origin();
+      what->spacing_m = self.asked_.spacing_m();
+      return ODO_OK;
+    });
+  }
+  static int32_t ODO_CALL nearest(void* user, double north_m, double east_m, uint64_t* place) noexcept {
+    return ask(user, [&](DatabaseExtension& self) -> int32_t {
+      if (self.asked_.size() == 0) return ODO_E_STATE;
+      if (!std::isfinite(north_m) || !std::isfinite(east_m)) return ODO_E_ARGUMENT;
+      *place = self.asked_.nearest(north_m, east_m);
+      return ODO_OK;
+    });
+  }
+  static int32_t ODO_CALL skyline(void* user, uint64_t place, double* p_n, float* elevation_rad, float* height_m,
+                                  float* distance_m) noexcept {
+    return ask(user, [&](DatabaseExtension& self) -> int32_t {
+      if (place >= self.asked_.size()) return ODO_E_NOT_FOUND;
+      Eigen::Vector3d::Map(p_n) = self.asked_.place(place);
+      if (!elevation_rad && !height_m && !distance_m) return ODO_OK;
+      Horizon horizon;
+      if (!self.asked_.horizon(place, horizon)) return ODO_E_DATA;
+      if (elevation_rad) std::copy(horizon.elevation.begin(), horizon.elevation.end(), elevation_rad);
+      if (height_m) std::copy(horizon.height_m.begin(), horizon.height_m.end(), height_m);
+      if (distance_m) std::copy(horizon.distance_m.begin(), horizon.distance_m.end(), distance_m);
+      return ODO_OK;
+    });
+  }
+
+  odo::Output host_;
+  const City* city_;
+  Eigen::Vector3d origin_;
+  SkylineDatabase asked_;
+  odo_skylines told_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline};
+};
+
+}  // namespace odograph::skyline
