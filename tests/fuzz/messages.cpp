@@ -19,6 +19,7 @@ constexpr uint32_t kEvents[] = {ODO_TYPE_ATTITUDE,   ODO_TYPE_STEP,        ODO_T
                                 ODO_TYPE_SCALE,      ODO_TYPE_FIX,         ODO_TYPE_POSE,        ODO_TYPE_STATE,
                                 ODO_TYPE_CORRECTION, ODO_TYPE_CALIBRATION, ODO_TYPE_VENDOR(0, 2)};
 constexpr size_t kMostMessages = 48;
+constexpr int kInputsOfSession = 200;
 constexpr uint32_t kMostPixels = 48;  // of a side
 
 struct alignas(8) Message {
@@ -38,11 +39,19 @@ void give_pixels(odo_frame& frame) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  odo_session* const session = fuzz::open(
-      "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/renaudin2012\n"
-      "vo_frontend:\n  plugin: test/echo\nscale_source:\n  plugin: scale/step_length\n"
-      "absolute_fixers:\n  - plugin: fix/gnss\n  - plugin: fix/waypoint\n  - plugin: fix/barometer\n");
-  int64_t now_ns = 1'000'000'000;
+  // One session takes many inputs, each later than the one before: to make one takes longer than what it does.
+  static odo_session* session = nullptr;
+  static int64_t now_ns = 1'000'000'000;
+  static int inputs = 0;
+  if (++inputs % kInputsOfSession == 0) {
+    odo_session_destroy(session);
+    session = nullptr;
+  }
+  if (!session)
+    session = fuzz::open(
+        "attitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/renaudin2012\n"
+        "vo_frontend:\n  plugin: test/echo\nscale_source:\n  plugin: scale/step_length\n"
+        "absolute_fixers:\n  - plugin: fix/gnss\n  - plugin: fix/waypoint\n  - plugin: fix/barometer\n");
   fuzz::Bytes left(data, size);
   for (size_t count = 0; !left.empty() && count < kMostMessages; ++count) {
     const auto which = left.take<uint8_t>(), length = left.take<uint8_t>(), time = left.take<uint8_t>();
@@ -74,6 +83,5 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (odo_session_get_pose(session, ODO_TIME_LATEST, &pose) == ODO_OK)
     for (const double part : {pose.p_n[0], pose.p_n[1], pose.p_n[2], pose.q_n[0]})
       if (!(part == part)) std::abort();  // no pose is NaN, whatever came in
-  odo_session_destroy(session);
   return 0;
 }

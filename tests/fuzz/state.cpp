@@ -10,7 +10,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static odo_session* const session = fuzz::open(
-      "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: step/odograph\n"
+      "attitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: step/odograph\n"
       "  - plugin: step/renaudin2012\nabsolute_fixers:\n  plugin: fix/barometer\n");
   std::vector<uint8_t> blob(data, data + size);
   if (size > 8) {
