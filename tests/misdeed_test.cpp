@@ -6,7 +6,9 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <mutex>
 #include <set>
+#include <thread>
 
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -16,7 +18,10 @@
 #include <odograph/attitude.h>
 #include <odograph/odograph.h>
 
+#include "sdk/plugin_host/breadcrumb.hpp"
+#include "sdk/plugin_host/hang_watch.hpp"
 #include "sdk/plugin_host/manifest.hpp"
+#include "sdk/validator/write_manifest.hpp"
 #include "tests/session_app.hpp"
 
 using namespace odograph;
@@ -182,6 +187,40 @@ TEST_CASE("a plugin that hangs on its thread is named and gives way to its fallb
   CHECK(said.find("attitude/vqf: takes the place of test/misdeed") != std::string::npos);
   CHECK(app.poses > 0);
   CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(30));
+}
+
+TEST_CASE("a call that does not come back in the app's own thread is named once, while it lasts") {
+  std::mutex mutex;
+  std::vector<std::string> said;
+  HostServices host(0, {}, [&](const Report& report) {
+    const std::lock_guard lock(mutex);
+    said.push_back(report.text);
+  });
+  const HangWatch watch(host, {.longest_call_s = 0.05, .period_s = 0.01});
+  {
+    const Breadcrumb crumb("acme/slow", "process");
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // reports of a kind come once a second
+  }
+  const std::lock_guard lock(mutex);
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].find("plugin acme/slow in process for ") != std::string::npos);
+}
+
+TEST_CASE("a late call in the app's own thread is named when it comes back, and nothing else changes") {
+  const TemporaryFolder folder;
+  const fs::path library = folder / "cost_imu__120_ms.so";
+  fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/zoo/cost_imu__120_ms.so", library);
+  REQUIRE(write_manifest_beside(library).ok());
+  App app("odograph: 1\nattitude: {plugin: zoo/animal, time_limit: 0.05 s}\n", ODO_RUN_REPLAY, folder.path().string());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  app.walk(0, 3);
+  odo_session_flush(app.session);
+  REQUIRE_FALSE(app.reports.empty());
+  CHECK(std::string(app.reports[0].key) == "late");
+  CHECK(std::string(app.reports[0].text).find("s in process; expected at most 0.05 s (time_limit)") !=
+        std::string::npos);
+  CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 3);
+  CHECK(app.statistics().plugin_faults == 0);
 }
 
 TEST_CASE("a plugin that never comes back is left out for good after eight calls") {
