@@ -4,6 +4,7 @@
 // own, and in the app's thread.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <mutex>
@@ -201,9 +202,10 @@ TEST_CASE("a call that does not come back in the app's own thread is named once,
     const Breadcrumb crumb("acme/slow", "process");
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // reports of a kind come once a second
   }
-  const std::lock_guard lock(mutex);
-  REQUIRE(said.size() == 1);
-  CHECK(said[0].find("plugin acme/slow in process for ") != std::string::npos);
+  const std::lock_guard lock(mutex);  // other tests have left calls behind, which are told too
+  CHECK(std::count_if(said.begin(), said.end(), [](const std::string& text) {
+          return text.find("plugin acme/slow in process for ") != std::string::npos;
+        }) == 1);
 }
 
 TEST_CASE("a late call in the app's own thread is named when it comes back, and nothing else changes") {

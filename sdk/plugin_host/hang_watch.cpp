@@ -30,7 +30,7 @@ void HangWatch::look() {
   for_each_long_call(static_cast<int64_t>(parameters_.longest_call_s * 1e9), [&](const LongCall& call) {
     lasting.insert(call.since_ns);
     if (told_.count(call.since_ns) > 0) return;
-    host_.report(0, ODO_SEVERITY_ERROR, "hangs",
+    host_.report(0, ODO_SEVERITY_ERROR, "hangs " + call.what,
                  "plugin " + call.what + " for " + std::to_string(call.lasts_ns / 1'000'000'000) +
                      " s by now; on a thread or in a process of its own (isolation) it could be left out",
                  ODO_E_ERROR);
