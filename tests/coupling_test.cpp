@@ -397,4 +397,14 @@ TEST_CASE("a steady scale also holds for the motions of its group that came befo
   }
 }
 
+TEST_CASE("a camera that is lost before it ever tracked is lost: there is nothing to bridge") {
+  PerFrameCoupling coupling({}, {}, {true, true});
+  auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 5 * kSecond);
+  attitude.q_n_b[0] = 1;
+  coupling.on_attitude(attitude);
+  auto blind = motion(5 * kSecond - kSecond / 10, 5 * kSecond, Vector3d::Zero());
+  blind.state = ODO_LOST;
+  CHECK(coupling.on_vo_motion(blind, nullptr).state == ODO_LOST);
+}
+
 TEST_SUITE_END();

@@ -198,11 +198,12 @@ struct Isolated {
   std::unique_ptr<PluginInstance> plugin;
   int64_t t_ns = 1'000'000'000;
 
-  explicit Isolated(const std::string& more = "") {
-    const auto config = read_pipeline_config(
-        "odograph: 1\nattitude:\n  plugin: attitude/vqf\n  isolation: process\n" + more, "<text>", {plugin_folder()});
+  explicit Isolated(const std::string& yaml = "attitude: {plugin: attitude/vqf, isolation: process}\n",
+                    const std::string& plugins = ".") {
+    const auto config = read_pipeline_config("odograph: 1\n" + yaml, "<text>", {plugin_folder(), plugins});
     REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
-    auto made = PluginInstance::make(config->attitudes.front(), true, 1, host);
+    const auto& choices = config->attitudes.empty() ? config->vo_frontends : config->attitudes;
+    auto made = PluginInstance::make(choices.front(), true, 1, host);
     REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
     plugin = std::move(*made);
   }
@@ -235,7 +236,7 @@ TEST_CASE("a thousand kills are survived, and each time the plugin is back at on
   std::sort(back_ms.begin(), back_ms.end());
   MESSAGE("back after " << back_ms[500] << " ms in the median, " << back_ms[990] << " at 99 %, " << back_ms.back()
                         << " at most");
-  CHECK(back_ms[500] < 250);
+  CHECK(back_ms[990] < 250);
   CHECK(isolated.plugin->faults() == 1000);
   CHECK(isolated.plugin->recovering());
 }
@@ -251,6 +252,29 @@ TEST_CASE("what isolation adds to a batch") {
   std::sort(us.begin(), us.end());
   MESSAGE("a batch takes " << us[10'000] << " us in the median, " << us[19'800] << " at 99 %");
   CHECK(us[10'000] < 250);
+}
+
+TEST_CASE("what isolation adds to a frame, whose pixels are copied once") {
+  constexpr uint32_t kWidth = 640, kHeight = 480;
+  const TestPlugins plugins{"needy_vo"};
+  Isolated isolated("vo_frontend: {plugin: test/needy_vo, isolation: process}\n", plugins.path());
+  const auto lens = calibration(kWidth, kHeight);
+  isolated.plugin->process(lens.header);
+  const std::vector<uint8_t> pixels(size_t(kWidth) * kHeight, 90);
+  std::vector<double> us;
+  for (int i = 0; i < 2000; ++i) {
+    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'000 + i * 33'000'000LL);
+    frame.format = ODO_FORMAT_GREY8;
+    frame.width = kWidth, frame.height = kHeight;
+    frame.planes[0] = {pixels.data(), kWidth, 1, 0};
+    const auto start = std::chrono::steady_clock::now();
+    isolated.plugin->process(frame.header);
+    us.push_back(milliseconds_since(start) * 1e3);
+  }
+  std::sort(us.begin(), us.end());
+  MESSAGE("a frame of 640 x 480 takes " << us[1000] << " us in the median, " << us[1980] << " at 99 %");
+  CHECK(us[1000] < 250);
+  CHECK(isolated.plugin->faults() == 0);
 }
 
 TEST_CASE("a plugin that ends again and again waits longer each time, and gives way to its fallback") {

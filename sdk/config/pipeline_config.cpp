@@ -36,8 +36,11 @@ void share_walker(PluginChoice& choice, const Value& walker) {
 Isolation isolation_of(const Value& plugin, const Value& plugins, const std::filesystem::path& base) {
   Isolation isolation;
   const Value& own = plugin["isolation"];
-  isolation.process = (own.given ? own : plugins["isolation"]).text == "process";
+  const std::string& kind = (own.given ? own : plugins["isolation"]).text;
+  if (kind == "thread") isolation.kind = Isolation::Kind::thread;
+  if (kind == "process") isolation.kind = Isolation::Kind::process;
   isolation.time_s = plugin["time_limit"].real;
+  isolation.start_s = plugin["start_limit"].real;
   isolation.memory_bytes = static_cast<uint64_t>(plugin["memory_limit"].integer) << 20;
   if (plugins["host"].given) isolation.program = base / plugins["host"].text;
   return isolation;
@@ -50,6 +53,8 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   for (const auto& directory : early_texts(root, "search")) directories.push_back(base / directory);
   PluginRegistry registry(plugin_directories(directories));
   const auto allow = early_texts(root, "allow");
+  const auto signers = early_texts(root, "signers");
+  registry.require_signature(signers);
   registry.allow_writable(early_text(root, "allow_writable") == "true");
   const PluginResolver resolver = [&](const std::string& id,
                                       const std::string& kind) -> Result<const std::vector<Spec>*> {
@@ -64,7 +69,8 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   PipelineConfig config;
   config.name = name;
   config.text = text;
-  const bool by_hash = std::any_of(allow.begin(), allow.end(), is_sha256);  // what is allowed by its hash must have it
+  // What is allowed by its hash must have it, and a signed manifest says which library it is for.
+  const bool by_hash = std::any_of(allow.begin(), allow.end(), is_sha256) || !signers.empty();
   config.verify_hash = v["plugins"]["verify_hash"].boolean || by_hash;
   const Value& origin = v["navigation"]["origin"];
   if (origin.given) config.origin = {origin["latitude"].real, origin["longitude"].real, origin["height"].real};

@@ -15,11 +15,13 @@
 
 namespace odograph {
 
-/// A process of its own for a plugin, and what it may take there.
+/// Where a plugin runs, and what it may take there.
 struct Isolation {
-  bool process = false;
+  enum class Kind { none, thread, process };
+  Kind kind = Kind::none;
   double time_s = 2;                          ///< longest call; longer than any of ours on a slow phone
-  uint64_t memory_bytes = uint64_t(2) << 30;  ///< of address space; OpenCV and its threads take 0.5
+  double start_s = 30;                        ///< longest load, create, configure, activate: models, on a slow disk
+  uint64_t memory_bytes = uint64_t(2) << 30;  ///< of address space, in a process; OpenCV and its threads take 0.5
   std::filesystem::path program;              ///< odograph-plugin-host; empty: where the library looks for it
 };
 

@@ -42,11 +42,15 @@ const Spec& pipeline_spec() {
                     texts("allow", "id, path or SHA-256",
                           "if given, only plugins with one of these ids, manifest or library paths, or hashes of the "
                           "library may be loaded"),
+                    texts(
+                        "signers", "public key",
+                        "if given, only plugins whose manifest is signed (NAME.odoplugin.sig) by one of these Ed25519 "
+                        "keys, 64 hexadecimal digits, may be loaded"),
                     boolean("verify_hash", "true", "refuse a library whose hash is not its manifest's"),
                     boolean("allow_writable", "false",
                             "load also from folders and files that every user of the machine may write to"),
-                    choice("isolation", "none|process", "none",
-                           "process: each plugin that says nothing else runs in a process of its own"),
+                    choice("isolation", "none|thread|process", "none",
+                           "where each plugin runs that says nothing else: on a thread or in a process of its own"),
                     Spec{.name = "host",
                          .type = SpecType::text,
                          .help = "path of odograph-plugin-host, where it does not lie beside the library"},

@@ -232,8 +232,10 @@ const std::vector<Spec>& plugin_choice_specs() {
   static const std::vector<Spec> specs = {
       {.name = "isolation",
        .type = SpecType::choice,
-       .choices = "none|process",
-       .help = "process: in a process of its own, which may crash, hang or be killed; plugins.isolation unless given"},
+       .choices = "none|thread|process",
+       .help =
+           "thread: on a thread of its own, which may hang; process: in a process of its own, which may crash, hang "
+           "or be killed; plugins.isolation unless given"},
       {.name = "fallback",
        .type = SpecType::text,
        .help = "the plugin that takes its place when it is given up, with that plugin's own defaults"},
@@ -243,7 +245,15 @@ const std::vector<Spec>& plugin_choice_specs() {
        .min = 0.01,
        .max = 600,
        .fallback = "2",
-       .help = "of one call in a process of its own; what takes longer is ended and started anew"},
+       .help = "of one call; what takes longer is named, and on a thread or in a process of its own left out and "
+               "started anew"},
+      {.name = "start_limit",
+       .type = SpecType::real,
+       .unit = "s",
+       .min = 0.01,
+       .max = 600,
+       .fallback = "30",
+       .help = "as time_limit, of loading, creating, configuring and activating"},
       {.name = "memory_limit",
        .type = SpecType::integer,
        .min = 64,

@@ -11,6 +11,7 @@ namespace odograph {
 Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
                                                bool live, uint64_t seed) {
   std::unique_ptr<Session> session(new Session(std::move(config), std::move(assets), live, seed));
+  session->hang_watch_ = std::make_unique<HangWatch>(session->host_);
   auto pipeline = Pipeline::make(
       session->config_, {session->host_, session->geodesy_, session->poses_, session->anchors_, session->world_mutex_},
       [raw = session.get()](const odo_header& event) { raw->publish(event); });

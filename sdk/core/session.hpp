@@ -18,6 +18,7 @@
 #include "sdk/core/pose_stream.hpp"
 #include "sdk/core/sample_gate.hpp"
 #include "sdk/core/time_order.hpp"
+#include "sdk/plugin_host/hang_watch.hpp"
 
 namespace odograph {
 
@@ -161,6 +162,7 @@ class Session {
   std::atomic<bool> has_reports_{false};
 
   std::thread thread_;
+  std::unique_ptr<HangWatch> hang_watch_;  // the last: it reports to this session
 };
 
 }  // namespace odograph

@@ -168,7 +168,8 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
   share_rotation_covariance();
   carried_by_steps_ = !translated;
   if (translated) last_tracked_ns_ = motion.header.t_ns;
-  if (state == ODO_LOST && after && seconds(motion.header.t_ns - last_tracked_ns_) < config_.bridge_s)
+  const bool tracked_once = last_tracked_ns_ != INT64_MIN;
+  if (state == ODO_LOST && after && tracked_once && seconds(motion.header.t_ns - last_tracked_ns_) < config_.bridge_s)
     state = ODO_DEGRADED;
   if (translated) {
     if (!late_n.isZero()) move(late_n, relative, 0.0), caught_up_n_ = late_n;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -20,8 +21,29 @@ constexpr size_t kLongestId = 96;
 struct Crumb {
   std::atomic<bool> taken{false};
   std::atomic<const char*> call{nullptr};
-  char plugin[kLongestId] = {};
+  std::atomic<int64_t> since_ns{0};
+  std::atomic<char> plugin[kLongestId] = {};  // terminated; read while another thread writes it
 };
+
+int64_t now_ns() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
+
+/// Appends what fits and returns the new size.
+size_t append(char* text, size_t size, size_t capacity, const char* part) {
+  while (*part && size < capacity) text[size++] = *part++;
+  return size;
+}
+
+size_t describe(const Crumb& crumb, char* text, size_t capacity) noexcept {
+  const char* call = crumb.call.load(std::memory_order_acquire);
+  if (!call) return 0;
+  size_t size = 0;
+  for (const auto& letter : crumb.plugin) {
+    const char each = letter.load(std::memory_order_relaxed);
+    if (each == 0 || size == capacity) break;
+    text[size++] = each;
+  }
+  return append(text, append(text, size, capacity, " in "), capacity, call);
+}
 
 Crumb crumbs[kSlots];
 thread_local int current = -1;
@@ -93,8 +115,9 @@ Breadcrumb::Breadcrumb(const std::string& plugin, const char* call) noexcept : s
     if (!crumbs[i].taken.compare_exchange_strong(free, true, std::memory_order_acquire)) continue;
     slot_ = i;
     const size_t size = std::min(plugin.size(), kLongestId - 1);
-    std::memcpy(crumbs[i].plugin, plugin.data(), size);
-    crumbs[i].plugin[size] = 0;
+    for (size_t k = 0; k < size; ++k) crumbs[i].plugin[k].store(plugin[k], std::memory_order_relaxed);
+    crumbs[i].plugin[size].store(0, std::memory_order_relaxed);
+    crumbs[i].since_ns.store(now_ns(), std::memory_order_relaxed);
     crumbs[i].call.store(call, std::memory_order_release);
     break;
   }
@@ -112,15 +135,19 @@ size_t current_plugin_call(char* text, size_t capacity) noexcept {
   int slot = current;
   for (int i = 0; slot < 0 && i < kSlots; ++i)
     if (crumbs[i].call.load(std::memory_order_acquire)) slot = i;
-  const char* call = slot < 0 ? nullptr : crumbs[slot].call.load(std::memory_order_acquire);
-  if (!call) return 0;
-  size_t size = 0;
-  for (const char* part : {static_cast<const char*>(crumbs[slot].plugin), " in ", call}) {
-    const size_t length = std::min(std::strlen(part), capacity - size);
-    std::memcpy(text + size, part, length);
-    size += length;
+  return slot < 0 ? 0 : describe(crumbs[slot], text, capacity);
+}
+
+void for_each_long_call(int64_t longer_than_ns, const std::function<void(const LongCall&)>& tell) {
+  const int64_t now = now_ns();
+  for (const Crumb& crumb : crumbs) {
+    if (!crumb.call.load(std::memory_order_acquire)) continue;
+    const int64_t since_ns = crumb.since_ns.load(std::memory_order_relaxed);
+    if (now - since_ns <= longer_than_ns) continue;
+    char text[kLongestId + 32];
+    const std::string what(text, describe(crumb, text, sizeof text));
+    if (!what.empty()) tell({what, since_ns, now - since_ns});
   }
-  return size;
 }
 
 void name_culprits() {

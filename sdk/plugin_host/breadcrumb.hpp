@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <string>
 
 namespace odograph {
@@ -24,6 +26,15 @@ class Breadcrumb {
 /// Which plugin's call this thread is in, as "attitude/vqf in process"; of another thread where this one is in none.
 /// Async-signal-safe. Returns the bytes written, without a terminator; 0 where no plugin is being called.
 size_t current_plugin_call(char* text, size_t capacity) noexcept;
+
+/// A plugin's call that has not come back, as "attitude/vqf in process".
+struct LongCall {
+  std::string what;
+  int64_t since_ns, lasts_ns;  ///< by this machine's steady clock
+};
+
+/// Calls of all threads of this process that last for longer. [any]
+void for_each_long_call(int64_t longer_than_ns, const std::function<void(const LongCall&)>& tell);
 
 /// Names the plugin on standard error when a signal (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT) ends this process within
 /// a plugin's call, and turns an exit() from within one into _exit(4). Only signals that nobody else handles; what the

@@ -2,6 +2,8 @@
 #include "sdk/plugin_host/instance.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
 
 #include <odograph/absolute_fixer.h>
 #include <odograph/attitude.h>
@@ -14,6 +16,7 @@
 #include "sdk/base/saturating.hpp"
 #include "sdk/plugin_host/library_backend.hpp"
 #include "sdk/plugin_host/process_backend.hpp"
+#include "sdk/plugin_host/thread_backend.hpp"
 
 namespace odograph {
 namespace {
@@ -25,8 +28,11 @@ Result<std::unique_ptr<PluginBackend>> open_backend(const PluginChoice& choice, 
     if (!made) return made.failure();
     return std::unique_ptr<PluginBackend>(std::move(*made));
   };
-  return choice.isolation.process ? general(ProcessBackend::load(choice, verify_hash, host, sink))
-                                  : general(LibraryBackend::load(choice, verify_hash, host, sink));
+  switch (choice.isolation.kind) {
+    case Isolation::Kind::process: return general(ProcessBackend::load(choice, verify_hash, host, sink));
+    case Isolation::Kind::thread: return general(ThreadBackend::load(choice, verify_hash, host, sink));
+    default: return general(LibraryBackend::load(choice, verify_hash, host, sink));
+  }
 }
 
 }  // namespace
@@ -119,7 +125,7 @@ Result<bool> PluginInstance::open() {
   auto opened = open_backend(*choice_, verify_hash_, host_, sink_);
   started_ns_ = now_ns_;
   if (!opened) {
-    if (!choice_->isolation.process || opened.failure().status != ODO_E_FATAL) return opened.failure();
+    if (!isolated() || opened.failure().status != ODO_E_FATAL) return opened.failure();
     note_end(opened.failure().text);
     return true;
   }
@@ -195,7 +201,9 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
     if (now_ns_ >= back_at_ns_) revive();
     return {};
   }
+  const auto start = std::chrono::steady_clock::now();
   const int32_t status = backend_->process(message);
+  if (!isolated()) note_time(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   if (has_ended()) {
     note_end(backend_->ended());
     if (alive_ && !backend_ && now_ns_ >= back_at_ns_) revive();
@@ -205,8 +213,17 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
     failed(status, message);
   else
     failures_in_a_row_ = 0;
-  if (choice_->isolation.process) save_now_and_then();
+  if (isolated()) save_now_and_then();
   return buffer_.events();
+}
+
+/// In the app's own thread a late call cannot be left out; it is named.
+void PluginInstance::note_time(double took_s) {
+  if (took_s <= choice_->isolation.time_s) return;
+  char text[96];
+  std::snprintf(text, sizeof text, "took %.3g s in process; expected at most %g s (time_limit)", took_s,
+                choice_->isolation.time_s);
+  host_.report(number_, ODO_SEVERITY_WARNING, "late", text);
 }
 
 /// Its process has ended: says so, and decides when it comes back, or what takes its place.
@@ -310,7 +327,7 @@ std::vector<uint8_t> PluginInstance::save() const {
 
 bool PluginInstance::load(std::span<const uint8_t> data) {
   const bool taken = alive() && backend_->load(data);
-  if (taken && choice_->isolation.process) saved_.assign(data.begin(), data.end());
+  if (taken && isolated()) saved_.assign(data.begin(), data.end());
   return taken;
 }
 

@@ -94,7 +94,9 @@ class PluginInstance {
   PluginInstance(const PluginChoice& choice, bool verify_hash, HostServices& host, uint32_t number);
   static int32_t emit(const odo_sink* sink, const odo_header* event);
   Result<bool> open();
+  bool isolated() const { return choice_->isolation.kind != Isolation::Kind::none; }
   bool has_ended() const { return backend_ && !backend_->ended().empty(); }
+  void note_time(double took_s);
   void note_end(const std::string& what);
   void revive();
   void give_up();

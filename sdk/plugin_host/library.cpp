@@ -5,6 +5,7 @@
 #include <cstring>
 #include <exception>
 
+#include <cxxabi.h>
 #include <dlfcn.h>
 #include <unwind.h>
 
@@ -57,6 +58,8 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const std::filesystem
   int32_t status = ODO_E_ERROR;
   try {
     status = entry(host, filled);
+  } catch (const abi::__forced_unwind&) {  // it ends its thread (pthread_exit)
+    throw;
   } catch (const std::exception& error) {
     return fail(ODO_E_ERROR, std::string("an exception came out of its entry: ") + error.what());
   } catch (...) {

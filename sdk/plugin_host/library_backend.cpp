@@ -23,33 +23,41 @@ constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
 }  // namespace
 
 LibraryBackend::LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
-                               const odo_sink& sink)
+                               const odo_sink& sink, bool thread_may_end)
     : library_(std::move(library)),
       choice_(choice),
       host_(host),
       sink_(sink),
-      types_(plugin_types(choice.interface_id, library_->table())) {}
+      types_(plugin_types(choice.interface_id, library_->table())),
+      thread_may_end_(thread_may_end) {}
 
 Result<std::unique_ptr<LibraryBackend>> LibraryBackend::load(const PluginChoice& choice, bool verify_hash,
-                                                             HostServices& host, const odo_sink& sink) {
+                                                             HostServices& host, const odo_sink& sink,
+                                                             bool thread_may_end) {
   const Breadcrumb crumb(choice.manifest.id, "load");
-  auto library = PluginLibrary::load(choice.manifest, verify_hash, &host);
-  if (!library) return library.failure();
-  return std::unique_ptr<LibraryBackend>(new LibraryBackend(std::move(*library), choice, host, sink));
+  try {
+    auto library = PluginLibrary::load(choice.manifest, verify_hash, &host);
+    if (!library) return library.failure();
+    return std::unique_ptr<LibraryBackend>(new LibraryBackend(std::move(*library), choice, host, sink, thread_may_end));
+  } catch (const abi::__forced_unwind&) {
+    if (!thread_may_end) std::terminate();  // here, where the breadcrumb names the plugin
+    throw;
+  }
 }
 
-LibraryBackend::~LibraryBackend() { destroy(); }
+LibraryBackend::~LibraryBackend() { close(); }
 
 /// What the call returns. An exception out of it is a failure of the instance. A plugin that ends the thread
-/// (pthread_exit) ends the process, here, where the call is still known.
+/// (pthread_exit) ends the process, here, where the call is still known, unless the thread is the plugin's own.
 template <class Work>
-int32_t LibraryBackend::call(const char* name, Work&& work) noexcept {
+int32_t LibraryBackend::call(const char* name, Work&& work) {
   const Breadcrumb crumb(choice_.manifest.id, name);
   std::string what;
   try {
     return work();
   } catch (const abi::__forced_unwind&) {
-    std::terminate();
+    if (!thread_may_end_) std::terminate();
+    throw;
   } catch (const std::bad_alloc&) {
     return ODO_E_MEMORY;
   } catch (const std::exception& error) {
@@ -87,11 +95,11 @@ int32_t LibraryBackend::process(const odo_header& message) {
 int32_t LibraryBackend::reset() {
   const auto function = ODO_OPTIONAL(library_->table(), reset);
   if (instance_ && function && call("reset", [&] { return function(instance_); }) >= 0) return ODO_OK;
-  destroy();
+  close();
   return start();
 }
 
-void LibraryBackend::destroy() {
+void LibraryBackend::close() {
   if (odo_instance* ended = std::exchange(instance_, nullptr))
     call("destroy", [&] { return library_->table().destroy(ended), ODO_OK; });
 }

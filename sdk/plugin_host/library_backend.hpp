@@ -14,9 +14,10 @@ namespace odograph {
 /// share a C++ runtime's ABI; a crash is named by the breadcrumb (breadcrumb.hpp).
 class LibraryBackend : public PluginBackend {
  public:
-  /// `choice` and `sink` outlive it.
+  /// `choice` and `sink` outlive it. `thread_may_end`: a plugin that ends its thread (pthread_exit) unwinds it;
+  /// otherwise that ends the process, because the thread is the app's.
   static Result<std::unique_ptr<LibraryBackend>> load(const PluginChoice& choice, bool verify_hash, HostServices& host,
-                                                      const odo_sink& sink);
+                                                      const odo_sink& sink, bool thread_may_end = false);
   ~LibraryBackend() override;
 
   int32_t start() override;
@@ -28,13 +29,14 @@ class LibraryBackend : public PluginBackend {
   const KindTypes& types() const override { return types_; }
   void quarantine() override { library_->quarantine(); }
   bool quarantined() const override { return library_->quarantined(); }
+  /// Destroys the instance; nothing is asked of it any more.
+  void close();
 
  private:
   LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
-                 const odo_sink& sink);
+                 const odo_sink& sink, bool thread_may_end);
   template <class Work>
-  int32_t call(const char* name, Work&& work) noexcept;
-  void destroy();
+  int32_t call(const char* name, Work&& work);
 
   std::shared_ptr<PluginLibrary> library_;
   const PluginChoice& choice_;
@@ -42,6 +44,7 @@ class LibraryBackend : public PluginBackend {
   const odo_sink& sink_;
   KindTypes types_;
   odo_instance* instance_ = nullptr;
+  bool thread_may_end_;
 };
 
 }  // namespace odograph

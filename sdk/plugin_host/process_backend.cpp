@@ -28,7 +28,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kLoadLimit_s = 30;  // a library with models, on a slow disk
 constexpr double kEndLimit_s = 1;
 constexpr int kEndPolls = 100;         // of 1 ms: what has closed its socket should be gone by then
 constexpr size_t kMostRecords = 4096;  // of one call: 256 events, reports and what was emitted beyond
@@ -139,7 +138,7 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
   out.put(static_cast<uint32_t>(host.assets().size()));
   for (const fs::path& folder : host.assets()) out.put_text(folder.string());
   put_values(out, choice);
-  if (!made->exchange(wire::hello, out, kLoadLimit_s)) return Failure{ODO_E_FATAL, who + made->ended_};
+  if (!made->exchange(wire::hello, out, choice.isolation.start_s)) return Failure{ODO_E_FATAL, who + made->ended_};
   wire::Reader reader({reinterpret_cast<const uint8_t*>(made->answer_.data()), made->answer_size_});
   const auto status = reader.get<int32_t>();
   const std::string why = reader.get_text();
@@ -286,7 +285,9 @@ bool ProcessBackend::take_records(wire::Reader& reader) {
   return true;
 }
 
-int32_t ProcessBackend::start() { return exchange(wire::start, request(), kLoadLimit_s) ? answered() : ODO_E_ERROR; }
+int32_t ProcessBackend::start() {
+  return exchange(wire::start, request(), choice_.isolation.start_s) ? answered() : ODO_E_ERROR;
+}
 
 int32_t ProcessBackend::process(const odo_header& message) {
   auto out = request();
@@ -322,7 +323,9 @@ bool ProcessBackend::put_frame(const odo_header& message, wire::Writer& out) {
   return true;
 }
 
-int32_t ProcessBackend::reset() { return exchange(wire::reset, request(), kLoadLimit_s) ? answered() : ODO_E_ERROR; }
+int32_t ProcessBackend::reset() {
+  return exchange(wire::reset, request(), choice_.isolation.start_s) ? answered() : ODO_E_ERROR;
+}
 
 std::vector<uint8_t> ProcessBackend::save() {
   if (!exchange(wire::save, request(), choice_.isolation.time_s)) return {};

@@ -8,6 +8,7 @@
 #include <dlfcn.h>
 
 #include "sdk/base/nearest.hpp"
+#include "sdk/plugin_host/signature.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;
@@ -131,6 +132,8 @@ Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::s
     return Failure{ODO_E_CONFIG,
                    "plugin '" + found->id + "': " + open.string() +
                        " may be written to by every user; expected 'chmod o-w', or plugins.allow_writable"};
+  if (!signers_.empty())
+    if (const auto verified = verify_signature(*found, signers_); !verified) return verified.failure();
   return found;
 }
 

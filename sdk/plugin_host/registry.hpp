@@ -25,6 +25,9 @@ class PluginRegistry {
   /// Whether plugins may come from folders and files that every user of the machine may write to; at first not.
   void allow_writable(bool allowed) { allow_writable_ = allowed; }
 
+  /// Ed25519 public keys (hex) of which one must have signed each plugin's manifest; none: unsigned ones are taken too.
+  void require_signature(std::vector<std::string> signers) { signers_ = std::move(signers); }
+
   const std::vector<Manifest>& manifests() const { return manifests_; }
   /// Manifests that could not be read, as sentences.
   const std::vector<std::string>& problems() const { return problems_; }
@@ -35,6 +38,7 @@ class PluginRegistry {
   std::vector<std::unique_ptr<Manifest>> explicit_;
   std::vector<std::string> problems_;
   bool allow_writable_ = false;
+  std::vector<std::string> signers_;
 };
 
 /// 64 hexadecimal digits.

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Recordings that are folders. The first byte says which, the files follow, each up to a byte 0x1e.
+#include <vector>
+
+#include "sdk/recording/recording.hpp"
+#include "tests/fuzz/bytes.hpp"
+#include "tests/fuzz/scratch.hpp"
+
+namespace {
+
+struct Format {
+  std::string name;
+  std::vector<std::string> files;
+  odograph::Result<odograph::Recording> (*read)(const std::filesystem::path&);
+};
+
+const std::vector<Format>& formats() {
+  using namespace odograph;
+  static const std::vector<Format> all = {
+      {"euroc",
+       {"mav0/imu0/data.csv", "mav0/imu0/sensor.yaml", "mav0/cam0/data.csv", "mav0/cam0/sensor.yaml",
+        "mav0/state_groundtruth_estimate0/data.csv"},
+       [](const std::filesystem::path& folder) { return read_euroc(folder); }},
+      {"tum",
+       {"rgb.txt", "camera.yaml", "accelerometer.txt", "groundtruth.txt"},
+       [](const std::filesystem::path& folder) { return read_tum_rgbd(folder); }},
+      {"kitti", {"calib.txt", "times.txt", "poses.txt", "image_0/000000.png"}, read_kitti},
+      {"advio",
+       {"iphone/accelerometer.csv", "iphone/gyro.csv", "iphone/magnetometer.csv", "iphone/barometer.csv",
+        "iphone/platform-location.csv", "iphone/frames.csv", "camera.yaml", "ground-truth/pose.csv",
+        "iphone/frames/00001.png"},
+       read_advio},
+      {"images", {"camera.yaml", "groundtruth.tum", "000000.png"}, read_image_folder},
+  };
+  return all;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  fuzz::Bytes left(data, size);
+  const Format& format = formats()[left.take<uint8_t>() % formats().size()];
+  for (const auto& file : format.files) fuzz::put(format.name + "/" + file, left.take_until(0x1e));
+  (void)format.read(fuzz::folder() / format.name);
+  return 0;
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// A front-end that says whatever it is told to say: the bytes behind the head of ODO_TYPE_VENDOR(0, 1) are an event.
+#define HOSTILE_ID "test/echo"
+#include <odograph/vo_frontend.h>
+
+#include "tests/hostile/table.hpp"
+
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
+  static const odo_string interfaces[] = {{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1}};
+  static const uint32_t inputs[] = {ODO_TYPE_VENDOR(0, 1)};
+  static const uint32_t outputs[] = {ODO_TYPE_ATTITUDE, ODO_TYPE_STEP,       ODO_TYPE_MOTION_MODE,
+                                     ODO_TYPE_SCALE,    ODO_TYPE_FIX,        ODO_TYPE_POSE,
+                                     ODO_TYPE_STATE,    ODO_TYPE_CORRECTION, ODO_TYPE_VENDOR(0, 2)};
+  odo_plugin t = hostile::table();
+  t.interfaces = interfaces;
+  t.inputs = inputs, t.input_count = 1;
+  t.outputs = outputs, t.output_count = sizeof outputs / sizeof *outputs;
+  t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
+    const odo_header& told = *batch->messages[0];
+    if (told.type != ODO_TYPE_VENDOR(0, 1) || told.struct_size < 2 * sizeof(odo_header)) return ODO_OK;
+    alignas(8) static unsigned char event[ODO_LARGEST_MESSAGE];
+    const uint32_t size = told.struct_size - static_cast<uint32_t>(sizeof told);
+    std::memcpy(event, &told + 1, size);
+    std::memset(event + size, 0, sizeof event - size);
+    hostile::sink()->emit(hostile::sink(), reinterpret_cast<const odo_header*>(event));
+    return ODO_OK;
+  };
+  return hostile::fill(out, t);
+}

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// A level attitude that does one bad thing at one moment. Which and when its file is called: abort__create.so. In
+// process it is at the 40th sample of each life.
+#define HOSTILE_ID "test/misdeed"
+#include <dlfcn.h>
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+#include <odograph/attitude.h>
+
+#include "tests/hostile/table.hpp"
+
+namespace {
+
+void here() {}
+
+const std::string& name() {
+  static const std::string mine = [] {
+    Dl_info info{};
+    dladdr(reinterpret_cast<const void*>(&here), &info);
+    std::string path = info.dli_fname ? info.dli_fname : "";
+    path = path.substr(path.rfind('/') + 1);
+    return path.substr(0, path.rfind('.'));
+  }();
+  return mine;
+}
+
+int deep(volatile char* above) {
+  volatile char room[4096];
+  room[0] = above[0];
+  return deep(room) + room[0];
+}
+
+/// Does what the file is called after, if its moment has come.
+void now(const char* moment) {
+  const size_t gap = name().find("__");
+  if (gap == std::string::npos || name().substr(gap + 2) != moment) return;
+  const std::string deed = name().substr(0, gap);
+  volatile char room[1] = {1};
+  if (deed == "abort") std::abort();
+  if (deed == "exit") std::exit(0);
+  if (deed == "quick_exit") _exit(0);
+  if (deed == "segfault") *reinterpret_cast<volatile int*>(8) = 1;
+  if (deed == "null_call") reinterpret_cast<void (*volatile)()>(0)();
+  if (deed == "stack_overflow") std::exit(deep(room));
+  if (deed == "illegal_instruction") raise(SIGILL);
+  if (deed == "arithmetic") raise(SIGFPE);
+  if (deed == "kill") raise(SIGKILL);
+  if (deed == "terminate") []() noexcept { throw std::runtime_error("nobody catches it"); }();
+  if (deed == "throws") throw std::runtime_error("a bad day");
+  if (deed == "throws_a_number") throw 42;
+  if (deed == "thread_exit") pthread_exit(nullptr);
+  if (deed == "hangs")
+    for (volatile int i = 0;; i = i + 1) {
+    }
+  if (deed == "sleeps")
+    for (;;) pause();
+  if (deed == "closes_files")
+    for (int fd = 3; fd < 1024; ++fd) close(fd);
+  if (deed == "eats_memory")
+    for (;;) {
+      void* memory = std::malloc(1 << 20);
+      if (!memory) std::abort();
+      std::memset(memory, 1, 1 << 20);
+    }
+  if (deed == "scribbles") {  // over whatever lies about it
+    static int mine = 0;
+    std::memset(static_cast<void*>(&mine), 0x5a, 1 << 24);
+  }
+}
+
+}  // namespace
+
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
+  now("entry");
+  static const odo_string interfaces[] = {{ODO_INTERFACE_ATTITUDE, sizeof(ODO_INTERFACE_ATTITUDE) - 1}};
+  odo_plugin t = hostile::table();
+  t.interfaces = interfaces;
+  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** instance) -> int32_t {
+    now("create");
+    hostile::instance() = 0;
+    *instance = reinterpret_cast<odo_instance*>(&hostile::instance());
+    return ODO_OK;
+  };
+  t.configure = [](odo_instance*, const odo_value*, uint32_t, uint32_t) -> int32_t { return now("configure"), ODO_OK; };
+  t.activate = [](odo_instance*, const odo_sink* s) -> int32_t {
+    now("activate");
+    hostile::sink() = s;
+    return ODO_OK;
+  };
+  t.destroy = [](odo_instance*) { now("destroy"); };
+  t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
+    if (batch->messages[0]->type != ODO_TYPE_IMU) return ODO_OK;
+    if (++hostile::instance() == 40) now("process");
+    odo_attitude a;
+    std::memset(static_cast<void*>(&a), 0, sizeof a);
+    a.header = *batch->messages[0];
+    a.header.struct_size = sizeof a, a.header.type = ODO_TYPE_ATTITUDE, a.header.flags = 0;
+    a.q_n_b[0] = a.q_n_b[1] = 0.70710678118654757;  // the phone's y points up
+    for (int i = 0; i < 3; ++i) a.covariance_n[4 * i] = 1e-3;
+    return hostile::sink()->emit(hostile::sink(), &a.header);
+  };
+  return hostile::fill(out, t);
+}

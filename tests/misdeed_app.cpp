@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// An app that walks for two seconds with attitude/vqf and test/misdeed: what the library says on standard error is its
+// own. It ends with status 77 where it got poses, or was told why not.
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include <unistd.h>
+
+#include <odograph/odograph.h>
+
+int main(int count, char** arguments) {
+  if (count != 3) return 2;
+  alarm(20);
+  const std::string yaml =
+      std::string("odograph: 1\nattitude:\n  - plugin: attitude/vqf\n  - {plugin: test/misdeed, isolation: ") +
+      arguments[1] + ", time_limit: 0.05 s, start_limit: 0.5 s}\nstep_estimator:\n  plugin: step/renaudin2012\n";
+  const std::string folders = arguments[2];
+  odo_session_options options{};
+  options.struct_size = sizeof options;
+  options.run = ODO_RUN_REPLAY;
+  options.config_text = {yaml.data(), yaml.size()};
+  options.plugin_path = {folders.data(), folders.size()};
+  odo_error error{};
+  error.struct_size = sizeof error;
+  odo_session* session = nullptr;
+  if (odo_session_create(&options, &session, &error) < 0) {
+    std::fprintf(stderr, "%s\n", error.message);
+    return 77;
+  }
+  for (int i = 0; i < 200; ++i) {
+    const double t = 0.01 * i;
+    const double gyro[3] = {0.05 * std::sin(6 * t), 0.01, 0.1 * std::sin(3 * t)};
+    const double accel[3] = {0.1, 9.81 + 2.2 * std::sin(2 * 3.14159265 * 1.9 * t), 0.4};
+    odo_session_push_imu(session, static_cast<int64_t>(t * 1e9) + 1'000'000'000, gyro, accel);
+  }
+  odo_session_flush(session);
+  odo_pose pose{};
+  pose.header.struct_size = sizeof pose;
+  const bool posed = odo_session_get_pose(session, ODO_TIME_LATEST, &pose) == ODO_OK;
+  odo_session_destroy(session);
+  return posed ? 77 : 1;
+}

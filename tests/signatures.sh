@@ -1,0 +1,43 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# A plugin that is signed by one of plugins.signers is loaded; one that is not, or was changed since, is refused.
+set -u
+odograph=$1 plugins=$2
+command -v openssl >/dev/null && openssl genpkey -algorithm ed25519 >/dev/null 2>&1 || { echo "SKIPPED: no openssl"; exit 77; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failed=0
+mkdir mine
+cp "$plugins/attitude_vqf.so" "$plugins/attitude_vqf.odoplugin.json" mine/
+openssl genpkey -algorithm ed25519 -out vendor.pem
+openssl genpkey -algorithm ed25519 -out stranger.pem
+key() { openssl pkey -in "$1" -pubout -outform DER | tail -c 32 | od -An -v -tx1 | tr -d ' \n'; }
+sign() { openssl pkeyutl -sign -rawin -inkey "$1" -in mine/attitude_vqf.odoplugin.json -out mine/attitude_vqf.odoplugin.sig; }
+config() { printf 'odograph: 1\nplugins: {search: [mine], signers: [%s]}\nattitude: {plugin: mine/attitude_vqf.odoplugin.json}\n' "$1" >config.yaml; }
+# what, expected status, words
+check() {
+  "$odograph" config check config.yaml >said 2>&1
+  status=$?
+  [ $status -eq "$2" ] && grep -qF -- "$3" said || { echo "FAILED: $1: status $status"; cat said; failed=1; }
+}
+config "$(key vendor.pem)"
+check "no signature" 2 "attitude_vqf.odoplugin.sig is missing"
+sign stranger.pem
+check "a stranger's signature" 2 "is no signature of its manifest by any of plugins.signers"
+sign vendor.pem
+check "the vendor's signature" 0 ""
+config "$(key stranger.pem), $(key vendor.pem)"
+check "one signer of two" 0 ""
+printf ' ' >>mine/attitude_vqf.odoplugin.json
+check "a manifest that was changed" 2 "is no signature of its manifest"
+cp "$plugins/attitude_vqf.odoplugin.json" mine/
+printf 'x' >>mine/attitude_vqf.so
+check "a library that was changed" 2 "hash"
+cp "$plugins/attitude_vqf.so" mine/
+printf 'x' >>mine/attitude_vqf.odoplugin.sig
+check "a signature that is too long" 2 "has another size"
+config abc
+sign vendor.pem
+check "a key that is none" 2 "expected a public key of 32 bytes"
+exit $failed
