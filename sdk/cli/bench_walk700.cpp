@@ -126,10 +126,11 @@ void print(const Walk700Arguments& a, const Table& table) {
     std::printf("  ");
     for (size_t c = 0; c < a.configs.size(); ++c) std::printf("%-20c", static_cast<char>('a' + c));
   }
-  const char* const names[] = {"On waypoint (after 120 m)", "On waypoint (after 550 m)", "On finish (after 700 m)"};
+  const char* const names[] = {"On waypoint (after 120 m)", "On waypoint (after 550 m)", "On finish (after 700 m)",
+                               "Mean positioning error"};
   for (size_t k = 0; k < 4; ++k) {
     if (a.quick && k > 0 && k < 3) continue;
-    std::printf("\n%-28s", k < 3 ? names[k] : "Mean positioning error");
+    std::printf("\n%-28s", names[k]);
     for (size_t w = 0; w < 3; ++w) {
       std::printf("  ");
       for (const auto& config : table) {
