@@ -146,6 +146,8 @@ Result<Json> evaluate_trajectory(const Trajectory& reference, const Trajectory& 
   for (const auto& [s, r] : ratios) ratio_rows.push_back({s, r}), ratio_values.push_back(r);
   const double percent = length > 0 ? 100.0 / length : 0.0;
   Json out = {{"n", pairs.reference.size()},
+              {"n_estimate", estimate.size()},
+              {"n_reference", reference.size()},
               {"alignment", a.alignment},
               {"scale", scale},
               {"path_m", length},
@@ -196,6 +198,10 @@ void print(const Json& json, const std::string& head) {
     line("position at waypoints", w["position_m"], "m");
   }
   if (!json.contains("n")) return;
+  const size_t matched = json["n"].get<size_t>();
+  const size_t could = std::min(json["n_estimate"].get<size_t>(), json["n_reference"].get<size_t>());
+  if (matched < could)
+    std::printf("%zu of %zu poses have no partner in time and are left out (--max-diff)\n", could - matched, could);
   std::printf("poses %zu, path %.3f m, alignment %s, scale %.6f\n", json["n"].get<size_t>(),
               json["path_m"].get<double>(), json["alignment"].get<std::string>().c_str(), json["scale"].get<double>());
   line("APE translation", json["ape_m"], "m");

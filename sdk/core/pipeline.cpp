@@ -141,6 +141,10 @@ void Pipeline::handle(AnyMessage& event) {
       if (!in_use(header)) break;
       tell(header);
       ++counters_.steps;
+      if (steps_alone_need_heading_ && (header.flags & ODO_STEP_HEADING) == 0)
+        host_.report(header.source, ODO_SEVERITY_WARNING, "no_heading",
+                     "a step without heading_rad (ODO_STEP_HEADING) and no camera: this coupling does not move by it; "
+                     "`coupling: {type: inertial}` goes by the phone's direction");
       estimator_->update(&as<odo_step>(header));
       break;
     case ODO_TYPE_MOTION_MODE:
@@ -270,7 +274,8 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       events_(Parameters{}.events_per_sample),
       watch_(config.ordering.max_gap_s),
       publish_(std::move(publish)),
-      scale_join_(config.scale_sources.size()) {
+      scale_join_(config.scale_sources.size()),
+      steps_alone_need_heading_(config.coupling.type == CouplingType::paper && config.vo_frontends.empty()) {
   if (config.origin) geodesy_.set_origin(*config.origin);
   anchors_.set_ground(
       [this](double north_m, double east_m, double near_down_m) { return ground_at(north_m, east_m, near_down_m); });

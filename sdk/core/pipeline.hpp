@@ -123,6 +123,7 @@ class Pipeline {
   Counters counters_;
   std::vector<AnyMessage> descriptions_;  // the newest calibration of each camera, the newest noise of each IMU
   ScaleJoin scale_join_;
+  const bool steps_alone_need_heading_;
   std::optional<odo_vo_motion> inertial_motion_;  // the newest motion, where it tells velocity and biases
   std::optional<odo_pose> before_restart_;
   odo_pose last_pose_{};

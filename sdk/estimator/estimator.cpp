@@ -22,6 +22,7 @@ void resolve_geodetic(odo_fix& fix, Geodesy& geodesy) {
   if (!geodesy.has_origin()) geodesy.set_origin(geodetic);
   const auto p_n = geodesy.from_geodetic(geodetic);
   std::copy(p_n.begin(), p_n.end(), fix.p_n);
+  fix.header.flags |= ODO_FIX_NORTH | ODO_FIX_EAST;
 }
 
 }  // namespace odograph

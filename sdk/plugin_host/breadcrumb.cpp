@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
 
 #include <unistd.h>
+
+#include "sdk/base/coarse_clock.hpp"
 
 namespace odograph {
 namespace {
@@ -22,10 +23,9 @@ struct Crumb {
   std::atomic<bool> taken{false};
   std::atomic<const char*> call{nullptr};
   std::atomic<int64_t> since_ns{0};
-  std::atomic<char> plugin[kLongestId] = {};  // terminated; read while another thread writes it
+  std::atomic<uint64_t> plugin[kLongestId / 8] =
+      {};  // eight letters each, terminated; read while another thread writes
 };
-
-int64_t now_ns() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
 
 /// Appends what fits and returns the new size.
 size_t append(char* text, size_t size, size_t capacity, const char* part) {
@@ -37,9 +37,10 @@ size_t describe(const Crumb& crumb, char* text, size_t capacity) noexcept {
   const char* call = crumb.call.load(std::memory_order_acquire);
   if (!call) return 0;
   size_t size = 0;
-  for (const auto& letter : crumb.plugin) {
-    const char each = letter.load(std::memory_order_relaxed);
-    if (each == 0 || size == capacity) break;
+  for (size_t k = 0; k < kLongestId && size < capacity; ++k) {
+    const uint64_t letters = crumb.plugin[k / 8].load(std::memory_order_relaxed);
+    const auto each = static_cast<char>(letters >> (8 * (k % 8)));
+    if (each == 0) break;
     text[size++] = each;
   }
   return append(text, append(text, size, capacity, " in "), capacity, call);
@@ -115,9 +116,13 @@ Breadcrumb::Breadcrumb(const std::string& plugin, const char* call) noexcept : s
     if (!crumbs[i].taken.compare_exchange_strong(free, true, std::memory_order_acquire)) continue;
     slot_ = i;
     const size_t size = std::min(plugin.size(), kLongestId - 1);
-    for (size_t k = 0; k < size; ++k) crumbs[i].plugin[k].store(plugin[k], std::memory_order_relaxed);
-    crumbs[i].plugin[size].store(0, std::memory_order_relaxed);
-    crumbs[i].since_ns.store(now_ns(), std::memory_order_relaxed);
+    for (size_t k = 0; k <= size; k += 8) {
+      uint64_t letters = 0;
+      for (size_t letter = 0; letter < 8 && k + letter < size; ++letter)
+        letters |= static_cast<uint64_t>(static_cast<unsigned char>(plugin[k + letter])) << (8 * letter);
+      crumbs[i].plugin[k / 8].store(letters, std::memory_order_relaxed);
+    }
+    crumbs[i].since_ns.store(coarse_now_ns(), std::memory_order_relaxed);
     crumbs[i].call.store(call, std::memory_order_release);
     break;
   }
@@ -139,7 +144,7 @@ size_t current_plugin_call(char* text, size_t capacity) noexcept {
 }
 
 void for_each_long_call(int64_t longer_than_ns, const std::function<void(const LongCall&)>& tell) {
-  const int64_t now = now_ns();
+  const int64_t now = coarse_now_ns();
   for (const Crumb& crumb : crumbs) {
     if (!crumb.call.load(std::memory_order_acquire)) continue;
     const int64_t since_ns = crumb.since_ns.load(std::memory_order_relaxed);

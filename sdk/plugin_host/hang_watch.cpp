@@ -26,10 +26,11 @@ HangWatch::~HangWatch() {
 }
 
 void HangWatch::look() {
-  std::set<int64_t> lasting;
+  std::set<std::pair<int64_t, std::string>> lasting;
   for_each_long_call(static_cast<int64_t>(parameters_.longest_call_s * 1e9), [&](const LongCall& call) {
-    lasting.insert(call.since_ns);
-    if (told_.count(call.since_ns) > 0) return;
+    const std::pair<int64_t, std::string> one(call.since_ns, call.what);
+    lasting.insert(one);
+    if (told_.count(one) > 0) return;
     host_.report(0, ODO_SEVERITY_ERROR, "hangs " + call.what,
                  "plugin " + call.what + " for " + std::to_string(call.lasts_ns / 1'000'000'000) +
                      " s by now; on a thread or in a process of its own (isolation) it could be left out",

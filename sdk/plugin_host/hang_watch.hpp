@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <mutex>
 #include <set>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "sdk/plugin_host/services.hpp"
 
@@ -32,7 +34,7 @@ class HangWatch {
 
   HostServices& host_;
   const Parameters parameters_;
-  std::set<int64_t> told_;  // by the time at which they began
+  std::set<std::pair<int64_t, std::string>> told_;  // by the time at which they began, and what they are
   std::mutex mutex_;
   std::condition_variable ends_;
   bool ending_ = false;

@@ -2,7 +2,6 @@
 #include "sdk/plugin_host/instance.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 
 #include <odograph/absolute_fixer.h>
@@ -13,6 +12,7 @@
 
 #include <odograph/odograph.h>
 
+#include "sdk/base/coarse_clock.hpp"
 #include "sdk/base/saturating.hpp"
 #include "sdk/plugin_host/library_backend.hpp"
 #include "sdk/plugin_host/process_backend.hpp"
@@ -201,9 +201,9 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
     if (now_ns_ >= back_at_ns_) revive();
     return {};
   }
-  const auto start = std::chrono::steady_clock::now();
+  const int64_t start_ns = coarse_now_ns();
   const int32_t status = backend_->process(message);
-  if (!isolated()) note_time(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  if (!isolated()) note_time(coarse_now_ns() - start_ns);
   if (has_ended()) {
     note_end(backend_->ended());
     if (alive_ && !backend_ && now_ns_ >= back_at_ns_) revive();
@@ -218,8 +218,10 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
 }
 
 /// In the app's own thread a late call cannot be left out; it is named.
-void PluginInstance::note_time(double took_s) {
-  if (took_s <= choice_->isolation.time_s) return;
+void PluginInstance::note_time(int64_t took_ns) {
+  if (took_ns <= kCoarseClock_ns) return;
+  const double took_s = static_cast<double>(took_ns) * 1e-9;
+  if (took_s <= choice_->isolation.time_s + static_cast<double>(kCoarseClock_ns) * 1e-9) return;
   char text[96];
   std::snprintf(text, sizeof text, "took %.3g s in process; expected at most %g s (time_limit)", took_s,
                 choice_->isolation.time_s);

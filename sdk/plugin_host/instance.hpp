@@ -96,7 +96,7 @@ class PluginInstance {
   Result<bool> open();
   bool isolated() const { return choice_->isolation.kind != Isolation::Kind::none; }
   bool has_ended() const { return backend_ && !backend_->ended().empty(); }
-  void note_time(double took_s);
+  void note_time(int64_t took_ns);
   void note_end(const std::string& what);
   void revive();
   void give_up();

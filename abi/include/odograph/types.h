@@ -289,6 +289,8 @@ typedef struct odo_attitude {
 #define ODO_MODE_HANDLING UINT32_C(7) /* the hand moves, the feet do not */
 
 /* One step: one foot's fall to the other's (a stride is two of them). */
+/* heading_rad is valid. Without it a step tells a length alone: `coupling: {type: inertial}` takes the direction from the
+ * phone's, the default coupling moves by the camera alone, and without a camera not at all (report `no_heading`). */
 #define ODO_STEP_HEADING UINT32_C(1)
 typedef struct odo_step {
   odo_header header;   /* t_ns: the time up to which the estimator had looked when it was sure */
@@ -370,7 +372,9 @@ typedef struct odo_scale { /* how long a VO unit is */
 #define ODO_FIX_DOWN UINT32_C(4)
 #define ODO_FIX_YAW UINT32_C(8)
 #define ODO_FIX_ORIENTATION UINT32_C(16)
-#define ODO_FIX_GEODETIC UINT32_C(32) /* latitude etc. are valid and p_n is not: the host converts, having the origin */
+/* Latitude and longitude are valid and p_n is not: the host converts, having the origin. North and east are then known
+ * without their flags; the height counts where ODO_FIX_DOWN is set as well. */
+#define ODO_FIX_GEODETIC UINT32_C(32)
 #define ODO_FIX_SLANT UINT32_C(64)    /* landmark_n and slant_distance_m are valid */
 #define ODO_FIX_ACCEPTED UINT32_C(128) /* it was used; set by the host on what it publishes, never by a fixer */
 typedef struct odo_fix {
