@@ -11,7 +11,7 @@ namespace odograph {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "odograph-XXXXXX").string();
+    std::string name = (std::filesystem::temp_directory_path() / ("odograph-" + std::string(6, 'X'))).string();
     if (mkdtemp(name.data())) path_ = name;
   }
   ~TemporaryFolder() {
