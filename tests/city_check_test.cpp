@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <fstream>
 
+#include "plugins/fix/skyline/matcher.hpp"
 #include "sdk/city/city_check.hpp"
 #include "sdk/city/street_route.hpp"
 #include "sdk/city/thinned_model.hpp"
+#include "sdk/sim/city_model.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
+using namespace odograph::skyline;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("city");
@@ -148,6 +152,35 @@ TEST_CASE("a route drawn through a model's streets keeps clear of its houses") {
   REQUIRE(other);
   CHECK(*again == *route);
   CHECK(*other != *route);
+}
+
+TEST_CASE("a generated town's model is read back; damaged models are refused by name") {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "city.json").string();
+  Building house{{Vector3d(0, 0, 0), Vector3d(10, 0, 0), Vector3d(10, 8, 0), Vector3d(0, 8, 0)}, 30, true};
+  REQUIRE(write_city_json(file, {house}, {}));
+  const auto edges = read_city_outline(file, {0, 0, 0});
+  CHECK(edges.size() == 12);
+  double top = 0;
+  for (const Edge& e : edges) top = std::min(top, std::min(e.from.z(), e.to.z()));
+  CHECK(top == doctest::Approx(-30));
+  CHECK(read_city_outline(file, {0, 0, 5})[0].from.z() ==
+        doctest::Approx(read_city_outline(file, {0, 0, 0})[0].from.z() + 5));
+  const auto refusal = [](const std::string& text) -> std::string {
+    try {
+      parse_city_outline(text, "town.json", {0, 0, 0});
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  CHECK(refusal("{").find("town.json: not CityJSON") == 0);
+  CHECK(
+      refusal(
+          R"({"type":"CityJSON","vertices":[[0,0,0]],"CityObjects":{"a":{"type":"Building","geometry":[{"boundaries":[[0,1,7]]}]}}})")
+          .find("a: no vertex 1; there are 1") != std::string::npos);
+  CHECK(refusal(R"({"type":"CityJSON","vertices":[],"CityObjects":{}})").find("no building") != std::string::npos);
+  CHECK(refusal(R"({"type":"CityJSON","vertices":[[1,2]],"CityObjects":{}})").find("vertex 0") != std::string::npos);
 }
 
 TEST_SUITE_END();

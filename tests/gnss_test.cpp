@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -7,7 +8,9 @@
 #include "plugins/fix/gnss/correlated_error.hpp"
 #include "plugins/fix/gnss/path_heading.hpp"
 #include "sdk/cli/runner.hpp"
+#include "sdk/core/geodesy.hpp"
 #include "sdk/core/messages.hpp"
+#include "sdk/estimator/estimator.hpp"
 #include "sdk/sim/random.hpp"
 #include "sdk/sim/simulate.hpp"
 #include "tests/support.hpp"
@@ -210,6 +213,34 @@ TEST_CASE("40 m off for a minute in a canyon pull a simulated walk far less than
     }
   }
   CHECK(percentile(worst[1], 0.5) < 0.6 * percentile(worst[0], 0.5));
+}
+
+TEST_CASE("NED and geodetic coordinates are each other's inverse to a micrometre over 20 km") {
+  Geodesy geodesy;
+  geodesy.set_origin({0.8238, -0.0271, 20.0});
+  for (const std::array<double, 3> p : {std::array<double, 3>{0, 0, 0}, {20000, -15000, -300}, {-7, 12000, 40}}) {
+    const auto back = geodesy.from_geodetic(geodesy.to_geodetic(p));
+    for (size_t i = 0; i < 3; ++i) CHECK(std::abs(back[i] - p[i]) < 1e-6);
+  }
+  const auto north = geodesy.to_geodetic({1000, 0, 0}), east = geodesy.to_geodetic({0, 1000, 0}),
+             down = geodesy.to_geodetic({0, 0, 5});
+  CHECK(north[0] > 0.8238);
+  CHECK(east[1] > -0.0271);
+  CHECK(down[2] == doctest::Approx(15.0));
+}
+
+TEST_CASE("a fix that tells latitude and longitude alone is one of north and east") {
+  Geodesy geodesy;
+  geodesy.set_origin({0.8238, -0.0271, 20.0});
+  auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 1);
+  const auto there = geodesy.to_geodetic({30, -40, 0});
+  fix.header.flags = ODO_FIX_GEODETIC;
+  fix.latitude_rad = there[0], fix.longitude_rad = there[1], fix.height_m = there[2];
+  resolve_geodetic(fix, geodesy);
+  CHECK((fix.header.flags & (ODO_FIX_NORTH | ODO_FIX_EAST)) == (ODO_FIX_NORTH | ODO_FIX_EAST));
+  CHECK((fix.header.flags & ODO_FIX_DOWN) == 0);
+  CHECK(std::abs(fix.p_n[0] - 30) < 1e-3);
+  CHECK(std::abs(fix.p_n[1] + 40) < 1e-3);
 }
 
 TEST_SUITE_END();

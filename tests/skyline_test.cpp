@@ -391,33 +391,4 @@ TEST_CASE("the height over the ground is found with the place") {
   CHECK(std::abs(match->p_n.z() - place.z()) < 0.5);
 }
 
-TEST_CASE("a generated town's model is read back; damaged models are refused by name") {
-  const TemporaryFolder folder;
-  const std::string file = (folder / "city.json").string();
-  Building house{{Vector3d(0, 0, 0), Vector3d(10, 0, 0), Vector3d(10, 8, 0), Vector3d(0, 8, 0)}, 30, true};
-  REQUIRE(write_city_json(file, {house}, {}));
-  const auto edges = read_city_outline(file, {0, 0, 0});
-  CHECK(edges.size() == 12);
-  double top = 0;
-  for (const Edge& e : edges) top = std::min(top, std::min(e.from.z(), e.to.z()));
-  CHECK(top == doctest::Approx(-30));
-  CHECK(read_city_outline(file, {0, 0, 5})[0].from.z() ==
-        doctest::Approx(read_city_outline(file, {0, 0, 0})[0].from.z() + 5));
-  const auto refusal = [](const std::string& text) -> std::string {
-    try {
-      parse_city_outline(text, "town.json", {0, 0, 0});
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "";
-  };
-  CHECK(refusal("{").find("town.json: not CityJSON") == 0);
-  CHECK(
-      refusal(
-          R"({"type":"CityJSON","vertices":[[0,0,0]],"CityObjects":{"a":{"type":"Building","geometry":[{"boundaries":[[0,1,7]]}]}}})")
-          .find("a: no vertex 1; there are 1") != std::string::npos);
-  CHECK(refusal(R"({"type":"CityJSON","vertices":[],"CityObjects":{}})").find("no building") != std::string::npos);
-  CHECK(refusal(R"({"type":"CityJSON","vertices":[[1,2]],"CityObjects":{}})").find("vertex 0") != std::string::npos);
-}
-
 TEST_SUITE_END();

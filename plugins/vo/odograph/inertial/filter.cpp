@@ -216,11 +216,11 @@ void Filter::settle_lens() {
   const double sigma = std::sqrt(state_.P(block::follow, block::follow));
   const int64_t now_ns = newest().frame_ns;
   if (state_.camera.follow + s.fixed_sigmas * sigma > s.least_follow) {
-    unfollowed_ns_ = 0;
+    unfollowed_ns_.reset();
     return;
   }
-  if (unfollowed_ns_ == 0) unfollowed_ns_ = now_ns;
-  if (static_cast<double>(now_ns - unfollowed_ns_) * 1e-9 < s.fixed_s) return;
+  if (!unfollowed_ns_) unfollowed_ns_ = now_ns;
+  if (static_cast<double>(now_ns - *unfollowed_ns_) * 1e-9 < s.fixed_s) return;
   fixed_lens_ = true;
   hold_lens(state_);
 }

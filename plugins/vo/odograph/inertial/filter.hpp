@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "plugins/vo/odograph/inertial/imu_buffer.hpp"
@@ -74,8 +75,8 @@ class Filter {
   std::deque<FrameCorners> recent_;   // of the last half second
   uint32_t next_id_ = 0;
   bool stood_ = false;
-  bool fixed_lens_ = false;    // no stabiliser: that is known
-  int64_t unfollowed_ns_ = 0;  // since when it looks like that; 0: it does not
+  bool fixed_lens_ = false;               // no stabiliser: that is known
+  std::optional<int64_t> unfollowed_ns_;  // since when it looks like that
   double scale_sigma_ = 1;
 };
 

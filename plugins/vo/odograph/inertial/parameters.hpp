@@ -57,16 +57,17 @@ struct StabiliserParameters {
   /// Of a stabilised lens, which takes out most: one that follows less, by so many sigmas, for so long, is a fixed one.
   double least_follow = 0.25, fixed_sigmas = 5, fixed_s = 0.5;
   double shift_sigma_px = 1;  ///< before the first measurement
+  static constexpr double kTwoPi = 6.283185307179586;
   /// By how many times e it gives way in a second, where it is shifted by so much.
   double leak(double shift_px, double focal_px) const {
     const double used = std::min(1.0, shift_px / (travel_rad * focal_px));
-    return 6.283185307179586 * (leak_hz + (end_leak_hz - leak_hz) * used * used);
+    return kTwoPi * (leak_hz + (end_leak_hz - leak_hz) * used * used);
   }
   /// The derivative of that by the shift.
   Eigen::Vector2d leak_change(const Eigen::Vector2d& shift_px, double focal_px) const {
     const double travel_px = travel_rad * focal_px;
     if (shift_px.norm() >= travel_px) return Eigen::Vector2d::Zero();
-    return 2 * 6.283185307179586 * (end_leak_hz - leak_hz) / (travel_px * travel_px) * shift_px;
+    return 2 * kTwoPi * (end_leak_hz - leak_hz) / (travel_px * travel_px) * shift_px;
   }
 };
 
