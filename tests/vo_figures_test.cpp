@@ -20,6 +20,7 @@ struct Says {
   uint32_t flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC | ODO_VO_INERTIAL;
   uint32_t group = 0;
   double sigma = 0.01;
+  uint32_t state = ODO_TRACKING;
 };
 
 struct Run {
@@ -41,7 +42,7 @@ Run run(const Trajectory& truth, Speaker says, const Vector3d& down = Vector3d::
     const Says s = says(i);
     auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, b.t_ns);
     m.header.flags = s.flags;
-    m.t_from_ns = a.t_ns, m.state = ODO_TRACKING, m.scale_group = s.group, m.scale_sigma = s.sigma;
+    m.t_from_ns = a.t_ns, m.state = s.state, m.scale_group = s.group, m.scale_sigma = s.sigma;
     const Quaterniond q = a.q.conjugate() * b.q;
     const Vector3d p = s.scale * (a.q.conjugate() * (b.p - a.p)), g = b.q.conjugate() * down;
     m.q_c0_c1[0] = q.w(), m.q_c0_c1[1] = q.x(), m.q_c0_c1[2] = q.y(), m.q_c0_c1[3] = q.z();
@@ -183,6 +184,38 @@ TEST_CASE("motions without a displacement, lost ones and holes") {
   CHECK_FALSE(chain.poses[10].placed);
   CHECK_FALSE(chain.poses[55].placed);
   CHECK(chain.poses[56].own != chain.poses[55].own);
+}
+
+TEST_CASE("who turns about and errs by a hand's breadth there is not wrong of his scale") {
+  // Out and back at 1 m/s, ten times; at each far end the odometry errs by 15 cm.
+  const auto there_and_back = [](double s) {
+    const double phase = std::fmod(s, 14.2);
+    return Vector3d(phase < 7.1 ? phase : 14.2 - phase, 0, 0);
+  };
+  Run r = run(path(1400, there_and_back), [](size_t) { return Says{.sigma = 0.02}; });
+  for (size_t i = 71; i < r.motions.size(); i += 142) {
+    const Vector3d aside = r.truth[i].q.conjugate() * Vector3d(-0.15, 0, 0);
+    Vector3d::Map(r.motions[i - 1].p_c0_c1) += aside;
+  }
+  CHECK(r.figures().wrongly_certain_share == 0);
+  CHECK(r.figures().windows.size() > 10);
+}
+
+TEST_CASE("what is said to be tracked is measured stretch by stretch, without what lies between") {
+  // 48 m: 24 m right, 12 m told as degraded and twice too long, 12 m that are a tenth too long.
+  const Run r = run(line(401), [](size_t i) {
+    if (i <= 200) return Says{};
+    return i <= 300 ? Says{.scale = 2, .state = ODO_DEGRADED} : Says{.scale = 1.1};
+  });
+  const VoFigures f = r.figures();
+  REQUIRE(f.tracked.size() == 2);
+  CHECK(f.tracked[0].path_m == doctest::Approx(24).epsilon(0.02));
+  CHECK(f.tracked[0].rmse_m < 1e-9);
+  CHECK(f.tracked[1].path_m == doctest::Approx(12).epsilon(0.02));
+  // A line that is too long by a tenth, laid centre on centre: a tenth of L / sqrt(12).
+  CHECK(f.worst_tracked == doctest::Approx(0.1 / std::sqrt(12)).epsilon(0.02));
+  CHECK(f.se3_rmse_m > 1);
+  CHECK(std::isnan(run(line(401), [](size_t) { return Says{.state = ODO_DEGRADED}; }).figures().worst_tracked));
 }
 
 TEST_CASE("stops are where the camera goes nowhere, not where the trunk sways") {

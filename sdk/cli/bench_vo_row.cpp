@@ -82,6 +82,13 @@ Json stops_of(const VoFigures& f) {
   return all;
 }
 
+Json windows_of(const VoFigures& f) {
+  Json all = Json::array();
+  for (const ScaleWindow& w : f.windows)
+    all.push_back({{"from_ns", w.from_ns}, {"at_m", w.path_m}, {"log_scale", w.log_scale}, {"sigma", w.sigma}});
+  return all;
+}
+
 void add_metre(const VoFigures& f, Json& row) {
   const double percent = f.path_m > 0 ? 100 / f.path_m : std::nan("");
   row["frames"] = f.frames;
@@ -104,6 +111,8 @@ void add_metre(const VoFigures& f, Json& row) {
   row["stops"] = stops_of(f);
   row["stops_measured"] =
       std::count_if(f.stops.begin(), f.stops.end(), [](const StopFigures& s) { return s.measured(); });
+  row["scale_windows"] = windows_of(f);
+  row["worst_tracked_percent"] = 100 * f.worst_tracked;
   row["worst_jump_percent"] = 100 * f.worst_jump;
   row["standing_drift_cm_min"] = 100 * f.standing_drift_m_min;
   row["wrongly_certain_percent"] = 100 * f.wrongly_certain_share;

@@ -31,6 +31,7 @@ constexpr Column kMetre[] = {{"placed", "%", "placed_percent", 7, 1},
                              {"SE3", "m", "se3_rmse_m", 8, 3},
                              {"yaw", "m", "yaw_rmse_m", 8, 3},
                              {"yaw", "%", "yaw_percent", 7, 2},
+                             {"tracked", "worst %", "worst_tracked_percent", 8, 2},
                              {"scale", "err %", "scale_error_percent", 7, 2},
                              {"jump", "%", "worst_jump_percent", 7, 1},
                              {"stops", "", "stops_measured", 6, 0},
@@ -127,11 +128,13 @@ void print_vo_tables(const std::vector<Json>& rows) {
       "before: not in\n"
       "metres while the metre came later. longest: scale group. start: from the first frame to the first metric "
       "motion; moving:\n"
-      "from the camera's first 5 cm. true, own: path of the metric frames. SE3, yaw: rms displacement after alignment. "
+      "from the camera's first 5 cm. true, own: path of the metric frames. SE3, yaw: rms displacement after alignment; "
+      "tracked: the worst SE3 of a metric stretch that says it is tracked, of its path. "
       "scale: |own\n"
       "by true - 1| of the Sim(3) alignment. jump: the worst change of scale within a group from the 10 m before a "
       "stop to the 10 m\n"
-      "after. drift: while standing. wrong: part of the time (5 m stretches) in which the scale is off by more than 3 "
+      "after. drift: while standing. wrong: part of the time (by places 5 m apart) in which the scale is off by more "
+      "than 3 "
       "of its own\n"
       "sigmas; NEES: (log scale / sigma)^2, mean; 1 is consistent.\n\n");
   print_table("Shape and cost", kShape, rows);

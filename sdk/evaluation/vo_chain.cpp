@@ -40,6 +40,7 @@ VoChain chain_of(const std::vector<odo_vo_motion>& motions) {
       x.q = (x.q * Eigen::Quaterniond(m.q_c0_c1[0], m.q_c0_c1[1], m.q_c0_c1[2], m.q_c0_c1[3])).normalized();
     x.placed = (flags & ODO_VO_TRANSLATION) && m.state != ODO_LOST;
     x.metric = x.placed && group_is_metric;
+    x.tracking = m.state == ODO_TRACKING;
     x.gravity.reset();
     if (flags & ODO_VO_INERTIAL) x.scale_sigma = m.scale_sigma, x.gravity = x.q * Vector3d(m.gravity_c1);
     chain.poses.push_back(x);

@@ -20,6 +20,7 @@ struct ChainedPose {
   uint32_t scale_group = 0;
   bool placed = false;     ///< the motion that ends here had a displacement, and the odometry was not lost
   bool metric = false;     ///< placed, and its group has had a metric motion
+  bool tracking = false;   ///< the motion that ends here says that it follows the world
   double scale_sigma = 0;  ///< relative, of the newest motion of the group that said it; 0: none did
   std::optional<Eigen::Vector3d> gravity;  ///< downwards in the chain's frame, where the motion gave it
 };

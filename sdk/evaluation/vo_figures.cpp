@@ -89,14 +89,33 @@ std::vector<ScaleWindow> windows_of(const Matched& m, const VoFigureParameters& 
       from = to;
       continue;
     }
-    if (m.path_m[to] - m.path_m[from] < p.window_m) continue;
     const double own = (m.pose(to).p_m - m.pose(from).p_m).norm(), true_m = (m.truth[to].p - m.truth[from].p).norm();
-    if (true_m > p.least_straight * p.window_m && own > 0)
+    if (true_m < p.window_m) continue;
+    if (own > 0)
       windows.push_back({m.truth[from].t_ns, m.truth[to].t_ns, 0.5 * (m.path_m[from] + m.path_m[to]),
                          std::log(own / true_m), m.pose(to).scale_sigma});
     from = to;
   }
   return windows;
+}
+
+std::vector<TrackedStretch> tracked_of(const Matched& m, const VoFigureParameters& p) {
+  std::vector<TrackedStretch> stretches;
+  const auto follows = [&](size_t k) { return m.pose(k).metric && m.pose(k).tracking; };
+  for (size_t from = 0; from < m.size(); ++from) {
+    if (!follows(from)) continue;
+    size_t to = from;
+    while (to + 1 < m.size() && follows(to + 1) && one_group(m, to, to + 1)) ++to;
+    if (const double path_m = m.path_m[to] - m.path_m[from]; path_m >= p.least_tracked_m) {
+      Pairs pairs;
+      for (size_t k = from; k <= to; ++k)
+        pairs.reference.push_back(m.truth[k]), pairs.estimate.push_back({m.pose(k).t_ns, m.pose(k).q, m.pose(k).p_m});
+      const auto errors = absolute_errors(pairs.reference, align(pairs, Alignment::se3, nullptr));
+      stretches.push_back({m.truth[from].t_ns, m.truth[to].t_ns, path_m, statistics_of(errors.translation_m).rmse});
+    }
+    from = to;
+  }
+  return stretches;
 }
 
 void count_frames(const VoChain& chain, const std::vector<int64_t>& frames_ns, VoFigures& f) {
@@ -170,8 +189,9 @@ void measure_metric(const Matched& m, VoFigures& f) {
 }
 
 void sum_up(const VoFigureParameters& p, VoFigures& f) {
-  f.worst_jump = f.standing_drift_m_min = f.wrongly_certain_share = f.scale_nees = std::nan("");
+  f.worst_tracked = f.worst_jump = f.standing_drift_m_min = f.wrongly_certain_share = f.scale_nees = std::nan("");
   double drift_m = 0, standing_s = 0;
+  for (const TrackedStretch& s : f.tracked) f.worst_tracked = std::fmax(f.worst_tracked, s.rmse_m / s.path_m);
   for (const StopFigures& s : f.stops) {
     if (s.measured()) f.worst_jump = std::fmax(f.worst_jump, std::abs(s.jump()));
     if (s.drift_m > 0) drift_m += s.drift_m, standing_s += seconds(s.stop.from_ns, s.stop.to_ns);
@@ -223,6 +243,7 @@ VoFigures vo_figures(const Trajectory& truth, const std::vector<odo_vo_motion>& 
   if (m.size() > 1) {
     for (const Stop& stop : stops_of(m.truth, p.standing)) f.stops.push_back(figures_of(stop, m, p));
     f.windows = windows_of(m, p);
+    f.tracked = tracked_of(m, p);
   }
   sum_up(p, f);
   return f;

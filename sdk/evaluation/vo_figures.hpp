@@ -31,6 +31,13 @@ struct StopFigures {
   double jump() const { return scale_after / scale_before - 1; }
 };
 
+/// Metric poses of one scale group without a break in which the odometry says that it follows the world.
+struct TrackedStretch {
+  int64_t from_ns, to_ns;
+  double path_m;  ///< true
+  double rmse_m;  ///< after SE(3) alignment of this stretch alone
+};
+
 /// One stretch of the path within one scale group.
 struct ScaleWindow {
   int64_t from_ns, to_ns;
@@ -41,9 +48,12 @@ struct ScaleWindow {
 
 struct VoFigureParameters {
   StandingParameters standing;
-  double stop_stretch_m = 10;    ///< m of the true path before and after a stop
-  double window_m = 5;           ///< m of the true path of a scale window
-  double least_straight = 0.25;  ///< of a stretch, its displacement by its length: less tells no scale
+  double stop_stretch_m = 10;  ///< m of the true path before and after a stop
+  /// m that a scale window's ends lie apart. Of its path would not do: who turns about ends where he began, and the
+  /// error of his place is then taken for one of the scale.
+  double window_m = 5;
+  double least_straight = 0.25;  ///< of a stretch beside a stop, its displacement by its length: less tells no scale
+  double least_tracked_m = 5;    ///< m of the true path of a tracked stretch that has an error worth a percentage
   double certain_sigmas = 3;     ///< beyond it the odometry was wrongly certain of its scale
   double first_motion_m = 0.05;  ///< m from the first place: the camera has begun to move
   double largest_gap_s = 0.25;   ///< s, true poses further apart are not interpolated
@@ -67,6 +77,8 @@ struct VoFigures {
   double scale;       ///< the factor that the Sim(3) alignment applies; 1 is right
   std::vector<StopFigures> stops;
   std::vector<ScaleWindow> windows;
+  std::vector<TrackedStretch> tracked;
+  double worst_tracked;          ///< of the tracked stretches, error by path; NaN: none
   double worst_jump;             ///< of the stops that were measured, absolute, relative; NaN: none was
   double standing_drift_m_min;   ///< over all stops with metric poses; NaN: none
   double wrongly_certain_share;  ///< of the windows' time; NaN: no window with a sigma
