@@ -19,6 +19,7 @@ TEST_SUITE_BEGIN("estimator");
 namespace {
 
 struct Outcome {
+  ScaleKnowledge knowledge;
   double end_error_m = 0, worst_error_m = 0, worst_jump_m = 0, position_nees = 0, heading_nees = 0, scale_error = 0,
          scale_sigma = 0, factor_error = 0, path_ratio = 0, first_metric_s = -1;
   int poses = 0, references = 0, corrections = 0;
@@ -71,6 +72,7 @@ Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 
   const auto report = estimator.scale_report();
   o.scale_error = report.known ? report.log_scale + std::log(what.odometry.units_per_m) : 0;
   o.scale_sigma = report.sigma;
+  o.knowledge = estimator.scale_knowledge();
   o.factor_error = report.log_factor - walk.log_factor();
   o.position_nees /= std::max(1, o.poses), o.heading_nees /= std::max(1, o.poses);
   o.path_ratio = path / std::max(1e-9, true_path);
@@ -235,12 +237,19 @@ TEST_CASE("a metric odometry that is sure passes through; steps outweigh one tha
     CHECK(o.path_ratio == doctest::Approx(1.0).epsilon(0.015));
     CHECK(std::abs(o.factor_error) < 0.05);
     CHECK(o.references >= 1);
+    CHECK(o.knowledge.by_inertia > 0.95);
+    CHECK(o.knowledge.sigma < 0.01);
   }
   WalkMeasurements doubtful = sure;
   doubtful.odometry.scale_sigma = 0.3;
   doubtful.step_factor_sigma = 0.02;
   // To what walkers are taken to differ by (factor_sigma), where the odometry is off by 0.3 in the mean.
-  for (uint64_t seed = 1; seed <= 5; ++seed) CHECK(std::abs(run_walk(doubtful, seed, 60).path_ratio - 1) < 0.1);
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    const Outcome o = run_walk(doubtful, seed, 60);
+    CHECK(std::abs(o.path_ratio - 1) < 0.1);
+    CHECK(o.knowledge.by_steps > 0.6);
+    CHECK(o.knowledge.by_steps + o.knowledge.by_inertia == doctest::Approx(1));
+  }
 }
 
 TEST_CASE(

@@ -4,7 +4,9 @@
 // standing, a lens that is told again.
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <optional>
+#include <sstream>
 
 #include <doctest/doctest.h>
 
@@ -140,6 +142,34 @@ TEST_CASE("a bias that a data sheet holds for steadier than a phone in a hand ha
   }
   CHECK(chains[0].track.back().p == chains[1].track.back().p);
   CHECK(chains[0].track.back().p != chains[2].track.back().p);
+}
+
+TEST_CASE("a run says what its metre rests on, and a front-end can be believed less than it says") {
+  const TemporaryFolder folder;
+  const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
+  REQUIRE(scenario);
+  Scenario shorter = *scenario;
+  shorter.walk_m = 8;
+  REQUIRE(simulate(shorter, 5, folder / "walk.odo", {}));
+  const auto recording = read_recording(folder / "walk.odo");
+  REQUIRE(recording);
+  std::vector<odo_statistics> said;
+  for (const char* factor : {"1", "16"}) {
+    std::ifstream walk(source("samples/configs/walk.yaml"));
+    std::stringstream config;
+    config << walk.rdbuf() << "  odometry_covariance: " << factor << "\n";
+    std::ofstream(folder / "walk.yaml") << config.str();
+    RunOptions options;
+    options.config = (folder / "walk.yaml").string(), options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result ? "" : result.failure().text));
+    said.push_back(result->statistics);
+  }
+  CHECK(said[0].scale_sigma > 0);
+  CHECK(said[0].scale_sigma < 0.05);
+  CHECK(said[0].scale_by_inertia > 0.9);
+  CHECK(said[1].scale_sigma > 1.5 * said[0].scale_sigma);
+  CHECK(said[1].scale_by_steps > said[0].scale_by_steps);
 }
 
 TEST_CASE("a lens that breathes by 3 % keeps track and metre, and is the same told by calibrations or by the frames") {

@@ -51,6 +51,9 @@ int run(RunArguments& a) {
                 a.input.c_str(), recording->format.c_str(), result->track.size(), s.distance_m,
                 static_cast<unsigned long long>(s.steps), static_cast<unsigned long long>(s.frames), s.tracking_s,
                 s.degraded_s, s.lost_s);
+    if (s.scale_sigma > 0)
+      std::printf("metre known to %.1f %%: %.0f %% by inertia, %.0f %% by steps\n", 100 * s.scale_sigma,
+                  100 * s.scale_by_inertia, 100 * s.scale_by_steps);
     std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");
   }
   return status_over(result->loss, result->track.empty() || result->final_state == ODO_LOST ? kLostTracking : kDone);

@@ -74,6 +74,14 @@ Json json_of(const RecordingLoss& loss) {
           {"cut_off", loss.file.cut}, {"pictures", loss.pictures}, {"wild_times", loss.wild_times}};
 }
 
+/// What the metre of the last scale group rests on; null where nobody knows it.
+Json json_of_scale(const odo_statistics& s) {
+  if (s.scale_sigma == 0) return nullptr;
+  return {{"sigma_percent", 100 * s.scale_sigma},
+          {"by_inertia_percent", 100 * s.scale_by_inertia},
+          {"by_steps_percent", 100 * s.scale_by_steps}};
+}
+
 Json summary_of(const Recording& recording, const RunResult& result, const RunOptions& options) {
   const odo_statistics& s = result.statistics;
   Json notices = Json::object();
@@ -83,6 +91,7 @@ Json summary_of(const Recording& recording, const RunResult& result, const RunOp
       {"format", recording.format},
       {"distance_m", s.distance_m},
       {"steps", s.steps},
+      {"scale", json_of_scale(s)},
       {"frames", s.frames},
       {"poses", result.track.size()},
       {"states_s", {{"tracking", s.tracking_s}, {"degraded", s.degraded_s}, {"lost", s.lost_s}}},

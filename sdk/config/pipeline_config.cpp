@@ -97,6 +97,7 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   config.coupling.fix_gate_sigma = coupling["fix_gate"].real;
   config.coupling.bridge_s = coupling["bridge"].real;
   config.coupling.fastest_mps = coupling["fastest"].real;
+  config.coupling.odometry_covariance = coupling["odometry_covariance"].real;
   config.replay = {v["replay"]["start_at_first_waypoint"].boolean, v["replay"]["align_heading_over"].real};
 
   const auto choose = [&](const Value& value, const Spec& spec) {

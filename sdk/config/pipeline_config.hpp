@@ -52,6 +52,7 @@ struct CouplingConfig {
   double fix_gate_sigma = 5.0;
   double bridge_s = 2.0;
   double fastest_mps = 2.0;
+  double odometry_covariance = 1.0;
   CouplingType type = CouplingType::paper;
 };
 

@@ -112,6 +112,9 @@ const Spec& pipeline_spec() {
                     real("fastest", "m/s", 0.01, 200, "2",
                          "how fast the carrier may be: what is added to the position's uncertainty while there is no "
                          "scale or no picture; a motion five times faster is a mistake and left out"),
+                    real("odometry_covariance", "", 0.01, 100, "1",
+                         "what a visual front-end says of its errors, of the metre too, is multiplied by this (a "
+                         "variance); above 1 for one that is surer than it should be"),
                 }),
             map("replay", "how `odograph run` lays a recording's map over n",
                 {

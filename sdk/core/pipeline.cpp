@@ -2,6 +2,7 @@
 #include "sdk/core/pipeline.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include <odograph/step_estimator.h>
@@ -212,7 +213,10 @@ void Pipeline::on_vo_motion(odo_vo_motion& motion) {
   inertial_motion_.reset();
   if ((motion.header.flags & ODO_VO_INERTIAL) && (motion.header.flags & ODO_VO_METRIC))
     inertial_motion_ = copy_as<odo_vo_motion>(motion.header);
-  estimator_->update(RelativeMotion{&motion, scale_for(motion)});
+  odo_vo_motion judged = motion;
+  for (double& c : judged.covariance) c *= odometry_covariance_;
+  judged.scale_sigma *= std::sqrt(odometry_covariance_);
+  estimator_->update(RelativeMotion{&judged, scale_for(motion)});
   publish_estimates();
   for (PluginInstance* plugin : asked_) {  // the scale sources have had it
     const bool is_scale = std::find(scales_.begin(), scales_.end(), plugin) != scales_.end();
@@ -275,6 +279,7 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       watch_(config.ordering.max_gap_s),
       publish_(std::move(publish)),
       scale_join_(config.scale_sources.size()),
+      odometry_covariance_(config.coupling.odometry_covariance),
       steps_alone_need_heading_(config.coupling.type == CouplingType::paper && config.vo_frontends.empty()) {
   if (config.origin) geodesy_.set_origin(*config.origin);
   anchors_.set_ground(

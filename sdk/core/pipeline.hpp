@@ -67,6 +67,7 @@ class Pipeline {
   uint64_t plugin_faults() const;
   uint64_t gaps() const { return watch_.gaps(); }
   double distance_m() const { return estimator_->distance_m(); }
+  ScaleKnowledge scale_knowledge() const { return estimator_->scale_knowledge(); }
 
  private:
   Pipeline(const PipelineConfig& config, const Surroundings& surroundings, Publish publish);
@@ -123,6 +124,7 @@ class Pipeline {
   Counters counters_;
   std::vector<AnyMessage> descriptions_;  // the newest calibration of each camera, the newest noise of each IMU
   ScaleJoin scale_join_;
+  double odometry_covariance_ = 1;  ///< factor on what a front-end says
   const bool steps_alone_need_heading_;
   std::optional<odo_vo_motion> inertial_motion_;  // the newest motion, where it tells velocity and biases
   std::optional<odo_pose> before_restart_;

@@ -302,7 +302,8 @@ void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
 }
 
 void Session::publish_progress() {
-  progress_.write({pipeline_->counters(), pipeline_->gaps(), pipeline_->plugin_faults(), pipeline_->distance_m()});
+  progress_.write({pipeline_->counters(), pipeline_->gaps(), pipeline_->plugin_faults(), pipeline_->distance_m(),
+                   pipeline_->scale_knowledge()});
 }
 
 void Session::work() {
@@ -383,6 +384,9 @@ void Session::statistics(odo_statistics& out) const {
   now.wild = intake_.wild;
   now.events_dropped = counters.events_dropped;
   now.unknown = counters.unknown;
+  now.scale_sigma = progress.scale.sigma;
+  now.scale_by_inertia = progress.scale.by_inertia;
+  now.scale_by_steps = progress.scale.by_steps;
   const uint32_t size = std::min<uint32_t>(out.struct_size, sizeof now);
   now.struct_size = size;
   std::memcpy(&out, &now, size);

@@ -65,6 +65,7 @@ class Session {
     Pipeline::Counters counters;
     uint64_t gaps = 0, plugin_faults = 0;
     double distance_m = 0;
+    ScaleKnowledge scale;
   };
   using Lock = std::unique_lock<std::mutex>;
 

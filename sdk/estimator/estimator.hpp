@@ -58,6 +58,12 @@ struct Correction {
   uint32_t reason = 0;  ///< kCorrection*
 };
 
+/// How well the metre of the present scale group is known, and by whom.
+struct ScaleKnowledge {
+  double sigma = 0;                     ///< relative; 0: not known
+  double by_inertia = 0, by_steps = 0;  ///< shares of the information (1/variance), 0 to 1
+};
+
 /// The answer for a time.
 struct Estimate {
   odo_pose pose{};  ///< of the camera where there is one, otherwise of the body; its flags are true when set
@@ -108,6 +114,8 @@ class Estimator {
   /// Horizontal position against n is known, by the start that was given or by a fix.
   virtual bool is_placed() const = 0;
 
+  /// Nothing where the estimator does not tell.
+  virtual ScaleKnowledge scale_knowledge() const { return {}; }
   virtual double distance_m() const = 0;
   /// As at the start, for a sensor clock that was set back. The calibration stays.
   virtual void reset() = 0;

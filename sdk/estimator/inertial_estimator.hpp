@@ -31,6 +31,7 @@ class InertialEstimator : public Estimator {
   bool take_pose(odo_pose& pose) override;
   bool take_correction(Correction& correction, odo_pose& pose) override;
   bool take_step_reference(odo_fix& reference) override;
+  ScaleKnowledge scale_knowledge() const override;
   double distance_m() const override { return distance_m_; }
   void reset() override;
   uint64_t hold_pose(int64_t t_ns) override;

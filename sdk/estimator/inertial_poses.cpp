@@ -218,6 +218,14 @@ bool InertialEstimator::take_correction(Correction& correction, odo_pose& pose) 
 
 bool InertialEstimator::take_step_reference(odo_fix& reference) { return take(reference_, reference); }
 
+ScaleKnowledge InertialEstimator::scale_knowledge() const {
+  if (!vo_.known) return {};
+  const double inertia = inertial_front_end_ ? vo_.own_information : vo_.inertia_information;
+  const double all = inertia + vo_.steps_information;
+  const double sigma = std::sqrt(e_.P(kLogScale, kLogScale));
+  return all > 0 ? ScaleKnowledge{sigma, inertia / all, vo_.steps_information / all} : ScaleKnowledge{sigma, 0, 0};
+}
+
 InertialEstimator::ScaleReport InertialEstimator::scale_report() const {
   return {vo_.known,
           e_.x.log_scale,

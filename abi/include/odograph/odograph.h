@@ -69,6 +69,9 @@ typedef struct odo_statistics {
   uint64_t wild;             /* dropped: outside the sensor's range, or a spike against its neighbours */
   uint64_t events_dropped;   /* of samples that gave more events than the pipeline takes of one */
   uint64_t unknown;          /* samples of a type that neither the library nor any of its plugins knows */
+  double scale_sigma;        /* of the metre of the present scale group, relative; 0: not known, or not told */
+  double scale_by_inertia;   /* shares of what is known of it, 0 to 1: by inertia, in the front-end or in the host, */
+  double scale_by_steps;     /* and by steps */
 } odo_statistics;
 
 /* [control] Compiles the config, loads and starts the plugins. On failure *session is null and `error`, which may be

@@ -20,8 +20,8 @@ class GuidedCorners {
     int cell_px = 28;               ///< at most one new corner a cell
     double least_distance_px = 10;  ///< between new corners
     double quality = 0.01;          ///< relative to the best corner
-    int block_px = 5;               ///< over which a corner is looked at
-    int window_px = 15;             ///< of Lucas-Kanade
+    int block_px = 3;               ///< over which a corner is looked at, of the picture of half the size
+    int window_px = 13;             ///< of Lucas-Kanade
     int levels = 3;                 ///< of the pyramid
     double settled_px = 0.01;       ///< its last step
     double back_px = 0.7;           ///< largest distance between the way there and the way back
