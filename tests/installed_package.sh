@@ -44,7 +44,9 @@ cmake --build "$work/plugin" >/dev/null
 "$work/prefix/bin/odograph" plugin check "$work/plugin/constant_speed.so"
 [ "$(nm -D --defined-only "$work/plugin/constant_speed.so" | awk '{print $NF}')" = odo_plugin_entry_draft2 ]
 
-# A new plugin of each kind, in both languages: it builds, passes the check and runs.
+# A new plugin of each kind, in both languages: it builds, passes the check and runs, and where it does not tell the way
+# itself the rest of its pipeline does.
+"$work/prefix/bin/odograph" sim "$work/samples/scenarios/walk_short.yaml" --first 8 -o "$work/short.odo" >/dev/null
 for kind in attitude step_estimator vo_frontend scale_source absolute_fixer; do
   for language in "" --c; do
     name=fresh_$kind${language#--}
@@ -53,6 +55,9 @@ for kind in attitude step_estimator vo_frontend scale_source absolute_fixer; do
     cmake --build "$work/$name/build" >/dev/null
     "$work/prefix/bin/odograph" plugin check "$work/$name/build/$name.so" > "$work/$name/said" || { grep FAIL "$work/$name/said"; exit 1; }
     "$work/prefix/bin/odograph" config check "$work/$name/pipeline.yaml" >/dev/null
+    [ "$kind" = scale_source ] && continue  # no steps beside it: as far as its one speed says
+    "$work/prefix/bin/odograph" run -c "$work/$name/pipeline.yaml" -i "$work/short.odo" -o "$work/$name/out" --json >/dev/null || [ $? = 1 ]
+    python3 -c "import json, sys; m = json.load(open(sys.argv[1]))['distance_m']; sys.exit(not 4 < m < 16 and f'{m} m of 8 m')" "$work/$name/out/summary.json"
   done
 done
 "$work/prefix/bin/odograph" plugins --plugins "$work/plugin" example/constant_speed

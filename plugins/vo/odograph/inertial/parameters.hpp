@@ -95,7 +95,7 @@ struct FilterParameters {
   double gravity_mps2 = 9.81;
   size_t clones = 12;     ///< poses in the window
   size_t landmarks = 40;  ///< points that are states
-  size_t features = 40;   ///< tracks that an update takes at most
+  size_t features = 25;   ///< tracks that an update takes at most
   /// Of a followed corner, px: at the start, then as the innovations' median says. It decides what is refused. Most
   /// corners are good to 0.2 px and a few, at edges of depth, to 2 px: a gate that lets these in makes the metre 1 %
   /// too long (walk700_W1, seed 4).
