@@ -76,7 +76,7 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   const int64_t t_ns = frame.t_ns + static_cast<int64_t>(std::llround(state_.camera.time_offset_s * 1e9));
   report.imu_whole = propagate(state_, std::max(t_ns, state_.t_ns), imu, p_);
   if (!recent_.empty()) let_corners_walk(static_cast<double>(frame.t_ns - recent_.back().t_ns) * 1e-9);
-  report.standing = stands(frame, imu);
+  report.standing = !gets_somewhere(frame.t_ns) && stands(frame, imu);
   if (state_.clones.size() > 2 && ((report.standing && stood_) || without_parallax()))
     forget_clone(state_.clones.size() - 1);
   stood_ = report.standing;
@@ -98,6 +98,20 @@ void Filter::let_corners_walk(double dt_s) {
   const double walk = p_.corner_walk_px / state_.camera.lens.focal();
   for (size_t j = 0; j < state_.landmarks.size(); ++j)
     state_.P.diagonal().segment<2>(state_.landmark_at(j)).array() += walk * walk * dt_s;
+}
+
+/// Its mean velocity is none of somebody who stays where he is, or turns there with the phone at arm's length.
+bool Filter::gets_somewhere(int64_t t_ns) {
+  motions_.push_back({t_ns, state_.nav.v_w, state_.nav.q_w_b});
+  while (static_cast<double>(t_ns - motions_.front().t_ns) * 1e-9 > p_.stand.mean_s) motions_.pop_front();
+  Vector3d mean = Vector3d::Zero();
+  for (const Motion& x : motions_) mean += x.v_w / static_cast<double>(motions_.size());
+  const double turn_rad = motions_.front().q_w_b.angularDistance(state_.nav.q_w_b);
+  const double sigma_mps = std::hypot(p_.stand.sway_m, p_.stand.arm_m * turn_rad) / p_.stand.mean_s;
+  Eigen::Matrix3d S = state_.P.block<3, 3>(block::nu, block::nu);
+  S.diagonal().array() += sigma_mps * sigma_mps;
+  constexpr double kTail = 0.01;
+  return mean.dot(S.ldlt().solve(mean)) > chi_square_bound(3, kTail);
 }
 
 /// Nothing but a rotation in the picture, and a specific force that hardly changes.

@@ -56,6 +56,7 @@ class Filter {
  private:
   using Track = std::vector<Observation>;
 
+  bool gets_somewhere(int64_t t_ns);
   bool stands(const FrameCorners& frame, const ImuBuffer& imu) const;
   bool without_parallax() const;
   void forget_clone(size_t i);
@@ -75,6 +76,12 @@ class Filter {
   std::deque<FrameCorners> recent_;   // of the last half second
   uint32_t next_id_ = 0;
   bool stood_ = false;
+  struct Motion {
+    int64_t t_ns;
+    Eigen::Vector3d v_w;
+    Eigen::Quaterniond q_w_b;
+  };
+  std::deque<Motion> motions_;            // of the last mean_s
   bool fixed_lens_ = false;               // no stabiliser: that is known
   std::optional<int64_t> unfollowed_ns_;  // since when it looks like that
   double scale_sigma_ = 1;

@@ -79,6 +79,9 @@ struct StandParameters {
   double force_mps2 = 0.5;    ///< of the specific force, beside the sensor's noise: a hand 0.3 to 0.45, a walk above 1
   double flow_px = 1.2;       ///< of the picture, beside one rotation, median
   size_t least_corners = 15;  ///< that tell it
+  /// Who shuffles along at 0.2 m/s looks like that too, but gets somewhere: in mean_s a hand that stays moves by
+  /// sway_m.
+  double mean_s = 1.0, sway_m = 0.03;
   /// Of the specific force's three axes together, (m/s^2)^2, by a sensor of this noise and so many samples a second.
   double most_force_variance(const ImuNoise& noise, double rate_hz) const {
     return force_mps2 * force_mps2 + 3 * noise.accel * noise.accel * rate_hz;
