@@ -2,13 +2,11 @@
 #include <cmath>
 
 #include <doctest/doctest.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/fix/known_object/judge.hpp"
 #include "plugins/fix/known_object/read_objects.hpp"
 #include "plugins/fix/known_object/text_tree.hpp"
-#include "sdk/core/geodesy.hpp"
 #include "sdk/core/messages.hpp"
 #include "sdk/sim/poster.hpp"
 #include "sdk/sim/random.hpp"
