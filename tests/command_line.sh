@@ -51,6 +51,14 @@ expect 3 "no such file" "$odograph" compare "$configs/phone_walk.yaml" -i nothin
 expect 0 "written to" "$odograph" run -c "$configs/phone_walk_odograph.yaml" -i tiny.odo -o o --state walker.state
 expect 0 "written to" "$odograph" run -c "$configs/phone_walk_odograph.yaml" -i tiny.odo -o o --state walker.state
 expect 3 "walker.broken: " sh -c 'head -c 20 walker.state >walker.broken; "$@"' - "$odograph" run -c "$configs/phone_walk_odograph.yaml" -i tiny.odo -o o --state walker.broken
+echo mine >victim && ln -s "$PWD/victim" walker.state.part
+expect 0 "written to" "$odograph" run -c "$configs/phone_walk_odograph.yaml" -i tiny.odo -o o --state walker.state
+[ "$(cat victim)" = mine ] || { echo "FAILED: a link beside the state is followed"; failed=1; }
+mkfifo walker.pipe
+expect 3 "is a folder, a pipe or a device" "$odograph" run -c "$configs/phone_walk_odograph.yaml" -i tiny.odo -o o --state walker.pipe
+rm -rf o2
+expect 3 "cannot be written" "$odograph" run -c "$configs/phone_walk_odograph.yaml" -i tiny.odo -o o2 --state no_folder/walker.state
+[ -s o2/summary.json ] || { echo "FAILED: a state that cannot be saved costs the results"; failed=1; }
 expect 0 '"distance_m"' "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o2 --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: --json is not one JSON object"; failed=1; }
 expect 0 "APE" "$odograph" eval --ref tiny.odo --est o --align yaw
@@ -147,6 +155,13 @@ expect 2 "a pipe or a device" timeout 10 "$odograph" config check pipe
 printf 'odograph: 1\nb\033ad: 3\n' >escape.yaml
 expect 2 'b\x1Bad' "$odograph" config check escape.yaml
 expect 4 "FAIL" "$odograph" plugin check "$source/README.md"
+expect 3 "nothing.so: there is no such file" "$odograph" plugin check nothing.so
+[ "$(wc -l <out)" -le 1 ] || { echo "FAILED: a missing plugin takes more than a line"; failed=1; }
+expect 3 "is no file" "$odograph" plugin check "$source"
+mkdir -p bare && touch bare/lonely.so
+printf 'odograph: 1\nplugins: {search: [gone, bare]}\nattitude: {plugin: acme/lonely}\n' >lonely.yaml
+expect 2 "there is no folder" "$odograph" config check lonely.yaml
+grep -q "bare/lonely.so has no manifest" out || { echo "FAILED: a library without a manifest is not named"; failed=1; }
 expect 0 "one foot's fall" "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --plot steps.html --each
 expect 0 "<svg" cat steps.html
 expect 0 '"distance_m"' "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --json

@@ -15,7 +15,6 @@
 #include <odograph/step_estimator.h>
 
 #include "sdk/plugin_host/instance.hpp"
-#include "sdk/validator/write_manifest.hpp"
 #include "tests/session_app.hpp"
 #include "tests/test_plugins.hpp"
 
@@ -37,17 +36,8 @@ constexpr bool kMemoryLimited = true;
 
 const fs::path kZoo = fs::path(ODOGRAPH_BUILD) / "tests/zoo";
 
-/// A manifest that does not ask the plugin: hostile ones would not survive it.
 std::string install(const TemporaryFolder& folder, const std::string& animal, const std::string& kind) {
-  const std::string library = (folder / (animal + ".so")).string();
-  fs::copy_file(kZoo / (animal + ".so"), library, fs::copy_options::overwrite_existing);
-  const auto hash = sha256_of(library);
-  write_text(
-      folder / (animal + ".odoplugin.json"),
-      "{\"odoplugin\": 1, \"id\": \"zoo/animal\", \"version\": \"1.0.0\", \"summary\": \"Of the zoo.\", \"abi\": [" +
-          std::to_string(ODO_ABI_MAJOR) + ", " + std::to_string(ODO_ABI_MINOR) + "], \"interfaces\": [\"" + kind +
-          "\"], \"library\": \"" + animal + ".so\", \"sha256\": \"" + *hash + "\", \"parameters\": []}");
-  return folder.path().string();
+  return install_unasked(folder, kZoo / (animal + ".so"), animal, "zoo/animal", kind);
 }
 
 /// How the pose and its states came out.
@@ -328,6 +318,42 @@ TEST_CASE("a plugin that takes memory without end ends alone" * doctest::skip(!k
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   const Outcome out = walk(app, 0, 20);
   CHECK_FALSE(out.said.empty());
+}
+
+TEST_CASE("a plugin that is swapped with its manifest while it runs is not started anew") {
+  const TemporaryFolder folder;
+  fs::copy_file(plugin_folder() / "attitude_vqf.so", folder / "one.so");
+  REQUIRE(write_manifest_beside(folder / "one.so").ok());
+  HostServices host(0, {}, nullptr);
+  PluginChoice choice;
+  choice.manifest = *read_manifest(folder / "one.odoplugin.json");
+  choice.interface_id = ODO_INTERFACE_ATTITUDE;
+  choice.isolation.kind = Isolation::Kind::process;
+  for (const Spec& spec : choice.manifest.parameters) choice.parameters.emplace_back(spec, default_value(spec));
+  CHECK(PluginInstance::make(choice, true, 1, host).ok());
+  fs::remove(folder / "one.so");
+  fs::copy_file(plugin_folder() / "attitude_magyq.so", folder / "one.so");
+  REQUIRE(write_manifest_beside(folder / "one.so").ok());
+  const auto again = PluginInstance::make(choice, true, 1, host);
+  REQUIRE_FALSE(again.ok());
+  CHECK(again.failure().text.find("its hash differs from the manifest's") != std::string::npos);
+}
+
+TEST_CASE("events from a thread of the plugin's own are refused and told") {
+  for (const char* isolation : {"none", "thread", "process"}) {
+    CAPTURE(isolation);
+    const TemporaryFolder folder;
+    fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/zoo/life_emits_on_thread__own.so", folder / "one.so");
+    REQUIRE(write_manifest_beside(folder / "one.so").ok());
+    App app("odograph: 1\nattitude: {plugin: zoo/animal, isolation: " + std::string(isolation) + "}\n", ODO_RUN_REPLAY,
+            folder.path().string());
+    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    app.walk(0, 60);
+    odo_session_flush(app.session);
+    CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 60);  // and not the one from the thread
+    CHECK(std::any_of(app.reports.begin(), app.reports.end(),
+                      [](const odo_report& report) { return std::string(report.key) == "foreign_thread"; }));
+  }
 }
 
 TEST_SUITE_END();

@@ -21,9 +21,8 @@
 
 #include "sdk/plugin_host/breadcrumb.hpp"
 #include "sdk/plugin_host/hang_watch.hpp"
-#include "sdk/plugin_host/manifest.hpp"
-#include "sdk/validator/write_manifest.hpp"
 #include "tests/session_app.hpp"
+#include "tests/test_plugins.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -44,16 +43,10 @@ const std::set<std::string> kUnnamed = {"kill", "quick_exit"};
 /// What is not tried in a process with others: it would take the machine's memory, or the test's own files.
 const std::set<std::string> kIsolatedOnly = {"eats_memory", "closes_files"};
 
-/// The plugin under a name that says what it does, with a manifest that has not asked it.
+/// The plugin under a name that says what it does.
 std::string install(const TemporaryFolder& folder, const std::string& name) {
-  const fs::path library = folder / (name + ".so");
-  fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/hostile/misdeed.so", library);
-  write_text(folder / (name + ".odoplugin.json"),
-             "{\"odoplugin\": 1, \"id\": \"test/misdeed\", \"version\": \"1.0.0\", \"summary\": \"Bad.\", \"abi\": [" +
-                 std::to_string(ODO_ABI_MAJOR) + ", " + std::to_string(ODO_ABI_MINOR) +
-                 "], \"interfaces\": [\"" ODO_INTERFACE_ATTITUDE "\"], \"library\": \"" + name +
-                 ".so\", \"sha256\": \"" + *sha256_of(library) + "\", \"parameters\": []}");
-  return folder.path().string();
+  return install_unasked(folder, fs::path(ODOGRAPH_BUILD) / "tests/hostile/misdeed.so", name, "test/misdeed",
+                         ODO_INTERFACE_ATTITUDE);
 }
 
 std::string pipeline(const std::string& isolation) {
@@ -71,7 +64,6 @@ struct Outcome {
 /// Two seconds of walking beside the plugin, and its end.
 Outcome walk(const std::string& isolation, const std::string& plugins) {
   Outcome out;
-  std::vector<odo_report> reports;
   {
     App app(pipeline(isolation), ODO_RUN_REPLAY, plugins);
     out.opened = app.session != nullptr;
@@ -81,7 +73,7 @@ Outcome walk(const std::string& isolation, const std::string& plugins) {
     app.walk(0, 200);
     odo_session_flush(app.session);
     out.poses = app.all<odo_pose>(ODO_TYPE_POSE).size();
-    for (const odo_report& report : app.reports) out.said += std::string(report.plugin) + ": " + report.text + "\n";
+    out.said += app.said();
   }
   return out;
 }
@@ -181,8 +173,7 @@ TEST_CASE("a plugin that hangs on its thread is named and gives way to its fallb
   const auto start = std::chrono::steady_clock::now();
   app.walk(0, 1000);
   odo_session_flush(app.session);
-  std::string said;
-  for (const odo_report& report : app.reports) said += std::string(report.plugin) + ": " + report.text + "\n";
+  const std::string said = app.said();
   CAPTURE(said);
   CHECK(said.find("test/misdeed: took longer than 0.05 s in process") != std::string::npos);
   CHECK(said.find("attitude/vqf: takes the place of test/misdeed") != std::string::npos);
@@ -235,8 +226,7 @@ TEST_CASE("a plugin that never comes back is left out for good after eight calls
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   app.walk(0, 6000);  // a minute: waits of 0.1 to 10 s
   odo_session_flush(app.session);
-  std::string said;
-  for (const odo_report& report : app.reports) said += std::string(report.plugin) + ": " + report.text + "\n";
+  const std::string said = app.said();
   CHECK_MESSAGE(said.find("test/misdeed: is left out from now on") != std::string::npos, said);
   CHECK(app.poses > 0);
 }

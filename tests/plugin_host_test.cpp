@@ -192,40 +192,4 @@ TEST_CASE("a manifest is what the library says of itself") {
   }
 }
 
-TEST_CASE("plugins are allowed by id, by path and by the hash of their library") {
-  const TemporaryFolder folder;
-  fs::copy_file(hostile("good"), folder / "one.so");
-  REQUIRE(write_manifest_beside(folder / "one.so").ok());
-  const auto find = [&](const std::string& item) {
-    PluginRegistry registry({folder.path()});
-    return registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, folder.path(), {"some/other", item}).ok();
-  };
-  const std::string hash = *sha256_of(folder / "one.so");
-  CHECK(find("test/hostile"));
-  CHECK(find("one.so"));
-  CHECK(find((folder / "one.odoplugin.json").string()));
-  CHECK(find(hash));
-  CHECK_FALSE(find("two.so"));
-  CHECK_FALSE(find("/tmp"));
-  CHECK_FALSE(find(std::string(64, '0')));
-  CHECK_FALSE(find(hash.substr(1)));
-}
-
-TEST_CASE("a plugin that everybody may write to is refused unless that is allowed") {
-  for (const char* part : {"", "one.so", "one.odoplugin.json"}) {
-    const TemporaryFolder folder;
-    fs::copy_file(hostile("good"), folder / "one.so");
-    REQUIRE(write_manifest_beside(folder / "one.so").ok());
-    const auto open = *part ? folder / part : folder.path();
-    fs::permissions(open, fs::perms::others_write, fs::perm_options::add);
-    CAPTURE(open.string());
-    PluginRegistry registry({folder.path()});
-    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
-    REQUIRE_FALSE(found.ok());
-    CHECK(contains(found.failure().text, "may be written to by every user"));
-    registry.allow_writable(true);
-    CHECK(registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {}).ok());
-  }
-}
-
 TEST_SUITE_END();

@@ -52,6 +52,12 @@ class App {
     }
     return worst;
   }
+  /// What has been reported, a line each.
+  std::string said() const {
+    std::string lines;
+    for (const odo_report& report : reports) lines += std::string(report.plugin) + ": " + report.text + "\n";
+    return lines;
+  }
   /// One grey frame of 64 x 48 pixels, copied by the session.
   int32_t frame(int64_t t_ns, int64_t exposure_ns = 0) {
     static const std::vector<uint8_t> pixels(64 * 48, 90);

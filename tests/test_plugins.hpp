@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "sdk/plugin_host/manifest.hpp"
 #include "sdk/validator/write_manifest.hpp"
 #include "tests/support.hpp"
 
@@ -27,5 +28,19 @@ class TestPlugins {
  private:
   TemporaryFolder folder_;
 };
+
+/// Copies a library into the folder as NAME.so with a manifest that does not ask it: hostile ones would not survive it.
+/// The folder's path.
+inline std::string install_unasked(const TemporaryFolder& folder, const std::filesystem::path& library,
+                                   const std::string& name, const std::string& id, const std::string& kind) {
+  const auto copy = folder / (name + ".so");
+  std::filesystem::copy_file(library, copy, std::filesystem::copy_options::overwrite_existing);
+  write_text(folder / (name + ".odoplugin.json"),
+             "{\"odoplugin\": 1, \"id\": \"" + id + "\", \"version\": \"1.0.0\", \"summary\": \"Bad.\", \"abi\": [" +
+                 std::to_string(ODO_ABI_MAJOR) + ", " + std::to_string(ODO_ABI_MINOR) + "], \"interfaces\": [\"" +
+                 kind + "\"], \"library\": \"" + name + ".so\", \"sha256\": \"" + *sha256_of(copy) +
+                 "\", \"parameters\": []}");
+  return folder.path().string();
+}
 
 }  // namespace odograph

@@ -45,6 +45,8 @@ Result<OutputFile> OutputFile::create(const fs::path& file, Beside beside) {
   const bool exists = fs::exists(status);
   fs::path part;
   if (exists ? fs::is_regular_file(status) : beside == Beside::always) part = target.string() + ".part";
+  // What lies there may be a link to somebody's file.
+  if (!part.empty()) fs::remove(part, error);
   OutputFile made(target, part);
   if (!made.out_) {
     made.abandon();

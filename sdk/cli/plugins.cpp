@@ -53,6 +53,11 @@ int check(const CheckWish& wish) {
     return kDone;
   }
   if (wish.file.empty()) return complain({ODO_E_ARGUMENT, "which plugin library? (odograph plugin check FILE.so)"});
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(wish.file, error))
+    return complain({ODO_E_NOT_FOUND, wish.file + (std::filesystem::exists(wish.file, error)
+                                                       ? ": is no file; expected a plugin library"
+                                                       : ": there is no such file; expected a plugin library")});
   CheckOptions options;
   options.only = wish.only;
   for (const std::string& one : wish.set) {

@@ -40,6 +40,7 @@ int run(RunArguments& a) {
   if (a.report)
     if (const auto report = write_report(a.output, *recording, *result); !report) return complain(report.failure());
   for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
+  if (!result->state_failure.empty()) std::fprintf(stderr, "%s\n", printable(result->state_failure).c_str());
   if (a.json) {
     std::ifstream file(std::filesystem::path(a.output) / "summary.json");
     std::stringstream text;
@@ -56,6 +57,7 @@ int run(RunArguments& a) {
                   100 * s.scale_by_inertia, 100 * s.scale_by_steps);
     std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");
   }
+  if (!result->state_failure.empty()) return kBadData;
   return status_over(result->loss, result->track.empty() || result->final_state == ODO_LOST ? kLostTracking : kDone);
 }
 

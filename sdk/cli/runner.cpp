@@ -124,10 +124,21 @@ Result<SessionPtr> open_session(const RunOptions& options) {
   return SessionPtr(session);
 }
 
-/// Gives the session what a file holds; a file that is not there yet is none.
+/// Larger than what any pipeline saves: some plugins of the 16 MiB that each may.
+constexpr uint64_t kLargestState = 256u << 20;
+
+/// Gives the session what a file holds; a file that is not there yet is none. One that is there and cannot be read is a
+/// failure: the run would write over it.
 Result<bool> read_state(odo_session* session, const std::string& path) {
+  std::error_code failed;
+  const auto there = std::filesystem::status(path, failed);
+  if (there.type() == std::filesystem::file_type::not_found) return true;
+  if (!std::filesystem::is_regular_file(there))
+    return Failure{ODO_E_DATA, path + ": is a folder, a pipe or a device; expected a file with a saved state"};
+  if (std::filesystem::file_size(path, failed) > kLargestState)
+    return Failure{ODO_E_DATA, path + ": is larger than any saved state"};
   std::ifstream file(path, std::ios::binary);
-  if (!file) return true;
+  if (!file) return Failure{ODO_E_DATA, path + ": cannot be opened"};
   std::stringstream bytes;
   bytes << file.rdbuf();
   const std::string blob = bytes.str();
@@ -140,8 +151,11 @@ Result<bool> read_state(odo_session* session, const std::string& path) {
 
 /// Beside the file first: what was there stays whole if this does not come to its end.
 Result<bool> write_state(odo_session* session, const std::string& path) {
-  std::string blob(static_cast<size_t>(std::max<int64_t>(0, odo_session_save(session, nullptr, 0))), '\0');
-  odo_session_save(session, blob.data(), blob.size());
+  const int64_t size = odo_session_save(session, nullptr, 0);
+  std::string blob(static_cast<size_t>(std::max<int64_t>(0, size)), '\0');
+  if (size <= 0 ||
+      odo_session_save(session, blob.data(), blob.size()) != size)  // a plugin may say another size each time
+    return Failure{ODO_E_ERROR, path + ": the state could not be saved, a plugin's size of it changes"};
   return write_whole_file(path, blob);
 }
 
@@ -203,7 +217,8 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   if (result.loss.pictures > 0)
     result.reports.push_back(std::to_string(result.loss.pictures) + " pictures cannot be read; each cost its frame");
   if (!options.state.empty())
-    if (const auto written = write_state(session, options.state); !written) return written.failure();
+    if (const auto written = write_state(session, options.state); !written)
+      result.state_failure = written.failure().text;
   result.statistics.struct_size = sizeof result.statistics;
   odo_session_get_statistics(session, &result.statistics);
   if (options.progress) options.progress(recording.messages.size(), recording.messages.size());

@@ -39,6 +39,7 @@ struct RunResult {
   uint32_t final_reason = 0;
   double heading_turn_rad = 0;  // applied by replay.align_heading_over
   std::vector<std::string> reports;
+  std::string state_failure;      // why the state could not be saved; the results are there all the same
   RecordingLoss loss;             // of the recording, with the pictures that turned out to be unreadable
   std::shared_ptr<void> session;  // where RunOptions asks for it
   /// What plugins said beside errors, by plugin and key: the latest text, and how often.

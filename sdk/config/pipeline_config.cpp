@@ -9,20 +9,22 @@
 namespace odograph {
 namespace {
 
+const YamlNode* in_plugins(const YamlNode& root, const char* key) {
+  const YamlNode* plugins = root.find("plugins");
+  return plugins ? plugins->find(key) : nullptr;
+}
+
 /// The search path and the allow list are needed to check the rest, so they are read before the whole file is checked;
 /// mistakes in them are reported by that check.
 std::vector<std::string> early_texts(const YamlNode& root, const char* key) {
   std::vector<std::string> texts;
-  const YamlNode* plugins = root.find("plugins");
-  const YamlNode* list = plugins ? plugins->find(key) : nullptr;
-  if (list)
+  if (const YamlNode* list = in_plugins(root, key))
     for (const YamlNode& item : list->items) texts.push_back(item.text);
   return texts;
 }
 
 std::string early_text(const YamlNode& root, const char* key) {
-  const YamlNode* plugins = root.find("plugins");
-  const YamlNode* node = plugins ? plugins->find(key) : nullptr;
+  const YamlNode* node = in_plugins(root, key);
   return node ? node->text : "";
 }
 
@@ -51,7 +53,7 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   if (root.kind == YamlNode::Kind::null)
     return Failure{ODO_E_CONFIG, at(name, {}, "the config is empty; expected a map that starts with 'odograph: 1'")};
   for (const auto& directory : early_texts(root, "search")) directories.push_back(base / directory);
-  PluginRegistry registry(plugin_directories(directories));
+  PluginRegistry registry(plugin_directories(directories), directories.size());
   const auto allow = early_texts(root, "allow");
   const auto signers = early_texts(root, "signers");
   registry.require_signature(signers);
@@ -64,6 +66,11 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   };
   auto checked = validate(root, pipeline_spec(), name, resolver);
   if (!checked) return checked.failure();
+  for (const char* key : {"allow", "signers"})  // an empty list would allow everything
+    if (const YamlNode* list = in_plugins(root, key); list && list->items.empty())
+      return Failure{ODO_E_CONFIG, at(name, list->mark,
+                                      std::string("plugins.") + key +
+                                          ": an empty list; expected one item or more, or no '" + key + "' at all")};
   const Value& v = *checked;
 
   PipelineConfig config;

@@ -16,6 +16,9 @@ struct KindTypes {
   std::vector<uint32_t> inputs, outputs;
 };
 
+/// A plugin that declares more types than this is refused. Ours declare three at most; there are 40 of ours.
+inline constexpr size_t kMostTypes = 256;
+
 /// One instance of a plugin where it runs: in this process (LibraryBackend) or in one of its own (ProcessBackend). All
 /// of it is [control] but process, which is [process]. Statuses are the plugin's own, ODO_E_ERROR where it threw.
 class PluginBackend {

@@ -183,6 +183,7 @@ class Server {
   void load_library(wire::Reader& request) {
     phase("load");
     const std::string manifest_path = request.get_text();
+    std::string manifest_text = request.get_text();
     choice_.interface_id = request.get_text();
     sink_.struct_size = sizeof(odo_sink);
     sink_.instance = request.get<uint32_t>();
@@ -193,7 +194,7 @@ class Server {
     for (auto& folder : assets) folder = request.get_text();
     services_ = std::make_unique<RemoteServices>(seed, std::move(assets));
     Failure failure{ODO_OK, ""};
-    auto manifest = read_manifest(manifest_path);
+    auto manifest = parse_manifest(std::move(manifest_text), manifest_path);
     if (manifest) {
       choice_.manifest = std::move(*manifest);
       take_values(request);

@@ -12,6 +12,8 @@
 #include <odograph/messages.h>
 #include <odograph/odograph.h>
 
+#include "sdk/plugin_host/backend.hpp"
+
 namespace odograph {
 namespace {
 
@@ -87,6 +89,9 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const std::filesystem
   if (t.interface_count == 0 || !t.interfaces) return fail(ODO_E_DATA, "its table names no interface");
   if ((t.input_count > 0 && !t.inputs) || (t.output_count > 0 && !t.outputs))
     return fail(ODO_E_DATA, "its table counts inputs or outputs and has no list of them");
+  if (t.input_count > kMostTypes || t.output_count > kMostTypes)
+    return fail(ODO_E_DATA, "its table has " + std::to_string(std::max(t.input_count, t.output_count)) +
+                                " inputs or outputs; expected at most " + std::to_string(kMostTypes));
   const auto parameters = parameter_specs(t);
   if (!parameters) return fail(parameters.failure().status, parameters.failure().text);
   return library;

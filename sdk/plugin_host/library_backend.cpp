@@ -20,6 +20,21 @@ constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
 /// A table may end before a function that is optional; then it reads as null.
 #define ODO_OPTIONAL(table, function) (ODO_HAS(&(table), function) ? (table).function : nullptr)
 
+/// Notes which thread is within a call, also one within a call (reset makes a new instance).
+class Calling {
+ public:
+  explicit Calling(std::atomic<std::thread::id>& caller) : caller_(caller), outer_(caller) {
+    caller_.store(std::this_thread::get_id(), std::memory_order_relaxed);
+  }
+  ~Calling() { caller_.store(outer_, std::memory_order_relaxed); }
+  Calling(const Calling&) = delete;
+  Calling& operator=(const Calling&) = delete;
+
+ private:
+  std::atomic<std::thread::id>& caller_;
+  const std::thread::id outer_;
+};
+
 }  // namespace
 
 LibraryBackend::LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
@@ -29,7 +44,22 @@ LibraryBackend::LibraryBackend(std::shared_ptr<PluginLibrary> library, const Plu
       host_(host),
       sink_(sink),
       types_(plugin_types(choice.interface_id, library_->table())),
-      thread_may_end_(thread_may_end) {}
+      thread_may_end_(thread_may_end) {
+  given_.struct_size = sizeof(odo_sink);
+  given_.instance = sink.instance;
+  given_.emit = emit;
+  given_.owner = this;
+}
+
+int32_t LibraryBackend::emit(const odo_sink* sink, const odo_header* event) {
+  LibraryBackend& self = *static_cast<const Sink*>(sink)->owner;
+  if (self.caller_.load(std::memory_order_relaxed) == std::this_thread::get_id())
+    return self.sink_.emit(&self.sink_, event);
+  self.host_.report(self.sink_.instance, ODO_SEVERITY_WARNING, "foreign_thread",
+                    "emitted on a thread of its own or between two calls; expected the thread that calls it",
+                    ODO_E_STATE);
+  return ODO_E_STATE;
+}
 
 Result<std::unique_ptr<LibraryBackend>> LibraryBackend::load(const PluginChoice& choice, bool verify_hash,
                                                              HostServices& host, const odo_sink& sink,
@@ -52,6 +82,7 @@ LibraryBackend::~LibraryBackend() { close(); }
 template <class Work>
 int32_t LibraryBackend::call(const char* name, Work&& work) {
   const Breadcrumb crumb(choice_.manifest.id, name);
+  const Calling calling(caller_);
   std::string what;
   try {
     return work();
@@ -82,7 +113,7 @@ int32_t LibraryBackend::start() {
   status = call("configure", [&] {
     return table.configure(instance_, values.data(), static_cast<uint32_t>(values.size()), sizeof(odo_value));
   });
-  return status < 0 ? status : call("activate", [&] { return table.activate(instance_, &sink_); });
+  return status < 0 ? status : call("activate", [&] { return table.activate(instance_, &given_); });
 }
 
 int32_t LibraryBackend::process(const odo_header& message) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <memory>
+#include <thread>
 
 #include "sdk/config/pipeline_config.hpp"
 #include "sdk/plugin_host/backend.hpp"
@@ -11,7 +13,8 @@
 namespace odograph {
 
 /// An instance in this process. An exception that leaves the plugin is caught and reported, as far as host and plugin
-/// share a C++ runtime's ABI; a crash is named by the breadcrumb (breadcrumb.hpp).
+/// share a C++ runtime's ABI; a crash is named by the breadcrumb (breadcrumb.hpp). An event from a thread of the
+/// plugin's own is refused and reported: nobody on the host's side waits for it.
 class LibraryBackend : public PluginBackend {
  public:
   /// `choice` and `sink` outlive it. `thread_may_end`: a plugin that ends its thread (pthread_exit) unwinds it;
@@ -33,6 +36,11 @@ class LibraryBackend : public PluginBackend {
   void close();
 
  private:
+  struct Sink : odo_sink {
+    LibraryBackend* owner;
+  };
+
+  static int32_t emit(const odo_sink* sink, const odo_header* event);
   LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
                  const odo_sink& sink, bool thread_may_end);
   template <class Work>
@@ -42,6 +50,8 @@ class LibraryBackend : public PluginBackend {
   const PluginChoice& choice_;
   HostServices& host_;
   const odo_sink& sink_;
+  Sink given_{};                             // the plugin's
+  std::atomic<std::thread::id> caller_{{}};  // of the current call
   KindTypes types_;
   odo_instance* instance_ = nullptr;
   bool thread_may_end_;

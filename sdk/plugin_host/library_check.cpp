@@ -36,9 +36,11 @@ constexpr uint16_t machine_of_this_build() {
 
 Result<bool> check_shared_library(const std::filesystem::path& path) {
   const auto fail = [&](const std::string& text) { return Failure{ODO_E_DATA, path.string() + ": " + text}; };
+  std::error_code error;
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
+    return fail("is a folder, a pipe or a device; expected a shared library");
   std::ifstream file(path, std::ios::binary);
   if (!file) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be opened"};
-  std::error_code error;
   const uint64_t size = std::filesystem::file_size(path, error);
   Elf64_Ehdr header{};
   file.read(reinterpret_cast<char*>(&header), sizeof header);

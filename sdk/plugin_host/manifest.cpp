@@ -79,7 +79,12 @@ const Spec& manifest_spec() {
 }
 
 Result<Manifest> read_manifest(const std::filesystem::path& path) {
-  auto node = read_yaml(path.string());  // JSON is YAML, and this reader has limits and marks
+  auto text = read_limited(path.string());
+  return text ? parse_manifest(std::move(*text), path) : Result<Manifest>(text.failure());
+}
+
+Result<Manifest> parse_manifest(std::string text, const std::filesystem::path& path) {
+  auto node = parse_yaml(text, path.string());  // JSON is YAML, and this reader has limits and marks
   if (!node) return node.failure();
   const PluginResolver none = [](const std::string&, const std::string&) -> Result<const std::vector<Spec>*> {
     return Failure{ODO_E_CONFIG, "no plugins here"};
@@ -89,6 +94,7 @@ Result<Manifest> read_manifest(const std::filesystem::path& path) {
   const Value& value = *checked;
   Manifest manifest;
   manifest.path = path;
+  manifest.text = std::move(text);
   manifest.id = value["id"].text;
   manifest.version = value["version"].text;
   manifest.summary = value["summary"].text;
@@ -180,6 +186,9 @@ std::string write_manifest(const odo_plugin& plugin, const std::string& library,
 }
 
 Result<std::string> sha256_of(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    return Failure{ODO_E_NOT_FOUND, file.string() + ": is no file that can be read"};
   char hex[SHA256_DIGEST_STRING_LENGTH];
   if (!SHA256File(file.c_str(), hex)) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be read"};
   return std::string(hex);

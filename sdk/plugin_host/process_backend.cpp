@@ -130,6 +130,7 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
     return Failure{ODO_E_EXHAUSTED, who + "no process could be started with " + program.string()};
   auto out = made->request();
   out.put_text(choice.manifest.path.string());
+  out.put_text(choice.manifest.text);  // the file may be another by now
   out.put_text(choice.interface_id);
   out.put(sink.instance);
   out.put(static_cast<uint32_t>(verify_hash));
@@ -144,6 +145,8 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
   const std::string why = reader.get_text();
   for (auto* types : {&made->types_.inputs, &made->types_.outputs}) {
     const auto bytes = reader.get_bytes();
+    if (bytes.size() > 2 * kMostTypes * sizeof(uint32_t))  // its kind's, and what it declares
+      return Failure{ODO_E_FATAL, who + "broke the protocol in load"};
     types->resize(bytes.size() / sizeof(uint32_t));
     if (!bytes.empty()) std::memcpy(types->data(), bytes.data(), types->size() * sizeof(uint32_t));
   }

@@ -7,7 +7,7 @@
 #include <sys/types.h>
 
 #include "sdk/config/pipeline_config.hpp"
-#include "sdk/plugin_host/backend.hpp"
+#include "sdk/plugin_host/separate_backend.hpp"
 #include "sdk/plugin_host/services.hpp"
 #include "sdk/plugin_host/wire.hpp"
 
@@ -15,9 +15,8 @@ namespace odograph {
 
 /// An instance in a process of its own, the program `odograph-plugin-host`, behind a sandbox (sandbox.hpp). Messages
 /// and events go through shared memory, wake-ups through a socket; a frame's pixels are copied once, into memory that
-/// the plugin sees. Whatever the plugin does ends its own process alone: then ended() says what it was, every call is
-/// ODO_E_ERROR, and a new backend is to be made.
-class ProcessBackend : public PluginBackend {
+/// the plugin sees. Whatever the plugin does ends its own process alone: then ended() says what it was.
+class ProcessBackend : public SeparateBackend {
  public:
   /// Starts the process and loads the library in it. The failure names the plugin and what it did. `choice` and `sink`
   /// outlive it; the sink's emit gets every event within process().
@@ -30,10 +29,6 @@ class ProcessBackend : public PluginBackend {
   int32_t reset() override;
   std::vector<uint8_t> save() override;
   bool load(std::span<const uint8_t> data) override;
-  const KindTypes& types() const override { return types_; }
-  void quarantine() override { quarantined_ = true; }
-  bool quarantined() const override { return quarantined_; }
-  std::string ended() const override { return ended_; }
   pid_t process_id() const { return child_; }
 
  private:
@@ -56,7 +51,6 @@ class ProcessBackend : public PluginBackend {
   const PluginChoice& choice_;
   HostServices& host_;
   const odo_sink& sink_;
-  KindTypes types_;
   pid_t child_ = -1;
   int socket_ = -1, pixels_fd_ = -1;
   wire::Control* control_ = nullptr;
@@ -65,8 +59,6 @@ class ProcessBackend : public PluginBackend {
   FrameSlot slots_[wire::kFrameSlots];
   std::vector<uint64_t> answer_;  // copied before it is looked at
   size_t answer_size_ = 0;
-  bool quarantined_ = false;
-  std::string ended_;
 };
 
 /// The program that runs plugins, beside this library or program or where it is installed to. Empty where it is

@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 constexpr std::string_view kSuffix = ".odoplugin.json";
+constexpr size_t kMostHints = 8;  // of libraries without a manifest: a folder of the system has hundreds
 
 bool is_manifest(const std::string& name) {
   return name.size() > kSuffix.size() && name.compare(name.size() - kSuffix.size(), kSuffix.size(), kSuffix) == 0;
@@ -33,15 +34,36 @@ bool is_allowed(const Manifest& manifest, const std::vector<std::string>& allow,
   });
 }
 
-/// The first of folder, manifest and library that everybody may write to; empty where none is.
+/// Whether everybody may put another file in the place of what lies in it: in a folder with the sticky bit, such as
+/// /tmp, nobody may but the owner.
+bool everybody_writes(const fs::path& path, bool sticky_is_safe) {
+  std::error_code error;
+  const auto permissions = fs::status(path, error).permissions();
+  if (error || (permissions & fs::perms::others_write) == fs::perms::none) return false;
+  return !sticky_is_safe || (permissions & fs::perms::sticky_bit) == fs::perms::none;
+}
+
+/// The first of manifest and library, where links lead to, and of all folders above them that everybody may write to;
+/// empty where none is.
 fs::path open_to_all(const Manifest& manifest) {
-  for (const fs::path& path :
-       {manifest.path.parent_path(), manifest.library.parent_path(), manifest.path, manifest.library}) {
+  for (const fs::path& path : {manifest.path, manifest.library}) {
     std::error_code error;
-    const auto status = fs::status(path.empty() ? fs::path(".") : path, error);
-    if (!error && (status.permissions() & fs::perms::others_write) != fs::perms::none) return path;
+    const fs::path real = fs::canonical(path, error);
+    if (error) continue;
+    for (const fs::path& each : {path.parent_path(), real.parent_path(), real})
+      if (everybody_writes(each.empty() ? fs::path(".") : each, false)) return each;
+    for (fs::path above = real.parent_path(); above.has_relative_path(); above = above.parent_path())
+      if (everybody_writes(above, true)) return above;
   }
   return {};
+}
+
+/// NAME.so without NAME.odoplugin.json beside it.
+bool lacks_manifest(const fs::path& file) {
+  const fs::path ending = file.extension();
+  std::error_code error;
+  fs::path manifest = file;
+  return (ending == ".so" || ending == ".dylib") && !fs::exists(manifest.replace_extension(kSuffix), error);
 }
 
 }  // namespace
@@ -69,16 +91,21 @@ std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
   return directories;
 }
 
-PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories) {
+PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories, size_t asked_for) {
   std::vector<fs::path> seen;
-  for (const auto& directory : directories) {
+  for (size_t i = 0; i < directories.size(); ++i) {
     std::error_code error;
-    const fs::path real = fs::canonical(directory, error);
+    const fs::path real = fs::canonical(directories[i], error);
+    if (i < asked_for && (error || !fs::is_directory(real, error)))
+      hints_.push_back("there is no folder " + directories[i].string());
     if (error || std::find(seen.begin(), seen.end(), real) != seen.end()) continue;
     seen.push_back(real);
     std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(real, error))
+    for (const auto& entry : fs::directory_iterator(real, error)) {
       if (is_manifest(entry.path().filename().string())) files.push_back(entry.path());
+      if (lacks_manifest(entry.path()) && hints_.size() < kMostHints)
+        hints_.push_back(entry.path().string() + " has no manifest: `odograph plugin manifest` writes it");
+    }
     std::sort(files.begin(), files.end());
     for (const auto& file : files) {
       auto manifest = read_manifest(file);
@@ -117,6 +144,7 @@ Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::s
     for (size_t i = 0; i < directories_.size(); ++i) text += (i ? ":" : "") + directories_[i].string();
     if (directories_.empty()) text += "any directory";
     for (const auto& problem : problems_) text += "; passed over: " + problem;
+    for (const auto& hint : hints_) text += "; " + hint;
     return Failure{ODO_E_NOT_FOUND, text};
   }
   if (std::find(found->interfaces.begin(), found->interfaces.end(), interface_id) == found->interfaces.end())

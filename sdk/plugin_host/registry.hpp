@@ -13,12 +13,14 @@ namespace odograph {
 /// The plugins that lie on the search path, by their manifests. Looking runs no foreign code.
 class PluginRegistry {
  public:
-  /// Reads all manifests in the directories, in order. A directory that does not exist is skipped.
-  explicit PluginRegistry(const std::vector<std::filesystem::path>& directories);
+  /// Reads all manifests in the directories, in order. A directory that does not exist is skipped; one of the first
+  /// `asked_for`, which a user named, is said where a plugin is not found, as are libraries without a manifest.
+  explicit PluginRegistry(const std::vector<std::filesystem::path>& directories, size_t asked_for = 0);
 
   /// The plugin with this id, or with this manifest path when `id` ends in ".odoplugin.json" (relative to `base`).
   /// Failures: unknown id with the nearest one, two manifests with one id, a kind it does not serve, not on `allow`
-  /// (ids, paths of manifest or library, SHA-256 of the library; empty allows all), or open to everybody's writing.
+  /// (ids, paths of manifest or library, SHA-256 of the library; empty allows all), or open to everybody's writing:
+  /// itself, where a link leads to, or a folder above without the sticky bit.
   Result<const Manifest*> find(const std::string& id, const std::string& interface_id,
                                const std::filesystem::path& base, const std::vector<std::string>& allow);
 
@@ -36,7 +38,7 @@ class PluginRegistry {
   std::vector<std::filesystem::path> directories_;
   std::vector<Manifest> manifests_;
   std::vector<std::unique_ptr<Manifest>> explicit_;
-  std::vector<std::string> problems_;
+  std::vector<std::string> problems_, hints_;
   bool allow_writable_ = false;
   std::vector<std::string> signers_;
 };

@@ -12,7 +12,12 @@ namespace {
 
 HostServices& of(const odo_host* host) { return *const_cast<HostServices*>(static_cast<const HostServices*>(host)); }
 
-std::string text_of(const odo_string* s) { return s && s->size ? std::string(s->data, s->size) : std::string(); }
+constexpr size_t kMostKinds = 256;  // of reports of one origin: what has more gets one kind for the rest
+constexpr size_t kLongestKey = 256, kLongestText = 4096;
+
+std::string text_of(const odo_string* s, size_t longest) {
+  return s && s->size ? std::string(s->data, std::min<uint64_t>(s->size, longest)) : std::string();
+}
 
 /// SplitMix64 (Steele, Lea & Flood 2014): neighbouring inputs give unrelated outputs.
 uint64_t mix(uint64_t x) {
@@ -37,7 +42,7 @@ const void* HostServices::find_service(const odo_host*, const char* id, uint64_t
   static const odo_report_service reports{
       sizeof(odo_report_service), 0,
       [](const odo_host* host, uint32_t instance, uint32_t severity, const odo_string* key, const odo_string* text) {
-        of(host).report(instance, severity, text_of(key), text_of(text));
+        of(host).report(instance, severity, text_of(key, kLongestKey), text_of(text, kLongestText));
       }};
   static const odo_random_service random{sizeof(odo_random_service), 0,
                                          [](const odo_host* host, uint32_t instance, uint64_t stream) {
@@ -48,7 +53,7 @@ const void* HostServices::find_service(const odo_host*, const char* id, uint64_t
       [](const odo_host* host, const odo_string* name, char* path, uint64_t capacity) -> int64_t {
         for (const auto& folder : of(host).assets_) {
           std::error_code error;
-          const auto found = std::filesystem::canonical(folder / text_of(name), error);
+          const auto found = std::filesystem::canonical(folder / text_of(name, kLongestText), error);
           if (error) continue;
           const std::string text = found.string();
           std::copy_n(text.data(), std::min<uint64_t>(capacity, text.size()), path);
@@ -70,12 +75,14 @@ void HostServices::name_instance(uint32_t instance, const std::string& id) {
 
 void HostServices::report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
                           int32_t status) {
-  Report report{severity, "host", key, text, instance, 1, status};
+  Report report{severity, "host", key.substr(0, kLongestKey), text.substr(0, kLongestText), instance, 1, status};
   {
     const std::lock_guard lock(mutex_);
     if (const auto name = names_.find(instance); name != names_.end()) report.origin = name->second;
     const auto now = std::chrono::steady_clock::now();
-    auto [entry, is_new] = recent_.try_emplace(report.origin + '\n' + key);
+    auto& kinds = recent_[report.origin];
+    if (kinds.size() >= kMostKinds && kinds.count(report.key) == 0) report.key = "more";
+    auto [entry, is_new] = kinds.try_emplace(report.key);
     if (!is_new && now - entry->second.last < std::chrono::seconds(1)) {
       ++entry->second.held_back;
       return;

@@ -40,7 +40,7 @@ class HostServices : public odo_host {
   void name_instance(uint32_t instance, const std::string& id);
 
   /// Passes a report on, at most one a second (of this machine's clock) for each origin and key; the rest are counted
-  /// into the next one. [any]
+  /// into the next one. An origin with more than 256 keys has "more" for the rest. [any]
   virtual void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
                       int32_t status = ODO_OK);
 
@@ -60,7 +60,7 @@ class HostServices : public odo_host {
   Listener listener_;
   std::mutex mutex_;
   std::map<uint32_t, std::string> names_;
-  std::map<std::string, Recent> recent_;
+  std::map<std::string, std::map<std::string, Recent>> recent_;  // by origin and key
 };
 
 }  // namespace odograph

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/plugin_host/signature.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <fstream>
-#include <iterator>
 #include <optional>
 
 #include <dlfcn.h>
@@ -13,8 +13,7 @@ namespace odograph {
 namespace {
 
 constexpr size_t kKeyBytes = 32, kSignatureBytes = 64;
-constexpr int kEd25519 = 1087;                 // NID_ED25519 of <openssl/obj_mac.h>, frozen
-constexpr size_t kLargestManifest = 1u << 20;  // as the reader of manifests has it
+constexpr int kEd25519 = 1087;  // NID_ED25519 of <openssl/obj_mac.h>, frozen
 
 using Key = std::array<unsigned char, kKeyBytes>;
 
@@ -64,10 +63,13 @@ std::optional<Key> key_of(const std::string& hex) {
   return key;
 }
 
-std::optional<std::string> bytes_of(const std::filesystem::path& path) {
+/// The signature and a byte more, where there is one; nothing of what is no regular file.
+std::optional<std::string> signature_of(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return {};
   std::ifstream file(path, std::ios::binary);
   if (!file) return {};
-  std::string bytes(kLargestManifest + 1, '\0');
+  std::string bytes(kSignatureBytes + 1, '\0');
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<size_t>(file.gcount()));
   return bytes;
@@ -87,32 +89,32 @@ bool is_signed(const Crypto& crypto, const Key& key, const std::string& text, co
 }  // namespace
 
 Result<bool> verify_signature(const Manifest& manifest, const std::vector<std::string>& signers) {
-  const std::string who = "plugin '" + manifest.id + "': ";
-  std::filesystem::path file = manifest.path;
-  file.replace_extension(".sig");
-  const auto signature = bytes_of(file);
-  if (!signature || signature->size() != kSignatureBytes)
-    return Failure{ODO_E_CONFIG, who + file.string() + (signature ? " has another size" : " is missing") +
-                                     "; expected the " + std::to_string(kSignatureBytes) +
-                                     " bytes of an Ed25519 signature, because plugins.signers is given"};
-  const auto text = bytes_of(manifest.path);
-  if (!text || text->size() > kLargestManifest)
-    return Failure{ODO_E_CONFIG, who + manifest.path.string() + " cannot be read"};
-  const Crypto* crypto = Crypto::get();
-  if (!crypto)
-    return Failure{ODO_E_UNSUPPORTED, who + "plugins.signers needs OpenSSL (libcrypto 1.1.1 or 3) on this machine"};
+  std::vector<Key> keys;
   for (const std::string& signer : signers) {
     const auto key = key_of(signer);
     if (!key)
       return Failure{ODO_E_CONFIG,
                      "plugins.signers: '" + signer + "'; expected a public key of 32 bytes as 64 hexadecimal digits"};
-    if (!is_signed(*crypto, *key, *text, *signature)) continue;
-    if (const auto hash = sha256_of(manifest.library); !hash || *hash != manifest.sha256)
-      return Failure{ODO_E_CONFIG, who + manifest.library.string() + ": its hash differs from its signed manifest's"};
-    return true;
+    keys.push_back(*key);
   }
-  return Failure{ODO_E_CONFIG, who + file.string() + " is no signature of its manifest by any of plugins.signers (" +
-                                   std::to_string(signers.size()) + ")"};
+  const std::string who = "plugin '" + manifest.id + "': ";
+  std::filesystem::path file = manifest.path;
+  file.replace_extension(".sig");
+  const auto signature = signature_of(file);
+  if (!signature || signature->size() != kSignatureBytes)
+    return Failure{ODO_E_CONFIG, who + file.string() + (signature ? " has another size" : " is missing") +
+                                     "; expected the " + std::to_string(kSignatureBytes) +
+                                     " bytes of an Ed25519 signature, because plugins.signers is given"};
+  const Crypto* crypto = Crypto::get();
+  if (!crypto)
+    return Failure{ODO_E_UNSUPPORTED, who + "plugins.signers needs OpenSSL (libcrypto 1.1.1 or 3) on this machine"};
+  const auto signed_by = [&](const Key& key) { return is_signed(*crypto, key, manifest.text, *signature); };
+  if (std::none_of(keys.begin(), keys.end(), signed_by))
+    return Failure{ODO_E_CONFIG, who + file.string() + " is no signature of its manifest by any of plugins.signers (" +
+                                     std::to_string(signers.size()) + ")"};
+  if (const auto hash = sha256_of(manifest.library); !hash || *hash != manifest.sha256)
+    return Failure{ODO_E_CONFIG, who + manifest.library.string() + ": its hash differs from its signed manifest's"};
+  return true;
 }
 
 }  // namespace odograph

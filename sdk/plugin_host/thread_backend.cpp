@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <map>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include "sdk/core/frame_store.hpp"
@@ -254,7 +255,12 @@ Result<std::unique_ptr<ThreadBackend>> ThreadBackend::load(const PluginChoice& c
     return Failure{ODO_E_EXHAUSTED, library + ": " + std::to_string(left) + " of its calls have not come back"};
   auto worker = std::make_shared<Worker>(choice, verify_hash, host, sink);
   std::unique_ptr<ThreadBackend> made(new ThreadBackend(worker));
-  std::thread(Worker::run, worker).detach();
+  try {
+    std::thread(Worker::run, worker).detach();
+  } catch (const std::system_error& error) {
+    made->ended_ = "has no thread";
+    return Failure{ODO_E_EXHAUSTED, library + ": no thread could be started: " + error.what()};
+  }
   if (!made->exchange(Call::load, choice.isolation.start_s)) return Failure{ODO_E_FATAL, library + ": " + made->ended_};
   if (worker->status < 0) return Failure{worker->status, worker->failure};
   made->types_ = worker->types();

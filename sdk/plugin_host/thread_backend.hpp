@@ -7,16 +7,16 @@
 #include <vector>
 
 #include "sdk/config/pipeline_config.hpp"
-#include "sdk/plugin_host/backend.hpp"
+#include "sdk/plugin_host/separate_backend.hpp"
 #include "sdk/plugin_host/services.hpp"
 
 namespace odograph {
 
 /// An instance in this process on a thread of its own, with a watchdog: what it is given is copied, pixels too, and a
-/// call that takes longer than its limit is left behind with its thread. Then ended() says so, every call is
-/// ODO_E_ERROR, and a new backend is to be made; the late call ends its own instance when it comes back, and what it
-/// says is not heard. A plugin that ends its thread (pthread_exit) ends the same way. A crash is a crash of the app.
-class ThreadBackend : public PluginBackend {
+/// call that takes longer than its limit is left behind with its thread. Then ended() says so; the late call ends its
+/// own instance when it comes back, and what it says is not heard. A plugin that ends its thread (pthread_exit) ends
+/// the same way. A crash is a crash of the app.
+class ThreadBackend : public SeparateBackend {
  public:
   struct Parameters {
     int most_left_behind =
@@ -34,10 +34,6 @@ class ThreadBackend : public PluginBackend {
   int32_t reset() override;
   std::vector<uint8_t> save() override;
   bool load(std::span<const uint8_t> data) override;
-  const KindTypes& types() const override { return types_; }
-  void quarantine() override { quarantined_ = true; }
-  bool quarantined() const override { return quarantined_; }
-  std::string ended() const override { return ended_; }
 
  private:
   class Worker;
@@ -48,9 +44,6 @@ class ThreadBackend : public PluginBackend {
   std::string why_none(const char* call, double limit_s) const;
 
   std::shared_ptr<Worker> worker_;  // shared with its thread
-  KindTypes types_;
-  bool quarantined_ = false;
-  std::string ended_;
 };
 
 }  // namespace odograph

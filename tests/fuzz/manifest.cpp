@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+#include <string>
+
 #include "sdk/plugin_host/manifest.hpp"
-#include "tests/fuzz/scratch.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  (void)odograph::read_manifest(fuzz::put("plugin.odoplugin.json", {data, size}));
+  (void)odograph::parse_manifest(std::string(reinterpret_cast<const char*>(data), size), "fuzz.odoplugin.json");
   return 0;
 }

@@ -10,7 +10,6 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const std::filesystem::path path = fuzz::folder() / "records.odo";
-  std::filesystem::remove(path);
   {
     auto writer = odograph::RecordWriter::create(path);
     if (!writer) return 0;

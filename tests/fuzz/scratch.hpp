@@ -3,11 +3,14 @@
 // Files for readers that take a path: in memory where the system has such a folder, and one for each process.
 #pragma once
 
+#include <cstdint>
+#include <cstdlib>
 #include <filesystem>
-#include <fstream>
+#include <map>
 #include <span>
 #include <string>
 
+#include <fcntl.h>
 #include <unistd.h>
 
 namespace fuzz {
@@ -31,16 +34,24 @@ inline const std::filesystem::path& folder() {
   return mine.path;
 }
 
-/// Writes a file of this name, folders included, and returns its path.
-inline std::filesystem::path put(const std::string& name, std::span<const uint8_t> bytes) {
-  const auto path = folder() / name;
-  std::ofstream file(path, std::ios::binary);
-  if (!file) {
-    std::filesystem::create_directories(path.parent_path());
-    file.open(path, std::ios::binary);
+/// Writes a file of this name, folders included, and returns its path. The files stay open: to open one takes longer
+/// than most readers.
+inline const std::filesystem::path& put(const std::string& name, std::span<const uint8_t> bytes) {
+  struct File {
+    std::filesystem::path path;
+    int descriptor = -1;
+  };
+  static std::map<std::string, File> files;
+  File& file = files[name];
+  if (file.descriptor < 0) {
+    file.path = folder() / name;
+    std::filesystem::create_directories(file.path.parent_path());
+    file.descriptor = open(file.path.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   }
-  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  return path;
+  const auto size = static_cast<off_t>(bytes.size());
+  if (pwrite(file.descriptor, bytes.data(), bytes.size(), 0) != size || ftruncate(file.descriptor, size) != 0)
+    std::abort();
+  return file.path;
 }
 
 }  // namespace fuzz

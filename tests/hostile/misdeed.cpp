@@ -12,9 +12,7 @@
 #include <stdexcept>
 #include <string>
 
-#include <odograph/attitude.h>
-
-#include "tests/hostile/table.hpp"
+#include "tests/hostile/level_attitude.hpp"
 
 namespace {
 
@@ -98,13 +96,7 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
     if (batch->messages[0]->type != ODO_TYPE_IMU) return ODO_OK;
     if (++hostile::instance() == 40) now("process");
-    odo_attitude a;
-    std::memset(static_cast<void*>(&a), 0, sizeof a);
-    a.header = *batch->messages[0];
-    a.header.struct_size = sizeof a, a.header.type = ODO_TYPE_ATTITUDE, a.header.flags = 0;
-    a.q_n_b[0] = a.q_n_b[1] = 0.70710678118654757;  // the phone's y points up
-    for (int i = 0; i < 3; ++i) a.covariance_n[4 * i] = 1e-3;
-    return hostile::sink()->emit(hostile::sink(), &a.header);
+    return hostile::emit_level_attitude(*batch->messages[0]);
   };
   return hostile::fill(out, t);
 }

@@ -23,6 +23,7 @@ static_assert(std::endian::native == std::endian::little, "the file is little-en
 constexpr int kN = Horizon::kDirections;
 constexpr double kFarthest_m = 1e7;  // of a place or an edge from n's origin
 constexpr int kMostCells = 4'000'000;
+constexpr double kCellsOfPlace = 16, kFewCells = 1024;  // a street leaves most of its rectangle empty
 
 template <class T>
 T read(const uint8_t* at) {
@@ -196,7 +197,9 @@ void SkylineDatabase::index() {
   low_north_m_ = low.x(), low_east_m_ = low.y();
   const Eigen::Vector3d extent = high - low;
   cell_m_ = std::max(1.0, 2 * spacing_m_);
-  while ((extent.x() / cell_m_ + 1) * (extent.y() / cell_m_ + 1) > kMostCells) cell_m_ *= 2;
+  // Two places far from each other are no reason for millions of empty cells.
+  const double most_cells = std::min<double>(kMostCells, kCellsOfPlace * static_cast<double>(places_) + kFewCells);
+  while ((extent.x() / cell_m_ + 1) * (extent.y() / cell_m_ + 1) > most_cells) cell_m_ *= 2;
   rows_ = static_cast<int>(extent.x() / cell_m_) + 1, columns_ = static_cast<int>(extent.y() / cell_m_) + 1;
   const auto cell_of = [&](size_t i) {
     const Eigen::Vector3d p = place(i);

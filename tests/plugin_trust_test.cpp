@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which plugins are taken: allowed ones, signed ones, ones that nobody else may replace. And what one may say once it
+// is there.
+#include <doctest/doctest.h>
+
+#include <sys/stat.h>
+
+#include <odograph/scale_source.h>
+
+#include "sdk/plugin_host/library.hpp"
+#include "sdk/plugin_host/registry.hpp"
+#include "sdk/plugin_host/services.hpp"
+#include "sdk/plugin_host/signature.hpp"
+#include "sdk/validator/write_manifest.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+namespace fs = std::filesystem;
+
+TEST_SUITE_BEGIN("plugin_trust");
+
+namespace {
+
+fs::path hostile(const std::string& name) { return fs::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ".so"); }
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// Made with OpenSSL: `openssl pkeyutl -sign -rawin` over the manifest of a library that holds the words "not a
+// library".
+const char* const kSigner = "dcf6df3681d433ecf8f75cf207040907d42294e0e2edaebe2548e33547ce1682";
+const char* const kSignature =
+    "9aa358f3db7b2294afe92c69c5ab44de06a7f276ab0604a888d047ec15a2bf272538b9a95f58dfbe3d10394e16213ac7fe597ca2bc54386a8f"
+    "214a54f7622609";
+const char* const kSigned =
+    R"({"odoplugin": 1, "id": "test/signed", "version": "1.0.0", "summary": "Signed.", )"
+    R"("interfaces": ["odo.attitude/draft2"], "abi": [0, 1], "library": "one.so", )"
+    R"("sha256": "f6bb034ecdd65239971cf2fbc49cb6ecef0dc0a192e40c2884e68e3346503e69", "parameters": []})";
+
+std::string bytes_of_hex(const std::string& hex) {
+  std::string bytes;
+  for (size_t i = 0; i + 1 < hex.size(); i += 2) bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+  return bytes;
+}
+
+void put_signed(const TemporaryFolder& folder) {
+  write_text(folder / "one.so", "not a library");
+  write_text(folder / "one.odoplugin.json", kSigned);
+  write_text(folder / "one.odoplugin.sig", bytes_of_hex(kSignature));
+}
+
+}  // namespace
+
+TEST_CASE("plugins are allowed by id, by path and by the hash of their library") {
+  const TemporaryFolder folder;
+  fs::copy_file(hostile("good"), folder / "one.so");
+  REQUIRE(write_manifest_beside(folder / "one.so").ok());
+  const auto find = [&](const std::string& item) {
+    PluginRegistry registry({folder.path()});
+    return registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, folder.path(), {"some/other", item}).ok();
+  };
+  const std::string hash = *sha256_of(folder / "one.so");
+  CHECK(find("test/hostile"));
+  CHECK(find("one.so"));
+  CHECK(find((folder / "one.odoplugin.json").string()));
+  CHECK(find(hash));
+  CHECK_FALSE(find("two.so"));
+  CHECK_FALSE(find("/tmp"));
+  CHECK_FALSE(find(std::string(64, '0')));
+  CHECK_FALSE(find(hash.substr(1)));
+}
+
+TEST_CASE("a plugin that everybody may write to is refused unless that is allowed") {
+  for (const char* part : {"", "one.so", "one.odoplugin.json"}) {
+    const TemporaryFolder folder;
+    fs::copy_file(hostile("good"), folder / "one.so");
+    REQUIRE(write_manifest_beside(folder / "one.so").ok());
+    const auto open = *part ? folder / part : folder.path();
+    fs::permissions(open, fs::perms::others_write, fs::perm_options::add);
+    CAPTURE(open.string());
+    PluginRegistry registry({folder.path()});
+    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
+    REQUIRE_FALSE(found.ok());
+    CHECK(contains(found.failure().text, "may be written to by every user"));
+    registry.allow_writable(true);
+    CHECK(registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {}).ok());
+  }
+}
+
+TEST_CASE("a plugin behind a link, or below a folder that everybody may write to, is refused as well") {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "mine");
+  fs::create_directories(folder / "open/deep");
+  fs::copy_file(hostile("good"), folder / "open/deep/one.so");
+  REQUIRE(write_manifest_beside(folder / "open/deep/one.so").ok());
+  const auto find = [&](const fs::path& where) {
+    PluginRegistry registry({where});
+    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
+    return found ? std::string() : found.failure().text;
+  };
+  CHECK(find(folder / "open/deep") == "");
+  fs::permissions(folder / "open", fs::perms::others_write, fs::perm_options::add);
+  CHECK(contains(find(folder / "open/deep"), "may be written to by every user"));
+  fs::permissions(folder / "open", fs::perms::sticky_bit, fs::perm_options::add);  // as /tmp: nobody else may rename
+  CHECK(find(folder / "open/deep") == "");
+  fs::permissions(folder / "open", fs::perms::sticky_bit, fs::perm_options::remove);
+  for (const char* file : {"one.so", "one.odoplugin.json"})
+    fs::create_symlink(folder / "open/deep" / file, folder / "mine" / file);
+  CHECK(contains(find(folder / "mine"), "may be written to by every user"));
+}
+
+TEST_CASE("a signature is of the manifest as it was read, whatever its file holds by now") {
+  const TemporaryFolder folder;
+  put_signed(folder);
+  auto manifest = read_manifest(folder / "one.odoplugin.json");
+  REQUIRE(manifest.ok());
+  const auto verified = verify_signature(*manifest, {kSigner});
+  if (!verified && verified.failure().status == ODO_E_UNSUPPORTED) {
+    MESSAGE("SKIPPED: no OpenSSL");
+    return;
+  }
+  CHECK(verified.ok());
+  write_text(folder / "one.odoplugin.json", "{}");
+  CHECK(verify_signature(*manifest, {kSigner}).ok());
+  // The other way round: what was read is not what lies there by now, with its good signature.
+  put_signed(folder);
+  std::string swapped = kSigned;
+  swapped.replace(swapped.find("Signed."), 7, "Swapped");
+  manifest = parse_manifest(swapped, folder / "one.odoplugin.json");
+  REQUIRE(manifest.ok());
+  CHECK(contains(verify_signature(*manifest, {kSigner}).failure().text, "is no signature of its manifest"));
+  CHECK(contains(verify_signature(*manifest, {kSigner, "abc"}).failure().text, "expected a public key of 32 bytes"));
+  CHECK(contains(verify_signature(*manifest, {std::string(64, 'g')}).failure().text, "expected a public key"));
+}
+
+TEST_CASE("pipes and folders in the place of library and signature are refused at once") {
+  const TemporaryFolder folder;
+  put_signed(folder);
+  const auto manifest = read_manifest(folder / "one.odoplugin.json");
+  REQUIRE(manifest.ok());
+  const HostServices host(0, {"."}, nullptr);
+  for (const char* name : {"one.so", "one.odoplugin.sig"})
+    for (const bool pipe : {true, false}) {
+      put_signed(folder);
+      const fs::path path = folder / name;
+      fs::remove(path);
+      if (pipe)
+        REQUIRE(mkfifo(path.c_str(), 0600) == 0);
+      else
+        fs::create_directory(path);
+      CAPTURE(path.string());
+      CAPTURE(pipe);
+      CHECK_FALSE(verify_signature(*manifest, {kSigner}).ok());
+      CHECK_FALSE(PluginLibrary::load(*manifest, true, &host).ok());
+      CHECK_FALSE(PluginLibrary::load(path, &host).ok());
+      fs::remove(path);
+    }
+}
+
+TEST_CASE("a plugin that reports under ever new keys costs a bounded memory and is heard under one") {
+  size_t told = 0, longest = 0;
+  HostServices host(0, {}, [&](const Report& report) {
+    ++told;
+    longest = std::max(longest, report.key.size() + report.text.size());
+  });
+  for (int i = 0; i < 100'000; ++i)
+    host.report(1, ODO_SEVERITY_WARNING, std::string(i < 300 ? 10'000 : 10, 'x') + std::to_string(i),
+                std::string(10'000, 'y'));
+  CHECK(told < 300);
+  CHECK(longest < 5'000);
+}
+
+TEST_SUITE_END();
