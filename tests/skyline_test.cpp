@@ -2,11 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/fix/skyline/matcher.hpp"
@@ -298,48 +296,6 @@ TEST_CASE("roofs are found through a fisheye under clouds, a sun and walls brigh
     REQUIRE(pixel_of(camera, e.ray_c, 1.6, pixel));
     CHECK(pixel.y() < 303);
   }
-}
-
-TEST_CASE(
-    "sky of real photographs: the robust finder beside flood fill, on pictures that the network was not taught on") {
-  namespace fs = std::filesystem;
-  const fs::path folder = data_or_skip("sky_fisheye");
-  if (folder.empty()) return;
-  std::vector<fs::path> pictures;
-  for (const auto& entry : fs::directory_iterator(folder / "images")) pictures.push_back(entry.path());
-  std::sort(pictures.begin(), pictures.end());
-  // A circle of about 460 px is a hemisphere; the lens's own calibration is not known.
-  const double focal = 460 / (0.5 * std::numbers::pi);
-  const CameraModel camera{
-      .distortion = CameraModel::Distortion::kannala_brandt, .fx = focal, .fy = focal, .cx = 462.5, .cy = 462.5};
-  double right[2] = {}, all = 0, seconds = 0;
-  for (size_t i = 0; i < pictures.size(); ++i) {
-    if (i / 10 % 2 == 0) continue;  // every other ten were taught
-    const cv::Mat grey = cv::imread(pictures[i].string(), cv::IMREAD_GRAYSCALE);
-    const cv::Mat truth = cv::imread((folder / "masks" / pictures[i].stem()).string() + ".png", cv::IMREAD_GRAYSCALE);
-    REQUIRE(grey.size() == truth.size());
-    RobustSkyFinder robust({}, camera, grey.size());
-    SkyFinder plain(camera, grey.size());
-    const auto start = std::chrono::steady_clock::now();
-    robust.find(grey, {}, Vector3d::UnitZ(), Vector3d::UnitX());
-    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    plain.find(grey, Vector3d::UnitZ(), Vector3d::UnitX());
-    cv::Mat masks[2], odds;
-    if (plain.mask().empty())
-      masks[0] = cv::Mat(grey.size(), CV_8U, cv::Scalar(0));
-    else
-      cv::resize(plain.mask(), masks[0], grey.size(), 0, 0, cv::INTER_NEAREST);
-    cv::resize(robust.log_odds(), odds, grey.size(), 0, 0, cv::INTER_LINEAR);
-    masks[1] = odds > 0;
-    cv::Mat circle(grey.size(), CV_8U, cv::Scalar(0));
-    cv::circle(circle, {463, 463}, 440, cv::Scalar(255), -1);
-    all += cv::countNonZero(circle);
-    for (int k = 0; k < 2; ++k) right[k] += cv::countNonZero(((masks[k] > 127) == (truth > 127)) & circle);
-  }
-  MESSAGE("pixels right: flood fill " << 100 * right[0] / all << " %, robust " << 100 * right[1] / all << " %; "
-                                      << 1e3 * seconds / 30 << " ms a picture");
-  CHECK(right[1] > right[0]);
-  CHECK(right[1] > 0.86 * all);
 }
 
 TEST_CASE("pixels and rays of a fisheye lens are inverse to each other, beyond 90 degrees too") {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <Eigen/Dense>
@@ -22,9 +21,7 @@ constexpr double kCorrelated = 12;             // neighbouring directions err to
 constexpr double kNearest_m = 6;               // always searched: priors are optimistic
 constexpr double kWide_m = 12;                 // farther than this the lattice is coarse
 constexpr double kApart_m = 4;                 // farther from each other than this two places are two
-constexpr double kNewest = 0.35;               // a picture's part of an offset's mean
 constexpr int kPictures = 4;                   // that must have been seen before one of the lost is believed
-constexpr double kSlip_rad = 0.1 * kDegree;    // an offset is likelier to stay than to move by a cell
 constexpr double kLowest_rad = 3 * kDegree;    // what stands lower is not looked at: parked cars, hedges, far hills
 constexpr size_t kLeastEdges = 240;            // a third of the directions: fewer have been seen to fit in wrong places
 constexpr uint64_t kTurnedCheaper = 3;         // a turned direction's loss than another's
@@ -34,6 +31,10 @@ constexpr double kDoubt_m = 2.5;  // standard deviation of a place with which no
 constexpr double kHopeless_rad = 0.3 * kDegree;  // of a move's mean loss: no heading makes up for it
 constexpr int kLastSteps = 2;
 constexpr double kSpread_m = 2.5;  // between them
+constexpr double kOutside_m = 2;   // a cell of the coarse lattice: so far beyond it a place may be refined to
+constexpr double kUnlikely = 3;    // standard deviations of the prior's height, which a place must lie within
+constexpr double kUntold_m = 10;   // across the best told axis, by the curvature: from here on a picture tells no place
+constexpr double kClimbed_m = 1;   // at least that: what a road may have climbed since the last fix
 
 double apart(const Guess& x, const Guess& y) { return std::hypot(x.north - y.north, x.east - y.east); }
 
@@ -43,30 +44,6 @@ double to_log(double directions, double best_cost) {
 }
 
 }  // namespace
-
-int OffsetMap::average(std::vector<Place>& places, double step_m) {
-  const auto cell = [&](double m) { return static_cast<int>(std::lround(m / step_m)); };
-  int reach = 0;
-  for (const Place& p : places) reach = std::max({reach, std::abs(cell(p.guess.north)), std::abs(cell(p.guess.east))});
-  constexpr float unknown = std::numeric_limits<float>::infinity();
-  const int old_reach = pictures_ > 0 ? reach_ : -1;
-  before_ = means_;
-  const auto old = [&](int a, int b) {
-    if (std::max(std::abs(a), std::abs(b)) > old_reach) return unknown;
-    return before_[static_cast<size_t>((a + old_reach) * (2 * old_reach + 1) + b + old_reach)];
-  };
-  means_.assign(static_cast<size_t>((2 * reach + 1) * (2 * reach + 1)), unknown);
-  for (Place& p : places) {
-    const int a = cell(p.guess.north), b = cell(p.guess.east);
-    float past = old(a, b);
-    for (int da = -1; da <= 1; ++da)
-      for (int db = -1; db <= 1; ++db) past = std::min(past, old(a + da, b + db) + static_cast<float>(kSlip_rad));
-    if (past < unknown) p.cost = kNewest * p.cost + (1 - kNewest) * static_cast<double>(past);
-    means_[static_cast<size_t>((a + reach) * (2 * reach + 1) + b + reach)] = static_cast<float>(p.cost);
-  }
-  reach_ = reach;
-  return ++pictures_;
-}
 
 /// What the prior says of height and inclination, as a mean loss.
 double Matcher::cost_of_prior(const Guess& g) const {
@@ -261,11 +238,12 @@ Place Matcher::polish(Place at) {
 std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
   const auto by_cost = [](const Place& x, const Place& y) { return x.cost < y.cost; };
   rival_cost = 1e9;
+  ends_.clear();
   if (!prior_.lost) {
     offsets_.clear();
     std::sort(places_.begin(), places_.end(), by_cost);
     // The best few of the lattice, apart from each other, each taken to where it is best.
-    std::vector<Place> starts, ends;
+    std::vector<Place> starts;
     for (const Place& p : places_) {
       if (std::any_of(starts.begin(), starts.end(),
                       [&](const Place& s) { return apart(s.guess, p.guess) < kSpread_m; }))
@@ -273,16 +251,19 @@ std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
       starts.push_back(p);
       if (starts.size() == kStarts) break;
     }
-    for (const Place& p : starts) ends.push_back(refine(p));
-    std::sort(ends.begin(), ends.end(), by_cost);
-    ends.front() = polish(ends.front());
-    for (const Place& p : ends)
-      if (apart(p.guess, ends.front().guess) > kApart_m) {
+    for (const Place& p : starts) ends_.push_back(refine(p));
+    std::sort(ends_.begin(), ends_.end(), by_cost);
+    ends_.front() = polish(ends_.front());
+    // Beside a wall the skyline changes within less than a cell, and the lattice misses the place: the prior's own is
+    // looked at as closely.
+    if (!prior_.pivot_n) ends_.push_back(polish(refine({})));
+    std::sort(ends_.begin(), ends_.end(), by_cost);
+    for (const Place& p : ends_)
+      if (apart(p.guess, ends_.front().guess) > kApart_m) {
         rival_cost = p.cost;
         break;
       }
-    (void)step_m;
-    return ends.front();
+    return ends_.front();
   }
   const int pictures = offsets_.average(places_, step_m);
   std::sort(places_.begin(), places_.end(), by_cost);
@@ -299,18 +280,32 @@ std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
   return here;
 }
 
-/// How well the place is known: the curvature of the fit, what the lattice says, and how likely another place is.
-void Matcher::weigh(const Place& best, double rival_cost, Match& match) {
+/// Whether a place lies where others were compared with it, `chord_m` from the middle to within `reach_m`, and at a
+/// height that the prior allows. Where neither holds the steps of the refinement have left what is known.
+bool Matcher::within_reach(const Place& best, double chord_m, double reach_m) const {
+  const double high_m = kUnlikely * std::max(prior_.height_sigma_m, kClimbed_m);
+  const double far_m = std::hypot(best.guess.north, best.guess.east);
+  const double lattice_m = chord_m > 0 ? reach_m : reach_m * std::numbers::sqrt2;  // a square's corner
+  return std::abs(best.guess.up) <= high_m && std::abs(far_m - chord_m) <= lattice_m + kOutside_m;
+}
+
+/// How well the place is known; false where the picture itself does not tell it: the curvature of the fit, what the
+/// lattice says, and how likely another place is.
+bool Matcher::weigh(const Place& best, double rival_cost, Match& match) {
   const double scale = to_log(seen_.total_weight(), best.cost);
   match.rival = rival_cost < 1e9 ? std::exp(-scale * (rival_cost - best.cost)) : 0.0;
   // A street that looks the same for a while is a long cloud, not a point.
   Eigen::Matrix2d cloud = Eigen::Matrix2d::Zero();
   double weight = 0;
-  for (const Place& place : places_) {
-    const double w = std::exp(-scale * (place.cost - places_.front().cost));
-    const Eigen::Vector2d d(place.guess.north - best.guess.north, place.guess.east - best.guess.east);
-    cloud += w * d * d.transpose(), weight += w;
-  }
+  const auto spread = [&](const std::vector<Place>& places, double least_cost) {
+    for (const Place& place : places) {
+      const double w = std::exp(-scale * (place.cost - least_cost));
+      const Eigen::Vector2d d(place.guess.north - best.guess.north, place.guess.east - best.guess.east);
+      cloud += w * d * d.transpose(), weight += w;
+    }
+  };
+  spread(places_, places_.front().cost);
+  spread(ends_, best.cost);
   cloud /= weight;
   Matrix6d H;
   Vector6d b;
@@ -325,6 +320,8 @@ void Matcher::weigh(const Place& best, double rival_cost, Match& match) {
   match.covariance = P.topLeftCorner<2, 2>() + cloud + Eigen::Matrix2d::Identity() * (doubt_m * doubt_m);
   match.height_sigma_m = std::sqrt(std::max(1e-6, P(2, 2)));
   match.yaw_sigma_rad = std::clamp(std::sqrt(std::max(0.0, P(3, 3))), 0.1 * kDegree, 30 * kDegree);
+  const double narrowest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(P.topLeftCorner<2, 2>()).eigenvalues()[0];
+  return narrowest < kUntold_m * kUntold_m;
 }
 
 /// Where the camera is, and the highest roof point that it sees; false where there is none.
@@ -373,10 +370,16 @@ std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Pri
   const auto best = choose(step, rival_cost);
   Match match;
   if (!best) return std::nullopt;
+  refusal_ = Refusal::beyond;
+  const bool ring = prior.pivot_n.has_value();
+  if (!within_reach(*best, ring ? way.norm() : 0, ring ? prior.slack_m : radius)) return std::nullopt;
   refusal_ = Refusal::nothing_in_view;
   if (!describe(*best, match)) return std::nullopt;
   refusal_ = Refusal::none;
-  weigh(*best, rival_cost, match);
+  if (!weigh(*best, rival_cost, match)) {
+    refusal_ = Refusal::ambiguous;
+    return std::nullopt;
+  }
   return match;
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "plugins/fix/skyline/horizon.hpp"
+#include "plugins/fix/skyline/offset_map.hpp"
 #include "plugins/fix/skyline/seen_skyline.hpp"
 #include "plugins/fix/skyline/sky_finder.hpp"
 
@@ -45,25 +46,7 @@ enum class Refusal {
   gathering,        ///< lost: several pictures must agree first
   ambiguous,        ///< several places fit, or the pictures' best is not this picture's
   nothing_in_view,  ///< the model has no roof there
-};
-
-/// A place of the search, and how well the picture fits there.
-struct Place {
-  Guess guess;
-  double cost;
-};
-
-/// What several pictures say of each offset from the prior: their costs' running mean. An offset holds from picture to
-/// picture but for what the odometry errs by meanwhile: a cell.
-class OffsetMap {
- public:
-  void clear() { pictures_ = 0; }
-  /// Replaces the costs of `places`, which lie on a lattice of `step_m`, by the means. Returns how many pictures count.
-  int average(std::vector<Place>& places, double step_m);
-
- private:
-  std::vector<float> means_, before_;
-  int reach_ = -1, pictures_ = 0;
+  beyond,           ///< the best place lies where nothing was searched, or far above or below the prior's height
 };
 
 /// Finds the place and the orientation whose skyline looks like the one in the picture. Where the paper correlates
@@ -103,7 +86,8 @@ class Matcher {
   std::optional<Guess> step(const Guess& at, double soft_rad, double damping);
   /// Best place and best other one.
   std::optional<Place> choose(double step_m, double& rival_cost);
-  void weigh(const Place& best, double rival_cost, Match& match);
+  bool within_reach(const Place& best, double chord_m, double reach_m) const;
+  bool weigh(const Place& best, double rival_cost, Match& match);
   bool describe(const Place& best, Match& match);
 
   City city_;
@@ -112,7 +96,7 @@ class Matcher {
   SeenSkyline seen_;
   Horizon horizon_;
   SeenSkyline::Twice twice_{};
-  std::vector<Place> places_;
+  std::vector<Place> places_, ends_;  // of the lattice, and where those of them led that were refined
   std::vector<SeenSkyline::Residual> residuals_;
   OffsetMap offsets_;
   Refusal refusal_ = Refusal::none;

@@ -10,6 +10,7 @@
 
 #include "plugins/camera/frame_view.hpp"
 #include "plugins/fix/skyline/database_extension.hpp"
+#include "plugins/fix/skyline/frame_chroma.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
 #include "plugins/fix/skyline/place_finder.hpp"
 #include "plugins/fix/skyline/robust_sky.hpp"
@@ -24,8 +25,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kNowhere_m = 1000;
 constexpr double kUnscaled_m = 2.5;            // what a car that pulls away drives from fix to fix
 constexpr double kUnknown_rad = 60 * kDegree;  // three times this is any heading
-constexpr int kDoubtful = 4;                   // failures in a row
-constexpr int kHopeless = 20;                  // failures in a row after which the whole database is searched
+constexpr int kDoubtful = 4, kHopeless = 20;   // failures in a row; then a whole database is searched
 constexpr double kMostTilt_rad = 3 * kDegree;
 constexpr double kFoundSigma_m = 1.5, kFoundSigma_rad = 2 * kDegree;  // of a place found by several pictures
 constexpr double kFewerAgree = 0.8;  // of min_agreement: of a place found by several pictures, or without a rival,
@@ -152,7 +152,8 @@ class Skyline {
     if (last_ns_ != INT64_MIN && t_ns - last_ns_ < wait_ns) return;
     last_ns_ = t_ns;
     if (waiting_) refuse(kPrior, "no pose came for a picture", output);
-    waiting_ = Picture{t_ns, odograph::grey_of(frame, converted_).clone(), odograph::mask_of(frame).clone(), lens};
+    waiting_ = Picture{t_ns, odograph::grey_of(frame, converted_).clone(), odograph::mask_of(frame).clone(),
+                       sky == "robust" ? chroma_of(frame) : Chroma{}, lens};
     if (pose_ && pose_->header.t_ns == t_ns) begin(*std::exchange(waiting_, std::nullopt), output);
   }
 
@@ -160,12 +161,10 @@ class Skyline {
   struct Picture {
     int64_t t_ns = 0;
     cv::Mat grey, mask;
+    Chroma chroma;
     odograph::CameraModel lens;
   };
-  struct Why {
-    Reason reason;
-    std::string text;
-  };
+  using Why = std::pair<Reason, std::string>;
   /// A picture that is being worked on: the worker reads the first three and writes the others.
   struct Look {
     Picture picture;
@@ -186,10 +185,10 @@ class Skyline {
     const bool metric = (pose_->header.flags & ODO_POSE_METRIC) != 0;
     const double sigma = metric ? std::sqrt(variance) : std::max(std::sqrt(variance), kUnscaled_m);
     const double yaw_sigma = std::clamp(std::sqrt(pose_->covariance[14]), 1.0 * kDegree, kUnknown_rad);
-    // Since the last fix the track may have gone astray by its heading. Who may be farther off than is searched would
-    // be placed where it only looks alike.
+    // Since the last fix the track may have gone astray by its heading, and more where its own doubt says so. Who may
+    // be farther off than is searched would be placed where it only looks alike.
     const double driven_m = pose_->distance_m - fixed_at_m_;
-    const double astray_m = driven_m * std::min(kMostOff, 3 * yaw_sigma);
+    const double astray_m = std::max(driven_m * std::min(kMostOff, 3 * yaw_sigma), 3 * sigma);
     const auto slack_m = way_from_start(yaw_sigma, metric);
     const bool lost = !slack_m && (astray_m > radius || failures_ >= kHopeless);
     const bool anywhere = place_finder_ && (!placed_ || lost);
@@ -276,7 +275,7 @@ class Skyline {
     }
     if (const auto why = judge(look_.match)) {
       ++failures_;
-      return refuse(why->reason, why->text, output);
+      return refuse(why->first, why->second, output);
     }
     failures_ = 0;
     placed_ = fixed_once_ = true;
@@ -295,7 +294,7 @@ class Skyline {
       return finder_->find(picture.grey, up_c, north_c);
     }
     if (!robust_ || !same) robust_.emplace(RobustSkyFinder::Parameters{}, lens_, picture.grey.size());
-    return robust_->find(picture.grey, picture.mask, up_c, north_c);
+    return robust_->find(picture.grey, picture.mask, up_c, north_c, picture.chroma);
   }
 
   /// From the database's n to ours.
@@ -316,6 +315,7 @@ class Skyline {
       switch (matcher_->refusal()) {
         case Refusal::few_edges: return Why{kSky, "too few directions with a roof's edge"};
         case Refusal::nothing_in_view: return Why{kAgreement, "the model has no roof in view"};
+        case Refusal::beyond: return Why{kAgreement, "the best place lies beyond what was searched"};
         case Refusal::gathering: return Why{kAmbiguity, "lost: more pictures must agree"};
         default: return Why{kAmbiguity, "pictures disagree about the place"};
       }

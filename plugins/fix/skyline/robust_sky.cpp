@@ -13,6 +13,7 @@ namespace {
 constexpr int kColumns = SkyFinder::kDirections;
 constexpr double kLowest_rad = 1.75;  // from the zenith: ten degrees below the horizon
 constexpr float kNever = 1e6f;
+constexpr int kKnots = 4;
 constexpr float kLeastFall = 30;   // grey values summed over three samples: above the noise of a phone by day
 constexpr float kEdgeFrom = 0.5f;  // above the noise, of 0.72 times the logarithm of the contrast
 
@@ -29,10 +30,17 @@ RobustSkyFinder::RobustSkyFinder(const Parameters& parameters, const CameraModel
     : p_(parameters), camera_(camera), maker_(camera, size, parameters.farthest_rad) {}
 
 const std::vector<SkyEdge>& RobustSkyFinder::find(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c,
-                                                  const Eigen::Vector3d& north_c) {
+                                                  const Eigen::Vector3d& north_c, const Chroma& chroma) {
   edges_.clear();
   if (!maker_.make(grey, mask, up_c, features_)) return edges_;
-  sky_log_odds(features_, log_odds_);
+  Eigen::Vector2d zenith;
+  if (chroma.empty() || !pixel_of(camera_, up_c, p_.farthest_rad, zenith)) {
+    sky_log_odds(features_, log_odds_);
+  } else {
+    colour_.look(features_, grey, chroma, zenith);
+    colour_.judge();
+    colour_.log_odds(grey, chroma, features_.valid.size(), log_odds_);
+  }
   sample(up_c, north_c);
   unary();
   draw_line();
@@ -61,10 +69,25 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
     Column column{rows_, rows_};
     float* to = &samples_[static_cast<size_t>(j * rows_)];
     float* edge = &edges_at_[static_cast<size_t>(j * rows_)];
+    // The lens is asked at every fourth sample, which lie two degrees apart at most; between them its pixels do.
+    Eigen::Vector2d knots[2];
+    bool known[2] = {false, false};
+    const auto knot = [&](int i, Eigen::Vector2d& pixel) {
+      const Eigen::Vector2d& angle = angles[static_cast<size_t>(std::min(i, rows_ - 1))];
+      return pixel_of(camera_, angle.x() * up_c + angle.y() * level, p_.farthest_rad, pixel);
+    };
     for (int i = 0; i < rows_; ++i) {
-      const Eigen::Vector2d& angle = angles[static_cast<size_t>(i)];
+      if (i % kKnots == 0) {
+        if (i == 0) known[1] = knot(0, knots[1]);
+        knots[0] = knots[1], known[0] = known[1];
+        known[1] = i + kKnots < rows_ && knot(i + kKnots, knots[1]);
+      }
       Eigen::Vector2d pixel;
-      bool seen = pixel_of(camera_, angle.x() * up_c + angle.y() * level, p_.farthest_rad, pixel);
+      bool seen = known[0] && known[1];
+      if (seen)
+        pixel = knots[0] + (knots[1] - knots[0]) * (static_cast<double>(i % kKnots) / kKnots);
+      else
+        seen = knot(i, pixel);
       if (seen) {
         const Eigen::Vector2d at = features_.small_of(pixel);
         const int x = static_cast<int>(std::lround(at.x())), y = static_cast<int>(std::lround(at.y()));

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
+#include "plugins/fix/skyline/colour_sky.hpp"
 #include "plugins/fix/skyline/sky_features.hpp"
 #include "plugins/fix/skyline/sky_finder.hpp"
 
@@ -37,11 +38,15 @@ class RobustSkyFinder {
   RobustSkyFinder(const Parameters& parameters, const CameraModel& camera, cv::Size size);
 
   /// As SkyFinder::find. `up_c` may lie outside the picture: directions whose line would be above the picture's border
-  /// are told as such.
+  /// are told as such. With the picture's colour, where there is one, pixels are judged by ColourSky.
   const std::vector<SkyEdge>& find(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c,
-                                   const Eigen::Vector3d& north_c);
+                                   const Eigen::Vector3d& north_c, const Chroma& chroma = {});
   /// The latest picture's log-odds, small.
   const cv::Mat& log_odds() const { return log_odds_; }
+  /// Of the latest picture, which was this one with its colour: its log-odds in full.
+  void full_log_odds(const cv::Mat& grey, const Chroma& chroma, cv::Mat& out) {
+    colour_.log_odds(grey, chroma, grey.size(), out);
+  }
   double scale() const { return features_.scale; }
 
  private:
@@ -57,6 +62,7 @@ class RobustSkyFinder {
   CameraModel camera_;
   SkyFeatureMaker maker_;
   SkyFeatures features_;
+  ColourSky colour_;
   cv::Mat log_odds_, cost_, from_;
   double step_rad_ = 0;
   int rows_ = 0;

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the matcher must not tell: places that its search has left, and the wrong one of two beside a wall.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "plugins/fix/skyline/matcher.hpp"
+
+using namespace odograph::skyline;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("skyline_reach");
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+const Eigen::Quaterniond kUp(Eigen::AngleAxisd(0.3, Vector3d::UnitZ()) * Eigen::Quaterniond(0, 1, 0, 0));
+
+void add_box(std::vector<Edge>& edges, double north, double east, double a, double b, double height) {
+  const double sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  Vector3d roof[4];
+  for (int i = 0; i < 4; ++i) roof[i] = {north + 0.5 * a * sign[i][0], east + 0.5 * b * sign[i][1], -height};
+  for (int i = 0; i < 4; ++i) edges.push_back({roof[i], roof[(i + 1) % 4]});
+}
+
+/// Two rows of houses along a street to the north, `between` of which the road is free.
+std::vector<Edge> a_street(double between) {
+  std::vector<Edge> edges;
+  const double heights[] = {12, 15, 10.5, 14, 9, 13};
+  for (int i = 0; i < 6; ++i) {
+    add_box(edges, -50 + 18 * i, -0.5 * between - 6, 17 - i % 3, 12, heights[i]);
+    add_box(edges, -45 + 17 * i, 0.5 * between + 7, 16 - i % 2, 14, heights[5 - i] + 1);
+  }
+  return edges;
+}
+
+std::vector<SkyEdge> seen_from(const std::vector<Edge>& houses, const Vector3d& p_n) {
+  City city(houses);
+  city.look_near(p_n, 1, 0.05);
+  Horizon horizon;
+  city.horizon(p_n, horizon);
+  std::vector<SkyEdge> edges;
+  for (int j = 0; j < Horizon::kDirections; ++j) {
+    const double azimuth = (j + 0.5) * 0.5 * kDegree;
+    const double e = std::max(10 * kDegree, static_cast<double>(horizon.elevation[static_cast<size_t>(j)]));
+    const Vector3d u(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), -std::sin(e));
+    edges.push_back({kUp.conjugate() * u, e <= 10 * kDegree});
+  }
+  return edges;
+}
+
+}  // namespace
+
+TEST_CASE("a place that lies far above what the prior allows is not told") {
+  const auto houses = a_street(16);
+  for (const double up_m : {1.5, 8.0}) {
+    Matcher matcher{City(houses)};
+    const Vector3d eye(2, 1, -1.5 - up_m);
+    const auto match = matcher.match(seen_from(houses, eye), {.p_n = Vector3d(2.4, 0.7, -1.5),
+                                                              .q_n_c = kUp,
+                                                              .position_sigma_m = 2.5,
+                                                              .yaw_sigma_rad = kDegree,
+                                                              .tilt_sigma_rad = 0.6 * kDegree,
+                                                              .farthest_m = 40,
+                                                              .height_sigma_m = 1});
+    CAPTURE(up_m);
+    if (up_m < 3) {
+      REQUIRE(match);
+      CHECK((match->p_n - eye).norm() < 0.3);
+    } else {
+      CHECK_FALSE(match);
+      CHECK(matcher.refusal() == Refusal::beyond);
+    }
+  }
+}
+
+TEST_CASE("beside a wall, where the lattice's places are wrong by most, the prior's place is found") {
+  for (const double between_m : {6.0, 7.0, 9.0})
+    for (const double off_north_m : {0.0, 0.3}) {
+      const auto houses = a_street(between_m);
+      Matcher matcher{City(houses)};
+      const Vector3d eye(3.1, 0.5 * between_m - 0.05, -1.5);  // five centimetres from it; the prior lies behind it
+      const auto match = matcher.match(seen_from(houses, eye), {.p_n = eye + Vector3d(off_north_m, 0.3, 0),
+                                                                .q_n_c = kUp,
+                                                                .position_sigma_m = 0.1,
+                                                                .yaw_sigma_rad = kDegree,
+                                                                .tilt_sigma_rad = 0.6 * kDegree,
+                                                                .farthest_m = 40,
+                                                                .height_sigma_m = 0.1});
+      CAPTURE(between_m);
+      CAPTURE(off_north_m);
+      REQUIRE(match);
+      CHECK((match->p_n - eye).head<2>().norm() < 0.3);  // 5 to 7 m before
+    }
+}
+
+TEST_CASE("a picture that agrees with the model nowhere tells no place, and no heading either") {
+  Matcher matcher{City(a_street(60))};
+  const auto match = matcher.match(seen_from(a_street(6), {2, 1, -1.5}), {.p_n = Vector3d(2, 1, -1.5),
+                                                                          .q_n_c = kUp,
+                                                                          .position_sigma_m = 10,
+                                                                          .yaw_sigma_rad = kDegree,
+                                                                          .tilt_sigma_rad = 0.6 * kDegree,
+                                                                          .farthest_m = 20,
+                                                                          .height_sigma_m = 1});
+  CHECK_FALSE(match);
+}
+
+TEST_SUITE_END();
