@@ -22,10 +22,9 @@ namespace {
 
 using namespace odograph::skyline;
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kNowhere_m = 1000;
-constexpr double kUnscaled_m = 2.5;            // what a car that pulls away drives from fix to fix
-constexpr double kUnknown_rad = 60 * kDegree;  // three times this is any heading
-constexpr int kDoubtful = 4, kHopeless = 20;   // failures in a row; then a whole database is searched
+constexpr double kNowhere_m = 1000, kUnscaled_m = 2.5;  // the latter: what a car drives from fix to fix at first
+constexpr double kUnknown_rad = 60 * kDegree;           // three times this is any heading
+constexpr int kDoubtful = 4, kHopeless = 20;            // failures in a row; then a whole database is searched
 constexpr double kMostTilt_rad = 3 * kDegree;
 constexpr double kFoundSigma_m = 1.5, kFoundSigma_rad = 2 * kDegree;  // of a place found by several pictures
 constexpr double kFewerAgree = 0.8;  // of min_agreement: of a place found by several pictures, or without a rival,
@@ -181,7 +180,7 @@ class Skyline {
       return refuse(kPrior, "no pose of the camera at the frame's time", output);
     const double variance = std::max(pose_->covariance[21], pose_->covariance[28]);
     if (placed_ && std::sqrt(variance) > kNowhere_m) return refuse(kPrior, "the pose is not placed yet", output);
-    // Without a metre the position stays where the last fix or the start was: the scale itself waits for fixes.
+    // Without a metre the position stays where it was: the scale itself waits for fixes.
     const bool metric = (pose_->header.flags & ODO_POSE_METRIC) != 0;
     const double sigma = metric ? std::sqrt(variance) : std::max(std::sqrt(variance), kUnscaled_m);
     const double yaw_sigma = std::clamp(std::sqrt(pose_->covariance[14]), 1.0 * kDegree, kUnknown_rad);
@@ -189,7 +188,7 @@ class Skyline {
     // be farther off than is searched would be placed where it only looks alike.
     const double driven_m = pose_->distance_m - fixed_at_m_;
     const double astray_m = std::max(driven_m * std::min(kMostOff, 3 * yaw_sigma), 3 * sigma);
-    const auto slack_m = way_from_start(yaw_sigma, metric);
+    const auto slack_m = way_from_start(yaw_sigma, sigma, metric);
     const bool lost = !slack_m && (astray_m > radius || failures_ >= kHopeless);
     const bool anywhere = place_finder_ && (!placed_ || lost);
     if (lost && astray_m > radius && !anywhere)
@@ -217,13 +216,14 @@ class Skyline {
     worker_.start([this](const Spend& spend) { look(spend); }, slice_);
   }
 
-  /// Before the first fix, without a heading: how well the distance from the start is known, m, where the place is to
-  /// be looked for on a circle around it.
-  std::optional<double> way_from_start(double yaw_sigma, bool metric) const {
+  /// Before the first fix, without a heading: how well the distance from the start is known, m; else none.
+  std::optional<double> way_from_start(double yaw_sigma, double sigma, bool metric) const {
     if (!start_known || fixed_once_ || !metric || !start_n_ || yaw_sigma < kNoHeading_rad) return std::nullopt;
     const double far_m = (Eigen::Vector3d(pose_->p_n) - *start_n_).head<2>().norm();
     const double slack_m = kSlack_m + kSlackOfPath * pose_->distance_m;
-    if (far_m < slack_m || far_m > kFarthestFromStart_m) return std::nullopt;
+    // An unknown heading is a doubt as large as the path; a larger one says that the path itself is lost.
+    const double most_sigma = kMostOff * (far_m + slack_m);
+    if (far_m < slack_m || far_m > kFarthestFromStart_m || sigma > most_sigma) return std::nullopt;
     return slack_m;
   }
 
