@@ -156,12 +156,12 @@ printf 'odograph: 1\nb\033ad: 3\n' >escape.yaml
 expect 2 'b\x1Bad' "$odograph" config check escape.yaml
 expect 4 "FAIL" "$odograph" plugin check "$source/README.md"
 expect 3 "nothing.so: there is no such file" "$odograph" plugin check nothing.so
-[ "$(wc -l <out)" -le 1 ] || { echo "FAILED: a missing plugin takes more than a line"; failed=1; }
+[ "$(cat out err | wc -l)" -le 1 ] || { echo "FAILED: a missing plugin takes more than a line"; failed=1; }
 expect 3 "is no file" "$odograph" plugin check "$source"
 mkdir -p bare && touch bare/lonely.so
 printf 'odograph: 1\nplugins: {search: [gone, bare]}\nattitude: {plugin: acme/lonely}\n' >lonely.yaml
 expect 2 "there is no folder" "$odograph" config check lonely.yaml
-grep -q "bare/lonely.so has no manifest" out || { echo "FAILED: a library without a manifest is not named"; failed=1; }
+cat out err | grep -q "bare/lonely.so has no manifest" || { echo "FAILED: a library without a manifest is not named"; failed=1; }
 expect 0 "one foot's fall" "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --plot steps.html --each
 expect 0 "<svg" cat steps.html
 expect 0 '"distance_m"' "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --json
