@@ -330,7 +330,7 @@ TEST_CASE("a real walk is retraced: its waypoints, its own orientation, and the 
   const auto marks = traced->journey.waypoints;
   REQUIRE(marks.size() == walk->waypoints().size());
   const Motion& phone = traced->journey.phone;
-  for (const auto& mark : marks) CHECK((phone.pose(mark.t_s).translation() - mark.p_n).head<2>().norm() < 0.7);
+  for (const auto& mark : marks) CHECK((phone.pose(mark.t_s).translation() - mark.p_n).head<2>().norm() < 1e-6);
   // The phone points where it goes.
   double ahead = 0, length = 0;
   for (double t = marks.front().t_s; t < marks.back().t_s; t += 0.1) {
@@ -339,18 +339,44 @@ TEST_CASE("a real walk is retraced: its waypoints, its own orientation, and the 
     ahead += k.velocity_n.head<2>().dot(f.head<2>().normalized()), length += k.velocity_n.head<2>().norm();
   }
   CHECK(ahead > 0.8 * length);
-  // What an ideal accelerometer on the retraced motion would feel, beside what the real one felt.
+  // What ideal sensors on the retraced motion would feel, beside what the real ones felt: second by second the same
+  // but for what is constant, or pictures and samples would contradict each other.
+  struct Second {
+    Vector3d accel = Vector3d::Zero(), gyro = Vector3d::Zero();
+    int n = 0;
+  };
+  std::map<int, Second> seconds;
   double error = 0, signal = 0;
   size_t n = 0;
   for (const auto& m : walk->messages) {
-    if (m.message.header().type != ODO_TYPE_IMU || !(m.message.header().flags & ODO_IMU_ACCEL)) continue;
-    const double t = static_cast<double>(m.message.header().t_ns - traced->start_ns) * 1e-9;
+    if (m.message.header().type != ODO_TYPE_IMU) continue;
+    const auto& imu = as<odo_imu>(m.message.header());
+    const double t = static_cast<double>(imu.header.t_ns - traced->start_ns) * 1e-9;
     if (t < 2 || t > phone.duration_s() - 2) continue;
-    const Vector3d real(as<odo_imu>(m.message.header()).accel_b);
-    error += (phone.at(t).specific_force_b() - real).squaredNorm(), signal += std::pow(real.norm() - 9.81, 2), ++n;
+    const auto felt = phone.at(t);
+    Second& second = seconds[static_cast<int>(t)];
+    if (imu.header.flags & ODO_IMU_GYRO) second.gyro += felt.angular_velocity_b - Vector3d(imu.gyro_b);
+    if (!(imu.header.flags & ODO_IMU_ACCEL)) continue;
+    const Vector3d real(imu.accel_b), off = felt.specific_force_b() - real;
+    second.accel += off, ++second.n;
+    error += off.squaredNorm(), signal += std::pow(real.norm() - 9.81, 2), ++n;
   }
   REQUIRE(n > 1000);
+  MESSAGE(std::sqrt(error / static_cast<double>(n)), " of ", std::sqrt(signal / static_cast<double>(n)), " m/s^2");
   CHECK(std::sqrt(error / static_cast<double>(n)) < 0.5 * std::sqrt(signal / static_cast<double>(n)));
+  double accel = 0, gyro = 0;
+  Vector3d mean_accel = Vector3d::Zero(), mean_gyro = Vector3d::Zero();
+  for (auto& [_, s] : seconds) {
+    s.accel /= s.n, s.gyro /= s.n;
+    mean_accel += s.accel / static_cast<double>(seconds.size()),
+        mean_gyro += s.gyro / static_cast<double>(seconds.size());
+  }
+  for (const auto& [_, s] : seconds)
+    accel += (s.accel - mean_accel).squaredNorm(), gyro += (s.gyro - mean_gyro).squaredNorm();
+  const double count = 3 * static_cast<double>(seconds.size());
+  MESSAGE(std::sqrt(accel / count), " m/s^2, ", std::sqrt(gyro / count), " rad/s from second to second");
+  CHECK(std::sqrt(accel / count) < 0.05);
+  CHECK(std::sqrt(gyro / count) < 0.005);
 }
 
 TEST_CASE("pictures rendered along a real walk come with that walk's own samples") {

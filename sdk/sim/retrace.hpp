@@ -14,9 +14,10 @@ struct Retraced {
   double turn_rad = 0;                 ///< from the waypoints' map to the phone's own north
 };
 
-/// Orientation is the phone's own rotation vector. Position is the way between the waypoints, laid out smoothly in
-/// time, 1.25 m above the floor, and on it what the accelerometer says about each step: its band above half a hertz,
-/// integrated twice. The map is turned so that on the whole the walker goes where the phone points.
+/// The walk that the phone's own accelerometer and gyroscope felt (smooth_walk), held by its waypoints, by a hand
+/// 1.25 m above the floor and loosely by the phone's own rotation vector; so that pictures rendered along it agree with
+/// those samples but for the sensors' errors. The map is turned so that on the whole the walker goes where the phone
+/// points.
 /// Failures (ODO_E_DATA) say what the recording lacks.
 Result<Retraced> retrace(const Recording& recording);
 
