@@ -48,6 +48,34 @@ TEST_CASE("where a front-end that has used inertia is sure, the track is its own
     }
 }
 
+TEST_CASE("a first sample that is no gravity does not tilt the walk for good") {
+  for (const double tilt_rad : {0.0, 0.3, 1.1, -2.5})
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+      WalkMeasurements what;
+      what.start_s = 4;
+      what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02;
+      what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
+      what.first_tilt_rad = tilt_rad;
+      EstimatorWalk walk(estimator_scenario(40), what, seed);
+      CouplingConfig config;
+      config.type = CouplingType::inertial;
+      InertialEstimator estimator(config, {}, {true, false});
+      double worst_tilt_rad = 0, first_s = -1, height_m = 0, true_height_m = 0;
+      walk.run(estimator, [&](double t, const odo_pose& pose) {
+        if ((pose.header.flags & ODO_POSE_METRIC) == 0) return;
+        if (first_s < 0) first_s = t, height_m = pose.p_n[2], true_height_m = walk.truth(t).p_n_c.z();
+        if (t < first_s + 0.5) return;
+        const Quaterniond q(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
+        worst_tilt_rad = std::max(worst_tilt_rad, log_rotation(walk.truth(t).q_n_c * q.conjugate()).head<2>().norm());
+        CHECK(std::abs(pose.p_n[2] - height_m - (walk.truth(t).p_n_c.z() - true_height_m)) < 0.5);
+      });
+      CAPTURE(tilt_rad);
+      CAPTURE(seed);
+      CHECK(first_s > 0);
+      CHECK(worst_tilt_rad < 0.05);
+    }
+}
+
 TEST_CASE("a heading that went astray with the gyroscope's bias before the walk is known to, and mended") {
   for (const double rate_radps : {0.0, 0.01, -0.015})
     for (uint64_t seed = 1; seed <= 5; ++seed) {

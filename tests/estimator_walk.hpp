@@ -37,6 +37,7 @@ struct WalkMeasurements {
   double step_factor_sigma = 0.08, step_own = 0.05, step_heading_rad = 0.05, step_offset_rad = 0.1;
   double fix_every_s = 0, fix_sigma_m = 1.0, fix_late_s = 0.3;
   double start_s = 0, end_s = 1e9;
+  double first_tilt_rad = 0;  ///< about north, of the attitude that is told first: a phone that is thrown about
   std::function<void(double t_s, odo_vo_motion& motion)> change;
   std::function<void(double t_s, odo_fix& fix)> change_fix;
   std::function<void(double t_s, odo_step& step)> change_step;
@@ -136,7 +137,9 @@ class EstimatorWalk {
       tilted_ = true;
       for (int i = 0; i < 2; ++i) tilt_[i] = 0.015 * random_.normal();
     }
-    const Eigen::Quaterniond q = exp_rotation(tilt_) * Eigen::Quaterniond(state.T_n_b.linear());
+    Eigen::Quaterniond q = exp_rotation(tilt_) * Eigen::Quaterniond(state.T_n_b.linear());
+    if (!told_attitude_) q = exp_rotation(w_.first_tilt_rad * Eigen::Vector3d::UnitX()) * q;
+    told_attitude_ = true;
     a.q_n_b[0] = q.w(), a.q_n_b[1] = q.x(), a.q_n_b[2] = q.y(), a.q_n_b[3] = q.z();
     a.covariance_n[0] = a.covariance_n[4] = 0.02 * 0.02;
     estimator.update(&a);
@@ -228,7 +231,7 @@ class EstimatorWalk {
   Eigen::Quaterniond q_b_c_;
   Eigen::Vector3d p_b_c_{0.03, 0.06, -0.005};
   double log_units_, log_factor_, step_offset_;
-  bool tilted_ = false;
+  bool tilted_ = false, told_attitude_ = false;
   Eigen::Vector3d tilt_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d error_m_ = Eigen::Vector3d::Zero(), error_rad_ = Eigen::Vector3d::Zero(),
                   turned_rad_ = Eigen::Vector3d::Zero(), map_n_ = Eigen::Vector3d::Zero(),

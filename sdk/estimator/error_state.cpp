@@ -229,8 +229,7 @@ void ErrorState::shift_by_step(const Vector3d& by_n, const Vector3d& by_factor, 
   loosen_position(noise);
 }
 
-void ErrorState::turn(double by_rad, const Vector3d& about_n) {
-  const Quaterniond q(Eigen::AngleAxisd(by_rad, Vector3d::UnitZ()));
+void ErrorState::turn(const Quaterniond& q, const Vector3d& about_n) {
   const Matrix3d R = q.toRotationMatrix();
   const auto turned = [&](const Quaterniond& a) { return (q * a).normalized(); };
   const auto moved = [&](const Vector3d& p) { return Vector3d(about_n + R * (p - about_n)); };

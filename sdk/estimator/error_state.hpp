@@ -159,8 +159,8 @@ class ErrorState {
                      const Eigen::Matrix3d& noise);
   /// Everything but what is held may have been moved together by that much, m.
   void loosen_position(const Eigen::Matrix3d& covariance);
-  /// n itself is turned about down through a place: everything that is in n, and what is held.
-  void turn(double by_rad, const Eigen::Vector3d& about_n);
+  /// n itself is turned about a place: everything that is in n, and what is held.
+  void turn(const Eigen::Quaterniond& q, const Eigen::Vector3d& about_n);
   /// Everything may have been turned together about down, through the body's place, rad.
   void loosen_heading(double sigma_rad);
 

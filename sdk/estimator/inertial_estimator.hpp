@@ -88,6 +88,7 @@ class InertialEstimator : public Estimator {
   UpdateResult see_rotation(int64_t t_ns, double dt_s);
   double rotation_variance(int64_t t_ns, double dt_s) const;
   void use_inertial(const odo_vo_motion& motion);
+  void level(const Eigen::Vector3d& gravity_n);
   bool walks(int64_t t_ns) const;
   void use_metric_scale(const odo_vo_motion& motion);
   void begin_here(const odo_vo_motion& motion);
@@ -103,6 +104,7 @@ class InertialEstimator : public Estimator {
   bool outweighs_fixes(int64_t t_ns) const;
   void place_by(inertial::Innovation<6>& seen, uint32_t axes);
   void turn_n(double by_rad);
+  void turn_track(const Eigen::Quaterniond& q, const Eigen::Vector3d& about_n);
   bool tells_first_heading(const odo_fix& fix) const;
 
   // Poses (inertial_poses.cpp).
@@ -154,7 +156,7 @@ class InertialEstimator : public Estimator {
     bool has_walked = false;       // it has been surer of the metre than walkers differ
     int64_t told_ns = 0, gravity_ns = INT64_MIN;
     double inertia_information = 0, steps_information = 0, own_information = 0;
-    int rejected = 0;
+    int rejected = 0, gravity_rejected = 0;  ///< in a row
   } vo_;
   inertial::InertialScale window_;
   inertial::ScaleStart scale_start_;

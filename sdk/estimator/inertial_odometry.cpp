@@ -245,7 +245,38 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
   // Worth one a second, in small portions: a tilt that is mended moves the height that it has led to.
   const double same = p_.attitude_interval_s / p_.gravity_interval_s;
   down.noise = Eigen::Matrix2d::Identity() * (squared(p_.attitude_unaided_tilt_rad) * same);
-  e_.update(down, p_.gate[2], calm());
+  if (e_.update(down, p_.gate[2], calm()).accepted)
+    vo_.gravity_rejected = 0;
+  else if (++vo_.gravity_rejected > p_.most_rejected && led())
+    level(g_n);
+}
+
+/// The inclination here is wrong, by more than a filter that is linearised can mend: a phone that was thrown about when
+/// its first sample was taken for gravity. The track is turned about where the body is; what inertia has made of the
+/// velocity and its bias meanwhile is forgotten.
+void InertialEstimator::level(const Vector3d& gravity_n) {
+  vo_.gravity_rejected = 0;
+  flush();
+  turn_track(Quaterniond::FromTwoVectors(gravity_n, Vector3d::UnitZ()), e_.x.p_n);
+  for (int i = 0; i < 2; ++i) e_.set_independent(kTheta + i, squared(p_.attitude_unaided_tilt_rad));
+  for (int i = 0; i < 3; ++i) e_.set_independent(kVelocity + i, squared(p_.jump_velocity_sigma_mps));
+  for (int i = 0; i < 3; ++i) e_.set_independent(kAccelBias + i, squared(p_.accel_bias_sigma));
+  e_.x.accel_bias_b.setZero();
+  if (const double speed = e_.x.v_n.norm(); speed > config_.fastest_mps) e_.x.v_n *= config_.fastest_mps / speed;
+  e_.forget_clones();
+  e_.clone(t_ns_);
+  track_.begin_segment();
+  detach();
+}
+
+/// All that was told in n is turned about a place.
+void InertialEstimator::turn_track(const Quaterniond& q, const Vector3d& about_n) {
+  e_.turn(q, about_n);
+  track_.turn(q);
+  vo_.y_n = (q * vo_.y_n).eval();
+  vo_.start_n = about_n + q * (vo_.start_n - about_n);
+  window_.restart();
+  scale_start_.restart();
 }
 
 /// Where the camera hardly moves a front-end's doubt about its displacement is no doubt about the metre.
@@ -263,6 +294,7 @@ void InertialEstimator::use_metric_scale(const odo_vo_motion& m) {
   const double information = 1 / squared(std::clamp(sigma, 1e-3, 1.0));
   if (!vo_.known) {
     if (!metric_ && placed_ == 0 && inertial_front_end_) begin_here(m);
+    vo_.gravity_rejected = p_.most_rejected;  // nothing to lose yet
     know_scale(0.0, 1 / information, 0.0, t_ns);
     vo_.told_information = information, vo_.told_ns = t_ns;
     vo_.own_information = information;

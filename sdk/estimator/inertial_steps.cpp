@@ -178,14 +178,7 @@ void InertialEstimator::place_by(Innovation<6>& seen, uint32_t axes) {
 /// Until now nobody knew which way n's axes point in the world: what the track and its sources tell in n is turned.
 void InertialEstimator::turn_n(double by_rad) {
   turned_rad_ += by_rad;
-  const Eigen::Quaterniond q(Eigen::AngleAxisd(by_rad, Vector3d::UnitZ()));
-  const Vector3d about_n(start_.position_m.data());
-  e_.turn(by_rad, about_n);
-  track_.turn(q);
-  vo_.y_n = (q * vo_.y_n).eval();
-  vo_.start_n = about_n + q * (vo_.start_n - about_n);
-  window_.restart();
-  scale_start_.restart();
+  turn_track(Quaterniond(Eigen::AngleAxisd(by_rad, Vector3d::UnitZ())), Vector3d(start_.position_m.data()));
 }
 
 /// A fix places a track of which nobody has told the heading, and tells one.

@@ -14,11 +14,11 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kRate_hz = 200.0, kHold_m = 1.25;
-constexpr double kMark_m = 0.3;         // a waypoint: where the walker stood, and when he said so
-constexpr double kHeight_m = 0.1;       // of the hand over the floor
-constexpr double kAnywhere_m = 5.0;     // between waypoints
-constexpr double kUsual_mps = 0.7;      // by which the walker's speed differs from the even one between waypoints
-constexpr double kStanding_mps = 0.03;  // hands of somebody who stands
+constexpr double kMark_m = 0.7;      // a waypoint: where the walker stood, and when he said so; 0.8 rms on the 80 walks
+constexpr double kHeight_m = 0.1;    // of the hand over the floor
+constexpr double kAnywhere_m = 5.0;  // between waypoints
+constexpr double kUsual_mps = 0.7;   // by which the walker's speed differs from the even one between waypoints
+constexpr double kStanding_mps = 0.03;                     // hands of somebody who stands
 constexpr double kQuiet_mps2 = 0.25, kQuiet_radps = 0.35;  // rms over a second of somebody who stands (a step: above 1)
 
 Quaterniond attitude_at(const std::vector<StampedPose>& attitudes, int64_t t) {
