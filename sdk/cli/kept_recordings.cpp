@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/cli/kept_recordings.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -68,6 +69,28 @@ Trajectory started(const Trajectory& truth, const Trajectory& track, double over
     if (walked >= next) start.push_back({truth[i].t_ns, truth[i].p}), next += 1;
   }
   return lay_over(track, start, heading_offset(track, start, over_m));
+}
+
+Trajectory started_by_pose(const Trajectory& truth, const Trajectory& track, double after_m) {
+  double walked = 0;
+  size_t at = 0;
+  while (at + 1 < truth.size() && walked <= after_m) {
+    walked += (truth[at + 1].p - truth[at].p).head<2>().norm();
+    ++at;
+  }
+  if (truth.empty() || track.empty()) return track;
+  const auto nearest = std::min_element(track.begin(), track.end(), [&](const StampedPose& a, const StampedPose& b) {
+    return std::abs(a.t_ns - truth[at].t_ns) < std::abs(b.t_ns - truth[at].t_ns);
+  });
+  const Eigen::Quaterniond off = truth[at].q * nearest->q.conjugate();
+  const Eigen::Quaterniond turn = Eigen::Quaterniond(off.w(), 0, 0, off.z()).normalized();
+  const Eigen::Vector3d from = position_at(track, truth[at].t_ns);
+  Trajectory laid = track;
+  for (StampedPose& pose : laid) {
+    pose.p = turn * (pose.p - from) + truth[at].p;
+    pose.q = turn * pose.q;
+  }
+  return laid;
 }
 
 }  // namespace odograph
