@@ -86,9 +86,12 @@ class InertialEstimator : public Estimator {
                    inertial::Hold hold);
   UpdateResult see_position(int64_t t_ns, double dt_s);
   UpdateResult see_rotation(int64_t t_ns, double dt_s);
-  double rotation_variance(int64_t t_ns, double dt_s) const;
+  double rotation_variance(const odo_vo_motion& motion, double dt_s) const;
   void use_inertial(const odo_vo_motion& motion);
   void level(const Eigen::Vector3d& gravity_n);
+  void turn_track(const Eigen::Quaterniond& q, const Eigen::Vector3d& about_n);
+
+  // Its scale (inertial_odometry_scale.cpp).
   bool walks(int64_t t_ns) const;
   void use_metric_scale(const odo_vo_motion& motion);
   void begin_here(const odo_vo_motion& motion);
@@ -104,7 +107,6 @@ class InertialEstimator : public Estimator {
   bool outweighs_fixes(int64_t t_ns) const;
   void place_by(inertial::Innovation<6>& seen, uint32_t axes);
   void turn_n(double by_rad);
-  void turn_track(const Eigen::Quaterniond& q, const Eigen::Vector3d& about_n);
   bool tells_first_heading(const odo_fix& fix) const;
 
   // Poses (inertial_poses.cpp).

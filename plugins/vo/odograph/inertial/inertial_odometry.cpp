@@ -234,7 +234,9 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
     m.covariance.diagonal().tail<3>().array() += std::pow(p_.position_floor_m, 2);
   } else {
     const double dt = seconds(t_ns - previous_ns_);
-    m.covariance.diagonal().head<3>().setConstant(std::pow(p_.blind_rotation_rad, 2));
+    // Its rotation is the gyroscope's, less a bias that the filter takes for better known than it is.
+    const auto bias_variance = state.P.diagonal().segment<3>(block::gyro_bias).array();
+    m.covariance.diagonal().head<3>() = bias_variance * std::pow(p_.standing_bias_factor * dt, 2);
     m.covariance.diagonal().tail<3>().setConstant(velocity_sigma * velocity_sigma * dt * dt);
   }
   T_w_previous_ = T;

@@ -46,8 +46,9 @@ class InertialOdometry {
     double scale_sigma_floor = 0.01;       ///< relative; both by the 5 m stretches of euroc_mh05 and a simulated phone
     double scale_sigma_stabilised = 0.02;  ///< relative, times the gain of a stabilised lens: what its model leaves out
     double rotation_floor_rad = 2e-4;      ///< of a frame's motion: what the corners share in their errors
-    double blind_rotation_rad = 1e-3;      ///< of a frame's motion by the IMU alone
-    double position_floor_m = 2e-3;        ///< the same; 0.4 px at a depth of 2.5 m
+    double standing_bias_factor = 3;  ///< of the gyroscope bias's sigma, in the covariance of a camera that stands: 3.1
+                                      ///< sigmas off on a stabilised phone
+    double position_floor_m = 2e-3;   ///< the same; 0.4 px at a depth of 2.5 m
   };
 
   InertialOdometry(const Parameters& parameters, const Camera& camera);
