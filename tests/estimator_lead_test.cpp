@@ -76,6 +76,39 @@ TEST_CASE("a first sample that is no gravity does not tilt the walk for good") {
     }
 }
 
+TEST_CASE("what was moved before the first metric motion is in the first position") {
+  for (const double tilt_rad : {0.0, 0.2, -0.2})
+    for (const double start_s : {0.0, 4.0})  // standing, walking
+      for (const double silent_s : {0.6, 2.0}) {
+        WalkMeasurements what;
+        what.start_s = start_s;
+        what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02;
+        what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
+        what.first_tilt_rad = tilt_rad;
+        what.step_times = [](double) { return 0; };
+        what.change = [&](double t, odo_vo_motion& m) {
+          if (t > start_s + silent_s) return;
+          m.header.flags &= ~(ODO_VO_METRIC | ODO_VO_INERTIAL | ODO_VO_TRANSLATION);
+          m.state = ODO_DEGRADED, m.reason = ODO_REASON_INITIALISING, m.scale_group = 77;
+        };
+        EstimatorWalk walk(estimator_scenario(20), what, 3);
+        CouplingConfig config;
+        config.type = CouplingType::inertial;
+        InertialEstimator estimator(config, {}, {true, false});
+        std::optional<double> off_m;
+        walk.run(estimator, [&](double t, const odo_pose& pose) {
+          if ((pose.header.flags & ODO_POSE_METRIC) == 0 || off_m) return;
+          const Vector3d moved = walk.truth(t).p_n_c - walk.truth(start_s).p_n_c;
+          off_m = std::abs(Vector3d(pose.p_n).head<2>().norm() - moved.head<2>().norm());
+        });
+        CAPTURE(tilt_rad);
+        CAPTURE(start_s);
+        CAPTURE(silent_s);
+        REQUIRE(off_m);
+        CHECK(*off_m < 0.25);
+      }
+}
+
 TEST_CASE("a heading that went astray with the gyroscope's bias before the walk is known to, and mended") {
   for (const double rate_radps : {0.0, 0.01, -0.015})
     for (uint64_t seed = 1; seed <= 5; ++seed) {

@@ -95,6 +95,7 @@ class InertialEstimator : public Estimator {
   bool walks(int64_t t_ns) const;
   void use_metric_scale(const odo_vo_motion& motion);
   void begin_here(const odo_vo_motion& motion);
+  Eigen::Vector3d shift_since_start(const odo_vo_motion& motion, const inertial::PastPose& at) const;
   void use_window(const inertial::WindowScale& window);
   void try_scale_start(int64_t t_ns);
   void know_scale(double log_scale, double variance, double steps_share, int64_t t_ns);
@@ -169,6 +170,7 @@ class InertialEstimator : public Estimator {
   int steps_rejected_ = 0, fixes_rejected_ = 0, fixes_agreed_ = 0;
   int64_t led_since_ns_ = INT64_MIN, baro_ns_ = INT64_MIN;
   bool baro_started_ = false;
+  Eigen::Vector3d first_p_n_ = Eigen::Vector3d::Zero();  ///< of the body at the first frame
 
   std::optional<odo_pose> pose_, corrected_;
   std::optional<Correction> correction_;

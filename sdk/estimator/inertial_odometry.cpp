@@ -45,6 +45,7 @@ UpdateResult InertialEstimator::apply(const FrameTime& frame) {
     e_.clone(t_ns_);
     track_.begin_segment();
   }
+  first_p_n_ = e_.x.p_n;
   publish(frame.t_ns, ODO_DEGRADED, ODO_REASON_INITIALISING);
   return {true, 0.0, 0};
 }

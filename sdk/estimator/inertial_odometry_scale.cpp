@@ -119,17 +119,36 @@ void InertialEstimator::know_scale(double log_scale, double variance, double ste
   detach();  // the odometry's pose had no scale until now
 }
 
-/// Nobody was told a position until now, and nobody said where the start was: n is laid so that the position now is as
-/// supposed, and what is learnt later of the time before, as steps tell it, moves nothing.
+/// Nobody was told a position until now: n is laid so that the start is where it was supposed, and what is learnt later
+/// of the time before, as steps tell it, moves nothing.
 void InertialEstimator::begin_here(const odo_vo_motion& m) {
   const auto at = past(m.header.t_ns);
   if (!at) return;
   flush();
   const Vector3d v_n = at->q_n_b * q_b_c_ * Vector3d(m.velocity_c1);
-  e_.place(Vector3d::Zero(), Vector3d::Zero(), v_n, 0.0, squared(p_.vio_velocity_sigma_mps));
+  e_.place(shift_since_start(m, *at), Vector3d::Zero(), v_n, 0.0, squared(p_.vio_velocity_sigma_mps));
   e_.forget_clones();
   e_.clone(t_ns_);
   track_.begin_segment();
+}
+
+/// By how much the position is wrong for a velocity and an inclination that were guessed at the start: these are told
+/// now, and go back along what the IMU recorded, as far as the clones reach; before that nobody walked, since there was
+/// no step.
+Vector3d InertialEstimator::shift_since_start(const odo_vo_motion& m, const PastPose& at) const {
+  if (stepped_) return Vector3d::Zero();
+  const Vector3d stood_n = first_p_n_ - e_.x.p_n;
+  if (unaided()) return stood_n;
+  const Clone& from = e_.clone_back(e_.clone_count() - 1);
+  const double T = seconds(t_ns_ - from.t_ns);
+  const Eigen::Quaterniond q_n_c = at.q_n_b * q_b_c_;
+  const Eigen::Quaterniond level =
+      Eigen::Quaterniond::FromTwoVectors(q_n_c * Vector3d(m.gravity_c1), Vector3d::UnitZ());
+  const Vector3d g_n(0, 0, p_.gravity_mps2), v_n = level * (q_n_c * Vector3d(m.velocity_c1));
+  const Vector3d bias_n = level * (at.q_n_b * Vector3d(Vector3d(m.accel_bias_b) - e_.x.accel_bias_b));
+  // The true acceleration is level (a - g) + g - bias, a the recorded one: p(T) - p(0) = v T - int t a dt of both.
+  const Vector3d recorded_n = e_.x.p_n - from.p_n;
+  return stood_n + v_n * T - level * (e_.x.v_n * T - recorded_n) - 0.5 * T * T * (g_n - level * g_n - bias_n);
 }
 
 /// What the first group moved before its scale was known: position and velocity now follow from the start.

@@ -135,7 +135,7 @@ void InertialOdometry::try_start(int64_t t_ns) {
   integrate(before, filter_->state().t_ns, previous_ns_ + offset_ns, imu_, p_.filter.gravity_mps2);
   T_w_previous_ = camera_pose(before);
   told_.clear();
-  started_ns_ = filter_->state().t_ns;
+  moved_s_ = 0;
   refused_since_ns_ = INT64_MIN;
   tracked_ = accepted_ = static_cast<unsigned>(corners_.corners().corners.size());
 }
@@ -147,7 +147,9 @@ InertialMotion InertialOdometry::estimate(const Pending& frame) {
     integrate(nav, filter_->state().t_ns, frame.t_ns + offset_ns, imu_, p_.filter.gravity_mps2);
     return report(frame.t_ns, nav, false);
   }
+  const int64_t before_ns = filter_->state().t_ns;
   const FrameReport seen = filter_->process(seen_, imu_);
+  if (!seen.standing) moved_s_ += seconds(filter_->state().t_ns - before_ns);
   tracked_ = static_cast<unsigned>(corners_.followed());
   accepted_ = static_cast<unsigned>(seen.accepted);
   const bool refused = seen.tried >= kLeastTried && seen.accepted < p_.least_accepted * seen.tried;
@@ -247,11 +249,12 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
 }
 
 /// The frame before, as it is seen by now: the filter corrects where everything of the window is together, by what it
-/// learns of the way so far; that is no motion, but for the first seconds, whose metre is still being found: there the
-/// motion mends what was told. A clone may have been forgotten since, then the one before it holds the frame.
+/// learns of the way so far; that is no motion, but for the first seconds of moving, whose metre and bias are still
+/// being found: there the motion mends what was told. A clone may have been forgotten since, then the one before it
+/// holds the frame.
 Isometry3d InertialOdometry::previous_pose() const {
   const State& state = filter_->state();
-  if (seconds(state.t_ns - started_ns_) < p_.mended_s) return T_w_previous_;
+  if (moved_s_ < p_.mended_s) return T_w_previous_;
   for (const Told& told : told_) {
     const size_t i = state.find_clone(told.clone);
     if (i < state.clones.size()) return vo::isometry(state.clones[i].q_w_c, state.clones[i].p_w) * told.T_clone_c;

@@ -35,7 +35,7 @@ class InertialOdometry {
     double least_interval_s = 0.045;  ///< frames that come faster are followed, not estimated
     double lost_sigma_mps = 1.0;      ///< of the velocity: the filter is lost
     double degraded_sigma_mps = 0.3;
-    double mended_s = 6;         ///< after the start what was told of the way is mended by the motions that follow
+    double mended_s = 6;         ///< of moving: what was told of the way is mended by the motions that follow
     double most_speed_mps = 15;  ///< of what a phone in a hand does
     double most_accel_bias_mps2 = 1.5;
     double most_camera_pull = 100;  ///< Filter::camera_pull: the filter is wrong, not the camera
@@ -102,7 +102,8 @@ class InertialOdometry {
   Eigen::Isometry3d T_w_previous_ = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_visual_ = Eigen::Isometry3d::Identity();  // chained from the visual motions of a group
   int64_t previous_ns_ = INT64_MIN, estimated_ns_ = INT64_MIN, tried_ns_ = INT64_MIN, refused_since_ns_ = INT64_MIN;
-  int64_t accel_ns_ = INT64_MIN, started_ns_ = INT64_MIN;
+  int64_t accel_ns_ = INT64_MIN;
+  double moved_s_ = 0;  ///< since the start, without standing
   unsigned group_ = 0, visual_group_ = 0;
   unsigned tracked_ = 0, accepted_ = 0;
 };
