@@ -50,6 +50,7 @@ void InertialEstimator::reset() {
   t_ns_ = first_imu_ns_ = first_frame_ns_ = rested_ns_ = attitude_ns_ = informed_ns_ = reminded_ns_ = stood_ns_ =
       step_ns_ = fixed_ns_ = led_since_ns_ = baro_ns_ = last_pose_ns_ = INT64_MIN;
   last_imu_.reset();
+  rewind_.clear();
   transition_.clear();
   inertial_front_end_ = false;
   quiet_ = {};
@@ -142,6 +143,7 @@ void InertialEstimator::propagate(const odo_imu& imu) {
 
 void InertialEstimator::integrate(const Vector3d& gyro_b, const Vector3d& accel_b, int64_t to_ns) {
   const double dt_s = seconds(to_ns - t_ns_);
+  rewind_.add(gyro_b, accel_b, dt_s);
   const Vector3d rotation = (gyro_b - e_.x.gyro_bias_b) * dt_s;
   const Matrix3d R_middle = (e_.x.q_n_b * exp_rotation(0.5 * rotation)).toRotationMatrix();
   // Where nothing but steps knows the velocity, the accelerometer would only carry it away.
@@ -162,6 +164,7 @@ void InertialEstimator::integrate(const Vector3d& gyro_b, const Vector3d& accel_
 void InertialEstimator::coast(int64_t to_ns) {
   flush();
   window_.restart();
+  rewind_.clear();
   while (t_ns_ < to_ns) {
     const int64_t next = std::min(to_ns, t_ns_ + static_cast<int64_t>(1e9 * kLongestTransition_s));
     transition_.s = seconds(next - t_ns_);

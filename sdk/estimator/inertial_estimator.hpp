@@ -9,6 +9,7 @@
 #include "sdk/core/pose_history.hpp"
 #include "sdk/estimator/error_state.hpp"
 #include "sdk/estimator/estimator.hpp"
+#include "sdk/estimator/imu_rewind.hpp"
 #include "sdk/estimator/inertial_parameters.hpp"
 #include "sdk/estimator/pose_track.hpp"
 #include "sdk/estimator/scale_start.hpp"
@@ -123,6 +124,7 @@ class InertialEstimator : public Estimator {
   EstimatorInputs inputs_;
   inertial::ErrorState e_;
   inertial::PoseTrack track_;
+  inertial::ImuRewind rewind_;
   PoseHistory history_;
 
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);

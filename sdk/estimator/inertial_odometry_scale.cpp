@@ -133,22 +133,16 @@ void InertialEstimator::begin_here(const odo_vo_motion& m) {
 }
 
 /// By how much the position is wrong for a velocity and an inclination that were guessed at the start: these are told
-/// now, and go back along what the IMU recorded, as far as the clones reach; before that nobody walked, since there was
-/// no step.
+/// now, and go back along what the IMU measured. Before that nobody walked, since there was no step.
 Vector3d InertialEstimator::shift_since_start(const odo_vo_motion& m, const PastPose& at) const {
   if (stepped_) return Vector3d::Zero();
-  const Vector3d stood_n = first_p_n_ - e_.x.p_n;
-  if (unaided()) return stood_n;
-  const Clone& from = e_.clone_back(e_.clone_count() - 1);
-  const double T = seconds(t_ns_ - from.t_ns);
   const Eigen::Quaterniond q_n_c = at.q_n_b * q_b_c_;
   const Eigen::Quaterniond level =
       Eigen::Quaterniond::FromTwoVectors(q_n_c * Vector3d(m.gravity_c1), Vector3d::UnitZ());
-  const Vector3d g_n(0, 0, p_.gravity_mps2), v_n = level * (q_n_c * Vector3d(m.velocity_c1));
-  const Vector3d bias_n = level * (at.q_n_b * Vector3d(Vector3d(m.accel_bias_b) - e_.x.accel_bias_b));
-  // The true acceleration is level (a - g) + g - bias, a the recorded one: p(T) - p(0) = v T - int t a dt of both.
-  const Vector3d recorded_n = e_.x.p_n - from.p_n;
-  return stood_n + v_n * T - level * (e_.x.v_n * T - recorded_n) - 0.5 * T * T * (g_n - level * g_n - bias_n);
+  const ImuRewind::Known now{(level * e_.x.q_n_b).normalized(), level * (q_n_c * Vector3d(m.velocity_c1)),
+                             Vector3d(m.gyro_bias_b), Vector3d(m.accel_bias_b), p_.gravity_mps2};
+  const double since_s = seconds(t_ns_ - first_frame_ns_);
+  return first_p_n_ + rewind_.moved(now, std::min(since_s, p_.rewind_s)) - e_.x.p_n;
 }
 
 /// What the first group moved before its scale was known: position and velocity now follow from the start.

@@ -24,6 +24,8 @@ struct Parameters {
   double start_tilt_sigma_rad = 0.03;    ///< rad, without an attitude source
   double start_heading_sigma_rad = 0.2;  ///< rad, against north, without a compass; for fixes alone
   double settled_velocity_mps = 0.3;     ///< m/s of sigma, below which fixes may turn the heading
+  double rewind_s = 1.5;                 ///< s before the first metric motion that inertia tells: an inclination of
+                                         ///< 5 mrad is 6 cm then; front-ends start in 1.2 s (odograph bench vo)
   double uninformed_sigma_m = 100;       ///< m: of what the first fix does not say, and of the barometer at first
 
   // Visual odometry: the error of a position against the map, correlated over a time, and the map's drift.
