@@ -56,14 +56,18 @@ Result<fs::path> config_of(const Walk700Arguments& a, const std::string& config,
   return file;
 }
 
-/// Known objects are surveyed in n: a track that is put in place by them is not laid over the start.
-Result<bool> knows_objects(const RunOptions& options) {
+/// What a track is laid by. Known objects are surveyed in n: one that is put in place by them is not laid over the
+/// start. Without a camera the heading of a pose is not the way's: the path alone tells that.
+enum class Start { surveyed, by_pose, by_path };
+Result<Start> start_of(const RunOptions& options) {
   const auto text = text_of(options.config);
   if (!text) return text.failure();
   const auto config = read_pipeline_config(*text, options.config, plugin_directories({}));
   if (!config) return config.failure();
-  return std::any_of(config->fixers.begin(), config->fixers.end(),
-                     [](const auto& fixer) { return fixer.manifest.id.starts_with("fix/known_object"); });
+  if (std::any_of(config->fixers.begin(), config->fixers.end(),
+                  [](const auto& fixer) { return fixer.manifest.id.starts_with("fix/known_object"); }))
+    return Start::surveyed;
+  return config->vo_frontends.empty() ? Start::by_path : Start::by_pose;
 }
 
 Errors errors_of(const Trajectory& track, const Trajectory& truth, const std::array<int64_t, 3>& scored_ns) {
@@ -91,8 +95,8 @@ Result<Walk700Row> run(const Walk700Arguments& a, const std::string& config, con
   options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
   const auto result = replay(*recording, options);
   if (!result) return result.failure();
-  const auto surveyed = knows_objects(options);
-  if (!surveyed) return surveyed.failure();
+  const auto start = start_of(options);
+  if (!start) return start.failure();
   const auto walked_until = [&](int64_t t) {
     double sum = 0;
     for (const odo_step& step : recording->true_steps) sum += step.t_end_ns <= t ? step.length_m : 0.0;
@@ -114,8 +118,10 @@ Result<Walk700Row> run(const Walk700Arguments& a, const std::string& config, con
   }
   const Trajectory& truth = recording->truth;
   constexpr double kStart_m = 12;
-  row.by_pose = errors_of(*surveyed ? result->track : started_by_pose(truth, result->track, kStart_m), truth, scored);
-  row.by_path = errors_of(*surveyed ? result->track : started(truth, result->track, kStart_m), truth, scored);
+  const Trajectory by_path = *start == Start::surveyed ? result->track : started(truth, result->track, kStart_m);
+  row.by_path = errors_of(by_path, truth, scored);
+  row.by_pose = *start == Start::by_pose ? errors_of(started_by_pose(truth, result->track, kStart_m), truth, scored)
+                                         : row.by_path;
   return row;
 }
 
@@ -158,7 +164,7 @@ void print(const Walk700Arguments& a, const Table& table) {
     std::printf("%c: %s\n", static_cast<char>('a' + c), a.configs[c].c_str());
   std::printf(
       "%llu seed%s (each another individual, town and noise), median. Start by a fix of position and heading "
-      "after 12 m;\nbelow it, by the path of the first 12 m.\n\n",
+      "after 12 m (without a\ncamera by the path); below it, by the path of the first 12 m.\n\n",
       static_cast<unsigned long long>(a.seeds), a.seeds == 1 ? "" : "s");
   std::printf("%-28s", "");
   for (const char* walker : kWalkers) std::printf("  %-*s", static_cast<int>(20 * a.configs.size()), walker);
