@@ -164,7 +164,7 @@ int loads(long times, const std::string& plugins) {
     choice.interface_id = manifest->interfaces.front();
     for (const Spec& spec : manifest->parameters) choice.parameters.emplace_back(spec, default_value(spec));
     const auto cycle = [&] {
-      auto made = PluginInstance::make(choice, false, 1, host);
+      auto made = PluginInstance::make(choice, LibraryCheck::none, 1, host);
       if (!made) return std::printf("%s\n", made.failure().text.c_str()), false;
       for (int k = 0; k < 10; ++k) (*made)->process(walking(kSecond_ns + k * kSecond_ns / 100).header);
       return true;

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <map>
@@ -24,15 +25,6 @@ namespace fs = std::filesystem;
 TEST_SUITE_BEGIN("isolation");
 
 namespace {
-
-// Address and thread sanitizers reserve terabytes: the sandbox sets no limit of memory then.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kMemoryLimited = false;
-#elif defined(__has_feature)
-constexpr bool kMemoryLimited = !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer);
-#else
-constexpr bool kMemoryLimited = true;
-#endif
 
 const fs::path kZoo = fs::path(ODOGRAPH_BUILD) / "tests/zoo";
 
@@ -193,7 +185,7 @@ struct Isolated {
     const auto config = read_pipeline_config("odograph: 1\n" + yaml, "<text>", {plugin_folder(), plugins});
     REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
     const auto& choices = config->attitudes.empty() ? config->vo_frontends : config->attitudes;
-    auto made = PluginInstance::make(choices.front(), true, 1, host);
+    auto made = PluginInstance::make(choices.front(), LibraryCheck::sealed, 1, host);
     REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
     plugin = std::move(*made);
   }
@@ -330,13 +322,48 @@ TEST_CASE("a plugin that is swapped with its manifest while it runs is not start
   choice.interface_id = ODO_INTERFACE_ATTITUDE;
   choice.isolation.kind = Isolation::Kind::process;
   for (const Spec& spec : choice.manifest.parameters) choice.parameters.emplace_back(spec, default_value(spec));
-  CHECK(PluginInstance::make(choice, true, 1, host).ok());
+  CHECK(PluginInstance::make(choice, LibraryCheck::sealed, 1, host).ok());
   fs::remove(folder / "one.so");
   fs::copy_file(plugin_folder() / "attitude_magyq.so", folder / "one.so");
   REQUIRE(write_manifest_beside(folder / "one.so").ok());
-  const auto again = PluginInstance::make(choice, true, 1, host);
+  const auto again = PluginInstance::make(choice, LibraryCheck::sealed, 1, host);
   REQUIRE_FALSE(again.ok());
   CHECK(again.failure().text.find("its hash differs from the manifest's") != std::string::npos);
+}
+
+TEST_CASE("a library that changes all the time, allowed by its hash, runs as it was hashed or is refused") {
+  const fs::path hostile = fs::path(ODOGRAPH_BUILD) / "tests/hostile";
+  const TemporaryFolder folder;
+  const fs::path library = folder / "one.so";
+  fs::copy_file(hostile / "good.so", library);
+  REQUIRE(write_manifest_beside(library).ok());
+  HostServices host(0, {}, nullptr);
+  PluginChoice choice;
+  choice.manifest = *read_manifest(folder / "one.odoplugin.json");
+  choice.interface_id = ODO_INTERFACE_SCALE_SOURCE;
+  choice.isolation.kind = Isolation::Kind::process;
+  std::atomic<bool> ends{false};
+  std::thread swapping([&] {
+    const fs::path aside = folder / "aside.so";
+    for (int i = 0; !ends; ++i) {
+      fs::copy_file(hostile / (i % 2 ? "good.so" : "refuses.so"), aside, fs::copy_options::overwrite_existing);
+      fs::rename(aside, library);
+    }
+  });
+  int ran = 0, refused = 0;
+  for (int i = 0; i < 100; ++i) {
+    const auto made = PluginInstance::make(choice, LibraryCheck::sealed, 1, host);
+    const std::string why = made ? "" : made.failure().text;
+    ran += made.ok();
+    const bool differs = why.find("its hash differs") != std::string::npos;
+    refused += differs;
+    CHECK_MESSAGE((made.ok() || differs), why);  // "it refused to start" would be of what was not hashed
+  }
+  ends = true;
+  swapping.join();
+  MESSAGE(ran << " ran, " << refused << " refused");
+  CHECK(ran > 0);
+  CHECK(refused > 0);
 }
 
 TEST_CASE("events from a thread of the plugin's own are refused and told") {

@@ -145,7 +145,7 @@ int check(const Manifest& manifest, const std::vector<AnyMessage>& messages) {
   choice.manifest = manifest;
   choice.interface_id = manifest.interfaces.front();
   for (const Spec& spec : manifest.parameters) choice.parameters.emplace_back(spec, default_value(spec));
-  const auto loaded = LibraryBackend::load(choice, false, host, sink);
+  const auto loaded = LibraryBackend::load(choice, LibraryCheck::none, host, sink);
   if (!loaded) return std::printf("FAILED: %s\n", loaded.failure().text.c_str()), 1;
   LibraryBackend& backend = const_cast<LibraryBackend&>(**loaded);
   size_t told = 0;

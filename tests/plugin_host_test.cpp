@@ -79,7 +79,7 @@ TEST_CASE("smaller and larger tables work") {
   HostServices host(0, {"."}, nullptr);
   for (const char* name : {"good", "table_smaller", "table_larger"}) {
     CAPTURE(name);
-    auto made = PluginInstance::make(choice_of(name), false, 1, host);
+    auto made = PluginInstance::make(choice_of(name), LibraryCheck::none, 1, host);
     REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
     CHECK((*made)->process(motion(5).header).empty());
     (*made)->reset();  // where the table has none, the instance is made anew
@@ -92,7 +92,7 @@ TEST_CASE("an instance that cannot be made is a named failure, also when its con
   HostServices host(0, {"."}, [&](const Report& report) { reported += report.origin + ": " + report.text; });
   for (const char* name : {"create_throws", "create_fails", "create_null"}) {
     CAPTURE(name);
-    const auto made = PluginInstance::make(choice_of(name), false, 1, host);
+    const auto made = PluginInstance::make(choice_of(name), LibraryCheck::none, 1, host);
     REQUIRE_FALSE(made.ok());
     CHECK(contains(made.failure().text, std::string(name) + ".so"));
     CHECK(contains(made.failure().text, "could not be created"));
@@ -102,7 +102,7 @@ TEST_CASE("an instance that cannot be made is a named failure, also when its con
 
 TEST_CASE("bad events do not get through, and do no harm") {
   HostServices host(0, {"."}, nullptr);
-  auto made = PluginInstance::make(choice_of("bad_events"), false, 1, host);
+  auto made = PluginInstance::make(choice_of("bad_events"), LibraryCheck::none, 1, host);
   REQUIRE(made.ok());
   const auto events = (*made)->process(motion(5).header);
   CHECK(events.size() == EventBuffer::kCapacity);  // the good ones, up to the quota
@@ -112,13 +112,13 @@ TEST_CASE("bad events do not get through, and do no harm") {
 
 TEST_CASE("a plugin that keeps failing is reset, then left out; a fatal one at once") {
   HostServices host(0, {"."}, nullptr);
-  auto failing = PluginInstance::make(choice_of("fails_always"), false, 1, host);
+  auto failing = PluginInstance::make(choice_of("fails_always"), LibraryCheck::none, 1, host);
   REQUIRE(failing.ok());
   for (int i = 0; i < 4; ++i) (*failing)->process(motion(5 + i).header);
   CHECK((*failing)->alive());
   (*failing)->process(motion(20).header);
   CHECK_FALSE((*failing)->alive());
-  auto fatal = PluginInstance::make(choice_of("fatal"), false, 1, host);
+  auto fatal = PluginInstance::make(choice_of("fatal"), LibraryCheck::none, 1, host);
   REQUIRE(fatal.ok());
   (*fatal)->process(motion(5).header);
   CHECK_FALSE((*fatal)->alive());
@@ -136,7 +136,7 @@ TEST_CASE("manifests: two plugins with one id, a changed library, a lying manife
     PluginRegistry registry({folder.path()});
     const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
     REQUIRE(found.ok());
-    CHECK(PluginLibrary::load(**found, true, &host).ok());
+    CHECK(PluginLibrary::load(**found, LibraryCheck::hash, &host).ok());
     CHECK_FALSE(registry.find("test/hostile", "odo.attitude/draft2", ".", {}).ok());
     CHECK(contains(registry.find("test/hostil", ODO_INTERFACE_SCALE_SOURCE, ".", {}).failure().text,
                    "nearest: 'test/hostile'"));
@@ -155,15 +155,16 @@ TEST_CASE("manifests: two plugins with one id, a changed library, a lying manife
   auto read = read_manifest(manifest);
   REQUIRE(read.ok());
   read->id = "test/other";
-  CHECK(contains(PluginLibrary::load(*read, true, &host).failure().text, "the manifest says 'test/other'"));
-  read->abi_major = 3;
   CHECK(
-      contains(PluginLibrary::load(*read, true, &host).failure().text, "it speaks ABI 3.2, this host speaks major 0"));
+      contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "the manifest says 'test/other'"));
+  read->abi_major = 3;
+  CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text,
+                 "it speaks ABI 3.2, this host speaks major 0"));
   read->abi_major = ODO_ABI_MAJOR;
   read->sha256[0] = read->sha256[0] == '0' ? '1' : '0';
-  CHECK(contains(PluginLibrary::load(*read, true, &host).failure().text, "hash differs"));
+  CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "hash differs"));
   fs::remove(folder / "one.so");
-  CHECK(contains(PluginLibrary::load(*read, true, &host).failure().text, "cannot be opened"));
+  CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "cannot be opened"));
   write_text(folder / "broken.odoplugin.json", "{\"odoplugin\": 1, \"id\": 7");
   const PluginRegistry registry({folder.path()});
   REQUIRE(registry.problems().size() == 1);
@@ -179,7 +180,7 @@ TEST_CASE("a manifest is what the library says of itself") {
     path.replace_extension();
     const auto manifest = read_manifest(path.string() + ".odoplugin.json");
     REQUIRE(manifest.ok());
-    const auto library = PluginLibrary::load(*manifest, true, &host);
+    const auto library = PluginLibrary::load(*manifest, LibraryCheck::hash, &host);
     REQUIRE(library.ok());
     const auto specs = parameter_specs((*library)->table());
     REQUIRE(specs.ok());

@@ -4,12 +4,16 @@
 // is there.
 #include <doctest/doctest.h>
 
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <odograph/scale_source.h>
 
+#include "sdk/config/pipeline_config.hpp"
 #include "sdk/plugin_host/library.hpp"
 #include "sdk/plugin_host/registry.hpp"
+#include "sdk/plugin_host/sealed_copy.hpp"
 #include "sdk/plugin_host/services.hpp"
 #include "sdk/plugin_host/signature.hpp"
 #include "sdk/validator/write_manifest.hpp"
@@ -40,6 +44,15 @@ std::string bytes_of_hex(const std::string& hex) {
   std::string bytes;
   for (size_t i = 0; i + 1 < hex.size(); i += 2) bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
   return bytes;
+}
+
+/// A library with a manifest, alone in its folder, whose bytes are no other file's: `mark` is appended.
+Manifest put_library(const TemporaryFolder& folder, const std::string& name, const std::string& mark) {
+  write_text(folder / "one.so", read_text(hostile(name)) + mark);
+  REQUIRE(write_manifest_beside(folder / "one.so").ok());
+  auto manifest = read_manifest(folder / "one.odoplugin.json");
+  REQUIRE(manifest.ok());
+  return *manifest;
 }
 
 void put_signed(const TemporaryFolder& folder) {
@@ -132,6 +145,72 @@ TEST_CASE("a signature is of the manifest as it was read, whatever its file hold
   CHECK(contains(verify_signature(*manifest, {std::string(64, 'g')}).failure().text, "expected a public key"));
 }
 
+#if defined(__linux__)
+TEST_CASE("what is allowed by its hash is opened as it was hashed, whatever its file holds by then") {
+  const TemporaryFolder folder, other;
+  const HostServices host(0, {"."}, nullptr);
+  const Manifest manifest = put_library(folder, "good", "sealed 1"), second = put_library(other, "good", "sealed 2");
+  const auto copy = sealed_copy(manifest);
+  REQUIRE_MESSAGE(copy.ok(), copy.failure().text);
+  write_text(folder / "one.so", read_text(hostile("refuses")));  // the same file, other bytes
+  CHECK(PluginLibrary::load(manifest, LibraryCheck::sealed, &host).ok());
+  CHECK(contains(PluginLibrary::load(manifest, LibraryCheck::hash, &host).failure().text, "hash differs"));
+  CHECK(contains(PluginLibrary::load(manifest, LibraryCheck::none, &host).failure().text, "refused to start"));
+  CHECK(read_text(*copy) == read_text(hostile("good")) + "sealed 1");
+  const int fd = open(copy->c_str(), O_RDWR);
+  CHECK((fd < 0 || write(fd, "x", 1) < 0));
+  CHECK((fd < 0 || ftruncate(fd, 0) < 0));
+  if (fd >= 0) close(fd);
+  // Of one hash there is one library, of another one another.
+  const auto first = PluginLibrary::load(manifest, LibraryCheck::sealed, &host);
+  const auto again = PluginLibrary::load(manifest, LibraryCheck::sealed, &host);
+  const auto apart = PluginLibrary::load(second, LibraryCheck::sealed, &host);
+  REQUIRE((first.ok() && again.ok() && apart.ok()));
+  CHECK((*first)->path() == manifest.library);
+  CHECK(((*first)->table().process == (*again)->table().process));
+  CHECK(((*first)->table().process != (*apart)->table().process));
+}
+
+TEST_CASE("a library that is not what its manifest says is not sealed, and is named by its own path") {
+  const TemporaryFolder folder;
+  const Manifest manifest = put_library(folder, "good", "unsealed");
+  const auto refusal = [&] { return sealed_copy(manifest).failure().text; };
+  write_text(folder / "one.so", read_text(hostile("refuses")));
+  CHECK(contains(refusal(), "one.so: its hash differs from the manifest's"));
+  write_text(folder / "one.so", read_text(hostile("good")).substr(0, 5000));
+  CHECK(contains(refusal(), "one.so: truncated"));
+  write_text(folder / "one.so", "");
+  CHECK(contains(refusal(), "one.so: not an ELF file"));
+  fs::remove(folder / "one.so");
+  CHECK(contains(refusal(), "one.so: cannot be opened"));
+}
+
+TEST_CASE("a library that finds another one beside itself has no sealed copy, and that is said") {
+  const TemporaryFolder folder;
+  fs::copy_file(hostile("neighbour"), folder / "neighbour.so");
+  const Manifest manifest = put_library(folder, "needs_neighbour", "");
+  const HostServices host(0, {"."}, nullptr);
+  CHECK(contains(PluginLibrary::load(manifest, LibraryCheck::sealed, &host).failure().text,
+                 "of a sealed copy, for which $ORIGIN is not its folder"));
+  CHECK(PluginLibrary::load(manifest, LibraryCheck::hash, &host).ok());
+}
+#endif
+
+TEST_CASE("a config with hashes or signers asks for sealed copies, others for the hash or for nothing") {
+  const auto check = [](const std::string& plugins) {
+    const auto config =
+        read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf}\n" + plugins, "test", {plugin_folder()});
+    REQUIRE_MESSAGE(config.ok(), config.failure().text);
+    return config->library_check;
+  };
+  const std::string hash = *sha256_of(plugin_folder() / "attitude_vqf.so");
+  CHECK(check("") == LibraryCheck::hash);
+  CHECK(check("plugins: {verify_hash: false}\n") == LibraryCheck::none);
+  CHECK(check("plugins: {allow: [attitude/vqf]}\n") == LibraryCheck::hash);
+  CHECK(check("plugins: {allow: [" + hash + "]}\n") == LibraryCheck::sealed);
+  CHECK(check("plugins: {verify_hash: false, allow: [" + hash + "]}\n") == LibraryCheck::sealed);
+}
+
 TEST_CASE("pipes and folders in the place of library and signature are refused at once") {
   const TemporaryFolder folder;
   put_signed(folder);
@@ -150,7 +229,8 @@ TEST_CASE("pipes and folders in the place of library and signature are refused a
       CAPTURE(path.string());
       CAPTURE(pipe);
       CHECK_FALSE(verify_signature(*manifest, {kSigner}).ok());
-      CHECK_FALSE(PluginLibrary::load(*manifest, true, &host).ok());
+      CHECK_FALSE(PluginLibrary::load(*manifest, LibraryCheck::hash, &host).ok());
+      CHECK_FALSE(PluginLibrary::load(*manifest, LibraryCheck::sealed, &host).ok());
       CHECK_FALSE(PluginLibrary::load(path, &host).ok());
       fs::remove(path);
     }

@@ -166,7 +166,7 @@ std::vector<LateFix> fixes_of(const std::filesystem::path& folder, const Vector3
       "0.6}\n",
       "<text>", {plugin_folder()});
   REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
-  auto made = PluginInstance::make(config->fixers.front(), true, 1, host);
+  auto made = PluginInstance::make(config->fixers.front(), LibraryCheck::hash, 1, host);
   REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
   PluginInstance& plugin = **made;
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);

@@ -12,6 +12,15 @@
 
 namespace odograph {
 
+// Address and thread sanitizers reserve terabytes: the sandbox sets no limit of memory then.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kMemoryLimited = false;
+#elif defined(__has_feature)
+inline constexpr bool kMemoryLimited = !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer);
+#else
+inline constexpr bool kMemoryLimited = true;
+#endif
+
 /// The tests' own plugins with manifests, in a folder of their own.
 class TestPlugins {
  public:

@@ -42,7 +42,7 @@ class Skylines {
     auto config = read_pipeline_config(text, "fix/skyline", {});
     if (!config) return config.failure();
     std::unique_ptr<Skylines> made(new Skylines(fs::absolute(file).parent_path()));
-    auto plugin = PluginInstance::make(config->fixers.front(), config->verify_hash, 1, made->host_);
+    auto plugin = PluginInstance::make(config->fixers.front(), config->library_check, 1, made->host_);
     if (!plugin) return Failure{ODO_E_DATA, made->said_.empty() ? file + ": " + plugin.failure().text : made->said_};
     made->plugin_ = std::move(*plugin);
     made->table_ = static_cast<const odo_skylines*>(made->plugin_->extension(ODO_EXTENSION_SKYLINES));

@@ -76,7 +76,7 @@ Result<std::unique_ptr<Fixer>> Fixer::make(const std::vector<Target>& targets, u
   if (!config) return config.failure();
   fixer->host_ =
       std::make_unique<HostServices>(seed, std::vector<fs::path>{fixer->folder_.path()}, [](const Report&) {});
-  auto instance = PluginInstance::make(config->fixers.at(0), false, 1, *fixer->host_);
+  auto instance = PluginInstance::make(config->fixers.at(0), LibraryCheck::none, 1, *fixer->host_);
   if (!instance) return instance.failure();
   fixer->instance_ = std::move(*instance);
   return fixer;

@@ -78,7 +78,9 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   config.text = text;
   // What is allowed by its hash must have it, and a signed manifest says which library it is for.
   const bool by_hash = std::any_of(allow.begin(), allow.end(), is_sha256) || !signers.empty();
-  config.verify_hash = v["plugins"]["verify_hash"].boolean || by_hash;
+  config.library_check = by_hash                               ? LibraryCheck::sealed
+                         : v["plugins"]["verify_hash"].boolean ? LibraryCheck::hash
+                                                               : LibraryCheck::none;
   const Value& origin = v["navigation"]["origin"];
   if (origin.given) config.origin = {origin["latitude"].real, origin["longitude"].real, origin["height"].real};
   const Value& start = v["navigation"]["start"];

@@ -73,7 +73,7 @@ struct ReplayConfig {
 struct PipelineConfig {
   std::string name;  // for messages: the file's path, or "<text>"
   std::string text;  // as read, so that a run can be repeated
-  bool verify_hash = true;
+  LibraryCheck library_check = LibraryCheck::hash;
   std::optional<std::array<double, 3>> origin;  // latitude rad, longitude rad, height m
   StartPose start;
   std::optional<odo_calibration> camera;  // its mount and time offset only where their flags are set

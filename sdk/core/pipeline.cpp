@@ -300,7 +300,7 @@ Result<std::unique_ptr<Pipeline>> Pipeline::make(const PipelineConfig& config, c
   for (const auto& [choices, kind] : kinds)
     for (const PluginChoice& choice : *choices) {
       const auto number = static_cast<uint32_t>(plugins.size() + 1);
-      auto made = PluginInstance::make(choice, config.verify_hash, number, surroundings.host);
+      auto made = PluginInstance::make(choice, config.library_check, number, surroundings.host);
       if (!made) return made.failure();
       kind->push_back(plugins.emplace_back(std::move(*made)).get());
     }

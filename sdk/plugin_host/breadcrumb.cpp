@@ -143,6 +143,11 @@ size_t current_plugin_call(char* text, size_t capacity) noexcept {
   return slot < 0 ? 0 : describe(crumbs[slot], text, capacity);
 }
 
+void abort_for_ended_thread() noexcept {
+  say_culprit("pthread_exit() on the host's thread was called in plugin ");
+  std::abort();
+}
+
 void for_each_long_call(int64_t longer_than_ns, const std::function<void(const LongCall&)>& tell) {
   const int64_t now = coarse_now_ns();
   for (const Crumb& crumb : crumbs) {

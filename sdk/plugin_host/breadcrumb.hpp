@@ -27,6 +27,10 @@ class Breadcrumb {
 /// Async-signal-safe. Returns the bytes written, without a terminator; 0 where no plugin is being called.
 size_t current_plugin_call(char* text, size_t capacity) noexcept;
 
+/// For a plugin that ends the thread of its caller (pthread_exit), which is not its own: names it on standard error and
+/// aborts. Without it the C++ runtime would say "terminate called without an active exception".
+[[noreturn]] void abort_for_ended_thread() noexcept;
+
 /// A plugin's call that has not come back, as "attitude/vqf in process".
 struct LongCall {
   std::string what;

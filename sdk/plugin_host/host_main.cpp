@@ -188,7 +188,7 @@ class Server {
     sink_.struct_size = sizeof(odo_sink);
     sink_.instance = request.get<uint32_t>();
     sink_.emit = RemoteSink::take;
-    const bool verify = request.get<uint32_t>() != 0;
+    const auto check = static_cast<LibraryCheck>(request.get<uint32_t>());
     const auto seed = request.get<uint64_t>(), memory_bytes = request.get<uint64_t>();
     std::vector<std::filesystem::path> assets(std::min<uint32_t>(request.get<uint32_t>(), 1024));
     for (auto& folder : assets) folder = request.get_text();
@@ -200,7 +200,7 @@ class Server {
       take_values(request);
       enter_sandbox(memory_bytes + wire::kPixelBytes + sizeof(wire::Control));
       std::thread(end_with_host).detach();
-      auto loaded = LibraryBackend::load(choice_, verify, *services_, sink_);
+      auto loaded = LibraryBackend::load(choice_, check, *services_, sink_);
       if (loaded)
         backend_ = std::move(*loaded);
       else

@@ -22,16 +22,16 @@ namespace odograph {
 namespace {
 
 /// The backend that a choice wishes for.
-Result<std::unique_ptr<PluginBackend>> open_backend(const PluginChoice& choice, bool verify_hash, HostServices& host,
+Result<std::unique_ptr<PluginBackend>> open_backend(const PluginChoice& choice, LibraryCheck check, HostServices& host,
                                                     const odo_sink& sink) {
   const auto general = [](auto made) -> Result<std::unique_ptr<PluginBackend>> {
     if (!made) return made.failure();
     return std::unique_ptr<PluginBackend>(std::move(*made));
   };
   switch (choice.isolation.kind) {
-    case Isolation::Kind::process: return general(ProcessBackend::load(choice, verify_hash, host, sink));
-    case Isolation::Kind::thread: return general(ThreadBackend::load(choice, verify_hash, host, sink));
-    default: return general(LibraryBackend::load(choice, verify_hash, host, sink));
+    case Isolation::Kind::process: return general(ProcessBackend::load(choice, check, host, sink));
+    case Isolation::Kind::thread: return general(ThreadBackend::load(choice, check, host, sink));
+    default: return general(LibraryBackend::load(choice, check, host, sink));
   }
 }
 
@@ -94,8 +94,8 @@ KindTypes plugin_types(const std::string& id, const odo_plugin& table) {
   return types;
 }
 
-PluginInstance::PluginInstance(const PluginChoice& choice, bool verify_hash, HostServices& host, uint32_t number)
-    : choice_(std::make_shared<PluginChoice>(choice)), verify_hash_(verify_hash), host_(host), number_(number) {
+PluginInstance::PluginInstance(const PluginChoice& choice, LibraryCheck check, HostServices& host, uint32_t number)
+    : choice_(std::make_shared<PluginChoice>(choice)), check_(check), host_(host), number_(number) {
   sink_.struct_size = sizeof(odo_sink);
   sink_.instance = number;
   sink_.emit = emit;
@@ -104,9 +104,9 @@ PluginInstance::PluginInstance(const PluginChoice& choice, bool verify_hash, Hos
 
 PluginInstance::~PluginInstance() = default;
 
-Result<std::unique_ptr<PluginInstance>> PluginInstance::make(const PluginChoice& choice, bool verify_hash,
+Result<std::unique_ptr<PluginInstance>> PluginInstance::make(const PluginChoice& choice, LibraryCheck check,
                                                              uint32_t number, HostServices& host) {
-  std::unique_ptr<PluginInstance> made(new PluginInstance(choice, verify_hash, host, number));
+  std::unique_ptr<PluginInstance> made(new PluginInstance(choice, check, host, number));
   auto opened = made->open();
   if (!opened && made->choice_->fallback) {
     host.report(number, ODO_SEVERITY_ERROR, "given_up", opened.failure().text, opened.failure().status);
@@ -122,7 +122,7 @@ Result<std::unique_ptr<PluginInstance>> PluginInstance::make(const PluginChoice&
 Result<bool> PluginInstance::open() {
   host_.name_instance(number_, id());
   learn_types();
-  auto opened = open_backend(*choice_, verify_hash_, host_, sink_);
+  auto opened = open_backend(*choice_, check_, host_, sink_);
   started_ns_ = now_ns_;
   if (!opened) {
     if (!isolated() || opened.failure().status != ODO_E_FATAL) return opened.failure();

@@ -49,7 +49,7 @@ class PluginInstance {
 
   /// Creates, configures and activates. The failure names the plugin, the step and what the plugin reported. A plugin
   /// whose own process ends meanwhile is no failure: it is started anew like later.
-  static Result<std::unique_ptr<PluginInstance>> make(const PluginChoice& choice, bool verify_hash, uint32_t number,
+  static Result<std::unique_ptr<PluginInstance>> make(const PluginChoice& choice, LibraryCheck check, uint32_t number,
                                                       HostServices& host);
   ~PluginInstance();
   PluginInstance(const PluginInstance&) = delete;
@@ -91,7 +91,7 @@ class PluginInstance {
     PluginInstance* owner;
   };
 
-  PluginInstance(const PluginChoice& choice, bool verify_hash, HostServices& host, uint32_t number);
+  PluginInstance(const PluginChoice& choice, LibraryCheck check, HostServices& host, uint32_t number);
   static int32_t emit(const odo_sink* sink, const odo_header* event);
   Result<bool> open();
   bool isolated() const { return choice_->isolation.kind != Isolation::Kind::none; }
@@ -108,7 +108,7 @@ class PluginInstance {
 
   Parameters parameters_;
   std::shared_ptr<const PluginChoice> choice_;
-  bool verify_hash_;
+  LibraryCheck check_;
   HostServices& host_;
   uint32_t number_;
   TypeSet inputs_, outputs_;

@@ -13,6 +13,7 @@
 #include <odograph/odograph.h>
 
 #include "sdk/plugin_host/backend.hpp"
+#include "sdk/plugin_host/sealed_copy.hpp"
 
 namespace odograph {
 namespace {
@@ -40,15 +41,21 @@ void make_ready_for_foreign_exceptions() {
 }  // namespace
 
 Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const std::filesystem::path& path, const odo_host* host) {
+  return open(path, path, host);
+}
+
+Result<std::shared_ptr<PluginLibrary>> PluginLibrary::open(const std::filesystem::path& path,
+                                                           const std::filesystem::path& opened, const odo_host* host) {
   const auto fail = [&](int32_t status, const std::string& why) { return Failure{status, path.string() + ": " + why}; };
-  const auto file = check_shared_library(path);
+  const auto file = check_shared_library(opened, path);
   if (!file) return file.failure();
   make_ready_for_foreign_exceptions();
   dlerror();
-  void* handle = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* handle = dlopen(std::filesystem::absolute(opened).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!handle) {
     const char* why = dlerror();
-    return fail(ODO_E_DATA, std::string("the loader refused it: ") + (why ? why : "no reason given"));
+    return fail(ODO_E_DATA, std::string("the loader refused it: ") + (why ? why : "no reason given") +
+                                (opened == path ? "" : "; of a sealed copy, for which $ORIGIN is not its folder"));
   }
   const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
   if (!entry) return fail(ODO_E_UNSUPPORTED, "symbol missing: it does not export " ODO_PLUGIN_ENTRY_SYMBOL);
@@ -97,26 +104,22 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const std::filesystem
   return library;
 }
 
-Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const Manifest& manifest, bool verify_hash,
+Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const Manifest& manifest, LibraryCheck check,
                                                            const odo_host* host) {
   odo_plugin promised{};
   promised.abi_major = manifest.abi_major;
   promised.abi_minor = manifest.abi_minor;
   if (const auto fault = version_fault(promised, *host); !fault.empty())
     return Failure{ODO_E_VERSION, manifest.path.string() + ": " + fault};
-  if (verify_hash) {
-    const auto hash = sha256_of(manifest.library);
-    if (!hash)
-      return Failure{ODO_E_NOT_FOUND,
-                     manifest.library.string() + ": cannot be opened (named by " + manifest.path.string() + ")"};
-    // The format first: "truncated" says more than "hash differs".
-    const auto file = check_shared_library(manifest.library);
-    if (!file) return file.failure();
-    if (*hash != manifest.sha256)
-      return Failure{ODO_E_DATA, manifest.library.string() + ": its hash differs from the manifest's (" +
-                                     manifest.path.string() + "); `odograph plugin manifest` writes a new one"};
+  std::filesystem::path opened = manifest.library;
+  if (check == LibraryCheck::hash)
+    if (const auto same = has_hash_of(manifest, opened); !same) return same.failure();
+  if (check == LibraryCheck::sealed) {
+    const auto copy = sealed_copy(manifest);
+    if (!copy) return copy.failure();
+    opened = *copy;
   }
-  auto library = load(manifest.library, host);
+  auto library = open(manifest.library, opened, host);
   if (library && text((*library)->table().id) != manifest.id)
     return Failure{ODO_E_DATA, manifest.library.string() + ": its id is '" + text((*library)->table().id) +
                                    "', the manifest says '" + manifest.id + "'"};

@@ -19,8 +19,9 @@ class PluginLibrary {
   /// with RTLD_NOW | RTLD_LOCAL, calls the entry and checks the table. Failures name the path and the reason.
   static Result<std::shared_ptr<PluginLibrary>> load(const std::filesystem::path& path, const odo_host* host);
 
-  /// As load, after comparing the library's hash with the manifest's, and its id afterwards.
-  static Result<std::shared_ptr<PluginLibrary>> load(const Manifest& manifest, bool verify_hash, const odo_host* host);
+  /// As load, after comparing the library's hash with the manifest's as `check` asks, and its id afterwards.
+  static Result<std::shared_ptr<PluginLibrary>> load(const Manifest& manifest, LibraryCheck check,
+                                                     const odo_host* host);
 
   /// The plugin's table; what a smaller table does not have is null.
   const odo_plugin& table() const { return table_; }
@@ -30,12 +31,17 @@ class PluginLibrary {
   void quarantine() { quarantined_ = true; }
 
  private:
+  /// `path` is its name, `opened` what the loader opens.
+  static Result<std::shared_ptr<PluginLibrary>> open(const std::filesystem::path& path,
+                                                     const std::filesystem::path& opened, const odo_host* host);
+
   std::filesystem::path path_;
   odo_plugin table_{};
   bool quarantined_ = false;
 };
 
-/// Whether the file is a shared library that this machine can run, with all its segments present. ODO_OK or a Failure.
-Result<bool> check_shared_library(const std::filesystem::path& path);
+/// Whether the file is a shared library that this machine can run, with all its segments present. True or a Failure,
+/// which calls it `name`.
+Result<bool> check_shared_library(const std::filesystem::path& path, const std::filesystem::path& name);
 
 }  // namespace odograph

@@ -61,16 +61,16 @@ int32_t LibraryBackend::emit(const odo_sink* sink, const odo_header* event) {
   return ODO_E_STATE;
 }
 
-Result<std::unique_ptr<LibraryBackend>> LibraryBackend::load(const PluginChoice& choice, bool verify_hash,
+Result<std::unique_ptr<LibraryBackend>> LibraryBackend::load(const PluginChoice& choice, LibraryCheck check,
                                                              HostServices& host, const odo_sink& sink,
                                                              bool thread_may_end) {
   const Breadcrumb crumb(choice.manifest.id, "load");
   try {
-    auto library = PluginLibrary::load(choice.manifest, verify_hash, &host);
+    auto library = PluginLibrary::load(choice.manifest, check, &host);
     if (!library) return library.failure();
     return std::unique_ptr<LibraryBackend>(new LibraryBackend(std::move(*library), choice, host, sink, thread_may_end));
   } catch (const abi::__forced_unwind&) {
-    if (!thread_may_end) std::terminate();  // here, where the breadcrumb names the plugin
+    if (!thread_may_end) abort_for_ended_thread();  // here, where the breadcrumb names the plugin
     throw;
   }
 }
@@ -87,7 +87,7 @@ int32_t LibraryBackend::call(const char* name, Work&& work) {
   try {
     return work();
   } catch (const abi::__forced_unwind&) {
-    if (!thread_may_end_) std::terminate();
+    if (!thread_may_end_) abort_for_ended_thread();
     throw;
   } catch (const std::bad_alloc&) {
     return ODO_E_MEMORY;

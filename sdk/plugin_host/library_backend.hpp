@@ -19,8 +19,9 @@ class LibraryBackend : public PluginBackend {
  public:
   /// `choice` and `sink` outlive it. `thread_may_end`: a plugin that ends its thread (pthread_exit) unwinds it;
   /// otherwise that ends the process, because the thread is the app's.
-  static Result<std::unique_ptr<LibraryBackend>> load(const PluginChoice& choice, bool verify_hash, HostServices& host,
-                                                      const odo_sink& sink, bool thread_may_end = false);
+  static Result<std::unique_ptr<LibraryBackend>> load(const PluginChoice& choice, LibraryCheck check,
+                                                      HostServices& host, const odo_sink& sink,
+                                                      bool thread_may_end = false);
   ~LibraryBackend() override;
 
   int32_t start() override;

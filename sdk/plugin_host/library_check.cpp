@@ -34,13 +34,13 @@ constexpr uint16_t machine_of_this_build() {
 
 }  // namespace
 
-Result<bool> check_shared_library(const std::filesystem::path& path) {
-  const auto fail = [&](const std::string& text) { return Failure{ODO_E_DATA, path.string() + ": " + text}; };
+Result<bool> check_shared_library(const std::filesystem::path& path, const std::filesystem::path& name) {
+  const auto fail = [&](const std::string& text) { return Failure{ODO_E_DATA, name.string() + ": " + text}; };
   std::error_code error;
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
     return fail("is a folder, a pipe or a device; expected a shared library");
   std::ifstream file(path, std::ios::binary);
-  if (!file) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be opened"};
+  if (!file) return Failure{ODO_E_NOT_FOUND, name.string() + ": cannot be opened"};
   const uint64_t size = std::filesystem::file_size(path, error);
   Elf64_Ehdr header{};
   file.read(reinterpret_cast<char*>(&header), sizeof header);
@@ -71,9 +71,9 @@ Result<bool> check_shared_library(const std::filesystem::path& path) {
   return true;
 }
 #else
-Result<bool> check_shared_library(const std::filesystem::path& path) {
+Result<bool> check_shared_library(const std::filesystem::path& path, const std::filesystem::path& name) {
   // dyld and the Windows loader check the mapping themselves and answer with an error.
-  if (!std::filesystem::exists(path)) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be opened"};
+  if (!std::filesystem::exists(path)) return Failure{ODO_E_NOT_FOUND, name.string() + ": cannot be opened"};
   return true;
 }
 #endif

@@ -11,6 +11,13 @@
 
 namespace odograph {
 
+/// How a library is held against its manifest before it is opened.
+enum class LibraryCheck : uint32_t {
+  none,
+  hash,    // it has the manifest's hash
+  sealed,  // and what is opened is a sealed copy of what was hashed (sealed_copy.hpp)
+};
+
 /// NAME.odoplugin.json: what a plugin library says of itself, readable without running it.
 struct Manifest {
   std::filesystem::path path;     // of the manifest

@@ -117,7 +117,7 @@ fs::path plugin_host_program() {
   return {};
 }
 
-Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice& choice, bool verify_hash,
+Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice& choice, LibraryCheck check,
                                                              HostServices& host, const odo_sink& sink) {
   const std::string who = choice.manifest.library.string() + ": ";
   const fs::path program = choice.isolation.program.empty() ? plugin_host_program() : choice.isolation.program;
@@ -133,7 +133,7 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
   out.put_text(choice.manifest.text);  // the file may be another by now
   out.put_text(choice.interface_id);
   out.put(sink.instance);
-  out.put(static_cast<uint32_t>(verify_hash));
+  out.put(static_cast<uint32_t>(check));
   out.put(host.seed());
   out.put(choice.isolation.memory_bytes);
   out.put(static_cast<uint32_t>(host.assets().size()));

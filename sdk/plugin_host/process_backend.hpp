@@ -20,8 +20,8 @@ class ProcessBackend : public SeparateBackend {
  public:
   /// Starts the process and loads the library in it. The failure names the plugin and what it did. `choice` and `sink`
   /// outlive it; the sink's emit gets every event within process().
-  static Result<std::unique_ptr<ProcessBackend>> load(const PluginChoice& choice, bool verify_hash, HostServices& host,
-                                                      const odo_sink& sink);
+  static Result<std::unique_ptr<ProcessBackend>> load(const PluginChoice& choice, LibraryCheck check,
+                                                      HostServices& host, const odo_sink& sink);
   ~ProcessBackend() override;
 
   int32_t start() override;

@@ -69,8 +69,8 @@ void release(const odo_frame* frame) {
 /// All that the plugin can reach. It belongs to the backend and to the thread; whichever is later ends it.
 class ThreadBackend::Worker {
  public:
-  Worker(const PluginChoice& choice, bool verify_hash, HostServices& host, const odo_sink& sink)
-      : choice_(choice), verify_hash_(verify_hash), services_(host, *this), host_(&host), out_(&sink) {
+  Worker(const PluginChoice& choice, LibraryCheck check, HostServices& host, const odo_sink& sink)
+      : choice_(choice), check_(check), services_(host, *this), host_(&host), out_(&sink) {
     sink_.struct_size = sizeof(odo_sink);
     sink_.instance = sink.instance;
     sink_.emit = emit;
@@ -210,7 +210,7 @@ class ThreadBackend::Worker {
   }
 
   void load_library() {
-    auto loaded = LibraryBackend::load(choice_, verify_hash_, services_, sink_, true);
+    auto loaded = LibraryBackend::load(choice_, check_, services_, sink_, true);
     if (loaded) {
       backend_ = std::move(*loaded);
       status = ODO_OK;
@@ -229,7 +229,7 @@ class ThreadBackend::Worker {
   }
 
   const PluginChoice choice_;
-  const bool verify_hash_;
+  const LibraryCheck check_;
   Services services_;
   Sink sink_{};
   FrameSlot slots_[kFrameSlots];
@@ -247,13 +247,13 @@ class ThreadBackend::Worker {
   bool stopping_ = false, left_behind_ = false;
 };
 
-Result<std::unique_ptr<ThreadBackend>> ThreadBackend::load(const PluginChoice& choice, bool verify_hash,
+Result<std::unique_ptr<ThreadBackend>> ThreadBackend::load(const PluginChoice& choice, LibraryCheck check,
                                                            HostServices& host, const odo_sink& sink) {
   const Parameters parameters;
   const std::string library = choice.manifest.library.string();
   if (const int left = LeftBehind::count(library); left >= parameters.most_left_behind)
     return Failure{ODO_E_EXHAUSTED, library + ": " + std::to_string(left) + " of its calls have not come back"};
-  auto worker = std::make_shared<Worker>(choice, verify_hash, host, sink);
+  auto worker = std::make_shared<Worker>(choice, check, host, sink);
   std::unique_ptr<ThreadBackend> made(new ThreadBackend(worker));
   try {
     std::thread(Worker::run, worker).detach();

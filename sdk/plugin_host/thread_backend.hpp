@@ -25,7 +25,7 @@ class ThreadBackend : public SeparateBackend {
 
   /// `choice` is copied; `host` and `sink` are used until it is destroyed, within its own calls alone. A failure with
   /// ODO_E_FATAL is an end like a later one.
-  static Result<std::unique_ptr<ThreadBackend>> load(const PluginChoice& choice, bool verify_hash, HostServices& host,
+  static Result<std::unique_ptr<ThreadBackend>> load(const PluginChoice& choice, LibraryCheck check, HostServices& host,
                                                      const odo_sink& sink);
   ~ThreadBackend() override;
 

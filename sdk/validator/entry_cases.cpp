@@ -63,7 +63,7 @@ Answer ask(const Bench& bench, const odo_host* host, uint32_t size, std::string&
 }
 
 std::string file_is_library(Bench& bench) {
-  const auto file = check_shared_library(bench.path);
+  const auto file = check_shared_library(bench.path, bench.path);
   return file ? "" : file.failure().text;
 }
 

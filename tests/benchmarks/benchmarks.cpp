@@ -53,7 +53,7 @@ std::unique_ptr<PluginInstance> noop(HostServices& host) {
   choice.manifest.library = ODOGRAPH_BUILD "/tests/benchmarks/bench_noop.so";
   choice.manifest.abi_major = ODO_ABI_MAJOR, choice.manifest.abi_minor = ODO_ABI_MINOR;
   choice.interface_id = ODO_INTERFACE_ATTITUDE;
-  return std::move(*PluginInstance::make(choice, false, 1, host));
+  return std::move(*PluginInstance::make(choice, LibraryCheck::none, 1, host));
 }
 
 void plugin_call(benchmark::State& state) {
