@@ -116,6 +116,10 @@ TEST_CASE("an OBJ model's faces are checked against its vertices") {
   const auto bad = check_city_model(write_text(folder / "b.obj", "v 0 0 0\nf 1 2 3\n"));
   REQUIRE_FALSE(bad);
   CHECK(bad.failure().text.find("b.obj:2: no vertex 2; there are 1") != std::string::npos);
+  // It ends as no number in the reader of OBJ files.
+  const auto wild = read_city_model(write_text(folder / "c.obj", "v 0 0 0\nv 0e9010 3 0\nv 0 1 0\nf 1 2 2 1 2 3\n"));
+  REQUIRE_FALSE(wild);
+  CHECK(wild.failure().text.find("vertex 2 is no three numbers") != std::string::npos);
 }
 
 TEST_CASE("a route drawn through a model's streets keeps clear of its houses") {

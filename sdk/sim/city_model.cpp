@@ -219,6 +219,9 @@ Result<CityModel> read_obj(const fs::path& file, std::optional<Vector3d> origin)
         const auto i = static_cast<size_t>(3 * static_cast<int64_t>(shape.mesh.indices[next].vertex_index));
         if (i + 2 >= xyz.size()) return Failure{ODO_E_DATA, name + ": " + shape.name + ": no such vertex"};
         ring.emplace_back(xyz[i], xyz[i + 1], xyz[i + 2]);
+        if (!(ring.back().cwiseAbs().maxCoeff() < kFarthest_m) || ring.back().hasNaN())
+          return Failure{ODO_E_DATA, name + ": vertex " + std::to_string(i / 3 + 1) +
+                                         " is no three numbers, or farther than any reference system's zero"};
       }
       to.add({ring}, Kind::paved);
     }

@@ -39,7 +39,7 @@ Vector3d newell_normal(const std::vector<Vector3d>& ring) {
 std::vector<std::array<Vector3d, 3>> triangulate(const std::vector<std::vector<Vector3d>>& rings) {
   if (rings.empty() || rings[0].size() < 3) return {};
   const Vector3d normal = newell_normal(rings[0]);
-  if (normal.norm() < 1e-9) return {};
+  if (!(normal.norm() >= 1e-9)) return {};  // nor of what is no number, of which GLU dies
   if (rings.size() == 1 && rings[0].size() == 3) return {{rings[0][0], rings[0][1], rings[0][2]}};
   Cut cut;
   GLUtesselator* tesselator = gluNewTess();
