@@ -4,10 +4,8 @@
 #include <complex>
 #include <doctest/doctest.h>
 
-#include "sdk/cli/runner.hpp"
 #include "sdk/sim/camera.hpp"
 #include "sdk/sim/drive.hpp"
-#include "sdk/sim/retrace.hpp"
 #include "sdk/sim/simulate.hpp"
 #include "sdk/sim/walker.hpp"
 #include "tests/support.hpp"
