@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <complex>
 #include <doctest/doctest.h>
 
 #include "sdk/cli/runner.hpp"
