@@ -15,8 +15,7 @@
 #include <odograph/scale_source.h>
 #include <odograph/step_estimator.h>
 
-#include "sdk/plugin_host/instance.hpp"
-#include "tests/session_app.hpp"
+#include "tests/isolated_plugin.hpp"
 #include "tests/test_plugins.hpp"
 
 using namespace odograph;
@@ -171,40 +170,8 @@ TEST_CASE("what ended a plugin's process is said with its name and the call") {
   }
 }
 
-namespace {
-
-/// An instance of attitude/vqf in a process of its own.
-struct Isolated {
-  std::vector<std::string> said;
-  HostServices host{0, {"."}, [this](const Report& report) { said.push_back(report.text); }};
-  std::unique_ptr<PluginInstance> plugin;
-  int64_t t_ns = 1'000'000'000;
-
-  explicit Isolated(const std::string& yaml = "attitude: {plugin: attitude/vqf, isolation: process}\n",
-                    const std::string& plugins = ".") {
-    const auto config = read_pipeline_config("odograph: 1\n" + yaml, "<text>", {plugin_folder(), plugins});
-    REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
-    const auto& choices = config->attitudes.empty() ? config->vo_frontends : config->attitudes;
-    auto made = PluginInstance::make(choices.front(), LibraryCheck::sealed, 1, host);
-    REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
-    plugin = std::move(*made);
-  }
-  size_t sample() {
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns += 10'000'000);
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-    imu.accel_b[1] = 9.81;
-    return plugin->process(imu.header).size();
-  }
-};
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
-
 TEST_CASE("a thousand kills are survived, and each time the plugin is back at once") {
-  Isolated isolated;
+  IsolatedPlugin isolated;
   std::vector<double> back_ms;
   for (int i = 0; i < 1000; ++i) {
     for (int k = 0; k < 120; ++k) isolated.sample();  // good for more than a second of sensor time
@@ -224,7 +191,7 @@ TEST_CASE("a thousand kills are survived, and each time the plugin is back at on
 }
 
 TEST_CASE("what isolation adds to a batch") {
-  Isolated isolated;
+  IsolatedPlugin isolated;
   std::vector<double> us;
   for (int i = 0; i < 20'000; ++i) {
     const auto start = std::chrono::steady_clock::now();
@@ -234,29 +201,6 @@ TEST_CASE("what isolation adds to a batch") {
   std::sort(us.begin(), us.end());
   MESSAGE("a batch takes " << us[10'000] << " us in the median, " << us[19'800] << " at 99 %");
   CHECK(us[10'000] < 250);
-}
-
-TEST_CASE("what isolation adds to a frame, whose pixels are copied once") {
-  constexpr uint32_t kWidth = 640, kHeight = 480;
-  const TestPlugins plugins{"needy_vo"};
-  Isolated isolated("vo_frontend: {plugin: test/needy_vo, isolation: process}\n", plugins.path());
-  const auto lens = calibration(kWidth, kHeight);
-  isolated.plugin->process(lens.header);
-  const std::vector<uint8_t> pixels(size_t(kWidth) * kHeight, 90);
-  std::vector<double> us;
-  for (int i = 0; i < 2000; ++i) {
-    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'000 + i * 33'000'000LL);
-    frame.format = ODO_FORMAT_GREY8;
-    frame.width = kWidth, frame.height = kHeight;
-    frame.planes[0] = {pixels.data(), kWidth, 1, 0};
-    const auto start = std::chrono::steady_clock::now();
-    isolated.plugin->process(frame.header);
-    us.push_back(milliseconds_since(start) * 1e3);
-  }
-  std::sort(us.begin(), us.end());
-  MESSAGE("a frame of 640 x 480 takes " << us[1000] << " us in the median, " << us[1980] << " at 99 %");
-  CHECK(us[1000] < 250);
-  CHECK(isolated.plugin->faults() == 0);
 }
 
 TEST_CASE("a plugin that ends again and again waits longer each time, and gives way to its fallback") {

@@ -11,6 +11,7 @@
 
 #include "sdk/cli/arrivals.hpp"
 #include "sdk/cli/commands.hpp"
+#include "sdk/cli/kept_recordings.hpp"
 #include "sdk/cli/replayed.hpp"
 #include "sdk/cli/runner.hpp"
 

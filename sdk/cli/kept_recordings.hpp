@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <CLI/CLI.hpp>
+
 #include "sdk/recording/recording.hpp"
 
 namespace odograph {
@@ -22,5 +24,17 @@ Trajectory started(const Trajectory& truth, const Trajectory& track, double over
 /// Turned and shifted onto the truth where its first metres end, by position and heading there: what a fix of both, as
 /// a known object gives it, does for an app.
 Trajectory started_by_pose(const Trajectory& truth, const Trajectory& track, double after_m);
+
+/// The recordings that a benchmark goes through: given ones, or simulated ones that are kept.
+struct RecordingChoice {
+  std::vector<std::string> recordings;
+  std::string scenario = "samples/scenarios/street_short.yaml", keep = "out/bench";
+  uint64_t seeds = 1, first_seed = 1;
+
+  /// `what`: of the recordings, for the help text.
+  void add_options(CLI::App& command, const std::string& what);
+  /// Renders what is not kept yet.
+  Result<std::vector<std::filesystem::path>> files() const;
+};
 
 }  // namespace odograph

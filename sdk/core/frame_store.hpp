@@ -11,18 +11,16 @@
 
 namespace odograph {
 
-/// Bytes of a frame's pixels and mask without gaps between rows.
-size_t pixel_bytes(const odo_frame& frame);
-/// Copies them to `room`, which has as many, and lets the frame's planes point there. False, and the frame unusable,
-/// when a plane is missing or a row is longer than its stride.
-bool copy_pixels(odo_frame& frame, std::span<uint8_t> room);
+class SharedPixels;
 
 /// Holds the camera frames that wait in the queue or that plugins keep, within a quota. The pixels stay the app's when
-/// the app's frame can be retained; otherwise they are copied once on arrival. Retain and release may be called on any
-/// thread; the app's own release is called without a lock. Must outlive every frame it handed out.
+/// the app's frame can be retained; otherwise they are copied once on arrival. With memory that the processes of
+/// plugins see they are always copied, into that memory, and no process needs a copy of its own. Retain and release may
+/// be called on any thread; the app's own release is called without a lock. Must outlive every frame it handed out.
 class FrameStore {
  public:
-  explicit FrameStore(size_t quota);
+  /// `shared` may be null and outlives the store.
+  explicit FrameStore(size_t quota, SharedPixels* shared = nullptr);
   ~FrameStore();
   FrameStore(const FrameStore&) = delete;
   FrameStore& operator=(const FrameStore&) = delete;
@@ -41,11 +39,15 @@ class FrameStore {
     odo_frame original{};
     bool copied = false;
     std::vector<uint8_t> pixels;
+    std::span<uint8_t> shared;  // instead of them
   };
+
+  std::span<uint8_t> memory_of(Holder& holder, size_t bytes);
 
   static int32_t retain(const odo_frame* frame);
   static void release(const odo_frame* frame);
 
+  SharedPixels* shared_;
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Holder>> holders_;
 };

@@ -7,6 +7,19 @@
 #include "sdk/base/saturating.hpp"
 
 namespace odograph {
+namespace {
+
+/// Whether any plugin, or what may take its place, runs in a process of its own.
+bool runs_processes(const PipelineConfig& config) {
+  for (const auto* plugins :
+       {&config.attitudes, &config.step_estimators, &config.vo_frontends, &config.scale_sources, &config.fixers})
+    for (const PluginChoice& chosen : *plugins)
+      for (const PluginChoice* choice = &chosen; choice; choice = choice->fallback.get())
+        if (choice->isolation.kind == Isolation::Kind::process) return true;
+  return false;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
                                                bool live, uint64_t seed) {
@@ -34,7 +47,7 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
     : config_(std::move(config)),
       live_(live),
       host_(seed, std::move(assets), [this](const Report& report) { reported(report); }),
-      frames_(config_.ordering.frames),
+      frames_(config_.ordering.frames, runs_processes(config_) ? &host_.shared_pixels() : nullptr),
       order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {}
 
 Session::~Session() {

@@ -18,6 +18,7 @@
 #include "sdk/plugin_host/instance.hpp"
 #include "sdk/plugin_host/library_backend.hpp"
 #include "sdk/plugin_host/sandbox.hpp"
+#include "sdk/plugin_host/shared_pixels.hpp"
 #include "sdk/plugin_host/wire.hpp"
 
 namespace odograph {
@@ -124,13 +125,11 @@ struct RemoteSink : odo_sink {
 
 void phase(const char* name) { std::snprintf(control->phase, sizeof control->phase, "%s", name); }
 
-struct HeldFrame {
-  odo_frame frame;
-  uint32_t slot;
-};
+std::atomic<bool> may_be_kept[wire::kFrameSlots];  // the host holds it as long as the plugin does
 
 int32_t retain(const odo_frame* frame) {
   auto* holds = static_cast<std::atomic<uint32_t>*>(frame->owner);
+  if (!may_be_kept[holds - control->holds]) return ODO_E_EXHAUSTED;
   const auto held = std::count_if(std::begin(control->holds), std::end(control->holds),
                                   [](const auto& each) { return each.load(std::memory_order_relaxed) > 0; });
   if (holds->load() == 1 && held >= static_cast<std::ptrdiff_t>(wire::kFrameSlots)) return ODO_E_EXHAUSTED;
@@ -198,7 +197,7 @@ class Server {
     if (manifest) {
       choice_.manifest = std::move(*manifest);
       take_values(request);
-      enter_sandbox(memory_bytes + wire::kPixelBytes + sizeof(wire::Control));
+      enter_sandbox(memory_bytes + SharedPixels::kBytes + sizeof(wire::Control));
       std::thread(end_with_host).detach();
       auto loaded = LibraryBackend::load(choice_, check, *services_, sink_);
       if (loaded)
@@ -252,16 +251,16 @@ class Server {
     }
     auto& frame = reinterpret_cast<odo_frame&>(header);
     const auto slot = std::min<uint32_t>(request.get<uint32_t>(), wire::kFrameSlots - 1);
+    may_be_kept[slot] = request.get<uint32_t>() != 0;
     for (odo_plane* plane : {&frame.planes[0], &frame.planes[1], &frame.planes[2], &frame.planes[3], &frame.mask}) {
       const auto offset = request.get<uint64_t>();
-      plane->data = offset < wire::kPixelBytes ? pixels + offset : nullptr;
+      plane->data = offset < SharedPixels::kBytes ? pixels + offset : nullptr;
       plane->row_stride = request.get<int64_t>();
       plane->pixel_stride = request.get<uint32_t>();
     }
     frame.owner = &control->holds[slot];
     frame.retain = retain;
     frame.release = release;
-    control->holds[slot] = 1;
     phase("process");
     const int32_t status = backend_->process(header);
     release(&frame);
@@ -301,7 +300,7 @@ class Server {
 int main() {
   using namespace odograph;
   void* control_memory = mmap(nullptr, sizeof(wire::Control), PROT_READ | PROT_WRITE, MAP_SHARED, wire::kControl, 0);
-  void* pixel_memory = mmap(nullptr, wire::kPixelBytes, PROT_READ, MAP_SHARED, wire::kPixels, 0);
+  void* pixel_memory = mmap(nullptr, SharedPixels::kBytes, PROT_READ, MAP_SHARED, wire::kPixels, 0);
   if (control_memory == MAP_FAILED || pixel_memory == MAP_FAILED) {
     std::fputs("odograph-plugin-host is started by a host whose config says 'isolation: process'\n", stderr);
     return 2;

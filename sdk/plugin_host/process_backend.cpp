@@ -9,7 +9,6 @@
 #include <thread>
 
 #include <dlfcn.h>
-#include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
@@ -19,9 +18,11 @@
 
 #include <odograph/messages.h>
 
-#include "sdk/core/frame_store.hpp"
+#include "sdk/base/pixels.hpp"
 #include "sdk/core/messages.hpp"
 #include "sdk/plugin_host/instance.hpp"
+#include "sdk/plugin_host/shared_memory.hpp"
+#include "sdk/plugin_host/shared_pixels.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;
@@ -31,32 +32,11 @@ namespace {
 constexpr double kEndLimit_s = 1;
 constexpr int kEndPolls = 100;         // of 1 ms: what has closed its socket should be gone by then
 constexpr size_t kMostRecords = 4096;  // of one call: 256 events, reports and what was emitted beyond
-constexpr int kFirstDescriptor = 64;   // above those that the plugin's process gives a meaning to
 
 std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);
   return text;
-}
-
-int out_of_the_way(int fd) {
-  if (fd < 0) return fd;
-  const int high = fcntl(fd, F_DUPFD_CLOEXEC, kFirstDescriptor);
-  close(fd);
-  return high;
-}
-
-/// Anonymous memory that can be shared and never shrinks: whoever maps it is safe from SIGBUS.
-int shared_memory(const char* name, size_t size) {
-  const int fd = out_of_the_way(memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING));
-  if (fd >= 0 && ftruncate(fd, static_cast<off_t>(size)) != 0) return close(fd), -1;
-  if (fd >= 0) fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK);
-  return fd;
-}
-
-void* mapped(int fd, size_t size) {
-  void* memory = fd < 0 ? MAP_FAILED : mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
-  return memory == MAP_FAILED ? nullptr : memory;
 }
 
 /// Starts the program with the three descriptors where it expects them, no signal blocked or ignored.
@@ -125,6 +105,10 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
     return Failure{ODO_E_NOT_FOUND, who +
                                         "isolation: process needs the program odograph-plugin-host beside the "
                                         "library; expected it there, or its path as plugins.host"};
+  if (host.shared_pixels().descriptor() < 0)
+    return Failure{ODO_E_EXHAUSTED, who +
+                                        "isolation: process needs memory that can be sealed (memfd_create with "
+                                        "F_SEAL_FUTURE_WRITE: Linux 5.1 or later)"};
   std::unique_ptr<ProcessBackend> made(new ProcessBackend(choice, host, sink));
   if (!made->launch(program))
     return Failure{ODO_E_EXHAUSTED, who + "no process could be started with " + program.string()};
@@ -158,17 +142,12 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
 bool ProcessBackend::launch(const fs::path& program) {
   int ends[2] = {-1, -1};
   const int control_fd = shared_memory("odograph-control", sizeof(wire::Control));
-  pixels_fd_ = shared_memory("odograph-pixels", 0);
-  control_ = static_cast<wire::Control*>(mapped(control_fd, sizeof(wire::Control)));
-  pixels_ = static_cast<uint8_t*>(mapped(pixels_fd_, wire::kPixelBytes));
-#if defined(F_SEAL_FUTURE_WRITE)
-  fcntl(pixels_fd_, F_ADD_SEALS, F_SEAL_FUTURE_WRITE);  // the plugin reads pixels and nothing else
-#endif
-  if (control_ && pixels_ && socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) == 0) {
+  control_ = static_cast<wire::Control*>(map_shared(control_fd, sizeof(wire::Control)));
+  if (control_ && socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) == 0) {
     socket_ = ends[0];
-    ends[1] = out_of_the_way(ends[1]);
+    ends[1] = high_descriptor(ends[1]);
     control_->version = wire::kVersion;
-    child_ = spawn(program, ends[1], control_fd, pixels_fd_);
+    child_ = spawn(program, ends[1], control_fd, host_.shared_pixels().descriptor());
     close(ends[1]);
   }
   if (control_fd >= 0) close(control_fd);
@@ -176,6 +155,7 @@ bool ProcessBackend::launch(const fs::path& program) {
 }
 
 ProcessBackend::~ProcessBackend() {
+  for (HeldFrame& held : held_) let_go(held);
   if (child_ > 0 && ended_.empty()) {
     const bool in_order = exchange(wire::end, request(), kEndLimit_s);
     if (!in_order)
@@ -184,9 +164,7 @@ ProcessBackend::~ProcessBackend() {
       reap(true, "");
   }
   if (socket_ >= 0) close(socket_);
-  if (pixels_fd_ >= 0) close(pixels_fd_);
   if (control_) munmap(control_, sizeof(wire::Control));
-  if (pixels_) munmap(pixels_, wire::kPixelBytes);
 }
 
 /// Asks and waits for the answer, of which a copy is in answer_ then. False, with ended_ said, where there is none.
@@ -293,37 +271,56 @@ int32_t ProcessBackend::start() {
 }
 
 int32_t ProcessBackend::process(const odo_header& message) {
+  take_back_frames();
   auto out = request();
   out.put_bytes(&message, message.struct_size);
   if (message.type == ODO_TYPE_FRAME && !put_frame(message, out)) return ODO_E_EXHAUSTED;
-  return exchange(wire::process, out, choice_.isolation.time_s) ? answered() : ODO_E_ERROR;
+  const int32_t status = exchange(wire::process, out, choice_.isolation.time_s) ? answered() : ODO_E_ERROR;
+  take_back_frames();
+  return status;
 }
 
-/// Copies the pixels into a slot that the plugin does not hold, and says where they are.
+/// Says where the pixels are, and holds them for as long as the plugin does: those that lie in shared memory with the
+/// frame's own hold, others in a copy there.
 bool ProcessBackend::put_frame(const odo_header& message, wire::Writer& out) {
+  const auto free = std::find_if(std::begin(held_), std::end(held_), [](const auto& held) { return !held.used; });
+  if (free == std::end(held_)) return false;
+  SharedPixels& shared = host_.shared_pixels();
   odo_frame frame = copy_as<odo_frame>(message);
-  const size_t size = pixel_bytes(frame);
-  uint32_t slot = 0;
-  while (slot < wire::kFrameSlots && control_->holds[slot].load(std::memory_order_acquire) != 0) ++slot;
-  if (slot == wire::kFrameSlots) return false;
-  FrameSlot& place = slots_[slot];
-  if (place.size < size) {
-    const uint64_t end = pixels_size_ + (size + 4095) / 4096 * 4096;
-    if (end > wire::kPixelBytes || ftruncate(pixels_fd_, static_cast<off_t>(end)) != 0) return false;
-    place = {pixels_size_, end - pixels_size_};
-    pixels_size_ = end;
+  HeldFrame held{true, false, frame, {}};
+  if (shared.offset_of(frame.planes[0].data)) {
+    held.retained = frame.retain && frame.release && frame.retain(&frame) >= 0;
+  } else {
+    const size_t bytes = pixel_bytes(frame);
+    held.copy = shared.take(bytes);
+    if (held.copy.empty() || !copy_pixels(frame, held.copy.first(bytes))) return let_go(held), false;
   }
-  uint8_t* to = pixels_ + place.offset;
-  if (!copy_pixels(frame, {to, size})) return false;
-  const bool masked = (frame.header.flags & ODO_FRAME_MASK) && frame.mask.data;
+  *free = held;
+  const auto slot = static_cast<uint32_t>(free - std::begin(held_));
+  control_->holds[slot] = 1;  // the plugin's process gives it back
   out.put(slot);
+  out.put(static_cast<uint32_t>(held.retained || !held.copy.empty()));
+  const bool masked = (frame.header.flags & ODO_FRAME_MASK) != 0;
   for (const odo_plane* plane : {&frame.planes[0], &frame.planes[1], &frame.planes[2], &frame.planes[3], &frame.mask}) {
-    const bool used = plane->data >= to && plane->data < to + size && (plane != &frame.mask || masked);
-    out.put(used ? static_cast<uint64_t>(plane->data - pixels_) : UINT64_MAX);
+    const bool used = plane != &frame.mask || masked;
+    out.put(used ? shared.offset_of(plane->data).value_or(UINT64_MAX) : UINT64_MAX);
     out.put(plane->row_stride);
     out.put(plane->pixel_stride);
   }
   return true;
+}
+
+/// Those that the plugin does not hold any more.
+void ProcessBackend::take_back_frames() {
+  for (size_t slot = 0; slot < wire::kFrameSlots; ++slot)
+    if (!ended_.empty() || control_->holds[slot].load(std::memory_order_acquire) == 0) let_go(held_[slot]);
+}
+
+void ProcessBackend::let_go(HeldFrame& held) {
+  if (!held.used) return;
+  if (held.retained) held.frame.release(&held.frame);
+  host_.shared_pixels().give_back(held.copy);
+  held = {};
 }
 
 int32_t ProcessBackend::reset() {

@@ -14,8 +14,9 @@
 namespace odograph {
 
 /// An instance in a process of its own, the program `odograph-plugin-host`, behind a sandbox (sandbox.hpp). Messages
-/// and events go through shared memory, wake-ups through a socket; a frame's pixels are copied once, into memory that
-/// the plugin sees. Whatever the plugin does ends its own process alone: then ended() says what it was.
+/// and events go through shared memory, wake-ups through a socket; a frame's pixels stay where they are if that is
+/// memory that the plugin sees (FrameStore), and are copied there otherwise. Whatever the plugin does ends its own
+/// process alone: then ended() says what it was.
 class ProcessBackend : public SeparateBackend {
  public:
   /// Starts the process and loads the library in it. The failure names the plugin and what it did. `choice` and `sink`
@@ -39,24 +40,28 @@ class ProcessBackend : public SeparateBackend {
   bool wait_for_answer(double limit_s);
   int32_t answered();
   bool take_records(wire::Reader& reader);
+  /// A frame that the plugin's process may hold.
+  struct HeldFrame {
+    bool used = false;
+    bool retained = false;  ///< by its own hold
+    odo_frame frame{};
+    std::span<uint8_t> copy;  ///< in shared memory; empty where the frame itself lies there
+  };
+
   bool put_frame(const odo_header& message, wire::Writer& request);
+  void take_back_frames();
+  void let_go(HeldFrame& held);
   void give_up(std::string what);
   void reap(bool killed_by_us, const std::string& what);
   wire::Writer request() { return wire::Writer({control_->request, wire::kAreaBytes}); }
-
-  struct FrameSlot {
-    uint64_t offset = 0, size = 0;
-  };
 
   const PluginChoice& choice_;
   HostServices& host_;
   const odo_sink& sink_;
   pid_t child_ = -1;
-  int socket_ = -1, pixels_fd_ = -1;
+  int socket_ = -1;
   wire::Control* control_ = nullptr;
-  uint8_t* pixels_ = nullptr;
-  uint64_t pixels_size_ = 0;
-  FrameSlot slots_[wire::kFrameSlots];
+  HeldFrame held_[wire::kFrameSlots];
   std::vector<uint64_t> answer_;  // copied before it is looked at
   size_t answer_size_ = 0;
 };

@@ -12,6 +12,8 @@
 
 #include <odograph/plugin.h>
 
+#include "sdk/plugin_host/shared_pixels.hpp"
+
 namespace odograph {
 
 /// A report of a plugin or of the host, for people.
@@ -44,6 +46,8 @@ class HostServices : public odo_host {
   virtual void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
                       int32_t status = ODO_OK);
 
+  /// Where plugins in processes of their own see frames.
+  SharedPixels& shared_pixels() { return shared_pixels_; }
   uint64_t seed() const { return seed_; }
   const std::vector<std::filesystem::path>& assets() const { return assets_; }
 
@@ -58,6 +62,7 @@ class HostServices : public odo_host {
   uint64_t seed_;
   std::vector<std::filesystem::path> assets_;
   Listener listener_;
+  SharedPixels shared_pixels_;
   std::mutex mutex_;
   std::map<uint32_t, std::string> names_;
   std::map<std::string, std::map<std::string, Recent>> recent_;  // by origin and key

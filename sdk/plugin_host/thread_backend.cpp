@@ -11,7 +11,7 @@
 #include <system_error>
 #include <thread>
 
-#include "sdk/core/frame_store.hpp"
+#include "sdk/base/pixels.hpp"
 #include "sdk/core/messages.hpp"
 #include "sdk/plugin_host/library_backend.hpp"
 

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// A front-end that keeps the last frames as long as it may, and says with each frame how many it kept and what the
+// first pixel of the oldest one is by then: p_c0_c1 = {kept, pixel, 0}.
+#define HOSTILE_ID "test/keeper_vo"
+#include <odograph/vo_frontend.h>
+
+#include <deque>
+
+#include "tests/hostile/table.hpp"
+
+namespace {
+
+constexpr size_t kMost = 3;
+std::deque<odo_frame> kept;
+int64_t last_ns = 0;
+
+void let_go(size_t down_to) {
+  for (; kept.size() > down_to; kept.pop_front()) kept.front().release(&kept.front());
+}
+
+void take(const odo_header& message) {
+  if (message.type != ODO_TYPE_FRAME) return;
+  const auto& frame = reinterpret_cast<const odo_frame&>(message);
+  if (frame.retain && frame.retain(&frame) >= 0) kept.push_back(frame);
+  let_go(kMost);
+  odo_vo_motion motion;
+  std::memset(&motion, 0, sizeof motion);
+  motion.header.struct_size = sizeof motion;
+  motion.header.type = ODO_TYPE_VO_MOTION;
+  motion.header.t_ns = message.t_ns;
+  motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
+  motion.t_from_ns = last_ns;
+  motion.q_c0_c1[0] = 1;
+  motion.p_c0_c1[0] = static_cast<double>(kept.size());
+  motion.p_c0_c1[1] = kept.empty() ? -1 : kept.front().planes[0].data[0];
+  motion.state = ODO_TRACKING;
+  if (last_ns != 0) hostile::sink()->emit(hostile::sink(), &motion.header);
+  last_ns = message.t_ns;
+}
+
+}  // namespace
+
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
+  static const odo_string kind{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1};
+  odo_plugin t = hostile::table();
+  t.interfaces = &kind;
+  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** instance) -> int32_t {
+    kept.clear();
+    last_ns = 0;
+    *instance = reinterpret_cast<odo_instance*>(&hostile::instance());
+    return ODO_OK;
+  };
+  t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
+    for (uint32_t i = 0; i < batch->count; ++i) take(*batch->messages[i]);
+    return ODO_OK;
+  };
+  t.destroy = [](odo_instance*) { let_go(0); };
+  return hostile::fill(out, t);
+}
