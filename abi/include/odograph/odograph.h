@@ -84,7 +84,7 @@ ODO_API void ODO_CALL odo_session_destroy(odo_session *session);
 
 /* [any] Hands in a sample: odo_imu, odo_magnetometer, odo_barometer, odo_gnss, odo_frame, odo_calibration,
  * odo_imu_noise or odo_waypoint, each with struct_size and type set. The struct is copied; a frame's pixels are not if
- * it has retain and release (otherwise they are copied once, because they end with this call).
+ * it has retain and release (otherwise, and where any plugin is isolated in a process, they are copied once).
  * Samples of different sensors may come in any order within the configured wait (time_ordering.max_wait). An inertial
  * sample that jumps away from the one before waits for the next one, and is dropped if that does not confirm it.
  * No lock is held while a frame's retain or release is called: they may push.
