@@ -143,7 +143,7 @@ TEST_CASE("the window's adjustment mends poses, depths and the gyroscope's bias,
     window.add(keyframe);
     for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(T, points[i], random, sigma));
   }
-  window.locate(0.002);
+  window.triangulate(0.002);
   CHECK(window.located() > 140);
   Vector3d found = Vector3d::Zero();
   const auto report = adjust(window, found, sigma);
@@ -187,7 +187,7 @@ Window window_on_the_way(int keyframes, double sigma) {
     window.add({0, 0, on_the_way(k), std::nullopt, Vector3d::Zero()});
     for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(on_the_way(k), points[i], random, sigma));
   }
-  window.locate(0.002);
+  window.triangulate(0.002);
   return window;
 }
 
@@ -229,7 +229,7 @@ TEST_CASE("a point outlives the keyframe that saw it first") {
   for (int k = 0; k < 5; ++k) {
     window.add({0, 0, on_the_way(k), std::nullopt, Vector3d::Zero()});
     for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(on_the_way(k), points[i], random, 0));
-    window.locate(0.001);
+    window.triangulate(0.001);
     window.slide();
   }
   CHECK(window.keyframes().size() == 3);
@@ -306,7 +306,7 @@ TEST_CASE("a walk along a street: one unit, straight, the same twice; darkness i
       for (int i = 0; i < count; ++i) {
         const auto motion = next(dark);
         CHECK(motion.state == Tracking::lost);
-        CHECK(motion.trouble == Trouble::too_dark);
+        CHECK(motion.failure == FailureReason::too_dark);
         CHECK_FALSE(motion.translation_valid);
       }
     };
@@ -360,7 +360,7 @@ TEST_CASE("turning on the spot: a rotation, no translation, and the gyroscope's 
         vo.process({film.frame({0, 0, -1.5}, 0.02 * static_cast<double>(i), i), {}, now_ms * kMilli, 0});
     CHECK_FALSE(motion.translation_valid);
     if (i == 0) continue;
-    CHECK(motion.trouble == Trouble::no_parallax);
+    CHECK(motion.failure == FailureReason::no_parallax);
     q = q * motion.q_c0_c1;
   }
   CHECK(log_rotation(q).y() == doctest::Approx(0.28).epsilon(0.02));

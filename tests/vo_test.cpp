@@ -156,7 +156,7 @@ TEST_CASE("darkness is lost and said, not invented; afterwards it starts anew in
   for (int i = 0; i < 5; ++i) {
     motion = vo.process(dark, {});
     CHECK(motion.state == Tracking::lost);
-    CHECK(motion.trouble == Trouble::too_dark);
+    CHECK(motion.failure == FailureReason::too_dark);
     CHECK_FALSE(motion.translation_valid);
   }
   for (int i = 15; i < 25; ++i) motion = vo.process(frame(i), {});

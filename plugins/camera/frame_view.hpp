@@ -101,13 +101,13 @@ inline odo_vo_motion motion_event(const odo_frame& frame, int64_t from_ns, bool 
   return event;
 }
 
-inline void put_state(Tracking tracking, Trouble trouble, odo_vo_motion& event) {
+inline void put_state(Tracking tracking, FailureReason failure, odo_vo_motion& event) {
   event.state = tracking == Tracking::tracking ? ODO_TRACKING : tracking == Tracking::lost ? ODO_LOST : ODO_DEGRADED;
-  event.reason = trouble == Trouble::none           ? ODO_REASON_NONE
-                 : trouble == Trouble::too_dark     ? ODO_REASON_TOO_DARK
-                 : trouble == Trouble::few_features ? ODO_REASON_FEW_FEATURES
-                 : trouble == Trouble::no_parallax  ? ODO_REASON_NO_PARALLAX
-                                                    : ODO_REASON_INITIALISING;
+  event.reason = failure == FailureReason::none           ? ODO_REASON_NONE
+                 : failure == FailureReason::too_dark     ? ODO_REASON_TOO_DARK
+                 : failure == FailureReason::few_features ? ODO_REASON_FEW_FEATURES
+                 : failure == FailureReason::no_parallax  ? ODO_REASON_NO_PARALLAX
+                                                          : ODO_REASON_INITIALISING;
 }
 
 /// Writes a motion and its uncertainty, the same in all directions, into an event.

@@ -3,8 +3,8 @@
 
 namespace odograph {
 
-/// How an odometry that follows points fares, and what troubles it.
+/// How an odometry that follows points fares, and why it fails.
 enum class Tracking { tracking, degraded, lost };
-enum class Trouble { none, initialising, too_dark, few_features, no_parallax };
+enum class FailureReason { none, initialising, too_dark, few_features, no_parallax };
 
 }  // namespace odograph

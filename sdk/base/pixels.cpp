@@ -40,9 +40,9 @@ size_t pixel_bytes(const odo_frame& frame) {
   return total + (masked ? size_t(frame.width) * frame.height : 0);
 }
 
-bool copy_pixels(odo_frame& frame, std::span<uint8_t> room) {
+bool copy_pixels(odo_frame& frame, std::span<uint8_t> memory) {
   const bool masked = (frame.header.flags & ODO_FRAME_MASK) != 0 && frame.mask.data;
-  uint8_t* to = room.data();
+  uint8_t* to = memory.data();
   const auto copy = [&](odo_plane& plane, PlaneSize size) {
     if (static_cast<size_t>(std::llabs(plane.row_stride)) < size.bytes) return false;
     for (size_t row = 0; row < size.rows; ++row)

@@ -159,6 +159,48 @@ Result<bool> write_state(odo_session* session, const std::string& path) {
   return write_whole_file(path, blob);
 }
 
+/// Hands in all messages; `pictures`: somebody looks at them.
+void push_all(odo_session* session, const Recording& recording, const RunOptions& options, bool pictures,
+              Collector& collector, RunResult& result) {
+  size_t done = 0;
+  for (const RecordedMessage& message : recording.messages) {
+    const bool is_frame = message.message.header().type == ODO_TYPE_FRAME;
+    collector.pushed_ns = message.message.header().t_ns;
+    if (is_frame && !pictures) {
+      ++done;
+      continue;  // not decoded
+    }
+    if (is_frame) {
+      const auto frame = load_frame(message);
+      ++done;
+      if (!frame) {  // costs this frame
+        if (result.loss.pictures++ < kMostPicturesNamed) result.reports.push_back(frame.failure().text);
+        continue;
+      }
+      collector.take(work_of([&] { odo_session_push(session, &frame->header); }));
+      frame->release(&*frame);
+    } else {
+      const Work work = work_of([&] { odo_session_push(session, &message.message.header()); });
+      collector.take(work);
+      if (options.collect_timing && message.message.header().type == ODO_TYPE_IMU)
+        result.imu_us.push_back(work.ms * 1e3);
+    }
+    if (!is_frame) ++done;
+    if (options.progress && (done % 64 == 0 || is_frame)) options.progress(done, recording.messages.size());
+  }
+}
+
+/// Lays the track over the recording's waypoints, as the config's replay section asks.
+void lay_over_waypoints(const ReplayConfig& replay, const Recording& recording, RunResult& result) {
+  const auto waypoints = recording.waypoints();
+  if (!replay.start_at_first_waypoint || waypoints.empty() || result.track.empty()) return;
+  if (replay.align_heading_over_m > 0)
+    result.heading_turn_rad = heading_offset(result.track, waypoints, replay.align_heading_over_m);
+  result.track = lay_over(result.track, waypoints, result.heading_turn_rad);
+  for (odo_step& step : result.steps)
+    step.heading_rad = std::remainder(step.heading_rad + result.heading_turn_rad, 2 * EIGEN_PI);
+}
+
 }  // namespace
 
 Result<RunResult> replay(const Recording& recording, const RunOptions& options) {
@@ -186,32 +228,8 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   if (options.collect_attitudes) wanted.push_back(ODO_TYPE_ATTITUDE);
   odo_session_set_callback(session, wanted.data(), static_cast<uint32_t>(wanted.size()), Collector::on_event,
                            &collector);
-  size_t done = 0;
-  for (const RecordedMessage& message : recording.messages) {
-    const bool is_frame = message.message.header().type == ODO_TYPE_FRAME;
-    collector.pushed_ns = message.message.header().t_ns;
-    if (is_frame && config->vo_frontends.empty() && config->fixers.empty()) {
-      ++done;
-      continue;  // nobody looks at it: do not decode it
-    }
-    if (is_frame) {
-      const auto frame = load_frame(message);
-      ++done;
-      if (!frame) {  // costs this frame
-        if (result.loss.pictures++ < kMostPicturesNamed) result.reports.push_back(frame.failure().text);
-        continue;
-      }
-      collector.take(work_of([&] { odo_session_push(session, &frame->header); }));
-      frame->release(&*frame);
-    } else {
-      const Work work = work_of([&] { odo_session_push(session, &message.message.header()); });
-      collector.take(work);
-      if (options.collect_timing && message.message.header().type == ODO_TYPE_IMU)
-        result.imu_us.push_back(work.ms * 1e3);
-    }
-    if (!is_frame) ++done;
-    if (options.progress && (done % 64 == 0 || is_frame)) options.progress(done, recording.messages.size());
-  }
+  const bool pictures = !config->vo_frontends.empty() || !config->fixers.empty();
+  push_all(session, recording, options, pictures, collector, result);
   odo_session_flush(session);
   odo_session_set_callback(session, nullptr, 0, nullptr, nullptr);  // the collector ends here
   if (result.loss.pictures > 0)
@@ -223,14 +241,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   odo_session_get_statistics(session, &result.statistics);
   if (options.progress) options.progress(recording.messages.size(), recording.messages.size());
 
-  const auto waypoints = recording.waypoints();
-  if (config->replay.start_at_first_waypoint && !waypoints.empty() && !result.track.empty()) {
-    if (config->replay.align_heading_over_m > 0)
-      result.heading_turn_rad = heading_offset(result.track, waypoints, config->replay.align_heading_over_m);
-    result.track = lay_over(result.track, waypoints, result.heading_turn_rad);
-    for (odo_step& step : result.steps)
-      step.heading_rad = std::remainder(step.heading_rad + result.heading_turn_rad, 2 * EIGEN_PI);
-  }
+  lay_over_waypoints(config->replay, recording, result);
   return result;
 }
 

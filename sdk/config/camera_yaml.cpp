@@ -8,6 +8,45 @@
 
 namespace odograph {
 
+namespace {
+
+/// How the camera sits on the body, and when its rows are exposed.
+std::vector<Spec> mount_and_timing() {
+  return {
+      {.name = "q_b_c",
+       .type = SpecType::reals,
+       .min = -1,
+       .max = 1,
+       .fallback = "[0, 1, 0, 0]",
+       .help = "camera to body, w x y z; default a phone's rear camera",
+       .count = 4},
+      {.name = "p_b_c",
+       .type = SpecType::reals,
+       .unit = "m",
+       .min = -100,
+       .max = 100,
+       .fallback = "[0, 0, 0]",
+       .help = "camera's position in the body",
+       .count = 3},
+      {.name = "time_offset",
+       .type = SpecType::real,
+       .unit = "s",
+       .min = -10,
+       .max = 10,
+       .fallback = "0",
+       .help = "IMU time minus camera time"},
+      {.name = "row_time",
+       .type = SpecType::real,
+       .unit = "s",
+       .min = 0,
+       .max = 1e-3,
+       .fallback = "0",
+       .help = "rolling shutter: from one row to the next; 0 = global shutter. Stands above what frames say"},
+  };
+}
+
+}  // namespace
+
 const Spec& camera_spec() {
   static const Spec spec = [] {
     const auto pixels = [](const char* name, double min, const char* help) {
@@ -46,36 +85,9 @@ const Spec& camera_spec() {
          .max = 1000,
          .fallback = "30",
          .help = "of a folder of images"},
-        {.name = "q_b_c",
-         .type = SpecType::reals,
-         .min = -1,
-         .max = 1,
-         .fallback = "[0, 1, 0, 0]",
-         .help = "camera to body, w x y z; default a phone's rear camera",
-         .count = 4},
-        {.name = "p_b_c",
-         .type = SpecType::reals,
-         .unit = "m",
-         .min = -100,
-         .max = 100,
-         .fallback = "[0, 0, 0]",
-         .help = "camera's position in the body",
-         .count = 3},
-        {.name = "time_offset",
-         .type = SpecType::real,
-         .unit = "s",
-         .min = -10,
-         .max = 10,
-         .fallback = "0",
-         .help = "IMU time minus camera time"},
-        {.name = "row_time",
-         .type = SpecType::real,
-         .unit = "s",
-         .min = 0,
-         .max = 1e-3,
-         .fallback = "0",
-         .help = "rolling shutter: from one row to the next; 0 = global shutter. Stands above what frames say"},
     };
+    std::vector<Spec> further = mount_and_timing();
+    for (Spec& each : further) root.children.push_back(std::move(each));
     return root;
   }();
   return spec;

@@ -147,7 +147,7 @@ class ErrorState {
   /// The log-scale is known anew; a share of its error is the walker's log-factor's.
   void set_scale(double log_scale, double variance, double factor_share);
 
-  /// A scalar part is known anew, and owes nothing to the others.
+  /// A scalar part is known anew, and independently of the others.
   void set_independent(int at, double variance);
   void add_variance(int at, int count, double variance) { P.diagonal().segment(at, count).array() += variance; }
   /// Everything is moved together, but not what is held.

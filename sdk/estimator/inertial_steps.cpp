@@ -37,6 +37,59 @@ double heading_residual(const odo_fix& fix, const Eigen::Quaterniond& q_n_b) {
   return std::remainder(fix.yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
 }
 
+/// Rotation first, position below; what the fix does not have is noise without end.
+struct FixInnovation {
+  Innovation<6> seen;
+  Eigen::Matrix<double, 6, 3> by_theta = Eigen::Matrix<double, 6, 3>::Zero(), by_position = by_theta;
+  int dof = 0;
+
+  /// `lever_n`: from the body to what the fix speaks of.
+  FixInnovation(const odo_fix& fix, const PastPose& at, const Vector3d& lever_n) {
+    seen.noise.diagonal().setConstant(kNothing);
+    if (fix.header.flags & ODO_FIX_ORIENTATION)
+      add_rotation(fix, at);
+    else if (fix.header.flags & ODO_FIX_YAW)
+      add_yaw(fix, at);
+    add_position(fix, at, lever_n);
+  }
+
+  /// The heading was taken from the fix: it says nothing more of it.
+  void forget_heading() {
+    seen.residual[2] = 0;
+    seen.noise.row(2).setZero(), seen.noise.col(2).setZero();
+    seen.noise(2, 2) = kNothing;
+  }
+
+ private:
+  void add_rotation(const odo_fix& fix, const PastPose& at) {
+    seen.residual.head<3>() = log_rotation(quaternion(fix.q_n_b) * at.q_n_b.conjugate());
+    by_theta.topRows<3>().setIdentity();
+    seen.noise.topLeftCorner<3, 3>() = Eigen::Map<const RowMatrix3d>(fix.orientation_cov_n);
+    dof += 3;
+  }
+  void add_yaw(const odo_fix& fix, const PastPose& at) {
+    const Vector3d y_n = at.q_n_b * Vector3d::UnitY();
+    const double across = std::max(1e-6, y_n.head<2>().squaredNorm());
+    seen.residual[2] = heading_residual(fix, at.q_n_b);
+    by_theta.row(2) << -y_n.x() * y_n.z() / across, -y_n.y() * y_n.z() / across, 1;
+    seen.noise(2, 2) = squared(fix.yaw_sigma_rad);
+    dof += 1;
+  }
+  void add_position(const odo_fix& fix, const PastPose& at, const Vector3d& lever_n) {
+    const Matrix3d R = Eigen::Map<const RowMatrix3d>(fix.covariance_n);
+    const auto has = [&](int axis) { return (fix.header.flags & (ODO_FIX_NORTH << axis)) != 0; };
+    for (int i = 0; i < 3; ++i) {
+      if (!has(i)) continue;
+      seen.residual[3 + i] = fix.p_n[i] - at.p_n[i] - lever_n[i];
+      by_theta.row(3 + i) = -skew(lever_n).row(i);
+      by_position(3 + i, i) = 1;
+      for (int j = 0; j < 3; ++j)
+        if (has(j)) seen.noise(3 + i, 3 + j) = R(i, j);
+      ++dof;
+    }
+  }
+};
+
 }  // namespace
 
 UpdateResult InertialEstimator::apply(const odo_step* step) {
@@ -206,47 +259,15 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
     if (!at) return {};
   }
   const Vector3d lever_n = camera_ ? Vector3d(at->q_n_b * p_b_c_) : Vector3d::Zero();
-  const bool whole = (flags & ODO_FIX_ORIENTATION) != 0, yaw = !whole && (flags & ODO_FIX_YAW) != 0;
-  const bool positions = (flags & kAllAxes) != 0, horizontal = (flags & kHorizontal) != 0;
-  if (!positions && !whole && !yaw) return {};
-  // Rotation first, position below; what the fix does not have is noise without end.
-  Innovation<6> seen;
-  seen.noise.diagonal().setConstant(kNothing);
-  Eigen::Matrix<double, 6, 3> by_theta = Eigen::Matrix<double, 6, 3>::Zero(), by_position = by_theta;
-  int dof = 0;
-  if (whole) {
-    seen.residual.head<3>() = log_rotation(quaternion(fix->q_n_b) * at->q_n_b.conjugate());
-    by_theta.topRows<3>().setIdentity();
-    seen.noise.topLeftCorner<3, 3>() = Eigen::Map<const RowMatrix3d>(fix->orientation_cov_n);
-    dof += 3;
-  } else if (yaw) {
-    const Vector3d y_n = at->q_n_b * Vector3d::UnitY();
-    const double across = std::max(1e-6, y_n.head<2>().squaredNorm());
-    seen.residual[2] = heading_residual(*fix, at->q_n_b);
-    by_theta.row(2) << -y_n.x() * y_n.z() / across, -y_n.y() * y_n.z() / across, 1;
-    seen.noise(2, 2) = squared(fix->yaw_sigma_rad);
-    dof += 1;
-  }
-  if (positions) {
-    const Matrix3d R = Eigen::Map<const RowMatrix3d>(fix->covariance_n);
-    const auto has = [&](int axis) { return (flags & (ODO_FIX_NORTH << axis)) != 0; };
-    for (int i = 0; i < 3; ++i) {
-      if (!has(i)) continue;
-      seen.residual[3 + i] = fix->p_n[i] - at->p_n[i] - lever_n[i];
-      by_theta.row(3 + i) = -skew(lever_n).row(i);
-      by_position(3 + i, i) = 1;
-      for (int j = 0; j < 3; ++j)
-        if (has(j)) seen.noise(3 + i, 3 + j) = R(i, j);
-      ++dof;
-    }
-  }
+  if ((flags & (kAllAxes | ODO_FIX_ORIENTATION | ODO_FIX_YAW)) == 0) return {};
+  const bool horizontal = (flags & kHorizontal) != 0;
+  FixInnovation innovation(*fix, *at, lever_n);
   if (turns) {  // the heading is the fix's now, and as uncertain
-    e_.loosen_heading(std::sqrt(seen.noise(2, 2)));
+    e_.loosen_heading(std::sqrt(innovation.seen.noise(2, 2)));
     heading_open_ = true;
-    seen.residual[2] = 0;
-    seen.noise.row(2).setZero(), seen.noise.col(2).setZero();
-    seen.noise(2, 2) = kNothing;
+    innovation.forget_heading();
   }
+  Innovation<6>& seen = innovation.seen;
   for (int i = 0; i < 6; ++i) seen.noise(i, i) += 1e-12;
   const uint32_t axes = flags & kAllAxes;
   if (fixes_rejected_ >= p_.most_fixes_rejected && !outweighs_fixes(fix->header.t_ns)) {
@@ -260,9 +281,9 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
     heading_open_ = true;
     e_.loosen_heading(p_.start_heading_sigma_rad);
   }
-  seen.by_pose(*at, by_theta, by_position);
+  seen.by_pose(*at, innovation.by_theta, innovation.by_position);
   UpdateResult result = e_.update(seen, squared(config_.fix_gate_sigma));
-  result.dof = dof;
+  result.dof = innovation.dof;
   if (!result.accepted) {
     ++fixes_rejected_;
     return result;

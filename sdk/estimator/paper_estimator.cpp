@@ -52,7 +52,7 @@ UpdateResult PaperEstimator::apply(const RelativeMotion& relative) {
   const bool metric_without_steps = inputs_.scale
                                         ? relative.scale && (relative.scale->header.flags & ODO_SCALE_NOT_BY_STEPS) != 0
                                         : (relative.motion->header.flags & ODO_VO_METRIC) != 0;
-  if (const auto reference = teacher_.see(*pose_, metric_without_steps)) reference_ = *reference;
+  if (const auto reference = displacement_reference_.see(*pose_, metric_without_steps)) reference_ = *reference;
   return {relative.motion->state != ODO_LOST, 0.0, 0};
 }
 
@@ -64,7 +64,7 @@ UpdateResult PaperEstimator::apply(const odo_step* step) {
 UpdateResult PaperEstimator::apply(const odo_fix* fix) {
   const UpdateResult result = coupling_.on_fix(*fix);
   if (!result.accepted) return result;
-  teacher_.fixed(fix->header.t_ns);
+  displacement_reference_.fixed(fix->header.t_ns);
   if (!corrected_pending_) corrected_from_m_ = fixed_m_;
   corrected_pending_ = true;
   constexpr uint32_t kHorizontal = ODO_FIX_NORTH | ODO_FIX_EAST;
@@ -109,7 +109,7 @@ bool PaperEstimator::take_step_reference(odo_fix& reference) { return take(refer
 
 void PaperEstimator::reset() {
   coupling_.reset();
-  teacher_.reset();
+  displacement_reference_.reset();
   pose_.reset();
   reference_.reset();
   camera_started_ = corrected_pending_ = false;

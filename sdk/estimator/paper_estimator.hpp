@@ -6,7 +6,7 @@
 
 #include "sdk/estimator/estimator.hpp"
 #include "sdk/estimator/per_frame_coupling.hpp"
-#include "sdk/estimator/way_teacher.hpp"
+#include "sdk/estimator/displacement_reference.hpp"
 
 namespace odograph {
 
@@ -58,7 +58,7 @@ class PaperEstimator : public Estimator {
   std::vector<Held> held_;
   uint64_t last_held_ = 0;
   double fixed_m_, corrected_from_m_;  ///< of the path, where the position was known last, and before the newest fix
-  WayTeacher teacher_;
+  DisplacementReference displacement_reference_;
   std::optional<odo_pose> pose_;
   std::optional<odo_fix> reference_;
   bool camera_started_ = false, corrected_pending_ = false;

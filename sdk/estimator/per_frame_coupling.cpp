@@ -16,8 +16,8 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr double kImpossible = 5.0;  // times the fastest: a motion that the picture or the scale got wrong
-constexpr double kTurnWalk = 0.003;  // rad/sqrt(s): a chain of frames drifts by this more than it says
+constexpr double kImpossible = 5.0;         // times the fastest: a motion that the picture or the scale got wrong
+constexpr double kAngleRandomWalk = 0.003;  // rad/sqrt(s): a chain of frames drifts by this more than it says
 
 Quaterniond about_down(double angle_rad) { return Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())); }
 
@@ -104,7 +104,7 @@ odo_pose PerFrameCoupling::on_first_frame(int64_t t_ns) {
   // A chained gyroscope that nobody told its heading has any: fixes may turn it around.
   if (!north && !start_.heading_given && config_.orientation == Orientation::gyroscope)
     heading_variance_ = kAnyHeading_rad * kAnyHeading_rad;
-  chain_.reset(q_n_, Vector3d(tilt_variance_, tilt_variance_, heading_variance_).asDiagonal());
+  gyro_attitude_.reset(q_n_, Vector3d(tilt_variance_, tilt_variance_, heading_variance_).asDiagonal());
   last_pose_ns_ = last_tracked_ns_ = t_ns;
   return publish(t_ns, ODO_DEGRADED, ODO_REASON_INITIALISING);
 }
@@ -227,7 +227,7 @@ Vector3d PerFrameCoupling::catch_up(const odo_scale& scale) {
 
 /// What becomes less certain from one frame to the next.
 void PerFrameCoupling::drift(const odo_vo_motion& motion, const Quaterniond& q_n_c0, double dt_s, bool lost_metres) {
-  const double walk = kTurnWalk * kTurnWalk * dt_s;
+  const double walk = kAngleRandomWalk * kAngleRandomWalk * dt_s;
   Matrix3d turned = Matrix3d::Zero();
   if (motion.header.flags & ODO_VO_COVARIANCE) {
     const Matrix3d R_n_c0 = q_n_c0.toRotationMatrix();
@@ -248,24 +248,24 @@ Matrix3d PerFrameCoupling::position_covariance() const {
 }
 
 bool PerFrameCoupling::turn_with_gyroscope(const odo_vo_motion& motion) {
-  const auto imu = chain_.between(motion.t_from_ns, motion.header.t_ns, q_b_c_);
+  const auto imu = gyro_attitude_.between(motion.t_from_ns, motion.header.t_ns, q_b_c_);
   if (!imu) return false;
-  chain_.turn(imu->q_c0_c1, imu->dt_s);
+  gyro_attitude_.propagate(imu->q_c0_c1, imu->dt_s);
   // With parallax a picture's rotation and translation are too much alike to tell a bias.
   const bool pure = motion.reason == ODO_REASON_NO_PARALLAX && (motion.header.flags & ODO_VO_ROTATION) != 0;
   if (pure)
-    chain_.seen_turn(
+    gyro_attitude_.update_relative_rotation(
         imu->q_c0_c1, quaternion(motion.q_c0_c1),
         motion.header.flags & ODO_VO_COVARIANCE ? std::sqrt(rotation_covariance_of(motion).diagonal().maxCoeff()) : 0.0,
         imu->dt_s);
-  chain_.feel(imu->force_c, pure);
-  q_n_ = chain_.q_n_c();
+  gyro_attitude_.update_gravity(imu->force_c, pure);
+  q_n_ = gyro_attitude_.q_n_c();
   return true;
 }
 
 void PerFrameCoupling::share_rotation_covariance() {
   if (camera_ && config_.orientation == Orientation::gyroscope) {
-    rotation_covariance_ = chain_.covariance_n();
+    rotation_covariance_ = gyro_attitude_.covariance_n();
   } else if (turned_by_fixes_) {
     rotation_covariance_(2, 2) = heading_variance_;
     if (config_.orientation == Orientation::vo) rotation_covariance_.diagonal().head<2>().setConstant(tilt_variance_);

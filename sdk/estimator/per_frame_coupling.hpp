@@ -11,7 +11,7 @@
 #include "sdk/config/pipeline_config.hpp"
 #include "sdk/core/pose_history.hpp"
 #include "sdk/estimator/estimator.hpp"
-#include "sdk/estimator/gyro_chain.hpp"
+#include "sdk/estimator/gyro_attitude_filter.hpp"
 
 namespace odograph {
 
@@ -29,7 +29,7 @@ class PerFrameCoupling {
 
   void on_calibration(const odo_calibration& calibration);
   /// A whole sample, gyroscope and accelerometer.
-  void on_imu(const odo_imu& imu) { chain_.keep(imu); }
+  void on_imu(const odo_imu& imu) { gyro_attitude_.add_imu(imu); }
   void on_attitude(const odo_attitude& attitude);
 
   /// The camera starts at this frame: its pose is the first of the track.
@@ -120,8 +120,8 @@ class PerFrameCoupling {
   double heading_offset_rad_ = 0.0;
   double heading_variance_ = 0.0, tilt_variance_ = 0.0;  // rad^2, of q_n_, where fixes correct it
   bool turned_by_fixes_ = false;
-  GyroChain chain_;              // q_n_ where the config says so
-  double unseen_sigma_m_ = 0.0;  // what may have been moved, since the last fix, without a scale or a picture
+  GyroAttitudeFilter gyro_attitude_;  // q_n_ where the config says so
+  double unseen_sigma_m_ = 0.0;       // what may have been moved, since the last fix, without a scale or a picture
   Scale scale_;
   double distance_m_ = 0.0;
   int64_t last_pose_ns_ = INT64_MIN;

@@ -16,18 +16,18 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr int kBelieveFixesAfter = 5;  // that many rejected in a row say that it is we who are wrong
-constexpr double kPlaceless_m = 1e4;   // how little a position means before the first fix
+constexpr int kMaxConsecutiveRejections = 5;  // that many rejected in a row say that it is we who are wrong
+constexpr double kUninformedSigma_m = 1e4;    // how little a position means before the first fix
 
 }  // namespace
 
 bool PerFrameCoupling::turn_chain_by(const Vector3d& off_n, const odo_fix& fix) {
   Matrix3d R = Eigen::Map<const RowMatrix3d>(fix.orientation_cov_n);
-  const auto turn = chain_.correct(off_n, R, config_.fix_gate_sigma);
+  const auto turn = gyro_attitude_.correct(off_n, R, config_.fix_gate_sigma);
   if (!turn) return false;
   turned_by_fixes_ = true;
   heading_offset_rad_ += turn->z();
-  q_n_ = chain_.q_n_c();
+  q_n_ = gyro_attitude_.q_n_c();
   share_rotation_covariance();
   return true;
 }
@@ -101,7 +101,7 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     innovation[i] = 0.0;
     R.row(i).setZero();
     R.col(i).setZero();
-    R(i, i) = kPlaceless_m * kPlaceless_m;
+    R(i, i) = kUninformedSigma_m * kUninformedSigma_m;
   }
   if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) {
     corrected_ = turns && turn_by(fix, q_then);
@@ -109,7 +109,8 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     return {corrected_, 0.0, 0};
   }
   Matrix3d P = position_covariance();
-  if (!placed_ || rejected_in_a_row_ >= kBelieveFixesAfter) P = Matrix3d::Identity() * kPlaceless_m * kPlaceless_m;
+  if (!placed_ || rejected_in_a_row_ >= kMaxConsecutiveRejections)
+    P = Matrix3d::Identity() * kUninformedSigma_m * kUninformedSigma_m;
   const Matrix3d S = P + R + Matrix3d::Identity() * 1e-9;
   const double gate = config_.fix_gate_sigma;
   const double nis = innovation.dot(S.ldlt().solve(innovation));

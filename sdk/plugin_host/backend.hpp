@@ -11,7 +11,7 @@
 
 namespace odograph {
 
-/// The message types a kind is given and owes; empty for an unknown interface.
+/// The message types a kind is given and emits; empty for an unknown interface.
 struct KindTypes {
   std::vector<uint32_t> inputs, outputs;
 };

@@ -154,7 +154,7 @@ int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage&
   const auto name = [&] { return message_name(event.type); };
   if (!outputs.has(event.type)) {
     if (ODO_IS_EVENT(event.type) && !info) return ODO_E_UNSUPPORTED;  // of a newer plugin
-    fault = {"wrong_event", "emitted type = " + name() + "; expected one that its kind owes or its table declares"};
+    fault = {"wrong_event", "emitted type = " + name() + "; expected one that its kind emits or its table declares"};
     return ODO_E_ARGUMENT;
   }
   if (!copy.assign(event)) {

@@ -57,7 +57,7 @@ class PluginInstance {
 
   /// True when the plugin's kind is given messages of this type, or the plugin declares that it wants them.
   bool wants(uint32_t type) const { return inputs_.has(type); }
-  /// True when it owes or declares events of this type.
+  /// True when it emits or declares events of this type.
   bool gives(uint32_t type) const { return outputs_.has(type); }
   /// Hands one message in and returns the events that came out; they are valid until the next call. [process]
   std::span<AnyMessage> process(const odo_header& message);
@@ -137,7 +137,7 @@ struct EventFault {
 /// wrong), or a status with its fault.
 int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault);
 
-/// The message types a kind is given and owes; empty for an unknown interface.
+/// The message types a kind is given and emits; empty for an unknown interface.
 KindTypes kind_types(const std::string& interface_id);
 /// The same, and what the plugin's table declares beyond.
 KindTypes plugin_types(const std::string& interface_id, const odo_plugin& table);

@@ -113,14 +113,10 @@ double scalar(const YamlNode& node, const char* key) {
   return value ? *value : 0.0;
 }
 
-}  // namespace
-
-Result<Recording> read_euroc(const fs::path& given, const ReadOptions& options) {
+Result<bool> add_euroc_imu(Recording& recording, const fs::path& folder) {
   std::error_code error;
-  const fs::path folder = fs::exists(given / "mav0", error) ? given / "mav0" : given;
-  Recording recording{.format = "EuRoC/ASL", .path = given};
-  if (fs::exists(folder / "imu0/sensor.yaml", error)) {
-    const auto node = read_yaml((folder / "imu0/sensor.yaml").string());
+  if (fs::exists(folder / "sensor.yaml", error)) {
+    const auto node = read_yaml((folder / "sensor.yaml").string());
     if (!node) return node.failure();
     auto noise = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, 0);
     noise.gyro_noise = scalar(*node, "gyroscope_noise_density");
@@ -129,54 +125,138 @@ Result<Recording> read_euroc(const fs::path& given, const ReadOptions& options) 
     noise.accel_walk = scalar(*node, "accelerometer_random_walk");
     if (noise.gyro_noise > 0) recording.add(noise.header);
   }
-  if (fs::exists(folder / "imu0/data.csv", error)) {
-    const auto done = add_rows(recording, folder / "imu0/data.csv", 7, true, [](const auto& v, int64_t t) {
-      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
-      imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-      for (size_t i = 0; i < 3; ++i) imu.gyro_b[i] = v[1 + i], imu.accel_b[i] = v[4 + i];
-      return imu;
-    });
-    if (!done) return done.failure();
-  }
-  if (fs::exists(folder / "cam0", error)) {
-    const auto camera = read_asl_camera(folder / "cam0/sensor.yaml", 0);
-    if (!camera) return camera.failure();
-    recording.add(camera->header);
-    const auto sensor = read_yaml((folder / "cam0/sensor.yaml").string());
-    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 0);
-    const double line_s = sensor ? scalar(*sensor, "line_delay") : 0;  // our own key, Kalibr's name
-    if (!(line_s >= 0 && line_s < 1e-2))
-      return Failure{ODO_E_DATA, (folder / "cam0/sensor.yaml").string() + ": line_delay: " + number_text(line_s) +
-                                     "; expected seconds from one row to the next, below 0.01"};
-    frame.line_time_ns = std::llround(line_s * 1e9);
-    if (frame.line_time_ns > 0) frame.header.flags |= ODO_FRAME_LINE_TIME;
-    const auto done = read_rows(folder / "cam0/data.csv", [&](const TextRow& row) -> Result<bool> {
-      const auto t = row.integer(0);
-      if (!t) return t.failure();
-      const auto picture = picture_of(row, folder / "cam0/data", options);
-      if (!picture) return picture.failure();
-      frame.header.t_ns = *t;
-      recording.add(frame.header, {std::make_shared<const fs::path>(*picture)});
-      return true;
-    });
-    if (!done) return done.failure();
-  }
-  const fs::path truth_file = folder / "state_groundtruth_estimate0/data.csv";
-  if (fs::exists(truth_file, error)) {
-    auto truth = read_euroc_truth(truth_file);
-    if (!truth) return truth.failure();
-    // The truth is of the body; with a camera everything here speaks of the camera.
-    for (const auto& m : recording.messages)
-      if (m.message.header().type == ODO_TYPE_CALIBRATION && (m.message.header().flags & ODO_CALIBRATION_EXTRINSICS)) {
-        const auto& c = as<odo_calibration>(m.message.header());
-        const Eigen::Quaterniond q_b_c(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
-        for (auto& x : *truth) {
-          x.p += x.q * Eigen::Vector3d(c.p_b_c);
-          x.q = x.q * q_b_c;
-        }
+  if (!fs::exists(folder / "data.csv", error)) return true;
+  return add_rows(recording, folder / "data.csv", 7, true, [](const auto& v, int64_t t) {
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
+    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    for (size_t i = 0; i < 3; ++i) imu.gyro_b[i] = v[1 + i], imu.accel_b[i] = v[4 + i];
+    return imu;
+  });
+}
+
+Result<bool> add_euroc_camera(Recording& recording, const fs::path& folder, const ReadOptions& options) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return true;
+  const auto camera = read_asl_camera(folder / "sensor.yaml", 0);
+  if (!camera) return camera.failure();
+  recording.add(camera->header);
+  const auto sensor = read_yaml((folder / "sensor.yaml").string());
+  auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 0);
+  const double line_s = sensor ? scalar(*sensor, "line_delay") : 0;  // our own key, Kalibr's name
+  if (!(line_s >= 0 && line_s < 1e-2))
+    return Failure{ODO_E_DATA, (folder / "sensor.yaml").string() + ": line_delay: " + number_text(line_s) +
+                                   "; expected seconds from one row to the next, below 0.01"};
+  frame.line_time_ns = std::llround(line_s * 1e9);
+  if (frame.line_time_ns > 0) frame.header.flags |= ODO_FRAME_LINE_TIME;
+  return read_rows(folder / "data.csv", [&](const TextRow& row) -> Result<bool> {
+    const auto t = row.integer(0);
+    if (!t) return t.failure();
+    const auto picture = picture_of(row, folder / "data", options);
+    if (!picture) return picture.failure();
+    frame.header.t_ns = *t;
+    recording.add(frame.header, {std::make_shared<const fs::path>(*picture)});
+    return true;
+  });
+}
+
+/// Of the camera where there is one: the file's is of the body.
+Result<bool> set_euroc_truth(Recording& recording, const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error)) return true;
+  auto truth = read_euroc_truth(file);
+  if (!truth) return truth.failure();
+  for (const auto& m : recording.messages)
+    if (m.message.header().type == ODO_TYPE_CALIBRATION && (m.message.header().flags & ODO_CALIBRATION_EXTRINSICS)) {
+      const auto& c = as<odo_calibration>(m.message.header());
+      const Eigen::Quaterniond q_b_c(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
+      for (auto& x : *truth) {
+        x.p += x.q * Eigen::Vector3d(c.p_b_c);
+        x.q = x.q * q_b_c;
       }
-    recording.truth = std::move(*truth);
+    }
+  recording.truth = std::move(*truth);
+  return true;
+}
+
+odo_imu advio_imu(uint32_t flag, const std::vector<double>& v, int64_t t) {
+  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
+  imu.header.flags = flag;
+  for (size_t i = 0; i < 3; ++i)  // iOS gives gravity's own direction, in g; specific force is its opposite
+    (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[i] = flag == ODO_IMU_GYRO ? v[1 + i] : -kGravity * v[1 + i];
+  return imu;
+}
+
+odo_magnetometer advio_field(const std::vector<double>& v, int64_t t) {
+  auto m = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, t);
+  for (size_t i = 0; i < 3; ++i) m.field_b[i] = v[1 + i] * 1e-6;
+  return m;
+}
+
+odo_barometer advio_pressure(const std::vector<double>& v, int64_t t) {
+  auto m = make_message<odo_barometer>(ODO_TYPE_BAROMETER, t);
+  m.pressure_pa = v[1] * 1000.0;
+  return m;
+}
+
+odo_gnss advio_place(const std::vector<double>& v, int64_t t) {
+  auto m = make_message<odo_gnss>(ODO_TYPE_GNSS, t);
+  m.header.flags = ODO_GNSS_POSITION | ODO_GNSS_HEIGHT | ODO_GNSS_COVARIANCE;
+  m.latitude_rad = v[1] * kRadians, m.longitude_rad = v[2] * kRadians;
+  m.height_m = v[4];
+  m.covariance_n[0] = m.covariance_n[4] = 0.5 * v[3] * v[3];
+  m.covariance_n[8] = v[5] * v[5];
+  return m;
+}
+
+Result<bool> add_advio_frames(Recording& recording, const fs::path& folder) {
+  const fs::path phone = folder / "iphone";
+  std::error_code error;
+  if (!fs::exists(phone / "frames", error) || !fs::exists(phone / "frames.csv", error)) {
+    if (fs::exists(phone / "frames.mov", error))
+      recording.warnings.push_back(
+          "iphone/frames.mov is not read; for pictures run: ffmpeg -i frames.mov frames/%05d.png, and add a "
+          "camera.yaml");
+    return true;
   }
+  const auto camera = read_camera_yaml(folder / "camera.yaml", nullptr);
+  if (!camera) return camera.failure();
+  recording.add(camera->header);
+  int64_t index = 0;
+  return read_rows(phone / "frames.csv", [&](const TextRow& row) -> Result<bool> {
+    const auto t = parse_seconds(row.fields[0]);
+    if (!t) return row.wrong(t.failure().text);
+    char name[32];
+    std::snprintf(name, sizeof name, "%05lld.png", static_cast<long long>(++index));
+    recording.add(make_message<odo_frame>(ODO_TYPE_FRAME, *t).header,
+                  {std::make_shared<const fs::path>(phone / "frames" / name)});
+    return true;
+  });
+}
+
+Result<bool> add_advio_truth(Recording& recording, const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error)) return true;
+  return read_rows(file, [&](const TextRow& row) -> Result<bool> {
+    const auto v = numbers(row, 8);
+    const auto t = parse_seconds(row.fields[0]);
+    if (!v) return v.failure();
+    if (!t) return row.wrong(t.failure().text);
+    recording.truth.push_back(
+        {*t, Eigen::Quaterniond((*v)[4], (*v)[5], (*v)[6], (*v)[7]).normalized(), {(*v)[1], (*v)[2], (*v)[3]}});
+    return true;
+  });
+}
+
+}  // namespace
+
+Result<Recording> read_euroc(const fs::path& given, const ReadOptions& options) {
+  std::error_code error;
+  const fs::path folder = fs::exists(given / "mav0", error) ? given / "mav0" : given;
+  Recording recording{.format = "EuRoC/ASL", .path = given};
+  if (const auto done = add_euroc_imu(recording, folder / "imu0"); !done) return done.failure();
+  if (const auto done = add_euroc_camera(recording, folder / "cam0", options); !done) return done.failure();
+  if (const auto done = set_euroc_truth(recording, folder / "state_groundtruth_estimate0/data.csv"); !done)
+    return done.failure();
   if (recording.messages.empty()) return Failure{ODO_E_DATA, given.string() + ": neither imu0/data.csv nor cam0 in it"};
   recording.sort();
   return recording;
@@ -185,82 +265,20 @@ Result<Recording> read_euroc(const fs::path& given, const ReadOptions& options) 
 Result<Recording> read_advio(const fs::path& folder) {
   Recording recording{.format = "ADVIO", .path = folder};
   const fs::path phone = folder / "iphone";
-  std::error_code error;
-  const auto optional = [&](const fs::path& file, auto&& read) -> Result<bool> {
-    return fs::exists(file, error) ? read(file) : Result<bool>(true);
+  const auto add = [&](const char* name, size_t columns, auto&& message) -> Result<bool> {
+    std::error_code error;
+    return fs::exists(phone / name, error) ? add_rows(recording, phone / name, columns, false, message)
+                                           : Result<bool>(true);
   };
-  const auto imu_rows = [&](uint32_t flag) {
-    return [&recording, flag](const fs::path& file) {
-      return add_rows(recording, file, 4, false, [flag](const auto& v, int64_t t) {
-        auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
-        imu.header.flags = flag;
-        for (size_t i = 0; i < 3; ++i)  // iOS gives gravity's own direction, in g; specific force is its opposite
-          (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[i] = flag == ODO_IMU_GYRO ? v[1 + i] : -kGravity * v[1 + i];
-        return imu;
-      });
-    };
-  };
-  for (const auto& done : {optional(phone / "accelerometer.csv", imu_rows(ODO_IMU_ACCEL)),
-                           optional(phone / "gyro.csv", imu_rows(ODO_IMU_GYRO)),
-                           optional(phone / "magnetometer.csv",
-                                    [&](const fs::path& file) {
-                                      return add_rows(recording, file, 4, false, [](const auto& v, int64_t t) {
-                                        auto m = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, t);
-                                        for (size_t i = 0; i < 3; ++i) m.field_b[i] = v[1 + i] * 1e-6;
-                                        return m;
-                                      });
-                                    }),
-                           optional(phone / "barometer.csv",
-                                    [&](const fs::path& file) {
-                                      return add_rows(recording, file, 2, false, [](const auto& v, int64_t t) {
-                                        auto m = make_message<odo_barometer>(ODO_TYPE_BAROMETER, t);
-                                        m.pressure_pa = v[1] * 1000.0;
-                                        return m;
-                                      });
-                                    }),
-                           optional(phone / "platform-location.csv", [&](const fs::path& file) {
-                             return add_rows(recording, file, 6, false, [](const auto& v, int64_t t) {
-                               auto m = make_message<odo_gnss>(ODO_TYPE_GNSS, t);
-                               m.header.flags = ODO_GNSS_POSITION | ODO_GNSS_HEIGHT | ODO_GNSS_COVARIANCE;
-                               m.latitude_rad = v[1] * kRadians, m.longitude_rad = v[2] * kRadians;
-                               m.height_m = v[4];
-                               m.covariance_n[0] = m.covariance_n[4] = 0.5 * v[3] * v[3];
-                               m.covariance_n[8] = v[5] * v[5];
-                               return m;
-                             });
-                           })})
-    if (!done) return done.failure();
-  if (fs::exists(phone / "frames", error) && fs::exists(phone / "frames.csv", error)) {
-    const auto camera = read_camera_yaml(folder / "camera.yaml", nullptr);
-    if (!camera) return camera.failure();
-    recording.add(camera->header);
-    int64_t index = 0;
-    const auto frames = read_rows(phone / "frames.csv", [&](const TextRow& row) -> Result<bool> {
-      const auto t = parse_seconds(row.fields[0]);
-      if (!t) return row.wrong(t.failure().text);
-      char name[32];
-      std::snprintf(name, sizeof name, "%05lld.png", static_cast<long long>(++index));
-      recording.add(make_message<odo_frame>(ODO_TYPE_FRAME, *t).header,
-                    {std::make_shared<const fs::path>(phone / "frames" / name)});
-      return true;
-    });
-    if (!frames) return frames.failure();
-  } else if (fs::exists(phone / "frames.mov", error)) {
-    recording.warnings.push_back(
-        "iphone/frames.mov is not read; for pictures run: ffmpeg -i frames.mov frames/%05d.png, and add a camera.yaml");
-  }
-  if (fs::exists(folder / "ground-truth/pose.csv", error)) {
-    const auto done = read_rows(folder / "ground-truth/pose.csv", [&](const TextRow& row) -> Result<bool> {
-      const auto v = numbers(row, 8);
-      const auto t = parse_seconds(row.fields[0]);
-      if (!v) return v.failure();
-      if (!t) return row.wrong(t.failure().text);
-      recording.truth.push_back(
-          {*t, Eigen::Quaterniond((*v)[4], (*v)[5], (*v)[6], (*v)[7]).normalized(), {(*v)[1], (*v)[2], (*v)[3]}});
-      return true;
-    });
-    if (!done) return done.failure();
-  }
+  const auto accel = [](const auto& v, int64_t t) { return advio_imu(ODO_IMU_ACCEL, v, t); };
+  const auto gyro = [](const auto& v, int64_t t) { return advio_imu(ODO_IMU_GYRO, v, t); };
+  if (const auto done = add("accelerometer.csv", 4, accel); !done) return done.failure();
+  if (const auto done = add("gyro.csv", 4, gyro); !done) return done.failure();
+  if (const auto done = add("magnetometer.csv", 4, advio_field); !done) return done.failure();
+  if (const auto done = add("barometer.csv", 2, advio_pressure); !done) return done.failure();
+  if (const auto done = add("platform-location.csv", 6, advio_place); !done) return done.failure();
+  if (const auto done = add_advio_frames(recording, folder); !done) return done.failure();
+  if (const auto done = add_advio_truth(recording, folder / "ground-truth/pose.csv"); !done) return done.failure();
   if (recording.messages.empty()) return Failure{ODO_E_DATA, folder.string() + ": no sensor files in iphone/"};
   recording.sort();
   return recording;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What each kind owes, and whether its numbers can be true: thresholds are bounds of what a person or a phone can do.
+// What each kind must emit, and whether its numbers can be true: thresholds are bounds of what a person or a phone can
+// do.
 #include <algorithm>
 #include <cmath>
 #include <set>

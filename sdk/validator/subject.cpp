@@ -70,7 +70,7 @@ int32_t Subject::emit(const odo_header* event) {
   if (++events_in_call_ > kMostEvents)
     return breach("count: more than " + std::to_string(kMostEvents) + " events in one call"), ODO_E_EXHAUSTED;
   if (!outputs_.has(event->type)) {
-    breach("type: emitted " + message_name(event->type) + ", which its kind does not owe and its table not declare");
+    breach("type: emitted " + message_name(event->type) + ", which neither its kind emits nor its table declares");
     return ODO_E_ARGUMENT;
   }
   SeenEvent seen;

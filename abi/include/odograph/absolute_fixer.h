@@ -3,7 +3,7 @@
  * Kind of plugin: positions and orientations from outside
  *
  * Given: odo_gnss, odo_barometer, odo_waypoint, odo_frame, odo_calibration, and odo_pose as a prior.
- * Owes:  odo_fix whenever it has one: any subset of position and orientation with covariance and integrity.
+ * Emits: odo_fix whenever it has one: any subset of position and orientation with covariance and integrity.
  */
 #ifndef ODOGRAPH_ABSOLUTE_FIXER_H
 #define ODOGRAPH_ABSOLUTE_FIXER_H

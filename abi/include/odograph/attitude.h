@@ -3,7 +3,7 @@
  * Kind of plugin: orientation of the body
  *
  * Given: odo_imu (both sensors in every sample, in time order), odo_magnetometer, odo_imu_noise.
- * Owes:  one odo_attitude for each odo_imu once it has started (ODO_NOT_READY before), at the sample's time.
+ * Emits: one odo_attitude for each odo_imu once it has started (ODO_NOT_READY before), at the sample's time.
  *        The heading refers to wherever it began (any value will do) unless ODO_ATTITUDE_NORTH is set; covariance_n states
  *        its uncertainty since then. ODO_ATTITUDE_MAG_DISTURBED while the magnetometer is not to be trusted.
  */

@@ -96,7 +96,7 @@ typedef struct odo_value {
 
 /* ---- data in and out ---------------------------------------------------------------------------------------------- */
 /* Messages in the order of their time, as the host let them through: at least of version 1.0's size, with numbers that
- * are finite and within what a sensor can measure. A plugin must survive others, but owes no result for them. Each
+ * are finite and within what a sensor can measure. A plugin must survive others, but need not answer to them. Each
  * message carries its own size, so a batch needs no stride and merges any types. How the input is cut into batches never
  * changes the output. */
 typedef struct odo_batch {
@@ -109,7 +109,7 @@ typedef struct odo_batch {
 typedef struct odo_sink {
   uint32_t struct_size;
   uint32_t instance; /* this instance's number, for the report service */
-  /* [process] The event is copied. ODO_E_ARGUMENT (a type that neither this kind owes nor the table declares, or a value
+  /* [process] The event is copied. ODO_E_ARGUMENT (a type that neither this kind emits nor the table declares, or a value
    * that is not finite: a report names the field), ODO_E_STRUCT_SIZE, ODO_E_EXHAUSTED (more than 256 events in one call).
    * ODO_E_UNSUPPORTED: an event that this host is too old for; nothing is wrong. */
   int32_t (ODO_CALL *emit)(const struct odo_sink *sink, const odo_header *event);

@@ -3,7 +3,7 @@
  * Kind of plugin: metres per VO unit
  *
  * Given: odo_vo_motion (with q_n_c0), odo_step, odo_motion_mode, odo_fix.
- * Owes:  an odo_scale for each motion that it can tell it for, before process returns: the motion is scaled right then.
+ * Emits: an odo_scale for each motion that it can tell it for, before process returns: the motion is scaled right then.
  *        valid_from_ns and valid_to_ns say for which motions; what is said outside of a motion (on a step, on a fix) may
  *        hold for motions to come. A scale that holds for past motions alone comes too late: it changes nothing, is
  *        published without ODO_SCALE_ACCEPTED and reported ("late_scale"). ODO_SCALE_HORIZONTAL when it speaks of the

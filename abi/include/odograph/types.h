@@ -353,7 +353,7 @@ typedef struct odo_vo_motion {
 
 #define ODO_SCALE_HORIZONTAL UINT32_C(1)   /* to be applied to the horizontal part of the displacement only */
 #define ODO_SCALE_STEADY UINT32_C(2)       /* holds for the motions of its group that came before it too */
-#define ODO_SCALE_NOT_BY_STEPS UINT32_C(4) /* owes nothing to step lengths: the way it gives may teach them */
+#define ODO_SCALE_NOT_BY_STEPS UINT32_C(4) /* does not depend on step lengths: its path may teach them */
 #define ODO_SCALE_ACCEPTED UINT32_C(8)     /* set by the host on what it publishes: not too late, not of another group */
 typedef struct odo_scale { /* how long a VO unit is */
   odo_header header;

@@ -3,7 +3,7 @@
  * Kind of plugin: camera motion up to scale
  *
  * Given: odo_calibration, odo_frame (borrowed), odo_imu, odo_imu_noise and odo_attitude as priors where there are any.
- * Owes:  exactly one odo_vo_motion for each frame after the first, in the frames' order, with t_from_ns the t_ns of the
+ * Emits: exactly one odo_vo_motion for each frame after the first, in the frames' order, with t_from_ns the t_ns of the
  *        previous frame. It comes with the frame's call, or, since a frame's last rows need inertial samples that are
  *        later than its time, with a later one, at the latest that of the next frame. When
  *        the motion cannot be told, state is ODO_DEGRADED or ODO_LOST with a reason and the flags say what is valid:

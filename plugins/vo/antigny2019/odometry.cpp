@@ -94,8 +94,8 @@ std::optional<Odometry::EpipolarPair> Odometry::epipolar(const Picture& a, const
 }
 
 /// The points of a and b that are seen again, triangulated, and the pose that sees them so.
-bool Odometry::locate(const Picture& now, const std::vector<std::pair<int, int>>& pairs, Isometry3d& T_b_c,
-                      Motion& motion) const {
+bool Odometry::estimate_pose(const Picture& now, const std::vector<std::pair<int, int>>& pairs, Isometry3d& T_b_c,
+                             Motion& motion) const {
   std::unordered_map<int, int> in_a;
   for (const auto& [i, j] : ab_) in_a[j] = i;
   std::vector<cv::Point3d> world;
@@ -152,7 +152,7 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
   bool located = false;
   if (pair) {
     motion.inliers = static_cast<unsigned>(pair->inliers.size());
-    located = a_ && locate(now, pair->inliers, T_b_c, motion);
+    located = a_ && estimate_pose(now, pair->inliers, T_b_c, motion);
     const bool parallax = pair->parallax_px > p_.parallax_px;
     if (!located) {  // rotation is known all the same; the way only when it can be a new unit
       T_b_c.linear() = pair->T_0_1.linear();

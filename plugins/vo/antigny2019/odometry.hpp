@@ -59,8 +59,8 @@ class Odometry {
   Picture look(const cv::Mat& grey, const cv::Mat& mask);
   std::optional<EpipolarPair> epipolar(const Picture& a, const Picture& b,
                                        const std::vector<std::pair<int, int>>& pairs) const;
-  bool locate(const Picture& now, const std::vector<std::pair<int, int>>& pairs, Eigen::Isometry3d& T_b_c,
-              Motion& motion) const;
+  bool estimate_pose(const Picture& now, const std::vector<std::pair<int, int>>& pairs, Eigen::Isometry3d& T_b_c,
+                     Motion& motion) const;
 
   Parameters p_;
   CameraModel camera_;

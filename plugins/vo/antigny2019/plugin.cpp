@@ -52,13 +52,13 @@ class Antigny2019 {
     odograph::put_motion(Eigen::Quaterniond(motion.T_c0_c1.linear()).normalized(), motion.T_c0_c1.translation(),
                          motion.rotation_sigma_rad, motion.position_sigma, event);
     if (motion.outcome == Outcome::tracking)
-      odograph::put_state(odograph::Tracking::tracking, odograph::Trouble::none, event);
+      odograph::put_state(odograph::Tracking::tracking, odograph::FailureReason::none, event);
     else if (motion.outcome == Outcome::lost)
-      odograph::put_state(odograph::Tracking::lost,
-                          cv::mean(grey)[0] < kDark ? odograph::Trouble::too_dark : odograph::Trouble::few_features,
-                          event);
+      odograph::put_state(
+          odograph::Tracking::lost,
+          cv::mean(grey)[0] < kDark ? odograph::FailureReason::too_dark : odograph::FailureReason::few_features, event);
     else
-      odograph::put_state(odograph::Tracking::degraded, odograph::Trouble::no_parallax, event);
+      odograph::put_state(odograph::Tracking::degraded, odograph::FailureReason::no_parallax, event);
     event.scale_group = motion.scale_group;
     output.emit(event);
   }

@@ -47,7 +47,7 @@ class FivePoint {
     auto event = odograph::motion_event(frame, from_ns, motion.rotation_valid, motion.translation_valid, motion.tracked,
                                         motion.inliers);
     odograph::put_motion(motion.q_c0_c1, motion.p_c0_c1, motion.rotation_sigma_rad, motion.position_sigma, event);
-    odograph::put_state(motion.state, motion.trouble, event);
+    odograph::put_state(motion.state, motion.failure, event);
     event.scale_group = motion.scale_group;
     return event;
   }

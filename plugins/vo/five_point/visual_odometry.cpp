@@ -45,19 +45,19 @@ Motion VisualOdometry::process(const cv::Mat& grey, const cv::Mat& mask) {
   if (!have_reference_) {
     begin(false);
   } else if (started_) {
-    if (locate(motion) && agrees_with_two_views(T_w_c0)) {
+    if (estimate_pose(motion) && agrees_with_two_views(T_w_c0)) {
       extend_map();
     } else {
       motion = Motion{.tracked = motion.tracked};
       motion.state = Tracking::lost;
-      motion.trouble = tracker_.mean_grey() < p_.dark_grey ? Trouble::too_dark : Trouble::few_features;
+      motion.failure = tracker_.mean_grey() < p_.dark_grey ? FailureReason::too_dark : FailureReason::few_features;
       begin(true);
     }
   } else if (!try_start(motion)) {
     motion.state = motion.tracked < static_cast<unsigned>(p_.min_inliers) ? Tracking::lost : Tracking::degraded;
-    motion.trouble = tracker_.mean_grey() < p_.dark_grey ? Trouble::too_dark
-                     : motion.state == Tracking::lost    ? Trouble::few_features
-                                                         : Trouble::no_parallax;
+    motion.failure = tracker_.mean_grey() < p_.dark_grey ? FailureReason::too_dark
+                     : motion.state == Tracking::lost    ? FailureReason::few_features
+                                                         : FailureReason::no_parallax;
   }
   if (motion.translation_valid) {
     last_step_ = T_w_c0.inverse() * T_w_c_;
@@ -139,7 +139,7 @@ bool VisualOdometry::try_start(Motion& motion) {
   started_ = true;
   motion.translation_valid = true;
   motion.state = Tracking::tracking;
-  motion.trouble = Trouble::none;
+  motion.failure = FailureReason::none;
   motion.rotation_sigma_rad = threshold() / std::sqrt(static_cast<double>(pair->count));
   motion.position_sigma = 0.1;
   return true;
@@ -176,7 +176,7 @@ bool VisualOdometry::plausible(const Isometry3d& T_c_w, const Isometry3d& T_pred
 }
 
 /// The frame's pose by PnP: RANSAC from the predicted pose, then Levenberg-Marquardt on the inliers.
-bool VisualOdometry::locate(Motion& motion) {
+bool VisualOdometry::estimate_pose(Motion& motion) {
   std::vector<cv::Point3d> world;
   std::vector<cv::Point2d> image;
   std::vector<uint64_t> ids;
@@ -218,7 +218,7 @@ bool VisualOdometry::locate(Motion& motion) {
   motion.inliers = static_cast<unsigned>(good_world.size());
   motion.translation_valid = true;
   motion.state = Tracking::tracking;
-  motion.trouble = Trouble::none;
+  motion.failure = FailureReason::none;
   motion.rotation_sigma_rad = threshold() / std::sqrt(static_cast<double>(good_world.size()));
   motion.position_sigma = motion.rotation_sigma_rad * depth;
   return true;

@@ -20,7 +20,7 @@ struct Motion {
   bool rotation_valid = false, translation_valid = false;
   double rotation_sigma_rad = 0.0, position_sigma = 0.0;
   Tracking state = Tracking::lost;
-  Trouble trouble = Trouble::initialising;
+  FailureReason failure = FailureReason::initialising;
   unsigned scale_group = 0;
   unsigned tracked = 0, inliers = 0;
 };
@@ -62,7 +62,7 @@ class VisualOdometry {
 
   void begin(bool new_group);
   bool try_start(Motion& motion);
-  bool locate(Motion& motion);
+  bool estimate_pose(Motion& motion);
   bool plausible(const Eigen::Isometry3d& T_c_w, const Eigen::Isometry3d& T_predicted,
                  const std::vector<cv::Point3d>& inliers, size_t asked) const;
   bool agrees_with_two_views(const Eigen::Isometry3d& T_w_c0);

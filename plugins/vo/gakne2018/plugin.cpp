@@ -57,7 +57,7 @@ class Gakne2018 {
     auto event = odograph::motion_event(frame, from_ns, motion.valid, motion.valid, motion.matches, motion.inliers);
     odograph::put_motion(motion.q_c0_c1, motion.p_c0_c1, motion.rotation_sigma_rad, motion.position_sigma, event);
     odograph::put_state(motion.valid ? odograph::Tracking::tracking : odograph::Tracking::lost,
-                        motion.valid ? odograph::Trouble::none : odograph::Trouble::few_features, event);
+                        motion.valid ? odograph::FailureReason::none : odograph::FailureReason::few_features, event);
     output.emit(event);
   }
 

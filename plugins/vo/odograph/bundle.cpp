@@ -2,7 +2,11 @@
 #include "plugins/vo/odograph/bundle.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include <ceres/ceres.h>
 
@@ -177,88 +181,125 @@ ceres::Problem::Options borrowed() {
   return options;
 }
 
+/// The window as unknowns of Ceres, and back.
+class WindowProblem {
+ public:
+  WindowProblem(Window& window, const Vector3d& bias_c) : window_(window), poses_(window.keyframes().size() + 1) {
+    const auto& keyframes = window_.keyframes();
+    Eigen::Map<Vector3d>{bias()} = bias_c;
+    for (size_t k = 0; k < keyframes.size(); ++k) {
+      Eigen::Map<Quaterniond>{poses_[k].data()} = Quaterniond(keyframes[k].T_w_c.linear());
+      Eigen::Map<Vector3d>{poses_[k].data() + 4} = keyframes[k].T_w_c.translation();
+      problem_.AddParameterBlock(poses_[k].data(), 7, &manifold_);
+      ordering_->AddElementToGroup(poses_[k].data(), 1);
+    }
+  }
+
+  /// How many there are.
+  int add_observations(double sigma) {
+    int observations = 0;
+    const uint32_t first = window_.keyframes().front().id;
+    // Side by side: Ceres orders its blocks by their addresses, and the sums must come in the same order each time.
+    for (auto& [track, landmark] : window_.landmarks())
+      if (landmark.located && landmark.seen.size() > 1) located_.push_back(&landmark);
+    inverse_depths_.resize(located_.size());
+    for (size_t k = 0; k < located_.size(); ++k) {
+      const Landmark& landmark = *located_[k];
+      double* rho = &inverse_depths_[k];
+      *rho = landmark.inverse_depth;
+      problem_.AddParameterBlock(rho, 1);
+      ordering_->AddElementToGroup(rho, 0);
+      const Observation& anchor = landmark.seen.front();
+      for (size_t i = 1; i < landmark.seen.size(); ++i) {
+        const Observation& o = landmark.seen[i];
+        problem_.AddResidualBlock(new Reprojection(anchor.seen, o.seen, sigma), &cauchy_,
+                                  poses_[anchor.keyframe - first].data(), poses_[o.keyframe - first].data(), rho);
+        ++observations;
+      }
+    }
+    return observations;
+  }
+
+  /// The gyroscope's, with its bias.
+  void add_rotations(const Vector3d& bias_c) {
+    const auto& keyframes = window_.keyframes();
+    bool any = false;
+    for (size_t k = 1; k < keyframes.size(); ++k) {
+      if (!keyframes[k].turn) continue;
+      if (!std::exchange(any, true)) {
+        problem_.AddParameterBlock(bias(), 3);
+        ordering_->AddElementToGroup(bias(), 1);
+        problem_.AddResidualBlock(new BiasPrior(bias_c), nullptr, bias());
+      }
+      problem_.AddResidualBlock(new Turn(*keyframes[k].turn, keyframes[k].turn_bias_c), nullptr, poses_[k - 1].data(),
+                                poses_[k].data(), bias());
+    }
+  }
+
+  /// Place, heading and scale, which nothing above tells.
+  void hold_gauge() {
+    const auto& keyframes = window_.keyframes();
+    problem_.SetParameterBlockConstant(poses_[0].data());
+    if (window_.slid())
+      problem_.SetParameterBlockConstant(poses_[1].data());
+    else
+      problem_.AddResidualBlock(
+          new Length((keyframes[1].T_w_c.translation() - keyframes[0].T_w_c.translation()).norm()), nullptr,
+          poses_[0].data(), poses_[1].data());
+  }
+
+  ceres::Solver::Summary solve() {
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.linear_solver_ordering = ordering_;
+    options.max_num_iterations = kIterations;
+    options.num_threads = 1;
+    options.logging_type = ceres::SILENT;
+    options.function_tolerance = 1e-4;
+    ceres::Solver::Summary summary;
+    const CeresSilence silence;
+    ceres::Solve(options, &problem_, &summary);
+    return summary;
+  }
+
+  void write_back(Vector3d& bias_c) {
+    auto& keyframes = window_.keyframes();
+    bias_c = Eigen::Map<Vector3d>(bias());
+    for (size_t k = 0; k < keyframes.size(); ++k) {
+      keyframes[k].T_w_c.linear() = Eigen::Map<Quaterniond>(poses_[k].data()).normalized().toRotationMatrix();
+      keyframes[k].T_w_c.translation() = Eigen::Map<Vector3d>(poses_[k].data() + 4);
+    }
+    for (size_t k = 0; k < located_.size(); ++k)
+      located_[k]->inverse_depth = std::max(inverse_depths_[k], kLeastInverse);
+  }
+
+ private:
+  double* bias() { return poses_.back().data(); }
+
+  Window& window_;
+  std::vector<std::array<double, 7>> poses_;  // and the bias
+  std::vector<Landmark*> located_;
+  std::vector<double> inverse_depths_;
+  PoseManifold manifold_;
+  ceres::CauchyLoss cauchy_{kCauchy};
+  ceres::Problem problem_{borrowed()};
+  std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ = std::make_shared<ceres::ParameterBlockOrdering>();
+};
+
 }  // namespace
 
 BundleReport adjust(Window& window, Vector3d& bias_c, double sigma) {
-  auto& keyframes = window.keyframes();
   BundleReport report;
-  if (keyframes.size() < 3) return report;
-  const uint32_t first = keyframes.front().id;
-  std::vector<std::array<double, 7>> poses(keyframes.size() + 1);  // and the bias
-  double* const bias = poses.back().data();
-  Eigen::Map<Vector3d>{bias} = bias_c;
-  for (size_t k = 0; k < keyframes.size(); ++k) {
-    Eigen::Map<Quaterniond>{poses[k].data()} = Quaterniond(keyframes[k].T_w_c.linear());
-    Eigen::Map<Vector3d>{poses[k].data() + 4} = keyframes[k].T_w_c.translation();
-  }
-  PoseManifold manifold;
-  ceres::CauchyLoss cauchy(kCauchy);
-  ceres::Problem problem(borrowed());
-  auto* ordering = new ceres::ParameterBlockOrdering;
-  for (size_t k = 0; k < keyframes.size(); ++k) {
-    problem.AddParameterBlock(poses[k].data(), 7, &manifold);
-    ordering->AddElementToGroup(poses[k].data(), 1);
-  }
-  // Side by side: Ceres orders its blocks by their addresses, and the sums must come in the same order each time.
-  std::vector<Landmark*> located;
-  for (auto& [track, landmark] : window.landmarks())
-    if (landmark.located && landmark.seen.size() > 1) located.push_back(&landmark);
-  std::vector<double> inverse_depths(located.size());
-  for (size_t k = 0; k < located.size(); ++k) {
-    const Landmark& landmark = *located[k];
-    double* rho = &inverse_depths[k];
-    *rho = landmark.inverse_depth;
-    problem.AddParameterBlock(rho, 1);
-    ordering->AddElementToGroup(rho, 0);
-    const Observation& anchor = landmark.seen.front();
-    for (size_t i = 1; i < landmark.seen.size(); ++i) {
-      const Observation& o = landmark.seen[i];
-      problem.AddResidualBlock(new Reprojection(anchor.seen, o.seen, sigma), &cauchy,
-                               poses[anchor.keyframe - first].data(), poses[o.keyframe - first].data(), rho);
-      ++report.observations;
-    }
-  }
-  bool turns = false;
-  for (size_t k = 1; k < keyframes.size(); ++k)
-    if (keyframes[k].turn) {
-      if (!turns) {
-        problem.AddParameterBlock(bias, 3);
-        ordering->AddElementToGroup(bias, 1);
-        problem.AddResidualBlock(new BiasPrior(bias_c), nullptr, bias);
-      }
-      turns = true;
-      problem.AddResidualBlock(new Turn(*keyframes[k].turn, keyframes[k].turn_bias_c), nullptr, poses[k - 1].data(),
-                               poses[k].data(), bias);
-    }
-  problem.SetParameterBlockConstant(poses[0].data());
-  if (window.slid())
-    problem.SetParameterBlockConstant(poses[1].data());
-  else
-    problem.AddResidualBlock(new Length((keyframes[1].T_w_c.translation() - keyframes[0].T_w_c.translation()).norm()),
-                             nullptr, poses[0].data(), poses[1].data());
-
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.linear_solver_ordering.reset(ordering);
-  options.max_num_iterations = kIterations;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
-  options.function_tolerance = 1e-4;
-  ceres::Solver::Summary summary;
-  {
-    const CeresSilence silence;
-    ceres::Solve(options, &problem, &summary);
-  }
+  if (window.keyframes().size() < 3) return report;
+  WindowProblem problem(window, bias_c);
+  report.observations = problem.add_observations(sigma);
+  problem.add_rotations(bias_c);
+  problem.hold_gauge();
+  const ceres::Solver::Summary summary = problem.solve();
   report.solved = summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
   report.failed = !report.solved;
   report.iterations = static_cast<int>(summary.iterations.size());
-  if (!report.solved) return report;
-  bias_c = Eigen::Map<Vector3d>(bias);
-  for (size_t k = 0; k < keyframes.size(); ++k) {
-    keyframes[k].T_w_c.linear() = Eigen::Map<Quaterniond>(poses[k].data()).normalized().toRotationMatrix();
-    keyframes[k].T_w_c.translation() = Eigen::Map<Vector3d>(poses[k].data() + 4);
-  }
-  for (size_t k = 0; k < located.size(); ++k) located[k]->inverse_depth = std::max(inverse_depths[k], kLeastInverse);
+  if (report.solved) problem.write_back(bias_c);
   return report;
 }
 

@@ -24,7 +24,7 @@ constexpr double kKeyParallax_rad = 0.012;  // median since the last keyframe
 constexpr double kFewLeft = 0.6;            // of what the last keyframe had
 constexpr double kLoose_px = 8;             // how far off a prediction may be
 constexpr double kTurnFloor_rad = 1e-4;     // time stamps, the way between rows
-constexpr double kSearch_s = 1.0;
+constexpr double kRelocalise_s = 1.0;
 constexpr double kDrift_radps = 0.003;  // of a gyroscope whose bias is known
 constexpr double kStanding = 0.004;     // of the median depth, between two keyframes
 constexpr double kDimBlur_px = 1.5;
@@ -41,11 +41,11 @@ Odometry::Odometry(const Parameters& parameters, const CameraModel& camera)
 Motion Odometry::process(const Frame& frame) {
   Motion motion;
   predict(frame);
-  if (searching_since_ns_) {
-    search(frame, motion);
+  if (relocalising_since_ns_) {
+    relocalise(frame, motion);
   } else {
     follow(frame, expected_pose());
-    straighten(frame);
+    undistort_tracks(frame);
     motion.tracked = static_cast<unsigned>(seen_.size());
     if (!have_reference_) {
       begin(frame, false);
@@ -55,10 +55,10 @@ Motion Odometry::process(const Frame& frame) {
         make_keyframe(frame);
       else if (!in_sight || static_cast<double>(seen_.size()) < kFewLeft * static_cast<double>(seen_at_keyframe_))
         begin(frame, false);
-    } else if (!place(expected_pose(), motion)) {
-      searching_since_ns_ = frame.t_ns;
-      if (doubts_ > 1) haven_.reset();
-      search(frame, motion);
+    } else if (!estimate_pose(expected_pose(), motion)) {
+      relocalising_since_ns_ = frame.t_ns;
+      if (doubts_ > 1) relocalisation_keyframe_.reset();
+      relocalise(frame, motion);
     } else if (wants_keyframe()) {
       make_keyframe(frame);
     }
@@ -71,33 +71,34 @@ Motion Odometry::process(const Frame& frame) {
 
 /// Something stands before the camera, or it is dark, or it turned too fast: for a while the camera is looked for from
 /// where it was last well placed; then a new map begins.
-void Odometry::search(const Frame& frame, Motion& motion) {
-  if (haven_) {
-    tracker_ = haven_->tracker.snapshot();
-    seen_ = haven_->seen;
-    seen_lens_ = haven_->lens;
+void Odometry::relocalise(const Frame& frame, Motion& motion) {
+  if (relocalisation_keyframe_) {
+    tracker_ = relocalisation_keyframe_->tracker.snapshot();
+    seen_ = relocalisation_keyframe_->seen;
+    seen_lens_ = relocalisation_keyframe_->lens;
     const Isometry3d expected = pose_before() * isometry(expected_turn_, Vector3d::Zero());
     follow(frame, expected);
-    straighten(frame);
+    undistort_tracks(frame);
     motion = Motion{.tracked = static_cast<unsigned>(seen_.size())};
     // A few points that agree before something that passes are no place.
     const size_t wanted = located_at_keyframe_ * 2 / 5;
     const Isometry3d T_k_c = T_k_c_, T_w_c = T_w_c_, last_step = last_step_;
-    if (place(expected, motion) && motion.inliers >= wanted) {
-      searching_since_ns_.reset();
+    if (estimate_pose(expected, motion) && motion.inliers >= wanted) {
+      relocalising_since_ns_.reset();
       return;
     }
     T_k_c_ = T_k_c, T_w_c_ = T_w_c, last_step_ = last_step;
   }
   motion = Motion{.tracked = motion.tracked};
-  motion.trouble = tracker_.mean_grey() < kDarkGrey ? Trouble::too_dark : Trouble::few_features;
+  motion.failure = tracker_.mean_grey() < kDarkGrey ? FailureReason::too_dark : FailureReason::few_features;
   if (turn_) {
     motion.q_c0_c1 = turn_->q_c0_c1;
     motion.covariance.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() * turn_->sigma_rad * turn_->sigma_rad;
     motion.rotation_valid = true;
     T_k_c_.linear() = T_k_c_.linear() * turn_->q_c0_c1.toRotationMatrix();
   }
-  if (!haven_ || static_cast<double>(frame.t_ns - *searching_since_ns_) * 1e-9 > kSearch_s) begin(frame, true);
+  if (!relocalisation_keyframe_ || static_cast<double>(frame.t_ns - *relocalising_since_ns_) * 1e-9 > kRelocalise_s)
+    begin(frame, true);
 }
 
 /// How the camera turned since the last frame: by the gyroscope, or as between the two frames before.
@@ -136,7 +137,7 @@ void Odometry::follow(const Frame& frame, const Isometry3d& T_expected) {
 }
 
 /// Pixels to normalized coordinates, each as the middle row's time would have seen it had the camera only turned.
-void Odometry::straighten(const Frame& frame) {
+void Odometry::undistort_tracks(const Frame& frame) {
   std::vector<cv::Point2f> pixels;
   for (const auto& track : tracker_.tracks()) pixels.push_back(track.pixel);
   camera_.undistort(pixels, straight_);
@@ -164,7 +165,7 @@ Isometry3d Odometry::expected_pose() const {
 std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points, const Isometry3d& expected) {
   std::optional<RotationPrior> prior;
   const double blind_s =
-      step_s_ + (searching_since_ns_ ? static_cast<double>(last_ns_ - *searching_since_ns_) * 1e-9 : 0.0);
+      step_s_ + (relocalising_since_ns_ ? static_cast<double>(last_ns_ - *relocalising_since_ns_) * 1e-9 : 0.0);
   if (turn_) prior = RotationPrior{Quaterniond(expected.linear()), turn_->sigma_rad + kDrift_radps * blind_s};
   const auto good = [&](const std::optional<FittedPose>& pose) {
     return pose && pose->count >= kLeastPoints && 2 * static_cast<size_t>(pose->count) >= points.size();
@@ -193,7 +194,7 @@ std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points, co
   return other && (!pose || other->count > pose->count) ? other : pose;
 }
 
-bool Odometry::place(const Isometry3d& T_expected, Motion& motion) {
+bool Odometry::estimate_pose(const Isometry3d& T_expected, Motion& motion) {
   std::vector<PointSeen> points;
   std::vector<uint64_t> tracks;
   for (const Seen& s : seen_) {
@@ -242,7 +243,7 @@ void Odometry::report(const FittedPose& pose, Motion& motion) {
   motion.p_c0_c1 = last_step_.translation();
   motion.rotation_valid = motion.translation_valid = true;
   motion.state = Tracking::tracking;
-  motion.trouble = Trouble::none;
+  motion.failure = FailureReason::none;
   // Both poses stand by the map; what the gyroscope tied this turn to the last by, they share.
   Eigen::Matrix<double, 6, 6> to_c0 = Eigen::Matrix<double, 6, 6>::Zero(),
                               own = Eigen::Matrix<double, 6, 6>::Identity();
@@ -292,10 +293,10 @@ void Odometry::make_keyframe(const Frame& frame) {
     alive.push_back(s.track);
   }
   std::sort(alive.begin(), alive.end());
-  window_.locate(kPointParallax_rad);
+  window_.triangulate(kPointParallax_rad);
   failed_adjustments_ += adjust(window_, bias_c_, sigma()).failed;
   drop_outliers();
-  window_.weigh_depths(sigma());
+  window_.update_depth_variance(sigma());
   window_.slide();
   window_.forget_but(alive);
   T_w_c_ = window_.keyframes().back().T_w_c;
@@ -303,9 +304,9 @@ void Odometry::make_keyframe(const Frame& frame) {
   reference_ns_ = frame.t_ns;
   tracker_.refill(frame.mask);
   const size_t before = seen_.size();
-  straighten(frame);
+  undistort_tracks(frame);
   for (size_t i = before; i < seen_.size(); ++i) window_.observe(seen_[i].track, seen_[i].at);
-  haven_ = Haven{tracker_.snapshot(), seen_, seen_lens_};
+  relocalisation_keyframe_ = RelocalisationKeyframe{tracker_.snapshot(), seen_, seen_lens_};
   seen_at_keyframe_ = seen_.size();
   located_at_keyframe_ = 0;
   for (const Seen& s : seen_) located_at_keyframe_ += window_.landmarks()[s.track].located;

@@ -20,7 +20,7 @@ struct Motion {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of (rotation, position) in c0
   bool rotation_valid = false, translation_valid = false;
   Tracking state = Tracking::lost;
-  Trouble trouble = Trouble::initialising;
+  FailureReason failure = FailureReason::initialising;
   unsigned scale_group = 0;
   unsigned tracked = 0, inliers = 0;
 };
@@ -35,7 +35,8 @@ struct Frame {
 
 /// Monocular visual odometry over a sliding window of keyframes; the gyroscope, where there is one, tells corners where
 /// to look, rows of a rolling shutter when they saw, and the window how it turned. Steps of process(), in order:
-/// predict, follow, straighten, then start (no map yet) or place (by the map), then perhaps a keyframe.
+/// predict, follow, undistort, then start (no map yet) or estimate the pose (by the map), then perhaps a
+/// keyframe.
 class Odometry {
  public:
   struct Parameters {
@@ -66,7 +67,7 @@ class Odometry {
   };
 
   /// Where the camera was well placed last, to be found again from there.
-  struct Haven {
+  struct RelocalisationKeyframe {
     CornerTracker tracker;
     std::vector<Seen> seen;
     CameraModel lens;
@@ -77,13 +78,13 @@ class Odometry {
   Eigen::Isometry3d expected_pose() const;
   Eigen::Vector2d expected_at(const Seen& seen, const Eigen::Isometry3d& T_expected) const;
   void follow(const Frame& frame, const Eigen::Isometry3d& T_expected);
-  void straighten(const Frame& frame);
+  void undistort_tracks(const Frame& frame);
   bool start_or_turn(Motion& motion);
-  void learn_bias(const Eigen::Quaterniond& seen_turn, double sigma_rad);
+  void learn_bias(const Eigen::Quaterniond& seen_rotation, double sigma_rad);
   bool start(Motion& motion, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
              const std::vector<size_t>& which, const Eigen::Quaterniond& turn_alone);
-  bool place(const Eigen::Isometry3d& T_expected, Motion& motion);
-  void search(const Frame& frame, Motion& motion);
+  bool estimate_pose(const Eigen::Isometry3d& T_expected, Motion& motion);
+  void relocalise(const Frame& frame, Motion& motion);
   std::optional<FittedPose> fit(const std::vector<PointSeen>& points, const Eigen::Isometry3d& T_expected);
   void report(const FittedPose& pose, Motion& motion);
   bool wants_keyframe() const;
@@ -120,8 +121,8 @@ class Odometry {
   double noise_px_;
   uint64_t failed_adjustments_ = 0;
   int doubts_ = 0;
-  std::optional<Haven> haven_;
-  std::optional<int64_t> searching_since_ns_;
+  std::optional<RelocalisationKeyframe> relocalisation_keyframe_;
+  std::optional<int64_t> relocalising_since_ns_;
 };
 
 }  // namespace odograph::vo

@@ -121,7 +121,7 @@ class OdographVo {
                                         motion.inliers);
     odograph::put_motion(motion.q_c0_c1, motion.p_c0_c1, 0, 0, event);
     Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>{event.covariance} = motion.covariance;
-    odograph::put_state(motion.state, motion.trouble, event);
+    odograph::put_state(motion.state, motion.failure, event);
     event.scale_group = motion.scale_group;
     return event;
   }

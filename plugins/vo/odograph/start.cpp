@@ -37,7 +37,7 @@ bool Odometry::start_or_turn(Motion& motion) {
     which.push_back(i);
   }
   motion.state = Tracking::lost;
-  motion.trouble = tracker_.mean_grey() < kDarkGrey ? Trouble::too_dark : Trouble::few_features;
+  motion.failure = tracker_.mean_grey() < kDarkGrey ? FailureReason::too_dark : FailureReason::few_features;
   if (turn_) {  // the picture may say nothing, the gyroscope does
     motion.q_c0_c1 = turn_->q_c0_c1;
     motion.covariance.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() * turn_->sigma_rad * turn_->sigma_rad;
@@ -46,7 +46,7 @@ bool Odometry::start_or_turn(Motion& motion) {
   const auto rotation = pure_rotation(first, second);
   if (!rotation) return false;
   motion.state = Tracking::degraded;
-  motion.trouble = Trouble::no_parallax;
+  motion.failure = FailureReason::no_parallax;
   const Quaterniond q_w_c(rotation->R_1_0.transpose());
   learn_bias(q_w_c, std::max(sigma(), rotation->median_residual_rad));
   if (rotation->median_residual_rad > 0.25 * kStartParallax_rad && start(motion, first, second, which, q_w_c))
@@ -65,13 +65,13 @@ bool Odometry::start_or_turn(Motion& motion) {
 }
 
 /// Without a way the picture's turn since the reference has no drift, the gyroscope's has.
-void Odometry::learn_bias(const Quaterniond& seen_turn, double sigma_rad) {
+void Odometry::learn_bias(const Quaterniond& seen_rotation, double sigma_rad) {
   const double since_s = static_cast<double>(last_ns_ - reference_ns_) * 1e-9 + step_s_;
   if (!turn_ || since_s < kLearnAfter_s) return;
   const auto turn = gyroscope_.between(reference_ns_, reference_ns_ + static_cast<int64_t>(since_s * 1e9), bias_c_);
   const double sigma = sigma_rad / since_s, variance = bias_sigma_ * bias_sigma_;
   if (!turn || sigma > bias_sigma_) return;
-  bias_c_ += variance / (variance + sigma * sigma) * log_rotation(seen_turn.conjugate() * turn->q_c0_c1) / since_s;
+  bias_c_ += variance / (variance + sigma * sigma) * log_rotation(seen_rotation.conjugate() * turn->q_c0_c1) / since_s;
   bias_sigma_ = std::max(kBiasKnown_radps, sigma);
 }
 
@@ -112,7 +112,7 @@ bool Odometry::start(Motion& motion, const std::vector<cv::Point2d>& first, cons
   motion.covariance.diagonal().head<3>().setConstant(turn_sigma * turn_sigma);
   motion.covariance.diagonal().tail<3>().setConstant(way_sigma * way_sigma);
   motion.state = Tracking::tracking;
-  motion.trouble = Trouble::none;
+  motion.failure = FailureReason::none;
   motion.inliers = static_cast<unsigned>(pair->count);
   for (size_t i = 0; i < which.size(); ++i)
     if (!pair->inliers[i]) window_.forget(seen_[which[i]].track);
@@ -131,8 +131,8 @@ void Odometry::begin(const Frame& frame, bool new_group) {
   if (new_group) ++group_;
   have_reference_ = true;
   started_ = false;
-  searching_since_ns_.reset();
-  haven_.reset();
+  relocalising_since_ns_.reset();
+  relocalisation_keyframe_.reset();
   doubts_ = 0;
   window_.clear();
   T_w_c_.setIdentity(), T_k_c_.setIdentity();
@@ -141,7 +141,7 @@ void Odometry::begin(const Frame& frame, bool new_group) {
   last_covariance_.setZero();
   reference_ns_ = frame.t_ns;
   tracker_.refill(frame.mask);
-  straighten(frame);
+  undistort_tracks(frame);
   window_.add({0, frame.t_ns, T_w_c_, std::nullopt, bias_c_});
   for (const Seen& s : seen_) window_.observe(s.track, s.at);
   seen_at_keyframe_ = seen_.size();

@@ -45,14 +45,14 @@ Eigen::Vector4d Window::point(const Landmark& landmark) const {
   return X;
 }
 
-void Window::locate(double least_parallax_rad) {
+void Window::triangulate(double least_parallax_rad) {
   std::vector<Sighting> sightings;
   for (auto& [track, landmark] : landmarks_) {
     if (landmark.located || landmark.seen.size() < 2) continue;
     sightings.clear();
     for (const Observation& o : landmark.seen)
       sightings.push_back({keyframe(o.keyframe).T_w_c, {o.seen.x(), o.seen.y()}});
-    const auto X = triangulate(sightings, kTriangulated, least_parallax_rad);
+    const auto X = odograph::triangulate(sightings, kTriangulated, least_parallax_rad);
     if (!X) continue;
     const double depth = (sightings.front().T_w_c.inverse() * *X).z();
     if (depth <= 0) continue;
@@ -61,7 +61,7 @@ void Window::locate(double least_parallax_rad) {
   }
 }
 
-void Window::weigh_depths(double sigma) {
+void Window::update_depth_variance(double sigma) {
   for (auto& [track, landmark] : landmarks_) {
     if (!landmark.located) continue;
     const Eigen::Vector4d X = point(landmark);

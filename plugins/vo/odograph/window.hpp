@@ -47,7 +47,7 @@ class Window {
   void drop_newest();
   void observe(uint64_t track, const Eigen::Vector2d& seen);  ///< by the newest keyframe
   /// Depths of points that have come to have parallax; the others stay unlocated.
-  void locate(double least_parallax_rad);
+  void triangulate(double least_parallax_rad);
   /// Forgets the oldest keyframe where there are too many; points that it anchored hang on the next that saw them.
   void slide();
   void forget(uint64_t track) { landmarks_.erase(track); }
@@ -58,7 +58,7 @@ class Window {
     return keyframe(landmark.seen.front().keyframe).T_w_c.translation();
   }
   /// What the observations leave uncertain of each inverse depth, the poses taken as known.
-  void weigh_depths(double sigma);
+  void update_depth_variance(double sigma);
   double depth_median() const;
   size_t located() const;
 

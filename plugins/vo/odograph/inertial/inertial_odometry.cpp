@@ -166,7 +166,7 @@ InertialMotion InertialOdometry::estimate(const Pending& frame) {
     out.motion.translation_valid = false;
     out.motion.rotation_valid = out.motion.q_c0_c1.coeffs().allFinite();
     out.motion.state = Tracking::lost;
-    out.motion.trouble = corners_.mean_grey() < vo::kDarkGrey ? Trouble::too_dark : Trouble::few_features;
+    out.motion.failure = corners_.mean_grey() < vo::kDarkGrey ? FailureReason::too_dark : FailureReason::few_features;
   }
   return out;
 }
@@ -211,9 +211,9 @@ InertialMotion InertialOdometry::report(int64_t t_ns, const Navigation& nav, boo
   m.tracked = tracked_, m.inliers = std::min(accepted_, tracked_);
   const double velocity_sigma = filter_->velocity_sigma();
   m.state = velocity_sigma > p_.degraded_sigma_mps ? Tracking::degraded : Tracking::tracking;
-  m.trouble = m.state == Tracking::tracking          ? Trouble::none
-              : corners_.mean_grey() < vo::kDarkGrey ? Trouble::too_dark
-                                                     : Trouble::few_features;
+  m.failure = m.state == Tracking::tracking          ? FailureReason::none
+              : corners_.mean_grey() < vo::kDarkGrey ? FailureReason::too_dark
+                                                     : FailureReason::few_features;
   out.scale_sigma = std::min(1.0, std::hypot(p_.scale_sigma_factor * filter_->scale_sigma(), p_.scale_sigma_floor,
                                              p_.scale_sigma_stabilised * state.camera.follow));
   out.metric = true;

@@ -20,6 +20,7 @@ constexpr double kGapAcceleration_mps2 = 3;  // of a hand that nobody watched
 constexpr double kHalfReadout_s = 0.008;     // over which the change of the rate is taken
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+double squared(double x) { return x * x; }
 
 /// One stretch by the rate and the specific force of its middle. Returns the orientation of the middle.
 Matrix3d step(Navigation& nav, const ImuSample& from, const ImuSample& to, double dt, double gravity) {
@@ -42,6 +43,49 @@ void forget(double& value, Eigen::MatrixXd& P, int at, double stays, double sigm
 
 /// Rate of the shift of a lens that takes out all of the rotation, px/s.
 Vector2d drive_of(double focal_px, const Vector3d& rate_c) { return focal_px * Vector2d(rate_c.y(), -rate_c.x()); }
+
+/// Over many samples: of the errors of navigation by themselves and by those of the sensors' axes, and their noise.
+struct Transition {
+  Matrix15d Phi = Matrix15d::Identity();
+  Eigen::Matrix<double, block::navigation, block::axes> Psi =
+      Eigen::Matrix<double, block::navigation, block::axes>::Zero();
+  Matrix15d Q = Matrix15d::Zero();
+
+  /// Moves `nav` from one sample to the next.
+  void add(Navigation& nav, const ImuSample& a, const ImuSample& b, const FilterParameters& p) {
+    const double dt = seconds(b.t_ns - a.t_ns);
+    const Vector3d v = nav.v_w, x = nav.p_w;
+    const Matrix3d R = step(nav, a, b, dt, p.gravity_mps2);
+    const Matrix3d vR = cross_matrix(0.5 * (v + nav.v_w)) * R, xR = cross_matrix(0.5 * (x + nav.p_w)) * R;
+    Matrix15d F = Matrix15d::Zero();
+    Eigen::Matrix<double, 9, 3> by_gyro;
+    by_gyro << R, vR, xR;
+    const Matrix3d R_accel = R * nav.accel_axes;
+    F.block<9, 3>(0, block::gyro_bias) = -by_gyro * nav.gyro_axes;
+    F.block<3, 3>(block::nu, block::theta) = cross_matrix(Vector3d(0, 0, p.gravity_mps2));
+    F.block<3, 3>(block::nu, block::accel_bias) = -R_accel;
+    F.block<3, 3>(block::rho, block::nu).setIdentity();
+    const Matrix15d A = Matrix15d::Identity() + dt * F + (0.5 * dt * dt) * F * F;
+    Phi = A * Phi;
+    const Vector3d gyro_b = 0.5 * (a.gyro_b + b.gyro_b) - nav.gyro_bias;
+    const Vector3d accel_b = 0.5 * (a.accel_b + b.accel_b) - nav.accel_bias;
+    Psi = (A * Psi).eval();
+    for (int k = 0; k < 3; ++k) {
+      Psi.block<9, 3>(0, 3 * k) += dt * gyro_b[k] * by_gyro;
+      Psi.block<3, 3>(block::nu, 9 + 3 * k) += dt * accel_b[k] * R;
+      Psi.block<3, 3>(block::rho, 9 + 3 * k) += 0.5 * dt * dt * accel_b[k] * R;
+    }
+    Q = A * Q * A.transpose();
+    const double rate = gyro_b.norm();
+    const double acceleration = dt > 0 ? (nav.v_w - v).norm() / dt : 0;
+    const double gyro = squared(p.noise.gyro) + squared(p.noise.gyro_by_rate * rate);
+    const double accel = squared(p.noise.accel) + squared(p.noise.accel_by_motion * acceleration);
+    Q.topLeftCorner<9, 9>() += gyro * dt * by_gyro * by_gyro.transpose();
+    Q.block<3, 3>(block::nu, block::nu).diagonal().array() += accel * dt;
+    Q.block<3, 3>(block::gyro_bias, block::gyro_bias).diagonal().array() += squared(p.noise.gyro_walk) * dt;
+    Q.block<3, 3>(block::accel_bias, block::accel_bias).diagonal().array() += squared(p.noise.accel_walk) * dt;
+  }
+};
 
 }  // namespace
 
@@ -102,44 +146,11 @@ Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, con
 }
 
 bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
-  Matrix15d Phi = Matrix15d::Identity(), Q = Matrix15d::Zero();
-  using ByAxes = Eigen::Matrix<double, block::navigation, block::axes>;
-  ByAxes Psi = ByAxes::Zero();
-  const Matrix3d g = cross_matrix(Vector3d(0, 0, p.gravity_mps2));
-  const auto sq = [](double x) { return x * x; };
-  const bool whole = imu.for_each(state.t_ns, to_ns, kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
-    const double dt = seconds(b.t_ns - a.t_ns);
-    const Vector3d v = state.nav.v_w, x = state.nav.p_w;
-    const Matrix3d R = step(state.nav, a, b, dt, p.gravity_mps2);
-    const Matrix3d vR = cross_matrix(0.5 * (v + state.nav.v_w)) * R, xR = cross_matrix(0.5 * (x + state.nav.p_w)) * R;
-    Matrix15d F = Matrix15d::Zero();
-    Eigen::Matrix<double, 9, 3> by_gyro;
-    by_gyro << R, vR, xR;
-    const Matrix3d R_accel = R * state.nav.accel_axes;
-    F.block<9, 3>(0, block::gyro_bias) = -by_gyro * state.nav.gyro_axes;
-    F.block<3, 3>(block::nu, block::theta) = g;
-    F.block<3, 3>(block::nu, block::accel_bias) = -R_accel;
-    F.block<3, 3>(block::rho, block::nu).setIdentity();
-    const Matrix15d A = Matrix15d::Identity() + dt * F + (0.5 * dt * dt) * F * F;
-    Phi = A * Phi;
-    const Vector3d gyro_b = 0.5 * (a.gyro_b + b.gyro_b) - state.nav.gyro_bias;
-    const Vector3d accel_b = 0.5 * (a.accel_b + b.accel_b) - state.nav.accel_bias;
-    Psi = (A * Psi).eval();
-    for (int k = 0; k < 3; ++k) {
-      Psi.block<9, 3>(0, 3 * k) += dt * gyro_b[k] * by_gyro;
-      Psi.block<3, 3>(block::nu, 9 + 3 * k) += dt * accel_b[k] * R;
-      Psi.block<3, 3>(block::rho, 9 + 3 * k) += 0.5 * dt * dt * accel_b[k] * R;
-    }
-    Q = A * Q * A.transpose();
-    const double rate = gyro_b.norm();
-    const double acceleration = dt > 0 ? (state.nav.v_w - v).norm() / dt : 0;
-    const double gyro = sq(p.noise.gyro) + sq(p.noise.gyro_by_rate * rate);
-    const double accel = sq(p.noise.accel) + sq(p.noise.accel_by_motion * acceleration);
-    Q.topLeftCorner<9, 9>() += gyro * dt * by_gyro * by_gyro.transpose();
-    Q.block<3, 3>(block::nu, block::nu).diagonal().array() += accel * dt;
-    Q.block<3, 3>(block::gyro_bias, block::gyro_bias).diagonal().array() += sq(p.noise.gyro_walk) * dt;
-    Q.block<3, 3>(block::accel_bias, block::accel_bias).diagonal().array() += sq(p.noise.accel_walk) * dt;
+  Transition transition;
+  const bool whole = imu.for_each(state.t_ns, to_ns, kLongestGap_ns, [&](const ImuSample& from, const ImuSample& to) {
+    transition.add(state.nav, from, to, p);
   });
+  const auto& [Phi, Psi, Q] = transition;
   const int n = state.size(), rest = n - block::navigation;
   auto& P = state.P;
   shift_lens(state, to_ns, imu, p);
@@ -151,13 +162,13 @@ bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterPa
   P.topRightCorner(block::navigation, rest) = moved.rightCols(rest);
   P.bottomLeftCorner(rest, block::navigation) = moved.rightCols(rest).transpose();
   const double dt = seconds(to_ns - state.t_ns);
-  P(block::lens, block::lens) += sq(p.focal_walk) * dt;
+  P(block::lens, block::lens) += squared(p.focal_walk) * dt;
   forget(state.camera.focus, P, block::focus, std::exp(-dt / p.focus_change_s), p.focus_sigma);
-  P(block::lens + 1, block::lens + 1) += sq(p.centre_walk_px) * dt;
-  P(block::lens + 2, block::lens + 2) += sq(p.centre_walk_px) * dt;
+  P(block::lens + 1, block::lens + 1) += squared(p.centre_walk_px) * dt;
+  P(block::lens + 2, block::lens + 2) += squared(p.centre_walk_px) * dt;
   if (!whole) {
-    P.block<3, 3>(block::nu, block::nu).diagonal().array() += sq(kGapAcceleration_mps2 * dt);
-    P.block<3, 3>(block::rho, block::rho).diagonal().array() += sq(0.5 * kGapAcceleration_mps2 * dt * dt);
+    P.block<3, 3>(block::nu, block::nu).diagonal().array() += squared(kGapAcceleration_mps2 * dt);
+    P.block<3, 3>(block::rho, block::rho).diagonal().array() += squared(0.5 * kGapAcceleration_mps2 * dt * dt);
   }
   state.t_ns = to_ns;
   return whole;

@@ -12,7 +12,7 @@ namespace odograph {
 /// Makes position fixes for the step estimator out of poses whose scale does not come from steps, so that a walker's
 /// step length is learnt wherever the camera knows the metre: one for each stretch that was metric from end to end.
 /// Positions from outside say more; for a minute after one of them there is nothing to add.
-class WayTeacher {
+class DisplacementReference {
  public:
   /// A true fix was used at this time.
   void fixed(int64_t t_ns) { fixed_ns_ = t_ns; }
@@ -37,7 +37,7 @@ class WayTeacher {
     fix.covariance_n[0] = fix.covariance_n[4] = fix.covariance_n[8] = sigma_m * sigma_m;
     return fix;
   }
-  void reset() { *this = WayTeacher(); }
+  void reset() { *this = DisplacementReference(); }
 
  private:
   static constexpr double kStretch_m = 20;

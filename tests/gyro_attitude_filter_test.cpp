@@ -2,20 +2,20 @@
 #include <doctest/doctest.h>
 
 #include "sdk/core/messages.hpp"
-#include "sdk/estimator/gyro_chain.hpp"
+#include "sdk/estimator/gyro_attitude_filter.hpp"
 
 using namespace odograph;
 using Eigen::Vector3d;
 
-TEST_SUITE_BEGIN("gyro_chain");
+TEST_SUITE_BEGIN("gyro_attitude_filter");
 
 namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
 
 /// A body that turns by `rate_b` for a while and accelerates by `accel_n`; the gyroscope is off by `bias`.
-void keep_imu(GyroChain& chain, Eigen::Quaterniond q, int64_t from, int64_t to, const Vector3d& rate_b,
-              const Vector3d& accel_n, const Vector3d& bias) {
+void add_imu(GyroAttitudeFilter& filter, Eigen::Quaterniond q, int64_t from, int64_t to, const Vector3d& rate_b,
+             const Vector3d& accel_n, const Vector3d& bias) {
   constexpr int64_t kStep = 5'000'000;
   for (int64_t t = from + kStep; t <= to; t += kStep) {
     const double angle = rate_b.norm() * 0.005;
@@ -24,7 +24,7 @@ void keep_imu(GyroChain& chain, Eigen::Quaterniond q, int64_t from, int64_t to, 
     imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
     Vector3d::Map(imu.gyro_b) = rate_b + bias;
     Vector3d::Map(imu.accel_b) = q.conjugate() * (accel_n - Vector3d(0, 0, 9.81));
-    chain.keep(imu);
+    filter.add_imu(imu);
   }
 }
 
@@ -33,62 +33,62 @@ const Eigen::Matrix3d kOneDegree = Eigen::Matrix3d::Identity() * 3e-4;
 
 }  // namespace
 
-TEST_CASE("a gyroscope's chain turns as the body does, whatever the camera's mounting") {
-  GyroChain chain;
-  chain.reset(kLevel, kOneDegree);
+TEST_CASE("a gyroscope's filter turns as the body does, whatever the camera's mounting") {
+  GyroAttitudeFilter filter;
+  filter.reset(kLevel, kOneDegree);
   const Eigen::Quaterniond mounted(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()));
-  keep_imu(chain, kLevel, 0, kSecond, {0.3, -0.2, 1.0}, Vector3d::Zero(), Vector3d::Zero());
-  const auto imu = chain.between(0, kSecond, mounted);
+  add_imu(filter, kLevel, 0, kSecond, {0.3, -0.2, 1.0}, Vector3d::Zero(), Vector3d::Zero());
+  const auto imu = filter.between(0, kSecond, mounted);
   REQUIRE(imu);
   const Eigen::Quaterniond turn_b(Eigen::AngleAxisd(std::sqrt(1.13), Vector3d(0.3, -0.2, 1.0).normalized()));
   CHECK(imu->q_c0_c1.angularDistance(mounted.conjugate() * turn_b * mounted) < 1e-9);
-  CHECK_FALSE(chain.between(0, kSecond * 2, mounted));     // samples end before
-  CHECK_FALSE(chain.between(-kSecond, kSecond, mounted));  // or begin later
+  CHECK_FALSE(filter.between(0, kSecond * 2, mounted));     // samples end before
+  CHECK_FALSE(filter.between(-kSecond, kSecond, mounted));  // or begin later
 }
 
 TEST_CASE("standing, pictures tell the gyroscope's bias and the accelerometer the vertical; braking tells nothing") {
-  GyroChain chain;
+  GyroAttitudeFilter filter;
   const Eigen::Quaterniond leaning(Eigen::AngleAxisd(0.02, Vector3d::UnitX()));
-  chain.reset(leaning, kOneDegree);
+  filter.reset(leaning, kOneDegree);
   const Vector3d bias(0.006, -0.004, 0.003);
   constexpr int64_t kFrame = 100'000'000;
   const auto drive = [&](int64_t from, int64_t to, const Vector3d& accel_n, bool standing) {
     for (int64_t t = from; t < to; t += kFrame) {
-      keep_imu(chain, kLevel, t, t + kFrame, Vector3d::Zero(), accel_n, bias);
-      const auto imu = chain.between(t, t + kFrame, kLevel);
+      add_imu(filter, kLevel, t, t + kFrame, Vector3d::Zero(), accel_n, bias);
+      const auto imu = filter.between(t, t + kFrame, kLevel);
       REQUIRE(imu);
-      chain.turn(imu->q_c0_c1, imu->dt_s);
-      if (standing) chain.seen_turn(imu->q_c0_c1, kLevel, 0, imu->dt_s);
-      chain.feel(imu->force_c, standing);
+      filter.propagate(imu->q_c0_c1, imu->dt_s);
+      if (standing) filter.update_relative_rotation(imu->q_c0_c1, kLevel, 0, imu->dt_s);
+      filter.update_gravity(imu->force_c, standing);
     }
   };
   drive(0, 5 * kSecond, Vector3d::Zero(), true);
-  CHECK((chain.bias_c() - bias).norm() < 0.0005);
-  const Vector3d up = chain.q_n_c() * -Vector3d::UnitZ();
+  CHECK((filter.bias_c() - bias).norm() < 0.0005);
+  const Vector3d up = filter.q_n_c() * -Vector3d::UnitZ();
   CHECK(std::hypot(up.x(), up.y()) < 0.004);
   drive(5 * kSecond, 10 * kSecond, {1.8, 0, 0}, false);  // five seconds of accelerating
-  const Vector3d after = chain.q_n_c() * -Vector3d::UnitZ();
+  const Vector3d after = filter.q_n_c() * -Vector3d::UnitZ();
   CHECK(std::hypot(after.x(), after.y()) < 0.012);
-  const double sigma = std::sqrt(chain.covariance_n()(0, 0));
+  const double sigma = std::sqrt(filter.covariance_n()(0, 0));
   CHECK(sigma > 0.001);
   CHECK(sigma < 0.02);
 }
 
-TEST_CASE("orientation fixes correct a gyroscope's chain, and its bias; a wild one is refused") {
-  GyroChain chain;
-  chain.reset(kLevel, kOneDegree);
+TEST_CASE("orientation fixes correct a gyroscope's filter, and its bias; a wild one is refused") {
+  GyroAttitudeFilter filter;
+  filter.reset(kLevel, kOneDegree);
   const Vector3d bias(0, 0, 0.008);
   for (int k = 0; k < 100; ++k) {
-    chain.turn(Eigen::Quaterniond(Eigen::AngleAxisd(bias.z() * 0.1, Vector3d::UnitZ())), 0.1);
+    filter.propagate(Eigen::Quaterniond(Eigen::AngleAxisd(bias.z() * 0.1, Vector3d::UnitZ())), 0.1);
     if (k % 5 != 4) continue;
-    const Eigen::AngleAxisd off(chain.q_n_c().conjugate());
-    CHECK(chain.correct(off.angle() * off.axis(), kOneDegree * 0.1, 5));
+    const Eigen::AngleAxisd off(filter.q_n_c().conjugate());
+    CHECK(filter.correct(off.angle() * off.axis(), kOneDegree * 0.1, 5));
   }
-  CHECK(chain.bias_c().z() == doctest::Approx(0.008).epsilon(0.15));
-  CHECK(chain.q_n_c().angularDistance(kLevel) < 0.01);
-  const Eigen::Quaterniond before = chain.q_n_c();
-  CHECK_FALSE(chain.correct({0, 0, 0.5}, kOneDegree * 0.1, 5));
-  CHECK(chain.q_n_c().angularDistance(before) == 0);
+  CHECK(filter.bias_c().z() == doctest::Approx(0.008).epsilon(0.15));
+  CHECK(filter.q_n_c().angularDistance(kLevel) < 0.01);
+  const Eigen::Quaterniond before = filter.q_n_c();
+  CHECK_FALSE(filter.correct({0, 0, 0.5}, kOneDegree * 0.1, 5));
+  CHECK(filter.q_n_c().angularDistance(before) == 0);
 }
 
 TEST_SUITE_END();

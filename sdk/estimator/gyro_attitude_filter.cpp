@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/estimator/gyro_chain.hpp"
+#include "sdk/estimator/gyro_attitude_filter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ Vector3d log_rotation(const Quaterniond& q) {
 
 }  // namespace
 
-void GyroChain::reset(const Quaterniond& q_n_c, const Matrix3d& covariance_n) {
+void GyroAttitudeFilter::reset(const Quaterniond& q_n_c, const Matrix3d& covariance_n) {
   q_n_c_ = q_n_c;
   bias_c_.setZero();
   P_.setZero();
@@ -39,7 +39,8 @@ void GyroChain::reset(const Quaterniond& q_n_c, const Matrix3d& covariance_n) {
   P_.bottomRightCorner<3, 3>() = Matrix3d::Identity() * kBias_radps * kBias_radps;
 }
 
-std::optional<GyroChain::Interval> GyroChain::between(int64_t from_ns, int64_t to_ns, const Quaterniond& q_b_c) const {
+std::optional<GyroAttitudeFilter::Interval> GyroAttitudeFilter::between(int64_t from_ns, int64_t to_ns,
+                                                                        const Quaterniond& q_b_c) const {
   const size_t kept = std::min(count_, samples_.size());
   size_t back = 0;  // of the first sample after from_ns
   while (back < kept && samples_[(count_ - back - 1) % samples_.size()].header.t_ns > from_ns) ++back;
@@ -66,7 +67,7 @@ std::optional<GyroChain::Interval> GyroChain::between(int64_t from_ns, int64_t t
                   static_cast<double>(to_ns - from_ns) * 1e-9};
 }
 
-void GyroChain::turn(const Quaterniond& q_c0_c1, double dt_s) {
+void GyroAttitudeFilter::propagate(const Quaterniond& q_c0_c1, double dt_s) {
   Matrix6d F = Matrix6d::Identity();
   F.topRightCorner<3, 3>() = -dt_s * q_n_c_.toRotationMatrix();
   q_n_c_ = (q_n_c_ * q_c0_c1 * exp_rotation(-bias_c_ * dt_s)).normalized();
@@ -75,7 +76,8 @@ void GyroChain::turn(const Quaterniond& q_c0_c1, double dt_s) {
   P_.diagonal().tail<3>().array() += kBiasWalk * kBiasWalk * dt_s;
 }
 
-void GyroChain::seen_turn(const Quaterniond& gyro, const Quaterniond& seen, double sigma_rad, double dt_s) {
+void GyroAttitudeFilter::update_relative_rotation(const Quaterniond& gyro, const Quaterniond& seen, double sigma_rad,
+                                                  double dt_s) {
   if (dt_s <= 0) return;
   const Vector3d bias_error = log_rotation(seen.conjugate() * gyro) / dt_s - bias_c_;
   const double sigma = std::max(sigma_rad, kLeastSeen_rad) / dt_s;
@@ -85,7 +87,8 @@ void GyroChain::seen_turn(const Quaterniond& gyro, const Quaterniond& seen, doub
   apply(K * bias_error);
 }
 
-std::optional<Vector3d> GyroChain::correct(const Vector3d& off_n, const Matrix3d& covariance_n, double gate_sigma) {
+std::optional<Vector3d> GyroAttitudeFilter::correct(const Vector3d& off_n, const Matrix3d& covariance_n,
+                                                    double gate_sigma) {
   const Matrix3d S = P_.topLeftCorner<3, 3>() + covariance_n + Matrix3d::Identity() * 1e-12;
   const Matrix3d S_inverse = S.inverse();
   if (gate_sigma > 0 && off_n.dot(S_inverse * off_n) > gate_sigma * gate_sigma) return std::nullopt;
@@ -95,7 +98,7 @@ std::optional<Vector3d> GyroChain::correct(const Vector3d& off_n, const Matrix3d
   return apply(K * off_n);
 }
 
-void GyroChain::feel(const Vector3d& force_c, bool standing) {
+void GyroAttitudeFilter::update_gravity(const Vector3d& force_c, bool standing) {
   const double norm = force_c.norm();
   if (std::abs(norm - 9.81) > 2) return;
   const Vector3d off = (q_n_c_ * force_c / norm).cross(-Vector3d::UnitZ());
@@ -103,7 +106,7 @@ void GyroChain::feel(const Vector3d& force_c, bool standing) {
   correct(off, Vector3d(sigma * sigma, sigma * sigma, 1e6).asDiagonal(), 0);
 }
 
-Vector3d GyroChain::apply(const Vector6d& error) {
+Vector3d GyroAttitudeFilter::apply(const Vector6d& error) {
   q_n_c_ = (exp_rotation(error.head<3>()) * q_n_c_).normalized();
   bias_c_ += error.tail<3>();
   return error.head<3>();

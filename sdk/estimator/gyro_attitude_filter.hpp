@@ -17,13 +17,13 @@ namespace odograph {
 /// after Sola, "Quaternion kinematics for the error-state Kalman filter" (2017), with global angular errors. The bias
 /// is learnt from fixes of the orientation and from pictures without parallax. The accelerometer counts where the
 /// carrier stands; in motion so little that a car's braking does not tilt the world.
-class GyroChain {
+class GyroAttitudeFilter {
  public:
-  GyroChain() { reset(Eigen::Quaterniond::Identity(), Eigen::Matrix3d::Identity()); }
+  GyroAttitudeFilter() { reset(Eigen::Quaterniond::Identity(), Eigen::Matrix3d::Identity()); }
   void reset(const Eigen::Quaterniond& q_n_c, const Eigen::Matrix3d& covariance_n);
 
-  /// Keeps a whole IMU sample for turns to come. Times increase.
-  void keep(const odo_imu& imu) { samples_[count_++ % samples_.size()] = imu; }
+  /// Keeps a whole IMU sample for intervals to come. Times increase.
+  void add_imu(const odo_imu& imu) { samples_[count_++ % samples_.size()] = imu; }
 
   /// What the IMU said between two times, in the camera's axes.
   struct Interval {
@@ -35,12 +35,12 @@ class GyroChain {
   std::optional<Interval> between(int64_t from_ns, int64_t to_ns, const Eigen::Quaterniond& q_b_c) const;
 
   /// The gyroscope's rotation over dt.
-  void turn(const Eigen::Quaterniond& q_c0_c1, double dt_s);
-  /// The specific force seen then, after turn().
-  void feel(const Eigen::Vector3d& force_c, bool standing);
+  void propagate(const Eigen::Quaterniond& q_c0_c1, double dt_s);
+  /// The specific force seen then, after propagate().
+  void update_gravity(const Eigen::Vector3d& force_c, bool standing);
   /// The same rotation, seen by a camera (rad, standard deviation of each axis).
-  void seen_turn(const Eigen::Quaterniond& gyro_q_c0_c1, const Eigen::Quaterniond& seen_q_c0_c1, double sigma_rad,
-                 double dt_s);
+  void update_relative_rotation(const Eigen::Quaterniond& gyro_q_c0_c1, const Eigen::Quaterniond& seen_q_c0_c1,
+                                double sigma_rad, double dt_s);
   /// The orientation was off by this rotation, rad in n; false, and nothing changed, outside a gate (0: none) of
   /// standard deviations. Returns what it turned by.
   std::optional<Eigen::Vector3d> correct(const Eigen::Vector3d& off_n, const Eigen::Matrix3d& covariance_n,
