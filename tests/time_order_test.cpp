@@ -24,10 +24,10 @@ odo_header message(uint32_t type, int64_t t_ns) {
 
 /// Whole messages for the queue, which copies by type.
 AnyMessage whole(uint32_t type, int64_t t_ns) {
-  odo_pose room{};  // larger than any sample here
-  room.header = message(type, t_ns);
-  room.header.struct_size = static_cast<uint32_t>(message_info(type)->size);
-  return AnyMessage(room.header);
+  odo_pose largest{};  // larger than any sample here
+  largest.header = message(type, t_ns);
+  largest.header.struct_size = static_cast<uint32_t>(message_info(type)->size);
+  return AnyMessage(largest.header);
 }
 
 std::vector<std::pair<int64_t, uint32_t>> drain(TimeOrder& order) {
@@ -73,6 +73,27 @@ TEST_CASE("whatever the arrival within the wait, the order of release is the sam
     RC_ASSERT(released.size() == arrivals.size());
     RC_ASSERT(std::is_sorted(released.begin(), released.end()));
   });
+}
+
+TEST_CASE("a camera that is described is waited for before its first frame too, for a second") {
+  for (const int first_ms : {200, 900, 1500}) {
+    CAPTURE(first_ms);
+    TimeOrder order(1024, 200 * kMs);
+    OwnedMessage m;
+    std::vector<std::pair<int64_t, uint32_t>> released;
+    CHECK(order.push(OwnedMessage(whole(ODO_TYPE_CALIBRATION, 0).header())) == TimeOrder::Verdict::accepted);
+    for (int t_ms = 0; t_ms < 2000; t_ms += 5) {
+      order.push(OwnedMessage(whole(ODO_TYPE_IMU, t_ms * kMs).header()));
+      const int frame_ms = t_ms - 45;  // a picture takes its time
+      if (frame_ms >= first_ms && frame_ms % 50 == 0)
+        order.push(OwnedMessage(whole(ODO_TYPE_FRAME, frame_ms * kMs).header()));
+      while (order.pop(m)) released.emplace_back(m.header().t_ns, m.header().type);
+    }
+    for (const auto& rest : drain(order)) released.push_back(rest);
+    CHECK(released.front().second == ODO_TYPE_CALIBRATION);
+    CHECK(std::is_sorted(released.begin() + 1, released.end()) == (first_ms < 1000));
+    CHECK(released.size() == 401 + static_cast<size_t>((1950 - first_ms) / 50 + 1));
+  }
 }
 
 TEST_CASE("late, duplicate and wild samples are told apart") {

@@ -36,6 +36,7 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
   session->pipeline_ = std::move(*pipeline);
   if (const auto& camera = session->config_.camera) {
     session->note_timing(*camera);
+    session->order_.expect_camera();
     session->pipeline_->process(camera->header);
   }
   session->publish_progress();

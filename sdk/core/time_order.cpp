@@ -53,6 +53,15 @@ bool TimeOrder::silent(const Stream& stream) const {
   return saturating_difference(newest_ns_, stream.latest_ns) > std::max(parameters_.silent_ns, max_wait_ns_);
 }
 
+bool TimeOrder::camera_to_come() const {
+  if (!camera_expected_ ||
+      saturating_difference(newest_ns_, oldest_ns_) > std::max(parameters_.silent_ns, max_wait_ns_))
+    return false;
+  return std::none_of(streams_.begin(), streams_.end(), [](const Stream& stream) {
+    return stream.used && stream.type == ODO_TYPE_FRAME && stream.latest_ns != INT64_MIN;
+  });
+}
+
 /// Of a sample that is older than what was released. Its stream is noted first, so that the others wait for it.
 TimeOrder::Verdict TimeOrder::judge_late(Stream& stream, const odo_header& message) {
   if (message.t_ns < stream.latest_ns) {  // the sensor itself went back; while others go on it is not the clock
@@ -71,6 +80,7 @@ TimeOrder::Verdict TimeOrder::push(OwnedMessage&& message) {
   const odo_header header = message.header();
   const int64_t t_ns = header.t_ns;
   const bool ordered = !may_be_late(header.type);
+  if (header.type == ODO_TYPE_CALIBRATION) expect_camera();
   if (ordered) {
     Stream& stream = stream_of(header);
     if (t_ns == stream.latest_ns) return Verdict::duplicate;
@@ -104,7 +114,7 @@ int64_t TimeOrder::watermark() const {
   if (newest_ns_ == INT64_MIN) return INT64_MAX;  // only calibrations so far: nothing to wait for
   // At first nobody knows which sensors there are: all get the longest wait to show up.
   const int64_t bound_ns = saturating_difference(newest_ns_, max_wait_ns_);
-  if (saturating_difference(newest_ns_, oldest_ns_) < max_wait_ns_) return bound_ns;
+  if (saturating_difference(newest_ns_, oldest_ns_) < max_wait_ns_ || camera_to_come()) return bound_ns;
   int64_t slowest = INT64_MAX;
   for (const Stream& stream : streams_)
     if (stream.used && stream.latest_ns != INT64_MIN && !silent(stream) && holds_back(stream.type))

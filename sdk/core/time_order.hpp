@@ -39,6 +39,10 @@ class TimeOrder {
   TimeOrder(size_t capacity, int64_t max_wait_ns) : TimeOrder(capacity, max_wait_ns, Parameters()) {}
   TimeOrder(size_t capacity, int64_t max_wait_ns, const Parameters& parameters);
 
+  /// There is a camera: until its first frame it is waited for like one that has just given a frame. A calibration
+  /// that is pushed says so too.
+  void expect_camera() { camera_expected_ = true; }
+
   /// Takes the message over where it is accepted, and leaves it alone where it is not.
   Verdict push(OwnedMessage&& message);
 
@@ -78,6 +82,7 @@ class TimeOrder {
   Stream& stream_of(const odo_header& message);
   Verdict judge_late(Stream& stream, const odo_header& message);
   bool silent(const Stream& stream) const;
+  bool camera_to_come() const;
   int64_t watermark() const;
   void take_first(OwnedMessage& out);
 
@@ -87,6 +92,7 @@ class TimeOrder {
   int64_t newest_ns_ = INT64_MIN;
   int64_t released_ns_ = INT64_MIN;
   uint64_t sequence_ = 0;
+  bool camera_expected_ = false;
   std::array<Stream, 32> streams_{};
   std::vector<OwnedMessage> slots_;
   std::vector<uint32_t> free_;
