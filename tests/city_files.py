@@ -41,13 +41,20 @@ def holes(count):
     return surface(rings, vertices)
 
 
+def scribble(count):
+    """A ring that crosses itself at nearly every edge."""
+    corners = [[k * 7919 % 10007, k * 104729 % 10009, 0] for k in range(count)]
+    return surface([list(range(count))], corners)
+
+
 def write_hostile(folder):
     """What has felled readers of city models: file and whether it is to be refused."""
     triangle = [[0, 0, 0], [9, 0, 0], [0, 9, 0]]
     texts = {
         "holes_90.json": (json.dumps(holes(90)), False),
-        "holes_300.json": (json.dumps(holes(300)), True),
-        "holes_1000.json": (json.dumps(holes(1000)), True),
+        "holes_1000.json": (json.dumps(holes(1000)), False),
+        "holes_20000.json": (json.dumps(holes(20000)), False),
+        "scribble_20000.json": (json.dumps(scribble(20000)), True),
         "vertex_1e400.json": (json.dumps(surface([[0, 1, 2]], triangle)).replace("9, 0", "1e400, 0"), True),
         "vertex_2_64.json": (json.dumps(surface([[0, 1, 2]], [[2**64, 0, 0]] + triangle[1:])), True),
         "translate_1e300.json": (json.dumps(surface([[0, 1, 2]], triangle, transform={

@@ -36,7 +36,8 @@ std::vector<Edge> a_street(double between) {
   return edges;
 }
 
-std::vector<SkyEdge> seen_from(const std::vector<Edge>& houses, const Vector3d& p_n) {
+/// The model's skyline as a picture shows it that ends `lowest_deg` above the horizon.
+std::vector<SkyEdge> seen_from(const std::vector<Edge>& houses, const Vector3d& p_n, double lowest_deg = 10) {
   City city(houses);
   city.look_near(p_n, 1, 0.05);
   Horizon horizon;
@@ -44,9 +45,10 @@ std::vector<SkyEdge> seen_from(const std::vector<Edge>& houses, const Vector3d& 
   std::vector<SkyEdge> edges;
   for (int j = 0; j < Horizon::kDirections; ++j) {
     const double azimuth = (j + 0.5) * 0.5 * kDegree;
-    const double e = std::max(10 * kDegree, static_cast<double>(horizon.elevation[static_cast<size_t>(j)]));
+    const double lowest = lowest_deg * kDegree;
+    const double e = std::max(lowest, static_cast<double>(horizon.elevation[static_cast<size_t>(j)]));
     const Vector3d u(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), -std::sin(e));
-    edges.push_back({kUp.conjugate() * u, e <= 10 * kDegree});
+    edges.push_back({kUp.conjugate() * u, e <= lowest});
   }
   return edges;
 }
@@ -94,6 +96,32 @@ TEST_CASE("beside a wall, where the lattice's places are wrong by most, the prio
       REQUIRE(match);
       CHECK((match->p_n - eye).head<2>().norm() < 0.3);  // 5 to 7 m before
     }
+}
+
+TEST_CASE("beside a row of equal gables a narrow lens tells how far the row is, and not which gable") {
+  constexpr double kPeriod_m = 2.9;
+  std::vector<Edge> houses;
+  add_box(houses, 0, 10, 240, 12, 12);
+  for (int k = -40; k <= 40; ++k) add_box(houses, kPeriod_m * k, 10, 1.6, 12, 13);
+  const Vector3d eye(0.4, 0.5, -1.5);
+  for (const double off_north_m : {0.5, -1.7, 3.4}) {
+    Matcher matcher{City(houses)};
+    const auto match = matcher.match(seen_from(houses, eye, 52), {.p_n = eye + Vector3d(off_north_m, 0.6, 0),
+                                                                  .q_n_c = kUp,
+                                                                  .position_sigma_m = 3,
+                                                                  .yaw_sigma_rad = kDegree,
+                                                                  .tilt_sigma_rad = 0.6 * kDegree,
+                                                                  .farthest_m = 40,
+                                                                  .height_sigma_m = 0.3});
+    CAPTURE(off_north_m);
+    if (!match) continue;  // ambiguous is right too
+    const Eigen::Vector2d off = (match->p_n - eye).head<2>();
+    CHECK(std::abs(off.y()) < 0.5);
+    CHECK(std::sqrt(match->covariance(0, 0)) > 1.1 * kPeriod_m);  // without the sounding 2.90 m, with it 3.29 and 30
+    CHECK(off.dot(match->covariance.ldlt().solve(off)) < 11.83);
+    // Across the row it is known all the same.
+    CHECK(std::sqrt(match->covariance(1, 1)) < 1.5);
+  }
 }
 
 TEST_CASE("a picture that agrees with the model nowhere tells no place, and no heading either") {

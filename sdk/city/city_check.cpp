@@ -108,20 +108,22 @@ class Checker {
   Result<bool> vertices(const Json& root) {
     const auto list = root.find("vertices");
     if (list == root.end() || !list->is_array()) return wrong("no \"vertices\" in it");
-    points_ = list->size(), low_.fill(1e300), high_.fill(-1e300);
+    points_.clear(), low_.fill(1e300), high_.fill(-1e300);
     size_t k = 0;
     for (const Json& v : *list) {
       const std::string at = "vertex " + std::to_string(k++);
       if (!is_point(v)) return wrong(at + " is not three numbers");
       const auto p = point(v);
+      Eigen::Vector3d& to = points_.emplace_back();
       for (size_t i = 0; i < 3; ++i) {
         const double x = scale_[i] * p[i] + shift_[i];
+        to[static_cast<Eigen::Index>(i)] = x;
         if (!(std::abs(x) <= limits_.farthest_m))
           return wrong(at + " is " + v.dump() + ": farther than any reference system's zero");
         low_[i] = std::min(low_[i], x), high_[i] = std::max(high_[i], x);
       }
     }
-    check_.vertices += points_;
+    check_.vertices += points_.size();
     return true;
   }
 
@@ -153,25 +155,30 @@ class Checker {
     if (!part.is_array()) return wrong(id_ + ": \"boundaries\" are not nested as the geometry's type wants");
     if (depth == 0) {
       for (const Json& index : part)
-        if (!index.is_number_unsigned() || index.get<uint64_t>() >= points_)
-          return wrong(id_ + ": no vertex " + index.dump() + "; there are " + std::to_string(points_));
+        if (!index.is_number_unsigned() || index.get<uint64_t>() >= points_.size())
+          return wrong(id_ + ": no vertex " + index.dump() + "; there are " + std::to_string(points_.size()));
       return true;
-    }
-    if (depth == 1 && surfaces) {
-      ++check_.surfaces;
-      if (part.size() > 1) check_.holes += part.size() - 1;
-      if (part.size() > limits_.most_holes + 1)
-        return wrong(id_ + ": a surface with " + std::to_string(part.size() - 1) + " holes; at most " +
-                     std::to_string(limits_.most_holes));
     }
     for (const Json& inner : part)
       if (const auto done = walk(inner, depth - 1, surfaces); !done) return done;
+    if (depth == 1 && surfaces) {
+      ++check_.surfaces;
+      if (part.size() > 1) check_.holes += part.size() - 1;
+      std::vector<std::vector<Eigen::Vector3d>> rings;
+      for (const Json& ring : part) {
+        auto& to = rings.emplace_back();
+        for (const Json& index : ring) to.push_back(points_[index.get<size_t>()]);
+      }
+      if (!spend_crossings(rings, crossings_))
+        return wrong(id_ + ": too many edges of surfaces cross each other; at most " +
+                     std::to_string(limits_.crossings.crossings) + " in a file");
+    }
     return true;
   }
 
   void extent(const Json& root) {
     const auto metadata = root.find("metadata");
-    if (metadata == root.end() || !metadata->is_object() || points_ == 0) return;
+    if (metadata == root.end() || !metadata->is_object() || points_.empty()) return;
     const Json box = metadata->value("geographicalExtent", Json());
     if (!box.is_array() || box.size() != 6) return;
     for (size_t i = 0; i < 3; ++i) {
@@ -187,7 +194,8 @@ class Checker {
   const CityCheckLimits& limits_;
   CityCheck check_;
   std::array<double, 3> scale_{1, 1, 1}, shift_{0, 0, 0}, low_{}, high_{};
-  size_t points_ = 0;
+  std::vector<Eigen::Vector3d> points_;
+  CrossingBudget crossings_ = limits_.crossings;
   std::string id_;
 };
 

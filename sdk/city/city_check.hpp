@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sdk/base/result.hpp"
+#include "sdk/sim/city_model.hpp"
 
 namespace odograph {
 
@@ -22,7 +23,7 @@ struct CityCheck {
 struct CityCheckLimits {
   uintmax_t file_bytes = 64u << 20;  ///< parsed in 20 times as much memory: 1.3 GB
   double farthest_m = 1e8;           ///< from a reference system's zero: beyond any on Earth
-  size_t most_holes = 100;           ///< in one surface: cutting them into triangles takes a second
+  CrossingBudget crossings = {};     ///< of the edges of all surfaces, which are to be cut into triangles
 };
 
 /// Reads a city model and says what is in it: CityJSON 1.0 to 2.0, CityJSONSeq (a CityJSON line, then a

@@ -22,7 +22,6 @@ using Ring = std::vector<Vector3d>;  // in the file's axes: east, north, up
 
 constexpr size_t kMostFaces = 20'000'000;
 constexpr double kFarthest_m = 1e8;
-constexpr size_t kMostHoles = 100;  // in one surface: GLU takes a second for them, and a minute for ten times as many
 
 Kind ground_kind(const std::string& type) {
   if (type == "Road" || type == "Railway" || type == "TransportSquare" || type == "Bridge") return Kind::road;
@@ -41,8 +40,12 @@ class Collector {
   Collector(const std::string& name, std::optional<Vector3d> origin) : name_(name), origin_(origin) {}
 
   void begin(const std::string& id, bool is_building) { model_.objects.push_back({id, is_building, -1e9}); }
-  /// A polygon of the object begun last. `up` without meaning for buildings: there the slope decides.
-  void add(const std::vector<Ring>& rings, Kind ground) {
+  /// A polygon of the object begun last. `ground` without meaning for buildings: there the slope decides.
+  Result<bool> add(const std::vector<Ring>& rings, Kind ground) {
+    if (!spend_crossings(rings, budget_))
+      return Failure{ODO_E_DATA, name_ + ": " + model_.objects.back().id +
+                                     ": too many edges of surfaces cross each other; at most " +
+                                     std::to_string(CrossingBudget{}.crossings) + " in a file"};
     const auto object = static_cast<uint32_t>(model_.objects.size() - 1);
     const bool building = model_.objects.back().is_building;
     for (const auto& t : triangulate(rings)) {
@@ -55,6 +58,7 @@ class Collector {
       const Kind kind = !building ? ground : std::abs(normal.z()) < 0.5 ? Kind::wall : Kind::roof;
       model_.faces.push_back({t, normal, kind, object});
     }
+    return true;
   }
   bool full() const { return model_.faces.size() > kMostFaces; }
 
@@ -84,6 +88,7 @@ class Collector {
   const std::string& name_;
   std::optional<Vector3d> origin_;
   CityModel model_;
+  CrossingBudget budget_;
 };
 
 /// CityJSON's vertices and the way from its arrays of indices to polygons.
@@ -182,11 +187,7 @@ class CityJson {
         ring.push_back(points_[index.get<size_t>()]);
       }
     }
-    if (rings.size() > kMostHoles + 1)
-      return wrong(id_ + ": a surface with " + std::to_string(rings.size() - 1) + " holes; at most " +
-                   std::to_string(kMostHoles));
-    to_.add(rings, ground_kind(type_));
-    return true;
+    return to_.add(rings, ground_kind(type_));
   }
 
   const Json& root_;
@@ -223,7 +224,7 @@ Result<CityModel> read_obj(const fs::path& file, std::optional<Vector3d> origin)
           return Failure{ODO_E_DATA, name + ": vertex " + std::to_string(i / 3 + 1) +
                                          " is no three numbers, or farther than any reference system's zero"};
       }
-      to.add({ring}, Kind::paved);
+      if (const auto added = to.add({ring}, Kind::paved); !added) return added.failure();
     }
     if (to.full()) return Failure{ODO_E_DATA, name + ": more than 20 million triangles"};
   }

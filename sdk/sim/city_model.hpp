@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -43,6 +44,15 @@ Result<CityModel> read_city_model(const std::filesystem::path& file, std::option
 /// The same from text, `name` standing for the file in messages.
 Result<CityModel> parse_city_json(std::string_view text, const std::string& name,
                                   std::optional<Eigen::Vector3d> origin = {});
+
+/// What a file's polygons may cost to be cut into triangles: a sweep takes n log n for n edges (GLU), but makes a
+/// vertex of each place where two of them cross.
+struct CrossingBudget {
+  uint64_t crossings = 100'000;  ///< of edges that are no neighbours: a second, and as many triangles
+  uint64_t pairs = 500'000'000;  ///< that are compared to find them: two seconds
+};
+/// Takes a polygon's crossings off the budget. False where it is exhausted. Thread: any.
+bool spend_crossings(const std::vector<std::vector<Eigen::Vector3d>>& rings, CrossingBudget& budget);
 
 /// Cuts a polygon, whose first ring is its border and whose others are holes, into triangles. Rings are planar up to
 /// the surveyors' errors and may touch themselves. Thread: any.

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
+#include "plugins/fix/skyline/sky_convolutions.hpp"
 #include "plugins/fix/skyline/sky_features.hpp"
 
 namespace odograph::skyline {
@@ -17,39 +18,42 @@ struct Chroma {
   bool empty() const { return cb.empty(); }
 };
 
-/// Tells sky from the rest in colour pictures, pixel by pixel at full resolution. Around each place a small network
-/// says, from 28 features of the surroundings, how brightness and colour tell sky there: between leaves by another
-/// bound than along a white wall. A pixel's log-odds are then linear in its own Y, Cb and Cr, with four coefficients
-/// that are smooth (as in a bilateral grid, Gharbi et al. 2017). Weights: `odograph-teach-sky`. Thread: one at a time.
+/// Tells sky from the rest in colour pictures, pixel by pixel at full resolution. A small convolutional network, an
+/// encoder and a decoder (Ronneberger et al. 2015) on a grid of 160 columns, sees walls with their windows and says
+/// how brightness and colour tell sky at each place. A pixel's log-odds are then linear in its own Y, Cb, Cr and blue,
+/// with five coefficients that are smooth (as in a bilateral grid, Gharbi et al. 2017). Weights: `odograph-teach-sky`.
+/// Thread: one at a time.
 class ColourSky {
  public:
-  static constexpr int kFeatures = 28, kTerms = 4, kHidden = 24;
-  struct Neuron {
-    float inputs[kFeatures];
-    float bias;
-    float outputs[kTerms];
+  static constexpr int kInputs = 13, kTerms = 5, kLayers = 10;
+  struct Shape {
+    int inputs, outputs, side, stride;
   };
+  /// Six layers down to an eighth of the grid, three up again, each of which joins one from the way down, and the
+  /// coefficients.
+  static constexpr Shape kShapes[kLayers] = {{kInputs, 8, 1, 1}, {8, 12, 3, 2},    {12, 24, 3, 2}, {24, 32, 3, 2},
+                                             {32, 32, 3, 1},     {32, 32, 3, 1},   {32, 24, 1, 1}, {24, 12, 1, 1},
+                                             {12, 8, 1, 1},      {8, kTerms, 1, 1}};
 
-  /// What the surroundings show, at half the resolution of `features`, which are the same picture's. `zenith`: its
-  /// pixel in their picture, anywhere. `grey` is 8-bit.
-  void look(const SkyFeatures& features, const cv::Mat& grey, const Chroma& chroma, const Eigen::Vector2d& zenith);
-  /// The coefficients of all terms, by the network.
+  ColourSky();
+
+  /// Takes a picture, whose `features` these are. `zenith`: its pixel, anywhere.
+  void look(const SkyFeatures& features, const Chroma& chroma, const Eigen::Vector2d& zenith);
+  /// The coefficients of all terms, by the network: after look().
   void judge();
   /// Log-odds that each pixel shows sky, CV_32F, at any size of the same picture: after judge().
-  void log_odds(const cv::Mat& grey, const Chroma& chroma, cv::Size size, cv::Mat& out);
-  /// After look(), CV_32F, all of one size: for those who teach the network.
-  const std::array<cv::Mat, kFeatures>& channels() const { return channels_; }
+  void log_odds(const cv::Mat& grey, const Chroma& chroma, cv::Size size, cv::Mat& out) const;
+  /// What the network is told, after look(): for those who teach it.
+  const Volume& inputs() const { return inputs_; }
   /// What a pixel's log-odds are linear in.
-  std::array<float, kTerms> terms(float y, float cb, float cr) const {
-    return {1, (y - sky_) / 64, (cb - 128) / 16, (cr - 128) / 16};
-  }
+  static std::array<float, kTerms> terms(float y, float cb, float cr);
 
  private:
-  void crossed(const cv::Mat& barrier, const Eigen::Vector2d& zenith, bool summed, cv::Mat& out) const;
+  void put(const cv::Mat& plane, int channel);
 
-  std::array<cv::Mat, kFeatures> channels_;
-  std::array<cv::Mat, kTerms> coefficients_;
-  float sky_ = 255;  // Y at the zenith
+  std::array<Convolution, kLayers> layers_;
+  std::array<Volume, kLayers> results_;
+  Volume inputs_, split_;
 };
 
 }  // namespace odograph::skyline

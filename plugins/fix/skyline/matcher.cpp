@@ -8,16 +8,14 @@
 
 #include <Eigen/Dense>
 
+#include "plugins/fix/skyline/match_terms.hpp"
+
 namespace odograph::skyline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMost_rad = 3 * kDegree;      // a direction's largest loss
 constexpr double kAgrees_rad = 1.0 * kDegree;  // of one in which picture and model agree
-constexpr double kNoise_rad = 0.25 * kDegree;  // least mean loss believed
-constexpr double kSoft_rad = 0.6 * kDegree;    // from here on a direction pulls less and less (Geman & McClure 1987)
 constexpr double kStep_m = 0.25;               // of the numeric derivatives of the model's skyline
-constexpr double kCorrelated = 12;             // neighbouring directions err together: six degrees
 constexpr double kNearest_m = 6;               // always searched: priors are optimistic
 constexpr double kWide_m = 12;                 // farther than this the lattice is coarse
 constexpr double kApart_m = 4;                 // farther from each other than this two places are two
@@ -27,21 +25,11 @@ constexpr size_t kLeastEdges = 240;            // a third of the directions: few
 constexpr uint64_t kTurnedCheaper = 3;         // a turned direction's loss than another's
 constexpr size_t kStarts = 2;                  // places of the lattice that are refined
 constexpr double kFarthestStep_m = 2;
-constexpr double kDoubt_m = 2.5;  // standard deviation of a place with which nothing agrees, on drives through Delft
 constexpr double kHopeless_rad = 0.3 * kDegree;  // of a move's mean loss: no heading makes up for it
 constexpr int kLastSteps = 2;
-constexpr double kSpread_m = 2.5;  // between them
-constexpr double kOutside_m = 2;   // a cell of the coarse lattice: so far beyond it a place may be refined to
-constexpr double kUnlikely = 3;    // standard deviations of the prior's height, which a place must lie within
-constexpr double kUntold_m = 10;   // across the best told axis, by the curvature: from here on a picture tells no place
-constexpr double kClimbed_m = 1;   // at least that: what a road may have climbed since the last fix
-
-double apart(const Guess& x, const Guess& y) { return std::hypot(x.north - y.north, x.east - y.east); }
-
-/// From a mean loss to a logarithm of a likelihood.
-double to_log(double directions, double best_cost) {
-  return directions / (kCorrelated * std::max(kNoise_rad, 0.5 * best_cost));
-}
+constexpr double kOutside_m = 2;  // a cell of the coarse lattice: so far beyond it a place may be refined to
+constexpr double kUnlikely = 3;   // standard deviations of the prior's height, which a place must lie within
+constexpr double kClimbed_m = 1;  // at least that: what a road may have climbed since the last fix
 
 }  // namespace
 
@@ -236,7 +224,6 @@ Place Matcher::polish(Place at) {
 }
 
 std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
-  const auto by_cost = [](const Place& x, const Place& y) { return x.cost < y.cost; };
   rival_cost = 1e9;
   ends_.clear();
   if (!prior_.lost) {
@@ -287,41 +274,6 @@ bool Matcher::within_reach(const Place& best, double chord_m, double reach_m) co
   const double far_m = std::hypot(best.guess.north, best.guess.east);
   const double lattice_m = chord_m > 0 ? reach_m : reach_m * std::numbers::sqrt2;  // a square's corner
   return std::abs(best.guess.up) <= high_m && std::abs(far_m - chord_m) <= lattice_m + kOutside_m;
-}
-
-/// How well the place is known; false where the picture itself does not tell it: the curvature of the fit, what the
-/// lattice says, and how likely another place is.
-bool Matcher::weigh(const Place& best, double rival_cost, Match& match) {
-  const double scale = to_log(seen_.total_weight(), best.cost);
-  match.rival = rival_cost < 1e9 ? std::exp(-scale * (rival_cost - best.cost)) : 0.0;
-  // A street that looks the same for a while is a long cloud, not a point.
-  Eigen::Matrix2d cloud = Eigen::Matrix2d::Zero();
-  double weight = 0;
-  const auto spread = [&](const std::vector<Place>& places, double least_cost) {
-    for (const Place& place : places) {
-      const double w = std::exp(-scale * (place.cost - least_cost));
-      const Eigen::Vector2d d(place.guess.north - best.guess.north, place.guess.east - best.guess.east);
-      cloud += w * d * d.transpose(), weight += w;
-    }
-  };
-  spread(places_, places_.front().cost);
-  spread(ends_, best.cost);
-  cloud /= weight;
-  Matrix6d H;
-  Vector6d b;
-  linearise(best.guess, kSoft_rad, H, b);
-  // What is left over beyond the noise is model error, which averages no better.
-  const double left = std::max(1.0, best.cost / kNoise_rad);
-  H.diagonal().head<2>().array() += 1.0 / (30 * 30);
-  H(3, 3) += 1.0;
-  const Matrix6d P = H.inverse() * (left * left);
-  // Where picture and model agree in fewer directions, more of those that agree do so by chance.
-  const double doubt_m = kDoubt_m * (1 - match.agreement);
-  match.covariance = P.topLeftCorner<2, 2>() + cloud + Eigen::Matrix2d::Identity() * (doubt_m * doubt_m);
-  match.height_sigma_m = std::sqrt(std::max(1e-6, P(2, 2)));
-  match.yaw_sigma_rad = std::clamp(std::sqrt(std::max(0.0, P(3, 3))), 0.1 * kDegree, 30 * kDegree);
-  const double narrowest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(P.topLeftCorner<2, 2>()).eigenvalues()[0];
-  return narrowest < kUntold_m * kUntold_m;
 }
 
 /// Where the camera is, and the highest roof point that it sees; false where there is none.
@@ -375,6 +327,7 @@ std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Pri
   if (!within_reach(*best, ring ? way.norm() : 0, ring ? prior.slack_m : radius)) return std::nullopt;
   refusal_ = Refusal::nothing_in_view;
   if (!describe(*best, match)) return std::nullopt;
+  sound(*best);
   refusal_ = Refusal::none;
   if (!weigh(*best, rival_cost, match)) {
     refusal_ = Refusal::ambiguous;

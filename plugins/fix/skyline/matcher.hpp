@@ -84,6 +84,8 @@ class Matcher {
   Place polish(Place from);
   bool linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b);
   std::optional<Guess> step(const Guess& at, double soft_rad, double damping);
+  void sound(const Place& best);
+  Eigen::Matrix2d doubt_around(const Place& best, double scale) const;
   /// Best place and best other one.
   std::optional<Place> choose(double step_m, double& rival_cost);
   bool within_reach(const Place& best, double chord_m, double reach_m) const;
@@ -97,6 +99,7 @@ class Matcher {
   Horizon horizon_;
   SeenSkyline::Twice twice_{};
   std::vector<Place> places_, ends_;  // of the lattice, and where those of them led that were refined
+  std::vector<Place> around_;         // the best place
   std::vector<SeenSkyline::Residual> residuals_;
   OffsetMap offsets_;
   Refusal refusal_ = Refusal::none;

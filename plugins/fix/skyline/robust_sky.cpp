@@ -32,12 +32,13 @@ RobustSkyFinder::RobustSkyFinder(const Parameters& parameters, const CameraModel
 const std::vector<SkyEdge>& RobustSkyFinder::find(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c,
                                                   const Eigen::Vector3d& north_c, const Chroma& chroma) {
   edges_.clear();
-  if (!maker_.make(grey, mask, up_c, features_)) return edges_;
   Eigen::Vector2d zenith;
-  if (chroma.empty() || !pixel_of(camera_, up_c, p_.farthest_rad, zenith)) {
+  const bool in_colour = !chroma.empty() && pixel_of(camera_, up_c, p_.farthest_rad, zenith);
+  if (!maker_.make(grey, mask, up_c, features_, !in_colour)) return edges_;
+  if (!in_colour) {
     sky_log_odds(features_, log_odds_);
   } else {
-    colour_.look(features_, grey, chroma, zenith);
+    colour_.look(features_, chroma, zenith);
     colour_.judge();
     colour_.log_odds(grey, chroma, features_.valid.size(), log_odds_);
   }
@@ -90,7 +91,8 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
         seen = knot(i, pixel);
       if (seen) {
         const Eigen::Vector2d at = features_.small_of(pixel);
-        const int x = static_cast<int>(std::lround(at.x())), y = static_cast<int>(std::lround(at.y()));
+        // Rounded; where that is negative nothing is seen.
+        const int x = static_cast<int>(at.x() + 0.5), y = static_cast<int>(at.y() + 0.5);
         seen = x >= 1 && y >= 1 && x + 1 < log_odds_.cols && y + 1 < log_odds_.rows &&
                features_.valid.at<uint8_t>(y, x) != 0;
         if (seen) {

@@ -98,7 +98,8 @@ void SkyFeatureMaker::flood(const cv::Mat& contrast, const std::vector<int>& see
     }
 }
 
-bool SkyFeatureMaker::make(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c, SkyFeatures& out) {
+bool SkyFeatureMaker::make(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c, SkyFeatures& out,
+                           bool around) {
   cv::resize(grey, image_, small_, 0, 0, cv::INTER_AREA);
   out.scale = scale_;
   lens_valid_.copyTo(out.valid);
@@ -168,7 +169,10 @@ bool SkyFeatureMaker::make(const cv::Mat& grey, const cv::Mat& mask, const Eigen
   float_.convertTo(out.channels[1], CV_32F, 1 / 64.0, -s / 64.0);
   cv::Mat mean5;
   spread(5, mean5, out.channels[2]);
-  spread(17, mean_, out.channels[3]);
+  if (around)
+    spread(17, mean_, out.channels[3]);
+  else
+    cv::blur(float_, mean_, {17, 17});
   logarithm(contrast_, out.channels[4]);
   logarithm(level_, out.channels[5]);
   cv::Mat(image_.size(), CV_32F, height.data()).copyTo(out.channels[6]);
@@ -176,6 +180,9 @@ bool SkyFeatureMaker::make(const cv::Mat& grey, const cv::Mat& mask, const Eigen
   low_.convertTo(out.channels[7], CV_32F, 1 / 64.0, -s / 64.0);
   cv::Mat against = (float_ - mean_) / 32;
   against.copyTo(out.channels[8]);
+  out.channels[9].create(image_.size(), CV_32F);
+  out.channels[9].setTo(0.72 * std::log(1.0 + noise));
+  if (!around) return true;
   // What is around: a wall has windows, and each of them has a barrier of its own; the sky has none.
   cv::blur(out.channels[5], out.channels[10], {25, 25});
   cv::blur(out.channels[5], out.channels[11], {9, 9});
@@ -183,8 +190,6 @@ bool SkyFeatureMaker::make(const cv::Mat& grey, const cv::Mat& mask, const Eigen
   spread(33, mean33, out.channels[12]);
   cv::erode(low_, low_, cv::Mat(), {-1, -1}, 8);
   low_.convertTo(out.channels[13], CV_32F, 1 / 64.0, -s / 64.0);
-  out.channels[9].create(image_.size(), CV_32F);
-  out.channels[9].setTo(0.72 * std::log(1.0 + noise));
   return true;
 }
 

@@ -36,7 +36,9 @@ class SkyFeatureMaker {
 
   /// `grey`: 8-bit; `mask`: 0 where the picture is not to be used, may be empty; `up_c`: the zenith's direction in c,
   /// unit. False where nothing of the picture lies near the zenith and is smooth enough to be sky: no reference then.
-  bool make(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c, SkyFeatures& out);
+  /// Without `around` the channels of wide surroundings (3 and from 10 on) are left as they are.
+  bool make(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c, SkyFeatures& out,
+            bool around = true);
 
  private:
   void flood(const cv::Mat& contrast, const std::vector<int>& seeds);

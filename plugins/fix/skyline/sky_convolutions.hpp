@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace odograph::skyline {
+
+/// Planes of floats of one size, each with a border of one zero around it; rows go from -1 to height.
+class Volume {
+ public:
+  static constexpr int kChunk = 8;  ///< pixels that are computed together: a row may be read so far beyond its end
+
+  /// All zero.
+  void create(int channels, int height, int width);
+  int channels() const { return channels_; }
+  int height() const { return height_; }
+  int width() const { return width_; }
+  float* row(int channel, int y) { return data_.data() + offset(channel, y); }
+  const float* row(int channel, int y) const { return data_.data() + offset(channel, y); }
+
+ private:
+  std::ptrdiff_t offset(int channel, int y) const {
+    return (static_cast<std::ptrdiff_t>(channel) * (height_ + 2) + y + 1) * pitch_ + 1;
+  }
+  int channels_ = 0, height_ = 0, width_ = 0, pitch_ = 0;
+  std::vector<float> data_;
+};
+
+/// A convolution of `side` x `side` pixels (1 or 3), at every `stride`-th pixel (1 or 2), each output with a bias.
+/// `weights`: by output, input, row, column.
+struct Convolution {
+  int inputs, outputs, side, stride;
+  std::vector<float> weights, biases;
+};
+
+/// `out` has (size + stride - 1) / stride rows and columns. Negative results become 0 where `rectified`. `split` is
+/// room to work in. The order of each pixel's sum does not depend on the machine.
+void convolve(const Convolution& layer, const Volume& in, bool rectified, Volume& split, Volume& out);
+
+/// `fine` += `coarse`, which has every second of its pixels, linear between them; negative sums become 0.
+void add_doubled(const Volume& coarse, Volume& fine);
+
+}  // namespace odograph::skyline
