@@ -135,6 +135,28 @@ TEST_CASE("waypoints: the heading is fitted over the first metres, errors are ho
   CHECK(errors.position_m.back() == doctest::Approx(2.0));
 }
 
+TEST_CASE("oracles tell an error of headings from one of lengths") {
+  Trajectory bent{{0, Eigen::Quaterniond::Identity(), {4, -1, 2}}}, longer = bent;
+  std::vector<Waypoint> waypoints{{0, {5, 7, 0}}};
+  for (int i = 1; i <= 20; ++i) {
+    const int64_t t = i * 1'000'000'000LL;
+    const double direction = 1.0 + 0.05 * i;  // it bends by so much a leg, and did not
+    waypoints.push_back({t, waypoints.back().p_n + Eigen::Vector3d(3, 0, 0)});
+    const Eigen::Vector3d leg(3 * std::cos(direction), 3 * std::sin(direction), 0.1);
+    bent.push_back({t, Eigen::Quaterniond::Identity(), bent.back().p + leg});
+    longer.push_back({t, Eigen::Quaterniond::Identity(), longer.back().p + Eigen::Vector3d(0, 3.3, 0)});
+  }
+  const auto bends = leg_oracles(bent, waypoints, 10), lengthens = leg_oracles(longer, waypoints, 10);
+  CHECK(percentile(bends.true_headings_m, 1.0) < 1e-9);
+  CHECK(percentile(bends.true_lengths_m, 1.0) > 10);
+  CHECK(percentile(lengthens.true_headings_m, 1.0) == doctest::Approx(20 * 0.3));
+  CHECK(percentile(lengthens.true_lengths_m, 1.0) < 1e-9);
+  REQUIRE(bends.heading_rad.size() == 20);
+  CHECK(bends.heading_rad.front() - bends.heading_rad.back() == doctest::Approx(19 * 0.05));
+  CHECK(lengthens.length.front() == doctest::Approx(0.1));
+  CHECK(leg_oracles(bent, {}, 10).true_headings_m.empty());
+}
+
 TEST_CASE("a unit that drifts shows as a change of scale within windows") {
   Pairs pairs;
   double own = 0;

@@ -101,9 +101,9 @@ namespace {
 
 /// 75 s of a straight walk to the north whose attitude is off by `turn`, positions with a Gauss-Markov error of 12 m,
 /// off to the east by 40 m from 40 s on, velocities where they have a sigma. Steps are 5 % too long and sway by 0.05
-/// rad.
+/// rad, and the attitude may drift; its turn is `turn` at the end.
 void walk(PathHeading& path, uint64_t seed, double turn, double velocity_sigma,
-          std::vector<PathHeading::Turn>* news = nullptr) {
+          std::vector<PathHeading::Turn>* news = nullptr, double drift_radps = 0) {
   Random random(seed, 5);
   const double keep = std::exp(-1 / 20.0), kick = 12 * std::sqrt(1 - keep * keep);
   const double keep_v = std::exp(-0.5), kick_v = velocity_sigma * std::sqrt(1 - keep_v * keep_v);
@@ -111,7 +111,8 @@ void walk(PathHeading& path, uint64_t seed, double turn, double velocity_sigma,
   for (int s = 0; s < 80; ++s) {
     for (int half = 0; half < 2 && s >= 4; ++half) {
       const int64_t start_ns = 1'000'000'000LL * s + 500'000'000LL * half;
-      path.add_step(start_ns, start_ns + 500'000'000, 1.05 * 0.675, 0.05 * random.normal() - turn);
+      path.add_step(start_ns, start_ns + 500'000'000, 1.05 * 0.675,
+                    0.05 * random.normal() - turn + drift_radps * (80 - s - 0.5 * half));
     }
     error = keep * error + kick * Eigen::Vector2d(random.normal(), random.normal());
     off = keep_v * off + kick_v * Eigen::Vector2d(random.normal(), random.normal());
@@ -126,7 +127,8 @@ void walk(PathHeading& path, uint64_t seed, double turn, double velocity_sigma,
 }  // namespace
 
 TEST_CASE("a path's turn against satellites is known as well as they can tell, and is as far off as it says") {
-  // The bound for 12 m, 20 s and 100 m is 9.2 degrees (README), so a median of 6.2.
+  // The bound for 12 m, 20 s and 100 m is 9.2 degrees (README), so a median of 6.2; an attitude that may drift by 5
+  // mrad/s is known less well at the end of a path than over it.
   for (const double velocity_sigma : {0.0, 0.5, 0.25}) {
     CAPTURE(velocity_sigma);
     std::vector<double> off_deg;
@@ -143,10 +145,27 @@ TEST_CASE("a path's turn against satellites is known as well as they can tell, a
     }
     MESSAGE("velocities of " << velocity_sigma << " m/s: median " << percentile(off_deg, 0.5) << " deg, 90 % "
                              << percentile(off_deg, 0.9));
-    CHECK(percentile(off_deg, 0.5) < (velocity_sigma == 0 ? 8.0 : velocity_sigma == 0.5 ? 4.0 : 3.0));
+    CHECK(percentile(off_deg, 0.5) < (velocity_sigma == 0 ? 8.0 : velocity_sigma == 0.5 ? 6.0 : 4.0));
     CHECK(nis > 0.5);
     CHECK(nis < 1.6);
   }
+}
+
+TEST_CASE("the turn of an attitude whose gyroscope has a bias is told as it is now") {
+  std::vector<double> off_deg;
+  double nis = 0;
+  for (uint64_t seed = 1; seed <= 60; ++seed) {
+    PathHeading path({});
+    walk(path, seed, 0.3, 0.25, nullptr, seed % 2 ? 0.006 : -0.006);  // by 26 degrees within the walk
+    const auto seen = path.turn();
+    REQUIRE(seen);
+    const double off = std::remainder(seen->rad - 0.3, 2 * EIGEN_PI);
+    off_deg.push_back(std::abs(off) * 180 / EIGEN_PI);
+    nis += off * off / (seen->sigma_rad * seen->sigma_rad) / 60;
+  }
+  MESSAGE("median " << percentile(off_deg, 0.5) << " deg, 90 % " << percentile(off_deg, 0.9));
+  CHECK(percentile(off_deg, 0.5) < 6);  // its mean over the walk would be 13 degrees off
+  CHECK(nis < 1.6);
 }
 
 TEST_CASE("what is told of a turn piece by piece adds up to what is known of it") {
@@ -212,7 +231,7 @@ TEST_CASE("40 m off for a minute in a canyon pull a simulated walk far less than
       worst[correlation > 0].push_back(largest);
     }
   }
-  CHECK(percentile(worst[1], 0.5) < 0.6 * percentile(worst[0], 0.5));
+  CHECK(percentile(worst[1], 0.5) < 0.75 * percentile(worst[0], 0.5));
 }
 
 TEST_CASE("NED and geodetic coordinates are each other's inverse to a micrometre over 20 km") {

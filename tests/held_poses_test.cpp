@@ -92,6 +92,7 @@ TEST_CASE("a held pose is moved by every kind of update as the clone of its time
         same("attach_vo");
     e.clone((4 + round) * kStep_ns), same("another clone");
     e.set_independent(kStepHeading, 0.2), same("set_independent");
+    e.wander(kLogScale, 0.8, 0.01), same("wander");
     CHECK(e.update(seen<3>(e, number, 0.02), 0).accepted);
     same("an update at last");
   }

@@ -19,7 +19,7 @@ struct WalkArguments {
   std::vector<std::string> configs;
   std::string data;
   double align_first_m = 10;
-  bool each = false, json = false;
+  bool each = false, json = false, oracles = false;
 };
 
 struct WalkRow {
@@ -28,6 +28,7 @@ struct WalkRow {
   std::vector<double> position_m;
   uint64_t steps;
   double heading_drift_deg_min;  ///< of our heading from the phone's own; NaN where it has none
+  LegOracles oracles;
 };
 
 /// How fast the heading leaves the phone's own: the median of the last tenth less that of the first, by the time
@@ -74,10 +75,12 @@ Result<std::vector<WalkRow>> run_walks(const std::string& config, const std::vec
     if (!result) return result.failure();
     const auto waypoints = recording->waypoints();
     const double turn = heading_offset(result->track, waypoints, align_first_m);
-    const WaypointErrors e = waypoint_errors(lay_over(result->track, waypoints, turn), waypoints);
+    WaypointErrors e = waypoint_errors(lay_over(result->track, waypoints, turn), waypoints);
+    // Where the truth is there its own path is the reference, not the polyline.
+    if (!recording->truth.empty()) e.reference_m = waypoint_errors(recording->truth, waypoints).estimate_m;
     rows.push_back({files[i].filename().string(), e.reference_m, e.estimate_m, 100 * e.distance_error(),
                     percentile(e.position_m, 0.5), e.position_m, result->statistics.steps,
-                    heading_drift(*result, *recording)});
+                    heading_drift(*result, *recording), leg_oracles(result->track, waypoints, align_first_m)});
   }
   return rows;
 }
@@ -104,13 +107,31 @@ nlohmann::ordered_json summary(const std::string& config, const std::vector<Walk
           {"position_walk_median_m", {{"median", percentile(medians, 0.5)}, {"p90", percentile(medians, 0.9)}}}};
 }
 
+void print_oracles(const std::vector<WalkRow>& rows) {
+  std::vector<double> headed, measured, heading, length;
+  const auto add = [](std::vector<double>& to, const std::vector<double>& from, double factor) {
+    for (const double x : from) to.push_back(factor * std::abs(x));
+  };
+  for (const WalkRow& row : rows) {
+    add(headed, row.oracles.true_headings_m, 1), add(measured, row.oracles.true_lengths_m, 1);
+    add(heading, row.oracles.heading_rad, 180 / EIGEN_PI), add(length, row.oracles.length, 100);
+  }
+  const auto line = [](const char* name, const std::vector<double>& values, const char* unit) {
+    std::printf("  %-60s %9.2f %9.2f %s\n", name, percentile(values, 0.5), percentile(values, 0.9), unit);
+  };
+  line("position, were each leg's heading true: median, 90 %", headed, "m");
+  line("position, were each leg's length true", measured, "m");
+  line("heading of a leg, its walk's mean taken off", heading, "deg");
+  line("length of a leg", length, "%");
+}
+
 int walks(const WalkArguments& a) {
   std::vector<fs::path> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(a.data, error))
-    if (entry.path().extension() == ".txt") files.push_back(entry.path());
+    if (entry.path().extension() == ".txt" || entry.path().extension() == ".odo") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
-  if (files.empty()) return complain({ODO_E_NOT_FOUND, a.data + ": no walks (*.txt) in this folder"});
+  if (files.empty()) return complain({ODO_E_NOT_FOUND, a.data + ": no walks (*.txt, *.odo) in this folder"});
   nlohmann::ordered_json all = nlohmann::json::array();
   if (!a.json)
     std::printf(
@@ -137,6 +158,7 @@ int walks(const WalkArguments& a) {
         s["heading_drift_deg_min"]["median"].is_null() ? std::nan("")
                                                        : s["heading_drift_deg_min"]["median"].get<double>(),
         s["heading_drift_deg_min"]["p90"].is_null() ? std::nan("") : s["heading_drift_deg_min"]["p90"].get<double>());
+    if (a.oracles) print_oracles(*rows);
   }
   if (a.json) std::printf("%s\n", all.dump(2).c_str());
   return kDone;
@@ -150,11 +172,13 @@ void add_bench(CLI::App& app, int& status) {
   auto a = std::make_shared<WalkArguments>();
   auto* walks_command =
       command->add_subcommand("walks", "Distance and position errors over a folder of walks with waypoints");
-  walks_command->add_option("data", a->data, "folder of Indoor Location Competition traces")->required();
+  walks_command->add_option("data", a->data, "folder of Indoor Location Competition traces or of recordings with marks")
+      ->required();
   walks_command->add_option("-c,--config", a->configs, "pipeline configs to compare")->required();
   walks_command->add_option("--align-first", a->align_first_m, "the heading is fitted over these first metres")
       ->capture_default_str();
   walks_command->add_flag("--each", a->each, "a line for each walk");
+  walks_command->add_flag("--oracles", a->oracles, "what is left were the legs' headings true, or their lengths");
   walks_command->add_flag("--json", a->json, "print one JSON object");
   walks_command->callback([a, &status] { status = walks(*a); });
   add_bench_walk700(*command, status);

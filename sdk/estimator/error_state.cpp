@@ -184,6 +184,13 @@ void ErrorState::set_scale(double log_scale, double variance, double factor_shar
   for (auto& held : held_) held.cross.col(kLogScale) = factor_share * held.cross.col(kLogFactor).eval();
 }
 
+void ErrorState::wander(int at, double keep, double variance) {
+  P.row(at) *= keep;
+  P.col(at) *= keep;
+  P(at, at) += variance;
+  for (auto& held : held_) held.cross.col(at) *= keep;
+}
+
 void ErrorState::set_independent(int at, double variance) {
   P.row(at).setZero();
   P.col(at).setZero();

@@ -150,6 +150,8 @@ class ErrorState {
   /// A scalar part is known anew, and independently of the others.
   void set_independent(int at, double variance);
   void add_variance(int at, int count, double variance) { P.diagonal().segment(at, count).array() += variance; }
+  /// A scalar part forgets: its error becomes `keep` of it, and a variance is added.
+  void wander(int at, double keep, double variance);
   /// Everything is moved together, but not what is held.
   void shift(const Eigen::Vector3d& by_n);
   /// What is held follows a shift of everything, whose covariance is given, by its share: share_of_correction.

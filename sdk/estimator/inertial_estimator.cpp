@@ -196,7 +196,13 @@ void InertialEstimator::flush(bool gap) {
   const double accel = unaided() ? p_.unaided_accel_noise : accel_noise_;
   e_.propagate(transition_, {squared(gap ? p_.gap_rotation_noise : gyro_noise_), squared(gyro_walk_),
                              squared(gap ? p_.gap_accel_noise : accel), squared(accel_walk_)});
-  e_.add_variance(kNorth, 1, squared(north_ ? p_.north_walk : p_.gyro_heading_walk) * transition_.s);
+  if (north_) {
+    const double keep = std::exp(-transition_.s / p_.north_correlation_s);
+    e_.wander(kNorth, keep, (1 - keep * keep) * squared(north_sigma_rad_));
+    e_.x.north_rad *= keep;
+  } else {
+    e_.add_variance(kNorth, 1, squared(p_.gyro_heading_walk) * transition_.s);
+  }
   e_.add_variance(kBaro, 1, squared(p_.baro_walk) * transition_.s);
   transition_.clear();
 }
@@ -287,6 +293,7 @@ UpdateResult InertialEstimator::apply(const odo_attitude* attitude) {
   const Quaterniond q = heading_offset() * quaternion(attitude->q_n_b);
   const bool north = (attitude->header.flags & ODO_ATTITUDE_NORTH) != 0;
   const double tilt_sigma = std::sqrt(std::max(attitude->covariance_n[0], attitude->covariance_n[4]));
+  if (north) north_sigma_rad_ = std::sqrt(attitude->covariance_n[8]);
   if (!started_by_attitude_) {
     started_by_attitude_ = true;
     start(t, q, std::max(tilt_sigma, p_.start_tilt_sigma_rad), north ? std::sqrt(attitude->covariance_n[8]) : 0.0);
@@ -317,7 +324,8 @@ UpdateResult InertialEstimator::apply(const odo_attitude* attitude) {
     Innovation<3> bias;
     bias.residual = Vector3d(attitude->gyro_bias_b) - e_.x.gyro_bias_b;
     bias.by(kGyroBias, Matrix3d::Identity());
-    bias.noise = Matrix3d::Identity() * squared(p_.attitude_bias_radps);
+    const double same = resting_ ? 1.0 : p_.attitude_bias_s / p_.attitude_interval_s;
+    bias.noise = Matrix3d::Identity() * (squared(p_.attitude_bias_radps) * same);
     e_.update(bias, p_.gate[3], calm());
   }
   const double own_tilt = led() ? EIGEN_PI : unaided() ? p_.attitude_unaided_tilt_rad : p_.attitude_tilt_rad;

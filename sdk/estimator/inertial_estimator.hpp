@@ -131,7 +131,8 @@ class InertialEstimator : public Estimator {
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
   double gyro_noise_ = 0, accel_noise_ = 0, gyro_walk_ = 0, accel_walk_ = 0;
 
-  double turned_rad_ = 0;  ///< by which n was turned since the start, when the first fix told the heading
+  double turned_rad_ = 0;       ///< by which n was turned since the start, when the first fix told the heading
+  double north_sigma_rad_ = 0;  // of the attitude source's heading, as it says
   bool started_ = false, started_by_attitude_ = false, camera_ = false, metric_ = false, north_ = false,
        heading_open_ = false;
   int64_t t_ns_ = INT64_MIN, first_imu_ns_ = INT64_MIN, attitude_ns_ = INT64_MIN, informed_ns_ = INT64_MIN,

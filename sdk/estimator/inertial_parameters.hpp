@@ -93,7 +93,9 @@ struct Parameters {
   double attitude_unaided_tilt_rad = 0.02;  ///< rad, where no camera tells the inclination
   double attitude_bias_radps = 0.005;       ///< rad/s: an attitude source's gyroscope bias, many times over the same
   double attitude_yaw_rad = 0.02;           ///< rad
-  double north_walk = 0.01;                 ///< rad/sqrt(s): a compass in a street goes astray
+  double attitude_bias_s = 60;              ///< s for which that is the same error, unless the device rests
+  double north_correlation_s = 60;          ///< s: a compass in a street goes astray by as much as it says, and comes
+                                            ///< back: 20 to 60 s in simulated streets (bench canyon)
   double gyro_heading_walk = 2e-4;          ///< rad/sqrt(s): an attitude without north, the same gyroscope's
   double baro_sigma_m = 0.5;                ///< m: 4 Pa of wind and 3 of noise
   double baro_correlation_s = 10.0;         ///< s over which its error is one error; judgement

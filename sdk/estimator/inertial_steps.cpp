@@ -134,8 +134,11 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
   if (covered < 1 && !(unaided() && heading)) return {};
 
   const Vector3d moved = covered > 0 ? Vector3d(to->p_n - from->p_n) : Vector3d(Vector3d::Zero());
-  const double direction = heading ? step.heading_rad + start_.heading_rad + turned_rad_ + e_.x.step_heading_rad
-                                   : std::atan2(moved.y(), moved.x());
+  const bool from_north = north_ && unaided();  // the steps' heading errs with the compass, and is mended with it
+  const double source_rad = from_north ? e_.x.north_rad : 0.0;
+  const double direction =
+      heading ? step.heading_rad + start_.heading_rad + turned_rad_ + e_.x.step_heading_rad - source_rad
+              : std::atan2(moved.y(), moved.x());
   const Vector3d along(std::cos(direction), std::sin(direction), 0), across(-along.y(), along.x(), 0);
   const double length_m = std::exp(e_.x.log_factor) * step.length_m;
   // Derivatives at the usual length: this step's own error in them would favour short steps.
@@ -161,6 +164,7 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
   walked.by_pose(*from, Matrix3d::Zero(), -Matrix3d::Identity());
   walked.by_one(kLogFactor, -covered * by_factor);
   walked.by_one(kStepHeading, -covered * by_heading);
+  if (from_north) walked.by_one(kNorth, covered * by_heading);
   walked.noise = covered * covered * noise;
   if (!unaided()) walked.noise += (p_.step_correlation - 1) * squared(own_sigma * length_m) * along * along.transpose();
   const double before = 1 / e_.P(kLogScale, kLogScale);

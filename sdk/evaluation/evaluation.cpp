@@ -317,4 +317,39 @@ WaypointErrors waypoint_errors(const Trajectory& track, const std::vector<Waypoi
   return errors;
 }
 
+LegOracles leg_oracles(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
+  LegOracles out;
+  if (waypoints.size() < 2) return out;
+  // Tracks that are straight from waypoint to waypoint, a pose at each.
+  Trajectory headed{{waypoints.front().t_ns, Eigen::Quaterniond::Identity(), waypoints.front().p_n}};
+  Trajectory measured = headed;
+  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> legs;
+  for (size_t i = 1; i < waypoints.size(); ++i) {
+    const int64_t t = waypoints[i].t_ns;
+    const Vector3d walked = position_at(track, t) - position_at(track, waypoints[i - 1].t_ns);
+    const Vector3d leg = waypoints[i].p_n - waypoints[i - 1].p_n;
+    const double walked_m = walked.head<2>().norm(), leg_m = leg.head<2>().norm();
+    const auto along = [](const Vector3d& v, double v_m, double length_m) -> Vector3d {
+      return Vector3d(v.x(), v.y(), 0) * (length_m / std::max(v_m, 1e-9));
+    };
+    headed.push_back({t, Eigen::Quaterniond::Identity(), headed.back().p + along(leg, leg_m, walked_m)});
+    measured.push_back({t, Eigen::Quaterniond::Identity(), measured.back().p + along(walked, walked_m, leg_m)});
+    if (walked_m >= 1 && leg_m >= 1) legs.emplace_back(walked.head<2>(), leg.head<2>());
+  }
+  out.true_headings_m = waypoint_errors(headed, waypoints).position_m;
+  out.true_lengths_m =
+      waypoint_errors(lay_over(measured, waypoints, heading_offset(measured, waypoints, metres)), waypoints).position_m;
+  const auto turn_of = [](const auto& leg) {
+    return std::atan2(leg.first.x() * leg.second.y() - leg.first.y() * leg.second.x(), leg.first.dot(leg.second));
+  };
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const auto& leg : legs)
+    mean += leg.second.norm() * Eigen::Vector2d(std::cos(turn_of(leg)), std::sin(turn_of(leg)));
+  for (const auto& leg : legs) {
+    out.heading_rad.push_back(std::remainder(turn_of(leg) - std::atan2(mean.y(), mean.x()), 2 * EIGEN_PI));
+    out.length.push_back(leg.first.norm() / leg.second.norm() - 1);
+  }
+  return out;
+}
+
 }  // namespace odograph

@@ -85,4 +85,14 @@ struct WaypointErrors {
 };
 WaypointErrors waypoint_errors(const Trajectory& track, const std::vector<Waypoint>& waypoints);
 
+/// Which of the two a position error is made of: horizontal errors at each waypoint after the first, were the heading
+/// of each leg between two waypoints true, and were its length true. The heading of the second is fitted over the first
+/// `metres`, as heading_offset does.
+struct LegOracles {
+  std::vector<double> true_headings_m, true_lengths_m;
+  std::vector<double> heading_rad, length;  ///< what is left in each leg of 1 m or more: turn after the fit over all
+                                            ///< of them, and estimated over true length minus 1
+};
+LegOracles leg_oracles(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres);
+
 }  // namespace odograph

@@ -58,8 +58,8 @@ void Filter::predict(const Vector3d& gyro, double dt_s) {
   P_.block<3, 3>(0, 0) += by_bias * P_.block<3, 3>(3, 0) + cross * by_bias.transpose();
   P_.block<3, 3>(0, 3) = cross;
   P_.block<3, 3>(3, 0) = cross.transpose();
-  P_.block<3, 4>(0, kFieldOff) += by_bias * P_.block<3, 4>(3, kFieldOff);
-  P_.block<4, 3>(kFieldOff, 0) = P_.block<3, 4>(0, kFieldOff).transpose();
+  P_.block<3, 5>(0, kFieldOff) += by_bias * P_.block<3, 5>(3, kFieldOff);
+  P_.block<5, 3>(kFieldOff, 0) = P_.block<3, 5>(0, kFieldOff).transpose();
   P_.block<3, 3>(0, 0).diagonal().array() += p_.gyro_noise * p_.gyro_noise * dt_s;
   P_.block<3, 3>(3, 3).diagonal().array() += p_.gyro_walk * p_.gyro_walk * dt_s;
 }
@@ -109,8 +109,8 @@ void Filter::correct(const Row& H, double innovation, double variance, double ga
   const Eigen::Matrix<double, kStates, 1> K = PHt / S, error = K * innovation;
   q_ = (exp_rotation(error.head<3>()) * q_).normalized();
   bias_ += error.segment<3>(3);
-  field_off_rad_ += error[kFieldOff];
-  iron_ += error.tail<3>();
+  field_off_rad_ += error[kFieldOff], street_off_rad_ += error[kStreetOff];
+  iron_ += error.segment<3>(kIron);
   P_ -= K * PHt.transpose();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
 }
@@ -123,6 +123,15 @@ bool Filter::is_quasi_static(double dt_s) const {
   double halves[2] = {0, 0};
   for (size_t i = 0; i < 2 * (window / 2); ++i) halves[i < window / 2] += norms_[(norm_count_ - 1 - i) % norms_.size()];
   return calm_ && std::abs(halves[0] - halves[1]) < p_.field_change * halves[0];
+}
+
+/// A first-order Gauss-Markov process goes on by so many of its time constants.
+void Filter::wander(int state, double& value_rad, double times, double sigma_rad) {
+  const double keep = std::exp(-times);
+  value_rad *= keep;
+  P_.row(state) *= keep;
+  P_.col(state) *= keep;
+  P_(state, state) += (1 - keep * keep) * sigma_rad * sigma_rad;
 }
 
 void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
@@ -138,11 +147,8 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
   if (quasi_static_) {
     P_(kFieldOff, kFieldOff) += p_.field_turn * p_.field_turn * dt_s;
   } else {
-    const double keep = std::exp(-dt_s / p_.field_off_s);
-    field_off_rad_ *= keep;
-    P_.row(kFieldOff) *= keep;
-    P_.col(kFieldOff) *= keep;
-    P_(kFieldOff, kFieldOff) += (1 - keep * keep) * p_.field_off_sigma_rad * p_.field_off_sigma_rad;
+    wander(kFieldOff, field_off_rad_, dt_s / p_.field_off_s, p_.field_off_sigma_rad);
+    wander(kStreetOff, street_off_rad_, dt_s / p_.street_off_s, p_.street_off_sigma_rad);
   }
 
   field_sum_ += q_ * (field / strength_ - iron_);
@@ -162,15 +168,16 @@ void Filter::see_field(const Vector3d& earth) {
     P_.row(kHeading).setZero(), P_.col(kHeading).setZero();
     P_(kHeading, kHeading) = M_PI * M_PI;
     P_(kFieldOff, kFieldOff) = p_.field_off_sigma_rad * p_.field_off_sigma_rad;
-    P_.bottomRightCorner<3, 3>().diagonal().setConstant(p_.hard_iron_sigma * p_.hard_iron_sigma);
+    P_(kStreetOff, kStreetOff) = p_.street_off_sigma_rad * p_.street_off_sigma_rad;
+    P_.block<3, 3>(kIron, kIron).diagonal().setConstant(p_.hard_iron_sigma * p_.hard_iron_sigma);
     return see_field(exp_rotation({0, 0, heading}) * earth);
   }
   Row H = Row::Zero();
-  H[kHeading] = 1, H[kFieldOff] = 1;
+  H[kHeading] = 1, H[kFieldOff] = 1, H[kStreetOff] = 1;
   const Vector3d east_of_field(std::cos(heading) / level, -std::sin(heading) / level, 0);
-  H.tail<3>() = east_of_field.transpose() * q_.toRotationMatrix();
+  H.segment<3>(kIron) = east_of_field.transpose() * q_.toRotationMatrix();
   const double variance = p_.field_heading_sigma_rad * p_.field_heading_sigma_rad / (level * level);
-  const double innovation = std::remainder(heading - field_off_rad_, 2 * M_PI);
+  const double innovation = std::remainder(heading - field_off_rad_ - street_off_rad_, 2 * M_PI);
   // Steel is near: the surprise is the field's, whatever its usual size.
   const double usual = (H * P_ * H.transpose()).value() + variance;
   if (innovation * innovation > kSurprise * usual) P_(kFieldOff, kFieldOff) += innovation * innovation;

@@ -24,8 +24,10 @@ struct Parameters {
   double field_change = 0.006;             ///< within this part of it: a quasi-static field
   double calm_accel_mps2 = 0.6;            ///< spread of the acceleration of somebody who does not walk
   double field_heading_sigma_rad = 0.008;  ///< of a heading that the field shows: noise and tilt
-  double field_off_sigma_rad = 0.25;       ///< how far the field points off north, where something disturbs it
+  double field_off_sigma_rad = 0.18;       ///< how far the field points off north, where something disturbs it
   double field_off_s = 5;                  ///< time constant of that, on foot
+  double street_off_sigma_rad = 0.18;      ///< the same of what is as long as a street
+  double street_off_s = 60;                ///< time constant of that, on foot
   double field_turn = 0.002;               ///< rad/sqrt(s): how it wanders in quasi-static phases
   double hard_iron_sigma = 0.06;           ///< the device's own field, in parts of the Earth's
 };
@@ -58,7 +60,7 @@ class Filter {
   double inclination_sigma() const;
 
  private:
-  static constexpr int kStates = 10, kHeading = 2, kFieldOff = 6;
+  static constexpr int kStates = 11, kHeading = 2, kFieldOff = 6, kIron = 7, kStreetOff = 10;
   using Matrix = Eigen::Matrix<double, kStates, kStates>;
   using Row = Eigen::Matrix<double, 1, kStates>;
 
@@ -67,6 +69,7 @@ class Filter {
   void forget_window();
   void rest(const Eigen::Vector3d& rate, double sigma_radps);
   bool is_quasi_static(double dt_s) const;
+  void wander(int state, double& value_rad, double times, double sigma_rad);
   void see_field(const Eigen::Vector3d& field_earth);
   void correct(const Row& H, double innovation, double variance, double gate_sigma);
 
@@ -88,7 +91,7 @@ class Filter {
   size_t norm_count_ = 0;
   double since_update_s_ = 0, seen_s_ = 0;
   Eigen::Vector3d field_sum_ = Eigen::Vector3d::Zero();  // in the Earth's axes
-  double field_off_rad_ = 0;
+  double field_off_rad_ = 0, street_off_rad_ = 0;
   Eigen::Vector3d iron_ = Eigen::Vector3d::Zero();  // in body axes, parts of the field's strength
   double strength_ = 0;                             // the field's long mean
   bool calm_ = false, quasi_static_ = false, disturbed_ = false, has_heading_ = false;

@@ -18,7 +18,7 @@ constexpr double kAny = 3, kAny_m = 1e5, kJump_m = 50;  // of (a, b), of the pat
 constexpr int64_t kPatience_ns = 3'000'000'000, kVelocity_ns = 1'000'000'000;
 constexpr size_t kKept = 64;            // steps and positions
 constexpr double kTellable_rad = 0.35;  // a turn is told once it is as well known
-constexpr double kNews = 0.3;           // and again when it has gained so much of its information
+constexpr double kNews = 0.1;           // and again when it has gained so much of its information
 constexpr double kLeastScale = 0.3;     // of (a, b): below it has no direction yet
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -29,7 +29,9 @@ double wrapped(double rad) { return std::remainder(rad, 2 * std::numbers::pi); }
 PathHeading::PathHeading(const Parameters& parameters) : p_(parameters) {
   x_.setZero();
   P_.setZero();
-  P_.diagonal() << kAny * kAny, kAny * kAny, kAny_m * kAny_m, kAny_m * kAny_m, 0, 0, 0, 0;
+  P_.diagonal().segment<2>(kTurn).setConstant(kAny * kAny);
+  P_.diagonal().segment<2>(kPlace).setConstant(kAny_m * kAny_m);
+  P_.diagonal().segment<2>(kRate).setConstant(p_.heading_rate * p_.heading_rate);
 }
 
 void PathHeading::add_step(int64_t start_ns, int64_t end_ns, double length_m, double heading_rad) {
@@ -76,17 +78,27 @@ void PathHeading::work_off() {
   }
 }
 
-void PathHeading::propagate(double dt_s, double walked_m, double sigma_m) {
-  const double keep = std::exp(-dt_s / p_.correlation_s), keep_jump = std::exp(-dt_s / p_.bias_s);
-  Vector8 F = Vector8::Ones(), Q = Vector8::Zero();
-  F.segment<2>(4).setConstant(keep);
-  F.tail<2>().setConstant(keep_jump);
-  Q.head<2>().setConstant(p_.heading_walk * p_.heading_walk * dt_s);
-  Q.segment<2>(2).setConstant(p_.path_walk * p_.path_walk * walked_m);
-  Q.segment<2>(4).setConstant(sigma_m * sigma_m * (1 - keep * keep));
-  x_ = x_.cwiseProduct(F);
-  P_ = F.asDiagonal() * P_ * F.asDiagonal();
-  P_.diagonal() += Q;
+void PathHeading::propagate(double dt_s, const Vector2d& moved, double sigma_m) {
+  const double keep = std::exp(-dt_s / p_.correlation_s), keep_jump = std::exp(-dt_s / p_.bias_s),
+               keep_rate = std::exp(-dt_s / p_.heading_rate_s);
+  Matrix F = Matrix::Identity();
+  F.block<2, 2>(kPlace, kTurn) << moved.x(), -moved.y(), moved.y(), moved.x();
+  F.block<2, 2>(kTurn, kRate) = dt_s * Matrix2d::Identity();
+  F.diagonal().segment<2>(kError).setConstant(keep);
+  F.diagonal().segment<2>(kJump).setConstant(keep_jump);
+  F.diagonal().segment<2>(kRate).setConstant(keep_rate);
+  Vector Q = Vector::Zero();
+  Q.segment<2>(kTurn).setConstant(p_.heading_walk * p_.heading_walk * dt_s);
+  Q.segment<2>(kPlace).setConstant(p_.path_walk * p_.path_walk * moved.norm());
+  Q.segment<2>(kError).setConstant(sigma_m * sigma_m * (1 - keep * keep));
+  Q.segment<2>(kRate).setConstant(p_.heading_rate * p_.heading_rate * (1 - keep_rate * keep_rate));
+  const auto age = [&](Vector& x, Matrix& P) {
+    x = F * x;
+    P = F * P * F.transpose();
+    P.diagonal() += Q;
+  };
+  age(x_, P_);
+  if (told_) age(told_x_, told_P_);
 }
 
 void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& path_velocity) {
@@ -94,41 +106,43 @@ void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& pa
   if (!has_position_) {
     has_position_ = true;
     t_ns_ = seen.t_ns, used_path_ = path;
-    P_.block<2, 2>(4, 4) = Matrix2d::Identity() * (seen.sigma * seen.sigma);
+    P_.block<2, 2>(kError, kError) = Matrix2d::Identity() * (seen.sigma * seen.sigma);
   }
   if (!seen.is_velocity && seen.t_ns > t_ns_) {
-    propagate(seconds(seen.t_ns - t_ns_), (path - used_path_).norm(), seen.sigma);
+    propagate(seconds(seen.t_ns - t_ns_), path - used_path_, seen.sigma);
     t_ns_ = seen.t_ns, used_path_ = path;
   }
-  Eigen::Matrix<double, 2, 8> H = Eigen::Matrix<double, 2, 8>::Zero();
-  const Vector2d& moved = seen.is_velocity ? path_velocity : path;
-  H.leftCols<2>() << moved.x(), -moved.y(), moved.y(), moved.x();
+  Eigen::Matrix<double, 2, kStates> H = Eigen::Matrix<double, 2, kStates>::Zero();
   double noise = p_.white_m * p_.white_m;
-  if (seen.is_velocity)  // one a second, alike for longer
+  if (seen.is_velocity) {  // one a second, alike for longer
+    H.middleCols<2>(kTurn) << path_velocity.x(), -path_velocity.y(), path_velocity.y(), path_velocity.x();
     noise = seen.sigma * seen.sigma * std::max(1.0, 2 * p_.velocity_correlation_s) + 0.2 * 0.2;
-  else
-    for (int k = 2; k < 8; ++k) H(k % 2, k) = 1;
+  } else {
+    for (const int from : {kPlace, kError, kJump}) H.middleCols<2>(from).setIdentity();
+  }
   const Vector2d off = seen.value - H * x_;
   Matrix2d S = H * P_ * H.transpose() + noise * Matrix2d::Identity();
   const double nis = off.dot(S.inverse() * off);
   if (nis > p_.gate_sigma * p_.gate_sigma) {
     if (seen.is_velocity) return;
-    P_.bottomRightCorner<2, 2>() += Matrix2d::Identity() * (kJump_m * kJump_m);
+    P_.block<2, 2>(kJump, kJump) += Matrix2d::Identity() * (kJump_m * kJump_m);
     S = H * P_ * H.transpose() + noise * Matrix2d::Identity();
   }
-  const Eigen::Matrix<double, 8, 2> K = P_ * H.transpose() * S.inverse();
+  const Eigen::Matrix<double, kStates, 2> K = P_ * H.transpose() * S.inverse();
   x_ += K * off;
-  const Matrix8 I_KH = Matrix8::Identity() - K * H;
+  const Matrix I_KH = Matrix::Identity() - K * H;
   P_ = I_KH * P_ * I_KH.transpose() + K * (noise * Matrix2d::Identity()) * K.transpose();
 }
 
-std::optional<PathHeading::Turn> PathHeading::turn() const {
-  const Vector2d ab = x_.head<2>();
+std::optional<PathHeading::Turn> PathHeading::turn() const { return turn_of(x_, P_); }
+
+std::optional<PathHeading::Turn> PathHeading::turn_of(const Vector& x, const Matrix& from) const {
+  const Vector2d ab = x.segment<2>(kTurn);
   const double scale = ab.norm();
   if (scale < kLeastScale) return {};
   // Steps know their length: a measurement of the scale, on a copy, because only its direction is linear.
   const Vector2d along = ab / scale, across(-along.y(), along.x());
-  const Matrix2d P = P_.topLeftCorner<2, 2>();
+  const Matrix2d P = from.block<2, 2>(kTurn, kTurn);
   const double s = along.dot(P * along) + p_.scale_sigma * p_.scale_sigma;
   const Vector2d gain = P * along / s;
   const Vector2d better = ab + gain * (1 - scale);
@@ -140,13 +154,15 @@ std::optional<PathHeading::Turn> PathHeading::turn() const {
 std::optional<PathHeading::Turn> PathHeading::news() {
   const auto now = turn();
   if (!now || now->sigma_rad > kTellable_rad || now->sigma_rad <= 0) return {};
-  const double information = 1 / (now->sigma_rad * now->sigma_rad), gained = information - told_information_;
-  if (gained < kNews * information) return {};
-  const double since = told_information_ > 0 ? wrapped(now->rad - told_rad_) : now->rad;
-  const double base = told_information_ > 0 ? told_rad_ : 0.0;
-  const Turn news{told_information_ > 0 ? wrapped(base + information / gained * since) : now->rad,
-                  1 / std::sqrt(gained)};
-  told_information_ = information, told_rad_ = now->rad;
+  const double information = 1 / (now->sigma_rad * now->sigma_rad);
+  Turn news = *now;
+  const auto told = told_ ? turn_of(told_x_, told_P_) : std::nullopt;
+  if (told) {
+    const double gained = information - 1 / (told->sigma_rad * told->sigma_rad);
+    if (gained < kNews * information) return {};
+    news = {wrapped(told->rad + information / gained * wrapped(now->rad - told->rad)), 1 / std::sqrt(gained)};
+  }
+  told_ = true, told_x_ = x_, told_P_ = P_;
   return news;
 }
 

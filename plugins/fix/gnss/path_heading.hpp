@@ -10,13 +10,14 @@
 namespace odograph::gnss {
 
 /// By how much a walked path is to be turned so that it fits all satellite positions and velocities since its start.
-/// The path P is the sum of the steps as the attitude's heading has them. A position is
+/// With d a piece of the path as the attitude's heading has it, the walker's place c and a position z are
 ///
-///   z = [P_n -P_e; P_e P_n] (a, b) + c + e + j + noise
+///   c <- c + [d_n -d_e; d_e d_n] (a, b)     (a, b) <- (a, b) + (a', b') dt     z = c + e + j + noise
 ///
-/// with a = scale cos(turn), b = scale sin(turn), the path's unknown beginning c, the receiver's correlated error e
-/// (first-order Gauss-Markov) and a jump j of a reflection. That is linear in all of them, whatever the turn: one
-/// Kalman filter fits the whole path. No allocation but the queue of positions that wait for their steps.
+/// with a = scale cos(turn), b = scale sin(turn), which drift as the attitude does (its gyroscope's bias, its compass),
+/// the receiver's correlated error e (first-order Gauss-Markov) and a jump j of a reflection. That is linear in all of
+/// them, whatever the turn: one Kalman filter fits the whole path. No allocation but the queue of positions that wait
+/// for their steps.
 class PathHeading {
  public:
   struct Parameters {
@@ -24,7 +25,9 @@ class PathHeading {
     double bias_s = 600;          ///< with which a jump is forgotten; sooner, a reflection that lasts bends the path
     double white_m = 1;           ///< of a position, beside e
     double path_walk = 0.2;       ///< m/sqrt(m): a hand and a compass sway by 0.1 rad, alike for 5 m
-    double heading_walk = 0.002;  ///< rad/sqrt(s), of the attitude's heading
+    double heading_walk = 0.002;  ///< rad/sqrt(s), of the path's heading, a gyroscope's
+    double heading_rate = 0.005;  ///< rad/s, of its bias, as an attitude source starts with
+    double heading_rate_s = 120;  ///< for how long it is alike; the filter is linear for about so long
     double scale_sigma = 0.1;     ///< of step lengths: walkers differ so
     double gate_sigma = 4;        ///< of a position, beyond which it has jumped
     double velocity_correlation_s = 2;  ///< of a velocity's error
@@ -59,19 +62,23 @@ class PathHeading {
   std::optional<Eigen::Vector2d> path_at(int64_t t_ns) const;
   void work_off();
   void use(const Seen& seen, const Eigen::Vector2d& path, const Eigen::Vector2d& path_velocity);
-  void propagate(double dt_s, double walked_m, double sigma_m);
 
-  using Vector8 = Eigen::Matrix<double, 8, 1>;
-  using Matrix8 = Eigen::Matrix<double, 8, 8>;
+  static constexpr int kStates = 10, kTurn = 0, kPlace = 2, kError = 4, kJump = 6, kRate = 8;
+  using Vector = Eigen::Matrix<double, kStates, 1>;
+  using Matrix = Eigen::Matrix<double, kStates, kStates>;
+  std::optional<Turn> turn_of(const Vector& x, const Matrix& P) const;
+  void propagate(double dt_s, const Eigen::Vector2d& moved, double sigma_m);
   Parameters p_;
-  Vector8 x_;
-  Matrix8 P_;
+  Vector x_;
+  Matrix P_;
   bool has_position_ = false;
   int64_t t_ns_ = 0, newest_ns_ = INT64_MIN;
   Eigen::Vector2d path_ = Eigen::Vector2d::Zero(), used_path_ = Eigen::Vector2d::Zero();
   std::deque<Walked> steps_;
   std::deque<Seen> waiting_;
-  double told_information_ = 0, told_rad_ = 0;
+  bool told_ = false;
+  Vector told_x_;  // what was told, as it has aged since
+  Matrix told_P_;
 };
 
 }  // namespace odograph::gnss

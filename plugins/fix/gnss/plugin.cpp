@@ -29,7 +29,7 @@ class Gnss {
 
   static constexpr odo::Description description{"fix/gnss", "1.2.0", "Position and heading fixes from a GNSS receiver",
                                                 ODO_INTERFACE_ABSOLUTE_FIXER};
-  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_STEP, ODO_TYPE_ATTITUDE};  // the walked path
+  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_STEP, ODO_TYPE_ATTITUDE, ODO_TYPE_IMU};  // the walked path
   static std::vector<odo::Parameter<Gnss>> parameters() {
     return {
         odo::real("sigma", "m", 0.01, 1000, &Gnss::sigma, "standard deviation of a position that comes without one"),
@@ -58,6 +58,7 @@ class Gnss {
     h.correlation_s = std::max(0.5, correlation);
     path_.emplace(h);
     attitude_.reset();
+    gyro_ = {};
   }
 
   void on(const odo_pose& pose, odo::Output&) {
@@ -67,11 +68,28 @@ class Gnss {
     error_->on_path(pose.header.t_ns, {pose.p_n[0], pose.p_n[1]}, std::sqrt(std::max(0.0, pose.covariance[14])));
   }
 
-  void on(const odo_attitude& attitude, odo::Output&) { attitude_ = attitude; }
+  /// A compass goes astray between houses, and steps bend with it: the path is laid along the gyroscope's heading,
+  /// which is off by an angle and a drift.
+  void on(const odo_imu& imu, odo::Output&) {
+    const double dt_s = static_cast<double>(imu.header.t_ns - gyro_.t_ns) * 1e-9;
+    if (attitude_ && dt_s > 0 && dt_s < kLongestStep_s) {
+      const Eigen::Vector3d rate_b = Eigen::Vector3d(imu.gyro_b) - gyro_.bias_b;
+      gyro_.heading_rad += (orientation(*attitude_) * rate_b).z() * dt_s;
+    }
+    gyro_.t_ns = imu.header.t_ns;
+  }
+
+  void on(const odo_attitude& attitude, odo::Output&) {
+    if (!attitude_) gyro_.bias_b = Eigen::Vector3d(attitude.gyro_bias_b);
+    attitude_ = attitude;
+    const Eigen::Quaterniond q = orientation(attitude);
+    // The heading of the device in whatever way it is held: that of the rotation about the vertical alone.
+    gyro_.beyond_attitude_rad = std::remainder(gyro_.heading_rad - 2 * std::atan2(q.z(), q.w()), 2 * kPi);
+  }
 
   void on(const odo_step& step, odo::Output&) {
     if ((step.header.flags & ODO_STEP_HEADING) == 0) return;
-    path_->add_step(step.t_start_ns, step.t_end_ns, step.length_m, step.heading_rad);
+    path_->add_step(step.t_start_ns, step.t_end_ns, step.length_m, step.heading_rad + gyro_.beyond_attitude_rad);
   }
 
   void on(const odo_gnss& sample, odo::Output& output) {
@@ -104,6 +122,19 @@ class Gnss {
   /// About the Earth's circumference: what is farther, or is as unsure, says nothing and would stay in the sums for
   /// ever.
   static constexpr double kFarthest_m = 4e7;
+  static constexpr double kLongestStep_s = 0.2;  ///< between samples of a gyroscope
+
+  /// The heading by the gyroscope alone, about the vertical of the attitude.
+  struct Gyro {
+    int64_t t_ns = 0;
+    double heading_rad = 0, beyond_attitude_rad = 0;
+    Eigen::Vector3d bias_b = Eigen::Vector3d::Zero();  ///< as it was taken for at first, so that the rest is steady
+  };
+
+  static Eigen::Quaterniond orientation(const odo_attitude& attitude) {
+    const double* q = attitude.q_n_b;
+    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
+  }
 
   /// North and east about the first position, m.
   Eigen::Vector2d seen_at(const odo_gnss& sample) {
@@ -125,12 +156,11 @@ class Gnss {
     if (!attitude_) return;
     const auto turn = path_->news();
     if (!turn) return;
-    const double* q = attitude_->q_n_b;
-    const Eigen::Vector3d y_n = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized() * Eigen::Vector3d::UnitY();
+    const Eigen::Vector3d y_n = orientation(*attitude_) * Eigen::Vector3d::UnitY();
     if (y_n.head<2>().norm() < 0.1) return;  // a phone that stands upright has no heading of its top
     auto fix = odo::make<odo_fix>(attitude_->header.t_ns);
     fix.header.flags = ODO_FIX_YAW;
-    fix.yaw_rad = std::remainder(std::atan2(y_n.y(), y_n.x()) + turn->rad, 2 * kPi);
+    fix.yaw_rad = std::remainder(std::atan2(y_n.y(), y_n.x()) + gyro_.beyond_attitude_rad + turn->rad, 2 * kPi);
     fix.yaw_sigma_rad = std::hypot(turn->sigma_rad, hold_sigma);
     fix.integrity = 0.05;
     output.emit(fix);
@@ -150,6 +180,7 @@ class Gnss {
   std::optional<CorrelatedError> error_;
   std::optional<PathHeading> path_;
   std::optional<odo_attitude> attitude_;
+  Gyro gyro_;
   bool has_origin_ = false;
   double latitude_rad_ = 0, longitude_rad_ = 0, north_per_rad_ = 1, east_per_rad_ = 1;
 };
