@@ -71,6 +71,7 @@ class Gnss {
   /// A compass goes astray between houses, and steps bend with it: the path is laid along the gyroscope's heading,
   /// which is off by an angle and a drift.
   void on(const odo_imu& imu, odo::Output&) {
+    if (!Eigen::Vector3d(imu.gyro_b).allFinite()) throw odo::Error(ODO_E_DISCARD, "gyro_b is no number");
     const double dt_s = static_cast<double>(imu.header.t_ns - gyro_.t_ns) * 1e-9;
     if (attitude_ && dt_s > 0 && dt_s < kLongestStep_s) {
       const Eigen::Vector3d rate_b = Eigen::Vector3d(imu.gyro_b) - gyro_.bias_b;
@@ -80,15 +81,20 @@ class Gnss {
   }
 
   void on(const odo_attitude& attitude, odo::Output&) {
-    if (!attitude_) gyro_.bias_b = Eigen::Vector3d(attitude.gyro_bias_b);
-    attitude_ = attitude;
+    const Eigen::Vector3d bias_b(attitude.gyro_bias_b);
     const Eigen::Quaterniond q = orientation(attitude);
+    if (!bias_b.allFinite() || !q.coeffs().allFinite())
+      throw odo::Error(ODO_E_DISCARD, "q_n_b or gyro_bias_b is no number");
+    if (!attitude_) gyro_.bias_b = bias_b;
+    attitude_ = attitude;
     // The heading of the device in whatever way it is held: that of the rotation about the vertical alone.
     gyro_.beyond_attitude_rad = std::remainder(gyro_.heading_rad - 2 * std::atan2(q.z(), q.w()), 2 * kPi);
   }
 
   void on(const odo_step& step, odo::Output&) {
     if ((step.header.flags & ODO_STEP_HEADING) == 0) return;
+    if (!std::isfinite(step.length_m) || !std::isfinite(step.heading_rad))
+      throw odo::Error(ODO_E_DISCARD, "length_m or heading_rad is no number");
     path_->add_step(step.t_start_ns, step.t_end_ns, step.length_m, step.heading_rad + gyro_.beyond_attitude_rad);
   }
 
