@@ -5,21 +5,9 @@
 #include <cstring>
 
 #include "sdk/base/saturating.hpp"
+#include "sdk/config/runs_processes.hpp"
 
 namespace odograph {
-namespace {
-
-/// Whether any plugin, or what may take its place, runs in a process of its own.
-bool runs_processes(const PipelineConfig& config) {
-  for (const auto* plugins :
-       {&config.attitudes, &config.step_estimators, &config.vo_frontends, &config.scale_sources, &config.fixers})
-    for (const PluginChoice& chosen : *plugins)
-      for (const PluginChoice* choice = &chosen; choice; choice = choice->fallback.get())
-        if (choice->isolation.kind == Isolation::Kind::process) return true;
-  return false;
-}
-
-}  // namespace
 
 Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
                                                bool live, uint64_t seed) {
