@@ -37,7 +37,9 @@ struct WalkMeasurements {
   double step_factor_sigma = 0.08, step_own = 0.05, step_heading_rad = 0.05, step_offset_rad = 0.1;
   double fix_every_s = 0, fix_sigma_m = 1.0, fix_late_s = 0.3;
   double start_s = 0, end_s = 1e9;
-  double first_tilt_rad = 0;  ///< about north, of the attitude that is told first: a phone that is thrown about
+  double first_tilt_rad = 0;     ///< about north, of the attitude that is told first: a phone that is thrown about
+  double compass_sigma_rad = 0;  ///< above 0: attitudes tell north as well,
+  std::function<double(double t_s)> compass_rad;  ///< off by this
   std::function<void(double t_s, odo_vo_motion& motion)> change;
   std::function<void(double t_s, odo_fix& fix)> change_fix;
   std::function<void(double t_s, odo_step& step)> change_step;
@@ -140,6 +142,11 @@ class EstimatorWalk {
     Eigen::Quaterniond q = exp_rotation(tilt_) * Eigen::Quaterniond(state.T_n_b.linear());
     if (!told_attitude_) q = exp_rotation(w_.first_tilt_rad * Eigen::Vector3d::UnitX()) * q;
     told_attitude_ = true;
+    if (w_.compass_sigma_rad > 0) {
+      a.header.flags |= ODO_ATTITUDE_NORTH;
+      a.covariance_n[8] = w_.compass_sigma_rad * w_.compass_sigma_rad;
+      q = exp_rotation(w_.compass_rad(t) * Eigen::Vector3d::UnitZ()) * q;
+    }
     a.q_n_b[0] = q.w(), a.q_n_b[1] = q.x(), a.q_n_b[2] = q.y(), a.q_n_b[3] = q.z();
     a.covariance_n[0] = a.covariance_n[4] = 0.02 * 0.02;
     estimator.update(&a);

@@ -7,50 +7,22 @@
 #include <numbers>
 
 #include "plugins/fix/skyline/matcher.hpp"
+#include "tests/skyline_streets.hpp"
 
 using namespace odograph::skyline;
 using Eigen::Vector3d;
+using test::a_street;
+using test::add_box;
+using test::kDegree;
 
 TEST_SUITE_BEGIN("skyline_reach");
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 const Eigen::Quaterniond kUp(Eigen::AngleAxisd(0.3, Vector3d::UnitZ()) * Eigen::Quaterniond(0, 1, 0, 0));
 
-void add_box(std::vector<Edge>& edges, double north, double east, double a, double b, double height) {
-  const double sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  Vector3d roof[4];
-  for (int i = 0; i < 4; ++i) roof[i] = {north + 0.5 * a * sign[i][0], east + 0.5 * b * sign[i][1], -height};
-  for (int i = 0; i < 4; ++i) edges.push_back({roof[i], roof[(i + 1) % 4]});
-}
-
-/// Two rows of houses along a street to the north, `between` of which the road is free.
-std::vector<Edge> a_street(double between) {
-  std::vector<Edge> edges;
-  const double heights[] = {12, 15, 10.5, 14, 9, 13};
-  for (int i = 0; i < 6; ++i) {
-    add_box(edges, -50 + 18 * i, -0.5 * between - 6, 17 - i % 3, 12, heights[i]);
-    add_box(edges, -45 + 17 * i, 0.5 * between + 7, 16 - i % 2, 14, heights[5 - i] + 1);
-  }
-  return edges;
-}
-
-/// The model's skyline as a picture shows it that ends `lowest_deg` above the horizon.
 std::vector<SkyEdge> seen_from(const std::vector<Edge>& houses, const Vector3d& p_n, double lowest_deg = 10) {
-  City city(houses);
-  city.look_near(p_n, 1, 0.05);
-  Horizon horizon;
-  city.horizon(p_n, horizon);
-  std::vector<SkyEdge> edges;
-  for (int j = 0; j < Horizon::kDirections; ++j) {
-    const double azimuth = (j + 0.5) * 0.5 * kDegree;
-    const double lowest = lowest_deg * kDegree;
-    const double e = std::max(lowest, static_cast<double>(horizon.elevation[static_cast<size_t>(j)]));
-    const Vector3d u(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), -std::sin(e));
-    edges.push_back({kUp.conjugate() * u, e <= lowest});
-  }
-  return edges;
+  return test::seen_from(houses, p_n, kUp, lowest_deg);
 }
 
 }  // namespace

@@ -126,7 +126,8 @@ void Pipeline::handle(AnyMessage& event) {
   const odo_header& header = event.header();
   switch (header.type) {
     case ODO_TYPE_FIX: return on_fix(reinterpret_cast<odo_fix&>(event.header()));
-    case ODO_TYPE_POSE: return tell(header);  // a prior for the fixers; it has been published
+    case ODO_TYPE_POSE:  // a prior for the fixers; they have been published
+    case ODO_TYPE_CORRECTION: return tell(header);
     case ODO_TYPE_VO_MOTION:
       if (in_use(header)) return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
       break;
@@ -308,8 +309,11 @@ Result<std::unique_ptr<Pipeline>> Pipeline::make(const PipelineConfig& config, c
     pipeline->asked_.insert(pipeline->asked_.end(), kind->begin(), kind->end());
   pipeline->has_attitude_ = !attitudes.empty();
   pipeline->has_vo_ = !odometries.empty();
-  pipeline->gives_poses_to_ =
-      std::any_of(plugins.begin(), plugins.end(), [](const auto& plugin) { return plugin->wants(ODO_TYPE_POSE); });
+  const auto anyone_wants = [&](uint32_t type) {
+    return std::any_of(plugins.begin(), plugins.end(), [type](const auto& plugin) { return plugin->wants(type); });
+  };
+  pipeline->gives_poses_to_ = anyone_wants(ODO_TYPE_POSE);
+  pipeline->gives_corrections_to_ = anyone_wants(ODO_TYPE_CORRECTION);
   return pipeline;
 }
 

@@ -110,7 +110,7 @@ class Pipeline {
   std::vector<PluginInstance*> asked_;                    // the same in the order in which they are asked
   std::vector<PluginInstance*> scales_;                   // the scale sources
   bool has_attitude_ = false, has_vo_ = false;
-  bool gives_poses_to_ = false;  // some plugin wants poses
+  bool gives_poses_to_ = false, gives_corrections_to_ = false;  // some plugin wants them
   std::unique_ptr<Estimator> estimator_;
   HostServices& host_;
   Geodesy& geodesy_;

@@ -66,6 +66,7 @@ void Pipeline::publish_correction(const Correction& correction, const odo_pose& 
   Vector3d::Map(event.p_n) = p;
   event.reason = correction.reason;
   publish_(event.header);
+  if (gives_corrections_to_) enqueue(AnyMessage(event.header));
 }
 
 /// The phone is where it was; n is another.
@@ -82,6 +83,7 @@ void Pipeline::publish_restart(const odo_pose& pose) {
     anchors_.follow(*estimator_, pose.header.t_ns, &correction);
   }
   publish_(event.header);
+  if (gives_corrections_to_) enqueue(AnyMessage(event.header));
 }
 
 /// Nobody sees a corrected phone among anchors that are not, nor the other way round.

@@ -182,6 +182,9 @@ class ErrorState {
   /// (Schmidt 1966): their doubt counts, but this measurement does not move them.
   template <int D>
   UpdateResult update(const Innovation<D>& innovation, double most_nis, Hold hold = Hold::nothing);
+  /// The same for a heading that is off by more than a small angle: positions and velocities move along arcs, each
+  /// about the place that its correlation with the heading says, not along their tangents.
+  UpdateResult turn_by(const Innovation<1>& heading, double most_nis);
 
  private:
   size_t slot_back(size_t i) const { return (newest_ + kClones - i) % kClones; }
@@ -207,6 +210,7 @@ class ErrorState {
   size_t clone_count_ = 0, newest_ = 0;
   HeldPoses<kSize> held_;
   uint64_t last_held_ = 0;
+  bool turning_ = false;
 };
 
 }  // namespace odograph::inertial

@@ -56,7 +56,7 @@ void ErrorState::update_held(const Innovation<D>& innovation, const Gain<D>& gai
     held.own -= K * N.transpose() + N * K.transpose();
     const Eigen::Matrix<double, 6, 1> error = K * innovation.residual;
     held.q_n_b = (exp_rotation(error.head<3>()) * held.q_n_b).normalized();
-    held.p_n += error.tail<3>();
+    held.p_n += turning_ ? Vector3d(left_jacobian(error.head<3>()) * error.tail<3>()) : Vector3d(error.tail<3>());
   }
 }
 

@@ -14,13 +14,17 @@ using Error = Eigen::Matrix<double, kSize, 1>;
 
 void ErrorState::apply(const Error& error) {
   const auto turn = [&](Quaterniond& q, int at) { q = (exp_rotation(error.segment<3>(at)) * q).normalized(); };
+  const auto moved = [&](int at, int turned_at) -> Vector3d {
+    if (!turning_) return error.segment<3>(at);
+    return left_jacobian(error.segment<3>(turned_at)) * error.segment<3>(at);
+  };
   turn(x.q_n_b, kTheta);
-  x.p_n += error.segment<3>(kPosition);
-  x.v_n += error.segment<3>(kVelocity);
+  x.p_n += moved(kPosition, kTheta);
+  x.v_n += moved(kVelocity, kTheta);
   x.gyro_bias_b += error.segment<3>(kGyroBias);
   x.accel_bias_b += error.segment<3>(kAccelBias);
   turn(x.q_n_vo, kVo);
-  x.p_n_vo += error.segment<3>(kVoPosition);
+  x.p_n_vo += moved(kVoPosition, kVo);
   x.log_scale += error[kLogScale];
   x.log_factor += error[kLogFactor];
   x.step_heading_rad += error[kStepHeading];
@@ -29,7 +33,7 @@ void ErrorState::apply(const Error& error) {
   for (size_t i = 0; i < clone_count_; ++i) {
     Clone& clone = clones_[slot_back(i)];
     turn(clone.q_n_b, column_back(i));
-    clone.p_n += error.segment<3>(column_back(i) + 3);
+    clone.p_n += moved(column_back(i) + 3, column_back(i));
   }
 }
 
@@ -137,6 +141,13 @@ UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis
   }
   apply(few);
   return {true, nis, D};
+}
+
+UpdateResult ErrorState::turn_by(const Innovation<1>& heading, double most_nis) {
+  turning_ = true;
+  const UpdateResult result = update(heading, most_nis);
+  turning_ = false;
+  return result;
 }
 
 template UpdateResult ErrorState::update<1>(const Innovation<1>&, double, Hold);

@@ -287,6 +287,10 @@ void InertialEstimator::remind_of_speed() {
   e_.update(speed, 0, Hold::scale_and_steps);
 }
 
+bool InertialEstimator::due(const odo_attitude& attitude) const {
+  return seconds(attitude.header.t_ns - attitude_ns_) >= p_.attitude_interval_s;
+}
+
 UpdateResult InertialEstimator::apply(const odo_attitude* attitude) {
   resting_ = (attitude->header.flags & ODO_ATTITUDE_REST) != 0;
   const int64_t t = attitude->header.t_ns;
@@ -309,7 +313,7 @@ UpdateResult InertialEstimator::apply(const odo_attitude* attitude) {
       publish(t, ODO_TRACKING, ODO_REASON_NONE);
     return {true, 0.0, 0};
   }
-  if (seconds(t - attitude_ns_) < p_.attitude_interval_s) return {};
+  if (!due(*attitude)) return {};
   if (led() && !north) return {};
   attitude_ns_ = t;
   flush();

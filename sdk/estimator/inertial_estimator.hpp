@@ -71,6 +71,7 @@ class InertialEstimator : public Estimator {
   void watch_quiet(const odo_imu& imu, double dt_s);
   void stand(const odo_imu& imu);
   void remind_of_speed();
+  bool due(const odo_attitude& attitude) const;
   bool unaided() const;
   bool led() const;
   inertial::Hold calm() const;
@@ -110,13 +111,15 @@ class InertialEstimator : public Estimator {
   void place_by(inertial::Innovation<6>& seen, uint32_t axes);
   void turn_n(double by_rad);
   bool tells_first_heading(const odo_fix& fix) const;
+  double turn_by(const inertial::Innovation<6>& seen, const inertial::PastPose& at, uint32_t axes);
 
   // Poses (inertial_poses.cpp).
   void publish(int64_t t_ns, uint32_t state, uint32_t reason);
   odo_pose make_pose(int64_t t_ns, const inertial::PastPose& at) const;
   void snapshot();
   void refer_steps(const odo_pose& pose);
-  void note_jump(const odo_pose& before, uint32_t reason);
+  bool turns_camera(const odo_attitude& attitude) const;
+  void note_jump(const odo_pose& before, uint32_t reason, double part);
 
   inertial::Parameters p_;
   CouplingConfig config_;

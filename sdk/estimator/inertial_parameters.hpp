@@ -118,6 +118,7 @@ struct Parameters {
   int most_fixes_rejected = 5;       ///< in a row: then it is the track that is wrong; judgement
   int agreed_fixes = 10;             ///< in a row, after which a front-end that has led unbroken since is believed ...
   double agreed_for_s = 90;          ///< s: ... for that long; reflections last a minute (bench canyon)
+  double arc_rad = 0.05;             ///< rad: a heading that is off by more moves the track along arcs, not tangents
   double announced_jump_m = 0.05;    ///< m: smaller corrections need no event
   double announced_turn_rad = 0.01;  ///< rad
   double reference_path_m = 20;      ///< m between two displacement references for the step estimator

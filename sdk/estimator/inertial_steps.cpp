@@ -44,8 +44,11 @@ struct FixInnovation {
   int dof = 0;
 
   /// `lever_n`: from the body to what the fix speaks of.
-  FixInnovation(const odo_fix& fix, const PastPose& at, const Vector3d& lever_n) {
-    seen.noise.diagonal().setConstant(kNothing);
+  FixInnovation(const odo_fix& fix, const PastPose& at, const Vector3d& lever_n) { set(fix, at, lever_n); }
+  /// The same for a track that was moved since.
+  void set(const odo_fix& fix, const PastPose& at, const Vector3d& lever_n) {
+    dof = 0;
+    seen.noise = Eigen::Matrix<double, 6, 6>::Identity() * kNothing;
     if (fix.header.flags & ODO_FIX_ORIENTATION)
       add_rotation(fix, at);
     else if (fix.header.flags & ODO_FIX_YAW)
@@ -245,6 +248,35 @@ bool InertialEstimator::tells_first_heading(const odo_fix& fix) const {
   return unheaded && (flags & kHorizontal) == kHorizontal && (flags & (ODO_FIX_ORIENTATION | ODO_FIX_YAW)) != 0;
 }
 
+/// A fix says that the heading is off by more than a small angle: the track is turned first, so that the position is
+/// compared with where the turn takes it. How well both fit, as a normalised innovation squared; nothing is changed
+/// where that is beyond the gate.
+double InertialEstimator::turn_by(const Innovation<6>& seen, const PastPose& at, uint32_t axes) {
+  const Eigen::Matrix<double, 6, 6> P = e_.covariance(at);
+  const double by_rad = seen.residual[2], S = P(2, 2) + seen.noise(2, 2);
+  const Vector3d by_heading = P.block<3, 1>(3, 2) / S;
+  const Vector3d turn(0, 0, P(2, 2) / S * by_rad);
+  const Vector3d left = seen.residual.tail<3>() - left_jacobian(turn) * (by_heading * by_rad);
+  Matrix3d doubt =
+      P.bottomRightCorner<3, 3>() - S * by_heading * by_heading.transpose() + seen.noise.bottomRightCorner<3, 3>();
+  for (int i = 0; i < 3; ++i)
+    if (!(axes & (ODO_FIX_NORTH << i))) doubt(i, i) = kNothing;
+  const double nis = by_rad * by_rad / S + left.dot(doubt.ldlt().solve(left));
+  if (!(nis < squared(config_.fix_gate_sigma))) return nis;
+  Innovation<1> heading;
+  heading.residual[0] = by_rad;
+  heading.by_pose(at, Eigen::RowVector3d::UnitZ(), Eigen::RowVector3d::Zero());
+  heading.noise(0, 0) = seen.noise(2, 2);
+  e_.turn_by(heading, 0);
+  const Quaterniond turned(Eigen::AngleAxisd(turn.z(), Vector3d::UnitZ()));
+  track_.turn(turned);
+  vo_.y_n = (turned * vo_.y_n).eval();
+  vo_.start_n = at.p_n + turned * (vo_.start_n - at.p_n);
+  window_.restart();
+  scale_start_.restart();
+  return nis;
+}
+
 /// Fixes agreed with the track, and a front-end has led without a break since: it is not the track that is off.
 bool InertialEstimator::outweighs_fixes(int64_t t_ns) const {
   return fixes_agreed_ >= p_.agreed_fixes && led() && led_since_ns_ <= fixed_ns_ &&
@@ -278,13 +310,25 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
     placed_ &= ~axes;
     fixes_agreed_ = 0;
   }
-  if (axes & ~placed_) place_by(seen, axes & ~placed_);
   // Against fixes the heading of a start without a compass is open, and is told by the path; that needs a velocity.
   if (horizontal && !north_ && !heading_open_ &&
       e_.P.diagonal().segment<2>(kVelocity).maxCoeff() < squared(p_.settled_velocity_mps)) {
     heading_open_ = true;
     e_.loosen_heading(p_.start_heading_sigma_rad);
   }
+  // The heading first where it is off by much, or would move a place that is told at last.
+  const bool on_arc = std::abs(seen.residual[2]) > p_.arc_rad || (axes & ~placed_);
+  if ((flags & ODO_FIX_ORIENTATION) && !turns && on_arc) {
+    if (const double nis = turn_by(seen, *at, axes & placed_); !(nis < squared(config_.fix_gate_sigma))) {
+      ++fixes_rejected_;
+      return {false, nis, innovation.dof};
+    }
+    at = past(fix->header.t_ns);
+    innovation.set(*fix, *at, camera_ ? Vector3d(at->q_n_b * p_b_c_) : Vector3d::Zero());
+    innovation.forget_heading();
+    for (int i = 0; i < 6; ++i) seen.noise(i, i) += 1e-12;
+  }
+  if (axes & ~placed_) place_by(seen, axes & ~placed_);
   seen.by_pose(*at, innovation.by_theta, innovation.by_position);
   UpdateResult result = e_.update(seen, squared(config_.fix_gate_sigma));
   result.dof = innovation.dof;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -28,6 +30,17 @@ inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
   return m;
+}
+
+/// The left Jacobian of a rotation vector, rad: Exp(v) = 1 + J [v]x (Sola 2017, eq. (183)). What a turn moves by v x r
+/// to first order, for a place r from the pivot, it moves by J (v x r).
+inline Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& v) {
+  const double angle = v.norm();
+  const Eigen::Matrix3d x = skew(v);
+  if (angle < 1e-4) return Eigen::Matrix3d::Identity() + 0.5 * x;
+  const double squared = angle * angle;
+  return Eigen::Matrix3d::Identity() + (1 - std::cos(angle)) / squared * x +
+         (angle - std::sin(angle)) / (squared * angle) * x * x;
 }
 
 }  // namespace odograph

@@ -10,9 +10,10 @@ namespace {
 
 constexpr int kN = Horizon::kDirections;
 constexpr double kStep_rad = 2 * std::numbers::pi / kN;
-constexpr int kBlock = 8, kBlocks = kN / kBlock;
-constexpr float kSlack = 1.001f;  // of a bound, for what floats round
-constexpr int kLattice = 2;       // places to each side from which edges are looked for
+constexpr int kBlock = Sector::kBlock, kBlocks = Sector::kBlocks;
+constexpr float kOutOfSight = 1e9f;  // tangent of an elevation that nothing stands above
+constexpr float kSlack = 1.001f;     // of a bound, for what floats round
+constexpr int kLattice = 2;          // places to each side from which edges are looked for
 
 struct Directions {
   std::array<float, kN> north, east;
@@ -50,6 +51,13 @@ double Horizon::elevation_at(double azimuth_rad) const {
   const auto a = static_cast<double>(elevation[j]), b = static_cast<double>(elevation[k]);
   if (std::abs(a - b) > kSame_rad) return part < 0.5 ? a : b;
   return a + part * (b - a);
+}
+
+Sector Sector::between(double from_rad, double to_rad) {
+  const int first = static_cast<int>(std::floor(from_rad / (kBlock * kStep_rad)));
+  const int blocks = static_cast<int>(std::floor(to_rad / (kBlock * kStep_rad))) - first + 1;
+  if (blocks >= kBlocks) return all();
+  return {((first % kBlocks) + kBlocks) % kBlocks, std::max(1, blocks)};
 }
 
 bool trace_edge(const float from_n[3], const float to_n[3], const float p_n[3], int first, int end, Horizon& out) {
@@ -100,7 +108,7 @@ void City::look_near(const Eigen::Vector3d& p_n, double radius_m, double least_t
 }
 
 void City::horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) const {
-  envelope(near_, p_n, out, &winners);
+  envelope(near_, p_n, out, &winners, Sector::all());
   for (int& winner : winners)
     if (winner >= 0) winner = near_[static_cast<size_t>(winner)].number;
 }
@@ -114,8 +122,8 @@ void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double least
   Winners winners;
   for (int a = -kLattice; a <= kLattice; ++a)
     for (int b = -kLattice; b <= kLattice; ++b) {
-      if (spend) spend(work_of(near_));
-      envelope(near_, p_n + Eigen::Vector3d(a, b, 0) * (radius_m / kLattice), there, &winners);
+      if (spend) spend(work());
+      envelope(near_, p_n + Eigen::Vector3d(a, b, 0) * (radius_m / kLattice), there, &winners, Sector::all());
       for (const int winner : winners)
         if (winner >= 0) seen[static_cast<size_t>(winner)] = 1;
     }
@@ -124,10 +132,17 @@ void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double least
     if (seen[i]) visible_.push_back(near_[i]);
 }
 
-void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, Winners* winners) const {
+void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, Winners* winners,
+                    const Sector& sector) const {
   const Directions& directions = Directions::get();
   std::array<float, kN> highest{};         // tangents
   std::array<float, kBlocks> lowest_of{};  // least of them in each block of directions: what cannot reach it is hidden
+  // What is not looked at hides everything: no edge reaches it.
+  for (int i = sector.blocks; i < kBlocks; ++i) {
+    const int b = (sector.first + i) % kBlocks;
+    lowest_of[static_cast<size_t>(b)] = kOutOfSight;
+    std::fill_n(highest.data() + b * kBlock, kBlock, kOutOfSight);
+  }
   out.height_m.fill(0), out.distance_m.fill(0);
   const Eigen::Vector3f shift = (p_n - around_).cast<float>();
   const bool bounded = (p_n - around_).head<2>().norm() <= radius_m_ && p_n.z() - around_.z() <= lower_m_;
@@ -187,7 +202,7 @@ void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, 
     }
     lowest = *std::min_element(lowest_of.begin(), lowest_of.end());
   }
-  for (size_t k = 0; k < highest.size(); ++k) out.elevation[k] = std::atan(highest[k]);
+  for (size_t k = 0; k < highest.size(); ++k) out.elevation[k] = highest[k] < kOutOfSight ? std::atan(highest[k]) : 0;
 }
 
 }  // namespace odograph::skyline

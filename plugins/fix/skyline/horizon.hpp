@@ -22,6 +22,16 @@ struct Horizon {
   double elevation_at(double azimuth_rad) const;
 };
 
+/// The directions that somebody looks at, in blocks of eight: from `first`, `blocks` of them.
+struct Sector {
+  static constexpr int kBlock = 8, kBlocks = Horizon::kDirections / kBlock;
+  int first = 0, blocks = kBlocks;
+
+  static Sector all() { return {}; }
+  /// The blocks that azimuths from `from_rad` clockwise to `to_rad` lie in.
+  static Sector between(double from_rad, double to_rad);
+};
+
 /// What an edge (n, m) shows at directions from `first` until before `end` from a place; between its ends where
 /// rounding would say that a direction passes them by. False, and nothing of worth, where it is seen from its own line.
 bool trace_edge(const float from_n[3], const float to_n[3], const float p_n[3], int first, int end, Horizon& out);
@@ -38,16 +48,20 @@ class City {
   void look_around(const Eigen::Vector3d& p_n, double radius_m, double least_tan, double lower_m = 0,
                    const Spend& spend = nullptr);
   /// The skyline from a place, of the edges that look_around() kept. Thread: any, between calls of look_around().
-  void horizon(const Eigen::Vector3d& p_n, Horizon& out) const { envelope(near_, p_n, out, nullptr); }
+  void horizon(const Eigen::Vector3d& p_n, Horizon& out) const { envelope(near_, p_n, out, nullptr, Sector::all()); }
   /// With the number of the edge that is highest in each direction, -1 where none is.
   using Winners = std::array<int, Horizon::kDirections>;
   void horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) const;
   const std::vector<Edge>& edges() const { return edges_; }
-  /// What quick_horizon() costs, for a Spend.
-  uint64_t quick_work() const { return work_of(visible_); }
+  /// What horizon() and quick_horizon() cost, for a Spend.
+  uint64_t work() const { return work_of(near_, Sector::all()); }
+  uint64_t quick_work(const Sector& sector = Sector::all()) const { return work_of(visible_, sector); }
   /// The same of those edges alone that are seen from one place or another of a lattice over the radius: many times
-  /// faster, and without what shows in a gap between two places of the lattice only.
-  void quick_horizon(const Eigen::Vector3d& p_n, Horizon& out) const { envelope(visible_, p_n, out, nullptr); }
+  /// faster, and without what shows in a gap between two places of the lattice only. Elevations outside of the sector
+  /// are 0.
+  void quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, const Sector& sector = Sector::all()) const {
+    envelope(visible_, p_n, out, nullptr, sector);
+  }
 
  private:
   static constexpr uint64_t kEdgeWork = 8;  // directions that an edge costs in the mean, measured
@@ -57,8 +71,11 @@ class City {
     int number;                   // among all edges
     int16_t first_block, blocks;  // of directions in which it can lie within the radius; all where it is near
   };
-  static uint64_t work_of(const std::vector<Near>& edges) { return kEdgeWork * edges.size() + Horizon::kDirections; }
-  void envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, Winners* winners) const;
+  static uint64_t work_of(const std::vector<Near>& edges, const Sector& sector) {
+    return (kEdgeWork * edges.size() + Horizon::kDirections) * static_cast<uint64_t>(sector.blocks) / Sector::kBlocks;
+  }
+  void envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, Winners* winners,
+                const Sector& sector) const;
 
   std::vector<Edge> edges_;
   std::vector<Near> near_, visible_;

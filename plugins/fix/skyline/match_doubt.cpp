@@ -53,25 +53,26 @@ void Matcher::sound(const Place& best) {
 
 /// The cloud of the places around the best one that look nearly alike. One that still does so at its rim goes on
 /// beyond it: along that direction the picture tells nothing.
-Eigen::Matrix2d Matcher::doubt_around(const Place& best, double scale) const {
+Matcher::Doubt Matcher::doubt_around(const Place& best, double scale) const {
   Eigen::Matrix2d cloud = Eigen::Matrix2d::Zero(), open = Eigen::Matrix2d::Zero();
-  double weight = 1;  // the best place's own
+  double weight = 1, turned = 0;  // the best place's own
   for (const Place& p : around_) {
     const double w = std::min(1.0, std::exp(-scale * (p.cost - best.cost)));
     const Eigen::Vector2d d(p.guess.north - best.guess.north, p.guess.east - best.guess.east);
-    cloud += w * d * d.transpose(), weight += w;
+    const double yaw = p.guess.yaw - best.guess.yaw;
+    cloud += w * d * d.transpose(), turned += w * yaw * yaw, weight += w;
     if (w > kAlike && d.norm() > kSounded * kSoundedStep_m - 0.5 * kSoundedStep_m) {
       const Eigen::Vector2d along = d.normalized();
       open = kUnseen_m * kUnseen_m * along * along.transpose();
     }
   }
-  return cloud / weight + open;
+  return {cloud / weight + open, turned / weight};
 }
 
 /// How well the place is known; false where the picture itself does not tell it: the curvature of the fit, what the
 /// lattice says, and how likely another place is.
 bool Matcher::weigh(const Place& best, double rival_cost, Match& match) {
-  const double scale = to_log(seen_.total_weight(), best.cost);
+  const double scale = to_log(seen_.total_weight() / seen_.correlated(), best.cost);
   match.rival = rival_cost < 1e9 ? std::exp(-scale * (rival_cost - best.cost)) : 0.0;
   // A street that looks the same for a while is a long cloud, not a point.
   Eigen::Matrix2d cloud = Eigen::Matrix2d::Zero();
@@ -86,7 +87,8 @@ bool Matcher::weigh(const Place& best, double rival_cost, Match& match) {
   spread(places_, places_.front().cost);
   spread(ends_, best.cost);
   cloud /= weight;
-  cloud += doubt_around(best, scale);
+  const Doubt around = doubt_around(best, scale);
+  cloud += around.position;
   Matrix6d H;
   Vector6d b;
   linearise(best.guess, kSoft_rad, H, b);
@@ -99,7 +101,8 @@ bool Matcher::weigh(const Place& best, double rival_cost, Match& match) {
   const double doubt_m = kDoubt_m * (1 - match.agreement);
   match.covariance = P.topLeftCorner<2, 2>() + cloud + Eigen::Matrix2d::Identity() * (doubt_m * doubt_m);
   match.height_sigma_m = std::sqrt(std::max(1e-6, P(2, 2)));
-  match.yaw_sigma_rad = std::clamp(std::sqrt(std::max(0.0, P(3, 3))), 0.1 * kDegree, 30 * kDegree);
+  match.yaw_sigma_rad =
+      std::clamp(std::sqrt(std::max(0.0, P(3, 3)) + around.yaw_variance), 0.1 * kDegree, 30 * kDegree);
   const double narrowest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(P.topLeftCorner<2, 2>()).eigenvalues()[0];
   return narrowest < kUntold_m * kUntold_m;
 }

@@ -13,7 +13,6 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr double kMost_rad = 3 * kDegree;      // a direction's largest loss
 constexpr double kAgrees_rad = 1.0 * kDegree;  // of one in which picture and model agree
 constexpr double kStep_m = 0.25;               // of the numeric derivatives of the model's skyline
 constexpr double kNearest_m = 6;               // always searched: priors are optimistic
@@ -23,7 +22,7 @@ constexpr int kPictures = 4;                   // that must have been seen befor
 constexpr double kLowest_rad = 3 * kDegree;    // what stands lower is not looked at: parked cars, hedges, far hills
 constexpr size_t kLeastEdges = 240;            // a third of the directions: fewer have been seen to fit in wrong places
 constexpr uint64_t kTurnedCheaper = 3;         // a turned direction's loss than another's
-constexpr size_t kStarts = 2;                  // places of the lattice that are refined
+constexpr size_t kStarts = 2, kStartsOfPath = 6;  // places of the lattice that are refined
 constexpr double kFarthestStep_m = 2;
 constexpr double kHopeless_rad = 0.3 * kDegree;  // of a move's mean loss: no heading makes up for it
 constexpr int kLastSteps = 2;
@@ -33,30 +32,37 @@ constexpr double kClimbed_m = 1;  // at least that: what a road may have climbed
 
 }  // namespace
 
+size_t closed_edges(const std::vector<SkyEdge>& edges) {
+  return static_cast<size_t>(
+      std::count_if(edges.begin(), edges.end(), [](const SkyEdge& e) { return !e.open && !e.above; }));
+}
+
 /// What the prior says of height and inclination, as a mean loss.
 double Matcher::cost_of_prior(const Guess& g) const {
   const double tilt = std::hypot(g.tilt_north, g.tilt_east) / prior_.tilt_sigma_rad;
   const double high = g.up / prior_.height_sigma_m;
-  return 0.5 * (tilt * tilt + high * high) * kNoise_rad * kCorrelated / std::max(1.0, seen_.total_weight());
+  return 0.5 * (tilt * tilt + high * high) * kNoise_rad * kCorrelated * seen_.correlated() /
+         std::max(1.0, seen_.total_weight());
 }
 
 /// Mean loss of a direction, rad, with what the prior says.
 double Matcher::cost(const Guess& g, bool new_place) {
-  spend(seen_.size() + (new_place ? city_.quick_work() : 0));
-  if (new_place) city_.quick_horizon(place_of(g), horizon_);
-  return seen_.loss(horizon_, g, kMost_rad) + cost_of_prior(g);
+  spend(seen_.directions() + seen_.work_to_look(city_, place_of(g), g.yaw, new_place));
+  seen_.look(city_, place_of(g), g.yaw, new_place);
+  return seen_.loss(g, kMost_rad) + cost_of_prior(g);
 }
 
 /// A place of the lattice, with the best of the headings in reach.
 void Matcher::look_at_place(Place best, int middle_deg, int turns, int stride) {
   best.cost = 1e9;
-  spend(city_.quick_work() + static_cast<uint64_t>(2 * turns / stride + 3) * seen_.turned_size() / kTurnedCheaper);
-  city_.quick_horizon(place_of(best.guess), horizon_);
-  const auto middle = std::copy(horizon_.elevation.begin(), horizon_.elevation.end(), twice_.begin());
-  std::copy(horizon_.elevation.begin(), horizon_.elevation.end(), middle);
+  auto& [seen, offset, sector, horizon, looked] = seen_.newest();
+  spend(city_.quick_work() + static_cast<uint64_t>(2 * turns / stride + 3) * seen.turned_size() / kTurnedCheaper);
+  city_.quick_horizon(place_of(best.guess), horizon);
+  const auto middle = std::copy(horizon.elevation.begin(), horizon.elevation.end(), twice_.begin());
+  std::copy(horizon.elevation.begin(), horizon.elevation.end(), middle);
   const auto look = [&](int degrees) {
     const int turned = static_cast<int>(std::lround(std::remainder(degrees, 360)));
-    if (const double c = seen_.turned_loss(twice_, 2 * turned, kMost_rad); c < best.cost)
+    if (const double c = seen.turned_loss(twice_, 2 * turned, kMost_rad); c < best.cost)
       best.guess.yaw = turned * kDegree, best.cost = c;
   };
   for (int y = -turns; y <= turns; y += stride) look(middle_deg + y);
@@ -97,18 +103,32 @@ void Matcher::search_circle(const Eigen::Vector2d& way, double step_m) {
 /// Normal equations of all six unknowns (north, east, up, yaw, tilt about north and east) at a guess: the model's
 /// skyline differentiated numerically, each direction weighted after Geman & McClure.
 bool Matcher::linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b) {
-  const Eigen::Vector3d p = place_of(at);
-  spend(7 * city_.quick_work() + 4 * seen_.size());
+  H.setZero(), b.setZero();
+  seen_.look(city_, place_of(at), at.yaw, true);
+  double directions = 0;
+  for (const auto& seen : seen_.seen()) directions += add_view(seen, at, soft_rad, H, b);
+  const double noise = kNoise_rad * kNoise_rad * kCorrelated * seen_.correlated();
+  H /= noise, b /= noise;
+  const double height = 1 / (prior_.height_sigma_m * prior_.height_sigma_m);
+  const double tilt = 1 / (prior_.tilt_sigma_rad * prior_.tilt_sigma_rad);
+  H(2, 2) += height, b[2] -= height * at.up;
+  H(4, 4) += tilt, b[4] -= tilt * at.tilt_north;
+  H(5, 5) += tilt, b[5] -= tilt * at.tilt_east;
+  return directions > 20;
+}
+
+/// One picture's part of the normal equations; as many directions as count.
+double Matcher::add_view(const SeenPath::Seen& seen, const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b) {
+  const Eigen::Vector3d p = seen.looked_n, offset_n = p - place_of(at);
+  spend(7 * city_.quick_work(seen.sector) + 4 * seen.skyline.size());
   Horizon moved[3][2];
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side) {
       Eigen::Vector3d there = p;
       there[axis] += side ? kStep_m : -kStep_m;
-      city_.quick_horizon(there, moved[axis][side]);
+      city_.quick_horizon(there, moved[axis][side], seen.sector);
     }
-  city_.quick_horizon(p, horizon_);
-  seen_.residuals(horizon_, at, residuals_);
-  H.setZero(), b.setZero();
+  seen.skyline.residuals(seen.horizon, at, residuals_);
   double directions = 0;
   for (const auto& r : residuals_) {
     const double soft = soft_rad * soft_rad / (soft_rad * soft_rad + r.value * r.value);
@@ -123,21 +143,16 @@ bool Matcher::linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d&
     }
     J[2] = -J[2];  // up
     constexpr double kTurn_rad = 0.5 * kDegree;
-    const double turn = horizon_.elevation_at(r.azimuth + kTurn_rad) - horizon_.elevation_at(r.azimuth - kTurn_rad);
+    const double turn =
+        seen.horizon.elevation_at(r.azimuth + kTurn_rad) - seen.horizon.elevation_at(r.azimuth - kTurn_rad);
     J[3] = std::abs(turn) < 0.1 ? turn / (2 * kTurn_rad) : 0.0;
     J[4] = J[3] * r.slope * r.cosine + r.sine;
     J[5] = J[3] * r.slope * r.sine - r.cosine;
+    J[3] += J[1] * offset_n.x() - J[0] * offset_n.y();  // an older place moves with the heading
     H += w * J * J.transpose();
     b -= w * r.value * J;
   }
-  const double noise = kNoise_rad * kNoise_rad * kCorrelated;
-  H /= noise, b /= noise;
-  const double height = 1 / (prior_.height_sigma_m * prior_.height_sigma_m);
-  const double tilt = 1 / (prior_.tilt_sigma_rad * prior_.tilt_sigma_rad);
-  H(2, 2) += height, b[2] -= height * at.up;
-  H(4, 4) += tilt, b[4] -= tilt * at.tilt_north;
-  H(5, 5) += tilt, b[5] -= tilt * at.tilt_east;
-  return directions > 20;
+  return directions;
 }
 
 /// One step of Levenberg's method.
@@ -236,7 +251,7 @@ std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
                       [&](const Place& s) { return apart(s.guess, p.guess) < kSpread_m; }))
         continue;
       starts.push_back(p);
-      if (starts.size() == kStarts) break;
+      if (starts.size() == (seen_.is_path() ? kStartsOfPath : kStarts)) break;
     }
     for (const Place& p : starts) ends_.push_back(refine(p));
     std::sort(ends_.begin(), ends_.end(), by_cost);
@@ -280,12 +295,15 @@ bool Matcher::within_reach(const Place& best, double chord_m, double reach_m) co
 bool Matcher::describe(const Place& best, Match& match) {
   match.p_n = place_of(best.guess);
   match.q_n_c = best.guess.rotation() * prior_.q_n_c;
-  city_.horizon(match.p_n, horizon_);
-  match.agreement = seen_.agreement(horizon_, best.guess, kAgrees_rad);
-  const auto highest =
-      std::max_element(horizon_.elevation.begin(), horizon_.elevation.end()) - horizon_.elevation.begin();
-  const double elevation = static_cast<double>(horizon_.elevation[static_cast<size_t>(highest)]);
-  const double h = static_cast<double>(horizon_.height_m[static_cast<size_t>(highest)]);
+  for (auto& seen : seen_.seen()) {
+    spend(city_.work());
+    city_.horizon(seen.place(match.p_n, best.guess.yaw), seen.horizon);
+  }
+  match.agreement = seen_.agreement(best.guess, kAgrees_rad);
+  const Horizon& horizon = seen_.newest().horizon;
+  const auto highest = std::max_element(horizon.elevation.begin(), horizon.elevation.end()) - horizon.elevation.begin();
+  const double elevation = static_cast<double>(horizon.elevation[static_cast<size_t>(highest)]);
+  const double h = static_cast<double>(horizon.height_m[static_cast<size_t>(highest)]);
   if (h <= 0) return false;
   match.slant_distance_m = h / std::sin(elevation);
   const double azimuth = (static_cast<double>(highest) + 0.5) * 2 * std::numbers::pi / Horizon::kDirections;
@@ -294,28 +312,35 @@ bool Matcher::describe(const Place& best, Match& match) {
   return true;
 }
 
-bool Matcher::tells_enough(const std::vector<SkyEdge>& edges) {
-  const auto closed = std::count_if(edges.begin(), edges.end(), [](const SkyEdge& e) { return !e.open && !e.above; });
-  return static_cast<size_t>(closed) >= kLeastEdges;
+bool Matcher::tells_enough(const std::vector<SkyEdge>& edges, const std::vector<View>& older) {
+  size_t closed = closed_edges(edges);
+  for (const View& view : older) closed += closed_edges(view.edges);
+  return closed >= kLeastEdges;
 }
 
-std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend) {
+std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend,
+                                    const std::vector<View>& older) {
   spend_ = spend;
   refusal_ = Refusal::few_edges;
-  if (!tells_enough(edges)) return std::nullopt;
+  if (!tells_enough(edges, older)) return std::nullopt;
   refusal_ = Refusal::none;
   prior_ = prior;
-  seen_.set(edges, prior.q_n_c);
+  const double yaw_reach = 3 * prior.yaw_sigma_rad;
+  seen_.set(edges, prior.p_n, prior.q_n_c, older, yaw_reach);
   const Eigen::Vector2d way =
       prior.pivot_n ? Eigen::Vector2d((prior.p_n - *prior.pivot_n).head<2>()) : Eigen::Vector2d::Zero();
   const double radius = prior.pivot_n ? way.norm() + prior.slack_m
                                       : std::min(std::max(3 * prior.position_sigma_m, kNearest_m), prior.farthest_m);
   if (prior.pivot_n) prior_.p_n.head<2>() = prior.pivot_n->head<2>(), prior_.lost = false;
   const double step = radius > kWide_m || prior_.lost ? 2.0 : 1.5;
-  city_.look_around(prior_.p_n, radius + 3, std::tan(std::max(kLowest_rad, seen_.lowest_rad() - 0.1)),
-                    3 * prior.height_sigma_m, spend);
+  const Eigen::Vector3d middle_n = seen_.middle_n();
+  const double path_m = seen_.half_length_m() + std::min(yaw_reach, 2.0) * middle_n.norm();
+  city_.look_around(prior_.p_n + middle_n, radius + 3 + path_m,
+                    std::tan(std::max(kLowest_rad, seen_.lowest_rad() - 0.1)), 3 * prior.height_sigma_m, spend);
   if (prior.pivot_n)
     search_circle(way, step);
+  else if (seen_.is_path())
+    search_path(radius, step);
   else
     search(radius, step);
   double rival_cost = 0;

@@ -7,10 +7,13 @@
 
 #include "plugins/fix/skyline/horizon.hpp"
 #include "plugins/fix/skyline/offset_map.hpp"
-#include "plugins/fix/skyline/seen_skyline.hpp"
+#include "plugins/fix/skyline/seen_path.hpp"
 #include "plugins/fix/skyline/sky_finder.hpp"
 
 namespace odograph::skyline {
+
+/// The directions of a picture that have a roof's edge.
+size_t closed_edges(const std::vector<SkyEdge>& edges);
 
 /// What is known before looking.
 struct Prior {
@@ -56,10 +59,12 @@ enum class Refusal {
 class Matcher {
  public:
   explicit Matcher(City city) : city_(std::move(city)) {}
-  /// `spend` is told of the work before it is done, and may wait or throw.
-  std::optional<Match> match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend = nullptr);
-  /// Whether enough directions of a picture have a roof's edge.
-  static bool tells_enough(const std::vector<SkyEdge>& edges);
+  /// `spend` is told of the work before it is done, and may wait or throw. `older` pictures of the path to the prior's
+  /// place are matched together with this one; a prior that is lost or has a pivot goes without.
+  std::optional<Match> match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend = nullptr,
+                             const std::vector<View>& older = {});
+  /// Whether enough directions of the pictures have a roof's edge.
+  static bool tells_enough(const std::vector<SkyEdge>& edges, const std::vector<View>& older = {});
   const City& city() const { return city_; }
   /// Why the latest match() gave nothing.
   Refusal refusal() const { return refusal_; }
@@ -77,15 +82,21 @@ class Matcher {
   double cost(const Guess& guess, bool new_place);
   double cost_of_prior(const Guess& guess) const;
   void search(double radius_m, double step_m);
+  void search_path(double radius_m, double step_m);
   void search_circle(const Eigen::Vector2d& way, double step_m);
   void look_at_place(Place place, int middle_deg, int turns, int stride);
   Place refine(Place from);
   void turn(Place& at);
   Place polish(Place from);
   bool linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b);
+  double add_view(const SeenPath::Seen& seen, const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b);
   std::optional<Guess> step(const Guess& at, double soft_rad, double damping);
   void sound(const Place& best);
-  Eigen::Matrix2d doubt_around(const Place& best, double scale) const;
+  struct Doubt {
+    Eigen::Matrix2d position;  // m^2
+    double yaw_variance;       // rad^2
+  };
+  Doubt doubt_around(const Place& best, double scale) const;
   /// Best place and best other one.
   std::optional<Place> choose(double step_m, double& rival_cost);
   bool within_reach(const Place& best, double chord_m, double reach_m) const;
@@ -95,8 +106,7 @@ class Matcher {
   City city_;
   Spend spend_;
   Prior prior_{};
-  SeenSkyline seen_;
-  Horizon horizon_;
+  SeenPath seen_;
   SeenSkyline::Twice twice_{};
   std::vector<Place> places_, ends_;  // of the lattice, and where those of them led that were refined
   std::vector<Place> around_;         // the best place

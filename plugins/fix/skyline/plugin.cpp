@@ -11,12 +11,15 @@
 #include "plugins/camera/frame_view.hpp"
 #include "plugins/fix/skyline/database_extension.hpp"
 #include "plugins/fix/skyline/frame_chroma.hpp"
+#include "plugins/fix/skyline/judge_match.hpp"
+#include "plugins/fix/skyline/look.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
 #include "plugins/fix/skyline/place_finder.hpp"
-#include "plugins/fix/skyline/robust_sky.hpp"
+#include "plugins/fix/skyline/sky_eye.hpp"
 #include "plugins/fix/skyline/skyline_database.hpp"
 #include "plugins/fix/skyline/sliced_worker.hpp"
 #include "plugins/fix/skyline/vanishing_point.hpp"
+#include "plugins/fix/skyline/view_window.hpp"
 
 namespace {
 
@@ -27,11 +30,8 @@ constexpr double kUnknown_rad = 60 * kDegree;           // three times this is a
 constexpr int kDoubtful = 4, kHopeless = 20;            // failures in a row; then a whole database is searched
 constexpr double kMostTilt_rad = 3 * kDegree;
 constexpr double kFoundSigma_m = 1.5, kFoundSigma_rad = 2 * kDegree;  // of a place found by several pictures
-constexpr double kFewerAgree = 0.8;  // of min_agreement: of a place found by several pictures, or without a rival,
-constexpr double kNoRival = 1e-20;   // no other place being likelier than this (42 such in Delft: one was 1.1 m off)
-constexpr double kFoundApart_m = 3;  // the newest picture's own match lies so near it
-constexpr double kRival = 0.2;       // of another place's likelihood
-constexpr double kClimb_m = 0.05, kLeastHeightSigma_m = 0.1;  // of the height: from fix to fix, at least
+constexpr double kFoundApart_m = 3;                                   // the newest picture's own match lies so near it
+constexpr double kClimb_m = 0.05, kLeastHeightSigma_m = 0.1;          // of the height: from fix to fix, at least
 
 constexpr double kWorkPerSecond = 48e6;                            // of sensor time: a quarter of a core
 constexpr uint64_t kLeastSlice = 400'000, kMostSlice = 3'200'000;  // of a frame: 2 and 16 ms
@@ -40,9 +40,10 @@ constexpr double kNoHeading_rad = 20 * kDegree;                    // from here 
 constexpr double kSlack_m = 6, kSlackOfPath = 0.05, kFarthestFromStart_m = 150;  // before the first fix
 constexpr double kMostOff = 2;  // of the path since the last fix: one who goes the other way than thought
 
-/// Why a frame gave no fix, as reports and summaries name it.
-enum Reason : size_t { kPrior, kSky, kAgreement, kAmbiguity, kReasons };
-constexpr const char* kReasonNames[kReasons] = {"prior", "sky", "agreement", "ambiguity"};
+constexpr size_t kLeastOfView = 40;              // directions with a roof's edge: 20 degrees
+constexpr double kFailedTurn_rad = 1 * kDegree;  // of doubt about the heading, for each failure
+constexpr int64_t kLate_ns = 2'500'000'000;      // an estimator keeps the past for steps, which come up to 3 s late
+constexpr double kDrift = 0.02;                  // of the way since the picture: what the odometry errs by
 
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
 class Skyline {
@@ -59,6 +60,7 @@ class Skyline {
   static constexpr odo::Description description{
       "fix/skyline", "1.0.0", "Position and heading from the skyline of a 3D city model (Gakne & O'Keefe 2018)",
       ODO_INTERFACE_ABSOLUTE_FIXER};
+  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_CORRECTION};
   static std::vector<odo::Parameter<Skyline>> parameters() {
     return {
         odo::text("model", &Skyline::model, "CityJSON file of the city, beside the config"),
@@ -135,6 +137,12 @@ class Skyline {
     begin(*std::exchange(waiting_, std::nullopt), output);
   }
 
+  void on(const odo_correction& c, odo::Output&) {
+    const Eigen::Quaterniond q(c.q_n[0], c.q_n[1], c.q_n[2], c.q_n[3]);
+    const Eigen::Vector3d p(c.p_n);
+    window_.correct(q, p), path_judge_.correct(q, p), look_.correct(q, p);
+  }
+
   /// A frame waits for its pose where the front-end tells it later, having waited for the IMU itself. While a picture
   /// is worked on no other is taken; its fix comes with the frame at which the work is done.
   void on(const odo_frame& frame, odo::Output& output) {
@@ -157,23 +165,6 @@ class Skyline {
   }
 
  private:
-  struct Picture {
-    int64_t t_ns = 0;
-    cv::Mat grey, mask;
-    Chroma chroma;
-    odograph::CameraModel lens;
-  };
-  using Why = std::pair<Reason, std::string>;
-  /// A picture that is being worked on: the worker reads the first three and writes the others.
-  struct Look {
-    Picture picture;
-    odo_pose pose{};
-    Prior prior{};
-    bool anywhere = false;  // the place is looked for in all of the database
-    bool sky_seen = false;
-    std::optional<Match> match;
-  };
-
   void begin(const Picture& picture, odo::Output& output) {
     constexpr uint32_t needed = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_CAMERA;
     if ((pose_->header.flags & needed) != needed || pose_->header.t_ns != picture.t_ns)
@@ -197,23 +188,33 @@ class Skyline {
       place_finder_->clear();
       return refuse(kPrior, "not placed, and the odometry tells no metres", output);
     }
-    if (anywhere && !place_finder_->wants(Eigen::Vector3d(pose_->p_n))) return;
     const double tilt =
         std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma, kMostTilt_rad);
-    const Eigen::Quaterniond q_n_c(pose_->q_n[0], pose_->q_n[1], pose_->q_n[2], pose_->q_n[3]);
-    look_ = {picture, *pose_,
-             Prior{.p_n = Eigen::Vector3d(pose_->p_n) - Eigen::Vector3d(0, 0, up_m_),
+    const Eigen::Quaterniond q_n_c = orientation_of(*pose_);
+    const Eigen::Vector3d p_n(pose_->p_n);
+    if (anywhere && !place_finder_->wants(p_n)) return;
+    if (!anywhere && joins_ && !window_.wants(p_n, q_n_c)) return;
+    look_ = {picture,
+             p_n,
+             pose_->distance_m,
+             Prior{.p_n = p_n - Eigen::Vector3d(0, 0, up_m_),
                    .q_n_c = q_n_c,
                    .position_sigma_m = std::max(sigma + failures_, astray_m / 3),
-                   .yaw_sigma_rad = yaw_sigma,
+                   .yaw_sigma_rad = joins_ ? yaw_sigma + failures_ * kFailedTurn_rad : yaw_sigma,
                    .tilt_sigma_rad = tilt,
                    .farthest_m = radius,
                    .lost = failures_ >= kDoubtful,
                    .height_sigma_m = std::sqrt(up_variance_),
                    .pivot_n = slack_m ? start_n_ : std::nullopt,
                    .slack_m = slack_m.value_or(0)},
-             anywhere};
+             anywhere,
+             yaw_sigma < kNoHeading_rad && !anywhere,
+             window_.views()};
     worker_.start([this](const Spend& spend) { look(spend); }, slice_);
+  }
+
+  static Eigen::Quaterniond orientation_of(const odo_pose& pose) {
+    return Eigen::Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
   }
 
   /// Before the first fix, without a heading: how well the distance from the start is known, m; else none.
@@ -230,11 +231,19 @@ class Skyline {
   /// On the worker's thread.
   void look(const Spend& spend) {
     if (inclination == "vanishing_point") level(look_.prior, look_.picture, tilt_sigma);
-    const auto& edges = find_sky(look_.picture, look_.prior.q_n_c.conjugate());
+    const auto& edges = eye_.find(look_.picture, look_.prior.q_n_c.conjugate(), sky == "flood_fill");
     spend(kSkyWork * look_.picture.grey.total());
     look_.sky_seen = !edges.empty();
     if (look_.sky_seen && look_.anywhere) return look_anywhere(edges, spend);
-    if (look_.sky_seen) look_.match = matcher_->match(edges, look_.prior, spend);
+    if (!look_.sky_seen) return;
+    if (Matcher::tells_enough(edges) || !look_.may_join) {
+      look_.match = matcher_->match(edges, look_.prior, spend);
+      return;
+    }
+    look_.view = View{edges, look_.prior.p_n, look_.prior.q_n_c};
+    Prior prior = look_.prior;
+    prior.lost = false, prior.pivot_n.reset();
+    look_.match = matcher_->match(edges, prior, spend, look_.older);
   }
 
   /// The prior's pitch and roll are replaced by those of the upright lines in the picture, where these tell any.
@@ -253,7 +262,7 @@ class Skyline {
       look_.sky_seen = false;
       return;
     }
-    const auto found = place_finder_->add(edges, look_.prior.q_n_c, Eigen::Vector3d(look_.pose.p_n), spend);
+    const auto found = place_finder_->add(edges, look_.prior.q_n_c, look_.p_n, spend);
     if (!found) return;
     Prior& prior = look_.prior;
     prior.p_n = found->p_n;
@@ -273,28 +282,40 @@ class Skyline {
                     place_finder_->pictures(), place_finder_->rival());
       return refuse(kAmbiguity, text, output);
     }
-    if (const auto why = judge(look_.match)) {
-      ++failures_;
+    joins_ = look_.view.has_value();
+    const auto why = joins_ ? judge_path() : judge();
+    if (why) {
+      const bool gathers = joins_ && !look_.match && matcher_->refusal() == Refusal::few_edges;
+      if (!gathers) ++failures_;
       return refuse(why->first, why->second, output);
     }
     failures_ = 0;
     placed_ = fixed_once_ = true;
     if (place_finder_) place_finder_->clear();
-    fixed_at_m_ = look_.pose.distance_m;
+    fixed_at_m_ = look_.path_m;
     climb(*look_.match);
-    output.emit(fix_of(*look_.match, look_.picture.t_ns));
+    odo_fix fix = fix_of(*look_.match, look_.picture.t_ns);
+    if (pose_->header.t_ns - look_.picture.t_ns > kLate_ns) {  // too late for estimators: told of the newest pose
+      fix = fix_of(look_.carried_to(Eigen::Vector3d(pose_->p_n), orientation_of(*pose_), kDrift), pose_->header.t_ns);
+      fix.header.flags &= ~ODO_FIX_SLANT;
+    }
+    output.emit(fix);
   }
 
-  const std::vector<SkyEdge>& find_sky(const Picture& picture, const Eigen::Quaterniond& q_c_n) {
-    const Eigen::Vector3d up_c = q_c_n * -Eigen::Vector3d::UnitZ(), north_c = q_c_n * Eigen::Vector3d::UnitX();
-    const bool same = picture.lens == lens_;
-    lens_ = picture.lens;
-    if (sky == "flood_fill") {
-      if (!finder_ || !same) finder_.emplace(lens_, picture.grey.size());
-      return finder_->find(picture.grey, up_c, north_c);
-    }
-    if (!robust_ || !same) robust_.emplace(RobustSkyFinder::Parameters{}, lens_, picture.grey.size());
-    return robust_->find(picture.grey, picture.mask, up_c, north_c, picture.chroma);
+  std::optional<Why> judge() {
+    window_.clear(), path_judge_.clear();
+    if (!look_.match) return reason_of(matcher_->refusal());
+    return judge_match(*look_.match, min_agreement, look_.anywhere);
+  }
+
+  std::optional<Why> judge_path() {
+    View& view = *look_.view;
+    view.p_n = look_.corrected(view.p_n), view.q_n_c = look_.corrected(view.q_n_c);
+    const Eigen::Vector3d p_n = view.p_n;
+    const Eigen::Quaterniond q_n_c = view.q_n_c;
+    if (closed_edges(view.edges) >= kLeastOfView) window_.add(std::move(view), look_.path_m);
+    if (look_.match) return path_judge_.judge(*look_.match, p_n, q_n_c, min_agreement);
+    return reason_of(matcher_->refusal());
   }
 
   /// From the database's n to ours.
@@ -308,32 +329,6 @@ class Skyline {
     return edges;
   }
 
-  /// What speaks against a match.
-  std::optional<Why> judge(const std::optional<Match>& match) const {
-    char text[120];
-    if (!match) {
-      switch (matcher_->refusal()) {
-        case Refusal::few_edges: return Why{kSky, "too few directions with a roof's edge"};
-        case Refusal::nothing_in_view: return Why{kAgreement, "the model has no roof in view"};
-        case Refusal::beyond: return Why{kAgreement, "the best place lies beyond what was searched"};
-        case Refusal::gathering: return Why{kAmbiguity, "lost: more pictures must agree"};
-        default: return Why{kAmbiguity, "pictures disagree about the place"};
-      }
-    }
-    // Several pictures have told the place already where it was looked for anywhere.
-    const bool sure = look_.anywhere || match->rival < kNoRival;
-    const double least = sure ? kFewerAgree * min_agreement : min_agreement;
-    if (match->agreement < least) {
-      std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are wanted", match->agreement, least);
-      return Why{kAgreement, text};
-    }
-    if (match->rival > kRival) {
-      std::snprintf(text, sizeof text, "another place is %.2f times as likely", match->rival);
-      return Why{kAmbiguity, text};
-    }
-    return std::nullopt;
-  }
-
   /// Counts a frame without a fix, and says why.
   void refuse(Reason reason, const std::string& text, odo::Output& output) {
     ++refused_[reason];
@@ -345,7 +340,7 @@ class Skyline {
 
   /// The height over n's origin follows the road, which the odometry does not.
   void climb(const Match& match) {
-    const double measured = look_.pose.p_n[2] - match.p_n.z();
+    const double measured = look_.p_n.z() - match.p_n.z();
     // The match has the prior in it already: its sigma is the sum's.
     up_m_ = measured;
     up_variance_ = std::max(match.height_sigma_m * match.height_sigma_m, kLeastHeightSigma_m * kLeastHeightSigma_m) +
@@ -377,8 +372,10 @@ class Skyline {
   std::optional<Eigen::Vector3d> start_n_;  // where the pose was at first
   std::optional<DatabaseExtension> extension_;
   std::optional<Matcher> matcher_;
-  std::optional<SkyFinder> finder_;
-  std::optional<RobustSkyFinder> robust_;
+  SkyEye eye_;
+  ViewWindow window_;
+  PathJudge path_judge_;
+  bool joins_ = false;  // the latest picture saw too little alone
   std::array<uint64_t, kReasons> refused_{};
   double fixed_at_m_ = 0;              // of the path
   double up_m_ = 0, up_variance_ = 1;  // of the camera over the pose's height
@@ -388,7 +385,6 @@ class Skyline {
   Eigen::Quaterniond q_c_b_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
   odograph::ToldCamera camera_;
-  odograph::CameraModel lens_;  // that finder_ was made for
   int64_t last_ns_ = INT64_MIN, frame_ns_ = INT64_MIN;
   uint64_t slice_ = kLeastSlice;  // of the newest frame
   int failures_ = 0;              // in a row; each widens the search by a metre of standard deviation

@@ -60,13 +60,24 @@ inline double SeenSkyline::difference(const Ray& ray, const Horizon& model, cons
   return std::max(above * ray.above, -above * ray.below);
 }
 
-double SeenSkyline::loss(const Horizon& model, const Guess& guess, double most_rad) const {
-  double sum = 0, total = 0;
+void SeenSkyline::add_loss(const Horizon& model, const Guess& guess, double most_rad, Sum& sum) const {
   for (const Ray& ray : rays_) {
-    sum += ray.weight * std::min(most_rad, difference(ray, model, guess));
-    total += ray.weight;
+    sum.value += ray.weight * std::min(most_rad, difference(ray, model, guess));
+    sum.weight += ray.weight;
   }
-  return sum / std::max(total, 1e-9);
+}
+
+std::pair<double, double> SeenSkyline::azimuths() const {
+  std::vector<double> all;
+  for (const Ray& ray : rays_) all.push_back(ray.azimuth);
+  if (all.empty()) return {0, kTurn};
+  std::sort(all.begin(), all.end());
+  // They begin after the widest gap.
+  double widest = all.front() + kTurn - all.back();
+  std::pair<double, double> ends = {all.front(), all.back()};
+  for (size_t i = 1; i < all.size(); ++i)
+    if (const double gap = all[i] - all[i - 1]; gap > widest) widest = gap, ends = {all[i], all[i - 1] + kTurn};
+  return ends;
 }
 
 std::vector<SeenSkyline::Summary> SeenSkyline::summary() const {
@@ -87,16 +98,14 @@ double SeenSkyline::turned_loss(const Twice& twice, int half_degrees, double mos
   return static_cast<double>(sum / turned_weight_);
 }
 
-double SeenSkyline::agreement(const Horizon& model, const Guess& guess, double bound_rad) const {
-  double agreeing = 0, total = 0;
+void SeenSkyline::add_agreement(const Horizon& model, const Guess& guess, double bound_rad, Sum& sum) const {
   for (const Ray& ray : rays_) {
     const double d = difference(ray, model, guess);
     const bool one_sided = ray.below == 0 || ray.above == 0;
     if (one_sided && d < bound_rad) continue;
-    total += ray.weight;
-    if (d < bound_rad) agreeing += ray.weight;
+    sum.weight += ray.weight;
+    if (d < bound_rad) sum.value += ray.weight;
   }
-  return total > 0 ? agreeing / total : 0;
 }
 
 void SeenSkyline::residuals(const Horizon& model, const Guess& g, std::vector<Residual>& out) const {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -27,7 +29,16 @@ class SeenSkyline {
 
   /// Mean loss of a direction, rad, from the model's skyline of the guess's place, by the weights of the directions:
   /// `most_rad` at most, and none where the sky goes on below the picture's border and the model's roof lies there too.
-  double loss(const Horizon& model, const Guess& guess, double most_rad) const;
+  struct Sum {
+    double value = 0, weight = 0;
+    double mean() const { return value / std::max(weight, 1e-9); }
+  };
+  void add_loss(const Horizon& model, const Guess& guess, double most_rad, Sum& sum) const;
+  double loss(const Horizon& model, const Guess& guess, double most_rad) const {
+    Sum sum;
+    add_loss(model, guess, most_rad, sum);
+    return sum.mean();
+  }
   /// The same of every third direction, turned by half degrees alone, for coarse searches. `twice`: the elevations of
   /// the model's directions, twice one after the other.
   using Twice = std::array<float, 2 * Horizon::kDirections>;
@@ -38,11 +49,19 @@ class SeenSkyline {
   };
   std::vector<Summary> summary() const;
   size_t turned_size() const { return turned_.size(); }
+  double turned_weight() const { return static_cast<double>(turned_weight_); }
   /// Part of the directions whose loss is below a bound, of those in which the picture or the model has a roof's edge:
   /// open sky that is open in the model too says little.
-  double agreement(const Horizon& model, const Guess& guess, double bound_rad) const;
+  void add_agreement(const Horizon& model, const Guess& guess, double bound_rad, Sum& sum) const;
+  double agreement(const Horizon& model, const Guess& guess, double bound_rad) const {
+    Sum sum;
+    add_agreement(model, guess, bound_rad, sum);
+    return sum.weight > 0 ? sum.value / sum.weight : 0;
+  }
   /// Sum of the weights: as many directions as count.
   double total_weight() const { return total_weight_; }
+  /// The azimuths between which all directions lie, clockwise, rad: a turn apart where they lie all around.
+  std::pair<double, double> azimuths() const;
 
   /// A direction's signed difference, model less picture, rad; 0 where one-sided knowledge is fulfilled.
   struct Residual {

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/skyline/judge_match.hpp"
+
+#include <cstdio>
+
+namespace odograph::skyline {
+namespace {
+
+constexpr double kFewerAgree = 0.8;  // of min_agreement: of a place found by several pictures, or without a rival,
+constexpr double kNoRival = 1e-20;   // no other place being likelier than this (42 such in Delft: one was 1.1 m off)
+constexpr double kRival = 0.2;       // of another place's likelihood
+
+Why few_agree(double agreement, double least) {
+  char text[120];
+  std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are wanted", agreement, least);
+  return {kAgreement, text};
+}
+
+Why another(double rival) {
+  char text[120];
+  std::snprintf(text, sizeof text, "another place is %.2g times as likely", rival);
+  return {kAmbiguity, text};
+}
+
+}  // namespace
+
+Why reason_of(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::few_edges: return {kSky, "too few directions with a roof's edge"};
+    case Refusal::nothing_in_view: return {kAgreement, "the model has no roof in view"};
+    case Refusal::beyond: return {kAgreement, "the best place lies beyond what was searched"};
+    case Refusal::gathering: return {kAmbiguity, "lost: more pictures must agree"};
+    default: return {kAmbiguity, "pictures disagree about the place"};
+  }
+}
+
+std::optional<Why> judge_match(const Match& match, double min_agreement, bool several_agree) {
+  const bool sure = several_agree || match.rival < kNoRival;
+  const double least = sure ? kFewerAgree * min_agreement : min_agreement;
+  if (match.agreement < least) return few_agree(match.agreement, least);
+  if (match.rival > kRival) return another(match.rival);
+  return std::nullopt;
+}
+
+std::optional<Why> PathJudge::judge(const Match& match, const Eigen::Vector3d& p_n, const Eigen::Quaterniond& q_n_c,
+                                    double min_agreement) {
+  const Eigen::Quaterniond q = (match.q_n_c * q_n_c.conjugate()).normalized();
+  const auto before = std::exchange(before_, std::nullopt);
+  if (match.agreement < p_.least_agreement) return few_agree(match.agreement, p_.least_agreement);
+  if (match.rival > p_.most_rival) return another(match.rival);
+  before_ = Offset{q, match.p_n - q * p_n};
+  if (match.agreement >= min_agreement) return std::nullopt;
+  if (!before) return Why{kAmbiguity, "few directions agree: the next match must tell the same"};
+  const double apart_m = (match.p_n - (before->q * p_n + before->p)).head<2>().norm();
+  if (apart_m < p_.same_m && q.angularDistance(before->q) < p_.same_rad) return std::nullopt;
+  return Why{kAmbiguity, "few directions agree, and the match before told another place"};
+}
+
+void PathJudge::correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p) {
+  if (!before_) return;
+  before_->q = (before_->q * q.conjugate()).normalized();
+  before_->p -= before_->q * p;
+}
+
+}  // namespace odograph::skyline

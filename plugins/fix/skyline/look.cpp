@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/skyline/look.hpp"
+
+namespace odograph::skyline {
+
+Match Look::carried_to(const Eigen::Vector3d& now_n, const Eigen::Quaterniond& q_n_c_now, double drift) const {
+  const Eigen::Quaterniond turn = match->q_n_c * corrected(prior.q_n_c).conjugate();
+  const Eigen::Vector3d way = turn * (now_n - corrected(p_n));
+  const Eigen::Vector2d aside(-way.y(), way.x());
+  Match later = *match;
+  later.p_n += way;
+  later.q_n_c = (turn * q_n_c_now).normalized();
+  later.covariance += match->yaw_sigma_rad * match->yaw_sigma_rad * aside * aside.transpose();
+  later.covariance += Eigen::Matrix2d::Identity() * (drift * drift * way.squaredNorm());
+  return later;
+}
+
+}  // namespace odograph::skyline

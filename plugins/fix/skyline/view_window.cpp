@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/skyline/view_window.hpp"
+
+#include <utility>
+
+namespace odograph::skyline {
+
+bool ViewWindow::wants(const Eigen::Vector3d& p_n, const Eigen::Quaterniond& q_n_c) const {
+  if (views_.empty()) return true;
+  const View& newest = views_.back();
+  return (p_n - newest.p_n).head<2>().norm() >= p_.apart_m || q_n_c.angularDistance(newest.q_n_c) >= p_.turned_rad;
+}
+
+void ViewWindow::add(View view, double path_m) {
+  views_.push_back(std::move(view));
+  path_m_.push_back(path_m);
+  size_t gone = views_.size() > p_.most ? views_.size() - p_.most : 0;
+  while (path_m - path_m_[gone] > p_.longest_m) ++gone;
+  views_.erase(views_.begin(), views_.begin() + static_cast<std::ptrdiff_t>(gone));
+  path_m_.erase(path_m_.begin(), path_m_.begin() + static_cast<std::ptrdiff_t>(gone));
+}
+
+void ViewWindow::correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p) {
+  for (View& view : views_) {
+    view.p_n = q * view.p_n + p;
+    view.q_n_c = (q * view.q_n_c).normalized();
+  }
+}
+
+}  // namespace odograph::skyline
