@@ -43,7 +43,7 @@ struct Look {
     corrected_q = (q * corrected_q).normalized();
     corrected_p = q * corrected_p + p;
   }
-  Eigen::Vector3d corrected(const Eigen::Vector3d& p_n) const { return corrected_q * p_n + corrected_p; }
+  Eigen::Vector3d corrected(const Eigen::Vector3d& x_n) const { return corrected_q * x_n + corrected_p; }
   Eigen::Quaterniond corrected(const Eigen::Quaterniond& q_n_c) const { return (corrected_q * q_n_c).normalized(); }
   /// The match carried on to where the odometry has the camera by now: it errs by `drift` of the way since.
   Match carried_to(const Eigen::Vector3d& now_n, const Eigen::Quaterniond& q_n_c_now, double drift) const;
