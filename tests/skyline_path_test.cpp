@@ -83,7 +83,7 @@ TEST_CASE("the skyline of a sector is the whole one's there, and nothing elsewhe
   city.quick_horizon(eye, all);
   const auto sector = Sector::between(300 * kDegree, 400 * kDegree);  // through north
   city.quick_horizon(eye, part, sector);
-  CHECK(city.quick_work(sector) < city.quick_work() / 3);
+  CHECK(city.quick_work(sector) < city.quick_work() / 1.7);
   for (size_t j = 0; j < Horizon::kDirections; ++j) {
     const bool inside = j >= 600 || j < 80;
     if (inside) CHECK(part.elevation[j] == all.elevation[j]);

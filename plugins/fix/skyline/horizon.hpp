@@ -72,7 +72,10 @@ class City {
     int16_t first_block, blocks;  // of directions in which it can lie within the radius; all where it is near
   };
   static uint64_t work_of(const std::vector<Near>& edges, const Sector& sector) {
-    return (kEdgeWork * edges.size() + Horizon::kDirections) * static_cast<uint64_t>(sector.blocks) / Sector::kBlocks;
+    // Of an edge that is not looked at a third of the work is left: to find that out.
+    const auto looked_at = static_cast<uint64_t>(sector.blocks);
+    return (kEdgeWork * edges.size() + Horizon::kDirections) * (Sector::kBlocks + 2 * looked_at) /
+           (3 * Sector::kBlocks);
   }
   void envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, Winners* winners,
                 const Sector& sector) const;
