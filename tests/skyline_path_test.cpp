@@ -103,11 +103,21 @@ TEST_CASE("the window keeps the newest pictures that lie apart or look elsewhere
   for (int i = 1; i <= 11; ++i) window.add(at(2.1 * i), 2.1 * i);
   CHECK(window.views().size() == 10);
   CHECK(window.views().front().p_n.x() == doctest::Approx(4.2));
+  Match match{.landmark_n = Vector3d::Zero()};
+  match.covariance = 0.09 * Eigen::Matrix2d::Identity(), match.yaw_sigma_rad = 0.01;
+  Match again = match;
+  window.doubt(match, 0.02);  // of 18.9 m
+  CHECK(match.covariance(0, 0) == doctest::Approx(0.09 + 0.189 * 0.189));
+  CHECK(match.yaw_sigma_rad == doctest::Approx(0.01));
+  window.add(at(25.2), 25.2), window.add(at(27.3), 27.3);
+  window.doubt(again, 0.02);  // two of ten are new
+  CHECK(again.covariance(1, 1) == doctest::Approx(5 * match.covariance(1, 1)));
+  CHECK(again.yaw_sigma_rad == doctest::Approx(0.01 * std::sqrt(5)));
   window.correct(about_down(0.5 * std::numbers::pi), {0, 0, 1});
-  CHECK(window.views().back().p_n.isApprox(Vector3d(0, 23.1, 1), 1e-9));
+  CHECK(window.views().back().p_n.isApprox(Vector3d(0, 27.3, 1), 1e-9));
   CHECK(window.views().back().q_n_c.angularDistance(about_down(0.5 * std::numbers::pi) * kLevel) < 1e-9);
-  window.add(at(62), 62);
-  CHECK(window.views().size() == 2);  // the one at 23.1 m is 38.9 m back, the one before it 41
+  window.add(at(66), 66);
+  CHECK(window.views().size() == 2);  // the one at 27.3 m is 38.7 m back, the one before it 40.8
 }
 
 TEST_CASE("a path in which few directions agree must be told twice, whatever n is meanwhile") {

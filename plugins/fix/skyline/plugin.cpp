@@ -43,7 +43,7 @@ constexpr double kMostOff = 2;  // of the path since the last fix: one who goes 
 constexpr size_t kLeastOfView = 40;              // directions with a roof's edge: 20 degrees
 constexpr double kFailedTurn_rad = 1 * kDegree;  // of doubt about the heading, for each failure
 constexpr int64_t kLate_ns = 2'500'000'000;      // an estimator keeps the past for steps, which come up to 3 s late
-constexpr double kDrift = 0.02;                  // of the way since the picture: what the odometry errs by
+constexpr double kDrift = 0.02;                  // of the way between pictures, or since one: what the odometry errs by
 
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
 class Skyline {
@@ -314,8 +314,10 @@ class Skyline {
     const Eigen::Vector3d p_n = view.p_n;
     const Eigen::Quaterniond q_n_c = view.q_n_c;
     if (closed_edges(view.edges) >= kLeastOfView) window_.add(std::move(view), look_.path_m);
-    if (look_.match) return path_judge_.judge(*look_.match, p_n, q_n_c, min_agreement);
-    return reason_of(matcher_->refusal());
+    if (!look_.match) return reason_of(matcher_->refusal());
+    const auto why = path_judge_.judge(*look_.match, p_n, q_n_c, min_agreement);
+    if (!why) window_.doubt(*look_.match, kDrift);
+    return why;
   }
 
   /// From the database's n to ours.

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "plugins/fix/skyline/seen_path.hpp"
+#include "plugins/fix/skyline/matcher.hpp"
 
 namespace odograph::skyline {
 
@@ -29,13 +29,17 @@ class ViewWindow {
   void add(View view, double path_m);
   /// What was at x in the old n is at q x + p in the new one.
   void correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p);
-  void clear() { views_.clear(), path_m_.clear(); }
+  void clear() { views_.clear(), path_m_.clear(), fresh_ = 0; }
+  /// What is told of these pictures: the odometry errs by `drift` of the way between them; and since the next match has
+  /// most of them once more, and errs with this one, the information of each is that of the pictures which are new.
+  void doubt(Match& match, double drift);
   const std::vector<View>& views() const { return views_; }
 
  private:
   Parameters p_;
   std::vector<View> views_;     // the oldest first
   std::vector<double> path_m_;  // of each
+  size_t fresh_ = 0;            // of them, the newest
 };
 
 }  // namespace odograph::skyline
