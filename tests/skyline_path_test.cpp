@@ -103,7 +103,7 @@ TEST_CASE("the window keeps the newest pictures that lie apart or look elsewhere
   for (int i = 1; i <= 11; ++i) window.add(at(2.1 * i), 2.1 * i);
   CHECK(window.views().size() == 10);
   CHECK(window.views().front().p_n.x() == doctest::Approx(4.2));
-  Match match{.landmark_n = Vector3d::Zero()};
+  Match match{.p_n = Vector3d::Zero(), .q_n_c = kLevel, .landmark_n = Vector3d::Zero()};
   match.covariance = 0.09 * Eigen::Matrix2d::Identity(), match.yaw_sigma_rad = 0.01;
   Match again = match;
   window.doubt(match, 0.02);  // of 18.9 m
