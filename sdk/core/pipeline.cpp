@@ -148,6 +148,8 @@ void Pipeline::handle(AnyMessage& event) {
                      "a step without heading_rad (ODO_STEP_HEADING) and no camera: this coupling does not move by it; "
                      "`coupling: {type: inertial}` goes by the phone's direction");
       estimator_->update(&as<odo_step>(header));
+      if (const char* notice = estimator_->take_notice())
+        host_.report(0, ODO_SEVERITY_WARNING, "odometry_metre", notice);
       break;
     case ODO_TYPE_MOTION_MODE:
       if (!in_use(header)) break;

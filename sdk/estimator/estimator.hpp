@@ -115,6 +115,8 @@ class Estimator {
   virtual bool is_placed() const = 0;
 
   /// Nothing where the estimator does not tell.
+  /// Something that a person should know, once; null when there is nothing.
+  virtual const char* take_notice() { return nullptr; }
   virtual ScaleKnowledge scale_knowledge() const { return {}; }
   virtual double distance_m() const = 0;
   /// As at the start, for a sensor clock that was set back. The calibration stays.

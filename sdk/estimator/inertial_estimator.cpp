@@ -59,6 +59,8 @@ void InertialEstimator::reset() {
   vo_.sigma_m = p_.vo_position_sigma_m;
   window_.restart();
   scale_start_.restart();
+  metre_check_ = MetreCheck();
+  notice_ = nullptr;
   steps_rejected_ = fixes_rejected_ = fixes_agreed_ = 0;
   step_mean_m_ = 0;
   pose_.reset(), corrected_.reset(), correction_.reset(), reference_.reset();

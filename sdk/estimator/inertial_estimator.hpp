@@ -4,6 +4,7 @@
 #include <array>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "sdk/config/pipeline_config.hpp"
 #include "sdk/core/pose_history.hpp"
@@ -11,6 +12,7 @@
 #include "sdk/estimator/estimator.hpp"
 #include "sdk/estimator/imu_rewind.hpp"
 #include "sdk/estimator/inertial_parameters.hpp"
+#include "sdk/estimator/metre_check.hpp"
 #include "sdk/estimator/pose_track.hpp"
 #include "sdk/estimator/scale_start.hpp"
 
@@ -33,6 +35,7 @@ class InertialEstimator : public Estimator {
   bool take_correction(Correction& correction, odo_pose& pose) override;
   bool take_step_reference(odo_fix& reference) override;
   ScaleKnowledge scale_knowledge() const override;
+  const char* take_notice() override { return std::exchange(notice_, nullptr); }
   double distance_m() const override { return distance_m_; }
   void reset() override;
   uint64_t hold_pose(int64_t t_ns) override;
@@ -105,6 +108,7 @@ class InertialEstimator : public Estimator {
 
   // Steps (inertial_steps.cpp).
   UpdateResult see_step(const odo_step& step, double own_sigma);
+  void check_metre(const odo_step& step, const Eigen::Vector3d& moved_n);
   void rest_between(int64_t from_ns, int64_t to_ns);
   void doubt_steps();
   bool outweighs_fixes(int64_t t_ns) const;
@@ -169,6 +173,8 @@ class InertialEstimator : public Estimator {
   } vo_;
   inertial::InertialScale window_;
   inertial::ScaleStart scale_start_;
+  inertial::MetreCheck metre_check_;
+  const char* notice_ = nullptr;
 
   bool stepped_ = false, step_loose_ = false;
   int64_t step_ns_ = INT64_MIN;

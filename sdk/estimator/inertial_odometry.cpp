@@ -90,7 +90,8 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
   camera_ = true;
   advance_to(t);
   flush();
-  const bool metric = (flags & ODO_VO_METRIC) != 0, lost = m.state == ODO_LOST;
+  if (vo_.any && m.scale_group != vo_.group) metre_check_.restart();
+  const bool metric = (flags & ODO_VO_METRIC) != 0 && !metre_check_.doubted(), lost = m.state == ODO_LOST;
   const bool rotates = (flags & ODO_VO_ROTATION) != 0 && !lost;
   const bool translates = rotates && (flags & ODO_VO_TRANSLATION) != 0;
   inertial_front_end_ = metric && (flags & ODO_VO_INERTIAL) != 0;
@@ -111,7 +112,8 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
       vo_.y_n += e_.x.q_n_vo * p_c0_c1;
       e_.move_vo(quaternion(m.q_c0_c1), p_c0_c1, expected_n, squared(p_.vo_drift_per_root_m) * length_m,
                  rotation_variance(m, dt_s));
-      e_.add_variance(kLogScale, 1, metric ? squared(p_.vio_scale_walk) * dt_s : squared(p_.vo_scale_walk) * length_m);
+      const double walk = metre_check_.doubted() ? p_.doubted_scale_walk : p_.vo_scale_walk;
+      e_.add_variance(kLogScale, 1, metric ? squared(p_.vio_scale_walk) * dt_s : squared(walk) * length_m);
       vo_.t_ns = t;
       if (metric) use_metric_scale(m);
       vo_.has_walked = vo_.has_walked || vo_.own_information > 1 / squared(p_.taught_scale_sigma);
@@ -123,7 +125,8 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
       } else if (const auto at = past(t)) {
         const auto window =
             window_.add_frame(t, at->q_n_b * p_b_c_, vo_.y_n, vo_.known ? p_.window_s : p_.start_window_s);
-        if (window && !metric) use_window(*window);
+        // A front-end that was wrong about its metre was so about the same accelerometer's word.
+        if (window && !metric && !metre_check_.doubted()) use_window(*window);
       }
       try_scale_start(t);
       vo_.translated_ns = t;

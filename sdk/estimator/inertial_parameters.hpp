@@ -53,8 +53,10 @@ struct Parameters {
   double led_scale_sigma = 0.2;             ///< of log-scale, as such a front-end states it: above, it is an odometry
                                             ///< like others, and standing and steps speak too; judgement
   double vio_scale_walk = 2e-4;  ///< 1/sqrt(s) of a metric front-end's log-scale: 0.5 % over ten minutes; judgement
-  double vio_scale_forgetting_s = 20;    ///< s: how long its scale_sigma speaks of the same error
-  double lost_confidence = 0.25;         ///< share of its information: less is a front-end that doubts its metre anew
+  double vio_scale_forgetting_s = 20;  ///< s: how long its scale_sigma speaks of the same error
+  double lost_confidence = 0.25;       ///< share of its information: less is a front-end that doubts its metre anew
+  double doubted_scale_walk = 0.015;   ///< 1/sqrt(m) of log-scale, of one whose metre contradicts the steps: it finds
+                                      ///< back within a minute, and twenty steps follow it; walks in The Hague and Linz
   double unknown_scale_sigma = 1.0;      ///< of log-scale before anything is known
   double jump_velocity_sigma_mps = 1.0;  ///< m/s: what is left of the velocity when odometry contradicts it
   int most_rejected = 3;                 ///< odometry updates in a row, until the velocity is doubted
@@ -63,7 +65,8 @@ struct Parameters {
   double factor_sigma = 0.10;        ///< of the walker's log factor: ten walkers differ so (docs/accuracy.md)
   double taught_scale_sigma = 0.10;  ///< of log-scale, as a metric front-end states it: below it, which is how walkers
                                      ///< differ, steps do not move it
-  double factor_walk = 0.01;         ///< for the root of a step: a walker changes, and so does what plugins learn
+  double factor_steps = 200;         ///< steps over which what was learnt of a walker is forgotten: 0.01 for the root
+                                     ///< of a step, and never beyond what walkers differ; judgement
   double step_own_sigma = 0.06;      ///< of a step's length, relative, own to the step: step/odograph's README
   double step_correlation = 10;      ///< steps whose own error is one error, where they are compared with odometry
   double step_across_rad = 0.10;     ///< rad, direction of one step against its heading: a hand sways

@@ -101,7 +101,10 @@ UpdateResult InertialEstimator::apply(const odo_step* step) {
   const double stated = step->sigma_m / step->length_m, own = std::min(p_.step_own_sigma, std::max(stated, 0.01));
   if (!std::exchange(stepped_, true))
     e_.set_independent(kLogFactor, std::max(squared(p_.factor_sigma), squared(stated) - squared(own)));
-  e_.add_variance(kLogFactor, 1, squared(p_.factor_walk));
+  // A walker changes, and so does what plugins learn, but not without bound.
+  const double keep = std::exp(-1 / p_.factor_steps);
+  e_.wander(kLogFactor, keep, (1 - keep * keep) * squared(p_.factor_sigma));
+  e_.x.log_factor *= keep;
   e_.add_variance(kStepHeading, 1, squared(p_.step_heading_walk));
   const bool loose = is_loose(*step);
   if (std::exchange(step_loose_, loose) != loose)  // the phone is held otherwise
@@ -137,6 +140,7 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
   if (covered < 1 && !(unaided() && heading)) return {};
 
   const Vector3d moved = covered > 0 ? Vector3d(to->p_n - from->p_n) : Vector3d(Vector3d::Zero());
+  if (covered == 1) check_metre(step, moved);
   const bool from_north = north_ && unaided();  // the steps' heading errs with the compass, and is mended with it
   const double source_rad = from_north ? e_.x.north_rad : 0.0;
   const double direction =
@@ -184,6 +188,21 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
   const UpdateResult result = e_.update(walked, p_.gate[3], hold);
   if (result.accepted && vo_.known) vo_.steps_information += 1 / e_.P(kLogScale, kLogScale) - before;
   return result;
+}
+
+/// Against the lengths as the step estimator tells them: what was learnt of the walker was learnt from the front-end.
+void InertialEstimator::check_metre(const odo_step& step, const Vector3d& moved_n) {
+  if (!vo_.known || !vo_.attached || step.mode == ODO_MODE_STAIRS) return;
+  if (!vo_.metric && !metre_check_.doubted()) return;  // has none
+  if (!metre_check_.add(step.length_m, std::exp(-e_.x.log_scale) * moved_n.head<2>().norm())) return;
+  if (metre_check_.doubted()) {  // what the steps were taught since it went wrong is forgotten
+    e_.x.log_factor = metre_check_.log_factor();
+    e_.set_independent(kLogFactor, metre_check_.variance());
+  }
+  notice_ =
+      metre_check_.doubted()
+          ? "the odometry's metre contradicts the steps of the walker by half and more: its motions count up to scale"
+          : "the odometry's metre agrees with the steps again";
 }
 
 /// Where nothing but steps moves the body it rests between them.

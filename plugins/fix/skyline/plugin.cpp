@@ -43,6 +43,7 @@ constexpr double kMostOff = 2;  // of the path since the last fix: one who goes 
 constexpr size_t kLeastOfView = 40;              // directions with a roof's edge: 20 degrees
 constexpr double kFailedTurn_rad = 1 * kDegree;  // of doubt about the heading, for each failure
 constexpr int64_t kLate_ns = 2'500'000'000;      // an estimator keeps the past for steps, which come up to 3 s late
+constexpr double kPathMetre = 0.05;              // relative: a path of 20 m is a metre long or short
 constexpr double kDrift = 0.02;                  // of the way between pictures, or since one: what the odometry errs by
 
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
@@ -55,7 +56,7 @@ class Skyline {
   std::string sky = "robust", inclination = "pose";
   double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.2, radius = 40;
   double height_sigma = 1.0;
-  bool start_known = true;
+  bool start_known = true, join = false;
 
   static constexpr odo::Description description{
       "fix/skyline", "1.0.0", "Position and heading from the skyline of a 3D city model (Gakne & O'Keefe 2018)",
@@ -88,6 +89,7 @@ class Skyline {
                   "standard deviation of the prior's height at the start"),
         odo::boolean("start_known", &Skyline::start_known,
                      "the pose is right from the start; if not, it is looked for in all of the database"),
+        odo::boolean("join", &Skyline::join, "match a picture that sees too little together with those before it"),
         odo::real("min_sigma", "m", 0.001, 100, &Skyline::min_sigma, "smallest standard deviation believed")};
   }
 
@@ -208,7 +210,7 @@ class Skyline {
                    .pivot_n = slack_m ? start_n_ : std::nullopt,
                    .slack_m = slack_m.value_or(0)},
              anywhere,
-             yaw_sigma < kNoHeading_rad && !anywhere,
+             join && !anywhere && yaw_sigma < kNoHeading_rad && pose_->scale_sigma < kPathMetre * pose_->scale,
              window_.views()};
     worker_.start([this](const Spend& spend) { look(spend); }, slice_);
   }

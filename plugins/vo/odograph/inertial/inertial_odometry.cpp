@@ -136,7 +136,7 @@ void InertialOdometry::try_start(int64_t t_ns) {
   T_w_previous_ = camera_pose(before);
   told_.clear();
   moved_s_ = 0;
-  refused_since_ns_ = INT64_MIN;
+  refused_since_ns_ = blind_since_ns_ = INT64_MIN;
   tracked_ = accepted_ = static_cast<unsigned>(corners_.corners().corners.size());
 }
 
@@ -155,11 +155,15 @@ InertialMotion InertialOdometry::estimate(const Pending& frame) {
   const bool refused = seen.tried >= kLeastTried && seen.accepted < p_.least_accepted * seen.tried;
   if (!refused) refused_since_ns_ = INT64_MIN;
   if (refused && refused_since_ns_ == INT64_MIN) refused_since_ns_ = frame.t_ns;
+  const bool blind = !seen.standing && seen.accepted < p_.least_seen;
+  if (!blind) blind_since_ns_ = INT64_MIN;
+  if (blind && blind_since_ns_ == INT64_MIN) blind_since_ns_ = frame.t_ns;
   InertialMotion out = report(frame.t_ns, filter_->state().nav, true);
   const Navigation& nav = filter_->state().nav;
   const bool wrong = !nav.v_w.allFinite() || nav.v_w.norm() > p_.most_speed_mps ||
                      nav.accel_bias.norm() > p_.most_accel_bias_mps2 || filter_->camera_pull() > p_.most_camera_pull ||
-                     (refused && seconds(frame.t_ns - refused_since_ns_) > p_.diverged_s);
+                     (refused && seconds(frame.t_ns - refused_since_ns_) > p_.diverged_s) ||
+                     (blind && seconds(frame.t_ns - blind_since_ns_) > p_.blind_s);
   if (wrong || filter_->velocity_sigma() > p_.lost_sigma_mps) {
     lose();
     out.metric = false;

@@ -41,6 +41,11 @@ class InertialOdometry {
     double most_camera_pull = 100;  ///< Filter::camera_pull: the filter is wrong, not the camera
     double least_accepted = 0.3;    ///< of the tracks, for `diverged_s`: the filter is wrong
     double diverged_s = 1.0;
+    /// Of the tracks, for `blind_s` of moving: the velocity is what accelerometer and inclination have made of it. It
+    /// is then off by more than the filter knows, and points that come into view are put where it fits them (a walk in
+    /// Linz came out four times as long).
+    int least_seen = 10;
+    double blind_s = 4;
     double start_every_s = 0.25;           ///< a start in motion is tried
     double scale_sigma_factor = 2;         ///< the filter takes corners' errors for independent, which they are not:
     double scale_sigma_floor = 0.01;       ///< relative; both by the 5 m stretches of euroc_mh05 and a simulated phone
@@ -101,7 +106,8 @@ class InertialOdometry {
   std::vector<Told> told_;  ///< the newest clone and the one before it
   Eigen::Isometry3d T_w_previous_ = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_visual_ = Eigen::Isometry3d::Identity();  // chained from the visual motions of a group
-  int64_t previous_ns_ = INT64_MIN, estimated_ns_ = INT64_MIN, tried_ns_ = INT64_MIN, refused_since_ns_ = INT64_MIN;
+  int64_t previous_ns_ = INT64_MIN, estimated_ns_ = INT64_MIN, tried_ns_ = INT64_MIN, refused_since_ns_ = INT64_MIN,
+          blind_since_ns_ = INT64_MIN;
   int64_t accel_ns_ = INT64_MIN;
   double moved_s_ = 0;  ///< since the start, without standing
   unsigned group_ = 0, visual_group_ = 0;

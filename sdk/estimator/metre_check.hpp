@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace odograph::inertial {
+
+/// Whether the metre of a front-end agrees with the walker's steps. A front-end that was blind for some seconds may put
+/// all that it sees afterwards at twice its distance, be certain of it, and need a minute to find back. Steps know the
+/// metre less well, but never so badly; and how long this walker's steps are is learnt as long as both agree.
+class MetreCheck {
+ public:
+  struct Parameters {
+    size_t steps = 12;           ///< over which it is looked at: six seconds
+    double walker_sigma = 0.2;   ///< of a walker's log factor at first: 0.10 of those who walk briskly, more of others
+    double window_sigma = 0.08;  ///< of that many steps of a walker who is known: of ways of walking
+    double walk = 0.02;          ///< of the log factor, from window to window
+    double most_sigmas = 3;      ///< beyond them the metre is doubted,
+    double least_log = 0.35;     ///< but never for less
+    double trust_log = 0.15;     ///< below it twice in a row the front-end has found back
+  };
+
+  MetreCheck() : variance_(p_.walker_sigma * p_.walker_sigma) {}
+
+  /// Another scale: what is known of the walker stays.
+  void restart() { count_ = 0, doubted_ = false; }
+  /// A step's length as its estimator tells it, and as the front-end has it, m. True where the judgement has changed.
+  bool add(double told_m, double seen_m) {
+    told_[count_ % kMost] = told_m, seen_[count_ % kMost] = seen_m;
+    ++count_;
+    const bool before = doubted_;
+    const double noise = p_.window_sigma * p_.window_sigma;
+    if (!doubted_ && count_ >= p_.steps) {
+      const double most = std::max(p_.least_log, p_.most_sigmas * std::sqrt(variance_ + noise));
+      doubted_ = std::abs(off(0)) > most;
+      if (!doubted_ && count_ % p_.steps == 0) learn(off(0), noise);
+    } else if (doubted_ && count_ >= 2 * p_.steps) {
+      doubted_ = std::max(std::abs(off(0)), std::abs(off(p_.steps))) > p_.trust_log;
+    }
+    if (doubted_ != before) count_ = 0;
+    return doubted_ != before;
+  }
+  bool doubted() const { return doubted_; }
+  /// The walker's log factor as it was learnt while both agreed, and its variance.
+  double log_factor() const { return factor_; }
+  double variance() const { return variance_; }
+
+ private:
+  /// What the logarithm of seen over told differs by from the walker's factor, over steps in a row of which the newest
+  /// is `back` before the newest of all.
+  double off(size_t back) const {
+    double told = 1e-9, seen = 1e-9;
+    for (size_t i = back; i < back + p_.steps; ++i) {
+      const size_t k = (count_ - 1 - i) % kMost;
+      told += told_[k], seen += seen_[k];
+    }
+    return std::log(seen / told) - factor_;
+  }
+  void learn(double off, double noise) {
+    variance_ += p_.walk * p_.walk;
+    const double gain = variance_ / (variance_ + noise);
+    factor_ += gain * off;
+    variance_ *= 1 - gain;
+  }
+
+  static constexpr size_t kMost = 32;
+  Parameters p_;
+  std::array<double, kMost> told_{}, seen_{};
+  size_t count_ = 0;
+  double factor_ = 0, variance_;
+  bool doubted_ = false;
+};
+
+}  // namespace odograph::inertial
