@@ -27,7 +27,7 @@ TEST_CASE("a front-end whose metre doubles is doubted within twelve steps, and t
   CHECK(after > 3);
   CHECK(after <= 12);
   CHECK(check.doubted());
-  CHECK(changes_at(check, 40, 0.7, 1.2) == 0);  // still half as long again
+  CHECK(changes_at(check, 40, 0.7, 1.2) == 0);                                      // still half as long again
   CHECK(check.log_factor() == doctest::Approx(std::log(0.75 / 0.7)).epsilon(0.2));  // not learnt from what is doubted
   CHECK(changes_at(check, 40, 0.7, 0.72) > 20);
   CHECK_FALSE(check.doubted());
