@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include <Eigen/Core>
 #include <odograph/odograph.h>
 
 #include "tests/session_app.hpp"
@@ -58,6 +59,27 @@ TEST_CASE("a published fix says in its flags whether it was used, and keeps its 
   REQUIRE(fixes.size() == 1);
   CHECK((fixes[0].header.flags & ODO_FIX_ACCEPTED) != 0);
   CHECK(fixes[0].header.quality == 0.25f);
+}
+
+TEST_CASE("a plugin that asks for corrections is told each that the app is told, with the same numbers, and once") {
+  const TestPlugins plugins{"correction_echo"};
+  App app(kWalk + "absolute_fixers:\n  - plugin: test/correction_echo\ncoupling: {type: inertial}\n" +
+              "navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 rad}}\n",
+          ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  app.walk(0, 3000);
+  odo_session_flush(app.session);
+  const auto corrections = app.all<odo_correction>(ODO_TYPE_CORRECTION);
+  std::vector<odo_fix> echoes;
+  for (const odo_fix& fix : app.all<odo_fix>(ODO_TYPE_FIX))
+    if (fix.integrity == 1) echoes.push_back(fix);
+  REQUIRE(!corrections.empty());
+  REQUIRE(echoes.size() == corrections.size());
+  for (size_t i = 0; i < echoes.size(); ++i) {
+    CHECK(echoes[i].header.t_ns == corrections[i].header.t_ns);
+    CHECK(Eigen::Vector3d(echoes[i].p_n) == Eigen::Vector3d(corrections[i].p_n));
+    CHECK((echoes[i].header.flags & ODO_FIX_ACCEPTED) == 0);
+  }
 }
 
 TEST_CASE("a plugin that was reset, and a clock that was set back, are told of the camera anew") {
