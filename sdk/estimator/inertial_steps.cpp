@@ -101,10 +101,13 @@ UpdateResult InertialEstimator::apply(const odo_step* step) {
   const double stated = step->sigma_m / step->length_m, own = std::min(p_.step_own_sigma, std::max(stated, 0.01));
   if (!std::exchange(stepped_, true))
     e_.set_independent(kLogFactor, std::max(squared(p_.factor_sigma), squared(stated) - squared(own)));
-  // A walker changes, and so does what plugins learn, but not without bound.
-  const double keep = std::exp(-1 / p_.factor_steps);
-  e_.wander(kLogFactor, keep, (1 - keep * keep) * squared(p_.factor_sigma));
-  e_.x.log_factor *= keep;
+  // A walker changes, and so does what plugins learn, but not without bound; where steps alone tell the metre, nobody
+  // would see it.
+  if (!metre_check_.doubted()) {
+    const double keep = std::exp(-1 / p_.factor_steps);
+    e_.wander(kLogFactor, keep, (1 - keep * keep) * squared(p_.factor_sigma));
+    e_.x.log_factor *= keep;
+  }
   e_.add_variance(kStepHeading, 1, squared(p_.step_heading_walk));
   const bool loose = is_loose(*step);
   if (std::exchange(step_loose_, loose) != loose)  // the phone is held otherwise
@@ -226,7 +229,7 @@ void InertialEstimator::rest_between(int64_t from_ns, int64_t to_ns) {
 void InertialEstimator::doubt_steps() {
   steps_rejected_ = 0;
   e_.add_variance(kStepHeading, 1, squared(p_.step_heading_sigma_rad));
-  e_.add_variance(kLogFactor, 1, squared(p_.factor_sigma));
+  if (!metre_check_.doubted()) e_.add_variance(kLogFactor, 1, squared(p_.factor_sigma));
   if (vo_.known && !vo_.metric) e_.add_variance(kLogScale, 1, squared(p_.doubted_scale_sigma));
   if (unaided()) e_.add_variance(kVelocity, 3, squared(p_.jump_velocity_sigma_mps));
 }

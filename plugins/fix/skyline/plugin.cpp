@@ -43,7 +43,7 @@ constexpr double kMostOff = 2;  // of the path since the last fix: one who goes 
 constexpr size_t kLeastOfView = 40;              // directions with a roof's edge: 20 degrees
 constexpr double kFailedTurn_rad = 1 * kDegree;  // of doubt about the heading, for each failure
 constexpr int64_t kLate_ns = 2'500'000'000;      // an estimator keeps the past for steps, which come up to 3 s late
-constexpr double kPathMetre = 0.10;              // relative: a path of 20 m is two metres long or short
+constexpr double kPathMetre = 0.2;               // relative: a path of 20 m is so long or short that no place fits it
 constexpr double kDrift = 0.02;                  // of the way between pictures, or since one: what the odometry errs by
 
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
