@@ -8,7 +8,6 @@
 
 namespace odograph::known_object {
 
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 namespace {
@@ -44,8 +43,7 @@ Likeness likeness_at(const cv::Mat& flat, const cv::Mat& valid, const cv::Mat& o
 
 }  // namespace
 
-Surroundings::Surroundings(const Parameters& parameters, const std::vector<PlaneObject>& objects)
-    : p_(parameters), objects_(objects) {
+Surroundings::Surroundings(const Parameters& parameters, const std::vector<PlaneObject>& objects) : p_(parameters) {
   for (const PlaneObject& o : objects) {
     const double cell_m = std::min(o.width_m, o.height_m) / p_.object_cells;
     const cv::Size size(static_cast<int>(std::lround(o.width_m / cell_m)),

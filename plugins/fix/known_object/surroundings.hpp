@@ -49,7 +49,6 @@ class Surroundings {
   cv::Mat flattened(const cv::Mat& values, const cv::Mat& valid, double sigma_cells) const;
 
   Parameters p_;
-  std::vector<PlaneObject> objects_;
   std::vector<Known> known_;
 };
 
