@@ -23,11 +23,13 @@ namespace fs = std::filesystem;
 using namespace known_object_scene;
 
 constexpr int kWalkingFrames = 6, kStandingFrames = 36;
+constexpr size_t kLast = 7;     // of the kinds of look-alikes
 constexpr double kWrong_m = 1;  // a fix so far off is wrong, whatever it says of itself
 
 struct KnownObjectArguments {
   uint64_t scenes = 20, lookalike_frames = 10000, seed = 1;
   std::string keep;
+  int only = -1;  // of the kinds of look-alikes; below 0: all in turn
   bool json = false;
 };
 
@@ -101,8 +103,27 @@ struct Lookalikes {
   double worst_m = 0;
 };
 
+/// Before the copy instead of the original, turned away and walking away so that at least half of that is out of the
+/// picture.
+Viewpoint before_copy(Viewpoint v, const Vector3d& aside, const PosterCamera& camera) {
+  constexpr double kTurn_rad = 0.02, kFirst_s = -0.25;
+  constexpr int kTurns = 60;
+  const double side = aside.y() > 0 ? 1 : -1;
+  v.p_n += aside;
+  v.velocity_n.y() = side * std::abs(v.velocity_n.y());
+  v.rate_c.setZero();
+  for (int k = 0; k < kTurns; ++k) {
+    const Eigen::Vector3d p_c = v.after(kFirst_s).to(kMiddle).translation();
+    if (p_c.z() <= 0) break;
+    const double x = camera.project(p_c).x();
+    if (x < 0 || x > 639) break;
+    v.R_n_c = Eigen::AngleAxisd(side * kTurn_rad, Vector3d::UnitZ()).toRotationMatrix() * v.R_n_c;
+  }
+  return v;
+}
+
 std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& original, uint64_t seed, Random& random,
-                           Viewpoint& v, const std::vector<uint64_t>& layouts) {
+                           Viewpoint& v, const std::vector<uint64_t>& layouts, uint64_t scene) {
   const auto as_target = [&](cv::Mat grey) { return Hung{std::move(grey), target.width_m, target.height_m, kMiddle}; };
   switch (kind) {
     case 0: {  // another board of the same layout, or another tag
@@ -142,6 +163,14 @@ std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& ori
       second.at_n.y() += (random.uniform() < 0.5 ? -1 : 1) * 1.15 * target.width_m;
       return {h, second};
     }
+    case kLast: {  // two of it, and the camera looks at the one that does not belong there, past the other
+      Hung h = as_target(original), second = h;
+      const double side = random.uniform() < 0.5 ? -1 : 1;
+      const Vector3d aside = side * random.uniform(1.05, 1.25) * target.width_m * Vector3d::UnitY();
+      second.at_n += aside;
+      v = before_copy(v, aside, PosterCamera(lens_of(scene)));
+      return {h, second};
+    }
     default: {  // other boards
       const uint64_t layout = layouts[random.next() % layouts.size()];
       return {as_target(poster_picture(layout, 1000 + random.next() % 1000000, {600, 900}))};
@@ -158,23 +187,28 @@ Result<std::vector<Lookalikes>> lookalikes(const KnownObjectArguments& a) {
                                   {"the same, 12 to 150 m away"},
                                   {"a smaller print, 7 to 12 m aside"},
                                   {"two side by side"},
-                                  {"other boards"}};
+                                  {"other boards"},
+                                  {"two, the right one out of view"}};
   const std::vector<uint64_t> layouts = {101, 102, 103, 104, 105, 106, 107, 108};
   std::vector<cv::Mat> originals;
   for (const Target& t : kTargets) originals.push_back(Fixer::picture_of(t, a.seed, a.seed));
   Progress progress("look-alikes");
   uint64_t frames = 0;
-  for (uint64_t scene = 0; frames < a.lookalike_frames; ++scene) {
-    progress.show(frames, a.lookalike_frames);
+  // The last kind comes after the others, a seventh as often.
+  const uint64_t all_frames = a.lookalike_frames + (a.only < 0 ? a.lookalike_frames / kLast : 0);
+  for (uint64_t scene = 0; frames < all_frames; ++scene) {
+    progress.show(frames, all_frames);
     Random random(a.seed * 200003 + scene, 32);
-    const size_t kind = scene % rows.size(), which = scene / rows.size() % std::size(kTargets);
+    const bool last = a.only < 0 ? frames >= a.lookalike_frames : a.only == static_cast<int>(kLast);
+    const size_t kind = last ? kLast : scene % kLast, which = scene / kLast % std::size(kTargets);
     const Target& target = kTargets[which];
+    if (a.only >= 0 && kind != static_cast<size_t>(a.only)) continue;
     // Every seventh of them is stood before: what is told then is told with more weight.
     const bool standing = scene % 49 < 7;
     const int count = standing ? kStandingFrames : kWalkingFrames;
     const double nearest = std::max(2.0, 1.2 * target.width_m);
     Viewpoint v = viewpoint(random, random.uniform(nearest, 12), random.uniform(0, 55) * kDegree, !standing);
-    const auto hung = disguise(kind, target, originals[which], a.seed, random, v, layouts);
+    const auto hung = disguise(kind, target, originals[which], a.seed, random, v, layouts, scene);
     const auto told = play(**fixer, hung, v, count, scene, random, 1.0, scene < 42 ? a.keep : "");
     Lookalikes& row = rows[kind];
     row.frames += static_cast<uint64_t>(count), frames += static_cast<uint64_t>(count);
@@ -260,6 +294,7 @@ void add_bench_known_object(CLI::App& bench, int& status) {
   command->add_option("--scenes", a->scenes, "of each distance and obliqueness, for each object")
       ->capture_default_str();
   command->add_option("--look-alikes", a->lookalike_frames, "frames with them")->capture_default_str();
+  command->add_option("--kind", a->only, "only this kind of look-alike, by its row from 0")->check(CLI::Range(0, 7));
   command->add_option("--seed", a->seed, "other pictures, places and light")->capture_default_str();
   command->add_option("--keep", a->keep, "folder for some of the frames");
   command->add_flag("--json", a->json, "print one JSON object");

@@ -124,7 +124,8 @@ struct Parameters {
   double arc_rad = 0.05;             ///< rad: a heading that is off by more moves the track along arcs, not tangents
   double announced_jump_m = 0.05;    ///< m: smaller corrections need no event
   double announced_turn_rad = 0.01;  ///< rad
-  double reference_path_m = 20;      ///< m between two displacement references for the step estimator
+  double reference_path_m = 5;       ///< m between two displacement references for the step estimator
+  double reference_alike_m = 20;     ///< m over which the metre's error is the same one; judgement
   double reference_sigma = 0.03;     ///< relative: a metre less well known does not teach
   double gravity_mps2 = 9.81;        ///< m/s^2, 9.78 to 9.83 on Earth; the difference is bias
 };

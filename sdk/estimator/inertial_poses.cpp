@@ -143,7 +143,8 @@ void InertialEstimator::refer_steps(const odo_pose& pose) {
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, pose.header.t_ns);
   fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
   std::copy(pose.p_n, pose.p_n + 3, fix.p_n);
-  const double sigma_m = std::max(0.01, sigma) * p_.reference_path_m;
+  const double sigma_m =
+      std::max(0.01, sigma) * std::sqrt(p_.reference_path_m * std::max(p_.reference_path_m, p_.reference_alike_m));
   fix.covariance_n[0] = fix.covariance_n[4] = fix.covariance_n[8] = sigma_m * sigma_m;
   reference_ = fix;
 }

@@ -44,6 +44,7 @@ Finder::Finder(const Parameters& parameters, std::vector<PlaneObject> objects)
     : p_(parameters),
       objects_(std::move(objects)),
       search_(PictureSearch::Parameters{}, objects_),
+      surroundings_(Surroundings::Parameters{}, objects_),
       followed_(objects_.size()) {
   std::vector<std::string> families;
   for (const PlaneObject& object : objects_) {
@@ -138,6 +139,16 @@ std::vector<std::vector<Pose>> Finder::places_of(size_t object, const RollingLen
   return places;
 }
 
+bool Finder::is_single(Sighting& sighting, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens) const {
+  sighting.clear.fill(true);
+  for (const Alignment& a : sighting.poses) {
+    const Surroundings::Seen around = surroundings_.look(sighting.object, grey, mask, lens, a.pose);
+    if (around.twin) return false;
+    for (size_t side = 0; side < kSides; ++side) sighting.clear[side] = sighting.clear[side] && around.clear[side];
+  }
+  return true;
+}
+
 std::vector<Sighting> Finder::find(int64_t t_ns, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens,
                                    const std::vector<char>& possible) {
   const auto wanted = [&](size_t k) { return k >= possible.size() || possible[k]; };
@@ -169,6 +180,7 @@ std::vector<Sighting> Finder::find(int64_t t_ns, const cv::Mat& grey, const cv::
     if (are_apart(like, objects_[k])) last.twins_ns = t_ns;
     if (!seen && last.t_ns != INT64_MIN && t_ns - last.t_ns <= kFollow_ns)
       seen = look_at(k, frame, lens, {carried_on(last.pose, lens, t_ns - last.t_ns)}, false).sighting;
+    if (seen && !is_single(*seen, grey, mask, lens)) last.twins_ns = t_ns;
     const bool twins =
         last.twins_ns != INT64_MIN && static_cast<double>(t_ns - last.twins_ns) * 1e-9 < p_.twin_memory_s;
     if (!seen || twins) {

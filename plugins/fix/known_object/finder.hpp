@@ -8,6 +8,7 @@
 
 #include "plugins/fix/known_object/alignment.hpp"
 #include "plugins/fix/known_object/picture_search.hpp"
+#include "plugins/fix/known_object/surroundings.hpp"
 #include "plugins/fix/known_object/tags.hpp"
 
 namespace odograph::known_object {
@@ -17,7 +18,8 @@ namespace odograph::known_object {
 struct Sighting {
   size_t object = 0;
   int64_t t_ns = 0;
-  std::vector<Alignment> poses;  ///< one or two, the better one first
+  std::vector<Alignment> poses;      ///< one or two, the better one first
+  std::array<bool, kSides> clear{};  ///< no copy of it hangs beside it on this side: the place was in the picture
 };
 
 /// Finds known objects in frames: tags in each, pictures where a search is due, and from then on where they were. What
@@ -60,6 +62,8 @@ class Finder {
                bool fine) const;
   bool is_good(const Alignment& alignment) const;
   bool is_like(const Alignment& alignment) const;
+  /// Whether the place of a sighting is the only one around; says which sides are clear.
+  bool is_single(Sighting& sighting, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens) const;
   std::vector<std::vector<Pose>> places_of(size_t object, const RollingLens& lens, const std::vector<SeenTag>& tags,
                                            const PictureSearch::Features* features) const;
 
@@ -68,6 +72,7 @@ class Finder {
   std::vector<Pyramid> pyramids_;
   Aligner aligner_{Aligner::Parameters{}};
   PictureSearch search_;
+  Surroundings surroundings_;
   std::unique_ptr<TagDetector> tags_;
   std::vector<Followed> followed_;
   int64_t searched_ns_ = INT64_MIN;

@@ -112,6 +112,27 @@ bool Judge::can_be(const Estimate& e, const Prior& prior) const {
   return std::abs(yaw) < kGate * std::sqrt(yaw_variance) + kLeastGate_rad;
 }
 
+/// What is seen is not a copy that hangs beside the object: on each side either nobody hangs there, or the camera would
+/// be farther from where the prior has it.
+bool Judge::is_alone(const Estimate& e, const PlaneObject& object, const Prior& prior,
+                     const Encounter& encounter) const {
+  const double drifted = p_.drift * std::max(0.0, prior.path_m - told_path_m_);
+  Matrix3d covariance = e.covariance_n;
+  covariance.diagonal() += Vector3d(std::hypot(prior.horizontal_sigma_m, drifted),
+                                    std::hypot(prior.horizontal_sigma_m, drifted), prior.vertical_sigma_m)
+                               .cwiseAbs2();
+  const Matrix3d information = covariance.inverse();
+  const auto cost = [&](const Vector3d& off) { return off.dot(information * off); };
+  const Vector3d off = e.p_n - prior.p_n;
+  for (size_t side = 0; side < kSides; ++side) {
+    if (encounter.clear[side]) continue;
+    // Seen on the right of the object, a copy puts the camera to the left of where it is.
+    const Vector3d beside_o(kSideways[side][0] * object.width_m, kSideways[side][1] * object.height_m, 0);
+    if (!prior.placed || cost(off - object.place.R_n_o * beside_o) - cost(off) < p_.unseen_copy) return false;
+  }
+  return true;
+}
+
 /// The walker has been in one place since some seconds.
 bool Judge::is_steady(const Encounter& encounter, int64_t t_ns) const {
   Vector3d mean = Vector3d::Zero();
@@ -136,6 +157,7 @@ std::optional<Estimate> Judge::judge(const Sighting& sighting, const PlaneObject
   const auto refuse = [&](uint64_t& reason) -> std::optional<Estimate> {
     ++reason;
     encounter.seen.clear();
+    encounter.clear.fill(false);
     return std::nullopt;
   };
   if (upright.empty()) return refuse(refusals_.not_upright);
@@ -154,12 +176,20 @@ std::optional<Estimate> Judge::judge(const Sighting& sighting, const PlaneObject
   if (!encounter.seen.empty()) {
     const Seen& last = encounter.seen.back();
     const double may_m = kFastest_mps * seconds(t - last.t_ns) + 3 * std::hypot(sigma_m, last.sigma_m);
-    if (t - last.t_ns > kGap_ns || (estimate.p_n - last.p_n).norm() > may_m) encounter.seen.clear();
+    if (t - last.t_ns > kGap_ns || (estimate.p_n - last.p_n).norm() > may_m) {
+      encounter.seen.clear();
+      encounter.clear.fill(false);
+    }
   }
+  for (size_t side = 0; side < kSides; ++side) encounter.clear[side] = encounter.clear[side] || sighting.clear[side];
   encounter.seen.push_back({t, estimate.p_n, sigma_m});
   while (seconds(t - encounter.seen.front().t_ns) > p_.stand_s + 1) encounter.seen.pop_front();
   const auto needed = static_cast<size_t>(p_.confirmations * (prior.placed ? 1 : 2));
   if (encounter.seen.size() < needed) return std::nullopt;
+  if (!is_alone(estimate, object, prior, encounter)) {
+    ++refusals_.beside;
+    return std::nullopt;
+  }
 
   estimate.standing = is_steady(encounter, t);
   const auto since = [&](int64_t told_ns) { return told_ns == INT64_MIN ? 1e9 : seconds(t - told_ns); };

@@ -51,6 +51,7 @@ class Judge {
     double alike_s = 5;                ///< for so long fixes by one object err alike
     double drift = 0.05;               ///< of the path since the last fix, that the prior may be off beyond its sigma
     double most_horizontal_sigma_m = 1.0;  ///< worse ones are not told
+    double unseen_copy = 4;                ///< chi-square by which the prior must exclude a copy where nobody looked
     double ambiguous = 9;                  ///< difference of the costs below which two poses are alike (chi-square)
   };
   explicit Judge(const Parameters& parameters) : p_(parameters) {}
@@ -61,7 +62,7 @@ class Judge {
   void forget();
   /// Why sightings were refused, for tests and reports.
   struct Refusals {
-    uint64_t not_upright = 0, ambiguous = 0, elsewhere = 0, unsure = 0;
+    uint64_t not_upright = 0, ambiguous = 0, elsewhere = 0, unsure = 0, beside = 0;
   };
   const Refusals& refusals() const { return refusals_; }
 
@@ -73,6 +74,7 @@ class Judge {
   };
   struct Encounter {
     std::deque<Seen> seen;
+    std::array<bool, kSides> clear{};  ///< sides on which no copy hangs, by all that was seen
     int64_t told_ns = INT64_MIN, told_standing_ns = INT64_MIN;
   };
   struct Candidate {
@@ -83,6 +85,8 @@ class Judge {
   Candidate candidate(const Alignment& alignment, const PlaneObject& object, const RollingLens& lens,
                       const Prior& prior) const;
   bool can_be(const Estimate& estimate, const Prior& prior) const;
+  bool is_alone(const Estimate& estimate, const PlaneObject& object, const Prior& prior,
+                const Encounter& encounter) const;
   bool is_steady(const Encounter& encounter, int64_t t_ns) const;
 
   Parameters p_;

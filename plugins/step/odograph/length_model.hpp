@@ -28,23 +28,31 @@ struct LengthModel {
   double length_m(const FoundStep& step) const;
 };
 
-/// What is learnt of a walker: one factor on the model's lengths and the turn between the steps' headings and the
-/// fixes' frame, by a Kalman filter on the way from fix to fix as a vector, so that a fix that lies beside the way
-/// betrays itself. Ways that contradict what is known are not believed; a way is closed by the next fix that fits.
+/// What is learnt of a walker: one factor on the model's lengths, another one on gentle steps beside it, and the turn
+/// between the steps' headings and the fixes' frame, by a Kalman filter on the way from fix to fix as a vector, so that
+/// a fix that lies beside the way betrays itself. Ways that contradict what is known are not believed; a way is closed
+/// by the next fix that fits.
 class Walker {
  public:
   struct Parameters {
-    double factor_sigma = 0.10;         ///< how much walkers differ
-    double step_sigma = 0.06;           ///< of one step, as a part of it
-    double gentle_step_sigma = 0.30;    ///< the same of a gentle one
-    double gentle_factor_sigma = 0.10;  ///< how much a gentle walker's factor differs from his own when he is not
-    double turn_drift_rad = 0.0005;     ///< of the headings, for the root of a metre
-    double least_way_m = 12.0;          ///< between two fixes that teach something
+    double factor_sigma = 0.10;        ///< how much walkers differ
+    double gentle_ratio_sigma = 0.20;  ///< how much one's gentle steps differ from that: the walk ratio L / f of slow
+                                       ///< walkers scatters so (Murakami & Otaka 2017)
+    double step_sigma = 0.06;          ///< of one step, as a part of it
+    double gentle_step_sigma = 0.30;   ///< the same of a gentle one
+    double turn_drift_rad = 0.0005;    ///< of the headings, for the root of a metre
+    double gentle_hand_rad = 0.2;      ///< of who looks through the phone, against where he goes; judgement
+    double gentle_hand_m = 5;          ///< for so long that is the same; judgement
+    double least_way_m = 4.0;          ///< between two fixes that teach something
   };
-  explicit Walker(const Parameters& parameters) : p_(parameters), variance_(p_.factor_sigma * p_.factor_sigma) {}
+  explicit Walker(const Parameters& parameters) : p_(parameters) {
+    P_.diagonal() << p_.factor_sigma * p_.factor_sigma, p_.gentle_ratio_sigma * p_.gentle_ratio_sigma, 0;
+  }
 
   double factor() const { return factor_; }
   void set_factor(double factor) { factor_ = factor; }
+  /// Of gentle steps, beside `factor`.
+  double gentle_ratio() const { return gentle_ratio_; }
   /// Of a step of that length: the walker's part, common to all steps, and the step's own. m
   double sigma_m(double length_m, bool gentle = false) const;
   double factor_sigma() const;
@@ -58,12 +66,13 @@ class Walker {
 
  private:
   Parameters p_;
-  double factor_ = 1.0, variance_;
+  double factor_ = 1.0, gentle_ratio_ = 1.0, turn_rad_ = 0;
+  Eigen::Matrix3d P_ = Eigen::Matrix3d::Zero();  ///< of factor, gentle ratio and turn
   bool has_turn_ = false;
-  double turn_rad_ = 0, turn_variance_ = 0;
-  // Since the anchor, the last fix that was believed.
+  // Since the anchor, the last fix that was believed: what the model makes of the steps, gentle ones by themselves.
   bool has_anchor_ = false;
-  Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero(), way_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero(), way_ = Eigen::Vector2d::Zero(),
+                  gentle_way_ = Eigen::Vector2d::Zero();
   double anchor_sigma_m_ = 0, walked_m_ = 0, gentle_m_ = 0, own_variance_m2_ = 0;
   int doubted_ = 0;
 };

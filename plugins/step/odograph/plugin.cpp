@@ -140,7 +140,8 @@ class OdographSteps {
     event.t_start_ns = step.t_start_ns, event.t_end_ns = step.t_end_ns;
     event.frequency_hz = 1e9 / static_cast<double>(std::max<int64_t>(1, step.t_end_ns - step.t_start_ns));
     const bool treads = mode == ODO_MODE_STAIRS;  // there the stairs say how far a step goes, not the walker
-    event.length_m = treads ? kTread_m : walker_->factor() * model_length;
+    const double factor = walker_->factor() * (step.gentle ? walker_->gentle_ratio() : 1.0);
+    event.length_m = treads ? kTread_m : factor * model_length;
     event.sigma_m = treads ? kTreadSigma_m : walker_->sigma_m(event.length_m, step.gentle);
     event.mode = mode;
     event.index = count_++;
@@ -148,7 +149,7 @@ class OdographSteps {
     if (const Vector2d f = heading_of(step); f.norm() > 0) {
       event.heading_rad = std::atan2(f.y(), f.x());
       event.header.flags |= ODO_STEP_HEADING;
-      walker_->on_step(treads ? kTread_m / walker_->factor() : model_length, event.heading_rad, step.gentle);
+      walker_->on_step(treads ? kTread_m / factor : model_length, event.heading_rad, step.gentle);
     }
     output.emit(event);
   }

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/known_object/surroundings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+namespace odograph::known_object {
+
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kOverlap = 0.9;  // of width or height: nearer places show the object itself
+constexpr double kAlign = 0.2;    // of height or width: what hangs beside hangs at its height
+constexpr float kContrast = 2;    // grey values: noise is no pattern
+constexpr double kReach = 0.25;   // beyond the gap, of what is laid flat
+constexpr double kBlur = 0.5;     // of what a cell covers in the frame
+
+/// Correlation of the object with the part of `flat` that is valid and lies under it with its corner at (x, y).
+struct Likeness {
+  double value = 0, part = 0;
+};
+
+Likeness likeness_at(const cv::Mat& flat, const cv::Mat& valid, const cv::Mat& object, int x, int y) {
+  double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  for (int j = std::max(0, -y); j < std::min(object.rows, flat.rows - y); ++j) {
+    const auto *o = object.ptr<float>(j), *f = flat.ptr<float>(y + j), *v = valid.ptr<float>(y + j);
+    for (int i = std::max(0, -x); i < std::min(object.cols, flat.cols - x); ++i) {
+      if (v[x + i] == 0) continue;
+      const double p = o[i], q = f[x + i];
+      n += 1, a += p, b += q, aa += p * p, bb += q * q, ab += p * q;
+    }
+  }
+  Likeness l;
+  l.part = n / static_cast<double>(object.rows * object.cols);
+  if (n < 8) return l;
+  const double va = aa / n - a * a / (n * n), vb = bb / n - b * b / (n * n);
+  if (va > 1e-9 && vb > 1e-9) l.value = (ab / n - a * b / (n * n)) / std::sqrt(va * vb);
+  return l;
+}
+
+}  // namespace
+
+Surroundings::Surroundings(const Parameters& parameters, const std::vector<PlaneObject>& objects) : p_(parameters) {
+  for (const PlaneObject& o : objects) {
+    const double cell_m = std::min(o.width_m, o.height_m) / p_.object_cells;
+    const cv::Size size(static_cast<int>(std::lround(o.width_m / cell_m)),
+                        static_cast<int>(std::lround(o.height_m / cell_m)));
+    cv::Mat small, values;
+    cv::resize(o.picture, small, size, 0, 0, cv::INTER_AREA);
+    small.convertTo(values, CV_32F);
+    known_.push_back({flattened(values, cv::Mat(size, CV_32F, cv::Scalar(1)), p_.flatten * p_.object_cells),
+                      o.width_m / size.width, o.height_m / size.height});
+  }
+}
+
+cv::Mat Surroundings::flattened(const cv::Mat& values, const cv::Mat& valid, double sigma_cells) const {
+  const auto mean = [&](const cv::Mat& of) {
+    cv::Mat sum, weight;
+    cv::GaussianBlur(of.mul(valid), sum, {0, 0}, sigma_cells, sigma_cells, cv::BORDER_CONSTANT);
+    cv::GaussianBlur(valid, weight, {0, 0}, sigma_cells, sigma_cells, cv::BORDER_CONSTANT);
+    return cv::Mat(sum / (weight + 1e-6));
+  };
+  const cv::Mat off = values - mean(values);
+  cv::Mat contrast;
+  cv::sqrt(mean(off.mul(off)), contrast);
+  return off / (contrast + kContrast);
+}
+
+Surroundings::Seen Surroundings::look(size_t number, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens,
+                                      const Pose& pose) const {
+  const Known& known = known_[number];
+  const cv::Mat& object = known.flat;
+  // Laid flat: the object in the middle, on each side room for a copy beyond the widest gap.
+  const int reach_x = static_cast<int>(std::lround((1 + p_.most_gap + kReach) * object.cols)),
+            reach_y = static_cast<int>(std::lround((1 + p_.most_gap + kReach) * object.rows));
+  const cv::Size size(object.cols + 2 * reach_x, object.rows + 2 * reach_y);
+  const auto middle = lens.project(pose.t_c_o);
+  if (!middle) return {};
+  const Eigen::Matrix2d px_by_m = middle->by_point * pose.R_c_o.leftCols<2>();
+  const double cell_px = std::sqrt(std::abs(px_by_m.determinant()) * known.cell_x_m * known.cell_y_m);
+  cv::Mat smooth;
+  cv::GaussianBlur(grey, smooth, {0, 0}, std::max(0.3, kBlur * cell_px));
+  cv::Mat map(size, CV_32FC2, cv::Scalar(-1, -1)), valid(size, CV_32F, cv::Scalar(0));
+  for (int j = 0; j < size.height; ++j)
+    for (int i = 0; i < size.width; ++i) {
+      const Vector3d x_o((i + 0.5 - 0.5 * size.width) * known.cell_x_m, (j + 0.5 - 0.5 * size.height) * known.cell_y_m,
+                         0);
+      const auto seen = lens.project(pose * x_o);
+      if (!seen || !lens.is_inside(seen->pixel, 1)) continue;
+      const cv::Point at(static_cast<int>(seen->pixel.x()), static_cast<int>(seen->pixel.y()));
+      if (!mask.empty() && mask.at<uint8_t>(at) == 0) continue;
+      map.at<cv::Vec2f>(j, i) = {static_cast<float>(seen->pixel.x()), static_cast<float>(seen->pixel.y())};
+      valid.at<float>(j, i) = 1;
+    }
+  cv::Mat values;
+  cv::remap(smooth, values, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
+  values.convertTo(values, CV_32F);
+  const cv::Mat flat = flattened(values, valid, p_.flatten * p_.object_cells);
+
+  Seen result;
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx)
+      result.self = std::max(result.self, likeness_at(flat, valid, object, reach_x + dx, reach_y + dy).value);
+  if (result.self < p_.least_likeness) return result;
+  // Its own lines of text resemble one another: copies do not overlap it.
+  valid(cv::Rect(reach_x, reach_y, object.cols, object.rows)).setTo(0);
+  std::array<bool, kSides> open{};
+  for (int y = 0; y <= 2 * reach_y; ++y)
+    for (int x = 0; x <= 2 * reach_x; ++x) {
+      const double across = static_cast<double>(x - reach_x) / object.cols,
+                   down = static_cast<double>(y - reach_y) / object.rows;
+      if (std::abs(across) < kOverlap && std::abs(down) < kOverlap) continue;
+      const Likeness l = likeness_at(flat, valid, object, x, y);
+      if (l.part < p_.least_part) continue;
+      if (l.value > result.second) {
+        result.second = l.value;
+        result.offset_m = {(x - reach_x) * known.cell_x_m, (y - reach_y) * known.cell_y_m};
+      }
+      if (l.value < p_.doubtful * result.self) continue;
+      for (size_t side = 0; side < kSides; ++side) {
+        const double along = kSideways[side][0] * across + kSideways[side][1] * down,
+                     beside = kSideways[side][1] * across + kSideways[side][0] * down;
+        open[side] = open[side] || (along > kOverlap && std::abs(beside) < kAlign);
+      }
+    }
+  result.twin = result.second > p_.twin_likeness * result.self;
+  if (result.twin) return result;
+  for (size_t side = 0; side < kSides; ++side) {
+    const auto x = static_cast<int>(std::lround(kSideways[side][0] * (1 + p_.most_gap) * object.cols)),
+               y = static_cast<int>(std::lround(kSideways[side][1] * (1 + p_.most_gap) * object.rows));
+    result.clear[side] =
+        !open[side] && likeness_at(flat, valid, object, reach_x + x, reach_y + y).part >= p_.least_part;
+  }
+  return result;
+}
+
+}  // namespace odograph::known_object
