@@ -140,8 +140,8 @@ class OdographSteps {
     event.t_start_ns = step.t_start_ns, event.t_end_ns = step.t_end_ns;
     event.frequency_hz = 1e9 / static_cast<double>(std::max<int64_t>(1, step.t_end_ns - step.t_start_ns));
     const bool treads = mode == ODO_MODE_STAIRS;  // there the stairs say how far a step goes, not the walker
-    const double factor = walker_->factor() * (step.gentle ? walker_->gentle_ratio() : 1.0);
-    event.length_m = treads ? kTread_m : factor * model_length;
+    const double learnt = walker_->factor() * (step.gentle ? walker_->gentle_ratio() : 1.0);
+    event.length_m = treads ? kTread_m : learnt * model_length;
     event.sigma_m = treads ? kTreadSigma_m : walker_->sigma_m(event.length_m, step.gentle);
     event.mode = mode;
     event.index = count_++;
