@@ -3,6 +3,8 @@
 // Headings that are off by more than a small angle, and who hears of a world that turns.
 #include <doctest/doctest.h>
 
+#include <string>
+
 #include "tests/estimator_walk.hpp"
 
 using namespace odograph;
@@ -117,6 +119,24 @@ TEST_CASE("a compass that turns the world of a camera announces it, however litt
       [&](const Correction& correction, const odo_pose&) { announced_rad += heading_of(correction.q); });
   CHECK(off_rad - first_rad > 0.02);
   CHECK(announced_rad == doctest::Approx(off_rad - first_rad).epsilon(0.2));
+}
+
+TEST_CASE("a fix that comes later than the clones reach back is refused, and told") {
+  WalkMeasurements what;
+  what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.005;
+  what.end_s = 20;
+  EstimatorWalk walk(estimator_scenario(80), what, 5);
+  auto estimator = an_estimator();
+  walk.run(estimator, [](double, const odo_pose&) {});
+  auto fix = make_message<odo_fix>(ODO_TYPE_FIX, EstimatorWalk::ns(19));
+  fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+  fix.covariance_n[0] = fix.covariance_n[4] = 100;
+  CHECK(estimator.update(&fix).accepted);
+  CHECK(estimator.take_notice().key == nullptr);
+  fix.header.t_ns = EstimatorWalk::ns(10);
+  CHECK_FALSE(estimator.update(&fix).accepted);
+  CHECK(std::string(estimator.take_notice().key) == "late_fix");
+  CHECK(estimator.take_notice().key == nullptr);
 }
 
 TEST_SUITE_END();

@@ -148,8 +148,7 @@ void Pipeline::handle(AnyMessage& event) {
                      "a step without heading_rad (ODO_STEP_HEADING) and no camera: this coupling does not move by it; "
                      "`coupling: {type: inertial}` goes by the phone's direction");
       estimator_->update(&as<odo_step>(header));
-      if (const char* notice = estimator_->take_notice())
-        host_.report(0, ODO_SEVERITY_WARNING, "odometry_metre", notice);
+      tell_notice();
       break;
     case ODO_TYPE_MOTION_MODE:
       if (!in_use(header)) break;
@@ -232,10 +231,16 @@ void Pipeline::on_vo_motion(odo_vo_motion& motion) {
       if (plugin->interface_id() == ODO_INTERFACE_STEP_ESTIMATOR) take(*plugin, reference.header);
 }
 
+void Pipeline::tell_notice() {
+  if (const Notice notice = estimator_->take_notice(); notice.key)
+    host_.report(0, ODO_SEVERITY_WARNING, notice.key, notice.text);
+}
+
 void Pipeline::on_fix(odo_fix& fix) {
   resolve_geodetic(fix, geodesy_);  // what is published is metric, and says what became of it
   fix.header.flags &= ~ODO_FIX_ACCEPTED;
   const bool used = estimator_->update(&fix).accepted;
+  tell_notice();
   ++(used ? counters_.fixes_accepted : counters_.fixes_rejected);
   if (used) fix.header.flags |= ODO_FIX_ACCEPTED;
   publish_(fix.header);

@@ -85,6 +85,7 @@ class Pipeline {
   void on_attitude(const odo_attitude& attitude);
   void on_vo_motion(odo_vo_motion& motion);
   void on_fix(odo_fix& fix);
+  void tell_notice();
   void on_scale(odo_scale& scale);
   void publish_scale(odo_scale& scale, bool accepted);
   const odo_scale* scale_for(const odo_vo_motion& motion);

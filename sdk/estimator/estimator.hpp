@@ -44,6 +44,12 @@ struct UpdateResult {
   int dof = 0;            ///< degrees of freedom of nis
 };
 
+/// For a report; without a key there is nothing to tell.
+struct Notice {
+  const char* key = nullptr;
+  const char* text = nullptr;
+};
+
 /// Why the track jumped.
 constexpr uint32_t kCorrectionFix = 1;        // a position or orientation from outside
 constexpr uint32_t kCorrectionScale = 2;      // the metre became known, or better known
@@ -115,8 +121,8 @@ class Estimator {
   virtual bool is_placed() const = 0;
 
   /// Nothing where the estimator does not tell.
-  /// Something that a person should know, once; null when there is nothing.
-  virtual const char* take_notice() { return nullptr; }
+  /// Something that a person should know, once.
+  virtual Notice take_notice() { return {}; }
   virtual ScaleKnowledge scale_knowledge() const { return {}; }
   virtual double distance_m() const = 0;
   /// As at the start, for a sensor clock that was set back. The calibration stays.

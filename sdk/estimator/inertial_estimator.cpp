@@ -60,7 +60,7 @@ void InertialEstimator::reset() {
   window_.restart();
   scale_start_.restart();
   metre_check_ = MetreCheck();
-  notice_ = nullptr;
+  notice_ = {};
   steps_rejected_ = fixes_rejected_ = fixes_agreed_ = 0;
   step_mean_m_ = 0;
   pose_.reset(), corrected_.reset(), correction_.reset(), reference_.reset();

@@ -35,7 +35,7 @@ class InertialEstimator : public Estimator {
   bool take_correction(Correction& correction, odo_pose& pose) override;
   bool take_step_reference(odo_fix& reference) override;
   ScaleKnowledge scale_knowledge() const override;
-  const char* take_notice() override { return std::exchange(notice_, nullptr); }
+  Notice take_notice() override { return std::exchange(notice_, {}); }
   double distance_m() const override { return distance_m_; }
   void reset() override;
   uint64_t hold_pose(int64_t t_ns) override;
@@ -174,7 +174,7 @@ class InertialEstimator : public Estimator {
   inertial::InertialScale window_;
   inertial::ScaleStart scale_start_;
   inertial::MetreCheck metre_check_;
-  const char* notice_ = nullptr;
+  Notice notice_;
 
   bool stepped_ = false, step_loose_ = false;
   int64_t step_ns_ = INT64_MIN;

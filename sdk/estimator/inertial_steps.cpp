@@ -202,10 +202,10 @@ void InertialEstimator::check_metre(const odo_step& step, const Vector3d& moved_
     e_.x.log_factor = metre_check_.log_factor();
     e_.set_independent(kLogFactor, metre_check_.variance());
   }
-  notice_ =
-      metre_check_.doubted()
-          ? "the odometry's metre contradicts the steps of the walker by half and more: its motions count up to scale"
-          : "the odometry's metre agrees with the steps again";
+  notice_ = {"odometry_metre", metre_check_.doubted()
+                                   ? "the odometry's metre contradicts the steps of the walker by two "
+                                     "fifths and more: its motions count up to scale"
+                                   : "the odometry's metre agrees with the steps again"};
 }
 
 /// Where nothing but steps moves the body it rests between them.
@@ -309,6 +309,7 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   const uint32_t flags = fix->header.flags;
   flush();
   auto at = past(fix->header.t_ns);
+  if (!at && started_) notice_ = {"late_fix", "a fix is of a time that the clones no longer reach back to: not used"};
   if (!at || fix->integrity > p_.most_integrity_risk) return {};
   const bool turns = tells_first_heading(*fix);
   if (turns) {
