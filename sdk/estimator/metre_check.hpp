@@ -36,7 +36,7 @@ class MetreCheck {
     if (!doubted_ && count_ >= p_.steps) {
       const double most = std::max(p_.least_log, p_.most_sigmas * std::sqrt(variance_ + noise));
       doubted_ = std::abs(off(0)) > most;
-      if (!doubted_ && count_ % p_.steps == 0) learn(off(0), noise);
+      if (!doubted_ && count_ % p_.steps == 0) learn(log_ratio(0) - factor_, noise);
     } else if (doubted_ && count_ >= 2 * p_.steps) {
       doubted_ = std::max(std::abs(off(0)), std::abs(off(p_.steps))) > p_.trust_log;
     }
@@ -49,15 +49,20 @@ class MetreCheck {
   double variance() const { return variance_; }
 
  private:
-  /// What the logarithm of seen over told differs by from the walker's factor, over steps in a row of which the newest
-  /// is `back` before the newest of all.
+  /// What the logarithm of seen over told differs by from the walker's factor. A step estimator may have been taught
+  /// that factor meanwhile, in part or whole: what lies between it and none is no contradiction.
   double off(size_t back) const {
+    const double ratio = log_ratio(back);
+    return ratio - std::clamp(ratio, std::min(factor_, 0.0), std::max(factor_, 0.0));
+  }
+  /// The logarithm of seen over told, over steps in a row of which the newest is `back` before the newest of all.
+  double log_ratio(size_t back) const {
     double told = 1e-9, seen = 1e-9;
     for (size_t i = back; i < back + p_.steps; ++i) {
       const size_t k = (count_ - 1 - i) % kMost;
       told += told_[k], seen += seen_[k];
     }
-    return std::log(seen / told) - factor_;
+    return std::log(seen / told);
   }
   void learn(double off, double noise) {
     variance_ += p_.walk * p_.walk;
