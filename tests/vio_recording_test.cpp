@@ -86,6 +86,21 @@ TEST_CASE("the metre is found in mid-flight and kept (EuRoC MH_05)") {
   CHECK(std::abs(e.scale - 1) < 0.018);  // measured: 1.4 %
 }
 
+TEST_CASE("in a real house the steps learn from the camera, and neither contradicts the other") {
+  const auto path = data_or_skip("phone_house");
+  if (path.empty()) return;
+  const auto recording = read_recording(path);
+  REQUIRE(recording);
+  RunOptions options;
+  options.config = source("samples/configs/walk.yaml").string(), options.plugin_path = plugin_folder().string();
+  const auto result = replay(*recording, options);
+  REQUIRE_MESSAGE(result.ok(), (result ? "" : result.failure().text));
+  for (const auto& [key, notice] : result->notices) CHECK_MESSAGE(key.find("odometry_metre") == key.npos, notice.text);
+  double by_steps_m = 0;
+  for (const odo_step& step : result->steps) by_steps_m += step.length_m;
+  CHECK(by_steps_m == doctest::Approx(result->statistics.distance_m).epsilon(0.12));  // measured: 26.0 and 23.8 m
+}
+
 TEST_CASE("a walk from standing is metric from its first step, through a lens that is told again with every frame") {
   const TemporaryFolder folder;
   const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
