@@ -159,7 +159,8 @@ TEST_CASE("a path in which few directions agree must be told twice, whatever n i
 
 TEST_CASE("a match that comes late is carried on by the odometry's way since, with its doubt") {
   Look look;
-  look.prior.q_n_c = kLevel;
+  look.q_n_c = kLevel;
+  look.prior.q_n_c = about_down(1.2) * kLevel;  // as one that was never placed has it from its database
   look.p_n = Vector3d(1, 2, -1.5);
   Match match{.landmark_n = Vector3d::Zero()};
   match.p_n = Vector3d(5, 5, -1.5), match.q_n_c = about_down(0.5 * std::numbers::pi) * kLevel;

@@ -4,7 +4,7 @@
 namespace odograph::skyline {
 
 Match Look::carried_to(const Eigen::Vector3d& now_n, const Eigen::Quaterniond& q_n_c_now, double drift) const {
-  const Eigen::Quaterniond turn = match->q_n_c * corrected(prior.q_n_c).conjugate();
+  const Eigen::Quaterniond turn = match->q_n_c * corrected(q_n_c).conjugate();
   const Eigen::Vector3d way = turn * (now_n - corrected(p_n));
   const Eigen::Vector2d aside(-way.y(), way.x());
   Match later = *match;

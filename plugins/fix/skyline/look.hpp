@@ -25,8 +25,9 @@ struct Picture {
 /// picture the third.
 struct Look {
   Picture picture;
-  Eigen::Vector3d p_n = Eigen::Vector3d::Zero();  ///< of the camera, as the odometry has it
-  double path_m = 0;                              ///< gone until then
+  Eigen::Vector3d p_n = Eigen::Vector3d::Zero();              ///< of the camera, as the odometry has it
+  Eigen::Quaterniond q_n_c = Eigen::Quaterniond::Identity();  ///< the same; the prior's may be another
+  double path_m = 0;                                          ///< gone until then
   Prior prior{};
   bool anywhere = false;    ///< the place is looked for in all of the database
   bool may_join = false;    ///< a picture that sees too little alone is matched together with
@@ -44,7 +45,7 @@ struct Look {
     corrected_p = q * corrected_p + p;
   }
   Eigen::Vector3d corrected(const Eigen::Vector3d& x_n) const { return corrected_q * x_n + corrected_p; }
-  Eigen::Quaterniond corrected(const Eigen::Quaterniond& q_n_c) const { return (corrected_q * q_n_c).normalized(); }
+  Eigen::Quaterniond corrected(const Eigen::Quaterniond& q) const { return (corrected_q * q).normalized(); }
   /// The match carried on to where the odometry has the camera by now: it errs by `drift` of the way since.
   Match carried_to(const Eigen::Vector3d& now_n, const Eigen::Quaterniond& q_n_c_now, double drift) const;
 };

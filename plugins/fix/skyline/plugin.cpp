@@ -198,6 +198,7 @@ class Skyline {
     if (!anywhere && joins_ && !window_.wants(p_n, q_n_c)) return;
     look_ = {picture,
              p_n,
+             q_n_c,
              pose_->distance_m,
              Prior{.p_n = p_n - Eigen::Vector3d(0, 0, up_m_),
                    .q_n_c = q_n_c,
@@ -236,12 +237,10 @@ class Skyline {
     const auto& edges = eye_.find(look_.picture, look_.prior.q_n_c.conjugate(), sky == "flood_fill");
     spend(kSkyWork * look_.picture.grey.total());
     look_.sky_seen = !edges.empty();
-    if (look_.sky_seen && look_.anywhere) return look_anywhere(edges, spend);
     if (!look_.sky_seen) return;
-    if (Matcher::tells_enough(edges) || !look_.may_join) {
-      look_.match = matcher_->match(edges, look_.prior, spend);
-      return;
-    }
+    if (look_.anywhere) return look_anywhere(edges, spend);
+    const bool alone = Matcher::tells_enough(edges) || !look_.may_join;
+    if (alone) return void(look_.match = matcher_->match(edges, look_.prior, spend));
     look_.view = View{edges, look_.prior.p_n, look_.prior.q_n_c};
     Prior prior = look_.prior;
     prior.lost = false, prior.pivot_n.reset();
