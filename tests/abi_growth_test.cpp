@@ -5,8 +5,8 @@
 
 #include <odograph/messages.h>
 
-#include "sdk/core/messages.hpp"
-#include "sdk/core/scale_join.hpp"
+#include "sdk/host/core/scale_join.hpp"
+#include "sdk/host/messages/messages.hpp"
 #include "tests/session_app.hpp"
 #include "tests/test_plugins.hpp"
 

@@ -5,9 +5,9 @@
 #include <doctest/doctest.h>
 
 #include "plugins/fix/barometer/pressure_height.hpp"
-#include "sdk/cli/runner.hpp"
-#include "sdk/sim/sensors.hpp"
-#include "sdk/sim/simulate.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/sensors.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -10,7 +10,7 @@
 
 #include <odograph/odograph.h>
 
-#include "sdk/cli/replayed.hpp"
+#include "sdk/tools/replay/replayed.hpp"
 
 using namespace odograph;
 

@@ -5,10 +5,10 @@
 #include <doctest/doctest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "sdk/calibration/calibrate_lens.hpp"
-#include "sdk/config/camera_yaml.hpp"
-#include "sdk/core/messages.hpp"
-#include "sdk/sim/board_pictures.hpp"
+#include "sdk/host/config/camera_yaml.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/tools/calibration/calibrate_lens.hpp"
+#include "sdk/tools/simulation/board_pictures.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

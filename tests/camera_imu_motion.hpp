@@ -6,9 +6,9 @@
 #include <map>
 #include <random>
 
-#include "sdk/calibration/camera_imu.hpp"
-#include "sdk/calibration/lens_model.hpp"
-#include "sdk/core/messages.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/tools/calibration/camera_imu.hpp"
+#include "sdk/tools/calibration/lens_model.hpp"
 
 namespace odograph {
 

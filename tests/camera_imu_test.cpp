@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
-#include "sdk/cli/camera_imu_source.hpp"
-#include "sdk/config/camera_yaml.hpp"
+#include "sdk/host/config/camera_yaml.hpp"
+#include "sdk/tools/replay/camera_imu_source.hpp"
 #include "tests/camera_imu_motion.hpp"
 #include "tests/support.hpp"
 

@@ -6,10 +6,10 @@
 #include <random>
 
 #include "plugins/fix/skyline/matcher.hpp"
-#include "sdk/city/city_check.hpp"
-#include "sdk/city/street_route.hpp"
-#include "sdk/city/thinned_model.hpp"
-#include "sdk/sim/city_model.hpp"
+#include "sdk/tools/city/city_check.hpp"
+#include "sdk/tools/city/street_route.hpp"
+#include "sdk/tools/city/thinned_model.hpp"
+#include "sdk/tools/simulation/city_model.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -7,9 +7,9 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
-#include "sdk/config/pipeline_config.hpp"
-#include "sdk/config/camera_yaml.hpp"
-#include "sdk/sim/scenario.hpp"
+#include "sdk/host/config/camera_yaml.hpp"
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/tools/simulation/scenario.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

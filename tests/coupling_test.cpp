@@ -3,10 +3,10 @@
 
 #include "plugins/scale/step_fit/step_fit.hpp"
 #include "plugins/scale/step_length/step_scale.hpp"
-#include "sdk/core/geodesy.hpp"
-#include "sdk/core/messages.hpp"
-#include "sdk/estimator/paper_estimator.hpp"
-#include "sdk/estimator/per_frame_coupling.hpp"
+#include "sdk/host/base/geodesy.hpp"
+#include "sdk/host/estimator/paper_estimator.hpp"
+#include "sdk/host/estimator/per_frame_coupling.hpp"
+#include "sdk/host/messages/messages.hpp"
 
 using namespace odograph;
 using Eigen::Vector3d;

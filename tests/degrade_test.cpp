@@ -4,8 +4,8 @@
 #include <doctest/doctest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "sdk/evaluation/degrade.hpp"
-#include "sdk/evaluation/evaluation.hpp"
+#include "sdk/tools/evaluation/degrade.hpp"
+#include "sdk/tools/evaluation/evaluation.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -3,8 +3,8 @@
 
 #include <regex>
 
-#include "sdk/config/pipeline_config.hpp"
-#include "sdk/plugin_host/registry.hpp"
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/config/registry.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -24,9 +24,9 @@
 #include <odograph/odograph.h>
 #include <odograph/recording.h>
 
-#include "sdk/core/messages.hpp"
-#include "sdk/plugin_host/instance.hpp"
-#include "sdk/plugin_host/manifest.hpp"
+#include "sdk/host/config/manifest.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;

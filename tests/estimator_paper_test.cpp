@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "sdk/estimator/paper_estimator.hpp"
+#include "sdk/host/estimator/paper_estimator.hpp"
 #include "tests/estimator_walk.hpp"
 
 using namespace odograph;

@@ -6,11 +6,11 @@
 #include <functional>
 #include <vector>
 
-#include "sdk/core/messages.hpp"
-#include "sdk/estimator/inertial_estimator.hpp"
-#include "sdk/estimator/rotation.hpp"
-#include "sdk/sim/random.hpp"
-#include "sdk/sim/walker.hpp"
+#include "sdk/host/base/rotation.hpp"
+#include "sdk/host/estimator/inertial_estimator.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/walker.hpp"
 
 namespace odograph {
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <rapidcheck.h>
 
-#include "sdk/evaluation/evaluation.hpp"
+#include "sdk/tools/evaluation/evaluation.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

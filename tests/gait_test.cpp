@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
-#include "plugins/step/gait/gait.hpp"
-#include "sdk/cli/runner.hpp"
-#include "sdk/sim/random.hpp"
+#include "plugins/shared/gait/gait.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/random.hpp"
 #include "tests/plain_walk.hpp"
 #include "tests/support.hpp"
 

@@ -7,12 +7,12 @@
 
 #include "plugins/fix/gnss/correlated_error.hpp"
 #include "plugins/fix/gnss/path_heading.hpp"
-#include "sdk/cli/runner.hpp"
-#include "sdk/core/geodesy.hpp"
-#include "sdk/core/messages.hpp"
-#include "sdk/estimator/estimator.hpp"
-#include "sdk/sim/random.hpp"
-#include "sdk/sim/simulate.hpp"
+#include "sdk/host/base/geodesy.hpp"
+#include "sdk/host/estimator/estimator.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
-#include "sdk/core/messages.hpp"
-#include "sdk/estimator/gyro_attitude_filter.hpp"
+#include "sdk/host/estimator/gyro_attitude_filter.hpp"
+#include "sdk/host/messages/messages.hpp"
 
 using namespace odograph;
 using Eigen::Vector3d;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sdk/plugin_host/instance.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
 #include "tests/session_app.hpp"
 
 namespace odograph {

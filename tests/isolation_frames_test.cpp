@@ -8,7 +8,7 @@
 
 #include <odograph/vo_frontend.h>
 
-#include "sdk/core/frame_store.hpp"
+#include "sdk/host/core/frame_store.hpp"
 #include "tests/isolated_plugin.hpp"
 #include "tests/test_plugins.hpp"
 

@@ -6,8 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "plugins/fix/known_object/read_objects.hpp"
-#include "sdk/core/geodesy.hpp"
-#include "sdk/sim/poster.hpp"
+#include "sdk/host/base/geodesy.hpp"
+#include "sdk/tools/simulation/poster.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -10,9 +10,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/fix/known_object/judge.hpp"
-#include "sdk/core/messages.hpp"
-#include "sdk/sim/poster.hpp"
-#include "sdk/sim/random.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/tools/simulation/poster.hpp"
+#include "sdk/tools/simulation/random.hpp"
 
 namespace odograph::known_object_tests {
 

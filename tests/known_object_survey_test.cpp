@@ -5,9 +5,9 @@
 
 #include "plugins/fix/known_object/finder.hpp"
 #include "plugins/fix/known_object/read_objects.hpp"
-#include "sdk/core/geodesy.hpp"
-#include "sdk/recording/recording.hpp"
-#include "sdk/sim/simulate.hpp"
+#include "sdk/host/base/geodesy.hpp"
+#include "sdk/tools/recording/recording.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -3,9 +3,9 @@
 
 #include "plugins/attitude/magyq/magyq.hpp"
 #include "plugins/attitude/vqf/vqf.hpp"
-#include "sdk/recording/recording.hpp"
-#include "sdk/sim/random.hpp"
-#include "sdk/sim/simulate.hpp"
+#include "sdk/tools/recording/recording.hpp"
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
-#include "sdk/estimator/metre_check.hpp"
+#include "sdk/host/estimator/metre_check.hpp"
 
 using odograph::inertial::MetreCheck;
 

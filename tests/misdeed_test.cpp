@@ -20,8 +20,8 @@
 #include <odograph/attitude.h>
 #include <odograph/odograph.h>
 
-#include "sdk/plugin_host/breadcrumb.hpp"
-#include "sdk/plugin_host/hang_watch.hpp"
+#include "sdk/host/plugin_host/breadcrumb.hpp"
+#include "sdk/host/plugin_host/hang_watch.hpp"
 #include "tests/session_app.hpp"
 #include "tests/test_plugins.hpp"
 

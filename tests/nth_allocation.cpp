@@ -17,10 +17,10 @@
 #include <odograph/messages.h>
 #include <odograph/odograph.h>
 
-#include "sdk/core/c_guard.hpp"
-#include "sdk/core/messages.hpp"
-#include "sdk/plugin_host/library_backend.hpp"
-#include "sdk/plugin_host/registry.hpp"
+#include "sdk/host/config/registry.hpp"
+#include "sdk/host/core/c_guard.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/host/plugin_host/library_backend.hpp"
 
 extern "C" {
 void* __libc_malloc(size_t size);

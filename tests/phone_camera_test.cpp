@@ -5,10 +5,10 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "sdk/sim/codec.hpp"
-#include "sdk/sim/random.hpp"
-#include "sdk/sim/simulate.hpp"
-#include "sdk/sim/walker.hpp"
+#include "sdk/tools/simulation/codec.hpp"
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "sdk/tools/simulation/walker.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

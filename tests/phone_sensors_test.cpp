@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
-#include "sdk/evaluation/excitation.hpp"
-#include "sdk/sim/simulate.hpp"
-#include "sdk/sim/walker.hpp"
-#include "sdk/sim/world.hpp"
+#include "sdk/tools/evaluation/excitation.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "sdk/tools/simulation/walker.hpp"
+#include "sdk/tools/simulation/world.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "sdk/sim/motion.hpp"
-#include "sdk/sim/random.hpp"
+#include "sdk/tools/simulation/motion.hpp"
+#include "sdk/tools/simulation/random.hpp"
 
 /// A textbook walk for unit tests, with the answer known by construction: sines locked to the step's phase, no heel
 /// shock, no hand. What estimators do with realistic walkers is measured by the benchmarks instead.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
-#include "sdk/plugin_host/instance.hpp"
-#include "sdk/plugin_host/library.hpp"
-#include "sdk/plugin_host/registry.hpp"
-#include "sdk/validator/write_manifest.hpp"
+#include "sdk/host/config/registry.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/host/plugin_host/library.hpp"
+#include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/support.hpp"
 
 #include <odograph/scale_source.h>

@@ -10,13 +10,13 @@
 
 #include <odograph/scale_source.h>
 
-#include "sdk/config/pipeline_config.hpp"
-#include "sdk/plugin_host/library.hpp"
-#include "sdk/plugin_host/registry.hpp"
-#include "sdk/plugin_host/sealed_copy.hpp"
-#include "sdk/plugin_host/services.hpp"
-#include "sdk/plugin_host/signature.hpp"
-#include "sdk/validator/write_manifest.hpp"
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/config/registry.hpp"
+#include "sdk/host/config/signature.hpp"
+#include "sdk/host/plugin_host/library.hpp"
+#include "sdk/host/plugin_host/sealed_copy.hpp"
+#include "sdk/host/plugin_host/services.hpp"
+#include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/session_app.hpp"
 #include "tests/support.hpp"
 

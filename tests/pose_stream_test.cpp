@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "sdk/core/messages.hpp"
-#include "sdk/core/pose_stream.hpp"
+#include "sdk/host/core/pose_stream.hpp"
+#include "sdk/host/messages/messages.hpp"
 #include "tests/plain_walk.hpp"
 
 using namespace odograph;

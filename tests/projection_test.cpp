@@ -8,8 +8,8 @@
 #include <GeographicLib/LocalCartesian.hpp>
 #include <doctest/doctest.h>
 
-#include "plugins/fix/projection.hpp"
 #include "plugins/fix/skyline/city_outline.hpp"
+#include "plugins/shared/projection.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -9,7 +9,7 @@
 #include <odograph/messages.h>
 #include <odograph/recording.h>
 
-#include "sdk/core/record_file.hpp"
+#include "sdk/host/messages/record_file.hpp"
 #include "tests/session_app.hpp"
 #include "tests/test_plugins.hpp"
 

@@ -11,10 +11,10 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "sdk/base/output_file.hpp"
-#include "sdk/base/printable.hpp"
-#include "sdk/recording/odo_file.hpp"
-#include "sdk/sim/random.hpp"
+#include "sdk/host/base/output_file.hpp"
+#include "sdk/host/base/printable.hpp"
+#include "sdk/tools/recording/odo_file.hpp"
+#include "sdk/tools/simulation/random.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

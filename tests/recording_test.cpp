@@ -4,8 +4,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "sdk/recording/odo_file.hpp"
-#include "sdk/recording/text_rows.hpp"
+#include "sdk/tools/recording/odo_file.hpp"
+#include "sdk/tools/recording/text_rows.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

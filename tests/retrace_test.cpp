@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
-#include "sdk/cli/runner.hpp"
-#include "sdk/sim/retrace.hpp"
-#include "sdk/sim/simulate.hpp"
-#include "sdk/sim/walker.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/retrace.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "sdk/tools/simulation/walker.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "sdk/core/messages.hpp"
-#include "sdk/core/sample_gate.hpp"
+#include "sdk/host/core/sample_gate.hpp"
+#include "sdk/host/messages/messages.hpp"
 
 using namespace odograph;
 

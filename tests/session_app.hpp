@@ -11,7 +11,7 @@
 #include <doctest/doctest.h>
 #include <odograph/odograph.h>
 
-#include "sdk/core/messages.hpp"
+#include "sdk/host/messages/messages.hpp"
 #include "tests/support.hpp"
 
 namespace odograph {

@@ -12,7 +12,7 @@
 
 #include <odograph/odograph.h>
 
-#include "sdk/core/messages.hpp"
+#include "sdk/host/messages/messages.hpp"
 #include "tests/session_app.hpp"
 
 using namespace odograph;

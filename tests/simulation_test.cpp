@@ -6,11 +6,11 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
-#include "sdk/cli/runner.hpp"
-#include "sdk/sim/drive.hpp"
-#include "sdk/sim/sensors.hpp"
-#include "sdk/sim/simulate.hpp"
-#include "sdk/sim/walker.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/drive.hpp"
+#include "sdk/tools/simulation/sensors.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "sdk/tools/simulation/walker.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

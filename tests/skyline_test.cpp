@@ -9,7 +9,7 @@
 
 #include "plugins/fix/skyline/matcher.hpp"
 #include "plugins/fix/skyline/robust_sky.hpp"
-#include "sdk/sim/city_model.hpp"
+#include "sdk/tools/simulation/city_model.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -11,8 +11,8 @@
 
 #include "plugins/fix/skyline/sky_features.hpp"
 #include "plugins/fix/skyline/sliced_worker.hpp"
-#include "sdk/plugin_host/instance.hpp"
-#include "sdk/sim/city_model.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/tools/simulation/city_model.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -6,9 +6,9 @@
 #include "plugins/step/odograph/climb.hpp"
 #include "plugins/step/odograph/gait_finder.hpp"
 #include "plugins/step/odograph/mode.hpp"
-#include "sdk/cli/runner.hpp"
-#include "sdk/sim/random.hpp"
-#include "sdk/sim/simulate.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

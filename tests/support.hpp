@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "sdk/base/temporary_folder.hpp"
+#include "sdk/host/base/temporary_folder.hpp"
 
 using odograph::TemporaryFolder;
 

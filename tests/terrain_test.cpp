@@ -9,8 +9,8 @@
 #include <doctest/doctest.h>
 
 #include "plugins/fix/terrain/placement.hpp"
-#include "sdk/cli/runner.hpp"
-#include "sdk/sim/simulate.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -6,8 +6,8 @@
 
 #include <doctest/doctest.h>
 
-#include "sdk/plugin_host/manifest.hpp"
-#include "sdk/validator/write_manifest.hpp"
+#include "sdk/host/config/manifest.hpp"
+#include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/support.hpp"
 
 namespace odograph {

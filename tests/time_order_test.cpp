@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "sdk/core/imu_joiner.hpp"
-#include "sdk/core/time_order.hpp"
+#include "sdk/host/core/time_order.hpp"
+#include "sdk/host/messages/imu_joiner.hpp"
 
 using namespace odograph;
 

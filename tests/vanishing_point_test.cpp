@@ -9,11 +9,11 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
-#include "plugins/camera/frame_view.hpp"
 #include "plugins/fix/skyline/vanishing_point.hpp"
-#include "sdk/recording/recording.hpp"
-#include "sdk/sim/random.hpp"
-#include "sdk/sim/simulate.hpp"
+#include "plugins/shared/camera/frame_view.hpp"
+#include "sdk/tools/recording/recording.hpp"
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -8,9 +8,9 @@
 #include <random>
 #include <vector>
 
-#include "plugins/vo/odograph/gyroscope.hpp"
 #include "plugins/vo/odograph/inertial/filter.hpp"
 #include "plugins/vo/odograph/inertial/update.hpp"
+#include "plugins/vo/odograph/visual/gyroscope.hpp"
 
 namespace {
 

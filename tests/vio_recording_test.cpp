@@ -10,9 +10,9 @@
 
 #include <doctest/doctest.h>
 
-#include "sdk/cli/runner.hpp"
-#include "sdk/evaluation/evaluation.hpp"
-#include "sdk/sim/simulate.hpp"
+#include "sdk/tools/evaluation/evaluation.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <random>
 
-#include "plugins/vo/odograph/gyroscope.hpp"
 #include "plugins/vo/odograph/inertial/corners.hpp"
 #include "plugins/vo/odograph/inertial/observe.hpp"
 #include "plugins/vo/odograph/inertial/start.hpp"
+#include "plugins/vo/odograph/visual/gyroscope.hpp"
 
 namespace {
 

@@ -7,10 +7,10 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "plugins/vo/odograph/gyroscope.hpp"
 #include "plugins/vo/odograph/inertial/patch.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
 #include "plugins/vo/odograph/inertial/update.hpp"
+#include "plugins/vo/odograph/visual/gyroscope.hpp"
 
 namespace {
 

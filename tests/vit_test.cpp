@@ -4,8 +4,8 @@
 #include <fstream>
 
 #include "plugins/vo/vit/vit_system.hpp"
-#include "sdk/cli/runner.hpp"
-#include "sdk/sim/simulate.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

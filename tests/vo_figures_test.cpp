@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
-#include "sdk/core/messages.hpp"
-#include "sdk/evaluation/vo_figures.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/tools/evaluation/vo_figures.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;

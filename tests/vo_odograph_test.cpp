@@ -4,10 +4,10 @@
 
 #include <doctest/doctest.h>
 
-#include "plugins/vo/odograph/bundle.hpp"
-#include "plugins/vo/odograph/odometry.hpp"
-#include "sdk/sim/camera.hpp"
-#include "sdk/sim/random.hpp"
+#include "plugins/vo/odograph/visual/bundle.hpp"
+#include "plugins/vo/odograph/visual/odometry.hpp"
+#include "sdk/tools/simulation/camera.hpp"
+#include "sdk/tools/simulation/random.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -3,9 +3,9 @@
 
 #include "plugins/vo/antigny2019/odometry.hpp"
 #include "plugins/vo/five_point/visual_odometry.hpp"
-#include "sdk/cli/runner.hpp"
-#include "sdk/sim/random.hpp"
-#include "sdk/sim/camera.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/camera.hpp"
+#include "sdk/tools/simulation/random.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

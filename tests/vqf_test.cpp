@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include "plugins/attitude/vqf/vqf.hpp"
-#include "sdk/evaluation/evaluation.hpp"
-#include "sdk/sim/random.hpp"
+#include "sdk/tools/evaluation/evaluation.hpp"
+#include "sdk/tools/simulation/random.hpp"
 #include "tests/plain_walk.hpp"
 
 using namespace odograph;

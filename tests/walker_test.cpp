@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 
 #include "plugins/step/odograph/length_model.hpp"
-#include "sdk/evaluation/evaluation.hpp"
-#include "sdk/sim/random.hpp"
+#include "sdk/tools/evaluation/evaluation.hpp"
+#include "sdk/tools/simulation/random.hpp"
 
 using namespace odograph;
 using namespace odograph::steps;

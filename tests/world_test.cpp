@@ -4,10 +4,10 @@
 #include <complex>
 #include <doctest/doctest.h>
 
-#include "sdk/sim/camera.hpp"
-#include "sdk/sim/drive.hpp"
-#include "sdk/sim/simulate.hpp"
-#include "sdk/sim/walker.hpp"
+#include "sdk/tools/simulation/camera.hpp"
+#include "sdk/tools/simulation/drive.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "sdk/tools/simulation/walker.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

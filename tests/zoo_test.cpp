@@ -11,8 +11,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sdk/validator/check.hpp"
-#include "sdk/validator/write_manifest.hpp"
+#include "sdk/tools/validator/check.hpp"
+#include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -7,11 +7,11 @@
 #include <odograph/attitude.h>
 #include <odograph/odograph.h>
 
-#include "sdk/cli/runner.hpp"
-#include "sdk/plugin_host/instance.hpp"
-#include "sdk/sim/random.hpp"
-#include "sdk/sim/camera.hpp"
-#include "sdk/sim/walker.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/camera.hpp"
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/walker.hpp"
 
 namespace {
 

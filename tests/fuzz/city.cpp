@@ -2,7 +2,7 @@
 #include <stdexcept>
 
 #include "plugins/fix/skyline/city_outline.hpp"
-#include "sdk/sim/city_model.hpp"
+#include "sdk/tools/simulation/city_model.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, size_t size) {
   (void)odograph::parse_city_json({reinterpret_cast<const char*>(data), size}, "fuzz");

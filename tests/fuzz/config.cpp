@@ -8,7 +8,7 @@
 #include <odograph/plugin.h>
 #include <odograph/vo_frontend.h>
 
-#include "sdk/config/pipeline_config.hpp"
+#include "sdk/host/config/pipeline_config.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 namespace {

@@ -3,7 +3,7 @@
 // Recordings that are folders. The first byte says which, the files follow, each up to a byte 0x1e.
 #include <vector>
 
-#include "sdk/recording/recording.hpp"
+#include "sdk/tools/recording/recording.hpp"
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/scratch.hpp"
 

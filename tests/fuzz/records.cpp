@@ -4,7 +4,7 @@
 // together.
 #include <filesystem>
 
-#include "sdk/recording/odo_file.hpp"
+#include "sdk/tools/recording/odo_file.hpp"
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/scratch.hpp"
 

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <vector>
 
-#include "sdk/sim/random.hpp"
+#include "sdk/tools/simulation/random.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 

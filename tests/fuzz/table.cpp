@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Readers of one table of text: trajectories, truth, traces. The first byte says which.
-#include "sdk/recording/recording.hpp"
+#include "sdk/tools/recording/recording.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "plugins/fix/terrain/terrain.hpp"
-#include "sdk/sim/city_model.hpp"
+#include "sdk/tools/simulation/city_model.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "plugins/attitude/attitude_plugin.hpp"
 #include "plugins/attitude/vqf/vqf.hpp"
+#include "plugins/shared/attitude_plugin.hpp"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "plugins/attitude/exp_rotation.hpp"
+#include "plugins/shared/exp_rotation.hpp"
 
 namespace odograph::vqf {
 namespace {

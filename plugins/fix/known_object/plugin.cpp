@@ -6,9 +6,9 @@
 #include <numbers>
 #include <optional>
 
-#include "plugins/camera/frame_view.hpp"
 #include "plugins/fix/known_object/judge.hpp"
 #include "plugins/fix/known_object/read_objects.hpp"
+#include "plugins/shared/camera/frame_view.hpp"
 
 namespace {
 

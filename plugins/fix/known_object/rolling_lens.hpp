@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "plugins/camera/camera_model.hpp"
+#include "plugins/shared/camera/camera_model.hpp"
 
 namespace odograph::known_object {
 

@@ -11,7 +11,7 @@
 #include <GeographicLib/LocalCartesian.hpp>
 #include <nlohmann/json.hpp>
 
-#include "plugins/fix/projection.hpp"
+#include "plugins/shared/projection.hpp"
 
 namespace odograph::skyline {
 namespace {

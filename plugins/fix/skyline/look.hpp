@@ -8,9 +8,9 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
-#include "plugins/camera/camera_model.hpp"
 #include "plugins/fix/skyline/colour_sky.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
+#include "plugins/shared/camera/camera_model.hpp"
 
 namespace odograph::skyline {
 

@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 
-#include "plugins/camera/frame_view.hpp"
 #include "plugins/fix/skyline/database_extension.hpp"
 #include "plugins/fix/skyline/frame_chroma.hpp"
 #include "plugins/fix/skyline/judge_match.hpp"
@@ -20,6 +19,7 @@
 #include "plugins/fix/skyline/sliced_worker.hpp"
 #include "plugins/fix/skyline/vanishing_point.hpp"
 #include "plugins/fix/skyline/view_window.hpp"
+#include "plugins/shared/camera/frame_view.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
-#include "plugins/camera/camera_model.hpp"
+#include "plugins/shared/camera/camera_model.hpp"
 
 namespace odograph::skyline {
 

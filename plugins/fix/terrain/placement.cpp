@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "plugins/fix/projection.hpp"
+#include "plugins/shared/projection.hpp"
 
 namespace odograph::terrain {
 namespace {

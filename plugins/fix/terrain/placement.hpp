@@ -19,7 +19,7 @@ class Placement {
     double geoid_height_m = 0;  ///< ellipsoidal height of the model's zero height
   };
   /// Throws std::runtime_error where a geodetic origin needs a projection that is not known here: known are
-  /// those of plugins/fix/projection.hpp.
+  /// those of plugins/shared/projection.hpp.
   Placement(const Parameters& parameters, const Reference& reference);
   ~Placement();
   Placement(Placement&&) noexcept;

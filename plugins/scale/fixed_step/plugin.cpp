@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "plugins/scale/horizontal_scale.hpp"
+#include "plugins/shared/horizontal_scale.hpp"
 
 namespace {
 

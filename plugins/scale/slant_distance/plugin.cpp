@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <odograph/plugin.hpp>
 
-#include "plugins/scale/horizontal_scale.hpp"
 #include "plugins/scale/slant_distance/slant_scale.hpp"
+#include "plugins/shared/horizontal_scale.hpp"
 
 namespace {
 

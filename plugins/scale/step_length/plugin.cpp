@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "plugins/scale/horizontal_scale.hpp"
 #include "plugins/scale/step_length/step_scale.hpp"
+#include "plugins/shared/horizontal_scale.hpp"
 
 namespace {
 

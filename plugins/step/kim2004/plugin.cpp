@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "plugins/step/step_plugin.hpp"
+#include "plugins/shared/step_plugin.hpp"
 
 namespace {
 

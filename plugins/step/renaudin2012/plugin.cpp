@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "plugins/step/step_plugin.hpp"
+#include "plugins/shared/step_plugin.hpp"
 
 namespace {
 

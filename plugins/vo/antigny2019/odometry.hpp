@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "plugins/camera/camera_model.hpp"
+#include "plugins/shared/camera/camera_model.hpp"
 #include "plugins/vo/antigny2019/features.hpp"
 
 namespace odograph::antigny2019 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <optional>
 
-#include "plugins/camera/frame_view.hpp"
+#include "plugins/shared/camera/frame_view.hpp"
 #include "plugins/vo/five_point/visual_odometry.hpp"
 
 namespace {

@@ -6,10 +6,10 @@
 
 #include <Eigen/Geometry>
 
-#include "plugins/camera/camera_model.hpp"
-#include "plugins/camera/corner_tracker.hpp"
-#include "plugins/camera/tracking.hpp"
-#include "plugins/camera/two_view.hpp"
+#include "plugins/shared/camera/camera_model.hpp"
+#include "plugins/shared/camera/corner_tracker.hpp"
+#include "plugins/shared/camera/tracking.hpp"
+#include "plugins/shared/camera/two_view.hpp"
 
 namespace odograph::five_point {
 

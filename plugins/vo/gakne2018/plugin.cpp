@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <optional>
 
-#include "plugins/camera/frame_view.hpp"
+#include "plugins/shared/camera/frame_view.hpp"
 #include "plugins/vo/gakne2018/sky_odometry.hpp"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <opencv2/features2d.hpp>
 
-#include "plugins/camera/camera_model.hpp"
+#include "plugins/shared/camera/camera_model.hpp"
 
 namespace odograph::gakne2018 {
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <optional>
 
-#include "plugins/camera/frame_view.hpp"
+#include "plugins/shared/camera/frame_view.hpp"
 #include "plugins/vo/odograph/inertial/inertial_odometry.hpp"
-#include "plugins/vo/odograph/odometry.hpp"
+#include "plugins/vo/odograph/visual/odometry.hpp"
 
 namespace {
 

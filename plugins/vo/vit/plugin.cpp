@@ -3,7 +3,7 @@
 #include <optional>
 #include <thread>
 
-#include "plugins/camera/frame_view.hpp"
+#include "plugins/shared/camera/frame_view.hpp"
 #include "plugins/vo/vit/vit_system.hpp"
 
 namespace {

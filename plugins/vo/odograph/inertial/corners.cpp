@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "plugins/vo/odograph/gyroscope.hpp"
+#include "plugins/vo/odograph/visual/gyroscope.hpp"
 
 namespace odograph::vio {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "plugins/camera/camera_model.hpp"
+#include "plugins/shared/camera/camera_model.hpp"
 #include "plugins/vo/odograph/inertial/filter.hpp"
 #include "plugins/vo/odograph/inertial/patch.hpp"
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plugins/vo/odograph/gyroscope.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
-#include "plugins/vo/odograph/shared.hpp"
+#include "plugins/vo/odograph/visual/gyroscope.hpp"
+#include "plugins/vo/odograph/visual/shared.hpp"
 
 namespace odograph::vio {
 namespace {

@@ -7,7 +7,7 @@
 #include "plugins/vo/odograph/inertial/corners.hpp"
 #include "plugins/vo/odograph/inertial/filter.hpp"
 #include "plugins/vo/odograph/inertial/start.hpp"
-#include "plugins/vo/odograph/odometry.hpp"
+#include "plugins/vo/odograph/visual/odometry.hpp"
 
 namespace odograph::vio {
 

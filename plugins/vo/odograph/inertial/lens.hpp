@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "plugins/camera/camera_model.hpp"
+#include "plugins/shared/camera/camera_model.hpp"
 
 namespace odograph::vio {
 

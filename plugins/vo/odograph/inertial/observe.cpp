@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "plugins/vo/odograph/gyroscope.hpp"
+#include "plugins/vo/odograph/visual/gyroscope.hpp"
 
 namespace odograph::vio {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "plugins/vo/odograph/gyroscope.hpp"
+#include "plugins/vo/odograph/visual/gyroscope.hpp"
 
 namespace odograph::vio {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "plugins/camera/two_view.hpp"
+#include "plugins/shared/camera/two_view.hpp"
 #include "plugins/vo/odograph/inertial/observe.hpp"
 
 namespace odograph::vio {

@@ -6,8 +6,8 @@
 
 #include <Eigen/Dense>
 
-#include "plugins/vo/odograph/gyroscope.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
+#include "plugins/vo/odograph/visual/gyroscope.hpp"
 
 namespace odograph::vio {
 namespace {

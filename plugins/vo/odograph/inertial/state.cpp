@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plugins/vo/odograph/gyroscope.hpp"
+#include "plugins/vo/odograph/visual/gyroscope.hpp"
 
 namespace odograph::vio {
 namespace {

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/vo/odograph/visual/bundle.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <ceres/ceres.h>
+
+#include "plugins/vo/odograph/visual/ceres_silence.hpp"
+
+namespace odograph::vo {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr int kIterations = 6;
+constexpr double kCauchy = 1.5;            // sigmas
+constexpr double kBiasSigma_radps = 0.01;  // about the last window's bias, which began at none
+constexpr double kLengthSigma = 1e-3;      // of the first baseline, relative
+constexpr double kLeastInverse = 1e-6;
+constexpr double kLeastDepth = 1e-3;  // of y below, which is 1 in its anchor's picture
+
+/// Seven numbers: quaternion (x, y, z, w) of w from c, and position. Turned on the right, moved in w.
+class PoseManifold final : public ceres::Manifold {
+ public:
+  int AmbientSize() const override { return 7; }
+  int TangentSize() const override { return 6; }
+  bool Plus(const double* x, const double* delta, double* out) const override {
+    Eigen::Map<Quaterniond>{out} = (Eigen::Map<const Quaterniond>(x) * exp_rotation(Vector3d(delta))).normalized();
+    Eigen::Map<Vector3d>{out + 4} = Eigen::Map<const Vector3d>(x + 4) + Eigen::Map<const Vector3d>(delta + 3);
+    return true;
+  }
+  /// The costs below give derivatives by the tangent in their first six columns.
+  bool PlusJacobian(const double*, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>> J(jacobian);
+    J.setZero();
+    J.topRows<6>().setIdentity();
+    return true;
+  }
+  bool Minus(const double* y, const double* x, double* out) const override {
+    Eigen::Map<Vector3d>{out} =
+        log_rotation(Eigen::Map<const Quaterniond>(x).conjugate() * Eigen::Map<const Quaterniond>(y));
+    Eigen::Map<Vector3d>{out + 3} = Eigen::Map<const Vector3d>(y + 4) - Eigen::Map<const Vector3d>(x + 4);
+    return true;
+  }
+  bool MinusJacobian(const double*, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>> J(jacobian);
+    J.setZero();
+    J.leftCols<6>().setIdentity();
+    return true;
+  }
+};
+
+using PoseJacobian = Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>>;
+
+/// y = R_j' (R_a ray + rho (p_a - p_j)), seen at y_xy / y_z. A point behind the camera counts as what is seen at the
+/// least depth, a focal length off, whatever its pose: it pulls nothing, and no step gains by bringing it there.
+class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
+ public:
+  Reprojection(const Eigen::Vector2d& anchor, const Eigen::Vector2d& seen, double sigma)
+      : ray_(anchor.x(), anchor.y(), 1), seen_(seen), per_sigma_(1 / sigma) {}
+
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const Matrix3d R_a = Eigen::Map<const Quaterniond>(x[0]).toRotationMatrix();
+    const Matrix3d R_j_w = Eigen::Map<const Quaterniond>(x[1]).toRotationMatrix().transpose();
+    const Vector3d between = Eigen::Map<const Vector3d>(x[0] + 4) - Eigen::Map<const Vector3d>(x[1] + 4);
+    const double rho = x[2][0];
+    const Vector3d y = R_j_w * (R_a * ray_ + rho * between);
+    if (y.z() < kLeastDepth) return behind(residuals, jacobians);
+    Eigen::Map<Eigen::Vector2d>{residuals} = per_sigma_ * (y.head<2>() / y.z() - seen_);
+    if (!jacobians) return true;
+    Eigen::Matrix<double, 2, 3> P;
+    P << 1 / y.z(), 0, -y.x() / (y.z() * y.z()), 0, 1 / y.z(), -y.y() / (y.z() * y.z());
+    P *= per_sigma_;
+    const Eigen::Matrix<double, 2, 3> PR = P * R_j_w;
+    if (jacobians[0]) {
+      PoseJacobian J(jacobians[0]);
+      J << -PR * R_a * cross_matrix(ray_), rho * PR, Eigen::Vector2d::Zero();
+    }
+    if (jacobians[1]) {
+      PoseJacobian J(jacobians[1]);
+      J << P * cross_matrix(y), -rho * PR, Eigen::Vector2d::Zero();
+    }
+    if (jacobians[2]) Eigen::Map<Eigen::Vector2d>{jacobians[2]} = PR * between;
+    return true;
+  }
+
+ private:
+  bool behind(double* residuals, double** jacobians) const {
+    residuals[0] = per_sigma_ / kLeastDepth, residuals[1] = 0;
+    for (int k = 0; jacobians && k < 3; ++k)
+      if (jacobians[k]) std::fill_n(jacobians[k], 2 * parameter_block_sizes()[static_cast<size_t>(k)], 0.0);
+    return true;
+  }
+
+  Vector3d ray_;
+  Eigen::Vector2d seen_;
+  double per_sigma_;
+};
+
+/// Log(Delta R(bias)' R_i' R_j), eq. (45) of Forster et al. 2017, to first order in what is small.
+class Turn final : public ceres::SizedCostFunction<3, 7, 7, 3> {
+ public:
+  Turn(const GyroRotation& turn, const Vector3d& bias) : turn_(turn), bias_(bias) {}
+
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const Eigen::Map<const Quaterniond> q_i(x[0]), q_j(x[1]);
+    const Quaterniond gyro = turn_.q_c0_c1 * exp_rotation(turn_.by_bias * (Eigen::Map<const Vector3d>(x[2]) - bias_));
+    const double per_sigma = 1 / turn_.sigma_rad;
+    const Vector3d error = log_rotation(gyro.conjugate() * q_i.conjugate() * q_j);
+    Eigen::Map<Vector3d>{residuals} = per_sigma * error;
+    if (!jacobians) return true;
+    using Map37 = Eigen::Map<Eigen::Matrix<double, 3, 7, Eigen::RowMajor>>;
+    if (jacobians[0]) {
+      Map37 J(jacobians[0]);
+      J.setZero();
+      J.leftCols<3>() = -per_sigma * (q_j.conjugate() * q_i).toRotationMatrix();
+    }
+    if (jacobians[1]) {
+      Map37 J(jacobians[1]);
+      J.setZero();
+      J.leftCols<3>() = per_sigma * Matrix3d::Identity();
+    }
+    if (jacobians[2])
+      Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{jacobians[2]} =
+          -per_sigma * exp_rotation(-error).toRotationMatrix() * turn_.by_bias;
+    return true;
+  }
+
+ private:
+  GyroRotation turn_;
+  Vector3d bias_;
+};
+
+/// The distance of two poses stays what it was.
+class Length final : public ceres::SizedCostFunction<1, 7, 7> {
+ public:
+  explicit Length(double length) : length_(length) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const Vector3d between = Eigen::Map<const Vector3d>(x[1] + 4) - Eigen::Map<const Vector3d>(x[0] + 4);
+    const double norm = between.norm(), per_sigma = 1 / (kLengthSigma * length_);
+    residuals[0] = per_sigma * (norm - length_);
+    if (!jacobians) return true;
+    for (int k = 0; k < 2; ++k)
+      if (jacobians[k]) {
+        Eigen::Map<Eigen::Matrix<double, 1, 7>> J(jacobians[k]);
+        J.setZero();
+        J.segment<3>(3) = (k == 0 ? -per_sigma : per_sigma) / norm * between.transpose();
+      }
+    return true;
+  }
+
+ private:
+  double length_;
+};
+
+class BiasPrior final : public ceres::SizedCostFunction<3, 3> {
+ public:
+  explicit BiasPrior(const Vector3d& bias) : bias_(bias) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    Eigen::Map<Vector3d>{residuals} = (Eigen::Map<const Vector3d>(x[0]) - bias_) / kBiasSigma_radps;
+    if (jacobians && jacobians[0]) Eigen::Map<Matrix3d>{jacobians[0]} = Matrix3d::Identity() / kBiasSigma_radps;
+    return true;
+  }
+
+ private:
+  Vector3d bias_;
+};
+
+ceres::Problem::Options borrowed() {
+  ceres::Problem::Options options;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
+/// The window as unknowns of Ceres, and back.
+class WindowProblem {
+ public:
+  WindowProblem(Window& window, const Vector3d& bias_c) : window_(window), poses_(window.keyframes().size() + 1) {
+    const auto& keyframes = window_.keyframes();
+    Eigen::Map<Vector3d>{bias()} = bias_c;
+    for (size_t k = 0; k < keyframes.size(); ++k) {
+      Eigen::Map<Quaterniond>{poses_[k].data()} = Quaterniond(keyframes[k].T_w_c.linear());
+      Eigen::Map<Vector3d>{poses_[k].data() + 4} = keyframes[k].T_w_c.translation();
+      problem_.AddParameterBlock(poses_[k].data(), 7, &manifold_);
+      ordering_->AddElementToGroup(poses_[k].data(), 1);
+    }
+  }
+
+  /// How many there are.
+  int add_observations(double sigma) {
+    int observations = 0;
+    const uint32_t first = window_.keyframes().front().id;
+    // Side by side: Ceres orders its blocks by their addresses, and the sums must come in the same order each time.
+    for (auto& [track, landmark] : window_.landmarks())
+      if (landmark.located && landmark.seen.size() > 1) located_.push_back(&landmark);
+    inverse_depths_.resize(located_.size());
+    for (size_t k = 0; k < located_.size(); ++k) {
+      const Landmark& landmark = *located_[k];
+      double* rho = &inverse_depths_[k];
+      *rho = landmark.inverse_depth;
+      problem_.AddParameterBlock(rho, 1);
+      ordering_->AddElementToGroup(rho, 0);
+      const Observation& anchor = landmark.seen.front();
+      for (size_t i = 1; i < landmark.seen.size(); ++i) {
+        const Observation& o = landmark.seen[i];
+        problem_.AddResidualBlock(new Reprojection(anchor.seen, o.seen, sigma), &cauchy_,
+                                  poses_[anchor.keyframe - first].data(), poses_[o.keyframe - first].data(), rho);
+        ++observations;
+      }
+    }
+    return observations;
+  }
+
+  /// The gyroscope's, with its bias.
+  void add_rotations(const Vector3d& bias_c) {
+    const auto& keyframes = window_.keyframes();
+    bool any = false;
+    for (size_t k = 1; k < keyframes.size(); ++k) {
+      if (!keyframes[k].turn) continue;
+      if (!std::exchange(any, true)) {
+        problem_.AddParameterBlock(bias(), 3);
+        ordering_->AddElementToGroup(bias(), 1);
+        problem_.AddResidualBlock(new BiasPrior(bias_c), nullptr, bias());
+      }
+      problem_.AddResidualBlock(new Turn(*keyframes[k].turn, keyframes[k].turn_bias_c), nullptr, poses_[k - 1].data(),
+                                poses_[k].data(), bias());
+    }
+  }
+
+  /// Place, heading and scale, which nothing above tells.
+  void hold_gauge() {
+    const auto& keyframes = window_.keyframes();
+    problem_.SetParameterBlockConstant(poses_[0].data());
+    if (window_.slid())
+      problem_.SetParameterBlockConstant(poses_[1].data());
+    else
+      problem_.AddResidualBlock(
+          new Length((keyframes[1].T_w_c.translation() - keyframes[0].T_w_c.translation()).norm()), nullptr,
+          poses_[0].data(), poses_[1].data());
+  }
+
+  ceres::Solver::Summary solve() {
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.linear_solver_ordering = ordering_;
+    options.max_num_iterations = kIterations;
+    options.num_threads = 1;
+    options.logging_type = ceres::SILENT;
+    options.function_tolerance = 1e-4;
+    ceres::Solver::Summary summary;
+    const CeresSilence silence;
+    ceres::Solve(options, &problem_, &summary);
+    return summary;
+  }
+
+  void write_back(Vector3d& bias_c) {
+    auto& keyframes = window_.keyframes();
+    bias_c = Eigen::Map<Vector3d>(bias());
+    for (size_t k = 0; k < keyframes.size(); ++k) {
+      keyframes[k].T_w_c.linear() = Eigen::Map<Quaterniond>(poses_[k].data()).normalized().toRotationMatrix();
+      keyframes[k].T_w_c.translation() = Eigen::Map<Vector3d>(poses_[k].data() + 4);
+    }
+    for (size_t k = 0; k < located_.size(); ++k)
+      located_[k]->inverse_depth = std::max(inverse_depths_[k], kLeastInverse);
+  }
+
+ private:
+  double* bias() { return poses_.back().data(); }
+
+  Window& window_;
+  std::vector<std::array<double, 7>> poses_;  // and the bias
+  std::vector<Landmark*> located_;
+  std::vector<double> inverse_depths_;
+  PoseManifold manifold_;
+  ceres::CauchyLoss cauchy_{kCauchy};
+  ceres::Problem problem_{borrowed()};
+  std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ = std::make_shared<ceres::ParameterBlockOrdering>();
+};
+
+}  // namespace
+
+BundleReport adjust(Window& window, Vector3d& bias_c, double sigma) {
+  BundleReport report;
+  if (window.keyframes().size() < 3) return report;
+  WindowProblem problem(window, bias_c);
+  report.observations = problem.add_observations(sigma);
+  problem.add_rotations(bias_c);
+  problem.hold_gauge();
+  const ceres::Solver::Summary summary = problem.solve();
+  report.solved = summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
+  report.failed = !report.solved;
+  report.iterations = static_cast<int>(summary.iterations.size());
+  if (report.solved) problem.write_back(bias_c);
+  return report;
+}
+
+}  // namespace odograph::vo

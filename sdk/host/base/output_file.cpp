@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/base/output_file.hpp"
+
+#include <utility>
+
+namespace odograph {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kMostLinks = 40;  // as Linux follows
+
+/// Where writing to a path ends up: links are followed, also one whose target does not exist yet.
+fs::path target_of(fs::path path) {
+  std::error_code error;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++i) {
+    const fs::path next = fs::read_symlink(path, error);
+    if (error) break;
+    path = next.is_absolute() ? next : path.parent_path() / next;
+  }
+  return path;
+}
+
+}  // namespace
+
+OutputFile::OutputFile(fs::path file, fs::path beside)
+    : file_(std::move(file)),
+      beside_(std::move(beside)),
+      out_(beside_.empty() ? file_ : beside_, std::ios::binary | std::ios::trunc) {}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : file_(std::move(other.file_)), beside_(std::exchange(other.beside_, {})), out_(std::move(other.out_)) {}
+
+OutputFile::~OutputFile() {
+  if (beside_.empty()) return;
+  out_.close();
+  std::error_code error;
+  fs::remove(beside_, error);
+}
+
+Result<OutputFile> OutputFile::create(const fs::path& file, Beside beside) {
+  const fs::path target = target_of(file);
+  std::error_code error;
+  const auto status = fs::status(target, error);
+  const bool exists = fs::exists(status);
+  fs::path part;
+  if (exists ? fs::is_regular_file(status) : beside == Beside::always) part = target.string() + ".part";
+  // What lies there may be a link to somebody's file.
+  if (!part.empty()) fs::remove(part, error);
+  OutputFile made(target, part);
+  if (!made.out_) {
+    made.abandon();
+    return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be written"};
+  }
+  return made;
+}
+
+Result<bool> OutputFile::commit() {
+  out_.close();
+  std::error_code error;
+  if (out_ && !beside_.empty()) fs::rename(beside_, file_, error);
+  if (!out_ || error) return Failure{ODO_E_NOT_FOUND, file_.string() + ": writing failed; is the disk full?"};
+  beside_.clear();
+  return true;
+}
+
+Result<bool> write_whole_file(const fs::path& file, std::string_view content) {
+  auto out = OutputFile::create(file);
+  if (!out) return out.failure();
+  out->stream().write(content.data(), static_cast<std::streamsize>(content.size()));
+  return out->commit();
+}
+
+}  // namespace odograph

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/config/pipeline_config.hpp"
+
+#include <algorithm>
+
+#include "sdk/host/base/nearest.hpp"
+#include "sdk/host/config/camera_yaml.hpp"
+
+namespace odograph {
+namespace {
+
+const YamlNode* in_plugins(const YamlNode& root, const char* key) {
+  const YamlNode* plugins = root.find("plugins");
+  return plugins ? plugins->find(key) : nullptr;
+}
+
+/// The search path and the allow list are needed to check the rest, so they are read before the whole file is checked;
+/// mistakes in them are reported by that check.
+std::vector<std::string> early_texts(const YamlNode& root, const char* key) {
+  std::vector<std::string> texts;
+  if (const YamlNode* list = in_plugins(root, key))
+    for (const YamlNode& item : list->items) texts.push_back(item.text);
+  return texts;
+}
+
+std::string early_text(const YamlNode& root, const char* key) {
+  const YamlNode* node = in_plugins(root, key);
+  return node ? node->text : "";
+}
+
+/// A parameter named walker_height that the config does not give takes the walker's height.
+void share_walker(PluginChoice& choice, const Value& walker) {
+  for (auto& [spec, value] : choice.parameters)
+    if (spec.name == "walker_height" && spec.type == SpecType::real && !value.given && walker["height"].given)
+      value.real = walker["height"].real;
+}
+
+Isolation isolation_of(const Value& plugin, const Value& plugins, const std::filesystem::path& base) {
+  Isolation isolation;
+  const Value& own = plugin["isolation"];
+  const std::string& kind = (own.given ? own : plugins["isolation"]).text;
+  if (kind == "thread") isolation.kind = Isolation::Kind::thread;
+  if (kind == "process") isolation.kind = Isolation::Kind::process;
+  isolation.time_s = plugin["time_limit"].real;
+  isolation.start_s = plugin["start_limit"].real;
+  isolation.memory_bytes = static_cast<uint64_t>(plugin["memory_limit"].integer) << 20;
+  if (plugins["host"].given) isolation.program = base / plugins["host"].text;
+  return isolation;
+}
+
+Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, const std::string& name,
+                                 const std::filesystem::path& base, std::vector<std::filesystem::path> directories) {
+  if (root.kind == YamlNode::Kind::null)
+    return Failure{ODO_E_CONFIG, at(name, {}, "the config is empty; expected a map that starts with 'odograph: 1'")};
+  for (const auto& directory : early_texts(root, "search")) directories.push_back(base / directory);
+  PluginRegistry registry(plugin_directories(directories), directories.size());
+  const auto allow = early_texts(root, "allow");
+  const auto signers = early_texts(root, "signers");
+  registry.require_signature(signers);
+  registry.allow_writable(early_text(root, "allow_writable") == "true");
+  const PluginResolver resolver = [&](const std::string& id,
+                                      const std::string& kind) -> Result<const std::vector<Spec>*> {
+    auto manifest = registry.find(id, kind, base, allow);
+    if (!manifest) return manifest.failure();
+    return &(*manifest)->parameters;
+  };
+  auto checked = validate(root, pipeline_spec(), name, resolver);
+  if (!checked) return checked.failure();
+  for (const char* key : {"allow", "signers"})  // an empty list would allow everything
+    if (const YamlNode* list = in_plugins(root, key); list && list->items.empty())
+      return Failure{ODO_E_CONFIG, at(name, list->mark,
+                                      std::string("plugins.") + key +
+                                          ": an empty list; expected one item or more, or no '" + key + "' at all")};
+  const Value& v = *checked;
+
+  PipelineConfig config;
+  config.name = name;
+  config.text = text;
+  // What is allowed by its hash must have it, and a signed manifest says which library it is for.
+  const bool by_hash = std::any_of(allow.begin(), allow.end(), is_sha256) || !signers.empty();
+  config.library_check = by_hash                               ? LibraryCheck::sealed
+                         : v["plugins"]["verify_hash"].boolean ? LibraryCheck::hash
+                                                               : LibraryCheck::none;
+  const Value& origin = v["navigation"]["origin"];
+  if (origin.given) config.origin = {origin["latitude"].real, origin["longitude"].real, origin["height"].real};
+  const Value& start = v["navigation"]["start"];
+  if (start.given) {
+    const auto& p = start["position"].reals;
+    config.start = {{p[0], p[1], p[2]}, start["heading"].real, true, start["heading"].given};
+  }
+  if (v["camera"].given) {
+    const auto camera = read_camera_yaml(base / v["camera"].text, nullptr);
+    if (!camera) return Failure{ODO_E_CONFIG, at(name, v["camera"].mark, "camera: " + camera.failure().text)};
+    config.camera = *camera;
+  }
+  const Value& ordering = v["time_ordering"];
+  config.ordering = {ordering["max_wait"].real, ordering["max_gap"].real,
+                     static_cast<size_t>(ordering["queue"].integer), static_cast<size_t>(ordering["frames"].integer)};
+  const Value& coupling = v["coupling"];
+  config.coupling.type = coupling["type"].text == "inertial" ? CouplingType::inertial : CouplingType::paper;
+  const std::string& orientation = coupling["orientation"].text;
+  config.coupling.orientation = orientation == "attitude"    ? Orientation::attitude
+                                : orientation == "gyroscope" ? Orientation::gyroscope
+                                                             : Orientation::vo;
+  config.coupling.vertical = coupling["vertical"].text == "scaled" ? Vertical::scaled : Vertical::ignore;
+  config.coupling.fix_gate_sigma = coupling["fix_gate"].real;
+  config.coupling.bridge_s = coupling["bridge"].real;
+  config.coupling.fastest_mps = coupling["fastest"].real;
+  config.coupling.odometry_covariance = coupling["odometry_covariance"].real;
+  config.replay = {v["replay"]["start_at_first_waypoint"].boolean, v["replay"]["align_heading_over"].real};
+
+  const auto choose = [&](const Value& value, const Spec& spec) {
+    PluginChoice choice;
+    choice.manifest = **registry.find(value["plugin"].text, spec.interface_id, base, allow);
+    choice.interface_id = spec.interface_id;
+    for (const Spec& parameter : choice.manifest.parameters)
+      choice.parameters.emplace_back(parameter, value["parameters"][parameter.name]);
+    share_walker(choice, v["walker"]);
+    choice.isolation = isolation_of(value, v["plugins"], base);
+    if (value["fallback"].given) {
+      auto fallback = std::make_shared<PluginChoice>();
+      fallback->manifest = **registry.find(value["fallback"].text, spec.interface_id, base, allow);
+      fallback->interface_id = spec.interface_id;
+      for (const Spec& parameter : fallback->manifest.parameters)
+        fallback->parameters.emplace_back(parameter, default_value(parameter));
+      share_walker(*fallback, v["walker"]);
+      fallback->isolation = choice.isolation;
+      choice.fallback = std::move(fallback);
+    }
+    return choice;
+  };
+  for (const Spec& spec : pipeline_spec().children) {
+    const Value& value = v[spec.name];
+    if (spec.type != SpecType::plugins || !value.given) continue;
+    auto& kind = spec.name == "attitude"         ? config.attitudes
+                 : spec.name == "step_estimator" ? config.step_estimators
+                 : spec.name == "vo_frontend"    ? config.vo_frontends
+                 : spec.name == "scale_source"   ? config.scale_sources
+                                                 : config.fixers;
+    for (const Value& item : value.items) kind.push_back(choose(item, spec));
+  }
+  if (!config.step_estimators.empty() && config.attitudes.empty())
+    return Failure{
+        ODO_E_CONFIG,
+        at(name, v["step_estimator"].mark,
+           "step_estimator: needs orientation; expected an 'attitude' plugin beside it (nearest: 'attitude')")};
+  if (!config.scale_sources.empty() && config.vo_frontends.empty())
+    return Failure{
+        ODO_E_CONFIG,
+        at(name, v["scale_source"].mark,
+           "scale_source: nothing to scale; expected a 'vo_frontend' plugin beside it (nearest: 'vo_frontend')")};
+  return config;
+}
+
+}  // namespace
+
+Result<PipelineConfig> read_pipeline_config(const std::string& text, const std::string& name,
+                                            const std::vector<std::filesystem::path>& directories) {
+  auto root = parse_yaml(text, name);
+  if (!root) return root.failure();
+  return interpret(*root, text, name, std::filesystem::current_path(), directories);
+}
+
+Result<PipelineConfig> read_pipeline_config_file(const std::string& path,
+                                                 const std::vector<std::filesystem::path>& directories) {
+  auto text = read_limited(path);
+  if (!text) return text.failure();
+  auto root = parse_yaml(*text, path);
+  if (!root) return root.failure();
+  return interpret(*root, *text, path, std::filesystem::absolute(path).parent_path(), directories);
+}
+
+}  // namespace odograph

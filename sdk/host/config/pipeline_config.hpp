@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <odograph/types.h>
+
+#include "sdk/host/config/registry.hpp"
+#include "sdk/host/config/spec.hpp"
+
+namespace odograph {
+
+/// Where a plugin runs, and what it may take there.
+struct Isolation {
+  enum class Kind { none, thread, process };
+  Kind kind = Kind::none;
+  double time_s = 2;                          ///< longest call; longer than any of ours on a slow phone
+  double start_s = 30;                        ///< longest load, create, configure, activate: models, on a slow disk
+  uint64_t memory_bytes = uint64_t(2) << 30;  ///< of address space, in a process; OpenCV and its threads take 0.5
+  std::filesystem::path program;              ///< odograph-plugin-host; empty: where the library looks for it
+};
+
+/// One plugin as the config chose it.
+struct PluginChoice {
+  Manifest manifest;
+  std::string interface_id;
+  std::vector<std::pair<Spec, Value>> parameters;  // all of the plugin's table, defaults filled in
+  Isolation isolation;
+  std::shared_ptr<const PluginChoice> fallback;  // what takes its place when it is given up; may be null
+};
+
+/// Where a run starts, in n.
+struct StartPose {
+  std::array<double, 3> position_m{0, 0, 0};
+  double heading_rad = 0.0;
+  bool given = false, heading_given = false;
+};
+
+enum class Orientation { vo, gyroscope, attitude };
+enum class Vertical { ignore, scaled };
+
+enum class CouplingType { paper, inertial };
+
+struct CouplingConfig {
+  Orientation orientation = Orientation::vo;
+  Vertical vertical = Vertical::ignore;
+  double fix_gate_sigma = 5.0;
+  double bridge_s = 2.0;
+  double fastest_mps = 2.0;
+  double odometry_covariance = 1.0;
+  CouplingType type = CouplingType::paper;
+};
+
+struct OrderingConfig {
+  double max_wait_s = 0.2;
+  double max_gap_s = 1.0;
+  size_t queue = 4096;
+  size_t frames = 8;
+};
+
+/// How a recording's map frame is laid over n in a replay; `odograph run` applies it to what it writes.
+struct ReplayConfig {
+  bool start_at_first_waypoint = false;
+  double align_heading_over_m = 0.0;
+};
+
+/// A checked pipeline config.
+struct PipelineConfig {
+  std::string name;  // for messages: the file's path, or "<text>"
+  std::string text;  // as read, so that a run can be repeated
+  LibraryCheck library_check = LibraryCheck::hash;
+  std::optional<std::array<double, 3>> origin;  // latitude rad, longitude rad, height m
+  StartPose start;
+  std::optional<odo_calibration> camera;  // its mount and time offset only where their flags are set
+  OrderingConfig ordering;
+  CouplingConfig coupling;
+  ReplayConfig replay;
+  std::vector<PluginChoice> attitudes, step_estimators, vo_frontends, scale_sources, fixers;  // any number of each
+};
+
+/// The table of the whole file; the JSON Schema and the help are made from it.
+const Spec& pipeline_spec();
+
+/// Checks a config and finds its plugins' manifests. Runs no plugin. `directories` come before the config's own search
+/// path. All mistakes are in the failure's text, one a line.
+Result<PipelineConfig> read_pipeline_config(const std::string& text, const std::string& name,
+                                            const std::vector<std::filesystem::path>& directories);
+Result<PipelineConfig> read_pipeline_config_file(const std::string& path,
+                                                 const std::vector<std::filesystem::path>& directories);
+
+/// JSON Schema (draft 07) of a table. Where a plugin stands, any parameters are allowed.
+std::string json_schema(const Spec& spec, const std::string& title);
+
+}  // namespace odograph

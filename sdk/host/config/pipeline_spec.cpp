@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <odograph/absolute_fixer.h>
+#include <odograph/attitude.h>
+#include <odograph/scale_source.h>
+#include <odograph/step_estimator.h>
+#include <odograph/vo_frontend.h>
+
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/config/table.hpp"
+
+namespace odograph {
+namespace {
+
+using table::boolean, table::choice, table::integer, table::map, table::real;
+
+Spec texts(const char* name, const char* item, const char* help) {
+  return {.name = name, .type = SpecType::list, .help = help, .children = {{.name = item, .type = SpecType::text}}};
+}
+Spec plugin(const char* name, const char* interface_id, const char* help) {
+  return {.name = name, .type = SpecType::plugins, .help = help, .interface_id = interface_id};
+}
+
+Spec plugins_section() {
+  return map("plugins", "where plugins come from",
+             {
+                 texts("search", "directory", "directories, relative to this file, before the standard ones"),
+                 texts("allow", "id, path or SHA-256",
+                       "if given, only plugins with one of these ids, manifest or library paths, or hashes of the "
+                       "library may be loaded"),
+                 texts("signers", "public key",
+                       "if given, only plugins whose manifest is signed (NAME.odoplugin.sig) by one of these Ed25519 "
+                       "keys, 64 hexadecimal digits, may be loaded"),
+                 boolean("verify_hash", "true", "refuse a library whose hash is not its manifest's"),
+                 boolean("allow_writable", "false",
+                         "load also from folders and files that every user of the machine may write to"),
+                 choice("isolation", "none|thread|process", "none",
+                        "where each plugin runs that says nothing else: on a thread or in a process of its own"),
+                 Spec{.name = "host",
+                      .type = SpecType::text,
+                      .help = "path of odograph-plugin-host, where it does not lie beside the library"},
+             });
+}
+
+Spec navigation_section() {
+  Spec position{.name = "position",
+                .type = SpecType::reals,
+                .unit = "m",
+                .fallback = "[0, 0, 0]",
+                .help = "north, east, down",
+                .count = 3};
+  return map("navigation", "the local frame n (North-East-Down)",
+             {
+                 map("origin", "of n; without it the first GNSS fix",
+                     {
+                         real("latitude", "rad", -1.5707963267948966, 1.5707963267948966, "0", "geodetic, WGS 84"),
+                         real("longitude", "rad", -6.283185307179586, 6.283185307179586, "0", "WGS 84"),
+                         real("height", "m", -1000, 10000, "0", "above the ellipsoid"),
+                     }),
+                 map("start", "pose at the start; without it the first fix, or zero",
+                     {
+                         position,
+                         real("heading", "rad", -6.283185307179586, 6.283185307179586, "0", "from north to east"),
+                     }),
+             });
+}
+
+Spec coupling_section() {
+  return map("coupling", "how everything becomes one pose",
+             {
+                 choice("type", "paper|per_frame|inertial", "paper",
+                        "paper: each frame's displacement is scaled on its own (Antigny et al. 2019, section 3.4); "
+                        "per_frame: its name until 0.1; inertial: an error-state Kalman filter of IMU, odometry, "
+                        "steps and fixes, which needs no scale source (docs/estimator.md)"),
+                 choice("orientation", "vo|gyroscope|attitude", "vo",
+                        "paper alone. vo: chained from frame to frame as in the paper; gyroscope: chained with the "
+                        "attitude "
+                        "source's rotations; both corrected by fixes; attitude: the attitude source's, fixes turn "
+                        "its heading"),
+                 choice("vertical", "ignore|scaled", "ignore",
+                        "paper alone. ignore: horizontal displacement only, as in the paper; scaled: all three "
+                        "components"),
+                 real("fix_gate", "", 0, 100, "5",
+                      "a fix further off than this many standard deviations is rejected; 0 = never"),
+                 real("bridge", "s", 0, 60, "2",
+                      "how long steps alone may carry the pose while the camera sees nothing before it is lost"),
+                 real("fastest", "m/s", 0.01, 200, "2",
+                      "how fast the carrier may be: what is added to the position's uncertainty while there is no "
+                      "scale or no picture; a motion five times faster is a mistake and left out"),
+                 real("odometry_covariance", "", 0.01, 100, "1",
+                      "what a visual front-end says of its errors, of the metre too, is multiplied by this (a "
+                      "variance); above 1 for one that is surer than it should be"),
+             });
+}
+
+}  // namespace
+
+const Spec& pipeline_spec() {
+  static const Spec spec = [] {
+    Spec version = integer("odograph", 1, 1, "1", "version of this file format");
+    version.required = true;
+    return map(
+        "pipeline", "An Odograph pipeline",
+        {
+            version,
+            plugins_section(),
+            map("walker", "the person who carries the device",
+                {
+                    real("height", "m", 0.5, 2.5, "1.70",
+                         "body height; a plugin's parameter 'walker_height' takes it unless given"),
+                }),
+            navigation_section(),
+            Spec{.name = "camera",
+                 .type = SpecType::text,
+                 .help =
+                     "camera.yaml of `odograph calibrate`, relative to this file; it stands above what a recording or "
+                     "an app says of its lens, and of the mount and the time offset where it has them"},
+            map("time_ordering", "how samples of several sensors are merged",
+                {
+                    real("max_wait", "s", 0, 5, "0.2", "longest wait for a slower sensor, in sensor time"),
+                    real("max_gap", "s", 0.01, 60, "1", "a longer pause of the IMU or the camera is a fault"),
+                    integer("queue", 64, 1000000, "4096", "most samples waiting; more are dropped and counted"),
+                    integer("frames", 1, 64, "8", "most camera frames held, by the host and by plugins"),
+                }),
+            plugin("attitude", ODO_INTERFACE_ATTITUDE, "orientation of the body"),
+            plugin("step_estimator", ODO_INTERFACE_STEP_ESTIMATOR, "steps and how the device is carried"),
+            plugin("vo_frontend", ODO_INTERFACE_VO_FRONTEND, "camera motion up to scale"),
+            plugin("scale_source", ODO_INTERFACE_SCALE_SOURCE, "metres per VO unit"),
+            plugin("absolute_fixers", ODO_INTERFACE_ABSOLUTE_FIXER, "positions and orientations from outside"),
+            coupling_section(),
+            map("replay", "how `odograph run` lays a recording's map over n",
+                {
+                    boolean("start_at_first_waypoint", "false",
+                            "the written track starts at the recording's first waypoint"),
+                    real("align_heading_over", "m", 0, 1000, "0",
+                         "the written track is turned to fit the waypoints of its first metres; 0 = not"),
+                }),
+        });
+  }();
+  return spec;
+}
+
+}  // namespace odograph

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/config/registry.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+#include <dlfcn.h>
+
+#include "sdk/host/base/nearest.hpp"
+#include "sdk/host/config/signature.hpp"
+
+namespace odograph {
+namespace fs = std::filesystem;
+
+namespace {
+constexpr std::string_view kSuffix = ".odoplugin.json";
+constexpr size_t kMostHints = 8;  // of libraries without a manifest: a folder of the system has hundreds
+
+bool is_manifest(const std::string& name) {
+  return name.size() > kSuffix.size() && name.compare(name.size() - kSuffix.size(), kSuffix.size(), kSuffix) == 0;
+}
+}  // namespace
+
+namespace {
+
+/// By id, by the path of its manifest or library, or by the library's hash, which is verified when it is loaded.
+bool is_allowed(const Manifest& manifest, const std::vector<std::string>& allow, const fs::path& base) {
+  return std::any_of(allow.begin(), allow.end(), [&](const std::string& item) {
+    if (item == manifest.id || (is_sha256(item) && item == manifest.sha256)) return true;
+    std::error_code error;
+    const fs::path path = base / item;
+    return fs::equivalent(path, manifest.library, error) || fs::equivalent(path, manifest.path, error);
+  });
+}
+
+/// Whether everybody may put another file in the place of what lies in it: in a folder with the sticky bit, such as
+/// /tmp, nobody may but the owner.
+bool everybody_writes(const fs::path& path, bool sticky_is_safe) {
+  std::error_code error;
+  const auto permissions = fs::status(path, error).permissions();
+  if (error || (permissions & fs::perms::others_write) == fs::perms::none) return false;
+  return !sticky_is_safe || (permissions & fs::perms::sticky_bit) == fs::perms::none;
+}
+
+/// The first of manifest and library, where links lead to, and of all folders above them that everybody may write to;
+/// empty where none is.
+fs::path open_to_all(const Manifest& manifest) {
+  for (const fs::path& path : {manifest.path, manifest.library}) {
+    std::error_code error;
+    const fs::path real = fs::canonical(path, error);
+    if (error) continue;
+    for (const fs::path& each : {path.parent_path(), real.parent_path(), real})
+      if (everybody_writes(each.empty() ? fs::path(".") : each, false)) return each;
+    for (fs::path above = real.parent_path(); above.has_relative_path(); above = above.parent_path())
+      if (everybody_writes(above, true)) return above;
+  }
+  return {};
+}
+
+/// NAME.so without NAME.odoplugin.json beside it.
+bool lacks_manifest(const fs::path& file) {
+  const fs::path ending = file.extension();
+  std::error_code error;
+  fs::path manifest = file;
+  return (ending == ".so" || ending == ".dylib") && !fs::exists(manifest.replace_extension(kSuffix), error);
+}
+
+}  // namespace
+
+bool is_sha256(const std::string& text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
+  std::vector<fs::path> directories = first;
+  if (const char* path = std::getenv("ODOGRAPH_PLUGIN_PATH"))
+    for (const auto& part : split(path, ':')) directories.emplace_back(part);
+  Dl_info self{};
+  if (dladdr(reinterpret_cast<const void*>(&plugin_directories), &self) && self.dli_fname) {
+    std::error_code error;
+    // Of the program itself it is the name that it was called by, which the shell may have found in PATH.
+    const bool by_name = std::strchr(self.dli_fname, '/') == nullptr;
+    const fs::path binary = fs::canonical(by_name ? "/proc/self/exe" : self.dli_fname, error);
+    if (!error) {  // PREFIX/lib[/TRIPLET]/libodograph.so or PREFIX/bin/odograph
+      directories.push_back(binary.parent_path() / "odograph/plugins");
+      directories.push_back(binary.parent_path() / "../lib/odograph/plugins");
+    }
+  }
+  directories.emplace_back(ODOGRAPH_PLUGIN_DIR);
+  return directories;
+}
+
+PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories, size_t asked_for) {
+  std::vector<fs::path> seen;
+  for (size_t i = 0; i < directories.size(); ++i) {
+    std::error_code error;
+    const fs::path real = fs::canonical(directories[i], error);
+    if (i < asked_for && (error || !fs::is_directory(real, error)))
+      hints_.push_back("there is no folder " + directories[i].string());
+    if (error || std::find(seen.begin(), seen.end(), real) != seen.end()) continue;
+    seen.push_back(real);
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(real, error)) {
+      if (is_manifest(entry.path().filename().string())) files.push_back(entry.path());
+      if (lacks_manifest(entry.path()) && hints_.size() < kMostHints)
+        hints_.push_back(entry.path().string() + " has no manifest: `odograph plugin manifest` writes it");
+    }
+    std::sort(files.begin(), files.end());
+    for (const auto& file : files) {
+      auto manifest = read_manifest(file);
+      if (manifest)
+        manifests_.push_back(std::move(*manifest));
+      else
+        problems_.push_back(manifest.failure().text);
+    }
+  }
+  directories_ = std::move(seen);
+}
+
+Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::string& interface_id,
+                                             const fs::path& base, const std::vector<std::string>& allow) {
+  const Manifest* found = nullptr;
+  if (is_manifest(id)) {
+    auto manifest = read_manifest(base / id);
+    if (!manifest) return manifest.failure();
+    found = explicit_.emplace_back(std::make_unique<Manifest>(std::move(*manifest))).get();
+  }
+  std::vector<std::string> usable;
+  for (const Manifest& manifest : manifests_) {
+    const bool serves =
+        std::find(manifest.interfaces.begin(), manifest.interfaces.end(), interface_id) != manifest.interfaces.end();
+    if (serves) usable.push_back(manifest.id);
+    if (manifest.id != id) continue;
+    if (found)
+      return Failure{ODO_E_CONFIG, "two plugins have the id '" + id + "': " + found->path.string() + " and " +
+                                       manifest.path.string() + "; expected one, or the path of one manifest"};
+    found = &manifest;
+  }
+  if (!found) {
+    std::string text = "no plugin '" + id + "'";
+    text += usable.empty() ? "; no plugin for " + interface_id + " lies in "
+                           : "; expected one of " + join(usable) + " (nearest: '" + nearest(id, usable) + "'), from ";
+    for (size_t i = 0; i < directories_.size(); ++i) text += (i ? ":" : "") + directories_[i].string();
+    if (directories_.empty()) text += "any directory";
+    for (const auto& problem : problems_) text += "; passed over: " + problem;
+    for (const auto& hint : hints_) text += "; " + hint;
+    return Failure{ODO_E_NOT_FOUND, text};
+  }
+  if (std::find(found->interfaces.begin(), found->interfaces.end(), interface_id) == found->interfaces.end())
+    return Failure{ODO_E_CONFIG,
+                   "plugin '" + found->id + "' serves " + join(found->interfaces) + "; expected one that serves " +
+                       interface_id +
+                       (usable.empty() ? "" : ": " + join(usable) + " (nearest: '" + nearest(id, usable) + "')")};
+  if (!allow.empty() && !is_allowed(*found, allow, base))
+    return Failure{ODO_E_CONFIG, "plugin '" + found->id +
+                                     "' is not on the allow list (plugins.allow); expected one of " + join(allow) +
+                                     " (nearest: '" + nearest(found->id, allow) + "')"};
+  if (const fs::path open = allow_writable_ ? fs::path() : open_to_all(*found); !open.empty())
+    return Failure{ODO_E_CONFIG,
+                   "plugin '" + found->id + "': " + open.string() +
+                       " may be written to by every user; expected 'chmod o-w', or plugins.allow_writable"};
+  if (!signers_.empty())
+    if (const auto verified = verify_signature(*found, signers_); !verified) return verified.failure();
+  return found;
+}
+
+}  // namespace odograph

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/core/anchors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <Eigen/Eigenvalues>
+
+#include "sdk/host/base/rotation.hpp"
+
+namespace odograph {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using Matrix36 = Eigen::Matrix<double, 3, 6>;
+
+constexpr size_t kMostName = sizeof(odo_anchor::name) - 1;
+
+Quaterniond rotation(const double* wxyz) {
+  const Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  return q.norm() > 0 ? q.normalized() : Quaterniond::Identity();
+}
+
+double largest_variance(const Matrix3d& covariance) {
+  Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
+  solver.computeDirect(0.5 * (covariance + covariance.transpose()), Eigen::EigenvaluesOnly);
+  return std::max(0.0, solver.eigenvalues()[2]);
+}
+
+std::array<double, 3> array(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+Vector3d vector(const std::array<double, 3>& a) { return Vector3d(a[0], a[1], a[2]); }
+
+/// UTF-8 is not cut within a character.
+std::string short_name(const odo_string& name) {
+  std::string out(name.data ? std::string(name.data, name.size) : std::string());
+  if (out.size() <= kMostName) return out;
+  size_t end = kMostName;
+  while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xC0) == 0x80) --end;
+  return out.substr(0, end);
+}
+
+}  // namespace
+
+Anchors::Anchor& Anchors::add(const odo_anchor_place& place, Hangs hangs) {
+  Anchor& anchor = anchors_.emplace_back();
+  anchor.id = ++last_id_;
+  anchor.kind = place.kind;
+  anchor.name = short_name(place.name);
+  anchor.hangs = hangs;
+  anchor.smooth = SmoothPose(p_.smooth);
+  anchor.q = rotation(place.q);
+  return anchor;
+}
+
+uint64_t Anchors::add_local(const odo_anchor_place& place, const Seen& seen) {
+  const std::lock_guard lock(mutex_);
+  if (anchors_.size() >= p_.most) return 0;
+  Anchor& anchor = add(place, Hangs::awaits_pose);
+  anchor.placed = true;
+  anchor.T_n_a = seen.T_n_a;
+  anchor.T_b_a = seen.T_n_b.inverse() * seen.T_n_a;
+  anchor.seen_ns = seen.t_ns;
+  return anchor.id;
+}
+
+uint64_t Anchors::add_geodetic(const odo_anchor_place& place) {
+  const std::lock_guard lock(mutex_);
+  if (anchors_.size() >= p_.most) return 0;
+  Anchor& anchor = add(place, Hangs::on_earth);
+  const double geoid_m = place.height_above == ODO_HEIGHT_GEOID ? place.geoid_height_m : 0.0;
+  anchor.geodetic = {place.latitude_rad, place.longitude_rad, place.height_m + geoid_m};
+  anchor.height_above = place.height_above;
+  anchor.sigma_m = place.sigma_m;
+  anchor.why_not = ODO_REASON_NO_FIX;
+  return anchor.id;
+}
+
+bool Anchors::remove(uint64_t id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(anchors_.begin(), anchors_.end(), [id](const Anchor& a) { return a.id == id; });
+  if (found == anchors_.end()) return false;
+  if (found->held != 0) to_let_go_.push_back(found->held);
+  anchors_.erase(found);
+  return true;
+}
+
+std::vector<uint64_t> Anchors::ids() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<uint64_t> ids;
+  for (const Anchor& anchor : anchors_) ids.push_back(anchor.id);
+  return ids;
+}
+
+std::optional<Anchors::Known> Anchors::get(uint64_t id, int64_t t_ns) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(anchors_.begin(), anchors_.end(), [id](const Anchor& a) { return a.id == id; });
+  if (found == anchors_.end()) return std::nullopt;
+  const Anchor& anchor = *found;
+  asked_ns_ = std::max(asked_ns_, t_ns);
+  Known known;
+  known.anchor.kind = anchor.kind;
+  known.anchor.id = anchor.id;
+  anchor.name.copy(known.anchor.name, kMostName);
+  known.anchor.state = anchor.placed ? ODO_TRACKING : ODO_LOST;
+  known.anchor.reason = anchor.placed ? ODO_REASON_NONE : anchor.why_not;
+  known.T_n_a = anchor.T_n_a;
+  const auto smooth = anchor.smooth.at(t_ns, {anchor.T_n_a.q, anchor.T_n_a.p});
+  known.smooth_T_n_a = {smooth.q_n, smooth.p_n};
+  if (anchor.hangs == Hangs::on_earth && anchor.height_above != ODO_HEIGHT_TERRAIN)
+    known.geodetic = anchor.geodetic;
+  else if (anchor.placed && placed_ && geodesy_.has_origin())
+    known.geodetic = geodesy_.to_geodetic(array(anchor.T_n_a.p));
+  known.position_variance = largest_variance(anchor.covariance);
+  known.view_variance = largest_variance(anchor.view_covariance);
+  known.yaw_variance = anchor.yaw_variance;
+  return known;
+}
+
+/// North-East-Down there, in n: over a walk the meridians converge by less than a millirad.
+Quaterniond Anchors::axes_at(const std::array<double, 3>& geodetic) const {
+  constexpr double kNorthwards_rad = 1e-6;  // 6 m
+  auto north = geodetic, down = geodetic;
+  north[0] += kNorthwards_rad * (geodetic[0] > 0 ? -1 : 1);  // not beyond a pole
+  down[2] -= 1.0;
+  const Vector3d here = vector(geodesy_.from_geodetic(geodetic));
+  const Vector3d z = (vector(geodesy_.from_geodetic(down)) - here).normalized();
+  const Vector3d towards = (geodetic[0] > 0 ? -1 : 1) * (vector(geodesy_.from_geodetic(north)) - here);
+  const Vector3d y = z.cross(towards).normalized();
+  Matrix3d axes;
+  axes << y.cross(z), y, z;
+  return Quaterniond(axes);
+}
+
+void Anchors::put_on_earth(Anchor& anchor, const HeldPose& now) {
+  if (anchor.placed) return;
+  anchor.why_not = ODO_REASON_NO_FIX;
+  if (!placed_ || !geodesy_.has_origin()) return;
+  auto place = anchor.geodetic;
+  Vector3d p_n = vector(geodesy_.from_geodetic(place));
+  if (anchor.height_above == ODO_HEIGHT_TERRAIN) {
+    anchor.why_not = ODO_REASON_NO_GROUND;
+    // Where on the horizontal plane a latitude and longitude lie depends on the height by a millionth of it.
+    place[2] = geodesy_.to_geodetic(array(now.p_n_b))[2];
+    p_n = vector(geodesy_.from_geodetic(place));
+    const auto down_m = ground_ ? ground_(p_n.x(), p_n.y(), now.p_n_b.z()) : std::nullopt;
+    if (!down_m) return;
+    p_n.z() = *down_m - anchor.geodetic[2];
+  }
+  anchor.T_n_a = {(axes_at(place) * anchor.q).normalized(), p_n};
+  anchor.smooth.reset();
+  anchor.placed = true;
+  anchor.why_not = 0;
+}
+
+void Anchors::hang(Anchor& anchor, Estimator& estimator) {
+  anchor.held = estimator.hold_pose(anchor.seen_ns);
+  if (anchor.held != 0) anchor.hangs = Hangs::on_pose;
+}
+
+/// How well it is known, in n and against the view: with l from the body to the anchor and s from the held pose to it,
+/// the place errs by dp_h - s x theta_h, and what is seen of it by that - dp + l x theta.
+void Anchors::judge(Anchor& anchor, const HeldPose* held, const HeldPose& now) const {
+  Matrix36 by_now;
+  by_now << skew(anchor.T_n_a.p - now.p_n_b), -Matrix3d::Identity();
+  Matrix3d view = by_now * now.now * by_now.transpose();
+  Matrix3d place = Matrix3d::Identity() * (anchor.sigma_m * anchor.sigma_m);
+  anchor.yaw_variance = 0;
+  if (held) {
+    Matrix36 by_held;
+    by_held << -skew(anchor.T_n_a.p - held->p_n_b), Matrix3d::Identity();
+    place = by_held * held->own * by_held.transpose();
+    const Matrix3d common = by_held * held->cross * by_now.transpose();
+    view += common + common.transpose();
+    anchor.yaw_variance = held->own(2, 2);
+  }
+  anchor.covariance = place;
+  anchor.view_covariance = view + place;
+}
+
+void Anchors::follow(Estimator& estimator, int64_t t_ns, const Rigid* correction) {
+  const std::lock_guard lock(mutex_);
+  placed_ = placed_ || estimator.is_placed();
+  for (const uint64_t id : to_let_go_) estimator.let_go(id);
+  to_let_go_.clear();
+  HeldPose now;
+  if (anchors_.empty() || !estimator.pose_now(now)) return;
+  for (Anchor& anchor : anchors_) {
+    const bool was_placed = anchor.placed, stays = anchor.hangs == Hangs::on_earth || anchor.hangs == Hangs::in_n;
+    const Rigid before = correction ? *correction * anchor.T_n_a : anchor.T_n_a;
+    if (anchor.hangs == Hangs::awaits_pose) hang(anchor, estimator);
+    HeldPose held;
+    const bool on_pose = anchor.hangs == Hangs::on_pose;
+    if (on_pose && estimator.held_pose(anchor.held, held)) {
+      anchor.T_n_a = Rigid{held.q_n_b, held.p_n_b} * anchor.T_b_a;
+    } else if (!stays) {
+      if (on_pose) anchor.hangs = Hangs::on_track;
+      anchor.T_n_a = before;
+    }
+    if (anchor.hangs == Hangs::on_earth) put_on_earth(anchor, now);
+    if (anchor.hangs == Hangs::in_n && placed_) anchor.placed = true, anchor.why_not = 0;
+    judge(anchor, anchor.hangs == Hangs::on_pose ? &held : nullptr, now);
+    const Rigid moved = before.inverse() * anchor.T_n_a;
+    if (was_placed && (moved.p.norm() > p_.most_smooth_jump_m || moved.q.vec().norm() > p_.most_smooth_jump_m))
+      anchor.smooth.jumped(std::max(t_ns, asked_ns_), {before.q, before.p}, {anchor.T_n_a.q, anchor.T_n_a.p});
+  }
+}
+
+void Anchors::lose_holds() {
+  const std::lock_guard lock(mutex_);
+  placed_ = false;
+  asked_ns_ = INT64_MIN;  // the sensor clock was set back
+  to_let_go_.clear();
+  for (Anchor& anchor : anchors_) {
+    if (anchor.hangs == Hangs::on_pose || anchor.hangs == Hangs::awaits_pose) anchor.hangs = Hangs::on_track;
+    anchor.held = 0;
+    anchor.smooth.reset();
+  }
+}
+
+namespace {
+
+/// As an anchor is saved: on the Earth where n was, else in n.
+struct Saved {
+  uint32_t kind, hangs, height_above, reserved;
+  double geodetic[3], q[4], p[3], sigma_m;
+  char name[64];
+};
+static_assert(sizeof(Saved) == 168);
+constexpr uint32_t kSavedOnEarth = 1, kSavedInN = 2;
+
+bool sound(const Saved& saved) {
+  const auto finite = [](const double* x, int n) {
+    return std::all_of(x, x + n, [](double v) { return std::isfinite(v); });
+  };
+  if (!finite(saved.geodetic, 3) || !finite(saved.q, 4) || !finite(saved.p, 3) || !std::isfinite(saved.sigma_m))
+    return false;
+  const double norm = Eigen::Vector4d(saved.q).norm();
+  return norm > 0.9 && norm < 1.1 && std::abs(saved.geodetic[0]) <= EIGEN_PI / 2 &&
+         (saved.hangs == kSavedOnEarth || saved.hangs == kSavedInN) && saved.name[sizeof saved.name - 1] == 0;
+}
+
+}  // namespace
+
+std::vector<uint8_t> Anchors::save() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<uint8_t> bytes;
+  for (const Anchor& anchor : anchors_) {
+    Saved saved{};
+    saved.kind = anchor.kind, saved.height_above = anchor.height_above, saved.sigma_m = anchor.sigma_m;
+    anchor.name.copy(saved.name, kMostName);
+    Quaterniond q = anchor.T_n_a.q;
+    if (anchor.hangs == Hangs::on_earth) {
+      saved.hangs = kSavedOnEarth;
+      std::copy(anchor.geodetic.begin(), anchor.geodetic.end(), saved.geodetic);
+      q = anchor.q;
+    } else if (!placed_) {
+      continue;  // no later session could find it
+    } else if (geodesy_.has_origin()) {
+      saved.hangs = kSavedOnEarth;
+      const auto geodetic = geodesy_.to_geodetic(array(anchor.T_n_a.p));
+      std::copy(geodetic.begin(), geodetic.end(), saved.geodetic);
+      q = axes_at(geodetic).conjugate() * q;
+      saved.sigma_m = std::sqrt(largest_variance(anchor.covariance));
+    } else {
+      saved.hangs = kSavedInN;
+      Vector3d::Map(saved.p) = anchor.T_n_a.p;
+      saved.sigma_m = std::sqrt(largest_variance(anchor.covariance));
+    }
+    saved.q[0] = q.w(), saved.q[1] = q.x(), saved.q[2] = q.y(), saved.q[3] = q.z();
+    const auto* from = reinterpret_cast<const uint8_t*>(&saved);
+    bytes.insert(bytes.end(), from, from + sizeof saved);
+  }
+  return bytes;
+}
+
+bool Anchors::load(std::span<const uint8_t> blob) {
+  if (blob.size() % sizeof(Saved) != 0) return false;
+  std::vector<Saved> all(blob.size() / sizeof(Saved));
+  if (!blob.empty()) std::memcpy(all.data(), blob.data(), blob.size());
+  const std::lock_guard lock(mutex_);
+  if (!std::all_of(all.begin(), all.end(), sound) || anchors_.size() + all.size() > p_.most) return false;
+  for (const Saved& saved : all) {
+    odo_anchor_place place{};
+    place.kind = saved.kind;
+    place.name = {saved.name, std::strlen(saved.name)};
+    std::copy(saved.q, saved.q + 4, place.q);
+    Anchor& anchor = add(place, saved.hangs == kSavedOnEarth ? Hangs::on_earth : Hangs::in_n);
+    std::copy(saved.geodetic, saved.geodetic + 3, anchor.geodetic.begin());
+    anchor.T_n_a = {anchor.q, Vector3d(saved.p)};
+    anchor.height_above = saved.height_above;
+    anchor.sigma_m = saved.sigma_m;
+    anchor.why_not = ODO_REASON_NO_FIX;
+  }
+  return true;
+}
+
+}  // namespace odograph

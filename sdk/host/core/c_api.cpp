@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The C API: argument checks and the guard that lets no exception out; everything else is Session.
+#include <odograph/anchor.h>
+#include <odograph/layout.h>
+#include <odograph/odograph.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <new>
+
+#include "sdk/host/base/nearest.hpp"
+#include "sdk/host/base/version.hpp"
+#include "sdk/host/core/c_guard.hpp"
+#include "sdk/host/core/session.hpp"
+#include "sdk/host/plugin_host/breadcrumb.hpp"
+
+struct odo_session {
+  std::unique_ptr<odograph::Session> session;
+};
+
+namespace {
+
+using odograph::fail;
+using odograph::Failure;
+using odograph::guarded;
+
+std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
+
+int32_t create(const odo_session_options& options, odo_session** out, odo_error* error) {
+  const std::string path = text(options.config_path), config_text = text(options.config_text);
+  if (path.empty() == config_text.empty())
+    return fail(error, {ODO_E_ARGUMENT, "expected exactly one of config_path and config_text"});
+  std::vector<std::filesystem::path> directories;
+  if (ODO_HAS(&options, plugin_path))
+    for (const auto& part : odograph::split(text(options.plugin_path), ':')) directories.emplace_back(part);
+  auto config = path.empty() ? odograph::read_pipeline_config(config_text, "<text>", directories)
+                             : odograph::read_pipeline_config_file(path, directories);
+  if (!config) return fail(error, config.failure());
+  std::vector<std::filesystem::path> assets = {path.empty() ? std::filesystem::current_path()
+                                                            : std::filesystem::absolute(path).parent_path()};
+  if (ODO_HAS(&options, asset_path))
+    for (const auto& part : odograph::split(text(options.asset_path), ':'))
+      assets.push_back(std::filesystem::absolute(part));
+  if (!ODO_HAS(&options, flags) || !(options.flags & ODO_SESSION_NO_CRASH_NOTES)) odograph::name_culprits();
+  auto session = odograph::Session::make(std::move(*config), std::move(assets), options.run != ODO_RUN_REPLAY,
+                                         ODO_HAS(&options, seed) ? options.seed : 0);
+  if (!session) return fail(error, session.failure());
+  *out = new odo_session{std::move(*session)};
+  return ODO_OK;
+}
+
+int32_t get_pose(odo_session* session, uint32_t of, bool smooth, int64_t t_ns, odo_pose* pose) {
+  if (!session || !pose) return ODO_E_ARGUMENT;
+  const uint32_t size = pose->header.struct_size;
+  if (size < sizeof(odo_header)) return ODO_E_STRUCT_SIZE;
+  return guarded([&] {
+    odo_pose found{};
+    const int32_t status = session->session->pose_of(of, smooth, t_ns, found);
+    if (status != ODO_OK) return status;
+    found.header.struct_size = std::min<uint32_t>(size, sizeof found);
+    std::memcpy(static_cast<void*>(pose), &found, found.header.struct_size);
+    return status;
+  });
+}
+
+}  // namespace
+
+extern "C" {
+
+int32_t odo_session_create(const odo_session_options* options, odo_session** session, odo_error* error) {
+  if (session) *session = nullptr;
+  if (!options || !session) return fail(error, {ODO_E_ARGUMENT, "options and session must not be null"});
+  if (options->struct_size < ODO_SESSION_OPTIONS_SIZE_MIN)
+    return fail(error, {ODO_E_STRUCT_SIZE, "odo_session_options.struct_size = " + std::to_string(options->struct_size) +
+                                               "; expected at least " + std::to_string(ODO_SESSION_OPTIONS_SIZE_MIN)});
+  return guarded([&] { return create(*options, session, error); });
+}
+
+void odo_session_destroy(odo_session* session) { delete session; }
+
+int32_t odo_session_push(odo_session* session, const odo_header* sample) {
+  if (!session || !sample) return ODO_E_ARGUMENT;
+  if (sample->struct_size < sizeof(odo_header)) return ODO_E_STRUCT_SIZE;
+  return guarded([&] { return session->session->push(*sample); });
+}
+
+int32_t odo_session_push_imu(odo_session* session, int64_t t_ns, const double* gyro_b, const double* accel_b) {
+  if (!session || !gyro_b || !accel_b) return ODO_E_ARGUMENT;
+  auto imu = odograph::make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
+  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+  std::copy(gyro_b, gyro_b + 3, imu.gyro_b);
+  std::copy(accel_b, accel_b + 3, imu.accel_b);
+  return guarded([&] { return session->session->push(imu.header); });
+}
+
+uint64_t odo_current_plugin_call(char* text, uint64_t capacity) {
+  return text ? odograph::current_plugin_call(text, static_cast<size_t>(capacity)) : 0;
+}
+
+int32_t odo_session_flush(odo_session* session) {
+  return session ? guarded([&] { return session->session->flush(); }) : ODO_E_ARGUMENT;
+}
+
+int32_t odo_session_get_pose(odo_session* session, int64_t t_ns, odo_pose* pose) {
+  return get_pose(session, ODO_OF_PIPELINE, false, t_ns, pose);
+}
+
+int32_t odo_session_get_smooth_pose(odo_session* session, int64_t t_ns, odo_pose* pose) {
+  return get_pose(session, ODO_OF_PIPELINE, true, t_ns, pose);
+}
+
+int32_t odo_session_get_pose_of(odo_session* session, uint32_t of, uint32_t smooth, int64_t t_ns, odo_pose* pose) {
+  return get_pose(session, of, smooth != 0, t_ns, pose);
+}
+
+int32_t odo_session_set_callback(odo_session* session, const uint32_t* types, uint32_t count, odo_callback callback,
+                                 void* user) {
+  const bool all = !types && count == ODO_ALL_EVENTS;
+  if (!session || (count > 0 && !types && !all)) return ODO_E_ARGUMENT;
+  return guarded([&] {
+    odograph::TypeSet wanted;
+    for (uint32_t i = 0; i < count && !all; ++i) wanted.add(types[i]);
+    session->session->set_callback(all ? odograph::TypeSet::all() : wanted, callback, user);
+    return ODO_OK;
+  });
+}
+
+int32_t odo_session_get_statistics(odo_session* session, odo_statistics* statistics) {
+  if (!session || !statistics) return ODO_E_ARGUMENT;
+  if (statistics->struct_size < ODO_STATISTICS_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  return guarded([&] { return session->session->statistics(*statistics), ODO_OK; });
+}
+
+int32_t odo_session_last_error(odo_session* session, odo_error* error) {
+  if (!session || !error) return ODO_E_ARGUMENT;
+  if (error->struct_size < ODO_ERROR_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  return guarded([&] { return session->session->last_error(*error); });
+}
+
+int32_t odo_session_to_geodetic(odo_session* session, const double* p_n, double* geodetic) {
+  if (!session || !p_n || !geodetic) return ODO_E_ARGUMENT;
+  return guarded([&] { return session->session->to_geodetic(p_n, geodetic); });
+}
+
+int32_t odo_session_from_geodetic(odo_session* session, const double* geodetic, double* p_n) {
+  if (!session || !p_n || !geodetic) return ODO_E_ARGUMENT;
+  return guarded([&] { return session->session->from_geodetic(geodetic, p_n); });
+}
+
+int64_t odo_session_save(odo_session* session, void* data, uint64_t capacity) {
+  if (!session || (capacity > 0 && !data)) return ODO_E_ARGUMENT;
+  int64_t size = 0;
+  const int32_t status = guarded([&] { return size = session->session->save(data, capacity), ODO_OK; });
+  return status < 0 ? status : size;
+}
+
+int32_t odo_session_load(odo_session* session, const void* data, uint64_t size) {
+  if (!session || !data) return ODO_E_ARGUMENT;
+  return guarded([&] { return session->session->load(data, size); });
+}
+
+int32_t odo_anchor_create(odo_session* session, const odo_anchor_place* place, uint64_t* id) {
+  if (id) *id = 0;
+  if (!session || !place || !id) return ODO_E_ARGUMENT;
+  if (place->struct_size < ODO_ANCHOR_PLACE_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  return guarded([&] { return session->session->create_anchor(*place, *id); });
+}
+
+int32_t odo_anchor_get(odo_session* session, uint64_t id, uint32_t world, int64_t t_ns, odo_anchor* anchor) {
+  if (!session || !anchor) return ODO_E_ARGUMENT;
+  const uint32_t size = anchor->struct_size;
+  if (size < ODO_ANCHOR_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  return guarded([&] {
+    odo_anchor found{};
+    const int32_t status = session->session->anchor(id, world, t_ns, found);
+    if (status != ODO_OK) return status;
+    found.struct_size = std::min<uint32_t>(size, sizeof found);
+    std::memcpy(static_cast<void*>(anchor), &found, found.struct_size);
+    return status;
+  });
+}
+
+int64_t odo_anchor_list(odo_session* session, uint64_t* ids, uint64_t capacity) {
+  if (!session || (capacity > 0 && !ids)) return ODO_E_ARGUMENT;
+  int64_t count = 0;
+  const int32_t status = guarded([&] {
+    const auto all = session->session->anchor_ids();
+    std::copy_n(all.begin(), std::min<uint64_t>(capacity, all.size()), ids);
+    count = static_cast<int64_t>(all.size());
+    return ODO_OK;
+  });
+  return status < 0 ? status : count;
+}
+
+int32_t odo_anchor_remove(odo_session* session, uint64_t id) {
+  return session ? guarded([&] { return session->session->remove_anchor(id); }) : ODO_E_ARGUMENT;
+}
+
+const char* odo_version(void) { return odograph::kVersion; }
+uint32_t odo_abi_version(void) { return ODO_ABI_MAJOR << 16 | ODO_ABI_MINOR; }
+
+const char* odo_status_text(int32_t status) {
+  switch (status) {
+    case ODO_OK: return "ok";
+    case ODO_NOT_READY: return "not ready yet";
+    case ODO_E_ARGUMENT: return "bad argument";
+    case ODO_E_DISCARD: return "input discarded";
+    case ODO_E_EXHAUSTED: return "quota or buffer exhausted";
+    case ODO_E_UNSUPPORTED: return "not supported";
+    case ODO_E_STRUCT_SIZE: return "struct too small";
+    case ODO_E_VERSION: return "no common ABI version";
+    case ODO_E_STATE: return "called in the wrong state";
+    case ODO_E_CONFIG: return "configuration refused";
+    case ODO_E_NOT_FOUND: return "not found";
+    case ODO_E_DATA: return "damaged data";
+    case ODO_E_MEMORY: return "out of memory";
+    case ODO_E_ERROR: return "error";
+    case ODO_E_FATAL: return "fatal error";
+    default: return "unknown status";
+  }
+}
+
+const char* odo_state_text(uint32_t state) {
+  static const char* const texts[] = {"none", "tracking", "degraded", "lost"};
+  return state < 4 ? texts[state] : "unknown";
+}
+
+const char* odo_reason_text(uint32_t reason) {
+  static const char* const texts[] = {"",
+                                      "initialising",
+                                      "too dark",
+                                      "moving too fast",
+                                      "too few features",
+                                      "no parallax",
+                                      "no steps yet",
+                                      "sensor silent",
+                                      "plugin failed",
+                                      "no scale yet",
+                                      "no position fix yet",
+                                      "no ground known there"};
+  return reason < 12 ? texts[reason] : "unknown";
+}
+
+const char* odo_mode_text(uint32_t mode) {
+  static const char* const texts[] = {"unknown",        "static", "walking_texting", "walking_swinging",
+                                      "walking_pocket", "stairs", "running",         "handling"};
+  return mode < 8 ? texts[mode] : "unknown";
+}
+
+}  // extern "C"

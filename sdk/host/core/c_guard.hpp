@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What every function of the C API does at the border: no exception leaves, and a failure is told.
+#pragma once
+
+#include <cstdio>
+#include <new>
+
+#include <odograph/messages.h>
+
+#include "sdk/host/base/result.hpp"
+
+namespace odograph {
+
+/// What `work` returns; a status where it throws.
+template <class Work>
+int32_t guarded(Work&& work) noexcept {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return ODO_E_MEMORY;
+  } catch (...) {
+    return ODO_E_ERROR;
+  }
+}
+
+/// The failure's status, with its text in `error` where the caller gave one.
+inline int32_t fail(odo_error* error, const Failure& failure) {
+  if (error && error->struct_size >= ODO_ERROR_SIZE_MIN) {
+    error->status = failure.status;
+    std::snprintf(error->message, sizeof error->message, "%s", failure.text.c_str());
+  }
+  return failure.status;
+}
+
+}  // namespace odograph

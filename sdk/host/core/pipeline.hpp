@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sdk/host/base/geodesy.hpp"
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/core/anchors.hpp"
+#include "sdk/host/core/event_queue.hpp"
+#include "sdk/host/core/pose_stream.hpp"
+#include "sdk/host/core/scale_join.hpp"
+#include "sdk/host/core/sensor_watch.hpp"
+#include "sdk/host/estimator/estimator.hpp"
+#include "sdk/host/messages/imu_joiner.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
+
+namespace odograph {
+
+/// Sensors -> plugins -> estimator -> pose. Takes messages in order of time and publishes every event. A sample goes to
+/// the plugins that want it, one after the other; what each of them answers is copied into one queue and handled, first
+/// in, first out, before the next one is asked. One thread at a time; output depends on the messages, the config and
+/// the seed alone.
+///
+/// Of attitudes, steps, modes and motions several plugins may give: those of the first that is alive, in the config's
+/// order, are used, the others' are published alone. Scales of several sources are joined (see ScaleJoin), all fixes
+/// used.
+class Pipeline {
+ public:
+  using Publish = std::function<void(const odo_header&)>;
+
+  struct Parameters {
+    size_t events_per_sample = 512;  ///< twice what one call of a plugin may emit; a walk gives fewer than ten
+  };
+
+  struct Counters {
+    uint64_t frames = 0, steps = 0, fixes_accepted = 0, fixes_rejected = 0, events_dropped = 0, unknown = 0;
+    double state_s[4] = {0, 0, 0, 0};  // by ODO_TRACKING ...
+  };
+
+  /// What a pipeline works with; outlives it.
+  struct Surroundings {
+    HostServices& host;
+    Geodesy& geodesy;
+    PoseStream& poses;        ///< gets every pose, attitude and state
+    Anchors& anchors;         ///< follow the estimate
+    std::mutex& world_mutex;  ///< held while a correction moves poses and anchors
+  };
+
+  /// Loads and starts the plugins. `publish` is called for every event, within process.
+  static Result<std::unique_ptr<Pipeline>> make(const PipelineConfig& config, const Surroundings& surroundings,
+                                                Publish publish);
+
+  void process(const odo_header& message);
+  /// Starts anew, for a sensor clock that was set back. Geodetic origin, counters and calibrations stay.
+  void reset();
+
+  /// What the plugins have learnt and want to keep, as a blob of this host's (docs/embed.md).
+  std::vector<uint8_t> save() const;
+  /// Gives each plugin what it saved; other plugins' parts are passed over. A failure says what is wrong; nothing is
+  /// changed where the blob itself is damaged.
+  Result<bool> load(std::span<const uint8_t> blob);
+
+  const Counters& counters() const { return counters_; }
+  uint64_t plugin_faults() const;
+  uint64_t gaps() const { return watch_.gaps(); }
+  double distance_m() const { return estimator_->distance_m(); }
+  ScaleKnowledge scale_knowledge() const { return estimator_->scale_knowledge(); }
+
+ private:
+  Pipeline(const PipelineConfig& config, const Surroundings& surroundings, Publish publish);
+
+  // pipeline.cpp: from samples to the estimator
+  void on_imu(const odo_imu& imu);
+  void ask(const odo_header& message);
+  void tell(const odo_header& event);
+  void take(PluginInstance& plugin, const odo_header& message);
+  void describe_sensors_to(PluginInstance& plugin);
+  void enqueue(const AnyMessage& event);
+  bool in_use(const odo_header& event) const;
+  void handle_events();
+  void handle(AnyMessage& event);
+  void on_attitude(const odo_attitude& attitude);
+  void on_vo_motion(odo_vo_motion& motion);
+  void on_fix(odo_fix& fix);
+  void tell_notice();
+  void on_scale(odo_scale& scale);
+  void publish_scale(odo_scale& scale, bool accepted);
+  const odo_scale* scale_for(const odo_vo_motion& motion);
+  void remember(const odo_header& description);
+
+  // pipeline_output.cpp: from the estimator to who listens
+  void publish_estimates();
+  void publish_pose(odo_pose pose, bool is_new);
+  void publish_correction(const Correction& correction, const odo_pose& corrected);
+  void publish_restart(const odo_pose& pose);
+  void correct_world(int64_t t_ns, const Rigid& correction);
+  std::optional<double> ground_at(double north_m, double east_m, double near_down_m) const;
+  void tell_stream(const odo_pose& pose);
+  bool sensor_silent() const;
+  void watch_silence();
+  void set_state(int64_t t_ns, uint32_t state, uint32_t reason);
+  bool any_dead() const;
+
+  bool gives(uint32_t type) const;
+  std::vector<std::string> state_names() const;
+
+  std::vector<std::unique_ptr<PluginInstance>> plugins_;  // in the order of their numbers, from 1
+  std::vector<PluginInstance*> asked_;                    // the same in the order in which they are asked
+  std::vector<PluginInstance*> scales_;                   // the scale sources
+  bool has_attitude_ = false, has_vo_ = false;
+  bool gives_poses_to_ = false, gives_corrections_to_ = false;  // some plugin wants them
+  std::unique_ptr<Estimator> estimator_;
+  HostServices& host_;
+  Geodesy& geodesy_;
+  PoseStream& poses_;
+  Anchors& anchors_;
+  std::mutex& world_mutex_;
+  EventQueue events_;
+  ImuJoiner joiner_;
+  SensorWatch watch_;
+  Publish publish_;
+  Counters counters_;
+  std::vector<AnyMessage> descriptions_;  // the newest calibration of each camera, the newest noise of each IMU
+  ScaleJoin scale_join_;
+  double odometry_covariance_ = 1;  ///< factor on what a front-end says
+  const bool steps_alone_need_heading_;
+  std::optional<odo_vo_motion> inertial_motion_;  // the newest motion, where it tells velocity and biases
+  std::optional<odo_pose> before_restart_;
+  odo_pose last_pose_{};
+  int64_t last_pose_ns_ = INT64_MIN;
+  bool camera_knows_bias_ = false;
+  uint32_t state_ = 0;
+  uint32_t reason_ = ODO_REASON_INITIALISING;
+  int64_t state_since_ns_ = 0;
+};
+
+}  // namespace odograph

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the plugins have learnt, and the anchors, as a blob: "ODOSTATE", u32 version, u32 parts; of each part u32 and
+// u64 lengths, the interface and the plugin's id as "interface plugin" (behind it " #2" for the second of the kind),
+// and its bytes; at last a u64 FNV-1a of all before. Little-endian.
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "sdk/host/core/pipeline.hpp"
+
+namespace odograph {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the blob is written as the machine has its numbers");
+
+constexpr char kMagic[] = {'O', 'D', 'O', 'S', 'T', 'A', 'T', 'E'};
+constexpr uint32_t kVersion = 1;
+constexpr char kAnchors[] = "host anchors/1";  // the part of the host's own
+
+uint64_t fnv1a(std::span<const uint8_t> bytes) {
+  uint64_t hash = 14695981039346656037u;
+  for (const uint8_t byte : bytes) hash = (hash ^ byte) * 1099511628211u;
+  return hash;
+}
+
+template <class T>
+void put(std::vector<uint8_t>& blob, const T& value) {
+  const auto* bytes = reinterpret_cast<const uint8_t*>(&value);
+  blob.insert(blob.end(), bytes, bytes + sizeof value);
+}
+
+/// Takes from the front; false where there is not enough.
+class Reader {
+ public:
+  explicit Reader(std::span<const uint8_t> bytes) : left_(bytes) {}
+  template <class T>
+  bool get(T& value) {
+    if (left_.size() < sizeof value) return false;
+    std::memcpy(&value, left_.data(), sizeof value);
+    left_ = left_.subspan(sizeof value);
+    return true;
+  }
+  bool get(std::span<const uint8_t>& bytes, uint64_t size) {
+    if (left_.size() < size) return false;
+    bytes = left_.first(static_cast<size_t>(size));
+    left_ = left_.subspan(static_cast<size_t>(size));
+    return true;
+  }
+  bool empty() const { return left_.empty(); }
+
+ private:
+  std::span<const uint8_t> left_;
+};
+
+struct Part {
+  std::string name;
+  std::span<const uint8_t> data;
+};
+
+std::optional<std::vector<Part>> parts_of(std::span<const uint8_t> blob) {
+  if (blob.size() < sizeof kMagic + 16 || std::memcmp(blob.data(), kMagic, sizeof kMagic) != 0) return {};
+  const auto body = blob.first(blob.size() - 8);
+  uint64_t hash = 0;
+  std::memcpy(&hash, blob.data() + body.size(), sizeof hash);
+  if (hash != fnv1a(body)) return {};
+  Reader reader(body.subspan(sizeof kMagic));
+  uint32_t version = 0, count = 0;
+  if (!reader.get(version) || version != kVersion || !reader.get(count)) return {};
+  std::vector<Part> parts;
+  for (uint32_t i = 0; i < count; ++i) {
+    uint32_t name_size = 0;
+    uint64_t data_size = 0;
+    std::span<const uint8_t> name, data;
+    if (!reader.get(name_size) || !reader.get(data_size) || !reader.get(name, name_size) ||
+        !reader.get(data, data_size))
+      return {};
+    parts.push_back({{name.begin(), name.end()}, data});
+  }
+  if (!reader.empty()) return {};
+  return parts;
+}
+
+}  // namespace
+
+/// Of each plugin "interface id", and where that has been before " #2" and so on behind it.
+std::vector<std::string> Pipeline::state_names() const {
+  std::vector<std::string> names;
+  for (const auto& plugin : plugins_) {
+    const std::string plain = plugin->interface_id() + " " + plugin->id();
+    const auto same = [&](const std::string& name) { return name == plain || name.starts_with(plain + " #"); };
+    const auto before = std::count_if(names.begin(), names.end(), same);
+    names.push_back(before == 0 ? plain : plain + " #" + std::to_string(before + 1));
+  }
+  return names;
+}
+
+std::vector<uint8_t> Pipeline::save() const {
+  std::vector<uint8_t> parts, blob(std::begin(kMagic), std::end(kMagic));
+  uint32_t count = 0;
+  const auto names = state_names();
+  for (size_t i = 0; i < plugins_.size(); ++i) {
+    const auto data = plugins_[i]->save();
+    if (data.empty()) continue;
+    const std::string& name = names[i];
+    put(parts, static_cast<uint32_t>(name.size()));
+    put(parts, static_cast<uint64_t>(data.size()));
+    parts.insert(parts.end(), name.begin(), name.end());
+    parts.insert(parts.end(), data.begin(), data.end());
+    ++count;
+  }
+  if (const auto anchors = anchors_.save(); !anchors.empty()) {
+    put(parts, static_cast<uint32_t>(sizeof kAnchors - 1));
+    put(parts, static_cast<uint64_t>(anchors.size()));
+    parts.insert(parts.end(), kAnchors, kAnchors + sizeof kAnchors - 1);
+    parts.insert(parts.end(), anchors.begin(), anchors.end());
+    ++count;
+  }
+  put(blob, kVersion);
+  put(blob, count);
+  blob.insert(blob.end(), parts.begin(), parts.end());
+  put(blob, fnv1a(blob));
+  return blob;
+}
+
+Result<bool> Pipeline::load(std::span<const uint8_t> blob) {
+  const auto parts = parts_of(blob);
+  if (!parts) return Failure{ODO_E_DATA, "what was to be loaded is not a saved state, or it is damaged"};
+  std::string refused;
+  const auto names = state_names();
+  for (const Part& part : *parts)
+    for (size_t i = 0; i < plugins_.size(); ++i)
+      if (names[i] == part.name && !plugins_[i]->load(part.data)) refused += " " + plugins_[i]->id();
+  for (const Part& part : *parts)
+    if (part.name == kAnchors && !anchors_.load(part.data)) refused += " anchors";
+  if (!refused.empty()) return Failure{ODO_E_DATA, "saved state not taken by:" + refused};
+  return true;
+}
+
+}  // namespace odograph

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The C API of recordings: argument checks and the guard that lets no exception out.
+#include <odograph/messages.h>
+#include <odograph/recording.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <new>
+
+#include "sdk/host/core/c_guard.hpp"
+#include "sdk/host/messages/record_file.hpp"
+
+struct odo_recording {
+  odograph::RecordReader reader;
+  struct Place {
+    int64_t t_ns;
+    uint64_t payload_offset;
+  };
+  std::vector<Place> places;  // in the order of time
+  size_t next = 0;
+  odograph::AnyMessage message;
+};
+
+struct odo_recorder {
+  odograph::RecordWriter writer;
+  bool good = true;
+};
+
+namespace {
+
+using odograph::fail;
+using odograph::Failure;
+using odograph::guarded;
+
+int32_t open(const std::filesystem::path& path, odo_recording** out, odo_error* error) {
+  auto reader = odograph::RecordReader::open(path);
+  if (!reader) return fail(error, reader.failure());
+  auto recording = std::make_unique<odo_recording>(odo_recording{std::move(*reader), {}, 0, {}});
+  std::span<const unsigned char> picture;
+  while (recording->reader.next())
+    if (recording->reader.message(recording->message, picture))
+      recording->places.push_back({recording->message.header().t_ns, recording->reader.payload_offset()});
+  if (recording->places.empty()) return fail(error, {ODO_E_DATA, path.string() + ": no whole message in it"});
+  std::stable_sort(recording->places.begin(), recording->places.end(),
+                   [](const auto& a, const auto& b) { return a.t_ns < b.t_ns; });
+  *out = recording.release();
+  return ODO_OK;
+}
+
+std::filesystem::path path_of(const odo_string& text) { return std::string(text.data, text.size); }
+
+}  // namespace
+
+extern "C" {
+
+int32_t odo_recording_open(const odo_string* path, odo_recording** recording, odo_error* error) {
+  if (recording) *recording = nullptr;
+  if (!path || !path->data || !recording) return fail(error, {ODO_E_ARGUMENT, "path and recording must not be null"});
+  return guarded([&] { return open(path_of(*path), recording, error); });
+}
+
+int32_t odo_recording_next(odo_recording* recording, const odo_header** message, const void** picture,
+                           uint64_t* picture_size) {
+  if (!recording || !message) return ODO_E_ARGUMENT;
+  *message = nullptr;
+  if (picture) *picture = nullptr;
+  if (picture_size) *picture_size = 0;
+  if (recording->next >= recording->places.size()) return ODO_NOT_READY;
+  return guarded([&]() -> int32_t {
+    recording->reader.go_to(recording->places[recording->next++].payload_offset);
+    std::span<const unsigned char> bytes;
+    if (!recording->reader.next() || !recording->reader.message(recording->message, bytes)) return ODO_E_DATA;
+    *message = &recording->message.header();
+    if (picture && !bytes.empty()) *picture = bytes.data();
+    if (picture_size) *picture_size = bytes.size();
+    return ODO_OK;
+  });
+}
+
+int32_t odo_recording_loss(odo_recording* recording, odo_error* loss) {
+  if (!recording || !loss) return ODO_E_ARGUMENT;
+  if (loss->struct_size < ODO_ERROR_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  return guarded([&]() -> int32_t {
+    const std::string text = recording->reader.loss().text();
+    return odograph::fail(loss, {text.empty() ? ODO_OK : ODO_E_DATA, text});
+  });
+}
+
+void odo_recording_close(odo_recording* recording) { delete recording; }
+
+int32_t odo_recorder_create(const odo_string* path, odo_recorder** recorder, odo_error* error) {
+  if (recorder) *recorder = nullptr;
+  if (!path || !path->data || !recorder) return fail(error, {ODO_E_ARGUMENT, "path and recorder must not be null"});
+  return guarded([&]() -> int32_t {
+    auto writer = odograph::RecordWriter::create(path_of(*path));
+    if (!writer) return fail(error, writer.failure());
+    *recorder = new odo_recorder{std::move(*writer)};
+    return ODO_OK;
+  });
+}
+
+int32_t odo_recorder_write(odo_recorder* recorder, const odo_header* message, const void* picture,
+                           uint64_t picture_size) {
+  if (!recorder || !message || message->type == 0 || (picture_size > 0 && !picture)) return ODO_E_ARGUMENT;
+  if (message->struct_size < sizeof *message) return ODO_E_STRUCT_SIZE;
+  return guarded([&]() -> int32_t {
+    odograph::AnyMessage copy;
+    if (!copy.assign(*message)) return ODO_E_STRUCT_SIZE;
+    const auto* bytes = static_cast<const unsigned char*>(picture);
+    const bool written = recorder->writer.write(copy.header(), {bytes, static_cast<size_t>(picture_size)});
+    recorder->good = recorder->good && written;
+    return written ? ODO_OK : ODO_E_DATA;
+  });
+}
+
+int32_t odo_recorder_close(odo_recorder* recorder) {
+  if (!recorder) return ODO_OK;
+  bool good = recorder->good;
+  if (good) good = guarded([&] { return recorder->writer.finish() ? ODO_OK : ODO_E_DATA; }) == ODO_OK;
+  if (!good) recorder->writer.abandon();  // what did reach the disk is worth more than room on it
+  delete recorder;
+  return good ? ODO_OK : ODO_E_DATA;
+}
+
+}  // extern "C"

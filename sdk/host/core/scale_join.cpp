@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/core/scale_join.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odograph {
+
+bool ScaleJoin::holds(const odo_scale& scale) const {
+  return scale.scale_group == group_ && scale.valid_from_ns < t_ns_ && t_ns_ <= scale.valid_to_ns;
+}
+
+bool ScaleJoin::note(size_t source, const odo_scale& scale) {
+  newest_[source] = scale;
+  return t_ns_ == INT64_MIN || (scale.scale_group == group_ && scale.valid_to_ns > t_ns_);
+}
+
+void ScaleJoin::begin(const odo_vo_motion& motion) {
+  t_ns_ = motion.header.t_ns;
+  group_ = motion.scale_group;
+  found_.assign(newest_.size(), std::nullopt);
+  for (size_t i = 0; i < newest_.size(); ++i)
+    if (newest_[i] && holds(*newest_[i])) found_[i] = newest_[i];
+}
+
+bool ScaleJoin::answer(size_t source, const odo_scale& scale) {
+  const bool later = note(source, scale);
+  if (!holds(scale)) return later;
+  found_[source] = scale;
+  return true;
+}
+
+void ScaleJoin::reset() {
+  newest_.assign(newest_.size(), std::nullopt);
+  t_ns_ = INT64_MIN;
+}
+
+const odo_scale* ScaleJoin::joined() {
+  const odo_scale* first = nullptr;
+  double weights = 0, weighted_logs = 0;
+  int joined = 0;
+  for (const auto& found : found_) {
+    if (!found) continue;
+    if (!first) first = &*found;
+    // A horizontal scale and one of all three components do not speak of the same.
+    const bool alike = ((found->header.flags ^ first->header.flags) & ODO_SCALE_HORIZONTAL) == 0;
+    if (!alike || !(found->metres_per_unit > 0) || !(found->sigma > 0)) continue;
+    const double relative = found->sigma / found->metres_per_unit, weight = 1 / (relative * relative);
+    weights += weight;
+    weighted_logs += weight * std::log(found->metres_per_unit);
+    ++joined;
+  }
+  if (!first) return nullptr;
+  joined_ = *first;
+  if (joined < 2) return &joined_;
+  joined_.metres_per_unit = std::exp(weighted_logs / weights);
+  joined_.sigma = joined_.metres_per_unit / std::sqrt(weights);
+  for (const auto& found : found_) {
+    if (!found) continue;
+    joined_.header.flags &= found->header.flags | ODO_SCALE_HORIZONTAL;
+    joined_.valid_from_ns = std::max(joined_.valid_from_ns, found->valid_from_ns);
+    joined_.valid_to_ns = std::min(joined_.valid_to_ns, found->valid_to_ns);
+  }
+  return &joined_;
+}
+
+}  // namespace odograph

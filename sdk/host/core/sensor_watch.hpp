@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include <odograph/types.h>
+
+#include "sdk/host/base/saturating.hpp"
+
+namespace odograph {
+
+/// Notices when a sensor that used to speak falls silent, in sensor time.
+class SensorWatch {
+ public:
+  explicit SensorWatch(double max_gap_s) : max_gap_ns_(static_cast<int64_t>(max_gap_s * 1e9)) {}
+
+  /// Call with every message in order.
+  void see(const odo_header& message) {
+    if (message.t_ns > now_ns_) now_ns_ = message.t_ns;
+    if (message.type == ODO_TYPE_IMU) see(imu_ns_, message.t_ns);
+    if (message.type == ODO_TYPE_FRAME) see(frame_ns_, message.t_ns);
+  }
+  bool imu_silent() const { return silent(imu_ns_); }
+  bool camera_silent() const { return silent(frame_ns_); }
+  /// True when a time (INT64_MIN: none) is not further back than a sensor's pause may be.
+  bool recent(int64_t t_ns) const { return t_ns != INT64_MIN && saturating_difference(now_ns_, t_ns) <= max_gap_ns_; }
+  int64_t now_ns() const { return now_ns_; }
+  uint64_t gaps() const { return gaps_; }
+  void reset() { imu_ns_ = frame_ns_ = now_ns_ = INT64_MIN; }
+
+ private:
+  void see(int64_t& last_ns, int64_t t_ns) {
+    if (last_ns != INT64_MIN && saturating_difference(t_ns, last_ns) > max_gap_ns_) ++gaps_;
+    last_ns = t_ns;
+  }
+  bool silent(int64_t last_ns) const {
+    return last_ns != INT64_MIN && saturating_difference(now_ns_, last_ns) > max_gap_ns_;
+  }
+
+  int64_t max_gap_ns_;
+  int64_t imu_ns_ = INT64_MIN, frame_ns_ = INT64_MIN, now_ns_ = INT64_MIN;
+  uint64_t gaps_ = 0;
+};
+
+}  // namespace odograph

@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/core/session.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "sdk/host/base/saturating.hpp"
+#include "sdk/host/config/runs_processes.hpp"
+
+namespace odograph {
+
+Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
+                                               bool live, uint64_t seed) {
+  std::unique_ptr<Session> session(new Session(std::move(config), std::move(assets), live, seed));
+  session->hang_watch_ = std::make_unique<HangWatch>(session->host_);
+  auto pipeline = Pipeline::make(
+      session->config_, {session->host_, session->geodesy_, session->poses_, session->anchors_, session->world_mutex_},
+      [raw = session.get()](const odo_header& event) { raw->publish(event); });
+  if (!pipeline) {
+    Failure failure = pipeline.failure();
+    if (session->errors_ > 0) failure.text += std::string("; ") + session->last_error_.message;
+    return failure;
+  }
+  session->pipeline_ = std::move(*pipeline);
+  if (const auto& camera = session->config_.camera) {
+    session->note_timing(*camera);
+    session->order_.expect_camera();
+    session->pipeline_->process(camera->header);
+  }
+  session->publish_progress();
+  if (live) session->thread_ = std::thread([raw = session.get()] { raw->work(); });
+  return session;
+}
+
+Session::Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed)
+    : config_(std::move(config)),
+      live_(live),
+      host_(seed, std::move(assets), [this](const Report& report) { reported(report); }),
+      frames_(config_.ordering.frames, runs_processes(config_) ? &host_.shared_pixels() : nullptr),
+      order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {}
+
+Session::~Session() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  work_waiting_.notify_all();
+  if (thread_.joinable()) thread_.join();
+  OwnedMessage waiting;
+  while (order_.drain(waiting)) {
+  }
+  waiting.release();
+  pipeline_.reset();  // before the frame store: plugins may hold frames
+}
+
+int32_t Session::push(const odo_header& sample) {
+  ++intake_.pushed;
+  OwnedMessage message;
+  if (const int32_t status = take(sample, message); status < 0) return status;
+  const int32_t status = enqueue(std::move(message));
+  if (live_) return status;
+  Lock lock(mutex_);
+  if (turn_taken_ || stopping_)
+    return status;  // who has the turn processes this too; within a callback it is this very thread
+  const Turn turn(*this, lock);
+  process_waiting(lock, INT64_MIN);
+  return status;
+}
+
+/// The sample as a message of the session's own, or why it is refused. What no one knows is taken: a plugin may.
+int32_t Session::take(const odo_header& sample, OwnedMessage& out) {
+  if (!is_input(sample.type))
+    return refuse_invalid(sample, ODO_E_ARGUMENT, "type = " + message_name(sample.type) + "; expected an input");
+  AnyMessage copy;
+  if (!copy.assign(sample)) {
+    const MessageInfo* info = message_info(sample.type);
+    return refuse_invalid(sample, ODO_E_STRUCT_SIZE,
+                          "struct_size = " + std::to_string(sample.struct_size) + "; expected " +
+                              std::to_string(info ? info->min_size : sizeof(odo_header)) + " to " +
+                              std::to_string(ODO_LARGEST_MESSAGE));
+  }
+  if (const std::string fault = message_fault(copy.header()); !fault.empty())
+    return refuse_invalid(sample, ODO_E_DISCARD, fault);
+  if (!gate_.within_range(copy.header())) return refuse_wild(sample, "outside the range of any such sensor");
+  return own(std::move(copy), out);
+}
+
+/// A frame is retained or copied, times are brought onto the IMU's clock.
+int32_t Session::own(AnyMessage&& sample, OwnedMessage& out) {
+  if (sample.header().type == ODO_TYPE_CALIBRATION) {
+    const odo_calibration calibration = with_own(copy_as<odo_calibration>(sample.header()));
+    note_timing(calibration);
+    out = OwnedMessage(calibration.header);
+    return ODO_OK;
+  }
+  if (sample.header().type == ODO_TYPE_FRAME) {
+    auto& frame = reinterpret_cast<odo_frame&>(sample.header());
+    if (const std::string fault = size_fault(frame); !fault.empty())
+      return refuse_invalid(frame.header, ODO_E_DISCARD, fault);
+    if (const int32_t status = frames_.adopt(frame); status == ODO_E_DISCARD) {
+      return refuse_invalid(frame.header, status, "a plane's row_stride is smaller than its row");
+    } else if (status < 0) {
+      ++intake_.overflow;
+      host_.report(0, ODO_SEVERITY_WARNING, "dropped_frame",
+                   "a sample of frame was dropped: all pictures that may be held are still in use: frames come faster "
+                   "than they are processed, or its retain refused",
+                   status);
+      return status;
+    }
+    put_timing(frame);
+  }
+  out = OwnedMessage(std::move(sample));
+  return ODO_OK;
+}
+
+int32_t Session::refuse_invalid(const odo_header& sample, int32_t status, const std::string& why) {
+  ++intake_.invalid;
+  const std::string name = message_name(sample.type);
+  host_.report(0, ODO_SEVERITY_WARNING, "invalid_" + name, "dropped a sample of " + name + ": " + why, status);
+  return status;
+}
+
+int32_t Session::refuse_wild(const odo_header& sample, const char* what) {
+  ++intake_.wild;
+  const std::string name = message_name(sample.type);
+  host_.report(0, ODO_SEVERITY_WARNING, "wild_" + name, "dropped a sample of " + name + ": " + what, ODO_E_DISCARD);
+  return ODO_E_DISCARD;
+}
+
+/// The config's camera stands above what is pushed; mount, time offset and row time only where the config has them.
+odo_calibration Session::with_own(const odo_calibration& pushed) const {
+  if (!config_.camera || config_.camera->id != pushed.id) return pushed;
+  odo_calibration own = *config_.camera;
+  own.header.t_ns = pushed.header.t_ns;
+  own.header.source = pushed.header.source;
+  if (!(own.header.flags & ODO_CALIBRATION_EXTRINSICS)) {
+    std::memcpy(own.q_b_c, pushed.q_b_c, sizeof own.q_b_c);
+    std::memcpy(own.p_b_c, pushed.p_b_c, sizeof own.p_b_c);
+    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_EXTRINSICS;
+  }
+  if (!(own.header.flags & ODO_CALIBRATION_TIME_OFFSET)) {
+    own.time_offset_ns = pushed.time_offset_ns;
+    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_TIME_OFFSET;
+  }
+  if (!(own.header.flags & ODO_CALIBRATION_LINE_TIME)) {
+    own.line_time_ns = pushed.line_time_ns;
+    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_LINE_TIME;
+  }
+  return own;
+}
+
+void Session::note_timing(const odo_calibration& calibration) {
+  const std::lock_guard lock(mutex_);
+  const uint32_t flags = calibration.header.flags;
+  const auto& own = config_.camera;
+  camera_timing_[calibration.id] = {
+      .width = calibration.width,
+      .height = calibration.height,
+      .offset_ns = flags & ODO_CALIBRATION_TIME_OFFSET ? calibration.time_offset_ns : 0,
+      .line_time_ns = calibration.line_time_ns,
+      .line_time = (flags & ODO_CALIBRATION_LINE_TIME) != 0,
+      .above_frames = own && own->id == calibration.id && (own->header.flags & ODO_CALIBRATION_LINE_TIME) != 0};
+  if (flags & ODO_CALIBRATION_EXTRINSICS)
+    mount_ = {Eigen::Quaterniond(calibration.q_b_c[0], calibration.q_b_c[1], calibration.q_b_c[2], calibration.q_b_c[3])
+                  .normalized(),
+              Eigen::Vector3d(calibration.p_b_c)};
+}
+
+/// From here on everything runs on the IMU's clock: a camera's frames are shifted as they come in. A frame that does
+/// not tell its row time gets the calibration's.
+void Session::put_timing(odo_frame& frame) {
+  const std::lock_guard lock(mutex_);
+  const auto found = camera_timing_.find(frame.calibration);
+  if (found == camera_timing_.end()) return;
+  const CameraTiming& timing = found->second;
+  frame.header.t_ns = saturating_sum(frame.header.t_ns, timing.offset_ns);
+  if (!timing.line_time || (!timing.above_frames && (frame.header.flags & ODO_FRAME_LINE_TIME))) return;
+  frame.line_time_ns = timing.line_time_ns;
+  frame.header.flags |= ODO_FRAME_LINE_TIME;
+}
+
+/// A lens is known for one size of picture, unless the frame brings its own intrinsics.
+std::string Session::size_fault(const odo_frame& frame) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = camera_timing_.find(frame.calibration);
+  if (found == camera_timing_.end() || (frame.header.flags & ODO_FRAME_INTRINSICS)) return "";
+  const CameraTiming& camera = found->second;
+  if (camera.width == frame.width && camera.height == frame.height) return "";
+  const auto size = [](uint32_t w, uint32_t h) { return std::to_string(w) + " x " + std::to_string(h); };
+  return "it has " + size(frame.width, frame.height) + " pixels; calibration " + std::to_string(frame.calibration) +
+         " is for " + size(camera.width, camera.height);
+}
+
+int32_t Session::enqueue(OwnedMessage message) {
+  std::vector<OwnedMessage> given_up;  // released without the lock
+  const odo_header header = message.header();
+  TimeOrder::Verdict verdict = TimeOrder::Verdict::accepted;
+  int spikes = 0;
+  bool wake;
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_) return ODO_E_STATE;  // an app that pushes while its last frames are given back
+    if (header.type == ODO_TYPE_IMU) {
+      spikes = gate_.push(copy_as<odo_imu>(message.header()), [&](const odo_imu& imu) {
+        const auto each = order(OwnedMessage(imu.header), given_up);
+        if (each == TimeOrder::Verdict::accepted) poses_.add_imu(imu);
+        if (each != TimeOrder::Verdict::accepted) verdict = each;
+      });
+    } else {
+      verdict = order(std::move(message), given_up);
+    }
+    wake = work_is_waiting();
+  }
+  if (wake && live_) work_waiting_.notify_one();
+  if (spikes > 0) refuse_wild(header, "the one before it sticks out from both its neighbours");
+  return verdict == TimeOrder::Verdict::accepted ? ODO_OK : note_verdict(verdict, header);
+}
+
+/// Under the lock. What is not accepted goes to `given_up`.
+TimeOrder::Verdict Session::order(OwnedMessage message, std::vector<OwnedMessage>& given_up) {
+  TimeOrder::Verdict verdict = order_.push(std::move(message));
+  if (verdict == TimeOrder::Verdict::restarted) {
+    restart_clock(given_up);
+    verdict = order_.push(std::move(message));
+  }
+  if (message.header().type == ODO_TYPE_FRAME) given_up.push_back(std::move(message));
+  return verdict;
+}
+
+int32_t Session::note_verdict(TimeOrder::Verdict verdict, const odo_header& sample) {
+  const char* why = nullptr;
+  switch (verdict) {
+    case TimeOrder::Verdict::late: ++intake_.late, why = "came after its time had been processed"; break;
+    case TimeOrder::Verdict::duplicate: ++intake_.duplicate, why = "same sensor and time as the one before"; break;
+    case TimeOrder::Verdict::full: ++intake_.overflow, why = "the queue is full"; break;
+    default: ++intake_.invalid, why = "its time is far ahead of all others";
+  }
+  const std::string name = message_name(sample.type);
+  host_.report(0, ODO_SEVERITY_WARNING, "dropped_" + name, "a sample of " + name + " was dropped: " + why,
+               ODO_E_DISCARD);
+  const std::lock_guard lock(error_mutex_);
+  ++errors_;
+  last_error_.status = verdict == TimeOrder::Verdict::full ? ODO_E_EXHAUSTED : ODO_E_DISCARD;
+  std::snprintf(last_error_.message, sizeof last_error_.message, "a sample of %s was dropped: %s", name.c_str(), why);
+  return last_error_.status;
+}
+
+/// Under the lock. What waits is of the old clock, but for what describes the sensors.
+void Session::restart_clock(std::vector<OwnedMessage>& given_up) {
+  std::vector<OwnedMessage> descriptions;
+  OwnedMessage message;
+  while (order_.drain(message)) {
+    const uint32_t type = message.header().type;
+    const bool describes = type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE;
+    (describes ? descriptions : given_up).push_back(std::move(message));
+  }
+  order_.restart();
+  gate_.reset();
+  poses_.clear();
+  for (OwnedMessage& description : descriptions) order_.push(std::move(description));
+  restart_pending_ = true;
+}
+
+bool Session::work_is_waiting() const {
+  return restart_pending_ || flushes_asked_ != flushes_done_ || order_.ready() || report_is_waiting();
+}
+
+/// Waits for the turn; only for threads that do not have it.
+void Session::take_turn(Lock& lock) {
+  turn_changed_.wait(lock, [this] { return !turn_taken_; });
+  turn_taken_ = true;
+  turn_holder_ = std::this_thread::get_id();
+}
+
+/// Under the lock.
+void Session::give_turn() {
+  turn_taken_ = false;
+  turn_changed_.notify_all();
+}
+
+/// With the turn and the lock, which is given up while anything is called. What is pushed meanwhile is not flushed.
+void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
+  for (;;) {
+    OwnedMessage message;
+    if (std::exchange(restart_pending_, false)) {
+      lock.unlock();
+      host_.report(0, ODO_SEVERITY_WARNING, "clock_restart", "the sensor clock was set back; starting anew");
+      pipeline_->reset();
+    } else if (order_.pop(message, flush_until_ns)) {
+      lock.unlock();
+      intake_.newest_ns = std::max<int64_t>(intake_.newest_ns, message.header().t_ns);
+      pipeline_->process(message.header());
+      message.release();
+      ++intake_.processed;
+    } else if (report_is_waiting()) {
+      lock.unlock();
+      publish_reports();
+    } else {
+      return;
+    }
+    publish_progress();
+    lock.lock();
+  }
+}
+
+void Session::publish_progress() {
+  progress_.write({pipeline_->counters(), pipeline_->gaps(), pipeline_->plugin_faults(), pipeline_->distance_m(),
+                   pipeline_->scale_knowledge()});
+}
+
+void Session::work() {
+  Lock lock(mutex_);
+  for (;;) {
+    work_waiting_.wait(lock, [this] { return stopping_ || work_is_waiting(); });
+    if (stopping_) return;
+    const Turn turn(*this, lock);
+    const uint64_t asked = flushes_asked_;
+    process_waiting(lock, asked != flushes_done_ ? order_.latest_waiting_ns() : INT64_MIN);
+    flushes_done_ = asked;
+  }
+}
+
+int32_t Session::flush() {
+  Lock lock(mutex_);
+  if (has_turn()) return ODO_E_STATE;
+  if (live_) {
+    const uint64_t mine = ++flushes_asked_;
+    work_waiting_.notify_one();
+    turn_changed_.wait(lock, [&] { return flushes_done_ >= mine; });
+    return ODO_OK;
+  }
+  const Turn turn(*this, lock);
+  process_waiting(lock, order_.latest_waiting_ns());
+  return ODO_OK;
+}
+
+void Session::publish(const odo_header& event) {
+  if (!has_callback_.load(std::memory_order_relaxed)) return;
+  odo_callback callback;
+  void* user;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!callback_ || !callback_types_.has(event.type)) return;
+    callback = callback_, user = callback_user_;
+    callback_runs_ = true;
+    callback_thread_ = std::this_thread::get_id();
+  }
+  callback(user, &event);
+  {
+    const std::lock_guard lock(mutex_);
+    callback_runs_ = false;
+  }
+  turn_changed_.notify_all();
+}
+
+void Session::set_callback(TypeSet types, odo_callback callback, void* user) {
+  Lock lock(mutex_);
+  callback_ = types.empty() ? nullptr : callback;
+  callback_user_ = user;
+  callback_types_ = std::move(types);
+  has_callback_ = callback_ != nullptr;
+  if (live_) work_waiting_.notify_one();  // what has been reported before
+  turn_changed_.wait(lock, [this] { return !callback_runs_ || callback_thread_ == std::this_thread::get_id(); });
+}
+
+void Session::statistics(odo_statistics& out) const {
+  const Progress progress = progress_.read();
+  const Pipeline::Counters& counters = progress.counters;
+  odo_statistics now{};
+  now.pushed = intake_.pushed;
+  now.processed = intake_.processed;
+  now.frames = counters.frames;
+  now.steps = counters.steps;
+  now.fixes_accepted = counters.fixes_accepted;
+  now.fixes_rejected = counters.fixes_rejected;
+  now.late = intake_.late;
+  now.duplicate = intake_.duplicate;
+  now.invalid = intake_.invalid;
+  now.overflow = intake_.overflow;
+  now.gaps = progress.gaps;
+  now.plugin_faults = progress.plugin_faults;
+  now.tracking_s = counters.state_s[ODO_TRACKING];
+  now.degraded_s = counters.state_s[ODO_DEGRADED];
+  now.lost_s = counters.state_s[ODO_LOST];
+  now.distance_m = progress.distance_m;
+  now.wild = intake_.wild;
+  now.events_dropped = counters.events_dropped;
+  now.unknown = counters.unknown;
+  now.scale_sigma = progress.scale.sigma;
+  now.scale_by_inertia = progress.scale.by_inertia;
+  now.scale_by_steps = progress.scale.by_steps;
+  const uint32_t size = std::min<uint32_t>(out.struct_size, sizeof now);
+  now.struct_size = size;
+  std::memcpy(&out, &now, size);
+}
+
+}  // namespace odograph

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Anchors as an app makes and asks them: what it saw from which pose, in which world.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "sdk/host/core/session.hpp"
+
+namespace odograph {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+Rigid rigid(const odo_pose& pose) {
+  return {Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]).normalized(), Vector3d(pose.p_n)};
+}
+
+void put(const Rigid& from, double* q, double* p) {
+  q[0] = from.q.w(), q[1] = from.q.x(), q[2] = from.q.y(), q[3] = from.q.z();
+  Vector3d::Map(p) = from.p;
+}
+
+bool finite(const double* x, int n) {
+  return std::all_of(x, x + n, [](double v) { return std::isfinite(v); });
+}
+
+bool is_rotation(const double* q) {
+  constexpr double kRounded = 0.01;  // of the norm: a quaternion of floats, or one written with few digits
+  const double norm = Eigen::Map<const Eigen::Vector4d>(q).norm();
+  return norm == 0 || std::abs(norm - 1) < kRounded;
+}
+
+/// With all zero: no rotation.
+Rigid placed(const odo_anchor_place& place) {
+  const Quaterniond q(place.q[0], place.q[1], place.q[2], place.q[3]);
+  return {q.norm() > 0 ? q.normalized() : Quaterniond::Identity(), Vector3d(place.p)};
+}
+
+}  // namespace
+
+int32_t Session::create_anchor(const odo_anchor_place& place, uint64_t& id) {
+  if (place.kind < ODO_ANCHOR_POSE || place.kind > ODO_ANCHOR_GEODETIC || place.world > ODO_WORLD_SMOOTH)
+    return ODO_E_ARGUMENT;
+  if (!finite(place.q, 4) || !is_rotation(place.q)) return ODO_E_ARGUMENT;
+  if (place.kind == ODO_ANCHOR_GEODETIC) {
+    const double numbers[] = {place.latitude_rad, place.longitude_rad, place.height_m, place.geoid_height_m,
+                              place.sigma_m};
+    if (!finite(numbers, 5) || std::abs(place.latitude_rad) > EIGEN_PI / 2 || place.sigma_m < 0) return ODO_E_ARGUMENT;
+    if (place.height_above < ODO_HEIGHT_ELLIPSOID || place.height_above > ODO_HEIGHT_TERRAIN) return ODO_E_ARGUMENT;
+    id = anchors_.add_geodetic(place);
+    return id != 0 ? ODO_OK : ODO_E_EXHAUSTED;
+  }
+  if (!finite(place.p, 3)) return ODO_E_ARGUMENT;
+  odo_pose body{}, view{}, smooth{};
+  if (const int32_t status = pose_of(ODO_OF_BODY, false, place.t_ns, body); status != ODO_OK) return status;
+  if ((body.header.flags & ODO_POSE_POSITION) == 0) return ODO_NOT_READY;
+  Anchors::Seen seen{body.header.t_ns, rigid(body), {}};
+  if (const int32_t status = pose_of(ODO_OF_PIPELINE, false, seen.t_ns, view); status != ODO_OK) return status;
+  seen.T_n_a = placed(place);
+  if (place.kind == ODO_ANCHOR_VIEW) {
+    seen.T_n_a = rigid(view) * seen.T_n_a;
+  } else if (place.world == ODO_WORLD_SMOOTH) {
+    if (const int32_t status = pose_of(ODO_OF_PIPELINE, true, seen.t_ns, smooth); status != ODO_OK) return status;
+    seen.T_n_a = rigid(view) * rigid(smooth).inverse() * seen.T_n_a;
+  }
+  id = anchors_.add_local(place, seen);
+  return id != 0 ? ODO_OK : ODO_E_EXHAUSTED;
+}
+
+int32_t Session::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor& out) const {
+  if (world > ODO_WORLD_SMOOTH) return ODO_E_ARGUMENT;
+  // The pose and the anchor of one moment: a correction moves both under this lock.
+  const std::lock_guard lock(world_mutex_);
+  odo_pose corrected{}, smooth{};
+  const int32_t status = pose_of(ODO_OF_PIPELINE, false, t_ns, corrected);
+  const bool oriented = status == ODO_OK, seen = oriented && (corrected.header.flags & ODO_POSE_POSITION) != 0;
+  if (oriented) t_ns = corrected.header.t_ns;
+  const auto known = anchors_.get(id, t_ns);
+  if (!known) return ODO_E_NOT_FOUND;
+  out = known->anchor;
+  out.t_ns = t_ns;
+  const bool is_placed = out.state == ODO_TRACKING;
+  if (is_placed) {
+    out.flags |= ODO_ANCHOR_PLACED;
+    out.state = seen ? corrected.state : ODO_LOST;
+    out.reason = oriented ? corrected.reason : ODO_REASON_INITIALISING;
+  }
+  Rigid T_n_a = world == ODO_WORLD_SMOOTH ? known->smooth_T_n_a : known->T_n_a;
+  if (is_placed && seen) {
+    const Rigid T_view_a = rigid(corrected).inverse() * T_n_a;
+    out.flags |= ODO_ANCHOR_IN_VIEW;
+    put(T_view_a, out.q_view, out.p_view);
+    // In the smooth world it is seen where it is seen in the corrected one.
+    if (world == ODO_WORLD_SMOOTH && pose_of(ODO_OF_PIPELINE, true, t_ns, smooth) == ODO_OK)
+      T_n_a = rigid(smooth) * T_view_a;
+  }
+  put(T_n_a, out.q_n, out.p_n);
+  out.position_sigma_m = std::sqrt(known->position_variance);
+  out.yaw_sigma_rad = std::sqrt(std::max(0.0, known->yaw_variance));
+  out.view_sigma_m = std::sqrt(known->view_variance);
+  if (known->geodetic) {
+    out.flags |= ODO_ANCHOR_ON_EARTH;
+    out.latitude_rad = (*known->geodetic)[0], out.longitude_rad = (*known->geodetic)[1];
+    out.height_m = (*known->geodetic)[2];
+  }
+  return ODO_OK;
+}
+
+}  // namespace odograph

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/core/time_order.hpp"
+
+#include <algorithm>
+
+#include "sdk/host/base/saturating.hpp"
+
+namespace odograph {
+namespace {
+
+/// Sensors that deliver steadily hold the others back; sensors that speak now and then do not.
+bool holds_back(uint32_t type) {
+  return type == ODO_TYPE_IMU || type == ODO_TYPE_MAGNETOMETER || type == ODO_TYPE_FRAME;
+}
+
+/// Slow sensors are passed on late rather than lost; what uses them looks the pose of their time up.
+bool may_be_late(uint32_t type) {
+  return type == ODO_TYPE_GNSS || type == ODO_TYPE_WAYPOINT || type == ODO_TYPE_CALIBRATION ||
+         type == ODO_TYPE_IMU_NOISE || !message_info(type);
+}
+
+/// Among equal times: what describes a sensor before what it measured, then by type.
+uint32_t rank_of(uint32_t type) { return type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE ? 0 : type; }
+
+}  // namespace
+
+TimeOrder::TimeOrder(size_t capacity, int64_t max_wait_ns, const Parameters& parameters)
+    : parameters_(parameters), max_wait_ns_(max_wait_ns), slots_(capacity) {
+  free_.reserve(capacity);
+  heap_.reserve(capacity);
+  for (size_t i = capacity; i-- > 0;) free_.push_back(static_cast<uint32_t>(i));
+}
+
+bool TimeOrder::later(const Entry& a, const Entry& b) {
+  return a.t_ns != b.t_ns ? a.t_ns > b.t_ns : a.rank != b.rank ? a.rank > b.rank : a.sequence > b.sequence;
+}
+
+TimeOrder::Stream& TimeOrder::stream_of(const odo_header& message) {
+  // An accelerometer and a gyroscope that are delivered apart are two streams.
+  const uint32_t part = message.type == ODO_TYPE_IMU ? message.flags & 3 : 0;
+  for (Stream& stream : streams_)
+    if (stream.used && stream.type == message.type && stream.source == message.source && stream.part == part)
+      return stream;
+  for (Stream& stream : streams_)
+    if (!stream.used) {
+      stream = {message.type, message.source, part, INT64_MIN, 0, 0, true, false};
+      return stream;
+    }
+  return streams_.back();
+}
+
+bool TimeOrder::silent(const Stream& stream) const {
+  return saturating_difference(newest_ns_, stream.latest_ns) > std::max(parameters_.silent_ns, max_wait_ns_);
+}
+
+bool TimeOrder::camera_to_come() const {
+  if (!camera_expected_ ||
+      saturating_difference(newest_ns_, oldest_ns_) > std::max(parameters_.silent_ns, max_wait_ns_))
+    return false;
+  return std::none_of(streams_.begin(), streams_.end(), [](const Stream& stream) {
+    return stream.used && stream.type == ODO_TYPE_FRAME && stream.latest_ns != INT64_MIN;
+  });
+}
+
+/// Of a sample that is older than what was released. Its stream is noted first, so that the others wait for it.
+TimeOrder::Verdict TimeOrder::judge_late(Stream& stream, const odo_header& message) {
+  if (message.t_ns < stream.latest_ns) {  // the sensor itself went back; while others go on it is not the clock
+    const bool set_back = ++stream.behind >= parameters_.believe_behind && holds_back(message.type);
+    return set_back ? Verdict::restarted : Verdict::late;
+  }
+  if (stream.latest_ns == INT64_MIN || silent(stream)) stream.joined = false;
+  stream.latest_ns = message.t_ns;
+  stream.behind = 0;
+  const bool joins =
+      !stream.joined && holds_back(message.type) && saturating_difference(released_ns_, message.t_ns) <= max_wait_ns_;
+  return joins ? Verdict::accepted : Verdict::late;
+}
+
+TimeOrder::Verdict TimeOrder::push(OwnedMessage&& message) {
+  const odo_header header = message.header();
+  const int64_t t_ns = header.t_ns;
+  const bool ordered = !may_be_late(header.type);
+  if (header.type == ODO_TYPE_CALIBRATION) expect_camera();
+  if (ordered) {
+    Stream& stream = stream_of(header);
+    if (t_ns == stream.latest_ns) return Verdict::duplicate;
+    if (newest_ns_ != INT64_MIN && saturating_difference(t_ns, newest_ns_) > parameters_.far_ahead_ns &&
+        ++stream.ahead < parameters_.believe_ahead)
+      return Verdict::implausible;
+    stream.ahead = 0;
+    if (released_ns_ != INT64_MIN && t_ns < released_ns_) {
+      if (const Verdict verdict = judge_late(stream, header); verdict != Verdict::accepted) return verdict;
+    } else {
+      stream.joined = true;
+      for (Stream& any : streams_) any.behind = 0;
+    }
+  }
+  if (free_.empty()) return Verdict::full;
+  if (ordered) {
+    Stream& stream = stream_of(header);
+    stream.latest_ns = std::max(stream.latest_ns, t_ns);
+    newest_ns_ = std::max(newest_ns_, t_ns);
+    if (oldest_ns_ == INT64_MIN) oldest_ns_ = t_ns;
+  }
+  const uint32_t slot = free_.back();
+  free_.pop_back();
+  heap_.push_back({t_ns, rank_of(header.type), slot, sequence_++});
+  slots_[slot] = std::move(message);
+  std::push_heap(heap_.begin(), heap_.end(), later);
+  return Verdict::accepted;
+}
+
+int64_t TimeOrder::watermark() const {
+  if (newest_ns_ == INT64_MIN) return INT64_MAX;  // only calibrations so far: nothing to wait for
+  // At first nobody knows which sensors there are: all get the longest wait to show up.
+  const int64_t bound_ns = saturating_difference(newest_ns_, max_wait_ns_);
+  if (saturating_difference(newest_ns_, oldest_ns_) < max_wait_ns_ || camera_to_come()) return bound_ns;
+  int64_t slowest = INT64_MAX;
+  for (const Stream& stream : streams_)
+    if (stream.used && stream.latest_ns != INT64_MIN && !silent(stream) && holds_back(stream.type))
+      slowest = std::min(slowest, stream.latest_ns);
+  return std::max(bound_ns, std::min(slowest, newest_ns_));
+}
+
+void TimeOrder::take_first(OwnedMessage& out) {
+  std::pop_heap(heap_.begin(), heap_.end(), later);
+  const Entry entry = heap_.back();
+  heap_.pop_back();
+  out = std::move(slots_[entry.slot]);
+  free_.push_back(entry.slot);
+}
+
+int64_t TimeOrder::latest_waiting_ns() const {
+  int64_t latest = INT64_MIN;
+  for (const Entry& entry : heap_) latest = std::max(latest, entry.t_ns);
+  return latest;
+}
+
+bool TimeOrder::pop(OwnedMessage& out, int64_t flush_until_ns) {
+  if (heap_.empty() || heap_.front().t_ns > std::max(watermark(), flush_until_ns)) return false;
+  take_first(out);
+  released_ns_ = std::max(released_ns_, out.header().t_ns);
+  return true;
+}
+
+void TimeOrder::restart() {
+  for (Stream& stream : streams_) stream.latest_ns = INT64_MIN, stream.ahead = stream.behind = 0, stream.joined = false;
+  oldest_ns_ = newest_ns_ = released_ns_ = INT64_MIN;
+}
+
+bool TimeOrder::drain(OwnedMessage& out) {
+  if (heap_.empty()) return false;
+  take_first(out);
+  return true;
+}
+
+}  // namespace odograph

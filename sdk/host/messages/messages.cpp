@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/messages/messages.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace odograph {
+namespace {
+
+constexpr MessageInfo kMessages[] = {
+#define ODO_ROW(number, type, name, min_size) {number, #name, sizeof(type), min_size},
+    ODO_FOR_EACH_MESSAGE(ODO_ROW)
+#undef ODO_ROW
+};
+
+std::string number_text(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+/// Notes the first thing that is wrong.
+class Judge {
+ public:
+  explicit Judge(const odo_header& header) : flags_(header.flags) { finite("quality", header.quality); }
+
+  /// What follows counts only where this validity bit is set.
+  Judge& when(uint32_t bit) {
+    asked_ = (flags_ & bit) != 0;
+    return *this;
+  }
+  Judge& always() {
+    asked_ = true;
+    return *this;
+  }
+  Judge& that(bool holds, const char* field, double value, const char* expected) {
+    if (asked_ && !holds && fault.empty())
+      fault = std::string(field) + " = " + number_text(value) + "; expected " + expected;
+    return *this;
+  }
+  Judge& finite(const char* field, double value) { return that(std::isfinite(value), field, value, "a finite number"); }
+  Judge& finite(const char* field, const double* values, size_t count) {
+    for (size_t i = 0; asked_ && i < count && fault.empty(); ++i)
+      if (!std::isfinite(values[i])) finite((std::string(field) + "[" + std::to_string(i) + "]").c_str(), values[i]);
+    return *this;
+  }
+  Judge& unit(const char* field, const double* q) {
+    finite(field, q, 4);
+    const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (asked_ && fault.empty() && !(std::abs(norm - 1.0) < 1e-3))
+      fault = std::string(field) + " has the norm " + number_text(norm) + "; expected a quaternion of norm 1";
+    return *this;
+  }
+  Judge& positive(const char* field, double value) {
+    return finite(field, value).that(value > 0, field, value, "above 0");
+  }
+  Judge& not_negative(const char* field, double value) {
+    return finite(field, value).that(value >= 0, field, value, "0 or more");
+  }
+
+  std::string fault;
+
+ private:
+  uint32_t flags_;
+  bool asked_ = true;
+};
+
+constexpr double kRightAngle = 1.5707963267948966;
+
+void judge_frame(Judge& judge, const odo_frame& m) {
+  const auto plane = [&](int i) {
+    judge.that(m.planes[i].data != nullptr, ("planes[" + std::to_string(i) + "].data").c_str(), 0, "pixels");
+  };
+  judge.that(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
+      .that(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384")
+      .that(m.format >= ODO_FORMAT_GREY8 && m.format <= ODO_FORMAT_BGRA8, "format", m.format, "one of ODO_FORMAT_*");
+  plane(0);
+  if (m.format == ODO_FORMAT_NV12 || m.format == ODO_FORMAT_NV21 || m.format == ODO_FORMAT_YUV420) plane(1);
+  if (m.format == ODO_FORMAT_YUV420) plane(2);
+  judge.when(ODO_FRAME_MASK).that(m.mask.data != nullptr, "mask.data", 0, "pixels");
+  judge.when(ODO_FRAME_INTRINSICS).positive("fx", m.fx).positive("fy", m.fy).finite("cx", m.cx).finite("cy", m.cy);
+}
+
+void judge_calibration(Judge& judge, const odo_calibration& m) {
+  judge.positive("fx", m.fx)
+      .positive("fy", m.fy)
+      .finite("cx", m.cx)
+      .finite("cy", m.cy)
+      .finite("distortion", m.distortion, 8);
+  judge.that(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
+      .that(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384");
+  judge.that(m.distortion_count == 0 || m.distortion_count == 4 || m.distortion_count == 5 || m.distortion_count == 8,
+             "distortion_count", m.distortion_count, "0, 4, 5 or 8");
+  judge.that(m.model == ODO_CAMERA_PINHOLE || m.model == ODO_CAMERA_KANNALA_BRANDT, "model", m.model,
+             "one of ODO_CAMERA_*");
+  judge.when(ODO_CALIBRATION_EXTRINSICS).unit("q_b_c", m.q_b_c).finite("p_b_c", m.p_b_c, 3);
+}
+
+void judge_vo_motion(Judge& judge, const odo_vo_motion& m) {
+  judge.that(m.header.t_ns > m.t_from_ns, "t_from_ns", static_cast<double>(m.t_from_ns), "before header.t_ns");
+  judge.when(ODO_VO_ROTATION).unit("q_c0_c1", m.q_c0_c1);
+  judge.when(ODO_VO_TRANSLATION).finite("p_c0_c1", m.p_c0_c1, 3);
+  judge.when(ODO_VO_COVARIANCE).finite("covariance", m.covariance, 36);
+  judge.when(ODO_VO_INERTIAL).finite("scale_sigma", m.scale_sigma).finite("velocity_c1", m.velocity_c1, 3);
+  judge.finite("gravity_c1", m.gravity_c1, 3).finite("gyro_bias_b", m.gyro_bias_b, 3);
+  judge.finite("accel_bias_b", m.accel_bias_b, 3);
+}
+
+void judge_fix(Judge& judge, const odo_fix& m) {
+  judge.finite("p_n", m.p_n, 3).finite("covariance_n", m.covariance_n, 9).finite("integrity", m.integrity);
+  judge.when(ODO_FIX_ORIENTATION).unit("q_n_b", m.q_n_b);
+  judge.when(ODO_FIX_SLANT).finite("landmark_n", m.landmark_n, 3).finite("slant_distance_m", m.slant_distance_m);
+  judge.when(ODO_FIX_YAW).finite("yaw_rad", m.yaw_rad).finite("yaw_sigma_rad", m.yaw_sigma_rad);
+  judge.when(ODO_FIX_GEODETIC).finite("latitude_rad", m.latitude_rad).finite("longitude_rad", m.longitude_rad);
+  judge.finite("height_m", m.height_m);
+}
+
+void judge_gnss(Judge& judge, const odo_gnss& m) {
+  judge.when(ODO_GNSS_POSITION).finite("latitude_rad", m.latitude_rad).finite("longitude_rad", m.longitude_rad);
+  judge.that(std::abs(m.latitude_rad) <= kRightAngle, "latitude_rad", m.latitude_rad, "-pi/2 to pi/2");
+  judge.when(ODO_GNSS_HEIGHT).finite("height_m", m.height_m);
+  judge.when(ODO_GNSS_COVARIANCE).finite("covariance_n", m.covariance_n, 9);
+  judge.when(ODO_GNSS_VELOCITY).finite("velocity_n", m.velocity_n, 3);
+}
+
+}  // namespace
+
+const MessageInfo* message_info(uint32_t type) {
+  for (const MessageInfo& info : kMessages)
+    if (info.type == type) return &info;
+  return nullptr;
+}
+
+std::string message_name(uint32_t type) {
+  if (const MessageInfo* info = message_info(type)) return info->name;
+  char text[24];
+  std::snprintf(text, sizeof text, "type 0x%X", type);
+  return text;
+}
+
+std::string message_fault(const odo_header& header) {
+  Judge judge(header);
+  if (!is_plausible_time(header.t_ns))
+    return "t_ns = " + std::to_string(header.t_ns) + "; expected at most 2^62 from the clock's zero";
+  switch (header.type) {
+    case ODO_TYPE_IMU: {
+      const auto& m = as<odo_imu>(header);
+      judge.when(ODO_IMU_GYRO).finite("gyro_b", m.gyro_b, 3);
+      judge.when(ODO_IMU_ACCEL).finite("accel_b", m.accel_b, 3);
+      break;
+    }
+    case ODO_TYPE_MAGNETOMETER:
+      judge.finite("field_b", as<odo_magnetometer>(header).field_b, 3);
+      judge.when(ODO_MAGNETOMETER_SIGMA).not_negative("sigma_t", as<odo_magnetometer>(header).sigma_t);
+      break;
+    case ODO_TYPE_BAROMETER:
+      judge.finite("pressure_pa", as<odo_barometer>(header).pressure_pa);
+      judge.when(ODO_BAROMETER_SIGMA).not_negative("sigma_pa", as<odo_barometer>(header).sigma_pa);
+      break;
+    case ODO_TYPE_GNSS: judge_gnss(judge, as<odo_gnss>(header)); break;
+    case ODO_TYPE_FRAME: judge_frame(judge, as<odo_frame>(header)); break;
+    case ODO_TYPE_CALIBRATION: judge_calibration(judge, as<odo_calibration>(header)); break;
+    case ODO_TYPE_IMU_NOISE:
+      judge.finite("gyro_noise and what follows", &as<odo_imu_noise>(header).gyro_noise, 4);
+      break;
+    case ODO_TYPE_WAYPOINT:
+      judge.finite("p_n", as<odo_waypoint>(header).p_n, 3).not_negative("sigma_m", as<odo_waypoint>(header).sigma_m);
+      break;
+    case ODO_TYPE_ATTITUDE: {
+      const auto& m = as<odo_attitude>(header);
+      judge.unit("q_n_b", m.q_n_b).finite("covariance_n", m.covariance_n, 9).finite("gyro_bias_b", m.gyro_bias_b, 3);
+      break;
+    }
+    case ODO_TYPE_STEP: {
+      const auto& m = as<odo_step>(header);
+      judge.not_negative("length_m", m.length_m)
+          .not_negative("sigma_m", m.sigma_m)
+          .finite("frequency_hz", m.frequency_hz);
+      judge.finite("heading_rad", m.heading_rad);
+      judge.that(m.t_end_ns > m.t_start_ns, "t_end_ns", static_cast<double>(m.t_end_ns), "after t_start_ns");
+      break;
+    }
+    case ODO_TYPE_VO_MOTION: judge_vo_motion(judge, as<odo_vo_motion>(header)); break;
+    case ODO_TYPE_SCALE: {
+      const auto& m = as<odo_scale>(header);
+      judge.not_negative("metres_per_unit", m.metres_per_unit).finite("sigma", m.sigma);
+      judge.finite("displacement_m", m.displacement_m);
+      break;
+    }
+    case ODO_TYPE_FIX: judge_fix(judge, as<odo_fix>(header)); break;
+    default: break;
+  }
+  return std::move(judge.fault);
+}
+
+bool AnyMessage::assign(const odo_header& message) {
+  const MessageInfo* info = message_info(message.type);
+  const size_t size = message.struct_size;
+  if (size < (info ? info->min_size : sizeof(odo_header)) || size > ODO_LARGEST_MESSAGE) return false;
+  room_ = std::max(size, info ? info->size : size_t(0));
+  if (room_ > kInside)
+    outside_.resize((room_ + 7) / 8);
+  else
+    outside_.clear();
+  std::memcpy(data(), &message, size);
+  std::memset(data() + size, 0, room_ - size);
+  return true;
+}
+
+}  // namespace odograph

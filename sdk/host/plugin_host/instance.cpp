@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/plugin_host/instance.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <odograph/absolute_fixer.h>
+#include <odograph/attitude.h>
+#include <odograph/scale_source.h>
+#include <odograph/step_estimator.h>
+#include <odograph/vo_frontend.h>
+
+#include <odograph/odograph.h>
+
+#include "sdk/host/base/coarse_clock.hpp"
+#include "sdk/host/base/saturating.hpp"
+#include "sdk/host/plugin_host/library_backend.hpp"
+#include "sdk/host/plugin_host/process_backend.hpp"
+#include "sdk/host/plugin_host/thread_backend.hpp"
+
+namespace odograph {
+namespace {
+
+/// The backend that a choice wishes for.
+Result<std::unique_ptr<PluginBackend>> open_backend(const PluginChoice& choice, LibraryCheck check, HostServices& host,
+                                                    const odo_sink& sink) {
+  const auto general = [](auto made) -> Result<std::unique_ptr<PluginBackend>> {
+    if (!made) return made.failure();
+    return std::unique_ptr<PluginBackend>(std::move(*made));
+  };
+  switch (choice.isolation.kind) {
+    case Isolation::Kind::process: return general(ProcessBackend::load(choice, check, host, sink));
+    case Isolation::Kind::thread: return general(ThreadBackend::load(choice, check, host, sink));
+    default: return general(LibraryBackend::load(choice, check, host, sink));
+  }
+}
+
+}  // namespace
+
+std::vector<odo_value> values_of(const PluginChoice& choice) {
+  std::vector<odo_value> values;
+  for (const auto& [spec, value] : choice.parameters) {
+    odo_value out{};
+    out.struct_size = sizeof out;
+    out.name = {spec.name.data(), spec.name.size()};
+    out.text = {value.text.data(), value.text.size()};
+    switch (spec.type) {
+      case SpecType::boolean:
+        out.type = ODO_PARAMETER_BOOL;
+        out.integer = value.boolean;
+        break;
+      case SpecType::integer:
+        out.type = ODO_PARAMETER_INT;
+        out.integer = value.integer;
+        break;
+      case SpecType::real:
+        out.type = ODO_PARAMETER_REAL;
+        out.reals = &value.real;
+        out.count = 1;
+        break;
+      case SpecType::reals:
+        out.type = ODO_PARAMETER_REALS;
+        out.reals = value.reals.data();
+        out.count = value.reals.size();
+        break;
+      case SpecType::choice: out.type = ODO_PARAMETER_CHOICE; break;
+      default: out.type = ODO_PARAMETER_STRING;
+    }
+    values.push_back(out);
+  }
+  return values;
+}
+
+KindTypes kind_types(const std::string& id) {
+  if (id == ODO_INTERFACE_ATTITUDE)
+    return {{ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_IMU_NOISE}, {ODO_TYPE_ATTITUDE}};
+  if (id == ODO_INTERFACE_STEP_ESTIMATOR)
+    return {{ODO_TYPE_IMU, ODO_TYPE_ATTITUDE, ODO_TYPE_BAROMETER, ODO_TYPE_FIX}, {ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE}};
+  if (id == ODO_INTERFACE_VO_FRONTEND)
+    return {{ODO_TYPE_CALIBRATION, ODO_TYPE_FRAME, ODO_TYPE_IMU, ODO_TYPE_IMU_NOISE, ODO_TYPE_ATTITUDE},
+            {ODO_TYPE_VO_MOTION, ODO_TYPE_CALIBRATION}};
+  if (id == ODO_INTERFACE_SCALE_SOURCE)
+    return {{ODO_TYPE_VO_MOTION, ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE, ODO_TYPE_FIX}, {ODO_TYPE_SCALE}};
+  if (id == ODO_INTERFACE_ABSOLUTE_FIXER)
+    return {{ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_FRAME, ODO_TYPE_CALIBRATION, ODO_TYPE_POSE},
+            {ODO_TYPE_FIX}};
+  return {};
+}
+
+KindTypes plugin_types(const std::string& id, const odo_plugin& table) {
+  KindTypes types = kind_types(id);
+  types.inputs.insert(types.inputs.end(), table.inputs, table.inputs + table.input_count);
+  types.outputs.insert(types.outputs.end(), table.outputs, table.outputs + table.output_count);
+  return types;
+}
+
+PluginInstance::PluginInstance(const PluginChoice& choice, LibraryCheck check, HostServices& host, uint32_t number)
+    : choice_(std::make_shared<PluginChoice>(choice)), check_(check), host_(host), number_(number) {
+  sink_.struct_size = sizeof(odo_sink);
+  sink_.instance = number;
+  sink_.emit = emit;
+  sink_.owner = this;
+}
+
+PluginInstance::~PluginInstance() = default;
+
+Result<std::unique_ptr<PluginInstance>> PluginInstance::make(const PluginChoice& choice, LibraryCheck check,
+                                                             uint32_t number, HostServices& host) {
+  std::unique_ptr<PluginInstance> made(new PluginInstance(choice, check, host, number));
+  auto opened = made->open();
+  if (!opened && made->choice_->fallback) {
+    host.report(number, ODO_SEVERITY_ERROR, "given_up", opened.failure().text, opened.failure().status);
+    made->use_fallback();
+    if (!made->alive_) return opened.failure();
+    return made;
+  }
+  if (!opened) return opened.failure();
+  return made;
+}
+
+/// Makes a backend and starts the plugin in it. The end of a process of its own is no failure.
+Result<bool> PluginInstance::open() {
+  host_.name_instance(number_, id());
+  learn_types();
+  auto opened = open_backend(*choice_, check_, host_, sink_);
+  started_ns_ = now_ns_;
+  if (!opened) {
+    if (!isolated() || opened.failure().status != ODO_E_FATAL) return opened.failure();
+    note_end(opened.failure().text);
+    return true;
+  }
+  backend_ = std::move(*opened);
+  learn_types();
+  const int32_t status = backend_->start();
+  if (has_ended()) {
+    note_end(backend_->ended());
+    return true;
+  }
+  if (status >= 0) return true;
+  backend_.reset();
+  return Failure{status, choice_->manifest.library.string() + ": plugin '" + id() +
+                             "' could not be created, configured and activated: " + odo_status_text(status)};
+}
+
+void PluginInstance::learn_types() {
+  const KindTypes types = backend_ ? backend_->types() : kind_types(choice_->interface_id);
+  inputs_ = outputs_ = {};
+  for (const uint32_t type : types.inputs) inputs_.add(type);
+  for (const uint32_t type : types.outputs) outputs_.add(type);
+}
+
+int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault) {
+  const MessageInfo* info = message_info(event.type);
+  const auto name = [&] { return message_name(event.type); };
+  if (!outputs.has(event.type)) {
+    if (ODO_IS_EVENT(event.type) && !info) return ODO_E_UNSUPPORTED;  // of a newer plugin
+    fault = {"wrong_event", "emitted type = " + name() + "; expected one that its kind emits or its table declares"};
+    return ODO_E_ARGUMENT;
+  }
+  if (!copy.assign(event)) {
+    fault = {"event_size", "emitted a " + name() + " with struct_size = " + std::to_string(event.struct_size) +
+                               "; expected " + std::to_string(info ? info->min_size : sizeof(odo_header)) + " to " +
+                               std::to_string(ODO_LARGEST_MESSAGE)};
+    return ODO_E_STRUCT_SIZE;
+  }
+  if (const std::string wrong = message_fault(copy.header()); !wrong.empty()) {
+    fault = {"bad_event", "emitted a " + name() + " with " + wrong};
+    return ODO_E_ARGUMENT;
+  }
+  return ODO_OK;
+}
+
+int32_t PluginInstance::emit(const odo_sink* sink, const odo_header* event) {
+  PluginInstance& self = *static_cast<const Sink*>(sink)->owner;
+  if (!event) {
+    self.fault("no_event", "emitted event = null", ODO_E_ARGUMENT);
+    return ODO_E_ARGUMENT;
+  }
+  AnyMessage* slot = self.buffer_.next();
+  if (!slot && self.outputs_.has(event->type)) {
+    if (!std::exchange(self.overflow_told_, true))
+      self.fault("many_events", "emitted more than " + std::to_string(EventBuffer::kCapacity) + " events in one call",
+                 ODO_E_EXHAUSTED);
+    return ODO_E_EXHAUSTED;
+  }
+  AnyMessage none;
+  EventFault fault;
+  const int32_t status = judge_event(*event, self.outputs_, slot ? *slot : none, fault);
+  if (status == ODO_OK) return slot->header().source = self.number_, ODO_OK;
+  if (slot) self.buffer_.drop_last();
+  if (status != ODO_E_UNSUPPORTED) self.fault(fault.key, fault.text, status);
+  return status;
+}
+
+std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
+  buffer_.clear();
+  overflow_told_ = false;
+  if (!alive_ || !wants(message.type)) return {};
+  now_ns_ = std::max(now_ns_, message.t_ns);
+  if (!backend_) {  // its process is down; what it is given first are the descriptions of the sensors
+    if (now_ns_ >= back_at_ns_) revive();
+    return {};
+  }
+  const int64_t start_ns = coarse_now_ns();
+  const int32_t status = backend_->process(message);
+  if (!isolated()) note_time(coarse_now_ns() - start_ns);
+  if (has_ended()) {
+    note_end(backend_->ended());
+    if (alive_ && !backend_ && now_ns_ >= back_at_ns_) revive();
+    return {};
+  }
+  if (status < 0)
+    failed(status, message);
+  else
+    failures_in_a_row_ = 0;
+  if (isolated()) save_now_and_then();
+  return buffer_.events();
+}
+
+/// In the app's own thread a late call cannot be left out; it is named.
+void PluginInstance::note_time(int64_t took_ns) {
+  if (took_ns <= kCoarseClock_ns) return;
+  const double took_s = static_cast<double>(took_ns) * 1e-9;
+  if (took_s <= choice_->isolation.time_s + static_cast<double>(kCoarseClock_ns) * 1e-9) return;
+  char text[96];
+  std::snprintf(text, sizeof text, "took %.3g s in process; expected at most %g s (time_limit)", took_s,
+                choice_->isolation.time_s);
+  host_.report(number_, ODO_SEVERITY_WARNING, "late", text);
+}
+
+/// Its process has ended: says so, and decides when it comes back, or what takes its place.
+void PluginInstance::note_end(const std::string& what) {
+  backend_.reset();
+  ++faults_;
+  if (saturating_difference(now_ns_, started_ns_) > parameters_.good_ns) ends_in_a_row_ = 0;
+  ++ends_in_a_row_;
+  if (ends_in_a_row_ >= parameters_.ends_before_fallback && choice_->fallback) {
+    host_.report(number_, ODO_SEVERITY_ERROR, "isolated", what + ", for the last time", ODO_E_ERROR);
+    use_fallback();
+    return;
+  }
+  int64_t wait_ns = 0;
+  if (ends_in_a_row_ > 1)
+    wait_ns = std::min(parameters_.longest_wait_ns, parameters_.first_wait_ns << std::min(ends_in_a_row_ - 2, 16));
+  back_at_ns_ = now_ns_ == INT64_MIN ? INT64_MIN : saturating_sum(now_ns_, wait_ns);
+  recovering_until_ns_ = INT64_MIN;
+  host_.report(number_, ODO_SEVERITY_ERROR, "isolated",
+               what + "; is started anew" +
+                   (wait_ns > 0 ? " after " + std::to_string(wait_ns / 1'000'000) + " ms of sensor time" : ""),
+               ODO_E_ERROR);
+}
+
+/// Starts its process anew and hands over what it had learnt.
+void PluginInstance::revive() {
+  const auto opened = open();
+  if (!opened) {
+    host_.report(number_, ODO_SEVERITY_ERROR, "isolated", opened.failure().text, opened.failure().status);
+    return give_up();
+  }
+  if (!backend_) return;
+  if (!saved_.empty()) backend_->load(saved_);
+  if (has_ended()) return note_end(backend_->ended());
+  was_reset_ = true;
+  recovering_until_ns_ = saturating_sum(now_ns_, parameters_.recovering_ns);
+}
+
+void PluginInstance::give_up() {
+  host_.report(number_, ODO_SEVERITY_ERROR, "given_up", "is left out from now on");
+  if (!use_fallback()) alive_ = false;
+}
+
+/// False where there is none that works.
+bool PluginInstance::use_fallback() {
+  if (!choice_->fallback) return false;
+  backend_.reset();
+  const std::string before = id();
+  choice_ = choice_->fallback;
+  failures_in_a_row_ = ends_in_a_row_ = 0;
+  saved_.clear();
+  const auto opened = open();
+  if (!opened) {
+    host_.report(number_, ODO_SEVERITY_ERROR, "fallback", opened.failure().text, opened.failure().status);
+    alive_ = false;
+    return false;
+  }
+  host_.report(number_, ODO_SEVERITY_WARNING, "fallback", "takes the place of " + before);
+  was_reset_ = true;
+  recovering_until_ns_ = now_ns_ == INT64_MIN ? INT64_MIN : saturating_sum(now_ns_, parameters_.recovering_ns);
+  return true;
+}
+
+void PluginInstance::save_now_and_then() {
+  if (saved_ns_ == INT64_MIN) saved_ns_ = now_ns_;
+  if (!backend_ || now_ns_ - saved_ns_ < parameters_.between_saves_ns) return;
+  saved_ns_ = now_ns_;
+  auto learnt = backend_->save();
+  if (has_ended()) return note_end(backend_->ended());
+  saved_ = std::move(learnt);
+}
+
+void PluginInstance::failed(int32_t status, const odo_header& message) {
+  if (status == ODO_E_DISCARD || status == ODO_E_ARGUMENT || status == ODO_E_EXHAUSTED || status == ODO_E_UNSUPPORTED) {
+    const std::string why = status == ODO_E_DISCARD ? "" : std::string(": ") + odo_status_text(status);
+    fault(
+        "discarded",
+        "discarded a sample of " + message_name(message.type) + " (t_ns = " + std::to_string(message.t_ns) + ")" + why,
+        status);
+    return;
+  }
+  fault("failed", "failed at a sample of " + message_name(message.type) + ": " + odo_status_text(status), status);
+  if (status == ODO_E_FATAL) backend_->quarantine();
+  if (backend_->quarantined() || ++failures_in_a_row_ >= parameters_.failures_before_giving_up) return give_up();
+  reset();
+}
+
+void PluginInstance::reset() {
+  was_reset_ = true;
+  if (!backend_) return;
+  const int32_t status = backend_->reset();
+  if (has_ended()) return note_end(backend_->ended());
+  if (status < 0) give_up();
+}
+
+std::vector<uint8_t> PluginInstance::save() const {
+  if (!alive()) return saved_;
+  auto learnt = backend_->save();
+  return has_ended() ? saved_ : learnt;  // the next call says that it has ended
+}
+
+bool PluginInstance::load(std::span<const uint8_t> data) {
+  const bool taken = alive() && backend_->load(data);
+  if (taken && isolated()) saved_.assign(data.begin(), data.end());
+  return taken;
+}
+
+int PluginInstance::process_id() const {
+  const auto* process = dynamic_cast<const ProcessBackend*>(backend_.get());
+  return process ? process->process_id() : -1;
+}
+
+const void* PluginInstance::extension(std::string_view id) const { return alive() ? backend_->extension(id) : nullptr; }
+
+void PluginInstance::fault(const char* key, const std::string& text, int32_t status) {
+  ++faults_;
+  host_.report(number_, ODO_SEVERITY_WARNING, key, text, status);
+}
+
+}  // namespace odograph

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/plugin_host/library.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <exception>
+
+#include <cxxabi.h>
+#include <dlfcn.h>
+#include <unwind.h>
+
+#include <odograph/messages.h>
+#include <odograph/odograph.h>
+
+#include "sdk/host/plugin_host/backend.hpp"
+#include "sdk/host/plugin_host/sealed_copy.hpp"
+
+namespace odograph {
+namespace {
+
+std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
+
+/// A draft's plugin fits a host of the same draft alone.
+std::string version_fault(const odo_plugin& table, const odo_host& host) {
+  const std::string speaks = "it speaks ABI " + std::to_string(table.abi_major) + "." + std::to_string(table.abi_minor);
+  if (table.abi_major < host.abi_major_min || table.abi_major > host.abi_major_max)
+    return speaks + ", this host speaks major " + std::to_string(host.abi_major_max);
+  if (table.abi_major == 0 && table.abi_minor != host.abi_minor)
+    return speaks + ", a draft; this host speaks draft 0." + std::to_string(host.abi_minor) + ": build it anew";
+  return "";
+}
+
+/// An exception of a plugin may be unwound by another copy of libgcc than this one's, which then asks this one to set
+/// registers. A copy that has never unwound anything aborts there (`dwarf_reg_size_table`, libgcc's unwind-dw2.c), so
+/// it looks at its own stack once.
+void make_ready_for_foreign_exceptions() {
+  static const auto looked = _Unwind_Backtrace([](_Unwind_Context*, void*) { return _URC_END_OF_STACK; }, nullptr);
+  (void)looked;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const std::filesystem::path& path, const odo_host* host) {
+  return open(path, path, host);
+}
+
+Result<std::shared_ptr<PluginLibrary>> PluginLibrary::open(const std::filesystem::path& path,
+                                                           const std::filesystem::path& opened, const odo_host* host) {
+  const auto fail = [&](int32_t status, const std::string& why) { return Failure{status, path.string() + ": " + why}; };
+  const auto file = check_shared_library(opened, path);
+  if (!file) return file.failure();
+  make_ready_for_foreign_exceptions();
+  dlerror();
+  void* handle = dlopen(std::filesystem::absolute(opened).c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!handle) {
+    const char* why = dlerror();
+    return fail(ODO_E_DATA, std::string("the loader refused it: ") + (why ? why : "no reason given") +
+                                (opened == path ? "" : "; of a sealed copy, for which $ORIGIN is not its folder"));
+  }
+  const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
+  if (!entry) return fail(ODO_E_UNSUPPORTED, "symbol missing: it does not export " ODO_PLUGIN_ENTRY_SYMBOL);
+
+  // Room behind the struct: a careless plugin of a newer ABI that writes its whole larger table does no harm.
+  alignas(odo_plugin) unsigned char room[4096] = {};
+  auto* filled = reinterpret_cast<odo_plugin*>(room);
+  filled->struct_size = sizeof(odo_plugin);
+  int32_t status = ODO_E_ERROR;
+  try {
+    status = entry(host, filled);
+  } catch (const abi::__forced_unwind&) {  // it ends its thread (pthread_exit)
+    throw;
+  } catch (const std::exception& error) {
+    return fail(ODO_E_ERROR, std::string("an exception came out of its entry: ") + error.what());
+  } catch (...) {
+    return fail(ODO_E_ERROR, "an exception came out of its entry");
+  }
+  if (status != ODO_OK) {
+    const std::string refusal = text(filled->refusal);
+    return fail(status < 0 ? status : ODO_E_ERROR,
+                "it refused to start: " + (refusal.empty() ? odo_status_text(status) : refusal));
+  }
+  if (const auto fault = version_fault(*filled, *host); !fault.empty()) return fail(ODO_E_VERSION, fault);
+  if (filled->struct_size < ODO_PLUGIN_SIZE_MIN)
+    return fail(ODO_E_STRUCT_SIZE, "its table has struct_size = " + std::to_string(filled->struct_size) +
+                                       "; expected at least " + std::to_string(ODO_PLUGIN_SIZE_MIN));
+  auto library = std::make_shared<PluginLibrary>();
+  library->path_ = path;
+  std::memcpy(&library->table_, filled, std::min<size_t>(filled->struct_size, sizeof(odo_plugin)));
+  const odo_plugin& t = library->table_;
+  for (const auto& [present, name] :
+       {std::pair{t.create != nullptr, "create"}, std::pair{t.configure != nullptr, "configure"},
+        std::pair{t.activate != nullptr, "activate"}, std::pair{t.process != nullptr, "process"},
+        std::pair{t.destroy != nullptr, "destroy"}})
+    if (!present) return fail(ODO_E_DATA, std::string("its table lacks ") + name);
+  if (text(t.id).empty()) return fail(ODO_E_DATA, "its table names no id");
+  if (t.interface_count == 0 || !t.interfaces) return fail(ODO_E_DATA, "its table names no interface");
+  if ((t.input_count > 0 && !t.inputs) || (t.output_count > 0 && !t.outputs))
+    return fail(ODO_E_DATA, "its table counts inputs or outputs and has no list of them");
+  if (t.input_count > kMostTypes || t.output_count > kMostTypes)
+    return fail(ODO_E_DATA, "its table has " + std::to_string(std::max(t.input_count, t.output_count)) +
+                                " inputs or outputs; expected at most " + std::to_string(kMostTypes));
+  const auto parameters = parameter_specs(t);
+  if (!parameters) return fail(parameters.failure().status, parameters.failure().text);
+  return library;
+}
+
+Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const Manifest& manifest, LibraryCheck check,
+                                                           const odo_host* host) {
+  odo_plugin promised{};
+  promised.abi_major = manifest.abi_major;
+  promised.abi_minor = manifest.abi_minor;
+  if (const auto fault = version_fault(promised, *host); !fault.empty())
+    return Failure{ODO_E_VERSION, manifest.path.string() + ": " + fault};
+  std::filesystem::path opened = manifest.library;
+  if (check == LibraryCheck::hash)
+    if (const auto same = has_hash_of(manifest, opened); !same) return same.failure();
+  if (check == LibraryCheck::sealed) {
+    const auto copy = sealed_copy(manifest);
+    if (!copy) return copy.failure();
+    opened = *copy;
+  }
+  auto library = open(manifest.library, opened, host);
+  if (library && text((*library)->table().id) != manifest.id)
+    return Failure{ODO_E_DATA, manifest.library.string() + ": its id is '" + text((*library)->table().id) +
+                                   "', the manifest says '" + manifest.id + "'"};
+  return library;
+}
+
+}  // namespace odograph

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <odograph/plugin.h>
+
+#include "sdk/host/base/result.hpp"
+#include "sdk/host/config/manifest.hpp"
+
+namespace odograph {
+
+/// A loaded plugin library and its table. Stays resident: it is never unloaded. [control]
+class PluginLibrary {
+ public:
+  /// Checks the file's format before the dynamic loader touches it (the loader may crash on a truncated file), loads it
+  /// with RTLD_NOW | RTLD_LOCAL, calls the entry and checks the table. Failures name the path and the reason.
+  static Result<std::shared_ptr<PluginLibrary>> load(const std::filesystem::path& path, const odo_host* host);
+
+  /// As load, after comparing the library's hash with the manifest's as `check` asks, and its id afterwards.
+  static Result<std::shared_ptr<PluginLibrary>> load(const Manifest& manifest, LibraryCheck check,
+                                                     const odo_host* host);
+
+  /// The plugin's table; what a smaller table does not have is null.
+  const odo_plugin& table() const { return table_; }
+  const std::filesystem::path& path() const { return path_; }
+
+  bool quarantined() const { return quarantined_; }
+  void quarantine() { quarantined_ = true; }
+
+ private:
+  /// `path` is its name, `opened` what the loader opens.
+  static Result<std::shared_ptr<PluginLibrary>> open(const std::filesystem::path& path,
+                                                     const std::filesystem::path& opened, const odo_host* host);
+
+  std::filesystem::path path_;
+  odo_plugin table_{};
+  bool quarantined_ = false;
+};
+
+/// Whether the file is a shared library that this machine can run, with all its segments present. True or a Failure,
+/// which calls it `name`.
+Result<bool> check_shared_library(const std::filesystem::path& path, const std::filesystem::path& name);
+
+}  // namespace odograph

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/plugin_host/library_backend.hpp"
+
+#include <cstddef>
+#include <exception>
+#include <new>
+
+#include <cxxabi.h>
+
+#include <odograph/messages.h>
+
+#include "sdk/host/plugin_host/breadcrumb.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
+
+namespace odograph {
+namespace {
+
+constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
+
+/// A table may end before a function that is optional; then it reads as null.
+#define ODO_OPTIONAL(table, function) (ODO_HAS(&(table), function) ? (table).function : nullptr)
+
+/// Notes which thread is within a call, also one within a call (reset makes a new instance).
+class Calling {
+ public:
+  explicit Calling(std::atomic<std::thread::id>& caller) : caller_(caller), outer_(caller) {
+    caller_.store(std::this_thread::get_id(), std::memory_order_relaxed);
+  }
+  ~Calling() { caller_.store(outer_, std::memory_order_relaxed); }
+  Calling(const Calling&) = delete;
+  Calling& operator=(const Calling&) = delete;
+
+ private:
+  std::atomic<std::thread::id>& caller_;
+  const std::thread::id outer_;
+};
+
+}  // namespace
+
+LibraryBackend::LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
+                               const odo_sink& sink, bool thread_may_end)
+    : library_(std::move(library)),
+      choice_(choice),
+      host_(host),
+      sink_(sink),
+      types_(plugin_types(choice.interface_id, library_->table())),
+      thread_may_end_(thread_may_end) {
+  given_.struct_size = sizeof(odo_sink);
+  given_.instance = sink.instance;
+  given_.emit = emit;
+  given_.owner = this;
+}
+
+int32_t LibraryBackend::emit(const odo_sink* sink, const odo_header* event) {
+  LibraryBackend& self = *static_cast<const Sink*>(sink)->owner;
+  if (self.caller_.load(std::memory_order_relaxed) == std::this_thread::get_id())
+    return self.sink_.emit(&self.sink_, event);
+  self.host_.report(self.sink_.instance, ODO_SEVERITY_WARNING, "foreign_thread",
+                    "emitted on a thread of its own or between two calls; expected the thread that calls it",
+                    ODO_E_STATE);
+  return ODO_E_STATE;
+}
+
+Result<std::unique_ptr<LibraryBackend>> LibraryBackend::load(const PluginChoice& choice, LibraryCheck check,
+                                                             HostServices& host, const odo_sink& sink,
+                                                             bool thread_may_end) {
+  const Breadcrumb crumb(choice.manifest.id, "load");
+  try {
+    auto library = PluginLibrary::load(choice.manifest, check, &host);
+    if (!library) return library.failure();
+    return std::unique_ptr<LibraryBackend>(new LibraryBackend(std::move(*library), choice, host, sink, thread_may_end));
+  } catch (const abi::__forced_unwind&) {
+    if (!thread_may_end) abort_for_ended_thread();  // here, where the breadcrumb names the plugin
+    throw;
+  }
+}
+
+LibraryBackend::~LibraryBackend() { close(); }
+
+/// What the call returns. An exception out of it is a failure of the instance. A plugin that ends the thread
+/// (pthread_exit) ends the process, here, where the call is still known, unless the thread is the plugin's own.
+template <class Work>
+int32_t LibraryBackend::call(const char* name, Work&& work) {
+  const Breadcrumb crumb(choice_.manifest.id, name);
+  const Calling calling(caller_);
+  std::string what;
+  try {
+    return work();
+  } catch (const abi::__forced_unwind&) {
+    if (!thread_may_end_) abort_for_ended_thread();
+    throw;
+  } catch (const std::bad_alloc&) {
+    return ODO_E_MEMORY;
+  } catch (const std::exception& error) {
+    what = std::string(": ") + error.what();
+  } catch (...) {
+  }
+  host_.report(sink_.instance, ODO_SEVERITY_ERROR, "exception", std::string("an exception came out of ") + name + what,
+               ODO_E_ERROR);
+  return ODO_E_ERROR;
+}
+
+int32_t LibraryBackend::start() {
+  const odo_plugin& table = library_->table();
+  const odo_string interface_id{choice_.interface_id.data(), choice_.interface_id.size()};
+  int32_t status = call("create", [&] { return table.create(&host_, sink_.instance, &interface_id, &instance_); });
+  if (status >= 0 && !instance_) status = ODO_E_ERROR;
+  if (status < 0) {
+    instance_ = nullptr;
+    return status;
+  }
+  const auto values = values_of(choice_);
+  status = call("configure", [&] {
+    return table.configure(instance_, values.data(), static_cast<uint32_t>(values.size()), sizeof(odo_value));
+  });
+  return status < 0 ? status : call("activate", [&] { return table.activate(instance_, &given_); });
+}
+
+int32_t LibraryBackend::process(const odo_header& message) {
+  if (!instance_) return ODO_E_STATE;
+  const odo_header* messages[] = {&message};
+  const odo_batch batch{sizeof(odo_batch), 1, messages};
+  return call("process", [&] { return library_->table().process(instance_, &batch); });
+}
+
+int32_t LibraryBackend::reset() {
+  const auto function = ODO_OPTIONAL(library_->table(), reset);
+  if (instance_ && function && call("reset", [&] { return function(instance_); }) >= 0) return ODO_OK;
+  close();
+  return start();
+}
+
+void LibraryBackend::close() {
+  if (odo_instance* ended = std::exchange(instance_, nullptr))
+    call("destroy", [&] { return library_->table().destroy(ended), ODO_OK; });
+}
+
+std::vector<uint8_t> LibraryBackend::save() {
+  const auto function = ODO_OPTIONAL(library_->table(), save);
+  if (!instance_ || !function) return {};
+  int64_t needed = 0, written = 0;
+  std::vector<uint8_t> bytes;
+  call("save", [&] { return needed = function(instance_, nullptr, 0), ODO_OK; });
+  if (needed <= 0 || needed > kLargestState) return {};
+  bytes.resize(static_cast<size_t>(needed));
+  call("save", [&] { return written = function(instance_, bytes.data(), bytes.size()), ODO_OK; });
+  return written == needed ? bytes : std::vector<uint8_t>();
+}
+
+const void* LibraryBackend::extension(std::string_view id) {
+  const auto function = ODO_OPTIONAL(library_->table(), get_interface);
+  const void* table = nullptr;
+  if (instance_ && function)
+    call("get_interface", [&] { return table = function(instance_, id.data(), id.size()), ODO_OK; });
+  return table;
+}
+
+bool LibraryBackend::load(std::span<const uint8_t> data) {
+  const auto function = ODO_OPTIONAL(library_->table(), load);
+  return instance_ && function && call("load", [&] { return function(instance_, data.data(), data.size()); }) >= 0;
+}
+
+}  // namespace odograph

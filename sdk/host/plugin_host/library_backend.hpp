@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/plugin_host/backend.hpp"
+#include "sdk/host/plugin_host/library.hpp"
+#include "sdk/host/plugin_host/services.hpp"
+
+namespace odograph {
+
+/// An instance in this process. An exception that leaves the plugin is caught and reported, as far as host and plugin
+/// share a C++ runtime's ABI; a crash is named by the breadcrumb (breadcrumb.hpp). An event from a thread of the
+/// plugin's own is refused and reported: nobody on the host's side waits for it.
+class LibraryBackend : public PluginBackend {
+ public:
+  /// `choice` and `sink` outlive it. `thread_may_end`: a plugin that ends its thread (pthread_exit) unwinds it;
+  /// otherwise that ends the process, because the thread is the app's.
+  static Result<std::unique_ptr<LibraryBackend>> load(const PluginChoice& choice, LibraryCheck check,
+                                                      HostServices& host, const odo_sink& sink,
+                                                      bool thread_may_end = false);
+  ~LibraryBackend() override;
+
+  int32_t start() override;
+  int32_t process(const odo_header& message) override;
+  int32_t reset() override;
+  std::vector<uint8_t> save() override;
+  bool load(std::span<const uint8_t> data) override;
+  const void* extension(std::string_view id) override;
+  const KindTypes& types() const override { return types_; }
+  void quarantine() override { library_->quarantine(); }
+  bool quarantined() const override { return library_->quarantined(); }
+  /// Destroys the instance; nothing is asked of it any more.
+  void close();
+
+ private:
+  struct Sink : odo_sink {
+    LibraryBackend* owner;
+  };
+
+  static int32_t emit(const odo_sink* sink, const odo_header* event);
+  LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
+                 const odo_sink& sink, bool thread_may_end);
+  template <class Work>
+  int32_t call(const char* name, Work&& work);
+
+  std::shared_ptr<PluginLibrary> library_;
+  const PluginChoice& choice_;
+  HostServices& host_;
+  const odo_sink& sink_;
+  Sink given_{};                             // the plugin's
+  std::atomic<std::thread::id> caller_{{}};  // of the current call
+  KindTypes types_;
+  odo_instance* instance_ = nullptr;
+  bool thread_may_end_;
+};
+
+}  // namespace odograph

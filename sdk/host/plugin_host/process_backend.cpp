@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/plugin_host/process_backend.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include <dlfcn.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <odograph/messages.h>
+
+#include "sdk/host/base/pixels.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/host/plugin_host/shared_memory.hpp"
+#include "sdk/host/plugin_host/shared_pixels.hpp"
+
+namespace odograph {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kEndLimit_s = 1;
+constexpr int kEndPolls = 100;         // of 1 ms: what has closed its socket should be gone by then
+constexpr size_t kMostRecords = 4096;  // of one call: 256 events, reports and what was emitted beyond
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+/// Starts the program with the three descriptors where it expects them, no signal blocked or ignored.
+pid_t spawn(const fs::path& program, int socket_fd, int control_fd, int pixels_fd) {
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&files);
+  posix_spawnattr_init(&attributes);
+  posix_spawn_file_actions_adddup2(&files, socket_fd, wire::kSocket);
+  posix_spawn_file_actions_adddup2(&files, control_fd, wire::kControl);
+  posix_spawn_file_actions_adddup2(&files, pixels_fd, wire::kPixels);
+  sigset_t all, none;
+  sigfillset(&all);
+  sigemptyset(&none);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+  std::string name = program.string();
+  char* arguments[] = {name.data(), nullptr};
+  pid_t child = -1;
+  if (posix_spawn(&child, name.c_str(), &files, &attributes, arguments, environ) != 0) child = -1;
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  return child;
+}
+
+std::string how_it_ended(int status) {
+  if (WIFSIGNALED(status)) return std::string("was ended by a signal (") + strsignal(WTERMSIG(status)) + ")";
+  return "ended its process with status " + std::to_string(WEXITSTATUS(status));
+}
+
+void put_values(wire::Writer& out, const PluginChoice& choice) {
+  const auto values = values_of(choice);
+  out.put(static_cast<uint32_t>(values.size()));
+  for (const odo_value& value : values) {
+    out.put(value.type);
+    out.put_bytes(value.name.data, value.name.size);
+    out.put_bytes(value.text.data, value.text.size);
+    out.put_bytes(value.reals, value.count * sizeof(double));
+    out.put(value.integer);
+  }
+}
+
+}  // namespace
+
+fs::path plugin_host_program() {
+  constexpr const char* kName = "odograph-plugin-host";
+  std::vector<fs::path> places;
+  Dl_info self{};
+  std::error_code error;
+  if (dladdr(reinterpret_cast<const void*>(&plugin_host_program), &self) && self.dli_fname)
+    if (const fs::path binary = fs::canonical(self.dli_fname, error); !error)
+      for (const char* folder : {".", "odograph", "../bin", "../lib/odograph"})
+        places.push_back(binary.parent_path() / folder / kName);
+  places.push_back(fs::path(ODOGRAPH_PLUGIN_DIR).parent_path() / kName);
+  for (const fs::path& place : places)
+    if (access(place.c_str(), X_OK) == 0) return place;
+  return {};
+}
+
+Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice& choice, LibraryCheck check,
+                                                             HostServices& host, const odo_sink& sink) {
+  const std::string who = choice.manifest.library.string() + ": ";
+  const fs::path program = choice.isolation.program.empty() ? plugin_host_program() : choice.isolation.program;
+  if (program.empty())
+    return Failure{ODO_E_NOT_FOUND, who +
+                                        "isolation: process needs the program odograph-plugin-host beside the "
+                                        "library; expected it there, or its path as plugins.host"};
+  if (host.shared_pixels().descriptor() < 0)
+    return Failure{ODO_E_EXHAUSTED, who +
+                                        "isolation: process needs memory that can be sealed (memfd_create with "
+                                        "F_SEAL_FUTURE_WRITE: Linux 5.1 or later)"};
+  std::unique_ptr<ProcessBackend> made(new ProcessBackend(choice, host, sink));
+  if (!made->launch(program))
+    return Failure{ODO_E_EXHAUSTED, who + "no process could be started with " + program.string()};
+  auto out = made->request();
+  out.put_text(choice.manifest.path.string());
+  out.put_text(choice.manifest.text);  // the file may be another by now
+  out.put_text(choice.interface_id);
+  out.put(sink.instance);
+  out.put(static_cast<uint32_t>(check));
+  out.put(host.seed());
+  out.put(choice.isolation.memory_bytes);
+  out.put(static_cast<uint32_t>(host.assets().size()));
+  for (const fs::path& folder : host.assets()) out.put_text(folder.string());
+  put_values(out, choice);
+  if (!made->exchange(wire::hello, out, choice.isolation.start_s)) return Failure{ODO_E_FATAL, who + made->ended_};
+  wire::Reader reader({reinterpret_cast<const uint8_t*>(made->answer_.data()), made->answer_size_});
+  const auto status = reader.get<int32_t>();
+  const std::string why = reader.get_text();
+  for (auto* types : {&made->types_.inputs, &made->types_.outputs}) {
+    const auto bytes = reader.get_bytes();
+    if (bytes.size() > 2 * kMostTypes * sizeof(uint32_t))  // its kind's, and what it declares
+      return Failure{ODO_E_FATAL, who + "broke the protocol in load"};
+    types->resize(bytes.size() / sizeof(uint32_t));
+    if (!bytes.empty()) std::memcpy(types->data(), bytes.data(), types->size() * sizeof(uint32_t));
+  }
+  if (status < 0) return Failure{status, why};
+  if (!reader.good()) return Failure{ODO_E_FATAL, who + "broke the protocol in load"};
+  return made;
+}
+
+bool ProcessBackend::launch(const fs::path& program) {
+  int ends[2] = {-1, -1};
+  const int control_fd = shared_memory("odograph-control", sizeof(wire::Control));
+  control_ = static_cast<wire::Control*>(map_shared(control_fd, sizeof(wire::Control)));
+  if (control_ && socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) == 0) {
+    socket_ = ends[0];
+    ends[1] = high_descriptor(ends[1]);
+    control_->version = wire::kVersion;
+    child_ = spawn(program, ends[1], control_fd, host_.shared_pixels().descriptor());
+    close(ends[1]);
+  }
+  if (control_fd >= 0) close(control_fd);
+  return child_ > 0;
+}
+
+ProcessBackend::~ProcessBackend() {
+  for (HeldFrame& held : held_) let_go(held);
+  if (child_ > 0 && ended_.empty()) {
+    const bool in_order = exchange(wire::end, request(), kEndLimit_s);
+    if (!in_order)
+      host_.report(sink_.instance, ODO_SEVERITY_WARNING, "isolated", ended_, ODO_E_ERROR);
+    else
+      reap(true, "");
+  }
+  if (socket_ >= 0) close(socket_);
+  if (control_) munmap(control_, sizeof(wire::Control));
+}
+
+/// Asks and waits for the answer, of which a copy is in answer_ then. False, with ended_ said, where there is none.
+bool ProcessBackend::exchange(wire::Call call, const wire::Writer& asked, double limit_s) {
+  if (!ended_.empty()) return false;
+  if (asked.full()) return give_up("was asked for more than the shared memory holds"), false;
+  control_->call = call;
+  control_->request_size = asked.size();
+  control_->response_size = 0;
+  const char word = 'c';
+  if (send(socket_, &word, 1, MSG_NOSIGNAL) != 1) return reap(false, ""), false;
+  if (!wait_for_answer(limit_s)) return false;
+  const uint64_t size = *static_cast<volatile uint64_t*>(&control_->response_size);
+  if (size > wire::kAreaBytes)
+    return give_up("broke the protocol: an answer of " + std::to_string(size) + " bytes"), false;
+  answer_size_ = static_cast<size_t>(size);
+  answer_.resize((answer_size_ + 7) / 8);
+  if (answer_size_ > 0) std::memcpy(answer_.data(), control_->response, answer_size_);
+  return true;
+}
+
+bool ProcessBackend::wait_for_answer(double limit_s) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit_s);
+  for (;;) {
+    const double left_s = std::chrono::duration<double>(until - std::chrono::steady_clock::now()).count();
+    pollfd wait{socket_, POLLIN, 0};
+    const int ready = left_s > 0 ? poll(&wait, 1, static_cast<int>(left_s * 1e3) + 1) : 0;
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready <= 0) return give_up("took longer than " + number(limit_s) + " s"), false;
+    char word = 0;
+    const ssize_t got = recv(socket_, &word, 1, 0);
+    if (got == 1) return true;
+    if (got < 0 && errno == EINTR) continue;
+    return reap(false, ""), false;
+  }
+}
+
+/// Ends the process for what it did.
+void ProcessBackend::give_up(std::string what) { reap(true, what); }
+
+void ProcessBackend::reap(bool killed_by_us, const std::string& what) {
+  char phase[wire::kPhaseBytes + 1] = {};
+  std::memcpy(phase, control_->phase, wire::kPhaseBytes);
+  std::replace_if(
+      std::begin(phase), std::end(phase) - 1, [](char c) { return c != 0 && !std::islower(c); }, '?');
+  int status = 0;
+  pid_t gone = 0;
+  for (int i = 0; i < kEndPolls && gone == 0 && !killed_by_us; ++i) {
+    gone = waitpid(child_, &status, WNOHANG);
+    if (gone == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ended_ = killed_by_us ? what : gone > 0 ? how_it_ended(status) : gone < 0 ? "ended its process" : "left the host";
+  if (gone == 0) {
+    kill(child_, SIGKILL);
+    while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
+    }
+  }
+  child_ = -1;
+  if (*phase) ended_ += std::string(" in ") + phase;
+}
+
+/// The status out of an answer, after its events and reports have been passed on.
+int32_t ProcessBackend::answered() {
+  wire::Reader reader({reinterpret_cast<const uint8_t*>(answer_.data()), answer_size_});
+  const auto status = reader.get<int32_t>();
+  if (!take_records(reader) || !reader.good()) {
+    give_up("broke the protocol");
+    return ODO_E_ERROR;
+  }
+  return status;
+}
+
+bool ProcessBackend::take_records(wire::Reader& reader) {
+  alignas(8) unsigned char bytes[ODO_LARGEST_MESSAGE];
+  for (size_t count = 0; reader.good() && !reader.empty(); ++count) {
+    if (count >= kMostRecords) return false;
+    const auto kind = reader.get<uint32_t>();
+    if (kind == wire::report) {
+      const auto severity = reader.get<uint32_t>();
+      const auto status = reader.get<int32_t>();
+      const std::string key = reader.get_text(), text = reader.get_text();
+      if (!reader.good()) return false;
+      host_.report(sink_.instance, std::min(severity, ODO_SEVERITY_ERROR), key, text, status);
+      continue;
+    }
+    const auto event = reader.get_bytes();
+    if (kind != wire::event || !reader.good() || event.size() > sizeof bytes) return false;
+    if (event.empty()) {
+      sink_.emit(&sink_, nullptr);
+      continue;
+    }
+    if (event.size() < sizeof(odo_header)) return false;
+    std::memcpy(bytes, event.data(), event.size());
+    const auto& header = *reinterpret_cast<const odo_header*>(bytes);
+    const bool takeable = header.struct_size >= sizeof(odo_header) && header.struct_size <= ODO_LARGEST_MESSAGE;
+    if (takeable && header.struct_size != event.size()) return false;
+    sink_.emit(&sink_, &header);
+  }
+  return true;
+}
+
+int32_t ProcessBackend::start() {
+  return exchange(wire::start, request(), choice_.isolation.start_s) ? answered() : ODO_E_ERROR;
+}
+
+int32_t ProcessBackend::process(const odo_header& message) {
+  take_back_frames();
+  auto out = request();
+  out.put_bytes(&message, message.struct_size);
+  if (message.type == ODO_TYPE_FRAME && !put_frame(message, out)) return ODO_E_EXHAUSTED;
+  const int32_t status = exchange(wire::process, out, choice_.isolation.time_s) ? answered() : ODO_E_ERROR;
+  take_back_frames();
+  return status;
+}
+
+/// Says where the pixels are, and holds them for as long as the plugin does: those that lie in shared memory with the
+/// frame's own hold, others in a copy there.
+bool ProcessBackend::put_frame(const odo_header& message, wire::Writer& out) {
+  const auto free = std::find_if(std::begin(held_), std::end(held_), [](const auto& held) { return !held.used; });
+  if (free == std::end(held_)) return false;
+  SharedPixels& shared = host_.shared_pixels();
+  odo_frame frame = copy_as<odo_frame>(message);
+  HeldFrame held{true, false, frame, {}};
+  if (shared.offset_of(frame.planes[0].data)) {
+    held.retained = frame.retain && frame.release && frame.retain(&frame) >= 0;
+  } else {
+    const size_t bytes = pixel_bytes(frame);
+    held.copy = shared.take(bytes);
+    if (held.copy.empty() || !copy_pixels(frame, held.copy.first(bytes))) return let_go(held), false;
+  }
+  *free = held;
+  const auto slot = static_cast<uint32_t>(free - std::begin(held_));
+  control_->holds[slot] = 1;  // the plugin's process gives it back
+  out.put(slot);
+  out.put(static_cast<uint32_t>(held.retained || !held.copy.empty()));
+  const bool masked = (frame.header.flags & ODO_FRAME_MASK) != 0;
+  for (const odo_plane* plane : {&frame.planes[0], &frame.planes[1], &frame.planes[2], &frame.planes[3], &frame.mask}) {
+    const bool used = plane != &frame.mask || masked;
+    out.put(used ? shared.offset_of(plane->data).value_or(UINT64_MAX) : UINT64_MAX);
+    out.put(plane->row_stride);
+    out.put(plane->pixel_stride);
+  }
+  return true;
+}
+
+/// Those that the plugin does not hold any more.
+void ProcessBackend::take_back_frames() {
+  for (size_t slot = 0; slot < wire::kFrameSlots; ++slot)
+    if (!ended_.empty() || control_->holds[slot].load(std::memory_order_acquire) == 0) let_go(held_[slot]);
+}
+
+void ProcessBackend::let_go(HeldFrame& held) {
+  if (!held.used) return;
+  if (held.retained) held.frame.release(&held.frame);
+  host_.shared_pixels().give_back(held.copy);
+  held = {};
+}
+
+int32_t ProcessBackend::reset() {
+  return exchange(wire::reset, request(), choice_.isolation.start_s) ? answered() : ODO_E_ERROR;
+}
+
+std::vector<uint8_t> ProcessBackend::save() {
+  if (!exchange(wire::save, request(), choice_.isolation.time_s)) return {};
+  wire::Reader reader({reinterpret_cast<const uint8_t*>(answer_.data()), answer_size_});
+  const auto bytes = reader.get_bytes();
+  return reader.good() ? std::vector<uint8_t>(bytes.begin(), bytes.end()) : std::vector<uint8_t>();
+}
+
+bool ProcessBackend::load(std::span<const uint8_t> data) {
+  auto out = request();
+  out.put_bytes(data.data(), data.size());
+  return !out.full() && exchange(wire::load, out, choice_.isolation.time_s) && answered() >= 0;
+}
+
+}  // namespace odograph

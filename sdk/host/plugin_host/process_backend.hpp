@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include <sys/types.h>
+
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/plugin_host/separate_backend.hpp"
+#include "sdk/host/plugin_host/services.hpp"
+#include "sdk/host/plugin_host/wire.hpp"
+
+namespace odograph {
+
+/// An instance in a process of its own, the program `odograph-plugin-host`, behind a sandbox (sandbox.hpp). Messages
+/// and events go through shared memory, wake-ups through a socket; a frame's pixels stay where they are if that is
+/// memory that the plugin sees (FrameStore), and are copied there otherwise. Whatever the plugin does ends its own
+/// process alone: then ended() says what it was.
+class ProcessBackend : public SeparateBackend {
+ public:
+  /// Starts the process and loads the library in it. The failure names the plugin and what it did. `choice` and `sink`
+  /// outlive it; the sink's emit gets every event within process().
+  static Result<std::unique_ptr<ProcessBackend>> load(const PluginChoice& choice, LibraryCheck check,
+                                                      HostServices& host, const odo_sink& sink);
+  ~ProcessBackend() override;
+
+  int32_t start() override;
+  int32_t process(const odo_header& message) override;
+  int32_t reset() override;
+  std::vector<uint8_t> save() override;
+  bool load(std::span<const uint8_t> data) override;
+  pid_t process_id() const { return child_; }
+
+ private:
+  ProcessBackend(const PluginChoice& choice, HostServices& host, const odo_sink& sink)
+      : choice_(choice), host_(host), sink_(sink) {}
+  bool launch(const std::filesystem::path& program);
+  bool exchange(wire::Call call, const wire::Writer& request, double limit_s);
+  bool wait_for_answer(double limit_s);
+  int32_t answered();
+  bool take_records(wire::Reader& reader);
+  /// A frame that the plugin's process may hold.
+  struct HeldFrame {
+    bool used = false;
+    bool retained = false;  ///< by its own hold
+    odo_frame frame{};
+    std::span<uint8_t> copy;  ///< in shared memory; empty where the frame itself lies there
+  };
+
+  bool put_frame(const odo_header& message, wire::Writer& request);
+  void take_back_frames();
+  void let_go(HeldFrame& held);
+  void give_up(std::string what);
+  void reap(bool killed_by_us, const std::string& what);
+  wire::Writer request() { return wire::Writer({control_->request, wire::kAreaBytes}); }
+
+  const PluginChoice& choice_;
+  HostServices& host_;
+  const odo_sink& sink_;
+  pid_t child_ = -1;
+  int socket_ = -1;
+  wire::Control* control_ = nullptr;
+  HeldFrame held_[wire::kFrameSlots];
+  std::vector<uint64_t> answer_;  // copied before it is looked at
+  size_t answer_size_ = 0;
+};
+
+/// The program that runs plugins, beside this library or program or where it is installed to. Empty where it is
+/// missing.
+std::filesystem::path plugin_host_program();
+
+}  // namespace odograph

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/plugin_host/sealed_copy.hpp"
+
+#include "sdk/host/plugin_host/library.hpp"
+
+#if defined(__linux__)
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include <cerrno>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#endif
+
+namespace odograph {
+namespace fs = std::filesystem;
+
+Result<bool> has_hash_of(const Manifest& manifest, const fs::path& copy) {
+  const auto hash = sha256_of(copy);
+  if (!hash)
+    return Failure{ODO_E_NOT_FOUND,
+                   manifest.library.string() + ": cannot be opened (named by " + manifest.path.string() + ")"};
+  // The format first: "truncated" says more than "hash differs".
+  const auto file = check_shared_library(copy, manifest.library);
+  if (!file) return file.failure();
+  if (*hash != manifest.sha256)
+    return Failure{ODO_E_DATA, manifest.library.string() + ": its hash differs from the manifest's (" +
+                                   manifest.path.string() + "); `odograph plugin manifest` writes a new one"};
+  return true;
+}
+
+#if defined(__linux__)
+namespace {
+
+constexpr size_t kChunk = 1 << 20;
+constexpr size_t kLargestLibrary = size_t(1) << 30;  // bytes; a file that grows while it is read ends here
+
+/// A descriptor that is closed at the end of its block.
+struct Descriptor {
+  int fd;
+  ~Descriptor() {
+    if (fd >= 0) close(fd);
+  }
+  int keep() { return std::exchange(fd, -1); }
+};
+
+bool write_all(int fd, const char* bytes, size_t size) {
+  while (size > 0) {
+    const ssize_t written = write(fd, bytes, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes += written;
+    size -= static_cast<size_t>(written);
+  }
+  return true;
+}
+
+bool copy_all(int from, int to) {
+  std::vector<char> chunk(kChunk);
+  for (size_t total = 0; total <= kLargestLibrary;) {
+    const ssize_t got = read(from, chunk.data(), chunk.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return got == 0;
+    if (!write_all(to, chunk.data(), static_cast<size_t>(got))) return false;
+    total += static_cast<size_t>(got);
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<fs::path> sealed_copy(const Manifest& manifest) {
+  static std::mutex mutex;
+  static std::map<std::string, fs::path> copies;  // by their hash
+  const std::lock_guard lock(mutex);
+  if (const auto known = copies.find(manifest.sha256); known != copies.end()) return known->second;
+  const std::string who = manifest.library.string();
+  const Descriptor file{open(manifest.library.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};  // a pipe would wait
+  struct stat kind {};
+  if (file.fd < 0 || fstat(file.fd, &kind) != 0 || !S_ISREG(kind.st_mode))
+    return Failure{ODO_E_NOT_FOUND, who + ": cannot be opened (named by " + manifest.path.string() + ")"};
+  // The name is what debuggers and /proc/self/maps show.
+  Descriptor memory{
+      memfd_create(manifest.library.filename().string().substr(0, 200).c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING)};
+  if (memory.fd < 0 || !copy_all(file.fd, memory.fd) ||
+      fcntl(memory.fd, F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_GROW | F_SEAL_SHRINK | F_SEAL_SEAL) != 0)
+    return Failure{ODO_E_EXHAUSTED,
+                   who + ": no sealed copy of it could be made; what is allowed by hash or signature needs one"};
+  const fs::path path = "/proc/self/fd/" + std::to_string(memory.fd);
+  if (const auto same = has_hash_of(manifest, path); !same) return same.failure();
+  memory.keep();  // for good: another library under this number would be taken for this one by the loader
+  return copies.emplace(manifest.sha256, path).first->second;
+}
+#else
+Result<fs::path> sealed_copy(const Manifest& manifest) {
+  if (const auto same = has_hash_of(manifest, manifest.library); !same) return same.failure();
+  return manifest.library;
+}
+#endif
+
+}  // namespace odograph

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/plugin_host/services.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <string_view>
+
+#include "sdk/host/base/version.hpp"
+
+namespace odograph {
+namespace {
+
+HostServices& of(const odo_host* host) { return *const_cast<HostServices*>(static_cast<const HostServices*>(host)); }
+
+constexpr size_t kMostKinds = 256;  // of reports of one origin: what has more gets one kind for the rest
+constexpr size_t kLongestKey = 256, kLongestText = 4096;
+
+std::string text_of(const odo_string* s, size_t longest) {
+  return s && s->size ? std::string(s->data, std::min<uint64_t>(s->size, longest)) : std::string();
+}
+
+/// SplitMix64 (Steele, Lea & Flood 2014): neighbouring inputs give unrelated outputs.
+uint64_t mix(uint64_t x) {
+  x += 0x9E3779B97F4A7C15u;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+  return x ^ (x >> 31);
+}
+
+}  // namespace
+
+HostServices::HostServices(uint64_t seed, std::vector<std::filesystem::path> assets, Listener listener)
+    : odo_host{}, seed_(seed), assets_(std::move(assets)), listener_(std::move(listener)) {
+  struct_size = sizeof(odo_host);
+  abi_major_min = abi_major_max = ODO_ABI_MAJOR;
+  abi_minor = ODO_ABI_MINOR;
+  version = {kVersion, std::strlen(kVersion)};
+  get_service = find_service;
+}
+
+const void* HostServices::find_service(const odo_host*, const char* id, uint64_t size) {
+  static const odo_report_service reports{
+      sizeof(odo_report_service), 0,
+      [](const odo_host* host, uint32_t instance, uint32_t severity, const odo_string* key, const odo_string* text) {
+        of(host).report(instance, severity, text_of(key, kLongestKey), text_of(text, kLongestText));
+      }};
+  static const odo_random_service random{sizeof(odo_random_service), 0,
+                                         [](const odo_host* host, uint32_t instance, uint64_t stream) {
+                                           return mix(mix(of(host).seed_ + instance) ^ stream);
+                                         }};
+  static const odo_asset_service assets{
+      sizeof(odo_asset_service), 0,
+      [](const odo_host* host, const odo_string* name, char* path, uint64_t capacity) -> int64_t {
+        for (const auto& folder : of(host).assets_) {
+          std::error_code error;
+          const auto found = std::filesystem::canonical(folder / text_of(name, kLongestText), error);
+          if (error) continue;
+          const std::string text = found.string();
+          std::copy_n(text.data(), std::min<uint64_t>(capacity, text.size()), path);
+          return static_cast<int64_t>(text.size());
+        }
+        return ODO_E_NOT_FOUND;
+      }};
+  const std::string_view wanted(id, size);
+  if (wanted == ODO_SERVICE_REPORT) return &reports;
+  if (wanted == ODO_SERVICE_RANDOM) return &random;
+  if (wanted == ODO_SERVICE_ASSETS) return &assets;
+  return nullptr;
+}
+
+void HostServices::name_instance(uint32_t instance, const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  names_[instance] = id;
+}
+
+void HostServices::report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
+                          int32_t status) {
+  Report report{severity, "host", key.substr(0, kLongestKey), text.substr(0, kLongestText), instance, 1, status};
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto name = names_.find(instance); name != names_.end()) report.origin = name->second;
+    const auto now = std::chrono::steady_clock::now();
+    auto& kinds = recent_[report.origin];
+    if (kinds.size() >= kMostKinds && kinds.count(report.key) == 0) report.key = "more";
+    auto [entry, is_new] = kinds.try_emplace(report.key);
+    if (!is_new && now - entry->second.last < std::chrono::seconds(1)) {
+      ++entry->second.held_back;
+      return;
+    }
+    report.count += entry->second.held_back;
+    if (entry->second.held_back > 0)
+      report.text += " (and " + std::to_string(entry->second.held_back) + " more like it)";
+    entry->second = {now, 0};
+  }
+  if (listener_) listener_(report);
+}
+
+}  // namespace odograph

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <odograph/plugin.h>
+
+#include "sdk/host/plugin_host/shared_pixels.hpp"
+
+namespace odograph {
+
+/// A report of a plugin or of the host, for people.
+struct Report {
+  uint32_t severity;
+  std::string origin;  // plugin id, or "host"
+  std::string key;
+  std::string text;
+  uint32_t instance = 0;    // 0: the host
+  uint64_t count = 1;       // how many like it this one stands for
+  int32_t status = ODO_OK;  // that belongs to it
+};
+
+/// The odo_host that plugins see, with its services: report, random, assets. Outlives every instance made with it.
+class HostServices : public odo_host {
+ public:
+  using Listener = std::function<void(const Report&)>;
+
+  /// `assets`: directories in which files that a config names are looked for, in this order.
+  HostServices(uint64_t seed, std::vector<std::filesystem::path> assets, Listener listener);
+  HostServices(const HostServices&) = delete;
+  HostServices& operator=(const HostServices&) = delete;
+  virtual ~HostServices() = default;
+
+  /// Gives an instance number its plugin's name, for reports. [control]
+  void name_instance(uint32_t instance, const std::string& id);
+
+  /// Passes a report on, at most one a second (of this machine's clock) for each origin and key; the rest are counted
+  /// into the next one. An origin with more than 256 keys has "more" for the rest. [any]
+  virtual void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
+                      int32_t status = ODO_OK);
+
+  /// Where plugins in processes of their own see frames.
+  SharedPixels& shared_pixels() { return shared_pixels_; }
+  uint64_t seed() const { return seed_; }
+  const std::vector<std::filesystem::path>& assets() const { return assets_; }
+
+ private:
+  static const void* find_service(const odo_host* host, const char* id, uint64_t size);
+
+  struct Recent {
+    std::chrono::steady_clock::time_point last;
+    uint64_t held_back = 0;
+  };
+
+  uint64_t seed_;
+  std::vector<std::filesystem::path> assets_;
+  Listener listener_;
+  SharedPixels shared_pixels_;
+  std::mutex mutex_;
+  std::map<uint32_t, std::string> names_;
+  std::map<std::string, std::map<std::string, Recent>> recent_;  // by origin and key
+};
+
+}  // namespace odograph

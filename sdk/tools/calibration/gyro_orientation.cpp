@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/calibration/gyro_orientation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odograph {
+
+Eigen::Quaterniond rotation_of(const Eigen::Vector3d& v) {
+  const double angle = v.norm();
+  const double s = angle < 1e-9 ? 0.5 : std::sin(0.5 * angle) / angle;
+  return {std::cos(0.5 * angle), s * v.x(), s * v.y(), s * v.z()};
+}
+
+Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
+  const Eigen::Vector3d v = (q.w() < 0 ? -1 : 1) * q.vec();
+  const double sine = v.norm();
+  if (sine < 1e-12) return 2 * v;
+  return 2 * std::atan2(sine, std::abs(q.w())) / sine * v;
+}
+
+GyroOrientation::GyroOrientation(const std::vector<GyroSample>& samples, const Eigen::Vector3d& bias_b,
+                                 const Eigen::Matrix3d& scale)
+    : first_ns_(samples.front().t_ns) {
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+  for (size_t i = 0; i + 1 < samples.size(); ++i) {
+    const double dt = static_cast<double>(samples[i + 1].t_ns - samples[i].t_ns) * 1e-9;
+    const Eigen::Vector3d rate = scale * (samples[i].rate_b - bias_b);
+    const Eigen::Vector3d change = scale * (samples[i + 1].rate_b - samples[i].rate_b);
+    knots_.push_back({seconds(samples[i].t_ns), q, rate, change / dt});
+    q = (q * rotation_of(dt * (rate + 0.5 * change))).normalized();
+  }
+  knots_.push_back(
+      {seconds(samples.back().t_ns), q, scale * (samples.back().rate_b - bias_b), Eigen::Vector3d::Zero()});
+}
+
+size_t GyroOrientation::interval(double t_s) const {
+  const auto after =
+      std::upper_bound(knots_.begin(), knots_.end(), t_s, [](double t, const Knot& knot) { return t < knot.t_s; });
+  return after == knots_.begin() ? 0 : static_cast<size_t>(after - knots_.begin()) - 1;
+}
+
+bool GyroOrientation::covers(double from_s, double to_s, double gap_s) const {
+  if (from_s < knots_.front().t_s || to_s > knots_.back().t_s) return false;
+  for (size_t i = interval(from_s); i + 1 < knots_.size() && knots_[i].t_s < to_s; ++i)
+    if (knots_[i + 1].t_s - knots_[i].t_s > gap_s) return false;
+  return true;
+}
+
+Eigen::Quaterniond GyroOrientation::at(double t_s) const {
+  const Knot& knot = knots_[interval(t_s)];
+  const double dt = t_s - knot.t_s;
+  return knot.q * rotation_of(dt * knot.rate + 0.5 * dt * dt * knot.acceleration);
+}
+
+Eigen::Vector3d GyroOrientation::rate(double t_s) const {
+  const Knot& knot = knots_[interval(t_s)];
+  return knot.rate + knot.acceleration * (t_s - knot.t_s);
+}
+
+}  // namespace odograph

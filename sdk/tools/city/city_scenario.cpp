@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/city/city_scenario.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "sdk/tools/city/street_route.hpp"
+
+namespace odograph {
+namespace {
+
+/// The lenses of the benchmark: looking up through a fisheye or a phone's wide camera, or forwards.
+const char* camera_of(const std::string& lens) {
+  if (lens == "wide") return "{model: kannala_brandt, focal: 200 px, exposure: 3 ms}";
+  if (lens == "narrow") return "{focal: 400 px, exposure: 3 ms}";
+  return "{focal: 520 px, exposure: 3 ms, pitch: 0.2}";
+}
+
+}  // namespace
+
+Result<Eigen::Vector3d> write_city_scenario(const CityScenario& a) {
+  const auto city = read_city_model(a.model);
+  if (!city) return city.failure();
+  StreetRouteParameters p;
+  p.length_m = a.length_m;
+  const auto points = draw_street_route(*city, a.seed, p);
+  if (!points) return points.failure();
+  const Eigen::Vector3d start = points->front();
+  const Eigen::Vector3d origin =
+      city->origin + Eigen::Vector3d(start.y(), start.x(), ground_up_m(*city, start.head<2>()));
+  std::ostringstream text;
+  text.precision(10);
+  text << "odograph_scenario: 1\ncarrier: " << a.carrier
+       << "\nvehicle: {speed: 30 km/h}\nworld:\n  type: city\n  model: " << std::filesystem::absolute(a.model).string()
+       << "\n  model_origin: [" << origin.x() << " m, " << origin.y() << " m, " << origin.z()
+       << " m]\nwalker: {stand: 3 s}\nroute:\n  corner: 5 m\n  points:\n";
+  for (const auto& p_n : *points) text << "    - [" << p_n.x() - start.x() << ", " << p_n.y() - start.y() << ", 0]\n";
+  text << "camera: " << camera_of(a.lens) << '\n';
+  std::ofstream out(a.output);
+  out << text.str();
+  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, a.output + ": cannot be written"};
+  return origin;
+}
+
+}  // namespace odograph

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// `odograph calibrate`: a camera's intrinsics from pictures of a board, and pictures that show how far to believe them;
+// with --imu how it sits on its IMU.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+
+#include <nlohmann/json.hpp>
+
+#include "sdk/host/base/output_file.hpp"
+#include "sdk/tools/command_line/calibrate_imu.hpp"
+#include "sdk/tools/command_line/commands.hpp"
+#include "sdk/tools/console/board_option.hpp"
+#include "sdk/tools/plot/plot.hpp"
+#include "sdk/tools/replay/picture_source.hpp"
+
+namespace odograph {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CalibrateArguments {
+  BoardOptions options;
+  std::vector<std::string> inputs;
+  std::string output = "calibration", print;
+  CalibrateImuArguments imu;
+  size_t most = 60;
+  bool json = false;
+};
+
+struct Seen {
+  std::vector<BoardView> views;
+  cv::Size size;
+  size_t pictures = 0, other_size = 0;
+};
+
+/// Looks for the board in every picture. A picture of another size than the first is of another camera, or turned.
+Result<Seen> look(const std::vector<PictureSource>& sources, const Board& board) {
+  Seen seen;
+  BoardFinder finder(board);
+  Progress progress("calibrate");
+  for (const PictureSource& source : sources) {
+    progress.show(seen.pictures++, sources.size());
+    const cv::Mat grey = source.grey();
+    if (grey.empty()) continue;
+    if (seen.size.empty()) seen.size = grey.size();
+    if (grey.size() != seen.size) {
+      ++seen.other_size;
+      continue;
+    }
+    if (auto view = finder.find(grey)) {
+      view->name = source.name;
+      seen.views.push_back(std::move(*view));
+    }
+  }
+  return seen;
+}
+
+/// Where a view's corners are, how large and how slanted: four numbers that tell views apart.
+std::array<double, 4> looks_of(const BoardView& view, cv::Size size) {
+  cv::Point2d mean(0, 0);
+  for (const auto& p : view.pixels) mean += cv::Point2d(p) / static_cast<double>(view.pixels.size());
+  double xx = 0, yy = 0, xy = 0;
+  for (const auto& p : view.pixels) {
+    const cv::Point2d d = cv::Point2d(p) - mean;
+    xx += d.x * d.x, yy += d.y * d.y, xy += d.x * d.y;
+  }
+  const double n = static_cast<double>(view.pixels.size());
+  const double sx = std::sqrt(xx / n), sy = std::sqrt(yy / n);
+  return {mean.x / size.width, mean.y / size.height, 2 * std::sqrt(sx * sy) / size.width, 0.5 * xy / (n * sx * sy)};
+}
+
+/// At most `most` views, each the one that is least like those taken before.
+std::vector<BoardView> most_different(std::vector<BoardView> views, cv::Size size, size_t most) {
+  if (views.size() <= most) return views;
+  std::vector<std::array<double, 4>> looks;
+  for (const BoardView& view : views) looks.push_back(looks_of(view, size));
+  std::vector<double> nearest(views.size(), INFINITY);
+  std::vector<size_t> taken = {0};
+  while (taken.size() < most) {
+    for (size_t i = 0; i < views.size(); ++i) {
+      double d2 = 0;
+      for (size_t k = 0; k < 4; ++k) d2 += std::pow(looks[i][k] - looks[taken.back()][k], 2);
+      nearest[i] = std::min(nearest[i], d2);
+    }
+    taken.push_back(static_cast<size_t>(std::max_element(nearest.begin(), nearest.end()) - nearest.begin()));
+  }
+  std::sort(taken.begin(), taken.end());
+  std::vector<BoardView> out;
+  for (const size_t i : taken) out.push_back(std::move(views[i]));
+  return out;
+}
+
+constexpr double kEnlarged = 50;  // of residuals drawn as lines
+
+std::vector<Plot> plots_of(const LensCalibration& c) {
+  char enlarged[60];
+  std::snprintf(enlarged, sizeof enlarged, "residual, %.0f times as long", kEnlarged);
+  Plot field{.title = "Corners over the picture", .x_label = "x (px)", .y_label = "y (px)", .equal_axes = true};
+  field.y_down = true;
+  PlotSeries corners{.name = "corners", .style = "points pt 7 ps 0.25"}, lines{.name = enlarged, .style = "lines"};
+  PlotSeries frame{.name = "edge of the picture", .style = "lines"};
+  const double w = c.size.width - 1, h = c.size.height - 1;
+  frame.points = {{0, 0}, {w, 0}, {w, h}, {0, h}, {0, 0}};
+  Plot scatter{.title = "Residuals", .x_label = "x (px)", .y_label = "y (px)", .equal_axes = true};
+  PlotSeries cloud{.name = "measured minus modelled", .style = "points pt 7 ps 0.25"};
+  Plot radial{.title = "Along the radius", .x_label = "distance from the principal point (px)", .y_label = "px"};
+  PlotSeries outward{.name = "residual outwards: a wave here means that the model does not bend enough",
+                     .style = "points pt 7 ps 0.25"};
+  Plot each{.title = "Pictures", .x_label = "picture", .y_label = "residual, rms (px)"};
+  PlotSeries used{.name = "used", .style = "impulses lw 5"}, left{.name = "left out", .style = "impulses lw 5"};
+  for (size_t i = 0; i < c.pictures.size(); ++i) {
+    const auto& picture = c.pictures[i];
+    (picture.used ? used : left).points.emplace_back(i + 1, picture.rms_px);
+    if (!picture.used) continue;
+    for (size_t k = 0; k < picture.pixels.size(); ++k) {
+      const cv::Point2d p = picture.pixels[k], r = picture.residuals_px[k];
+      corners.points.emplace_back(p.x, p.y);
+      for (const double t : {0.0, kEnlarged}) lines.points.emplace_back(p.x + t * r.x, p.y + t * r.y);
+      lines.points.emplace_back(NAN, NAN);
+      cloud.points.emplace_back(r.x, r.y);
+      const cv::Point2d from_centre(p.x - c.cx, p.y - c.cy);
+      const double radius = cv::norm(from_centre);
+      if (radius > 1) outward.points.emplace_back(radius, r.dot(from_centre) / radius);
+    }
+  }
+  field.series = {frame, corners, lines};
+  scatter.series = {cloud};
+  radial.series = {outward};
+  each.series = {used};
+  if (!left.points.empty()) each.series.push_back(left);
+  return {field, scatter, radial, each};
+}
+
+std::string figures_of(const LensCalibration& c) {
+  const auto used = std::count_if(c.pictures.begin(), c.pictures.end(), [](const auto& p) { return p.used; });
+  char text[600];
+  std::snprintf(text, sizeof text,
+                "fx %10.3f +- %.3f px\nfy %10.3f +- %.3f px\ncx %10.3f +- %.3f px\ncy %10.3f +- %.3f px\n"
+                "residual %.3f px (rms) over %d pictures of %dx%d, %zu left out; corners in %.0f %% of the picture\n",
+                c.fx, c.sigma_fx, c.fy, c.sigma_fy, c.cx, c.sigma_cx, c.cy, c.sigma_cy, c.rms_px,
+                static_cast<int>(used), c.size.width, c.size.height, c.pictures.size() - static_cast<size_t>(used),
+                100 * c.covered());
+  return text;
+}
+
+nlohmann::ordered_json json_of(const LensCalibration& c, const std::vector<std::string>& doubts) {
+  nlohmann::ordered_json pictures = nlohmann::json::array();
+  for (const auto& p : c.pictures)
+    pictures.push_back({{"name", p.name},
+                        {"used", p.used},
+                        {"corners", p.pixels.size()},
+                        {"rms_px", p.rms_px},
+                        {"tilt_rad", p.tilt_rad}});
+  return {{"model", c.lens == Lens::pinhole ? "pinhole" : "kannala_brandt"},
+          {"width", c.size.width},
+          {"height", c.size.height},
+          {"fx", c.fx},
+          {"fy", c.fy},
+          {"cx", c.cx},
+          {"cy", c.cy},
+          {"distortion", c.distortion},
+          {"sigma", {{"fx", c.sigma_fx}, {"fy", c.sigma_fy}, {"cx", c.sigma_cx}, {"cy", c.sigma_cy}}},
+          {"rms_px", c.rms_px},
+          {"covered", c.covered()},
+          {"doubts", doubts},
+          {"pictures", pictures}};
+}
+
+int print_board(const CalibrateArguments& a, const Board& board) {
+  if (fs::path(a.print).extension() != ".svg")
+    return complain({ODO_E_ARGUMENT, "--print: '" + a.print + "'; expected a file that ends in .svg"});
+  if (const auto written = write_file(a.print, board_svg(board)); !written) return complain(written.failure());
+  std::printf(
+      "%s: %.0f x %.0f mm with its margin. Print it in true size, glue it to something flat, and measure a "
+      "square.\n",
+      a.print.c_str(), 1000 * (board.columns + 1) * board.square_m, 1000 * (board.rows + 1) * board.square_m);
+  return kDone;
+}
+
+int calibrate(const CalibrateArguments& a) {
+  const auto board = a.options.board();
+  if (!board) return complain(board.failure());
+  if (!a.print.empty()) return print_board(a, *board);
+  CalibrateImuArguments imu = a.imu;
+  imu.output = a.output, imu.json = a.json;
+  if (a.inputs.empty()) {
+    if (!imu.recording.empty()) return calibrate_imu(imu, nullptr);
+    return complain({ODO_E_ARGUMENT,
+                     "calibrate: no pictures; expected pictures, folders, a recording or a video (or "
+                     "--imu RECORDING without a board, or --print FILE.svg for a board)"});
+  }
+  std::vector<PictureSource> sources;
+  for (const auto& input : a.inputs) {
+    auto more = pictures_of(input);
+    if (!more) return complain(more.failure());
+    std::move(more->begin(), more->end(), std::back_inserter(sources));
+  }
+  const auto seen = look(sources, *board);
+  if (!seen) return complain(seen.failure());
+  if (seen->other_size > 0)
+    std::fprintf(stderr, "%zu of %zu pictures are not %dx%d as the first is, and left out\n", seen->other_size,
+                 seen->pictures, seen->size.width, seen->size.height);
+  const auto views = most_different(seen->views, seen->size, a.most);
+  auto found = calibrate_lens(views, seen->size, a.options.lens());
+  if (!found) {
+    Failure failure = found.failure();
+    failure.text = "calibrate: " + failure.text;
+    if (2 * seen->views.size() < seen->pictures)
+      failure.text += "; looked for " + a.options.kind + " " + a.options.squares +
+                      " (--board, --squares, --family) in " + std::to_string(seen->pictures) + " pictures";
+    return complain(failure);
+  }
+  const auto doubts = doubts_about(*found);
+  std::error_code error;
+  fs::create_directories(a.output, error);
+  const fs::path folder = a.output;
+  for (const auto& [name, text] : {std::pair{"camera.yaml", camera_yaml(*found)},
+                                   {"calibration.html", plots_page("Camera calibration", figures_of(*found), doubts,
+                                                                   camera_yaml(*found), plots_of(*found))}})
+    if (const auto written = write_file(folder / name, text); !written) return complain(written.failure());
+  if (!imu.recording.empty()) return calibrate_imu(imu, &*found);
+  if (a.json) {
+    std::printf("%s\n", json_of(*found, doubts).dump(2).c_str());
+    return kDone;
+  }
+  std::printf("board found in %zu of %zu pictures\n%s", seen->views.size(), seen->pictures, figures_of(*found).c_str());
+  for (const auto& doubt : doubts) std::printf("beware: %s\n", doubt.c_str());
+  std::printf("%s/camera.yaml (in a config: 'camera: FILE'), %s/calibration.html\n", a.output.c_str(),
+              a.output.c_str());
+  return kDone;
+}
+
+}  // namespace
+
+Result<bool> write_file(const fs::path& path, const std::string& text) { return write_whole_file(path, text); }
+
+void add_calibrate(CLI::App& app, int& status) {
+  auto* command =
+      app.add_subcommand("calibrate", "A camera's intrinsics from pictures of a board, and its place on the IMU");
+  auto a = std::make_shared<CalibrateArguments>();
+  command->add_option("pictures", a->inputs, "pictures, folders of them, a recording, a video");
+  command->add_option("-o,--output", a->output, "folder for camera.yaml and calibration.html")->capture_default_str();
+  a->options.add_lens(*command);
+  a->options.add_board(*command);
+  command->add_option("--print", a->print, "write the board to this *.svg instead, to print it");
+  command->add_option("--most", a->most, "of many pictures the most different ones are used, this many")
+      ->capture_default_str()
+      ->check(CLI::Range(3, 1000));
+  command->add_option("--imu", a->imu.recording,
+                      "a lively recording with IMU: camera-IMU rotation, time offset, row time; without pictures of a "
+                      "board the lens too, as far as rotation shows it");
+  command->add_option("--camera", a->imu.camera, "with --imu: a camera.yaml to start from, instead of the recording's");
+  command->add_flag("--keep-lens", a->imu.keep_lens, "with --imu: do not touch the lens");
+  command->add_flag("--json", a->json, "print one JSON object");
+  command->callback([a, &status] { status = calibrate(*a); });
+}
+
+}  // namespace odograph

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "sdk/tools/calibration/calibrate_lens.hpp"
+
+namespace odograph {
+
+/// Writes a text file; ODO_E_NOT_FOUND where that fails.
+Result<bool> write_file(const std::filesystem::path& path, const std::string& text);
+
+struct CalibrateImuArguments {
+  std::string recording, camera, output;
+  bool keep_lens = false, json = false;
+};
+
+/// `odograph calibrate --imu`: how the camera sits on its IMU and how late it is, from a recording of both. `board` is
+/// a lens from pictures of a board, or null. The exit status.
+int calibrate_imu(const CalibrateImuArguments& arguments, const LensCalibration* board);
+
+}  // namespace odograph

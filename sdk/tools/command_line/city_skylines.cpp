@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Databases of skylines: `odograph city build`, `query` and `show`. The work is the plugin's, which is asked through
+// its extension odo.skylines.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+#include <odograph/skylines.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/tools/city/street_places.hpp"
+#include "sdk/tools/command_line/commands.hpp"
+
+namespace odograph {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+constexpr size_t kN = ODO_SKYLINE_DIRECTIONS;
+
+/// fix/skyline, asked for its skylines.
+class Skylines {
+ public:
+  /// With a model, n's origin in it, or with a database that it reads at once.
+  static Result<std::unique_ptr<Skylines>> make(const std::string& key, const std::string& file,
+                                                const Vector3d& origin = Vector3d::Zero()) {
+    char text[4400];
+    std::snprintf(text, sizeof text,
+                  "odograph: 1\nabsolute_fixers:\n  - plugin: fix/skyline\n    parameters:\n      %s: %s\n"
+                  "      model_origin: [%.6f m, %.6f m, %.6f m]\n",
+                  key.c_str(), nlohmann::json(fs::path(file).filename().string()).dump().c_str(), origin.x(),
+                  origin.y(), origin.z());
+    auto config = read_pipeline_config(text, "fix/skyline", {});
+    if (!config) return config.failure();
+    std::unique_ptr<Skylines> made(new Skylines(fs::absolute(file).parent_path()));
+    auto plugin = PluginInstance::make(config->fixers.front(), config->library_check, 1, made->host_);
+    if (!plugin) return Failure{ODO_E_DATA, made->said_.empty() ? file + ": " + plugin.failure().text : made->said_};
+    made->plugin_ = std::move(*plugin);
+    made->table_ = static_cast<const odo_skylines*>(made->plugin_->extension(ODO_EXTENSION_SKYLINES));
+    if (!made->table_) return Failure{ODO_E_UNSUPPORTED, "this fix/skyline knows no " ODO_EXTENSION_SKYLINES};
+    return made;
+  }
+
+  Result<bool> build(const std::string& file, const std::vector<Vector3d>& places, double spacing_m) {
+    Progress progress("skylines");
+    const odo_string name{file.data(), file.size()};
+    const auto show = [](void* context, uint64_t done, uint64_t all) -> int32_t {
+      static_cast<Progress*>(context)->show(done, all);
+      return 1;
+    };
+    return told(table_->build(table_->user, &name, places.front().data(), places.size(), spacing_m, show, &progress),
+                file);
+  }
+  Result<odo_skyline_database> open(const std::string& file) {
+    odo_skyline_database what{};
+    what.struct_size = sizeof what;
+    const odo_string name{file.data(), file.size()};
+    const auto done = told(table_->open(table_->user, &name, &what), file);
+    if (!done) return done.failure();
+    return what;
+  }
+
+  struct Skyline {
+    Vector3d p_n;
+    std::vector<float> elevation_rad, height_m, distance_m;
+  };
+  Result<Skyline> nearest(const Vector3d& p_n) const {
+    uint64_t place = 0;
+    Skyline s{p_n, std::vector<float>(kN), std::vector<float>(kN), std::vector<float>(kN)};
+    int32_t status = table_->nearest(table_->user, p_n.x(), p_n.y(), &place);
+    if (status == ODO_OK)
+      status = table_->skyline(table_->user, place, s.p_n.data(), s.elevation_rad.data(), s.height_m.data(),
+                               s.distance_m.data());
+    const auto done = told(status, "place " + std::to_string(place));
+    if (!done) return done.failure();
+    return s;
+  }
+  Vector3d place(uint64_t i) const {
+    Vector3d p_n = Vector3d::Zero();
+    table_->skyline(table_->user, i, p_n.data(), nullptr, nullptr, nullptr);
+    return p_n;
+  }
+
+ private:
+  explicit Skylines(const fs::path& folder)
+      : host_(0, {folder}, [this](const Report& report) {
+          if (report.severity >= ODO_SEVERITY_ERROR) said_ = report.text;
+        }) {}
+  Result<bool> told(int32_t status, const std::string& what) const {
+    if (status == ODO_OK) return true;
+    return Failure{status, said_.empty() ? what + ": status " + std::to_string(status) : said_};
+  }
+
+  std::string said_;
+  HostServices host_;
+  std::unique_ptr<PluginInstance> plugin_;
+  const odo_skylines* table_ = nullptr;
+};
+
+struct SkylineArguments {
+  std::string model, database, output, along;
+  std::vector<double> at, to;  // easting, northing
+  StreetPlaceParameters places;
+  double step_m = 1;
+  bool json = false;
+};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// A line of eastings and northings, as rows of two numbers.
+Result<std::vector<Vector2d>> read_line(const std::string& file, const Vector3d& origin) {
+  std::ifstream in(file);
+  if (!in) return Failure{ODO_E_NOT_FOUND, file + ": no such file"};
+  std::vector<Vector2d> line;
+  std::string row;
+  for (int number = 1; std::getline(in, row); ++number) {
+    std::replace(row.begin(), row.end(), ',', ' ');
+    if (row.find_first_not_of(" \t\r") == std::string::npos || row[0] == '#') continue;
+    std::istringstream numbers(row);
+    double easting = 0, northing = 0;
+    if (!(numbers >> easting >> northing))
+      return Failure{ODO_E_DATA, file + ":" + std::to_string(number) + ": expected easting, northing"};
+    line.emplace_back(northing - origin.y(), easting - origin.x());
+  }
+  if (line.size() < 2) return Failure{ODO_E_DATA, file + ": a line has two points at least"};
+  return line;
+}
+
+int build(const SkylineArguments& a) {
+  const auto city = read_city_model(a.model);
+  if (!city) return complain(city.failure());
+  Result<std::vector<Vector3d>> places = Failure{};
+  if (a.along.empty()) {
+    places = places_of_grid(*city, a.places);
+  } else {
+    const auto line = read_line(a.along, city->origin);
+    if (!line) return complain(line.failure());
+    places = places_along(*city, *line, a.places);
+  }
+  if (!places) return complain(places.failure());
+  if (places->empty()) return complain({ODO_E_DATA, a.model + ": no place outside buildings"});
+  auto skylines = Skylines::make("model", a.model, city->origin);
+  if (!skylines) return complain(skylines.failure());
+  const auto start = std::chrono::steady_clock::now();
+  if (const auto done = (*skylines)->build(a.output, *places, a.places.spacing_m); !done)
+    return complain(done.failure());
+  const double took_s = seconds_since(start), n = static_cast<double>(places->size());
+  const auto what = (*skylines)->open(a.output);
+  if (!what) return complain(what.failure());
+  std::printf("%s: %zu places %.1f m apart, %.1f MB, %.0f bytes a place; %.1f s, %.0f skylines a second\n",
+              a.output.c_str(), places->size(), a.places.spacing_m, static_cast<double>(what->bytes) / 1e6,
+              static_cast<double>(what->bytes) / n, took_s, n / took_s);
+  return kDone;
+}
+
+/// A point of the model's reference system in the database's n.
+Vector3d in_n(const odo_skyline_database& what, const std::vector<double>& at) {
+  return {at[1] - what.origin[1], at[0] - what.origin[0], 0};
+}
+
+int query(const SkylineArguments& a) {
+  auto skylines = Skylines::make("skylines", a.database);
+  if (!skylines) return complain(skylines.failure());
+  const auto what = (*skylines)->open(a.database);
+  if (!what) return complain(what.failure());
+  if (a.at.empty()) {
+    std::printf("%s: %llu places, %.1f m apart, %.1f MB; n's origin is at easting %.3f, northing %.3f, height %.3f\n",
+                a.database.c_str(), static_cast<unsigned long long>(what->places), what->spacing_m,
+                static_cast<double>(what->bytes) / 1e6, what->origin[0], what->origin[1], what->origin[2]);
+    return kDone;
+  }
+  const Vector3d from = in_n(*what, a.at), to = a.to.empty() ? from : in_n(*what, a.to);
+  const auto steps = static_cast<size_t>(std::ceil((to - from).norm() / a.step_m));
+  std::vector<Skylines::Skyline> found;
+  const auto start = std::chrono::steady_clock::now();
+  for (size_t k = 0; k <= steps; ++k) {
+    const double part = steps ? static_cast<double>(k) / static_cast<double>(steps) : 0.0;
+    auto skyline = (*skylines)->nearest(from + part * (to - from));
+    if (!skyline) return complain(skyline.failure());
+    found.push_back(std::move(*skyline));
+  }
+  const double took_ms = 1e3 * seconds_since(start);
+  const auto easting = [&](const Vector3d& p) { return what->origin[0] + p.y(); };
+  const auto northing = [&](const Vector3d& p) { return what->origin[1] + p.x(); };
+  if (a.json) {
+    nlohmann::ordered_json rows = nlohmann::json::array();
+    for (const auto& s : found)
+      rows.push_back({{"easting_m", easting(s.p_n)},
+                      {"northing_m", northing(s.p_n)},
+                      {"height_m", what->origin[2] - s.p_n.z()},
+                      {"elevation_rad", s.elevation_rad},
+                      {"roof_height_m", s.height_m},
+                      {"distance_m", s.distance_m}});
+    std::printf("%s\n", rows.dump().c_str());
+    return kDone;
+  }
+  if (found.size() == 1) {
+    std::printf("# easting %.3f, northing %.3f, height %.3f\n# azimuth_deg elevation_deg height_m distance_m\n",
+                easting(found[0].p_n), northing(found[0].p_n), what->origin[2] - found[0].p_n.z());
+    for (size_t j = 0; j < kN; ++j)
+      std::printf("%7.2f %8.3f %8.3f %9.3f\n", (static_cast<double>(j) + 0.5) * 0.5,
+                  static_cast<double>(found[0].elevation_rad[j]) * 180 / std::numbers::pi,
+                  static_cast<double>(found[0].height_m[j]), static_cast<double>(found[0].distance_m[j]));
+    return kDone;
+  }
+  std::printf("%zu skylines in %.1f ms\n", found.size(), took_ms);
+  return kDone;
+}
+
+/// The skyline over azimuth, north at both ends, and below it a map of the places and of what is seen from this one.
+cv::Mat picture_of(const Skylines& skylines, const odo_skyline_database& what, const Skylines::Skyline& s) {
+  constexpr int kWidth = 1440, kSky = 360, kMap = 720;
+  const cv::Scalar paper(255, 255, 255), sky(250, 236, 218), ink(60, 60, 60), roof(40, 90, 200), grey(205, 205, 205);
+  cv::Mat picture(kSky + kMap, kWidth, CV_8UC3, paper);
+  picture.rowRange(0, kSky).setTo(sky);
+  const double most_rad = 0.5 * std::numbers::pi;
+  for (size_t j = 0; j < kN; ++j) {
+    const int x = static_cast<int>(j) * kWidth / static_cast<int>(kN);
+    const int y = kSky - static_cast<int>(static_cast<double>(s.elevation_rad[j]) / most_rad * kSky);
+    const double far = std::min(1.0, static_cast<double>(s.distance_m[j]) / 200);  // what is farther is paler
+    const double shade = 60 + 140 * far;
+    cv::rectangle(picture, {x, y}, {x + kWidth / static_cast<int>(kN) - 1, kSky}, cv::Scalar::all(shade), cv::FILLED);
+  }
+  const char* names[] = {"N", "E", "S", "W", "N"};
+  for (int k = 0; k <= 4; ++k)
+    cv::putText(picture, names[k], {std::min(kWidth - 18, k * kWidth / 4 + 4), 20}, cv::FONT_HERSHEY_SIMPLEX, 0.6, ink);
+  for (int degrees = 30; degrees < 90; degrees += 30) {
+    const int y = kSky - degrees * kSky / 90;
+    cv::line(picture, {0, y}, {kWidth, y}, grey);
+    cv::putText(picture, std::to_string(degrees), {kWidth / 2 + 4, y - 4}, cv::FONT_HERSHEY_SIMPLEX, 0.4, ink);
+  }
+  double reach_m = 20;
+  for (const float d : s.distance_m) reach_m = std::max(reach_m, std::min(250.0, static_cast<double>(d)));
+  const double scale = 0.48 * kMap / reach_m;
+  const cv::Point middle(kWidth / 2, kSky + kMap / 2);
+  cv::Mat map = picture.rowRange(kSky, kSky + kMap);
+  const auto at = [&](double north, double east) {
+    return cv::Point(middle.x + static_cast<int>(east * scale), kMap / 2 - static_cast<int>(north * scale));
+  };
+  for (uint64_t i = 0; i < what.places; ++i) {
+    const Vector3d d = skylines.place(i) - s.p_n;
+    if (std::abs(d.x()) < 1.1 * reach_m && std::abs(d.y()) < 2.2 * reach_m)
+      cv::circle(map, at(d.x(), d.y()), 1, grey, -1);
+  }
+  for (size_t j = 0; j < kN; ++j) {
+    const double azimuth = (static_cast<double>(j) + 0.5) * 2 * std::numbers::pi / static_cast<double>(kN);
+    const auto d = static_cast<double>(s.distance_m[j]);
+    if (d > 0) cv::circle(map, at(d * std::cos(azimuth), d * std::sin(azimuth)), 2, roof, -1);
+  }
+  cv::drawMarker(map, at(0, 0), ink, cv::MARKER_CROSS, 14, 2);
+  cv::line(map, {20, kMap - 20}, {20 + static_cast<int>(50 * scale), kMap - 20}, ink, 2);
+  cv::putText(map, "50 m", {20, kMap - 28}, cv::FONT_HERSHEY_SIMPLEX, 0.5, ink);
+  return picture;
+}
+
+int show(const SkylineArguments& a) {
+  auto skylines = Skylines::make("skylines", a.database);
+  if (!skylines) return complain(skylines.failure());
+  const auto what = (*skylines)->open(a.database);
+  if (!what) return complain(what.failure());
+  const auto skyline = (*skylines)->nearest(in_n(*what, a.at));
+  if (!skyline) return complain(skyline.failure());
+  if (!cv::imwrite(a.output, picture_of(**skylines, *what, *skyline)))
+    return complain({ODO_E_ERROR, a.output + ": cannot be written"});
+  std::printf("%s: skyline and map of easting %.1f, northing %.1f\n", a.output.c_str(), a.at[0], a.at[1]);
+  return kDone;
+}
+
+}  // namespace
+
+void add_city_skylines(CLI::App& city, int& status) {
+  auto a = std::make_shared<SkylineArguments>();
+  auto* built = city.add_subcommand("build", "Compute the skylines of a model's streets and write them as a database");
+  built->add_option("model", a->model, "city model: CityJSON")->required();
+  built->add_option("-o,--output", a->output, "database to write")->required();
+  built->add_option("--spacing", a->places.spacing_m, "between two places, m")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 1000.0));
+  built->add_option("--eye", a->places.eye_m, "height above the ground, m")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 100.0));
+  built->add_option("--along", a->along, "only along a road: file of rows easting, northing");
+  built->callback([a, &status] { status = build(*a); });
+  auto* asked =
+      city.add_subcommand("query", "Skylines out of a database: elevation, height and distance of 720 directions");
+  asked->add_option("database", a->database, "of `city build`")->required();
+  asked->add_option("--at", a->at, "easting and northing in the model's reference system, m")->expected(2);
+  asked->add_option("--to", a->to, "a road from --at to here")->expected(2);
+  asked->add_option("--step", a->step_m, "between two places of it, m")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 1000.0));
+  asked->add_flag("--json", a->json, "print one JSON array");
+  asked->callback([a, &status] { status = query(*a); });
+  auto* shown = city.add_subcommand("show", "Draw the skyline of a place, and a map of what is seen from it");
+  shown->add_option("database", a->database, "of `city build`")->required();
+  shown->add_option("--at", a->at, "easting and northing in the model's reference system, m")->required()->expected(2);
+  shown->add_option("-o,--output", a->output, "picture to write: png, jpg")->required();
+  shown->callback([a, &status] { status = show(*a); });
+}
+
+}  // namespace odograph

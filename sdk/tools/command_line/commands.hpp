@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "sdk/tools/console/console.hpp"
+
+namespace odograph {
+
+/// Each adds its subcommand; its callback writes the exit status.
+void add_run(CLI::App& app, int& status);
+void add_eval(CLI::App& app, int& status);
+void add_sim(CLI::App& app, int& status);
+void add_config(CLI::App& app, int& status);
+void add_plugins(CLI::App& app, int& status);
+void add_convert(CLI::App& app, int& status);
+void add_calibrate(CLI::App& app, int& status);
+void add_steps(CLI::App& app, int& status);
+void add_compare(CLI::App& app, int& status);
+/// `odograph city ...`: city models, their skylines, routes through their streets.
+void add_city(CLI::App& app, int& status);
+/// `odograph city build`, `query` and `show`.
+void add_city_skylines(CLI::App& city, int& status);
+
+}  // namespace odograph

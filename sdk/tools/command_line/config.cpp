@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include "sdk/host/base/printable.hpp"
+#include "sdk/host/config/camera_yaml.hpp"
+#include "sdk/host/config/manifest.hpp"
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/tools/command_line/commands.hpp"
+#include "sdk/tools/evaluation/faults.hpp"
+#include "sdk/tools/simulation/scenario.hpp"
+
+namespace odograph {
+namespace {
+
+int check(const std::string& file, const std::string& plugins) {
+  std::vector<std::filesystem::path> directories;
+  if (!plugins.empty()) directories.emplace_back(plugins);
+  const auto config = read_pipeline_config_file(file, directories);
+  if (!config) {
+    std::fprintf(stderr, "%s\n", printable(config.failure().text).c_str());
+    return kBadUsage;
+  }
+  std::printf("%s: good\n", file.c_str());
+  return kDone;
+}
+
+void list(const std::vector<Spec>& specs, const std::string& indent) {
+  for (const Spec& spec : specs) {
+    std::string about = spec.help.empty() ? expectation(spec) : spec.help;
+    if (spec.type != SpecType::map && spec.type != SpecType::plugins && spec.type != SpecType::list &&
+        !spec.help.empty())
+      about += "; " + expectation(spec);
+    if (!spec.fallback.empty()) about += "; default " + spec.fallback;
+    std::printf("%s%-*s %s\n", indent.c_str(), 28 - static_cast<int>(indent.size()), spec.name.c_str(), about.c_str());
+    if (spec.type == SpecType::map) list(spec.children, indent + "  ");
+  }
+}
+
+int schema(const std::string& which) {
+  if (which == "pipeline")
+    std::fputs(json_schema(pipeline_spec(), "Odograph pipeline config").c_str(), stdout);
+  else if (which == "camera")
+    std::fputs(json_schema(camera_spec(), "Odograph camera.yaml").c_str(), stdout);
+  else if (which == "scenario")
+    std::fputs(json_schema(scenario_spec(), "Odograph simulation scenario").c_str(), stdout);
+  else if (which == "faults")
+    std::fputs(json_schema(faults_spec(), "Odograph faults of sensors").c_str(), stdout);
+  else
+    std::fputs(json_schema(manifest_spec(), "Odograph plugin manifest").c_str(), stdout);
+  return kDone;
+}
+
+}  // namespace
+
+void add_config(CLI::App& app, int& status) {
+  auto* command = app.add_subcommand("config", "Check a pipeline config, explain its keys, print its schema");
+  command->require_subcommand(1);
+  auto file = std::make_shared<std::string>();
+  auto plugins = std::make_shared<std::string>();
+  auto* check_command = command->add_subcommand("check", "Find every mistake in a config; runs no plugin");
+  check_command->add_option("file", *file, "pipeline config (YAML)")->required();
+  check_command->add_option("--plugins", *plugins, "folder to look for plugins in first");
+  check_command->callback([=, &status] { status = check(*file, *plugins); });
+  command->add_subcommand("keys", "List all keys of a pipeline config")->callback([&status] {
+    list(pipeline_spec().children, "");
+    status = kDone;
+  });
+  auto which = std::make_shared<std::string>("pipeline");
+  auto* schema_command = command->add_subcommand("schema", "Print a JSON Schema");
+  schema_command->add_option("which", *which, "pipeline, camera, scenario, faults or odoplugin")
+      ->check(CLI::IsMember({"pipeline", "camera", "scenario", "faults", "odoplugin"}))
+      ->capture_default_str();
+  schema_command->callback([=, &status] { status = schema(*which); });
+}
+
+}  // namespace odograph

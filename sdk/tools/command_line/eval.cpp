@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "sdk/tools/command_line/commands.hpp"
+#include "sdk/tools/replay/runner.hpp"
+
+namespace odograph {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+struct EvalArguments {
+  std::string reference, estimate, alignment = "none", rpe_unit = "frames";
+  double max_difference_s = 0.01, rpe_delta = 1, window_m = 10, align_first_m = 10;
+  double true_window_m = 0;
+  bool true_lengths = false, json = false;
+};
+
+/// A reference: a trajectory, or the waypoints of a walk.
+struct Reference {
+  Trajectory trajectory;
+  std::vector<Waypoint> waypoints;
+  RecordingLoss loss;
+};
+
+/// TUM or KITTI poses by looking at the first line; EuRoC's by its name.
+Result<Trajectory> read_trajectory_file(const fs::path& file, const fs::path& kitti_times) {
+  if (file.extension() == ".csv") return read_euroc_truth(file);
+  auto tum = read_tum(file);
+  if (tum && tum->front().q.norm() > 0) {
+    auto kitti = read_kitti_poses(file, kitti_times);  // twelve numbers a line also read as eight
+    if (kitti) return kitti;
+    return tum;
+  }
+  auto kitti = read_kitti_poses(file, kitti_times);
+  return kitti ? std::move(kitti) : std::move(tum);
+}
+
+Result<Reference> read_reference(const fs::path& path) {
+  std::error_code error;
+  Reference reference;
+  if (fs::is_directory(path, error) && fs::exists(path / "trajectory.tum", error)) {
+    auto trajectory = read_tum(path / "trajectory.tum");
+    if (!trajectory) return trajectory.failure();
+    reference.trajectory = std::move(*trajectory);
+    return reference;
+  }
+  const bool is_file = !fs::is_directory(path, error);
+  if (is_file && path.extension() != ".odo") {
+    const fs::path times = path.parent_path() / "times.txt";
+    auto trajectory =
+        read_trajectory_file(path, fs::exists(times, error) && path.filename() == "poses.txt" ? times : fs::path());
+    if (trajectory) {
+      reference.trajectory = std::move(*trajectory);
+      return reference;
+    }
+    if (auto walk = read_indoor_location(path)) {
+      reference.waypoints = walk->waypoints();
+      return reference;
+    }
+    return trajectory.failure();
+  }
+  auto recording = open_recording(path);
+  if (!recording) return recording.failure();
+  reference.loss = recording->loss;
+  reference.trajectory = std::move(recording->truth);
+  reference.waypoints = recording->waypoints();
+  if (reference.trajectory.empty() && reference.waypoints.empty())
+    return Failure{ODO_E_DATA, path.string() + ": this recording has no truth"};
+  return reference;
+}
+
+Result<Trajectory> read_estimate(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return read_tum(path / "trajectory.tum");
+  return read_trajectory_file(path, {});
+}
+
+Json json_of(const Statistics& s) {
+  return {{"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median}, {"std", s.std},
+          {"min", s.min},   {"max", s.max},   {"sse", s.sse}};
+}
+
+Json cdf_of(const std::vector<double>& errors) {
+  Json cdf = Json::object();
+  for (const int p : {10, 25, 50, 68, 75, 90, 95, 99}) cdf[std::to_string(p)] = percentile(errors, p / 100.0);
+  return cdf;
+}
+
+std::vector<double> degrees(std::vector<double> radians) {
+  for (double& x : radians) x *= 180.0 / EIGEN_PI;
+  return radians;
+}
+
+Json evaluate_waypoints(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
+  const double turn = heading_offset(track, waypoints, metres);
+  const WaypointErrors errors = waypoint_errors(lay_over(track, waypoints, turn), waypoints);
+  return {{"waypoints", waypoints.size()},
+          {"reference_m", errors.reference_m},
+          {"estimate_m", errors.estimate_m},
+          {"distance_error_percent", 100 * errors.distance_error()},
+          {"heading_turn_rad", turn},
+          {"position_m", json_of(statistics_of(errors.position_m))},
+          {"position_cdf_m", cdf_of(errors.position_m)}};
+}
+
+Json evaluate_true_lengths(const Pairs& pairs, double window_m, double length_m) {
+  const TrueLengths scaled = with_true_lengths(pairs, window_m);
+  const PoseErrors errors = absolute_errors(pairs.reference, scaled.track);
+  const auto directions = degrees(scaled.direction_error_rad);
+  const Statistics ape = statistics_of(errors.translation_m);
+  const double percent = length_m > 0 ? 100.0 / length_m : 0.0;
+  return {{"window_m", window_m},
+          {"end_error_m", errors.translation_m.back()},
+          {"end_error_percent", errors.translation_m.back() * percent},
+          {"ape_m", json_of(ape)},
+          {"ape_percent_of_path", ape.rmse * percent},
+          {"direction_median_deg", percentile(directions, 0.5)},
+          {"direction_p90_deg", percentile(directions, 0.9)},
+          {"backwards", std::count_if(directions.begin(), directions.end(), [](double d) { return d > 90; })},
+          {"without_motion", scaled.without_motion}};
+}
+
+Result<Json> evaluate_trajectory(const Trajectory& reference, const Trajectory& estimate, const EvalArguments& a,
+                                 Alignment alignment) {
+  const Pairs pairs = associate(reference, estimate, a.max_difference_s);
+  if (pairs.reference.size() < 2)
+    return Failure{ODO_E_DATA, "only " + std::to_string(pairs.reference.size()) +
+                                   " poses of reference and estimate are within " + std::to_string(a.max_difference_s) +
+                                   " s of each other; are the clocks the same? (--max-diff)"};
+  double scale = 1;
+  const Trajectory aligned = align(pairs, alignment, &scale);
+  const PoseErrors ape = absolute_errors(pairs.reference, aligned);
+  const PoseErrors rpe = relative_errors(pairs.reference, aligned, a.rpe_delta, a.rpe_unit == "metres");
+  const double length = path_length(pairs.reference);
+  const auto ratios = scale_along_path(pairs.reference, aligned, a.window_m);
+  std::vector<double> horizontal, ratio_values;
+  for (size_t i = 0; i < aligned.size(); ++i)
+    horizontal.push_back((aligned[i].p - pairs.reference[i].p).head<2>().norm());
+  Json ratio_rows = Json::array();
+  for (const auto& [s, r] : ratios) ratio_rows.push_back({s, r}), ratio_values.push_back(r);
+  const double percent = length > 0 ? 100.0 / length : 0.0;
+  Json out = {{"n", pairs.reference.size()},
+              {"n_estimate", estimate.size()},
+              {"n_reference", reference.size()},
+              {"alignment", a.alignment},
+              {"scale", scale},
+              {"path_m", length},
+              {"path_estimate_m", path_length(aligned)},
+              {"ape_m", json_of(statistics_of(ape.translation_m))},
+              {"ape_deg", json_of(statistics_of(degrees(ape.rotation_rad)))},
+              {"rpe_m", json_of(statistics_of(rpe.translation_m))},
+              {"rpe_deg", json_of(statistics_of(degrees(rpe.rotation_rad)))},
+              {"rpe_delta", a.rpe_delta},
+              {"rpe_unit", a.rpe_unit},
+              {"ape_percent_of_path", statistics_of(ape.translation_m).rmse * percent},
+              {"end_error_m", ape.translation_m.back()},
+              {"end_error_percent", ape.translation_m.back() * percent},
+              {"horizontal_m", json_of(statistics_of(horizontal))},
+              {"horizontal_cdf_m", cdf_of(horizontal)},
+              {"scale_ratio",
+               {{"median", percentile(ratio_values, 0.5)},
+                {"p10", percentile(ratio_values, 0.1)},
+                {"p90", percentile(ratio_values, 0.9)},
+                {"along_path", ratio_rows}}}};
+  if (a.true_lengths) out["true_lengths"] = evaluate_true_lengths(pairs, a.true_window_m, length);
+  return out;
+}
+
+void print_true_lengths(const Json& t) {
+  std::printf(
+      "with the true length of each %s: error at the end %.3f m, %.3f %% of the path; APE rmse %.3f m, %.3f %%\n",
+      t["window_m"].get<double>() > 0 ? "window" : "frame's displacement", t["end_error_m"].get<double>(),
+      t["end_error_percent"].get<double>(), t["ape_m"]["rmse"].get<double>(), t["ape_percent_of_path"].get<double>());
+  std::printf(
+      "direction of the displacements: median error %.3f deg, 90 %% %.3f deg; %zu backwards; %zu frames without any\n",
+      t["direction_median_deg"].get<double>(), t["direction_p90_deg"].get<double>(), t["backwards"].get<size_t>(),
+      t["without_motion"].get<size_t>());
+}
+
+void print(const Json& json, const std::string& head) {
+  const auto line = [](const char* name, const Json& s, const char* unit) {
+    std::printf("%-22s rmse %-11.6g mean %-11.6g median %-11.6g std %-11.6g min %-11.6g max %-11.6g sse %-11.6g %s\n",
+                name, s["rmse"].get<double>(), s["mean"].get<double>(), s["median"].get<double>(),
+                s["std"].get<double>(), s["min"].get<double>(), s["max"].get<double>(), s["sse"].get<double>(), unit);
+  };
+  std::printf("%s\n", head.c_str());
+  if (json.contains("waypoints")) {
+    const Json& w = json["waypoints"];
+    std::printf("waypoints              %zu, %.2f m along them, track %.2f m: distance error %+.2f %%\n",
+                w["waypoints"].get<size_t>(), w["reference_m"].get<double>(), w["estimate_m"].get<double>(),
+                w["distance_error_percent"].get<double>());
+    line("position at waypoints", w["position_m"], "m");
+  }
+  if (!json.contains("n")) return;
+  const size_t matched = json["n"].get<size_t>();
+  const size_t could = std::min(json["n_estimate"].get<size_t>(), json["n_reference"].get<size_t>());
+  if (matched < could)
+    std::printf("%zu of %zu poses have no partner in time and are left out (--max-diff)\n", could - matched, could);
+  std::printf("poses %zu, path %.3f m, alignment %s, scale %.6f\n", json["n"].get<size_t>(),
+              json["path_m"].get<double>(), json["alignment"].get<std::string>().c_str(), json["scale"].get<double>());
+  line("APE translation", json["ape_m"], "m");
+  line("APE rotation", json["ape_deg"], "deg");
+  line("RPE translation", json["rpe_m"], "m");
+  line("RPE rotation", json["rpe_deg"], "deg");
+  line("horizontal error", json["horizontal_m"], "m");
+  std::printf("APE is %.3f %% of the path; error at the end %.3f m, %.3f %% of the path\n",
+              json["ape_percent_of_path"].get<double>(), json["end_error_m"].get<double>(),
+              json["end_error_percent"].get<double>());
+  std::printf("horizontal error below:");
+  for (const auto& [p, value] : json["horizontal_cdf_m"].items())
+    std::printf("  %s %%: %.3f m", p.c_str(), value.get<double>());
+  const Json& ratio = json["scale_ratio"];
+  std::printf("\nscale ratio along the path (windows of the path): median %.4f, 10 %%: %.4f, 90 %%: %.4f\n",
+              ratio["median"].get<double>(), ratio["p10"].get<double>(), ratio["p90"].get<double>());
+  if (json.contains("true_lengths")) print_true_lengths(json["true_lengths"]);
+}
+
+int eval(const EvalArguments& a) {
+  const auto alignment = parse_alignment(a.alignment);
+  if (!alignment) return complain(alignment.failure());
+  const auto reference = read_reference(a.reference);
+  if (!reference) return complain(reference.failure());
+  const auto estimate = read_estimate(a.estimate);
+  if (!estimate) return complain(estimate.failure());
+  Json out = Json::object();
+  if (reference->waypoints.size() >= 2)
+    out["waypoints"] = evaluate_waypoints(*estimate, reference->waypoints, a.align_first_m);
+  if (!reference->trajectory.empty()) {
+    const auto result = evaluate_trajectory(reference->trajectory, *estimate, a, *alignment);
+    if (!result) return complain(result.failure());
+    out.update(*result);
+  }
+  if (a.json)
+    std::printf("%s\n", out.dump(2).c_str());
+  else
+    print(out, a.estimate + " against " + a.reference);
+  return status_over(reference->loss, kDone);
+}
+
+}  // namespace
+
+void add_eval(CLI::App& app, int& status) {
+  auto* command = app.add_subcommand("eval", "Compare a track with the truth");
+  auto a = std::make_shared<EvalArguments>();
+  command
+      ->add_option("--ref", a->reference,
+                   "truth: TUM, KITTI or EuRoC poses, a recording that has truth, or a walk with waypoints")
+      ->required();
+  command->add_option("--est", a->estimate, "track: TUM or KITTI poses, or the folder of a run")->required();
+  command->add_option("--align", a->alignment, "none, first, yaw, se3 or sim3")->capture_default_str();
+  command->add_option("--max-diff", a->max_difference_s, "largest difference of time within a pair, s")
+      ->capture_default_str();
+  command->add_option("--rpe-delta", a->rpe_delta, "interval of the relative error")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->add_option("--rpe-unit", a->rpe_unit, "frames or metres")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"frames", "metres"}));
+  command->add_option("--window", a->window_m, "window of the scale ratio along the path, m")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->add_option("--align-first", a->align_first_m, "waypoints: the heading is fitted over these first metres")
+      ->capture_default_str();
+  command->add_flag("--true-lengths", a->true_lengths,
+                    "also with the true length given for each frame's displacement: what a scale source would leave");
+  command
+      ->add_option("--true-window", a->true_window_m,
+                   "with --true-lengths: one factor for all of this much of the path, m; 0: for each frame")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--json", a->json, "print one JSON object");
+  command->callback([a, &status] { status = eval(*a); });
+}
+
+}  // namespace odograph

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/command_line/plugin_skeleton.hpp"
+
+#include <cctype>
+#include <fstream>
+#include <vector>
+
+#include "sdk/host/base/nearest.hpp"
+#include "sdk/tools/command_line/plugin_skeleton_texts.hpp"
+
+namespace odograph {
+namespace {
+
+/// What the one parameter means, by kind: unit, lowest, highest, default, help.
+struct GainText {
+  const char *unit, *low, *high, *fallback, *help;
+};
+GainText gain_of(const std::string& kind) {
+  if (kind == "attitude") return {"1/s", "0.01", "10", "0.5", "how fast the accelerometer levels (a judgement)"};
+  if (kind == "step_estimator") return {"m", "0.2", "2", "0.7", "length of a step (a judgement)"};
+  if (kind == "scale_source") return {"m/s", "0.1", "10", "1.4", "speed of the camera (a judgement)"};
+  return {"", "0.1", "10", "1", "factor of the smallest sigma (a judgement)"};
+}
+
+std::string replaced(std::string text, const std::vector<std::pair<std::string, std::string>>& words) {
+  for (const auto& [from, to] : words)
+    for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+      text.replace(at, from.size(), to);
+  return text;
+}
+
+/// Members as C has them: no initialisers (the instance is zeroed), int for bool.
+std::string c_members(const std::string& members) {
+  std::string out;
+  for (size_t i = 0; i < members.size(); ++i) {
+    if (members.compare(i, 3, " = ") == 0) {
+      i += 3;
+      if (members[i] == '{') i = members.find('}', i) + 1;
+      while (members[i] != ',' && members[i] != ';') ++i;
+    }
+    out += members[i];
+  }
+  return replaced(out, {{"bool ", "int "}});
+}
+
+}  // namespace
+
+Result<bool> write_plugin_skeleton(const std::string& kind, const std::string& id, const std::filesystem::path& folder,
+                                   bool in_c) {
+  std::vector<std::string> kinds;
+  const Skeleton* found = nullptr;
+  for (const Skeleton& one : kSkeletons) {
+    kinds.emplace_back(one.kind);
+    if (kind == one.kind) found = &one;
+  }
+  if (!found)
+    return Failure{ODO_E_ARGUMENT, "kind '" + kind + "'; expected one of " + join(kinds) + did_you_mean(kind, kinds)};
+  const auto slash = id.find('/');
+  const std::string file = slash == std::string::npos ? "" : id.substr(slash + 1);
+  const bool good = !file.empty() && slash > 0 &&
+                    id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_/") == std::string::npos &&
+                    file.find('/') == std::string::npos && !std::isdigit(static_cast<unsigned char>(file[0]));
+  if (!good) return Failure{ODO_E_ARGUMENT, "id '" + id + "'; expected group/name in lower case"};
+  const GainText gain = gain_of(kind);
+  const std::string source = file + (in_c ? ".c" : ".cpp");
+  const std::vector<std::pair<std::string, std::string>> words = {
+      {"@BODY@", in_c ? found->c_body : found->cpp_body},
+      {"@STATE@", in_c            ? c_members(found->state)
+                  : *found->state ? std::string(" private:\n") + found->state
+                                  : ""},
+      {"@ID@", id},
+      {"@KIND@", kind},
+      {"@SUMMARY@", found->summary},
+      {"@INTERFACE@", found->interface_macro},
+      {"@INPUT@", found->input},
+      {"@UNIT@", gain.unit},
+      {"@LOW@", gain.low},
+      {"@HIGH@", gain.high},
+      {"@DEFAULT@", gain.fallback},
+      {"@HELP@", gain.help},
+      {"@FILE@", file},
+      {"@SOURCE@", source},
+      {"@LANGUAGE@", in_c ? "C" : "CXX"},
+      {"@LIBRARIES@", in_c ? " m" : ""},
+      {"@STANDARD@", in_c ? "C_STANDARD 99 C_VISIBILITY_PRESET hidden"
+                          : "CXX_STANDARD 17 CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON"},
+      {"@STATIC@", in_c ? "" : "-static-libstdc++ -static-libgcc "}};
+  const std::string choice = kind == "absolute_fixer" ? "absolute_fixers" : kind;
+  const std::string yaml = "odograph: 1\nplugins:\n  search: [build]\n" + std::string(found->rest) + choice +
+                           ":\n  plugin: " + id + "\n  parameters: {gain: " + gain.fallback + "}\n";
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  for (const auto& [name, text] : {std::pair<std::string, std::string>{source, in_c ? kC : kCpp},
+                                   {"CMakeLists.txt", kCMake},
+                                   {"README.md", kReadme},
+                                   {"pipeline.yaml", yaml}}) {
+    if (std::filesystem::exists(folder / name, error))
+      return Failure{ODO_E_ARGUMENT, (folder / name).string() + " is there already"};
+    std::ofstream out(folder / name, std::ios::binary);
+    out << replaced(text, words);
+    if (!out.flush()) return Failure{ODO_E_NOT_FOUND, (folder / name).string() + ": cannot be written"};
+  }
+  return true;
+}
+
+}  // namespace odograph

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <fstream>
+
+#include "sdk/host/base/nearest.hpp"
+#include "sdk/host/base/printable.hpp"
+#include "sdk/host/config/registry.hpp"
+#include "sdk/tools/command_line/commands.hpp"
+#include "sdk/tools/command_line/plugin_skeleton.hpp"
+#include "sdk/tools/validator/check.hpp"
+#include "sdk/tools/validator/write_manifest.hpp"
+
+namespace odograph {
+namespace {
+
+void describe(const Manifest& m) {
+  std::printf("%s %s\n  %s\n  serves %s, ABI %u.%u, library %s\n", m.id.c_str(), m.version.c_str(), m.summary.c_str(),
+              join(m.interfaces).c_str(), m.abi_major, m.abi_minor, m.library.c_str());
+  for (const Spec& p : m.parameters)
+    std::printf("  %-20s %s; %s; default %s\n", p.name.c_str(), p.help.c_str(), expectation(p).c_str(),
+                p.fallback.c_str());
+}
+
+int plugins(const std::string& id, const std::string& folder) {
+  std::vector<std::filesystem::path> first;
+  if (!folder.empty()) first.emplace_back(folder);
+  const PluginRegistry registry(plugin_directories(first));
+  for (const auto& problem : registry.problems()) std::fprintf(stderr, "passed over: %s\n", printable(problem).c_str());
+  std::vector<std::string> ids;
+  for (const Manifest& m : registry.manifests()) {
+    ids.push_back(m.id);
+    if (id.empty()) std::printf("%-22s %-8s %s\n", m.id.c_str(), m.version.c_str(), m.summary.c_str());
+    if (m.id == id) {
+      describe(m);
+      return kDone;
+    }
+  }
+  if (id.empty()) return kDone;
+  std::fprintf(stderr, "no plugin '%s'; expected one of %s%s\n", id.c_str(), join(ids).c_str(),
+               did_you_mean(id, ids).c_str());
+  return kBadUsage;
+}
+
+struct CheckWish {
+  std::string file, format = "text", output;
+  std::vector<std::string> set, only;
+  bool list = false, times = false;
+};
+
+int check(const CheckWish& wish) {
+  if (wish.list) {
+    for (const auto& [id, what] : plugin_check_cases()) std::printf("%-26s %s\n", id.c_str(), what.c_str());
+    return kDone;
+  }
+  if (wish.file.empty()) return complain({ODO_E_ARGUMENT, "which plugin library? (odograph plugin check FILE.so)"});
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(wish.file, error))
+    return complain({ODO_E_NOT_FOUND, wish.file + (std::filesystem::exists(wish.file, error)
+                                                       ? ": is no file; expected a plugin library"
+                                                       : ": there is no such file; expected a plugin library")});
+  CheckOptions options;
+  options.only = wish.only;
+  for (const std::string& one : wish.set) {
+    const auto equals = one.find('=');
+    if (equals == std::string::npos) return complain({ODO_E_ARGUMENT, "--set " + one + ": expected NAME=VALUE"});
+    options.settings.emplace_back(one.substr(0, equals), one.substr(equals + 1));
+  }
+  const auto checks = check_plugin(wish.file, options);
+  const std::string text = wish.format == "json"    ? check_as_json(wish.file, checks)
+                           : wish.format == "junit" ? check_as_junit(wish.file, checks)
+                                                    : check_as_text(checks, wish.times);
+  if (wish.output.empty()) {
+    std::fputs(text.c_str(), stdout);
+  } else {
+    std::ofstream out(wish.output, std::ios::binary);
+    out << text;
+    if (!out.flush()) return complain({ODO_E_NOT_FOUND, wish.output + ": cannot be written"});
+  }
+  for (const PluginCheck& one : checks)
+    if (one.outcome == PluginCheck::Outcome::failed) return kPluginFailure;
+  return kDone;
+}
+
+}  // namespace
+
+void add_plugins(CLI::App& app, int& status) {
+  auto* list = app.add_subcommand("plugins", "List the plugins that lie on the search path, or explain one");
+  auto id = std::make_shared<std::string>();
+  auto folder = std::make_shared<std::string>();
+  list->add_option("id", *id, "plugin to explain, with its parameters");
+  list->add_option("--plugins", *folder, "folder to look in first");
+  list->callback([=, &status] { status = plugins(*id, *folder); });
+
+  auto* command = app.add_subcommand("plugin", "For vendors: check a plugin library, write its manifest");
+  command->require_subcommand(1);
+  auto file = std::make_shared<std::string>();
+  auto wish = std::make_shared<CheckWish>();
+  auto* check_command =
+      command->add_subcommand("check", "Put a plugin library to the test, each case in a process of its own");
+  check_command->add_option("file", wish->file, "plugin library");
+  check_command->add_option("--set", wish->set, "a parameter that has no good default, as NAME=VALUE");
+  check_command->add_option("--only", wish->only, "only cases whose id begins with this, such as events or step.late");
+  check_command->add_option("--format", wish->format, "text, json or junit")
+      ->check(CLI::IsMember({"text", "json", "junit"}));
+  check_command->add_option("-o,--output", wish->output, "file to write to instead of the terminal");
+  check_command->add_flag("--times", wish->times, "how long each case took");
+  check_command->add_flag("--list", wish->list, "list the cases");
+  check_command->callback([=, &status] { status = check(*wish); });
+  struct NewWish {
+    std::string kind, id, folder;
+    bool in_c = false;
+  };
+  auto fresh = std::make_shared<NewWish>();
+  auto* new_command = command->add_subcommand("new", "Write the source of a new plugin, ready to be built and run");
+  new_command->add_option("kind", fresh->kind, "attitude, step_estimator, vo_frontend, scale_source or absolute_fixer")
+      ->required();
+  new_command->add_option("id", fresh->id, "group/name")->required();
+  new_command->add_option("folder", fresh->folder, "where to; a folder of the plugin's name unless given");
+  new_command->add_flag("--c", fresh->in_c, "in C99 instead of C++17");
+  new_command->callback([=, &status] {
+    const std::filesystem::path where =
+        fresh->folder.empty() ? fresh->id.substr(fresh->id.find('/') + 1) : fresh->folder;
+    const auto written = write_plugin_skeleton(fresh->kind, fresh->id, where, fresh->in_c);
+    status = written ? kDone : complain(written.failure());
+    if (written) std::printf("%s: see README.md there\n", where.c_str());
+  });
+  auto* manifest = command->add_subcommand("manifest", "Write NAME.odoplugin.json beside a plugin library");
+  manifest->add_option("file", *file, "plugin library")->required();
+  manifest->callback([=, &status] {
+    const auto written = write_manifest_beside(*file);
+    status =
+        written ? kDone : (std::fprintf(stderr, "%s\n", printable(written.failure().text).c_str()), kPluginFailure);
+    if (written) std::printf("%s\n", written->c_str());
+  });
+}
+
+}  // namespace odograph

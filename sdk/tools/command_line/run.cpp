@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "sdk/host/base/printable.hpp"
+#include "sdk/tools/command_line/commands.hpp"
+#include "sdk/tools/evaluation/faults.hpp"
+#include "sdk/tools/replay/runner.hpp"
+
+namespace odograph {
+namespace {
+
+struct RunArguments {
+  RunOptions options;
+  ReadOptions reading;
+  std::string input, output = "out", faults;
+  bool report = false, json = false;
+};
+
+int run(RunArguments& a) {
+  a.reading.true_states = false;
+  auto recording = open_recording(a.input, a.reading);
+  if (!recording) return complain(recording.failure());
+  if (!a.faults.empty()) {
+    const auto faults = read_faults(a.faults);
+    if (!faults) return complain(faults.failure());
+    *recording = with_faults(*recording, *faults);
+  }
+  Progress progress("run");
+  a.options.progress = [&](size_t done, size_t all) { progress.show(done, all); };
+  a.options.keep_session = true;
+  const auto result = replay(*recording, a.options);
+  if (!result) {
+    const int status = complain(result.failure());
+    return result.failure().status == ODO_E_NOT_FOUND ? kBadUsage : status;
+  }
+  const auto written = write_run(a.output, *recording, *result, a.options);
+  if (!written) return complain(written.failure());
+  if (a.report)
+    if (const auto report = write_report(a.output, *recording, *result); !report) return complain(report.failure());
+  for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
+  if (!result->state_failure.empty()) std::fprintf(stderr, "%s\n", printable(result->state_failure).c_str());
+  if (a.json) {
+    std::ifstream file(std::filesystem::path(a.output) / "summary.json");
+    std::stringstream text;
+    text << file.rdbuf();
+    std::fputs(text.str().c_str(), stdout);
+  } else {
+    const odo_statistics& s = result->statistics;
+    std::printf("%s: %s, %zu poses, %.2f m, %llu steps, %llu frames; tracking %.1f s, degraded %.1f s, lost %.1f s\n",
+                a.input.c_str(), recording->format.c_str(), result->track.size(), s.distance_m,
+                static_cast<unsigned long long>(s.steps), static_cast<unsigned long long>(s.frames), s.tracking_s,
+                s.degraded_s, s.lost_s);
+    if (s.scale_sigma > 0)
+      std::printf("metre known to %.1f %%: %.0f %% by inertia, %.0f %% by steps\n", 100 * s.scale_sigma,
+                  100 * s.scale_by_inertia, 100 * s.scale_by_steps);
+    std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");
+  }
+  if (!result->state_failure.empty()) return kBadData;
+  return status_over(result->loss, result->track.empty() || result->final_state == ODO_LOST ? kLostTracking : kDone);
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& status) {
+  auto* command = app.add_subcommand("run", "Run a pipeline over a recording");
+  auto a = std::make_shared<RunArguments>();
+  command->add_option("-c,--config", a->options.config, "pipeline config (YAML)")->required();
+  command
+      ->add_option("-i,--input", a->input,
+                   "recording: EuRoC/ASL, TUM RGB-D, KITTI, ADVIO, Indoor Location trace, image folder, *.odo")
+      ->required();
+  command
+      ->add_option("-o,--output", a->output,
+                   "folder for trajectory.tum, vo.csv, steps.csv, scale.csv, fixes.csv, summary.json")
+      ->capture_default_str();
+  command->add_option("--plugins", a->options.plugin_path, "folder to look for plugins in first");
+  command->add_option("--assets", a->options.asset_path,
+                      "folder of files that the config names, such as a city model, where they are not beside it");
+  command->add_option("--state", a->options.state,
+                      "file with what the plugins have learnt of the walker and the device: read where it exists, and "
+                      "written at the end");
+  command->add_flag("--pictures-outside", a->reading.pictures_outside,
+                    "pictures may lie outside of the recording's folder");
+  command->add_option("--faults", a->faults,
+                      "YAML file of what is to go wrong with the sensors; keys: odograph config schema faults");
+  command->add_option("--seed", a->options.seed, "of the random numbers handed to plugins")->capture_default_str();
+  command->add_flag("--report", a->report, "write report.html with pictures");
+  command->add_flag("--json", a->json, "print the summary as one JSON object");
+  command->callback([a, &status] { status = run(*a); });
+}
+
+}  // namespace odograph

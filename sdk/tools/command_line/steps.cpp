@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// `odograph steps`: what a step estimator makes of a recording, as text and as pictures (after Antigny et al. 2019,
+// Figure 9).
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "sdk/host/base/output_file.hpp"
+#include "sdk/tools/command_line/commands.hpp"
+#include "sdk/tools/plot/plot.hpp"
+#include "sdk/tools/replay/runner.hpp"
+
+namespace odograph {
+namespace {
+
+struct StepsArguments {
+  std::string recording, config = "samples/configs/phone_walk_odograph.yaml", plot;
+  bool json = false, each = false;
+};
+
+double seconds_since(int64_t start_ns, int64_t t_ns) { return static_cast<double>(t_ns - start_ns) * 1e-9; }
+
+/// A stretch of one mode.
+struct Stretch {
+  uint32_t mode;
+  double from_s, to_s, length_m;
+  size_t steps;
+};
+
+std::vector<Stretch> stretches_of(const RunResult& result, int64_t start_ns, int64_t end_ns) {
+  std::vector<Stretch> all;
+  for (size_t i = 0; i < result.modes.size(); ++i) {
+    const int64_t from = result.modes[i].header.t_ns;
+    const int64_t to = i + 1 < result.modes.size() ? result.modes[i + 1].header.t_ns : end_ns;
+    Stretch s{result.modes[i].mode, seconds_since(start_ns, from), seconds_since(start_ns, to), 0, 0};
+    for (const odo_step& step : result.steps)
+      if (step.t_end_ns > from && step.t_end_ns <= to) s.length_m += step.length_m, ++s.steps;
+    all.push_back(s);
+  }
+  return all;
+}
+
+/// Three pictures one below the other: lengths over time, their distribution, and the way.
+Result<std::string> page_of(const StepsArguments& a, const Recording& recording, const RunResult& result,
+                            int64_t start_ns) {
+  Plot lengths{.title = "Step lengths", .x_label = "s", .y_label = "m"};
+  PlotSeries estimated{.name = "estimated", .style = "points"}, truth{.name = "true", .style = "points"};
+  std::vector<double> values;
+  for (const odo_step& step : result.steps) {
+    estimated.points.emplace_back(seconds_since(start_ns, step.t_end_ns), step.length_m);
+    values.push_back(step.length_m);
+  }
+  for (const odo_step& step : recording.true_steps)
+    truth.points.emplace_back(seconds_since(start_ns, step.t_end_ns), step.length_m);
+  lengths.series.push_back(estimated);
+  if (!truth.points.empty()) lengths.series.push_back(truth);
+  Plot spread{.title = "Distribution", .x_label = "step length, m", .y_label = "part of the steps that are shorter"};
+  PlotSeries curve{.name = "estimated", .style = "steps"};
+  std::sort(values.begin(), values.end());
+  for (size_t i = 0; i < values.size(); ++i)
+    curve.points.emplace_back(values[i], static_cast<double>(i + 1) / static_cast<double>(values.size()));
+  spread.series.push_back(curve);
+  Plot way{.title = "Dead-reckoned way", .x_label = "east, m", .y_label = "north, m", .equal_axes = true};
+  PlotSeries track{.name = "steps", .style = "linespoints pt 7 ps 0.3"}, marks{.name = "waypoints", .style = "points"};
+  for (const StampedPose& pose : result.track) track.points.emplace_back(pose.p.y(), pose.p.x());
+  for (const Waypoint& mark : recording.waypoints()) marks.points.emplace_back(mark.p_n.y(), mark.p_n.x());
+  way.series.push_back(track);
+  if (!marks.points.empty()) way.series.push_back(marks);
+  std::string page = "<!DOCTYPE html><meta charset=\"utf-8\"><title>Steps</title>\n<h1>" +
+                     std::filesystem::path(a.recording).filename().string() + "</h1>\n";
+  for (const Plot* plot : {&lengths, &spread, &way}) {
+    if (plot->series[0].points.empty()) continue;
+    const auto svg = draw_svg(*plot);
+    if (!svg) return svg.failure();
+    page += *svg + "\n";
+  }
+  return page;
+}
+
+int steps(const StepsArguments& a) {
+  const auto recording = open_recording(a.recording);
+  if (!recording) return complain(recording.failure());
+  Progress progress("steps");
+  RunOptions options;
+  options.config = a.config;
+  options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
+  const auto result = replay(*recording, options);
+  if (!result) return complain(result.failure());
+  if (recording->messages.empty()) return complain({ODO_E_DATA, a.recording + ": empty"});
+  const int64_t start = recording->messages.front().message.header().t_ns,
+                end = recording->messages.back().message.header().t_ns;
+  const auto stretches = stretches_of(*result, start, end);
+  std::vector<double> lengths;
+  double distance = 0, variance = 0;
+  for (const odo_step& step : result->steps)
+    lengths.push_back(step.length_m), distance += step.length_m, variance += step.sigma_m;
+  if (a.json) {
+    nlohmann::ordered_json out = {{"steps", result->steps.size()}, {"distance_m", distance}};
+    for (const Stretch& s : stretches)
+      out["modes"].push_back({{"mode", odo_mode_text(s.mode)},
+                              {"from_s", s.from_s},
+                              {"to_s", s.to_s},
+                              {"steps", s.steps},
+                              {"length_m", s.length_m}});
+    std::printf("%s\n", out.dump(2).c_str());
+  } else {
+    std::printf("%-20s %9s %9s %7s %9s\n", "mode", "from (s)", "to (s)", "steps", "m");
+    for (const Stretch& s : stretches)
+      std::printf("%-20s %9.2f %9.2f %7zu %9.2f\n", odo_mode_text(s.mode), s.from_s, s.to_s, s.steps, s.length_m);
+    if (a.each) {
+      std::printf("\n%9s %9s %9s %9s %9s %9s\n", "from (s)", "to (s)", "m", "sigma (m)", "Hz", "heading");
+      for (const odo_step& s : result->steps)
+        std::printf("%9.2f %9.2f %9.3f %9.3f %9.2f %8.0f\n", seconds_since(start, s.t_start_ns),
+                    seconds_since(start, s.t_end_ns), s.length_m, s.sigma_m, s.frequency_hz,
+                    s.heading_rad * 180 / static_cast<double>(EIGEN_PI));
+    }
+    // The walker's part of the errors is common to all steps, so their standard deviations add up.
+    std::printf("\n%zu steps (a step: one foot's fall to the other's), %.1f m +- %.1f m", result->steps.size(),
+                distance, variance);
+    if (!lengths.empty())
+      std::printf("; length 25 %%: %.2f m, 50 %%: %.2f m, 75 %%: %.2f m", percentile(lengths, 0.25),
+                  percentile(lengths, 0.5), percentile(lengths, 0.75));
+    std::printf("\n");
+    if (!recording->true_steps.empty()) {
+      double walked = 0;
+      for (const odo_step& step : recording->true_steps) walked += step.length_m;
+      std::printf("truth: %zu steps, %.1f m\n", recording->true_steps.size(), walked);
+    }
+  }
+  const int done = status_over(result->loss, kDone);
+  if (a.plot.empty()) return done;
+  const auto page = page_of(a, *recording, *result, start);
+  if (!page) return complain(page.failure());
+  const auto written = write_whole_file(a.plot, *page);
+  return written ? done : complain(written.failure());
+}
+
+}  // namespace
+
+void add_steps(CLI::App& app, int& status) {
+  auto* command =
+      app.add_subcommand("steps", "Modes, steps, lengths and the dead-reckoned way that the IMU of a recording tells");
+  auto a = std::make_shared<StepsArguments>();
+  command->add_option("recording", a->recording, "any recording with an IMU")->required();
+  command->add_option("-c,--config", a->config, "pipeline config with a step estimator")->capture_default_str();
+  command->add_option("--plot", a->plot, "write lengths over time, their distribution and the way as an HTML page");
+  command->add_flag("--each", a->each, "a line for each step");
+  command->add_flag("--json", a->json, "print one JSON object");
+  command->callback([a, &status] { status = steps(*a); });
+}
+
+}  // namespace odograph

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "sdk/host/base/result.hpp"
+#include "sdk/tools/recording/recording.hpp"
+
+namespace odograph {
+
+/// Exit statuses of the command line.
+enum Exit { kDone = 0, kLostTracking = 1, kBadUsage = 2, kBadData = 3, kPluginFailure = 4 };
+
+/// Prints "odograph: text" on standard error and returns the status that fits the failure.
+int complain(const Failure& failure);
+
+/// Reads a recording, and says on standard error what it lacks.
+Result<Recording> open_recording(const std::string& path, const ReadOptions& options = {});
+
+/// The status of a command that came to its end over a recording: kBadData where something of it was lost.
+int status_over(const RecordingLoss& loss, int status);
+
+/// A progress bar on a terminal, nothing in a pipe.
+class Progress {
+ public:
+  explicit Progress(std::string what);
+  ~Progress();
+  void show(size_t done, size_t all);
+
+ private:
+  std::string what_;
+  bool on_;
+  int percent_ = -1;
+};
+
+}  // namespace odograph

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/evaluation/degrade.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/tools/simulation/random.hpp"
+
+namespace odograph {
+namespace {
+
+enum Stream : uint64_t { kNoise = 71, kJitter, kWild };  // of random numbers: one fault does not move another's
+
+int64_t nanoseconds(double s) { return std::llround(s * 1e9); }
+
+odo_imu& imu_of(RecordedMessage& m) { return reinterpret_cast<odo_imu&>(m.message.header()); }
+odo_frame& frame_of(RecordedMessage& m) { return reinterpret_cast<odo_frame&>(m.message.header()); }
+uint32_t type_of(const RecordedMessage& m) { return m.message.header().type; }
+int64_t time_of(const RecordedMessage& m) { return m.message.header().t_ns; }
+/// Gyroscope and accelerometer may come in samples of their own, each in order.
+uint32_t sensors_of(const RecordedMessage& m) { return m.message.header().flags & (ODO_IMU_GYRO | ODO_IMU_ACCEL); }
+
+template <class Action>
+void for_imu(Recording& recording, Action action) {
+  for (RecordedMessage& m : recording.messages)
+    if (type_of(m) == ODO_TYPE_IMU) action(m);
+}
+
+template <class Condition>
+void drop(Recording& recording, Condition condition) {
+  recording.messages.erase(std::remove_if(recording.messages.begin(), recording.messages.end(), condition),
+                           recording.messages.end());
+}
+
+int64_t first_frame_ns(const Recording& recording) {
+  for (const RecordedMessage& m : recording.messages)
+    if (type_of(m) == ODO_TYPE_FRAME) return time_of(m);
+  return recording.messages.empty() ? 0 : time_of(recording.messages.front());
+}
+
+/// Of the samples that carry the gyroscope, or of all where none does.
+double imu_rate_hz(const Recording& recording) {
+  int64_t first = 0, last = 0;
+  size_t n = 0;
+  for (const RecordedMessage& m : recording.messages)
+    if (type_of(m) == ODO_TYPE_IMU && (sensors_of(m) & ODO_IMU_GYRO)) {
+      if (n++ == 0) first = time_of(m);
+      last = time_of(m);
+    }
+  return n > 1 ? static_cast<double>(n - 1) * 1e9 / static_cast<double>(std::max<int64_t>(1, last - first)) : 200;
+}
+
+void cut(Recording& recording, double s) {
+  const int64_t begin = first_frame_ns(recording) + nanoseconds(s);
+  drop(recording, [begin](const RecordedMessage& m) {
+    const bool describes = type_of(m) == ODO_TYPE_CALIBRATION || type_of(m) == ODO_TYPE_IMU_NOISE;
+    return time_of(m) < begin && !describes;
+  });
+  for (RecordedMessage& m : recording.messages) m.message.header().t_ns = std::max(begin, time_of(m));
+}
+
+void leave_out_frames(Recording& recording, const Degradation& d) {
+  const int64_t first = first_frame_ns(recording);
+  const auto within = [first](const RecordedMessage& m, double from_s, double for_s) {
+    const int64_t t = time_of(m) - first;
+    return type_of(m) == ODO_TYPE_FRAME && t >= nanoseconds(from_s) && t < nanoseconds(from_s + for_s);
+  };
+  for (RecordedMessage& m : recording.messages)
+    if (within(m, d.dark_from_s, d.dark_for_s)) m.picture.black = true;
+  drop(recording, [&](const RecordedMessage& m) { return within(m, d.gap_from_s, d.gap_for_s); });
+}
+
+void decimate(Recording& recording, double hz) {
+  const int64_t period = nanoseconds(1 / hz);
+  int64_t next_ns[4] = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};  // by the sensors that a sample carries
+  drop(recording, [&](const RecordedMessage& m) {
+    if (type_of(m) != ODO_TYPE_IMU) return false;
+    int64_t& next = next_ns[sensors_of(m)];
+    const int64_t early = period / 20;  // a sample that is just before its time is the one meant
+    if (next != INT64_MIN && time_of(m) < next - early) return true;
+    next = next == INT64_MIN || time_of(m) > next + period ? time_of(m) + period : next + period;
+    return false;
+  });
+}
+
+void worsen_values(Recording& recording, const Degradation& d, uint64_t seed) {
+  Random random(seed, kNoise);
+  const double added = std::sqrt(std::max(0.0, d.imu_noise_factor * d.imu_noise_factor - 1) * imu_rate_hz(recording));
+  for_imu(recording, [&](RecordedMessage& m) {
+    odo_imu& imu = imu_of(m);
+    for (int k = 0; k < 3; ++k) {
+      imu.gyro_b[k] = (1 + d.imu_scale_error) * imu.gyro_b[k];
+      imu.accel_b[k] = (1 + d.imu_scale_error) * imu.accel_b[k] + d.accel_bias_mps2;
+      if (added == 0) continue;
+      imu.gyro_b[k] += added * kPhoneGyroNoise * random.normal();
+      imu.accel_b[k] += added * kPhoneAccelNoise * random.normal();
+    }
+  });
+}
+
+void make_wild(Recording& recording, double per_minute, uint64_t seed) {
+  Random random(seed, kWild);
+  const double chance = per_minute / (60 * imu_rate_hz(recording));
+  for_imu(recording, [&](RecordedMessage& m) {
+    if (random.uniform() >= chance) return;
+    odo_imu& imu = imu_of(m);
+    for (int k = 0; k < 3; ++k) {
+      imu.gyro_b[k] = random.uniform() < 0.5 ? -kWildGyro_radps : kWildGyro_radps;
+      imu.accel_b[k] = random.uniform() < 0.5 ? -kWildAccel_mps2 : kWildAccel_mps2;
+    }
+  });
+}
+
+void without_accelerometer(Recording& recording) {
+  drop(recording,
+       [](const RecordedMessage& m) { return type_of(m) == ODO_TYPE_IMU && sensors_of(m) == ODO_IMU_ACCEL; });
+  for_imu(recording, [](RecordedMessage& m) {
+    m.message.header().flags &= ~ODO_IMU_ACCEL;
+    std::fill_n(imu_of(m).accel_b, 3, 0.0);
+  });
+}
+
+void worsen_times(Recording& recording, const Degradation& d, uint64_t seed) {
+  Random random(seed, kJitter);
+  int64_t last_ns[4] = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
+  constexpr int64_t kLeast_ns = 1000;
+  // The truth is by the camera's clock as it is told: so it is the IMU that moves.
+  for_imu(recording, [&](RecordedMessage& m) {
+    int64_t& t = m.message.header().t_ns;
+    t += nanoseconds(d.time_offset_s);
+    if (d.stamp_jitter_s <= 0) return;
+    int64_t& last = last_ns[sensors_of(m)];
+    t += nanoseconds(d.stamp_jitter_s * random.normal());
+    if (last != INT64_MIN) t = std::max(t, last + kLeast_ns);
+    last = t;
+  });
+  recording.sort();
+}
+
+}  // namespace
+
+Recording degraded(const Recording& recording, const Degradation& d, uint64_t seed) {
+  Recording r = recording;
+  if (d.cut_s > 0) cut(r, d.cut_s);
+  leave_out_frames(r, d);
+  if (d.imu_rate_hz > 0) decimate(r, d.imu_rate_hz);
+  worsen_values(r, d, seed);
+  if (d.wild_per_minute > 0) make_wild(r, d.wild_per_minute, seed);
+  if (!d.accelerometer) without_accelerometer(r);
+  for (RecordedMessage& m : r.messages) {
+    const auto longer = [&](int64_t& line_ns) {
+      line_ns = std::llround(d.line_time_factor * static_cast<double>(line_ns));
+    };
+    if (type_of(m) == ODO_TYPE_FRAME) longer(frame_of(m).line_time_ns);
+    if (type_of(m) == ODO_TYPE_CALIBRATION) longer(reinterpret_cast<odo_calibration&>(m.message.header()).line_time_ns);
+  }
+  if (d.time_offset_s != 0 || d.stamp_jitter_s > 0) worsen_times(r, d, seed);
+  return r;
+}
+
+std::vector<Degradation> sensor_qualities() {
+  return {{.name = "as recorded"},
+          {.name = "IMU noise x5", .imu_noise_factor = 5},
+          {.name = "accel bias 0.3 m/s^2", .accel_bias_mps2 = 0.3},
+          {.name = "IMU scale +2 %", .imu_scale_error = 0.02},
+          {.name = "IMU 50 Hz", .imu_rate_hz = 50},
+          {.name = "no accelerometer", .accelerometer = false},
+          {.name = "time offset +20 ms", .time_offset_s = 0.02},
+          {.name = "time offset -20 ms", .time_offset_s = -0.02},
+          {.name = "line time +20 %", .line_time_factor = 1.2},
+          {.name = "stamps jitter 1.4 ms", .stamp_jitter_s = 1.4e-3},
+          {.name = "one wild sample a min", .wild_per_minute = 1}};
+}
+
+}  // namespace odograph

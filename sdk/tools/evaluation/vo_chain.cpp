@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/evaluation/vo_chain.hpp"
+
+namespace odograph {
+
+using Eigen::Vector3d;
+
+Trajectory VoChain::own() const {
+  Trajectory track;
+  for (const ChainedPose& x : poses) track.push_back({x.t_ns, x.q, x.own});
+  return track;
+}
+
+Trajectory VoChain::metric() const {
+  Trajectory track;
+  for (const ChainedPose& x : poses)
+    if (x.metric) track.push_back({x.t_ns, x.q, x.p_m});
+  return track;
+}
+
+VoChain chain_of(const std::vector<odo_vo_motion>& motions) {
+  VoChain chain;
+  if (motions.empty()) return chain;
+  ChainedPose x;
+  x.t_ns = motions.front().t_from_ns, x.scale_group = motions.front().scale_group;
+  chain.poses.push_back(x);
+  bool group_is_metric = false;
+  for (const odo_vo_motion& m : motions) {
+    const uint32_t flags = m.header.flags;
+    if (m.scale_group != x.scale_group) group_is_metric = false, x.scale_sigma = 0;
+    group_is_metric |= (flags & ODO_VO_METRIC) != 0;
+    chain.holes += m.t_from_ns != x.t_ns;
+    x.t_ns = m.header.t_ns, x.scale_group = m.scale_group;
+    if (flags & ODO_VO_TRANSLATION) {
+      const Vector3d d = x.q * Vector3d(m.p_c0_c1);
+      x.own += d;
+      if (group_is_metric) x.p_m += d;
+    }
+    if (flags & ODO_VO_ROTATION)
+      x.q = (x.q * Eigen::Quaterniond(m.q_c0_c1[0], m.q_c0_c1[1], m.q_c0_c1[2], m.q_c0_c1[3])).normalized();
+    x.placed = (flags & ODO_VO_TRANSLATION) && m.state != ODO_LOST;
+    x.metric = x.placed && group_is_metric;
+    x.tracking = m.state == ODO_TRACKING;
+    x.gravity.reset();
+    if (flags & ODO_VO_INERTIAL) x.scale_sigma = m.scale_sigma, x.gravity = x.q * Vector3d(m.gravity_c1);
+    chain.poses.push_back(x);
+  }
+  return chain;
+}
+
+}  // namespace odograph

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sdk/host/base/result.hpp"
+
+namespace odograph {
+
+struct PlotSeries {
+  std::string name;
+  std::string style;                              // gnuplot's "with": lines, points, steps ...
+  std::vector<std::pair<double, double>> points;  // NaN breaks a line
+};
+
+struct Plot {
+  std::string title, x_label, y_label;
+  bool equal_axes = false, y_down = false;
+  std::vector<PlotSeries> series;
+};
+
+/// The plot as an SVG element, drawn by the installed gnuplot. ODO_E_UNSUPPORTED when there is none.
+Result<std::string> draw_svg(const Plot& plot);
+/// The same into a file.
+Result<bool> write_svg(const Plot& plot, const std::string& file);
+
+/// A self-contained HTML page: figures, what makes them doubtful, the file that was written, and the plots (or why
+/// not).
+std::string plots_page(const std::string& title, const std::string& figures, const std::vector<std::string>& doubts,
+                       const std::string& written, const std::vector<Plot>& plots);
+
+}  // namespace odograph

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/recording/recording.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+
+#include <opencv2/imgcodecs.hpp>
+
+namespace odograph {
+namespace fs = std::filesystem;
+
+bool Recording::has(uint32_t type) const {
+  return std::any_of(messages.begin(), messages.end(),
+                     [type](const auto& m) { return m.message.header().type == type; });
+}
+
+std::vector<Waypoint> Recording::waypoints() const {
+  std::vector<Waypoint> all;
+  for (const auto& m : messages)
+    if (m.message.header().type == ODO_TYPE_WAYPOINT)
+      all.push_back({m.message.header().t_ns, Eigen::Vector3d(as<odo_waypoint>(m.message.header()).p_n)});
+  return all;
+}
+
+void Recording::add(const odo_header& message, PictureRef picture) {
+  if (!is_plausible_time(message.t_ns)) {
+    ++loss.wild_times;
+    return;
+  }
+  messages.emplace_back();
+  messages.back().message.assign(message);
+  messages.back().picture = std::move(picture);
+}
+
+void Recording::sort() {
+  const auto earlier = [](const auto& a, const auto& b) { return a.message.header().t_ns < b.message.header().t_ns; };
+  if (!std::is_sorted(messages.begin(), messages.end(), earlier))  // sorting takes as much memory again
+    std::stable_sort(messages.begin(), messages.end(), earlier);
+}
+
+namespace {
+
+Result<Recording> read_whatever(const fs::path& path, const ReadOptions& options) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return Failure{ODO_E_NOT_FOUND, path.string() + ": no such file or folder"};
+  if (!fs::is_directory(path, error)) {
+    if (!fs::is_regular_file(path, error))
+      return Failure{ODO_E_DATA, path.string() + ": neither a file nor a folder; a pipe or a device is no recording"};
+    if (RecordReader::looks_like_one(path)) return read_odo(path, options);
+    if (path.extension() == ".txt") return read_indoor_location(path);
+    return Failure{
+        ODO_E_DATA,
+        path.string() +
+            ": not a recording; expected an Odograph recording (.odo) or an Indoor Location Competition trace (.txt)"};
+  }
+  if (fs::exists(path / "mav0", error) || fs::exists(path / "imu0", error)) return read_euroc(path, options);
+  if (fs::exists(path / "image_0", error)) return read_kitti(path);
+  if (fs::exists(path / "iphone", error)) return read_advio(path);
+  if (fs::exists(path / "rgb.txt", error)) return read_tum_rgbd(path, options);
+  if (fs::exists(path / "camera.yaml", error)) return read_image_folder(path);
+  return Failure{ODO_E_DATA, path.string() +
+                                 ": no recording in this folder; looked for mav0/ (EuRoC/ASL), image_0/ (KITTI), "
+                                 "iphone/ (ADVIO), rgb.txt (TUM RGB-D), camera.yaml (images)"};
+}
+
+}  // namespace
+
+Result<Recording> read_recording(const fs::path& path, const ReadOptions& options) {
+  auto recording = read_whatever(path, options);
+  if (recording && recording->loss.wild_times > 0)
+    recording->warnings.push_back(std::to_string(recording->loss.wild_times) +
+                                  " messages have times beyond +-2^62 ns and were left out");
+  if (recording && recording->messages.empty()) return Failure{ODO_E_DATA, path.string() + ": no usable message in it"};
+  return recording;
+}
+
+namespace {
+
+struct HeldPicture {
+  cv::Mat image;
+  std::atomic<int> holds{1};
+};
+
+int32_t retain(const odo_frame* frame) {
+  ++static_cast<HeldPicture*>(frame->owner)->holds;
+  return ODO_OK;
+}
+
+void release(const odo_frame* frame) {
+  auto* held = static_cast<HeldPicture*>(frame->owner);
+  if (--held->holds == 0) delete held;
+}
+
+std::string name_of(const PictureRef& picture) { return picture.file ? picture.file->string() : "no file"; }
+
+cv::Mat decode(const PictureRef& picture) {
+  std::error_code error;
+  if (!picture.file || !fs::is_regular_file(*picture.file, error)) return {};  // a pipe would wait for ever
+  if (picture.size == 0) return cv::imread(picture.file->string(), cv::IMREAD_ANYCOLOR);
+  std::ifstream file(*picture.file, std::ios::binary);
+  std::vector<uchar> bytes(picture.size);
+  file.seekg(static_cast<std::streamoff>(picture.offset));
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!file) return {};
+  return cv::imdecode(bytes, cv::IMREAD_ANYCOLOR);
+}
+
+}  // namespace
+
+Result<odo_frame> load_frame(const RecordedMessage& recorded) {
+  auto held = std::make_unique<HeldPicture>();
+  try {
+    held->image = decode(recorded.picture);
+  } catch (const std::exception& error) {
+    return Failure{ODO_E_DATA, name_of(recorded.picture) + ": " + error.what()};
+  }
+  if (held->image.empty() || held->image.depth() != CV_8U)
+    return Failure{ODO_E_DATA, name_of(recorded.picture) + ": the picture cannot be read as 8-bit grey or colour"};
+  if (recorded.picture.black) held->image = cv::Scalar::all(0);
+  if (held->image.channels() == 3) {  // OpenCV decodes to BGR
+    std::vector<cv::Mat> bgr;
+    cv::split(held->image, bgr);
+    cv::merge(std::vector<cv::Mat>{bgr[2], bgr[1], bgr[0]}, held->image);
+  }
+  auto frame = copy_as<odo_frame>(recorded.message.header());
+  const cv::Mat& image = held->image;
+  frame.width = static_cast<uint32_t>(image.cols);
+  frame.height = static_cast<uint32_t>(image.rows);
+  frame.format = image.channels() == 1 ? ODO_FORMAT_GREY8 : ODO_FORMAT_RGB8;
+  frame.planes[0] = {image.data, static_cast<int64_t>(image.step[0]), static_cast<uint32_t>(image.channels()), 0};
+  frame.owner = held.release();
+  frame.retain = retain;
+  frame.release = release;
+  return frame;
+}
+
+}  // namespace odograph

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/recording/trajectory.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iomanip>
+
+#include "sdk/host/base/output_file.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/tools/recording/text_rows.hpp"
+
+namespace odograph {
+
+Result<int64_t> parse_seconds(std::string_view text) {
+  constexpr int64_t kFarthest_s = kFarthestTime_ns / 1'000'000'000 - 1;
+  const Failure wrong{ODO_E_DATA, "'" + std::string(text.substr(0, 40)) + "' is not a time in seconds"};
+  if (text.find_first_of("eE") != std::string_view::npos) {  // KITTI writes 1.0e-01
+    double seconds = 0;
+    const auto parsed = std::from_chars(text.data(), text.data() + text.size(), seconds);
+    if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || !(std::abs(seconds) <= kFarthest_s))
+      return wrong;
+    return static_cast<int64_t>(std::llround(seconds * 1e9));
+  }
+  const bool negative = !text.empty() && text[0] == '-';
+  if (negative) text.remove_prefix(1);
+  const size_t point = std::min(text.find('.'), text.size());
+  int64_t whole = 0, fraction = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + point, whole);
+  if (parsed.ptr != text.data() + point || parsed.ec != std::errc() || whole < 0 || whole > kFarthest_s) return wrong;
+  int64_t unit = 100'000'000;
+  for (size_t i = point + 1; i < text.size(); ++i, unit /= 10) {
+    if (text[i] < '0' || text[i] > '9') return wrong;
+    fraction += unit * (text[i] - '0');
+  }
+  const int64_t t_ns = whole * 1'000'000'000 + fraction;
+  return negative ? -t_ns : t_ns;
+}
+
+std::string format_seconds(int64_t t_ns) {
+  const bool negative = t_ns < 0;
+  const uint64_t magnitude = negative ? 0 - static_cast<uint64_t>(t_ns) : static_cast<uint64_t>(t_ns);
+  std::string fraction = std::to_string(magnitude % 1'000'000'000);
+  fraction.insert(0, 9 - fraction.size(), '0');
+  return (negative ? "-" : "") + std::to_string(magnitude / 1'000'000'000) + "." + fraction;
+}
+
+namespace {
+
+Result<bool> add_pose(Trajectory& trajectory, const TextRow& row, int64_t t_ns, const Eigen::Quaterniond& q,
+                      const Eigen::Vector3d& p) {
+  const double norm = q.norm();
+  if (!(norm > 0.5 && norm < 2.0)) return row.wrong("the quaternion has norm " + std::to_string(norm) + ", expected 1");
+  trajectory.push_back({t_ns, q.normalized(), p});
+  return true;
+}
+
+Result<Trajectory> not_empty(Trajectory trajectory, const std::filesystem::path& path) {
+  if (trajectory.empty()) return Failure{ODO_E_DATA, path.string() + ": no poses in it"};
+  return trajectory;
+}
+
+}  // namespace
+
+Result<Trajectory> read_tum(const std::filesystem::path& path) {
+  Trajectory trajectory;
+  const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
+    const auto v = numbers(row, 8);
+    if (!v) return v.failure();
+    const auto t = parse_seconds(row.fields[0]);
+    if (!t) return row.wrong(t.failure().text);
+    return add_pose(trajectory, row, *t, {(*v)[7], (*v)[4], (*v)[5], (*v)[6]}, {(*v)[1], (*v)[2], (*v)[3]});
+  });
+  if (!done) return done.failure();
+  return not_empty(std::move(trajectory), path);
+}
+
+Result<Trajectory> read_kitti_poses(const std::filesystem::path& path, const std::filesystem::path& times) {
+  std::vector<int64_t> stamps;
+  if (!times.empty()) {
+    const auto done = read_rows(times, [&](const TextRow& row) -> Result<bool> {
+      const auto t = parse_seconds(row.fields[0]);
+      if (!t) return row.wrong(t.failure().text);
+      stamps.push_back(*t);
+      return true;
+    });
+    if (!done) return done.failure();
+  }
+  Trajectory trajectory;
+  const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
+    const auto v = numbers(row, 12);
+    if (!v) return v.failure();
+    Eigen::Matrix3d R;
+    Eigen::Vector3d p;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) R(i, j) = (*v)[static_cast<size_t>(4 * i + j)];
+      p[i] = (*v)[static_cast<size_t>(4 * i + 3)];
+    }
+    if (std::abs(R.determinant() - 1.0) > 0.01) return row.wrong("the first three columns are no rotation");
+    const size_t k = trajectory.size();
+    return add_pose(trajectory, row, k < stamps.size() ? stamps[k] : static_cast<int64_t>(k) * 100'000'000,
+                    Eigen::Quaterniond(R), p);
+  });
+  if (!done) return done.failure();
+  return not_empty(std::move(trajectory), path);
+}
+
+Result<Trajectory> read_euroc_truth(const std::filesystem::path& path) {
+  Trajectory trajectory;
+  const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
+    const auto v = numbers(row, 8);
+    const auto t = row.time_ns(0);
+    if (!v) return v.failure();
+    if (!t) return t.failure();
+    return add_pose(trajectory, row, *t, {(*v)[4], (*v)[5], (*v)[6], (*v)[7]}, {(*v)[1], (*v)[2], (*v)[3]});
+  });
+  if (!done) return done.failure();
+  return not_empty(std::move(trajectory), path);
+}
+
+double path_length(const Trajectory& trajectory) {
+  double length = 0;
+  for (size_t i = 1; i < trajectory.size(); ++i) length += (trajectory[i].p - trajectory[i - 1].p).norm();
+  return length;
+}
+
+namespace {
+
+constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+
+}  // namespace
+
+void write_tum(std::ostream& out, const Trajectory& trajectory) {
+  out << std::setprecision(12);
+  for (const auto& x : trajectory)
+    out << format_seconds(x.t_ns) << ' ' << x.p.x() << ' ' << x.p.y() << ' ' << x.p.z() << ' ' << x.q.x() << ' '
+        << x.q.y() << ' ' << x.q.z() << ' ' << x.q.w() << '\n';
+}
+
+namespace {
+
+void write_kitti(std::ostream& out, const Trajectory& trajectory) {
+  for (const auto& x : trajectory) {
+    const Eigen::Matrix3d R = x.q.toRotationMatrix();
+    for (int i = 0; i < 3; ++i)
+      out << R(i, 0) << ' ' << R(i, 1) << ' ' << R(i, 2) << ' ' << x.p[i] << (i < 2 ? ' ' : '\n');
+  }
+}
+
+void write_csv(std::ostream& out, const Trajectory& trajectory) {
+  out << "t_ns,x_m,y_m,z_m,qw,qx,qy,qz\n";
+  for (const auto& x : trajectory)
+    out << x.t_ns << ',' << x.p.x() << ',' << x.p.y() << ',' << x.p.z() << ',' << x.q.w() << ',' << x.q.x() << ','
+        << x.q.y() << ',' << x.q.z() << '\n';
+}
+
+void write_gpx(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
+  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Odograph\" "
+         "xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><trkseg>\n";
+  for (const auto& x : trajectory) {
+    const auto g = to_geodetic(x.p);
+    out << "<trkpt lat=\"" << g[0] * kDegrees << "\" lon=\"" << g[1] * kDegrees << "\"><ele>" << g[2]
+        << "</ele></trkpt>\n";
+  }
+  out << "</trkseg></trk>\n</gpx>\n";
+}
+
+void write_kml(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
+  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml "
+         "xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark>"
+         "<name>Odograph</name><LineString><tessellate>1</tessellate><coordinates>\n";
+  for (const auto& x : trajectory) {
+    const auto g = to_geodetic(x.p);
+    out << g[1] * kDegrees << ',' << g[0] * kDegrees << ',' << g[2] << '\n';
+  }
+  out << "</coordinates></LineString></Placemark></Document></kml>\n";
+}
+
+void write_geojson(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
+  out << "{\"type\":\"Feature\",\"properties\":{\"name\":\"Odograph\"},\"geometry\":{\"type\":\"LineString\","
+         "\"coordinates\":[";
+  for (size_t i = 0; i < trajectory.size(); ++i) {
+    const auto g = to_geodetic(trajectory[i].p);
+    out << (i ? ",\n" : "\n") << '[' << g[1] * kDegrees << ',' << g[0] * kDegrees << ',' << g[2] << ']';
+  }
+  out << "]}}\n";
+}
+
+}  // namespace
+
+Result<bool> write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
+                              const ToGeodetic& to_geodetic) {
+  const std::string kind = path.extension().string();
+  const bool on_earth = kind == ".gpx" || kind == ".kml" || kind == ".geojson";
+  if (!on_earth && kind != ".tum" && kind != ".txt" && kind != ".kitti" && kind != ".csv")
+    return Failure{ODO_E_UNSUPPORTED, path.string() + ": unknown format '" + kind +
+                                          "'; expected .tum, .txt, .kitti, .csv, .gpx, .kml or .geojson"};
+  if (on_earth && !to_geodetic)
+    return Failure{
+        ODO_E_UNSUPPORTED,
+        path.string() + ": needs a place on the Earth; give --origin LATITUDE,LONGITUDE,HEIGHT (degrees, metres)"};
+  auto file = OutputFile::create(path);
+  if (!file) return file.failure();
+  std::ofstream& out = file->stream();
+  out << std::setprecision(12);
+  if (kind == ".kitti")
+    write_kitti(out, trajectory);
+  else if (kind == ".csv")
+    write_csv(out, trajectory);
+  else if (kind == ".gpx")
+    write_gpx(out, trajectory, to_geodetic);
+  else if (kind == ".kml")
+    write_kml(out, trajectory, to_geodetic);
+  else if (kind == ".geojson")
+    write_geojson(out, trajectory, to_geodetic);
+  else
+    write_tum(out, trajectory);
+  return file->commit();
+}
+
+}  // namespace odograph

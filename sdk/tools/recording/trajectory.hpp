@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "sdk/host/base/result.hpp"
+
+namespace odograph {
+
+/// A pose at a time: q takes vectors from the moving frame to the reference frame, p is in the reference frame, m.
+struct StampedPose {
+  int64_t t_ns = 0;
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+};
+using Trajectory = std::vector<StampedPose>;
+
+/// A surveyed place and when it was passed.
+struct Waypoint {
+  int64_t t_ns;
+  Eigen::Vector3d p_n;
+};
+
+/// Decimal seconds to nanoseconds without going through a double.
+Result<int64_t> parse_seconds(std::string_view text);
+/// "12.345678901", nine decimals.
+std::string format_seconds(int64_t t_ns);
+
+/// TUM: `seconds x y z qx qy qz qw`; lines with '#' are comments. Failures name file:line.
+Result<Trajectory> read_tum(const std::filesystem::path& path);
+/// KITTI odometry: twelve numbers a line, the upper 3x4 of T_world_camera. Times from `times` (seconds a line), or 10
+/// Hz.
+Result<Trajectory> read_kitti_poses(const std::filesystem::path& path, const std::filesystem::path& times);
+/// EuRoC state_groundtruth_estimate0/data.csv: t_ns, p, q (w x y z), ...
+Result<Trajectory> read_euroc_truth(const std::filesystem::path& path);
+
+/// A track as TUM has it, with 12 digits.
+void write_tum(std::ostream& out, const Trajectory& trajectory);
+/// Writers by the file's extension: .tum/.txt, .kitti, .csv, and on the Earth .gpx, .kml, .geojson (`to_geodetic` gives
+/// latitude and longitude in rad and height in m for a p; without it those formats are refused).
+using ToGeodetic = std::function<std::array<double, 3>(const Eigen::Vector3d& p_n)>;
+Result<bool> write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
+                              const ToGeodetic& to_geodetic);
+
+/// Length of the polyline through all positions, m.
+double path_length(const Trajectory& trajectory);
+
+}  // namespace odograph

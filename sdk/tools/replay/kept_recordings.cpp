@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/replay/kept_recordings.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include <zlib.h>
+
+#include "sdk/tools/console/console.hpp"
+#include "sdk/tools/evaluation/evaluation.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+
+namespace odograph {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Counts up with every change of the simulator that changes its recordings, so that old ones are not taken for new.
+constexpr int kSimulator = 6;
+
+}  // namespace
+
+Result<std::string> text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file (run from the source folder, or say where)"};
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+fs::path assets_of(const fs::path& recording) { return fs::path(recording).replace_extension(".assets"); }
+
+Result<fs::path> kept_recording(const fs::path& file, uint64_t seed, const fs::path& keep, double first_m) {
+  const auto text = scenario_text(file.string());
+  if (!text) return text.failure();
+  auto scenario = read_scenario(file.string());
+  if (!scenario) return scenario.failure();
+  if (first_m > 0) scenario->walk_m = first_m;
+  const auto sum = crc32(kSimulator, reinterpret_cast<const Bytef*>(text->data()), static_cast<uInt>(text->size()));
+  char mark[64];
+  std::snprintf(mark, sizeof mark, "-s%llu-%08lx%s.odo", static_cast<unsigned long long>(seed), sum,
+                first_m > 0 ? "-quick" : "");
+  std::error_code error;
+  fs::create_directories(keep, error);
+  const fs::path kept = keep / (file.stem().string() + mark);
+  const fs::path assets = assets_of(kept);
+  fs::create_directories(assets, error);
+  if (!scenario->objects.empty() && !fs::exists(assets / "objects.yaml", error))
+    if (const auto written = write_known_objects(*scenario, seed, assets); !written) return written.failure();
+  if (fs::exists(kept, error)) return kept;
+  const fs::path part = kept.string() + ".part";  // a stopped run leaves no half recording under the name
+  Progress progress("sim " + file.stem().string() + " seed " + std::to_string(seed));
+  const auto done =
+      simulate(*scenario, seed, part,
+               {.progress = [&](size_t i, size_t n) { progress.show(i, n); }, .city = assets / "city.json"});
+  if (!done) return done.failure();
+  fs::rename(part, kept, error);
+  if (error) return Failure{ODO_E_NOT_FOUND, kept.string() + ": cannot be written"};
+  return kept;
+}
+
+Trajectory started(const Trajectory& truth, const Trajectory& track, double over_m) {
+  std::vector<Waypoint> start;
+  double walked = 0, next = 0;
+  for (size_t i = 0; i < truth.size() && walked <= over_m; ++i) {
+    if (i > 0) walked += (truth[i].p - truth[i - 1].p).head<2>().norm();
+    if (walked >= next) start.push_back({truth[i].t_ns, truth[i].p}), next += 1;
+  }
+  return lay_over(track, start, heading_offset(track, start, over_m));
+}
+
+Trajectory started_by_pose(const Trajectory& truth, const Trajectory& track, double after_m) {
+  double walked = 0;
+  size_t at = 0;
+  while (at + 1 < truth.size() && walked <= after_m) {
+    walked += (truth[at + 1].p - truth[at].p).head<2>().norm();
+    ++at;
+  }
+  if (truth.empty() || track.empty()) return track;
+  const auto nearest = std::min_element(track.begin(), track.end(), [&](const StampedPose& a, const StampedPose& b) {
+    return std::abs(a.t_ns - truth[at].t_ns) < std::abs(b.t_ns - truth[at].t_ns);
+  });
+  const Eigen::Quaterniond off = truth[at].q * nearest->q.conjugate();
+  const Eigen::Quaterniond turn = Eigen::Quaterniond(off.w(), 0, 0, off.z()).normalized();
+  const Eigen::Vector3d from = position_at(track, truth[at].t_ns);
+  Trajectory laid = track;
+  for (StampedPose& pose : laid) {
+    pose.p = turn * (pose.p - from) + truth[at].p;
+    pose.q = turn * pose.q;
+  }
+  return laid;
+}
+
+void RecordingChoice::add_options(CLI::App& command, const std::string& what) {
+  command.add_option("recordings", recordings, what + "; none: simulated ones");
+  command.add_option("--scenario", scenario, "what is simulated")->capture_default_str();
+  command.add_option("--seeds", seeds, "how many of it")->capture_default_str()->check(CLI::Range(1, 1000));
+  command.add_option("--first-seed", first_seed, "the first of them")->capture_default_str();
+  command.add_option("--keep", keep, "recordings are kept here and rendered once")->capture_default_str();
+}
+
+Result<std::vector<std::filesystem::path>> RecordingChoice::files() const {
+  std::vector<std::filesystem::path> files(recordings.begin(), recordings.end());
+  for (uint64_t seed = first_seed; recordings.empty() && seed < first_seed + seeds; ++seed) {
+    const auto file = kept_recording(scenario, seed, keep, 0);
+    if (!file) return file.failure();
+    files.push_back(*file);
+  }
+  return files;
+}
+
+}  // namespace odograph

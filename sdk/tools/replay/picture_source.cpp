@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/replay/picture_source.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/tools/recording/recording.hpp"
+
+namespace odograph {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int64_t kBetween_ns = 300'000'000;
+
+bool ends_as(const fs::path& file, std::initializer_list<const char*> endings) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+bool is_picture(const fs::path& file) {
+  return ends_as(file, {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp"});
+}
+bool is_video(const fs::path& file) { return ends_as(file, {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".3gp"}); }
+
+/// As stored: a phone's note of how it was held does not turn the pixels, since the lens does not turn either.
+PictureSource of_file(const fs::path& file, std::shared_ptr<const void> keep = {}) {
+  return {file.filename().string(), [file, keep] {
+            try {
+              return cv::imread(file.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+            } catch (const cv::Exception&) {
+              return cv::Mat();
+            }
+          }};
+}
+
+std::vector<PictureSource> of_folder(const fs::path& folder, const std::shared_ptr<const void>& keep = {}) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.is_regular_file(error) && is_picture(entry.path())) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  std::vector<PictureSource> sources;
+  for (const fs::path& file : files) sources.push_back(of_file(file, keep));
+  return sources;
+}
+
+cv::Mat load_grey(const RecordedMessage& message) {
+  const auto frame = load_frame(message);
+  if (!frame) return {};
+  const cv::Mat grey = grey_of(*frame);
+  frame->release(&*frame);
+  return grey;
+}
+
+Result<std::vector<PictureSource>> of_recording(const std::string& path) {
+  auto read = read_recording(path);
+  if (!read) return read.failure();
+  const auto recording = std::make_shared<const Recording>(std::move(*read));
+  std::vector<PictureSource> sources;
+  int64_t last_ns = INT64_MIN / 2;
+  for (size_t i = 0; i < recording->messages.size(); ++i) {
+    const odo_header& header = recording->messages[i].message.header();
+    if (header.type != ODO_TYPE_FRAME || header.t_ns - last_ns < kBetween_ns) continue;
+    last_ns = header.t_ns;
+    sources.push_back({"frame at " + std::to_string(header.t_ns) + " ns",
+                       [recording, i] { return load_grey(recording->messages[i]); }});
+  }
+  return sources;
+}
+
+Result<std::vector<PictureSource>> of_video(const std::string& path) {
+  const auto folder = std::make_shared<TemporaryFolder>();
+  std::string in = "file:" + path, out = (folder->path() / "%05d.png").string();
+  std::string words[] = {"ffmpeg", "-v", "error", "-noautorotate", "-i", in, "-vf", "fps=3", out};
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  int status = 0;
+  if (folder->path().empty() || posix_spawnp(&child, "ffmpeg", nullptr, nullptr, arguments.data(), environ) != 0)
+    return Failure{ODO_E_UNSUPPORTED, path +
+                                          ": a video needs ffmpeg, which could not be run (on Debian: apt install "
+                                          "ffmpeg); a folder of pictures needs nothing"};
+  if (waitpid(child, &status, 0) != child || status != 0)
+    return Failure{ODO_E_DATA, path + ": ffmpeg could not read this video"};
+  return of_folder(folder->path(), folder);
+}
+
+}  // namespace
+
+cv::Mat grey_of(const odo_frame& frame) {
+  const bool colour = frame.format == ODO_FORMAT_RGB8;
+  const cv::Mat pixels(static_cast<int>(frame.height), static_cast<int>(frame.width), colour ? CV_8UC3 : CV_8U,
+                       const_cast<uint8_t*>(frame.planes[0].data), static_cast<size_t>(frame.planes[0].row_stride));
+  cv::Mat grey;
+  if (colour)
+    cv::cvtColor(pixels, grey, cv::COLOR_RGB2GRAY);
+  else
+    grey = pixels.clone();
+  return grey;
+}
+
+Result<std::vector<PictureSource>> pictures_of(const std::string& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return Failure{ODO_E_NOT_FOUND, path + ": does not exist"};
+  if (is_picture(path)) return std::vector<PictureSource>{of_file(path)};
+  if (is_video(path)) return of_video(path);
+  if (fs::is_directory(path, error))
+    if (auto sources = of_folder(path); !sources.empty()) return sources;
+  auto sources = of_recording(path);
+  if (sources && sources->empty()) return Failure{ODO_E_DATA, path + ": there are no pictures in it"};
+  return sources;
+}
+
+}  // namespace odograph

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a run writes into its folder.
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <iomanip>
+#include <optional>
+#include <set>
+
+#include <sys/resource.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sdk/host/base/output_file.hpp"
+#include "sdk/tools/replay/runner.hpp"
+
+namespace odograph {
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+namespace {
+
+void write_motions(std::ostream& out, const std::vector<odo_vo_motion>& motions) {
+  out << std::setprecision(9) << "t_from_ns,t_ns,state,reason,scale_group,tracked,inliers,qw,qx,qy,qz,x,y,z,"
+      << "sigma_rotation_rad,sigma_position\n";
+  for (const odo_vo_motion& m : motions) {
+    const double* c = m.covariance;
+    out << m.t_from_ns << ',' << m.header.t_ns << ',' << m.state << ',' << m.reason << ',' << m.scale_group << ','
+        << m.tracked << ',' << m.inliers;
+    for (const double q : m.q_c0_c1) out << ',' << q;
+    for (const double p : m.p_c0_c1) out << ',' << p;
+    out << ',' << std::sqrt((c[0] + c[7] + c[14]) / 3) << ',' << std::sqrt((c[21] + c[28] + c[35]) / 3) << '\n';
+  }
+}
+
+void write_steps(std::ostream& out, const std::vector<odo_step>& steps) {
+  out << std::setprecision(9) << "t_start_ns,t_end_ns,length_m,sigma_m,frequency_hz,mode,heading_rad\n";
+  for (const odo_step& s : steps)
+    out << s.t_start_ns << ',' << s.t_end_ns << ',' << s.length_m << ',' << s.sigma_m << ',' << s.frequency_hz << ','
+        << odo_mode_text(s.mode) << ',' << s.heading_rad << '\n';
+}
+
+void write_scales(std::ostream& out, const std::vector<odo_scale>& scales) {
+  out << std::setprecision(9) << "t_ns,source,scale_m,sigma_m,used\n";
+  for (const odo_scale& s : scales)
+    out << s.header.t_ns << ',' << s.header.source << ',' << s.metres_per_unit << ',' << s.sigma << ','
+        << ((s.header.flags & ODO_SCALE_ACCEPTED) ? 1 : 0) << '\n';
+}
+
+void write_fixes(std::ostream& out, const std::vector<RunResult::Fix>& fixes) {
+  out << std::setprecision(9) << "t_ns,source,kind,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,yaw_rad,accepted\n";
+  for (const auto& [f, accepted] : fixes)
+    out << f.header.t_ns << ',' << f.header.source << ','
+        << ((f.header.flags & ODO_FIX_ORIENTATION) ? "pose"
+            : (f.header.flags & ODO_FIX_YAW)       ? "yaw"
+                                                   : "position")
+        << ',' << f.p_n[0] << ',' << f.p_n[1] << ',' << f.p_n[2] << ',' << std::sqrt(f.covariance_n[0]) << ','
+        << std::sqrt(f.covariance_n[4]) << ',' << std::sqrt(f.covariance_n[8]) << ',' << f.yaw_rad << ','
+        << (accepted ? 1 : 0) << '\n';
+}
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const RecordingLoss& loss) {
+  Json records = nullptr;  // nobody knows
+  if (loss.file.records_lost) records = *loss.file.records_lost;
+  if (!loss.file.any()) records = 0;
+  return {{"records", records},       {"bytes", loss.file.bytes},  {"places", loss.file.places},
+          {"cut_off", loss.file.cut}, {"pictures", loss.pictures}, {"wild_times", loss.wild_times}};
+}
+
+/// What the metre of the last scale group rests on; null where nobody knows it.
+Json json_of_scale(const odo_statistics& s) {
+  if (s.scale_sigma == 0) return nullptr;
+  return {{"sigma_percent", 100 * s.scale_sigma},
+          {"by_inertia_percent", 100 * s.scale_by_inertia},
+          {"by_steps_percent", 100 * s.scale_by_steps}};
+}
+
+Json summary_of(const Recording& recording, const RunResult& result, const RunOptions& options) {
+  const odo_statistics& s = result.statistics;
+  Json notices = Json::object();
+  for (const auto& [key, notice] : result.notices) notices[key] = {{"count", notice.count}, {"text", notice.text}};
+  return {
+      {"recording", recording.path.string()},
+      {"format", recording.format},
+      {"distance_m", s.distance_m},
+      {"steps", s.steps},
+      {"scale", json_of_scale(s)},
+      {"frames", s.frames},
+      {"poses", result.track.size()},
+      {"states_s", {{"tracking", s.tracking_s}, {"degraded", s.degraded_s}, {"lost", s.lost_s}}},
+      {"final_state", odo_state_text(result.final_state)},
+      {"final_reason", odo_reason_text(result.final_reason)},
+      {"fixes", {{"accepted", s.fixes_accepted}, {"rejected", s.fixes_rejected}}},
+      {"timing_ms",
+       {{"frame", {{"median", percentile(result.frame_ms, 0.5)}, {"p99", percentile(result.frame_ms, 0.99)}}}}},
+      {"timing_us", {{"imu", {{"median", percentile(result.imu_us, 0.5)}, {"p99", percentile(result.imu_us, 0.99)}}}}},
+      {"peak_rss_mb", peak_rss_mb()},
+      {"faults",
+       {{"late", s.late},
+        {"duplicate", s.duplicate},
+        {"invalid", s.invalid},
+        {"overflow", s.overflow},
+        {"wild", s.wild},
+        {"events_dropped", s.events_dropped},
+        {"gaps", s.gaps},
+        {"plugin", s.plugin_faults}}},
+      {"lost", json_of(result.loss)},
+      {"warnings", recording.warnings},
+      {"heading_turn_rad", result.heading_turn_rad},
+      {"reports", result.reports},
+      {"notices", notices},
+      {"versions",
+       {{"odograph", odo_version()},
+        {"abi", std::to_string(odo_abi_version() >> 16) + "." + std::to_string(odo_abi_version() & 0xFFFF)}}},
+      {"seed", options.seed},
+      {"config", result.config_text}};
+}
+
+/// The files of a run, written beside their places until all are whole.
+class RunFiles {
+ public:
+  explicit RunFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  void add(const char* name, const std::function<void(std::ostream&)>& write) {
+    auto file = OutputFile::create(folder_ / name);
+    if (!file) {
+      failure_ = file.failure();
+      return;
+    }
+    write(file->stream());
+    names_.insert(name);
+    if (!file->stream().flush()) failure_ = full();
+    files_.push_back(std::move(*file));
+  }
+
+  Result<bool> commit() {
+    if (failure_) return *failure_;
+    for (OutputFile& file : files_)
+      if (const auto done = file.commit(); !done) return done.failure();
+    std::error_code error;
+    for (const char* stale : {"vo.csv", "report.html"})
+      if (!names_.contains(stale)) std::filesystem::remove(folder_ / stale, error);
+    return true;
+  }
+
+ private:
+  Failure full() const { return {ODO_E_NOT_FOUND, folder_.string() + ": writing failed; is the disk full?"}; }
+
+  std::filesystem::path folder_;
+  std::vector<OutputFile> files_;
+  std::set<std::string> names_;
+  std::optional<Failure> failure_;
+};
+
+}  // namespace
+
+Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
+                       const RunOptions& options) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return Failure{ODO_E_NOT_FOUND, folder.string() + ": cannot be created: " + error.message()};
+  RunFiles files(folder);
+  files.add("trajectory.tum", [&](std::ostream& out) { write_tum(out, result.track); });
+  files.add("steps.csv", [&](std::ostream& out) { write_steps(out, result.steps); });
+  if (!result.motions.empty()) files.add("vo.csv", [&](std::ostream& out) { write_motions(out, result.motions); });
+  files.add("scale.csv", [&](std::ostream& out) { write_scales(out, result.scales); });
+  files.add("fixes.csv", [&](std::ostream& out) { write_fixes(out, result.fixes); });
+  files.add("summary.json", [&](std::ostream& out) {
+    out << summary_of(recording, result, options).dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  });
+  return files.commit();
+}
+
+}  // namespace odograph

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/replay/runner.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "sdk/host/base/output_file.hpp"
+#include "sdk/host/config/pipeline_config.hpp"
+
+namespace odograph {
+namespace {
+
+struct SessionDeleter {
+  void operator()(odo_session* session) const { odo_session_destroy(session); }
+};
+using SessionPtr = std::unique_ptr<odo_session, SessionDeleter>;
+
+constexpr uint64_t kMostPicturesNamed = 5;
+constexpr size_t kMostReports = 100;
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Processor time of the calling thread: what waits or is taken by other programs does not count.
+double thread_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+/// What a call takes: wall clock and processor time of the thread.
+struct Work {
+  double ms, thread_ms;
+};
+template <class Call>
+Work work_of(Call&& call) {
+  const auto start = std::chrono::steady_clock::now();
+  const double thread_start = thread_ms();
+  call();
+  return {milliseconds_since(start), thread_ms() - thread_start};
+}
+
+/// Collects events of the session; lives as long as the callback is set.
+struct Collector {
+  RunResult& result;
+  double work_ms = 0, work_thread_ms = 0;  // since the last camera pose
+  int64_t pushed_ns = 0;                   // time of the newest input
+
+  static void on_event(void* user, const odo_header* event) { static_cast<Collector*>(user)->take(*event); }
+
+  void take(const odo_header& event) {
+    switch (event.type) {
+      case ODO_TYPE_POSE: take_pose(as<odo_pose>(event)); break;
+      case ODO_TYPE_STEP: result.steps.push_back(as<odo_step>(event)); break;
+      case ODO_TYPE_MOTION_MODE: result.modes.push_back(as<odo_motion_mode>(event)); break;
+      case ODO_TYPE_ATTITUDE: result.attitudes.push_back(as<odo_attitude>(event)); break;
+      case ODO_TYPE_VO_MOTION:
+        result.motions.push_back(as<odo_vo_motion>(event));
+        result.motions_known_ns.push_back(std::max(pushed_ns, event.t_ns));
+        break;
+      case ODO_TYPE_CALIBRATION: result.refined.push_back(as<odo_calibration>(event)); break;
+      case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
+      case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FIX_ACCEPTED) != 0}); break;
+      case ODO_TYPE_REPORT: take_report(as<odo_report>(event)); break;
+      case ODO_TYPE_STATE:
+        result.final_state = as<odo_state>(event).state;
+        result.final_reason = as<odo_state>(event).reason;
+        break;
+      default: break;
+    }
+  }
+
+  /// Warnings and errors, each text once; what plugins say beside them, counted.
+  void take_report(const odo_report& report) {
+    if (report.severity == ODO_SEVERITY_INFO) {
+      auto& notice = result.notices[std::string(report.plugin) + ' ' + report.key];
+      notice.count += report.count, notice.text = report.text;
+      return;
+    }
+    const std::string text = std::string(report.plugin) + ": " + report.text;
+    if (report.severity >= ODO_SEVERITY_WARNING && result.reports.size() < kMostReports &&
+        std::find(result.reports.begin(), result.reports.end(), text) == result.reports.end())
+      result.reports.push_back(text);
+  }
+
+  void take(const Work& work) { work_ms += work.ms, work_thread_ms += work.thread_ms; }
+
+  void take_pose(const odo_pose& pose) {
+    const StampedPose x{
+        pose.header.t_ns, {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}, Eigen::Vector3d(pose.p_n)};
+    if (!result.track.empty() && result.track.back().t_ns >= x.t_ns) {  // a fix corrected the latest pose
+      result.track.back() = x;
+      return;
+    }
+    result.track.push_back(x);
+    result.states.push_back(pose.state);
+    if (pose.header.flags & ODO_POSE_CAMERA) {
+      result.frame_ms.push_back(work_ms);
+      result.frame_thread_ms.push_back(work_thread_ms);
+      work_ms = work_thread_ms = 0;
+    }
+  }
+};
+
+Result<SessionPtr> open_session(const RunOptions& options) {
+  odo_session_options o{};
+  o.struct_size = sizeof o;
+  o.run = ODO_RUN_REPLAY;
+  o.config_path = {options.config.data(), options.config.size()};
+  o.plugin_path = {options.plugin_path.data(), options.plugin_path.size()};
+  o.seed = options.seed;
+  o.asset_path = {options.asset_path.data(), options.asset_path.size()};
+  odo_error error{};
+  error.struct_size = sizeof error;
+  odo_session* session = nullptr;
+  const int32_t status = odo_session_create(&o, &session, &error);
+  if (status != ODO_OK) return Failure{status, error.message};
+  return SessionPtr(session);
+}
+
+/// Larger than what any pipeline saves: some plugins of the 16 MiB that each may.
+constexpr uint64_t kLargestState = 256u << 20;
+
+/// Gives the session what a file holds; a file that is not there yet is none. One that is there and cannot be read is a
+/// failure: the run would write over it.
+Result<bool> read_state(odo_session* session, const std::string& path) {
+  std::error_code failed;
+  const auto there = std::filesystem::status(path, failed);
+  if (there.type() == std::filesystem::file_type::not_found) return true;
+  if (!std::filesystem::is_regular_file(there))
+    return Failure{ODO_E_DATA, path + ": is a folder, a pipe or a device; expected a file with a saved state"};
+  if (std::filesystem::file_size(path, failed) > kLargestState)
+    return Failure{ODO_E_DATA, path + ": is larger than any saved state"};
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Failure{ODO_E_DATA, path + ": cannot be opened"};
+  std::stringstream bytes;
+  bytes << file.rdbuf();
+  const std::string blob = bytes.str();
+  if (odo_session_load(session, blob.data(), blob.size()) == ODO_OK) return true;
+  odo_error error{};
+  error.struct_size = sizeof error;
+  odo_session_last_error(session, &error);
+  return Failure{ODO_E_DATA, path + ": " + error.message};
+}
+
+/// Beside the file first: what was there stays whole if this does not come to its end.
+Result<bool> write_state(odo_session* session, const std::string& path) {
+  const int64_t size = odo_session_save(session, nullptr, 0);
+  std::string blob(static_cast<size_t>(std::max<int64_t>(0, size)), '\0');
+  if (size <= 0 ||
+      odo_session_save(session, blob.data(), blob.size()) != size)  // a plugin may say another size each time
+    return Failure{ODO_E_ERROR, path + ": the state could not be saved, a plugin's size of it changes"};
+  return write_whole_file(path, blob);
+}
+
+/// Hands in all messages; `pictures`: somebody looks at them.
+void push_all(odo_session* session, const Recording& recording, const RunOptions& options, bool pictures,
+              Collector& collector, RunResult& result) {
+  size_t done = 0;
+  for (const RecordedMessage& message : recording.messages) {
+    const bool is_frame = message.message.header().type == ODO_TYPE_FRAME;
+    collector.pushed_ns = message.message.header().t_ns;
+    if (is_frame && !pictures) {
+      ++done;
+      continue;  // not decoded
+    }
+    if (is_frame) {
+      const auto frame = load_frame(message);
+      ++done;
+      if (!frame) {  // costs this frame
+        if (result.loss.pictures++ < kMostPicturesNamed) result.reports.push_back(frame.failure().text);
+        continue;
+      }
+      collector.take(work_of([&] { odo_session_push(session, &frame->header); }));
+      frame->release(&*frame);
+    } else {
+      const Work work = work_of([&] { odo_session_push(session, &message.message.header()); });
+      collector.take(work);
+      if (options.collect_timing && message.message.header().type == ODO_TYPE_IMU)
+        result.imu_us.push_back(work.ms * 1e3);
+    }
+    if (!is_frame) ++done;
+    if (options.progress && (done % 64 == 0 || is_frame)) options.progress(done, recording.messages.size());
+  }
+}
+
+/// Lays the track over the recording's waypoints, as the config's replay section asks.
+void lay_over_waypoints(const ReplayConfig& replay, const Recording& recording, RunResult& result) {
+  const auto waypoints = recording.waypoints();
+  if (!replay.start_at_first_waypoint || waypoints.empty() || result.track.empty()) return;
+  if (replay.align_heading_over_m > 0)
+    result.heading_turn_rad = heading_offset(result.track, waypoints, replay.align_heading_over_m);
+  result.track = lay_over(result.track, waypoints, result.heading_turn_rad);
+  for (odo_step& step : result.steps)
+    step.heading_rad = std::remainder(step.heading_rad + result.heading_turn_rad, 2 * EIGEN_PI);
+}
+
+}  // namespace
+
+Result<RunResult> replay(const Recording& recording, const RunOptions& options) {
+  // The config is read once more than the session does, for the replay section, which is not the session's business.
+  std::vector<std::filesystem::path> directories;
+  if (!options.plugin_path.empty()) directories.emplace_back(options.plugin_path);
+  const auto config = read_pipeline_config_file(options.config, directories);
+  if (!config) return config.failure();
+  auto opened = open_session(options);
+  if (!opened) return Failure{ODO_E_ERROR, opened.failure().text};  // the config was good: it is a plugin
+  const std::shared_ptr<odo_session> shared = std::move(*opened);
+  odo_session* session = shared.get();
+
+  if (!options.state.empty())
+    if (const auto read = read_state(session, options.state); !read) return read.failure();
+
+  RunResult result;
+  result.config_text = config->text;
+  result.loss = recording.loss;
+  if (options.keep_session) result.session = shared;
+  Collector collector{result};
+  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,        ODO_TYPE_VO_MOTION,   ODO_TYPE_STEP,
+                                  ODO_TYPE_MOTION_MODE, ODO_TYPE_SCALE,       ODO_TYPE_FIX,
+                                  ODO_TYPE_STATE,       ODO_TYPE_CALIBRATION, ODO_TYPE_REPORT};
+  if (options.collect_attitudes) wanted.push_back(ODO_TYPE_ATTITUDE);
+  odo_session_set_callback(session, wanted.data(), static_cast<uint32_t>(wanted.size()), Collector::on_event,
+                           &collector);
+  const bool pictures = !config->vo_frontends.empty() || !config->fixers.empty();
+  push_all(session, recording, options, pictures, collector, result);
+  odo_session_flush(session);
+  odo_session_set_callback(session, nullptr, 0, nullptr, nullptr);  // the collector ends here
+  if (result.loss.pictures > 0)
+    result.reports.push_back(std::to_string(result.loss.pictures) + " pictures cannot be read; each cost its frame");
+  if (!options.state.empty())
+    if (const auto written = write_state(session, options.state); !written)
+      result.state_failure = written.failure().text;
+  result.statistics.struct_size = sizeof result.statistics;
+  odo_session_get_statistics(session, &result.statistics);
+  if (options.progress) options.progress(recording.messages.size(), recording.messages.size());
+
+  lay_over_waypoints(config->replay, recording, result);
+  return result;
+}
+
+}  // namespace odograph

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <odograph/odograph.h>
+
+#include "sdk/tools/evaluation/evaluation.hpp"
+#include "sdk/tools/recording/recording.hpp"
+
+namespace odograph {
+
+/// Everything that a replay gave, as the files of a run have it.
+struct RunResult {
+  struct Fix {
+    odo_fix fix;
+    bool accepted;
+  };
+  Trajectory track;              // in n; of the camera where the recording has one, otherwise of the body
+  std::vector<uint32_t> states;  // of each pose
+  std::vector<odo_step> steps;
+  std::vector<odo_vo_motion> motions;
+  std::vector<int64_t> motions_known_ns;  // for each motion the time of the newest input when it came out
+  std::vector<odo_calibration> refined;   // what the front-end refined the camera to
+  std::vector<odo_scale> scales;
+  std::vector<Fix> fixes;
+  std::vector<odo_motion_mode> modes;   // each from its own time until the next one's
+  std::vector<odo_attitude> attitudes;  // where RunOptions asks for them
+  odo_statistics statistics{};
+  std::vector<double> frame_ms;         // work between one camera pose and the next
+  std::vector<double> frame_thread_ms;  // the same as processor time of the thread that pushes
+  std::vector<double> imu_us;           // work of each IMU sample alone
+  uint32_t final_state = 0;
+  uint32_t final_reason = 0;
+  double heading_turn_rad = 0;  // applied by replay.align_heading_over
+  std::vector<std::string> reports;
+  std::string state_failure;      // why the state could not be saved; the results are there all the same
+  RecordingLoss loss;             // of the recording, with the pictures that turned out to be unreadable
+  std::shared_ptr<void> session;  // where RunOptions asks for it
+  /// What plugins said beside errors, by plugin and key: the latest text, and how often.
+  struct Notice {
+    uint64_t count = 0;
+    std::string text;
+  };
+  std::map<std::string, Notice> notices;
+  std::string config_text;
+};
+
+struct RunOptions {
+  std::string config;  // a YAML file
+  std::string plugin_path;
+  std::string asset_path;  // folders of files that the config names, where they are not beside it
+  std::string state;       // a file with what the plugins have learnt; read where it exists, and written anew
+  uint64_t seed = 0;
+  bool collect_timing = true;
+  bool collect_attitudes = false;
+  bool keep_session = false;  // it ends with the result: a plugin that fails in its end takes no results with it
+  std::function<void(size_t done, size_t all)> progress;
+};
+
+/// Replays a recording through a session of the C API, deterministically.
+Result<RunResult> replay(const Recording& recording, const RunOptions& options);
+
+/// trajectory.tum, vo.csv, steps.csv, scale.csv, fixes.csv, summary.json: all of them anew, or none where one cannot be
+/// written. Files of an older run that this one has not are removed.
+Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
+                       const RunOptions& options);
+
+/// report.html: what happened, in pictures (by gnuplot, where it is installed).
+Result<bool> write_report(const std::filesystem::path& folder, const Recording& recording, const RunResult& result);
+
+/// Peak resident memory of this process, MB.
+double peak_rss_mb();
+
+}  // namespace odograph

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "sdk/tools/simulation/lens.hpp"
+#include "sdk/tools/simulation/motion.hpp"
+#include "sdk/tools/simulation/world.hpp"
+
+namespace odograph {
+
+/// A phone's rear camera: lens, rolling shutter, exposure, noise.
+class SimCamera {
+ public:
+  /// `phone`, where there is one, shakes the lens of a camera with a stabiliser and sets how long it focuses.
+  SimCamera(const Scenario::Camera& camera, double light, uint64_t seed, const Motion* phone = nullptr);
+
+  /// From the camera to the body b: without tilt the camera's x, y, z are the body's x, -y, -z.
+  const Eigen::Quaterniond& in_body() const { return in_body_; }
+  Eigen::Isometry3d pose(const Motion& phone, double t_s) const;
+
+  int width() const { return c_.width; }
+  int height() const { return c_.height; }
+  double cx() const { return 0.5 * (c_.width - 1); }
+  double cy() const { return 0.5 * (c_.height - 1); }
+  /// When row y is exposed (its middle), from the middle of the middle row.
+  double row_offset_s(double y) const { return (y - cy()) * c_.row_time_s; }
+  /// The ray of a pixel's centre, in c, with unit length, while the lens stands still.
+  const Eigen::Vector3f& ray(int x, int y) const {
+    return rays_[static_cast<size_t>((y + margin_) * (c_.width + 2 * margin_) + x + margin_)];
+  }
+  /// The same through a lens that has moved.
+  Eigen::Vector3f ray(int x, int y, const SimLens::State& lens) const;
+  /// Where a point in c appears (pixels), lens distortion included, while the lens stands still.
+  Eigen::Vector2d project(const Eigen::Vector3d& p_c) const;
+  const SimLens& lens() const { return lens_; }
+
+  /// Where a point in n appears in the frame at t, each row seen from where the camera is in its own moment; nothing
+  /// outside the picture.
+  std::optional<Eigen::Vector2d> project_rolling(const Motion& phone, double t_s, const Eigen::Vector3d& p_n) const;
+
+  /// Turns what the lens sees (grey, 0 to 255 of a well-lit scene) into stored pixels; `open` is the part of the light
+  /// that gets to the lens.
+  cv::Mat develop(const cv::Mat& light, size_t frame, double open = 1.0) const;
+
+ private:
+  Scenario::Camera c_;
+  double light_;
+  uint64_t seed_;
+  Eigen::Quaterniond in_body_;
+  std::vector<Eigen::Vector3f> rays_;
+  cv::Mat vignette_;
+  SimLens lens_;
+  int margin_ = 0;  // of rays beyond the picture's edges, for a lens that moves
+};
+
+/// One thread's eye on the world. Renders a frame as the shutter rolls over the moving phone.
+class View {
+ public:
+  View(const World& world, const SimCamera& camera, const Scenario& scenario);
+  ~View();
+  View(const View&) = delete;
+  View& operator=(const View&) = delete;
+
+  /// 32-bit float grey of the frame whose middle row is exposed around t.
+  cv::Mat render(const Motion& phone, double t_s, double exposure_s);
+  /// With the scenario's exposure.
+  cv::Mat render(const Motion& phone, double t_s) { return render(phone, t_s, c_.camera.exposure_s); }
+  /// The part of the last frame's pixels that show something that moves.
+  double moving_part() const { return moving_part_; }
+  /// The part of a known object that nothing stands before, 0 to 1, in steps of a 25th.
+  double visible_part(const KnownObject& object, const Eigen::Vector3d& eye_n, double t_s);
+
+ private:
+  void place_movers(double t_s);
+  bool same_face(size_t a, size_t b) const;
+  void look_along_row();
+  void shade_row(float* row, float* depth, uint16_t* instance);
+  void cast_shadows(float* row);
+  void cast_reflections(float* row, const float* depth);
+  float sky(const Eigen::Vector3f& ray) const;
+  float surface_grey(const RTCRayHit& hit, float distance_before, bool* glass, Eigen::Vector3f* normal) const;
+  cv::Mat blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s, double exposure_s) const;
+
+  const World& world_;
+  const SimCamera& camera_;
+  const Scenario& c_;
+  RTCScene scene_;
+  std::vector<RTCGeometry> movers_;
+  std::vector<size_t> mesh_of_instance_;
+  std::vector<Eigen::Isometry3f> place_of_instance_;
+  cv::Mat instance_of_pixel_;  // of the frame at work
+  double moving_part_ = 0;
+  // One row at work: what its rays hit, what the sun adds to it, rays towards the sun, and those that glass sends on.
+  std::vector<RTCRayHit> hits_, mirrors_;
+  std::vector<float> sunlight_;
+  std::vector<RTCRay> shadows_;
+  std::vector<size_t> glass_pixels_;
+  std::vector<RTCRayHit*> doubtful_;
+  std::vector<RTCRay*> towards_sun_;
+};
+
+}  // namespace odograph

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The world of a city model: its buildings in facades, its terrain underneath.
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/world.hpp"
+
+namespace odograph {
+namespace {
+
+using Eigen::Vector3d;
+using Kind = CityModel::Kind;
+using Set = TextureSet;
+
+uint32_t texture_of(Kind kind, uint32_t facade) {
+  switch (kind) {
+    case Kind::wall: return facade;
+    case Kind::roof:
+    case Kind::road: return Set::kAsphalt;
+    case Kind::paved: return Set::kPaving;
+    case Kind::green: return Set::kLeaves;
+    case Kind::water: return Set::kPaint;
+  }
+  return Set::kPaving;
+}
+
+/// The faces of a model that a choice takes, to be met from above.
+class FromAbove {
+ public:
+  template <class Choice>
+  FromAbove(RTCDevice device, const CityModel& city, Choice&& takes) {
+    Mesh mesh;
+    for (const auto& face : city.faces)
+      if (takes(face)) mesh.add_triangle(face.corners.data(), {});
+    scene_ = mesh.build(device);
+  }
+  ~FromAbove() { rtcReleaseScene(scene_); }
+  FromAbove(const FromAbove&) = delete;
+  FromAbove& operator=(const FromAbove&) = delete;
+
+  /// The height of the uppermost face there.
+  std::optional<double> up_at(const Eigen::Vector2d& north_east) const {
+    constexpr float kHigh_m = 3000;
+    RTCRayHit hit{};
+    hit.ray.org_x = static_cast<float>(north_east.x()), hit.ray.org_y = static_cast<float>(north_east.y());
+    hit.ray.org_z = -kHigh_m, hit.ray.dir_z = 1, hit.ray.tfar = 2 * kHigh_m, hit.ray.mask = ~0u;
+    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene_, &context, &hit);
+    if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    return static_cast<double>(kHigh_m - hit.ray.tfar);
+  }
+
+ private:
+  RTCScene scene_;
+};
+
+}  // namespace
+
+void World::lay_route_on(const CityModel& city) {
+  const FromAbove terrain(device_, city, [&](const auto& face) {
+    return !city.objects[face.object].is_building && std::abs(face.normal.z()) > 0.5;
+  });
+  const FromAbove roofs(device_, city, [](const auto& face) { return face.kind == Kind::roof; });
+  const auto steps = static_cast<size_t>(std::ceil(route_.length()));
+  std::vector<std::optional<double>> found;
+  for (size_t i = 0; i <= steps; ++i) found.push_back(terrain.up_at(route_.at(static_cast<double>(i)).north_east));
+  // Where the model has no ground, that of the nearest place which has; then the mean over four metres, since the
+  // surveyed surfaces meet in small ledges.
+  std::vector<double> up;
+  for (size_t i = 0; i <= steps; ++i)
+    for (size_t d = 0; d <= steps && up.size() == i; ++d) {
+      if (i >= d && found[i - d])
+        up.push_back(*found[i - d]);
+      else if (i + d <= steps && found[i + d])
+        up.push_back(*found[i + d]);
+      else if (d == steps)
+        up.push_back(0);
+    }
+  std::vector<double> level;
+  for (size_t i = 0; i <= steps; ++i) {
+    double sum = 0, weight = 0;
+    for (size_t k = i < 2 ? 0 : i - 2; k <= std::min(steps, i + 2); ++k) sum += up[k], weight += 1;
+    level.push_back(sum / weight);
+  }
+  route_.set_heights(level);
+  for (size_t i = 0; i <= steps && !blocked_at_m_; ++i) {
+    const auto roof = roofs.up_at(route_.at(static_cast<double>(i)).north_east);
+    if (roof && *roof > level[i] + 1.0) blocked_at_m_ = static_cast<double>(i);
+  }
+}
+
+void World::build_city(const CityModel& city, uint64_t seed) {
+  Mesh& m = meshes_[0];
+  const double margin = 400;  // bare ground beyond, so that the world does not end
+  const Vector3d low = city.low - Vector3d(margin, margin, 0), size = city.high - city.low;
+  m.add_quad({low.x(), low.y(), city.high.z() + 0.3}, {size.x() + 2 * margin, 0, 0}, {0, size.y() + 2 * margin, 0},
+             Set::kPaving);
+  Random random(seed, 62);
+  std::vector<std::pair<uint32_t, float>> looks;
+  for (size_t i = 0; i < city.objects.size(); ++i) {
+    const auto facade = static_cast<uint32_t>(random.next() % Set::kFacades);
+    looks.emplace_back(facade, static_cast<float>(random.uniform(0.8, 1.15)));
+  }
+  for (const auto& face : city.faces) {
+    const auto& [facade, tone] = looks[face.object];
+    const Vector3d n = face.normal;
+    Mesh::Surface s{n.cast<float>(), {}, {}, {}, texture_of(face.kind, facade), face.kind == Kind::wall ? tone : 1.0f};
+    if (face.kind == Kind::water) s.brightness = 0.6f;
+    // Walls: along is level, down follows the wall from the building's top. Others: as a map lies.
+    const Vector3d along = face.kind == Kind::wall ? Vector3d(n.cross(Vector3d::UnitZ()).normalized())
+                                                   : Vector3d(Vector3d::UnitX() - n.x() * n).normalized();
+    const Vector3d down =
+        face.kind == Kind::wall ? Vector3d((Vector3d::UnitZ() - n.z() * n).normalized()) : Vector3d(n.cross(along));
+    s.along = along.cast<float>(), s.down = down.cast<float>();
+    // One origin for all faces of a plane; textures want places that are not negative.
+    const Vector3d top(0, 0, -city.objects[face.object].top_up_m - 1.0);
+    const Vector3d shift = face.kind == Kind::wall ? top - 960 * along : Vector3d(-960 * along - 960 * down);
+    const double off = n.dot(face.corners[0] - shift);  // into the face's plane
+    s.origin = (shift + off * n).cast<float>();
+    m.add_triangle(face.corners.data(), s);
+  }
+}
+
+}  // namespace odograph

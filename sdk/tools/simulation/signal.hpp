@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sdk/tools/simulation/random.hpp"
+
+namespace odograph {
+
+using Signal = std::vector<double>;
+
+/// Convolves with (nearly) a Gaussian of that width: three box filters in a row; the ends are held.
+inline void smooth(Signal& signal, double sigma_s, double rate_hz) {
+  const auto n = static_cast<long>(signal.size());
+  const auto half =
+      static_cast<long>(std::lround(0.5 * (std::sqrt(4 * sigma_s * sigma_s * rate_hz * rate_hz + 1) - 1)));
+  if (half < 1 || n < 2) return;
+  const auto at = [n](const Signal& s, long i) { return s[static_cast<size_t>(std::clamp(i, 0L, n - 1))]; };
+  for (int pass = 0; pass < 3; ++pass) {
+    const Signal before = signal;
+    double sum = 0;
+    for (long i = -half; i <= half; ++i) sum += at(before, i) - before[0];  // about the start: large values keep digits
+    for (long i = 0; i < n; ++i) {
+      signal[static_cast<size_t>(i)] = before[0] + sum / static_cast<double>(2 * half + 1);
+      sum += at(before, i + half + 1) - at(before, i - half);
+    }
+  }
+}
+
+/// Adds a first-order Gauss-Markov process of that time constant and standard deviation.
+inline void add_wander(Signal& signal, Random random, double constant_s, double sigma, double rate_hz) {
+  const double keep = std::exp(-1 / (constant_s * rate_hz)), kick = sigma * std::sqrt(1 - keep * keep);
+  double value = sigma * random.normal();
+  for (double& s : signal) {
+    value = keep * value + kick * random.normal();
+    s += value;
+  }
+}
+
+/// Adds noise of a narrow band: a damped oscillator of that frequency and damping, driven by white noise, scaled to
+/// the standard deviation.
+inline void add_ring(Signal& signal, Random random, double frequency_hz, double damping, double sigma, double rate_hz) {
+  const double w = 2 * 3.14159265358979323846 * frequency_hz, dt = 1 / rate_hz;
+  const double drive = sigma * std::sqrt(4 * damping * w * w * w / dt);  // variance of x is q / (4 zeta w^3)
+  double x = 0, v = 0;
+  for (double& s : signal) {
+    v += dt * (drive * random.normal() - w * w * x - 2 * damping * w * v);
+    x += dt * v;
+    s += x;
+  }
+}
+
+}  // namespace odograph

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a surveyor knows of a scenario's objects.
+#include <cstdio>
+#include <fstream>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "sdk/host/base/geodesy.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "sdk/tools/simulation/world.hpp"
+
+namespace odograph {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+constexpr double kSurvey_m = 0.01;  // standard deviation that is told of each corner; the corners are exact
+
+}  // namespace
+
+Result<bool> write_known_objects(const Scenario& scenario, uint64_t seed, const std::filesystem::path& folder) {
+  std::optional<CityModel> city;
+  if (scenario.world.type == "city") {
+    auto model = read_city_model(scenario.world.model, scenario.world.model_origin);
+    if (!model) return model.failure();
+    city = std::move(*model);
+  }
+  const World world(scenario, seed, city ? &*city : nullptr);
+  if (world.known_objects().empty())
+    return Failure{ODO_E_CONFIG, "the scenario has no `route: {objects: ...}` that could be surveyed"};
+  Geodesy geodesy;
+  geodesy.set_origin(kSimulatedOrigin);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  std::string text = "odograph_objects: 1\nobjects:\n";
+  char line[160];
+  for (const KnownObject& object : world.known_objects()) {
+    const bool tag = object.poster.empty();
+    std::snprintf(line, sizeof line, "  - id: %s %u\n    sigma: %g\n", tag ? "tag" : "poster", object.tag, kSurvey_m);
+    text += line;
+    if (tag) {
+      std::snprintf(line, sizeof line, "    tag: %u\n", object.tag);
+    } else {
+      const std::string picture = "poster" + std::to_string(object.tag) + ".png";
+      if (!cv::imwrite((folder / picture).string(), object.poster))
+        return Failure{ODO_E_NOT_FOUND, (folder / picture).string() + ": cannot be written"};
+      std::snprintf(line, sizeof line, "    picture: %s\n", picture.c_str());
+    }
+    text += std::string(line) + "    corners:\n";
+    for (const Eigen::Vector3d& p : object.corners) {
+      const auto at = geodesy.to_geodetic({p.x(), p.y(), p.z()});
+      std::snprintf(line, sizeof line, "      - [%.10f, %.10f, %.4f]\n", at[0] / kDegree, at[1] / kDegree, at[2]);
+      text += line;
+    }
+  }
+  const std::filesystem::path file = folder / "objects.yaml";
+  std::ofstream out(file);
+  out << text;
+  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be written"};
+  return true;
+}
+
+}  // namespace odograph

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <embree3/rtcore.h>
+
+#include "sdk/tools/simulation/city_model.hpp"
+#include "sdk/tools/simulation/leg.hpp"
+#include "sdk/tools/simulation/route.hpp"
+#include "sdk/tools/simulation/scenario.hpp"
+#include "sdk/tools/simulation/texture.hpp"
+
+namespace odograph {
+
+/// Textured quadrilaterals that Embree (a packaged ray caster) can hit. Coordinates: n, or the object's own; m.
+class Mesh {
+ public:
+  /// One face and how its paper lies on it: a point's place in the texture is (p - origin) along two unit vectors.
+  struct Surface {
+    Eigen::Vector3f normal, origin, along, down;
+    uint32_t texture;
+    float brightness;
+  };
+  /// A parallelogram; u lies along the first side, v along the second.
+  void add_quad(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v, uint32_t texture,
+                float brightness = 1.0f);
+  /// A parallelogram that carries a whole picture of that side once, from its corner on.
+  void add_picture(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v, uint32_t texture);
+  /// A box standing on `foot` (its middle), turned about the vertical.
+  void add_box(const Eigen::Vector3d& foot, const Eigen::Vector3d& size, double heading, uint32_t texture,
+               float brightness = 1.0f);
+  /// A lumpy ball, as of leaves.
+  void add_ball(const Eigen::Vector3d& middle, double radius, uint32_t texture, uint64_t seed);
+  /// For shapes that are not made of boxes, as city models are.
+  void add_triangle(const Eigen::Vector3d corners[3], const Surface& surface) {
+    add({corners[0], corners[1], corners[2], corners[2]}, surface);
+  }
+  RTCScene build(RTCDevice device) const;  ///< empty meshes too
+  const Surface& surface(uint32_t i) const { return surfaces_[i]; }
+
+ private:
+  void add(const std::array<Eigen::Vector3d, 4>& corners, const Surface& surface);
+  std::vector<float> vertices_;
+  std::vector<Surface> surfaces_;
+};
+
+/// Streets, downtowns, city models, halls and corridors along a route, with everything that moves there. Thread:
+/// immutable after construction.
+class World {
+ public:
+  /// `city` is what a world of the type `city` is built of; others need none.
+  World(const Scenario& scenario, uint64_t seed, const CityModel* city = nullptr);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// Somebody or something on its way: along a straight line, over and over.
+  struct Mover {
+    size_t mesh;  ///< in meshes()
+    Eigen::Vector2d from;
+    double heading, length_m, speed_mps, start_m, up_m;
+    Eigen::Isometry3d at(double t_s) const;
+  };
+
+  RTCDevice device() const { return device_; }
+  const std::vector<Mesh>& meshes() const { return meshes_; }      ///< 0 is what stands still
+  const std::vector<RTCScene>& scenes() const { return scenes_; }  ///< of each mesh
+  const std::vector<Mover>& movers() const { return movers_; }
+  const TextureSet& textures() const { return textures_; }
+  Eigen::Vector3f sun() const { return sun_; }  ///< towards it, in n
+  /// The scenario's route, on the ground of the city model where there is one.
+  const Route& route() const { return route_; }
+  /// Where the sky begins: in `count` directions, from north to the east, the elevation above the horizon (rad) of the
+  /// highest thing that stands there, and how far away that edge is (m; 0 where nothing is).
+  struct SkylinePoint {
+    float elevation_rad, distance_m;
+  };
+  std::vector<SkylinePoint> skyline(const Eigen::Vector3d& eye_n, size_t count) const;
+  /// How far along it the route leads into a building of the city model.
+  std::optional<double> route_blocked_at_m() const { return blocked_at_m_; }
+  const std::vector<Building>& buildings() const { return buildings_; }  ///< that were generated
+  const std::vector<KnownObject>& known_objects() const { return known_objects_; }
+
+ private:
+  void build_street(const Scenario& c, uint64_t seed);
+  void build_houses(const Scenario& c, uint64_t seed);
+  void build_background(const Scenario& c, uint64_t seed);
+  void clear_places(const Scenario& c);
+  bool is_cleared(const Eigen::Vector3d& p_n) const;
+  void build_far_fronts(const Scenario& c, uint64_t seed);
+  void add_rivers();
+  void add_house(const Eigen::Vector3d& corner, const Eigen::Vector3d& front, const Eigen::Vector3d& back,
+                 double height_m, uint32_t facade, float tone);
+  void build_city(const CityModel& city, uint64_t seed);
+  void lay_route_on(const CityModel& city);
+  void build_hall(uint64_t seed);
+  void build_corridor();
+  void add_known_objects(const Scenario& c, uint64_t seed);
+  void add_movers(const Scenario& c, uint64_t seed);
+
+  /// A rectangle beside a leg that is kept free of houses: a part of a square or of a river.
+  struct Cleared {
+    Leg leg;
+    double from, to, left, right;  ///< m along the leg and to its right
+    bool river;
+  };
+
+  RTCDevice device_;
+  TextureSet textures_;
+  Route route_;
+  std::vector<Mesh> meshes_;
+  std::vector<RTCScene> scenes_;
+  std::vector<Mover> movers_;
+  Eigen::Vector3f sun_;
+  std::vector<Building> buildings_;
+  std::vector<KnownObject> known_objects_;
+  std::vector<Cleared> cleared_;
+  std::optional<double> blocked_at_m_;
+};
+
+}  // namespace odograph

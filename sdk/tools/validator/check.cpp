@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/validator/check.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "sdk/host/base/json_text.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/child.hpp"
+
+namespace odograph {
+
+Bench::Bench(std::filesystem::path library_path, std::vector<std::pair<std::string, std::string>> settings,
+             double input_s)
+    : path(std::move(library_path)),
+      host(1, {std::filesystem::current_path()}, [this](const Report& report) { reports.push_back(report.text); }),
+      all_input(input_s),
+      settings_(std::move(settings)) {}
+
+std::string Bench::load() {
+  note_phase("loading");
+  const auto loaded = PluginLibrary::load(path, &host);
+  if (!loaded) return loaded.failure().text;
+  library = *loaded;
+  const odo_plugin& t = table();
+  interface_id = std::string(t.interfaces[0].data, t.interfaces[0].size);
+  choice.manifest.parameters = *parameter_specs(t);
+  for (Spec spec : choice.manifest.parameters) {
+    for (const auto& [name, value] : settings_)
+      if (spec.name == name) spec.fallback = value;
+    Value value = default_value(spec);
+    value.given = true;
+    choice.parameters.emplace_back(spec, value);
+  }
+  values = values_of(choice);
+  const KindTypes types = plugin_types(interface_id, t);
+  for (const uint32_t type : types.inputs) inputs_.add(type);
+  for (const uint32_t type : types.outputs) outputs_.add(type);
+  input = all_input.of(types.inputs);
+  return "";
+}
+
+std::unique_ptr<Subject> Bench::started(std::string& why) const {
+  auto made = subject();
+  const int32_t status = made->start(values);
+  if (status >= 0) return made;
+  why = "it does not start: status " + std::to_string(status) + (reports.empty() ? "" : ", " + reports.back());
+  return nullptr;
+}
+
+std::vector<std::vector<unsigned char>> Bench::run(const std::vector<AnyMessage>& messages, const Handling& handling,
+                                                   std::string& why) const {
+  const auto made = started(why);
+  if (!made) return {};
+  if (const int32_t status = made->process(messages, handling); status < 0)
+    why = "process failed with status " + std::to_string(status);
+  return made->bytes();
+}
+
+std::string difference(const std::vector<std::vector<unsigned char>>& one,
+                       const std::vector<std::vector<unsigned char>>& other) {
+  for (size_t i = 0; i < std::min(one.size(), other.size()); ++i) {
+    if (one[i] == other[i]) continue;
+    const auto at =
+        std::mismatch(one[i].begin(), one[i].end(), other[i].begin(), other[i].end()).first - one[i].begin();
+    const auto& header = *reinterpret_cast<const odo_header*>(one[i].data());
+    return "event " + std::to_string(i) + " (" + message_name(header.type) + ") differs at byte " + std::to_string(at);
+  }
+  if (one.size() != other.size()) return std::to_string(one.size()) + " events, then " + std::to_string(other.size());
+  return "";
+}
+
+namespace {
+
+std::vector<Case> all_cases() {
+  std::vector<Case> all;
+  for (const auto& part : {entry_cases(), parameter_cases(), life_cases(), event_cases(), meaning_cases(),
+                           repeat_cases(), frame_cases(), fault_cases()})
+    all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+PluginCheck run_case(const Case& one, const std::filesystem::path& library, const CheckOptions& options) {
+  PluginCheck check{one.id, one.what, PluginCheck::Outcome::failed, "", 0};
+  const ChildResult result =
+      run_in_child(options.limit_s > 0 ? std::min(options.limit_s, one.limit_s) : one.limit_s, [&]() -> std::string {
+        Bench bench(library, options.settings, one.input_s);
+        if (one.loaded)
+          if (const std::string why = bench.load(); !why.empty()) return why;
+        return one.test(bench);
+      });
+  check.seconds = result.seconds;
+  check.detail = result.text;
+  if (!result.finished) return check;
+  if (result.text.empty()) check.outcome = PluginCheck::Outcome::passed;
+  if (result.text[0] == '~') {
+    check.outcome = PluginCheck::Outcome::not_applicable;
+    check.detail = result.text.substr(1);
+  }
+  return check;
+}
+
+const char* word(PluginCheck::Outcome outcome) {
+  return outcome == PluginCheck::Outcome::passed ? "ok" : outcome == PluginCheck::Outcome::failed ? "FAIL" : "n/a";
+}
+
+size_t count(const std::vector<PluginCheck>& checks, PluginCheck::Outcome outcome) {
+  return static_cast<size_t>(
+      std::count_if(checks.begin(), checks.end(), [&](const PluginCheck& c) { return c.outcome == outcome; }));
+}
+
+std::string xml(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '&')
+      out += "&amp;";
+    else if (c == '"')
+      out += "&quot;";
+    else if (static_cast<unsigned char>(c) >= 0x20 || c == '\n')
+      out += c;
+  }
+  return out;
+}
+
+std::string seconds_text(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f", seconds);
+  return text;
+}
+
+}  // namespace
+
+std::vector<PluginCheck> check_plugin(const std::filesystem::path& library, const CheckOptions& options) {
+  std::vector<PluginCheck> checks;
+  std::vector<Case> cases;
+  for (const Case& one : all_cases()) {
+    const std::string id = one.id;
+    if (options.only.empty() ||
+        std::any_of(options.only.begin(), options.only.end(), [&](const auto& begin) { return id.starts_with(begin); }))
+      cases.push_back(one);
+  }
+  const auto path = std::filesystem::absolute(library);
+  bool loads = true;
+  for (size_t i = 0; i < cases.size(); ++i) {
+    if (options.progress) options.progress(i, cases.size(), cases[i].id);
+    if (cases[i].loaded && !loads) {
+      checks.push_back({cases[i].id, cases[i].what, PluginCheck::Outcome::not_applicable, "it does not load", 0});
+      continue;
+    }
+    checks.push_back(run_case(cases[i], path, options));
+    if (checks.back().id == "entry.fills_table") loads = checks.back().outcome == PluginCheck::Outcome::passed;
+  }
+  return checks;
+}
+
+std::vector<std::pair<std::string, std::string>> plugin_check_cases() {
+  std::vector<std::pair<std::string, std::string>> list;
+  for (const Case& one : all_cases()) list.emplace_back(one.id, one.what);
+  return list;
+}
+
+std::string check_as_text(const std::vector<PluginCheck>& checks, bool with_times) {
+  std::string text;
+  double seconds = 0;
+  for (const PluginCheck& check : checks) {
+    char line[160];
+    std::snprintf(line, sizeof line, "%-4s %-30s ", word(check.outcome), check.id.c_str());
+    text += line + (with_times ? seconds_text(check.seconds) + " s  " : std::string()) + check.what;
+    if (!check.detail.empty()) text += ": " + check.detail;
+    text += '\n';
+    seconds += check.seconds;
+  }
+  return text + std::to_string(checks.size()) +
+         " cases: " + std::to_string(count(checks, PluginCheck::Outcome::passed)) + " passed, " +
+         std::to_string(count(checks, PluginCheck::Outcome::failed)) + " failed, " +
+         std::to_string(count(checks, PluginCheck::Outcome::not_applicable)) + " do not apply; " +
+         seconds_text(seconds) + " s\n";
+}
+
+std::string check_as_json(const std::string& library, const std::vector<PluginCheck>& checks) {
+  JsonText json;
+  json.open('{').key("library").string(library);
+  json.key("passed").number(static_cast<double>(count(checks, PluginCheck::Outcome::passed)));
+  json.key("failed").number(static_cast<double>(count(checks, PluginCheck::Outcome::failed)));
+  json.key("cases").open('[');
+  for (const PluginCheck& check : checks)
+    json.open('{')
+        .key("id")
+        .string(check.id)
+        .key("what")
+        .string(check.what)
+        .key("outcome")
+        .string(word(check.outcome))
+        .key("detail")
+        .string(check.detail)
+        .key("seconds")
+        .number(check.seconds)
+        .close('}');
+  return json.close(']').close('}').text() + "\n";
+}
+
+std::string check_as_junit(const std::string& library, const std::vector<PluginCheck>& checks) {
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"" + xml(library) + "\" tests=\"" +
+                     std::to_string(checks.size()) + "\" failures=\"" +
+                     std::to_string(count(checks, PluginCheck::Outcome::failed)) + "\" skipped=\"" +
+                     std::to_string(count(checks, PluginCheck::Outcome::not_applicable)) + "\">\n";
+  for (const PluginCheck& check : checks) {
+    const auto dot = check.id.find('.');
+    text += "  <testcase classname=\"" + check.id.substr(0, dot) + "\" name=\"" + check.id.substr(dot + 1) +
+            "\" time=\"" + seconds_text(check.seconds) + "\">";
+    if (check.outcome == PluginCheck::Outcome::failed)
+      text += "<failure message=\"" + xml(check.what + ": " + check.detail) + "\"/>";
+    if (check.outcome == PluginCheck::Outcome::not_applicable)
+      text += "<skipped message=\"" + xml(check.detail) + "\"/>";
+    text += "</testcase>\n";
+  }
+  return text + "</testsuite>\n";
+}
+
+}  // namespace odograph

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The file, its manifest, the entry and the table.
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cstring>
+
+#include <dirent.h>
+#include <dlfcn.h>
+
+#include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/child.hpp"
+
+namespace odograph {
+namespace {
+namespace fs = std::filesystem;
+
+std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
+
+size_t entries_of(const char* folder) {
+  size_t count = 0;
+  if (DIR* open = opendir(folder)) {
+    while (readdir(open)) ++count;
+    closedir(open);
+  }
+  return count;
+}
+
+fs::path manifest_of(const fs::path& library) {
+  auto path = library;
+  path.replace_extension();
+  return path += ".odoplugin.json";
+}
+
+odo_plugin_entry entry_of(const Bench& bench, std::string& why) {
+  note_phase("loading");
+  void* handle = dlopen(bench.path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!handle) return why = dlerror(), nullptr;
+  const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
+  if (!entry) why = "symbol missing: " ODO_PLUGIN_ENTRY_SYMBOL;
+  note_phase("the entry");
+  return entry;
+}
+
+/// Calls the entry with a struct of `size` bytes in a room of 4096, all of it 0x5A; -1000 where there is no entry.
+struct Answer {
+  alignas(8) unsigned char room[4096];
+  int32_t status = -1000;
+  odo_plugin& table() { return *reinterpret_cast<odo_plugin*>(room); }
+  bool untouched_from(size_t size) const {
+    return std::all_of(room + size, room + sizeof room, [](unsigned char c) { return c == 0x5A; });
+  }
+};
+Answer ask(const Bench& bench, const odo_host* host, uint32_t size, std::string& why) {
+  Answer answer;
+  std::memset(answer.room, 0x5A, sizeof answer.room);
+  std::memset(answer.room, 0, std::min<size_t>(size, sizeof answer.room));
+  answer.table().struct_size = size;
+  if (const auto entry = entry_of(bench, why)) answer.status = entry(host, &answer.table());
+  return answer;
+}
+
+std::string file_is_library(Bench& bench) {
+  const auto file = check_shared_library(bench.path, bench.path);
+  return file ? "" : file.failure().text;
+}
+
+std::string manifest_is_there(Bench& bench) {
+  const auto path = manifest_of(bench.path);
+  std::error_code error;
+  if (!fs::exists(path, error)) return path.filename().string() + " is missing: `odograph plugin manifest` writes it";
+  const auto manifest = read_manifest(path);
+  return manifest ? "" : manifest.failure().text;
+}
+
+std::string manifest_has_hash(Bench& bench) {
+  const auto manifest = read_manifest(manifest_of(bench.path));
+  if (!manifest) return "~there is no manifest to compare with";
+  const auto hash = sha256_of(bench.path);
+  return hash && *hash == manifest->sha256 ? ""
+                                           : "the library is not the one that the manifest was made for: write it anew";
+}
+
+std::string manifest_says_the_same(Bench& bench) {
+  const auto manifest = read_manifest(manifest_of(bench.path));
+  if (!manifest) return "~there is no manifest to compare with";
+  const odo_plugin& t = bench.table();
+  if (manifest->id != text(t.id)) return "id is '" + text(t.id) + "', the manifest says '" + manifest->id + "'";
+  if (manifest->version != text(t.version))
+    return "version is '" + text(t.version) + "', the manifest says '" + manifest->version + "'";
+  if (manifest->interfaces.size() != t.interface_count)
+    return "it serves another number of kinds than the manifest says";
+  if (manifest->parameters.size() != t.parameter_count)
+    return "it has another number of parameters than the manifest says";
+  for (uint32_t i = 0; i < t.parameter_count; ++i)
+    if (manifest->parameters[i].name != bench.choice.manifest.parameters[i].name)
+      return "parameter " + std::to_string(i) + " has another name than in the manifest";
+  return "";
+}
+
+std::string loads(Bench& bench) {
+  std::string why;
+  entry_of(bench, why);
+  return why;
+}
+
+std::string fills_table(Bench& bench) { return bench.load(); }
+
+std::string is_quick(Bench& bench) {
+  std::string why;
+  const auto before = std::chrono::steady_clock::now();
+  ask(bench, &bench.host, sizeof(odo_plugin), why);
+  const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+  return !why.empty() ? why
+         : s < 2      ? ""
+                      : "loading and the entry took " + std::to_string(s) + " s; expected less than 2 s";
+}
+
+std::string refuses_other_major(Bench& bench) {
+  odo_host future = bench.host;
+  future.abi_major_min = future.abi_major_max = ODO_ABI_MAJOR + 7;
+  std::string why;
+  Answer answer = ask(bench, &future, sizeof(odo_plugin), why);
+  if (!why.empty()) return why;
+  if (answer.status >= 0) return "it took a host that speaks only ABI major " + std::to_string(ODO_ABI_MAJOR + 7);
+  return answer.table().refusal.size ? "" : "it refused without a reason (odo_plugin.refusal)";
+}
+
+std::string refuses_other_draft(Bench& bench) {
+  if (ODO_ABI_MAJOR != 0) return "~there are no drafts any more";
+  odo_host other = bench.host;
+  other.abi_minor = ODO_ABI_MINOR + 1;
+  std::string why;
+  const Answer answer = ask(bench, &other, sizeof(odo_plugin), why);
+  return !why.empty() ? why : answer.status < 0 ? "" : "it took a host of another draft of the ABI";
+}
+
+std::string survives_null(Bench& bench) {
+  std::string why;
+  const auto entry = entry_of(bench, why);
+  if (!entry) return why;
+  odo_plugin table{};
+  table.struct_size = sizeof table;
+  if (entry(nullptr, &table) >= 0) return "it took a null host";
+  return entry(&bench.host, nullptr) < 0 ? "" : "it took a null table";
+}
+
+std::string refuses_small_table(Bench& bench) {
+  std::string why;
+  const Answer answer = ask(bench, &bench.host, 32, why);
+  if (!why.empty()) return why;
+  if (answer.status >= 0) return "it filled a table of 32 bytes; expected ODO_E_STRUCT_SIZE";
+  return answer.untouched_from(32) ? "" : "it wrote behind a table of 32 bytes";
+}
+
+std::string keeps_to_table(Bench& bench) {
+  std::string why;
+  for (const uint32_t size : {ODO_PLUGIN_SIZE_MIN, static_cast<uint32_t>(sizeof(odo_plugin)), 1024u}) {
+    Answer answer = ask(bench, &bench.host, size, why);
+    if (!why.empty()) return why;
+    if (answer.status < 0) return "it refused a table of " + std::to_string(size) + " bytes";
+    if (!answer.untouched_from(size)) return "it wrote behind a table of " + std::to_string(size) + " bytes";
+    if (answer.table().struct_size > size)
+      return "it says that it filled more than the table's " + std::to_string(size) + " bytes";
+  }
+  return "";
+}
+
+std::string same_twice(Bench& bench) {
+  std::string why;
+  Answer one = ask(bench, &bench.host, sizeof(odo_plugin), why),
+         other = ask(bench, &bench.host, sizeof(odo_plugin), why);
+  if (!why.empty()) return why;
+  if (one.status != other.status) return "the second call answered otherwise";
+  return text(one.table().id) == text(other.table().id) && one.table().create == other.table().create
+             ? ""
+             : "the second call gave another table";
+}
+
+/// Libraries that it is linked to may do what they like when they are loaded.
+std::string starts_nothing(Bench& bench) {
+  std::string why;
+  entry_of(bench, why);
+  const size_t files = entries_of("/proc/self/fd"), threads = entries_of("/proc/self/task"), here = entries_of(".");
+  ask(bench, &bench.host, sizeof(odo_plugin), why);
+  if (entries_of("/proc/self/task") > threads) return "it started a thread";
+  if (entries_of("/proc/self/fd") > files) return "it left a file open";
+  if (entries_of(".") > here) return "it wrote a file";
+  return why;
+}
+
+std::string id_is_good(Bench& bench) {
+  const std::string id = text(bench.table().id);
+  const auto slash = id.find('/');
+  const bool good =
+      slash != std::string::npos && slash > 0 && slash + 1 < id.size() && std::all_of(id.begin(), id.end(), [](char c) {
+        return std::islower(static_cast<unsigned char>(c)) || std::isdigit(static_cast<unsigned char>(c)) || c == '_' ||
+               c == '/' || c == '-';
+      });
+  return good ? "" : "id = '" + id + "'; expected group/name in lower case";
+}
+
+std::string version_is_good(Bench& bench) {
+  const std::string version = text(bench.table().version);
+  int major, minor, patch, end = 0;
+  const bool good = std::sscanf(version.c_str(), "%d.%d.%d%n", &major, &minor, &patch, &end) == 3 && end > 0;
+  return good ? "" : "version = '" + version + "'; expected major.minor.patch";
+}
+
+bool is_plain_utf8(const std::string& s) {
+  for (size_t i = 0; i < s.size();) {
+    const auto c = static_cast<unsigned char>(s[i]);
+    const size_t more = c < 0x80 ? 0 : (c >> 5) == 6 ? 1 : (c >> 4) == 14 ? 2 : (c >> 3) == 30 ? 3 : 9;
+    if (more == 9 || i + more >= s.size() + (more == 0) || (c < 0x20 && c != '\n')) return false;
+    for (size_t k = 1; k <= more; ++k)
+      if ((static_cast<unsigned char>(s[i + k]) >> 6) != 2) return false;
+    i += more + 1;
+  }
+  return true;
+}
+
+std::string texts_are_good(Bench& bench) {
+  const odo_plugin& t = bench.table();
+  if (text(t.summary).empty()) return "summary is empty; expected one sentence";
+  std::vector<std::string> all = {text(t.id), text(t.version), text(t.summary)};
+  for (const Spec& spec : bench.choice.manifest.parameters)
+    all.insert(all.end(), {spec.name, spec.help, spec.unit, spec.fallback, spec.choices});
+  for (const std::string& one : all)
+    if (!is_plain_utf8(one)) return "a text is not UTF-8 or has control characters: '" + one.substr(0, 40) + "'";
+  return "";
+}
+
+std::string kinds_are_known(Bench& bench) {
+  const odo_plugin& t = bench.table();
+  std::vector<std::string> seen;
+  for (uint32_t i = 0; i < t.interface_count; ++i) {
+    const std::string kind = text(t.interfaces[i]);
+    if (kind_types(kind).inputs.empty())
+      return "interfaces[" + std::to_string(i) + "] = '" + kind + "' is no kind of this ABI";
+    if (std::count(seen.begin(), seen.end(), kind)) return "it serves '" + kind + "' twice";
+    seen.push_back(kind);
+  }
+  return "";
+}
+
+std::string types_are_good(Bench& bench) {
+  const odo_plugin& t = bench.table();
+  const auto judge = [&](const uint32_t* types, uint32_t count, const char* list, bool output) -> std::string {
+    for (uint32_t i = 0; i < count; ++i) {
+      const std::string name = std::string(list) + "[" + std::to_string(i) + "] = " + message_name(types[i]);
+      if (types[i] == 0) return name + "; expected a message type";
+      if (output && is_input(types[i]) && !ODO_IS_VENDOR(types[i]) && types[i] != ODO_TYPE_CALIBRATION)
+        return name + " is a sensor's; a plugin emits events";
+      if (std::count(types, types + count, types[i]) > 1) return name + " stands there twice";
+    }
+    return "";
+  };
+  const std::string inputs = judge(t.inputs, t.input_count, "inputs", false);
+  return inputs.empty() ? judge(t.outputs, t.output_count, "outputs", true) : inputs;
+}
+
+}  // namespace
+
+std::vector<Case> entry_cases() {
+  return {
+      {"file.library", "is a shared library for this machine", 10, 0, false, file_is_library},
+      {"file.manifest", "has a manifest beside it", 10, 0, false, manifest_is_there},
+      {"file.hash", "is the library that its manifest was made for", 20, 0, false, manifest_has_hash},
+      {"entry.loads", "loads and exports the entry", 10, 0, false, loads},
+      {"entry.fills_table", "fills a table that the host takes", 10, 0, false, fills_table},
+      {"entry.quick", "loads and answers in less than 2 s", 10, 0, false, is_quick},
+      {"entry.other_major", "refuses a host of another ABI major, with a reason", 10, 0, false, refuses_other_major},
+      {"entry.other_draft", "refuses a host of another draft", 10, 0, false, refuses_other_draft},
+      {"entry.null", "refuses null pointers", 10, 0, false, survives_null},
+      {"entry.small_table", "refuses a table that is too small, and writes nothing behind it", 10, 0, false,
+       refuses_small_table},
+      {"entry.table_end", "fills older and newer hosts' tables, and writes nothing behind them", 10, 0, false,
+       keeps_to_table},
+      {"entry.twice", "gives the same table again", 10, 0, false, same_twice},
+      {"entry.no_side_effects", "starts no thread and leaves no file when it is loaded", 10, 0, false, starts_nothing},
+      {"file.manifest_agrees", "is what its manifest says", 10, 0, true, manifest_says_the_same},
+      {"table.id", "has an id group/name", 10, 0, true, id_is_good},
+      {"table.version", "has a version major.minor.patch", 10, 0, true, version_is_good},
+      {"table.texts", "has texts in UTF-8 and a summary", 10, 0, true, texts_are_good},
+      {"table.kinds", "serves kinds of this ABI, each once", 10, 0, true, kinds_are_known},
+      {"table.types", "declares message types that make sense", 10, 0, true, types_are_good},
+  };
+}
+
+}  // namespace odograph

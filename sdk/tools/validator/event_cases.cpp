@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What every event must be, whatever it means.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <odograph/absolute_fixer.h>
+#include <odograph/scale_source.h>
+
+#include "sdk/tools/validator/bench.hpp"
+
+namespace odograph {
+namespace {
+
+/// A walk that the plugin has seen, and what it said; null, and `why` says it, where it did not start.
+std::unique_ptr<Subject> walked(Bench& bench, std::string& why) {
+  auto subject = bench.started(why);
+  if (subject) subject->process(bench.input);
+  return subject;
+}
+
+std::string no_breach(Bench& bench, const char* beginning) {
+  std::string why;
+  const auto subject = walked(bench, why);
+  if (!subject) return why;
+  for (const std::string& breach : subject->breaches)
+    if (breach.starts_with(beginning)) return breach;
+  return "";
+}
+std::string type(Bench& bench) { return no_breach(bench, "type"); }
+std::string size(Bench& bench) { return no_breach(bench, "size"); }
+std::string numbers(Bench& bench) { return no_breach(bench, "numbers"); }
+std::string count(Bench& bench) { return no_breach(bench, "count"); }
+
+/// Asks a question of each event; the first answer that is not empty.
+template <class Ask>
+std::string of_each(Bench& bench, Ask&& ask) {
+  std::string why;
+  const auto subject = walked(bench, why);
+  if (!subject) return why;
+  for (const SeenEvent& event : subject->events) {
+    const odo_header& header = event.message.header();
+    if (const std::string found = ask(event, header); !found.empty())
+      return "a " + message_name(header.type) + " at t_ns = " + std::to_string(header.t_ns) + " " + found;
+  }
+  return "";
+}
+
+std::string works(Bench& bench) {
+  std::string why;
+  const auto subject = walked(bench, why);
+  if (!subject) return why;
+  for (const auto& [status, times] : subject->statuses)
+    if (status <= ODO_E_MEMORY || status == ODO_E_STATE || status == ODO_E_ARGUMENT)
+      return std::to_string(times) + " times status " + std::to_string(status) + " on good input" +
+             (bench.reports.empty() ? "" : ", it reported: " + bench.reports.back());
+  return "";
+}
+
+std::string known_status(Bench& bench) {
+  std::string why;
+  const auto subject = walked(bench, why);
+  if (!subject) return why;
+  for (const auto& [status, times] : subject->statuses)
+    if (status > ODO_NOT_READY || status < ODO_E_FATAL)
+      return "process gave the status " + std::to_string(status) + ", which is none";
+  return "";
+}
+
+std::string quality(Bench& bench) {
+  return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
+    return h.quality >= 0 && h.quality <= 1 ? "" : "has quality = " + std::to_string(h.quality) + "; expected 0 to 1";
+  });
+}
+
+std::string reserved(Bench& bench) {
+  return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
+    return h.reserved == 0 ? "" : "has header.reserved = " + std::to_string(h.reserved) + "; expected 0";
+  });
+}
+
+/// Bits that somebody else sets, or that no one knows.
+std::string flags(Bench& bench) {
+  static const std::map<uint32_t, std::pair<uint32_t, uint32_t>> known = {
+      // all bits, and the host's own
+      {ODO_TYPE_ATTITUDE, {7, 0}},
+      {ODO_TYPE_STEP, {1, 0}},
+      {ODO_TYPE_MOTION_MODE, {0, 0}},
+      {ODO_TYPE_VO_MOTION, {63, ODO_VO_NAVIGATION}},
+      {ODO_TYPE_SCALE, {15, ODO_SCALE_ACCEPTED}},
+      {ODO_TYPE_FIX, {255, ODO_FIX_ACCEPTED}},
+      {ODO_TYPE_CALIBRATION, {15, 0}},
+  };
+  return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
+    const auto found = known.find(h.type);
+    if (found == known.end()) return "";
+    if (h.flags & found->second.second)
+      return "has a flag set that is the host's: " + std::to_string(h.flags & found->second.second);
+    return (h.flags & ~found->second.first) == 0
+               ? ""
+               : "has flags = " + std::to_string(h.flags) + ", with bits that mean nothing";
+  });
+}
+
+std::string time_order(Bench& bench) {
+  std::map<uint32_t, int64_t> latest;
+  return of_each(bench, [&](const SeenEvent&, const odo_header& h) -> std::string {
+    const auto [entry, is_new] = latest.try_emplace(h.type, h.t_ns);
+    if (!is_new && h.t_ns < entry->second) return "is before the one before it";
+    entry->second = h.t_ns;
+    return "";
+  });
+}
+
+/// The plugin knows no time but those of what it was given.
+std::string time_known(Bench& bench) {
+  if (bench.input.empty()) return "~nothing is given to it";
+  const int64_t first = TestInput::kStart_ns - 2'000'000'000;
+  return of_each(bench, [&](const SeenEvent& e, const odo_header& h) -> std::string {
+    if (h.t_ns > e.input_ns)
+      return "lies " + std::to_string(h.t_ns - e.input_ns) + " ns ahead of all that it was given";
+    if (h.t_ns < first && h.type != ODO_TYPE_CALIBRATION)
+      return "is before the first sample: is it of the sensor clock?";
+    return "";
+  });
+}
+
+std::string covariances(Bench& bench) {
+  const auto judge = [](const double* c, int n) -> std::string {
+    for (int i = 0; i < n; ++i) {
+      if (c[i * n + i] < 0) return "has a negative variance (" + std::to_string(c[i * n + i]) + ")";
+      for (int k = 0; k < i; ++k) {
+        if (std::abs(c[i * n + k] - c[k * n + i]) > 1e-9 + 1e-6 * std::abs(c[i * n + k]))
+          return "has a covariance that is not symmetric";
+        if (c[i * n + k] * c[i * n + k] > 1.0001 * c[i * n + i] * c[k * n + k] + 1e-18)
+          return "has a correlation above 1";
+      }
+    }
+    return "";
+  };
+  return of_each(bench, [&](const SeenEvent&, const odo_header& h) -> std::string {
+    if (h.type == ODO_TYPE_ATTITUDE) return judge(as<odo_attitude>(h).covariance_n, 3);
+    if (h.type == ODO_TYPE_VO_MOTION && (h.flags & ODO_VO_COVARIANCE)) return judge(as<odo_vo_motion>(h).covariance, 6);
+    if (h.type != ODO_TYPE_FIX) return "";
+    const std::string position = judge(as<odo_fix>(h).covariance_n, 3);
+    return position.empty() && (h.flags & ODO_FIX_ORIENTATION) ? judge(as<odo_fix>(h).orientation_cov_n, 3) : position;
+  });
+}
+
+/// A variance of nothing in something that is said to be known is a promise that nobody can keep.
+std::string uncertainties(Bench& bench) {
+  return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
+    if (h.type == ODO_TYPE_STEP && as<odo_step>(h).sigma_m <= 0)
+      return "has sigma_m = 0; expected how unsure the length is";
+    if (h.type == ODO_TYPE_FIX) {
+      const auto& fix = as<odo_fix>(h);
+      for (int i = 0; i < 3; ++i)
+        if ((h.flags >> i & 1) && fix.covariance_n[4 * i] <= 0) return "has a known component of p_n with variance 0";
+      if ((h.flags & ODO_FIX_YAW) && fix.yaw_sigma_rad <= 0) return "has yaw_sigma_rad = 0";
+      if (fix.integrity < 0 || fix.integrity > 1)
+        return "has integrity = " + std::to_string(fix.integrity) + "; expected 0 to 1";
+    }
+    if (h.type == ODO_TYPE_VO_MOTION && (h.flags & ODO_VO_COVARIANCE) && (h.flags & ODO_VO_ROTATION) &&
+        as<odo_vo_motion>(h).covariance[0] + as<odo_vo_motion>(h).covariance[7] + as<odo_vo_motion>(h).covariance[14] <=
+            0)
+      return "has a rotation with variance 0";
+    return "";
+  });
+}
+
+std::string lists(Bench& bench) {
+  return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
+    const auto out_of = [](const char* field, uint32_t value) {
+      return std::string("has ") + field + " = " + std::to_string(value) + ", which no list has";
+    };
+    if (h.type == ODO_TYPE_STEP && as<odo_step>(h).mode > ODO_MODE_HANDLING)
+      return out_of("mode", as<odo_step>(h).mode);
+    if (h.type == ODO_TYPE_MOTION_MODE && as<odo_motion_mode>(h).mode > ODO_MODE_HANDLING)
+      return out_of("mode", as<odo_motion_mode>(h).mode);
+    if (h.type != ODO_TYPE_VO_MOTION) return "";
+    const auto& m = as<odo_vo_motion>(h);
+    if (m.state < ODO_TRACKING || m.state > ODO_LOST) return out_of("state", m.state);
+    return m.reason > ODO_REASON_NO_SCALE ? out_of("reason", m.reason) : "";
+  });
+}
+
+std::string some(Bench& bench) {
+  std::string why;
+  const auto subject = walked(bench, why);
+  if (!subject) return why;
+  if (!subject->events.empty()) return "";
+  return bench.serves(ODO_INTERFACE_ABSOLUTE_FIXER) || bench.serves(ODO_INTERFACE_SCALE_SOURCE)
+             ? "~a fixer and a scale source may have nothing to say here"
+             : "it says nothing in a walk of 10 s";
+}
+
+}  // namespace
+
+std::vector<Case> event_cases() {
+  return {
+      {"process.works", "takes good input without an error", 20, 10, true, works},
+      {"process.status", "answers with status codes of the ABI", 20, 5, true, known_status},
+      {"events.some", "gives events in a walk of 10 s", 20, 10, true, some},
+      {"events.type", "gives the events of its kind, and what its table declares", 20, 10, true, type},
+      {"events.size", "gives events of the size of their structs", 20, 10, true, size},
+      {"events.numbers", "gives finite numbers and unit quaternions", 20, 10, true, numbers},
+      {"events.count", "gives at most 256 events in a call", 20, 10, true, count},
+      {"events.quality", "gives qualities from 0 to 1", 20, 10, true, quality},
+      {"events.reserved", "leaves reserved fields zero", 20, 10, true, reserved},
+      {"events.flags", "sets the flags of the type, none of the host's", 20, 10, true, flags},
+      {"events.time_order", "gives each type in the order of time", 20, 10, true, time_order},
+      {"events.time_known", "gives times of the sensor clock, none ahead of its input", 20, 10, true, time_known},
+      {"events.covariance", "gives covariances that are symmetric, with correlations below 1", 20, 10, true,
+       covariances},
+      {"events.uncertainty", "says how unsure it is of what it says to know", 20, 10, true, uncertainties},
+      {"events.lists", "uses the modes, states and reasons of the lists", 20, 10, true, lists},
+  };
+}
+
+}  // namespace odograph

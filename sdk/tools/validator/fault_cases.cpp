@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Sensors that fail, fuzzed data, and what a plugin may cost.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <memory>
+
+#include <unistd.h>
+
+#include "sdk/host/core/sample_gate.hpp"
+#include "sdk/tools/validator/bench.hpp"
+
+namespace odograph {
+namespace {
+
+/// Slowest median of a call, this machine's clock: a phone's inertial sensors come at 200 Hz, its pictures at 30 Hz.
+constexpr double kImuCall_s = 5e-3, kFrameCall_s = 33e-3;
+constexpr double kMemory_mb = 512;
+
+/// Runs changed input: no crash, no fatal status, no number that is not finite.
+std::string survives(Bench& bench, const std::vector<AnyMessage>& messages,
+                     const std::function<void(AnyMessage&)>& change = {}) {
+  std::string why;
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  Handling handling;
+  handling.change = change;
+  subject->process(messages, handling);
+  for (const auto& [status, times] : subject->statuses)
+    if (status == ODO_E_FATAL) return "it gave itself up (ODO_E_FATAL)";
+  for (const std::string& breach : subject->breaches)
+    if (breach.starts_with("numbers") || breach.starts_with("count")) return breach;
+  return "";
+}
+
+/// The numbers behind the header of a message of a known type, where they are doubles: all but times and counts.
+template <class Change>
+void change_numbers(AnyMessage& message, Change&& change) {
+  const auto of = [&](double* values, int count) {
+    for (int i = 0; i < count; ++i) change(values[i]);
+  };
+  odo_header& h = message.header();
+  switch (h.type) {
+    case ODO_TYPE_IMU: of(reinterpret_cast<odo_imu&>(h).gyro_b, 3), of(reinterpret_cast<odo_imu&>(h).accel_b, 3); break;
+    case ODO_TYPE_MAGNETOMETER: of(reinterpret_cast<odo_magnetometer&>(h).field_b, 3); break;
+    case ODO_TYPE_BAROMETER: of(&reinterpret_cast<odo_barometer&>(h).pressure_pa, 1); break;
+    case ODO_TYPE_GNSS: of(&reinterpret_cast<odo_gnss&>(h).latitude_rad, 15); break;
+    case ODO_TYPE_STEP: of(&reinterpret_cast<odo_step&>(h).length_m, 4); break;
+    case ODO_TYPE_VO_MOTION: of(reinterpret_cast<odo_vo_motion&>(h).p_c0_c1, 39); break;
+    case ODO_TYPE_FIX: of(reinterpret_cast<odo_fix&>(h).p_n, 12); break;
+    case ODO_TYPE_WAYPOINT: of(reinterpret_cast<odo_waypoint&>(h).p_n, 4); break;
+    case ODO_TYPE_POSE: of(reinterpret_cast<odo_pose&>(h).p_n, 6); break;
+    default: break;
+  }
+}
+
+/// Every tenth message, so that good ones come between.
+Handling every_tenth(double value) {
+  Handling handling;
+  auto count = std::make_shared<int>(0);
+  handling.change = [=](AnyMessage& message) {
+    if (++*count % 10 == 0) change_numbers(message, [=](double& x) { x = value; });
+  };
+  return handling;
+}
+std::string zeros(Bench& bench) { return survives(bench, bench.input, every_tenth(0.0).change); }
+std::string subnormal(Bench& bench) {
+  return survives(bench, bench.input, every_tenth(std::numeric_limits<double>::denorm_min()).change);
+}
+
+std::string huge(Bench& bench) { return survives(bench, bench.input, every_tenth(1e300).change); }
+std::string not_a_number(Bench& bench) { return survives(bench, bench.input, every_tenth(std::nan("")).change); }
+
+std::string long_steps(Bench& bench) {
+  if (!bench.wants(ODO_TYPE_STEP)) return "~it is given no steps";
+  return survives(bench, bench.input, [](AnyMessage& message) {
+    if (message.header().type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(message.header()).length_m = 700;
+  });
+}
+
+std::string only(Bench& bench, uint32_t type) {
+  if (!bench.wants(type)) return "~it is given no " + message_name(type);
+  std::vector<AnyMessage> some;
+  for (const AnyMessage& message : bench.input)
+    if (message.header().type == type) some.push_back(message);
+  return survives(bench, some);
+}
+std::string only_imu(Bench& bench) { return only(bench, ODO_TYPE_IMU); }
+
+std::string without_imu(Bench& bench) {
+  if (!bench.wants(ODO_TYPE_IMU)) return "~it is given no imu";
+  std::vector<AnyMessage> some;
+  for (const AnyMessage& message : bench.input)
+    if (message.header().type != ODO_TYPE_IMU) some.push_back(message);
+  return survives(bench, some);
+}
+
+void shift(AnyMessage& message, int64_t by_ns) {
+  message.header().t_ns += by_ns;
+  if (message.header().type == ODO_TYPE_VO_MOTION)
+    reinterpret_cast<odo_vo_motion&>(message.header()).t_from_ns += by_ns;
+  if (message.header().type != ODO_TYPE_STEP) return;
+  reinterpret_cast<odo_step&>(message.header()).t_start_ns += by_ns;
+  reinterpret_cast<odo_step&>(message.header()).t_end_ns += by_ns;
+}
+
+std::string gap(Bench& bench, int64_t gap_ns) {
+  const int64_t middle = TestInput::kStart_ns + 2'000'000'000;
+  return survives(bench, bench.input, [=](AnyMessage& message) {
+    if (message.header().t_ns > middle) shift(message, gap_ns);
+  });
+}
+std::string short_gap(Bench& bench) { return gap(bench, 10'000'000'000); }
+std::string long_gap(Bench& bench) { return gap(bench, 3'600'000'000'000); }
+std::string late_clock(Bench& bench) {
+  return survives(bench, bench.input, [](AnyMessage& message) { shift(message, INT64_MAX / 2 - 60'000'000'000); });
+}
+std::string early_clock(Bench& bench) {
+  return survives(bench, bench.input, [](AnyMessage& message) { shift(message, INT64_MIN / 2); });
+}
+
+std::string twice(Bench& bench) {
+  std::vector<AnyMessage> doubled;
+  for (const AnyMessage& message : bench.input) doubled.push_back(message), doubled.push_back(message);
+  return survives(bench, doubled);
+}
+
+std::string backwards(Bench& bench) {
+  auto reversed = bench.input;
+  std::reverse(reversed.begin(), reversed.end());
+  return survives(bench, reversed);
+}
+
+/// Bits flipped anywhere behind the header of anything but pointers; numbers made finite again, as a host would.
+std::string fuzzed(Bench& bench) {
+  uint32_t random = 99;
+  const SampleGate gate;
+  return survives(bench, bench.input, [&](AnyMessage& message) {
+    random = random * 1664525u + 1013904223u;
+    if (random >> 30 || message.header().type == ODO_TYPE_FRAME) return;
+    auto* bytes = reinterpret_cast<unsigned char*>(&message.header());
+    const size_t size = message.header().struct_size - sizeof(odo_header);
+    for (int i = 0; i < 3; ++i) {
+      random = random * 1664525u + 1013904223u;
+      bytes[sizeof(odo_header) + (random >> 8) % size] ^= static_cast<unsigned char>(1u << (random & 7));
+    }
+    const bool dropped = !message_is_good(message.header()) || !gate.within_range(message.header());
+    if (dropped) message.header().type = 0x0FED;  // by any host
+  });
+}
+
+/// Of what a vendor's message holds a host knows nothing but the size: whoever declares it must look at the rest.
+std::string vendors(Bench& bench) {
+  constexpr uint32_t sizes[] = {32, 40, 48, 64, 96, 200, 4096};
+  std::vector<AnyMessage> mixed;
+  uint32_t random = 7, made = 0;
+  for (const AnyMessage& message : bench.input) {
+    mixed.push_back(message);
+    for (uint32_t k = 0; k < bench.table().input_count; ++k) {
+      if (!ODO_IS_VENDOR(bench.table().inputs[k])) continue;
+      alignas(8) unsigned char bytes[4096];
+      for (unsigned char& byte : bytes)
+        byte = static_cast<unsigned char>((random = random * 1664525u + 1013904223u) >> 24);
+      odo_header header{};
+      header.struct_size = sizes[made++ % std::size(sizes)];
+      header.type = bench.table().inputs[k], header.t_ns = message.header().t_ns;
+      std::memcpy(bytes, &header, sizeof header);
+      mixed.emplace_back(*reinterpret_cast<const odo_header*>(bytes));
+    }
+  }
+  return made == 0 ? "~it declares no vendor's messages" : survives(bench, mixed);
+}
+
+std::string unknown_flags(Bench& bench) {
+  return survives(bench, bench.input, [](AnyMessage& message) { message.header().flags |= 0xFFFF0000; });
+}
+
+std::string no_flags(Bench& bench) {
+  int count = 0;
+  return survives(bench, bench.input, [&](AnyMessage& message) {
+    if (++count % 5 == 0) message.header().flags = 0;
+  });
+}
+
+std::string later_lists(Bench& bench) {
+  return survives(bench, bench.input, [](AnyMessage& message) {
+    odo_header& h = message.header();
+    if (h.type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(h).mode = 4711;
+    if (h.type == ODO_TYPE_VO_MOTION)
+      reinterpret_cast<odo_vo_motion&>(h).state = 4711, reinterpret_cast<odo_vo_motion&>(h).reason = 4711;
+    if (h.type == ODO_TYPE_POSE) reinterpret_cast<odo_pose&>(h).state = 4711;
+    if (h.type == ODO_TYPE_CALIBRATION) reinterpret_cast<odo_calibration&>(h).model = 4711;
+  });
+}
+
+// ---- what it costs -------------------------------------------------------------------------------------------------
+
+/// The median of three runs' best, so that a busy machine does not fail a good plugin.
+std::string fast_enough(Bench& bench, uint32_t type, double limit_s) {
+  if (!bench.wants(type)) return "~it is given no " + message_name(type);
+  double best = 1e9;
+  for (int run = 0; run < 3 && best > limit_s; ++run) {
+    std::string why;
+    const auto subject = bench.started(why);
+    if (!subject) return why;
+    std::vector<double> of_type;
+    for (const AnyMessage& message : bench.input) {
+      if (of_type.size() >= 30) break;
+      subject->process({message});
+      if (message.header().type == type) of_type.push_back(subject->call_s.back());
+    }
+    std::sort(of_type.begin(), of_type.end());
+    if (!of_type.empty()) best = std::min(best, of_type[of_type.size() / 2]);
+  }
+  if (best <= limit_s) return "";
+  return "a call takes " + std::to_string(best * 1e3) + " ms in the median; expected less than " +
+         std::to_string(limit_s * 1e3);
+}
+std::string imu_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_IMU, kImuCall_s); }
+std::string frame_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_FRAME, kFrameCall_s); }
+std::string motion_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_VO_MOTION, kImuCall_s); }
+
+std::string memory(Bench& bench) {
+  std::string why;
+  bench.run(bench.input, {}, why);
+  std::ifstream file("/proc/self/statm");
+  double all = 0, resident = 0;
+  file >> all >> resident;
+  const double mb = resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+  return !why.empty() ? why : mb < kMemory_mb ? "" : std::to_string(mb) + " MB; expected less than 512";
+}
+
+}  // namespace
+
+std::vector<Case> fault_cases() {
+  return {
+      {"faults.zeros", "survives sensors that say zero", 20, 4, true, zeros},
+      {"faults.huge", "survives numbers of 1e300", 20, 4, true, huge},
+      {"faults.subnormal", "survives the smallest numbers there are", 20, 4, true, subnormal},
+      {"faults.nan", "survives numbers that are none", 20, 4, true, not_a_number},
+      {"faults.long_steps", "survives steps of 700 m", 20, 5, true, long_steps},
+      {"faults.only_imu", "survives an IMU alone", 20, 4, true, only_imu},
+      {"faults.without_imu", "survives the lack of an IMU", 20, 4, true, without_imu},
+      {"faults.gap_10s", "survives a pause of 10 s", 20, 5, true, short_gap},
+      {"faults.gap_1h", "survives a pause of an hour", 20, 5, true, long_gap},
+      {"faults.late_clock", "survives a clock that is nearly at its end, 2^62 ns", 20, 4, true, late_clock},
+      {"faults.early_clock", "survives times below zero", 20, 4, true, early_clock},
+      {"faults.twice", "survives messages that come twice", 20, 3, true, twice},
+      {"faults.backwards", "survives messages in the wrong order", 20, 3, true, backwards},
+      {"faults.fuzzed", "survives flipped bits", 20, 6, true, fuzzed},
+      {"faults.vendor", "survives vendors' messages of any size and content", 20, 3, true, vendors},
+      {"faults.unknown_flags", "survives flags of a later version", 20, 3, true, unknown_flags},
+      {"faults.no_flags", "survives messages in which nothing is valid", 20, 3, true, no_flags},
+      {"faults.later_lists", "survives modes, states and models of a later version", 20, 4, true, later_lists},
+      {"cost.imu", "needs less than 5 ms for an inertial sample", 30, 3, true, imu_time},
+      {"cost.frame", "needs less than 33 ms for a picture of 64 x 48", 60, 4, true, frame_time},
+      {"cost.motion", "needs less than 5 ms for a motion", 30, 4, true, motion_time},
+      {"cost.memory", "needs less than 512 MB", 20, 4, true, memory},
+  };
+}
+
+}  // namespace odograph

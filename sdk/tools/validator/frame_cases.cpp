@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Pictures: borrowed, kept, in any format, of any size.
+#include <cstring>
+
+#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/child.hpp"
+
+namespace odograph {
+namespace {
+
+constexpr uint32_t kW = TestInput::kWidth, kH = TestInput::kHeight;
+
+odo_frame& frame_of(AnyMessage& message) { return reinterpret_cast<odo_frame&>(message.header()); }
+bool is_frame(const AnyMessage& message) { return message.header().type == ODO_TYPE_FRAME; }
+
+/// Runs the walk with each frame changed, and returns the instance; null, and `why` says it, where that is not
+/// possible.
+std::unique_ptr<Subject> walked(Bench& bench, std::string& why, const std::function<void(AnyMessage&)>& change) {
+  if (!bench.wants(ODO_TYPE_FRAME)) return why = "~it is given no frames", nullptr;
+  auto subject = bench.started(why);
+  if (!subject) return nullptr;
+  Handling handling;
+  handling.change = [&](AnyMessage& message) {
+    if (is_frame(message)) change(message);
+  };
+  const int32_t status = subject->process(bench.input, handling);
+  if (status < 0) why = "process failed with status " + std::to_string(status);
+  for (const std::string& breach : subject->breaches)
+    if (breach.starts_with("numbers")) why = breach;
+  return subject;
+}
+
+std::string survives(Bench& bench, const std::function<void(AnyMessage&)>& change) {
+  std::string why;
+  walked(bench, why, change);
+  return why;
+}
+
+void lend(AnyMessage& message, FrameLedger& ledger) {
+  odo_frame& frame = frame_of(message);
+  frame.owner = &ledger;
+  frame.retain = FrameLedger::retain;
+  frame.release = FrameLedger::release;
+}
+
+/// What is kept in a call is given back until destroy. Pixels stay, so that who keeps them well may read them.
+std::string balance(Bench& bench) {
+  FrameLedger ledger;
+  std::string why;
+  auto subject = walked(bench, why, [&](AnyMessage& message) { lend(message, ledger); });
+  if (!subject) return why;
+  if (ledger.released > ledger.retained) return "released more often than retained";
+  subject->destroy();
+  if (!why.empty()) return why;
+  if (ledger.released == ledger.retained) return "";
+  return "retained " + std::to_string(ledger.retained) + " times, released " + std::to_string(ledger.released) +
+         " times";
+}
+
+std::string quota(Bench& bench) {
+  FrameLedger ledger;
+  int most = 0;
+  std::string why;
+  const auto subject = walked(bench, why, [&](AnyMessage& message) {
+    most = std::max(most, ledger.retained - ledger.released);
+    lend(message, ledger);
+  });
+  if (!subject) return why;
+  return most <= 7 ? why
+                   : "it holds " + std::to_string(most) + " frames at once; a host lends 8, one of them for the next";
+}
+
+std::string exhausted(Bench& bench) {
+  FrameLedger ledger;
+  ledger.refuse = true;
+  std::string why;
+  const auto subject = walked(bench, why, [&](AnyMessage& message) { lend(message, ledger); });
+  if (!subject) return why;
+  return ledger.released == 0 ? why : "it released a frame that it was refused";
+}
+
+/// Read-only pixels at the end of a page that is gone after the call.
+std::string gone(Bench& bench) {
+  if (!bench.wants(ODO_TYPE_FRAME)) return "~it is given no frames";
+  std::string why;
+  Handling handling;
+  handling.guarded = true;
+  const auto plain = bench.run(bench.input, {}, why), other = bench.run(bench.input, handling, why);
+  return why.empty() ? difference(plain, other) : why;
+}
+
+/// The rows further apart: what lies between is no picture.
+std::string strides(Bench& bench) {
+  std::string why;
+  std::vector<std::vector<uint8_t>> kept;
+  const auto plain = bench.run(bench.input, {}, why);
+  const auto subject = walked(bench, why, [&](AnyMessage& message) {
+    auto& wide = kept.emplace_back((kW + 24) * kH, uint8_t(0xEE));
+    odo_frame& frame = frame_of(message);
+    for (uint32_t y = 0; y < kH; ++y) std::memcpy(&wide[y * (kW + 24)], frame.planes[0].data + y * kW, kW);
+    frame.planes[0].data = wide.data();
+    frame.planes[0].row_stride = kW + 24;
+  });
+  if (!subject || !why.empty()) return why;
+  return difference(plain, subject->bytes());
+}
+
+/// The same grey picture with chroma beside it, or as colours that are grey.
+void as_format(AnyMessage& message, uint32_t format, std::vector<uint8_t>& pixels) {
+  odo_frame& frame = frame_of(message);
+  const uint8_t* grey = frame.planes[0].data;
+  frame.format = format;
+  const uint32_t channels = format == ODO_FORMAT_RGB8                                  ? 3
+                            : format == ODO_FORMAT_RGBA8 || format == ODO_FORMAT_BGRA8 ? 4
+                                                                                       : 1;
+  pixels.assign(kW * kH * channels + kW * kH / 2, 128);
+  for (uint32_t i = 0; i < kW * kH; ++i)
+    for (uint32_t c = 0; c < channels; ++c) pixels[i * channels + c] = c == 3 ? 255 : grey[i];
+  frame.planes[0] = {pixels.data(), kW * channels, channels, 0};
+  const uint8_t* chroma = pixels.data() + kW * kH;
+  if (format == ODO_FORMAT_NV12 || format == ODO_FORMAT_NV21) frame.planes[1] = {chroma, kW, 2, 0};
+  if (format == ODO_FORMAT_YUV420) {
+    frame.planes[1] = {chroma, kW / 2, 1, 0};
+    frame.planes[2] = {chroma + kW * kH / 4, kW / 2, 1, 0};
+  }
+}
+
+std::string format_as_grey(Bench& bench, uint32_t format) {
+  std::string why;
+  std::vector<std::vector<uint8_t>> kept;
+  const auto plain = bench.run(bench.input, {}, why);
+  const auto subject =
+      walked(bench, why, [&](AnyMessage& message) { as_format(message, format, kept.emplace_back()); });
+  if (!subject || !why.empty()) return why;
+  return difference(plain, subject->bytes());
+}
+std::string nv12(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_NV12); }
+std::string nv21(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_NV21); }
+std::string yuv420(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_YUV420); }
+std::string rgb(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_RGB8); }
+std::string rgba(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_RGBA8); }
+std::string bgra(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_BGRA8); }
+
+std::string later_format(Bench& bench) {
+  return survives(bench, [](AnyMessage& message) { frame_of(message).format = 99; });
+}
+
+std::string other_size(Bench& bench) {
+  int count = 0;
+  return survives(bench, [&](AnyMessage& message) {
+    if (++count % 3 == 0) frame_of(message).width = kW / 2, frame_of(message).height = kH / 2;
+  });
+}
+
+std::string tiny(Bench& bench) {
+  return survives(bench, [](AnyMessage& message) { frame_of(message).width = frame_of(message).height = 1; });
+}
+
+std::string black(Bench& bench) {
+  static const std::vector<uint8_t> pixels(kW * kH, 0);
+  return survives(bench, [](AnyMessage& message) { frame_of(message).planes[0].data = pixels.data(); });
+}
+
+std::string noise(Bench& bench) {
+  std::vector<std::vector<uint8_t>> kept;
+  uint32_t random = 1;
+  return survives(bench, [&](AnyMessage& message) {
+    auto& pixels = kept.emplace_back(kW * kH);
+    for (uint8_t& pixel : pixels) random = random * 1664525u + 1013904223u, pixel = static_cast<uint8_t>(random >> 24);
+    frame_of(message).planes[0].data = pixels.data();
+  });
+}
+
+std::string masked(Bench& bench) {
+  static const std::vector<uint8_t> mask(kW * kH, 0);
+  return survives(bench, [](AnyMessage& message) {
+    frame_of(message).mask = {mask.data(), kW, 1, 0};
+    message.header().flags |= ODO_FRAME_MASK;
+  });
+}
+
+std::string unknown_camera(Bench& bench) {
+  return survives(bench, [](AnyMessage& message) { frame_of(message).calibration = 7; });
+}
+
+/// The focal length as autofocus moves it: by 3 % and back.
+std::string autofocus(Bench& bench) {
+  int count = 0;
+  return survives(bench, [&](AnyMessage& message) {
+    odo_frame& frame = frame_of(message);
+    message.header().flags |= ODO_FRAME_INTRINSICS;
+    frame.fx = frame.fy = 60 * (1 + 0.03 * ((++count / 5) % 2));
+    frame.cx = 31.5, frame.cy = 23.5;
+  });
+}
+
+std::string no_calibration(Bench& bench) {
+  if (!bench.wants(ODO_TYPE_FRAME)) return "~it is given no frames";
+  std::vector<AnyMessage> without;
+  for (const AnyMessage& message : bench.input)
+    if (message.header().type != ODO_TYPE_CALIBRATION) without.push_back(message);
+  std::string why;
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  const int32_t status = subject->process(without);
+  return status >= 0 ? "" : "process failed with status " + std::to_string(status) + " where no camera was described";
+}
+
+}  // namespace
+
+std::vector<Case> frame_cases() {
+  return {
+      {"frames.borrowed", "reads the pixels in the call alone, and writes none", 20, 4, true, gone},
+      {"frames.balance", "gives back what it keeps", 20, 4, true, balance},
+      {"frames.quota", "keeps at most 7 frames at once", 20, 4, true, quota},
+      {"frames.exhausted", "copes with a host that lets it keep none", 20, 4, true, exhausted},
+      {"frames.strides", "reads rows by their stride", 20, 3, true, strides},
+      {"frames.nv12", "sees the same in NV12", 20, 3, true, nv12},
+      {"frames.nv21", "sees the same in NV21", 20, 3, true, nv21},
+      {"frames.yuv420", "sees the same in three planes of YUV 4:2:0", 20, 3, true, yuv420},
+      {"frames.rgb", "sees the same in RGB", 20, 3, true, rgb},
+      {"frames.rgba", "sees the same in RGBA", 20, 3, true, rgba},
+      {"frames.bgra", "sees the same in BGRA", 20, 3, true, bgra},
+      {"frames.later_format", "survives a format of a later version", 20, 3, true, later_format},
+      {"frames.other_size", "survives frames of another size than the calibration's", 20, 3, true, other_size},
+      {"frames.tiny", "survives frames of one pixel", 20, 3, true, tiny},
+      {"frames.black", "survives black frames", 20, 3, true, black},
+      {"frames.noise", "survives noise", 20, 3, true, noise},
+      {"frames.mask", "survives a mask that leaves nothing", 20, 3, true, masked},
+      {"frames.unknown_camera", "survives frames of a camera that was not described", 20, 3, true, unknown_camera},
+      {"frames.no_calibration", "survives frames before any calibration", 20, 3, true, no_calibration},
+      {"frames.autofocus", "survives a focal length that moves by 3 %", 20, 4, true, autofocus},
+  };
+}
+
+}  // namespace odograph

@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Instances, threads, leaks, and what is saved.
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <thread>
+
+#include <dirent.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+#include <unistd.h>
+
+#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/child.hpp"
+
+namespace odograph {
+namespace {
+
+std::string status_text(const char* what, int32_t status) {
+  return std::string(what) + " gave status " + std::to_string(status);
+}
+
+size_t entries_of(const char* folder) {
+  size_t count = 0;
+  if (DIR* open = opendir(folder)) {
+    while (readdir(open)) ++count;
+    closedir(open);
+  }
+  return count;
+}
+
+double resident_mb() {
+  std::ifstream file("/proc/self/statm");
+  double all = 0, resident = 0;
+  file >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+std::string create_and_destroy(Bench& bench) {
+  const auto subject = bench.subject();
+  const int32_t status = subject->create();
+  return status >= 0 ? "" : status_text("create", status);
+}
+
+std::string starts(Bench& bench) {
+  std::string why;
+  bench.started(why);
+  return why;
+}
+
+std::string destroyed_before_activate(Bench& bench) {
+  const auto subject = bench.subject();
+  int32_t status = subject->create();
+  if (status >= 0) status = subject->configure(bench.values);
+  return status >= 0 ? "" : status_text("configure", status);
+}
+
+std::string other_kind(Bench& bench) {
+  note_phase("create");
+  odo_instance* instance = nullptr;
+  const std::string strange = "odo.of_a_later_version/7";
+  const odo_string id{strange.data(), strange.size()};
+  const int32_t status = bench.table().create(&bench.host, 1, &id, &instance);
+  if (status >= 0) return "it made an instance of '" + strange + "'; expected ODO_E_UNSUPPORTED";
+  return instance ? "it refused and left an instance behind" : "";
+}
+
+std::string every_kind(Bench& bench) {
+  for (uint32_t i = 0; i < bench.table().interface_count; ++i) {
+    Subject subject(bench.table(), bench.host, {bench.table().interfaces[i].data, bench.table().interfaces[i].size});
+    if (const int32_t status = subject.start(bench.values); status < 0)
+      return "interfaces[" + std::to_string(i) + "]: " + status_text("starting", status);
+  }
+  return "";
+}
+
+std::string no_services(Bench& bench) {
+  odo_host bare = bench.host;
+  bare.get_service = [](const odo_host*, const char*, uint64_t) -> const void* { return nullptr; };
+  Subject subject(bench.table(), bare, bench.interface_id);
+  const int32_t status = subject.start(bench.values);
+  if (status == ODO_E_CONFIG || status == ODO_E_NOT_FOUND) return "";  // it needs a file and cannot ask for it
+  if (status < 0) return status_text("starting", status);
+  const int32_t worst = subject.process(bench.input);
+  return worst >= 0 ? "" : status_text("process", worst);
+}
+
+/// One after the other and side by side: what one gives does not depend on others.
+std::string independent(Bench& bench) {
+  std::string why;
+  const auto alone = bench.run(bench.input, {}, why);
+  const auto one = bench.started(why), other = bench.started(why);
+  if (!why.empty()) return why;
+  for (const AnyMessage& message : bench.input) {
+    one->process({message});
+    AnyMessage later = message;
+    later.header().t_ns += 123'456'789;
+    if (later.header().type == ODO_TYPE_IMU) reinterpret_cast<odo_imu&>(later.header()).gyro_b[0] = 0.7;
+    if (later.header().type != ODO_TYPE_VO_MOTION && later.header().type != ODO_TYPE_STEP) other->process({later});
+  }
+  return difference(alone, one->bytes());
+}
+
+std::string many(Bench& bench) {
+  std::string why;
+  std::vector<std::unique_ptr<Subject>> all;
+  for (int i = 0; i < 20 && why.empty(); ++i) all.push_back(bench.started(why));
+  return why;
+}
+
+std::string other_thread(Bench& bench) {
+  std::string why;
+  const auto here = bench.run(bench.input, {}, why);
+  const auto subject = bench.started(why);
+  if (!why.empty()) return why;
+  std::thread([&] { subject->process(bench.input); }).join();
+  return difference(here, subject->bytes());
+}
+
+std::string no_breach_about(Bench& bench, const char* beginning) {
+  std::string why;
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  subject->process(bench.input);
+  if (bench.table().reset) subject->reset();
+  subject->destroy();
+  usleep(20'000);  // for threads of its own
+  for (const std::string& breach : subject->breaches)
+    if (breach.starts_with(beginning)) return breach;
+  return "";
+}
+std::string emits_in_process(Bench& bench) { return no_breach_about(bench, "phase"); }
+std::string emits_on_thread(Bench& bench) { return no_breach_about(bench, "thread"); }
+
+std::string leaves_no_thread(Bench& bench) {
+  std::string why;
+  bench.run(bench.input, {}, why);  // what a library starts once for all instances
+  const size_t before = entries_of("/proc/self/task");
+  for (int i = 0; i < 5 && why.empty(); ++i) bench.run(bench.input, {}, why);
+  const size_t after = entries_of("/proc/self/task");
+  return !why.empty()      ? why
+         : after <= before ? ""
+                           : std::to_string(after - before) + " threads more after five instances";
+}
+
+std::string leaves_no_file(Bench& bench) {
+  std::string why;
+  bench.run(bench.input, {}, why);
+  const size_t before = entries_of("/proc/self/fd");
+  for (int i = 0; i < 5 && why.empty(); ++i) bench.run(bench.input, {}, why);
+  const size_t after = entries_of("/proc/self/fd");
+  return !why.empty()      ? why
+         : after <= before ? ""
+                           : std::to_string(after - before) + " files more are open after five instances";
+}
+
+/// Gives back what this process has freed: leaks would hide in it.
+void trim_heap() {
+#if defined(__GLIBC__)
+  malloc_trim(0);
+#endif
+}
+
+/// A hundred to warm up, then four times 250. A leak grows each time, the allocator's own pools only now and then: so
+/// the smallest growth counts, four times. 2 kB an instance shows as 2 MB.
+std::string does_not_leak(Bench& bench) {
+  constexpr int rounds = 4, instances = 250;
+  std::string why;
+  const auto cycle = [&](int count) {
+    for (int i = 0; i < count && why.empty(); ++i) bench.run({}, {}, why);
+    trim_heap();
+    return resident_mb();
+  };
+  double before = cycle(100), smallest = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < rounds; ++round) {
+    const double now = cycle(instances);
+    smallest = std::min(smallest, now - before), before = now;
+  }
+  if (!why.empty()) return why;
+  const double more = rounds * smallest;
+  return more < 2.0 ? "" : std::to_string(more) + " MB more after 1000 instances; expected less than 2";
+}
+
+std::string does_not_grow(Bench& bench) {
+  std::string why;
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  const auto walk = [&](int round) {
+    Handling later;
+    later.change = [=](AnyMessage& message) {
+      const int64_t shift = round * 20'000'000'000;
+      message.header().t_ns += shift;
+      if (message.header().type == ODO_TYPE_VO_MOTION)
+        reinterpret_cast<odo_vo_motion&>(message.header()).t_from_ns += shift;
+      if (message.header().type == ODO_TYPE_STEP) {
+        auto& step = reinterpret_cast<odo_step&>(message.header());
+        step.t_start_ns += shift, step.t_end_ns += shift;
+      }
+    };
+    subject->process(bench.input, later);
+    subject->events.clear();
+    subject->events.shrink_to_fit();
+    subject->call_s.clear();
+  };
+  for (int round = 0; round < 3; ++round) walk(round);
+  const double before = resident_mb();
+  for (int round = 3; round < 9; ++round) walk(round);
+  const double more = resident_mb() - before;
+  return more < 16.0 ? "" : std::to_string(more) + " MB more after six walks of 5 s; expected less than 16";
+}
+
+std::string unknown_extension(Bench& bench) {
+  if (!bench.table().get_interface) return "~it has no get_interface";
+  std::string why;
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  note_phase("get_interface");
+  return bench.table().get_interface(subject->instance(), "vendor.none/1", 13)
+             ? "it gave a table for an id that nobody has"
+             : "";
+}
+
+// ---- save and load -------------------------------------------------------------------------------------------------
+
+std::vector<uint8_t> saved(const Bench& bench, const Subject& subject, std::string& why) {
+  note_phase("save");
+  const auto save = bench.table().save;
+  const int64_t needed = save(subject.instance(), nullptr, 0);
+  if (needed < 0 || needed > (16 << 20))
+    return why = status_text("save", static_cast<int32_t>(needed)), std::vector<uint8_t>();
+  std::vector<uint8_t> bytes(static_cast<size_t>(needed) + 64, 0x5A);
+  if (save(subject.instance(), bytes.data(), static_cast<uint64_t>(needed)) != needed)
+    why = "save needs another size when asked again";
+  for (size_t i = static_cast<size_t>(needed); i < bytes.size(); ++i)
+    if (bytes[i] != 0x5A) why = "save wrote behind the capacity";
+  bytes.resize(static_cast<size_t>(needed));
+  return bytes;
+}
+
+std::string save_keeps_to_capacity(Bench& bench) {
+  if (!bench.table().save) return "~it saves nothing";
+  std::string why;
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  subject->process(bench.input);
+  const auto bytes = saved(bench, *subject, why);
+  if (!why.empty() || bytes.empty()) return why;
+  std::vector<uint8_t> small(bytes.size(), 0x5A);
+  bench.table().save(subject->instance(), small.data(), bytes.size() - 1);
+  return std::all_of(small.begin(), small.end(), [](uint8_t b) { return b == 0x5A; })
+             ? ""
+             : "save wrote though the capacity did not suffice";
+}
+
+std::string round_trip(Bench& bench) {
+  if (!bench.table().save || !bench.table().load) return "~it saves nothing";
+  std::string why;
+  const auto one = bench.started(why), other = bench.started(why);
+  if (!why.empty()) return why;
+  one->process(bench.input);
+  const auto bytes = saved(bench, *one, why);
+  if (!why.empty()) return why;
+  if (bytes.empty()) return "~it has nothing to save";
+  note_phase("load");
+  if (const int32_t status = bench.table().load(other->instance(), bytes.data(), bytes.size()); status < 0)
+    return status_text("loading what it saved", status);
+  return saved(bench, *other, why) == bytes ? why : "after loading it saves something else";
+}
+
+std::string damaged_state(Bench& bench) {
+  if (!bench.table().load) return "~it loads nothing";
+  std::string why;
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  auto bytes = bench.table().save ? saved(bench, *subject, why) : std::vector<uint8_t>();
+  uint32_t random = 12345;
+  for (int i = 0; i < 300; ++i) {
+    auto bad = bytes;
+    random = random * 1664525u + 1013904223u;
+    if (i % 3 == 0) bad.resize(random % (bytes.size() + 64), 0xFF);
+    for (uint32_t k = 0; k <= random % 4 && !bad.empty(); ++k)
+      bad[(random >> 8 ^ k * 7919) % bad.size()] ^= static_cast<uint8_t>(1 + i);
+    note_phase("load of a damaged state");
+    bench.table().load(subject->instance(), bad.data(), bad.size());
+  }
+  const int32_t status = subject->process(bench.input);
+  if (status <= ODO_E_ERROR) return status_text("after damaged states process", status);
+  for (const std::string& breach : subject->breaches)
+    if (breach.starts_with("numbers")) return "after damaged states it " + breach.substr(9);
+  return why;
+}
+
+std::string foreign_state(Bench& bench) {
+  if (!bench.table().load || !bench.table().save) return "~it saves nothing";
+  std::string why;
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  if (saved(bench, *subject, why).empty()) return "~it has nothing to save";
+  const char text[] = "this was saved by somebody else, long ago and in another format";
+  note_phase("load");
+  return bench.table().load(subject->instance(), text, sizeof text) < 0 ? why : "it took a text for a saved state";
+}
+
+}  // namespace
+
+std::vector<Case> life_cases() {
+  return {
+      {"life.create_destroy", "is created and destroyed", 10, 0, true, create_and_destroy},
+      {"life.starts", "starts with its default parameters", 20, 0, true, starts},
+      {"life.not_activated", "is destroyed before it was activated", 10, 0, true, destroyed_before_activate},
+      {"life.unknown_kind", "refuses to be of a kind that it does not serve", 10, 0, true, other_kind},
+      {"life.every_kind", "starts as each of its kinds", 20, 0, true, every_kind},
+      {"life.no_services", "copes with a host that offers no services", 20, 2, true, no_services},
+      {"life.independent", "does not depend on what other instances are given", 20, 2, true, independent},
+      {"life.many", "has twenty instances at once", 30, 0, true, many},
+      {"life.other_thread", "works on another thread than it was made on", 20, 2, true, other_thread},
+      {"life.emits_in_process", "emits in process alone", 10, 3, true, emits_in_process},
+      {"life.emits_on_thread", "emits on the thread that called it", 10, 3, true, emits_on_thread},
+      {"life.threads", "leaves no thread behind", 30, 1, true, leaves_no_thread},
+      {"life.files", "leaves no file open", 30, 1, true, leaves_no_file},
+      {"life.leaks", "leaves no memory behind in 1,000 instances", 120, 0, true, does_not_leak},
+      {"life.grows", "needs no more memory the longer it runs", 60, 5, true, does_not_grow},
+      {"life.extension", "has no table for an extension that nobody knows", 10, 0, true, unknown_extension},
+      {"state.capacity", "saves within the capacity or not at all", 20, 3, true, save_keeps_to_capacity},
+      {"state.round_trip", "takes what it saved", 20, 3, true, round_trip},
+      {"state.damaged", "survives 300 damaged states", 20, 2, true, damaged_state},
+      {"state.foreign", "refuses what it did not save", 10, 0, true, foreign_state},
+  };
+}
+
+}  // namespace odograph

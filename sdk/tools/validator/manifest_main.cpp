@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// odograph-manifest FILE.so ...: writes NAME.odoplugin.json beside each plugin library. This is the one place where a
+// plugin is loaded without a manifest; the build and vendors run it once, users never.
+#include <cstdio>
+#include <fstream>
+
+#include "sdk/host/plugin_host/library.hpp"
+#include "sdk/tools/validator/write_manifest.hpp"
+
+int main(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const auto written = odograph::write_manifest_beside(argv[i]);
+    if (!written) {
+      std::fprintf(stderr, "%s\n", written.failure().text.c_str());
+      return 4;
+    }
+  }
+  return 0;
+}

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What each kind must emit, and whether its numbers can be true: thresholds are bounds of what a person or a phone can
+// do.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <Eigen/Geometry>
+#include <odograph/absolute_fixer.h>
+#include <odograph/attitude.h>
+#include <odograph/scale_source.h>
+#include <odograph/step_estimator.h>
+#include <odograph/vo_frontend.h>
+
+#include "sdk/tools/validator/bench.hpp"
+
+namespace odograph {
+namespace {
+
+constexpr double kShortestStep_m = 0.1, kLongestStep_m = 2.6;  // a runner's longest
+constexpr double kFastestStep_hz = 6.0;                        // sprinters reach 5
+constexpr double kWrongScale = 10;                             // times: the walk's true scale is 1.4 m
+constexpr double kWrongUp_rad = 0.5;                           // of an attitude after ten seconds of walking
+constexpr double kFarthest_m = 1e6;                            // a fix of a pedestrian's local frame
+constexpr int64_t kLateStep_ns = 500'000'000;                  // step_estimator.h
+constexpr int64_t kHeldBack_ns = 4'000'000'000;                // the same: six steps at the start of a walk
+constexpr int64_t kPause_ns = 1'500'000'000;                   // longer than any step: a walk ended there
+constexpr int64_t kSecond_ns = 1'000'000'000;
+
+template <class Event>
+std::vector<std::pair<const SeenEvent*, const Event*>> all_of(const Subject& subject, uint32_t type) {
+  std::vector<std::pair<const SeenEvent*, const Event*>> found;
+  for (const SeenEvent& event : subject.events)
+    if (event.message.header().type == type) found.emplace_back(&event, &as<Event>(event.message.header()));
+  return found;
+}
+
+/// Runs the walk and asks a question of all events of a type; "~..." where the plugin gives none of them.
+template <class Event, class Ask>
+std::string of_all(Bench& bench, uint32_t type, Ask&& ask) {
+  if (!bench.gives(type)) return "~it gives no " + message_name(type);
+  std::string why;
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  subject->process(bench.input);
+  return ask(all_of<Event>(*subject, type));
+}
+std::string at(const odo_header& h) { return " (t_ns = " + std::to_string(h.t_ns) + ")"; }
+
+// ---- attitude ------------------------------------------------------------------------------------------------------
+
+std::string attitude_each(Bench& bench) {
+  if (!bench.serves(ODO_INTERFACE_ATTITUDE)) return "~it is no attitude";
+  return of_all<odo_attitude>(bench, ODO_TYPE_ATTITUDE, [&](const auto& all) -> std::string {
+    size_t next = 0;
+    bool begun = false;
+    for (const AnyMessage& message : bench.input) {
+      if (message.header().type != ODO_TYPE_IMU) continue;
+      const bool answered = next < all.size() && all[next].second->header.t_ns == message.header().t_ns;
+      if (!answered && begun) return "no attitude for the sample" + at(message.header()) + " though it had begun";
+      if (answered) begun = true, ++next;
+    }
+    return next == all.size() ? "" : "it gives attitudes for times at which there was no sample";
+  });
+}
+
+std::string attitude_up(Bench& bench) {
+  return of_all<odo_attitude>(bench, ODO_TYPE_ATTITUDE, [](const auto& all) -> std::string {
+    if (all.empty()) return "it gave no attitude";
+    const double* q = all.back().second->q_n_b;
+    const Eigen::Vector3d up_n = Eigen::Quaterniond(q[0], q[1], q[2], q[3]) * Eigen::Vector3d::UnitZ();
+    const double off = std::acos(std::clamp(-up_n.z(), -1.0, 1.0));
+    return off < kWrongUp_rad
+               ? ""
+               : "up is " + std::to_string(off) + " rad off after 10 s: is q_n_b from b to North-East-Down?";
+  });
+}
+
+// ---- steps ---------------------------------------------------------------------------------------------------------
+
+std::string step_length(Bench& bench) {
+  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+    for (const auto& [seen, step] : all)
+      if (step->length_m < kShortestStep_m || step->length_m > kLongestStep_m)
+        return "length_m = " + std::to_string(step->length_m) + at(step->header) + "; people step 0.1 to 2.6 m";
+    return "";
+  });
+}
+
+std::string step_frequency(Bench& bench) {
+  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+    for (const auto& [seen, step] : all)
+      if (step->frequency_hz <= 0 || step->frequency_hz > kFastestStep_hz)
+        return "frequency_hz = " + std::to_string(step->frequency_hz) + at(step->header) + "; expected steps a second";
+    return "";
+  });
+}
+
+std::string step_order(Bench& bench) {
+  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+    for (size_t i = 1; i < all.size(); ++i)
+      if (all[i].second->t_start_ns < all[i - 1].second->t_end_ns)
+        return "two steps overlap" + at(all[i].second->header);
+    return "";
+  });
+}
+
+std::string step_times(Bench& bench) {
+  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+    for (const auto& [seen, step] : all) {
+      if (step->t_end_ns > step->header.t_ns) return "t_end_ns lies after the step's own time" + at(step->header);
+      if (step->t_end_ns - step->t_start_ns > 5 * kSecond_ns) return "a step lasts more than 5 s" + at(step->header);
+    }
+    return "";
+  });
+}
+
+/// The first steps of a walk may be held back until it is sure that it is one: they come with one that is in time, and
+/// the step before them is long past.
+std::string step_late(Bench& bench) {
+  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+    int64_t last_end_ns = INT64_MIN;  // of the calls before
+    for (size_t i = 0; i < all.size();) {
+      size_t end = i;
+      int64_t least_ns = INT64_MAX;
+      for (; end < all.size() && all[end].first->call == all[i].first->call; ++end)
+        least_ns = std::min(least_ns, all[end].first->input_ns - all[end].second->t_end_ns);
+      const odo_step& first = *all[i].second;
+      const bool walk_begins = last_end_ns == INT64_MIN || first.t_start_ns - last_end_ns > kPause_ns;
+      const int64_t most_ns = walk_begins && least_ns <= kLateStep_ns ? kHeldBack_ns : kLateStep_ns;
+      for (; i < end; ++i) {
+        const auto& [seen, step] = all[i];
+        if (const int64_t late_ns = seen->input_ns - step->t_end_ns; late_ns > most_ns)
+          return "a step came " + std::to_string(static_cast<double>(late_ns) * 1e-9) + " s after the foot's contact" +
+                 at(step->header) + "; expected at most " + std::to_string(static_cast<double>(most_ns) * 1e-9) + " s";
+        last_end_ns = step->t_end_ns;
+      }
+    }
+    return "";
+  });
+}
+
+std::string step_index(Bench& bench) {
+  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+    for (size_t i = 0; i < all.size(); ++i)
+      if (all[i].second->index != i)
+        return "the step number " + std::to_string(i) + " has index = " + std::to_string(all[i].second->index);
+    return "";
+  });
+}
+
+std::string mode_changes(Bench& bench) {
+  return of_all<odo_motion_mode>(bench, ODO_TYPE_MOTION_MODE, [](const auto& all) -> std::string {
+    for (size_t i = 1; i < all.size(); ++i)
+      if (all[i].second->mode == all[i - 1].second->mode)
+        return "it says the same mode twice" + at(all[i].second->header);
+    return "";
+  });
+}
+
+// ---- odometry ------------------------------------------------------------------------------------------------------
+
+std::string motion_each(Bench& bench) {
+  if (!bench.serves(ODO_INTERFACE_VO_FRONTEND)) return "~it is no front-end";
+  return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [&](const auto& all) -> std::string {
+    std::vector<int64_t> frames;
+    for (const AnyMessage& message : bench.input)
+      if (message.header().type == ODO_TYPE_FRAME) frames.push_back(message.header().t_ns);
+    if (all.size() + 2 < frames.size())
+      return std::to_string(frames.size()) + " frames, " + std::to_string(all.size()) + " motions";
+    for (size_t i = 0; i < all.size(); ++i) {
+      if (i + 1 >= frames.size()) return "more motions than frames";
+      if (all[i].second->header.t_ns != frames[i + 1])
+        return "a motion does not end at its frame's time" + at(all[i].second->header);
+      if (all[i].second->t_from_ns != frames[i])
+        return "t_from_ns is not the frame's before" + at(all[i].second->header);
+    }
+    return "";
+  });
+}
+
+std::string motion_reason(Bench& bench) {
+  return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
+    for (const auto& [seen, motion] : all) {
+      if (motion->state == ODO_LOST && motion->reason == ODO_REASON_NONE)
+        return "it is lost for no reason" + at(motion->header);
+      if (motion->inliers > motion->tracked) return "more inliers than tracked features" + at(motion->header);
+      if ((motion->header.flags & ODO_VO_TRANSLATION) && !(motion->header.flags & ODO_VO_COVARIANCE))
+        return "a translation without a covariance" + at(motion->header);
+    }
+    return "";
+  });
+}
+
+std::string motion_speed(Bench& bench) {
+  return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
+    for (const auto& [seen, motion] : all) {
+      if (!(motion->header.flags & ODO_VO_METRIC)) continue;
+      const double way = Eigen::Vector3d(motion->p_c0_c1).norm();
+      if (way > 10)
+        return "a metric motion of " + std::to_string(way) + " m in a tenth of a second" + at(motion->header);
+    }
+    return "";
+  });
+}
+
+std::string motion_camera(Bench& bench) {
+  return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
+    for (const auto& [seen, motion] : all)
+      if (motion->camera != 0)
+        return "camera = " + std::to_string(motion->camera) + at(motion->header) + "; the only camera is 0";
+    return "";
+  });
+}
+
+std::string refined(Bench& bench) {
+  if (!bench.serves(ODO_INTERFACE_VO_FRONTEND)) return "~it is no front-end";
+  return of_all<odo_calibration>(bench, ODO_TYPE_CALIBRATION, [](const auto& all) -> std::string {
+    int64_t last_ns = INT64_MIN / 2;
+    for (const auto& [seen, c] : all) {
+      if (!(c->header.flags & ODO_CALIBRATION_REFINED)) return "a calibration without ODO_CALIBRATION_REFINED";
+      if (c->id != 0) return "it refined a camera that there is not: id = " + std::to_string(c->id);
+      if (c->header.t_ns - last_ns < kSecond_ns)
+        return "it gives calibrations more often than once a second" + at(c->header);
+      last_ns = c->header.t_ns;
+    }
+    return "";
+  });
+}
+
+// ---- scales and fixes ----------------------------------------------------------------------------------------------
+
+std::string scale_unit(Bench& bench) {
+  return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
+    for (const auto& [seen, scale] : all) {
+      const double times = scale->metres_per_unit / (TestInput::kSpeed_mps / TestInput::kUnit_mps);
+      if (times > kWrongScale || times < 1 / kWrongScale)
+        return "metres_per_unit = " + std::to_string(scale->metres_per_unit) + at(scale->header) +
+               "; the walk's is 1.4: is it in metres?";
+    }
+    return "";
+  });
+}
+
+std::string scale_group(Bench& bench) {
+  return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
+    for (const auto& [seen, scale] : all)
+      if (scale->scale_group != 3)
+        return "scale_group = " + std::to_string(scale->scale_group) + at(scale->header) +
+               "; all motions were of group 3";
+    return "";
+  });
+}
+
+std::string scale_interval(Bench& bench) {
+  return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [&](const auto& all) -> std::string {
+    for (const auto& [seen, scale] : all)
+      if (scale->valid_from_ns >= scale->valid_to_ns)
+        return "valid_from_ns is not before valid_to_ns" + at(scale->header);
+    // An answer to a motion holds for that motion; what is said on a step or a fix holds for motions to come.
+    for (const auto& [seen, scale] : all) {
+      int64_t past_ns = INT64_MIN;
+      for (const AnyMessage& message : bench.input)
+        if (message.header().type == ODO_TYPE_VO_MOTION && message.header().t_ns < seen->input_ns)
+          past_ns = std::max(past_ns, message.header().t_ns);
+      if (scale->valid_to_ns <= past_ns)
+        return "valid_to_ns = " + std::to_string(scale->valid_to_ns) + at(scale->header) + " when the motion until " +
+               std::to_string(past_ns) + " had been given: it comes too late";
+    }
+    return "";
+  });
+}
+
+std::string scale_sigma(Bench& bench) {
+  return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
+    for (const auto& [seen, scale] : all)
+      if (scale->sigma < 0 || scale->sigma > 1e3 * std::max(scale->metres_per_unit, 1e-9))
+        return "sigma = " + std::to_string(scale->sigma) + at(scale->header);
+    return "";
+  });
+}
+
+std::string fix_says(Bench& bench) {
+  return of_all<odo_fix>(bench, ODO_TYPE_FIX, [](const auto& all) -> std::string {
+    for (const auto& [seen, fix] : all)
+      if ((fix->header.flags & 127) == 0) return "a fix that says nothing is valid" + at(fix->header);
+    return "";
+  });
+}
+
+std::string fix_place(Bench& bench) {
+  return of_all<odo_fix>(bench, ODO_TYPE_FIX, [](const auto& all) -> std::string {
+    for (const auto& [seen, fix] : all) {
+      if ((fix->header.flags & ODO_FIX_GEODETIC) && std::abs(fix->latitude_rad) > 1.5708)
+        return "latitude_rad = " + std::to_string(fix->latitude_rad) + at(fix->header);
+      for (int i = 0; i < 3; ++i)
+        if ((fix->header.flags >> i & 1) && std::abs(fix->p_n[i]) > kFarthest_m)
+          return "p_n[" + std::to_string(i) + "] = " + std::to_string(fix->p_n[i]) + " m" + at(fix->header);
+      if ((fix->header.flags & ODO_FIX_SLANT) && fix->slant_distance_m <= 0)
+        return "slant_distance_m = " + std::to_string(fix->slant_distance_m) + at(fix->header);
+    }
+    return "";
+  });
+}
+
+/// A height of the terrain below a pose is new knowledge, a place that comes of a pose is none.
+std::string fix_echo(Bench& bench) {
+  return of_all<odo_fix>(bench, ODO_TYPE_FIX, [&](const auto& all) -> std::string {
+    constexpr uint32_t place = ODO_FIX_NORTH | ODO_FIX_EAST;
+    size_t echoes = 0;
+    for (const auto& [seen, fix] : all)
+      echoes += seen->input_type == ODO_TYPE_POSE && (fix->header.flags & place) == place;
+    return echoes < 5 ? ""
+                      : std::to_string(echoes) +
+                            " places in answer to poses: what comes of a pose is no new knowledge, and goes in circles";
+  });
+}
+
+}  // namespace
+
+std::vector<Case> meaning_cases() {
+  return {
+      {"attitude.each_sample", "gives an attitude for each sample once it has begun", 20, 10, true, attitude_each},
+      {"attitude.up", "knows where up is after 10 s", 20, 10, true, attitude_up},
+      {"step.length", "gives steps that a person can make", 20, 10, true, step_length},
+      {"step.frequency", "gives steps a second", 20, 10, true, step_frequency},
+      {"step.order", "gives steps that do not overlap", 20, 10, true, step_order},
+      {"step.times", "gives steps that have ended, and that end", 20, 10, true, step_times},
+      {"step.late", "gives a step at most 0.5 s after the foot's contact", 20, 10, true, step_late},
+      {"step.index", "counts its steps from 0", 20, 10, true, step_index},
+      {"mode.changes", "says a mode when it changes", 20, 10, true, mode_changes},
+      {"motion.each_frame", "gives a motion for each frame after the first, from the one before", 20, 10, true,
+       motion_each},
+      {"motion.reason", "has a reason when it is lost, a covariance with a translation", 20, 10, true, motion_reason},
+      {"motion.speed", "gives metric motions in metres", 20, 10, true, motion_speed},
+      {"motion.camera", "names the camera", 20, 10, true, motion_camera},
+      {"motion.refined", "refines a camera that there is, once a second at most", 20, 10, true, refined},
+      {"scale.unit", "gives metres", 20, 10, true, scale_unit},
+      {"scale.group", "speaks of the motions' own group", 20, 10, true, scale_group},
+      {"scale.interval", "says for which motions it holds", 20, 10, true, scale_interval},
+      {"scale.sigma", "has a sigma that can be", 20, 10, true, scale_sigma},
+      {"fix.says_something", "gives fixes in which something is valid", 20, 10, true, fix_says},
+      {"fix.place", "gives fixes on the Earth, near the local frame", 20, 10, true, fix_place},
+      {"fix.no_echo", "does not answer poses with places", 20, 10, true, fix_echo},
+  };
+}
+
+}  // namespace odograph

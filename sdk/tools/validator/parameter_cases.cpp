@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The parameter table and what becomes of values.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+
+#include "sdk/host/base/nearest.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/tools/validator/bench.hpp"
+
+namespace odograph {
+namespace {
+
+/// Asks a question of each row; the first answer that is not empty, with the parameter's name before it.
+template <class Ask>
+std::string of_each(Bench& bench, Ask&& ask) {
+  if (bench.choice.manifest.parameters.empty()) return "~it has no parameters";
+  for (const Spec& spec : bench.choice.manifest.parameters)
+    if (const std::string found = ask(spec); !found.empty()) return "'" + spec.name + "' " + found;
+  return "";
+}
+
+bool is_number(const Spec& spec) {
+  return spec.type == SpecType::real || spec.type == SpecType::integer || spec.type == SpecType::reals;
+}
+
+/// Checks a text as the host does when it stands in a config.
+std::string refusal_of(const Spec& spec, const std::string& text) {
+  const PluginResolver none = [](const std::string&, const std::string&) -> Result<const std::vector<Spec>*> {
+    return Failure{ODO_E_CONFIG, ""};
+  };
+  Spec table{.name = "parameters", .type = SpecType::map, .children = {spec}};
+  const bool quote = spec.type == SpecType::text;
+  const auto node = parse_yaml(spec.name + ": " + (quote ? "\"" + text + "\"" : text), "default");
+  if (!node) return node.failure().text;
+  const auto checked = validate(*node, table, "default", none);
+  return checked ? "" : checked.failure().text;
+}
+
+std::string names(Bench& bench) {
+  const auto& all = bench.choice.manifest.parameters;
+  return of_each(bench, [&](const Spec& spec) -> std::string {
+    const bool good = !spec.name.empty() && std::all_of(spec.name.begin(), spec.name.end(), [](char c) {
+      return std::islower(static_cast<unsigned char>(c)) || std::isdigit(static_cast<unsigned char>(c)) || c == '_';
+    });
+    if (!good) return "is no name in lower_case";
+    const auto same = std::count_if(all.begin(), all.end(), [&](const Spec& other) { return other.name == spec.name; });
+    return same == 1 ? "" : "stands there " + std::to_string(same) + " times";
+  });
+}
+
+/// Whether a text is a product or quotient of SI units (and px), with powers: "m/s^2", "rad/s*Hz^(1/2)", "1/s".
+bool is_si_unit(std::string_view text) {
+  constexpr std::string_view known[] = {"m",  "kg", "s",  "A", "K", "mol", "cd", "rad", "sr",
+                                        "Hz", "N",  "Pa", "J", "W", "V",   "T",  "lx",  "px"};
+  const auto take = [&](std::string_view token) {
+    const bool there = text.starts_with(token);
+    if (there) text.remove_prefix(token.size());
+    return there;
+  };
+  const auto take_while = [&](auto&& fits) {
+    const auto end = std::find_if_not(text.begin(), text.end(), [&](unsigned char c) { return fits(c) != 0; });
+    const std::string_view taken(text.data(), static_cast<size_t>(end - text.begin()));
+    text.remove_prefix(taken.size());
+    return taken;
+  };
+  const auto take_number = [&] { return !take_while([](unsigned char c) { return std::isdigit(c); }).empty(); };
+  if (text.starts_with("1/")) text.remove_prefix(2);
+  do {
+    const std::string_view name = take_while([](unsigned char c) { return std::isalpha(c); });
+    if (std::find(std::begin(known), std::end(known), name) == std::end(known)) return false;
+    if (!take("^")) continue;
+    const bool fraction = take("(");
+    take("-");
+    if (!take_number() || (fraction && !(take("/") && take_number() && take(")")))) return false;
+  } while (take("*") || take("/"));
+  return text.empty();
+}
+
+std::string units(Bench& bench) {
+  return of_each(bench, [](const Spec& spec) -> std::string {
+    if (spec.unit.empty() || !is_number(spec)) return "";
+    return !is_si_unit(spec.unit)
+               ? "has the unit '" + spec.unit + "'; expected one of the SI, such as m, rad, m/s^2, m^(3/4)*s^(1/2)"
+               : "";
+  });
+}
+
+std::string helps(Bench& bench) {
+  return of_each(bench, [](const Spec& spec) -> std::string { return spec.help.empty() ? "has no help" : ""; });
+}
+
+std::string ranges(Bench& bench) {
+  return of_each(bench, [](const Spec& spec) -> std::string {
+    if (!std::isfinite(spec.min) || !std::isfinite(spec.max)) return "has a bound that is not finite";
+    return spec.min <= spec.max ? ""
+                                : "has min = " + std::to_string(spec.min) + " above max = " + std::to_string(spec.max);
+  });
+}
+
+std::string defaults(Bench& bench) {
+  return of_each(bench, [](const Spec& spec) -> std::string {
+    if (spec.fallback.empty() && !is_number(spec)) return "";
+    return refusal_of(spec, spec.fallback);
+  });
+}
+
+std::string choices(Bench& bench) {
+  return of_each(bench, [](const Spec& spec) -> std::string {
+    if (spec.type != SpecType::choice) return "";
+    const auto all = split(spec.choices, '|');
+    if (all.empty()) return "is a choice without choices";
+    return std::count(all.begin(), all.end(), spec.fallback)
+               ? ""
+               : "has the default '" + spec.fallback + "', which is no choice";
+  });
+}
+
+std::string counts(Bench& bench) {
+  return of_each(bench, [](const Spec& spec) -> std::string {
+    const bool good = spec.type != SpecType::reals || (spec.count >= 1 && spec.count <= 64);
+    return good ? "" : "has count = " + std::to_string(spec.count) + "; expected 1 to 64";
+  });
+}
+
+/// Started with a value at an end of its range; refusing it with ODO_E_CONFIG and a report is good too.
+std::string at_ends(Bench& bench) {
+  bool any = false;
+  for (size_t i = 0; i < bench.choice.parameters.size(); ++i) {
+    const auto& [spec, value] = bench.choice.parameters[i];
+    if ((spec.type != SpecType::real && spec.type != SpecType::integer) || !spec.bounded()) continue;
+    any = true;
+    for (const double end : {spec.min, spec.max}) {
+      const Value kept = bench.choice.parameters[i].second;
+      bench.choice.parameters[i].second.real = end;
+      bench.choice.parameters[i].second.integer = static_cast<int64_t>(end);
+      auto subject = bench.subject();
+      const size_t told = bench.reports.size();
+      const int32_t status = subject->start(values_of(bench.choice));
+      bench.choice.parameters[i].second = kept;
+      if (status >= 0 || (status == ODO_E_CONFIG && bench.reports.size() > told)) continue;
+      return "'" + spec.name + "' = " + std::to_string(end) + ": status " + std::to_string(status) +
+             "; expected ODO_OK, or ODO_E_CONFIG after a report";
+    }
+  }
+  return any ? "" : "~no number of it has bounds";
+}
+
+std::string unknown_name(Bench& bench) {
+  auto values = bench.values;
+  odo_value strange{};
+  strange.struct_size = sizeof strange;
+  strange.type = ODO_PARAMETER_BOOL;
+  strange.name = {"of_a_later_version", 18};
+  values.push_back(strange);
+  const auto subject = bench.subject();
+  subject->start(values);
+  return "";
+}
+
+std::string any_order(Bench& bench) {
+  if (bench.values.size() < 2) return "~it has less than two parameters";
+  std::string why;
+  const auto straight = bench.run(bench.input, {}, why);
+  std::reverse(bench.values.begin(), bench.values.end());
+  const auto reversed = bench.run(bench.input, {}, why);
+  return why.empty() ? difference(straight, reversed) : why;
+}
+
+/// Values of a newer host: rows with more at their end.
+std::string larger_rows(Bench& bench) {
+  struct Later {
+    odo_value value;
+    uint64_t more[3];
+  };
+  std::vector<Later> rows;
+  for (const odo_value& value : bench.values) rows.push_back({value, {~0ull, ~0ull, ~0ull}});
+  for (Later& row : rows) row.value.struct_size = sizeof(Later);
+  std::string why;
+  const auto plain = bench.run(bench.input, {}, why);
+  const auto subject = bench.subject();
+  int32_t status = subject->create();
+  if (status >= 0)
+    status = bench.table().configure(subject->instance(), rows.empty() ? nullptr : &rows[0].value,
+                                     static_cast<uint32_t>(rows.size()), sizeof(Later));
+  if (status >= 0) status = subject->activate();
+  if (status < 0) return "status " + std::to_string(status);
+  subject->process(bench.input);
+  return why.empty() ? difference(plain, subject->bytes()) : why;
+}
+
+/// The values are gone after the call.
+std::string keeps_no_pointer(Bench& bench) {
+  std::string why;
+  const auto plain = bench.run(bench.input, {}, why);
+  const auto subject = bench.subject();
+  {
+    std::vector<std::string> texts;
+    std::vector<std::vector<double>> reals;
+    auto values = bench.values;
+    for (odo_value& value : values) {
+      texts.emplace_back(value.text.data ? std::string(value.text.data, value.text.size) : std::string());
+      reals.emplace_back(value.reals, value.reals + value.count);
+    }
+    for (size_t i = 0; i < values.size(); ++i) {
+      values[i].text = {texts[i].data(), texts[i].size()};
+      values[i].reals = reals[i].data();
+    }
+    int32_t status = subject->create();
+    if (status >= 0) status = subject->configure(values);
+    if (status < 0) return "status " + std::to_string(status);
+    for (std::string& text : texts) std::fill(text.begin(), text.end(), '?');
+    for (auto& list : reals) std::fill(list.begin(), list.end(), 1e30);
+    std::memset(static_cast<void*>(values.data()), 0xA5, values.size() * sizeof(odo_value));
+  }
+  if (const int32_t status = subject->activate(); status < 0) return "status " + std::to_string(status);
+  subject->process(bench.input);
+  return why.empty() ? difference(plain, subject->bytes()) : why;
+}
+
+}  // namespace
+
+std::vector<Case> parameter_cases() {
+  return {
+      {"parameters.names", "has parameters in lower_case, each once", 10, 0, true, names},
+      {"parameters.units", "has units of the SI", 10, 0, true, units},
+      {"parameters.help", "explains each parameter", 10, 0, true, helps},
+      {"parameters.ranges", "has ranges that are none the wrong way round", 10, 0, true, ranges},
+      {"parameters.defaults", "has defaults that a config could have", 10, 0, true, defaults},
+      {"parameters.choices", "has choices, the default among them", 10, 0, true, choices},
+      {"parameters.counts", "has lists of 1 to 64 numbers", 10, 0, true, counts},
+      {"parameters.ends", "takes values at the ends of their ranges, or refuses them in words", 30, 0, true, at_ends},
+      {"parameters.unknown", "survives a parameter of a later version", 10, 0, true, unknown_name},
+      {"parameters.order", "takes them in any order", 20, 2, true, any_order},
+      {"parameters.larger_rows", "takes the larger rows of a newer host", 20, 2, true, larger_rows},
+      {"parameters.copied", "keeps no pointer to the values", 20, 2, true, keeps_no_pointer},
+  };
+}
+
+}  // namespace odograph

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The same again: whatever the batches, the instance, the process; and structs of other versions.
+#include <cstring>
+
+#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/child.hpp"
+
+namespace odograph {
+namespace {
+
+std::string run_twice(Bench& bench) {
+  std::string why;
+  const auto one = bench.run(bench.input, {}, why), other = bench.run(bench.input, {}, why);
+  return why.empty() ? difference(one, other) : why;
+}
+
+std::string cut(Bench& bench, size_t batch) {
+  std::string why;
+  Handling handling;
+  handling.batch = batch;
+  const auto one = bench.run(bench.input, {}, why), other = bench.run(bench.input, handling, why);
+  return why.empty() ? difference(one, other) : why;
+}
+std::string cut_small(Bench& bench) { return cut(bench, 2); }
+std::string cut_odd(Bench& bench) { return cut(bench, 17); }
+
+std::string after_reset(Bench& bench) {
+  if (!bench.table().reset) return "~it has no reset: the host makes a new instance";
+  std::string why;
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  subject->process(bench.input);
+  const auto first = subject->bytes();
+  if (const int32_t status = subject->reset(); status < 0) return "reset gave status " + std::to_string(status);
+  subject->events.clear();
+  subject->process(bench.input);
+  return difference(first, subject->bytes());
+}
+
+std::string reset_first(Bench& bench) {
+  if (!bench.table().reset) return "~it has no reset: the host makes a new instance";
+  std::string why;
+  const auto plain = bench.run(bench.input, {}, why);
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  for (int i = 0; i < 3; ++i)
+    if (const int32_t status = subject->reset(); status < 0) return "reset gave status " + std::to_string(status);
+  subject->process(bench.input);
+  return difference(plain, subject->bytes());
+}
+
+/// FNV-1a of all events, out of a process of its own.
+std::string fingerprint(Bench& bench) {
+  return run_in_child(20,
+                      [&] {
+                        std::string why;
+                        uint64_t hash = 14695981039346656037u;
+                        for (const auto& event : bench.run(bench.input, {}, why))
+                          for (const unsigned char byte : event) hash = (hash ^ byte) * 1099511628211u;
+                        return why + std::to_string(hash);
+                      })
+      .text;
+}
+
+std::string other_process(Bench& bench) {
+  const std::string one = fingerprint(bench), other = fingerprint(bench);
+  return one == other ? "" : "two processes gave different events";
+}
+
+std::string shuffled_memory(Bench& bench) {
+  std::string why;
+  const auto one = bench.run(bench.input, {}, why);
+  std::vector<std::vector<char>> holes;
+  for (size_t i = 1; i < 2000; ++i) holes.emplace_back(i * 37 % 5000, static_cast<char>(0xA5));
+  for (size_t i = 0; i < holes.size(); i += 2) holes[i] = {};  // memory that is not fresh and not zero
+  const auto other = bench.run(bench.input, {}, why);
+  return why.empty() ? difference(one, other) : why;
+}
+
+std::string guarded(Bench& bench) {
+  std::string why;
+  Handling handling;
+  handling.guarded = true;
+  const auto one = bench.run(bench.input, {}, why), other = bench.run(bench.input, handling, why);
+  return why.empty() ? difference(one, other) : why;
+}
+
+std::string empty_batch(Bench& bench) {
+  std::string why;
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  note_phase("process of an empty batch");
+  const odo_batch batch{sizeof batch, 0, nullptr};
+  const int32_t status = subject->call(batch);
+  return status >= 0 ? "" : "an empty batch gave status " + std::to_string(status);
+}
+
+/// A message of a type, of any size, between the others.
+std::string with_strange(Bench& bench, uint32_t type) {
+  std::string why;
+  const auto plain = bench.run(bench.input, {}, why);
+  std::vector<AnyMessage> mixed;
+  for (const AnyMessage& message : bench.input) {
+    alignas(8) unsigned char strange[96] = {};
+    auto& header = *reinterpret_cast<odo_header*>(strange);
+    header.struct_size = mixed.size() % 2 ? 96 : 32;
+    header.type = type;
+    header.t_ns = message.header().t_ns;
+    mixed.push_back(message);
+    mixed.emplace_back(header);
+  }
+  const auto other = bench.run(mixed, {}, why);
+  return why.empty() ? difference(plain, other) : why;
+}
+std::string newer_type(Bench& bench) { return with_strange(bench, 0x0FED); }
+std::string vendor_type(Bench& bench) { return with_strange(bench, ODO_TYPE_VENDOR(77777, 42)); }
+
+/// The same events and the same answers for messages as they are and changed.
+std::string same_for(Bench& bench, const Handling& handling) {
+  std::string why;
+  const auto plain = bench.started(why), other = bench.started(why);
+  if (!why.empty()) return why;
+  plain->process(bench.input);
+  other->process(bench.input, handling);
+  for (const auto& [status, times] : other->statuses)
+    if (status < 0 && plain->statuses[status] < times)
+      return std::to_string(times) + " times status " + std::to_string(status) + ", " +
+             std::to_string(plain->statuses[status]) + " times without the change";
+  return difference(plain->bytes(), other->bytes());
+}
+
+/// Messages of a host of version 1.0: what came later is not there, and what lies behind them neither.
+std::string older_messages(Bench& bench) {
+  Handling handling;
+  handling.guarded = true;
+  handling.change = [](AnyMessage& message) {
+    if (const MessageInfo* info = message_info(message.header().type))
+      message.header().struct_size =
+          static_cast<uint32_t>(std::min(info->min_size, size_t(message.header().struct_size)));
+  };
+  return same_for(bench, handling);
+}
+
+/// Messages of a later version: with more at their end.
+std::string newer_messages(Bench& bench) {
+  Handling handling;
+  handling.change = [](AnyMessage& message) {
+    const auto bytes = message.bytes();
+    std::vector<uint64_t> larger((bytes.size() + 7) / 8 + 5, ~0ull);
+    std::memcpy(larger.data(), bytes.data(), bytes.size());
+    auto& header = *reinterpret_cast<odo_header*>(larger.data());
+    header.struct_size = static_cast<uint32_t>(larger.size() * 8);
+    message = AnyMessage(header);
+  };
+  return same_for(bench, handling);
+}
+
+/// Its services are left out on both sides: they need the real host.
+std::string newer_host(Bench& bench) {
+  struct LaterHost : odo_host {
+    uint64_t more[4];
+  } host;
+  std::memset(static_cast<void*>(&host), 0xEE, sizeof host);
+  static_cast<odo_host&>(host) = bench.host;
+  host.get_service = [](const odo_host*, const char*, uint64_t) -> const void* { return nullptr; };
+  Subject plain(bench.table(), host, bench.interface_id);
+  const int32_t alone = plain.start(bench.values);
+  if (alone == ODO_E_CONFIG || alone == ODO_E_NOT_FOUND) return "~it needs services that only the real host can give";
+  plain.process(bench.input);
+  host.struct_size = sizeof(LaterHost);
+  Subject later(bench.table(), host, bench.interface_id);
+  later.sink_size = sizeof(odo_sink) + 32;
+  if (const int32_t status = later.start(bench.values); status < 0)
+    return "starting with a newer host gave status " + std::to_string(status);
+  later.process(bench.input);
+  return difference(plain.bytes(), later.bytes());
+}
+
+/// A batch struct of a later version, in memory that ends there.
+std::string newer_batch(Bench& bench) {
+  std::string why;
+  const auto plain = bench.run(bench.input, {}, why);
+  const auto subject = bench.started(why);
+  if (!subject) return why;
+  for (const AnyMessage& message : bench.input) {
+    const odo_header* messages[] = {&message.header()};
+    struct {
+      odo_batch batch;
+      uint64_t more[4];
+    } later{{sizeof later, 1, messages}, {~0ull, ~0ull, ~0ull, ~0ull}};
+    subject->call(later.batch);
+  }
+  return difference(plain, subject->bytes());
+}
+
+}  // namespace
+
+std::vector<Case> repeat_cases() {
+  return {
+      {"repeat.instance", "gives the same events again", 20, 4, true, run_twice},
+      {"repeat.process", "gives the same events in another process", 45, 4, true, other_process},
+      {"repeat.memory", "does not depend on what memory held before", 20, 4, true, shuffled_memory},
+      {"repeat.batches_of_2", "gives the same events when it is given two messages at once", 20, 4, true, cut_small},
+      {"repeat.batches_of_17", "gives the same events when it is given 17 messages at once", 20, 4, true, cut_odd},
+      {"repeat.reset", "gives the same events after a reset", 20, 4, true, after_reset},
+      {"repeat.reset_first", "is after resets as it was after activate", 20, 3, true, reset_first},
+      {"batch.empty", "takes an empty batch", 10, 0, true, empty_batch},
+      {"batch.read_only", "writes into no message, reads none beyond its end, keeps none after the call", 20, 4, true,
+       guarded},
+      {"growth.newer_type", "passes over messages of types that it does not know", 20, 3, true, newer_type},
+      {"growth.vendor_type", "passes over vendors' messages", 20, 3, true, vendor_type},
+      {"growth.older_messages", "takes messages of a host of version 1.0", 20, 3, true, older_messages},
+      {"growth.newer_messages", "takes messages that have more at their end", 20, 3, true, newer_messages},
+      {"growth.newer_host", "takes a host and a sink that have more at their end", 20, 3, true, newer_host},
+      {"growth.newer_batch", "takes a batch that has more at its end", 20, 3, true, newer_batch},
+  };
+}
+
+}  // namespace odograph
