@@ -3,9 +3,9 @@
 
 #include <doctest/doctest.h>
 
-#include "plugins/step/odograph/climb.hpp"
+#include "plugins/step/odograph/stair_detector.hpp"
 #include "plugins/step/odograph/gait_finder.hpp"
-#include "plugins/step/odograph/mode.hpp"
+#include "plugins/step/odograph/carry_mode.hpp"
 #include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
@@ -259,7 +259,7 @@ TEST_CASE("stairs are told by the air's pressure, wind notwithstanding") {
     CAPTURE(rate_hz);
     Random random(4, 4);
     double gust = 0, wrong_s = 0, climbed_s = 0, late_s = 0;
-    steps::Climb climb;
+    steps::StairDetector climb;
     for (int i = 0; i < 600 * rate_hz; ++i) {
       const double t = i / rate_hz, keep = std::exp(-1 / (4 * rate_hz));
       gust = keep * gust + 4 * std::sqrt(1 - keep * keep) * random.normal();
