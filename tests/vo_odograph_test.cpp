@@ -226,13 +226,13 @@ TEST_CASE("an adjustment that fails says so in its report alone, and leaves the 
 }
 
 TEST_CASE("a point outlives the keyframe that saw it first") {
-  Window window(3);
+  Window window{KeyframeParameters{.window = 3, .point_parallax_rad = 0.001}};
   Random random(1, 1);
   const auto points = scene(2, 20);
   for (int k = 0; k < 5; ++k) {
     window.add({0, 0, on_the_way(k), std::nullopt, Vector3d::Zero()});
     for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(on_the_way(k), points[i], random, 0));
-    window.triangulate(0.001);
+    window.triangulate();
     window.slide();
   }
   CHECK(window.keyframes().size() == 3);
