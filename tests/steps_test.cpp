@@ -187,7 +187,7 @@ TEST_CASE("simulated users who look through the phone: counts and distances") {
   CHECK(percentile(distances, 1.0) < 0.25);
 }
 
-TEST_CASE("the slow walk through a house has its 50 to 66 steps and 29 to 38 m") {
+TEST_CASE("the slow walk through a house has its 50 to 66 steps and 29 to 38 m" * doctest::test_suite("steps_data")) {
   const auto folder = data_or_skip("phone_house");
   if (folder.empty()) return;
   auto recording = read_recording(folder);
@@ -302,7 +302,7 @@ TEST_CASE("a simulated walker: counts, times, modes and no step while standing, 
   }
 }
 
-TEST_CASE("the real walks with the best of the step estimators") {
+TEST_CASE("the real walks with the best of the step estimators" * doctest::test_suite("steps_data")) {
   const auto folder = data_or_skip("phone_walks");
   if (folder.empty()) return;
   std::vector<double> distance;
