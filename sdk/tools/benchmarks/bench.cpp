@@ -75,8 +75,8 @@ Result<std::vector<WalkRow>> run_walks(const std::string& config, const std::vec
     const auto result = replay(*recording, options);
     if (!result) return result.failure();
     const auto waypoints = recording->waypoints();
-    const double turn = heading_offset(result->track, waypoints, align_first_m);
-    WaypointErrors e = waypoint_errors(lay_over(result->track, waypoints, turn), waypoints);
+    const double rotation = heading_offset(result->track, waypoints, align_first_m);
+    WaypointErrors e = waypoint_errors(lay_over(result->track, waypoints, rotation), waypoints);
     // Where the truth is there its own path is the reference, not the polyline.
     if (!recording->truth.empty()) e.reference_m = waypoint_errors(recording->truth, waypoints).estimate_m;
     rows.push_back({files[i].filename().string(), e.reference_m, e.estimate_m, 100 * e.distance_error(),

@@ -154,7 +154,7 @@ class Walk {
     if (first_ns_ == INT64_MIN) first_ns_ = t_ns;
     if (static_cast<double>(t_ns - first_ns_) < 1e9 * a_.settle_s || t_ns < next_ns_) return;
     next_ns_ = t_ns + static_cast<int64_t>(1e9 * a_.every_s);
-    if (!map_) {  // n against the truth, by the start alone: a shift and a turn about the vertical
+    if (!map_) {  // n against the truth, by the start alone: a shift and a rotation about the vertical
       const Quaterniond off = pose->q * truth.q.conjugate();
       const Quaterniond q = Quaterniond(off.w(), 0, 0, off.z()).normalized();
       map_ = Pose{q, pose->p - q * truth.p};

@@ -91,7 +91,7 @@ CanyonRow score(const Recording& recording, const RunResult& result) {
   bool has_heading = false;
   for (const StampedPose& pose : result.track) {
     while (at + 1 < truth.size() && truth[at].t_ns < pose.t_ns) ++at;
-    for (; walked_to + 20 <= at; walked_to += 20)  // a tenth of a second: what the hand does is no way
+    for (; walked_to + 20 <= at; walked_to += 20)  // a tenth of a second: what the hand does is no path
       walked_m += (truth[walked_to + 20].p - truth[walked_to].p).head<2>().norm();
     const double t = static_cast<double>(pose.t_ns - truth.front().t_ns) * 1e-9;
     const double error = (pose.p - truth[at].p).head<2>().norm();

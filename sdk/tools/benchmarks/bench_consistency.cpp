@@ -32,7 +32,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kThreeSigma1 = 9.0, kThreeSigma2 = 11.83;  // 99.73 % of chi-square, one and two degrees of freedom
 constexpr double kLargestGap_s = 0.5;                       // of the truth, and of the covariance's floor:
-constexpr double kLeastSigma_m = 0.01, kLeastSigma_rad = 1e-3;
+constexpr double kMinSigma_m = 0.01, kMinSigma_rad = 1e-3;
 
 struct ConsistencyArguments {
   std::vector<std::string> recordings, configs = {"samples/configs/walk.yaml"};
@@ -43,23 +43,23 @@ struct ConsistencyArguments {
 
 /// What brings a track onto the truth, about the vertical.
 struct Laid {
-  double turn_rad = 0;
+  double yaw_rad = 0;
   Vector3d moved = Vector3d::Zero();
 
   double heading_off(const Quaterniond& estimate, const Quaterniond& truth) const {
     const Eigen::AngleAxisd off(truth *
-                                (Quaterniond(Eigen::AngleAxisd(turn_rad, Vector3d::UnitZ())) * estimate).conjugate());
+                                (Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ())) * estimate).conjugate());
     return std::remainder(off.angle(), static_cast<double>(2 * EIGEN_PI)) * off.axis().z();
   }
-  Vector3d on_truth(const Vector3d& p) const { return Eigen::AngleAxisd(turn_rad, Vector3d::UnitZ()) * p + moved; }
+  Vector3d on_truth(const Vector3d& p) const { return Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()) * p + moved; }
   Vector3d on_track(const Vector3d& p) const {
-    return Eigen::AngleAxisd(-turn_rad, Vector3d::UnitZ()) * Vector3d(p - moved);
+    return Eigen::AngleAxisd(-yaw_rad, Vector3d::UnitZ()) * Vector3d(p - moved);
   }
 };
 
 Laid lay(const odo_pose& pose, const StampedPose& truth) {
   Laid laid;
-  laid.turn_rad = laid.heading_off(Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]), truth.q);
+  laid.yaw_rad = laid.heading_off(Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]), truth.q);
   laid.moved = truth.p - laid.on_truth(Vector3d(pose.p_n));
   return laid;
 }
@@ -174,11 +174,12 @@ Json figures_of(const std::vector<odo_pose>& poses, const Trajectory& truth) {
     reference.push_back(*there);
     const Eigen::Vector2d error = (laid.on_truth(Vector3d(pose.p_n)) - there->p).head<2>();
     const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> P(pose.covariance);
-    const Eigen::AngleAxisd turn(laid.turn_rad, Vector3d::UnitZ());
-    const Eigen::Matrix3d turned = turn * Eigen::Matrix3d(P.block<3, 3>(3, 3)) * turn.inverse().toRotationMatrix();
-    const Matrix2d S = Matrix2d(turned.topLeftCorner<2, 2>()) + kLeastSigma_m * kLeastSigma_m * Matrix2d::Identity();
+    const Eigen::AngleAxisd rotation(laid.yaw_rad, Vector3d::UnitZ());
+    const Eigen::Matrix3d turned =
+        rotation * Eigen::Matrix3d(P.block<3, 3>(3, 3)) * rotation.inverse().toRotationMatrix();
+    const Matrix2d S = Matrix2d(turned.topLeftCorner<2, 2>()) + kMinSigma_m * kMinSigma_m * Matrix2d::Identity();
     const double position_2 = error.dot(S.inverse() * error), off = laid.heading_off(q, there->q),
-                 heading_2 = off * off / (P(2, 2) + kLeastSigma_rad * kLeastSigma_rad);
+                 heading_2 = off * off / (P(2, 2) + kMinSigma_rad * kMinSigma_rad);
     position += position_2 / 2, heading += heading_2, ++n;
     position_beyond.see(position_2 > kThreeSigma2, dt_s);
     heading_beyond.see(heading_2 > kThreeSigma1, dt_s);

@@ -62,9 +62,9 @@ Trajectory levelled(const Trajectory& truth, const Trajectory& track) {
   if (track.empty()) return track;
   size_t same = 0;
   while (same + 1 < truth.size() && truth[same].t_ns < track.front().t_ns) ++same;
-  const Eigen::Quaterniond turn = truth[same].q * track.front().q.conjugate();
+  const Eigen::Quaterniond rotation = truth[same].q * track.front().q.conjugate();
   Trajectory out = track;
-  for (StampedPose& pose : out) pose.p = turn * pose.p, pose.q = turn * pose.q;
+  for (StampedPose& pose : out) pose.p = rotation * pose.p, pose.q = rotation * pose.q;
   return out;
 }
 
@@ -140,7 +140,8 @@ void print(const DriveArguments& a, const std::vector<DriveErrors>& all) {
                 percentile(e.scale_m, 0.5), percentile(e.end_percent, 0.5));
   }
   std::printf(
-      "\nscale: |length of a frame's displacement - true one|, median (Figure 9); end: error at the end of the way.\n");
+      "\nscale: |length of a frame's displacement - true one|, median (Figure 9); end: error at the end of the "
+      "path.\n");
   if (all.size() < 2) return;
   for (size_t c = 1; c < all.size(); ++c) {
     size_t better = 0;

@@ -26,19 +26,19 @@ struct GaitArguments {
   uint64_t seeds = 40;
 };
 
-/// Samples of a walk at kRate_hz: norms of acceleration and of rotation rate, and the acceleration that is level.
+/// Samples of a walk at kRate_hz: norms of acceleration and of rotation rate, and the horizontal acceleration.
 struct Series {
   std::vector<double> acceleration, rotation, level;
 };
 
 struct GaitFigures {
-  double frequency_hz;           ///< of the steps: the spectrum's peak between 1.2 and 3 Hz
-  double acceleration_std;       ///< of the norm, m/s^2
-  double acceleration_p95;       ///< of the norm's deviation from its mean, m/s^2
-  double rotation_rms;           ///< rad/s
-  double level_rms;              ///< of the level acceleration, m/s^2, by the phone's own orientation or the true one
-  double stride_part;            ///< power around half the step frequency over that around it
-  double shock_part;             ///< power above 8 Hz over all power
+  double frequency_hz;      ///< of the steps: the spectrum's peak between 1.2 and 3 Hz
+  double acceleration_std;  ///< of the norm, m/s^2
+  double acceleration_p95;  ///< of the norm's deviation from its mean, m/s^2
+  double rotation_rms;      ///< rad/s
+  double horizontal_rms;    ///< of the horizontal acceleration, m/s^2, by the phone's own orientation or the true one
+  double stride_part;       ///< power around half the step frequency over that around it
+  double shock_part;        ///< power above 8 Hz over all power
   std::vector<double> spectrum;  ///< of the acceleration's norm, (m/s^2)^2/Hz at 0.1 Hz steps
 };
 
@@ -91,9 +91,9 @@ std::vector<double> spectrum_of(const std::vector<double>& signal) {
     for (size_t i = 0; i < n; ++i) mean += signal[from + i] / static_cast<double>(n);
     for (size_t k = 0; k < bins; ++k) {
       std::complex<double> sum = 0;
-      const std::complex<double> turn = std::polar(1.0, -2 * kPi * static_cast<double>(k) / static_cast<double>(n));
+      const std::complex<double> rotation = std::polar(1.0, -2 * kPi * static_cast<double>(k) / static_cast<double>(n));
       std::complex<double> phase = 1;
-      for (size_t i = 0; i < n; ++i, phase *= turn) {
+      for (size_t i = 0; i < n; ++i, phase *= rotation) {
         const double hann = 0.5 - 0.5 * std::cos(2 * kPi * static_cast<double>(i) / static_cast<double>(n));
         sum += hann * (signal[from + i] - mean) * phase;
       }
@@ -125,7 +125,7 @@ GaitFigures figures_of(const Series& s) {
   f.acceleration_std = a.std;
   f.acceleration_p95 = percentile(deviation, 0.95);
   f.rotation_rms = statistics_of(s.rotation).rmse;
-  f.level_rms = statistics_of(s.level).rmse;
+  f.horizontal_rms = statistics_of(s.level).rmse;
   return f;
 }
 
@@ -138,7 +138,7 @@ constexpr Figure kFigures[] = {
     {"acceleration, std of the norm (m/s^2)", &GaitFigures::acceleration_std},
     {"acceleration, 95 % of |norm - mean| (m/s^2)", &GaitFigures::acceleration_p95},
     {"rotation rate, rms (rad/s)", &GaitFigures::rotation_rms},
-    {"level acceleration, rms (m/s^2)", &GaitFigures::level_rms},
+    {"horizontal acceleration, rms (m/s^2)", &GaitFigures::horizontal_rms},
     {"stride's power over step's", &GaitFigures::stride_part},
     {"power above 8 Hz over all", &GaitFigures::shock_part},
 };

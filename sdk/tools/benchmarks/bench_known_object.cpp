@@ -39,7 +39,7 @@ double horizontal_error(const Told& t) { return (Vector3d(t.fix.p_n) - t.truth.p
 struct Cell {
   double from_m, to_m, from_deg, to_deg;
   bool standing;
-  std::vector<double> error_m, nis, turn_deg;
+  std::vector<double> error_m, nis, rotation_deg;
   uint64_t scenes = 0, seen = 0;
   void add(const std::vector<Told>& told) {
     ++scenes;
@@ -53,8 +53,8 @@ struct Cell {
     nis.push_back(off.dot(P.inverse() * off));
     const Eigen::Quaterniond q_b_c(0, 1, 0, 0),
         q(last.fix.q_n_b[0], last.fix.q_n_b[1], last.fix.q_n_b[2], last.fix.q_n_b[3]);
-    turn_deg.push_back(Eigen::AngleAxisd((q * q_b_c).toRotationMatrix().transpose() * last.truth.R_n_c).angle() /
-                       kDegree);
+    rotation_deg.push_back(Eigen::AngleAxisd((q * q_b_c).toRotationMatrix().transpose() * last.truth.R_n_c).angle() /
+                           kDegree);
   }
 };
 
@@ -107,18 +107,18 @@ struct Lookalikes {
 /// Before the copy instead of the original, turned away and walking away so that at least half of that is out of the
 /// picture.
 Viewpoint before_copy(Viewpoint v, const Vector3d& aside, const PosterCamera& camera) {
-  constexpr double kTurn_rad = 0.02, kFirst_s = -0.25;
-  constexpr int kTurns = 60;
+  constexpr double kRotation_rad = 0.02, kFirst_s = -0.25;
+  constexpr int kYaws = 60;
   const double side = aside.y() > 0 ? 1 : -1;
   v.p_n += aside;
   v.velocity_n.y() = side * std::abs(v.velocity_n.y());
   v.rate_c.setZero();
-  for (int k = 0; k < kTurns; ++k) {
+  for (int k = 0; k < kYaws; ++k) {
     const Eigen::Vector3d p_c = v.after(kFirst_s).to(kMiddle).translation();
     if (p_c.z() <= 0) break;
     const double x = camera.project(p_c).x();
     if (x < 0 || x > 639) break;
-    v.R_n_c = Eigen::AngleAxisd(side * kTurn_rad, Vector3d::UnitZ()).toRotationMatrix() * v.R_n_c;
+    v.R_n_c = Eigen::AngleAxisd(side * kRotation_rad, Vector3d::UnitZ()).toRotationMatrix() * v.R_n_c;
   }
   return v;
 }
@@ -236,7 +236,7 @@ void print(const Target& target, const std::vector<Cell>& cells) {
     else
       std::printf("%-28s %7llu %7llu %9.3f %9.3f %9.3f %12.2f %8.0f %%\n", name,
                   static_cast<unsigned long long>(c.scenes), static_cast<unsigned long long>(c.seen), mean(c.error_m),
-                  percentile(c.error_m, 0.9), percentile(c.error_m, 1), mean(c.turn_deg),
+                  percentile(c.error_m, 0.9), percentile(c.error_m, 1), mean(c.rotation_deg),
                   100.0 * static_cast<double>(inside) / static_cast<double>(c.nis.size()));
   }
   std::printf("\n");

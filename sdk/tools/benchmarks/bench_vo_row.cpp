@@ -12,7 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Eigen::Vector3d;
 
-constexpr double kLeastDisplacement_m = 0.03;  // of a frame whose direction means something
+constexpr double kMinDisplacement_m = 0.03;  // of a frame whose direction means something
 constexpr double kTrueWindow_m = 10;
 constexpr double kAssociate_s = 0.02;  // two thirds of a frame at 30 Hz
 constexpr double kLargestGap_s = 0.25;
@@ -34,7 +34,7 @@ Consistency consistency_of(const Trajectory& truth, const std::vector<odo_vo_mot
     const Vector3d error = off.angle() * off.axis();
     result.rotation.push_back(error.dot(covariance.topLeftCorner<3, 3>().inverse() * error) / 3);
     const Vector3d displacement = from->q.conjugate() * (to->p - from->p), own(m.p_c0_c1);
-    if (displacement.norm() < kLeastDisplacement_m) continue;
+    if (displacement.norm() < kMinDisplacement_m) continue;
     const Vector3d across = own - own.norm() / displacement.norm() * displacement;
     result.direction.push_back(across.dot(covariance.bottomRightCorner<3, 3>().inverse() * across) / 2);
   }
@@ -120,7 +120,7 @@ void add_metre(const VoFigures& f, Json& row) {
 }
 
 void add_shape(const Recording& recording, const RunResult& result, Json& row) {
-  const Pairs pairs = associate(recording.truth, chain_of(result.motions).own(), kAssociate_s);
+  const Pairs pairs = associate(recording.truth, compose(result.motions).own(), kAssociate_s);
   if (pairs.reference.size() < 10) return;
   const double length = path_length(pairs.reference), percent = 100 / std::max(length, 1e-9);
   const Trajectory aligned = align(pairs, Alignment::sim3, nullptr);
@@ -179,7 +179,7 @@ PlotSeries scale_series(const Recording& recording, const RunResult& result, con
   for (const ScaleWindow& w : figures_of(recording, result).windows)
     series.points.emplace_back(w.path_m, std::exp(w.log_scale));
   if (!series.points.empty()) return series;
-  const Pairs pairs = associate(recording.truth, chain_of(result.motions).own(), kAssociate_s);
+  const Pairs pairs = associate(recording.truth, compose(result.motions).own(), kAssociate_s);
   series.points = scale_along_path(pairs.reference, pairs.estimate, VoFigureParameters{}.window_m);
   std::vector<double> scales;
   for (const auto& [at_m, scale] : series.points) scales.push_back(scale);

@@ -37,7 +37,7 @@ struct Errors {
   double mean_m = 0;
 };
 
-/// One run, by two starts: a fix of position and heading after 12 m, as an app has it from a known object, and the way
+/// One run, by two starts: a fix of position and heading after 12 m, as an app has it from a known object, and the path
 /// of the first 12 m.
 struct Walk700Row {
   Errors by_pose, by_path;
@@ -58,7 +58,7 @@ Result<fs::path> config_of(const Walk700Arguments& a, const std::string& config,
 }
 
 /// What a track is laid by. Known objects are surveyed in n: one that is put in place by them is not laid over the
-/// start. Without a camera the heading of a pose is not the way's: the path alone tells that.
+/// start. Without a camera the heading of a pose is not the path's: the path alone tells that.
 enum class Start { surveyed, by_pose, by_path };
 Result<Start> start_of(const RunOptions& options) {
   const auto text = text_of(options.config);

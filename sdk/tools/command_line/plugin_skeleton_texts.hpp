@@ -28,9 +28,9 @@ inline const Skeleton kSkeletons[] = {
     for (int i = 0; i < 3; ++i) up_b[i] += (message.accel_b[i] - up_b[i]) * (dt > 0 ? std::min(1.0, gain * dt) : 1.0);
     const double norm = std::sqrt(up_b[0] * up_b[0] + up_b[1] * up_b[1] + up_b[2] * up_b[2]);
     if (!(norm > 1.0)) return;
-    double turn = 0;
-    for (int i = 0; i < 3; ++i) turn -= message.gyro_b[i] * up_b[i] / norm;  // about down
-    heading_rad += dt > 0 && dt < 1 ? turn * dt : 0;
+    double yaw_rate = 0;
+    for (int i = 0; i < 3; ++i) yaw_rate -= message.gyro_b[i] * up_b[i] / norm;  // about down
+    heading_rad += dt > 0 && dt < 1 ? yaw_rate * dt : 0;
     auto event = odo::make<odo_attitude>(message.header.t_ns);
     // The shortest rotation that takes up_b to z, half a turn about x (up is -z in North-East-Down), the heading about z.
     double w = norm + up_b[2], x = up_b[1], y = -up_b[0];
@@ -44,7 +44,7 @@ inline const Skeleton kSkeletons[] = {
      R"(  const odo_imu *imu = (const odo_imu *)(const void *)message;
   const double dt = self->last_ns ? 1e-9 * (double)(message->t_ns - self->last_ns) : 0.0;
   const double blend = dt > 0 ? (self->gain * dt < 1 ? self->gain * dt : 1) : 1;
-  double norm, turn = 0, w, x, y, q, c, s;
+  double norm, yaw_rate = 0, w, x, y, q, c, s;
   odo_attitude event;
   int i;
   if (message->type != ODO_TYPE_IMU) return ODO_OK;
@@ -54,8 +54,8 @@ inline const Skeleton kSkeletons[] = {
   for (i = 0; i < 3; ++i) self->up_b[i] += (imu->accel_b[i] - self->up_b[i]) * blend;
   norm = sqrt(self->up_b[0] * self->up_b[0] + self->up_b[1] * self->up_b[1] + self->up_b[2] * self->up_b[2]);
   if (!(norm > 1.0)) return ODO_NOT_READY;
-  for (i = 0; i < 3; ++i) turn -= imu->gyro_b[i] * self->up_b[i] / norm; /* about down */
-  self->heading_rad += dt > 0 && dt < 1 ? turn * dt : 0;
+  for (i = 0; i < 3; ++i) yaw_rate -= imu->gyro_b[i] * self->up_b[i] / norm; /* about down */
+  self->heading_rad += dt > 0 && dt < 1 ? yaw_rate * dt : 0;
   memset(&event, 0, sizeof event);
   event.header.struct_size = sizeof event;
   event.header.type = ODO_TYPE_ATTITUDE;
@@ -147,8 +147,8 @@ inline const Skeleton kSkeletons[] = {
     const double units = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
     if ((message.header.flags & ODO_VO_TRANSLATION) == 0 || !(units > 1e-9 && units < 1e9)) return;
     auto event = odo::make<odo_scale>(message.header.t_ns);
-    event.metres_per_unit = gain * 1e-9 * static_cast<double>(message.header.t_ns - message.t_from_ns) / units;
-    event.sigma = 0.2 * event.metres_per_unit;
+    event.scale = gain * 1e-9 * static_cast<double>(message.header.t_ns - message.t_from_ns) / units;
+    event.sigma = 0.2 * event.scale;
     event.valid_from_ns = message.t_from_ns, event.valid_to_ns = message.header.t_ns;
     event.scale_group = message.scale_group;
     output.emit(event);
@@ -164,8 +164,8 @@ inline const Skeleton kSkeletons[] = {
   event.header.struct_size = sizeof event;
   event.header.type = ODO_TYPE_SCALE;
   event.header.t_ns = message->t_ns;
-  event.metres_per_unit = self->gain * 1e-9 * (double)(message->t_ns - motion->t_from_ns) / units;
-  event.sigma = 0.2 * event.metres_per_unit;
+  event.scale = self->gain * 1e-9 * (double)(message->t_ns - motion->t_from_ns) / units;
+  event.sigma = 0.2 * event.scale;
   event.valid_from_ns = motion->t_from_ns, event.valid_to_ns = message->t_ns;
   event.scale_group = motion->scale_group;
   return self->sink->emit(self->sink, &event.header);

@@ -83,12 +83,12 @@ Trajectory started_by_pose(const Trajectory& truth, const Trajectory& track, dou
     return std::abs(a.t_ns - truth[at].t_ns) < std::abs(b.t_ns - truth[at].t_ns);
   });
   const Eigen::Quaterniond off = truth[at].q * nearest->q.conjugate();
-  const Eigen::Quaterniond turn = Eigen::Quaterniond(off.w(), 0, 0, off.z()).normalized();
+  const Eigen::Quaterniond rotation = Eigen::Quaterniond(off.w(), 0, 0, off.z()).normalized();
   const Eigen::Vector3d from = position_at(track, truth[at].t_ns);
   Trajectory laid = track;
   for (StampedPose& pose : laid) {
-    pose.p = turn * (pose.p - from) + truth[at].p;
-    pose.q = turn * pose.q;
+    pose.p = rotation * (pose.p - from) + truth[at].p;
+    pose.q = rotation * pose.q;
   }
   return laid;
 }
