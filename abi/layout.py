@@ -8,7 +8,7 @@
 
 `golden/minimum_v1.txt` holds the smallest size that a reader accepts of each struct: what version 1.0 of it had. A struct
 that is new there is added with the size that it has; nothing else ever changes in it. Adding a message is one edit: its
-struct and its ODO_TYPE number in types.h, then this script.
+struct in samples.h or events.h and its ODO_TYPE number in base.h, then this script.
 
 `layout.py --check` writes nothing and fails when something is out of date, or when a struct of `golden/released_v1.txt`
 (if there has been a release) lost, moved or changed a field: structs grow at their end only.
@@ -22,7 +22,7 @@ import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 INCLUDE = HERE / "include/odograph"
-HEADERS = ["types.h", "odograph.h", "anchor.h", "plugin.h", "terrain.h", "skylines.h"]
+HEADERS = ["base.h", "samples.h", "events.h", "odograph.h", "anchor.h", "plugin.h", "terrain.h", "skylines.h"]
 FROZEN = {"odo_string", "odo_plane", "odo_header"}  # embedded by value in others
 SCALARS = {"uint8_t": 1, "int32_t": 4, "uint32_t": 4, "float": 4, "double": 8, "int64_t": 8, "uint64_t": 8, "char": 1}
 WRITTEN = "/* SPDX-License-Identifier: Apache-2.0\n *\n * Written by abi/layout.py; do not edit. "
@@ -64,7 +64,7 @@ def structs(include=INCLUDE):
 
 def type_numbers():
     """Message types by struct name, in the order of their numbers."""
-    text = (INCLUDE / "types.h").read_text()
+    text = (INCLUDE / "base.h").read_text()
     numbers = re.findall(r"#define ODO_TYPE_(\w+) UINT32_C\((0x[0-9A-Fa-f]+)\)", text)
     return {"odo_" + name.lower(): name for name, number in sorted(numbers, key=lambda x: int(x[1], 16))}
 
@@ -83,7 +83,7 @@ def render_messages(sizes, minimum):
     types = type_numbers()
     missing = [name for name in types if name not in sizes]
     if missing:
-        sys.exit(f"types.h: no struct for the message types of {', '.join(missing)}")
+        sys.exit(f"base.h: no struct for the message types of {', '.join(missing)}")
     rows = [f"  X(ODO_TYPE_{label}, {name}, {name[4:]}, {name.upper()}_SIZE_MIN)" for name, label in types.items()]
     width = max(len(row) for row in rows) + 1
     table = " \\\n".join([row.ljust(width) for row in rows[:-1]] + [rows[-1]])

@@ -74,6 +74,19 @@ TEST_CASE("the doubt grows with the time since the reference, and a new referenc
   CHECK(after_reference < after_ten_minutes);
 }
 
+TEST_CASE("the doubt of a reference is in every height that is told from it") {
+  const auto doubt_m2 = [](double reference_m2) {
+    PressureHeight height({});
+    height.refer(0, 0, reference_m2);
+    std::optional<PressureHeight::Height> last;
+    for (int k = 0; k <= 60; ++k)
+      if (const auto h = height.add(k * kSecond_ns, 100000)) last = h;
+    REQUIRE(last.has_value());
+    return last->error_variance_m2;
+  };
+  CHECK(doubt_m2(4.0) - doubt_m2(1.0) == doctest::Approx(3.0).epsilon(1e-9));
+}
+
 TEST_CASE("what is no pressure of a walker is no reading, and time that goes back begins anew") {
   PressureHeight height({});
   height.refer(0, 0, 0.01);

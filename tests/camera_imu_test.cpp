@@ -142,7 +142,8 @@ TEST_CASE("the camera.yaml it writes is read back, mount, times and all") {
   CHECK(std::abs(read->q_b_c[1] - found->q_b_c.x()) < 1e-8);
 }
 
-TEST_CASE("real recordings: a drone's published calibration, a phone against a peer's refined one") {
+TEST_CASE("real recordings: a drone's published calibration, a phone against a peer's refined one" *
+          doctest::test_suite("camera_imu_data")) {
   if (const auto folder = data_or_skip("euroc_mh05"); !folder.empty()) {
     const auto recording = read_recording(folder);
     REQUIRE(recording);

@@ -29,6 +29,49 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
+TEST_CASE("every setting of a config arrives, and none in another's place") {
+  const auto config = read_pipeline_config(
+      "odograph: 1\nplugins: {verify_hash: false}\n"
+      "navigation:\n  origin: {latitude: 47 deg, longitude: 8 deg, height: 400 m}\n"
+      "  start: {position: [1 m, 2 m, 3 m], heading: 0.4 rad}\n"
+      "time_ordering: {max_wait: 0.31 s, max_gap: 2.5 s, queue: 777, frames: 5}\n"
+      "vo_frontend: {plugin: vo/five_point, isolation: process, time_limit: 3 s, start_limit: 11 s, memory_limit: "
+      "300}\n"
+      "coupling: {type: inertial, orientation: gyroscope, vertical: scaled, fix_gate: 4.5, bridge: 7 s,\n"
+      "           fastest: 13 m/s, odometry_covariance: 2.25}\n"
+      "replay: {start_at_first_waypoint: true, align_heading_over: 17 m}\n",
+      "f.yaml", {plugin_folder()});
+  REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+  const PipelineConfig& c = *config;
+  CHECK(c.library_check == LibraryCheck::none);
+  REQUIRE(c.origin);
+  CHECK((*c.origin)[0] == doctest::Approx(47 * EIGEN_PI / 180).epsilon(1e-12));
+  CHECK((*c.origin)[1] == doctest::Approx(8 * EIGEN_PI / 180).epsilon(1e-12));
+  CHECK((*c.origin)[2] == 400);
+  CHECK(c.start.position_m == std::array<double, 3>{1, 2, 3});
+  CHECK(c.start.heading_rad == 0.4);
+  CHECK(c.start.given);
+  CHECK(c.start.heading_given);
+  CHECK(c.ordering.max_wait_s == 0.31);
+  CHECK(c.ordering.max_gap_s == 2.5);
+  CHECK(c.ordering.queue == 777);
+  CHECK(c.ordering.frames == 5);
+  CHECK(c.coupling.type == CouplingType::inertial);
+  CHECK(c.coupling.orientation == Orientation::gyroscope);
+  CHECK(c.coupling.vertical == Vertical::scaled);
+  CHECK(c.coupling.fix_gate_sigma == 4.5);
+  CHECK(c.coupling.bridge_s == 7);
+  CHECK(c.coupling.fastest_mps == 13);
+  CHECK(c.coupling.odometry_covariance == 2.25);
+  CHECK(c.replay.start_at_first_waypoint);
+  CHECK(c.replay.align_heading_over_m == 17);
+  REQUIRE(c.vo_frontends.size() == 1);
+  CHECK(c.vo_frontends[0].isolation.kind == Isolation::Kind::process);
+  CHECK(c.vo_frontends[0].isolation.time_s == 3);
+  CHECK(c.vo_frontends[0].isolation.start_s == 11);
+  CHECK(c.vo_frontends[0].isolation.memory_bytes == 300ULL << 20);
+}
+
 TEST_CASE("every broken config is named with its place, what was expected and the nearest key") {
   struct Case {
     const char* what;

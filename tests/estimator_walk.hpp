@@ -34,6 +34,7 @@ struct WalkMeasurements {
   } odometry;
   double no_imu_from_s = 1e9, no_imu_to_s = 1e9;
   bool steps = true, camera = true, attitude = true;
+  Eigen::Quaterniond q_b_c{0, 1, 0, 0};  ///< the camera's mount: a phone's rear camera
   double step_factor_sigma = 0.08, step_own = 0.05, step_heading_rad = 0.05, step_offset_rad = 0.1;
   double fix_every_s = 0, fix_sigma_m = 1.0, fix_late_s = 0.3;
   double start_s = 0, end_s = 1e9;
@@ -67,7 +68,7 @@ class EstimatorWalk {
     log_units_ = std::log(w_.odometry.units_per_m) + w_.odometry.scale_sigma * random_.normal();
     log_factor_ = w_.step_factor_sigma * random_.normal();
     step_offset_ = w_.step_offset_rad * random_.normal();
-    q_b_c_ = Eigen::Quaterniond(0, 1, 0, 0);
+    q_b_c_ = w_.q_b_c;
   }
 
   double duration_s() const { return std::min(w_.end_s, journey_.phone.duration_s()); }
@@ -84,7 +85,9 @@ class EstimatorWalk {
            const std::function<void(const Correction&, const odo_pose&)>& on_correction = {}) {
     auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
     calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
-    calibration.q_b_c[1] = 1;
+    const Eigen::Quaterniond& q = q_b_c_;
+    calibration.q_b_c[0] = q.w(), calibration.q_b_c[1] = q.x(), calibration.q_b_c[2] = q.y();
+    calibration.q_b_c[3] = q.z();
     Eigen::Vector3d::Map(calibration.p_b_c) = p_b_c_;
     estimator.on_calibration(calibration);
     const double dt = 0.005;

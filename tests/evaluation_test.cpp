@@ -32,7 +32,7 @@ Trajectory moved(const Trajectory& t, double scale, const Eigen::Quaterniond& q,
 
 }  // namespace
 
-TEST_CASE("every figure of the reference results agrees with evo's") {
+TEST_CASE("every figure of the reference results agrees with evo's" * doctest::test_suite("evaluation_data")) {
   const auto folder = data_or_skip("trajectories");
   if (folder.empty()) return;
   const auto expected = nlohmann::json::parse(read_text(folder / "expected.json"));

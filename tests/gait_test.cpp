@@ -75,7 +75,8 @@ TEST_CASE("no steps while the device lies or is held still") {
   CHECK(steps == 0);
 }
 
-TEST_CASE("the real walks: steps, distance and position stay what they are or get better") {
+TEST_CASE("the real walks: steps, distance and position stay what they are or get better" *
+          doctest::test_suite("gait_data")) {
   const auto folder = data_or_skip("phone_walks");
   if (folder.empty()) return;
   std::vector<double> distance;

@@ -27,17 +27,6 @@ cmake --build "$work/live" >/dev/null
 "$work/live/live" "$work/samples/configs/phone_walk.yaml" "$work/live.odo" | tail -1
 python3 "$work/samples/python/odograph_live.py" "$libdir/libodograph.so" "$work/samples/configs/phone_walk.yaml"
 
-# Augmented reality over a few metres of a street: a video and a picture.
-if cmake -S "$work/samples/ar_overlay" -B "$work/ar" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_BUILD_TYPE=Release >"$work/ar.log" 2>&1; then
-  cmake --build "$work/ar" >/dev/null
-  "$work/prefix/bin/odograph" sim "$work/samples/scenarios/street_short.yaml" --first 6 -o "$work/walk.odo" >/dev/null
-  "$work/ar/ar_overlay" "$work/samples/configs/walk.yaml" "$work/walk.odo" -o "$work/walk.mp4" --drop "4:Bakery:1,-0.5,6" --picture "5:$work/walk.png"
-  [ -s "$work/walk.mp4" ] && [ -s "$work/walk.png" ]
-else
-  grep -q OPENCV "$work/ar.log"
-  echo "SKIPPED: samples/ar_overlay needs libopencv-videoio-dev"
-fi
-
 cmake -S "$work/samples/plugin_example" -B "$work/plugin" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
 cmake --build "$work/plugin" >/dev/null
 "$work/prefix/bin/odograph" plugin manifest "$work/plugin/constant_speed.so"

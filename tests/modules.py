@@ -1,14 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The modules' rules, read from the includes: who may see whom, no cycles between folders, what no library may do."""
+"""The modules' rules, read from the includes: who may see whom, no cycles between folders, what no library may do; and
+how long files and functions may be."""
 import collections
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 
 ROOT = sys.argv[1]
 MAX_LINES = 400
+MAX_FUNCTION_LINES = 60
+# Functions that are still longer, as FILE:FUNCTION. None is ever added.
+STILL_LONG = {
+}
 
 # Folders of the host, each may include those before it. The tools may include all of them.
 HOST = ["base", "messages", "config", "plugin_host", "estimator", "core"]
@@ -92,6 +99,31 @@ def check_lengths():
                 wrong.append(f"{path} has {count} lines, {MAX_LINES} at most")
 
 
+def check_functions():
+    """By universal-ctags, which says where each function ends. False where there is none."""
+    if not shutil.which("ctags") or "Universal Ctags" not in subprocess.run(["ctags", "--version"], capture_output=True, text=True, check=False).stdout:
+        return False
+    files = [path for path, _ in sources("abi", "sdk", "plugins", "samples", "tests")]
+    said = subprocess.run(["ctags", "--output-format=json", "--fields=+ne", "--c-kinds=f", "--c++-kinds=f", "-L", "-", "-f", "-"],
+                          input="\n".join(files), cwd=ROOT, capture_output=True, text=True, check=False).stdout
+    long, seen = set(), 0
+    for tag in map(json.loads, said.splitlines()):
+        if "end" not in tag:
+            continue
+        seen += 1
+        count = tag["end"] - tag["line"] + 1
+        if count > MAX_FUNCTION_LINES:
+            name = f"{tag['path']}:{tag['name']}"
+            long.add(name)
+            if name not in STILL_LONG:
+                wrong.append(f"{tag['path']}:{tag['line']}: {tag['name']} has {count} lines, {MAX_FUNCTION_LINES} at most")
+    for name in sorted(STILL_LONG - long):
+        wrong.append(f"{name} is no longer long: take it out of STILL_LONG")
+    if seen < 2000:
+        wrong.append(f"ctags found {seen} functions only")
+    return True
+
+
 edges = collections.defaultdict(set)
 for path, text in sources("abi", "sdk", "plugins", "samples"):
     for other in included(path, text):
@@ -109,5 +141,9 @@ for path, text in sources("abi", "sdk", "plugins", "samples"):
                 wrong.append(f"{path}:{number}: a library writes to the terminal, ends the program or reads its environment")
 check_cycles(edges)
 check_lengths()
-print("\n".join(wrong))
-sys.exit(1 if wrong else 0)
+counted = check_functions()
+if wrong:
+    sys.exit("\n".join(wrong))
+if not counted:
+    print("SKIPPED: no universal-ctags, so no function was measured")
+    sys.exit(77)

@@ -226,7 +226,7 @@ TEST_CASE("EuRoC, TUM RGB-D, ADVIO and image folders are recognised and read") {
   CHECK(read_recording(images).failure().text.find("camera.yaml:4:1: unknown key 'fz'") != std::string::npos);
 }
 
-TEST_CASE("the real recordings are read") {
+TEST_CASE("the real recordings are read" * doctest::test_suite("recording_data")) {
   const auto folder = data_or_skip("");
   if (folder.empty()) return;
   const auto kitti = read_recording(folder / "kitti_clip_b");

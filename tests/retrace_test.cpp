@@ -12,7 +12,8 @@ using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("world");
 
-TEST_CASE("a real walk is retraced: its waypoints, its own orientation, and the bounce of its steps") {
+TEST_CASE("a real walk is retraced: its waypoints, its own orientation, and the bounce of its steps" *
+          doctest::test_suite("world_data")) {
   const auto folder = data_or_skip("phone_walks");
   if (folder.empty()) return;
   const auto walk = read_recording(folder / "site2_F1_5dd35c7327889b0006b76850.txt");
@@ -71,7 +72,7 @@ TEST_CASE("a real walk is retraced: its waypoints, its own orientation, and the 
   CHECK(std::sqrt(gyro / count) < 0.005);
 }
 
-TEST_CASE("pictures rendered along a real walk come with that walk's own samples") {
+TEST_CASE("pictures rendered along a real walk come with that walk's own samples" * doctest::test_suite("world_data")) {
   const auto folder = data_or_skip("phone_walks");
   if (folder.empty()) return;
   const TemporaryFolder out;

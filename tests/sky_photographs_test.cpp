@@ -51,7 +51,8 @@ Planes planes_of(const cv::Mat& bgr) {
 
 }  // namespace
 
-TEST_CASE("photographs that no network was taught on: flood fill, robust in grey, robust in colour") {
+TEST_CASE("photographs that no network was taught on: flood fill, robust in grey, robust in colour" *
+          doctest::test_suite("sky_photographs_data")) {
   namespace fs = std::filesystem;
   const fs::path folder = data_or_skip("sky_fisheye");
   if (folder.empty()) return;
@@ -123,7 +124,8 @@ TEST_CASE("a frame's colour is the same in every format, and a grey one has none
   CHECK(frame_of(ODO_FORMAT_YUV420, {planes[0], none, none}).empty());
 }
 
-TEST_CASE("a colour picture of 640x480: its sky, in so much processor time") {
+TEST_CASE("a colour picture of 640x480: its sky, in so much processor time" *
+          doctest::test_suite("sky_photographs_data")) {
   namespace fs = std::filesystem;
   const fs::path folder = data_or_skip("sky_fisheye");
   if (folder.empty()) return;

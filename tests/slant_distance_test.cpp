@@ -44,7 +44,7 @@ TEST_CASE("eq. (5): the scale is the line through places, whatever the heading, 
   CHECK(scale.scale()->sigma > 1.0);
 }
 
-TEST_CASE("eq. (5) letter for letter falls with the way driven: it is no scale") {
+TEST_CASE("eq. (5) letter for letter falls with the distance driven: it is no scale") {
   const double u = 0.5;
   slant_scale::LiteralScale scale;
   CHECK_FALSE(scale.scale());

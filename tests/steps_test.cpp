@@ -3,9 +3,9 @@
 
 #include <doctest/doctest.h>
 
-#include "plugins/step/odograph/climb.hpp"
+#include "plugins/step/odograph/stair_detector.hpp"
 #include "plugins/step/odograph/gait_finder.hpp"
-#include "plugins/step/odograph/mode.hpp"
+#include "plugins/step/odograph/carry_mode.hpp"
 #include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
@@ -187,7 +187,7 @@ TEST_CASE("simulated users who look through the phone: counts and distances") {
   CHECK(percentile(distances, 1.0) < 0.25);
 }
 
-TEST_CASE("the slow walk through a house has its 50 to 66 steps and 29 to 38 m") {
+TEST_CASE("the slow walk through a house has its 50 to 66 steps and 29 to 38 m" * doctest::test_suite("steps_data")) {
   const auto folder = data_or_skip("phone_house");
   if (folder.empty()) return;
   auto recording = read_recording(folder);
@@ -259,7 +259,7 @@ TEST_CASE("stairs are told by the air's pressure, wind notwithstanding") {
     CAPTURE(rate_hz);
     Random random(4, 4);
     double gust = 0, wrong_s = 0, climbed_s = 0, late_s = 0;
-    steps::Climb climb;
+    steps::StairDetector climb;
     for (int i = 0; i < 600 * rate_hz; ++i) {
       const double t = i / rate_hz, keep = std::exp(-1 / (4 * rate_hz));
       gust = keep * gust + 4 * std::sqrt(1 - keep * keep) * random.normal();
@@ -302,7 +302,7 @@ TEST_CASE("a simulated walker: counts, times, modes and no step while standing, 
   }
 }
 
-TEST_CASE("the real walks with the best of the step estimators") {
+TEST_CASE("the real walks with the best of the step estimators" * doctest::test_suite("steps_data")) {
   const auto folder = data_or_skip("phone_walks");
   if (folder.empty()) return;
   std::vector<double> distance;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -26,10 +25,10 @@ inline std::string read_text(const std::filesystem::path& path) {
 inline std::filesystem::path source(const std::string& name) { return std::filesystem::path(ODOGRAPH_SOURCE) / name; }
 inline std::filesystem::path plugin_folder() { return std::filesystem::path(ODOGRAPH_BUILD) / "lib/odograph/plugins"; }
 
-/// The folder of real recordings, or nothing (and a line that says so) where it is missing.
-inline std::filesystem::path data_or_skip(const std::string& name) {
-  const auto path = std::filesystem::path(ODOGRAPH_DATA) / name;
-  if (std::filesystem::exists(path)) return path;
-  std::printf("SKIPPED: no real recordings at %s\n", path.c_str());
-  return {};
-}
+/// Says what is missing here; where no check fails the program then ends with 77, which ctest shows as "Skipped".
+void skip(const std::string& why);
+
+/// Real data of that name, from the folder in the environment variable ODOGRAPH_DATA or, without it, the build's. Where
+/// it is missing: empty, and the case is skipped; with ODOGRAPH_REQUIRE_DATA (likewise) the case fails at once. Cases
+/// that call it belong to a suite of their own, named ..._data, so that ctest shows what did not run.
+std::filesystem::path data_or_skip(const std::string& name);

@@ -77,7 +77,8 @@ TEST_CASE("a picture without upright lines tells no zenith") {
   CHECK_FALSE(vanishing_zenith({}, Vector3d::UnitZ(), {}));
 }
 
-TEST_CASE("pitch and roll by vanishing points in pictures of real cities") {
+TEST_CASE("pitch and roll by vanishing points in pictures of real cities" *
+          doctest::test_suite("vanishing_point_data")) {
   const auto folder = data_or_skip("city");
   if (folder.empty()) return;
   const TemporaryFolder made;

@@ -10,7 +10,7 @@
 
 #include "plugins/vo/odograph/inertial/filter.hpp"
 #include "plugins/vo/odograph/inertial/update.hpp"
-#include "plugins/vo/odograph/visual/gyroscope.hpp"
+#include "plugins/shared/rotation.hpp"
 
 namespace {
 
@@ -20,8 +20,8 @@ using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using odograph::CameraModel;
-using odograph::vo::exp_rotation;
-using odograph::vo::log_rotation;
+using odograph::so3::exp_rotation;
+using odograph::so3::log_rotation;
 
 constexpr double kGravity = 9.81, kPi = 3.141592653589793, kFrame_s = 0.1, kSample_s = 0.005;
 constexpr int kWidth = 640, kHeight = 480;
@@ -64,80 +64,107 @@ struct Trial {
   double duration_s = 25, judged_from_s = 5;
 
   struct Result {
-    double scale = 0;  ///< of the way by the filter to the true one, from judged_from_s on
+    double scale = 0;  ///< path by the filter over the true one, from judged_from_s on
     State state;
   };
-  Result run() const {
-    std::mt19937 generator(5);
-    std::normal_distribution<double> normal;
-    std::uniform_real_distribution<double> uniform;
-    struct Point {
-      Vector3d p;
-      Vector2d slide;
-      bool bad;
-    };
-    std::vector<Point> points(900);
-    for (Point& x : points) {
-      const double side = uniform(generator) < 0.5 ? -1 : 1;
-      x.p = {90 * uniform(generator), side * (3 + 7 * uniform(generator)), -6 + 7.5 * uniform(generator)};
-      x.bad = uniform(generator) < bad_corners;
+  Result run() const;
+};
+
+/// What the phone of a trial measures: one generator for all, so that a trial is always the same.
+class Phone {
+ public:
+  explicit Phone(const Trial& trial) : trial_(trial), points_(900) {
+    for (Point& x : points_) {
+      const double side = uniform_(generator_) < 0.5 ? -1 : 1;
+      x.p = {90 * uniform_(generator_), side * (3 + 7 * uniform_(generator_)), -6 + 7.5 * uniform_(generator_)};
+      x.bad = uniform_(generator_) < trial.bad_corners;
       x.slide.setZero();
     }
+  }
+
+  static Camera camera() {
     Camera camera;
     camera.lens = {CameraModel::Distortion::radial_tangential, 500, 500, 320, 240, {0, 0, 0, 0}};
     camera.middle_row = 0.5 * (kHeight - 1);
-    Filter::Start start;
-    start.nav.q_w_b = Walk::orientation(0), start.nav.v_w = walk.velocity(0);
-    start.tilt_rad = 0.005, start.velocity_mps = 0.05, start.gyro_bias_radps = 0.003, start.accel_bias_mps2 = 0.05;
-    Filter filter(p, camera, start);
-    ImuBuffer imu;
-    Result out;
-    Vector2d shift = Vector2d::Zero();
-    double way = 0, true_way = 0, next_sample_s = 0;
-    Vector3d before = Vector3d::Zero(), true_before = Vector3d::Zero();
-    for (int frame = 0; frame * kFrame_s < duration_s; ++frame) {
-      const double t = frame * kFrame_s;
-      for (; next_sample_s < t + 0.03; next_sample_s += kSample_s) {
-        ImuSample s = walk.imu(next_sample_s);
-        if (next_sample_s <= t) {
-          const double used = std::min(1.0, shift.norm() / travel_px);
-          const double leak = 2 * kPi * (leak_hz + (end_leak_hz - leak_hz) * used * used);
-          shift = (shift + kSample_s * follow * 500 * Vector2d(s.gyro_b.y(), -s.gyro_b.x())) / (1 + kSample_s * leak);
-        }
-        s.gyro_b = gyro_axes * s.gyro_b + 0.002 * Vector3d(normal(generator), normal(generator), normal(generator));
-        s.accel_b = accel_axes * s.accel_b + 0.02 * Vector3d(normal(generator), normal(generator), normal(generator));
-        imu.add(s);
-      }
-      FrameCorners corners;
-      corners.t_ns = std::llround(t * 1e9);
-      const Quaterniond q = Walk::orientation(t);
-      CameraModel lens = camera.lens;
-      lens.fx = lens.fy = 500 * (1 + breathing * std::sin(2 * kPi * t / 5));
-      for (size_t k = 0; k < points.size(); ++k) {
-        Point& x = points[k];
-        const Vector3d y = q.conjugate() * (x.p - walk.position(t));
-        if (y.z() < 0.5 || y.z() > 30) continue;
-        const Vector2d pixel = lens.project(y.head<2>() / y.z()) + shift;
-        if (!(pixel.x() > 0 && pixel.y() > 0 && pixel.x() < kWidth && pixel.y() < kHeight)) continue;
-        // A bad corner is held back by what lies behind it, unevenly.
-        const Vector2d outward = (pixel - Vector2d(320, 240)).normalized();
-        if (x.bad) x.slide += (-0.35 + 0.5 * normal(generator)) * outward;
-        const Vector2d noise = 0.15 * Vector2d(normal(generator), normal(generator));
-        corners.corners.push_back({k, pixel + x.slide + noise, pixel.y()});
-      }
-      filter.process(corners, imu);
-      const Vector3d now = filter.newest().p_w, true_now = walk.position(t);
-      if (t > judged_from_s && frame % 10 == 0) {
-        if (true_way > 0 || before != Vector3d::Zero())
-          way += (now - before).norm(), true_way += (true_now - true_before).norm();
-        before = now, true_before = true_now;
-      }
-    }
-    out.scale = way / true_way;
-    out.state = filter.state();
-    return out;
+    return camera;
   }
+
+  /// Samples up to a little after the frame at t; until then the lens follows the hand.
+  void measure_motion(double t, ImuBuffer& imu) {
+    for (; next_sample_s_ < t + 0.03; next_sample_s_ += kSample_s) {
+      ImuSample s = trial_.walk.imu(next_sample_s_);
+      if (next_sample_s_ <= t) {
+        const double used = std::min(1.0, shift_.norm() / trial_.travel_px);
+        const double leak = 2 * kPi * (trial_.leak_hz + (trial_.end_leak_hz - trial_.leak_hz) * used * used);
+        shift_ =
+            (shift_ + kSample_s * trial_.follow * 500 * Vector2d(s.gyro_b.y(), -s.gyro_b.x())) / (1 + kSample_s * leak);
+      }
+      s.gyro_b = trial_.gyro_axes * s.gyro_b + 0.002 * Vector3d(normal(), normal(), normal());
+      s.accel_b = trial_.accel_axes * s.accel_b + 0.02 * Vector3d(normal(), normal(), normal());
+      imu.add(s);
+    }
+  }
+
+  FrameCorners frame(double t) {
+    FrameCorners corners;
+    corners.t_ns = std::llround(t * 1e9);
+    const Quaterniond q = Walk::orientation(t);
+    CameraModel lens = camera().lens;
+    lens.fx = lens.fy = 500 * (1 + trial_.breathing * std::sin(2 * kPi * t / 5));
+    for (size_t k = 0; k < points_.size(); ++k) {
+      Point& x = points_[k];
+      const Vector3d y = q.conjugate() * (x.p - trial_.walk.position(t));
+      if (y.z() < 0.5 || y.z() > 30) continue;
+      const Vector2d pixel = lens.project(y.head<2>() / y.z()) + shift_;
+      if (!(pixel.x() > 0 && pixel.y() > 0 && pixel.x() < kWidth && pixel.y() < kHeight)) continue;
+      // A bad corner is held back by what lies behind it, unevenly.
+      const Vector2d outward = (pixel - Vector2d(320, 240)).normalized();
+      if (x.bad) x.slide += (-0.35 + 0.5 * normal()) * outward;
+      const Vector2d noise = 0.15 * Vector2d(normal(), normal());
+      corners.corners.push_back({k, pixel + x.slide + noise, pixel.y()});
+    }
+    return corners;
+  }
+
+ private:
+  struct Point {
+    Vector3d p;
+    Vector2d slide;
+    bool bad;
+  };
+  double normal() { return normal_(generator_); }
+
+  const Trial& trial_;
+  std::mt19937 generator_{5};
+  std::normal_distribution<double> normal_;
+  std::uniform_real_distribution<double> uniform_;
+  std::vector<Point> points_;
+  Vector2d shift_ = Vector2d::Zero();  // of the stabilised lens
+  double next_sample_s_ = 0;
 };
+
+Trial::Result Trial::run() const {
+  Phone phone(*this);
+  Filter::Start start;
+  start.nav.q_w_b = Walk::orientation(0), start.nav.v_w = walk.velocity(0);
+  start.tilt_rad = 0.005, start.velocity_mps = 0.05, start.gyro_bias_radps = 0.003, start.accel_bias_mps2 = 0.05;
+  Filter filter(p, Phone::camera(), start);
+  ImuBuffer imu;
+  double path_m = 0, true_path_m = 0;
+  Vector3d before = Vector3d::Zero(), true_before = Vector3d::Zero();
+  for (int frame = 0; frame * kFrame_s < duration_s; ++frame) {
+    const double t = frame * kFrame_s;
+    phone.measure_motion(t, imu);
+    filter.process(phone.frame(t), imu);
+    const Vector3d now = filter.newest().p_w, true_now = walk.position(t);
+    if (t > judged_from_s && frame % 10 == 0) {
+      if (true_path_m > 0 || before != Vector3d::Zero())
+        path_m += (now - before).norm(), true_path_m += (true_now - true_before).norm();
+      before = now, true_before = true_now;
+    }
+  }
+  return {path_m / true_path_m, filter.state()};
+}
 
 }  // namespace
 

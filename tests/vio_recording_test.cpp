@@ -71,7 +71,7 @@ Errors errors_of(const Recording& recording, const Chain& chain) {
 
 TEST_SUITE_BEGIN("vio_recordings");
 
-TEST_CASE("the metre is found in mid-flight and kept (EuRoC MH_05)") {
+TEST_CASE("the metre is found in mid-flight and kept (EuRoC MH_05)" * doctest::test_suite("vio_recordings_data")) {
   const auto path = data_or_skip("euroc_mh05");
   if (path.empty()) return;
   const auto recording = read_recording(path);
@@ -86,7 +86,8 @@ TEST_CASE("the metre is found in mid-flight and kept (EuRoC MH_05)") {
   CHECK(std::abs(e.scale - 1) < 0.018);  // measured: 1.4 %
 }
 
-TEST_CASE("in a real house the steps learn from the camera, and neither contradicts the other") {
+TEST_CASE("in a real house the steps learn from the camera, and neither contradicts the other" *
+          doctest::test_suite("vio_recordings_data")) {
   const auto path = data_or_skip("phone_house");
   if (path.empty()) return;
   const auto recording = read_recording(path);

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include "plugins/shared/rotation.hpp"
 #include "plugins/vo/odograph/visual/bundle.hpp"
 #include "plugins/vo/odograph/visual/odometry.hpp"
 #include "sdk/tools/simulation/camera.hpp"
@@ -16,6 +17,8 @@ using Eigen::Isometry3d;
 using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using odograph::so3::exp_rotation;
+using odograph::so3::log_rotation;
 
 TEST_SUITE_BEGIN("vo_odograph");
 
@@ -126,14 +129,14 @@ TEST_CASE("the window's adjustment mends poses, depths and the gyroscope's bias,
   Random random(8, 8);
   const double sigma = 8e-4;
   const Vector3d bias(0.008, -0.005, 0.003);
-  Window window(8);
+  Window window{KeyframeParameters{}};
   const auto points = scene(6);
   for (int k = 0; k < 6; ++k) {
     const Isometry3d T = on_the_way(k);
     Keyframe keyframe{0, 0, T, std::nullopt, Vector3d::Zero()};
     if (k > 0) {  // a gyroscope that is off by its bias for 0.4 s
       const Quaterniond turn = Quaterniond(on_the_way(k - 1).linear()).conjugate() * Quaterniond(T.linear());
-      keyframe.turn = GyroRotation{turn * exp_rotation(0.4 * bias), -0.4 * Eigen::Matrix3d::Identity(), 2e-4};
+      keyframe.rotation = GyroRotation{turn * exp_rotation(0.4 * bias), -0.4 * Eigen::Matrix3d::Identity(), 2e-4};
     }
     if (k > 1) {  // the first two hold the unit
       keyframe.T_w_c.translation() += 0.02 * Vector3d(random.normal(), random.normal(), random.normal());
@@ -143,7 +146,7 @@ TEST_CASE("the window's adjustment mends poses, depths and the gyroscope's bias,
     window.add(keyframe);
     for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(T, points[i], random, sigma));
   }
-  window.triangulate(0.002);
+  window.triangulate();
   CHECK(window.located() > 140);
   Vector3d found = Vector3d::Zero();
   const auto report = adjust(window, found, sigma);
@@ -181,13 +184,13 @@ std::string standard_error_of(Work work) {
 
 Window window_on_the_way(int keyframes, double sigma) {
   Random random(8, 8);
-  Window window(8);
+  Window window{KeyframeParameters{}};
   const auto points = scene(6);
   for (int k = 0; k < keyframes; ++k) {
     window.add({0, 0, on_the_way(k), std::nullopt, Vector3d::Zero()});
     for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(on_the_way(k), points[i], random, sigma));
   }
-  window.triangulate(0.002);
+  window.triangulate();
   return window;
 }
 
@@ -223,13 +226,13 @@ TEST_CASE("an adjustment that fails says so in its report alone, and leaves the 
 }
 
 TEST_CASE("a point outlives the keyframe that saw it first") {
-  Window window(3);
+  Window window{KeyframeParameters{.window = 3, .point_parallax_rad = 0.001}};
   Random random(1, 1);
   const auto points = scene(2, 20);
   for (int k = 0; k < 5; ++k) {
     window.add({0, 0, on_the_way(k), std::nullopt, Vector3d::Zero()});
     for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(on_the_way(k), points[i], random, 0));
-    window.triangulate(0.001);
+    window.triangulate();
     window.slide();
   }
   CHECK(window.keyframes().size() == 3);

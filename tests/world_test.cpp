@@ -115,7 +115,7 @@ TEST_CASE("what a generated town writes as its model is read back, without what 
   CHECK(area_of(*city, CityModel::Kind::wall) == doctest::Approx(area).epsilon(1e-4));
 }
 
-TEST_CASE("the model of a real town loads, and a route lies on its terrain") {
+TEST_CASE("the model of a real town loads, and a route lies on its terrain" * doctest::test_suite("world_data")) {
   const auto folder = data_or_skip("city");
   if (folder.empty()) return;
   Scenario s;

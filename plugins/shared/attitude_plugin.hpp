@@ -4,12 +4,16 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
 
 #include <Eigen/Geometry>
 #include <odograph/plugin.hpp>
+
+#include "plugins/shared/rotation.hpp"
+#include "plugins/shared/sensor_range.hpp"
 
 namespace odograph {
 
@@ -25,8 +29,8 @@ class AttitudeSource {
   }
 
   void on(const odo_imu& imu, odo::Output& output) {
-    expect("gyro_b", imu.gyro_b, kMostRate_radps);
-    expect("accel_b", imu.accel_b, kMostForce_mps2);
+    expect("gyro_b", imu.gyro_b, SensorRange::rate_radps);
+    expect("accel_b", imu.accel_b, SensorRange::force_mps2);
     const double dt = last_ns_ == INT64_MIN ? 0.01 : static_cast<double>(imu.header.t_ns - last_ns_) * 1e-9;
     last_ns_ = imu.header.t_ns;
     if (dt <= 0) return;
@@ -35,17 +39,17 @@ class AttitudeSource {
     if (first_ns_ == INT64_MIN) first_ns_ = imu.header.t_ns;
     const bool wait = magnetometer_ && !filter_->has_heading() && imu.header.t_ns - first_ns_ < kWaitForNorth_ns;
     if (wait) return;
-    // ENU to NED; without a magnetometer turned so that the start faces north.
+    // ENU to NED; without a magnetometer rotated so that the start faces north.
     static const Eigen::Quaterniond ned_from_enu(0.0, std::sqrt(0.5), std::sqrt(0.5), 0.0);
     const Eigen::Quaterniond q_ned_b = ned_from_enu * filter_->orientation();
     if (!aligned_) {
       aligned_ = true;
       const Eigen::Vector3d forward = q_ned_b * forward_axis_;
-      turn_ = Eigen::Quaterniond(Eigen::AngleAxisd(-std::atan2(forward.y(), forward.x()), Eigen::Vector3d::UnitZ()));
+      yaw_ = Eigen::Quaterniond(Eigen::AngleAxisd(-std::atan2(forward.y(), forward.x()), Eigen::Vector3d::UnitZ()));
     }
-    const Eigen::Quaterniond q = filter_->has_heading() ? q_ned_b : turn_ * q_ned_b;
+    const Eigen::Quaterniond q = filter_->has_heading() ? q_ned_b : yaw_ * q_ned_b;
     auto event = odo::make<odo_attitude>(imu.header.t_ns);
-    event.q_n_b[0] = q.w(), event.q_n_b[1] = q.x(), event.q_n_b[2] = q.y(), event.q_n_b[3] = q.z();
+    so3::put_quaternion(q, event.q_n_b);
     const double tilt = filter_->inclination_sigma(), heading = filter_->heading_sigma();
     event.covariance_n[0] = event.covariance_n[4] = tilt * tilt;
     event.covariance_n[8] = heading * heading;
@@ -58,17 +62,13 @@ class AttitudeSource {
 
   void on(const odo_magnetometer& sample) {
     if (!magnetometer_) return;
-    expect("field_b", sample.field_b, kMostField_t);
+    expect("field_b", sample.field_b, SensorRange::field_t);
     const double dt = last_mag_ns_ == INT64_MIN ? 0.02 : static_cast<double>(sample.header.t_ns - last_mag_ns_) * 1e-9;
     last_mag_ns_ = sample.header.t_ns;
     if (dt > 0) filter_->update_magnetometer(Eigen::Vector3d(sample.field_b), std::min(dt, kLongestStep_s));
   }
 
  private:
-  /// Beyond every phone's sensor (data sheets of Bosch BMI270, TDK ICM-42688 and AKM AK09918, times two). One such
-  /// sample would stay in the filters' sums for ever.
-  static constexpr double kMostRate_radps = 70, kMostForce_mps2 = 320, kMostField_t = 0.01;
-
   static void expect(const char* field, const double* values, double most) {
     for (int i = 0; i < 3; ++i)
       if (!(std::abs(values[i]) <= most))
@@ -86,7 +86,7 @@ class AttitudeSource {
   std::optional<Filter> filter_;
   bool magnetometer_ = false;
   Eigen::Vector3d forward_axis_ = Eigen::Vector3d::UnitY();
-  Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
+  Eigen::Quaterniond yaw_ = Eigen::Quaterniond::Identity();
   bool aligned_ = false;
   int64_t first_ns_ = INT64_MIN;
   int64_t last_ns_ = INT64_MIN;

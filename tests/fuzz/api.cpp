@@ -32,87 +32,99 @@ void on_event(void* user, const odo_header* event) {
   if (odo_session_flush(session) != ODO_E_STATE) std::abort();
 }
 
+int64_t time_of(fuzz::Bytes& left) { return int64_t(left.take<uint16_t>()) * 10'000'000; }
+
+void destroy(odo_session*& session, fuzz::Bytes& left) {
+  if (left.take<uint8_t>() < 192) return;  // to make one takes longer than all else
+  odo_session_destroy(session);
+  session = nullptr;
+}
+
+void push_samples(odo_session* session, fuzz::Bytes& left) {
+  double sample[6];
+  for (double& value : sample) value = left.take<int8_t>() * 0.2;
+  const int64_t from_ns = time_of(left);
+  for (int i = 0; i < 20; ++i) odo_session_push_imu(session, from_ns + i * 10'000'000LL, sample, sample + 3);
+}
+
+void get_statistics(odo_session* session, fuzz::Bytes& left) {
+  odo_statistics statistics{};
+  statistics.struct_size = left.take<uint8_t>() < 200 ? static_cast<uint32_t>(sizeof statistics) : 4;
+  odo_session_get_statistics(session, &statistics);
+}
+
+void last_error(odo_session* session) {
+  odo_error error{};
+  error.struct_size = sizeof error;
+  odo_session_last_error(session, &error);
+}
+
+void save_and_load(odo_session* session, fuzz::Bytes& left) {
+  std::vector<uint8_t> blob(left.take<uint8_t>() * 16u);
+  const int64_t size = odo_session_save(session, blob.data(), blob.size());
+  if (size >= 0 && static_cast<size_t>(size) <= blob.size()) odo_session_load(session, blob.data(), size);
+}
+
+void load(odo_session* session, fuzz::Bytes& left) {
+  const auto blob = left.take(left.take<uint8_t>());
+  odo_session_load(session, blob.data(), blob.size());
+}
+
+void create_anchor(odo_session* session, fuzz::Bytes& left) {
+  odo_anchor_place place{};
+  const auto bytes = left.take(sizeof place);
+  std::memcpy(static_cast<void*>(&place), bytes.data(), bytes.size());
+  place.struct_size = sizeof place;
+  place.name = {"anchor", 6};
+  uint64_t id = 0;
+  odo_anchor_create(session, &place, &id);
+}
+
+void get_anchor(odo_session* session, fuzz::Bytes& left) {
+  odo_anchor anchor{};
+  anchor.struct_size = sizeof anchor;
+  odo_anchor_get(session, left.take<uint8_t>(), left.take<uint8_t>(), ODO_TIME_LATEST, &anchor);
+}
+
+void list_anchors(odo_session* session, fuzz::Bytes& left) {
+  uint64_t ids[4];
+  odo_anchor_list(session, ids, left.take<uint8_t>() % 5);
+}
+
+void to_geodetic_and_back(odo_session* session, fuzz::Bytes& left) {
+  double place[3] = {left.take<float>(), left.take<float>(), left.take<float>()}, there[3];
+  odo_session_to_geodetic(session, place, there);
+  odo_session_from_geodetic(session, place, there);
+}
+
 void call(uint8_t what, odo_session*& session, fuzz::Bytes& left) {
   if (!session) {
     session = fuzz::open(kConfigs[what % std::size(kConfigs)]);
     return;
   }
-  const auto time = [&] { return int64_t(left.take<uint16_t>()) * 10'000'000; };
   odo_pose pose{};
   pose.header.struct_size = left.take<uint8_t>() < 250 ? static_cast<uint32_t>(sizeof pose) : 7;
   switch (what % 20) {
-    case 0: {
-      if (left.take<uint8_t>() < 192) return;  // to make one takes longer than all else
-      odo_session_destroy(session);
-      session = nullptr;
-      return;
-    }
+    case 0: return destroy(session, left);
     case 1:
     case 2:
-    case 3: {
-      double sample[6];
-      for (double& value : sample) value = left.take<int8_t>() * 0.2;
-      const int64_t from_ns = time();
-      for (int i = 0; i < 20; ++i) odo_session_push_imu(session, from_ns + i * 10'000'000LL, sample, sample + 3);
-      return;
-    }
-    case 4: odo_session_push_imu(session, time(), nullptr, nullptr); return;
+    case 3: return push_samples(session, left);
+    case 4: odo_session_push_imu(session, time_of(left), nullptr, nullptr); return;
     case 5: odo_session_flush(session); return;
-    case 6: odo_session_get_pose(session, time(), &pose); return;
+    case 6: odo_session_get_pose(session, time_of(left), &pose); return;
     case 7: odo_session_get_smooth_pose(session, ODO_TIME_LATEST, &pose); return;
-    case 8: odo_session_get_pose_of(session, left.take<uint8_t>(), left.take<uint8_t>(), time(), &pose); return;
+    case 8: odo_session_get_pose_of(session, left.take<uint8_t>(), left.take<uint8_t>(), time_of(left), &pose); return;
     case 9: odo_session_set_callback(session, nullptr, ODO_ALL_EVENTS, on_event, session); return;
     case 10: odo_session_set_callback(session, nullptr, 0, nullptr, nullptr); return;
-    case 11: {
-      odo_statistics statistics{};
-      statistics.struct_size = left.take<uint8_t>() < 200 ? static_cast<uint32_t>(sizeof statistics) : 4;
-      odo_session_get_statistics(session, &statistics);
-      return;
-    }
-    case 12: {
-      odo_error error{};
-      error.struct_size = sizeof error;
-      odo_session_last_error(session, &error);
-      return;
-    }
-    case 13: {
-      std::vector<uint8_t> blob(left.take<uint8_t>() * 16u);
-      const int64_t size = odo_session_save(session, blob.data(), blob.size());
-      if (size >= 0 && static_cast<size_t>(size) <= blob.size()) odo_session_load(session, blob.data(), size);
-      return;
-    }
-    case 14: {
-      const auto blob = left.take(left.take<uint8_t>());
-      odo_session_load(session, blob.data(), blob.size());
-      return;
-    }
-    case 15: {
-      odo_anchor_place place{};
-      const auto bytes = left.take(sizeof place);
-      std::memcpy(static_cast<void*>(&place), bytes.data(), bytes.size());
-      place.struct_size = sizeof place;
-      place.name = {"anchor", 6};
-      uint64_t id = 0;
-      odo_anchor_create(session, &place, &id);
-      return;
-    }
-    case 16: {
-      odo_anchor anchor{};
-      anchor.struct_size = sizeof anchor;
-      odo_anchor_get(session, left.take<uint8_t>(), left.take<uint8_t>(), ODO_TIME_LATEST, &anchor);
-      return;
-    }
+    case 11: return get_statistics(session, left);
+    case 12: return last_error(session);
+    case 13: return save_and_load(session, left);
+    case 14: return load(session, left);
+    case 15: return create_anchor(session, left);
+    case 16: return get_anchor(session, left);
     case 17: odo_anchor_remove(session, left.take<uint8_t>()); return;
-    case 18: {
-      uint64_t ids[4];
-      odo_anchor_list(session, ids, left.take<uint8_t>() % 5);
-      return;
-    }
-    default: {
-      double place[3] = {left.take<float>(), left.take<float>(), left.take<float>()}, there[3];
-      odo_session_to_geodetic(session, place, there);
-      odo_session_from_geodetic(session, place, there);
-    }
+    case 18: return list_anchors(session, left);
+    default: return to_geodetic_and_back(session, left);
   }
 }
 

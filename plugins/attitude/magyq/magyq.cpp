@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "plugins/shared/exp_rotation.hpp"
+#include "plugins/shared/rotation.hpp"
 
 namespace odograph::magyq {
 namespace {
@@ -13,6 +13,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using so3::exp_rotation;
 
 constexpr double kGravity = 9.80665;
 constexpr double kBetweenUpdates_s = 0.2;  // neighbouring samples of a field err alike

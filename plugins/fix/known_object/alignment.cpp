@@ -6,6 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "plugins/shared/median.hpp"
+
 namespace odograph::known_object {
 
 using Eigen::Matrix2d;
@@ -14,12 +16,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int kIterations = 12, kTurns = 3;  // of Gauss-Newton; of what a pixel sees, between them
-constexpr double kRim = 2;                   // blurs
-constexpr double kLeastVisible = 0.5;
-constexpr double kSettled_px = 0.01;
-constexpr double kLeastNoise_grey = 0.7;  // a camera's own, and rounding
-constexpr double kHuber = 1.345;          // of the noise, 95 % efficient
+constexpr double kByMedian = 1.4826;  // standard deviation of a normal distribution by its median deviation
 
 float at(const cv::Mat& picture, double x, double y) {
   x = std::clamp(x, 0.0, picture.cols - 1.001), y = std::clamp(y, 0.0, picture.rows - 1.001);
@@ -114,8 +111,8 @@ std::vector<Aligner::Sample> Aligner::expected(const RollingLens& lens, const Py
       const Matrix2d px_by_m = seen->by_point * pose.R_c_o.leftCols<2>();
       if (std::abs(px_by_m.determinant()) < 1e-3) continue;
       // Near its rim a blurred frame shows what is around the object.
-      const double rim_x_m = std::min(0.2 * picture.width_m(), kRim * sigma_px / px_by_m.col(0).norm());
-      const double rim_y_m = std::min(0.2 * picture.height_m(), kRim * sigma_px / px_by_m.col(1).norm());
+      const double rim_x_m = std::min(0.2 * picture.width_m(), p_.rim * sigma_px / px_by_m.col(0).norm());
+      const double rim_y_m = std::min(0.2 * picture.height_m(), p_.rim * sigma_px / px_by_m.col(1).norm());
       if (std::abs(x_o.x()) > 0.5 * picture.width_m() - rim_x_m ||
           std::abs(x_o.y()) > 0.5 * picture.height_m() - rim_y_m)
         continue;
@@ -139,73 +136,88 @@ Aligner::Light Aligner::first_light(const cv::Mat& grey, const RollingLens& lens
   return light;
 }
 
-bool Aligner::refine(const Frame& frame, size_t level, const RollingLens& lens, const Pyramid& picture,
-                     Alignment& a) const {
-  using Matrix10 = Eigen::Matrix<double, 10, 10>;
-  using Vector10 = Eigen::Matrix<double, 10, 1>;
-  const cv::Mat& grey = frame.blurred[level];
-  const double sigma_px = std::hypot(p_.lens_blur_px, p_.blur_px[level]);
-  const double margin = 2;
-  Light light;
-  std::vector<Sample> samples;
-  std::vector<double> residuals;
-  double noise = 15;
-  bool settled = false;
-  for (int iteration = 0; iteration < kIterations && !settled; ++iteration) {
-    if (iteration % (kIterations / kTurns) == 0) samples = expected(lens, picture, a.pose, sigma_px);
-    if (iteration == 0) light = first_light(grey, lens, samples, a.pose);
-    Matrix10 H = Matrix10::Zero();
-    Vector10 g = Vector10::Zero();
-    residuals.clear();
-    double cost = 0, motion_px = 0;
-    for (const Sample& s : samples) {
-      const Vector3d p_c = a.pose * s.x_o;
-      const auto seen = lens.project(p_c);
-      if (!seen || !lens.is_inside(seen->pixel, margin)) continue;
-      const Vector2d& u = seen->pixel;
-      if (!frame.mask.empty() && frame.mask.at<uint8_t>(static_cast<int>(u.y()), static_cast<int>(u.x())) == 0)
-        continue;
-      const double x = s.x_o.x() / picture.width_m(), y = s.x_o.y() / picture.height_m();
-      const double model = light.gain * s.expected + light.offset + light.slope_x * x + light.slope_y * y;
-      const double r = at(grey, u.x(), u.y()) - model;
-      Eigen::RowVector2d gradient;
-      gradient << 0.5 * (at(grey, u.x() + 1, u.y()) - at(grey, u.x() - 1, u.y())),
-          0.5 * (at(grey, u.x(), u.y() + 1) - at(grey, u.x(), u.y() - 1));
-      const Eigen::RowVector3d by_point = gradient * seen->by_point;
-      Vector10 J;
-      J.head<3>() = p_c.cross(by_point.transpose());
-      J.segment<3>(3) = by_point.transpose();
-      J.tail<4>() << -s.expected, -1, -x, -y;
-      const double w = std::abs(r) <= kHuber * noise ? 1.0 : kHuber * noise / std::abs(r);
-      H += w * J * J.transpose();
-      g += w * r * J;
-      residuals.push_back(std::abs(r));
-      cost += w * r * r;
-    }
-    a.visible_part = samples.empty() ? 0 : static_cast<double>(residuals.size()) / static_cast<double>(samples.size());
-    if (a.visible_part < kLeastVisible || residuals.size() < 16) return false;
-    const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-    std::nth_element(residuals.begin(), middle, residuals.end());
-    noise = std::max(kLeastNoise_grey, 1.4826 * *middle);
-    Matrix10 damped = H;
+struct Aligner::Equations {
+  Eigen::Matrix<double, 10, 10> H = Eigen::Matrix<double, 10, 10>::Zero();
+  Eigen::Matrix<double, 10, 1> g = Eigen::Matrix<double, 10, 1>::Zero();
+  double cost = 0;                ///< weighted
+  std::vector<double> residuals;  ///< absolute, of the samples that are visible
+
+  void add(const Eigen::Matrix<double, 10, 1>& J, double r, double most) {
+    const double w = std::abs(r) <= most ? 1.0 : most / std::abs(r);
+    H += w * J * J.transpose();
+    g += w * r * J;
+    residuals.push_back(std::abs(r));
+    cost += w * r * r;
+  }
+  Eigen::Matrix<double, 10, 1> step() const {
+    Eigen::Matrix<double, 10, 10> damped = H;
     damped.diagonal() *= 1 + 1e-6;
     damped.diagonal().array() += 1e-9;
-    const Vector10 step = -damped.ldlt().solve(g);
-    if (!step.allFinite() || step.head<3>().norm() > 0.5) return false;
-    // How far the object's corners move by it.
-    const double depth = std::max(0.1, a.pose.t_c_o.z());
-    motion_px = lens.camera.focal() * (step.segment<3>(3).norm() / depth + step.head<3>().norm());
-    a.pose = a.pose.moved(step.head<6>());
-    if (a.pose.t_c_o.z() < 0.1) return false;
-    light.gain += step[6], light.offset += step[7], light.slope_x += step[8], light.slope_y += step[9];
-    settled = iteration > 1 && motion_px < kSettled_px;
-    const double variance = noise * noise * p_.alike_points;
-    a.cost = cost / variance, a.noise_grey = noise;
-    a.information = (H.topLeftCorner<6, 6>() -
-                     H.topRightCorner<6, 4>() * H.bottomRightCorner<4, 4>().inverse() * H.bottomLeftCorner<4, 6>()) /
-                    variance;
+    return -damped.ldlt().solve(g);
   }
-  if (light.gain < 0.05) return false;
+  /// Of the pose, the light being unknown.
+  Eigen::Matrix<double, 6, 6> pose_information() const {
+    return H.topLeftCorner<6, 6>() -
+           H.topRightCorner<6, 4>() * H.bottomRightCorner<4, 4>().inverse() * H.bottomLeftCorner<4, 6>();
+  }
+};
+
+Aligner::Equations Aligner::equations(const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens,
+                                      const Pyramid& picture, const std::vector<Sample>& samples, const Pose& pose,
+                                      const Light& light, double noise) const {
+  Equations e;
+  for (const Sample& s : samples) {
+    const Vector3d p_c = pose * s.x_o;
+    const auto seen = lens.project(p_c);
+    if (!seen || !lens.is_inside(seen->pixel, p_.margin_px)) continue;
+    const Vector2d& u = seen->pixel;
+    if (!mask.empty() && mask.at<uint8_t>(static_cast<int>(u.y()), static_cast<int>(u.x())) == 0) continue;
+    const double x = s.x_o.x() / picture.width_m(), y = s.x_o.y() / picture.height_m();
+    const double model = light.gain * s.expected + light.offset + light.slope_x * x + light.slope_y * y;
+    const double r = at(grey, u.x(), u.y()) - model;
+    Eigen::RowVector2d gradient;
+    gradient << 0.5 * (at(grey, u.x() + 1, u.y()) - at(grey, u.x() - 1, u.y())),
+        0.5 * (at(grey, u.x(), u.y() + 1) - at(grey, u.x(), u.y() - 1));
+    const Eigen::RowVector3d by_point = gradient * seen->by_point;
+    Eigen::Matrix<double, 10, 1> J;
+    J.head<3>() = p_c.cross(by_point.transpose());
+    J.segment<3>(3) = by_point.transpose();
+    J.tail<4>() << -s.expected, -1, -x, -y;
+    e.add(J, r, p_.huber * noise);
+  }
+  return e;
+}
+
+bool Aligner::refine(const Frame& frame, size_t level, const RollingLens& lens, const Pyramid& picture,
+                     Alignment& a) const {
+  const cv::Mat& grey = frame.blurred[level];
+  const double sigma_px = std::hypot(p_.lens_blur_px, p_.blur_px[level]);
+  Light light;
+  std::vector<Sample> samples;
+  double noise = p_.first_noise_grey;
+  bool settled = false;
+  for (int iteration = 0; iteration < p_.iterations && !settled; ++iteration) {
+    if (iteration % (p_.iterations / p_.rounds) == 0) samples = expected(lens, picture, a.pose, sigma_px);
+    if (iteration == 0) light = first_light(grey, lens, samples, a.pose);
+    const Equations e = equations(grey, frame.mask, lens, picture, samples, a.pose, light, noise);
+    a.visible_part =
+        samples.empty() ? 0 : static_cast<double>(e.residuals.size()) / static_cast<double>(samples.size());
+    if (a.visible_part < p_.least_visible || e.residuals.size() < p_.least_samples) return false;
+    noise = std::max(p_.least_noise_grey, kByMedian * median(e.residuals));
+    const Eigen::Matrix<double, 10, 1> step = e.step();
+    if (!step.allFinite() || step.head<3>().norm() > p_.most_step_rad) return false;
+    // How far the object's corners move by it.
+    const double depth = std::max(p_.nearest_m, a.pose.t_c_o.z());
+    const double motion_px = lens.camera.focal() * (step.segment<3>(3).norm() / depth + step.head<3>().norm());
+    a.pose = a.pose.moved(step.head<6>());
+    if (a.pose.t_c_o.z() < p_.nearest_m) return false;
+    light.gain += step[6], light.offset += step[7], light.slope_x += step[8], light.slope_y += step[9];
+    settled = iteration > 1 && motion_px < p_.settled_px;
+    const double variance = noise * noise * p_.alike_points;
+    a.cost = e.cost / variance, a.noise_grey = noise;
+    a.information = e.pose_information() / variance;
+  }
+  if (light.gain < p_.least_gain) return false;
   if (level + 1 == p_.blur_px.size()) judge(grey, frame.mask, lens, picture, samples, light, a);
   return true;
 }
@@ -247,7 +259,7 @@ std::optional<Alignment> Aligner::align(const Frame& frame, const RollingLens& l
   a.pose = start;
   for (size_t level = fine ? p_.blur_px.size() - 2 : 0; level < p_.blur_px.size(); ++level)
     if (!refine(frame, level, lens, picture, a)) return {};
-  if (a.oblique_rad > 1.5) return {};
+  if (a.oblique_rad > p_.most_oblique_rad) return {};
   return a;
 }
 

@@ -49,8 +49,22 @@ class Aligner {
     double lens_blur_px = 0.6;  ///< pixel, lens and interpolation, of frames that are not blurred further; judgement
     size_t points = 1600;       ///< compared
     double alike_points = 8;    ///< neighbours whose errors are alike: what information is divided by; bench
-    int parts = 5;              ///< the object is cut into parts x parts for `agreeing_part`
-    double part_correlation = 0.6;
+    int parts = 5;              ///< the object is cut into parts x parts for `agreeing_part`; judgement
+    double part_correlation = 0.6;  ///< of a part that agrees; judgement
+    int iterations = 12;            ///< of Gauss-Newton on a level; judgement
+    int rounds = 3;                 ///< of what a pixel sees, computed anew between the iterations; judgement
+    double rim = 2;                 ///< blurs: nearer to the object's rim a frame shows what is around it
+    double least_visible = 0.5;     ///< of the object, in the frame and not masked; judgement
+    size_t least_samples = 16;      ///< compared: ten unknowns and some
+    double settled_px = 0.01;       ///< motion of the object's corners, that ends a level
+    double first_noise_grey = 15;   ///< before a median is known: lets the light be off; judgement
+    double least_noise_grey = 0.7;  ///< a camera's own, and rounding
+    double huber = 1.345;           ///< of the noise: 95 % efficient (Huber 1981)
+    double margin_px = 2;           ///< from the frame's border: where gradients are known
+    double least_gain = 0.05;       ///< of the light: less, and it is no picture of the object; judgement
+    double nearest_m = 0.1;         ///< of the object; judgement
+    double most_step_rad = 0.5;     ///< of an iteration: more, and it diverges; judgement
+    double most_oblique_rad = 1.5;  ///< 86 degrees: a line, no picture
   };
   /// One frame and its blurred copies; `mask` may be empty.
   struct Frame {
@@ -75,6 +89,10 @@ class Aligner {
                                double sigma_px) const;
   static Light first_light(const cv::Mat& grey, const RollingLens& lens, const std::vector<Sample>& samples,
                            const Pose& pose);
+  /// Gauss-Newton's equations over pose (6) and light (4).
+  struct Equations;
+  Equations equations(const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens, const Pyramid& picture,
+                      const std::vector<Sample>& samples, const Pose& pose, const Light& light, double noise) const;
   bool refine(const Frame& frame, size_t level, const RollingLens& lens, const Pyramid& picture, Alignment& a) const;
   void judge(const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens, const Pyramid& picture,
              const std::vector<Sample>& samples, const Light& light, Alignment& a) const;

@@ -4,29 +4,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plugins/shared/rotation.hpp"
+
 namespace odograph::known_object {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using so3::skew;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 namespace {
 
-constexpr double kGate = 3.5;  // sigmas
-constexpr double kLeastGate_m = 1, kLeastGate_rad = 0.1;
-constexpr double kFastest_mps = 2.5;        // of a walker, between two sightings
-constexpr double kSway_m = 0.15;            // of whoever stands
-constexpr int64_t kGap_ns = 1'500'000'000;  // after which an object is met anew
-constexpr size_t kFewestStanding = 5;       // sightings
-
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
-
-Matrix3d skew(const Vector3d& v) {
-  Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 /// What corners that are seen `pixel_sigma` off, each on its own, make of a pose.
 Matrix6 covariance_of_corners(const Pose& pose, const PlaneObject& object, const RollingLens& lens, double sigma_px) {
@@ -74,7 +64,7 @@ Judge::Candidate Judge::candidate(const Alignment& alignment, const PlaneObject&
 
   Candidate c;
   c.cost = alignment.cost + by_gravity;
-  c.upright = by_gravity < kGate * kGate;
+  c.upright = by_gravity < p_.gate_sigmas * p_.gate_sigmas;
   Estimate& e = c.estimate;
   const Matrix3d R_n_c = R_n_o * pose.R_c_o.transpose();
   e.q_n_c = Eigen::Quaterniond(R_n_c).normalized();
@@ -99,17 +89,17 @@ bool Judge::can_be(const Estimate& e, const Prior& prior) const {
   const Vector3d off = e.p_n - prior.p_n;
   const double own_variance = std::max(e.covariance_n(0, 0), e.covariance_n(1, 1));
   if (!prior.placed)
-    return prior.loose_m <= 0 || off.head<2>().norm() < prior.loose_m + kGate * std::sqrt(own_variance);
+    return prior.loose_m <= 0 || off.head<2>().norm() < prior.loose_m + p_.gate_sigmas * std::sqrt(own_variance);
   const double drifted = p_.drift * std::max(0.0, prior.path_m - told_path_m_);
   const auto gate = [&](double prior_sigma, double variance) {
-    return kGate * std::sqrt(prior_sigma * prior_sigma + variance) + kLeastGate_m + drifted;
+    return p_.gate_sigmas * std::sqrt(prior_sigma * prior_sigma + variance) + p_.least_gate_m + drifted;
   };
   if (off.head<2>().norm() > gate(prior.horizontal_sigma_m, own_variance)) return false;
   if (std::abs(off.z()) > gate(prior.vertical_sigma_m, e.covariance_n(2, 2))) return false;
   const Eigen::Quaterniond turned = e.q_n_c * prior.q_n_c.conjugate();
   const double yaw = std::remainder(2 * std::atan2(turned.z(), turned.w()), 2 * EIGEN_PI);
   const double yaw_variance = prior.yaw_sigma_rad * prior.yaw_sigma_rad + e.orientation_covariance_n(2, 2);
-  return std::abs(yaw) < kGate * std::sqrt(yaw_variance) + kLeastGate_rad;
+  return std::abs(yaw) < p_.gate_sigmas * std::sqrt(yaw_variance) + p_.least_gate_rad;
 }
 
 /// What is seen is not a copy that hangs beside the object: on each side either nobody hangs there, or the camera would
@@ -139,10 +129,10 @@ bool Judge::is_steady(const Encounter& encounter, int64_t t_ns) const {
   size_t n = 0;
   for (const Seen& s : encounter.seen)
     if (seconds(t_ns - s.t_ns) <= p_.stand_s) mean += s.p_n, ++n;
-  if (n < kFewestStanding || seconds(t_ns - encounter.seen.front().t_ns) < 0.9 * p_.stand_s) return false;
+  if (n < p_.least_standing || seconds(t_ns - encounter.seen.front().t_ns) < 0.9 * p_.stand_s) return false;
   mean /= static_cast<double>(n);
   for (const Seen& s : encounter.seen)
-    if (seconds(t_ns - s.t_ns) <= p_.stand_s && (s.p_n - mean).norm() > kSway_m + 2 * s.sigma_m) return false;
+    if (seconds(t_ns - s.t_ns) <= p_.stand_s && (s.p_n - mean).norm() > p_.sway_m + 2 * s.sigma_m) return false;
   return true;
 }
 
@@ -175,8 +165,8 @@ std::optional<Estimate> Judge::judge(const Sighting& sighting, const PlaneObject
   const int64_t t = sighting.t_ns;
   if (!encounter.seen.empty()) {
     const Seen& last = encounter.seen.back();
-    const double may_m = kFastest_mps * seconds(t - last.t_ns) + 3 * std::hypot(sigma_m, last.sigma_m);
-    if (t - last.t_ns > kGap_ns || (estimate.p_n - last.p_n).norm() > may_m) {
+    const double may_m = p_.most_speed_mps * seconds(t - last.t_ns) + 3 * std::hypot(sigma_m, last.sigma_m);
+    if (t - last.t_ns > p_.gap_ns || (estimate.p_n - last.p_n).norm() > may_m) {
       encounter.seen.clear();
       encounter.clear.fill(false);
     }

@@ -9,6 +9,7 @@
 #include "plugins/fix/known_object/judge.hpp"
 #include "plugins/fix/known_object/read_objects.hpp"
 #include "plugins/shared/camera/frame_view.hpp"
+#include "plugins/shared/rotation.hpp"
 
 namespace {
 
@@ -107,7 +108,7 @@ class KnownObject {
     q_b_c_ = Quaterniond(0, 1, 0, 0);
     p_b_c_.setZero();
     if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) {
-      q_b_c_ = Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]).normalized();
+      q_b_c_ = odograph::so3::quaternion(c.q_b_c).normalized();
       p_b_c_ = Vector3d(c.p_b_c);
     }
     calibrated_ = true;
@@ -291,7 +292,7 @@ class KnownObject {
       Vector3d::Map(fix.p_n) = e.p_n - lever;
     }
     Eigen::Map<Matrix3d>(fix.covariance_n) = 0.5 * (e.covariance_n + e.covariance_n.transpose());
-    fix.q_n_b[0] = q_n_b.w(), fix.q_n_b[1] = q_n_b.x(), fix.q_n_b[2] = q_n_b.y(), fix.q_n_b[3] = q_n_b.z();
+    odograph::so3::put_quaternion(q_n_b, fix.q_n_b);
     Eigen::Map<Matrix3d>(fix.orientation_cov_n) =
         0.5 * (e.orientation_covariance_n + e.orientation_covariance_n.transpose());
     fix.integrity = e.standing ? 0.001 : 0.01;

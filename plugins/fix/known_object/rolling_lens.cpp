@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plugins/fix/known_object/rolling_lens.hpp"
 
+#include "plugins/shared/rotation.hpp"
+
 namespace odograph::known_object {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 Pose Pose::moved(const Eigen::Matrix<double, 6, 1>& theta_delta) const {
-  const Vector3d theta = theta_delta.head<3>();
-  const double angle = theta.norm();
-  const Eigen::Matrix3d turn =
-      angle > 1e-12 ? Eigen::AngleAxisd(angle, theta / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
-  return {turn * R_c_o, turn * t_c_o + theta_delta.tail<3>()};
+  const Eigen::Matrix3d R = so3::exp_rotation_matrix(theta_delta.head<3>());
+  return {R * R_c_o, R * t_c_o + theta_delta.tail<3>()};
 }
 
 std::optional<RollingLens::Seen> RollingLens::project(const Vector3d& p_c) const {

@@ -12,12 +12,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kOverlap = 0.9;  // of width or height: nearer places show the object itself
-constexpr double kAlign = 0.2;    // of height or width: what hangs beside hangs at its height
-constexpr float kContrast = 2;    // grey values: noise is no pattern
-constexpr double kReach = 0.25;   // beyond the gap, of what is laid flat
-constexpr double kBlur = 0.5;     // of what a cell covers in the frame
-
 /// Correlation of the object with the part of `flat` that is valid and lies under it with its corner at (x, y).
 struct Likeness {
   double value = 0, part = 0;
@@ -66,23 +60,22 @@ cv::Mat Surroundings::flattened(const cv::Mat& values, const cv::Mat& valid, dou
   const cv::Mat off = values - mean(values);
   cv::Mat contrast;
   cv::sqrt(mean(off.mul(off)), contrast);
-  return off / (contrast + kContrast);
+  return off / (contrast + p_.contrast_grey);
 }
 
-Surroundings::Seen Surroundings::look(size_t number, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens,
-                                      const Pose& pose) const {
-  const Known& known = known_[number];
+std::optional<Surroundings::Flat> Surroundings::lay_flat(const Known& known, const cv::Mat& grey, const cv::Mat& mask,
+                                                         const RollingLens& lens, const Pose& pose) const {
   const cv::Mat& object = known.flat;
-  // Laid flat: the object in the middle, on each side room for a copy beyond the widest gap.
-  const int reach_x = static_cast<int>(std::lround((1 + p_.most_gap + kReach) * object.cols)),
-            reach_y = static_cast<int>(std::lround((1 + p_.most_gap + kReach) * object.rows));
-  const cv::Size size(object.cols + 2 * reach_x, object.rows + 2 * reach_y);
+  // On each side room for a copy beyond the widest gap.
+  const cv::Point reach(static_cast<int>(std::lround((1 + p_.most_gap + p_.reach) * object.cols)),
+                        static_cast<int>(std::lround((1 + p_.most_gap + p_.reach) * object.rows)));
+  const cv::Size size(object.cols + 2 * reach.x, object.rows + 2 * reach.y);
   const auto middle = lens.project(pose.t_c_o);
-  if (!middle) return {};
+  if (!middle) return std::nullopt;
   const Eigen::Matrix2d px_by_m = middle->by_point * pose.R_c_o.leftCols<2>();
   const double cell_px = std::sqrt(std::abs(px_by_m.determinant()) * known.cell_x_m * known.cell_y_m);
   cv::Mat smooth;
-  cv::GaussianBlur(grey, smooth, {0, 0}, std::max(0.3, kBlur * cell_px));
+  cv::GaussianBlur(grey, smooth, {0, 0}, std::max(0.3, p_.blur * cell_px));
   cv::Mat map(size, CV_32FC2, cv::Scalar(-1, -1)), valid(size, CV_32F, cv::Scalar(0));
   for (int j = 0; j < size.height; ++j)
     for (int i = 0; i < size.width; ++i) {
@@ -98,41 +91,55 @@ Surroundings::Seen Surroundings::look(size_t number, const cv::Mat& grey, const 
   cv::Mat values;
   cv::remap(smooth, values, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
   values.convertTo(values, CV_32F);
-  const cv::Mat flat = flattened(values, valid, p_.flatten * p_.object_cells);
+  return Flat{flattened(values, valid, p_.flatten * p_.object_cells), valid, reach};
+}
 
-  Seen result;
-  for (int dy = -1; dy <= 1; ++dy)
-    for (int dx = -1; dx <= 1; ++dx)
-      result.self = std::max(result.self, likeness_at(flat, valid, object, reach_x + dx, reach_y + dy).value);
-  if (result.self < p_.least_likeness) return result;
-  // Its own lines of text resemble one another: copies do not overlap it.
-  valid(cv::Rect(reach_x, reach_y, object.cols, object.rows)).setTo(0);
+std::array<bool, kSides> Surroundings::look_beside(const Known& known, const Flat& flat, Seen& result) const {
+  const cv::Mat& object = known.flat;
   std::array<bool, kSides> open{};
-  for (int y = 0; y <= 2 * reach_y; ++y)
-    for (int x = 0; x <= 2 * reach_x; ++x) {
-      const double across = static_cast<double>(x - reach_x) / object.cols,
-                   down = static_cast<double>(y - reach_y) / object.rows;
-      if (std::abs(across) < kOverlap && std::abs(down) < kOverlap) continue;
-      const Likeness l = likeness_at(flat, valid, object, x, y);
+  for (int y = 0; y <= 2 * flat.object.y; ++y)
+    for (int x = 0; x <= 2 * flat.object.x; ++x) {
+      const double across = static_cast<double>(x - flat.object.x) / object.cols,
+                   down = static_cast<double>(y - flat.object.y) / object.rows;
+      if (std::abs(across) < p_.overlap && std::abs(down) < p_.overlap) continue;
+      const Likeness l = likeness_at(flat.picture, flat.valid, object, x, y);
       if (l.part < p_.least_part) continue;
       if (l.value > result.second) {
         result.second = l.value;
-        result.offset_m = {(x - reach_x) * known.cell_x_m, (y - reach_y) * known.cell_y_m};
+        result.offset_m = {(x - flat.object.x) * known.cell_x_m, (y - flat.object.y) * known.cell_y_m};
       }
       if (l.value < p_.doubtful * result.self) continue;
       for (size_t side = 0; side < kSides; ++side) {
         const double along = kSideways[side][0] * across + kSideways[side][1] * down,
                      beside = kSideways[side][1] * across + kSideways[side][0] * down;
-        open[side] = open[side] || (along > kOverlap && std::abs(beside) < kAlign);
+        open[side] = open[side] || (along > p_.overlap && std::abs(beside) < p_.align);
       }
     }
+  return open;
+}
+
+Surroundings::Seen Surroundings::look(size_t number, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens,
+                                      const Pose& pose) const {
+  const Known& known = known_[number];
+  const cv::Mat& object = known.flat;
+  auto flat = lay_flat(known, grey, mask, lens, pose);
+  if (!flat) return {};
+  const auto likeness = [&](int x, int y) {
+    return likeness_at(flat->picture, flat->valid, object, flat->object.x + x, flat->object.y + y);
+  };
+  Seen result;
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx) result.self = std::max(result.self, likeness(dx, dy).value);
+  if (result.self < p_.least_likeness) return result;
+  // Its own lines of text resemble one another: copies do not overlap it.
+  flat->valid(cv::Rect(flat->object, object.size())).setTo(0);
+  const std::array<bool, kSides> open = look_beside(known, *flat, result);
   result.twin = result.second > p_.twin_likeness * result.self;
   if (result.twin) return result;
   for (size_t side = 0; side < kSides; ++side) {
     const auto x = static_cast<int>(std::lround(kSideways[side][0] * (1 + p_.most_gap) * object.cols)),
                y = static_cast<int>(std::lround(kSideways[side][1] * (1 + p_.most_gap) * object.rows));
-    result.clear[side] =
-        !open[side] && likeness_at(flat, valid, object, reach_x + x, reach_y + y).part >= p_.least_part;
+    result.clear[side] = !open[side] && likeness(x, y).part >= p_.least_part;
   }
   return result;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -11,7 +12,7 @@
 
 namespace odograph::known_object {
 
-/// Sides of an object as one reads it, and the way there in units of its width and height.
+/// Sides of an object as one reads it, and the path there in units of its width and height.
 inline constexpr int kSides = 4;
 inline constexpr double kSideways[kSides][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
 
@@ -28,6 +29,11 @@ class Surroundings {
     double twin_likeness = 0.7;   ///< of a copy, against that of the object itself; bench
     double doubtful = 0.5;        ///< likewise: what resembles it so far leaves its side open; bench
     double least_likeness = 0.5;  ///< of the object itself, to recognise others by; bench
+    double overlap = 0.9;         ///< of width or height: nearer places show the object itself
+    double align = 0.2;           ///< of height or width: what hangs beside hangs at its height; judgement
+    double contrast_grey = 2;     ///< noise is no pattern; judgement
+    double reach = 0.25;          ///< of the object's width (height), beyond most_gap: how far is laid flat; judgement
+    double blur = 0.5;            ///< of what a cell covers in the frame
   };
   explicit Surroundings(const Parameters& parameters, const std::vector<PlaneObject>& objects);
 
@@ -45,6 +51,15 @@ class Surroundings {
     cv::Mat flat;  ///< the object by itself, float
     double cell_x_m, cell_y_m;
   };
+  /// A frame laid flat in the object's plane, the object in the middle.
+  struct Flat {
+    cv::Mat picture, valid;  ///< float; valid: 1 where the frame shows it
+    cv::Point object;        ///< the object's corner
+  };
+  std::optional<Flat> lay_flat(const Known& known, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens,
+                               const Pose& pose) const;
+  /// Sides on which something resembles the object; the best other place goes into `result`.
+  std::array<bool, kSides> look_beside(const Known& known, const Flat& flat, Seen& result) const;
   /// Less its mean and over its contrast round about, where `valid`.
   cv::Mat flattened(const cv::Mat& values, const cv::Mat& valid, double sigma_cells) const;
 

@@ -40,6 +40,102 @@ float steps_of(float north, float east) {
   return (east < 0 ? -angle : angle) * static_cast<float>(1 / kStep_rad);
 }
 
+/// An edge from a place: its beginning (north, east, and height above the place), the rest of it, and the directions in
+/// which it may lie.
+struct SeenEdge {
+  float x, y, h, dx, dy, dz;
+  int first = 0, last = 0;
+
+  int first_block() const { return (first + kN) / kBlock; }
+  int last_block() const { return (last + kN) / kBlock; }
+  /// Finds the directions. False where nothing of it is above the place, or it is seen from its own line.
+  bool find_directions() {
+    const float x1 = x + dx, y1 = y + dy, h1 = h - dz;
+    if (h <= 0 && h1 <= 0) return false;
+    const float cross = x * y1 - y * x1;  // > 0: the azimuth grows from its beginning to its end
+    const float begin = cross >= 0 ? steps_of(x, y) : steps_of(x1, y1);
+    float end = cross >= 0 ? steps_of(x1, y1) : steps_of(x, y);
+    if (end < begin - 1) end += kN;
+    if (end - begin > kN / 2 + 1) return false;
+    first = static_cast<int>(std::floor(begin - 1.1f)), last = static_cast<int>(std::ceil(end + 0.1f));
+    return true;
+  }
+  /// It stands nowhere above an elevation of this tangent: not its upper end's height at its nearest point's distance.
+  bool is_below(float tangent) const {
+    const float along = dx * dx + dy * dy;
+    const float t = std::clamp(-(x * dx + y * dy) / along, 0.0f, 1.0f);
+    const float nx = x + t * dx, ny = y + t * dy, most = kSlack * std::max(h, h - dz);
+    return most * most < tangent * tangent * (nx * nx + ny * ny);
+  }
+};
+
+/// The highest edge in each direction, as one edge after the other is added.
+class Envelope {
+ public:
+  Envelope(const Sector& sector, Horizon& out, City::Winners* winners) : out_(out), winners_(winners) {
+    // What is not looked at hides everything: no edge reaches it.
+    for (int i = sector.blocks; i < kBlocks; ++i) {
+      const int b = (sector.first + i) % kBlocks;
+      lowest_of_[static_cast<size_t>(b)] = kOutOfSight;
+      std::fill_n(highest_.data() + b * kBlock, kBlock, kOutOfSight);
+    }
+    out_.height_m.fill(0), out_.distance_m.fill(0);
+    if (winners_) winners_->fill(-1);
+  }
+
+  float lowest() const { return lowest_; }
+  /// All of these blocks of directions are higher than this tangent.
+  bool hides(float tangent, int block, int blocks) const {
+    while (blocks > 0 && tangent < lowest_of_[static_cast<size_t>(block)])
+      --blocks, block = block + 1 < kBlocks ? block + 1 : 0;
+    return blocks == 0;
+  }
+  bool hides(const SeenEdge& e) const {
+    float least = lowest_of_[static_cast<size_t>(e.first_block() % kBlocks)];
+    for (int b = e.first_block() + 1; b <= e.last_block(); ++b)
+      least = std::min(least, lowest_of_[static_cast<size_t>(b % kBlocks)]);
+    return least > 0 && e.is_below(least);
+  }
+  void add(const SeenEdge& e, int number) {
+    const Directions& directions = Directions::get();
+    bool higher = false;
+    for (int j = e.first; j <= e.last; ++j) {
+      const auto k = static_cast<size_t>(j < 0 ? j + kN : j >= kN ? j - kN : j);
+      // Where the ray (c, s) meets the edge: from + t (to - from), at the distance r.
+      const float c = directions.north[k], s = directions.east[k];
+      const float det = c * e.dy - s * e.dx;
+      if (std::abs(det) < 1e-7f) continue;
+      const float t = (s * e.x - c * e.y) / det;
+      if (t < 0 || t > 1) continue;
+      const float r = c * (e.x + t * e.dx) + s * (e.y + t * e.dy);
+      if (r <= 1e-3f) continue;
+      const float h = e.h - t * e.dz;
+      if (h <= highest_[k] * r) continue;
+      highest_[k] = h / r, out_.height_m[k] = h, out_.distance_m[k] = r;
+      higher = true;
+      if (winners_) (*winners_)[k] = number;
+    }
+    if (!higher) return;
+    for (int b = e.first_block(); b <= e.last_block(); ++b) {
+      const auto block = static_cast<size_t>(b % kBlocks);
+      const auto* from = highest_.data() + block * kBlock;
+      lowest_of_[block] = *std::min_element(from, from + kBlock);
+    }
+    lowest_ = *std::min_element(lowest_of_.begin(), lowest_of_.end());
+  }
+  void put_elevations() {
+    for (size_t k = 0; k < highest_.size(); ++k)
+      out_.elevation[k] = highest_[k] < kOutOfSight ? std::atan(highest_[k]) : 0;
+  }
+
+ private:
+  Horizon& out_;
+  City::Winners* winners_;
+  std::array<float, kN> highest_{};         // tangents
+  std::array<float, kBlocks> lowest_of_{};  // least of them in each block of directions: what cannot reach it is hidden
+  float lowest_ = 0;                        // of all directions
+};
+
 }  // namespace
 
 double Horizon::elevation_at(double azimuth_rad) const {
@@ -92,7 +188,7 @@ void City::look_near(const Eigen::Vector3d& p_n, double radius_m, double least_t
     near_.push_back({from.x(), from.y(), from.z(), along.x(), along.y(), along.z(),
                      static_cast<float>(up / std::max(distance - radius_m, 0.1)), static_cast<int>(i), 0, kBlocks});
     if (distance <= 1.01 * radius_m) continue;
-    // Seen from elsewhere within the radius each of its points is turned by as much as this at most.
+    // Seen from elsewhere within the radius each of its points is rotated by as much as this at most.
     const double turned = std::asin(radius_m / distance) + kStep_rad;
     const double begin = std::atan2(a.y(), a.x());
     const double across = std::remainder(std::atan2(a.y() + d.y(), a.x() + d.x()) - begin, 2 * std::numbers::pi);
@@ -134,75 +230,21 @@ void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double least
 
 void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, Winners* winners,
                     const Sector& sector) const {
-  const Directions& directions = Directions::get();
-  std::array<float, kN> highest{};         // tangents
-  std::array<float, kBlocks> lowest_of{};  // least of them in each block of directions: what cannot reach it is hidden
-  // What is not looked at hides everything: no edge reaches it.
-  for (int i = sector.blocks; i < kBlocks; ++i) {
-    const int b = (sector.first + i) % kBlocks;
-    lowest_of[static_cast<size_t>(b)] = kOutOfSight;
-    std::fill_n(highest.data() + b * kBlock, kBlock, kOutOfSight);
-  }
-  out.height_m.fill(0), out.distance_m.fill(0);
+  Envelope envelope(sector, out, winners);
   const Eigen::Vector3f shift = (p_n - around_).cast<float>();
   const bool bounded = (p_n - around_).head<2>().norm() <= radius_m_ && p_n.z() - around_.z() <= lower_m_;
-  float lowest = 0;  // of all directions
-  if (winners) winners->fill(-1);
   for (size_t i = 0; i < edges.size(); ++i) {
     const Near& e = edges[i];
     if (bounded) {
       const float highest_here = e.bound * kSlack;
-      if (highest_here < lowest) break;
-      int b = e.first_block, left = e.blocks;
-      while (left > 0 && highest_here < lowest_of[static_cast<size_t>(b)]) --left, b = b + 1 < kBlocks ? b + 1 : 0;
-      if (left == 0) continue;
+      if (highest_here < envelope.lowest()) break;
+      if (envelope.hides(highest_here, e.first_block, e.blocks)) continue;
     }
-    const float x0 = e.x - shift.x(), y0 = e.y - shift.y(), h0 = shift.z() - e.z;
-    const float x1 = x0 + e.dx, y1 = y0 + e.dy, h1 = h0 - e.dz;
-    if (h0 <= 0 && h1 <= 0) continue;
-    const float cross = x0 * y1 - y0 * x1;  // > 0: the azimuth grows from `from` to `to`
-    const float begin = cross >= 0 ? steps_of(x0, y0) : steps_of(x1, y1);
-    float end = cross >= 0 ? steps_of(x1, y1) : steps_of(x0, y0);
-    if (end < begin - 1) end += kN;
-    if (end - begin > kN / 2 + 1) continue;  // seen from its own line
-    const int first = static_cast<int>(std::floor(begin - 1.1f)), last = static_cast<int>(std::ceil(end + 0.1f));
-    const int first_block = (first + kN) / kBlock, last_block = (last + kN) / kBlock;
-    float least = lowest_of[static_cast<size_t>(first_block % kBlocks)];
-    for (int b = first_block + 1; b <= last_block; ++b)
-      least = std::min(least, lowest_of[static_cast<size_t>(b % kBlocks)]);
-    if (least > 0) {
-      // The highest it can be: its upper end's height at its nearest point's distance.
-      const float along = e.dx * e.dx + e.dy * e.dy;
-      const float t = std::clamp(-(x0 * e.dx + y0 * e.dy) / along, 0.0f, 1.0f);
-      const float nx = x0 + t * e.dx, ny = y0 + t * e.dy, h = kSlack * std::max(h0, h1);
-      if (h * h < least * least * (nx * nx + ny * ny)) continue;
-    }
-    bool higher = false;
-    for (int j = first; j <= last; ++j) {
-      const auto k = static_cast<size_t>(j < 0 ? j + kN : j >= kN ? j - kN : j);
-      // Where the ray (c, s) meets the edge: from + t (to - from), at the distance r.
-      const float c = directions.north[k], s = directions.east[k];
-      const float det = c * e.dy - s * e.dx;
-      if (std::abs(det) < 1e-7f) continue;
-      const float t = (s * x0 - c * y0) / det;
-      if (t < 0 || t > 1) continue;
-      const float r = c * (x0 + t * e.dx) + s * (y0 + t * e.dy);
-      if (r <= 1e-3f) continue;
-      const float h = h0 - t * e.dz;
-      if (h <= highest[k] * r) continue;
-      highest[k] = h / r, out.height_m[k] = h, out.distance_m[k] = r;
-      higher = true;
-      if (winners) (*winners)[k] = static_cast<int>(i);
-    }
-    if (!higher) continue;
-    for (int b = first_block; b <= last_block; ++b) {
-      const auto block = static_cast<size_t>(b % kBlocks);
-      const auto* from = highest.data() + block * kBlock;
-      lowest_of[block] = *std::min_element(from, from + kBlock);
-    }
-    lowest = *std::min_element(lowest_of.begin(), lowest_of.end());
+    SeenEdge seen{e.x - shift.x(), e.y - shift.y(), shift.z() - e.z, e.dx, e.dy, e.dz};
+    if (!seen.find_directions() || envelope.hides(seen)) continue;
+    envelope.add(seen, static_cast<int>(i));
   }
-  for (size_t k = 0; k < highest.size(); ++k) out.elevation[k] = highest[k] < kOutOfSight ? std::atan(highest[k]) : 0;
+  envelope.put_elevations();
 }
 
 }  // namespace odograph::skyline

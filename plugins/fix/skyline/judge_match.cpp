@@ -6,10 +6,6 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr double kFewerAgree = 0.8;  // of min_agreement: of a place found by several pictures, or without a rival,
-constexpr double kNoRival = 1e-20;   // no other place being likelier than this (42 such in Delft: one was 1.1 m off)
-constexpr double kRival = 0.2;       // of another place's likelihood
-
 Why few_agree(double agreement, double least) {
   char text[120];
   std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are wanted", agreement, least);
@@ -34,11 +30,12 @@ Why reason_of(Refusal refusal) {
   }
 }
 
-std::optional<Why> judge_match(const Match& match, double min_agreement, bool several_agree) {
-  const bool sure = several_agree || match.rival < kNoRival;
-  const double least = sure ? kFewerAgree * min_agreement : min_agreement;
+std::optional<Why> judge_match(const Match& match, double min_agreement, bool several_agree,
+                               const MatchJudgeParameters& p) {
+  const bool sure = several_agree || match.rival < p.no_rival;
+  const double least = sure ? p.fewer_agree * min_agreement : min_agreement;
   if (match.agreement < least) return few_agree(match.agreement, least);
-  if (match.rival > kRival) return another(match.rival);
+  if (match.rival > p.most_rival) return another(match.rival);
   return std::nullopt;
 }
 

@@ -18,8 +18,17 @@ using Why = std::pair<Reason, std::string>;
 /// What a refusal of the matcher is called.
 Why reason_of(Refusal refusal);
 
+/// Of a match of one picture. By hand, on drives through a model of Delft, where no source is named.
+struct MatchJudgeParameters {
+  double fewer_agree =
+      0.8;  ///< of min_agreement: of a place found by several pictures, or without another likely place,
+  double no_rival = 1e-20;  ///< none being likelier than this (42 such in Delft: one was 1.1 m off)
+  double most_rival = 0.2;  ///< of another place's likelihood
+};
+
 /// What speaks against a match of one picture. `several_agree`: pictures before have told the place.
-std::optional<Why> judge_match(const Match& match, double min_agreement, bool several_agree);
+std::optional<Why> judge_match(const Match& match, double min_agreement, bool several_agree,
+                               const MatchJudgeParameters& p = {});
 
 /// Judges matches of several narrow pictures along a path. Such pictures see walls rather than roofs: in fewer
 /// directions do picture and model agree, and one match may be right by chance; so no other place may be likely at all,

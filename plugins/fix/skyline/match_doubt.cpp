@@ -12,17 +12,9 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr double kDoubt_m = 2.5;  // standard deviation of a place with which nothing agrees, on drives through Delft
-constexpr double kUntold_m = 10;  // across the best told axis, by the curvature: from here on a picture tells no place
-constexpr int kSounded = 3;       // cells around the best place, to each side,
-constexpr double kSoundedStep_m = 2;  // so far apart
-constexpr size_t kSoundedStarts = 3;  // of those that are refined
-constexpr double kAlike = 0.1;    // of the best place's likelihood: one at the rim that has it says that more follow
-constexpr double kUnseen_m = 30;  // standard deviation along a direction that a picture does not tell
-
 /// From a mean loss to a logarithm of a likelihood.
-double to_log(double directions, double best_cost) {
-  return directions / (kCorrelated * std::max(kNoise_rad, 0.5 * best_cost));
+double to_log(double directions, double best_cost, const MatcherParameters& p) {
+  return directions / (p.correlated * std::max(p.noise_rad, 0.5 * best_cost));
 }
 
 }  // namespace
@@ -31,11 +23,11 @@ double to_log(double directions, double best_cost) {
 /// them refined: a wall along a street is a ridge that the lattice misses, narrower than its cells.
 void Matcher::sound(const Place& best) {
   around_.clear();
-  for (int a = -kSounded; a <= kSounded; ++a)
-    for (int b = -kSounded; b <= kSounded; ++b) {
+  for (int a = -p_.sounded; a <= p_.sounded; ++a)
+    for (int b = -p_.sounded; b <= p_.sounded; ++b) {
       if (a == 0 && b == 0) continue;
       Place there = best;
-      there.guess.north += a * kSoundedStep_m, there.guess.east += b * kSoundedStep_m;
+      there.guess.north += a * p_.sounded_step_m, there.guess.east += b * p_.sounded_step_m;
       there.cost = cost(there.guess, true);
       turn(there);
       around_.push_back(there);
@@ -43,10 +35,11 @@ void Matcher::sound(const Place& best) {
   std::sort(around_.begin(), around_.end(), by_cost);
   std::vector<Place> starts;
   for (const Place& p : around_) {
-    if (std::any_of(starts.begin(), starts.end(), [&](const Place& s) { return apart(s.guess, p.guess) < kSpread_m; }))
+    if (std::any_of(starts.begin(), starts.end(),
+                    [&](const Place& s) { return apart(s.guess, p.guess) < p_.spread_m; }))
       continue;
     starts.push_back(p);
-    if (starts.size() == kSoundedStarts) break;
+    if (starts.size() == p_.sounded_starts) break;
   }
   for (const Place& p : starts) around_.push_back(refine(p));
 }
@@ -61,9 +54,9 @@ Matcher::Doubt Matcher::doubt_around(const Place& best, double scale) const {
     const Eigen::Vector2d d(p.guess.north - best.guess.north, p.guess.east - best.guess.east);
     const double yaw = p.guess.yaw - best.guess.yaw;
     cloud += w * d * d.transpose(), turned += w * yaw * yaw, weight += w;
-    if (w > kAlike && d.norm() > kSounded * kSoundedStep_m - 0.5 * kSoundedStep_m) {
+    if (w > p_.alike && d.norm() > p_.sounded * p_.sounded_step_m - 0.5 * p_.sounded_step_m) {
       const Eigen::Vector2d along = d.normalized();
-      open = kUnseen_m * kUnseen_m * along * along.transpose();
+      open = p_.unseen_m * p_.unseen_m * along * along.transpose();
     }
   }
   return {cloud / weight + open, turned / weight};
@@ -72,7 +65,7 @@ Matcher::Doubt Matcher::doubt_around(const Place& best, double scale) const {
 /// How well the place is known; false where the picture itself does not tell it: the curvature of the fit, what the
 /// lattice says, and how likely another place is.
 bool Matcher::weigh(const Place& best, double rival_cost, Match& match) {
-  const double scale = to_log(seen_.total_weight() / seen_.correlated(), best.cost);
+  const double scale = to_log(seen_.total_weight() / seen_.correlated(), best.cost, p_);
   match.rival = rival_cost < 1e9 ? std::exp(-scale * (rival_cost - best.cost)) : 0.0;
   // A street that looks the same for a while is a long cloud, not a point.
   Eigen::Matrix2d cloud = Eigen::Matrix2d::Zero();
@@ -91,20 +84,20 @@ bool Matcher::weigh(const Place& best, double rival_cost, Match& match) {
   cloud += around.position;
   Matrix6d H;
   Vector6d b;
-  linearise(best.guess, kSoft_rad, H, b);
+  linearise(best.guess, p_.soft_rad, H, b);
   // What is left over beyond the noise is model error, which averages no better.
-  const double left = std::max(1.0, best.cost / kNoise_rad);
-  H.diagonal().head<2>().array() += 1.0 / (kUnseen_m * kUnseen_m);
+  const double left = std::max(1.0, best.cost / p_.noise_rad);
+  H.diagonal().head<2>().array() += 1.0 / (p_.unseen_m * p_.unseen_m);
   H(3, 3) += 1.0;
   const Matrix6d P = H.inverse() * (left * left);
   // Where picture and model agree in fewer directions, more of those that agree do so by chance.
-  const double doubt_m = kDoubt_m * (1 - match.agreement);
+  const double doubt_m = p_.disagreement_m * (1 - match.agreement);
   match.covariance = P.topLeftCorner<2, 2>() + cloud + Eigen::Matrix2d::Identity() * (doubt_m * doubt_m);
   match.height_sigma_m = std::sqrt(std::max(1e-6, P(2, 2)));
   match.yaw_sigma_rad =
       std::clamp(std::sqrt(std::max(0.0, P(3, 3)) + around.yaw_variance), 0.1 * kDegree, 30 * kDegree);
   const double narrowest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(P.topLeftCorner<2, 2>()).eigenvalues()[0];
-  return narrowest < kUntold_m * kUntold_m;
+  return narrowest < p_.untold_m * p_.untold_m;
 }
 
 }  // namespace odograph::skyline

@@ -11,27 +11,6 @@
 #include "plugins/fix/skyline/match_terms.hpp"
 
 namespace odograph::skyline {
-namespace {
-
-constexpr double kAgrees_rad = 1.0 * kDegree;  // of one in which picture and model agree
-constexpr double kStep_m = 0.25;               // of the numeric derivatives of the model's skyline
-constexpr double kNearest_m = 6;               // always searched: priors are optimistic
-constexpr double kWide_m = 12;                 // farther than this the lattice is coarse
-constexpr double kApart_m = 4;                 // farther from each other than this two places are two
-constexpr int kPictures = 4;                   // that must have been seen before one of the lost is believed
-constexpr double kLowest_rad = 3 * kDegree;    // what stands lower is not looked at: parked cars, hedges, far hills
-constexpr size_t kLeastEdges = 240;            // a third of the directions: fewer have been seen to fit in wrong places
-constexpr uint64_t kTurnedCheaper = 3;         // a turned direction's loss than another's
-constexpr size_t kStarts = 2, kStartsOfPath = 6;  // places of the lattice that are refined
-constexpr double kFarthestStep_m = 2;
-constexpr double kHopeless_rad = 0.3 * kDegree;  // of a move's mean loss: no heading makes up for it
-constexpr int kLastSteps = 2;
-constexpr double kOutside_m = 2;  // a cell of the coarse lattice: so far beyond it a place may be refined to
-constexpr double kUnlikely = 3;   // standard deviations of the prior's height, which a place must lie within
-constexpr double kClimbed_m = 1;  // at least that: what a road may have climbed since the last fix
-
-}  // namespace
-
 size_t closed_edges(const std::vector<SkyEdge>& edges) {
   return static_cast<size_t>(
       std::count_if(edges.begin(), edges.end(), [](const SkyEdge& e) { return !e.open && !e.above; }));
@@ -41,7 +20,7 @@ size_t closed_edges(const std::vector<SkyEdge>& edges) {
 double Matcher::cost_of_prior(const Guess& g) const {
   const double tilt = std::hypot(g.tilt_north, g.tilt_east) / prior_.tilt_sigma_rad;
   const double high = g.up / prior_.height_sigma_m;
-  return 0.5 * (tilt * tilt + high * high) * kNoise_rad * kCorrelated * seen_.correlated() /
+  return 0.5 * (tilt * tilt + high * high) * p_.noise_rad * p_.correlated * seen_.correlated() /
          std::max(1.0, seen_.total_weight());
 }
 
@@ -49,20 +28,20 @@ double Matcher::cost_of_prior(const Guess& g) const {
 double Matcher::cost(const Guess& g, bool new_place) {
   spend(seen_.directions() + seen_.work_to_look(city_, place_of(g), g.yaw, new_place));
   seen_.look(city_, place_of(g), g.yaw, new_place);
-  return seen_.loss(g, kMost_rad) + cost_of_prior(g);
+  return seen_.loss(g, p_.most_rad) + cost_of_prior(g);
 }
 
 /// A place of the lattice, with the best of the headings in reach.
 void Matcher::look_at_place(Place best, int middle_deg, int turns, int stride) {
   best.cost = 1e9;
   auto& [seen, offset, sector, horizon, looked] = seen_.newest();
-  spend(city_.quick_work() + static_cast<uint64_t>(2 * turns / stride + 3) * seen.turned_size() / kTurnedCheaper);
+  spend(city_.quick_work() + static_cast<uint64_t>(2 * turns / stride + 3) * seen.turned_size() / p_.rotated_cheaper);
   city_.quick_horizon(place_of(best.guess), horizon);
   const auto middle = std::copy(horizon.elevation.begin(), horizon.elevation.end(), twice_.begin());
   std::copy(horizon.elevation.begin(), horizon.elevation.end(), middle);
   const auto look = [&](int degrees) {
     const int turned = static_cast<int>(std::lround(std::remainder(degrees, 360)));
-    if (const double c = seen.turned_loss(twice_, 2 * turned, kMost_rad); c < best.cost)
+    if (const double c = seen.turned_loss(twice_, 2 * turned, p_.most_rad); c < best.cost)
       best.guess.yaw = turned * kDegree, best.cost = c;
   };
   for (int y = -turns; y <= turns; y += stride) look(middle_deg + y);
@@ -107,7 +86,7 @@ bool Matcher::linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d&
   seen_.look(city_, place_of(at), at.yaw, true);
   double directions = 0;
   for (const auto& seen : seen_.seen()) directions += add_view(seen, at, soft_rad, H, b);
-  const double noise = kNoise_rad * kNoise_rad * kCorrelated * seen_.correlated();
+  const double noise = p_.noise_rad * p_.noise_rad * p_.correlated * seen_.correlated();
   H /= noise, b /= noise;
   const double height = 1 / (prior_.height_sigma_m * prior_.height_sigma_m);
   const double tilt = 1 / (prior_.tilt_sigma_rad * prior_.tilt_sigma_rad);
@@ -125,7 +104,7 @@ double Matcher::add_view(const SeenPath::Seen& seen, const Guess& at, double sof
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side) {
       Eigen::Vector3d there = p;
-      there[axis] += side ? kStep_m : -kStep_m;
+      there[axis] += side ? p_.derivative_step_m : -p_.derivative_step_m;
       city_.quick_horizon(there, moved[axis][side], seen.sector);
     }
   seen.skyline.residuals(seen.horizon, at, residuals_);
@@ -139,13 +118,12 @@ double Matcher::add_view(const SeenPath::Seen& seen, const Guess& at, double sof
     for (int axis = 0; axis < 3; ++axis) {
       const double d = moved[axis][1].elevation_at(r.azimuth) - moved[axis][0].elevation_at(r.azimuth);
       // A jump is a house's end that passes, not a slope.
-      J[axis] = std::abs(d) < 0.1 ? d / (2 * kStep_m) : 0.0;
+      J[axis] = std::abs(d) < 0.1 ? d / (2 * p_.derivative_step_m) : 0.0;
     }
     J[2] = -J[2];  // up
-    constexpr double kTurn_rad = 0.5 * kDegree;
-    const double turn =
-        seen.horizon.elevation_at(r.azimuth + kTurn_rad) - seen.horizon.elevation_at(r.azimuth - kTurn_rad);
-    J[3] = std::abs(turn) < 0.1 ? turn / (2 * kTurn_rad) : 0.0;
+    const double turn = seen.horizon.elevation_at(r.azimuth + p_.derivative_step_rad) -
+                        seen.horizon.elevation_at(r.azimuth - p_.derivative_step_rad);
+    J[3] = std::abs(turn) < 0.1 ? turn / (2 * p_.derivative_step_rad) : 0.0;
     J[4] = J[3] * r.slope * r.cosine + r.sine;
     J[5] = J[3] * r.slope * r.sine - r.cosine;
     J[3] += J[1] * offset_n.x() - J[0] * offset_n.y();  // an older place moves with the heading
@@ -165,8 +143,8 @@ std::optional<Guess> Matcher::step(const Guess& at, double soft_rad, double damp
   H(3, 3) += 1e-3 / (kDegree * kDegree);
   Vector6d d = H.ldlt().solve(b);
   if (!d.allFinite()) return std::nullopt;
-  if (const double far = d.head<3>().norm(); far > kFarthestStep_m) d *= kFarthestStep_m / far;
-  if (const double turn = std::abs(d[3]); turn > kMost_rad) d *= kMost_rad / turn;
+  if (const double far = d.head<3>().norm(); far > p_.most_step_m) d *= p_.most_step_m / far;
+  if (const double turn = std::abs(d[3]); turn > p_.most_rad) d *= p_.most_rad / turn;
   Guess g = at;
   g.north += d[0], g.east += d[1], g.up += d[2], g.yaw += d[3], g.tilt_north += d[4], g.tilt_east += d[5];
   return g;
@@ -176,7 +154,7 @@ std::optional<Guess> Matcher::step(const Guess& at, double soft_rad, double damp
 Place Matcher::refine(Place at) {
   at.cost = cost(at.guess, true);
   Place now = at;
-  for (const double soft_rad : {4 * kSoft_rad, 2 * kSoft_rad, kSoft_rad}) {
+  for (const double soft_rad : {4 * p_.soft_rad, 2 * p_.soft_rad, p_.soft_rad}) {
     const auto next = step(now.guess, soft_rad, 1e-3);
     if (!next) return at;
     now = {*next, cost(*next, true)};
@@ -184,8 +162,8 @@ Place Matcher::refine(Place at) {
   }
   now = at;
   double damping = 1e-3;
-  for (int k = 0; k < kLastSteps; ++k) {
-    const auto next = step(now.guess, kSoft_rad, damping);
+  for (int k = 0; k < p_.last_steps; ++k) {
+    const auto next = step(now.guess, p_.soft_rad, damping);
     if (!next) break;
     const double c = cost(*next, true);
     if (c < now.cost - 1e-6) {
@@ -230,7 +208,7 @@ Place Matcher::polish(Place at) {
         Place there = at;
         there.guess.north += m.north, there.guess.east += m.east, there.guess.up += m.up;
         there.cost = cost(there.guess, true);
-        if (there.cost > at.cost + kHopeless_rad) continue;
+        if (there.cost > at.cost + p_.hopeless_rad) continue;
         turn(there);
         if (there.cost < at.cost - 1e-6) at = there, better = true;
       }
@@ -248,10 +226,10 @@ std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
     std::vector<Place> starts;
     for (const Place& p : places_) {
       if (std::any_of(starts.begin(), starts.end(),
-                      [&](const Place& s) { return apart(s.guess, p.guess) < kSpread_m; }))
+                      [&](const Place& s) { return apart(s.guess, p.guess) < p_.spread_m; }))
         continue;
       starts.push_back(p);
-      if (starts.size() == (seen_.is_path() ? kStartsOfPath : kStarts)) break;
+      if (starts.size() == (seen_.is_path() ? p_.starts_of_path : p_.starts)) break;
     }
     for (const Place& p : starts) ends_.push_back(refine(p));
     std::sort(ends_.begin(), ends_.end(), by_cost);
@@ -261,7 +239,7 @@ std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
     if (!prior_.pivot_n) ends_.push_back(polish(refine({})));
     std::sort(ends_.begin(), ends_.end(), by_cost);
     for (const Place& p : ends_)
-      if (apart(p.guess, ends_.front().guess) > kApart_m) {
+      if (apart(p.guess, ends_.front().guess) > p_.apart_m) {
         rival_cost = p.cost;
         break;
       }
@@ -270,14 +248,14 @@ std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
   const int pictures = offsets_.average(places_, step_m);
   std::sort(places_.begin(), places_.end(), by_cost);
   refusal_ = Refusal::gathering;
-  if (pictures < kPictures) return std::nullopt;
+  if (pictures < p_.pictures) return std::nullopt;
   const Place first = places_.front();
   const auto other = std::find_if(places_.begin(), places_.end(),
-                                  [&](const Place& p) { return apart(p.guess, first.guess) > kApart_m + 1; });
+                                  [&](const Place& p) { return apart(p.guess, first.guess) > p_.apart_m + 1; });
   if (other != places_.end()) rival_cost = other->cost - first.cost;
   const Place here = polish(refine(first));
   refusal_ = Refusal::ambiguous;
-  if (apart(here.guess, first.guess) > kApart_m) return std::nullopt;
+  if (apart(here.guess, first.guess) > p_.apart_m) return std::nullopt;
   rival_cost += here.cost;
   return here;
 }
@@ -285,10 +263,10 @@ std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
 /// Whether a place lies where others were compared with it, `chord_m` from the middle to within `reach_m`, and at a
 /// height that the prior allows. Where neither holds the steps of the refinement have left what is known.
 bool Matcher::within_reach(const Place& best, double chord_m, double reach_m) const {
-  const double high_m = kUnlikely * std::max(prior_.height_sigma_m, kClimbed_m);
+  const double high_m = p_.height_sigmas * std::max(prior_.height_sigma_m, p_.climbed_m);
   const double far_m = std::hypot(best.guess.north, best.guess.east);
   const double lattice_m = chord_m > 0 ? reach_m : reach_m * std::numbers::sqrt2;  // a square's corner
-  return std::abs(best.guess.up) <= high_m && std::abs(far_m - chord_m) <= lattice_m + kOutside_m;
+  return std::abs(best.guess.up) <= high_m && std::abs(far_m - chord_m) <= lattice_m + p_.outside_m;
 }
 
 /// Where the camera is, and the highest roof point that it sees; false where there is none.
@@ -299,7 +277,7 @@ bool Matcher::describe(const Place& best, Match& match) {
     spend(city_.work());
     city_.horizon(seen.place(match.p_n, best.guess.yaw), seen.horizon);
   }
-  match.agreement = seen_.agreement(best.guess, kAgrees_rad);
+  match.agreement = seen_.agreement(best.guess, p_.agrees_rad);
   const Horizon& horizon = seen_.newest().horizon;
   const auto highest = std::max_element(horizon.elevation.begin(), horizon.elevation.end()) - horizon.elevation.begin();
   const double elevation = static_cast<double>(horizon.elevation[static_cast<size_t>(highest)]);
@@ -312,17 +290,18 @@ bool Matcher::describe(const Place& best, Match& match) {
   return true;
 }
 
-bool Matcher::tells_enough(const std::vector<SkyEdge>& edges, const std::vector<View>& older) {
+bool Matcher::tells_enough(const std::vector<SkyEdge>& edges, const std::vector<View>& older,
+                           const MatcherParameters& p) {
   size_t closed = closed_edges(edges);
   for (const View& view : older) closed += closed_edges(view.edges);
-  return closed >= kLeastEdges;
+  return closed >= p.least_edges;
 }
 
 std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend,
                                     const std::vector<View>& older) {
   spend_ = spend;
   refusal_ = Refusal::few_edges;
-  if (!tells_enough(edges, older)) return std::nullopt;
+  if (!tells_enough(edges, older, p_)) return std::nullopt;
   refusal_ = Refusal::none;
   prior_ = prior;
   const double yaw_reach = 3 * prior.yaw_sigma_rad;
@@ -330,13 +309,13 @@ std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Pri
   const Eigen::Vector2d way =
       prior.pivot_n ? Eigen::Vector2d((prior.p_n - *prior.pivot_n).head<2>()) : Eigen::Vector2d::Zero();
   const double radius = prior.pivot_n ? way.norm() + prior.slack_m
-                                      : std::min(std::max(3 * prior.position_sigma_m, kNearest_m), prior.farthest_m);
+                                      : std::min(std::max(3 * prior.position_sigma_m, p_.nearest_m), prior.farthest_m);
   if (prior.pivot_n) prior_.p_n.head<2>() = prior.pivot_n->head<2>(), prior_.lost = false;
-  const double step = radius > kWide_m || prior_.lost ? 2.0 : 1.5;
+  const double step = radius > p_.wide_m || prior_.lost ? p_.coarse_step_m : p_.fine_step_m;
   const Eigen::Vector3d middle_n = seen_.middle_n();
   const double path_m = seen_.half_length_m() + std::min(yaw_reach, 2.0) * middle_n.norm();
   city_.look_around(prior_.p_n + middle_n, radius + 3 + path_m,
-                    std::tan(std::max(kLowest_rad, seen_.lowest_rad() - 0.1)), 3 * prior.height_sigma_m, spend);
+                    std::tan(std::max(p_.lowest_rad, seen_.lowest_rad() - 0.1)), 3 * prior.height_sigma_m, spend);
   if (prior.pivot_n)
     search_circle(way, step);
   else if (seen_.is_path())

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "plugins/fix/skyline/horizon.hpp"
+#include "plugins/fix/skyline/match_parameters.hpp"
 #include "plugins/fix/skyline/offset_map.hpp"
 #include "plugins/fix/skyline/seen_path.hpp"
 #include "plugins/fix/skyline/sky_finder.hpp"
@@ -23,7 +24,7 @@ struct Prior {
   /// The picture before did not tell the place: several must agree on where the prior is wrong.
   bool lost = false;
   double height_sigma_m = 0.05;  ///< of p_n's down
-  /// Where the position was known last, when the heading is not known: the way from there to p_n is known but for its
+  /// Where the position was known last, when the heading is not known: the path from there to p_n is known but for its
   /// direction, to within slack_m, so the place lies on a circle, and where it lies on it says the heading.
   std::optional<Eigen::Vector3d> pivot_n = std::nullopt;
   double slack_m = 0;
@@ -58,13 +59,15 @@ enum class Refusal {
 /// houses.
 class Matcher {
  public:
-  explicit Matcher(City city) : city_(std::move(city)) {}
+  using Parameters = MatcherParameters;
+  explicit Matcher(City city, const Parameters& parameters = {}) : p_(parameters), city_(std::move(city)) {}
   /// `spend` is told of the work before it is done, and may wait or throw. `older` pictures of the path to the prior's
   /// place are matched together with this one; a prior that is lost or has a pivot goes without.
   std::optional<Match> match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend = nullptr,
                              const std::vector<View>& older = {});
   /// Whether enough directions of the pictures have a roof's edge.
-  static bool tells_enough(const std::vector<SkyEdge>& edges, const std::vector<View>& older = {});
+  static bool tells_enough(const std::vector<SkyEdge>& edges, const std::vector<View>& older = {},
+                           const Parameters& parameters = {});
   const City& city() const { return city_; }
   /// Why the latest match() gave nothing.
   Refusal refusal() const { return refusal_; }
@@ -103,6 +106,7 @@ class Matcher {
   bool weigh(const Place& best, double rival_cost, Match& match);
   bool describe(const Place& best, Match& match);
 
+  Parameters p_;
   City city_;
   Spend spend_;
   Prior prior_{};

@@ -4,15 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace odograph::skyline {
-namespace {
-
-constexpr double kNewest = 0.35;                            // a picture's part of an offset's mean
-constexpr double kSlip_rad = 0.1 * std::numbers::pi / 180;  // an offset is likelier to stay than to move by a cell
-
-}  // namespace
 
 int OffsetMap::average(std::vector<Place>& places, double step_m) {
   const auto cell = [&](double m) { return static_cast<int>(std::lround(m / step_m)); };
@@ -30,8 +23,8 @@ int OffsetMap::average(std::vector<Place>& places, double step_m) {
     const int a = cell(p.guess.north), b = cell(p.guess.east);
     float past = old(a, b);
     for (int da = -1; da <= 1; ++da)
-      for (int db = -1; db <= 1; ++db) past = std::min(past, old(a + da, b + db) + static_cast<float>(kSlip_rad));
-    if (past < unknown) p.cost = kNewest * p.cost + (1 - kNewest) * static_cast<double>(past);
+      for (int db = -1; db <= 1; ++db) past = std::min(past, old(a + da, b + db) + static_cast<float>(p_.slip_rad));
+    if (past < unknown) p.cost = p_.newest * p.cost + (1 - p_.newest) * static_cast<double>(past);
     means_[static_cast<size_t>((a + reach) * (2 * reach + 1) + b + reach)] = static_cast<float>(p.cost);
   }
   reach_ = reach;

@@ -13,11 +13,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSectors = SkylineDatabase::kSectors;
 constexpr double kLevels = 255 / (0.5 * std::numbers::pi);  // of a signature for a radian
-constexpr int kTurns = 8;                                   // degrees to each side of a signature's heading
-constexpr double kNoise_rad = 0.4 * kDegree;                // least mean loss believed; the matcher's is for one place
-constexpr double kCorrelated = 12;                          // neighbouring directions err together: six degrees
 constexpr size_t kSlice = 200;                              // places of the signatures' search between two spends
-constexpr double kReach = 1.6;                              // spacings to a place: farther is within a building
 
 /// What a picture says of each sector: its mean elevation, and whether a model above or below it speaks against it.
 struct Sectors {
@@ -109,7 +105,7 @@ PlaceFinder::Hypothesis PlaceFinder::look_closely(const SeenSkyline& seen, const
       const float h = horizon.height_m[j] - static_cast<float>(up), d = horizon.distance_m[j];
       twice[j] = twice[j + Horizon::kDirections] = d > 0 && h > 0 ? std::atan(h / d) : 0.0f;
     }
-    for (int turn = -2 * kTurns; turn <= 2 * kTurns; turn += 2) {
+    for (int turn = -2 * p_.headings; turn <= 2 * p_.headings; turn += 2) {
       const double cost = seen.turned_loss(twice, middle + turn, p_.most_rad);
       if (cost >= best.cost) continue;
       best.cost = cost, best.yaw = (middle + turn) * 0.5 * kDegree;
@@ -122,7 +118,7 @@ PlaceFinder::Hypothesis PlaceFinder::look_closely(const SeenSkyline& seen, const
 /// The skyline at any point between places: of the edges that are seen from the nearest of them.
 bool PlaceFinder::horizon_at(const Eigen::Vector3d& p, Horizon& out) const {
   const size_t i = database_.nearest(p.x(), p.y());
-  const double reach_m = kReach * std::max(1.0, database_.spacing_m());
+  const double reach_m = p_.reach * std::max(1.0, database_.spacing_m());
   if ((database_.place(i) - p).head<2>().norm() > reach_m) return false;
   const auto edges = database_.edges_seen_from(i);
   if (edges.empty()) return false;
@@ -160,7 +156,7 @@ double PlaceFinder::joint_cost(const Hypothesis& h, const Spend& spend) const {
   auto n = static_cast<double>(pictures_.size());
   if (pictures_.size() >= p_.least_pictures) sum -= worst, n -= 1;
   const double stretched = (h.scale - 1) / p_.scale_sigma;
-  const double prior = 0.5 * stretched * stretched * kNoise_rad * kCorrelated / Horizon::kDirections;
+  const double prior = 0.5 * stretched * stretched * p_.noise_rad * p_.correlated_directions / Horizon::kDirections;
   return (sum + prior) / n;
 }
 
@@ -234,8 +230,7 @@ std::optional<PlaceFinder::Found> PlaceFinder::add(const std::vector<SkyEdge>& e
   std::stable_sort(all.begin(), all.end(), by_cost);
   if (all.size() > p_.kept) all.resize(p_.kept);
   // Those that may matter are taken to where they are best; the others come back with a later picture if they do.
-  constexpr size_t kRefined = 8;
-  for (size_t k = 0; k < std::min(kRefined, all.size()); ++k) all[k] = refine(all[k], spend);
+  for (size_t k = 0; k < std::min(p_.refined, all.size()); ++k) all[k] = refine(all[k], spend);
   std::stable_sort(all.begin(), all.end(), by_cost);
   hypotheses_.clear();
   for (const Hypothesis& h : all)
@@ -245,7 +240,8 @@ std::optional<PlaceFinder::Found> PlaceFinder::add(const std::vector<SkyEdge>& e
   // The likelihood of the next one, from the losses of directions and pictures that err apart.
   double directions = 0;
   for (const Picture& picture : pictures_) directions += picture.seen.total_weight();
-  const double scale = directions / (kCorrelated * p_.correlated * std::max(kNoise_rad, 0.5 * best.cost));
+  const double scale =
+      directions / (p_.correlated_directions * p_.correlated * std::max(p_.noise_rad, 0.5 * best.cost));
   rival_ = hypotheses_.size() > 1 ? std::exp(-scale * (hypotheses_[1].cost - best.cost)) : 0;
   const bool stays = best_before && same(*best_before, best);
   const double path_m = (pictures_.back().p - pictures_.front().p).head<2>().norm();

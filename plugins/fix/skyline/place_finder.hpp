@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -33,7 +34,12 @@ class PlaceFinder {
     double agrees_rad = 0.026;               ///< of a direction in which picture and model agree: 1.5 degrees
     double least_agreement = 0.7;            ///< of the directions with a roof's edge, in the mean of the pictures
     double scale_sigma = 0.05;               ///< relative, of the odometry's metre
-    int steady = 2;                          ///< pictures in a row for which the same hypothesis must be the only one
+    int headings = 8;                        ///< degrees to each side of a signature's heading that are tried
+    double noise_rad = 0.4 * std::numbers::pi / 180;  ///< least mean loss believed; the matcher's is for one place
+    double correlated_directions = 12;                ///< neighbouring directions that err together: six degrees
+    double reach = 1.6;  ///< spacings to a place of the database: farther is within a building
+    size_t refined = 8;  ///< hypotheses, after each picture
+    int steady = 2;      ///< pictures in a row for which the same hypothesis must be the only one
   };
 
   /// `offset_n`: from the database's n to the one that is used. The database outlives it.

@@ -20,6 +20,7 @@
 #include "plugins/fix/skyline/vanishing_point.hpp"
 #include "plugins/fix/skyline/view_window.hpp"
 #include "plugins/shared/camera/frame_view.hpp"
+#include "plugins/shared/rotation.hpp"
 
 namespace {
 
@@ -127,8 +128,7 @@ class Skyline {
   void on(const odo_calibration& c, odo::Output&) {
     camera_.take(c);
     q_c_b_.setIdentity();
-    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS)
-      q_c_b_ = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]).conjugate();
+    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) q_c_b_ = odograph::so3::quaternion(c.q_b_c).conjugate();
   }
 
   void on(const odo_pose& pose, odo::Output& output) {
@@ -360,7 +360,7 @@ class Skyline {
     fix.covariance_n[0] = covariance(0, 0), fix.covariance_n[1] = fix.covariance_n[3] = covariance(0, 1);
     fix.covariance_n[4] = covariance(1, 1);
     const Eigen::Quaterniond q_n_b = (match.q_n_c * q_c_b_).normalized();
-    fix.q_n_b[0] = q_n_b.w(), fix.q_n_b[1] = q_n_b.x(), fix.q_n_b[2] = q_n_b.y(), fix.q_n_b[3] = q_n_b.z();
+    odograph::so3::put_quaternion(q_n_b, fix.q_n_b);
     fix.orientation_cov_n[0] = fix.orientation_cov_n[4] = tilt_sigma * tilt_sigma;
     fix.orientation_cov_n[8] = match.yaw_sigma_rad * match.yaw_sigma_rad;
     fix.integrity = std::max(0.01, match.rival);

@@ -46,7 +46,7 @@ void Matcher::search_path(double radius_m, double step_m) {
         for (const auto& seen : seen_.seen())
           sum +=
               seen.skyline.turned_weight() *
-              seen.skyline.turned_loss(skyline_near(seen.place(place_of(best.guess), y * kDegree)), 2 * y, kMost_rad);
+              seen.skyline.turned_loss(skyline_near(seen.place(place_of(best.guess), y * kDegree)), 2 * y, p_.most_rad);
         if (sum < best.cost * total) best.cost = sum / total, best.guess.yaw = y * kDegree;
       }
       places_.push_back(best);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "plugins/shared/rotation.hpp"
+
 namespace odograph::skyline {
 namespace {
 
@@ -16,10 +18,8 @@ constexpr double kSteepest = 20;      // tangent of the elevation: towards the z
 }  // namespace
 
 Eigen::Quaterniond Guess::rotation() const {
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
-  const Eigen::Vector3d tilt(tilt_north, tilt_east, 0);
-  const double angle = tilt.norm();
-  return angle > 0 ? turn * Eigen::Quaterniond(Eigen::AngleAxisd(angle, tilt / angle)) : turn;
+  return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+         so3::exp_rotation(Eigen::Vector3d(tilt_north, tilt_east, 0));
 }
 
 void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -11,7 +12,24 @@ namespace {
 
 constexpr double kReferencePart = 0.10;    // of the picture, around the zenith, is asked what the sky looks like
 constexpr double kLeastReference = 0.002;  // of the picture must be left of it
+constexpr size_t kLeastValid = 100;        // pixels: fewer tell no reference
 constexpr int kBarriers = 256;
+
+/// The least value that so much of a histogram does not exceed.
+int quantile(const std::array<int, 256>& histogram, double part) {
+  int all = 0, sum = 0, value = 0;
+  for (const int count : histogram) all += count;
+  while (value < 255 && (sum += histogram[static_cast<size_t>(value)]) < part * all) ++value;
+  return value;
+}
+
+/// Of grey values, so that 255 is four.
+void logarithm(const cv::Mat& bytes, cv::Mat& to) {
+  cv::Mat x;
+  bytes.convertTo(x, CV_32F, 1, 1);
+  cv::log(x, to);
+  to *= 0.72;
+}
 
 double bent(const CameraModel& camera, double theta) {
   const auto k = [&](size_t i) { return i < camera.coefficients.size() ? camera.coefficients[i] : 0.0; };
@@ -71,7 +89,7 @@ SkyFeatureMaker::SkyFeatureMaker(const CameraModel& camera, cv::Size size, doubl
   queue_.resize(kBarriers);
 }
 
-/// The weakest barrier on any way from the seeds to each pixel: a flood fill at all thresholds at once.
+/// The weakest barrier on any path from the seeds to each pixel: a flood fill at all thresholds at once.
 void SkyFeatureMaker::flood(const cv::Mat& contrast, const std::vector<int>& seeds) {
   level_.create(contrast.size(), CV_8U);
   level_.setTo(255);
@@ -98,8 +116,8 @@ void SkyFeatureMaker::flood(const cv::Mat& contrast, const std::vector<int>& see
     }
 }
 
-bool SkyFeatureMaker::make(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c, SkyFeatures& out,
-                           bool around) {
+/// The picture made small, what of it is valid, and its contrast with what is next to each pixel.
+void SkyFeatureMaker::prepare(const cv::Mat& grey, const cv::Mat& mask, SkyFeatures& out) {
   cv::resize(grey, image_, small_, 0, 0, cv::INTER_AREA);
   out.scale = scale_;
   lens_valid_.copyTo(out.valid);
@@ -111,62 +129,64 @@ bool SkyFeatureMaker::make(const cv::Mat& grey, const cv::Mat& mask, const Eigen
   cv::erode(blurred_, low_, cv::Mat());
   cv::dilate(blurred_, high_, cv::Mat());
   cv::subtract(high_, low_, contrast_);
-  contrast_.setTo(255, out.valid == 0);  // the rim of the lens is no way
-  // The reference: what lies nearest to the zenith.
-  const auto n = static_cast<int>(image_.total());
-  std::vector<float> height(static_cast<size_t>(n));
+  contrast_.setTo(255, out.valid == 0);  // the rim of the lens is no path
+}
+
+/// What lies nearest to the zenith is asked what the sky looks like.
+std::optional<SkyFeatureMaker::Reference> SkyFeatureMaker::find_reference(const std::vector<float>& height,
+                                                                          const cv::Mat& valid) const {
+  const auto n = static_cast<int>(height.size());
   std::vector<float> sorted;
-  const Eigen::Vector3f up = up_c.cast<float>();
-  for (int i = 0; i < n; ++i) {
-    height[static_cast<size_t>(i)] = rays_[static_cast<size_t>(i)].dot(up);
-    if (out.valid.data[i]) sorted.push_back(height[static_cast<size_t>(i)]);
-  }
-  if (sorted.size() < 100) return false;
+  for (int i = 0; i < n; ++i)
+    if (valid.data[i]) sorted.push_back(height[static_cast<size_t>(i)]);
+  if (sorted.size() < kLeastValid) return std::nullopt;
   const auto nth = static_cast<std::ptrdiff_t>((1 - kReferencePart) * static_cast<double>(sorted.size()));
   std::nth_element(sorted.begin(), sorted.begin() + nth, sorted.end());
   const float least_height = sorted[static_cast<size_t>(nth)];
-  std::vector<int> reference;
+  std::vector<int> high;
   std::array<int, 256> of_contrast{};
   for (int i = 0; i < n; ++i)
-    if (out.valid.data[i] && height[static_cast<size_t>(i)] >= least_height)
-      reference.push_back(i), ++of_contrast[contrast_.data[i]];
-  const auto quantile = [](const std::array<int, 256>& histogram, double part) {
-    int all = 0, sum = 0, value = 0;
-    for (const int count : histogram) all += count;
-    while (value < 255 && (sum += histogram[static_cast<size_t>(value)]) < part * all) ++value;
-    return value;
-  };
-  // Seeds: the smoother half of it, and of that the brighter part. Sky is brighter than what stands in it.
-  const int noise = quantile(of_contrast, 0.5);
+    if (valid.data[i] && height[static_cast<size_t>(i)] >= least_height)
+      high.push_back(i), ++of_contrast[contrast_.data[i]];
+  // The smoother half of it, and of that the brighter part: sky is brighter than what stands in it.
+  Reference reference;
+  reference.noise = quantile(of_contrast, 0.5);
   std::array<int, 256> of_grey{};
-  for (const int i : reference)
-    if (contrast_.data[i] <= noise) ++of_grey[blurred_.data[i]];
-  const int sky = quantile(of_grey, 0.7), least = quantile(of_grey, 0.3);
-  std::vector<int> seeds;
-  for (const int i : reference)
-    if (contrast_.data[i] <= noise && blurred_.data[i] >= least) seeds.push_back(i);
-  if (static_cast<double>(seeds.size()) < kLeastReference * static_cast<double>(sorted.size())) return false;
-  flood(contrast_, seeds);
+  for (const int i : high)
+    if (contrast_.data[i] <= reference.noise) ++of_grey[blurred_.data[i]];
+  reference.sky = quantile(of_grey, 0.7);
+  const int least = quantile(of_grey, 0.3);
+  for (const int i : high)
+    if (contrast_.data[i] <= reference.noise && blurred_.data[i] >= least) reference.seeds.push_back(i);
+  const bool enough =
+      static_cast<double>(reference.seeds.size()) >= kLeastReference * static_cast<double>(sorted.size());
+  return enough ? std::optional(std::move(reference)) : std::nullopt;
+}
 
+/// Mean and logarithm of the variance over a square: from 0 for smooth to 3 for leaves.
+void SkyFeatureMaker::spread(int side, cv::Mat& mean, cv::Mat& to) {
+  cv::blur(float_, mean, {side, side});
+  cv::sqrBoxFilter(float_, square_, CV_32F, {side, side});
+  cv::Mat variance = square_ - mean.mul(mean);
+  cv::max(variance, 0, variance);
+  variance += 1;
+  cv::log(variance, to);
+  to *= 0.36;  // half of 1 / log 4
+}
+
+bool SkyFeatureMaker::make(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c, SkyFeatures& out,
+                           bool around) {
+  prepare(grey, mask, out);
+  std::vector<float> height;  // sine of the elevation
+  const Eigen::Vector3f up = up_c.cast<float>();
+  for (const Eigen::Vector3f& ray : rays_) height.push_back(ray.dot(up));
+  const auto reference = find_reference(height, out.valid);
+  if (!reference) return false;
+  flood(contrast_, reference->seeds);
   image_.convertTo(float_, CV_32F);
-  const auto spread = [&](int side, cv::Mat& mean, cv::Mat& to) {
-    cv::blur(float_, mean, {side, side});
-    cv::sqrBoxFilter(float_, square_, CV_32F, {side, side});
-    cv::Mat variance = square_ - mean.mul(mean);
-    cv::max(variance, 0, variance);
-    variance += 1;
-    cv::log(variance, to);
-    to *= 0.36;  // half of 1 / log 4: from 0 for smooth to 3 for leaves
-  };
-  const auto logarithm = [](const cv::Mat& bytes, cv::Mat& to) {
-    cv::Mat x;
-    bytes.convertTo(x, CV_32F, 1, 1);
-    cv::log(x, to);
-    to *= 0.72;
-  };
-  const auto s = static_cast<float>(sky);
+  const auto sky = static_cast<float>(reference->sky);
   float_.convertTo(out.channels[0], CV_32F, 1 / 128.0, -1);
-  float_.convertTo(out.channels[1], CV_32F, 1 / 64.0, -s / 64.0);
+  float_.convertTo(out.channels[1], CV_32F, 1 / 64.0, -sky / 64.0);
   cv::Mat mean5;
   spread(5, mean5, out.channels[2]);
   if (around)
@@ -177,11 +197,11 @@ bool SkyFeatureMaker::make(const cv::Mat& grey, const cv::Mat& mask, const Eigen
   logarithm(level_, out.channels[5]);
   cv::Mat(image_.size(), CV_32F, height.data()).copyTo(out.channels[6]);
   cv::erode(blurred_, low_, cv::Mat(), {-1, -1}, 4);
-  low_.convertTo(out.channels[7], CV_32F, 1 / 64.0, -s / 64.0);
+  low_.convertTo(out.channels[7], CV_32F, 1 / 64.0, -sky / 64.0);
   cv::Mat against = (float_ - mean_) / 32;
   against.copyTo(out.channels[8]);
   out.channels[9].create(image_.size(), CV_32F);
-  out.channels[9].setTo(0.72 * std::log(1.0 + noise));
+  out.channels[9].setTo(0.72 * std::log(1.0 + reference->noise));
   if (!around) return true;
   // What is around: a wall has windows, and each of them has a barrier of its own; the sky has none.
   cv::blur(out.channels[5], out.channels[10], {25, 25});
@@ -189,7 +209,7 @@ bool SkyFeatureMaker::make(const cv::Mat& grey, const cv::Mat& mask, const Eigen
   cv::Mat mean33;
   spread(33, mean33, out.channels[12]);
   cv::erode(low_, low_, cv::Mat(), {-1, -1}, 8);
-  low_.convertTo(out.channels[13], CV_32F, 1 / 64.0, -s / 64.0);
+  low_.convertTo(out.channels[13], CV_32F, 1 / 64.0, -sky / 64.0);
   return true;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -41,7 +42,15 @@ class SkyFeatureMaker {
             bool around = true);
 
  private:
+  /// What the sky looks like, by what lies nearest to the zenith.
+  struct Reference {
+    std::vector<int> seeds;  ///< pixels that are sky
+    int sky = 0, noise = 0;  ///< its grey value and contrast
+  };
+  void prepare(const cv::Mat& grey, const cv::Mat& mask, SkyFeatures& out);
+  std::optional<Reference> find_reference(const std::vector<float>& height, const cv::Mat& valid) const;
   void flood(const cv::Mat& contrast, const std::vector<int>& seeds);
+  void spread(int side, cv::Mat& mean, cv::Mat& to);
 
   cv::Size size_, small_;
   double scale_;

@@ -3,12 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Dense>
 #include <opencv2/calib3d.hpp>
 
+#include "plugins/shared/median.hpp"
+#include "plugins/shared/rotation.hpp"
+
 namespace odograph {
 namespace {
+
+using so3::exp_rotation_matrix;
+using so3::skew;
 
 constexpr double kSameDirection = 0.94;  // cosine of 20 degrees
 constexpr double kAmbiguous = 1.15;
@@ -26,17 +33,6 @@ double sampson(const Eigen::Matrix3d& E, const cv::Point2d& a, const cv::Point2d
   return x1.dot(l1) / std::sqrt(std::max(weight, 1e-18));
 }
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-Eigen::Matrix3d rotation(const Eigen::Vector3d& w) {
-  const double angle = w.norm();
-  return angle < 1e-15 ? Eigen::Matrix3d::Identity().eval() : Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
-}
-
 void refine(TwoView& view, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
             double threshold) {
   using Vector5d = Eigen::Matrix<double, 5, 1>;
@@ -45,7 +41,7 @@ void refine(TwoView& view, const std::vector<cv::Point2d>& first, const std::vec
     Eigen::Vector3d u = view.t_1_0.unitOrthogonal();
     const Eigen::Vector3d v = view.t_1_0.cross(u);
     const auto essential = [&](const Vector5d& d) -> Eigen::Matrix3d {
-      return cross_matrix((view.t_1_0 + d[3] * u + d[4] * v).normalized()) * rotation(d.head<3>()) * view.R_1_0;
+      return skew((view.t_1_0 + d[3] * u + d[4] * v).normalized()) * exp_rotation_matrix(d.head<3>()) * view.R_1_0;
     };
     const double h = 1e-6;
     const Eigen::Matrix3d E = essential(Vector5d::Zero());
@@ -64,7 +60,7 @@ void refine(TwoView& view, const std::vector<cv::Point2d>& first, const std::vec
     }
     const Vector5d step = -H.ldlt().solve(g);
     view.t_1_0 = (view.t_1_0 + step[3] * u + step[4] * v).normalized();
-    view.R_1_0 = rotation(step.head<3>()) * view.R_1_0;
+    view.R_1_0 = exp_rotation_matrix(step.head<3>()) * view.R_1_0;
     if (step.norm() < 1e-9) break;
   }
 }
@@ -82,7 +78,7 @@ void face_forward(TwoView& view, const std::vector<cv::Point2d>& first, const st
 
 double bounded_cost(const TwoView& view, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
                     double threshold) {
-  const Eigen::Matrix3d E = cross_matrix(view.t_1_0) * view.R_1_0;
+  const Eigen::Matrix3d E = skew(view.t_1_0) * view.R_1_0;
   double sum = 0;
   for (size_t i = 0; i < first.size(); ++i) {
     const double error = sampson(E, first[i], second[i]);
@@ -94,7 +90,7 @@ double bounded_cost(const TwoView& view, const std::vector<cv::Point2d>& first, 
 /// Which matches agree with a refined pair, and their parallax; false without any.
 bool measure(TwoView& result, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
              double threshold) {
-  const Eigen::Matrix3d E_refined = cross_matrix(result.t_1_0) * result.R_1_0;
+  const Eigen::Matrix3d E_refined = skew(result.t_1_0) * result.R_1_0;
   std::vector<double> angles;
   result.count = 0;
   for (size_t i = 0; i < first.size(); ++i) {
@@ -104,8 +100,7 @@ bool measure(TwoView& result, const std::vector<cv::Point2d>& first, const std::
     angles.push_back((result.R_1_0 * ray(first[i]) - ray(second[i])).norm());
   }
   if (angles.empty()) return false;
-  std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2), angles.end());
-  result.median_parallax_rad = angles[angles.size() / 2];
+  result.median_parallax_rad = median(std::move(angles));
   return true;
 }
 
@@ -126,9 +121,7 @@ std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first,
     const double side = (svd.matrixU() * svd.matrixV().transpose()).determinant();
     result.R_1_0 = svd.matrixU() * Eigen::Vector3d(1, 1, side).asDiagonal() * svd.matrixV().transpose();
     for (size_t i = 0; i < n; ++i) residuals[i] = (result.R_1_0 * ray(first[i]) - ray(second[i])).norm();
-    std::vector<double> sorted = residuals;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
-    limit = result.median_residual_rad = sorted[n / 2];
+    limit = result.median_residual_rad = median(residuals);
   }
   return result;
 }
@@ -168,7 +161,7 @@ std::optional<TwoView> two_view_near(const std::vector<cv::Point2d>& first, cons
   std::vector<Candidate> candidates;
   const auto consider = [&](TwoView view) {
     for (const double bound : {4 * threshold, 1.5 * threshold}) {
-      const Eigen::Matrix3d E = cross_matrix(view.t_1_0) * view.R_1_0;
+      const Eigen::Matrix3d E = skew(view.t_1_0) * view.R_1_0;
       view.inliers.resize(first.size());
       for (size_t i = 0; i < first.size(); ++i) view.inliers[i] = std::abs(sampson(E, first[i], second[i])) < bound;
       refine(view, first, second, threshold);

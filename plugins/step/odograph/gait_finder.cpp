@@ -5,11 +5,6 @@
 #include <utility>
 
 namespace odograph::steps {
-namespace {
-
-constexpr int64_t kSlowingDown_ns = 10'000'000'000;  // after a vivid step: a shorter one of the same manner
-
-}  // namespace
 
 void GaitFinder::add(const WalkSample& sample) {
   found_count_ = 0;

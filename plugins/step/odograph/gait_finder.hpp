@@ -26,6 +26,9 @@ class GaitFinder {
   void reset() { *this = GaitFinder(); }
 
  private:
+  /// After a vivid step a gentle one is a shorter one of the same manner; set on the walks that the README names.
+  static constexpr int64_t kSlowingDown_ns = 10'000'000'000;
+
   void take(const FoundStep& step);
 
   WalkSignal signal_, smoother_{0.11, 18, true};

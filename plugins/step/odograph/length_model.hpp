@@ -20,30 +20,42 @@ enum class Carry : uint32_t { texting, swinging, pocket, running };
 /// al., Scientific Reports 2019) is L = (a f^0.42)^(1 / 0.58). Where the numbers come from is said in the README.
 struct LengthModel {
   double base_m = 0.0928, per_root_rise = 3.329, per_rate_and_root = -0.772;
-  double at_one_mps_m = 0.632, by_speed = 0.42;  ///< a, for a height of 1.70 m, and its exponent
-  double per_root_gentle_rise = 4.0;             ///< m for a root of a metre: l = 0.90 m, knees and arms take 55 %
-  double part_of_rise = 0.45;                    ///< of the gentle step's logarithm
-  double gentle_factor = 0.965;                  ///< gentle walkers take small steps among the others
+  double at_one_mps_m = 0.632, by_speed = 0.42;     ///< a, for a height of 1.70 m, and its exponent
+  double per_root_gentle_rise = 4.0;                ///< m for a root of a metre: l = 0.90 m, knees and arms take 55 %
+  double part_of_rise = 0.45;                       ///< of the gentle step's logarithm
+  double gentle_factor = 0.965;                     ///< gentle walkers take small steps among the others
+  double shortest_m = 0.15, longest_m = 1.6;        ///< of a step, whatever the model says; judgement
+  double least_rise_m = 0.001;                      ///< of a gentle step: less is the sensor's noise
+  double calmest_radps = 0.2, wildest_radps = 1.4;  ///< beyond, nobody was among those on whom it was fitted
 
   double length_m(const FoundStep& step) const;
 };
 
-/// What is learnt of a walker: one factor on the model's lengths, another one on gentle steps beside it, and the turn
-/// between the steps' headings and the fixes' frame, by a Kalman filter on the way from fix to fix as a vector, so that
-/// a fix that lies beside the way betrays itself. Ways that contradict what is known are not believed; a way is closed
-/// by the next fix that fits.
+/// What is learnt of a walker: one factor on the model's lengths, another one on gentle steps beside it, and the
+/// rotation between the steps' headings and the fixes' frame, by a Kalman filter on the path from fix to fix as a
+/// vector, so that a fix that lies beside the path betrays itself. Paths that contradict what is known are not
+/// believed; a path is closed by the next fix that fits.
 class Walker {
  public:
   struct Parameters {
-    double factor_sigma = 0.10;        ///< how much walkers differ
-    double gentle_ratio_sigma = 0.20;  ///< how much one's gentle steps differ from that: the walk ratio L / f of slow
-                                       ///< walkers scatters so (Murakami & Otaka 2017)
-    double step_sigma = 0.06;          ///< of one step, as a part of it
-    double gentle_step_sigma = 0.30;   ///< the same of a gentle one
-    double turn_drift_rad = 0.0005;    ///< of the headings, for the root of a metre
-    double gentle_hand_rad = 0.2;      ///< of who looks through the phone, against where he goes; judgement
-    double gentle_hand_m = 5;          ///< for so long that is the same; judgement
-    double least_way_m = 4.0;          ///< between two fixes that teach something
+    double factor_sigma = 0.10;          ///< how much walkers differ
+    double gentle_ratio_sigma = 0.20;    ///< how much one's gentle steps differ from that: the walk ratio L / f of slow
+                                         ///< walkers scatters so (Murakami & Otaka 2017)
+    double step_sigma = 0.06;            ///< of one step, as a part of it
+    double gentle_step_sigma = 0.30;     ///< the same of a gentle one
+    double rotation_drift_rad = 0.0005;  ///< of the headings, for the root of a metre
+    double gentle_hand_rad = 0.2;        ///< of who looks through the phone, against where he goes; judgement
+    double gentle_hand_m = 5;            ///< for so long that is the same; judgement
+    double least_path_m = 4.0;           ///< between two fixes that teach something
+    double fix_sigmas = 3;  ///< of the fixes' own errors, that the path must be longer than as well; judgement
+    double gate = 9.0;      ///< of an innovation squared, two components: 1 % of good paths
+    int believe_after = 3;  ///< paths in a row that contradict what is known, but not each other's anchor
+    double least_factor = 0.6, most_factor = 1.6;              ///< of the walker; judgement
+    double least_gentle_ratio = 0.5, most_gentle_ratio = 1.6;  ///< judgement
+    /// Standard deviations that no fix makes smaller: a walker is not the same all day; judgement.
+    double least_factor_sigma = 0.008, least_gentle_sigma = 0.05, least_rotation_sigma_rad = 1e-3;
+    /// At least, of what was saved: another day, other shoes, another hurry; judgement.
+    double loaded_factor_variance = 4e-4, loaded_gentle_variance = 0.01;
   };
   explicit Walker(const Parameters& parameters) : p_(parameters) {
     P_.diagonal() << p_.factor_sigma * p_.factor_sigma, p_.gentle_ratio_sigma * p_.gentle_ratio_sigma, 0;
@@ -58,7 +70,7 @@ class Walker {
   double factor_sigma() const;
 
   void on_step(double model_length_m, double heading_rad, bool gentle = false);
-  /// A position in a level frame, with the standard deviation of each component.
+  /// A position in a horizontal frame, with the standard deviation of each component.
   void on_fix(const Eigen::Vector2d& p_n, double sigma_m);
 
   std::vector<uint8_t> save() const;
@@ -66,13 +78,13 @@ class Walker {
 
  private:
   Parameters p_;
-  double factor_ = 1.0, gentle_ratio_ = 1.0, turn_rad_ = 0;
-  Eigen::Matrix3d P_ = Eigen::Matrix3d::Zero();  ///< of factor, gentle ratio and turn
-  bool has_turn_ = false;
+  double factor_ = 1.0, gentle_ratio_ = 1.0, rotation_rad_ = 0;
+  Eigen::Matrix3d P_ = Eigen::Matrix3d::Zero();  ///< of factor, gentle ratio and rotation
+  bool has_rotation_ = false;
   // Since the anchor, the last fix that was believed: what the model makes of the steps, gentle ones by themselves.
   bool has_anchor_ = false;
-  Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero(), way_ = Eigen::Vector2d::Zero(),
-                  gentle_way_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero(), path_ = Eigen::Vector2d::Zero(),
+                  gentle_path_ = Eigen::Vector2d::Zero();
   double anchor_sigma_m_ = 0, walked_m_ = 0, gentle_m_ = 0, own_variance_m2_ = 0;
   int doubted_ = 0;
 };

@@ -7,9 +7,10 @@
 #include <Eigen/Geometry>
 #include <odograph/plugin.hpp>
 
-#include "plugins/step/odograph/climb.hpp"
+#include "plugins/shared/rotation.hpp"
+#include "plugins/step/odograph/carry_mode.hpp"
 #include "plugins/step/odograph/gait_finder.hpp"
-#include "plugins/step/odograph/mode.hpp"
+#include "plugins/step/odograph/stair_detector.hpp"
 
 namespace {
 
@@ -52,9 +53,9 @@ class OdographSteps {
   /// As after configure: what was learnt is forgotten too, unless it is loaded again.
   void reset() {
     resampler_ = Resampler();
-    finder_.reset(), judge_.reset(), climb_.reset();
+    finder_.reset(), carry_.reset(), stairs_.reset();
     carried_ = ODO_MODE_WALKING_TEXTING, mode_since_ns_ = INT64_MIN;
-    hand_ = HandJudge();
+    hand_ = StillnessDetector();
     walking_ = false, stopped_ns_ = 0;
     headings_.fill({});
     heading_count_ = 0, heading_now_.setZero();
@@ -70,7 +71,7 @@ class OdographSteps {
   }
 
   void on(const odo_attitude& a, odo::Output&) {
-    q_n_b_ = Quaterniond(a.q_n_b[0], a.q_n_b[1], a.q_n_b[2], a.q_n_b[3]);
+    q_n_b_ = odograph::so3::quaternion(a.q_n_b);
     has_attitude_ = true;
     const Vector3d forward = q_n_b_ * forward_b_;
     const double level = std::hypot(forward.x(), forward.y());
@@ -89,9 +90,9 @@ class OdographSteps {
   }
 
   void on(const odo_barometer& sample, odo::Output& output) {
-    climb_.add(sample.header.t_ns, sample.pressure_pa);
-    if (walking_ && (mode_ == ODO_MODE_STAIRS) != climb_.climbs())
-      set_mode(walking_mode(), std::max(climb_.since_ns(), mode_since_ns_), output);
+    stairs_.add(sample.header.t_ns, sample.pressure_pa);
+    if (walking_ && (mode_ == ODO_MODE_STAIRS) != stairs_.climbs())
+      set_mode(walking_mode(), std::max(stairs_.since_ns(), mode_since_ns_), output);
   }
 
   void on(const odo_fix& fix, odo::Output&) {
@@ -121,7 +122,7 @@ class OdographSteps {
     const bool stopped = std::exchange(walking_, finder_.walking()) && !walking_;
     // Standing begins with the last step, not when the next one is found to be missing; what the hand does is judged
     // from then on.
-    if (stopped) hand_ = HandJudge(), stopped_ns_ = finder_.since_ns();
+    if (stopped) hand_ = StillnessDetector(), stopped_ns_ = finder_.since_ns();
     if (!walking_) {
       const bool still = hand_.is_still(finder_.signal(), s.t_ns);
       set_mode(still ? ODO_MODE_STATIC : ODO_MODE_HANDLING, std::max(stopped_ns_, hand_.since_ns()), output);
@@ -130,10 +131,10 @@ class OdographSteps {
 
   void emit(const FoundStep& step, int64_t now_ns, odo::Output& output) {
     const Vector3d up_b = q_n_b_.conjugate() * Vector3d(0, 0, -1);
-    carried_ = mode_of(judge_.judge(step, up_b));
+    carried_ = mode_of(carry_.classify(step, up_b));
     const uint32_t mode = walking_mode();
     set_mode(mode,
-             std::max(judge_.since_ns(), mode_ == ODO_MODE_STATIC || mode_ == ODO_MODE_HANDLING ? step.t_start_ns : 0),
+             std::max(carry_.since_ns(), mode_ == ODO_MODE_STATIC || mode_ == ODO_MODE_HANDLING ? step.t_start_ns : 0),
              output);
     const double model_length = model.length_m(step);
     auto event = odo::make<odo_step>(now_ns);
@@ -172,7 +173,7 @@ class OdographSteps {
     output.emit(event);
   }
 
-  uint32_t walking_mode() const { return climb_.climbs() ? ODO_MODE_STAIRS : carried_; }
+  uint32_t walking_mode() const { return stairs_.climbs() ? ODO_MODE_STAIRS : carried_; }
 
   static uint32_t mode_of(Carry carry) {
     switch (carry) {
@@ -184,13 +185,13 @@ class OdographSteps {
   }
 
   std::optional<Walker> walker_;
-  Climb climb_;
+  StairDetector stairs_;
   uint32_t carried_ = ODO_MODE_WALKING_TEXTING;
   int64_t mode_since_ns_ = INT64_MIN;
   Resampler resampler_;
   GaitFinder finder_;
-  CarryJudge judge_;
-  HandJudge hand_;
+  CarryModeClassifier carry_;
+  StillnessDetector hand_;
   int64_t stopped_ns_ = 0;
   Quaterniond q_n_b_ = Quaterniond::Identity();
   Vector3d forward_b_ = Vector3d(0, 1, -1).normalized();

@@ -6,21 +6,6 @@
 #include <utility>
 
 namespace odograph::steps {
-namespace {
-
-constexpr double kConfirm_s = 0.12;                   // a peak must stay the highest for that long
-constexpr double kShortest_s = 0.27;                  // 3.7 steps a second, a sprint
-constexpr double kQuickest_s = 0.38;                  // of a gentle step
-constexpr double kGentle_hz = 1.5;                    // the least swing is that of such steps
-constexpr double kRefractory = 0.55;                  // of the typical interval, within a walk
-constexpr double kPush = 0.55;                        // of the typical swing
-constexpr int kStrayToEnd = 3;                        // steps in a row that are not, which end a walk
-constexpr double kSameLeg = 1.15, kUnlikeLegs = 2.2;  // largest over smallest interval of one leg, and of both
-constexpr double kPartOver_s = 0.8;
-constexpr double kGentleOver_s = 2.0;
-constexpr double kArmLag_s = 0.03;  // the hand follows the trunk by that much
-
-}  // namespace
 
 StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   Parameters p;
@@ -62,9 +47,10 @@ void StepFinder::update(const WalkSignal& signal) {
     const double swing = here - std::min(low_, here);
     // The smoothing takes more of a quicker step.
     const double kept =
-        p_.gentle ? std::min(1.0, signal.gain(1 / std::max(since_peak_s, kQuickest_s)) / signal.gain(kGentle_hz)) : 1.0;
+        p_.gentle ? std::min(1.0, signal.gain(1 / std::max(since_peak_s, p_.quickest_s)) / signal.gain(p_.gentle_hz))
+                  : 1.0;
     const double least = std::max(kept * p_.least_swing_mps2, walking_ ? p_.relative_swing * typical_swing_ : 0.0);
-    const double wait = walking_ ? std::max(kShortest_s, kRefractory * typical_s_) : kShortest_s;
+    const double wait = walking_ ? std::max(p_.shortest_s, p_.refractory * typical_s_) : p_.shortest_s;
     if (swing > least && since_peak_s > wait && (!candidate_ || here > best_.value)) {
       const double bend = before - 2 * here + after;
       const double shift = bend < 0 ? 0.5 * (before - after) / bend : 0.0;
@@ -74,7 +60,7 @@ void StepFinder::update(const WalkSignal& signal) {
     }
   }
   low_ = std::min(low_, after);
-  if (candidate_ && now_ns - best_.t_ns > kConfirm_s * 1e9) confirm(signal);
+  if (candidate_ && now_ns - best_.t_ns > p_.confirm_s * 1e9) confirm(signal);
 }
 
 void StepFinder::confirm(const WalkSignal& signal) {
@@ -84,8 +70,8 @@ void StepFinder::confirm(const WalkSignal& signal) {
   if (peak_count_ > 0 && (best_.t_ns - peaks_[peak_count_ - 1].t_ns) * 1e-9 > p_.longest_s) peak_count_ = 0;
   if (peak_count_ == p_.kept_peaks)
     std::copy(peaks_.begin() + 1, peaks_.begin() + static_cast<long>(peak_count_--), peaks_.begin());
-  best_.a_foot = p_.gentle ? !hand_moves(signal, best_.value - best_.low, kPartOver_s)
-                           : signal.vertical_part(kPartOver_s) > 0.5 * p_.upright;
+  best_.a_foot = p_.gentle ? !hand_moves(signal, best_.value - best_.low, p_.part_over_s)
+                           : signal.vertical_part(p_.part_over_s) > 0.5 * p_.upright;
   peaks_[peak_count_++] = best_;
   if (walking_)
     go_on(signal);
@@ -97,19 +83,20 @@ void StepFinder::confirm(const WalkSignal& signal) {
 
 void StepFinder::go_on(const WalkSignal& signal) {
   const double swing = std::max(typical_swing_, best_.value - best_.low);
-  const bool stray = p_.gentle ? hand_moves(signal, swing, kPartOver_s) || hand_moves(signal, swing, kGentleOver_s)
-                               : signal.vertical_part(kPartOver_s) < p_.still_upright &&
-                                     repetition(signal, typical_s_, 2) < p_.regular;
+  const bool stray =
+      p_.gentle
+          ? hand_moves(signal, swing, p_.part_over_s) || hand_moves(signal, swing, p_.gentle_over_s)
+          : signal.vertical_part(p_.part_over_s) < p_.still_upright && repetition(signal, typical_s_, 2) < p_.regular;
   stray_ = stray ? stray_ + 1 : 0;
-  if (stray_ >= kStrayToEnd) {
+  if (stray_ >= p_.stray_to_end) {
     walking_ = false;
     since_ns_ = static_cast<int64_t>(best_.t_ns);
     peak_count_ = 0;
     return;
   }
   if (peak_count_ < 2) return;
-  typical_s_ += 0.25 * (std::min(interval_s(peak_count_ - 1), p_.longest_s) - typical_s_);
-  typical_swing_ += 0.2 * (best_.value - best_.low - typical_swing_);
+  typical_s_ += p_.learn_interval * (std::min(interval_s(peak_count_ - 1), p_.longest_s) - typical_s_);
+  typical_swing_ += p_.learn_swing * (best_.value - best_.low - typical_swing_);
   if (!stray) emit(signal, peaks_[peak_count_ - 2], best_);
 }
 
@@ -146,9 +133,9 @@ void StepFinder::begin(const WalkSignal& signal) {
   const double mean_s = (peaks_[last].t_ns - peaks_[first_alike].t_ns) * 1e-9 / static_cast<double>(p_.to_begin - 1);
   // Of somebody whose legs are unlike every other interval is like the one before last.
   const double side = interval_s(last) / interval_s(last - 2);
-  const bool limps = std::max(side, 1 / side) < kSameLeg && longest < kUnlikeLegs * shortest;
+  const bool limps = std::max(side, 1 / side) < p_.same_leg && longest < p_.unlike_legs * shortest;
   if (longest > p_.alike * shortest && !limps) return;
-  if (strongest > (longest > p_.alike * shortest ? 1.5 : 3.0) * weakest) return;
+  if (strongest > (longest > p_.alike * shortest ? p_.most_limping_swing_ratio : p_.most_swing_ratio) * weakest) return;
   if (!may_be_walk(signal, swings / static_cast<double>(p_.to_begin - 1), first_alike, last)) return;
   if (repetition(signal, mean_s, 2) < p_.regular_to_begin) return;
   walking_ = true;
@@ -163,7 +150,7 @@ void StepFinder::begin(const WalkSignal& signal) {
   while (first > 0 && belongs(first - 1)) --first;
   // The first peak of all is the first foot's fall; or, when it is weak, the push with which the walker set out.
   Peak start = peaks_[first];
-  const bool push = peaks_[first].value - std::min(peaks_[first].low, 0.0) < kPush * typical_swing_;
+  const bool push = peaks_[first].value - std::min(peaks_[first].low, 0.0) < p_.push * typical_swing_;
   start.t_ns -= mean_s * 1e9;
   start.index -= std::min(start.index, static_cast<size_t>(std::lround(mean_s * WalkSignal::kRate_hz)));
   since_ns_ = static_cast<int64_t>(push ? peaks_[first].t_ns : start.t_ns);
@@ -179,12 +166,12 @@ bool StepFinder::hand_moves(const WalkSignal& signal, double swing_mps2, double 
 /// Whether a foot may be what moves the phone up and down like that, and not its hand.
 bool StepFinder::may_be_walk(const WalkSignal& signal, double swing_mps2, size_t first, size_t last) const {
   if (p_.gentle)
-    return !hand_moves(signal, swing_mps2, kPartOver_s) && !hand_moves(signal, swing_mps2, kGentleOver_s) &&
-           signal.alternating_part(kGentleOver_s) > p_.least_alternating_part;
+    return !hand_moves(signal, swing_mps2, p_.part_over_s) && !hand_moves(signal, swing_mps2, p_.gentle_over_s) &&
+           signal.alternating_part(p_.gentle_over_s) > p_.least_alternating_part;
   const double swing_per_rate =
       swing_mps2 / std::max(signal.gyro_between(peaks_[first].index, peaks_[last].index), 1e-3);
   const double upright = swing_per_rate < p_.surely_no_hand ? p_.surely_upright : p_.upright;
-  return swing_per_rate >= p_.swing_per_rate && signal.vertical_part(2 * kPartOver_s) >= upright;
+  return swing_per_rate >= p_.swing_per_rate && signal.vertical_part(2 * p_.part_over_s) >= upright;
 }
 
 double StepFinder::repetition(const WalkSignal& signal, double interval_s, size_t intervals) const {
@@ -195,7 +182,7 @@ double StepFinder::repetition(const WalkSignal& signal, double interval_s, size_
 }
 
 void StepFinder::emit(const WalkSignal& signal, const Peak& from, const Peak& to) {
-  const auto lag = static_cast<int64_t>(kArmLag_s * 1e9);
+  const auto lag = static_cast<int64_t>(p_.arm_lag_s * 1e9);
   FoundStep& step = found_[found_count_++];
   step.t_start_ns = static_cast<int64_t>(from.t_ns) - lag;
   step.t_end_ns = static_cast<int64_t>(to.t_ns) - lag;

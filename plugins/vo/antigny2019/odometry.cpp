@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
+#include <utility>
 
 #include <opencv2/calib3d.hpp>
+
+#include "plugins/shared/median.hpp"
 
 namespace odograph::antigny2019 {
 namespace {
@@ -87,9 +90,7 @@ std::optional<Odometry::EpipolarPair> Odometry::epipolar(const Picture& a, const
         std::hypot(f_ * turned.x() / turned.z() - second[k].x, f_ * turned.y() / turned.z() - second[k].y));
   }
   if (out.inliers.size() < p_.min_inliers) return std::nullopt;
-  std::nth_element(parallax.begin(), parallax.begin() + static_cast<std::ptrdiff_t>(parallax.size() / 2),
-                   parallax.end());
-  out.parallax_px = parallax[parallax.size() / 2];
+  out.parallax_px = median(std::move(parallax));
   return out;
 }
 

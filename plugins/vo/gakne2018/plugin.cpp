@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "plugins/shared/camera/frame_view.hpp"
+#include "plugins/shared/rotation.hpp"
 #include "plugins/vo/gakne2018/sky_odometry.hpp"
 
 namespace {
@@ -30,8 +31,7 @@ class Gakne2018 {
 
   void on(const odo_calibration& c, odo::Output&) {
     q_b_c_ = Eigen::Quaterniond(0, 1, 0, 0);
-    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS)
-      q_b_c_ = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
+    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) q_b_c_ = odograph::so3::quaternion(c.q_b_c);
     if (!camera_.take(c)) return;  // the lens comes with each frame
     SkyOdometry::Parameters p;
     p.features = static_cast<int>(features);
@@ -41,9 +41,7 @@ class Gakne2018 {
     previous_ns_ = INT64_MIN;
   }
 
-  void on(const odo_attitude& attitude, odo::Output&) {
-    q_n_b_ = Eigen::Quaterniond(attitude.q_n_b[0], attitude.q_n_b[1], attitude.q_n_b[2], attitude.q_n_b[3]);
-  }
+  void on(const odo_attitude& attitude, odo::Output&) { q_n_b_ = odograph::so3::quaternion(attitude.q_n_b); }
 
   void on(const odo_frame& frame, odo::Output& output) {
     const odograph::CameraModel lens = camera_.lens_of(frame);

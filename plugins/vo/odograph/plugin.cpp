@@ -2,20 +2,24 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <variant>
 
 #include "plugins/shared/camera/frame_view.hpp"
+#include "plugins/shared/rotation.hpp"
+#include "plugins/shared/sensor_range.hpp"
 #include "plugins/vo/odograph/inertial/inertial_odometry.hpp"
 #include "plugins/vo/odograph/visual/odometry.hpp"
 
 namespace {
 
 using namespace odograph::vo;
+using odograph::SensorRange;
+using odograph::so3::put_quaternion;
 using odograph::vio::InertialMotion;
 using odograph::vio::InertialOdometry;
 
-constexpr int64_t kRefinedEvery_ns = 1'000'000'000;
-/// Beyond every phone's sensor (data sheets of Bosch BMI270 and TDK ICM-42688, times two).
-constexpr double kMostRate_radps = 70, kMostForce_mps2 = 320;
+constexpr int64_t kRefinedEvery_ns = 1'000'000'000;  // the refined calibration is told
 
 class OdographVo {
  public:
@@ -31,28 +35,27 @@ class OdographVo {
   }
 
   void on(const odo_calibration& c, odo::Output& output) {
-    answer(true, output);
-    if (camera_.take(c) || (!vo_ && !vio_)) start();
+    tell_pending(true, output);
+    if (camera_.take(c) || std::holds_alternative<std::monostate>(odometry_)) start();
   }
 
   /// What the sensor's maker says replaces the defaults from here on.
   void on(const odo_imu_noise& noise, odo::Output& output) {
-    answer(true, output);
+    tell_pending(true, output);
     noise_ = noise;
     if (camera_.calibration()) start();
   }
 
   void on(const odo_imu& imu, odo::Output& output) {
-    const bool sane =
-        Eigen::Vector3d(imu.gyro_b).norm() < kMostRate_radps &&
-        ((imu.header.flags & ODO_IMU_ACCEL) == 0 || Eigen::Vector3d(imu.accel_b).norm() < kMostForce_mps2);
-    if (!sane) throw odo::Error(ODO_E_DISCARD, "gyro_b or accel_b is beyond any phone's sensor");
-    if (vio_) {
-      const bool force = (imu.header.flags & ODO_IMU_ACCEL) != 0;
-      vio_->add_imu({imu.header.t_ns, Eigen::Vector3d(imu.gyro_b), Eigen::Vector3d(imu.accel_b)}, force);
-      answer(false, output);
-    } else if (vo_) {
-      vo_->add_gyroscope(imu.header.t_ns, q_b_c_.conjugate() * Eigen::Vector3d(imu.gyro_b));
+    const Eigen::Vector3d gyro_b(imu.gyro_b), accel_b(imu.accel_b);
+    const bool has_force = (imu.header.flags & ODO_IMU_ACCEL) != 0;
+    if (!(gyro_b.norm() < SensorRange::rate_radps && (!has_force || accel_b.norm() < SensorRange::force_mps2)))
+      throw odo::Error(ODO_E_DISCARD, "gyro_b or accel_b is beyond any phone's sensor");
+    if (auto* inertial = std::get_if<InertialOdometry>(&odometry_)) {
+      inertial->add_imu({imu.header.t_ns, gyro_b, accel_b}, has_force);
+      tell_pending(false, output);
+    } else if (auto* visual = std::get_if<Odometry>(&odometry_)) {
+      visual->add_gyroscope(imu.header.t_ns, q_b_c_.conjugate() * gyro_b);
     }
   }
 
@@ -62,58 +65,65 @@ class OdographVo {
     frame_ns_ = frame.header.t_ns;
     const Frame view{odograph::grey_of(frame, converted_), odograph::mask_of(frame), frame.header.t_ns,
                      static_cast<double>(frame.line_time_ns) * 1e-9};
-    if (vio_) {
-      answer(true, output);
-      vio_->change_lens(lens);
+    if (auto* inertial = std::get_if<InertialOdometry>(&odometry_)) {
+      tell_pending(true, output);
+      inertial->change_lens(lens);
       head_ = frame;
-      vio_->begin(view);
-      answer(false, output);
-      return;
+      inertial->begin(view);
+      tell_pending(false, output);
+    } else if (auto* visual = std::get_if<Odometry>(&odometry_)) {
+      visual->change_lens(lens);
+      const Motion motion = visual->process(view);
+      const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
+      if (from_ns != INT64_MIN) output.emit(event_of(motion, from_ns, frame));
     }
-    vo_->change_lens(lens);
-    const Motion motion = vo_->process(view);
-    const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
-    if (from_ns != INT64_MIN) output.emit(event_of(motion, from_ns, frame));
   }
 
  private:
+  /// An odometry from what is known of the camera, and of the IMU.
   void start() {
-    const odo_calibration& c = *camera_.calibration();
-    q_b_c_ = Eigen::Quaterniond(0, 1, 0, 0);  // a phone's rear camera
-    odograph::vio::Camera camera;
-    camera.lens = odograph::camera_of(c);
-    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) {
-      q_b_c_ = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
-      camera.p_b_c = Eigen::Vector3d(c.p_b_c);
-    }
-    camera.q_b_c = q_b_c_;
-    camera.middle_row = 0.5 * (c.height - 1.0);
-    if (c.header.flags & ODO_CALIBRATION_LINE_TIME) camera.line_time_s = static_cast<double>(c.line_time_ns) * 1e-9;
+    const odograph::vio::Camera camera = camera_at_start(*camera_.calibration());
+    q_b_c_ = camera.q_b_c;
     previous_ns_ = frame_ns_ = INT64_MIN;
-    vo_.reset(), vio_.reset();
-    if (!inertial_) {
-      vo_.emplace(Odometry::Parameters{}, camera.lens);
-      return;
-    }
-    InertialOdometry::Parameters parameters;
-    if (noise_ && noise_->gyro_noise > 0 && noise_->accel_noise > 0) {
-      auto& n = parameters.filter.noise;
-      n.gyro = noise_->gyro_noise, n.accel = noise_->accel_noise;
-      n.gyro_walk = std::max(n.gyro_walk, noise_->gyro_walk);
-      n.accel_walk = std::max(n.accel_walk, noise_->accel_walk);
-    }
-    vio_.emplace(parameters, camera);
+    if (inertial_)
+      odometry_.emplace<InertialOdometry>(parameters_with(noise_), camera);
+    else
+      odometry_.emplace<Odometry>(Odometry::Parameters{}, camera.lens);
   }
 
-  /// Gives the motion of the frame that waits, when the IMU has reached it or `force` says so.
-  void answer(bool force, odo::Output& output) {
-    if (!vio_) return;
-    const auto motion = vio_->finish(force);
+  static odograph::vio::Camera camera_at_start(const odo_calibration& c) {
+    odograph::vio::Camera camera;
+    camera.lens = odograph::camera_of(c);
+    camera.q_b_c = Eigen::Quaterniond(0, 1, 0, 0);  // a phone's rear camera
+    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) {
+      camera.q_b_c = odograph::so3::quaternion(c.q_b_c);
+      camera.p_b_c = Eigen::Vector3d(c.p_b_c);
+    }
+    camera.middle_row = 0.5 * (c.height - 1.0);
+    if (c.header.flags & ODO_CALIBRATION_LINE_TIME) camera.line_time_s = static_cast<double>(c.line_time_ns) * 1e-9;
+    return camera;
+  }
+
+  static InertialOdometry::Parameters parameters_with(const std::optional<odo_imu_noise>& noise) {
+    InertialOdometry::Parameters parameters;
+    if (!noise || !(noise->gyro_noise > 0 && noise->accel_noise > 0)) return parameters;
+    auto& n = parameters.filter.noise;
+    n.gyro = noise->gyro_noise, n.accel = noise->accel_noise;
+    n.gyro_walk = std::max(n.gyro_walk, noise->gyro_walk);
+    n.accel_walk = std::max(n.accel_walk, noise->accel_walk);
+    return parameters;
+  }
+
+  /// The motion of the frame that waits, when the IMU has reached it or `force` says so.
+  void tell_pending(bool force, odo::Output& output) {
+    auto* inertial = std::get_if<InertialOdometry>(&odometry_);
+    if (!inertial) return;
+    const auto motion = inertial->finish(force);
     if (!motion) return;
     auto event = event_of(motion->motion, motion->from_ns, head_);
     if (motion->metric) put_inertial(*motion, event);
     output.emit(event);
-    if (motion->metric) refine(motion->t_ns, output);
+    if (motion->metric) tell_refined(*inertial, motion->t_ns, output);
   }
 
   static odo_vo_motion event_of(const Motion& motion, int64_t from_ns, const odo_frame& frame) {
@@ -136,11 +146,11 @@ class OdographVo {
   }
 
   /// What the camera was found to be, once a second.
-  void refine(int64_t t_ns, odo::Output& output) {
-    if (t_ns - refined_ns_ < kRefinedEvery_ns || !vio_->filter()) return;
+  void tell_refined(const InertialOdometry& inertial, int64_t t_ns, odo::Output& output) {
+    if (t_ns - refined_ns_ < kRefinedEvery_ns || !inertial.filter()) return;
     refined_ns_ = t_ns;
-    const odograph::vio::Camera& camera = vio_->filter()->state().camera;
-    const odograph::CameraModel lens = vio_->lens();
+    const odograph::vio::Camera& camera = inertial.filter()->state().camera;
+    const odograph::CameraModel lens = inertial.lens();
     odo_calibration c = *camera_.calibration();
     c.header.t_ns = t_ns;
     c.header.flags |=
@@ -148,8 +158,7 @@ class OdographVo {
     c.fx = lens.fx, c.fy = lens.fy, c.cx = lens.cx, c.cy = lens.cy;
     c.distortion_count = static_cast<uint32_t>(lens.coefficients.size());
     std::copy(lens.coefficients.begin(), lens.coefficients.end(), c.distortion);
-    c.q_b_c[0] = camera.q_b_c.w(), c.q_b_c[1] = camera.q_b_c.x();
-    c.q_b_c[2] = camera.q_b_c.y(), c.q_b_c[3] = camera.q_b_c.z();
+    put_quaternion(camera.q_b_c, c.q_b_c);
     Eigen::Vector3d::Map(c.p_b_c) = camera.p_b_c;
     c.time_offset_ns += static_cast<int64_t>(std::llround(camera.time_offset_s * 1e9));
     c.line_time_ns = static_cast<int64_t>(std::llround(camera.line_time_s * 1e9));
@@ -159,8 +168,8 @@ class OdographVo {
   bool inertial_ = true;
   odograph::ToldCamera camera_;
   std::optional<odo_imu_noise> noise_;
-  std::optional<Odometry> vo_;  // up to scale
-  std::optional<InertialOdometry> vio_;
+  /// None before the first calibration; then the one that `inertial` asks for. The visual one is up to scale.
+  std::variant<std::monostate, Odometry, InertialOdometry> odometry_;
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
   odo_frame head_{};  // of the frame that waits: its pixels are not kept

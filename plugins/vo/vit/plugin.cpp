@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "plugins/shared/camera/frame_view.hpp"
+#include "plugins/shared/rotation.hpp"
 #include "plugins/vo/vit/vit_system.hpp"
 
 namespace {
@@ -51,7 +52,7 @@ class Vit {
     T_b_c_ = Isometry3d::Identity();
     Eigen::Quaterniond q(0, 1, 0, 0);  // a phone's rear camera
     if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) {
-      q = Eigen::Quaterniond(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
+      q = odograph::so3::quaternion(c.q_b_c);
       T_b_c_.translation() = Eigen::Vector3d(c.p_b_c);
     }
     T_b_c_.linear() = q.toRotationMatrix();

@@ -2,6 +2,7 @@
 #include "sdk/host/config/pipeline_config.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/config/camera_yaml.hpp"
@@ -48,19 +49,23 @@ Isolation isolation_of(const Value& plugin, const Value& plugins, const std::fil
   return isolation;
 }
 
-Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, const std::string& name,
-                                 const std::filesystem::path& base, std::vector<std::filesystem::path> directories) {
-  if (root.kind == YamlNode::Kind::null)
-    return Failure{ODO_E_CONFIG, at(name, {}, "the config is empty; expected a map that starts with 'odograph: 1'")};
-  for (const auto& directory : early_texts(root, "search")) directories.push_back(base / directory);
-  PluginRegistry registry(plugin_directories(directories), directories.size());
-  const auto allow = early_texts(root, "allow");
-  const auto signers = early_texts(root, "signers");
-  registry.require_signature(signers);
-  registry.allow_writable(early_text(root, "allow_writable") == "true");
+/// Where plugins are looked for, and which of them may be used.
+struct PluginPolicy {
+  std::vector<std::string> allow, signers;
+  std::filesystem::path base;
+
+  /// What is allowed by its hash must have it, and a signed manifest says which library it is for.
+  LibraryCheck library_check(bool verify_hash) const {
+    if (std::any_of(allow.begin(), allow.end(), is_sha256) || !signers.empty()) return LibraryCheck::sealed;
+    return verify_hash ? LibraryCheck::hash : LibraryCheck::none;
+  }
+};
+
+Result<Value> checked_values(const YamlNode& root, const std::string& name, PluginRegistry& registry,
+                             const PluginPolicy& policy) {
   const PluginResolver resolver = [&](const std::string& id,
                                       const std::string& kind) -> Result<const std::vector<Spec>*> {
-    auto manifest = registry.find(id, kind, base, allow);
+    auto manifest = registry.find(id, kind, policy.base, policy.allow);
     if (!manifest) return manifest.failure();
     return &(*manifest)->parameters;
   };
@@ -71,64 +76,56 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
       return Failure{ODO_E_CONFIG, at(name, list->mark,
                                       std::string("plugins.") + key +
                                           ": an empty list; expected one item or more, or no '" + key + "' at all")};
-  const Value& v = *checked;
+  return checked;
+}
 
-  PipelineConfig config;
-  config.name = name;
-  config.text = text;
-  // What is allowed by its hash must have it, and a signed manifest says which library it is for.
-  const bool by_hash = std::any_of(allow.begin(), allow.end(), is_sha256) || !signers.empty();
-  config.library_check = by_hash                               ? LibraryCheck::sealed
-                         : v["plugins"]["verify_hash"].boolean ? LibraryCheck::hash
-                                                               : LibraryCheck::none;
-  const Value& origin = v["navigation"]["origin"];
+void read_navigation(const Value& navigation, PipelineConfig& config) {
+  const Value& origin = navigation["origin"];
   if (origin.given) config.origin = {origin["latitude"].real, origin["longitude"].real, origin["height"].real};
-  const Value& start = v["navigation"]["start"];
-  if (start.given) {
-    const auto& p = start["position"].reals;
-    config.start = {{p[0], p[1], p[2]}, start["heading"].real, true, start["heading"].given};
-  }
-  if (v["camera"].given) {
-    const auto camera = read_camera_yaml(base / v["camera"].text, nullptr);
-    if (!camera) return Failure{ODO_E_CONFIG, at(name, v["camera"].mark, "camera: " + camera.failure().text)};
-    config.camera = *camera;
-  }
-  const Value& ordering = v["time_ordering"];
-  config.ordering = {ordering["max_wait"].real, ordering["max_gap"].real,
-                     static_cast<size_t>(ordering["queue"].integer), static_cast<size_t>(ordering["frames"].integer)};
-  const Value& coupling = v["coupling"];
-  config.coupling.type = coupling["type"].text == "inertial" ? CouplingType::inertial : CouplingType::paper;
-  const std::string& orientation = coupling["orientation"].text;
-  config.coupling.orientation = orientation == "attitude"    ? Orientation::attitude
-                                : orientation == "gyroscope" ? Orientation::gyroscope
-                                                             : Orientation::vo;
-  config.coupling.vertical = coupling["vertical"].text == "scaled" ? Vertical::scaled : Vertical::ignore;
-  config.coupling.fix_gate_sigma = coupling["fix_gate"].real;
-  config.coupling.bridge_s = coupling["bridge"].real;
-  config.coupling.fastest_mps = coupling["fastest"].real;
-  config.coupling.odometry_covariance = coupling["odometry_covariance"].real;
-  config.replay = {v["replay"]["start_at_first_waypoint"].boolean, v["replay"]["align_heading_over"].real};
+  const Value& start = navigation["start"];
+  if (!start.given) return;
+  const auto& p = start["position"].reals;
+  config.start = {{p[0], p[1], p[2]}, start["heading"].real, true, start["heading"].given};
+}
 
-  const auto choose = [&](const Value& value, const Spec& spec) {
-    PluginChoice choice;
-    choice.manifest = **registry.find(value["plugin"].text, spec.interface_id, base, allow);
-    choice.interface_id = spec.interface_id;
-    for (const Spec& parameter : choice.manifest.parameters)
-      choice.parameters.emplace_back(parameter, value["parameters"][parameter.name]);
-    share_walker(choice, v["walker"]);
-    choice.isolation = isolation_of(value, v["plugins"], base);
-    if (value["fallback"].given) {
-      auto fallback = std::make_shared<PluginChoice>();
-      fallback->manifest = **registry.find(value["fallback"].text, spec.interface_id, base, allow);
-      fallback->interface_id = spec.interface_id;
-      for (const Spec& parameter : fallback->manifest.parameters)
-        fallback->parameters.emplace_back(parameter, default_value(parameter));
-      share_walker(*fallback, v["walker"]);
-      fallback->isolation = choice.isolation;
-      choice.fallback = std::move(fallback);
-    }
-    return choice;
-  };
+CouplingConfig coupling_of(const Value& coupling) {
+  CouplingConfig config;
+  config.type = coupling["type"].text == "inertial" ? CouplingType::inertial : CouplingType::paper;
+  const std::string& orientation = coupling["orientation"].text;
+  config.orientation = orientation == "attitude"    ? Orientation::attitude
+                       : orientation == "gyroscope" ? Orientation::gyroscope
+                                                    : Orientation::vo;
+  config.vertical = coupling["vertical"].text == "scaled" ? Vertical::scaled : Vertical::ignore;
+  config.fix_gate_sigma = coupling["fix_gate"].real;
+  config.bridge_s = coupling["bridge"].real;
+  config.fastest_mps = coupling["fastest"].real;
+  config.odometry_covariance = coupling["odometry_covariance"].real;
+  return config;
+}
+
+/// One plugin of the config, and its fallback with default parameters.
+PluginChoice choose(const Value& value, const Spec& spec, const Value& v, PluginRegistry& registry,
+                    const PluginPolicy& policy) {
+  PluginChoice choice;
+  choice.manifest = **registry.find(value["plugin"].text, spec.interface_id, policy.base, policy.allow);
+  choice.interface_id = spec.interface_id;
+  for (const Spec& parameter : choice.manifest.parameters)
+    choice.parameters.emplace_back(parameter, value["parameters"][parameter.name]);
+  share_walker(choice, v["walker"]);
+  choice.isolation = isolation_of(value, v["plugins"], policy.base);
+  if (!value["fallback"].given) return choice;
+  auto fallback = std::make_shared<PluginChoice>();
+  fallback->manifest = **registry.find(value["fallback"].text, spec.interface_id, policy.base, policy.allow);
+  fallback->interface_id = spec.interface_id;
+  for (const Spec& parameter : fallback->manifest.parameters)
+    fallback->parameters.emplace_back(parameter, default_value(parameter));
+  share_walker(*fallback, v["walker"]);
+  fallback->isolation = choice.isolation;
+  choice.fallback = std::move(fallback);
+  return choice;
+}
+
+void choose_plugins(const Value& v, PluginRegistry& registry, const PluginPolicy& policy, PipelineConfig& config) {
   for (const Spec& spec : pipeline_spec().children) {
     const Value& value = v[spec.name];
     if (spec.type != SpecType::plugins || !value.given) continue;
@@ -137,18 +134,55 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
                  : spec.name == "vo_frontend"    ? config.vo_frontends
                  : spec.name == "scale_source"   ? config.scale_sources
                                                  : config.fixers;
-    for (const Value& item : value.items) kind.push_back(choose(item, spec));
+    for (const Value& item : value.items) kind.push_back(choose(item, spec, v, registry, policy));
   }
+}
+
+/// Whether the plugins are there whose output others need.
+std::optional<Failure> check_companions(const PipelineConfig& config, const Value& v) {
   if (!config.step_estimators.empty() && config.attitudes.empty())
     return Failure{
         ODO_E_CONFIG,
-        at(name, v["step_estimator"].mark,
+        at(config.name, v["step_estimator"].mark,
            "step_estimator: needs orientation; expected an 'attitude' plugin beside it (nearest: 'attitude')")};
   if (!config.scale_sources.empty() && config.vo_frontends.empty())
     return Failure{
         ODO_E_CONFIG,
-        at(name, v["scale_source"].mark,
+        at(config.name, v["scale_source"].mark,
            "scale_source: nothing to scale; expected a 'vo_frontend' plugin beside it (nearest: 'vo_frontend')")};
+  return std::nullopt;
+}
+
+Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, const std::string& name,
+                                 const std::filesystem::path& base, std::vector<std::filesystem::path> directories) {
+  if (root.kind == YamlNode::Kind::null)
+    return Failure{ODO_E_CONFIG, at(name, {}, "the config is empty; expected a map that starts with 'odograph: 1'")};
+  const PluginPolicy policy{early_texts(root, "allow"), early_texts(root, "signers"), base};
+  for (const auto& directory : early_texts(root, "search")) directories.push_back(base / directory);
+  PluginRegistry registry(plugin_directories(directories), directories.size());
+  registry.require_signature(policy.signers);
+  registry.allow_writable(early_text(root, "allow_writable") == "true");
+  const auto checked = checked_values(root, name, registry, policy);
+  if (!checked) return checked.failure();
+  const Value& v = *checked;
+
+  PipelineConfig config;
+  config.name = name;
+  config.text = text;
+  config.library_check = policy.library_check(v["plugins"]["verify_hash"].boolean);
+  read_navigation(v["navigation"], config);
+  if (v["camera"].given) {
+    const auto camera = read_camera_yaml(base / v["camera"].text, nullptr);
+    if (!camera) return Failure{ODO_E_CONFIG, at(name, v["camera"].mark, "camera: " + camera.failure().text)};
+    config.camera = *camera;
+  }
+  const Value& ordering = v["time_ordering"];
+  config.ordering = {ordering["max_wait"].real, ordering["max_gap"].real,
+                     static_cast<size_t>(ordering["queue"].integer), static_cast<size_t>(ordering["frames"].integer)};
+  config.coupling = coupling_of(v["coupling"]);
+  config.replay = {v["replay"]["start_at_first_waypoint"].boolean, v["replay"]["align_heading_over"].real};
+  choose_plugins(v, registry, policy, config);
+  if (const auto missing = check_companions(config, v)) return *missing;
   return config;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/base/saturating.hpp"
 
 namespace odograph {
@@ -16,13 +17,6 @@ constexpr size_t kMostReintegrated = 64;  // points between two accelerometer sa
 
 double seconds(int64_t later_ns, int64_t earlier_ns) {
   return static_cast<double>(saturating_difference(later_ns, earlier_ns)) * 1e-9;
-}
-
-Quaterniond exp_rotation(const Vector3d& angle) {
-  const double norm = angle.norm();
-  if (norm < 1e-9) return Quaterniond(1.0, 0.5 * angle.x(), 0.5 * angle.y(), 0.5 * angle.z());
-  const double s = std::sin(0.5 * norm) / norm;
-  return {std::cos(0.5 * norm), s * angle.x(), s * angle.y(), s * angle.z()};
 }
 
 }  // namespace

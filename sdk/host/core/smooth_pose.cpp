@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/base/saturating.hpp"
 
 namespace odograph {
@@ -31,11 +32,6 @@ Vector3d left_of(const Vector3d& x, double dt, double tau, double limit) {
   return length > 0 ? Vector3d(x * (left_of(length, dt, tau, limit) / length)) : Vector3d::Zero();
 }
 
-Quaterniond rotation(const Vector3d& angle) {
-  const double norm = angle.norm();
-  return norm > 0 ? Quaterniond(AngleAxisd(norm, angle / norm)) : Quaterniond::Identity();
-}
-
 }  // namespace
 
 SmoothPose::Pose SmoothPose::at(int64_t t_ns, const Pose& pose) const {
@@ -43,7 +39,7 @@ SmoothPose::Pose SmoothPose::at(int64_t t_ns, const Pose& pose) const {
   const double tau = parameters_.time_constant_s;
   const Vector3d turn = left_of(rotation_n_, dt, tau, parameters_.max_rate_radps);
   const Vector3d shift = left_of(shift_n_, dt, tau, parameters_.max_speed_mps);
-  return {(rotation(turn) * pose.q_n).normalized(), pose.p_n + shift};
+  return {(exp_rotation(turn) * pose.q_n).normalized(), pose.p_n + shift};
 }
 
 void SmoothPose::jumped(int64_t t_ns, const Pose& before, const Pose& after) {

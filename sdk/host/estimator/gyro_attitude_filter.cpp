@@ -4,39 +4,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/host/base/rotation.hpp"
+
 namespace odograph {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-constexpr double kWalk = 0.001;         // rad/sqrt(s): white noise of a phone's gyroscope, and what else turns
-constexpr double kBias_radps = 0.009;   // 0.5 deg/s, at the start
-constexpr double kBiasWalk = 3e-5;      // rad/s/sqrt(s)
-constexpr double kStanding_rad = 0.03;  // of the force's direction over a frame: an accelerometer's bias, an engine
-constexpr double kMoving_rad = 0.5;
-constexpr double kLongestGap_s = 0.05;
-constexpr double kLeastSeen_rad = 5e-4;  // of a camera's rotation
-
-Quaterniond exp_rotation(const Vector3d& angle) {
-  const double norm = angle.norm();
-  return norm > 0 ? Quaterniond(Eigen::AngleAxisd(norm, angle / norm)) : Quaterniond::Identity();
-}
-
-Vector3d log_rotation(const Quaterniond& q) {
-  const Eigen::AngleAxisd turn(q);
-  return turn.angle() * turn.axis();
-}
-
-}  // namespace
 
 void GyroAttitudeFilter::reset(const Quaterniond& q_n_c, const Matrix3d& covariance_n) {
   q_n_c_ = q_n_c;
   bias_c_.setZero();
   P_.setZero();
   P_.topLeftCorner<3, 3>() = covariance_n;
-  P_.bottomRightCorner<3, 3>() = Matrix3d::Identity() * kBias_radps * kBias_radps;
+  P_.bottomRightCorner<3, 3>() = Matrix3d::Identity() * p_.bias_sigma_radps * p_.bias_sigma_radps;
 }
 
 std::optional<GyroAttitudeFilter::Interval> GyroAttitudeFilter::between(int64_t from_ns, int64_t to_ns,
@@ -52,7 +33,7 @@ std::optional<GyroAttitudeFilter::Interval> GyroAttitudeFilter::between(int64_t 
   for (; back > 0 && t < to_ns; --back) {
     const odo_imu& imu = samples_[(count_ - back) % samples_.size()];
     const double dt_s = static_cast<double>(std::min(imu.header.t_ns, to_ns) - t) * 1e-9;
-    if (dt_s > kLongestGap_s) return std::nullopt;
+    if (dt_s > p_.longest_gap_s) return std::nullopt;
     const Quaterniond step = exp_rotation(Vector3d(imu.gyro_b) * dt_s);
     q = q * step;
     force = step.conjugate() * force + dt_s * Vector3d(imu.accel_b);
@@ -61,7 +42,7 @@ std::optional<GyroAttitudeFilter::Interval> GyroAttitudeFilter::between(int64_t 
   }
   // The newest sample holds on to the picture's time.
   const double rest_s = static_cast<double>(to_ns - t) * 1e-9;
-  if (!last || weight <= 0 || rest_s > kLongestGap_s) return std::nullopt;
+  if (!last || weight <= 0 || rest_s > p_.longest_gap_s) return std::nullopt;
   q = q * exp_rotation(Vector3d(last->gyro_b) * rest_s);
   return Interval{q_b_c.conjugate() * q * q_b_c, q_b_c.conjugate() * (force / weight),
                   static_cast<double>(to_ns - from_ns) * 1e-9};
@@ -72,15 +53,15 @@ void GyroAttitudeFilter::propagate(const Quaterniond& q_c0_c1, double dt_s) {
   F.topRightCorner<3, 3>() = -dt_s * q_n_c_.toRotationMatrix();
   q_n_c_ = (q_n_c_ * q_c0_c1 * exp_rotation(-bias_c_ * dt_s)).normalized();
   P_ = F * P_ * F.transpose();
-  P_.diagonal().head<3>().array() += kWalk * kWalk * dt_s;
-  P_.diagonal().tail<3>().array() += kBiasWalk * kBiasWalk * dt_s;
+  P_.diagonal().head<3>().array() += p_.angle_random_walk * p_.angle_random_walk * dt_s;
+  P_.diagonal().tail<3>().array() += p_.bias_walk * p_.bias_walk * dt_s;
 }
 
 void GyroAttitudeFilter::update_relative_rotation(const Quaterniond& gyro, const Quaterniond& seen, double sigma_rad,
                                                   double dt_s) {
   if (dt_s <= 0) return;
   const Vector3d bias_error = log_rotation(seen.conjugate() * gyro) / dt_s - bias_c_;
-  const double sigma = std::max(sigma_rad, kLeastSeen_rad) / dt_s;
+  const double sigma = std::max(sigma_rad, p_.least_seen_sigma_rad) / dt_s;
   const Matrix3d S = P_.bottomRightCorner<3, 3>() + Matrix3d::Identity() * (sigma * sigma);
   const Eigen::Matrix<double, 6, 3> K = P_.rightCols<3>() * S.inverse();
   P_ -= K * P_.bottomRows<3>().eval();
@@ -102,7 +83,7 @@ void GyroAttitudeFilter::update_gravity(const Vector3d& force_c, bool standing) 
   const double norm = force_c.norm();
   if (std::abs(norm - 9.81) > 2) return;
   const Vector3d off = (q_n_c_ * force_c / norm).cross(-Vector3d::UnitZ());
-  const double sigma = standing ? kStanding_rad : kMoving_rad;
+  const double sigma = standing ? p_.standing_sigma_rad : p_.moving_sigma_rad;
   correct(off, Vector3d(sigma * sigma, sigma * sigma, 1e6).asDiagonal(), 0);
 }
 

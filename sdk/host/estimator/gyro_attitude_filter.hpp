@@ -19,6 +19,18 @@ namespace odograph {
 /// carrier stands; in motion so little that a car's braking does not tilt the world.
 class GyroAttitudeFilter {
  public:
+  /// "judgement": a choice of which no sweep is recorded.
+  struct Parameters {
+    double angle_random_walk = 0.001;    ///< rad/sqrt(s): white noise of a phone's gyroscope, and what else rotates it
+    double bias_sigma_radps = 0.009;     ///< rad/s at the start: 0.5 deg/s, data sheets of BMI270 and ICM-20602
+    double bias_walk = 3e-5;             ///< rad/s/sqrt(s); temperature
+    double standing_sigma_rad = 0.03;    ///< rad, of the force's direction over a frame: an accelerometer's bias of
+                                         ///< 20 mg, an engine
+    double moving_sigma_rad = 0.5;       ///< rad, the same in motion: a car brakes with 0.5 g; judgement
+    double longest_gap_s = 0.05;         ///< s between samples that is no gap: ten at 200 Hz, two or three at 50 Hz
+    double least_seen_sigma_rad = 5e-4;  ///< rad, of a camera's rotation: never believed to be better; judgement
+  };
+
   GyroAttitudeFilter() { reset(Eigen::Quaterniond::Identity(), Eigen::Matrix3d::Identity()); }
   void reset(const Eigen::Quaterniond& q_n_c, const Eigen::Matrix3d& covariance_n);
 
@@ -42,7 +54,7 @@ class GyroAttitudeFilter {
   void update_relative_rotation(const Eigen::Quaterniond& gyro_q_c0_c1, const Eigen::Quaterniond& seen_q_c0_c1,
                                 double sigma_rad, double dt_s);
   /// The orientation was off by this rotation, rad in n; false, and nothing changed, outside a gate (0: none) of
-  /// standard deviations. Returns what it turned by.
+  /// standard deviations. Returns what it rotated by.
   std::optional<Eigen::Vector3d> correct(const Eigen::Vector3d& off_n, const Eigen::Matrix3d& covariance_n,
                                          double gate_sigma);
 
@@ -55,6 +67,7 @@ class GyroAttitudeFilter {
   using Vector6d = Eigen::Matrix<double, 6, 1>;
   Eigen::Vector3d apply(const Vector6d& error);
 
+  Parameters p_;
   Eigen::Quaterniond q_n_c_;
   Eigen::Vector3d bias_c_;
   Matrix6d P_;

@@ -106,12 +106,15 @@ class InertialEstimator : public Estimator {
   void know_scale(double log_scale, double variance, double steps_share, int64_t t_ns);
   void put_in_place(int64_t t_ns);
 
-  // Steps (inertial_steps.cpp).
+  // Steps and fixes (inertial_steps.cpp).
   UpdateResult see_step(const odo_step& step, double own_sigma);
+  inertial::Hold hold_at_step() const;
   void check_metre(const odo_step& step, const Eigen::Vector3d& moved_n);
   void rest_between(int64_t from_ns, int64_t to_ns);
   void doubt_steps();
   bool outweighs_fixes(int64_t t_ns) const;
+  void open_heading();
+  void agree(const odo_fix& fix);
   void place_by(inertial::Innovation<6>& seen, uint32_t axes);
   void turn_n(double by_rad);
   bool tells_first_heading(const odo_fix& fix) const;

@@ -178,19 +178,22 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
   walked.noise = covered * covered * noise;
   if (!unaided()) walked.noise += (p_.step_correlation - 1) * squared(own_sigma * length_m) * along * along.transpose();
   const double before = 1 / e_.P(kLogScale, kLogScale);
-  // Where nothing else moves the body, what it was expected to do is no news of the walker: fixes are. Where odometry
-  // moves it, steps and scale learn from each other, and what was walked stays unless the scale of an odometry without
-  // a metre has come into doubt; a front-end that says it knows the metre better than walkers differ learns nothing.
+  const UpdateResult result = e_.update(walked, p_.gate[3], hold_at_step());
+  if (result.accepted && vo_.known) vo_.steps_information += 1 / e_.P(kLogScale, kLogScale) - before;
+  return result;
+}
+
+/// Where nothing else moves the body, what it was expected to do is no news of the walker: fixes are. Where odometry
+/// moves it, steps and scale learn from each other, and what was walked stays unless the scale of an odometry without
+/// a metre has come into doubt; a front-end that says it knows the metre better than walkers differ learns nothing.
+Hold InertialEstimator::hold_at_step() const {
   const bool followed = vo_.known && vo_.attached;
   const bool taught = followed && vo_.metric && vo_.own_information > 1 / squared(p_.taught_scale_sigma);
   const bool doubted = !vo_.metric && e_.P(kLogScale, kLogScale) > squared(2 * p_.start_scale_sigma);
-  const Hold hold = unaided()              ? Hold::scale_and_steps
-                    : taught               ? Hold::all_but_steps
-                    : followed && !doubted ? Hold::all_but_scale_and_steps
-                                           : Hold::nothing;
-  const UpdateResult result = e_.update(walked, p_.gate[3], hold);
-  if (result.accepted && vo_.known) vo_.steps_information += 1 / e_.P(kLogScale, kLogScale) - before;
-  return result;
+  return unaided()              ? Hold::scale_and_steps
+         : taught               ? Hold::all_but_steps
+         : followed && !doubted ? Hold::all_but_scale_and_steps
+                                : Hold::nothing;
 }
 
 /// Against the lengths as the step estimator tells them: what was learnt of the walker was learnt from the front-end.
@@ -305,6 +308,14 @@ bool InertialEstimator::outweighs_fixes(int64_t t_ns) const {
          static_cast<double>(t_ns - fixed_ns_) * kNanoseconds < p_.agreed_for_s;
 }
 
+/// Against fixes the heading of a start without a compass is open, and is told by the path; that needs a velocity.
+void InertialEstimator::open_heading() {
+  if (north_ || heading_open_) return;
+  if (!(e_.P.diagonal().segment<2>(kVelocity).maxCoeff() < squared(p_.settled_velocity_mps))) return;
+  heading_open_ = true;
+  e_.loosen_heading(p_.start_heading_sigma_rad);
+}
+
 UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   const uint32_t flags = fix->header.flags;
   flush();
@@ -333,12 +344,7 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
     placed_ &= ~axes;
     fixes_agreed_ = 0;
   }
-  // Against fixes the heading of a start without a compass is open, and is told by the path; that needs a velocity.
-  if (horizontal && !north_ && !heading_open_ &&
-      e_.P.diagonal().segment<2>(kVelocity).maxCoeff() < squared(p_.settled_velocity_mps)) {
-    heading_open_ = true;
-    e_.loosen_heading(p_.start_heading_sigma_rad);
-  }
+  if (horizontal) open_heading();
   // The heading first where it is off by much, or would move a place that is told at last.
   const bool on_arc = std::abs(seen.residual[2]) > p_.arc_rad || (axes & ~placed_);
   if ((flags & ODO_FIX_ORIENTATION) && !turns && on_arc) {
@@ -355,16 +361,19 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   seen.by_pose(*at, innovation.by_theta, innovation.by_position);
   UpdateResult result = e_.update(seen, squared(config_.fix_gate_sigma));
   result.dof = innovation.dof;
-  if (!result.accepted) {
+  if (result.accepted)
+    agree(*fix);
+  else
     ++fixes_rejected_;
-    return result;
-  }
+  return result;
+}
+
+void InertialEstimator::agree(const odo_fix& fix) {
   fixes_rejected_ = 0;
   ++fixes_agreed_;
-  placed_ |= axes;
-  if (horizontal) metric_ = true, fixed_ns_ = fix->header.t_ns, fixed_distance_m_ = distance_m_;
+  placed_ |= fix.header.flags & kAllAxes;
+  if (fix.header.flags & kHorizontal) metric_ = true, fixed_ns_ = fix.header.t_ns, fixed_distance_m_ = distance_m_;
   informed_ns_ = t_ns_;
-  return result;
 }
 
 }  // namespace odograph

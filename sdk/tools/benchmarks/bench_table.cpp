@@ -175,6 +175,7 @@ std::string table_text(const Table& table, const Rows& rows) {
 
 std::string recordings_text(const Rows& rows, const std::string& table, const std::string& title) {
   Table shown{title, {{"recording", "recording"}, {"config", "config", true}}, columns_of(rows, table)};
+  if (rows.empty() || !rows[0].contains("config")) shown.labels.pop_back();
   if (!rows.empty() && rows[0].contains("sensors"))
     shown.labels.insert(shown.labels.begin() + 1, {"sensors", "sensors"});
   return table_text(shown, rows);

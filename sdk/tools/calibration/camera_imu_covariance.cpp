@@ -2,6 +2,7 @@
 //
 // What the shared unknowns are worth: the sandwich of information and scatter, windows and points taken out.
 #include <cmath>
+#include <vector>
 
 #include <Eigen/Dense>
 
@@ -14,76 +15,106 @@ using Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Vector2d, Eigen::VectorXd;
 
 constexpr double kSteady_s = 1;  // windows' scores are taken together over this time
 
+constexpr Eigen::Index kRows = 2 * kWindowFrames;  // of a corner
+
+/// Scores summed over a second each, and their scatter.
+class Scatter {
+ public:
+  explicit Scatter(Eigen::Index n) : sum_(MatrixXd::Zero(n, n)), score_(VectorXd::Zero(n)) {}
+  void add(double t_s, const VectorXd& score) {
+    if (t_s - since_s_ > kSteady_s) close(), since_s_ = t_s;
+    score_ += score;
+  }
+  MatrixXd finish() {
+    close();
+    return sum_ * (spans_ > 1 ? spans_ / (spans_ - 1.0) : 1.0);
+  }
+
+ private:
+  void close() {
+    if (score_.squaredNorm() > 0) ++spans_;
+    sum_ += score_ * score_.transpose();
+    score_.setZero();
+  }
+  MatrixXd sum_;
+  VectorXd score_;
+  double since_s_ = -INFINITY;
+  int spans_ = 0;
+};
+
+/// Scaled to a unit diagonal first: the unknowns have different units.
+MatrixXd inverse_of(const MatrixXd& information) {
+  const VectorXd unit = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(unit.asDiagonal() * information * unit.asDiagonal());
+  const VectorXd inverted = eigen.eigenvalues().cwiseMax(1e-12).cwiseInverse();
+  return unit.asDiagonal() * (eigen.eigenvectors() * inverted.asDiagonal() * eigen.eigenvectors().transpose()) *
+         unit.asDiagonal();
+}
+
 }  // namespace
 
-MatrixXd CameraImuProblem::covariance() const {
-  std::vector<Eigen::Index> place;  // of each free column among all
-  for (Eigen::Index i = 0; i < shared::count; ++i)
-    if (!fixed_[static_cast<size_t>(i)]) place.push_back(i);
-  const auto n = static_cast<Eigen::Index>(place.size());
-  // Of each window: rows of J for the free shared unknowns and the path, what the points explain projected out corner
-  // by corner, then what the path explains.
-  MatrixXd information = MatrixXd::Zero(n, n), scatter = MatrixXd::Zero(n, n);
-  VectorXd score = VectorXd::Zero(n);
-  double since_s = -INFINITY;
-  int spans = 0;
-  const auto close = [&] {
-    if (score.squaredNorm() > 0) ++spans;
-    scatter += score * score.transpose();
-    score.setZero();
-  };
-  constexpr Eigen::Index kRows = 2 * kWindowFrames;
-  size_t block = 0;
-  for (const auto& window : windows_) {
-    MatrixXd rows(kRows * static_cast<Eigen::Index>(window->corners.size()), n + kPath);
-    VectorXd values(rows.rows());
-    for (size_t i = 0; i < window->corners.size(); ++i) {
-      MatrixXd J(kRows, n + kPath);
-      Eigen::Matrix<double, kRows, 3> own;
-      for (size_t k = 0; k < kWindowFrames; ++k, ++block) {
-        Eigen::Matrix<double, 2, shared::count, Eigen::RowMajor> by_shared;
-        Eigen::Matrix<double, 2, kPath, Eigen::RowMajor> by_path;
-        Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
-        double* jacobians[] = {by_shared.data(), by_path.data(), by_point.data()};
-        const double* blocks[] = {x_.data(), window->path.data(), window->points + 3 * i};
-        Vector2d r;
-        problem_->GetCostFunctionForResidualBlock(blocks_[block])->Evaluate(blocks, r.data(), jacobians);
-        const double weight = 1 / std::sqrt(1 + r.squaredNorm() / (scale_px_ * scale_px_));  // Cauchy's
-        const auto row = 2 * static_cast<Eigen::Index>(k);
-        for (Eigen::Index c = 0; c < n; ++c)
-          J.block<2, 1>(row, c) = weight * by_shared.col(place[static_cast<size_t>(c)]);
-        J.block<2, kPath>(row, n) = weight * by_path;
-        own.block<2, 3>(row, 0) = weight * by_point;
-        values.segment<2>(kRows * static_cast<Eigen::Index>(i) + row) = weight * r;
-      }
-      const Matrix3d weight = own.transpose() * own + 1e-9 * Matrix3d::Identity();
-      rows.middleRows<kRows>(kRows * static_cast<Eigen::Index>(i)) = J - own * weight.ldlt().solve(own.transpose() * J);
+/// Rows of J of a window for the free shared unknowns (`free`: their columns among all) and its path, and the
+/// residuals, both weighted; what the points explain is projected out corner by corner. `block`: the first of its
+/// residual blocks.
+void CameraImuProblem::rows_of(const Window& window, const std::vector<Eigen::Index>& free, size_t& block,
+                               MatrixXd& rows, VectorXd& values) const {
+  const auto n = static_cast<Eigen::Index>(free.size());
+  rows.resize(kRows * static_cast<Eigen::Index>(window.corners.size()), n + kPath);
+  values.resize(rows.rows());
+  for (size_t i = 0; i < window.corners.size(); ++i) {
+    MatrixXd J(kRows, n + kPath);
+    Eigen::Matrix<double, kRows, 3> own;
+    for (size_t k = 0; k < kWindowFrames; ++k, ++block) {
+      Eigen::Matrix<double, 2, shared::count, Eigen::RowMajor> by_shared;
+      Eigen::Matrix<double, 2, kPath, Eigen::RowMajor> by_path;
+      Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
+      double* jacobians[] = {by_shared.data(), by_path.data(), by_point.data()};
+      const double* blocks[] = {x_.data(), window.path.data(), window.points + 3 * i};
+      Vector2d r;
+      problem_->GetCostFunctionForResidualBlock(blocks_[block])->Evaluate(blocks, r.data(), jacobians);
+      const double weight = 1 / std::sqrt(1 + r.squaredNorm() / (scale_px_ * scale_px_));  // Cauchy's
+      const auto row = 2 * static_cast<Eigen::Index>(k);
+      for (Eigen::Index c = 0; c < n; ++c) J.block<2, 1>(row, c) = weight * by_shared.col(free[static_cast<size_t>(c)]);
+      J.block<2, kPath>(row, n) = weight * by_path;
+      own.block<2, 3>(row, 0) = weight * by_point;
+      values.segment<2>(kRows * static_cast<Eigen::Index>(i) + row) = weight * r;
     }
+    const Matrix3d weight = own.transpose() * own + 1e-9 * Matrix3d::Identity();
+    rows.middleRows<kRows>(kRows * static_cast<Eigen::Index>(i)) = J - own * weight.ldlt().solve(own.transpose() * J);
+  }
+}
+
+MatrixXd CameraImuProblem::covariance() const {
+  std::vector<Eigen::Index> free;  // columns among all
+  for (Eigen::Index i = 0; i < shared::count; ++i)
+    if (!fixed_[static_cast<size_t>(i)]) free.push_back(i);
+  const auto n = static_cast<Eigen::Index>(free.size());
+  MatrixXd information = MatrixXd::Zero(n, n);
+  Scatter scores(n);
+  size_t block = 0;
+  MatrixXd rows;
+  VectorXd values;
+  for (const auto& window : windows_) {
+    rows_of(*window, free, block, rows, values);
+    // What the path explains is projected out.
     const MatrixXd path = rows.rightCols<kPath>();
     MatrixXd weight = path.transpose() * path;
     weight.diagonal().array() += std::pow(kBend, -2);
     weight.diagonal().tail<3>().array() += 1e3;
     const MatrixXd left = rows.leftCols(n) - path * weight.ldlt().solve(path.transpose() * rows.leftCols(n));
     information += left.transpose() * left;
-    if (window->t_s[0] - since_s > kSteady_s) close(), since_s = window->t_s[0];
-    score += left.transpose() * values;
+    scores.add(window->t_s[0], left.transpose() * values);
   }
-  close();
-  scatter *= spans > 1 ? spans / (spans - 1.0) : 1.0;
+  MatrixXd scatter = scores.finish();
   for (Eigen::Index i = 0; i < n; ++i)
-    if (const double sigma = at_.prior_sigma[place[static_cast<size_t>(i)]]; sigma > 0)
+    if (const double sigma = at_.prior_sigma[free[static_cast<size_t>(i)]]; sigma > 0)
       information(i, i) += std::pow(sigma, -2), scatter(i, i) += std::pow(sigma, -2);
-  // Scaled to a unit diagonal first: the unknowns have different units.
-  const VectorXd unit = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(unit.asDiagonal() * information * unit.asDiagonal());
-  const VectorXd inverted = eigen.eigenvalues().cwiseMax(1e-12).cwiseInverse();
-  const MatrixXd inverse = unit.asDiagonal() *
-                           (eigen.eigenvectors() * inverted.asDiagonal() * eigen.eigenvectors().transpose()) *
-                           unit.asDiagonal();
-  const MatrixXd free = inverse * scatter * inverse;
+  const MatrixXd inverse = inverse_of(information);
+  const MatrixXd of_free = inverse * scatter * inverse;
   MatrixXd out = MatrixXd::Zero(shared::count, shared::count);
   for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index k = 0; k < n; ++k) out(place[static_cast<size_t>(i)], place[static_cast<size_t>(k)]) = free(i, k);
+    for (Eigen::Index k = 0; k < n; ++k)
+      out(free[static_cast<size_t>(i)], free[static_cast<size_t>(k)]) = of_free(i, k);
   return out;
 }
 

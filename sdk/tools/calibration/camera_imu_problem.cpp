@@ -29,67 +29,88 @@ class CameraImuProblem::Reprojection final : public ceres::SizedCostFunction<2, 
 
   bool Evaluate(double const* const* blocks, double* residual, double** jacobians) const override {
     const Eigen::Map<const SharedUnknowns> x(blocks[0]);
-    const Eigen::Map<const Eigen::Matrix<double, kPath, 1>> path(blocks[1]);
     const Eigen::Map<const Vector3d> point(blocks[2]);
-    const double late_s = sight_.rows * x[shared::row_time], t = sight_.t_s + x[shared::time_offset] + late_s;
-    const double since_s = t - window_.reference_s;
-    const Quaterniond turned = window_.q_reference_g * at_.gyro->at(t);
-    const Vector3d theta = rotation_vector(turned);
-    Matrix3d E;
-    const auto e = x.segment<6>(shared::gyro_scale);
-    E << e[0], e[3], e[4], e[3], e[1], e[5], e[4], e[5], e[2];
-    const Vector3d phi = E * theta - x.segment<3>(shared::bias) * since_s;
-    const Matrix3d R_reference_b = (turned * rotation_of(phi)).toRotationMatrix();
-    const Vector3d delta = x.segment<3>(shared::mount);
-    const Matrix3d R_b_c = (at_.q_b_c * rotation_of(delta)).toRotationMatrix();
-    std::array<double, kWindowFrames> weight, rate;
-    window_.passing(sight_.frame, late_s, weight, rate);
-    Vector3d place = Vector3d::Zero(), velocity = Vector3d::Zero();
-    for (size_t k = 1; k < kWindowFrames; ++k) {
-      const auto p = path.segment<3>(3 * static_cast<Eigen::Index>(k - 1));
-      place += weight[k] * p, velocity += rate[k] * p;
-    }
-    const Vector3d Z = window_.R_reference_c * Vector3d(point.x(), point.y(), 1) - point.z() * place;
-    const Vector3d Z_b = R_reference_b.transpose() * Z, Y = R_b_c.transpose() * Z_b;
-    const double depth = std::max(Y.z(), kLeastDepth);
+    const View v = view(x, Eigen::Map<const Path>(blocks[1]), point);
+    const double depth = std::max(v.Y.z(), kLeastDepth);
     const double focal = at_.lens.fx;
     const Vector2d measured = sight_.ray.ray + sight_.ray.by_lens * x.segment<4>(shared::lens);
     Eigen::Map<Vector2d> r(residual);
-    r = focal * (measured - Y.head<2>() / depth);
+    r = focal * (measured - v.Y.head<2>() / depth);
     if (!jacobians) return true;
-    Eigen::Matrix<double, 2, 3> by_Y;
-    by_Y << 1, 0, -Y.x() / depth, 0, 1, -Y.y() / depth;
+    Matrix23d by_Y;
+    by_Y << 1, 0, -v.Y.x() / depth, 0, 1, -v.Y.y() / depth;
     by_Y *= -focal / depth;
-    if (Y.z() < kLeastDepth) by_Y.col(2).setZero();
-    const Eigen::Matrix<double, 2, 3> by_turn = by_Y * R_b_c.transpose() * cross_matrix(Z_b);
-    const Eigen::Matrix<double, 2, 3> by_Z = by_Y * (R_reference_b * R_b_c).transpose();
-    if (jacobians[0]) {
-      Eigen::Map<Eigen::Matrix<double, 2, shared::count, Eigen::RowMajor>> J(jacobians[0]);
-      J.middleCols<3>(shared::mount) = by_Y * cross_matrix(Y) * (Matrix3d::Identity() - 0.5 * cross_matrix(delta));
-      const Vector2d by_turning = by_turn * at_.gyro->rate(t), by_moving = -point.z() * (by_Z * velocity);
-      J.col(shared::time_offset) = by_turning;  // the frames' places move along
-      J.col(shared::row_time) = sight_.rows * (by_turning + by_moving);
-      J.middleCols<3>(shared::bias) = -since_s * by_turn;
-      J.middleCols<4>(shared::lens) = focal * sight_.ray.by_lens;
-      for (Eigen::Index i = 0; i < 3; ++i) J.col(shared::gyro_scale + i) = by_turn.col(i) * theta[i];
-      J.col(shared::gyro_scale + 3) = by_turn.col(0) * theta[1] + by_turn.col(1) * theta[0];
-      J.col(shared::gyro_scale + 4) = by_turn.col(0) * theta[2] + by_turn.col(2) * theta[0];
-      J.col(shared::gyro_scale + 5) = by_turn.col(1) * theta[2] + by_turn.col(2) * theta[1];
-    }
+    if (v.Y.z() < kLeastDepth) by_Y.col(2).setZero();
+    const Matrix23d by_Z = by_Y * (v.R_reference_b * v.R_b_c).transpose();
+    if (jacobians[0]) derive_by_shared(v, by_Y, by_Z, point.z(), jacobians[0]);
     if (jacobians[1]) {
       Eigen::Map<Eigen::Matrix<double, 2, kPath, Eigen::RowMajor>> J(jacobians[1]);
       for (size_t k = 1; k < kWindowFrames; ++k)
-        J.middleCols<3>(3 * static_cast<Eigen::Index>(k - 1)) = -point.z() * weight[k] * by_Z;
+        J.middleCols<3>(3 * static_cast<Eigen::Index>(k - 1)) = -point.z() * v.weight[k] * by_Z;
     }
     if (jacobians[2]) {
       Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> J(jacobians[2]);
       J.leftCols<2>() = by_Z * window_.R_reference_c.leftCols<2>();
-      J.col(2) = -by_Z * place;
+      J.col(2) = -by_Z * v.place;
     }
     return true;
   }
 
  private:
+  using Path = Eigen::Matrix<double, kPath, 1>;
+  using Matrix23d = Eigen::Matrix<double, 2, 3>;
+
+  /// The frame when the point's row was exposed, and the point in it.
+  struct View {
+    double since_s = 0, t = 0;  // after the window's reference time; on the IMU's clock
+    Vector3d theta, delta;      // rotation by the gyroscope; of the mount
+    Matrix3d R_reference_b, R_b_c;
+    std::array<double, kWindowFrames> weight, rate;  // of the path's positions in place and velocity
+    Vector3d place = Vector3d::Zero(), velocity = Vector3d::Zero();
+    Vector3d Z_b, Y;  // the point in b, in c
+  };
+
+  View view(const Eigen::Map<const SharedUnknowns>& x, const Eigen::Map<const Path>& path,
+            const Eigen::Map<const Vector3d>& point) const {
+    View v;
+    const double late_s = sight_.rows * x[shared::row_time];
+    v.t = sight_.t_s + x[shared::time_offset] + late_s;
+    v.since_s = v.t - window_.reference_s;
+    const Quaterniond turned = window_.q_reference_g * at_.gyro->at(v.t);
+    v.theta = rotation_vector(turned);
+    Matrix3d E;
+    const auto e = x.segment<6>(shared::gyro_scale);
+    E << e[0], e[3], e[4], e[3], e[1], e[5], e[4], e[5], e[2];
+    const Vector3d phi = E * v.theta - x.segment<3>(shared::bias) * v.since_s;
+    v.R_reference_b = (turned * rotation_of(phi)).toRotationMatrix();
+    v.delta = x.segment<3>(shared::mount);
+    v.R_b_c = (at_.q_b_c * rotation_of(v.delta)).toRotationMatrix();
+    window_.passing(sight_.frame, late_s, v.weight, v.rate);
+    for (size_t k = 1; k < kWindowFrames; ++k) {
+      const auto p = path.segment<3>(3 * static_cast<Eigen::Index>(k - 1));
+      v.place += v.weight[k] * p, v.velocity += v.rate[k] * p;
+    }
+    const Vector3d Z = window_.R_reference_c * Vector3d(point.x(), point.y(), 1) - point.z() * v.place;
+    v.Z_b = v.R_reference_b.transpose() * Z, v.Y = v.R_b_c.transpose() * v.Z_b;
+    return v;
+  }
+
+  void derive_by_shared(const View& v, const Matrix23d& by_Y, const Matrix23d& by_Z, double inverse_depth,
+                        double* jacobian) const {
+    Eigen::Map<Eigen::Matrix<double, 2, shared::count, Eigen::RowMajor>> J(jacobian);
+    const Matrix23d by_turn = by_Y * v.R_b_c.transpose() * cross_matrix(v.Z_b);
+    J.middleCols<3>(shared::mount) = by_Y * cross_matrix(v.Y) * (Matrix3d::Identity() - 0.5 * cross_matrix(v.delta));
+    const Vector2d by_turning = by_turn * at_.gyro->rate(v.t), by_moving = -inverse_depth * (by_Z * v.velocity);
+    J.col(shared::time_offset) = by_turning;  // the frames' places move along
+    J.col(shared::row_time) = sight_.rows * (by_turning + by_moving);
+    J.middleCols<3>(shared::bias) = -v.since_s * by_turn;
+    J.middleCols<4>(shared::lens) = at_.lens.fx * sight_.ray.by_lens;
+    for (Eigen::Index i = 0; i < 3; ++i) J.col(shared::gyro_scale + i) = by_turn.col(i) * v.theta[i];
+    J.col(shared::gyro_scale + 3) = by_turn.col(0) * v.theta[1] + by_turn.col(1) * v.theta[0];
+    J.col(shared::gyro_scale + 4) = by_turn.col(0) * v.theta[2] + by_turn.col(2) * v.theta[0];
+    J.col(shared::gyro_scale + 5) = by_turn.col(1) * v.theta[2] + by_turn.col(2) * v.theta[1];
+  }
+
   const CameraImuLinearization& at_;
   const Window& window_;
   const Sight& sight_;

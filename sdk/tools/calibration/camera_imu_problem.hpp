@@ -60,6 +60,8 @@ class CameraImuProblem {
   Eigen::MatrixXd covariance() const;
 
   const std::vector<CameraImuCalibration::Residual>& residuals() const { return residuals_; }
+  /// For tests of its derivatives; after solve(). Its first blocks are corners: shared unknowns, path, point.
+  const ceres::Problem& problem() const { return *problem_; }
 
  private:
   struct Sight;
@@ -67,6 +69,8 @@ class CameraImuProblem {
   class Reprojection;
   void start(Window& window, const SharedUnknowns& x, double scale_px) const;
   void measure();
+  void rows_of(const Window& window, const std::vector<Eigen::Index>& free, size_t& block, Eigen::MatrixXd& rows,
+               Eigen::VectorXd& values) const;
 
   CameraImuLinearization at_;
   std::vector<std::unique_ptr<Window>> windows_;

@@ -144,68 +144,102 @@ class Car {
     return height;
   }
 
+  /// The car over its route, each signal in time.
+  struct Body {
+    Signal north, east, up, heading, heave, pitch, roll;
+    Signal hop[3], wander, engine;
+    explicit Body(size_t n)
+        : north(n),
+          east(n),
+          up(n),
+          heading(n),
+          heave(n),
+          pitch(n),
+          roll(n),
+          hop{Signal(n), Signal(n), Signal(n)},
+          wander(n),
+          engine(n) {}
+  };
+
   Motion ride() {
     Random random(seed_, 121);
-    const Signal speed = derivative(distance_), pull = derivative(speed), ground = road();
+    const Signal speed = derivative(distance_);
+    Body body(n_);
+    follow_road(speed, random, body);
+    shake(speed, random, body);
+    return phone(speed, body, mount(random));
+  }
+
+  /// Along the route, over the road, on its springs.
+  void follow_road(const Signal& speed, Random& random, Body& b) const {
+    const Signal pull = derivative(speed), ground = road();
     const auto under = [&](double s) {
       const double at = std::clamp((s + 10) / 0.05, 0.0, static_cast<double>(ground.size()) - 2.0);
       const auto i = static_cast<size_t>(at);
       return ground[i] + (at - static_cast<double>(i)) * (ground[i + 1] - ground[i]);
     };
-    Signal north(n_), east(n_), up(n_), heading(n_), heave(n_), pitch(n_), roll(n_);
     const double dive = random.uniform(0.003, 0.005), lean = random.uniform(0.005, 0.008);
     for (size_t i = 0; i < n_; ++i) {
       const auto place = route_.at(distance_[i]);
-      north[i] = place.north_east.x(), east[i] = place.north_east.y(), up[i] = place.up, heading[i] = place.heading;
+      b.north[i] = place.north_east.x(), b.east[i] = place.north_east.y(), b.up[i] = place.up;
+      b.heading[i] = place.heading;
       const double front = under(distance_[i] + 0.5 * kWheelbase_m), rear = under(distance_[i] - 0.5 * kWheelbase_m);
-      heave[i] = 0.5 * (front + rear);
-      pitch[i] = (front - rear) / kWheelbase_m + dive * pull[i];
-      roll[i] = -lean * speed[i] * speed[i] * route_.curvature_at(distance_[i]);
+      b.heave[i] = 0.5 * (front + rear);
+      b.pitch[i] = (front - rear) / kWheelbase_m + dive * pull[i];
+      b.roll[i] = -lean * speed[i] * speed[i] * route_.curvature_at(distance_[i]);
     }
-    smooth(north, 0.3, kRate_hz), smooth(east, 0.3, kRate_hz), smooth(up, 0.3, kRate_hz);
-    smooth(heading, 0.4, kRate_hz), smooth(roll, 0.3, kRate_hz);
+    smooth(b.north, 0.3, kRate_hz), smooth(b.east, 0.3, kRate_hz), smooth(b.up, 0.3, kRate_hz);
+    smooth(b.heading, 0.4, kRate_hz), smooth(b.roll, 0.3, kRate_hz);
     const double bounce = random.uniform(1.2, 1.6);
-    spring(heave, bounce, 0.3), spring(pitch, 1.1 * bounce, 0.35), spring(roll, 1.2 * bounce, 0.4);
-    smooth(heave, 0.012, kRate_hz), smooth(pitch, 0.012, kRate_hz);
-    Signal hop[3], wander(n_), engine(n_);
+    spring(b.heave, bounce, 0.3), spring(b.pitch, 1.1 * bounce, 0.35), spring(b.roll, 1.2 * bounce, 0.4);
+    smooth(b.heave, 0.012, kRate_hz), smooth(b.pitch, 0.012, kRate_hz);
+  }
+
+  /// Hopping wheels, the driver's hand and the engine.
+  void shake(const Signal& speed, Random& random, Body& b) const {
     for (uint64_t k = 0; k < 3; ++k) {
-      hop[k] = Signal(n_);
-      add_ring(hop[k], Random(seed_, 122 + k), 11.0, 0.2, k == 0 ? 9e-5 : 6e-5, kRate_hz);
-      smooth(hop[k], 0.006, kRate_hz);
+      add_ring(b.hop[k], Random(seed_, 122 + k), 11.0, 0.2, k == 0 ? 9e-5 : 6e-5, kRate_hz);
+      smooth(b.hop[k], 0.006, kRate_hz);
     }
-    add_wander(wander, Random(seed_, 126), 6.0, 0.15, kRate_hz);  // within the lane
-    for (size_t i = 0; i < n_; ++i) wander[i] *= std::min(1.0, distance_[i] / 30);
-    smooth(wander, 1.2, kRate_hz);
-    const double shake = random.uniform(0.06, 0.2);  // m/s^2
-    double turn = 0;
+    add_wander(b.wander, Random(seed_, 126), 6.0, 0.15, kRate_hz);  // within the lane
+    for (size_t i = 0; i < n_; ++i) b.wander[i] *= std::min(1.0, distance_[i] / 30);
+    smooth(b.wander, 1.2, kRate_hz);
+    const double strength = random.uniform(0.06, 0.2);  // m/s^2
+    double phase = 0;
     for (size_t i = 0; i < n_; ++i) {
       const double v = std::max(0.0, speed[i]);
       // Idle, or a gear for each 6 m/s or so.
       const double rpm = v < 1.5 ? 800 + 400 * v / 1.5 : 1200 + 1300 * std::fmod(v - 1.5, 6.0) / 6.0;
       const double w = 2 * kPi * 2 * rpm / 60;
-      turn += w / kRate_hz;
-      engine[i] = shake / (w * w) * std::sin(turn);
+      phase += w / kRate_hz;
+      b.engine[i] = strength / (w * w) * std::sin(phase);
     }
+  }
+
+  /// From the phone to the car's forward-right-down, about as it was meant.
+  static Eigen::Quaterniond mount(Random& random) {
     const double mount[3] = {0.015 * random.normal(), 0.015 * random.normal(), 0.02 * random.normal()};
     Eigen::Matrix3d axes;  // columns: the phone's x, y, z in the car's forward-right-down
     axes << 0, 1, 0, -1, 0, 0, 0, 0, 1;
-    const Eigen::Quaterniond fixed = Eigen::AngleAxisd(mount[2], Vector3d::UnitZ()) *
-                                     Eigen::AngleAxisd(mount[1], Vector3d::UnitY()) *
-                                     Eigen::AngleAxisd(mount[0], Vector3d::UnitX()) * Eigen::Quaterniond(axes);
+    return Eigen::AngleAxisd(mount[2], Vector3d::UnitZ()) * Eigen::AngleAxisd(mount[1], Vector3d::UnitY()) *
+           Eigen::AngleAxisd(mount[0], Vector3d::UnitX()) * Eigen::Quaterniond(axes);
+  }
+
+  Motion phone(const Signal& speed, const Body& b, const Eigen::Quaterniond& mounted) const {
     const Vector3d on_roof(-0.2, 0.1, -c_.vehicle.camera_height_m);
     std::vector<Vector3d> p(n_);
     std::vector<Eigen::Quaterniond> q(n_);
     for (size_t i = 0; i < n_; ++i) {
       const double rough = std::min(1.5, speed[i] / 10);
       const Eigen::Quaterniond body =
-          Eigen::AngleAxisd(heading[i], Vector3d::UnitZ()) *
-          Eigen::AngleAxisd(pitch[i] + rough * 0.6 * hop[1][i], Vector3d::UnitY()) *
-          Eigen::AngleAxisd(roll[i] + rough * hop[2][i] + 0.4 * engine[i], Vector3d::UnitX());
-      const double h = heading[i];
-      p[i] = Vector3d(north[i] - wander[i] * std::sin(h), east[i] + wander[i] * std::cos(h),
-                      -(up[i] + heave[i] + rough * hop[0][i] + engine[i])) +
-             body * (on_roof + Vector3d(0, 0.5 * engine[i], 0));
-      q[i] = body * fixed;
+          Eigen::AngleAxisd(b.heading[i], Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(b.pitch[i] + rough * 0.6 * b.hop[1][i], Vector3d::UnitY()) *
+          Eigen::AngleAxisd(b.roll[i] + rough * b.hop[2][i] + 0.4 * b.engine[i], Vector3d::UnitX());
+      const double h = b.heading[i];
+      p[i] = Vector3d(b.north[i] - b.wander[i] * std::sin(h), b.east[i] + b.wander[i] * std::cos(h),
+                      -(b.up[i] + b.heave[i] + rough * b.hop[0][i] + b.engine[i])) +
+             body * (on_roof + Vector3d(0, 0.5 * b.engine[i], 0));
+      q[i] = body * mounted;
       if (i > 0 && q[i].dot(q[i - 1]) < 0) q[i].coeffs() *= -1;
     }
     return {kRate_hz, std::move(p), std::move(q)};

@@ -147,29 +147,25 @@ bool PosterCamera::sees(const FlatPicture& o, double margin_px) const {
   return true;
 }
 
-void PosterCamera::paint(const FlatPicture& o, const Shot& shot, int samples, cv::Mat& light) const {
-  cv::Rect box(0, 0, light.cols, light.rows);
-  if (samples > 1) {  // no further than its corners reach
-    double low_x = 1e9, low_y = 1e9, high_x = -1e9, high_y = -1e9;
-    for (const double x : {-0.5, 0.0, 0.5})
-      for (const double y : {-0.5, 0.0, 0.5}) {
-        const Vector3d p = o.T_c_o * Vector3d(x * o.width_m, y * o.height_m, 0);
-        if (p.z() < 0.1) return;
-        const Eigen::Vector2d u = project(p);
-        low_x = std::min(low_x, u.x()), high_x = std::max(high_x, u.x());
-        low_y = std::min(low_y, u.y()), high_y = std::max(high_y, u.y());
-      }
-    const auto near = [](double v) { return whole(std::clamp(v, -1e5, 1e5)); };
-    box &= cv::Rect({near(low_x - 12), near(low_y - 12)}, cv::Point(near(high_x + 12), near(high_y + 12)));
-  }
-  if (box.empty()) return;
-  // Smaller copies of the picture where a sample spans more than a texel.
-  const double texel_m = o.width_m / o.grey.cols, z = o.T_c_o.translation().norm();
-  cv::Mat texture = o.grey;
-  for (double span = z / lens_.fx / samples / texel_m; span >= 1.6 && texture.cols > 8; span *= 0.5)
-    cv::resize(texture, texture, {}, 0.5, 0.5, cv::INTER_AREA);
-  const double scale_x = texture.cols / o.width_m, scale_y = texture.rows / o.height_m;
-  cv::Mat map_x(box.height * samples, box.width * samples, CV_32F), map_y(map_x.size(), CV_32F);
+/// Pixels that a picture's corners and middles reach, and some more; none where a part of it is not in front.
+cv::Rect PosterCamera::reach(const FlatPicture& o) const {
+  double low_x = 1e9, low_y = 1e9, high_x = -1e9, high_y = -1e9;
+  for (const double x : {-0.5, 0.0, 0.5})
+    for (const double y : {-0.5, 0.0, 0.5}) {
+      const Vector3d p = o.T_c_o * Vector3d(x * o.width_m, y * o.height_m, 0);
+      if (p.z() < 0.1) return {};
+      const Eigen::Vector2d u = project(p);
+      low_x = std::min(low_x, u.x()), high_x = std::max(high_x, u.x());
+      low_y = std::min(low_y, u.y()), high_y = std::max(high_y, u.y());
+    }
+  const auto near = [](double v) { return whole(std::clamp(v, -1e5, 1e5)); };
+  return {cv::Point(near(low_x - 12), near(low_y - 12)), cv::Point(near(high_x + 12), near(high_y + 12))};
+}
+
+/// Where in the texture each sample of the box looks, while the camera moves from row to row.
+void PosterCamera::look_up(const FlatPicture& o, const Shot& shot, int samples, const cv::Rect& box,
+                           const cv::Size& texture, cv::Mat& map_x, cv::Mat& map_y) const {
+  const double scale_x = texture.width / o.width_m, scale_y = texture.height / o.height_m;
   for (int i = 0; i < map_x.rows; ++i) {
     const double y = box.y + (i + 0.5) / samples - 0.5;
     const double after_s = (y - 0.5 * (lens_.height - 1)) * shot.line_time_s;
@@ -196,6 +192,19 @@ void PosterCamera::paint(const FlatPicture& o, const Shot& shot, int samples, cv
       map_y.at<float>(i, k) = met ? static_cast<float>((q.y() / q.z() + 0.5 * o.height_m) * scale_y - 0.5) : -1e4F;
     }
   }
+}
+
+void PosterCamera::paint(const FlatPicture& o, const Shot& shot, int samples, cv::Mat& light) const {
+  cv::Rect box(0, 0, light.cols, light.rows);
+  if (samples > 1) box &= reach(o);
+  if (box.empty()) return;
+  // Smaller copies of the picture where a sample spans more than a texel.
+  const double texel_m = o.width_m / o.grey.cols, z = o.T_c_o.translation().norm();
+  cv::Mat texture = o.grey;
+  for (double span = z / lens_.fx / samples / texel_m; span >= 1.6 && texture.cols > 8; span *= 0.5)
+    cv::resize(texture, texture, {}, 0.5, 0.5, cv::INTER_AREA);
+  cv::Mat map_x(box.height * samples, box.width * samples, CV_32F), map_y(map_x.size(), CV_32F);
+  look_up(o, shot, samples, box, texture.size(), map_x, map_y);
   cv::Mat fine, covered, cover;
   const bool wall = samples == 1;
   cv::remap(texture, fine, map_x, map_y, cv::INTER_LINEAR, wall ? cv::BORDER_REFLECT : cv::BORDER_REPLICATE);

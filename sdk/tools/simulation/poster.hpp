@@ -49,6 +49,9 @@ class PosterCamera {
   Eigen::Vector2d project(const Eigen::Vector3d& p_c) const;
 
  private:
+  cv::Rect reach(const FlatPicture& picture) const;
+  void look_up(const FlatPicture& picture, const Shot& shot, int samples, const cv::Rect& box, const cv::Size& texture,
+               cv::Mat& map_x, cv::Mat& map_y) const;
   void paint(const FlatPicture& picture, const Shot& shot, int samples, cv::Mat& light) const;
   odo_calibration lens_;
   cv::Mat rays_;  // two floats a pixel: x/z, y/z

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "plugins/vo/odograph/visual/gyroscope.hpp"
+#include "plugins/shared/rotation.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -14,15 +14,12 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr size_t kLeastForRansac = 10;
-constexpr double kLeastInliers = 0.4;  // fewer: it is the rotation that is wrong, nobody is taken out
-
 std::vector<Vector3d> rays_of(const std::vector<cv::Point2f>& pixels, const CameraModel& lens) {
-  std::vector<cv::Point2d> straight;
-  lens.undistort(pixels, straight);
+  std::vector<cv::Point2d> normalized;
+  lens.undistort(pixels, normalized);
   std::vector<Vector3d> rays;
   rays.reserve(pixels.size());
-  for (const cv::Point2d& p : straight) rays.emplace_back(p.x, p.y, 1);
+  for (const cv::Point2d& p : normalized) rays.emplace_back(p.x, p.y, 1);
   return rays;
 }
 
@@ -114,7 +111,7 @@ void GuidedCorners::track_forward(std::vector<cv::Point2f>& to) {
 
 /// From frame to frame small errors add up; the picture where the corner was found knows no drift.
 void GuidedCorners::refine_by_patch(const cv::Mat& picture, const Eigen::Quaterniond& q_c0_c1) {
-  const Eigen::Matrix2d roll = Eigen::Rotation2Dd(-vo::log_rotation(q_c0_c1).z()).toRotationMatrix();
+  const Eigen::Matrix2d roll = Eigen::Rotation2Dd(-so3::log_rotation(q_c0_c1).z()).toRotationMatrix();
   std::vector<char> keep(tracks_.size(), 1);
   for (size_t i = 0; i < tracks_.size(); ++i) {
     Track& t = tracks_[i];
@@ -137,7 +134,7 @@ void GuidedCorners::refine_by_patch(const cv::Mat& picture, const Eigen::Quatern
 }
 
 void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Vector2d& shift_px) {
-  if (tracks_.size() < kLeastForRansac) return;
+  if (tracks_.size() < p_.least_for_ransac) return;
   std::vector<cv::Point2f> pixels;
   const cv::Point2f shift(static_cast<float>(shift_px.x()), static_cast<float>(shift_px.y()));
   for (const Track& t : tracks_) pixels.push_back(t.pixel - shift);
@@ -159,7 +156,7 @@ void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Vecto
     for (size_t k = 0; k < tracks_.size(); ++k) count += inliers[k] = std::abs(normals[k].dot(direction)) < bound;
     if (count > most) most = count, best = inliers;
   }
-  if (static_cast<double>(most) > kLeastInliers * static_cast<double>(tracks_.size())) keep_only(best);
+  if (static_cast<double>(most) > p_.least_inliers * static_cast<double>(tracks_.size())) keep_only(best);
 }
 
 void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {

@@ -31,8 +31,10 @@ class GuidedCorners {
     double least_growth = 0.5, most_growth = 3;  ///< in area, until a corner's patch is taken anew
     double refill_below = 0.7;                   ///< of `most`
     double epipolar_px = 2.0;                    ///< distance from the epipolar line of an inlier
-    int trials = 40;
-    double dark_grey = 8;                     ///< mean below which what is followed is the sensor's noise
+    int trials = 40;                             ///< of RANSAC: 0.9999 with half of the corners wrong
+    size_t least_for_ransac = 10;                ///< corners
+    double least_inliers = 0.4;  ///< of them: fewer, and it is the rotation that is wrong, nobody is taken out; by hand
+    double dark_grey = 8;        ///< mean below which what is followed is the sensor's noise
     double dim_grey = 60, dim_blur_px = 1.5;  ///< by night the noise has more gradient than what is there
   };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plugins/shared/median.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
 
 namespace odograph::vio {
@@ -12,19 +13,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kLeastParallax_px = 1;  // between two clones
-constexpr size_t kLeastTrack = 3;        // observations
-constexpr int kMostMisses = 3;
-constexpr size_t kLeastForNoise = 5;
-constexpr double kMedianNis = 0.8;             // of chi-square with 2 to 10 degrees of freedom, by their number
-constexpr double kLeastDisplacement_m = 0.15;  // over the window, that tells its scale
-constexpr double kHeadingSigma_rad = 1e-4;     // a choice of ours: heading and position are not measured
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+constexpr double kMedianNis = 0.8;          // of chi-square with 2 to 10 degrees of freedom, by their number
+constexpr double kHeadingSigma_rad = 1e-4;  // a choice of ours: heading and position are not measured
 
 }  // namespace
 
@@ -106,12 +96,11 @@ bool Filter::gets_somewhere(int64_t t_ns) {
   while (static_cast<double>(t_ns - motions_.front().t_ns) * 1e-9 > p_.stand.mean_s) motions_.pop_front();
   Vector3d mean = Vector3d::Zero();
   for (const Motion& x : motions_) mean += x.v_w / static_cast<double>(motions_.size());
-  const double turn_rad = motions_.front().q_w_b.angularDistance(state_.nav.q_w_b);
-  const double sigma_mps = std::hypot(p_.stand.sway_m, p_.stand.arm_m * turn_rad) / p_.stand.mean_s;
+  const double rotation_rad = motions_.front().q_w_b.angularDistance(state_.nav.q_w_b);
+  const double sigma_mps = std::hypot(p_.stand.sway_m, p_.stand.arm_m * rotation_rad) / p_.stand.mean_s;
   Eigen::Matrix3d S = state_.P.block<3, 3>(block::nu, block::nu);
   S.diagonal().array() += sigma_mps * sigma_mps;
-  constexpr double kTail = 0.01;
-  return mean.dot(S.ldlt().solve(mean)) > chi_square_bound(3, kTail);
+  return mean.dot(S.ldlt().solve(mean)) > chi_square_bound(3, p_.gate_tail);
 }
 
 /// Nothing but a rotation in the picture, and a specific force that hardly changes.
@@ -124,8 +113,8 @@ bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
   int n = 0;
   imu.for_each(before->t_ns, frame.t_ns, 1'000'000'000,
                [&](const ImuSample& a, const ImuSample&) { sum += a.accel_b, squares += a.accel_b.cwiseAbs2(), ++n; });
-  if (n < 5) return false;
-  // The change of direction that a turning phone sees of gravity is no motion: the length alone counts for it.
+  if (n < p_.stand.least_samples) return false;
+  // The change of direction that a rotating phone sees of gravity is no motion: the length alone counts for it.
   const Vector3d mean = sum / n;
   const double variance = (squares / n - mean.cwiseAbs2()).sum();
   double norms = 0, norm_squares = 0;
@@ -146,9 +135,9 @@ bool Filter::without_parallax() const {
   std::vector<double> inverse_depths;
   for (const Landmark& landmark : state_.landmarks) inverse_depths.push_back(landmark.at.z());
   const size_t n = state_.clones.size();
-  return (state_.clones[n - 1].p_w - state_.clones[n - 2].p_w).norm() * median(std::move(inverse_depths)) *
+  return (state_.clones[n - 1].p_w - state_.clones[n - 2].p_w).norm() * median(inverse_depths) *
              state_.camera.lens.focal() <
-         kLeastParallax_px;
+         p_.least_clone_parallax_px;
 }
 
 void Filter::forget_clone(size_t i) {
@@ -177,7 +166,7 @@ void Filter::update_landmarks(const FrameCorners& frame, FrameReport& report) {
     count(outcomes[k], report);
     int& misses = state_.landmarks[seen[k].landmark].misses;
     misses = outcomes[k].accepted ? 0 : misses + 1;
-    keep[seen[k].landmark] = misses < kMostMisses;
+    keep[seen[k].landmark] = misses < p_.most_misses;
   }
   for (size_t j = keep.size(); j-- > 0;)
     if (!keep[j]) state_.remove_landmark(j);
@@ -191,7 +180,7 @@ void Filter::update_tracks(FrameReport& report) {
   for (auto& [track, seen] : tracks_) {
     const bool alive = !seen.empty() && seen.back().clone == newest().id;
     // A camera that stands gets no new clones, and its landmarks become fewer.
-    const bool wanted = report.standing && state_.landmarks.size() < p_.landmarks && seen.size() >= kLeastTrack;
+    const bool wanted = report.standing && state_.landmarks.size() < p_.landmarks && seen.size() >= p_.least_track;
     const bool spans = full && !seen.empty() && seen.front().clone == oldest;
     if (!alive || spans || wanted) ready.emplace_back(track, alive);
   }
@@ -201,7 +190,7 @@ void Filter::update_tracks(FrameReport& report) {
   for (const auto& [track, alive] : ready) {
     const Track seen = std::move(tracks_[track]);
     tracks_.erase(track);
-    if (seen.size() < kLeastTrack) {
+    if (seen.size() < p_.least_track) {
       if (alive) tracks_[track] = {seen.back()};
       continue;
     }
@@ -245,13 +234,13 @@ void Filter::settle_lens() {
 void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
   const double part = 1 - std::exp(-dt_s / p_.gate_sigma_s);
   const auto towards = [&](double value, double seen) { return value * std::pow(seen / value, part); };
-  if (report.nis_per_dof.size() >= kLeastForNoise) {
+  if (report.nis_per_dof.size() >= p_.least_for_noise) {
     const double ratio = median(report.nis_per_dof) / kMedianNis;
     p_.gate_sigma = std::clamp(towards(p_.gate_sigma, p_.gate_sigma * std::sqrt(std::clamp(ratio, 0.01, 100.0))),
                                p_.least_gate_sigma, p_.most_pixel_sigma);
     p_.pixel_sigma = std::max(p_.gate_sigma, p_.least_pixel_sigma);
   }
-  if (report.rms_px.size() >= kLeastForNoise)
+  if (report.rms_px.size() >= p_.least_for_noise)
     p_.plain_residual_px = std::max(p_.least_residual_px, towards(p_.plain_residual_px, median(report.rms_px)));
 }
 
@@ -275,7 +264,7 @@ void Filter::update_scale_sigma() {
   const size_t last = state_.clones.size() - 1;
   const Clone &a = state_.clones.front(), &b = state_.clones[last];
   const Vector3d d = b.p_w - a.p_w;
-  if (d.norm() < kLeastDisplacement_m) return;  // a camera that stands keeps its map, and what it knows of the metre
+  if (d.norm() < p_.least_displacement_m) return;  // a camera that stands keeps its map, and what it knows of the metre
   // d = p_b - p_a: theta_b x p_b - theta_a x p_a + rho_b - rho_a; along d.
   const Vector3d u = d.normalized();
   Eigen::VectorXd J = Eigen::VectorXd::Zero(state_.size());

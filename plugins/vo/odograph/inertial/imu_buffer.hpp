@@ -19,6 +19,9 @@ struct ImuSample {
 /// The latest inertial samples, about ten seconds of them. No allocation.
 class ImuBuffer {
  public:
+  /// Between samples: over a longer one nothing is integrated. Six samples of a phone's slowest rate; by hand.
+  static constexpr int64_t kLongestGap_ns = 60'000'000;
+
   void add(const ImuSample& sample);
   void clear() { count_ = 0; }
   bool empty() const { return count_ == 0; }

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "plugins/vo/odograph/visual/gyroscope.hpp"
+#include "plugins/shared/rotation.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -14,12 +14,10 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using vo::cross_matrix;
-using vo::exp_rotation;
+using so3::exp_rotation;
+using so3::skew;
 
-constexpr double kNearest_m = 0.05;
-constexpr int kIterations = 8;
-constexpr double kSettled = 1e-4;  // relative change of a point
+constexpr double kNearest_m = 0.05;  // of a point before a camera: nearer no phone's lens is in focus
 
 Eigen::Quaterniond row_rotation(const Clone& c, double dt) {
   return exp_rotation(dt * c.rate_c + 0.5 * dt * dt * c.rate_change_c);
@@ -52,8 +50,7 @@ std::optional<Observed> observe(const Clone& c, const Camera& camera, const Vect
   out.by_point = projection.by_point * R_c_w;
   const Vector3d by_time = y.cross(c.rate_c + dt * c.rate_change_c) - R_c_w * (c.v_w + dt * c.a_w);
   out.by_line_time = rows * (projection.by_point * by_time + c.shift_rate_px_s);
-  out.by_clone << out.by_point * cross_matrix(p_w), -out.by_point, Eigen::Matrix2d::Identity(),
-      projection.by_lens.col(0);
+  out.by_clone << out.by_point * skew(p_w), -out.by_point, Eigen::Matrix2d::Identity(), projection.by_lens.col(0);
   out.depth_m = y.z();
   return out;
 }
@@ -71,77 +68,86 @@ Vector3d ray_of(const Clone& c, const Camera& camera, const Vector2d& pixel, dou
   return ray / ray.z();
 }
 
-std::optional<Triangulated> triangulate(const State& state, const std::vector<Observation>& track,
-                                        const FilterParameters& p) {
-  struct View {
-    const Clone* clone;
-    Vector3d ray_w;
-  };
-  std::vector<View> views;
-  for (const Observation& o : track) {
-    const Clone& c = state.clones[state.find_clone(o.clone)];
-    views.push_back({&c, (c.q_w_c * ray_of(c, state.camera, o.pixel, o.row)).normalized()});
-  }
+namespace {
+
+/// A track's first guess: its ray in the first clone, and the depth that the ray farthest from it tells.
+Triangulated first_guess(const State& state, const std::vector<Observation>& track,
+                         const std::vector<const Clone*>& clones, const FilterParameters& p) {
+  std::vector<Vector3d> rays_w;
+  for (size_t i = 0; i < track.size(); ++i)
+    rays_w.push_back((clones[i]->q_w_c * ray_of(*clones[i], state.camera, track[i].pixel, track[i].row)).normalized());
   Triangulated out;
-  const View& first = views.front();
-  const View* other = nullptr;
-  double widest = 0;
-  for (const View& view : views) {
-    const double angle = std::atan2(first.ray_w.cross(view.ray_w).norm(), first.ray_w.dot(view.ray_w));
-    if (angle > widest) widest = angle, other = &view;
+  size_t other = 0;
+  for (size_t i = 0; i < track.size(); ++i) {
+    const double angle = std::atan2(rays_w[0].cross(rays_w[i]).norm(), rays_w[0].dot(rays_w[i]));
+    if (angle > out.parallax_rad) out.parallax_rad = angle, other = i;
   }
-  out.parallax_rad = widest;
-  const Vector3d ray = ray_of(*first.clone, state.camera, track.front().pixel, track.front().row);
+  const Vector3d ray = ray_of(*clones[0], state.camera, track.front().pixel, track.front().row);
   out.at = Vector3d(ray.x(), ray.y(), p.inverse_depth);
-  if (other && widest > 0.5 * p.least_parallax_rad) {
-    const Vector3d b = other->clone->p_w - first.clone->p_w;
-    const Vector3d across = first.ray_w.cross(other->ray_w);
-    const double range = b.cross(other->ray_w).dot(across) / across.squaredNorm();
+  if (out.parallax_rad > 0.5 * p.least_parallax_rad) {
+    const Vector3d b = clones[other]->p_w - clones[0]->p_w;
+    const Vector3d across = rays_w[0].cross(rays_w[other]);
+    const double range = b.cross(rays_w[other]).dot(across) / across.squaredNorm();
     const double depth = range / ray.norm();
     if (depth > kNearest_m) out.at.z() = 1 / depth;
   }
-  const Matrix3d R = first.clone->q_w_c.toRotationMatrix();
-  double before = INFINITY, damping = 1e-3;
-  Vector3d best = out.at;
+  return out;
+}
+
+/// Gauss-Newton's equations of a point about where it is. Nothing where a clone has it behind itself.
+struct PointEquations {
   Matrix3d H = Matrix3d::Zero();
   Vector3d g = Vector3d::Zero();
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    double sum = 0;
-    Matrix3d H_now = Matrix3d::Zero();
-    Vector3d g_now = Vector3d::Zero();
-    const Vector3d p_w = first.clone->p_w + R * landmark_ray(out.at);
-    const Matrix3d J_point = R * landmark_jacobian(out.at);
-    bool seen = true;
-    for (size_t i = 0; i < track.size() && seen; ++i) {
-      const auto o = observe(*views[i].clone, state.camera, p_w, track[i].row);
-      seen = o.has_value();
-      if (!seen) break;
-      const Vector2d error = track[i].pixel - o->pixel;
-      const Eigen::Matrix<double, 2, 3> J = o->by_point * J_point;
-      sum += error.squaredNorm();
-      H_now += J.transpose() * J;
-      g_now += J.transpose() * error;
-    }
-    if (!seen) sum = INFINITY;
-    if (sum < before) {
-      const bool settled = before - sum < kSettled * before;
-      best = out.at, H = H_now, g = g_now;
-      before = sum;
+  double sum = 0;  ///< of squared errors, px^2
+};
+std::optional<PointEquations> point_equations(const Camera& camera, const std::vector<Observation>& track,
+                                              const std::vector<const Clone*>& clones, const Vector3d& at) {
+  PointEquations e;
+  const Matrix3d R = clones[0]->q_w_c.toRotationMatrix();
+  const Vector3d p_w = clones[0]->p_w + R * landmark_ray(at);
+  const Matrix3d J_point = R * landmark_jacobian(at);
+  for (size_t i = 0; i < track.size(); ++i) {
+    const auto o = observe(*clones[i], camera, p_w, track[i].row);
+    if (!o) return std::nullopt;
+    const Vector2d error = track[i].pixel - o->pixel;
+    const Eigen::Matrix<double, 2, 3> J = o->by_point * J_point;
+    e.sum += error.squaredNorm();
+    e.H += J.transpose() * J;
+    e.g += J.transpose() * error;
+  }
+  return e;
+}
+
+}  // namespace
+
+std::optional<Triangulated> triangulate(const State& state, const std::vector<Observation>& track,
+                                        const FilterParameters& p) {
+  std::vector<const Clone*> clones;
+  for (const Observation& o : track) clones.push_back(&state.clones[state.find_clone(o.clone)]);
+  Triangulated out = first_guess(state, track, clones, p);
+  Vector3d best = out.at;
+  std::optional<PointEquations> now;  // about the best
+  double damping = p.triangulation.damping;
+  for (int iteration = 0; iteration < p.triangulation.iterations; ++iteration) {
+    const auto e = point_equations(state.camera, track, clones, out.at);
+    if (e && e->sum < (now ? now->sum : INFINITY)) {
+      const bool settled = now && now->sum - e->sum < p.triangulation.settled * now->sum;
+      best = out.at, now = e;
       damping *= 0.1;
       if (settled) break;
-    } else if (std::isinf(before)) {
+    } else if (!now) {
       return std::nullopt;
     } else {
       damping *= 10;
     }
-    Matrix3d damped = H;
+    Matrix3d damped = now->H;
     damped.diagonal() *= 1 + damping;
     damped(2, 2) += 1e-9;
-    out.at = best + damped.ldlt().solve(g);
-    out.at.z() = std::max(out.at.z(), 1e-4);
+    out.at = best + damped.ldlt().solve(now->g);
+    out.at.z() = std::max(out.at.z(), p.triangulation.least_inverse_depth);
   }
   out.at = best;
-  out.rms_px = std::sqrt(before / static_cast<double>(track.size()));
+  out.rms_px = std::sqrt(now->sum / static_cast<double>(track.size()));
   return out;
 }
 

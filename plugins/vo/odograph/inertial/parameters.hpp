@@ -22,6 +22,7 @@ struct ImuNoise {
   double accel_walk = 3e-4;
   double gyro_by_rate = 1e-3;     ///< of the rate, 1/sqrt(Hz): 0.3 % over 0.1 s
   double accel_by_motion = 3e-3;  ///< of the acceleration, 1/sqrt(Hz): 0.7 % over 0.1 s
+  double gap_mps2 = 3;            ///< acceleration of a hand while samples lack; by hand
 };
 
 /// Standard deviations before the first measurement.
@@ -71,7 +72,7 @@ struct StabiliserParameters {
   }
 };
 
-/// What it is to stand. Who turns on the spot carries the phone around: at the rate times an arm's length.
+/// What it is to stand. Who rotates on the spot carries the phone around: at the rate times an arm's length.
 struct StandParameters {
   double sway_mps = 0.1;  ///< of a hand, 0.03 to 0.1
   double arm_m = 0.5;
@@ -79,6 +80,7 @@ struct StandParameters {
   double force_mps2 = 0.5;    ///< of the specific force, beside the sensor's noise: a hand 0.3 to 0.45, a walk above 1
   double flow_px = 1.2;       ///< of the picture, beside one rotation, median
   size_t least_corners = 15;  ///< that tell it
+  int least_samples = 5;      ///< of the IMU, that tell it
   /// Who shuffles along at 0.2 m/s looks like that too, but gets somewhere: in mean_s a hand that stays moves by
   /// sway_m.
   double mean_s = 1.0, sway_m = 0.03;
@@ -89,16 +91,34 @@ struct StandParameters {
   double sigma_mps(double rate_radps) const { return std::hypot(sway_mps, arm_m * rate_radps); }
 };
 
-/// Multi-state constraint Kalman filter.
+/// A point from a track, by Gauss-Newton with damping (Levenberg & Marquardt).
+struct TriangulationParameters {
+  int iterations = 8;
+  double settled = 1e-4;  ///< relative change of the sum of squares
+  double damping = 1e-3;  ///< at the start; a tenth after a step that helps, ten times after one that does not
+  double least_inverse_depth = 1e-4;  ///< 1/m: as good as infinitely far
+};
+
+/// Multi-state constraint Kalman filter. What has no source named was chosen by hand on simulated walks (`odograph
+/// bench walk700`, `odograph bench vo`) and euroc_mh05.
 struct FilterParameters {
   ImuNoise noise;
   Priors priors;
   StabiliserParameters stabiliser;
   StandParameters stand;
   double gravity_mps2 = 9.81;
-  size_t clones = 12;     ///< poses in the window
-  size_t landmarks = 40;  ///< points that are states
-  size_t features = 25;   ///< tracks that an update takes at most
+  size_t clones = 12;                  ///< poses in the window
+  size_t landmarks = 40;               ///< points that are states
+  size_t features = 25;                ///< tracks that an update takes at most
+  size_t least_track = 3;              ///< observations of a track that is used
+  int most_misses = 3;                 ///< refusals in a row, of a landmark that goes
+  size_t landmarks_together = 20;      ///< of one update: the covariance is gone through once for all of them
+  double gate_tail = 0.01;             ///< of true measurements that a gate may refuse
+  double farthest_m = 1e3;             ///< a landmark farther away is as good as infinitely far
+  double least_clone_parallax_px = 1;  ///< between two clones: less, and the newer one replaces the older
+  double least_displacement_m = 0.15;  ///< over the window, that tells its scale
+  size_t least_for_noise = 5;          ///< innovations or residuals of a frame, whose median counts
+  double rate_change_s = 0.008;  ///< before and after a frame, over which the change of the rate is taken: a readout
   /// Of a followed corner, px: at the start, then as the innovations' median says. It decides what is refused. Most
   /// corners are good to 0.2 px and a few, at edges of depth, to 2 px: a gate that lets these in makes the metre 1 %
   /// too long (walk700_W1, seed 4).
@@ -125,6 +145,7 @@ struct FilterParameters {
   double centre_walk_px = 0.02;                           ///< px/sqrt(s)
   double least_parallax_rad = 0.01;                       ///< of a track whose depth is told
   double inverse_depth = 0.2, inverse_depth_sigma = 1.0;  ///< of a landmark without parallax, 1/m
+  TriangulationParameters triangulation;
 };
 
 }  // namespace odograph::vio

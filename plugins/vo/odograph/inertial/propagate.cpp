@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "plugins/vo/odograph/visual/gyroscope.hpp"
+#include "plugins/shared/rotation.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -11,13 +11,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using vo::cross_matrix;
-using vo::exp_rotation;
+using so3::exp_rotation;
+using so3::skew;
 using Matrix15d = Eigen::Matrix<double, block::navigation, block::navigation>;
-
-constexpr int64_t kLongestGap_ns = 60'000'000;
-constexpr double kGapAcceleration_mps2 = 3;  // of a hand that nobody watched
-constexpr double kHalfReadout_s = 0.008;     // over which the change of the rate is taken
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 double squared(double x) { return x * x; }
@@ -56,13 +52,13 @@ struct Transition {
     const double dt = seconds(b.t_ns - a.t_ns);
     const Vector3d v = nav.v_w, x = nav.p_w;
     const Matrix3d R = step(nav, a, b, dt, p.gravity_mps2);
-    const Matrix3d vR = cross_matrix(0.5 * (v + nav.v_w)) * R, xR = cross_matrix(0.5 * (x + nav.p_w)) * R;
+    const Matrix3d vR = skew(0.5 * (v + nav.v_w)) * R, xR = skew(0.5 * (x + nav.p_w)) * R;
     Matrix15d F = Matrix15d::Zero();
     Eigen::Matrix<double, 9, 3> by_gyro;
     by_gyro << R, vR, xR;
     const Matrix3d R_accel = R * nav.accel_axes;
     F.block<9, 3>(0, block::gyro_bias) = -by_gyro * nav.gyro_axes;
-    F.block<3, 3>(block::nu, block::theta) = cross_matrix(Vector3d(0, 0, p.gravity_mps2));
+    F.block<3, 3>(block::nu, block::theta) = skew(Vector3d(0, 0, p.gravity_mps2));
     F.block<3, 3>(block::nu, block::accel_bias) = -R_accel;
     F.block<3, 3>(block::rho, block::nu).setIdentity();
     const Matrix15d A = Matrix15d::Identity() + dt * F + (0.5 * dt * dt) * F * F;
@@ -91,11 +87,11 @@ struct Transition {
 
 bool integrate(Navigation& nav, int64_t from_ns, int64_t to_ns, const ImuBuffer& imu, double gravity) {
   if (from_ns <= to_ns)
-    return imu.for_each(from_ns, to_ns, kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
+    return imu.for_each(from_ns, to_ns, ImuBuffer::kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
       step(nav, a, b, seconds(b.t_ns - a.t_ns), gravity);
     });
   std::vector<std::pair<ImuSample, ImuSample>> stretches;
-  const bool whole = imu.for_each(to_ns, from_ns, kLongestGap_ns,
+  const bool whole = imu.for_each(to_ns, from_ns, ImuBuffer::kLongestGap_ns,
                                   [&](const ImuSample& a, const ImuSample& b) { stretches.emplace_back(a, b); });
   for (auto it = stretches.rbegin(); it != stretches.rend(); ++it)
     step(nav, it->second, it->first, seconds(it->first.t_ns - it->second.t_ns), gravity);
@@ -112,7 +108,7 @@ void shift_lens(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterP
   Vector2d by_follow = Vector2d::Zero(), by_leak = Vector2d::Zero();
   const double likely = camera.follow * camera.follow + state.P(block::follow, block::follow);
   const double more = std::exp(camera.leak);
-  imu.for_each(state.t_ns, to_ns, kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
+  imu.for_each(state.t_ns, to_ns, ImuBuffer::kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
     const double dt = seconds(b.t_ns - a.t_ns), focal = camera.lens.focal();
     const double leak = more * s.leak(camera.shift_px.norm(), focal), decay = 1 / (1 + dt * leak);
     const Vector2d by_shift = more * s.leak_change(camera.shift_px, focal);
@@ -147,9 +143,9 @@ Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, con
 
 bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
   Transition transition;
-  const bool whole = imu.for_each(state.t_ns, to_ns, kLongestGap_ns, [&](const ImuSample& from, const ImuSample& to) {
-    transition.add(state.nav, from, to, p);
-  });
+  const bool whole =
+      imu.for_each(state.t_ns, to_ns, ImuBuffer::kLongestGap_ns,
+                   [&](const ImuSample& from, const ImuSample& to) { transition.add(state.nav, from, to, p); });
   const auto& [Phi, Psi, Q] = transition;
   const int n = state.size(), rest = n - block::navigation;
   auto& P = state.P;
@@ -167,8 +163,8 @@ bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterPa
   P(block::lens + 1, block::lens + 1) += squared(p.centre_walk_px) * dt;
   P(block::lens + 2, block::lens + 2) += squared(p.centre_walk_px) * dt;
   if (!whole) {
-    P.block<3, 3>(block::nu, block::nu).diagonal().array() += squared(kGapAcceleration_mps2 * dt);
-    P.block<3, 3>(block::rho, block::rho).diagonal().array() += squared(0.5 * kGapAcceleration_mps2 * dt * dt);
+    P.block<3, 3>(block::nu, block::nu).diagonal().array() += squared(p.noise.gap_mps2 * dt);
+    P.block<3, 3>(block::rho, block::rho).diagonal().array() += squared(0.5 * p.noise.gap_mps2 * dt * dt);
   }
   state.t_ns = to_ns;
   return whole;
@@ -177,7 +173,7 @@ bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterPa
 void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, const FilterParameters& p) {
   const Navigation& nav = state.nav;
   const Matrix3d R = nav.q_w_b.toRotationMatrix();
-  const auto half_ns = static_cast<int64_t>(kHalfReadout_s * 1e9);
+  const auto half_ns = static_cast<int64_t>(p.rate_change_s * 1e9);
   const ImuSample before = imu.at(state.t_ns - half_ns), now = imu.at(state.t_ns), after = imu.at(state.t_ns + half_ns);
   const Vector3d rate = nav.rate(now.gyro_b);
   const Eigen::Quaterniond q_c_b = state.camera.q_b_c.conjugate();
@@ -186,7 +182,7 @@ void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, 
   clone.q_w_c = (nav.q_w_b * state.camera.q_b_c).normalized();
   clone.p_w = nav.p_w + R * state.camera.p_b_c;
   clone.rate_c = q_c_b * rate;
-  clone.rate_change_c = q_c_b * (nav.gyro_axes * (after.gyro_b - before.gyro_b)) / (2 * kHalfReadout_s);
+  clone.rate_change_c = q_c_b * (nav.gyro_axes * (after.gyro_b - before.gyro_b)) / (2 * p.rate_change_s);
   clone.v_w = nav.v_w + R * rate.cross(state.camera.p_b_c);
   clone.a_w =
       R * nav.force(0.25 * before.accel_b + 0.5 * now.accel_b + 0.25 * after.accel_b) + Vector3d(0, 0, p.gravity_mps2);
@@ -199,7 +195,7 @@ void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, 
                               state.camera.shift_px;
   using Jacobian = Eigen::Matrix<double, block::clone, block::fixed>;
   Jacobian J = Jacobian::Zero();
-  const Matrix3d x = cross_matrix(clone.p_w);
+  const Matrix3d x = skew(clone.p_w);
   J.block<3, 3>(0, block::theta).setIdentity();
   J.block<3, 3>(0, block::extrinsics) = R;
   J.block<3, 1>(0, block::time_offset) = R * rate;

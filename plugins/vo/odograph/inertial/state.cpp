@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plugins/vo/odograph/visual/gyroscope.hpp"
+#include "plugins/shared/rotation.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -12,8 +12,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-using vo::cross_matrix;
-using vo::exp_rotation;
+using so3::exp_rotation;
+using so3::skew;
 
 constexpr double kLeastInverseDepth = 1e-4;  // 1/m: as good as infinitely far
 constexpr double kMostLeak = 1.4;            // four times as much, or as little
@@ -137,7 +137,7 @@ void State::move_anchor(size_t j, size_t to) {
   const Vector3d at(y.x() / z, y.y() / z, 1 / z);
   const Matrix3d R_b_w = b.q_w_c.conjugate().toRotationMatrix();
   const Matrix3d to_at = landmark_jacobian(at).inverse();
-  const Matrix3d by_theta = to_at * R_b_w * cross_matrix(p);
+  const Matrix3d by_theta = to_at * R_b_w * skew(p);
   const Matrix3d by_rho = to_at * R_b_w;
   const Matrix3d by_own = to_at * R_b_w * a.q_w_c.toRotationMatrix() * landmark_jacobian(landmark.at);
   const int f = landmark_at(j), ca = clone_at(from), cb = clone_at(to);

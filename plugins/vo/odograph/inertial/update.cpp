@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
-#include "plugins/vo/odograph/visual/gyroscope.hpp"
+#include "plugins/shared/rotation.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -15,11 +15,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using vo::cross_matrix;
-
-constexpr double kTail = 0.01;      // of true measurements that the gate may refuse
-constexpr size_t kTogether = 20;    // landmarks of one update: the covariance is gone through once for all of them
-constexpr double kFarDepths = 1e3;  // m: a landmark farther away is as good as infinitely far
+using so3::skew;
 
 /// Residuals and derivatives of a track by its clones, its point and the camera. Columns: of each clone block::clone,
 /// then line time, lens and follow.
@@ -160,7 +156,7 @@ Outcome update(State& state, const Linearised& z, double sigma, double gate_sigm
 
 Outcome update_with_track(State& state, const std::vector<Observation>& track, const FilterParameters& p) {
   const auto point = triangulate(state, track, p);
-  if (!point || point->parallax_rad < p.least_parallax_rad || point->at.z() < 1 / kFarDepths) return {};
+  if (!point || point->parallax_rad < p.least_parallax_rad || point->at.z() < 1 / p.farthest_m) return {};
   auto e = equations(state, track, point->at);
   if (!e) return {};
   whiten(state, track, p, e->z, e->by_point);
@@ -170,7 +166,7 @@ Outcome update_with_track(State& state, const std::vector<Observation>& track, c
   e->z.H.applyOnTheLeft(qr.householderQ().adjoint());
   e->z.residual.applyOnTheLeft(qr.householderQ().adjoint());
   Linearised z{e->z.residual.tail(rows - 3), e->z.H.bottomRows(rows - 3), std::move(e->z.columns)};
-  Outcome out = update(state, z, pixel_sigma(point->rms_px, p), p.gate_sigma, kTail);
+  Outcome out = update(state, z, pixel_sigma(point->rms_px, p), p.gate_sigma, p.gate_tail);
   out.rms_px = point->rms_px;
   return out;
 }
@@ -211,10 +207,10 @@ Outcome add_landmark(State& state, uint64_t id, const std::vector<Observation>& 
     // Gate before anything is added.
     const MatrixXd PR = columns_of(state.P, columns) * rest.H.transpose();
     out.nis = nis_of(rest.H * rows_of(PR, columns), rest.residual, p.gate_sigma);
-    if (!(out.nis < chi_square_bound(out.dof, kTail))) return {false, out.nis, out.dof, out.rms_px};
+    if (!(out.nis < chi_square_bound(out.dof, p.gate_tail))) return {false, out.nis, out.dof, out.rms_px};
   }
   Landmark landmark{id, track.front().clone, point->at + F_inverse * r1, 0, point->rms_px};
-  landmark.at.z() = std::max(landmark.at.z(), 1 / kFarDepths);
+  landmark.at.z() = std::max(landmark.at.z(), 1 / p.farthest_m);
   state.add_landmark(landmark, -F_inverse * PH.transpose(), F_inverse * own * F_inverse.transpose());
   const double sigma = pixel_sigma(point->rms_px, p);
   update(state, rest, sigma, sigma, 0);
@@ -249,8 +245,8 @@ std::optional<Linearised> landmark_equations(const State& state, const SeenLandm
 std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenLandmark>& seen,
                                            const FilterParameters& p) {
   std::vector<Outcome> outcomes(seen.size());
-  for (size_t from = 0; from < seen.size(); from += kTogether) {
-    const size_t until = std::min(seen.size(), from + kTogether);
+  for (size_t from = 0; from < seen.size(); from += p.landmarks_together) {
+    const size_t until = std::min(seen.size(), from + p.landmarks_together);
     std::vector<Linearised> accepted;
     for (size_t k = from; k < until; ++k) {
       auto z = landmark_equations(state, seen[k]);
@@ -259,7 +255,7 @@ std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenL
       out.dof = 2;
       const MatrixXd own = state.P(z->columns, z->columns);
       out.nis = nis_of(z->H * own * z->H.transpose(), z->residual, p.gate_sigma);
-      out.accepted = out.nis < chi_square_bound(out.dof, kTail);
+      out.accepted = out.nis < chi_square_bound(out.dof, p.gate_tail);
       double& rms_px = state.landmarks[seen[k].landmark].rms_px;
       rms_px = std::sqrt((1 - p.residual_part) * rms_px * rms_px + p.residual_part * z->residual.squaredNorm());
       if (!out.accepted) continue;
@@ -306,7 +302,7 @@ Outcome update_zero_velocity(State& state, double sigma_mps) {
   Linearised z;
   z.residual = -state.nav.v_w;
   z.H.resize(3, 6);
-  z.H << -cross_matrix(state.nav.v_w), Matrix3d::Identity();
+  z.H << -skew(state.nav.v_w), Matrix3d::Identity();
   z.columns = {0, 1, 2, 3, 4, 5};
   return update(state, z, sigma_mps, sigma_mps, 0.001);
 }

@@ -10,6 +10,7 @@
 
 #include <ceres/ceres.h>
 
+#include "plugins/shared/rotation.hpp"
 #include "plugins/vo/odograph/visual/ceres_silence.hpp"
 
 namespace odograph::vo {
@@ -19,14 +20,11 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr int kIterations = 6;
-constexpr double kCauchy = 1.5;            // sigmas
-constexpr double kBiasSigma_radps = 0.01;  // about the last window's bias, which began at none
-constexpr double kLengthSigma = 1e-3;      // of the first baseline, relative
-constexpr double kLeastInverse = 1e-6;
-constexpr double kLeastDepth = 1e-3;  // of y below, which is 1 in its anchor's picture
+using so3::exp_rotation;
+using so3::log_rotation;
+using so3::skew;
 
-/// Seven numbers: quaternion (x, y, z, w) of w from c, and position. Turned on the right, moved in w.
+/// Seven numbers: quaternion (x, y, z, w) of w from c, and position. Rotated on the right, moved in w.
 class PoseManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 7; }
@@ -63,8 +61,8 @@ using PoseJacobian = Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>>;
 /// least depth, a focal length off, whatever its pose: it pulls nothing, and no step gains by bringing it there.
 class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
  public:
-  Reprojection(const Eigen::Vector2d& anchor, const Eigen::Vector2d& seen, double sigma)
-      : ray_(anchor.x(), anchor.y(), 1), seen_(seen), per_sigma_(1 / sigma) {}
+  Reprojection(const Eigen::Vector2d& anchor, const Eigen::Vector2d& seen, double sigma, double least_depth)
+      : ray_(anchor.x(), anchor.y(), 1), seen_(seen), per_sigma_(1 / sigma), least_depth_(least_depth) {}
 
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
     const Matrix3d R_a = Eigen::Map<const Quaterniond>(x[0]).toRotationMatrix();
@@ -72,7 +70,7 @@ class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
     const Vector3d between = Eigen::Map<const Vector3d>(x[0] + 4) - Eigen::Map<const Vector3d>(x[1] + 4);
     const double rho = x[2][0];
     const Vector3d y = R_j_w * (R_a * ray_ + rho * between);
-    if (y.z() < kLeastDepth) return behind(residuals, jacobians);
+    if (y.z() < least_depth_) return behind(residuals, jacobians);
     Eigen::Map<Eigen::Vector2d>{residuals} = per_sigma_ * (y.head<2>() / y.z() - seen_);
     if (!jacobians) return true;
     Eigen::Matrix<double, 2, 3> P;
@@ -81,11 +79,11 @@ class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
     const Eigen::Matrix<double, 2, 3> PR = P * R_j_w;
     if (jacobians[0]) {
       PoseJacobian J(jacobians[0]);
-      J << -PR * R_a * cross_matrix(ray_), rho * PR, Eigen::Vector2d::Zero();
+      J << -PR * R_a * skew(ray_), rho * PR, Eigen::Vector2d::Zero();
     }
     if (jacobians[1]) {
       PoseJacobian J(jacobians[1]);
-      J << P * cross_matrix(y), -rho * PR, Eigen::Vector2d::Zero();
+      J << P * skew(y), -rho * PR, Eigen::Vector2d::Zero();
     }
     if (jacobians[2]) Eigen::Map<Eigen::Vector2d>{jacobians[2]} = PR * between;
     return true;
@@ -93,7 +91,7 @@ class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
 
  private:
   bool behind(double* residuals, double** jacobians) const {
-    residuals[0] = per_sigma_ / kLeastDepth, residuals[1] = 0;
+    residuals[0] = per_sigma_ / least_depth_, residuals[1] = 0;
     for (int k = 0; jacobians && k < 3; ++k)
       if (jacobians[k]) std::fill_n(jacobians[k], 2 * parameter_block_sizes()[static_cast<size_t>(k)], 0.0);
     return true;
@@ -101,19 +99,20 @@ class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
 
   Vector3d ray_;
   Eigen::Vector2d seen_;
-  double per_sigma_;
+  double per_sigma_, least_depth_;
 };
 
 /// Log(Delta R(bias)' R_i' R_j), eq. (45) of Forster et al. 2017, to first order in what is small.
-class Turn final : public ceres::SizedCostFunction<3, 7, 7, 3> {
+class Rotation final : public ceres::SizedCostFunction<3, 7, 7, 3> {
  public:
-  Turn(const GyroRotation& turn, const Vector3d& bias) : turn_(turn), bias_(bias) {}
+  Rotation(const GyroRotation& gyro, const Vector3d& bias) : gyro_(gyro), bias_(bias) {}
 
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
     const Eigen::Map<const Quaterniond> q_i(x[0]), q_j(x[1]);
-    const Quaterniond gyro = turn_.q_c0_c1 * exp_rotation(turn_.by_bias * (Eigen::Map<const Vector3d>(x[2]) - bias_));
-    const double per_sigma = 1 / turn_.sigma_rad;
-    const Vector3d error = log_rotation(gyro.conjugate() * q_i.conjugate() * q_j);
+    const Quaterniond measured =
+        gyro_.q_c0_c1 * exp_rotation(gyro_.by_bias * (Eigen::Map<const Vector3d>(x[2]) - bias_));
+    const double per_sigma = 1 / gyro_.sigma_rad;
+    const Vector3d error = log_rotation(measured.conjugate() * q_i.conjugate() * q_j);
     Eigen::Map<Vector3d>{residuals} = per_sigma * error;
     if (!jacobians) return true;
     using Map37 = Eigen::Map<Eigen::Matrix<double, 3, 7, Eigen::RowMajor>>;
@@ -129,22 +128,22 @@ class Turn final : public ceres::SizedCostFunction<3, 7, 7, 3> {
     }
     if (jacobians[2])
       Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{jacobians[2]} =
-          -per_sigma * exp_rotation(-error).toRotationMatrix() * turn_.by_bias;
+          -per_sigma * exp_rotation(-error).toRotationMatrix() * gyro_.by_bias;
     return true;
   }
 
  private:
-  GyroRotation turn_;
+  GyroRotation gyro_;
   Vector3d bias_;
 };
 
 /// The distance of two poses stays what it was.
 class Length final : public ceres::SizedCostFunction<1, 7, 7> {
  public:
-  explicit Length(double length) : length_(length) {}
+  Length(double length, double relative_sigma) : length_(length), sigma_(relative_sigma) {}
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
     const Vector3d between = Eigen::Map<const Vector3d>(x[1] + 4) - Eigen::Map<const Vector3d>(x[0] + 4);
-    const double norm = between.norm(), per_sigma = 1 / (kLengthSigma * length_);
+    const double norm = between.norm(), per_sigma = 1 / (sigma_ * length_);
     residuals[0] = per_sigma * (norm - length_);
     if (!jacobians) return true;
     for (int k = 0; k < 2; ++k)
@@ -157,20 +156,21 @@ class Length final : public ceres::SizedCostFunction<1, 7, 7> {
   }
 
  private:
-  double length_;
+  double length_, sigma_;
 };
 
 class BiasPrior final : public ceres::SizedCostFunction<3, 3> {
  public:
-  explicit BiasPrior(const Vector3d& bias) : bias_(bias) {}
+  BiasPrior(const Vector3d& bias, double sigma_radps) : bias_(bias), sigma_radps_(sigma_radps) {}
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    Eigen::Map<Vector3d>{residuals} = (Eigen::Map<const Vector3d>(x[0]) - bias_) / kBiasSigma_radps;
-    if (jacobians && jacobians[0]) Eigen::Map<Matrix3d>{jacobians[0]} = Matrix3d::Identity() / kBiasSigma_radps;
+    Eigen::Map<Vector3d>{residuals} = (Eigen::Map<const Vector3d>(x[0]) - bias_) / sigma_radps_;
+    if (jacobians && jacobians[0]) Eigen::Map<Matrix3d>{jacobians[0]} = Matrix3d::Identity() / sigma_radps_;
     return true;
   }
 
  private:
   Vector3d bias_;
+  double sigma_radps_;
 };
 
 ceres::Problem::Options borrowed() {
@@ -184,7 +184,8 @@ ceres::Problem::Options borrowed() {
 /// The window as unknowns of Ceres, and back.
 class WindowProblem {
  public:
-  WindowProblem(Window& window, const Vector3d& bias_c) : window_(window), poses_(window.keyframes().size() + 1) {
+  WindowProblem(Window& window, const Vector3d& bias_c, const AdjustmentParameters& p)
+      : p_(p), window_(window), poses_(window.keyframes().size() + 1) {
     const auto& keyframes = window_.keyframes();
     Eigen::Map<Vector3d>{bias()} = bias_c;
     for (size_t k = 0; k < keyframes.size(); ++k) {
@@ -212,7 +213,7 @@ class WindowProblem {
       const Observation& anchor = landmark.seen.front();
       for (size_t i = 1; i < landmark.seen.size(); ++i) {
         const Observation& o = landmark.seen[i];
-        problem_.AddResidualBlock(new Reprojection(anchor.seen, o.seen, sigma), &cauchy_,
+        problem_.AddResidualBlock(new Reprojection(anchor.seen, o.seen, sigma, p_.least_depth), &cauchy_,
                                   poses_[anchor.keyframe - first].data(), poses_[o.keyframe - first].data(), rho);
         ++observations;
       }
@@ -225,14 +226,14 @@ class WindowProblem {
     const auto& keyframes = window_.keyframes();
     bool any = false;
     for (size_t k = 1; k < keyframes.size(); ++k) {
-      if (!keyframes[k].turn) continue;
+      if (!keyframes[k].rotation) continue;
       if (!std::exchange(any, true)) {
         problem_.AddParameterBlock(bias(), 3);
         ordering_->AddElementToGroup(bias(), 1);
-        problem_.AddResidualBlock(new BiasPrior(bias_c), nullptr, bias());
+        problem_.AddResidualBlock(new BiasPrior(bias_c, p_.bias_sigma_radps), nullptr, bias());
       }
-      problem_.AddResidualBlock(new Turn(*keyframes[k].turn, keyframes[k].turn_bias_c), nullptr, poses_[k - 1].data(),
-                                poses_[k].data(), bias());
+      problem_.AddResidualBlock(new Rotation(*keyframes[k].rotation, keyframes[k].rotation_bias_c), nullptr,
+                                poses_[k - 1].data(), poses_[k].data(), bias());
     }
   }
 
@@ -244,18 +245,18 @@ class WindowProblem {
       problem_.SetParameterBlockConstant(poses_[1].data());
     else
       problem_.AddResidualBlock(
-          new Length((keyframes[1].T_w_c.translation() - keyframes[0].T_w_c.translation()).norm()), nullptr,
-          poses_[0].data(), poses_[1].data());
+          new Length((keyframes[1].T_w_c.translation() - keyframes[0].T_w_c.translation()).norm(), p_.baseline_sigma),
+          nullptr, poses_[0].data(), poses_[1].data());
   }
 
   ceres::Solver::Summary solve() {
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_SCHUR;
     options.linear_solver_ordering = ordering_;
-    options.max_num_iterations = kIterations;
+    options.max_num_iterations = p_.iterations;
     options.num_threads = 1;
     options.logging_type = ceres::SILENT;
-    options.function_tolerance = 1e-4;
+    options.function_tolerance = p_.function_tolerance;
     ceres::Solver::Summary summary;
     const CeresSilence silence;
     ceres::Solve(options, &problem_, &summary);
@@ -270,28 +271,29 @@ class WindowProblem {
       keyframes[k].T_w_c.translation() = Eigen::Map<Vector3d>(poses_[k].data() + 4);
     }
     for (size_t k = 0; k < located_.size(); ++k)
-      located_[k]->inverse_depth = std::max(inverse_depths_[k], kLeastInverse);
+      located_[k]->inverse_depth = std::max(inverse_depths_[k], p_.least_inverse_depth);
   }
 
  private:
   double* bias() { return poses_.back().data(); }
 
+  AdjustmentParameters p_;
   Window& window_;
   std::vector<std::array<double, 7>> poses_;  // and the bias
   std::vector<Landmark*> located_;
   std::vector<double> inverse_depths_;
   PoseManifold manifold_;
-  ceres::CauchyLoss cauchy_{kCauchy};
+  ceres::CauchyLoss cauchy_{p_.cauchy_sigmas};
   ceres::Problem problem_{borrowed()};
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ = std::make_shared<ceres::ParameterBlockOrdering>();
 };
 
 }  // namespace
 
-BundleReport adjust(Window& window, Vector3d& bias_c, double sigma) {
+BundleReport adjust(Window& window, Vector3d& bias_c, double sigma, const AdjustmentParameters& p) {
   BundleReport report;
   if (window.keyframes().size() < 3) return report;
-  WindowProblem problem(window, bias_c);
+  WindowProblem problem(window, bias_c, p);
   report.observations = problem.add_observations(sigma);
   problem.add_rotations(bias_c);
   problem.hold_gauge();

@@ -16,8 +16,8 @@ struct BundleReport {
 /// Adjusts the window's keyframes, the inverse depths of its located points and the gyroscope's bias together (Ceres,
 /// Levenberg-Marquardt with a Schur complement, Cauchy loss). While no keyframe has been forgotten yet the first pose
 /// and the first baseline's length are held; afterwards the two oldest poses, which earlier windows have settled: so
-/// the unit stays what it was. `sigma`: of an observation, normalized. Single-threaded and repeatable bit for bit.
+/// the scale stays what it was. `sigma`: of an observation, normalized. Single-threaded and repeatable bit for bit.
 /// A failed adjustment leaves window and bias as they were, and says so in the report alone: Ceres' own log is silent.
-BundleReport adjust(Window& window, Eigen::Vector3d& bias_c, double sigma);
+BundleReport adjust(Window& window, Eigen::Vector3d& bias_c, double sigma, const AdjustmentParameters& p = {});
 
 }  // namespace odograph::vo

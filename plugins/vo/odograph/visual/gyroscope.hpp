@@ -8,6 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include "plugins/vo/odograph/visual/parameters.hpp"
+
 namespace odograph::vo {
 
 /// A gyroscope's rotation between two times, with what a bias would change (Forster et al., "On-manifold
@@ -15,12 +17,14 @@ namespace odograph::vo {
 struct GyroRotation {
   Eigen::Quaterniond q_c0_c1;
   Eigen::Matrix3d by_bias;  ///< derivative of the right-hand small rotation by the bias, s
-  double sigma_rad;         ///< noise, and scale and misalignment by the angle turned
+  double sigma_rad;         ///< noise, and scale and misalignment by the angle
 };
 
 /// The latest gyroscope samples, in the camera's axes. No allocation.
 class Gyroscope {
  public:
+  explicit Gyroscope(const GyroscopeParameters& parameters = {}) : p_(parameters) {}
+
   void add(int64_t t_ns, const Eigen::Vector3d& rate_c);
   /// Nothing where samples lack; after the newest sample its rate goes on for a moment.
   std::optional<GyroRotation> between(int64_t from_ns, int64_t to_ns, const Eigen::Vector3d& bias_c) const;
@@ -35,12 +39,9 @@ class Gyroscope {
   };
   const Sample& back(size_t i) const { return samples_[(count_ - 1 - i) % samples_.size()]; }
 
+  GyroscopeParameters p_;
   std::array<Sample, 4096> samples_{};
   size_t count_ = 0;
 };
-
-Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& angle);
-Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q);
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
 
 }  // namespace odograph::vo

@@ -7,8 +7,9 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "plugins/vo/odograph/visual/bundle.hpp"
-#include "plugins/vo/odograph/visual/shared.hpp"
+#include "plugins/shared/camera/two_view.hpp"
+#include "plugins/shared/rotation.hpp"
+#include "plugins/shared/median.hpp"
 
 namespace odograph::vo {
 namespace {
@@ -17,166 +18,232 @@ using Eigen::Isometry3d;
 using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using so3::exp_rotation;
+using so3::isometry;
 
-constexpr size_t kKeyframes = 8;
-constexpr double kDoubtful = 0.72;          // of the points: fewer that agree, twice, while the first window fills
-constexpr double kKeyParallax_rad = 0.012;  // median since the last keyframe
-constexpr double kFewLeft = 0.6;            // of what the last keyframe had
-constexpr double kLoose_px = 8;             // how far off a prediction may be
-constexpr double kTurnFloor_rad = 1e-4;     // time stamps, the way between rows
-constexpr double kRelocalise_s = 1.0;
-constexpr double kDrift_radps = 0.003;  // of a gyroscope whose bias is known
-constexpr double kStanding = 0.004;     // of the median depth, between two keyframes
-constexpr double kDimBlur_px = 1.5;
-constexpr double kSurprise_rad = 0.5;  // most that a frame turns otherwise than expected
-constexpr double kOutlier = 4;         // sigmas, after an adjustment
+constexpr double kRayleighMedian = 1.18;  // of two normal components of equal deviation, in deviations
 
-Vector3d ray(const Vector2d& seen) { return Vector3d(seen.x(), seen.y(), 1).normalized(); }
+double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 }  // namespace
 
 Odometry::Odometry(const Parameters& parameters, const CameraModel& camera)
-    : p_(parameters), camera_(camera), tracker_(p_.corners), window_(kKeyframes), noise_px_(parameters.noise_px) {}
+    : p_(parameters),
+      camera_(camera),
+      tracker_(p_.corners),
+      gyroscope_(p_.gyroscope),
+      bias_sigma_(p_.gyroscope.bias_sigma_radps),
+      noise_px_(p_.noise.begin_px),
+      window_(p_.keyframe) {}
 
 Motion Odometry::process(const Frame& frame) {
-  Motion motion;
-  predict(frame);
-  if (relocalising_since_ns_) {
-    relocalise(frame, motion);
-  } else {
-    follow(frame, expected_pose());
-    undistort_tracks(frame);
-    motion.tracked = static_cast<unsigned>(seen_.size());
-    if (!have_reference_) {
-      begin(frame, false);
-    } else if (!started_) {
-      const bool in_sight = start_or_turn(motion);
-      if (started_)
-        make_keyframe(frame);
-      else if (!in_sight || static_cast<double>(seen_.size()) < kFewLeft * static_cast<double>(seen_at_keyframe_))
-        begin(frame, false);
-    } else if (!estimate_pose(expected_pose(), motion)) {
-      relocalising_since_ns_ = frame.t_ns;
-      if (doubts_ > 1) relocalisation_keyframe_.reset();
-      relocalise(frame, motion);
-    } else if (wants_keyframe()) {
-      make_keyframe(frame);
-    }
-    seen_before_ = seen_.size();
-  }
-  motion.scale_group = group_;
+  const Prediction predicted = predict(frame.t_ns);
+  Outcome outcome = std::visit([&](auto& state) { return advance(std::move(state), frame, predicted); }, state_);
+  state_ = std::move(outcome.next);
   last_ns_ = frame.t_ns;
-  return motion;
+  outcome.motion.scale_group = group_;
+  return outcome.motion;
 }
 
-/// Something stands before the camera, or it is dark, or it turned too fast: for a while the camera is looked for from
-/// where it was last well placed; then a new map begins.
-void Odometry::relocalise(const Frame& frame, Motion& motion) {
-  if (relocalisation_keyframe_) {
-    tracker_ = relocalisation_keyframe_->tracker.snapshot();
-    seen_ = relocalisation_keyframe_->seen;
-    seen_lens_ = relocalisation_keyframe_->lens;
-    const Isometry3d expected = pose_before() * isometry(expected_turn_, Vector3d::Zero());
-    follow(frame, expected);
-    undistort_tracks(frame);
-    motion = Motion{.tracked = static_cast<unsigned>(seen_.size())};
-    // A few points that agree before something that passes are no place.
-    const size_t wanted = located_at_keyframe_ * 2 / 5;
-    const Isometry3d T_k_c = T_k_c_, T_w_c = T_w_c_, last_step = last_step_;
-    if (estimate_pose(expected, motion) && motion.inliers >= wanted) {
-      relocalising_since_ns_.reset();
-      return;
+/// The first frame is the reference of the first map.
+Odometry::Outcome Odometry::advance(AwaitingFrame, const Frame& frame, const Prediction& predicted) {
+  follow(frame, track_.T_w_c, predicted.q_c0_c1);
+  return {Motion{}, begin(frame)};
+}
+
+/// No map yet: the rotation alone, until there is parallax enough to begin one.
+Odometry::Outcome Odometry::advance(Initialising state, const Frame& frame, const Prediction& predicted) {
+  follow(frame, track_.T_w_c, predicted.q_c0_c1);
+  seen_ = undistort(frame);
+  const Matches matches = matches_with_reference();
+  Motion motion = rotation_by_gyroscope(predicted);
+  const auto rotation = pure_rotation(matches.first, matches.second);
+  if (!rotation) return {motion, begin(frame)};  // the reference is out of sight
+  const Quaterniond q_w_c(rotation->R_1_0.transpose());
+  const double corner_sigma_rad = std::max(sigma(), rotation->median_residual_rad);
+  learn_bias(state, predicted, q_w_c, corner_sigma_rad);
+  if (rotation->median_residual_rad > p_.start.worth_trying * p_.start.least_parallax_rad)
+    if (const auto view = find_second_view(matches, q_w_c)) {
+      motion = begin_map(*view, matches, state, predicted);
+      MapTracking map;
+      make_keyframe(frame, map);
+      map.corners_before = seen_.corners.size();
+      return {motion, std::move(map)};
     }
-    T_k_c_ = T_k_c, T_w_c_ = T_w_c, last_step_ = last_step;
-  }
-  motion = Motion{.tracked = motion.tracked};
-  motion.failure = tracker_.mean_grey() < kDarkGrey ? FailureReason::too_dark : FailureReason::few_features;
-  if (turn_) {
-    motion.q_c0_c1 = turn_->q_c0_c1;
-    motion.covariance.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() * turn_->sigma_rad * turn_->sigma_rad;
+  motion.state = Tracking::degraded;
+  motion.failure = FailureReason::no_parallax;
+  motion.inliers = static_cast<unsigned>(matches.first.size());
+  if (!motion.rotation_valid) {
+    const double sigma_rad = corner_sigma_rad / std::sqrt(static_cast<double>(matches.first.size()));
+    motion.q_c0_c1 = (Quaterniond(track_.T_w_c.linear()).conjugate() * q_w_c).normalized();
+    motion.covariance.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() * sigma_rad * sigma_rad;
     motion.rotation_valid = true;
-    T_k_c_.linear() = T_k_c_.linear() * turn_->q_c0_c1.toRotationMatrix();
   }
-  if (!relocalisation_keyframe_ || static_cast<double>(frame.t_ns - *relocalising_since_ns_) * 1e-9 > kRelocalise_s)
-    begin(frame, true);
+  track_.T_w_c.linear() = track_.T_w_c.linear() * motion.q_c0_c1.toRotationMatrix();
+  track_.last_step = isometry(motion.q_c0_c1, Vector3d::Zero());
+  const bool few = static_cast<double>(seen_.corners.size()) <
+                   p_.keyframe.few_left * static_cast<double>(state.corners_at_reference);
+  return {motion, few ? begin(frame) : state};
 }
 
-/// How the camera turned since the last frame: by the gyroscope, or as between the two frames before.
-void Odometry::predict(const Frame& frame) {
-  step_s_ = have_reference_ ? static_cast<double>(frame.t_ns - last_ns_) * 1e-9 : 0;
-  turn_.reset();
-  if (have_reference_) turn_ = gyroscope_.between(last_ns_, frame.t_ns, bias_c_);
-  expected_turn_ = turn_ ? turn_->q_c0_c1 : Quaterniond(last_step_.linear());
+/// The map places the camera; where it does not any more the camera is looked for at once.
+Odometry::Outcome Odometry::advance(MapTracking map, const Frame& frame, const Prediction& predicted) {
+  const Isometry3d T_expected = expected_pose(predicted);
+  follow(frame, T_expected, predicted.q_c0_c1);
+  seen_ = undistort(frame);
+  const auto pose = estimate_pose(T_expected, predicted, predicted.step_s, map.doubts);
+  if (!pose) {
+    if (map.doubts > p_.pose.most_doubts) map.keyframe.reset();
+    Outcome outcome = advance(Relocalising{frame.t_ns, std::move(map)}, frame, predicted);
+    if (auto* found = std::get_if<MapTracking>(&outcome.next)) found->corners_before = seen_.corners.size();
+    if (auto* lost = std::get_if<Relocalising>(&outcome.next)) lost->map.corners_before = seen_.corners.size();
+    return outcome;
+  }
+  const Motion motion = move_to(*pose, predicted);
+  if (wants_keyframe(map)) make_keyframe(frame, map);
+  map.corners_before = seen_.corners.size();
+  return {motion, std::move(map)};
 }
 
-/// Where a corner is looked for: where the map says from the pose expected, or where the turn alone moves it.
-Vector2d Odometry::expected_at(const Seen& s, const Isometry3d& T_expected) const {
-  const auto found = window_.landmarks().find(s.track);
-  if (started_ && found != window_.landmarks().end() && found->second.located) {
+/// The camera is looked for from where it was last well placed; after a while a new map begins.
+Odometry::Outcome Odometry::advance(Relocalising state, const Frame& frame, const Prediction& predicted) {
+  MapTracking& map = state.map;
+  if (map.keyframe) {
+    tracker_ = map.keyframe->tracker.snapshot();
+    seen_ = map.keyframe->seen;
+    const Isometry3d T_expected = pose_before() * isometry(predicted.q_c0_c1, Vector3d::Zero());
+    follow(frame, T_expected, predicted.q_c0_c1);
+    seen_ = undistort(frame);
+    const double unseen_s = predicted.step_s + seconds(last_ns_ - state.since_ns);
+    const auto pose = estimate_pose(T_expected, predicted, unseen_s, map.doubts);
+    const auto wanted = static_cast<int>(p_.relocalise.least_inliers * static_cast<double>(map.located_at_keyframe));
+    if (pose && pose->count >= wanted) return {move_to(*pose, predicted), std::move(map)};
+  }
+  const Motion motion = rotation_by_gyroscope(predicted);
+  if (motion.rotation_valid) track_.T_k_c.linear() = track_.T_k_c.linear() * motion.q_c0_c1.toRotationMatrix();
+  if (!map.keyframe || seconds(frame.t_ns - state.since_ns) > p_.relocalise.patience_s)
+    return {motion, begin_group(frame)};
+  return {motion, std::move(state)};
+}
+
+/// How the camera rotated since the last frame: by the gyroscope, or as between the two frames before.
+Prediction Odometry::predict(int64_t t_ns) const {
+  Prediction predicted;
+  if (!std::holds_alternative<AwaitingFrame>(state_)) {
+    predicted.step_s = seconds(t_ns - last_ns_);
+    predicted.gyro = gyroscope_.between(last_ns_, t_ns, bias_c_);
+  }
+  predicted.q_c0_c1 = predicted.gyro ? predicted.gyro->q_c0_c1 : Quaterniond(track_.last_step.linear());
+  return predicted;
+}
+
+/// At the velocity of the frame before.
+Isometry3d Odometry::expected_pose(const Prediction& predicted) const {
+  const double ahead = track_.last_step_s > 0 ? predicted.step_s / track_.last_step_s : 1;
+  return pose_before() * isometry(predicted.q_c0_c1, ahead * track_.last_step.translation());
+}
+
+/// Where a corner is looked for: where the map says from the pose expected, or where the rotation alone moves it.
+Vector2d Odometry::expected_at(const SeenCorner& corner, const Isometry3d& T_expected,
+                               const Quaterniond& q_c0_c1) const {
+  const auto found = window_.landmarks().find(corner.track);
+  if (found != window_.landmarks().end() && found->second.located) {
     const Eigen::Vector4d X = window_.point(found->second);
     const Vector3d y = T_expected.linear().transpose() * (X.head<3>() - X.w() * T_expected.translation());
     if (y.z() > 1e-3) return y.head<2>() / y.z();
   }
-  const Vector3d y = expected_turn_.conjugate() * Vector3d(s.at.x(), s.at.y(), 1);
-  return y.z() > 0.1 ? Vector2d(y.head<2>() / y.z()) : s.at;
+  const Vector3d y = q_c0_c1.conjugate() * Vector3d(corner.at.x(), corner.at.y(), 1);
+  return y.z() > 0.1 ? Vector2d(y.head<2>() / y.z()) : corner.at;
 }
 
-void Odometry::follow(const Frame& frame, const Isometry3d& T_expected) {
+void Odometry::follow(const Frame& frame, const Isometry3d& T_expected, const Quaterniond& q_c0_c1) {
   std::vector<cv::Point2f> expected;
   for (size_t i = 0; i < tracker_.tracks().size(); ++i) {
     // By how much the motion moves it, added to where it was: the same distortion on both sides.
-    const Vector2d shift = camera_.project(expected_at(seen_[i], T_expected)) - seen_lens_.project(seen_[i].at);
+    const SeenCorner& before = seen_.corners[i];
+    const Vector2d shift = camera_.project(expected_at(before, T_expected, q_c0_c1)) - seen_.lens.project(before.at);
     const cv::Point2f& pixel = tracker_.tracks()[i].pixel;
     expected.emplace_back(pixel.x + static_cast<float>(shift.x()), pixel.y + static_cast<float>(shift.y()));
   }
-  if (cv::mean(frame.grey)[0] < kDimGrey) {  // by night the noise has more gradient than what is there
-    cv::GaussianBlur(frame.grey, smooth_, {}, kDimBlur_px);
+  if (cv::mean(frame.grey)[0] < p_.light.dim_grey) {
+    cv::GaussianBlur(frame.grey, smooth_, {}, p_.light.dim_blur_px);
     return tracker_.follow(smooth_, expected);
   }
   tracker_.follow(frame.grey, expected);
 }
 
-/// Pixels to normalized coordinates, each as the middle row's time would have seen it had the camera only turned.
-void Odometry::undistort_tracks(const Frame& frame) {
+/// Pixels to normalized coordinates: without distortion, and rolling-shutter compensation of the rotation.
+SeenCorners Odometry::undistort(const Frame& frame) const {
   std::vector<cv::Point2f> pixels;
+  std::vector<cv::Point2d> normalized;
   for (const auto& track : tracker_.tracks()) pixels.push_back(track.pixel);
-  camera_.undistort(pixels, straight_);
-  seen_lens_ = camera_;
-  seen_.clear();
+  camera_.undistort(pixels, normalized);
+  SeenCorners seen{{}, camera_};
   const auto rate = frame.line_time_s > 0 ? gyroscope_.rate(frame.t_ns) : std::nullopt;
   for (size_t i = 0; i < pixels.size(); ++i) {
-    Vector2d at(straight_[i].x, straight_[i].y);
+    Vector2d at(normalized[i].x, normalized[i].y);
     if (rate) {
       const double late_s = (static_cast<double>(pixels[i].y) - 0.5 * (frame.grey.rows - 1)) * frame.line_time_s;
       const Vector3d x = exp_rotation((*rate - bias_c_) * late_s) * Vector3d(at.x(), at.y(), 1);
       at = x.head<2>() / x.z();
     }
-    seen_.push_back({tracker_.tracks()[i].id, at});
+    seen.corners.push_back({tracker_.tracks()[i].id, at});
   }
+  return seen;
 }
 
-Isometry3d Odometry::expected_pose() const {
-  if (!started_) return T_w_c_;
-  const double ahead = last_step_s_ > 0 ? step_s_ / last_step_s_ : 1;
-  return pose_before() * isometry(expected_turn_, ahead * last_step_.translation());
+/// What the gyroscope tells where the picture may say nothing.
+Motion Odometry::rotation_by_gyroscope(const Prediction& predicted) const {
+  Motion motion{.failure = dark_or_few_features(), .tracked = static_cast<unsigned>(seen_.corners.size())};
+  if (!predicted.gyro) return motion;
+  const double sigma_rad = predicted.gyro->sigma_rad;
+  motion.q_c0_c1 = predicted.gyro->q_c0_c1;
+  motion.covariance.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() * sigma_rad * sigma_rad;
+  motion.rotation_valid = true;
+  return motion;
+}
+
+FailureReason Odometry::dark_or_few_features() const {
+  return tracker_.mean_grey() < p_.light.dark_grey ? FailureReason::too_dark : FailureReason::few_features;
+}
+
+/// The corners whose depth the map has.
+std::vector<PointSeen> Odometry::points_seen(std::vector<uint64_t>& tracks) const {
+  std::vector<PointSeen> points;
+  for (const SeenCorner& corner : seen_.corners) {
+    const auto found = window_.landmarks().find(corner.track);
+    if (found == window_.landmarks().end() || !found->second.located) continue;
+    points.push_back({window_.point(found->second), corner.at, window_.anchor(found->second), found->second.variance});
+    tracks.push_back(corner.track);
+  }
+  return points;
 }
 
 /// Robust fit from where the camera is expected; where that fails, from wherever three points put it (RANSAC).
-std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points, const Isometry3d& expected) {
+std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points, const Isometry3d& T_expected,
+                                        const Prediction& predicted, double unseen_s) {
+  const PoseParameters& p = p_.pose;
   std::optional<RotationPrior> prior;
-  const double blind_s =
-      step_s_ + (relocalising_since_ns_ ? static_cast<double>(last_ns_ - *relocalising_since_ns_) * 1e-9 : 0.0);
-  if (turn_) prior = RotationPrior{Quaterniond(expected.linear()), turn_->sigma_rad + kDrift_radps * blind_s};
+  if (predicted.gyro)
+    prior = RotationPrior{Quaterniond(T_expected.linear()),
+                          predicted.gyro->sigma_rad + p_.gyroscope.known_bias_drift_radps * unseen_s};
   const auto good = [&](const std::optional<FittedPose>& pose) {
-    return pose && pose->count >= kLeastPoints && 2 * static_cast<size_t>(pose->count) >= points.size();
+    return pose && pose->count >= p.least_points && pose->count >= p.good_inliers * static_cast<double>(points.size());
   };
-  const double loose = kLoose_px / camera_.focal();
-  auto pose = fit_pose(points, expected, sigma(), loose, prior);
+  const double loose = p.loose_px / camera_.focal();
+  auto pose = fit_pose(points, T_expected, sigma(), loose, prior, p.fit);
   if (good(pose)) return pose;
-  if (const auto coarse = fit_pose(points, expected, kCoarse * sigma(), loose, prior); good(coarse)) {
-    noise_px_ = std::min(kMostNoise_px, kCoarser * noise_px_);
+  if (const auto coarse = fit_pose(points, T_expected, p.coarse * sigma(), loose, prior, p.fit); good(coarse)) {
+    noise_px_ = std::min(p_.noise.most_px, p_.noise.coarser * noise_px_);
     return coarse;
   }
+  const auto other = fit_by_ransac(points, prior);
+  return other && (!pose || other->count > pose->count) ? other : pose;
+}
+
+std::optional<FittedPose> Odometry::fit_by_ransac(const std::vector<PointSeen>& points,
+                                                  const std::optional<RotationPrior>& prior) const {
+  const PoseParameters& p = p_.pose;
   std::vector<cv::Point3d> world;
   std::vector<cv::Point2d> image;
   for (const PointSeen& point : points) {
@@ -185,45 +252,42 @@ std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points, co
   }
   cv::Mat r, t;
   const cv::Matx33d K = cv::Matx33d::eye();
-  if (!cv::solvePnPRansac(world, image, K, cv::noArray(), r, t, false, 200, static_cast<float>(4 * sigma()), 0.999,
-                          cv::noArray(), cv::SOLVEPNP_AP3P))
-    return pose;
+  if (!cv::solvePnPRansac(world, image, K, cv::noArray(), r, t, false, p.ransac_trials,
+                          static_cast<float>(p.ransac_sigmas * sigma()), p.ransac_confidence, cv::noArray(),
+                          cv::SOLVEPNP_AP3P))
+    return std::nullopt;
   const Quaterniond q_c_w = exp_rotation(Vector3d(r.at<double>(0), r.at<double>(1), r.at<double>(2)));
   const Isometry3d T_c_w = isometry(q_c_w, Vector3d(t.at<double>(0), t.at<double>(1), t.at<double>(2)));
-  const auto other = fit_pose(points, T_c_w.inverse(), sigma(), 0.3 * loose, prior);
-  return other && (!pose || other->count > pose->count) ? other : pose;
+  const double loose = p.loose_px / camera_.focal();
+  return fit_pose(points, T_c_w.inverse(), sigma(), p.after_ransac * loose, prior, p.fit);
 }
 
-bool Odometry::estimate_pose(const Isometry3d& T_expected, Motion& motion) {
-  std::vector<PointSeen> points;
+/// Where the map puts the camera; nothing where too few points agree or the map is doubted.
+std::optional<FittedPose> Odometry::estimate_pose(const Isometry3d& T_expected, const Prediction& predicted,
+                                                  double unseen_s, int& doubts) {
+  const PoseParameters& p = p_.pose;
   std::vector<uint64_t> tracks;
-  for (const Seen& s : seen_) {
-    const auto found = window_.landmarks().find(s.track);
-    if (found == window_.landmarks().end() || !found->second.located) continue;
-    points.push_back({window_.point(found->second), s.at, window_.anchor(found->second), found->second.variance});
-    tracks.push_back(s.track);
-  }
-  if (static_cast<int>(points.size()) < kLeastPoints) return false;
-  const auto pose = fit(points, T_expected);
-  if (!pose || pose->count < kLeastPoints || 4 * static_cast<size_t>(pose->count) < points.size()) return false;
+  const std::vector<PointSeen> points = points_seen(tracks);
+  const auto of_points = [&](double part) { return part * static_cast<double>(points.size()); };
+  if (static_cast<int>(points.size()) < p.least_points) return std::nullopt;
+  auto pose = fit(points, T_expected, predicted, unseen_s);
+  if (!pose || pose->count < p.least_points || pose->count < of_points(p.least_inliers)) return std::nullopt;
   for (size_t i = 0; i < tracks.size(); ++i) {
     Landmark& landmark = window_.landmarks()[tracks[i]];
     landmark.misses = pose->inliers[i] ? 0 : landmark.misses + 1;
-    if (landmark.misses > 2) window_.forget(tracks[i]);  // moves, or its depth is wrong: it may start anew
+    if (landmark.misses > p.most_misses) window_.forget(tracks[i]);  // moves, or its depth is wrong: it may start anew
   }
-  if (Eigen::AngleAxisd(T_expected.linear().transpose() * pose->T_w_c.linear()).angle() > kSurprise_rad) return false;
+  if (Eigen::AngleAxisd(T_expected.linear().transpose() * pose->T_w_c.linear()).angle() > p.surprise_rad)
+    return std::nullopt;
   // A start from little parallax may have been a false one: its map explains less from frame to frame.
-  const bool doubtful = !window_.slid() && pose->count < kDoubtful * static_cast<double>(points.size());
-  doubts_ = doubtful ? doubts_ + 1 : 0;
-  if (doubts_ > 1) return false;
+  const bool doubtful = !window_.slid() && pose->count < of_points(p.doubtful_inliers);
+  doubts = doubtful ? doubts + 1 : 0;
+  if (doubts > p.most_doubts) return std::nullopt;
   learn_noise(points, *pose);
-  motion.inliers = static_cast<unsigned>(pose->count);
-  report(*pose, motion);
-  return true;
+  return pose;
 }
 
-/// How well corners are followed depends on the light: the median of what is left over, which for two normal components
-/// of equal deviation is 1.18 deviations (Rayleigh).
+/// How well corners are followed depends on the light: the median of what is left over.
 void Odometry::learn_noise(const std::vector<PointSeen>& points, const FittedPose& pose) {
   std::vector<double> errors;
   for (const PointSeen& point : points) {
@@ -231,103 +295,33 @@ void Odometry::learn_noise(const std::vector<PointSeen>& points, const FittedPos
         pose.T_w_c.linear().transpose() * (point.X_w.head<3>() - point.X_w.w() * pose.T_w_c.translation());
     if (y.z() > 1e-9) errors.push_back((y.head<2>() / y.z() - point.seen).norm());
   }
-  const double seen_px = std::clamp(median(errors) / 1.18 * camera_.focal(), kLeastNoise_px, kMostNoise_px);
-  noise_px_ += kLearnNoise * (seen_px - noise_px_);
+  const double seen_px =
+      std::clamp(median(errors) / kRayleighMedian * camera_.focal(), p_.noise.least_px, p_.noise.most_px);
+  noise_px_ += p_.noise.learn * (seen_px - noise_px_);
 }
 
-void Odometry::report(const FittedPose& pose, Motion& motion) {
+/// The motion to a pose that the map gave, with its covariance.
+Motion Odometry::move_to(const FittedPose& pose, const Prediction& predicted) {
   const Isometry3d T_before = pose_before();
-  last_step_ = T_before.inverse() * pose.T_w_c;
-  last_step_s_ = step_s_;
-  motion.q_c0_c1 = Quaterniond(last_step_.linear()).normalized();
-  motion.p_c0_c1 = last_step_.translation();
+  const Isometry3d step = T_before.inverse() * pose.T_w_c;
+  Motion motion{.tracked = static_cast<unsigned>(seen_.corners.size()), .inliers = static_cast<unsigned>(pose.count)};
+  motion.q_c0_c1 = Quaterniond(step.linear()).normalized();
+  motion.p_c0_c1 = step.translation();
   motion.rotation_valid = motion.translation_valid = true;
   motion.state = Tracking::tracking;
   motion.failure = FailureReason::none;
-  // Both poses stand by the map; what the gyroscope tied this turn to the last by, they share.
+  // Both poses stand by the map; what the gyroscope tied this rotation to the last by, they share.
   Eigen::Matrix<double, 6, 6> to_c0 = Eigen::Matrix<double, 6, 6>::Zero(),
                               own = Eigen::Matrix<double, 6, 6>::Identity();
-  to_c0.topLeftCorner<3, 3>() = last_step_.linear();
+  to_c0.topLeftCorner<3, 3>() = step.linear();
   to_c0.bottomRightCorner<3, 3>() = T_before.linear().transpose();
-  if (turn_) own.topLeftCorner<3, 3>() -= pose.covariance.topLeftCorner<3, 3>() / std::pow(turn_->sigma_rad, 2);
-  motion.covariance = to_c0 * (pose.covariance + own * last_covariance_ * own.transpose()) * to_c0.transpose();
-  motion.covariance.diagonal().head<3>().array() += kTurnFloor_rad * kTurnFloor_rad;
-  last_covariance_ = pose.covariance;
-  T_w_c_ = pose.T_w_c;
-  T_k_c_ = window_.keyframes().back().T_w_c.inverse() * T_w_c_;
-}
-
-/// Parallax enough to tell depths, or few of the last keyframe's points left.
-bool Odometry::wants_keyframe() const {
-  if (static_cast<double>(seen_.size()) < kFewLeft * static_cast<double>(seen_before_)) return false;  // see what comes
-  const Keyframe& last = window_.keyframes().back();
-  const Eigen::Matrix3d R_k_c = last.T_w_c.linear().transpose() * T_w_c_.linear();
-  std::vector<double> parallax;
-  size_t located = 0;
-  const auto& landmarks = window_.landmarks();
-  for (const Seen& s : seen_) {
-    const auto found = landmarks.find(s.track);
-    if (found == landmarks.end() || found->second.seen.empty()) continue;
-    located += found->second.located;
-    const Observation& o = found->second.seen.back();
-    if (o.keyframe == last.id) parallax.push_back((R_k_c * ray(s.at) - ray(o.seen)).norm());
-  }
-  const double kept = static_cast<double>(parallax.size());
-  if (median(parallax) > kKeyParallax_rad) return true;
-  return kept < kFewLeft * static_cast<double>(seen_at_keyframe_) ||
-         static_cast<double>(located) < kFewLeft * static_cast<double>(located_at_keyframe_);
-}
-
-void Odometry::make_keyframe(const Frame& frame) {
-  // While the camera stands its keyframes would push those with a way out of the window, and the unit with them.
-  const auto& keyframes = window_.keyframes();
-  const size_t n = keyframes.size();
-  if (n > 2 && (keyframes[n - 1].T_w_c.translation() - keyframes[n - 2].T_w_c.translation()).norm() <
-                   kStanding * window_.depth_median())
-    window_.drop_newest();
-  const int64_t before_ns = window_.keyframes().back().t_ns;
-  window_.add({0, frame.t_ns, T_w_c_, gyroscope_.between(before_ns, frame.t_ns, bias_c_), bias_c_});
-  std::vector<uint64_t> alive;
-  for (const Seen& s : seen_) {
-    window_.observe(s.track, s.at);
-    alive.push_back(s.track);
-  }
-  std::sort(alive.begin(), alive.end());
-  window_.triangulate(kPointParallax_rad);
-  failed_adjustments_ += adjust(window_, bias_c_, sigma()).failed;
-  drop_outliers();
-  window_.update_depth_variance(sigma());
-  window_.slide();
-  window_.forget_but(alive);
-  T_w_c_ = window_.keyframes().back().T_w_c;
-  T_k_c_.setIdentity();
-  reference_ns_ = frame.t_ns;
-  tracker_.refill(frame.mask);
-  const size_t before = seen_.size();
-  undistort_tracks(frame);
-  for (size_t i = before; i < seen_.size(); ++i) window_.observe(seen_[i].track, seen_[i].at);
-  relocalisation_keyframe_ = RelocalisationKeyframe{tracker_.snapshot(), seen_, seen_lens_};
-  seen_at_keyframe_ = seen_.size();
-  located_at_keyframe_ = 0;
-  for (const Seen& s : seen_) located_at_keyframe_ += window_.landmarks()[s.track].located;
-}
-
-/// Observations that an adjustment left over are other things: what moves, what was followed wrongly.
-void Odometry::drop_outliers() {
-  const double bound = kOutlier * sigma();
-  std::vector<uint64_t> gone;
-  for (auto& [track, landmark] : window_.landmarks()) {
-    if (!landmark.located) continue;
-    const Eigen::Vector4d X = window_.point(landmark);
-    int bad = 0;
-    for (const Observation& o : landmark.seen) {
-      const Isometry3d& T = window_.keyframe(o.keyframe).T_w_c;
-      const Vector3d y = T.linear().transpose() * (X.head<3>() - X.w() * T.translation());
-      bad += y.z() <= 0 || (y.head<2>() / y.z() - o.seen).norm() > bound;
-    }
-    if (bad > 1 || (bad == 1 && landmark.seen.size() < 4)) gone.push_back(track);
-  }
-  for (const uint64_t track : gone) window_.forget(track);
+  if (predicted.gyro)
+    own.topLeftCorner<3, 3>() -= pose.covariance.topLeftCorner<3, 3>() / std::pow(predicted.gyro->sigma_rad, 2);
+  motion.covariance = to_c0 * (pose.covariance + own * track_.covariance * own.transpose()) * to_c0.transpose();
+  motion.covariance.diagonal().head<3>().array() += p_.pose.rotation_floor_rad * p_.pose.rotation_floor_rad;
+  const Isometry3d T_k_c = window_.keyframes().back().T_w_c.inverse() * pose.T_w_c;
+  track_ = {pose.T_w_c, T_k_c, step, predicted.step_s, pose.covariance};
+  return motion;
 }
 
 }  // namespace odograph::vo

@@ -8,7 +8,9 @@
 #include "plugins/shared/camera/corner_tracker.hpp"
 #include "plugins/shared/camera/tracking.hpp"
 #include "plugins/vo/odograph/visual/gyroscope.hpp"
+#include "plugins/vo/odograph/visual/parameters.hpp"
 #include "plugins/vo/odograph/visual/pose_fit.hpp"
+#include "plugins/vo/odograph/visual/states.hpp"
 #include "plugins/vo/odograph/visual/window.hpp"
 
 namespace odograph::vo {
@@ -16,7 +18,7 @@ namespace odograph::vo {
 /// Motion from the previous frame to this one.
 struct Motion {
   Eigen::Quaterniond q_c0_c1 = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d p_c0_c1 = Eigen::Vector3d::Zero();                             ///< VO units
+  Eigen::Vector3d p_c0_c1 = Eigen::Vector3d::Zero();                             ///< of the scale group's scale
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of (rotation, position) in c0
   bool rotation_valid = false, translation_valid = false;
   Tracking state = Tracking::lost;
@@ -34,16 +36,12 @@ struct Frame {
 };
 
 /// Monocular visual odometry over a sliding window of keyframes; the gyroscope, where there is one, tells corners where
-/// to look, rows of a rolling shutter when they saw, and the window how it turned. Steps of process(), in order:
-/// predict, follow, undistort, then start (no map yet) or estimate the pose (by the map), then perhaps a
-/// keyframe.
+/// to look, rows of a rolling shutter when they saw, and the window how the camera rotated. process() is the list of
+/// its steps: predict, follow, undistort, then what the state does (states.hpp): begin a map, estimate the pose by it,
+/// or relocalise. One thread, deterministic.
 class Odometry {
  public:
-  struct Parameters {
-    CornerTracker::Parameters corners{
-        .most = 250, .cell_px = 28, .quality = 0.01, .window_px = 19, .levels = 3, .back_px = 0.7};
-    double noise_px = 0.4;  ///< standard deviation of a corner, to begin with: by night it is more
-  };
+  using Parameters = OdometryParameters;
 
   Odometry(const Parameters& parameters, const CameraModel& camera);
 
@@ -61,68 +59,82 @@ class Odometry {
   uint64_t failed_adjustments() const { return failed_adjustments_; }
 
  private:
-  struct Seen {
-    uint64_t track;
-    Eigen::Vector2d at;  ///< normalized
+  /// What a frame comes to: its motion, and the state after it.
+  struct Outcome {
+    Motion motion;
+    State next;
+  };
+  /// The corners of the reference frame that are still seen, in both frames.
+  struct Matches {
+    std::vector<cv::Point2d> first, second;
+    std::vector<size_t> which;  ///< of seen_.corners
+  };
+  /// The second view of a map that begins; the first is the reference.
+  struct SecondView {
+    Eigen::Isometry3d T_w_c;  ///< the median depth of the first points is one
+    std::vector<char> inliers;
+    int count;
+    double parallax_rad;
   };
 
-  /// Where the camera was well placed last, to be found again from there.
-  struct RelocalisationKeyframe {
-    CornerTracker tracker;
-    std::vector<Seen> seen;
-    CameraModel lens;
-  };
+  // What a frame does in each state.
+  Outcome advance(AwaitingFrame state, const Frame& frame, const Prediction& predicted);
+  Outcome advance(Initialising state, const Frame& frame, const Prediction& predicted);
+  Outcome advance(MapTracking map, const Frame& frame, const Prediction& predicted);
+  Outcome advance(Relocalising state, const Frame& frame, const Prediction& predicted);
 
-  void predict(const Frame& frame);
-  Eigen::Isometry3d pose_before() const { return window_.keyframes().back().T_w_c * T_k_c_; }
-  Eigen::Isometry3d expected_pose() const;
-  Eigen::Vector2d expected_at(const Seen& seen, const Eigen::Isometry3d& T_expected) const;
-  void follow(const Frame& frame, const Eigen::Isometry3d& T_expected);
-  void undistort_tracks(const Frame& frame);
-  bool start_or_turn(Motion& motion);
-  void learn_bias(const Eigen::Quaterniond& seen_rotation, double sigma_rad);
-  bool start(Motion& motion, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
-             const std::vector<size_t>& which, const Eigen::Quaterniond& turn_alone);
-  bool estimate_pose(const Eigen::Isometry3d& T_expected, Motion& motion);
-  void relocalise(const Frame& frame, Motion& motion);
-  std::optional<FittedPose> fit(const std::vector<PointSeen>& points, const Eigen::Isometry3d& T_expected);
-  void report(const FittedPose& pose, Motion& motion);
-  bool wants_keyframe() const;
-  void make_keyframe(const Frame& frame);
-  void drop_outliers();
-  void begin(const Frame& frame, bool new_group);
-  double sigma() const { return noise_px_ / camera_.focal(); }
+  // Steps of every state.
+  Prediction predict(int64_t t_ns) const;
+  Eigen::Isometry3d pose_before() const { return window_.keyframes().back().T_w_c * track_.T_k_c; }
+  Eigen::Isometry3d expected_pose(const Prediction& predicted) const;
+  Eigen::Vector2d expected_at(const SeenCorner& corner, const Eigen::Isometry3d& T_expected,
+                              const Eigen::Quaterniond& q_c0_c1) const;
+  void follow(const Frame& frame, const Eigen::Isometry3d& T_expected, const Eigen::Quaterniond& q_c0_c1);
+  SeenCorners undistort(const Frame& frame) const;
+  Motion rotation_by_gyroscope(const Prediction& predicted) const;
+
+  // Beginning a map (start.cpp).
+  Initialising begin(const Frame& frame);
+  Initialising begin_group(const Frame& frame);
+  Matches matches_with_reference() const;
+  void learn_bias(const Initialising& state, const Prediction& predicted, const Eigen::Quaterniond& seen_rotation,
+                  double sigma_rad);
+  std::optional<SecondView> find_second_view(const Matches& matches, const Eigen::Quaterniond& rotation_alone);
+  Motion begin_map(const SecondView& view, const Matches& matches, const Initialising& state,
+                   const Prediction& predicted);
+
+  // Placing the camera by the map (odometry.cpp), and the map itself (mapping.cpp).
+  std::vector<PointSeen> points_seen(std::vector<uint64_t>& tracks) const;
+  std::optional<FittedPose> fit(const std::vector<PointSeen>& points, const Eigen::Isometry3d& T_expected,
+                                const Prediction& predicted, double unseen_s);
+  std::optional<FittedPose> fit_by_ransac(const std::vector<PointSeen>& points,
+                                          const std::optional<RotationPrior>& prior) const;
+  std::optional<FittedPose> estimate_pose(const Eigen::Isometry3d& T_expected, const Prediction& predicted,
+                                          double unseen_s, int& doubts);
   void learn_noise(const std::vector<PointSeen>& points, const FittedPose& pose);
+  Motion move_to(const FittedPose& pose, const Prediction& predicted);
+  bool wants_keyframe(const MapTracking& map) const;
+  void make_keyframe(const Frame& frame, MapTracking& map);
+  void drop_outliers();
+
+  FailureReason dark_or_few_features() const;
+  double sigma() const { return noise_px_ / camera_.focal(); }  ///< of a corner, normalized
 
   Parameters p_;
   CameraModel camera_;
   CornerTracker tracker_;
   Gyroscope gyroscope_;
-  Eigen::Vector3d bias_c_ = Eigen::Vector3d::Zero();
-  double bias_sigma_ = 0.01;  // rad/s, before the window knows better
+  Eigen::Vector3d bias_c_ = Eigen::Vector3d::Zero();  ///< rad/s
+  double bias_sigma_;                                 ///< rad/s, before the window knows better
+  double noise_px_;                                   ///< of a corner, as it is learnt
   Window window_;
-
-  cv::Mat smooth_;
-  std::vector<Seen> seen_;
-  CameraModel seen_lens_;  // of the picture in which seen_ were
-  std::vector<cv::Point2d> straight_;
-
-  int64_t last_ns_ = 0, reference_ns_ = 0;
-  std::optional<GyroRotation> turn_;  // from the last frame to this one
-  Eigen::Quaterniond expected_turn_;  // the same, or what the frame before did
-  Eigen::Isometry3d T_w_c_ = Eigen::Isometry3d::Identity();
-  Eigen::Isometry3d last_step_ = Eigen::Isometry3d::Identity();
-  double last_step_s_ = 0, step_s_ = 0;
-  Eigen::Isometry3d T_k_c_ = Eigen::Isometry3d::Identity();  // the latest frame in the newest keyframe
-  Eigen::Matrix<double, 6, 6> last_covariance_ = Eigen::Matrix<double, 6, 6>::Zero();
-  bool started_ = false, have_reference_ = false;
+  SeenCorners seen_;  ///< of the latest frame
+  CameraTrack track_;
+  State state_;
+  int64_t last_ns_ = 0;  ///< of the latest frame
   unsigned group_ = 0;
-  size_t located_at_keyframe_ = 0, seen_at_keyframe_ = 0, seen_before_ = 0;
-  double noise_px_;
   uint64_t failed_adjustments_ = 0;
-  int doubts_ = 0;
-  std::optional<RelocalisationKeyframe> relocalisation_keyframe_;
-  std::optional<int64_t> relocalising_since_ns_;
+  cv::Mat smooth_;
 };
 
 }  // namespace odograph::vo

@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "plugins/vo/odograph/visual/parameters.hpp"
+
 namespace odograph::vo {
 
 /// A point of the map and where the picture has it.
@@ -33,6 +35,7 @@ struct FittedPose {
 /// The pose that sees the points where they are seen: Gauss-Newton with a redescending loss (Geman-McClure) whose scale
 /// shrinks from `loose` to `sigma`, both in normalized coordinates. Nothing when the equations are singular.
 std::optional<FittedPose> fit_pose(const std::vector<PointSeen>& points, const Eigen::Isometry3d& start, double sigma,
-                                   double loose, const std::optional<RotationPrior>& prior);
+                                   double loose, const std::optional<RotationPrior>& prior,
+                                   const PoseFitParameters& p = {});
 
 }  // namespace odograph::vo

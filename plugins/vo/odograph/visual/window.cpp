@@ -2,14 +2,13 @@
 #include "plugins/vo/odograph/visual/window.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "plugins/shared/camera/two_view.hpp"
+#include "plugins/shared/median.hpp"
 
 namespace odograph::vo {
 namespace {
-
-constexpr double kFarthest = 200;       // median depths: farther is as good as infinitely far
-constexpr double kTriangulated = 0.02;  // largest error of a triangulation, normalized
 
 Eigen::Vector3d ray(const Eigen::Vector2d& seen) { return {seen.x(), seen.y(), 1.0}; }
 
@@ -45,14 +44,14 @@ Eigen::Vector4d Window::point(const Landmark& landmark) const {
   return X;
 }
 
-void Window::triangulate(double least_parallax_rad) {
+void Window::triangulate() {
   std::vector<Sighting> sightings;
   for (auto& [track, landmark] : landmarks_) {
     if (landmark.located || landmark.seen.size() < 2) continue;
     sightings.clear();
     for (const Observation& o : landmark.seen)
       sightings.push_back({keyframe(o.keyframe).T_w_c, {o.seen.x(), o.seen.y()}});
-    const auto X = odograph::triangulate(sightings, kTriangulated, least_parallax_rad);
+    const auto X = odograph::triangulate(sightings, p_.triangulation_error, p_.point_parallax_rad);
     if (!X) continue;
     const double depth = (sightings.front().T_w_c.inverse() * *X).z();
     if (depth <= 0) continue;
@@ -78,7 +77,7 @@ void Window::update_depth_variance(double sigma) {
 }
 
 void Window::slide() {
-  while (keyframes_.size() > most_) {
+  while (keyframes_.size() > p_.window) {
     const Keyframe oldest = keyframes_.front();
     for (auto& [track, landmark] : landmarks_) {
       if (landmark.seen.empty() || landmark.seen.front().keyframe != oldest.id) continue;
@@ -114,9 +113,8 @@ double Window::depth_median() const {
     const Eigen::Vector4d X = point(landmark);
     if (X.w() > 1e-9) depths.push_back((T_c_w * (X.head<3>() / X.w())).z());
   }
-  if (depths.empty()) return kFarthest;
-  std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2), depths.end());
-  return depths[depths.size() / 2];
+  if (depths.empty()) return p_.farthest;
+  return median(std::move(depths));
 }
 
 size_t Window::located() const {

@@ -18,8 +18,8 @@ struct Keyframe {
   uint32_t id;
   int64_t t_ns;
   Eigen::Isometry3d T_w_c;
-  std::optional<GyroRotation> turn;  ///< from the keyframe before, with the bias of then
-  Eigen::Vector3d turn_bias_c;
+  std::optional<GyroRotation> rotation;  ///< from the keyframe before, with the bias of then
+  Eigen::Vector3d rotation_bias_c;
 };
 
 struct Observation {
@@ -39,7 +39,7 @@ struct Landmark {
 /// The last keyframes and what they saw.
 class Window {
  public:
-  explicit Window(size_t most) : most_(most) {}
+  explicit Window(const KeyframeParameters& parameters) : p_(parameters) {}
 
   void clear();
   void add(Keyframe keyframe);
@@ -47,7 +47,7 @@ class Window {
   void drop_newest();
   void observe(uint64_t track, const Eigen::Vector2d& seen);  ///< by the newest keyframe
   /// Depths of points that have come to have parallax; the others stay unlocated.
-  void triangulate(double least_parallax_rad);
+  void triangulate();
   /// Forgets the oldest keyframe where there are too many; points that it anchored hang on the next that saw them.
   void slide();
   void forget(uint64_t track) { landmarks_.erase(track); }
@@ -68,10 +68,10 @@ class Window {
   const std::map<uint64_t, Landmark>& landmarks() const { return landmarks_; }
   const Keyframe& keyframe(uint32_t id) const { return keyframes_[id - keyframes_.front().id]; }
   bool slid() const { return slid_; }
-  size_t most() const { return most_; }
+  size_t most() const { return p_.window; }
 
  private:
-  size_t most_;
+  KeyframeParameters p_;
   std::deque<Keyframe> keyframes_;          // ids without gaps
   std::map<uint64_t, Landmark> landmarks_;  // ordered: the same sums in the same order each time
   bool slid_ = false;

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/step/odograph/stair_detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odograph::steps {
+
+void StairDetector::add(int64_t t_ns, double pressure_pa) {
+  const size_t size = heights_.size();
+  if (count_ > 0) {
+    const int64_t since = t_ns - heights_[(count_ - 1) % size].t_ns;
+    if (since < p_.least_interval_ns) return;
+    if (since > static_cast<int64_t>(p_.window_s * 1e9)) reset();
+  }
+  heights_[count_++ % size] = {t_ns, -p_.metres_per_pascal * pressure_pa};
+  double n = 0, t_sum = 0, h_sum = 0, tt = 0, th = 0, hh = 0;
+  const double first_m = heights_[(count_ - 1) % size].m;
+  double span_s = 0;
+  for (size_t k = 0; k < std::min(count_, size); ++k) {
+    const Height& height = heights_[(count_ - 1 - k) % size];
+    const double t = static_cast<double>(height.t_ns - t_ns) * 1e-9, h = height.m - first_m;
+    if (t < -p_.window_s) break;
+    n += 1, t_sum += t, h_sum += h, tt += t * t, th += t * h, hh += h * h;
+    span_s = -t;
+  }
+  if (n < static_cast<double>(p_.least_samples) || span_s < p_.least_span_s) return;
+  tt -= t_sum * t_sum / n, th -= t_sum * h_sum / n, hh -= h_sum * h_sum / n;
+  const double slope = th / tt, scatter = std::sqrt(std::max(0.0, hh - slope * th) / (n - 2));
+  const double sigma = scatter * std::sqrt(12 / std::min(n, span_s / p_.gust_s)) / span_s;
+  const bool climbs =
+      climbs_ ? std::abs(slope) > p_.end_mps : std::abs(slope) > std::max(p_.begin_mps, p_.clear_sigmas * sigma);
+  if (climbs == climbs_) return;
+  climbs_ = climbs;
+  since_ns_ = t_ns - static_cast<int64_t>(0.5e9 * span_s);
+}
+
+}  // namespace odograph::steps

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The map of keyframes: when it grows, and what an adjustment throws out of it.
+#include <algorithm>
+#include <cmath>
+
+#include "plugins/vo/odograph/visual/bundle.hpp"
+#include "plugins/shared/median.hpp"
+#include "plugins/vo/odograph/visual/odometry.hpp"
+
+namespace odograph::vo {
+namespace {
+
+Eigen::Vector3d ray(const Eigen::Vector2d& seen) { return Eigen::Vector3d(seen.x(), seen.y(), 1).normalized(); }
+
+}  // namespace
+
+/// Parallax enough to tell depths, or few of the last keyframe's points left.
+bool Odometry::wants_keyframe(const MapTracking& map) const {
+  const auto few = [&](size_t left, size_t of) {
+    return static_cast<double>(left) < p_.keyframe.few_left * static_cast<double>(of);
+  };
+  if (few(seen_.corners.size(), map.corners_before)) return false;  // see what comes
+  const Keyframe& last = window_.keyframes().back();
+  const Eigen::Matrix3d R_k_c = last.T_w_c.linear().transpose() * track_.T_w_c.linear();
+  std::vector<double> parallax;
+  size_t located = 0;
+  const auto& landmarks = window_.landmarks();
+  for (const SeenCorner& corner : seen_.corners) {
+    const auto found = landmarks.find(corner.track);
+    if (found == landmarks.end() || found->second.seen.empty()) continue;
+    located += found->second.located;
+    const Observation& o = found->second.seen.back();
+    if (o.keyframe == last.id) parallax.push_back((R_k_c * ray(corner.at) - ray(o.seen)).norm());
+  }
+  return median(parallax) > p_.keyframe.parallax_rad || few(parallax.size(), map.corners_at_keyframe) ||
+         few(located, map.located_at_keyframe);
+}
+
+/// The latest frame becomes a keyframe: its corners are observed, the window is adjusted, new corners are found.
+void Odometry::make_keyframe(const Frame& frame, MapTracking& map) {
+  // While the camera stands its keyframes would push those with a displacement out of the window, and the scale with
+  // them.
+  const auto& keyframes = window_.keyframes();
+  const size_t n = keyframes.size();
+  if (n > 2 && (keyframes[n - 1].T_w_c.translation() - keyframes[n - 2].T_w_c.translation()).norm() <
+                   p_.keyframe.standing * window_.depth_median())
+    window_.drop_newest();
+  const int64_t before_ns = window_.keyframes().back().t_ns;
+  window_.add({0, frame.t_ns, track_.T_w_c, gyroscope_.between(before_ns, frame.t_ns, bias_c_), bias_c_});
+  std::vector<uint64_t> alive;
+  for (const SeenCorner& corner : seen_.corners) {
+    window_.observe(corner.track, corner.at);
+    alive.push_back(corner.track);
+  }
+  std::sort(alive.begin(), alive.end());
+  window_.triangulate();
+  failed_adjustments_ += adjust(window_, bias_c_, sigma(), p_.adjustment).failed;
+  drop_outliers();
+  window_.update_depth_variance(sigma());
+  window_.slide();
+  window_.forget_but(alive);
+  track_.T_w_c = window_.keyframes().back().T_w_c;
+  track_.T_k_c.setIdentity();
+  tracker_.refill(frame.mask);
+  const size_t before = seen_.corners.size();
+  seen_ = undistort(frame);
+  for (size_t i = before; i < seen_.corners.size(); ++i) window_.observe(seen_.corners[i].track, seen_.corners[i].at);
+  map.keyframe = RelocalisationKeyframe{tracker_.snapshot(), seen_};
+  map.corners_at_keyframe = seen_.corners.size();
+  map.located_at_keyframe = 0;
+  for (const SeenCorner& corner : seen_.corners) map.located_at_keyframe += window_.landmarks()[corner.track].located;
+}
+
+/// Observations that an adjustment left over are other things: what moves, what was followed wrongly.
+void Odometry::drop_outliers() {
+  const double bound = p_.keyframe.outlier_sigmas * sigma();
+  std::vector<uint64_t> gone;
+  for (auto& [track, landmark] : window_.landmarks()) {
+    if (!landmark.located) continue;
+    const Eigen::Vector4d X = window_.point(landmark);
+    int bad = 0;
+    for (const Observation& o : landmark.seen) {
+      const Eigen::Isometry3d& T = window_.keyframe(o.keyframe).T_w_c;
+      const Eigen::Vector3d y = T.linear().transpose() * (X.head<3>() - X.w() * T.translation());
+      bad += y.z() <= 0 || (y.head<2>() / y.z() - o.seen).norm() > bound;
+    }
+    if (bad > 1 || (bad == 1 && landmark.seen.size() < 4)) gone.push_back(track);
+  }
+  for (const uint64_t track : gone) window_.forget(track);
+}
+
+}  // namespace odograph::vo

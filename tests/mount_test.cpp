@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The camera's mount: an oracle is that the body's track does not depend on how the camera is mounted on it.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "sdk/host/estimator/per_frame_coupling.hpp"
+#include "tests/estimator_walk.hpp"
+
+using namespace odograph;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("mount");
+
+namespace {
+
+constexpr int64_t kSecond = 1'000'000'000;
+const Quaterniond kPhone(0, 1, 0, 0);                                      // its own inverse
+const Quaterniond kAskew = Quaterniond(0.5, 0.7, -0.3, 0.4).normalized();  // nothing in it is its own inverse
+
+Quaterniond q_of(const odo_pose& pose) { return {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}; }
+
+struct BodyTrack {
+  std::vector<Quaterniond> q_n_b;
+  std::vector<Vector3d> p_n_c;
+};
+
+BodyTrack track_of(WalkMeasurements what, const Quaterniond& mount) {
+  what.q_b_c = mount;
+  EstimatorWalk walk(estimator_scenario(25), what, 3);
+  CouplingConfig config;
+  config.type = CouplingType::inertial;
+  const auto estimator = make_estimator(config, {}, {.vo = true, .scale = false});
+  BodyTrack track;
+  walk.run(*estimator, [&](double, const odo_pose& pose) {
+    if (!(pose.header.flags & ODO_POSE_CAMERA)) return;
+    track.q_n_b.push_back(q_of(pose) * mount.conjugate());
+    track.p_n_c.push_back(Vector3d(pose.p_n));
+  });
+  return track;
+}
+
+odo_attitude attitude(int64_t t_ns, const Quaterniond& q) {
+  auto a = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);
+  a.q_n_b[0] = q.w(), a.q_n_b[1] = q.x(), a.q_n_b[2] = q.y(), a.q_n_b[3] = q.z();
+  return a;
+}
+
+}  // namespace
+
+TEST_CASE("the inertial estimator's track of the body does not depend on the camera's mount") {
+  for (const double scale_sigma : {0.0, 0.02}) {  // up to scale; metric and inertial
+    CAPTURE(scale_sigma);
+    WalkMeasurements what;
+    what.odometry.scale_sigma = scale_sigma;
+    if (scale_sigma > 0) what.odometry.units_per_m = 1;
+    const BodyTrack phone = track_of(what, kPhone), askew = track_of(what, kAskew);
+    REQUIRE(phone.p_n_c.size() == askew.p_n_c.size());
+    REQUIRE(phone.p_n_c.size() > 100);
+    double apart_m = 0, apart_rad = 0;
+    for (size_t i = 0; i < phone.p_n_c.size(); ++i) {
+      apart_m = std::max(apart_m, (phone.p_n_c[i] - askew.p_n_c[i]).norm());
+      apart_rad = std::max(apart_rad, phone.q_n_b[i].angularDistance(askew.q_n_b[i]));
+    }
+    MESSAGE(apart_m << " m, " << apart_rad << " rad apart");
+    CHECK(apart_m < 1e-6);
+    CHECK(apart_rad < 1e-6);
+  }
+}
+
+TEST_CASE("the camera's covariance is the body's, carried over the lever arm") {
+  WalkMeasurements what;
+  EstimatorWalk walk(estimator_scenario(15), what, 4);
+  CouplingConfig config;
+  config.type = CouplingType::inertial;
+  const auto estimator = make_estimator(config, {}, {.vo = true, .scale = false});
+  int compared = 0;
+  double worst = 0, told = 0;
+  walk.run(*estimator, [&](double, const odo_pose&) {
+    Estimate newest;
+    HeldPose body;
+    if (estimator->at(INT64_MIN, newest) != ODO_OK || !estimator->pose_now(body)) return;
+    if (newest.p_n_b != body.p_n_b || !(newest.pose.header.flags & ODO_POSE_POSITION)) return;  // of another moment
+    const Vector3d lever_n = body.q_n_b * walk.p_b_c();
+    Eigen::Matrix<double, 6, 6> J = Eigen::Matrix<double, 6, 6>::Identity();  // a small rotation moves the lever's end
+    J.bottomLeftCorner<3, 3>() << 0, lever_n.z(), -lever_n.y(), -lever_n.z(), 0, lever_n.x(), lever_n.y(), -lever_n.x(),
+        0;
+    const Eigen::Matrix<double, 6, 6> expected = J * body.own * J.transpose();
+    const auto actual = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(newest.pose.covariance);
+    worst = std::max(worst, (actual - expected).norm() / expected.norm());
+    told = std::max(told, (body.own - expected).norm() / expected.norm());
+    ++compared;
+  });
+  CHECK(compared > 50);
+  CHECK(worst < 1e-12);
+  CHECK(told > 1e-4);  // the lever does matter
+}
+
+TEST_CASE("while the camera is blind the attitude's rotation turns it, through its mount") {
+  PerFrameCoupling coupling({}, {}, {true, false});
+  auto lens = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+  lens.header.flags = ODO_CALIBRATION_EXTRINSICS;
+  lens.q_b_c[0] = kAskew.w(), lens.q_b_c[1] = kAskew.x(), lens.q_b_c[2] = kAskew.y(), lens.q_b_c[3] = kAskew.z();
+  coupling.on_calibration(lens);
+  const Quaterniond q0 = Quaterniond(0.7, -0.2, 0.5, 0.4).normalized();
+  const Quaterniond q1(Eigen::AngleAxisd(0.8, Vector3d(0.3, -0.2, 0.9).normalized()) * q0);
+  coupling.on_attitude(attitude(0, q0));
+  CHECK(q_of(coupling.on_first_frame(0)).angularDistance(q0 * kAskew) < 1e-7);
+  coupling.on_attitude(attitude(kSecond, q1));
+  auto blind = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, kSecond);
+  blind.t_from_ns = 0, blind.q_c0_c1[0] = 1, blind.state = ODO_LOST;
+  CHECK(q_of(coupling.on_vo_motion(blind, nullptr)).angularDistance(q1 * kAskew) < 1e-7);
+}
+
+TEST_SUITE_END();

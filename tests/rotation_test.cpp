@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Rotations of the SDK and of the plugins against Eigen's angle-axis, the matrix exponential and logarithm, and numeric
+// derivatives.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <unsupported/Eigen/MatrixFunctions>
+
+#include "plugins/shared/rotation.hpp"
+#include "sdk/host/base/rotation.hpp"
+#include "sdk/tools/simulation/random.hpp"
+
+TEST_SUITE_BEGIN("rotation");
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+namespace so3 = odograph::so3;
+
+/// Rotation vectors of all sizes, up to but not to half a turn.
+std::vector<Vector3d> rotation_vectors() {
+  odograph::Random random(7, 1);
+  std::vector<Vector3d> all{Vector3d::Zero()};
+  for (const double angle : {1e-300, 1e-18, 1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 0.9e-4, 1.1e-4, 1e-3, 0.1, 1.0, 2.0, 3.1})
+    for (int k = 0; k < 8; ++k)
+      all.push_back(angle * Vector3d(random.normal(), random.normal(), random.normal()).normalized());
+  return all;
+}
+
+double difference(const Matrix3d& a, const Matrix3d& b) { return (a - b).cwiseAbs().maxCoeff(); }
+
+}  // namespace
+
+TEST_CASE("Exp is the matrix exponential of the cross product matrix, and a unit quaternion") {
+  for (const Vector3d& v : rotation_vectors()) {
+    CAPTURE(v.norm());
+    const Matrix3d expected = odograph::skew(v).exp();
+    for (const Quaterniond& q : {odograph::exp_rotation(v), so3::exp_rotation(v)}) {
+      CHECK(difference(q.toRotationMatrix(), expected) < 1e-14);
+      CHECK(std::abs(q.norm() - 1) < 1e-15);
+    }
+    CHECK(difference(so3::exp_rotation_matrix(v), expected) < 1e-14);
+    if (v.norm() > 0) {
+      const Matrix3d by_angle = Eigen::AngleAxisd(v.norm(), v.normalized()).toRotationMatrix();
+      CHECK(difference(so3::exp_rotation(v).toRotationMatrix(), by_angle) < 1e-14);
+    }
+  }
+}
+
+TEST_CASE("Log takes Exp back, of q as of -q, relative to the angle") {
+  for (const Vector3d& v : rotation_vectors()) {
+    CAPTURE(v.norm());
+    const Quaterniond q = odograph::exp_rotation(v), minus(-q.coeffs());
+    const double bound = 1e-13 * v.norm() + 1e-300;
+    for (const Quaterniond& same : {q, minus}) {
+      CHECK((odograph::log_rotation(same) - v).norm() <= bound);
+      CHECK((so3::log_rotation(same) - v).norm() <= bound);
+    }
+    if (v.norm() > 1e-6)
+      CHECK(difference(odograph::skew(odograph::log_rotation(q)), q.toRotationMatrix().log()) < 1e-8);
+  }
+}
+
+TEST_CASE("the left Jacobian is Exp's derivative on the left, numerically, and one in series and closed form") {
+  for (const Vector3d& v : rotation_vectors()) {
+    CAPTURE(v.norm());
+    const Matrix3d J = odograph::left_jacobian(v);
+    constexpr double h = 1e-6;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3d d = h * Vector3d::Unit(axis);
+      const Quaterniond plus = odograph::exp_rotation(v + d), minus = odograph::exp_rotation(v - d);
+      const Vector3d numeric = odograph::log_rotation(plus * minus.conjugate()) / (2 * h);
+      CHECK((J.col(axis) - numeric).norm() < 1e-8);
+    }
+    // Sola 2017, eq. (183): what it was made for.
+    CHECK(difference(Matrix3d::Identity() + J * odograph::skew(v), odograph::exp_rotation(v).toRotationMatrix()) <
+          1e-8);
+  }
+}
+
+TEST_CASE("the cross product matrix, quaternions of messages and rigid transforms") {
+  const Vector3d a(0.3, -1.2, 2.5), b(-0.7, 0.4, 1.1);
+  CHECK((odograph::skew(a) * b - a.cross(b)).norm() < 1e-15);
+  CHECK((so3::skew(a) * b - a.cross(b)).norm() < 1e-15);
+  const Quaterniond q = so3::exp_rotation(a);
+  double wxyz[4];
+  so3::put_quaternion(q, wxyz);
+  CHECK(wxyz[0] == q.w());
+  CHECK(wxyz[3] == q.z());
+  CHECK(so3::quaternion(wxyz).coeffs() == q.coeffs());
+  const double twice[4] = {2 * wxyz[0], 2 * wxyz[1], 2 * wxyz[2], 2 * wxyz[3]};
+  CHECK((odograph::quaternion(twice).coeffs() - q.coeffs()).norm() < 1e-15);
+  CHECK((so3::isometry(q, b) * a - (q * a + b)).norm() < 1e-15);
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "sdk/host/core/scale_join.hpp"
+#include "sdk/host/messages/messages.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("scale_join");
+
+namespace {
+
+odo_scale scale(double metres_per_unit, double relative_sigma, uint32_t flags = 0) {
+  auto s = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
+  s.header.flags = flags;
+  s.metres_per_unit = metres_per_unit, s.sigma = relative_sigma * metres_per_unit;
+  s.scale_group = 7, s.valid_from_ns = 0, s.valid_to_ns = 1000;
+  return s;
+}
+
+odo_vo_motion motion(int64_t t_ns, uint32_t group = 7) {
+  auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, t_ns);
+  m.scale_group = group;
+  return m;
+}
+
+}  // namespace
+
+TEST_CASE("two scales of one motion are averaged in their logarithms by the inverse of their variances") {
+  ScaleJoin join(2);
+  join.begin(motion(100));
+  const odo_scale a = scale(2.0, 0.05), b = scale(2.4, 0.20);
+  CHECK(join.answer(0, a));
+  CHECK(join.answer(1, b));
+  const odo_scale* both = join.joined();
+  REQUIRE(both);
+  // Sixteen times the weight for a quarter of the error.
+  CHECK(both->metres_per_unit == doctest::Approx(std::exp((16 * std::log(2.0) + std::log(2.4)) / 17)).epsilon(1e-12));
+  CHECK(both->sigma / both->metres_per_unit == doctest::Approx(1 / std::sqrt(400.0 + 25.0)).epsilon(1e-12));
+}
+
+TEST_CASE("one word is taken as it is, another group's or another time's is not") {
+  ScaleJoin join(2);
+  CHECK(join.note(0, scale(2.0, 0.05)));
+  join.begin(motion(100));
+  REQUIRE(join.joined());
+  CHECK(join.joined()->metres_per_unit == 2.0);
+  join.begin(motion(1000));
+  CHECK(join.joined());
+  join.begin(motion(1001));
+  CHECK_FALSE(join.joined());
+  join.begin(motion(200, 8));
+  CHECK_FALSE(join.joined());
+  join.reset();
+  join.begin(motion(100));
+  CHECK_FALSE(join.joined());
+}
+
+TEST_CASE("a horizontal scale and one of all three components are not mixed, and what both hold for is told") {
+  ScaleJoin join(3);
+  join.begin(motion(100));
+  odo_scale a = scale(2.0, 0.1, ODO_SCALE_HORIZONTAL | ODO_SCALE_STEADY), c = scale(2.2, 0.1, ODO_SCALE_HORIZONTAL);
+  a.valid_from_ns = 50, c.valid_to_ns = 500;
+  join.answer(0, a), join.answer(1, scale(9.0, 0.001)), join.answer(2, c);
+  const odo_scale* both = join.joined();
+  REQUIRE(both);
+  CHECK(both->metres_per_unit == doctest::Approx(std::sqrt(2.0 * 2.2)));
+  CHECK((both->header.flags & ODO_SCALE_HORIZONTAL) != 0);
+  CHECK((both->header.flags & ODO_SCALE_STEADY) == 0);
+  CHECK(both->valid_from_ns == 50);
+  CHECK(both->valid_to_ns == 500);
+}
+
+TEST_SUITE_END();
