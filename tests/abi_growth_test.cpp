@@ -181,20 +181,20 @@ TEST_CASE("scales of independent sources are averaged as logarithms by their var
   odo_vo_motion motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, 100);
   const auto scale = [](double metres, double sigma, uint32_t flags = 0) {
     auto s = make_message<odo_scale>(ODO_TYPE_SCALE, 100);
-    s.valid_to_ns = 100, s.metres_per_unit = metres, s.sigma = sigma, s.header.flags = flags;
+    s.valid_to_ns = 100, s.scale = metres, s.sigma = sigma, s.header.flags = flags;
     return s;
   };
   ScaleJoin join(2);
   join.begin(motion);
   CHECK(join.joined() == nullptr);
   join.answer(1, scale(2.0, 0.0));
-  CHECK(join.joined()->metres_per_unit == 2.0);  // one source's word, as it is
+  CHECK(join.joined()->scale == 2.0);  // one source's word, as it is
   join.answer(0, scale(1.0, 0.1));
   join.answer(1, scale(2.0, 0.2));
-  CHECK(join.joined()->metres_per_unit == doctest::Approx(std::sqrt(2.0)));
-  CHECK(join.joined()->sigma / join.joined()->metres_per_unit == doctest::Approx(0.1 / std::sqrt(2.0)));
+  CHECK(join.joined()->scale == doctest::Approx(std::sqrt(2.0)));
+  CHECK(join.joined()->sigma / join.joined()->scale == doctest::Approx(0.1 / std::sqrt(2.0)));
   join.answer(1, scale(2.0, 0.2, ODO_SCALE_HORIZONTAL));
-  CHECK(join.joined()->metres_per_unit == 1.0);  // of another thing: not averaged
+  CHECK(join.joined()->scale == 1.0);  // of another thing: not averaged
   motion.header.t_ns = 150;
   join.begin(motion);
   CHECK(join.joined() == nullptr);  // what was answered held for the motion before alone
@@ -204,13 +204,13 @@ TEST_CASE("scales of independent sources are averaged as logarithms by their var
   CHECK(join.joined() == nullptr);  // not of this motion
   motion.header.t_ns = 200;
   join.begin(motion);
-  CHECK(join.joined()->metres_per_unit == 3.0);  // of those to come
+  CHECK(join.joined()->scale == 3.0);  // of those to come
 }
 
 TEST_CASE("a scale that comes too late is published as not accepted and reported, one for motions to come is not") {
   const odo_vo_motion motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, 100);
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 100);
-  scale.valid_to_ns = 100, scale.metres_per_unit = 2, scale.sigma = 0.1;
+  scale.valid_to_ns = 100, scale.scale = 2, scale.sigma = 0.1;
   ScaleJoin join(1);
   CHECK(join.note(0, scale));  // no motion yet: who knows
   join.begin(motion);

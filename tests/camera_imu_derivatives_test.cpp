@@ -18,7 +18,7 @@ TEST_CASE("the derivatives of a corner's error are those of finite differences")
   const CameraImuData data = held.data(9);
   const CameraImuOptions options;
   const GyroOrientation gyro(data.gyro, Eigen::Vector3d::Zero());
-  auto windows = windows_of(data.frames, options.window_s, 12, options.fewest_corners);
+  auto windows = windows_of(data.frames, options.window_s, 12, options.min_corners);
   windows.erase(windows.begin());  // begins before the gyroscope does, with this offset
   CameraImuProblem problem(data, windows, {.q_b_c = held.q_b_c_true(), .lens = data.given, .gyro = &gyro}, options);
   SharedUnknowns x = SharedUnknowns::Zero();

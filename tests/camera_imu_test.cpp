@@ -95,7 +95,7 @@ TEST_CASE("what is not observable keeps its given value and is said") {
   held.rotation_rad *= 0.25, held.noise_px = 2, held.seconds = 12;
   CameraImuData data = held.data(5);
   data.given_row_time_s = 12e-6;
-  const auto found = calibrate_camera_imu(data, {.most_readout_sigma_s = 1e-4});
+  const auto found = calibrate_camera_imu(data, {.max_readout_sigma_s = 1e-4});
   REQUIRE(found);
   CHECK_FALSE(found->row_time_s.observable);
   CHECK(found->row_time_s.value == 12e-6);

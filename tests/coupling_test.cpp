@@ -27,10 +27,10 @@ odo_vo_motion motion(int64_t from, int64_t to, const Vector3d& p_c0_c1) {
   return m;
 }
 
-odo_scale scale(double metres_per_unit) {
+odo_scale scale(double scale) {
   auto s = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
-  s.metres_per_unit = metres_per_unit;
-  s.sigma = 0.1 * metres_per_unit;
+  s.scale = scale;
+  s.sigma = 0.1 * scale;
   s.header.flags = ODO_SCALE_HORIZONTAL;
   return s;
 }
@@ -92,10 +92,10 @@ TEST_CASE("each displacement is scaled on its own, horizontally, in NED") {
 TEST_CASE("rotation is chained from frame to frame") {
   PerFrameCoupling coupling({}, {}, {true, false});
   coupling.on_first_frame(0);
-  auto turn = motion(0, kSecond, Vector3d::Zero());
+  auto rotation = motion(0, kSecond, Vector3d::Zero());
   const Eigen::Quaterniond right(Eigen::AngleAxisd(EIGEN_PI / 2, Vector3d::UnitY()));  // about the camera's down axis
-  turn.q_c0_c1[0] = right.w(), turn.q_c0_c1[2] = right.y();
-  coupling.on_vo_motion(turn, nullptr);
+  rotation.q_c0_c1[0] = right.w(), rotation.q_c0_c1[2] = right.y();
+  coupling.on_vo_motion(rotation, nullptr);
   const odo_pose pose = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 3}), nullptr);
   CHECK(pose.p_n[0] == doctest::Approx(0.0));
   CHECK(pose.p_n[1] == doctest::Approx(3.0));  // facing east now; VO units, no scale source
@@ -118,7 +118,7 @@ TEST_CASE("the first fix places the track, later ones pull it by their weight, w
   pose = *coupling.take_correction();
   CHECK(pose.p_n[0] > 110.2);
   CHECK(pose.p_n[0] < 111.0);
-  // The uncertainty along the way was that of the scale: the correction shrinks it.
+  // The uncertainty along the path was that of the scale: the correction shrinks it.
   CHECK(pose.covariance[3 * 6 + 3] < 1.0);
 }
 
@@ -341,11 +341,11 @@ TEST_CASE("a motion faster than the carrier can be is a mistake, not a displacem
 TEST_CASE(
     "one scale from all steps: gestures do not count, the steps' own errors average out, a new group begins anew") {
   step_fit::StepFit fit(0.004, 0.05);
-  const double metres_per_unit = 4.0;
+  const double scale = 4.0;
   int64_t t = 0;
   double x = 0;
   const auto move = [&](double metres) {
-    fit.add_motion(t, t + kSecond / 10, Eigen::Vector2d(metres / metres_per_unit, 0), 0);
+    fit.add_motion(t, t + kSecond / 10, Eigen::Vector2d(metres / scale, 0), 0);
     t += kSecond / 10, x += metres;
   };
   for (int k = 0; k < 40; ++k) {  // standing, the hand moves to and fro, and the detector counts steps
@@ -361,7 +361,7 @@ TEST_CASE(
   }
   CHECK(counted >= 37);
   REQUIRE(fit.scale());
-  CHECK(fit.scale()->metres_per_unit == doctest::Approx(metres_per_unit).epsilon(0.03));
+  CHECK(fit.scale()->scale == doctest::Approx(scale).epsilon(0.03));
   CHECK(fit.scale()->relative_sigma < 0.08);
   CHECK_FALSE(fit.add_step(t, t + kSecond, 0.7, 0.07));  // the odometry is not there yet
   fit.add_motion(t, t + kSecond / 10, {0.1, 0}, 1);

@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int64_t kSecond_ns = 1'000'000'000;
-constexpr double kTurns_per_s = 0.01;  // of the walker, who goes in circles
+constexpr double kRevolutions_per_s = 0.01;  // of the walker, who goes in circles
 
 double resident_mb() {
   std::ifstream file("/proc/self/statm");
@@ -71,7 +71,7 @@ odo_imu walking(int64_t t_ns) {
   auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
   const double t = static_cast<double>(t_ns % (1000 * kSecond_ns)) * 1e-9;
   imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-  imu.gyro_b[0] = 0.05 * std::sin(6 * t), imu.gyro_b[1] = 2 * M_PI * kTurns_per_s,
+  imu.gyro_b[0] = 0.05 * std::sin(6 * t), imu.gyro_b[1] = 2 * M_PI * kRevolutions_per_s,
   imu.gyro_b[2] = 0.1 * std::sin(3 * t);
   imu.accel_b[0] = 0.1, imu.accel_b[1] = 9.81 + 2.2 * std::sin(2 * M_PI * 1.9 * t), imu.accel_b[2] = 0.4;
   return imu;
@@ -85,7 +85,7 @@ odo_barometer pressure(int64_t t_ns) {
 
 odo_gnss position(int64_t t_ns) {
   auto gnss = make_message<odo_gnss>(ODO_TYPE_GNSS, t_ns);
-  const double angle = 2 * M_PI * kTurns_per_s * 1e-9 * static_cast<double>(t_ns % (100 * kSecond_ns));
+  const double angle = 2 * M_PI * kRevolutions_per_s * 1e-9 * static_cast<double>(t_ns % (100 * kSecond_ns));
   gnss.header.flags = ODO_GNSS_POSITION | ODO_GNSS_HEIGHT | ODO_GNSS_COVARIANCE;
   gnss.latitude_rad = 0.826 + 20 / 6.37e6 * std::sin(angle), gnss.longitude_rad = 0.149 + 30 / 6.37e6 * std::cos(angle);
   gnss.height_m = 430;

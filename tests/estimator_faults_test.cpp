@@ -33,7 +33,7 @@ struct Run {
 /// A front-end that has used inertia, as the recommended pipeline has it.
 WalkMeasurements usual() {
   WalkMeasurements what;
-  what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
+  what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
   what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
   what.odometry.rotation_walk = inertial::Parameters().vio_rotation_walk;
   return what;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Headings that are off by more than a small angle, and who hears of a world that turns.
+// Headings that are off by more than a small angle, and who hears of a world that rotates.
 #include <doctest/doctest.h>
 
 #include <string>
@@ -53,7 +53,7 @@ TEST_CASE("a heading that is mended by much moves positions, velocity, clones an
   heading.residual[0] = kOff_rad;
   heading.by_one(kTheta + 2, Eigen::Matrix<double, 1, 1>::Ones());
   heading.noise(0, 0) = 1e-8;
-  REQUIRE(e.turn_by(heading, 0).accepted);
+  REQUIRE(e.update_heading(heading, 0).accepted);
   const Vector3d ahead(std::cos(kOff_rad), std::sin(kOff_rad), 0);
   CHECK(e.x.p_n.isApprox(gone_m * ahead, 1e-5));
   CHECK(e.x.v_n.isApprox(kSpeed * ahead, 1e-5));
@@ -67,7 +67,7 @@ TEST_CASE("a heading that is mended by much moves positions, velocity, clones an
 TEST_CASE("one fix with its heading puts a walk right that a compass had led astray, and the metre stays") {
   for (const uint64_t seed : {1, 2, 3}) {
     WalkMeasurements what;
-    what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.005;
+    what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.005;
     what.compass_sigma_rad = 0.3;
     what.compass_rad = [](double) { return -kOff_rad; };
     what.fix_every_s = 50, what.fix_sigma_m = 0.2, what.end_s = 60;
@@ -102,7 +102,7 @@ TEST_CASE("one fix with its heading puts a walk right that a compass had led ast
 
 TEST_CASE("a compass that turns the world of a camera announces it, however little each time") {
   WalkMeasurements what;
-  what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.005;
+  what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.005;
   what.compass_sigma_rad = 0.1, what.end_s = 60;
   what.compass_rad = [](double t_s) { return t_s < 20 ? 0.0 : 0.3; };
   EstimatorWalk walk(estimator_scenario(80), what, 4);
@@ -123,7 +123,7 @@ TEST_CASE("a compass that turns the world of a camera announces it, however litt
 
 TEST_CASE("a fix that comes later than the clones reach back is refused, and told") {
   WalkMeasurements what;
-  what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.005;
+  what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.005;
   what.end_s = 20;
   EstimatorWalk walk(estimator_scenario(80), what, 5);
   auto estimator = an_estimator();

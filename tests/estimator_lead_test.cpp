@@ -19,7 +19,7 @@ TEST_CASE("where a front-end that has used inertia is sure, the track is its own
     for (uint64_t seed = 1; seed <= 10; ++seed) {
       WalkMeasurements what;
       what.start_s = start_s;
-      what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.03;
+      what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.03;
       what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
       what.step_factor_sigma = 0.3;  // steps that know nothing of this walker
       Quaterniond q = Quaterniond::Identity();
@@ -53,7 +53,7 @@ TEST_CASE("a first sample that is no gravity does not tilt the walk for good") {
     for (uint64_t seed = 1; seed <= 5; ++seed) {
       WalkMeasurements what;
       what.start_s = 4;
-      what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02;
+      what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
       what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
       what.first_tilt_rad = tilt_rad;
       EstimatorWalk walk(estimator_scenario(40), what, seed);
@@ -82,7 +82,7 @@ TEST_CASE("what was moved before the first metric motion is in the first positio
       for (const double silent_s : {0.6, 1.3}) {
         WalkMeasurements what;
         what.start_s = start_s;
-        what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02;
+        what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
         what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
         what.first_tilt_rad = tilt_rad;
         what.step_times = [](double) { return 0; };
@@ -114,7 +114,7 @@ TEST_CASE("a heading that went astray with the gyroscope's bias before the walk 
     for (uint64_t seed = 1; seed <= 5; ++seed) {
       constexpr double kStands_s = 6;  // until then the front-end's rotation is the gyroscope's, less a wrong bias
       WalkMeasurements what;
-      what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02;
+      what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
       what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005, what.odometry.rotation_walk = 3e-4;
       double last_s = -1;
       what.change = [&](double t, odo_vo_motion& m) {
@@ -150,7 +150,7 @@ TEST_CASE("a heading that went astray with the gyroscope's bias before the walk 
 TEST_CASE("neither a barometer's readings nor a front-end's gravity is to be seen in the height of an app's pictures") {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     WalkMeasurements what;
-    what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02;
+    what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
     what.odometry.position_m = 0.001, what.odometry.rotation_rad = 0.0003, what.odometry.rotation_walk = 3e-4;
     what.odometry.drift_per_root_m = 0;
     CouplingConfig config;
@@ -187,7 +187,7 @@ TEST_CASE(
       const Quaterniond turned(Eigen::AngleAxisd(heading_rad, Vector3d::UnitZ()));
       const Vector3d at_n(300, -120, 0);
       WalkMeasurements what;
-      what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02;
+      what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
       what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
       what.fix_every_s = 8, what.fix_sigma_m = 0.1, what.fix_late_s = 0.8;
       EstimatorWalk* made = nullptr;

@@ -38,7 +38,7 @@ Quaterniond orientation(const odo_pose& pose) {
   return Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
 }
 
-/// A body whose y axis looks where the camera looks, so that a level camera's heading is the body's.
+/// A body whose y axis looks where the camera looks, so that a horizontal camera's heading is the body's.
 odo_calibration forward_mount() {
   auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
   calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
@@ -55,7 +55,7 @@ double body_yaw(const odo_pose& pose) {
 
 TEST_CASE("the track over a walk is what it was before there was an interface") {
   WalkMeasurements what;
-  what.odometry.units_per_m = 1;
+  what.odometry.inverse_scale = 1;
   EstimatorWalk walk(estimator_scenario(40), what, 1);
   PaperEstimator estimator({}, {}, {true, false});
   odo_pose last{};

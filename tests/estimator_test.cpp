@@ -70,7 +70,7 @@ Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 
       },
       [&](const Correction&, const odo_pose&) { ++o.corrections; });
   const auto report = estimator.scale_report();
-  o.scale_error = report.known ? report.log_scale + std::log(what.odometry.units_per_m) : 0;
+  o.scale_error = report.known ? report.log_scale + std::log(what.odometry.inverse_scale) : 0;
   o.scale_sigma = report.sigma;
   o.knowledge = estimator.scale_knowledge();
   o.factor_error = report.log_factor - walk.log_factor();
@@ -177,7 +177,7 @@ TEST_CASE(
       const inertial::Parameters assumed;
       const bool metric = kind != FrontEnd::no_metre;
       what.odometry.rotation_walk = metric ? assumed.vio_rotation_walk : assumed.vo_rotation_walk;
-      if (metric) what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
+      if (metric) what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
       if (metric) what.odometry.rotation_rad = 5e-4;
       if (kind == FrontEnd::metric_stabilised_lens)  // 2 to 3 mrad a frame, of which each half second leaves its trace
         what.odometry.rotation_rad = 2.5e-3, what.odometry.rotation_walk = 2.5e-3 / std::sqrt(assumed.vo_correlation_s);
@@ -229,7 +229,7 @@ TEST_CASE("inertia alone tells the scale of an odometry without a metre") {
 
 TEST_CASE("a metric odometry that is sure passes through; steps outweigh one that is not, and learn from one that is") {
   WalkMeasurements sure;
-  sure.odometry.units_per_m = 1, sure.odometry.scale_sigma = 0.005, sure.odometry.scale_walk = 0;
+  sure.odometry.inverse_scale = 1, sure.odometry.scale_sigma = 0.005, sure.odometry.scale_walk = 0;
   sure.odometry.position_m = 0.005, sure.odometry.drift_per_root_m = 0;
   sure.step_factor_sigma = 0.15;
   for (uint64_t seed = 1; seed <= 5; ++seed) {
@@ -304,7 +304,7 @@ TEST_CASE(
 
 TEST_CASE("steps carry while the camera is blind, and the covariance says so") {
   WalkMeasurements what;
-  what.odometry.units_per_m = 1, what.odometry.scale_sigma = 0.01;
+  what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.01;
   what.odometry.blind_from_s = 12, what.odometry.blind_to_s = 22;
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     const Outcome o = run_walk(what, seed, 40);
@@ -340,7 +340,7 @@ TEST_CASE("numbers whose flag is not set are not read") {
 
 TEST_CASE("a fix that lies, an odometry that jumps, and a unit that changes unsaid do not carry the pose away") {
   WalkMeasurements jump;
-  jump.odometry.units_per_m = 1, jump.odometry.scale_sigma = 0.01;
+  jump.odometry.inverse_scale = 1, jump.odometry.scale_sigma = 0.01;
   jump.change = [](double t, odo_vo_motion& m) {
     if (t > 15 && t < 15.1) m.p_c0_c1[2] += 20;
   };

@@ -19,7 +19,7 @@ namespace odograph {
 struct WalkMeasurements {
   struct Odometry {
     double rate_hz = 10;
-    double units_per_m = 2.5;  ///< 1 with scale_sigma above 0: a metric front-end, whose metre is off by its sigma
+    double inverse_scale = 2.5;  ///< 1 with scale_sigma above 0: a metric front-end, whose metre is off by its sigma
     double scale_sigma = 0;
     double position_m = 0.02;  ///< against the map, white over correlation_s
     double correlation_s = 0.25;
@@ -65,7 +65,7 @@ class EstimatorWalk {
       : w_(what), journey_(make_walk(scenario, seed)), random_(seed, 77), imu_random_(seed, 78), seed_(seed) {
     for (double* b : {&gyro_bias_[0], &gyro_bias_[1], &gyro_bias_[2]}) *b = 0.005 * random_.normal();
     for (double* b : {&accel_bias_[0], &accel_bias_[1], &accel_bias_[2]}) *b = 0.05 * random_.normal();
-    log_units_ = std::log(w_.odometry.units_per_m) + w_.odometry.scale_sigma * random_.normal();
+    log_units_ = std::log(w_.odometry.inverse_scale) + w_.odometry.scale_sigma * random_.normal();
     log_factor_ = w_.step_factor_sigma * random_.normal();
     step_offset_ = w_.step_offset_rad * random_.normal();
     q_b_c_ = w_.q_b_c;

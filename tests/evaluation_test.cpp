@@ -128,9 +128,9 @@ TEST_CASE("waypoints: the heading is fitted over the first metres, errors are ho
     track.push_back({t, Eigen::Quaterniond::Identity(), {0, 2.2 * i, 0.3}});  // goes east, and 10 % too far
     waypoints.push_back({t, {5 + 2.0 * i, 7, 0}});                            // it went north
   }
-  const double turn = heading_offset(track, waypoints, 10);
-  CHECK(turn == doctest::Approx(-EIGEN_PI / 2));
-  const auto errors = waypoint_errors(lay_over(track, waypoints, turn), waypoints);
+  const double rotation = heading_offset(track, waypoints, 10);
+  CHECK(rotation == doctest::Approx(-EIGEN_PI / 2));
+  const auto errors = waypoint_errors(lay_over(track, waypoints, rotation), waypoints);
   CHECK(errors.distance_error() == doctest::Approx(0.1));
   CHECK(errors.position_m.back() == doctest::Approx(2.0));
 }
@@ -180,7 +180,7 @@ TEST_CASE("with the true lengths only the directions err") {
   };
   for (int i = 0; i <= 40; ++i) {
     pairs.reference.push_back(pose(i, 2.0 * i, 0));
-    pairs.estimate.push_back(pose(i, i < 20 ? 0.1 * i : 1.9 + 0.3 * (i - 19), 0));  // the unit changes on the way
+    pairs.estimate.push_back(pose(i, i < 20 ? 0.1 * i : 1.9 + 0.3 * (i - 19), 0));  // the scale changes within it
   }
   TrueLengths t = with_true_lengths(pairs, 0);
   CHECK((t.track.back().p - pairs.reference.back().p).norm() < 1e-9);

@@ -285,7 +285,7 @@ TEST_CASE("a gait's figures are those of the sine that it is made of") {
   CHECK(f.stride_part == doctest::Approx(0.25 / 4).epsilon(0.05));
   CHECK(f.shock_part < 1e-3);
   CHECK(f.rotation_rms == doctest::Approx(0.6));
-  CHECK(f.level_rms == doctest::Approx(1.5));
+  CHECK(f.horizontal_rms == doctest::Approx(1.5));
   double power = 0;  // Parseval: the spectrum's integral is the variance
   for (const double p : power_spectrum(s.acceleration, kGaitRate_hz)) power += 0.1 * p;
   CHECK(power == doctest::Approx(0.5 * (4 + 0.25)).epsilon(0.05));

@@ -99,11 +99,11 @@ TEST_CASE("an error that only wanders is no jump, nor is a path that was correct
 
 namespace {
 
-/// 75 s of a straight walk to the north whose attitude is off by `turn`, positions with a Gauss-Markov error of 12 m,
+/// 75 s of a straight walk to the north whose attitude is off by `yaw`, positions with a Gauss-Markov error of 12 m,
 /// off to the east by 40 m from 40 s on, velocities where they have a sigma. Steps are 5 % too long and sway by 0.05
-/// rad, and the attitude may drift; its turn is `turn` at the end.
-void walk(PathHeading& path, uint64_t seed, double turn, double velocity_sigma,
-          std::vector<PathHeading::Turn>* news = nullptr, double drift_radps = 0) {
+/// rad, and the attitude may drift; its yaw offset is `yaw` at the end.
+void walk(PathHeading& path, uint64_t seed, double yaw, double velocity_sigma,
+          std::vector<PathHeading::Yaw>* news = nullptr, double drift_radps = 0) {
   Random random(seed, 5);
   const double keep = std::exp(-1 / 20.0), kick = 12 * std::sqrt(1 - keep * keep);
   const double keep_v = std::exp(-0.5), kick_v = velocity_sigma * std::sqrt(1 - keep_v * keep_v);
@@ -112,7 +112,7 @@ void walk(PathHeading& path, uint64_t seed, double turn, double velocity_sigma,
     for (int half = 0; half < 2 && s >= 4; ++half) {
       const int64_t start_ns = 1'000'000'000LL * s + 500'000'000LL * half;
       path.add_step(start_ns, start_ns + 500'000'000, 1.05 * 0.675,
-                    0.05 * random.normal() - turn + drift_radps * (80 - s - 0.5 * half));
+                    0.05 * random.normal() - yaw + drift_radps * (80 - s - 0.5 * half));
     }
     error = keep * error + kick * Eigen::Vector2d(random.normal(), random.normal());
     off = keep_v * off + kick_v * Eigen::Vector2d(random.normal(), random.normal());
@@ -126,7 +126,7 @@ void walk(PathHeading& path, uint64_t seed, double turn, double velocity_sigma,
 
 }  // namespace
 
-TEST_CASE("a path's turn against satellites is known as well as they can tell, and is as far off as it says") {
+TEST_CASE("a path's yaw against satellites is known as well as they can tell, and is as far off as it says") {
   // The bound for 12 m, 20 s and 100 m is 9.2 degrees (README), so a median of 6.2; an attitude that may drift by 5
   // mrad/s is known less well at the end of a path than over it.
   for (const double velocity_sigma : {0.0, 0.5, 0.25}) {
@@ -135,11 +135,11 @@ TEST_CASE("a path's turn against satellites is known as well as they can tell, a
     double nis = 0;
     for (uint64_t seed = 1; seed <= 200; ++seed) {
       PathHeading path({});
-      const double turn = seed % 2 ? 0.3 : 2.5;
-      walk(path, seed, turn, velocity_sigma);
-      const auto seen = path.turn();
+      const double yaw = seed % 2 ? 0.3 : 2.5;
+      walk(path, seed, yaw, velocity_sigma);
+      const auto seen = path.yaw();
       REQUIRE(seen);
-      const double off = std::remainder(seen->rad - turn, 2 * EIGEN_PI);
+      const double off = std::remainder(seen->rad - yaw, 2 * EIGEN_PI);
       off_deg.push_back(std::abs(off) * 180 / EIGEN_PI);
       nis += off * off / (seen->sigma_rad * seen->sigma_rad) / 200;
     }
@@ -151,13 +151,13 @@ TEST_CASE("a path's turn against satellites is known as well as they can tell, a
   }
 }
 
-TEST_CASE("the turn of an attitude whose gyroscope has a bias is told as it is now") {
+TEST_CASE("the yaw of an attitude whose gyroscope has a bias is told as it is now") {
   std::vector<double> off_deg;
   double nis = 0;
   for (uint64_t seed = 1; seed <= 60; ++seed) {
     PathHeading path({});
     walk(path, seed, 0.3, 0.25, nullptr, seed % 2 ? 0.006 : -0.006);  // by 26 degrees within the walk
-    const auto seen = path.turn();
+    const auto seen = path.yaw();
     REQUIRE(seen);
     const double off = std::remainder(seen->rad - 0.3, 2 * EIGEN_PI);
     off_deg.push_back(std::abs(off) * 180 / EIGEN_PI);
@@ -168,9 +168,9 @@ TEST_CASE("the turn of an attitude whose gyroscope has a bias is told as it is n
   CHECK(nis < 1.6);
 }
 
-TEST_CASE("what is told of a turn piece by piece adds up to what is known of it") {
+TEST_CASE("what is told of a yaw piece by piece adds up to what is known of it") {
   PathHeading path({});
-  std::vector<PathHeading::Turn> news;
+  std::vector<PathHeading::Yaw> news;
   walk(path, 3, 0.3, 0.5, &news);
   REQUIRE(news.size() >= 3);
   double information = 0, sum = 0;
@@ -178,7 +178,7 @@ TEST_CASE("what is told of a turn piece by piece adds up to what is known of it"
     const double w = 1 / (n.sigma_rad * n.sigma_rad);
     information += w, sum += w * n.rad;
   }
-  const auto all = path.turn();
+  const auto all = path.yaw();
   REQUIRE(all);
   CHECK(1 / std::sqrt(information) == doctest::Approx(all->sigma_rad).epsilon(0.2));
   CHECK(std::abs(sum / information - all->rad) < all->sigma_rad);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
 
-/// A body that turns by `rate_b` for a while and accelerates by `accel_n`; the gyroscope is off by `bias`.
+/// A body that rotates by `rate_b` for a while and accelerates by `accel_n`; the gyroscope is off by `bias`.
 void add_imu(GyroAttitudeFilter& filter, Eigen::Quaterniond q, int64_t from, int64_t to, const Vector3d& rate_b,
              const Vector3d& accel_n, const Vector3d& bias) {
   constexpr int64_t kStep = 5'000'000;
@@ -40,8 +40,8 @@ TEST_CASE("a gyroscope's filter turns as the body does, whatever the camera's mo
   add_imu(filter, kLevel, 0, kSecond, {0.3, -0.2, 1.0}, Vector3d::Zero(), Vector3d::Zero());
   const auto imu = filter.between(0, kSecond, mounted);
   REQUIRE(imu);
-  const Eigen::Quaterniond turn_b(Eigen::AngleAxisd(std::sqrt(1.13), Vector3d(0.3, -0.2, 1.0).normalized()));
-  CHECK(imu->q_c0_c1.angularDistance(mounted.conjugate() * turn_b * mounted) < 1e-9);
+  const Eigen::Quaterniond rotation_b(Eigen::AngleAxisd(std::sqrt(1.13), Vector3d(0.3, -0.2, 1.0).normalized()));
+  CHECK(imu->q_c0_c1.angularDistance(mounted.conjugate() * rotation_b * mounted) < 1e-9);
   CHECK_FALSE(filter.between(0, kSecond * 2, mounted));     // samples end before
   CHECK_FALSE(filter.between(-kSecond, kSecond, mounted));  // or begin later
 }

@@ -121,9 +121,9 @@ inline Sighting sighting_of(const Scene& scene, const PlaneObject& o, int64_t t_
   s.poses.push_back(a);
   if (cost_of_other >= 0) {  // mirrored about the line of sight
     const Vector3d sight = a.pose.t_c_o.normalized();
-    const double turn =
+    const double rotation =
         2 * std::atan2(a.pose.R_c_o.col(2).cross(sight).dot(a.pose.R_c_o.col(1)), a.pose.R_c_o.col(2).dot(sight));
-    a.pose.R_c_o = Eigen::AngleAxisd(turn, a.pose.R_c_o.col(1)) * a.pose.R_c_o;
+    a.pose.R_c_o = Eigen::AngleAxisd(rotation, a.pose.R_c_o.col(1)) * a.pose.R_c_o;
     a.cost = cost_of_other;
     s.poses.push_back(a);
   }

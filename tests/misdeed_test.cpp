@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every way to end or stop a program, at every moment of a plugin's life: in a process of its own, on a thread of its
+// Every means to end or stop a program, at every moment of a plugin's life: in a process of its own, on a thread of its
 // own, and in the app's thread.
 #include <doctest/doctest.h>
 

@@ -55,7 +55,7 @@ TEST_CASE("the inertial estimator's track of the body does not depend on the cam
     CAPTURE(scale_sigma);
     WalkMeasurements what;
     what.odometry.scale_sigma = scale_sigma;
-    if (scale_sigma > 0) what.odometry.units_per_m = 1;
+    if (scale_sigma > 0) what.odometry.inverse_scale = 1;
     const BodyTrack phone = track_of(what, kPhone), askew = track_of(what, kAskew);
     REQUIRE(phone.p_n_c.size() == askew.p_n_c.size());
     REQUIRE(phone.p_n_c.size() > 100);

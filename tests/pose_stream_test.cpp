@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Poses ahead of the pipeline, against a motion that is known: a walk with bounce, sway and a turn.
+// Poses ahead of the pipeline, against a motion that is known: a walk with bounce, sway and a change of heading.
 #include <doctest/doctest.h>
 
 #include <algorithm>

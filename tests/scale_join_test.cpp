@@ -12,10 +12,10 @@ TEST_SUITE_BEGIN("scale_join");
 
 namespace {
 
-odo_scale scale(double metres_per_unit, double relative_sigma, uint32_t flags = 0) {
+odo_scale scale(double scale, double relative_sigma, uint32_t flags = 0) {
   auto s = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
   s.header.flags = flags;
-  s.metres_per_unit = metres_per_unit, s.sigma = relative_sigma * metres_per_unit;
+  s.scale = scale, s.sigma = relative_sigma * scale;
   s.scale_group = 7, s.valid_from_ns = 0, s.valid_to_ns = 1000;
   return s;
 }
@@ -37,8 +37,8 @@ TEST_CASE("two scales of one motion are averaged in their logarithms by the inve
   const odo_scale* both = join.joined();
   REQUIRE(both);
   // Sixteen times the weight for a quarter of the error.
-  CHECK(both->metres_per_unit == doctest::Approx(std::exp((16 * std::log(2.0) + std::log(2.4)) / 17)).epsilon(1e-12));
-  CHECK(both->sigma / both->metres_per_unit == doctest::Approx(1 / std::sqrt(400.0 + 25.0)).epsilon(1e-12));
+  CHECK(both->scale == doctest::Approx(std::exp((16 * std::log(2.0) + std::log(2.4)) / 17)).epsilon(1e-12));
+  CHECK(both->sigma / both->scale == doctest::Approx(1 / std::sqrt(400.0 + 25.0)).epsilon(1e-12));
 }
 
 TEST_CASE("one word is taken as it is, another group's or another time's is not") {
@@ -46,7 +46,7 @@ TEST_CASE("one word is taken as it is, another group's or another time's is not"
   CHECK(join.note(0, scale(2.0, 0.05)));
   join.begin(motion(100));
   REQUIRE(join.joined());
-  CHECK(join.joined()->metres_per_unit == 2.0);
+  CHECK(join.joined()->scale == 2.0);
   join.begin(motion(1000));
   CHECK(join.joined());
   join.begin(motion(1001));
@@ -66,7 +66,7 @@ TEST_CASE("a horizontal scale and one of all three components are not mixed, and
   join.answer(0, a), join.answer(1, scale(9.0, 0.001)), join.answer(2, c);
   const odo_scale* both = join.joined();
   REQUIRE(both);
-  CHECK(both->metres_per_unit == doctest::Approx(std::sqrt(2.0 * 2.2)));
+  CHECK(both->scale == doctest::Approx(std::sqrt(2.0 * 2.2)));
   CHECK((both->header.flags & ODO_SCALE_HORIZONTAL) != 0);
   CHECK((both->header.flags & ODO_SCALE_STEADY) == 0);
   CHECK(both->valid_from_ns == 50);

@@ -49,7 +49,7 @@ TEST_CASE("the same seed gives the same bytes for any number of threads, another
 TEST_CASE("the motion's derivatives are those of its poses") {
   const Journey walk = make_walk(small(), 3);
   const double h = 2e-5;
-  double worst_speed = 0, worst_acceleration = 0, worst_turn = 0, speed = 0, acceleration = 0, turn = 0;
+  double worst_speed = 0, worst_acceleration = 0, worst_rotation = 0, speed = 0, acceleration = 0, rotation = 0;
   for (double t = 0.3; t < walk.phone.duration_s() - 0.3; t += 0.00713) {
     const auto s = walk.phone.at(t);
     const auto at = [&](int k) { return walk.phone.pose(t + k * h); };
@@ -63,11 +63,12 @@ TEST_CASE("the motion's derivatives are those of its poses") {
     worst_speed = std::max(worst_speed, (v - s.velocity_n).norm()), speed = std::max(speed, v.norm());
     worst_acceleration = std::max(worst_acceleration, (a - s.acceleration_n).norm());
     acceleration = std::max(acceleration, a.norm());
-    worst_turn = std::max(worst_turn, (w - s.angular_velocity_b).norm()), turn = std::max(turn, w.norm());
+    worst_rotation = std::max(worst_rotation, (w - s.angular_velocity_b).norm()),
+    rotation = std::max(rotation, w.norm());
   }
   CHECK(worst_speed < 1e-6 * speed);
   CHECK(worst_acceleration < 1e-6 * acceleration);
-  CHECK(worst_turn < 1e-6 * turn);
+  CHECK(worst_rotation < 1e-6 * rotation);
 }
 
 TEST_CASE("the ideal IMU integrates to the true motion") {

@@ -32,17 +32,17 @@ struct Walk {
   Prior prior{};
 
   Walk(double turned_rad, const Vector3d& moved_n) {
-    const Quaterniond turn = about_down(turned_rad);
+    const Quaterniond rotation = about_down(turned_rad);
     const double towards_deg[] = {-30, 5, 40, -10, 20, -40, 30, 0, 15};
     const auto seen = [&](const Vector3d& p_n, double towards) {
       return seen_from(houses, p_n, kLevel, 4, towards - 31.5, towards + 31.5);
     };
     for (int i = 0; i < 8; ++i) {
       const Vector3d p_n = place + Vector3d(2.0 * (i - 8), 0.3 * (i % 2), 0);
-      older.push_back({seen(p_n, towards_deg[i]), place + moved_n + turn * (p_n - place), turn * kLevel});
+      older.push_back({seen(p_n, towards_deg[i]), place + moved_n + rotation * (p_n - place), rotation * kLevel});
     }
     newest = seen(place, towards_deg[8]);
-    prior = {place + moved_n, turn * kLevel, 4, 4 * kDegree, 0.6 * kDegree, 40};
+    prior = {place + moved_n, rotation * kLevel, 4, 4 * kDegree, 0.6 * kDegree, 40};
   }
 };
 
@@ -58,7 +58,7 @@ TEST_CASE("nine narrow pictures tell the place and the heading that one of them 
   CHECK((match->p_n - walk.place).head<2>().norm() < 0.3);
   CHECK(match->q_n_c.angularDistance(kLevel) < 0.5 * kDegree);
   CHECK(match->agreement > 0.9);
-  CHECK(match->rival < 1e-6);
+  CHECK(match->second_best_ratio < 1e-6);
   CHECK((match->p_n - walk.place).head<2>().norm() < 3 * std::sqrt(match->covariance.trace()));
 }
 
@@ -122,9 +122,9 @@ TEST_CASE("the window keeps the newest pictures that lie apart or look elsewhere
 
 TEST_CASE("a path in which few directions agree must be told twice, whatever n is meanwhile") {
   const Vector3d thought(10, 5, -1.5);
-  const Quaterniond turn = about_down(0.1);
+  const Quaterniond rotation = about_down(0.1);
   Match match{.landmark_n = Vector3d::Zero()};
-  match.p_n = Vector3d(12, 4, -1.5), match.q_n_c = turn * kLevel, match.agreement = 0.5;
+  match.p_n = Vector3d(12, 4, -1.5), match.q_n_c = rotation * kLevel, match.agreement = 0.5;
   PathJudge judge;
   SUBCASE("the same offset again") {
     CHECK(judge.judge(match, thought, kLevel, 0.75));
@@ -132,7 +132,7 @@ TEST_CASE("a path in which few directions agree must be told twice, whatever n i
     const Quaterniond q = about_down(-0.3);
     const Vector3d p(3, -2, 0), on(4, 1, 0);
     judge.correct(q, p);
-    match.p_n += turn * on;
+    match.p_n += rotation * on;
     CHECK_FALSE(judge.judge(match, q * (thought + on) + p, q * kLevel, 0.75));
   }
   SUBCASE("another place") {
@@ -152,12 +152,12 @@ TEST_CASE("a path in which few directions agree must be told twice, whatever n i
   SUBCASE("too few agree, or another place is likely") {
     match.agreement = 0.3;
     CHECK(judge.judge(match, thought, kLevel, 0.75)->first == kAgreement);
-    match.agreement = 0.9, match.rival = 1e-5;
+    match.agreement = 0.9, match.second_best_ratio = 1e-5;
     CHECK(judge.judge(match, thought, kLevel, 0.75)->first == kAmbiguity);
   }
 }
 
-TEST_CASE("a match that comes late is carried on by the odometry's way since, with its doubt") {
+TEST_CASE("a match that comes late is carried on by the odometry's displacement since, with its doubt") {
   Look look;
   look.q_n_c = kLevel;
   look.prior.q_n_c = about_down(1.2) * kLevel;  // as one that was never placed has it from its database

@@ -108,7 +108,7 @@ TEST_CASE("a camera that was never placed is found by a few pictures, whatever h
       const Drive d = drive(town, database, height_m);
       REQUIRE(d.found);
       CHECK((d.found->p_n - d.place).head<2>().norm() < 0.8);
-      CHECK(d.found->rival < 1e-4);
+      CHECK(d.found->second_best_ratio < 1e-4);
       CHECK(d.found->agreement > 0.8);
       CHECK(d.pictures >= 4);  // never by one alone
     }

@@ -92,7 +92,7 @@ TEST_CASE("a place and a heading are found again, and an inclination is told fro
   CHECK((match->p_n - place).norm() < 0.3);
   CHECK(match->q_n_c.angularDistance(kUp) < 0.3 * kDegree);
   CHECK(match->agreement > 0.97);
-  CHECK(match->rival < 0.05);
+  CHECK(match->second_best_ratio < 0.05);
   // Eq. (4): the highest point is as far as it is.
   CHECK((match->landmark_n - match->p_n).norm() == doctest::Approx(match->slant_distance_m));
   CHECK(match->slant_distance_m > 30);
@@ -153,7 +153,7 @@ TEST_CASE("who knows the start but no heading is found on the circle around it, 
     REQUIRE(match);
     CHECK((match->p_n - place).head<2>().norm() < 0.3);
     CHECK(match->q_n_c.angularDistance(kUp) < 1 * kDegree);
-    CHECK(match->rival < 0.01);
+    CHECK(match->second_best_ratio < 0.01);
     CHECK(match->agreement > 0.9);
   }
 }

@@ -259,15 +259,15 @@ TEST_CASE("stairs are told by the air's pressure, wind notwithstanding") {
     CAPTURE(rate_hz);
     Random random(4, 4);
     double gust = 0, wrong_s = 0, climbed_s = 0, late_s = 0;
-    steps::StairDetector climb;
+    steps::StairDetector stairs;
     for (int i = 0; i < 600 * rate_hz; ++i) {
       const double t = i / rate_hz, keep = std::exp(-1 / (4 * rate_hz));
       gust = keep * gust + 4 * std::sqrt(1 - keep * keep) * random.normal();
       const double up_m = 0.28 * (std::clamp(t - 200, 0.0, 15.0) - std::clamp(t - 400, 0.0, 15.0));  // two flights
-      climb.add(static_cast<int64_t>(t * 1e9), 101325 - up_m / 0.0843 + gust + 2 * random.normal());
+      stairs.add(static_cast<int64_t>(t * 1e9), 101325 - up_m / 0.0843 + gust + 2 * random.normal());
       const bool truth = (t > 200 && t < 215) || (t > 400 && t < 415);
-      if (climb.climbs() && !(t > 200 && t < 225) && !(t > 400 && t < 425)) wrong_s += 1 / rate_hz;
-      if (truth) (climb.climbs() ? climbed_s : late_s) += 1 / rate_hz;
+      if (stairs.on_stairs() && !(t > 200 && t < 225) && !(t > 400 && t < 425)) wrong_s += 1 / rate_hz;
+      if (truth) (stairs.on_stairs() ? climbed_s : late_s) += 1 / rate_hz;
     }
     CHECK(wrong_s < 6);     // of ten minutes
     CHECK(climbed_s > 10);  // of thirty seconds, the window's ten seconds being late twice

@@ -138,27 +138,27 @@ cv::Mat varied(const cv::Mat& bgr, const cv::Mat& mask, std::mt19937& random) {
 }
 
 /// One of the eight ways to lay a square on itself: where (x, y) comes from.
-void source_of(int way, double side, double& x, double& y) {
-  if (way & 1) x = side - 1 - x;
-  if (way & 2) y = side - 1 - y;
-  if (way & 4) std::swap(x, y);
+void source_of(int symmetry, double side, double& x, double& y) {
+  if (symmetry & 1) x = side - 1 - x;
+  if (symmetry & 2) y = side - 1 - y;
+  if (symmetry & 4) std::swap(x, y);
 }
 
-Volume turned(const Volume& in, int way) {
+Volume turned(const Volume& in, int symmetry) {
   Volume out;
   out.create(in.channels(), in.height(), in.width());
   for (int c = 0; c < in.channels(); ++c)
     for (int y = 0; y < in.height(); ++y)
       for (int x = 0; x < in.width(); ++x) {
         double from_x = x, from_y = y;
-        source_of(way, in.width(), from_x, from_y);
+        source_of(symmetry, in.width(), from_x, from_y);
         out.row(c, y)[x] = in.row(c, static_cast<int>(from_y))[static_cast<int>(from_x)];
       }
   return out;
 }
 
 /// The logarithmic loss of pixels drawn at random, and its gradient by the coefficients.
-double loss_of(const Picture& p, int way, const Volume& told, double radius_px, std::mt19937& random,
+double loss_of(const Picture& p, int symmetry, const Volume& told, double radius_px, std::mt19937& random,
                Volume& gradient) {
   clear(gradient, told);
   const int side = p.y.cols;
@@ -169,7 +169,7 @@ double loss_of(const Picture& p, int way, const Volume& told, double radius_px, 
     const int tx = draw(), ty = draw();  // of the turned picture
     if (std::hypot(tx - 0.5 * (side - 1), ty - 0.5 * (side - 1)) > kRim * radius_px) continue;
     double sx = tx, sy = ty;
-    source_of(way, side, sx, sy);
+    source_of(symmetry, side, sx, sy);
     const int x = static_cast<int>(sx), y = static_cast<int>(sy);
     const auto terms = ColourSky::terms(p.y.at<uint8_t>(y, x), p.cb.at<uint8_t>(y, x), p.cr.at<uint8_t>(y, x));
     const double gx = std::clamp((tx + 0.5) / scale - 0.5, 0.0, told.width() - 1.001);
@@ -212,9 +212,9 @@ int teach(const fs::path& images, const fs::path& masks, double radius_px, const
       if (variant % 2 == 0 && variant > 0) {
         const auto middle_px = static_cast<float>(middle);
         const double degrees = std::uniform_real_distribution<double>(0, 360)(random);
-        const cv::Mat turn = cv::getRotationMatrix2D({middle_px, middle_px}, degrees, 1);
-        cv::warpAffine(photo_now.clone(), photo_now, turn, photo.size(), cv::INTER_LINEAR, cv::BORDER_REFLECT);
-        cv::warpAffine(mask, mask_now, turn, photo.size(), cv::INTER_NEAREST);
+        const cv::Mat rotation = cv::getRotationMatrix2D({middle_px, middle_px}, degrees, 1);
+        cv::warpAffine(photo_now.clone(), photo_now, rotation, photo.size(), cv::INTER_LINEAR, cv::BORDER_REFLECT);
+        cv::warpAffine(mask, mask_now, rotation, photo.size(), cv::INTER_NEAREST);
       }
       Picture p;
       if (look(photo_now, mask_now, maker, p)) pictures.push_back(std::move(p));
@@ -226,15 +226,15 @@ int teach(const fs::path& images, const fs::path& masks, double radius_px, const
   double loss = 0;
   for (int n = 1; n <= steps; ++n) {
     const Picture& p = pictures[random() % pictures.size()];
-    const int way = static_cast<int>(random() % 8);
-    Volume inputs = turned(p.inputs, way);
+    const int symmetry = static_cast<int>(random() % 8);
+    Volume inputs = turned(p.inputs, symmetry);
     for (int c = 0; c < inputs.channels(); ++c) {
       const float shift = kNoise * normal(random);
       for (int y = 0; y < inputs.height(); ++y)
         for (int x = 0; x < inputs.width(); ++x) inputs.row(c, y)[x] += shift;
     }
     const Volume& told = network.forward(inputs);
-    loss += loss_of(p, way, told, radius_px, random, network.gradient(kLayers - 1));
+    loss += loss_of(p, symmetry, told, radius_px, random, network.gradient(kLayers - 1));
     network.backward();
     const double part = static_cast<double>(n) / steps;
     const auto rate = kRate * static_cast<float>(std::pow(kRateFalls, -part) * std::min(1.0, n / kRateRises));

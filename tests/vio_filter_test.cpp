@@ -187,7 +187,7 @@ TEST_CASE("corners that slide weigh less than those that stay, and leave the met
   Trial trial;
   trial.bad_corners = 0.3;
   const auto weighed = trial.run();
-  trial.p.plain_residual_px = trial.p.least_residual_px = 1e3;  // all alike
+  trial.p.plain_residual_px = trial.p.min_residual_px = 1e3;  // all alike
   const auto alike = trial.run();
   MESSAGE("scale " << weighed.scale << ", all corners alike " << alike.scale);
   CHECK(std::abs(weighed.scale - 1) < 0.0122);

@@ -19,7 +19,7 @@ using namespace odograph;
 
 namespace {
 
-struct Chain {
+struct Composed {
   Trajectory track;  ///< metric motions, one after the other
   double first_metric_s = -1;
   size_t motions = 0, groups = 0, refined = 0;
@@ -34,32 +34,32 @@ RunResult run(const Recording& recording) {
   return *result;
 }
 
-Chain chain_of(const RunResult& result) {
-  Chain chain;
+Composed compose(const RunResult& result) {
+  Composed composed;
   StampedPose pose{0, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()};
   uint32_t group = UINT32_MAX;
   REQUIRE_FALSE(result.motions.empty());
   const int64_t start_ns = result.motions.front().t_from_ns;
   for (const odo_vo_motion& m : result.motions) {
-    ++chain.motions;
+    ++composed.motions;
     if (!(m.header.flags & ODO_VO_METRIC)) continue;
-    chain.groups += m.scale_group != group;
+    composed.groups += m.scale_group != group;
     group = m.scale_group;
-    if (chain.first_metric_s < 0) chain.first_metric_s = static_cast<double>(m.header.t_ns - start_ns) * 1e-9;
+    if (composed.first_metric_s < 0) composed.first_metric_s = static_cast<double>(m.header.t_ns - start_ns) * 1e-9;
     pose.p += pose.q * Eigen::Vector3d(m.p_c0_c1);
     pose.q = (pose.q * Eigen::Quaterniond(m.q_c0_c1[0], m.q_c0_c1[1], m.q_c0_c1[2], m.q_c0_c1[3])).normalized();
     pose.t_ns = m.header.t_ns;
-    chain.track.push_back(pose);
+    composed.track.push_back(pose);
   }
-  return chain;
+  return composed;
 }
 
 struct Errors {
   double se3_m, scale;
 };
 
-Errors errors_of(const Recording& recording, const Chain& chain) {
-  const Pairs pairs = associate(recording.truth, chain.track, 0.02);
+Errors errors_of(const Recording& recording, const Composed& composed) {
+  const Pairs pairs = associate(recording.truth, composed.track, 0.02);
   REQUIRE(pairs.reference.size() > 50);
   double scale = 1, one = 1;
   align(pairs, Alignment::sim3, &scale);
@@ -76,11 +76,11 @@ TEST_CASE("the metre is found in mid-flight and kept (EuRoC MH_05)" * doctest::t
   if (path.empty()) return;
   const auto recording = read_recording(path);
   REQUIRE(recording);
-  const Chain chain = chain_of(run(*recording));
-  CHECK(chain.first_metric_s < 2.0);
-  CHECK(chain.groups == 1);
-  CHECK(static_cast<double>(chain.track.size()) > 0.93 * static_cast<double>(chain.motions));
-  const Errors e = errors_of(*recording, chain);
+  const Composed composed = compose(run(*recording));
+  CHECK(composed.first_metric_s < 2.0);
+  CHECK(composed.groups == 1);
+  CHECK(static_cast<double>(composed.track.size()) > 0.93 * static_cast<double>(composed.motions));
+  const Errors e = errors_of(*recording, composed);
   MESSAGE("SE(3) " << e.se3_m << " m, scale " << e.scale);
   CHECK(e.se3_m < 0.13);                 // measured: 0.100 m
   CHECK(std::abs(e.scale - 1) < 0.018);  // measured: 1.4 %
@@ -122,10 +122,10 @@ TEST_CASE("a walk from standing is metric from its first step, through a lens th
     recording->add(camera.header);
   }
   recording->sort();
-  const Chain chain = chain_of(run(*recording));
-  CHECK(chain.first_metric_s < 1.5);
-  CHECK(chain.groups == 1);
-  const Errors e = errors_of(*recording, chain);
+  const Composed composed = compose(run(*recording));
+  CHECK(composed.first_metric_s < 1.5);
+  CHECK(composed.groups == 1);
+  const Errors e = errors_of(*recording, composed);
   MESSAGE("SE(3) " << e.se3_m << " m, scale " << e.scale);
   CHECK(e.se3_m < 0.15);
   CHECK(std::abs(e.scale - 1) < 0.05);
@@ -138,7 +138,7 @@ TEST_CASE("a bias that a data sheet holds for steadier than a phone in a hand ha
   Scenario shorter = *scenario;
   shorter.walk_m = 3;
   REQUIRE(simulate(shorter, 5, folder / "walk.odo", {}));
-  std::vector<Chain> chains;
+  std::vector<Composed> composed;
   for (const double walk : {1e-5, 1e-8, 1e-2}) {  // rad/s^2/sqrt(Hz); ten times that for the accelerometer
     auto recording = read_recording(folder / "walk.odo");
     REQUIRE(recording);
@@ -153,11 +153,11 @@ TEST_CASE("a bias that a data sheet holds for steadier than a phone in a hand ha
       }
     REQUIRE(told == 1);
     recording->sort();
-    chains.push_back(chain_of(run(*recording)));
-    REQUIRE_FALSE(chains.back().track.empty());
+    composed.push_back(compose(run(*recording)));
+    REQUIRE_FALSE(composed.back().track.empty());
   }
-  CHECK(chains[0].track.back().p == chains[1].track.back().p);
-  CHECK(chains[0].track.back().p != chains[2].track.back().p);
+  CHECK(composed[0].track.back().p == composed[1].track.back().p);
+  CHECK(composed[0].track.back().p != composed[2].track.back().p);
 }
 
 TEST_CASE("a run says what its metre rests on, and a front-end can be believed less than it says") {
@@ -224,13 +224,12 @@ TEST_CASE("a lens that breathes by 3 % keeps track and metre, and is the same to
   REQUIRE(calibrations.motions.size() == frames.motions.size());
   for (size_t i = 0; i < frames.motions.size(); ++i)
     CHECK(std::memcmp(frames.motions[i].p_c0_c1, calibrations.motions[i].p_c0_c1, sizeof(double[3])) == 0);
-  const Errors without = errors_of(*reference, chain_of(run(*reference))),
-               with = errors_of(by_frames, chain_of(frames));
+  const Errors without = errors_of(*reference, compose(run(*reference))), with = errors_of(by_frames, compose(frames));
   MESSAGE("fixed: " << without.se3_m << " m, scale " << without.scale << "; breathing: " << with.se3_m << " m, scale "
                     << with.scale);
   CHECK(with.se3_m < 0.05);                 // measured: 0.032 m, 0.014 m with a fixed lens
   CHECK(std::abs(with.scale - 1) < 0.015);  // measured: 0.7 %, 0.1 % with a fixed lens
-  CHECK(chain_of(frames).groups == 1);
+  CHECK(compose(frames).groups == 1);
 }
 
 TEST_SUITE_END();

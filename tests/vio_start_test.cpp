@@ -82,7 +82,7 @@ TEST_CASE("a phone that is held still starts, and its gyroscope's bias is known"
   CHECK(up_b.dot(-Vector3d::UnitY()) > 0.9999);
 }
 
-TEST_CASE("a phone that turns slowly starts, and its turn is not taken for a bias") {
+TEST_CASE("a phone that rotates slowly starts, and its rotation is not taken for a bias") {
   const auto filter = Scene(0.1, 0).start();
   REQUIRE(filter);
   CHECK(std::abs(filter->state().nav.gyro_bias.y()) < 0.01);
@@ -149,7 +149,7 @@ TEST_CASE("a start in motion knows that it did not stand so long ago: the metre 
       StartParameters s;
       s.history_s = history_s;
       const auto found = align_with_imu(frames, 0, imu, global_shutter(), Vector3d::Zero(), {}, s);
-      return found ? std::abs(std::log(found->metres_per_unit / 5)) : 3.0;
+      return found ? std::abs(std::log(found->scale / 5)) : 3.0;
     };
     with.push_back(error(3)), without.push_back(error(0));
   }

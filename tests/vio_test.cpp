@@ -61,8 +61,8 @@ ImuBuffer some_imu() {
 Eigen::Matrix<double, 6, 1> difference(const Quaterniond& q, const Vector3d& p, const Quaterniond& q0,
                                        const Vector3d& p0) {
   Eigen::Matrix<double, 6, 1> out;
-  const Quaterniond turn = q * q0.conjugate();
-  out << log_rotation(turn), p - turn * p0;
+  const Quaterniond rotation = q * q0.conjugate();
+  out << log_rotation(rotation), p - rotation * p0;
   return out;
 }
 
@@ -132,8 +132,8 @@ TEST_CASE("the covariance is carried by the derivative of the motion") {
   propagate(reference, state.t_ns + 300'000'000, imu, p);
   const auto minus = [&](const Navigation& a) {
     Eigen::Matrix<double, 15, 1> out;
-    const Quaterniond turn = a.q_w_b * reference.nav.q_w_b.conjugate();
-    out << log_rotation(turn), a.v_w - turn * reference.nav.v_w, a.p_w - turn * reference.nav.p_w,
+    const Quaterniond rotation = a.q_w_b * reference.nav.q_w_b.conjugate();
+    out << log_rotation(rotation), a.v_w - rotation * reference.nav.v_w, a.p_w - rotation * reference.nav.p_w,
         a.gyro_bias - reference.nav.gyro_bias, a.accel_bias - reference.nav.accel_bias;
     return out;
   };
@@ -170,7 +170,7 @@ TEST_CASE("a stabilised lens's shift and its covariance follow the gyroscope") {
         (shift(0.6, state.camera.shift_px + h * Eigen::Vector2d::Unit(k)).camera.shift_px - moved.camera.shift_px) / h;
   J.col(2) = (shift(0.6 + h, state.camera.shift_px).camera.shift_px - moved.camera.shift_px) / h;
   J.col(3) = (shift(0.6, state.camera.shift_px, 0.3 + h).camera.shift_px - moved.camera.shift_px) / h;
-  REQUIRE(J.col(2).norm() > 1);    // there was a turn to follow
+  REQUIRE(J.col(2).norm() > 1);    // there was a rotation to follow
   REQUIRE(J.col(3).norm() > 0.1);  // and a shift to give way
   const Eigen::Matrix2d expected = J * state.P.block<4, 4>(block::shift, block::shift) * J.transpose();
   const Eigen::Matrix2d carried = moved.P.block<2, 2>(block::shift, block::shift);

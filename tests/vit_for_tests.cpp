@@ -40,9 +40,10 @@ struct vit_tracker {
       for (; !samples.empty() && samples.front().timestamp <= t_ns; samples.pop_front()) {
         const vit_imu_sample& s = samples.front();
         if (last_ns > 0) {
-          const Eigen::Vector3d turn =
+          const Eigen::Vector3d rotation =
               Eigen::Vector3d(s.wx, s.wy, s.wz) * (static_cast<double>(s.timestamp - last_ns) * 1e-9);
-          if (turn.norm() > 0) q = q * Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+          if (rotation.norm() > 0)
+            q = q * Eigen::Quaterniond(Eigen::AngleAxisd(rotation.norm(), rotation.normalized()));
         }
         last_ns = s.timestamp;
       }

@@ -48,11 +48,11 @@ TEST_CASE("a VIT system is a front-end: its metric poses arrive, turned from the
   REQUIRE(result->motions.size() == frames - 1);
   for (const odo_vo_motion& m : result->motions) {
     CHECK((m.header.flags & ODO_VO_METRIC) != 0);
-    // A tenth of a metre along the body's x, which is the camera's x, and what the lever arm adds in a turn.
+    // A tenth of a metre along the body's x, which is the camera's x, and what the lever arm adds in a rotation.
     CHECK(Eigen::Vector3d(m.p_c0_c1).norm() == doctest::Approx(0.1).epsilon(0.2));
   }
   CHECK(result->final_state == ODO_TRACKING);
-  // The chained turns are the gyroscope's, so nearly the true ones.
+  // The composed rotations are the gyroscope's, so nearly the true ones.
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   for (const odo_vo_motion& m : result->motions)
     q = q * Eigen::Quaterniond(m.q_c0_c1[0], m.q_c0_c1[1], m.q_c0_c1[2], m.q_c0_c1[3]);

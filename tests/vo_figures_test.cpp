@@ -163,10 +163,10 @@ TEST_CASE("a new group that does not know the metre leaves the position where it
     if (i > 100 && i <= 150) s.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION, s.scale = 3;
     return s;
   });
-  const VoChain chain = chain_of(r.motions);
-  CHECK((chain.poses[150].p_m - chain.poses[100].p_m).norm() == 0);
-  CHECK((chain.poses[299].p_m - chain.poses[150].p_m).norm() == doctest::Approx(0.12 * 149));
-  CHECK((chain.poses[150].own - chain.poses[100].own).norm() == doctest::Approx(3 * 0.12 * 50));
+  const ComposedMotions composed = compose(r.motions);
+  CHECK((composed.poses[150].p_m - composed.poses[100].p_m).norm() == 0);
+  CHECK((composed.poses[299].p_m - composed.poses[150].p_m).norm() == doctest::Approx(0.12 * 149));
+  CHECK((composed.poses[150].own - composed.poses[100].own).norm() == doctest::Approx(3 * 0.12 * 50));
   const VoFigures f = r.figures();
   CHECK(f.groups == 2);
   CHECK(f.longest_group_share == doctest::Approx(199.0 / 300));
@@ -178,12 +178,12 @@ TEST_CASE("motions without a displacement, lost ones and holes") {
   Run r = run(line(100), [](size_t i) { return Says{.flags = i % 10 == 0 ? ODO_VO_ROTATION : Says{}.flags}; });
   for (size_t i = 50; i < 60; ++i) r.motions[i].state = ODO_LOST;
   r.motions.erase(r.motions.begin() + 70);
-  const VoChain chain = chain_of(r.motions);
-  CHECK(chain.holes == 1);
-  CHECK(chain.poses[10].own == chain.poses[9].own);
-  CHECK_FALSE(chain.poses[10].placed);
-  CHECK_FALSE(chain.poses[55].placed);
-  CHECK(chain.poses[56].own != chain.poses[55].own);
+  const ComposedMotions composed = compose(r.motions);
+  CHECK(composed.holes == 1);
+  CHECK(composed.poses[10].own == composed.poses[9].own);
+  CHECK_FALSE(composed.poses[10].placed);
+  CHECK_FALSE(composed.poses[55].placed);
+  CHECK(composed.poses[56].own != composed.poses[55].own);
 }
 
 TEST_CASE("who turns about and errs by a hand's breadth there is not wrong of his scale") {

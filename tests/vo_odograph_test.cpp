@@ -26,10 +26,10 @@ namespace {
 
 constexpr int64_t kMilli = 1'000'000;
 
-Isometry3d pose(const Vector3d& p, const Vector3d& turn) {
+Isometry3d pose(const Vector3d& p, const Vector3d& rotation) {
   Isometry3d T = Isometry3d::Identity();
   T.translation() = p;
-  T.linear() = exp_rotation(turn).toRotationMatrix();
+  T.linear() = exp_rotation(rotation).toRotationMatrix();
   return T;
 }
 
@@ -47,7 +47,7 @@ Vector2d see(const Isometry3d& T_w_c, const Vector3d& X, Random& random, double 
 }
 
 /// A camera that walks to the right and turns; every point seen by every keyframe.
-Isometry3d on_the_way(int k) { return pose({0.25 * k, 0.02 * k, 0.05 * k}, {0.01 * k, 0.03 * k, -0.01 * k}); }
+Isometry3d along_path(int k) { return pose({0.25 * k, 0.02 * k, 0.05 * k}, {0.01 * k, 0.03 * k, -0.01 * k}); }
 
 }  // namespace
 
@@ -60,14 +60,14 @@ TEST_CASE("a gyroscope's rotation, its derivative by the bias, and gaps") {
     gyroscope.add(i * kMilli, rate(0.001 * i) + bias);
     if (i > 0) truth = truth * exp_rotation(rate(0.001 * i - 0.0005) * 0.001);
   }
-  const auto turn = gyroscope.between(0, 1000 * kMilli, bias);
-  REQUIRE(turn);
-  CHECK(turn->q_c0_c1.angularDistance(truth) < 1e-5);
+  const auto rotation = gyroscope.between(0, 1000 * kMilli, bias);
+  REQUIRE(rotation);
+  CHECK(rotation->q_c0_c1.angularDistance(truth) < 1e-5);
   for (int axis = 0; axis < 3; ++axis) {
     const Vector3d h = 1e-5 * Vector3d::Unit(axis);
     const auto moved = gyroscope.between(0, 1000 * kMilli, bias + h);
-    const Vector3d numeric = log_rotation(turn->q_c0_c1.conjugate() * moved->q_c0_c1) / 1e-5;
-    CHECK((numeric - turn->by_bias.col(axis)).norm() < 1e-3);
+    const Vector3d numeric = log_rotation(rotation->q_c0_c1.conjugate() * moved->q_c0_c1) / 1e-5;
+    CHECK((numeric - rotation->by_bias.col(axis)).norm() < 1e-3);
   }
   CHECK_FALSE(gyroscope.between(0, 1200 * kMilli, bias));
   CHECK_FALSE(gyroscope.between(2000 * kMilli, 2100 * kMilli, bias));
@@ -132,11 +132,11 @@ TEST_CASE("the window's adjustment mends poses, depths and the gyroscope's bias,
   Window window{KeyframeParameters{}};
   const auto points = scene(6);
   for (int k = 0; k < 6; ++k) {
-    const Isometry3d T = on_the_way(k);
+    const Isometry3d T = along_path(k);
     Keyframe keyframe{0, 0, T, std::nullopt, Vector3d::Zero()};
     if (k > 0) {  // a gyroscope that is off by its bias for 0.4 s
-      const Quaterniond turn = Quaterniond(on_the_way(k - 1).linear()).conjugate() * Quaterniond(T.linear());
-      keyframe.rotation = GyroRotation{turn * exp_rotation(0.4 * bias), -0.4 * Eigen::Matrix3d::Identity(), 2e-4};
+      const Quaterniond rotation = Quaterniond(along_path(k - 1).linear()).conjugate() * Quaterniond(T.linear());
+      keyframe.rotation = GyroRotation{rotation * exp_rotation(0.4 * bias), -0.4 * Eigen::Matrix3d::Identity(), 2e-4};
     }
     if (k > 1) {  // the first two hold the unit
       keyframe.T_w_c.translation() += 0.02 * Vector3d(random.normal(), random.normal(), random.normal());
@@ -152,7 +152,7 @@ TEST_CASE("the window's adjustment mends poses, depths and the gyroscope's bias,
   const auto report = adjust(window, found, sigma);
   REQUIRE(report.solved);
   for (int k = 1; k < 6; ++k) {
-    const Isometry3d error = on_the_way(k).inverse() * window.keyframes()[static_cast<size_t>(k)].T_w_c;
+    const Isometry3d error = along_path(k).inverse() * window.keyframes()[static_cast<size_t>(k)].T_w_c;
     CHECK(error.translation().norm() < 0.01);
     CHECK(Eigen::AngleAxisd(error.linear()).angle() < 0.0025);
   }
@@ -182,13 +182,13 @@ std::string standard_error_of(Work work) {
   return read_text(file);
 }
 
-Window window_on_the_way(int keyframes, double sigma) {
+Window window_along_path(int keyframes, double sigma) {
   Random random(8, 8);
   Window window{KeyframeParameters{}};
   const auto points = scene(6);
   for (int k = 0; k < keyframes; ++k) {
-    window.add({0, 0, on_the_way(k), std::nullopt, Vector3d::Zero()});
-    for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(on_the_way(k), points[i], random, sigma));
+    window.add({0, 0, along_path(k), std::nullopt, Vector3d::Zero()});
+    for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(along_path(k), points[i], random, sigma));
   }
   window.triangulate();
   return window;
@@ -198,7 +198,7 @@ Window window_on_the_way(int keyframes, double sigma) {
 
 TEST_CASE("points behind a camera where the adjustment starts do not stop it, and Ceres says nothing to the terminal") {
   const double sigma = 8e-4;
-  Window window = window_on_the_way(6, sigma);
+  Window window = window_along_path(6, sigma);
   window.keyframes()[3].T_w_c.translation().z() += 4;  // past the nearest points
   Vector3d bias = Vector3d::Zero();
   BundleReport report;
@@ -206,12 +206,12 @@ TEST_CASE("points behind a camera where the adjustment starts do not stop it, an
   CHECK(said == "");
   CHECK(report.solved);
   CHECK_FALSE(report.failed);
-  CHECK((on_the_way(5).inverse() * window.keyframes()[5].T_w_c).translation().norm() < 0.02);
+  CHECK((along_path(5).inverse() * window.keyframes()[5].T_w_c).translation().norm() < 0.02);
 }
 
 TEST_CASE("an adjustment that fails says so in its report alone, and leaves the window as it was") {
   const double sigma = 8e-4;
-  Window window = window_on_the_way(6, sigma);
+  Window window = window_along_path(6, sigma);
   window.keyframes()[3].T_w_c.translation().x() = std::nan("");
   const Window before = window;
   Vector3d bias(0.001, 0, 0);
@@ -230,8 +230,8 @@ TEST_CASE("a point outlives the keyframe that saw it first") {
   Random random(1, 1);
   const auto points = scene(2, 20);
   for (int k = 0; k < 5; ++k) {
-    window.add({0, 0, on_the_way(k), std::nullopt, Vector3d::Zero()});
-    for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(on_the_way(k), points[i], random, 0));
+    window.add({0, 0, along_path(k), std::nullopt, Vector3d::Zero()});
+    for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(along_path(k), points[i], random, 0));
     window.triangulate();
     window.slide();
   }
@@ -266,8 +266,8 @@ class Film {
     return camera_->develop(view_->render(still, 0.1 * static_cast<double>(index)), index);
   }
   static CameraModel model() { return {CameraModel::Distortion::radial_tangential, 250, 250, 159.5, 119.5, {}}; }
-  /// The camera's turn about its own axes for a yaw rate: the phone's mounting turns y down.
-  static void turn(Odometry& vo, int from_ms, int to_ms, double yaw_rate) {
+  /// The camera's rotation about its own axes for a yaw rate: the phone's mounting turns y down.
+  static void rotation(Odometry& vo, int from_ms, int to_ms, double yaw_rate) {
     for (int t = from_ms + 5; t <= to_ms; t += 5) vo.add_gyroscope(t * kMilli, {0, yaw_rate, 0});
   }
 
@@ -358,7 +358,7 @@ TEST_CASE("turning on the spot: a rotation, no translation, and the gyroscope's 
   Quaterniond q = Quaterniond::Identity();
   for (size_t i = 0; i < 15; ++i) {
     const int now_ms = static_cast<int>(i) * 100;
-    if (i > 0) Film::turn(vo, now_ms - 100, now_ms, rate + bias);
+    if (i > 0) Film::rotation(vo, now_ms - 100, now_ms, rate + bias);
     const auto motion =
         vo.process({film.frame({0, 0, -1.5}, 0.02 * static_cast<double>(i), i), {}, now_ms * kMilli, 0});
     CHECK_FALSE(motion.translation_valid);

@@ -60,7 +60,9 @@ TEST_CASE("two views: rotation and direction of the translation, with a third of
   CHECK(view->count < 230);
 }
 
-TEST_CASE("two views with little parallax: the right way and turn, or nothing while two ways explain them") {
+TEST_CASE(
+    "two views with little parallax: the right translation and rotation, or nothing while two of them explain what is "
+    "seen") {
   int told = 0;
   for (uint64_t seed = 1; seed <= 12; ++seed) {
     Random random(seed, 6);
@@ -68,9 +70,9 @@ TEST_CASE("two views with little parallax: the right way and turn, or nothing wh
     const Eigen::Isometry3d T = pose({0.09 * std::cos(0.5 * static_cast<double>(seed)), 0.04, 0.06}, 0.02);
     auto first = scene.project(Eigen::Isometry3d::Identity(), 6e-4, random), second = scene.project(T, 6e-4, random);
     for (size_t i = 0; i < 40; ++i) second[i] = {random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4)};
-    const auto turn = pure_rotation(first, second);
-    REQUIRE(turn);
-    const auto view = two_view_near(first, second, turn->R_1_0, 2e-3, 200);
+    const auto rotation = pure_rotation(first, second);
+    REQUIRE(rotation);
+    const auto view = two_view_near(first, second, rotation->R_1_0, 2e-3, 200);
     if (!view) continue;
     ++told;
     const Eigen::Isometry3d T_1_0 = T.inverse();
@@ -78,7 +80,7 @@ TEST_CASE("two views with little parallax: the right way and turn, or nothing wh
     CHECK(view->t_1_0.dot(T_1_0.translation().normalized()) > 0.9);
   }
   CHECK(told >= 8);
-  // Far points and noise alone: any way is as good as another.
+  // Far points and noise alone: any direction is as good as another.
   Random random(77, 6);
   Scene far = random_scene(3);
   for (auto& X : far.points) X *= 100;
@@ -190,7 +192,9 @@ TEST_CASE("sparse selection keeps the strongest of each cell; matches are mutual
   CHECK(pairs[2] == std::pair(2, 2));  // the fourth has the same nearest, which prefers the third
 }
 
-TEST_CASE("Antigny et al.'s odometry: a standing camera has no way, a moving one keeps its unit, darkness ends it") {
+TEST_CASE(
+    "Antigny et al.'s odometry: a standing camera has no displacement, a moving one keeps its scale, darkness ends "
+    "it") {
   Scenario scenario;
   scenario.camera.width = 480, scenario.camera.height = 360, scenario.camera.focal_px = 375;
   const World world(scenario, 5);
@@ -212,17 +216,17 @@ TEST_CASE("Antigny et al.'s odometry: a standing camera has no way, a moving one
     for (int i = 0; i < 4; ++i) motion = vo.process(frame(i, 0), {});
     CHECK(motion.outcome == antigny2019::Outcome::no_parallax);
     CHECK_FALSE(motion.translation_valid);
-    std::vector<double> ways;
+    std::vector<double> displacements;
     int moved = 0;
     for (int i = 4; i < 12; ++i) {
       motion = vo.process(frame(i, 0.4 * (i - 3)), {});
       if (!motion.translation_valid || moved++ == 0) continue;  // the first covers the time before it
       CHECK(motion.T_c0_c1.translation().normalized().z() > 0.97);
-      ways.push_back(motion.T_c0_c1.translation().norm());
+      displacements.push_back(motion.T_c0_c1.translation().norm());
     }
     REQUIRE(moved >= 5);
-    std::sort(ways.begin(), ways.end());
-    CHECK(ways.back() < 3 * ways.front());  // each way is equally long; the unit drifts
+    std::sort(displacements.begin(), displacements.end());
+    CHECK(displacements.back() < 3 * displacements.front());  // each displacement is equally long; the scale drifts
     motion = vo.process(cv::Mat(360, 480, CV_8U, cv::Scalar(2)), {});
     CHECK(motion.outcome == antigny2019::Outcome::lost);
     CHECK_FALSE(motion.rotation_valid);

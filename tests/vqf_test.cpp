@@ -78,7 +78,7 @@ TEST_CASE("irregular sampling gives the same orientation as regular sampling") {
   vqf::Filter regular{vqf::Parameters{}}, irregular{vqf::Parameters{}};
   Random random(3, 3);
   double t = 0;
-  while (t < 30) {  // long after the turn, whose centripetal acceleration looks like a tilt of 2.7 degrees
+  while (t < 30) {  // long after the rotation, whose centripetal acceleration looks like a tilt of 2.7 degrees
     const double dt = random.uniform(0.002, 0.018);
     t += dt;
     const auto k = walk.phone.at(t - dt / 2);

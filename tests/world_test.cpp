@@ -252,7 +252,7 @@ TEST_CASE("a car keeps its limits, stops, dives and shakes, and its camera looks
   CHECK(sideways < 4.0);
   CHECK(sideways > 1.2);
   CHECK(worst_tilt < 0.12);
-  // Standing, the engine shakes it at twice its turns: 800 a minute.
+  // Standing, the engine shakes it at twice its revolutions: 800 a minute.
   double power = 0, other = 0;
   for (const double hz :
        {20.0, 26.0 + 2.0 / 3, 33.0 + 1.0 / 3}) {  // whole periods in 1.2 s, so that gravity sums to nothing

@@ -37,8 +37,8 @@ inline void emit_scale(const odo_vo_motion& motion, double d_step_m, double rela
   const double d_vo = horizontal_displacement(motion);
   auto scale = scale_of(motion);
   if (d_step_m > 0 && !(d_vo >= 1e-9)) return;
-  scale.metres_per_unit = d_step_m > 0 ? d_step_m / d_vo : 0.0;
-  scale.sigma = scale.metres_per_unit * relative_sigma;
+  scale.scale = d_step_m > 0 ? d_step_m / d_vo : 0.0;
+  scale.sigma = scale.scale * relative_sigma;
   scale.displacement_m = d_step_m;
   output.emit(scale);
 }

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 using GeographicLib::Geocentric;
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kMostInPlane = 1e8;  // m: no place of a projection is farther from its zero
+constexpr double kMaxInPlane = 1e8;  // m: no place of a projection is farther from its zero
 
 /// RD New, EPSG 28992.
 constexpr double kA_m = 6377397.155, kFlattening = 1 / 299.1528128;  // Bessel 1841
@@ -156,8 +156,8 @@ std::optional<GridPlace> Projection::grid(const Geodetic& g) const {
   if (kind_ == Kind::geographic) return GridPlace{g.longitude_deg, g.latitude_deg};
   if (kind_ == Kind::rd_new) {
     const GridPlace p = wgs84_to_rd_new(g);
-    return std::abs(p.easting_m) < kMostInPlane && std::abs(p.northing_m) < kMostInPlane ? std::optional(p)
-                                                                                         : std::nullopt;
+    return std::abs(p.easting_m) < kMaxInPlane && std::abs(p.northing_m) < kMaxInPlane ? std::optional(p)
+                                                                                       : std::nullopt;
   }
   int zone = 0;
   bool northern = true;

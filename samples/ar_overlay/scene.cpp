@@ -8,7 +8,7 @@
 namespace {
 
 constexpr double kPath_m = 0.5, kPathWidth_m = 0.32;
-constexpr size_t kMostPath = 800;    // of the session's 1024 anchors
+constexpr size_t kMaxPath = 800;     // of the session's 1024 anchors
 constexpr double kMap_m = 20;        // radius
 constexpr double kGrid_m = 9;        // from the phone
 constexpr double kGroundTau = 0.02;  // the ground follows the phone's mean height, per picture
@@ -70,7 +70,7 @@ void Scene::put_up(int64_t t_ns, double seconds) {
   const double ground = pose.p_n[2] + options_.height_m;
   ground_down_ = started_ ? ground_down_ + kGroundTau * (ground - ground_down_) : ground;
   const Point foot(pose.p_n[0], pose.p_n[1], ground_down_);
-  if ((!started_ || length(foot - last_path_) > kPath_m) && path_.size() < kMostPath) {
+  if ((!started_ || length(foot - last_path_) > kPath_m) && path_.size() < kMaxPath) {
     path_.push_back(anchor(ODO_ANCHOR_POSE, "", foot, t_ns));
     last_path_ = foot;
   }

@@ -20,8 +20,8 @@ struct ConstantSpeed {
     const double units = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
     if ((motion.header.flags & ODO_VO_TRANSLATION) == 0 || !(units > 1e-9 && units < 1e9)) return;  // NaN too
     auto scale = odo::make<odo_scale>(motion.header.t_ns);
-    scale.metres_per_unit = speed * 1e-9 * static_cast<double>(motion.header.t_ns - motion.t_from_ns) / units;
-    scale.sigma = 0.2 * scale.metres_per_unit;
+    scale.scale = speed * 1e-9 * static_cast<double>(motion.header.t_ns - motion.t_from_ns) / units;
+    scale.sigma = 0.2 * scale.scale;
     scale.valid_from_ns = motion.t_from_ns;
     scale.valid_to_ns = motion.header.t_ns;
     scale.scale_group = motion.scale_group;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Does next to nothing, so that what is measured is the way through the ABI.
+// Does next to nothing, so that what is measured is the passage through the ABI.
 #include <odograph/plugin.hpp>
 
 struct Noop {

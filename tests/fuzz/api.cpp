@@ -13,7 +13,7 @@
 
 namespace {
 
-constexpr size_t kMostCalls = 64;
+constexpr size_t kMaxCalls = 64;
 
 const char* const kConfigs[] = {
     "attitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/renaudin2012\n",
@@ -133,7 +133,7 @@ void call(uint8_t what, odo_session*& session, fuzz::Bytes& left) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static odo_session* sessions[2] = {nullptr, nullptr};
   fuzz::Bytes left(data, size);
-  for (size_t count = 0; !left.empty() && count < kMostCalls; ++count) {
+  for (size_t count = 0; !left.empty() && count < kMaxCalls; ++count) {
     const auto what = left.take<uint8_t>();
     call(what & 0x7f, sessions[what >> 7], left);
   }

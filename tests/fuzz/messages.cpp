@@ -18,9 +18,9 @@ constexpr uint32_t kInputs[] = {ODO_TYPE_IMU,          ODO_TYPE_MAGNETOMETER, OD
 constexpr uint32_t kEvents[] = {ODO_TYPE_ATTITUDE,   ODO_TYPE_STEP,        ODO_TYPE_MOTION_MODE, ODO_TYPE_VO_MOTION,
                                 ODO_TYPE_SCALE,      ODO_TYPE_FIX,         ODO_TYPE_POSE,        ODO_TYPE_STATE,
                                 ODO_TYPE_CORRECTION, ODO_TYPE_CALIBRATION, ODO_TYPE_VENDOR(0, 2)};
-constexpr size_t kMostMessages = 48;
+constexpr size_t kMaxMessages = 48;
 constexpr int kInputsOfSession = 200;
-constexpr uint32_t kMostPixels = 48;  // of a side
+constexpr uint32_t kMaxPixels = 48;  // of a side
 
 struct alignas(8) Message {
   unsigned char bytes[2048] = {};
@@ -29,10 +29,10 @@ struct alignas(8) Message {
 
 /// Its pixels are the app's: sizes and pointers are ones that an app may give.
 void give_pixels(odo_frame& frame) {
-  static const std::vector<uint8_t> pixels(size_t(kMostPixels) * kMostPixels * 16, 90);
-  frame.width %= kMostPixels + 1, frame.height %= kMostPixels + 1;
+  static const std::vector<uint8_t> pixels(size_t(kMaxPixels) * kMaxPixels * 16, 90);
+  frame.width %= kMaxPixels + 1, frame.height %= kMaxPixels + 1;
   for (odo_plane* plane : {&frame.planes[0], &frame.planes[1], &frame.planes[2], &frame.planes[3], &frame.mask})
-    *plane = {pixels.data(), kMostPixels * 4, 1 + plane->pixel_stride % 2, 0};
+    *plane = {pixels.data(), kMaxPixels * 4, 1 + plane->pixel_stride % 2, 0};
   frame.retain = nullptr, frame.release = nullptr, frame.owner = nullptr;
 }
 
@@ -53,7 +53,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         "vo_frontend:\n  plugin: test/echo\nscale_source:\n  plugin: scale/step_length\n"
         "absolute_fixers:\n  - plugin: fix/gnss\n  - plugin: fix/waypoint\n  - plugin: fix/barometer\n");
   fuzz::Bytes left(data, size);
-  for (size_t count = 0; !left.empty() && count < kMostMessages; ++count) {
+  for (size_t count = 0; !left.empty() && count < kMaxMessages; ++count) {
     const auto which = left.take<uint8_t>(), length = left.take<uint8_t>(), time = left.take<uint8_t>();
     Message message;
     constexpr size_t kAll = std::size(kInputs) + std::size(kEvents);

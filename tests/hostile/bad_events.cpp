@@ -12,9 +12,9 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     std::memset(&scale, 0, sizeof scale);
     scale.header.struct_size = sizeof scale;
     scale.header.type = ODO_TYPE_SCALE;
-    scale.metres_per_unit = std::numeric_limits<double>::quiet_NaN();
+    scale.scale = std::numeric_limits<double>::quiet_NaN();
     sink->emit(sink, &scale.header);
-    scale.metres_per_unit = 1.0;
+    scale.scale = 1.0;
     scale.header.struct_size = 40;
     sink->emit(sink, &scale.header);
     scale.header.struct_size = sizeof scale;

@@ -10,7 +10,7 @@
 
 namespace {
 
-constexpr size_t kMost = 3;
+constexpr size_t kMax = 3;
 std::deque<odo_frame> kept;
 int64_t last_ns = 0;
 
@@ -22,7 +22,7 @@ void take(const odo_header& message) {
   if (message.type != ODO_TYPE_FRAME) return;
   const auto& frame = reinterpret_cast<const odo_frame&>(message);
   if (frame.retain && frame.retain(&frame) >= 0) kept.push_back(frame);
-  let_go(kMost);
+  let_go(kMax);
   odo_vo_motion motion;
   std::memset(&motion, 0, sizeof motion);
   motion.header.struct_size = sizeof motion;

@@ -21,7 +21,7 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
       scale.header.struct_size = sizeof scale;
       scale.header.type = ODO_TYPE_SCALE;
       scale.header.t_ns = motion.header.t_ns;
-      scale.metres_per_unit = 1, scale.sigma = 0.1;
+      scale.scale = 1, scale.sigma = 0.1;
       scale.scale_group = motion.scale_group;
       scale.valid_to_ns = ++motions % 3 == 0 ? motion.header.t_ns : motion.t_from_ns;
       scale.valid_from_ns = scale.valid_to_ns - 1;

@@ -8,7 +8,7 @@
 namespace hostile {
 
 /// What a good attitude plugin answers to an IMU sample: level, whatever the sample says.
-inline int32_t emit_level_attitude(const odo_header& sample) {
+inline int32_t emit_horizontal_attitude(const odo_header& sample) {
   odo_attitude a;
   std::memset(static_cast<void*>(&a), 0, sizeof a);
   a.header = sample;

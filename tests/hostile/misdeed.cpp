@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "tests/hostile/level_attitude.hpp"
+#include "tests/hostile/horizontal_attitude.hpp"
 
 namespace {
 
@@ -30,9 +30,9 @@ const std::string& name() {
 }
 
 int deep(volatile char* above) {
-  volatile char room[4096];
-  room[0] = above[0];
-  return deep(room) + room[0];
+  volatile char storage[4096];
+  storage[0] = above[0];
+  return deep(storage) + storage[0];
 }
 
 /// Does what the file is called after, if its moment has come.
@@ -40,13 +40,13 @@ void now(const char* moment) {
   const size_t gap = name().find("__");
   if (gap == std::string::npos || name().substr(gap + 2) != moment) return;
   const std::string deed = name().substr(0, gap);
-  volatile char room[1] = {1};
+  volatile char storage[1] = {1};
   if (deed == "abort") std::abort();
   if (deed == "exit") std::exit(0);
   if (deed == "quick_exit") _exit(0);
   if (deed == "segfault") *reinterpret_cast<volatile int*>(8) = 1;
   if (deed == "null_call") reinterpret_cast<void (*volatile)()>(0)();
-  if (deed == "stack_overflow") std::exit(deep(room));
+  if (deed == "stack_overflow") std::exit(deep(storage));
   if (deed == "illegal_instruction") raise(SIGILL);
   if (deed == "arithmetic") raise(SIGFPE);
   if (deed == "kill") raise(SIGKILL);
@@ -96,7 +96,7 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
     if (batch->messages[0]->type != ODO_TYPE_IMU) return ODO_OK;
     if (++hostile::instance() == 40) now("process");
-    return hostile::emit_level_attitude(*batch->messages[0]);
+    return hostile::emit_horizontal_attitude(*batch->messages[0]);
   };
   return hostile::fill(out, t);
 }

@@ -100,7 +100,7 @@ inline void answer_motion(State& s, const odo_header& m) {
   const auto& motion = reinterpret_cast<const odo_vo_motion&>(m);
   Event event;
   event.scale.valid_from_ns = motion.t_from_ns, event.scale.valid_to_ns = m.t_ns;
-  event.scale.metres_per_unit = 1.4 * s.gain, event.scale.sigma = 0.1, event.scale.scale_group = motion.scale_group;
+  event.scale.scale = 1.4 * s.gain, event.scale.sigma = 0.1, event.scale.scale_group = motion.scale_group;
   emit(s, event, ODO_TYPE_SCALE, sizeof(odo_scale), m.t_ns);
 }
 

@@ -21,7 +21,7 @@ GOOD_ENTRY
 EVENT(scale) { e.header.struct_size = 32; }
 GOOD_ENTRY
 #elif defined(ZOO_events_numbers__nan)
-EVENT(scale) { e.scale.metres_per_unit = std::nan(""); }
+EVENT(scale) { e.scale.scale = std::nan(""); }
 GOOD_ENTRY
 #elif defined(ZOO_events_numbers__no_quaternion)
 EVENT(attitude) { e.attitude.q_n_b[1] = 0; }
@@ -141,7 +141,7 @@ GOOD_ENTRY
 EVENT(odometry) { e.motion.camera = 5; }
 GOOD_ENTRY
 #elif defined(ZOO_scale_unit__millimetres)
-EVENT(scale) { e.scale.metres_per_unit *= 1000; }
+EVENT(scale) { e.scale.scale *= 1000; }
 GOOD_ENTRY
 #elif defined(ZOO_scale_group__foreign)
 EVENT(scale) { e.scale.scale_group = 77; }

@@ -31,13 +31,13 @@ INPUT(scale) {
 GOOD_ENTRY
 #elif defined(ZOO_process_works__stack_overflow)
 static int deep(volatile char* above) {
-  volatile char room[4096];
-  room[0] = above[0];
-  return deep(room) + room[0];
+  volatile char storage[4096];
+  storage[0] = above[0];
+  return deep(storage) + storage[0];
 }
 INPUT(scale) {
-  volatile char room[1] = {1};
-  return s.inputs == 40 ? deep(room) : ODO_OK;
+  volatile char storage[1] = {1};
+  return s.inputs == 40 ? deep(storage) : ODO_OK;
 }
 GOOD_ENTRY
 #elif defined(ZOO_process_works__pthread_exit)
@@ -116,11 +116,11 @@ GOOD_ENTRY
 #elif defined(ZOO_repeat_instance__counts_on)
 EVENT(scale) {
   static int count = 0;
-  e.scale.metres_per_unit += 1e-6 * ++count;
+  e.scale.scale += 1e-6 * ++count;
 }
 GOOD_ENTRY
 #elif defined(ZOO_repeat_process__pid)
-EVENT(scale) { e.scale.metres_per_unit += 1e-6 * getpid(); }
+EVENT(scale) { e.scale.scale += 1e-6 * getpid(); }
 GOOD_ENTRY
 #elif defined(ZOO_repeat_batches_of_17__first_of_batch)
 TABLE(scale) {

@@ -101,8 +101,8 @@ typedef struct odo_scale { /* how long a VO unit is */
   odo_header header;
   int64_t valid_from_ns;  /* motions that end after this ... */
   int64_t valid_to_ns;    /* ... and not after this */
-  double metres_per_unit;
-  double sigma;           /* of metres_per_unit */
+  double scale;
+  double sigma;           /* of scale */
   double displacement_m;  /* the metric displacement it was computed from, 0 where there is none */
   uint32_t scale_group;
   uint32_t reserved;      /* 0 */

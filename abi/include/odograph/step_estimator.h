@@ -3,7 +3,7 @@
  * Kind of plugin: steps and how the device is carried
  *
  * Given: odo_imu, odo_attitude (of the same times), odo_barometer, odo_fix (those that were used: p_n is metric;
- *        and the way of a camera that knows the metre without steps).
+ *        and the displacement of a camera that knows the metre without steps).
  * Emits: one odo_step for each step, in order of t_end_ns, never overlapping, at most 0.5 s after the foot's contact
  *        (the first ones of a walk, after a pause of 1.5 s, may be held back until it is sure that it is one: 4 s at
  *        most, and they come in the same call as one that is in time);

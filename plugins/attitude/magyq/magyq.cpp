@@ -48,7 +48,7 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   window_s_ += dt_s, ++window_count_;
   accel_sum_ += q_ * accel, rate_sum_ += gyro;
   accel_squares_ += accel.squaredNorm(), rate_squares_ += gyro.squaredNorm();
-  if (window_s_ >= p_.window_s) level();
+  if (window_s_ >= p_.window_s) horizontal();
 }
 
 /// Strapdown integration; the error is carried in the Earth's axes, where a bias error turns with the body.
@@ -67,7 +67,7 @@ void Filter::predict(const Vector3d& gyro, double dt_s) {
 
 /// The mean acceleration in the Earth's axes is the vertical, but for what the speed changed within the window. At the
 /// very start, where the first sample may have met a swing, it is believed as it is.
-void Filter::level() {
+void Filter::horizontal() {
   const auto n = static_cast<double>(window_count_);
   const Vector3d mean = accel_sum_ / n, rate = rate_sum_ / n;
   const double accel_spread = std::sqrt(std::max(0.0, accel_squares_ / n - std::pow(mean.norm(), 2)));
@@ -128,11 +128,11 @@ bool Filter::is_quasi_static(double dt_s) const {
 
 /// A first-order Gauss-Markov process goes on by so many of its time constants.
 void Filter::wander(int state, double& value_rad, double times, double sigma_rad) {
-  const double keep = std::exp(-times);
-  value_rad *= keep;
-  P_.row(state) *= keep;
-  P_.col(state) *= keep;
-  P_(state, state) += (1 - keep * keep) * sigma_rad * sigma_rad;
+  const double decay = std::exp(-times);
+  value_rad *= decay;
+  P_.row(state) *= decay;
+  P_.col(state) *= decay;
+  P_(state, state) += (1 - decay * decay) * sigma_rad * sigma_rad;
 }
 
 void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
@@ -146,7 +146,7 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
 
   // Where the walker has come to, the field is off north by something else.
   if (quasi_static_) {
-    P_(kFieldOff, kFieldOff) += p_.field_turn * p_.field_turn * dt_s;
+    P_(kFieldOff, kFieldOff) += p_.field_random_walk * p_.field_random_walk * dt_s;
   } else {
     wander(kFieldOff, field_off_rad_, dt_s / p_.field_off_s, p_.field_off_sigma_rad);
     wander(kStreetOff, street_off_rad_, dt_s / p_.street_off_s, p_.street_off_sigma_rad);
@@ -161,9 +161,9 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
 
 /// The heading that the field shows, east of north: an error of ours to the left, what disturbs it, the iron's share.
 void Filter::see_field(const Vector3d& earth) {
-  const double level = earth.head<2>().norm(), heading = std::atan2(earth.x(), earth.y());
-  if (level < 0.05) return;  // it points straight down: no heading
-  if (!has_heading_) {       // nothing is known yet: north is where the field says
+  const double horizontal = earth.head<2>().norm(), heading = std::atan2(earth.x(), earth.y());
+  if (horizontal < 0.05) return;  // it points straight down: no heading
+  if (!has_heading_) {            // nothing is known yet: north is where the field says
     has_heading_ = true;
     q_ = (exp_rotation({0, 0, heading}) * q_).normalized();
     P_.row(kHeading).setZero(), P_.col(kHeading).setZero();
@@ -175,9 +175,9 @@ void Filter::see_field(const Vector3d& earth) {
   }
   Row H = Row::Zero();
   H[kHeading] = 1, H[kFieldOff] = 1, H[kStreetOff] = 1;
-  const Vector3d east_of_field(std::cos(heading) / level, -std::sin(heading) / level, 0);
+  const Vector3d east_of_field(std::cos(heading) / horizontal, -std::sin(heading) / horizontal, 0);
   H.segment<3>(kIron) = east_of_field.transpose() * q_.toRotationMatrix();
-  const double variance = p_.field_heading_sigma_rad * p_.field_heading_sigma_rad / (level * level);
+  const double variance = p_.field_heading_sigma_rad * p_.field_heading_sigma_rad / (horizontal * horizontal);
   const double innovation = std::remainder(heading - field_off_rad_ - street_off_rad_, 2 * M_PI);
   // Steel is near: the surprise is the field's, whatever its usual size.
   const double usual = (H * P_ * H.transpose()).value() + variance;

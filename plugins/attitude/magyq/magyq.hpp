@@ -28,7 +28,7 @@ struct Parameters {
   double field_off_s = 5;                  ///< time constant of that, on foot
   double street_off_sigma_rad = 0.18;      ///< the same of what is as long as a street
   double street_off_s = 60;                ///< time constant of that, on foot
-  double field_turn = 0.002;               ///< rad/sqrt(s): how it wanders in quasi-static phases
+  double field_random_walk = 0.002;        ///< rad/sqrt(s): how it wanders in quasi-static phases
   double hard_iron_sigma = 0.06;           ///< the device's own field, in parts of the Earth's
 };
 
@@ -65,7 +65,7 @@ class Filter {
   using Row = Eigen::Matrix<double, 1, kStates>;
 
   void predict(const Eigen::Vector3d& gyro, double dt_s);
-  void level();
+  void horizontal();
   void forget_window();
   void rest(const Eigen::Vector3d& rate, double sigma_radps);
   bool is_quasi_static(double dt_s) const;

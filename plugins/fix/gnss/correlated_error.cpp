@@ -26,8 +26,8 @@ void CorrelatedError::on_path(int64_t, const Eigen::Vector2d& path_m, double hea
 CorrelatedError::Corrected CorrelatedError::on_position(int64_t t_ns, const Eigen::Vector2d& position_m,
                                                         double sigma_m) {
   const double dt = has_last_ ? static_cast<double>(t_ns - last_ns_) * 1e-9 : 0.0;
-  const double keep = std::exp(-dt / p_.bias_s);
-  bias_ *= keep, bias_variance_m2_ *= keep * keep;
+  const double decay = std::exp(-dt / p_.bias_s);
+  bias_ *= decay, bias_variance_m2_ *= decay * decay;
   Corrected result{position_m - bias_, sigma_m, false};
   const Eigen::Vector2d difference = result.position_m - path_;
   if (has_last_ && has_path_ && dt < kLongest_s) {
@@ -47,7 +47,7 @@ CorrelatedError::Corrected CorrelatedError::on_position(int64_t t_ns, const Eige
   const double alike = dt > 0 ? 1 / std::tanh(dt / (2 * p_.correlation_s)) : 1.0;
   const double alike_bias = dt > 0 ? 1 / std::tanh(dt / (2 * p_.bias_s)) : 1.0;
   result.sigma_m = std::sqrt(sigma_m * sigma_m * alike +
-                             alike_bias * (bias_variance_m2_ + (keep < 1 ? bias_.squaredNorm() : 0.0) * 0.25));
+                             alike_bias * (bias_variance_m2_ + (decay < 1 ? bias_.squaredNorm() : 0.0) * 0.25));
   last_ = {t_ns, result.position_m - path_, walked_m_};
   last_ns_ = t_ns, has_last_ = true;
   return result;

@@ -9,7 +9,7 @@
 namespace odograph::gnss {
 
 /// What a receiver's error does from one position to the next: between houses it stays alike for tens of seconds, and
-/// jumps by tens of metres when the way of a signal changes. An estimator that takes positions for independent would
+/// jumps by tens of metres when the path of a signal changes. An estimator that takes positions for independent would
 /// believe the error after a few seconds. No allocation.
 ///
 /// A first-order Gauss-Markov error of variance s^2 and time constant tau, sampled each dt, tells as much of a constant

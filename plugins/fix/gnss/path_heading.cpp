@@ -17,9 +17,9 @@ namespace {
 constexpr double kAny = 3, kAny_m = 1e5, kJump_m = 50;  // of (a, b), of the path's beginning, of a reflection
 constexpr int64_t kPatience_ns = 3'000'000'000, kVelocity_ns = 1'000'000'000;
 constexpr size_t kKept = 64;            // steps and positions
-constexpr double kTellable_rad = 0.35;  // a turn is told once it is as well known
+constexpr double kTellable_rad = 0.35;  // a yaw offset is told once it is as well known
 constexpr double kNews = 0.1;           // and again when it has gained so much of its information
-constexpr double kLeastScale = 0.3;     // of (a, b): below it has no direction yet
+constexpr double kMinScale = 0.3;       // of (a, b): below it has no direction yet
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 double wrapped(double rad) { return std::remainder(rad, 2 * std::numbers::pi); }
@@ -29,7 +29,7 @@ double wrapped(double rad) { return std::remainder(rad, 2 * std::numbers::pi); }
 PathHeading::PathHeading(const Parameters& parameters) : p_(parameters) {
   x_.setZero();
   P_.setZero();
-  P_.diagonal().segment<2>(kTurn).setConstant(kAny * kAny);
+  P_.diagonal().segment<2>(kYaw).setConstant(kAny * kAny);
   P_.diagonal().segment<2>(kPlace).setConstant(kAny_m * kAny_m);
   P_.diagonal().segment<2>(kRate).setConstant(p_.heading_rate * p_.heading_rate);
 }
@@ -79,19 +79,19 @@ void PathHeading::work_off() {
 }
 
 void PathHeading::propagate(double dt_s, const Vector2d& moved, double sigma_m) {
-  const double keep = std::exp(-dt_s / p_.correlation_s), keep_jump = std::exp(-dt_s / p_.bias_s),
-               keep_rate = std::exp(-dt_s / p_.heading_rate_s);
+  const double decay = std::exp(-dt_s / p_.correlation_s), jump_decay = std::exp(-dt_s / p_.bias_s),
+               rate_decay = std::exp(-dt_s / p_.heading_rate_s);
   Matrix F = Matrix::Identity();
-  F.block<2, 2>(kPlace, kTurn) << moved.x(), -moved.y(), moved.y(), moved.x();
-  F.block<2, 2>(kTurn, kRate) = dt_s * Matrix2d::Identity();
-  F.diagonal().segment<2>(kError).setConstant(keep);
-  F.diagonal().segment<2>(kJump).setConstant(keep_jump);
-  F.diagonal().segment<2>(kRate).setConstant(keep_rate);
+  F.block<2, 2>(kPlace, kYaw) << moved.x(), -moved.y(), moved.y(), moved.x();
+  F.block<2, 2>(kYaw, kRate) = dt_s * Matrix2d::Identity();
+  F.diagonal().segment<2>(kError).setConstant(decay);
+  F.diagonal().segment<2>(kJump).setConstant(jump_decay);
+  F.diagonal().segment<2>(kRate).setConstant(rate_decay);
   Vector Q = Vector::Zero();
-  Q.segment<2>(kTurn).setConstant(p_.heading_walk * p_.heading_walk * dt_s);
+  Q.segment<2>(kYaw).setConstant(p_.heading_walk * p_.heading_walk * dt_s);
   Q.segment<2>(kPlace).setConstant(p_.path_walk * p_.path_walk * moved.norm());
-  Q.segment<2>(kError).setConstant(sigma_m * sigma_m * (1 - keep * keep));
-  Q.segment<2>(kRate).setConstant(p_.heading_rate * p_.heading_rate * (1 - keep_rate * keep_rate));
+  Q.segment<2>(kError).setConstant(sigma_m * sigma_m * (1 - decay * decay));
+  Q.segment<2>(kRate).setConstant(p_.heading_rate * p_.heading_rate * (1 - rate_decay * rate_decay));
   const auto age = [&](Vector& x, Matrix& P) {
     x = F * x;
     P = F * P * F.transpose();
@@ -115,7 +115,7 @@ void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& pa
   Eigen::Matrix<double, 2, kStates> H = Eigen::Matrix<double, 2, kStates>::Zero();
   double noise = p_.white_m * p_.white_m;
   if (seen.is_velocity) {  // one a second, alike for longer
-    H.middleCols<2>(kTurn) << path_velocity.x(), -path_velocity.y(), path_velocity.y(), path_velocity.x();
+    H.middleCols<2>(kYaw) << path_velocity.x(), -path_velocity.y(), path_velocity.y(), path_velocity.x();
     noise = seen.sigma * seen.sigma * std::max(1.0, 2 * p_.velocity_correlation_s) + 0.2 * 0.2;
   } else {
     for (const int from : {kPlace, kError, kJump}) H.middleCols<2>(from).setIdentity();
@@ -134,29 +134,29 @@ void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& pa
   P_ = I_KH * P_ * I_KH.transpose() + K * (noise * Matrix2d::Identity()) * K.transpose();
 }
 
-std::optional<PathHeading::Turn> PathHeading::turn() const { return turn_of(x_, P_); }
+std::optional<PathHeading::Yaw> PathHeading::yaw() const { return yaw_of(x_, P_); }
 
-std::optional<PathHeading::Turn> PathHeading::turn_of(const Vector& x, const Matrix& from) const {
-  const Vector2d ab = x.segment<2>(kTurn);
+std::optional<PathHeading::Yaw> PathHeading::yaw_of(const Vector& x, const Matrix& from) const {
+  const Vector2d ab = x.segment<2>(kYaw);
   const double scale = ab.norm();
-  if (scale < kLeastScale) return {};
+  if (scale < kMinScale) return {};
   // Steps know their length: a measurement of the scale, on a copy, because only its direction is linear.
   const Vector2d along = ab / scale, across(-along.y(), along.x());
-  const Matrix2d P = from.block<2, 2>(kTurn, kTurn);
+  const Matrix2d P = from.block<2, 2>(kYaw, kYaw);
   const double s = along.dot(P * along) + p_.scale_sigma * p_.scale_sigma;
   const Vector2d gain = P * along / s;
   const Vector2d better = ab + gain * (1 - scale);
   const Matrix2d left = P - gain * (P * along).transpose();
-  if (better.norm() < kLeastScale) return {};
-  return Turn{std::atan2(better.y(), better.x()), std::sqrt(std::max(0.0, across.dot(left * across))) / better.norm()};
+  if (better.norm() < kMinScale) return {};
+  return Yaw{std::atan2(better.y(), better.x()), std::sqrt(std::max(0.0, across.dot(left * across))) / better.norm()};
 }
 
-std::optional<PathHeading::Turn> PathHeading::news() {
-  const auto now = turn();
+std::optional<PathHeading::Yaw> PathHeading::news() {
+  const auto now = yaw();
   if (!now || now->sigma_rad > kTellable_rad || now->sigma_rad <= 0) return {};
   const double information = 1 / (now->sigma_rad * now->sigma_rad);
-  Turn news = *now;
-  const auto told = told_ ? turn_of(told_x_, told_P_) : std::nullopt;
+  Yaw news = *now;
+  const auto told = told_ ? yaw_of(told_x_, told_P_) : std::nullopt;
   if (told) {
     const double gained = information - 1 / (told->sigma_rad * told->sigma_rad);
     if (gained < kNews * information) return {};

@@ -14,10 +14,10 @@ namespace odograph::gnss {
 ///
 ///   c <- c + [d_n -d_e; d_e d_n] (a, b)     (a, b) <- (a, b) + (a', b') dt     z = c + e + j + noise
 ///
-/// with a = scale cos(turn), b = scale sin(turn), which drift as the attitude does (its gyroscope's bias, its compass),
+/// with a = scale cos(yaw), b = scale sin(yaw), which drift as the attitude does (its gyroscope's bias, its compass),
 /// the receiver's correlated error e (first-order Gauss-Markov) and a jump j of a reflection. That is linear in all of
-/// them, whatever the turn: one Kalman filter fits the whole path. No allocation but the queue of positions that wait
-/// for their steps.
+/// them, whatever the yaw offset: one Kalman filter fits the whole path. No allocation but the queue of positions that
+/// wait for their steps.
 class PathHeading {
  public:
   struct Parameters {
@@ -32,7 +32,7 @@ class PathHeading {
     double gate_sigma = 4;        ///< of a position, beyond which it has jumped
     double velocity_correlation_s = 2;  ///< of a velocity's error
   };
-  struct Turn {
+  struct Yaw {
     double rad, sigma_rad;  ///< to be added to the attitude's heading
   };
   explicit PathHeading(const Parameters& parameters);
@@ -44,9 +44,9 @@ class PathHeading {
   void add_velocity(int64_t t_ns, const Eigen::Vector2d& velocity_mps, double sigma_mps);
 
   /// Nothing before the path has a direction against the positions.
-  std::optional<Turn> turn() const;
-  /// What `turn` has learnt since it was last told, as an independent measurement; nothing while that is little.
-  std::optional<Turn> news();
+  std::optional<Yaw> yaw() const;
+  /// What `yaw` has learnt since it was last told, as an independent measurement; nothing while that is little.
+  std::optional<Yaw> news();
 
  private:
   struct Seen {
@@ -63,10 +63,10 @@ class PathHeading {
   void work_off();
   void use(const Seen& seen, const Eigen::Vector2d& path, const Eigen::Vector2d& path_velocity);
 
-  static constexpr int kStates = 10, kTurn = 0, kPlace = 2, kError = 4, kJump = 6, kRate = 8;
+  static constexpr int kStates = 10, kYaw = 0, kPlace = 2, kError = 4, kJump = 6, kRate = 8;
   using Vector = Eigen::Matrix<double, kStates, 1>;
   using Matrix = Eigen::Matrix<double, kStates, kStates>;
-  std::optional<Turn> turn_of(const Vector& x, const Matrix& P) const;
+  std::optional<Yaw> yaw_of(const Vector& x, const Matrix& P) const;
   void propagate(double dt_s, const Eigen::Vector2d& moved, double sigma_m);
   Parameters p_;
   Vector x_;

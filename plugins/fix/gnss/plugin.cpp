@@ -42,7 +42,7 @@ class Gnss {
         odo::integer("min_satellites", 0, 100, &Gnss::min_satellites,
                      "positions from fewer are ignored (where the number is known)"),
         odo::boolean("height", &Gnss::height, "use the height too"),
-        odo::boolean("heading", &Gnss::heading, "tell the heading that turns the walked path to the positions"),
+        odo::boolean("heading", &Gnss::heading, "tell the heading that rotates the walked path onto the positions"),
         odo::real("hold_sigma", "rad", 0, 3.2, &Gnss::hold_sigma, "of the phone's direction against the walk's"),
         odo::real("velocity_sigma", "m/s", 0.01, 100, &Gnss::velocity_sigma,
                   "standard deviation of a satellite velocity between houses")};
@@ -87,7 +87,7 @@ class Gnss {
       throw odo::Error(ODO_E_DISCARD, "q_n_b or gyro_bias_b is no number");
     if (!attitude_) gyro_.bias_b = bias_b;
     attitude_ = attitude;
-    // The heading of the device in whatever way it is held: that of the rotation about the vertical alone.
+    // The heading of the device however it is held: that of the rotation about the vertical alone.
     gyro_.beyond_attitude_rad = std::remainder(gyro_.heading_rad - 2 * std::atan2(q.z(), q.w()), 2 * kPi);
   }
 
@@ -118,7 +118,7 @@ class Gnss {
       variance[i] = std::clamp(own, min_sigma * min_sigma, kFarthest_m * kFarthest_m);
     }
     if (heading) follow(sample, std::sqrt(0.5 * (variance[0] + variance[1])), output);
-    if (correlation > 0) weigh(sample, variance, fix);
+    if (correlation > 0) apply_correlation(sample, variance, fix);
     for (int i = 0; i < 3; ++i) fix.covariance_n[4 * i] = variance[i];
     fix.integrity = 0.05;
     output.emit(fix);
@@ -160,20 +160,20 @@ class Gnss {
     if (sample.header.flags & ODO_GNSS_VELOCITY)
       path_->add_velocity(sample.header.t_ns, {sample.velocity_n[0], sample.velocity_n[1]}, velocity_sigma);
     if (!attitude_) return;
-    const auto turn = path_->news();
-    if (!turn) return;
+    const auto yaw = path_->news();
+    if (!yaw) return;
     const Eigen::Vector3d y_n = orientation(*attitude_) * Eigen::Vector3d::UnitY();
     if (y_n.head<2>().norm() < 0.1) return;  // a phone that stands upright has no heading of its top
     auto fix = odo::make<odo_fix>(attitude_->header.t_ns);
     fix.header.flags = ODO_FIX_YAW;
-    fix.yaw_rad = std::remainder(std::atan2(y_n.y(), y_n.x()) + gyro_.beyond_attitude_rad + turn->rad, 2 * kPi);
-    fix.yaw_sigma_rad = std::hypot(turn->sigma_rad, hold_sigma);
+    fix.yaw_rad = std::remainder(std::atan2(y_n.y(), y_n.x()) + gyro_.beyond_attitude_rad + yaw->rad, 2 * kPi);
+    fix.yaw_sigma_rad = std::hypot(yaw->sigma_rad, hold_sigma);
     fix.integrity = 0.05;
     output.emit(fix);
   }
 
   /// Takes a jump's bias off the fix and says with which variance it tells as much as an independent one.
-  void weigh(const odo_gnss& sample, double (&variance)[3], odo_fix& fix) {
+  void apply_correlation(const odo_gnss& sample, double (&variance)[3], odo_fix& fix) {
     const Eigen::Vector2d seen = seen_at(sample);
     const double own = 0.5 * (variance[0] + variance[1]);
     const auto corrected = error_->on_position(sample.header.t_ns, seen, std::sqrt(own));

@@ -202,10 +202,10 @@ bool Aligner::refine(const Frame& frame, size_t level, const RollingLens& lens, 
     const Equations e = equations(grey, frame.mask, lens, picture, samples, a.pose, light, noise);
     a.visible_part =
         samples.empty() ? 0 : static_cast<double>(e.residuals.size()) / static_cast<double>(samples.size());
-    if (a.visible_part < p_.least_visible || e.residuals.size() < p_.least_samples) return false;
-    noise = std::max(p_.least_noise_grey, kByMedian * median(e.residuals));
+    if (a.visible_part < p_.min_visible || e.residuals.size() < p_.min_samples) return false;
+    noise = std::max(p_.min_noise_grey, kByMedian * median(e.residuals));
     const Eigen::Matrix<double, 10, 1> step = e.step();
-    if (!step.allFinite() || step.head<3>().norm() > p_.most_step_rad) return false;
+    if (!step.allFinite() || step.head<3>().norm() > p_.max_step_rad) return false;
     // How far the object's corners move by it.
     const double depth = std::max(p_.nearest_m, a.pose.t_c_o.z());
     const double motion_px = lens.camera.focal() * (step.segment<3>(3).norm() / depth + step.head<3>().norm());
@@ -217,7 +217,7 @@ bool Aligner::refine(const Frame& frame, size_t level, const RollingLens& lens, 
     a.cost = e.cost / variance, a.noise_grey = noise;
     a.information = e.pose_information() / variance;
   }
-  if (light.gain < p_.least_gain) return false;
+  if (light.gain < p_.min_gain) return false;
   if (level + 1 == p_.blur_px.size()) judge(grey, frame.mask, lens, picture, samples, light, a);
   return true;
 }
@@ -259,7 +259,7 @@ std::optional<Alignment> Aligner::align(const Frame& frame, const RollingLens& l
   a.pose = start;
   for (size_t level = fine ? p_.blur_px.size() - 2 : 0; level < p_.blur_px.size(); ++level)
     if (!refine(frame, level, lens, picture, a)) return {};
-  if (a.oblique_rad > p_.most_oblique_rad) return {};
+  if (a.oblique_rad > p_.max_oblique_rad) return {};
   return a;
 }
 

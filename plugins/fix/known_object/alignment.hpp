@@ -54,17 +54,17 @@ class Aligner {
     int iterations = 12;            ///< of Gauss-Newton on a level; judgement
     int rounds = 3;                 ///< of what a pixel sees, computed anew between the iterations; judgement
     double rim = 2;                 ///< blurs: nearer to the object's rim a frame shows what is around it
-    double least_visible = 0.5;     ///< of the object, in the frame and not masked; judgement
-    size_t least_samples = 16;      ///< compared: ten unknowns and some
+    double min_visible = 0.5;       ///< of the object, in the frame and not masked; judgement
+    size_t min_samples = 16;        ///< compared: ten unknowns and some
     double settled_px = 0.01;       ///< motion of the object's corners, that ends a level
     double first_noise_grey = 15;   ///< before a median is known: lets the light be off; judgement
-    double least_noise_grey = 0.7;  ///< a camera's own, and rounding
+    double min_noise_grey = 0.7;    ///< a camera's own, and rounding
     double huber = 1.345;           ///< of the noise: 95 % efficient (Huber 1981)
     double margin_px = 2;           ///< from the frame's border: where gradients are known
-    double least_gain = 0.05;       ///< of the light: less, and it is no picture of the object; judgement
+    double min_gain = 0.05;         ///< of the light: less, and it is no picture of the object; judgement
     double nearest_m = 0.1;         ///< of the object; judgement
-    double most_step_rad = 0.5;     ///< of an iteration: more, and it diverges; judgement
-    double most_oblique_rad = 1.5;  ///< 86 degrees: a line, no picture
+    double max_step_rad = 0.5;      ///< of an iteration: more, and it diverges; judgement
+    double max_oblique_rad = 1.5;   ///< 86 degrees: a line, no picture
   };
   /// One frame and its blurred copies; `mask` may be empty.
   struct Frame {

@@ -65,12 +65,12 @@ void Finder::forget() {
 }
 
 bool Finder::is_good(const Alignment& a) const {
-  return a.correlation >= p_.least_correlation && a.agreeing_part >= p_.least_agreeing &&
-         a.side_px >= p_.least_side_px && a.oblique_rad <= p_.most_oblique_rad;
+  return a.correlation >= p_.min_correlation && a.agreeing_part >= p_.min_agreeing && a.side_px >= p_.min_side_px &&
+         a.oblique_rad <= p_.max_oblique_rad;
 }
 
 bool Finder::is_like(const Alignment& a) const {
-  return a.correlation >= p_.twin_correlation && a.agreeing_part >= p_.twin_agreeing && a.side_px >= p_.least_side_px;
+  return a.correlation >= p_.twin_correlation && a.agreeing_part >= p_.twin_agreeing && a.side_px >= p_.min_side_px;
 }
 
 /// The pose reached from the best of the starts, and the other one of the plane there.

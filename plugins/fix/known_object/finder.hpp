@@ -28,11 +28,11 @@ class Finder {
  public:
   struct Parameters {
     double search_interval_s = 0.5;
-    double least_correlation = 0.8;  ///< of the whole object; bench
-    double least_agreeing = 0.9;     ///< part of its parts; bench
-    double least_side_px = 18;       ///< root of its area: smaller ones have no pattern left; bench
-    double same_pose_rad = 0.01;     ///< two poses nearer than that are one
-    double most_oblique_rad = 1.22;  ///< 70 degrees
+    double min_correlation = 0.8;   ///< of the whole object; bench
+    double min_agreeing = 0.9;      ///< part of its parts; bench
+    double min_side_px = 18;        ///< root of its area: smaller ones have no pattern left; bench
+    double same_pose_rad = 0.01;    ///< two poses nearer than that are one
+    double max_oblique_rad = 1.22;  ///< 70 degrees
     /// A second place whose picture agrees so far makes an object's place doubtful: halves of boards that are the same,
     /// shadows and noise on a true copy; the object's other pose and other boards of its layout reach 0.4; bench
     double twin_correlation = 0.75, twin_agreeing = 0.5;

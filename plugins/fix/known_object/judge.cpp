@@ -73,14 +73,14 @@ Judge::Candidate Judge::candidate(const Alignment& alignment, const PlaneObject&
   e.correlation = alignment.correlation, e.oblique_rad = alignment.oblique_rad;
   // The survey turns and shifts the object; the lens stretches the distance.
   const double w = object.width_m, h = object.height_m, s = object.sigma_m;
-  const Vector3d turn(s / h, s / w, s / std::hypot(w, h));
-  const Matrix3d by_turn = R_n_o * turn.cwiseAbs2().asDiagonal() * R_n_o.transpose();
+  const Vector3d rotation(s / h, s / w, s / std::hypot(w, h));
+  const Matrix3d by_rotation = R_n_o * rotation.cwiseAbs2().asDiagonal() * R_n_o.transpose();
   const Matrix3d lever = skew(e.from_object_n);
   const Vector3d stretch = p_.focal_sigma * e.from_object_n;
   e.covariance_n = R_n_c * covariance.bottomRightCorner<3, 3>() * R_n_c.transpose() +
-                   lever * by_turn * lever.transpose() + stretch * stretch.transpose() +
+                   lever * by_rotation * lever.transpose() + stretch * stretch.transpose() +
                    Matrix3d::Identity() * (0.25 * s * s);
-  e.orientation_covariance_n = R_n_c * covariance.topLeftCorner<3, 3>() * R_n_c.transpose() + by_turn;
+  e.orientation_covariance_n = R_n_c * covariance.topLeftCorner<3, 3>() * R_n_c.transpose() + by_rotation;
   c.can_be = can_be(e, prior);
   return c;
 }
@@ -92,14 +92,14 @@ bool Judge::can_be(const Estimate& e, const Prior& prior) const {
     return prior.loose_m <= 0 || off.head<2>().norm() < prior.loose_m + p_.gate_sigmas * std::sqrt(own_variance);
   const double drifted = p_.drift * std::max(0.0, prior.path_m - told_path_m_);
   const auto gate = [&](double prior_sigma, double variance) {
-    return p_.gate_sigmas * std::sqrt(prior_sigma * prior_sigma + variance) + p_.least_gate_m + drifted;
+    return p_.gate_sigmas * std::sqrt(prior_sigma * prior_sigma + variance) + p_.min_gate_m + drifted;
   };
   if (off.head<2>().norm() > gate(prior.horizontal_sigma_m, own_variance)) return false;
   if (std::abs(off.z()) > gate(prior.vertical_sigma_m, e.covariance_n(2, 2))) return false;
   const Eigen::Quaterniond turned = e.q_n_c * prior.q_n_c.conjugate();
   const double yaw = std::remainder(2 * std::atan2(turned.z(), turned.w()), 2 * EIGEN_PI);
   const double yaw_variance = prior.yaw_sigma_rad * prior.yaw_sigma_rad + e.orientation_covariance_n(2, 2);
-  return std::abs(yaw) < p_.gate_sigmas * std::sqrt(yaw_variance) + p_.least_gate_rad;
+  return std::abs(yaw) < p_.gate_sigmas * std::sqrt(yaw_variance) + p_.min_gate_rad;
 }
 
 /// What is seen is not a copy that hangs beside the object: on each side either nobody hangs there, or the camera would
@@ -129,7 +129,7 @@ bool Judge::is_steady(const Encounter& encounter, int64_t t_ns) const {
   size_t n = 0;
   for (const Seen& s : encounter.seen)
     if (seconds(t_ns - s.t_ns) <= p_.stand_s) mean += s.p_n, ++n;
-  if (n < p_.least_standing || seconds(t_ns - encounter.seen.front().t_ns) < 0.9 * p_.stand_s) return false;
+  if (n < p_.min_standing || seconds(t_ns - encounter.seen.front().t_ns) < 0.9 * p_.stand_s) return false;
   mean /= static_cast<double>(n);
   for (const Seen& s : encounter.seen)
     if (seconds(t_ns - s.t_ns) <= p_.stand_s && (s.p_n - mean).norm() > p_.sway_m + 2 * s.sigma_m) return false;
@@ -160,12 +160,12 @@ std::optional<Estimate> Judge::judge(const Sighting& sighting, const PlaneObject
   Estimate estimate = left.front().estimate;
   estimate.object = sighting.object, estimate.t_ns = sighting.t_ns;
   const double sigma_m = std::sqrt(std::max(estimate.covariance_n(0, 0), estimate.covariance_n(1, 1)));
-  if (!(sigma_m < p_.most_horizontal_sigma_m)) return refuse(refusals_.unsure);
+  if (!(sigma_m < p_.max_horizontal_sigma_m)) return refuse(refusals_.unsure);
 
   const int64_t t = sighting.t_ns;
   if (!encounter.seen.empty()) {
     const Seen& last = encounter.seen.back();
-    const double may_m = p_.most_speed_mps * seconds(t - last.t_ns) + 3 * std::hypot(sigma_m, last.sigma_m);
+    const double may_m = p_.max_speed_mps * seconds(t - last.t_ns) + 3 * std::hypot(sigma_m, last.sigma_m);
     if (t - last.t_ns > p_.gap_ns || (estimate.p_n - last.p_n).norm() > may_m) {
       encounter.seen.clear();
       encounter.clear.fill(false);

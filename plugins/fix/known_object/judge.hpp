@@ -50,14 +50,14 @@ class Judge {
     double focal_sigma = 0.003;        ///< relative, of the focal length: autofocus, calibration
     double alike_s = 5;                ///< for so long fixes by one object err alike
     double drift = 0.05;               ///< of the path since the last fix, that the prior may be off beyond its sigma
-    double most_horizontal_sigma_m = 1.0;  ///< worse ones are not told
-    double unseen_copy = 4;                ///< chi-square by which the prior must exclude a copy where nobody looked
-    double gate_sigmas = 3.5;              ///< of gravity and of the prior's place: 5e-4 of true ones are refused
-    double least_gate_m = 1, least_gate_rad = 0.1;  ///< beside them: surveys and priors err in steps; judgement
-    double most_speed_mps = 2.5;                    ///< of a walker, between two sightings
-    double sway_m = 0.15;                           ///< of whoever stands; judgement
-    int64_t gap_ns = 1'500'000'000;                 ///< after which an object is met anew; judgement
-    size_t least_standing = 5;                      ///< sightings of who stands; judgement
+    double max_horizontal_sigma_m = 1.0;  ///< worse ones are not told
+    double unseen_copy = 4;               ///< chi-square by which the prior must exclude a copy where nobody looked
+    double gate_sigmas = 3.5;             ///< of gravity and of the prior's place: 5e-4 of true ones are refused
+    double min_gate_m = 1, min_gate_rad = 0.1;  ///< beside them: surveys and priors err in steps; judgement
+    double max_speed_mps = 2.5;                 ///< of a walker, between two sightings
+    double sway_m = 0.15;                       ///< of whoever stands; judgement
+    int64_t gap_ns = 1'500'000'000;             ///< after which an object is met anew; judgement
+    size_t min_standing = 5;                    ///< sightings of who stands; judgement
     double ambiguous = 9;  ///< difference of the costs below which two poses are alike (chi-square)
   };
   explicit Judge(const Parameters& parameters) : p_(parameters) {}

@@ -84,7 +84,7 @@ PictureSearch::Features PictureSearch::look(const cv::Mat& grey, const cv::Mat& 
 std::vector<PictureSearch::Place> PictureSearch::find(size_t number, const Features& features,
                                                       const CameraModel& camera) const {
   const Known& known = known_[number];
-  if (known.descriptors.rows < 8 || features.descriptors.rows < p_.least_inliers) return {};
+  if (known.descriptors.rows < 8 || features.descriptors.rows < p_.min_inliers) return {};
   std::vector<std::vector<cv::DMatch>> matches;
   cv::BFMatcher(cv::NORM_L2).knnMatch(features.descriptors, known.descriptors, matches, 5);
   const PlaneObject& object = objects_[number];
@@ -105,11 +105,11 @@ std::vector<PictureSearch::Place> PictureSearch::find(size_t number, const Featu
     seen.push_back(focal * features.normalised[static_cast<size_t>(best[0].queryIdx)]);
   }
   std::vector<Place> places;
-  while (static_cast<int>(seen.size()) >= p_.least_inliers && places.size() < p_.most_places) {
+  while (static_cast<int>(seen.size()) >= p_.min_inliers && places.size() < p_.max_places) {
     std::vector<uint8_t> inliers;
     const cv::Mat H = cv::findHomography(on_object, seen, cv::RANSAC, p_.inlier_px, inliers, 1000, 0.999);
     const int count = cv::countNonZero(inliers);
-    if (H.empty() || count < p_.least_inliers) break;
+    if (H.empty() || count < p_.min_inliers) break;
     std::vector<cv::Point3d> points_o;
     std::vector<cv::Point2d> normalised, other_object, other_seen;
     for (size_t k = 0; k < seen.size(); ++k) {

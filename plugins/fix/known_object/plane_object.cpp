@@ -30,10 +30,10 @@ void place_by_corners(const std::array<Vector3d, 4>& c, PlaneObject& object) {
   axes.col(1) = (diagonal + other).normalized();
   object.place.R_n_o = axes;
   if (!object.place.geodetic) object.place.p_n = middle;
-  const double most_m = 5 * object.sigma_m + 0.01 * std::max(object.width_m, object.height_m);
+  const double max_m = 5 * object.sigma_m + 0.01 * std::max(object.width_m, object.height_m);
   const auto ideal = object.corners_o();
   for (size_t k = 0; k < 4; ++k)
-    if ((axes * ideal[k] + middle - c[k]).norm() > most_m)
+    if ((axes * ideal[k] + middle - c[k]).norm() > max_m)
       throw std::runtime_error("object '" + object.id +
                                "': its corners (lower left, lower right, upper right, upper left) are no rectangle");
 }

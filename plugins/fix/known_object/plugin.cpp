@@ -31,8 +31,8 @@ class KnownObject {
   std::string objects, prior = "after_first";
   bool geodetic = false;
   std::array<double, 3> geodetic_origin = {0, 0, 0};
-  double interval = 0.5, search_interval = 0.5, stand = 3, hold = 10, range = 30, least_correlation = 0.8,
-         least_agreement = 0.9, most_oblique = 70 * kDegree, gravity_sigma = 1 * kDegree, pixel_sigma = 0.15,
+  double interval = 0.5, search_interval = 0.5, stand = 3, hold = 10, range = 30, min_correlation = 0.8,
+         min_agreement = 0.9, max_oblique = 70 * kDegree, gravity_sigma = 1 * kDegree, pixel_sigma = 0.15,
          focal_sigma = 0.003, drift = 0.05;
 
   static constexpr odo::Description description{
@@ -53,10 +53,10 @@ class KnownObject {
         odo::real("stand", "s", 0.5, 60, &P::stand, "after so long in one place a fix counts as taken in front"),
         odo::real("hold", "s", 0, 3600, &P::hold, "after such a fix there is none by this object from walking"),
         odo::real("range", "m", 0.5, 200, &P::range, "farthest object that is looked for"),
-        odo::real("least_correlation", "", 0.3, 1, &P::least_correlation, "of the picture expected with the one seen"),
-        odo::real("least_agreement", "", 0.3, 1, &P::least_agreement,
+        odo::real("min_correlation", "", 0.3, 1, &P::min_correlation, "of the picture expected with the one seen"),
+        odo::real("min_agreement", "", 0.3, 1, &P::min_agreement,
                   "part of an object's parts that must agree by themselves"),
-        odo::real("most_oblique", "rad", 0.1, 1.4, &P::most_oblique, "between the line of sight and the normal"),
+        odo::real("max_oblique", "rad", 0.1, 1.4, &P::max_oblique, "between the line of sight and the normal"),
         odo::real("gravity_sigma", "rad", 0.0001, 0.5, &P::gravity_sigma,
                   "least standard deviation of the pose's inclination"),
         odo::real("pixel_sigma", "", 0.001, 10, &P::pixel_sigma,
@@ -71,8 +71,8 @@ class KnownObject {
     const auto file = host.asset(objects);
     if (!file) throw odo::Error(ODO_E_CONFIG, "objects: no file '" + objects + "' where the config lies");
     Finder::Parameters f;
-    f.search_interval_s = search_interval, f.least_correlation = least_correlation, f.least_agreeing = least_agreement;
-    f.most_oblique_rad = most_oblique;
+    f.search_interval_s = search_interval, f.min_correlation = min_correlation, f.min_agreeing = min_agreement;
+    f.max_oblique_rad = max_oblique;
     Judge::Parameters j;
     j.interval_s = interval, j.stand_s = stand, j.hold_s = hold, j.gravity_sigma_rad = gravity_sigma;
     j.pixel_sigma = pixel_sigma, j.focal_sigma = focal_sigma, j.drift = drift;

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using nlohmann::json;
 using Corners = std::array<Vector3d, 4>;
 
-constexpr size_t kMostBytes = 1 << 20, kMostObjects = 1000;
+constexpr size_t kMaxBytes = 1 << 20, kMaxObjects = 1000;
 constexpr double kDegree = std::numbers::pi / 180;
 
 [[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what); }
@@ -142,11 +142,11 @@ PlaneObject of_map(const json& map, const std::filesystem::path& folder) {
 
 std::vector<PlaneObject> read_objects(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  std::string content(kMostBytes + 1, '\0');
+  std::string content(kMaxBytes + 1, '\0');
   stream.read(content.data(), static_cast<std::streamsize>(content.size()));
   content.resize(static_cast<size_t>(stream.gcount()));
   if (content.empty()) fail(file.string() + ": empty, or it cannot be read");
-  if (content.size() > kMostBytes) fail(file.string() + ": larger than 1 MiB");
+  if (content.size() > kMaxBytes) fail(file.string() + ": larger than 1 MiB");
   const bool geojson = file.extension() == ".json" || file.extension() == ".geojson";
   std::string where = file.string() + ": ";
   try {
@@ -155,7 +155,7 @@ std::vector<PlaneObject> read_objects(const std::filesystem::path& file) {
     if (!geojson && number(root, "odograph_objects", 0) != 1) fail("expected 'odograph_objects: 1'");
     if (geojson && text(root, "type", "") != "FeatureCollection") fail("expected a FeatureCollection");
     const auto list = root.find(geojson ? "features" : "objects");
-    if (list == root.end() || !list->is_array() || list->empty() || list->size() > kMostObjects)
+    if (list == root.end() || !list->is_array() || list->empty() || list->size() > kMaxObjects)
       fail("expected 1 to 1000 objects");
     std::vector<PlaneObject> objects;
     std::set<std::string> names;

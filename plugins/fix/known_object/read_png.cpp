@@ -9,7 +9,7 @@
 namespace odograph::known_object {
 
 cv::Mat read_png(const std::filesystem::path& file) {
-  constexpr uint64_t kMostPixels = 16'000'000;
+  constexpr uint64_t kMaxPixels = 16'000'000;
   png_image image;
   std::memset(&image, 0, sizeof image);
   image.version = PNG_IMAGE_VERSION;
@@ -18,7 +18,7 @@ cv::Mat read_png(const std::filesystem::path& file) {
     return std::runtime_error(file.string() + ": " + why);
   };
   if (!png_image_begin_read_from_file(&image, file.c_str())) throw fail(image.message);
-  if (uint64_t{image.width} * image.height > kMostPixels) throw fail("more than 16 million pixels");
+  if (uint64_t{image.width} * image.height > kMaxPixels) throw fail("more than 16 million pixels");
   if (image.width < 16 || image.height < 16) throw fail("less than 16 pixels a side");
   image.format = PNG_FORMAT_GRAY;
   cv::Mat grey(static_cast<int>(image.height), static_cast<int>(image.width), CV_8U);

@@ -67,8 +67,8 @@ std::optional<Surroundings::Flat> Surroundings::lay_flat(const Known& known, con
                                                          const RollingLens& lens, const Pose& pose) const {
   const cv::Mat& object = known.flat;
   // On each side room for a copy beyond the widest gap.
-  const cv::Point reach(static_cast<int>(std::lround((1 + p_.most_gap + p_.reach) * object.cols)),
-                        static_cast<int>(std::lround((1 + p_.most_gap + p_.reach) * object.rows)));
+  const cv::Point reach(static_cast<int>(std::lround((1 + p_.max_gap + p_.reach) * object.cols)),
+                        static_cast<int>(std::lround((1 + p_.max_gap + p_.reach) * object.rows)));
   const cv::Size size(object.cols + 2 * reach.x, object.rows + 2 * reach.y);
   const auto middle = lens.project(pose.t_c_o);
   if (!middle) return std::nullopt;
@@ -103,7 +103,7 @@ std::array<bool, kSides> Surroundings::look_beside(const Known& known, const Fla
                    down = static_cast<double>(y - flat.object.y) / object.rows;
       if (std::abs(across) < p_.overlap && std::abs(down) < p_.overlap) continue;
       const Likeness l = likeness_at(flat.picture, flat.valid, object, x, y);
-      if (l.part < p_.least_part) continue;
+      if (l.part < p_.min_part) continue;
       if (l.value > result.second) {
         result.second = l.value;
         result.offset_m = {(x - flat.object.x) * known.cell_x_m, (y - flat.object.y) * known.cell_y_m};
@@ -130,16 +130,16 @@ Surroundings::Seen Surroundings::look(size_t number, const cv::Mat& grey, const 
   Seen result;
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) result.self = std::max(result.self, likeness(dx, dy).value);
-  if (result.self < p_.least_likeness) return result;
+  if (result.self < p_.min_likeness) return result;
   // Its own lines of text resemble one another: copies do not overlap it.
   flat->valid(cv::Rect(flat->object, object.size())).setTo(0);
   const std::array<bool, kSides> open = look_beside(known, *flat, result);
   result.twin = result.second > p_.twin_likeness * result.self;
   if (result.twin) return result;
   for (size_t side = 0; side < kSides; ++side) {
-    const auto x = static_cast<int>(std::lround(kSideways[side][0] * (1 + p_.most_gap) * object.cols)),
-               y = static_cast<int>(std::lround(kSideways[side][1] * (1 + p_.most_gap) * object.rows));
-    result.clear[side] = !open[side] && likeness(x, y).part >= p_.least_part;
+    const auto x = static_cast<int>(std::lround(kSideways[side][0] * (1 + p_.max_gap) * object.cols)),
+               y = static_cast<int>(std::lround(kSideways[side][1] * (1 + p_.max_gap) * object.rows));
+    result.clear[side] = !open[side] && likeness(x, y).part >= p_.min_part;
   }
   return result;
 }

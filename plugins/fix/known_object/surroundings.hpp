@@ -22,18 +22,18 @@ inline constexpr double kSideways[kSides][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}
 class Surroundings {
  public:
   struct Parameters {
-    double object_cells = 24;     ///< along the object's shorter side, of the picture laid flat; bench
-    double flatten = 0.2;         ///< of the shorter side: light and contrast wider than that are taken off; judgement
-    double most_gap = 0.25;       ///< of the object's width (height): copies that hang so near count as beside it
-    double least_part = 0.3;      ///< of a copy that must be in the picture; bench
-    double twin_likeness = 0.7;   ///< of a copy, against that of the object itself; bench
-    double doubtful = 0.5;        ///< likewise: what resembles it so far leaves its side open; bench
-    double least_likeness = 0.5;  ///< of the object itself, to recognise others by; bench
-    double overlap = 0.9;         ///< of width or height: nearer places show the object itself
-    double align = 0.2;           ///< of height or width: what hangs beside hangs at its height; judgement
-    double contrast_grey = 2;     ///< noise is no pattern; judgement
-    double reach = 0.25;          ///< of the object's width (height), beyond most_gap: how far is laid flat; judgement
-    double blur = 0.5;            ///< of what a cell covers in the frame
+    double object_cells = 24;    ///< along the object's shorter side, of the picture laid flat; bench
+    double flatten = 0.2;        ///< of the shorter side: light and contrast wider than that are taken off; judgement
+    double max_gap = 0.25;       ///< of the object's width (height): copies that hang so near count as beside it
+    double min_part = 0.3;       ///< of a copy that must be in the picture; bench
+    double twin_likeness = 0.7;  ///< of a copy, against that of the object itself; bench
+    double doubtful = 0.5;       ///< likewise: what resembles it so far leaves its side open; bench
+    double min_likeness = 0.5;   ///< of the object itself, to recognise others by; bench
+    double overlap = 0.9;        ///< of width or height: nearer places show the object itself
+    double align = 0.2;          ///< of height or width: what hangs beside hangs at its height; judgement
+    double contrast_grey = 2;    ///< noise is no pattern; judgement
+    double reach = 0.25;         ///< of the object's width (height), beyond max_gap: how far is laid flat; judgement
+    double blur = 0.5;           ///< of what a cell covers in the frame
   };
   explicit Surroundings(const Parameters& parameters, const std::vector<PlaneObject>& objects);
 

@@ -15,7 +15,7 @@ namespace odograph::known_object {
 namespace {
 
 constexpr int kWrongBits = 1;
-constexpr float kLeastMargin = 25;  // of a bit's grey against black and white, as AprilTag's own advice has it
+constexpr float kMinMargin = 25;  // of a bit's grey against black and white, as AprilTag's own advice has it
 
 class Family {
  public:
@@ -82,7 +82,7 @@ std::vector<SeenTag> TagDetector::find(const cv::Mat& grey) const {
   for (int i = 0; i < zarray_size(found); ++i) {
     apriltag_detection_t* detection;
     zarray_get(found, i, &detection);
-    if (detection->decision_margin < kLeastMargin) continue;
+    if (detection->decision_margin < kMinMargin) continue;
     SeenTag tag;
     for (const auto& [name, family] : library_->families)
       if (family->get() == detection->family) tag.family = name;

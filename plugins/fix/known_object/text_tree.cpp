@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kDeepest = 64, kMostNodes = 100'000;
+constexpr size_t kDeepest = 64, kMaxNodes = 100'000;
 
 /// Builds the tree event by event, so that nothing is made of a text that goes too deep or refers to itself.
 class Builder : public YAML::EventHandler {
@@ -54,7 +54,7 @@ class Builder : public YAML::EventHandler {
   void open(const YAML::Mark& mark, json value) {
     if (!stack_.empty() && stack_.back().is_object() && !has_key_) fail(mark, "expected a text as key");
     if (stack_.size() >= kDeepest) fail(mark, "more than 64 levels");
-    if (++nodes_ > kMostNodes) fail(mark, "more than 100000 nodes");
+    if (++nodes_ > kMaxNodes) fail(mark, "more than 100000 nodes");
     stack_.push_back(std::move(value));
     keys_.emplace_back();
     has_key_ = false;
@@ -66,7 +66,7 @@ class Builder : public YAML::EventHandler {
   }
   void put(const YAML::Mark& mark, json value) {
     if (!stack_.empty() && stack_.back().is_object() && !has_key_) fail(mark, "expected a text as key");
-    if (++nodes_ > kMostNodes) fail(mark, "more than 100000 nodes");
+    if (++nodes_ > kMaxNodes) fail(mark, "more than 100000 nodes");
     add(std::move(value));
   }
   void add(json value) {

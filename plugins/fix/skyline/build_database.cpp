@@ -50,7 +50,7 @@ std::vector<Tile> tiles_of(const std::vector<Eigen::Vector3d>& places) {
 
 /// Joins the shortest runs with the ones before them until there are few enough.
 void simplify(std::vector<Run>& runs) {
-  while (runs.size() > SkylineDatabase::kMostRuns) {
+  while (runs.size() > SkylineDatabase::kMaxRuns) {
     size_t shortest = 1;
     int least = std::numeric_limits<int>::max();
     for (size_t k = 1; k < runs.size(); ++k) {
@@ -61,12 +61,12 @@ void simplify(std::vector<Run>& runs) {
   }
 }
 
-void compute(City& city, const std::vector<Eigen::Vector3d>& places, double least_tan, Tile& tile) {
+void compute(City& city, const std::vector<Eigen::Vector3d>& places, double min_tan, Tile& tile) {
   // From the highest of its places down to the lowest.
   Eigen::Vector3d middle = 0.5 * (tile.low + tile.high);
   middle.z() = tile.low.z();
   const double radius_m = 0.5 * (tile.high - tile.low).head<2>().norm() + kMargin_m;
-  city.look_near(middle, radius_m, least_tan, tile.high.z() - tile.low.z());
+  city.look_near(middle, radius_m, min_tan, tile.high.z() - tile.low.z());
   Horizon horizon;
   City::Winners winners;
   std::vector<Run> runs;
@@ -137,7 +137,7 @@ bool compute_all(const std::vector<Edge>& edges, const std::vector<Eigen::Vector
     try {
       City city(edges);
       for (size_t k = next++; k < tiles.size(); k = next++) {
-        compute(city, places, std::tan(parameters.least_elevation_rad), tiles[k]);
+        compute(city, places, std::tan(parameters.min_elevation_rad), tiles[k]);
         done += tiles[k].places.size();
       }
     } catch (...) {

@@ -22,10 +22,10 @@ constexpr int kChannels[] = {0, 1, 2, 4, 5, 6, 7, 8};  // of SkyFeatures; then C
 constexpr int kContrast = 4;                           // of them
 constexpr double kBlue = 1.772;                        // of Cb in blue: ITU-R BT.601
 // Between leaves sky is what is bluer than about this: where hand-made masks put it. The network moves it.
-constexpr double kBlueBetween = 149, kBlueUnit = 12, kMostBlue = 2;
+constexpr double kBlueBetween = 149, kBlueUnit = 12, kMaxBlue = 2;
 constexpr double kLuma = 64, kChromaUnit = 16, kMiddle = 128;
 
-/// Each pixel becomes the largest value on the straight way from the zenith to it in the picture, ring by ring.
+/// Each pixel becomes the largest value on the straight line from the zenith to it in the picture, ring by ring.
 void largest_from(const Eigen::Vector2d& zenith, cv::Mat& plane) {
   const int columns = plane.cols, rows = plane.rows;
   const int cx = std::clamp(static_cast<int>(std::lround(zenith.x())), 0, columns - 1);
@@ -118,7 +118,7 @@ std::array<float, ColourSky::kTerms> ColourSky::terms(float y, float cb, float c
   return {1, static_cast<float>((static_cast<double>(y) - kMiddle) / kLuma),
           static_cast<float>((static_cast<double>(cb) - kMiddle) / kChromaUnit),
           static_cast<float>((static_cast<double>(cr) - kMiddle) / kChromaUnit),
-          static_cast<float>(std::clamp(blue, -kMostBlue, kMostBlue))};
+          static_cast<float>(std::clamp(blue, -kMaxBlue, kMaxBlue))};
 }
 
 void ColourSky::log_odds(const cv::Mat& grey, const Chroma& chroma, cv::Size size, cv::Mat& out) const {
@@ -146,8 +146,8 @@ void ColourSky::log_odds(const cv::Mat& grey, const Chroma& chroma, cv::Size siz
   }
   cv::addWeighted(sized[0], 1 / kBlueUnit, sized[1], kBlue / kBlueUnit, -(kBlue * kMiddle + kBlueBetween) / kBlueUnit,
                   term, CV_32F);
-  cv::min(term, kMostBlue, term);
-  cv::max(term, -kMostBlue, term);
+  cv::min(term, kMaxBlue, term);
+  cv::max(term, -kMaxBlue, term);
   add(4);
 }
 

@@ -9,7 +9,7 @@
 namespace odograph::skyline {
 
 /// Least span of Cb and Cr together of a picture that has a colour: a sensor without sends 128 throughout.
-constexpr double kLeastColour = 12;
+constexpr double kMinColour = 12;
 
 /// A copy of a frame's colour at half its size; empty where it has none.
 inline Chroma chroma_of(const odo_frame& frame) {
@@ -43,7 +43,7 @@ inline Chroma chroma_of(const odo_frame& frame) {
   }
   double low = 0, high = 0, span = 0;
   for (const cv::Mat* m : {&c.cb, &c.cr}) cv::minMaxLoc(*m, &low, &high), span += high - low;
-  return span < kLeastColour ? Chroma{} : c;
+  return span < kMinColour ? Chroma{} : c;
 }
 
 }  // namespace odograph::skyline

@@ -172,7 +172,7 @@ bool trace_edge(const float from_n[3], const float to_n[3], const float p_n[3], 
   return true;
 }
 
-void City::look_near(const Eigen::Vector3d& p_n, double radius_m, double least_tan, double lower_m) {
+void City::look_near(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m) {
   near_.clear();
   around_ = p_n, radius_m_ = radius_m, lower_m_ = lower_m;
   for (size_t i = 0; i < edges_.size(); ++i) {
@@ -183,7 +183,7 @@ void City::look_near(const Eigen::Vector3d& p_n, double radius_m, double least_t
     if (d.squaredNorm() < 1e-8) continue;  // a vertical edge: the roof's own edges end there
     const double t = std::clamp(-a.dot(d) / d.squaredNorm(), 0.0, 1.0);
     const double distance = (a + t * d).norm();
-    if (up <= least_tan * (distance - radius_m)) continue;
+    if (up <= min_tan * (distance - radius_m)) continue;
     const Eigen::Vector3f from = (e.from - p_n).cast<float>(), along = (e.to - e.from).cast<float>();
     near_.push_back({from.x(), from.y(), from.z(), along.x(), along.y(), along.z(),
                      static_cast<float>(up / std::max(distance - radius_m, 0.1)), static_cast<int>(i), 0, kBlocks});
@@ -209,10 +209,10 @@ void City::horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) c
     if (winner >= 0) winner = near_[static_cast<size_t>(winner)].number;
 }
 
-void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double least_tan, double lower_m,
+void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
                        const Spend& spend) {
   if (spend) spend(kEdgeWork * edges_.size());
-  look_near(p_n, radius_m, least_tan, lower_m);
+  look_near(p_n, radius_m, min_tan, lower_m);
   std::vector<char> seen(near_.size(), 0);
   Horizon there;
   Winners winners;

@@ -41,11 +41,11 @@ class City {
  public:
   explicit City(std::vector<Edge> edges) : edges_(std::move(edges)) {}
 
-  /// Keeps the edges that can be seen at more than an elevation of `least_tan` from within `radius_m` of a place and
+  /// Keeps the edges that can be seen at more than an elevation of `min_tan` from within `radius_m` of a place and
   /// from up to `lower_m` below it, for horizon() alone.
-  void look_near(const Eigen::Vector3d& p_n, double radius_m, double least_tan, double lower_m = 0);
+  void look_near(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m = 0);
   /// The same for quick_horizon() too. `spend` is told of the work before it is done.
-  void look_around(const Eigen::Vector3d& p_n, double radius_m, double least_tan, double lower_m = 0,
+  void look_around(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m = 0,
                    const Spend& spend = nullptr);
   /// The skyline from a place, of the edges that look_around() kept. Thread: any, between calls of look_around().
   void horizon(const Eigen::Vector3d& p_n, Horizon& out) const { envelope(near_, p_n, out, nullptr, Sector::all()); }

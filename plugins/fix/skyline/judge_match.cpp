@@ -12,9 +12,9 @@ Why few_agree(double agreement, double least) {
   return {kAgreement, text};
 }
 
-Why another(double rival) {
+Why another(double second_best_ratio) {
   char text[120];
-  std::snprintf(text, sizeof text, "another place is %.2g times as likely", rival);
+  std::snprintf(text, sizeof text, "another place is %.2g times as likely", second_best_ratio);
   return {kAmbiguity, text};
 }
 
@@ -32,10 +32,10 @@ Why reason_of(Refusal refusal) {
 
 std::optional<Why> judge_match(const Match& match, double min_agreement, bool several_agree,
                                const MatchJudgeParameters& p) {
-  const bool sure = several_agree || match.rival < p.no_rival;
+  const bool sure = several_agree || match.second_best_ratio < p.no_rival;
   const double least = sure ? p.fewer_agree * min_agreement : min_agreement;
   if (match.agreement < least) return few_agree(match.agreement, least);
-  if (match.rival > p.most_rival) return another(match.rival);
+  if (match.second_best_ratio > p.max_second_best_ratio) return another(match.second_best_ratio);
   return std::nullopt;
 }
 
@@ -43,8 +43,8 @@ std::optional<Why> PathJudge::judge(const Match& match, const Eigen::Vector3d& p
                                     double min_agreement) {
   const Eigen::Quaterniond q = (match.q_n_c * q_n_c.conjugate()).normalized();
   const auto before = std::exchange(before_, std::nullopt);
-  if (match.agreement < p_.least_agreement) return few_agree(match.agreement, p_.least_agreement);
-  if (match.rival > p_.most_rival) return another(match.rival);
+  if (match.agreement < p_.min_agreement) return few_agree(match.agreement, p_.min_agreement);
+  if (match.second_best_ratio > p_.max_second_best_ratio) return another(match.second_best_ratio);
   before_ = Offset{q, match.p_n - q * p_n};
   if (match.agreement >= min_agreement) return std::nullopt;
   if (!before) return Why{kAmbiguity, "few directions agree: the next match must tell the same"};

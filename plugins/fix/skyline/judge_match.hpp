@@ -22,8 +22,8 @@ Why reason_of(Refusal refusal);
 struct MatchJudgeParameters {
   double fewer_agree =
       0.8;  ///< of min_agreement: of a place found by several pictures, or without another likely place,
-  double no_rival = 1e-20;  ///< none being likelier than this (42 such in Delft: one was 1.1 m off)
-  double most_rival = 0.2;  ///< of another place's likelihood
+  double no_rival = 1e-20;             ///< none being likelier than this (42 such in Delft: one was 1.1 m off)
+  double max_second_best_ratio = 0.2;  ///< of another place's likelihood
 };
 
 /// What speaks against a match of one picture. `several_agree`: pictures before have told the place.
@@ -36,10 +36,10 @@ std::optional<Why> judge_match(const Match& match, double min_agreement, bool se
 class PathJudge {
  public:
   struct Parameters {
-    double most_rival = 1e-6;       ///< likelihood of another place over that of the best
-    double least_agreement = 0.35;  ///< of the directions with a roof's edge: right matches in Delft's streets had .4
-    double same_m = 2;              ///< two matches in a row that differ by less
-    double same_rad = 0.052;        ///< and by less than three degrees say the same
+    double max_second_best_ratio = 1e-6;  ///< likelihood of another place over that of the best
+    double min_agreement = 0.35;  ///< of the directions with a roof's edge: right matches in Delft's streets had .4
+    double same_m = 2;            ///< two matches in a row that differ by less
+    double same_rad = 0.052;      ///< and by less than three degrees say the same
   };
 
   PathJudge() : PathJudge(Parameters{}) {}

@@ -4,14 +4,14 @@
 namespace odograph::skyline {
 
 Match Look::carried_to(const Eigen::Vector3d& now_n, const Eigen::Quaterniond& q_n_c_now, double drift) const {
-  const Eigen::Quaterniond turn = match->q_n_c * corrected(q_n_c).conjugate();
-  const Eigen::Vector3d way = turn * (now_n - corrected(p_n));
-  const Eigen::Vector2d aside(-way.y(), way.x());
+  const Eigen::Quaterniond rotation = match->q_n_c * corrected(q_n_c).conjugate();
+  const Eigen::Vector3d displacement = rotation * (now_n - corrected(p_n));
+  const Eigen::Vector2d aside(-displacement.y(), displacement.x());
   Match later = *match;
-  later.p_n += way;
-  later.q_n_c = (turn * q_n_c_now).normalized();
+  later.p_n += displacement;
+  later.q_n_c = (rotation * q_n_c_now).normalized();
   later.covariance += match->yaw_sigma_rad * match->yaw_sigma_rad * aside * aside.transpose();
-  later.covariance += Eigen::Matrix2d::Identity() * (drift * drift * way.squaredNorm());
+  later.covariance += Eigen::Matrix2d::Identity() * (drift * drift * displacement.squaredNorm());
   return later;
 }
 

@@ -46,7 +46,7 @@ struct Look {
   }
   Eigen::Vector3d corrected(const Eigen::Vector3d& x_n) const { return corrected_q * x_n + corrected_p; }
   Eigen::Quaterniond corrected(const Eigen::Quaterniond& q) const { return (corrected_q * q).normalized(); }
-  /// The match carried on to where the odometry has the camera by now: it errs by `drift` of the way since.
+  /// The match carried on to where the odometry has the camera by now: it errs by `drift` of the path since.
   Match carried_to(const Eigen::Vector3d& now_n, const Eigen::Quaterniond& q_n_c_now, double drift) const;
 };
 

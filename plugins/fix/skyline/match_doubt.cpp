@@ -29,7 +29,7 @@ void Matcher::sound(const Place& best) {
       Place there = best;
       there.guess.north += a * p_.sounded_step_m, there.guess.east += b * p_.sounded_step_m;
       there.cost = cost(there.guess, true);
-      turn(there);
+      rotation(there);
       around_.push_back(there);
     }
   std::sort(around_.begin(), around_.end(), by_cost);
@@ -64,15 +64,15 @@ Matcher::Doubt Matcher::doubt_around(const Place& best, double scale) const {
 
 /// How well the place is known; false where the picture itself does not tell it: the curvature of the fit, what the
 /// lattice says, and how likely another place is.
-bool Matcher::weigh(const Place& best, double rival_cost, Match& match) {
+bool Matcher::estimate_covariance(const Place& best, double second_best_cost, Match& match) {
   const double scale = to_log(seen_.total_weight() / seen_.correlated(), best.cost, p_);
-  match.rival = rival_cost < 1e9 ? std::exp(-scale * (rival_cost - best.cost)) : 0.0;
+  match.second_best_ratio = second_best_cost < 1e9 ? std::exp(-scale * (second_best_cost - best.cost)) : 0.0;
   // A street that looks the same for a while is a long cloud, not a point.
   Eigen::Matrix2d cloud = Eigen::Matrix2d::Zero();
   double weight = 0;
-  const auto spread = [&](const std::vector<Place>& places, double least_cost) {
+  const auto spread = [&](const std::vector<Place>& places, double min_cost) {
     for (const Place& place : places) {
-      const double w = std::exp(-scale * (place.cost - least_cost));
+      const double w = std::exp(-scale * (place.cost - min_cost));
       const Eigen::Vector2d d(place.guess.north - best.guess.north, place.guess.east - best.guess.east);
       cloud += w * d * d.transpose(), weight += w;
     }

@@ -14,11 +14,11 @@ struct MatcherParameters {
   // The loss of a direction.
   double noise_rad = 0.25 * kDegree;  ///< least mean loss believed
   double soft_rad = 0.6 * kDegree;    ///< from here on a direction pulls less and less (Geman & McClure 1987)
-  double most_rad = 3 * kDegree;      ///< a direction's largest loss: models miss trees and new houses
+  double max_rad = 3 * kDegree;       ///< a direction's largest loss: models miss trees and new houses
   double correlated = 12;             ///< neighbouring directions that err together: six degrees
   double lowest_rad = 3 * kDegree;    ///< what stands lower is not looked at: parked cars, hedges, far hills
   double agrees_rad = 1.0 * kDegree;  ///< of a direction in which picture and model agree
-  size_t least_edges = 240;           ///< a third of the directions: fewer have been seen to fit in wrong places
+  size_t min_edges = 240;             ///< a third of the directions: fewer have been seen to fit in wrong places
   // The lattice of places.
   double nearest_m = 6;                           ///< always searched: priors are optimistic
   double wide_m = 12;                             ///< farther than this the lattice is coarse:
@@ -29,7 +29,7 @@ struct MatcherParameters {
   double spread_m = 2.5;                                                 ///< between places that are refined
   size_t starts = 2, starts_of_path = 6;                                 ///< how many of them
   double derivative_step_m = 0.25, derivative_step_rad = 0.5 * kDegree;  ///< of the model's skyline, numeric
-  double most_step_m = 2;                                                ///< of an iteration
+  double max_step_m = 2;                                                 ///< of an iteration
   int last_steps = 2;                                                    ///< of the best place, with the narrowest loss
   double outside_m = 2;      ///< a cell of the coarse lattice: so far beyond it a place may be refined to
   double height_sigmas = 3;  ///< of the prior's height, which a place must lie within

@@ -28,23 +28,24 @@ double Matcher::cost_of_prior(const Guess& g) const {
 double Matcher::cost(const Guess& g, bool new_place) {
   spend(seen_.directions() + seen_.work_to_look(city_, place_of(g), g.yaw, new_place));
   seen_.look(city_, place_of(g), g.yaw, new_place);
-  return seen_.loss(g, p_.most_rad) + cost_of_prior(g);
+  return seen_.loss(g, p_.max_rad) + cost_of_prior(g);
 }
 
 /// A place of the lattice, with the best of the headings in reach.
-void Matcher::look_at_place(Place best, int middle_deg, int turns, int stride) {
+void Matcher::look_at_place(Place best, int middle_deg, int yaw_steps, int stride) {
   best.cost = 1e9;
   auto& [seen, offset, sector, horizon, looked] = seen_.newest();
-  spend(city_.quick_work() + static_cast<uint64_t>(2 * turns / stride + 3) * seen.turned_size() / p_.rotated_cheaper);
+  spend(city_.quick_work() +
+        static_cast<uint64_t>(2 * yaw_steps / stride + 3) * seen.turned_size() / p_.rotated_cheaper);
   city_.quick_horizon(place_of(best.guess), horizon);
   const auto middle = std::copy(horizon.elevation.begin(), horizon.elevation.end(), twice_.begin());
   std::copy(horizon.elevation.begin(), horizon.elevation.end(), middle);
   const auto look = [&](int degrees) {
     const int turned = static_cast<int>(std::lround(std::remainder(degrees, 360)));
-    if (const double c = seen.turned_loss(twice_, 2 * turned, p_.most_rad); c < best.cost)
+    if (const double c = seen.turned_loss(twice_, 2 * turned, p_.max_rad); c < best.cost)
       best.guess.yaw = turned * kDegree, best.cost = c;
   };
-  for (int y = -turns; y <= turns; y += stride) look(middle_deg + y);
+  for (int y = -yaw_steps; y <= yaw_steps; y += stride) look(middle_deg + y);
   if (stride > 1) {
     const auto best_degrees = static_cast<int>(std::lround(best.guess.yaw / kDegree));
     look(best_degrees - 1), look(best_degrees + 1);
@@ -54,28 +55,28 @@ void Matcher::look_at_place(Place best, int middle_deg, int turns, int stride) {
 
 void Matcher::search(double radius_m, double step_m) {
   const int reach = static_cast<int>(std::ceil(radius_m / step_m));
-  const int turns = static_cast<int>(std::ceil(std::min(3 * prior_.yaw_sigma_rad, std::numbers::pi) / kDegree));
+  const int yaw_steps = static_cast<int>(std::ceil(std::min(3 * prior_.yaw_sigma_rad, std::numbers::pi) / kDegree));
   places_.clear();
   for (int a = -reach; a <= reach; ++a)
     for (int b = -reach; b <= reach; ++b)
-      look_at_place({{.north = a * step_m, .east = b * step_m}, 0}, 0, turns, turns > 8 ? 2 : 1);
+      look_at_place({{.north = a * step_m, .east = b * step_m}, 0}, 0, yaw_steps, yaw_steps > 8 ? 2 : 1);
 }
 
-/// A lattice over the ring around the pivot, which is the prior's place here. `way` leads from there to where the track
-/// is, m north and east: each place of the ring has its own heading.
-void Matcher::search_circle(const Eigen::Vector2d& way, double step_m) {
-  const double chord_m = way.norm();
+/// A lattice over the ring around the pivot, which is the prior's place here. `displacement` leads from there to where
+/// the track is, m north and east: each place of the ring has its own heading.
+void Matcher::search_circle(const Eigen::Vector2d& displacement, double step_m) {
+  const double chord_m = displacement.norm();
   const int reach = static_cast<int>(std::ceil((chord_m + prior_.slack_m) / step_m));
   const double aside_rad = std::asin(std::min(1.0, prior_.slack_m / chord_m));
-  const int turns = std::min(180, static_cast<int>(std::ceil(aside_rad / kDegree)) + 2);
+  const int yaw_steps = std::min(180, static_cast<int>(std::ceil(aside_rad / kDegree)) + 2);
   places_.clear();
   for (int a = -reach; a <= reach; ++a)
     for (int b = -reach; b <= reach; ++b) {
       const Eigen::Vector2d at(a * step_m, b * step_m);
       if (std::abs(at.norm() - chord_m) > prior_.slack_m) continue;
-      const double turn = std::atan2(at.y(), at.x()) - std::atan2(way.y(), way.x());
-      look_at_place({{.north = at.x(), .east = at.y()}, 0}, static_cast<int>(std::lround(turn / kDegree)), turns,
-                    turns > 8 ? 2 : 1);
+      const double rotation = std::atan2(at.y(), at.x()) - std::atan2(displacement.y(), displacement.x());
+      look_at_place({{.north = at.x(), .east = at.y()}, 0}, static_cast<int>(std::lround(rotation / kDegree)),
+                    yaw_steps, yaw_steps > 8 ? 2 : 1);
     }
 }
 
@@ -121,9 +122,9 @@ double Matcher::add_view(const SeenPath::Seen& seen, const Guess& at, double sof
       J[axis] = std::abs(d) < 0.1 ? d / (2 * p_.derivative_step_m) : 0.0;
     }
     J[2] = -J[2];  // up
-    const double turn = seen.horizon.elevation_at(r.azimuth + p_.derivative_step_rad) -
-                        seen.horizon.elevation_at(r.azimuth - p_.derivative_step_rad);
-    J[3] = std::abs(turn) < 0.1 ? turn / (2 * p_.derivative_step_rad) : 0.0;
+    const double rotation = seen.horizon.elevation_at(r.azimuth + p_.derivative_step_rad) -
+                            seen.horizon.elevation_at(r.azimuth - p_.derivative_step_rad);
+    J[3] = std::abs(rotation) < 0.1 ? rotation / (2 * p_.derivative_step_rad) : 0.0;
     J[4] = J[3] * r.slope * r.cosine + r.sine;
     J[5] = J[3] * r.slope * r.sine - r.cosine;
     J[3] += J[1] * offset_n.x() - J[0] * offset_n.y();  // an older place moves with the heading
@@ -143,8 +144,8 @@ std::optional<Guess> Matcher::step(const Guess& at, double soft_rad, double damp
   H(3, 3) += 1e-3 / (kDegree * kDegree);
   Vector6d d = H.ldlt().solve(b);
   if (!d.allFinite()) return std::nullopt;
-  if (const double far = d.head<3>().norm(); far > p_.most_step_m) d *= p_.most_step_m / far;
-  if (const double turn = std::abs(d[3]); turn > p_.most_rad) d *= p_.most_rad / turn;
+  if (const double far = d.head<3>().norm(); far > p_.max_step_m) d *= p_.max_step_m / far;
+  if (const double rotation = std::abs(d[3]); rotation > p_.max_rad) d *= p_.max_rad / rotation;
   Guess g = at;
   g.north += d[0], g.east += d[1], g.up += d[2], g.yaw += d[3], g.tilt_north += d[4], g.tilt_east += d[5];
   return g;
@@ -176,7 +177,7 @@ Place Matcher::refine(Place at) {
 }
 
 /// The best heading and inclination for a place, by ever smaller moves; the model's skyline there is at hand.
-void Matcher::turn(Place& at) {
+void Matcher::rotation(Place& at) {
   for (double size = 0.8 * kDegree; size > 0.08 * kDegree; size *= 0.4)
     for (bool better = true; better;) {
       better = false;
@@ -198,7 +199,7 @@ void Matcher::turn(Place& at) {
 /// place with the heading and the inclination that fit it best.
 Place Matcher::polish(Place at) {
   at.cost = cost(at.guess, true);
-  turn(at);
+  rotation(at);
   for (double size = 0.6; size > 0.05; size *= 0.5)
     for (bool better = true; better;) {
       better = false;
@@ -209,15 +210,15 @@ Place Matcher::polish(Place at) {
         there.guess.north += m.north, there.guess.east += m.east, there.guess.up += m.up;
         there.cost = cost(there.guess, true);
         if (there.cost > at.cost + p_.hopeless_rad) continue;
-        turn(there);
+        rotation(there);
         if (there.cost < at.cost - 1e-6) at = there, better = true;
       }
     }
   return at;
 }
 
-std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
-  rival_cost = 1e9;
+std::optional<Place> Matcher::choose(double step_m, double& second_best_cost) {
+  second_best_cost = 1e9;
   ends_.clear();
   if (!prior_.lost) {
     offsets_.clear();
@@ -240,7 +241,7 @@ std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
     std::sort(ends_.begin(), ends_.end(), by_cost);
     for (const Place& p : ends_)
       if (apart(p.guess, ends_.front().guess) > p_.apart_m) {
-        rival_cost = p.cost;
+        second_best_cost = p.cost;
         break;
       }
     return ends_.front();
@@ -252,11 +253,11 @@ std::optional<Place> Matcher::choose(double step_m, double& rival_cost) {
   const Place first = places_.front();
   const auto other = std::find_if(places_.begin(), places_.end(),
                                   [&](const Place& p) { return apart(p.guess, first.guess) > p_.apart_m + 1; });
-  if (other != places_.end()) rival_cost = other->cost - first.cost;
+  if (other != places_.end()) second_best_cost = other->cost - first.cost;
   const Place here = polish(refine(first));
   refusal_ = Refusal::ambiguous;
   if (apart(here.guess, first.guess) > p_.apart_m) return std::nullopt;
-  rival_cost += here.cost;
+  second_best_cost += here.cost;
   return here;
 }
 
@@ -285,8 +286,8 @@ bool Matcher::describe(const Place& best, Match& match) {
   if (h <= 0) return false;
   match.slant_distance_m = h / std::sin(elevation);
   const double azimuth = (static_cast<double>(highest) + 0.5) * 2 * std::numbers::pi / Horizon::kDirections;
-  const double level = match.slant_distance_m * std::cos(elevation);
-  match.landmark_n = match.p_n + Eigen::Vector3d(level * std::cos(azimuth), level * std::sin(azimuth), -h);
+  const double horizontal = match.slant_distance_m * std::cos(elevation);
+  match.landmark_n = match.p_n + Eigen::Vector3d(horizontal * std::cos(azimuth), horizontal * std::sin(azimuth), -h);
   return true;
 }
 
@@ -294,7 +295,7 @@ bool Matcher::tells_enough(const std::vector<SkyEdge>& edges, const std::vector<
                            const MatcherParameters& p) {
   size_t closed = closed_edges(edges);
   for (const View& view : older) closed += closed_edges(view.edges);
-  return closed >= p.least_edges;
+  return closed >= p.min_edges;
 }
 
 std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend,
@@ -306,9 +307,9 @@ std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Pri
   prior_ = prior;
   const double yaw_reach = 3 * prior.yaw_sigma_rad;
   seen_.set(edges, prior.p_n, prior.q_n_c, older, yaw_reach);
-  const Eigen::Vector2d way =
+  const Eigen::Vector2d displacement =
       prior.pivot_n ? Eigen::Vector2d((prior.p_n - *prior.pivot_n).head<2>()) : Eigen::Vector2d::Zero();
-  const double radius = prior.pivot_n ? way.norm() + prior.slack_m
+  const double radius = prior.pivot_n ? displacement.norm() + prior.slack_m
                                       : std::min(std::max(3 * prior.position_sigma_m, p_.nearest_m), prior.farthest_m);
   if (prior.pivot_n) prior_.p_n.head<2>() = prior.pivot_n->head<2>(), prior_.lost = false;
   const double step = radius > p_.wide_m || prior_.lost ? p_.coarse_step_m : p_.fine_step_m;
@@ -317,23 +318,23 @@ std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Pri
   city_.look_around(prior_.p_n + middle_n, radius + 3 + path_m,
                     std::tan(std::max(p_.lowest_rad, seen_.lowest_rad() - 0.1)), 3 * prior.height_sigma_m, spend);
   if (prior.pivot_n)
-    search_circle(way, step);
+    search_circle(displacement, step);
   else if (seen_.is_path())
     search_path(radius, step);
   else
     search(radius, step);
-  double rival_cost = 0;
-  const auto best = choose(step, rival_cost);
+  double second_best_cost = 0;
+  const auto best = choose(step, second_best_cost);
   Match match;
   if (!best) return std::nullopt;
   refusal_ = Refusal::beyond;
   const bool ring = prior.pivot_n.has_value();
-  if (!within_reach(*best, ring ? way.norm() : 0, ring ? prior.slack_m : radius)) return std::nullopt;
+  if (!within_reach(*best, ring ? displacement.norm() : 0, ring ? prior.slack_m : radius)) return std::nullopt;
   refusal_ = Refusal::nothing_in_view;
   if (!describe(*best, match)) return std::nullopt;
   sound(*best);
   refusal_ = Refusal::none;
-  if (!weigh(*best, rival_cost, match)) {
+  if (!estimate_covariance(*best, second_best_cost, match)) {
     refusal_ = Refusal::ambiguous;
     return std::nullopt;
   }

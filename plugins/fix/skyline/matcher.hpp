@@ -36,8 +36,8 @@ struct Match {
   Eigen::Matrix2d covariance;  ///< of north and east, m^2
   double yaw_sigma_rad;
   double height_sigma_m;
-  double agreement;  ///< part of the directions with a roof's edge in which picture and model agree
-  double rival;      ///< likelihood of the best other place over that of this one
+  double agreement;          ///< part of the directions with a roof's edge in which picture and model agree
+  double second_best_ratio;  ///< likelihood of the best other place over that of this one
   /// The highest point of the skyline: eq. (2) and (4) of Gakne & O'Keefe 2018.
   Eigen::Vector3d landmark_n;
   double slant_distance_m;
@@ -86,10 +86,10 @@ class Matcher {
   double cost_of_prior(const Guess& guess) const;
   void search(double radius_m, double step_m);
   void search_path(double radius_m, double step_m);
-  void search_circle(const Eigen::Vector2d& way, double step_m);
-  void look_at_place(Place place, int middle_deg, int turns, int stride);
+  void search_circle(const Eigen::Vector2d& displacement, double step_m);
+  void look_at_place(Place place, int middle_deg, int yaw_steps, int stride);
   Place refine(Place from);
-  void turn(Place& at);
+  void rotation(Place& at);
   Place polish(Place from);
   bool linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b);
   double add_view(const SeenPath::Seen& seen, const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b);
@@ -101,9 +101,9 @@ class Matcher {
   };
   Doubt doubt_around(const Place& best, double scale) const;
   /// Best place and best other one.
-  std::optional<Place> choose(double step_m, double& rival_cost);
+  std::optional<Place> choose(double step_m, double& second_best_cost);
   bool within_reach(const Place& best, double chord_m, double reach_m) const;
-  bool weigh(const Place& best, double rival_cost, Match& match);
+  bool estimate_covariance(const Place& best, double second_best_cost, Match& match);
   bool describe(const Place& best, Match& match);
 
   Parameters p_;

@@ -41,7 +41,7 @@ bool PlaceFinder::wants(const Eigen::Vector3d& p) const {
 
 void PlaceFinder::clear() {
   pictures_.clear(), hypotheses_.clear();
-  alone_ = 0, rival_ = 1;
+  alone_ = 0, second_best_ratio_ = 1;
 }
 
 bool PlaceFinder::same(const Hypothesis& a, const Hypothesis& b) const {
@@ -52,10 +52,10 @@ bool PlaceFinder::same(const Hypothesis& a, const Hypothesis& b) const {
 /// All places by their signatures, each with its best heading: the best of them, good to a sector's width.
 std::vector<PlaceFinder::Hypothesis> PlaceFinder::coarse(const SeenSkyline& seen, const Spend& spend) const {
   const Sectors sectors(seen);
-  const auto most = static_cast<uint8_t>(std::lround(p_.sector_most_rad * kLevels));
+  const auto most = static_cast<uint8_t>(std::lround(p_.sector_max_rad * kLevels));
   struct Score {
     uint16_t cost;
-    uint8_t turn;
+    uint8_t rotation;
     uint32_t place;
   };
   std::vector<Score> scores(database_.size());
@@ -66,16 +66,16 @@ std::vector<PlaceFinder::Hypothesis> PlaceFinder::coarse(const SeenSkyline& seen
     std::copy(signature, signature + kSectors, twice.begin());
     std::copy(signature, signature + kSectors, twice.begin() + kSectors);
     Score best{std::numeric_limits<uint16_t>::max(), 0, static_cast<uint32_t>(i)};
-    for (size_t turn = 0; turn < kSectors; ++turn) {
+    for (size_t rotation = 0; rotation < kSectors; ++rotation) {
       uint16_t cost = 0;
       for (size_t s = 0; s < kSectors; ++s) {
         // In bytes throughout, so that compilers find the vectors.
-        const uint8_t m = twice[s + turn], v = sectors.seen[s], high = std::max(m, v);
+        const uint8_t m = twice[s + rotation], v = sectors.seen[s], high = std::max(m, v);
         const auto over = static_cast<uint8_t>(static_cast<uint8_t>(high - v) & sectors.above[s]);
         const auto under = static_cast<uint8_t>(static_cast<uint8_t>(high - m) & sectors.below[s]);
         cost = static_cast<uint16_t>(cost + std::min(most, static_cast<uint8_t>(over | under)));
       }
-      if (cost < best.cost) best.cost = cost, best.turn = static_cast<uint8_t>(turn);
+      if (cost < best.cost) best.cost = cost, best.rotation = static_cast<uint8_t>(rotation);
     }
     scores[i] = best;
   }
@@ -89,7 +89,7 @@ std::vector<PlaceFinder::Hypothesis> PlaceFinder::coarse(const SeenSkyline& seen
   std::vector<Hypothesis> best;
   for (const Score& s : scores)
     best.push_back(
-        {database_.place(s.place), s.turn * 2 * std::numbers::pi / kSectors, 1, static_cast<double>(s.place)});
+        {database_.place(s.place), s.rotation * 2 * std::numbers::pi / kSectors, 1, static_cast<double>(s.place)});
   return best;
 }
 
@@ -105,10 +105,10 @@ PlaceFinder::Hypothesis PlaceFinder::look_closely(const SeenSkyline& seen, const
       const float h = horizon.height_m[j] - static_cast<float>(up), d = horizon.distance_m[j];
       twice[j] = twice[j + Horizon::kDirections] = d > 0 && h > 0 ? std::atan(h / d) : 0.0f;
     }
-    for (int turn = -2 * p_.headings; turn <= 2 * p_.headings; turn += 2) {
-      const double cost = seen.turned_loss(twice, middle + turn, p_.most_rad);
+    for (int rotation = -2 * p_.headings; rotation <= 2 * p_.headings; rotation += 2) {
+      const double cost = seen.turned_loss(twice, middle + rotation, p_.max_rad);
       if (cost >= best.cost) continue;
-      best.cost = cost, best.yaw = (middle + turn) * 0.5 * kDegree;
+      best.cost = cost, best.yaw = (middle + rotation) * 0.5 * kDegree;
       best.p.z() = at.p.z() - up;
     }
   }
@@ -144,17 +144,17 @@ double PlaceFinder::joint_cost(const Hypothesis& h, const Spend& spend) const {
   Horizon horizon;
   for (const Picture& picture : pictures_) {
     spend(6 * Horizon::kDirections + picture.seen.turned_size());
-    double cost = p_.most_rad;
+    double cost = p_.max_rad;
     if (horizon_at(place_of(h, picture), horizon)) {
       SeenSkyline::Twice twice;
       const auto middle = std::copy(horizon.elevation.begin(), horizon.elevation.end(), twice.begin());
       std::copy(horizon.elevation.begin(), horizon.elevation.end(), middle);
-      cost = picture.seen.turned_loss(twice, static_cast<int>(std::lround(h.yaw / (0.5 * kDegree))), p_.most_rad);
+      cost = picture.seen.turned_loss(twice, static_cast<int>(std::lround(h.yaw / (0.5 * kDegree))), p_.max_rad);
     }
     sum += cost, worst = std::max(worst, cost);
   }
   auto n = static_cast<double>(pictures_.size());
-  if (pictures_.size() >= p_.least_pictures) sum -= worst, n -= 1;
+  if (pictures_.size() >= p_.min_pictures) sum -= worst, n -= 1;
   const double stretched = (h.scale - 1) / p_.scale_sigma;
   const double prior = 0.5 * stretched * stretched * p_.noise_rad * p_.correlated_directions / Horizon::kDirections;
   return (sum + prior) / n;
@@ -193,7 +193,7 @@ double PlaceFinder::agreement(const Hypothesis& h) const {
     sum += agreed, worst = std::min(worst, agreed);
   }
   const auto n = static_cast<double>(pictures_.size());
-  return pictures_.size() >= p_.least_pictures ? (sum - worst) / (n - 1) : sum / n;
+  return pictures_.size() >= p_.min_pictures ? (sum - worst) / (n - 1) : sum / n;
 }
 
 /// The newest picture's own best places.
@@ -242,14 +242,14 @@ std::optional<PlaceFinder::Found> PlaceFinder::add(const std::vector<SkyEdge>& e
   for (const Picture& picture : pictures_) directions += picture.seen.total_weight();
   const double scale =
       directions / (p_.correlated_directions * p_.correlated * std::max(p_.noise_rad, 0.5 * best.cost));
-  rival_ = hypotheses_.size() > 1 ? std::exp(-scale * (hypotheses_[1].cost - best.cost)) : 0;
+  second_best_ratio_ = hypotheses_.size() > 1 ? std::exp(-scale * (hypotheses_[1].cost - best.cost)) : 0;
   const bool stays = best_before && same(*best_before, best);
   const double path_m = (pictures_.back().p - pictures_.front().p).head<2>().norm();
   const double agreed = agreement(best);
-  const bool alone = stays && rival_ < p_.most_rival && agreed >= p_.least_agreement;
+  const bool alone = stays && second_best_ratio_ < p_.max_second_best_ratio && agreed >= p_.min_agreement;
   alone_ = alone ? alone_ + 1 : 0;
-  if (alone_ < p_.steady || pictures_.size() < p_.least_pictures || path_m < p_.least_path_m) return std::nullopt;
-  return Found{best.p + offset_n_, best.yaw, agreed, rival_};
+  if (alone_ < p_.steady || pictures_.size() < p_.min_pictures || path_m < p_.min_path_m) return std::nullopt;
+  return Found{best.p + offset_n_, best.yaw, agreed, second_best_ratio_};
 }
 
 }  // namespace odograph::skyline

@@ -21,18 +21,18 @@ class PlaceFinder {
   struct Parameters {
     double apart_m = 3.0;                    ///< between two pictures at least: nearer ones err together
     size_t pictures = 6;                     ///< that count, the newest ones: for so long the odometry must hold
-    size_t least_pictures = 4;               ///< before one is believed
-    double least_path_m = 15;                ///< between the first and the last of them, in a straight line
-    double sector_most_rad = 0.14;           ///< most that a sector of a signature counts: eight degrees
-    double most_rad = 0.07;                  ///< most that a direction counts in the searches: four degrees
+    size_t min_pictures = 4;                 ///< before one is believed
+    double min_path_m = 15;                  ///< between the first and the last of them, in a straight line
+    double sector_max_rad = 0.14;            ///< most that a sector of a signature counts: eight degrees
+    double max_rad = 0.07;                   ///< most that a direction counts in the searches: four degrees
     size_t coarse = 2000;                    ///< places of the signatures' search that are looked at closely
     size_t kept = 40;                        ///< hypotheses that are followed
     double high_m = 2.5, high_step_m = 2.5;  ///< the eye's height against that of the database's places: the ground's
     double same_m = 4, same_rad = 0.17;      ///< nearer to each other than this two hypotheses are one
     double correlated = 2;                   ///< pictures whose errors are alike count as one
-    double most_rival = 1e-4;                ///< likelihood of the best other hypothesis over that of the best
+    double max_second_best_ratio = 1e-4;     ///< likelihood of the best other hypothesis over that of the best
     double agrees_rad = 0.026;               ///< of a direction in which picture and model agree: 1.5 degrees
-    double least_agreement = 0.7;            ///< of the directions with a roof's edge, in the mean of the pictures
+    double min_agreement = 0.7;              ///< of the directions with a roof's edge, in the mean of the pictures
     double scale_sigma = 0.05;               ///< relative, of the odometry's metre
     int headings = 8;                        ///< degrees to each side of a signature's heading that are tried
     double noise_rad = 0.4 * std::numbers::pi / 180;  ///< least mean loss believed; the matcher's is for one place
@@ -50,7 +50,7 @@ class PlaceFinder {
   struct Found {
     Eigen::Vector3d p_n;
     double yaw_rad;
-    double agreement, rival;
+    double agreement, second_best_ratio;
   };
   /// Adds a picture: its sky's edge in c, its orientation with the right inclination and any heading, its place by the
   /// odometry in metres. Tells the place once one hypothesis stands alone.
@@ -62,7 +62,7 @@ class PlaceFinder {
   void clear();
   size_t pictures() const { return pictures_.size(); }
   /// Likelihood of the second-best hypothesis over that of the best, after the latest picture.
-  double rival() const { return rival_; }
+  double second_best_ratio() const { return second_best_ratio_; }
 
  private:
   struct Picture {
@@ -91,7 +91,7 @@ class PlaceFinder {
   Eigen::Vector3d offset_n_;
   std::deque<Picture> pictures_;
   std::vector<Hypothesis> hypotheses_;  // the best first
-  double rival_ = 1;
+  double second_best_ratio_ = 1;
   int alone_ = 0;
 };
 

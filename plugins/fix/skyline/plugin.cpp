@@ -29,23 +29,23 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kNowhere_m = 1000, kUnscaled_m = 2.5;  // the latter: what a car drives from fix to fix at first
 constexpr double kUnknown_rad = 60 * kDegree;           // three times this is any heading
 constexpr int kDoubtful = 4, kHopeless = 20;            // failures in a row; then a whole database is searched
-constexpr double kMostTilt_rad = 3 * kDegree;
+constexpr double kMaxTilt_rad = 3 * kDegree;
 constexpr double kFoundSigma_m = 1.5, kFoundSigma_rad = 2 * kDegree;  // of a place found by several pictures
 constexpr double kFoundApart_m = 3;                                   // the newest picture's own match lies so near it
-constexpr double kClimb_m = 0.05, kLeastHeightSigma_m = 0.1;          // of the height: from fix to fix, at least
+constexpr double kRoadHeight_m = 0.05, kMinHeightSigma_m = 0.1;       // of the height: from fix to fix, at least
 
-constexpr double kWorkPerSecond = 48e6;                            // of sensor time: a quarter of a core
-constexpr uint64_t kLeastSlice = 400'000, kMostSlice = 3'200'000;  // of a frame: 2 and 16 ms
-constexpr uint64_t kSkyWork = 10;                                  // of a pixel
-constexpr double kNoHeading_rad = 20 * kDegree;                    // from here on the heading is taken as unknown
+constexpr double kWorkPerSecond = 48e6;                         // of sensor time: a quarter of a core
+constexpr uint64_t kMinSlice = 400'000, kMaxSlice = 3'200'000;  // of a frame: 2 and 16 ms
+constexpr uint64_t kSkyWork = 10;                               // of a pixel
+constexpr double kNoHeading_rad = 20 * kDegree;                 // from here on the heading is taken as unknown
 constexpr double kSlack_m = 6, kSlackOfPath = 0.05, kFarthestFromStart_m = 150;  // before the first fix
-constexpr double kMostOff = 2;  // of the path since the last fix: one who goes the other way than thought
+constexpr double kMaxOff = 2;  // of the path since the last fix: one who goes the other way than thought
 
-constexpr size_t kLeastOfView = 40;              // directions with a roof's edge: 20 degrees
+constexpr size_t kMinOfView = 40;                // directions with a roof's edge: 20 degrees
 constexpr double kFailedTurn_rad = 1 * kDegree;  // of doubt about the heading, for each failure
 constexpr int64_t kLate_ns = 2'500'000'000;      // an estimator keeps the past for steps, which come up to 3 s late
 constexpr double kPathMetre = 0.2;               // relative: a path of 20 m is so long or short that no place fits it
-constexpr double kDrift = 0.02;                  // of the way between pictures, or since one: what the odometry errs by
+constexpr double kDrift = 0.02;  // of the path between pictures, or since one: what the odometry errs by
 
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
 class Skyline {
@@ -150,8 +150,7 @@ class Skyline {
   void on(const odo_frame& frame, odo::Output& output) {
     const double passed_s = frame_ns_ == INT64_MIN ? 0 : static_cast<double>(frame.header.t_ns - frame_ns_) * 1e-9;
     frame_ns_ = frame.header.t_ns;
-    slice_ =
-        std::clamp(static_cast<uint64_t>(std::clamp(passed_s, 0.0, 1.0) * kWorkPerSecond), kLeastSlice, kMostSlice);
+    slice_ = std::clamp(static_cast<uint64_t>(std::clamp(passed_s, 0.0, 1.0) * kWorkPerSecond), kMinSlice, kMaxSlice);
     if (worker_.busy()) {
       if (!worker_.advance(slice_)) return;
       finish(output);
@@ -180,8 +179,8 @@ class Skyline {
     // Since the last fix the track may have gone astray by its heading, and more where its own doubt says so. Who may
     // be farther off than is searched would be placed where it only looks alike.
     const double driven_m = pose_->distance_m - fixed_at_m_;
-    const double astray_m = std::max(driven_m * std::min(kMostOff, 3 * yaw_sigma), 3 * sigma);
-    const auto slack_m = way_from_start(yaw_sigma, sigma, metric);
+    const double astray_m = std::max(driven_m * std::min(kMaxOff, 3 * yaw_sigma), 3 * sigma);
+    const auto slack_m = displacement_from_start(yaw_sigma, sigma, metric);
     const bool lost = !slack_m && (astray_m > radius || failures_ >= kHopeless);
     const bool anywhere = place_finder_ && (!placed_ || lost);
     if (lost && astray_m > radius && !anywhere)
@@ -191,7 +190,7 @@ class Skyline {
       return refuse(kPrior, "not placed, and the odometry tells no metres", output);
     }
     const double tilt =
-        std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma, kMostTilt_rad);
+        std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma, kMaxTilt_rad);
     const Eigen::Quaterniond q_n_c = orientation_of(*pose_);
     const Eigen::Vector3d p_n(pose_->p_n);
     if (anywhere && !place_finder_->wants(p_n)) return;
@@ -221,19 +220,19 @@ class Skyline {
   }
 
   /// Before the first fix, without a heading: how well the distance from the start is known, m; else none.
-  std::optional<double> way_from_start(double yaw_sigma, double sigma, bool metric) const {
+  std::optional<double> displacement_from_start(double yaw_sigma, double sigma, bool metric) const {
     if (!start_known || fixed_once_ || !metric || !start_n_ || yaw_sigma < kNoHeading_rad) return std::nullopt;
     const double far_m = (Eigen::Vector3d(pose_->p_n) - *start_n_).head<2>().norm();
     const double slack_m = kSlack_m + kSlackOfPath * pose_->distance_m;
     // An unknown heading is a doubt as large as the path; a larger one says that the path itself is lost.
-    const double most_sigma = kMostOff * (far_m + slack_m);
-    if (far_m < slack_m || far_m > kFarthestFromStart_m || sigma > most_sigma) return std::nullopt;
+    const double max_sigma = kMaxOff * (far_m + slack_m);
+    if (far_m < slack_m || far_m > kFarthestFromStart_m || sigma > max_sigma) return std::nullopt;
     return slack_m;
   }
 
   /// On the worker's thread.
   void look(const Spend& spend) {
-    if (inclination == "vanishing_point") level(look_.prior, look_.picture, tilt_sigma);
+    if (inclination == "vanishing_point") horizontal(look_.prior, look_.picture, tilt_sigma);
     const auto& edges = eye_.find(look_.picture, look_.prior.q_n_c.conjugate(), sky == "flood_fill");
     spend(kSkyWork * look_.picture.grey.total());
     look_.sky_seen = !edges.empty();
@@ -248,13 +247,13 @@ class Skyline {
   }
 
   /// The prior's pitch and roll are replaced by those of the upright lines in the picture, where these tell any.
-  static void level(Prior& prior, const Picture& picture, double least_sigma_rad) {
+  static void horizontal(Prior& prior, const Picture& picture, double min_sigma_rad) {
     const VanishingPointParameters p;
     const Eigen::Vector3d up_c = prior.q_n_c.conjugate() * -Eigen::Vector3d::UnitZ();
     const auto zenith = vanishing_zenith(lines_of(picture.grey, picture.lens, p), up_c, p);
     if (!zenith) return;
     prior.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(zenith->up_c, up_c)).normalized();
-    prior.tilt_sigma_rad = std::max(zenith->sigma_rad, least_sigma_rad);
+    prior.tilt_sigma_rad = std::max(zenith->sigma_rad, min_sigma_rad);
   }
 
   /// The place that several pictures agree on, of all in the database; then the match of this picture there.
@@ -280,7 +279,7 @@ class Skyline {
       char text[120];
       std::snprintf(text, sizeof text,
                     "looked for everywhere: %zu pictures, the next best place is %.2g times as likely",
-                    place_finder_->pictures(), place_finder_->rival());
+                    place_finder_->pictures(), place_finder_->second_best_ratio());
       return refuse(kAmbiguity, text, output);
     }
     joins_ = look_.view.has_value();
@@ -294,7 +293,7 @@ class Skyline {
     placed_ = fixed_once_ = true;
     if (place_finder_) place_finder_->clear();
     fixed_at_m_ = look_.path_m;
-    climb(*look_.match);
+    follow_road(*look_.match);
     odo_fix fix = fix_of(*look_.match, look_.picture.t_ns);
     if (pose_->header.t_ns - look_.picture.t_ns > kLate_ns) {  // too late for estimators: told of the newest pose
       fix = fix_of(look_.carried_to(Eigen::Vector3d(pose_->p_n), orientation_of(*pose_), kDrift), pose_->header.t_ns);
@@ -314,7 +313,7 @@ class Skyline {
     view.p_n = look_.corrected(view.p_n), view.q_n_c = look_.corrected(view.q_n_c);
     const Eigen::Vector3d p_n = view.p_n;
     const Eigen::Quaterniond q_n_c = view.q_n_c;
-    if (closed_edges(view.edges) >= kLeastOfView) window_.add(std::move(view), look_.path_m);
+    if (closed_edges(view.edges) >= kMinOfView) window_.add(std::move(view), look_.path_m);
     if (!look_.match) return reason_of(matcher_->refusal());
     const auto why = path_judge_.judge(*look_.match, p_n, q_n_c, min_agreement);
     if (!why) window_.doubt(*look_.match, kDrift);
@@ -342,12 +341,12 @@ class Skyline {
   }
 
   /// The height over n's origin follows the road, which the odometry does not.
-  void climb(const Match& match) {
+  void follow_road(const Match& match) {
     const double measured = look_.p_n.z() - match.p_n.z();
     // The match has the prior in it already: its sigma is the sum's.
     up_m_ = measured;
-    up_variance_ = std::max(match.height_sigma_m * match.height_sigma_m, kLeastHeightSigma_m * kLeastHeightSigma_m) +
-                   kClimb_m * kClimb_m;
+    up_variance_ = std::max(match.height_sigma_m * match.height_sigma_m, kMinHeightSigma_m * kMinHeightSigma_m) +
+                   kRoadHeight_m * kRoadHeight_m;
     up_variance_ = std::min(up_variance_, height_sigma * height_sigma);
   }
 
@@ -363,7 +362,7 @@ class Skyline {
     odograph::so3::put_quaternion(q_n_b, fix.q_n_b);
     fix.orientation_cov_n[0] = fix.orientation_cov_n[4] = tilt_sigma * tilt_sigma;
     fix.orientation_cov_n[8] = match.yaw_sigma_rad * match.yaw_sigma_rad;
-    fix.integrity = std::max(0.01, match.rival);
+    fix.integrity = std::max(0.01, match.second_best_ratio);
     Eigen::Vector3d::Map(fix.landmark_n) = match.landmark_n;
     fix.slant_distance_m = match.slant_distance_m;
     return fix;
@@ -389,9 +388,9 @@ class Skyline {
   cv::Mat converted_;
   odograph::ToldCamera camera_;
   int64_t last_ns_ = INT64_MIN, frame_ns_ = INT64_MIN;
-  uint64_t slice_ = kLeastSlice;  // of the newest frame
-  int failures_ = 0;              // in a row; each widens the search by a metre of standard deviation
-  SlicedWorker worker_;           // last: its thread ends before what it works with
+  uint64_t slice_ = kMinSlice;  // of the newest frame
+  int failures_ = 0;            // in a row; each widens the search by a metre of standard deviation
+  SlicedWorker worker_;         // last: its thread ends before what it works with
 };
 
 }  // namespace

@@ -14,7 +14,7 @@ constexpr int kColumns = SkyFinder::kDirections;
 constexpr double kLowest_rad = 1.75;  // from the zenith: ten degrees below the horizon
 constexpr float kNever = 1e6f;
 constexpr int kKnots = 4;
-constexpr float kLeastFall = 30;   // grey values summed over three samples: above the noise of a phone by day
+constexpr float kMinFall = 30;     // grey values summed over three samples: above the noise of a phone by day
 constexpr float kEdgeFrom = 0.5f;  // above the noise, of 0.72 times the logarithm of the contrast
 
 float bilinear(const cv::Mat& grey, const Eigen::Vector2d& p) {
@@ -55,18 +55,18 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
   step_rad_ = features_.scale / camera_.focal();
   rows_ = static_cast<int>(kLowest_rad / step_rad_);
   const Eigen::Vector3d north = (north_c - north_c.dot(up_c) * up_c).normalized(), east = north.cross(up_c);
-  levels_.resize(kColumns), columns_.resize(kColumns);
+  horizontal_.resize(kColumns), columns_.resize(kColumns);
   samples_.assign(static_cast<size_t>(kColumns * rows_), 0.0f);
   edges_at_.assign(samples_.size(), 0.0f);
   const cv::Mat &contrast = features_.channels[4], &noise = features_.channels[9];
   const auto worth = static_cast<float>(p_.edge_odds);
-  const auto most = static_cast<float>(p_.most_odds);
+  const auto most = static_cast<float>(p_.max_odds);
   std::vector<Eigen::Vector2d> angles;  // cosine and sine from the zenith
   for (int i = 0; i < rows_; ++i) angles.emplace_back(std::cos((i + 0.5) * step_rad_), std::sin((i + 0.5) * step_rad_));
   for (int j = 0; j < kColumns; ++j) {
     const double azimuth = (j + 0.5) * 2 * std::numbers::pi / kColumns;
-    const Eigen::Vector3d level = std::cos(azimuth) * north + std::sin(azimuth) * east;
-    levels_[static_cast<size_t>(j)] = level;
+    const Eigen::Vector3d horizontal = std::cos(azimuth) * north + std::sin(azimuth) * east;
+    horizontal_[static_cast<size_t>(j)] = horizontal;
     Column column{rows_, rows_};
     float* to = &samples_[static_cast<size_t>(j * rows_)];
     float* edge = &edges_at_[static_cast<size_t>(j * rows_)];
@@ -75,7 +75,7 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
     bool known[2] = {false, false};
     const auto knot = [&](int i, Eigen::Vector2d& pixel) {
       const Eigen::Vector2d& angle = angles[static_cast<size_t>(std::min(i, rows_ - 1))];
-      return pixel_of(camera_, angle.x() * up_c + angle.y() * level, p_.farthest_rad, pixel);
+      return pixel_of(camera_, angle.x() * up_c + angle.y() * horizontal, p_.farthest_rad, pixel);
     };
     for (int i = 0; i < rows_; ++i) {
       if (i % kKnots == 0) {
@@ -138,14 +138,14 @@ void RobustSkyFinder::unary() {
 
 /// Viterbi over the directions, once around and back to where it began.
 void RobustSkyFinder::draw_line() {
-  const auto slope = static_cast<float>(p_.jump_per_rad * step_rad_), most = static_cast<float>(p_.most_jump);
+  const auto slope = static_cast<float>(p_.jump_per_rad * step_rad_), most = static_cast<float>(p_.max_jump);
   const int n = rows_ + 1;
   std::vector<float> best(cost_.ptr<float>(0), cost_.ptr<float>(0) + n), next(static_cast<size_t>(n));
   from_.create(2 * kColumns, n, CV_16S);
   for (int t = 1; t < 2 * kColumns; ++t) {
     const float* here = cost_.ptr<float>(t % kColumns);
     auto* from = from_.ptr<int16_t>(t);
-    // Cheapest way from any place of the direction before: along the slope (two sweeps) or by a jump.
+    // Cheapest path from any place of the direction before: along the slope (two sweeps) or by a jump.
     const auto cheapest = static_cast<int>(std::min_element(best.begin(), best.end()) - best.begin());
     const float jump = best[static_cast<size_t>(cheapest)] + most;
     for (int i = 0; i < n; ++i) {
@@ -179,14 +179,17 @@ void RobustSkyFinder::tell(const cv::Mat& grey) {
     const Column& c = columns_[static_cast<size_t>(j)];
     if (c.first >= c.last) continue;
     const int i = std::clamp(line_[static_cast<size_t>(j)], c.first, c.last);
-    const Eigen::Vector3d& level = levels_[static_cast<size_t>(j)];
-    const auto ray = [&](double angle) -> Eigen::Vector3d { return std::cos(angle) * up_ + std::sin(angle) * level; };
+    const Eigen::Vector3d& horizontal = horizontal_[static_cast<size_t>(j)];
+    const auto ray = [&](double angle) -> Eigen::Vector3d {
+      return std::cos(angle) * up_ + std::sin(angle) * horizontal;
+    };
     SkyEdge edge{.open = i >= c.last - 1, .above = c.first > 0 && i <= c.first, .weight = 1};
     const float* cost = cost_.ptr<float>(j);
-    float rival = kNever;
+    float second_best_ratio = kNever;
     for (int k = c.first; k <= c.last; ++k)
-      if (std::abs(k - i) > other) rival = std::min(rival, cost[k]);
-    edge.weight = std::clamp((static_cast<double>(rival) - static_cast<double>(cost[i])) / p_.sure_margin, 0.0, 1.0);
+      if (std::abs(k - i) > other) second_best_ratio = std::min(second_best_ratio, cost[k]);
+    edge.weight =
+        std::clamp((static_cast<double>(second_best_ratio) - static_cast<double>(cost[i])) / p_.sure_margin, 0.0, 1.0);
     double angle = i * step_rad_;
     if (c.first == 0 && i == 0) continue;  // a roof at the zenith
     if (!edge.open && !edge.above) {
@@ -210,7 +213,7 @@ void RobustSkyFinder::tell(const cv::Mat& grey) {
                             profile[m + 3]);
         most = std::max(most, falls[m]);
       }
-      const auto least = std::max(static_cast<float>(p_.first_edge_part) * most, kLeastFall);
+      const auto least = std::max(static_cast<float>(p_.first_edge_part) * most, kMinFall);
       for (int k = 3; k + 3 < n; ++k) {
         const auto m = static_cast<size_t>(k);
         if (falls[m] < least || falls[m] < falls[m + 1] || falls[m] < falls[m - 1]) continue;

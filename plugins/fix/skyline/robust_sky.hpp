@@ -23,11 +23,11 @@ class RobustSkyFinder {
  public:
   struct Parameters {
     double farthest_rad = 1.52;    ///< from the optical axis: a fisheye's last degrees are its rim (seen on phones)
-    double most_odds = 2.5;        ///< a pixel's log-odds count no more: the network is oversure of reflections
+    double max_odds = 2.5;         ///< a pixel's log-odds count no more: the network is oversure of reflections
     double edge_odds = 2.0;        ///< what a line gains for each factor of e that an edge is above the sky's noise
     double below_rad = 0.14;       ///< what lies this much below a line must not be sky: eight degrees, two storeys
     double jump_per_rad = 40.0;    ///< cost of a step between neighbouring directions, up to
-    double most_jump = 6.0;        ///< this: houses end at vertical walls
+    double max_jump = 6.0;         ///< this: houses end at vertical walls
     double refine_px = 2.5;        ///< how far the edge of the full picture may lie from the line
     double first_edge_rad = 0.05;  ///< so far above the line a roof's edge may lie: three degrees
     double first_edge_part = 0.5;  ///< of the strongest edge there, to be taken for the roof's
@@ -66,7 +66,7 @@ class RobustSkyFinder {
   cv::Mat log_odds_, cost_, from_;
   double step_rad_ = 0;
   int rows_ = 0;
-  std::vector<Eigen::Vector3d> levels_;  // horizontal direction of each column, in c
+  std::vector<Eigen::Vector3d> horizontal_;  // horizontal direction of each column, in c
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();
   std::vector<Column> columns_;
   std::vector<int> line_;

@@ -29,7 +29,7 @@ void Matcher::search_path(double radius_m, double step_m) {
     return cell->second;
   };
   const int reach = static_cast<int>(std::ceil(radius_m / step_m));
-  const int turns = static_cast<int>(std::ceil(std::min(3 * prior_.yaw_sigma_rad, std::numbers::pi) / kDegree));
+  const int yaw_steps = static_cast<int>(std::ceil(std::min(3 * prior_.yaw_sigma_rad, std::numbers::pi) / kDegree));
   double total = 0;
   uint64_t directions = 0;
   for (const auto& seen : seen_.seen()) {
@@ -40,13 +40,13 @@ void Matcher::search_path(double radius_m, double step_m) {
   for (int a = -reach; a <= reach; ++a)
     for (int b = -reach; b <= reach; ++b) {
       Place best{{.north = a * step_m, .east = b * step_m}, 1e9};
-      spend(static_cast<uint64_t>(2 * turns + 1) * directions);
-      for (int y = -turns; y <= turns; ++y) {
+      spend(static_cast<uint64_t>(2 * yaw_steps + 1) * directions);
+      for (int y = -yaw_steps; y <= yaw_steps; ++y) {
         double sum = 0;
         for (const auto& seen : seen_.seen())
           sum +=
               seen.skyline.turned_weight() *
-              seen.skyline.turned_loss(skyline_near(seen.place(place_of(best.guess), y * kDegree)), 2 * y, p_.most_rad);
+              seen.skyline.turned_loss(skyline_near(seen.place(place_of(best.guess), y * kDegree)), 2 * y, p_.max_rad);
         if (sum < best.cost * total) best.cost = sum / total, best.guess.yaw = y * kDegree;
       }
       places_.push_back(best);

@@ -89,9 +89,9 @@ void SeenPath::look(const City& city, const Eigen::Vector3d& newest_n, double ya
   }
 }
 
-double SeenPath::loss(const Guess& guess, double most_rad) const {
+double SeenPath::loss(const Guess& guess, double max_rad) const {
   SeenSkyline::Sum sum;
-  for (const Seen& seen : seen_) seen.skyline.add_loss(seen.horizon, guess, most_rad, sum);
+  for (const Seen& seen : seen_) seen.skyline.add_loss(seen.horizon, guess, max_rad, sum);
   return sum.mean();
 }
 

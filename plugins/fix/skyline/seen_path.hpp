@@ -54,7 +54,7 @@ class SeenPath {
   void look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool anew);
   uint64_t work_to_look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool anew) const;
   /// Mean loss of a direction, rad, against what was looked at.
-  double loss(const Guess& guess, double most_rad) const;
+  double loss(const Guess& guess, double max_rad) const;
   /// Part of the directions in which picture and model agree, against what was looked at.
   double agreement(const Guess& guess, double bound_rad) const;
 

@@ -10,10 +10,10 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kLeastWeight = 0.1;  // of a direction that is not sure at all: it is right more often than not
-constexpr size_t kStride = 3;         // of the directions of a coarse search
-constexpr double kSteepest = 20;      // tangent of the elevation: towards the zenith an azimuth means nothing
+constexpr double kFullCircle_rad = 2 * std::numbers::pi;
+constexpr double kMinWeight = 0.1;  // of a direction that is not sure at all: it is right more often than not
+constexpr size_t kStride = 3;       // of the directions of a coarse search
+constexpr double kSteepest = 20;    // tangent of the elevation: towards the zenith an azimuth means nothing
 
 }  // namespace
 
@@ -27,13 +27,13 @@ void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
   lowest_ = 0.5 * std::numbers::pi, total_weight_ = 0;
   for (const SkyEdge& e : edges) {
     const Eigen::Vector3d u = q_n_c * e.ray_c;
-    const double level = std::hypot(u.x(), u.y());
+    const double horizontal = std::hypot(u.x(), u.y());
     Ray ray{};
-    ray.azimuth = std::atan2(u.y(), u.x()), ray.elevation = std::atan2(-u.z(), level);
-    ray.slope = std::clamp(-u.z() / std::max(level, 1e-9), -kSteepest, kSteepest);
+    ray.azimuth = std::atan2(u.y(), u.x()), ray.elevation = std::atan2(-u.z(), horizontal);
+    ray.slope = std::clamp(-u.z() / std::max(horizontal, 1e-9), -kSteepest, kSteepest);
     ray.cosine = std::cos(ray.azimuth), ray.sine = std::sin(ray.azimuth);
     ray.below = e.open ? 0 : 1, ray.above = e.above ? 0 : 1;
-    ray.weight = kLeastWeight + (1 - kLeastWeight) * e.weight;
+    ray.weight = kMinWeight + (1 - kMinWeight) * e.weight;
     total_weight_ += ray.weight;
     rays_.push_back(ray);
     lowest_ = std::min(lowest_, ray.elevation);
@@ -43,7 +43,7 @@ void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
   constexpr int n = Horizon::kDirections;
   for (size_t i = 0; i < rays_.size(); i += kStride) {
     const Ray& ray = rays_[i];
-    const int direction = static_cast<int>(std::floor((ray.azimuth / kTurn + 1) * n)) % n;
+    const int direction = static_cast<int>(std::floor((ray.azimuth / kFullCircle_rad + 1) * n)) % n;
     turned_.push_back({direction, static_cast<float>(ray.elevation), static_cast<float>(ray.below),
                        static_cast<float>(ray.above), static_cast<float>(ray.weight)});
     turned_weight_ += turned_.back().weight;
@@ -54,15 +54,15 @@ void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
 inline double SeenSkyline::difference(const Ray& ray, const Horizon& model, const Guess& g) const {
   const double up = g.tilt_east * ray.cosine - g.tilt_north * ray.sine;
   const double round = g.yaw + ray.slope * (g.tilt_north * ray.cosine + g.tilt_east * ray.sine);
-  const double turns = (ray.azimuth + round) * (1 / kTurn) + 2;  // positive
-  const auto j = static_cast<size_t>((turns - static_cast<int>(turns)) * Horizon::kDirections);
+  const double yaw_steps = (ray.azimuth + round) * (1 / kFullCircle_rad) + 2;  // positive
+  const auto j = static_cast<size_t>((yaw_steps - static_cast<int>(yaw_steps)) * Horizon::kDirections);
   const double above = static_cast<double>(model.elevation[j]) - ray.elevation - up;
   return std::max(above * ray.above, -above * ray.below);
 }
 
-void SeenSkyline::add_loss(const Horizon& model, const Guess& guess, double most_rad, Sum& sum) const {
+void SeenSkyline::add_loss(const Horizon& model, const Guess& guess, double max_rad, Sum& sum) const {
   for (const Ray& ray : rays_) {
-    sum.value += ray.weight * std::min(most_rad, difference(ray, model, guess));
+    sum.value += ray.weight * std::min(max_rad, difference(ray, model, guess));
     sum.weight += ray.weight;
   }
 }
@@ -70,13 +70,14 @@ void SeenSkyline::add_loss(const Horizon& model, const Guess& guess, double most
 std::pair<double, double> SeenSkyline::azimuths() const {
   std::vector<double> all;
   for (const Ray& ray : rays_) all.push_back(ray.azimuth);
-  if (all.empty()) return {0, kTurn};
+  if (all.empty()) return {0, kFullCircle_rad};
   std::sort(all.begin(), all.end());
   // They begin after the widest gap.
-  double widest = all.front() + kTurn - all.back();
+  double widest = all.front() + kFullCircle_rad - all.back();
   std::pair<double, double> ends = {all.front(), all.back()};
   for (size_t i = 1; i < all.size(); ++i)
-    if (const double gap = all[i] - all[i - 1]; gap > widest) widest = gap, ends = {all[i], all[i - 1] + kTurn};
+    if (const double gap = all[i] - all[i - 1]; gap > widest)
+      widest = gap, ends = {all[i], all[i - 1] + kFullCircle_rad};
   return ends;
 }
 
@@ -86,10 +87,10 @@ std::vector<SeenSkyline::Summary> SeenSkyline::summary() const {
   return all;
 }
 
-double SeenSkyline::turned_loss(const Twice& twice, int half_degrees, double most_rad) const {
+double SeenSkyline::turned_loss(const Twice& twice, int half_degrees, double max_rad) const {
   constexpr int n = Horizon::kDirections;
   const float* model = twice.data() + ((half_degrees % n) + n) % n;
-  const auto most = static_cast<float>(most_rad);
+  const auto most = static_cast<float>(max_rad);
   float sum = 0;
   for (const Turned& t : turned_) {
     const float above = model[t.direction] - t.elevation;

@@ -28,21 +28,21 @@ class SeenSkyline {
   double lowest_rad() const { return lowest_; }
 
   /// Mean loss of a direction, rad, from the model's skyline of the guess's place, by the weights of the directions:
-  /// `most_rad` at most, and none where the sky goes on below the picture's border and the model's roof lies there too.
+  /// `max_rad` at most, and none where the sky goes on below the picture's border and the model's roof lies there too.
   struct Sum {
     double value = 0, weight = 0;
     double mean() const { return value / std::max(weight, 1e-9); }
   };
-  void add_loss(const Horizon& model, const Guess& guess, double most_rad, Sum& sum) const;
-  double loss(const Horizon& model, const Guess& guess, double most_rad) const {
+  void add_loss(const Horizon& model, const Guess& guess, double max_rad, Sum& sum) const;
+  double loss(const Horizon& model, const Guess& guess, double max_rad) const {
     Sum sum;
-    add_loss(model, guess, most_rad, sum);
+    add_loss(model, guess, max_rad, sum);
     return sum.mean();
   }
   /// The same of every third direction, turned by half degrees alone, for coarse searches. `twice`: the elevations of
   /// the model's directions, twice one after the other.
   using Twice = std::array<float, 2 * Horizon::kDirections>;
-  double turned_loss(const Twice& twice, int half_degrees, double most_rad) const;
+  double turned_loss(const Twice& twice, int half_degrees, double max_rad) const;
   /// A direction in short: the azimuth and elevation, rad, and what a model's roof above and below it counts.
   struct Summary {
     double azimuth, elevation, above, below;
@@ -60,7 +60,7 @@ class SeenSkyline {
   }
   /// Sum of the weights: as many directions as count.
   double total_weight() const { return total_weight_; }
-  /// The azimuths between which all directions lie, clockwise, rad: a turn apart where they lie all around.
+  /// The azimuths between which all directions lie, clockwise, rad: a full circle apart where they lie all around.
   std::pair<double, double> azimuths() const;
 
   /// A direction's signed difference, model less picture, rad; 0 where one-sided knowledge is fulfilled.

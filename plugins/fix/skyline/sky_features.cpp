@@ -10,9 +10,9 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr double kReferencePart = 0.10;    // of the picture, around the zenith, is asked what the sky looks like
-constexpr double kLeastReference = 0.002;  // of the picture must be left of it
-constexpr size_t kLeastValid = 100;        // pixels: fewer tell no reference
+constexpr double kReferencePart = 0.10;  // of the picture, around the zenith, is asked what the sky looks like
+constexpr double kMinReference = 0.002;  // of the picture must be left of it
+constexpr size_t kMinValid = 100;        // pixels: fewer tell no reference
 constexpr int kBarriers = 256;
 
 /// The least value that so much of a histogram does not exceed.
@@ -93,20 +93,20 @@ SkyFeatureMaker::SkyFeatureMaker(const CameraModel& camera, cv::Size size, doubl
 void SkyFeatureMaker::flood(const cv::Mat& contrast, const std::vector<int>& seeds) {
   level_.create(contrast.size(), CV_8U);
   level_.setTo(255);
-  auto* level = level_.ptr<uint8_t>();
+  auto* horizontal = level_.ptr<uint8_t>();
   const auto* barrier = contrast.ptr<uint8_t>();
   for (auto& bucket : queue_) bucket.clear();
-  for (const int seed : seeds) level[seed] = barrier[seed], queue_[barrier[seed]].push_back(seed);
+  for (const int seed : seeds) horizontal[seed] = barrier[seed], queue_[barrier[seed]].push_back(seed);
   const int columns = contrast.cols, cells = static_cast<int>(contrast.total());
   for (size_t b = 0; b < queue_.size(); ++b)
     for (size_t i = 0; i < queue_[b].size(); ++i) {
       const int at = queue_[b][i];
-      if (level[at] != b) continue;
+      if (horizontal[at] != b) continue;
       const int x = at % columns;
       const auto visit = [&](int next) {
         const uint8_t to = std::max(static_cast<uint8_t>(b), barrier[next]);
-        if (to >= level[next]) return;
-        level[next] = to;
+        if (to >= horizontal[next]) return;
+        horizontal[next] = to;
         queue_[to].push_back(next);
       };
       if (x > 0) visit(at - 1);
@@ -139,14 +139,14 @@ std::optional<SkyFeatureMaker::Reference> SkyFeatureMaker::find_reference(const 
   std::vector<float> sorted;
   for (int i = 0; i < n; ++i)
     if (valid.data[i]) sorted.push_back(height[static_cast<size_t>(i)]);
-  if (sorted.size() < kLeastValid) return std::nullopt;
+  if (sorted.size() < kMinValid) return std::nullopt;
   const auto nth = static_cast<std::ptrdiff_t>((1 - kReferencePart) * static_cast<double>(sorted.size()));
   std::nth_element(sorted.begin(), sorted.begin() + nth, sorted.end());
-  const float least_height = sorted[static_cast<size_t>(nth)];
+  const float min_height = sorted[static_cast<size_t>(nth)];
   std::vector<int> high;
   std::array<int, 256> of_contrast{};
   for (int i = 0; i < n; ++i)
-    if (valid.data[i] && height[static_cast<size_t>(i)] >= least_height)
+    if (valid.data[i] && height[static_cast<size_t>(i)] >= min_height)
       high.push_back(i), ++of_contrast[contrast_.data[i]];
   // The smoother half of it, and of that the brighter part: sky is brighter than what stands in it.
   Reference reference;
@@ -158,8 +158,7 @@ std::optional<SkyFeatureMaker::Reference> SkyFeatureMaker::find_reference(const 
   const int least = quantile(of_grey, 0.3);
   for (const int i : high)
     if (contrast_.data[i] <= reference.noise && blurred_.data[i] >= least) reference.seeds.push_back(i);
-  const bool enough =
-      static_cast<double>(reference.seeds.size()) >= kLeastReference * static_cast<double>(sorted.size());
+  const bool enough = static_cast<double>(reference.seeds.size()) >= kMinReference * static_cast<double>(sorted.size());
   return enough ? std::optional(std::move(reference)) : std::nullopt;
 }
 

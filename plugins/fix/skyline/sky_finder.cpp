@@ -84,13 +84,13 @@ const std::vector<SkyEdge>& SkyFinder::find(const cv::Mat& grey, const Eigen::Ve
   const Eigen::Vector3d east = north.cross(up_c);
   for (int j = 0; j < kDirections; ++j) {
     const double azimuth = (j + 0.5) * 2 * std::numbers::pi / kDirections;
-    const Eigen::Vector3d level = std::cos(azimuth) * north + std::sin(azimuth) * east;
+    const Eigen::Vector3d horizontal = std::cos(azimuth) * north + std::sin(azimuth) * east;
     int dark = 0;
     double last_sky = 0;  // angle from the zenith
     bool open = false;
     for (double angle = 0; angle < 1.5; angle += kStep_rad) {
       cv::Point at;
-      if (!pixel(std::cos(angle) * up_c + std::sin(angle) * level, at)) {
+      if (!pixel(std::cos(angle) * up_c + std::sin(angle) * horizontal, at)) {
         open = dark == 0;
         break;
       }
@@ -100,7 +100,7 @@ const std::vector<SkyEdge>& SkyFinder::find(const cv::Mat& grey, const Eigen::Ve
         break;  // not a lamp, a wire or a bird
     }
     if (!open && dark == 0) continue;
-    edges_.push_back({std::cos(last_sky) * up_c + std::sin(last_sky) * level, open});
+    edges_.push_back({std::cos(last_sky) * up_c + std::sin(last_sky) * horizontal, open});
   }
   return edges_;
 }

@@ -22,7 +22,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the file is little-endian");
 constexpr int kN = Horizon::kDirections;
 constexpr double kFarthest_m = 1e7;  // of a place or an edge from n's origin
-constexpr int kMostCells = 4'000'000;
+constexpr int kMaxCells = 4'000'000;
 constexpr double kCellsOfPlace = 16, kFewCells = 1024;  // a street leaves most of its rectangle empty
 
 template <class T>
@@ -126,7 +126,7 @@ Eigen::Vector3d SkylineDatabase::place(size_t i) const {
 
 bool SkylineDatabase::horizon(size_t i, Horizon& out) const {
   const auto p = read<DatabasePlace>(place_data_ + i * sizeof(DatabasePlace));
-  if (p.first_run > runs_ || p.runs > runs_ - p.first_run || p.runs == 0 || p.runs > kMostRuns) return false;
+  if (p.first_run > runs_ || p.runs > runs_ - p.first_run || p.runs == 0 || p.runs > kMaxRuns) return false;
   int direction = 0;
   for (size_t k = 0; k < p.runs; ++k) {
     const auto run = read<uint32_t>(run_data_ + (p.first_run + k) * sizeof(uint32_t));
@@ -181,7 +181,7 @@ std::vector<Edge> SkylineDatabase::edges() const {
 
 std::vector<Edge> SkylineDatabase::edges_seen_from(size_t i) const {
   const auto p = read<DatabasePlace>(place_data_ + i * sizeof(DatabasePlace));
-  if (p.first_run > runs_ || p.runs > runs_ - p.first_run || p.runs > kMostRuns) return {};
+  if (p.first_run > runs_ || p.runs > runs_ - p.first_run || p.runs > kMaxRuns) return {};
   std::vector<Edge> edges;
   Edge one;
   for (size_t k = 0; k < p.runs; ++k)
@@ -198,8 +198,8 @@ void SkylineDatabase::index() {
   const Eigen::Vector3d extent = high - low;
   cell_m_ = std::max(1.0, 2 * spacing_m_);
   // Two places far from each other are no reason for millions of empty cells.
-  const double most_cells = std::min<double>(kMostCells, kCellsOfPlace * static_cast<double>(places_) + kFewCells);
-  while ((extent.x() / cell_m_ + 1) * (extent.y() / cell_m_ + 1) > most_cells) cell_m_ *= 2;
+  const double max_cells = std::min<double>(kMaxCells, kCellsOfPlace * static_cast<double>(places_) + kFewCells);
+  while ((extent.x() / cell_m_ + 1) * (extent.y() / cell_m_ + 1) > max_cells) cell_m_ *= 2;
   rows_ = static_cast<int>(extent.x() / cell_m_) + 1, columns_ = static_cast<int>(extent.y() / cell_m_) + 1;
   const auto cell_of = [&](size_t i) {
     const Eigen::Vector3d p = place(i);

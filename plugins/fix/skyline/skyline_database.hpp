@@ -20,7 +20,7 @@ class SkylineDatabase {
  public:
   static constexpr int kSectors = 48;  ///< of a signature: 7.5 degrees each
   static constexpr int kSectorSize = Horizon::kDirections / kSectors;
-  static constexpr size_t kMostRuns = 239;  ///< of a place: with record and signature 1,024 bytes
+  static constexpr size_t kMaxRuns = 239;  ///< of a place: with record and signature 1,024 bytes
   using Signature = std::array<uint8_t, kSectors>;
 
   SkylineDatabase() = default;
@@ -75,7 +75,7 @@ class SkylineDatabase {
 struct DatabaseParameters {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< as SkylineDatabase::origin
   double spacing_m = 0;                              ///< between places, told in the file
-  double least_elevation_rad = 0.0175;               ///< lower roofs are left out: a degree
+  double min_elevation_rad = 0.0175;                 ///< lower roofs are left out: a degree
   unsigned threads = 0;                              ///< 0: as many as the machine has cores
 };
 

@@ -23,7 +23,7 @@ std::vector<SeenLine> lines_of(const cv::Mat& grey, const CameraModel& camera, c
   for (const cv::Vec4f& s : segments) {
     const Vector2d from(static_cast<double>(s[0]), static_cast<double>(s[1]));
     const Vector2d to(static_cast<double>(s[2]), static_cast<double>(s[3]));
-    if ((to - from).norm() < p.least_length_px) continue;
+    if ((to - from).norm() < p.min_length_px) continue;
     Vector3d a, b;
     if (!ray_of(camera, from, p.farthest_rad, a) || !ray_of(camera, to, p.farthest_rad, b)) continue;
     const Vector3d n = a.cross(b);
@@ -56,17 +56,17 @@ std::optional<SeenZenith> vanishing_zenith(const std::vector<SeenLine>& lines, c
         found.lines += std::abs(ratio) < 1;
       }
       const Eigen::LDLT<Matrix2d> ldlt(A);
-      if (found.lines < p.least_lines || !(A.determinant() > 0)) return std::nullopt;
+      if (found.lines < p.min_lines || !(A.determinant() > 0)) return std::nullopt;
       const Vector2d step = ldlt.solve(b);
       found.up_c = (found.up_c + step.x() * x + step.y() * y).normalized();
-      if (found.up_c.dot(prior_up_c.normalized()) < std::cos(p.most_off_rad)) return std::nullopt;
+      if (found.up_c.dot(prior_up_c.normalized()) < std::cos(p.max_off_rad)) return std::nullopt;
     }
     if (last) break;
   }
   // By the residuals themselves (White 1980), since far and short lines err more than near and long ones.
   const Matrix2d covariance = p.alike * A.inverse() * squares * A.inverse();
   found.sigma_rad = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
-  if (found.sigma_rad > p.most_sigma_rad) return std::nullopt;
+  if (found.sigma_rad > p.max_sigma_rad) return std::nullopt;
   return found;
 }
 

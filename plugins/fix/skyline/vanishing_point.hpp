@@ -18,14 +18,14 @@ struct SeenLine {
 };
 
 struct VanishingPointParameters {
-  double least_length_px = 20;  ///< of a segment; shorter ones' directions are off by more than a degree (half a pixel)
-  double farthest_rad = 1.4;    ///< from the optical axis: beyond it a fisheye bends lines within their length
-  double most_off_rad = 0.10;   ///< between the prior's zenith and the one looked for: six degrees
+  double min_length_px = 20;  ///< of a segment; shorter ones' directions are off by more than a degree (half a pixel)
+  double farthest_rad = 1.4;  ///< from the optical axis: beyond it a fisheye bends lines within their length
+  double max_off_rad = 0.10;  ///< between the prior's zenith and the one looked for: six degrees
   double first_scale_rad = 0.05;  ///< of the residuals at first, halved each round ...
   double last_scale_rad = 0.006;  ///< ... until this: half a pixel over the shortest segment
-  int least_lines = 12;           ///< within the last scale
+  int min_lines = 12;             ///< within the last scale
   double alike = 4;               ///< so many lines are edges of one wall, and err together; judgement
-  double most_sigma_rad = 0.02;   ///< of a zenith that is told
+  double max_sigma_rad = 0.02;    ///< of a zenith that is told
 };
 
 /// The zenith in c, unit, and its standard deviation about each axis across it as the lines' residuals have it: in

@@ -30,8 +30,8 @@ class ViewWindow {
   /// What was at x in the old n is at q x + p in the new one.
   void correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p);
   void clear() { views_.clear(), path_m_.clear(), fresh_ = 0; }
-  /// What is told of these pictures: the odometry errs by `drift` of the way between them; and since the next match has
-  /// most of them once more, and errs with this one, the information of each is that of the pictures which are new.
+  /// What is told of these pictures: the odometry errs by `drift` of the path between them; and since the next match
+  /// has most of them once more, and errs with this one, the information of each is that of the pictures which are new.
   void doubt(Match& match, double drift);
   const std::vector<View>& views() const { return views_; }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr ttag_t kPixelScale = 33550, kTiepoint = 33922, kTransformation = 34264, kGeoKeys = 34735, kNoData = 42113;
 constexpr uint16_t kRasterType = 1025, kPixelIsPoint = 2, kModelType = 1024, kModelGeographic = 2;
 constexpr uint16_t kGeographicType = 2048, kProjectedType = 3072, kVerticalUnits = 4099, kMetre = 9001;
-constexpr uint32_t kMostNodes = 100'000'000;
+constexpr uint32_t kMaxNodes = 100'000'000;
 
 [[noreturn]] void refuse(const std::string& file, const std::string& why) {
   throw std::runtime_error(file + ": " + why);
@@ -105,7 +105,7 @@ Terrain read_geotiff(const std::string& file) {
   uint32_t columns = 0, rows = 0;
   TIFFGetField(tiff.get(), TIFFTAG_IMAGEWIDTH, &columns);
   TIFFGetField(tiff.get(), TIFFTAG_IMAGELENGTH, &rows);
-  if (columns < 2 || rows < 2 || columns > kMostNodes / rows) refuse(file, "expected 2 x 2 to 100 million heights");
+  if (columns < 2 || rows < 2 || columns > kMaxNodes / rows) refuse(file, "expected 2 x 2 to 100 million heights");
   uint16_t count = 0;
   const double* values = nullptr;
   if (TIFFGetField(tiff.get(), kTransformation, &count, &values)) refuse(file, "a rotated grid is not supported");

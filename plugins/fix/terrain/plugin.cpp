@@ -19,7 +19,7 @@ class TerrainFixer {
   std::array<double, 3> model_origin = {0, 0, 0}, geodetic_origin = {0, 0, 0};
   bool geodetic = false;
   double grid_north = 0, geoid_height = 0, height = 1.70, hand = 0.9, hand_sigma = 0.15, model_sigma = 0.1;
-  double interval = 1, correlation = 1, most_horizontal_sigma = 100;
+  double interval = 1, correlation = 1, max_horizontal_sigma = 100;
 
   static constexpr odo::Description description{"fix/terrain", "1.0.0",
                                                 "Heights from a terrain model and how high a phone is held",
@@ -43,7 +43,7 @@ class TerrainFixer {
         odo::real("interval", "s", 0.05, 3600, &P::interval, "time between two fixes at least"),
         odo::real("correlation", "s", 0, 3600, &P::correlation,
                   "a fix's error stays alike for that long; its variance is raised accordingly"),
-        odo::real("most_horizontal_sigma", "m", 0.01, 1e6, &P::most_horizontal_sigma,
+        odo::real("max_horizontal_sigma", "m", 0.01, 1e6, &P::max_horizontal_sigma,
                   "the prior's horizontal standard deviation is taken as at most this")};
   }
 
@@ -76,7 +76,7 @@ class TerrainFixer {
     double down = 0;
     if (!placement_->ground_at(*terrain_, north, east, pose.p_n[2] + held_m, down)) return;
     const double horizontal =
-        std::min(most_horizontal_sigma, std::sqrt(std::max({0.0, pose.covariance[21], pose.covariance[28]})));
+        std::min(max_horizontal_sigma, std::sqrt(std::max({0.0, pose.covariance[21], pose.covariance[28]})));
     const double by_place = rise_within(north, east, down, horizontal);
     auto fix = odo::make<odo_fix>(pose.header.t_ns);
     fix.header.flags = ODO_FIX_DOWN;

@@ -14,7 +14,7 @@
 namespace odograph::terrain {
 namespace {
 
-constexpr size_t kMostNodes = 100'000'000, kMostVertices = 20'000'000;
+constexpr size_t kMaxNodes = 100'000'000, kMaxVertices = 20'000'000;
 constexpr uintmax_t kLargest_bytes = 2'000'000'000;
 
 [[noreturn]] void refuse(const std::string& file, const std::string& why) {
@@ -82,7 +82,7 @@ Terrain read_ascii_grid(const std::string& file, std::istream& in) {
     else
       refuse(file, "'" + key + "' is no key of an ESRI ASCII grid");
   }
-  if (!(columns >= 2 && rows >= 2 && columns * rows <= static_cast<double>(kMostNodes)))
+  if (!(columns >= 2 && rows >= 2 && columns * rows <= static_cast<double>(kMaxNodes)))
     refuse(file, "needs ncols and nrows from 2 on, and not more than 100 million nodes");
   if (!(cell > 0) || !has_first) refuse(file, "needs a cellsize above 0 and heights");
   Grid grid;
@@ -109,7 +109,7 @@ Terrain read_obj(const std::string& file, std::istream& in) {
     Words words(file, text);
     if (!words.next()) continue;
     if (words.word() == "v") {
-      if (vertices.size() == kMostVertices) refuse(file, "has more than 20 million vertices");
+      if (vertices.size() == kMaxVertices) refuse(file, "has more than 20 million vertices");
       const double x = words.number(), y = words.number(), z = words.number();
       vertices.emplace_back(x, y, z);
     } else if (words.word() == "f") {
@@ -121,7 +121,7 @@ Terrain read_obj(const std::string& file, std::istream& in) {
           refuse(file, "a face names a vertex that there is not");
         corners.push_back(static_cast<uint32_t>(from_start));
       }
-      if (triangles.size() + corners.size() > kMostVertices) refuse(file, "has more than 20 million triangles");
+      if (triangles.size() + corners.size() > kMaxVertices) refuse(file, "has more than 20 million triangles");
       for (size_t k = 2; k < corners.size(); ++k) triangles.push_back({corners[0], corners[k - 1], corners[k]});
     }
   }

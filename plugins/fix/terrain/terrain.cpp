@@ -12,9 +12,9 @@
 namespace odograph::terrain {
 namespace {
 
-constexpr double kSteepest = 0.1;         // vertical part of a triangle's normal: what is steeper is a wall
-constexpr size_t kMostCells = 1'000'000;  // of the mesh's search grid
-constexpr double kEdge = 1e-9;            // part of a triangle by which a point on its edge may miss it
+constexpr double kSteepest = 0.1;        // vertical part of a triangle's normal: what is steeper is a wall
+constexpr size_t kMaxCells = 1'000'000;  // of the mesh's search grid
+constexpr double kEdge = 1e-9;           // part of a triangle by which a point on its edge may miss it
 
 bool height_of(const Grid& grid, double east_m, double north_m, double& height_m) {
   const double x = (east_m - grid.east_m) / grid.cell_east_m, y = (north_m - grid.north_m) / grid.cell_north_m;
@@ -48,7 +48,7 @@ Mesh::Mesh(std::vector<Eigen::Vector3d> vertices, const std::vector<std::array<u
       high = high.cwiseMax(vertices_[index].head<2>());
     }
   const Eigen::Vector2d size = (high - low_).cwiseMax(1e-6);
-  const double wanted = static_cast<double>(std::min(kMostCells, triangles_.size()));
+  const double wanted = static_cast<double>(std::min(kMaxCells, triangles_.size()));
   cell_m_ = std::max(std::sqrt(size.x() * size.y() / wanted), size.maxCoeff() / 1000);
   columns_ = static_cast<size_t>(size.x() / cell_m_) + 1, rows_ = static_cast<size_t>(size.y() / cell_m_) + 1;
   cells_.resize(columns_ * rows_);

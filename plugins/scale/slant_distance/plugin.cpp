@@ -10,7 +10,7 @@ namespace {
 class SlantDistance {
  public:
   std::string formula = "baseline";
-  double window = 15, least_way = 8, unit_drift = 0.03, unit = 0;
+  double window = 15, min_displacement = 8, scale_drift = 0.03, unit = 0;
 
   static constexpr odo::Description description{
       "scale/slant_distance", "1.0.0", "Metres per VO unit from slant distances to roofs (Gakne & O'Keefe 2018)",
@@ -19,14 +19,14 @@ class SlantDistance {
     return {odo::choice("formula", "baseline|gakne2018", &SlantDistance::formula,
                         "the line through fixes, or eq. (5) letter for letter, which is no scale"),
             odo::real("window", "s", 1, 3600, &SlantDistance::window, "fixes of this time count"),
-            odo::real("least_way", "m", 0.1, 1000, &SlantDistance::least_way,
+            odo::real("min_displacement", "m", 0.1, 1000, &SlantDistance::min_displacement,
                       "no scale before the fixes lie this far apart"),
-            odo::real("unit_drift", "", 0, 1, &SlantDistance::unit_drift,
-                      "by how much of itself a VO unit changes within a window"),
+            odo::real("scale_drift", "", 0, 1, &SlantDistance::scale_drift,
+                      "by how much of itself the odometry's scale changes within a window"),
             odo::real("unit", "m", 0, 1000, &SlantDistance::unit,
                       "a VO unit's length until slant distances tell; 0: none is given")};
   }
-  void configured() { scale_ = odograph::slant_scale::SlantScale(window, least_way, unit_drift); }
+  void configured() { scale_ = odograph::slant_scale::SlantScale(window, min_displacement, scale_drift); }
 
   void on(const odo_fix& fix, odo::Output&) {
     constexpr uint32_t needed = ODO_FIX_SLANT | ODO_FIX_NORTH | ODO_FIX_EAST;
@@ -35,7 +35,7 @@ class SlantDistance {
     if (!(fix.slant_distance_m > 0) || to_landmark.norm() < 1e-6) return;
     // P_3DBM: back from the roof point by the slant distance.
     const Eigen::Vector3d place = Eigen::Vector3d(fix.landmark_n) - fix.slant_distance_m * to_landmark.normalized();
-    if (!(place.norm() < kMostUnits))
+    if (!(place.norm() < kMaxDisplacement))
       throw odo::Error(ODO_E_DISCARD, "landmark_n or slant_distance_m is no place in n");
     literal_.add_place(place, fix.slant_distance_m);
     scale_.add_place(fix.header.t_ns, place.head<2>(),
@@ -45,30 +45,30 @@ class SlantDistance {
   void on(const odo_vo_motion& motion, odo::Output& output) {
     if (!odograph::scalable(motion)) return;
     const Eigen::Vector3d d_n = odograph::displacement_n(motion);
-    if (!(d_n.norm() < kMostUnits)) throw odo::Error(ODO_E_DISCARD, "p_c0_c1 is no motion between two frames");
+    if (!(d_n.norm() < kMaxDisplacement)) throw odo::Error(ODO_E_DISCARD, "p_c0_c1 is no motion between two frames");
     scale_.add_motion(motion.t_from_ns, motion.header.t_ns, d_n, motion.scale_group);
     literal_.add_motion(d_n, motion.scale_group);
     auto scale = odograph::scale_of(motion);
     if (formula == "gakne2018" && literal_.scale()) {
-      scale.metres_per_unit = *literal_.scale(), scale.sigma = kLiteralSigma * *literal_.scale();
+      scale.scale = *literal_.scale(), scale.sigma = kLiteralSigma * *literal_.scale();
     } else if (formula == "baseline" && scale_.scale()) {
-      scale.metres_per_unit = scale_.scale()->metres_per_unit, scale.sigma = scale_.scale()->sigma;
+      scale.scale = scale_.scale()->scale, scale.sigma = scale_.scale()->sigma;
     } else if (unit > 0) {
-      scale.metres_per_unit = unit, scale.sigma = 0.5 * unit;
+      scale.scale = unit, scale.sigma = 0.5 * unit;
     } else {
       return;
     }
-    scale.displacement_m = scale.metres_per_unit * d_n.head<2>().norm();
+    scale.displacement_m = scale.scale * d_n.head<2>().norm();
     scale.header.flags |= ODO_SCALE_NOT_BY_STEPS;
     output.emit(scale);
   }
 
  private:
   /// Metres or VO units: what lies farther is no pedestrian's or vehicle's, and would stay in the sums for ever.
-  static constexpr double kMostUnits = 1e9;
+  static constexpr double kMaxDisplacement = 1e9;
   static constexpr double kLiteralSigma = 0.5;  // relative; the paper gives none
   odograph::slant_scale::LiteralScale literal_;
-  odograph::slant_scale::SlantScale scale_{window, least_way, unit_drift};
+  odograph::slant_scale::SlantScale scale_{window, min_displacement, scale_drift};
 };
 
 }  // namespace

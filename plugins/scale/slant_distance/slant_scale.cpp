@@ -13,10 +13,10 @@ using Eigen::Vector2d;
 
 constexpr double kNanoseconds = 1e-9;
 constexpr double kHuber = 1.5;
-constexpr double kLeastBaseline = 1e-6;  // eq. (5) divides by it
-constexpr double kLeap = 0.7;            // of the logarithm: a factor of two
-constexpr int kInsist = 20;              // fixes in a row
-constexpr double kGuess = 0.3;           // relative; of a scale that rests on the speed before
+constexpr double kMinBaseline = 1e-6;  // eq. (5) divides by it
+constexpr double kLeap = 0.7;          // of the logarithm: a factor of two
+constexpr int kInsist = 20;            // fixes in a row
+constexpr double kGuess = 0.3;         // relative; of a scale that rests on the speed before
 constexpr double kGuess_s = 1.0, kStanding_mps = 0.5;
 
 }  // namespace
@@ -31,8 +31,8 @@ void SlantScale::add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d
     guessed_.clear();
     known_ = false;
   }
-  const double dt = static_cast<double>(t_ns - from_ns) * kNanoseconds, way = d_n.head<2>().norm();
-  guess(dt, way);
+  const double dt = static_cast<double>(t_ns - from_ns) * kNanoseconds, distance = d_n.head<2>().norm();
+  guess(dt, distance);
   at_ += d_n.head<2>();
   path_.push_back({t_ns, at_});
   while (static_cast<double>(t_ns - path_.front().t_ns) * kNanoseconds > window_s_) path_.pop_front();
@@ -47,13 +47,13 @@ double SlantScale::RunningMedian::median() const {
 }
 
 /// Until fixes tell the new unit the vehicle goes on as fast as before, as the motions of the first second have it.
-void SlantScale::guess(double dt, double way) {
+void SlantScale::guess(double dt, double distance) {
   if (dt <= 0) return;
-  if (known_) return speed_mps_.add(scale_->metres_per_unit * way / dt);
+  if (known_) return speed_mps_.add(scale_->scale * distance / dt);
   const double speed = speed_mps_.median();
-  if (speed < kStanding_mps || way < 1e-9 || guess_s_ >= kGuess_s) return;
+  if (speed < kStanding_mps || distance < 1e-9 || guess_s_ >= kGuess_s) return;
   guess_s_ += dt;
-  guessed_.add(speed * dt / way);
+  guessed_.add(speed * dt / distance);
   scale_ = Scale{guessed_.median(), kGuess * guessed_.median()};
 }
 
@@ -102,12 +102,12 @@ void SlantScale::fit() {
     }
     sigma = std::sqrt(std::max(1.0, chi / std::max(1.0, n - 4)) / vv);
   }
-  if (2 * spread_m.norm() < least_way_m_) return;  // nearly standing: the line has no direction
+  if (2 * spread_m.norm() < min_displacement_m_) return;  // nearly standing: the line has no direction
   // A unit does not double within a window: the fixes are of another place that looks alike, unless they insist.
-  const bool leaps = known_ && std::abs(std::log(s / scale_->metres_per_unit)) > kLeap;
+  const bool leaps = known_ && std::abs(std::log(s / scale_->scale)) > kLeap;
   leaps_ = leaps ? leaps_ + 1 : 0;
   if (leaps && leaps_ < kInsist) return;
-  scale_ = Scale{s, std::hypot(sigma, unit_drift_ * s)};
+  scale_ = Scale{s, std::hypot(sigma, scale_drift_ * s)};
   known_ = true;
 }
 
@@ -121,7 +121,7 @@ void LiteralScale::add_motion(const Eigen::Vector3d& d_n, uint32_t group) {
 void LiteralScale::add_place(const Eigen::Vector3d& p_n, double slant_distance_m) {
   last_place_ = p_n;
   const double baseline = (p_n - before_).norm();
-  if (baseline > kLeastBaseline) scale_ = slant_distance_m / baseline;
+  if (baseline > kMinBaseline) scale_ = slant_distance_m / baseline;
 }
 
 }  // namespace odograph::slant_scale

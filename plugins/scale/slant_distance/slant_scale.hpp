@@ -11,20 +11,20 @@
 namespace odograph::slant_scale {
 
 struct Scale {
-  double metres_per_unit, sigma;
+  double scale, sigma;
 };
 
 /// Metres per VO unit from slant distances to known roof points: eq. (4) to (6) of Gakne & O'Keefe 2018.
 ///
 /// Eq. (5) divides the slant distance by ||P_3DBM - P_VO||, that is, one length in metres by the same one in VO units.
-/// Here the length is the way between two fixes: in metres the difference of the slant vectors to the roof points,
+/// Here the length is the distance between two fixes: in metres the difference of the slant vectors to the roof points,
 /// P_3DBM = X - d_slant u; in VO units the sum of eq. (6)'s displacements, with their directions. The scale is the
 /// robust least-squares line through the fixes of the window, so that no single pair of them rules.
 class SlantScale {
  public:
-  /// `unit_drift`: by how much of itself a VO unit changes within a window.
-  SlantScale(double window_s, double least_way_m, double unit_drift)
-      : window_s_(window_s), least_way_m_(least_way_m), unit_drift_(unit_drift) {}
+  /// `scale_drift`: by how much of itself the odometry's scale changes within a window.
+  SlantScale(double window_s, double min_displacement_m, double scale_drift)
+      : window_s_(window_s), min_displacement_m_(min_displacement_m), scale_drift_(scale_drift) {}
 
   /// A motion's displacement in n, VO units. A new group forgets what was in the old one's unit, and
   /// begins with the speed that the old one ended with.
@@ -44,7 +44,7 @@ class SlantScale {
     double variance;
   };
   void fit();
-  void guess(double dt_s, double way);
+  void guess(double dt_s, double distance);
 
   /// Median of the latest values: a picture misunderstood makes one motion of any length.
   class RunningMedian {
@@ -58,7 +58,7 @@ class SlantScale {
     size_t count_ = 0;
   };
 
-  double window_s_, least_way_m_, unit_drift_;
+  double window_s_, min_displacement_m_, scale_drift_;
   std::deque<Point> path_;
   std::deque<Pair> pairs_;
   Eigen::Vector2d at_ = Eigen::Vector2d::Zero();

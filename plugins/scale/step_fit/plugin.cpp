@@ -31,9 +31,9 @@ class StepFitPlugin {
     const auto found = fit_.scale();
     if (!found) return;
     auto scale = odo::make<odo_scale>(motion.header.t_ns);
-    scale.metres_per_unit = found->metres_per_unit;
-    scale.sigma = found->metres_per_unit * found->relative_sigma;
-    scale.displacement_m = found->metres_per_unit * d_n.head<2>().norm();
+    scale.scale = found->scale;
+    scale.sigma = found->scale * found->relative_sigma;
+    scale.displacement_m = found->scale * d_n.head<2>().norm();
     scale.valid_from_ns = motion.t_from_ns, scale.valid_to_ns = motion.header.t_ns;
     scale.scale_group = motion.scale_group;
     scale.header.flags = ODO_SCALE_HORIZONTAL | ODO_SCALE_STEADY;

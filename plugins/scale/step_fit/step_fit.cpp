@@ -43,12 +43,12 @@ std::optional<Eigen::Vector2d> StepFit::at(int64_t t_ns) const {
 bool StepFit::walks() const {
   if (recent_count_ < recent_.size()) return false;
   double shortest = 1e300, longest = 0, sum = 0;
-  Eigen::Vector2d way = Eigen::Vector2d::Zero();
+  Eigen::Vector2d displacement = Eigen::Vector2d::Zero();
   for (const Step& step : recent_) {
     const double d = step.d.norm();
-    shortest = std::min(shortest, d), longest = std::max(longest, d), sum += d, way += step.d;
+    shortest = std::min(shortest, d), longest = std::max(longest, d), sum += d, displacement += step.d;
   }
-  return longest < kAlike * shortest && way.norm() > kStraight * sum;
+  return longest < kAlike * shortest && displacement.norm() > kStraight * sum;
 }
 
 bool StepFit::add_step(int64_t start_ns, int64_t end_ns, double length_m, double sigma_m) {

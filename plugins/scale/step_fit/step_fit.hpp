@@ -11,19 +11,19 @@
 namespace odograph::step_fit {
 
 struct Scale {
-  double metres_per_unit, relative_sigma;
+  double scale, relative_sigma;
 };
 
 /// The metres per VO unit of a scale group from all steps in it: a Kalman filter of its logarithm, one measurement a
-/// step (the step's length over the odometry's level displacement between its two contacts), for odometries whose unit
-/// drifts slowly. Where Antigny et al. 2019 scale each frame on its own, the odometry's own lengths are kept here, and
-/// what steps err by one by one averages out. No allocation.
+/// step (the step's length over the odometry's horizontal displacement between its two contacts), for odometries whose
+/// unit drifts slowly. Where Antigny et al. 2019 scale each frame on its own, the odometry's own lengths are kept here,
+/// and what steps err by one by one averages out. No allocation.
 class StepFit {
  public:
   /// `drift`: of the unit, relative, from step to step. `common`: what all steps err by together, relative.
   StepFit(double drift, double common) : drift_(drift), common_(common) {}
 
-  /// A motion's level displacement in n, VO units. Another group begins anew.
+  /// A motion's horizontal displacement in n, VO units. Another group begins anew.
   void add_motion(int64_t from_ns, int64_t to_ns, const Eigen::Vector2d& d_n, uint32_t group);
   /// False when the odometry does not cover the step, or does not see a walk in it.
   bool add_step(int64_t start_ns, int64_t end_ns, double length_m, double sigma_m);

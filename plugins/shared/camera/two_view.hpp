@@ -38,9 +38,10 @@ std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first,
 std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
                                 double threshold, int trials = 1000);
 
-/// The same where there is little parallax and the turn is nearly known: besides the RANSAC's result several directions
-/// of the translation are tried, each refined together with the turn, over all matches with a bounded loss. Nothing
-/// either when a quite different direction explains the matches nearly as well: what is seen is ambiguous yet.
+/// The same where there is little parallax and the rotation is nearly known: besides the RANSAC's result several
+/// directions of the translation are tried, each refined together with the rotation, over all matches with a bounded
+/// loss. Nothing either when a quite different direction explains the matches nearly as well: what is seen is ambiguous
+/// yet.
 std::optional<TwoView> two_view_near(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
                                      const Eigen::Matrix3d& R_1_0, double threshold, int trials);
 

@@ -28,7 +28,7 @@ void GaitSignal::update(int64_t t_ns, const Eigen::Vector3d& gyro, const Eigen::
   const double s = gain(p_.spread_tau_s);
   const double deviation = norm - mean_;
   variance_ += s * (deviation * deviation - variance_);
-  gyro_level_ += s * (gyro.norm() - gyro_level_);
+  gyro_norm_ += s * (gyro.norm() - gyro_norm_);
 }
 
 double GaitSignal::accel_spread() const { return std::sqrt(variance_); }
@@ -36,7 +36,7 @@ double GaitSignal::accel_spread() const { return std::sqrt(variance_); }
 Carrying GaitSignal::carrying() const {
   if (time_s_ < 0.3) return Carrying::unknown;
   if (accel_spread() < p_.still_accel_mps2) return Carrying::still;
-  return gyro_level_ > p_.swing_gyro_radps ? Carrying::swinging : Carrying::texting;
+  return gyro_norm_ > p_.swing_gyro_radps ? Carrying::swinging : Carrying::texting;
 }
 
 }  // namespace odograph::gait

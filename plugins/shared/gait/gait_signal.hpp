@@ -31,7 +31,7 @@ class GaitSignal {
   int64_t time_ns() const { return t_ns_ - delay_ns_; }  ///< the instant that value() speaks of
   double value() const { return smooth_[1] - mean_; }    ///< m/s^2
   double accel_spread() const;
-  double gyro_level() const { return gyro_level_; }
+  double gyro_norm() const { return gyro_norm_; }
   Carrying carrying() const;
 
  private:
@@ -42,7 +42,7 @@ class GaitSignal {
   std::array<double, 2> smooth_{};
   double mean_ = 0.0;
   double variance_ = 0.0;
-  double gyro_level_ = 0.0;
+  double gyro_norm_ = 0.0;
   double time_s_ = 0.0;
 };
 

@@ -23,7 +23,7 @@ double StepFrequency::estimate(double expected_hz) const {
   const double low = std::max(kLowest_hz, expected_hz / 1.35), high = std::min(kHighest_hz, expected_hz * 1.35);
   // Each sample's phasor is turned on from one frequency of the grid to the next: two sines a sample, not one a term.
   struct Phasor {
-    std::complex<double> value, turn;
+    std::complex<double> value, phase;
   };
   std::array<Phasor, kSamples> phasors;
   size_t used = 0;
@@ -39,8 +39,8 @@ double StepFrequency::estimate(double expected_hz) const {
     for (size_t i = 0; i < used; ++i) {
       Phasor& p = phasors[i];
       sum += p.value;
-      p.value = {p.value.real() * p.turn.real() - p.value.imag() * p.turn.imag(),
-                 p.value.real() * p.turn.imag() + p.value.imag() * p.turn.real()};
+      p.value = {p.value.real() * p.phase.real() - p.value.imag() * p.phase.imag(),
+                 p.value.real() * p.phase.imag() + p.value.imag() * p.phase.real()};
     }
     return std::norm(sum);
   };

@@ -23,7 +23,7 @@ Carry CarryModeClassifier::classify(const FoundStep& step, const Eigen::Vector3d
 }
 
 bool StillnessDetector::is_still(const WalkSignal& signal, int64_t now_ns) {
-  const bool moves = signal.spread(p_.window_s) > p_.moves_mps2 || signal.gyro_level(p_.window_s) > p_.moves_radps;
+  const bool moves = signal.spread(p_.window_s) > p_.moves_mps2 || signal.gyro_norm(p_.window_s) > p_.moves_radps;
   if (moves) last_moved_ns_ = now_ns;
   const bool still = now_ns - last_moved_ns_ > p_.pause_ns;
   if (still != still_) {

@@ -21,7 +21,7 @@ constexpr double kTwoPi = 6.283185307179586;
 double LengthModel::length_m(const FoundStep& step) const {
   if (step.gentle) {
     const double by_cadence = std::pow(at_one_mps_m * std::pow(step.frequency_hz, by_speed), 1 / (1 - by_speed));
-    const double by_rise = per_root_gentle_rise * std::sqrt(std::max(least_rise_m, step.whole_rise_m));
+    const double by_rise = per_root_gentle_rise * std::sqrt(std::max(min_rise_m, step.whole_rise_m));
     const double length = std::pow(by_cadence, 1 - part_of_rise) * std::pow(by_rise, part_of_rise);
     return std::clamp(gentle_factor * length, shortest_m, longest_m);
   }
@@ -58,7 +58,7 @@ void Walker::on_fix(const Vector2d& p_n, double sigma_m) {
   const double fix_sigma = std::hypot(sigma_m, anchor_sigma_m_);
   const Vector2d path = path_ + gentle_ratio_ * gentle_path_;
   // A path teaches when the fixes' own errors do not drown it.
-  if (path.norm() < std::max(p_.least_path_m, p_.fix_sigmas * fix_sigma)) return;
+  if (path.norm() < std::max(p_.min_path_m, p_.fix_sigmas * fix_sigma)) return;
   const Vector2d seen = p_n - anchor_;
   const double hand_m2 = p_.gentle_hand_rad * p_.gentle_hand_rad * p_.gentle_hand_m * gentle_m_;  // across the path
   if (!has_rotation_) {
@@ -88,12 +88,12 @@ void Walker::on_fix(const Vector2d& p_n, double sigma_m) {
   }
   const Eigen::Matrix<double, 3, 2> K = P_ * H.transpose() * inverse;
   const Eigen::Vector3d correction = K * innovation;
-  factor_ = std::clamp(factor_ + correction[0], p_.least_factor, p_.most_factor);
-  gentle_ratio_ = std::clamp(gentle_ratio_ + correction[1], p_.least_gentle_ratio, p_.most_gentle_ratio);
+  factor_ = std::clamp(factor_ + correction[0], p_.min_factor, p_.max_factor);
+  gentle_ratio_ = std::clamp(gentle_ratio_ + correction[1], p_.min_gentle_ratio, p_.max_gentle_ratio);
   rotation_rad_ = std::remainder(rotation_rad_ + correction[2], kTwoPi);
   P_ = (Eigen::Matrix3d::Identity() - K * H) * P_;
   P_ = 0.5 * (P_ + P_.transpose()).eval();
-  const Eigen::Vector3d least(p_.least_factor_sigma, p_.least_gentle_sigma, p_.least_rotation_sigma_rad);
+  const Eigen::Vector3d least(p_.min_factor_sigma, p_.min_gentle_sigma, p_.min_rotation_sigma_rad);
   P_.diagonal() = P_.diagonal().cwiseMax(least.cwiseAbs2()).eval();
   anchor_here();
 }

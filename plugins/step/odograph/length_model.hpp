@@ -25,7 +25,7 @@ struct LengthModel {
   double part_of_rise = 0.45;                       ///< of the gentle step's logarithm
   double gentle_factor = 0.965;                     ///< gentle walkers take small steps among the others
   double shortest_m = 0.15, longest_m = 1.6;        ///< of a step, whatever the model says; judgement
-  double least_rise_m = 0.001;                      ///< of a gentle step: less is the sensor's noise
+  double min_rise_m = 0.001;                        ///< of a gentle step: less is the sensor's noise
   double calmest_radps = 0.2, wildest_radps = 1.4;  ///< beyond, nobody was among those on whom it was fitted
 
   double length_m(const FoundStep& step) const;
@@ -46,14 +46,14 @@ class Walker {
     double rotation_drift_rad = 0.0005;  ///< of the headings, for the root of a metre
     double gentle_hand_rad = 0.2;        ///< of who looks through the phone, against where he goes; judgement
     double gentle_hand_m = 5;            ///< for so long that is the same; judgement
-    double least_path_m = 4.0;           ///< between two fixes that teach something
+    double min_path_m = 4.0;             ///< between two fixes that teach something
     double fix_sigmas = 3;  ///< of the fixes' own errors, that the path must be longer than as well; judgement
     double gate = 9.0;      ///< of an innovation squared, two components: 1 % of good paths
     int believe_after = 3;  ///< paths in a row that contradict what is known, but not each other's anchor
-    double least_factor = 0.6, most_factor = 1.6;              ///< of the walker; judgement
-    double least_gentle_ratio = 0.5, most_gentle_ratio = 1.6;  ///< judgement
+    double min_factor = 0.6, max_factor = 1.6;              ///< of the walker; judgement
+    double min_gentle_ratio = 0.5, max_gentle_ratio = 1.6;  ///< judgement
     /// Standard deviations that no fix makes smaller: a walker is not the same all day; judgement.
-    double least_factor_sigma = 0.008, least_gentle_sigma = 0.05, least_rotation_sigma_rad = 1e-3;
+    double min_factor_sigma = 0.008, min_gentle_sigma = 0.05, min_rotation_sigma_rad = 1e-3;
     /// At least, of what was saved: another day, other shoes, another hurry; judgement.
     double loaded_factor_variance = 4e-4, loaded_gentle_variance = 0.01;
   };

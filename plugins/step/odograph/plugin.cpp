@@ -38,7 +38,7 @@ class OdographSteps {
     return {odo::real("factor", "", 0.5, 2, &P::factor, "the walker's own, on the model's lengths, where it is known"),
             odo::real("factor_sigma", "", 0.005, 0.5, &P::factor_sigma,
                       "its standard deviation; the default is that of people of whom nothing is known"),
-            odo::boolean("learn", &P::learn, "learn the factor from the way between position fixes"),
+            odo::boolean("learn", &P::learn, "learn the factor from the displacement between position fixes"),
             odo::reals("forward_axis", "", -1, 1, &P::forward_axis,
                        "body axis that points where the walker goes; the default suits a phone held upright or flat in "
                        "front")};
@@ -91,7 +91,7 @@ class OdographSteps {
 
   void on(const odo_barometer& sample, odo::Output& output) {
     stairs_.add(sample.header.t_ns, sample.pressure_pa);
-    if (walking_ && (mode_ == ODO_MODE_STAIRS) != stairs_.climbs())
+    if (walking_ && (mode_ == ODO_MODE_STAIRS) != stairs_.on_stairs())
       set_mode(walking_mode(), std::max(stairs_.since_ns(), mode_since_ns_), output);
   }
 
@@ -173,7 +173,7 @@ class OdographSteps {
     output.emit(event);
   }
 
-  uint32_t walking_mode() const { return stairs_.climbs() ? ODO_MODE_STAIRS : carried_; }
+  uint32_t walking_mode() const { return stairs_.on_stairs() ? ODO_MODE_STAIRS : carried_; }
 
   static uint32_t mode_of(Carry carry) {
     switch (carry) {

@@ -10,7 +10,7 @@ void StairDetector::add(int64_t t_ns, double pressure_pa) {
   const size_t size = heights_.size();
   if (count_ > 0) {
     const int64_t since = t_ns - heights_[(count_ - 1) % size].t_ns;
-    if (since < p_.least_interval_ns) return;
+    if (since < p_.min_interval_ns) return;
     if (since > static_cast<int64_t>(p_.window_s * 1e9)) reset();
   }
   heights_[count_++ % size] = {t_ns, -p_.metres_per_pascal * pressure_pa};
@@ -24,14 +24,14 @@ void StairDetector::add(int64_t t_ns, double pressure_pa) {
     n += 1, t_sum += t, h_sum += h, tt += t * t, th += t * h, hh += h * h;
     span_s = -t;
   }
-  if (n < static_cast<double>(p_.least_samples) || span_s < p_.least_span_s) return;
+  if (n < static_cast<double>(p_.min_samples) || span_s < p_.min_span_s) return;
   tt -= t_sum * t_sum / n, th -= t_sum * h_sum / n, hh -= h_sum * h_sum / n;
   const double slope = th / tt, scatter = std::sqrt(std::max(0.0, hh - slope * th) / (n - 2));
   const double sigma = scatter * std::sqrt(12 / std::min(n, span_s / p_.gust_s)) / span_s;
-  const bool climbs =
-      climbs_ ? std::abs(slope) > p_.end_mps : std::abs(slope) > std::max(p_.begin_mps, p_.clear_sigmas * sigma);
-  if (climbs == climbs_) return;
-  climbs_ = climbs;
+  const bool on_stairs =
+      on_stairs_ ? std::abs(slope) > p_.end_mps : std::abs(slope) > std::max(p_.begin_mps, p_.clear_sigmas * sigma);
+  if (on_stairs == on_stairs_) return;
+  on_stairs_ = on_stairs;
   since_ns_ = t_ns - static_cast<int64_t>(0.5e9 * span_s);
 }
 

@@ -13,21 +13,21 @@ namespace odograph::steps {
 class StairDetector {
  public:
   struct Parameters {
-    double metres_per_pascal = 0.0843;       ///< at sea level, 15 degrees: R T / (M g p)
-    double window_s = 10;                    ///< over which the slope is taken: a flight of stairs
-    double least_span_s = 8;                 ///< of the samples in it; set with the window
-    size_t least_samples = 6;                ///< in it; judgement
-    double begin_mps = 0.22;                 ///< vertical: stairs lift by 0.25 and more, ramps by less
-    double end_mps = 0.10;                   ///< vertical, below which climbing ends; judgement
-    double clear_sigmas = 5;                 ///< of the slope, to begin; set on simulated walkers (README)
-    double gust_s = 2;                       ///< what the pressure scatters by lasts that long; judgement
-    int64_t least_interval_ns = 40'000'000;  ///< quicker samples are passed over: 256 shall last for the window
+    double metres_per_pascal = 0.0843;     ///< at sea level, 15 degrees: R T / (M g p)
+    double window_s = 10;                  ///< over which the slope is taken: a flight of stairs
+    double min_span_s = 8;                 ///< of the samples in it; set with the window
+    size_t min_samples = 6;                ///< in it; judgement
+    double begin_mps = 0.22;               ///< vertical: stairs lift by 0.25 and more, ramps by less
+    double end_mps = 0.10;                 ///< vertical, below which climbing ends; judgement
+    double clear_sigmas = 5;               ///< of the slope, to begin; set on simulated walkers (README)
+    double gust_s = 2;                     ///< what the pressure scatters by lasts that long; judgement
+    int64_t min_interval_ns = 40'000'000;  ///< quicker samples are passed over: 256 shall last for the window
   };
   StairDetector() : StairDetector(Parameters{}) {}
   explicit StairDetector(const Parameters& parameters) : p_(parameters) {}
 
   void add(int64_t t_ns, double pressure_pa);
-  bool climbs() const { return climbs_; }
+  bool on_stairs() const { return on_stairs_; }
   /// When the climbing, or the walking on level ground, began: the middle of the window that showed it.
   int64_t since_ns() const { return since_ns_; }
   void reset() { *this = StairDetector(p_); }
@@ -40,7 +40,7 @@ class StairDetector {
   Parameters p_;
   std::array<Height, 256> heights_{};
   size_t count_ = 0;
-  bool climbs_ = false;
+  bool on_stairs_ = false;
   int64_t since_ns_ = 0;
 };
 

@@ -10,7 +10,7 @@ namespace odograph::steps {
 StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   Parameters p;
   p.gentle = true;
-  p.least_swing_mps2 = 0.17;
+  p.min_swing_mps2 = 0.17;
   p.relative_swing = 0.20;
   p.longest_s = 1.4;
   p.to_begin = 5;
@@ -19,13 +19,13 @@ StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   p.upright = p.surely_upright = p.still_upright = 0;
   p.regular = 0.3;
   p.swing_per_rate = p.surely_no_hand = 0;
-  p.most_tilting_radps = 0.21;
+  p.max_tilting_radps = 0.21;
   p.swing_per_tilting = 10;
   p.missing = 2.2;
   p.weakest = 0.2;
   p.kept_peaks = 16;
   p.weak = 0.4;
-  p.least_alternating_part = 0.05;
+  p.min_alternating_part = 0.05;
   return p;
 }
 
@@ -49,7 +49,7 @@ void StepFinder::update(const WalkSignal& signal) {
     const double kept =
         p_.gentle ? std::min(1.0, signal.gain(1 / std::max(since_peak_s, p_.quickest_s)) / signal.gain(p_.gentle_hz))
                   : 1.0;
-    const double least = std::max(kept * p_.least_swing_mps2, walking_ ? p_.relative_swing * typical_swing_ : 0.0);
+    const double least = std::max(kept * p_.min_swing_mps2, walking_ ? p_.relative_swing * typical_swing_ : 0.0);
     const double wait = walking_ ? std::max(p_.shortest_s, p_.refractory * typical_s_) : p_.shortest_s;
     if (swing > least && since_peak_s > wait && (!candidate_ || here > best_.value)) {
       const double bend = before - 2 * here + after;
@@ -135,7 +135,7 @@ void StepFinder::begin(const WalkSignal& signal) {
   const double side = interval_s(last) / interval_s(last - 2);
   const bool limps = std::max(side, 1 / side) < p_.same_leg && longest < p_.unlike_legs * shortest;
   if (longest > p_.alike * shortest && !limps) return;
-  if (strongest > (longest > p_.alike * shortest ? p_.most_limping_swing_ratio : p_.most_swing_ratio) * weakest) return;
+  if (strongest > (longest > p_.alike * shortest ? p_.max_limping_swing_ratio : p_.max_swing_ratio) * weakest) return;
   if (!may_be_walk(signal, swings / static_cast<double>(p_.to_begin - 1), first_alike, last)) return;
   if (repetition(signal, mean_s, 2) < p_.regular_to_begin) return;
   walking_ = true;
@@ -160,14 +160,14 @@ void StepFinder::begin(const WalkSignal& signal) {
 
 bool StepFinder::hand_moves(const WalkSignal& signal, double swing_mps2, double seconds) const {
   const double tilting = signal.tilting(seconds);
-  return tilting > p_.most_tilting_radps && swing_mps2 < p_.swing_per_tilting * tilting;
+  return tilting > p_.max_tilting_radps && swing_mps2 < p_.swing_per_tilting * tilting;
 }
 
 /// Whether a foot may be what moves the phone up and down like that, and not its hand.
 bool StepFinder::may_be_walk(const WalkSignal& signal, double swing_mps2, size_t first, size_t last) const {
   if (p_.gentle)
     return !hand_moves(signal, swing_mps2, p_.part_over_s) && !hand_moves(signal, swing_mps2, p_.gentle_over_s) &&
-           signal.alternating_part(p_.gentle_over_s) > p_.least_alternating_part;
+           signal.alternating_part(p_.gentle_over_s) > p_.min_alternating_part;
   const double swing_per_rate =
       swing_mps2 / std::max(signal.gyro_between(peaks_[first].index, peaks_[last].index), 1e-3);
   const double upright = swing_per_rate < p_.surely_no_hand ? p_.surely_upright : p_.upright;

@@ -29,36 +29,36 @@ class StepFinder {
   /// Numbers without a source were set on the walks that the README names.
   struct Parameters {
     bool gentle = false;
-    double least_swing_mps2 = 0.5;      ///< a smaller one is no step, even of somebody who shuffles
-    double relative_swing = 0.25;       ///< least swing within a walk, of the typical one
-    double longest_s = 1.1;             ///< of a step; after that a walk is over
-    double missing = 2.0;               ///< times the typical interval: a walk is over
-    size_t to_begin = 4;                ///< peaks that are alike
-    double alike = 1.45;                ///< largest over smallest of their intervals
-    double regular_to_begin = 0.85;     ///< autocorrelation at a step's lag from which a walk may begin
-    double upright = 0.60;              ///< vertical part of the power, to begin
-    double surely_upright = 0.75;       ///< the same where the swing is not surely no hand's
-    double still_upright = 0.40;        ///< the same to go on
-    double regular = 0.5;               ///< autocorrelation with which a walk goes on without it
-    double swing_per_rate = 3.5;        ///< m/s^2 for a rad/s, to begin: a hand that moves by itself turns more
-    double surely_no_hand = 7;          ///< the same, of a hand that surely does not
-    double most_tilting_radps = 1e9;    ///< a hand that tilts more by itself hides steps; root mean square
-    double swing_per_tilting = 0;       ///< m/s^2 for a rad/s, above which a hand that tilts more hides none
-    double least_alternating_part = 0;  ///< vertical part of the alternating power
-    double setting_out = 1.7;           ///< longest of the first steps, over the mean interval
-    double weakest = 0.12;              ///< least swing of the same, of the typical one
-    size_t kept_peaks = 8;              ///< those before a walk was sure of which are looked at, at most kMostPeaks
-    double weak = 0;                    ///< peaks below this part of the strongest are harmonics, before a walk
-    double confirm_s = 0.12;            ///< a peak must stay the highest for that long
-    double shortest_s = 0.27;           ///< of a step: 3.7 a second, a sprint
-    double quickest_s = 0.38;           ///< of a gentle step
-    double gentle_hz = 1.5;             ///< the least swing is that of such steps; quicker ones are smoothed more
-    double refractory = 0.55;           ///< of the typical interval, within a walk, between two peaks
-    double push = 0.55;                 ///< of the typical swing: a weaker first peak is no foot's
-    int stray_to_end = 3;               ///< steps in a row that are not, which end a walk
-    double same_leg = 1.15;             ///< largest over smallest interval of one leg
-    double unlike_legs = 2.2;           ///< the same of both, of somebody who limps
-    double most_swing_ratio = 3.0, most_limping_swing_ratio = 1.5;  ///< largest over smallest swing, to begin
+    double min_swing_mps2 = 0.5;      ///< a smaller one is no step, even of somebody who shuffles
+    double relative_swing = 0.25;     ///< least swing within a walk, of the typical one
+    double longest_s = 1.1;           ///< of a step; after that a walk is over
+    double missing = 2.0;             ///< times the typical interval: a walk is over
+    size_t to_begin = 4;              ///< peaks that are alike
+    double alike = 1.45;              ///< largest over smallest of their intervals
+    double regular_to_begin = 0.85;   ///< autocorrelation at a step's lag from which a walk may begin
+    double upright = 0.60;            ///< vertical part of the power, to begin
+    double surely_upright = 0.75;     ///< the same where the swing is not surely no hand's
+    double still_upright = 0.40;      ///< the same to go on
+    double regular = 0.5;             ///< autocorrelation with which a walk goes on without it
+    double swing_per_rate = 3.5;      ///< m/s^2 for a rad/s, to begin: a hand that moves by itself turns more
+    double surely_no_hand = 7;        ///< the same, of a hand that surely does not
+    double max_tilting_radps = 1e9;   ///< a hand that tilts more by itself hides steps; root mean square
+    double swing_per_tilting = 0;     ///< m/s^2 for a rad/s, above which a hand that tilts more hides none
+    double min_alternating_part = 0;  ///< vertical part of the alternating power
+    double setting_out = 1.7;         ///< longest of the first steps, over the mean interval
+    double weakest = 0.12;            ///< least swing of the same, of the typical one
+    size_t kept_peaks = 8;            ///< those before a walk was sure of which are looked at, at most kMaxPeaks
+    double weak = 0;                  ///< peaks below this part of the strongest are harmonics, before a walk
+    double confirm_s = 0.12;          ///< a peak must stay the highest for that long
+    double shortest_s = 0.27;         ///< of a step: 3.7 a second, a sprint
+    double quickest_s = 0.38;         ///< of a gentle step
+    double gentle_hz = 1.5;           ///< the least swing is that of such steps; quicker ones are smoothed more
+    double refractory = 0.55;         ///< of the typical interval, within a walk, between two peaks
+    double push = 0.55;               ///< of the typical swing: a weaker first peak is no foot's
+    int stray_to_end = 3;             ///< steps in a row that are not, which end a walk
+    double same_leg = 1.15;           ///< largest over smallest interval of one leg
+    double unlike_legs = 2.2;         ///< the same of both, of somebody who limps
+    double max_swing_ratio = 3.0, max_limping_swing_ratio = 1.5;  ///< largest over smallest swing, to begin
     double part_over_s = 0.8;                         ///< over which the vertical part and the hand's tilting are taken
     double gentle_over_s = 2.0;                       ///< the same, beside it, for gentle steps
     double arm_lag_s = 0.03;                          ///< the hand follows the trunk by that much
@@ -78,7 +78,7 @@ class StepFinder {
   void reset() { *this = StepFinder(p_); }
 
  private:
-  static constexpr size_t kMostPeaks = 16;
+  static constexpr size_t kMaxPeaks = 16;
   struct Peak {
     size_t index;
     double t_ns;  // between samples
@@ -101,11 +101,11 @@ class StepFinder {
   bool candidate_ = false;
   Peak best_{};
   double low_ = 1e9;
-  std::array<Peak, kMostPeaks> peaks_{};  // the last ones, newest last
+  std::array<Peak, kMaxPeaks> peaks_{};  // the last ones, newest last
   size_t peak_count_ = 0;
   int stray_ = 0;
   double typical_swing_ = 0, typical_s_ = 0.55;
-  std::array<FoundStep, kMostPeaks> found_{};
+  std::array<FoundStep, kMaxPeaks> found_{};
   size_t found_count_ = 0;
 };
 

@@ -7,7 +7,7 @@
 namespace odograph::steps {
 
 WalkSignal::WalkSignal(double sigma_s, size_t half, bool tapered)
-    : sigma_s_(sigma_s), half_(std::min(half, kMostHalf)), tapered_(tapered) {
+    : sigma_s_(sigma_s), half_(std::min(half, kMaxHalf)), tapered_(tapered) {
   for (size_t i = 0; i < kMean; ++i)
     mean_weights_[i] = tapered ? std::pow(std::sin(M_PI * (static_cast<double>(i) + 0.5) / kMean), 2) : 1.0;
   double sum = 0;
@@ -19,8 +19,8 @@ WalkSignal::WalkSignal(double sigma_s, size_t half, bool tapered)
 }
 
 double WalkSignal::gain(double frequency_hz) const {
-  const double turn_rad = 2 * M_PI * frequency_hz * sigma_s_;
-  return std::exp(-0.5 * turn_rad * turn_rad);
+  const double phase_rad = 2 * M_PI * frequency_hz * sigma_s_;
+  return std::exp(-0.5 * phase_rad * phase_rad);
 }
 
 void WalkSignal::add(const WalkSample& sample) {
@@ -60,7 +60,7 @@ double WalkSignal::spread(double seconds) const {
   return std::sqrt(std::max(0.0, squares / static_cast<double>(n) - mean * mean));
 }
 
-double WalkSignal::gyro_level(double seconds) const {
+double WalkSignal::gyro_norm(double seconds) const {
   const size_t n = std::min({count_, kKept, static_cast<size_t>(seconds * kRate_hz)});
   double sum = 0;
   for (size_t i = count_ - n; i < count_; ++i) sum += raw_[i % kKept].gyro;

@@ -80,11 +80,11 @@ class Resampler {
 class WalkSignal {
  public:
   static constexpr double kRate_hz = 50.0;
-  static constexpr size_t kMostHalf = 20;
+  static constexpr size_t kMaxHalf = 20;
   static constexpr size_t kKept = 256;  ///< a power of two; five seconds
   static constexpr size_t kMean = 125;  ///< samples of the mean
 
-  /// `sigma_s` of the Gaussian, which has `half` samples on either side of its middle, at most kMostHalf. A tapered
+  /// `sigma_s` of the Gaussian, which has `half` samples on either side of its middle, at most kMaxHalf. A tapered
   /// mean (Hann) does not ripple while a vivid walk leaves its window; it lags by half the window.
   explicit WalkSignal(double sigma_s = 0.06, size_t half = 10, bool tapered = false);
   void add(const WalkSample& sample);
@@ -98,8 +98,8 @@ class WalkSignal {
   double smooth(size_t i) const { return smooth_[i % kKept]; }
   int64_t smooth_ns(size_t i) const { return raw_[i % kKept].t_ns; }
   /// Of the last `seconds` of what add() was given.
-  double spread(double seconds) const;      ///< standard deviation of the vertical, m/s^2
-  double gyro_level(double seconds) const;  ///< mean norm, rad/s
+  double spread(double seconds) const;     ///< standard deviation of the vertical, m/s^2
+  double gyro_norm(double seconds) const;  ///< mean norm, rad/s
   /// The part of the acceleration's power that is vertical, over the last `seconds`: 0 to 1, a third if it is no
   /// direction's.
   double vertical_part(double seconds) const;
@@ -123,7 +123,7 @@ class WalkSignal {
   double sigma_s_;
   size_t half_;
   bool tapered_;
-  std::array<double, 2 * kMostHalf + 1> weights_{};
+  std::array<double, 2 * kMaxHalf + 1> weights_{};
   std::array<double, kMean> mean_weights_{};  // the oldest first
   std::array<WalkSample, kKept> raw_{};
   std::array<double, kKept> smooth_{};

@@ -127,7 +127,7 @@ bool Odometry::estimate_pose(const Picture& now, const std::vector<std::pair<int
   Isometry3d T_c_b = Isometry3d::Identity();
   T_c_b.linear() = matrix(R);
   T_c_b.translation() = Vector3d(t.at<double>(0), t.at<double>(1), t.at<double>(2));
-  // A pose that leaps by many times the last way, or half a turn, is no pose.
+  // A pose that leaps by many times the last displacement, or rotates by half a circle, is no pose.
   if (T_c_b.translation().norm() > 10 * T_a_b_.translation().norm()) return false;
   if (Eigen::AngleAxisd(T_c_b.linear()).angle() > 0.6) return false;
   T_b_c = T_c_b.inverse();
@@ -155,14 +155,14 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
     motion.inliers = static_cast<unsigned>(pair->inliers.size());
     located = a_ && estimate_pose(now, pair->inliers, T_b_c, motion);
     const bool parallax = pair->parallax_px > p_.parallax_px;
-    if (!located) {  // rotation is known all the same; the way only when it can be a new unit
+    if (!located) {  // rotation is known all the same; the displacement only when it can be a new scale
       T_b_c.linear() = pair->T_0_1.linear();
       motion.rotation_sigma_rad = p_.inlier_px / f_ / std::sqrt(static_cast<double>(pair->inliers.size()));
     }
     if (!located && parallax) {
       if (a_) ++group_;
-      T_b_c.translation() = unit_ * pair->T_0_1.translation();
-      motion.position_sigma = 0.1 * unit_;
+      T_b_c.translation() = scale_ * pair->T_0_1.translation();
+      motion.position_sigma = 0.1 * scale_;
       located = true;
     }
     motion.outcome = located ? Outcome::tracking : Outcome::no_parallax;
@@ -173,7 +173,7 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
       a_ = std::move(b_), b_ = std::move(now);
       ab_ = pair->inliers;
       T_a_b_ = T_b_c;
-      unit_ = std::max(1e-6, T_a_b_.translation().norm());
+      scale_ = std::max(1e-6, T_a_b_.translation().norm());
       T_b_before_.setIdentity();
     } else {
       T_b_before_ = T_b_c;
@@ -182,7 +182,7 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
     ++group_;
     a_.reset(), b_ = std::move(now), ab_.clear();
     T_b_before_.setIdentity();
-    unit_ = 1.0;
+    scale_ = 1.0;
   }
   motion.scale_group = group_;
   return motion;

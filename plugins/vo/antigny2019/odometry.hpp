@@ -71,7 +71,7 @@ class Odometry {
   std::vector<std::pair<int, int>> ab_;  // inliers of both
   Eigen::Isometry3d T_a_b_ = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_b_before_ = Eigen::Isometry3d::Identity();  // the picture before, in b
-  double unit_ = 1.0;
+  double scale_ = 1.0;
   unsigned group_ = 0;
 };
 

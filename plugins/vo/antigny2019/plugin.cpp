@@ -12,7 +12,7 @@ using namespace odograph::antigny2019;
 class Antigny2019 {
  public:
   std::string features = "surf";
-  int64_t most_features = 1500;
+  int64_t max_features = 1500;
   double ratio = 0.6, inlier_threshold = 1.5;
 
   static constexpr odo::Description description{
@@ -22,7 +22,7 @@ class Antigny2019 {
   static std::vector<odo::Parameter<Antigny2019>> parameters() {
     return {odo::choice("features", "surf|sift|orb|akaze", &Antigny2019::features,
                         "detector and descriptor; the paper's is SURF"),
-            odo::integer("most_features", 100, 10000, &Antigny2019::most_features,
+            odo::integer("max_features", 100, 10000, &Antigny2019::max_features,
                          "found in a picture, before the sparse selection"),
             odo::real("ratio", "", 0.1, 1, &Antigny2019::ratio,
                       "a match's squared difference to that of the second best, at most"),
@@ -33,7 +33,7 @@ class Antigny2019 {
   void on(const odo_calibration& c, odo::Output&) {
     if (!camera_.take(c)) return;  // the lens comes with each frame
     Odometry::Parameters p;
-    p.features = features, p.most = static_cast<int>(most_features), p.ratio = ratio, p.inlier_px = inlier_threshold;
+    p.features = features, p.most = static_cast<int>(max_features), p.ratio = ratio, p.inlier_px = inlier_threshold;
     vo_.emplace(p, odograph::camera_of(c), camera_.size());
     previous_ns_ = INT64_MIN;
   }

@@ -146,7 +146,7 @@ bool VisualOdometry::try_start(Motion& motion) {
 }
 
 /// A map that has drifted apart still finds inliers, and bends the path slowly and steadily; the two latest pictures,
-/// which know nothing of it, tell: the turns that both say must agree in the mean.
+/// which know nothing of it, tell: the rotations that both say must agree in the mean.
 bool VisualOdometry::agrees_with_two_views(const Isometry3d& T_w_c0) {
   if (++since_start_ % p_.check_every != 0) return true;
   std::vector<cv::Point2d> first, second;
@@ -165,7 +165,7 @@ bool VisualOdometry::agrees_with_two_views(const Isometry3d& T_w_c0) {
 }
 
 /// Near planes have a second, mirrored pose, and few points that agree by chance have any: neither puts what the camera
-/// sees before it, after a turn that a hand can make between two frames.
+/// sees before it, after a rotation that a hand can make between two frames.
 bool VisualOdometry::plausible(const Isometry3d& T_c_w, const Isometry3d& T_predicted,
                                const std::vector<cv::Point3d>& inliers, size_t asked) const {
   if (4 * inliers.size() < asked) return false;

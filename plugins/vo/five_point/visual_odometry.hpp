@@ -39,9 +39,9 @@ class VisualOdometry {
     double dark_grey = 8.0;  ///< mean grey below which a picture is too dark
     size_t sightings = 10;   ///< kept for each point
     double contradiction_rad =
-        0.0025;                 ///< most between a frame's turn by the map and by the two latest pictures, in the mean
-    int check_every = 2;        ///< frames
-    double surprise_rad = 0.5;  ///< most that a frame's turn differs from the one before
+        0.0025;           ///< most between a frame's rotation by the map and by the two latest pictures, in the mean
+    int check_every = 2;  ///< frames
+    double surprise_rad = 0.5;  ///< most that a frame's rotation differs from the one before
   };
 
   VisualOdometry(const Parameters& parameters, const CameraModel& camera)

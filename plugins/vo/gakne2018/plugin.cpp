@@ -9,8 +9,8 @@ namespace {
 
 using namespace odograph::gakne2018;
 
-constexpr double kTurnKnown_rad = 0.0;     // between two pictures: it is the gyroscope's
-constexpr double kTurnUnknown_rad = 0.15;  // what a car turns by
+constexpr double kRotationKnown_rad = 0.0;     // between two pictures: it is the gyroscope's
+constexpr double kRotationUnknown_rad = 0.15;  // what a car turns by
 
 /// The visual odometry of Gakne & O'Keefe 2018, for a camera that looks up. What their vanishing points say, roll,
 /// pitch and heading, comes from the attitude; without one the camera is taken to look straight up.
@@ -48,8 +48,8 @@ class Gakne2018 {
     if (frame.header.t_ns <= previous_ns_)
       throw odo::Error(ODO_E_DISCARD, "t_ns is not after that of the frame before");
     vo_->change_lens(lens);
-    const Motion motion = vo_->process(odograph::grey_of(frame, converted_), odograph::mask_of(frame), level(),
-                                       q_n_b_ ? kTurnKnown_rad : kTurnUnknown_rad);
+    const Motion motion = vo_->process(odograph::grey_of(frame, converted_), odograph::mask_of(frame), on_plane(),
+                                       q_n_b_ ? kRotationKnown_rad : kRotationUnknown_rad);
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
     if (from_ns == INT64_MIN) return;
     auto event = odograph::motion_event(frame, from_ns, motion.valid, motion.valid, motion.matches, motion.inliers);
@@ -60,8 +60,10 @@ class Gakne2018 {
   }
 
  private:
-  /// From c to a level frame: n, as the attitude knows it, or the camera's own turned over.
-  Eigen::Quaterniond level() const { return q_n_b_ ? (*q_n_b_ * q_b_c_).normalized() : Eigen::Quaterniond(0, 1, 0, 0); }
+  /// From c to a gravity-aligned frame: n, as the attitude knows it, or the camera's own turned over.
+  Eigen::Quaterniond on_plane() const {
+    return q_n_b_ ? (*q_n_b_ * q_b_c_).normalized() : Eigen::Quaterniond(0, 1, 0, 0);
+  }
 
   std::optional<SkyOdometry> vo_;
   std::optional<Eigen::Quaterniond> q_n_b_;

@@ -22,7 +22,7 @@ constexpr double kNear = 0.25;  // a match farther than this on the plane is one
 
 /// The motion by which most pairs move, and who they are.
 std::vector<double> ransac(const std::vector<Vector2d>& p, const std::vector<Vector2d>& q, double threshold,
-                           double most_turn) {
+                           double max_rotation) {
   std::minstd_rand random(1);  // the same picture gives the same answer
   std::vector<double> best(p.size(), 0.0);
   size_t most = 0;
@@ -30,8 +30,9 @@ std::vector<double> ransac(const std::vector<Vector2d>& p, const std::vector<Vec
     const size_t i = random() % p.size(), j = random() % p.size();
     const Vector2d a = p[j] - p[i], b = q[j] - q[i];
     if (a.norm() < kApart || std::abs(a.norm() - b.norm()) > 2 * threshold) continue;
-    const double turn = std::clamp(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b)), -most_turn, most_turn);
-    const Matrix2d R = Eigen::Rotation2Dd(turn).toRotationMatrix();
+    const double rotation_rad =
+        std::clamp(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b)), -max_rotation, max_rotation);
+    const Matrix2d R = Eigen::Rotation2Dd(rotation_rad).toRotationMatrix();
     const Vector2d T = 0.5 * (q[i] + q[j] - R * (p[i] + p[j]));
     std::vector<double> in(p.size(), 0.0);
     size_t count = 0;
@@ -42,12 +43,12 @@ std::vector<double> ransac(const std::vector<Vector2d>& p, const std::vector<Vec
   return best;
 }
 
-/// The same with no more turn than that.
+/// The same with no more rotation than that.
 Rigid2d limited(Rigid2d rigid, const std::vector<Vector2d>& p, const std::vector<Vector2d>& q,
-                const std::vector<double>& weights, double most_turn) {
-  const double turn = std::atan2(rigid.R(1, 0), rigid.R(0, 0));
-  if (std::abs(turn) <= most_turn) return rigid;
-  rigid.R = Eigen::Rotation2Dd(std::copysign(most_turn, turn)).toRotationMatrix();
+                const std::vector<double>& weights, double max_rotation) {
+  const double rotation_rad = std::atan2(rigid.R(1, 0), rigid.R(0, 0));
+  if (std::abs(rotation_rad) <= max_rotation) return rigid;
+  rigid.R = Eigen::Rotation2Dd(std::copysign(max_rotation, rotation_rad)).toRotationMatrix();
   double total = 0;
   rigid.T.setZero();
   for (size_t i = 0; i < p.size(); ++i) total += weights[i], rigid.T += weights[i] * (q[i] - rigid.R * p[i]);
@@ -78,7 +79,7 @@ SkyOdometry::SkyOdometry(const Parameters& parameters, const CameraModel& camera
     : p_(parameters), camera_(camera), orb_(cv::ORB::create(parameters.features)), matcher_(cv::NORM_HAMMING, true) {}
 
 Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c,
-                            double most_turn) {
+                            double max_rotation) {
   Picture now;
   now.q_l_c = q_l_c;
   orb_->detectAndCompute(grey, mask, now.keypoints, now.descriptors);
@@ -88,7 +89,7 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
   camera_.undistort(pixels, normalized);
   for (const auto& n : normalized) {
     const Vector3d ray = q_l_c * Vector3d(n.x, n.y, 1).normalized();
-    now.level.push_back(ray.z() < -kLowest ? Vector2d(ray.head<2>() / -ray.z()) : Vector2d(kFar, kFar));
+    now.on_plane.push_back(ray.z() < -kLowest ? Vector2d(ray.head<2>() / -ray.z()) : Vector2d(kFar, kFar));
   }
 
   Motion motion;
@@ -97,14 +98,14 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
     std::vector<cv::DMatch> matches;
     matcher_.match(before_.descriptors, now.descriptors, matches);
     for (const auto& match : matches) {
-      const Vector2d& a = before_.level[static_cast<size_t>(match.queryIdx)];
-      const Vector2d& b = now.level[static_cast<size_t>(match.trainIdx)];
+      const Vector2d& a = before_.on_plane[static_cast<size_t>(match.queryIdx)];
+      const Vector2d& b = now.on_plane[static_cast<size_t>(match.trainIdx)];
       if (a.x() < kFar && b.x() < kFar && match.distance < 64 && (a - b).norm() < kNear) p.push_back(a), q.push_back(b);
     }
   }
   motion.matches = static_cast<unsigned>(p.size());
   if (p.size() >= p_.min_inliers) {
-    std::vector<double> weights = ransac(p, q, p_.inlier_rad, most_turn);
+    std::vector<double> weights = ransac(p, q, p_.inlier_rad, max_rotation);
     motion.inliers = static_cast<unsigned>(std::count(weights.begin(), weights.end(), 1.0));
     if (motion.inliers >= p_.min_inliers) {
       const std::vector<double> inlier = weights;
@@ -112,7 +113,7 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
       double square = 0;
       for (int iteration = 0; iteration < 5; ++iteration) {
         rigid = rigid_motion(p, q, weights);
-        rigid = limited(rigid, p, q, weights, most_turn);
+        rigid = limited(rigid, p, q, weights, max_rotation);
         square = 0;
         for (size_t i = 0; i < p.size(); ++i) {
           const double error = (rigid.R * p[i] + rigid.T - q[i]).norm();
@@ -121,11 +122,11 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
         }
       }
       // The points move by R and T; the camera moves the other way.
-      const double turn = std::atan2(rigid.R(1, 0), rigid.R(0, 0));
-      const Eigen::Quaterniond q_l0_l1(Eigen::AngleAxisd(-turn, Vector3d::UnitZ()));
-      const Vector2d way = -rigid.R.transpose() * rigid.T;
+      const double rotation_rad = std::atan2(rigid.R(1, 0), rigid.R(0, 0));
+      const Eigen::Quaterniond q_l0_l1(Eigen::AngleAxisd(-rotation_rad, Vector3d::UnitZ()));
+      const Vector2d displacement = -rigid.R.transpose() * rigid.T;
       motion.q_c0_c1 = (before_.q_l_c.conjugate() * q_l0_l1 * now.q_l_c).normalized();
-      motion.p_c0_c1 = before_.q_l_c.conjugate() * Vector3d(way.x(), way.y(), 0);
+      motion.p_c0_c1 = before_.q_l_c.conjugate() * Vector3d(displacement.x(), displacement.y(), 0);
       motion.position_sigma = std::sqrt(square / motion.inliers) / std::sqrt(static_cast<double>(motion.inliers));
       motion.rotation_sigma_rad = 2 * motion.position_sigma;
       motion.valid = true;

@@ -22,10 +22,10 @@ struct Motion {
 
 /// Visual odometry of a camera that looks up: section 3.1 of Gakne & O'Keefe 2018.
 ///
-/// ORB features are matched between consecutive pictures, turned level and laid onto the plane one unit above the
-/// camera; RANSAC and then weighted least squares by singular value decomposition (eq. (1)) find the rigid motion of
-/// the plane's points. Its rotation is the vehicle's turn, its translation the way, in units of the roofs' height: as
-/// in the paper, points at different heights disagree about the length.
+/// ORB features are matched between consecutive pictures, rotated to the horizontal and laid onto the plane one unit
+/// above the camera; RANSAC and then weighted least squares by singular value decomposition (eq. (1)) find the rigid
+/// motion of the plane's points. Its rotation is the vehicle's, its translation the displacement, in units of the
+/// roofs' height: as in the paper, points at different heights disagree about the length.
 class SkyOdometry {
  public:
   struct Parameters {
@@ -37,15 +37,16 @@ class SkyOdometry {
   SkyOdometry(const Parameters& parameters, const CameraModel& camera);
   /// Of the frames to come: focused or shifted.
   void change_lens(const CameraModel& camera) { camera_ = camera; }
-  /// `q_l_c`: from c to a level frame l, whose z points down. `most_turn`: how much l itself may have turned since the
-  /// picture before, rad. Walls at both sides of a street shear the plane's points, and eq. (1) takes that for a turn.
-  Motion process(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c, double most_turn);
+  /// `q_l_c`: from c to a gravity-aligned frame l, whose z points down. `max_rotation`: how much l itself may have
+  /// turned since the picture before, rad. Walls at both sides of a street shear the plane's points, and eq. (1) takes
+  /// that for a rotation.
+  Motion process(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c, double max_rotation);
 
  private:
   struct Picture {
     std::vector<cv::KeyPoint> keypoints;
     cv::Mat descriptors;
-    std::vector<Eigen::Vector2d> level;  // on the plane; far away where it does not meet it
+    std::vector<Eigen::Vector2d> on_plane;  // on the plane; far away where it does not meet it
     Eigen::Quaterniond q_l_c = Eigen::Quaterniond::Identity();
   };
 

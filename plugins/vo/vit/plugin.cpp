@@ -14,7 +14,7 @@ using Eigen::Isometry3d;
 
 constexpr auto kPoll = std::chrono::microseconds(200);
 constexpr int64_t kSilent_ns = 1'000'000'000;
-constexpr double kTurnSigma_rad = 0.002, kWaySigma = 0.02;  // the interface says nothing of uncertainty
+constexpr double kRotationSigma_rad = 0.002, kDisplacementSigma = 0.02;  // the interface says nothing of uncertainty
 
 /// Any system behind Monado's VIT interface as a front-end.
 class Vit {
@@ -117,8 +117,8 @@ class Vit {
     auto event = odo::make<odo_vo_motion>(pose.timestamp);
     event.t_from_ns = from_ns;
     const double length = step.translation().norm();
-    odograph::put_motion(Eigen::Quaterniond(step.linear()), step.translation(), kTurnSigma_rad,
-                         kWaySigma * length + 1e-3, event);
+    odograph::put_motion(Eigen::Quaterniond(step.linear()), step.translation(), kRotationSigma_rad,
+                         kDisplacementSigma * length + 1e-3, event);
     event.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
     event.camera = camera_.calibration()->id;
     event.state = ODO_TRACKING;

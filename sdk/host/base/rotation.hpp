@@ -32,8 +32,8 @@ inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   return m;
 }
 
-/// The left Jacobian of a rotation vector, rad: Exp(v) = 1 + J [v]x (Sola 2017, eq. (183)). What a turn moves by v x r
-/// to first order, for a place r from the pivot, it moves by J (v x r).
+/// The left Jacobian of a rotation vector, rad: Exp(v) = 1 + J [v]x (Sola 2017, eq. (183)). What a rotation moves by v
+/// x r to first order, for a place r from the pivot, it moves by J (v x r).
 inline Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& v) {
   const double angle = v.norm();
   const Eigen::Matrix3d x = skew(v);

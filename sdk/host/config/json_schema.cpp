@@ -28,7 +28,7 @@ void object(JsonText& json, const std::vector<Spec>& children) {
 }
 
 void quantity(JsonText& json, const Spec& spec) {
-  const auto units = units_like(spec.unit);
+  const auto units = compatible_units(spec.unit);
   if (units.empty()) {
     json.key("type").string("number");
     if (spec.bounded()) json.key("minimum").number(spec.min).key("maximum").number(spec.max);

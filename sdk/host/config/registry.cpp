@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 constexpr std::string_view kSuffix = ".odoplugin.json";
-constexpr size_t kMostHints = 8;  // of libraries without a manifest: a folder of the system has hundreds
+constexpr size_t kMaxHints = 8;  // of libraries without a manifest: a folder of the system has hundreds
 
 bool is_manifest(const std::string& name) {
   return name.size() > kSuffix.size() && name.compare(name.size() - kSuffix.size(), kSuffix.size(), kSuffix) == 0;
@@ -103,7 +103,7 @@ PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories, size_t 
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(real, error)) {
       if (is_manifest(entry.path().filename().string())) files.push_back(entry.path());
-      if (lacks_manifest(entry.path()) && hints_.size() < kMostHints)
+      if (lacks_manifest(entry.path()) && hints_.size() < kMaxHints)
         hints_.push_back(entry.path().string() + " has no manifest: `odograph plugin manifest` writes it");
     }
     std::sort(files.begin(), files.end());

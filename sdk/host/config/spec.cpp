@@ -42,10 +42,10 @@ class Checker {
   }
 
  private:
-  static constexpr size_t kMostErrors = 20;
+  static constexpr size_t kMaxErrors = 20;
 
   void fail(Mark mark, const std::string& path, const std::string& text) {
-    if (errors.size() < kMostErrors) errors.push_back(at(name_, mark, path.empty() ? text : path + ": " + text));
+    if (errors.size() < kMaxErrors) errors.push_back(at(name_, mark, path.empty() ? text : path + ": " + text));
   }
 
   void check_map(const YamlNode& node, const std::vector<Spec>& table, const std::string& path, Value& value) {

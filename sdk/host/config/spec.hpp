@@ -67,7 +67,7 @@ Value default_value(const Spec& spec);
 Result<double> parse_quantity(const std::string& text, const std::string& unit);
 
 /// The units in which a quantity of this SI unit may be written, the SI unit first.
-std::vector<std::string> units_like(const std::string& unit);
+std::vector<std::string> compatible_units(const std::string& unit);
 
 /// "a number in m from 0.5 to 2.5", for messages and help.
 std::string expectation(const Spec& spec);

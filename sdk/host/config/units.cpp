@@ -44,7 +44,7 @@ constexpr Unit kUnits[] = {
 
 }  // namespace
 
-std::vector<std::string> units_like(const std::string& unit) {
+std::vector<std::string> compatible_units(const std::string& unit) {
   std::vector<std::string> names;
   for (const Unit& u : kUnits)
     if (unit == u.si) names.emplace_back(u.name);
@@ -62,7 +62,7 @@ Result<double> parse_quantity(const std::string& text, const std::string& unit) 
   if (written.empty()) return number;
   for (const Unit& u : kUnits)
     if (written == u.name && unit == u.si) return number * u.factor;
-  const auto known = units_like(unit);
+  const auto known = compatible_units(unit);
   if (known.empty()) return Failure{ODO_E_CONFIG, "'" + written + "' stands after a number that has no unit"};
   return Failure{ODO_E_CONFIG, "unit '" + written + "' does not fit; expected one of " + join(known) + " (nearest: '" +
                                    nearest(written, known) + "')"};

@@ -17,7 +17,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
-constexpr size_t kMostName = sizeof(odo_anchor::name) - 1;
+constexpr size_t kMaxName = sizeof(odo_anchor::name) - 1;
 
 Quaterniond rotation(const double* wxyz) {
   const Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
@@ -36,8 +36,8 @@ Vector3d vector(const std::array<double, 3>& a) { return Vector3d(a[0], a[1], a[
 /// UTF-8 is not cut within a character.
 std::string short_name(const odo_string& name) {
   std::string out(name.data ? std::string(name.data, name.size) : std::string());
-  if (out.size() <= kMostName) return out;
-  size_t end = kMostName;
+  if (out.size() <= kMaxName) return out;
+  size_t end = kMaxName;
   while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xC0) == 0x80) --end;
   return out.substr(0, end);
 }
@@ -103,7 +103,7 @@ std::optional<Anchors::Known> Anchors::get(uint64_t id, int64_t t_ns) const {
   Known known;
   known.anchor.kind = anchor.kind;
   known.anchor.id = anchor.id;
-  anchor.name.copy(known.anchor.name, kMostName);
+  anchor.name.copy(known.anchor.name, kMaxName);
   known.anchor.state = anchor.placed ? ODO_TRACKING : ODO_LOST;
   known.anchor.reason = anchor.placed ? ODO_REASON_NONE : anchor.why_not;
   known.T_n_a = anchor.T_n_a;
@@ -203,7 +203,7 @@ void Anchors::follow(Estimator& estimator, int64_t t_ns, const Rigid* correction
     if (anchor.hangs == Hangs::in_n && placed_) anchor.placed = true, anchor.why_not = 0;
     judge(anchor, anchor.hangs == Hangs::on_pose ? &held : nullptr, now);
     const Rigid moved = before.inverse() * anchor.T_n_a;
-    if (was_placed && (moved.p.norm() > p_.most_smooth_jump_m || moved.q.vec().norm() > p_.most_smooth_jump_m))
+    if (was_placed && (moved.p.norm() > p_.max_smooth_jump_m || moved.q.vec().norm() > p_.max_smooth_jump_m))
       anchor.smooth.jumped(std::max(t_ns, asked_ns_), {before.q, before.p}, {anchor.T_n_a.q, anchor.T_n_a.p});
   }
 }
@@ -250,7 +250,7 @@ std::vector<uint8_t> Anchors::save() const {
   for (const Anchor& anchor : anchors_) {
     Saved saved{};
     saved.kind = anchor.kind, saved.height_above = anchor.height_above, saved.sigma_m = anchor.sigma_m;
-    anchor.name.copy(saved.name, kMostName);
+    anchor.name.copy(saved.name, kMaxName);
     Quaterniond q = anchor.T_n_a.q;
     if (anchor.hangs == Hangs::on_earth) {
       saved.hangs = kSavedOnEarth;

@@ -32,8 +32,8 @@ struct Rigid {
 class Anchors {
  public:
   struct Parameters {
-    size_t most = 1024;                ///< anchors; each costs the estimator 5 kB and under 1 us per update
-    double most_smooth_jump_m = 1e-6;  ///< below it a change is not worth blending
+    size_t most = 1024;               ///< anchors; each costs the estimator 5 kB and under 1 us per update
+    double max_smooth_jump_m = 1e-6;  ///< below it a change is not worth blending
     SmoothPose::Parameters smooth;
   };
 

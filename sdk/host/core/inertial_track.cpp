@@ -13,7 +13,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr size_t kMostReintegrated = 64;  // points between two accelerometer samples
+constexpr size_t kMaxReintegrated = 64;  // points between two accelerometer samples
 
 double seconds(int64_t later_ns, int64_t earlier_ns) {
   return static_cast<double>(saturating_difference(later_ns, earlier_ns)) * 1e-9;
@@ -59,7 +59,7 @@ void InertialTrack::add_force(int64_t t_ns, const Vector3d& force_b) {
   before_ = goes_on ? newest_force_ : Force{};
   newest_force_ = {t_ns, force_b};
   size_t back = 0;
-  const size_t most = std::min({since_gap_, kept(), kMostReintegrated});
+  const size_t most = std::min({since_gap_, kept(), kMaxReintegrated});
   while (back < most && nth(back).t_ns > before_.t_ns) ++back;
   if (!goes_on || back == most) return;  // too far back, or nothing to interpolate from
   for (; back-- > 0;) {

@@ -44,17 +44,17 @@ const odo_scale* ScaleJoin::joined() {
     if (!first) first = &*found;
     // A horizontal scale and one of all three components do not speak of the same.
     const bool alike = ((found->header.flags ^ first->header.flags) & ODO_SCALE_HORIZONTAL) == 0;
-    if (!alike || !(found->metres_per_unit > 0) || !(found->sigma > 0)) continue;
-    const double relative = found->sigma / found->metres_per_unit, weight = 1 / (relative * relative);
+    if (!alike || !(found->scale > 0) || !(found->sigma > 0)) continue;
+    const double relative = found->sigma / found->scale, weight = 1 / (relative * relative);
     weights += weight;
-    weighted_logs += weight * std::log(found->metres_per_unit);
+    weighted_logs += weight * std::log(found->scale);
     ++joined;
   }
   if (!first) return nullptr;
   joined_ = *first;
   if (joined < 2) return &joined_;
-  joined_.metres_per_unit = std::exp(weighted_logs / weights);
-  joined_.sigma = joined_.metres_per_unit / std::sqrt(weights);
+  joined_.scale = std::exp(weighted_logs / weights);
+  joined_.sigma = joined_.scale / std::sqrt(weights);
   for (const auto& found : found_) {
     if (!found) continue;
     joined_.header.flags &= found->header.flags | ODO_SCALE_HORIZONTAL;

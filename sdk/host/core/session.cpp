@@ -60,9 +60,9 @@ int32_t Session::push(const odo_header& sample) {
   const int32_t status = enqueue(std::move(message));
   if (live_) return status;
   Lock lock(mutex_);
-  if (turn_taken_ || stopping_)
-    return status;  // who has the turn processes this too; within a callback it is this very thread
-  const Turn turn(*this, lock);
+  if (owned_ || stopping_)
+    return status;  // who owns the pipeline processes this too; within a callback it is this very thread
+  const Ownership ownership(*this, lock);
   process_waiting(lock, INT64_MIN);
   return status;
 }
@@ -265,20 +265,20 @@ bool Session::work_is_waiting() const {
   return restart_pending_ || flushes_asked_ != flushes_done_ || order_.ready() || report_is_waiting();
 }
 
-/// Waits for the turn; only for threads that do not have it.
-void Session::take_turn(Lock& lock) {
-  turn_changed_.wait(lock, [this] { return !turn_taken_; });
-  turn_taken_ = true;
-  turn_holder_ = std::this_thread::get_id();
+/// Waits for the pipeline; only for threads that do not own it.
+void Session::acquire(Lock& lock) {
+  owner_changed_.wait(lock, [this] { return !owned_; });
+  owned_ = true;
+  owner_ = std::this_thread::get_id();
 }
 
 /// Under the lock.
-void Session::give_turn() {
-  turn_taken_ = false;
-  turn_changed_.notify_all();
+void Session::release_ownership() {
+  owned_ = false;
+  owner_changed_.notify_all();
 }
 
-/// With the turn and the lock, which is given up while anything is called. What is pushed meanwhile is not flushed.
+/// With ownership and the lock, which is given up while anything is called. What is pushed meanwhile is not flushed.
 void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
   for (;;) {
     OwnedMessage message;
@@ -313,7 +313,7 @@ void Session::work() {
   for (;;) {
     work_waiting_.wait(lock, [this] { return stopping_ || work_is_waiting(); });
     if (stopping_) return;
-    const Turn turn(*this, lock);
+    const Ownership ownership(*this, lock);
     const uint64_t asked = flushes_asked_;
     process_waiting(lock, asked != flushes_done_ ? order_.latest_waiting_ns() : INT64_MIN);
     flushes_done_ = asked;
@@ -322,14 +322,14 @@ void Session::work() {
 
 int32_t Session::flush() {
   Lock lock(mutex_);
-  if (has_turn()) return ODO_E_STATE;
+  if (is_owner()) return ODO_E_STATE;
   if (live_) {
     const uint64_t mine = ++flushes_asked_;
     work_waiting_.notify_one();
-    turn_changed_.wait(lock, [&] { return flushes_done_ >= mine; });
+    owner_changed_.wait(lock, [&] { return flushes_done_ >= mine; });
     return ODO_OK;
   }
-  const Turn turn(*this, lock);
+  const Ownership ownership(*this, lock);
   process_waiting(lock, order_.latest_waiting_ns());
   return ODO_OK;
 }
@@ -350,7 +350,7 @@ void Session::publish(const odo_header& event) {
     const std::lock_guard lock(mutex_);
     callback_runs_ = false;
   }
-  turn_changed_.notify_all();
+  owner_changed_.notify_all();
 }
 
 void Session::set_callback(TypeSet types, odo_callback callback, void* user) {
@@ -360,7 +360,7 @@ void Session::set_callback(TypeSet types, odo_callback callback, void* user) {
   callback_types_ = std::move(types);
   has_callback_ = callback_ != nullptr;
   if (live_) work_waiting_.notify_one();  // what has been reported before
-  turn_changed_.wait(lock, [this] { return !callback_runs_ || callback_thread_ == std::this_thread::get_id(); });
+  owner_changed_.wait(lock, [this] { return !callback_runs_ || callback_thread_ == std::this_thread::get_id(); });
 }
 
 void Session::statistics(odo_statistics& out) const {

@@ -22,11 +22,11 @@
 
 namespace odograph {
 
-/// What is behind odo_session: the queue, the thread (when live), the turn.
+/// What is behind odo_session: the queue, the thread (when live), who owns the pipeline.
 ///
-/// The pipeline belongs to whoever has the turn, one thread at a time: the session's own when live, whoever pushes or
-/// flushes in replay, and save and load. Only the turn's flag is under the lock, so that plugins work, callbacks are
-/// called and frames are given back with no lock held. Poses and counters are read without the turn.
+/// The pipeline belongs to one owner, one thread at a time: the session's own when live, whoever pushes or
+/// flushes in replay, and save and load. Only the owner's flag is under the lock, so that plugins work, callbacks are
+/// called and frames are given back with no lock held. Poses and counters are read without owning it.
 class Session {
  public:
   static Result<std::unique_ptr<Session>> make(PipelineConfig config, std::vector<std::filesystem::path> assets,
@@ -80,25 +80,25 @@ class Session {
   int32_t refuse_wild(const odo_header& sample, const char* what);
   int32_t note_verdict(TimeOrder::Verdict verdict, const odo_header& sample);
 
-  /// The turn, from taking it to the end of the scope, however that is left.
-  class Turn {
+  /// Ownership, from taking it to the end of the scope, however that is left.
+  class Ownership {
    public:
-    Turn(Session& session, Lock& lock) : session_(session), lock_(lock) { session_.take_turn(lock_); }
-    ~Turn() {
+    Ownership(Session& session, Lock& lock) : session_(session), lock_(lock) { session_.acquire(lock_); }
+    ~Ownership() {
       if (!lock_.owns_lock()) lock_.lock();
-      session_.give_turn();
+      session_.release_ownership();
     }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
+    Ownership(const Ownership&) = delete;
+    Ownership& operator=(const Ownership&) = delete;
 
    private:
     Session& session_;
     Lock& lock_;
   };
 
-  bool has_turn() const { return turn_taken_ && turn_holder_ == std::this_thread::get_id(); }
-  void take_turn(Lock& lock);
-  void give_turn();
+  bool is_owner() const { return owned_ && owner_ == std::this_thread::get_id(); }
+  void acquire(Lock& lock);
+  void release_ownership();
   bool work_is_waiting() const;
   void process_waiting(Lock& lock, int64_t flush_until_ns);
   void publish_progress();
@@ -121,10 +121,10 @@ class Session {
   PoseStream poses_;
   Anchors anchors_{geodesy_};
   mutable std::mutex world_mutex_;      // poses and anchors are corrected together
-  std::unique_ptr<Pipeline> pipeline_;  // whose turn it is
+  std::unique_ptr<Pipeline> pipeline_;  // the owner's
 
   mutable std::mutex mutex_;  // for what follows; held for moments only
-  std::condition_variable work_waiting_, turn_changed_;
+  std::condition_variable work_waiting_, owner_changed_;
   SampleGate gate_;
   TimeOrder order_;
   struct CameraTiming {
@@ -143,8 +143,8 @@ class Session {
   bool restart_pending_ = false;
   bool stopping_ = false;
   uint64_t flushes_asked_ = 0, flushes_done_ = 0;
-  bool turn_taken_ = false;
-  std::thread::id turn_holder_;
+  bool owned_ = false;
+  std::thread::id owner_;
   odo_callback callback_ = nullptr;
   void* callback_user_ = nullptr;
   bool callback_runs_ = false;
@@ -158,7 +158,7 @@ class Session {
   odo_error last_error_{};
   uint64_t errors_ = 0;
   HostServices::Listener listener_;
-  static constexpr size_t kMostReports = 64;  // that wait to be told; more are only the last error
+  static constexpr size_t kMaxReports = 64;  // that wait to be told; more are only the last error
   std::vector<Report> reports_;
   std::atomic<bool> has_reports_{false};
 

@@ -21,7 +21,7 @@ void Session::reported(const Report& report) {
                     report.text.c_str());
     }
     listener = listener_;
-    if (reports_.size() < kMostReports) reports_.push_back(report);
+    if (reports_.size() < kMaxReports) reports_.push_back(report);
     has_reports_ = true;
   }
   if (listener) listener(report);
@@ -34,7 +34,7 @@ void Session::reported(const Report& report) {
 /// Under the lock.
 bool Session::report_is_waiting() const { return has_reports_ && callback_ && callback_types_.has(ODO_TYPE_REPORT); }
 
-/// With the turn and without the lock: reports come from any thread, the callback on one.
+/// With ownership and without the lock: reports come from any thread, the callback on one.
 void Session::publish_reports() {
   std::vector<Report> reports;
   {

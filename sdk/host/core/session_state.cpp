@@ -29,8 +29,8 @@ int32_t Session::pose_of(uint32_t of, bool smooth, int64_t t_ns, odo_pose& out) 
 
 int64_t Session::save(void* data, uint64_t capacity) {
   Lock lock(mutex_);
-  if (has_turn()) return ODO_E_STATE;
-  const Turn turn(*this, lock);
+  if (is_owner()) return ODO_E_STATE;
+  const Ownership ownership(*this, lock);
   lock.unlock();
   const auto blob = pipeline_->save();
   if (data && blob.size() <= capacity) std::memcpy(data, blob.data(), blob.size());
@@ -39,8 +39,8 @@ int64_t Session::save(void* data, uint64_t capacity) {
 
 int32_t Session::load(const void* data, uint64_t size) {
   Lock lock(mutex_);
-  if (has_turn()) return ODO_E_STATE;
-  const Turn turn(*this, lock);
+  if (is_owner()) return ODO_E_STATE;
+  const Ownership ownership(*this, lock);
   lock.unlock();
   const auto loaded = pipeline_->load({static_cast<const uint8_t*>(data), static_cast<size_t>(size)});
   if (loaded) return ODO_OK;

@@ -37,9 +37,9 @@ Vector3d left_of(const Vector3d& x, double dt, double tau, double limit) {
 SmoothPose::Pose SmoothPose::at(int64_t t_ns, const Pose& pose) const {
   const double dt = std::max(0.0, static_cast<double>(saturating_difference(t_ns, since_ns_)) * 1e-9);
   const double tau = parameters_.time_constant_s;
-  const Vector3d turn = left_of(rotation_n_, dt, tau, parameters_.max_rate_radps);
+  const Vector3d theta_n = left_of(rotation_n_, dt, tau, parameters_.max_rate_radps);
   const Vector3d shift = left_of(shift_n_, dt, tau, parameters_.max_speed_mps);
-  return {(exp_rotation(turn) * pose.q_n).normalized(), pose.p_n + shift};
+  return {(exp_rotation(theta_n) * pose.q_n).normalized(), pose.p_n + shift};
 }
 
 void SmoothPose::jumped(int64_t t_ns, const Pose& before, const Pose& after) {

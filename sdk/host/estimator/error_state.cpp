@@ -42,7 +42,7 @@ std::pair<int, int> held_columns(Hold hold) {
   switch (hold) {
     case Hold::scale_and_factor: return {kLogScale, 2};
     case Hold::scale_and_steps: return {kLogScale, 3};
-    case Hold::odometry_and_scale: return {kVo, kMostHeld};
+    case Hold::odometry_and_scale: return {kVo, kMaxHeld};
     default: return {0, 0};
   }
 }
@@ -184,11 +184,11 @@ void ErrorState::set_scale(double log_scale, double variance, double factor_shar
   for (auto& held : held_) held.cross.col(kLogScale) = factor_share * held.cross.col(kLogFactor).eval();
 }
 
-void ErrorState::wander(int at, double keep, double variance) {
-  P.row(at) *= keep;
-  P.col(at) *= keep;
+void ErrorState::wander(int at, double decay, double variance) {
+  P.row(at) *= decay;
+  P.col(at) *= decay;
   P(at, at) += variance;
-  for (auto& held : held_) held.cross.col(at) *= keep;
+  for (auto& held : held_) held.cross.col(at) *= decay;
 }
 
 void ErrorState::set_independent(int at, double variance) {
@@ -236,7 +236,7 @@ void ErrorState::shift_by_step(const Vector3d& by_n, const Vector3d& by_factor, 
   loosen_position(noise);
 }
 
-void ErrorState::turn(const Quaterniond& q, const Vector3d& about_n) {
+void ErrorState::rotate(const Quaterniond& q, const Vector3d& about_n) {
   const Matrix3d R = q.toRotationMatrix();
   const auto turned = [&](const Quaterniond& a) { return (q * a).normalized(); };
   const auto moved = [&](const Vector3d& p) { return Vector3d(about_n + R * (p - about_n)); };

@@ -66,7 +66,7 @@ enum class Hold {
 };
 /// The columns that it leaves where they are: from there, that many; of the first four.
 std::pair<int, int> held_columns(Hold hold);
-constexpr int kMostHeld = 8;  // pose of the odometry, log-scale and log-factor
+constexpr int kMaxHeld = 8;  // pose of the odometry, log-scale and log-factor
 
 /// residual = z - h(x), its derivative by the error in blocks of three columns, and the covariance of z.
 template <int D>
@@ -151,7 +151,7 @@ class ErrorState {
   void set_independent(int at, double variance);
   void add_variance(int at, int count, double variance) { P.diagonal().segment(at, count).array() += variance; }
   /// A scalar part forgets: its error becomes `keep` of it, and a variance is added.
-  void wander(int at, double keep, double variance);
+  void wander(int at, double decay, double variance);
   /// Everything is moved together, but not what is held.
   void shift(const Eigen::Vector3d& by_n);
   /// What is held follows a shift of everything, whose covariance is given, by its share: share_of_correction.
@@ -162,7 +162,7 @@ class ErrorState {
   /// Everything but what is held may have been moved together by that much, m.
   void loosen_position(const Eigen::Matrix3d& covariance);
   /// n itself is turned about a place: everything that is in n, and what is held.
-  void turn(const Eigen::Quaterniond& q, const Eigen::Vector3d& about_n);
+  void rotate(const Eigen::Quaterniond& q, const Eigen::Vector3d& about_n);
   /// Everything may have been turned together about down, through the body's place, rad.
   void loosen_heading(double sigma_rad);
 
@@ -181,10 +181,10 @@ class ErrorState {
   /// Kalman update behind a gate on the normalised innovation squared (0: none). What is held are considered parameters
   /// (Schmidt 1966): their doubt counts, but this measurement does not move them.
   template <int D>
-  UpdateResult update(const Innovation<D>& innovation, double most_nis, Hold hold = Hold::nothing);
+  UpdateResult update(const Innovation<D>& innovation, double max_nis, Hold hold = Hold::nothing);
   /// The same for a heading that is off by more than a small angle: positions and velocities move along arcs, each
   /// about the place that its correlation with the heading says, not along their tangents.
-  UpdateResult turn_by(const Innovation<1>& heading, double most_nis);
+  UpdateResult update_heading(const Innovation<1>& heading, double max_nis);
 
  private:
   size_t slot_back(size_t i) const { return (newest_ + kClones - i) % kClones; }
@@ -196,7 +196,7 @@ class ErrorState {
   struct Gain {
     using SquareD = Eigen::Matrix<double, D, D>;
     int first = 0, count = 0;  ///< columns that were held
-    Eigen::Matrix<double, kMostHeld, D> known = Eigen::Matrix<double, kMostHeld, D>::Zero();
+    Eigen::Matrix<double, kMaxHeld, D> known = Eigen::Matrix<double, kMaxHeld, D>::Zero();
     SquareD inverse, half;
     Eigen::Matrix<double, kSize, D> K, N;
   };

@@ -13,17 +13,17 @@ using Eigen::Vector3d;
 using Error = Eigen::Matrix<double, kSize, 1>;
 
 void ErrorState::apply(const Error& error) {
-  const auto turn = [&](Quaterniond& q, int at) { q = (exp_rotation(error.segment<3>(at)) * q).normalized(); };
+  const auto rotate = [&](Quaterniond& q, int at) { q = (exp_rotation(error.segment<3>(at)) * q).normalized(); };
   const auto moved = [&](int at, int turned_at) -> Vector3d {
     if (!turning_) return error.segment<3>(at);
     return left_jacobian(error.segment<3>(turned_at)) * error.segment<3>(at);
   };
-  turn(x.q_n_b, kTheta);
+  rotate(x.q_n_b, kTheta);
   x.p_n += moved(kPosition, kTheta);
   x.v_n += moved(kVelocity, kTheta);
   x.gyro_bias_b += error.segment<3>(kGyroBias);
   x.accel_bias_b += error.segment<3>(kAccelBias);
-  turn(x.q_n_vo, kVo);
+  rotate(x.q_n_vo, kVo);
   x.p_n_vo += moved(kVoPosition, kVo);
   x.log_scale += error[kLogScale];
   x.log_factor += error[kLogFactor];
@@ -32,7 +32,7 @@ void ErrorState::apply(const Error& error) {
   x.baro_m += error[kBaro];
   for (size_t i = 0; i < clone_count_; ++i) {
     Clone& clone = clones_[slot_back(i)];
-    turn(clone.q_n_b, column_back(i));
+    rotate(clone.q_n_b, column_back(i));
     clone.p_n += moved(column_back(i) + 3, column_back(i));
   }
 }
@@ -44,10 +44,10 @@ template <int D>
 bool ErrorState::update_given(const Innovation<D>& innovation, Hold hold, const Eigen::Matrix<double, kSize, D>& PHt,
                               const Eigen::Matrix<double, D, D>& S) {
   const auto [first, held] = held_columns(hold);
-  using MatrixH = Eigen::Matrix<double, kMostHeld, kMostHeld>;
+  using MatrixH = Eigen::Matrix<double, kMaxHeld, kMaxHeld>;
   using SquareD = Eigen::Matrix<double, D, D>;
   MatrixH P_hh = MatrixH::Identity();  // what is not held: independent, and without effect
-  Eigen::Matrix<double, kMostHeld, D> Bt = Eigen::Matrix<double, kMostHeld, D>::Zero();
+  Eigen::Matrix<double, kMaxHeld, D> Bt = Eigen::Matrix<double, kMaxHeld, D>::Zero();
   P_hh.topLeftCorner(held, held) = P.block(first, first, held, held);
   for (int i = 0; i < held; ++i) Bt.row(i) = PHt.row(first + i);
   const Eigen::LLT<MatrixH> hh(P_hh);
@@ -88,7 +88,7 @@ bool ErrorState::update_given(const Innovation<D>& innovation, Hold hold, const 
 }
 
 template <int D>
-UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis, Hold hold) {
+UpdateResult ErrorState::update(const Innovation<D>& innovation, double max_nis, Hold hold) {
   Eigen::Matrix<double, kSize, D> PHt = Eigen::Matrix<double, kSize, D>::Zero();
   Eigen::Matrix<double, D, D> S = innovation.noise;
   for (int i = 0; i < innovation.count; ++i) {
@@ -104,7 +104,7 @@ UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis
   const Eigen::LLT<Eigen::Matrix<double, D, D>> llt(0.5 * (S + S.transpose()));
   if (llt.info() != Eigen::Success) return {false, 0.0, D};
   const double nis = innovation.residual.dot(llt.solve(innovation.residual));
-  if (!(nis >= 0) || (most_nis > 0 && nis > most_nis)) return {false, nis, D};
+  if (!(nis >= 0) || (max_nis > 0 && nis > max_nis)) return {false, nis, D};
 
   if (held_columns(hold).second > 0)
     return update_given(innovation, hold, PHt, S) ? UpdateResult{true, nis, D} : UpdateResult{false, nis, D};
@@ -143,9 +143,9 @@ UpdateResult ErrorState::update(const Innovation<D>& innovation, double most_nis
   return {true, nis, D};
 }
 
-UpdateResult ErrorState::turn_by(const Innovation<1>& heading, double most_nis) {
+UpdateResult ErrorState::update_heading(const Innovation<1>& heading, double max_nis) {
   turning_ = true;
-  const UpdateResult result = update(heading, most_nis);
+  const UpdateResult result = update(heading, max_nis);
   turning_ = false;
   return result;
 }

@@ -21,14 +21,14 @@ class GyroAttitudeFilter {
  public:
   /// "judgement": a choice of which no sweep is recorded.
   struct Parameters {
-    double angle_random_walk = 0.001;    ///< rad/sqrt(s): white noise of a phone's gyroscope, and what else rotates it
-    double bias_sigma_radps = 0.009;     ///< rad/s at the start: 0.5 deg/s, data sheets of BMI270 and ICM-20602
-    double bias_walk = 3e-5;             ///< rad/s/sqrt(s); temperature
-    double standing_sigma_rad = 0.03;    ///< rad, of the force's direction over a frame: an accelerometer's bias of
-                                         ///< 20 mg, an engine
-    double moving_sigma_rad = 0.5;       ///< rad, the same in motion: a car brakes with 0.5 g; judgement
-    double longest_gap_s = 0.05;         ///< s between samples that is no gap: ten at 200 Hz, two or three at 50 Hz
-    double least_seen_sigma_rad = 5e-4;  ///< rad, of a camera's rotation: never believed to be better; judgement
+    double angle_random_walk = 0.001;  ///< rad/sqrt(s): white noise of a phone's gyroscope, and what else rotates it
+    double bias_sigma_radps = 0.009;   ///< rad/s at the start: 0.5 deg/s, data sheets of BMI270 and ICM-20602
+    double bias_walk = 3e-5;           ///< rad/s/sqrt(s); temperature
+    double standing_sigma_rad = 0.03;  ///< rad, of the force's direction over a frame: an accelerometer's bias of
+                                       ///< 20 mg, an engine
+    double moving_sigma_rad = 0.5;     ///< rad, the same in motion: a car brakes with 0.5 g; judgement
+    double longest_gap_s = 0.05;       ///< s between samples that is no gap: ten at 200 Hz, two or three at 50 Hz
+    double min_seen_sigma_rad = 5e-4;  ///< rad, of a camera's rotation: never believed to be better; judgement
   };
 
   GyroAttitudeFilter() { reset(Eigen::Quaterniond::Identity(), Eigen::Matrix3d::Identity()); }

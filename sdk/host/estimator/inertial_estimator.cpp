@@ -112,9 +112,9 @@ void InertialEstimator::start_without_attitude(int64_t t_ns) {
   if (last_imu_) {  // the specific force points up
     q_n_b = heading_offset() * Quaterniond::FromTwoVectors(Vector3d(last_imu_->accel_b), -Vector3d::UnitZ());
   } else {
-    Matrix3d level;  // columns: the camera's x, y, z in n when it looks horizontally to the north
-    level << 0, 0, 1, 1, 0, 0, 0, 1, 0;
-    q_n_b = heading_offset() * Quaterniond(level) * q_b_c_.conjugate();
+    Matrix3d horizontal;  // columns: the camera's x, y, z in n when it looks horizontally to the north
+    horizontal << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+    q_n_b = heading_offset() * Quaterniond(horizontal) * q_b_c_.conjugate();
   }
   start(t_ns, q_n_b, last_imu_ ? 2 * p_.start_tilt_sigma_rad : 0.2, 0.0);
 }
@@ -199,9 +199,9 @@ void InertialEstimator::flush(bool gap) {
   e_.propagate(transition_, {squared(gap ? p_.gap_rotation_noise : gyro_noise_), squared(gyro_walk_),
                              squared(gap ? p_.gap_accel_noise : accel), squared(accel_walk_)});
   if (north_) {
-    const double keep = std::exp(-transition_.s / p_.north_correlation_s);
-    e_.wander(kNorth, keep, (1 - keep * keep) * squared(north_sigma_rad_));
-    e_.x.north_rad *= keep;
+    const double decay = std::exp(-transition_.s / p_.north_correlation_s);
+    e_.wander(kNorth, decay, (1 - decay * decay) * squared(north_sigma_rad_));
+    e_.x.north_rad *= decay;
   } else {
     e_.add_variance(kNorth, 1, squared(p_.gyro_heading_walk) * transition_.s);
   }

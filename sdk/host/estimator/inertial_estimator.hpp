@@ -93,8 +93,8 @@ class InertialEstimator : public Estimator {
   UpdateResult see_rotation(int64_t t_ns, double dt_s);
   double rotation_variance(const odo_vo_motion& motion, double dt_s) const;
   void use_inertial(const odo_vo_motion& motion);
-  void level(const Eigen::Vector3d& gravity_n);
-  void turn_track(const Eigen::Quaterniond& q, const Eigen::Vector3d& about_n);
+  void horizontal(const Eigen::Vector3d& gravity_n);
+  void rotate_track(const Eigen::Quaterniond& q, const Eigen::Vector3d& about_n);
 
   // Its scale (inertial_odometry_scale.cpp).
   bool walks(int64_t t_ns) const;
@@ -116,16 +116,16 @@ class InertialEstimator : public Estimator {
   void open_heading();
   void agree(const odo_fix& fix);
   void place_by(inertial::Innovation<6>& seen, uint32_t axes);
-  void turn_n(double by_rad);
+  void rotate_n(double by_rad);
   bool tells_first_heading(const odo_fix& fix) const;
-  double turn_by(const inertial::Innovation<6>& seen, const inertial::PastPose& at, uint32_t axes);
+  double update_heading(const inertial::Innovation<6>& seen, const inertial::PastPose& at, uint32_t axes);
 
   // Poses (inertial_poses.cpp).
   void publish(int64_t t_ns, uint32_t state, uint32_t reason);
   odo_pose make_pose(int64_t t_ns, const inertial::PastPose& at) const;
   void snapshot();
   void refer_steps(const odo_pose& pose);
-  bool turns_camera(const odo_attitude& attitude) const;
+  bool rotates_camera(const odo_attitude& attitude) const;
   void note_jump(const odo_pose& before, uint32_t reason, double part);
 
   inertial::Parameters p_;

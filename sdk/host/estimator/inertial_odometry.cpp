@@ -212,7 +212,7 @@ UpdateResult InertialEstimator::see_position(int64_t t_ns, double dt_s) {
     vo_.rejected = 0;
     return result;
   }
-  if (++vo_.rejected > p_.most_rejected) {  // it is not the odometry that is wrong
+  if (++vo_.rejected > p_.max_rejected) {  // it is not the odometry that is wrong
     vo_.rejected = 0;
     for (int i = 0; i < 3; ++i) e_.set_independent(kVelocity + i, squared(p_.jump_velocity_sigma_mps));
     for (int i = 0; i < 3; ++i) e_.set_independent(kAccelBias + i, squared(p_.accel_bias_sigma));
@@ -253,17 +253,17 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
   down.noise = Eigen::Matrix2d::Identity() * (squared(p_.attitude_unaided_tilt_rad) * same);
   if (e_.update(down, p_.gate[2], calm()).accepted)
     vo_.gravity_rejected = 0;
-  else if (++vo_.gravity_rejected > p_.most_rejected && led())
-    level(g_n);
+  else if (++vo_.gravity_rejected > p_.max_rejected && led())
+    horizontal(g_n);
 }
 
 /// The inclination here is wrong, by more than a filter that is linearised can mend: a phone that was thrown about when
 /// its first sample was taken for gravity. The track is turned about where the body is; what inertia has made of the
 /// velocity and its bias meanwhile is forgotten.
-void InertialEstimator::level(const Vector3d& gravity_n) {
+void InertialEstimator::horizontal(const Vector3d& gravity_n) {
   vo_.gravity_rejected = 0;
   flush();
-  turn_track(Quaterniond::FromTwoVectors(gravity_n, Vector3d::UnitZ()), e_.x.p_n);
+  rotate_track(Quaterniond::FromTwoVectors(gravity_n, Vector3d::UnitZ()), e_.x.p_n);
   for (int i = 0; i < 2; ++i) e_.set_independent(kTheta + i, squared(p_.attitude_unaided_tilt_rad));
   for (int i = 0; i < 3; ++i) e_.set_independent(kVelocity + i, squared(p_.jump_velocity_sigma_mps));
   for (int i = 0; i < 3; ++i) e_.set_independent(kAccelBias + i, squared(p_.accel_bias_sigma));
@@ -276,9 +276,9 @@ void InertialEstimator::level(const Vector3d& gravity_n) {
 }
 
 /// All that was told in n is turned about a place.
-void InertialEstimator::turn_track(const Quaterniond& q, const Vector3d& about_n) {
-  e_.turn(q, about_n);
-  track_.turn(q);
+void InertialEstimator::rotate_track(const Quaterniond& q, const Vector3d& about_n) {
+  e_.theta_n(q, about_n);
+  track_.theta_n(q);
   vo_.y_n = (q * vo_.y_n).eval();
   vo_.start_n = about_n + q * (vo_.start_n - about_n);
   window_.restart();

@@ -36,7 +36,7 @@ void InertialEstimator::use_metric_scale(const odo_vo_motion& m) {
   const double information = 1 / squared(std::clamp(sigma, 1e-3, 1.0));
   if (!vo_.known) {
     if (!metric_ && placed_ == 0 && inertial_front_end_) begin_here(m);
-    vo_.gravity_rejected = p_.most_rejected;  // nothing to lose yet
+    vo_.gravity_rejected = p_.max_rejected;  // nothing to lose yet
     know_scale(0.0, 1 / information, 0.0, t_ns);
     vo_.told_information = information, vo_.told_ns = t_ns;
     vo_.own_information = information;
@@ -60,13 +60,13 @@ void InertialEstimator::use_metric_scale(const odo_vo_motion& m) {
 
 void InertialEstimator::use_window(const WindowScale& window) {
   if (window.noise_m > 0) {
-    const double measured = std::clamp(window.noise_m, p_.vo_least_sigma_m, 0.2);
+    const double measured = std::clamp(window.noise_m, p_.vo_min_sigma_m, 0.2);
     vo_.sigma_m += 0.3 * (measured - vo_.sigma_m);
   }
   if (!vo_.known) return scale_start_.add_window(window);
   const double r = std::exp(-e_.x.log_scale);
   Innovation<1> seen;
-  seen.residual[0] = window.units_per_m - r;
+  seen.residual[0] = window.inverse_scale - r;
   seen.by_one(kLogScale, Innovation<1>::Vector::Constant(-r));
   seen.noise(0, 0) = squared(window.sigma);
   const double before = 1 / e_.P(kLogScale, kLogScale);
@@ -78,10 +78,10 @@ void InertialEstimator::use_window(const WindowScale& window) {
 
 UpdateResult InertialEstimator::apply(const odo_scale* scale) {
   // Steps speak for themselves.
-  if (!vo_.any || scale->scale_group != vo_.group || scale->metres_per_unit <= 0 || vo_.metric) return {};
+  if (!vo_.any || scale->scale_group != vo_.group || scale->scale <= 0 || vo_.metric) return {};
   if ((scale->header.flags & ODO_SCALE_NOT_BY_STEPS) == 0 && stepped_) return {};
-  const double sigma = std::clamp(scale->sigma / scale->metres_per_unit, 1e-3, 1.0);
-  const double value = std::log(scale->metres_per_unit), information = 1 / squared(sigma);
+  const double sigma = std::clamp(scale->sigma / scale->scale, 1e-3, 1.0);
+  const double value = std::log(scale->scale), information = 1 / squared(sigma);
   if (!vo_.known) {
     know_scale(value, squared(sigma), 0.0, vo_.t_ns);
     vo_.told_information = information, vo_.told_ns = scale->header.t_ns;
@@ -137,9 +137,9 @@ void InertialEstimator::begin_here(const odo_vo_motion& m) {
 Vector3d InertialEstimator::shift_since_start(const odo_vo_motion& m, const PastPose& at) const {
   if (stepped_) return Vector3d::Zero();
   const Eigen::Quaterniond q_n_c = at.q_n_b * q_b_c_;
-  const Eigen::Quaterniond level =
+  const Eigen::Quaterniond horizontal =
       Eigen::Quaterniond::FromTwoVectors(q_n_c * Vector3d(m.gravity_c1), Vector3d::UnitZ());
-  const ImuRewind::Known now{(level * e_.x.q_n_b).normalized(), level * (q_n_c * Vector3d(m.velocity_c1)),
+  const ImuRewind::Known now{(horizontal * e_.x.q_n_b).normalized(), horizontal * (q_n_c * Vector3d(m.velocity_c1)),
                              Vector3d(m.gyro_bias_b), Vector3d(m.accel_bias_b), p_.gravity_mps2};
   const double since_s = seconds(t_ns_ - first_frame_ns_);
   return first_p_n_ + rewind_.moved(now, std::min(since_s, p_.rewind_s)) - e_.x.p_n;

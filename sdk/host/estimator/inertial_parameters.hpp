@@ -7,7 +7,7 @@ namespace odograph::inertial {
 /// range in which it was seen not to matter much; "figures" are those of docs/estimator.md.
 struct Parameters {
   // The IMU. An odo_imu_noise adds to the first two in quadrature and replaces the walks.
-  double gyro_noise = 1e-3;         ///< rad/s/sqrt(Hz); a phone's 1e-4 to 2.4e-4 and its scale error in turns
+  double gyro_noise = 1e-3;         ///< rad/s/sqrt(Hz); a phone's 1e-4 to 2.4e-4 and its scale error in rotation
   double gyro_walk = 3e-5;          ///< rad/s^2/sqrt(Hz); temperature
   double gyro_bias_sigma = 0.009;   ///< rad/s at the start: 0.5 deg/s, data sheets of BMI270 and ICM-20602
   double accel_noise = 0.05;        ///< m/s^2/sqrt(Hz); white noise of 0.002 to 0.01, scale error, vibration
@@ -31,7 +31,7 @@ struct Parameters {
   // Visual odometry: the error of a position against the map, correlated over a time, and the map's drift.
   double vo_position_sigma_m = 0.02;      ///< m, until the window regression has measured it; 6 to 8 mm simulated,
                                           ///< 17 to 64 mm on real phones (detrended over 4 s)
-  double vo_least_sigma_m = 0.01;         ///< m; a floor: pictures of a rolling shutter, time stamps
+  double vo_min_sigma_m = 0.01;           ///< m; a floor: pictures of a rolling shutter, time stamps
   double vo_rotation_sigma_rad = 0.003;   ///< rad against the map
   double vo_correlation_s = 0.5;          ///< s over which both are the same error; judgement, 0.25 to 1
   double vo_drift_per_root_m = 0.01;      ///< m/sqrt(m): across the path, without scale and heading
@@ -59,7 +59,7 @@ struct Parameters {
                                       ///< back within a minute, and twenty steps follow it; walks in The Hague and Linz
   double unknown_scale_sigma = 1.0;      ///< of log-scale before anything is known
   double jump_velocity_sigma_mps = 1.0;  ///< m/s: what is left of the velocity when odometry contradicts it
-  int most_rejected = 3;                 ///< odometry updates in a row, until the velocity is doubted
+  int max_rejected = 3;                  ///< odometry updates in a row, until the velocity is doubted
 
   // Steps.
   double factor_sigma = 0.10;        ///< of the walker's log factor: ten walkers differ so (docs/accuracy.md)
@@ -75,9 +75,9 @@ struct Parameters {
   double step_loose_across_rad = 0.5;   ///< rad, the same with the phone swung or in a pocket
   double step_heading_sigma_rad = 0.3;  ///< rad between the phone's axis and the walk at the start; judgement
   double step_heading_walk = 0.02;      ///< rad for the root of a step; judgement
-  double step_level_sigma_m = 0.1;      ///< m up or down in a step that carries the position: slopes of a seventh
-  double stair_level_sigma_m = 0.2;     ///< m, on stairs
-  int most_steps_rejected = 4;          ///< in a row, until heading, factor and (without inertia) scale are doubted
+  double step_height_sigma_m = 0.1;     ///< m up or down in a step that carries the position: slopes of a seventh
+  double stair_height_sigma_m = 0.2;    ///< m, on stairs
+  int max_steps_rejected = 4;           ///< in a row, until heading, factor and (without inertia) scale are doubted
   double doubted_scale_sigma = 0.5;     ///< of log-scale then
 
   // Standing.
@@ -109,25 +109,25 @@ struct Parameters {
   double rest_speed_mps = 0.2;  ///< m/s, mean between the end of a step and the start of the next one, there; judgement
 
   // The window regression of the scale (InertialScale).
-  double window_s = 4.0;                ///< s; findings measure S and N over it
-  double start_window_s = 2.5;          ///< s, as long as no scale is known; judgement
-  double window_correlation_s = 0.5;    ///< s over which the odometry's error is one error
-  double window_least_relative = 0.01;  ///< of scale, common to all windows: accelerometer's scale error 0.5 to 1 %
-  double start_scale_sigma = 0.15;      ///< of log-scale, at which it counts as known
+  double window_s = 4.0;              ///< s; findings measure S and N over it
+  double start_window_s = 2.5;        ///< s, as long as no scale is known; judgement
+  double window_correlation_s = 0.5;  ///< s over which the odometry's error is one error
+  double window_min_relative = 0.01;  ///< of scale, common to all windows: accelerometer's scale error 0.5 to 1 %
+  double start_scale_sigma = 0.15;    ///< of log-scale, at which it counts as known
 
   // The gate: 99.9 % of good measurements pass (chi-square).
   double gate[7] = {0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
-  double most_integrity_risk = 0.5;  ///< a fix that is wrong more often than not is none
-  int most_fixes_rejected = 5;       ///< in a row: then it is the track that is wrong; judgement
-  int agreed_fixes = 10;             ///< in a row, after which a front-end that has led unbroken since is believed ...
-  double agreed_for_s = 90;          ///< s: ... for that long; reflections last a minute (bench canyon)
-  double arc_rad = 0.05;             ///< rad: a heading that is off by more moves the track along arcs, not tangents
-  double announced_jump_m = 0.05;    ///< m: smaller corrections need no event
-  double announced_turn_rad = 0.01;  ///< rad
-  double reference_path_m = 5;       ///< m between two displacement references for the step estimator
-  double reference_alike_m = 20;     ///< m over which the metre's error is the same one; judgement
-  double reference_sigma = 0.03;     ///< relative: a metre less well known does not teach
-  double gravity_mps2 = 9.81;        ///< m/s^2, 9.78 to 9.83 on Earth; the difference is bias
+  double max_integrity_risk = 0.5;  ///< a fix that is wrong more often than not is none
+  int max_fixes_rejected = 5;       ///< in a row: then it is the track that is wrong; judgement
+  int agreed_fixes = 10;            ///< in a row, after which a front-end that has led unbroken since is believed ...
+  double agreed_for_s = 90;         ///< s: ... for that long; reflections last a minute (bench canyon)
+  double arc_rad = 0.05;            ///< rad: a heading that is off by more moves the track along arcs, not tangents
+  double announced_jump_m = 0.05;   ///< m: smaller corrections need no event
+  double announced_rotation_rad = 0.01;  ///< rad
+  double reference_path_m = 5;           ///< m between two displacement references for the step estimator
+  double reference_alike_m = 20;         ///< m over which the metre's error is the same one; judgement
+  double reference_sigma = 0.03;         ///< relative: a metre less well known does not teach
+  double gravity_mps2 = 9.81;            ///< m/s^2, 9.78 to 9.83 on Earth; the difference is bias
 };
 
 }  // namespace odograph::inertial

@@ -42,20 +42,21 @@ void set_orientation(odo_pose& pose, const Quaterniond& q) {
 UpdateResult InertialEstimator::update(const Measurement& measurement) {
   std::optional<odo_pose> before;
   const auto* attitude = std::get_if<const odo_attitude*>(&measurement);
-  const bool turns = attitude && turns_camera(**attitude), may_jump = !attitude || turns;
+  const bool rotates = attitude && rotates_camera(**attitude), may_jump = !attitude || rotates;
   const int64_t t_ns = last_pose_ns_;
   if (may_jump && t_ns != INT64_MIN)
     if (const auto at = past(t_ns)) before = make_pose(t_ns, *at);
   const UpdateResult result = std::visit([this](const auto& what) { return apply(what); }, measurement);
   if (before)
-    note_jump(*before, turns || std::holds_alternative<const odo_fix*>(measurement) ? kCorrectionFix : kCorrectionScale,
-              turns ? 0 : 1);
+    note_jump(*before,
+              rotates || std::holds_alternative<const odo_fix*>(measurement) ? kCorrectionFix : kCorrectionScale,
+              rotates ? 0 : 1);
   if (may_jump) snapshot();
   return result;
 }
 
 /// A compass beside a camera turns the world that the camera tracks, by little each time and by much in the end.
-bool InertialEstimator::turns_camera(const odo_attitude& attitude) const {
+bool InertialEstimator::rotates_camera(const odo_attitude& attitude) const {
   return inputs_.vo && started_by_attitude_ && (attitude.header.flags & ODO_ATTITUDE_NORTH) && due(attitude);
 }
 
@@ -66,8 +67,8 @@ void InertialEstimator::note_jump(const odo_pose& before, uint32_t reason, doubl
   odo_pose after = make_pose(before.header.t_ns, *at);
   const Quaterniond turned = (orientation(after) * orientation(before).conjugate()).normalized();
   const Vector3d p_before(before.p_n), p_after(after.p_n);
-  const double jump_m = (p_after - p_before).norm(), turn_rad = log_rotation(turned).norm();
-  if (jump_m <= part * p_.announced_jump_m && turn_rad <= part * p_.announced_turn_rad) return;
+  const double jump_m = (p_after - p_before).norm(), rotation_rad = log_rotation(turned).norm();
+  if (jump_m <= part * p_.announced_jump_m && rotation_rad <= part * p_.announced_rotation_rad) return;
   after.state = last_state_, after.reason = last_reason_;
   const Correction now{before.header.t_ns, turned, p_after - turned * p_before, reason};
   if (correction_)

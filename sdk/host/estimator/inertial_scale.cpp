@@ -13,7 +13,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kFrameSpacing_s = 0.08;  // nearer frames say nothing new, and 96 of them shall last for a window
-constexpr size_t kFewestFrames = 12;
+constexpr size_t kMinFrames = 12;
 
 }  // namespace
 
@@ -53,7 +53,7 @@ std::optional<WindowScale> InertialScale::add_frame(int64_t t_ns, const Vector3d
   if (frame_count_ == frames_.size()) frame_count_ = 0;
   frames_[frame_count_++] = {t_s, *alpha_n + lever_n, y_n};
   if (t_s < window_s) return std::nullopt;
-  const auto scale = frame_count_ >= kFewestFrames ? solve() : std::nullopt;
+  const auto scale = frame_count_ >= kMinFrames ? solve() : std::nullopt;
   restart();
   return scale;
 }
@@ -84,7 +84,7 @@ std::optional<WindowScale> InertialScale::solve() const {
   if (aa <= 0 || ay <= 0) return std::nullopt;
   const double r = ay / aa, noise = std::sqrt(std::max(0.0, yy - r * ay) / freedom);
   const double same = std::max(1.0, p_.window_correlation_s * n / (2 * half_s));  // frames that share one error
-  const double sigma = std::hypot(noise * std::sqrt(same / aa), p_.window_least_relative * r);
+  const double sigma = std::hypot(noise * std::sqrt(same / aa), p_.window_min_relative * r);
   return WindowScale{r, sigma, std::sqrt(aa / (3 * n)), noise / r};
 }
 

@@ -13,10 +13,10 @@ namespace odograph::inertial {
 
 /// What inertia says of the scale over one window.
 struct WindowScale {
-  double units_per_m;  ///< VO units per metre
-  double sigma;        ///< of it
-  double signal_m;     ///< S: rms of the detrended motion
-  double noise_m;      ///< N: rms of what the odometry differs by
+  double inverse_scale;  ///< VO units per metre
+  double sigma;          ///< of it
+  double signal_m;       ///< S: rms of the detrended motion
+  double noise_m;        ///< N: rms of what the odometry differs by
 };
 
 /// The scale from inertia: over a window of some seconds the odometry's positions are regressed on the doubly

@@ -104,9 +104,9 @@ UpdateResult InertialEstimator::apply(const odo_step* step) {
   // A walker changes, and so does what plugins learn, but not without bound; where steps alone tell the metre, nobody
   // would see it.
   if (!metre_check_.doubted()) {
-    const double keep = std::exp(-1 / p_.factor_steps);
-    e_.wander(kLogFactor, keep, (1 - keep * keep) * squared(p_.factor_sigma));
-    e_.x.log_factor *= keep;
+    const double decay = std::exp(-1 / p_.factor_steps);
+    e_.wander(kLogFactor, decay, (1 - decay * decay) * squared(p_.factor_sigma));
+    e_.x.log_factor *= decay;
   }
   e_.add_variance(kStepHeading, 1, squared(p_.step_heading_walk));
   const bool loose = is_loose(*step);
@@ -123,7 +123,7 @@ UpdateResult InertialEstimator::apply(const odo_step* step) {
     // A front-end that moves, but not in metres yet, will put what was walked in place; until then nothing is shown.
     metric_ = metric_ || vo_.known || unaided();
     informed_ns_ = t_ns_;
-  } else if (result.dof > 0 && ++steps_rejected_ >= p_.most_steps_rejected) {
+  } else if (result.dof > 0 && ++steps_rejected_ >= p_.max_steps_rejected) {
     doubt_steps();
   }
   if (!camera_) publish(step->t_end_ns, ODO_TRACKING, ODO_REASON_NONE);  // none there, or none yet
@@ -161,7 +161,7 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
                                                      : p_.step_across_rad;
   Matrix3d noise = squared(own_sigma * length_m) * along * along.transpose() +
                    squared(sway * length_m) * across * across.transpose();
-  noise(2, 2) = squared(stairs ? p_.stair_level_sigma_m : p_.step_level_sigma_m);
+  noise(2, 2) = squared(stairs ? p_.stair_height_sigma_m : p_.step_height_sigma_m);
 
   if (const double rest = 1 - covered; rest > 0) {
     e_.shift_by_step(rest * length_m * along, rest * by_factor, rest * by_heading, rest * rest * noise);
@@ -261,9 +261,9 @@ void InertialEstimator::place_by(Innovation<6>& seen, uint32_t axes) {
 }
 
 /// Until now nobody knew which way n's axes point in the world: what the track and its sources tell in n is turned.
-void InertialEstimator::turn_n(double by_rad) {
+void InertialEstimator::rotate_n(double by_rad) {
   turned_rad_ += by_rad;
-  turn_track(Quaterniond(Eigen::AngleAxisd(by_rad, Vector3d::UnitZ())), Vector3d(start_.position_m.data()));
+  rotate_track(Quaterniond(Eigen::AngleAxisd(by_rad, Vector3d::UnitZ())), Vector3d(start_.position_m.data()));
 }
 
 /// A fix places a track of which nobody has told the heading, and tells one.
@@ -274,14 +274,14 @@ bool InertialEstimator::tells_first_heading(const odo_fix& fix) const {
 }
 
 /// A fix says that the heading is off by more than a small angle: the track is turned first, so that the position is
-/// compared with where the turn takes it. How well both fit, as a normalised innovation squared; nothing is changed
+/// compared with where the rotation takes it. How well both fit, as a normalised innovation squared; nothing is changed
 /// where that is beyond the gate.
-double InertialEstimator::turn_by(const Innovation<6>& seen, const PastPose& at, uint32_t axes) {
+double InertialEstimator::update_heading(const Innovation<6>& seen, const PastPose& at, uint32_t axes) {
   const Eigen::Matrix<double, 6, 6> P = e_.covariance(at);
   const double by_rad = seen.residual[2], S = P(2, 2) + seen.noise(2, 2);
   const Vector3d by_heading = P.block<3, 1>(3, 2) / S;
-  const Vector3d turn(0, 0, P(2, 2) / S * by_rad);
-  const Vector3d left = seen.residual.tail<3>() - left_jacobian(turn) * (by_heading * by_rad);
+  const Vector3d theta_n(0, 0, P(2, 2) / S * by_rad);
+  const Vector3d left = seen.residual.tail<3>() - left_jacobian(theta_n) * (by_heading * by_rad);
   Matrix3d doubt =
       P.bottomRightCorner<3, 3>() - S * by_heading * by_heading.transpose() + seen.noise.bottomRightCorner<3, 3>();
   for (int i = 0; i < 3; ++i)
@@ -292,9 +292,9 @@ double InertialEstimator::turn_by(const Innovation<6>& seen, const PastPose& at,
   heading.residual[0] = by_rad;
   heading.by_pose(at, Eigen::RowVector3d::UnitZ(), Eigen::RowVector3d::Zero());
   heading.noise(0, 0) = seen.noise(2, 2);
-  e_.turn_by(heading, 0);
-  const Quaterniond turned(Eigen::AngleAxisd(turn.z(), Vector3d::UnitZ()));
-  track_.turn(turned);
+  e_.update_heading(heading, 0);
+  const Quaterniond turned(Eigen::AngleAxisd(theta_n.z(), Vector3d::UnitZ()));
+  track_.theta_n(turned);
   vo_.y_n = (turned * vo_.y_n).eval();
   vo_.start_n = at.p_n + turned * (vo_.start_n - at.p_n);
   window_.restart();
@@ -321,10 +321,10 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   flush();
   auto at = past(fix->header.t_ns);
   if (!at && started_) notice_ = {"late_fix", "a fix is of a time that the clones no longer reach back to: not used"};
-  if (!at || fix->integrity > p_.most_integrity_risk) return {};
-  const bool turns = tells_first_heading(*fix);
-  if (turns) {
-    turn_n(heading_residual(*fix, at->q_n_b));
+  if (!at || fix->integrity > p_.max_integrity_risk) return {};
+  const bool rotates = tells_first_heading(*fix);
+  if (rotates) {
+    rotate_n(heading_residual(*fix, at->q_n_b));
     at = past(fix->header.t_ns);
     if (!at) return {};
   }
@@ -332,7 +332,7 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   if ((flags & (kAllAxes | ODO_FIX_ORIENTATION | ODO_FIX_YAW)) == 0) return {};
   const bool horizontal = (flags & kHorizontal) != 0;
   FixInnovation innovation(*fix, *at, lever_n);
-  if (turns) {  // the heading is the fix's now, and as uncertain
+  if (rotates) {  // the heading is the fix's now, and as uncertain
     e_.loosen_heading(std::sqrt(innovation.seen.noise(2, 2)));
     heading_open_ = true;
     innovation.forget_heading();
@@ -340,15 +340,15 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   Innovation<6>& seen = innovation.seen;
   for (int i = 0; i < 6; ++i) seen.noise(i, i) += 1e-12;
   const uint32_t axes = flags & kAllAxes;
-  if (fixes_rejected_ >= p_.most_fixes_rejected && !outweighs_fixes(fix->header.t_ns)) {
+  if (fixes_rejected_ >= p_.max_fixes_rejected && !outweighs_fixes(fix->header.t_ns)) {
     placed_ &= ~axes;
     fixes_agreed_ = 0;
   }
   if (horizontal) open_heading();
   // The heading first where it is off by much, or would move a place that is told at last.
   const bool on_arc = std::abs(seen.residual[2]) > p_.arc_rad || (axes & ~placed_);
-  if ((flags & ODO_FIX_ORIENTATION) && !turns && on_arc) {
-    if (const double nis = turn_by(seen, *at, axes & placed_); !(nis < squared(config_.fix_gate_sigma))) {
+  if ((flags & ODO_FIX_ORIENTATION) && !rotates && on_arc) {
+    if (const double nis = update_heading(seen, *at, axes & placed_); !(nis < squared(config_.fix_gate_sigma))) {
       ++fixes_rejected_;
       return {false, nis, innovation.dof};
     }

@@ -18,8 +18,8 @@ class MetreCheck {
     double walker_sigma = 0.2;   ///< of a walker's log factor at first: 0.10 of those who walk briskly, more of others
     double window_sigma = 0.08;  ///< of that many steps of a walker who is known: of ways of walking
     double walk = 0.02;          ///< of the log factor, from window to window
-    double most_sigmas = 3;      ///< beyond them the metre is doubted,
-    double least_log = 0.35;     ///< but never for less
+    double max_sigmas = 3;       ///< beyond them the metre is doubted,
+    double min_log = 0.35;       ///< but never for less
     double trust_log = 0.15;     ///< below it twice in a row the front-end has found back
   };
 
@@ -29,12 +29,12 @@ class MetreCheck {
   void restart() { count_ = 0, doubted_ = false; }
   /// A step's length as its estimator tells it, and as the front-end has it, m. True where the judgement has changed.
   bool add(double told_m, double seen_m) {
-    told_[count_ % kMost] = told_m, seen_[count_ % kMost] = seen_m;
+    told_[count_ % kMax] = told_m, seen_[count_ % kMax] = seen_m;
     ++count_;
     const bool before = doubted_;
     const double noise = p_.window_sigma * p_.window_sigma;
     if (!doubted_ && count_ >= p_.steps) {
-      const double most = std::max(p_.least_log, p_.most_sigmas * std::sqrt(variance_ + noise));
+      const double most = std::max(p_.min_log, p_.max_sigmas * std::sqrt(variance_ + noise));
       doubted_ = std::abs(off(0)) > most;
       if (!doubted_ && count_ % p_.steps == 0) learn(log_ratio(0) - factor_, noise);
     } else if (doubted_ && count_ >= 2 * p_.steps) {
@@ -59,7 +59,7 @@ class MetreCheck {
   double log_ratio(size_t back) const {
     double told = 1e-9, seen = 1e-9;
     for (size_t i = back; i < back + p_.steps; ++i) {
-      const size_t k = (count_ - 1 - i) % kMost;
+      const size_t k = (count_ - 1 - i) % kMax;
       told += told_[k], seen += seen_[k];
     }
     return std::log(seen / told);
@@ -71,9 +71,9 @@ class MetreCheck {
     variance_ *= 1 - gain;
   }
 
-  static constexpr size_t kMost = 32;
+  static constexpr size_t kMax = 32;
   Parameters p_;
-  std::array<double, kMost> told_{}, seen_{};
+  std::array<double, kMax> told_{}, seen_{};
   size_t count_ = 0;
   double factor_ = 0, variance_;
   bool doubted_ = false;

@@ -46,7 +46,7 @@ void PerFrameCoupling::reset() {
   rotation_covariance_.setZero();
   independent_covariance_.setZero();
   since_fix_n_.setZero();
-  relative_sigma_ = unseen_sigma_m_ = 0.0;
+  relative_sigma_ = unobserved_sigma_m_ = 0.0;
   heading_variance_ = kHeadingUnknown_rad * kHeadingUnknown_rad, tilt_variance_ = 0.0;
   turned_by_fixes_ = false;
   scale_ = {};
@@ -87,9 +87,9 @@ Quaterniond PerFrameCoupling::orientation_from(const odo_attitude& attitude) con
 
 Quaterniond PerFrameCoupling::initial_camera_orientation(int64_t t_ns) const {
   if (const auto attitude = attitude_at(t_ns)) return orientation_from(*attitude) * q_b_c_;
-  Matrix3d level;  // columns: the camera's x, y, z in n when it looks level to the north
-  level << 0, 0, 1, 1, 0, 0, 0, 1, 0;
-  return about_down(heading_offset_rad_) * Quaterniond(level);
+  Matrix3d horizontal;  // columns: the camera's x, y, z in n when it looks level to the north
+  horizontal << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  return about_down(heading_offset_rad_) * Quaterniond(horizontal);
 }
 
 odo_pose PerFrameCoupling::on_first_frame(int64_t t_ns) {
@@ -115,13 +115,13 @@ void PerFrameCoupling::prepare(odo_vo_motion& motion) const {
 }
 
 /// The later frame's orientation, by what the config prefers and what there is.
-void PerFrameCoupling::turn(const odo_vo_motion& motion, const std::optional<odo_attitude>& before,
-                            const std::optional<odo_attitude>& after) {
+void PerFrameCoupling::theta_n(const odo_vo_motion& motion, const std::optional<odo_attitude>& before,
+                               const std::optional<odo_attitude>& after) {
   if (after && config_.orientation == Orientation::attitude) {
     q_n_ = orientation_from(*after) * q_b_c_;
     return;
   }
-  if (config_.orientation == Orientation::gyroscope && turn_with_gyroscope(motion)) return;
+  if (config_.orientation == Orientation::gyroscope && rotate_with_gyroscope(motion)) return;
   if (motion.header.flags & ODO_VO_ROTATION) {
     q_n_ = (q_n_ * quaternion(motion.q_c0_c1)).normalized();
   } else if (before && after) {  // the picture says nothing: the attitude source's rotation instead
@@ -136,7 +136,7 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
   const auto before = attitude_at(motion.t_from_ns);
   const auto after = attitude_at(motion.header.t_ns);
   if (after) rotation_covariance_ = Eigen::Map<const RowMatrix3d>(after->covariance_n);
-  turn(motion, before, after);
+  theta_n(motion, before, after);
 
   const double dt_s = seconds(motion.header.t_ns - motion.t_from_ns);
   bool translated = (motion.header.flags & ODO_VO_TRANSLATION) != 0 && motion.state != ODO_LOST;
@@ -148,9 +148,9 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
   Vector3d late_n = Vector3d::Zero();
   if (inputs_.scale && !metric_by_vo_) {
     if (scale) {
-      scale_ = {scale->metres_per_unit, scale->sigma};
-      relative = scale->metres_per_unit > 0 ? std::min(1.0, scale->sigma / scale->metres_per_unit) : 0.0;
-      d_n *= scale->metres_per_unit;
+      scale_ = {scale->scale, scale->sigma};
+      relative = scale->scale > 0 ? std::min(1.0, scale->sigma / scale->scale) : 0.0;
+      d_n *= scale->scale;
       const bool horizontal = (scale->header.flags & ODO_SCALE_HORIZONTAL) != 0;
       if (horizontal && config_.vertical == Vertical::ignore) d_n.z() = 0.0;
       if (d_n.norm() > kImpossible * config_.fastest_mps * dt_s) {
@@ -211,7 +211,7 @@ void PerFrameCoupling::move(const Vector3d& d_n, double relative_sigma, double d
 
 void PerFrameCoupling::wait_for_scale(const odo_vo_motion& motion, const Vector3d& d_n) {
   if (!unscaled_ || unscaled_->group != motion.scale_group)
-    unscaled_ = Unscaled{Vector3d::Zero(), motion.scale_group, unseen_sigma_m_};
+    unscaled_ = Unscaled{Vector3d::Zero(), motion.scale_group, unobserved_sigma_m_};
   unscaled_->d_n += d_n;
 }
 
@@ -219,8 +219,8 @@ void PerFrameCoupling::wait_for_scale(const odo_vo_motion& motion, const Vector3
 Vector3d PerFrameCoupling::catch_up(const odo_scale& scale) {
   const Unscaled waiting = *std::exchange(unscaled_, std::nullopt);
   if (waiting.group != scale.scale_group || (scale.header.flags & ODO_SCALE_STEADY) == 0) return Vector3d::Zero();
-  unseen_sigma_m_ = waiting.sigma_before_m;
-  Vector3d d_n = scale.metres_per_unit * waiting.d_n;
+  unobserved_sigma_m_ = waiting.sigma_before_m;
+  Vector3d d_n = scale.scale * waiting.d_n;
   if ((scale.header.flags & ODO_SCALE_HORIZONTAL) != 0 && config_.vertical == Vertical::ignore) d_n.z() = 0.0;
   return d_n;
 }
@@ -235,7 +235,7 @@ void PerFrameCoupling::drift(const odo_vo_motion& motion, const Quaterniond& q_n
   }
   heading_variance_ += turned(2, 2) + walk;
   tilt_variance_ += std::max(turned(0, 0), turned(1, 1)) + walk;
-  if (lost_metres) unseen_sigma_m_ += config_.fastest_mps * dt_s;
+  if (lost_metres) unobserved_sigma_m_ += config_.fastest_mps * dt_s;
 }
 
 Matrix3d PerFrameCoupling::position_covariance() const {
@@ -243,11 +243,11 @@ Matrix3d PerFrameCoupling::position_covariance() const {
   const Vector3d across =
       std::sqrt(std::max(0.0, rotation_covariance_(2, 2))) * Vector3d(-since_fix_n_.y(), since_fix_n_.x(), 0.0);
   Matrix3d unseen = Matrix3d::Zero();
-  unseen.diagonal().head<2>().setConstant(unseen_sigma_m_ * unseen_sigma_m_);
+  unseen.diagonal().head<2>().setConstant(unobserved_sigma_m_ * unobserved_sigma_m_);
   return independent_covariance_ + along * along.transpose() + across * across.transpose() + unseen;
 }
 
-bool PerFrameCoupling::turn_with_gyroscope(const odo_vo_motion& motion) {
+bool PerFrameCoupling::rotate_with_gyroscope(const odo_vo_motion& motion) {
   const auto imu = gyro_attitude_.between(motion.t_from_ns, motion.header.t_ns, q_b_c_);
   if (!imu) return false;
   gyro_attitude_.propagate(imu->q_c0_c1, imu->dt_s);
@@ -289,7 +289,7 @@ odo_pose PerFrameCoupling::publish(int64_t t_ns, uint32_t state, uint32_t reason
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(pose.covariance);
   covariance.topLeftCorner<3, 3>() = rotation_covariance_;
   covariance.bottomRightCorner<3, 3>() = position_covariance();
-  pose.scale = scale_.metres_per_unit;
+  pose.scale = scale_.scale;
   pose.scale_sigma = scale_.sigma;
   pose.distance_m = distance_m_;
   pose.state = state;

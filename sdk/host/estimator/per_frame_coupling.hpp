@@ -62,7 +62,7 @@ class PerFrameCoupling {
 
  private:
   struct Scale {
-    double metres_per_unit = 0.0;
+    double scale = 0.0;
     double sigma = 0.0;
   };
 
@@ -74,19 +74,17 @@ class PerFrameCoupling {
   void wait_for_scale(const odo_vo_motion& motion, const Eigen::Vector3d& d_n);
   Eigen::Vector3d catch_up(const odo_scale& scale);
   void drift(const odo_vo_motion& motion, const Eigen::Quaterniond& q_n_c0, double dt_s, bool lost_metres);
-  void turn(const odo_vo_motion& motion, const std::optional<odo_attitude>& before,
-            const std::optional<odo_attitude>& after);
-  bool turn_with_gyroscope(const odo_vo_motion& motion);
+  void theta_n(const odo_vo_motion& motion, const std::optional<odo_attitude>& before,
+               const std::optional<odo_attitude>& after);
+  bool rotate_with_gyroscope(const odo_vo_motion& motion);
   std::optional<odo_pose> pose_then(int64_t t_ns) const;
   void note_correction(const Eigen::Quaterniond& q_before, const Eigen::Vector3d& from_n);
-  bool turn_by(const odo_fix& fix, const Eigen::Quaterniond& q_then);
-  bool turn_chain_by(const Eigen::Vector3d& off_n, const odo_fix& fix);
+  bool update_heading(const odo_fix& fix, const Eigen::Quaterniond& q_then);
+  bool correct_gyro_attitude(const Eigen::Vector3d& off_n, const odo_fix& fix);
   void share_rotation_covariance();
   odo_pose publish(int64_t t_ns, uint32_t state, uint32_t reason);
   /// Positions are in metres, and nothing waits for a scale.
-  bool metre_known() const {
-    return !inputs_.vo || metric_by_vo_ || (inputs_.scale && scale_.metres_per_unit > 0 && !unscaled_);
-  }
+  bool metre_known() const { return !inputs_.vo || metric_by_vo_ || (inputs_.scale && scale_.scale > 0 && !unscaled_); }
   bool metric() const { return inputs_.scale || !inputs_.vo || metric_by_vo_; }
 
   static constexpr double kHeadingUnknown_rad = 0.2;  // of a start without a compass
@@ -121,7 +119,7 @@ class PerFrameCoupling {
   double heading_variance_ = 0.0, tilt_variance_ = 0.0;  // rad^2, of q_n_, where fixes correct it
   bool turned_by_fixes_ = false;
   GyroAttitudeFilter gyro_attitude_;  // q_n_ where the config says so
-  double unseen_sigma_m_ = 0.0;       // what may have been moved, since the last fix, without a scale or a picture
+  double unobserved_sigma_m_ = 0.0;   // what may have been moved, since the last fix, without a scale or a picture
   Scale scale_;
   double distance_m_ = 0.0;
   int64_t last_pose_ns_ = INT64_MIN;

@@ -21,49 +21,49 @@ constexpr double kUninformedSigma_m = 1e4;    // how little a position means bef
 
 }  // namespace
 
-bool PerFrameCoupling::turn_chain_by(const Vector3d& off_n, const odo_fix& fix) {
+bool PerFrameCoupling::correct_gyro_attitude(const Vector3d& off_n, const odo_fix& fix) {
   Matrix3d R = Eigen::Map<const RowMatrix3d>(fix.orientation_cov_n);
-  const auto turn = gyro_attitude_.correct(off_n, R, config_.fix_gate_sigma);
-  if (!turn) return false;
+  const auto theta_n = gyro_attitude_.correct(off_n, R, config_.fix_gate_sigma);
+  if (!theta_n) return false;
   turned_by_fixes_ = true;
-  heading_offset_rad_ += turn->z();
+  heading_offset_rad_ += theta_n->z();
   q_n_ = gyro_attitude_.q_n_c();
   share_rotation_covariance();
   return true;
 }
 
 /// Orientation fixes by a gated Kalman update, heading and inclination apart; an attitude's inclination is left alone.
-bool PerFrameCoupling::turn_by(const odo_fix& fix, const Quaterniond& q_then) {
-  Vector3d turn = Vector3d::Zero();
+bool PerFrameCoupling::update_heading(const odo_fix& fix, const Quaterniond& q_then) {
+  Vector3d theta_n = Vector3d::Zero();
   double yaw_variance = fix.yaw_sigma_rad * fix.yaw_sigma_rad, fix_tilt_variance = 0.0;
   const bool whole = (fix.header.flags & ODO_FIX_ORIENTATION) != 0;
   if (whole) {
     Quaterniond q = quaternion(fix.q_n_b);
     if (camera_) q = q * q_b_c_;
     const Eigen::AngleAxisd difference(q * q_then.conjugate());
-    turn = difference.angle() * difference.axis();
+    theta_n = difference.angle() * difference.axis();
     yaw_variance = fix.orientation_cov_n[8];
     fix_tilt_variance = std::max(fix.orientation_cov_n[0], fix.orientation_cov_n[4]);
   } else {
     const Vector3d y_n = (camera_ ? q_then * q_b_c_.conjugate() : q_then) * Vector3d::UnitY();
-    turn.z() = std::remainder(fix.yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
+    theta_n.z() = std::remainder(fix.yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
   }
-  if (whole && camera_ && config_.orientation == Orientation::gyroscope) return turn_chain_by(turn, fix);
+  if (whole && camera_ && config_.orientation == Orientation::gyroscope) return correct_gyro_attitude(theta_n, fix);
   const double gate = config_.fix_gate_sigma, S = heading_variance_ + yaw_variance + 1e-12;
-  if (gate > 0 && turn.z() * turn.z() > gate * gate * S) return false;
-  turn.z() *= heading_variance_ / S;
+  if (gate > 0 && theta_n.z() * theta_n.z() > gate * gate * S) return false;
+  theta_n.z() *= heading_variance_ / S;
   heading_variance_ *= yaw_variance / S;
   if (whole && config_.orientation != Orientation::attitude) {
     const double gain = tilt_variance_ / (tilt_variance_ + fix_tilt_variance + 1e-12);
-    turn.head<2>() *= gain;
+    theta_n.head<2>() *= gain;
     tilt_variance_ *= 1 - gain;
   } else {
-    turn.head<2>().setZero();
+    theta_n.head<2>().setZero();
   }
   turned_by_fixes_ = true;
-  heading_offset_rad_ += turn.z();
-  if (const double angle = turn.norm(); angle > 0)
-    q_n_ = (Quaterniond(Eigen::AngleAxisd(angle, turn / angle)) * q_n_).normalized();
+  heading_offset_rad_ += theta_n.z();
+  if (const double angle = theta_n.norm(); angle > 0)
+    q_n_ = (Quaterniond(Eigen::AngleAxisd(angle, theta_n / angle)) * q_n_).normalized();
   share_rotation_covariance();
   return true;
 }
@@ -88,7 +88,7 @@ std::optional<odo_pose> PerFrameCoupling::pose_then(int64_t t_ns) const {
 UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
   const uint32_t flags = fix.header.flags;
   const Vector3d z(fix.p_n);
-  const bool turns = (flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0;
+  const bool has_heading = (flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0;
   // The fix speaks of its own time; what moved since then moved both.
   const auto then = pose_then(fix.header.t_ns);
   const Vector3d from_n = p_n_,
@@ -104,7 +104,7 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     R(i, i) = kUninformedSigma_m * kUninformedSigma_m;
   }
   if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) {
-    corrected_ = turns && turn_by(fix, q_then);
+    corrected_ = has_heading && update_heading(fix, q_then);
     if (corrected_) note_correction(q_before, from_n);
     return {corrected_, 0.0, 0};
   }
@@ -124,7 +124,7 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
   if (!placed_ && (flags & ODO_FIX_ORIENTATION) != 0 && !start_.heading_given &&
       heading_variance_ >= kHeadingUnknown_rad * kHeadingUnknown_rad)
     heading_variance_ = std::max(heading_variance_, kAnyHeading_rad * kAnyHeading_rad);
-  if (turns) turn_by(fix, q_then);  // a fix whose position is refused does not turn either
+  if (has_heading) update_heading(fix, q_then);  // a fix whose position is refused does not turn either
   const Matrix3d K = P * S.inverse();
   const Vector3d correction = K * innovation;
   // What moved since then was led by the heading that has just been mended.
@@ -133,7 +133,7 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
   independent_covariance_ = (Matrix3d::Identity() - K) * P;
   note_correction(q_before, from_n);
   unscaled_.reset();  // the fix knows where that led
-  relative_sigma_ = unseen_sigma_m_ = 0.0;
+  relative_sigma_ = unobserved_sigma_m_ = 0.0;
   placed_ = true;
   rejected_in_a_row_ = 0;
   corrected_ = true;

@@ -20,7 +20,7 @@ class PoseTrack {
     moments_[count_++ % moments_.size()] = {t_ns, segment_, x.q_n_b * clone.q_n_b.conjugate(), x.p_n - clone.p_n};
   }
   /// n itself is turned.
-  void turn(const Eigen::Quaterniond& q) {
+  void rotate(const Eigen::Quaterniond& q) {
     for (Moment& m : moments_) m.dq_n = q * m.dq_n * q.conjugate(), m.dp_n = (q * m.dp_n).eval();
   }
 

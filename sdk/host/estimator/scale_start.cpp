@@ -7,14 +7,15 @@
 namespace odograph::inertial {
 namespace {
 
-constexpr int kFewestSteps = 3;
-constexpr double kMostUnitsRatio = 3;  // a step on which the odometry moved three times less than on the others is none
+constexpr int kMinSteps = 3;
+constexpr double kMaxDisplacementRatio =
+    3;  // a step on which the odometry moved three times less than on the others is none
 
 }  // namespace
 
 void ScaleStart::restart() {
   count_ = 0;
-  steps_m_ = steps_units_ = information_ = weighted_ = 0;
+  steps_m_ = steps_displacement_ = information_ = weighted_ = 0;
   steps_ = 0;
 }
 
@@ -23,7 +24,7 @@ void ScaleStart::add_motion(int64_t t_ns, const Eigen::Vector3d& y_n) { path_[co
 void ScaleStart::add_window(const WindowScale& window) {
   const double weight = 1 / (window.sigma * window.sigma);
   information_ += weight;
-  weighted_ += weight * window.units_per_m;
+  weighted_ += weight * window.inverse_scale;
 }
 
 std::optional<Eigen::Vector3d> ScaleStart::at(int64_t t_ns) const {
@@ -43,18 +44,18 @@ bool ScaleStart::add_step(int64_t start_ns, int64_t end_ns, double length_m) {
   const auto from = at(start_ns), to = at(end_ns);
   if (!from || !to || length_m <= 0) return false;
   const double units = (*to - *from).head<2>().norm();
-  if (steps_ > 0 && units * kMostUnitsRatio / length_m < steps_units_ / steps_m_) return false;
-  steps_m_ += length_m, steps_units_ += units;
+  if (steps_ > 0 && units * kMaxDisplacementRatio / length_m < steps_displacement_ / steps_m_) return false;
+  steps_m_ += length_m, steps_displacement_ += units;
   ++steps_;
   return true;
 }
 
 std::optional<ScaleStart::Known> ScaleStart::known(double log_factor, double factor_variance) const {
   double by_steps = 0, by_inertia = 0, steps_log = 0, inertia_log = 0;  // information, values
-  if (steps_ >= kFewestSteps && steps_units_ > 0) {
+  if (steps_ >= kMinSteps && steps_displacement_ > 0) {
     const double own = p_.step_own_sigma * p_.step_own_sigma / steps_;
     by_steps = 1 / (factor_variance + own);
-    steps_log = std::log(steps_m_ / steps_units_) + log_factor;
+    steps_log = std::log(steps_m_ / steps_displacement_) + log_factor;
   }
   if (information_ > 0) {
     const double r = weighted_ / information_;

@@ -40,7 +40,7 @@ class ScaleStart {
   };
   std::array<Point, 256> path_{};
   size_t count_ = 0;
-  double steps_m_ = 0, steps_units_ = 0;
+  double steps_m_ = 0, steps_displacement_ = 0;
   int steps_ = 0;
   double information_ = 0, weighted_ = 0;  // of units per metre
 };

@@ -183,7 +183,7 @@ std::string message_fault(const odo_header& header) {
     case ODO_TYPE_VO_MOTION: judge_vo_motion(judge, as<odo_vo_motion>(header)); break;
     case ODO_TYPE_SCALE: {
       const auto& m = as<odo_scale>(header);
-      judge.not_negative("metres_per_unit", m.metres_per_unit).finite("sigma", m.sigma);
+      judge.not_negative("scale", m.scale).finite("sigma", m.sigma);
       judge.finite("displacement_m", m.displacement_m);
       break;
     }
@@ -197,13 +197,13 @@ bool AnyMessage::assign(const odo_header& message) {
   const MessageInfo* info = message_info(message.type);
   const size_t size = message.struct_size;
   if (size < (info ? info->min_size : sizeof(odo_header)) || size > ODO_LARGEST_MESSAGE) return false;
-  room_ = std::max(size, info ? info->size : size_t(0));
-  if (room_ > kInside)
-    outside_.resize((room_ + 7) / 8);
+  capacity_ = std::max(size, info ? info->size : size_t(0));
+  if (capacity_ > kInside)
+    outside_.resize((capacity_ + 7) / 8);
   else
     outside_.clear();
   std::memcpy(data(), &message, size);
-  std::memset(data() + size, 0, room_ - size);
+  std::memset(data() + size, 0, capacity_ - size);
   return true;
 }
 

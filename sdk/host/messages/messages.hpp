@@ -97,20 +97,20 @@ class AnyMessage {
   unsigned char* data() { return outside_.empty() ? inside_ : reinterpret_cast<unsigned char*>(outside_.data()); }
   const unsigned char* data() const { return const_cast<AnyMessage*>(this)->data(); }
   void copy(const AnyMessage& other) {
-    room_ = other.room_;
+    capacity_ = other.capacity_;
     outside_ = other.outside_;
-    if (outside_.empty()) std::memcpy(inside_, other.inside_, room_);
+    if (outside_.empty()) std::memcpy(inside_, other.inside_, capacity_);
   }
   void take(AnyMessage& other) noexcept {
-    room_ = other.room_;
+    capacity_ = other.capacity_;
     outside_ = std::move(other.outside_);
-    if (outside_.empty()) std::memcpy(inside_, other.inside_, room_);
-    other.room_ = sizeof(odo_header);
+    if (outside_.empty()) std::memcpy(inside_, other.inside_, capacity_);
+    other.capacity_ = sizeof(odo_header);
     other.outside_.clear();
   }
 
   alignas(8) unsigned char inside_[kInside];
-  size_t room_ = sizeof(odo_header);
+  size_t capacity_ = sizeof(odo_header);
   std::vector<uint64_t> outside_;
 };
 

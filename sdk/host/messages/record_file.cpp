@@ -14,7 +14,7 @@ constexpr char kMagic[8] = {'O', 'D', 'O', 'R', 'E', 'C', '1', '\n'};
 constexpr uint32_t kRecord = 0x524F444F;                     // "ODOR"
 constexpr size_t kFirstLook = 4096, kLargestLook = 1 << 20;  // bytes read at once on the way to the next record
 constexpr uint64_t kLook = 4096;                             // bytes that looking at a place costs at least
-constexpr uint64_t kLeastEffort = 16u << 20;                 // of small files
+constexpr uint64_t kMinEffort = 16u << 20;                   // of small files
 constexpr uint32_t kEndMark = 0x1FFFF;
 constexpr uint32_t kVersion = 1, kMinor = 2, kMinorOfEndMark = 2;
 
@@ -95,7 +95,7 @@ Result<RecordReader> RecordReader::open(const std::filesystem::path& file) {
   reader.in_.open(file, std::ios::binary);
   if (!reader.in_) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be opened"};
   reader.size_ = std::filesystem::file_size(file, error);
-  reader.effort_left_ = reader.parameters_.effort * reader.size_ + kLeastEffort;
+  reader.effort_left_ = reader.parameters_.effort * reader.size_ + kMinEffort;
   char magic[8] = {};
   uint32_t version[2] = {};
   reader.in_.read(magic, sizeof magic);

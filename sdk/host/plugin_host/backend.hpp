@@ -17,7 +17,7 @@ struct KindTypes {
 };
 
 /// A plugin that declares more types than this is refused. Ours declare three at most; there are 40 of ours.
-inline constexpr size_t kMostTypes = 256;
+inline constexpr size_t kMaxTypes = 256;
 
 /// One instance of a plugin where it runs: in this process (LibraryBackend) or in one of its own (ProcessBackend). All
 /// of it is [control] but process, which is [process]. Statuses are the plugin's own, ODO_E_ERROR where it threw.

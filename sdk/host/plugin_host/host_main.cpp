@@ -49,7 +49,7 @@ class Answer {
     const std::lock_guard lock(mutex_);
     if (open_)
       put_report(severity, status, key, text);
-    else if (early_.size() < kMostEarly)
+    else if (early_.size() < kMaxEarly)
       early_.push_back({severity, status, key, text});
   }
   void finish(int32_t status) {
@@ -71,7 +71,7 @@ class Answer {
     int32_t status;
     std::string key, text;
   };
-  static constexpr size_t kMostEarly = 256;
+  static constexpr size_t kMaxEarly = 256;
 
   void put_report(uint32_t severity, int32_t status, const std::string& key, const std::string& text) {
     const size_t before = out_.size();

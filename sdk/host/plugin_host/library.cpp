@@ -61,8 +61,8 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::open(const std::filesystem
   if (!entry) return fail(ODO_E_UNSUPPORTED, "symbol missing: it does not export " ODO_PLUGIN_ENTRY_SYMBOL);
 
   // Room behind the struct: a careless plugin of a newer ABI that writes its whole larger table does no harm.
-  alignas(odo_plugin) unsigned char room[4096] = {};
-  auto* filled = reinterpret_cast<odo_plugin*>(room);
+  alignas(odo_plugin) unsigned char storage[4096] = {};
+  auto* filled = reinterpret_cast<odo_plugin*>(storage);
   filled->struct_size = sizeof(odo_plugin);
   int32_t status = ODO_E_ERROR;
   try {
@@ -96,9 +96,9 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::open(const std::filesystem
   if (t.interface_count == 0 || !t.interfaces) return fail(ODO_E_DATA, "its table names no interface");
   if ((t.input_count > 0 && !t.inputs) || (t.output_count > 0 && !t.outputs))
     return fail(ODO_E_DATA, "its table counts inputs or outputs and has no list of them");
-  if (t.input_count > kMostTypes || t.output_count > kMostTypes)
+  if (t.input_count > kMaxTypes || t.output_count > kMaxTypes)
     return fail(ODO_E_DATA, "its table has " + std::to_string(std::max(t.input_count, t.output_count)) +
-                                " inputs or outputs; expected at most " + std::to_string(kMostTypes));
+                                " inputs or outputs; expected at most " + std::to_string(kMaxTypes));
   const auto parameters = parameter_specs(t);
   if (!parameters) return fail(parameters.failure().status, parameters.failure().text);
   return library;

@@ -30,8 +30,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kEndLimit_s = 1;
-constexpr int kEndPolls = 100;         // of 1 ms: what has closed its socket should be gone by then
-constexpr size_t kMostRecords = 4096;  // of one call: 256 events, reports and what was emitted beyond
+constexpr int kEndPolls = 100;        // of 1 ms: what has closed its socket should be gone by then
+constexpr size_t kMaxRecords = 4096;  // of one call: 256 events, reports and what was emitted beyond
 
 std::string number(double value) {
   char text[32];
@@ -129,7 +129,7 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
   const std::string why = reader.get_text();
   for (auto* types : {&made->types_.inputs, &made->types_.outputs}) {
     const auto bytes = reader.get_bytes();
-    if (bytes.size() > 2 * kMostTypes * sizeof(uint32_t))  // its kind's, and what it declares
+    if (bytes.size() > 2 * kMaxTypes * sizeof(uint32_t))  // its kind's, and what it declares
       return Failure{ODO_E_FATAL, who + "broke the protocol in load"};
     types->resize(bytes.size() / sizeof(uint32_t));
     if (!bytes.empty()) std::memcpy(types->data(), bytes.data(), types->size() * sizeof(uint32_t));
@@ -240,7 +240,7 @@ int32_t ProcessBackend::answered() {
 bool ProcessBackend::take_records(wire::Reader& reader) {
   alignas(8) unsigned char bytes[ODO_LARGEST_MESSAGE];
   for (size_t count = 0; reader.good() && !reader.empty(); ++count) {
-    if (count >= kMostRecords) return false;
+    if (count >= kMaxRecords) return false;
     const auto kind = reader.get<uint32_t>();
     if (kind == wire::report) {
       const auto severity = reader.get<uint32_t>();

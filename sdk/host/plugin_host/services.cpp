@@ -12,7 +12,7 @@ namespace {
 
 HostServices& of(const odo_host* host) { return *const_cast<HostServices*>(static_cast<const HostServices*>(host)); }
 
-constexpr size_t kMostKinds = 256;  // of reports of one origin: what has more gets one kind for the rest
+constexpr size_t kMaxKinds = 256;  // of reports of one origin: what has more gets one kind for the rest
 constexpr size_t kLongestKey = 256, kLongestText = 4096;
 
 std::string text_of(const odo_string* s, size_t longest) {
@@ -81,7 +81,7 @@ void HostServices::report(uint32_t instance, uint32_t severity, const std::strin
     if (const auto name = names_.find(instance); name != names_.end()) report.origin = name->second;
     const auto now = std::chrono::steady_clock::now();
     auto& kinds = recent_[report.origin];
-    if (kinds.size() >= kMostKinds && kinds.count(report.key) == 0) report.key = "more";
+    if (kinds.size() >= kMaxKinds && kinds.count(report.key) == 0) report.key = "more";
     auto [entry, is_new] = kinds.try_emplace(report.key);
     if (!is_new && now - entry->second.last < std::chrono::seconds(1)) {
       ++entry->second.held_back;

@@ -251,7 +251,7 @@ Result<std::unique_ptr<ThreadBackend>> ThreadBackend::load(const PluginChoice& c
                                                            HostServices& host, const odo_sink& sink) {
   const Parameters parameters;
   const std::string library = choice.manifest.library.string();
-  if (const int left = LeftBehind::count(library); left >= parameters.most_left_behind)
+  if (const int left = LeftBehind::count(library); left >= parameters.max_left_behind)
     return Failure{ODO_E_EXHAUSTED, library + ": " + std::to_string(left) + " of its calls have not come back"};
   auto worker = std::make_shared<Worker>(choice, check, host, sink);
   std::unique_ptr<ThreadBackend> made(new ThreadBackend(worker));

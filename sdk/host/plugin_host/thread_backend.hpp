@@ -19,8 +19,7 @@ namespace odograph {
 class ThreadBackend : public SeparateBackend {
  public:
   struct Parameters {
-    int most_left_behind =
-        8;  ///< calls of one library that have not come back; with more nothing is loaded (judgement)
+    int max_left_behind = 8;  ///< calls of one library that have not come back; with more nothing is loaded (judgement)
   };
 
   /// `choice` is copied; `host` and `sink` are used until it is destroyed, within its own calls alone. A failure with

@@ -38,13 +38,13 @@ struct Control {
 /// Appends numbers and texts; what does not fit makes it full and is left out.
 class Writer {
  public:
-  explicit Writer(std::span<uint8_t> room) : room_(room) {}
+  explicit Writer(std::span<uint8_t> buffer) : buffer_(buffer) {}
   template <class T>
   void put(const T& value) {
     put_raw(&value, sizeof value);
   }
   void put_bytes(const void* data, uint64_t size) {
-    if (sizeof size + size > room_.size() - at_) {
+    if (sizeof size + size > buffer_.size() - at_) {
       full_ = true;
       return;
     }
@@ -58,14 +58,14 @@ class Writer {
 
  private:
   void put_raw(const void* data, size_t size) {
-    if (full_ || size > room_.size() - at_) {
+    if (full_ || size > buffer_.size() - at_) {
       full_ = true;
       return;
     }
-    if (size > 0) std::memcpy(room_.data() + at_, data, size);
+    if (size > 0) std::memcpy(buffer_.data() + at_, data, size);
     at_ += size;
   }
-  std::span<uint8_t> room_;
+  std::span<uint8_t> buffer_;
   size_t at_ = 0;
   bool full_ = false;
 };

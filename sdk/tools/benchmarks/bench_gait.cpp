@@ -30,7 +30,7 @@ Json figures_of(const GaitSeries& series) {
                       {"acceleration, std of the norm (m/s^2)", "", "acceleration_std", 4, f.acceleration_std},
                       {"acceleration, 95 % of |norm - mean| (m/s^2)", "", "acceleration_p95", 4, f.acceleration_p95},
                       {"rotation rate, rms (rad/s)", "", "rotation_rms", 4, f.rotation_rms},
-                      {"horizontal acceleration, rms (m/s^2)", "", "level_rms", 4, f.level_rms},
+                      {"horizontal acceleration, rms (m/s^2)", "", "horizontal_rms", 4, f.horizontal_rms},
                       {"stride's power over step's", "", "stride_part", 4, f.stride_part},
                       {"power above 8 Hz over all", "", "shock_part", 4, f.shock_part}});
   row["_spectrum"] = f.spectrum;

@@ -123,7 +123,7 @@ Json scale_along(const VoFigures& f, const Pairs& pairs) {
 
 Json vo_row(const Recording& recording, const RunResult& result) {
   const VoFigures figures = figures_of(recording, result);
-  const Pairs pairs = associate(recording.truth, chain_of(result.motions).own(), kAssociate_s);
+  const Pairs pairs = associate(recording.truth, compose(result.motions).own(), kAssociate_s);
   Json row = metre_of(figures);
   row.update(shape_of(vo_shape(recording.truth, result.motions, pairs), result));
   if (!result.refined.empty()) row["refined"] = refined_of(result.refined.back());

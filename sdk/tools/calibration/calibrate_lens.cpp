@@ -13,7 +13,7 @@
 namespace odograph {
 namespace {
 
-constexpr size_t kFewestViews = 3;
+constexpr size_t kMinViews = 3;
 constexpr double kHuber_px = 1;
 
 size_t coefficients_of(const LensOptions& options) {
@@ -193,9 +193,9 @@ std::set<size_t> misfits(const LensCalibration& calibration, double reject) {
 }  // namespace
 
 Result<LensCalibration> calibrate_lens(const std::vector<BoardView>& views, cv::Size size, const LensOptions& options) {
-  if (views.size() < kFewestViews)
+  if (views.size() < kMinViews)
     return Failure{ODO_E_DATA, "pictures in which the board was found: " + std::to_string(views.size()) +
-                                   "; at least " + std::to_string(kFewestViews) + " are needed, twenty are good"};
+                                   "; at least " + std::to_string(kMinViews) + " are needed, twenty are good"};
   const Failure no_lens{
       ODO_E_DATA,
       "no lens of this model explains the pictures; are they of one camera with one focus, and of the "
@@ -214,13 +214,13 @@ Result<LensCalibration> calibrate_lens(const std::vector<BoardView>& views, cv::
         used.erase(used.begin() + static_cast<std::ptrdiff_t>(i));
         fit.poses.erase(fit.poses.begin() + static_cast<std::ptrdiff_t>(i));
       }
-    if (used.size() < kFewestViews) return no_lens;
+    if (used.size() < kMinViews) return no_lens;
     ceres::Problem problem;
     build(problem, fit, used, options);
     if (!refine(problem)) return no_lens;
     measure(fit, used, out);
     const auto bad = misfits(out, options.reject);
-    if (bad.empty() || used.size() - bad.size() < kFewestViews) {
+    if (bad.empty() || used.size() - bad.size() < kMinViews) {
       out.fx = fit.lens[0], out.fy = fit.lens[1], out.cx = fit.lens[2], out.cy = fit.lens[3];
       out.distortion.assign(fit.lens.begin() + 4, fit.lens.end());
       const bool plausible = out.fx > 0 && out.fy > 0 && out.rms_px < 0.02 * size.width;

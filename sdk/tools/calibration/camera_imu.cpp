@@ -14,7 +14,7 @@ using Eigen::Quaterniond, Eigen::Vector3d;
 
 constexpr int kRounds = 4;            // lens and gyroscope are linearized anew in each
 constexpr double kFirstScale_px = 2;  // the start is some tenths of a degree off
-constexpr double kLeastScale_px = 0.1;
+constexpr double kMinScale_px = 0.1;
 
 /// Standard deviations of the rotation rate along its principal axes, largest first: what motion there is to go by.
 Vector3d liveliness(const std::vector<GyroSample>& gyro) {
@@ -45,9 +45,9 @@ class Work {
     double across = 0;
     for (const auto& r : start.rotations) across += r.gyro_rps.head<2>().squaredNorm();
     across = std::sqrt(across / static_cast<double>(start.rotations.size()));
-    if (!options.refine_lens || across < options.least_lens_rate_rps)
+    if (!options.refine_lens || across < options.min_lens_rate_rps)
       for (const auto i : {kFocal, kCx, kCy, kK1}) fixed_[i] = true;
-    windows_ = windows_of(data.frames, options.window_s, options.most_windows, options.fewest_corners);
+    windows_ = windows_of(data.frames, options.window_s, options.max_windows, options.min_corners);
     const GyroOrientation gyro(data.gyro, bias_);
     const auto outside = [&](const FrameWindow& window) {
       const auto at = [&](size_t frame) { return gyro.seconds(data.frames[frame].t_ns) + start.time_offset_s; };
@@ -65,7 +65,7 @@ class Work {
       else
         problem_ = std::make_unique<CameraImuProblem>(data_, windows_, linearization(), options_);
       if (!problem_->solve(x_, fixed_, scale_px_)) return false;
-      scale_px_ = std::max(kLeastScale_px, 2 * 1.4826 * median_of_sizes(problem_->residuals()));
+      scale_px_ = std::max(kMinScale_px, 2 * 1.4826 * median_of_sizes(problem_->residuals()));
       if (round + 1 == kRounds) covariance_ = problem_->covariance();
       take_over();
       if (progress) progress(++done, all);
@@ -79,7 +79,7 @@ class Work {
   bool fix_weak(CameraImuCalibration& out) {
     const auto& given = data_.given;
     bool changed = false;
-    const auto weigh = [&](Estimate& e, size_t i, double unit, double most, auto&& restore) {
+    const auto accept_if_observable = [&](Estimate& e, size_t i, double unit, double most, auto&& restore) {
       if (fixed_[i]) return;
       e.sigma = sigma(static_cast<Eigen::Index>(i)) * unit;
       if (e.sigma <= most) return;
@@ -88,22 +88,23 @@ class Work {
     };
     if (!fixed_[shared::mount]) {
       out.rotation_sigma_rad = {sigma(shared::mount), sigma(shared::mount + 1), sigma(shared::mount + 2)};
-      if (out.rotation_sigma_rad.maxCoeff() > options_.most_rotation_sigma_rad) {
+      if (out.rotation_sigma_rad.maxCoeff() > options_.max_rotation_sigma_rad) {
         for (size_t i = 0; i < 3; ++i) fixed_[shared::mount + i] = true;
         if (given.header.flags & ODO_CALIBRATION_EXTRINSICS) q_b_c_ = out.given_q_b_c;
         changed = true;
       }
     }
-    weigh(out.time_offset_s, shared::time_offset, 1, options_.most_time_sigma_s, [&] {
+    accept_if_observable(out.time_offset_s, shared::time_offset, 1, options_.max_time_sigma_s, [&] {
       if (given.header.flags & ODO_CALIBRATION_TIME_OFFSET) x_[shared::time_offset] = out.time_offset_s.given;
     });
-    weigh(out.row_time_s, shared::row_time, 1, options_.most_readout_sigma_s / given.height,
-          [&] { x_[shared::row_time] = data_.given_row_time_s; });
-    weigh(out.focal_px, kFocal, lens_.fx, options_.most_focal_sigma * lens_.fx,
-          [&] { lens_.fx = given.fx, lens_.fy = given.fy; });
-    weigh(out.cx, kCx, 1, options_.most_centre_sigma * given.width, [&] { lens_.cx = given.cx; });
-    weigh(out.cy, kCy, 1, options_.most_centre_sigma * given.width, [&] { lens_.cy = given.cy; });
-    weigh(out.k1, kK1, 1, options_.most_distortion_sigma, [&] { lens_.distortion[0] = given.distortion[0]; });
+    accept_if_observable(out.row_time_s, shared::row_time, 1, options_.max_readout_sigma_s / given.height,
+                         [&] { x_[shared::row_time] = data_.given_row_time_s; });
+    accept_if_observable(out.focal_px, kFocal, lens_.fx, options_.max_focal_sigma * lens_.fx,
+                         [&] { lens_.fx = given.fx, lens_.fy = given.fy; });
+    accept_if_observable(out.cx, kCx, 1, options_.max_centre_sigma * given.width, [&] { lens_.cx = given.cx; });
+    accept_if_observable(out.cy, kCy, 1, options_.max_centre_sigma * given.width, [&] { lens_.cy = given.cy; });
+    accept_if_observable(out.k1, kK1, 1, options_.max_distortion_sigma,
+                         [&] { lens_.distortion[0] = given.distortion[0]; });
     return changed;
   }
 
@@ -199,14 +200,14 @@ Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, con
   const odo_calibration& given = data.given;
   out.frames = data.frames.size();
   out.rate_rms_rps = liveliness(data.gyro);
-  if (out.rate_rms_rps[1] < options.least_rate_rps) {
+  if (out.rate_rms_rps[1] < options.min_rate_rps) {
     char text[220];
     std::snprintf(
         text, sizeof text,
         "too little rotation: %.1f, %.1f and %.1f deg/s rms about its three axes, at least %.1f about two are "
         "needed; turn the phone to and fro about all of its axes",
         57.29578 * out.rate_rms_rps[0], 57.29578 * out.rate_rms_rps[1], 57.29578 * out.rate_rms_rps[2],
-        57.29578 * options.least_rate_rps);
+        57.29578 * options.min_rate_rps);
     return wrong(text);
   }
   const GyroOrientation gyro(data.gyro, Vector3d::Zero());
@@ -224,9 +225,9 @@ Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, con
   out.lens_refined = options.refine_lens;
 
   Work work(data, options, *start);
-  if (work.windows() < options.fewest_windows)
+  if (work.windows() < options.min_windows)
     return wrong("stretches in which enough corners can be followed: " + std::to_string(work.windows()) +
-                 "; at least " + std::to_string(options.fewest_windows) + " are needed");
+                 "; at least " + std::to_string(options.min_windows) + " are needed");
   // What turns out not to be observable is fixed, and the rest solved again.
   constexpr size_t kPasses = 4;
   size_t done = 0;

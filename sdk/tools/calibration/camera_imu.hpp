@@ -32,27 +32,27 @@ struct CameraImuOptions {
 
   // What is looked at.
   double window_s = 0.4;          ///< of five frames; long enough to turn and to move, short enough to keep corners
-  size_t most_windows = 150;      ///< spread evenly over the recording: a minute of it
+  size_t max_windows = 150;       ///< spread evenly over the recording: a minute of it
   size_t corners_of_window = 60;  ///< at most
-  size_t fewest_corners = 20;     ///< of a window, whose path has 11 unknowns
+  size_t min_corners = 20;        ///< of a window, whose path has 11 unknowns
   double gap_s = 0.05;            ///< between IMU samples; windows over a longer one are left out
 
   // What must be there.
   double search_s = 0.2;  ///< the time offset is looked for this far around the given one
-  double least_rate_rps =
+  double min_rate_rps =
       0.05;  ///< rotation about the second liveliest axis, rms: 3 deg/s, ten times a phone's bias drift
-  size_t fewest_windows = 10;
+  size_t min_windows = 10;
   /// Across the optical axis, rms, before the lens is touched: 15 deg/s turn 0.1 rad in a window, whose flow shows 1 %
   /// of focal length against corners that err by some tenths of a pixel together.
-  double least_lens_rate_rps = 0.26;
+  double min_lens_rate_rps = 0.26;
 
   // From which standard deviation on a quantity counts as not observable, and keeps its given value.
-  double most_rotation_sigma_rad = 0.0087;  ///< 0.5 degrees
-  double most_time_sigma_s = 2e-3;          ///< of the time offset
-  double most_readout_sigma_s = 4e-3;       ///< of the whole frame's readout: phones take 5 to 33 ms
-  double most_focal_sigma = 0.01;           ///< relative; focus breathing is 0.02 to 0.04 (docs/recording.md)
-  double most_centre_sigma = 0.006;         ///< of the picture's width
-  double most_distortion_sigma = 0.02;      ///< of k1
+  double max_rotation_sigma_rad = 0.0087;  ///< 0.5 degrees
+  double max_time_sigma_s = 2e-3;          ///< of the time offset
+  double max_readout_sigma_s = 4e-3;       ///< of the whole frame's readout: phones take 5 to 33 ms
+  double max_focal_sigma = 0.01;           ///< relative; focus breathing is 0.02 to 0.04 (docs/recording.md)
+  double max_centre_sigma = 0.006;         ///< of the picture's width
+  double max_distortion_sigma = 0.02;      ///< of k1
 
   // What is known of any lens beforehand, one standard deviation around the given values.
   double focal_prior = 0.2;        ///< relative

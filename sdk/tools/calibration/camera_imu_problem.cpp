@@ -9,9 +9,9 @@ namespace {
 
 using Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Quaterniond, Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 
-constexpr double kLength = 1e-3;      // of a path from 1: the scale is nobody's to know
-constexpr double kLeastDepth = 0.05;  // before a camera, of a point one away; nearer or behind it is held there
-constexpr double kNearest = 0.5;      // of the path's length, inverse: a point's start
+constexpr double kLength = 1e-3;    // of a path from 1: the scale is nobody's to know
+constexpr double kMinDepth = 0.05;  // before a camera, of a point one away; nearer or behind it is held there
+constexpr double kNearest = 0.5;    // of the path's length, inverse: a point's start
 
 Matrix3d cross_matrix(const Vector3d& v) {
   Matrix3d m;
@@ -31,7 +31,7 @@ class CameraImuProblem::Reprojection final : public ceres::SizedCostFunction<2, 
     const Eigen::Map<const SharedUnknowns> x(blocks[0]);
     const Eigen::Map<const Vector3d> point(blocks[2]);
     const View v = view(x, Eigen::Map<const Path>(blocks[1]), point);
-    const double depth = std::max(v.Y.z(), kLeastDepth);
+    const double depth = std::max(v.Y.z(), kMinDepth);
     const double focal = at_.lens.fx;
     const Vector2d measured = sight_.ray.ray + sight_.ray.by_lens * x.segment<4>(shared::lens);
     Eigen::Map<Vector2d> r(residual);
@@ -40,7 +40,7 @@ class CameraImuProblem::Reprojection final : public ceres::SizedCostFunction<2, 
     Matrix23d by_Y;
     by_Y << 1, 0, -v.Y.x() / depth, 0, 1, -v.Y.y() / depth;
     by_Y *= -focal / depth;
-    if (v.Y.z() < kLeastDepth) by_Y.col(2).setZero();
+    if (v.Y.z() < kMinDepth) by_Y.col(2).setZero();
     const Matrix23d by_Z = by_Y * (v.R_reference_b * v.R_b_c).transpose();
     if (jacobians[0]) derive_by_shared(v, by_Y, by_Z, point.z(), jacobians[0]);
     if (jacobians[1]) {
@@ -98,17 +98,17 @@ class CameraImuProblem::Reprojection final : public ceres::SizedCostFunction<2, 
   void derive_by_shared(const View& v, const Matrix23d& by_Y, const Matrix23d& by_Z, double inverse_depth,
                         double* jacobian) const {
     Eigen::Map<Eigen::Matrix<double, 2, shared::count, Eigen::RowMajor>> J(jacobian);
-    const Matrix23d by_turn = by_Y * v.R_b_c.transpose() * cross_matrix(v.Z_b);
+    const Matrix23d by_rotation = by_Y * v.R_b_c.transpose() * cross_matrix(v.Z_b);
     J.middleCols<3>(shared::mount) = by_Y * cross_matrix(v.Y) * (Matrix3d::Identity() - 0.5 * cross_matrix(v.delta));
-    const Vector2d by_turning = by_turn * at_.gyro->rate(v.t), by_moving = -inverse_depth * (by_Z * v.velocity);
+    const Vector2d by_turning = by_rotation * at_.gyro->rate(v.t), by_moving = -inverse_depth * (by_Z * v.velocity);
     J.col(shared::time_offset) = by_turning;  // the frames' places move along
     J.col(shared::row_time) = sight_.rows * (by_turning + by_moving);
-    J.middleCols<3>(shared::bias) = -v.since_s * by_turn;
+    J.middleCols<3>(shared::bias) = -v.since_s * by_rotation;
     J.middleCols<4>(shared::lens) = at_.lens.fx * sight_.ray.by_lens;
-    for (Eigen::Index i = 0; i < 3; ++i) J.col(shared::gyro_scale + i) = by_turn.col(i) * v.theta[i];
-    J.col(shared::gyro_scale + 3) = by_turn.col(0) * v.theta[1] + by_turn.col(1) * v.theta[0];
-    J.col(shared::gyro_scale + 4) = by_turn.col(0) * v.theta[2] + by_turn.col(2) * v.theta[0];
-    J.col(shared::gyro_scale + 5) = by_turn.col(1) * v.theta[2] + by_turn.col(2) * v.theta[1];
+    for (Eigen::Index i = 0; i < 3; ++i) J.col(shared::gyro_scale + i) = by_rotation.col(i) * v.theta[i];
+    J.col(shared::gyro_scale + 3) = by_rotation.col(0) * v.theta[1] + by_rotation.col(1) * v.theta[0];
+    J.col(shared::gyro_scale + 4) = by_rotation.col(0) * v.theta[2] + by_rotation.col(2) * v.theta[0];
+    J.col(shared::gyro_scale + 5) = by_rotation.col(1) * v.theta[2] + by_rotation.col(2) * v.theta[1];
   }
 
   const CameraImuLinearization& at_;

@@ -16,8 +16,8 @@ constexpr double kBetween_s = 0.1;   // frames compared for the start: small rot
 constexpr double kCoarse_s = 0.004;  // steps of the search; hands turn within 0.1 s and more
 constexpr double kFine_s = 0.0005;
 constexpr int kReweighted = 5;
-constexpr size_t kMostPairs = 1000, kFewestPairs = 40;
-constexpr double kLeastCorrelation = 0.5;  // by chance it is below 0.2 (some hundred pairs)
+constexpr size_t kMaxPairs = 1000, kMinPairs = 40;
+constexpr double kMinCorrelation = 0.5;  // by chance it is below 0.2 (some hundred pairs)
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -156,15 +156,15 @@ Result<CameraImuStart> find_camera_imu_start(const CameraImuData& data, const Gy
   const double around_s =
       data.given.header.flags & ODO_CALIBRATION_TIME_OFFSET ? static_cast<double>(data.given.time_offset_ns) * 1e-9 : 0;
   std::vector<Seen> seen;
-  for (const FramePair& pair : pairs_of(data.frames, kBetween_s, kMostPairs, options.fewest_corners)) {
+  for (const FramePair& pair : pairs_of(data.frames, kBetween_s, kMaxPairs, options.min_corners)) {
     const double from = gyro.seconds(data.frames[pair.first].t_ns), to = gyro.seconds(data.frames[pair.second].t_ns);
     if (!gyro.covers(from + around_s - options.search_s, to + around_s + options.search_s, options.gap_s)) continue;
     seen.push_back({from, to, seen_rotation(data, pair) / (to - from)});
   }
-  if (seen.size() < kFewestPairs)
+  if (seen.size() < kMinPairs)
     return Failure{ODO_E_DATA,
                    "pairs of frames with enough corners and IMU samples around them: " + std::to_string(seen.size()) +
-                       "; at least " + std::to_string(kFewestPairs) + " are needed, half a minute is good"};
+                       "; at least " + std::to_string(kMinPairs) + " are needed, half a minute is good"};
   CameraImuStart start{
       .q_b_c = {}, .time_offset_s = around_s, .bias_b = {}, .correlation = 0, .offset_cost = {}, .rotations = {}};
   Match best;
@@ -186,7 +186,7 @@ Result<CameraImuStart> find_camera_imu_start(const CameraImuData& data, const Gy
     const Vector3d g = rotation_vector(gyro.at(from).conjugate() * gyro.at(to)) / (to - from) - best.bias_b;
     start.rotations.push_back({0.5 * (from + to), best.R_b_c.transpose() * g, s.rate_c});
   }
-  if (best.correlation < kLeastCorrelation)
+  if (best.correlation < kMinCorrelation)
     return Failure{ODO_E_DATA, "the pictures do not turn as the gyroscope does (correlation " +
                                    std::to_string(best.correlation).substr(0, 4) +
                                    "): are they of one recording, is the focal length about right, is there enough to "

@@ -13,7 +13,7 @@
 namespace odograph {
 namespace {
 
-constexpr size_t kFewestCorners = 8;
+constexpr size_t kMinCorners = 8;
 const cv::TermCriteria kFine(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 50, 1e-3);
 
 float norm_of(const std::vector<cv::Point2f>& points, int a, int b) {
@@ -131,7 +131,7 @@ std::optional<BoardView> BoardFinder::find_checkerboard(const cv::Mat& grey) con
   BoardView view;
   if (!cv::findChessboardCornersSB(grey, size, view.pixels, cv::CALIB_CB_ACCURACY | cv::CALIB_CB_NORMALIZE_IMAGE))
     return {};
-  // As far as to the half of the shortest way to a neighbour.
+  // As far as to the half of the shortest distance to a neighbour.
   float shortest = static_cast<float>(grey.cols);
   for (int i = 0; i < board_.inner_corners(); ++i) {
     if ((i + 1) % size.width) shortest = std::min(shortest, norm_of(view.pixels, i, i + 1));
@@ -192,7 +192,7 @@ std::optional<BoardView> BoardFinder::find_charuco(const cv::Mat& grey) {
                             [&](const auto& a, const auto& b) { return coordinate(a) < coordinate(b); });
     return coordinate(*high) - coordinate(*low);
   };
-  if (view.pixels.size() < kFewestCorners || span([](const auto& p) { return p.x; }) < 1.5 * board_.square_m ||
+  if (view.pixels.size() < kMinCorners || span([](const auto& p) { return p.x; }) < 1.5 * board_.square_m ||
       span([](const auto& p) { return p.y; }) < 1.5 * board_.square_m)
     return {};  // too few, or nearly on a line: they say nothing of the board's tilt
   return view;

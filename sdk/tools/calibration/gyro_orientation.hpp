@@ -28,7 +28,7 @@ class GyroOrientation {
                   const Eigen::Matrix3d& scale = Eigen::Matrix3d::Identity());
 
   double seconds(int64_t t_ns) const { return static_cast<double>(t_ns - first_ns_) * 1e-9; }
-  /// Whether there are samples all the way, with none further apart than `gap_s`.
+  /// Whether there are samples throughout, with none further apart than `gap_s`.
   bool covers(double from_s, double to_s, double gap_s) const;
   /// From the body at `t_s` to the body at the first sample; beyond the samples the nearest interval's rate is carried
   /// on.

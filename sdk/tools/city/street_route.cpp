@@ -42,8 +42,8 @@ class StreetMap {
   }
 
   bool is_street(int cell) const {
-    const auto room = static_cast<double>(clearance_.ptr<float>()[cell]);
-    return room >= p_.clearance_m && room <= p_.built_up_m;
+    const auto clearance = static_cast<double>(clearance_.ptr<float>()[cell]);
+    return clearance >= p_.clearance_m && clearance <= p_.built_up_m;
   }
   int cells() const { return clearance_.rows * clearance_.cols; }
   Vector2d place(int cell) const { return low_ + p_.cell_m * Vector2d(cell / clearance_.cols, cell % clearance_.cols); }
@@ -58,8 +58,8 @@ class StreetMap {
     return true;
   }
 
-  /// Least-cost ways from a cell to all others that are not `used`: the cell before each, and the length in metres.
-  void ways(int from, const std::vector<char>& used, std::vector<int>& before, std::vector<float>& length) const {
+  /// Least-cost paths from a cell to all others that are not `used`: the cell before each, and the length in metres.
+  void paths(int from, const std::vector<char>& used, std::vector<int>& before, std::vector<float>& length) const {
     const auto n = static_cast<size_t>(cells());
     before.assign(n, -1), length.assign(n, 0);
     std::vector<float> cost(n, 1e30f);
@@ -81,8 +81,8 @@ class StreetMap {
           const auto k = static_cast<size_t>(next);
           if (!is_street(next) || used[k]) continue;
           const auto step = static_cast<float>(p_.cell_m * std::hypot(dy, dx));
-          const double room = std::min(p_.middle_m, static_cast<double>(clearance_.ptr<float>()[next]));
-          const float to = c + step * static_cast<float>(1 + 3 * (p_.middle_m - room) / p_.middle_m);
+          const double clearance = std::min(p_.middle_m, static_cast<double>(clearance_.ptr<float>()[next]));
+          const float to = c + step * static_cast<float>(1 + 3 * (p_.middle_m - clearance) / p_.middle_m);
           if (to >= cost[k]) continue;
           cost[k] = to, before[k] = cell, length[k] = length[static_cast<size_t>(cell)] + step;
           open.push({to, next});
@@ -96,22 +96,22 @@ class StreetMap {
   cv::Mat clearance_;
 };
 
-/// Fewer points: those that the line needs to stay near the way and clear of walls.
-std::vector<Vector2d> straightened(const StreetMap& map, const std::vector<Vector2d>& way, double tolerance_m) {
-  std::vector<Vector2d> line = {way.front()};
-  for (size_t from = 0; from + 1 < way.size();) {
+/// Fewer points: those that the line needs to stay near the path and clear of walls.
+std::vector<Vector2d> straightened(const StreetMap& map, const std::vector<Vector2d>& path, double tolerance_m) {
+  std::vector<Vector2d> line = {path.front()};
+  for (size_t from = 0; from + 1 < path.size();) {
     size_t to = from + 1;
-    for (size_t end = from + 2; end < way.size(); ++end) {
-      const Vector2d along = (way[end] - way[from]).normalized();
+    for (size_t end = from + 2; end < path.size(); ++end) {
+      const Vector2d along = (path[end] - path[from]).normalized();
       double worst = 0;
       for (size_t i = from + 1; i < end; ++i) {
-        const Vector2d d = way[i] - way[from];
+        const Vector2d d = path[i] - path[from];
         worst = std::max(worst, std::abs(d.x() * along.y() - d.y() * along.x()));
       }
       if (worst > tolerance_m * 2) break;
-      if (worst <= tolerance_m && map.clear(way[from], way[end])) to = end;
+      if (worst <= tolerance_m && map.clear(path[from], path[end])) to = end;
     }
-    line.push_back(way[to]);
+    line.push_back(path[to]);
     from = to;
   }
   return line;
@@ -132,10 +132,10 @@ Result<std::vector<Vector3d>> draw_street_route(const CityModel& city, uint64_t 
   for (int attempt = 0; attempt < 200; ++attempt) {
     std::vector<char> used = none;
     int at = streets[random.next() % streets.size()];
-    std::vector<Vector2d> way = {map.place(at)};
+    std::vector<Vector2d> path = {map.place(at)};
     double so_far = 0;
     for (int leg = 0; leg < 4 && so_far < p.length_m; ++leg) {
-      map.ways(at, used, before, length);
+      map.paths(at, used, before, length);
       const auto least = static_cast<float>(leg < 3 ? 60 : p.length_m - so_far);
       std::vector<int> targets;
       for (const int cell : streets)
@@ -147,18 +147,18 @@ Result<std::vector<Vector3d>> draw_street_route(const CityModel& city, uint64_t 
         cells.push_back(cell);
       std::reverse(cells.begin(), cells.end());
       for (const int cell : cells) {
-        so_far += (map.place(cell) - way.back()).norm();
-        way.push_back(map.place(cell));
+        so_far += (map.place(cell) - path.back()).norm();
+        path.push_back(map.place(cell));
         at = cell;
         if (so_far >= p.length_m) break;
       }
-      // The way back would be the way that was come: what lies behind is left out.
+      // The path back would be the path that was come: what lies behind is left out.
       for (const int cell : streets)
-        for (size_t i = 0; i + 12 < way.size(); i += 4)
-          if ((map.place(cell) - way[i]).norm() < 6) used[static_cast<size_t>(cell)] = 1;
+        for (size_t i = 0; i + 12 < path.size(); i += 4)
+          if ((map.place(cell) - path[i]).norm() < 6) used[static_cast<size_t>(cell)] = 1;
     }
     if (so_far < p.length_m) continue;
-    const auto line = straightened(map, way, p.corner_tolerance_m);
+    const auto line = straightened(map, path, p.corner_tolerance_m);
     std::vector<Vector3d> points;
     for (const Vector2d& q : line) points.emplace_back(q.x(), q.y(), 0);
     return points;

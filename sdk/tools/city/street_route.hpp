@@ -15,10 +15,10 @@ struct StreetRouteParameters {
   double middle_m = 6.0;     ///< farther from the walls than this nothing draws a route to the middle of the street
   double built_up_m = 25.0;  ///< somewhere within this there is a wall: the route stays in town
   double border_m = 20.0;    ///< from the model's border: beyond it the model knows nothing
-  double corner_tolerance_m = 0.8;  ///< by which the corners of the drawn line may leave the way found on the map
+  double corner_tolerance_m = 0.8;  ///< by which the corners of the drawn line may leave the path found on the map
 };
 
-/// A route of about the wanted length through a model's streets: ways of least cost between places drawn by `seed`,
+/// A route of about the wanted length through a model's streets: paths of least cost between places drawn by `seed`,
 /// near the middle of the street, never through a building. Points are north, east and 0 in the model's n, m. Fails
 /// where no such route is found.
 Result<std::vector<Eigen::Vector3d>> draw_street_route(const CityModel& city, uint64_t seed,

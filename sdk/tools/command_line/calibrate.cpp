@@ -75,7 +75,7 @@ std::array<double, 4> looks_of(const BoardView& view, cv::Size size) {
 }
 
 /// At most `most` views, each the one that is least like those taken before.
-std::vector<BoardView> most_different(std::vector<BoardView> views, cv::Size size, size_t most) {
+std::vector<BoardView> max_different(std::vector<BoardView> views, cv::Size size, size_t most) {
   if (views.size() <= most) return views;
   std::vector<std::array<double, 4>> looks;
   for (const BoardView& view : views) looks.push_back(looks_of(view, size));
@@ -205,7 +205,7 @@ int calibrate(const CalibrateArguments& a) {
   if (seen->other_size > 0)
     std::fprintf(stderr, "%zu of %zu pictures are not %dx%d as the first is, and left out\n", seen->other_size,
                  seen->pictures, seen->size.width, seen->size.height);
-  const auto views = most_different(seen->views, seen->size, a.most);
+  const auto views = max_different(seen->views, seen->size, a.most);
   auto found = calibrate_lens(views, seen->size, a.options.lens());
   if (!found) {
     Failure failure = found.failure();

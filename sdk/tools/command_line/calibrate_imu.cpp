@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDegrees = 57.29577951308232;
-constexpr size_t kMostPoints = 6000;  // of a plot
+constexpr size_t kMaxPoints = 6000;  // of a plot
 
 std::vector<Plot> plots_of(const CameraImuCalibration& c) {
   Plot offset{.title = "Time offset", .x_label = "time offset (ms)", .y_label = "rotation left over, median (deg/s)"};
@@ -48,7 +48,7 @@ std::vector<Plot> plots_of(const CameraImuCalibration& c) {
   PlotSeries over{.name = "size", .style = "points pt 7 ps 0.2", .points = {}};
   PlotSeries cloud{.name = "measured minus modelled", .style = "points pt 7 ps 0.2", .points = {}};
   const double limit = 6 * std::max(0.05, c.rms_px);
-  const size_t step = std::max<size_t>(1, c.residuals.size() / kMostPoints);
+  const size_t step = std::max<size_t>(1, c.residuals.size() / kMaxPoints);
   for (size_t i = 0; i < c.residuals.size(); i += step) {
     const auto& r = c.residuals[i];
     if (std::hypot(r.dx_px, r.dy_px) > limit) continue;

@@ -223,10 +223,10 @@ cv::Mat picture_of(const Skylines& skylines, const odo_skyline_database& what, c
   const cv::Scalar paper(255, 255, 255), sky(250, 236, 218), ink(60, 60, 60), roof(40, 90, 200), grey(205, 205, 205);
   cv::Mat picture(kSky + kMap, kWidth, CV_8UC3, paper);
   picture.rowRange(0, kSky).setTo(sky);
-  const double most_rad = 0.5 * std::numbers::pi;
+  const double max_rad = 0.5 * std::numbers::pi;
   for (size_t j = 0; j < kN; ++j) {
     const int x = static_cast<int>(j) * kWidth / static_cast<int>(kN);
-    const int y = kSky - static_cast<int>(static_cast<double>(s.elevation_rad[j]) / most_rad * kSky);
+    const int y = kSky - static_cast<int>(static_cast<double>(s.elevation_rad[j]) / max_rad * kSky);
     const double far = std::min(1.0, static_cast<double>(s.distance_m[j]) / 200);  // what is farther is paler
     const double shade = 60 + 140 * far;
     cv::rectangle(picture, {x, y}, {x + kWidth / static_cast<int>(kN) - 1, kSky}, cv::Scalar::all(shade), cv::FILLED);

@@ -98,13 +98,13 @@ std::vector<double> degrees(std::vector<double> radians) {
 }
 
 Json evaluate_waypoints(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
-  const double turn = heading_offset(track, waypoints, metres);
-  const WaypointErrors errors = waypoint_errors(lay_over(track, waypoints, turn), waypoints);
+  const double rotation = heading_offset(track, waypoints, metres);
+  const WaypointErrors errors = waypoint_errors(lay_over(track, waypoints, rotation), waypoints);
   return {{"waypoints", waypoints.size()},
           {"reference_m", errors.reference_m},
           {"estimate_m", errors.estimate_m},
           {"distance_error_percent", 100 * errors.distance_error()},
-          {"heading_turn_rad", turn},
+          {"heading_offset_rad", rotation},
           {"position_m", json_of(statistics_of(errors.position_m))},
           {"position_cdf_m", cdf_of(errors.position_m)}};
 }

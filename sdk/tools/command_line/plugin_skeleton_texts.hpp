@@ -147,8 +147,8 @@ inline const Skeleton kSkeletons[] = {
     const double units = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
     if ((message.header.flags & ODO_VO_TRANSLATION) == 0 || !(units > 1e-9 && units < 1e9)) return;
     auto event = odo::make<odo_scale>(message.header.t_ns);
-    event.metres_per_unit = gain * 1e-9 * static_cast<double>(message.header.t_ns - message.t_from_ns) / units;
-    event.sigma = 0.2 * event.metres_per_unit;
+    event.scale = gain * 1e-9 * static_cast<double>(message.header.t_ns - message.t_from_ns) / units;
+    event.sigma = 0.2 * event.scale;
     event.valid_from_ns = message.t_from_ns, event.valid_to_ns = message.header.t_ns;
     event.scale_group = message.scale_group;
     output.emit(event);
@@ -164,8 +164,8 @@ inline const Skeleton kSkeletons[] = {
   event.header.struct_size = sizeof event;
   event.header.type = ODO_TYPE_SCALE;
   event.header.t_ns = message->t_ns;
-  event.metres_per_unit = self->gain * 1e-9 * (double)(message->t_ns - motion->t_from_ns) / units;
-  event.sigma = 0.2 * event.metres_per_unit;
+  event.scale = self->gain * 1e-9 * (double)(message->t_ns - motion->t_from_ns) / units;
+  event.sigma = 0.2 * event.scale;
   event.valid_from_ns = motion->t_from_ns, event.valid_to_ns = message->t_ns;
   event.scale_group = motion->scale_group;
   return self->sink->emit(self->sink, &event.header);

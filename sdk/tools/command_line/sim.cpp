@@ -46,7 +46,7 @@ int sim(const SimArguments& a) {
       100 * t.develop_s / all, 100 * t.encode_s / all);
   if (done->moving_parts.empty()) return kDone;
   const std::vector<double> moving(done->moving_parts.begin(), done->moving_parts.end());
-  std::printf("people and cars on their way cover %.0f %% of a frame in the median, %.0f %% in the fullest tenth\n",
+  std::printf("people and cars that pass cover %.0f %% of a frame in the median, %.0f %% in the fullest tenth\n",
               100 * percentile(moving, 0.5), 100 * percentile(moving, 0.9));
   return kDone;
 }
@@ -63,9 +63,9 @@ void add_sim(CLI::App& app, int& status) {
   command->add_option("--seed", a->seed, "another seed: another world, tremor and noise")->capture_default_str();
   command->add_option("--city", a->city,
                       "write the generated town's buildings and known objects as CityJSON, as a surveyor knows them");
-  auto* objects = command->add_option(
-      "--objects", a->objects,
-      "folder for what a surveyor knows of the objects along the way: objects.yaml and pictures, for fix/known_object");
+  auto* objects = command->add_option("--objects", a->objects,
+                                      "folder for what a surveyor knows of the objects along the route: objects.yaml "
+                                      "and pictures, for fix/known_object");
   command
       ->add_option("--walk", a->walk,
                    "a real walk (Indoor Location Competition trace): its own sensors, pictures rendered along it")

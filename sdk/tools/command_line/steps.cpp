@@ -45,7 +45,7 @@ std::vector<Stretch> stretches_of(const RunResult& result, int64_t start_ns, int
   return all;
 }
 
-/// Three pictures one below the other: lengths over time, their distribution, and the way.
+/// Three pictures one below the other: lengths over time, their distribution, and the path.
 Result<std::string> page_of(const StepsArguments& a, const Recording& recording, const RunResult& result,
                             int64_t start_ns) {
   Plot lengths{.title = "Step lengths", .x_label = "s", .y_label = "m"};
@@ -65,15 +65,15 @@ Result<std::string> page_of(const StepsArguments& a, const Recording& recording,
   for (size_t i = 0; i < values.size(); ++i)
     curve.points.emplace_back(values[i], static_cast<double>(i + 1) / static_cast<double>(values.size()));
   spread.series.push_back(curve);
-  Plot way{.title = "Dead-reckoned way", .x_label = "east, m", .y_label = "north, m", .equal_axes = true};
+  Plot path{.title = "Dead-reckoned path", .x_label = "east, m", .y_label = "north, m", .equal_axes = true};
   PlotSeries track{.name = "steps", .style = "linespoints pt 7 ps 0.3"}, marks{.name = "waypoints", .style = "points"};
   for (const StampedPose& pose : result.track) track.points.emplace_back(pose.p.y(), pose.p.x());
   for (const Waypoint& mark : recording.waypoints()) marks.points.emplace_back(mark.p_n.y(), mark.p_n.x());
-  way.series.push_back(track);
-  if (!marks.points.empty()) way.series.push_back(marks);
+  path.series.push_back(track);
+  if (!marks.points.empty()) path.series.push_back(marks);
   std::string page = "<!DOCTYPE html><meta charset=\"utf-8\"><title>Steps</title>\n<h1>" +
                      std::filesystem::path(a.recording).filename().string() + "</h1>\n";
-  for (const Plot* plot : {&lengths, &spread, &way}) {
+  for (const Plot* plot : {&lengths, &spread, &path}) {
     if (plot->series[0].points.empty()) continue;
     const auto svg = draw_svg(*plot);
     if (!svg) return svg.failure();
@@ -144,11 +144,11 @@ int steps(const StepsArguments& a) {
 
 void add_steps(CLI::App& app, int& status) {
   auto* command =
-      app.add_subcommand("steps", "Modes, steps, lengths and the dead-reckoned way that the IMU of a recording tells");
+      app.add_subcommand("steps", "Modes, steps, lengths and the dead-reckoned path that the IMU of a recording tells");
   auto a = std::make_shared<StepsArguments>();
   command->add_option("recording", a->recording, "any recording with an IMU")->required();
   command->add_option("-c,--config", a->config, "pipeline config with a step estimator")->capture_default_str();
-  command->add_option("--plot", a->plot, "write lengths over time, their distribution and the way as an HTML page");
+  command->add_option("--plot", a->plot, "write lengths over time, their distribution and the path as an HTML page");
   command->add_flag("--each", a->each, "a line for each step");
   command->add_flag("--json", a->json, "print one JSON object");
   command->callback([a, &status] { status = steps(*a); });

@@ -125,7 +125,7 @@ void without_accelerometer(Recording& recording) {
 void worsen_times(Recording& recording, const Degradation& d, uint64_t seed) {
   Random random(seed, kJitter);
   int64_t last_ns[4] = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
-  constexpr int64_t kLeast_ns = 1000;
+  constexpr int64_t kMin_ns = 1000;
   // The truth is by the camera's clock as it is told: so it is the IMU that moves.
   for_imu(recording, [&](RecordedMessage& m) {
     int64_t& t = m.message.header().t_ns;
@@ -133,7 +133,7 @@ void worsen_times(Recording& recording, const Degradation& d, uint64_t seed) {
     if (d.stamp_jitter_s <= 0) return;
     int64_t& last = last_ns[sensors_of(m)];
     t += nanoseconds(d.stamp_jitter_s * random.normal());
-    if (last != INT64_MIN) t = std::max(t, last + kLeast_ns);
+    if (last != INT64_MIN) t = std::max(t, last + kMin_ns);
     last = t;
   });
   recording.sort();

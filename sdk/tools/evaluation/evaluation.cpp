@@ -219,20 +219,20 @@ TrueLengths with_true_lengths(const Pairs& pairs, double window_m) {
     begin = i, path = 0;
   }
   out.track.push_back({truth[0].t_ns, truth[0].q, truth[0].p});
-  const Eigen::Quaterniond turn = truth[0].q * estimate[0].q.conjugate();
+  const Eigen::Quaterniond rotation = truth[0].q * estimate[0].q.conjugate();
   for (size_t i = 1; i < truth.size(); ++i) {
-    const Vector3d d_true = truth[i].p - truth[i - 1].p, d = turn * (estimate[i].p - estimate[i - 1].p);
+    const Vector3d d_true = truth[i].p - truth[i - 1].p, d = rotation * (estimate[i].p - estimate[i - 1].p);
     const double standing =
         1e-3 * std::max(1e-9, (truth.back().p - truth[0].p).norm() / static_cast<double>(truth.size()));
     const bool moved = d.norm() > 1e-12;
     if (d_true.norm() > standing) {
-      const Vector3d own = (turn * estimate[i - 1].q).conjugate() * d, right = truth[i - 1].q.conjugate() * d_true;
+      const Vector3d own = (rotation * estimate[i - 1].q).conjugate() * d, right = truth[i - 1].q.conjugate() * d_true;
       if (moved)
         out.direction_error_rad.push_back(std::atan2(own.cross(right).norm(), own.dot(right)));
       else
         ++out.without_motion;
     }
-    out.track.push_back({truth[i].t_ns, turn * estimate[i].q, out.track.back().p + factor[i] * d});
+    out.track.push_back({truth[i].t_ns, rotation * estimate[i].q, out.track.back().p + factor[i] * d});
   }
   return out;
 }
@@ -291,10 +291,10 @@ double heading_offset(const Trajectory& track, const std::vector<Waypoint>& wayp
   return std::atan2(sine, cosine);
 }
 
-Trajectory lay_over(const Trajectory& track, const std::vector<Waypoint>& waypoints, double turn_rad) {
+Trajectory lay_over(const Trajectory& track, const std::vector<Waypoint>& waypoints, double yaw_rad) {
   if (waypoints.empty()) return track;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::AngleAxisd(turn_rad, Vector3d::UnitZ()).toRotationMatrix();
+  T.linear() = Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()).toRotationMatrix();
   T.translation() = waypoints.front().p_n - T.linear() * position_at(track, waypoints.front().t_ns);
   return transformed(track, 1.0, T);
 }
@@ -339,14 +339,14 @@ LegOracles leg_oracles(const Trajectory& track, const std::vector<Waypoint>& way
   out.true_headings_m = waypoint_errors(headed, waypoints).position_m;
   out.true_lengths_m =
       waypoint_errors(lay_over(measured, waypoints, heading_offset(measured, waypoints, metres)), waypoints).position_m;
-  const auto turn_of = [](const auto& leg) {
+  const auto yaw_of = [](const auto& leg) {
     return std::atan2(leg.first.x() * leg.second.y() - leg.first.y() * leg.second.x(), leg.first.dot(leg.second));
   };
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const auto& leg : legs)
-    mean += leg.second.norm() * Eigen::Vector2d(std::cos(turn_of(leg)), std::sin(turn_of(leg)));
+    mean += leg.second.norm() * Eigen::Vector2d(std::cos(yaw_of(leg)), std::sin(yaw_of(leg)));
   for (const auto& leg : legs) {
-    out.heading_rad.push_back(std::remainder(turn_of(leg) - std::atan2(mean.y(), mean.x()), 2 * EIGEN_PI));
+    out.heading_rad.push_back(std::remainder(yaw_of(leg) - std::atan2(mean.y(), mean.x()), 2 * EIGEN_PI));
     out.length.push_back(leg.first.norm() / leg.second.norm() - 1);
   }
   return out;

@@ -32,8 +32,9 @@ struct Pairs {
 };
 Pairs associate(const Trajectory& reference, const Trajectory& estimate, double max_difference_s);
 
-/// The estimate brought to the reference. none: as is. first: the first poses coincide. yaw: least squares over a turn
-/// about the vertical and a shift. se3, sim3: Umeyama 1991, without and with scale. `scale` gets the factor applied.
+/// The estimate brought to the reference. none: as is. first: the first poses coincide. yaw: least squares over a
+/// rotation about the vertical and a shift. se3, sim3: Umeyama 1991, without and with scale. `scale` gets the factor
+/// applied.
 Trajectory align(const Pairs& pairs, Alignment alignment, double* scale);
 
 /// Absolute pose error, translation part in m and rotation part in rad.
@@ -75,7 +76,7 @@ std::optional<StampedPose> pose_at(const Trajectory& trajectory, int64_t t_ns, d
 /// (and at least one), both taken from the first waypoint on.
 double heading_offset(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres);
 /// The track turned about its place at the first waypoint, and shifted so that this place is the waypoint.
-Trajectory lay_over(const Trajectory& track, const std::vector<Waypoint>& waypoints, double turn_rad);
+Trajectory lay_over(const Trajectory& track, const std::vector<Waypoint>& waypoints, double yaw_rad);
 
 struct WaypointErrors {
   double reference_m = 0;          // length of the polyline through the waypoints

@@ -64,9 +64,9 @@ std::vector<double> power_spectrum(const std::vector<double>& signal, double rat
     for (size_t i = 0; i < n; ++i) mean += signal[from + i] / static_cast<double>(n);
     for (size_t k = 0; k < bins; ++k) {
       std::complex<double> sum = 0;
-      const std::complex<double> turn = std::polar(1.0, -2 * kPi * static_cast<double>(k) / static_cast<double>(n));
+      const std::complex<double> rotation = std::polar(1.0, -2 * kPi * static_cast<double>(k) / static_cast<double>(n));
       std::complex<double> phase = 1;
-      for (size_t i = 0; i < n; ++i, phase *= turn) {
+      for (size_t i = 0; i < n; ++i, phase *= rotation) {
         const double hann = 0.5 - 0.5 * std::cos(2 * kPi * static_cast<double>(i) / static_cast<double>(n));
         sum += hann * (signal[from + i] - mean) * phase;
       }
@@ -98,7 +98,7 @@ GaitFigures gait_figures(const GaitSeries& s) {
   f.acceleration_std = a.std;
   f.acceleration_p95 = percentile(deviation, 0.95);
   f.rotation_rms = statistics_of(s.rotation).rmse;
-  f.level_rms = statistics_of(s.level).rmse;
+  f.horizontal_rms = statistics_of(s.level).rmse;
   return f;
 }
 

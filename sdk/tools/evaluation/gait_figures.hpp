@@ -10,19 +10,19 @@ namespace odograph {
 
 constexpr double kGaitRate_hz = 50;  ///< of phones' recordings
 
-/// Samples of a walk at kGaitRate_hz: norms of acceleration and of rotation rate, and the acceleration that is level.
+/// Samples of a walk at kGaitRate_hz: norms of acceleration and of rotation rate, and the horizontal acceleration.
 struct GaitSeries {
   std::vector<double> acceleration, rotation, level;
 };
 
 struct GaitFigures {
-  double frequency_hz;           ///< of the steps: the spectrum's peak between 1.2 and 3 Hz
-  double acceleration_std;       ///< of the norm, m/s^2
-  double acceleration_p95;       ///< of the norm's deviation from its mean, m/s^2
-  double rotation_rms;           ///< rad/s
-  double level_rms;              ///< of the level acceleration, m/s^2, by the phone's own orientation or the true one
-  double stride_part;            ///< power around half the step frequency over that around it
-  double shock_part;             ///< power above 8 Hz over all power
+  double frequency_hz;      ///< of the steps: the spectrum's peak between 1.2 and 3 Hz
+  double acceleration_std;  ///< of the norm, m/s^2
+  double acceleration_p95;  ///< of the norm's deviation from its mean, m/s^2
+  double rotation_rms;      ///< rad/s
+  double horizontal_rms;    ///< of the horizontal acceleration, m/s^2, by the phone's own orientation or the true one
+  double stride_part;       ///< power around half the step frequency over that around it
+  double shock_part;        ///< power above 8 Hz over all power
   std::vector<double> spectrum;  ///< of the acceleration's norm, (m/s^2)^2/Hz at 0.1 Hz steps
 };
 

@@ -15,8 +15,8 @@ using Eigen::Matrix2d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kThreeSigma1 = 9.0, kThreeSigma2 = 11.83;      // 99.73 % of chi-square, one and two degrees of freedom
-constexpr double kLeastSigma_m = 0.01, kLeastSigma_rad = 1e-3;  // the covariance's floor
+constexpr double kThreeSigma1 = 9.0, kThreeSigma2 = 11.83;  // 99.73 % of chi-square, one and two degrees of freedom
+constexpr double kMinSigma_m = 0.01, kMinSigma_rad = 1e-3;  // the covariance's floor
 
 /// Time for which something has been beyond three sigmas without a break.
 struct Beyond {
@@ -46,11 +46,12 @@ PoseConsistency pose_consistency(const std::vector<odo_pose>& poses, const Traje
     reference.push_back(*there);
     const Eigen::Vector2d error = (laid.on_truth(Vector3d(pose.p_n)) - there->p).head<2>();
     const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> P(pose.covariance);
-    const Eigen::AngleAxisd turn(laid.yaw_rad, Vector3d::UnitZ());
-    const Eigen::Matrix3d turned = turn * Eigen::Matrix3d(P.block<3, 3>(3, 3)) * turn.inverse().toRotationMatrix();
-    const Matrix2d S = Matrix2d(turned.topLeftCorner<2, 2>()) + kLeastSigma_m * kLeastSigma_m * Matrix2d::Identity();
+    const Eigen::AngleAxisd rotation(laid.yaw_rad, Vector3d::UnitZ());
+    const Eigen::Matrix3d turned =
+        rotation * Eigen::Matrix3d(P.block<3, 3>(3, 3)) * rotation.inverse().toRotationMatrix();
+    const Matrix2d S = Matrix2d(turned.topLeftCorner<2, 2>()) + kMinSigma_m * kMinSigma_m * Matrix2d::Identity();
     const double position_2 = error.dot(S.inverse() * error), off = laid.yaw_error(q, there->q),
-                 heading_2 = off * off / (P(2, 2) + kLeastSigma_rad * kLeastSigma_rad);
+                 heading_2 = off * off / (P(2, 2) + kMinSigma_rad * kMinSigma_rad);
     position += position_2 / 2, heading += heading_2, ++n;
     position_beyond.see(position_2 > kThreeSigma2, dt_s);
     heading_beyond.see(heading_2 > kThreeSigma1, dt_s);

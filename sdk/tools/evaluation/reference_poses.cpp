@@ -14,7 +14,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kLongest_s = 0.25;  // between poses that are compared with the gyroscope
-constexpr size_t kLeastPoses = 50;
+constexpr size_t kMinPoses = 50;
 constexpr double kPlain = 3;  // the wrong frame's disagreement is so many times the right one's, or more
 
 struct Extrinsics {
@@ -61,7 +61,7 @@ double disagreement(const Trajectory& poses, const std::vector<Rate>& rates, con
     const Eigen::AngleAxisd turned(poses[i - 1].q.conjugate() * poses[i].q);
     off_rad.push_back((turned.angle() * turned.axis() - q_x_b * (seconds / count * sum)).norm());
   }
-  return off_rad.size() < kLeastPoses ? std::nan("") : percentile(off_rad, 0.5);
+  return off_rad.size() < kMinPoses ? std::nan("") : percentile(off_rad, 0.5);
 }
 
 }  // namespace

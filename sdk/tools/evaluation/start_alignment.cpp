@@ -32,12 +32,12 @@ Trajectory started_by_pose(const Trajectory& truth, const Trajectory& track, dou
     return std::abs(a.t_ns - truth[at].t_ns) < std::abs(b.t_ns - truth[at].t_ns);
   });
   const Eigen::Quaterniond off = truth[at].q * nearest->q.conjugate();
-  const Eigen::Quaterniond turn = Eigen::Quaterniond(off.w(), 0, 0, off.z()).normalized();
+  const Eigen::Quaterniond rotation = Eigen::Quaterniond(off.w(), 0, 0, off.z()).normalized();
   const Eigen::Vector3d from = position_at(track, truth[at].t_ns);
   Trajectory laid = track;
   for (StampedPose& pose : laid) {
-    pose.p = turn * (pose.p - from) + truth[at].p;
-    pose.q = turn * pose.q;
+    pose.p = rotation * (pose.p - from) + truth[at].p;
+    pose.q = rotation * pose.q;
   }
   return laid;
 }
@@ -61,9 +61,9 @@ Trajectory turned_onto_first(const Trajectory& truth, const Trajectory& track) {
   if (track.empty()) return track;
   size_t same = 0;
   while (same + 1 < truth.size() && truth[same].t_ns < track.front().t_ns) ++same;
-  const Eigen::Quaterniond turn = truth[same].q * track.front().q.conjugate();
+  const Eigen::Quaterniond rotation = truth[same].q * track.front().q.conjugate();
   Trajectory out = track;
-  for (StampedPose& pose : out) pose.p = turn * pose.p, pose.q = turn * pose.q;
+  for (StampedPose& pose : out) pose.p = rotation * pose.p, pose.q = rotation * pose.q;
   return out;
 }
 

@@ -1,35 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/tools/evaluation/vo_chain.hpp"
+#include "sdk/tools/evaluation/composed_motions.hpp"
 
 namespace odograph {
 
 using Eigen::Vector3d;
 
-Trajectory VoChain::own() const {
+Trajectory ComposedMotions::own() const {
   Trajectory track;
-  for (const ChainedPose& x : poses) track.push_back({x.t_ns, x.q, x.own});
+  for (const ComposedPose& x : poses) track.push_back({x.t_ns, x.q, x.own});
   return track;
 }
 
-Trajectory VoChain::metric() const {
+Trajectory ComposedMotions::metric() const {
   Trajectory track;
-  for (const ChainedPose& x : poses)
+  for (const ComposedPose& x : poses)
     if (x.metric) track.push_back({x.t_ns, x.q, x.p_m});
   return track;
 }
 
-VoChain chain_of(const std::vector<odo_vo_motion>& motions) {
-  VoChain chain;
-  if (motions.empty()) return chain;
-  ChainedPose x;
+ComposedMotions compose(const std::vector<odo_vo_motion>& motions) {
+  ComposedMotions composed;
+  if (motions.empty()) return composed;
+  ComposedPose x;
   x.t_ns = motions.front().t_from_ns, x.scale_group = motions.front().scale_group;
-  chain.poses.push_back(x);
+  composed.poses.push_back(x);
   bool group_is_metric = false;
   for (const odo_vo_motion& m : motions) {
     const uint32_t flags = m.header.flags;
     if (m.scale_group != x.scale_group) group_is_metric = false, x.scale_sigma = 0;
     group_is_metric |= (flags & ODO_VO_METRIC) != 0;
-    chain.holes += m.t_from_ns != x.t_ns;
+    composed.holes += m.t_from_ns != x.t_ns;
     x.t_ns = m.header.t_ns, x.scale_group = m.scale_group;
     if (flags & ODO_VO_TRANSLATION) {
       const Vector3d d = x.q * Vector3d(m.p_c0_c1);
@@ -43,9 +43,9 @@ VoChain chain_of(const std::vector<odo_vo_motion>& motions) {
     x.tracking = m.state == ODO_TRACKING;
     x.gravity.reset();
     if (flags & ODO_VO_INERTIAL) x.scale_sigma = m.scale_sigma, x.gravity = x.q * Vector3d(m.gravity_c1);
-    chain.poses.push_back(x);
+    composed.poses.push_back(x);
   }
-  return chain;
+  return composed;
 }
 
 }  // namespace odograph

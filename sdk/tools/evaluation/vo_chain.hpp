@@ -11,7 +11,7 @@
 namespace odograph {
 
 /// Where a visual odometry's motions have led the camera.
-struct ChainedPose {
+struct ComposedPose {
   int64_t t_ns = 0;
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();  ///< from c to the chain's frame, the first camera's axes
   Eigen::Vector3d own = Eigen::Vector3d::Zero();          ///< position in VO units, every displacement counted
@@ -25,9 +25,9 @@ struct ChainedPose {
   std::optional<Eigen::Vector3d> gravity;  ///< downwards in the chain's frame, where the motion gave it
 };
 
-struct VoChain {
-  std::vector<ChainedPose> poses;  ///< the first motion's beginning, then each motion's end
-  size_t holes = 0;                ///< motions that do not begin where the last one ended
+struct ComposedMotions {
+  std::vector<ComposedPose> poses;  ///< the first motion's beginning, then each motion's end
+  size_t holes = 0;                 ///< motions that do not begin where the last one ended
 
   Trajectory own() const;     ///< every pose, in VO units
   Trajectory metric() const;  ///< the metric poses
@@ -35,6 +35,6 @@ struct VoChain {
 
 /// The motions one after the other, rotation and displacement, and nothing else: no host, no other sensor. A motion
 /// without a valid rotation or displacement leaves orientation or position as it is.
-VoChain chain_of(const std::vector<odo_vo_motion>& motions);
+ComposedMotions compose(const std::vector<odo_vo_motion>& motions);
 
 }  // namespace odograph

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLeastDisplacement_m = 0.03;  // of a frame whose direction means something
+constexpr double kMinDisplacement_m = 0.03;  // of a frame whose direction means something
 constexpr double kLargestGap_s = 0.25;
 
 }  // namespace
@@ -27,7 +27,7 @@ MotionConsistency motion_consistency(const Trajectory& truth, const std::vector<
     const Vector3d error = off.angle() * off.axis();
     result.rotation.push_back(error.dot(covariance.topLeftCorner<3, 3>().inverse() * error) / 3);
     const Vector3d displacement = from->q.conjugate() * (to->p - from->p), own(m.p_c0_c1);
-    if (displacement.norm() < kLeastDisplacement_m) continue;
+    if (displacement.norm() < kMinDisplacement_m) continue;
     const Vector3d across = own - own.norm() / displacement.norm() * displacement;
     result.direction.push_back(across.dot(covariance.bottomRightCorner<3, 3>().inverse() * across) / 2);
   }

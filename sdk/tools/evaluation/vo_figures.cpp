@@ -16,13 +16,13 @@ double seconds(int64_t from_ns, int64_t to_ns) { return static_cast<double>(to_n
 
 /// The poses that have a true one, as indices, and the true path up to each.
 struct Matched {
-  const VoChain& chain;
+  const ComposedMotions& motions_;
   std::vector<size_t> index;
   Trajectory truth;
   std::vector<double> path_m;
 
   size_t size() const { return index.size(); }
-  const ChainedPose& pose(size_t k) const { return chain.poses[index[k]]; }
+  const ComposedPose& pose(size_t k) const { return motions_.poses[index[k]]; }
   /// The last one that is at most at the time, or the first that is at least at it.
   std::optional<size_t> at_most(int64_t t_ns) const {
     const auto after = first_at_least(t_ns + 1);
@@ -41,10 +41,10 @@ struct Matched {
   }
 };
 
-Matched matched(const VoChain& chain, const Trajectory& truth, double largest_gap_s) {
-  Matched m{chain, {}, {}, {}};
-  for (size_t i = 0; i < chain.poses.size(); ++i) {
-    const auto x = pose_at(truth, chain.poses[i].t_ns, largest_gap_s);
+Matched matched(const ComposedMotions& motions_, const Trajectory& truth, double largest_gap_s) {
+  Matched m{motions_, {}, {}, {}};
+  for (size_t i = 0; i < motions_.poses.size(); ++i) {
+    const auto x = pose_at(truth, motions_.poses[i].t_ns, largest_gap_s);
     if (!x) continue;
     m.path_m.push_back(m.truth.empty() ? 0 : m.path_m.back() + (x->p - m.truth.back().p).norm());
     m.index.push_back(i), m.truth.push_back(*x);
@@ -54,14 +54,14 @@ Matched matched(const VoChain& chain, const Trajectory& truth, double largest_ga
 
 bool one_group(const Matched& m, size_t from, size_t to) {
   for (size_t i = m.index[from]; i <= m.index[to]; ++i)
-    if (m.chain.poses[i].scale_group != m.pose(from).scale_group) return false;
+    if (m.motions_.poses[i].scale_group != m.pose(from).scale_group) return false;
   return true;
 }
 
 /// Displacement of the odometry, in its own units, by the true one; 0 where the stretch hardly leads anywhere.
-double scale_over(const Matched& m, size_t from, size_t to, double least_straight) {
+double scale_over(const Matched& m, size_t from, size_t to, double min_straight) {
   const double true_m = (m.truth[to].p - m.truth[from].p).norm(), own = (m.pose(to).own - m.pose(from).own).norm();
-  return true_m > least_straight * (m.path_m[to] - m.path_m[from]) && true_m > 0 ? own / true_m : 0;
+  return true_m > min_straight * (m.path_m[to] - m.path_m[from]) && true_m > 0 ? own / true_m : 0;
 }
 
 StopFigures figures_of(const Stop& stop, const Matched& m, const VoFigureParameters& p) {
@@ -71,10 +71,10 @@ StopFigures figures_of(const Stop& stop, const Matched& m, const VoFigureParamet
   size_t before = *begin, after = *end;
   while (before > 0 && m.path_m[*begin] - m.path_m[before] < p.stop_stretch_m) --before;
   while (after + 1 < m.size() && m.path_m[after] - m.path_m[*end] < p.stop_stretch_m) ++after;
-  const double least_m = 0.9 * p.stop_stretch_m;
+  const double min_m = 0.9 * p.stop_stretch_m;
   f.new_group = !one_group(m, before, after);
-  if (m.path_m[*begin] - m.path_m[before] > least_m) f.scale_before = scale_over(m, before, *begin, p.least_straight);
-  if (m.path_m[after] - m.path_m[*end] > least_m) f.scale_after = scale_over(m, *end, after, p.least_straight);
+  if (m.path_m[*begin] - m.path_m[before] > min_m) f.scale_before = scale_over(m, before, *begin, p.min_straight);
+  if (m.path_m[after] - m.path_m[*end] > min_m) f.scale_after = scale_over(m, *end, after, p.min_straight);
   if (m.pose(*begin).metric && m.pose(*end).metric) {
     const Vector3d own = m.pose(*begin).q.conjugate() * (m.pose(*end).p_m - m.pose(*begin).p_m);
     f.drift_m = (own - m.truth[*begin].q.conjugate() * (m.truth[*end].p - m.truth[*begin].p)).norm();
@@ -106,7 +106,7 @@ std::vector<TrackedStretch> tracked_of(const Matched& m, const VoFigureParameter
     if (!follows(from)) continue;
     size_t to = from;
     while (to + 1 < m.size() && follows(to + 1) && one_group(m, to, to + 1)) ++to;
-    if (const double path_m = m.path_m[to] - m.path_m[from]; path_m >= p.least_tracked_m) {
+    if (const double path_m = m.path_m[to] - m.path_m[from]; path_m >= p.min_tracked_m) {
       Pairs pairs;
       for (size_t k = from; k <= to; ++k)
         pairs.reference.push_back(m.truth[k]), pairs.estimate.push_back({m.pose(k).t_ns, m.pose(k).q, m.pose(k).p_m});
@@ -118,12 +118,12 @@ std::vector<TrackedStretch> tracked_of(const Matched& m, const VoFigureParameter
   return stretches;
 }
 
-void count_frames(const VoChain& chain, const std::vector<int64_t>& frames_ns, VoFigures& f) {
-  f.frames = frames_ns.size(), f.holes = chain.holes;
+void count_frames(const ComposedMotions& motions_, const std::vector<int64_t>& frames_ns, VoFigures& f) {
+  f.frames = frames_ns.size(), f.holes = motions_.holes;
   std::map<uint32_t, size_t> frames_of;
   size_t placed = 0, metric = 0, before = 0;
-  for (size_t i = 1; i < chain.poses.size(); ++i) {
-    const ChainedPose& x = chain.poses[i];
+  for (size_t i = 1; i < motions_.poses.size(); ++i) {
+    const ComposedPose& x = motions_.poses[i];
     ++frames_of[x.scale_group];
     placed += x.placed, metric += x.metric;
     if (x.metric) before = placed - metric;
@@ -155,7 +155,7 @@ void measure_start(const Trajectory& truth, const std::vector<odo_vo_motion>& mo
 
 /// The metric poses turned so that what the motions called down is the reference's vertical; none where neither way
 /// along z is within 45 degrees of it.
-std::optional<Trajectory> levelled(const Matched& m, const Trajectory& metric) {
+std::optional<Trajectory> gravity_aligned(const Matched& m, const Trajectory& metric) {
   Vector3d own = Vector3d::Zero(), reference = Vector3d::Zero();
   for (size_t k = 0; k < m.size(); ++k)
     if (m.pose(k).metric && m.pose(k).gravity) {
@@ -163,18 +163,18 @@ std::optional<Trajectory> levelled(const Matched& m, const Trajectory& metric) {
       reference += m.truth[k].q * (m.pose(k).q.conjugate() * *m.pose(k).gravity);
     }
   if (own.norm() == 0 || std::abs(reference.normalized().z()) < std::sqrt(0.5)) return std::nullopt;
-  const auto turn = Eigen::Quaterniond::FromTwoVectors(own, std::copysign(1.0, reference.z()) * Vector3d::UnitZ());
+  const auto rotation = Eigen::Quaterniond::FromTwoVectors(own, std::copysign(1.0, reference.z()) * Vector3d::UnitZ());
   Trajectory out = metric;
-  for (StampedPose& x : out) x.p = turn * x.p, x.q = turn * x.q;
+  for (StampedPose& x : out) x.p = rotation * x.p, x.q = rotation * x.q;
   return out;
 }
 
 void measure_metric(const Matched& m, VoFigures& f) {
   f.se3_rmse_m = f.sim3_rmse_m = f.yaw_rmse_m = f.scale = std::nan("");
-  f.own_path_m = path_length(m.chain.metric());
+  f.own_path_m = path_length(m.motions_.metric());
   Pairs pairs;
   for (size_t k = 0; k < m.size(); ++k) {
-    const ChainedPose& x = m.pose(k);
+    const ComposedPose& x = m.pose(k);
     if (x.metric) pairs.reference.push_back(m.truth[k]), pairs.estimate.push_back({x.t_ns, x.q, x.p_m});
   }
   if (pairs.reference.size() < 10) return;
@@ -184,8 +184,8 @@ void measure_metric(const Matched& m, VoFigures& f) {
   };
   f.se3_rmse_m = rmse(pairs, Alignment::se3, nullptr);
   f.sim3_rmse_m = rmse(pairs, Alignment::sim3, &f.scale);
-  if (auto level = levelled(m, pairs.estimate))
-    f.yaw_rmse_m = rmse({pairs.reference, std::move(*level)}, Alignment::yaw, nullptr);
+  if (auto aligned = gravity_aligned(m, pairs.estimate))
+    f.yaw_rmse_m = rmse({pairs.reference, std::move(*aligned)}, Alignment::yaw, nullptr);
 }
 
 void sum_up(const VoFigureParameters& p, VoFigures& f) {
@@ -216,7 +216,7 @@ std::vector<Stop> stops_of(const Trajectory& truth, const StandingParameters& p)
   constexpr int64_t kMoving = INT64_MIN;
   int64_t since_ns = kMoving;
   const auto end = [&](int64_t t_ns) {
-    if (since_ns != kMoving && seconds(since_ns, t_ns) >= p.least_s) stops.push_back({since_ns, t_ns});
+    if (since_ns != kMoving && seconds(since_ns, t_ns) >= p.min_s) stops.push_back({since_ns, t_ns});
     since_ns = kMoving;
   };
   for (const StampedPose& x : truth) {
@@ -235,9 +235,9 @@ VoFigures vo_figures(const Trajectory& truth, const std::vector<odo_vo_motion>& 
                      const std::vector<int64_t>& known_ns, const std::vector<int64_t>& frames_ns,
                      const VoFigureParameters& p) {
   VoFigures f{};
-  const VoChain chain = chain_of(motions);
-  const Matched m = matched(chain, truth, p.largest_gap_s);
-  count_frames(chain, frames_ns, f);
+  const ComposedMotions motions_ = compose(motions);
+  const Matched m = matched(motions_, truth, p.largest_gap_s);
+  count_frames(motions_, frames_ns, f);
   measure_start(truth, motions, known_ns, frames_ns, p.first_motion_m, f);
   measure_metric(m, f);
   if (m.size() > 1) {

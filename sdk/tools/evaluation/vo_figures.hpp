@@ -2,16 +2,16 @@
 #pragma once
 
 #include "sdk/tools/evaluation/evaluation.hpp"
-#include "sdk/tools/evaluation/vo_chain.hpp"
+#include "sdk/tools/evaluation/composed_motions.hpp"
 
 namespace odograph {
 
 /// When a camera stands, by its true path: `speed_mps` is not reached by the displacement over `window_s`, for at least
-/// `least_s`.
+/// `min_s`.
 struct StandingParameters {
   double window_s = 1.0;    ///< s, longer than a step, so that the trunk's sway is no walk
   double speed_mps = 0.25;  ///< m/s; the slowest gait of the phone profile is 0.5, a phone turned at arm's length 0.22
-  double least_s = 2.0;     ///< s, the shortest stop at a kerb
+  double min_s = 2.0;       ///< s, the shortest stop at a kerb
 };
 
 struct Stop {
@@ -52,8 +52,8 @@ struct VoFigureParameters {
   /// m that a scale window's ends lie apart. Of its path would not do: who turns about ends where he began, and the
   /// error of his place is then taken for one of the scale.
   double window_m = 5;
-  double least_straight = 0.25;  ///< of a stretch beside a stop, its displacement by its length: less tells no scale
-  double least_tracked_m = 5;    ///< m of the true path of a tracked stretch that has an error worth a percentage
+  double min_straight = 0.25;    ///< of a stretch beside a stop, its displacement by its length: less tells no scale
+  double min_tracked_m = 5;      ///< m of the true path of a tracked stretch that has an error worth a percentage
   double certain_sigmas = 3;     ///< beyond it the odometry was wrongly certain of its scale
   double first_motion_m = 0.05;  ///< m from the first place: the camera has begun to move
   double largest_gap_s = 0.25;   ///< s, true poses further apart are not interpolated
@@ -73,8 +73,9 @@ struct VoFigures {
   double path_m = 0;      ///< true, of the frames that have a metric pose
   double own_path_m = 0;  ///< the odometry's own, of all metric poses
   double se3_rmse_m, sim3_rmse_m;
-  double yaw_rmse_m;  ///< after a turn about the vertical and a shift, levelled by the gravity that the motions gave
-  double scale;       ///< the factor that the Sim(3) alignment applies; 1 is right
+  double
+      yaw_rmse_m;  ///< after a rotation about the vertical and a shift, aligned with the gravity that the motions gave
+  double scale;    ///< the factor that the Sim(3) alignment applies; 1 is right
   std::vector<StopFigures> stops;
   std::vector<ScaleWindow> windows;
   std::vector<TrackedStretch> tracked;

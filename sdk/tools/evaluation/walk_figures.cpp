@@ -52,7 +52,7 @@ void add_attitude(const Recording& recording, const WalkEstimate& result, WalkFi
   double squares = 0;
   size_t n = 0;
   std::vector<double> strays;
-  double first_deg = 0, last_deg = 0, first_s = -1, last_s = 0, before = 0, turns = 0;
+  double first_deg = 0, last_deg = 0, first_s = -1, last_s = 0, before = 0, rotations = 0;
   for (const odo_attitude& a : result.attitudes) {
     while (at + 1 < recording.true_states.size() && recording.true_states[at].t_ns < a.header.t_ns) ++at;
     const Eigen::Quaterniond q(a.q_n_b[0], a.q_n_b[1], a.q_n_b[2], a.q_n_b[3]), &truth = recording.true_states[at].q;
@@ -65,9 +65,9 @@ void add_attitude(const Recording& recording, const WalkEstimate& result, WalkFi
     heading = std::remainder(heading, 360.0);
     if (t >= 30) {
       if (first_s < 0) first_s = t, first_deg = heading, before = heading;
-      turns += std::remainder(heading - before, 360.0);
-      before = heading, last_s = t, last_deg = first_deg + turns;
-      strays.push_back(std::abs((a.header.flags & ODO_ATTITUDE_NORTH) ? first_deg + turns : turns));
+      rotations += std::remainder(heading - before, 360.0);
+      before = heading, last_s = t, last_deg = first_deg + rotations;
+      strays.push_back(std::abs((a.header.flags & ODO_ATTITUDE_NORTH) ? first_deg + rotations : rotations));
     }
   }
   if (n > 0) f.tilt_deg.push_back(std::sqrt(squares / static_cast<double>(n)));

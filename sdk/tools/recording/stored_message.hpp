@@ -16,8 +16,8 @@ namespace odograph {
 class StoredMessage {
  public:
   StoredMessage() : StoredMessage(sizeof(odo_header)) {}
-  StoredMessage(const StoredMessage& other) : StoredMessage(other.room_) {
-    std::memcpy(words_.get(), other.words_.get(), room_);
+  StoredMessage(const StoredMessage& other) : StoredMessage(other.capacity_) {
+    std::memcpy(words_.get(), other.words_.get(), capacity_);
   }
   StoredMessage& operator=(const StoredMessage& other) {
     if (this != &other) *this = StoredMessage(other);
@@ -44,10 +44,11 @@ class StoredMessage {
   }
 
  private:
-  explicit StoredMessage(size_t room) : words_(std::make_unique<uint64_t[]>((room + 7) / 8)), room_(room) {}
+  explicit StoredMessage(size_t capacity)
+      : words_(std::make_unique<uint64_t[]>((capacity + 7) / 8)), capacity_(capacity) {}
 
   std::unique_ptr<uint64_t[]> words_;
-  size_t room_;
+  size_t capacity_;
 };
 
 }  // namespace odograph

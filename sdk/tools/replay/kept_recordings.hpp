@@ -11,7 +11,7 @@ namespace odograph {
 Result<std::string> text_of(const std::filesystem::path& file);
 
 /// The recording of a scenario and seed in the folder `keep`, made now unless it is kept there from an earlier run of
-/// the same scenario by the same simulator. `first_m` above 0: only that much of the way. Shows progress.
+/// the same scenario by the same simulator. `first_m` above 0: only that much of the path. Shows progress.
 Result<std::filesystem::path> kept_recording(const std::filesystem::path& scenario, uint64_t seed,
                                              const std::filesystem::path& keep, double first_m);
 

@@ -48,7 +48,7 @@ void write_steps(std::ostream& out, const std::vector<odo_step>& steps) {
 void write_scales(std::ostream& out, const std::vector<odo_scale>& scales) {
   out << std::setprecision(9) << "t_ns,source,scale_m,sigma_m,used\n";
   for (const odo_scale& s : scales)
-    out << s.header.t_ns << ',' << s.header.source << ',' << s.metres_per_unit << ',' << s.sigma << ','
+    out << s.header.t_ns << ',' << s.header.source << ',' << s.scale << ',' << s.sigma << ','
         << ((s.header.flags & ODO_SCALE_ACCEPTED) ? 1 : 0) << '\n';
 }
 
@@ -113,7 +113,7 @@ Json summary_of(const Recording& recording, const RunResult& result, const RunOp
         {"plugin", s.plugin_faults}}},
       {"lost", json_of(result.loss)},
       {"warnings", recording.warnings},
-      {"heading_turn_rad", result.heading_turn_rad},
+      {"heading_offset_rad", result.heading_offset_rad},
       {"reports", result.reports},
       {"notices", notices},
       {"versions",

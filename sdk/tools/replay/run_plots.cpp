@@ -125,9 +125,9 @@ std::vector<Plot> plots_of(const Recording& recording, const std::vector<NamedRu
         band{.name = name + ", sigma", .style = "lines lw 1"};
     for (const auto& s : result->scales) {
       const double t = seconds(s.header.t_ns);
-      factor.points.emplace_back(t, s.metres_per_unit);
-      band.points.emplace_back(t, s.metres_per_unit - s.sigma);
-      band.points.emplace_back(t, s.metres_per_unit + s.sigma);
+      factor.points.emplace_back(t, s.scale);
+      band.points.emplace_back(t, s.scale - s.sigma);
+      band.points.emplace_back(t, s.scale + s.sigma);
       band.points.emplace_back(t, std::numeric_limits<double>::quiet_NaN());
     }
     scale.series.push_back(factor), scale.series.push_back(band);

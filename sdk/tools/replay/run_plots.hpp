@@ -15,9 +15,9 @@ struct NamedRun {
   const RunResult* result;
 };
 
-/// Distance of each pose from the truth over the seconds since the first pose, m: after the turn about the vertical and
-/// the shift that fit best (with a scale where the track is not metric); without a truth at the waypoints, the track
-/// turned and shifted onto the first 10 m of them. Empty where a recording has neither.
+/// Distance of each pose from the truth over the seconds since the first pose, m: after the rotation about the vertical
+/// and the shift that fit best (with a scale where the track is not metric); without a truth at the waypoints, the
+/// track turned and shifted onto the first 10 m of them. Empty where a recording has neither.
 std::vector<std::pair<double, double>> error_over_time(const Recording& recording, const RunResult& result);
 
 /// Tracks beside truth, waypoints and fixes; error over time and its distribution; step lengths; scale with its sigma;

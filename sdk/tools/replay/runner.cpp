@@ -15,8 +15,8 @@
 namespace odograph {
 namespace {
 
-constexpr uint64_t kMostPicturesNamed = 5;
-constexpr size_t kMostReports = 100;
+constexpr uint64_t kMaxPicturesNamed = 5;
+constexpr size_t kMaxReports = 100;
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -79,7 +79,7 @@ struct Collector {
       return;
     }
     const std::string text = std::string(report.plugin) + ": " + report.text;
-    if (report.severity >= ODO_SEVERITY_WARNING && result.reports.size() < kMostReports &&
+    if (report.severity >= ODO_SEVERITY_WARNING && result.reports.size() < kMaxReports &&
         std::find(result.reports.begin(), result.reports.end(), text) == result.reports.end())
       result.reports.push_back(text);
   }
@@ -153,7 +153,7 @@ void push_all(odo_session* session, const Recording& recording, const RunOptions
       const auto frame = load_frame(message);
       ++done;
       if (!frame) {  // costs this frame
-        if (result.loss.pictures++ < kMostPicturesNamed) result.reports.push_back(frame.failure().text);
+        if (result.loss.pictures++ < kMaxPicturesNamed) result.reports.push_back(frame.failure().text);
         continue;
       }
       collector.take(work_of([&] { odo_session_push(session, &frame->header); }));
@@ -174,10 +174,10 @@ void lay_over_waypoints(const ReplayConfig& replay, const Recording& recording, 
   const auto waypoints = recording.waypoints();
   if (!replay.start_at_first_waypoint || waypoints.empty() || result.track.empty()) return;
   if (replay.align_heading_over_m > 0)
-    result.heading_turn_rad = heading_offset(result.track, waypoints, replay.align_heading_over_m);
-  result.track = lay_over(result.track, waypoints, result.heading_turn_rad);
+    result.heading_offset_rad = heading_offset(result.track, waypoints, replay.align_heading_over_m);
+  result.track = lay_over(result.track, waypoints, result.heading_offset_rad);
   for (odo_step& step : result.steps)
-    step.heading_rad = std::remainder(step.heading_rad + result.heading_turn_rad, 2 * EIGEN_PI);
+    step.heading_rad = std::remainder(step.heading_rad + result.heading_offset_rad, 2 * EIGEN_PI);
 }
 
 }  // namespace

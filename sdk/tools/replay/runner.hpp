@@ -38,7 +38,7 @@ struct RunResult {
   std::vector<double> imu_us;           // work of each IMU sample alone
   uint32_t final_state = 0;
   uint32_t final_reason = 0;
-  double heading_turn_rad = 0;  // applied by replay.align_heading_over
+  double heading_offset_rad = 0;  // applied by replay.align_heading_over
   std::vector<std::string> reports;
   std::string state_failure;      // why the state could not be saved; the results are there all the same
   RecordingLoss loss;             // of the recording, with the pictures that turned out to be unreadable

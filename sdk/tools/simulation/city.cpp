@@ -80,16 +80,16 @@ void World::lay_route_on(const CityModel& city) {
       else if (d == steps)
         up.push_back(0);
     }
-  std::vector<double> level;
+  std::vector<double> height;
   for (size_t i = 0; i <= steps; ++i) {
     double sum = 0, weight = 0;
     for (size_t k = i < 2 ? 0 : i - 2; k <= std::min(steps, i + 2); ++k) sum += up[k], weight += 1;
-    level.push_back(sum / weight);
+    height.push_back(sum / weight);
   }
-  route_.set_heights(level);
+  route_.set_heights(height);
   for (size_t i = 0; i <= steps && !blocked_at_m_; ++i) {
     const auto roof = roofs.up_at(route_.at(static_cast<double>(i)).north_east);
-    if (roof && *roof > level[i] + 1.0) blocked_at_m_ = static_cast<double>(i);
+    if (roof && *roof > height[i] + 1.0) blocked_at_m_ = static_cast<double>(i);
   }
 }
 

@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 using Kind = CityModel::Kind;
 using Ring = std::vector<Vector3d>;  // in the file's axes: east, north, up
 
-constexpr size_t kMostFaces = 20'000'000;
+constexpr size_t kMaxFaces = 20'000'000;
 constexpr double kFarthest_m = 1e8;
 
 Kind ground_kind(const std::string& type) {
@@ -60,7 +60,7 @@ class Collector {
     }
     return true;
   }
-  bool full() const { return model_.faces.size() > kMostFaces; }
+  bool full() const { return model_.faces.size() > kMaxFaces; }
 
   Result<CityModel> finish() {
     if (model_.faces.empty()) return Failure{ODO_E_DATA, name_ + ": no surface in it that could be shown"};
@@ -91,7 +91,7 @@ class Collector {
   CrossingBudget budget_;
 };
 
-/// CityJSON's vertices and the way from its arrays of indices to polygons.
+/// CityJSON's vertices and how its arrays of indices become polygons.
 class CityJson {
  public:
   CityJson(const Json& root, const std::string& name, Collector& to) : root_(root), name_(name), to_(to) {}

@@ -145,7 +145,7 @@ void Individual::view(uint64_t seed) {
   hold_forward_m = random.uniform(0.30, 0.50);
   step_time_sigma = 0.03, step_length_sigma = 0.04, rise_sigma = 0.15;
   speed_kick = 0.03;
-  least_rise_m = 0.010;
+  min_rise_m = 0.010;
   scans = true;
 }
 

@@ -25,7 +25,7 @@ struct Individual {
   double tremor;  ///< of the hand, factor
   double hold_height_m, hold_forward_m;
   double step_time_sigma = 0.015, step_length_sigma = 0.02;  ///< from step to step, as a part of it
-  double least_rise_m = 0;                                   ///< a step of no length lifts the trunk by that much
+  double min_rise_m = 0;                                     ///< a step of no length lifts the trunk by that much
   double rise_sigma = 0;                                     ///< of the trunk's rise, the same
   double speed_kick = 0.01;                                  ///< the speed's wander from step to step, as a part of it
   double rocking = 1;  ///< of the phone with the gait, over that of a surveyor's hand

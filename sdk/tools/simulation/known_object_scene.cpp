@@ -15,18 +15,18 @@ namespace {
 /// Before the copy instead of the original, turned away and walking away so that at least half of that is out of the
 /// picture.
 Viewpoint before_copy(Viewpoint v, const Vector3d& aside, const PosterCamera& camera) {
-  constexpr double kTurn_rad = 0.02, kFirst_s = -0.25;
-  constexpr int kTurns = 60;
+  constexpr double kRotation_rad = 0.02, kFirst_s = -0.25;
+  constexpr int kYaws = 60;
   const double side = aside.y() > 0 ? 1 : -1;
   v.p_n += aside;
   v.velocity_n.y() = side * std::abs(v.velocity_n.y());
   v.rate_c.setZero();
-  for (int k = 0; k < kTurns; ++k) {
+  for (int k = 0; k < kYaws; ++k) {
     const Eigen::Vector3d p_c = v.after(kFirst_s).to(kMiddle).translation();
     if (p_c.z() <= 0) break;
     const double x = camera.project(p_c).x();
     if (x < 0 || x > 639) break;
-    v.R_n_c = Eigen::AngleAxisd(side * kTurn_rad, Vector3d::UnitZ()).toRotationMatrix() * v.R_n_c;
+    v.R_n_c = Eigen::AngleAxisd(side * kRotation_rad, Vector3d::UnitZ()).toRotationMatrix() * v.R_n_c;
   }
   return v;
 }

@@ -30,8 +30,8 @@ void Mesh::add_picture(const Vector3d& corner, const Vector3d& u, const Vector3d
 }
 
 void Mesh::add_box(const Vector3d& foot, const Vector3d& size, double heading, uint32_t texture, float brightness) {
-  const Eigen::AngleAxisd turn(heading, Vector3d::UnitZ());
-  const Vector3d x = turn * Vector3d(size.x(), 0, 0), y = turn * Vector3d(0, size.y(), 0), up(0, 0, -size.z());
+  const Eigen::AngleAxisd rotation(heading, Vector3d::UnitZ());
+  const Vector3d x = rotation * Vector3d(size.x(), 0, 0), y = rotation * Vector3d(0, size.y(), 0), up(0, 0, -size.z());
   const Vector3d corner = foot - 0.5 * (x + y) + up;
   add_quad(corner, x, -up, texture, brightness);
   add_quad(corner + y, x, -up, texture, brightness);

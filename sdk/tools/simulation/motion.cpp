@@ -72,9 +72,9 @@ Motion::State Motion::at(double t_s) const {
     tail -= w3[j - 1];
     const auto k = static_cast<long>(j);
     const Eigen::Vector3d d = log_of(q_[index(i - 2 + k)].conjugate() * q_[index(i - 1 + k)]);
-    const Eigen::Quaterniond turn = exp_of(tail * d);
-    omega = turn.conjugate() * omega + rate_hz_ * w2[j - 1] * d;
-    q = q * turn;
+    const Eigen::Quaterniond rotation = exp_of(tail * d);
+    omega = rotation.conjugate() * omega + rate_hz_ * w2[j - 1] * d;
+    q = q * rotation;
   }
   s.angular_velocity_b = omega;
   s.T_n_b.setIdentity();

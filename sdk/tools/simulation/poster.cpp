@@ -170,13 +170,13 @@ void PosterCamera::look_up(const FlatPicture& o, const Shot& shot, int samples, 
     const double y = box.y + (i + 0.5) / samples - 0.5;
     const double after_s = (y - 0.5 * (lens_.height - 1)) * shot.line_time_s;
     // x_c(t) = x_c - t (rate x x_c + velocity)
-    const Eigen::Matrix3d turn =
+    const Eigen::Matrix3d rotation =
         (Eigen::Matrix3d() << 1, after_s * shot.rate_c.z(), -after_s * shot.rate_c.y(), -after_s * shot.rate_c.z(), 1,
          after_s * shot.rate_c.x(), after_s * shot.rate_c.y(), -after_s * shot.rate_c.x(), 1)
             .finished();
     Eigen::Matrix3d plane;
-    plane.leftCols<2>() = turn * o.T_c_o.linear().leftCols<2>();
-    plane.col(2) = turn * o.T_c_o.translation() - after_s * shot.velocity_c;
+    plane.leftCols<2>() = rotation * o.T_c_o.linear().leftCols<2>();
+    plane.col(2) = rotation * o.T_c_o.translation() - after_s * shot.velocity_c;
     const Eigen::Matrix3d inverse = plane.inverse();
     const int y0 = std::clamp(static_cast<int>(std::floor(y)), 0, rays_.rows - 2);
     const auto wy = static_cast<float>(y - y0);

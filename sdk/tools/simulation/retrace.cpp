@@ -30,8 +30,8 @@ Quaterniond attitude_at(const std::vector<StampedPose>& attitudes, int64_t t) {
   return a.q.slerp(static_cast<double>(t - a.t_ns) / static_cast<double>(b.t_ns - a.t_ns), b.q);
 }
 
-/// The way's place at a time: straight between waypoints.
-Vector3d way_at(const std::vector<Waypoint>& marks, int64_t t) {
+/// The path's place at a time: straight between waypoints.
+Vector3d path_at(const std::vector<Waypoint>& marks, int64_t t) {
   size_t i = 1;
   while (i + 1 < marks.size() && marks[i].t_ns < t) ++i;
   const Waypoint &a = marks[i - 1], &b = marks[i];
@@ -93,8 +93,8 @@ bool stands(const std::vector<InertialSample>& samples, size_t i) {
   return squares / n - mean * mean < kQuiet_mps2 * kQuiet_mps2 && turning / n < kQuiet_radps * kQuiet_radps;
 }
 
-WalkHint::Vector known(const Vector3d& value_n, double level_sigma, double vertical_sigma) {
-  return {value_n, {level_sigma, level_sigma, vertical_sigma}};
+WalkHint::Vector known(const Vector3d& value_n, double horizontal_sigma, double vertical_sigma) {
+  return {value_n, {horizontal_sigma, horizontal_sigma, vertical_sigma}};
 }
 
 /// What waypoints, floor and rest say, once a second and at each waypoint.
@@ -127,7 +127,7 @@ Eigen::Isometry3d pose_between(const InertialSample& sa, const WalkState& a, con
 }
 
 /// From the waypoints' map to the phone's own north, summed over the walk, so that long legs count more.
-double turn_of_map(const Recording& recording, const std::vector<Waypoint>& marks) {
+double yaw_of_map(const Recording& recording, const std::vector<Waypoint>& marks) {
   double sine = 0, cosine = 0;
   for (size_t k = 1; k < marks.size(); ++k) {
     const Vector3d leg = marks[k].p_n - marks[k - 1].p_n;
@@ -139,20 +139,20 @@ double turn_of_map(const Recording& recording, const std::vector<Waypoint>& mark
   return std::atan2(sine, cosine);
 }
 
-/// The way between the waypoints, laid out smoothly in time, and the phone's own orientation.
+/// The path between the waypoints, laid out smoothly in time, and the phone's own orientation.
 std::vector<WalkState> first_guess(const Recording& recording, const std::vector<InertialSample>& samples,
                                    const std::vector<Waypoint>& marks, int64_t start_ns) {
-  Signal way[3];
+  Signal path[3];
   for (const InertialSample& s : samples) {
-    const Vector3d at = way_at(marks, start_ns + std::llround(s.t_s * 1e9));
-    for (int axis = 0; axis < 3; ++axis) way[axis].push_back(at[axis]);
+    const Vector3d at = path_at(marks, start_ns + std::llround(s.t_s * 1e9));
+    for (int axis = 0; axis < 3; ++axis) path[axis].push_back(at[axis]);
   }
   const double rate_hz = static_cast<double>(samples.size() - 1) / (samples.back().t_s - samples.front().t_s);
-  for (Signal& axis : way) smooth(axis, 0.5, rate_hz);
+  for (Signal& axis : path) smooth(axis, 0.5, rate_hz);
   std::vector<WalkState> walk;
   for (size_t i = 0; i < samples.size(); ++i) {
     const int64_t t = start_ns + std::llround(samples[i].t_s * 1e9);
-    const Vector3d p_n(way[0][i], way[1][i], way[2][i] - kHold_m);
+    const Vector3d p_n(path[0][i], path[1][i], path[2][i] - kHold_m);
     const Vector3d v_n =
         i > 0 ? Vector3d((p_n - walk[i - 1].p_n) / (samples[i].t_s - samples[i - 1].t_s)) : Vector3d(Vector3d::Zero());
     walk.push_back({attitude_at(recording.phone_attitudes, t), p_n, v_n, Vector3d::Zero(), Vector3d::Zero()});
@@ -191,10 +191,10 @@ Result<Retraced> retrace(const Recording& recording) {
   const auto samples = inertial_samples(recording, out.start_ns);
   if (samples.empty()) return Failure{ODO_E_DATA, name + ": retracing a walk needs its accelerometer and gyroscope"};
 
-  out.turn_rad = turn_of_map(recording, marks);
-  const Eigen::AngleAxisd turn(out.turn_rad, Vector3d::UnitZ());
+  out.yaw_rad = yaw_of_map(recording, marks);
+  const Eigen::AngleAxisd rotation(out.yaw_rad, Vector3d::UnitZ());
   for (Waypoint& mark : marks) {
-    mark.p_n = turn * mark.p_n;
+    mark.p_n = rotation * mark.p_n;
     out.journey.waypoints.push_back({static_cast<double>(mark.t_ns - out.start_ns) * 1e-9, mark.p_n});
   }
 

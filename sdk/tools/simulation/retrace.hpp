@@ -11,7 +11,7 @@ struct Retraced {
   Journey journey;
   int64_t start_ns = 0;                ///< the journey's time 0 on the phone's clock
   std::vector<Eigen::Vector3d> route;  ///< the waypoints, north, east, up; m
-  double turn_rad = 0;                 ///< from the waypoints' map to the phone's own north
+  double yaw_rad = 0;                  ///< from the waypoints' map to the phone's own north
 };
 
 /// The walk that the phone's own accelerometer and gyroscope felt (smooth_walk), held by its waypoints, by a hand

@@ -32,13 +32,13 @@ Route::Route(const std::vector<Eigen::Vector3d>& points, double radius) {
       add(leg.norm() - cut, 0);
     } else {
       const Eigen::Vector2d next = flat(i + 1) - flat(i);
-      const double turn = std::remainder(std::atan2(next.y(), next.x()) - std::atan2(leg.y(), leg.x()), 2 * kPi);
-      const double tangent = std::abs(std::tan(turn / 2));
+      const double yaw_change = std::remainder(std::atan2(next.y(), next.x()) - std::atan2(leg.y(), leg.x()), 2 * kPi);
+      const double tangent = std::abs(std::tan(yaw_change / 2));
       const double most = 0.45 * std::min(leg.norm(), next.norm());
       const double reach = std::min(radius * tangent, most);
       add(leg.norm() - cut - reach, 0);
       heights_.push_back({length_, points_[i].z()});
-      if (reach > 1e-9) add(std::abs(turn) * reach / tangent, std::copysign(tangent / reach, turn));
+      if (reach > 1e-9) add(std::abs(yaw_change) * reach / tangent, std::copysign(tangent / reach, yaw_change));
       cut = reach;
     }
   }

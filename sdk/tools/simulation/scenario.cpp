@@ -121,7 +121,7 @@ Result<Scenario> take(const Value& v, const std::string& path, const std::string
   return s;
 }
 
-constexpr int kMostBases = 8;
+constexpr int kMaxBases = 8;
 
 /// The base's keys with those of `over` above them, map by map.
 YamlNode merged(YamlNode base, const YamlNode& over) {
@@ -154,9 +154,9 @@ Result<std::vector<std::pair<std::string, YamlNode>>> read_with_bases(const std:
     const YamlNode* base = node->kind == YamlNode::Kind::map ? node->find("base") : nullptr;
     std::string other;
     if (base && base->kind == YamlNode::Kind::scalar && !base->text.empty()) {
-      if (files.size() == kMostBases)
+      if (files.size() == kMaxBases)
         return Failure{ODO_E_CONFIG, at(next, base->mark,
-                                        "base: more than " + std::to_string(kMostBases) +
+                                        "base: more than " + std::to_string(kMaxBases) +
                                             " files build on each other; is it a circle?")};
       other = (std::filesystem::path(next).parent_path() / base->text).string();
     }

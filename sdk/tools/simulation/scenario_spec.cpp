@@ -63,7 +63,7 @@ Spec world_spec() {
 Spec route_spec() {
   const Spec point = reals("point", "m", -1e4, 1e4, 3, "north, east, up");
   Spec event =
-      map("event", "what happens on the way",
+      map("event", "what happens along the route",
           {required(real("at", "m", 0, 1e5, "0", "distance along the route")),
            required(choice("do",
                            "stand|look_around|handle|turn|evade|cross|shuffle|sidestep|backwards|speed|bump|texting|"
@@ -88,7 +88,7 @@ Spec route_spec() {
       "route", "where the walk or drive goes",
       {list("points", "corners of the route, at least two", point),
        real("corner", "m", 0.3, 100, "3", "radius of the corners"), list("events", "in any order", std::move(event)),
-       list("objects", "known objects along the way", std::move(object))});
+       list("objects", "known objects along the route", std::move(object))});
 }
 
 Spec stabiliser_spec() {
@@ -199,7 +199,7 @@ const Spec& scenario_spec() {
                 real("stand", "s", 0.5, 600, "2", "standing before and after the walk or drive"),
                 real("bounce", "", 0, 3, "1", "rise and fall of the trunk over the usual"),
                 real("sway", "", 0, 3, "1", "swaying and surging with the stride over the usual"),
-                real("weave", "", 0, 3, "1", "leaving the middle of the way over the usual"),
+                real("weave", "", 0, 3, "1", "leaving the middle of the path over the usual"),
                 real("rocking", "", 0, 3, "1", "rotation of the phone with the gait over the usual")}),
            route_spec(), camera_spec(), imu_spec(),
            map("magnetometer", "three-axis compass",
@@ -208,7 +208,7 @@ const Spec& scenario_spec() {
                 real("hard_iron", "T", 0, 1e-3, "3e-6", "standard deviation of the phone's own constant field"),
                 real("soft_iron", "", 0, 0.5, "0.02", "standard deviation of the entries of its distortion"),
                 real("disturbance", "T", 0, 1e-3, "5e-6",
-                     "standard deviation of fields along the way, a few metres wide")}),
+                     "standard deviation of fields along the path, a few metres wide")}),
            map("barometer", "pressure, once a second",
                {real("noise", "Pa", 0, 100, "3", "standard deviation of a sample"),
                 real("drift", "Pa", 0, 1000, "20", "standard deviation reached in an hour of weather"),

@@ -68,7 +68,7 @@ class SimWildSamples {
   size_t count_ = 0;
 };
 
-/// Earth's field, the phone's own iron, and iron along the way.
+/// Earth's field, the phone's own iron, and iron along the path.
 class SimMagnetometer {
  public:
   SimMagnetometer(const Scenario::Magnetometer& magnetometer, uint64_t seed);

@@ -45,7 +45,7 @@ class Exposures {
 };
 
 /// The frames that are not lost, each with the time stamp that the recording gives it. The phone stamps the start of
-/// the first row's exposure; the recording wants the middle row's middle, and takes the way between them from the
+/// the first row's exposure; the recording wants the middle row's middle, and takes the motion between them from the
 /// exposure, which it knows, and from its own idea of the row time.
 std::vector<ExposedFrame> expose(const Scenario& scenario, double duration_s, uint64_t seed) {
   const Scenario::Camera& c = scenario.camera;

@@ -261,7 +261,7 @@ cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& p
                       double exposure_s) const {
   const auto state = phone.at(t_s);
   const Eigen::Matrix3d R_c_b = camera_.in_body().conjugate().toRotationMatrix();
-  const Vector3f turn = (R_c_b * state.angular_velocity_b).cast<float>();
+  const Vector3f rotation = (R_c_b * state.angular_velocity_b).cast<float>();
   const Eigen::Matrix3d R_c_n = R_c_b * state.T_n_b.linear().transpose();
   std::vector<Vector3f> moves = {(R_c_n * state.velocity_n).cast<float>()};  // against what stands, and each mover
   for (const auto& mover : world_.movers()) {
@@ -283,9 +283,9 @@ cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& p
       // The flow of a point at (X, Y, 1) z.
       const Vector3f& ray = camera_.ray(x, y);
       const float near = 1.0f / ray.z(), X = ray.x() * near, Y = ray.y() * near, inverse_z = near / depths[x];
-      const float away = (turn.y() * X - turn.x() * Y) - inverse_z * move.z();
-      const float u = reach * (turn.z() * Y - turn.y() - inverse_z * move.x() - X * away) + lens_u;
-      const float v = reach * (turn.x() - turn.z() * X - inverse_z * move.y() - Y * away) + lens_v;
+      const float away = (rotation.y() * X - rotation.x() * Y) - inverse_z * move.z();
+      const float u = reach * (rotation.z() * Y - rotation.y() - inverse_z * move.x() - X * away) + lens_u;
+      const float v = reach * (rotation.x() - rotation.z() * X - inverse_z * move.y() - Y * away) + lens_v;
       const float length = std::max(std::abs(u), std::abs(v));
       if (length < 0.75f) {
         to[x] = row[x];

@@ -44,12 +44,12 @@ void correct(WalkState& x, const Vector15& error) {
 /// Where inertia leads from a to b, and the derivative of that.
 WalkState move(const WalkState& x, const InertialSample& a, const InertialSample& b, Matrix15& F) {
   const double dt = b.t_s - a.t_s;
-  const Vector3d turn = (0.5 * (a.gyro_b + b.gyro_b) - x.gyro_bias_b) * dt;
-  const Matrix3d R = (x.q_n_b * exp_rotation(0.5 * turn)).toRotationMatrix();
+  const Vector3d rotation = (0.5 * (a.gyro_b + b.gyro_b) - x.gyro_bias_b) * dt;
+  const Matrix3d R = (x.q_n_b * exp_rotation(0.5 * rotation)).toRotationMatrix();
   const Vector3d force_n = R * (0.5 * (a.accel_b + b.accel_b) - x.accel_bias_b);
   const Vector3d accel_n = force_n + Vector3d(0, 0, kGravity_mps2);
   WalkState next = x;
-  next.q_n_b = (x.q_n_b * exp_rotation(turn)).normalized();
+  next.q_n_b = (x.q_n_b * exp_rotation(rotation)).normalized();
   next.p_n += dt * x.v_n + 0.5 * dt * dt * accel_n;
   next.v_n += dt * accel_n;
   F.setIdentity();

@@ -72,7 +72,7 @@ class Body {
         const double leg = 0.53 * who_.height_m, half = std::min(0.5 * step.length_m, 0.6 * leg);
         const double pendulum = who_.bounce * (leg - std::sqrt(leg * leg - half * half));
         bounce_[done] =
-            (1 + limp) * step.rise * (step.mode == ODO_MODE_RUNNING ? 0.05 : std::max(who_.least_rise_m, pendulum));
+            (1 + limp) * step.rise * (step.mode == ODO_MODE_RUNNING ? 0.05 : std::max(who_.min_rise_m, pendulum));
         vigour_[done] = step.length_m / 0.7;
       }
       s = step.s1;

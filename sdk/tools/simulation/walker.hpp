@@ -10,7 +10,7 @@ namespace odograph {
 /// The walk of the individual whom the seed draws: body and hand with models of their own, shared with no estimator.
 ///
 /// Step length follows speed as L ~ h v^0.42 (Grieve & Gear, Ergonomics 1966), times the individual's own factor
-/// (+-10 %), left-right asymmetry, fatigue along the way and variation from step to step (stride time varies by 2 to 3
+/// (+-10 %), left-right asymmetry, fatigue along the path and variation from step to step (stride time varies by 2 to 3
 /// %: Hausdorff et al. 1996). The trunk rises and falls as an inverted pendulum would, flattened; sways with each
 /// stride; the heel's shock rings through the body. The hand hangs on the trunk as a damped spring, trembles and
 /// drifts.

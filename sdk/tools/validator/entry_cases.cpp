@@ -46,17 +46,17 @@ odo_plugin_entry entry_of(const Bench& bench, std::string& why) {
 
 /// Calls the entry with a struct of `size` bytes in a room of 4096, all of it 0x5A; -1000 where there is no entry.
 struct Answer {
-  alignas(8) unsigned char room[4096];
+  alignas(8) unsigned char storage[4096];
   int32_t status = -1000;
-  odo_plugin& table() { return *reinterpret_cast<odo_plugin*>(room); }
+  odo_plugin& table() { return *reinterpret_cast<odo_plugin*>(storage); }
   bool untouched_from(size_t size) const {
-    return std::all_of(room + size, room + sizeof room, [](unsigned char c) { return c == 0x5A; });
+    return std::all_of(storage + size, storage + sizeof storage, [](unsigned char c) { return c == 0x5A; });
   }
 };
 Answer ask(const Bench& bench, const odo_host* host, uint32_t size, std::string& why) {
   Answer answer;
-  std::memset(answer.room, 0x5A, sizeof answer.room);
-  std::memset(answer.room, 0, std::min<size_t>(size, sizeof answer.room));
+  std::memset(answer.storage, 0x5A, sizeof answer.storage);
+  std::memset(answer.storage, 0, std::min<size_t>(size, sizeof answer.storage));
   answer.table().struct_size = size;
   if (const auto entry = entry_of(bench, why)) answer.status = entry(host, &answer.table());
   return answer;

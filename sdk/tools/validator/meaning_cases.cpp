@@ -123,17 +123,17 @@ std::string step_late(Bench& bench) {
     int64_t last_end_ns = INT64_MIN;  // of the calls before
     for (size_t i = 0; i < all.size();) {
       size_t end = i;
-      int64_t least_ns = INT64_MAX;
+      int64_t min_ns = INT64_MAX;
       for (; end < all.size() && all[end].first->call == all[i].first->call; ++end)
-        least_ns = std::min(least_ns, all[end].first->input_ns - all[end].second->t_end_ns);
+        min_ns = std::min(min_ns, all[end].first->input_ns - all[end].second->t_end_ns);
       const odo_step& first = *all[i].second;
       const bool walk_begins = last_end_ns == INT64_MIN || first.t_start_ns - last_end_ns > kPause_ns;
-      const int64_t most_ns = walk_begins && least_ns <= kLateStep_ns ? kHeldBack_ns : kLateStep_ns;
+      const int64_t max_ns = walk_begins && min_ns <= kLateStep_ns ? kHeldBack_ns : kLateStep_ns;
       for (; i < end; ++i) {
         const auto& [seen, step] = all[i];
-        if (const int64_t late_ns = seen->input_ns - step->t_end_ns; late_ns > most_ns)
+        if (const int64_t late_ns = seen->input_ns - step->t_end_ns; late_ns > max_ns)
           return "a step came " + std::to_string(static_cast<double>(late_ns) * 1e-9) + " s after the foot's contact" +
-                 at(step->header) + "; expected at most " + std::to_string(static_cast<double>(most_ns) * 1e-9) + " s";
+                 at(step->header) + "; expected at most " + std::to_string(static_cast<double>(max_ns) * 1e-9) + " s";
         last_end_ns = step->t_end_ns;
       }
     }
@@ -197,9 +197,9 @@ std::string motion_speed(Bench& bench) {
   return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
     for (const auto& [seen, motion] : all) {
       if (!(motion->header.flags & ODO_VO_METRIC)) continue;
-      const double way = Eigen::Vector3d(motion->p_c0_c1).norm();
-      if (way > 10)
-        return "a metric motion of " + std::to_string(way) + " m in a tenth of a second" + at(motion->header);
+      const double distance = Eigen::Vector3d(motion->p_c0_c1).norm();
+      if (distance > 10)
+        return "a metric motion of " + std::to_string(distance) + " m in a tenth of a second" + at(motion->header);
     }
     return "";
   });
@@ -234,10 +234,9 @@ std::string refined(Bench& bench) {
 std::string scale_unit(Bench& bench) {
   return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all) {
-      const double times = scale->metres_per_unit / (TestInput::kSpeed_mps / TestInput::kUnit_mps);
+      const double times = scale->scale / (TestInput::kSpeed_mps / TestInput::kUnit_mps);
       if (times > kWrongScale || times < 1 / kWrongScale)
-        return "metres_per_unit = " + std::to_string(scale->metres_per_unit) + at(scale->header) +
-               "; the walk's is 1.4: is it in metres?";
+        return "scale = " + std::to_string(scale->scale) + at(scale->header) + "; the walk's is 1.4: is it in metres?";
     }
     return "";
   });
@@ -275,7 +274,7 @@ std::string scale_interval(Bench& bench) {
 std::string scale_sigma(Bench& bench) {
   return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all)
-      if (scale->sigma < 0 || scale->sigma > 1e3 * std::max(scale->metres_per_unit, 1e-9))
+      if (scale->sigma < 0 || scale->sigma > 1e3 * std::max(scale->scale, 1e-9))
         return "sigma = " + std::to_string(scale->sigma) + at(scale->header);
     return "";
   });

@@ -21,32 +21,32 @@ class GuardedPages {
   GuardedPages() {
     page_ = static_cast<size_t>(sysconf(_SC_PAGESIZE));
     base_ = static_cast<unsigned char*>(
-        mmap(nullptr, kRooms * kPages * page_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+        mmap(nullptr, kBlocks * kPages * page_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
   }
-  ~GuardedPages() { munmap(base_, kRooms * kPages * page_); }
+  ~GuardedPages() { munmap(base_, kBlocks * kPages * page_); }
   GuardedPages(const GuardedPages&) = delete;
 
   const void* put(const void* data, size_t size) {
-    room_ = base_ + next_++ % kRooms * kPages * page_;
-    mprotect(room_, (kPages - 1) * page_, PROT_READ | PROT_WRITE);
-    unsigned char* to = room_ + (kPages - 1) * page_ - (size + 7) / 8 * 8;
+    block_ = base_ + next_++ % kBlocks * kPages * page_;
+    mprotect(block_, (kPages - 1) * page_, PROT_READ | PROT_WRITE);
+    unsigned char* to = block_ + (kPages - 1) * page_ - (size + 7) / 8 * 8;
     std::memcpy(to, data, size);
-    mprotect(room_, (kPages - 1) * page_, PROT_READ);
+    mprotect(block_, (kPages - 1) * page_, PROT_READ);
     return to;
   }
   void take_away() {
-    if (room_) mprotect(room_, (kPages - 1) * page_, PROT_NONE);
+    if (block_) mprotect(block_, (kPages - 1) * page_, PROT_NONE);
   }
 
  private:
-  static constexpr size_t kPages = 18;  // 64 KiB, the largest message, and the guard
-  static constexpr size_t kRooms = 16;  // as many calls later the place is used again
+  static constexpr size_t kPages = 18;   // 64 KiB, the largest message, and the guard
+  static constexpr size_t kBlocks = 16;  // as many calls later the place is used again
   size_t page_, next_ = 0;
   unsigned char* base_;
-  unsigned char* room_ = nullptr;
+  unsigned char* block_ = nullptr;
 };
 
-constexpr size_t kMostEvents = 256;
+constexpr size_t kMaxEvents = 256;
 
 }  // namespace
 
@@ -67,8 +67,8 @@ int32_t Subject::emit(const odo_header* event) {
   if (!event) return breach("emitted null"), ODO_E_ARGUMENT;
   if (std::this_thread::get_id() != thread_) return breach("thread: emitted on a thread of its own"), ODO_E_STATE;
   if (!in_process_) return breach("phase: emitted outside of process"), ODO_E_STATE;
-  if (++events_in_call_ > kMostEvents)
-    return breach("count: more than " + std::to_string(kMostEvents) + " events in one call"), ODO_E_EXHAUSTED;
+  if (++events_in_call_ > kMaxEvents)
+    return breach("count: more than " + std::to_string(kMaxEvents) + " events in one call"), ODO_E_EXHAUSTED;
   if (!outputs_.has(event->type)) {
     breach("type: emitted " + message_name(event->type) + ", which neither its kind emits nor its table declares");
     return ODO_E_ARGUMENT;

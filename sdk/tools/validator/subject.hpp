@@ -61,7 +61,7 @@ class Subject {
 
  private:
   struct Sink : odo_sink {
-    double room_of_a_later_version[4];
+    double size_of_a_later_version[4];
     Subject* owner;
   };
   int32_t emit(const odo_header* event);

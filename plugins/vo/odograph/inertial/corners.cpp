@@ -119,8 +119,7 @@ void GuidedCorners::refine_by_patch(const cv::Mat& picture, const Eigen::Quatern
     std::optional<Patch::Match> match;
     if (t.known) match = patches_[t.patch].find(picture, {pixel, roll * t.map.A}, p_.patch);
     const double growth = match ? std::abs(match->map.A.determinant()) : 0;
-    if (match && (match->map.at - pixel).norm() < p_.reference_px && growth > p_.least_growth &&
-        growth < p_.most_growth) {
+    if (match && (match->map.at - pixel).norm() < p_.reference_px && growth > p_.min_growth && growth < p_.max_growth) {
       t.map = match->map;
       t.pixel = {static_cast<float>(t.map.at.x()), static_cast<float>(t.map.at.y())};
       // At an edge behind which something else moves, the corner of both is no point of the world.
@@ -134,7 +133,7 @@ void GuidedCorners::refine_by_patch(const cv::Mat& picture, const Eigen::Quatern
 }
 
 void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Vector2d& shift_px) {
-  if (tracks_.size() < p_.least_for_ransac) return;
+  if (tracks_.size() < p_.min_for_ransac) return;
   std::vector<cv::Point2f> pixels;
   const cv::Point2f shift(static_cast<float>(shift_px.x()), static_cast<float>(shift_px.y()));
   for (const Track& t : tracks_) pixels.push_back(t.pixel - shift);
@@ -156,7 +155,7 @@ void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Vecto
     for (size_t k = 0; k < tracks_.size(); ++k) count += inliers[k] = std::abs(normals[k].dot(direction)) < bound;
     if (count > most) most = count, best = inliers;
   }
-  if (static_cast<double>(most) > p_.least_inliers * static_cast<double>(tracks_.size())) keep_only(best);
+  if (static_cast<double>(most) > p_.min_inliers * static_cast<double>(tracks_.size())) keep_only(best);
 }
 
 void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {
@@ -174,7 +173,7 @@ void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {
   const cv::Mat& half = before_[kHalf];
   cv::Mat half_mask;
   if (!mask.empty()) cv::resize(mask, half_mask, half.size(), 0, 0, cv::INTER_NEAREST);
-  cv::goodFeaturesToTrack(half, corners, 4 * p_.most, p_.quality, p_.least_distance_px / 2, half_mask, p_.block_px);
+  cv::goodFeaturesToTrack(half, corners, 4 * p_.most, p_.quality, p_.min_distance_px / 2, half_mask, p_.block_px);
   for (cv::Point2f& corner : corners) corner *= 2;
   for (const cv::Point2f& corner : corners) {
     if (chosen.size() >= wanted) break;

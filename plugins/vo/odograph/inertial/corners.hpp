@@ -16,25 +16,25 @@ namespace odograph::vio {
 class GuidedCorners {
  public:
   struct Parameters {
-    int most = 220;                 ///< corners kept
-    int cell_px = 28;               ///< at most one new corner a cell
-    double least_distance_px = 10;  ///< between new corners
-    double quality = 0.01;          ///< relative to the best corner
-    int block_px = 3;               ///< over which a corner is looked at, of the picture of half the size
-    int window_px = 13;             ///< of Lucas-Kanade
-    int levels = 3;                 ///< of the pyramid
-    double settled_px = 0.01;       ///< its last step
-    double back_px = 0.7;           ///< largest distance between the way there and the way back
-    Patch::Parameters patch;        ///< of a corner against the picture where it was found
-    double reference_error = 6;     ///< grey levels, mean: what looks otherwise than where it was found is dropped
-    double reference_px = 1.5;      ///< most that the reference moves a corner
-    double least_growth = 0.5, most_growth = 3;  ///< in area, until a corner's patch is taken anew
-    double refill_below = 0.7;                   ///< of `most`
-    double epipolar_px = 2.0;                    ///< distance from the epipolar line of an inlier
-    int trials = 40;                             ///< of RANSAC: 0.9999 with half of the corners wrong
-    size_t least_for_ransac = 10;                ///< corners
-    double least_inliers = 0.4;  ///< of them: fewer, and it is the rotation that is wrong, nobody is taken out; by hand
-    double dark_grey = 8;        ///< mean below which what is followed is the sensor's noise
+    int most = 220;               ///< corners kept
+    int cell_px = 28;             ///< at most one new corner a cell
+    double min_distance_px = 10;  ///< between new corners
+    double quality = 0.01;        ///< relative to the best corner
+    int block_px = 3;             ///< over which a corner is looked at, of the picture of half the size
+    int window_px = 13;           ///< of Lucas-Kanade
+    int levels = 3;               ///< of the pyramid
+    double settled_px = 0.01;     ///< its last step
+    double back_px = 0.7;         ///< largest distance between the way there and the way back
+    Patch::Parameters patch;      ///< of a corner against the picture where it was found
+    double reference_error = 6;   ///< grey levels, mean: what looks otherwise than where it was found is dropped
+    double reference_px = 1.5;    ///< most that the reference moves a corner
+    double min_growth = 0.5, max_growth = 3;  ///< in area, until a corner's patch is taken anew
+    double refill_below = 0.7;                ///< of `most`
+    double epipolar_px = 2.0;                 ///< distance from the epipolar line of an inlier
+    int trials = 40;                          ///< of RANSAC: 0.9999 with half of the corners wrong
+    size_t min_for_ransac = 10;               ///< corners
+    double min_inliers = 0.4;  ///< of them: fewer, and it is the rotation that is wrong, nobody is taken out; by hand
+    double dark_grey = 8;      ///< mean below which what is followed is the sensor's noise
     double dim_grey = 60, dim_blur_px = 1.5;  ///< by night the noise has more gradient than what is there
   };
 

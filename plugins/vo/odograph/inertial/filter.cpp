@@ -113,7 +113,7 @@ bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
   int n = 0;
   imu.for_each(before->t_ns, frame.t_ns, 1'000'000'000,
                [&](const ImuSample& a, const ImuSample&) { sum += a.accel_b, squares += a.accel_b.cwiseAbs2(), ++n; });
-  if (n < p_.stand.least_samples) return false;
+  if (n < p_.stand.min_samples) return false;
   // The change of direction that a rotating phone sees of gravity is no motion: the length alone counts for it.
   const Vector3d mean = sum / n;
   const double variance = (squares / n - mean.cwiseAbs2()).sum();
@@ -124,20 +124,20 @@ bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
   });
   const double norm_variance = norm_squares / n - norms * norms / (n * n);
   const double rate_hz = n / (static_cast<double>(frame.t_ns - before->t_ns) * 1e-9);
-  if (std::min(variance, 2 * norm_variance) > p_.stand.most_force_variance(p_.noise, rate_hz)) return false;
-  const auto flow_px = flow_beside_rotation(*before, frame, state_.camera, p_.stand.least_corners);
+  if (std::min(variance, 2 * norm_variance) > p_.stand.max_force_variance(p_.noise, rate_hz)) return false;
+  const auto flow_px = flow_beside_rotation(*before, frame, state_.camera, p_.stand.min_corners);
   return flow_px && *flow_px < p_.stand.flow_px;
 }
 
 /// The newest clone sees what the one before it saw: it would push those with parallax out of the window.
 bool Filter::without_parallax() const {
-  if (state_.landmarks.size() < p_.stand.least_corners) return false;
+  if (state_.landmarks.size() < p_.stand.min_corners) return false;
   std::vector<double> inverse_depths;
   for (const Landmark& landmark : state_.landmarks) inverse_depths.push_back(landmark.at.z());
   const size_t n = state_.clones.size();
   return (state_.clones[n - 1].p_w - state_.clones[n - 2].p_w).norm() * median(inverse_depths) *
              state_.camera.lens.focal() <
-         p_.least_clone_parallax_px;
+         p_.min_clone_parallax_px;
 }
 
 void Filter::forget_clone(size_t i) {
@@ -166,7 +166,7 @@ void Filter::update_landmarks(const FrameCorners& frame, FrameReport& report) {
     count(outcomes[k], report);
     int& misses = state_.landmarks[seen[k].landmark].misses;
     misses = outcomes[k].accepted ? 0 : misses + 1;
-    keep[seen[k].landmark] = misses < p_.most_misses;
+    keep[seen[k].landmark] = misses < p_.max_misses;
   }
   for (size_t j = keep.size(); j-- > 0;)
     if (!keep[j]) state_.remove_landmark(j);
@@ -180,7 +180,7 @@ void Filter::update_tracks(FrameReport& report) {
   for (auto& [track, seen] : tracks_) {
     const bool alive = !seen.empty() && seen.back().clone == newest().id;
     // A camera that stands gets no new clones, and its landmarks become fewer.
-    const bool wanted = report.standing && state_.landmarks.size() < p_.landmarks && seen.size() >= p_.least_track;
+    const bool wanted = report.standing && state_.landmarks.size() < p_.landmarks && seen.size() >= p_.min_track;
     const bool spans = full && !seen.empty() && seen.front().clone == oldest;
     if (!alive || spans || wanted) ready.emplace_back(track, alive);
   }
@@ -190,7 +190,7 @@ void Filter::update_tracks(FrameReport& report) {
   for (const auto& [track, alive] : ready) {
     const Track seen = std::move(tracks_[track]);
     tracks_.erase(track);
-    if (seen.size() < p_.least_track) {
+    if (seen.size() < p_.min_track) {
       if (alive) tracks_[track] = {seen.back()};
       continue;
     }
@@ -218,7 +218,7 @@ void Filter::settle_lens() {
   const StabiliserParameters& s = p_.stabiliser;
   const double sigma = std::sqrt(state_.P(block::follow, block::follow));
   const int64_t now_ns = newest().frame_ns;
-  if (state_.camera.follow + s.fixed_sigmas * sigma > s.least_follow) {
+  if (state_.camera.follow + s.fixed_sigmas * sigma > s.min_follow) {
     unfollowed_ns_.reset();
     return;
   }
@@ -234,14 +234,14 @@ void Filter::settle_lens() {
 void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
   const double part = 1 - std::exp(-dt_s / p_.gate_sigma_s);
   const auto towards = [&](double value, double seen) { return value * std::pow(seen / value, part); };
-  if (report.nis_per_dof.size() >= p_.least_for_noise) {
+  if (report.nis_per_dof.size() >= p_.min_for_noise) {
     const double ratio = median(report.nis_per_dof) / kMedianNis;
     p_.gate_sigma = std::clamp(towards(p_.gate_sigma, p_.gate_sigma * std::sqrt(std::clamp(ratio, 0.01, 100.0))),
-                               p_.least_gate_sigma, p_.most_pixel_sigma);
-    p_.pixel_sigma = std::max(p_.gate_sigma, p_.least_pixel_sigma);
+                               p_.min_gate_sigma, p_.max_pixel_sigma);
+    p_.pixel_sigma = std::max(p_.gate_sigma, p_.min_pixel_sigma);
   }
-  if (report.rms_px.size() >= p_.least_for_noise)
-    p_.plain_residual_px = std::max(p_.least_residual_px, towards(p_.plain_residual_px, median(report.rms_px)));
+  if (report.rms_px.size() >= p_.min_for_noise)
+    p_.plain_residual_px = std::max(p_.min_residual_px, towards(p_.plain_residual_px, median(report.rms_px)));
 }
 
 double Filter::velocity_sigma() const { return std::sqrt(state_.P.block<3, 3>(block::nu, block::nu).trace()); }
@@ -264,7 +264,7 @@ void Filter::update_scale_sigma() {
   const size_t last = state_.clones.size() - 1;
   const Clone &a = state_.clones.front(), &b = state_.clones[last];
   const Vector3d d = b.p_w - a.p_w;
-  if (d.norm() < p_.least_displacement_m) return;  // a camera that stands keeps its map, and what it knows of the metre
+  if (d.norm() < p_.min_displacement_m) return;  // a camera that stands keeps its map, and what it knows of the metre
   // d = p_b - p_a: theta_b x p_b - theta_a x p_a + rho_b - rho_a; along d.
   const Vector3d u = d.normalized();
   Eigen::VectorXd J = Eigen::VectorXd::Zero(state_.size());

@@ -60,7 +60,7 @@ void InertialOdometry::begin(const vo::Frame& frame) {
   if (camera_.line_time_s <= 0 && frame.line_time_s > 0) camera_.line_time_s = frame.line_time_s;
   Pending pending{frame.t_ns, follow(frame), {}, true};
   if (auto* phase = std::get_if<Initialising>(&phase_)) pending.visual = phase->visual->process(frame);
-  pending.estimate = !estimated_ns_ || seconds(frame.t_ns - *estimated_ns_) >= p_.least_interval_s;
+  pending.estimate = !estimated_ns_ || seconds(frame.t_ns - *estimated_ns_) >= p_.min_interval_s;
   if (pending.estimate) estimated_ns_ = frame.t_ns;
   pending_ = std::move(pending);
 }
@@ -168,14 +168,13 @@ std::optional<InertialOdometry::Filtering> InertialOdometry::try_start(const Ini
 
 /// The filter, not what it sees: numbers that no phone has, or a picture that contradicts it for too long.
 bool InertialOdometry::is_wrong(Filtering& phase, const FrameReport& seen, int64_t t_ns) const {
-  const bool refused = seen.tried >= p_.least_tried && seen.accepted < p_.least_accepted * seen.tried;
-  const bool unseen = !seen.standing && seen.accepted < p_.least_seen;
+  const bool refused = seen.tried >= p_.min_tried && seen.accepted < p_.min_accepted * seen.tried;
+  const bool unseen = !seen.standing && seen.accepted < p_.min_seen;
   const bool diverged = lasts_s(refused, t_ns, phase.refused_since_ns) > p_.diverged_s;
   const bool long_unseen = lasts_s(unseen, t_ns, phase.unseen_since_ns) > p_.unseen_s;
   const Navigation& nav = phase.filter.state().nav;
-  return !nav.v_w.allFinite() || nav.v_w.norm() > p_.most_speed_mps ||
-         nav.accel_bias.norm() > p_.most_accel_bias_mps2 || phase.filter.camera_pull() > p_.most_camera_pull ||
-         diverged || long_unseen;
+  return !nav.v_w.allFinite() || nav.v_w.norm() > p_.max_speed_mps || nav.accel_bias.norm() > p_.max_accel_bias_mps2 ||
+         phase.filter.camera_pull() > p_.max_camera_pull || diverged || long_unseen;
 }
 
 /// The camera's rotation by the gyroscope; none where samples lack.

@@ -33,24 +33,24 @@ struct InertialOdometryParameters {
   // The data.
   int64_t silent_accel_ns = 500'000'000;  ///< an accelerometer that says nothing for so long is none; by hand
   int64_t imu_margin_ns = 2'000'000;      ///< by which the IMU must be past a frame's last row; by hand
-  double least_interval_s = 0.045;        ///< frames that come faster are followed, not estimated: 20 Hz suffice
+  double min_interval_s = 0.045;          ///< frames that come faster are followed, not estimated: 20 Hz suffice
   // When the filter is lost or wrong.
-  double lost_sigma_mps = 1.0;        ///< of the velocity: lost; by hand
-  double degraded_sigma_mps = 0.3;    ///< of the velocity; by hand
-  double most_speed_mps = 15;         ///< of what a phone in a hand does
-  double most_accel_bias_mps2 = 1.5;  ///< more than any phone has; by hand
-  double most_camera_pull = 100;      ///< Filter::camera_pull: the filter is wrong, not the camera; by hand
-  int least_tried = 8;                ///< tracks: fewer do not tell that the filter is wrong; by hand
-  double least_accepted = 0.3;        ///< of the tracks, for `diverged_s`: the filter is wrong; by hand
+  double lost_sigma_mps = 1.0;       ///< of the velocity: lost; by hand
+  double degraded_sigma_mps = 0.3;   ///< of the velocity; by hand
+  double max_speed_mps = 15;         ///< of what a phone in a hand does
+  double max_accel_bias_mps2 = 1.5;  ///< more than any phone has; by hand
+  double max_camera_pull = 100;      ///< Filter::camera_pull: the filter is wrong, not the camera; by hand
+  int min_tried = 8;                 ///< tracks: fewer do not tell that the filter is wrong; by hand
+  double min_accepted = 0.3;         ///< of the tracks, for `diverged_s`: the filter is wrong; by hand
   double diverged_s = 1.0;
   /// Of the tracks, for `unseen_s` of moving: the velocity is what accelerometer and inclination have made of it. It
   /// is then off by more than the filter knows, and points that come into view are put where it fits them (a walk in
   /// Linz came out four times as long).
-  int least_seen = 10;
+  int min_seen = 10;
   double unseen_s = 4;
   // What is told of a motion.
   double start_every_s = 0.25;           ///< a start in motion is tried
-  double keep_frames_s = 3.5;            ///< for a start: StartParameters::most_s and some
+  double keep_frames_s = 3.5;            ///< for a start: StartParameters::max_s and some
   double mended_s = 6;                   ///< of moving: what was told of the path is mended by the motions that follow
   double scale_sigma_factor = 2;         ///< the filter takes corners' errors for independent, which they are not:
   double scale_sigma_floor = 0.01;       ///< relative; both by the 5 m stretches of euroc_mh05 and a simulated phone

@@ -84,7 +84,7 @@ Triangulated first_guess(const State& state, const std::vector<Observation>& tra
   }
   const Vector3d ray = ray_of(*clones[0], state.camera, track.front().pixel, track.front().row);
   out.at = Vector3d(ray.x(), ray.y(), p.inverse_depth);
-  if (out.parallax_rad > 0.5 * p.least_parallax_rad) {
+  if (out.parallax_rad > 0.5 * p.min_parallax_rad) {
     const Vector3d b = clones[other]->p_w - clones[0]->p_w;
     const Vector3d across = rays_w[0].cross(rays_w[other]);
     const double range = b.cross(rays_w[other]).dot(across) / across.squaredNorm();
@@ -144,7 +144,7 @@ std::optional<Triangulated> triangulate(const State& state, const std::vector<Ob
     damped.diagonal() *= 1 + damping;
     damped(2, 2) += 1e-9;
     out.at = best + damped.ldlt().solve(now->g);
-    out.at.z() = std::max(out.at.z(), p.triangulation.least_inverse_depth);
+    out.at.z() = std::max(out.at.z(), p.triangulation.min_inverse_depth);
   }
   out.at = best;
   out.rms_px = std::sqrt(now->sum / static_cast<double>(track.size()));

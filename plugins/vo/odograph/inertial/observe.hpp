@@ -30,7 +30,8 @@ struct Observed {
 /// Nothing where the point is behind the camera. `row`: of the corner, px.
 std::optional<Observed> observe(const Clone& clone, const Camera& camera, const Eigen::Vector3d& p_w, double row);
 
-/// The ray of a pixel in the clone's camera at the middle row, z = 1: without distortion and the turn between the rows.
+/// The ray of a pixel in the clone's camera at the middle row, z = 1: without distortion and the rotation between the
+/// rows.
 Eigen::Vector3d ray_of(const Clone& clone, const Camera& camera, const Eigen::Vector2d& pixel, double row);
 
 /// A point from a track with its first clone as anchor.

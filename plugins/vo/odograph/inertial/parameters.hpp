@@ -44,7 +44,7 @@ struct Priors {
 };
 
 /// A lens or sensor that moves against the phone's shake. It follows the rotation's high frequencies as far as its
-/// travel reaches and gives way near its end, each maker in his own way: a gain and a leak stand for it, and an error
+/// travel reaches and gives way near its end, differently for each maker: a gain and a leak stand for it, and an error
 /// in proportion to what it does.
 struct StabiliserParameters {
   double follow_sigma = 0.3;   ///< of the gain before the first measurement; 0 is a fixed lens, 1 takes out all
@@ -56,7 +56,7 @@ struct StabiliserParameters {
   double drive_error = 0.25;                    ///< of its speed, relative,
   double error_s = 0.1;                         ///< correlated over this time
   /// Of a stabilised lens, which takes out most: one that follows less, by so many sigmas, for so long, is a fixed one.
-  double least_follow = 0.25, fixed_sigmas = 5, fixed_s = 0.5;
+  double min_follow = 0.25, fixed_sigmas = 5, fixed_s = 0.5;
   double shift_sigma_px = 1;  ///< before the first measurement
   static constexpr double kTwoPi = 6.283185307179586;
   /// By how many times e it gives way in a second, where it is shifted by so much.
@@ -76,16 +76,16 @@ struct StabiliserParameters {
 struct StandParameters {
   double sway_mps = 0.1;  ///< of a hand, 0.03 to 0.1
   double arm_m = 0.5;
-  double window_s = 0.4;      ///< over which it is looked at
-  double force_mps2 = 0.5;    ///< of the specific force, beside the sensor's noise: a hand 0.3 to 0.45, a walk above 1
-  double flow_px = 1.2;       ///< of the picture, beside one rotation, median
-  size_t least_corners = 15;  ///< that tell it
-  int least_samples = 5;      ///< of the IMU, that tell it
+  double window_s = 0.4;    ///< over which it is looked at
+  double force_mps2 = 0.5;  ///< of the specific force, beside the sensor's noise: a hand 0.3 to 0.45, a walk above 1
+  double flow_px = 1.2;     ///< of the picture, beside one rotation, median
+  size_t min_corners = 15;  ///< that tell it
+  int min_samples = 5;      ///< of the IMU, that tell it
   /// Who shuffles along at 0.2 m/s looks like that too, but gets somewhere: in mean_s a hand that stays moves by
   /// sway_m.
   double mean_s = 1.0, sway_m = 0.03;
   /// Of the specific force's three axes together, (m/s^2)^2, by a sensor of this noise and so many samples a second.
-  double most_force_variance(const ImuNoise& noise, double rate_hz) const {
+  double max_force_variance(const ImuNoise& noise, double rate_hz) const {
     return force_mps2 * force_mps2 + 3 * noise.accel * noise.accel * rate_hz;
   }
   double sigma_mps(double rate_radps) const { return std::hypot(sway_mps, arm_m * rate_radps); }
@@ -96,7 +96,7 @@ struct TriangulationParameters {
   int iterations = 8;
   double settled = 1e-4;  ///< relative change of the sum of squares
   double damping = 1e-3;  ///< at the start; a tenth after a step that helps, ten times after one that does not
-  double least_inverse_depth = 1e-4;  ///< 1/m: as good as infinitely far
+  double min_inverse_depth = 1e-4;  ///< 1/m: as good as infinitely far
 };
 
 /// Multi-state constraint Kalman filter. What has no source named was chosen by hand on simulated walks (`odograph
@@ -107,31 +107,31 @@ struct FilterParameters {
   StabiliserParameters stabiliser;
   StandParameters stand;
   double gravity_mps2 = 9.81;
-  size_t clones = 12;                  ///< poses in the window
-  size_t landmarks = 40;               ///< points that are states
-  size_t features = 25;                ///< tracks that an update takes at most
-  size_t least_track = 3;              ///< observations of a track that is used
-  int most_misses = 3;                 ///< refusals in a row, of a landmark that goes
-  size_t landmarks_together = 20;      ///< of one update: the covariance is gone through once for all of them
-  double gate_tail = 0.01;             ///< of true measurements that a gate may refuse
-  double farthest_m = 1e3;             ///< a landmark farther away is as good as infinitely far
-  double least_clone_parallax_px = 1;  ///< between two clones: less, and the newer one replaces the older
-  double least_displacement_m = 0.15;  ///< over the window, that tells its scale
-  size_t least_for_noise = 5;          ///< innovations or residuals of a frame, whose median counts
+  size_t clones = 12;                ///< poses in the window
+  size_t landmarks = 40;             ///< points that are states
+  size_t features = 25;              ///< tracks that an update takes at most
+  size_t min_track = 3;              ///< observations of a track that is used
+  int max_misses = 3;                ///< refusals in a row, of a landmark that goes
+  size_t landmarks_together = 20;    ///< of one update: the covariance is gone through once for all of them
+  double gate_tail = 0.01;           ///< of true measurements that a gate may refuse
+  double farthest_m = 1e3;           ///< a landmark farther away is as good as infinitely far
+  double min_clone_parallax_px = 1;  ///< between two clones: less, and the newer one replaces the older
+  double min_displacement_m = 0.15;  ///< over the window, that tells its scale
+  size_t min_for_noise = 5;          ///< innovations or residuals of a frame, whose median counts
   double rate_change_s = 0.008;  ///< before and after a frame, over which the change of the rate is taken: a readout
   /// Of a followed corner, px: at the start, then as the innovations' median says. It decides what is refused. Most
   /// corners are good to 0.2 px and a few, at edges of depth, to 2 px: a gate that lets these in makes the metre 1 %
   /// too long (walk700_W1, seed 4).
-  double gate_sigma = 1.0, least_gate_sigma = 0.3;
+  double gate_sigma = 1.0, min_gate_sigma = 0.3;
   double gate_sigma_s = 0.5;  ///< time constant of that
   /// The same as it is weighed, px. Corners of one frame err together, so that less is never believed.
-  double least_pixel_sigma = 0.5, most_pixel_sigma = 4;
+  double min_pixel_sigma = 0.5, max_pixel_sigma = 4;
   double pixel_sigma = 1.0;
   /// Corners are not equally good: at edges of depth, on glass, on what moves they leave several times the residual of
   /// the others beside one point of the world, and these made the metre 1 % too long (walk700, seeds 4 and 5). The
   /// noise of a corner grows as the square of its track's residual, the root mean square, over that of a plain one.
   double plain_residual_px = 0.3;  ///< at the start; then the median of the latest tracks, but at least
-  double least_residual_px = 0.3;  ///< this. 0.2 serves simulated streets as well, but takes near corners for bad ones
+  double min_residual_px = 0.3;    ///< this. 0.2 serves simulated streets as well, but takes near corners for bad ones
                                    ///< on euroc_mh05 (1.4 % of scale instead of 1.0 %).
   double residual_part = 0.2;      ///< of a landmark's newest corner in its own residual
   /// A followed corner does not stay on its point: a random walk, px/sqrt(s); 0.2 on simulated streets, 0.6 on
@@ -140,10 +140,10 @@ struct FilterParameters {
   double rotation_jitter_rad = 2e-4;  ///< of a picture against the gyroscope: stabilised lens, time stamps
   double focal_walk = 1e-4;           ///< relative, 1/sqrt(s)
   /// An autofocus moves the focal length about its mean, relative, and at another time is elsewhere: breathing of 0.5
-  /// to 1.2 % each way, moves 1.5 to 10 s apart. Many phones do not tell it.
+  /// to 1.2 % to either side, moves 1.5 to 10 s apart. Many phones do not tell it.
   double focus_sigma = 2e-3, focus_change_s = 4;
   double centre_walk_px = 0.02;                           ///< px/sqrt(s)
-  double least_parallax_rad = 0.01;                       ///< of a track whose depth is told
+  double min_parallax_rad = 0.01;                         ///< of a track whose depth is told
   double inverse_depth = 0.2, inverse_depth_sigma = 1.0;  ///< of a landmark without parallax, 1/m
   TriangulationParameters triangulation;
 };

@@ -63,7 +63,7 @@ bool Patch::remember(const cv::Mat& picture, const Vector2d& at, const Parameter
   contrast_ = std::sqrt(squares / kPixels);
   const double trace = gradients.trace() / kPixels, det = gradients.determinant() / (kPixels * kPixels);
   const double least = 0.5 * (trace - std::sqrt(std::max(0.0, trace * trace - 4 * det)));
-  if (contrast_ < p.least_contrast || least < p.least_gradient * p.least_gradient) return false;
+  if (contrast_ < p.min_contrast || least < p.min_gradient * p.min_gradient) return false;
   derivatives_.rowwise() -= derivatives_.colwise().mean().eval();
   derivatives_ -= values_ * ((values_.transpose() * derivatives_) / squares).eval();
   H_ = (derivatives_.transpose() * derivatives_).cast<double>();

@@ -21,8 +21,8 @@ class Patch {
     double settled_px = 0.01;    ///< last shift of a map that has been found
     double grey_sigma = 2;       ///< grey levels of a pixel's noise: against
     double affine_sigma = 0.03;  ///< the change of the map from frame to frame
-    double least_contrast = 2;   ///< grey levels, standard deviation
-    double least_gradient = 1;   ///< smallest root mean square of the gradient in any direction, grey levels per px
+    double min_contrast = 2;     ///< grey levels, standard deviation
+    double min_gradient = 1;     ///< smallest root mean square of the gradient in any direction, grey levels per px
   };
 
   /// Where the patch is now: pixel = at + A (offset from the corner, px).

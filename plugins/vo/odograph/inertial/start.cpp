@@ -142,7 +142,7 @@ AlignmentEquations alignment_equations(const Displacements& x, const ForceOverTi
 std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, size_t from, const ImuBuffer& imu,
                                         const Camera& camera, const Vector3d& gyro_bias, const FilterParameters& p,
                                         const StartParameters& s) {
-  if (frames.size() - from < s.least_frames) return std::nullopt;
+  if (frames.size() - from < s.min_frames) return std::nullopt;
   const StartFrame& first = frames[from];
   const Quaterniond q_w_b0 = Quaterniond(first.T_w_c.linear()) * camera.q_b_c.conjugate();
   const auto x = displacements(frames, from, imu, camera, q_w_b0, gyro_bias);
@@ -150,7 +150,7 @@ std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, si
   ForceOverTime force = force_before(imu_time(first, camera), s.history_s - x->t_s.back(), q_w_b0, gyro_bias, imu);
   force.v = force.v + x->v, force.s = force.s + x->t_s.back();
   const int rows = 3 * static_cast<int>(x->t_s.size());
-  AlignmentPoint at{-x->force_sum.normalized(), 1, s.least_visual_sigma};
+  AlignmentPoint at{-x->force_sum.normalized(), 1, s.min_visual_sigma};
   Eigen::VectorXd solution;
   Alignment out;
   for (int iteration = 0; iteration < s.alignment_iterations; ++iteration) {
@@ -161,13 +161,13 @@ std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, si
     if (!(d > 0) || !solution.allFinite()) return std::nullopt;
     const double left = (A * solution - z).head(rows).squaredNorm();
     const auto variance = [&](int i) { return std::max(0.0, normal.solve(Eigen::VectorXd::Unit(12, i))[i]); };
-    out.metres_per_unit = 1 / d;
+    out.scale = 1 / d;
     out.relative_sigma = std::sqrt(variance(8)) / d;
     out.tilt_rad = std::sqrt(std::max(variance(6), variance(7))) / (d * p.gravity_mps2);
     out.rms_m = at.visual_sigma * std::sqrt(left / rows) / d;
     const Quaterniond tangent = between(Vector3d::UnitZ(), at.down);
     const Vector3d c = d * p.gravity_mps2 * at.down + tangent * Vector3d(solution[6], solution[7], 0);
-    at.visual_sigma = std::max(s.least_visual_sigma, at.visual_sigma * std::sqrt(left / std::max(1, rows - 9)));
+    at.visual_sigma = std::max(s.min_visual_sigma, at.visual_sigma * std::sqrt(left / std::max(1, rows - 9)));
     at.down = c.normalized(), at.d = d;
   }
   const Quaterniond to_gravity = between(at.down, Vector3d::UnitZ());
@@ -195,11 +195,11 @@ std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const Im
   if (!whole || n < s.still_samples) return std::nullopt;
   force /= n, rate /= n;
   const double variance = (force_squares / n - force.cwiseAbs2()).sum();
-  if (variance > p.stand.most_force_variance(p.noise, n / seconds(t1_ns - t0_ns)) ||
+  if (variance > p.stand.max_force_variance(p.noise, n / seconds(t1_ns - t0_ns)) ||
       std::abs(force.norm() - p.gravity_mps2) > s.still_gravity_sigmas * p.priors.accel_bias_mps2)
     return std::nullopt;
   if (p.stand.arm_m * std::sqrt(rate_squares / n) > s.still_arm_mps) return std::nullopt;
-  const auto flow_px = flow_beside_rotation(frames[from].corners, last.corners, camera, p.stand.least_corners);
+  const auto flow_px = flow_beside_rotation(frames[from].corners, last.corners, camera, p.stand.min_corners);
   if (!flow_px || *flow_px > s.still_px) return std::nullopt;
   Filter::Start start;
   start.t_ns = t0_ns;
@@ -221,22 +221,22 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
   const StartFrame& last = frames.back();
   size_t from = frames.size();
   while (from > 0 && frames[from - 1].posed && frames[from - 1].group == last.group &&
-         seconds(last.corners.t_ns - frames[from - 1].corners.t_ns) <= s.most_s)
+         seconds(last.corners.t_ns - frames[from - 1].corners.t_ns) <= s.max_s)
     --from;
-  if (from == frames.size() || seconds(last.corners.t_ns - frames[from].corners.t_ns) < s.least_s) return std::nullopt;
+  if (from == frames.size() || seconds(last.corners.t_ns - frames[from].corners.t_ns) < s.min_s) return std::nullopt;
   // Without parallax there is no displacement to compare with the accelerometer's: a camera that stands fits any metre.
-  const auto flow_px = flow_beside_rotation(frames[from].corners, last.corners, camera, p.stand.least_corners);
-  if (flow_px && *flow_px < s.least_flow_px) return std::nullopt;
+  const auto flow_px = flow_beside_rotation(frames[from].corners, last.corners, camera, p.stand.min_corners);
+  if (flow_px && *flow_px < s.min_flow_px) return std::nullopt;
   const auto alignment = align_with_imu(frames, from, imu, camera, gyro_bias, p, s);
-  if (!alignment || alignment->rms_m > s.most_rms_m || alignment->relative_sigma > s.alignment_sigma ||
-      alignment->nav.accel_bias.norm() > s.most_accel_bias_mps2)
+  if (!alignment || alignment->rms_m > s.max_rms_m || alignment->relative_sigma > s.alignment_sigma ||
+      alignment->nav.accel_bias.norm() > s.max_accel_bias_mps2)
     return std::nullopt;
   Filter::Start start;
   start.t_ns = imu_time(frames[from], camera);
   start.nav = alignment->nav;
   start.nav.accel_bias.setZero();
   start.tilt_rad = std::hypot(p.priors.tilt_rad, alignment->tilt_rad);
-  start.velocity_mps = s.least_velocity_sigma_mps + 2 * alignment->relative_sigma * alignment->nav.v_w.norm();
+  start.velocity_mps = s.min_velocity_sigma_mps + 2 * alignment->relative_sigma * alignment->nav.v_w.norm();
   start.gyro_bias_radps = 0.5 * p.priors.gyro_bias_radps;
   start.accel_bias_mps2 = p.priors.accel_bias_mps2;
   Camera seen = camera;
@@ -245,10 +245,10 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
     int accepted = 0;
     for (size_t i = from; i < frames.size(); ++i) accepted += filter.process(frames[i].corners, imu).accepted;
     const Navigation& end = filter.state().nav;
-    if (!end.v_w.allFinite() || end.accel_bias.norm() > s.most_accel_bias_mps2) return std::nullopt;
+    if (!end.v_w.allFinite() || end.accel_bias.norm() > s.max_accel_bias_mps2) return std::nullopt;
     if (pass + 1 == s.passes) {
-      if (accepted == 0 || filter.gate_sigma() > s.most_gate_px || filter.scale_sigma() > s.scale_sigma ||
-          filter.camera_pull() > s.most_camera_pull)
+      if (accepted == 0 || filter.gate_sigma() > s.max_gate_px || filter.scale_sigma() > s.scale_sigma ||
+          filter.camera_pull() > s.max_camera_pull)
         return std::nullopt;
       return filter;
     }

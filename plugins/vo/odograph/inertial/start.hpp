@@ -28,22 +28,22 @@ struct StartParameters {
   double still_gravity_sigmas = 3;        ///< of the accelerometer bias, by which the force may differ from gravity
   int still_samples = 10;                 ///< of the IMU, at least
   // In motion: the visual odometry's poses aligned with the IMU.
-  double least_flow_px = 1;          ///< that a rotation leaves over: a hand that stands has 0.2 to 0.7
-  double least_s = 0.8, most_s = 3;  ///< of motion that is looked at; by hand
-  size_t least_frames = 6;           ///< 18 equations for 12 unknowns
+  double min_flow_px = 1;            ///< that a rotation leaves over: a hand that stands has 0.2 to 0.7
+  double min_s = 0.8, max_s = 3;     ///< of motion that is looked at; by hand
+  size_t min_frames = 6;             ///< 18 equations for 12 unknowns
   int alignment_iterations = 4;      ///< of the noise and of gravity's direction, about which it is linearised
-  double least_visual_sigma = 2e-3;  ///< of a visual position, of the map's scale (median depth one): 1 px; by hand
+  double min_visual_sigma = 2e-3;    ///< of a visual position, of the map's scale (median depth one): 1 px; by hand
   double alignment_sigma = 0.35;     ///< relative, of the metre by the visual poses: more is no start; by hand
-  double most_rms_m = 0.1;           ///< that the visual poses leave beside the inertial ones: 0.01 where they are good
+  double max_rms_m = 0.1;            ///< that the visual poses leave beside the inertial ones: 0.01 where they are good
   double scale_sigma = 0.15;         ///< relative, of the metre that the filter leaves: more is no start; by hand
-  double most_accel_bias_mps2 = 0.8;  ///< ten sigmas of the prior
-  double most_camera_pull = 10;       ///< Filter::camera_pull, of five degrees of freedom
-  double most_gate_px = 1.5;  ///< of the corners' noise as the filter finds it: more, and it is the start that is wrong
+  double max_accel_bias_mps2 = 0.8;  ///< ten sigmas of the prior
+  double max_camera_pull = 10;       ///< Filter::camera_pull, of five degrees of freedom
+  double max_gate_px = 1.5;  ///< of the corners' noise as the filter finds it: more, and it is the start that is wrong
   /// Of the velocity's change over the last history_s, of which a start in motion knows the end alone: who starts to
   /// walk changes it by 1.4 m/s, to run by 3.
   double velocity_change_mps = 1.5, history_s = 3;
-  int passes = 3;                          ///< of the filter over those frames, each linearised about the one before
-  double least_velocity_sigma_mps = 0.15;  ///< of the filter that starts, beside twice the metre's doubt; by hand
+  int passes = 3;                        ///< of the filter over those frames, each linearised about the one before
+  double min_velocity_sigma_mps = 0.15;  ///< of the filter that starts, beside twice the metre's doubt; by hand
 };
 
 /// The inertial alignment of a piece of visual odometry: p_visual = a + b t + c t^2 / 2 + d (inertial displacement),
@@ -51,11 +51,11 @@ struct StartParameters {
 /// is of the visual poses on the inertial ones: the other way round the metre would come out too small (errors in
 /// variables).
 struct Alignment {
-  Navigation nav;              ///< at the first frame, in a w whose z is along gravity
-  double metres_per_unit = 0;  ///< of the visual odometry
-  double relative_sigma = 0;   ///< of it
-  double tilt_rad = 0;         ///< standard deviation of gravity's direction
-  double rms_m = 0;            ///< of what is left over
+  Navigation nav;             ///< at the first frame, in a w whose z is along gravity
+  double scale = 0;           ///< of the visual odometry
+  double relative_sigma = 0;  ///< of it
+  double tilt_rad = 0;        ///< standard deviation of gravity's direction
+  double rms_m = 0;           ///< of what is left over
 };
 std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, size_t from, const ImuBuffer& imu,
                                         const Camera& camera, const Eigen::Vector3d& gyro_bias,

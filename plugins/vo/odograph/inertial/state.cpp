@@ -15,8 +15,8 @@ using Eigen::Vector3d;
 using so3::exp_rotation;
 using so3::skew;
 
-constexpr double kLeastInverseDepth = 1e-4;  // 1/m: as good as infinitely far
-constexpr double kMostLeak = 1.4;            // four times as much, or as little
+constexpr double kMinInverseDepth = 1e-4;  // 1/m: as good as infinitely far
+constexpr double kMaxLeak = 1.4;           // four times as much, or as little
 
 }  // namespace
 
@@ -44,10 +44,10 @@ void State::correct(const Eigen::VectorXd& d) {
     return (exp_rotation(theta) * q).normalized();
   };
   const Vector3d theta = d.segment<3>(block::theta);
-  const Quaterniond turn = exp_rotation(theta);
+  const Quaterniond rotation = exp_rotation(theta);
   nav.q_w_b = turned(nav.q_w_b, theta);
-  nav.v_w = turn * nav.v_w + d.segment<3>(block::nu);
-  nav.p_w = turn * nav.p_w + d.segment<3>(block::rho);
+  nav.v_w = rotation * nav.v_w + d.segment<3>(block::nu);
+  nav.p_w = rotation * nav.p_w + d.segment<3>(block::rho);
   nav.gyro_bias += d.segment<3>(block::gyro_bias);
   nav.accel_bias += d.segment<3>(block::accel_bias);
   nav.gyro_axes += Eigen::Map<const Matrix3d>(d.data() + block::gyro_axes);
@@ -60,21 +60,21 @@ void State::correct(const Eigen::VectorXd& d) {
   camera.shift_px += d.segment<2>(block::shift);
   camera.follow += d[block::follow];
   camera.focus += d[block::focus];
-  camera.leak = std::clamp(camera.leak + d[block::leak], -kMostLeak, kMostLeak);
+  camera.leak = std::clamp(camera.leak + d[block::leak], -kMaxLeak, kMaxLeak);
   for (size_t i = 0; i < clones.size(); ++i) {
     Clone& c = clones[i];
     const Vector3d theta_c = d.segment<3>(clone_at(i));
-    const Quaterniond turn_c = exp_rotation(theta_c);
+    const Quaterniond rotation_c = exp_rotation(theta_c);
     c.q_w_c = turned(c.q_w_c, theta_c);
-    c.p_w = turn_c * c.p_w + d.segment<3>(clone_at(i) + 3);
-    c.v_w = turn_c * c.v_w;
+    c.p_w = rotation_c * c.p_w + d.segment<3>(clone_at(i) + 3);
+    c.v_w = rotation_c * c.v_w;
     c.shift_px += d.segment<2>(clone_at(i) + block::clone_shift);
     c.shift_rate_px_s += d[block::follow] * c.drive_px_s;
     c.focal_px *= std::exp(d[clone_at(i) + block::clone_focal]);
   }
   for (size_t j = 0; j < landmarks.size(); ++j) {
     landmarks[j].at += d.segment<3>(landmark_at(j));
-    landmarks[j].at.z() = std::max(landmarks[j].at.z(), kLeastInverseDepth);
+    landmarks[j].at.z() = std::max(landmarks[j].at.z(), kMinInverseDepth);
   }
 }
 

@@ -156,7 +156,7 @@ Outcome update(State& state, const Linearised& z, double sigma, double gate_sigm
 
 Outcome update_with_track(State& state, const std::vector<Observation>& track, const FilterParameters& p) {
   const auto point = triangulate(state, track, p);
-  if (!point || point->parallax_rad < p.least_parallax_rad || point->at.z() < 1 / p.farthest_m) return {};
+  if (!point || point->parallax_rad < p.min_parallax_rad || point->at.z() < 1 / p.farthest_m) return {};
   auto e = equations(state, track, point->at);
   if (!e) return {};
   whiten(state, track, p, e->z, e->by_point);
@@ -177,7 +177,7 @@ Outcome add_landmark(State& state, uint64_t id, const std::vector<Observation>& 
   auto e = equations(state, track, point->at);
   if (!e) return {};
   whiten(state, track, p, e->z, e->by_point);
-  if (point->parallax_rad < 2 * p.least_parallax_rad) {
+  if (point->parallax_rad < 2 * p.min_parallax_rad) {
     const Eigen::Index rows = e->z.residual.size();
     const double weight = p.pixel_sigma / p.inverse_depth_sigma;
     e->z.H.conservativeResize(rows + 1, Eigen::NoChange);

@@ -61,8 +61,8 @@ using PoseJacobian = Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>>;
 /// least depth, a focal length off, whatever its pose: it pulls nothing, and no step gains by bringing it there.
 class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
  public:
-  Reprojection(const Eigen::Vector2d& anchor, const Eigen::Vector2d& seen, double sigma, double least_depth)
-      : ray_(anchor.x(), anchor.y(), 1), seen_(seen), per_sigma_(1 / sigma), least_depth_(least_depth) {}
+  Reprojection(const Eigen::Vector2d& anchor, const Eigen::Vector2d& seen, double sigma, double min_depth)
+      : ray_(anchor.x(), anchor.y(), 1), seen_(seen), per_sigma_(1 / sigma), min_depth_(min_depth) {}
 
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
     const Matrix3d R_a = Eigen::Map<const Quaterniond>(x[0]).toRotationMatrix();
@@ -70,7 +70,7 @@ class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
     const Vector3d between = Eigen::Map<const Vector3d>(x[0] + 4) - Eigen::Map<const Vector3d>(x[1] + 4);
     const double rho = x[2][0];
     const Vector3d y = R_j_w * (R_a * ray_ + rho * between);
-    if (y.z() < least_depth_) return behind(residuals, jacobians);
+    if (y.z() < min_depth_) return behind(residuals, jacobians);
     Eigen::Map<Eigen::Vector2d>{residuals} = per_sigma_ * (y.head<2>() / y.z() - seen_);
     if (!jacobians) return true;
     Eigen::Matrix<double, 2, 3> P;
@@ -91,7 +91,7 @@ class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
 
  private:
   bool behind(double* residuals, double** jacobians) const {
-    residuals[0] = per_sigma_ / least_depth_, residuals[1] = 0;
+    residuals[0] = per_sigma_ / min_depth_, residuals[1] = 0;
     for (int k = 0; jacobians && k < 3; ++k)
       if (jacobians[k]) std::fill_n(jacobians[k], 2 * parameter_block_sizes()[static_cast<size_t>(k)], 0.0);
     return true;
@@ -99,7 +99,7 @@ class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
 
   Vector3d ray_;
   Eigen::Vector2d seen_;
-  double per_sigma_, least_depth_;
+  double per_sigma_, min_depth_;
 };
 
 /// Log(Delta R(bias)' R_i' R_j), eq. (45) of Forster et al. 2017, to first order in what is small.
@@ -213,7 +213,7 @@ class WindowProblem {
       const Observation& anchor = landmark.seen.front();
       for (size_t i = 1; i < landmark.seen.size(); ++i) {
         const Observation& o = landmark.seen[i];
-        problem_.AddResidualBlock(new Reprojection(anchor.seen, o.seen, sigma, p_.least_depth), &cauchy_,
+        problem_.AddResidualBlock(new Reprojection(anchor.seen, o.seen, sigma, p_.min_depth), &cauchy_,
                                   poses_[anchor.keyframe - first].data(), poses_[o.keyframe - first].data(), rho);
         ++observations;
       }
@@ -271,7 +271,7 @@ class WindowProblem {
       keyframes[k].T_w_c.translation() = Eigen::Map<Vector3d>(poses_[k].data() + 4);
     }
     for (size_t k = 0; k < located_.size(); ++k)
-      located_[k]->inverse_depth = std::max(inverse_depths_[k], p_.least_inverse_depth);
+      located_[k]->inverse_depth = std::max(inverse_depths_[k], p_.min_inverse_depth);
   }
 
  private:

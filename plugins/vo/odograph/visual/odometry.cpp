@@ -62,7 +62,7 @@ Odometry::Outcome Odometry::advance(Initialising state, const Frame& frame, cons
   const Quaterniond q_w_c(rotation->R_1_0.transpose());
   const double corner_sigma_rad = std::max(sigma(), rotation->median_residual_rad);
   learn_bias(state, predicted, q_w_c, corner_sigma_rad);
-  if (rotation->median_residual_rad > p_.start.worth_trying * p_.start.least_parallax_rad)
+  if (rotation->median_residual_rad > p_.start.worth_trying * p_.start.min_parallax_rad)
     if (const auto view = find_second_view(matches, q_w_c)) {
       motion = begin_map(*view, matches, state, predicted);
       MapTracking map;
@@ -93,7 +93,7 @@ Odometry::Outcome Odometry::advance(MapTracking map, const Frame& frame, const P
   seen_ = undistort(frame);
   const auto pose = estimate_pose(T_expected, predicted, predicted.step_s, map.doubts);
   if (!pose) {
-    if (map.doubts > p_.pose.most_doubts) map.keyframe.reset();
+    if (map.doubts > p_.pose.max_doubts) map.keyframe.reset();
     Outcome outcome = advance(Relocalising{frame.t_ns, std::move(map)}, frame, predicted);
     if (auto* found = std::get_if<MapTracking>(&outcome.next)) found->corners_before = seen_.corners.size();
     if (auto* lost = std::get_if<Relocalising>(&outcome.next)) lost->map.corners_before = seen_.corners.size();
@@ -116,7 +116,7 @@ Odometry::Outcome Odometry::advance(Relocalising state, const Frame& frame, cons
     seen_ = undistort(frame);
     const double unseen_s = predicted.step_s + seconds(last_ns_ - state.since_ns);
     const auto pose = estimate_pose(T_expected, predicted, unseen_s, map.doubts);
-    const auto wanted = static_cast<int>(p_.relocalise.least_inliers * static_cast<double>(map.located_at_keyframe));
+    const auto wanted = static_cast<int>(p_.relocalise.min_inliers * static_cast<double>(map.located_at_keyframe));
     if (pose && pose->count >= wanted) return {move_to(*pose, predicted), std::move(map)};
   }
   const Motion motion = rotation_by_gyroscope(predicted);
@@ -228,13 +228,13 @@ std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points, co
     prior = RotationPrior{Quaterniond(T_expected.linear()),
                           predicted.gyro->sigma_rad + p_.gyroscope.known_bias_drift_radps * unseen_s};
   const auto good = [&](const std::optional<FittedPose>& pose) {
-    return pose && pose->count >= p.least_points && pose->count >= p.good_inliers * static_cast<double>(points.size());
+    return pose && pose->count >= p.min_points && pose->count >= p.good_inliers * static_cast<double>(points.size());
   };
   const double loose = p.loose_px / camera_.focal();
   auto pose = fit_pose(points, T_expected, sigma(), loose, prior, p.fit);
   if (good(pose)) return pose;
   if (const auto coarse = fit_pose(points, T_expected, p.coarse * sigma(), loose, prior, p.fit); good(coarse)) {
-    noise_px_ = std::min(p_.noise.most_px, p_.noise.coarser * noise_px_);
+    noise_px_ = std::min(p_.noise.max_px, p_.noise.coarser * noise_px_);
     return coarse;
   }
   const auto other = fit_by_ransac(points, prior);
@@ -269,20 +269,20 @@ std::optional<FittedPose> Odometry::estimate_pose(const Isometry3d& T_expected, 
   std::vector<uint64_t> tracks;
   const std::vector<PointSeen> points = points_seen(tracks);
   const auto of_points = [&](double part) { return part * static_cast<double>(points.size()); };
-  if (static_cast<int>(points.size()) < p.least_points) return std::nullopt;
+  if (static_cast<int>(points.size()) < p.min_points) return std::nullopt;
   auto pose = fit(points, T_expected, predicted, unseen_s);
-  if (!pose || pose->count < p.least_points || pose->count < of_points(p.least_inliers)) return std::nullopt;
+  if (!pose || pose->count < p.min_points || pose->count < of_points(p.min_inliers)) return std::nullopt;
   for (size_t i = 0; i < tracks.size(); ++i) {
     Landmark& landmark = window_.landmarks()[tracks[i]];
     landmark.misses = pose->inliers[i] ? 0 : landmark.misses + 1;
-    if (landmark.misses > p.most_misses) window_.forget(tracks[i]);  // moves, or its depth is wrong: it may start anew
+    if (landmark.misses > p.max_misses) window_.forget(tracks[i]);  // moves, or its depth is wrong: it may start anew
   }
   if (Eigen::AngleAxisd(T_expected.linear().transpose() * pose->T_w_c.linear()).angle() > p.surprise_rad)
     return std::nullopt;
   // A start from little parallax may have been a false one: its map explains less from frame to frame.
   const bool doubtful = !window_.slid() && pose->count < of_points(p.doubtful_inliers);
   doubts = doubtful ? doubts + 1 : 0;
-  if (doubts > p.most_doubts) return std::nullopt;
+  if (doubts > p.max_doubts) return std::nullopt;
   learn_noise(points, *pose);
   return pose;
 }
@@ -296,7 +296,7 @@ void Odometry::learn_noise(const std::vector<PointSeen>& points, const FittedPos
     if (y.z() > 1e-9) errors.push_back((y.head<2>() / y.z() - point.seen).norm());
   }
   const double seen_px =
-      std::clamp(median(errors) / kRayleighMedian * camera_.focal(), p_.noise.least_px, p_.noise.most_px);
+      std::clamp(median(errors) / kRayleighMedian * camera_.focal(), p_.noise.min_px, p_.noise.max_px);
   noise_px_ += p_.noise.learn * (seen_px - noise_px_);
 }
 

@@ -32,19 +32,19 @@ struct GyroscopeParameters {
 
 /// Standard deviation of a corner in the picture: it depends on the light and is learnt.
 struct CornerNoiseParameters {
-  double begin_px = 0.4;                 ///< of a corner followed by day; by hand
-  double least_px = 0.3, most_px = 1.2;  ///< that are believed; by hand
-  double learn = 0.1;                    ///< weight of the newest frame; by hand
-  double coarser = 1.3;                  ///< factor after a frame that only coarser corners explain; by hand
+  double begin_px = 0.4;              ///< of a corner followed by day; by hand
+  double min_px = 0.3, max_px = 1.2;  ///< that are believed; by hand
+  double learn = 0.1;                 ///< weight of the newest frame; by hand
+  double coarser = 1.3;               ///< factor after a frame that only coarser corners explain; by hand
 };
 
 /// Two views become a map.
 struct MapStartParameters {
-  double least_parallax_rad = 0.004;  ///< median: 2 px with a focal length of 500 px, five sigmas of a corner
-  double worth_trying = 0.25;         ///< of least_parallax_rad, that one rotation leaves over: below, no RANSAC
-  int trials = 200;                   ///< of the five-point RANSAC: 0.998 with half the matches wrong
-  double inlier_sigmas = 3;           ///< distance of an epipolar inlier
-  double least_inliers = 0.5;         ///< of the matches
+  double min_parallax_rad = 0.004;  ///< median: 2 px with a focal length of 500 px, five sigmas of a corner
+  double worth_trying = 0.25;       ///< of min_parallax_rad, that one rotation leaves over: below, no RANSAC
+  int trials = 200;                 ///< of the five-point RANSAC: 0.998 with half the matches wrong
+  double inlier_sigmas = 3;         ///< distance of an epipolar inlier
+  double min_inliers = 0.5;         ///< of the matches
   /// Of the parallax: a false displacement can be made up for by a false rotation, but by no larger one.
   double rotation_agrees = 1.5;
   double rotation_sigma = 0.25;       ///< of the parallax: what a start leaves of the rotation; `odograph bench vo`
@@ -54,30 +54,30 @@ struct MapStartParameters {
 
 /// Iterations of fit_pose.
 struct PoseFitParameters {
-  int iterations = 12, least_iterations = 6;
+  int iterations = 12, min_iterations = 6;
   double shrink = 0.4;        ///< of the loss's scale by an iteration (graduated non-convexity); by hand
-  double least_scale = 2.5;   ///< of the loss, sigmas; by hand
+  double min_scale = 2.5;     ///< of the loss, sigmas; by hand
   double inlier_sigmas = 3;   ///< 1.1 % of good points are farther off (Rayleigh)
   double settled_rad = 1e-7;  ///< last step
 };
 
 /// The camera is placed by the map.
 struct PoseParameters {
-  int least_points = 12;        ///< that agree: four times what three-point pose needs; by hand
-  double least_inliers = 0.25;  ///< of the points with a depth, of a pose
-  double good_inliers = 0.5;    ///< of them, of a fit beside which no other is tried
-  double loose_px = 8;          ///< that a prediction may be off; by hand
-  double coarse = 2.5;          ///< factor of a corner's sigma that is tried next: blur, night; by hand
-  double ransac_sigmas = 4;     ///< of P3P's inliers
+  int min_points = 12;        ///< that agree: four times what three-point pose needs; by hand
+  double min_inliers = 0.25;  ///< of the points with a depth, of a pose
+  double good_inliers = 0.5;  ///< of them, of a fit beside which no other is tried
+  double loose_px = 8;        ///< that a prediction may be off; by hand
+  double coarse = 2.5;        ///< factor of a corner's sigma that is tried next: blur, night; by hand
+  double ransac_sigmas = 4;   ///< of P3P's inliers
   int ransac_trials = 200;
   double ransac_confidence = 0.999;
   double after_ransac = 0.3;  ///< of loose_px, from where P3P puts the camera; by hand
   double surprise_rad = 0.5;  ///< most that a frame rotates otherwise than predicted; by hand
-  int most_misses = 2;        ///< frames in a row that contradict a point: with the next it is dropped
-  /// Of the points, while the first window fills: fewer that agree in more than most_doubts frames in a row, and the
+  int max_misses = 2;         ///< frames in a row that contradict a point: with the next it is dropped
+  /// Of the points, while the first window fills: fewer that agree in more than max_doubts frames in a row, and the
   /// map's start from little parallax was a false one; by hand.
   double doubtful_inliers = 0.72;
-  int most_doubts = 1;
+  int max_doubts = 1;
   double rotation_floor_rad = 1e-4;  ///< of a motion: time stamps, displacement between rows; `odograph bench vo`
   PoseFitParameters fit;
 };
@@ -100,13 +100,13 @@ struct AdjustmentParameters {
   double cauchy_sigmas = 1.5;        ///< scale of the loss; by hand
   double bias_sigma_radps = 0.01;    ///< about the last window's bias, which began at none
   double baseline_sigma = 1e-3;      ///< relative: holds the scale until the first keyframe has left the window
-  double least_inverse_depth = 1e-6;
-  double least_depth = 1e-3;  ///< of a point's anchor depth: nearer is behind the camera
+  double min_inverse_depth = 1e-6;
+  double min_depth = 1e-3;  ///< of a point's anchor depth: nearer is behind the camera
 };
 
 struct RelocaliseParameters {
-  double patience_s = 1.0;     ///< then a new map begins: long enough for a passer-by; by hand
-  double least_inliers = 0.4;  ///< of the points of the keyframe: a few that agree are no place; by hand
+  double patience_s = 1.0;   ///< then a new map begins: long enough for a passer-by; by hand
+  double min_inliers = 0.4;  ///< of the points of the keyframe: a few that agree are no place; by hand
 };
 
 struct OdometryParameters {

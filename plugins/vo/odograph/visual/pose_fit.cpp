@@ -101,7 +101,7 @@ std::optional<FittedPose> fit_pose(const std::vector<PointSeen>& points, const E
   fit.T_w_c = start;
   Matrix6d H;
   for (int iteration = 0; iteration < p.iterations; ++iteration) {
-    const double scale = std::max(p.least_scale * sigma, loose * std::pow(p.shrink, iteration));
+    const double scale = std::max(p.min_scale * sigma, loose * std::pow(p.shrink, iteration));
     const Normal normal = normal_equations(points, fit.T_w_c, sigma, scale, prior);
     H = normal.H;
     const Eigen::LDLT<Matrix6d> solver(H);
@@ -111,7 +111,7 @@ std::optional<FittedPose> fit_pose(const std::vector<PointSeen>& points, const E
     fit.T_w_c.linear() =
         (Eigen::Quaterniond(fit.T_w_c.linear()) * exp_rotation(step.head<3>())).normalized().toRotationMatrix();
     fit.T_w_c.translation() += step.tail<3>();
-    if (iteration + 1 >= p.least_iterations && step.head<3>().norm() < p.settled_rad) break;
+    if (iteration + 1 >= p.min_iterations && step.head<3>().norm() < p.settled_rad) break;
   }
   fit.covariance = H.inverse();
   count_inliers(points, sigma, p.inlier_sigmas, fit);

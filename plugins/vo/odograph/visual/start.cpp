@@ -74,11 +74,11 @@ std::optional<Odometry::SecondView> Odometry::find_second_view(const Matches& ma
   const MapStartParameters& p = p_.start;
   const auto pair = two_view_near(matches.first, matches.second, rotation_alone.conjugate().toRotationMatrix(),
                                   p.inlier_sigmas * sigma(), p.trials);
-  if (!pair || pair->count < p.least_inliers * static_cast<double>(matches.first.size())) {
-    noise_px_ = std::min(p_.noise.most_px, p_.noise.coarser * noise_px_);
+  if (!pair || pair->count < p.min_inliers * static_cast<double>(matches.first.size())) {
+    noise_px_ = std::min(p_.noise.max_px, p_.noise.coarser * noise_px_);
     return std::nullopt;
   }
-  if (pair->count < p_.pose.least_points || pair->median_parallax_rad < p.least_parallax_rad) return std::nullopt;
+  if (pair->count < p_.pose.min_points || pair->median_parallax_rad < p.min_parallax_rad) return std::nullopt;
   const Quaterniond q_w_c(pair->R_1_0.transpose());
   if (q_w_c.angularDistance(rotation_alone) > p.rotation_agrees * pair->median_parallax_rad) return std::nullopt;
   Isometry3d T_1_0 = Isometry3d::Identity();
@@ -91,7 +91,7 @@ std::optional<Odometry::SecondView> Odometry::find_second_view(const Matches& ma
       if (const auto X = triangulate({{Isometry3d::Identity(), matches.first[i]}, {T_w_c, matches.second[i]}},
                                      p.triangulation_error, p_.keyframe.point_parallax_rad))
         depths.push_back(X->z());
-  if (static_cast<int>(depths.size()) < p_.pose.least_points) return std::nullopt;
+  if (static_cast<int>(depths.size()) < p_.pose.min_points) return std::nullopt;
   T_w_c.translation() /= median(depths);
   return SecondView{T_w_c, pair->inliers, pair->count, pair->median_parallax_rad};
 }
