@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
-#include "sdk/tools/benchmarks/bench_vo_reference.hpp"
+#include "sdk/tools/evaluation/reference_poses.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;

@@ -16,8 +16,8 @@ struct Scale {
 
 /// The metres per VO unit of a scale group from all steps in it: a Kalman filter of its logarithm, one measurement a
 /// step (the step's length over the odometry's horizontal displacement between its two contacts), for odometries whose
-/// unit drifts slowly. Where Antigny et al. 2019 scale each frame on its own, the odometry's own lengths are kept here,
-/// and what steps err by one by one averages out. No allocation.
+/// scale drifts slowly. Where Antigny et al. 2019 scale each frame on its own, the odometry's own lengths are kept
+/// here, and what steps err by one by one averages out. No allocation.
 class StepFit {
  public:
   /// `drift`: of the unit, relative, from step to step. `common`: what all steps err by together, relative.

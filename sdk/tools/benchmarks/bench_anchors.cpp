@@ -1,295 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What an app's anchors do on the screen and through a fix, in simulated time: `odograph bench anchors`.
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-
-#include <Eigen/Geometry>
-#include <nlohmann/json.hpp>
-#include <odograph/anchor.h>
-
 #include "sdk/tools/benchmarks/benchmarks.hpp"
-#include "sdk/tools/console/console.hpp"
-#include "sdk/tools/replay/arrivals.hpp"
-#include "sdk/tools/replay/kept_recordings.hpp"
-#include "sdk/tools/replay/replayed.hpp"
-#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/replay/anchor_walk.hpp"
 
 namespace odograph {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-using Eigen::Quaterniond;
-using Eigen::Vector2d;
-using Eigen::Vector3d;
+struct Anchors : Benchmark {
+  Anchors()
+      : Benchmark("anchors", "Anchors on the screen and through a fix, in simulated time; camera, IMU and truth",
+                  kConfigs | kSeeds | kSimulated | kRecordings) {
+    options.configs = {"samples/configs/walk_marks.yaml"};
+    options.scenarios = {"samples/scenarios/street_short.yaml"};
+  }
+  void add_options(CLI::App& command) override {
+    command.add_option("--settle", walk.settle_s, "seconds from the first position to the first anchor");
+    command.add_option("--ahead", walk.ahead_m, "m from the camera to a new anchor");
+  }
 
-struct AnchorArguments {
-  RecordingChoice choice;
-  std::string config = "samples/configs/walk_marks.yaml";
-  double settle_s = 8, every_s = 1, ahead_m = 3, nearest_m = 2, farthest_m = 4, young_s = 0.2, mark_sigma_m = 0.02;
-  bool json = false;
+  Result<Json> measure(const BenchCase& one, const ShowProgress&) const override {
+    const auto recording = read_recording(one.files.front());
+    if (!recording) return recording.failure();
+    const auto f = anchor_walk(*recording, one.run, walk);
+    if (!f) return f.failure();
+    return row_of("anchors", {{"", "looks", "looks", 0, f->px.size()},
+                              {"corrected", "px median", "px_median", 2, part_of(f->px, 0.5)},
+                              {"px", "95 %", "px_p95", 2, part_of(f->px, 0.95)},
+                              {"smooth", "px median", "smooth_px_median", 2, part_of(f->smooth_px, 0.5)},
+                              {"px", "95 %", "smooth_px_p95", 2, part_of(f->smooth_px, 0.95)},
+                              {"drift", "m", "drift_m", 2, f->drift_m},
+                              {"sigma", "m", "view_sigma_m", 2, f->view_sigma_m},
+                              {"fix", "accepted", "fixed", 0, f->fixed},
+                              {"start", "m", "start_off_m", 3, f->start_off_m},
+                              {"newest", "m", "by_newest_m", 3, f->by_newest_m}});
+  }
+
+  BenchReport report(const Rows& rows) const override {
+    return {
+        recordings_text(rows, "anchors") +
+        text("\npx: how far off an anchor is drawn that was placed %.0f m ahead and is %.0f to %.0f m away, on each "
+             "picture as it\narrives and before it has been used; the first %.0f s left out. drift: of the phone at "
+             "the end, and sigma what was\nsaid of it; start: how far off content placed at the start is after a fix "
+             "at the end (sigma %.0f cm), and newest: if\nit had been moved as the phone was.\n",
+             walk.ahead_m, walk.nearest_m, walk.farthest_m, walk.settle_s, 100 * walk.mark_sigma_m)};
+  }
+
+  AnchorWalkOptions walk;
 };
-
-struct Pose {
-  Quaterniond q;
-  Vector3d p;
-  Vector3d operator*(const Vector3d& x) const { return p + q * x; }
-  Vector3d into(const Vector3d& x) const { return q.conjugate() * (x - p); }
-};
-
-/// Something that is drawn at a place of the street that the simulator knows.
-struct Content {
-  uint64_t id;
-  int64_t since_ns;
-  Vector3d p_true;
-};
-
-struct Sums {
-  std::vector<double> px, smooth_px;  ///< on the picture as it arrives, of anchors between nearest_m and farthest_m
-  double start_off_m = NAN;           ///< what was placed at the start, after the finish's fix
-  double by_newest_m = NAN;           ///< the same if it had been moved by the newest correction
-  double drift_m = NAN;               ///< of the phone before the fix
-  double view_sigma_m = NAN;          ///< what was said of the content at the start, seen from the finish, before it
-  bool fixed = false;
-};
-
-class Walk {
- public:
-  Walk(const Recording& recording, const AnchorArguments& a) : recording_(recording), a_(a) {
-    for (const RecordedMessage& message : recording.messages)
-      if (message.message.header().type == ODO_TYPE_CALIBRATION)
-        lens_ = copy_as<odo_calibration>(message.message.header());
-  }
-
-  Result<Sums> run() {
-    const auto session = replay_session(a_.config);
-    if (!session) return session.failure();
-    odo_session* raw = session->get();
-    session_ = raw;
-    const uint32_t wanted[] = {ODO_TYPE_CORRECTION};
-    odo_session_set_callback(raw, wanted, 1, on_correction, this);
-    for (const Arrival& arrival : arrivals_of(recording_, {})) {
-      if (!arrival.other) {
-        odo_session_push(raw, &arrival.imu.header);
-        continue;
-      }
-      const odo_header& header = arrival.other->message.header();
-      if (header.type == ODO_TYPE_WAYPOINT) continue;  // the recording's own marks
-      const auto truth = header.type == ODO_TYPE_FRAME ? truth_at(header.t_ns) : std::nullopt;
-      if (truth) draw(*truth, header.t_ns);
-      if (const auto failure = push(raw, *arrival.other)) return *failure;
-      if (truth) place(*truth, header.t_ns);
-    }
-    finish();
-    return sums_;
-  }
-
- private:
-  static void on_correction(void* user, const odo_header* event) {
-    const auto correction = copy_as<odo_correction>(*event);
-    auto& self = *static_cast<Walk*>(user);
-    const Quaterniond q(correction.q_n[0], correction.q_n[1], correction.q_n[2], correction.q_n[3]);
-    self.carried_ = q * self.carried_ + Vector3d(correction.p_n);
-  }
-
-  std::optional<Pose> truth_at(int64_t t_ns) const {
-    const auto found = std::lower_bound(recording_.truth.begin(), recording_.truth.end(), t_ns,
-                                        [](const StampedPose& pose, int64_t t) { return pose.t_ns < t; });
-    if (found == recording_.truth.end() || found->t_ns - t_ns > 2'000'000) return std::nullopt;
-    return Pose{found->q, found->p};
-  }
-
-  std::optional<Pose> pose_at(int64_t t_ns) const {
-    odo_pose pose{};
-    pose.header.struct_size = sizeof pose;
-    if (odo_session_get_pose(session_, t_ns, &pose) != ODO_OK) return std::nullopt;
-    if ((pose.header.flags & (ODO_POSE_POSITION | ODO_POSE_METRIC)) != (ODO_POSE_POSITION | ODO_POSE_METRIC))
-      return std::nullopt;
-    return Pose{Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]), Vector3d(pose.p_n)};
-  }
-
-  odo_anchor get(uint64_t id, uint32_t world, int64_t t_ns) const {
-    odo_anchor anchor{};
-    anchor.struct_size = sizeof anchor;
-    odo_anchor_get(session_, id, world, t_ns, &anchor);
-    return anchor;
-  }
-
-  std::optional<Vector2d> project(const Vector3d& p_c) const {
-    if (p_c.z() < 0.2) return std::nullopt;
-    const Vector2d px(lens_.fx * p_c.x() / p_c.z() + lens_.cx, lens_.fy * p_c.y() / p_c.z() + lens_.cy);
-    const bool inside = px.x() >= 0 && px.y() >= 0 && px.x() < lens_.width && px.y() < lens_.height;
-    return inside ? std::optional(px) : std::nullopt;
-  }
-
-  /// When a picture arrives it is shown, with all that is drawn on it: the pose is asked for its time, before it has
-  /// been looked at.
-  void draw(const Pose& truth, int64_t t_ns) {
-    for (const Content& content : contents_) {
-      const Vector3d p_c = truth.into(content.p_true);
-      if (static_cast<double>(t_ns - content.since_ns) < 1e9 * a_.young_s) continue;
-      if (p_c.norm() < a_.nearest_m || p_c.norm() > a_.farthest_m) continue;
-      const auto there = project(p_c);
-      if (!there) continue;
-      for (const auto& [world, px] :
-           {std::pair{ODO_WORLD_CORRECTED, &sums_.px}, std::pair{ODO_WORLD_SMOOTH, &sums_.smooth_px}}) {
-        const odo_anchor anchor = get(content.id, world, t_ns);
-        if ((anchor.flags & ODO_ANCHOR_IN_VIEW) == 0) continue;
-        const Vector3d p_view(anchor.p_view);
-        if (p_view.z() < 0.2) continue;
-        px->push_back(
-            (Vector2d(lens_.fx * p_view.x() / p_view.z() + lens_.cx, lens_.fy * p_view.y() / p_view.z() + lens_.cy) -
-             *there)
-                .norm());
-      }
-    }
-  }
-
-  /// Something new before the camera: straight ahead, to both sides, and farther, to be walked up to.
-  void place(const Pose& truth, int64_t t_ns) {
-    const auto pose = pose_at(t_ns);
-    if (!pose) return;
-    if (first_ns_ == INT64_MIN) first_ns_ = t_ns;
-    if (static_cast<double>(t_ns - first_ns_) < 1e9 * a_.settle_s || t_ns < next_ns_) return;
-    next_ns_ = t_ns + static_cast<int64_t>(1e9 * a_.every_s);
-    if (!map_) {  // n against the truth, by the start alone: a shift and a rotation about the vertical
-      const Quaterniond off = pose->q * truth.q.conjugate();
-      const Quaterniond q = Quaterniond(off.w(), 0, 0, off.z()).normalized();
-      map_ = Pose{q, pose->p - q * truth.p};
-    }
-    std::erase_if(contents_, [&](const Content& c) {
-      const bool old = t_ns - c.since_ns > 10'000'000'000;
-      if (old) odo_anchor_remove(session_, c.id);
-      return old;
-    });
-    for (const Vector3d& p : {Vector3d(0, 0, a_.ahead_m), Vector3d(0.4 * a_.ahead_m, 0, a_.ahead_m),
-                              Vector3d(-0.4 * a_.ahead_m, 0, a_.ahead_m), Vector3d(0.3, 0.2, 2 * a_.ahead_m)}) {
-      const auto id = make(p, t_ns);
-      if (id) contents_.push_back({*id, t_ns, truth * p});
-    }
-    if (start_) return;
-    const Vector3d p(0, 0, a_.ahead_m);
-    if (const auto id = make(p, t_ns)) {
-      start_ = Content{*id, t_ns, truth * p};
-      carried_ = *pose * p;
-    }
-  }
-
-  std::optional<uint64_t> make(const Vector3d& p, int64_t t_ns) {
-    odo_anchor_place place{};
-    place.struct_size = sizeof place;
-    place.kind = ODO_ANCHOR_VIEW;
-    place.t_ns = t_ns;
-    Vector3d::Map(place.p) = p;
-    uint64_t id = 0;
-    if (odo_anchor_create(session_, &place, &id) != ODO_OK) return std::nullopt;
-    return id;
-  }
-
-  /// Somebody says where the camera is now, to mark_sigma_m.
-  void finish() {
-    odo_session_flush(session_);
-    const auto before = pose_at(ODO_TIME_LATEST);
-    if (!before || !start_ || recording_.truth.empty()) return;
-    const StampedPose& last = recording_.truth.back();
-    const Vector3d here = *map_ * last.p, content = *map_ * start_->p_true;
-    const auto then = pose_at(last.t_ns);
-    if (!then) return;
-    sums_.drift_m = (then->p - here).norm();
-    sums_.view_sigma_m = get(start_->id, ODO_WORLD_CORRECTED, last.t_ns).view_sigma_m;
-    odo_statistics statistics{};
-    statistics.struct_size = sizeof statistics;
-    for (int i = 0; i < 6; ++i) {  // as somebody taps who stands there: a track that has gone astray is put right
-      auto mark = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, last.t_ns + i);
-      mark.header.flags = ODO_WAYPOINT_VERTICAL;
-      Vector3d::Map(mark.p_n) = here;
-      mark.sigma_m = a_.mark_sigma_m;
-      odo_session_push(session_, &mark.header);
-      odo_session_flush(session_);
-      odo_session_get_statistics(session_, &statistics);
-      if (statistics.fixes_accepted > 0) break;
-    }
-    sums_.fixed = statistics.fixes_accepted > 0;
-    const odo_anchor anchor = get(start_->id, ODO_WORLD_CORRECTED, last.t_ns);
-    sums_.start_off_m = (Vector3d(anchor.p_n) - content).norm();
-    sums_.by_newest_m = (carried_ - content).norm();
-  }
-
-  const Recording& recording_;
-  const AnchorArguments& a_;
-  odo_calibration lens_{};
-  odo_session* session_ = nullptr;
-  std::optional<Pose> map_;
-  std::optional<Content> start_;
-  Vector3d carried_ = Vector3d::Zero();
-  std::vector<Content> contents_;
-  int64_t first_ns_ = INT64_MIN, next_ns_ = INT64_MIN;
-  Sums sums_;
-};
-
-int bench_anchors(const AnchorArguments& a) {
-  const auto files = a.choice.files();
-  if (!files) return complain(files.failure());
-  Json rows = Json::array();
-  if (!a.json)
-    std::printf("%-30s %7s %15s %15s %8s %9s %9s %10s\n%-30s %7s %15s %15s %8s %9s %9s %10s\n", "recording", "looks",
-                "corrected px", "smooth px", "drift m", "sigma m", "start cm", "newest cm", "", "", "median    95 %",
-                "median    95 %", "", "", "", "");
-  for (const fs::path& file : *files) {
-    const auto recording = read_recording(file);
-    if (!recording) return complain(recording.failure());
-    const auto sums = Walk(*recording, a).run();
-    if (!sums) return complain(sums.failure());
-    const auto of = [](const std::vector<double>& x, double p) { return x.empty() ? std::nan("") : percentile(x, p); };
-    rows.push_back({{"recording", file.stem().string()},
-                    {"config", a.config},
-                    {"looks", sums->px.size()},
-                    {"px_median", of(sums->px, 0.5)},
-                    {"px_p95", of(sums->px, 0.95)},
-                    {"smooth_px_median", of(sums->smooth_px, 0.5)},
-                    {"smooth_px_p95", of(sums->smooth_px, 0.95)},
-                    {"drift_m", sums->drift_m},
-                    {"view_sigma_m", sums->view_sigma_m},
-                    {"fixed", sums->fixed},
-                    {"start_off_m", sums->start_off_m},
-                    {"by_newest_m", sums->by_newest_m}});
-    if (!a.json)
-      std::printf("%-30s %7zu %7.2f %7.2f %7.2f %7.2f %8.2f %9.2f %9.1f %10.1f%s\n",
-                  file.stem().string().substr(0, 30).c_str(), sums->px.size(), of(sums->px, 0.5), of(sums->px, 0.95),
-                  of(sums->smooth_px, 0.5), of(sums->smooth_px, 0.95), sums->drift_m, sums->view_sigma_m,
-                  100 * sums->start_off_m, 100 * sums->by_newest_m, sums->fixed ? "" : "  (fix refused)");
-    std::fflush(stdout);
-  }
-  if (a.json) {
-    std::printf("%s\n", rows.dump(2).c_str());
-    return kDone;
-  }
-  std::printf(
-      "\npx: how far off an anchor is drawn that was placed %.0f m ahead and is %.0f to %.0f m away, on each picture "
-      "as it\n"
-      "arrives and before it has been used; the first %.0f s left out. drift: of the phone at the end, and sigma what "
-      "was\n"
-      "said of it; start: how far off content placed at the start is after a fix at the end (sigma %.0f cm), and "
-      "newest: if\n"
-      "it had been moved as the phone was.\n",
-      a.ahead_m, a.nearest_m, a.farthest_m, a.settle_s, 100 * a.mark_sigma_m);
-  return kDone;
-}
 
 }  // namespace
 
-void add_bench_anchors(CLI::App& bench, int& status) {
-  auto a = std::make_shared<AnchorArguments>();
-  auto* command = bench.add_subcommand("anchors", "Anchors on the screen and through a fix, in simulated time");
-  a->choice.add_options(*command, "recordings with camera, IMU and truth");
-  command->add_option("-c,--config", a->config, "pipeline config with a start and fix/waypoint")->capture_default_str();
-  command->add_option("--settle", a->settle_s, "seconds from the first position to the first anchor")
-      ->capture_default_str();
-  command->add_option("--ahead", a->ahead_m, "m from the camera to a new anchor")->capture_default_str();
-  command->add_flag("--json", a->json, "print one JSON array, an entry for each recording");
-  command->callback([a, &status] { status = bench_anchors(*a); });
-}
+std::shared_ptr<Benchmark> bench_anchors() { return std::make_shared<Anchors>(); }
 
 }  // namespace odograph

@@ -3,115 +3,102 @@
 // How far `odograph calibrate` is from the truth on simulated boards: `odograph bench calibrate`.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/console/board_option.hpp"
-#include "sdk/tools/console/console.hpp"
 #include "sdk/tools/simulation/board_pictures.hpp"
-#include "sdk/tools/simulation/random.hpp"
 
 namespace odograph {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct BenchArguments {
-  BoardOptions options;
-  uint64_t seed = 1, seeds = 5, pictures = 25;
-  std::string keep;
-};
-
-/// A phone's lens: no two seeds have the same, and the principal point is not in the middle.
-odo_calibration random_lens(Lens lens, uint64_t seed) {
-  Random random(seed, 3);
-  auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
-  c.width = 640, c.height = 480;
-  const bool fisheye = lens == Lens::kannala_brandt;
-  c.model = fisheye ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
-  c.fx = fisheye ? random.uniform(280, 380) : random.uniform(430, 620);
-  c.fy = c.fx * random.uniform(0.99, 1.01);
-  c.cx = 319.5 + random.uniform(-12, 12), c.cy = 239.5 + random.uniform(-12, 12);
-  const auto put = [&](std::initializer_list<double> k) {
-    c.distortion_count = static_cast<uint32_t>(k.size());
-    std::copy(k.begin(), k.end(), c.distortion);
-  };
-  if (fisheye)
-    put({random.uniform(-0.03, 0.03), random.uniform(-0.01, 0.01), random.uniform(-0.004, 0.004), 0.0});
-  else
-    put({random.uniform(-0.2, 0.1), random.uniform(-0.05, 0.1), random.uniform(-1e-3, 1e-3),
-         random.uniform(-1e-3, 1e-3)});
-  return c;
-}
-
-int bench(const BenchArguments& a) {
-  const auto board = a.options.board();
-  if (!board) return complain(board.failure());
-  std::printf(
-      "%s %s of %.0f mm, %llu pictures of 640x480; errors against the truth\n\n%-15s %5s %6s %9s %9s %9s %9s %9s %9s\n",
-      a.options.kind.c_str(), a.options.squares.c_str(), 1000 * board->square_m,
-      static_cast<unsigned long long>(a.pictures), "lens", "seed", "found", "fx (%)", "fy (%)", "cx (px)", "cy (px)",
-      "rms (px)", "e/sigma");
-  std::vector<double> focal, centre;
-  for (const Lens lens : {Lens::pinhole, Lens::kannala_brandt}) {
-    const char* name = lens == Lens::pinhole ? "pinhole" : "kannala_brandt";
-    for (uint64_t seed = a.seed; seed < a.seed + a.seeds; ++seed) {
-      Progress progress(std::string(name) + " " + std::to_string(seed));
-      const odo_calibration truth = random_lens(lens, seed);
-      const BoardCamera camera(*board, truth);
-      BoardFinder finder(*board);
-      std::vector<BoardView> views;
-      const fs::path folder = fs::path(a.keep) / (std::string(name) + "_s" + std::to_string(seed));
-      std::error_code error;
-      if (!a.keep.empty()) fs::create_directories(folder, error);
-      for (uint64_t i = 0; i < a.pictures; ++i) {
-        progress.show(i, a.pictures);
-        const cv::Mat picture = camera.picture(camera.pose(seed, i), seed, i);
-        if (!a.keep.empty() && !cv::imwrite((folder / (std::to_string(100 + i) + ".png")).string(), picture))
-          return complain({ODO_E_NOT_FOUND, folder.string() + ": cannot be written"});
-        if (auto view = finder.find(picture)) views.push_back(std::move(*view));
-      }
-      LensOptions options = a.options.lens();
-      options.lens = lens;
-      const auto found = calibrate_lens(views, {640, 480}, options);
-      if (!found) {
-        std::printf("%-15s %5llu %6zu %s\n", name, static_cast<unsigned long long>(seed), views.size(),
-                    found.failure().text.c_str());
-        focal.push_back(INFINITY), centre.push_back(INFINITY);
-        continue;
-      }
-      const double fx = 100 * (found->fx / truth.fx - 1), fy = 100 * (found->fy / truth.fy - 1);
-      const double cx = found->cx - truth.cx, cy = found->cy - truth.cy;
-      const double normalised =
-          std::sqrt(0.25 * (std::pow((found->fx - truth.fx) / found->sigma_fx, 2) +
-                            std::pow((found->fy - truth.fy) / found->sigma_fy, 2) + std::pow(cx / found->sigma_cx, 2) +
-                            std::pow(cy / found->sigma_cy, 2)));
-      std::printf("%-15s %5llu %6zu %+9.4f %+9.4f %+9.3f %+9.3f %9.3f %9.2f\n", name,
-                  static_cast<unsigned long long>(seed), views.size(), fx, fy, cx, cy, found->rms_px, normalised);
-      focal.push_back(std::max(std::abs(fx), std::abs(fy)));
-      centre.push_back(std::max(std::abs(cx), std::abs(cy)));
-    }
+struct Calibrate : Benchmark {
+  Calibrate() : Benchmark("calibrate", "Intrinsics from simulated boards against the truth", 0) { options.seeds = 5; }
+  void add_options(CLI::App& command) override {
+    command.add_option("--seed", options.first_seed, "the first seed; each has a lens and poses of its own")
+        ->group(kCases);
+    command.add_option("--seeds", options.seeds, "how many, for each lens model")->group(kCases);
+    command.add_option("--pictures", pictures, "of the board")->check(CLI::Range(3, 1000));
+    command.add_option("--keep", folder, "folder for the pictures");
+    board.add_board(command);
   }
-  std::printf("\nworst: focal length %.4f %%, principal point %.3f px\n", *std::max_element(focal.begin(), focal.end()),
-              *std::max_element(centre.begin(), centre.end()));
-  return kDone;
-}
+
+  Result<std::vector<BenchCase>> cases() override {
+    if (const auto made = board.board(); !made) return made.failure();
+    options.fresh |= !folder.empty();
+    std::vector<BenchCase> all;
+    for (const char* lens : {"pinhole", "kannala_brandt"})
+      for (uint64_t seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed)
+        all.push_back({{{"lens", lens}, {"seed", seed}}, {}, {}, seed});
+    return all;
+  }
+
+  Result<Json> measure(const BenchCase& one, const ShowProgress& progress) const override {
+    LensOptions lens = board.lens();
+    lens.lens = one.labels["lens"] == "pinhole" ? Lens::pinhole : Lens::kannala_brandt;
+    const odo_calibration truth = random_lens(lens.lens != Lens::pinhole, one.seed);
+    const auto views = views_of(one, truth, progress);
+    if (!views) return views.failure();
+    const auto found = calibrate_lens(*views, {640, 480}, lens);
+    if (!found) return Json{{"found", views->size()}, {"failure", found.failure().text}};
+    const double fx = found->fx - truth.fx, fy = found->fy - truth.fy, cx = found->cx - truth.cx,
+                 cy = found->cy - truth.cy;
+    const Eigen::Vector4d normalised(fx / found->sigma_fx, fy / found->sigma_fy, cx / found->sigma_cx,
+                                     cy / found->sigma_cy);
+    return row_of("calibrate", {{"", "found", "found", 0, views->size()},
+                                {"fx", "%", "fx_percent", 4, 100 * fx / truth.fx, true},
+                                {"fy", "%", "fy_percent", 4, 100 * fy / truth.fy, true},
+                                {"cx", "px", "cx_px", 3, cx, true},
+                                {"cy", "px", "cy_px", 3, cy, true},
+                                {"rms", "px", "rms_px", 3, found->rms_px},
+                                {"e/sigma", "", "normalised", 2, normalised.norm() / 2}});
+  }
+
+  BenchReport report(const Rows& rows) const override {
+    std::string out = text("%s %s of %.0f mm, %zu pictures of 640x480; errors against the truth\n\n",
+                           board.kind.c_str(), board.squares.c_str(), 1000 * board.board()->square_m, pictures) +
+                      table_text({"", {{"lens", "lens"}, {"seed", "seed"}}, columns_of(rows, "calibrate")}, rows);
+    for (const Json& row : rows)
+      if (row.contains("failure"))
+        out += row["lens"].dump() + ' ' + row["seed"].dump() + ": " + row["failure"].dump() + '\n';
+    const auto worst = [&](const char* x, const char* y) {
+      const bool all = numbers_at(rows, x).size() == rows.size();  // one that failed is off by any amount
+      return all ? std::max(percentile_at(rows, x, 1, true), percentile_at(rows, y, 1, true)) : INFINITY;
+    };
+    return {out + text("\nworst: focal length %.4f %%, principal point %.3f px\n", worst("fx_percent", "fy_percent"),
+                       worst("cx_px", "cy_px"))};
+  }
+
+ private:
+  /// Pictures in which the board is found; kept if there is a folder for them.
+  Result<std::vector<BoardView>> views_of(const BenchCase& one, const odo_calibration& truth,
+                                          const ShowProgress& progress) const {
+    const BoardCamera camera(*board.board(), truth);
+    BoardFinder finder(*board.board());
+    std::vector<BoardView> views;
+    const fs::path own = fs::path(folder) / (one.labels["lens"].get<std::string>() + "_s" + std::to_string(one.seed));
+    std::error_code error;
+    if (!folder.empty()) fs::create_directories(own, error);
+    for (size_t i = 0; i < pictures; ++i) {
+      if (progress) progress(i, pictures);
+      const cv::Mat picture = camera.picture(camera.pose(one.seed, i), one.seed, i);
+      if (!folder.empty() && !cv::imwrite((own / (std::to_string(100 + i) + ".png")).string(), picture))
+        return Failure{ODO_E_NOT_FOUND, own.string() + ": cannot be written"};
+      if (auto view = finder.find(picture)) views.push_back(std::move(*view));
+    }
+    return views;
+  }
+
+  BoardOptions board;
+  size_t pictures = 25;
+  std::string folder;
+};
 
 }  // namespace
 
-void add_bench_calibrate(CLI::App& bench_command, int& status) {
-  auto a = std::make_shared<BenchArguments>();
-  auto* command = bench_command.add_subcommand("calibrate", "Intrinsics from simulated boards against the truth");
-  command->add_option("--seed", a->seed, "the first seed; each has a lens and poses of its own")->capture_default_str();
-  command->add_option("--seeds", a->seeds, "how many, for each lens model")->capture_default_str();
-  command->add_option("--pictures", a->pictures, "of the board")->capture_default_str()->check(CLI::Range(3, 1000));
-  command->add_option("--keep", a->keep, "folder for the pictures");
-  a->options.add_board(*command);
-  command->callback([a, &status] { status = bench(*a); });
-}
+std::shared_ptr<Benchmark> bench_calibrate() { return std::make_shared<Calibrate>(); }
 
 }  // namespace odograph

@@ -15,11 +15,17 @@ struct RunArguments {
   RunOptions options;
   ReadOptions reading;
   std::string input, output = "out", faults;
+  std::vector<std::string> set;
   bool report = false, json = false;
 };
 
 int run(RunArguments& a) {
   a.reading.true_states = false;
+  for (const std::string& text : a.set) {
+    const auto value = parse_override(text);
+    if (!value) return complain(value.failure());
+    a.options.overrides.push_back(*value);
+  }
   auto recording = open_recording(a.input, a.reading);
   if (!recording) return complain(recording.failure());
   if (!a.faults.empty()) {
@@ -75,6 +81,9 @@ void add_run(CLI::App& app, int& status) {
       ->add_option("-o,--output", a->output,
                    "folder for trajectory.tum, vo.csv, steps.csv, scale.csv, fixes.csv, summary.json")
       ->capture_default_str();
+  command->add_option("--set", a->set,
+                      "PATH=VALUE in place of what the config says, such as walker.height=1.8m, or of a list's item "
+                      "absolute_fixers.fix/gnss.parameters.correlation=0s");
   command->add_option("--plugins", a->options.plugin_path, "folder to look for plugins in first");
   command->add_option("--assets", a->options.asset_path,
                       "folder of files that the config names, such as a city model, where they are not beside it");

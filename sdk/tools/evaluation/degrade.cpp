@@ -9,6 +9,8 @@
 namespace odograph {
 namespace {
 
+constexpr double kEquator_m = 6378137.0;
+
 enum Stream : uint64_t { kNoise = 71, kJitter, kWild };  // of random numbers: one fault does not move another's
 
 int64_t nanoseconds(double s) { return std::llround(s * 1e9); }
@@ -170,6 +172,43 @@ std::vector<Degradation> sensor_qualities() {
           {.name = "line time +20 %", .line_time_factor = 1.2},
           {.name = "stamps jitter 1.4 ms", .stamp_jitter_s = 1.4e-3},
           {.name = "one wild sample a min", .wild_per_minute = 1}};
+}
+
+std::vector<std::string> names_of(const std::vector<Degradation>& degradations) {
+  std::vector<std::string> names;
+  for (const Degradation& d : degradations) names.push_back(d.name);
+  return names;
+}
+
+void shift_gnss(Recording& recording, double from_s, double to_s, double east_m) {
+  const int64_t start_ns = recording.true_states.front().t_ns;
+  for (RecordedMessage& m : recording.messages) {
+    if (m.message.header().type != ODO_TYPE_GNSS) continue;
+    auto& gnss = reinterpret_cast<odo_gnss&>(m.message.header());
+    const double t = static_cast<double>(gnss.header.t_ns - start_ns) * 1e-9;
+    if (t > from_s && t < to_s) gnss.longitude_rad += east_m / (kEquator_m * std::cos(gnss.latitude_rad));
+  }
+}
+
+void add_gnss_velocities(Recording& recording, double sigma_mps, uint64_t seed) {
+  constexpr size_t kHalf = 100;  // states, at 200 Hz
+  const double keep = std::exp(-0.5);
+  Random random(seed, 41);
+  Eigen::Vector2d error = sigma_mps * Eigen::Vector2d(random.normal(), random.normal());
+  const auto& truth = recording.true_states;
+  size_t at = 0;
+  for (RecordedMessage& m : recording.messages) {
+    if (m.message.header().type != ODO_TYPE_GNSS) continue;
+    auto& gnss = reinterpret_cast<odo_gnss&>(m.message.header());
+    while (at + 1 < truth.size() && truth[at].t_ns < gnss.header.t_ns) ++at;
+    const auto &from = truth[at > kHalf ? at - kHalf : 0], &to = truth[std::min(truth.size() - 1, at + kHalf)];
+    const double dt_s = static_cast<double>(to.t_ns - from.t_ns) * 1e-9;
+    const double kick = sigma_mps * std::sqrt(1 - keep * keep);
+    error = keep * error + kick * Eigen::Vector2d(random.normal(), random.normal());
+    const Eigen::Vector2d velocity = (to.p - from.p).head<2>() / std::max(0.1, dt_s) + error;
+    gnss.header.flags |= ODO_GNSS_VELOCITY;
+    gnss.velocity_n[0] = velocity.x(), gnss.velocity_n[1] = velocity.y();
+  }
 }
 
 }  // namespace odograph

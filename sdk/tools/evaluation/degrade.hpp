@@ -42,5 +42,14 @@ Recording degraded(const Recording& recording, const Degradation& degradation, u
 
 /// The sensor-quality table: as it is, then one fault after the other.
 std::vector<Degradation> sensor_qualities();
+std::vector<std::string> names_of(const std::vector<Degradation>& degradations);
+
+/// Satellite positions between two times (s after the first true state) are so far off to the east, and the receiver
+/// does not know it.
+void shift_gnss(Recording& recording, double from_s, double to_s, double east_m);
+
+/// Velocities as receivers have them from Doppler shifts, which reflections off walls hardly touch: the mean over a
+/// second, with an error in each component that is alike for two.
+void add_gnss_velocities(Recording& recording, double sigma_mps, uint64_t seed);
 
 }  // namespace odograph

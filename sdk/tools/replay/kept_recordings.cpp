@@ -9,7 +9,6 @@
 #include <zlib.h>
 
 #include "sdk/tools/console/console.hpp"
-#include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 
 namespace odograph {
@@ -59,38 +58,6 @@ Result<fs::path> kept_recording(const fs::path& file, uint64_t seed, const fs::p
   fs::rename(part, kept, error);
   if (error) return Failure{ODO_E_NOT_FOUND, kept.string() + ": cannot be written"};
   return kept;
-}
-
-Trajectory started(const Trajectory& truth, const Trajectory& track, double over_m) {
-  std::vector<Waypoint> start;
-  double walked = 0, next = 0;
-  for (size_t i = 0; i < truth.size() && walked <= over_m; ++i) {
-    if (i > 0) walked += (truth[i].p - truth[i - 1].p).head<2>().norm();
-    if (walked >= next) start.push_back({truth[i].t_ns, truth[i].p}), next += 1;
-  }
-  return lay_over(track, start, heading_offset(track, start, over_m));
-}
-
-Trajectory started_by_pose(const Trajectory& truth, const Trajectory& track, double after_m) {
-  double walked = 0;
-  size_t at = 0;
-  while (at + 1 < truth.size() && walked <= after_m) {
-    walked += (truth[at + 1].p - truth[at].p).head<2>().norm();
-    ++at;
-  }
-  if (truth.empty() || track.empty()) return track;
-  const auto nearest = std::min_element(track.begin(), track.end(), [&](const StampedPose& a, const StampedPose& b) {
-    return std::abs(a.t_ns - truth[at].t_ns) < std::abs(b.t_ns - truth[at].t_ns);
-  });
-  const Eigen::Quaterniond off = truth[at].q * nearest->q.conjugate();
-  const Eigen::Quaterniond rotation = Eigen::Quaterniond(off.w(), 0, 0, off.z()).normalized();
-  const Eigen::Vector3d from = position_at(track, truth[at].t_ns);
-  Trajectory laid = track;
-  for (StampedPose& pose : laid) {
-    pose.p = rotation * (pose.p - from) + truth[at].p;
-    pose.q = rotation * pose.q;
-  }
-  return laid;
 }
 
 void RecordingChoice::add_options(CLI::App& command, const std::string& what) {

@@ -18,13 +18,6 @@ Result<std::filesystem::path> kept_recording(const std::filesystem::path& scenar
 /// The folder beside a kept recording with what belongs to it: the generated town's model, `city.json`.
 std::filesystem::path assets_of(const std::filesystem::path& recording);
 
-/// Turned and shifted onto the truth over its first metres, as an app does that knows where it starts.
-Trajectory started(const Trajectory& truth, const Trajectory& track, double over_m);
-
-/// Turned and shifted onto the truth where its first metres end, by position and heading there: what a fix of both, as
-/// a known object gives it, does for an app.
-Trajectory started_by_pose(const Trajectory& truth, const Trajectory& track, double after_m);
-
 /// The recordings that a benchmark goes through: given ones, or simulated ones that are kept.
 struct RecordingChoice {
   std::vector<std::string> recordings;

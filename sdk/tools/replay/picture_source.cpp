@@ -121,4 +121,29 @@ Result<std::vector<PictureSource>> pictures_of(const std::string& path) {
   return sources;
 }
 
+Result<TrackFigures> followed_corners(const Recording& recording, size_t most,
+                                      const std::function<void(size_t done, size_t all)>& progress) {
+  odo_calibration calibration{};
+  std::vector<const RecordedMessage*> frames;
+  for (const auto& m : recording.messages) {
+    if (m.message.header().type == ODO_TYPE_CALIBRATION) calibration = as<odo_calibration>(m.message.header());
+    if (m.message.header().type == ODO_TYPE_FRAME && frames.size() < most) frames.push_back(&m);
+  }
+  if (frames.size() < 10 || calibration.fx <= 0)
+    return Failure{ODO_E_DATA, recording.path.string() + ": needs ten frames and a calibration"};
+  CornerFollower follower(frames.size());
+  for (size_t i = 0; i < frames.size(); ++i) {
+    if (progress) progress(i, frames.size());
+    const auto frame = load_frame(*frames[i]);
+    if (!frame) return frame.failure();
+    follower.add(grey_of(*frame), calibration);
+    frame->release(&*frame);
+  }
+  follower.finish();
+  const auto span_ns = frames.back()->message.header().t_ns - frames.front()->message.header().t_ns;
+  follower.figures.rate_hz =
+      static_cast<double>(frames.size() - 1) / std::max(1e-9, static_cast<double>(span_ns) * 1e-9);
+  return std::move(follower.figures);
+}
+
 }  // namespace odograph

@@ -9,6 +9,8 @@
 #include <opencv2/core.hpp>
 
 #include "sdk/host/base/result.hpp"
+#include "sdk/tools/evaluation/corner_follower.hpp"
+#include "sdk/tools/recording/recording.hpp"
 
 namespace odograph {
 
@@ -24,5 +26,10 @@ cv::Mat grey_of(const odo_frame& frame);
 /// The pictures behind a path, found out by looking: a picture, a folder of them, a recording's frames, or a video
 /// (by ffmpeg where it is installed). Of frames that follow each other quickly some three a second are taken.
 Result<std::vector<PictureSource>> pictures_of(const std::string& path);
+
+/// How well corners can be followed through a recording's first frames, `most` at most. ODO_E_DATA with fewer than ten
+/// frames or without a calibration.
+Result<TrackFigures> followed_corners(const Recording& recording, size_t most,
+                                      const std::function<void(size_t done, size_t all)>& progress = {});
 
 }  // namespace odograph

@@ -1,18 +1,62 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/replay/replayed.hpp"
 
-namespace odograph {
+#include "sdk/host/base/output_file.hpp"
+#include "sdk/host/base/temporary_folder.hpp"
 
-Result<SessionHandle> replay_session(const std::string& config) {
+namespace odograph {
+namespace {
+
+/// The options with a config of their own where values take the place of the file's. What lies beside the file is found
+/// all the same.
+Result<RunOptions> overridden(RunOptions options, const TemporaryFolder& folder) {
+  if (options.overrides.empty()) return options;
+  const auto text = effective_config(options.config, options.overrides);
+  if (!text) return text.failure();
+  const std::filesystem::path file(options.config);
+  options.asset_path = std::filesystem::absolute(file).parent_path().string() + ':' + options.asset_path;
+  options.config = (folder / file.filename().string()).string();
+  if (const auto written = write_whole_file(options.config, *text); !written) return written.failure();
+  return options;
+}
+
+/// The failure of a config by the name of the file that it was made of.
+Failure named_as(const std::string& name, const std::string& own, Failure failure) {
+  const std::string shown = name + " with other values";
+  for (size_t at = 0; own != name && (at = failure.text.find(own, at)) != std::string::npos; at += shown.size())
+    failure.text.replace(at, own.size(), shown);
+  return failure;
+}
+
+}  // namespace
+
+Result<PipelineConfig> config_of(const RunOptions& options) {
+  const TemporaryFolder folder;
+  const auto own = overridden(options, folder);
+  if (!own) return own.failure();
+  std::vector<std::filesystem::path> directories;
+  if (!options.plugin_path.empty()) directories.emplace_back(options.plugin_path);
+  auto config = read_pipeline_config_file(own->config, directories);
+  if (!config) return named_as(options.config, own->config, config.failure());
+  return config;
+}
+
+Result<SessionHandle> replay_session(const RunOptions& options) {
+  const TemporaryFolder folder;
+  const auto own = overridden(options, folder);
+  if (!own) return own.failure();
   odo_session_options o{};
   o.struct_size = sizeof o;
   o.run = ODO_RUN_REPLAY;
-  o.config_path = {config.data(), config.size()};
+  o.config_path = {own->config.data(), own->config.size()};
+  o.plugin_path = {own->plugin_path.data(), own->plugin_path.size()};
+  o.seed = own->seed;
+  o.asset_path = {own->asset_path.data(), own->asset_path.size()};
   odo_error error{};
   error.struct_size = sizeof error;
   odo_session* session = nullptr;
   if (const int32_t status = odo_session_create(&o, &session, &error); status != ODO_OK)
-    return Failure{status, error.message};
+    return named_as(options.config, own->config, {status, error.message});
   return SessionHandle(session, odo_session_destroy);
 }
 

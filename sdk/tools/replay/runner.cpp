@@ -10,15 +10,10 @@
 #include <sstream>
 
 #include "sdk/host/base/output_file.hpp"
-#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/tools/replay/replayed.hpp"
 
 namespace odograph {
 namespace {
-
-struct SessionDeleter {
-  void operator()(odo_session* session) const { odo_session_destroy(session); }
-};
-using SessionPtr = std::unique_ptr<odo_session, SessionDeleter>;
 
 constexpr uint64_t kMaxPicturesNamed = 5;
 constexpr size_t kMaxReports = 100;
@@ -108,22 +103,6 @@ struct Collector {
   }
 };
 
-Result<SessionPtr> open_session(const RunOptions& options) {
-  odo_session_options o{};
-  o.struct_size = sizeof o;
-  o.run = ODO_RUN_REPLAY;
-  o.config_path = {options.config.data(), options.config.size()};
-  o.plugin_path = {options.plugin_path.data(), options.plugin_path.size()};
-  o.seed = options.seed;
-  o.asset_path = {options.asset_path.data(), options.asset_path.size()};
-  odo_error error{};
-  error.struct_size = sizeof error;
-  odo_session* session = nullptr;
-  const int32_t status = odo_session_create(&o, &session, &error);
-  if (status != ODO_OK) return Failure{status, error.message};
-  return SessionPtr(session);
-}
-
 /// Larger than what any pipeline saves: some plugins of the 16 MiB that each may.
 constexpr uint64_t kLargestState = 256u << 20;
 
@@ -205,11 +184,9 @@ void lay_over_waypoints(const ReplayConfig& replay, const Recording& recording, 
 
 Result<RunResult> replay(const Recording& recording, const RunOptions& options) {
   // The config is read once more than the session does, for the replay section, which is not the session's business.
-  std::vector<std::filesystem::path> directories;
-  if (!options.plugin_path.empty()) directories.emplace_back(options.plugin_path);
-  const auto config = read_pipeline_config_file(options.config, directories);
+  const auto config = config_of(options);
   if (!config) return config.failure();
-  auto opened = open_session(options);
+  auto opened = replay_session(options);
   if (!opened) return Failure{ODO_E_ERROR, opened.failure().text};  // the config was good: it is a plugin
   const std::shared_ptr<odo_session> shared = std::move(*opened);
   odo_session* session = shared.get();

@@ -10,6 +10,7 @@
 
 #include <odograph/odograph.h>
 
+#include "sdk/host/config/overrides.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/tools/recording/recording.hpp"
 
@@ -52,7 +53,8 @@ struct RunResult {
 };
 
 struct RunOptions {
-  std::string config;  // a YAML file
+  std::string config;               // a YAML file
+  std::vector<Override> overrides;  // values that take the place of the file's
   std::string plugin_path;
   std::string asset_path;  // folders of files that the config names, where they are not beside it
   std::string state;       // a file with what the plugins have learnt; read where it exists, and written anew

@@ -86,4 +86,24 @@ cv::Mat BoardCamera::picture(const Eigen::Isometry3d& T_c_board, uint64_t seed, 
   return out;
 }
 
+odo_calibration random_lens(bool fisheye, uint64_t seed) {
+  Random random(seed, 3);
+  auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+  c.width = 640, c.height = 480;
+  c.model = fisheye ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
+  c.fx = fisheye ? random.uniform(280, 380) : random.uniform(430, 620);
+  c.fy = c.fx * random.uniform(0.99, 1.01);
+  c.cx = 319.5 + random.uniform(-12, 12), c.cy = 239.5 + random.uniform(-12, 12);
+  const auto put = [&](std::initializer_list<double> k) {
+    c.distortion_count = static_cast<uint32_t>(k.size());
+    std::copy(k.begin(), k.end(), c.distortion);
+  };
+  if (fisheye)
+    put({random.uniform(-0.03, 0.03), random.uniform(-0.01, 0.01), random.uniform(-0.004, 0.004), 0.0});
+  else
+    put({random.uniform(-0.2, 0.1), random.uniform(-0.05, 0.1), random.uniform(-1e-3, 1e-3),
+         random.uniform(-1e-3, 1e-3)});
+  return c;
+}
+
 }  // namespace odograph

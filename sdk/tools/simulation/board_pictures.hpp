@@ -34,4 +34,7 @@ class BoardCamera {
   std::vector<cv::Point2d> rays_;  // at depth 1, of every sample: kSide x kSide of them a pixel
 };
 
+/// A phone's lens: no two seeds have the same, and the principal point is not in the middle.
+odo_calibration random_lens(bool fisheye, uint64_t seed);
+
 }  // namespace odograph

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The scenes of `odograph bench known-object`: what hangs on a wall, a camera before it, the plugin that looks.
+// What hangs on a wall, real and look-alike, and a camera before it: the scenes of `odograph bench known-object`.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
+#include <odograph/types.h>
 #include <opencv2/core.hpp>
 
-#include "sdk/host/base/temporary_folder.hpp"
-#include "sdk/host/messages/messages.hpp"
-#include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/tools/simulation/random.hpp"
 
 namespace odograph::known_object_scene {
@@ -40,31 +37,11 @@ inline Matrix3d wall_axes() {
 /// One of three lenses, by the number of the scene.
 odo_calibration lens_of(uint64_t number);
 
-/// The plugin by itself, with an objects' file of its own.
-class Fixer {
- public:
-  static Result<std::unique_ptr<Fixer>> make(const std::vector<Target>& targets, uint64_t seed);
+/// The picture of a target; of a tag its black border and what is in it.
+cv::Mat picture_of(const Target& target, uint64_t layout, uint64_t content);
 
-  /// The picture of a target; of a tag its black border and what is in it.
-  static cv::Mat picture_of(const Target& t, uint64_t layout, uint64_t content);
-
-  void begin(const odo_calibration& lens) {
-    instance_->reset();
-    instance_->process(lens.header);
-  }
-  std::vector<odo_fix> see(const odo_pose& prior, const cv::Mat& grey, int64_t line_time_ns);
-  uint64_t faults() const { return instance_->faults(); }
-
- private:
-  Fixer() = default;
-  void take(const odo_header& message, std::vector<odo_fix>& fixes) {
-    for (const AnyMessage& event : instance_->process(message))
-      if (event.header().type == ODO_TYPE_FIX) fixes.push_back(as<odo_fix>(event.header()));
-  }
-  TemporaryFolder folder_;
-  std::unique_ptr<HostServices> host_;
-  std::unique_ptr<PluginInstance> instance_;
-};
+/// What a wall shows beside what hangs on it.
+cv::Mat wall_picture(uint64_t seed);
 
 /// Where the camera is and looks, and how it moves.
 struct Viewpoint {
@@ -94,12 +71,19 @@ struct Hung {
   Vector3d at_n;
 };
 
-/// One scene through the plugin: all fixes with the truth at their time.
-struct Told {
-  odo_fix fix;
-  Viewpoint truth;
-};
-std::vector<Told> play(Fixer& fixer, const std::vector<Hung>& hung, const Viewpoint& start, int frames, uint64_t scene,
-                       Random& random, double position_sigma_m, const std::string& keep);
+/// Kinds of look-alikes. Those of the first three and other boards are not the object at all.
+constexpr const char* kLookAlikes[] = {"the same layout, another content",
+                                       "a half of it exchanged",
+                                       "mirrored, upside down",
+                                       "the same, 12 to 150 m away",
+                                       "a smaller print, 7 to 12 m aside",
+                                       "two side by side",
+                                       "other boards",
+                                       "two, the right one out of view"};
+constexpr size_t kOtherBoards = 6, kRightOneOutOfView = 7;
+
+/// What hangs there in place of a target; may move the viewpoint.
+std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& original, uint64_t seed, Random& random,
+                           Viewpoint& v, uint64_t scene);
 
 }  // namespace odograph::known_object_scene

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/tools/benchmarks/bench_vo_reference.hpp"
+#include "sdk/tools/evaluation/reference_poses.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/benchmarks/bench_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <filesystem>
+
+#include "sdk/tools/evaluation/evaluation.hpp"
+
+namespace odograph {
+namespace {
+
+const Json* value_at(const Json& row, const std::string& key) {
+  const Json* at = &row;
+  for (size_t from = 0; from <= key.size();) {
+    const size_t to = std::min(key.find('/', from), key.size());
+    const auto found = at->is_object() ? at->find(key.substr(from, to - from)) : at->end();
+    if (!at->is_object() || found == at->end()) return nullptr;
+    at = &*found, from = to + 1;
+  }
+  return at;
+}
+
+void put_at(Json& row, const std::string& key, Json value) {
+  const size_t end = key.find('/');
+  if (end == std::string::npos)
+    row[key] = std::move(value);
+  else
+    put_at(row[key.substr(0, end)], key.substr(end + 1), std::move(value));
+}
+
+double over(const Column& column, const std::vector<double>& values) {
+  const auto n = static_cast<double>(values.size());
+  double sum = 0;
+  for (const double x : values) sum += x;
+  switch (column.over) {
+    case Over::sum: return sum;
+    case Over::mean: return sum / n;
+    case Over::first: return values.empty() ? std::nan("") : values.front();
+    case Over::percentile: break;
+  }
+  return part_of(values, column.part);
+}
+
+std::string cell(const Json& row, const Column& column) {
+  const Json* value = value_at(row, column.key);
+  if (value && value->is_string()) return value->get<std::string>();
+  const double x = number_at(row, column.key);
+  if (!std::isfinite(x)) return "-";
+  return text(column.sign ? "%+.*f" : "%.*f", column.digits, x);
+}
+
+std::string cell(const Json& row, const Label& label) {
+  const Json* value = value_at(row, label.key);
+  if (!value || value->is_null()) return "";
+  const std::string all = value->is_string() ? value->get<std::string>() : value->dump();
+  if (!label.stem) return all;
+  const size_t query = std::min(all.find('?'), all.size());
+  return std::filesystem::path(all.substr(0, query)).stem().string() + all.substr(query);
+}
+
+/// Letters, not bytes.
+size_t width_of(const std::string& s) {
+  return static_cast<size_t>(std::count_if(s.begin(), s.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+}  // namespace
+
+double number_at(const Json& row, const std::string& key) {
+  const Json* value = value_at(row, key);
+  if (value && value->is_boolean()) return value->get<bool>();
+  return value && value->is_number() ? value->get<double>() : std::nan("");
+}
+
+std::vector<double> numbers_at(const Rows& rows, const std::string& key, bool absolute) {
+  std::vector<double> all;
+  const auto add = [&](double x) {
+    if (std::isfinite(x)) all.push_back(absolute ? std::abs(x) : x);
+  };
+  for (const Json& row : rows) {
+    const Json* value = value_at(row, key);
+    if (value && value->is_array())
+      for (const Json& item : *value) add(item.is_number() ? item.get<double>() : std::nan(""));
+    else
+      add(number_at(row, key));
+  }
+  return all;
+}
+
+double percentile_at(const Rows& rows, const std::string& key, double part, bool absolute) {
+  return part_of(numbers_at(rows, key, absolute), part);
+}
+
+Json summary_of(Json labels, const Rows& rows, const std::vector<Column>& columns) {
+  for (const Column& column : columns)
+    put_at(labels, column.key,
+           over(column, numbers_at(rows, column.from.empty() ? column.key : column.from, column.absolute)));
+  return labels;
+}
+
+Rows rows_with(const Rows& rows, const std::string& key, const Json& value) {
+  Rows out;
+  for (const Json& row : rows)
+    if (const Json* own = value_at(row, key); own ? *own == value : value.is_null()) out.push_back(row);
+  return out;
+}
+
+Rows values_of(const Rows& rows, const std::string& key) {
+  Rows values;
+  for (const Json& row : rows) {
+    const Json* own = value_at(row, key);
+    const Json value = own ? *own : Json();
+    if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
+  }
+  return values;
+}
+
+Rows summaries_of(const Rows& rows, const std::string& by, const std::vector<Column>& columns) {
+  Rows out;
+  for (const Json& value : values_of(rows, by))
+    out.push_back(summary_of(Json{{by, value}}, rows_with(rows, by, value), columns));
+  return out;
+}
+
+Json row_of(const std::string& table, const std::vector<Figure>& figures) {
+  Json row, columns = Json::array();
+  for (const Figure& f : figures) {
+    row[f.key] = f.value;
+    if (f.digits >= 0) columns.push_back({f.head, f.unit, f.key, f.digits, f.sign});
+  }
+  row['_' + table] = columns;
+  return row;
+}
+
+std::vector<Column> columns_of(const Rows& rows, const std::string& table) {
+  std::vector<Column> columns;
+  for (const Json& row : rows)
+    if (const auto own = row.find('_' + table); own != row.end() && columns.empty())
+      for (const Json& c : *own) columns.push_back({c[0], c[1], c[2], c[3], c[4]});
+  return columns;
+}
+
+std::string table_text(const Table& table, const Rows& rows) {
+  const size_t labels = table.labels.size(), all = labels + table.columns.size();
+  std::vector<std::vector<std::string>> lines(2, std::vector<std::string>(all));
+  for (size_t i = 0; i < labels; ++i) lines[1][i] = table.labels[i].head;
+  for (size_t i = labels; i < all; ++i)
+    lines[0][i] = table.columns[i - labels].head, lines[1][i] = table.columns[i - labels].unit;
+  for (const Json& row : rows) {
+    auto& line = lines.emplace_back();
+    if (row.contains("_line")) {
+      line.push_back(row["_line"].get<std::string>());
+      continue;
+    }
+    for (const Label& label : table.labels) line.push_back(cell(row, label));
+    for (const Column& column : table.columns) line.push_back(cell(row, column));
+  }
+  std::vector<size_t> width(all);
+  for (const auto& line : lines)
+    for (size_t i = 0; line.size() == all && i < all; ++i) width[i] = std::max(width[i], width_of(line[i]));
+  std::string out = table.title.empty() ? "" : table.title + '\n';
+  for (const auto& line : lines) {
+    std::string one;
+    for (size_t i = 0; i < line.size(); ++i) {
+      const std::string space(line.size() == all ? width[i] - width_of(line[i]) : 0, ' ');
+      one += (i == 0 ? "" : "  ") + (i < labels ? line[i] + space : space + line[i]);
+    }
+    one.erase(one.find_last_not_of(' ') + 1);
+    out += one + '\n';
+  }
+  return out;
+}
+
+std::string recordings_text(const Rows& rows, const std::string& table, const std::string& title) {
+  Table shown{title, {{"recording", "recording"}, {"config", "config", true}}, columns_of(rows, table)};
+  if (rows.empty() || !rows[0].contains("config")) shown.labels.pop_back();
+  if (!rows.empty() && rows[0].contains("sensors"))
+    shown.labels.insert(shown.labels.begin() + 1, {"sensors", "sensors"});
+  return table_text(shown, rows);
+}
+
+double part_of(const std::vector<double>& values, double part) {
+  return values.empty() ? std::nan("") : percentile(values, part);
+}
+
+Json printed(const Rows& rows) {
+  Json out = Json::array();
+  for (Json row : rows) {
+    for (auto it = row.begin(); it != row.end();) it = it.key()[0] == '_' ? row.erase(it) : std::next(it);
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
+std::string text(const char* format, ...) {
+  va_list arguments, again;
+  va_start(arguments, format);
+  va_copy(again, arguments);
+  std::string out(static_cast<size_t>(std::max(0, std::vsnprintf(nullptr, 0, format, arguments))) + 1, '\0');
+  va_end(arguments);
+  std::vsnprintf(out.data(), out.size(), format, again);
+  va_end(again);
+  out.pop_back();
+  return out;
+}
+
+}  // namespace odograph

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <odograph/types.h>
+#include <opencv2/core.hpp>
+
+namespace odograph {
+
+constexpr int kFollowedCorners = 400;  ///< at most
+
+/// How well corners can be followed through pictures.
+struct TrackFigures {
+  std::vector<double> lengths;  ///< frames, of corners first seen in the first half
+  std::vector<double> inliers;  ///< of each pair of frames, part of the followed corners that one motion explains
+  std::vector<double> flow_px;  ///< of each pair, median
+  std::vector<double> kept;     ///< of each pair, part of the corners that were found again
+  size_t frames = 0;
+  double rate_hz = 0;  ///< of the frames, where somebody knows it
+};
+
+/// Follows corners with pyramidal Lucas-Kanade, forwards and back.
+class CornerFollower {
+ public:
+  explicit CornerFollower(size_t frames_in_all) : half_(frames_in_all / 2) {}
+
+  void add(const cv::Mat& grey, const odo_calibration& calibration);
+  void finish() {
+    for (const size_t birth : births_) end(birth);
+  }
+
+  TrackFigures figures;
+
+ private:
+  void end(size_t birth) {
+    if (birth < half_) figures.lengths.push_back(static_cast<double>(figures.frames - birth));
+  }
+
+  void follow(const cv::Mat& picture, const odo_calibration& calibration);
+
+  void refill(const cv::Mat& picture);
+
+  const size_t half_;
+  cv::Mat before_;
+  std::vector<cv::Point2f> corners_;
+  std::vector<size_t> births_;
+};
+
+}  // namespace odograph

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <odograph/types.h>
+
+#include "sdk/tools/evaluation/evaluation.hpp"
+
+namespace odograph {
+
+/// How much larger the squared errors of a visual odometry's motions are than their covariances say, per degree of
+/// freedom, of each motion that has a covariance and a truth. Directions of frames that moved 3 cm or more.
+struct MotionConsistency {
+  std::vector<double> rotation, direction;
+};
+MotionConsistency motion_consistency(const Trajectory& truth, const std::vector<odo_vo_motion>& motions);
+
+/// The shape of a visual odometry's path, whatever its scale.
+struct VoShape {
+  double path_m = 0;                                 ///< true, of the frames that have a pose
+  double ape_m = 0;                                  ///< rms after Sim(3)
+  double end_per_frame_m = 0, end_per_window_m = 0;  ///< end-point error with true scale per frame, and per 10 m
+  std::vector<double> scale_change;                  ///< within such windows, absolute, relative
+  std::vector<double> rotation_rad;                  ///< error of each frame
+  double rotation_nees = 0, direction_nees = 0;      ///< means of MotionConsistency
+};
+/// `pairs`: the true poses and those that the motions lead to. All NaN below ten of them.
+VoShape vo_shape(const Trajectory& truth, const std::vector<odo_vo_motion>& motions, const Pairs& pairs);
+
+}  // namespace odograph

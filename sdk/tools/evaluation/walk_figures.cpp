@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/evaluation/walk_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace odograph {
+namespace {
+
+double percent(double estimate, double truth) { return truth > 0 ? 100 * (estimate - truth) / truth : 0.0; }
+
+void add_steps(const Recording& recording, const WalkEstimate& result, WalkFigures& f) {
+  const auto& truth = recording.true_steps;
+  double walked = 0, estimated = 0;
+  for (const odo_step& step : truth) walked += step.length_m;
+  for (const odo_step& step : result.steps) estimated += step.length_m;
+  f.count_percent = percent(static_cast<double>(result.steps.size()), static_cast<double>(truth.size()));
+  f.distance_percent = percent(estimated, walked);
+  for (const odo_step& step : result.steps) {
+    const auto nearest = std::min_element(truth.begin(), truth.end(), [&](const odo_step& a, const odo_step& b) {
+      return std::abs(a.t_end_ns - step.t_end_ns) < std::abs(b.t_end_ns - step.t_end_ns);
+    });
+    if (nearest == truth.end() || std::abs(nearest->t_end_ns - step.t_end_ns) > 350'000'000) continue;
+    f.start_ms.push_back(std::abs(static_cast<double>(step.t_start_ns - nearest->t_start_ns)) * 1e-6);
+    f.end_ms.push_back(std::abs(static_cast<double>(step.t_end_ns - nearest->t_end_ns)) * 1e-6);
+    f.latency_ms.push_back(static_cast<double>(step.header.t_ns - step.t_end_ns) * 1e-6);
+    if (step.sigma_m > 0) f.normalised_error.push_back(std::pow((step.length_m - nearest->length_m) / step.sigma_m, 2));
+  }
+}
+
+void add_modes(const Recording& recording, const WalkEstimate& result, WalkFigures& f) {
+  size_t at = 0;
+  const double dt = recording.true_states.size() > 1
+                        ? static_cast<double>(recording.true_states[1].t_ns - recording.true_states[0].t_ns) * 1e-9
+                        : 0.0;
+  for (const TrueState& state : recording.true_states) {
+    while (at + 1 < result.modes.size() && result.modes[at + 1].header.t_ns <= state.t_ns) ++at;
+    const uint32_t seen =
+        result.modes.empty() || result.modes[0].header.t_ns > state.t_ns ? ODO_MODE_UNKNOWN : result.modes[at].mode;
+    f.mode_all_s += dt;
+    if (seen == state.mode) f.mode_right_s += dt;
+    f.modes_s[{state.mode, seen}] += dt;
+  }
+}
+
+/// Inclination over the whole walk, how fast the heading leaves the truth after half a minute, and how far it strays
+/// (95 % of the time) from north, or without a magnetometer from what it was then.
+void add_attitude(const Recording& recording, const WalkEstimate& result, WalkFigures& f) {
+  size_t at = 0;
+  double squares = 0;
+  size_t n = 0;
+  std::vector<double> strays;
+  double first_deg = 0, last_deg = 0, first_s = -1, last_s = 0, before = 0, rotations = 0;
+  for (const odo_attitude& a : result.attitudes) {
+    while (at + 1 < recording.true_states.size() && recording.true_states[at].t_ns < a.header.t_ns) ++at;
+    const Eigen::Quaterniond q(a.q_n_b[0], a.q_n_b[1], a.q_n_b[2], a.q_n_b[3]), &truth = recording.true_states[at].q;
+    const Eigen::Vector3d down = q * (truth.conjugate() * Eigen::Vector3d::UnitZ());
+    const double t = static_cast<double>(a.header.t_ns - recording.true_states.front().t_ns) * 1e-9;
+    if (t < 10) continue;
+    squares += std::pow(std::atan2(down.head<2>().norm(), down.z()) * 180 / EIGEN_PI, 2), ++n;
+    const Eigen::Quaterniond error = q * truth.conjugate();
+    double heading = 2 * std::atan2(error.z(), error.w()) * 180 / EIGEN_PI;
+    heading = std::remainder(heading, 360.0);
+    if (t >= 30) {
+      if (first_s < 0) first_s = t, first_deg = heading, before = heading;
+      rotations += std::remainder(heading - before, 360.0);
+      before = heading, last_s = t, last_deg = first_deg + rotations;
+      strays.push_back(std::abs((a.header.flags & ODO_ATTITUDE_NORTH) ? first_deg + rotations : rotations));
+    }
+  }
+  if (n > 0) f.tilt_deg.push_back(std::sqrt(squares / static_cast<double>(n)));
+  if (!strays.empty()) f.wander_deg.push_back(percentile(strays, 0.95));
+  if (last_s > first_s + 30) f.drift_deg_min.push_back(std::abs(last_deg - first_deg) / (last_s - first_s) * 60);
+}
+
+}  // namespace
+
+WalkFigures walk_figures(const Recording& recording, const WalkEstimate& estimate) {
+  WalkFigures f;
+  add_steps(recording, estimate, f);
+  add_modes(recording, estimate, f);
+  add_attitude(recording, estimate, f);
+  return f;
+}
+
+double heading_drift(const std::vector<odo_attitude>& attitudes, const std::vector<StampedPose>& own) {
+  std::vector<double> t_s, off_rad;
+  size_t at = 0;
+  for (const odo_attitude& a : attitudes) {
+    while (at + 1 < own.size() && own[at + 1].t_ns <= a.header.t_ns) ++at;
+    if (at + 1 >= own.size() || own[at].t_ns > a.header.t_ns) continue;
+    const double w =
+        static_cast<double>(a.header.t_ns - own[at].t_ns) / static_cast<double>(own[at + 1].t_ns - own[at].t_ns);
+    const Eigen::Quaterniond q(a.q_n_b[0], a.q_n_b[1], a.q_n_b[2], a.q_n_b[3]);
+    const Eigen::Quaterniond off = q * own[at].q.slerp(w, own[at + 1].q).conjugate();
+    const double heading = 2 * std::atan2(off.z(), off.w());
+    const double last = off_rad.empty() ? heading : off_rad.back();
+    off_rad.push_back(last + std::remainder(heading - last, 2 * EIGEN_PI));
+    t_s.push_back(static_cast<double>(a.header.t_ns) * 1e-9);
+  }
+  const size_t tenth = t_s.size() / 10;
+  if (tenth < 10) return std::nan("");
+  const auto median = [&](size_t from) {
+    std::vector<double> part(off_rad.begin() + static_cast<std::ptrdiff_t>(from),
+                             off_rad.begin() + static_cast<std::ptrdiff_t>(from + tenth));
+    return percentile(part, 0.5);
+  };
+  const double seconds = t_s[t_s.size() - 1 - tenth / 2] - t_s[tenth / 2];
+  return (median(t_s.size() - tenth) - median(0)) * 180 / EIGEN_PI / seconds * 60;
+}
+
+}  // namespace odograph

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// fix/known_object by itself, on drawn scenes.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/tools/simulation/known_object_scene.hpp"
+
+namespace odograph::known_object_scene {
+
+/// The plugin by itself, with an objects' file of its own.
+class Fixer {
+ public:
+  /// The pipeline that it is a part of.
+  static Result<PipelineConfig> config();
+  static Result<std::unique_ptr<Fixer>> make(const std::vector<Target>& targets, uint64_t seed);
+
+  void begin(const odo_calibration& lens) {
+    instance_->reset();
+    instance_->process(lens.header);
+  }
+  std::vector<odo_fix> see(const odo_pose& prior, const cv::Mat& grey, int64_t line_time_ns);
+  uint64_t faults() const { return instance_->faults(); }
+
+ private:
+  Fixer() = default;
+  void take(const odo_header& message, std::vector<odo_fix>& fixes) {
+    for (const AnyMessage& event : instance_->process(message))
+      if (event.header().type == ODO_TYPE_FIX) fixes.push_back(as<odo_fix>(event.header()));
+  }
+  TemporaryFolder folder_;
+  std::unique_ptr<HostServices> host_;
+  std::unique_ptr<PluginInstance> instance_;
+};
+
+/// One scene through the plugin: all fixes with the truth at their time.
+struct Told {
+  odo_fix fix;
+  Viewpoint truth;
+};
+std::vector<Told> play(Fixer& fixer, const std::vector<Hung>& hung, const Viewpoint& start, int frames, uint64_t scene,
+                       Random& random, double position_sigma_m, const std::string& keep);
+
+/// A distance and an obliqueness, walking past or standing.
+struct Cell {
+  double from_m, to_m, from_deg, to_deg;
+  bool standing;
+};
+constexpr Cell kCells[] = {{2, 5, -20, 20, true},  {2, 5, 0, 30, false},   {2, 5, 30, 60, false},
+                           {5, 10, 0, 30, false},  {5, 10, 30, 60, false}, {10, 15, 0, 30, false},
+                           {10, 15, 30, 60, false}};
+
+/// What was told of a target in the scenes of a cell, by the last fix of each, the one that stays.
+struct CellFigures {
+  size_t scenes = 0;                               ///< that could be set up
+  std::vector<double> error_m, rotation_deg, nis;  ///< of the fixes; horizontal
+};
+/// Scenes are numbered through all cells of a target. The first two of each keep a picture in the folder, if there is
+/// one.
+Result<CellFigures> scenes_of(const Target& target, size_t cell, uint64_t scenes, uint64_t seed,
+                              const std::string& keep, const std::function<void(size_t done, size_t all)>& progress);
+
+/// What was told before look-alikes of one kind.
+struct LookAlikeFigures {
+  uint64_t frames = 0, fixes = 0, wrong = 0;  ///< wrong: off by more than a metre, or of no known object at all
+  double worst_m = 0;
+};
+/// Scenes of the kinds in turn until there are so many frames; `only`: of one kind, below 0 of all. The last kind comes
+/// after the others, a seventh as often. By kind.
+Result<std::vector<LookAlikeFigures>> look_alikes(uint64_t frames, int only, uint64_t seed, const std::string& keep,
+                                                  const std::function<void(size_t done, size_t all)>& progress);
+
+}  // namespace odograph::known_object_scene

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "sdk/tools/simulation/scenario.hpp"
+
+namespace odograph {
+
+/// A walk with all that people do: stops, looking around, evading, other ways to carry the phone.
+Scenario surveyor_walk(uint64_t seed);
+
+/// Somebody who looks at the world through the phone: slow and gentle, with stops, turns, small steps, steps to the
+/// side and backwards.
+Scenario viewer_walk(uint64_t seed);
+
+/// Ten minutes on the spot with the phone in the hand: `what` is "handle" (typing and gestures) or "turn".
+Scenario standing(const std::string& what, bool viewer);
+
+/// 200 m with a corner, a position each second.
+Scenario canyon_walk(double sigma_m);
+
+}  // namespace odograph

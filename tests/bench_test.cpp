@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include <unistd.h>
+
+#include "sdk/host/config/overrides.hpp"
+#include "sdk/tools/benchmarks/bench_case.hpp"
+#include "sdk/tools/replay/replayed.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("bench");
+
+namespace {
+
+const std::string kConfigFile = std::string(ODOGRAPH_SOURCE) + "/samples/configs/walk_gnss.yaml";
+
+/// A benchmark without a pipeline: the square of each of some numbers, and a line in a file for each that is measured.
+struct Squares : Benchmark {
+  explicit Squares(const TemporaryFolder& folder) : Benchmark("squares", "", kSeeds), log(folder / "log") {
+    options.keep = (folder / "kept").string();
+    options.seeds = 7, options.first_seed = 0;
+  }
+  Result<Json> measure(const BenchCase& one, const ShowProgress&) const override {
+    std::ofstream(log, std::ios::app) << one.seed << '\n';
+    if (one.seed % 2 == 0) usleep(20000);  // those that come later are done sooner
+    return Json{{"square", static_cast<double>(one.seed * one.seed) / 3}, {"_samples", {one.seed, 2 * one.seed}}};
+  }
+  BenchReport report(const Rows&) const override { return {}; }
+
+  Rows rows() {
+    const auto found = rows_of(*this, *cases());
+    REQUIRE_MESSAGE(found, found.failure().text);
+    return *found;
+  }
+  size_t measured() const {
+    std::ifstream file(log);
+    return static_cast<size_t>(std::count(std::istreambuf_iterator<char>(file), {}, '\n'));
+  }
+
+  std::filesystem::path log;
+};
+
+/// One run by itself.
+struct One : Benchmark {
+  One(const TemporaryFolder& folder, std::function<Result<Json>(const BenchCase&)> call)
+      : Benchmark("one", "", kRecordings), how(std::move(call)) {
+    options.keep = (folder / "kept").string();
+  }
+  Result<Json> measure(const BenchCase& one, const ShowProgress&) const override { return how(one); }
+  BenchReport report(const Rows&) const override { return {}; }
+
+  std::function<Result<Json>(const BenchCase&)> how;
+};
+
+std::string failure_of(const std::vector<Override>& overrides) {
+  RunOptions options;
+  options.config = kConfigFile;
+  options.overrides = overrides;
+  const auto config = config_of(options);
+  return config ? "" : config.failure().text;
+}
+
+}  // namespace
+
+TEST_CASE("rows come in the order of the cases and with the same bytes however many run at a time") {
+  std::string first;
+  for (const size_t jobs : {1, 3, 20}) {
+    const TemporaryFolder folder;
+    Squares squares(folder);
+    squares.options.jobs = jobs;
+    const Rows rows = squares.rows();
+    REQUIRE(rows.size() == 7);
+    for (int i = 0; i < 7; ++i) CHECK(rows[static_cast<size_t>(i)]["seed"] == i);
+    if (first.empty()) first = Json(rows).dump();
+    CHECK(Json(rows).dump() == first);
+  }
+}
+
+TEST_CASE(
+    "a row that was measured before is taken, unless it depends on something else now or a fresh one is asked for") {
+  const TemporaryFolder folder;
+  Squares squares(folder);
+  const Rows first = squares.rows();
+  CHECK(squares.measured() == 7);
+  CHECK(squares.rows() == first);
+  CHECK(squares.measured() == 7);
+  squares.depends = "another option";
+  CHECK(squares.rows() == first);
+  CHECK(squares.measured() == 14);
+  squares.options.fresh = true;
+  squares.rows();
+  CHECK(squares.measured() == 21);
+  squares.options.fresh = false, squares.options.seeds = 9;  // what an interrupted run has done is not done again
+  CHECK(squares.rows().size() == 9);
+  CHECK(squares.measured() == 23);
+}
+
+TEST_CASE("a kept row is told apart by the bytes of its recording and by what is set in its config") {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "recording") << "one";
+  const One bench(folder, [](const BenchCase&) -> Result<Json> { return Json{{"pid", getpid()}}; });
+  BenchCase one{{{"recording", "r"}}, {folder / "recording"}};
+  one.run.config = kConfigFile;
+  const auto row = [&] { return (*rows_of(bench, {one}))[0]; };
+  const Json first = row();
+  CHECK(row() == first);
+  std::ofstream(folder / "recording") << "two";
+  const Json second = row();
+  CHECK(second != first);
+  one.run.overrides = {{"walker.height", "1.8 m"}};
+  CHECK(row() != second);
+}
+
+TEST_CASE("a run that fails or ends its process fails the benchmark, with its reason") {
+  const TemporaryFolder folder;
+  const One fails(folder, [](const BenchCase&) -> Result<Json> { return Failure{ODO_E_DATA, "no frames"}; });
+  auto rows = rows_of(fails, {BenchCase{}});
+  REQUIRE_FALSE(rows);
+  CHECK(rows.failure().status == ODO_E_DATA);
+  CHECK(rows.failure().text == "no frames");
+  rows = rows_of(One(folder, [](const BenchCase&) -> Result<Json> { _exit(7); }), {BenchCase{}});
+  REQUIRE_FALSE(rows);
+  CHECK(rows.failure().text.find("the process of a run ended by") != std::string::npos);
+}
+
+TEST_CASE("cases are each recording with each variant and each config, and a config may have values of its own") {
+  const TemporaryFolder folder;
+  One bench(folder, nullptr);
+  bench.offers |= kConfigs;
+  bench.options.recordings = {"a.odo", "folder/b/"};
+  bench.options.configs = {"walk.yaml", "walk.yaml?walker.height=1.8 m&coupling.bridge=1 s"};
+  bench.options.set = {"walker.height=1.6 m"};
+  bench.variants = {"as recorded", "worse"};
+  const auto cases = bench.cases();
+  REQUIRE(cases);
+  REQUIRE(cases->size() == 8);
+  CHECK(cases->at(5).labels.dump() ==
+        R"({"recording":"b","config":"walk.yaml?walker.height=1.8 m&coupling.bridge=1 s","sensors":"as recorded"})");
+  CHECK(cases->at(5).run.config == "walk.yaml");
+  CHECK(cases->at(5).run.overrides.size() == 3);
+  CHECK(cases->at(5).run.overrides[1].value == "1.8 m");  // its own comes after what all have
+  CHECK(cases->at(6).variant == 1);
+  bench.options.set = {"walker"};
+  CHECK(bench.cases().failure().text.find("PATH=VALUE") != std::string::npos);
+}
+
+TEST_CASE("a table has a line for each row, and a dash where a row has no number") {
+  const Table table{"Title",
+                    {{"recording", "recording"}, {"config", "config", true}},
+                    {{"error", "m", "error/median", 1, true}, {"", "state", "state"}}};
+  const Rows rows = {{{"recording", "a"}, {"config", "x/walk.yaml"}, {"error", {{"median", 1.26}}}, {"state", "good"}},
+                     {{"_line", "and then"}},
+                     {{"recording", "long name"}, {"config", "b.yaml"}, {"error", {{"median", nullptr}}}}};
+  CHECK(table_text(table, rows) ==
+        "Title\n"
+        "                   error\n"
+        "recording  config      m  state\n"
+        "a          walk     +1.3   good\n"
+        "and then\n"
+        "long name  b           -      -\n");
+}
+
+TEST_CASE("a summary puts numbers and lists of all rows together") {
+  const Rows rows = {{{"config", "a"}, {"x", {1, -2, nullptr}}, {"y", 1.0}},
+                     {{"config", "b"}, {"x", {9}}, {"y", 5.0}},
+                     {{"config", "a"}, {"x", {3}}, {"y", 3.0}}};
+  const std::vector<Column> columns = {{"", "", "x/worst", 0, false, "x", Over::percentile, 1, true},
+                                       {"", "", "x/median", 0, false, "x"},
+                                       {"", "", "mean", 0, false, "y", Over::mean},
+                                       {"", "", "sum", 0, false, "y", Over::sum},
+                                       {"", "", "none", 0, false, "z"}};
+  const Rows summaries = summaries_of(rows, "config", columns);
+  REQUIRE(summaries.size() == 2);
+  CHECK(summaries[0]["config"] == "a");
+  CHECK(summaries[0]["x"]["worst"] == 3);
+  CHECK(summaries[0]["x"]["median"] == 1);
+  CHECK(summaries[0]["mean"] == 2);
+  CHECK(summaries[0]["sum"] == 4);
+  CHECK(Json(summaries[0]).dump().find("\"none\":null") != std::string::npos);
+  CHECK(summaries[1]["x"]["worst"] == 9);
+  const Json row = row_of("t", {{"head", "m", "x", 2, 1.5, true}, {"", "", "hidden", -1, 3}});
+  CHECK(row["x"] == 1.5);
+  CHECK(row["hidden"] == 3);
+  REQUIRE(columns_of({Json::object(), row}, "t").size() == 1);
+  CHECK(columns_of({row}, "t")[0].sign);
+  CHECK(printed({{{"x", 1}, {"_y", 2}}}).dump() == R"([{"x":1}])");
+}
+
+TEST_CASE("values take the place of a config's, of a list's item by number or plugin") {
+  RunOptions options;
+  options.config = kConfigFile;
+  const auto plain = config_of(options);
+  REQUIRE(plain);
+  options.overrides = {{"walker.height", "180 cm"}, {"absolute_fixers.fix/gnss.parameters.correlation", "7 s"}};
+  const auto changed = config_of(options);
+  REQUIRE_MESSAGE(changed, changed.failure().text);
+  const auto parameter = [](const PluginChoice& plugin, const std::string& name) {
+    for (const auto& [spec, value] : plugin.parameters)
+      if (spec.name == name) return value.real;
+    return -1.0;
+  };
+  CHECK(parameter(changed->fixers.at(0), "correlation") == 7);
+  CHECK(parameter(plain->fixers.at(0), "correlation") != 7);
+  options.overrides = {{"absolute_fixers.0.parameters.correlation", "7 s"}};
+  CHECK(parameter(config_of(options)->fixers.at(0), "correlation") == 7);
+  options.overrides = {{"coupling.fastest", "4 m/s"}, {"navigation.start.position", "[1 m, 2 m, 3 m]"}};
+  const auto made = config_of(options);  // what the file does not have at all
+  REQUIRE_MESSAGE(made, made.failure().text);
+  CHECK(made->coupling.fastest_mps == 4);
+  CHECK(made->start.position_m[2] == 3);
+}
+
+TEST_CASE("a wrong path or value says the nearest key, or what is expected") {
+  CHECK(failure_of({{"walker.heigth", "1.8 m"}}).find("unknown key 'heigth'") != std::string::npos);
+  CHECK(failure_of({{"walker.heigth", "1.8 m"}}).find("nearest: 'height'") != std::string::npos);
+  CHECK(failure_of({{"walkr.height", "1.8 m"}}).find("nearest: 'walker'") != std::string::npos);
+  CHECK(failure_of({{"absolute_fixers.fix/gnns.parameters.correlation", "0 s"}}).find("nearest: 'fix/gnss'") !=
+        std::string::npos);
+  CHECK(failure_of({{"absolute_fixers.fix/gnss.parameters.corelation", "0 s"}}).find("nearest: 'correlation'") !=
+        std::string::npos);
+  CHECK(failure_of({{"walker.height", "9 m"}}).find("height") != std::string::npos);
+  CHECK(failure_of({{"walker.height.more", "1"}}).find("there is no 'more' in the value '1.70 m'") !=
+        std::string::npos);
+  CHECK_FALSE(parse_override("walker.height"));
+  CHECK_FALSE(parse_override("=1"));
+  CHECK(parse_override("a.b=c=d")->value == "c=d");
+}
+
+TEST_CASE("a document that is written again reads as the same values") {
+  const std::string text =
+      "a: 1.70 m\nb: \"1.70 m\"\nc: [1, two, 'three, four']\nd: {e: , f: \"#x\"}\ng: plain # comment\nh: "
+      "\"q\\\"uote\"\n";
+  const auto first = parse_yaml(text, "first");
+  REQUIRE(first);
+  const auto again = parse_yaml(yaml_text(*first), "again");
+  REQUIRE_MESSAGE(again, again.failure().text);
+  CHECK(yaml_text(*again) == yaml_text(*first));
+  CHECK(node_at(*again, "c.2")->text == "three, four");
+  CHECK(node_at(*again, "d.e")->kind == YamlNode::Kind::null);
+  CHECK_FALSE(node_at(*again, "a")->quoted);
+  CHECK(node_at(*again, "b")->quoted);
+  CHECK(node_at(*again, "h")->text == "q\"uote");
+  CHECK(node_at(*again, "c.9") == nullptr);
+}
+
+TEST_SUITE_END();
