@@ -30,7 +30,7 @@ TEST_CASE("every plugin has a README that names each of its parameters and no ot
 
 TEST_CASE("every YAML example of the documents is a good config or a part of one") {
   int examples = 0;
-  for (const auto& folder : {source("."), source("docs")})
+  for (const auto& folder : {source("."), source("docs"), source("docs/accuracy")})
     for (const auto& entry : fs::directory_iterator(folder)) {
       if (entry.path().extension() != ".md") continue;
       const std::string text = read_text(entry.path());
@@ -48,7 +48,7 @@ TEST_CASE("every YAML example of the documents is a good config or a part of one
 }
 
 TEST_CASE("files that the documents link to are there") {
-  for (const auto& folder : {source("."), source("docs")})
+  for (const auto& folder : {source("."), source("docs"), source("docs/accuracy")})
     for (const auto& entry : fs::directory_iterator(folder)) {
       if (entry.path().extension() != ".md") continue;
       const std::string text = read_text(entry.path());
