@@ -51,7 +51,9 @@ std::vector<const RecordedMessage*> in_batches(const Recording& recording, int64
 }
 
 Result<Sum> events_of(const std::string& config, const std::vector<const RecordedMessage*>& order) {
-  auto session = replay_session(config);
+  RunOptions options;
+  options.config = config;
+  auto session = replay_session(options);
   if (!session) return session.failure();
   Sum sum;
   odo_session_set_callback(session->get(), nullptr, ODO_ALL_EVENTS, Sum::add, &sum);

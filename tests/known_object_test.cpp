@@ -165,6 +165,13 @@ TEST_CASE("an object that leans against gravity, or is not where it belongs, is 
   prior = scene.prior();
   prior.q_n_c = Eigen::Quaterniond(Eigen::AngleAxisd(60 * kDegree, Vector3d::UnitZ())) * prior.q_n_c;
   CHECK_FALSE(after_frames(judge, scene, o, prior, 20));
+  for (const double off_m : {4.0, 6.0}) {  // 3.5 sigmas and a metre
+    judge.forget();
+    prior = scene.prior();
+    prior.p_n += Vector3d(0, off_m, 0), prior.horizontal_sigma_m = 1;
+    CHECK(after_frames(judge, scene, o, prior, 20).has_value() == (off_m < 4.5));
+  }
+  judge.forget();
   // 12 m off after a path of 300 m is drift, and what the object is for.
   prior = scene.prior();
   prior.p_n += Vector3d(0, 12, 0), prior.path_m = 300;

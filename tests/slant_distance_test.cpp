@@ -24,19 +24,19 @@ TEST_SUITE_BEGIN("skyline");
 
 TEST_CASE("eq. (5): the scale is the line through places, whatever the heading, and outliers do not bend it") {
   slant_scale::SlantScale scale(15, 8, 0.02);
-  const double scale = 0.4;
+  const double true_scale = 0.4;
   const Eigen::Rotation2Dd turned(0.1);
   Eigen::Vector2d at(0, 0);
   for (int k = 0; k < 100; ++k) {
     const int64_t t = (k + 1) * 100'000'000LL;
     at += turned * Eigen::Vector2d(1.0, 0.05 * k / 100);
-    scale.add_motion(t - 100'000'000, t, {1.0 / scale, 0.05 * k / 100 / scale, 0}, 1);
+    scale.add_motion(t - 100'000'000, t, {1.0 / true_scale, 0.05 * k / 100 / true_scale, 0}, 1);
     if (k % 5 == 0)
       scale.add_place(t, at + Eigen::Vector2d(k == 50 ? 25.0 : 0.2 * std::sin(k), 0.2 * std::cos(3 * k)), 0.25);
   }
   REQUIRE(scale.scale());
-  CHECK(scale.scale()->scale == doctest::Approx(scale).epsilon(0.03));
-  CHECK(scale.scale()->sigma < 0.1 * scale);
+  CHECK(scale.scale()->scale == doctest::Approx(true_scale).epsilon(0.03));
+  CHECK(scale.scale()->sigma < 0.1 * true_scale);
   // Another unit: until there are fixes again the speed before goes on.
   scale.add_motion(10'000'000'000, 10'100'000'000, {0.2, 0, 0}, 2);
   REQUIRE(scale.scale());

@@ -253,4 +253,17 @@ TEST_CASE("a gyroscope without an accelerometer is passed on alone, in order, an
   CHECK(taken.back().header.flags == (ODO_IMU_GYRO | ODO_IMU_ACCEL));
 }
 
+TEST_CASE("a sample of another sensor that is as old as the last one released is in time, an older one is late") {
+  TimeOrder order(64, 0);
+  for (const uint32_t type : {ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER})
+    REQUIRE(order.push(OwnedMessage(whole(type, kMs).header())) == TimeOrder::Verdict::accepted);
+  REQUIRE(drain(order).size() == 2);  // both have joined
+  REQUIRE(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 10 * kMs).header())) == TimeOrder::Verdict::accepted);
+  REQUIRE(drain(order).size() == 1);
+  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_MAGNETOMETER, 10 * kMs).header())) == TimeOrder::Verdict::accepted);
+  REQUIRE(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 20 * kMs).header())) == TimeOrder::Verdict::accepted);
+  REQUIRE(drain(order).size() == 2);
+  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_MAGNETOMETER, 19 * kMs).header())) == TimeOrder::Verdict::late);
+}
+
 TEST_SUITE_END();

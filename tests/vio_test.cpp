@@ -143,6 +143,9 @@ TEST_CASE("the covariance is carried by the derivative of the motion") {
   CHECK((carried - expected).norm() < 5e-3 * expected.norm());
   const Eigen::MatrixXd with_axes = numeric.rightCols<block::axes>() * 1e-4;
   CHECK((reference.P.block<15, block::axes>(0, block::gyro_axes) - with_axes).norm() < 5e-3 * with_axes.norm());
+  // The position alone, which is small beside the velocity.
+  const Eigen::MatrixXd position = with_axes.middleRows<3>(block::rho);
+  CHECK((reference.P.block<3, block::axes>(block::rho, block::gyro_axes) - position).norm() < 5e-3 * position.norm());
 }
 
 TEST_CASE("a stabilised lens's shift and its covariance follow the gyroscope") {

@@ -118,4 +118,17 @@ TEST_CASE("the magnetometer finds north, and a disturbance does not bend the hea
   CHECK(worst_during < 0.09);
 }
 
+TEST_CASE("a hand that trembles by less than two degrees a second rests, one that trembles by more does not") {
+  const vqf::Parameters p;
+  const auto rests = [&](double amplitude_radps) {
+    vqf::Filter filter{p};
+    for (int i = 0; i < 1000; ++i)
+      filter.update(Vector3d(amplitude_radps * std::sin(2 * EIGEN_PI * 5 * 0.01 * i), 0, 0), Vector3d(0, 0, 9.81),
+                    0.01);
+    return filter.at_rest();
+  };
+  CHECK(rests(0.8 * p.rest_gyro_radps));
+  CHECK_FALSE(rests(1.3 * p.rest_gyro_radps));
+}
+
 TEST_SUITE_END();
