@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include <doctest/doctest.h>
 
@@ -299,6 +301,49 @@ TEST_CASE("a simulated walker: counts, times, modes and no step while standing, 
     }
     CHECK(percentile(late, 0.5) < 60);
     CHECK(percentile(late, 0.95) < 150);
+  }
+}
+
+TEST_CASE("a step's heading is the phone's in the middle of the step, where the walker turns too") {
+  const TemporaryFolder folder;
+  Scenario s;  // zigzag: turns of 90 degrees to both sides
+  s.walker.stand_s = 3;
+  s.route = {{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {16, 8, 0}, {16, 0, 0}, {24, 0, 0}, {24, 8, 0}, {32, 8, 0}};
+  for (const uint64_t seed : {51, 52, 53}) {
+    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
+    const auto recording = read_recording(folder / "w.odo");
+    REQUIRE(recording.ok());
+    RunOptions options;
+    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    options.collect_attitudes = true;
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const auto heading_at = [&](int64_t t_ns) {
+      const auto next = std::lower_bound(result->attitudes.begin(), result->attitudes.end(), t_ns,
+                                         [](const odo_attitude& a, int64_t t) { return a.header.t_ns < t; });
+      if (next == result->attitudes.end()) return std::nan("");
+      const Eigen::Vector3d forward =
+          Eigen::Quaterniond(next->q_n_b[0], next->q_n_b[1], next->q_n_b[2], next->q_n_b[3]) *
+          Eigen::Vector3d(0, 1, -1);
+      return std::atan2(forward.y(), forward.x());
+    };
+    // How late it is: the lag by which the phone's heading, a stride long averaged about the step's middle, fits it.
+    double late = 0, squares = 0;
+    for (const odo_step& step : result->steps) {
+      const int64_t length = step.t_end_ns - step.t_start_ns;
+      std::complex<double> now = 0, before = 0, after = 0;
+      for (int k = -10; k < 10; ++k) {
+        const int64_t t = (step.t_start_ns + step.t_end_ns) / 2 + k * length / 10;
+        now += std::polar(1.0, heading_at(t)), before += std::polar(1.0, heading_at(t - 200'000'000));
+        after += std::polar(1.0, heading_at(t + 200'000'000));
+      }
+      if (!std::isfinite(std::abs(before + now + after))) continue;
+      const double rate = std::arg(after / before) / 0.4, off = std::arg(std::polar(1.0, step.heading_rad) / now);
+      late -= off * rate, squares += rate * rate;
+    }
+    MESSAGE("late by " << 1e3 * late / squares << " ms");
+    CHECK(std::abs(late / squares) < 0.08);
   }
 }
 

@@ -155,13 +155,15 @@ class OdographSteps {
     output.emit(event);
   }
 
-  /// Where the phone pointed, averaged over the step and the one before: a stride, over which the body's turning to the
-  /// left and the right cancels.
+  /// Where the phone pointed, averaged over a stride about the step's middle, over which the body's turning to the left
+  /// and the right cancels: from half a step before it to half a step after, as far as the samples go.
   Vector2d heading_of(const FoundStep& step) const {
-    const int64_t from = step.t_end_ns - 2 * (step.t_end_ns - step.t_start_ns);
+    const int64_t length_ns = step.t_end_ns - step.t_start_ns,
+                  newest_ns = headings_[(heading_count_ - 1) % headings_.size()].t_ns;
+    const int64_t to = std::min(step.t_end_ns + length_ns / 2, newest_ns), from = to - 2 * length_ns;
     Vector2d sum = Vector2d::Zero();
     for (const Heading& h : headings_)
-      if (h.t_ns > from && h.t_ns <= step.t_end_ns) sum += h.forward;
+      if (h.t_ns > from && h.t_ns <= to) sum += h.forward;
     return sum;
   }
 
