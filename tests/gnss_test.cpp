@@ -103,7 +103,7 @@ namespace {
 /// off to the east by 40 m from 40 s on, velocities where they have a sigma. Steps are 5 % too long and sway by 0.05
 /// rad, and the attitude may drift; its yaw offset is `yaw` at the end.
 void walk(PathHeading& path, uint64_t seed, double yaw, double velocity_sigma,
-          std::vector<PathHeading::Yaw>* news = nullptr, double drift_radps = 0) {
+          std::vector<PathHeading::Yaw>* news = nullptr, double drift_radps = 0, double velocity_told = 0) {
   Random random(seed, 5);
   const double keep = std::exp(-1 / 20.0), kick = 12 * std::sqrt(1 - keep * keep);
   const double keep_v = std::exp(-0.5), kick_v = velocity_sigma * std::sqrt(1 - keep_v * keep_v);
@@ -119,7 +119,8 @@ void walk(PathHeading& path, uint64_t seed, double yaw, double velocity_sigma,
     const Eigen::Vector2d place(std::max(0, s - 4) * 1.35, s >= 40 ? 40 : 0);
     path.add_position(1'000'000'000LL * s, place + error, 12);
     if (velocity_sigma > 0)
-      path.add_velocity(1'000'000'000LL * s, Eigen::Vector2d(s > 4 ? 1.35 : 0, 0) + off, velocity_sigma);
+      path.add_velocity(1'000'000'000LL * s, Eigen::Vector2d(s > 4 ? 1.35 : 0, 0) + off,
+                        velocity_told > 0 ? velocity_told : velocity_sigma);
     if (const auto told = path.news(); told && news) news->push_back(*told);
   }
 }
@@ -166,6 +167,32 @@ TEST_CASE("the yaw of an attitude whose gyroscope has a bias is told as it is no
   MESSAGE("median " << percentile(off_deg, 0.5) << " deg, 90 % " << percentile(off_deg, 0.9));
   CHECK(percentile(off_deg, 0.5) < 4);  // its mean over the walk would be 13 degrees off
   CHECK(nis < 1.6);
+}
+
+TEST_CASE("velocities are believed as far as they have shown, whatever was told of them") {
+  for (const double sigma : {0.15, 0.25, 1.0}) {
+    CAPTURE(sigma);
+    std::vector<double> off_deg, known_deg;
+    double nis = 0, learnt = 0;
+    for (uint64_t seed = 1; seed <= 200; ++seed) {
+      PathHeading path({}), known({});
+      walk(path, seed, 0.3, sigma, nullptr, 0, 0.5);
+      walk(known, seed, 0.3, sigma);
+      const auto seen = path.yaw(), best = known.yaw();
+      REQUIRE((seen && best));
+      off_deg.push_back(std::abs(seen->rad - 0.3) * 180 / EIGEN_PI);
+      known_deg.push_back(std::abs(best->rad - 0.3) * 180 / EIGEN_PI);
+      nis += std::pow((seen->rad - 0.3) / seen->sigma_rad, 2) / 200;
+      learnt += path.velocity_sigma(0.5) / 200;
+    }
+    MESSAGE(sigma << " m/s, learnt " << learnt << ": median " << percentile(off_deg, 0.5) << " deg, told the truth "
+                  << percentile(known_deg, 0.5));
+    CHECK(learnt / sigma > 0.7);
+    CHECK(learnt / sigma < 1.3);
+    CHECK(percentile(off_deg, 0.5) < 1.1 * percentile(known_deg, 0.5) + 0.1);
+    CHECK(nis > 0.25);  // steps that sway less than they may
+    CHECK(nis < 1.6);
+  }
 }
 
 TEST_CASE("what is told of a yaw piece by piece adds up to what is known of it") {

@@ -19,6 +19,7 @@ constexpr int64_t kPatience_ns = 3'000'000'000, kVelocity_ns = 1'000'000'000;
 constexpr size_t kKept = 64;            // steps and positions
 constexpr double kTellable_rad = 0.35;  // a yaw offset is told once it is as well known
 constexpr double kNews = 0.1;           // and again when it has gained so much of its information
+constexpr double kSteps_mps = 0.2;      // of a second of the path
 constexpr double kMinScale = 0.3;       // of (a, b): below it has no direction yet
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -101,6 +102,18 @@ void PathHeading::propagate(double dt_s, const Vector2d& moved, double sigma_m) 
   if (told_) age(told_x_, told_P_);
 }
 
+/// Receivers know their velocity to 0.05 m/s in the open and to 1 m/s where they see reflections alone; what one of
+/// them does stays for minutes. A velocity that the path foretells no better than it is tells nothing of that.
+void PathHeading::learn_velocity(double squared_mps2, double by_path_mps2) {
+  const double worth = 1 / (1 + std::pow(by_path_mps2 / 0.25, 2));
+  velocities_ += worth, velocity_squares_ += worth * (squared_mps2 - by_path_mps2);
+}
+
+double PathHeading::velocity_sigma(double told_mps) const {
+  const double squares = p_.velocity_trust * told_mps * told_mps + velocity_squares_;
+  return std::sqrt(std::max(squares / (p_.velocity_trust + velocities_), std::pow(p_.min_velocity_mps, 2)));
+}
+
 void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& path_velocity) {
   if (seen.is_velocity && !has_position_) return;
   if (!has_position_) {
@@ -116,7 +129,8 @@ void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& pa
   double noise = p_.white_m * p_.white_m;
   if (seen.is_velocity) {  // one a second, alike for longer
     H.middleCols<2>(kYaw) << path_velocity.x(), -path_velocity.y(), path_velocity.y(), path_velocity.x();
-    noise = seen.sigma * seen.sigma * std::max(1.0, 2 * p_.velocity_correlation_s) + 0.2 * 0.2;
+    noise = std::pow(velocity_sigma(seen.sigma), 2) * std::max(1.0, 2 * p_.velocity_correlation_s) +
+            kSteps_mps * kSteps_mps;
   } else {
     for (const int from : {kPlace, kError, kJump}) H.middleCols<2>(from).setIdentity();
   }
@@ -128,6 +142,7 @@ void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& pa
     P_.block<2, 2>(kJump, kJump) += Matrix2d::Identity() * (kJump_m * kJump_m);
     S = H * P_ * H.transpose() + noise * Matrix2d::Identity();
   }
+  if (seen.is_velocity) learn_velocity(0.5 * off.squaredNorm(), 0.5 * (H * P_ * H.transpose()).trace());
   const Eigen::Matrix<double, kStates, 2> K = P_ * H.transpose() * S.inverse();
   x_ += K * off;
   const Matrix I_KH = Matrix::Identity() - K * H;

@@ -31,6 +31,8 @@ class PathHeading {
     double scale_sigma = 0.1;     ///< of step lengths: walkers differ so
     double gate_sigma = 4;        ///< of a position, beyond which it has jumped
     double velocity_correlation_s = 2;  ///< of a velocity's error
+    double velocity_trust = 10;         ///< velocities for which the sigma told counts
+    double min_velocity_mps = 0.1;      ///< no receiver's velocity is better between houses
   };
   struct Yaw {
     double rad, sigma_rad;  ///< to be added to the attitude's heading
@@ -42,6 +44,9 @@ class PathHeading {
   /// once, later ones when the path to them is known, three seconds at most.
   void add_position(int64_t t_ns, const Eigen::Vector2d& position_m, double sigma_m);
   void add_velocity(int64_t t_ns, const Eigen::Vector2d& velocity_mps, double sigma_mps);
+
+  /// Of a velocity's component, m/s: what was told, until the velocities show what they are against the path.
+  double velocity_sigma(double told_mps) const;
 
   /// Nothing before the path has a direction against the positions.
   std::optional<Yaw> yaw() const;
@@ -68,9 +73,11 @@ class PathHeading {
   using Matrix = Eigen::Matrix<double, kStates, kStates>;
   std::optional<Yaw> yaw_of(const Vector& x, const Matrix& P) const;
   void propagate(double dt_s, const Eigen::Vector2d& moved, double sigma_m);
+  void learn_velocity(double squared_mps2, double by_path_mps2);
   Parameters p_;
   Vector x_;
   Matrix P_;
+  double velocities_ = 0, velocity_squares_ = 0;  // that have shown their error, and its squares
   bool has_position_ = false;
   int64_t t_ns_ = 0, newest_ns_ = INT64_MIN;
   Eigen::Vector2d path_ = Eigen::Vector2d::Zero(), used_path_ = Eigen::Vector2d::Zero();
