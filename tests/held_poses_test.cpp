@@ -85,8 +85,7 @@ TEST_CASE("a held pose is moved by every kind of update as the clone of its time
     same("few alone");
     e.set_scale(0.1, 0.04, 0.5), same("set_scale");
     e.loosen_heading(0.1), same("loosen_heading");
-    e.rotate(Eigen::Quaterniond(Eigen::AngleAxisd(2.5, Eigen::Vector3d::UnitZ())), Vector3d(3, -1, 0.5)),
-        same("turn");
+    e.rotate(Eigen::Quaterniond(Eigen::AngleAxisd(2.5, Eigen::Vector3d::UnitZ())), Vector3d(3, -1, 0.5)), same("turn");
     e.loosen_velocity_since(0, 4 * kStep_ns, 1.0), same("loosen_velocity_since");
     e.attach_vo({e.x.q_n_b, e.x.p_n, e.column_back(1), kTheta, 0.4}, Quaterniond(0, 1, 0, 0), Vector3d(0.03, 0.05, 0),
                 1e-4, 1e-5),

@@ -114,4 +114,37 @@ TEST_CASE("while the camera is blind the attitude's rotation turns it, through i
   CHECK(q_of(coupling.on_vo_motion(blind, nullptr)).angularDistance(q1 * kAskew) < 1e-7);
 }
 
+TEST_CASE("a doubtful heading makes the position doubtful across the path, by the distance") {
+  CouplingConfig config;
+  config.orientation = Orientation::attitude;
+  PerFrameCoupling coupling(config, {}, {true, true});
+  const auto tell_attitude = [&](int64_t t_ns) {
+    odo_attitude a = attitude(t_ns, Quaterniond::Identity());
+    a.covariance_n[8] = 0.01;  // of the heading, rad^2
+    coupling.on_attitude(a);
+  };
+  tell_attitude(0);
+  coupling.on_first_frame(0);
+  auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
+  scale.header.flags = ODO_SCALE_HORIZONTAL;
+  scale.scale = 1;
+  odo_pose pose{};
+  for (int64_t k = 1; k <= 2; ++k) {
+    tell_attitude(k * kSecond);
+    auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, k * kSecond);
+    motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
+    motion.t_from_ns = (k - 1) * kSecond;
+    motion.q_c0_c1[0] = 1;
+    motion.p_c0_c1[0] = 10;
+    motion.state = ODO_TRACKING;
+    pose = coupling.on_vo_motion(motion, &scale);
+  }
+  const Eigen::Vector2d moved(pose.p_n[0], pose.p_n[1]), along = moved.normalized(), across(-along.y(), along.x());
+  Eigen::Matrix2d P;
+  P << pose.covariance[3 * 6 + 3], pose.covariance[3 * 6 + 4], pose.covariance[4 * 6 + 3], pose.covariance[4 * 6 + 4];
+  REQUIRE(moved.norm() > 5);
+  CHECK(across.dot(P * across) == doctest::Approx(0.01 * moved.squaredNorm()).epsilon(0.01));
+  CHECK(along.dot(P * along) < 1e-6 * moved.squaredNorm());
+}
+
 TEST_SUITE_END();

@@ -209,7 +209,7 @@ TEST_CASE("heights on slopes, a kerb and stairs are within 0.3 m of the truth, w
         "inertial\n"
         "absolute_fixers:\n  - plugin: fix/gnss\n    parameters: {min_sigma: 1 m, correlation: 0 s}\n  - plugin: "
         "fix/terrain\n"
-        "    parameters: {model: hill.obj, hand: 0.75, most_horizontal_sigma: 3 m}\n");
+        "    parameters: {model: hill.obj, hand: 0.75, max_horizontal_sigma: 3 m}\n");
   Scenario s;
   s.walker.stand_s = 4;
   s.route = {{0, 0, 0}, {40, 0, 3}, {80, 0, 1}, {110, 0, 6}, {116, 0, 9}, {140, 0, 9}};
