@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "sdk/tools/evaluation/excitation.hpp"
+#include "sdk/tools/simulation/sensors.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walker.hpp"
 #include "sdk/tools/simulation/world.hpp"
@@ -72,6 +73,20 @@ TEST_CASE("IMU time stamps jitter and stall as asked for, and never go back; the
   CHECK(longest > 20e-3);
   CHECK(longest < 45e-3);
   CHECK(stalled > 5);
+}
+
+TEST_CASE("a bias walks by its density, whatever the rate of the samples") {
+  for (const double rate_hz : {50.0, 400.0}) {
+    CAPTURE(rate_hz);
+    double squares = 0;
+    for (uint64_t seed = 1; seed <= 300; ++seed) {
+      SimTriad triad(Random(seed, 1), SimTriad::Errors{.walk = 0.02, .range = 100}, rate_hz);
+      Vector3d bias;
+      for (int i = 0; i < 4 * rate_hz; ++i) bias = triad.measure(Vector3d::Zero());
+      squares += bias.squaredNorm() / (3 * 300);
+    }
+    CHECK(std::sqrt(squares) == doctest::Approx(0.02 * std::sqrt(4.0)).epsilon(0.08));  // 900 of them: 2.4 %
+  }
 }
 
 TEST_CASE("force and warming move the gyroscope, and the truth's bias has both") {
