@@ -290,4 +290,18 @@ TEST_CASE("a fix that tells latitude and longitude alone is one of north and eas
   CHECK(std::abs(fix.p_n[1] + 40) < 1e-3);
 }
 
+TEST_CASE("a jump is taken off, and forgotten with its time constant when the receiver stays there") {
+  CorrelatedError error({});
+  bool jumped = false;
+  double then_m = 0;
+  for (int s = 0; s <= 340; ++s) {
+    error.on_path(1'000'000'000LL * s, Eigen::Vector2d::Zero(), 0.05);
+    jumped |= error.on_position(1'000'000'000LL * s, Eigen::Vector2d(0, s < 40 ? 0 : 40), 3).jumped;
+    if (s == 40) then_m = error.bias_m().norm();
+  }
+  CHECK(jumped);
+  CHECK(then_m > 30);
+  CHECK(error.bias_m().norm() < 1.5 * then_m * std::exp(-300.0 / 60));
+}
+
 TEST_SUITE_END();
