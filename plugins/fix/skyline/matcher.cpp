@@ -74,9 +74,9 @@ void Matcher::search_circle(const Eigen::Vector2d& displacement, double step_m) 
     for (int b = -reach; b <= reach; ++b) {
       const Eigen::Vector2d at(a * step_m, b * step_m);
       if (std::abs(at.norm() - chord_m) > prior_.slack_m) continue;
-      const double rotation = std::atan2(at.y(), at.x()) - std::atan2(displacement.y(), displacement.x());
-      look_at_place({{.north = at.x(), .east = at.y()}, 0}, static_cast<int>(std::lround(rotation / kDegree)),
-                    yaw_steps, yaw_steps > 8 ? 2 : 1);
+      const double yaw_rad = std::atan2(at.y(), at.x()) - std::atan2(displacement.y(), displacement.x());
+      look_at_place({{.north = at.x(), .east = at.y()}, 0}, static_cast<int>(std::lround(yaw_rad / kDegree)), yaw_steps,
+                    yaw_steps > 8 ? 2 : 1);
     }
 }
 
@@ -145,7 +145,7 @@ std::optional<Guess> Matcher::step(const Guess& at, double soft_rad, double damp
   Vector6d d = H.ldlt().solve(b);
   if (!d.allFinite()) return std::nullopt;
   if (const double far = d.head<3>().norm(); far > p_.max_step_m) d *= p_.max_step_m / far;
-  if (const double rotation = std::abs(d[3]); rotation > p_.max_rad) d *= p_.max_rad / rotation;
+  if (const double yaw_rad = std::abs(d[3]); yaw_rad > p_.max_rad) d *= p_.max_rad / yaw_rad;
   Guess g = at;
   g.north += d[0], g.east += d[1], g.up += d[2], g.yaw += d[3], g.tilt_north += d[4], g.tilt_east += d[5];
   return g;
