@@ -97,6 +97,7 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
   inertial_front_end_ = metric && (flags & ODO_VO_INERTIAL) != 0;
   if (!vo_.any || m.scale_group != vo_.group || metric != vo_.metric) begin_group(m, metric);
   const double dt_s = seconds(t - m.t_from_ns);
+  if (metric) metre_check_.add_frame(dt_s, m.state == ODO_TRACKING);
   UpdateResult result;
   if (!translates) {  // without parallax, before the first motion, the camera is still where it was
     vo_.unbroken = vo_.unbroken && !lost && vo_.y_n.isZero();

@@ -8,9 +8,10 @@
 
 namespace odograph::inertial {
 
-/// Whether the metre of a front-end agrees with the walker's steps. A front-end that was blind for some seconds may put
-/// all that it sees afterwards at twice its distance, be certain of it, and need a minute to find back. Steps know the
-/// metre less well, but never so badly; and how long this walker's steps are is learnt as long as both agree.
+/// Whether the metre of a front-end that was blind for a while still agrees with the walker's steps. It may put all
+/// that it sees afterwards at twice its distance, be certain of it, and need a minute to find back. Who has seen all
+/// the time is believed: steps are no judge of that, since people shuffle, and their steps are then told three times
+/// too long. How long this walker's steps are is learnt from what the front-end saw before.
 class MetreCheck {
  public:
   struct Parameters {
@@ -21,12 +22,19 @@ class MetreCheck {
     double max_sigmas = 3;       ///< beyond them the metre is doubted,
     double min_log = 0.35;       ///< but never for less
     double trust_log = 0.15;     ///< below it twice in a row the front-end has found back
+    double blind_s = 0.5;        ///< without tracking, s; a velocity that is known to 0.3 m/s is then off by a tenth
+    size_t probation = 36;       ///< steps after that, over which steps judge it
   };
 
   MetreCheck() : variance_(p_.walker_sigma * p_.walker_sigma) {}
 
   /// Another scale: what is known of the walker stays.
-  void restart() { count_ = 0, doubted_ = false; }
+  void restart() { count_ = 0, probation_ = 0, doubted_ = false; }
+  /// A frame of the front-end.
+  void add_frame(double dt_s, bool tracking) {
+    blind_s_ = tracking ? 0 : blind_s_ + dt_s;
+    if (blind_s_ >= p_.blind_s) probation_ = p_.probation;
+  }
   /// A step's length as its estimator tells it, and as the front-end has it, m. True where the judgement has changed.
   bool add(double told_m, double seen_m) {
     told_[count_ % kMax] = told_m, seen_[count_ % kMax] = seen_m;
@@ -35,7 +43,8 @@ class MetreCheck {
     const double noise = p_.window_sigma * p_.window_sigma;
     if (!doubted_ && count_ >= p_.steps) {
       const double most = std::max(p_.min_log, p_.max_sigmas * std::sqrt(variance_ + noise));
-      doubted_ = std::abs(off(0)) > most;
+      doubted_ = probation_ > 0 && std::abs(off(0)) > most;
+      probation_ -= std::min<size_t>(probation_, 1);
       if (!doubted_ && count_ % p_.steps == 0) learn(log_ratio(0) - factor_, noise);
     } else if (doubted_ && count_ >= 2 * p_.steps) {
       doubted_ = std::max(std::abs(off(0)), std::abs(off(p_.steps))) > p_.trust_log;
@@ -74,8 +83,8 @@ class MetreCheck {
   static constexpr size_t kMax = 32;
   Parameters p_;
   std::array<double, kMax> told_{}, seen_{};
-  size_t count_ = 0;
-  double factor_ = 0, variance_;
+  size_t count_ = 0, probation_ = 0;
+  double blind_s_ = 0, factor_ = 0, variance_;
   bool doubted_ = false;
 };
 
