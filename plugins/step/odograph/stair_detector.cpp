@@ -29,8 +29,11 @@ void StairDetector::add(int64_t t_ns, double pressure_pa) {
   const double slope = th / tt, scatter = std::sqrt(std::max(0.0, hh - slope * th) / (n - 2));
   const double sigma = scatter * std::sqrt(12 / std::min(n, span_s / p_.gust_s)) / span_s;
   climb_mps_ = slope;
+  const bool climbed = climbs_;
   climbs_ = climbs_ ? std::abs(slope) > p_.end_mps : std::abs(slope) > std::max(p_.begin_mps, p_.clear_sigmas * sigma);
-  judge(t_ns - static_cast<int64_t>(0.5e9 * span_s));
+  // What the height alone has not shown, the last steps have.
+  const int64_t middle_ns = t_ns - static_cast<int64_t>(0.5e9 * span_s);
+  judge(climbs_ != climbed ? middle_ns : std::max(middle_ns, step_ns_));
 }
 
 void StairDetector::add_step(int64_t t_start_ns, int64_t t_end_ns, double length_m) {
