@@ -29,11 +29,12 @@ void StairDetector::add(int64_t t_ns, double pressure_pa) {
   const double slope = th / tt, scatter = std::sqrt(std::max(0.0, hh - slope * th) / (n - 2));
   const double sigma = scatter * std::sqrt(12 / std::min(n, span_s / p_.gust_s)) / span_s;
   climb_mps_ = slope;
-  const bool climbed = climbs_;
-  climbs_ = climbs_ ? std::abs(slope) > p_.end_mps : std::abs(slope) > std::max(p_.begin_mps, p_.clear_sigmas * sigma);
+  const bool ascended = ascends_;
+  ascends_ =
+      ascends_ ? std::abs(slope) > p_.end_mps : std::abs(slope) > std::max(p_.begin_mps, p_.clear_sigmas * sigma);
   // What the height alone has not shown, the last steps have.
   const int64_t middle_ns = t_ns - static_cast<int64_t>(0.5e9 * span_s);
-  judge(climbs_ != climbed ? middle_ns : std::max(middle_ns, step_ns_));
+  judge(ascends_ != ascended ? middle_ns : std::max(middle_ns, step_ns_));
 }
 
 void StairDetector::add_step(int64_t t_start_ns, int64_t t_end_ns, double length_m) {
@@ -47,7 +48,7 @@ void StairDetector::add_step(int64_t t_start_ns, int64_t t_end_ns, double length
 
 void StairDetector::judge(int64_t since_ns) {
   const double steepest = on_stairs_ ? p_.still_steep : p_.steepest_ramp;
-  const bool on_stairs = climbs_ && std::abs(climb_mps_) > steepest * speed_mps_;
+  const bool on_stairs = ascends_ && std::abs(climb_mps_) > steepest * speed_mps_;
   if (on_stairs == on_stairs_) return;
   on_stairs_ = on_stairs;
   since_ns_ = since_ns;

@@ -50,7 +50,7 @@ class StairDetector {
   Parameters p_;
   std::array<Height, 256> heights_{};
   size_t count_ = 0;
-  bool climbs_ = false, on_stairs_ = false;
+  bool ascends_ = false, on_stairs_ = false;  ///< the former up or down, by the pressure alone
   double climb_mps_ = 0, speed_mps_ = 0;
   int64_t step_ns_ = INT64_MIN / 2;
   int64_t since_ns_ = 0;
