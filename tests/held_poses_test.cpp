@@ -33,7 +33,7 @@ struct Numbers {
 void propagate(ErrorState& e, Numbers& number) {
   ImuTransition transition;
   for (int i = 0; i < 10; ++i) transition.add(e.x.q_n_b.toRotationMatrix(), number.vector() * 3, 0.01);
-  e.propagate(transition, {1e-4, 1e-6, 1e-3, 1e-5});
+  e.propagate(transition, {1e-4, 1e-6, 1e-3, 1e-5, 1e-3});
 }
 
 template <int D>

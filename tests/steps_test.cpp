@@ -276,6 +276,25 @@ TEST_CASE("stairs are told by the air's pressure, wind notwithstanding") {
   }
 }
 
+TEST_CASE("a street of 17 % lifts as fast as stairs and is none, since the steps are the walker's usual ones") {
+  const auto stairs_s = [](double length_m, double period_s) {
+    Random random(5, 4);
+    double gust = 0, on_s = 0, next_s = 30;
+    steps::StairDetector stairs;
+    for (int t = 0; t < 90; ++t) {
+      gust = std::exp(-0.25) * gust + 4 * std::sqrt(1 - std::exp(-0.5)) * random.normal();
+      const double up_m = 0.24 * std::clamp(t - 30.0, 0.0, 30.0);
+      stairs.add(t * 1'000'000'000ll, 101325 - up_m / 0.0843 + gust + 2 * random.normal());
+      for (; next_s < t; next_s += period_s)
+        stairs.add_step(static_cast<int64_t>(next_s * 1e9), static_cast<int64_t>((next_s + period_s) * 1e9), length_m);
+      on_s += stairs.on_stairs();
+    }
+    return on_s;
+  };
+  CHECK(stairs_s(0.75, 0.53) == 0);
+  CHECK(stairs_s(0.40, 0.58) > 20);  // treads, taken for somewhat longer steps
+}
+
 TEST_CASE("a simulated walker: counts, times, modes and no step while standing, typing or turning") {
   const TemporaryFolder folder;
   Scenario s;

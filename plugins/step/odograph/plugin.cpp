@@ -132,16 +132,15 @@ class OdographSteps {
   void emit(const FoundStep& step, int64_t now_ns, odo::Output& output) {
     const Vector3d up_b = q_n_b_.conjugate() * Vector3d(0, 0, -1);
     carried_ = mode_of(carry_.classify(step, up_b));
-    const uint32_t mode = walking_mode();
-    set_mode(mode,
-             std::max(carry_.since_ns(), mode_ == ODO_MODE_STATIC || mode_ == ODO_MODE_HANDLING ? step.t_start_ns : 0),
-             output);
     const double model_length = model.length_m(step);
+    const double learnt = walker_->factor() * (step.gentle ? walker_->gentle_ratio() : 1.0);
+    stairs_.add_step(step.t_start_ns, step.t_end_ns, learnt * model_length);
+    const uint32_t mode = walking_mode();
+    set_mode(mode, std::max(carry_.since_ns(), since_ns(mode, step)), output);
     auto event = odo::make<odo_step>(now_ns);
     event.t_start_ns = step.t_start_ns, event.t_end_ns = step.t_end_ns;
     event.frequency_hz = 1e9 / static_cast<double>(std::max<int64_t>(1, step.t_end_ns - step.t_start_ns));
     const bool treads = mode == ODO_MODE_STAIRS;  // there the stairs say how far a step goes, not the walker
-    const double learnt = walker_->factor() * (step.gentle ? walker_->gentle_ratio() : 1.0);
     event.length_m = treads ? kTread_m : learnt * model_length;
     event.sigma_m = treads ? kTreadSigma_m : walker_->sigma_m(event.length_m, step.gentle);
     event.mode = mode;
@@ -153,6 +152,12 @@ class OdographSteps {
       walker_->on_step(treads ? kTread_m / factor : model_length, event.heading_rad, step.gentle);
     }
     output.emit(event);
+  }
+
+  /// When the mode of a step began, beside how the phone is carried.
+  int64_t since_ns(uint32_t mode, const FoundStep& step) const {
+    if (mode_ == ODO_MODE_STATIC || mode_ == ODO_MODE_HANDLING) return step.t_start_ns;
+    return (mode_ == ODO_MODE_STAIRS) != (mode == ODO_MODE_STAIRS) ? stairs_.since_ns() : 0;
   }
 
   /// Where the phone pointed, averaged over a stride about the step's middle, over which the body's turning to the left

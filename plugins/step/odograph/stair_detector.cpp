@@ -28,11 +28,30 @@ void StairDetector::add(int64_t t_ns, double pressure_pa) {
   tt -= t_sum * t_sum / n, th -= t_sum * h_sum / n, hh -= h_sum * h_sum / n;
   const double slope = th / tt, scatter = std::sqrt(std::max(0.0, hh - slope * th) / (n - 2));
   const double sigma = scatter * std::sqrt(12 / std::min(n, span_s / p_.gust_s)) / span_s;
-  const bool on_stairs =
-      on_stairs_ ? std::abs(slope) > p_.end_mps : std::abs(slope) > std::max(p_.begin_mps, p_.clear_sigmas * sigma);
+  climb_mps_ = slope;
+  const bool ascended = ascends_;
+  ascends_ =
+      ascends_ ? std::abs(slope) > p_.end_mps : std::abs(slope) > std::max(p_.begin_mps, p_.clear_sigmas * sigma);
+  // What the height alone has not shown, the last steps have.
+  const int64_t middle_ns = t_ns - static_cast<int64_t>(0.5e9 * span_s);
+  judge(ascends_ != ascended ? middle_ns : std::max(middle_ns, step_ns_));
+}
+
+void StairDetector::add_step(int64_t t_start_ns, int64_t t_end_ns, double length_m) {
+  if (t_end_ns <= t_start_ns) return;
+  const double speed_mps = length_m * 1e9 / static_cast<double>(t_end_ns - t_start_ns);
+  const bool begins = t_start_ns - step_ns_ > static_cast<int64_t>(p_.pause_s * 1e9);
+  speed_mps_ = begins ? speed_mps : speed_mps_ + p_.learn_speed * (speed_mps - speed_mps_);
+  step_ns_ = t_end_ns;
+  judge(t_start_ns);
+}
+
+void StairDetector::judge(int64_t since_ns) {
+  const double steepest = on_stairs_ ? p_.still_steep : p_.steepest_ramp;
+  const bool on_stairs = ascends_ && std::abs(climb_mps_) > steepest * speed_mps_;
   if (on_stairs == on_stairs_) return;
   on_stairs_ = on_stairs;
-  since_ns_ = t_ns - static_cast<int64_t>(0.5e9 * span_s);
+  since_ns_ = since_ns;
 }
 
 }  // namespace odograph::steps

@@ -89,11 +89,12 @@ void ErrorState::propagate(const ImuTransition& by, const ImuNoise& noise) {
   for (auto& held : held_) propagate_columns(held.cross, by);
 
   add_variance(kTheta, 3, noise.gyro * by.s);
-  add_variance(kVelocity, 3, noise.accel * by.s);
-  add_variance(kPosition, 3, noise.accel * by.s * by.s * by.s / 3);
   for (int i = 0; i < 3; ++i) {
-    P(kPosition + i, kVelocity + i) += noise.accel * by.s * by.s / 2;
-    P(kVelocity + i, kPosition + i) += noise.accel * by.s * by.s / 2;
+    const double accel = i < 2 ? noise.accel : noise.accel_down;
+    P(kVelocity + i, kVelocity + i) += accel * by.s;
+    P(kPosition + i, kPosition + i) += accel * by.s * by.s * by.s / 3;
+    P(kPosition + i, kVelocity + i) += accel * by.s * by.s / 2;
+    P(kVelocity + i, kPosition + i) += accel * by.s * by.s / 2;
   }
   add_variance(kGyroBias, 3, noise.gyro_walk * by.s);
   add_variance(kAccelBias, 3, noise.accel_walk * by.s);

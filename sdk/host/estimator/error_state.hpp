@@ -109,7 +109,7 @@ struct ImuTransition {
 
 /// Spectral densities over an interval, squared.
 struct ImuNoise {
-  double gyro, gyro_walk, accel, accel_walk;
+  double gyro, gyro_walk, accel, accel_walk, accel_down;
 };
 
 /// State, covariance and clones of the error-state Kalman filter (Sola 2017, with global angular errors; clones after

@@ -195,9 +195,17 @@ bool InertialEstimator::unaided() const {
 
 void InertialEstimator::flush(bool gap) {
   if (transition_.s <= 0) return;
-  const double accel = unaided() ? p_.unaided_accel_noise : accel_noise_;
-  e_.propagate(transition_, {squared(gap ? p_.gap_rotation_noise : gyro_noise_), squared(gyro_walk_),
-                             squared(gap ? p_.gap_accel_noise : accel), squared(accel_walk_)});
+  const bool carried = unaided();
+  const double accel = gap ? p_.gap_accel_noise : carried ? p_.unaided_accel_noise : accel_noise_;
+  // Who is carried by steps goes up and down with the ground, and no faster than people climb: a Gauss-Markov velocity.
+  const double accel_down = carried ? p_.climb_sigma_mps * std::sqrt(2 / p_.climb_s) : accel;
+  const double keep = carried ? std::exp(-transition_.s / p_.climb_s) : 1.0;
+  e_.propagate(transition_, {squared(gap ? p_.gap_rotation_noise : gyro_noise_), squared(gyro_walk_), squared(accel),
+                             squared(accel_walk_), squared(accel_down)});
+  if (carried) {
+    e_.wander(kVelocity + 2, keep, 0);
+    e_.x.v_n.z() *= keep;
+  }
   if (north_) {
     const double decay = std::exp(-transition_.s / p_.north_correlation_s);
     e_.wander(kNorth, decay, (1 - decay * decay) * squared(north_sigma_rad_));

@@ -7,14 +7,17 @@ namespace odograph::inertial {
 /// range in which it was seen not to matter much; "figures" are those of docs/estimator.md.
 struct Parameters {
   // The IMU. An odo_imu_noise adds to the first two in quadrature and replaces the walks.
-  double gyro_noise = 1e-3;         ///< rad/s/sqrt(Hz); a phone's 1e-4 to 2.4e-4 and its scale error in rotation
-  double gyro_walk = 3e-5;          ///< rad/s^2/sqrt(Hz); temperature
-  double gyro_bias_sigma = 0.009;   ///< rad/s at the start: 0.5 deg/s, data sheets of BMI270 and ICM-20602
-  double accel_noise = 0.05;        ///< m/s^2/sqrt(Hz); white noise of 0.002 to 0.01, scale error, vibration
-  double accel_walk = 1e-3;         ///< m/s^3/sqrt(Hz); judgement
-  double accel_bias_sigma = 0.15;   ///< m/s^2 at the start: +-20 mg, data sheets
-  double unaided_accel_noise = 2;   ///< the same where nothing but steps knows the velocity: they shall carry
-  double unaided_after_s = 3.0;     ///< s without a camera until then; judgement
+  double gyro_noise = 1e-3;        ///< rad/s/sqrt(Hz); a phone's 1e-4 to 2.4e-4 and its scale error in rotation
+  double gyro_walk = 3e-5;         ///< rad/s^2/sqrt(Hz); temperature
+  double gyro_bias_sigma = 0.009;  ///< rad/s at the start: 0.5 deg/s, data sheets of BMI270 and ICM-20602
+  double accel_noise = 0.05;       ///< m/s^2/sqrt(Hz); white noise of 0.002 to 0.01, scale error, vibration
+  double accel_walk = 1e-3;        ///< m/s^3/sqrt(Hz); judgement
+  double accel_bias_sigma = 0.15;  ///< m/s^2 at the start: +-20 mg, data sheets
+  double unaided_accel_noise = 2;  ///< the same, horizontally, where nothing but steps knows the velocity: they carry
+  double climb_sigma_mps = 0.25;   ///< m/s up or down where steps carry: stairs lift by 0.25 to 0.35, streets by less
+  double climb_s = 4;              ///< s for which that stays alike: a kerb is one step, a flight 5 to 12 s; judgement,
+                                   ///< 2 to 8 s changed heights on terrain by less than a centimetre
+  double unaided_after_s = 3.0;    ///< s without a camera until then; judgement
   double gap_rotation_noise = 0.7;  ///< rad/sqrt(s) where IMU samples lack: a hand turns by 30 deg/s rms
   double gap_accel_noise = 3.0;     ///< m/s^2/sqrt(Hz) there: gait
   double longest_gap_s = 0.05;      ///< s between samples that is no gap: ten at 200 Hz, two or three at 50 Hz
@@ -75,7 +78,7 @@ struct Parameters {
   double step_loose_across_rad = 0.5;   ///< rad, the same with the phone swung or in a pocket
   double step_heading_sigma_rad = 0.3;  ///< rad between the phone's axis and the walk at the start; judgement
   double step_heading_walk = 0.02;      ///< rad for the root of a step; judgement
-  double step_height_sigma_m = 0.1;     ///< m up or down in a step that carries the position: slopes of a seventh
+  double step_height_sigma_m = 0.1;     ///< m up or down in a step beside a camera: slopes of a seventh
   double stair_height_sigma_m = 0.2;    ///< m, on stairs
   int max_steps_rejected = 4;           ///< in a row, until heading, factor and (without inertia) scale are doubted
   double doubted_scale_sigma = 0.5;     ///< of log-scale then

@@ -161,7 +161,8 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
                                                      : p_.step_across_rad;
   Matrix3d noise = squared(own_sigma * length_m) * along * along.transpose() +
                    squared(sway * length_m) * across * across.transpose();
-  noise(2, 2) = squared(stairs ? p_.stair_height_sigma_m : p_.step_height_sigma_m);
+  // Alone, a step says nothing of the height: that goes on with time, as fast as people climb.
+  noise(2, 2) = unaided() ? 0.0 : squared(stairs ? p_.stair_height_sigma_m : p_.step_height_sigma_m);
 
   if (const double rest = 1 - covered; rest > 0) {
     e_.shift_by_step(rest * length_m * along, rest * by_factor, rest * by_heading, rest * rest * noise);
@@ -176,7 +177,10 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
   walked.by_one(kStepHeading, -covered * by_heading);
   if (from_north) walked.by_one(kNorth, covered * by_heading);
   walked.noise = covered * covered * noise;
-  if (!unaided()) walked.noise += (p_.step_correlation - 1) * squared(own_sigma * length_m) * along * along.transpose();
+  if (unaided())
+    walked.noise(2, 2) = kNothing;
+  else
+    walked.noise += (p_.step_correlation - 1) * squared(own_sigma * length_m) * along * along.transpose();
   const double before = 1 / e_.P(kLogScale, kLogScale);
   const UpdateResult result = e_.update(walked, p_.gate[3], hold_at_step());
   if (result.accepted && vo_.known) vo_.steps_information += 1 / e_.P(kLogScale, kLogScale) - before;
