@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
-#include "sdk/host/estimator/metre_check.hpp"
+#include <algorithm>
+#include <cmath>
 
-using odograph::inertial::MetreCheck;
+#include "sdk/host/estimator/metre_check.hpp"
+#include "sdk/host/estimator/scale_start.hpp"
+#include "tests/estimator_walk.hpp"
+
+using namespace odograph;
+using namespace odograph::inertial;
 
 TEST_SUITE_BEGIN("estimator");
 
@@ -53,6 +59,43 @@ TEST_CASE("a new scale clears the doubt and keeps the walker") {
   check.restart();
   CHECK_FALSE(check.doubted());
   CHECK(check.log_factor() == factor);
+}
+
+TEST_CASE("a front-end's metre is never better known than the front-end says at its surest") {
+  WalkMeasurements what;
+  what.steps = false;
+  what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
+  what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
+  what.change = [](double t, odo_vo_motion& m) { m.scale_sigma = t < 10 ? 0.05 : 0.02; };
+  EstimatorWalk walk(estimator_scenario(40), what, 1);
+  CouplingConfig config;
+  config.type = CouplingType::inertial;
+  InertialEstimator estimator(config, {}, {true, false});
+  double min_before = 1, min_after = 1;
+  walk.run(estimator, [&](double t, const odo_pose& pose) {
+    if (pose.scale <= 0) return;
+    double& of_now = t < 10 ? min_before : min_after;
+    of_now = std::min(of_now, pose.scale_sigma / pose.scale);
+  });
+  MESSAGE("0.05 stated: " << min_before << ", 0.02: " << min_after);
+  CHECK(min_before > 0.99 * 0.05);
+  CHECK(min_before < 1.02 * 0.05);
+  CHECK(min_after > 0.99 * 0.02);
+  CHECK(min_after < 1.02 * 0.02);
+}
+
+TEST_CASE("the first scale by inertia is as well known as its windows say, whatever the odometry's scale") {
+  for (const double inverse_scale : {0.2, 1.0, 5.0}) {
+    CAPTURE(inverse_scale);
+    ScaleStart start({});
+    constexpr double kRelative = 0.1;  // of each of two windows
+    for (int i = 0; i < 2; ++i) start.add_window({inverse_scale, kRelative * inverse_scale, 0.1, 0.01});
+    const auto known = start.known(0, 0.01);
+    REQUIRE(known);
+    CHECK(known->log_scale == doctest::Approx(-std::log(inverse_scale)));
+    CHECK(known->variance == doctest::Approx(kRelative * kRelative / 2));
+    CHECK(known->steps_share == 0);
+  }
 }
 
 TEST_SUITE_END();
