@@ -98,4 +98,36 @@ TEST_CASE("the first scale by inertia is as well known as its windows say, whate
   }
 }
 
+TEST_CASE("a walker whose steps err alike for a while is not known better than that allows") {
+  const Parameters assumed;
+  const double n = assumed.step_correlation, keep = (n - 1) / (n + 1);  // whose mean errs as one of n does
+  double squares = 0;
+  int count = 0;
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    WalkMeasurements what;
+    what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.005, what.odometry.scale_walk = 0;
+    what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
+    what.step_own = 0, what.step_factor_sigma = assumed.factor_sigma;
+    Random random(seed, 5);
+    double error = assumed.step_own_sigma * random.normal();
+    what.change_step = [&](double, odo_step& step) {
+      error = keep * error + std::sqrt(1 - keep * keep) * assumed.step_own_sigma * random.normal();
+      step.length_m *= 1 + error;
+      step.sigma_m = step.length_m * std::hypot(assumed.factor_sigma, assumed.step_own_sigma);
+    };
+    EstimatorWalk walk(estimator_scenario(100), what, seed);
+    CouplingConfig config;
+    config.type = CouplingType::inertial;
+    InertialEstimator estimator(config, {}, {true, false});
+    walk.run(estimator, [&](double t, const odo_pose&) {
+      if (t < 20) return;
+      const auto report = estimator.scale_report();
+      squares += std::pow((report.log_factor - walk.log_factor()) / report.factor_sigma, 2), ++count;
+    });
+  }
+  MESSAGE("normalised error squared of the walker's factor: " << squares / count);
+  CHECK(squares / count > 0.3);  // 0.46; 2.75 where each step counts as one of its own
+  CHECK(squares / count < 0.8);
+}
+
 TEST_SUITE_END();
