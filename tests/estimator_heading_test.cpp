@@ -139,4 +139,19 @@ TEST_CASE("a fix that comes later than the clones reach back is refused, and tol
   CHECK(estimator.take_notice().key == nullptr);
 }
 
+TEST_CASE(
+    "where a track's heading is doubted its north goes along: what a compass tells of the body is as sure as before") {
+  ErrorState e;
+  e.reset();
+  e.set_independent(kTheta + 2, 0.01);
+  e.set_independent(kNorth, 0.04);
+  // A compass sees the body's heading less its own error: theta + north.
+  const auto compass = [&] { return e.P(kTheta + 2, kTheta + 2) + e.P(kNorth, kNorth) + 2 * e.P(kTheta + 2, kNorth); };
+  const double before = compass();
+  e.loosen_heading(0.5);
+  CHECK(e.P(kTheta + 2, kTheta + 2) == doctest::Approx(0.01 + 0.25));
+  CHECK(e.P(kNorth, kNorth) == doctest::Approx(0.04 + 0.25));
+  CHECK(compass() == doctest::Approx(before));
+}
+
 TEST_SUITE_END();
