@@ -220,6 +220,20 @@ TEST_CASE("the walker's height reaches the plugins unless they are given their o
   CHECK(height("  parameters:\n    walker_height: 1.6\n") == doctest::Approx(1.6));
 }
 
+TEST_CASE("a fallback walks with the walker's height as well") {
+  const auto config = read_pipeline_config(
+      "odograph: 1\nwalker:\n  height: 182 cm\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n"
+      "  plugin: step/odograph\n  fallback: step/renaudin2012\n",
+      "f.yaml", {plugin_folder()});
+  REQUIRE(config.ok());
+  const auto& fallback = config->step_estimators.front().fallback;
+  REQUIRE(fallback);
+  double height_m = 0;
+  for (const auto& [spec, value] : fallback->parameters)
+    if (spec.name == "walker_height") height_m = value.real;
+  CHECK(height_m == doctest::Approx(1.82));
+}
+
 TEST_CASE("the reader never crashes on random bytes and YAML-like text") {
   rc::check("random YAML", [] {
     const auto pieces = *rc::gen::container<std::vector<std::string>>(rc::gen::element<std::string>(

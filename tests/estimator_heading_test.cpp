@@ -139,4 +139,56 @@ TEST_CASE("a fix that comes later than the clones reach back is refused, and tol
   CHECK(estimator.take_notice().key == nullptr);
 }
 
+TEST_CASE(
+    "where a track's heading is doubted its north goes along: what a compass tells of the body is as sure as before") {
+  ErrorState e;
+  e.reset();
+  e.set_independent(kTheta + 2, 0.01);
+  e.set_independent(kNorth, 0.04);
+  // A compass sees the body's heading less its own error: theta + north.
+  const auto compass = [&] { return e.P(kTheta + 2, kTheta + 2) + e.P(kNorth, kNorth) + 2 * e.P(kTheta + 2, kNorth); };
+  const double before = compass();
+  e.loosen_heading(0.5);
+  CHECK(e.P(kTheta + 2, kTheta + 2) == doctest::Approx(0.01 + 0.25));
+  CHECK(e.P(kNorth, kNorth) == doctest::Approx(0.04 + 0.25));
+  CHECK(compass() == doctest::Approx(before));
+}
+
+TEST_CASE("without a camera a walk goes astray with its compass, by as much as it says") {
+  Parameters p;
+  p.step_heading_sigma_rad = 0.02, p.step_heading_walk = 0;  // the phone's direction is known, north is not
+  constexpr double kCompass_rad = 0.2;
+  double squares = 0, across_m = 0;
+  constexpr int kWalks = 30;
+  for (uint64_t seed = 1; seed <= kWalks; ++seed) {
+    const double off_rad = kCompass_rad * Random(seed, 9).normal();
+    WalkMeasurements what;
+    what.camera = false;
+    what.compass_sigma_rad = kCompass_rad;
+    what.compass_rad = [&](double) { return off_rad; };
+    what.step_factor_sigma = 0.02, what.step_heading_rad = 0.02, what.step_offset_rad = 0.02;
+    what.change_step = [&](double, odo_step& step) { step.heading_rad += off_rad; };
+    Scenario straight;
+    straight.route = {{0, 0, 0}, {40, 0, 0}};
+    EstimatorWalk walk(straight, what, seed);
+    CouplingConfig config;
+    config.type = CouplingType::inertial;
+    InertialEstimator estimator(config, {}, {false, false}, p);
+    odo_pose last{};
+    double last_s = 0, from_m = 0;
+    bool begun = false;
+    walk.run(estimator, [&](double t_s, const odo_pose& pose) {
+      if (!std::exchange(begun, true)) from_m = walk.truth(t_s).p_n_c.y() - pose.p_n[1];
+      last = pose, last_s = t_s;
+    });
+    const double error_m = last.p_n[1] + from_m - walk.truth(last_s).p_n_c.y();
+    squares += error_m * error_m / last.covariance[4 * 6 + 4] / kWalks;
+    across_m += std::abs(error_m) / kWalks;
+  }
+  MESSAGE(across_m << " m across the path in the mean, NEES " << squares);
+  CHECK(across_m > 3);
+  CHECK(squares > 0.8);  // 1.28; 19 where the steps' direction does not err with the compass
+  CHECK(squares < 1.7);
+}
+
 TEST_SUITE_END();

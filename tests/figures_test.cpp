@@ -126,6 +126,21 @@ TEST_CASE("poses that err by one sigma have a NEES of one, and those that are of
   CHECK(horizontal_nees({2, 3, 100}, covariance) == doctest::Approx(10));
 }
 
+TEST_CASE("the covariance of a track in other axes is turned onto the truth with its positions") {
+  const Trajectory truth = corner(20);
+  for (const double yaw_rad : {0.0, 1.5, -0.7}) {
+    CAPTURE(yaw_rad);
+    const Trajectory track = moved(truth, yaw_rad, {5, -3, 0});
+    std::vector<odo_pose> poses;
+    for (const StampedPose& x : track) {
+      poses.push_back(pose_of(x, 0.1, 0.02));
+      poses.back().covariance[3 * 6 + 3] = 2 * 2;  // along the track's own north
+      if (poses.size() > 1) poses.back().p_n[0] += 2, poses.back().p_n[1] += poses.size() % 2 ? 0.1 : -0.1;
+    }
+    CHECK(pose_consistency(poses, truth).position_nees == doctest::Approx(1).epsilon(0.02));
+  }
+}
+
 TEST_CASE("the scale error of poses is that of their path") {
   const Trajectory truth = corner(20);
   std::vector<odo_pose> poses;

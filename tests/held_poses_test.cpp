@@ -101,6 +101,37 @@ TEST_CASE("a held pose is moved by every kind of update as the clone of its time
   CHECK_FALSE(e.held(id, held));
 }
 
+TEST_CASE("a held pose takes its share of a correction and of the correction's doubt") {
+  ErrorState e;
+  Numbers number;
+  for (int i = 0; i < kFirstClone; ++i) e.P(i, i) = 0.01 + 0.001 * i;
+  e.clone(0);
+  propagate(e, number), e.clone(kStep_ns);
+  constexpr double kFixed_m = 10, kNow_m = 50;
+  const Vector3d by_n(1, -2, 0.5);
+  const Matrix3d doubt = Vector3d(0.3, 0.2, 0.1).asDiagonal();
+  std::vector<std::pair<uint64_t, double>> ids;  // and the share
+  for (const double share : {0.0, 0.25, 1.0})
+    ids.emplace_back(
+        e.hold({e.x.q_n_b, e.x.p_n, kTheta, kTheta, 1.0}, kStep_ns, kFixed_m + share * (kNow_m - kFixed_m)), share);
+  HeldPose before;
+  REQUIRE(e.held(ids.front().first, before));
+  e.shift(by_n);
+  e.loosen_position(doubt);
+  e.shift_held(by_n, doubt, kFixed_m, kNow_m);
+  for (const auto& [id, share] : ids) {
+    CAPTURE(share);
+    HeldPose held;
+    REQUIRE(e.held(id, held));
+    CHECK((held.p_n_b - before.p_n_b - share * by_n).norm() < 1e-12);
+    // The correction errs by d, the pose by share * d.
+    const Matrix3d own = held.own.bottomRightCorner<3, 3>() - before.own.bottomRightCorner<3, 3>();
+    const Matrix3d cross = held.cross.bottomRightCorner<3, 3>() - before.cross.bottomRightCorner<3, 3>();
+    CHECK((own - share * share * doubt).norm() < 1e-12);
+    CHECK((cross - share * doubt).norm() < 1e-12);
+  }
+}
+
 TEST_CASE("what ties the body to a front-end that leads leaves held poses where they are, and later fixes do not") {
   ErrorState e;
   Numbers number;

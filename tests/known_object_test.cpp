@@ -178,6 +178,21 @@ TEST_CASE("an object that leans against gravity, or is not where it belongs, is 
   CHECK(after_frames(judge, scene, o, prior, 5));
 }
 
+TEST_CASE("what a path may have drifted counts from the last fix, not from the start of the walk") {
+  const PlaneObject o = poster();
+  const Scene scene(o, 5, 0.3);
+  Judge judge({});
+  Prior prior = scene.prior();
+  prior.path_m = 300;
+  REQUIRE(after_frames(judge, scene, o, prior, 5));
+  prior.path_m = 320;  // 3.5 sigmas, a metre, and a metre of drift
+  prior.p_n += Vector3d(0, 9, 0);
+  CHECK_FALSE(after_frames(judge, scene, o, prior, 20, -1, 200));
+  CHECK(judge.refusals().elsewhere == 20);
+  prior.path_m = 600;
+  CHECK(after_frames(judge, scene, o, prior, 20, -1, 400));
+}
+
 TEST_CASE("who has stood before it for seconds gets a fix that later ones from walking do not replace") {
   const PlaneObject o = poster();
   const Scene scene(o, 3, 0.1), grazing(o, 3, 1.1);

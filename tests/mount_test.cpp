@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "sdk/host/base/pose_frame.hpp"
 #include "sdk/host/estimator/per_frame_coupling.hpp"
 #include "tests/estimator_walk.hpp"
 
@@ -145,6 +146,51 @@ TEST_CASE("a doubtful heading makes the position doubtful across the path, by th
   REQUIRE(moved.norm() > 5);
   CHECK(across.dot(P * across) == doctest::Approx(0.01 * moved.squaredNorm()).epsilon(0.01));
   CHECK(along.dot(P * along) < 1e-6 * moved.squaredNorm());
+}
+
+TEST_CASE("the pose of another rigid part moves and turns as that part does") {
+  const Quaterniond q0(Eigen::AngleAxisd(2.1, Vector3d(0.4, -0.5, 0.7).normalized()));
+  const Vector3d p0(5, -3, 1), v_n(1.1, -0.4, 0.2), rate_b(0.6, -1.1, 0.8), lever_b(0.3, -0.2, 0.5);
+  const auto at = [&](double t_s) {
+    auto pose = make_message<odo_pose>(ODO_TYPE_POSE, 0);
+    pose.header.flags = ODO_POSE_VELOCITY | ODO_POSE_ANGULAR_VELOCITY;
+    const Quaterniond q = q0 * exp_rotation(t_s * rate_b);
+    pose.q_n[0] = q.w(), pose.q_n[1] = q.x(), pose.q_n[2] = q.y(), pose.q_n[3] = q.z();
+    Vector3d::Map(pose.p_n) = p0 + t_s * v_n;
+    Vector3d::Map(pose.velocity_n) = v_n, Vector3d::Map(pose.angular_velocity) = rate_b;
+    move_pose(kAskew, lever_b, pose);
+    return pose;
+  };
+  constexpr double h = 1e-5;
+  const odo_pose before = at(-h), now = at(0), after = at(h);
+  CHECK((Vector3d(now.p_n) - (p0 + q0 * lever_b)).norm() < 1e-12);
+  CHECK((Vector3d(now.velocity_n) - (Vector3d(after.p_n) - Vector3d(before.p_n)) / (2 * h)).norm() < 1e-6);
+  const Vector3d rate = log_rotation(q_of(before).conjugate() * q_of(after)) / (2 * h);
+  CHECK((Vector3d(now.angular_velocity) - rate).norm() < 1e-6);
+}
+
+TEST_CASE("a steady scale ends the doubt of the stretch before it, and leaves what was doubted before that") {
+  for (const bool steady : {true, false}) {
+    CAPTURE(steady);
+    PerFrameCoupling coupling({.fastest_mps = 2}, {.position_m = {0, 0, 0}, .heading_rad = 0, .given = true},
+                              {.vo = true, .scale = true});
+    const auto sigma_m = [&](int64_t k, bool sees, const odo_scale* scale) {
+      auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, k * kSecond);
+      motion.t_from_ns = (k - 1) * kSecond;
+      motion.q_c0_c1[0] = 1, motion.p_c0_c1[2] = 0.5;
+      if (sees) motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
+      motion.state = sees ? ODO_TRACKING : ODO_LOST;
+      return std::sqrt(coupling.on_vo_motion(motion, scale).covariance[3 * 6 + 3]);
+    };
+    coupling.on_first_frame(0);
+    CHECK(sigma_m(1, false, nullptr) == doctest::Approx(2));
+    for (int64_t k = 2; k < 10; ++k) sigma_m(k, true, nullptr);
+    CHECK(sigma_m(10, true, nullptr) == doctest::Approx(20));
+    auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
+    scale.header.flags = ODO_SCALE_HORIZONTAL | (steady ? ODO_SCALE_STEADY : 0);
+    scale.scale = 2, scale.sigma = 1e-6;
+    CHECK(sigma_m(11, true, &scale) == doctest::Approx(steady ? 2 : 20).epsilon(0.01));
+  }
 }
 
 TEST_SUITE_END();

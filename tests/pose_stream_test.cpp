@@ -257,6 +257,28 @@ TEST_CASE("a correction that turns the track does not make a false velocity") {
   CHECK(turned);
 }
 
+TEST_CASE("after a correction that turns the track the pose goes on along it, before there is another pose") {
+  const Quaterniond q(Eigen::AngleAxisd(2.0, Vector3d::UnitZ()));
+  const Vector3d p(3, 2, 0);
+  for (const bool tells_velocity : {false, true}) {
+    CAPTURE(tells_velocity);
+    Replay replay;
+    replay.tells_velocity = tells_velocity;
+    bool turned = false;
+    replay.run(9, none, [&](double now_s) {
+      if (now_s < 8.95 || turned) return;
+      turned = true;
+      replay.poses.predictor().correct(q, p);
+      const double t_s = now_s + 0.030;
+      const odo_pose ahead = replay.at(t_s), before = replay.at(t_s - 0.01);
+      CHECK((Vector3d(ahead.p_n) - (q * Vector3d(replay.truth(t_s).p_n) + p)).norm() < 0.03);
+      const Vector3d v_n = (Vector3d(replay.truth(t_s).p_n) - Vector3d(replay.truth(t_s - 0.01).p_n)) / 0.01;
+      CHECK(((Vector3d(ahead.p_n) - Vector3d(before.p_n)) / 0.01 - q * v_n).norm() < 0.3);
+    });
+    CHECK(turned);
+  }
+}
+
 TEST_CASE("without poses there is the attitude alone, and without that nothing") {
   Replay replay;
   odo_pose out{};

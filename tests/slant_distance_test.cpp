@@ -44,6 +44,27 @@ TEST_CASE("eq. (5): the scale is the line through places, whatever the heading, 
   CHECK(scale.scale()->sigma > 1.0);
 }
 
+TEST_CASE("each new scale group goes on with the speed before, also where there were no fixes in between") {
+  slant_scale::SlantScale scale(15, 8, 0.02);
+  int64_t t = 0;
+  const auto move = [&](double units, uint32_t group) {
+    scale.add_motion(t, t + 100'000'000, {units, 0, 0}, group);
+    t += 100'000'000;
+  };
+  for (int k = 1; k <= 100; ++k) {  // 10 m/s, a metre a unit
+    move(1, 1);
+    if (k % 5 == 0) scale.add_place(t, {static_cast<double>(k), 0}, 0.01);
+  }
+  REQUIRE(scale.scale());
+  CHECK(scale.scale()->scale == doctest::Approx(1.0).epsilon(0.01));
+  for (const auto& [units, group] : {std::pair{0.2, 2u}, {4.0, 3u}, {0.5, 4u}}) {
+    CAPTURE(group);
+    for (int k = 0; k < 15; ++k) move(units, group);
+    REQUIRE(scale.scale());
+    CHECK(scale.scale()->scale == doctest::Approx(1 / units).epsilon(0.05));
+  }
+}
+
 TEST_CASE("eq. (5) letter for letter falls with the distance driven: it is no scale") {
   const double u = 0.5;
   slant_scale::LiteralScale scale;

@@ -233,6 +233,26 @@ TEST_CASE("accelerometer and gyroscope that come apart are joined by interpolati
   CHECK(whole_samples[1].gyro_b[0] == 3.0);
 }
 
+TEST_CASE("samples of both sensors at one time are joined, whichever of them comes first") {
+  for (const bool gyro_first : {false, true}) {
+    CAPTURE(gyro_first);
+    ImuJoiner joiner;
+    std::vector<odo_imu> whole_samples;
+    const auto push = [&](uint32_t flag, int64_t t) {
+      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
+      imu.header.flags = flag;
+      (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[0] = static_cast<double>(t);
+      joiner.push(imu, [&](const odo_imu& w) { whole_samples.push_back(w); });
+    };
+    for (int64_t t = 100; t <= 500; t += 100) {
+      push(gyro_first ? ODO_IMU_GYRO : ODO_IMU_ACCEL, t);
+      push(gyro_first ? ODO_IMU_ACCEL : ODO_IMU_GYRO, t);
+    }
+    REQUIRE(whole_samples.size() == 4);  // the first has no accelerometer before it, or the last none behind it
+    for (const odo_imu& w : whole_samples) CHECK(w.accel_b[0] == w.gyro_b[0]);
+  }
+}
+
 TEST_CASE("a gyroscope without an accelerometer is passed on alone, in order, and once") {
   constexpr int64_t kMs = 1'000'000;
   ImuJoiner joiner;
