@@ -18,10 +18,6 @@ using namespace inertial;
 
 namespace {
 
-constexpr int64_t kExtrapolate_ns = 500'000'000;
-constexpr int64_t kFixesRule_ns = 60'000'000'000;  // for so long a fix says more of the walker than the camera
-constexpr double kCounted_m = 0.1;                 // of the path: what is less may be the estimate's own trembling
-
 template <class T>
 bool take(std::optional<T>& from, T& out) {
   if (!from) return false;
@@ -115,7 +111,7 @@ void InertialEstimator::publish(int64_t t_ns, uint32_t state, uint32_t reason) {
   odo_pose pose = make_pose(t_ns, *at);
   const Vector3d p_n(pose.p_n);
   if (last_pose_ns_ == INT64_MIN || !metric_) distance_from_ = p_n;
-  if (const double moved_m = (p_n - distance_from_).norm(); moved_m > kCounted_m) {
+  if (const double moved_m = (p_n - distance_from_).norm(); moved_m > p_.counted_m) {
     distance_m_ += moved_m;
     distance_from_ = p_n;
   }
@@ -140,12 +136,12 @@ void InertialEstimator::refer_steps(const odo_pose& pose) {
   reference_path_m_ = begins ? 0 : reference_path_m_ + step_m;
   if (!begins && reference_path_m_ < p_.reference_path_m) return;
   if (!begins) reference_path_m_ = 0;
-  if (fixed_ns_ != INT64_MIN && pose.header.t_ns - fixed_ns_ < kFixesRule_ns) return;
+  if (fixed_ns_ != INT64_MIN && pose.header.t_ns - fixed_ns_ < p_.fixes_rule_ns) return;
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, pose.header.t_ns);
   fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
   std::copy(pose.p_n, pose.p_n + 3, fix.p_n);
-  const double sigma_m =
-      std::max(0.01, sigma) * std::sqrt(p_.reference_path_m * std::max(p_.reference_path_m, p_.reference_alike_m));
+  const double sigma_m = std::max(p_.reference_min_sigma, sigma) *
+                         std::sqrt(p_.reference_path_m * std::max(p_.reference_path_m, p_.reference_alike_m));
   fix.covariance_n[0] = fix.covariance_n[4] = fix.covariance_n[8] = sigma_m * sigma_m;
   reference_ = fix;
 }
@@ -208,7 +204,7 @@ int32_t InertialEstimator::at(int64_t t_ns, Estimate& out) const {
     out.v_n_b = Vector3d(out.pose.velocity_n);
     return ODO_OK;
   }
-  if (t_ns - newest_ns > kExtrapolate_ns) return ODO_E_NOT_FOUND;
+  if (t_ns - newest_ns > kMaxExtrapolation_ns) return ODO_E_NOT_FOUND;
   const double ahead_s = static_cast<double>(t_ns - newest_ns) * kNanoseconds;
   out.q_n_b = (out.q_n_b * exp_rotation(rate_b * ahead_s)).normalized();
   out.p_n_b += ahead_s * out.v_n_b;

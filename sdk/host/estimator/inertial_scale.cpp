@@ -12,9 +12,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kFrameSpacing_s = 0.08;  // nearer frames say nothing new, and 96 of them shall last for a window
-constexpr size_t kMinFrames = 12;
-
 }  // namespace
 
 void InertialScale::restart() {
@@ -35,7 +32,7 @@ std::optional<Vector3d> InertialScale::alpha_at(int64_t t_ns) const {
     const Point& point = path_[(path_count_ - back) % path_.size()];
     if (point.t_ns > t_ns) continue;
     if (point.t_ns == t_ns) return point.alpha_n;
-    if (back == 1) return t_ns - point.t_ns < 50'000'000 ? std::optional(point.alpha_n) : std::nullopt;
+    if (back == 1) return t_ns - point.t_ns < p_.reaches_back_ns ? std::optional(point.alpha_n) : std::nullopt;
     const Point& next = path_[(path_count_ - back + 1) % path_.size()];
     const double w = static_cast<double>(t_ns - point.t_ns) / static_cast<double>(next.t_ns - point.t_ns);
     return point.alpha_n + w * (next.alpha_n - point.alpha_n);
@@ -49,11 +46,11 @@ std::optional<WindowScale> InertialScale::add_frame(int64_t t_ns, const Vector3d
   if (!alpha_n) return std::nullopt;
   if (frame_count_ == 0) first_ns_ = t_ns;
   const double t_s = static_cast<double>(t_ns - first_ns_) * 1e-9;
-  if (frame_count_ > 0 && t_s - frames_[frame_count_ - 1].t_s < kFrameSpacing_s) return std::nullopt;
+  if (frame_count_ > 0 && t_s - frames_[frame_count_ - 1].t_s < p_.window_spacing_s) return std::nullopt;
   if (frame_count_ == frames_.size()) frame_count_ = 0;
   frames_[frame_count_++] = {t_s, *alpha_n + lever_n, y_n};
   if (t_s < window_s) return std::nullopt;
-  const auto scale = frame_count_ >= kMinFrames ? solve() : std::nullopt;
+  const auto scale = frame_count_ >= static_cast<size_t>(p_.window_min_frames) ? solve() : std::nullopt;
   restart();
   return scale;
 }

@@ -16,9 +16,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr double kImpossible = 5.0;         // times the fastest: a motion that the picture or the scale got wrong
-constexpr double kAngleRandomWalk = 0.003;  // rad/sqrt(s): a chain of frames drifts by this more than it says
-
 Quaterniond about_down(double angle_rad) { return Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())); }
 
 /// Of a motion's rotation, in c0; only where ODO_VO_COVARIANCE is set.
@@ -47,7 +44,7 @@ void PerFrameCoupling::reset() {
   independent_covariance_.setZero();
   since_fix_n_.setZero();
   relative_sigma_ = unobserved_sigma_m_ = 0.0;
-  heading_variance_ = kHeadingUnknown_rad * kHeadingUnknown_rad, tilt_variance_ = 0.0;
+  heading_variance_ = p_.heading_unknown_rad * p_.heading_unknown_rad, tilt_variance_ = 0.0;
   turned_by_fixes_ = false;
   scale_ = {};
   last_pose_ns_ = last_tracked_ns_ = INT64_MIN;
@@ -103,7 +100,7 @@ odo_pose PerFrameCoupling::on_first_frame(int64_t t_ns) {
   }
   // A chained gyroscope that nobody told its heading has any: fixes may turn it around.
   if (!north && !start_.heading_given && config_.orientation == Orientation::gyroscope)
-    heading_variance_ = kAnyHeading_rad * kAnyHeading_rad;
+    heading_variance_ = p_.any_heading_rad * p_.any_heading_rad;
   gyro_attitude_.reset(q_n_, Vector3d(tilt_variance_, tilt_variance_, heading_variance_).asDiagonal());
   last_pose_ns_ = last_tracked_ns_ = t_ns;
   return publish(t_ns, ODO_DEGRADED, ODO_REASON_INITIALISING);
@@ -153,7 +150,7 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
       d_n *= scale->scale;
       const bool horizontal = (scale->header.flags & ODO_SCALE_HORIZONTAL) != 0;
       if (horizontal && config_.vertical == Vertical::ignore) d_n.z() = 0.0;
-      if (d_n.norm() > kImpossible * config_.fastest_mps * dt_s) {
+      if (d_n.norm() > p_.impossible * config_.fastest_mps * dt_s) {
         translated = false;
         state = ODO_DEGRADED, reason = ODO_REASON_TOO_FAST;
       }
@@ -227,7 +224,7 @@ Vector3d PerFrameCoupling::catch_up(const odo_scale& scale) {
 
 /// What becomes less certain from one frame to the next.
 void PerFrameCoupling::drift(const odo_vo_motion& motion, const Quaterniond& q_n_c0, double dt_s, bool lost_metres) {
-  const double walk = kAngleRandomWalk * kAngleRandomWalk * dt_s;
+  const double walk = p_.angle_random_walk * p_.angle_random_walk * dt_s;
   Matrix3d turned = Matrix3d::Zero();
   if (motion.header.flags & ODO_VO_COVARIANCE) {
     const Matrix3d R_n_c0 = q_n_c0.toRotationMatrix();

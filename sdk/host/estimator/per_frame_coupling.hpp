@@ -25,6 +25,16 @@ namespace odograph {
 /// the motion had no length.
 class PerFrameCoupling {
  public:
+  /// "by hand": a choice that was never varied.
+  struct Parameters {
+    double impossible = 5;             ///< times the fastest: a motion that the picture or the scale got wrong; by hand
+    double angle_random_walk = 0.003;  ///< rad/sqrt(s): composed motions drift by this more than they say; by hand
+    double heading_unknown_rad = 0.2;  ///< rad, of a start without a compass; by hand
+    double any_heading_rad = 1.8;      ///< rad, uniform over the circle: pi / sqrt(3)
+    double uninformed_sigma_m = 1e4;   ///< m: how little a position means before the first fix
+    int max_consecutive_rejections = 5;  ///< of fixes: so many say that it is the track that is wrong; by hand
+  };
+
   PerFrameCoupling(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs);
 
   void on_calibration(const odo_calibration& calibration);
@@ -87,9 +97,7 @@ class PerFrameCoupling {
   bool metre_known() const { return !inputs_.vo || metric_by_vo_ || (inputs_.scale && scale_.scale > 0 && !unscaled_); }
   bool metric() const { return inputs_.scale || !inputs_.vo || metric_by_vo_; }
 
-  static constexpr double kHeadingUnknown_rad = 0.2;  // of a start without a compass
-  static constexpr double kAnyHeading_rad = 1.8;      // uniform over the circle: pi / sqrt(3)
-
+  Parameters p_;
   CouplingConfig config_;
   StartPose start_;
   EstimatorInputs inputs_;

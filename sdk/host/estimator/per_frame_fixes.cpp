@@ -16,9 +16,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr int kMaxConsecutiveRejections = 5;  // that many rejected in a row say that it is we who are wrong
-constexpr double kUninformedSigma_m = 1e4;    // how little a position means before the first fix
-
 }  // namespace
 
 bool PerFrameCoupling::correct_gyro_attitude(const Vector3d& off_n, const odo_fix& fix) {
@@ -101,7 +98,7 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     innovation[i] = 0.0;
     R.row(i).setZero();
     R.col(i).setZero();
-    R(i, i) = kUninformedSigma_m * kUninformedSigma_m;
+    R(i, i) = p_.uninformed_sigma_m * p_.uninformed_sigma_m;
   }
   if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) {
     corrected_ = has_heading && update_heading(fix, q_then);
@@ -109,8 +106,8 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     return {corrected_, 0.0, 0};
   }
   Matrix3d P = position_covariance();
-  if (!placed_ || rejected_in_a_row_ >= kMaxConsecutiveRejections)
-    P = Matrix3d::Identity() * kUninformedSigma_m * kUninformedSigma_m;
+  if (!placed_ || rejected_in_a_row_ >= p_.max_consecutive_rejections)
+    P = Matrix3d::Identity() * p_.uninformed_sigma_m * p_.uninformed_sigma_m;
   const Matrix3d S = P + R + Matrix3d::Identity() * 1e-9;
   const double gate = config_.fix_gate_sigma;
   const double nis = innovation.dot(S.ldlt().solve(innovation));
@@ -122,8 +119,8 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
   }
   // The fix that places a track nobody told its start tells its heading too, which may be any.
   if (!placed_ && (flags & ODO_FIX_ORIENTATION) != 0 && !start_.heading_given &&
-      heading_variance_ >= kHeadingUnknown_rad * kHeadingUnknown_rad)
-    heading_variance_ = std::max(heading_variance_, kAnyHeading_rad * kAnyHeading_rad);
+      heading_variance_ >= p_.heading_unknown_rad * p_.heading_unknown_rad)
+    heading_variance_ = std::max(heading_variance_, p_.any_heading_rad * p_.any_heading_rad);
   if (has_heading) update_heading(fix, q_then);  // a fix whose position is refused does not turn either
   const Matrix3d K = P * S.inverse();
   const Vector3d correction = K * innovation;

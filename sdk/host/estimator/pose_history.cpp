@@ -8,8 +8,6 @@
 namespace odograph {
 namespace {
 
-constexpr int64_t kExtrapolate_ns = 500'000'000;
-
 Eigen::Quaterniond quaternion(const odo_pose& pose) { return {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}; }
 
 }  // namespace
@@ -52,9 +50,9 @@ int32_t PoseHistory::at(int64_t t_ns, odo_pose& out) const {
     return ODO_OK;
   }
   if (t_ns > last.header.t_ns) {
-    if (t_ns - std::max(last.header.t_ns, oriented_ns_) > kExtrapolate_ns) return ODO_E_NOT_FOUND;
+    if (t_ns - std::max(last.header.t_ns, oriented_ns_) > kMaxExtrapolation_ns) return ODO_E_NOT_FOUND;
     out = last;
-    const double dt = static_cast<double>(std::min(t_ns - last.header.t_ns, kExtrapolate_ns)) * 1e-9;
+    const double dt = static_cast<double>(std::min(t_ns - last.header.t_ns, kMaxExtrapolation_ns)) * 1e-9;
     for (int i = 0; i < 3; ++i) out.p_n[i] += last.velocity_n[i] * dt;
     if (oriented_ns_ > last.header.t_ns) std::copy(orientation_.begin(), orientation_.end(), out.q_n);
     out.header.t_ns = t_ns;

@@ -5,13 +5,6 @@
 #include <cmath>
 
 namespace odograph::inertial {
-namespace {
-
-constexpr int kMinSteps = 3;
-constexpr double kMaxDisplacementRatio =
-    3;  // a step on which the odometry moved three times less than on the others is none
-
-}  // namespace
 
 void ScaleStart::restart() {
   count_ = 0;
@@ -44,7 +37,7 @@ bool ScaleStart::add_step(int64_t start_ns, int64_t end_ns, double length_m) {
   const auto from = at(start_ns), to = at(end_ns);
   if (!from || !to || length_m <= 0) return false;
   const double units = (*to - *from).head<2>().norm();
-  if (steps_ > 0 && units * kMaxDisplacementRatio / length_m < steps_displacement_ / steps_m_) return false;
+  if (steps_ > 0 && units * p_.start_min_step_ratio / length_m < steps_displacement_ / steps_m_) return false;
   steps_m_ += length_m, steps_displacement_ += units;
   ++steps_;
   return true;
@@ -52,7 +45,7 @@ bool ScaleStart::add_step(int64_t start_ns, int64_t end_ns, double length_m) {
 
 std::optional<ScaleStart::Known> ScaleStart::known(double log_factor, double factor_variance) const {
   double by_steps = 0, by_inertia = 0, steps_log = 0, inertia_log = 0;  // information, values
-  if (steps_ >= kMinSteps && steps_displacement_ > 0) {
+  if (steps_ >= p_.start_min_steps && steps_displacement_ > 0) {
     const double own = p_.step_own_sigma * p_.step_own_sigma / steps_;
     by_steps = 1 / (factor_variance + own);
     steps_log = std::log(steps_m_ / steps_displacement_) + log_factor;
@@ -60,7 +53,7 @@ std::optional<ScaleStart::Known> ScaleStart::known(double log_factor, double fac
   if (information_ > 0) {
     const double r = weighted_ / information_;
     by_inertia = information_ * r * r;
-    if (r > 0 && by_inertia > 1 / 0.09)
+    if (r > 0 && by_inertia > 1 / (p_.start_inertia_sigma * p_.start_inertia_sigma))
       inertia_log = -std::log(r);
     else
       by_inertia = 0;  // below three sigmas its logarithm means nothing
