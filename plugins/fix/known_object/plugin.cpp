@@ -199,7 +199,7 @@ class KnownObject {
   }
 
   Quaterniond camera(const odo_pose& pose) const {
-    const Quaterniond q = Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]).normalized();
+    const Quaterniond q = odograph::so3::quaternion(pose.q_n).normalized();
     return (pose.header.flags & ODO_POSE_CAMERA) ? q : (q * q_b_c_).normalized();
   }
 

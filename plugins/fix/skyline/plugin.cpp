@@ -140,7 +140,7 @@ class Skyline {
   }
 
   void on(const odo_correction& c, odo::Output&) {
-    const Eigen::Quaterniond q(c.q_n[0], c.q_n[1], c.q_n[2], c.q_n[3]);
+    const Eigen::Quaterniond q = odograph::so3::quaternion(c.q_n);
     const Eigen::Vector3d p(c.p_n);
     window_.correct(q, p), path_judge_.correct(q, p), look_.correct(q, p);
   }
@@ -215,9 +215,7 @@ class Skyline {
     worker_.start([this](const Spend& spend) { look(spend); }, slice_);
   }
 
-  static Eigen::Quaterniond orientation_of(const odo_pose& pose) {
-    return Eigen::Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
-  }
+  static Eigen::Quaterniond orientation_of(const odo_pose& pose) { return odograph::so3::quaternion(pose.q_n); }
 
   /// Before the first fix, without a heading: how well the distance from the start is known, m; else none.
   std::optional<double> displacement_from_start(double yaw_sigma, double sigma, bool metric) const {

@@ -19,10 +19,6 @@ double seconds(int64_t later_ns, int64_t earlier_ns) {
 
 bool is_camera(const odo_pose& pose) { return (pose.header.flags & ODO_POSE_CAMERA) != 0; }
 
-void put(const Quaterniond& q, odo_pose& pose) {
-  pose.q_n[0] = q.w(), pose.q_n[1] = q.x(), pose.q_n[2] = q.y(), pose.q_n[3] = q.z();
-}
-
 }  // namespace
 
 PosePredictor::PosePredictor(const Parameters& parameters, const SmoothPose::Parameters& smooth)
@@ -243,7 +239,7 @@ SmoothPose::Pose PosePredictor::pose_of(const Body& body) const {
 void PosePredictor::smoothen(odo_pose& pose) const {
   const std::lock_guard lock(mutex_);
   const auto smooth = smooth_.at(pose.header.t_ns, {quaternion(pose.q_n), Vector3d(pose.p_n)});
-  put(smooth.q_n, pose);
+  put_quaternion(smooth.q_n, pose.q_n);
   Vector3d::Map(pose.p_n) = smooth.p_n;
 }
 
@@ -266,7 +262,7 @@ int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
   out.header.flags &= ~(ODO_POSE_POSITION | ODO_POSE_METRIC | ODO_POSE_VELOCITY);
   out.header.flags |= ODO_POSE_ORIENTATION;
   if (t_ns != published_ns_) out.header.flags |= ODO_POSE_EXTRAPOLATED;
-  put(pose.q_n, out);
+  put_quaternion(pose.q_n, out.q_n);
   out.header.flags &= ~ODO_POSE_ANGULAR_VELOCITY;
   if (track_.at(t_ns, parameters_.ahead_s)) {
     out.header.flags |= ODO_POSE_ANGULAR_VELOCITY;

@@ -25,14 +25,6 @@ bool take(std::optional<T>& from, T& out) {
   return true;
 }
 
-Quaterniond orientation(const odo_pose& pose) {
-  return Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
-}
-
-void set_orientation(odo_pose& pose, const Quaterniond& q) {
-  pose.q_n[0] = q.w(), pose.q_n[1] = q.x(), pose.q_n[2] = q.y(), pose.q_n[3] = q.z();
-}
-
 }  // namespace
 
 UpdateResult InertialEstimator::update(const Measurement& measurement) {
@@ -61,7 +53,7 @@ void InertialEstimator::note_jump(const odo_pose& before, uint32_t reason, doubl
   const auto at = past(before.header.t_ns);
   if (!at) return;
   odo_pose after = make_pose(before.header.t_ns, *at);
-  const Quaterniond turned = (orientation(after) * orientation(before).conjugate()).normalized();
+  const Quaterniond turned = (raw_quaternion(after.q_n) * raw_quaternion(before.q_n).conjugate()).normalized();
   const Vector3d p_before(before.p_n), p_after(after.p_n);
   const double jump_m = (p_after - p_before).norm(), rotation_rad = log_rotation(turned).norm();
   if (jump_m <= part * p_.announced_jump_m && rotation_rad <= part * p_.announced_rotation_rad) return;
@@ -85,7 +77,7 @@ odo_pose InertialEstimator::make_pose(int64_t t_ns, const PastPose& at) const {
     pose.header.flags |= ODO_POSE_CAMERA;
     lever_n = at.q_n_b * p_b_c_;
   }
-  set_orientation(pose, camera_ ? (at.q_n_b * q_b_c_).normalized() : at.q_n_b);
+  put_quaternion(camera_ ? (at.q_n_b * q_b_c_).normalized() : at.q_n_b, pose.q_n);
   Vector3d::Map(pose.p_n) = metric_ ? Vector3d(at.p_n + lever_n) : Vector3d(start_.position_m.data());
   Vector3d::Map(pose.velocity_n) = e_.x.v_n;
   Eigen::Matrix<double, 6, 6> covariance = e_.covariance(at);
@@ -164,8 +156,7 @@ bool InertialEstimator::pose_now(HeldPose& out) const {
 void InertialEstimator::prepare(odo_vo_motion& motion) const {
   Quaterniond q_n_c = e_.x.q_n_b * q_b_c_;
   if (const auto at = past(motion.t_from_ns)) q_n_c = at->q_n_b * q_b_c_;
-  motion.q_n_c0[0] = q_n_c.w(), motion.q_n_c0[1] = q_n_c.x(), motion.q_n_c0[2] = q_n_c.y(),
-  motion.q_n_c0[3] = q_n_c.z();
+  put_quaternion(q_n_c, motion.q_n_c0);
   motion.header.flags |= ODO_VO_NAVIGATION;
 }
 
@@ -192,14 +183,14 @@ int32_t InertialEstimator::at(int64_t t_ns, Estimate& out) const {
   if (newest_ns == INT64_MIN) return ODO_NOT_READY;
   if (t_ns == INT64_MIN || t_ns == newest_ns) return ODO_OK;
   // The pose against the body, as the newest one has it.
-  const Quaterniond q_b_pose = out.q_n_b.conjugate() * orientation(out.pose);
+  const Quaterniond q_b_pose = out.q_n_b.conjugate() * raw_quaternion(out.pose.q_n);
   const bool placed = (out.pose.header.flags & ODO_POSE_POSITION) != 0;
   const Vector3d lever_b =
       placed ? Vector3d(out.q_n_b.conjugate() * (Vector3d(out.pose.p_n) - out.p_n_b)) : Vector3d(Vector3d::Zero());
   if (t_ns < newest_ns) {
     const int32_t status = history_.at(t_ns, out.pose);
     if (status != ODO_OK) return status;
-    out.q_n_b = (orientation(out.pose) * q_b_pose.conjugate()).normalized();
+    out.q_n_b = (raw_quaternion(out.pose.q_n) * q_b_pose.conjugate()).normalized();
     out.p_n_b = Vector3d(out.pose.p_n) - out.q_n_b * lever_b;
     out.v_n_b = Vector3d(out.pose.velocity_n);
     return ODO_OK;
@@ -208,7 +199,7 @@ int32_t InertialEstimator::at(int64_t t_ns, Estimate& out) const {
   const double ahead_s = static_cast<double>(t_ns - newest_ns) * kNanoseconds;
   out.q_n_b = (out.q_n_b * exp_rotation(rate_b * ahead_s)).normalized();
   out.p_n_b += ahead_s * out.v_n_b;
-  set_orientation(out.pose, (out.q_n_b * q_b_pose).normalized());
+  put_quaternion((out.q_n_b * q_b_pose).normalized(), out.pose.q_n);
   if (placed) Vector3d::Map(out.pose.p_n) = out.p_n_b + out.q_n_b * lever_b;
   out.pose.header.t_ns = t_ns;
   out.pose.header.flags |= ODO_POSE_EXTRAPOLATED;

@@ -107,7 +107,7 @@ odo_pose PerFrameCoupling::on_first_frame(int64_t t_ns) {
 }
 
 void PerFrameCoupling::prepare(odo_vo_motion& motion) const {
-  motion.q_n_c0[0] = q_n_.w(), motion.q_n_c0[1] = q_n_.x(), motion.q_n_c0[2] = q_n_.y(), motion.q_n_c0[3] = q_n_.z();
+  put_quaternion(q_n_, motion.q_n_c0);
   motion.header.flags |= ODO_VO_NAVIGATION;
 }
 
@@ -280,7 +280,7 @@ odo_pose PerFrameCoupling::publish(int64_t t_ns, uint32_t state, uint32_t reason
   if (metre_known()) pose.header.flags |= ODO_POSE_METRIC;
   if (metre_known() && velocity_known_) pose.header.flags |= ODO_POSE_VELOCITY;
   if (camera_) pose.header.flags |= ODO_POSE_CAMERA;
-  pose.q_n[0] = q_n_.w(), pose.q_n[1] = q_n_.x(), pose.q_n[2] = q_n_.y(), pose.q_n[3] = q_n_.z();
+  put_quaternion(q_n_, pose.q_n);
   Vector3d::Map(pose.p_n) = p_n_;
   Vector3d::Map(pose.velocity_n) = velocity_n_;
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(pose.covariance);

@@ -78,7 +78,7 @@ std::optional<odo_pose> PerFrameCoupling::pose_then(int64_t t_ns) const {
     q_n = c.turned * q_n;
   }
   Vector3d::Map(then.p_n) = p_n;
-  then.q_n[0] = q_n.w(), then.q_n[1] = q_n.x(), then.q_n[2] = q_n.y(), then.q_n[3] = q_n.z();
+  put_quaternion(q_n, then.q_n);
   return then;
 }
 

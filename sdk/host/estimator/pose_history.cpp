@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/estimator/pose_history.hpp"
+#include "sdk/host/base/rotation.hpp"
 
 #include <algorithm>
 
 #include <Eigen/Geometry>
 
 namespace odograph {
-namespace {
-
-Eigen::Quaterniond quaternion(const odo_pose& pose) { return {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}; }
-
-}  // namespace
 
 void PoseHistory::set_orientation(int64_t t_ns, const std::array<double, 4>& q_n) {
   const std::lock_guard lock(mutex_);
@@ -70,8 +66,8 @@ int32_t PoseHistory::at(int64_t t_ns, odo_pose& out) const {
   const double w = span > 0 ? static_cast<double>(t_ns - a.header.t_ns) / static_cast<double>(span) : 0.0;
   out = w < 0.5 ? a : b;
   out.header.t_ns = t_ns;
-  const Eigen::Quaterniond q = quaternion(a).slerp(w, quaternion(b));
-  out.q_n[0] = q.w(), out.q_n[1] = q.x(), out.q_n[2] = q.y(), out.q_n[3] = q.z();
+  const Eigen::Quaterniond q = raw_quaternion(a.q_n).slerp(w, raw_quaternion(b.q_n));
+  put_quaternion(q, out.q_n);
   for (int i = 0; i < 3; ++i) out.p_n[i] = a.p_n[i] + w * (b.p_n[i] - a.p_n[i]);
   out.distance_m = a.distance_m + w * (b.distance_m - a.distance_m);
   return ODO_OK;

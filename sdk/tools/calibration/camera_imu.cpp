@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "sdk/tools/calibration/camera_imu_problem.hpp"
+#include "sdk/host/base/rotation.hpp"
 
 namespace odograph {
 namespace {
@@ -215,8 +216,7 @@ Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, con
   if (!start) return start.failure();
   out.correlation = start->correlation;
   out.offset_cost = start->offset_cost, out.rotations = start->rotations;
-  if (given.header.flags & ODO_CALIBRATION_EXTRINSICS)
-    out.given_q_b_c = Quaterniond(given.q_b_c[0], given.q_b_c[1], given.q_b_c[2], given.q_b_c[3]).normalized();
+  if (given.header.flags & ODO_CALIBRATION_EXTRINSICS) out.given_q_b_c = quaternion(given.q_b_c);
   if (given.header.flags & ODO_CALIBRATION_TIME_OFFSET)
     out.time_offset_s.given = static_cast<double>(given.time_offset_ns) * 1e-9;
   out.row_time_s.given = data.given_row_time_s;
