@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "sdk/host/estimator/inertial_parameters.hpp"
+#include "sdk/host/estimator/timed_positions.hpp"
 
 namespace odograph::inertial {
 
@@ -41,16 +42,10 @@ class InertialScale {
     double t_s;
     Eigen::Vector3d alpha_n, y_n;
   };
-  std::optional<Eigen::Vector3d> alpha_at(int64_t t_ns) const;
   std::optional<WindowScale> solve() const;
 
   Parameters p_;
-  struct Point {
-    int64_t t_ns;
-    Eigen::Vector3d alpha_n;
-  };
-  std::array<Point, 256> path_{};
-  size_t path_count_ = 0;
+  TimedPositions path_;  // alpha
   Eigen::Vector3d alpha_n_ = Eigen::Vector3d::Zero(), rate_n_ = Eigen::Vector3d::Zero();
   std::array<Frame, 96> frames_{};
   size_t frame_count_ = 0;

@@ -48,12 +48,12 @@ void PerFrameCoupling::reset() {
   turned_by_fixes_ = false;
   scale_ = {};
   last_pose_ns_ = last_tracked_ns_ = INT64_MIN;
-  attitude_count_ = 0;
+  attitudes_.clear();
   camera_ = carried_by_steps_ = corrected_ = metric_by_vo_ = false;
   rejected_in_a_row_ = 0;
   unscaled_.reset();
   history_.clear();
-  corrections_ = {}, correction_count_ = 0;
+  corrections_.clear();
 }
 
 void PerFrameCoupling::on_calibration(const odo_calibration& calibration) {
@@ -61,17 +61,16 @@ void PerFrameCoupling::on_calibration(const odo_calibration& calibration) {
 }
 
 void PerFrameCoupling::on_attitude(const odo_attitude& attitude) {
-  attitudes_[attitude_count_++ % attitudes_.size()] = attitude;
+  attitudes_.push(attitude);
   if (camera_) return;
   const Quaterniond q = orientation_from(attitude);
   history_.set_orientation(attitude.header.t_ns, {q.w(), q.x(), q.y(), q.z()});
 }
 
 std::optional<odo_attitude> PerFrameCoupling::attitude_at(int64_t t_ns) const {
-  const size_t kept = std::min(attitude_count_, attitudes_.size());
   std::optional<odo_attitude> best;
-  for (size_t back = 1; back <= kept; ++back) {  // newest first; the first one not later than t is the one
-    const odo_attitude& a = attitudes_[(attitude_count_ - back) % attitudes_.size()];
+  for (size_t i = 0; i < attitudes_.size(); ++i) {  // newest first; the first one not later than t is the one
+    const odo_attitude& a = attitudes_.back(i);
     best = a;
     if (a.header.t_ns <= t_ns) break;
   }
@@ -190,9 +189,9 @@ std::optional<odo_pose> PerFrameCoupling::on_step(const odo_step& step) {
 }
 
 std::optional<odo_pose> PerFrameCoupling::start_without_camera() {
-  if (inputs_.vo || attitude_count_ != 1) return std::nullopt;
-  q_n_ = orientation_from(attitudes_[0]);
-  return publish(attitudes_[0].header.t_ns, ODO_TRACKING, ODO_REASON_NONE);
+  if (inputs_.vo || attitudes_.size() != 1) return std::nullopt;
+  q_n_ = orientation_from(attitudes_.back(0));
+  return publish(attitudes_.back(0).header.t_ns, ODO_TRACKING, ODO_REASON_NONE);
 }
 
 void PerFrameCoupling::move(const Vector3d& d_n, double relative_sigma, double dt_s) {

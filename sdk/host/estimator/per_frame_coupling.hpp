@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <optional>
 #include <utility>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "sdk/host/base/ring.hpp"
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/estimator/estimator.hpp"
 #include "sdk/host/estimator/gyro_attitude_filter.hpp"
@@ -108,11 +108,8 @@ class PerFrameCoupling {
     Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
     Eigen::Vector3d from_n = Eigen::Vector3d::Zero(), to_n = Eigen::Vector3d::Zero();
   };
-  std::array<Corrected, 16> corrections_{};
-  size_t correction_count_ = 0;
-
-  std::array<odo_attitude, 128> attitudes_{};
-  size_t attitude_count_ = 0;
+  Ring<Corrected, 16> corrections_;
+  Ring<odo_attitude, 128> attitudes_;
 
   // A phone's rear camera: x right as the body's, y down and z forward against the body's up and out of the screen.
   Eigen::Quaterniond q_b_c_{0.0, 1.0, 0.0, 0.0};

@@ -71,8 +71,8 @@ std::optional<odo_pose> PerFrameCoupling::pose_then(int64_t t_ns) const {
   if (history_.at(t_ns, then) != ODO_OK) return std::nullopt;
   Vector3d p_n(then.p_n);
   Quaterniond q_n = quaternion(then.q_n);
-  for (size_t k = std::min(correction_count_, corrections_.size()); k > 0; --k) {  // the oldest first
-    const Corrected& c = corrections_[(correction_count_ - k) % corrections_.size()];
+  for (size_t k = corrections_.size(); k > 0; --k) {  // the oldest first
+    const Corrected& c = corrections_.back(k - 1);
     if (c.t_ns <= t_ns) continue;
     p_n = c.to_n + c.turned * (p_n - c.from_n);
     q_n = c.turned * q_n;
@@ -138,7 +138,7 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
 }
 
 void PerFrameCoupling::note_correction(const Quaterniond& q_before, const Vector3d& from_n) {
-  corrections_[correction_count_++ % corrections_.size()] = {last_pose_ns_, q_n_ * q_before.conjugate(), from_n, p_n_};
+  corrections_.push({last_pose_ns_, q_n_ * q_before.conjugate(), from_n, p_n_});
 }
 
 }  // namespace odograph

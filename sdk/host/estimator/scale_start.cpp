@@ -7,30 +7,15 @@
 namespace odograph::inertial {
 
 void ScaleStart::restart() {
-  count_ = 0;
+  path_.clear();
   steps_m_ = steps_displacement_ = information_ = weighted_ = 0;
   steps_ = 0;
 }
-
-void ScaleStart::add_motion(int64_t t_ns, const Eigen::Vector3d& y_n) { path_[count_++ % path_.size()] = {t_ns, y_n}; }
 
 void ScaleStart::add_window(const WindowScale& window) {
   const double weight = 1 / (window.sigma * window.sigma);
   information_ += weight;
   weighted_ += weight * window.inverse_scale;
-}
-
-std::optional<Eigen::Vector3d> ScaleStart::at(int64_t t_ns) const {
-  const size_t kept = std::min(count_, path_.size());
-  for (size_t back = 1; back <= kept; ++back) {
-    const Point& point = path_[(count_ - back) % path_.size()];
-    if (point.t_ns > t_ns) continue;
-    if (back == 1) return t_ns == point.t_ns ? std::optional(point.y_n) : std::nullopt;
-    const Point& next = path_[(count_ - back + 1) % path_.size()];
-    const double w = static_cast<double>(t_ns - point.t_ns) / static_cast<double>(next.t_ns - point.t_ns);
-    return point.y_n + w * (next.y_n - point.y_n);
-  }
-  return std::nullopt;
 }
 
 bool ScaleStart::add_step(int64_t start_ns, int64_t end_ns, double length_m) {
