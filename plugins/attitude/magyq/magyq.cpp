@@ -118,11 +118,11 @@ void Filter::correct(const Row& H, double innovation, double variance, double ga
 
 /// Nobody walks, and both halves of the window show the same strength.
 bool Filter::is_quasi_static(double dt_s) const {
-  const auto window = static_cast<size_t>(
-      std::clamp(p_.field_window_s / std::max(dt_s, 1e-3), 4.0, static_cast<double>(norms_.size())));
-  if (norm_count_ < window) return false;
+  const auto window =
+      static_cast<size_t>(std::clamp(p_.field_window_s / std::max(dt_s, 1e-3), 4.0, static_cast<double>(kNorms)));
+  if (norms_.size() < window) return false;
   double halves[2] = {0, 0};
-  for (size_t i = 0; i < 2 * (window / 2); ++i) halves[i < window / 2] += norms_[(norm_count_ - 1 - i) % norms_.size()];
+  for (size_t i = 0; i < 2 * (window / 2); ++i) halves[i < window / 2] += norms_.back(i);
   return calm_ && std::abs(halves[0] - halves[1]) < p_.field_change * halves[0];
 }
 
@@ -138,7 +138,7 @@ void Filter::wander(int state, double& value_rad, double times, double sigma_rad
 void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
   const double norm = field.norm();
   if (!started_ || norm <= 0) return;
-  norms_[norm_count_++ % norms_.size()] = norm;
+  norms_.push(norm);
   quasi_static_ = is_quasi_static(dt_s);
   seen_s_ += dt_s;
   strength_ += std::max(1 - std::exp(-dt_s / kStrengthTau_s), std::min(1.0, dt_s / seen_s_)) * (norm - strength_);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
+#include "plugins/shared/ring.hpp"
 
 namespace odograph::magyq {
 
@@ -87,8 +87,8 @@ class Filter {
   bool at_rest_ = false, settled_ = false, violent_ = false;
 
   // The magnetic field.
-  std::array<double, 256> norms_{};
-  size_t norm_count_ = 0;
+  static constexpr size_t kNorms = 256;
+  plugin::Ring<double, kNorms> norms_;
   double since_update_s_ = 0, seen_s_ = 0;
   Eigen::Vector3d field_sum_ = Eigen::Vector3d::Zero();  // in the Earth's axes
   double field_off_rad_ = 0, street_off_rad_ = 0;

@@ -16,22 +16,22 @@ constexpr int64_t kPause_ns = 1'000'000'000;
 }  // namespace
 
 void StepFit::add_motion(int64_t from_ns, int64_t to_ns, const Eigen::Vector2d& d_n, uint32_t group) {
-  if (group_ != group || count_ == 0) {
+  if (group_ != group || path_.empty()) {
     group_ = group;
-    count_ = recent_count_ = 0;
+    path_.clear();
+    recent_count_ = 0;
     variance_ = -1;
-    path_[count_++] = {from_ns, Eigen::Vector2d::Zero()};
+    path_.push({from_ns, Eigen::Vector2d::Zero()});
   }
-  const Eigen::Vector2d before = back(0).p;
-  path_[count_++ % path_.size()] = {to_ns, before + d_n};
+  const Eigen::Vector2d before = path_.back(0).p;
+  path_.push({to_ns, before + d_n});
 }
 
 std::optional<Eigen::Vector2d> StepFit::at(int64_t t_ns) const {
-  const size_t kept = std::min(count_, path_.size());
-  if (kept == 0 || t_ns > back(0).t_ns) return std::nullopt;
-  for (size_t i = 1; i < kept; ++i) {
-    if (back(i).t_ns > t_ns) continue;
-    const Point &a = back(i), &b = back(i - 1);
+  if (path_.empty() || t_ns > path_.back(0).t_ns) return std::nullopt;
+  for (size_t i = 1; i < path_.size(); ++i) {
+    if (path_.back(i).t_ns > t_ns) continue;
+    const Point &a = path_.back(i), &b = path_.back(i - 1);
     const double w = b.t_ns > a.t_ns ? static_cast<double>(t_ns - a.t_ns) / static_cast<double>(b.t_ns - a.t_ns) : 0.0;
     return Eigen::Vector2d(a.p + w * (b.p - a.p));
   }

@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "plugins/shared/ring.hpp"
+
 namespace odograph::step_fit {
 
 struct Scale {
@@ -41,11 +43,9 @@ class StepFit {
   std::optional<Eigen::Vector2d> at(int64_t t_ns) const;
   bool walks() const;
   bool take(const Step& step);
-  const Point& back(size_t i) const { return path_[(count_ - 1 - i) % path_.size()]; }
 
   double drift_, common_;
-  std::array<Point, 1024> path_{};
-  size_t count_ = 0;
+  plugin::Ring<Point, 1024> path_;
   std::optional<uint32_t> group_;
   std::array<Step, 3> recent_{};
   size_t recent_count_ = 0;

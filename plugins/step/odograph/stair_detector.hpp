@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
+
+#include "plugins/shared/ring.hpp"
 
 namespace odograph::steps {
 
@@ -38,8 +39,7 @@ class StairDetector {
     double m;
   };
   Parameters p_;
-  std::array<Height, 256> heights_{};
-  size_t count_ = 0;
+  plugin::Ring<Height, 256> heights_;
   bool on_stairs_ = false;
   int64_t since_ns_ = 0;
 };
