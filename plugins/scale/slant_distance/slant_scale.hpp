@@ -22,6 +22,16 @@ struct Scale {
 /// robust least-squares line through the fixes of the window, so that no single pair of them rules.
 class SlantScale {
  public:
+  /// Chosen by hand, and not tuned.
+  struct Parameters {
+    double huber = 1.5;         ///< standard deviations of a place, from where on it counts linearly
+    double leap = 0.7;          ///< of the scale's logarithm within a window, a factor of two: another place, alike
+    int insist = 20;            ///< fixes in a row that say so: then they are right
+    double guess = 0.3;         ///< relative sigma of a scale that rests on the speed before
+    double guess_s = 1;         ///< of motions, from which it is made
+    double standing_mps = 0.5;  ///< slower, the speed before says nothing
+  };
+
   /// `scale_drift`: by how much of itself the odometry's scale changes within a window.
   SlantScale(double window_s, double min_displacement_m, double scale_drift)
       : window_s_(window_s), min_displacement_m_(min_displacement_m), scale_drift_(scale_drift) {}
@@ -58,6 +68,7 @@ class SlantScale {
     size_t count_ = 0;
   };
 
+  Parameters p_;
   double window_s_, min_displacement_m_, scale_drift_;
   std::deque<Point> path_;
   std::deque<Pair> pairs_;

@@ -22,6 +22,15 @@ struct Scale {
 /// here, and what steps err by one by one averages out. No allocation.
 class StepFit {
  public:
+  /// "by hand": chosen so, not tuned.
+  struct Parameters {
+    double timing = 0.12;   ///< relative: contacts are timed to 70 ms of a step of half a second, neighbours share them
+    double huber = 1.5;     ///< standard deviations, from where on an innovation counts linearly; by hand
+    double alike = 2;       ///< longest to shortest of three displacements of a walk; by hand
+    double straight = 0.8;  ///< of their sum, that the three lead somewhere; by hand
+    int64_t pause_ns = 1'000'000'000;  ///< between two steps: longer ones are not of one walk; by hand
+  };
+
   /// `drift`: of the unit, relative, from step to step. `common`: what all steps err by together, relative.
   StepFit(double drift, double common) : drift_(drift), common_(common) {}
 
@@ -44,6 +53,7 @@ class StepFit {
   bool walks() const;
   bool take(const Step& step);
 
+  Parameters p_;
   double drift_, common_;
   plugin::Ring<Point, 1024> path_;
   std::optional<uint32_t> group_;
