@@ -41,7 +41,7 @@ double SlantScale::RunningMedian::median() const {
   return sorted[n / 2];
 }
 
-/// Until fixes tell the new unit the vehicle goes on as fast as before, as the motions of the first second have it.
+/// Until fixes tell the new scale the vehicle goes on as fast as before, as the motions of the first second have it.
 void SlantScale::guess(double dt, double distance) {
   if (dt <= 0) return;
   if (known_) return speed_mps_.add(scale_->scale * distance / dt);
@@ -98,7 +98,7 @@ void SlantScale::fit() {
     sigma = std::sqrt(std::max(1.0, chi / std::max(1.0, n - 4)) / vv);
   }
   if (2 * spread_m.norm() < min_displacement_m_) return;  // nearly standing: the line has no direction
-  // A unit does not double within a window: the fixes are of another place that looks alike, unless they insist.
+  // A scale does not double within a window: the fixes are of another place that looks alike, unless they insist.
   const bool leaps = known_ && std::abs(std::log(s / scale_->scale)) > p_.leap;
   leaps_ = leaps ? leaps_ + 1 : 0;
   if (leaps && leaps_ < p_.insist) return;

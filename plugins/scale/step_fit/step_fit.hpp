@@ -16,7 +16,7 @@ struct Scale {
   double scale, relative_sigma;
 };
 
-/// The metres per VO unit of a scale group from all steps in it: a Kalman filter of its logarithm, one measurement a
+/// The scale of a scale group from all steps in it: a Kalman filter of its logarithm, one measurement a
 /// step (the step's length over the odometry's horizontal displacement between its two contacts), for odometries whose
 /// scale drifts slowly. Where Antigny et al. 2019 scale each frame on its own, the odometry's own lengths are kept
 /// here, and what steps err by one by one averages out. No allocation.
@@ -31,10 +31,10 @@ class StepFit {
     int64_t pause_ns = 1'000'000'000;  ///< between two steps: longer ones are not of one walk; by hand
   };
 
-  /// `drift`: of the unit, relative, from step to step. `common`: what all steps err by together, relative.
+  /// `drift`: of the scale, relative, from step to step. `common`: what all steps err by together, relative.
   StepFit(double drift, double common) : drift_(drift), common_(common) {}
 
-  /// A motion's horizontal displacement in n, VO units. Another group begins anew.
+  /// A motion's horizontal displacement in n, up to scale. Another group begins anew.
   void add_motion(int64_t from_ns, int64_t to_ns, const Eigen::Vector2d& d_n, uint32_t group);
   /// False when the odometry does not cover the step, or does not see a walk in it.
   bool add_step(int64_t start_ns, int64_t end_ns, double length_m, double sigma_m);
@@ -46,7 +46,7 @@ class StepFit {
     Eigen::Vector2d p;
   };
   struct Step {
-    Eigen::Vector2d d = Eigen::Vector2d::Zero();  // VO units
+    Eigen::Vector2d d = Eigen::Vector2d::Zero();  // up to scale
     double length_m = 0, relative_sigma = 0;
   };
   std::optional<Eigen::Vector2d> at(int64_t t_ns) const;

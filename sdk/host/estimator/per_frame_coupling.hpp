@@ -138,7 +138,7 @@ class PerFrameCoupling {
   bool velocity_known_ = false;
   std::optional<Eigen::Vector3d> caught_up_n_;
   struct Unscaled {                                 // what a scale group has moved before its scale is known
-    Eigen::Vector3d d_n = Eigen::Vector3d::Zero();  // VO units
+    Eigen::Vector3d d_n = Eigen::Vector3d::Zero();  // up to scale
     uint32_t group = 0;
     double sigma_before_m = 0;
   };

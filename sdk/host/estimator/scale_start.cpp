@@ -21,9 +21,9 @@ void ScaleStart::add_window(const WindowScale& window) {
 bool ScaleStart::add_step(int64_t start_ns, int64_t end_ns, double length_m) {
   const auto from = at(start_ns), to = at(end_ns);
   if (!from || !to || length_m <= 0) return false;
-  const double units = (*to - *from).head<2>().norm();
-  if (steps_ > 0 && units * p_.start_min_step_ratio / length_m < steps_displacement_ / steps_m_) return false;
-  steps_m_ += length_m, steps_displacement_ += units;
+  const double displacement = (*to - *from).head<2>().norm();
+  if (steps_ > 0 && displacement * p_.start_min_step_ratio / length_m < steps_displacement_ / steps_m_) return false;
+  steps_m_ += length_m, steps_displacement_ += displacement;
   ++steps_;
   return true;
 }

@@ -10,7 +10,7 @@
 
 namespace odograph::inertial {
 
-/// The first scale of a group of motions whose unit nobody knows, from steps and from inertia, whichever comes first.
+/// The first scale of a group of motions whose scale nobody knows, from steps and from inertia, whichever comes first.
 class ScaleStart {
  public:
   explicit ScaleStart(const Parameters& parameters) : p_(parameters) {}
@@ -21,7 +21,7 @@ class ScaleStart {
   };
 
   void restart();
-  /// The odometry's position since the group began, VO units in n.
+  /// The odometry's position since the group began, up to scale, in n.
   void add_motion(int64_t t_ns, const Eigen::Vector3d& y_n) { path_.add(t_ns, y_n); }
   void add_window(const WindowScale& window);
   /// False where the odometry does not cover the step.
@@ -36,7 +36,7 @@ class ScaleStart {
   TimedPositions path_;
   double steps_m_ = 0, steps_displacement_ = 0;
   int steps_ = 0;
-  double information_ = 0, weighted_ = 0;  // of units per metre
+  double information_ = 0, weighted_ = 0;  // of the inverse scale
 };
 
 }  // namespace odograph::inertial
