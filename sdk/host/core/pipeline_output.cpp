@@ -6,8 +6,8 @@
 
 #include <odograph/terrain.h>
 
-#include "sdk/host/core/pipeline.hpp"
 #include "sdk/host/base/rotation.hpp"
+#include "sdk/host/core/pipeline.hpp"
 
 namespace odograph {
 namespace {

@@ -59,8 +59,7 @@ bool PerFrameCoupling::update_heading(const odo_fix& fix, const Quaterniond& q_t
   }
   turned_by_fixes_ = true;
   heading_offset_rad_ += theta_n.z();
-  if (const double angle = theta_n.norm(); angle > 0)
-    q_n_ = (Quaterniond(Eigen::AngleAxisd(angle, theta_n / angle)) * q_n_).normalized();
+  if (theta_n.norm() > 0) q_n_ = (exp_rotation(theta_n) * q_n_).normalized();
   share_rotation_covariance();
   return true;
 }

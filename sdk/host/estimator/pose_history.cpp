@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/host/estimator/pose_history.hpp"
 #include "sdk/host/base/rotation.hpp"
+#include "sdk/host/estimator/pose_history.hpp"
 
 #include <algorithm>
 

@@ -4,9 +4,9 @@
 // `odograph bench calibrate-imu`.
 #include <cmath>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/replay/camera_imu_source.hpp"
-#include "sdk/host/base/rotation.hpp"
 
 namespace odograph {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sdk/tools/calibration/camera_imu_problem.hpp"
 #include "sdk/host/base/rotation.hpp"
+#include "sdk/tools/calibration/camera_imu_problem.hpp"
 
 namespace odograph {
 namespace {
@@ -161,7 +161,7 @@ class Work {
 
   /// What was found becomes what the next round starts from.
   void take_over() {
-    q_b_c_ = (q_b_c_ * rotation_of(x_.segment<3>(shared::mount))).normalized();
+    q_b_c_ = (q_b_c_ * exp_rotation(x_.segment<3>(shared::mount))).normalized();
     lens_.fx *= 1 + x_[kFocal], lens_.fy *= 1 + x_[kFocal];
     lens_.cx += x_[kCx], lens_.cy += x_[kCy];
     lens_.distortion[0] += x_[kK1];

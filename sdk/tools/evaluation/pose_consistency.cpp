@@ -5,9 +5,9 @@
 
 #include <Eigen/Dense>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
-#include "sdk/host/base/rotation.hpp"
 
 namespace odograph {
 namespace {

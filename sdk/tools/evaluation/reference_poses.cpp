@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/host/base/rotation.hpp"
+#include "sdk/tools/evaluation/evaluation.hpp"
 
 namespace odograph {
 namespace {

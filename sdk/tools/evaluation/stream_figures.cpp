@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/tools/evaluation/stream_figures.hpp"
 #include "sdk/host/base/rotation.hpp"
+#include "sdk/tools/evaluation/stream_figures.hpp"
 
 #include <algorithm>
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/config/camera_yaml.hpp"
 #include "sdk/host/config/spec.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
-#include "sdk/host/base/rotation.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;

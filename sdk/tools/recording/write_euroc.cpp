@@ -8,10 +8,10 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/recording/recording.hpp"
-#include "sdk/host/base/rotation.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;

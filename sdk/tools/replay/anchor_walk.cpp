@@ -7,9 +7,9 @@
 #include <Eigen/Geometry>
 #include <odograph/anchor.h>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/replay/arrivals.hpp"
 #include "sdk/tools/replay/replayed.hpp"
-#include "sdk/host/base/rotation.hpp"
 
 namespace odograph {
 namespace {

@@ -9,10 +9,10 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/simulation/poster.hpp"
-#include "sdk/host/base/rotation.hpp"
 
 namespace odograph::known_object_scene {
 namespace {

@@ -6,10 +6,10 @@
 
 #include <sys/resource.h>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
 #include "sdk/tools/replay/replayed.hpp"
-#include "sdk/host/base/rotation.hpp"
 
 namespace odograph {
 namespace {

@@ -10,8 +10,8 @@
 #include <sstream>
 
 #include "sdk/host/base/output_file.hpp"
-#include "sdk/tools/replay/replayed.hpp"
 #include "sdk/host/base/rotation.hpp"
+#include "sdk/tools/replay/replayed.hpp"
 
 namespace odograph {
 namespace {

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "sdk/host/base/geodesy.hpp"
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/simulation/drive.hpp"
 #include "sdk/tools/simulation/retrace.hpp"
 #include "sdk/tools/simulation/sensors.hpp"
 #include "sdk/tools/simulation/walker.hpp"
-#include "sdk/host/base/rotation.hpp"
 
 namespace odograph {
 namespace {

@@ -13,8 +13,8 @@
 #include <odograph/step_estimator.h>
 #include <odograph/vo_frontend.h>
 
-#include "sdk/tools/validator/bench.hpp"
 #include "sdk/host/base/rotation.hpp"
+#include "sdk/tools/validator/bench.hpp"
 
 namespace odograph {
 namespace {
