@@ -162,6 +162,8 @@ TEST_CASE("a table has a line for each row, and a dash where a row has no number
         "a          walk     +1.3   good\n"
         "and then\n"
         "long name  b           -      -\n");
+  const Table by_config{"", {}, {{"W1", "a", "W1configs/walk.yaml"}}};
+  CHECK(table_text(by_config, {{{"W1configs/walk.yaml", "0.17 m"}}}).find("0.17 m") != std::string::npos);
 }
 
 TEST_CASE("a summary puts numbers and lists of all rows together") {

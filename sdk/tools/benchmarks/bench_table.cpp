@@ -12,7 +12,9 @@
 namespace odograph {
 namespace {
 
+/// "a/b" is b of a, but for a key that has the slash itself, such as a file's name.
 const Json* value_at(const Json& row, const std::string& key) {
+  if (const auto whole = row.find(key); whole != row.end()) return &*whole;
   const Json* at = &row;
   for (size_t from = 0; from <= key.size();) {
     const size_t to = std::min(key.find('/', from), key.size());
