@@ -6,6 +6,7 @@
 #include <map>
 #include <random>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/calibration/camera_imu.hpp"
 #include "sdk/tools/calibration/lens_model.hpp"
@@ -29,14 +30,14 @@ struct HandHeld {
     const Eigen::Vector3d v(rotation_rad.x() * (std::sin(5.1 * t) + 0.6 * std::sin(2.3 * t + 1)),
                             rotation_rad.y() * (std::sin(3.7 * t + 2) + 0.5 * std::sin(7.9 * t)),
                             rotation_rad.z() * (std::sin(4.4 * t + 4) + 0.7 * std::sin(1.9 * t)));
-    return Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitY())) * rotation_of(v);
+    return Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitY())) * exp_rotation(v);
   }
   Eigen::Vector3d p_n(double t) const {
     return {walk_mps * t, 0.05 * walk_mps * std::sin(5.9 * t), 0.04 * walk_mps * std::sin(11.8 * t)};
   }
   Eigen::Vector3d rate_b(double t) const {
     constexpr double h = 1e-4;
-    return rotation_vector(q_n_b(t - h).conjugate() * q_n_b(t + h)) / (2 * h);
+    return log_rotation(q_n_b(t - h).conjugate() * q_n_b(t + h)) / (2 * h);
   }
 
   Eigen::Quaterniond q_b_c_true() const { return mount * q_b_c; }

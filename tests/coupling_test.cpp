@@ -98,7 +98,7 @@ TEST_CASE("rotation is chained from frame to frame") {
   coupling.on_vo_motion(rotation, nullptr);
   const odo_pose pose = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 3}), nullptr);
   CHECK(pose.p_n[0] == doctest::Approx(0.0));
-  CHECK(pose.p_n[1] == doctest::Approx(3.0));  // facing east now; VO units, no scale source
+  CHECK(pose.p_n[1] == doctest::Approx(3.0));  // facing east now; up to scale, no scale source
   CHECK((pose.header.flags & ODO_POSE_METRIC) == 0);
 }
 

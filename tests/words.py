@@ -34,6 +34,7 @@ PHRASES = [
     (r"\blevelled\b|\bturned level\b|\blevel (acceleration|displacement|frame|camera|axis)", "horizontal, gravity-aligned", r"$^"),
     (r"\b(keeps?|changes?|knows?) (its|the|their) unit\b|\bunit (of length )?(drifts|changes|is lost)", "scale", r"$^"),
     (r"\bgyro(scope)? chain\b|\bGyroChain\b", "gyroscope attitude filter", r"$^"),
+    (r"\bVO units?\b|\bwhose unit\b", "scale, up to scale", r"$^"),
     (r"\bowes\b|\bplugin owes\b", "emits", r"$^"),
 ]
 # This list itself, what is history, and files that hold whole words of others.

@@ -10,7 +10,7 @@
 
 namespace odograph {
 
-/// A motion's displacement in n, in VO units.
+/// A motion's displacement in n, up to scale.
 inline Eigen::Vector3d displacement_n(const odo_vo_motion& motion) {
   const Eigen::Quaterniond q_n_c0(motion.q_n_c0[0], motion.q_n_c0[1], motion.q_n_c0[2], motion.q_n_c0[3]);
   return q_n_c0 * Eigen::Vector3d(motion.p_c0_c1);

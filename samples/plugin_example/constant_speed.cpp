@@ -8,8 +8,8 @@
 struct ConstantSpeed {
   double speed = 1.3;
 
-  static constexpr odo::Description description{"example/constant_speed", "1.0.0",
-                                                "Metres per VO unit from one known speed", ODO_INTERFACE_SCALE_SOURCE};
+  static constexpr odo::Description description{"example/constant_speed", "1.0.0", "Scale from one known speed",
+                                                ODO_INTERFACE_SCALE_SOURCE};
 
   static std::vector<odo::Parameter<ConstantSpeed>> parameters() {
     return {odo::real("speed", "m/s", 0.0, 50.0, &ConstantSpeed::speed, "of the camera")};

@@ -71,23 +71,23 @@ typedef struct odo_motion_mode {
 #define ODO_VO_TRANSLATION UINT32_C(2) /* p_c0_c1 is valid */
 #define ODO_VO_COVARIANCE UINT32_C(4)
 #define ODO_VO_NAVIGATION UINT32_C(8)  /* q_n_c0 is valid; set by the host, never by a front-end */
-#define ODO_VO_METRIC UINT32_C(16)     /* the VO unit is the metre, as well as scale_sigma says */
+#define ODO_VO_METRIC UINT32_C(16)     /* displacements are in metres, as well as scale_sigma says */
 #define ODO_VO_INERTIAL UINT32_C(32)   /* scale_sigma, velocity_c1, gravity_c1 and the biases are valid */
 typedef struct odo_vo_motion {
   odo_header header;     /* t_ns: time of the later frame, c1 */
   int64_t t_from_ns;     /* time of the earlier frame, c0: the t_ns of the last result */
   double q_c0_c1[4];
-  double p_c0_c1[3];     /* position of c1 in c0, VO units */
-  double covariance[36]; /* of (rotation in c0, position in c0), rad and VO units */
+  double p_c0_c1[3];     /* position of c1 in c0, up to scale */
+  double covariance[36]; /* of (rotation in c0, position in c0), rad and up to scale */
   double q_n_c0[4];      /* orientation of the earlier frame as the host knows it */
   uint32_t camera;       /* calibration id */
   uint32_t state;        /* ODO_TRACKING, ODO_DEGRADED, ODO_LOST */
   uint32_t reason;       /* ODO_REASON_* */
-  uint32_t scale_group;  /* motions of one group share one unknown unit; a new number says the unit changed */
+  uint32_t scale_group;  /* motions of one group share one unknown scale; a new number says it changed */
   uint32_t tracked;      /* features followed from c0 to c1 */
   uint32_t inliers;      /* of them, those that agree with the motion */
-  double scale_sigma;    /* relative standard deviation of the unit: common to neighbouring motions of a group */
-  double velocity_c1[3]; /* of the camera at the later frame, in its axes, VO units/s */
+  double scale_sigma;    /* relative standard deviation of the scale: common to neighbouring motions of a group */
+  double velocity_c1[3]; /* of the camera at the later frame, in its axes, per second, up to scale */
   double gravity_c1[3];  /* direction of gravity in c1, downwards, unit length */
   double gyro_bias_b[3]; /* rad/s, to be subtracted */
   double accel_bias_b[3]; /* m/s^2, to be subtracted */
@@ -97,7 +97,7 @@ typedef struct odo_vo_motion {
 #define ODO_SCALE_STEADY UINT32_C(2)       /* holds for the motions of its group that came before it too */
 #define ODO_SCALE_NOT_BY_STEPS UINT32_C(4) /* does not depend on step lengths: its path may teach them */
 #define ODO_SCALE_ACCEPTED UINT32_C(8)     /* set by the host on what it publishes: not too late, not of another group */
-typedef struct odo_scale { /* how long a VO unit is */
+typedef struct odo_scale { /* what makes a front-end's displacements metres */
   odo_header header;
   int64_t valid_from_ns;  /* motions that end after this ... */
   int64_t valid_to_ns;    /* ... and not after this */
@@ -139,7 +139,7 @@ typedef struct odo_fix {
 #define ODO_POSE_ORIENTATION UINT32_C(1)
 #define ODO_POSE_POSITION UINT32_C(2)
 #define ODO_POSE_VELOCITY UINT32_C(4)
-#define ODO_POSE_METRIC UINT32_C(8)       /* position is in metres; without it in VO units */
+#define ODO_POSE_METRIC UINT32_C(8)       /* position is in metres; without it up to scale */
 #define ODO_POSE_CAMERA UINT32_C(16)      /* of the camera; without it of the body */
 #define ODO_POSE_EXTRAPOLATED UINT32_C(32)
 #define ODO_POSE_ANGULAR_VELOCITY UINT32_C(64)
@@ -150,7 +150,7 @@ typedef struct odo_pose {
   double p_n[3];         /* m */
   double velocity_n[3];  /* m/s */
   double covariance[36]; /* of (rotation in n, position in n), rad^2 and m^2 */
-  double scale;          /* metres per VO unit in use, 0 unknown */
+  double scale;          /* of the front-end's displacements, in use; 0 unknown */
   double scale_sigma;
   double distance_m;     /* travelled since the start */
   uint32_t state;        /* ODO_TRACKING, ODO_DEGRADED, ODO_LOST */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Kind of plugin: metres per VO unit
+ * Kind of plugin: the scale of a front-end's displacements, which makes them metres
  *
  * Given: odo_vo_motion (with q_n_c0), odo_step, odo_motion_mode, odo_fix.
  * Emits: an odo_scale for each motion that it can tell it for, before process returns: the motion is scaled right then.

@@ -7,7 +7,7 @@
  *        previous frame. It comes with the frame's call, or, since a frame's last rows need inertial samples that are
  *        later than its time, with a later one, at the latest that of the next frame. When
  *        the motion cannot be told, state is ODO_DEGRADED or ODO_LOST with a reason and the flags say what is valid:
- *        nothing is invented. A new scale_group whenever the unit of length may have changed.
+ *        nothing is invented. A new scale_group whenever the scale may have changed.
  *        A frame's own intrinsics (ODO_FRAME_INTRINSICS) stand above its calibration's. A calibration that differs from the
  *        one before in focal length and centre alone is the same camera, focused or stabilised: the track goes on.
  *        A frame whose time is not after the previous one's is none: ODO_E_DISCARD.

@@ -16,20 +16,16 @@ using Eigen::Vector3d;
 using so3::exp_rotation;
 
 constexpr double kGravity = 9.80665;
-constexpr double kBetweenUpdates_s = 0.2;  // neighbouring samples of a field err alike
-constexpr double kStrengthTau_s = 60;      // of the field's long mean
-constexpr double kUnusual = 0.1;           // of the strength
-constexpr double kSurprise = 4.0;          // of an innovation squared over its variance
 
 }  // namespace
 
 void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   if (!started_) {
-    if (accel.norm() < 1.0) return;  // free fall or a dead sensor: no vertical to start from
+    if (accel.norm() < p_.min_start_accel_mps2) return;
     started_ = true;
     q_ = Quaterniond::FromTwoVectors(accel, Vector3d::UnitZ());
     P_.setZero();
-    P_.topLeftCorner<2, 2>().diagonal().setConstant(0.1 * 0.1);
+    P_.topLeftCorner<2, 2>().diagonal().setConstant(p_.start_tilt_rad * p_.start_tilt_rad);
     P_.block<3, 3>(3, 3).diagonal().setConstant(p_.bias_sigma_radps * p_.bias_sigma_radps);
     return;
   }
@@ -40,7 +36,7 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   }
   if (std::exchange(violent_, false)) {
     P_.topRows<3>().setZero(), P_.leftCols<3>().setZero();
-    P_.topLeftCorner<3, 3>().diagonal().setConstant(1.0);
+    P_.topLeftCorner<3, 3>().diagonal().setConstant(p_.violent_tilt_rad * p_.violent_tilt_rad);
     settled_ = false;
     q_ = Quaterniond::FromTwoVectors(q_ * accel, Vector3d::UnitZ()) * q_;
     forget_window();
@@ -75,13 +71,13 @@ void Filter::align_with_gravity() {
   calm_ = accel_spread < p_.calm_accel_mps2;
   at_rest_ = accel_spread < p_.rest_accel_mps2 && rate_spread < p_.rest_gyro_radps;
   // What a rotation error of the true over the estimated axes does to the vertical.
-  const double sigma = (at_rest_ ? 0.1 : 1.0) * p_.accel_sigma_mps2 / kGravity;
+  const double sigma = (at_rest_ ? p_.rest_accel_factor : 1.0) * p_.accel_sigma_mps2 / kGravity;
   const double norm = std::max(mean.norm(), 1.0);
   Row H = Row::Zero();
   H[0] = 1;
-  correct(H, mean.y() / norm, sigma * sigma, settled_ ? 5.0 : 0.0);
+  correct(H, mean.y() / norm, sigma * sigma, settled_ ? p_.gate_sigma : 0.0);
   H.setZero(), H[1] = 1;
-  correct(H, -mean.x() / norm, sigma * sigma, settled_ ? 5.0 : 0.0);
+  correct(H, -mean.x() / norm, sigma * sigma, settled_ ? p_.gate_sigma : 0.0);
   settled_ = true;
   if (at_rest_) rest(rate, std::max(p_.rest_sway_radps, rate_spread));
   forget_window();
@@ -98,7 +94,7 @@ void Filter::rest(const Vector3d& rate, double sigma) {
   for (int i = 0; i < 3; ++i) {
     Row H = Row::Zero();
     H[3 + i] = 1;
-    correct(H, rate[i] - bias_[i], sigma * sigma, 5.0);
+    correct(H, rate[i] - bias_[i], sigma * sigma, p_.gate_sigma);
   }
 }
 
@@ -119,10 +115,10 @@ void Filter::correct(const Row& H, double innovation, double variance, double ga
 /// Nobody walks, and both halves of the window show the same strength.
 bool Filter::is_quasi_static(double dt_s) const {
   const auto window = static_cast<size_t>(
-      std::clamp(p_.field_window_s / std::max(dt_s, 1e-3), 4.0, static_cast<double>(norms_.size())));
-  if (norm_count_ < window) return false;
+      std::clamp(p_.field_window_s / std::max(dt_s, 1e-3), p_.min_window_samples, static_cast<double>(kNorms)));
+  if (norms_.size() < window) return false;
   double halves[2] = {0, 0};
-  for (size_t i = 0; i < 2 * (window / 2); ++i) halves[i < window / 2] += norms_[(norm_count_ - 1 - i) % norms_.size()];
+  for (size_t i = 0; i < 2 * (window / 2); ++i) halves[i < window / 2] += norms_.back(i);
   return calm_ && std::abs(halves[0] - halves[1]) < p_.field_change * halves[0];
 }
 
@@ -138,11 +134,11 @@ void Filter::wander(int state, double& value_rad, double times, double sigma_rad
 void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
   const double norm = field.norm();
   if (!started_ || norm <= 0) return;
-  norms_[norm_count_++ % norms_.size()] = norm;
+  norms_.push(norm);
   quasi_static_ = is_quasi_static(dt_s);
   seen_s_ += dt_s;
-  strength_ += std::max(1 - std::exp(-dt_s / kStrengthTau_s), std::min(1.0, dt_s / seen_s_)) * (norm - strength_);
-  disturbed_ = std::abs(norm - strength_) > kUnusual * strength_;
+  strength_ += std::max(1 - std::exp(-dt_s / p_.strength_tau_s), std::min(1.0, dt_s / seen_s_)) * (norm - strength_);
+  disturbed_ = std::abs(norm - strength_) > p_.unusual_strength * strength_;
 
   // Where the walker has come to, the field is off north by something else.
   if (quasi_static_) {
@@ -154,7 +150,7 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
 
   field_sum_ += q_ * (field / strength_ - iron_);
   since_update_s_ += dt_s;
-  if (since_update_s_ < kBetweenUpdates_s) return;
+  if (since_update_s_ < p_.between_field_updates_s) return;
   see_field(field_sum_ * dt_s / since_update_s_);
   field_sum_.setZero(), since_update_s_ = 0;
 }
@@ -162,8 +158,8 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
 /// The heading that the field shows, east of north: an error of ours to the left, what disturbs it, the iron's share.
 void Filter::see_field(const Vector3d& earth) {
   const double horizontal = earth.head<2>().norm(), heading = std::atan2(earth.x(), earth.y());
-  if (horizontal < 0.05) return;  // it points straight down: no heading
-  if (!has_heading_) {            // nothing is known yet: north is where the field says
+  if (horizontal < p_.min_horizontal) return;
+  if (!has_heading_) {  // nothing is known yet: north is where the field says
     has_heading_ = true;
     q_ = (exp_rotation({0, 0, heading}) * q_).normalized();
     P_.row(kHeading).setZero(), P_.col(kHeading).setZero();
@@ -181,7 +177,7 @@ void Filter::see_field(const Vector3d& earth) {
   const double innovation = std::remainder(heading - field_off_rad_ - street_off_rad_, 2 * M_PI);
   // Steel is near: the surprise is the field's, whatever its usual size.
   const double usual = (H * P_ * H.transpose()).value() + variance;
-  if (innovation * innovation > kSurprise * usual) P_(kFieldOff, kFieldOff) += innovation * innovation;
+  if (innovation * innovation > p_.surprise * usual) P_(kFieldOff, kFieldOff) += innovation * innovation;
   correct(H, innovation, variance, 0);
 }
 

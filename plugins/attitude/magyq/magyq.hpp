@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
+#include "plugins/shared/ring.hpp"
 
 namespace odograph::magyq {
 
 /// After Renaudin & Combettes, "Magnetic, Acceleration Fields and Gyroscope Quaternion (MAGYQ)-Based Attitude
-/// Estimation with Smartphone Sensors for Indoor Pedestrian Navigation", Sensors 14 (2014).
+/// Estimation with Smartphone Sensors for Indoor Pedestrian Navigation", Sensors 14 (2014). How far the values matter
+/// is not recorded; README says what the whole was seen to do.
 struct Parameters {
   double gyro_noise = 1e-3;         ///< rad/s/sqrt(Hz); a phone's, scale errors and misalignment included
   double gyro_walk = 1e-5;          ///< rad/s^2/sqrt(Hz), of the bias
@@ -30,6 +31,18 @@ struct Parameters {
   double street_off_s = 60;                ///< time constant of that, on foot
   double field_random_walk = 0.002;        ///< rad/sqrt(s): how it wanders in quasi-static phases
   double hard_iron_sigma = 0.06;           ///< the device's own field, in parts of the Earth's
+  // What follows was chosen by hand, and never varied.
+  double min_start_accel_mps2 = 1;       ///< of the first sample: less is free fall or a dead sensor, and no vertical
+  double start_tilt_rad = 0.1;           ///< of the inclination by the first sample
+  double violent_tilt_rad = 1;           ///< of the rotation after a violent movement
+  double rest_accel_factor = 0.1;        ///< of accel_sigma_mps2, where the device rests
+  double gate_sigma = 5;                 ///< beyond which a vertical, or a rate at rest, is not believed
+  double min_window_samples = 4;         ///< of the field's window
+  double between_field_updates_s = 0.2;  ///< neighbouring samples of a field err alike
+  double strength_tau_s = 60;            ///< of the field's long mean
+  double unusual_strength = 0.1;         ///< part of it, by which a field that is disturbed differs
+  double surprise = 4;  ///< of an innovation squared over its variance: the field's error is as large from here
+  double min_horizontal = 0.05;  ///< part of the field: less points straight down and tells no heading
 };
 
 /// Orientation by gyroscope, corrected where a field allows it. The acceleration averaged over a stride shows the
@@ -87,8 +100,8 @@ class Filter {
   bool at_rest_ = false, settled_ = false, violent_ = false;
 
   // The magnetic field.
-  std::array<double, 256> norms_{};
-  size_t norm_count_ = 0;
+  static constexpr size_t kNorms = 256;
+  plugin::Ring<double, kNorms> norms_;
   double since_update_s_ = 0, seen_s_ = 0;
   Eigen::Vector3d field_sum_ = Eigen::Vector3d::Zero();  // in the Earth's axes
   double field_off_rad_ = 0, street_off_rad_ = 0;

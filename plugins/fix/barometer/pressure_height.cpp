@@ -8,7 +8,6 @@ namespace odograph::barometer {
 namespace {
 
 constexpr double kMin_pa = 30'000, kMax_pa = 120'000;
-constexpr double kLongestGap_s = 30;  // without readings: doors, lifts, another pocket
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
@@ -34,7 +33,7 @@ void PressureHeight::refer(int64_t t_ns, double down_m, double variance_m2) {
 
 std::optional<PressureHeight::Height> PressureHeight::add(int64_t t_ns, double pressure_pa) {
   if (!(pressure_pa >= kMin_pa && pressure_pa <= kMax_pa)) return {};
-  if (mean_.n > 0 && (t_ns < mean_.t_ns || seconds(t_ns - mean_.t_ns) > kLongestGap_s)) mean_ = {};
+  if (mean_.n > 0 && (t_ns < mean_.t_ns || seconds(t_ns - mean_.t_ns) > p_.longest_gap_s)) mean_ = {};
   if (mean_.n == 0) mean_.first_ns = t_ns;
   mean_.t_ns = t_ns;
   mean_.t_s += seconds(t_ns - mean_.first_ns), mean_.down_m += down_of(pressure_pa), ++mean_.n;

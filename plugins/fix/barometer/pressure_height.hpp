@@ -17,6 +17,7 @@ class PressureHeight {
     double walk_m = 0.03;            ///< m/sqrt(s): 20 Pa in an hour, doors and ventilation
     double trend_mps = 7e-4;         ///< 1 hPa in three hours, as weather reports have it on ordinary days
     double average_s = 2;            ///< readings are averaged over so long
+    double longest_gap_s = 30;       ///< without readings: doors, lifts, another pocket; chosen by hand, not tuned
     double alike_s = 60;             ///< for so long what is common to heights counts as one error
   };
   struct Height {

@@ -5,17 +5,11 @@
 #include <cmath>
 
 namespace odograph::gnss {
-namespace {
-
-constexpr double kCorrectionJump_m = 5;  // a path that moves so far at once was corrected, not walked
-constexpr double kLongest_s = 10;        // since the last position: beyond, a change is no jump
-
-}  // namespace
 
 void CorrelatedError::on_path(int64_t, const Eigen::Vector2d& path_m, double heading_sigma_rad) {
   const double moved = has_path_ ? (path_m - path_).norm() : 0.0;
   // The path was corrected: what the last position was compared with moved with it.
-  if (moved > kCorrectionJump_m)
+  if (moved > p_.correction_m)
     last_.difference -= path_m - path_;
   else
     walked_m_ += moved;
@@ -30,11 +24,11 @@ CorrelatedError::Corrected CorrelatedError::on_position(int64_t t_ns, const Eige
   bias_ *= decay, bias_variance_m2_ *= decay * decay;
   Corrected result{position_m - bias_, sigma_m, false};
   const Eigen::Vector2d difference = result.position_m - path_;
-  if (has_last_ && has_path_ && dt < kLongest_s) {
+  if (has_last_ && has_path_ && dt < p_.longest_s) {
     const double walked = walked_m_ - last_.walked_m;
     const double by_process = 2 * sigma_m * sigma_m * (1 - std::exp(-dt / p_.correlation_s));
-    const double by_path = walked * std::hypot(p_.path_error, std::min(2.0, heading_sigma_rad_));
-    const double variance = by_process + by_path * by_path + 1.0;  // a receiver's own noise, 0.7 m twice
+    const double by_path = walked * std::hypot(p_.path_error, std::min(p_.max_heading_rad, heading_sigma_rad_));
+    const double variance = by_process + by_path * by_path + p_.own_noise_m * p_.own_noise_m;
     const Eigen::Vector2d change = difference - last_.difference;
     if (change.squaredNorm() > p_.gate_sigma * p_.gate_sigma * variance) {
       bias_ += change;
@@ -47,7 +41,8 @@ CorrelatedError::Corrected CorrelatedError::on_position(int64_t t_ns, const Eige
   const double alike = dt > 0 ? 1 / std::tanh(dt / (2 * p_.correlation_s)) : 1.0;
   const double alike_bias = dt > 0 ? 1 / std::tanh(dt / (2 * p_.bias_s)) : 1.0;
   result.sigma_m = std::sqrt(sigma_m * sigma_m * alike +
-                             alike_bias * (bias_variance_m2_ + (decay < 1 ? bias_.squaredNorm() : 0.0) * 0.25));
+                             alike_bias * (bias_variance_m2_ + (decay < 1 ? bias_.squaredNorm() : 0.0) *
+                                                                   (p_.forgotten_part * p_.forgotten_part)));
   last_ = {t_ns, result.position_m - path_, walked_m_};
   last_ns_ = t_ns, has_last_ = true;
   return result;

@@ -24,6 +24,12 @@ class CorrelatedError {
     double bias_s = 60;        ///< time constant with which a jump's bias is forgotten; reflections last a minute or so
     double path_error = 0.15;  ///< of the path's length, 1 sigma, beside its heading's
     double gate_sigma = 4;     ///< of the change, above which it is a jump
+    // What follows was chosen by hand, and not tuned.
+    double correction_m = 5;      ///< a path that moves so far at once was corrected, not walked
+    double longest_s = 10;        ///< since the last position: beyond, a change is no jump
+    double own_noise_m = 1;       ///< a receiver's own noise, 0.7 m twice
+    double max_heading_rad = 2;   ///< of the path's heading: a worse one is any
+    double forgotten_part = 0.5;  ///< of a bias, as its sigma while it is forgotten
   };
   struct Corrected {
     Eigen::Vector2d position_m;  ///< the receiver's less the bias

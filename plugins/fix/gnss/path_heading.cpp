@@ -14,13 +14,7 @@ using Eigen::Vector2d;
 
 namespace {
 
-constexpr double kAny = 3, kAny_m = 1e5, kJump_m = 50;  // of (a, b), of the path's beginning, of a reflection
-constexpr int64_t kPatience_ns = 3'000'000'000, kVelocity_ns = 1'000'000'000;
-constexpr size_t kKept = 64;            // steps and positions
-constexpr double kTellable_rad = 0.35;  // a yaw offset is told once it is as well known
-constexpr double kNews = 0.1;           // and again when it has gained so much of its information
-constexpr double kSteps_mps = 0.2;      // of a second of the path
-constexpr double kMinScale = 0.3;       // of (a, b): below it has no direction yet
+constexpr size_t kKept = 64;  // steps and positions
 
 double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 double wrapped(double rad) { return std::remainder(rad, 2 * std::numbers::pi); }
@@ -30,8 +24,8 @@ double wrapped(double rad) { return std::remainder(rad, 2 * std::numbers::pi); }
 PathHeading::PathHeading(const Parameters& parameters) : p_(parameters) {
   x_.setZero();
   P_.setZero();
-  P_.diagonal().segment<2>(kYaw).setConstant(kAny * kAny);
-  P_.diagonal().segment<2>(kPlace).setConstant(kAny_m * kAny_m);
+  P_.diagonal().segment<2>(kYaw).setConstant(p_.any * p_.any);
+  P_.diagonal().segment<2>(kPlace).setConstant(p_.any_m * p_.any_m);
   P_.diagonal().segment<2>(kRate).setConstant(p_.heading_rate * p_.heading_rate);
 }
 
@@ -72,10 +66,10 @@ void PathHeading::work_off() {
   while (!waiting_.empty()) {
     const Seen seen = waiting_.front();
     const bool walked_past = seen.t_ns <= newest_ns_;
-    if (!walked_past && now - seen.t_ns < kPatience_ns && waiting_.size() < kKept) return;
+    if (!walked_past && now - seen.t_ns < p_.patience_ns && waiting_.size() < kKept) return;
     waiting_.pop_front();
-    const auto path = path_at(seen.t_ns), before = path_at(seen.t_ns - kVelocity_ns);
-    if (path && before) use(seen, *path, (*path - *before) / seconds(kVelocity_ns));
+    const auto path = path_at(seen.t_ns), before = path_at(seen.t_ns - p_.velocity_ns);
+    if (path && before) use(seen, *path, (*path - *before) / seconds(p_.velocity_ns));
   }
 }
 
@@ -105,7 +99,7 @@ void PathHeading::propagate(double dt_s, const Vector2d& moved, double sigma_m) 
 /// Receivers know their velocity to 0.05 m/s in the open and to 1 m/s where they see reflections alone; what one of
 /// them does stays for minutes. A velocity that the path foretells no better than it is tells nothing of that.
 void PathHeading::learn_velocity(double squared_mps2, double by_path_mps2) {
-  const double worth = 1 / (1 + std::pow(by_path_mps2 / 0.25, 2));
+  const double worth = 1 / (1 + std::pow(by_path_mps2 / (p_.telling_mps * p_.telling_mps), 2));
   velocities_ += worth, velocity_squares_ += worth * (squared_mps2 - by_path_mps2);
 }
 
@@ -130,7 +124,7 @@ void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& pa
   if (seen.is_velocity) {  // one a second, alike for longer
     H.middleCols<2>(kYaw) << path_velocity.x(), -path_velocity.y(), path_velocity.y(), path_velocity.x();
     noise = std::pow(velocity_sigma(seen.sigma), 2) * std::max(1.0, 2 * p_.velocity_correlation_s) +
-            kSteps_mps * kSteps_mps;
+            p_.steps_mps * p_.steps_mps;
   } else {
     for (const int from : {kPlace, kError, kJump}) H.middleCols<2>(from).setIdentity();
   }
@@ -139,7 +133,7 @@ void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& pa
   const double nis = off.dot(S.inverse() * off);
   if (nis > p_.gate_sigma * p_.gate_sigma) {
     if (seen.is_velocity) return;
-    P_.block<2, 2>(kJump, kJump) += Matrix2d::Identity() * (kJump_m * kJump_m);
+    P_.block<2, 2>(kJump, kJump) += Matrix2d::Identity() * (p_.jump_m * p_.jump_m);
     S = H * P_ * H.transpose() + noise * Matrix2d::Identity();
   }
   if (seen.is_velocity) learn_velocity(0.5 * off.squaredNorm(), 0.5 * (H * P_ * H.transpose()).trace());
@@ -154,7 +148,7 @@ std::optional<PathHeading::Yaw> PathHeading::yaw() const { return yaw_of(x_, P_)
 std::optional<PathHeading::Yaw> PathHeading::yaw_of(const Vector& x, const Matrix& from) const {
   const Vector2d ab = x.segment<2>(kYaw);
   const double scale = ab.norm();
-  if (scale < kMinScale) return {};
+  if (scale < p_.min_scale) return {};
   // Steps know their length: a measurement of the scale, on a copy, because only its direction is linear.
   const Vector2d along = ab / scale, across(-along.y(), along.x());
   const Matrix2d P = from.block<2, 2>(kYaw, kYaw);
@@ -162,19 +156,19 @@ std::optional<PathHeading::Yaw> PathHeading::yaw_of(const Vector& x, const Matri
   const Vector2d gain = P * along / s;
   const Vector2d better = ab + gain * (1 - scale);
   const Matrix2d left = P - gain * (P * along).transpose();
-  if (better.norm() < kMinScale) return {};
+  if (better.norm() < p_.min_scale) return {};
   return Yaw{std::atan2(better.y(), better.x()), std::sqrt(std::max(0.0, across.dot(left * across))) / better.norm()};
 }
 
 std::optional<PathHeading::Yaw> PathHeading::news() {
   const auto now = yaw();
-  if (!now || now->sigma_rad > kTellable_rad || now->sigma_rad <= 0) return {};
+  if (!now || now->sigma_rad > p_.tellable_rad || now->sigma_rad <= 0) return {};
   const double information = 1 / (now->sigma_rad * now->sigma_rad);
   Yaw news = *now;
   const auto told = told_ ? yaw_of(told_x_, told_P_) : std::nullopt;
   if (told) {
     const double gained = information - 1 / (told->sigma_rad * told->sigma_rad);
-    if (gained < kNews * information) return {};
+    if (gained < p_.news * information) return {};
     news = {wrapped(told->rad + information / gained * wrapped(now->rad - told->rad)), 1 / std::sqrt(gained)};
   }
   told_ = true, told_x_ = x_, told_P_ = P_;

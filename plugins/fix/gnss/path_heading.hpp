@@ -33,6 +33,17 @@ class PathHeading {
     double velocity_correlation_s = 2;  ///< of a velocity's error
     double velocity_trust = 10;         ///< velocities for which the sigma told counts
     double min_velocity_mps = 0.1;      ///< no receiver's velocity is better between houses
+    // What follows was chosen by hand, and not tuned.
+    double any = 3;                       ///< of (a, b) at the start: any yaw, any scale
+    double any_m = 1e5;                   ///< of the path's beginning
+    double jump_m = 50;                   ///< of a reflection
+    int64_t patience_ns = 3'000'000'000;  ///< for which a position waits for its steps: they are told so late at most
+    int64_t velocity_ns = 1'000'000'000;  ///< of the path, that a velocity is compared with: two steps
+    double tellable_rad = 0.35;           ///< a yaw offset is told once it is as well known
+    double news = 0.1;                    ///< and again when it has gained so much of its information
+    double steps_mps = 0.2;               ///< of a second of the path
+    double min_scale = 0.3;               ///< of (a, b): below it has no direction yet
+    double telling_mps = 0.5;  ///< of the path's own velocity: surer, and it tells how good the receiver's is
   };
   struct Yaw {
     double rad, sigma_rad;  ///< to be added to the attitude's heading

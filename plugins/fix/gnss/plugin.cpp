@@ -9,6 +9,7 @@
 
 #include "plugins/fix/gnss/correlated_error.hpp"
 #include "plugins/fix/gnss/path_heading.hpp"
+#include "plugins/shared/rotation.hpp"
 
 namespace {
 
@@ -138,8 +139,7 @@ class Gnss {
   };
 
   static Eigen::Quaterniond orientation(const odo_attitude& attitude) {
-    const double* q = attitude.q_n_b;
-    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
+    return odograph::so3::quaternion(attitude.q_n_b).normalized();
   }
 
   /// North and east about the first position, m.

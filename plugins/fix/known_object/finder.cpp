@@ -10,8 +10,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int64_t kFollow_ns = 350'000'000;  // frames at 10 Hz, two of them lost
-
 /// How far two poses are apart, as angles: of the rotation and of the place against the distance.
 double apart_rad(const Pose& a, const Pose& b) {
   const double turned = Eigen::AngleAxisd(a.R_c_o.transpose() * b.R_c_o).angle();
@@ -178,7 +176,7 @@ std::vector<Sighting> Finder::find(int64_t t_ns, const cv::Mat& grey, const cv::
     }
     Followed& last = followed_[k];
     if (are_apart(like, objects_[k])) last.twins_ns = t_ns;
-    if (!seen && last.t_ns != INT64_MIN && t_ns - last.t_ns <= kFollow_ns)
+    if (!seen && last.t_ns != INT64_MIN && t_ns - last.t_ns <= p_.follow_ns)
       seen = look_at(k, frame, lens, {carried_on(last.pose, lens, t_ns - last.t_ns)}, false).sighting;
     if (seen && !is_single(*seen, grey, mask, lens)) last.twins_ns = t_ns;
     const bool twins =

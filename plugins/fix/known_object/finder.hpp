@@ -27,7 +27,9 @@ struct Sighting {
 class Finder {
  public:
   struct Parameters {
-    double search_interval_s = 0.5;
+    double search_interval_s = 0.5;  ///< between two searches for pictures; a config's
+    int64_t follow_ns =
+        350'000'000;  ///< for which an object is looked for where it was: frames at 10 Hz, two of them lost
     double min_correlation = 0.8;   ///< of the whole object; bench
     double min_agreeing = 0.9;      ///< part of its parts; bench
     double min_side_px = 18;        ///< root of its area: smaller ones have no pattern left; bench

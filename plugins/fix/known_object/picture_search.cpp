@@ -12,8 +12,6 @@ namespace {
 
 // A picture from in front, from the side (its width foreshortened) and from below.
 constexpr double kViews[][2] = {{1, 1}, {0.6, 1}, {0.36, 1}, {1, 0.6}};
-constexpr double kContrast = 0.02;  // of SIFT, half of Lowe's: small and dim pictures
-constexpr float kOtherPlace = 0.05F;
 
 /// A picture as it is seen foreshortened, without aliases.
 cv::Mat foreshortened(const cv::Mat& picture, double along_x, double along_y) {
@@ -24,7 +22,7 @@ cv::Mat foreshortened(const cv::Mat& picture, double along_x, double along_y) {
   return view;
 }
 
-cv::Ptr<cv::SIFT> sift(int features) { return cv::SIFT::create(features, 3, kContrast); }
+cv::Ptr<cv::SIFT> sift(int features, double contrast) { return cv::SIFT::create(features, 3, contrast); }
 
 }  // namespace
 
@@ -63,7 +61,7 @@ PictureSearch::PictureSearch(const Parameters& parameters, const std::vector<Pla
       const cv::Mat seen = foreshortened(picture, view[0], view[1]);
       std::vector<cv::KeyPoint> keypoints;
       cv::Mat descriptors;
-      sift(p_.picture_features)->detectAndCompute(seen, cv::noArray(), keypoints, descriptors);
+      sift(p_.picture_features, p_.contrast)->detectAndCompute(seen, cv::noArray(), keypoints, descriptors);
       for (const cv::KeyPoint& k : keypoints)
         known.points_m.emplace_back(static_cast<float>(((k.pt.x + 0.5) / seen.cols - 0.5) * object.width_m),
                                     static_cast<float>(((k.pt.y + 0.5) / seen.rows - 0.5) * object.height_m));
@@ -74,7 +72,7 @@ PictureSearch::PictureSearch(const Parameters& parameters, const std::vector<Pla
 
 PictureSearch::Features PictureSearch::look(const cv::Mat& grey, const cv::Mat& mask, const CameraModel& camera) const {
   Features features;
-  sift(p_.frame_features)->detectAndCompute(grey, mask, features.keypoints, features.descriptors);
+  sift(p_.frame_features, p_.contrast)->detectAndCompute(grey, mask, features.keypoints, features.descriptors);
   std::vector<cv::Point2f> pixels;
   for (const cv::KeyPoint& k : features.keypoints) pixels.push_back(k.pt);
   camera.undistort(pixels, features.normalised);
@@ -88,7 +86,7 @@ std::vector<PictureSearch::Place> PictureSearch::find(size_t number, const Featu
   std::vector<std::vector<cv::DMatch>> matches;
   cv::BFMatcher(cv::NORM_L2).knnMatch(features.descriptors, known.descriptors, matches, 5);
   const PlaneObject& object = objects_[number];
-  const float apart_m = kOtherPlace * static_cast<float>(std::max(object.width_m, object.height_m));
+  const float apart_m = p_.other_place * static_cast<float>(std::max(object.width_m, object.height_m));
   std::vector<cv::Point2d> on_object, seen;
   const double focal = camera.focal();
   for (const auto& best : matches) {

@@ -18,10 +18,12 @@ class PictureSearch {
   struct Parameters {
     int frame_features = 1200, picture_features = 350;  ///< of the frame; of each view of a picture
     double longest_px = 512;                            ///< pictures are brought to this
-    double ratio = 0.8;     ///< of the distances to the best and to the second-best other place (Lowe)
-    double inlier_px = 3;   ///< of the homography
-    int min_inliers = 7;    ///< judgement; alignment decides in the end
-    size_t max_places = 3;  ///< looked for of one picture in one frame
+    double ratio = 0.8;         ///< of the distances to the best and to the second-best other place (Lowe)
+    double inlier_px = 3;       ///< of the homography
+    int min_inliers = 7;        ///< judgement; alignment decides in the end
+    size_t max_places = 3;      ///< looked for of one picture in one frame
+    double contrast = 0.02;     ///< of SIFT, half of Lowe's: small and dim pictures
+    float other_place = 0.05F;  ///< of the object's longer side: nearer, two features are of one place; judgement
   };
   PictureSearch(const Parameters& parameters, const std::vector<PlaneObject>& objects);
 

@@ -19,11 +19,28 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr int64_t kKeep_ns = 2'000'000'000;      // of poses
-constexpr int64_t kPatience_ns = 1'000'000'000;  // with which a sighting waits for its pose
-constexpr int64_t kNear_ns = 120'000'000;        // a pose is good for a frame so far away, if none is nearer
-constexpr double kSatellites_m = 15;             // beside four of a receiver's own sigmas
-constexpr int64_t kFresh_ns = 10'000'000'000;    // of satellite positions
+
+/// What a config does not tell. Chosen by hand, and not tuned.
+struct PluginParameters {
+  int64_t keep_ns = 2'000'000'000;          ///< ns of poses
+  int64_t patience_ns = 1'000'000'000;      ///< ns with which a sighting waits for its pose
+  int64_t near_ns = 120'000'000;            ///< ns: a pose is good for a frame so far away, if none is nearer ...
+  size_t waiting = 3;                       ///< ... and more sightings than these wait
+  size_t max_waiting = 16;                  ///< sightings; more are dropped
+  double max_between_ns = 5e8;              ///< ns between two poses that one is interpolated between
+  double min_motion_s = 1e-3;               ///< s between two poses that tell the camera's motion, at least
+  double max_motion_s = 0.3;                ///< s, and at most
+  double satellites_m = 15;                 ///< m that satellites are off, beside ...
+  double satellite_sigmas = 4;              ///< ... so many of the receiver's own sigmas
+  double satellite_sigma_m = 10;            ///< m, of a receiver that tells none
+  int64_t fresh_ns = 10'000'000'000;        ///< ns for which a satellite position counts
+  double max_tilt_sigma_rad = 5 * kDegree;  ///< rad of the prior's inclination, which gravity tells after all
+  double off_m = 3;                         ///< m that the prior may be off, beside ...
+  double off_sigmas = 4;                    ///< ... so many of its own sigmas and the drift since the last fix
+  double integrity_standing = 0.001;        ///< risk of a fix from standing before the object (README, 6)
+  double integrity_walking = 0.01;          ///< risk of one from walking
+};
+constexpr PluginParameters kParameters;
 
 /// The camera's pose by objects of known picture, size and place: section 3.5 of Antigny et al. 2019.
 class KnownObject {
@@ -117,16 +134,17 @@ class KnownObject {
   void on(const odo_gnss& g, odo::Output&) {
     if (!(g.header.flags & ODO_GNSS_POSITION) || !any_geodetic_) return;
     const bool given = (g.header.flags & ODO_GNSS_COVARIANCE) && g.covariance_n[0] > 0;
-    const double sigma = given ? std::sqrt(std::max(g.covariance_n[0], g.covariance_n[4])) : 10.0;
-    satellites_ =
-        Satellites{g.header.t_ns, on_map(g.latitude_rad, g.longitude_rad, datum_[2]), kSatellites_m + 4 * sigma};
+    const double sigma =
+        given ? std::sqrt(std::max(g.covariance_n[0], g.covariance_n[4])) : kParameters.satellite_sigma_m;
+    satellites_ = Satellites{g.header.t_ns, on_map(g.latitude_rad, g.longitude_rad, datum_[2]),
+                             kParameters.satellites_m + kParameters.satellite_sigmas * sigma};
   }
 
   void on(const odo_pose& pose, odo::Output& output) {
     if (!(pose.header.flags & ODO_POSE_ORIENTATION) || (pose.header.flags & ODO_POSE_EXTRAPOLATED)) return;
     while (!poses_.empty() && poses_.back().header.t_ns >= pose.header.t_ns) poses_.pop_back();
     poses_.push_back(pose);
-    while (pose.header.t_ns - poses_.front().header.t_ns > kKeep_ns) poses_.pop_front();
+    while (pose.header.t_ns - poses_.front().header.t_ns > kParameters.keep_ns) poses_.pop_front();
     learn_map(pose);
     decide(output);
   }
@@ -191,7 +209,7 @@ class KnownObject {
     if (poses_.size() < 2) return;
     const odo_pose &a = poses_[poses_.size() - 2], &b = poses_.back();
     const double dt_s = static_cast<double>(b.header.t_ns - a.header.t_ns) * 1e-9;
-    if (dt_s < 1e-3 || dt_s > 0.3) return;
+    if (dt_s < kParameters.min_motion_s || dt_s > kParameters.max_motion_s) return;
     const Eigen::AngleAxisd turned(camera(a).conjugate() * camera(b));
     lens.rate_c = turned.angle() / dt_s * turned.axis();
     constexpr uint32_t moving = ODO_POSE_VELOCITY | ODO_POSE_METRIC;
@@ -199,7 +217,7 @@ class KnownObject {
   }
 
   Quaterniond camera(const odo_pose& pose) const {
-    const Quaterniond q = Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]).normalized();
+    const Quaterniond q = odograph::so3::quaternion(pose.q_n).normalized();
     return (pose.header.flags & ODO_POSE_CAMERA) ? q : (q * q_b_c_).normalized();
   }
 
@@ -211,11 +229,11 @@ class KnownObject {
     const auto sigma = [&](int a, int b) {
       return std::sqrt(std::max({0.0, pose.covariance[7 * a], pose.covariance[7 * b]}));
     };
-    p.tilt_sigma_rad = std::min(sigma(0, 1), 5 * kDegree), p.yaw_sigma_rad = sigma(2, 2);
+    p.tilt_sigma_rad = std::min(sigma(0, 1), kParameters.max_tilt_sigma_rad), p.yaw_sigma_rad = sigma(2, 2);
     p.horizontal_sigma_m = sigma(3, 4), p.vertical_sigma_m = sigma(5, 5);
     p.path_m = pose.distance_m;
     p.placed = placed_ && (pose.header.flags & ODO_POSE_METRIC) && (pose.header.flags & ODO_POSE_POSITION);
-    if (!p.placed && satellites_ && std::abs(pose.header.t_ns - satellites_->t_ns) < kFresh_ns)
+    if (!p.placed && satellites_ && std::abs(pose.header.t_ns - satellites_->t_ns) < kParameters.fresh_ns)
       p.p_n = satellites_->p_map, p.loose_m = satellites_->loose_m;
     return p;
   }
@@ -230,7 +248,7 @@ class KnownObject {
       const odo_pose& after = poses_[k + 1];
       const double all = static_cast<double>(after.header.t_ns - b.header.t_ns);
       const double part = static_cast<double>(t_ns - b.header.t_ns) / all;
-      if (all > 5e8) return {};
+      if (all > kParameters.max_between_ns) return {};
       Prior p = prior_of(part < 0.5 ? b : after);
       p.q_n_c = camera(b).slerp(part, camera(after));
       return p;
@@ -244,7 +262,8 @@ class KnownObject {
     if (poses_.empty() || !calibrated_) return result;
     const Prior p = prior_of(poses_.back());
     if (!p.placed && p.loose_m <= 0) return result;
-    const double off_m = p.placed ? 4 * p.horizontal_sigma_m + 3 + drift * p.path_m : p.loose_m;
+    const double off_m =
+        p.placed ? kParameters.off_sigmas * p.horizontal_sigma_m + kParameters.off_m + drift * p.path_m : p.loose_m;
     for (size_t k = 0; k < all.size(); ++k) {
       const Vector3d to = all[k].place.p_n - p.p_n;
       result[k] = to.head<2>().norm() < range + off_m && all[k].place.R_n_o.col(2).dot(to) > -off_m;
@@ -258,11 +277,12 @@ class KnownObject {
     for (Waiting& w : waiting_) {
       const int64_t t = w.sighting.t_ns;
       auto p = prior_at(t);
-      const bool late = !poses_.empty() && poses_.back().header.t_ns - t > kPatience_ns;
-      if (!p && !poses_.empty() && std::abs(poses_.back().header.t_ns - t) < kNear_ns && waiting_.size() > 3)
+      const bool late = !poses_.empty() && poses_.back().header.t_ns - t > kParameters.patience_ns;
+      if (!p && !poses_.empty() && std::abs(poses_.back().header.t_ns - t) < kParameters.near_ns &&
+          waiting_.size() > kParameters.waiting)
         p = prior_of(poses_.back());
       if (!p) {
-        if (!late && still.size() < 16) still.push_back(std::move(w));
+        if (!late && still.size() < kParameters.max_waiting) still.push_back(std::move(w));
         continue;
       }
       const PlaneObject& object = finder_->objects()[w.sighting.object];
@@ -295,7 +315,7 @@ class KnownObject {
     odograph::so3::put_quaternion(q_n_b, fix.q_n_b);
     Eigen::Map<Matrix3d>(fix.orientation_cov_n) =
         0.5 * (e.orientation_covariance_n + e.orientation_covariance_n.transpose());
-    fix.integrity = e.standing ? 0.001 : 0.01;
+    fix.integrity = e.standing ? kParameters.integrity_standing : kParameters.integrity_walking;
     told_map_ = e.p_n;
     output.emit(fix);
   }

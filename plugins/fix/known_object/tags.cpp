@@ -14,9 +14,6 @@
 namespace odograph::known_object {
 namespace {
 
-constexpr int kWrongBits = 1;
-constexpr float kMinMargin = 25;  // of a bit's grey against black and white, as AprilTag's own advice has it
-
 class Family {
  public:
   explicit Family(const std::string& name) : name_(name) {
@@ -69,7 +66,7 @@ TagDetector::TagDetector(const std::vector<std::string>& families) : library_(st
     auto& family = library_->families[name];
     if (family) continue;
     family = std::make_unique<Family>(name);
-    apriltag_detector_add_family_bits(library_->detector, family->get(), kWrongBits);
+    apriltag_detector_add_family_bits(library_->detector, family->get(), p_.wrong_bits);
   }
 }
 
@@ -82,7 +79,7 @@ std::vector<SeenTag> TagDetector::find(const cv::Mat& grey) const {
   for (int i = 0; i < zarray_size(found); ++i) {
     apriltag_detection_t* detection;
     zarray_get(found, i, &detection);
-    if (detection->decision_margin < kMinMargin) continue;
+    if (detection->decision_margin < p_.min_margin) continue;
     SeenTag tag;
     for (const auto& [name, family] : library_->families)
       if (family->get() == detection->family) tag.family = name;

@@ -20,17 +20,22 @@ struct SeenTag {
 /// AprilTag's detector (Wang & Olson, IROS 2016) for the families 36h11, 25h9 and 16h5. One thread at a time.
 class TagDetector {
  public:
+  struct Parameters {
+    int wrong_bits = 1;     ///< of a tag at most
+    float min_margin = 25;  ///< of a bit's grey against black and white, as AprilTag's own advice has it
+  };
   /// Throws std::runtime_error for a family that is not known.
   explicit TagDetector(const std::vector<std::string>& families);
   ~TagDetector();
   TagDetector(const TagDetector&) = delete;
   TagDetector& operator=(const TagDetector&) = delete;
 
-  /// All tags with at most one wrong bit and enough contrast.
+  /// All tags with few wrong bits and enough contrast.
   std::vector<SeenTag> find(const cv::Mat& grey) const;
 
  private:
   struct Library;
+  Parameters p_;
   std::unique_ptr<Library> library_;
 };
 

@@ -13,7 +13,7 @@ constexpr double kStep_rad = 2 * std::numbers::pi / kN;
 constexpr int kBlock = Sector::kBlock, kBlocks = Sector::kBlocks;
 constexpr float kOutOfSight = 1e9f;  // tangent of an elevation that nothing stands above
 constexpr float kSlack = 1.001f;     // of a bound, for what floats round
-constexpr int kLattice = 2;          // places to each side from which edges are looked for
+constexpr HorizonParameters kParameters;
 
 struct Directions {
   std::array<float, kN> north, east;
@@ -139,13 +139,12 @@ class Envelope {
 }  // namespace
 
 double Horizon::elevation_at(double azimuth_rad) const {
-  constexpr double kSame_rad = 0.035;  // two degrees between neighbours: a wall's edge, not a roof's slope
   double at = azimuth_rad / kStep_rad - 0.5;
   at -= kN * std::floor(at / kN);
   const auto j = static_cast<size_t>(at) % kN, k = (j + 1) % kN;
   const double part = at - std::floor(at);
   const auto a = static_cast<double>(elevation[j]), b = static_cast<double>(elevation[k]);
-  if (std::abs(a - b) > kSame_rad) return part < 0.5 ? a : b;
+  if (std::abs(a - b) > kParameters.same_rad) return part < 0.5 ? a : b;
   return a + part * (b - a);
 }
 
@@ -216,10 +215,11 @@ void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double min_t
   std::vector<char> seen(near_.size(), 0);
   Horizon there;
   Winners winners;
-  for (int a = -kLattice; a <= kLattice; ++a)
-    for (int b = -kLattice; b <= kLattice; ++b) {
+  const int reach = kParameters.lattice;
+  for (int a = -reach; a <= reach; ++a)
+    for (int b = -reach; b <= reach; ++b) {
       if (spend) spend(work());
-      envelope(near_, p_n + Eigen::Vector3d(a, b, 0) * (radius_m / kLattice), there, &winners, Sector::all());
+      envelope(near_, p_n + Eigen::Vector3d(a, b, 0) * (radius_m / reach), there, &winners, Sector::all());
       for (const int winner : winners)
         if (winner >= 0) seen[static_cast<size_t>(winner)] = 1;
     }

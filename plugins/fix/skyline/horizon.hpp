@@ -9,6 +9,12 @@
 
 namespace odograph::skyline {
 
+/// Chosen by hand, and not tuned.
+struct HorizonParameters {
+  double same_rad = 0.035;  ///< two degrees between neighbours: more is a wall's edge, not a roof's slope
+  int lattice = 2;          ///< places to each side from which edges are looked for
+};
+
 /// Where the sky ends around a place: eq. (2) of Gakne & O'Keefe 2018, N = 720 directions from north to the east, each
 /// in the middle of its half degree.
 struct Horizon {

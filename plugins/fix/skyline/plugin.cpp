@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "plugins/fix/skyline/database_extension.hpp"
+#include "plugins/fix/skyline/fixer_parameters.hpp"
 #include "plugins/fix/skyline/frame_chroma.hpp"
 #include "plugins/fix/skyline/judge_match.hpp"
 #include "plugins/fix/skyline/look.hpp"
@@ -26,26 +27,7 @@ namespace {
 
 using namespace odograph::skyline;
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kNowhere_m = 1000, kUnscaled_m = 2.5;  // the latter: what a car drives from fix to fix at first
-constexpr double kUnknown_rad = 60 * kDegree;           // three times this is any heading
-constexpr int kDoubtful = 4, kHopeless = 20;            // failures in a row; then a whole database is searched
-constexpr double kMaxTilt_rad = 3 * kDegree;
-constexpr double kFoundSigma_m = 1.5, kFoundSigma_rad = 2 * kDegree;  // of a place found by several pictures
-constexpr double kFoundApart_m = 3;                                   // the newest picture's own match lies so near it
-constexpr double kRoadHeight_m = 0.05, kMinHeightSigma_m = 0.1;       // of the height: from fix to fix, at least
-
-constexpr double kWorkPerSecond = 48e6;                         // of sensor time: a quarter of a core
-constexpr uint64_t kMinSlice = 400'000, kMaxSlice = 3'200'000;  // of a frame: 2 and 16 ms
-constexpr uint64_t kSkyWork = 10;                               // of a pixel
-constexpr double kNoHeading_rad = 20 * kDegree;                 // from here on the heading is taken as unknown
-constexpr double kSlack_m = 6, kSlackOfPath = 0.05, kFarthestFromStart_m = 150;  // before the first fix
-constexpr double kMaxOff = 2;  // of the path since the last fix: one who goes the other way than thought
-
-constexpr size_t kMinOfView = 40;                // directions with a roof's edge: 20 degrees
-constexpr double kFailedTurn_rad = 1 * kDegree;  // of doubt about the heading, for each failure
-constexpr int64_t kLate_ns = 2'500'000'000;      // an estimator keeps the past for steps, which come up to 3 s late
-constexpr double kPathMetre = 0.2;               // relative: a path of 20 m is so long or short that no place fits it
-constexpr double kDrift = 0.02;  // of the path between pictures, or since one: what the odometry errs by
+constexpr FixerParameters kParameters;
 
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
 class Skyline {
@@ -140,7 +122,7 @@ class Skyline {
   }
 
   void on(const odo_correction& c, odo::Output&) {
-    const Eigen::Quaterniond q(c.q_n[0], c.q_n[1], c.q_n[2], c.q_n[3]);
+    const Eigen::Quaterniond q = odograph::so3::quaternion(c.q_n);
     const Eigen::Vector3d p(c.p_n);
     window_.correct(q, p), path_judge_.correct(q, p), look_.correct(q, p);
   }
@@ -150,7 +132,8 @@ class Skyline {
   void on(const odo_frame& frame, odo::Output& output) {
     const double passed_s = frame_ns_ == INT64_MIN ? 0 : static_cast<double>(frame.header.t_ns - frame_ns_) * 1e-9;
     frame_ns_ = frame.header.t_ns;
-    slice_ = std::clamp(static_cast<uint64_t>(std::clamp(passed_s, 0.0, 1.0) * kWorkPerSecond), kMinSlice, kMaxSlice);
+    slice_ = std::clamp(static_cast<uint64_t>(std::clamp(passed_s, 0.0, 1.0) * kParameters.work_per_second),
+                        kParameters.min_slice, kParameters.max_slice);
     if (worker_.busy()) {
       if (!worker_.advance(slice_)) return;
       finish(output);
@@ -171,17 +154,19 @@ class Skyline {
     if ((pose_->header.flags & needed) != needed || pose_->header.t_ns != picture.t_ns)
       return refuse(kPrior, "no pose of the camera at the frame's time", output);
     const double variance = std::max(pose_->covariance[21], pose_->covariance[28]);
-    if (placed_ && std::sqrt(variance) > kNowhere_m) return refuse(kPrior, "the pose is not placed yet", output);
+    if (placed_ && std::sqrt(variance) > kParameters.nowhere_m)
+      return refuse(kPrior, "the pose is not placed yet", output);
     // Without a metre the position stays where it was: the scale itself waits for fixes.
     const bool metric = (pose_->header.flags & ODO_POSE_METRIC) != 0;
-    const double sigma = metric ? std::sqrt(variance) : std::max(std::sqrt(variance), kUnscaled_m);
-    const double yaw_sigma = std::clamp(std::sqrt(pose_->covariance[14]), 1.0 * kDegree, kUnknown_rad);
+    const double sigma = metric ? std::sqrt(variance) : std::max(std::sqrt(variance), kParameters.unscaled_m);
+    const double yaw_sigma =
+        std::clamp(std::sqrt(pose_->covariance[14]), kParameters.min_yaw_rad, kParameters.max_yaw_rad);
     // Since the last fix the track may have gone astray by its heading, and more where its own doubt says so. Who may
     // be farther off than is searched would be placed where it only looks alike.
     const double driven_m = pose_->distance_m - fixed_at_m_;
-    const double astray_m = std::max(driven_m * std::min(kMaxOff, 3 * yaw_sigma), 3 * sigma);
+    const double astray_m = std::max(driven_m * std::min(kParameters.max_off, 3 * yaw_sigma), 3 * sigma);
     const auto slack_m = displacement_from_start(yaw_sigma, sigma, metric);
-    const bool lost = !slack_m && (astray_m > radius || failures_ >= kHopeless);
+    const bool lost = !slack_m && (astray_m > radius || failures_ >= kParameters.hopeless);
     const bool anywhere = place_finder_ && (!placed_ || lost);
     if (lost && astray_m > radius && !anywhere)
       return refuse(kPrior, "the pose may be farther off than is searched", output);
@@ -189,8 +174,8 @@ class Skyline {
       place_finder_->clear();
       return refuse(kPrior, "not placed, and the odometry tells no metres", output);
     }
-    const double tilt =
-        std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma, kMaxTilt_rad);
+    const double tilt = std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma,
+                                   kParameters.max_tilt_rad);
     const Eigen::Quaterniond q_n_c = orientation_of(*pose_);
     const Eigen::Vector3d p_n(pose_->p_n);
     if (anywhere && !place_finder_->wants(p_n)) return;
@@ -202,31 +187,31 @@ class Skyline {
              Prior{.p_n = p_n - Eigen::Vector3d(0, 0, up_m_),
                    .q_n_c = q_n_c,
                    .position_sigma_m = std::max(sigma + failures_, astray_m / 3),
-                   .yaw_sigma_rad = joins_ ? yaw_sigma + failures_ * kFailedTurn_rad : yaw_sigma,
+                   .yaw_sigma_rad = joins_ ? yaw_sigma + failures_ * kParameters.failed_yaw_rad : yaw_sigma,
                    .tilt_sigma_rad = tilt,
                    .farthest_m = radius,
-                   .lost = failures_ >= kDoubtful,
+                   .lost = failures_ >= kParameters.doubtful,
                    .height_sigma_m = std::sqrt(up_variance_),
                    .pivot_n = slack_m ? start_n_ : std::nullopt,
                    .slack_m = slack_m.value_or(0)},
              anywhere,
-             join && !anywhere && yaw_sigma < kNoHeading_rad && pose_->scale_sigma < kPathMetre * pose_->scale,
+             join && !anywhere && yaw_sigma < kParameters.no_heading_rad &&
+                 pose_->scale_sigma < kParameters.path_metre * pose_->scale,
              window_.views()};
     worker_.start([this](const Spend& spend) { look(spend); }, slice_);
   }
 
-  static Eigen::Quaterniond orientation_of(const odo_pose& pose) {
-    return Eigen::Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
-  }
+  static Eigen::Quaterniond orientation_of(const odo_pose& pose) { return odograph::so3::quaternion(pose.q_n); }
 
   /// Before the first fix, without a heading: how well the distance from the start is known, m; else none.
   std::optional<double> displacement_from_start(double yaw_sigma, double sigma, bool metric) const {
-    if (!start_known || fixed_once_ || !metric || !start_n_ || yaw_sigma < kNoHeading_rad) return std::nullopt;
+    if (!start_known || fixed_once_ || !metric || !start_n_ || yaw_sigma < kParameters.no_heading_rad)
+      return std::nullopt;
     const double far_m = (Eigen::Vector3d(pose_->p_n) - *start_n_).head<2>().norm();
-    const double slack_m = kSlack_m + kSlackOfPath * pose_->distance_m;
+    const double slack_m = kParameters.slack_m + kParameters.slack_of_path * pose_->distance_m;
     // An unknown heading is a doubt as large as the path; a larger one says that the path itself is lost.
-    const double max_sigma = kMaxOff * (far_m + slack_m);
-    if (far_m < slack_m || far_m > kFarthestFromStart_m || sigma > max_sigma) return std::nullopt;
+    const double max_sigma = kParameters.max_off * (far_m + slack_m);
+    if (far_m < slack_m || far_m > kParameters.farthest_from_start_m || sigma > max_sigma) return std::nullopt;
     return slack_m;
   }
 
@@ -234,7 +219,7 @@ class Skyline {
   void look(const Spend& spend) {
     if (inclination == "vanishing_point") align_with_gravity(look_.prior, look_.picture, tilt_sigma);
     const auto& edges = eye_.find(look_.picture, look_.prior.q_n_c.conjugate(), sky == "flood_fill");
-    spend(kSkyWork * look_.picture.grey.total());
+    spend(kParameters.sky_work * look_.picture.grey.total());
     look_.sky_seen = !edges.empty();
     if (!look_.sky_seen) return;
     if (look_.anywhere) return look_anywhere(edges, spend);
@@ -267,10 +252,11 @@ class Skyline {
     Prior& prior = look_.prior;
     prior.p_n = found->p_n;
     prior.q_n_c = Eigen::AngleAxisd(found->yaw_rad, Eigen::Vector3d::UnitZ()) * prior.q_n_c;
-    prior.position_sigma_m = kFoundSigma_m, prior.yaw_sigma_rad = kFoundSigma_rad;
-    prior.height_sigma_m = kFoundSigma_m, prior.lost = false;
+    prior.position_sigma_m = kParameters.found_sigma_m, prior.yaw_sigma_rad = kParameters.found_sigma_rad;
+    prior.height_sigma_m = kParameters.found_sigma_m, prior.lost = false;
     look_.match = matcher_->match(edges, prior, spend);
-    if (look_.match && (look_.match->p_n - found->p_n).head<2>().norm() > kFoundApart_m) look_.match.reset();
+    if (look_.match && (look_.match->p_n - found->p_n).head<2>().norm() > kParameters.found_apart_m)
+      look_.match.reset();
   }
 
   void finish(odo::Output& output) {
@@ -295,8 +281,10 @@ class Skyline {
     fixed_at_m_ = look_.path_m;
     follow_road(*look_.match);
     odo_fix fix = fix_of(*look_.match, look_.picture.t_ns);
-    if (pose_->header.t_ns - look_.picture.t_ns > kLate_ns) {  // too late for estimators: told of the newest pose
-      fix = fix_of(look_.carried_to(Eigen::Vector3d(pose_->p_n), orientation_of(*pose_), kDrift), pose_->header.t_ns);
+    if (pose_->header.t_ns - look_.picture.t_ns >
+        kParameters.late_ns) {  // too late for estimators: told of the newest pose
+      fix = fix_of(look_.carried_to(Eigen::Vector3d(pose_->p_n), orientation_of(*pose_), kParameters.drift),
+                   pose_->header.t_ns);
       fix.header.flags &= ~ODO_FIX_SLANT;
     }
     output.emit(fix);
@@ -313,10 +301,10 @@ class Skyline {
     view.p_n = look_.corrected(view.p_n), view.q_n_c = look_.corrected(view.q_n_c);
     const Eigen::Vector3d p_n = view.p_n;
     const Eigen::Quaterniond q_n_c = view.q_n_c;
-    if (closed_edges(view.edges) >= kMinOfView) window_.add(std::move(view), look_.path_m);
+    if (closed_edges(view.edges) >= kParameters.min_of_view) window_.add(std::move(view), look_.path_m);
     if (!look_.match) return reason_of(matcher_->refusal());
     const auto why = path_judge_.judge(*look_.match, p_n, q_n_c, min_agreement);
-    if (!why) window_.doubt(*look_.match, kDrift);
+    if (!why) window_.doubt(*look_.match, kParameters.drift);
     return why;
   }
 
@@ -345,8 +333,9 @@ class Skyline {
     const double measured = look_.p_n.z() - match.p_n.z();
     // The match has the prior in it already: its sigma is the sum's.
     up_m_ = measured;
-    up_variance_ = std::max(match.height_sigma_m * match.height_sigma_m, kMinHeightSigma_m * kMinHeightSigma_m) +
-                   kRoadHeight_m * kRoadHeight_m;
+    up_variance_ = std::max(match.height_sigma_m * match.height_sigma_m,
+                            kParameters.min_height_sigma_m * kParameters.min_height_sigma_m) +
+                   kParameters.road_height_m * kParameters.road_height_m;
     up_variance_ = std::min(up_variance_, height_sigma * height_sigma);
   }
 
@@ -362,7 +351,7 @@ class Skyline {
     odograph::so3::put_quaternion(q_n_b, fix.q_n_b);
     fix.orientation_cov_n[0] = fix.orientation_cov_n[4] = tilt_sigma * tilt_sigma;
     fix.orientation_cov_n[8] = match.yaw_sigma_rad * match.yaw_sigma_rad;
-    fix.integrity = std::max(0.01, match.second_best_ratio);
+    fix.integrity = std::max(kParameters.min_integrity, match.second_best_ratio);
     Eigen::Vector3d::Map(fix.landmark_n) = match.landmark_n;
     fix.slant_distance_m = match.slant_distance_m;
     return fix;
@@ -388,9 +377,9 @@ class Skyline {
   cv::Mat converted_;
   odograph::ToldCamera camera_;
   int64_t last_ns_ = INT64_MIN, frame_ns_ = INT64_MIN;
-  uint64_t slice_ = kMinSlice;  // of the newest frame
-  int failures_ = 0;            // in a row; each widens the search by a metre of standard deviation
-  SlicedWorker worker_;         // last: its thread ends before what it works with
+  uint64_t slice_ = kParameters.min_slice;  // of the newest frame
+  int failures_ = 0;                        // in a row; each widens the search by a metre of standard deviation
+  SlicedWorker worker_;                     // last: its thread ends before what it works with
 };
 
 }  // namespace

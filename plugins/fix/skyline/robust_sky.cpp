@@ -11,11 +11,8 @@ namespace odograph::skyline {
 namespace {
 
 constexpr int kColumns = SkyFinder::kDirections;
-constexpr double kLowest_rad = 1.75;  // from the zenith: ten degrees below the horizon
 constexpr float kNever = 1e6f;
-constexpr int kKnots = 4;
-constexpr float kMinFall = 30;     // grey values summed over three samples: above the noise of a phone by day
-constexpr float kEdgeFrom = 0.5f;  // above the noise, of 0.72 times the logarithm of the contrast
+constexpr int kKnots = 4;  // samples from one at which the lens is asked to the next
 
 float bilinear(const cv::Mat& grey, const Eigen::Vector2d& p) {
   const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
@@ -53,7 +50,7 @@ const std::vector<SkyEdge>& RobustSkyFinder::find(const cv::Mat& grey, const cv:
 void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d& north_c) {
   up_ = up_c;
   step_rad_ = features_.scale / camera_.focal();
-  rows_ = static_cast<int>(kLowest_rad / step_rad_);
+  rows_ = static_cast<int>(p_.lowest_rad / step_rad_);
   const Eigen::Vector3d north = (north_c - north_c.dot(up_c) * up_c).normalized(), east = north.cross(up_c);
   horizontal_.resize(kColumns), columns_.resize(kColumns);
   samples_.assign(static_cast<size_t>(kColumns * rows_), 0.0f);
@@ -97,7 +94,7 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
                features_.valid.at<uint8_t>(y, x) != 0;
         if (seen) {
           to[i] = std::clamp(log_odds_.at<float>(y, x), -most, most);
-          edge[i] = worth * std::max(0.0f, contrast.at<float>(y, x) - noise.at<float>(y, x) - kEdgeFrom);
+          edge[i] = worth * std::max(0.0f, contrast.at<float>(y, x) - noise.at<float>(y, x) - p_.edge_from);
         }
       }
       if (seen && column.first == rows_) column.first = i;
@@ -213,7 +210,7 @@ void RobustSkyFinder::tell(const cv::Mat& grey) {
                             profile[m + 3]);
         most = std::max(most, falls[m]);
       }
-      const auto least = std::max(static_cast<float>(p_.first_edge_part) * most, kMinFall);
+      const auto least = std::max(static_cast<float>(p_.first_edge_part) * most, p_.min_fall);
       for (int k = 3; k + 3 < n; ++k) {
         const auto m = static_cast<size_t>(k);
         if (falls[m] < least || falls[m] < falls[m + 1] || falls[m] < falls[m - 1]) continue;

@@ -21,6 +21,7 @@ void sky_log_odds(const SkyFeatures& features, cv::Mat& log_odds);
 /// nearby in the full picture.
 class RobustSkyFinder {
  public:
+  /// What has no source named was chosen by hand, on renderings of Delft and photographs (docs/sky_network.md).
   struct Parameters {
     double farthest_rad = 1.52;    ///< from the optical axis: a fisheye's last degrees are its rim (seen on phones)
     double max_odds = 2.5;         ///< a pixel's log-odds count no more: the network is oversure of reflections
@@ -33,6 +34,9 @@ class RobustSkyFinder {
     double first_edge_part = 0.5;  ///< of the strongest edge there, to be taken for the roof's
     double sure_margin = 25.0;     ///< log-odds between a direction's line and its best other: weight 1 from here
     double other_rad = 0.05;       ///< three degrees: another line is one farther away than this
+    double lowest_rad = 1.75;      ///< from the zenith, that a line is looked for: ten degrees below the horizon
+    float edge_from = 0.5f;        ///< above the sky's noise, of 0.72 times the contrast's logarithm: less is no edge
+    float min_fall = 30;           ///< of grey values over three pixels, of an edge: above a phone's noise by day
   };
 
   RobustSkyFinder(const Parameters& parameters, const CameraModel& camera, cv::Size size);

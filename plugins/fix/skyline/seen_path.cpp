@@ -7,13 +7,6 @@
 #include <numbers>
 
 namespace odograph::skyline {
-namespace {
-
-constexpr double kMoved_m = 0.1;        // nearer to each other than this two places have the same skyline
-constexpr double kCorrelatedViews = 2;  // pictures of a path that count as one: as PlaceFinder's
-constexpr double kBeside_rad = 0.17;    // beyond the headings in reach, for inclination and steps of the refinement
-
-}  // namespace
 
 Eigen::Vector3d SeenPath::Seen::place(const Eigen::Vector3d& newest_n, double yaw_rad) const {
   return newest_n + Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) * offset_n;
@@ -33,7 +26,7 @@ void SeenPath::set(const std::vector<SkyEdge>& edges, const Eigen::Vector3d& p_n
     seen.looked_n.setConstant(std::numeric_limits<double>::quiet_NaN());
     if (!is_path()) continue;
     const auto [from, to] = seen.skyline.azimuths();
-    const double beside = std::min(yaw_reach_rad, std::numbers::pi) + kBeside_rad;
+    const double beside = std::min(yaw_reach_rad, std::numbers::pi) + p_.beside_rad;
     seen.sector = Sector::between(from - beside, to + beside);
   }
 }
@@ -56,7 +49,7 @@ double SeenPath::total_weight() const {
   return total;
 }
 
-double SeenPath::correlated() const { return is_path() ? kCorrelatedViews : 1; }
+double SeenPath::correlated() const { return is_path() ? p_.correlated : 1; }
 
 Eigen::Vector3d SeenPath::middle_n() const {
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = low;
@@ -71,7 +64,7 @@ double SeenPath::half_length_m() const {
 }
 
 bool SeenPath::must_look(const Seen& seen, const Eigen::Vector3d& newest_n, double yaw_rad) const {
-  return !((seen.place(newest_n, yaw_rad) - seen.looked_n).norm() < kMoved_m);
+  return !((seen.place(newest_n, yaw_rad) - seen.looked_n).norm() < p_.moved_m);
 }
 
 uint64_t SeenPath::work_to_look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool anew) const {

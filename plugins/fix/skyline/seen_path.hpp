@@ -21,6 +21,13 @@ struct View {
 /// turns as one about its newest place: what the odometry errs by along it is small against what is looked for.
 class SeenPath {
  public:
+  /// Chosen by hand, and not tuned.
+  struct Parameters {
+    double moved_m = 0.1;      ///< nearer to each other than this two places have the same skyline
+    double correlated = 2;     ///< pictures of a path that count as one: as PlaceFinder's
+    double beside_rad = 0.17;  ///< beyond the headings in reach, for inclination and steps of the refinement
+  };
+
   struct Seen {
     SeenSkyline skyline;
     Eigen::Vector3d offset_n;  ///< from the newest place
@@ -61,6 +68,7 @@ class SeenPath {
  private:
   bool must_look(const Seen& seen, const Eigen::Vector3d& newest_n, double yaw_rad) const;
 
+  Parameters p_;
   std::vector<Seen> seen_;
 };
 

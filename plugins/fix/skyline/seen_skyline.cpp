@@ -11,9 +11,7 @@ namespace odograph::skyline {
 namespace {
 
 constexpr double kFullCircle_rad = 2 * std::numbers::pi;
-constexpr double kMinWeight = 0.1;  // of a direction that is not sure at all: it is right more often than not
-constexpr size_t kStride = 3;       // of the directions of a coarse search
-constexpr double kSteepest = 20;    // tangent of the elevation: towards the zenith an azimuth means nothing
+constexpr SeenSkyline::Parameters kParameters;
 
 }  // namespace
 
@@ -30,10 +28,10 @@ void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
     const double horizontal = std::hypot(u.x(), u.y());
     Ray ray{};
     ray.azimuth = std::atan2(u.y(), u.x()), ray.elevation = std::atan2(-u.z(), horizontal);
-    ray.slope = std::clamp(-u.z() / std::max(horizontal, 1e-9), -kSteepest, kSteepest);
+    ray.slope = std::clamp(-u.z() / std::max(horizontal, 1e-9), -kParameters.steepest, kParameters.steepest);
     ray.cosine = std::cos(ray.azimuth), ray.sine = std::sin(ray.azimuth);
     ray.below = e.open ? 0 : 1, ray.above = e.above ? 0 : 1;
-    ray.weight = kMinWeight + (1 - kMinWeight) * e.weight;
+    ray.weight = kParameters.min_weight + (1 - kParameters.min_weight) * e.weight;
     total_weight_ += ray.weight;
     rays_.push_back(ray);
     lowest_ = std::min(lowest_, ray.elevation);
@@ -41,7 +39,7 @@ void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
   turned_.clear();
   turned_weight_ = 1e-9f;
   constexpr int n = Horizon::kDirections;
-  for (size_t i = 0; i < rays_.size(); i += kStride) {
+  for (size_t i = 0; i < rays_.size(); i += kParameters.stride) {
     const Ray& ray = rays_[i];
     const int direction = static_cast<int>(std::floor((ray.azimuth / kFullCircle_rad + 1) * n)) % n;
     turned_.push_back({direction, static_cast<float>(ray.elevation), static_cast<float>(ray.below),

@@ -23,6 +23,13 @@ struct Guess {
 /// A picture's skyline by azimuth and elevation in n as the prior has it, to be laid over a model's.
 class SeenSkyline {
  public:
+  /// Chosen by hand, and not tuned.
+  struct Parameters {
+    double min_weight = 0.1;  ///< of a direction that is not sure at all: it is right more often than not
+    size_t stride = 3;        ///< directions from one of a coarse search to the next
+    double steepest = 20;     ///< tangent of the elevation: towards the zenith an azimuth means nothing
+  };
+
   void set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c);
   size_t size() const { return rays_.size(); }
   double lowest_rad() const { return lowest_; }

@@ -10,9 +10,6 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr double kReferencePart = 0.10;  // of the picture, around the zenith, is asked what the sky looks like
-constexpr double kMinReference = 0.002;  // of the picture must be left of it
-constexpr size_t kMinValid = 100;        // pixels: fewer tell no reference
 constexpr int kBarriers = 256;
 
 /// The least value that so much of a histogram does not exceed.
@@ -139,8 +136,8 @@ std::optional<SkyFeatureMaker::Reference> SkyFeatureMaker::find_reference(const 
   std::vector<float> sorted;
   for (int i = 0; i < n; ++i)
     if (valid.data[i]) sorted.push_back(height[static_cast<size_t>(i)]);
-  if (sorted.size() < kMinValid) return std::nullopt;
-  const auto nth = static_cast<std::ptrdiff_t>((1 - kReferencePart) * static_cast<double>(sorted.size()));
+  if (sorted.size() < p_.min_valid) return std::nullopt;
+  const auto nth = static_cast<std::ptrdiff_t>((1 - p_.part) * static_cast<double>(sorted.size()));
   std::nth_element(sorted.begin(), sorted.begin() + nth, sorted.end());
   const float min_height = sorted[static_cast<size_t>(nth)];
   std::vector<int> high;
@@ -150,15 +147,15 @@ std::optional<SkyFeatureMaker::Reference> SkyFeatureMaker::find_reference(const 
       high.push_back(i), ++of_contrast[contrast_.data[i]];
   // The smoother half of it, and of that the brighter part: sky is brighter than what stands in it.
   Reference reference;
-  reference.noise = quantile(of_contrast, 0.5);
+  reference.noise = quantile(of_contrast, p_.noise_quantile);
   std::array<int, 256> of_grey{};
   for (const int i : high)
     if (contrast_.data[i] <= reference.noise) ++of_grey[blurred_.data[i]];
-  reference.sky = quantile(of_grey, 0.7);
-  const int least = quantile(of_grey, 0.3);
+  reference.sky = quantile(of_grey, p_.sky_quantile);
+  const int least = quantile(of_grey, p_.seed_quantile);
   for (const int i : high)
     if (contrast_.data[i] <= reference.noise && blurred_.data[i] >= least) reference.seeds.push_back(i);
-  const bool enough = static_cast<double>(reference.seeds.size()) >= kMinReference * static_cast<double>(sorted.size());
+  const bool enough = static_cast<double>(reference.seeds.size()) >= p_.min_part * static_cast<double>(sorted.size());
   return enough ? std::optional(std::move(reference)) : std::nullopt;
 }
 

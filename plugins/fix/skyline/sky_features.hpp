@@ -29,6 +29,17 @@ struct SkyFeatures {
   }
 };
 
+/// What is sky at the zenith. The networks were taught with these values: others want another training
+/// (docs/sky_network.md).
+struct SkyReferenceParameters {
+  double part = 0.10;           ///< of the picture, around the zenith, is asked what the sky looks like
+  double noise_quantile = 0.5;  ///< of the contrast there: the smoother part of it counts
+  double sky_quantile = 0.7;    ///< of the grey values of that: the sky's
+  double seed_quantile = 0.3;   ///< of them: what is darker is no seed
+  double min_part = 0.002;      ///< of the picture must be left as seeds
+  size_t min_valid = 100;       ///< pixels: fewer tell no reference
+};
+
 /// Computes the features of picture after picture of one camera. Thread: one at a time.
 class SkyFeatureMaker {
  public:
@@ -52,6 +63,7 @@ class SkyFeatureMaker {
   void flood(const cv::Mat& contrast, const std::vector<int>& seeds);
   void spread(int side, cv::Mat& mean, cv::Mat& to);
 
+  SkyReferenceParameters p_;
   cv::Size size_, small_;
   double scale_;
   cv::Mat lens_valid_;                 // 255 where a ray is known

@@ -10,13 +10,6 @@
 #include <opencv2/imgproc.hpp>
 
 namespace odograph::skyline {
-namespace {
-
-constexpr double kStep_rad = 0.15 * std::numbers::pi / 180;  // a pixel of a phone's wide camera
-constexpr int kSeed = 6;                                     // half the width of the patch around the zenith
-
-}  // namespace
-
 SkyFinder::SkyFinder(const CameraModel& camera, cv::Size size) : camera_(camera), size_(size) {
   std::vector<cv::Point2d> corners;
   const auto w = static_cast<float>(size.width - 1), h = static_cast<float>(size.height - 1);
@@ -32,7 +25,7 @@ bool SkyFinder::segment(const cv::Mat& grey, const cv::Point& zenith) {
   cv::erode(small_, low_, cv::Mat());
   cv::dilate(small_, high_, cv::Mat());
   cv::subtract(high_, low_, contrast_);
-  const cv::Rect seed = cv::Rect(zenith.x - kSeed, zenith.y - kSeed, 2 * kSeed + 1, 2 * kSeed + 1) &
+  const cv::Rect seed = cv::Rect(zenith.x - p_.seed_px, zenith.y - p_.seed_px, 2 * p_.seed_px + 1, 2 * p_.seed_px + 1) &
                         cv::Rect(0, 0, small_.cols, small_.rows);
   std::vector<uint8_t> values;
   for (int y = seed.y; y < seed.y + seed.height; ++y)
@@ -44,8 +37,8 @@ bool SkyFinder::segment(const cv::Mat& grey, const cv::Point& zenith) {
     return values[static_cast<size_t>(n)];
   };
   const double noise = quantile(0.5);
-  if (noise > 12) return false;  // a roof, a tree, a lamp: no sky there
-  const double most = std::max(5.0, 2.0 * noise + 1);
+  if (noise > p_.max_noise) return false;  // a roof, a tree, a lamp: no sky there
+  const double most = std::max(p_.min_contrast, p_.contrast_by_noise * noise + 1);
   cv::threshold(contrast_, smooth_, most, 255, cv::THRESH_BINARY_INV);
   // The seed: the smoothest pixel of the patch.
   cv::Point start = zenith;
@@ -58,7 +51,7 @@ bool SkyFinder::segment(const cv::Mat& grey, const cv::Point& zenith) {
   cv::bitwise_not(smooth_, fill(cv::Rect(1, 1, small_.cols, small_.rows)));
   fill(cv::Rect(1, 1, small_.cols, small_.rows)).setTo(1, smooth_ == 0);
   fill.row(0).setTo(1), fill.row(fill.rows - 1).setTo(1), fill.col(0).setTo(1), fill.col(fill.cols - 1).setTo(1);
-  const double step = std::max(2.0, 0.75 * noise);
+  const double step = std::max(p_.min_fill, p_.fill_by_noise * noise);
   cv::floodFill(small_, fill, start, cv::Scalar(0), nullptr, cv::Scalar::all(step), cv::Scalar::all(step),
                 4 | cv::FLOODFILL_MASK_ONLY | (2 << 8));
   cv::compare(fill(cv::Rect(1, 1, small_.cols, small_.rows)), 2, mask_, cv::CMP_EQ);
@@ -71,7 +64,7 @@ const std::vector<SkyEdge>& SkyFinder::find(const cv::Mat& grey, const Eigen::Ve
                                             const Eigen::Vector3d& north_c) {
   edges_.clear();
   const auto pixel = [&](const Eigen::Vector3d& ray, cv::Point& at) {
-    if (ray.z() <= 0.05) return false;
+    if (ray.z() <= p_.min_forward) return false;
     const Eigen::Vector2d normalized = ray.head<2>() / ray.z();
     if (normalized.norm() > widest_tan_) return false;
     const Eigen::Vector2d p = camera_.project(normalized);
@@ -88,7 +81,7 @@ const std::vector<SkyEdge>& SkyFinder::find(const cv::Mat& grey, const Eigen::Ve
     int dark = 0;
     double last_sky = 0;  // angle from the zenith
     bool open = false;
-    for (double angle = 0; angle < 1.5; angle += kStep_rad) {
+    for (double angle = 0; angle < p_.lowest_rad; angle += p_.step_rad) {
       cv::Point at;
       if (!pixel(std::cos(angle) * up_c + std::sin(angle) * horizontal, at)) {
         open = dark == 0;
@@ -96,7 +89,7 @@ const std::vector<SkyEdge>& SkyFinder::find(const cv::Mat& grey, const Eigen::Ve
       }
       if (mask_.at<uint8_t>(at))
         dark = 0, last_sky = angle;
-      else if (++dark > 12)
+      else if (++dark > p_.max_dark_px)
         break;  // not a lamp, a wire or a bird
     }
     if (!open && dark == 0) continue;

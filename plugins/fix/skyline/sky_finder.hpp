@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <numbers>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,6 +24,19 @@ struct SkyEdge {
 class SkyFinder {
  public:
   static constexpr int kDirections = 720;
+  /// Chosen by hand, and not tuned: the paper tells none of them. Pixels are those of half the picture's size.
+  struct Parameters {
+    double step_rad = 0.15 * std::numbers::pi / 180;  ///< along a direction: a pixel of a phone's wide camera
+    double lowest_rad = 1.5;                          ///< from the zenith, that the sky's edge is looked for
+    int seed_px = 6;                                  ///< half the width of the patch around the zenith
+    double max_noise = 12;                            ///< grey values of contrast there: more is a roof, a tree, a lamp
+    double min_contrast = 5;                          ///< grey values, that are smooth in any sky, or ...
+    double contrast_by_noise = 2;                     ///< ... so many times the noise, and one
+    double min_fill = 2;          ///< grey values from pixel to pixel that the flood crosses, or ...
+    double fill_by_noise = 0.75;  ///< ... so many times the noise
+    int max_dark_px = 12;         ///< along a direction: less is a lamp, a wire or a bird
+    double min_forward = 0.05;    ///< cosine from the optical axis, of rays that a pinhole sees
+  };
 
   SkyFinder(const CameraModel& camera, cv::Size size);
   /// `grey` is 8-bit. `up_c` is the zenith's direction in c (unit), `north_c` any direction across it: the azimuths of
@@ -34,6 +48,7 @@ class SkyFinder {
  private:
   bool segment(const cv::Mat& grey, const cv::Point& zenith);
 
+  Parameters p_;
   CameraModel camera_;
   cv::Size size_;
   double widest_tan_;  // of the angle from the optical axis, to where the calibration means something

@@ -9,9 +9,9 @@ class FixedStep {
  public:
   double walker_height = 1.70, length_by_height = 0.41, cadence = 1.8;
 
-  static constexpr odo::Description description{
-      "scale/fixed_step", "1.0.0", "Metres per VO unit from one fixed walking speed (Antigny et al. 2019, Table 5)",
-      ODO_INTERFACE_SCALE_SOURCE};
+  static constexpr odo::Description description{"scale/fixed_step", "1.0.0",
+                                                "Scale from one fixed walking speed (Antigny et al. 2019, Table 5)",
+                                                ODO_INTERFACE_SCALE_SOURCE};
   static std::vector<odo::Parameter<FixedStep>> parameters() {
     using P = FixedStep;
     return {odo::real("walker_height", "m", 0.5, 2.5, &P::walker_height, "body height"),

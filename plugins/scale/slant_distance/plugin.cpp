@@ -12,9 +12,9 @@ class SlantDistance {
   std::string formula = "baseline";
   double window = 15, min_displacement = 8, scale_drift = 0.03, initial_scale = 0;
 
-  static constexpr odo::Description description{
-      "scale/slant_distance", "1.0.0", "Metres per VO unit from slant distances to roofs (Gakne & O'Keefe 2018)",
-      ODO_INTERFACE_SCALE_SOURCE};
+  static constexpr odo::Description description{"scale/slant_distance", "1.0.0",
+                                                "Scale from slant distances to roofs (Gakne & O'Keefe 2018)",
+                                                ODO_INTERFACE_SCALE_SOURCE};
   static std::vector<odo::Parameter<SlantDistance>> parameters() {
     return {odo::choice("formula", "baseline|gakne2018", &SlantDistance::formula,
                         "the line through fixes, or eq. (5) letter for letter, which is no scale"),
@@ -24,7 +24,7 @@ class SlantDistance {
             odo::real("scale_drift", "", 0, 1, &SlantDistance::scale_drift,
                       "by how much of itself the odometry's scale changes within a window"),
             odo::real("initial_scale", "m", 0, 1000, &SlantDistance::initial_scale,
-                      "metres for each unit of the odometry until slant distances tell; 0: none is given")};
+                      "scale until slant distances tell; 0: none is given")};
   }
   void configured() { scale_ = odograph::slant_scale::SlantScale(window, min_displacement, scale_drift); }
 
@@ -64,7 +64,7 @@ class SlantDistance {
   }
 
  private:
-  /// Metres or VO units: what lies farther is no pedestrian's or vehicle's, and would stay in the sums for ever.
+  /// Metres, or up to scale: what lies farther is no pedestrian's or vehicle's, and would stay in the sums for ever.
   static constexpr double kMaxDisplacement = 1e9;
   static constexpr double kLiteralSigma = 0.5;  // relative; the paper gives none
   odograph::slant_scale::LiteralScale literal_;

@@ -12,12 +12,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kNanoseconds = 1e-9;
-constexpr double kHuber = 1.5;
 constexpr double kMinBaseline = 1e-6;  // eq. (5) divides by it
-constexpr double kLeap = 0.7;          // of the logarithm: a factor of two
-constexpr int kInsist = 20;            // fixes in a row
-constexpr double kGuess = 0.3;         // relative; of a scale that rests on the speed before
-constexpr double kGuess_s = 1.0, kStanding_mps = 0.5;
 
 }  // namespace
 
@@ -46,15 +41,15 @@ double SlantScale::RunningMedian::median() const {
   return sorted[n / 2];
 }
 
-/// Until fixes tell the new unit the vehicle goes on as fast as before, as the motions of the first second have it.
+/// Until fixes tell the new scale the vehicle goes on as fast as before, as the motions of the first second have it.
 void SlantScale::guess(double dt, double distance) {
   if (dt <= 0) return;
   if (known_) return speed_mps_.add(scale_->scale * distance / dt);
   const double speed = speed_mps_.median();
-  if (speed < kStanding_mps || distance < 1e-9 || guess_s_ >= kGuess_s) return;
+  if (speed < p_.standing_mps || distance < 1e-9 || guess_s_ >= p_.guess_s) return;
   guess_s_ += dt;
   guessed_.add(speed * dt / distance);
-  scale_ = Scale{guessed_.median(), kGuess * guessed_.median()};
+  scale_ = Scale{guessed_.median(), p_.guess * guessed_.median()};
 }
 
 void SlantScale::add_place(int64_t t_ns, const Vector2d& p_n, double variance) {
@@ -97,16 +92,16 @@ void SlantScale::fit() {
       const Vector2d v = pairs_[i].vo - mean_v;
       const Vector2d r = pairs_[i].model_m - mean_m - s * Vector2d(c * v.x() - t * v.y(), t * v.x() + c * v.y());
       const double z = r.norm() / std::sqrt(pairs_[i].variance);
-      weights[i] = std::min(1.0, kHuber / std::max(z, 1e-9));
+      weights[i] = std::min(1.0, p_.huber / std::max(z, 1e-9));
       chi += weights[i] * z * z, n += 2;
     }
     sigma = std::sqrt(std::max(1.0, chi / std::max(1.0, n - 4)) / vv);
   }
   if (2 * spread_m.norm() < min_displacement_m_) return;  // nearly standing: the line has no direction
-  // A unit does not double within a window: the fixes are of another place that looks alike, unless they insist.
-  const bool leaps = known_ && std::abs(std::log(s / scale_->scale)) > kLeap;
+  // A scale does not double within a window: the fixes are of another place that looks alike, unless they insist.
+  const bool leaps = known_ && std::abs(std::log(s / scale_->scale)) > p_.leap;
   leaps_ = leaps ? leaps_ + 1 : 0;
-  if (leaps && leaps_ < kInsist) return;
+  if (leaps && leaps_ < p_.insist) return;
   scale_ = Scale{s, std::hypot(sigma, scale_drift_ * s)};
   known_ = true;
 }

@@ -10,11 +10,10 @@ class StepFitPlugin {
   double drift = 0.004, common = 0.06;
 
   static constexpr odo::Description description{
-      "scale/step_fit", "1.0.0",
-      "Metres per VO unit from all steps of a scale group, for odometries whose unit is steady",
+      "scale/step_fit", "1.0.0", "Scale from all steps of a scale group, for odometries whose scale is steady",
       ODO_INTERFACE_SCALE_SOURCE};
   static std::vector<odo::Parameter<StepFitPlugin>> parameters() {
-    return {odo::real("drift", "", 0, 1, &StepFitPlugin::drift, "of the unit, relative, from one step to the next"),
+    return {odo::real("drift", "", 0, 1, &StepFitPlugin::drift, "of the scale, relative, from one step to the next"),
             odo::real("common", "", 0, 1, &StepFitPlugin::common, "what all steps err by together, relative")};
   }
   void configured() { fit_ = odograph::step_fit::StepFit(drift, common); }

@@ -5,33 +5,23 @@
 #include <cmath>
 
 namespace odograph::step_fit {
-namespace {
-
-constexpr double kTiming =
-    0.12;  // relative: contacts are timed to 70 ms of a step of half a second, neighbours share them
-constexpr double kHuber = 1.5;  // standard deviations
-constexpr double kAlike = 2.0, kStraight = 0.8;
-constexpr int64_t kPause_ns = 1'000'000'000;
-
-}  // namespace
-
 void StepFit::add_motion(int64_t from_ns, int64_t to_ns, const Eigen::Vector2d& d_n, uint32_t group) {
-  if (group_ != group || count_ == 0) {
+  if (group_ != group || path_.empty()) {
     group_ = group;
-    count_ = recent_count_ = 0;
+    path_.clear();
+    recent_count_ = 0;
     variance_ = -1;
-    path_[count_++] = {from_ns, Eigen::Vector2d::Zero()};
+    path_.push({from_ns, Eigen::Vector2d::Zero()});
   }
-  const Eigen::Vector2d before = back(0).p;
-  path_[count_++ % path_.size()] = {to_ns, before + d_n};
+  const Eigen::Vector2d before = path_.back(0).p;
+  path_.push({to_ns, before + d_n});
 }
 
 std::optional<Eigen::Vector2d> StepFit::at(int64_t t_ns) const {
-  const size_t kept = std::min(count_, path_.size());
-  if (kept == 0 || t_ns > back(0).t_ns) return std::nullopt;
-  for (size_t i = 1; i < kept; ++i) {
-    if (back(i).t_ns > t_ns) continue;
-    const Point &a = back(i), &b = back(i - 1);
+  if (path_.empty() || t_ns > path_.back(0).t_ns) return std::nullopt;
+  for (size_t i = 1; i < path_.size(); ++i) {
+    if (path_.back(i).t_ns > t_ns) continue;
+    const Point &a = path_.back(i), &b = path_.back(i - 1);
     const double w = b.t_ns > a.t_ns ? static_cast<double>(t_ns - a.t_ns) / static_cast<double>(b.t_ns - a.t_ns) : 0.0;
     return Eigen::Vector2d(a.p + w * (b.p - a.p));
   }
@@ -48,13 +38,13 @@ bool StepFit::walks() const {
     const double d = step.d.norm();
     shortest = std::min(shortest, d), longest = std::max(longest, d), sum += d, displacement += step.d;
   }
-  return longest < kAlike * shortest && displacement.norm() > kStraight * sum;
+  return longest < p_.alike * shortest && displacement.norm() > p_.straight * sum;
 }
 
 bool StepFit::add_step(int64_t start_ns, int64_t end_ns, double length_m, double sigma_m) {
   const auto start = at(start_ns), end = at(end_ns);
   if (!start || !end || length_m <= 0) return false;
-  if (start_ns - last_end_ns_ > kPause_ns) recent_count_ = 0;
+  if (start_ns - last_end_ns_ > p_.pause_ns) recent_count_ = 0;
   last_end_ns_ = end_ns;
   const bool walked = walks();
   recent_[recent_count_++ % recent_.size()] = {*end - *start, length_m, sigma_m / length_m};
@@ -66,14 +56,14 @@ bool StepFit::add_step(int64_t start_ns, int64_t end_ns, double length_m, double
 
 bool StepFit::take(const Step& step) {
   const double z = std::log(step.length_m / step.d.norm());
-  double r = step.relative_sigma * step.relative_sigma + kTiming * kTiming;
+  double r = step.relative_sigma * step.relative_sigma + p_.timing * p_.timing;
   if (variance_ < 0) {
     log_scale_ = z, variance_ = r;
     return true;
   }
   variance_ += drift_ * drift_;
   const double innovation = z - log_scale_, off = std::abs(innovation) / std::sqrt(variance_ + r);
-  if (off > kHuber) r = (variance_ + r) * off / kHuber - variance_;
+  if (off > p_.huber) r = (variance_ + r) * off / p_.huber - variance_;
   const double gain = variance_ / (variance_ + r);
   log_scale_ += gain * innovation;
   variance_ *= 1 - gain;

@@ -9,9 +9,9 @@ class StepLength {
  public:
   double hold = 1.6;
 
-  static constexpr odo::Description description{
-      "scale/step_length", "1.0.0", "Metres per VO unit from step lengths (Antigny et al. 2019, eq. (5)-(7))",
-      ODO_INTERFACE_SCALE_SOURCE};
+  static constexpr odo::Description description{"scale/step_length", "1.0.0",
+                                                "Scale from step lengths (Antigny et al. 2019, eq. (5)-(7))",
+                                                ODO_INTERFACE_SCALE_SOURCE};
   static std::vector<odo::Parameter<StepLength>> parameters() {
     return {odo::real(
         "hold", "", 1, 5, &StepLength::hold,

@@ -8,19 +8,17 @@ namespace odograph::step_scale {
 void StepInterpolation::add_step(int64_t t_start_ns, int64_t t_end_ns, double length_m, double sigma_m) {
   const double duration = static_cast<double>(t_end_ns - t_start_ns) * 1e-9;
   if (!(duration > 0 && length_m >= 0 && sigma_m >= 0)) return;
-  steps_[count_++ % steps_.size()] = {t_end_ns, duration, length_m / duration, length_m > 0 ? sigma_m / length_m : 0.0};
+  steps_.push({t_end_ns, duration, length_m / duration, length_m > 0 ? sigma_m / length_m : 0.0});
   if (t_end_ns >= standing_since_ns_) standing_since_ns_ = INT64_MAX;
 }
 
 std::optional<Displacement> StepInterpolation::between(int64_t t0_ns, int64_t t1_ns) const {
-  if (count_ == 0) return std::nullopt;
-  const size_t kept = std::min(count_, steps_.size());
+  if (steps_.empty()) return std::nullopt;
   Displacement sum{0.0, 0.0};
-  for (size_t i = count_ - kept; i < count_; ++i) {
-    const Step& step = steps_[i % steps_.size()];
-    const bool last = i + 1 == count_;
+  for (size_t i = steps_.size(); i-- > 0;) {  // the oldest first
+    const Step& step = steps_.back(i);
     int64_t until = step.t_end_ns + static_cast<int64_t>(hold_ * step.duration_s * 1e9);
-    if (!last) until = std::min(until, steps_[(i + 1) % steps_.size()].t_end_ns);
+    if (i > 0) until = std::min(until, steps_.back(i - 1).t_end_ns);
     until = std::min(until, std::max(standing_since_ns_, step.t_end_ns));
     const int64_t from = std::max(t0_ns, step.t_end_ns), to = std::min(t1_ns, until);
     if (to <= from) continue;
@@ -28,7 +26,7 @@ std::optional<Displacement> StepInterpolation::between(int64_t t0_ns, int64_t t1
     sum.relative_sigma += metres * step.relative_sigma;
     sum.metres += metres;
   }
-  if (t1_ns <= steps_[(count_ - kept) % steps_.size()].t_end_ns) return std::nullopt;
+  if (t1_ns <= steps_.back(steps_.size() - 1).t_end_ns) return std::nullopt;
   if (sum.metres > 0) sum.relative_sigma /= sum.metres;
   return sum;
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+
+#include "plugins/shared/ring.hpp"
 
 namespace odograph::step_scale {
 
@@ -37,8 +38,7 @@ class StepInterpolation {
   };
 
   double hold_;
-  std::array<Step, 16> steps_{};
-  size_t count_ = 0;
+  plugin::Ring<Step, 16> steps_;
   int64_t standing_since_ns_ = INT64_MAX;
 };
 

@@ -17,8 +17,6 @@ namespace {
 using so3::exp_rotation_matrix;
 using so3::skew;
 
-constexpr double kSameDirection = 0.94;  // cosine of 20 degrees
-constexpr double kAmbiguous = 1.15;
 const Eigen::Vector3d kDirections[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {-1, 0, 1}, {0, 1, 1}, {0, -1, 1}};
 
 Eigen::Vector3d ray(const cv::Point2d& normalized) {
@@ -34,7 +32,7 @@ double sampson(const Eigen::Matrix3d& E, const cv::Point2d& a, const cv::Point2d
 }
 
 void refine(TwoView& view, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
-            double threshold) {
+            double threshold, const TwoViewParameters& p) {
   using Vector5d = Eigen::Matrix<double, 5, 1>;
   using Matrix5d = Eigen::Matrix<double, 5, 5>;
   for (int iteration = 0; iteration < 10; ++iteration) {
@@ -52,7 +50,7 @@ void refine(TwoView& view, const std::vector<cv::Point2d>& first, const std::vec
     for (size_t i = 0; i < first.size(); ++i) {
       if (!view.inliers[i]) continue;
       const double error = sampson(E, first[i], second[i]);
-      const double weight = std::min(1.0, 0.5 * threshold / std::max(std::abs(error), 1e-12));
+      const double weight = std::min(1.0, p.huber_part * threshold / std::max(std::abs(error), 1e-12));
       Vector5d J;
       for (int k = 0; k < 5; ++k) J[k] = (sampson(moved[k], first[i], second[i]) - error) / h;
       H += weight * J * J.transpose();
@@ -106,10 +104,10 @@ bool measure(TwoView& result, const std::vector<cv::Point2d>& first, const std::
 
 }  // namespace
 
-std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first,
-                                          const std::vector<cv::Point2d>& second) {
+std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
+                                          const TwoViewParameters& p) {
   const size_t n = first.size();
-  if (n < 12) return std::nullopt;
+  if (n < p.min_matches) return std::nullopt;
   std::vector<double> residuals(n, 0.0);
   PureRotation result{Eigen::Matrix3d::Identity(), 0.0};
   double limit = 1e9;
@@ -127,14 +125,14 @@ std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first,
 }
 
 std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
-                                double threshold, int trials) {
-  if (first.size() < 12) return std::nullopt;
+                                double threshold, int trials, const TwoViewParameters& p) {
+  if (first.size() < p.min_matches) return std::nullopt;
   cv::Mat mask;
   const cv::Matx33d K = cv::Matx33d::eye();
-  cv::Mat E = cv::findEssentialMat(first, second, K, cv::RANSAC, 0.9999, threshold, trials, mask);
+  cv::Mat E = cv::findEssentialMat(first, second, K, cv::RANSAC, p.confidence, threshold, trials, mask);
   if (E.rows != 3 || E.cols != 3) return std::nullopt;
   cv::Mat R, t;
-  cv::recoverPose(E, first, second, K, R, t, 1e5, mask);
+  cv::recoverPose(E, first, second, K, R, t, p.farthest, mask);
   TwoView result;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) result.R_1_0(i, j) = R.at<double>(i, j);
@@ -146,38 +144,40 @@ std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std
     result.inliers[i] = 1;
     ++result.count;
   }
-  if (result.count < 12) return std::nullopt;
-  refine(result, first, second, threshold);
+  if (result.count < static_cast<int>(p.min_matches)) return std::nullopt;
+  refine(result, first, second, threshold, p);
   if (!measure(result, first, second, threshold)) return std::nullopt;
   return result;
 }
 
 std::optional<TwoView> two_view_near(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
-                                     const Eigen::Matrix3d& R_1_0, double threshold, int trials) {
+                                     const Eigen::Matrix3d& R_1_0, double threshold, int trials,
+                                     const TwoViewParameters& p) {
   struct Candidate {
     TwoView view;
     double cost;
   };
   std::vector<Candidate> candidates;
   const auto consider = [&](TwoView view) {
-    for (const double bound : {4 * threshold, 1.5 * threshold}) {
+    for (const double bound : {p.first_bound * threshold, p.second_bound * threshold}) {
       const Eigen::Matrix3d E = skew(view.t_1_0) * view.R_1_0;
       view.inliers.resize(first.size());
       for (size_t i = 0; i < first.size(); ++i) view.inliers[i] = std::abs(sampson(E, first[i], second[i])) < bound;
-      refine(view, first, second, threshold);
+      refine(view, first, second, threshold, p);
     }
     face_forward(view, first, second);
     candidates.push_back({view, bounded_cost(view, first, second, threshold)});
   };
-  if (const auto pair = two_view(first, second, threshold, trials)) consider(*pair);
+  if (const auto pair = two_view(first, second, threshold, trials, p)) consider(*pair);
   for (const Eigen::Vector3d& t : kDirections) consider({.R_1_0 = R_1_0, .t_1_0 = t.normalized()});
   const auto best = std::min_element(candidates.begin(), candidates.end(),
                                      [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
   for (const Candidate& other : candidates)
-    if (std::abs(other.view.t_1_0.dot(best->view.t_1_0)) < kSameDirection && other.cost < kAmbiguous * best->cost)
+    if (std::abs(other.view.t_1_0.dot(best->view.t_1_0)) < p.same_direction &&
+        other.cost < p.ambiguous_ratio * best->cost)
       return std::nullopt;
   TwoView result = best->view;
-  if (!measure(result, first, second, threshold) || result.count < 12) return std::nullopt;
+  if (!measure(result, first, second, threshold) || result.count < static_cast<int>(p.min_matches)) return std::nullopt;
   return result;
 }
 

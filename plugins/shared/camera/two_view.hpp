@@ -25,25 +25,39 @@ struct TwoView {
   double median_parallax_rad = 0;  ///< angle between the rays after taking out the rotation
 };
 
+/// Thresholds of what follows, chosen by hand and not tuned.
+struct TwoViewParameters {
+  size_t min_matches = 12;       ///< and inliers: five are needed, fewer than twelve agree by chance
+  double confidence = 0.9999;    ///< of the RANSAC: that it has met a sample without outliers
+  double farthest = 1e5;         ///< baselines: points beyond do not say which of the four poses is right
+  double huber_part = 0.5;       ///< of the threshold, from where on errors count linearly in the refinement
+  double first_bound = 4;        ///< thresholds, of the matches that a direction that is tried is refined by at first,
+  double second_bound = 1.5;     ///< and then
+  double same_direction = 0.94;  ///< cosine of 20 degrees: nearer ones are one direction
+  double ambiguous_ratio =
+      1.15;  ///< of another direction's cost to the best one's: from here on they can be told apart
+};
+
 /// The rotation alone that best explains the matches, and the median angle that it leaves over: what parallax there is.
 /// Unlike an essential matrix it is well defined without parallax. Nothing when there are too few matches.
 struct PureRotation {
   Eigen::Matrix3d R_1_0;
   double median_residual_rad;
 };
-std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first,
-                                          const std::vector<cv::Point2d>& second);
+std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
+                                          const TwoViewParameters& parameters = {});
 
 /// Nothing when there are too few matches. `threshold` in normalized coordinates.
 std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
-                                double threshold, int trials = 1000);
+                                double threshold, int trials = 1000, const TwoViewParameters& parameters = {});
 
 /// The same where there is little parallax and the rotation is nearly known: besides the RANSAC's result several
 /// directions of the translation are tried, each refined together with the rotation, over all matches with a bounded
 /// loss. Nothing either when a quite different direction explains the matches nearly as well: what is seen is ambiguous
 /// yet.
 std::optional<TwoView> two_view_near(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
-                                     const Eigen::Matrix3d& R_1_0, double threshold, int trials);
+                                     const Eigen::Matrix3d& R_1_0, double threshold, int trials,
+                                     const TwoViewParameters& parameters = {});
 
 /// The point nearest to all rays, refined by two Gauss-Newton steps of the reprojection error; nothing when it lies
 /// behind a camera, its largest error exceeds `threshold`, or the rays are less than `min_parallax_rad` apart.

@@ -7,18 +7,17 @@
 namespace odograph::steps {
 
 void StairDetector::add(int64_t t_ns, double pressure_pa) {
-  const size_t size = heights_.size();
-  if (count_ > 0) {
-    const int64_t since = t_ns - heights_[(count_ - 1) % size].t_ns;
+  if (!heights_.empty()) {
+    const int64_t since = t_ns - heights_.back(0).t_ns;
     if (since < p_.min_interval_ns) return;
     if (since > static_cast<int64_t>(p_.window_s * 1e9)) reset();
   }
-  heights_[count_++ % size] = {t_ns, -p_.metres_per_pascal * pressure_pa};
+  heights_.push({t_ns, -p_.metres_per_pascal * pressure_pa});
   double n = 0, t_sum = 0, h_sum = 0, tt = 0, th = 0, hh = 0;
-  const double first_m = heights_[(count_ - 1) % size].m;
+  const double first_m = heights_.back(0).m;
   double span_s = 0;
-  for (size_t k = 0; k < std::min(count_, size); ++k) {
-    const Height& height = heights_[(count_ - 1 - k) % size];
+  for (size_t k = 0; k < heights_.size(); ++k) {
+    const Height& height = heights_.back(k);
     const double t = static_cast<double>(height.t_ns - t_ns) * 1e-9, h = height.m - first_m;
     if (t < -p_.window_s) break;
     n += 1, t_sum += t, h_sum += h, tt += t * t, th += t * h, hh += h * h;

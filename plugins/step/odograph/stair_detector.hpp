@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
+
+#include "plugins/shared/ring.hpp"
 
 namespace odograph::steps {
 
@@ -48,8 +49,7 @@ class StairDetector {
   void judge(int64_t since_ns);
 
   Parameters p_;
-  std::array<Height, 256> heights_{};
-  size_t count_ = 0;
+  plugin::Ring<Height, 256> heights_;
   bool ascends_ = false, on_stairs_ = false;  ///< the former up or down, by the pressure alone
   double climb_mps_ = 0, speed_mps_ = 0;
   int64_t step_ns_ = INT64_MIN / 2;

@@ -16,7 +16,7 @@ namespace odograph::five_point {
 /// Motion from the previous frame to this one.
 struct Motion {
   Eigen::Quaterniond q_c0_c1 = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d p_c0_c1 = Eigen::Vector3d::Zero();  ///< VO units
+  Eigen::Vector3d p_c0_c1 = Eigen::Vector3d::Zero();  ///< up to scale
   bool rotation_valid = false, translation_valid = false;
   double rotation_sigma_rad = 0.0, position_sigma = 0.0;
   Tracking state = Tracking::lost;

@@ -9,9 +9,6 @@ namespace {
 
 using namespace odograph::gakne2018;
 
-constexpr double kRotationKnown_rad = 0.0;     // between two pictures: it is the gyroscope's
-constexpr double kRotationUnknown_rad = 0.15;  // what a car turns by
-
 /// The visual odometry of Gakne & O'Keefe 2018, for a camera that looks up. What their vanishing points say, roll,
 /// pitch and heading, comes from the attitude; without one the camera is taken to look straight up.
 class Gakne2018 {
@@ -33,11 +30,10 @@ class Gakne2018 {
     q_b_c_ = Eigen::Quaterniond(0, 1, 0, 0);
     if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) q_b_c_ = odograph::so3::quaternion(c.q_b_c);
     if (!camera_.take(c)) return;  // the lens comes with each frame
-    SkyOdometry::Parameters p;
-    p.features = static_cast<int>(features);
+    p_.features = static_cast<int>(features);
     const auto camera = odograph::camera_of(c);
-    p.inlier_rad = inlier_threshold / camera.focal();
-    vo_.emplace(p, camera);
+    p_.inlier_rad = inlier_threshold / camera.focal();
+    vo_.emplace(p_, camera);
     previous_ns_ = INT64_MIN;
   }
 
@@ -49,7 +45,7 @@ class Gakne2018 {
       throw odo::Error(ODO_E_DISCARD, "t_ns is not after that of the frame before");
     vo_->change_lens(lens);
     const Motion motion = vo_->process(odograph::grey_of(frame, converted_), odograph::mask_of(frame), on_plane(),
-                                       q_n_b_ ? kRotationKnown_rad : kRotationUnknown_rad);
+                                       q_n_b_ ? p_.known_rotation_rad : p_.unknown_rotation_rad);
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
     if (from_ns == INT64_MIN) return;
     auto event = odograph::motion_event(frame, from_ns, motion.valid, motion.valid, motion.matches, motion.inliers);
@@ -65,6 +61,7 @@ class Gakne2018 {
     return q_n_b_ ? (*q_n_b_ * q_b_c_).normalized() : Eigen::Quaterniond(0, 1, 0, 0);
   }
 
+  SkyOdometry::Parameters p_;
   std::optional<SkyOdometry> vo_;
   std::optional<Eigen::Quaterniond> q_n_b_;
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();

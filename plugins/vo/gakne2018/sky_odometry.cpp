@@ -14,22 +14,19 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kFar = 1e3;     // a point that does not meet the plane
-constexpr double kLowest = 0.2;  // sine of the least elevation that is used
-constexpr int kTrials = 500;
-constexpr double kApart = 0.3;  // of a pair that says how much the camera turned
-constexpr double kNear = 0.25;  // a match farther than this on the plane is one of the many windows alike
+constexpr double kFar = 1e3;  // a point that does not meet the plane
 
 /// The motion by which most pairs move, and who they are.
-std::vector<double> ransac(const std::vector<Vector2d>& p, const std::vector<Vector2d>& q, double threshold,
-                           double max_rotation) {
+std::vector<double> ransac(const std::vector<Vector2d>& p, const std::vector<Vector2d>& q,
+                           const SkyOdometry::Parameters& parameters, double max_rotation) {
+  const double threshold = parameters.inlier_rad;
   std::minstd_rand random(1);  // the same picture gives the same answer
   std::vector<double> best(p.size(), 0.0);
   size_t most = 0;
-  for (int trial = 0; trial < kTrials; ++trial) {
+  for (int trial = 0; trial < parameters.trials; ++trial) {
     const size_t i = random() % p.size(), j = random() % p.size();
     const Vector2d a = p[j] - p[i], b = q[j] - q[i];
-    if (a.norm() < kApart || std::abs(a.norm() - b.norm()) > 2 * threshold) continue;
+    if (a.norm() < parameters.apart || std::abs(a.norm() - b.norm()) > 2 * threshold) continue;
     const double rotation_rad =
         std::clamp(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b)), -max_rotation, max_rotation);
     const Matrix2d R = Eigen::Rotation2Dd(rotation_rad).toRotationMatrix();
@@ -89,7 +86,7 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
   camera_.undistort(pixels, normalized);
   for (const auto& n : normalized) {
     const Vector3d ray = q_l_c * Vector3d(n.x, n.y, 1).normalized();
-    now.on_plane.push_back(ray.z() < -kLowest ? Vector2d(ray.head<2>() / -ray.z()) : Vector2d(kFar, kFar));
+    now.on_plane.push_back(ray.z() < -p_.lowest ? Vector2d(ray.head<2>() / -ray.z()) : Vector2d(kFar, kFar));
   }
 
   Motion motion;
@@ -100,12 +97,13 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
     for (const auto& match : matches) {
       const Vector2d& a = before_.on_plane[static_cast<size_t>(match.queryIdx)];
       const Vector2d& b = now.on_plane[static_cast<size_t>(match.trainIdx)];
-      if (a.x() < kFar && b.x() < kFar && match.distance < 64 && (a - b).norm() < kNear) p.push_back(a), q.push_back(b);
+      if (a.x() < kFar && b.x() < kFar && match.distance < p_.max_distance && (a - b).norm() < p_.near)
+        p.push_back(a), q.push_back(b);
     }
   }
   motion.matches = static_cast<unsigned>(p.size());
   if (p.size() >= p_.min_inliers) {
-    std::vector<double> weights = ransac(p, q, p_.inlier_rad, max_rotation);
+    std::vector<double> weights = ransac(p, q, p_, max_rotation);
     motion.inliers = static_cast<unsigned>(std::count(weights.begin(), weights.end(), 1.0));
     if (motion.inliers >= p_.min_inliers) {
       const std::vector<double> inlier = weights;
@@ -117,7 +115,7 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
         square = 0;
         for (size_t i = 0; i < p.size(); ++i) {
           const double error = (rigid.R * p[i] + rigid.T - q[i]).norm();
-          weights[i] = inlier[i] * std::min(1.0, 0.3 * p_.inlier_rad / std::max(error, 1e-9));
+          weights[i] = inlier[i] * std::min(1.0, p_.huber_part * p_.inlier_rad / std::max(error, 1e-9));
           square += inlier[i] * error * error;
         }
       }

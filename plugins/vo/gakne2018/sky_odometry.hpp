@@ -32,6 +32,15 @@ class SkyOdometry {
     int features = 1000;
     double inlier_rad = 0.006;  ///< of the plane's points: about the tangent of an angle
     unsigned min_inliers = 12;
+    // What follows was chosen by hand, and not tuned.
+    double lowest = 0.2;                 ///< sine of the least elevation that is used
+    int trials = 500;                    ///< of the RANSAC
+    double apart = 0.3;                  ///< on the plane, of a pair that says how much the camera turned
+    double near = 0.25;                  ///< on the plane: a match farther than this is one of the many windows alike
+    float max_distance = 64;             ///< of ORB's 256 bits, of a match
+    double huber_part = 0.3;             ///< of inlier_rad, from where on errors count linearly
+    double known_rotation_rad = 0;       ///< of the gravity-aligned frame between two pictures: the gyroscope's
+    double unknown_rotation_rad = 0.15;  ///< the same without an attitude: what a car turns by
   };
 
   SkyOdometry(const Parameters& parameters, const CameraModel& camera);

@@ -12,9 +12,15 @@ namespace {
 using namespace odograph::vit;
 using Eigen::Isometry3d;
 
-constexpr auto kPoll = std::chrono::microseconds(200);
-constexpr int64_t kSilent_ns = 1'000'000'000;
-constexpr double kRotationSigma_rad = 0.002, kDisplacementSigma = 0.02;  // the interface says nothing of uncertainty
+/// Chosen by hand, and not tuned: the interface says nothing of uncertainty.
+struct Parameters {
+  std::chrono::microseconds poll{200};   ///< between two looks for a pose
+  int64_t silent_ns = 1'000'000'000;     ///< ns without a pose, from where on the system is lost
+  double rotation_sigma_rad = 0.002;     ///< rad, of a motion
+  double displacement_sigma = 0.02;      ///< of a motion's displacement, relative, beside
+  double min_displacement_sigma = 1e-3;  ///< m
+};
+constexpr Parameters kParameters;
 
 /// Any system behind Monado's VIT interface as a front-end.
 class Vit {
@@ -78,10 +84,10 @@ class Vit {
     do {
       while (const auto pose = system_->pop()) take(*pose, output);
       if (last_ns_ != INT64_MIN && last_ns_ >= frame.header.t_ns) return;
-      std::this_thread::sleep_for(kPoll);
+      std::this_thread::sleep_for(kParameters.poll);
     } while (std::chrono::steady_clock::now() < until);
     if (first_ns_ == INT64_MIN) first_ns_ = frame.header.t_ns;
-    if (frame.header.t_ns - std::max(first_ns_, last_ns_) > kSilent_ns) lost(frame, output);
+    if (frame.header.t_ns - std::max(first_ns_, last_ns_) > kParameters.silent_ns) lost(frame, output);
   }
 
  private:
@@ -117,8 +123,8 @@ class Vit {
     auto event = odo::make<odo_vo_motion>(pose.timestamp);
     event.t_from_ns = from_ns;
     const double length = step.translation().norm();
-    odograph::put_motion(Eigen::Quaterniond(step.linear()), step.translation(), kRotationSigma_rad,
-                         kDisplacementSigma * length + 1e-3, event);
+    odograph::put_motion(Eigen::Quaterniond(step.linear()), step.translation(), kParameters.rotation_sigma_rad,
+                         kParameters.displacement_sigma * length + kParameters.min_displacement_sigma, event);
     event.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
     event.camera = camera_.calibration()->id;
     event.state = ODO_TRACKING;

@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <odograph/types.h>
 
+#include "sdk/host/base/rotation.hpp"
+
 namespace odograph {
 
 /// Turns a pose of one rigid part (old) into the pose of another (new) that is mounted to it: q_o_w takes vectors from
@@ -14,7 +16,7 @@ namespace odograph {
 inline void move_pose(const Eigen::Quaterniond& q_o_w, const Eigen::Vector3d& p_o_w, odo_pose& pose) {
   using Eigen::Matrix3d, Eigen::Quaterniond, Eigen::Vector3d;
   using Matrix6d = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
-  const Quaterniond q_n_o(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
+  const Quaterniond q_n_o = raw_quaternion(pose.q_n);
   const Quaterniond q_n_w = q_n_o * q_o_w;
   const Vector3d lever = q_n_o * p_o_w;
   if (pose.header.flags & ODO_POSE_ANGULAR_VELOCITY) {
@@ -23,11 +25,9 @@ inline void move_pose(const Eigen::Quaterniond& q_o_w, const Eigen::Vector3d& p_
     Vector3d::Map(pose.angular_velocity) = q_o_w.conjugate() * rate_o;
   }
   Vector3d::Map(pose.p_n) += lever;
-  pose.q_n[0] = q_n_w.w(), pose.q_n[1] = q_n_w.x(), pose.q_n[2] = q_n_w.y(), pose.q_n[3] = q_n_w.z();
-  Matrix3d cross;
-  cross << 0, -lever.z(), lever.y(), lever.z(), 0, -lever.x(), -lever.y(), lever.x(), 0;
+  put_quaternion(q_n_w, pose.q_n);
   Matrix6d jacobian = Matrix6d::Identity();
-  jacobian.bottomLeftCorner<3, 3>() = -cross;
+  jacobian.bottomLeftCorner<3, 3>() = -skew(lever);
   Eigen::Map<Matrix6d> covariance(pose.covariance);
   covariance = (jacobian * covariance * jacobian.transpose()).eval();
 }

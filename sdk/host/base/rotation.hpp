@@ -20,9 +20,12 @@ inline Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q) {
   return rotation.angle() * rotation.axis();
 }
 
-/// Of a message, where w stands first; normalised.
-inline Eigen::Quaterniond quaternion(const double* wxyz) {
-  return Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized();
+/// Of a message, where w stands first; as it is, which is of unit length where the host has written or checked it.
+inline Eigen::Quaterniond raw_quaternion(const double* wxyz) { return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]}; }
+/// The same, normalised.
+inline Eigen::Quaterniond quaternion(const double* wxyz) { return raw_quaternion(wxyz).normalized(); }
+inline void put_quaternion(const Eigen::Quaterniond& q, double* wxyz) {
+  wxyz[0] = q.w(), wxyz[1] = q.x(), wxyz[2] = q.y(), wxyz[3] = q.z();
 }
 
 /// [v]x, so that skew(a) * b is a x b.

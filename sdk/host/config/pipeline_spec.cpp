@@ -124,7 +124,7 @@ const Spec& pipeline_spec() {
             plugin("attitude", ODO_INTERFACE_ATTITUDE, "orientation of the body"),
             plugin("step_estimator", ODO_INTERFACE_STEP_ESTIMATOR, "steps and how the device is carried"),
             plugin("vo_frontend", ODO_INTERFACE_VO_FRONTEND, "camera motion up to scale"),
-            plugin("scale_source", ODO_INTERFACE_SCALE_SOURCE, "metres per VO unit"),
+            plugin("scale_source", ODO_INTERFACE_SCALE_SOURCE, "scale of the front-end's displacements"),
             plugin("absolute_fixers", ODO_INTERFACE_ABSOLUTE_FIXER, "positions and orientations from outside"),
             coupling_section(),
             map("replay", "how `odograph run` lays a recording's map over n",

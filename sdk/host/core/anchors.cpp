@@ -269,7 +269,7 @@ std::vector<uint8_t> Anchors::save() const {
       Vector3d::Map(saved.p) = anchor.T_n_a.p;
       saved.sigma_m = std::sqrt(largest_variance(anchor.covariance));
     }
-    saved.q[0] = q.w(), saved.q[1] = q.x(), saved.q[2] = q.y(), saved.q[3] = q.z();
+    put_quaternion(q, saved.q);
     const auto* from = reinterpret_cast<const uint8_t*>(&saved);
     bytes.insert(bytes.end(), from, from + sizeof saved);
   }

@@ -40,16 +40,15 @@ Vector3d InertialTrack::force_at(int64_t t_ns) const {
 void InertialTrack::add(const odo_imu& imu) {
   const int64_t t_ns = imu.header.t_ns;
   if (imu.header.flags & ODO_IMU_ACCEL) add_force(t_ns, Vector3d(imu.accel_b) - accel_bias_b_);
-  if ((imu.header.flags & ODO_IMU_GYRO) == 0 || (count_ > 0 && t_ns <= newest_ns())) return;
+  if ((imu.header.flags & ODO_IMU_GYRO) == 0 || (!points_.empty() && t_ns <= newest_ns())) return;
   Point point;
   point.t_ns = t_ns;
   point.rate_b = Vector3d(imu.gyro_b) - gyro_bias_b_;
   point.force_b = force_at(t_ns);
-  const bool goes_on = count_ > 0 && seconds(t_ns, newest_ns()) <= kLongestGap_s;
-  if (goes_on) integrate(nth(0), point);
+  const bool goes_on = !points_.empty() && seconds(t_ns, newest_ns()) <= kLongestGap_s;
+  if (goes_on) integrate(points_.back(0), point);
   since_gap_ = goes_on ? since_gap_ + 1 : 1;
-  ++count_;
-  nth(0) = point;
+  points_.push(point);
 }
 
 /// The points since the accelerometer's sample before were integrated with a force that was held: now it is known.
@@ -59,25 +58,26 @@ void InertialTrack::add_force(int64_t t_ns, const Vector3d& force_b) {
   before_ = goes_on ? newest_force_ : Force{};
   newest_force_ = {t_ns, force_b};
   size_t back = 0;
-  const size_t most = std::min({since_gap_, kept(), kMaxReintegrated});
-  while (back < most && nth(back).t_ns > before_.t_ns) ++back;
+  const size_t most = std::min({since_gap_, points_.size(), kMaxReintegrated});
+  while (back < most && points_.back(back).t_ns > before_.t_ns) ++back;
   if (!goes_on || back == most) return;  // too far back, or nothing to interpolate from
   for (; back-- > 0;) {
-    Point& point = nth(back);
+    Point& point = points_.back(back);
     point.force_b = force_at(point.t_ns);
-    integrate(nth(back + 1), point);
+    integrate(points_.back(back + 1), point);
   }
 }
 
 bool InertialTrack::has_force() const {
-  return count_ > 0 && newest_force_.t_ns != INT64_MIN && seconds(newest_ns(), newest_force_.t_ns) <= kLongestGap_s;
+  return !points_.empty() && newest_force_.t_ns != INT64_MIN &&
+         seconds(newest_ns(), newest_force_.t_ns) <= kLongestGap_s;
 }
 
 std::optional<InertialTrack::Point> InertialTrack::at(int64_t t_ns, double ahead_s) const {
-  const size_t usable = std::min(since_gap_, kept());
-  if (usable == 0 || t_ns < nth(usable - 1).t_ns) return {};
+  const size_t usable = std::min(since_gap_, points_.size());
+  if (usable == 0 || t_ns < points_.back(usable - 1).t_ns) return {};
   if (t_ns >= newest_ns()) {
-    const Point& last = nth(0);
+    const Point& last = points_.back(0);
     const double dt = std::min(seconds(t_ns, last.t_ns), ahead_s);
     Point out = last;
     out.t_ns = last.t_ns + std::llround(dt * 1e9);
@@ -90,9 +90,9 @@ std::optional<InertialTrack::Point> InertialTrack::at(int64_t t_ns, double ahead
   size_t newer = 0, older = usable - 1;  // places counted back from the newest
   while (older - newer > 1) {
     const size_t middle = (newer + older) / 2;
-    (nth(middle).t_ns > t_ns ? newer : older) = middle;
+    (points_.back(middle).t_ns > t_ns ? newer : older) = middle;
   }
-  const Point &a = nth(older), &b = nth(newer);
+  const Point &a = points_.back(older), &b = points_.back(newer);
   if (t_ns == a.t_ns) return a;
   const double w = seconds(t_ns, a.t_ns) / seconds(b.t_ns, a.t_ns);
   Point out;
@@ -104,7 +104,8 @@ std::optional<InertialTrack::Point> InertialTrack::at(int64_t t_ns, double ahead
 }
 
 void InertialTrack::clear() {
-  count_ = since_gap_ = 0;
+  points_.clear();
+  since_gap_ = 0;
   before_ = newest_force_ = {};
 }
 

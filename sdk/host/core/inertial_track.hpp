@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -9,6 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <odograph/types.h>
+
+#include "sdk/host/base/ring.hpp"
 
 namespace odograph {
 
@@ -45,7 +46,7 @@ class InertialTrack {
   /// True when an accelerometer has been heard within the longest gap before the newest gyroscope sample.
   bool has_force() const;
   /// Of the gyroscope; INT64_MIN without any.
-  int64_t newest_ns() const { return count_ == 0 ? INT64_MIN : nth(0).t_ns; }
+  int64_t newest_ns() const { return points_.empty() ? INT64_MIN : points_.back(0).t_ns; }
   void clear();
 
  private:
@@ -54,15 +55,11 @@ class InertialTrack {
     Eigen::Vector3d force_b = Eigen::Vector3d::Zero();
   };
 
-  const Point& nth(size_t back) const { return points_[(count_ - 1 - back) % kCapacity]; }
-  Point& nth(size_t back) { return points_[(count_ - 1 - back) % kCapacity]; }
-  size_t kept() const { return count_ < kCapacity ? count_ : kCapacity; }
   void add_force(int64_t t_ns, const Eigen::Vector3d& force_b);
   Eigen::Vector3d force_at(int64_t t_ns) const;
   static void integrate(const Point& from, Point& to);
 
-  std::array<Point, kCapacity> points_{};
-  size_t count_ = 0;
+  Ring<Point, kCapacity> points_;
   size_t since_gap_ = 0;  // points without a gap between them
   Force before_, newest_force_;
   Eigen::Vector3d gyro_bias_b_ = Eigen::Vector3d::Zero(), accel_bias_b_ = Eigen::Vector3d::Zero();

@@ -6,6 +6,7 @@
 
 #include <odograph/terrain.h>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/core/pipeline.hpp"
 
 namespace odograph {
@@ -16,10 +17,6 @@ using Eigen::Vector3d;
 
 static_assert(kCorrectionFix == ODO_CORRECTION_FIX && kCorrectionScale == ODO_CORRECTION_SCALE &&
               kCorrectionRecovered == ODO_CORRECTION_RECOVERED);
-
-Quaterniond orientation(const odo_pose& pose) {
-  return Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]).normalized();
-}
 
 /// The part of a rotation that is about the vertical (swing-twist decomposition).
 Quaterniond about_down(const Quaterniond& q) {
@@ -62,7 +59,7 @@ void Pipeline::publish_correction(const Correction& correction, const odo_pose& 
   const Vector3d p = after - q * before;
   correct_world(correction.t_ns, {q, p});
   auto event = make_message<odo_correction>(ODO_TYPE_CORRECTION, correction.t_ns);
-  event.q_n[0] = q.w(), event.q_n[1] = q.x(), event.q_n[2] = q.y(), event.q_n[3] = q.z();
+  put_quaternion(q, event.q_n);
   Vector3d::Map(event.p_n) = p;
   event.reason = correction.reason;
   publish_(event.header);
@@ -72,7 +69,7 @@ void Pipeline::publish_correction(const Correction& correction, const odo_pose& 
 /// The phone is where it was; n is another.
 void Pipeline::publish_restart(const odo_pose& pose) {
   const odo_pose before = *std::exchange(before_restart_, std::nullopt);
-  const Quaterniond q = about_down(orientation(pose) * orientation(before).conjugate());
+  const Quaterniond q = about_down(quaternion(pose.q_n) * quaternion(before.q_n).conjugate());
   auto event = make_message<odo_correction>(ODO_TYPE_CORRECTION, pose.header.t_ns);
   event.q_n[0] = q.w(), event.q_n[3] = q.z();
   Vector3d::Map(event.p_n) = Vector3d(pose.p_n) - q * Vector3d(before.p_n);
@@ -109,7 +106,7 @@ std::optional<double> Pipeline::ground_at(double north_m, double east_m, double 
 /// The pose, and the state of the body that it is carried on from: the estimator's newest, or the pose's own where the
 /// estimator does not go on between poses.
 void Pipeline::tell_stream(const odo_pose& pose) {
-  PosePredictor::Base base{pose, orientation(pose), Vector3d(pose.p_n), {}};
+  PosePredictor::Base base{pose, quaternion(pose.q_n), Vector3d(pose.p_n), {}};
   Estimate estimate;
   const bool goes_on = estimator_->at(INT64_MIN, estimate) == ODO_OK && !estimate.velocity_is_mean &&
                        estimate.pose.header.t_ns >= pose.header.t_ns;
@@ -120,7 +117,7 @@ void Pipeline::tell_stream(const odo_pose& pose) {
     if (goes_on && (estimate.pose.header.flags & ODO_POSE_VELOCITY)) base.v_n_b = estimate.v_n_b;
   }
   const bool by_motion = inertial_motion_ && inertial_motion_->header.t_ns == base.pose.header.t_ns;
-  if (!base.v_n_b && by_motion) base.v_n_b = orientation(pose) * Vector3d(inertial_motion_->velocity_c1);
+  if (!base.v_n_b && by_motion) base.v_n_b = quaternion(pose.q_n) * Vector3d(inertial_motion_->velocity_c1);
   const bool by_estimator = !estimate.gyro_bias_b.isZero();
   if (by_estimator)
     poses_.predictor().set_biases(estimate.gyro_bias_b, estimate.accel_bias_b);

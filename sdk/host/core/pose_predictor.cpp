@@ -19,10 +19,6 @@ double seconds(int64_t later_ns, int64_t earlier_ns) {
 
 bool is_camera(const odo_pose& pose) { return (pose.header.flags & ODO_POSE_CAMERA) != 0; }
 
-void put(const Quaterniond& q, odo_pose& pose) {
-  pose.q_n[0] = q.w(), pose.q_n[1] = q.x(), pose.q_n[2] = q.y(), pose.q_n[3] = q.z();
-}
-
 }  // namespace
 
 PosePredictor::PosePredictor(const Parameters& parameters, const SmoothPose::Parameters& smooth)
@@ -40,7 +36,7 @@ void PosePredictor::clear() {
   q_b_c_.setIdentity(), q_align_.setIdentity();
   base_point_.reset();
   attitude_ = {};
-  support_count_ = 0;
+  supports_.clear();
   state_ = ODO_LOST, reason_ = ODO_REASON_INITIALISING;
   smooth_.reset();
 }
@@ -70,7 +66,7 @@ void PosePredictor::correct(const Quaterniond& q, const Vector3d& p) {
   const std::lock_guard lock(mutex_);
   const int64_t then_ns = std::max(newest_ns(), asked_ns_);
   const auto before = pose_of(body_at(then_ns));
-  for (Support& support : supports_) support.p_n_b = q * support.p_n_b + p;
+  for (size_t i = 0; i < supports_.size(); ++i) supports_.back(i).p_n_b = q * supports_.back(i).p_n_b + p;
   base_.q_n_b = q * base_.q_n_b;
   base_.p_n_b = q * base_.p_n_b + p;
   v_n_b_ = q * v_n_b_;
@@ -87,14 +83,13 @@ void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
   const auto before = begins ? SmoothPose::Pose{} : pose_of(body_at(then_ns));
   const double dt = begins ? 0.0 : seconds(t_ns, base_.pose.header.t_ns);
   if (dt > 0) rate_b_ = dt < 0.2 ? Vector3d(log_rotation(base_.q_n_b.conjugate() * base.q_n_b) / dt) : Vector3d::Zero();
-  if (begins) support_count_ = 0;
+  if (begins) supports_.clear();
   std::optional<Vector3d> foreseen;
   if (!begins && velocity_ == Velocity::now) {
     const Body body = body_at(t_ns);
     const Vector3d jump = base.p_n_b - body.p_n_b;
     const bool jumped = jump.norm() > parameters_.jump_m;  // and nobody announced it: what is kept goes along
-    for (Support& support : supports_)
-      if (jumped) support.p_n_b += jump;
+    for (size_t i = 0; i < supports_.size() && jumped; ++i) supports_.back(i).p_n_b += jump;
     if (!jumped && dt > 0) foreseen = body.v_n_b;
   }
 
@@ -129,11 +124,11 @@ void PosePredictor::choose_velocity(const std::optional<Vector3d>& foreseen) {
   const bool metric = (pose.header.flags & ODO_POSE_METRIC) != 0 && (pose.header.flags & ODO_POSE_POSITION) != 0;
   const bool inertial = base_point_ && track_.has_force();
   if (!metric || !inertial) {
-    support_count_ = 0;
-  } else if (support_count_ > 0 && supports_[(support_count_ - 1) % supports_.size()].t_ns == t_ns) {
-    supports_[(support_count_ - 1) % supports_.size()].p_n_b = base_.p_n_b;  // corrected
+    supports_.clear();
+  } else if (!supports_.empty() && supports_.back(0).t_ns == t_ns) {
+    supports_.back(0).p_n_b = base_.p_n_b;  // corrected
   } else {
-    supports_[support_count_++ % supports_.size()] = {t_ns, base_.p_n_b, *base_point_};
+    supports_.push({t_ns, base_.p_n_b, *base_point_});
   }
   if (inertial && metric && base_.v_n_b) {
     velocity_ = Velocity::now;
@@ -160,9 +155,8 @@ bool PosePredictor::fit_velocity() {
   const Vector3d constant_n = Vector3d(0, 0, parameters_.gravity_mps2) + force_n_;
   double n = 0, sum_t = 0, sum_tt = 0, height_m = 0;
   Vector3d sum_y = Vector3d::Zero(), sum_ty = Vector3d::Zero();
-  const size_t kept = std::min(support_count_, supports_.size());
-  for (size_t back = 1; back <= kept; ++back) {
-    const Support& s = supports_[(support_count_ - back) % supports_.size()];
+  for (size_t i = 0; i < supports_.size(); ++i) {
+    const Support& s = supports_.back(i);
     const double t = seconds(s.t_ns, base_.pose.header.t_ns);
     if (-t > parameters_.velocity_window_s) break;
     const Vector3d moved_e = s.point.p_e - base_point_->p_e - t * base_point_->v_e;
@@ -243,7 +237,7 @@ SmoothPose::Pose PosePredictor::pose_of(const Body& body) const {
 void PosePredictor::smoothen(odo_pose& pose) const {
   const std::lock_guard lock(mutex_);
   const auto smooth = smooth_.at(pose.header.t_ns, {quaternion(pose.q_n), Vector3d(pose.p_n)});
-  put(smooth.q_n, pose);
+  put_quaternion(smooth.q_n, pose.q_n);
   Vector3d::Map(pose.p_n) = smooth.p_n;
 }
 
@@ -266,7 +260,7 @@ int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
   out.header.flags &= ~(ODO_POSE_POSITION | ODO_POSE_METRIC | ODO_POSE_VELOCITY);
   out.header.flags |= ODO_POSE_ORIENTATION;
   if (t_ns != published_ns_) out.header.flags |= ODO_POSE_EXTRAPOLATED;
-  put(pose.q_n, out);
+  put_quaternion(pose.q_n, out.q_n);
   out.header.flags &= ~ODO_POSE_ANGULAR_VELOCITY;
   if (track_.at(t_ns, parameters_.ahead_s)) {
     out.header.flags |= ODO_POSE_ANGULAR_VELOCITY;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <mutex>
 #include <optional>
 
 #include <odograph/types.h>
 
+#include "sdk/host/base/ring.hpp"
 #include "sdk/host/core/inertial_track.hpp"
 #include "sdk/host/core/smooth_pose.hpp"
 
@@ -110,8 +110,7 @@ class PosePredictor {
   std::optional<InertialTrack::Point> base_point_;
   Attitude attitude_;
   Eigen::Quaterniond q_align_ = Eigen::Quaterniond::Identity();  // attitude's n to the pose's
-  std::array<Support, 32> supports_{};
-  size_t support_count_ = 0;
+  Ring<Support, 32> supports_;
   uint32_t state_ = ODO_LOST, reason_ = ODO_REASON_INITIALISING;
   SmoothPose smooth_;
   mutable int64_t asked_ns_ = INT64_MIN;  // up to here smooth poses have been given: what was seen stays where it was

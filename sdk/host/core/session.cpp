@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/base/saturating.hpp"
 #include "sdk/host/config/runs_processes.hpp"
 
@@ -160,10 +161,7 @@ void Session::note_timing(const odo_calibration& calibration) {
       .line_time_ns = calibration.line_time_ns,
       .line_time = (flags & ODO_CALIBRATION_LINE_TIME) != 0,
       .above_frames = own && own->id == calibration.id && (own->header.flags & ODO_CALIBRATION_LINE_TIME) != 0};
-  if (flags & ODO_CALIBRATION_EXTRINSICS)
-    mount_ = {Eigen::Quaterniond(calibration.q_b_c[0], calibration.q_b_c[1], calibration.q_b_c[2], calibration.q_b_c[3])
-                  .normalized(),
-              Eigen::Vector3d(calibration.p_b_c)};
+  if (flags & ODO_CALIBRATION_EXTRINSICS) mount_ = {quaternion(calibration.q_b_c), Eigen::Vector3d(calibration.p_b_c)};
 }
 
 /// From here on everything runs on the IMU's clock: a camera's frames are shifted as they come in. A frame that does

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/core/session.hpp"
 
 namespace odograph {
@@ -13,12 +14,10 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-Rigid rigid(const odo_pose& pose) {
-  return {Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]).normalized(), Vector3d(pose.p_n)};
-}
+Rigid rigid(const odo_pose& pose) { return {quaternion(pose.q_n), Vector3d(pose.p_n)}; }
 
 void put(const Rigid& from, double* q, double* p) {
-  q[0] = from.q.w(), q[1] = from.q.x(), q[2] = from.q.y(), q[3] = from.q.z();
+  put_quaternion(from.q, q);
   Vector3d::Map(p) = from.p;
 }
 

@@ -31,7 +31,7 @@ struct State {
   Eigen::Vector3d accel_bias_b = Eigen::Vector3d::Zero();      ///< m/s^2
   Eigen::Quaterniond q_n_vo = Eigen::Quaterniond::Identity();  ///< of the camera, as the odometry's map has it
   Eigen::Vector3d p_n_vo = Eigen::Vector3d::Zero();            ///< m
-  double log_scale = 0;                                        ///< metres per VO unit
+  double log_scale = 0;                                        ///< of the odometry's displacements, to metres
   double log_factor = 0;                                       ///< true step length by the step estimator's
   double step_heading_rad = 0;                                 ///< to be added to the steps' heading
   double north_rad = 0;  ///< heading of the attitude source minus the heading here

@@ -22,16 +22,15 @@ void GyroAttitudeFilter::reset(const Quaterniond& q_n_c, const Matrix3d& covaria
 
 std::optional<GyroAttitudeFilter::Interval> GyroAttitudeFilter::between(int64_t from_ns, int64_t to_ns,
                                                                         const Quaterniond& q_b_c) const {
-  const size_t kept = std::min(count_, samples_.size());
   size_t back = 0;  // of the first sample after from_ns
-  while (back < kept && samples_[(count_ - back - 1) % samples_.size()].header.t_ns > from_ns) ++back;
+  while (back < samples_.size() && samples_.back(back).header.t_ns > from_ns) ++back;
   Quaterniond q = Quaterniond::Identity();
   Vector3d force = Vector3d::Zero();
   int64_t t = from_ns;
   double weight = 0;
   const odo_imu* last = nullptr;
   for (; back > 0 && t < to_ns; --back) {
-    const odo_imu& imu = samples_[(count_ - back) % samples_.size()];
+    const odo_imu& imu = samples_.back(back - 1);
     const double dt_s = static_cast<double>(std::min(imu.header.t_ns, to_ns) - t) * 1e-9;
     if (dt_s > p_.longest_gap_s) return std::nullopt;
     const Quaterniond step = exp_rotation(Vector3d(imu.gyro_b) * dt_s);

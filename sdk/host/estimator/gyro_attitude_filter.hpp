@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -9,6 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <odograph/types.h>
+
+#include "sdk/host/base/ring.hpp"
 
 namespace odograph {
 
@@ -35,7 +36,7 @@ class GyroAttitudeFilter {
   void reset(const Eigen::Quaterniond& q_n_c, const Eigen::Matrix3d& covariance_n);
 
   /// Keeps a whole IMU sample for intervals to come. Times increase.
-  void add_imu(const odo_imu& imu) { samples_[count_++ % samples_.size()] = imu; }
+  void add_imu(const odo_imu& imu) { samples_.push(imu); }
 
   /// What the IMU said between two times, in the camera's axes.
   struct Interval {
@@ -71,8 +72,7 @@ class GyroAttitudeFilter {
   Eigen::Quaterniond q_n_c_;
   Eigen::Vector3d bias_c_;
   Matrix6d P_;
-  std::array<odo_imu, 1024> samples_{};
-  size_t count_ = 0;
+  Ring<odo_imu, 1024> samples_;
 };
 
 }  // namespace odograph

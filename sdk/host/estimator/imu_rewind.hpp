@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include <Eigen/Geometry>
 
+#include "sdk/host/base/ring.hpp"
 #include "sdk/host/base/rotation.hpp"
 
 namespace odograph::inertial {
@@ -13,10 +13,10 @@ namespace odograph::inertial {
 /// The newest inertial samples as they were measured, so that a pose that becomes known can be taken back in time.
 class ImuRewind {
  public:
-  void clear() { count_ = 0; }
+  void clear() { samples_.clear(); }
   /// rad/s and m/s^2 in b, held for dt_s.
   void add(const Eigen::Vector3d& gyro_b, const Eigen::Vector3d& accel_b, double dt_s) {
-    samples_[count_++ % samples_.size()] = {gyro_b, accel_b, dt_s};
+    samples_.push({gyro_b, accel_b, dt_s});
   }
   struct Known {
     Eigen::Quaterniond q_n_b;  ///< now, level
@@ -27,8 +27,8 @@ class ImuRewind {
   /// Displacement in n over the last `reach_s`, m, or over as much of it as there is.
   Eigen::Vector3d moved(Known now, double reach_s) const {
     Eigen::Vector3d moved_n = Eigen::Vector3d::Zero();
-    for (size_t back = 1; back <= count_ && back <= samples_.size() && reach_s > 0; ++back) {
-      const Sample& s = samples_[(count_ - back) % samples_.size()];
+    for (size_t i = 0; i < samples_.size() && reach_s > 0; ++i) {
+      const Sample& s = samples_.back(i);
       const Eigen::Vector3d half = -0.5 * s.dt_s * (s.gyro_b - now.gyro_bias_b);
       now.q_n_b = (now.q_n_b * exp_rotation(half)).normalized();
       const Eigen::Vector3d a_n =
@@ -46,8 +46,7 @@ class ImuRewind {
     Eigen::Vector3d gyro_b, accel_b;
     double dt_s;
   };
-  std::array<Sample, 1024> samples_;  ///< 2 s at 500 Hz
-  size_t count_ = 0;
+  Ring<Sample, 1024> samples_;  ///< 2 s at 500 Hz
 };
 
 }  // namespace odograph::inertial

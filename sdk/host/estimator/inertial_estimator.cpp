@@ -20,11 +20,6 @@ using namespace inertial;
 
 namespace {
 
-constexpr int64_t kCloneSpacing_ns = 300'000'000;  // 12 clones reach back 3.6 s: steps are told up to 3 s late
-constexpr double kLongestTransition_s = 0.1;
-constexpr int64_t kWaitForAttitude_ns = 500'000'000;
-constexpr double kStandInterval_s = 0.2;
-
 double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
 double squared(double x) { return x * x; }
 
@@ -116,7 +111,7 @@ void InertialEstimator::start_without_attitude(int64_t t_ns) {
     horizontal << 0, 0, 1, 1, 0, 0, 0, 1, 0;
     q_n_b = heading_offset() * Quaterniond(horizontal) * q_b_c_.conjugate();
   }
-  start(t_ns, q_n_b, last_imu_ ? 2 * p_.start_tilt_sigma_rad : 0.2, 0.0);
+  start(t_ns, q_n_b, last_imu_ ? 2 * p_.start_tilt_sigma_rad : p_.start_unaided_tilt_rad, 0.0);
 }
 
 void InertialEstimator::propagate(const odo_imu& imu) {
@@ -124,7 +119,7 @@ void InertialEstimator::propagate(const odo_imu& imu) {
   if (first_imu_ns_ == INT64_MIN) first_imu_ns_ = t;
   if (!started_) {
     last_imu_ = imu;
-    if (t - first_imu_ns_ > kWaitForAttitude_ns) start_without_attitude(t);
+    if (t - first_imu_ns_ > p_.wait_for_attitude_ns) start_without_attitude(t);
     return;
   }
   const double dt_s = last_imu_ ? seconds(t - last_imu_->header.t_ns) : 0.0;
@@ -159,7 +154,7 @@ void InertialEstimator::integrate(const Vector3d& gyro_b, const Vector3d& accel_
   transition_.add(R_middle, force_n, dt_s);
   window_.add_imu(to_ns, dt_s, accel_n);
   track_.add(t_ns_, e_.clone_back(0), e_.x);
-  if (transition_.s >= kLongestTransition_s) flush();
+  if (transition_.s >= p_.longest_transition_s) flush();
   clone_when_due();
 }
 
@@ -168,7 +163,7 @@ void InertialEstimator::coast(int64_t to_ns) {
   window_.restart();
   rewind_.clear();
   while (t_ns_ < to_ns) {
-    const int64_t next = std::min(to_ns, t_ns_ + static_cast<int64_t>(1e9 * kLongestTransition_s));
+    const int64_t next = std::min(to_ns, t_ns_ + static_cast<int64_t>(1e9 * p_.longest_transition_s));
     transition_.s = seconds(next - t_ns_);
     e_.x.p_n += transition_.s * e_.x.v_n;
     t_ns_ = next;
@@ -218,7 +213,7 @@ void InertialEstimator::flush(bool gap) {
 }
 
 void InertialEstimator::clone_when_due() {
-  if (t_ns_ - e_.clone_back(0).t_ns < kCloneSpacing_ns) return;
+  if (t_ns_ - e_.clone_back(0).t_ns < p_.clone_spacing_ns) return;
   flush();
   e_.clone(t_ns_);
   track_.begin_segment();
@@ -259,22 +254,22 @@ void InertialEstimator::stand(const odo_imu& imu) {
   if (!resting_ && mode_ != ODO_MODE_STATIC) return;
   if (led()) return;  // by somebody who knows that as well
   if (quiet_.accel_variance > squared(p_.quiet_accel_mps2) || quiet_.gyro > p_.quiet_gyro_radps) return;
-  if (stood_ns_ != INT64_MIN && seconds(t_ns_ - stood_ns_) < kStandInterval_s) return;
+  if (stood_ns_ != INT64_MIN && seconds(t_ns_ - stood_ns_) < p_.stand_interval_s) return;
   stood_ns_ = imu.header.t_ns;
   flush();
   Innovation<3> still;
   still.residual = -e_.x.v_n;
   still.by(kVelocity, Matrix3d::Identity());
-  // Every kStandInterval_s the same sway: worth one measurement a second.
+  // Every stand_interval_s the same sway: worth one measurement a second.
   const double sigma = resting_ ? p_.still_speed_mps : p_.standing_speed_mps;
-  still.noise = Matrix3d::Identity() * (squared(sigma) / kStandInterval_s);
+  still.noise = Matrix3d::Identity() * (squared(sigma) / p_.stand_interval_s);
   if (e_.update(still, 0, follow()).accepted) reminded_ns_ = t_ns_;
-  if (vo_.known && !vo_.metric) e_.add_variance(kLogScale, 1, squared(p_.vo_standing_scale_walk) * kStandInterval_s);
+  if (vo_.known && !vo_.metric) e_.add_variance(kLogScale, 1, squared(p_.vo_standing_scale_walk) * p_.stand_interval_s);
   if (!resting_) return;
   Innovation<3> rate;
   rate.residual = Vector3d::Map(quiet_.gyro_mean) - e_.x.gyro_bias_b;
   rate.by(kGyroBias, Matrix3d::Identity());
-  rate.noise = Matrix3d::Identity() * (squared(p_.still_gyro_radps) / kStandInterval_s);
+  rate.noise = Matrix3d::Identity() * (squared(p_.still_gyro_radps) / p_.stand_interval_s);
   e_.update(rate, p_.gate[3], calm());
 }
 
@@ -283,7 +278,7 @@ void InertialEstimator::stand(const odo_imu& imu) {
 void InertialEstimator::remind_of_speed() {
   const double since_s = seconds(t_ns_ - std::max(informed_ns_, reminded_ns_));
   const bool idle = unaided() && seconds(t_ns_ - informed_ns_) > p_.uninformed_speed_s;
-  if (since_s < (idle ? kStandInterval_s : p_.uninformed_speed_s)) return;
+  if (since_s < (idle ? p_.stand_interval_s : p_.uninformed_speed_s)) return;
   reminded_ns_ = t_ns_;
   flush();
   if (idle && step_ns_ > rested_ns_) {  // since the last step, which went on until now

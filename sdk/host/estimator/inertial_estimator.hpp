@@ -164,7 +164,7 @@ class InertialEstimator : public Estimator {
     bool attached = false, metric = false, known = false, first_group = true, unbroken = true, any = false;
     uint32_t group = 0;
     int64_t t_ns = INT64_MIN, translated_ns = INT64_MIN;
-    Eigen::Vector3d y_n = Eigen::Vector3d::Zero();      // position since the group began, VO units
+    Eigen::Vector3d y_n = Eigen::Vector3d::Zero();      // position since the group began, up to scale
     Eigen::Vector3d start_n = Eigen::Vector3d::Zero();  // of the camera then, m
     double sigma_m = 0, told_information = 0;
     double rotation_ms = 0;        // rad^2, mean square of what its rotations differ by from the gyroscope's

@@ -19,8 +19,6 @@ using namespace inertial;
 
 namespace {
 
-constexpr int64_t kStepsTellVelocity_ns = 1'000'000'000;
-
 double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
 double squared(double x) { return x * x; }
 
@@ -33,7 +31,7 @@ UpdateResult InertialEstimator::apply(const FrameTime& frame) {
   flush();
   camera_ = true;
   first_frame_ns_ = frame.t_ns;
-  if (!stepped_ || frame.t_ns - step_ns_ > kStepsTellVelocity_ns)  // may walk already
+  if (!stepped_ || frame.t_ns - step_ns_ > p_.steps_tell_velocity_ns)  // may walk already
     for (int i = 0; i < 3; ++i) e_.set_independent(kVelocity + i, squared(p_.start_speed_sigma_mps));
   if (!metric_ && placed_ == 0) {  // the start is the camera's
     const Vector3d moved = Vector3d(start_.position_m.data()) - (e_.x.p_n + e_.x.q_n_b * p_b_c_);
@@ -230,8 +228,8 @@ void InertialEstimator::use_inertial(const odo_vo_motion& m) {
   const auto at = past(t);
   if (!at) return;
   const Quaterniond q_n_c = at->q_n_b * q_b_c_;
-  constexpr double kUnknownVelocity_mps = 0.3, kNow_s = 0.05;
-  if (e_.P.diagonal().segment<3>(kVelocity).maxCoeff() > squared(kUnknownVelocity_mps) && seconds(t_ns_ - t) < kNow_s) {
+  if (e_.P.diagonal().segment<3>(kVelocity).maxCoeff() > squared(p_.vio_velocity_unknown_mps) &&
+      seconds(t_ns_ - t) < p_.vio_velocity_now_s) {
     Innovation<3> velocity;
     const Vector3d v_n = std::exp(e_.x.log_scale) * (q_n_c * Vector3d(m.velocity_c1));
     velocity.residual = v_n - e_.x.v_n;

@@ -14,8 +14,6 @@ using namespace inertial;
 
 namespace {
 
-constexpr double kChord_s = 0.5;  // over which a velocity is taken: a step
-
 double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
 double squared(double x) { return x * x; }
 
@@ -23,9 +21,8 @@ double squared(double x) { return x * x; }
 
 /// Where the camera hardly moves a front-end's doubt about its displacement is no doubt about the metre.
 bool InertialEstimator::walks(int64_t t_ns) const {
-  constexpr double kChord_m = 0.5;  // in kChord_s: half the slowest walk
-  const auto before = scale_start_.at(t_ns - 2 * static_cast<int64_t>(kChord_s * 1e9));
-  return before && std::exp(e_.x.log_scale) * (vo_.y_n - *before).norm() > kChord_m;
+  const auto before = scale_start_.at(t_ns - 2 * static_cast<int64_t>(p_.chord_s * 1e9));
+  return before && std::exp(e_.x.log_scale) * (vo_.y_n - *before).norm() > p_.walking_m;
 }
 
 /// A front-end's own doubt about the metre is one error common to its motions, so that the scale is never better known
@@ -33,7 +30,7 @@ bool InertialEstimator::walks(int64_t t_ns) const {
 void InertialEstimator::use_metric_scale(const odo_vo_motion& m) {
   const int64_t t_ns = m.header.t_ns;
   const double sigma = inertial_front_end_ ? m.scale_sigma : p_.unstated_scale_sigma;
-  const double information = 1 / squared(std::clamp(sigma, 1e-3, 1.0));
+  const double information = 1 / squared(std::clamp(sigma, p_.min_log_scale_sigma, p_.max_log_scale_sigma));
   if (!vo_.known) {
     if (!metric_ && placed_ == 0 && inertial_front_end_) begin_here(m);
     vo_.gravity_rejected = p_.max_rejected;  // nothing to lose yet
@@ -50,7 +47,7 @@ void InertialEstimator::use_metric_scale(const odo_vo_motion& m) {
     return;
   }
   vo_.told_information = std::max(vo_.told_information, information);
-  if (information <= 1.02 * held) return;
+  if (information <= p_.scale_news * held) return;
   Innovation<1> metre;
   metre.residual[0] = -e_.x.log_scale;
   metre.by_one(kLogScale, Innovation<1>::Vector::Ones());
@@ -60,8 +57,8 @@ void InertialEstimator::use_metric_scale(const odo_vo_motion& m) {
 
 void InertialEstimator::use_window(const WindowScale& window) {
   if (window.noise_m > 0) {
-    const double measured = std::clamp(window.noise_m, p_.vo_min_sigma_m, 0.2);
-    vo_.sigma_m += 0.3 * (measured - vo_.sigma_m);
+    const double measured = std::clamp(window.noise_m, p_.vo_min_sigma_m, p_.vo_max_sigma_m);
+    vo_.sigma_m += p_.vo_sigma_gain * (measured - vo_.sigma_m);
   }
   if (!vo_.known) return scale_start_.add_window(window);
   const double r = std::exp(-e_.x.log_scale);
@@ -80,7 +77,7 @@ UpdateResult InertialEstimator::apply(const odo_scale* scale) {
   // Steps speak for themselves.
   if (!vo_.any || scale->scale_group != vo_.group || scale->scale <= 0 || vo_.metric) return {};
   if ((scale->header.flags & ODO_SCALE_NOT_BY_STEPS) == 0 && stepped_) return {};
-  const double sigma = std::clamp(scale->sigma / scale->scale, 1e-3, 1.0);
+  const double sigma = std::clamp(scale->sigma / scale->scale, p_.min_log_scale_sigma, p_.max_log_scale_sigma);
   const double value = std::log(scale->scale), information = 1 / squared(sigma);
   if (!vo_.known) {
     know_scale(value, squared(sigma), 0.0, vo_.t_ns);
@@ -89,7 +86,7 @@ UpdateResult InertialEstimator::apply(const odo_scale* scale) {
   }
   vo_.told_information *= std::exp(-seconds(scale->header.t_ns - vo_.told_ns) / p_.vio_scale_forgetting_s);
   vo_.told_ns = scale->header.t_ns;
-  if (information <= 1.02 * vo_.told_information) return {};
+  if (information <= p_.scale_news * vo_.told_information) return {};
   Innovation<1> seen;
   seen.residual[0] = value - e_.x.log_scale;
   seen.by_one(kLogScale, Innovation<1>::Vector::Ones());
@@ -148,17 +145,16 @@ Vector3d InertialEstimator::shift_since_start(const odo_vo_motion& m, const Past
 /// What the first group moved before its scale was known: position and velocity now follow from the start.
 void InertialEstimator::put_in_place(int64_t t_ns) {
   const auto at = past(t_ns);
-  const auto before = scale_start_.at(t_ns - static_cast<int64_t>(kChord_s * 1e9));
+  const auto before = scale_start_.at(t_ns - static_cast<int64_t>(p_.chord_s * 1e9));
   if (!at || !before) return;
   flush();
   const double scale = std::exp(e_.x.log_scale);
-  const Vector3d moved_n = scale * vo_.y_n, v_n = scale / kChord_s * (vo_.y_n - *before);
+  const Vector3d moved_n = scale * vo_.y_n, v_n = scale / p_.chord_s * (vo_.y_n - *before);
   Vector3d shift = vo_.start_n + moved_n - (at->p_n + at->q_n_b * p_b_c_);
-  constexpr double kVelocity_mps = 0.3;  // a chord over a step, and the gait within it
   const double height_variance = (placed_ & ODO_FIX_DOWN) ? e_.P(kPosition + 2, kPosition + 2) : 0.0;
   if (height_variance > 0) shift.z() = 0;
   e_.place(shift, moved_n, v_n, squared(vo_.sigma_m) + squared(p_.vo_drift_per_root_m) * moved_n.norm(),
-           squared(kVelocity_mps));
+           squared(p_.chord_velocity_sigma_mps));
   e_.add_variance(kPosition + 2, 1, height_variance);
   e_.forget_clones();  // how they lie to each other was not known either
   e_.clone(t_ns_);

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+
 namespace odograph::inertial {
 
-/// Every sigma of the inertial estimator: unit, meaning, and where it comes from. "judgement" is a choice, with the
-/// range in which it was seen not to matter much; "figures" are those of docs/estimator.md.
+/// Every sigma and threshold of the inertial estimator: unit, meaning, and where it comes from. "judgement" is a
+/// choice, with the range in which it was seen not to matter much; "by hand" is one that was never varied; "figures"
+/// are those of docs/estimator.md.
 struct Parameters {
   // The IMU. An odo_imu_noise adds to the first two in quadrature and replaces the walks.
   double gyro_noise = 1e-3;        ///< rad/s/sqrt(Hz); a phone's 1e-4 to 2.4e-4 and its scale error in rotation
@@ -22,20 +25,29 @@ struct Parameters {
   double gap_accel_noise = 3.0;     ///< m/s^2/sqrt(Hz) there: gait
   double longest_gap_s = 0.05;      ///< s between samples that is no gap: ten at 200 Hz, two or three at 50 Hz
 
+  double longest_transition_s = 0.1;       ///< s of IMU samples at most that the covariance takes at once; by hand
+  int64_t clone_spacing_ns = 300'000'000;  ///< ns between clones: 12 reach back 3.6 s, steps are told up to 3 s late
+  int64_t reaches_back_ns = 50'000'000;    ///< ns, of the newest sample to a frame whose next one has not come; by hand
+
   // The start.
-  double start_speed_sigma_mps = 1.0;    ///< m/s: may walk already
-  double start_tilt_sigma_rad = 0.03;    ///< rad, without an attitude source
-  double start_heading_sigma_rad = 0.2;  ///< rad, against north, without a compass; for fixes alone
-  double settled_velocity_mps = 0.3;     ///< m/s of sigma, below which fixes may turn the heading
-  double rewind_s = 1.5;                 ///< s before the first metric motion that inertia tells: an inclination of
-                                         ///< 5 mrad is 6 cm then; front-ends start in 1.2 s (odograph bench vo)
-  double uninformed_sigma_m = 100;       ///< m: of what the first fix does not say, and of the barometer at first
+  double start_speed_sigma_mps = 1.0;              ///< m/s: may walk already
+  double start_tilt_sigma_rad = 0.03;              ///< rad, without an attitude source
+  double start_heading_sigma_rad = 0.2;            ///< rad, against north, without a compass; for fixes alone
+  double start_unaided_tilt_rad = 0.2;             ///< rad, without IMU samples either; by hand
+  int64_t wait_for_attitude_ns = 500'000'000;      ///< ns from the first IMU sample until the start is without; by hand
+  int64_t steps_tell_velocity_ns = 1'000'000'000;  ///< ns since a step, for which it tells the velocity; by hand
+  double settled_velocity_mps = 0.3;               ///< m/s of sigma, below which fixes may turn the heading
+  double rewind_s = 1.5;            ///< s before the first metric motion that inertia tells: an inclination of
+                                    ///< 5 mrad is 6 cm then; front-ends start in 1.2 s (odograph bench vo)
+  double uninformed_sigma_m = 100;  ///< m: of what the first fix does not say, and of the barometer at first
 
   // Visual odometry: the error of a position against the map, correlated over a time, and the map's drift.
   double vo_position_sigma_m = 0.02;      ///< m, until the window regression has measured it; 6 to 8 mm simulated,
                                           ///< 17 to 64 mm on real phones (detrended over 4 s)
   double vo_min_sigma_m = 0.01;           ///< m; a floor: pictures of a rolling shutter, time stamps
   double vo_rotation_sigma_rad = 0.003;   ///< rad against the map
+  double vo_max_sigma_m = 0.2;            ///< m; a ceiling of what windows measure; by hand
+  double vo_sigma_gain = 0.3;             ///< share of a window in the sigma that windows have measured; by hand
   double vo_correlation_s = 0.5;          ///< s over which both are the same error; judgement, 0.25 to 1
   double vo_drift_per_root_m = 0.01;      ///< m/sqrt(m): across the path, without scale and heading
   double vo_rotation_memory_s = 5.0;      ///< s over which its rotations are compared with the gyroscope's; judgement
@@ -44,6 +56,9 @@ struct Parameters {
   double vo_standing_scale_walk = 0.01;   ///< 1/sqrt(s) while standing: 3 % over a stop is usual
   double unstated_scale_sigma = 0.02;     ///< of log-scale, of a front-end that says metric and no more; judgement
   double vio_velocity_sigma_mps = 0.1;    ///< m/s, as a front-end that used inertia itself states it
+  double vio_velocity_unknown_mps = 0.3;  ///< m/s of sigma, above which such a velocity is used: below, the positions
+                                          ///< have told it; by hand
+  double vio_velocity_now_s = 0.05;       ///< s that such a velocity may be old, the state's is the newest; by hand
   double vio_position_sigma_m = 0.005;    ///< m, of a front-end that used inertia itself, against its own path: its
                                           ///< sliding window moves from frame to frame by 2 to 4 mm
   double vio_rotation_sigma_rad = 0.001;  ///< rad, the same of its rotation: 0.4e-3 stated a frame
@@ -57,12 +72,18 @@ struct Parameters {
                                             ///< like others, and standing and steps speak too; judgement
   double vio_scale_walk = 2e-4;  ///< 1/sqrt(s) of a metric front-end's log-scale: 0.5 % over ten minutes; judgement
   double vio_scale_forgetting_s = 20;  ///< s: how long its scale_sigma speaks of the same error
+  double min_log_scale_sigma = 1e-3;   ///< of log-scale, and
+  double max_log_scale_sigma = 1;      ///< of it: what a source's word is cut to; by hand
+  double scale_news = 1.02;            ///< times the information so far: less is nothing new; by hand
   double lost_confidence = 0.25;       ///< share of its information: less is a front-end that doubts its metre anew
   double doubted_scale_walk = 0.015;   ///< 1/sqrt(m) of log-scale, of one whose metre contradicts the steps: it finds
                                       ///< back within a minute, and twenty steps follow it; walks in The Hague and Linz
-  double unknown_scale_sigma = 1.0;      ///< of log-scale before anything is known
-  double jump_velocity_sigma_mps = 1.0;  ///< m/s: what is left of the velocity when odometry contradicts it
-  int max_rejected = 3;                  ///< odometry updates in a row, until the velocity is doubted
+  double unknown_scale_sigma = 1.0;       ///< of log-scale before anything is known
+  double chord_s = 0.5;                   ///< s over which positions tell a velocity: a step
+  double chord_velocity_sigma_mps = 0.3;  ///< m/s of that: the gait within a step; by hand
+  double walking_m = 0.5;                 ///< m in twice chord_s, above which the camera walks: half the slowest walk
+  double jump_velocity_sigma_mps = 1.0;   ///< m/s: what is left of the velocity when odometry contradicts it
+  int max_rejected = 3;                   ///< odometry updates in a row, until the velocity is doubted
 
   // Steps.
   double factor_sigma = 0.10;        ///< of the walker's log factor: ten walkers differ so (docs/accuracy.md)
@@ -71,6 +92,8 @@ struct Parameters {
   double factor_steps = 200;         ///< steps over which what was learnt of a walker is forgotten: 0.01 for the root
                                      ///< of a step, and never beyond what walkers differ; judgement
   double step_own_sigma = 0.06;      ///< of a step's length, relative, own to the step: step/odograph's README
+  double step_min_sigma = 0.01;      ///< of a step's length, relative: no step's word is better; by hand
+  double step_usual_gain = 0.1;      ///< share of a step in the walker's usual length; by hand
   double step_correlation = 10;      ///< steps whose own error is one error, where they are compared with odometry
   double step_across_rad = 0.10;     ///< rad, direction of one step against its heading: a hand sways
   double step_velocity_sigma_mps = 10;  ///< m/s from step to step where nothing else moves the body: large, so that
@@ -90,6 +113,7 @@ struct Parameters {
   double quiet_accel_mps2 = 0.25;    ///< m/s^2 rms about its mean: below it nobody walks (a step has above 1)
   double quiet_gyro_radps = 0.35;    ///< rad/s
   double quiet_tau_s = 0.3;          ///< s, of both
+  double stand_interval_s = 0.2;     ///< s between two measurements of it, together worth one a second; by hand
 
   // Attitude, barometer, speed.
   double attitude_interval_s = 1.0;  ///< s: nearer ones are the same error
@@ -114,9 +138,15 @@ struct Parameters {
   // The window regression of the scale (InertialScale).
   double window_s = 4.0;              ///< s; findings measure S and N over it
   double start_window_s = 2.5;        ///< s, as long as no scale is known; judgement
+  double window_spacing_s = 0.08;     ///< s between its frames: nearer ones say nothing new, and 96 shall last a window
+  int window_min_frames = 12;         ///< of one with an answer: 26 degrees of freedom are left; by hand
   double window_correlation_s = 0.5;  ///< s over which the odometry's error is one error
   double window_min_relative = 0.01;  ///< of scale, common to all windows: accelerometer's scale error 0.5 to 1 %
   double start_scale_sigma = 0.15;    ///< of log-scale, at which it counts as known
+  double start_inertia_sigma = 0.3;   ///< of the windows' scale, relative: above, its logarithm means nothing
+  int start_min_steps = 3;            ///< before steps tell it; by hand
+  double start_min_step_ratio = 3;    ///< a step on which the odometry moved so many times less than on the others, for
+                                      ///< its length, is none; by hand
 
   // The gate: 99.9 % of good measurements pass (chi-square).
   double gate[7] = {0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
@@ -126,11 +156,14 @@ struct Parameters {
   double agreed_for_s = 90;         ///< s: ... for that long; reflections last a minute (bench canyon)
   double arc_rad = 0.05;            ///< rad: a heading that is off by more moves the track along arcs, not tangents
   double announced_jump_m = 0.05;   ///< m: smaller corrections need no event
-  double announced_rotation_rad = 0.01;  ///< rad
-  double reference_path_m = 5;           ///< m between two displacement references for the step estimator
-  double reference_alike_m = 20;         ///< m over which the metre's error is the same one; judgement
-  double reference_sigma = 0.03;         ///< relative: a metre less well known does not teach
-  double gravity_mps2 = 9.81;            ///< m/s^2, 9.78 to 9.83 on Earth; the difference is bias
+  double announced_rotation_rad = 0.01;    ///< rad
+  double reference_path_m = 5;             ///< m between two displacement references for the step estimator
+  double reference_alike_m = 20;           ///< m over which the metre's error is the same one; judgement
+  double reference_min_sigma = 0.01;       ///< relative: no reference is better; by hand
+  int64_t fixes_rule_ns = 60'000'000'000;  ///< ns after a fix, for which it says more of the walker; judgement
+  double reference_sigma = 0.03;           ///< relative: a metre less well known does not teach
+  double counted_m = 0.1;                  ///< m of path: less may be the estimate's own trembling; by hand
+  double gravity_mps2 = 9.81;              ///< m/s^2, 9.78 to 9.83 on Earth; the difference is bias
 };
 
 }  // namespace odograph::inertial

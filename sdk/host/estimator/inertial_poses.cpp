@@ -18,23 +18,11 @@ using namespace inertial;
 
 namespace {
 
-constexpr int64_t kExtrapolate_ns = 500'000'000;
-constexpr int64_t kFixesRule_ns = 60'000'000'000;  // for so long a fix says more of the walker than the camera
-constexpr double kCounted_m = 0.1;                 // of the path: what is less may be the estimate's own trembling
-
 template <class T>
 bool take(std::optional<T>& from, T& out) {
   if (!from) return false;
   out = *std::exchange(from, std::nullopt);
   return true;
-}
-
-Quaterniond orientation(const odo_pose& pose) {
-  return Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
-}
-
-void set_orientation(odo_pose& pose, const Quaterniond& q) {
-  pose.q_n[0] = q.w(), pose.q_n[1] = q.x(), pose.q_n[2] = q.y(), pose.q_n[3] = q.z();
 }
 
 }  // namespace
@@ -65,7 +53,7 @@ void InertialEstimator::note_jump(const odo_pose& before, uint32_t reason, doubl
   const auto at = past(before.header.t_ns);
   if (!at) return;
   odo_pose after = make_pose(before.header.t_ns, *at);
-  const Quaterniond turned = (orientation(after) * orientation(before).conjugate()).normalized();
+  const Quaterniond turned = (raw_quaternion(after.q_n) * raw_quaternion(before.q_n).conjugate()).normalized();
   const Vector3d p_before(before.p_n), p_after(after.p_n);
   const double jump_m = (p_after - p_before).norm(), rotation_rad = log_rotation(turned).norm();
   if (jump_m <= part * p_.announced_jump_m && rotation_rad <= part * p_.announced_rotation_rad) return;
@@ -89,7 +77,7 @@ odo_pose InertialEstimator::make_pose(int64_t t_ns, const PastPose& at) const {
     pose.header.flags |= ODO_POSE_CAMERA;
     lever_n = at.q_n_b * p_b_c_;
   }
-  set_orientation(pose, camera_ ? (at.q_n_b * q_b_c_).normalized() : at.q_n_b);
+  put_quaternion(camera_ ? (at.q_n_b * q_b_c_).normalized() : at.q_n_b, pose.q_n);
   Vector3d::Map(pose.p_n) = metric_ ? Vector3d(at.p_n + lever_n) : Vector3d(start_.position_m.data());
   Vector3d::Map(pose.velocity_n) = e_.x.v_n;
   Eigen::Matrix<double, 6, 6> covariance = e_.covariance(at);
@@ -115,7 +103,7 @@ void InertialEstimator::publish(int64_t t_ns, uint32_t state, uint32_t reason) {
   odo_pose pose = make_pose(t_ns, *at);
   const Vector3d p_n(pose.p_n);
   if (last_pose_ns_ == INT64_MIN || !metric_) distance_from_ = p_n;
-  if (const double moved_m = (p_n - distance_from_).norm(); moved_m > kCounted_m) {
+  if (const double moved_m = (p_n - distance_from_).norm(); moved_m > p_.counted_m) {
     distance_m_ += moved_m;
     distance_from_ = p_n;
   }
@@ -140,12 +128,12 @@ void InertialEstimator::refer_steps(const odo_pose& pose) {
   reference_path_m_ = begins ? 0 : reference_path_m_ + step_m;
   if (!begins && reference_path_m_ < p_.reference_path_m) return;
   if (!begins) reference_path_m_ = 0;
-  if (fixed_ns_ != INT64_MIN && pose.header.t_ns - fixed_ns_ < kFixesRule_ns) return;
+  if (fixed_ns_ != INT64_MIN && pose.header.t_ns - fixed_ns_ < p_.fixes_rule_ns) return;
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, pose.header.t_ns);
   fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
   std::copy(pose.p_n, pose.p_n + 3, fix.p_n);
-  const double sigma_m =
-      std::max(0.01, sigma) * std::sqrt(p_.reference_path_m * std::max(p_.reference_path_m, p_.reference_alike_m));
+  const double sigma_m = std::max(p_.reference_min_sigma, sigma) *
+                         std::sqrt(p_.reference_path_m * std::max(p_.reference_path_m, p_.reference_alike_m));
   fix.covariance_n[0] = fix.covariance_n[4] = fix.covariance_n[8] = sigma_m * sigma_m;
   reference_ = fix;
 }
@@ -168,8 +156,7 @@ bool InertialEstimator::pose_now(HeldPose& out) const {
 void InertialEstimator::prepare(odo_vo_motion& motion) const {
   Quaterniond q_n_c = e_.x.q_n_b * q_b_c_;
   if (const auto at = past(motion.t_from_ns)) q_n_c = at->q_n_b * q_b_c_;
-  motion.q_n_c0[0] = q_n_c.w(), motion.q_n_c0[1] = q_n_c.x(), motion.q_n_c0[2] = q_n_c.y(),
-  motion.q_n_c0[3] = q_n_c.z();
+  put_quaternion(q_n_c, motion.q_n_c0);
   motion.header.flags |= ODO_VO_NAVIGATION;
 }
 
@@ -196,23 +183,23 @@ int32_t InertialEstimator::at(int64_t t_ns, Estimate& out) const {
   if (newest_ns == INT64_MIN) return ODO_NOT_READY;
   if (t_ns == INT64_MIN || t_ns == newest_ns) return ODO_OK;
   // The pose against the body, as the newest one has it.
-  const Quaterniond q_b_pose = out.q_n_b.conjugate() * orientation(out.pose);
+  const Quaterniond q_b_pose = out.q_n_b.conjugate() * raw_quaternion(out.pose.q_n);
   const bool placed = (out.pose.header.flags & ODO_POSE_POSITION) != 0;
   const Vector3d lever_b =
       placed ? Vector3d(out.q_n_b.conjugate() * (Vector3d(out.pose.p_n) - out.p_n_b)) : Vector3d(Vector3d::Zero());
   if (t_ns < newest_ns) {
     const int32_t status = history_.at(t_ns, out.pose);
     if (status != ODO_OK) return status;
-    out.q_n_b = (orientation(out.pose) * q_b_pose.conjugate()).normalized();
+    out.q_n_b = (raw_quaternion(out.pose.q_n) * q_b_pose.conjugate()).normalized();
     out.p_n_b = Vector3d(out.pose.p_n) - out.q_n_b * lever_b;
     out.v_n_b = Vector3d(out.pose.velocity_n);
     return ODO_OK;
   }
-  if (t_ns - newest_ns > kExtrapolate_ns) return ODO_E_NOT_FOUND;
+  if (t_ns - newest_ns > kMaxExtrapolation_ns) return ODO_E_NOT_FOUND;
   const double ahead_s = static_cast<double>(t_ns - newest_ns) * kNanoseconds;
   out.q_n_b = (out.q_n_b * exp_rotation(rate_b * ahead_s)).normalized();
   out.p_n_b += ahead_s * out.v_n_b;
-  set_orientation(out.pose, (out.q_n_b * q_b_pose).normalized());
+  put_quaternion((out.q_n_b * q_b_pose).normalized(), out.pose.q_n);
   if (placed) Vector3d::Map(out.pose.p_n) = out.p_n_b + out.q_n_b * lever_b;
   out.pose.header.t_ns = t_ns;
   out.pose.header.flags |= ODO_POSE_EXTRAPOLATED;

@@ -12,13 +12,11 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kFrameSpacing_s = 0.08;  // nearer frames say nothing new, and 96 of them shall last for a window
-constexpr size_t kMinFrames = 12;
-
 }  // namespace
 
 void InertialScale::restart() {
-  path_count_ = frame_count_ = 0;
+  path_.clear();
+  frame_count_ = 0;
   alpha_n_.setZero();
   rate_n_.setZero();
 }
@@ -26,34 +24,20 @@ void InertialScale::restart() {
 void InertialScale::add_imu(int64_t t_ns, double dt_s, const Vector3d& accel_n) {
   alpha_n_ += rate_n_ * dt_s + 0.5 * dt_s * dt_s * accel_n;
   rate_n_ += dt_s * accel_n;
-  path_[path_count_++ % path_.size()] = {t_ns, alpha_n_};
-}
-
-std::optional<Vector3d> InertialScale::alpha_at(int64_t t_ns) const {
-  const size_t kept = std::min(path_count_, path_.size());
-  for (size_t back = 1; back <= kept; ++back) {
-    const Point& point = path_[(path_count_ - back) % path_.size()];
-    if (point.t_ns > t_ns) continue;
-    if (point.t_ns == t_ns) return point.alpha_n;
-    if (back == 1) return t_ns - point.t_ns < 50'000'000 ? std::optional(point.alpha_n) : std::nullopt;
-    const Point& next = path_[(path_count_ - back + 1) % path_.size()];
-    const double w = static_cast<double>(t_ns - point.t_ns) / static_cast<double>(next.t_ns - point.t_ns);
-    return point.alpha_n + w * (next.alpha_n - point.alpha_n);
-  }
-  return std::nullopt;
+  path_.add(t_ns, alpha_n_);
 }
 
 std::optional<WindowScale> InertialScale::add_frame(int64_t t_ns, const Vector3d& lever_n, const Vector3d& y_n,
                                                     double window_s) {
-  const auto alpha_n = alpha_at(t_ns);
+  const auto alpha_n = path_.at(t_ns, p_.reaches_back_ns);
   if (!alpha_n) return std::nullopt;
   if (frame_count_ == 0) first_ns_ = t_ns;
   const double t_s = static_cast<double>(t_ns - first_ns_) * 1e-9;
-  if (frame_count_ > 0 && t_s - frames_[frame_count_ - 1].t_s < kFrameSpacing_s) return std::nullopt;
+  if (frame_count_ > 0 && t_s - frames_[frame_count_ - 1].t_s < p_.window_spacing_s) return std::nullopt;
   if (frame_count_ == frames_.size()) frame_count_ = 0;
   frames_[frame_count_++] = {t_s, *alpha_n + lever_n, y_n};
   if (t_s < window_s) return std::nullopt;
-  const auto scale = frame_count_ >= kMinFrames ? solve() : std::nullopt;
+  const auto scale = frame_count_ >= static_cast<size_t>(p_.window_min_frames) ? solve() : std::nullopt;
   restart();
   return scale;
 }

@@ -8,12 +8,13 @@
 #include <Eigen/Core>
 
 #include "sdk/host/estimator/inertial_parameters.hpp"
+#include "sdk/host/estimator/timed_positions.hpp"
 
 namespace odograph::inertial {
 
 /// What inertia says of the scale over one window.
 struct WindowScale {
-  double inverse_scale;  ///< VO units per metre
+  double inverse_scale;  ///< the odometry's displacement for each metre
   double sigma;          ///< of it
   double signal_m;       ///< S: rms of the detrended motion
   double noise_m;        ///< N: rms of what the odometry differs by
@@ -31,8 +32,8 @@ class InertialScale {
   void restart();
   /// Acceleration in n without gravity, m/s^2, over the interval that ends at t.
   void add_imu(int64_t t_ns, double dt_s, const Eigen::Vector3d& accel_n);
-  /// The odometry's position, VO units in n, and the camera's place against the body, m in n; frames in order of time.
-  /// An answer when a window is full.
+  /// The odometry's position, up to scale, in n, and the camera's place against the body, m in n; frames in order of
+  /// time. An answer when a window is full.
   std::optional<WindowScale> add_frame(int64_t t_ns, const Eigen::Vector3d& lever_n, const Eigen::Vector3d& y_n,
                                        double window_s);
 
@@ -41,16 +42,10 @@ class InertialScale {
     double t_s;
     Eigen::Vector3d alpha_n, y_n;
   };
-  std::optional<Eigen::Vector3d> alpha_at(int64_t t_ns) const;
   std::optional<WindowScale> solve() const;
 
   Parameters p_;
-  struct Point {
-    int64_t t_ns;
-    Eigen::Vector3d alpha_n;
-  };
-  std::array<Point, 256> path_{};
-  size_t path_count_ = 0;
+  TimedPositions path_;  // alpha
   Eigen::Vector3d alpha_n_ = Eigen::Vector3d::Zero(), rate_n_ = Eigen::Vector3d::Zero();
   std::array<Frame, 96> frames_{};
   size_t frame_count_ = 0;

@@ -19,7 +19,6 @@ using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 namespace {
 
-constexpr double kUsual = 0.1;     // weight of a step in the usual length
 constexpr double kNothing = 1e12;  // variance of what a fix does not have
 
 double squared(double x) { return x * x; }
@@ -98,7 +97,8 @@ struct FixInnovation {
 UpdateResult InertialEstimator::apply(const odo_step* step) {
   if (!started_ || step->length_m <= 0) return {};
   flush();
-  const double stated = step->sigma_m / step->length_m, own = std::min(p_.step_own_sigma, std::max(stated, 0.01));
+  const double stated = step->sigma_m / step->length_m,
+               own = std::min(p_.step_own_sigma, std::max(stated, p_.step_min_sigma));
   if (!std::exchange(stepped_, true))
     e_.set_independent(kLogFactor, std::max(squared(p_.factor_sigma), squared(stated) - squared(own)));
   // A walker changes, and so does what plugins learn, but not without bound; where steps alone tell the metre, nobody
@@ -154,7 +154,7 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
   // Derivatives at the usual length: this step's own error in them would favour short steps.
   if (step_mean_m_ == 0) step_mean_m_ = step.length_m;
   const double usual_m = std::exp(e_.x.log_factor) * step_mean_m_;
-  step_mean_m_ += kUsual * (step.length_m - step_mean_m_);
+  step_mean_m_ += p_.step_usual_gain * (step.length_m - step_mean_m_);
   const Vector3d by_factor = (stairs ? 0.0 : usual_m) * along, by_heading = (heading ? usual_m : 0.0) * across;
   const double sway = !heading                       ? EIGEN_PI
                       : is_loose(step) && !unaided() ? p_.step_loose_across_rad

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/estimator/paper_estimator.hpp"
 
 #include <algorithm>
@@ -16,10 +17,6 @@ bool take(std::optional<T>& from, T& out) {
 
 Eigen::Matrix<double, 6, 6> covariance_of(const odo_pose& pose) {
   return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(pose.covariance);
-}
-
-Eigen::Quaterniond orientation(const odo_pose& pose) {
-  return Eigen::Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
 }
 
 }  // namespace
@@ -76,7 +73,7 @@ int32_t PaperEstimator::at(int64_t t_ns, Estimate& out) const {
   const int32_t status = coupling_.pose_at(t_ns, out.pose);
   if (status != ODO_OK) return status;
   const bool camera = (out.pose.header.flags & ODO_POSE_CAMERA) != 0;
-  out.q_n_b = camera ? orientation(out.pose) * coupling_.q_b_c().conjugate() : orientation(out.pose);
+  out.q_n_b = camera ? raw_quaternion(out.pose.q_n) * coupling_.q_b_c().conjugate() : raw_quaternion(out.pose.q_n);
   out.p_n_b = Eigen::Vector3d(out.pose.p_n);  // the papers have no lever arm
   out.v_n_b = Eigen::Vector3d(out.pose.velocity_n);
   out.velocity_is_mean = true;
@@ -98,7 +95,7 @@ bool PaperEstimator::take_correction(Correction& correction, odo_pose& pose) {
   if (!after) return false;
   pose = *after;
   correction.t_ns = after->header.t_ns;
-  correction.q = (orientation(*after) * orientation(before).conjugate()).normalized();
+  correction.q = (raw_quaternion(after->q_n) * raw_quaternion(before.q_n).conjugate()).normalized();
   correction.p = Eigen::Vector3d(after->p_n) - correction.q * Eigen::Vector3d(before.p_n);
   correction.reason = kCorrectionFix;
   correct_held(correction, std::exchange(corrected_pending_, false) ? corrected_from_m_ : fixed_m_);

@@ -16,9 +16,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr double kImpossible = 5.0;         // times the fastest: a motion that the picture or the scale got wrong
-constexpr double kAngleRandomWalk = 0.003;  // rad/sqrt(s): a chain of frames drifts by this more than it says
-
 Quaterniond about_down(double angle_rad) { return Quaterniond(Eigen::AngleAxisd(angle_rad, Vector3d::UnitZ())); }
 
 /// Of a motion's rotation, in c0; only where ODO_VO_COVARIANCE is set.
@@ -47,16 +44,16 @@ void PerFrameCoupling::reset() {
   independent_covariance_.setZero();
   since_fix_n_.setZero();
   relative_sigma_ = unobserved_sigma_m_ = 0.0;
-  heading_variance_ = kHeadingUnknown_rad * kHeadingUnknown_rad, tilt_variance_ = 0.0;
+  heading_variance_ = p_.heading_unknown_rad * p_.heading_unknown_rad, tilt_variance_ = 0.0;
   turned_by_fixes_ = false;
   scale_ = {};
   last_pose_ns_ = last_tracked_ns_ = INT64_MIN;
-  attitude_count_ = 0;
+  attitudes_.clear();
   camera_ = carried_by_steps_ = corrected_ = metric_by_vo_ = false;
   rejected_in_a_row_ = 0;
   unscaled_.reset();
   history_.clear();
-  corrections_ = {}, correction_count_ = 0;
+  corrections_.clear();
 }
 
 void PerFrameCoupling::on_calibration(const odo_calibration& calibration) {
@@ -64,17 +61,16 @@ void PerFrameCoupling::on_calibration(const odo_calibration& calibration) {
 }
 
 void PerFrameCoupling::on_attitude(const odo_attitude& attitude) {
-  attitudes_[attitude_count_++ % attitudes_.size()] = attitude;
+  attitudes_.push(attitude);
   if (camera_) return;
   const Quaterniond q = orientation_from(attitude);
   history_.set_orientation(attitude.header.t_ns, {q.w(), q.x(), q.y(), q.z()});
 }
 
 std::optional<odo_attitude> PerFrameCoupling::attitude_at(int64_t t_ns) const {
-  const size_t kept = std::min(attitude_count_, attitudes_.size());
   std::optional<odo_attitude> best;
-  for (size_t back = 1; back <= kept; ++back) {  // newest first; the first one not later than t is the one
-    const odo_attitude& a = attitudes_[(attitude_count_ - back) % attitudes_.size()];
+  for (size_t i = 0; i < attitudes_.size(); ++i) {  // newest first; the first one not later than t is the one
+    const odo_attitude& a = attitudes_.back(i);
     best = a;
     if (a.header.t_ns <= t_ns) break;
   }
@@ -103,14 +99,14 @@ odo_pose PerFrameCoupling::on_first_frame(int64_t t_ns) {
   }
   // A chained gyroscope that nobody told its heading has any: fixes may turn it around.
   if (!north && !start_.heading_given && config_.orientation == Orientation::gyroscope)
-    heading_variance_ = kAnyHeading_rad * kAnyHeading_rad;
+    heading_variance_ = p_.any_heading_rad * p_.any_heading_rad;
   gyro_attitude_.reset(q_n_, Vector3d(tilt_variance_, tilt_variance_, heading_variance_).asDiagonal());
   last_pose_ns_ = last_tracked_ns_ = t_ns;
   return publish(t_ns, ODO_DEGRADED, ODO_REASON_INITIALISING);
 }
 
 void PerFrameCoupling::prepare(odo_vo_motion& motion) const {
-  motion.q_n_c0[0] = q_n_.w(), motion.q_n_c0[1] = q_n_.x(), motion.q_n_c0[2] = q_n_.y(), motion.q_n_c0[3] = q_n_.z();
+  put_quaternion(q_n_, motion.q_n_c0);
   motion.header.flags |= ODO_VO_NAVIGATION;
 }
 
@@ -153,7 +149,7 @@ odo_pose PerFrameCoupling::on_vo_motion(const odo_vo_motion& motion, const odo_s
       d_n *= scale->scale;
       const bool horizontal = (scale->header.flags & ODO_SCALE_HORIZONTAL) != 0;
       if (horizontal && config_.vertical == Vertical::ignore) d_n.z() = 0.0;
-      if (d_n.norm() > kImpossible * config_.fastest_mps * dt_s) {
+      if (d_n.norm() > p_.impossible * config_.fastest_mps * dt_s) {
         translated = false;
         state = ODO_DEGRADED, reason = ODO_REASON_TOO_FAST;
       }
@@ -193,9 +189,9 @@ std::optional<odo_pose> PerFrameCoupling::on_step(const odo_step& step) {
 }
 
 std::optional<odo_pose> PerFrameCoupling::start_without_camera() {
-  if (inputs_.vo || attitude_count_ != 1) return std::nullopt;
-  q_n_ = orientation_from(attitudes_[0]);
-  return publish(attitudes_[0].header.t_ns, ODO_TRACKING, ODO_REASON_NONE);
+  if (inputs_.vo || attitudes_.size() != 1) return std::nullopt;
+  q_n_ = orientation_from(attitudes_.back(0));
+  return publish(attitudes_.back(0).header.t_ns, ODO_TRACKING, ODO_REASON_NONE);
 }
 
 void PerFrameCoupling::move(const Vector3d& d_n, double relative_sigma, double dt_s) {
@@ -227,7 +223,7 @@ Vector3d PerFrameCoupling::catch_up(const odo_scale& scale) {
 
 /// What becomes less certain from one frame to the next.
 void PerFrameCoupling::drift(const odo_vo_motion& motion, const Quaterniond& q_n_c0, double dt_s, bool lost_metres) {
-  const double walk = kAngleRandomWalk * kAngleRandomWalk * dt_s;
+  const double walk = p_.angle_random_walk * p_.angle_random_walk * dt_s;
   Matrix3d turned = Matrix3d::Zero();
   if (motion.header.flags & ODO_VO_COVARIANCE) {
     const Matrix3d R_n_c0 = q_n_c0.toRotationMatrix();
@@ -283,7 +279,7 @@ odo_pose PerFrameCoupling::publish(int64_t t_ns, uint32_t state, uint32_t reason
   if (metre_known()) pose.header.flags |= ODO_POSE_METRIC;
   if (metre_known() && velocity_known_) pose.header.flags |= ODO_POSE_VELOCITY;
   if (camera_) pose.header.flags |= ODO_POSE_CAMERA;
-  pose.q_n[0] = q_n_.w(), pose.q_n[1] = q_n_.x(), pose.q_n[2] = q_n_.y(), pose.q_n[3] = q_n_.z();
+  put_quaternion(q_n_, pose.q_n);
   Vector3d::Map(pose.p_n) = p_n_;
   Vector3d::Map(pose.velocity_n) = velocity_n_;
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(pose.covariance);

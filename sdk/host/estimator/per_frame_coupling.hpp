@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <optional>
 #include <utility>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "sdk/host/base/ring.hpp"
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/estimator/estimator.hpp"
 #include "sdk/host/estimator/gyro_attitude_filter.hpp"
@@ -25,6 +25,16 @@ namespace odograph {
 /// the motion had no length.
 class PerFrameCoupling {
  public:
+  /// "by hand": a choice that was never varied.
+  struct Parameters {
+    double impossible = 5;             ///< times the fastest: a motion that the picture or the scale got wrong; by hand
+    double angle_random_walk = 0.003;  ///< rad/sqrt(s): composed motions drift by this more than they say; by hand
+    double heading_unknown_rad = 0.2;  ///< rad, of a start without a compass; by hand
+    double any_heading_rad = 1.8;      ///< rad, uniform over the circle: pi / sqrt(3)
+    double uninformed_sigma_m = 1e4;   ///< m: how little a position means before the first fix
+    int max_consecutive_rejections = 5;  ///< of fixes: so many say that it is the track that is wrong; by hand
+  };
+
   PerFrameCoupling(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs);
 
   void on_calibration(const odo_calibration& calibration);
@@ -87,9 +97,7 @@ class PerFrameCoupling {
   bool metre_known() const { return !inputs_.vo || metric_by_vo_ || (inputs_.scale && scale_.scale > 0 && !unscaled_); }
   bool metric() const { return inputs_.scale || !inputs_.vo || metric_by_vo_; }
 
-  static constexpr double kHeadingUnknown_rad = 0.2;  // of a start without a compass
-  static constexpr double kAnyHeading_rad = 1.8;      // uniform over the circle: pi / sqrt(3)
-
+  Parameters p_;
   CouplingConfig config_;
   StartPose start_;
   EstimatorInputs inputs_;
@@ -100,11 +108,8 @@ class PerFrameCoupling {
     Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
     Eigen::Vector3d from_n = Eigen::Vector3d::Zero(), to_n = Eigen::Vector3d::Zero();
   };
-  std::array<Corrected, 16> corrections_{};
-  size_t correction_count_ = 0;
-
-  std::array<odo_attitude, 128> attitudes_{};
-  size_t attitude_count_ = 0;
+  Ring<Corrected, 16> corrections_;
+  Ring<odo_attitude, 128> attitudes_;
 
   // A phone's rear camera: x right as the body's, y down and z forward against the body's up and out of the screen.
   Eigen::Quaterniond q_b_c_{0.0, 1.0, 0.0, 0.0};
@@ -133,7 +138,7 @@ class PerFrameCoupling {
   bool velocity_known_ = false;
   std::optional<Eigen::Vector3d> caught_up_n_;
   struct Unscaled {                                 // what a scale group has moved before its scale is known
-    Eigen::Vector3d d_n = Eigen::Vector3d::Zero();  // VO units
+    Eigen::Vector3d d_n = Eigen::Vector3d::Zero();  // up to scale
     uint32_t group = 0;
     double sigma_before_m = 0;
   };

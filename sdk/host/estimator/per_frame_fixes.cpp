@@ -16,9 +16,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr int kMaxConsecutiveRejections = 5;  // that many rejected in a row say that it is we who are wrong
-constexpr double kUninformedSigma_m = 1e4;    // how little a position means before the first fix
-
 }  // namespace
 
 bool PerFrameCoupling::correct_gyro_attitude(const Vector3d& off_n, const odo_fix& fix) {
@@ -62,8 +59,7 @@ bool PerFrameCoupling::update_heading(const odo_fix& fix, const Quaterniond& q_t
   }
   turned_by_fixes_ = true;
   heading_offset_rad_ += theta_n.z();
-  if (const double angle = theta_n.norm(); angle > 0)
-    q_n_ = (Quaterniond(Eigen::AngleAxisd(angle, theta_n / angle)) * q_n_).normalized();
+  if (theta_n.norm() > 0) q_n_ = (exp_rotation(theta_n) * q_n_).normalized();
   share_rotation_covariance();
   return true;
 }
@@ -74,14 +70,14 @@ std::optional<odo_pose> PerFrameCoupling::pose_then(int64_t t_ns) const {
   if (history_.at(t_ns, then) != ODO_OK) return std::nullopt;
   Vector3d p_n(then.p_n);
   Quaterniond q_n = quaternion(then.q_n);
-  for (size_t k = std::min(correction_count_, corrections_.size()); k > 0; --k) {  // the oldest first
-    const Corrected& c = corrections_[(correction_count_ - k) % corrections_.size()];
+  for (size_t k = corrections_.size(); k > 0; --k) {  // the oldest first
+    const Corrected& c = corrections_.back(k - 1);
     if (c.t_ns <= t_ns) continue;
     p_n = c.to_n + c.turned * (p_n - c.from_n);
     q_n = c.turned * q_n;
   }
   Vector3d::Map(then.p_n) = p_n;
-  then.q_n[0] = q_n.w(), then.q_n[1] = q_n.x(), then.q_n[2] = q_n.y(), then.q_n[3] = q_n.z();
+  put_quaternion(q_n, then.q_n);
   return then;
 }
 
@@ -101,7 +97,7 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     innovation[i] = 0.0;
     R.row(i).setZero();
     R.col(i).setZero();
-    R(i, i) = kUninformedSigma_m * kUninformedSigma_m;
+    R(i, i) = p_.uninformed_sigma_m * p_.uninformed_sigma_m;
   }
   if ((flags & (ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN)) == 0) {
     corrected_ = has_heading && update_heading(fix, q_then);
@@ -109,8 +105,8 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
     return {corrected_, 0.0, 0};
   }
   Matrix3d P = position_covariance();
-  if (!placed_ || rejected_in_a_row_ >= kMaxConsecutiveRejections)
-    P = Matrix3d::Identity() * kUninformedSigma_m * kUninformedSigma_m;
+  if (!placed_ || rejected_in_a_row_ >= p_.max_consecutive_rejections)
+    P = Matrix3d::Identity() * p_.uninformed_sigma_m * p_.uninformed_sigma_m;
   const Matrix3d S = P + R + Matrix3d::Identity() * 1e-9;
   const double gate = config_.fix_gate_sigma;
   const double nis = innovation.dot(S.ldlt().solve(innovation));
@@ -122,8 +118,8 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
   }
   // The fix that places a track nobody told its start tells its heading too, which may be any.
   if (!placed_ && (flags & ODO_FIX_ORIENTATION) != 0 && !start_.heading_given &&
-      heading_variance_ >= kHeadingUnknown_rad * kHeadingUnknown_rad)
-    heading_variance_ = std::max(heading_variance_, kAnyHeading_rad * kAnyHeading_rad);
+      heading_variance_ >= p_.heading_unknown_rad * p_.heading_unknown_rad)
+    heading_variance_ = std::max(heading_variance_, p_.any_heading_rad * p_.any_heading_rad);
   if (has_heading) update_heading(fix, q_then);  // a fix whose position is refused does not turn either
   const Matrix3d K = P * S.inverse();
   const Vector3d correction = K * innovation;
@@ -141,7 +137,7 @@ UpdateResult PerFrameCoupling::on_fix(const odo_fix& fix) {
 }
 
 void PerFrameCoupling::note_correction(const Quaterniond& q_before, const Vector3d& from_n) {
-  corrections_[correction_count_++ % corrections_.size()] = {last_pose_ns_, q_n_ * q_before.conjugate(), from_n, p_n_};
+  corrections_.push({last_pose_ns_, q_n_ * q_before.conjugate(), from_n, p_n_});
 }
 
 }  // namespace odograph

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/estimator/pose_history.hpp"
 
 #include <algorithm>
@@ -6,13 +7,6 @@
 #include <Eigen/Geometry>
 
 namespace odograph {
-namespace {
-
-constexpr int64_t kExtrapolate_ns = 500'000'000;
-
-Eigen::Quaterniond quaternion(const odo_pose& pose) { return {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}; }
-
-}  // namespace
 
 void PoseHistory::set_orientation(int64_t t_ns, const std::array<double, 4>& q_n) {
   const std::lock_guard lock(mutex_);
@@ -52,9 +46,9 @@ int32_t PoseHistory::at(int64_t t_ns, odo_pose& out) const {
     return ODO_OK;
   }
   if (t_ns > last.header.t_ns) {
-    if (t_ns - std::max(last.header.t_ns, oriented_ns_) > kExtrapolate_ns) return ODO_E_NOT_FOUND;
+    if (t_ns - std::max(last.header.t_ns, oriented_ns_) > kMaxExtrapolation_ns) return ODO_E_NOT_FOUND;
     out = last;
-    const double dt = static_cast<double>(std::min(t_ns - last.header.t_ns, kExtrapolate_ns)) * 1e-9;
+    const double dt = static_cast<double>(std::min(t_ns - last.header.t_ns, kMaxExtrapolation_ns)) * 1e-9;
     for (int i = 0; i < 3; ++i) out.p_n[i] += last.velocity_n[i] * dt;
     if (oriented_ns_ > last.header.t_ns) std::copy(orientation_.begin(), orientation_.end(), out.q_n);
     out.header.t_ns = t_ns;
@@ -72,8 +66,8 @@ int32_t PoseHistory::at(int64_t t_ns, odo_pose& out) const {
   const double w = span > 0 ? static_cast<double>(t_ns - a.header.t_ns) / static_cast<double>(span) : 0.0;
   out = w < 0.5 ? a : b;
   out.header.t_ns = t_ns;
-  const Eigen::Quaterniond q = quaternion(a).slerp(w, quaternion(b));
-  out.q_n[0] = q.w(), out.q_n[1] = q.x(), out.q_n[2] = q.y(), out.q_n[3] = q.z();
+  const Eigen::Quaterniond q = raw_quaternion(a.q_n).slerp(w, raw_quaternion(b.q_n));
+  put_quaternion(q, out.q_n);
   for (int i = 0; i < 3; ++i) out.p_n[i] = a.p_n[i] + w * (b.p_n[i] - a.p_n[i]);
   out.distance_m = a.distance_m + w * (b.distance_m - a.distance_m);
   return ODO_OK;

@@ -9,6 +9,9 @@
 
 namespace odograph {
 
+/// How far beyond the newest pose one is told, with its velocity; chosen by hand, not tuned.
+inline constexpr int64_t kMaxExtrapolation_ns = 500'000'000;
+
 /// The last poses, to answer "where was it at t". No allocation after construction. Thread-safe: an app asks for the
 /// pose while the pipeline works on the next frame.
 class PoseHistory {
@@ -20,8 +23,8 @@ class PoseHistory {
   /// The orientation now, where it is known between poses (no camera: the position is as old as the last step).
   void set_orientation(int64_t t_ns, const std::array<double, 4>& q_n);
 
-  /// The pose at t: interpolated (slerp and linear), or extrapolated with the last velocity by at most 0.5 s and
-  /// flagged so. ODO_NOT_READY when empty, ODO_E_NOT_FOUND outside.
+  /// The pose at t: interpolated (slerp and linear), or extrapolated with the last velocity by at most
+  /// kMaxExtrapolation_ns and flagged so. ODO_NOT_READY when empty, ODO_E_NOT_FOUND outside.
   int32_t at(int64_t t_ns, odo_pose& out) const;
   void clear();
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <optional>
 
+#include "sdk/host/base/ring.hpp"
 #include "sdk/host/estimator/error_state.hpp"
 
 namespace odograph::inertial {
@@ -13,15 +12,18 @@ namespace odograph::inertial {
 /// move the clones, and what lies between goes with them.
 class PoseTrack {
  public:
-  void clear() { count_ = 0, segment_ = 0; }
+  void clear() { moments_.clear(), segment_ = 0; }
   /// A new clone begins a segment.
   void begin_segment() { ++segment_; }
   void add(int64_t t_ns, const Clone& clone, const State& x) {
-    moments_[count_++ % moments_.size()] = {t_ns, segment_, x.q_n_b * clone.q_n_b.conjugate(), x.p_n - clone.p_n};
+    moments_.push({t_ns, segment_, x.q_n_b * clone.q_n_b.conjugate(), x.p_n - clone.p_n});
   }
   /// n itself is turned.
   void rotate(const Eigen::Quaterniond& q) {
-    for (Moment& m : moments_) m.dq_n = q * m.dq_n * q.conjugate(), m.dp_n = (q * m.dp_n).eval();
+    for (size_t i = 0; i < moments_.size(); ++i) {
+      Moment& m = moments_.back(i);
+      m.dq_n = q * m.dq_n * q.conjugate(), m.dp_n = (q * m.dp_n).eval();
+    }
   }
 
   /// Nothing before the oldest clone; from now on the pose now.
@@ -41,8 +43,8 @@ class PoseTrack {
     Moment high{end_ns, segment, q_end * before.q_n_b.conjugate(), p_end - before.p_n};
     Moment last = high;  // where the segment ended when it was recorded
     bool any = false;
-    for (size_t back = 1; back <= std::min(count_, moments_.size()); ++back) {
-      const Moment& m = moments_[(count_ - back) % moments_.size()];
+    for (size_t k = 0; k < moments_.size(); ++k) {
+      const Moment& m = moments_.back(k);
       if (m.segment > segment) continue;
       if (m.segment < segment) break;
       if (!any) last = m, any = true;
@@ -68,8 +70,7 @@ class PoseTrack {
     Eigen::Quaterniond dq_n = Eigen::Quaterniond::Identity();
     Eigen::Vector3d dp_n = Eigen::Vector3d::Zero();
   };
-  std::array<Moment, 2048> moments_{};
-  size_t count_ = 0;
+  Ring<Moment, 2048> moments_;
   uint64_t segment_ = 0;
 };
 

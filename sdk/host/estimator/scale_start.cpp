@@ -5,21 +5,12 @@
 #include <cmath>
 
 namespace odograph::inertial {
-namespace {
-
-constexpr int kMinSteps = 3;
-constexpr double kMaxDisplacementRatio =
-    3;  // a step on which the odometry moved three times less than on the others is none
-
-}  // namespace
 
 void ScaleStart::restart() {
-  count_ = 0;
+  path_.clear();
   steps_m_ = steps_displacement_ = information_ = weighted_ = 0;
   steps_ = 0;
 }
-
-void ScaleStart::add_motion(int64_t t_ns, const Eigen::Vector3d& y_n) { path_[count_++ % path_.size()] = {t_ns, y_n}; }
 
 void ScaleStart::add_window(const WindowScale& window) {
   const double weight = 1 / (window.sigma * window.sigma);
@@ -27,32 +18,19 @@ void ScaleStart::add_window(const WindowScale& window) {
   weighted_ += weight * window.inverse_scale;
 }
 
-std::optional<Eigen::Vector3d> ScaleStart::at(int64_t t_ns) const {
-  const size_t kept = std::min(count_, path_.size());
-  for (size_t back = 1; back <= kept; ++back) {
-    const Point& point = path_[(count_ - back) % path_.size()];
-    if (point.t_ns > t_ns) continue;
-    if (back == 1) return t_ns == point.t_ns ? std::optional(point.y_n) : std::nullopt;
-    const Point& next = path_[(count_ - back + 1) % path_.size()];
-    const double w = static_cast<double>(t_ns - point.t_ns) / static_cast<double>(next.t_ns - point.t_ns);
-    return point.y_n + w * (next.y_n - point.y_n);
-  }
-  return std::nullopt;
-}
-
 bool ScaleStart::add_step(int64_t start_ns, int64_t end_ns, double length_m) {
   const auto from = at(start_ns), to = at(end_ns);
   if (!from || !to || length_m <= 0) return false;
-  const double units = (*to - *from).head<2>().norm();
-  if (steps_ > 0 && units * kMaxDisplacementRatio / length_m < steps_displacement_ / steps_m_) return false;
-  steps_m_ += length_m, steps_displacement_ += units;
+  const double displacement = (*to - *from).head<2>().norm();
+  if (steps_ > 0 && displacement * p_.start_min_step_ratio / length_m < steps_displacement_ / steps_m_) return false;
+  steps_m_ += length_m, steps_displacement_ += displacement;
   ++steps_;
   return true;
 }
 
 std::optional<ScaleStart::Known> ScaleStart::known(double log_factor, double factor_variance) const {
   double by_steps = 0, by_inertia = 0, steps_log = 0, inertia_log = 0;  // information, values
-  if (steps_ >= kMinSteps && steps_displacement_ > 0) {
+  if (steps_ >= p_.start_min_steps && steps_displacement_ > 0) {
     const double own = p_.step_own_sigma * p_.step_own_sigma / steps_;
     by_steps = 1 / (factor_variance + own);
     steps_log = std::log(steps_m_ / steps_displacement_) + log_factor;
@@ -60,7 +38,7 @@ std::optional<ScaleStart::Known> ScaleStart::known(double log_factor, double fac
   if (information_ > 0) {
     const double r = weighted_ / information_;
     by_inertia = information_ * r * r;
-    if (r > 0 && by_inertia > 1 / 0.09)
+    if (r > 0 && by_inertia > 1 / (p_.start_inertia_sigma * p_.start_inertia_sigma))
       inertia_log = -std::log(r);
     else
       by_inertia = 0;  // below three sigmas its logarithm means nothing

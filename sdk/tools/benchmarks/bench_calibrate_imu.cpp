@@ -4,6 +4,7 @@
 // `odograph bench calibrate-imu`.
 #include <cmath>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/replay/camera_imu_source.hpp"
 
@@ -38,7 +39,7 @@ struct CalibrateImu : Benchmark {
     if (!keep_lens) data->given.fx *= kFocalWrong, data->given.fy *= kFocalWrong;
     const auto found = calibrate_camera_imu(*data, {.refine_lens = !keep_lens});
     if (!found) return found.failure();
-    const Eigen::Quaterniond q(said.q_b_c[0], said.q_b_c[1], said.q_b_c[2], said.q_b_c[3]);
+    const Eigen::Quaterniond q = raw_quaternion(said.q_b_c);
     const auto error = [](const Estimate& e, double truth, double unit) {
       return e.observable ? Json(unit * (e.value - truth)) : Json();
     };

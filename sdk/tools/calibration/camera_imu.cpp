@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/calibration/camera_imu_problem.hpp"
 
 namespace odograph {
@@ -160,7 +161,7 @@ class Work {
 
   /// What was found becomes what the next round starts from.
   void take_over() {
-    q_b_c_ = (q_b_c_ * rotation_of(x_.segment<3>(shared::mount))).normalized();
+    q_b_c_ = (q_b_c_ * exp_rotation(x_.segment<3>(shared::mount))).normalized();
     lens_.fx *= 1 + x_[kFocal], lens_.fy *= 1 + x_[kFocal];
     lens_.cx += x_[kCx], lens_.cy += x_[kCy];
     lens_.distortion[0] += x_[kK1];
@@ -215,8 +216,7 @@ Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, con
   if (!start) return start.failure();
   out.correlation = start->correlation;
   out.offset_cost = start->offset_cost, out.rotations = start->rotations;
-  if (given.header.flags & ODO_CALIBRATION_EXTRINSICS)
-    out.given_q_b_c = Quaterniond(given.q_b_c[0], given.q_b_c[1], given.q_b_c[2], given.q_b_c[3]).normalized();
+  if (given.header.flags & ODO_CALIBRATION_EXTRINSICS) out.given_q_b_c = quaternion(given.q_b_c);
   if (given.header.flags & ODO_CALIBRATION_TIME_OFFSET)
     out.time_offset_s.given = static_cast<double>(given.time_offset_ns) * 1e-9;
   out.row_time_s.given = data.given_row_time_s;

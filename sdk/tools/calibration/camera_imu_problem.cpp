@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/calibration/camera_imu_window.hpp"
 
 namespace odograph {
@@ -12,12 +13,6 @@ using Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Quaterniond, Eigen::Vector2d, Eig
 constexpr double kLength = 1e-3;    // of a path from 1: the scale is nobody's to know
 constexpr double kMinDepth = 0.05;  // before a camera, of a point one away; nearer or behind it is held there
 constexpr double kNearest = 0.5;    // of the path's length, inverse: a point's start
-
-Matrix3d cross_matrix(const Vector3d& v) {
-  Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 }  // namespace
 
@@ -77,14 +72,14 @@ class CameraImuProblem::Reprojection final : public ceres::SizedCostFunction<2, 
     v.t = sight_.t_s + x[shared::time_offset] + late_s;
     v.since_s = v.t - window_.reference_s;
     const Quaterniond turned = window_.q_reference_g * at_.gyro->at(v.t);
-    v.theta = rotation_vector(turned);
+    v.theta = log_rotation(turned);
     Matrix3d E;
     const auto e = x.segment<6>(shared::gyro_scale);
     E << e[0], e[3], e[4], e[3], e[1], e[5], e[4], e[5], e[2];
     const Vector3d phi = E * v.theta - x.segment<3>(shared::bias) * v.since_s;
-    v.R_reference_b = (turned * rotation_of(phi)).toRotationMatrix();
+    v.R_reference_b = (turned * exp_rotation(phi)).toRotationMatrix();
     v.delta = x.segment<3>(shared::mount);
-    v.R_b_c = (at_.q_b_c * rotation_of(v.delta)).toRotationMatrix();
+    v.R_b_c = (at_.q_b_c * exp_rotation(v.delta)).toRotationMatrix();
     window_.passing(sight_.frame, late_s, v.weight, v.rate);
     for (size_t k = 1; k < kWindowFrames; ++k) {
       const auto p = path.segment<3>(3 * static_cast<Eigen::Index>(k - 1));
@@ -98,8 +93,8 @@ class CameraImuProblem::Reprojection final : public ceres::SizedCostFunction<2, 
   void derive_by_shared(const View& v, const Matrix23d& by_Y, const Matrix23d& by_Z, double inverse_depth,
                         double* jacobian) const {
     Eigen::Map<Eigen::Matrix<double, 2, shared::count, Eigen::RowMajor>> J(jacobian);
-    const Matrix23d by_rotation = by_Y * v.R_b_c.transpose() * cross_matrix(v.Z_b);
-    J.middleCols<3>(shared::mount) = by_Y * cross_matrix(v.Y) * (Matrix3d::Identity() - 0.5 * cross_matrix(v.delta));
+    const Matrix23d by_rotation = by_Y * v.R_b_c.transpose() * skew(v.Z_b);
+    J.middleCols<3>(shared::mount) = by_Y * skew(v.Y) * (Matrix3d::Identity() - 0.5 * skew(v.delta));
     const Vector2d by_turning = by_rotation * at_.gyro->rate(v.t), by_moving = -inverse_depth * (by_Z * v.velocity);
     J.col(shared::time_offset) = by_turning;  // the frames' places move along
     J.col(shared::row_time) = sight_.rows * (by_turning + by_moving);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/calibration/camera_imu_start.hpp"
 
 #include <algorithm>
@@ -49,7 +50,7 @@ Vector3d seen_rotation(const CameraImuData& data, const FramePair& pair) {
     for (size_t i = 0; i < a.size(); ++i) left[i] = (a[i] - R * b[i]).norm();
     scale = std::max(1e-5, median(left));
   }
-  return rotation_vector(Quaterniond(R));
+  return log_rotation(Quaterniond(R));
 }
 
 struct Seen {
@@ -69,7 +70,7 @@ Match match_at(const std::vector<Seen>& seen, const GyroOrientation& gyro, doubl
   std::vector<Vector3d> g(seen.size());
   std::vector<double> left(seen.size(), 0.0);
   for (size_t i = 0; i < seen.size(); ++i)
-    g[i] = rotation_vector(gyro.at(seen[i].from_s + offset_s).conjugate() * gyro.at(seen[i].to_s + offset_s)) /
+    g[i] = log_rotation(gyro.at(seen[i].from_s + offset_s).conjugate() * gyro.at(seen[i].to_s + offset_s)) /
            (seen[i].to_s - seen[i].from_s);
   Match match;
   double scale = 1;
@@ -183,7 +184,7 @@ Result<CameraImuStart> find_camera_imu_start(const CameraImuData& data, const Gy
   start.bias_b = best.bias_b, start.correlation = best.correlation;
   for (const Seen& s : seen) {
     const double from = s.from_s + start.time_offset_s, to = s.to_s + start.time_offset_s;
-    const Vector3d g = rotation_vector(gyro.at(from).conjugate() * gyro.at(to)) / (to - from) - best.bias_b;
+    const Vector3d g = log_rotation(gyro.at(from).conjugate() * gyro.at(to)) / (to - from) - best.bias_b;
     start.rotations.push_back({0.5 * (from + to), best.R_b_c.transpose() * g, s.rate_c});
   }
   if (best.correlation < kMinCorrelation)

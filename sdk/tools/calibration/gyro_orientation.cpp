@@ -1,23 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/calibration/gyro_orientation.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace odograph {
-
-Eigen::Quaterniond rotation_of(const Eigen::Vector3d& v) {
-  const double angle = v.norm();
-  const double s = angle < 1e-9 ? 0.5 : std::sin(0.5 * angle) / angle;
-  return {std::cos(0.5 * angle), s * v.x(), s * v.y(), s * v.z()};
-}
-
-Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
-  const Eigen::Vector3d v = (q.w() < 0 ? -1 : 1) * q.vec();
-  const double sine = v.norm();
-  if (sine < 1e-12) return 2 * v;
-  return 2 * std::atan2(sine, std::abs(q.w())) / sine * v;
-}
 
 GyroOrientation::GyroOrientation(const std::vector<GyroSample>& samples, const Eigen::Vector3d& bias_b,
                                  const Eigen::Matrix3d& scale)
@@ -28,7 +15,7 @@ GyroOrientation::GyroOrientation(const std::vector<GyroSample>& samples, const E
     const Eigen::Vector3d rate = scale * (samples[i].rate_b - bias_b);
     const Eigen::Vector3d change = scale * (samples[i + 1].rate_b - samples[i].rate_b);
     knots_.push_back({seconds(samples[i].t_ns), q, rate, change / dt});
-    q = (q * rotation_of(dt * (rate + 0.5 * change))).normalized();
+    q = (q * exp_rotation(dt * (rate + 0.5 * change))).normalized();
   }
   knots_.push_back(
       {seconds(samples.back().t_ns), q, scale * (samples.back().rate_b - bias_b), Eigen::Vector3d::Zero()});
@@ -50,7 +37,7 @@ bool GyroOrientation::covers(double from_s, double to_s, double gap_s) const {
 Eigen::Quaterniond GyroOrientation::at(double t_s) const {
   const Knot& knot = knots_[interval(t_s)];
   const double dt = t_s - knot.t_s;
-  return knot.q * rotation_of(dt * knot.rate + 0.5 * dt * dt * knot.acceleration);
+  return knot.q * exp_rotation(dt * knot.rate + 0.5 * dt * dt * knot.acceleration);
 }
 
 Eigen::Vector3d GyroOrientation::rate(double t_s) const {

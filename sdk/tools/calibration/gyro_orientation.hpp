@@ -13,11 +13,6 @@ struct GyroSample {
   Eigen::Vector3d rate_b = Eigen::Vector3d::Zero();  ///< rad/s
 };
 
-/// The rotation of a rotation vector, rad.
-Eigen::Quaterniond rotation_of(const Eigen::Vector3d& v);
-/// The rotation vector of a unit quaternion, rad, at most pi long.
-Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q);
-
 /// Orientation of the body by its gyroscope, as a function of time: the rate is linear between samples, and each
 /// interval's rotation is the exponential of its integral (the second term of the Magnus series, below 1e-5 rad at
 /// 50 Hz and the rates of hands, is left out). Times are seconds after the first sample.

@@ -142,7 +142,7 @@ inline const Skeleton kSkeletons[] = {
   return self->sink->emit(self->sink, &event.header);
 )",
      "attitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\ncoupling:\n  type: inertial\n"},
-    {"scale_source", "ODO_INTERFACE_SCALE_SOURCE", "Metres per unit from one known speed", "odo_vo_motion", "",
+    {"scale_source", "ODO_INTERFACE_SCALE_SOURCE", "Scale from one known speed", "odo_vo_motion", "",
      R"(    const double* p = message.p_c0_c1;
     const double units = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
     if ((message.header.flags & ODO_VO_TRANSLATION) == 0 || !(units > 1e-9 && units < 1e9)) return;

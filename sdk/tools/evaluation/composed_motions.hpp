@@ -14,7 +14,7 @@ namespace odograph {
 struct ComposedPose {
   int64_t t_ns = 0;
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();  ///< from c to the chain's frame, the first camera's axes
-  Eigen::Vector3d own = Eigen::Vector3d::Zero();          ///< position in VO units, every displacement counted
+  Eigen::Vector3d own = Eigen::Vector3d::Zero();          ///< position up to scale, every displacement counted
   /// Position in m: displacements of a scale group count from its first metric motion on, others leave it as it is.
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();
   uint32_t scale_group = 0;
@@ -29,7 +29,7 @@ struct ComposedMotions {
   std::vector<ComposedPose> poses;  ///< the first motion's beginning, then each motion's end
   size_t holes = 0;                 ///< motions that do not begin where the last one ended
 
-  Trajectory own() const;     ///< every pose, in VO units
+  Trajectory own() const;     ///< every pose, up to scale
   Trajectory metric() const;  ///< the metric poses
 };
 

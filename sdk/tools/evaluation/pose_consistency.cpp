@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
 
@@ -38,7 +39,7 @@ PoseConsistency pose_consistency(const std::vector<odo_pose>& poses, const Traje
   for (const odo_pose& pose : poses) {
     const auto there = pose_at(truth, pose.header.t_ns, kLargestTruthGap_s);
     if (!there) continue;
-    const Quaterniond q(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
+    const Quaterniond q = raw_quaternion(pose.q_n);
     if (estimate.empty()) laid = yaw_alignment({pose.header.t_ns, q, Vector3d(pose.p_n)}, *there);
     const double dt_s =
         estimate.empty() ? 0 : static_cast<double>(pose.header.t_ns - estimate.back().t_ns) * kNanoseconds;

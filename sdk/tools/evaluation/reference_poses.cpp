@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
 
 namespace odograph {
@@ -26,8 +27,7 @@ std::optional<Extrinsics> extrinsics_of(const Recording& recording) {
   for (const RecordedMessage& m : recording.messages) {
     if (m.message.header().type != ODO_TYPE_CALIBRATION) continue;
     const auto& c = as<odo_calibration>(m.message.header());
-    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS)
-      return Extrinsics{{c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]}, Vector3d(c.p_b_c)};
+    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) return Extrinsics{raw_quaternion(c.q_b_c), Vector3d(c.p_b_c)};
   }
   return std::nullopt;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/evaluation/stream_figures.hpp"
 
 #include <algorithm>
@@ -8,13 +9,10 @@
 namespace odograph {
 namespace {
 
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 double angle_deg(const odo_pose& a, const odo_pose& b) {
-  return Quaterniond(a.q_n[0], a.q_n[1], a.q_n[2], a.q_n[3])
-             .angularDistance(Quaterniond(b.q_n[0], b.q_n[1], b.q_n[2], b.q_n[3])) *
-         180 / EIGEN_PI;
+  return raw_quaternion(a.q_n).angularDistance(raw_quaternion(b.q_n)) * 180 / EIGEN_PI;
 }
 
 Vector3d position(const odo_pose& pose) { return Vector3d(pose.p_n); }

@@ -24,7 +24,7 @@ struct StopFigures {
   Stop stop;
   bool new_group = false;  ///< the scale group changed somewhere between the stretch before and the stretch after
   /// The odometry's displacement by the true one, over the last metres before the stop and the first after it; 0 where
-  /// either stretch is not whole or hardly leads anywhere. In VO units, so of odometries without a metre too.
+  /// either stretch is not whole or hardly leads anywhere. Up to scale, so of odometries without a metre too.
   double scale_before = 0, scale_after = 0;
   double drift_m = 0;  ///< error of the displacement between beginning and end of the stop; metric poses only, else 0
   bool measured() const { return !new_group && scale_before > 0 && scale_after > 0; }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/evaluation/walk_figures.hpp"
 
 #include <algorithm>
@@ -55,7 +56,7 @@ void add_attitude(const Recording& recording, const WalkEstimate& result, WalkFi
   double first_deg = 0, last_deg = 0, first_s = -1, last_s = 0, before = 0, rotations = 0;
   for (const odo_attitude& a : result.attitudes) {
     while (at + 1 < recording.true_states.size() && recording.true_states[at].t_ns < a.header.t_ns) ++at;
-    const Eigen::Quaterniond q(a.q_n_b[0], a.q_n_b[1], a.q_n_b[2], a.q_n_b[3]), &truth = recording.true_states[at].q;
+    const Eigen::Quaterniond q = raw_quaternion(a.q_n_b), &truth = recording.true_states[at].q;
     const Eigen::Vector3d down = q * (truth.conjugate() * Eigen::Vector3d::UnitZ());
     const double t = static_cast<double>(a.header.t_ns - recording.true_states.front().t_ns) * 1e-9;
     if (t < 10) continue;
@@ -93,7 +94,7 @@ double heading_drift(const std::vector<odo_attitude>& attitudes, const std::vect
     if (at + 1 >= own.size() || own[at].t_ns > a.header.t_ns) continue;
     const double w =
         static_cast<double>(a.header.t_ns - own[at].t_ns) / static_cast<double>(own[at + 1].t_ns - own[at].t_ns);
-    const Eigen::Quaterniond q(a.q_n_b[0], a.q_n_b[1], a.q_n_b[2], a.q_n_b[3]);
+    const Eigen::Quaterniond q = raw_quaternion(a.q_n_b);
     const Eigen::Quaterniond off = q * own[at].q.slerp(w, own[at + 1].q).conjugate();
     const double heading = 2 * std::atan2(off.z(), off.w());
     const double last = off_rad.empty() ? heading : off_rad.back();

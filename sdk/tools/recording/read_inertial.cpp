@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/config/camera_yaml.hpp"
 #include "sdk/host/config/spec.hpp"
 #include "sdk/tools/recording/recording.hpp"
@@ -68,7 +69,7 @@ Result<bool> read_mount(const std::string& file, const YamlNode& T, odo_calibrat
   if (!((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01) || !(R.determinant() > 0))
     return Failure{ODO_E_DATA, at(file, T.find("data")->mark, "T_BS: its 3 x 3 part is no rotation")};
   const Eigen::Quaterniond q = Eigen::Quaterniond(R).normalized();
-  c.q_b_c[0] = q.w(), c.q_b_c[1] = q.x(), c.q_b_c[2] = q.y(), c.q_b_c[3] = q.z();
+  put_quaternion(q, c.q_b_c);
   for (size_t i = 0; i < 3; ++i) c.p_b_c[i] = (*T_b_c)[4 * i + 3];
   c.header.flags = ODO_CALIBRATION_EXTRINSICS;
   return true;
@@ -168,7 +169,7 @@ Result<bool> set_euroc_truth(Recording& recording, const fs::path& file) {
   for (const auto& m : recording.messages)
     if (m.message.header().type == ODO_TYPE_CALIBRATION && (m.message.header().flags & ODO_CALIBRATION_EXTRINSICS)) {
       const auto& c = as<odo_calibration>(m.message.header());
-      const Eigen::Quaterniond q_b_c(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
+      const Eigen::Quaterniond q_b_c = raw_quaternion(c.q_b_c);
       for (auto& x : *truth) {
         x.p += x.q * Eigen::Vector3d(c.p_b_c);
         x.q = x.q * q_b_c;

@@ -8,6 +8,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/recording/recording.hpp"
@@ -141,8 +142,7 @@ class EurocWriter {
 
   void write_camera() {
     Eigen::Isometry3d T_b_c = Eigen::Isometry3d::Identity();
-    T_b_c.linear() =
-        Eigen::Quaterniond(camera_.q_b_c[0], camera_.q_b_c[1], camera_.q_b_c[2], camera_.q_b_c[3]).toRotationMatrix();
+    T_b_c.linear() = raw_quaternion(camera_.q_b_c).toRotationMatrix();
     T_b_c.translation() = Eigen::Vector3d::Map(camera_.p_b_c);
     const bool fisheye = camera_.model == ODO_CAMERA_KANNALA_BRANDT;
     const double intrinsics[4] = {camera_.fx, camera_.fy, camera_.cx, camera_.cy};

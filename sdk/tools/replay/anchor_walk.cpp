@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <odograph/anchor.h>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/replay/arrivals.hpp"
 #include "sdk/tools/replay/replayed.hpp"
 
@@ -66,7 +67,7 @@ class Walk {
   static void on_correction(void* user, const odo_header* event) {
     const auto correction = copy_as<odo_correction>(*event);
     auto& self = *static_cast<Walk*>(user);
-    const Quaterniond q(correction.q_n[0], correction.q_n[1], correction.q_n[2], correction.q_n[3]);
+    const Quaterniond q = raw_quaternion(correction.q_n);
     self.carried_ = q * self.carried_ + Vector3d(correction.p_n);
   }
 
@@ -83,7 +84,7 @@ class Walk {
     if (odo_session_get_pose(session_, t_ns, &pose) != ODO_OK) return std::nullopt;
     if ((pose.header.flags & (ODO_POSE_POSITION | ODO_POSE_METRIC)) != (ODO_POSE_POSITION | ODO_POSE_METRIC))
       return std::nullopt;
-    return Pose{Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]), Vector3d(pose.p_n)};
+    return Pose{raw_quaternion(pose.q_n), Vector3d(pose.p_n)};
   }
 
   odo_anchor get(uint64_t id, uint32_t world, int64_t t_ns) const {

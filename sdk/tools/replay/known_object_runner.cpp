@@ -9,6 +9,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/simulation/poster.hpp"
@@ -101,7 +102,7 @@ std::vector<Told> play(Fixer& fixer, const std::vector<Hung>& hung, const Viewpo
     prior.header.flags =
         ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_METRIC | ODO_POSE_CAMERA | ODO_POSE_VELOCITY;
     const Eigen::Quaterniond q(Matrix3d(wrong * v.R_n_c));
-    prior.q_n[0] = q.w(), prior.q_n[1] = q.x(), prior.q_n[2] = q.y(), prior.q_n[3] = q.z();
+    put_quaternion(q, prior.q_n);
     Vector3d::Map(prior.p_n) = v.p_n + position_error;
     Vector3d::Map(prior.velocity_n) = v.velocity_n;
     for (int i = 0; i < 3; ++i) {
@@ -180,8 +181,7 @@ Result<CellFigures> scenes_of(const Target& target, size_t number, uint64_t scen
     const Told& last = told.back();
     figures.error_m.push_back(error_of(last).head<2>().norm());
     figures.nis.push_back(horizontal_nees(error_of(last), last.fix.covariance_n));
-    const auto& q = last.fix.q_n_b;
-    const Eigen::Quaterniond q_n_c = Eigen::Quaterniond(q[0], q[1], q[2], q[3]) * Eigen::Quaterniond(0, 1, 0, 0);
+    const Eigen::Quaterniond q_n_c = raw_quaternion(last.fix.q_n_b) * Eigen::Quaterniond(0, 1, 0, 0);
     figures.rotation_deg.push_back(Eigen::AngleAxisd(q_n_c.toRotationMatrix().transpose() * last.truth.R_n_c).angle() /
                                    kDegree);
   }

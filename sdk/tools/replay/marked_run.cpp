@@ -6,6 +6,7 @@
 
 #include <sys/resource.h>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
 #include "sdk/tools/replay/replayed.hpp"
@@ -38,8 +39,7 @@ class Marks {
       const odo_pose& pose = poses.front();
       const auto first = pose_at(truth_, pose.header.t_ns, kLargestTruthGap_s);
       if (!first) return std::nullopt;
-      alignment_ = yaw_alignment(
-          {pose.header.t_ns, {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}, Vector3d(pose.p_n)}, *first);
+      alignment_ = yaw_alignment({pose.header.t_ns, raw_quaternion(pose.q_n), Vector3d(pose.p_n)}, *first);
     } else {
       auto mark = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, t_ns);
       Eigen::Map<Vector3d> p(mark.p_n);

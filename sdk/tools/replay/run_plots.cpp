@@ -101,7 +101,7 @@ std::vector<Plot> plots_of(const Recording& recording, const std::vector<NamedRu
   Plot error{.title = "Error over time", .x_label = "time (s)", .y_label = "distance from the truth (m)"};
   Plot parts{.title = "Distribution of the error", .x_label = "error (m)", .y_label = "part of the poses"};
   Plot lengths{.title = "Step lengths", .x_label = "time (s)", .y_label = "step length (m)"};
-  Plot scale{.title = "Scale, with one sigma", .x_label = "time (s)", .y_label = "metres per VO unit"};
+  Plot scale{.title = "Scale, with one sigma", .x_label = "time (s)", .y_label = "scale"};
   Plot modes{.title = "Motion", .x_label = "time (s)", .y_label = "ODO_MODE number"};
   Plot states{.title = "State (1 tracking, 2 degraded, 3 lost)", .x_label = "time (s)", .y_label = "state"};
   Plot residuals{.title = "Fixes less the track", .x_label = "time (s)", .y_label = "m"};

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "sdk/host/base/output_file.hpp"
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/replay/replayed.hpp"
 
 namespace odograph {
@@ -87,8 +88,7 @@ struct Collector {
   void take(const Work& work) { work_ms += work.ms, work_thread_ms += work.thread_ms; }
 
   void take_pose(const odo_pose& pose) {
-    const StampedPose x{
-        pose.header.t_ns, {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}, Eigen::Vector3d(pose.p_n)};
+    const StampedPose x{pose.header.t_ns, raw_quaternion(pose.q_n), Eigen::Vector3d(pose.p_n)};
     if (!result.track.empty() && result.track.back().t_ns >= x.t_ns) {  // a fix corrected the latest pose
       result.track.back() = x;
       return;

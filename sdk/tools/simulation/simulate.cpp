@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sdk/host/base/geodesy.hpp"
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/simulation/drive.hpp"
 #include "sdk/tools/simulation/retrace.hpp"
@@ -201,7 +202,7 @@ class Simulation {
     std::copy(c_.camera.distortion.begin(), c_.camera.distortion.end(), m.distortion);
     m.distortion_count = 4;
     const Eigen::Quaterniond q = camera_.in_body();
-    m.q_b_c[0] = q.w(), m.q_b_c[1] = q.x(), m.q_b_c[2] = q.y(), m.q_b_c[3] = q.z();
+    put_quaternion(q, m.q_b_c);
     m.time_offset_ns = std::llround(c_.camera.time_offset_s * 1e9);
     return m;
   }

@@ -13,6 +13,7 @@
 #include <odograph/step_estimator.h>
 #include <odograph/vo_frontend.h>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/validator/bench.hpp"
 
 namespace odograph {
@@ -68,8 +69,7 @@ std::string attitude_each(Bench& bench) {
 std::string attitude_up(Bench& bench) {
   return of_all<odo_attitude>(bench, ODO_TYPE_ATTITUDE, [](const auto& all) -> std::string {
     if (all.empty()) return "it gave no attitude";
-    const double* q = all.back().second->q_n_b;
-    const Eigen::Vector3d up_n = Eigen::Quaterniond(q[0], q[1], q[2], q[3]) * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d up_n = raw_quaternion(all.back().second->q_n_b) * Eigen::Vector3d::UnitZ();
     const double off = std::acos(std::clamp(-up_n.z(), -1.0, 1.0));
     return off < kWrongUp_rad
                ? ""

@@ -9,8 +9,8 @@
 namespace odograph {
 
 /// Walking-like input of every kind that agrees with itself: a phone that lies flat, screen up, and is carried north at
-/// 1.4 m/s, two steps of 0.7 m a second, one VO unit a second, the gyroscope at 100 Hz, pictures of 64 x 48 pixels at
-/// 10 Hz, a known point 100 m ahead and 20 m up. Messages point into the pixels that it owns.
+/// 1.4 m/s, two steps of 0.7 m a second, an odometry's one a second, the gyroscope at 100 Hz, pictures of 64 x 48
+/// pixels at 10 Hz, a known point 100 m ahead and 20 m up. Messages point into the pixels that it owns.
 class TestInput {
  public:
   static constexpr int64_t kStart_ns = 1'000'000'000;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 
 #include <Eigen/Core>
+
+#include "plugins/shared/ring.hpp"
 
 namespace odograph::vio {
 
@@ -23,10 +24,10 @@ class ImuBuffer {
   static constexpr int64_t kLongestGap_ns = 60'000'000;
 
   void add(const ImuSample& sample);
-  void clear() { count_ = 0; }
-  bool empty() const { return count_ == 0; }
-  int64_t oldest_ns() const { return back(kept() - 1).t_ns; }
-  int64_t newest_ns() const { return back(0).t_ns; }
+  void clear() { samples_.clear(); }
+  bool empty() const { return samples_.empty(); }
+  int64_t oldest_ns() const { return samples_.back(samples_.size() - 1).t_ns; }
+  int64_t newest_ns() const { return samples_.back(0).t_ns; }
 
   /// Interpolated; the nearest sample's beyond the ends. The buffer must not be empty.
   ImuSample at(int64_t t_ns) const;
@@ -35,12 +36,12 @@ class ImuBuffer {
   /// False where a gap is longer than `longest_gap_ns`, or samples lack at either end by more than that.
   template <class Visit>
   bool for_each(int64_t from_ns, int64_t to_ns, int64_t longest_gap_ns, Visit visit) const {
-    if (count_ == 0 || from_ns + longest_gap_ns < oldest_ns() || to_ns - longest_gap_ns > newest_ns()) return false;
+    if (empty() || from_ns + longest_gap_ns < oldest_ns() || to_ns - longest_gap_ns > newest_ns()) return false;
     size_t i = first_after(from_ns);
     ImuSample before = at(from_ns);
     bool whole = true;
-    for (; i > 0 && back(i - 1).t_ns < to_ns; --i) {
-      const ImuSample& next = back(i - 1);
+    for (; i > 0 && samples_.back(i - 1).t_ns < to_ns; --i) {
+      const ImuSample& next = samples_.back(i - 1);
       whole = whole && next.t_ns - before.t_ns <= longest_gap_ns;
       visit(before, next);
       before = next;
@@ -53,12 +54,9 @@ class ImuBuffer {
   }
 
  private:
-  size_t kept() const { return count_ < samples_.size() ? count_ : samples_.size(); }
-  const ImuSample& back(size_t i) const { return samples_[(count_ - 1 - i) % samples_.size()]; }
   size_t first_after(int64_t t_ns) const;  ///< how many samples are later
 
-  std::array<ImuSample, 4096> samples_{};
-  size_t count_ = 0;
+  plugin::Ring<ImuSample, 4096> samples_;
 };
 
 }  // namespace odograph::vio

@@ -24,7 +24,9 @@ using so3::exp_rotation;
 using so3::log_rotation;
 using so3::skew;
 
-/// Seven numbers: quaternion (x, y, z, w) of w from c, and position. Rotated on the right, moved in w.
+/// Seven numbers: quaternion (x, y, z, w) of w from c, and position. Rotated on the right, moved in w. Ceres' own
+/// EigenQuaternionManifold rotates on the left, by half angles, and wants derivatives by the quaternion's four numbers;
+/// the costs below know them by the tangent alone, as docs/notation.md perturbs.
 class PoseManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 7; }

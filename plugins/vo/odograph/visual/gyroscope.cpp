@@ -11,14 +11,14 @@ using so3::exp_rotation;
 using so3::log_rotation;
 
 void Gyroscope::add(int64_t t_ns, const Eigen::Vector3d& rate_c) {
-  if (count_ > 0 && t_ns <= back(0).t_ns) return;
-  samples_[count_++ % samples_.size()] = {t_ns, rate_c};
+  if (!samples_.empty() && t_ns <= samples_.back(0).t_ns) return;
+  samples_.push({t_ns, rate_c});
 }
 
 std::optional<GyroRotation> Gyroscope::between(int64_t from_ns, int64_t to_ns, const Eigen::Vector3d& bias_c) const {
-  const size_t kept = std::min(count_, samples_.size());
+  const size_t kept = samples_.size();
   size_t i = 0;  // samples later than from_ns
-  while (i < kept && back(i).t_ns > from_ns) ++i;
+  while (i < kept && samples_.back(i).t_ns > from_ns) ++i;
   if (i == 0) return std::nullopt;
   GyroRotation result{Eigen::Quaterniond::Identity(), Eigen::Matrix3d::Zero(), 0};
   int64_t t = from_ns;
@@ -31,13 +31,13 @@ std::optional<GyroRotation> Gyroscope::between(int64_t from_ns, int64_t to_ns, c
   };
   // A sample stands for the time up to it, as the mean of it and the one before where that is at hand.
   for (; i > 0 && t < to_ns; --i) {
-    const Sample& sample = back(i - 1);
+    const Sample& sample = samples_.back(i - 1);
     if (sample.t_ns - t > p_.longest_gap_ns) return std::nullopt;
-    const Eigen::Vector3d before = i < kept ? back(i).rate_c : sample.rate_c;
+    const Eigen::Vector3d before = i < kept ? samples_.back(i).rate_c : sample.rate_c;
     rotate(0.5 * (before + sample.rate_c), std::min(sample.t_ns, to_ns));
   }
   if (to_ns - t > p_.longest_gap_ns) return std::nullopt;
-  if (t < to_ns) rotate(back(0).rate_c, to_ns);
+  if (t < to_ns) rotate(samples_.back(0).rate_c, to_ns);
   const double dt_s = static_cast<double>(to_ns - from_ns) * 1e-9;
   result.sigma_rad = std::sqrt(p_.angle_random_walk * p_.angle_random_walk * dt_s + p_.timing_rad * p_.timing_rad) +
                      p_.scale_error * log_rotation(result.q_c0_c1).norm();
@@ -45,11 +45,11 @@ std::optional<GyroRotation> Gyroscope::between(int64_t from_ns, int64_t to_ns, c
 }
 
 std::optional<Eigen::Vector3d> Gyroscope::rate(int64_t t_ns) const {
-  const size_t kept = std::min(count_, samples_.size());
+  const size_t kept = samples_.size();
   for (size_t i = 0; i < kept; ++i)
-    if (back(i).t_ns <= t_ns) {
-      if (t_ns - back(i).t_ns > p_.longest_gap_ns) return std::nullopt;
-      return back(i).rate_c;
+    if (samples_.back(i).t_ns <= t_ns) {
+      if (t_ns - samples_.back(i).t_ns > p_.longest_gap_ns) return std::nullopt;
+      return samples_.back(i).rate_c;
     }
   return std::nullopt;
 }

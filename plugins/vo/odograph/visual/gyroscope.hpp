@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 
 #include <Eigen/Geometry>
 
+#include "plugins/shared/ring.hpp"
 #include "plugins/vo/odograph/visual/parameters.hpp"
 
 namespace odograph::vo {
@@ -30,18 +30,16 @@ class Gyroscope {
   std::optional<GyroRotation> between(int64_t from_ns, int64_t to_ns, const Eigen::Vector3d& bias_c) const;
   /// rad/s at a time, the nearest sample's.
   std::optional<Eigen::Vector3d> rate(int64_t t_ns) const;
-  void clear() { count_ = 0; }
+  void clear() { samples_.clear(); }
 
  private:
   struct Sample {
     int64_t t_ns;
     Eigen::Vector3d rate_c;
   };
-  const Sample& back(size_t i) const { return samples_[(count_ - 1 - i) % samples_.size()]; }
 
   GyroscopeParameters p_;
-  std::array<Sample, 4096> samples_{};
-  size_t count_ = 0;
+  plugin::Ring<Sample, 4096> samples_;
 };
 
 }  // namespace odograph::vo
