@@ -83,6 +83,7 @@ class InertialEstimator : public Estimator {
   Eigen::Quaterniond heading_offset() const;
 
   // The odometry (inertial_odometry.cpp).
+  void watch_metre(const odo_vo_motion& motion);
   void begin_group(const odo_vo_motion& motion, bool metric);
   bool attach(int64_t t_ns);
   void detach();

@@ -80,6 +80,13 @@ void InertialEstimator::begin_group(const odo_vo_motion& motion, bool metric) {
   detach();
 }
 
+/// Whether the front-end was blind since steps and its metre agreed.
+void InertialEstimator::watch_metre(const odo_vo_motion& motion) {
+  if (vo_.any && motion.scale_group != vo_.group) metre_check_.restart();
+  if ((motion.header.flags & ODO_VO_METRIC) != 0)
+    metre_check_.add_frame(seconds(motion.header.t_ns - motion.t_from_ns), motion.state == ODO_TRACKING);
+}
+
 UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
   const odo_vo_motion& m = *relative.motion;
   const uint32_t flags = m.header.flags;
@@ -88,14 +95,13 @@ UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
   camera_ = true;
   advance_to(t);
   flush();
-  if (vo_.any && m.scale_group != vo_.group) metre_check_.restart();
+  watch_metre(m);
   const bool metric = (flags & ODO_VO_METRIC) != 0 && !metre_check_.doubted(), lost = m.state == ODO_LOST;
   const bool rotates = (flags & ODO_VO_ROTATION) != 0 && !lost;
   const bool translates = rotates && (flags & ODO_VO_TRANSLATION) != 0;
   inertial_front_end_ = metric && (flags & ODO_VO_INERTIAL) != 0;
   if (!vo_.any || m.scale_group != vo_.group || metric != vo_.metric) begin_group(m, metric);
   const double dt_s = seconds(t - m.t_from_ns);
-  if (metric) metre_check_.add_frame(dt_s, m.state == ODO_TRACKING);
   UpdateResult result;
   if (!translates) {  // without parallax, before the first motion, the camera is still where it was
     vo_.unbroken = vo_.unbroken && !lost && vo_.y_n.isZero();
