@@ -139,7 +139,7 @@ TEST_CASE("cases are each recording with each variant and each config, and a con
   REQUIRE(cases);
   REQUIRE(cases->size() == 8);
   CHECK(cases->at(5).labels.dump() ==
-        R"({"recording":"b","config":"walk.yaml?walker.height=1.8 m&coupling.bridge=1 s","sensors":"as recorded"})");
+        R"({"recording":"b","sensors":"as recorded","config":"walk.yaml?walker.height=1.8 m&coupling.bridge=1 s"})");
   CHECK(cases->at(5).run.config == "walk.yaml");
   CHECK(cases->at(5).run.overrides.size() == 3);
   CHECK(cases->at(5).run.overrides[1].value == "1.8 m");  // its own comes after what all have
@@ -151,7 +151,7 @@ TEST_CASE("cases are each recording with each variant and each config, and a con
 TEST_CASE("a table has a line for each row, and a dash where a row has no number") {
   const Table table{"Title",
                     {{"recording", "recording"}, {"config", "config", true}},
-                    {{"error", "m", "error/median", 1, true}, {"", "state", "state"}}};
+                    {{"error", "m", "error/median", 1, kSigned}, {"", "state", "state"}, {"", "", "hidden", -1}}};
   const Rows rows = {{{"recording", "a"}, {"config", "x/walk.yaml"}, {"error", {{"median", 1.26}}}, {"state", "good"}},
                      {{"_line", "and then"}},
                      {{"recording", "long name"}, {"config", "b.yaml"}, {"error", {{"median", nullptr}}}}};
@@ -167,14 +167,16 @@ TEST_CASE("a table has a line for each row, and a dash where a row has no number
 }
 
 TEST_CASE("a summary puts numbers and lists of all rows together") {
-  const Rows rows = {{{"config", "a"}, {"x", {1, -2, nullptr}}, {"y", 1.0}},
+  const Rows rows = {{{"config", "a"}, {"x", {1, -2, nullptr}}, {"y", 1.0}, {"pair", {1, 4}}},
                      {{"config", "b"}, {"x", {9}}, {"y", 5.0}},
-                     {{"config", "a"}, {"x", {3}}, {"y", 3.0}}};
-  const std::vector<Column> columns = {{"", "", "x/worst", 0, false, "x", Over::percentile, 1, true},
-                                       {"", "", "x/median", 0, false, "x"},
-                                       {"", "", "mean", 0, false, "y", Over::mean},
-                                       {"", "", "sum", 0, false, "y", Over::sum},
-                                       {"", "", "none", 0, false, "z"}};
+                     {{"config", "a"}, {"x", {3}}, {"y", 3.0}, {"pair", {2, 2}}}};
+  const std::vector<Column> columns = {{"", "", "x/worst", 0, As{.part = 1, .absolute = true}, "x"},
+                                       {"", "", "x/median", 0, As{}, "x"},
+                                       {"", "", "mean", 0, kMean, "y"},
+                                       {"", "", "sum", 0, kSum, "y"},
+                                       {"", "", "share", 0, kShare, "pair"},
+                                       {"", "", "all", -1, kAll, "y"},
+                                       {"", "", "none", 0, As{}, "z"}};
   const Rows summaries = summaries_of(rows, "config", columns);
   REQUIRE(summaries.size() == 2);
   CHECK(summaries[0]["config"] == "a");
@@ -182,14 +184,50 @@ TEST_CASE("a summary puts numbers and lists of all rows together") {
   CHECK(summaries[0]["x"]["median"] == 1);
   CHECK(summaries[0]["mean"] == 2);
   CHECK(summaries[0]["sum"] == 4);
+  CHECK(summaries[0]["share"] == 50);  // 3 of 6
+  CHECK(summaries[1]["share"] == 0);
+  CHECK(summaries[0]["all"] == Json{1.0, 3.0});
   CHECK(Json(summaries[0]).dump().find("\"none\":null") != std::string::npos);
   CHECK(summaries[1]["x"]["worst"] == 9);
-  const Json row = row_of("t", {{"head", "m", "x", 2, 1.5, true}, {"", "", "hidden", -1, 3}});
-  CHECK(row["x"] == 1.5);
-  CHECK(row["hidden"] == 3);
-  REQUIRE(columns_of({Json::object(), row}, "t").size() == 1);
-  CHECK(columns_of({row}, "t")[0].sign);
   CHECK(printed({{{"x", 1}, {"_y", 2}}}).dump() == R"([{"x":1}])");
+}
+
+TEST_CASE("a figure is described once, for its row, for tables and for summaries") {
+  const auto row = [](double x, const Json& samples) {
+    return row_of({{"head", "m", "x", 2, x, kSigned},
+                   {"", "", "hidden/deep", -1, 3},
+                   {"error", "m", "error", 1, samples, {.parts = {0.5, 0.9, 1}}}});
+  };
+  const Rows rows = {row(1.5, {1, 2}), row(2.5, {3})};
+  CHECK(rows[0]["x"] == 1.5);
+  CHECK(rows[0]["hidden"]["deep"] == 3);
+  CHECK(printed({rows[0]}).dump() == R"([{"x":1.5,"hidden":{"deep":3}}])");
+  const auto columns = columns_of({Json::object(), rows[0]});
+  REQUIRE(columns.size() == 5);
+  CHECK(columns[0].as.sign);
+  CHECK(columns[2].unit == "m median");
+  CHECK(columns[3].unit == "90 %");
+  CHECK(columns[4].key == "error/worst");
+  const Json summary = summary_of(Json::object(), rows, columns);
+  CHECK(summary["x"] == 2);
+  CHECK(summary["error"]["median"] == 2);
+  CHECK(summary["error"]["p90"] == doctest::Approx(2.8));
+  CHECK(summary["error"]["worst"] == 3);
+}
+
+TEST_CASE("below the lines of several recordings comes what they come to") {
+  Rows rows;
+  for (const auto& [name, x] : {std::pair{"a", 1.0}, {"b", 3.0}}) {
+    rows.push_back({{"recording", name}, {"config", "x/walk.yaml"}, {"_labels", {"recording", "config"}}});
+    rows.back().update(row_of({{"error", "m", "x", 1, x}}));
+  }
+  CHECK(cases_text(rows, "figures", "", "median") ==
+        "                   error\n"
+        "recording  config      m\n"
+        "a          walk      1.0\n"
+        "b          walk      3.0\n"
+        "median     walk      2.0\n");
+  CHECK(cases_text({rows[0]}, "figures", "", "median").find("median") == std::string::npos);
 }
 
 TEST_CASE("values take the place of a config's, of a list's item by number or plugin") {

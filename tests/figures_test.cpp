@@ -3,18 +3,19 @@
 // What benchmarks measure, on made-up cases with a known answer.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <opencv2/imgproc.hpp>
 
 #include "sdk/tools/evaluation/corner_follower.hpp"
-#include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/evaluation/fix_figures.hpp"
 #include "sdk/tools/evaluation/gait_figures.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
 #include "sdk/tools/evaluation/stream_figures.hpp"
 #include "sdk/tools/evaluation/vo_consistency.hpp"
+#include "sdk/tools/evaluation/vo_figures.hpp"
 #include "sdk/tools/evaluation/walk_figures.hpp"
 
 using namespace odograph;
@@ -267,26 +268,6 @@ TEST_CASE("a walk between houses is scored once it has settled, and while the re
   CHECK(f.in_reflection_m == doctest::Approx(9));
 }
 
-TEST_CASE("satellite positions are shifted east for a time, and velocities added are the walker's") {
-  Recording r;
-  for (int i = 0; i <= 200 * 20; ++i) {
-    r.true_states.push_back(state_at(i * kSecond / 200, Vector3d(0, i / 200.0, 0)));
-  }
-  for (int i = 1; i < 20; ++i) {
-    auto gnss = make_message<odo_gnss>(ODO_TYPE_GNSS, i * kSecond);
-    gnss.latitude_rad = 60 * kDegree;
-    r.add(gnss.header);
-  }
-  shift_gnss(r, 5, 10, 40);
-  add_gnss_velocities(r, 0, 1);
-  const auto at = [&](size_t second) { return as<odo_gnss>(r.messages[second - 1].message.header()); };
-  CHECK(at(4).longitude_rad == 0);
-  CHECK(at(7).longitude_rad * 6378137 * std::cos(60 * kDegree) == doctest::Approx(40));
-  CHECK(at(11).longitude_rad == 0);
-  CHECK((at(7).header.flags & ODO_GNSS_VELOCITY) != 0);
-  CHECK(at(7).velocity_n[1] == doctest::Approx(1));
-}
-
 TEST_CASE("a gait's figures are those of the sine that it is made of") {
   GaitSeries s;
   for (int i = 0; i < 50 * 60; ++i) {
@@ -322,6 +303,87 @@ TEST_CASE("corners of a picture that moves by three pixels are followed, with th
   CHECK(percentile(f.flow_px, 0.5) == doctest::Approx(3).epsilon(0.02));
   CHECK(percentile(f.kept, 0.5) > 0.95);
   CHECK(percentile(f.lengths, 0.5) == doctest::Approx(12));
+}
+
+TEST_CASE("a path's shape is right whatever its scale, and a scale that changes is told from a wrong direction") {
+  const Trajectory truth = corner(30);
+  std::vector<odo_vo_motion> motions(4, make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, kSecond / 10));
+  for (odo_vo_motion& m : motions) m.state = ODO_TRACKING;
+  motions[3].state = ODO_LOST;
+  for (int k = 0; k < 2; ++k) {  // one that errs by a sigma, and one that is right
+    odo_vo_motion& m = motions[static_cast<size_t>(k)];
+    m.header.flags = ODO_VO_COVARIANCE;
+    const Quaterniond q(AngleAxisd(k == 0 ? 0.01 * std::sqrt(3.0) : 0, Vector3d(1, 1, 1).normalized()));
+    m.q_c0_c1[0] = q.w(), m.q_c0_c1[1] = q.x(), m.q_c0_c1[2] = q.y(), m.q_c0_c1[3] = q.z();
+    Vector3d::Map(m.p_c0_c1) = Vector3d(0.1, k == 0 ? 0.002 : 0, k == 0 ? 0.002 : 0);
+    for (int i = 0; i < 3; ++i) m.covariance[7 * i] = 1e-4, m.covariance[7 * (i + 3)] = 4e-6;
+  }
+  const VoShape right = vo_shape(truth, motions, {truth, moved(truth, 0.3, {1, 2, 3}, 2)});
+  CHECK(right.path_m == doctest::Approx(30));
+  CHECK(right.ape_m < 1e-6);
+  CHECK(right.end_per_frame_m < 1e-6);
+  CHECK(right.end_per_window_m < 1e-6);
+  CHECK(percentile(right.scale_change, 1) < 1e-6);
+  CHECK(percentile(right.rotation_rad, 1) < 1e-6);
+  CHECK(right.rotation_nees == doctest::Approx(0.5));
+  CHECK(right.direction_nees == doctest::Approx(0.5).epsilon(0.01));
+  CHECK(right.tracking_share == doctest::Approx(0.75));
+  CHECK(right.lost_share == doctest::Approx(0.25));
+
+  Trajectory grown = truth;  // a quarter too long from the corner on
+  for (size_t i = 1; i < truth.size(); ++i)
+    grown[i].p = grown[i - 1].p + (i > 150 ? 1.25 : 1.0) * (truth[i].p - truth[i - 1].p);
+  const VoShape changed = vo_shape(truth, motions, {truth, grown});
+  CHECK(changed.end_per_frame_m < 1e-6);
+  CHECK(percentile(changed.scale_change, 1) == doctest::Approx(0.2).epsilon(0.02));
+  CHECK(changed.ape_m > 0.2);
+  // The window about the corner is 5 m north, 6.25 m east, and gets the length of 5 m and 5 m.
+  const double factor = std::hypot(5, 5) / std::hypot(5, 6.25);
+  CHECK(changed.end_per_window_m == doctest::Approx(std::hypot(5 - factor * 5, 5 - factor * 6.25)).epsilon(0.05));
+
+  const Trajectory few(truth.begin(), truth.begin() + 9);
+  const VoShape none = vo_shape(truth, motions, {few, few});
+  CHECK(std::isnan(none.path_m));
+  CHECK(std::isnan(none.direction_nees));
+  CHECK(none.lost_share == doctest::Approx(0.25));
+}
+
+TEST_CASE("the scale along a path is the metric windows', and otherwise that of displacements by their median") {
+  const Trajectory truth = corner(40);
+  VoFigures figures;
+  figures.windows = {{0, kSecond, 3, std::log(1.1), 0.1}};
+  const Pairs pairs{truth, moved(truth, 0.2, {0, 0, 0}, 2)};
+  REQUIRE(scale_along(figures, pairs).size() == 1);
+  CHECK(scale_along(figures, pairs)[0].first == 3);
+  CHECK(scale_along(figures, pairs)[0].second == doctest::Approx(1.1));
+  const auto along = scale_along({}, pairs);
+  REQUIRE(along.size() > 3);
+  for (const auto& [at_m, scale] : along) CHECK(scale == doctest::Approx(1));
+}
+
+TEST_CASE("position errors are told by axis, and displacements by their length") {
+  const Trajectory truth = corner(10);
+  const PositionErrors shifted = position_errors(truth, moved(truth, 0, {1, -2, 5}));
+  CHECK(shifted.north_m.size() == truth.size());
+  CHECK(shifted.north_m[7] == doctest::Approx(1));
+  CHECK(shifted.east_m[7] == doctest::Approx(-2));
+  CHECK(shifted.horizontal_m[7] == doctest::Approx(std::sqrt(5.0)));
+  CHECK(percentile(shifted.displacement_m, 1) < 1e-9);
+  const PositionErrors scaled = position_errors(truth, moved(truth, 1, {0, 0, 0}, 1.1));
+  CHECK(scaled.displacement_m.size() == truth.size() - 1);
+  CHECK(scaled.displacement_m[7] == doctest::Approx(0.01));
+}
+
+TEST_CASE("a place is found by the distance walked to it") {
+  Recording r;
+  for (int i = 0; i < 10; ++i) r.true_steps.push_back(step_of(i * kSecond, (i + 1) * kSecond, 0.7));
+  r.truth = corner(10);
+  for (const int s : {3, 6}) r.add(make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, s * kSecond).header);
+  CHECK(place_walked_to(r, 4).t_ns == 6 * kSecond);
+  CHECK(place_walked_to(r, 4).walked_m == doctest::Approx(4.2));
+  CHECK(place_walked_to(r, 1).t_ns == 3 * kSecond);
+  CHECK(place_walked_to(r, 1e9).t_ns == 10 * kSecond);
+  CHECK(place_walked_to(r, 1e9).walked_m == doctest::Approx(7));
 }
 
 TEST_SUITE_END();

@@ -6,12 +6,11 @@ namespace odograph {
 void add_bench(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("bench", "Run configs over many recordings and print a table");
   command->require_subcommand(1);
-  for (const auto& make : {bench_walks, bench_walk700, bench_allan, bench_anchors, bench_calibrate, bench_calibrate_imu,
-                           bench_canyon, bench_consistency, bench_drive, bench_gait, bench_known_object, bench_stream,
-                           bench_vo, bench_steps, bench_tracks})
-    add_benchmark(*command, make(), status);
+  for (const auto& group : {steps_benchmarks, papers_benchmarks, vo_benchmarks, app_benchmarks, fixes_benchmarks,
+                            calibration_benchmarks, simulator_benchmarks})
+    for (const auto& benchmark : group()) add_benchmark(*command, benchmark, status);
 }
 
-void add_bench_city(CLI::App& city, int& status) { add_benchmark(city, bench_city(), status); }
+void add_bench_city(CLI::App& city, int& status) { add_benchmark(city, city_benchmarks().front(), status); }
 
 }  // namespace odograph

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/benchmarks/bench_case.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "sdk/host/base/nearest.hpp"
@@ -17,9 +18,16 @@ namespace {
 
 void add_common(CLI::App& command, Benchmark& b) {
   BenchOptions& o = b.options;
-  const auto offers = [&](unsigned what) { return (b.offers & what) != 0; };
+  const auto offers = [&](unsigned what) { return (b.offers & what) == what; };
   if (offers(kRecordings)) command.add_option("recordings", o.recordings, "recordings")->required(!offers(kSimulated));
+  if (offers(kFolder))
+    command
+        .add_option("data", o.folder, "folder of Indoor Location Competition traces (*.txt) or of recordings (*.odo)")
+        ->required();
   if (offers(kSimulated)) command.add_option("--scenario", o.scenarios, "what is simulated, without recordings");
+  if (offers(kSensors))
+    command.add_flag("--sensors", o.sensors,
+                     "each recording as it is and with one fault of the sensors after the other");
   if (offers(kConfigs)) {
     command
         .add_option("-c,--config", o.configs,
@@ -41,6 +49,7 @@ void add_common(CLI::App& command, Benchmark& b) {
 }
 
 int run(Benchmark& b) {
+  if (b.options.sensors) b.qualities = sensor_qualities();
   const auto cases = b.cases();
   if (!cases) return complain(cases.failure());
   const auto rows = rows_of(b, *cases);
@@ -57,7 +66,24 @@ int run(Benchmark& b) {
   return written ? kDone : complain(written.failure());
 }
 
+/// The walks of a folder, by name.
+Result<std::vector<std::string>> walks_in(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".txt" || entry.path().extension() == ".odo") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  if (files.empty()) return Failure{ODO_E_NOT_FOUND, folder + ": no walks (*.txt, *.odo) in this folder"};
+  return files;
+}
+
 }  // namespace
+
+Benchmark::Benchmark(std::string its_name, std::string its_about, unsigned its_offers,
+                     const std::vector<std::string>& configs)
+    : name(std::move(its_name)), about(std::move(its_about)), offers(its_offers) {
+  for (const std::string& config : configs) options.configs.push_back("samples/configs/" + config + ".yaml");
+}
 
 Result<RunOptions> Benchmark::run_of(const std::string& config) const {
   RunOptions run;
@@ -83,45 +109,71 @@ Result<fs::path> Benchmark::kept(const fs::path& scenario, uint64_t seed) const 
   return path ? Result<fs::path>(path->get<std::string>()) : path.failure();
 }
 
-Result<std::vector<fs::path>> Benchmark::recordings() const {
-  std::vector<fs::path> files(options.recordings.begin(), options.recordings.end());
-  for (const std::string& scenario : files.empty() ? options.scenarios : std::vector<std::string>())
+Result<std::vector<BenchCase>> Benchmark::recordings() {
+  const bool folder = (offers & kFolder) != 0, simulated = (offers & kSimulated) == kSimulated;
+  const auto files = folder ? walks_in(options.folder) : options.recordings;
+  if (!files) return files.failure();
+  std::vector<BenchCase> all;
+  for (const std::string& file : *files) all.push_back({{{"recording", stem_of(file)}}, {file}});
+  if (!all.empty()) return all;
+  for (const std::string& scenario : simulated ? options.scenarios : std::vector<std::string>{""})
     for (uint64_t seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {
+      all.push_back({{{"seed", seed}}, {}, {}, seed, 0, scenario});
+      if (!simulated) continue;
       const auto file = kept(scenario, seed);
       if (!file) return file.failure();
-      files.push_back(*file);
+      all.back().labels = {{"recording", stem_of(*file)}}, all.back().files = {*file};
+      all.back().run.asset_path = assets_of(*file).string();
     }
-  return files;
+  return all;
 }
 
 Result<std::vector<BenchCase>> Benchmark::cases() {
-  const auto files = recordings();
-  if (!files) return files.failure();
-  std::vector<BenchCase> things, all;
-  for (const fs::path& file : *files) things.push_back({{{"recording", stem_of(file)}}, {file}});
-  for (uint64_t k = 0; files->empty() && k < options.seeds; ++k)
-    things.push_back({{{"seed", options.first_seed + k}}, {}, {}, options.first_seed + k});
-  for (const BenchCase& thing : things)
+  if (offers & kSensors) variants = names_of(qualities);
+  const auto things = recordings();
+  if (!things) return things.failure();
+  std::vector<BenchCase> all;
+  for (const BenchCase& thing : *things)
     for (size_t v = 0; v < variants.size(); ++v)
       for (const std::string& config : (offers & kConfigs) ? options.configs : std::vector<std::string>{""}) {
         BenchCase one = thing;
         const auto run = run_of(config);
         if (!run) return run.failure();
-        one.run = *run, one.variant = v;
+        one.run.config = run->config, one.variant = v;
+        one.run.overrides.insert(one.run.overrides.begin(), run->overrides.begin(), run->overrides.end());
+        if (!variants[v].empty()) one.labels[variant_label] = variants[v];
         if (!config.empty()) one.labels["config"] = config;
-        if (!variants[v].empty()) one.labels["sensors"] = variants[v];
+        if (const auto done = complete(one); !done) return done.failure();
         all.push_back(std::move(one));
       }
   return all;
 }
 
-Result<Json> replayed(const BenchCase& one, const ShowProgress& progress, const Score& score) {
-  const auto recording = read_recording(one.files.front());
-  if (!recording) return recording.failure();
+Result<Json> Benchmark::measure(const BenchCase& one, const ShowProgress& progress) const {
+  const auto recording = recording_of(one);
+  return recording ? measure_recording(one, *recording, progress) : recording.failure();
+}
+
+Result<Recording> Benchmark::recording_of(const BenchCase& one) const {
+  auto recording = read_recording(one.files.front(), read);
+  return recording && (offers & kSensors) ? degraded(*recording, qualities[one.variant], sensor_seed) : recording;
+}
+
+Result<Json> Benchmark::measure_recording(const BenchCase& one, const Recording& recording,
+                                          const ShowProgress& progress) const {
   RunOptions run = one.run;
-  run.progress = progress;
-  const auto result = replay(*recording, run);
-  return result ? score(*recording, *result) : result.failure();
+  run.progress = progress, run.collect_attitudes = true;
+  const auto result = replay(recording, run);
+  return result ? measure_replay(one, recording, *result) : result.failure();
+}
+
+Result<Json> Benchmark::measure_replay(const BenchCase&, const Recording&, const RunResult&) const { return Json(); }
+
+BenchReport Benchmark::report(const Rows& rows) const {
+  if (!(offers & kByConfig)) return {heading(rows) + cases_text(rows, "figures", "", below) + notes(rows)};
+  const auto columns = columns_of(rows);
+  const Rows summaries = summaries_of(rows, "config", columns);
+  return {heading(rows) + configs_text(summaries, columns) + notes(rows), printed(summaries)};
 }
 
 Result<Recording> simulated(const Scenario& scenario, uint64_t seed) {

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "sdk/tools/benchmarks/bench_table.hpp"
+#include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/plot/plot.hpp"
 #include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/scenario.hpp"
@@ -24,18 +25,29 @@ struct BenchCase {
   std::vector<std::filesystem::path> files;  ///< what it reads: recordings, models
   RunOptions run{};                          ///< its config, if it has one, and what is set in it
   uint64_t seed = 0;
-  size_t variant = 0;  ///< of the benchmark's `variants`, or whatever it numbers
+  size_t variant = 0;      ///< of the benchmark's `variants`, or whatever it numbers
+  std::string scenario{};  ///< that its recording is simulated from
 };
 
 /// What each benchmark has in common; which of the options it offers it says by `Offers`.
 struct BenchOptions {
-  std::vector<std::string> configs, set, recordings, scenarios;
-  std::string keep = "out/bench", plot;
+  std::vector<std::string> configs, set, recordings, scenarios{"samples/scenarios/street_short.yaml"};
+  std::string folder, keep = "out/bench", plot;
   uint64_t seeds = 1, first_seed = 1;
   size_t jobs = 1;
-  bool json = false, quick = false, fresh = false;
+  bool json = false, quick = false, fresh = false, sensors = false;
 };
-enum Offers : unsigned { kConfigs = 1, kSeeds = 2, kQuick = 4, kPlot = 8, kSimulated = 16, kRecordings = 32 };
+enum Offers : unsigned {
+  kConfigs = 1,
+  kSeeds = 2,
+  kQuick = 4,
+  kPlot = 8,
+  kRecordings = 16,
+  kFolder = 32,     ///< of walks, instead of recordings
+  kSensors = 64,    ///< each recording with its sensors made worse too
+  kByConfig = 128,  ///< no option: its table has a line for each config, over all rows
+  kSimulated = 256 | kSeeds
+};
 
 /// What is printed and drawn of the rows. Without `json` that is all rows.
 struct BenchReport {
@@ -46,31 +58,51 @@ struct BenchReport {
 
 /// A benchmark as a description: what it runs, what it measures, and what its rows come to (docs/benchmarks.md).
 struct Benchmark {
-  Benchmark(std::string its_name, std::string its_about, unsigned its_offers)
-      : name(std::move(its_name)), about(std::move(its_about)), offers(its_offers) {}
+  /// `configs`: names in samples/configs.
+  Benchmark(std::string its_name, std::string its_about, unsigned its_offers,
+            const std::vector<std::string>& configs = {});
   virtual ~Benchmark() = default;
 
   /// Options of its own. A row depends on all but those of the groups kCases and kOutput.
   virtual void add_options(CLI::App&) {}
-  /// Each recording, or each seed where there are none, with each variant and each config.
-  virtual Result<std::vector<BenchCase>> cases();
-  /// A row's other keys; in a process of its own.
-  virtual Result<Json> measure(const BenchCase& one, const ShowProgress& progress) const = 0;
-  virtual BenchReport report(const Rows& rows) const = 0;
+  /// Each of its recordings() with each variant and each config.
+  Result<std::vector<BenchCase>> cases();
+  /// By default the given ones, those of the folder, those that are simulated, or seeds alone.
+  virtual Result<std::vector<BenchCase>> recordings();
+  /// What one of these cases needs besides; by default nothing.
+  virtual Result<bool> complete(BenchCase&) const { return true; }
+
+  /// A row's other keys; in a process of its own. By default what measure_recording() says of recording_of().
+  virtual Result<Json> measure(const BenchCase& one, const ShowProgress& progress) const;
+  /// By default the case's first file, its sensors as the variant has them.
+  virtual Result<Recording> recording_of(const BenchCase& one) const;
+  /// By default what measure_replay() says of a replay with the case's config, attitudes collected.
+  virtual Result<Json> measure_recording(const BenchCase& one, const Recording& recording,
+                                         const ShowProgress& progress) const;
+  virtual Result<Json> measure_replay(const BenchCase& one, const Recording& recording, const RunResult& result) const;
+
+  /// By default heading, a table of the figures of each case (or with kByConfig of each config), and notes.
+  virtual BenchReport report(const Rows& rows) const;
+  virtual std::string heading(const Rows&) const { return ""; }
+  virtual std::string notes(const Rows&) const { return ""; }
 
   std::string name, about;
   unsigned offers;
   BenchOptions options;
-  std::vector<std::string> variants{""};  ///< such as sensors made worse; a label unless empty
-  double quick_m = 0;                     ///< what --quick leaves of a simulated recording
-  Json depends;                           ///< own options as given
+  std::vector<std::string> variants{""};  ///< a label of that name unless empty
+  std::string variant_label = "sensors";
+  std::vector<Degradation> qualities{{}};  ///< with kSensors, the variants
+  uint64_t sensor_seed = 1;                ///< of their random numbers
+  ReadOptions read{};
+  double quick_m = 0;  ///< what --quick leaves of a simulated recording
+  std::string below;   ///< what the summaries below the table are called, if there are any
+  Json depends;        ///< own options as given
 
  protected:
   /// A config of the command line, FILE or FILE?PATH=VALUE&PATH=VALUE, with what --set says.
   Result<RunOptions> run_of(const std::string& config) const;
   /// Simulated now, unless it is kept from an earlier run.
   Result<std::filesystem::path> kept(const std::filesystem::path& scenario, uint64_t seed) const;
-  Result<std::vector<std::filesystem::path>> recordings() const;
 };
 constexpr const char *kCases = "Cases", *kOutput = "Output";
 
@@ -83,10 +115,6 @@ Result<Rows> rows_of(const Benchmark& benchmark, const std::vector<BenchCase>& c
 
 /// What a call returns that runs in a process of its own: its threads and what it holds end there.
 Result<Json> in_child(const std::function<Result<Json>()>& call);
-
-/// A replay of the case's first file, and what `score` makes of it.
-using Score = std::function<Result<Json>(const Recording& recording, const RunResult& result)>;
-Result<Json> replayed(const BenchCase& one, const ShowProgress& progress, const Score& score);
 
 /// What a simulator without a camera makes of a scenario; nothing of it is kept.
 Result<Recording> simulated(const Scenario& scenario, uint64_t seed);

@@ -77,6 +77,7 @@ Result<Json> measured(const Benchmark& benchmark, const BenchCase& one, bool sho
 /// A row's labels, then what was measured.
 Json labelled(const BenchCase& one, const Json& figures) {
   Json row = one.labels;
+  for (const auto& label : one.labels.items()) row["_labels"].push_back(label.key());
   row.update(figures);
   return row;
 }

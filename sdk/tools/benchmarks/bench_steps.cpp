@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `odograph bench steps`: step estimators and attitude on simulated walkers, where every foot's fall is known.
+// Steps without a camera: on simulated walkers, where every foot's fall is known, and on walks with waypoints.
 #include <algorithm>
 
 #include "sdk/tools/benchmarks/benchmarks.hpp"
@@ -9,47 +9,6 @@
 
 namespace odograph {
 namespace {
-
-const std::vector<Column> kColumns = {
-    {"count", "% median", "count_percent/median", 2, false, "count_percent", Over::percentile, 0.5, true},
-    {"count", "% worst", "count_percent/worst", 2, false, "count_percent", Over::percentile, 1, true},
-    {"times", "ms start", "start_ms", 0, false, "_start_ms"},
-    {"times", "ms end", "end_ms", 0, false, "_end_ms"},
-    {"latency", "ms median", "latency_ms/median", 0, false, "_latency_ms"},
-    {"latency", "ms 90 %", "latency_ms/p90", 0, false, "_latency_ms", Over::percentile, 0.9},
-    {"", "", "_mode_right_s", 0, false, "mode_right_s", Over::sum},
-    {"", "", "_mode_all_s", 0, false, "mode_all_s", Over::sum},
-    {"mode", "%", "mode_percent", 1, false, "_none"},
-    {"distance", "% median", "distance_percent/median", 2, false, "distance_percent", Over::percentile, 0.5, true},
-    {"distance", "% 90 %", "distance_percent/p90", 2, false, "distance_percent", Over::percentile, 0.9, true},
-    {"NEES", "", "normalised_error_squared", 2, false, "_normalised_error", Over::mean},
-    {"false steps", "typing", "false_steps_in_10_min/handling", 1, false, "false_handling", Over::mean},
-    {"false steps", "turns", "false_steps_in_10_min/turning", 1, false, "false_turning", Over::mean},
-    {"tilt", "deg", "tilt_rms_deg", 2, false, "_tilt_deg"},
-    {"drift", "deg/min", "drift_deg_per_min", 2, false, "_drift_deg_min"},
-    {"stray", "deg", "heading_wander_deg", 2, false, "_wander_deg"}};
-
-struct Walked {
-  Recording recording;
-  RunResult result;
-};
-
-Result<Walked> walked(const Scenario& scenario, uint64_t seed, RunOptions run) {
-  auto recording = simulated(scenario, seed);
-  if (!recording) return recording.failure();
-  run.collect_attitudes = true;
-  auto result = replay(*recording, run);
-  if (!result) return result.failure();
-  return Walked{std::move(*recording), std::move(*result)};
-}
-
-/// Steps beyond the true ones: the path to the place is a metre, its own steps are no mistake.
-Result<double> false_steps(const char* what, bool viewer, uint64_t seed, const RunOptions& run) {
-  const auto stood = walked(standing(what, viewer), seed, run);
-  if (!stood) return stood.failure();
-  return std::max(
-      0.0, static_cast<double>(stood->result.steps.size()) - static_cast<double>(stood->recording.true_steps.size()));
-}
 
 std::string confusion_of(const std::string& config, const Rows& rows) {
   std::map<std::pair<uint32_t, uint32_t>, double> modes_s;
@@ -67,8 +26,7 @@ struct Steps : Benchmark {
       : Benchmark(
             "steps",
             "Step estimators and attitude on simulated walkers: counts, times, modes, lengths, false steps, drift",
-            kConfigs | kSeeds) {
-    options.configs = {"samples/configs/phone_walk.yaml"};
+            kConfigs | kSeeds | kByConfig, {"phone_walk"}) {
     options.seeds = 10;
   }
   void add_options(CLI::App& command) override {
@@ -77,55 +35,143 @@ struct Steps : Benchmark {
     command.add_flag("--confusion", confusion, "print what modes were taken for")->group(kOutput);
   }
 
-  Result<Json> measure(const BenchCase& one, const ShowProgress&) const override {
-    const bool viewer = walkers == "viewers";
-    const auto walk = walked(viewer ? viewer_walk(one.seed) : surveyor_walk(one.seed), one.seed, one.run);
-    if (!walk) return walk.failure();
-    const auto handling = false_steps("handle", viewer, one.seed, one.run),
-               turning = false_steps("turn", viewer, one.seed, one.run);
-    if (!handling || !turning) return handling ? turning.failure() : handling.failure();
-    const RunResult& r = walk->result;
-    const WalkFigures f = walk_figures(walk->recording, {r.steps, r.modes, r.attitudes});
-    Json modes = Json::array();
-    for (const auto& [pair, seconds] : f.modes_s) modes.push_back({pair.first, pair.second, seconds});
-    return Json{{"count_percent", f.count_percent}, {"distance_percent", f.distance_percent},
-                {"_start_ms", f.start_ms},          {"_end_ms", f.end_ms},
-                {"_latency_ms", f.latency_ms},      {"_normalised_error", f.normalised_error},
-                {"mode_right_s", f.mode_right_s},   {"mode_all_s", f.mode_all_s},
-                {"false_handling", *handling},      {"false_turning", *turning},
-                {"_tilt_deg", f.tilt_deg},          {"_drift_deg_min", f.drift_deg_min},
-                {"_wander_deg", f.wander_deg},      {"_modes", modes}};
+  Result<Recording> recording_of(const BenchCase& one) const override {
+    return simulated(is_viewer() ? viewer_walk(one.seed) : surveyor_walk(one.seed), one.seed);
   }
 
-  BenchReport report(const Rows& rows) const override {
-    Rows summaries = summaries_of(rows, "config", kColumns);
-    for (Json& s : summaries) {
-      s["mode_percent"] = 100 * number_at(s, "_mode_right_s") / std::max(1e-9, number_at(s, "_mode_all_s"));
-      s["count_percent"]["signed"] = numbers_at(rows_with(rows, "config", s["config"]), "count_percent");
-    }
-    std::vector<Column> shown;
-    for (const Column& column : kColumns)
-      if (column.key[0] != '_') shown.push_back(column);
-    std::string out =
-        text("%llu simulated %s; ten minutes each of typing and gestures, and of turning on the spot.\n\n",
-             static_cast<unsigned long long>(options.seeds),
-             walkers == "viewers"
-                 ? "users of 1.55 to 1.92 m who look through the phone, 70 m each at 0.5 to 1.2 m/s with stops,\n"
-                   "looking around, turning, small steps, steps to the side and backwards"
-                 : "walkers of 1.55 to 1.92 m, 175 m each with stops, looking around, evading, the phone held, swung\n"
-                   "and in a pocket") +
-        table_text({"", {{"config", "config"}}, shown}, summaries);
+  Result<Json> measure_replay(const BenchCase& one, const Recording& recording, const RunResult& r) const override {
+    const auto handling = false_steps("handle", one), turning = false_steps("turn", one);
+    if (!handling || !turning) return handling ? turning.failure() : handling.failure();
+    const WalkFigures f = walk_figures(recording, {r.steps, r.modes, r.attitudes});
+    const As mostly{.parts = {0.5, 0.9}}, size_mostly{.absolute = true, .parts = {0.5, 0.9}};
+    Json row = row_of({{"count", "%", "count_percent", 2, f.count_percent, {.absolute = true, .parts = {0.5, 1}}},
+                       {"", "", "count_percent/signed", -1, f.count_percent, kAll},
+                       {"times", "ms start", "start_ms", 0, f.start_ms},
+                       {"times", "ms end", "end_ms", 0, f.end_ms},
+                       {"latency", "ms", "latency_ms", 0, f.latency_ms, mostly},
+                       {"mode", "%", "mode_percent", 1, {f.mode_right_s, f.mode_all_s}, kShare},
+                       {"distance", "%", "distance_percent", 2, f.distance_percent, size_mostly},
+                       {"NEES", "", "normalised_error_squared", 2, f.normalised_error, kMean},
+                       {"false steps", "typing", "false_steps_in_10_min/handling", 1, *handling, kMean},
+                       {"false steps", "turns", "false_steps_in_10_min/turning", 1, *turning, kMean},
+                       {"tilt", "deg", "tilt_rms_deg", 2, f.tilt_deg},
+                       {"drift", "deg/min", "drift_deg_per_min", 2, f.drift_deg_min},
+                       {"stray", "deg", "heading_wander_deg", 2, f.wander_deg}});
+    for (const auto& [pair, seconds] : f.modes_s) row["_modes"].push_back({pair.first, pair.second, seconds});
+    return row;
+  }
+
+  std::string heading(const Rows&) const override {
+    return text("%llu simulated %s; ten minutes each of typing and gestures, and of turning on the spot.\n\n",
+                static_cast<unsigned long long>(options.seeds),
+                is_viewer()
+                    ? "users of 1.55 to 1.92 m who look through the phone, 70 m each at 0.5 to 1.2 m/s with stops,\n"
+                      "looking around, turning, small steps, steps to the side and backwards"
+                    : "walkers of 1.55 to 1.92 m, 175 m each with stops, looking around, evading, the phone held, "
+                      "swung\nand in a pocket");
+  }
+
+  std::string notes(const Rows& rows) const override {
+    std::string out;
     for (const Json& config : values_of(rows, "config"))
       if (confusion) out += confusion_of(config.get<std::string>(), rows_with(rows, "config", config));
-    return {out, printed(summaries), {}};
+    return out;
+  }
+
+ private:
+  bool is_viewer() const { return walkers == "viewers"; }
+
+  /// Steps beyond the true ones: the path to the place is a metre, its own steps are no mistake.
+  Result<double> false_steps(const char* what, const BenchCase& one) const {
+    const auto stood = simulated(standing(what, is_viewer()), one.seed);
+    if (!stood) return stood.failure();
+    const auto result = replay(*stood, one.run);
+    if (!result) return result.failure();
+    return std::max(0.0, static_cast<double>(result->steps.size()) - static_cast<double>(stood->true_steps.size()));
   }
 
   std::string walkers = "surveyors";
   bool confusion = false;
 };
 
+const As kTotal{.sign = true, .over = Over::share};
+
+std::string oracles_of(const Rows& rows) {
+  const auto line = [&](const char* name, const char* key, double factor, const char* unit) {
+    return text("  %-60s %9.2f %9.2f %s\n", name, factor * percentile_at(rows, key, 0.5, true),
+                factor * percentile_at(rows, key, 0.9, true), unit);
+  };
+  return line("position, were each leg's heading true: median, 90 %", "_true_headings_m", 1, "m") +
+         line("position, were each leg's length true", "_true_lengths_m", 1, "m") +
+         line("heading of a leg, its walk's mean taken off", "_leg_heading_rad", 180 / EIGEN_PI, "deg") +
+         line("length of a leg", "_leg_length", 100, "%");
+}
+
+struct Walks : Benchmark {
+  Walks()
+      : Benchmark("walks", "Distance and position errors over a folder of walks with waypoints",
+                  kConfigs | kFolder | kByConfig) {}
+  void add_options(CLI::App& command) override {
+    command.add_option("--align-first", align_first_m, "the heading is fitted over these first metres");
+    command.add_flag("--each", each, "a line for each walk")->group(kOutput);
+    command.add_flag("--oracles", oracles, "what is left were the legs' headings true, or their lengths")
+        ->group(kOutput);
+  }
+
+  Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
+    const auto waypoints = recording.waypoints();
+    const double yaw = heading_offset(result.track, waypoints, align_first_m);
+    WaypointErrors e = waypoint_errors(lay_over(result.track, waypoints, yaw), waypoints);
+    // Where the truth is there its own path is the reference, not the polyline.
+    if (!recording.truth.empty()) e.reference_m = waypoint_errors(recording.truth, waypoints).estimate_m;
+    const LegOracles legs = leg_oracles(result.track, waypoints, align_first_m);
+    const double drift = heading_drift(result.attitudes, recording.phone_attitudes);
+    const As mostly{.parts = {0.5, 0.9}}, size_mostly{.absolute = true, .parts = {0.5, 0.9}};
+    Json row = row_of({{"total", "%", "total_percent", 2, {e.estimate_m - e.reference_m, e.reference_m}, kTotal},
+                       {"distance error", "%", "distance_percent", 2, 100 * e.distance_error(), size_mostly},
+                       {"position error", "m", "position_m", 2, e.position_m, mostly},
+                       {"heading", "deg/min", "heading_drift_deg_min", 1, drift, size_mostly},
+                       {"", "", "walks", -1, 1, kSum},
+                       {"", "", "reference_m", -1, e.reference_m, kSum},
+                       {"", "", "position_walk_median_m", -1, percentile(e.position_m, 0.5), mostly}});
+    row.update(Json{{"_estimate_m", e.estimate_m},
+                    {"_steps", result.statistics.steps},
+                    {"_true_headings_m", legs.true_headings_m},
+                    {"_true_lengths_m", legs.true_lengths_m},
+                    {"_leg_heading_rad", legs.heading_rad},
+                    {"_leg_length", legs.length}});
+    return row;
+  }
+
+  std::string heading(const Rows& rows) const override {
+    return text("%zu walks from %s; heading fitted over the first %.0f m\n\n", values_of(rows, "recording").size(),
+                options.folder.c_str(), align_first_m);
+  }
+
+  std::string notes(const Rows& rows) const override {
+    const Table walks{"",
+                      {{"walk", "recording"}},
+                      {{"distance", "%", "_distance_percent", 2, kSigned},
+                       {"", "m", "_estimate_m"},
+                       {"of", "m", "reference_m"},
+                       {"", "steps", "_steps", 0},
+                       {"waypoints", "m", "_position_walk_median_m"},
+                       {"heading", "deg/min", "_heading_drift_deg_min", 1, kSigned}}};
+    std::string out;
+    for (const Json& config : values_of(rows, "config")) {
+      if (each || oracles) out += '\n' + config.get<std::string>() + '\n';
+      if (each) out += table_text(walks, rows_with(rows, "config", config));
+      if (oracles) out += oracles_of(rows_with(rows, "config", config));
+    }
+    return out;
+  }
+
+  double align_first_m = 10;
+  bool each = false, oracles = false;
+};
+
 }  // namespace
 
-std::shared_ptr<Benchmark> bench_steps() { return std::make_shared<Steps>(); }
+Benchmarks steps_benchmarks() { return {std::make_shared<Steps>(), std::make_shared<Walks>()}; }
 
 }  // namespace odograph

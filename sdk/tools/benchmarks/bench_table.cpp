@@ -15,16 +15,11 @@ namespace {
 /// "a/b" is b of a, but for a key that has the slash itself, such as a file's name.
 const Json* value_at(const Json& row, const std::string& key) {
   if (const auto whole = row.find(key); whole != row.end()) return &*whole;
-  const Json* at = &row;
-  for (size_t from = 0; from <= key.size();) {
-    const size_t to = std::min(key.find('/', from), key.size());
-    const auto found = at->is_object() ? at->find(key.substr(from, to - from)) : at->end();
-    if (!at->is_object() || found == at->end()) return nullptr;
-    at = &*found, from = to + 1;
-  }
-  return at;
+  const Json::json_pointer at('/' + key);
+  return row.contains(at) ? &row.at(at) : nullptr;
 }
 
+/// Not by json_pointer, which would make "real/0" an item of a list.
 void put_at(Json& row, const std::string& key, Json value) {
   const size_t end = key.find('/');
   if (end == std::string::npos)
@@ -33,17 +28,29 @@ void put_at(Json& row, const std::string& key, Json value) {
     put_at(row[key.substr(0, end)], key.substr(end + 1), std::move(value));
 }
 
-double over(const Column& column, const std::vector<double>& values) {
-  const auto n = static_cast<double>(values.size());
-  double sum = 0;
-  for (const double x : values) sum += x;
-  switch (column.over) {
+Json over(const As& as, const std::vector<double>& values) {
+  double sum = 0, whole = 0;
+  for (size_t i = 0; i < values.size(); ++i) (as.over == Over::share && i % 2 == 1 ? whole : sum) += values[i];
+  switch (as.over) {
     case Over::sum: return sum;
-    case Over::mean: return sum / n;
+    case Over::mean: return sum / static_cast<double>(values.size());
     case Over::first: return values.empty() ? std::nan("") : values.front();
+    case Over::share: return whole > 0 ? 100 * sum / whole : 0.0;
+    case Over::all: return values;
     case Over::percentile: break;
   }
-  return part_of(values, column.part);
+  return part_of(values, as.part);
+}
+
+/// What a column of a percentile adds to a figure's key, and to its head.
+std::string part_key(double part, bool sign) {
+  if (part == 0.5) return "median";
+  if (part == 1 || part == 0) return part == 0 ? "least" : sign ? "most" : "worst";
+  return text("p%.0f", 100 * part);
+}
+std::string part_head(double part, bool sign) {
+  const std::string key = part_key(part, sign);
+  return key[0] == 'p' ? key.substr(1) + " %" : key;
 }
 
 std::string cell(const Json& row, const Column& column) {
@@ -51,7 +58,7 @@ std::string cell(const Json& row, const Column& column) {
   if (value && value->is_string()) return value->get<std::string>();
   const double x = number_at(row, column.key);
   if (!std::isfinite(x)) return "-";
-  return text(column.sign ? "%+.*f" : "%.*f", column.digits, x);
+  return text(column.as.sign ? "%+.*f" : "%.*f", column.digits, x);
 }
 
 std::string cell(const Json& row, const Label& label) {
@@ -98,7 +105,7 @@ double percentile_at(const Rows& rows, const std::string& key, double part, bool
 Json summary_of(Json labels, const Rows& rows, const std::vector<Column>& columns) {
   for (const Column& column : columns)
     put_at(labels, column.key,
-           over(column, numbers_at(rows, column.from.empty() ? column.key : column.from, column.absolute)));
+           over(column.as, numbers_at(rows, column.from.empty() ? column.key : column.from, column.as.absolute)));
   return labels;
 }
 
@@ -126,11 +133,18 @@ Rows summaries_of(const Rows& rows, const std::string& by, const std::vector<Col
   return out;
 }
 
-Json row_of(const std::string& table, const std::vector<Figure>& figures) {
+Json row_of(const std::vector<Figure>& figures, const std::string& table) {
   Json row, columns = Json::array();
   for (const Figure& f : figures) {
-    row[f.key] = f.value;
-    if (f.digits >= 0) columns.push_back({f.head, f.unit, f.key, f.digits, f.sign});
+    const std::string from = f.as.parts.empty() ? f.key : '_' + f.key;
+    put_at(row, from, f.value);
+    const auto add = [&](const std::string& unit, const std::string& key, double part) {
+      columns.push_back({f.head, unit, key, f.digits, f.as.sign, f.as.over, part, f.as.absolute, from});
+    };
+    if (f.as.parts.empty()) add(f.unit, f.key, f.as.part);
+    for (const double part : f.as.parts)
+      add((part == f.as.parts.front() && !f.unit.empty() ? f.unit + ' ' : "") + part_head(part, f.as.sign),
+          f.key + '/' + part_key(part, f.as.sign), part);
   }
   row['_' + table] = columns;
   return row;
@@ -140,11 +154,13 @@ std::vector<Column> columns_of(const Rows& rows, const std::string& table) {
   std::vector<Column> columns;
   for (const Json& row : rows)
     if (const auto own = row.find('_' + table); own != row.end() && columns.empty())
-      for (const Json& c : *own) columns.push_back({c[0], c[1], c[2], c[3], c[4]});
+      for (const Json& c : *own) columns.push_back({c[0], c[1], c[2], c[3], {c[4], c[5], c[6], c[7]}, c[8]});
   return columns;
 }
 
-std::string table_text(const Table& table, const Rows& rows) {
+std::string table_text(const Table& given, const Rows& rows) {
+  Table table = given;
+  std::erase_if(table.columns, [](const Column& column) { return column.digits < 0; });
   const size_t labels = table.labels.size(), all = labels + table.columns.size();
   std::vector<std::vector<std::string>> lines(2, std::vector<std::string>(all));
   for (size_t i = 0; i < labels; ++i) lines[1][i] = table.labels[i].head;
@@ -175,12 +191,23 @@ std::string table_text(const Table& table, const Rows& rows) {
   return out;
 }
 
-std::string recordings_text(const Rows& rows, const std::string& table, const std::string& title) {
-  Table shown{title, {{"recording", "recording"}, {"config", "config", true}}, columns_of(rows, table)};
-  if (rows.empty() || !rows[0].contains("config")) shown.labels.pop_back();
-  if (!rows.empty() && rows[0].contains("sensors"))
-    shown.labels.insert(shown.labels.begin() + 1, {"sensors", "sensors"});
-  return table_text(shown, rows);
+std::string cases_text(const Rows& rows, const std::string& table, const std::string& title, const std::string& below) {
+  Table shown{title, {}, columns_of(rows, table)};
+  for (const Json& row : rows)
+    if (const Json labels = row.value("_labels", Json::array()); shown.labels.empty())
+      for (const std::string key : labels) shown.labels.push_back({key, key, key == "config"});
+  Rows lines = rows, summaries;
+  for (const Json& config : below.empty() ? Rows() : values_of(rows, "config"))
+    for (Json& summary : summaries_of(rows_with(rows, "config", config), "sensors", shown.columns)) {
+      summary["config"] = config, summary["recording"] = below;
+      summaries.push_back(std::move(summary));
+    }
+  if (summaries.size() < rows.size()) lines.insert(lines.end(), summaries.begin(), summaries.end());
+  return table_text(shown, lines);
+}
+
+std::string configs_text(const Rows& summaries, const std::vector<Column>& columns) {
+  return table_text({"", {{"config", "config"}}, columns}, summaries);
 }
 
 double part_of(const std::vector<double>& values, double part) {

@@ -12,31 +12,41 @@ namespace odograph {
 using Json = nlohmann::ordered_json;
 using Rows = std::vector<Json>;  ///< keys that begin with '_' are not printed as JSON: samples for summaries
 
-/// How the value of a summary comes from the rows'. Values are numbers or lists of them, which are put together.
-enum class Over { percentile, mean, sum, first };
+/// How the value of a summary comes from the rows'. Values are numbers or lists of them, which are put together; of
+/// `share` pairs of a part and a whole, whose sums give a percentage, 0 of nothing. `all`: the values themselves.
+enum class Over { percentile, mean, sum, first, share, all };
 
-/// A named figure. `key` and `from` may lead into objects: "count_percent/median".
+/// How tables and summaries have a figure.
+struct As {
+  bool sign = false;
+  Over over = Over::percentile;
+  double part = 0.5;            ///< of a percentile: 0.5 the median, 1 the worst
+  bool absolute = false;        ///< sizes are summed up, not values
+  std::vector<double> parts{};  ///< a column for each of these percentiles: KEY/median, KEY/p90, KEY/worst
+};
+inline const As kSigned{.sign = true}, kMean{.over = Over::mean}, kSum{.over = Over::sum}, kFirst{.over = Over::first},
+    kShare{.over = Over::share}, kAll{.over = Over::all}, kWorst{.part = 1};
+
+/// A named figure of a table. `key` and `from` may lead into objects: "count_percent/median". Below 0 digits it is in
+/// summaries and JSON alone.
 struct Column {
   std::string head, unit, key;
   int digits = 2;
-  bool sign = false;
+  As as{};
   std::string from{};  ///< of a row, for summaries; empty: `key`
-  Over over = Over::percentile;
-  double part = 0.5;      ///< of a percentile: 0.5 the median, 1 the worst
-  bool absolute = false;  ///< sizes are summed up, not values
 };
 
-/// A named figure with its value. Below 0 digits it is no column of a table.
+/// A named figure with its value: the one place that says what table, summary, JSON and kept row have of it.
 struct Figure {
   std::string head, unit, key;
   int digits;
   Json value;
-  bool sign = false;
+  As as{};
 };
 /// The figures' values by key, and in `_TABLE` the columns that they are of that table.
-Json row_of(const std::string& table, const std::vector<Figure>& figures);
+Json row_of(const std::vector<Figure>& figures, const std::string& table = "figures");
 /// The columns of that table, by the first row that has them.
-std::vector<Column> columns_of(const Rows& rows, const std::string& table);
+std::vector<Column> columns_of(const Rows& rows, const std::string& table = "figures");
 
 /// A key that says what a row is.
 struct Label {
@@ -67,8 +77,12 @@ Rows values_of(const Rows& rows, const std::string& key);
 /// A title, two lines of heads, a line for each row; '-' where there is no number. A row {"_line": TEXT} is that text.
 std::string table_text(const Table& table, const Rows& rows);
 
-/// A line for each recording and config, with the sensors where rows have them, and the figures of a row_of() table.
-std::string recordings_text(const Rows& rows, const std::string& table, const std::string& title = "");
+/// A line for each row: the labels of its case (`_labels`) and the figures of a row_of() table. `below`: what summaries
+/// over the recordings of a config and sensors are called, which come last where there are several.
+std::string cases_text(const Rows& rows, const std::string& table = "figures", const std::string& title = "",
+                       const std::string& below = "");
+/// A line for each config, by its summary.
+std::string configs_text(const Rows& summaries, const std::vector<Column>& columns);
 
 /// percentile(), NaN of nothing.
 double part_of(const std::vector<double>& values, double part);

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Visual odometries side by side: `odograph bench vo`.
+// Visual odometries side by side.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
-#include "sdk/tools/benchmarks/bench_vo_row.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
-#include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/evaluation/reference_poses.hpp"
+#include "sdk/tools/evaluation/vo_consistency.hpp"
+#include "sdk/tools/evaluation/vo_figures.hpp"
 
 namespace odograph {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kAssociate_s = 0.02;  // two thirds of a frame at 30 Hz
 
 constexpr const char* kMetreNote =
     "From the motions alone, one after the other. placed: frames with a displacement, not lost; metric: in metres; "
@@ -29,6 +32,83 @@ constexpr const char* kShapeNote =
     "rotation: error of a frame, median. NEES:\nnormalised error squared of a frame's rotation and of its direction, "
     "by degree of freedom; 1 is consistent.\n";
 
+Json stops_of(const VoFigures& f) {
+  Json all = Json::array();
+  for (const StopFigures& s : f.stops)
+    all.push_back({{"from_ns", s.stop.from_ns},
+                   {"seconds", static_cast<double>(s.stop.to_ns - s.stop.from_ns) * 1e-9},
+                   {"new_group", s.new_group},
+                   {"drift_m", s.drift_m},
+                   {"jump_percent", s.measured() ? Json(100 * s.jump()) : Json(nullptr)}});
+  return all;
+}
+
+Json windows_of(const VoFigures& f) {
+  Json all = Json::array();
+  for (const ScaleWindow& w : f.windows)
+    all.push_back({{"from_ns", w.from_ns}, {"at_m", w.path_m}, {"log_scale", w.log_scale}, {"sigma", w.sigma}});
+  return all;
+}
+
+std::vector<Figure> metre_of(const VoFigures& f) {
+  const double percent = f.path_m > 0 ? 100 / f.path_m : std::nan("");
+  const auto measured =
+      std::count_if(f.stops.begin(), f.stops.end(), [](const StopFigures& s) { return s.measured(); });
+  return {{"", "", "frames", -1, f.frames},
+          {"placed", "%", "placed_percent", 1, 100 * f.placed_share},
+          {"metric", "%", "metric_percent", 1, 100 * f.metric_share},
+          {"before", "%", "before_metric_percent", 1, 100 * f.before_metric_share},
+          {"groups", "", "scale_groups", 0, f.groups},
+          {"longest", "%", "longest_group_percent", 0, 100 * f.longest_group_share},
+          {"", "", "holes", -1, f.holes},
+          {"start", "s", "start_s", 2, f.start_s},
+          {"moving", "s", "start_from_motion_s", 2, f.start_from_motion_s},
+          {"true", "m", "metric_path_m", 1, f.path_m},
+          {"own", "m", "own_path_m", 1, f.own_path_m},
+          {"SE3", "m", "se3_rmse_m", 3, f.se3_rmse_m},
+          {"", "", "sim3_rmse_m", -1, f.sim3_rmse_m},
+          {"yaw", "m", "yaw_rmse_m", 3, f.yaw_rmse_m},
+          {"yaw", "%", "yaw_percent", 2, f.yaw_rmse_m * percent},
+          {"tracked", "worst %", "worst_tracked_percent", 2, 100 * f.worst_tracked},
+          {"", "", "scale", -1, f.scale},
+          {"scale", "err %", "scale_error_percent", 2, 100 * std::abs(1 / f.scale - 1)},
+          {"jump", "%", "worst_jump_percent", 1, 100 * f.worst_jump},
+          {"", "", "stops", -1, stops_of(f)},
+          {"stops", "", "stops_measured", 0, measured},
+          {"", "", "scale_windows", -1, windows_of(f)},
+          {"drift", "cm/min", "standing_drift_cm_min", 1, 100 * f.standing_drift_m_min},
+          {"wrong", "%", "wrongly_certain_percent", 1, 100 * f.wrongly_certain_share},
+          {"NEES", "scale", "scale_nees", 2, f.scale_nees}};
+}
+
+/// NaN where no frame has a truth.
+std::vector<Figure> shape_of(const VoShape& f, const RunResult& result) {
+  const double percent = 100 / std::max(f.path_m, 1e-9);
+  return {{"", "", "path_m", -1, f.path_m},
+          {"APE", "%", "ape_percent", 2, f.ape_m * percent},
+          {"true scale", "per frame, end %", "true_lengths_end_percent", 2, f.end_per_frame_m * percent},
+          {"true scale", "per 10 m, end %", "true_windows_end_percent", 2, f.end_per_window_m * percent},
+          {"scale", "median %", "scale_change_median_percent", 2, 100 * part_of(f.scale_change, 0.5)},
+          {"scale", "95 %", "scale_change_p95_percent", 2, 100 * part_of(f.scale_change, 0.95)},
+          {"rotation", "deg", "rotation_median_deg", 4, part_of(f.rotation_rad, 0.5) * 180 / EIGEN_PI},
+          {"track", "part", "tracking", 2, f.tracking_share},
+          {"lost", "part", "lost", 2, f.lost_share},
+          {"NEES", "rotation", "rotation_nees", 2, f.rotation_nees},
+          {"NEES", "dir.", "direction_nees", 2, f.direction_nees},
+          {"ms", "median", "frame_ms_median", 1, part_of(result.frame_ms, 0.5)},
+          {"ms", "99 %", "frame_ms_p99", 1, part_of(result.frame_ms, 0.99)},
+          {"", "", "plugin_faults", -1, result.statistics.plugin_faults}};
+}
+
+Json refined_of(const odo_calibration& c) {
+  return {{"fx_px", c.fx},
+          {"fy_px", c.fy},
+          {"cx_px", c.cx},
+          {"cy_px", c.cy},
+          {"time_offset_ms", static_cast<double>(c.time_offset_ns) * 1e-6},
+          {"line_time_us", static_cast<double>(c.line_time_ns) * 1e-3}};
+}
+
 /// "FROM:FOR" in s.
 Result<bool> parse_interval(const std::string& given, const char* option, double& from_s, double& for_s) {
   int end = 0;
@@ -40,12 +120,10 @@ Result<bool> parse_interval(const std::string& given, const char* option, double
 
 struct Vo : Benchmark {
   Vo()
-      : Benchmark("vo", "Visual odometries side by side, on simulated walks or recordings",
-                  kConfigs | kSeeds | kQuick | kPlot | kSimulated | kRecordings) {
-    for (const char* config :
-         {"monocular", "monocular_antigny2019", "monocular_gakne2018", "monocular_odograph", "inertial_odograph"})
-      options.configs.push_back(std::string("samples/configs/") + config + ".yaml");
-    options.scenarios = {"samples/scenarios/street_short.yaml"};
+      : Benchmark(
+            "vo", "Visual odometries side by side, on simulated walks or recordings",
+            kConfigs | kQuick | kPlot | kSimulated | kRecordings | kSensors,
+            {"monocular", "monocular_antigny2019", "monocular_gakne2018", "monocular_odograph", "inertial_odograph"}) {
     quick_m = 120;  // as `bench walk700 --quick`, which keeps the same recordings
   }
   void add_options(CLI::App& command) override {
@@ -54,22 +132,18 @@ struct Vo : Benchmark {
     command.add_option("--reference-frame", reference_frame, "whose poses those are: camera, or body (the IMU)")
         ->check(CLI::IsMember({"camera", "body"}));
     command.add_flag("--stress", stress, "the stress_*.yaml beside the scenario instead")->group(kCases);
-    command.add_flag("--sensors", sensors, "each recording as it is and with one fault of the sensors after the other")
-        ->group(kCases);
     command.add_option("--sensor-seed", sensor_seed, "of the faults' random numbers");
     command.add_option("--cut", cut_s, "begin so many seconds after the first frame")->check(CLI::NonNegativeNumber);
     command.add_option("--gap", gap, "FROM:FOR in seconds after the first frame: frames are missing");
     command.add_option("--dark", dark, "FROM:FOR in seconds after the first frame: frames are black");
   }
 
-  Result<std::vector<BenchCase>> cases() override {
-    worse = sensors ? sensor_qualities() : std::vector<Degradation>{{}};
-    for (Degradation& d : worse) {
+  Result<std::vector<BenchCase>> recordings() override {
+    for (Degradation& d : qualities) {
       d.cut_s = cut_s;
       if (auto ok = parse_interval(gap, "--gap", d.gap_from_s, d.gap_for_s); !ok) return ok.failure();
       if (auto ok = parse_interval(dark, "--dark", d.dark_from_s, d.dark_for_s); !ok) return ok.failure();
     }
-    variants = names_of(worse);
     if (stress) {
       const fs::path folder = fs::path(options.scenarios.front()).parent_path();
       options.scenarios.clear();
@@ -77,16 +151,15 @@ struct Vo : Benchmark {
         if (entry.path().filename().string().starts_with("stress_")) options.scenarios.push_back(entry.path());
       std::sort(options.scenarios.begin(), options.scenarios.end());
     }
-    auto all = Benchmark::cases();
+    auto all = Benchmark::recordings();
     if (!all || reference.empty()) return all;
-    const size_t recordings = all->size() / (options.configs.size() * variants.size());
-    if (recordings != 1)
-      return Failure{ODO_E_ARGUMENT, "--reference is for one recording, and there are " + std::to_string(recordings)};
-    for (BenchCase& one : *all) one.files.emplace_back(reference);
+    if (all->size() != 1)
+      return Failure{ODO_E_ARGUMENT, text("--reference is for one recording, and there are %zu", all->size())};
+    all->front().files.emplace_back(reference);
     return all;
   }
 
-  Result<Json> measure(const BenchCase& one, const ShowProgress& progress) const override {
+  Result<Recording> recording_of(const BenchCase& one) const override {
     auto recording = read_recording(one.files.front());
     if (!recording) return recording.failure();
     if (!recording->has(ODO_TYPE_FRAME)) return Failure{ODO_E_DATA, one.files.front().string() + ": no camera frames"};
@@ -95,27 +168,34 @@ struct Vo : Benchmark {
       if (!poses) return poses.failure();
       recording->truth = std::move(*poses);
     }
-    *recording = degraded(*recording, worse[one.variant], sensor_seed);
-    RunOptions run = one.run;
-    run.progress = progress;
-    const auto result = replay(*recording, run);
-    return result ? Result<Json>(vo_row(*recording, *result)) : result.failure();
+    return degraded(*recording, qualities[one.variant], sensor_seed);
+  }
+
+  Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
+    const VoFigures figures =
+        vo_figures(recording.truth, result.motions, result.motions_known_ns, frame_times_ns(recording));
+    const Pairs pairs = associate(recording.truth, compose(result.motions).own(), kAssociate_s);
+    Json row = row_of(metre_of(figures), "metre");
+    row.update(row_of(shape_of(vo_shape(recording.truth, result.motions, pairs), result), "shape"));
+    if (!result.refined.empty()) row["refined"] = refined_of(result.refined.back());
+    if (!recording.truth.empty()) row["_scale"] = scale_along(figures, pairs);
+    return row;
   }
 
   BenchReport report(const Rows& rows) const override {
-    BenchReport report{table_with_medians("Metre", "metre", rows) + kMetreNote +
-                           table_with_medians("Shape and cost", "shape", rows) + kShapeNote,
+    BenchReport report{cases_text(rows, "metre", "Metre", "median") + kMetreNote +
+                           cases_text(rows, "shape", "Shape and cost", "median") + kShapeNote,
                        {},
                        {.title = "Scale along the path", .x_label = "m", .y_label = "odometry by truth"}};
     for (const Json& row : rows) {
       const std::string run_name = row["recording"].get<std::string>() + ' ' +
                                    stem_of(row["config"].get<std::string>()) +
                                    (row.contains("sensors") ? ' ' + row["sensors"].get<std::string>() : "");
-      if (const auto refined = row.find("refined"); refined != row.end())
-        report.text += text("%s: refined to f %.1f %.1f, centre %.1f %.1f px, time offset %.2f ms, line time %.2f us\n",
-                            run_name.c_str(), number_at(*refined, "fx_px"), number_at(*refined, "fy_px"),
-                            number_at(*refined, "cx_px"), number_at(*refined, "cy_px"),
-                            number_at(*refined, "time_offset_ms"), number_at(*refined, "line_time_us"));
+      const Json refined = row.value("refined", Json::object());
+      if (!refined.empty()) report.text += run_name + ": refined to";
+      for (const auto& [key, value] : refined.items())
+        report.text += text(" %s %.2f", key.c_str(), value.get<double>());
+      if (!refined.empty()) report.text += '\n';
       PlotSeries series{.name = run_name, .style = "lines"};
       for (const Json& point : row.value("_scale", Json::array()))
         if (point[1].is_number()) series.points.emplace_back(point[0].get<double>(), point[1].get<double>());
@@ -124,25 +204,13 @@ struct Vo : Benchmark {
     return report;
   }
 
-  /// The rows, and below them medians over recordings where a config has several.
-  static std::string table_with_medians(const char* title, const std::string& table, const Rows& rows) {
-    Rows lines = rows, medians;
-    for (const Json& config : values_of(rows, "config"))
-      for (Json& median : summaries_of(rows_with(rows, "config", config), "sensors", columns_of(rows, table)))
-        median["config"] = config, median["recording"] = "median", medians.push_back(std::move(median));
-    if (medians.size() < rows.size()) lines.insert(lines.end(), medians.begin(), medians.end());
-    return recordings_text(lines, table, title);
-  }
-
   std::string reference, reference_frame = "camera", gap, dark;
-  std::vector<Degradation> worse;
-  uint64_t sensor_seed = 1;
   double cut_s = 0;
-  bool stress = false, sensors = false;
+  bool stress = false;
 };
 
 }  // namespace
 
-std::shared_ptr<Benchmark> bench_vo() { return std::make_shared<Vo>(); }
+Benchmarks vo_benchmarks() { return {std::make_shared<Vo>()}; }
 
 }  // namespace odograph

@@ -97,4 +97,17 @@ std::vector<double> horizontal_errors(const Trajectory& truth, const Trajectory&
   return errors;
 }
 
+PositionErrors position_errors(const Trajectory& truth, const Trajectory& track) {
+  PositionErrors errors;
+  errors.horizontal_m = horizontal_errors(truth, track);
+  for (size_t i = 0; i < truth.size(); ++i) {
+    const Vector3d estimate = position_at(track, truth[i].t_ns), d = estimate - truth[i].p;
+    errors.north_m.push_back(d.x()), errors.east_m.push_back(d.y());
+    if (i == 0) continue;
+    const Vector3d before = position_at(track, truth[i - 1].t_ns);
+    errors.displacement_m.push_back(std::abs((estimate - before).norm() - (truth[i].p - truth[i - 1].p).norm()));
+  }
+  return errors;
+}
+
 }  // namespace odograph

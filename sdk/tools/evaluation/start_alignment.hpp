@@ -37,4 +37,11 @@ YawAlignment yaw_alignment(const StampedPose& estimate, const StampedPose& truth
 std::vector<double> horizontal_errors(const Trajectory& truth, const Trajectory& track);
 double horizontal_error(const Trajectory& truth, const Trajectory& track, int64_t t_ns);
 
+/// How far off a track is at each of the truth's poses: to the north, to the east, horizontally; and from each to the
+/// next one how far its displacement's length is from the true one's.
+struct PositionErrors {
+  std::vector<double> north_m, east_m, horizontal_m, displacement_m;
+};
+PositionErrors position_errors(const Trajectory& truth, const Trajectory& track);
+
 }  // namespace odograph

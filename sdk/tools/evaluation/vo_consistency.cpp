@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/evaluation/vo_consistency.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -36,14 +37,20 @@ MotionConsistency motion_consistency(const Trajectory& truth, const std::vector<
 
 VoShape vo_shape(const Trajectory& truth, const std::vector<odo_vo_motion>& motions, const Pairs& pairs) {
   const double none = std::nan("");
-  if (pairs.reference.size() < 10) return {none, none, none, none, {}, {}, none, none};
+  VoShape shape;
+  const double one = 1 / static_cast<double>(std::max<size_t>(1, motions.size()));
+  for (const odo_vo_motion& m : motions) {
+    if (m.state == ODO_TRACKING) shape.tracking_share += one;
+    if (m.state == ODO_LOST) shape.lost_share += one;
+  }
+  if (pairs.reference.size() < 10)
+    return {none, none, none, none, {}, {}, none, none, shape.tracking_share, shape.lost_share};
   constexpr double kWindow_m = 10;
   const auto end_with = [&](double window_m) {
     return absolute_errors(pairs.reference, with_true_lengths(pairs, window_m).track).translation_m.back();
   };
   const auto mean = [&](const std::vector<double>& x) { return x.empty() ? none : statistics_of(x).mean; };
   const Trajectory aligned = align(pairs, Alignment::sim3, nullptr);
-  VoShape shape;
   shape.path_m = path_length(pairs.reference);
   shape.ape_m = statistics_of(absolute_errors(pairs.reference, aligned).translation_m).rmse;
   shape.end_per_frame_m = end_with(0), shape.end_per_window_m = end_with(kWindow_m);

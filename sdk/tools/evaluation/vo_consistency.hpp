@@ -24,8 +24,10 @@ struct VoShape {
   std::vector<double> scale_change;                  ///< within such windows, absolute, relative
   std::vector<double> rotation_rad;                  ///< error of each frame
   double rotation_nees = 0, direction_nees = 0;      ///< means of MotionConsistency
+  double tracking_share = 0, lost_share = 0;         ///< of the motions, by what they say of themselves
 };
-/// `pairs`: the true poses and those that the motions lead to. All NaN below ten of them.
+/// `pairs`: the true poses and those that the motions lead to. Below ten of them all but the
+/// shares is NaN.
 VoShape vo_shape(const Trajectory& truth, const std::vector<odo_vo_motion>& motions, const Pairs& pairs);
 
 }  // namespace odograph

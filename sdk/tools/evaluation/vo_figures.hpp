@@ -93,4 +93,9 @@ VoFigures vo_figures(const Trajectory& truth, const std::vector<odo_vo_motion>& 
                      const std::vector<int64_t>& known_ns, const std::vector<int64_t>& frames_ns,
                      const VoFigureParameters& parameters = {});
 
+/// The scale along the true path, by metres of it: of the metric windows as it is; where there are none that of the
+/// displacements of `pairs` over window_m, by its median.
+std::vector<std::pair<double, double>> scale_along(const VoFigures& figures, const Pairs& pairs,
+                                                   const VoFigureParameters& parameters = {});
+
 }  // namespace odograph

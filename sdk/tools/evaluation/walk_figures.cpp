@@ -112,4 +112,18 @@ double heading_drift(const std::vector<odo_attitude>& attitudes, const std::vect
   return (median(t_s.size() - tenth) - median(0)) * 180 / EIGEN_PI / seconds * 60;
 }
 
+WalkedPlace place_walked_to(const Recording& recording, double walked_m) {
+  const auto place_at = [&](int64_t t_ns) {
+    WalkedPlace place{t_ns, 0};
+    for (const odo_step& step : recording.true_steps) place.walked_m += step.t_end_ns <= t_ns ? step.length_m : 0.0;
+    return place;
+  };
+  WalkedPlace best = place_at(recording.truth.back().t_ns);
+  for (const Waypoint& mark : recording.waypoints()) {
+    const WalkedPlace place = place_at(mark.t_ns);
+    if (std::abs(place.walked_m - walked_m) < std::abs(best.walked_m - walked_m)) best = place;
+  }
+  return best;
+}
+
 }  // namespace odograph

@@ -35,4 +35,11 @@ WalkFigures walk_figures(const Recording& recording, const WalkEstimate& estimat
 /// time between. NaN where there are fewer than a hundred attitudes beside the phone's.
 double heading_drift(const std::vector<odo_attitude>& attitudes, const std::vector<StampedPose>& own);
 
+/// Of the recording's marks and the truth's end the one at which its true steps come nearest to a distance walked.
+struct WalkedPlace {
+  int64_t t_ns;
+  double walked_m;
+};
+WalkedPlace place_walked_to(const Recording& recording, double walked_m);
+
 }  // namespace odograph

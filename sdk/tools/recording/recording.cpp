@@ -66,6 +66,19 @@ Result<Recording> read_whatever(const fs::path& path, const ReadOptions& options
 
 }  // namespace
 
+std::vector<int64_t> frame_times_ns(const Recording& recording) {
+  std::vector<int64_t> frames;
+  int64_t offset_ns = 0;
+  for (const RecordedMessage& m : recording.messages) {
+    const odo_header& header = m.message.header();
+    if (header.type == ODO_TYPE_FRAME) frames.push_back(header.t_ns);
+    if (header.type == ODO_TYPE_CALIBRATION && (header.flags & ODO_CALIBRATION_TIME_OFFSET) && offset_ns == 0)
+      offset_ns = as<odo_calibration>(header).time_offset_ns;
+  }
+  for (int64_t& t_ns : frames) t_ns += offset_ns;
+  return frames;
+}
+
 Result<Recording> read_recording(const fs::path& path, const ReadOptions& options) {
   auto recording = read_whatever(path, options);
   if (recording && recording->loss.wild_times > 0)

@@ -91,6 +91,9 @@ struct Recording {
   void sort();
 };
 
+/// When its frames were taken, on the IMU's clock as the first calibration with a time offset has it.
+std::vector<int64_t> frame_times_ns(const Recording& recording);
+
 /// Finds out by looking what it is, and reads it: an Odograph recording (*.odo), EuRoC/ASL, TUM RGB-D, KITTI odometry,
 /// ADVIO, an Indoor Location Competition trace (*.txt), or a folder of numbered images with a camera.yaml.
 /// Failures name file and line (ODO_E_DATA), or say what was looked for (ODO_E_NOT_FOUND).

@@ -60,22 +60,4 @@ Result<fs::path> kept_recording(const fs::path& file, uint64_t seed, const fs::p
   return kept;
 }
 
-void RecordingChoice::add_options(CLI::App& command, const std::string& what) {
-  command.add_option("recordings", recordings, what + "; none: simulated ones");
-  command.add_option("--scenario", scenario, "what is simulated")->capture_default_str();
-  command.add_option("--seeds", seeds, "how many of it")->capture_default_str()->check(CLI::Range(1, 1000));
-  command.add_option("--first-seed", first_seed, "the first of them")->capture_default_str();
-  command.add_option("--keep", keep, "recordings are kept here and rendered once")->capture_default_str();
-}
-
-Result<std::vector<std::filesystem::path>> RecordingChoice::files() const {
-  std::vector<std::filesystem::path> files(recordings.begin(), recordings.end());
-  for (uint64_t seed = first_seed; recordings.empty() && seed < first_seed + seeds; ++seed) {
-    const auto file = kept_recording(scenario, seed, keep, 0);
-    if (!file) return file.failure();
-    files.push_back(*file);
-  }
-  return files;
-}
-
 }  // namespace odograph

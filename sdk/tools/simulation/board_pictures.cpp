@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "sdk/tools/simulation/lens_model.hpp"
@@ -104,6 +105,24 @@ odo_calibration random_lens(bool fisheye, uint64_t seed) {
     put({random.uniform(-0.2, 0.1), random.uniform(-0.05, 0.1), random.uniform(-1e-3, 1e-3),
          random.uniform(-1e-3, 1e-3)});
   return c;
+}
+
+Result<std::vector<BoardView>> simulated_views(const Board& board, const odo_calibration& lens, uint64_t seed,
+                                               size_t pictures, const std::filesystem::path& folder,
+                                               const std::function<void(size_t done, size_t all)>& progress) {
+  const BoardCamera camera(board, lens);
+  BoardFinder finder(board);
+  std::vector<BoardView> views;
+  std::error_code error;
+  if (!folder.empty()) std::filesystem::create_directories(folder, error);
+  for (size_t i = 0; i < pictures; ++i) {
+    if (progress) progress(i, pictures);
+    const cv::Mat picture = camera.picture(camera.pose(seed, i), seed, i);
+    if (!folder.empty() && !cv::imwrite((folder / (std::to_string(100 + i) + ".png")).string(), picture))
+      return Failure{ODO_E_NOT_FOUND, folder.string() + ": cannot be written"};
+    if (auto view = finder.find(picture)) views.push_back(std::move(*view));
+  }
+  return views;
 }
 
 }  // namespace odograph

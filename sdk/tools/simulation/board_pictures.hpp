@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -36,5 +38,11 @@ class BoardCamera {
 
 /// A phone's lens: no two seeds have the same, and the principal point is not in the middle.
 odo_calibration random_lens(bool fisheye, uint64_t seed);
+
+/// The board as it is found in pictures by a BoardCamera, those without it left out; the pictures are kept as PNG in a
+/// folder if one is named. ODO_E_NOT_FOUND where that cannot be written.
+Result<std::vector<BoardView>> simulated_views(const Board& board, const odo_calibration& lens, uint64_t seed,
+                                               size_t pictures, const std::filesystem::path& folder,
+                                               const std::function<void(size_t done, size_t all)>& progress);
 
 }  // namespace odograph

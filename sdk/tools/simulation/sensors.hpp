@@ -15,6 +15,9 @@ class SimTriad {
  public:
   struct Errors {
     double bias, walk, noise, scale, misalignment, range, step;
+    /// Of such a sensor at rest, averaged over `tau_s`: white noise, the bias's walk, and rounding, which is white
+    /// noise of variance step^2 / 12 on each sample.
+    double allan_deviation(double rate_hz, double tau_s) const;
   };
   SimTriad(Random random, const Errors& errors, double rate_hz);
   Eigen::Vector3d measure(const Eigen::Vector3d& truth);

@@ -14,6 +14,9 @@ Scenario surveyor_walk(uint64_t seed);
 /// side and backwards.
 Scenario viewer_walk(uint64_t seed);
 
+/// 80 m of a scenario without its stops, by a walker of any size and pace.
+Scenario any_walker(Scenario scenario, uint64_t seed);
+
 /// Ten minutes on the spot with the phone in the hand: `what` is "handle" (typing and gestures) or "turn".
 Scenario standing(const std::string& what, bool viewer);
 

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What an app gets: the poses that it draws with, its anchors, what poses say of their errors.
+#include "sdk/tools/benchmarks/benchmarks.hpp"
+#include "sdk/tools/evaluation/pose_consistency.hpp"
+#include "sdk/tools/replay/anchor_walk.hpp"
+#include "sdk/tools/replay/app_stream.hpp"
+#include "sdk/tools/replay/marked_run.hpp"
+
+namespace odograph {
+namespace {
+
+struct StreamBenchmark : Benchmark {
+  StreamBenchmark()
+      : Benchmark("stream", "Poses ahead of time, as an app asks for them, in simulated time; camera and IMU",
+                  kConfigs | kSimulated | kRecordings, {"walk"}) {}
+  void add_options(CLI::App& command) override {
+    command.add_option("--ahead", timing.ahead_ms, "ms ahead of the poll");
+    command.add_option("--frame-late", timing.late.frame_late_ms, "ms from a picture's time to its pose");
+    command.add_option("--imu-late", timing.late.imu_late_ms, "ms from a sample's time to its arrival");
+    command.add_option("--settle", settle_s, "seconds left out at the start");
+  }
+
+  Result<Json> measure_recording(const BenchCase& one, const Recording& recording, const ShowProgress&) const override {
+    const auto stream = app_stream(recording, one.run, timing);
+    if (!stream) return stream.failure();
+    const int64_t start_ns = recording.messages.front().message.header().t_ns + static_cast<int64_t>(settle_s * 1e9);
+    const StreamFigures f = stream_figures(stream->poses, recording.truth, start_ns);
+    return row_of({{"", "frames", "frames", 0, f.frames},
+                   {"orientation", "deg median", "orientation_deg_median", 2, part_of(f.orientation_deg, 0.5)},
+                   {"deg", "99 %", "orientation_deg_p99", 2, part_of(f.orientation_deg, 0.99)},
+                   {"position", "mm median", "position_mm_median", 1, 1e3 * part_of(f.position_m, 0.5)},
+                   {"mm", "99 %", "position_mm_p99", 1, 1e3 * part_of(f.position_m, 0.99)},
+                   {"no", "position", "without_position", 0, f.without_position},
+                   {"repeated", "polls", "repeated", 0, f.repeated},
+                   {"", "corrections", "corrections", 0, stream->corrections},
+                   {"jump", "cm", "jump_cm", 1, 100 * f.jump_m},
+                   {"smooth", "cm", "smooth_jump_cm", 1, 100 * f.smooth_jump_m},
+                   {"get_pose", "us median", "get_pose_us_median", 2, percentile(stream->poll_us, 0.5)},
+                   {"us", "99 %", "get_pose_us_p99", 2, percentile(stream->poll_us, 0.99)},
+                   {"statistics", "us, 99 %", "get_statistics_us_p99", 2, percentile(stream->statistics_us, 0.99)}});
+  }
+
+  std::string notes(const Rows&) const override {
+    return text(
+        "\nPoses asked %.0f ms ahead, against the pipeline's own later ones; the first %.0f s left out. "
+        "Gyroscope and\naccelerometer (%.0f Hz) apart and %.0f ms late, pictures %.0f ms. jump: the longest "
+        "step between two polls at\n%.0f Hz beyond the true one, from the start on.\n",
+        timing.ahead_ms, settle_s, timing.late.accel_hz, timing.late.imu_late_ms, timing.late.frame_late_ms,
+        timing.poll_hz);
+  }
+
+  AppTiming timing;
+  double settle_s = 8;
+};
+
+struct Anchors : Benchmark {
+  Anchors()
+      : Benchmark("anchors", "Anchors on the screen and through a fix, in simulated time; camera, IMU and truth",
+                  kConfigs | kSimulated | kRecordings, {"walk_marks"}) {}
+  void add_options(CLI::App& command) override {
+    command.add_option("--settle", walk.settle_s, "seconds from the first position to the first anchor");
+    command.add_option("--ahead", walk.ahead_m, "m from the camera to a new anchor");
+  }
+
+  Result<Json> measure_recording(const BenchCase& one, const Recording& recording, const ShowProgress&) const override {
+    const auto f = anchor_walk(recording, one.run, walk);
+    if (!f) return f.failure();
+    return row_of({{"", "looks", "looks", 0, f->px.size()},
+                   {"corrected", "px median", "px_median", 2, part_of(f->px, 0.5)},
+                   {"px", "95 %", "px_p95", 2, part_of(f->px, 0.95)},
+                   {"smooth", "px median", "smooth_px_median", 2, part_of(f->smooth_px, 0.5)},
+                   {"px", "95 %", "smooth_px_p95", 2, part_of(f->smooth_px, 0.95)},
+                   {"drift", "m", "drift_m", 2, f->drift_m},
+                   {"sigma", "m", "view_sigma_m", 2, f->view_sigma_m},
+                   {"fix", "accepted", "fixed", 0, f->fixed},
+                   {"start", "m", "start_off_m", 3, f->start_off_m},
+                   {"newest", "m", "by_newest_m", 3, f->by_newest_m}});
+  }
+
+  std::string notes(const Rows&) const override {
+    return text(
+        "\npx: how far off an anchor is drawn that was placed %.0f m ahead and is %.0f to %.0f m away, on each "
+        "picture as it\narrives and before it has been used; the first %.0f s left out. drift: of the phone at "
+        "the end, and sigma what was\nsaid of it; start: how far off content placed at the start is after a fix "
+        "at the end (sigma %.0f cm), and newest: if\nit had been moved as the phone was.\n",
+        walk.ahead_m, walk.nearest_m, walk.farthest_m, walk.settle_s, 100 * walk.mark_sigma_m);
+  }
+
+  AnchorWalkOptions walk;
+};
+
+struct Consistency : Benchmark {
+  Consistency()
+      : Benchmark("consistency", "Do poses err by as much as they say; what they cost",
+                  kConfigs | kRecordings | kSensors, {"walk"}) {
+    below = "mean, longest";
+    read.true_states = false;  // they would count as memory of the pipeline
+  }
+  void add_options(CLI::App& command) override {
+    command.add_option("--first", first_s, "s from the start that are run");
+    command.add_option("--marks", marks.sigma_m,
+                       "tell the session where it is, with errors of so many m on each axis; the config has "
+                       "fix/waypoint with `use: all`");
+    command.add_option("--every", marks.every_s, "s between two of --marks");
+    command.add_option("--seed", sensor_seed, "of the errors of --marks and --sensors");
+  }
+
+  Result<Json> measure_recording(const BenchCase& one, const Recording& recording, const ShowProgress&) const override {
+    const auto run = marked_run(recording, one.run, {marks.sigma_m, marks.every_s, sensor_seed}, first_s);
+    if (!run) return run.failure();
+    const PoseConsistency f = pose_consistency(run->poses, recording.truth);
+    const auto known = [&](double x) { return f.poses < 3 ? Json() : Json(x); };
+    const As mean{.over = Over::mean, .absolute = true};
+    return row_of({{"", "", "poses", -1, f.poses},
+                   {"path", "m", "path_m", 1, known(f.path_m), mean},
+                   {"APE yaw", "%", "ape_percent", 2, known(100 * f.ape_m / f.path_m), mean},
+                   {"scale", "%", "scale_percent", 2, known(100 * f.scale_error), {true, Over::mean, 0, true}},
+                   {"NEES", "position", "position_nees", 2, known(f.position_nees), mean},
+                   {"NEES", "heading", "heading_nees", 2, known(f.heading_nees), mean},
+                   {"beyond 3 sigma", "position s", "position_beyond_s", 1, known(f.position_beyond_s), kWorst},
+                   {"beyond 3 sigma", "heading s", "heading_beyond_s", 1, known(f.heading_beyond_s), kWorst},
+                   {"times", "realtime", "times_realtime", 1, run->times_realtime, mean},
+                   {"peak", "MB", "peak_rss_mb", 0, peak_rss_mb(), kWorst}});
+  }
+
+  std::string notes(const Rows&) const override {
+    return "\nNEES: error squared over its covariance, per degree of freedom, mean over the poses, the first of them "
+           "laid on\nthe truth; 1 is consistent. beyond 3 sigma: the longest time without a break. times realtime: of "
+           "one core's time,\npictures decoded. peak: resident, of the process of the run.\n";
+  }
+
+  double first_s = 1e9;
+  MarkOptions marks;
+};
+
+}  // namespace
+
+Benchmarks app_benchmarks() {
+  return {std::make_shared<StreamBenchmark>(), std::make_shared<Anchors>(), std::make_shared<Consistency>()};
+}
+
+}  // namespace odograph

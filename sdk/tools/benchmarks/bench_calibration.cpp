@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Calibrations against the truth.
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/host/base/rotation.hpp"
+#include "sdk/tools/benchmarks/benchmarks.hpp"
+#include "sdk/tools/console/board_option.hpp"
+#include "sdk/tools/replay/camera_imu_source.hpp"
+#include "sdk/tools/simulation/board_pictures.hpp"
+
+namespace odograph {
+namespace {
+
+struct Calibrate : Benchmark {
+  Calibrate() : Benchmark("calibrate", "Intrinsics from simulated boards against the truth", kSeeds) {
+    options.seeds = 5;
+    variants = {"pinhole", "kannala_brandt"}, variant_label = "lens";
+  }
+  void add_options(CLI::App& command) override {
+    command.add_option("--pictures", pictures, "of the board")->check(CLI::Range(3, 1000));
+    command.add_option("--keep", folder, "folder for the pictures");
+    board.add_board(command);
+  }
+
+  Result<std::vector<BenchCase>> recordings() override {
+    if (const auto made = board.board(); !made) return made.failure();
+    options.fresh |= !folder.empty();
+    return Benchmark::recordings();
+  }
+
+  Result<Json> measure(const BenchCase& one, const ShowProgress& progress) const override {
+    LensOptions lens = board.lens();
+    lens.lens = one.variant == 0 ? Lens::pinhole : Lens::kannala_brandt;
+    const odo_calibration truth = random_lens(lens.lens != Lens::pinhole, one.seed);
+    const std::string own = one.labels["lens"].get<std::string>() + "_s" + std::to_string(one.seed);
+    const auto views =
+        simulated_views(*board.board(), truth, one.seed, pictures, folder.empty() ? "" : folder + '/' + own, progress);
+    if (!views) return views.failure();
+    const auto found = calibrate_lens(*views, {640, 480}, lens);
+    if (!found) return Json{{"found", views->size()}, {"failure", found.failure().text}};
+    const double fx = found->fx - truth.fx, fy = found->fy - truth.fy, cx = found->cx - truth.cx,
+                 cy = found->cy - truth.cy;
+    const Eigen::Vector4d normalised(fx / found->sigma_fx, fy / found->sigma_fy, cx / found->sigma_cx,
+                                     cy / found->sigma_cy);
+    return row_of({{"", "found", "found", 0, views->size()},
+                   {"fx", "%", "fx_percent", 4, 100 * fx / truth.fx, kSigned},
+                   {"fy", "%", "fy_percent", 4, 100 * fy / truth.fy, kSigned},
+                   {"cx", "px", "cx_px", 3, cx, kSigned},
+                   {"cy", "px", "cy_px", 3, cy, kSigned},
+                   {"rms", "px", "rms_px", 3, found->rms_px},
+                   {"e/sigma", "", "normalised", 2, normalised.norm() / 2}});
+  }
+
+  std::string heading(const Rows&) const override {
+    return text("%s %s of %.0f mm, %zu pictures of 640x480; errors against the truth\n\n", board.kind.c_str(),
+                board.squares.c_str(), 1000 * board.board()->square_m, pictures);
+  }
+
+  std::string notes(const Rows& rows) const override {
+    std::string out;
+    for (const Json& row : rows)
+      if (row.contains("failure"))
+        out += row["lens"].dump() + ' ' + row["seed"].dump() + ": " + row["failure"].dump() + '\n';
+    const auto worst = [&](const char* x, const char* y) {
+      const bool all = numbers_at(rows, x).size() == rows.size();  // one that failed is off by any amount
+      return all ? std::max(percentile_at(rows, x, 1, true), percentile_at(rows, y, 1, true)) : INFINITY;
+    };
+    return out + text("\nworst: focal length %.4f %%, principal point %.3f px\n", worst("fx_percent", "fy_percent"),
+                      worst("cx_px", "cy_px"));
+  }
+
+  BoardOptions board;
+  size_t pictures = 25;
+  std::string folder;
+};
+
+constexpr double kDegrees = 57.29577951308232;
+constexpr double kFocalWrong = 1.02, kRowWrong = 0.6, kOffsetWrong_s = 0.1;
+
+struct CalibrateImu : Benchmark {
+  CalibrateImu()
+      : Benchmark("calibrate-imu", "Mount, offset, row time of recordings against what they say", kRecordings) {}
+  void add_options(CLI::App& command) override {
+    command.add_flag("--keep-lens", keep_lens, "start from the right lens and do not touch it");
+  }
+
+  Result<Json> measure_recording(const BenchCase& one, const Recording& recording,
+                                 const ShowProgress& progress) const override {
+    auto data = camera_imu_data(recording, progress);
+    if (!data) return data.failure();
+    const odo_calibration said = data->given;
+    const double row_s = data->given_row_time_s;
+    if (!(said.header.flags & ODO_CALIBRATION_EXTRINSICS))
+      return Failure{ODO_E_DATA, one.files.front().string() + ": does not say how its camera is mounted"};
+    const double offset_s =
+        said.header.flags & ODO_CALIBRATION_TIME_OFFSET ? static_cast<double>(said.time_offset_ns) * 1e-9 : 0;
+    data->given.header.flags = ODO_CALIBRATION_TIME_OFFSET;
+    data->given.time_offset_ns = std::llround((offset_s + kOffsetWrong_s) * 1e9);
+    data->given_row_time_s = row_s * kRowWrong;
+    if (!keep_lens) data->given.fx *= kFocalWrong, data->given.fy *= kFocalWrong;
+    const auto found = calibrate_camera_imu(*data, {.refine_lens = !keep_lens});
+    if (!found) return found.failure();
+    const Eigen::Quaterniond q = raw_quaternion(said.q_b_c);
+    const auto error = [](const Estimate& e, double truth, double unit) {
+      return e.observable ? Json(unit * (e.value - truth)) : Json();
+    };
+    const auto sigma = [](const Estimate& e, double unit) { return e.observable ? Json(unit * e.sigma) : Json(); };
+    return row_of({{"mount", "deg", "mount_deg", 3, kDegrees * found->q_b_c.angularDistance(q)},
+                   {"", "sigma", "mount_sigma_deg", 3, (kDegrees * found->rotation_sigma_rad).norm()},
+                   {"offset", "ms", "offset_ms", 3, error(found->time_offset_s, offset_s, 1e3), kSigned},
+                   {"", "sigma", "offset_sigma_ms", 3, sigma(found->time_offset_s, 1e3)},
+                   {"row time", "us", "row_time_us", 3, error(found->row_time_s, row_s, 1e6), kSigned},
+                   {"", "sigma", "row_time_sigma_us", 3, sigma(found->row_time_s, 1e6)},
+                   {"fx", "px", "fx_px", 3, error(found->focal_px, said.fx, 1), kSigned},
+                   {"", "sigma", "fx_sigma_px", 3, sigma(found->focal_px, 1)},
+                   {"rms", "px", "rms_px", 3, found->rms_px},
+                   {"", "corr.", "correlation", 3, found->correlation}});
+  }
+
+  std::string heading(const Rows&) const override {
+    return text(
+        "Found minus what the recording says; started from an unknown mount, an offset %.0f ms and a focal "
+        "length %.0f %% off, %.0f %% of the row time. -: kept\n\n",
+        1e3 * kOffsetWrong_s, 100 * (kFocalWrong - 1), 100 * kRowWrong);
+  }
+
+  bool keep_lens = false;
+};
+
+}  // namespace
+
+Benchmarks calibration_benchmarks() { return {std::make_shared<Calibrate>(), std::make_shared<CalibrateImu>()}; }
+
+}  // namespace odograph
