@@ -101,7 +101,7 @@ typedef struct odo_scale { /* what makes a front-end's displacements metres */
   odo_header header;
   int64_t valid_from_ns;  /* motions that end after this ... */
   int64_t valid_to_ns;    /* ... and not after this */
-  double scale;
+  double scale;           /* metres = scale * displacement */
   double sigma;           /* of scale */
   double displacement_m;  /* the metric displacement it was computed from, 0 where there is none */
   uint32_t scale_group;
@@ -150,7 +150,7 @@ typedef struct odo_pose {
   double p_n[3];         /* m */
   double velocity_n[3];  /* m/s */
   double covariance[36]; /* of (rotation in n, position in n), rad^2 and m^2 */
-  double scale;          /* of the front-end's displacements, in use; 0 unknown */
+  double scale;          /* in use: metres = scale * the front-end's displacement; 0 unknown */
   double scale_sigma;
   double distance_m;     /* travelled since the start */
   uint32_t state;        /* ODO_TRACKING, ODO_DEGRADED, ODO_LOST */
