@@ -124,7 +124,8 @@ TEST_CASE("a run that fails or ends its process fails the benchmark, with its re
   CHECK(rows.failure().text == "no frames");
   rows = rows_of(One(folder, [](const BenchCase&) -> Result<Json> { _exit(7); }), {BenchCase{}});
   REQUIRE_FALSE(rows);
-  CHECK(rows.failure().text.find("the process of a run ended by") != std::string::npos);
+  CHECK(rows.failure().text.find("the process of a run: the plugin ended the process with status 7") !=
+        std::string::npos);
 }
 
 TEST_CASE("cases are each recording with each variant and each config, and a config may have values of its own") {
