@@ -8,6 +8,7 @@
 #include "sdk/host/config/overrides.hpp"
 #include "sdk/tools/benchmarks/bench_case.hpp"
 #include "sdk/tools/replay/replayed.hpp"
+#include "sdk/tools/validator/child.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -286,6 +287,28 @@ TEST_CASE("a document that is written again reads as the same values") {
   CHECK(node_at(*again, "b")->quoted);
   CHECK(node_at(*again, "h")->text == "q\"uote");
   CHECK(node_at(*again, "c.9") == nullptr);
+}
+
+TEST_CASE("children run so many side by side, each is told of as it ends, and none is begun after one is enough") {
+  std::vector<size_t> ended;
+  const auto work = [](size_t i) -> std::string {
+    usleep(i == 0 ? 300000 : 1000);
+    return std::string(100000 * i, 'x');  // more than a pipe holds
+  };
+  run_in_children(4, 2, work, [&](size_t i, const ChildResult& result) {
+    CHECK(result.finished);
+    CHECK(result.text.size() == 100000 * i);
+    ended.push_back(i);
+    return true;
+  });
+  CHECK(ended == std::vector<size_t>{1, 2, 3, 0});
+  ended.clear();
+  run_in_children(9, 2, work, [&](size_t i, const ChildResult&) {
+    ended.push_back(i);
+    return false;
+  });
+  CHECK(ended == std::vector<size_t>{1, 0});
+  CHECK(run_in_child(0.1, [] { return usleep(3000000), std::string(); }).text == "took longer than 0.1 s");
 }
 
 TEST_SUITE_END();

@@ -5,10 +5,8 @@
 #include <cstdio>
 
 #include "sdk/host/base/nearest.hpp"
-#include "sdk/host/base/temporary_folder.hpp"
 #include "sdk/tools/console/console.hpp"
 #include "sdk/tools/replay/kept_recordings.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
 
 namespace odograph {
 
@@ -66,17 +64,6 @@ int run(Benchmark& b) {
   return written ? kDone : complain(written.failure());
 }
 
-/// The walks of a folder, by name.
-Result<std::vector<std::string>> walks_in(const std::string& folder) {
-  std::vector<std::string> files;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".txt" || entry.path().extension() == ".odo") files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  if (files.empty()) return Failure{ODO_E_NOT_FOUND, folder + ": no walks (*.txt, *.odo) in this folder"};
-  return files;
-}
-
 }  // namespace
 
 Benchmark::Benchmark(std::string its_name, std::string its_about, unsigned its_offers,
@@ -111,10 +98,11 @@ Result<fs::path> Benchmark::kept(const fs::path& scenario, uint64_t seed) const 
 
 Result<std::vector<BenchCase>> Benchmark::recordings() {
   const bool folder = (offers & kFolder) != 0, simulated = (offers & kSimulated) == kSimulated;
-  const auto files = folder ? walks_in(options.folder) : options.recordings;
-  if (!files) return files.failure();
+  const auto files = folder ? files_in(options.folder, "", {".txt", ".odo"}) : options.recordings;
+  if (folder && files.empty())
+    return Failure{ODO_E_NOT_FOUND, options.folder + ": no walks (*.txt, *.odo) in this folder"};
   std::vector<BenchCase> all;
-  for (const std::string& file : *files) all.push_back({{{"recording", stem_of(file)}}, {file}});
+  for (const std::string& file : files) all.push_back({{{"recording", stem_of(file)}}, {file}});
   if (!all.empty()) return all;
   for (const std::string& scenario : simulated ? options.scenarios : std::vector<std::string>{""})
     for (uint64_t seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {
@@ -173,14 +161,25 @@ BenchReport Benchmark::report(const Rows& rows) const {
   if (!(offers & kByConfig)) return {heading(rows) + cases_text(rows, "figures", "", below) + notes(rows)};
   const auto columns = columns_of(rows);
   const Rows summaries = summaries_of(rows, "config", columns);
-  return {heading(rows) + configs_text(summaries, columns) + notes(rows), printed(summaries)};
+  return {heading(rows) + table_text({"", {{"config", "config"}}, columns}, summaries) + notes(rows),
+          printed(summaries)};
 }
 
-Result<Recording> simulated(const Scenario& scenario, uint64_t seed) {
-  const TemporaryFolder folder;
-  const fs::path file = folder / "walk.odo";
-  const auto made = simulate(scenario, seed, file, {.threads = 1, .frames = false});
-  return made ? read_recording(file) : made.failure();
+std::vector<std::string> files_in(const fs::path& folder, const std::string& begin, const std::set<fs::path>& endings) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().filename().string().starts_with(begin) && endings.count(entry.path().extension()) > 0)
+      files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+void add_line(Plot& plot, const std::string& name, const Json& pairs, const std::string& style) {
+  PlotSeries series{.name = name, .style = style, .points = {}};
+  for (const Json& pair : pairs)
+    if (pair[1].is_number()) series.points.emplace_back(pair[0].get<double>(), pair[1].get<double>());
+  if (!series.points.empty()) plot.series.push_back(std::move(series));
 }
 
 void add_benchmark(CLI::App& parent, std::shared_ptr<Benchmark> benchmark, int& status) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -116,8 +117,12 @@ Result<Rows> rows_of(const Benchmark& benchmark, const std::vector<BenchCase>& c
 /// What a call returns that runs in a process of its own: its threads and what it holds end there.
 Result<Json> in_child(const std::function<Result<Json>()>& call);
 
-/// What a simulator without a camera makes of a scenario; nothing of it is kept.
-Result<Recording> simulated(const Scenario& scenario, uint64_t seed);
+/// A line of a plot through pairs of numbers, if there are any.
+void add_line(Plot& plot, const std::string& name, const Json& pairs, const std::string& style = "lines");
+
+/// Files of a folder whose names begin and end like that, in order.
+std::vector<std::string> files_in(const std::filesystem::path& folder, const std::string& begin,
+                                  const std::set<std::filesystem::path>& endings);
 
 /// A path's last part, without extension where it is a file's.
 std::string stem_of(const std::filesystem::path& path);

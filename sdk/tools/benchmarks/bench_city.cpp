@@ -117,14 +117,9 @@ struct City : Benchmark {
     const std::string plus = sky > 0 ? '+' + std::to_string(sky) : "";
     BenchCase one{{{"name", city + ' ' + lens + ' ' + std::to_string(seed) + plus}, {"lens", lens}},
                   {*recording, file}};
-    const std::string skyline = "absolute_fixers.fix/skyline.parameters.";
-    one.run.overrides = {
-        {skyline + "model", file.filename().string()},
-        {skyline + "model_origin", text("[%.4f m, %.4f m, %.4f m]", origin->x(), origin->y(), origin->z())}};
+    one.run.overrides = skyline_overrides(file, *origin, skylines);
     one.run.asset_path = file.parent_path().string();
-    if (skylines.empty()) return one;
-    one.run.overrides.push_back({skyline + "skylines", fs::absolute(skylines).string()});
-    one.files.emplace_back(skylines);
+    if (!skylines.empty()) one.files.emplace_back(skylines);
     return one;
   }
 

@@ -5,6 +5,7 @@
 #include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/evaluation/fix_figures.hpp"
 #include "sdk/tools/replay/known_object_runner.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walk_scenarios.hpp"
 
 namespace odograph {
@@ -53,8 +54,8 @@ struct Canyon : Benchmark {
 
 using namespace known_object_scene;
 
-struct KnownObject : Benchmark {
-  KnownObject() : Benchmark("known-object", "fix/known_object on posters, boards, tags and look-alikes", 0) {}
+struct KnownObjects : Benchmark {
+  KnownObjects() : Benchmark("known-object", "fix/known_object on posters, boards, tags and look-alikes", 0) {}
   void add_options(CLI::App& command) override {
     command.add_option("--scenes", scenes, "of each distance and obliqueness, for each object");
     command.add_option("--look-alikes", lookalike_frames, "frames with them");
@@ -125,9 +126,7 @@ struct KnownObject : Benchmark {
     for (const Target& target : kTargets) {
       Rows lines;
       for (const Json& row : rows_with(rows, "target", target.id)) {
-        Json labels;
-        for (const std::string key : row["_labels"]) labels[key] = row[key];
-        lines.push_back(summary_of(labels, {row}, columns_of(rows)));
+        lines.push_back(summary_of(row, {row}, columns_of(rows)));
         report.json["accuracy"].push_back(printed({lines.back()})[0]);
         lines.back()["_name"] = text("%s %g-%g m, %g to %g deg", row["standing"].get<bool>() ? "standing" : "walking",
                                      number_at(row, "from_m"), number_at(row, "to_m"), number_at(row, "from_deg"),
@@ -153,6 +152,6 @@ struct KnownObject : Benchmark {
 
 }  // namespace
 
-Benchmarks fixes_benchmarks() { return {std::make_shared<Canyon>(), std::make_shared<KnownObject>()}; }
+Benchmarks fixes_benchmarks() { return {std::make_shared<Canyon>(), std::make_shared<KnownObjects>()}; }
 
 }  // namespace odograph

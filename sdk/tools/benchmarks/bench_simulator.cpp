@@ -8,8 +8,8 @@
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/tools/evaluation/excitation.hpp"
 #include "sdk/tools/evaluation/gait_figures.hpp"
+#include "sdk/tools/evaluation/imu_at_rest.hpp"
 #include "sdk/tools/replay/picture_source.hpp"
-#include "sdk/tools/simulation/sensors.hpp"
 #include "sdk/tools/simulation/walk_scenarios.hpp"
 
 namespace odograph {
@@ -30,25 +30,13 @@ struct Allan : Benchmark {
   Result<Json> measure(const BenchCase& one, const ShowProgress&) const override {
     const auto street = read_scenario(scenario);
     if (!street) return street.failure();
-    const auto& imu = street->imu;
-    const auto errors =
-        one.labels["sensor"] == "gyroscope"
-            ? SimTriad::Errors{imu.gyro_bias, imu.gyro_walk, imu.gyro_noise, 0, 0, imu.gyro_range, imu.gyro_step}
-            : SimTriad::Errors{imu.accel_bias, imu.accel_walk, imu.accel_noise, 0, 0, imu.accel_range, imu.accel_step};
-    SimTriad triad(Random(seed, 2), errors, imu.rate_hz);
-    std::vector<double> axis[3];
-    for (auto n = static_cast<size_t>(hours * 3600 * imu.rate_hz); n > 0; --n) {
-      const Eigen::Vector3d m = triad.measure(Eigen::Vector3d::Zero());
-      for (int k = 0; k < 3; ++k) axis[k].push_back(m[k]);
-    }
-    Json points = Json::array();
-    for (double tau = 0.02; tau < hours * 3600 / 20; tau *= std::sqrt(10)) {
-      double sum = 0;
-      for (const auto& x : axis) sum += allan_deviation(x, imu.rate_hz, tau) / 3;
-      const double want = errors.allan_deviation(imu.rate_hz, tau);
-      points.push_back({{"averaging_s", tau}, {"simulated", sum}, {"asked_for", want}, {"ratio", sum / want}});
-    }
-    return Json{{"rate_hz", imu.rate_hz}, {"points", points}};
+    Json points;
+    for (const AllanPoint& p : imu_at_rest(street->imu, one.labels["sensor"] == "gyroscope", hours, seed))
+      points.push_back({{"averaging_s", p.averaging_s},
+                        {"simulated", p.simulated},
+                        {"asked_for", p.asked_for},
+                        {"ratio", p.simulated / p.asked_for}});
+    return Json{{"rate_hz", street->imu.rate_hz}, {"points", points}};
   }
 
   BenchReport report(const Rows& rows) const override {
@@ -57,20 +45,18 @@ struct Allan : Benchmark {
                        {},
                        {.title = "Allan deviation at rest", .x_label = "log10 s", .y_label = "log10 (rad/s or m/s^2)"}};
     Rows lines;
-    for (const Json& row : rows)
-      for (const char* key : {"asked_for", "simulated"}) {
-        const bool made = std::string(key) == "simulated";
-        PlotSeries series{.name = row["sensor"].get<std::string>() + (made ? ", simulated" : ", asked for"),
-                          .style = made ? "points" : "lines"};
-        for (const Json& point : row["points"]) {
-          series.points.emplace_back(std::log10(number_at(point, "averaging_s")), std::log10(number_at(point, key)));
-          if (!made) continue;
-          lines.push_back({{"sensor", row["sensor"]}, {"point", point}});
-          for (const char* figure : {"simulated", "asked_for"})
-            lines.back()[figure] = text("%.3e", number_at(point, figure));
-        }
-        report.plot.series.push_back(std::move(series));
+    for (const Json& row : rows) {
+      Json asked_for, simulated;
+      for (const Json& point : row["points"]) {
+        const double made = number_at(point, "simulated"), wanted = number_at(point, "asked_for");
+        const double log_s = std::log10(number_at(point, "averaging_s"));
+        asked_for.push_back({log_s, std::log10(wanted)}), simulated.push_back({log_s, std::log10(made)});
+        lines.push_back({{"sensor", row["sensor"]}, {"point", point}});
+        lines.back()["simulated"] = text("%.3e", made), lines.back()["asked_for"] = text("%.3e", wanted);
       }
+      add_line(report.plot, row["sensor"].get<std::string>() + ", asked for", asked_for);
+      add_line(report.plot, row["sensor"].get<std::string>() + ", simulated", simulated, "points");
+    }
     report.text += table_text({"",
                                {{"sensor", "sensor"}},
                                {{"averaging", "s", "point/averaging_s"},
@@ -163,18 +149,13 @@ struct Gait : Benchmark {
 
   static Plot spectra(const Rows& real, const Rows& made) {
     Plot plot{.title = "Acceleration's norm", .x_label = "Hz", .y_label = "log10 (m/s^2)^2/Hz"};
-    for (const auto* group : {&real, &made})
-      for (const double p : {0.25, 0.5, 0.75}) {
-        PlotSeries series{
-            .name = std::string(group == &real ? "real" : "simulated") + (p == 0.5 ? ", median" : ", quartile"),
-            .style = group == &real ? "lines lc rgb '#1f77b4'" : "lines lc rgb '#d62728'"};
-        for (size_t k = 3; k < 240; ++k) {
-          std::vector<double> values;
-          for (const Json& row : *group) values.push_back(row["_spectrum"][k].get<double>());
-          series.points.emplace_back(0.1 * static_cast<double>(k), std::log10(percentile(values, p) + 1e-9));
-        }
-        plot.series.push_back(std::move(series));
-      }
+    for (const auto* group : {&real, &made}) {
+      std::vector<std::vector<double>> spectra;
+      for (const Json& row : *group) spectra.push_back(row["_spectrum"]);
+      for (const double p : {0.25, 0.5, 0.75})
+        add_line(plot, std::string(group == &real ? "real" : "simulated") + (p == 0.5 ? ", median" : ", quartile"),
+                 spectra_percentile(spectra, p), group == &real ? "lines lc rgb '#1f77b4'" : "lines lc rgb '#d62728'");
+    }
     return plot;
   }
 
@@ -239,6 +220,7 @@ struct Tracks : Benchmark {
                        {"one motion", "", "_inliers", 3, tracks->inliers, {.parts = {0.5, 0.1}}},
                        {"flow px", "", "_flow_px", 2, tracks->flow_px, {.parts = {0.5, 0.9}}}},
                       "tracks"));
+    row["_followed"] = tracks->still_followed();
     return row;
   }
 
@@ -264,15 +246,7 @@ struct Tracks : Benchmark {
   BenchReport report(const Rows& rows) const override {
     BenchReport report = Benchmark::report(rows);
     report.plot = {.title = "Corners still followed", .x_label = "frames", .y_label = "part"};
-    for (const Json& row : rows) {
-      const auto lengths = numbers_at({row}, "__lengths");
-      PlotSeries series{.name = row["recording"].get<std::string>(), .style = "lines"};
-      for (double k = 1; !lengths.empty() && k <= std::min(number_at(row, "frames") / 2, 60.0); ++k)
-        series.points.emplace_back(
-            k, static_cast<double>(std::count_if(lengths.begin(), lengths.end(), [k](double l) { return l >= k; })) /
-                   static_cast<double>(lengths.size()));
-      if (!series.points.empty()) report.plot.series.push_back(std::move(series));
-    }
+    for (const Json& row : rows) add_line(report.plot, row["recording"], row.value("_followed", Json()));
     return report;
   }
 

@@ -206,10 +206,6 @@ std::string cases_text(const Rows& rows, const std::string& table, const std::st
   return table_text(shown, lines);
 }
 
-std::string configs_text(const Rows& summaries, const std::vector<Column>& columns) {
-  return table_text({"", {{"config", "config"}}, columns}, summaries);
-}
-
 double part_of(const std::vector<double>& values, double part) {
   return values.empty() ? std::nan("") : percentile(values, part);
 }

@@ -81,8 +81,6 @@ std::string table_text(const Table& table, const Rows& rows);
 /// over the recordings of a config and sensors are called, which come last where there are several.
 std::string cases_text(const Rows& rows, const std::string& table = "figures", const std::string& title = "",
                        const std::string& below = "");
-/// A line for each config, by its summary.
-std::string configs_text(const Rows& summaries, const std::vector<Column>& columns);
 
 /// percentile(), NaN of nothing.
 double part_of(const std::vector<double>& values, double part);

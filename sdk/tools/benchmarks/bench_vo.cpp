@@ -3,7 +3,6 @@
 // Visual odometries side by side.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/evaluation/reference_poses.hpp"
@@ -109,15 +108,6 @@ Json refined_of(const odo_calibration& c) {
           {"line_time_us", static_cast<double>(c.line_time_ns) * 1e-3}};
 }
 
-/// "FROM:FOR" in s.
-Result<bool> parse_interval(const std::string& given, const char* option, double& from_s, double& for_s) {
-  int end = 0;
-  if (given.empty() || (std::sscanf(given.c_str(), "%lf:%lf%n", &from_s, &for_s, &end) == 2 &&
-                        given[static_cast<size_t>(end)] == 0 && from_s >= 0 && for_s > 0))
-    return true;
-  return Failure{ODO_E_ARGUMENT, std::string(option) + " " + given + ": expected FROM:FOR in seconds, such as 10:2"};
-}
-
 struct Vo : Benchmark {
   Vo()
       : Benchmark(
@@ -144,13 +134,7 @@ struct Vo : Benchmark {
       if (auto ok = parse_interval(gap, "--gap", d.gap_from_s, d.gap_for_s); !ok) return ok.failure();
       if (auto ok = parse_interval(dark, "--dark", d.dark_from_s, d.dark_for_s); !ok) return ok.failure();
     }
-    if (stress) {
-      const fs::path folder = fs::path(options.scenarios.front()).parent_path();
-      options.scenarios.clear();
-      for (const auto& entry : fs::directory_iterator(folder))
-        if (entry.path().filename().string().starts_with("stress_")) options.scenarios.push_back(entry.path());
-      std::sort(options.scenarios.begin(), options.scenarios.end());
-    }
+    if (stress) options.scenarios = files_in(fs::path(options.scenarios.front()).parent_path(), "stress_", {".yaml"});
     auto all = Benchmark::recordings();
     if (!all || reference.empty()) return all;
     if (all->size() != 1)
@@ -196,10 +180,7 @@ struct Vo : Benchmark {
       for (const auto& [key, value] : refined.items())
         report.text += text(" %s %.2f", key.c_str(), value.get<double>());
       if (!refined.empty()) report.text += '\n';
-      PlotSeries series{.name = run_name, .style = "lines"};
-      for (const Json& point : row.value("_scale", Json::array()))
-        if (point[1].is_number()) series.points.emplace_back(point[0].get<double>(), point[1].get<double>());
-      if (!series.points.empty()) report.plot.series.push_back(std::move(series));
+      add_line(report.plot, run_name, row.value("_scale", Json()));
     }
     return report;
   }
