@@ -25,7 +25,7 @@ struct Squares : Benchmark {
     options.keep = (folder / "kept").string();
     options.seeds = 7, options.first_seed = 0;
   }
-  Result<Json> measure(const BenchCase& one, const ShowProgress&) const override {
+  Result<Json> measure(const BenchCase& one) const override {
     std::ofstream(log, std::ios::app) << one.seed << '\n';
     if (one.seed % 2 == 0) usleep(20000);  // those that come later are done sooner
     return Json{{"square", static_cast<double>(one.seed * one.seed) / 3}, {"_samples", {one.seed, 2 * one.seed}}};
@@ -51,7 +51,7 @@ struct One : Benchmark {
       : Benchmark("one", "", kRecordings), how(std::move(call)) {
     options.keep = (folder / "kept").string();
   }
-  Result<Json> measure(const BenchCase& one, const ShowProgress&) const override { return how(one); }
+  Result<Json> measure(const BenchCase& one) const override { return how(one); }
   BenchReport report(const Rows&) const override { return {}; }
 
   std::function<Result<Json>(const BenchCase&)> how;
@@ -287,6 +287,19 @@ TEST_CASE("a document that is written again reads as the same values") {
   CHECK(node_at(*again, "b")->quoted);
   CHECK(node_at(*again, "h")->text == "q\"uote");
   CHECK(node_at(*again, "c.9") == nullptr);
+}
+
+TEST_CASE("a plot has the lines and points of each row, without what is no number, and none of nothing") {
+  const TemporaryFolder folder;
+  const Rows rows = {{{"_lines", {{"a", {{0, 1}, {1, nullptr}, {2, 3}}}}}},
+                     {{"_points", {{"b", {{5, 6}, {7, 8}}}, {"c", Json()}}}}};
+  Plot plot;
+  One(folder, nullptr).draw(rows, plot);
+  REQUIRE(plot.series.size() == 2);
+  CHECK(plot.series[0].name == "a");
+  CHECK(plot.series[0].style == "lines");
+  CHECK(plot.series[0].points == std::vector<std::pair<double, double>>{{0, 1}, {2, 3}});
+  CHECK(plot.series[1].style == "points");
 }
 
 TEST_CASE("children run so many side by side, each is told of as it ends, and none is begun after one is enough") {

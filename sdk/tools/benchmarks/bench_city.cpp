@@ -48,9 +48,7 @@ struct City : Benchmark {
   }
 
   Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
-    std::vector<odo_fix> accepted;
-    for (const auto& [fix, taken] : result.fixes)
-      if (taken) accepted.push_back(fix);
+    const std::vector<odo_fix> accepted = result.accepted();
     const FixFigures f = fix_figures(recording, accepted);
     Trajectory scored = recording.truth;
     if (!skylines.empty() && !accepted.empty())
@@ -88,11 +86,10 @@ struct City : Benchmark {
     const auto add = [&](const Json& what, const Json& config, const Rows& of) {
       lines.push_back(summary_of({{"name", what}, {"config", config}}, of, table.columns));
     };
-    for (const Json& lens : values_of(rows, "lens")) {
-      const Rows own = rows_with(rows, "lens", lens);
+    for (const auto& [lens, own] : groups_of(rows, "lens")) {
       for (const Json& row : own) add(row["name"], row["config"], {row}), lines.back()["_reasons"] = row["_reasons"];
-      for (const Json& config : values_of(own, "config")) {
-        add("all, " + lens.get<std::string>(), config, rows_with(own, "config", config));
+      for (const auto& [config, all] : groups_of(own, "config")) {
+        add("all, " + lens.get<std::string>(), config, all);
         lines.back().erase("first_fix");
       }
     }

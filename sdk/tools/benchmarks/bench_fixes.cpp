@@ -44,9 +44,9 @@ struct Canyon : Benchmark {
 
   std::string heading(const Rows&) const override {
     return text(
-        "%llu walks of 200 m, a position each second with an error of %g m that is alike for 20 s, and off by "
+        "%zu walks of 200 m, a position each second with an error of %g m that is alike for 20 s, and off by "
         "%g m from 60 to 120 s.\n\n",
-        static_cast<unsigned long long>(options.seeds), sigma_m, reflection_m);
+        options.seeds, sigma_m, reflection_m);
   }
 
   double sigma_m = 12, reflection_m = 40, velocity_sigma_mps = 0;
@@ -72,26 +72,25 @@ struct KnownObjects : Benchmark {
     if (!config) return config.failure();
     const std::filesystem::path plugin = config->fixers.at(0).manifest.library;
     std::vector<BenchCase> all;
-    for (size_t t = 0; t < std::size(kTargets); ++t)
-      for (size_t i = 0; scenes > 0 && i < std::size(kCells); ++i) {
-        const Cell& c = kCells[i];
-        all.push_back({{{"target", kTargets[t].id},
-                        {"standing", c.standing},
-                        {"from_m", c.from_m},
-                        {"to_m", c.to_m},
-                        {"from_deg", c.from_deg},
-                        {"to_deg", c.to_deg}},
-                       {plugin},
-                       {},
-                       t * std::size(kCells) + i});
-      }
+    for (size_t i = 0; scenes > 0 && i < std::size(kTargets) * std::size(kCells); ++i) {
+      const Cell& c = kCells[i % std::size(kCells)];
+      all.push_back({{{"target", kTargets[i / std::size(kCells)].id},
+                      {"standing", c.standing},
+                      {"from_m", c.from_m},
+                      {"to_m", c.to_m},
+                      {"from_deg", c.from_deg},
+                      {"to_deg", c.to_deg}},
+                     {plugin},
+                     {},
+                     i});
+    }
     if (lookalike_frames > 0) all.push_back({{{"target", "look-alikes"}}, {plugin}});
     return all;
   }
 
-  Result<Json> measure(const BenchCase& one, const ShowProgress& progress) const override {
+  Result<Json> measure(const BenchCase& one) const override {
     if (one.labels["target"] == "look-alikes") {
-      const auto kinds = look_alikes(lookalike_frames, only, seed, folder, progress);
+      const auto kinds = look_alikes(lookalike_frames, only, seed, folder, one.run.progress);
       if (!kinds) return kinds.failure();
       Json row;
       for (size_t i = 0; i < kinds->size(); ++i) {
@@ -104,8 +103,8 @@ struct KnownObjects : Benchmark {
       }
       return row;
     }
-    const auto f =
-        scenes_of(kTargets[one.seed / std::size(kCells)], one.seed % std::size(kCells), scenes, seed, folder, progress);
+    const auto f = scenes_of(kTargets[one.seed / std::size(kCells)], one.seed % std::size(kCells), scenes, seed, folder,
+                             one.run.progress);
     if (!f) return f.failure();
     const auto inside = std::count_if(f->nis.begin(), f->nis.end(), [](double nis) { return nis < 5.99; });
     return row_of({{"", "scenes", "scenes", 0, f->scenes, kSum},

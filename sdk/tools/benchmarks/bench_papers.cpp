@@ -76,8 +76,7 @@ struct Walk700 : Benchmark {
     Json row = start == Start::by_pose ? errors(started_by_pose(truth, result.track, kStart_m)) : by_path;
     for (const WalkedPlace& place : places) row["walked_m"].push_back(place.walked_m);
     row["by_path"] = by_path;
-    row["fixes"] =
-        std::count_if(result.fixes.begin(), result.fixes.end(), [](const auto& fix) { return fix.accepted; });
+    row["fixes"] = result.accepted().size();
     return row;
   }
 
@@ -93,13 +92,13 @@ struct Walk700 : Benchmark {
     Table table{"", {{"", "place"}}, {}};
     std::string head = "Positioning errors and percent of the distance walked, after Antigny et al. 2019, Table 5.\n";
     for (size_t c = 0; c < options.configs.size(); ++c) head += letter(c) + ": " + options.configs[c] + '\n';
-    for (const std::string walker : values_of(rows, "walker"))
+    for (const auto& [walker, own] : groups_of(rows, "walker"))
       for (size_t c = 0; c < options.configs.size(); ++c)
-        table.columns.push_back({walker, letter(c), walker + letter(c), 2, {}, options.configs[c]});
+        table.columns.push_back({walker, letter(c), walker.get<std::string>() + letter(c), 2, {}, options.configs[c]});
     head += text(
-        "%llu seed%s (each another individual, town and noise), median. Start by a fix of position and heading after "
+        "%zu seed%s (each another individual, town and noise), median. Start by a fix of position and heading after "
         "12 m (without a\ncamera by the path); below it, by the path of the first 12 m.\n\n",
-        static_cast<unsigned long long>(options.seeds), options.seeds == 1 ? "" : "s");
+        options.seeds, options.seeds == 1 ? "" : "s");
     Rows lines;
     for (const char* start : {"", "by_path/"}) {
       if (*start) lines.push_back({{"_line", ""}});
@@ -131,6 +130,7 @@ struct Drive : Benchmark {
                   {"gakne2018_vo", "gakne2018", "monocular", "city_drive"}) {
     options.scenarios = {"samples/scenarios/drive_downtown.yaml"};
     quick_m = 300;
+    plot = {.title = "Horizontal error", .x_label = "m", .y_label = "part of the frames"};
   }
   void add_options(CLI::App& command) override {
     command.add_option("--missing", missing, "part of the buildings that the city model lacks, drawn by the seed")
@@ -180,23 +180,22 @@ struct Drive : Benchmark {
         start_m, options.seeds, options.seeds == 1 ? "" : "s", 100 * missing);
   }
 
-  BenchReport report(const Rows& rows) const override {
-    BenchReport report = Benchmark::report(rows);
-    report.text +=
+  std::string notes(const Rows& rows) const override {
+    std::string out =
         "\nerror: of this part of the frames; scale: |length of a frame's displacement - true one|, median (Figure "
         "9); end: error at the end of the path.\n";
-    report.plot = {.title = "Horizontal error", .x_label = "m", .y_label = "part of the frames"};
-    std::vector<double> first;
-    for (const std::string config : values_of(rows, "config")) {
-      const auto errors = numbers_at(rows_with(rows, "config", config), "_horizontal_m");
-      add_line(report.plot, config, distribution_of(errors));
-      if (first.empty())
-        first = errors;
-      else
-        report.text += text("%s is nearer to the truth than %s in %.0f %% of the frames.\n", config.c_str(),
-                            options.configs[0].c_str(), 100 * part_below(errors, first));
-    }
-    return report;
+    const auto by_config = groups_of(rows, "config");
+    for (size_t c = 1; c < by_config.size(); ++c)
+      out += text("%s is nearer to the truth than %s in %.0f %% of the frames.\n", options.configs[c].c_str(),
+                  options.configs[0].c_str(),
+                  100 * part_below(numbers_at(by_config[c].second, "_horizontal_m"),
+                                   numbers_at(by_config[0].second, "_horizontal_m")));
+    return out;
+  }
+
+  void draw(const Rows& rows, Plot& into) const override {
+    for (const auto& [config, own] : groups_of(rows, "config"))
+      add_line(into, config, distribution_of(numbers_at(own, "_horizontal_m")));
   }
 
   double start_m = 50, missing = 0;

@@ -104,12 +104,6 @@ std::string name_of(const BenchCase& one) {
   return name;
 }
 
-Result<Json> measured(const Benchmark& benchmark, const BenchCase& one, bool shown) {
-  if (!shown) return benchmark.measure(one, {});
-  Progress progress(name_of(one));
-  return benchmark.measure(one, [&](size_t i, size_t n) { progress.show(i, n); });
-}
-
 /// A row's labels, then what was measured.
 Json labelled(const BenchCase& one, const Json& figures) {
   Json row = one.labels;
@@ -150,7 +144,13 @@ Result<Rows> rows_of(const Benchmark& benchmark, const std::vector<BenchCase>& c
   Progress progress("bench " + benchmark.name);
   std::map<size_t, Failure> failures;
   run_in_children(
-      missing.size(), jobs, [&](size_t i) { return said(measured(benchmark, cases[missing[i]], jobs == 1)); },
+      missing.size(), jobs,
+      [&](size_t i) {
+        BenchCase one = cases[missing[i]];
+        Progress bar(name_of(one));
+        if (jobs == 1) one.run.progress = [&](size_t k, size_t n) { bar.show(k, n); };
+        return said(benchmark.measure(one));
+      },
       [&, done = size_t{0}](size_t i, const ChildResult& child) mutable {
         const size_t number = missing[i];
         const auto row = heard(child);

@@ -114,6 +114,7 @@ struct Vo : Benchmark {
             "vo", "Visual odometries side by side, on simulated walks or recordings",
             kConfigs | kQuick | kPlot | kSimulated | kRecordings | kSensors,
             {"monocular", "monocular_antigny2019", "monocular_gakne2018", "monocular_odograph", "inertial_odograph"}) {
+    plot = {.title = "Scale along the path", .x_label = "m", .y_label = "odometry by truth"};
     quick_m = 120;  // as `bench walk700 --quick`, which keeps the same recordings
   }
   void add_options(CLI::App& command) override {
@@ -155,34 +156,34 @@ struct Vo : Benchmark {
     return degraded(*recording, qualities[one.variant], sensor_seed);
   }
 
-  Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
+  Result<Json> measure_replay(const BenchCase& one, const Recording& recording,
+                              const RunResult& result) const override {
     const VoFigures figures =
         vo_figures(recording.truth, result.motions, result.motions_known_ns, frame_times_ns(recording));
     const Pairs pairs = associate(recording.truth, compose(result.motions).own(), kAssociate_s);
     Json row = row_of(metre_of(figures), "metre");
     row.update(row_of(shape_of(vo_shape(recording.truth, result.motions, pairs), result), "shape"));
     if (!result.refined.empty()) row["refined"] = refined_of(result.refined.back());
-    if (!recording.truth.empty()) row["_scale"] = scale_along(figures, pairs);
+    if (!recording.truth.empty()) row["_lines"][run_name(one.labels)] = scale_along(figures, pairs);
     return row;
   }
 
   BenchReport report(const Rows& rows) const override {
     BenchReport report{cases_text(rows, "metre", "Metre", "median") + kMetreNote +
-                           cases_text(rows, "shape", "Shape and cost", "median") + kShapeNote,
-                       {},
-                       {.title = "Scale along the path", .x_label = "m", .y_label = "odometry by truth"}};
+                       cases_text(rows, "shape", "Shape and cost", "median") + kShapeNote};
     for (const Json& row : rows) {
-      const std::string run_name = row["recording"].get<std::string>() + ' ' +
-                                   stem_of(row["config"].get<std::string>()) +
-                                   (row.contains("sensors") ? ' ' + row["sensors"].get<std::string>() : "");
       const Json refined = row.value("refined", Json::object());
-      if (!refined.empty()) report.text += run_name + ": refined to";
+      if (!refined.empty()) report.text += run_name(row) + ": refined to";
       for (const auto& [key, value] : refined.items())
         report.text += text(" %s %.2f", key.c_str(), value.get<double>());
       if (!refined.empty()) report.text += '\n';
-      add_line(report.plot, run_name, row.value("_scale", Json()));
     }
     return report;
+  }
+
+  static std::string run_name(const Json& row) {
+    return row["recording"].get<std::string>() + ' ' + stem_of(row["config"].get<std::string>()) +
+           (row.contains("sensors") ? ' ' + row["sensors"].get<std::string>() : "");
   }
 
   std::string reference, reference_frame = "camera", gap, dark;
