@@ -22,8 +22,10 @@ int changes_at(MetreCheck& check, int steps, double told_m, double seen_m) {
   return 0;
 }
 void blind(MetreCheck& check) {
-  for (int i = 0; i < 10; ++i) check.add_frame(0.1, false);
-  check.add_frame(0.1, true);
+  check.add_motion(0.1, true, true);
+  for (int i = 0; i < 10; ++i) check.add_motion(0.1, false, false);  // lost, and without a metre
+  check.restart();                                                   // another scale
+  check.add_motion(0.1, true, true);
 }
 
 }  // namespace
@@ -34,14 +36,15 @@ TEST_CASE(
   MetreCheck check;
   CHECK(changes_at(check, 60, 0.7, 0.75) == 0);
   CHECK_FALSE(check.doubted());
-  CHECK(check.log_factor() == doctest::Approx(std::log(0.75 / 0.7)).epsilon(0.2));
+  CHECK(check.log_factor() == doctest::Approx(std::log(0.75 / 0.7)).epsilon(0.2).scale(0));
   blind(check);
   const int after = changes_at(check, 12, 0.7, 1.5);
   CHECK(after > 3);
   CHECK(after <= 12);
   CHECK(check.doubted());
-  CHECK(changes_at(check, 40, 0.7, 1.2) == 0);                                      // still half as long again
-  CHECK(check.log_factor() == doctest::Approx(std::log(0.75 / 0.7)).epsilon(0.2));  // not learnt from what is doubted
+  CHECK(changes_at(check, 40, 0.7, 1.2) == 0);  // still half as long again
+  CHECK(check.log_factor() ==
+        doctest::Approx(std::log(0.75 / 0.7)).epsilon(0.2).scale(0));  // not learnt from what is doubted
   CHECK(changes_at(check, 40, 0.7, 0.72) > 20);
   CHECK_FALSE(check.doubted());
 }
@@ -60,7 +63,7 @@ TEST_CASE(
 
 TEST_CASE("somebody who shuffles and then walks does not take the metre from a front-end that saw all the time") {
   MetreCheck check;
-  check.add_frame(0.4, false);  // as at a start, or one dark frame
+  check.add_motion(0.4, false, true);  // as at a start, or one dark frame
   CHECK(changes_at(check, 36, 0.5, 0.15) == 0);
   CHECK(changes_at(check, 60, 0.7, 0.75) == 0);
 }
@@ -71,6 +74,47 @@ TEST_CASE("a front-end that was blind and agrees for three times twelve steps is
   blind(check);
   CHECK(changes_at(check, 36, 0.7, 0.7) == 0);
   CHECK(changes_at(check, 24, 0.7, 1.5) == 0);
+}
+
+TEST_CASE("what a front-end saw while steps were so unlike it is not learnt of the walker") {
+  MetreCheck check;
+  CHECK(changes_at(check, 48, 0.7, 0.7) == 0);
+  const double factor = check.log_factor();
+  CHECK(changes_at(check, 36, 0.5, 0.15) == 0);  // shuffles
+  CHECK(check.log_factor() == factor);
+  blind(check);
+  CHECK(changes_at(check, 12, 0.7, 1.5) > 0);
+  CHECK(check.log_factor() == factor);
+  CHECK(std::sqrt(check.variance()) > 0.08);
+}
+
+TEST_CASE("an estimator takes the metre from a front-end that comes out of the dark with twice its motions") {
+  for (const bool dark : {true, false}) {
+    CAPTURE(dark);
+    WalkMeasurements what;
+    what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.005, what.odometry.scale_walk = 0;
+    what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
+    what.change = [&](double t, odo_vo_motion& m) {
+      if (dark && t > 30 && t < 31) m.state = ODO_DEGRADED;
+      if (t > 31)
+        for (double& p : m.p_c0_c1) p *= 2;
+    };
+    EstimatorWalk walk(estimator_scenario(100), what, 3);
+    CouplingConfig config;
+    config.type = CouplingType::inertial;
+    InertialEstimator estimator(config, {}, {true, false});
+    double told_s = 0;
+    walk.run(estimator, [&](double t, const odo_pose&) {
+      if (const auto notice = estimator.take_notice(); notice.text && told_s == 0) told_s = t;
+    });
+    MESSAGE("told after " << told_s << " s");
+    if (dark) {
+      CHECK(told_s > 31);
+      CHECK(told_s < 40);
+    } else {
+      CHECK(told_s == 0);  // whose metre is twice as long without a reason is believed
+    }
+  }
 }
 
 TEST_CASE("a new scale clears the doubt and keeps the walker") {

@@ -90,16 +90,18 @@ bool Judge::can_be(const Estimate& e, const Prior& prior) const {
   const double own_variance = std::max(e.covariance_n(0, 0), e.covariance_n(1, 1));
   if (!prior.placed)
     return prior.loose_m <= 0 || off.head<2>().norm() < prior.loose_m + p_.gate_sigmas * std::sqrt(own_variance);
+  // Place and heading together: a smaller print some metres aside, seen at a slant, is at the edge of each alone.
   const double drifted = p_.drift * std::max(0.0, prior.path_m - told_path_m_);
-  const auto gate = [&](double prior_sigma, double variance) {
-    return p_.gate_sigmas * std::sqrt(prior_sigma * prior_sigma + variance) + p_.min_gate_m + drifted;
+  const auto cost = [](double by, double prior_sigma, double step_sigma, double variance) {
+    return by * by / (prior_sigma * prior_sigma + step_sigma * step_sigma + variance);
   };
-  if (off.head<2>().norm() > gate(prior.horizontal_sigma_m, own_variance)) return false;
-  if (std::abs(off.z()) > gate(prior.vertical_sigma_m, e.covariance_n(2, 2))) return false;
+  const auto beyond_drift = [&](double by) { return std::max(0.0, by - drifted); };
   const Eigen::Quaterniond turned = e.q_n_c * prior.q_n_c.conjugate();
   const double yaw = std::remainder(2 * std::atan2(turned.z(), turned.w()), 2 * EIGEN_PI);
-  const double yaw_variance = prior.yaw_sigma_rad * prior.yaw_sigma_rad + e.orientation_covariance_n(2, 2);
-  return std::abs(yaw) < p_.gate_sigmas * std::sqrt(yaw_variance) + p_.min_gate_rad;
+  return cost(beyond_drift(off.head<2>().norm()), prior.horizontal_sigma_m, p_.step_sigma_m, own_variance) +
+             cost(beyond_drift(std::abs(off.z())), prior.vertical_sigma_m, p_.step_sigma_m, e.covariance_n(2, 2)) +
+             cost(yaw, prior.yaw_sigma_rad, p_.step_sigma_rad, e.orientation_covariance_n(2, 2)) <
+         p_.max_prior_cost;
 }
 
 /// What is seen is not a copy that hangs beside the object: on each side either nobody hangs there, or the camera would

@@ -52,13 +52,15 @@ class Judge {
     double drift = 0.05;               ///< of the path since the last fix, that the prior may be off beyond its sigma
     double max_horizontal_sigma_m = 1.0;  ///< worse ones are not told
     double unseen_copy = 4;               ///< chi-square by which the prior must exclude a copy where nobody looked
-    double gate_sigmas = 3.5;             ///< of gravity and of the prior's place: 5e-4 of true ones are refused
-    double min_gate_m = 1, min_gate_rad = 0.1;  ///< beside them: surveys and priors err in steps; judgement
-    double max_speed_mps = 2.5;                 ///< of a walker, between two sightings
-    double sway_m = 0.15;                       ///< of whoever stands; judgement
-    int64_t gap_ns = 1'500'000'000;             ///< after which an object is met anew; judgement
-    size_t min_standing = 5;                    ///< sightings of who stands; judgement
-    double ambiguous = 9;  ///< difference of the costs below which two poses are alike (chi-square)
+    double gate_sigmas = 3.5;             ///< of gravity, and of a place that is known to satellites alone
+    double max_prior_cost = 16.25;        ///< chi-square of place, height and heading: 0.3 % of true ones are refused
+    double step_sigma_m = 0.3,
+           step_sigma_rad = 0.03;    ///< beside the prior's: surveys and priors err in steps; judgement
+    double max_speed_mps = 2.5;      ///< of a walker, between two sightings
+    double sway_m = 0.15;            ///< of whoever stands; judgement
+    int64_t gap_ns = 1'500'000'000;  ///< after which an object is met anew; judgement
+    size_t min_standing = 5;         ///< sightings of who stands; judgement
+    double ambiguous = 9;            ///< difference of the costs below which two poses are alike (chi-square)
   };
   explicit Judge(const Parameters& parameters) : p_(parameters) {}
 

@@ -83,8 +83,8 @@ void InertialEstimator::begin_group(const odo_vo_motion& motion, bool metric) {
 /// Whether the front-end was blind since steps and its metre agreed.
 void InertialEstimator::watch_metre(const odo_vo_motion& motion) {
   if (vo_.any && motion.scale_group != vo_.group) metre_check_.restart();
-  if ((motion.header.flags & ODO_VO_METRIC) != 0)
-    metre_check_.add_frame(seconds(motion.header.t_ns - motion.t_from_ns), motion.state == ODO_TRACKING);
+  metre_check_.add_motion(seconds(motion.header.t_ns - motion.t_from_ns), motion.state == ODO_TRACKING,
+                          (motion.header.flags & ODO_VO_METRIC) != 0);
 }
 
 UpdateResult InertialEstimator::apply(const RelativeMotion& relative) {
