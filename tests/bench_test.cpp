@@ -8,6 +8,7 @@
 #include "sdk/host/config/overrides.hpp"
 #include "sdk/tools/benchmarks/bench_case.hpp"
 #include "sdk/tools/replay/replayed.hpp"
+#include "sdk/tools/validator/child.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -24,7 +25,7 @@ struct Squares : Benchmark {
     options.keep = (folder / "kept").string();
     options.seeds = 7, options.first_seed = 0;
   }
-  Result<Json> measure(const BenchCase& one, const ShowProgress&) const override {
+  Result<Json> measure(const BenchCase& one) const override {
     std::ofstream(log, std::ios::app) << one.seed << '\n';
     if (one.seed % 2 == 0) usleep(20000);  // those that come later are done sooner
     return Json{{"square", static_cast<double>(one.seed * one.seed) / 3}, {"_samples", {one.seed, 2 * one.seed}}};
@@ -50,7 +51,7 @@ struct One : Benchmark {
       : Benchmark("one", "", kRecordings), how(std::move(call)) {
     options.keep = (folder / "kept").string();
   }
-  Result<Json> measure(const BenchCase& one, const ShowProgress&) const override { return how(one); }
+  Result<Json> measure(const BenchCase& one) const override { return how(one); }
   BenchReport report(const Rows&) const override { return {}; }
 
   std::function<Result<Json>(const BenchCase&)> how;
@@ -124,7 +125,8 @@ TEST_CASE("a run that fails or ends its process fails the benchmark, with its re
   CHECK(rows.failure().text == "no frames");
   rows = rows_of(One(folder, [](const BenchCase&) -> Result<Json> { _exit(7); }), {BenchCase{}});
   REQUIRE_FALSE(rows);
-  CHECK(rows.failure().text.find("the process of a run ended by") != std::string::npos);
+  CHECK(rows.failure().text.find("the process of a run: the plugin ended the process with status 7") !=
+        std::string::npos);
 }
 
 TEST_CASE("cases are each recording with each variant and each config, and a config may have values of its own") {
@@ -285,6 +287,41 @@ TEST_CASE("a document that is written again reads as the same values") {
   CHECK(node_at(*again, "b")->quoted);
   CHECK(node_at(*again, "h")->text == "q\"uote");
   CHECK(node_at(*again, "c.9") == nullptr);
+}
+
+TEST_CASE("a plot has the lines and points of each row, without what is no number, and none of nothing") {
+  const TemporaryFolder folder;
+  const Rows rows = {{{"_lines", {{"a", {{0, 1}, {1, nullptr}, {2, 3}}}}}},
+                     {{"_points", {{"b", {{5, 6}, {7, 8}}}, {"c", Json()}}}}};
+  Plot plot;
+  One(folder, nullptr).draw(rows, plot);
+  REQUIRE(plot.series.size() == 2);
+  CHECK(plot.series[0].name == "a");
+  CHECK(plot.series[0].style == "lines");
+  CHECK(plot.series[0].points == std::vector<std::pair<double, double>>{{0, 1}, {2, 3}});
+  CHECK(plot.series[1].style == "points");
+}
+
+TEST_CASE("children run so many side by side, each is told of as it ends, and none is begun after one is enough") {
+  std::vector<size_t> ended;
+  const auto work = [](size_t i) -> std::string {
+    usleep(i == 0 ? 300000 : 1000);
+    return std::string(100000 * i, 'x');  // more than a pipe holds
+  };
+  run_in_children(4, 2, work, [&](size_t i, const ChildResult& result) {
+    CHECK(result.finished);
+    CHECK(result.text.size() == 100000 * i);
+    ended.push_back(i);
+    return true;
+  });
+  CHECK(ended == std::vector<size_t>{1, 2, 3, 0});
+  ended.clear();
+  run_in_children(9, 2, work, [&](size_t i, const ChildResult&) {
+    ended.push_back(i);
+    return false;
+  });
+  CHECK(ended == std::vector<size_t>{1, 0});
+  CHECK(run_in_child(0.1, [] { return usleep(3000000), std::string(); }).text == "took longer than 0.1 s");
 }
 
 TEST_SUITE_END();

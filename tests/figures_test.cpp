@@ -384,6 +384,11 @@ TEST_CASE("a place is found by the distance walked to it") {
   CHECK(place_walked_to(r, 1).t_ns == 3 * kSecond);
   CHECK(place_walked_to(r, 1e9).t_ns == 10 * kSecond);
   CHECK(place_walked_to(r, 1e9).walked_m == doctest::Approx(7));
+  const PlaceErrors e = place_errors(r.truth, moved(r.truth, 0, {3, 4, 9}), {place_walked_to(r, 4)});
+  CHECK(e.mean_m == doctest::Approx(5));
+  REQUIRE(e.error_m.size() == 1);
+  CHECK(e.error_m[0] == doctest::Approx(5));
+  CHECK(e.error_percent[0] == doctest::Approx(100 * 5 / 4.2));
 }
 
 TEST_SUITE_END();

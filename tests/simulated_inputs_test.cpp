@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What benchmarks feed in: simulated sensors, boards and walkers, receivers made worse, and when a recording's frames
-// were taken.
+// What benchmarks feed in: simulated sensors, boards and walkers, receivers made worse, options, and when a recording's
+// frames were taken.
 #include <doctest/doctest.h>
 
 #include <filesystem>
 
+#include "sdk/tools/city/city_scenario.hpp"
 #include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
+#include "sdk/tools/evaluation/imu_at_rest.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/simulation/board_pictures.hpp"
 #include "sdk/tools/simulation/sensors.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walk_scenarios.hpp"
 #include "tests/support.hpp"
 
@@ -98,6 +101,49 @@ TEST_CASE("satellite positions are shifted east for a time, and velocities added
   CHECK(at(11).longitude_rad == 0);
   CHECK((at(7).header.flags & ODO_GNSS_VELOCITY) != 0);
   CHECK(at(7).velocity_n[1] == doctest::Approx(1));
+}
+
+TEST_CASE("a scenario's IMU at rest is told for both sensors") {
+  Scenario::Imu imu;
+  for (const bool gyroscope : {true, false}) {
+    const auto points = imu_at_rest(imu, gyroscope, 0.2, 1);
+    REQUIRE(points.size() > 5);
+    CHECK(points[0].averaging_s == doctest::Approx(0.02));
+    CHECK(points[0].simulated == doctest::Approx(points[0].asked_for).epsilon(0.05));
+    CHECK(points[2].averaging_s == doctest::Approx(0.2));
+  }
+  CHECK(imu_at_rest(imu, true, 0.2, 1)[0].asked_for < imu_at_rest(imu, false, 0.2, 1)[0].asked_for);
+}
+
+TEST_CASE("a scenario is simulated without a camera, the same for the same seed") {
+  Scenario s;
+  s.walk_m = 10;
+  const auto one = simulated(s, 3), again = simulated(s, 3);
+  REQUIRE_MESSAGE(one.ok(), one.failure().text);
+  CHECK(one->has(ODO_TYPE_IMU));
+  CHECK_FALSE(one->has(ODO_TYPE_FRAME));
+  CHECK(one->true_states.back().p == again->true_states.back().p);
+  CHECK(one->true_states.back().p != simulated(s, 4)->true_states.back().p);
+}
+
+TEST_CASE("a model takes the place of the skyline fixer's, with its origin, and a database where one is named") {
+  const auto plain = skyline_overrides("folder/lyon.city.json", {1, 2.5, -3}, "");
+  REQUIRE(plain.size() == 2);
+  CHECK(plain[0].path == "absolute_fixers.fix/skyline.parameters.model");
+  CHECK(plain[0].value == "lyon.city.json");
+  CHECK(plain[1].value == "[1.0000 m, 2.5000 m, -3.0000 m]");
+  CHECK(skyline_overrides("a.json", {0, 0, 0}, "/b.skylines").at(2).value == "/b.skylines");
+}
+
+TEST_CASE("an interval is two numbers of seconds, the second of them above zero") {
+  double from_s = -1, for_s = -1;
+  CHECK(parse_interval("", "--gap", from_s, for_s));
+  CHECK(from_s == -1);
+  CHECK(parse_interval("10:2.5", "--gap", from_s, for_s));
+  CHECK(from_s == 10);
+  CHECK(for_s == 2.5);
+  for (const char* wrong : {"10", "10:", "10:2s", "-1:2", "10:0"})
+    CHECK(parse_interval(wrong, "--gap", from_s, for_s).failure().text.find("expected FROM:FOR") != std::string::npos);
 }
 
 TEST_SUITE_END();

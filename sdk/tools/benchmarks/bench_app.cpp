@@ -21,7 +21,7 @@ struct StreamBenchmark : Benchmark {
     command.add_option("--settle", settle_s, "seconds left out at the start");
   }
 
-  Result<Json> measure_recording(const BenchCase& one, const Recording& recording, const ShowProgress&) const override {
+  Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {
     const auto stream = app_stream(recording, one.run, timing);
     if (!stream) return stream.failure();
     const int64_t start_ns = recording.messages.front().message.header().t_ns + static_cast<int64_t>(settle_s * 1e9);
@@ -63,7 +63,7 @@ struct Anchors : Benchmark {
     command.add_option("--ahead", walk.ahead_m, "m from the camera to a new anchor");
   }
 
-  Result<Json> measure_recording(const BenchCase& one, const Recording& recording, const ShowProgress&) const override {
+  Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {
     const auto f = anchor_walk(recording, one.run, walk);
     if (!f) return f.failure();
     return row_of({{"", "looks", "looks", 0, f->px.size()},
@@ -106,7 +106,7 @@ struct Consistency : Benchmark {
     command.add_option("--seed", sensor_seed, "of the errors of --marks and --sensors");
   }
 
-  Result<Json> measure_recording(const BenchCase& one, const Recording& recording, const ShowProgress&) const override {
+  Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {
     const auto run = marked_run(recording, one.run, {marks.sigma_m, marks.every_s, sensor_seed}, first_s);
     if (!run) return run.failure();
     const PoseConsistency f = pose_consistency(run->poses, recording.truth);

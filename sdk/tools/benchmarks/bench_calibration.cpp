@@ -30,13 +30,13 @@ struct Calibrate : Benchmark {
     return Benchmark::recordings();
   }
 
-  Result<Json> measure(const BenchCase& one, const ShowProgress& progress) const override {
+  Result<Json> measure(const BenchCase& one) const override {
     LensOptions lens = board.lens();
     lens.lens = one.variant == 0 ? Lens::pinhole : Lens::kannala_brandt;
     const odo_calibration truth = random_lens(lens.lens != Lens::pinhole, one.seed);
     const std::string own = one.labels["lens"].get<std::string>() + "_s" + std::to_string(one.seed);
-    const auto views =
-        simulated_views(*board.board(), truth, one.seed, pictures, folder.empty() ? "" : folder + '/' + own, progress);
+    const auto views = simulated_views(*board.board(), truth, one.seed, pictures,
+                                       folder.empty() ? "" : folder + '/' + own, one.run.progress);
     if (!views) return views.failure();
     const auto found = calibrate_lens(*views, {640, 480}, lens);
     if (!found) return Json{{"found", views->size()}, {"failure", found.failure().text}};
@@ -86,9 +86,8 @@ struct CalibrateImu : Benchmark {
     command.add_flag("--keep-lens", keep_lens, "start from the right lens and do not touch it");
   }
 
-  Result<Json> measure_recording(const BenchCase& one, const Recording& recording,
-                                 const ShowProgress& progress) const override {
-    auto data = camera_imu_data(recording, progress);
+  Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {
+    auto data = camera_imu_data(recording, one.run.progress);
     if (!data) return data.failure();
     const odo_calibration said = data->given;
     const double row_s = data->given_row_time_s;

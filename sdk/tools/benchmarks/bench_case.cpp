@@ -5,10 +5,8 @@
 #include <cstdio>
 
 #include "sdk/host/base/nearest.hpp"
-#include "sdk/host/base/temporary_folder.hpp"
 #include "sdk/tools/console/console.hpp"
 #include "sdk/tools/replay/kept_recordings.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
 
 namespace odograph {
 
@@ -58,23 +56,13 @@ int run(Benchmark& b) {
   const std::string json = b.options.json ? (report.json.is_null() ? printed(*rows) : report.json).dump(2) + '\n' : "";
   std::fputs((b.options.json ? json : report.text).c_str(), stdout);
   if (b.options.plot.empty()) return kDone;
-  if (report.plot.series.empty()) {
+  b.draw(*rows, b.plot);
+  if (b.plot.series.empty()) {
     std::fprintf(stderr, "%s: nothing to plot\n", b.options.plot.c_str());
     return kDone;
   }
-  const auto written = write_svg(report.plot, b.options.plot);
+  const auto written = write_svg(b.plot, b.options.plot);
   return written ? kDone : complain(written.failure());
-}
-
-/// The walks of a folder, by name.
-Result<std::vector<std::string>> walks_in(const std::string& folder) {
-  std::vector<std::string> files;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".txt" || entry.path().extension() == ".odo") files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  if (files.empty()) return Failure{ODO_E_NOT_FOUND, folder + ": no walks (*.txt, *.odo) in this folder"};
-  return files;
 }
 
 }  // namespace
@@ -83,21 +71,6 @@ Benchmark::Benchmark(std::string its_name, std::string its_about, unsigned its_o
                      const std::vector<std::string>& configs)
     : name(std::move(its_name)), about(std::move(its_about)), offers(its_offers) {
   for (const std::string& config : configs) options.configs.push_back("samples/configs/" + config + ".yaml");
-}
-
-Result<RunOptions> Benchmark::run_of(const std::string& config) const {
-  RunOptions run;
-  const size_t query = config.find('?');
-  run.config = config.substr(0, query);
-  std::vector<std::string> set = options.set;
-  if (query != std::string::npos)
-    for (std::string& one : split(config.substr(query + 1), '&')) set.push_back(std::move(one));
-  for (const std::string& one : set) {
-    const auto value = parse_override(one);
-    if (!value) return value.failure();
-    run.overrides.push_back(*value);
-  }
-  return run;
 }
 
 Result<fs::path> Benchmark::kept(const fs::path& scenario, uint64_t seed) const {
@@ -111,10 +84,11 @@ Result<fs::path> Benchmark::kept(const fs::path& scenario, uint64_t seed) const 
 
 Result<std::vector<BenchCase>> Benchmark::recordings() {
   const bool folder = (offers & kFolder) != 0, simulated = (offers & kSimulated) == kSimulated;
-  const auto files = folder ? walks_in(options.folder) : options.recordings;
-  if (!files) return files.failure();
+  const auto files = folder ? files_in(options.folder, "", {".txt", ".odo"}) : options.recordings;
+  if (folder && files.empty())
+    return Failure{ODO_E_NOT_FOUND, options.folder + ": no walks (*.txt, *.odo) in this folder"};
   std::vector<BenchCase> all;
-  for (const std::string& file : *files) all.push_back({{{"recording", stem_of(file)}}, {file}});
+  for (const std::string& file : files) all.push_back({{{"recording", stem_of(file)}}, {file}});
   if (!all.empty()) return all;
   for (const std::string& scenario : simulated ? options.scenarios : std::vector<std::string>{""})
     for (uint64_t seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {
@@ -137,10 +111,16 @@ Result<std::vector<BenchCase>> Benchmark::cases() {
     for (size_t v = 0; v < variants.size(); ++v)
       for (const std::string& config : (offers & kConfigs) ? options.configs : std::vector<std::string>{""}) {
         BenchCase one = thing;
-        const auto run = run_of(config);
-        if (!run) return run.failure();
-        one.run.config = run->config, one.variant = v;
-        one.run.overrides.insert(one.run.overrides.begin(), run->overrides.begin(), run->overrides.end());
+        const size_t query = std::min(config.find('?'), config.size());
+        std::vector<std::string> set = options.set;
+        if (query < config.size())
+          for (std::string& value : split(config.substr(query + 1), '&')) set.push_back(std::move(value));
+        for (size_t i = 0; i < set.size(); ++i) {  // what the recording needs comes last
+          const auto value = parse_override(set[i]);
+          if (!value) return value.failure();
+          one.run.overrides.insert(one.run.overrides.begin() + static_cast<std::ptrdiff_t>(i), *value);
+        }
+        one.run.config = config.substr(0, query), one.variant = v;
         if (!variants[v].empty()) one.labels[variant_label] = variants[v];
         if (!config.empty()) one.labels["config"] = config;
         if (const auto done = complete(one); !done) return done.failure();
@@ -149,9 +129,9 @@ Result<std::vector<BenchCase>> Benchmark::cases() {
   return all;
 }
 
-Result<Json> Benchmark::measure(const BenchCase& one, const ShowProgress& progress) const {
+Result<Json> Benchmark::measure(const BenchCase& one) const {
   const auto recording = recording_of(one);
-  return recording ? measure_recording(one, *recording, progress) : recording.failure();
+  return recording ? measure_recording(one, *recording) : recording.failure();
 }
 
 Result<Recording> Benchmark::recording_of(const BenchCase& one) const {
@@ -159,10 +139,9 @@ Result<Recording> Benchmark::recording_of(const BenchCase& one) const {
   return recording && (offers & kSensors) ? degraded(*recording, qualities[one.variant], sensor_seed) : recording;
 }
 
-Result<Json> Benchmark::measure_recording(const BenchCase& one, const Recording& recording,
-                                          const ShowProgress& progress) const {
+Result<Json> Benchmark::measure_recording(const BenchCase& one, const Recording& recording) const {
   RunOptions run = one.run;
-  run.progress = progress, run.collect_attitudes = true;
+  run.collect_attitudes = true;
   const auto result = replay(recording, run);
   return result ? measure_replay(one, recording, *result) : result.failure();
 }
@@ -173,14 +152,33 @@ BenchReport Benchmark::report(const Rows& rows) const {
   if (!(offers & kByConfig)) return {heading(rows) + cases_text(rows, "figures", "", below) + notes(rows)};
   const auto columns = columns_of(rows);
   const Rows summaries = summaries_of(rows, "config", columns);
-  return {heading(rows) + configs_text(summaries, columns) + notes(rows), printed(summaries)};
+  return {heading(rows) + table_text({"", {{"config", "config"}}, columns}, summaries) + notes(rows),
+          printed(summaries)};
 }
 
-Result<Recording> simulated(const Scenario& scenario, uint64_t seed) {
-  const TemporaryFolder folder;
-  const fs::path file = folder / "walk.odo";
-  const auto made = simulate(scenario, seed, file, {.threads = 1, .frames = false});
-  return made ? read_recording(file) : made.failure();
+void Benchmark::draw(const Rows& rows, Plot& into) const {
+  for (const Json& row : rows)
+    for (const std::string style : {"lines", "points"}) {
+      const Json all = row.value('_' + style, Json());
+      for (const auto& line : all.items()) add_line(into, line.key(), line.value(), style);
+    }
+}
+
+std::vector<std::string> files_in(const fs::path& folder, const std::string& begin, const std::set<fs::path>& endings) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().filename().string().starts_with(begin) && endings.count(entry.path().extension()) > 0)
+      files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+void add_line(Plot& plot, const std::string& name, const Json& pairs, const std::string& style) {
+  PlotSeries series{.name = name, .style = style, .points = {}};
+  for (const Json& pair : pairs)
+    if (pair[1].is_number()) series.points.emplace_back(pair[0].get<double>(), pair[1].get<double>());
+  if (!series.points.empty()) plot.series.push_back(std::move(series));
 }
 
 void add_benchmark(CLI::App& parent, std::shared_ptr<Benchmark> benchmark, int& status) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,11 @@
 
 namespace odograph {
 
-using ShowProgress = std::function<void(size_t done, size_t all)>;
-
 /// One run of a benchmark.
 struct BenchCase {
   Json labels;                               ///< what it is, the row's first keys
   std::vector<std::filesystem::path> files;  ///< what it reads: recordings, models
-  RunOptions run{};                          ///< its config, if it has one, and what is set in it
+  RunOptions run{};  ///< its config, if it has one, what is set in it, and whom to tell how far it has come
   uint64_t seed = 0;
   size_t variant = 0;      ///< of the benchmark's `variants`, or whatever it numbers
   std::string scenario{};  ///< that its recording is simulated from
@@ -49,11 +48,10 @@ enum Offers : unsigned {
   kSimulated = 256 | kSeeds
 };
 
-/// What is printed and drawn of the rows. Without `json` that is all rows.
+/// What is printed of the rows. Without `json` that is all rows.
 struct BenchReport {
   std::string text;
   Json json{};
-  Plot plot{};
 };
 
 /// A benchmark as a description: what it runs, what it measures, and what its rows come to (docs/benchmarks.md).
@@ -73,18 +71,19 @@ struct Benchmark {
   virtual Result<bool> complete(BenchCase&) const { return true; }
 
   /// A row's other keys; in a process of its own. By default what measure_recording() says of recording_of().
-  virtual Result<Json> measure(const BenchCase& one, const ShowProgress& progress) const;
+  virtual Result<Json> measure(const BenchCase& one) const;
   /// By default the case's first file, its sensors as the variant has them.
   virtual Result<Recording> recording_of(const BenchCase& one) const;
   /// By default what measure_replay() says of a replay with the case's config, attitudes collected.
-  virtual Result<Json> measure_recording(const BenchCase& one, const Recording& recording,
-                                         const ShowProgress& progress) const;
+  virtual Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const;
   virtual Result<Json> measure_replay(const BenchCase& one, const Recording& recording, const RunResult& result) const;
 
   /// By default heading, a table of the figures of each case (or with kByConfig of each config), and notes.
   virtual BenchReport report(const Rows& rows) const;
   virtual std::string heading(const Rows&) const { return ""; }
   virtual std::string notes(const Rows&) const { return ""; }
+  /// With kPlot: the lines of the plot. By default each row's `_lines` and `_points`, pairs of numbers by name.
+  virtual void draw(const Rows& rows, Plot& into) const;
 
   std::string name, about;
   unsigned offers;
@@ -97,10 +96,9 @@ struct Benchmark {
   double quick_m = 0;  ///< what --quick leaves of a simulated recording
   std::string below;   ///< what the summaries below the table are called, if there are any
   Json depends;        ///< own options as given
+  Plot plot;           ///< with kPlot: its title and axes
 
  protected:
-  /// A config of the command line, FILE or FILE?PATH=VALUE&PATH=VALUE, with what --set says.
-  Result<RunOptions> run_of(const std::string& config) const;
   /// Simulated now, unless it is kept from an earlier run.
   Result<std::filesystem::path> kept(const std::filesystem::path& scenario, uint64_t seed) const;
 };
@@ -116,8 +114,12 @@ Result<Rows> rows_of(const Benchmark& benchmark, const std::vector<BenchCase>& c
 /// What a call returns that runs in a process of its own: its threads and what it holds end there.
 Result<Json> in_child(const std::function<Result<Json>()>& call);
 
-/// What a simulator without a camera makes of a scenario; nothing of it is kept.
-Result<Recording> simulated(const Scenario& scenario, uint64_t seed);
+/// A line of a plot through pairs of numbers, if there are any.
+void add_line(Plot& plot, const std::string& name, const Json& pairs, const std::string& style = "lines");
+
+/// Files of a folder whose names begin and end like that, in order.
+std::vector<std::string> files_in(const std::filesystem::path& folder, const std::string& begin,
+                                  const std::set<std::filesystem::path>& endings);
 
 /// A path's last part, without extension where it is a file's.
 std::string stem_of(const std::filesystem::path& path);

@@ -48,9 +48,7 @@ struct City : Benchmark {
   }
 
   Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
-    std::vector<odo_fix> accepted;
-    for (const auto& [fix, taken] : result.fixes)
-      if (taken) accepted.push_back(fix);
+    const std::vector<odo_fix> accepted = result.accepted();
     const FixFigures f = fix_figures(recording, accepted);
     Trajectory scored = recording.truth;
     if (!skylines.empty() && !accepted.empty())
@@ -88,11 +86,10 @@ struct City : Benchmark {
     const auto add = [&](const Json& what, const Json& config, const Rows& of) {
       lines.push_back(summary_of({{"name", what}, {"config", config}}, of, table.columns));
     };
-    for (const Json& lens : values_of(rows, "lens")) {
-      const Rows own = rows_with(rows, "lens", lens);
+    for (const auto& [lens, own] : groups_of(rows, "lens")) {
       for (const Json& row : own) add(row["name"], row["config"], {row}), lines.back()["_reasons"] = row["_reasons"];
-      for (const Json& config : values_of(own, "config")) {
-        add("all, " + lens.get<std::string>(), config, rows_with(own, "config", config));
+      for (const auto& [config, all] : groups_of(own, "config")) {
+        add("all, " + lens.get<std::string>(), config, all);
         lines.back().erase("first_fix");
       }
     }
@@ -117,14 +114,9 @@ struct City : Benchmark {
     const std::string plus = sky > 0 ? '+' + std::to_string(sky) : "";
     BenchCase one{{{"name", city + ' ' + lens + ' ' + std::to_string(seed) + plus}, {"lens", lens}},
                   {*recording, file}};
-    const std::string skyline = "absolute_fixers.fix/skyline.parameters.";
-    one.run.overrides = {
-        {skyline + "model", file.filename().string()},
-        {skyline + "model_origin", text("[%.4f m, %.4f m, %.4f m]", origin->x(), origin->y(), origin->z())}};
+    one.run.overrides = skyline_overrides(file, *origin, skylines);
     one.run.asset_path = file.parent_path().string();
-    if (skylines.empty()) return one;
-    one.run.overrides.push_back({skyline + "skylines", fs::absolute(skylines).string()});
-    one.files.emplace_back(skylines);
+    if (!skylines.empty()) one.files.emplace_back(skylines);
     return one;
   }
 

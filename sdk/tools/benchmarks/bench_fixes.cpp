@@ -5,6 +5,7 @@
 #include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/evaluation/fix_figures.hpp"
 #include "sdk/tools/replay/known_object_runner.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walk_scenarios.hpp"
 
 namespace odograph {
@@ -43,9 +44,9 @@ struct Canyon : Benchmark {
 
   std::string heading(const Rows&) const override {
     return text(
-        "%llu walks of 200 m, a position each second with an error of %g m that is alike for 20 s, and off by "
+        "%zu walks of 200 m, a position each second with an error of %g m that is alike for 20 s, and off by "
         "%g m from 60 to 120 s.\n\n",
-        static_cast<unsigned long long>(options.seeds), sigma_m, reflection_m);
+        options.seeds, sigma_m, reflection_m);
   }
 
   double sigma_m = 12, reflection_m = 40, velocity_sigma_mps = 0;
@@ -53,8 +54,8 @@ struct Canyon : Benchmark {
 
 using namespace known_object_scene;
 
-struct KnownObject : Benchmark {
-  KnownObject() : Benchmark("known-object", "fix/known_object on posters, boards, tags and look-alikes", 0) {}
+struct KnownObjects : Benchmark {
+  KnownObjects() : Benchmark("known-object", "fix/known_object on posters, boards, tags and look-alikes", 0) {}
   void add_options(CLI::App& command) override {
     command.add_option("--scenes", scenes, "of each distance and obliqueness, for each object");
     command.add_option("--look-alikes", lookalike_frames, "frames with them");
@@ -71,26 +72,25 @@ struct KnownObject : Benchmark {
     if (!config) return config.failure();
     const std::filesystem::path plugin = config->fixers.at(0).manifest.library;
     std::vector<BenchCase> all;
-    for (size_t t = 0; t < std::size(kTargets); ++t)
-      for (size_t i = 0; scenes > 0 && i < std::size(kCells); ++i) {
-        const Cell& c = kCells[i];
-        all.push_back({{{"target", kTargets[t].id},
-                        {"standing", c.standing},
-                        {"from_m", c.from_m},
-                        {"to_m", c.to_m},
-                        {"from_deg", c.from_deg},
-                        {"to_deg", c.to_deg}},
-                       {plugin},
-                       {},
-                       t * std::size(kCells) + i});
-      }
+    for (size_t i = 0; scenes > 0 && i < std::size(kTargets) * std::size(kCells); ++i) {
+      const Cell& c = kCells[i % std::size(kCells)];
+      all.push_back({{{"target", kTargets[i / std::size(kCells)].id},
+                      {"standing", c.standing},
+                      {"from_m", c.from_m},
+                      {"to_m", c.to_m},
+                      {"from_deg", c.from_deg},
+                      {"to_deg", c.to_deg}},
+                     {plugin},
+                     {},
+                     i});
+    }
     if (lookalike_frames > 0) all.push_back({{{"target", "look-alikes"}}, {plugin}});
     return all;
   }
 
-  Result<Json> measure(const BenchCase& one, const ShowProgress& progress) const override {
+  Result<Json> measure(const BenchCase& one) const override {
     if (one.labels["target"] == "look-alikes") {
-      const auto kinds = look_alikes(lookalike_frames, only, seed, folder, progress);
+      const auto kinds = look_alikes(lookalike_frames, only, seed, folder, one.run.progress);
       if (!kinds) return kinds.failure();
       Json row;
       for (size_t i = 0; i < kinds->size(); ++i) {
@@ -103,8 +103,8 @@ struct KnownObject : Benchmark {
       }
       return row;
     }
-    const auto f =
-        scenes_of(kTargets[one.seed / std::size(kCells)], one.seed % std::size(kCells), scenes, seed, folder, progress);
+    const auto f = scenes_of(kTargets[one.seed / std::size(kCells)], one.seed % std::size(kCells), scenes, seed, folder,
+                             one.run.progress);
     if (!f) return f.failure();
     const auto inside = std::count_if(f->nis.begin(), f->nis.end(), [](double nis) { return nis < 5.99; });
     return row_of({{"", "scenes", "scenes", 0, f->scenes, kSum},
@@ -125,9 +125,7 @@ struct KnownObject : Benchmark {
     for (const Target& target : kTargets) {
       Rows lines;
       for (const Json& row : rows_with(rows, "target", target.id)) {
-        Json labels;
-        for (const std::string key : row["_labels"]) labels[key] = row[key];
-        lines.push_back(summary_of(labels, {row}, columns_of(rows)));
+        lines.push_back(summary_of(row, {row}, columns_of(rows)));
         report.json["accuracy"].push_back(printed({lines.back()})[0]);
         lines.back()["_name"] = text("%s %g-%g m, %g to %g deg", row["standing"].get<bool>() ? "standing" : "walking",
                                      number_at(row, "from_m"), number_at(row, "to_m"), number_at(row, "from_deg"),
@@ -153,6 +151,6 @@ struct KnownObject : Benchmark {
 
 }  // namespace
 
-Benchmarks fixes_benchmarks() { return {std::make_shared<Canyon>(), std::make_shared<KnownObject>()}; }
+Benchmarks fixes_benchmarks() { return {std::make_shared<Canyon>(), std::make_shared<KnownObjects>()}; }
 
 }  // namespace odograph

@@ -68,54 +68,48 @@ struct Walk700 : Benchmark {
     std::vector<WalkedPlace> places;
     for (size_t k = 0; k < 3; ++k) places.push_back(place_walked_to(recording, kPlaces[k].walked_m));
     const auto errors = [&](const Trajectory& track) {
-      Json all{{"mean_m", statistics_of(horizontal_errors(truth, track)).mean}};
-      for (const WalkedPlace& place : places) {
-        const double error_m = horizontal_error(truth, track, place.t_ns);
-        all["error_m"].push_back(error_m), all["error_percent"].push_back(100 * error_m / place.walked_m);
-      }
-      return all;
+      const PlaceErrors e = place_errors(truth, track, places);
+      return Json{{"mean_m", e.mean_m}, {"error_m", e.error_m}, {"error_percent", e.error_percent}};
     };
     const Start start = start_of(*config_of(one.run));
     const Json by_path = errors(start == Start::surveyed ? result.track : started(truth, result.track, kStart_m));
     Json row = start == Start::by_pose ? errors(started_by_pose(truth, result.track, kStart_m)) : by_path;
     for (const WalkedPlace& place : places) row["walked_m"].push_back(place.walked_m);
     row["by_path"] = by_path;
-    row["fixes"] =
-        std::count_if(result.fixes.begin(), result.fixes.end(), [](const auto& fix) { return fix.accepted; });
+    row["fixes"] = result.accepted().size();
     return row;
   }
 
-  /// A line for each place, a column for each walker and config: medians over seeds.
-  void add_places(const Rows& rows, const std::string& start, Rows& lines) const {
-    for (size_t k = 0; k < std::size(kPlaces); ++k) {
-      if (options.quick && k > 0 && k < 3) continue;
-      lines.push_back({{"place", kPlaces[k].name}});
-      for (const std::string walker : values_of(rows, "walker"))
-        for (size_t c = 0; c < options.configs.size(); ++c) {
-          const Rows own = rows_with(rows_with(rows, "walker", walker), "config", options.configs[c]);
-          const auto median = [&](const std::string& key) { return percentile_at(own, start + key, 0.5); };
-          lines.back()[walker + letter(c)] =
-              k == 3 ? text("%.2f m", median("mean_m"))
-                     : text("%.2f m (%.2f %%)", median(text("error_m/%zu", k)), median(text("error_percent/%zu", k)));
-        }
-    }
+  /// What is said of a place, by the start: the median over seeds.
+  static std::string cell_of(const Rows& rows, const std::string& start, size_t place) {
+    const auto median = [&](const std::string& key) { return percentile_at(rows, start + key, 0.5); };
+    if (kPlaces[place].walked_m == 0) return text("%.2f m", median("mean_m"));
+    return text("%.2f m (%.2f %%)", median(text("error_m/%zu", place)), median(text("error_percent/%zu", place)));
   }
 
+  /// A line for each place, a column for each walker and config.
   BenchReport report(const Rows& rows) const override {
     Table table{"", {{"", "place"}}, {}};
     std::string head = "Positioning errors and percent of the distance walked, after Antigny et al. 2019, Table 5.\n";
     for (size_t c = 0; c < options.configs.size(); ++c) head += letter(c) + ": " + options.configs[c] + '\n';
-    for (const std::string walker : values_of(rows, "walker"))
+    for (const auto& [walker, own] : groups_of(rows, "walker"))
       for (size_t c = 0; c < options.configs.size(); ++c)
-        table.columns.push_back({walker, letter(c), walker + letter(c)});
+        table.columns.push_back({walker, letter(c), walker.get<std::string>() + letter(c), 2, {}, options.configs[c]});
     head += text(
-        "%llu seed%s (each another individual, town and noise), median. Start by a fix of position and heading after "
+        "%zu seed%s (each another individual, town and noise), median. Start by a fix of position and heading after "
         "12 m (without a\ncamera by the path); below it, by the path of the first 12 m.\n\n",
-        static_cast<unsigned long long>(options.seeds), options.seeds == 1 ? "" : "s");
+        options.seeds, options.seeds == 1 ? "" : "s");
     Rows lines;
-    add_places(rows, "", lines);
-    lines.push_back({{"_line", ""}});
-    add_places(rows, "by_path/", lines);
+    for (const char* start : {"", "by_path/"}) {
+      if (*start) lines.push_back({{"_line", ""}});
+      for (size_t k = 0; k < std::size(kPlaces); ++k) {
+        if (options.quick && k > 0 && k < 3) continue;
+        lines.push_back({{"place", kPlaces[k].name}});
+        for (const Column& column : table.columns)
+          lines.back()[column.key] =
+              cell_of(rows_with(rows_with(rows, "walker", column.head), "config", column.from), start, k);
+      }
+    }
     Table paper{"\nAntigny et al. 2019, real walkers: adaptive and fixed step length, m", {{"", "place"}}, {}};
     Rows published;
     for (size_t w = 0; w < std::size(kWalkers); ++w)
@@ -136,6 +130,7 @@ struct Drive : Benchmark {
                   {"gakne2018_vo", "gakne2018", "monocular", "city_drive"}) {
     options.scenarios = {"samples/scenarios/drive_downtown.yaml"};
     quick_m = 300;
+    plot = {.title = "Horizontal error", .x_label = "m", .y_label = "part of the frames"};
   }
   void add_options(CLI::App& command) override {
     command.add_option("--missing", missing, "part of the buildings that the city model lacks, drawn by the seed")
@@ -185,28 +180,22 @@ struct Drive : Benchmark {
         start_m, options.seeds, options.seeds == 1 ? "" : "s", 100 * missing);
   }
 
-  BenchReport report(const Rows& rows) const override {
-    BenchReport report = Benchmark::report(rows);
-    report.text +=
+  std::string notes(const Rows& rows) const override {
+    std::string out =
         "\nerror: of this part of the frames; scale: |length of a frame's displacement - true one|, median (Figure "
         "9); end: error at the end of the path.\n";
-    report.plot = {.title = "Horizontal error", .x_label = "m", .y_label = "part of the frames"};
-    std::vector<double> first;
-    for (const std::string config : values_of(rows, "config")) {
-      const auto errors = numbers_at(rows_with(rows, "config", config), "_horizontal_m");
-      report.plot.series.push_back({.name = config, .style = "lines"});
-      for (int p = 0; p <= 100; ++p)
-        report.plot.series.back().points.emplace_back(percentile(errors, 0.01 * p), 0.01 * p);
-      size_t better = 0;
-      for (size_t i = 0; i < first.size(); ++i) better += errors[i] < first[i];
-      if (first.empty())
-        first = errors;
-      else
-        report.text +=
-            text("%s is nearer to the truth than %s in %.0f %% of the frames.\n", config.c_str(),
-                 options.configs[0].c_str(), 100.0 * static_cast<double>(better) / static_cast<double>(first.size()));
-    }
-    return report;
+    const auto by_config = groups_of(rows, "config");
+    for (size_t c = 1; c < by_config.size(); ++c)
+      out += text("%s is nearer to the truth than %s in %.0f %% of the frames.\n", options.configs[c].c_str(),
+                  options.configs[0].c_str(),
+                  100 * part_below(numbers_at(by_config[c].second, "_horizontal_m"),
+                                   numbers_at(by_config[0].second, "_horizontal_m")));
+    return out;
+  }
+
+  void draw(const Rows& rows, Plot& into) const override {
+    for (const auto& [config, own] : groups_of(rows, "config"))
+      add_line(into, config, distribution_of(numbers_at(own, "_horizontal_m")));
   }
 
   double start_m = 50, missing = 0;

@@ -1,77 +1,107 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <map>
+#include <optional>
 
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include "sdk/host/base/temporary_folder.hpp"
-#include "sdk/tools/benchmarks/bench_store.hpp"
+#include "sdk/host/base/output_file.hpp"
+#include "sdk/host/base/version.hpp"
+#include "sdk/host/config/manifest.hpp"
+#include "sdk/tools/benchmarks/bench_case.hpp"
 #include "sdk/tools/console/console.hpp"
+#include "sdk/tools/replay/replayed.hpp"
+#include "sdk/tools/validator/child.hpp"
 
 namespace odograph {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Calls that run in processes of their own, and what they say in a file each.
-class Children {
+/// Rows that were measured before, each in a file of its own with what it depends on: recording, config, plugins,
+/// program. Where the folder cannot be written there are none.
+class RowStore {
  public:
-  using Call = std::function<Result<Json>()>;
+  explicit RowStore(fs::path folder) : folder_(std::move(folder)) {}
 
-  bool start(size_t number, const Call& call) {
-    std::fflush(nullptr);
-    const pid_t child = fork();
-    if (child == 0) {
-      const Result<Json> said = call();
-      std::ofstream(file(number)) << (said ? Json{{"row", *said}}
-                                           : Json{{"status", said.failure().status}, {"text", said.failure().text}})
-                                         .dump(-1, ' ', false, Json::error_handler_t::replace);
-      std::fflush(nullptr);
-      _exit(0);
-    }
-    if (child > 0) running_[child] = number;
-    return child > 0;
+  /// What a row depends on. Failures are those of its config.
+  Result<Json> key_of(const Benchmark& benchmark, const BenchCase& one) {
+    Json key = {{"benchmark", benchmark.name},     {"labels", one.labels}, {"options", benchmark.depends},
+                {"case", {one.seed, one.variant}}, {"version", kVersion},  {"program", identity_of("/proc/self/exe")}};
+    for (const fs::path& file : one.files) key["files"].push_back(identity_of(file));
+    if (one.run.config.empty()) return key;
+    const auto config = config_of(one.run);
+    if (!config) return config.failure();
+    key["config"] = config->text, key["beside"] = fs::absolute(one.run.config).parent_path().string();
+    key["assets"] = one.run.asset_path;
+    for (const auto* kind :
+         {&config->attitudes, &config->step_estimators, &config->vo_frontends, &config->scale_sources, &config->fixers})
+      for (const PluginChoice& plugin : *kind) key["plugins"].push_back({plugin.manifest.id, plugin.manifest.sha256});
+    return key;
   }
 
-  size_t running() const { return running_.size(); }
+  std::optional<Json> find(const Json& key) const {
+    std::ifstream file(file_of(key));
+    const Json kept = file ? Json::parse(file, nullptr, false) : Json();
+    if (!kept.is_object() || !kept.contains("row") || kept["key"] != key) return std::nullopt;
+    return kept["row"];
+  }
 
-  /// Waits for one of them.
-  std::pair<size_t, Result<Json>> wait() {
-    int status = 0;
-    pid_t child = 0;
-    while (running_.count(child) == 0 && child >= 0) child = waitpid(-1, &status, 0);
-    if (child < 0) child = running_.begin()->first, status = -1;
-    const size_t number = running_[child];
-    running_.erase(child);
-    std::ifstream in(file(number));
-    const Json said = in ? Json::parse(in, nullptr, false) : Json();
-    if (said.is_object() && said.contains("row")) return {number, said["row"]};
-    if (said.is_object() && said.contains("text")) return {number, Failure{said["status"], said["text"]}};
-    const std::string how = WIFSIGNALED(status) ? text("signal %d", WTERMSIG(status)) : text("status %d", status);
-    return {number, Failure{ODO_E_ERROR, "the process of a run ended by " + how}};
+  void keep(const Json& key, const Json& row) const {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    (void)write_whole_file(file_of(key), Json{{"key", key}, {"row", row}}.dump());  // without it the row is made anew
   }
 
  private:
-  fs::path file(size_t number) const { return folder_ / std::to_string(number); }
+  fs::path file_of(const Json& key) const {
+    uint64_t hash = 14695981039346656037u;  // FNV-1a; the file holds the whole key
+    for (const char c : key.dump()) hash = (hash ^ static_cast<uint8_t>(c)) * 1099511628211u;
+    return folder_ /
+           (key["benchmark"].get<std::string>() + text("-%016llx.json", static_cast<unsigned long long>(hash)));
+  }
 
-  TemporaryFolder folder_;
-  std::map<pid_t, size_t> running_;
+  /// A file's bytes; of a folder the names, sizes and times of what lies in it.
+  const Json& identity_of(const fs::path& file) {
+    Json& identity = identities_[file.string()];
+    if (!identity.is_null()) return identity;
+    std::error_code error;
+    identity = Json::array();
+    if (!fs::is_directory(file, error)) {
+      const auto hash = sha256_of(file);
+      identity.push_back(hash ? *hash : hash.failure().text);
+      return identity;
+    }
+    for (fs::recursive_directory_iterator at(file, error), end; !error && at != end; at.increment(error))
+      if (at->is_regular_file(error))
+        identity.push_back({at->path().lexically_relative(file).string(), at->file_size(error),
+                            at->last_write_time(error).time_since_epoch().count()});
+    std::sort(identity.begin(), identity.end());
+    return identity;
+  }
+
+  fs::path folder_;
+  std::map<std::string, Json> identities_;  // of files, by path
 };
+
+/// What the process of a run says, and what is heard of it.
+std::string said(const Result<Json>& row) {
+  const Json words = row ? Json{{"row", *row}} : Json{{"status", row.failure().status}, {"text", row.failure().text}};
+  return words.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+Result<Json> heard(const ChildResult& child) {
+  const Json words = child.finished ? Json::parse(child.text, nullptr, false) : Json();
+  if (!words.is_object()) return Failure{ODO_E_ERROR, "the process of a run: " + child.text};
+  if (words.contains("row")) return words["row"];
+  return Failure{words["status"], words["text"]};
+}
 
 std::string name_of(const BenchCase& one) {
   std::string name;
   for (const auto& label : one.labels)
     name += (name.empty() ? "" : " ") + (label.is_string() ? stem_of(label.get<std::string>()) : label.dump());
   return name;
-}
-
-Result<Json> measured(const Benchmark& benchmark, const BenchCase& one, bool shown) {
-  if (!shown) return benchmark.measure(one, {});
-  Progress progress(name_of(one));
-  return benchmark.measure(one, [&](size_t i, size_t n) { progress.show(i, n); });
 }
 
 /// A row's labels, then what was measured.
@@ -89,9 +119,7 @@ std::string stem_of(const fs::path& path) {
 }
 
 Result<Json> in_child(const std::function<Result<Json>()>& call) {
-  Children children;
-  if (!children.start(0, call)) return call();
-  return children.wait().second;
+  return heard(run_in_child(INFINITY, [&] { return said(call()); }));
 }
 
 Result<Rows> rows_of(const Benchmark& benchmark, const std::vector<BenchCase>& cases) {
@@ -112,24 +140,27 @@ Result<Rows> rows_of(const Benchmark& benchmark, const std::vector<BenchCase>& c
   if (missing.size() < cases.size())
     std::fprintf(stderr, "%zu of %zu rows are of an earlier run (%s/rows; --fresh measures them again)\n",
                  cases.size() - missing.size(), cases.size(), options.keep.c_str());
-  const size_t jobs = std::min(std::max<size_t>(1, options.jobs), std::max<size_t>(1, missing.size()));
+  const size_t jobs = std::min(options.jobs, missing.size());
   Progress progress("bench " + benchmark.name);
-  Children children;
   std::map<size_t, Failure> failures;
-  for (size_t next = 0, done = 0; done < missing.size(); ++done) {
-    for (; next < missing.size() && children.running() < jobs && failures.empty(); ++next) {
-      const BenchCase& one = cases[missing[next]];
-      if (!children.start(missing[next], [&] { return measured(benchmark, one, jobs == 1); }))
-        return Failure{ODO_E_ERROR, "no process can be started"};
-    }
-    if (children.running() == 0) break;
-    const auto [number, row] = children.wait();
-    if (row)
-      store.keep(keys[number], *row), rows[number] = labelled(cases[number], *row);
-    else
-      failures.emplace(number, row.failure());
-    if (jobs > 1) progress.show(done + 1, missing.size());
-  }
+  run_in_children(
+      missing.size(), jobs,
+      [&](size_t i) {
+        BenchCase one = cases[missing[i]];
+        Progress bar(name_of(one));
+        if (jobs == 1) one.run.progress = [&](size_t k, size_t n) { bar.show(k, n); };
+        return said(benchmark.measure(one));
+      },
+      [&, done = size_t{0}](size_t i, const ChildResult& child) mutable {
+        const size_t number = missing[i];
+        const auto row = heard(child);
+        if (row)
+          store.keep(keys[number], *row), rows[number] = labelled(cases[number], *row);
+        else
+          failures.emplace(number, row.failure());
+        if (jobs > 1) progress.show(++done, missing.size());
+        return failures.empty();
+      });
   if (!failures.empty()) return failures.begin()->second;
   return rows;
 }

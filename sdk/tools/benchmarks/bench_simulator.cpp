@@ -8,15 +8,17 @@
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/tools/evaluation/excitation.hpp"
 #include "sdk/tools/evaluation/gait_figures.hpp"
+#include "sdk/tools/evaluation/imu_at_rest.hpp"
 #include "sdk/tools/replay/picture_source.hpp"
-#include "sdk/tools/simulation/sensors.hpp"
 #include "sdk/tools/simulation/walk_scenarios.hpp"
 
 namespace odograph {
 namespace {
 
 struct Allan : Benchmark {
-  Allan() : Benchmark("allan", "The simulated IMU at rest: its Allan deviation beside the scenario's", kPlot) {}
+  Allan() : Benchmark("allan", "The simulated IMU at rest: its Allan deviation beside the scenario's", kPlot) {
+    plot = {.title = "Allan deviation at rest", .x_label = "log10 s", .y_label = "log10 (rad/s or m/s^2)"};
+  }
   void add_options(CLI::App& command) override {
     command.add_option("--scenario", scenario, "whose IMU");
     command.add_option("--seed", seed, "another bias and other noise");
@@ -27,58 +29,38 @@ struct Allan : Benchmark {
     return std::vector<BenchCase>{{{{"sensor", "gyroscope"}}, {scenario}}, {{{"sensor", "accelerometer"}}, {scenario}}};
   }
 
-  Result<Json> measure(const BenchCase& one, const ShowProgress&) const override {
+  Result<Json> measure(const BenchCase& one) const override {
     const auto street = read_scenario(scenario);
     if (!street) return street.failure();
-    const auto& imu = street->imu;
-    const auto errors =
-        one.labels["sensor"] == "gyroscope"
-            ? SimTriad::Errors{imu.gyro_bias, imu.gyro_walk, imu.gyro_noise, 0, 0, imu.gyro_range, imu.gyro_step}
-            : SimTriad::Errors{imu.accel_bias, imu.accel_walk, imu.accel_noise, 0, 0, imu.accel_range, imu.accel_step};
-    SimTriad triad(Random(seed, 2), errors, imu.rate_hz);
-    std::vector<double> axis[3];
-    for (auto n = static_cast<size_t>(hours * 3600 * imu.rate_hz); n > 0; --n) {
-      const Eigen::Vector3d m = triad.measure(Eigen::Vector3d::Zero());
-      for (int k = 0; k < 3; ++k) axis[k].push_back(m[k]);
+    const std::string sensor = one.labels["sensor"];
+    Json row{{"rate_hz", street->imu.rate_hz}};
+    for (const AllanPoint& p : imu_at_rest(street->imu, sensor == "gyroscope", hours, seed)) {
+      row["points"].push_back({{"averaging_s", p.averaging_s},
+                               {"simulated", p.simulated},
+                               {"asked_for", p.asked_for},
+                               {"ratio", p.simulated / p.asked_for}});
+      row["_lines"][sensor + ", asked for"].push_back({std::log10(p.averaging_s), std::log10(p.asked_for)});
+      row["_points"][sensor + ", simulated"].push_back({std::log10(p.averaging_s), std::log10(p.simulated)});
     }
-    Json points = Json::array();
-    for (double tau = 0.02; tau < hours * 3600 / 20; tau *= std::sqrt(10)) {
-      double sum = 0;
-      for (const auto& x : axis) sum += allan_deviation(x, imu.rate_hz, tau) / 3;
-      const double want = errors.allan_deviation(imu.rate_hz, tau);
-      points.push_back({{"averaging_s", tau}, {"simulated", sum}, {"asked_for", want}, {"ratio", sum / want}});
-    }
-    return Json{{"rate_hz", imu.rate_hz}, {"points", points}};
+    return row;
   }
 
   BenchReport report(const Rows& rows) const override {
-    BenchReport report{text("%.1f hours at rest, %.0f Hz, mean of three axes; quantisation included.\n\n", hours,
-                            number_at(rows[0], "rate_hz")),
-                       {},
-                       {.title = "Allan deviation at rest", .x_label = "log10 s", .y_label = "log10 (rad/s or m/s^2)"}};
     Rows lines;
     for (const Json& row : rows)
-      for (const char* key : {"asked_for", "simulated"}) {
-        const bool made = std::string(key) == "simulated";
-        PlotSeries series{.name = row["sensor"].get<std::string>() + (made ? ", simulated" : ", asked for"),
-                          .style = made ? "points" : "lines"};
-        for (const Json& point : row["points"]) {
-          series.points.emplace_back(std::log10(number_at(point, "averaging_s")), std::log10(number_at(point, key)));
-          if (!made) continue;
-          lines.push_back({{"sensor", row["sensor"]}, {"point", point}});
-          for (const char* figure : {"simulated", "asked_for"})
-            lines.back()[figure] = text("%.3e", number_at(point, figure));
-        }
-        report.plot.series.push_back(std::move(series));
+      for (const Json& point : row["points"]) {
+        lines.push_back({{"sensor", row["sensor"]}, {"point", point}});
+        for (const char* key : {"simulated", "asked_for"}) lines.back()[key] = text("%.3e", number_at(point, key));
       }
-    report.text += table_text({"",
-                               {{"sensor", "sensor"}},
-                               {{"averaging", "s", "point/averaging_s"},
-                                {"", "simulated", "simulated"},
-                                {"", "asked for", "asked_for"},
-                                {"", "ratio", "point/ratio", 3}}},
-                              lines);
-    return report;
+    return {text("%.1f hours at rest, %.0f Hz, mean of three axes; quantisation included.\n\n", hours,
+                 number_at(rows[0], "rate_hz")) +
+            table_text({"",
+                        {{"sensor", "sensor"}},
+                        {{"averaging", "s", "point/averaging_s"},
+                         {"", "simulated", "simulated"},
+                         {"", "asked for", "asked_for"},
+                         {"", "ratio", "point/ratio", 3}}},
+                       lines)};
   }
 
   std::string scenario = "samples/scenarios/street_short.yaml";
@@ -102,6 +84,7 @@ Json figures_of(const GaitSeries& series) {
 struct Gait : Benchmark {
   Gait() : Benchmark("gait", "How simulated walkers compare with a folder of real walks", kPlot | kFolder) {
     options.seeds = 40;
+    plot = {.title = "Acceleration's norm", .x_label = "Hz", .y_label = "log10 (m/s^2)^2/Hz"};
   }
   void add_options(CLI::App& command) override {
     command.add_option("--scenario", scenario, "where the walkers walk");
@@ -117,12 +100,12 @@ struct Gait : Benchmark {
     return all;
   }
 
-  Result<Json> measure(const BenchCase& one, const ShowProgress& progress) const override {
-    if (one.labels["group"] == "real") return Benchmark::measure(one, progress);
+  Result<Json> measure(const BenchCase& one) const override {
+    if (one.labels["group"] == "real") return Benchmark::measure(one);
     const auto street = read_scenario(scenario);
     return street ? Result<Json>(figures_of(gait_series(any_walker(*street, one.seed), one.seed))) : street.failure();
   }
-  Result<Json> measure_recording(const BenchCase&, const Recording& recording, const ShowProgress&) const override {
+  Result<Json> measure_recording(const BenchCase&, const Recording& recording) const override {
     const GaitSeries series = gait_series(recording);
     const bool enough = series.acceleration.size() >= static_cast<size_t>(10 * kGaitRate_hz);
     return enough ? figures_of(series) : Json{{"group", "too short"}};
@@ -158,24 +141,17 @@ struct Gait : Benchmark {
         text("%zu real walks, %zu simulated walkers; samples at %.0f Hz\n\n", real.size(), made.size(), kGaitRate_hz) +
             table_text(table, lines) +
             text("\nEvery quartile of the simulation lies inside the real range: %s\n", all_inside ? "yes" : "no"),
-        printed(lines), spectra(real, made)};
+        printed(lines)};
   }
 
-  static Plot spectra(const Rows& real, const Rows& made) {
-    Plot plot{.title = "Acceleration's norm", .x_label = "Hz", .y_label = "log10 (m/s^2)^2/Hz"};
-    for (const auto* group : {&real, &made})
-      for (const double p : {0.25, 0.5, 0.75}) {
-        PlotSeries series{
-            .name = std::string(group == &real ? "real" : "simulated") + (p == 0.5 ? ", median" : ", quartile"),
-            .style = group == &real ? "lines lc rgb '#1f77b4'" : "lines lc rgb '#d62728'"};
-        for (size_t k = 3; k < 240; ++k) {
-          std::vector<double> values;
-          for (const Json& row : *group) values.push_back(row["_spectrum"][k].get<double>());
-          series.points.emplace_back(0.1 * static_cast<double>(k), std::log10(percentile(values, p) + 1e-9));
-        }
-        plot.series.push_back(std::move(series));
-      }
-    return plot;
+  void draw(const Rows& rows, Plot& into) const override {
+    for (const std::string group : {"real", "simulated"}) {
+      std::vector<std::vector<double>> spectra;
+      for (const Json& row : rows_with(rows, "group", group)) spectra.push_back(row["_spectrum"]);
+      for (const double p : {0.25, 0.5, 0.75})
+        add_line(into, group + (p == 0.5 ? ", median" : ", quartile"), spectra_percentile(spectra, p),
+                 group == "real" ? "lines lc rgb '#1f77b4'" : "lines lc rgb '#d62728'");
+    }
   }
 
   std::string scenario = "samples/scenarios/walk700_M1.yaml";
@@ -186,7 +162,9 @@ constexpr double kWindows_s[] = {4, 8};
 struct Tracks : Benchmark {
   Tracks()
       : Benchmark("tracks", "How corners can be followed through recordings: lengths of tracks, inliers, flow",
-                  kConfigs | kPlot | kRecordings, {"monocular_odograph"}) {}
+                  kConfigs | kPlot | kRecordings, {"monocular_odograph"}) {
+    plot = {.title = "Corners still followed", .x_label = "frames", .y_label = "part"};
+  }
   void add_options(CLI::App& command) override {
     command.add_option("--frames", frames, "the first so many of each");
     command.add_flag(
@@ -207,8 +185,7 @@ struct Tracks : Benchmark {
     return true;
   }
 
-  Result<Json> measure_recording(const BenchCase& one, const Recording& recording,
-                                 const ShowProgress& progress) const override {
+  Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {
     Json row = Json::object();
     if (recording.truth.size() >= 10) {
       Pairs pairs{recording.truth, recording.truth};
@@ -230,7 +207,7 @@ struct Tracks : Benchmark {
       row = row_of(figures);
     }
     if (excitation_only) return row;
-    const auto tracks = followed_corners(recording, frames, progress);
+    const auto tracks = followed_corners(recording, frames, one.run.progress);
     if (!tracks) return tracks.failure();
     row.update(row_of({{"", "frames", "frames", 0, tracks->frames},
                        {"", "Hz", "rate_hz", 1, tracks->rate_hz},
@@ -239,6 +216,7 @@ struct Tracks : Benchmark {
                        {"one motion", "", "_inliers", 3, tracks->inliers, {.parts = {0.5, 0.1}}},
                        {"flow px", "", "_flow_px", 2, tracks->flow_px, {.parts = {0.5, 0.9}}}},
                       "tracks"));
+    row["_lines"][one.labels["recording"].get<std::string>()] = tracks->still_followed();
     return row;
   }
 
@@ -259,21 +237,6 @@ struct Tracks : Benchmark {
     if (with_error) return out;
     return out + options.configs.front() +
            ": no such file (run from the source folder, or say where), so there is no N.\n\n";
-  }
-
-  BenchReport report(const Rows& rows) const override {
-    BenchReport report = Benchmark::report(rows);
-    report.plot = {.title = "Corners still followed", .x_label = "frames", .y_label = "part"};
-    for (const Json& row : rows) {
-      const auto lengths = numbers_at({row}, "__lengths");
-      PlotSeries series{.name = row["recording"].get<std::string>(), .style = "lines"};
-      for (double k = 1; !lengths.empty() && k <= std::min(number_at(row, "frames") / 2, 60.0); ++k)
-        series.points.emplace_back(
-            k, static_cast<double>(std::count_if(lengths.begin(), lengths.end(), [k](double l) { return l >= k; })) /
-                   static_cast<double>(lengths.size()));
-      if (!series.points.empty()) report.plot.series.push_back(std::move(series));
-    }
-    return report;
   }
 
   size_t frames = 200;

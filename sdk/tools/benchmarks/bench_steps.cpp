@@ -5,6 +5,7 @@
 
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/evaluation/walk_figures.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walk_scenarios.hpp"
 
 namespace odograph {
@@ -62,10 +63,9 @@ struct Steps : Benchmark {
   }
 
   std::string heading(const Rows&) const override {
-    return text("%llu simulated %s; ten minutes each of typing and gestures, and of turning on the spot.\n\n",
-                static_cast<unsigned long long>(options.seeds),
-                is_viewer()
-                    ? "users of 1.55 to 1.92 m who look through the phone, 70 m each at 0.5 to 1.2 m/s with stops,\n"
+    return text(
+        "%zu simulated %s; ten minutes each of typing and gestures, and of turning on the spot.\n\n", options.seeds,
+        is_viewer() ? "users of 1.55 to 1.92 m who look through the phone, 70 m each at 0.5 to 1.2 m/s with stops,\n"
                       "looking around, turning, small steps, steps to the side and backwards"
                     : "walkers of 1.55 to 1.92 m, 175 m each with stops, looking around, evading, the phone held, "
                       "swung\nand in a pocket");
@@ -73,8 +73,8 @@ struct Steps : Benchmark {
 
   std::string notes(const Rows& rows) const override {
     std::string out;
-    for (const Json& config : values_of(rows, "config"))
-      if (confusion) out += confusion_of(config.get<std::string>(), rows_with(rows, "config", config));
+    for (const auto& [config, own] : groups_of(rows, "config"))
+      if (confusion) out += confusion_of(config, own);
     return out;
   }
 
@@ -144,7 +144,7 @@ struct Walks : Benchmark {
   }
 
   std::string heading(const Rows& rows) const override {
-    return text("%zu walks from %s; heading fitted over the first %.0f m\n\n", values_of(rows, "recording").size(),
+    return text("%zu walks from %s; heading fitted over the first %.0f m\n\n", groups_of(rows, "recording").size(),
                 options.folder.c_str(), align_first_m);
   }
 
@@ -158,10 +158,10 @@ struct Walks : Benchmark {
                        {"waypoints", "m", "_position_walk_median_m"},
                        {"heading", "deg/min", "_heading_drift_deg_min", 1, kSigned}}};
     std::string out;
-    for (const Json& config : values_of(rows, "config")) {
+    for (const auto& [config, own] : groups_of(rows, "config")) {
       if (each || oracles) out += '\n' + config.get<std::string>() + '\n';
-      if (each) out += table_text(walks, rows_with(rows, "config", config));
-      if (oracles) out += oracles_of(rows_with(rows, "config", config));
+      if (each) out += table_text(walks, own);
+      if (oracles) out += oracles_of(own);
     }
     return out;
   }

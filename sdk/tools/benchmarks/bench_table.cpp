@@ -116,20 +116,21 @@ Rows rows_with(const Rows& rows, const std::string& key, const Json& value) {
   return out;
 }
 
-Rows values_of(const Rows& rows, const std::string& key) {
-  Rows values;
+std::vector<std::pair<Json, Rows>> groups_of(const Rows& rows, const std::string& key) {
+  std::vector<std::pair<Json, Rows>> groups;
   for (const Json& row : rows) {
     const Json* own = value_at(row, key);
     const Json value = own ? *own : Json();
-    if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
+    auto at = std::find_if(groups.begin(), groups.end(), [&](const auto& group) { return group.first == value; });
+    if (at == groups.end()) at = groups.emplace(at, value, Rows());
+    at->second.push_back(row);
   }
-  return values;
+  return groups;
 }
 
 Rows summaries_of(const Rows& rows, const std::string& by, const std::vector<Column>& columns) {
   Rows out;
-  for (const Json& value : values_of(rows, by))
-    out.push_back(summary_of(Json{{by, value}}, rows_with(rows, by, value), columns));
+  for (const auto& [value, own] : groups_of(rows, by)) out.push_back(summary_of(Json{{by, value}}, own, columns));
   return out;
 }
 
@@ -197,17 +198,13 @@ std::string cases_text(const Rows& rows, const std::string& table, const std::st
     if (const Json labels = row.value("_labels", Json::array()); shown.labels.empty())
       for (const std::string key : labels) shown.labels.push_back({key, key, key == "config"});
   Rows lines = rows, summaries;
-  for (const Json& config : below.empty() ? Rows() : values_of(rows, "config"))
-    for (Json& summary : summaries_of(rows_with(rows, "config", config), "sensors", shown.columns)) {
+  for (const auto& [config, own] : groups_of(below.empty() ? Rows() : rows, "config"))
+    for (Json& summary : summaries_of(own, "sensors", shown.columns)) {
       summary["config"] = config, summary["recording"] = below;
       summaries.push_back(std::move(summary));
     }
   if (summaries.size() < rows.size()) lines.insert(lines.end(), summaries.begin(), summaries.end());
   return table_text(shown, lines);
-}
-
-std::string configs_text(const Rows& summaries, const std::vector<Column>& columns) {
-  return table_text({"", {{"config", "config"}}, columns}, summaries);
 }
 
 double part_of(const std::vector<double>& values, double part) {

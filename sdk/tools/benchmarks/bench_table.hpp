@@ -71,8 +71,8 @@ Json summary_of(Json labels, const Rows& rows, const std::vector<Column>& column
 /// One summary for each different value of `by`, in order, which is its label.
 Rows summaries_of(const Rows& rows, const std::string& by, const std::vector<Column>& columns);
 Rows rows_with(const Rows& rows, const std::string& key, const Json& value);
-/// The different values under a key, in order.
-Rows values_of(const Rows& rows, const std::string& key);
+/// The different values under a key, in order, each with its rows.
+std::vector<std::pair<Json, Rows>> groups_of(const Rows& rows, const std::string& key);
 
 /// A title, two lines of heads, a line for each row; '-' where there is no number. A row {"_line": TEXT} is that text.
 std::string table_text(const Table& table, const Rows& rows);
@@ -81,8 +81,6 @@ std::string table_text(const Table& table, const Rows& rows);
 /// over the recordings of a config and sensors are called, which come last where there are several.
 std::string cases_text(const Rows& rows, const std::string& table = "figures", const std::string& title = "",
                        const std::string& below = "");
-/// A line for each config, by its summary.
-std::string configs_text(const Rows& summaries, const std::vector<Column>& columns);
 
 /// percentile(), NaN of nothing.
 double part_of(const std::vector<double>& values, double part);

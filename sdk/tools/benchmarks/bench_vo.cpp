@@ -3,7 +3,6 @@
 // Visual odometries side by side.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/evaluation/reference_poses.hpp"
@@ -109,21 +108,13 @@ Json refined_of(const odo_calibration& c) {
           {"line_time_us", static_cast<double>(c.line_time_ns) * 1e-3}};
 }
 
-/// "FROM:FOR" in s.
-Result<bool> parse_interval(const std::string& given, const char* option, double& from_s, double& for_s) {
-  int end = 0;
-  if (given.empty() || (std::sscanf(given.c_str(), "%lf:%lf%n", &from_s, &for_s, &end) == 2 &&
-                        given[static_cast<size_t>(end)] == 0 && from_s >= 0 && for_s > 0))
-    return true;
-  return Failure{ODO_E_ARGUMENT, std::string(option) + " " + given + ": expected FROM:FOR in seconds, such as 10:2"};
-}
-
 struct Vo : Benchmark {
   Vo()
       : Benchmark(
             "vo", "Visual odometries side by side, on simulated walks or recordings",
             kConfigs | kQuick | kPlot | kSimulated | kRecordings | kSensors,
             {"monocular", "monocular_antigny2019", "monocular_gakne2018", "monocular_odograph", "inertial_odograph"}) {
+    plot = {.title = "Scale along the path", .x_label = "m", .y_label = "odometry by truth"};
     quick_m = 120;  // as `bench walk700 --quick`, which keeps the same recordings
   }
   void add_options(CLI::App& command) override {
@@ -144,13 +135,7 @@ struct Vo : Benchmark {
       if (auto ok = parse_interval(gap, "--gap", d.gap_from_s, d.gap_for_s); !ok) return ok.failure();
       if (auto ok = parse_interval(dark, "--dark", d.dark_from_s, d.dark_for_s); !ok) return ok.failure();
     }
-    if (stress) {
-      const fs::path folder = fs::path(options.scenarios.front()).parent_path();
-      options.scenarios.clear();
-      for (const auto& entry : fs::directory_iterator(folder))
-        if (entry.path().filename().string().starts_with("stress_")) options.scenarios.push_back(entry.path());
-      std::sort(options.scenarios.begin(), options.scenarios.end());
-    }
+    if (stress) options.scenarios = files_in(fs::path(options.scenarios.front()).parent_path(), "stress_", {".yaml"});
     auto all = Benchmark::recordings();
     if (!all || reference.empty()) return all;
     if (all->size() != 1)
@@ -171,37 +156,34 @@ struct Vo : Benchmark {
     return degraded(*recording, qualities[one.variant], sensor_seed);
   }
 
-  Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
+  Result<Json> measure_replay(const BenchCase& one, const Recording& recording,
+                              const RunResult& result) const override {
     const VoFigures figures =
         vo_figures(recording.truth, result.motions, result.motions_known_ns, frame_times_ns(recording));
     const Pairs pairs = associate(recording.truth, compose(result.motions).own(), kAssociate_s);
     Json row = row_of(metre_of(figures), "metre");
     row.update(row_of(shape_of(vo_shape(recording.truth, result.motions, pairs), result), "shape"));
     if (!result.refined.empty()) row["refined"] = refined_of(result.refined.back());
-    if (!recording.truth.empty()) row["_scale"] = scale_along(figures, pairs);
+    if (!recording.truth.empty()) row["_lines"][run_name(one.labels)] = scale_along(figures, pairs);
     return row;
   }
 
   BenchReport report(const Rows& rows) const override {
     BenchReport report{cases_text(rows, "metre", "Metre", "median") + kMetreNote +
-                           cases_text(rows, "shape", "Shape and cost", "median") + kShapeNote,
-                       {},
-                       {.title = "Scale along the path", .x_label = "m", .y_label = "odometry by truth"}};
+                       cases_text(rows, "shape", "Shape and cost", "median") + kShapeNote};
     for (const Json& row : rows) {
-      const std::string run_name = row["recording"].get<std::string>() + ' ' +
-                                   stem_of(row["config"].get<std::string>()) +
-                                   (row.contains("sensors") ? ' ' + row["sensors"].get<std::string>() : "");
       const Json refined = row.value("refined", Json::object());
-      if (!refined.empty()) report.text += run_name + ": refined to";
+      if (!refined.empty()) report.text += run_name(row) + ": refined to";
       for (const auto& [key, value] : refined.items())
         report.text += text(" %s %.2f", key.c_str(), value.get<double>());
       if (!refined.empty()) report.text += '\n';
-      PlotSeries series{.name = run_name, .style = "lines"};
-      for (const Json& point : row.value("_scale", Json::array()))
-        if (point[1].is_number()) series.points.emplace_back(point[0].get<double>(), point[1].get<double>());
-      if (!series.points.empty()) report.plot.series.push_back(std::move(series));
     }
     return report;
+  }
+
+  static std::string run_name(const Json& row) {
+    return row["recording"].get<std::string>() + ' ' + stem_of(row["config"].get<std::string>()) +
+           (row.contains("sensors") ? ' ' + row["sensors"].get<std::string>() : "");
   }
 
   std::string reference, reference_frame = "camera", gap, dark;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/city/city_scenario.hpp"
 
-#include <filesystem>
+#include <cstdio>
 #include <fstream>
 #include <sstream>
 
@@ -41,6 +41,16 @@ Result<Eigen::Vector3d> write_city_scenario(const CityScenario& a) {
   out << text.str();
   if (!out.flush()) return Failure{ODO_E_NOT_FOUND, a.output + ": cannot be written"};
   return origin;
+}
+
+std::vector<Override> skyline_overrides(const std::filesystem::path& model, const Eigen::Vector3d& origin,
+                                        const std::string& skylines) {
+  const std::string of = "absolute_fixers.fix/skyline.parameters.";
+  char at[96];
+  std::snprintf(at, sizeof at, "[%.4f m, %.4f m, %.4f m]", origin.x(), origin.y(), origin.z());
+  std::vector<Override> all = {{of + "model", model.filename().string()}, {of + "model_origin", at}};
+  if (!skylines.empty()) all.push_back({of + "skylines", std::filesystem::absolute(skylines).string()});
+  return all;
 }
 
 }  // namespace odograph

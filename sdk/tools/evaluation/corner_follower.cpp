@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/evaluation/corner_follower.hpp"
 
+#include <algorithm>
+
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
@@ -72,6 +74,15 @@ void CornerFollower::refill(const cv::Mat& picture) {
   std::vector<cv::Point2f> fresh;
   cv::goodFeaturesToTrack(picture, fresh, missing, 0.01, 10, free);
   for (const cv::Point2f& p : fresh) corners_.push_back(p), births_.push_back(figures.frames);
+}
+
+std::vector<std::pair<double, double>> TrackFigures::still_followed() const {
+  std::vector<std::pair<double, double>> points;
+  for (double k = 1; !lengths.empty() && k <= std::min(static_cast<double>(frames) / 2, 60.0); ++k) {
+    const auto still = std::count_if(lengths.begin(), lengths.end(), [k](double length) { return length >= k; });
+    points.emplace_back(k, static_cast<double>(still) / static_cast<double>(lengths.size()));
+  }
+  return points;
 }
 
 }  // namespace odograph

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include <odograph/types.h>
@@ -18,6 +19,9 @@ struct TrackFigures {
   std::vector<double> kept;     ///< of each pair, part of the corners that were found again
   size_t frames = 0;
   double rate_hz = 0;  ///< of the frames, where somebody knows it
+
+  /// The part of those corners that is still followed, by frames up to half of all and 60.
+  std::vector<std::pair<double, double>> still_followed() const;
 };
 
 /// Follows corners with pyramidal Lucas-Kanade, forwards and back.

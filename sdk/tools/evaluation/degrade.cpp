@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "sdk/tools/simulation/random.hpp"
 
@@ -158,6 +159,14 @@ Recording degraded(const Recording& recording, const Degradation& d, uint64_t se
   }
   if (d.time_offset_s != 0 || d.stamp_jitter_s > 0) worsen_times(r, d, seed);
   return r;
+}
+
+Result<bool> parse_interval(const std::string& given, const char* option, double& from_s, double& for_s) {
+  int end = 0;
+  if (given.empty() || (std::sscanf(given.c_str(), "%lf:%lf%n", &from_s, &for_s, &end) == 2 &&
+                        given[static_cast<size_t>(end)] == 0 && from_s >= 0 && for_s > 0))
+    return true;
+  return Failure{ODO_E_ARGUMENT, std::string(option) + " " + given + ": expected FROM:FOR in seconds, such as 10:2"};
 }
 
 std::vector<Degradation> sensor_qualities() {

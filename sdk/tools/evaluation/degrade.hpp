@@ -33,6 +33,9 @@ struct Degradation {
   double dark_from_s = 0, dark_for_s = 0;  ///< the same, frames are black
 };
 
+/// Reads "FROM:FOR" in s, nothing of nothing; `option` is named where it is something else.
+Result<bool> parse_interval(const std::string& given, const char* option, double& from_s, double& for_s);
+
 /// Full scale of a phone's IMU, what a wild sample reads (data sheets: 16 g, 2000 deg/s).
 constexpr double kWildAccel_mps2 = 156.9;
 constexpr double kWildGyro_radps = 34.9;

@@ -47,6 +47,18 @@ double percentile(std::vector<double> v, double p) {
   return v[below] + (rank - static_cast<double>(below)) * (v[above] - v[below]);
 }
 
+std::vector<std::pair<double, double>> distribution_of(const std::vector<double>& values) {
+  std::vector<std::pair<double, double>> points;
+  for (int p = 0; p <= 100; ++p) points.emplace_back(percentile(values, 0.01 * p), 0.01 * p);
+  return points;
+}
+
+double part_below(const std::vector<double>& errors, const std::vector<double>& others) {
+  size_t below = 0;
+  for (size_t i = 0; i < others.size(); ++i) below += errors[i] < others[i];
+  return static_cast<double>(below) / static_cast<double>(others.size());
+}
+
 double allan_deviation(const std::vector<double>& rate, double hz, double tau_s) {
   const auto m = static_cast<size_t>(std::lround(tau_s * hz));
   std::vector<double> angle(rate.size() + 1, 0.0);

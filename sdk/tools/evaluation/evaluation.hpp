@@ -18,6 +18,10 @@ struct Statistics {
 Statistics statistics_of(std::vector<double> errors);
 /// The value below which the part `p` (0 to 1) of the errors lies, linear between ranks.
 double percentile(std::vector<double> values, double p);
+/// The percentiles from 0 to 100, each with its part (0 to 1).
+std::vector<std::pair<double, double>> distribution_of(const std::vector<double>& values);
+/// The part of the errors that are less than those of the same places in the other list.
+double part_below(const std::vector<double>& errors, const std::vector<double>& others);
 
 /// Overlapping Allan deviation of a rate signal over `tau_s` (IEEE Std 952-1997).
 double allan_deviation(const std::vector<double>& rate, double hz, double tau_s);

@@ -102,4 +102,15 @@ GaitFigures gait_figures(const GaitSeries& s) {
   return f;
 }
 
+std::vector<std::pair<double, double>> spectra_percentile(const std::vector<std::vector<double>>& spectra,
+                                                          double part) {
+  std::vector<std::pair<double, double>> points;
+  for (size_t k = 3; k < 240; ++k) {
+    std::vector<double> values;
+    for (const auto& spectrum : spectra) values.push_back(spectrum[k]);
+    points.emplace_back(0.1 * static_cast<double>(k), std::log10(percentile(values, part) + 1e-9));
+  }
+  return points;
+}
+
 }  // namespace odograph

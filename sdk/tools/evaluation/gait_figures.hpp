@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "sdk/tools/recording/recording.hpp"
@@ -36,5 +37,8 @@ GaitSeries gait_series(const Scenario& scenario, uint64_t seed);
 std::vector<double> power_spectrum(const std::vector<double>& signal, double rate_hz);
 
 GaitFigures gait_figures(const GaitSeries& series);
+
+/// Of such spectra at each frequency from 0.3 Hz on a percentile's logarithm (of 10), by Hz.
+std::vector<std::pair<double, double>> spectra_percentile(const std::vector<std::vector<double>>& spectra, double part);
 
 }  // namespace odograph

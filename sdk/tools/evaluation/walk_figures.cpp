@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "sdk/tools/evaluation/start_alignment.hpp"
+
 namespace odograph {
 namespace {
 
@@ -124,6 +126,15 @@ WalkedPlace place_walked_to(const Recording& recording, double walked_m) {
     if (std::abs(place.walked_m - walked_m) < std::abs(best.walked_m - walked_m)) best = place;
   }
   return best;
+}
+
+PlaceErrors place_errors(const Trajectory& truth, const Trajectory& track, const std::vector<WalkedPlace>& places) {
+  PlaceErrors e{statistics_of(horizontal_errors(truth, track)).mean, {}, {}};
+  for (const WalkedPlace& place : places) {
+    e.error_m.push_back(horizontal_error(truth, track, place.t_ns));
+    e.error_percent.push_back(100 * e.error_m.back() / place.walked_m);
+  }
+  return e;
 }
 
 }  // namespace odograph

@@ -42,4 +42,12 @@ struct WalkedPlace {
 };
 WalkedPlace place_walked_to(const Recording& recording, double walked_m);
 
+/// How far off a track is horizontally: the mean over the truth, and at each of the places, also by the distance
+/// walked.
+struct PlaceErrors {
+  double mean_m = 0;
+  std::vector<double> error_m, error_percent;
+};
+PlaceErrors place_errors(const Trajectory& truth, const Trajectory& track, const std::vector<WalkedPlace>& places);
+
 }  // namespace odograph

@@ -30,6 +30,12 @@ struct RunResult {
   std::vector<odo_calibration> refined;   // what the front-end refined the camera to
   std::vector<odo_scale> scales;
   std::vector<Fix> fixes;
+  std::vector<odo_fix> accepted() const {
+    std::vector<odo_fix> all;
+    for (const Fix& fix : fixes)
+      if (fix.accepted) all.push_back(fix.fix);
+    return all;
+  }
   std::vector<odo_motion_mode> modes;   // each from its own time until the next one's
   std::vector<odo_attitude> attitudes;  // where RunOptions asks for them
   odo_statistics statistics{};

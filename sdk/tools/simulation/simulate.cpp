@@ -6,6 +6,7 @@
 
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/base/rotation.hpp"
+#include "sdk/host/base/temporary_folder.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/simulation/drive.hpp"
 #include "sdk/tools/simulation/retrace.hpp"
@@ -369,6 +370,12 @@ Result<SimulationReport> simulate(const Scenario& scenario, uint64_t seed, const
     if (!written) return written.failure();
   }
   return options.walk ? simulation.run_along(*options.walk, options.progress) : simulation.run(options.progress);
+}
+
+Result<Recording> simulated(const Scenario& scenario, uint64_t seed) {
+  const TemporaryFolder folder;
+  const auto made = simulate(scenario, seed, folder / "walk.odo", {.threads = 1, .frames = false});
+  return made ? read_recording(folder / "walk.odo") : made.failure();
 }
 
 }  // namespace odograph

@@ -45,4 +45,7 @@ Result<bool> write_known_objects(const Scenario& scenario, uint64_t seed, const 
 Result<SimulationReport> simulate(const Scenario& scenario, uint64_t seed, const std::filesystem::path& output,
                                   const SimulationOptions& options = {});
 
+/// The recording of the scenario without a camera, by one thread; nothing of it is kept.
+Result<Recording> simulated(const Scenario& scenario, uint64_t seed);
+
 }  // namespace odograph

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/validator/child.hpp"
 
-#include <cerrno>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <limits>
+#include <vector>
 
 #include <poll.h>
 #include <sys/mman.h>
@@ -27,22 +29,9 @@ std::string number(double value) {
   return text;
 }
 
-/// Reads until the end of the pipe or of the time; false when the time was up.
-bool read_all(int fd, double limit_s, std::string& text) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit_s);
-  for (;;) {
-    const double left_s = std::chrono::duration<double>(end - std::chrono::steady_clock::now()).count();
-    pollfd wait{fd, POLLIN, 0};
-    const int ready = left_s > 0 ? poll(&wait, 1, static_cast<int>(left_s * 1e3) + 1) : 0;
-    if (ready == 0) return false;
-    if (ready < 0 && errno == EINTR) continue;
-    char part[4096];
-    const ssize_t count = read(fd, part, sizeof part);
-    if (count <= 0) return true;
-    text.append(part, static_cast<size_t>(count));
-    if (text.size() >= sizeof kEnd - 1 && text.ends_with(kEnd)) return true;  // somebody else may hold the pipe open
-  }
-}
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 std::string how_it_ended(int status) {
   if (WIFSIGNALED(status)) return std::string("killed by ") + strsignal(WTERMSIG(status));
@@ -67,6 +56,95 @@ std::string how_it_ended(int status) {
   _exit(0);  // no destructors: the plugin's have had their turn or never will
 }
 
+/// A process with the end of the pipe that it talks into.
+struct Child {
+  size_t number;
+  pid_t pid = -1;
+  int pipe = -1;
+  Clock::time_point started = Clock::now();
+  std::string text{};
+
+  bool ended() const { return text.ends_with(kEnd); }
+};
+
+Child begin(size_t number, const std::function<std::string(size_t)>& work) {
+  Child child{number};
+  int ends[2];
+  if (pipe(ends) != 0) return child;
+  if (!phase) {
+    void* shared = mmap(nullptr, kPhaseSize, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (shared != MAP_FAILED) phase = static_cast<char*>(shared);
+  }
+  note_phase("");
+  std::fflush(nullptr);
+  child.pid = fork();
+  if (child.pid == 0) {
+    for (const int fatal : {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV, SIGTERM}) signal(fatal, SIG_DFL);
+    close(ends[0]);
+    work_and_leave(ends[1], [&] { return work(number); });
+  }
+  close(ends[1]);
+  child.pipe = ends[0];
+  return child;
+}
+
+/// What there is to read; false at the end of it.
+bool read_some(Child& child) {
+  char part[4096];
+  const ssize_t count = read(child.pipe, part, sizeof part);
+  if (count > 0) child.text.append(part, static_cast<size_t>(count));
+  return count > 0 && !child.ended();  // somebody else may hold the pipe open
+}
+
+ChildResult finish(Child& child, double limit_s, bool in_time) {
+  int status = 0;
+  if (child.pipe >= 0) close(child.pipe);
+  if (child.pid > 0 && (!in_time || child.ended())) kill(child.pid, SIGKILL);  // its threads may go on after its word
+  if (child.pid > 0) waitpid(child.pid, &status, 0);
+  ChildResult result{child.ended(), child.text, seconds_since(child.started)};
+  const std::string where = phase && *phase ? std::string(" in ") + phase : "";
+  if (child.pid < 0)
+    result.text = "no child process";
+  else if (result.finished)
+    result.text.resize(result.text.size() - (sizeof kEnd - 1));
+  else
+    result.text = (in_time ? how_it_ended(status) : "took longer than " + number(limit_s) + " s") + where;
+  return result;
+}
+
+/// Until one of them has come to its end, which is put last, or to its time's.
+ChildResult finish_one(std::vector<Child>& running, double limit_s) {
+  for (;;) {
+    std::vector<pollfd> pipes;
+    double left_s = limit_s;
+    for (const Child& child : running) {
+      pipes.push_back({child.pipe, POLLIN, 0});
+      left_s = std::min(left_s, limit_s - seconds_since(child.started));
+    }
+    const bool all_there = std::all_of(running.begin(), running.end(), [](const Child& c) { return c.pid > 0; });
+    const int wait_ms = !all_there || left_s <= 0 ? 0 : left_s < 1e6 ? static_cast<int>(left_s * 1e3) + 1 : -1;
+    if (poll(pipes.data(), pipes.size(), wait_ms) < 0) continue;
+    for (size_t i = 0; i < running.size(); ++i) {
+      const bool in_time = running[i].pid < 0 || seconds_since(running[i].started) < limit_s;
+      if (running[i].pid > 0 && in_time && (!pipes[i].revents || read_some(running[i]))) continue;
+      std::swap(running[i], running.back());
+      return finish(running.back(), limit_s, in_time);
+    }
+  }
+}
+
+void run_all(size_t count, size_t side_by_side, double limit_s, const std::function<std::string(size_t)>& work,
+             const std::function<bool(size_t, const ChildResult&)>& done) {
+  std::vector<Child> running;
+  bool more = true;
+  for (size_t next = 0; (more && next < count) || !running.empty();) {
+    while (more && next < count && running.size() < side_by_side) running.push_back(begin(next++, work));
+    const ChildResult result = finish_one(running, limit_s);
+    more &= done(running.back().number, result);
+    running.pop_back();
+  }
+}
+
 }  // namespace
 
 void note_phase(const std::string& what) {
@@ -75,41 +153,18 @@ void note_phase(const std::string& what) {
 
 ChildResult run_in_child(double limit_s, const std::function<std::string()>& work) {
   ChildResult result;
-  const auto started = std::chrono::steady_clock::now();
-  int ends[2];
-  if (pipe(ends) != 0) return {false, "no pipe for a child process", 0};
-  if (!phase) {
-    void* shared = mmap(nullptr, kPhaseSize, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (shared != MAP_FAILED) phase = static_cast<char*>(shared);
-  }
-  note_phase("");
-  std::fflush(nullptr);
-  const pid_t child = fork();
-  if (child == 0) {
-    for (const int fatal : {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV, SIGTERM}) signal(fatal, SIG_DFL);
-    close(ends[0]);
-    work_and_leave(ends[1], work);
-  }
-  close(ends[1]);
-  const bool in_time = child < 0 || read_all(ends[0], limit_s, result.text);
-  close(ends[0]);
-  int status = 0;
-  const bool ended = result.text.ends_with(kEnd);
-  if (child > 0 && (!in_time || ended)) kill(child, SIGKILL);  // after its word threads of the plugin may go on
-  if (child > 0) waitpid(child, &status, 0);
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  const std::string where = phase && *phase ? std::string(" in ") + phase : "";
-  if (child < 0) {
-    result.text = "no child process";
-  } else if (ended) {
-    result.finished = true;
-    result.text.resize(result.text.size() - (sizeof kEnd - 1));
-  } else if (!in_time) {
-    result.text = "took longer than " + number(limit_s) + " s" + where;
-  } else {
-    result.text = how_it_ended(status) + where;
-  }
+  run_all(
+      1, 1, limit_s, [&](size_t) { return work(); },
+      [&](size_t, const ChildResult& one) {
+        result = one;
+        return true;
+      });
   return result;
+}
+
+void run_in_children(size_t count, size_t side_by_side, const std::function<std::string(size_t)>& work,
+                     const std::function<bool(size_t, const ChildResult&)>& done) {
+  run_all(count, side_by_side, std::numeric_limits<double>::infinity(), work, done);
 }
 
 }  // namespace odograph

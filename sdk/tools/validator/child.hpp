@@ -18,6 +18,11 @@ struct ChildResult {
 /// do. [control] One thread only: it forks.
 ChildResult run_in_child(double limit_s, const std::function<std::string()>& work);
 
+/// The same for many, numbered, so many side by side, each without a limit. `done` gets what became of each, as they
+/// end, and says whether further ones are begun.
+void run_in_children(size_t count, size_t side_by_side, const std::function<std::string(size_t number)>& work,
+                     const std::function<bool(size_t number, const ChildResult& result)>& done);
+
 /// In a child: what is done from here on, for the message if it ends here. At most 127 characters.
 void note_phase(const std::string& phase);
 

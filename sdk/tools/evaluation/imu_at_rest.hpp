@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "sdk/tools/simulation/scenario.hpp"
+
+namespace odograph {
+
+/// Allan deviation of a simulated sensor at rest (rad/s or m/s^2), mean of its axes, and what its errors come to.
+struct AllanPoint {
+  double averaging_s, simulated, asked_for;
+};
+
+/// Of the gyroscope or the accelerometer, from 20 ms up to a twentieth of the time, two a decade.
+std::vector<AllanPoint> imu_at_rest(const Scenario::Imu& imu, bool gyroscope, double hours, uint64_t seed);
+
+}  // namespace odograph

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What benchmarks draw: curves of which the points are known.
+#include <doctest/doctest.h>
+
+#include "sdk/tools/evaluation/corner_follower.hpp"
+#include "sdk/tools/evaluation/evaluation.hpp"
+#include "sdk/tools/evaluation/gait_figures.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("figures");
+
+TEST_CASE("of several spectra a percentile is taken at each frequency") {
+  const std::vector<double> low(250, 1.0), high(250, 100.0);
+  const auto upper = spectra_percentile({low, high}, 1);
+  CHECK(upper.front().first == doctest::Approx(0.3));
+  CHECK(upper.front().second == doctest::Approx(2));
+  CHECK(spectra_percentile({low, high}, 0).back().second == doctest::Approx(0));
+}
+
+TEST_CASE("a distribution has its percentiles, and errors are held against those of the same places") {
+  const auto points = distribution_of({3, 1, 2});
+  REQUIRE(points.size() == 101);
+  CHECK(points[0] == std::pair(1.0, 0.0));
+  CHECK(points[50].first == doctest::Approx(2));
+  CHECK(points[100] == std::pair(3.0, 1.0));
+  CHECK(part_below({1, 5, 3, 0}, {2, 4, 3, 1}) == doctest::Approx(0.5));
+}
+
+TEST_CASE("the part of the corners that is still followed falls with their lengths, up to half of the frames") {
+  TrackFigures f;
+  f.lengths = {1, 2, 2, 4}, f.frames = 8;
+  const auto still = f.still_followed();
+  REQUIRE(still.size() == 4);
+  CHECK(still[0] == std::pair(1.0, 1.0));
+  CHECK(still[1] == std::pair(2.0, 0.75));
+  CHECK(still[3] == std::pair(4.0, 0.25));
+  CHECK(TrackFigures{}.still_followed().empty());
+}
+
+TEST_SUITE_END();
