@@ -38,6 +38,8 @@ void StairDetector::add(int64_t t_ns, double pressure_pa) {
 
 void StairDetector::add_step(int64_t t_start_ns, int64_t t_end_ns, double length_m) {
   if (t_end_ns <= t_start_ns) return;
+  // A barometer that has fallen silent says no more of a climb.
+  if (!heights_.empty() && t_end_ns - heights_.back(0).t_ns > static_cast<int64_t>(p_.window_s * 1e9)) reset();
   const double speed_mps = length_m * 1e9 / static_cast<double>(t_end_ns - t_start_ns);
   const bool begins = t_start_ns - step_ns_ > static_cast<int64_t>(p_.pause_s * 1e9);
   speed_mps_ = begins ? speed_mps : speed_mps_ + p_.learn_speed * (speed_mps - speed_mps_);
