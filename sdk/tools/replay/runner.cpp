@@ -45,6 +45,7 @@ Work work_of(Call&& call) {
 /// Collects events of the session; lives as long as the callback is set.
 struct Collector {
   RunResult& result;
+  bool collect_poses;
   double work_ms = 0, work_thread_ms = 0;  // since the last camera pose
   int64_t pushed_ns = 0;                   // time of the newest input
 
@@ -88,6 +89,7 @@ struct Collector {
   void take(const Work& work) { work_ms += work.ms, work_thread_ms += work.thread_ms; }
 
   void take_pose(const odo_pose& pose) {
+    if (collect_poses) result.poses.push_back(pose);
     const StampedPose x{pose.header.t_ns, raw_quaternion(pose.q_n), Eigen::Vector3d(pose.p_n)};
     if (!result.track.empty() && result.track.back().t_ns >= x.t_ns) {  // a fix corrected the latest pose
       result.track.back() = x;
@@ -198,7 +200,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   result.config_text = config->text;
   result.loss = recording.loss;
   if (options.keep_session) result.session = shared;
-  Collector collector{result};
+  Collector collector{result, options.collect_poses};
   std::vector<uint32_t> wanted = {ODO_TYPE_POSE,        ODO_TYPE_VO_MOTION,   ODO_TYPE_STEP,
                                   ODO_TYPE_MOTION_MODE, ODO_TYPE_SCALE,       ODO_TYPE_FIX,
                                   ODO_TYPE_STATE,       ODO_TYPE_CALIBRATION, ODO_TYPE_REPORT};

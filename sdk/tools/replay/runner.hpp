@@ -38,6 +38,7 @@ struct RunResult {
   }
   std::vector<odo_motion_mode> modes;   // each from its own time until the next one's
   std::vector<odo_attitude> attitudes;  // where RunOptions asks for them
+  std::vector<odo_pose> poses;          // all that came out, with their covariance; where RunOptions asks for them
   odo_statistics statistics{};
   std::vector<double> frame_ms;         // work between one camera pose and the next
   std::vector<double> frame_thread_ms;  // the same as processor time of the thread that pushes
@@ -67,6 +68,7 @@ struct RunOptions {
   uint64_t seed = 0;
   bool collect_timing = true;
   bool collect_attitudes = false;
+  bool collect_poses = false;
   bool keep_session = false;  // it ends with the result: a plugin that fails in its end takes no results with it
   std::function<void(size_t done, size_t all)> progress;
 };

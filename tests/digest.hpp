@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What is kept of a run's results: of each column of numbers how many there are, their mean, root mean square and
+// quartiles, and five of them. Few enough to lie beside the tests, enough that a change of any number shows.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+class Digest {
+ public:
+  void add(const std::string& column, double value) {
+    if (std::isnan(value))
+      columns_[column + ".nan"].push_back(1);
+    else
+      columns_[column].push_back(value);
+  }
+  void add(const std::string& column, const double* values, size_t count, size_t stride = 1) {
+    for (size_t i = 0; i < count; ++i) add(column + '.' + std::to_string(i), values[i * stride]);
+  }
+
+  /// One line a column: name, count, quartiles, mean, root mean square, five values from the first to the last.
+  std::string text() const {
+    std::ostringstream out;
+    out.precision(10);
+    for (const auto& [name, values] : columns_) {
+      out << name << ' ' << values.size();
+      std::vector<double> sorted = values;
+      std::sort(sorted.begin(), sorted.end());
+      for (size_t i = 1; i <= 3; ++i) out << ' ' << sorted[(sorted.size() - 1) * i / 4];
+      out << ' ' << mean(values, 1) << ' ' << std::sqrt(mean(values, 2));
+      for (size_t i = 0; i <= 4; ++i) out << ' ' << values[(values.size() - 1) * i / 4];
+      out << '\n';
+    }
+    return out.str();
+  }
+
+ private:
+  static double mean(const std::vector<double>& values, int power) {
+    double sum = 0;
+    for (double v : values) sum += power == 1 ? v : v * v;
+    return sum / static_cast<double>(values.size());
+  }
+  std::map<std::string, std::vector<double>> columns_;  // none is empty, none has a NaN
+};
+
+/// How two digests are compared.
+struct Tolerance {
+  double part;          ///< of a column's root mean square, and of its count
+  bool quartiles_only;  ///< of results whose single numbers hang on the last digits of their input
+};
+
+/// The columns in which two digests differ, each with both lines.
+inline std::vector<std::string> differences(const std::string& kept, const std::string& now, Tolerance tolerance) {
+  using Columns = std::map<std::string, std::vector<double>>;
+  const auto columns_of = [](const std::string& text) {
+    Columns columns;
+    std::istringstream lines(text);
+    for (std::string line, name, word; std::getline(lines, line);) {
+      std::istringstream words(line);
+      words >> name;
+      while (words >> word) columns[name].push_back(std::stod(word));
+    }
+    return columns;
+  };
+  const auto shown = [](const Columns& columns, const std::string& name) {
+    std::ostringstream out;
+    out.precision(10);
+    if (!columns.count(name)) return std::string(" nothing");
+    for (double v : columns.at(name)) out << ' ' << v;
+    return out.str();
+  };
+  const Columns before = columns_of(kept), after = columns_of(now);
+  Columns all = before;
+  all.insert(after.begin(), after.end());
+  std::vector<std::string> differing;
+  for (const auto& [name, unused] : all) {
+    bool same = before.count(name) && after.count(name);
+    if (same) {
+      const auto &a = before.at(name), &b = after.at(name);
+      const double rms = a[5];
+      same = std::abs(a[0] - b[0]) <= tolerance.part * a[0];
+      for (size_t i = 1; i < (tolerance.quartiles_only ? 4 : a.size()); ++i)
+        same = same && std::abs(a[i] - b[i]) <= tolerance.part * rms;
+    }
+    if (!same) differing.push_back(name + "\n  kept" + shown(before, name) + "\n  now " + shown(after, name));
+  }
+  return differing;
+}
