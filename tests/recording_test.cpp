@@ -368,7 +368,7 @@ TEST_CASE(
     CHECK(numbers_at(*chain, "cam0.timeshift_cam_imu") == std::vector<double>{0.0125});
     CHECK(numbers_at(*chain, "cam0.intrinsics") == std::vector<double>{61.5, 62.25, 31.125, 24.75});
     CHECK(numbers_at(*chain, "cam0.resolution") == std::vector<double>{64, 48});
-    CHECK(numbers_at(*chain, "cam0.line_delay")[0] == doctest::Approx(31e-6));
+    CHECK(numbers_at(*chain, "cam0.line_delay")[0] * 1e6 == doctest::Approx(31));
     CHECK(numbers_at(*chain, "cam0.distortion_coeffs") == std::vector<double>(lens.distortion, lens.distortion + 4));
     CHECK(node_at(*chain, "cam0.distortion_model")->text == (model == ODO_CAMERA_PINHOLE ? "radtan" : "equidistant"));
   }

@@ -277,7 +277,7 @@ TEST_CASE(
     REQUIRE(motion.translation_valid);
     REQUIRE(motion.scale_group == 0);
     const double inliers = motion.inliers, moved = motion.T_c0_c1.translation().norm();
-    CHECK(motion.rotation_sigma_rad == doctest::Approx(1.5 / kFocal_px / std::sqrt(inliers)));
+    CHECK(motion.rotation_sigma_rad * std::sqrt(inliers) * kFocal_px == doctest::Approx(1.5));
     const double depth = motion.position_sigma / motion.rotation_sigma_rad / moved;  // in displacements of a frame
     CHECK(depth > 0.95 * kFocal_px / kNear_px);
     CHECK(depth < 1.05 * kFocal_px / kFar_px);
