@@ -357,20 +357,20 @@ TEST_CASE(
       if (a->type == ODO_TYPE_IMU_NOISE) CHECK(std::memcmp(a, b, sizeof(odo_imu_noise)) == 0);
       if (a->type == ODO_TYPE_FRAME) CHECK(as<odo_frame>(*b).line_time_ns == 31'000);
     }
-    const auto chain = read_yaml((folder / "asl/camchain-imucam.yaml").string());
-    REQUIRE(chain.ok());
+    const auto kalibr = read_yaml((folder / "asl/camchain-imucam.yaml").string());
+    REQUIRE(kalibr.ok());
     // T_cam_imu takes points of the IMU to the camera; t_imu = t_cam + timeshift_cam_imu.
-    const auto rows = numbers_at(*chain, "cam0.T_cam_imu");
+    const auto rows = numbers_at(*kalibr, "cam0.T_cam_imu");
     REQUIRE(rows.size() == 16);
     const Eigen::Matrix4d T_c_b = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>::Map(rows.data());
     const Eigen::Vector3d p_c(1, -2, 3), p_b = raw_quaternion(lens.q_b_c) * p_c + Eigen::Vector3d(lens.p_b_c);
     CHECK((T_c_b * p_b.homogeneous() - p_c.homogeneous()).norm() < 1e-12);
-    CHECK(numbers_at(*chain, "cam0.timeshift_cam_imu") == std::vector<double>{0.0125});
-    CHECK(numbers_at(*chain, "cam0.intrinsics") == std::vector<double>{61.5, 62.25, 31.125, 24.75});
-    CHECK(numbers_at(*chain, "cam0.resolution") == std::vector<double>{64, 48});
-    CHECK(numbers_at(*chain, "cam0.line_delay")[0] * 1e6 == doctest::Approx(31));
-    CHECK(numbers_at(*chain, "cam0.distortion_coeffs") == std::vector<double>(lens.distortion, lens.distortion + 4));
-    CHECK(node_at(*chain, "cam0.distortion_model")->text == (model == ODO_CAMERA_PINHOLE ? "radtan" : "equidistant"));
+    CHECK(numbers_at(*kalibr, "cam0.timeshift_cam_imu") == std::vector<double>{0.0125});
+    CHECK(numbers_at(*kalibr, "cam0.intrinsics") == std::vector<double>{61.5, 62.25, 31.125, 24.75});
+    CHECK(numbers_at(*kalibr, "cam0.resolution") == std::vector<double>{64, 48});
+    CHECK(numbers_at(*kalibr, "cam0.line_delay")[0] * 1e6 == doctest::Approx(31));
+    CHECK(numbers_at(*kalibr, "cam0.distortion_coeffs") == std::vector<double>(lens.distortion, lens.distortion + 4));
+    CHECK(node_at(*kalibr, "cam0.distortion_model")->text == (model == ODO_CAMERA_PINHOLE ? "radtan" : "equidistant"));
   }
 }
 
