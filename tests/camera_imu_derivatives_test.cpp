@@ -71,4 +71,32 @@ TEST_CASE("the derivatives of a corner's error are those of finite differences")
   CHECK(worst[2] < 1e-5);
 }
 
+TEST_CASE("windows that are seen twice within a second tell no more than once") {
+  HandHeld held;
+  held.time_offset_s = 0.03, held.row_time_s = 40e-6;
+  const CameraImuData data = held.data(9);
+  const CameraImuOptions options;
+  const GyroOrientation gyro(data.gyro, Eigen::Vector3d::Zero());
+  auto windows = windows_of(data.frames, options.window_s, 24, options.min_corners);
+  windows.erase(windows.begin());
+  std::vector<FrameWindow> doubled;
+  for (const FrameWindow& window : windows) doubled.insert(doubled.end(), 2, window);
+  std::array<bool, shared::count> fixed{};
+  for (size_t i = shared::lens; i < shared::count; ++i) fixed[i] = true;
+  const auto covariance = [&](const std::vector<FrameWindow>& of) {
+    CameraImuProblem problem(data, of, {.q_b_c = held.q_b_c_true(), .lens = data.given, .gyro = &gyro}, options);
+    SharedUnknowns x = SharedUnknowns::Zero();
+    x[shared::time_offset] = held.time_offset_s, x[shared::row_time] = held.row_time_s;
+    REQUIRE(problem.solve(x, fixed, 1));
+    return Eigen::MatrixXd(problem.covariance());
+  };
+  const Eigen::MatrixXd once = covariance(windows), twice = covariance(doubled);
+  for (Eigen::Index i = 0; i < shared::lens; ++i) {
+    CAPTURE(i);
+    CHECK(once(i, i) > 0);
+    CHECK(twice(i, i) / once(i, i) == doctest::Approx(1).epsilon(0.01));
+  }
+  CHECK(once.bottomRightCorner(shared::count - shared::lens, shared::count - shared::lens).norm() == 0);
+}
+
 TEST_SUITE_END();

@@ -8,6 +8,7 @@
 #include <valijson/validator.hpp>
 
 #include "sdk/host/config/camera_yaml.hpp"
+#include "sdk/host/config/overrides.hpp"
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/tools/simulation/scenario.hpp"
 #include "tests/support.hpp"
@@ -275,6 +276,34 @@ TEST_CASE("the sample configs are good, and the schemas agree with the tables an
     ++manifests;
   }
   CHECK(manifests >= 8);
+}
+
+TEST_CASE("what a config names beside itself is found from anywhere, with other values and without") {
+  const TemporaryFolder folder, elsewhere;
+  write_text(folder / "lens.yaml", "width: 640\nheight: 480\nfx: 431.5\nfy: 432.5\ncx: 320\ncy: 240\n");
+  const std::string yaml =
+      "odograph: 1\ncamera: lens.yaml\nplugins: {search: [mine, ../theirs, /ours], isolation: none}\n";
+  const std::string file = write_text(folder / "c.yaml", yaml).string();
+  CHECK(*effective_config(file, {}) == yaml);
+  const auto text = effective_config(file, {{"coupling.fix_gate", "4"}, {"time_ordering.queue", "77"}});
+  REQUIRE(text.ok());
+  const auto root = parse_yaml(*text, "c.yaml");
+  REQUIRE(root.ok());
+  const auto value = [&](const char* path) {
+    const YamlNode* node = node_at(*root, path);
+    return node ? node->text : "";
+  };
+  CHECK(value("camera") == (folder / "lens.yaml").string());
+  CHECK(value("plugins.search.0") == (folder / "mine").string());
+  CHECK(value("plugins.search.1") == (folder / "../theirs").string());
+  CHECK(value("plugins.search.2") == "/ours");
+  CHECK(value("plugins.isolation") == "none");
+  CHECK(value("coupling.fix_gate") == "4");
+  const auto config = read_pipeline_config_file(write_text(elsewhere / "c.yaml", *text).string(), {});
+  REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+  REQUIRE(config->camera);
+  CHECK(config->camera->fx == 431.5);
+  CHECK(config->ordering.queue == 77);
 }
 
 TEST_SUITE_END();

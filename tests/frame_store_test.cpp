@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <vector>
 
+#include "sdk/host/base/pixels.hpp"
 #include "sdk/host/core/frame_store.hpp"
 #include "sdk/host/messages/messages.hpp"
 
@@ -32,6 +34,89 @@ TEST_CASE("plugins may keep all frames of the quota but one, which stays free fo
   CHECK(store.adopt(frames[3]) == ODO_OK);  // the next one has a place
   for (const size_t i : {0, 1, 3}) frames[i].release(&frames[i]);
   CHECK(store.in_use() == 0);
+}
+
+namespace {
+
+/// A plane in this table's own words: one sample for so many pixels across and down, of so many bytes.
+struct Sampled {
+  uint32_t across, down, bytes;
+};
+
+std::vector<Sampled> planes_of(uint32_t format) {
+  switch (format) {
+    case ODO_FORMAT_GREY8: return {{1, 1, 1}};
+    case ODO_FORMAT_RGB8: return {{1, 1, 3}};
+    case ODO_FORMAT_RGBA8:
+    case ODO_FORMAT_BGRA8: return {{1, 1, 4}};
+    case ODO_FORMAT_NV12:
+    case ODO_FORMAT_NV21: return {{1, 1, 1}, {2, 2, 2}};
+    default: return {{1, 1, 1}, {2, 2, 1}, {2, 2, 1}};
+  }
+}
+
+/// A frame with padding behind each row, or bottom up, and the bytes of its samples in order.
+struct Padded {
+  odo_frame frame = make_message<odo_frame>(ODO_TYPE_FRAME, 0);
+  std::vector<std::vector<uint8_t>> memory;
+  std::vector<uint8_t> expected;  ///< without gaps between rows; 0 where a pixel stride leaves a gap
+
+  Padded(uint32_t format, uint32_t w, uint32_t h, uint32_t chroma_stride, bool bottom_up, bool masked) {
+    frame.format = format, frame.width = w, frame.height = h;
+    const auto planes = planes_of(format);
+    for (size_t k = 0; k < planes.size(); ++k)
+      frame.planes[k] =
+          add(planes[k], format == ODO_FORMAT_YUV420 && k > 0 ? chroma_stride : planes[k].bytes, bottom_up);
+    if (!masked) return;
+    frame.header.flags |= ODO_FRAME_MASK;
+    frame.mask = add({1, 1, 1}, 1, false);
+  }
+
+ private:
+  odo_plane add(const Sampled& s, uint32_t pixel_stride, bool bottom_up) {
+    const uint32_t columns = (frame.width + s.across - 1) / s.across, rows = (frame.height + s.down - 1) / s.down;
+    const uint32_t length = (columns - 1) * pixel_stride + s.bytes, stride = length + 3;
+    std::vector<uint8_t>& bytes = memory.emplace_back(size_t{stride} * rows, uint8_t{0xEE});
+    const auto from = [&](uint32_t row) { return size_t{stride} * (bottom_up ? rows - 1 - row : row); };
+    for (uint32_t row = 0; row < rows; ++row)
+      for (uint32_t i = 0; i < length; ++i) {
+        const bool gap = i % pixel_stride >= s.bytes;
+        bytes[from(row) + i] = gap ? 0 : static_cast<uint8_t>(1 + (memory.size() * 53 + row * 31 + i) % 200);
+        expected.push_back(bytes[from(row) + i]);
+      }
+    const int64_t step = stride;
+    return {bytes.data() + from(0), bottom_up ? -step : step, pixel_stride, 0};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a copied frame has every sample of every plane, of each format at odd and even sizes, and nothing beyond") {
+  for (uint32_t format = ODO_FORMAT_GREY8; format <= ODO_FORMAT_BGRA8; ++format)
+    for (uint32_t w = 1; w <= 6; ++w)
+      for (uint32_t h = 1; h <= 6; ++h)
+        for (const bool odd : {false, true}) {
+          CAPTURE(format);
+          CAPTURE(w);
+          CAPTURE(h);
+          CAPTURE(odd);
+          Padded padded(format, w, h, odd ? 2 : 1, odd, odd);
+          odo_frame frame = padded.frame;
+          REQUIRE(pixel_bytes(frame) == padded.expected.size());
+          std::vector<uint8_t> copy(padded.expected.size() + 8, 0xAB);
+          REQUIRE(copy_pixels(frame, std::span(copy).first(padded.expected.size())));
+          CHECK(std::equal(padded.expected.begin(), padded.expected.end(), copy.begin()));
+          CHECK(std::count(copy.end() - 8, copy.end(), 0xAB) == 8);
+          CHECK(frame.planes[0].data == copy.data());
+          if (odd) CHECK(frame.mask.data == copy.data() + padded.expected.size() - size_t{w} * h);
+          for (size_t k = 0; k < planes_of(format).size(); ++k) {
+            odo_frame narrow = padded.frame, missing = padded.frame;
+            narrow.planes[k].row_stride += narrow.planes[k].row_stride > 0 ? -4 : 4;  // one less than a row
+            CHECK_FALSE(copy_pixels(narrow, copy));
+            missing.planes[k].data = nullptr;
+            CHECK_FALSE(copy_pixels(missing, copy));
+          }
+        }
 }
 
 TEST_SUITE_END();

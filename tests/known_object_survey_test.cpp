@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 
+#include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
 #include "plugins/fix/known_object/finder.hpp"
@@ -8,6 +9,7 @@
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
+#include "tests/known_object_scene.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -58,6 +60,38 @@ TEST_CASE("a poster and a tag beside a simulated walk are where the survey has t
   }
   CHECK(seen[0] >= 3);
   CHECK(seen[1] >= 3);
+}
+
+TEST_CASE("a survey whose corners err shifts and turns the camera as the covariance says") {
+  using namespace known_object_tests;
+  PlaneObject o = poster();
+  o.sigma_m = 0.02;
+  Judge::Parameters p;
+  p.confirmations = 1, p.focal_sigma = 0, p.pixel_sigma = 1e-3;
+  for (const double oblique_rad : {-0.6, 0.0, 0.9}) {
+    CAPTURE(oblique_rad);
+    const known_object_tests::Scene scene(o, 4, oblique_rad);
+    Sighting sighting = sighting_of(scene, o, 0, -1);
+    sighting.poses[0].information *= 1e6;
+    const auto told = Judge(p).judge(sighting, o, lens_of(calibration(0)), scene.prior());
+    REQUIRE(told);
+    Random random(5, 1);
+    Eigen::Matrix<double, 3, 4> stated, true_o;
+    const auto corners = o.corners_o();
+    for (int k = 0; k < 4; ++k) stated.col(k) = corners[static_cast<size_t>(k)];
+    const Vector3d p_o = o.place.R_n_o.transpose() * (scene.p_n - o.place.p_n);
+    Matrix3d position = Matrix3d::Zero(), rotation = Matrix3d::Zero();
+    constexpr int kSurveys = 4000;
+    for (int i = 0; i < kSurveys; ++i) {
+      for (int k = 0; k < 12; ++k) true_o(k) = stated(k) + o.sigma_m * random.normal();
+      const Eigen::Isometry3d T(Eigen::umeyama(stated, true_o, false));
+      const Eigen::AngleAxisd turned(T.linear());
+      const Vector3d off = o.place.R_n_o * (T * p_o - p_o), theta = o.place.R_n_o * (turned.angle() * turned.axis());
+      position += off * off.transpose() / kSurveys, rotation += theta * theta.transpose() / kSurveys;
+    }
+    CHECK((told->covariance_n - position).norm() < 0.1 * position.norm());  // 4000 of them: 3 %
+    CHECK((told->orientation_covariance_n - rotation).norm() < 0.1 * rotation.norm());
+  }
 }
 
 TEST_SUITE_END();

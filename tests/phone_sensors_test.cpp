@@ -298,4 +298,43 @@ TEST_CASE("excitation: S is what the motion has beyond a quadratic, N what the e
   CHECK(excitation_of(stuck, {.window_s = 4}).error_m == doctest::Approx(e.motion_m));
 }
 
+TEST_CASE(
+    "satellites are lost for 12 s in the mean and as often as the availability says; errors are as large as told") {
+  for (const double availability : {0.2, 0.5, 0.9}) {
+    CAPTURE(availability);
+    Scenario s;
+    s.gnss = {3, 9, 20, availability};
+    SimGnss gnss(s, 5);
+    const Vector3d p(10, -20, -30);
+    constexpr int kSeconds = 300'000;
+    int there = 0, outages = 0;
+    bool was_there = true;
+    Vector3d squares = Vector3d::Zero();
+    double log_sigma = 0;
+    for (int i = 0; i < kSeconds; ++i) {
+      const SimGnss::Fix fix = gnss.measure(p);
+      there += fix.available, outages += was_there && !fix.available;
+      was_there = fix.available;
+      const double sigma = fix.sigma_m / 0.7;  // it is told too small
+      CHECK((sigma > 2.999 && sigma < 9.001));
+      squares += ((fix.p_n - p) / sigma).cwiseAbs2() / kSeconds, log_sigma += std::log(sigma) / kSeconds;
+    }
+    CHECK(static_cast<double>(there) / kSeconds == doctest::Approx(availability).epsilon(0.05));
+    CHECK(static_cast<double>(kSeconds - there) / outages == doctest::Approx(12).epsilon(0.05));
+    CHECK(squares.x() == doctest::Approx(1).epsilon(0.1));
+    CHECK(squares.y() == doctest::Approx(1).epsilon(0.1));
+    CHECK(squares.z() == doctest::Approx(4).epsilon(0.1));
+    CHECK(std::exp(log_sigma) == doctest::Approx(std::sqrt(3.0 * 9)).epsilon(0.05));
+  }
+  Scenario s;
+  s.gnss.availability = 1;
+  SimGnss always(s, 1);
+  s.gnss.availability = 0;
+  SimGnss never(s, 1);
+  for (int i = 0; i < 1000; ++i) {
+    CHECK(always.measure(Vector3d::Zero()).available);
+    CHECK_FALSE(never.measure(Vector3d::Zero()).available);
+  }
+}
+
 TEST_SUITE_END();

@@ -317,4 +317,31 @@ TEST_CASE("control characters are shown and not obeyed") {
   CHECK(printable(std::string("\0", 1)) == "\\x00");
 }
 
+TEST_CASE("the next record is found behind damage of any length, also where its mark lies across two looks") {
+  const TemporaryFolder folder;
+  constexpr size_t kHeader = 16, kSlack = 24;
+  const std::string bytes = read_text(recording_of(folder, 1));
+  const auto damaged = [&](size_t length) {
+    CAPTURE(length);
+    std::string garbage(length, 'x');
+    for (size_t i = 0; i + 4 < length; i += 97) garbage.replace(i, 4, "ODOD");  // half a mark
+    const auto path = write_text(folder / "damaged.odo", bytes.substr(0, kHeader) + garbage + bytes.substr(kHeader));
+    auto reader = RecordReader::open(path);
+    REQUIRE(reader.ok());
+    size_t records = 0;
+    while (reader->next()) ++records;
+    const RecordLoss& loss = reader->loss();
+    CHECK(records == 6);
+    CHECK(loss.records_lost == 0);
+    CHECK(loss.bytes == length);
+    CHECK(loss.places == 1);
+    CHECK(loss.first_at == kHeader);
+  };
+  for (size_t length = 1; length < 64; ++length) damaged(length);
+  for (size_t look = 4096, end = 0; look < (1 << 17); look *= 2) {  // looks overlap by some bytes
+    end += look;
+    for (size_t length = end - kSlack; length < end + 8; ++length) damaged(length);
+  }
+}
+
 TEST_SUITE_END();

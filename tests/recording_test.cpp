@@ -2,8 +2,14 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
+#include <algorithm>
+#include <cstring>
+#include <functional>
+
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/host/base/rotation.hpp"
+#include "sdk/host/config/overrides.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
 #include "tests/support.hpp"
@@ -271,6 +277,101 @@ TEST_CASE(
   REQUIRE((*created)->finish().ok());
   CHECK(read_recording(path)->true_states.size() == 1);
   CHECK(read_recording(path, {.true_states = false})->true_states.empty());
+}
+
+namespace {
+
+odo_calibration a_lens(uint32_t model, uint32_t coefficients) {
+  auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+  c.header.flags = ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET;
+  c.model = model, c.width = 64, c.height = 48;
+  c.fx = 61.5, c.fy = 62.25, c.cx = 31.125, c.cy = 24.75;
+  c.distortion_count = coefficients;
+  for (uint32_t i = 0; i < coefficients; ++i) c.distortion[i] = 0.01 * (i + 1) * (i % 2 ? -1 : 1);
+  put_quaternion(Eigen::Quaterniond(0.5, 0.7, -0.3, 0.4).normalized(), c.q_b_c);
+  Eigen::Vector3d::Map(c.p_b_c) = Eigen::Vector3d(0.03, -0.07, 0.01);
+  c.time_offset_ns = 12'500'000;
+  return c;
+}
+
+/// The numbers of a list in Kalibr's file, of a list of lists one after the other.
+std::vector<double> numbers_at(const YamlNode& root, const std::string& path) {
+  std::vector<double> numbers;
+  const std::function<void(const YamlNode&)> collect = [&](const YamlNode& node) {
+    if (node.items.empty()) numbers.push_back(std::stod(node.text));
+    for (const YamlNode& item : node.items) collect(item);
+  };
+  if (const YamlNode* node = node_at(root, path)) collect(*node);
+  return numbers;
+}
+
+Recording one_frame(const odo_calibration& lens, const fs::path& png) {
+  Recording r{.format = "test", .path = png};
+  r.add(lens.header);
+  auto noise = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, 0);
+  noise.gyro_noise = 1e-3, noise.gyro_walk = 2e-5, noise.accel_noise = 3e-3, noise.accel_walk = 4e-4;
+  r.add(noise.header);
+  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'001);
+  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+  for (int i = 0; i < 3; ++i) imu.gyro_b[i] = 0.1 * (i + 1), imu.accel_b[i] = 9 - i;
+  r.add(imu.header);
+  auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'002);
+  frame.header.flags = ODO_FRAME_LINE_TIME, frame.line_time_ns = 31'000;
+  r.add(frame.header, {std::make_shared<const fs::path>(png)});
+  return r;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a camera in an EuRoC folder is the one that was written, and Kalibr's file says the same in Kalibr's terms") {
+  for (const uint32_t model : {ODO_CAMERA_PINHOLE, ODO_CAMERA_KANNALA_BRANDT}) {
+    CAPTURE(model);
+    const TemporaryFolder folder;
+    picture(folder / "a.png");
+    const odo_calibration lens = a_lens(model, model == ODO_CAMERA_PINHOLE ? 5 : 4);
+    const Recording original = one_frame(lens, folder / "a.png");
+    REQUIRE(write_euroc(original, folder / "asl", nullptr).ok());
+    const auto copy = read_recording(folder / "asl");
+    REQUIRE_MESSAGE(copy.ok(), (copy.ok() ? "" : copy.failure().text));
+    REQUIRE(copy->messages.size() == original.messages.size());
+    auto expected = lens;  // the ASL layout has no time offset
+    expected.header.flags = ODO_CALIBRATION_EXTRINSICS, expected.time_offset_ns = 0;
+    for (const auto& m : copy->messages) {
+      const odo_header& header = m.message.header();
+      if (header.type != ODO_TYPE_CALIBRATION) continue;
+      auto read = as<odo_calibration>(header);
+      CHECK((Eigen::Vector4d::Map(read.q_b_c) - Eigen::Vector4d::Map(lens.q_b_c)).norm() < 1e-12);
+      std::copy(lens.q_b_c, lens.q_b_c + 4, read.q_b_c);
+      CHECK(std::memcmp(&read, &expected, sizeof read) == 0);
+    }
+    for (const auto& m : original.messages) {
+      const auto same = [&](const RecordedMessage& other) {
+        return other.message.header().type == m.message.header().type;
+      };
+      const auto found = std::find_if(copy->messages.begin(), copy->messages.end(), same);
+      REQUIRE(found != copy->messages.end());
+      const auto *a = &m.message.header(), *b = &found->message.header();
+      CHECK(a->t_ns == b->t_ns);
+      if (a->type == ODO_TYPE_IMU) CHECK(std::memcmp(a, b, sizeof(odo_imu)) == 0);
+      if (a->type == ODO_TYPE_IMU_NOISE) CHECK(std::memcmp(a, b, sizeof(odo_imu_noise)) == 0);
+      if (a->type == ODO_TYPE_FRAME) CHECK(as<odo_frame>(*b).line_time_ns == 31'000);
+    }
+    const auto kalibr = read_yaml((folder / "asl/camchain-imucam.yaml").string());
+    REQUIRE(kalibr.ok());
+    // T_cam_imu takes points of the IMU to the camera; t_imu = t_cam + timeshift_cam_imu.
+    const auto rows = numbers_at(*kalibr, "cam0.T_cam_imu");
+    REQUIRE(rows.size() == 16);
+    const Eigen::Matrix4d T_c_b = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>::Map(rows.data());
+    const Eigen::Vector3d p_c(1, -2, 3), p_b = raw_quaternion(lens.q_b_c) * p_c + Eigen::Vector3d(lens.p_b_c);
+    CHECK((T_c_b * p_b.homogeneous() - p_c.homogeneous()).norm() < 1e-12);
+    CHECK(numbers_at(*kalibr, "cam0.timeshift_cam_imu") == std::vector<double>{0.0125});
+    CHECK(numbers_at(*kalibr, "cam0.intrinsics") == std::vector<double>{61.5, 62.25, 31.125, 24.75});
+    CHECK(numbers_at(*kalibr, "cam0.resolution") == std::vector<double>{64, 48});
+    CHECK(numbers_at(*kalibr, "cam0.line_delay")[0] * 1e6 == doctest::Approx(31));
+    CHECK(numbers_at(*kalibr, "cam0.distortion_coeffs") == std::vector<double>(lens.distortion, lens.distortion + 4));
+    CHECK(node_at(*kalibr, "cam0.distortion_model")->text == (model == ODO_CAMERA_PINHOLE ? "radtan" : "equidistant"));
+  }
 }
 
 TEST_SUITE_END();

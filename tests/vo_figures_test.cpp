@@ -117,6 +117,8 @@ TEST_CASE("yaw alignment takes the vertical from the gravity of the motions, whi
     const Vector3d down = sign * Vector3d::UnitZ(),
                    tilted = Eigen::AngleAxisd(tilt, Vector3d::UnitY()) * down;  // seen wrongly, about the path's side
     CHECK(run(line(300), right, down).figures().yaw_rmse_m < 1e-9);
+    const auto stairs = path(300, [](double s) { return Vector3d(8 * std::sin(0.3 * s), s, 0.4 * s); });
+    CHECK(run(stairs, right, down).figures().yaw_rmse_m < 1e-9);  // a line may lie upside down, stairs may not
     const Run wrong = run(line(300), right, tilted);
     Trajectory ends = wrong.truth;
     ends.erase(ends.begin());

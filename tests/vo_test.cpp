@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include "plugins/vo/antigny2019/odometry.hpp"
 #include "plugins/vo/five_point/visual_odometry.hpp"
 #include "sdk/tools/replay/runner.hpp"
@@ -252,6 +254,36 @@ TEST_CASE("the real clips: error after Sim(3) stays below the plain baseline of 
     CAPTURE(name);
     CHECK(100 * rmse / path_length(recording->truth) < limit);
   }
+}
+
+TEST_CASE(
+    "Antigny et al.'s odometry says how far its pose may be off: by its inliers, and by the depth of what it saw") {
+  constexpr double kFocal_px = 375;
+  constexpr int kNear_px = 20, kFar_px = 12;  // that the lower and the upper half move by from frame to frame
+  Random random(3, 1);
+  cv::Mat texture(360, 900, CV_8U);
+  for (uint8_t& p : cv::Mat_<uint8_t>(texture)) p = static_cast<uint8_t>(random.uniform(0, 255));
+  cv::GaussianBlur(texture, texture, {0, 0}, 2.5);
+  cv::normalize(texture, texture, 0, 255, cv::NORM_MINMAX);
+  antigny2019::Odometry vo({}, {CameraModel::Distortion::radial_tangential, kFocal_px, kFocal_px, 239.5, 179.5, {}},
+                           {480, 360});
+  int told = 0;
+  for (int i = 0; i < 10; ++i) {
+    cv::Mat grey(360, 480, CV_8U);
+    texture(cv::Rect(kFar_px * i, 0, 480, 180)).copyTo(grey.rowRange(0, 180));
+    texture(cv::Rect(kNear_px * i, 180, 480, 180)).copyTo(grey.rowRange(180, 360));
+    const antigny2019::Motion motion = vo.process(grey, {});
+    if (i < 2) continue;
+    REQUIRE(motion.translation_valid);
+    REQUIRE(motion.scale_group == 0);
+    const double inliers = motion.inliers, moved = motion.T_c0_c1.translation().norm();
+    CHECK(motion.rotation_sigma_rad * std::sqrt(inliers) * kFocal_px == doctest::Approx(1.5));
+    const double depth = motion.position_sigma / motion.rotation_sigma_rad / moved;  // in displacements of a frame
+    CHECK(depth > 0.95 * kFocal_px / kNear_px);
+    CHECK(depth < 1.05 * kFocal_px / kFar_px);
+    ++told;
+  }
+  CHECK(told == 8);
 }
 
 TEST_SUITE_END();

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How well an anchor is known, against numeric derivatives of where it is and of what is seen of it.
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include <Eigen/Eigenvalues>
+
+#include "sdk/host/base/rotation.hpp"
+#include "sdk/host/core/anchors.hpp"
+
+using namespace odograph;
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("anchor_doubt");
+
+namespace {
+
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+
+/// Says what it was told to say of the pose that is held and of the one now.
+struct TwoPoses : Estimator {
+  HeldPose held, now;
+  void on_calibration(const odo_calibration&) override {}
+  void on_imu_noise(const odo_imu_noise&) override {}
+  void propagate(const odo_imu&) override {}
+  UpdateResult update(const Measurement&) override { return {}; }
+  void prepare(odo_vo_motion&) const override {}
+  int32_t at(int64_t, Estimate&) const override { return ODO_NOT_READY; }
+  bool take_pose(odo_pose&) override { return false; }
+  bool take_correction(Correction&, odo_pose&) override { return false; }
+  bool take_step_reference(odo_fix&) override { return false; }
+  uint64_t hold_pose(int64_t) override { return 1; }
+  void let_go(uint64_t) override {}
+  bool held_pose(uint64_t, HeldPose& out) const override { return out = held, true; }
+  bool pose_now(HeldPose& out) const override { return out = now, true; }
+  bool is_placed() const override { return true; }
+  double distance_m() const override { return 0; }
+  void reset() override {}
+};
+
+struct Numbers {
+  std::mt19937 generator;
+  double operator()() { return static_cast<double>(generator()) / 2147483648.0 - 1; }
+  Vector3d vector() { return Vector3d((*this)(), (*this)(), (*this)()); }
+  Quaterniond rotation() { return Quaterniond((*this)(), (*this)(), (*this)(), (*this)()).normalized(); }
+};
+
+/// What the errors of (held rotation, held position, rotation now, position now) do, by central differences.
+template <class What>
+Eigen::Matrix<double, 3, 12> derivative(What what) {
+  Eigen::Matrix<double, 3, 12> J;
+  constexpr double h = 1e-6;
+  for (int i = 0; i < 12; ++i)
+    J.col(i) = (what(Vector12(h * Vector12::Unit(i))) - what(Vector12(-h * Vector12::Unit(i)))) / (2 * h);
+  return J;
+}
+
+double largest(const Matrix3d& covariance) {
+  return Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvalues().maxCoeff();
+}
+
+}  // namespace
+
+TEST_CASE("an anchor on a held pose is as doubtful as the joint covariance of both poses makes it") {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    CAPTURE(seed);
+    Numbers number{std::mt19937(seed)};
+    TwoPoses estimator;
+    HeldPose &held = estimator.held, &now = estimator.now;
+    held.q_n_b = number.rotation(), now.q_n_b = number.rotation();
+    held.p_n_b = 3 * number.vector(), now.p_n_b = 3 * number.vector();
+    Matrix12 A;
+    for (double& a : A.reshaped()) a = 0.1 * number();
+    const Matrix12 P = A * A.transpose();
+    held.own = P.topLeftCorner<6, 6>(), held.cross = P.topRightCorner<6, 6>();
+    now.own = now.now = now.cross = held.now = P.bottomRightCorner<6, 6>();
+
+    Geodesy geodesy;
+    Anchors anchors(geodesy);
+    odo_anchor_place place{};
+    place.kind = ODO_ANCHOR_POSE;
+    const Rigid T_n_a{number.rotation(), held.p_n_b + 4 * number.vector()};
+    const uint64_t id = anchors.add_local(place, {0, {held.q_n_b, held.p_n_b}, T_n_a});
+    anchors.follow(estimator, 0, nullptr);
+    const auto known = anchors.get(id, 0);
+    REQUIRE(known);
+    CHECK((known->T_n_a.p - T_n_a.p).norm() < 1e-12);
+
+    const Vector3d p_held_a = held.q_n_b.conjugate() * (T_n_a.p - held.p_n_b);
+    const auto where = [&](const Vector12& e) -> Vector3d {
+      return held.p_n_b + e.segment<3>(3) + exp_rotation(e.head<3>()) * (held.q_n_b * p_held_a);
+    };
+    const auto seen = [&](const Vector12& e) -> Vector3d {
+      return (exp_rotation(e.segment<3>(6)) * now.q_n_b).conjugate() * (where(e) - now.p_n_b - e.tail<3>());
+    };
+    const auto by_where = derivative(where), by_seen = derivative(seen);
+    CHECK(known->position_variance == doctest::Approx(largest(by_where * P * by_where.transpose())).epsilon(1e-5));
+    CHECK(known->view_variance == doctest::Approx(largest(by_seen * P * by_seen.transpose())).epsilon(1e-5));
+    CHECK(known->yaw_variance == doctest::Approx(P(2, 2)));
+  }
+}
+
+TEST_CASE("an anchor on the Earth is as doubtful as its place, and in the view by the pose now as well") {
+  Numbers number{std::mt19937(4)};
+  TwoPoses estimator;
+  HeldPose& now = estimator.now;
+  now.q_n_b = number.rotation(), now.p_n_b = 3 * number.vector();
+  Eigen::Matrix<double, 6, 6> A;
+  for (double& a : A.reshaped()) a = 0.1 * number();
+  now.own = now.now = A * A.transpose();
+  Geodesy geodesy;
+  geodesy.set_origin({0.8, 0.1, 300});
+  Anchors anchors(geodesy);
+  odo_anchor_place place{};
+  place.kind = ODO_ANCHOR_GEODETIC, place.height_above = ODO_HEIGHT_ELLIPSOID, place.sigma_m = 0.7;
+  place.latitude_rad = 0.8 + 2e-6, place.longitude_rad = 0.1 - 1e-6, place.height_m = 302;
+  const uint64_t id = anchors.add_geodetic(place);
+  anchors.follow(estimator, 0, nullptr);
+  const auto known = anchors.get(id, 0);
+  REQUIRE(known);
+  REQUIRE(known->T_n_a.p.norm() > 5);
+  const auto by_seen =
+      derivative([&](const Vector12& e) -> Vector3d {
+        return (exp_rotation(e.segment<3>(6)) * now.q_n_b).conjugate() * (known->T_n_a.p - now.p_n_b - e.tail<3>());
+      }).rightCols<6>();
+  const Matrix3d own = 0.49 * Matrix3d::Identity();
+  CHECK(known->position_variance == doctest::Approx(0.49));
+  CHECK(known->view_variance == doctest::Approx(largest(by_seen * now.now * by_seen.transpose() + own)).epsilon(1e-5));
+  CHECK(known->yaw_variance == 0);
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <thread>
+#include <vector>
+
+#include "sdk/host/plugin_host/services.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("services");
+
+TEST_CASE("reports that were held back are counted into the next one, once, each origin and key on its own") {
+  std::vector<Report> told;
+  HostServices services(0, {}, [&](const Report& report) { told.push_back(report); });
+  services.name_instance(7, "test/plugin");
+  const auto report = [&](uint32_t instance, const char* key, int times) {
+    for (int i = 0; i < times; ++i) services.report(instance, 2, key, "trouble", ODO_E_DATA);
+  };
+  const auto a_second = [] { std::this_thread::sleep_for(std::chrono::milliseconds(1010)); };
+  report(0, "a", 3), report(0, "b", 1), report(7, "a", 2);
+  REQUIRE(told.size() == 3);
+  CHECK(told[0].origin == "host");
+  CHECK(told[2].origin == "test/plugin");
+  CHECK(told[2].instance == 7);
+  for (const Report& r : told) CHECK((r.count == 1 && r.text == "trouble" && r.status == ODO_E_DATA));
+  a_second();
+  told.clear(), report(0, "a", 5), report(0, "b", 1), report(7, "a", 1);
+  REQUIRE(told.size() == 3);
+  CHECK(told[0].count == 3);
+  CHECK(told[0].text == "trouble (and 2 more like it)");
+  CHECK((told[1].count == 1 && told[1].text == "trouble"));
+  CHECK(told[2].count == 2);
+  a_second();
+  told.clear(), report(0, "a", 1), report(7, "a", 1);
+  REQUIRE(told.size() == 2);
+  CHECK(told[0].count == 5);
+  CHECK(told[0].text == "trouble (and 4 more like it)");
+  CHECK((told[1].count == 1 && told[1].text == "trouble"));
+}
+
+TEST_CASE("an origin with more kinds of reports than are kept apart has one kind for the rest") {
+  std::vector<Report> told;
+  HostServices services(0, {}, [&](const Report& report) { told.push_back(report); });
+  for (int i = 0; i < 260; ++i) services.report(0, 1, "kind " + std::to_string(i), "x");
+  REQUIRE(told.size() == 257);
+  CHECK(told[255].key == "kind 255");
+  CHECK(told[256].key == "more");
+}
+
+TEST_SUITE_END();
