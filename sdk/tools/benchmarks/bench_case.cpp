@@ -164,6 +164,21 @@ void Benchmark::draw(const Rows& rows, Plot& into) const {
     }
 }
 
+std::string cases_text(const Rows& rows, const std::string& table, const std::string& title, const std::string& below) {
+  Table shown{title, {}, columns_of(rows, table)};
+  for (const Json& row : rows)
+    if (const Json labels = row.value("_labels", Json::array()); shown.labels.empty())
+      for (const std::string key : labels) shown.labels.push_back({key, key, key == "config"});
+  Rows lines = rows, summaries;
+  for (const auto& [config, own] : groups_of(below.empty() ? Rows() : rows, "config"))
+    for (Json& summary : summaries_of(own, "sensors", shown.columns)) {
+      summary["config"] = config, summary["recording"] = below;
+      summaries.push_back(std::move(summary));
+    }
+  if (summaries.size() < rows.size()) lines.insert(lines.end(), summaries.begin(), summaries.end());
+  return table_text(shown, lines);
+}
+
 std::vector<std::string> files_in(const fs::path& folder, const std::string& begin, const std::set<fs::path>& endings) {
   std::vector<std::string> files;
   std::error_code error;

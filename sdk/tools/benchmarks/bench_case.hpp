@@ -10,11 +10,12 @@
 
 #include <CLI/CLI.hpp>
 
-#include "sdk/tools/benchmarks/bench_table.hpp"
 #include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/plot/plot.hpp"
 #include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/scenario.hpp"
+#include "sdk/tools/table/table.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 
@@ -102,6 +103,11 @@ struct Benchmark {
   /// Simulated now, unless it is kept from an earlier run.
   Result<std::filesystem::path> kept(const std::filesystem::path& scenario, uint64_t seed) const;
 };
+/// A line for each row: the labels of its case (`_labels`) and the figures of a row_of() table. `below`: what summaries
+/// over the recordings of a config and sensors are called, which come last where there are several.
+std::string cases_text(const Rows& rows, const std::string& table = "figures", const std::string& title = "",
+                       const std::string& below = "");
+
 constexpr const char *kCases = "Cases", *kOutput = "Output";
 
 /// Adds the benchmark as a subcommand; its callback writes the exit status.

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 #include <opencv2/calib3d.hpp>
+
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -256,11 +257,7 @@ double LensCalibration::widest_tilt_rad() const {
 
 std::vector<std::string> doubts_about(const LensCalibration& c) {
   std::vector<std::string> doubts;
-  const auto say = [&](const char* format, auto... numbers) {
-    char text[200];
-    std::snprintf(text, sizeof text, format, numbers...);
-    doubts.push_back(text);
-  };
+  const auto say = [&](auto... words) { doubts.push_back(text(words...)); };
   const auto used = std::count_if(c.pictures.begin(), c.pictures.end(), [](const auto& p) { return p.used; });
   if (used < 10) say("only %d pictures were used; twenty from different sides are good", static_cast<int>(used));
   if (c.covered() < 0.8)
@@ -278,18 +275,12 @@ std::vector<std::string> doubts_about(const LensCalibration& c) {
 
 std::string camera_yaml(const LensCalibration& c) {
   const auto used = std::count_if(c.pictures.begin(), c.pictures.end(), [](const auto& p) { return p.used; });
-  char text[700];
-  std::snprintf(
-      text, sizeof text,
+  std::string yaml = text(
       "# %d pictures of a board, residual %.3f px; one standard deviation: fx %.3f, fy %.3f, cx %.3f, cy %.3f px\n"
       "model: %s\nwidth: %d\nheight: %d\nfx: %.6f\nfy: %.6f\ncx: %.6f\ncy: %.6f\ndistortion: [",
       static_cast<int>(used), c.rms_px, c.sigma_fx, c.sigma_fy, c.sigma_cx, c.sigma_cy,
       c.lens == Lens::pinhole ? "pinhole" : "kannala_brandt", c.size.width, c.size.height, c.fx, c.fy, c.cx, c.cy);
-  std::string yaml = text;
-  for (size_t i = 0; i < c.distortion.size(); ++i) {
-    std::snprintf(text, sizeof text, "%s%.9g", i ? ", " : "", c.distortion[i]);
-    yaml += text;
-  }
+  for (size_t i = 0; i < c.distortion.size(); ++i) yaml += text("%s%.9g", i ? ", " : "", c.distortion[i]);
   return yaml + "]\n";
 }
 

@@ -7,6 +7,7 @@
 
 #include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/calibration/camera_imu_problem.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -202,14 +203,11 @@ Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, con
   out.frames = data.frames.size();
   out.rate_rms_rps = liveliness(data.gyro);
   if (out.rate_rms_rps[1] < options.min_rate_rps) {
-    char text[220];
-    std::snprintf(
-        text, sizeof text,
-        "too little rotation: %.1f, %.1f and %.1f deg/s rms about its three axes, at least %.1f about two are "
-        "needed; turn the phone to and fro about all of its axes",
-        57.29578 * out.rate_rms_rps[0], 57.29578 * out.rate_rms_rps[1], 57.29578 * out.rate_rms_rps[2],
-        57.29578 * options.min_rate_rps);
-    return wrong(text);
+    return wrong(
+        text("too little rotation: %.1f, %.1f and %.1f deg/s rms about its three axes, at least %.1f about two are "
+             "needed; turn the phone to and fro about all of its axes",
+             57.29578 * out.rate_rms_rps[0], 57.29578 * out.rate_rms_rps[1], 57.29578 * out.rate_rms_rps[2],
+             57.29578 * options.min_rate_rps));
   }
   const GyroOrientation gyro(data.gyro, Vector3d::Zero());
   const auto start = find_camera_imu_start(data, gyro, options);

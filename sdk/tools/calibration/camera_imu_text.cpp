@@ -1,22 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <cstdio>
 
 #include "sdk/tools/calibration/camera_imu.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
 constexpr double kCertain = 3;  // standard deviations
-
-/// One line of text, as printf makes it.
-template <class... Numbers>
-std::string line(const char* format, Numbers... numbers) {
-  char text[300];
-  std::snprintf(text, sizeof text, format, numbers...);
-  return text;
-}
 
 }  // namespace
 
@@ -30,7 +22,7 @@ std::vector<std::string> doubts_about(const CameraImuCalibration& c) {
   std::vector<std::string> doubts;
   const auto weak = [&](const char* what, double sigma, const char* unit, const char* kept) {
     doubts.push_back(
-        line("%s is not observable in this recording (known to %.3g %s only); %s", what, sigma, unit, kept));
+        text("%s is not observable in this recording (known to %.3g %s only); %s", what, sigma, unit, kept));
   };
   if (!c.rotation_observable)
     weak("the camera's rotation against the IMU", c.rotation_sigma_rad.maxCoeff() * kDegrees, "degrees",
@@ -39,11 +31,11 @@ std::vector<std::string> doubts_about(const CameraImuCalibration& c) {
   if (!c.row_time_s.observable)
     weak("the row time", 1e6 * c.row_time_s.sigma, "us", "turn to and fro faster; the given value is kept");
   if (shutter_of(c) == Shutter::global)
-    doubts.push_back(line("the row time, %.2f +- %.2f us, cannot be told from that of a global shutter",
+    doubts.push_back(text("the row time, %.2f +- %.2f us, cannot be told from that of a global shutter",
                           1e6 * c.row_time_s.value, 1e6 * c.row_time_s.sigma));
   if (shutter_of(c) == Shutter::rolling_up)
     doubts.push_back(
-        line("the last row seems to be read first (row time %.2f us): are the pictures upside down? It is "
+        text("the last row seems to be read first (row time %.2f us): are the pictures upside down? It is "
              "not written into camera.yaml",
              1e6 * c.row_time_s.value));
   if (c.lens_refined)
@@ -51,52 +43,52 @@ std::vector<std::string> doubts_about(const CameraImuCalibration& c) {
          {std::pair{"focal length", &c.focal_px}, {"cx", &c.cx}, {"cy", &c.cy}, {"k1", &c.k1}}) {
       if (e->observable) continue;
       doubts.push_back(e->sigma > 0
-                           ? line("%s is not observable in this recording (known to %.3g only); the given one is "
+                           ? text("%s is not observable in this recording (known to %.3g only); the given one is "
                                   "kept",
                                   name, e->sigma)
-                           : line("%s is not observable: too little rotation across the optical axis; the given "
+                           : text("%s is not observable: too little rotation across the optical axis; the given "
                                   "one is kept",
                                   name));
     }
   if (c.correlation < 0.9)
     doubts.push_back(
-        line("pictures and gyroscope turn together only loosely (correlation %.2f); a scene further away, "
+        text("pictures and gyroscope turn together only loosely (correlation %.2f); a scene further away, "
              "with more to see, is better",
              c.correlation));
   if (c.rms_px > 1)
     doubts.push_back(
-        line("the residual is %.2f px; below 0.6 is usual. Does the lens fit, stands the scene still?", c.rms_px));
+        text("the residual is %.2f px; below 0.6 is usual. Does the lens fit, stands the scene still?", c.rms_px));
   return doubts;
 }
 
 std::string camera_yaml(const CameraImuCalibration& c) {
   const odo_calibration& lens = c.lens;
   const auto note = [](const Estimate& e, double unit, const char* name) {
-    return e.observable ? line("  # +- %.3g %s", unit * e.sigma, name) : std::string("  # as given");
+    return e.observable ? text("  # +- %.3g %s", unit * e.sigma, name) : std::string("  # as given");
   };
   std::string yaml =
-      line("# %zu corners in %zu windows against the gyroscope, residual %.3f px\n", c.corners, c.windows, c.rms_px) +
-      line("model: %s\nwidth: %u\nheight: %u\n", lens.model == ODO_CAMERA_KANNALA_BRANDT ? "kannala_brandt" : "pinhole",
+      text("# %zu corners in %zu windows against the gyroscope, residual %.3f px\n", c.corners, c.windows, c.rms_px) +
+      text("model: %s\nwidth: %u\nheight: %u\n", lens.model == ODO_CAMERA_KANNALA_BRANDT ? "kannala_brandt" : "pinhole",
            lens.width, lens.height) +
-      line("fx: %.6f", lens.fx) + note(c.focal_px, 1, "px") + line("\nfy: %.6f\ncx: %.6f", lens.fy, lens.cx) +
-      note(c.cx, 1, "px") + line("\ncy: %.6f", lens.cy) + note(c.cy, 1, "px") + "\ndistortion: [";
-  for (uint32_t i = 0; i < lens.distortion_count; ++i) yaml += line("%s%.9g", i ? ", " : "", lens.distortion[i]);
-  yaml += "]" + (c.k1.observable ? line("  # k1 +- %.3g", c.k1.sigma) : std::string("  # as given")) + "\n";
+      text("fx: %.6f", lens.fx) + note(c.focal_px, 1, "px") + text("\nfy: %.6f\ncx: %.6f", lens.fy, lens.cx) +
+      note(c.cx, 1, "px") + text("\ncy: %.6f", lens.cy) + note(c.cy, 1, "px") + "\ndistortion: [";
+  for (uint32_t i = 0; i < lens.distortion_count; ++i) yaml += text("%s%.9g", i ? ", " : "", lens.distortion[i]);
+  yaml += "]" + (c.k1.observable ? text("  # k1 +- %.3g", c.k1.sigma) : std::string("  # as given")) + "\n";
   if (lens.header.flags & ODO_CALIBRATION_EXTRINSICS) {
     const Eigen::Vector3d s = kDegrees * c.rotation_sigma_rad;
-    yaml += line("q_b_c: [%.9f, %.9f, %.9f, %.9f]", lens.q_b_c[0], lens.q_b_c[1], lens.q_b_c[2], lens.q_b_c[3]) +
+    yaml += text("q_b_c: [%.9f, %.9f, %.9f, %.9f]", lens.q_b_c[0], lens.q_b_c[1], lens.q_b_c[2], lens.q_b_c[3]) +
             (c.rotation_observable
-                 ? line("  # +- %.3f, %.3f, %.3f degrees about the camera's x, y, z\n", s.x(), s.y(), s.z())
+                 ? text("  # +- %.3f, %.3f, %.3f degrees about the camera's x, y, z\n", s.x(), s.y(), s.z())
                  : std::string("  # as given\n"));
-    yaml += line("p_b_c: [%.6f, %.6f, %.6f]  # as given\n", lens.p_b_c[0], lens.p_b_c[1], lens.p_b_c[2]);
+    yaml += text("p_b_c: [%.6f, %.6f, %.6f]  # as given\n", lens.p_b_c[0], lens.p_b_c[1], lens.p_b_c[2]);
   }
   if (lens.header.flags & ODO_CALIBRATION_TIME_OFFSET)
-    yaml += line("time_offset: %.6f", 1e-9 * static_cast<double>(lens.time_offset_ns)) +
+    yaml += text("time_offset: %.6f", 1e-9 * static_cast<double>(lens.time_offset_ns)) +
             note(c.time_offset_s, 1e3, "ms") + "\n";
   if (shutter_of(c) == Shutter::rolling)
-    yaml += line("row_time: %.4g", c.row_time_s.value) + note(c.row_time_s, 1e6, "us") + "\n";
+    yaml += text("row_time: %.4g", c.row_time_s.value) + note(c.row_time_s, 1e6, "us") + "\n";
   if (shutter_of(c) == Shutter::global)
-    yaml += line("row_time: 0  # not told from a global shutter: +- %.3g us\n", 1e6 * c.row_time_s.sigma);
+    yaml += text("row_time: 0  # not told from a global shutter: +- %.3g us\n", 1e6 * c.row_time_s.sigma);
   return yaml;
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/city/city_scenario.hpp"
 
-#include <cstdio>
 #include <fstream>
 #include <sstream>
 
 #include "sdk/tools/city/street_route.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -46,8 +46,7 @@ Result<Eigen::Vector3d> write_city_scenario(const CityScenario& a) {
 std::vector<Override> skyline_overrides(const std::filesystem::path& model, const Eigen::Vector3d& origin,
                                         const std::string& skylines) {
   const std::string of = "absolute_fixers.fix/skyline.parameters.";
-  char at[96];
-  std::snprintf(at, sizeof at, "[%.4f m, %.4f m, %.4f m]", origin.x(), origin.y(), origin.z());
+  const std::string at = text("[%.4f m, %.4f m, %.4f m]", origin.x(), origin.y(), origin.z());
   std::vector<Override> all = {{of + "model", model.filename().string()}, {of + "model_origin", at}};
   if (!skylines.empty()) all.push_back({of + "skylines", std::filesystem::absolute(skylines).string()});
   return all;

@@ -17,6 +17,7 @@
 #include "sdk/tools/console/board_option.hpp"
 #include "sdk/tools/plot/plot.hpp"
 #include "sdk/tools/replay/picture_source.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -98,8 +99,7 @@ std::vector<BoardView> max_different(std::vector<BoardView> views, cv::Size size
 constexpr double kEnlarged = 50;  // of residuals drawn as lines
 
 std::vector<Plot> plots_of(const LensCalibration& c) {
-  char enlarged[60];
-  std::snprintf(enlarged, sizeof enlarged, "residual, %.0f times as long", kEnlarged);
+  const std::string enlarged = text("residual, %.0f times as long", kEnlarged);
   Plot field{.title = "Corners over the picture", .x_label = "x (px)", .y_label = "y (px)", .equal_axes = true};
   field.y_down = true;
   PlotSeries corners{.name = "corners", .style = "points pt 7 ps 0.25"}, lines{.name = enlarged, .style = "lines"};
@@ -138,14 +138,11 @@ std::vector<Plot> plots_of(const LensCalibration& c) {
 
 std::string figures_of(const LensCalibration& c) {
   const auto used = std::count_if(c.pictures.begin(), c.pictures.end(), [](const auto& p) { return p.used; });
-  char text[600];
-  std::snprintf(text, sizeof text,
-                "fx %10.3f +- %.3f px\nfy %10.3f +- %.3f px\ncx %10.3f +- %.3f px\ncy %10.3f +- %.3f px\n"
-                "residual %.3f px (rms) over %d pictures of %dx%d, %zu left out; corners in %.0f %% of the picture\n",
-                c.fx, c.sigma_fx, c.fy, c.sigma_fy, c.cx, c.sigma_cx, c.cy, c.sigma_cy, c.rms_px,
-                static_cast<int>(used), c.size.width, c.size.height, c.pictures.size() - static_cast<size_t>(used),
-                100 * c.covered());
-  return text;
+  return text(
+      "fx %10.3f +- %.3f px\nfy %10.3f +- %.3f px\ncx %10.3f +- %.3f px\ncy %10.3f +- %.3f px\n"
+      "residual %.3f px (rms) over %d pictures of %dx%d, %zu left out; corners in %.0f %% of the picture\n",
+      c.fx, c.sigma_fx, c.fy, c.sigma_fy, c.cx, c.sigma_cx, c.cy, c.sigma_cy, c.rms_px, static_cast<int>(used),
+      c.size.width, c.size.height, c.pictures.size() - static_cast<size_t>(used), 100 * c.covered());
 }
 
 nlohmann::ordered_json json_of(const LensCalibration& c, const std::vector<std::string>& doubts) {

@@ -14,6 +14,7 @@
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/plot/plot.hpp"
 #include "sdk/tools/replay/camera_imu_source.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -62,12 +63,8 @@ std::vector<Plot> plots_of(const CameraImuCalibration& c) {
 }
 
 std::string figures_of(const CameraImuCalibration& c) {
-  std::string text;
-  const auto add = [&](const char* format, auto... numbers) {
-    char line[240];
-    std::snprintf(line, sizeof line, format, numbers...);
-    text += line;
-  };
+  std::string out;
+  const auto add = [&](auto... words) { out += text(words...); };
   const auto one = [&](const char* name, const Estimate& e, double unit, const char* what) {
     if (e.observable)
       add("%-12s %10.3f +- %.3f %s (given: %.3f)\n", name, unit * e.value, unit * e.sigma, what, unit * e.given);
@@ -95,7 +92,7 @@ std::string figures_of(const CameraImuCalibration& c) {
       "its axes, correlation with the pictures %.3f\n",
       c.rms_px, c.corners, c.windows, c.frames, kDegrees * c.rate_rms_rps[0], kDegrees * c.rate_rms_rps[1],
       kDegrees * c.rate_rms_rps[2], c.correlation);
-  return text;
+  return out;
 }
 
 nlohmann::ordered_json json_of(const CameraImuCalibration& c, const std::vector<std::string>& doubts) {

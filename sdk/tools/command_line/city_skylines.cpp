@@ -17,6 +17,7 @@
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/tools/city/street_places.hpp"
 #include "sdk/tools/command_line/commands.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -32,13 +33,12 @@ class Skylines {
   /// With a model, n's origin in it, or with a database that it reads at once.
   static Result<std::unique_ptr<Skylines>> make(const std::string& key, const std::string& file,
                                                 const Vector3d& origin = Vector3d::Zero()) {
-    char text[4400];
-    std::snprintf(text, sizeof text,
-                  "odograph: 1\nabsolute_fixers:\n  - plugin: fix/skyline\n    parameters:\n      %s: %s\n"
-                  "      model_origin: [%.6f m, %.6f m, %.6f m]\n",
-                  key.c_str(), nlohmann::json(fs::path(file).filename().string()).dump().c_str(), origin.x(),
-                  origin.y(), origin.z());
-    auto config = read_pipeline_config(text, "fix/skyline", {});
+    const std::string yaml = text(
+        "odograph: 1\nabsolute_fixers:\n  - plugin: fix/skyline\n    parameters:\n      %s: %s\n"
+        "      model_origin: [%.6f m, %.6f m, %.6f m]\n",
+        key.c_str(), nlohmann::json(fs::path(file).filename().string()).dump().c_str(), origin.x(), origin.y(),
+        origin.z());
+    auto config = read_pipeline_config(yaml, "fix/skyline", {});
     if (!config) return config.failure();
     std::unique_ptr<Skylines> made(new Skylines(fs::absolute(file).parent_path()));
     auto plugin = PluginInstance::make(config->fixers.front(), config->library_check, 1, made->host_);

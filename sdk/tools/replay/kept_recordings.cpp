@@ -2,7 +2,6 @@
 #include "sdk/tools/replay/kept_recordings.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <sstream>
 
@@ -10,6 +9,7 @@
 
 #include "sdk/tools/console/console.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -32,15 +32,14 @@ Result<std::string> text_of(const fs::path& file) {
 fs::path assets_of(const fs::path& recording) { return fs::path(recording).replace_extension(".assets"); }
 
 Result<fs::path> kept_recording(const fs::path& file, uint64_t seed, const fs::path& keep, double first_m) {
-  const auto text = scenario_text(file.string());
-  if (!text) return text.failure();
+  const auto yaml = scenario_text(file.string());
+  if (!yaml) return yaml.failure();
   auto scenario = read_scenario(file.string());
   if (!scenario) return scenario.failure();
   if (first_m > 0) scenario->walk_m = first_m;
-  const auto sum = crc32(kSimulator, reinterpret_cast<const Bytef*>(text->data()), static_cast<uInt>(text->size()));
-  char mark[64];
-  std::snprintf(mark, sizeof mark, "-s%llu-%08lx%s.odo", static_cast<unsigned long long>(seed), sum,
-                first_m > 0 ? "-quick" : "");
+  const auto sum = crc32(kSimulator, reinterpret_cast<const Bytef*>(yaml->data()), static_cast<uInt>(yaml->size()));
+  const std::string mark =
+      text("-s%llu-%08lx%s.odo", static_cast<unsigned long long>(seed), sum, first_m > 0 ? "-quick" : "");
   std::error_code error;
   fs::create_directories(keep, error);
   const fs::path kept = keep / (file.stem().string() + mark);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -77,18 +77,10 @@ std::vector<std::pair<Json, Rows>> groups_of(const Rows& rows, const std::string
 /// A title, two lines of heads, a line for each row; '-' where there is no number. A row {"_line": TEXT} is that text.
 std::string table_text(const Table& table, const Rows& rows);
 
-/// A line for each row: the labels of its case (`_labels`) and the figures of a row_of() table. `below`: what summaries
-/// over the recordings of a config and sensors are called, which come last where there are several.
-std::string cases_text(const Rows& rows, const std::string& table = "figures", const std::string& title = "",
-                       const std::string& below = "");
-
 /// percentile(), NaN of nothing.
 double part_of(const std::vector<double>& values, double part);
 
 /// The rows without keys that begin with '_'.
 Json printed(const Rows& rows);
-
-/// printf into a string.
-std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 }  // namespace odograph

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/tools/benchmarks/bench_table.hpp"
+#include "sdk/tools/table/table.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <filesystem>
 
 #include "sdk/tools/evaluation/evaluation.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -192,21 +191,6 @@ std::string table_text(const Table& given, const Rows& rows) {
   return out;
 }
 
-std::string cases_text(const Rows& rows, const std::string& table, const std::string& title, const std::string& below) {
-  Table shown{title, {}, columns_of(rows, table)};
-  for (const Json& row : rows)
-    if (const Json labels = row.value("_labels", Json::array()); shown.labels.empty())
-      for (const std::string key : labels) shown.labels.push_back({key, key, key == "config"});
-  Rows lines = rows, summaries;
-  for (const auto& [config, own] : groups_of(below.empty() ? Rows() : rows, "config"))
-    for (Json& summary : summaries_of(own, "sensors", shown.columns)) {
-      summary["config"] = config, summary["recording"] = below;
-      summaries.push_back(std::move(summary));
-    }
-  if (summaries.size() < rows.size()) lines.insert(lines.end(), summaries.begin(), summaries.end());
-  return table_text(shown, lines);
-}
-
 double part_of(const std::vector<double>& values, double part) {
   return values.empty() ? std::nan("") : percentile(values, part);
 }
@@ -217,18 +201,6 @@ Json printed(const Rows& rows) {
     for (auto it = row.begin(); it != row.end();) it = it.key()[0] == '_' ? row.erase(it) : std::next(it);
     out.push_back(std::move(row));
   }
-  return out;
-}
-
-std::string text(const char* format, ...) {
-  va_list arguments, again;
-  va_start(arguments, format);
-  va_copy(again, arguments);
-  std::string out(static_cast<size_t>(std::max(0, std::vsnprintf(nullptr, 0, format, arguments))) + 1, '\0');
-  va_end(arguments);
-  std::vsnprintf(out.data(), out.size(), format, again);
-  va_end(again);
-  out.pop_back();
   return out;
 }
 
