@@ -149,7 +149,7 @@ TEST_CASE("an orientation fix turns the track by what it is worth, and not at al
   CHECK(coupling.on_fix(fix_of(0.1, 0.002)).accepted);
   const odo_scale s = scale(1.0);
   const odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 1}), &s);
-  CHECK(std::atan2(pose.p_n[1], pose.p_n[0]) == doctest::Approx(0.1).epsilon(0.01));
+  CHECK(std::abs(std::atan2(pose.p_n[1], pose.p_n[0]) - 0.1) < 0.001);
   CHECK(coupling.on_fix(fix_of(0.102, 0.05)).accepted);  // a worse one hardly moves it
   CHECK(pose.covariance[14] < 0.01 * 0.01);
 }
@@ -260,7 +260,7 @@ TEST_CASE("a fix of the heading alone is announced and publishes the pose anew")
   Correction correction;
   REQUIRE(estimator.update(&fix).accepted);
   REQUIRE(estimator.take_correction(correction, pose));
-  CHECK(correction.q.angularDistance(Eigen::Quaterniond::Identity()) == doctest::Approx(0.1).epsilon(0.01));
+  CHECK(std::abs(correction.q.angularDistance(Eigen::Quaterniond::Identity()) - 0.1) < 0.001);
   CHECK(std::abs(correction.q.z()) > 0.04);
   CHECK_FALSE(estimator.take_correction(correction, pose));
 }
