@@ -282,7 +282,9 @@ TEST_CASE("what a config names beside itself is found from anywhere, with other 
   const TemporaryFolder folder, elsewhere;
   write_text(folder / "lens.yaml", "width: 640\nheight: 480\nfx: 431.5\nfy: 432.5\ncx: 320\ncy: 240\n");
   const std::string yaml =
-      "odograph: 1\ncamera: lens.yaml\nplugins: {search: [mine, ../theirs, /ours], isolation: none}\n";
+      "odograph: 1\ncamera: lens.yaml\nplugins:\n  search: [mine, ../theirs, /ours]\n  isolation: none\n"
+      "  host: bin/host\n  allow: [vqf.odoplugin.json, attitude/vqf]\n";
+  write_text(folder / "vqf.odoplugin.json", "{}");
   const std::string file = write_text(folder / "c.yaml", yaml).string();
   CHECK(*effective_config(file, {}) == yaml);
   const auto text = effective_config(file, {{"coupling.fix_gate", "4"}, {"time_ordering.queue", "77"}});
@@ -297,6 +299,9 @@ TEST_CASE("what a config names beside itself is found from anywhere, with other 
   CHECK(value("plugins.search.0") == (folder / "mine").string());
   CHECK(value("plugins.search.1") == (folder / "../theirs").string());
   CHECK(value("plugins.search.2") == "/ours");
+  CHECK(value("plugins.host") == (folder / "bin/host").string());
+  CHECK(value("plugins.allow.0") == (folder / "vqf.odoplugin.json").string());
+  CHECK(value("plugins.allow.1") == "attitude/vqf");
   CHECK(value("plugins.isolation") == "none");
   CHECK(value("coupling.fix_gate") == "4");
   const auto config = read_pipeline_config_file(write_text(elsewhere / "c.yaml", *text).string(), {});

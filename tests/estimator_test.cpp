@@ -20,8 +20,8 @@ namespace {
 
 struct Outcome {
   ScaleKnowledge knowledge;
-  double end_error_m = 0, worst_error_m = 0, worst_jump_m = 0, position_nees = 0, heading_nees = 0, scale_error = 0,
-         scale_sigma = 0, factor_error = 0, path_ratio = 0, first_metric_s = -1;
+  double end_error_m = 0, worst_error_m = 0, worst_jump_m = 0, position_nees = 0, height_nees = 0, heading_nees = 0,
+         scale_error = 0, scale_sigma = 0, factor_error = 0, path_ratio = 0, first_metric_s = -1;
   int poses = 0, references = 0, corrections = 0;
   bool finite = true;
 };
@@ -42,7 +42,9 @@ Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 
       [&](double t, const odo_pose& pose) {
         const auto truth = walk.truth(t);
         if (!has_start) has_start = true, start = truth.p_n_c;
-        const Vector3d p(pose.p_n), p_true = truth.p_n_c - (what.fix_every_s > 0 ? Vector3d(Vector3d::Zero()) : start);
+        const bool placed = what.fix_every_s > 0;  // north and east, never the height
+        const Vector3d known(placed ? 0 : start.x(), placed ? 0 : start.y(), start.z());
+        const Vector3d p(pose.p_n), p_true = truth.p_n_c - known;
         o.finite = o.finite && p.allFinite();
         const bool metric = (pose.header.flags & ODO_POSE_METRIC) != 0;
         if (!metric) return;
@@ -64,6 +66,7 @@ Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 
         const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> P(pose.covariance);
         const Eigen::Matrix2d horizontal = P.block<2, 2>(3, 3);
         o.position_nees += error.head<2>().dot(horizontal.inverse() * error.head<2>()) / 2;
+        o.height_nees += error.z() * error.z() / P(5, 5);
         const Quaterniond q(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
         o.heading_nees += std::pow(log_rotation(truth.q_n_c * q.conjugate()).z(), 2) / P(2, 2);
         ++o.poses;
@@ -74,7 +77,8 @@ Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 
   o.scale_sigma = report.sigma;
   o.knowledge = estimator.scale_knowledge();
   o.factor_error = report.log_factor - walk.log_factor();
-  o.position_nees /= std::max(1, o.poses), o.heading_nees /= std::max(1, o.poses);
+  o.position_nees /= std::max(1, o.poses), o.height_nees /= std::max(1, o.poses);
+  o.heading_nees /= std::max(1, o.poses);
   o.path_ratio = path / std::max(1e-9, true_path);
   return o;
 }
@@ -182,13 +186,16 @@ TEST_CASE(
       if (kind == FrontEnd::metric_stabilised_lens)  // 2 to 3 mrad a frame, of which each half second leaves its trace
         what.odometry.rotation_rad = 2.5e-3, what.odometry.rotation_walk = 2.5e-3 / std::sqrt(assumed.vo_correlation_s);
       if (fixes) what.fix_every_s = 2;
-      double position = 0, heading = 0;
+      double position = 0, height = 0, heading = 0;
       for (uint64_t seed = 1; seed <= 20; ++seed) {
         const Outcome o = run_walk(what, seed);
-        position += o.position_nees / 20, heading += o.heading_nees / 20;
+        position += o.position_nees / 20, height += o.height_nees / 20, heading += o.heading_nees / 20;
       }
       CAPTURE(static_cast<int>(kind));
       CAPTURE(fixes);
+      MESSAGE("NEES: position " << position << ", height " << height << ", heading " << heading);
+      CHECK(height > 0.17);  // measured: 0.22 to 0.90
+      CHECK(height < 1.2);
       CHECK(position > 0.5);
       CHECK(position < 2.0);
       CHECK(heading > 0.5);

@@ -284,13 +284,14 @@ TEST_SUITE_BEGIN("kept_results_data");
 
 TEST_CASE("a phone through a house, a drone in a hall, a hand in a room") {
   if (!kept_for_this_machine()) return;
-  const auto house = data_or_skip("phone_house"), hall = data_or_skip("euroc_mh05"), room = data_or_skip("tsukuba_90");
-  if (house.empty() || hall.empty() || room.empty()) return;
+  const auto house = data_or_skip("phone_house"), hall = data_or_skip("euroc_mh05"),
+             tsukuba = data_or_skip("tsukuba_90");
+  if (house.empty() || hall.empty() || tsukuba.empty()) return;
   check("walk", "phone_house", read(house), kSame);
   check("inertial_odograph", "euroc_mh05", read(hall), kSame);
-  check("monocular_odograph", "tsukuba_90", read(room), kSame);
+  check("monocular_odograph", "tsukuba_90", read(tsukuba), kSame);
   for (const char* config : {"monocular", "monocular_antigny2019", "gakne2018_vo"})
-    check(config, "tsukuba_90", read(room), kChosen);
+    check(config, "tsukuba_90", read(tsukuba), kChosen);
 }
 
 TEST_CASE("a phone through a shopping mall") {

@@ -76,7 +76,7 @@ TEST_SUITE_BEGIN("vio_start");
 TEST_CASE("a phone that is held still starts, and its gyroscope's bias is known") {
   const auto filter = Scene(0, 0, 0.01).start();
   REQUIRE(filter);
-  CHECK(filter->state().nav.gyro_bias.y() == doctest::Approx(0.01).epsilon(0.05));
+  CHECK(std::abs(filter->state().nav.gyro_bias.y() - 0.01) < 0.0005);
   CHECK(filter->state().nav.v_w.norm() < 0.02);
   const Vector3d up_b = filter->state().nav.q_w_b.conjugate() * -Vector3d::UnitZ();
   CHECK(up_b.dot(-Vector3d::UnitY()) > 0.9999);

@@ -12,7 +12,8 @@ namespace odograph::gait {
 /// evaluated on a grid of frequencies, which needs no equal spacing of the samples. No allocation.
 class StepFrequency {
  public:
-  static constexpr double kWindow_s = 3.0;
+  static constexpr double kWindow_s = 3.0;  ///< a few steps of the slowest; judgement
+  /// From a stroll to a run, judgement; a grid of an eighth of the window's resolution.
   static constexpr double kLowest_hz = 1.0, kHighest_hz = 3.4, kGrid_hz = 0.04;
 
   void add(int64_t t_ns, double value);

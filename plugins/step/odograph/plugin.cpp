@@ -20,7 +20,6 @@ using Eigen::Vector3d;
 using namespace odograph::steps;
 
 constexpr double kGravity = 9.80665;
-constexpr double kTread_m = 0.285, kTreadSigma_m = 0.03;  // 0.28 (IBC) to 0.29 m (DIN 18065), one foot on each
 
 class OdographSteps {
  public:
@@ -141,15 +140,15 @@ class OdographSteps {
     event.t_start_ns = step.t_start_ns, event.t_end_ns = step.t_end_ns;
     event.frequency_hz = 1e9 / static_cast<double>(std::max<int64_t>(1, step.t_end_ns - step.t_start_ns));
     const bool treads = mode == ODO_MODE_STAIRS;  // there the stairs say how far a step goes, not the walker
-    event.length_m = treads ? kTread_m : learnt * model_length;
-    event.sigma_m = treads ? kTreadSigma_m : walker_->sigma_m(event.length_m, step.gentle);
+    event.length_m = treads ? stairs_.parameters().tread_m : learnt * model_length;
+    event.sigma_m = treads ? stairs_.parameters().tread_sigma_m : walker_->sigma_m(event.length_m, step.gentle);
     event.mode = mode;
     event.index = count_++;
     event.header.quality = step.gentle ? 0.7f : 0.9f;
     if (const Vector2d f = heading_of(step); f.norm() > 0) {
       event.heading_rad = std::atan2(f.y(), f.x());
       event.header.flags |= ODO_STEP_HEADING;
-      walker_->on_step(treads ? kTread_m / factor : model_length, event.heading_rad, step.gentle);
+      walker_->on_step(treads ? stairs_.parameters().tread_m / factor : model_length, event.heading_rad, step.gentle);
     }
     output.emit(event);
   }

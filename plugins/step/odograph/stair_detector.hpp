@@ -27,6 +27,8 @@ class StairDetector {
     double still_steep = 0.20;          ///< the same to go on; judgement
     double learn_speed = 0.4;           ///< weight of the newest step in the speed; judgement, 0.3 to 0.5
     double pause_s = 2;                 ///< between two steps, after which a walk has a speed of its own; judgement
+    double tread_m = 0.285;             ///< one foot on each: 0.28 (IBC) to 0.29 m (DIN 18065)
+    double tread_sigma_m = 0.03;        ///< between stairs; judgement
     int64_t min_interval_ns = 40'000'000;  ///< quicker samples are passed over: 256 shall last for the window
   };
   StairDetector() : StairDetector(Parameters{}) {}
@@ -39,6 +41,7 @@ class StairDetector {
   /// When the climbing of stairs, or the walking elsewhere, began: the middle of the window that showed it, or the
   /// start of the step.
   int64_t since_ns() const { return since_ns_; }
+  const Parameters& parameters() const { return p_; }
   void reset() { *this = StairDetector(p_); }
 
  private:

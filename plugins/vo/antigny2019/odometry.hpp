@@ -33,11 +33,14 @@ struct Motion {
 class Odometry {
  public:
   struct Parameters {
-    std::string features = "surf";
-    int most = 1500, cell_px = 32, in_a_cell = 6;
-    double ratio = 0.6;  ///< of the squared differences
-    double inlier_px = 1.5, parallax_px = 4.0;
-    unsigned min_inliers = 12;
+    std::string features = "surf";    ///< the paper's, section 3.2
+    int most = 1500;                  ///< features found in a picture; judgement
+    int cell_px = 32, in_a_cell = 6;  ///< the strongest of each cell stay; the paper has a sparse selection, no numbers
+    double ratio = 0.6;         ///< of the squared differences; Lowe 2004 has 0.8 of the differences, 0.64 of these
+    double inlier_px = 1.5;     ///< to the epipolar line; twice that for PnP; as vo/five_point
+    double parallax_px = 4.0;   ///< median, of two pictures that are triangulated from; judgement
+    unsigned min_inliers = 12;  ///< of a pose; judgement
+    double dark_grey = 8;       ///< mean below which a picture is too dark; as the other front-ends
   };
 
   Odometry(const Parameters& parameters, const CameraModel& camera, cv::Size size);

@@ -54,9 +54,10 @@ class Antigny2019 {
     if (motion.outcome == Outcome::tracking)
       odograph::put_state(odograph::Tracking::tracking, odograph::FailureReason::none, event);
     else if (motion.outcome == Outcome::lost)
-      odograph::put_state(
-          odograph::Tracking::lost,
-          cv::mean(grey)[0] < kDark ? odograph::FailureReason::too_dark : odograph::FailureReason::few_features, event);
+      odograph::put_state(odograph::Tracking::lost,
+                          cv::mean(grey)[0] < Odometry::Parameters().dark_grey ? odograph::FailureReason::too_dark
+                                                                               : odograph::FailureReason::few_features,
+                          event);
     else
       odograph::put_state(odograph::Tracking::degraded, odograph::FailureReason::no_parallax, event);
     event.scale_group = motion.scale_group;
@@ -64,7 +65,6 @@ class Antigny2019 {
   }
 
  private:
-  static constexpr double kDark = 8;  // mean grey
   std::optional<Odometry> vo_;
   cv::Mat converted_;
   odograph::ToldCamera camera_;

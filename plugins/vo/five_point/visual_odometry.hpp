@@ -32,16 +32,16 @@ class VisualOdometry {
  public:
   struct Parameters {
     CornerTracker::Parameters corners;
-    double inlier_px = 1.5;             ///< reprojection threshold
-    double start_parallax_rad = 0.008;  ///< median, to start from two views (1 deg)
-    double point_parallax_rad = 0.012;  ///< to triangulate a point
-    int min_inliers = 15;
-    double dark_grey = 8.0;  ///< mean grey below which a picture is too dark
-    size_t sightings = 10;   ///< kept for each point
-    double contradiction_rad =
-        0.0025;           ///< most between a frame's rotation by the map and by the two latest pictures, in the mean
-    int check_every = 2;  ///< frames
-    double surprise_rad = 0.5;  ///< most that a frame's rotation differs from the one before
+    double inlier_px = 1.5;             ///< reprojection error; judgement
+    double start_parallax_rad = 0.008;  ///< median, to start from two views: half a degree; judgement
+    double point_parallax_rad = 0.012;  ///< to triangulate a point: depth to 1 part in 8 at 1.5 px of 1000; judgement
+    int min_inliers = 15;               ///< of a pose: three times the five of a sample; judgement
+    double dark_grey = 8.0;             ///< mean below which what is followed is the sensor's noise; by hand
+    size_t sightings = 10;              ///< kept for each point; judgement
+    /// Most between a frame's rotation by the map and by the two latest pictures, in the mean: 1 px of 400; judgement.
+    double contradiction_rad = 0.0025;
+    int check_every = 2;        ///< frames
+    double surprise_rad = 0.5;  ///< most that a frame's rotation differs from the one before: 860 deg/s at 30 Hz
   };
 
   VisualOdometry(const Parameters& parameters, const CameraModel& camera)

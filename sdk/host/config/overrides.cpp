@@ -143,7 +143,14 @@ Result<std::string> effective_config(const std::string& file, const std::vector<
   if (!changed) return Failure{changed.failure().status, file + ": " + changed.failure().text};
   const auto base = std::filesystem::absolute(file).parent_path();
   make_absolute(child_of(*changed, "camera"), base);
-  if (YamlNode* plugins = child_of(*changed, "plugins")) make_absolute(child_of(*plugins, "search"), base);
+  if (YamlNode* plugins = child_of(*changed, "plugins")) {
+    make_absolute(child_of(*plugins, "search"), base);
+    make_absolute(child_of(*plugins, "host"), base);
+    if (YamlNode* allow = child_of(*plugins, "allow"))
+      for (YamlNode& item : allow->items)
+        if (std::error_code error; std::filesystem::is_regular_file(base / item.text, error))  // not an id or a hash
+          make_absolute(&item, base);
+  }
   return yaml_text(*changed) + "\n";
 }
 

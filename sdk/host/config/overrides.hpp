@@ -29,8 +29,8 @@ Result<YamlNode> with_overrides(YamlNode config, const std::vector<Override>& ov
 std::string yaml_text(const YamlNode& node);
 
 /// The text of a config file with the values in their places, and what it names beside itself (`camera`,
-/// `plugins.search`, `plugins.host`) as absolute paths, so that it means the same elsewhere. Without overrides the text
-/// as it is.
+/// `plugins.search`, `plugins.host`, files of `plugins.allow`) as absolute paths, so that it means the same elsewhere.
+/// Without overrides the text as it is.
 Result<std::string> effective_config(const std::string& file, const std::vector<Override>& overrides);
 
 }  // namespace odograph

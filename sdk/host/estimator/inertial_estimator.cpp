@@ -344,7 +344,7 @@ UpdateResult InertialEstimator::apply(const odo_attitude* attitude) {
   const double heading = yaw ? p_.attitude_yaw_rad : EIGEN_PI;
   if (!yaw) seen.residual.z() = 0;
   seen.noise.diagonal() << squared(tilt), squared(tilt), squared(heading);
-  return e_.update(seen, p_.gate[3], calm());
+  return e_.update(seen, p_.gate[yaw ? 3 : 2], calm());
 }
 
 UpdateResult InertialEstimator::apply(const odo_barometer* barometer) {

@@ -182,7 +182,7 @@ UpdateResult InertialEstimator::see_step(const odo_step& step, double own_sigma)
   else
     walked.noise += (p_.step_correlation - 1) * squared(own_sigma * length_m) * along * along.transpose();
   const double before = 1 / e_.P(kLogScale, kLogScale);
-  const UpdateResult result = e_.update(walked, p_.gate[3], hold_at_step());
+  const UpdateResult result = e_.update(walked, p_.gate[unaided() ? 2 : 3], hold_at_step());
   if (result.accepted && vo_.known) vo_.steps_information += 1 / e_.P(kLogScale, kLogScale) - before;
   return result;
 }
