@@ -221,7 +221,7 @@ TEST_CASE("a document of the largest size, depth and count is read, one beyond i
 
 TEST_CASE("what is written to shared memory comes back in order, and neither side goes beyond the end") {
   std::vector<uint8_t> memory(64, 0xEE);
-  wire::Writer out(std::span(memory).first(40));
+  wire::Writer out(std::span<uint8_t>(memory).first(40));
   out.put(uint32_t(7)), out.put(int64_t(-9)), out.put_text("abc"), out.put_bytes(nullptr, 0);
   CHECK(out.size() == 4 + 8 + 8 + 3 + 8);
   const size_t before = out.size();
