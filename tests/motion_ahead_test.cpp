@@ -108,10 +108,10 @@ TEST_CASE("an accelerometer that comes apart and late is put between its own sam
 
 TEST_CASE("a jump goes out at its limit of speed first and exponentially then, and no second one is seen either") {
   const SmoothPose::Pose after{exp_rotation({0.2, 0, 0.3}), {1, 2, 3}};
-  const Vector3d jump(0.12, -0.16, 0), turn(0, 0.06, 0.08);  // 0.2 m and 0.1 rad
+  const Vector3d jump(0.12, -0.16, 0), rotated(0, 0.06, 0.08);  // 0.2 m and 0.1 rad
   SmoothPose smooth;
   CHECK(away(smooth.at(5, after).p_n, after.p_n) == 0);
-  smooth.jumped(1000 * kMs, {exp_rotation(turn) * after.q_n, after.p_n + jump}, after);
+  smooth.jumped(1000 * kMs, {exp_rotation(rotated) * after.q_n, after.p_n + jump}, after);
   const auto shift = [&](double t) { return Vector3d(smooth.at(std::llround((1 + t) * 1e9), after).p_n - after.p_n); };
   const auto rotation = [&](double t) {
     return log_rotation(smooth.at(std::llround((1 + t) * 1e9), after).q_n * after.q_n.conjugate());
@@ -123,7 +123,7 @@ TEST_CASE("a jump goes out at its limit of speed first and exponentially then, a
   const double knee_s = (0.1 - 0.0255) / 0.17;
   for (const auto& [t, left] :
        {std::pair{0.0, 0.1}, {0.2, 0.066}, {knee_s, 0.0255}, {knee_s + 0.3, 0.0255 * std::exp(-2)}})
-    CHECK(away(rotation(t), turn * (left / 0.1)) < 1e-7);
+    CHECK(away(rotation(t), rotated * (left / 0.1)) < 1e-7);
   const SmoothPose::Pose seen = smooth.at(1100 * kMs, after), there{exp_rotation({0, 0, 3}), {-5, 0, 0}};
   smooth.jumped(1100 * kMs, after, there);
   CHECK(away(smooth.at(1100 * kMs, there).p_n, seen.p_n) < 1e-12);

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// A front-end that tells what it is given: ODO_TYPE_VENDOR(0, 2) with the message behind the head. It wants its own
+// events too, which nobody is to give it.
+#define HOSTILE_ID "test/listens"
+#include <odograph/vo_frontend.h>
+
+#include "tests/hostile/table.hpp"
+
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
+  static const odo_string interfaces[] = {{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1}};
+  static const uint32_t types[] = {ODO_TYPE_VENDOR(0, 2)};
+  odo_plugin t = hostile::table();
+  t.interfaces = interfaces;
+  t.inputs = t.outputs = types, t.input_count = t.output_count = 1;
+  t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
+    const odo_header& told = *batch->messages[0];
+    if (told.type == ODO_TYPE_IMU || told.type == ODO_TYPE_ATTITUDE) return ODO_OK;
+    alignas(8) static unsigned char event[ODO_LARGEST_MESSAGE];
+    auto& head = *reinterpret_cast<odo_header*>(event);
+    head = told;
+    head.type = ODO_TYPE_VENDOR(0, 2), head.struct_size = static_cast<uint32_t>(sizeof head) + told.struct_size;
+    std::memcpy(event + sizeof head, &told, told.struct_size);
+    hostile::sink()->emit(hostile::sink(), &head);
+    return ODO_OK;
+  };
+  return hostile::fill(out, t);
+}

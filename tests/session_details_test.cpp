@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a session tells the plugins and the app in detail: calibrations, sizes, flags, states, reports, saved names.
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <thread>
+
+#include <odograph/odograph.h>
+
+#include "tests/obeys.hpp"
+#include "tests/session_app.hpp"
+#include "tests/test_plugins.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("session_details");
+
+namespace {
+
+const std::string kListens = "odograph: 1\nvo_frontend: {plugin: test/listens}\n";
+
+/// What the plugin was given of a type.
+template <class Message>
+std::vector<Message> given(const App& app, uint32_t type) {
+  std::vector<Message> all;
+  for (const std::string& bytes : app.events) {
+    odo_header head;
+    std::memcpy(&head, bytes.data(), sizeof head);
+    if (head.type != ODO_TYPE_VENDOR(0, 2)) continue;
+    std::memcpy(&head, bytes.data() + sizeof head, sizeof head);
+    if (head.type != type) continue;
+    std::memcpy(static_cast<void*>(&all.emplace_back()), bytes.data() + sizeof head,
+                std::min(sizeof(Message), bytes.size() - sizeof head));
+  }
+  return all;
+}
+
+int32_t push_frame(App& app, int64_t t_ns, uint32_t width, uint32_t height, uint32_t flags = 0, int64_t line_ns = 0) {
+  static const std::vector<uint8_t> pixels(100 * 100, 90);
+  auto f = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
+  f.header.flags = flags, f.line_time_ns = line_ns;
+  f.format = ODO_FORMAT_GREY8, f.width = width, f.height = height, f.fx = f.fy = 50;
+  f.planes[0] = {pixels.data(), width, 1, 0};
+  return odo_session_push(app.session, &f.header);
+}
+
+/// A message for `test/echo`, which says what is behind the head.
+template <class Event>
+void echo(App& app, Event event, int64_t t_ns) {
+  struct {
+    odo_header head;
+    Event event;
+  } told{};
+  event.header.t_ns = t_ns;
+  told.head = event.header;
+  told.head.struct_size = sizeof told, told.head.type = ODO_TYPE_VENDOR(0, 1);
+  told.event = event;
+  odo_session_push(app.session, &told.head);
+  odo_session_flush(app.session);
+}
+
+}  // namespace
+
+TEST_CASE("of mount, time offset and row time each comes from the config where it has it, else from what is pushed") {
+  const TestPlugins plugins{"listens"};
+  constexpr uint32_t kMount = ODO_CALIBRATION_EXTRINSICS, kOffset = ODO_CALIBRATION_TIME_OFFSET,
+                     kRows = ODO_CALIBRATION_LINE_TIME;
+  for (uint32_t own = 0; own < 8; ++own)
+    for (uint32_t pushed = 0; pushed < 8; ++pushed) {
+      CAPTURE(own);
+      CAPTURE(pushed);
+      const TemporaryFolder folder;
+      const auto lens =
+          write_text(folder / "lens.yaml", std::string("width: 64\nheight: 48\nfx: 70\nfy: 70\ncx: 32\ncy: 24\n") +
+                                               (own & kMount ? "p_b_c: [1, 0, 0]\n" : "") +
+                                               (own & kOffset ? "time_offset: 10 ms\n" : "") +
+                                               (own & kRows ? "row_time: 10 us\n" : ""));
+      App app(kListens + "camera: " + lens.string() + "\n", ODO_RUN_REPLAY, plugins.path());
+      REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+      auto c = calibration(64, 48);
+      c.header.flags = pushed;
+      c.q_b_c[0] = 1, c.p_b_c[1] = 2, c.time_offset_ns = 20'000'000, c.line_time_ns = 20'000;
+      CHECK(odo_session_push(app.session, &c.header) == ODO_OK);
+      CHECK(push_frame(app, 2'000'000'000, 64, 48) == ODO_OK);
+      CHECK(push_frame(app, 2'100'000'000, 64, 48, ODO_FRAME_LINE_TIME, 5'000) == ODO_OK);
+      odo_session_flush(app.session);
+      const auto cameras = given<odo_calibration>(app, ODO_TYPE_CALIBRATION);
+      const auto frames = given<odo_frame>(app, ODO_TYPE_FRAME);
+      REQUIRE(!cameras.empty());
+      REQUIRE(frames.size() == 2);
+      const odo_calibration& got = cameras.back();
+      const auto from = [&](uint32_t flag, int64_t config, int64_t app_s) {
+        return own & flag ? config : pushed & flag ? app_s : 0;
+      };
+      CHECK(got.header.flags == (own | pushed));
+      CHECK(got.fx == 70);  // the config's lens in any case
+      if ((own | pushed) & kMount) CHECK(got.p_b_c[own & kMount ? 0 : 1] == (own & kMount ? 1 : 2));
+      CHECK(frames[0].header.t_ns == 2'000'000'000 + from(kOffset, 10'000'000, 20'000'000));
+      CHECK(((frames[0].header.flags & ODO_FRAME_LINE_TIME) != 0) == (((own | pushed) & kRows) != 0));
+      CHECK(frames[0].line_time_ns == from(kRows, 10'000, 20'000));
+      CHECK(frames[1].line_time_ns == (own & kRows ? 10'000 : 5'000));  // above an app's calibration stands the frame
+    }
+}
+
+TEST_CASE("after a clock that was set back each camera and each IMU is described anew, as it was told last") {
+  const TestPlugins plugins{"listens"};
+  App app(kListens, ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  for (const uint32_t id : {1u, 2u, 1u}) {
+    auto c = calibration(64, 48);
+    c.id = id, c.fx = 100 * id + (app.walk(0, 1), 1);
+    odo_session_push(app.session, &c.header);
+  }
+  for (const uint32_t source : {1u, 2u}) {
+    auto noise = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, 1'000'000'000);
+    noise.header.source = source, noise.gyro_noise = source;
+    odo_session_push(app.session, &noise.header);
+  }
+  app.walk(1000, 1100);
+  odo_session_flush(app.session);
+  app.events.clear();
+  app.walk(0, 200);
+  odo_session_flush(app.session);
+  const auto cameras = given<odo_calibration>(app, ODO_TYPE_CALIBRATION);
+  const auto noises = given<odo_imu_noise>(app, ODO_TYPE_IMU_NOISE);
+  REQUIRE(cameras.size() == 2);
+  CHECK((cameras[0].id == 1 && cameras[0].fx == 101 && cameras[1].id == 2 && cameras[1].fx == 201));
+  REQUIRE(noises.size() == 2);
+  CHECK((noises[0].gyro_noise == 1 && noises[1].gyro_noise == 2));
+  CHECK(app.statistics().events_dropped == 0);  // nobody is given its own events
+}
+
+TEST_CASE("a frame has the size that its camera's lens is known for, both ways, or brings its own intrinsics") {
+  const TestPlugins plugins{"listens"};
+  App app(kListens, ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  CHECK(push_frame(app, 900'000'000, 10, 10) == ODO_OK);  // nobody knows the lens
+  const auto c = calibration(64, 48);
+  odo_session_push(app.session, &c.header);
+  int64_t t_ns = 1'000'000'000;
+  for (const auto& [w, h] : {std::pair{64u, 48u}, {64u, 47u}, {63u, 48u}, {48u, 64u}}) {
+    CHECK(push_frame(app, t_ns += 10'000'000, w, h) == (w == 64 && h == 48 ? ODO_OK : ODO_E_DISCARD));
+    CHECK(push_frame(app, t_ns += 10'000'000, w, h, ODO_FRAME_INTRINSICS) == ODO_OK);
+  }
+}
+
+TEST_CASE("what a plugin says of being accepted is the host's to say") {
+  const TestPlugins plugins{"echo"};
+  App app("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
+  scale.header.flags = ODO_SCALE_ACCEPTED | ODO_SCALE_STEADY;
+  scale.scale = 1, scale.sigma = 0.1;
+  echo(app, scale, 1'000'000'000);
+  auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
+  fix.header.flags = ODO_FIX_ACCEPTED;
+  echo(app, fix, 2'000'000'000);
+  const auto scales = app.all<odo_scale>(ODO_TYPE_SCALE);
+  const auto fixes = app.all<odo_fix>(ODO_TYPE_FIX);
+  REQUIRE((scales.size() == 1 && fixes.size() == 1));
+  CHECK(scales[0].header.flags == ODO_SCALE_STEADY);
+  CHECK(fixes[0].header.flags == 0);
+  CHECK(app.statistics().fixes_rejected == 1);
+}
+
+TEST_CASE("the time in each state is that between the states that were told") {
+  App app(kWalk);
+  REQUIRE(app.status == ODO_OK);
+  const auto barometer = [&](int from_ms, int to_ms) {
+    for (int ms = from_ms; ms < to_ms; ms += 50) {
+      auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000 + ms * 1'000'000LL);
+      b.pressure_pa = 101325;
+      odo_session_push(app.session, &b.header);
+    }
+  };
+  app.walk(0, 1000), barometer(10'000, 18'000), app.walk(1800, 3000), barometer(30'000, 33'000), app.walk(3300, 4500);
+  odo_session_flush(app.session);
+  const auto states = app.all<odo_state>(ODO_TYPE_STATE);
+  const auto poses = app.all<odo_pose>(ODO_TYPE_POSE);
+  REQUIRE(states.size() >= 4);
+  std::map<uint32_t, double> expected;
+  for (size_t i = 0; i < states.size(); ++i) {
+    const int64_t until = i + 1 < states.size() ? states[i + 1].header.t_ns : poses.back().header.t_ns;
+    expected[states[i].state] += static_cast<double>(until - states[i].header.t_ns) * 1e-9;
+  }
+  const auto s = app.statistics();  // a pose may be older than the sample that told the silence
+  CHECK(std::abs(s.tracking_s - expected[ODO_TRACKING]) < 0.2);
+  CHECK(std::abs(s.degraded_s - expected[ODO_DEGRADED]) < 0.2);
+  CHECK(std::abs(s.lost_s - expected[ODO_LOST]) < 0.2);
+  CHECK(s.lost_s > 5);
+}
+
+TEST_CASE("a report says how many it stands for, its status and the newest time; the last error has that status") {
+  App app(kWalk);
+  app.walk(0, 100);
+  odo_session_flush(app.session);
+  auto small = make_message<odo_imu>(ODO_TYPE_IMU, 5);
+  small.header.struct_size = ODO_IMU_SIZE_MIN - 1;
+  for (int i = 0; i < 3; ++i) CHECK(odo_session_push(app.session, &small.header) == ODO_E_STRUCT_SIZE);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1020));
+  odo_session_push(app.session, &small.header);
+  odo_session_flush(app.session);
+  REQUIRE(app.reports.size() == 2);
+  for (const odo_report& report : app.reports) {
+    CHECK(report.status == ODO_E_STRUCT_SIZE);
+    CHECK(report.severity == ODO_SEVERITY_WARNING);
+    CHECK(report.header.t_ns == 1'990'000'000);
+    CHECK(report.header.source == 0);
+    CHECK(std::string(report.key) == "invalid_imu");
+  }
+  CHECK((app.reports[0].count == 1 && app.reports[1].count == 3));
+  odo_error error{};
+  error.struct_size = sizeof error;
+  CHECK(odo_session_last_error(app.session, &error) == ODO_E_STRUCT_SIZE);
+  CHECK(std::string(error.message).find("host: dropped a sample of imu") == 0);
+}
+
+TEST_CASE("a camera that tells no mount leaves the one that was told") {
+  App app(kWalk);
+  auto c = calibration(64, 48);
+  c.header.flags = ODO_CALIBRATION_EXTRINSICS, c.q_b_c[1] = 1, c.p_b_c[0] = 0.3, c.p_b_c[2] = 0.4;
+  odo_session_push(app.session, &c.header);
+  c.header.flags = 0, c.id = 2, c.p_b_c[0] = 9;
+  odo_session_push(app.session, &c.header);
+  app.walk(0, 1000);
+  odo_session_flush(app.session);
+  odo_pose body{}, camera{};
+  body.header.struct_size = camera.header.struct_size = sizeof body;
+  REQUIRE(odo_session_get_pose_of(app.session, ODO_OF_BODY, 0, 9'000'000'000, &body) == ODO_OK);
+  REQUIRE(odo_session_get_pose_of(app.session, ODO_OF_CAMERA, 0, 9'000'000'000, &camera) == ODO_OK);
+  CHECK((body.header.flags ^ camera.header.flags) == ODO_POSE_CAMERA);
+  CHECK(std::hypot(camera.p_n[0] - body.p_n[0], camera.p_n[1] - body.p_n[1], camera.p_n[2] - body.p_n[2]) ==
+        doctest::Approx(0.5).epsilon(1e-9));
+}
+
+TEST_CASE("two of one plugin are saved under names of their own, and each gets its own back") {
+  const TestPlugins plugins{"obeys"};
+  const std::string yaml =
+      "odograph: 1\nvo_frontend: {plugin: vo/five_point}\nscale_source: [{plugin: test/obeys}, {plugin: test/obeys}]\n";
+  App app(yaml, ODO_RUN_REPLAY, plugins.path()), second(yaml, ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  Order o = order(1'000'000'000);
+  o.learn = 7;
+  odo_session_push(app.session, &o.header);
+  odo_session_flush(app.session);
+  const auto blob_of = [](App& of) {
+    std::string blob(static_cast<size_t>(odo_session_save(of.session, nullptr, 0)), '\0');
+    odo_session_save(of.session, blob.data(), blob.size());
+    return blob;
+  };
+  const std::string blob = blob_of(app);
+  CHECK(blob.find("test/obeys #2") != std::string::npos);
+  CHECK(blob.find("#1") == std::string::npos);
+  REQUIRE(odo_session_load(second.session, blob.data(), blob.size()) == ODO_OK);
+  CHECK(blob_of(second) == blob);
+}
+
+TEST_CASE("a live session answers what is pushed without being flushed") {
+  App app(kWalk, ODO_RUN_LIVE);
+  REQUIRE(app.status == ODO_OK);
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));  // until its thread waits
+  app.walk(0, 500);
+  for (int i = 0; i < 500 && app.poses == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  CHECK(app.poses > 0);
+  odo_session_set_callback(app.session, nullptr, 0, nullptr, nullptr);
+}
+
+TEST_SUITE_END();
