@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 #include "sdk/tools/calibration/calibrate_lens.hpp"
 #include "sdk/tools/simulation/random.hpp"
 
@@ -40,7 +42,7 @@ std::vector<BoardView> noisy_views(uint64_t seed) {
 
 TEST_SUITE("calibration") {
   TEST_CASE("a lens' sigmas are the scatter of its figures over the seeds of the noise") {
-    constexpr int kSeeds = 60;
+    constexpr int kSeeds = 24;
     double nees[4] = {0, 0, 0, 0}, rms = 0;
     for (int seed = 0; seed < kSeeds; ++seed) {
       const auto found = calibrate_lens(noisy_views(static_cast<uint64_t>(seed)), {640, 480}, {.coefficients = 0});
@@ -50,13 +52,13 @@ TEST_SUITE("calibration") {
       for (int k = 0; k < 4; ++k) nees[k] += off[k] * off[k] / (sigma[k] * sigma[k]) / kSeeds;
       rms += found->rms_px * found->rms_px / kSeeds;
     }
-    // 60 of each: 0.63 to 1.47 in 95 % of such means; fx and fy go together.
+    // 24 of each: 0.5 to 1.6 in 95 % of such means; fx and fy go together.
     for (const double n : nees) {
-      CHECK(n > 0.6);
-      CHECK(n < 1.6);
+      CHECK(n > 0.4);
+      CHECK(n < 1.9);
     }
-    CHECK((nees[0] + nees[1] + nees[2] + nees[3]) / 4 > 0.75);
-    CHECK((nees[0] + nees[1] + nees[2] + nees[3]) / 4 < 1.35);
+    CHECK((nees[0] + nees[1] + nees[2] + nees[3]) / 4 > 0.7);
+    CHECK((nees[0] + nees[1] + nees[2] + nees[3]) / 4 < 1.4);
     // Of both coordinates together, less what 52 parameters take of 864 residuals.
     CHECK(std::abs(std::sqrt(rms) - kNoise_px * std::sqrt(2.0 * (864 - 52) / 864)) < 0.01);
   }
