@@ -9,6 +9,7 @@
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/calibration/calibrate_lens.hpp"
 #include "sdk/tools/simulation/board_pictures.hpp"
+#include "sdk/tools/simulation/random.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -36,6 +37,32 @@ std::vector<BoardView> views_of(const Board& board, const odo_calibration& truth
       view->name = std::to_string(i);
       views.push_back(std::move(*view));
     }
+  return views;
+}
+
+/// Six views of a board's corners by the pinhole's equations, each off by normal errors of `noise_px` a coordinate.
+std::vector<BoardView> exact_views(const odo_calibration& truth, double noise_px = 0, uint64_t seed = 1) {
+  const Board board;
+  Random random(seed, 5);
+  std::vector<BoardView> views;
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Isometry3d T = Eigen::Translation3d(0.03 * i - 0.2, -0.08, 0.35) *
+                                Eigen::AngleAxisd(0.2 * i - 0.5, Eigen::Vector3d(1, 0.4 * i, 0.1).normalized());
+    BoardView view;
+    for (int y = 1; y < board.rows; ++y)
+      for (int x = 1; x < board.columns; ++x) {
+        const Eigen::Vector3d p = T * Eigen::Vector3d(x * board.square_m, y * board.square_m, 0);
+        const double u = p.x() / p.z(), v = p.y() / p.z(), r2 = u * u + v * v;
+        const double* k = truth.distortion;
+        const double radial = 1 + r2 * (k[0] + r2 * k[1]);
+        view.corners_m.emplace_back(static_cast<float>(x * board.square_m), static_cast<float>(y * board.square_m), 0);
+        const double px = truth.fx * (u * radial + 2 * k[2] * u * v + k[3] * (r2 + 2 * u * u)) + truth.cx;
+        const double py = truth.fy * (v * radial + k[2] * (r2 + 2 * v * v) + 2 * k[3] * u * v) + truth.cy;
+        view.pixels.emplace_back(static_cast<float>(px + noise_px * random.normal()),
+                                 static_cast<float>(py + noise_px * random.normal()));
+      }
+    views.push_back(view);
+  }
   return views;
 }
 
@@ -70,32 +97,32 @@ TEST_SUITE("calibration") {
 
   TEST_CASE("corners without noise give the lens exactly") {
     const odo_calibration truth = lens(ODO_CAMERA_PINHOLE);
-    const Board board;
-    std::vector<BoardView> views;
-    for (int i = 0; i < 6; ++i) {
-      const Eigen::Isometry3d T = Eigen::Translation3d(0.03 * i - 0.2, -0.08, 0.35) *
-                                  Eigen::AngleAxisd(0.2 * i - 0.5, Eigen::Vector3d(1, 0.4 * i, 0.1).normalized());
-      BoardView view;
-      for (int y = 1; y < board.rows; ++y)
-        for (int x = 1; x < board.columns; ++x) {
-          const Eigen::Vector3d p = T * Eigen::Vector3d(x * board.square_m, y * board.square_m, 0);
-          const double u = p.x() / p.z(), v = p.y() / p.z(), r2 = u * u + v * v;
-          const double* k = truth.distortion;
-          const double radial = 1 + r2 * (k[0] + r2 * k[1]);
-          view.corners_m.emplace_back(static_cast<float>(x * board.square_m), static_cast<float>(y * board.square_m),
-                                      0);
-          view.pixels.emplace_back(
-              static_cast<float>(truth.fx * (u * radial + 2 * k[2] * u * v + k[3] * (r2 + 2 * u * u)) + truth.cx),
-              static_cast<float>(truth.fy * (v * radial + k[2] * (r2 + 2 * v * v) + 2 * k[3] * u * v) + truth.cy));
-        }
-      views.push_back(view);
-    }
+    const auto views = exact_views(truth);
     const auto found = calibrate_lens(views, {640, 480}, kFourCoefficients);
     REQUIRE(found);
     CHECK(found->rms_px < 1e-4);  // corners are single precision
     CHECK(found->fx == doctest::Approx(truth.fx).epsilon(1e-5));
     CHECK(found->cy == doctest::Approx(truth.cy).epsilon(1e-5));
     for (size_t i = 0; i < 4; ++i) CHECK(std::abs(found->distortion[i] - truth.distortion[i]) < 1e-4);
+  }
+
+  TEST_CASE("errors of focal length and principal point are as large as their sigmas say") {
+    const odo_calibration truth = lens(ODO_CAMERA_PINHOLE);
+    double squares[4] = {0, 0, 0, 0};
+    constexpr int kTrials = 150;
+    for (uint64_t seed = 1; seed <= kTrials; ++seed) {
+      const auto found = calibrate_lens(exact_views(truth, 0.2, seed), {640, 480}, kFourCoefficients);
+      REQUIRE(found);
+      const double off[] = {(found->fx - truth.fx) / found->sigma_fx, (found->fy - truth.fy) / found->sigma_fy,
+                            (found->cx - truth.cx) / found->sigma_cx, (found->cy - truth.cy) / found->sigma_cy};
+      for (int k = 0; k < 4; ++k) squares[k] += off[k] * off[k] / kTrials;
+      CHECK(std::abs(found->rms_px - 0.2 * std::sqrt(2.0)) < 0.03);  // of a point: both coordinates
+    }
+    MESSAGE("squared error by variance: " << squares[0] << " " << squares[1] << " " << squares[2] << " " << squares[3]);
+    for (const double square : squares) {  // of 150 normal errors: 0.88 to 1.12, one sigma
+      CHECK(square > 0.7);
+      CHECK(square < 1.4);
+    }
   }
 
   TEST_CASE("an old print, which begins with a white square, is told from a new one") {

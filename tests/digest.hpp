@@ -23,6 +23,19 @@ class Digest {
     for (size_t i = 0; i < count; ++i) add(column + '.' + std::to_string(i), values[i * stride]);
   }
 
+  /// Of each 3x3 block of a square matrix two sums with weights of their own, by which a change of any number shows.
+  void add_blocks(const std::string& column, const double* values, size_t size) {
+    for (size_t row = 0; row < size; row += 3)
+      for (size_t from = 0; from < size; from += 3) {
+        double sums[2] = {0, 0};
+        for (size_t i = 0; i < 9; ++i) {
+          const double value = values[(row + i / 3) * size + from + i % 3], k = static_cast<double>(i);
+          sums[0] += std::cos(k) * value, sums[1] += (1 + 0.1 * k) * value;
+        }
+        add(column + '.' + std::to_string(row / 3) + std::to_string(from / 3), sums, 2);
+      }
+  }
+
   /// One line a column: name, count, quartiles, mean, root mean square, five values from the first to the last.
   std::string text() const {
     std::ostringstream out;
@@ -82,7 +95,7 @@ inline std::vector<std::string> differences(const std::string& kept, const std::
     bool same = before.count(name) && after.count(name);
     if (same) {
       const auto &a = before.at(name), &b = after.at(name);
-      const double rms = a[5];
+      const double rms = std::max(a[5], 1e-9);  // less is what rounding leaves of zero
       same = std::abs(a[0] - b[0]) <= tolerance.part * a[0];
       for (size_t i = 1; i < (tolerance.quartiles_only ? 4 : a.size()); ++i)
         same = same && std::abs(a[i] - b[i]) <= tolerance.part * rms;

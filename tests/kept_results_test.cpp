@@ -7,18 +7,13 @@
 #include <cstdlib>
 #include <string>
 
-#ifdef __GLIBC__
-#include <gnu/libc-version.h>
-#endif
-
 #include <doctest/doctest.h>
-#include <opencv2/core/version.hpp>
 
 #include "sdk/tools/replay/anchor_walk.hpp"
 #include "sdk/tools/replay/app_stream.hpp"
 #include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
-#include "tests/digest.hpp"
+#include "tests/kept.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -141,29 +136,6 @@ std::string digest_of(const Recording& recording) {
   return digest.text();
 }
 
-/// Kept on one kind of machine and with one set of libraries: elsewhere the last digits differ, and a RANSAC's choice
-/// with them. ctest switches off what processors have beyond the oldest of their kind.
-bool kept_for_this_machine() {
-#if defined(__x86_64__) && defined(__GLIBC__)
-  const std::string here = "x86-64, glibc " + std::string(gnu_get_libc_version()) + ", OpenCV " + CV_VERSION;
-#else
-  const std::string here = "another machine";
-#endif
-  const std::string kept = "x86-64, glibc 2.36, OpenCV 4.6.0";
-  if (std::getenv("GLIBC_TUNABLES") == nullptr) FAIL("ctest sets the environment that these results were kept in");
-  if (here != kept) skip("results are kept for " + kept + "; here is " + here);
-  return here == kept;
-}
-
-void compare(const std::string& name, const std::string& now, Tolerance tolerance) {
-  const auto file = source("tests/kept_results") / (name + ".txt");
-  if (std::getenv("ODOGRAPH_KEEP_RESULTS") != nullptr) {
-    write_text(file, now);
-    return;
-  }
-  for (const std::string& difference : differences(read_text(file), now, tolerance)) FAIL_CHECK(name, ": ", difference);
-}
-
 /// Of a scenario file, without its pictures.
 Recording sensors_of(const std::string& scenario, uint64_t seed) {
   const auto drawn = read_scenario(source(scenario).string());
@@ -201,7 +173,7 @@ RunOptions pipeline(const std::string& config, const std::string& assets = "") {
 void check(const std::string& name, const Recording& recording, const RunOptions& options, Tolerance tolerance) {
   const auto result = replay(recording, options);
   REQUIRE_MESSAGE(result.ok(), result.failure().text);
-  compare(name, digest_of(*result), tolerance);
+  compare_kept(name, digest_of(*result), tolerance);
 }
 
 /// One of the samples' configs.
@@ -217,8 +189,8 @@ TEST_SUITE_BEGIN("kept_results");
 TEST_CASE("simulated sensors") {
   if (!kept_for_this_machine()) return;
   for (const char* name : {"street_short", "viewing", "drive_short", "sensors_wild", "stress_stairs"})
-    compare(std::string("sensors_") + name,
-            digest_of(sensors_of("samples/scenarios/" + std::string(name) + ".yaml", 11)), kSame);
+    compare_kept(std::string("sensors_") + name,
+                 digest_of(sensors_of("samples/scenarios/" + std::string(name) + ".yaml", 11)), kSame);
 }
 
 TEST_CASE("every attitude and step estimator, on walks without a camera") {
@@ -269,7 +241,7 @@ TEST_CASE("a rendered walk past known objects, as a recording and as an app play
   digest.add("anchor.start_off_m", anchors->start_off_m);
   digest.add("anchor.by_newest_m", anchors->by_newest_m);
   digest.add("anchor.view_sigma_m", anchors->view_sigma_m);
-  compare("walk_app", digest.text(), kRendered);
+  compare_kept("walk_app", digest.text(), kRendered);
 }
 
 TEST_CASE("a rendered drive between the houses of a city model") {

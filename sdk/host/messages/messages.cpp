@@ -108,7 +108,7 @@ void judge_vo_motion(Judge& judge, const odo_vo_motion& m) {
 
 void judge_fix(Judge& judge, const odo_fix& m) {
   judge.finite("p_n", m.p_n, 3).finite("covariance_n", m.covariance_n, 9).finite("integrity", m.integrity);
-  judge.when(ODO_FIX_ORIENTATION).unit("q_n_b", m.q_n_b);
+  judge.when(ODO_FIX_ORIENTATION).unit("q_n_b", m.q_n_b).finite("orientation_cov_n", m.orientation_cov_n, 9);
   judge.when(ODO_FIX_SLANT).finite("landmark_n", m.landmark_n, 3).finite("slant_distance_m", m.slant_distance_m);
   judge.when(ODO_FIX_YAW).finite("yaw_rad", m.yaw_rad).finite("yaw_sigma_rad", m.yaw_sigma_rad);
   judge.when(ODO_FIX_GEODETIC).finite("latitude_rad", m.latitude_rad).finite("longitude_rad", m.longitude_rad);

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <doctest/doctest.h>
+
+#include "plugins/fix/gnss/correlated_error.hpp"
+#include "plugins/fix/gnss/path_heading.hpp"
+#include "sdk/tools/simulation/random.hpp"
+
+using namespace odograph;
+using namespace odograph::gnss;
+using Eigen::Vector2d;
+
+TEST_SUITE_BEGIN("gnss_heading");
+
+namespace {
+
+/// What is done to the whole of a walk before it is told.
+struct Change {
+  double steps_rad = 0;   ///< the attitude's heading, and with it the steps', is so much more
+  double places_rad = 0;  ///< the satellites' n is turned
+  bool mirrored = false;  ///< left and right
+  int64_t later_ns = 0;
+  Vector2d origin_m = Vector2d::Zero();
+};
+
+/// Everything that is told of the yaw of a walk around two corners, with wandering positions and a jump.
+std::vector<PathHeading::Yaw> told_of(uint64_t seed, const Change& change) {
+  PathHeading path({});
+  Random random(seed, 5);
+  const double keep = std::exp(-1 / 20.0), kick = 6 * std::sqrt(1 - keep * keep), mirror = change.mirrored ? -1 : 1;
+  const Eigen::Rotation2D<double> rotated(change.places_rad);
+  const auto seen = [&](const Vector2d& v) { return rotated * Vector2d(v.x(), mirror * v.y()); };
+  Vector2d error = 6 * Vector2d(random.normal(), random.normal()), place(0, 0);
+  std::vector<PathHeading::Yaw> told;
+  for (int s = 0; s < 100; ++s) {
+    const double heading = s < 40 ? 0.2 : s < 70 ? 1.7 : -2.9;
+    const Vector2d by(0.675 * std::cos(heading), 0.675 * std::sin(heading));
+    const int64_t t_ns = change.later_ns + 1'000'000'000LL * s;
+    for (int half = 0; half < 2 && s >= 4; ++half) {
+      const int64_t start_ns = t_ns + 500'000'000LL * half;
+      path.add_step(start_ns, start_ns + 500'000'000, 0.71,
+                    mirror * (heading + 0.1 * random.normal() + 0.002 * s) + change.steps_rad);
+    }
+    error = keep * error + kick * Vector2d(random.normal(), random.normal());
+    path.add_position(t_ns, seen(place + error + Vector2d(s > 60 && s < 80 ? 40 : 0, 0)) + change.origin_m, 6);
+    path.add_velocity(t_ns, seen(s > 4 ? Vector2d(2 * by) : Vector2d(0, 0)) + Vector2d::Constant(0), 0.4);
+    if (s >= 4) place += 2 * by;
+    if (const auto news = path.news()) told.push_back(*news);
+  }
+  return told;
+}
+
+double apart(double a, double b) { return std::abs(std::remainder(a - b, 2 * M_PI)); }
+
+/// Whether what is told follows the change: as much, as sure, the yaw `by` farther.
+void follows(const std::vector<PathHeading::Yaw>& plain, const std::vector<PathHeading::Yaw>& changed, double sign,
+             double by, double within) {
+  REQUIRE(plain.size() == changed.size());
+  for (size_t k = 0; k < plain.size(); ++k) {
+    CHECK(apart(changed[k].rad, sign * plain[k].rad + by) < within);
+    CHECK(std::abs(changed[k].sigma_rad / plain[k].sigma_rad - 1) < within);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("what satellites tell of a path's yaw is the same whatever the attitude's heading is off by") {
+  for (const uint64_t seed : {1u, 2u, 3u}) {
+    const auto plain = told_of(seed, {});
+    REQUIRE(plain.size() >= 4);
+    for (int k = 1; k < 72; ++k) follows(plain, told_of(seed, {.steps_rad = 0.0873 * k}), 1, -0.0873 * k, 1e-6);
+    // Those that are told as nearly half a turn: to either side of it.
+    for (const auto& yaw : plain)
+      for (const double beside : {-0.01, 0.01})
+        follows(plain, told_of(seed, {.steps_rad = yaw.rad + M_PI + beside}), 1, -yaw.rad - M_PI - beside, 1e-6);
+  }
+}
+
+TEST_CASE("the yaw follows when n is turned, is its opposite when left is right, and does not ask when and where") {
+  const auto plain = told_of(4, {});
+  REQUIRE(plain.size() >= 4);
+  for (const double turn : {0.4, 1.9, 3.1, -2.6}) follows(plain, told_of(4, {.places_rad = turn}), 1, turn, 1e-6);
+  follows(plain, told_of(4, {.mirrored = true}), -1, 0, 1e-6);
+  follows(plain, told_of(4, {.later_ns = 1'700'000'000'000'000'000}), 1, 0, 1e-6);
+  follows(plain, told_of(4, {.origin_m = {300, -500}}), 1, 0, 1e-3);  // of a place that may be anywhere within 100 km
+}
+
+TEST_CASE("an offset of the yaw is the attitude's error: positive where the path lies to the left of the positions") {
+  for (const auto& yaw : told_of(5, {.steps_rad = -0.8})) CHECK(apart(yaw.rad, 0.8) < 4 * yaw.sigma_rad + 0.2);
+}
+
+TEST_CASE("correlated errors, jumps and corrections of the path: as a plain reckoning has them") {
+  const CorrelatedError::Parameters p;
+  int jumps = 0, corrections = 0;
+  for (const uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
+    Random random(seed, 3);
+    CorrelatedError error(p);
+    Vector2d path(0, 0), bias(0, 0), last(0, 0);
+    double t = 0, variance = 0, walked = 0, last_walked = 0, last_t = -1;
+    const auto coth = [](double x) { return std::cosh(x) / std::sinh(x); };
+    for (int k = 0; k < 120; ++k) {
+      const double dt = k % 17 == 16 ? 11 : random.uniform(0.5, 3), heading = k % 31 == 30 ? 3 : 0.2;
+      t += dt;
+      const bool corrected = k % 23 == 22;
+      const Vector2d moved = corrected ? Vector2d(20, -9) : Vector2d(1.3 * dt, 0.2);
+      if (moved.norm() > 5)
+        last -= moved, ++corrections;
+      else
+        walked += k > 0 ? moved.norm() : 0;
+      path += moved;
+      error.on_path(std::llround(t * 1e9), path, heading);
+      const double sigma = random.uniform(2, 6);
+      const Vector2d seen = path + Vector2d(random.normal(), random.normal()) + (k % 40 < 20 ? 0 : 50) * Vector2d(0, 1);
+      const auto found = error.on_position(std::llround(t * 1e9), seen, sigma);
+      // The plain reckoning.
+      const double age = last_t < 0 ? 0 : t - last_t, decay = std::exp(-age / p.bias_s);
+      bias *= decay, variance *= decay * decay;
+      Vector2d place = seen - bias;
+      bool jumped = false;
+      if (last_t >= 0 && age < p.longest_s) {
+        const double by_path = (walked - last_walked) * std::hypot(p.path_error, std::min(p.max_heading_rad, heading));
+        const double doubt = 2 * sigma * sigma * (1 - std::exp(-age / p.correlation_s)) + by_path * by_path + 1;
+        const Vector2d change = place - path - last;
+        jumped = change.norm() > p.gate_sigma * std::sqrt(doubt);
+        if (jumped) bias += change, variance += doubt, place -= change;
+      }
+      const double alike = age > 0 ? coth(age / (2 * p.correlation_s)) : 1,
+                   by_bias = age > 0 ? coth(age / (2 * p.bias_s)) : 1;
+      const double forgotten = age > 0 ? 0.25 * bias.squaredNorm() : 0;
+      CHECK((found.position_m - place).norm() < 1e-6);
+      CHECK(std::abs(found.sigma_m / std::sqrt(sigma * sigma * alike + by_bias * (variance + forgotten)) - 1) < 1e-6);
+      CHECK(found.jumped == jumped);
+      CHECK((error.bias_m() - bias).norm() < 1e-6);
+      last = place - path, last_walked = walked, last_t = t, jumps += jumped;
+    }
+    error.reset();
+    CHECK(error.bias_m().norm() == 0);
+    CHECK(error.on_position(std::llround(t * 1e9) + 1, {500, 500}, 3).sigma_m == 3);  // nothing is known of it before
+  }
+  CHECK(jumps > 10);
+  CHECK(corrections > 10);
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "plugins/shared/rotation.hpp"
+#include "plugins/vo/odograph/visual/gyroscope.hpp"
+
+using namespace odograph;
+using namespace odograph::vo;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("gyroscope");
+
+namespace {
+
+constexpr int64_t kMilli = 1'000'000;
+const GyroscopeParameters kParameters;
+
+/// 100 Hz up to `last_ms`, beginning at a second.
+Gyroscope sampled(int64_t last_ms, const Vector3d& rate) {
+  Gyroscope gyroscope;
+  for (int64_t ms = 1000; ms <= last_ms; ms += 10) gyroscope.add(ms * kMilli, rate);
+  return gyroscope;
+}
+
+}  // namespace
+
+TEST_CASE("a gyroscope that falls silent before the frame tells no rotation, nor does one with a gap, nor a late one") {
+  const int64_t gap = kParameters.longest_gap_ns / kMilli;
+  const Vector3d rate(0.2, -0.4, 1.5), none = Vector3d::Zero();
+  const Gyroscope gyroscope = sampled(1200, rate);
+  const auto whole = gyroscope.between(1100 * kMilli, (1200 + gap) * kMilli, none);
+  REQUIRE(whole);  // the last rate goes on for a moment
+  CHECK((so3::log_rotation(whole->q_c0_c1) - 0.001 * static_cast<double>(100 + gap) * rate).norm() < 1e-6);
+  CHECK_FALSE(gyroscope.between(1100 * kMilli, (1201 + gap) * kMilli, none));
+  CHECK_FALSE(gyroscope.between(1200 * kMilli, 1210 * kMilli, none));         // no sample later than its beginning
+  CHECK_FALSE(gyroscope.between((999 - gap) * kMilli, 1100 * kMilli, none));  // began too late
+  CHECK(gyroscope.between((1000 - gap) * kMilli, 1100 * kMilli, none));
+  Gyroscope broken = sampled(1200, rate);
+  broken.add((1201 + gap) * kMilli, rate);
+  CHECK_FALSE(broken.between(1150 * kMilli, (1201 + gap) * kMilli, none));
+  CHECK(broken.between(1150 * kMilli, 1190 * kMilli, none));
+}
+
+TEST_CASE("samples that come twice or go back are passed over, and what is cleared is gone") {
+  Gyroscope gyroscope = sampled(1200, {0, 0, 1});
+  gyroscope.add(1200 * kMilli, {0, 0, 50});
+  gyroscope.add(1100 * kMilli, {0, 0, 50});
+  const auto rotation = gyroscope.between(1050 * kMilli, 1200 * kMilli, Vector3d::Zero());
+  REQUIRE(rotation);
+  CHECK(so3::log_rotation(rotation->q_c0_c1).z() == doctest::Approx(0.15));
+  gyroscope.clear();
+  CHECK_FALSE(gyroscope.between(1050 * kMilli, 1200 * kMilli, Vector3d::Zero()));
+  CHECK_FALSE(gyroscope.rate(1200 * kMilli));
+}
+
+TEST_CASE("a sample stands for the mean of it and the one before, up to its time; the bias is taken off") {
+  Gyroscope gyroscope;
+  const double rates[] = {0.1, 0.5, -0.3, 0.8};
+  for (int k = 0; k < 4; ++k) gyroscope.add((1000 + 10 * k) * kMilli, {0, rates[k], 0});
+  const auto part = gyroscope.between(1004 * kMilli, 1027 * kMilli, {0, 0.2, 0});
+  REQUIRE(part);
+  const double expected = 0.006 * (0.3 - 0.2) + 0.010 * (0.1 - 0.2) + 0.007 * (0.25 - 0.2);
+  CHECK(std::abs(so3::log_rotation(part->q_c0_c1).y() - expected) < 1e-9);
+  CHECK(std::abs(part->by_bias(1, 1) + 0.023) < 1e-9);
+  const auto& p = kParameters;
+  CHECK(part->sigma_rad == doctest::Approx(std::hypot(p.angle_random_walk * std::sqrt(0.023), p.timing_rad) +
+                                           p.scale_error * std::abs(expected)));
+}
+
+TEST_CASE("the rate at a time is the newest sample's before it, while that is young") {
+  Gyroscope gyroscope;
+  for (int k = 0; k < 20; ++k) gyroscope.add((1000 + 10 * k) * kMilli, {0, 0, 0.1 * k});
+  CHECK(gyroscope.rate(1057 * kMilli)->z() == doctest::Approx(0.5));
+  CHECK(gyroscope.rate(1060 * kMilli)->z() == doctest::Approx(0.6));
+  CHECK_FALSE(gyroscope.rate(999 * kMilli));
+  CHECK(gyroscope.rate(1190 * kMilli + kParameters.longest_gap_ns)->z() == doctest::Approx(1.9));
+  CHECK_FALSE(gyroscope.rate(1191 * kMilli + kParameters.longest_gap_ns));
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The life of one plugin: when it is reset, left out, started anew, saved; each at its limits.
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <odograph/scale_source.h>
+
+#include "sdk/host/plugin_host/instance.hpp"
+#include "tests/obeys.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+namespace fs = std::filesystem;
+
+TEST_SUITE_BEGIN("instance");
+
+namespace {
+
+constexpr int64_t kMs = 1'000'000, kSecond = 1000 * kMs;
+
+PluginChoice choice_of(Isolation::Kind kind, const fs::path& library) {
+  PluginChoice choice;
+  choice.manifest.id = "test/obeys";
+  choice.manifest.library = library;
+  choice.manifest.abi_major = ODO_ABI_MAJOR, choice.manifest.abi_minor = ODO_ABI_MINOR;
+  choice.interface_id = ODO_INTERFACE_SCALE_SOURCE;
+  choice.isolation.kind = kind;
+  return choice;
+}
+
+fs::path obeys() { return fs::path(ODOGRAPH_BUILD) / "tests/hostile/obeys.so"; }
+
+struct Obedient {
+  std::vector<Report> told;
+  HostServices host{0, {"."}, [this](const Report& report) { told.push_back(report); }};
+  std::unique_ptr<PluginInstance> plugin;
+
+  explicit Obedient(const PluginChoice& choice) {
+    auto made = PluginInstance::make(choice, LibraryCheck::none, 3, host);
+    REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
+    plugin = std::move(*made);
+  }
+  explicit Obedient(Isolation::Kind kind) : Obedient(choice_of(kind, obeys())) {}
+
+  size_t give(const Order& o) { return plugin->process(o.header).size(); }
+  int32_t fails(int64_t t_ns, int32_t status) {
+    Order o = order(t_ns);
+    o.status = status;
+    give(o);
+    return status;
+  }
+  void end_thread(int64_t t_ns) {
+    Order o = order(t_ns);
+    o.ends_thread = 1;
+    give(o);
+  }
+  void learn(int64_t t_ns, uint32_t what) {
+    Order o = order(t_ns);
+    o.learn = what;
+    give(o);
+  }
+  /// What it has learnt and how many orders it has had, this one among them; {-1, -1} where it does not answer.
+  std::pair<double, double> state(int64_t t_ns) {
+    Order o = order(t_ns);
+    o.emits = 1;
+    const auto events = plugin->process(o.header);
+    if (events.size() != 1) return {-1, -1};
+    const auto& scale = as<odo_scale>(events[0].header());
+    CHECK(scale.header.source == 3);
+    return {scale.scale - 1, scale.displacement_m};
+  }
+};
+
+constexpr auto kInside = Isolation::Kind::none, kThread = Isolation::Kind::thread;
+
+}  // namespace
+
+TEST_CASE("five failures in a row are the end, a success between them begins anew, and each one resets") {
+  for (const auto kind : {kInside, kThread})
+    for (const int32_t status : {ODO_E_ERROR, ODO_E_STATE, ODO_E_MEMORY, ODO_E_DATA, ODO_E_NOT_FOUND}) {
+      CAPTURE(status);
+      Obedient one(kind);
+      CHECK_FALSE(one.plugin->take_reset());
+      for (int i = 0; i < 4; ++i) one.fails(i, status);
+      CHECK(one.plugin->alive());
+      CHECK(one.plugin->take_reset());
+      CHECK_FALSE(one.plugin->take_reset());
+      CHECK(one.state(10) == std::pair<double, double>{0, 1});  // it was reset, and this succeeded
+      for (int i = 20; i < 24; ++i) one.fails(i, status);
+      CHECK(one.plugin->alive());
+      one.fails(24, status);
+      CHECK_FALSE(one.plugin->alive());
+      CHECK(one.plugin->faults() == 9);
+      CHECK(one.told.front().key == "failed");
+      CHECK(one.told.front().status == status);
+    }
+}
+
+TEST_CASE("what is discarded costs no reset, however often; what is fatal is the end at once") {
+  for (const int32_t status : {ODO_E_DISCARD, ODO_E_ARGUMENT, ODO_E_EXHAUSTED, ODO_E_UNSUPPORTED}) {
+    CAPTURE(status);
+    Obedient one(kInside);
+    for (int i = 0; i < 12; ++i) one.fails(i, status);
+    CHECK(one.plugin->alive());
+    CHECK_FALSE(one.plugin->take_reset());
+    CHECK(one.state(20).second == 13);
+    CHECK(one.plugin->faults() == 12);
+    REQUIRE(one.told.size() == 1);
+    CHECK(one.told[0].key == "discarded");
+    CHECK(one.told[0].severity == ODO_SEVERITY_WARNING);
+  }
+  Obedient one(kInside);
+  one.fails(0, ODO_E_FATAL);
+  CHECK_FALSE(one.plugin->alive());
+}
+
+TEST_CASE("one call gives 256 events at most, and what is beyond is told once a call") {
+  for (const auto kind : {kInside, kThread}) {
+    Obedient one(kind);
+    Order o = order(0);
+    uint64_t faults = 0;
+    for (const uint32_t emits : {1u, 255u, 256u, 257u, 300u, 256u, 400u}) {
+      CAPTURE(emits);
+      o.emits = emits;
+      CHECK(one.give(o) == std::min(emits, 256u));
+      faults += emits > 256 ? 1 : 0;
+      CHECK(one.plugin->faults() == faults);
+    }
+  }
+}
+
+TEST_CASE("what ends in a row is back at once, then after 0.1 s, and each wait is twice the one before up to 10 s") {
+  Obedient one(kThread);
+  int64_t t = 100 * kSecond;
+  for (const int64_t wait_ms : {0, 100, 200, 400, 800, 1600, 3200, 6400, 10000, 10000, 10000}) {
+    CAPTURE(wait_ms);
+    one.end_thread(t);
+    if (wait_ms > 0) {
+      CHECK_FALSE(one.plugin->alive());
+      one.give(order(t + wait_ms * kMs - 1));
+      CHECK_FALSE(one.plugin->alive());
+      CHECK_FALSE(one.plugin->recovering());
+      one.give(order(t += wait_ms * kMs));
+    }
+    REQUIRE(one.plugin->alive());
+    CHECK(one.plugin->take_reset());
+    CHECK(one.plugin->recovering());
+  }
+  CHECK(one.plugin->faults() == 11);
+}
+
+TEST_CASE("what has run for more than a second begins its ends anew, and is called recovering for one") {
+  for (const int64_t ran : {kSecond, kSecond + 1}) {
+    Obedient one(kThread);
+    one.end_thread(10 * kSecond);
+    REQUIRE(one.plugin->alive());
+    one.give(order(11 * kSecond - 1));
+    CHECK(one.plugin->recovering());
+    one.give(order(11 * kSecond));
+    CHECK_FALSE(one.plugin->recovering());
+    one.end_thread(10 * kSecond + ran);
+    CHECK(one.plugin->alive() == (ran > kSecond));  // else it is the second in a row, and waits
+  }
+}
+
+TEST_CASE("at its third end in a row, not before, the fallback takes its place and its number") {
+  PluginChoice choice = choice_of(kThread, obeys());
+  auto fallback = std::make_shared<PluginChoice>(choice_of(kInside, obeys()));
+  choice.fallback = fallback;
+  Obedient one(choice);
+  int64_t t = 0;
+  for (int i = 0; i < 2; ++i) {
+    one.end_thread(t += kMs);
+    one.give(order(t += 200 * kMs));
+  }
+  const auto took_place = [&] {
+    return std::any_of(one.told.begin(), one.told.end(), [](const Report& r) { return r.key == "fallback"; });
+  };
+  CHECK_FALSE(took_place());
+  one.plugin->take_reset();
+  one.end_thread(t += kMs);
+  CHECK(took_place());
+  CHECK(one.plugin->alive());
+  CHECK(one.plugin->take_reset());
+  CHECK(one.plugin->recovering());
+  CHECK(one.state(t += kMs).second == 1);
+  // In the host's own process it has its five failures.
+  for (int i = 0; i < 4; ++i) one.fails(t += kMs, ODO_E_ERROR);
+  CHECK(one.plugin->alive());
+  one.fails(t += kMs, ODO_E_ERROR);
+  CHECK_FALSE(one.plugin->alive());
+}
+
+TEST_CASE("what one outside has learnt is kept every ten seconds, and that is what it has after its end") {
+  for (const int64_t until : {10 * kSecond - 1, 10 * kSecond, 15 * kSecond, 20 * kSecond - 1, 20 * kSecond}) {
+    CAPTURE(until);
+    Obedient one(kThread);
+    one.learn(0, 1);
+    one.give(order(5 * kSecond));
+    if (until >= 10 * kSecond) one.give(order(10 * kSecond));
+    one.learn(until >= 10 * kSecond ? 11 * kSecond : 6 * kSecond, 2);
+    one.give(order(until));
+    one.end_thread(30 * kSecond);
+    REQUIRE(one.plugin->alive());
+    const double learnt = one.state(30 * kSecond + 1).first;
+    CHECK(learnt == (until < 10 * kSecond ? 0 : until < 20 * kSecond ? 1 : 2));
+  }
+}
+
+TEST_CASE("what is loaded into one outside survives its end, and one inside is saved as it is") {
+  for (const auto kind : {kInside, kThread}) {
+    Obedient one(kind);
+    CHECK(one.plugin->save().empty());
+    const std::vector<uint8_t> seven = {7, 0, 0, 0}, short_one = {7, 0, 0};
+    CHECK_FALSE(one.plugin->load(short_one));
+    CHECK(one.plugin->load(seven));
+    CHECK(one.plugin->save() == seven);
+    if (kind == kInside) continue;
+    one.end_thread(kSecond);
+    CHECK(one.state(kSecond + 1).first == 7);
+  }
+}
+
+TEST_CASE("a reset that is asked for is told once, and costs no fault") {
+  for (const auto kind : {kInside, kThread}) {
+    Obedient one(kind);
+    one.give(order(1)), one.give(order(2));
+    one.plugin->reset();
+    CHECK(one.plugin->take_reset());
+    CHECK_FALSE(one.plugin->take_reset());
+    CHECK(one.state(3).second == 1);
+    CHECK(one.plugin->faults() == 0);
+  }
+}
+
+namespace {
+
+/// A library of its own, so that its calls are counted apart.
+fs::path own_copy(const TemporaryFolder& folder) {
+  fs::copy_file(obeys(), folder / "obeys.so");
+  return folder / "obeys.so";
+}
+
+/// Leaves a call behind that comes back after `sleep_ms`; false where the library is refused by now.
+bool leave_behind(const PluginChoice& choice, uint32_t sleep_ms, std::string* why = nullptr) {
+  HostServices host(0, {}, nullptr);
+  auto made = PluginInstance::make(choice, LibraryCheck::none, 1, host);
+  if (!made.ok()) {
+    if (why) *why = made.failure().text;
+    return false;
+  }
+  Order o = order(1);
+  o.sleep_ms = sleep_ms;
+  (*made)->process(o.header);
+  CHECK((*made)->faults() == 1);
+  return true;
+}
+
+void sleep_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
+
+}  // namespace
+
+TEST_CASE("calls that come back late, one after the other, are forgotten: the plugin is loaded as often as it likes") {
+  const TemporaryFolder folder;
+  PluginChoice choice = choice_of(kThread, own_copy(folder));
+  choice.isolation.time_s = 0.03;
+  for (int i = 0; i < 10; ++i) {
+    REQUIRE(leave_behind(choice, 60));
+    sleep_ms(50);
+  }
+}
+
+TEST_CASE("of eight calls that have not come back nothing more is loaded, until one of them has") {
+  const TemporaryFolder folder, other;
+  PluginChoice choice = choice_of(kThread, own_copy(folder));
+  choice.isolation.time_s = 0.03;
+  std::string why;
+  for (int i = 0; i < 7; ++i) REQUIRE(leave_behind(choice, 1500));
+  REQUIRE(leave_behind(choice, 600));
+  CHECK_FALSE(leave_behind(choice, 600, &why));
+  CHECK(why.find("8 of its calls have not come back") != std::string::npos);
+  PluginChoice another = choice_of(kThread, own_copy(other));  // each library has its own count
+  another.isolation.time_s = 0.03;
+  CHECK(leave_behind(another, 60));
+  sleep_ms(700);
+  CHECK(leave_behind(choice, 60));
+}
+
+TEST_SUITE_END();

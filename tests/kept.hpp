@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Results that are kept beside the tests: docs/testing.md, "Kept results".
+#pragma once
+
+#include <cstdlib>
+#include <string>
+
+#ifdef __GLIBC__
+#include <gnu/libc-version.h>
+#endif
+
+#include <doctest/doctest.h>
+#include <opencv2/core/version.hpp>
+
+#include "tests/digest.hpp"
+#include "tests/support.hpp"
+
+/// Kept on one kind of machine and with one set of libraries: elsewhere the last digits differ, and a RANSAC's choice
+/// with them. ctest switches off what processors have beyond the oldest of their kind.
+inline bool kept_for_this_machine() {
+#if defined(__x86_64__) && defined(__GLIBC__)
+  const std::string here = "x86-64, glibc " + std::string(gnu_get_libc_version()) + ", OpenCV " + CV_VERSION;
+#else
+  const std::string here = "another machine";
+#endif
+  const std::string kept = "x86-64, glibc 2.36, OpenCV 4.6.0";
+  if (std::getenv("GLIBC_TUNABLES") == nullptr) FAIL("ctest sets the environment that these results were kept in");
+  if (here != kept) skip("results are kept for " + kept + "; here is " + here);
+  return here == kept;
+}
+
+/// With what is kept under that name; with ODOGRAPH_KEEP_RESULTS in the environment that is written anew.
+inline void compare_kept(const std::string& name, const std::string& now, Tolerance tolerance) {
+  const auto file = source("tests/kept_results") / (name + ".txt");
+  if (std::getenv("ODOGRAPH_KEEP_RESULTS") != nullptr) {
+    write_text(file, now);
+    return;
+  }
+  for (const std::string& difference : differences(read_text(file), now, tolerance)) FAIL_CHECK(name, ": ", difference);
+}

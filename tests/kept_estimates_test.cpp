@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Estimates that are kept (docs/testing.md, "Kept results"): both estimators on simulated walks, each told something
+// else, with everything that an estimator can be asked for, covariances whole.
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "tests/estimator_walk.hpp"
+#include "tests/kept.hpp"
+
+using namespace odograph;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr Tolerance kSame = {1e-6, false};
+
+/// A kind of walk: what is changed of the plain one, and what else the estimator is told after each pose.
+struct Told {
+  const char* name;
+  std::function<void(WalkMeasurements&)> what = [](WalkMeasurements&) {};
+  std::function<void(Estimator&, double t_s)> beside = [](Estimator&, double) {};
+  std::function<void(Estimator&)> first = [](Estimator&) {};
+  StartPose start{};
+};
+
+odo_barometer pressure(double t_s) {
+  auto baro = make_message<odo_barometer>(ODO_TYPE_BAROMETER, EstimatorWalk::ns(t_s));
+  baro.pressure_pa = 101000 - 12 * (0.02 * t_s + 0.1 * std::sin(t_s));
+  return baro;
+}
+
+odo_scale scale(double t_s) {
+  auto told = make_message<odo_scale>(ODO_TYPE_SCALE, EstimatorWalk::ns(t_s));
+  told.valid_from_ns = EstimatorWalk::ns(t_s - 1), told.valid_to_ns = EstimatorWalk::ns(t_s + 1);
+  told.scale = 1.9 + 0.02 * std::sin(3 * t_s), told.sigma = 0.1, told.displacement_m = 1;
+  return told;
+}
+
+void noise(Estimator& estimator) {
+  auto told = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, 0);
+  told.gyro_noise = 3e-3, told.gyro_walk = 2e-4, told.accel_noise = 4e-2, told.accel_walk = 3e-3;
+  estimator.on_imu_noise(told);
+}
+
+/// Of all parts of a fix in kind.
+void all_fixes(double t_s, odo_fix& fix) {
+  const int kind = static_cast<int>(t_s / 2) % 4;
+  if (kind == 1) fix.header.flags |= ODO_FIX_DOWN, fix.p_n[2] = -1.2, fix.covariance_n[8] = 0.3;
+  if (kind == 2) fix.header.flags = ODO_FIX_YAW, fix.yaw_rad = 0.3, fix.yaw_sigma_rad = 0.2;
+  if (kind == 3) {
+    fix.header.flags |= ODO_FIX_ORIENTATION;
+    fix.q_n_b[0] = std::cos(0.1), fix.q_n_b[3] = std::sin(0.1);
+    for (const int i : {0, 4, 8}) fix.orientation_cov_n[i] = 0.05 + 0.01 * i;
+  }
+}
+
+const std::vector<Told>& all_told() {
+  static const std::vector<Told> told = {
+      {"plain"},
+      {"known_metre", [](WalkMeasurements& w) { w.odometry.inverse_scale = 1, w.odometry.scale_sigma = 0.02; }},
+      {"mount", [](WalkMeasurements& w) { w.q_b_c = Eigen::Quaterniond(0.3, 0.8, 0.4, -0.2).normalized(); }},
+      {"steps_alone", [](WalkMeasurements& w) { w.camera = false; }},
+      {"compass",
+       [](WalkMeasurements& w) {
+         w.camera = false, w.compass_sigma_rad = 0.1, w.compass_rad = [](double t) { return 0.1 * std::sin(t); };
+       }},
+      {"fixes", [](WalkMeasurements& w) { w.fix_every_s = 2, w.change_fix = all_fixes; }},
+      {"fixes_and_mount",
+       [](WalkMeasurements& w) {
+         w.fix_every_s = 2, w.change_fix = all_fixes;
+         w.q_b_c = Eigen::Quaterniond(0.3, 0.8, 0.4, -0.2).normalized();
+       }},
+      {"blind", [](WalkMeasurements& w) { w.odometry.blind_from_s = 8, w.odometry.blind_to_s = 14; }},
+      {"no_frames", [](WalkMeasurements& w) { w.odometry.off_from_s = 8, w.odometry.off_to_s = 12; }},
+      {"no_imu", [](WalkMeasurements& w) { w.no_imu_from_s = 8, w.no_imu_to_s = 8.6; }},
+      {"pressure",
+       {},
+       [](Estimator& e, double t) {
+         const auto b = pressure(t);
+         e.update(&b);
+       }},
+      {"scales",
+       {},
+       [](Estimator& e, double t) {
+         const auto s = scale(t);
+         e.update(&s);
+       }},
+      {"noise", {}, {}, noise},
+      {"started", {}, {}, {}, [] {
+         StartPose s;
+         s.given = s.heading_given = true, s.position_m = {3, -2, 1}, s.heading_rad = 0.4;
+         return s;
+       }()}};
+  return told;
+}
+
+void add_held(Digest& digest, const HeldPose& held) {
+  digest.add("held.p_n_b", held.p_n_b.data(), 3);
+  digest.add("held.q_n_b", held.q_n_b.coeffs().data(), 4);
+  digest.add_blocks("held.own", held.own.data(), 6);
+  digest.add_blocks("held.cross", held.cross.data(), 6);
+}
+
+void add_estimate(Digest& digest, const Estimate& x) {
+  digest.add("at.q_n_b", x.q_n_b.coeffs().data(), 4);
+  digest.add("at.p_n_b", x.p_n_b.data(), 3);
+  digest.add("at.v_n_b", x.v_n_b.data(), 3);
+  digest.add("at.gyro_bias_b", x.gyro_bias_b.data(), 3);
+  digest.add("at.accel_bias_b", x.accel_bias_b.data(), 3);
+  digest.add("at.mean", x.velocity_is_mean);
+}
+
+std::string digest_of(const CouplingConfig& config, const Told& told) {
+  WalkMeasurements what;
+  if (told.what) told.what(what);
+  EstimatorWalk walk(estimator_scenario(24), what, 5);
+  const auto estimator = make_estimator(config, told.start, {.vo = what.camera, .scale = false});
+  if (told.first) told.first(*estimator);
+  Digest digest;
+  std::vector<uint64_t> held;
+  double next_held_s = 3;
+  walk.run(
+      *estimator,
+      [&](double t, const odo_pose& pose) {
+        digest.add("pose.p_n", pose.p_n, 3);
+        digest.add("pose.q_n", pose.q_n, 4);
+        digest.add("pose.velocity_n", pose.velocity_n, 3);
+        digest.add_blocks("pose.covariance", pose.covariance, 6);
+        digest.add_blocks("pose.velocity_covariance", pose.velocity_covariance, 3);
+        digest.add("pose.scale", pose.scale);
+        digest.add("pose.scale_sigma", pose.scale_sigma);
+        digest.add("pose.distance_m", pose.distance_m);
+        digest.add("pose.flags", pose.header.flags);
+        digest.add("pose.state", pose.state * 100 + pose.reason);
+        for (const double ahead_s : {-0.15, 0.0, 0.04}) {
+          Estimate there;
+          if (estimator->at(EstimatorWalk::ns(t + ahead_s), there) == ODO_OK) add_estimate(digest, there);
+        }
+        odo_fix reference;
+        if (estimator->take_step_reference(reference))
+          digest.add("reference.p_n", reference.p_n, 3),
+              digest.add_blocks("reference.covariance_n", reference.covariance_n, 3);
+        const ScaleKnowledge metre = estimator->scale_knowledge();
+        digest.add("metre.sigma", metre.sigma);
+        digest.add("metre.by_inertia", metre.by_inertia);
+        digest.add("metre.by_steps", metre.by_steps);
+        digest.add("placed", estimator->is_placed());
+        if (t > next_held_s && held.size() < 4)
+          held.push_back(estimator->hold_pose(EstimatorWalk::ns(t - 0.2))), next_held_s += 2;
+        if (told.beside) told.beside(*estimator, t);
+      },
+      [&](const Correction& correction, const odo_pose&) {
+        digest.add("correction.p", correction.p.data(), 3);
+        digest.add("correction.q", correction.q.coeffs().data(), 4);
+        digest.add("correction.reason", correction.reason);
+      });
+  HeldPose pose;
+  for (const uint64_t id : held)
+    if (estimator->held_pose(id, pose)) add_held(digest, pose);
+  if (estimator->pose_now(pose)) digest.add_blocks("now.covariance", pose.now.data(), 6);
+  return digest.text();
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("kept_estimates");
+
+TEST_CASE("the inertial estimator, told each kind of thing") {
+  if (!kept_for_this_machine()) return;
+  CouplingConfig config;
+  config.type = CouplingType::inertial;
+  for (const Told& told : all_told())
+    compare_kept(std::string("estimate_inertial_") + told.name, digest_of(config, told), kSame);
+}
+
+TEST_CASE("the papers' estimator, told each kind of thing, with each source of its orientation") {
+  if (!kept_for_this_machine()) return;
+  for (const Told& told : all_told())
+    if (const std::string name = told.name;
+        name != "no_imu" && name != "pressure" && name != "scales" && name != "noise")
+      compare_kept(std::string("estimate_paper_") + told.name, digest_of({}, told), kSame);
+  CouplingConfig config;
+  for (const auto [name, orientation] :
+       {std::pair("gyroscope", Orientation::gyroscope), std::pair("attitude", Orientation::attitude)}) {
+    config.orientation = orientation, config.vertical = Vertical::scaled;
+    Told mount = all_told()[6];
+    compare_kept(std::string("estimate_paper_") + name, digest_of(config, mount), kSame);
+  }
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What is wrong with a message: every number of every type, each in turn, at and beside its limits.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "sdk/host/messages/messages.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("messages");
+
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+
+/// What a number must be; `unjudged`: it is the host's own, or nobody takes it from outside.
+enum class Rule { finite, not_negative, positive, unit, latitude, unjudged };
+
+struct Field {
+  uint32_t type;
+  const char* name;
+  size_t offset, count;
+  Rule rule;
+  uint32_t flag;  // that says it is valid; 0: it always is
+};
+
+#define ODO_FIELD(type, message, field, rule, flag) \
+  Field { type, #field, offsetof(message, field), sizeof(message::field) / sizeof(double), Rule::rule, flag }
+
+const Field kFields[] = {
+    ODO_FIELD(ODO_TYPE_IMU, odo_imu, gyro_b, finite, ODO_IMU_GYRO),
+    ODO_FIELD(ODO_TYPE_IMU, odo_imu, accel_b, finite, ODO_IMU_ACCEL),
+    ODO_FIELD(ODO_TYPE_MAGNETOMETER, odo_magnetometer, field_b, finite, 0),
+    ODO_FIELD(ODO_TYPE_MAGNETOMETER, odo_magnetometer, sigma_t, not_negative, ODO_MAGNETOMETER_SIGMA),
+    ODO_FIELD(ODO_TYPE_BAROMETER, odo_barometer, pressure_pa, finite, 0),
+    ODO_FIELD(ODO_TYPE_BAROMETER, odo_barometer, sigma_pa, not_negative, ODO_BAROMETER_SIGMA),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, latitude_rad, latitude, ODO_GNSS_POSITION),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, longitude_rad, finite, ODO_GNSS_POSITION),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, height_m, finite, ODO_GNSS_HEIGHT),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, covariance_n, finite, ODO_GNSS_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, velocity_n, finite, ODO_GNSS_VELOCITY),
+    ODO_FIELD(ODO_TYPE_FRAME, odo_frame, fx, positive, ODO_FRAME_INTRINSICS),
+    ODO_FIELD(ODO_TYPE_FRAME, odo_frame, fy, positive, ODO_FRAME_INTRINSICS),
+    ODO_FIELD(ODO_TYPE_FRAME, odo_frame, cx, finite, ODO_FRAME_INTRINSICS),
+    ODO_FIELD(ODO_TYPE_FRAME, odo_frame, cy, finite, ODO_FRAME_INTRINSICS),
+    ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, fx, positive, 0),
+    ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, fy, positive, 0),
+    ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, cx, finite, 0),
+    ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, cy, finite, 0),
+    ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, distortion, finite, 0),
+    ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, q_b_c, unit, ODO_CALIBRATION_EXTRINSICS),
+    ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, p_b_c, finite, ODO_CALIBRATION_EXTRINSICS),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_noise, finite, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_walk, finite, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_noise, finite, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_walk, finite, 0),
+    ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, p_n, finite, 0),
+    ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, sigma_m, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, q_n_b, unit, 0),
+    ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, covariance_n, finite, 0),
+    ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, gyro_bias_b, finite, 0),
+    ODO_FIELD(ODO_TYPE_STEP, odo_step, length_m, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_STEP, odo_step, sigma_m, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_STEP, odo_step, frequency_hz, finite, 0),
+    ODO_FIELD(ODO_TYPE_STEP, odo_step, heading_rad, finite, 0),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_c0_c1, unit, ODO_VO_ROTATION),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, p_c0_c1, finite, ODO_VO_TRANSLATION),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, covariance, finite, ODO_VO_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_n_c0, unjudged, ODO_VO_NAVIGATION),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, scale_sigma, finite, ODO_VO_INERTIAL),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, velocity_c1, finite, ODO_VO_INERTIAL),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gravity_c1, finite, ODO_VO_INERTIAL),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gyro_bias_b, finite, ODO_VO_INERTIAL),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, accel_bias_b, finite, ODO_VO_INERTIAL),
+    ODO_FIELD(ODO_TYPE_SCALE, odo_scale, scale, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_SCALE, odo_scale, sigma, finite, 0),
+    ODO_FIELD(ODO_TYPE_SCALE, odo_scale, displacement_m, finite, 0),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, p_n, finite, 0),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, covariance_n, finite, 0),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, q_n_b, unit, ODO_FIX_ORIENTATION),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, orientation_cov_n, finite, ODO_FIX_ORIENTATION),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_rad, finite, ODO_FIX_YAW),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_sigma_rad, finite, ODO_FIX_YAW),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, latitude_rad, finite, ODO_FIX_GEODETIC),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, longitude_rad, finite, ODO_FIX_GEODETIC),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, height_m, finite, ODO_FIX_GEODETIC),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, integrity, finite, 0),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, landmark_n, finite, ODO_FIX_SLANT),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, slant_distance_m, finite, ODO_FIX_SLANT),
+};
+#undef ODO_FIELD
+
+const uint8_t kPixel = 0;
+
+/// A message with nothing wrong and everything valid, all numbers different from zero.
+AnyMessage good(uint32_t type) {
+  alignas(8) unsigned char zero[ODO_LARGEST_MESSAGE] = {};
+  auto& header = *reinterpret_cast<odo_header*>(zero);
+  header.struct_size = static_cast<uint32_t>(message_info(type)->size);
+  header.type = type;
+  header.t_ns = 1000;
+  AnyMessage made(header);
+  auto* bytes = reinterpret_cast<unsigned char*>(&made.header());
+  for (const Field& field : kFields) {
+    if (field.type != type) continue;
+    auto* values = reinterpret_cast<double*>(bytes + field.offset);
+    for (size_t i = 0; i < field.count; ++i) values[i] = 0.5;  // four of them are a unit quaternion
+    made.header().flags |= field.flag;
+  }
+  if (type == ODO_TYPE_FRAME) {
+    auto& m = reinterpret_cast<odo_frame&>(made.header());
+    m.width = m.height = 1, m.format = ODO_FORMAT_GREY8;
+    for (odo_plane& plane : m.planes) plane.data = &kPixel;
+    m.mask.data = &kPixel;
+    m.header.flags |= ODO_FRAME_MASK;
+  }
+  if (type == ODO_TYPE_CALIBRATION) {
+    auto& m = reinterpret_cast<odo_calibration&>(made.header());
+    m.width = m.height = 1, m.model = ODO_CAMERA_PINHOLE;
+  }
+  if (type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(made.header()).t_end_ns = 1;
+  return made;
+}
+
+std::string fault_with(const Field& field, size_t i, double value, uint32_t cleared = 0) {
+  AnyMessage m = good(field.type);
+  reinterpret_cast<double*>(reinterpret_cast<unsigned char*>(&m.header()) + field.offset)[i] = value;
+  m.header().flags &= ~cleared;
+  return message_fault(m.header());
+}
+
+std::set<uint32_t> judged_types() {
+  std::set<uint32_t> types;
+  for (const Field& field : kFields) types.insert(field.type);
+  return types;
+}
+
+}  // namespace
+
+namespace {
+
+/// Checks that each double of a struct in the ABI's headers has its line; how many there are.
+size_t check_listed(uint32_t type, const std::string& name) {
+  static const std::string text =
+      read_text(source("abi/include/odograph/samples.h")) + read_text(source("abi/include/odograph/events.h"));
+  static const std::regex member("double ([^;]+);"), field("([a-z_][a-z_0-9]*)(\\[[0-9]+\\])?");
+  const size_t begin = text.find("typedef struct " + name + " {"), end = text.find("} " + name + ";");
+  REQUIRE(begin < end);
+  const std::string body = text.substr(begin, end - begin);
+  size_t found = 0;
+  for (std::sregex_iterator m(body.begin(), body.end(), member), none; m != none; ++m) {
+    const std::string list = (*m)[1];
+    for (std::sregex_iterator f(list.begin(), list.end(), field); f != none; ++f, ++found) {
+      const std::string one = (*f)[1];
+      CAPTURE(name);
+      CAPTURE(one);
+      CHECK(std::count_if(std::begin(kFields), std::end(kFields),
+                          [&](const Field& each) { return each.type == type && each.name == one; }) == 1);
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("every floating-point field of every message that comes from outside is in the table of this test") {
+  size_t found = 0;
+#define ODO_ROW(number, message, plain, min_size)                                    \
+  if (number != ODO_TYPE_POSE && number != ODO_TYPE_CORRECTION) /* the host's own */ \
+    found += check_listed(number, #message);
+  ODO_FOR_EACH_MESSAGE(ODO_ROW)
+#undef ODO_ROW
+  CHECK(found == std::size(kFields));
+}
+
+TEST_CASE("no number that is not finite, of any field of any message, gets through where it is valid") {
+  for (const uint32_t type : judged_types()) CHECK(message_fault(good(type).header()) == "");
+  for (const Field& field : kFields)
+    for (size_t i = 0; i < field.count; ++i)
+      for (const double wild : {kNan, kInfinity, -kInfinity}) {
+        CAPTURE(field.type);
+        CAPTURE(field.name);
+        CAPTURE(i);
+        const std::string fault = fault_with(field, i, wild);
+        const bool named = fault.find(field.name) == 0 || field.type == ODO_TYPE_IMU_NOISE;
+        CHECK(((field.rule == Rule::unjudged) ? fault.empty() : !fault.empty() && named));
+        if (field.flag != 0) CHECK(fault_with(field, i, wild, field.flag) == "");
+      }
+}
+
+TEST_CASE("numbers of a range are good at its ends, and faults beyond") {
+  const double half_pi = std::acos(0.0);
+  for (const Field& field : kFields) {
+    CAPTURE(field.type);
+    CAPTURE(field.name);
+    const auto good_with = [&](double value) { return fault_with(field, 0, value).empty(); };
+    switch (field.rule) {
+      case Rule::finite:
+        CHECK(good_with(-1e6));
+        CHECK(good_with(0));
+        break;
+      case Rule::not_negative:
+        CHECK(good_with(0));
+        CHECK_FALSE(good_with(-1e-12));
+        break;
+      case Rule::positive:
+        CHECK(good_with(1e-12));
+        CHECK_FALSE(good_with(0));
+        CHECK_FALSE(good_with(-1));
+        break;
+      case Rule::latitude:
+        for (const double sign : {-1, 1}) {
+          CHECK(good_with(sign * half_pi));
+          CHECK_FALSE(good_with(sign * (half_pi + 1e-9)));
+        }
+        break;
+      case Rule::unit:  // 1e-3 of the norm: of the four halves one is changed
+        for (size_t i = 0; i < 4; ++i) {
+          CHECK(fault_with(field, i, 0.5 + 1.9e-3).empty());
+          CHECK_FALSE(fault_with(field, i, 0.5 + 2.1e-3).empty());
+          CHECK(fault_with(field, i, 0.5 - 1.9e-3).empty());
+          CHECK_FALSE(fault_with(field, i, 0.5 - 2.1e-3).empty());
+          CHECK(fault_with(field, i, -0.5).empty());
+        }
+        break;
+      default: break;
+    }
+  }
+}
+
+TEST_CASE("the quality and the time of every message are looked at, the time up to 2^62") {
+  for (const uint32_t type : judged_types())
+    for (const int sign : {-1, 1}) {
+      AnyMessage m = good(type);
+      if (type == ODO_TYPE_VO_MOTION) reinterpret_cast<odo_vo_motion&>(m.header()).t_from_ns = INT64_MIN;
+      m.header().t_ns = sign * (int64_t(1) << 62);
+      CHECK(message_fault(m.header()) == "");
+      m.header().t_ns += sign;
+      CHECK(message_fault(m.header()).find("t_ns") == 0);
+      m = good(type);
+      m.header().quality = static_cast<float>(sign * kInfinity);
+      CHECK(message_fault(m.header()).find("quality") == 0);
+      m.header().quality = static_cast<float>(kNan);
+      CHECK_FALSE(message_is_good(m.header()));
+    }
+}
+
+TEST_CASE("whole numbers of calibrations and frames are good within their limits alone") {
+  struct Limit {
+    uint32_t type;
+    size_t offset;
+    std::vector<uint32_t> good, bad;
+  };
+  const std::vector<uint32_t> size = {1, 2, 16383, 16384}, no_size = {0, 16385, UINT32_MAX};
+  const Limit limits[] = {
+      {ODO_TYPE_FRAME, offsetof(odo_frame, width), size, no_size},
+      {ODO_TYPE_FRAME, offsetof(odo_frame, height), size, no_size},
+      {ODO_TYPE_FRAME, offsetof(odo_frame, format), {1, 2, 3, 4, 5, 6, 7}, {0, 8, UINT32_MAX}},
+      {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, width), size, no_size},
+      {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, height), size, no_size},
+      {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, model), {1, 2}, {0, 3}},
+      {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, distortion_count), {0, 4, 5, 8}, {1, 2, 3, 6, 7, 9}},
+  };
+  for (const Limit& limit : limits) {
+    const auto fault = [&](uint32_t value) {
+      AnyMessage m = good(limit.type);
+      std::memcpy(reinterpret_cast<unsigned char*>(&m.header()) + limit.offset, &value, sizeof value);
+      return message_fault(m.header());
+    };
+    CAPTURE(limit.offset);
+    for (const uint32_t value : limit.good) CHECK(fault(value) == "");
+    for (const uint32_t value : limit.bad) CHECK(fault(value) != "");
+  }
+}
+
+TEST_CASE("a frame needs the planes of its format, and a mask where it says that it has one") {
+  const std::map<uint32_t, int> planes = {{ODO_FORMAT_GREY8, 1}, {ODO_FORMAT_NV12, 2},  {ODO_FORMAT_NV21, 2},
+                                          {ODO_FORMAT_RGB8, 1},  {ODO_FORMAT_RGBA8, 1}, {ODO_FORMAT_YUV420, 3},
+                                          {ODO_FORMAT_BGRA8, 1}};
+  for (const auto& [format, count] : planes)
+    for (int missing = 0; missing < 5; ++missing) {
+      AnyMessage any = good(ODO_TYPE_FRAME);
+      auto& m = reinterpret_cast<odo_frame&>(any.header());
+      m.format = format;
+      (missing < 4 ? m.planes[missing] : m.mask).data = nullptr;
+      CAPTURE(format);
+      CAPTURE(missing);
+      CHECK(message_is_good(m.header) == (missing >= count && missing < 4));
+      m.header.flags &= ~ODO_FRAME_MASK;
+      CHECK(message_is_good(m.header) == (missing >= count));
+    }
+}
+
+TEST_CASE("a motion and a step take time, a nanosecond at least") {
+  AnyMessage any = good(ODO_TYPE_VO_MOTION);
+  auto& motion = reinterpret_cast<odo_vo_motion&>(any.header());
+  for (const int64_t from : {999, 1000, 1001}) {
+    motion.t_from_ns = from;
+    CHECK(message_is_good(motion.header) == (from < 1000));
+  }
+  AnyMessage other = good(ODO_TYPE_STEP);
+  auto& step = reinterpret_cast<odo_step&>(other.header());
+  step.t_start_ns = 500;
+  for (const int64_t end : {499, 500, 501}) {
+    step.t_end_ns = end;
+    CHECK(message_is_good(step.header) == (end > 500));
+  }
+}
+
+TEST_SUITE_END();

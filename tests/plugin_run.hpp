@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "sdk/tools/validator/bench.hpp"
+#include "tests/support.hpp"
+
+/// A plugin of the build, driven by hand with whole recordings.
+class PluginRun {
+ public:
+  using Settings = std::vector<std::pair<std::string, std::string>>;
+
+  /// `name` as its library's: "attitude_vqf".
+  explicit PluginRun(const std::string& name, const Settings& settings = {})
+      : bench_(plugin_folder() / (name + ".so"), settings, 0) {
+    const std::string why = bench_.load();
+    REQUIRE_MESSAGE(why.empty(), why);
+    std::string refusal;
+    subject_ = bench_.started(refusal);
+    REQUIRE_MESSAGE(subject_, name, ": ", refusal);
+  }
+
+  /// Gives what the plugin's kind is given of the messages, one by one; what came out.
+  std::vector<odograph::AnyMessage> operator()(const std::vector<odograph::AnyMessage>& messages) {
+    std::vector<odograph::AnyMessage> wanted, out;
+    for (const auto& message : messages)
+      if (bench_.wants(message.header().type)) wanted.push_back(message);
+    subject_->events.clear();
+    subject_->process(wanted);
+    CHECK(subject_->breaches.empty());
+    for (auto& event : subject_->events) out.push_back(std::move(event.message));
+    return out;
+  }
+  void reset() { REQUIRE(subject_->reset() == ODO_OK); }
+  const std::vector<odograph::Spec>& parameters() const { return bench_.choice.manifest.parameters; }
+
+ private:
+  odograph::Bench bench_;
+  std::unique_ptr<odograph::Subject> subject_;
+};
+
+/// Whether two runs gave the same events, byte by byte.
+inline bool same_events(const std::vector<odograph::AnyMessage>& one, const std::vector<odograph::AnyMessage>& other) {
+  return std::equal(one.begin(), one.end(), other.begin(), other.end(), [](const auto& a, const auto& b) {
+    return std::equal(a.bytes().begin(), a.bytes().end(), b.bytes().begin(), b.bytes().end());
+  });
+}

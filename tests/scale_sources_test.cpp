@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "plugins/scale/slant_distance/slant_scale.hpp"
+#include "plugins/scale/step_fit/step_fit.hpp"
+#include "plugins/scale/step_length/step_scale.hpp"
+#include "sdk/tools/simulation/random.hpp"
+
+using namespace odograph;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("scale_sources");
+
+namespace {
+
+constexpr int64_t kSecond = 1'000'000'000, kFrame = 100'000'000;
+
+/// An odometry that moves as it is told, ten frames a second, and the steps beside it, two a second.
+struct Walked {
+  step_fit::StepFit fit;
+  int64_t t = 17 * kSecond;
+  uint32_t group = 4;
+
+  explicit Walked(double drift = 0.004, double common = 0.06) : fit(drift, common) {
+    fit.add_motion(t - kSecond, t, {1, 1}, group);
+  }
+  void move(const Vector2d& d, int frames = 5) {
+    for (int k = 0; k < frames; ++k, t += kFrame) fit.add_motion(t, t + kFrame, d / frames, group);
+  }
+  /// The odometry moves by d within half a second, and a step tells a length.
+  bool step(const Vector2d& d, double length_m, double sigma_m = 0.05) {
+    move(d);
+    return fit.add_step(t - 5 * kFrame, t, length_m, sigma_m);
+  }
+};
+
+const step_fit::StepFit::Parameters kFit;
+
+}  // namespace
+
+TEST_CASE("the scale of all steps is that of a plain filter of their logarithms, outliers held at what they may pull") {
+  for (const uint64_t seed : {1u, 2u, 3u, 4u}) {
+    Random random(seed, 9);
+    const double drift = 0.01 * static_cast<double>(seed), common = 0.03;
+    Walked walked(drift, common);
+    double level = 0, variance = -1;
+    int outliers = 0;
+    for (int k = 0; k < 60; ++k) {
+      const double d = random.uniform(0.25, 0.32), relative = random.uniform(0.03, 0.2);
+      const double length = 2.5 * d * (k % 7 == 6 ? random.uniform(1.8, 4.0) : random.uniform(0.9, 1.1));
+      const bool taken = walked.step({0.6 * d, 0.8 * d}, length, relative * length);
+      CHECK(taken == (k >= 2));
+      // The variance by the step and by its timing; beyond 1.5 sigmas a step pulls no more than at 1.5 sigmas.
+      const double z = std::log(length / d), r = relative * relative + kFit.timing * kFit.timing;
+      if (variance < 0) {
+        level = z, variance = r;
+      } else {
+        variance += drift * drift;
+        const double sigma = std::sqrt(variance + r), off = (z - level) / sigma;
+        const double weight = std::min(1.0, kFit.huber / std::abs(off));
+        outliers += weight < 1;
+        level += weight * off * variance / sigma;
+        variance *= 1 - weight * variance / (variance + r);
+      }
+      if (!taken) continue;
+      CHECK(std::abs(walked.fit.scale()->scale / std::exp(level) - 1) < 1e-9);
+      CHECK(std::abs(walked.fit.scale()->relative_sigma / std::hypot(std::sqrt(variance), common) - 1) < 1e-9);
+    }
+    CHECK(outliers >= 6);
+  }
+}
+
+TEST_CASE("a step seen three times too long pulls the scale as far as one seen ten times too long, and no farther") {
+  double pulled[2];
+  for (const int k : {0, 1}) {
+    Walked walked;
+    for (int i = 0; i < 20; ++i) walked.step({0.3, 0}, 0.7);
+    const double before = std::log(walked.fit.scale()->scale);
+    walked.step({0.3, 0}, k == 0 ? 2.1 : 7.0, k == 0 ? 0.15 : 0.5);
+    pulled[k] = std::log(walked.fit.scale()->scale) - before;
+  }
+  CHECK(pulled[0] > 0.01);
+  CHECK(std::abs(pulled[1] - pulled[0]) < 1e-9);
+}
+
+TEST_CASE("three displacements in a row that are alike and lead somewhere are a walk, others are not") {
+  const auto at = [](double length, double deg) {
+    return Vector2d(length * std::cos(deg * M_PI / 180), length * std::sin(deg * M_PI / 180));
+  };
+  struct Row {
+    Vector2d steps[3];
+    bool walk;
+  };
+  const Row rows[] = {
+      {{at(1, 0), at(1.4, 0), at(1.95, 0)}, true},   {{at(1, 0), at(1.4, 0), at(2.05, 0)}, false},
+      {{at(1.95, 0), at(1.4, 0), at(1, 0)}, true},   {{at(2.05, 0), at(1.4, 0), at(1, 0)}, false},
+      {{at(1, 0), at(1, 40), at(1, 80)}, true},      {{at(1, 0), at(1, 50), at(1, 100)}, false},  // 0.84, 0.76
+      {{at(1, 0), at(1, -40), at(1, -80)}, true},    {{at(1, 0), at(1, 180), at(1, 0)}, false},
+      {{at(1, 170), at(1, 179), at(1, -175)}, true},  // by the points of the compass
+  };
+  for (const Row& row : rows) {
+    Walked walked;
+    for (int k = 0; k < 3; ++k) CHECK(walked.step(row.steps[k], 0.7) == (k == 2 && row.walk));
+    CHECK(walked.fit.scale().has_value() == row.walk);
+  }
+}
+
+TEST_CASE("after a pause, and in another scale group, a walk has to show itself anew") {
+  for (const int frames : {9, 11}) {  // of standing
+    Walked walked;
+    for (int k = 0; k < 3; ++k) walked.step({0.3, 0}, 0.7);
+    walked.move({0, 0}, frames);
+    CHECK(walked.step({0.3, 0}, 0.7) == (frames == 9));
+    CHECK(walked.step({0.3, 0}, 0.7) == (frames == 9));
+    CHECK(walked.step({0.3, 0}, 0.7));
+  }
+  Walked walked;
+  for (int k = 0; k < 8; ++k) walked.step({0.3, 0}, 0.7);
+  walked.group = 9;
+  for (int k = 0; k < 3; ++k) CHECK(walked.step({0.1, 0}, 0.7) == (k == 2));
+  CHECK(walked.fit.scale()->scale == doctest::Approx(7.0));  // nothing of the old group's 2.33
+  CHECK_FALSE(walked.step({0.1, 0}, 0));
+  CHECK_FALSE(walked.fit.add_step(16 * kSecond, walked.t, 0.7, 0.05));  // before the group's first motion
+}
+
+TEST_CASE("a step that begins and ends between frames has the part of the motions that it covers") {
+  Walked walked(0, 0);
+  // A frame's displacement grows, so that parts of a frame count.
+  for (int k = 0; k < 40; ++k) walked.move({0.1 + 0.001 * k, 0}, 1);
+  const auto gone = [](double frames) {
+    double sum = 0;
+    for (int k = 0; k < 40; ++k) sum += std::clamp(frames - k, 0.0, 1.0) * (0.1 + 0.001 * k);
+    return sum;
+  };
+  double logs = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double from = 3.3 + 5.4 * k, to = from + 5.4;
+    const int64_t start = 17 * kSecond + std::llround(from * 1e8), end = 17 * kSecond + std::llround(to * 1e8);
+    CHECK(walked.fit.add_step(start, end, 0.7, 0.05) == (k == 2));
+    logs += std::log(0.7 / (gone(to) - gone(from))) / 3;
+  }
+  CHECK(std::abs(std::log(walked.fit.scale()->scale) - logs) < 1e-7);  // equal weights: the mean of the logarithms
+}
+
+TEST_CASE(
+    "between two frames a walker goes by the speed of the step before each moment, and stands when he is told to") {
+  const double hold = 1.6;
+  step_scale::StepInterpolation steps(hold);
+  struct Step {
+    double start_s, end_s, length_m, sigma_m;
+  };
+  const Step all[] = {{10, 10.5, 0.7, 0.07}, {10.5, 11.1, 0.9, 0.045}, {11.1, 11.5, 0.5, 0.1}, {14, 14.6, 0.6, 0.03}};
+  const auto ns = [](double s) { return static_cast<int64_t>(std::llround(s * 1e9)); };
+  CHECK_FALSE(steps.between(ns(10), ns(10.4)));
+  for (const Step& s : all) steps.add_step(ns(s.start_s), ns(s.end_s), s.length_m, s.sigma_m);
+  steps.add_step(ns(20), ns(20), 0.7, 0.1);  // no time: no step
+  steps.stand(ns(15));
+  const auto plain = [&](double from, double to) {
+    step_scale::Displacement sum{0, 0};
+    constexpr int kParts = 20000;
+    for (int i = 0; i < kParts; ++i) {
+      const double t = from + (to - from) * (i + 0.5) / kParts;
+      const Step* last = nullptr;
+      for (const Step& s : all)
+        if (s.end_s <= t) last = &s;
+      if (!last || t > last->end_s + hold * (last->end_s - last->start_s) || t > 15) continue;
+      const double d = last->length_m / (last->end_s - last->start_s) * (to - from) / kParts;
+      sum.metres += d, sum.relative_sigma += d * last->sigma_m / last->length_m;
+    }
+    if (sum.metres > 0) sum.relative_sigma /= sum.metres;
+    return sum;
+  };
+  const double intervals[][2] = {{10.2, 10.9}, {10.6, 10.8}, {10.4, 11.3}, {11.2, 12.9}, {12.3, 13.9},
+                                 {14.5, 14.9}, {14.9, 15.4}, {15.2, 15.5}, {10.5, 15.5}};
+  for (const auto& [from, to] : intervals) {
+    CAPTURE(from);
+    const auto seen = steps.between(ns(from), ns(to));
+    const auto expected = plain(from, to);
+    REQUIRE(seen);
+    CHECK(std::abs(seen->metres - expected.metres) < 2e-4);
+    CHECK(std::abs(seen->relative_sigma - expected.relative_sigma) < 2e-4);
+  }
+  CHECK_FALSE(steps.between(ns(10.1), ns(10.5)));
+  steps.add_step(ns(16), ns(16.5), 0.7, 0.07);  // walks again
+  CHECK(steps.between(ns(16.5), ns(16.6))->metres == doctest::Approx(0.14));
+  steps.add_step(ns(16.5), ns(17), 0, 0);  // on the spot
+  CHECK(steps.between(ns(17), ns(17.1))->metres == 0);
+}
+
+namespace {
+
+/// A drive along `heading` of which the odometry has 1 / scale, a fix for each frame.
+struct Driven {
+  slant_scale::SlantScale fit;
+  int64_t t = 5 * kSecond;
+  uint32_t group = 1;
+  Vector2d place{200, -100};
+  explicit Driven(double window_s = 15, double min_m = 8, double drift = 0) : fit(window_s, min_m, drift) {}
+  void go(const Vector2d& by_m, double scale, double variance = 1, const Vector2d& off = Vector2d::Zero()) {
+    const Vector3d d(by_m.x() / scale, by_m.y() / scale, 0.3);
+    fit.add_motion(t, t + kFrame, d, group);
+    t += kFrame, place += by_m;
+    if (variance > 0) fit.add_place(t, place + off, variance);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("scale from roofs: as far as the fixes lie apart, of the window alone, and as sure as their errors say") {
+  Driven near;
+  for (int k = 0; k < 8; ++k) near.go({0, 1}, 2);
+  CHECK_FALSE(near.fit.scale());  // 7 m
+  for (int k = 0; k < 4; ++k) near.go({0, 1}, 2);
+  REQUIRE(near.fit.scale());
+  CHECK(near.fit.scale()->scale == doctest::Approx(2.0));
+  // sigma of the scale: that of a place over the odometry's spread, and the odometry's own drift beside it.
+  double spread = 0;
+  for (int k = 0; k < 12; ++k) spread += std::pow((k - 5.5) / 2, 2);
+  CHECK(std::abs(near.fit.scale()->sigma * std::sqrt(spread) - 1) < 1e-6);
+  Driven drifting(15, 8, 0.05);
+  for (int k = 0; k < 12; ++k) drifting.go({0, 1}, 2, 4);
+  CHECK(std::abs(drifting.fit.scale()->sigma / std::hypot(2 / std::sqrt(spread), 0.05 * 2) - 1) < 1e-6);
+  // What is older than the window counts no more.
+  Driven changing(3, 8, 0);
+  for (int k = 0; k < 40; ++k) changing.go({1, 0}, 2);
+  for (int k = 0; k < 32; ++k) changing.go({1, 0}, 1.5);
+  CHECK(changing.fit.scale()->scale == doctest::Approx(1.5));
+}
+
+TEST_CASE(
+    "a scale that doubles within a window is believed after twenty fixes that insist, not after nineteen in a row") {
+  Driven driven(2, 4, 0);
+  for (int k = 0; k < 40; ++k) driven.go({1, 0}, 2);
+  int until = 0;
+  while (std::abs(driven.fit.scale()->scale - 2) < 0.9 && until < 80) driven.go({1, 0}, 5), ++until;
+  CHECK(driven.fit.scale()->scale > 3);
+  Driven back(2, 4, 0);
+  for (int k = 0; k < 40; ++k) back.go({1, 0}, 2);
+  for (int round = 0; round < 3; ++round) {  // never so long that it insists
+    for (int k = 0; k < until - 2; ++k) back.go({1, 0}, 5);
+    CHECK(back.fit.scale()->scale < 4.1);
+    for (int k = 0; k < 25; ++k) back.go({1, 0}, 2);
+    CHECK(back.fit.scale()->scale == doctest::Approx(2.0).epsilon(0.05));
+  }
+}
+
+TEST_CASE(
+    "a new group begins with the speed before for one second of motions, and fixes of the old one are forgotten") {
+  Driven driven;
+  for (int k = 0; k < 60; ++k) driven.go({0.9, 0}, 2);
+  driven.group = 2;
+  for (int k = 0; k < 10; ++k) driven.go({0.9, 0}, 6, 0);
+  CHECK(driven.fit.scale()->scale == doctest::Approx(6.0));
+  CHECK(driven.fit.scale()->sigma == doctest::Approx(1.8));
+  for (int k = 0; k < 10; ++k) driven.go({0.3, 0}, 6, 0);  // slower: no longer by the speed before
+  CHECK(driven.fit.scale()->scale == doctest::Approx(6.0));
+  driven.group = 3;
+  for (int k = 0; k < 12; ++k) driven.go({0.9, 0}, 3);
+  CHECK(driven.fit.scale()->scale == doctest::Approx(3.0));
+  CHECK(driven.fit.scale()->sigma < 1);  // by fixes again
+  Driven standing;
+  for (int k = 0; k < 60; ++k) standing.go({0.04, 0}, 2);
+  standing.group = 2;
+  standing.go({0.04, 0}, 6, 0);
+  CHECK_FALSE(standing.fit.scale());
+}
+
+TEST_SUITE_END();

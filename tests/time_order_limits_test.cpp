@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The merging by time at its limits: counts that begin anew, times that are just within and just beyond.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "sdk/host/core/time_order.hpp"
+
+using namespace odograph;
+using Verdict = TimeOrder::Verdict;
+
+TEST_SUITE_BEGIN("time_order_limits");
+
+namespace {
+
+constexpr int64_t kMs = 1'000'000, kSecond = 1000 * kMs;
+
+OwnedMessage sample(uint32_t type, int64_t t_ns, uint32_t source = 0, uint32_t flags = 0) {
+  alignas(8) unsigned char bytes[ODO_LARGEST_MESSAGE] = {};
+  auto& header = *reinterpret_cast<odo_header*>(bytes);
+  const MessageInfo* info = message_info(type);
+  header.struct_size = static_cast<uint32_t>(info ? info->size : sizeof header);
+  header.type = type, header.t_ns = t_ns, header.source = source, header.flags = flags;
+  return OwnedMessage(header);
+}
+
+struct Order : TimeOrder {
+  using TimeOrder::TimeOrder;
+  Verdict add(uint32_t type, int64_t t_ns, uint32_t source = 0, uint32_t flags = 0) {
+    return push(sample(type, t_ns, source, flags));
+  }
+  Verdict imu(int64_t t_ns) { return add(ODO_TYPE_IMU, t_ns); }
+  std::vector<int64_t> all(int64_t flush_until_ns = INT64_MIN) {
+    std::vector<int64_t> times;
+    for (OwnedMessage m; pop(m, flush_until_ns);) times.push_back(m.header().t_ns);
+    return times;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("lone wild times are never believed, however many there are, while good samples lie between them") {
+  Order order(1024, 50 * kMs);
+  for (int i = 0; i < 20; ++i) {
+    CHECK(order.imu(i * 10 * kMs) == Verdict::accepted);
+    CHECK(order.imu(1000 * kSecond + i) == Verdict::implausible);
+    CHECK(order.imu(2000 * kSecond + i) == Verdict::implausible);  // two in a row are not believed either
+  }
+  CHECK(order.size() == 20);
+  CHECK(order.imu(200 * kMs) == Verdict::accepted);
+  // Each stream counts its own.
+  CHECK(order.imu(1000 * kSecond) == Verdict::implausible);
+  CHECK(order.add(ODO_TYPE_MAGNETOMETER, 1000 * kSecond) == Verdict::implausible);
+  CHECK(order.add(ODO_TYPE_FRAME, 1000 * kSecond) == Verdict::implausible);
+  CHECK(order.imu(1000 * kSecond + 1) == Verdict::implausible);
+  CHECK(order.imu(1000 * kSecond + 2) == Verdict::accepted);  // the third of one stream: it has had a pause
+}
+
+TEST_CASE("ten seconds ahead are plausible, a nanosecond more is not; a lone sample of a duplicate's time is none") {
+  Order order(16, 50 * kMs);
+  CHECK(order.imu(0) == Verdict::accepted);
+  CHECK(order.imu(10 * kSecond + 1) == Verdict::implausible);
+  CHECK(order.imu(10 * kSecond) == Verdict::accepted);
+  CHECK(order.imu(10 * kSecond) == Verdict::duplicate);
+  CHECK(order.add(ODO_TYPE_IMU, 10 * kSecond, 1) == Verdict::accepted);  // another sensor's
+  CHECK(order.add(ODO_TYPE_IMU, 10 * kSecond, 0, ODO_IMU_GYRO) == Verdict::accepted);
+  CHECK(order.add(ODO_TYPE_IMU, 10 * kSecond, 0, ODO_IMU_ACCEL) == Verdict::accepted);
+  CHECK(order.add(ODO_TYPE_IMU, 10 * kSecond, 0, ODO_IMU_ACCEL) == Verdict::duplicate);
+  // A magnetometer's flags part no streams.
+  CHECK(order.add(ODO_TYPE_MAGNETOMETER, 10 * kSecond, 0, 0) == Verdict::accepted);
+  CHECK(order.add(ODO_TYPE_MAGNETOMETER, 10 * kSecond, 0, 1) == Verdict::duplicate);
+}
+
+TEST_CASE("the fiftieth sample in a row behind its own sensor's time restarts, one in time between them begins anew") {
+  for (const uint32_t type : {ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_FRAME, ODO_TYPE_BAROMETER}) {
+    CAPTURE(type);
+    for (const uint32_t in_time : {0u, type, uint32_t(ODO_TYPE_IMU)}) {
+      CAPTURE(in_time);
+      Order order(4096, 0);
+      REQUIRE(order.add(type, 5 * kSecond) == Verdict::accepted);
+      REQUIRE(order.imu(5 * kSecond + 1) == Verdict::accepted);
+      REQUIRE(order.all().size() == 2);
+      for (int i = 0; i < 49; ++i) REQUIRE(order.add(type, i) == Verdict::late);
+      if (in_time != 0) {
+        REQUIRE(order.add(in_time, 5 * kSecond + 2) == Verdict::accepted);
+        for (int i = 0; i < 49; ++i) REQUIRE(order.add(type, i) == Verdict::late);
+      }
+      CHECK(order.add(type, 60) == (type == ODO_TYPE_BAROMETER ? Verdict::late : Verdict::restarted));
+    }
+  }
+}
+
+TEST_CASE("late samples that go forwards are no clock that was set back, and begin the count anew") {
+  Order order(4096, 10 * kMs);
+  REQUIRE(order.add(ODO_TYPE_MAGNETOMETER, 0) == Verdict::accepted);
+  REQUIRE(order.imu(5 * kSecond) == Verdict::accepted);
+  REQUIRE(order.all(INT64_MAX).size() == 2);
+  for (int i = 1; i < 200; ++i) CHECK(order.add(ODO_TYPE_MAGNETOMETER, i * kMs) == Verdict::late);
+  for (int i = 0; i < 49; ++i) CHECK(order.add(ODO_TYPE_MAGNETOMETER, i) == Verdict::late);
+  CHECK(order.add(ODO_TYPE_MAGNETOMETER, 300 * kMs) == Verdict::late);
+  for (int i = 0; i < 49; ++i) CHECK(order.add(ODO_TYPE_MAGNETOMETER, i) == Verdict::late);
+  CHECK(order.add(ODO_TYPE_MAGNETOMETER, 50) == Verdict::restarted);
+}
+
+TEST_CASE("a sensor that begins may be as late as the longest wait, not a nanosecond later, and joins once") {
+  for (const int64_t late_ns : {100 * kMs - 1, 100 * kMs, 100 * kMs + 1}) {
+    CAPTURE(late_ns);
+    Order order(64, 100 * kMs);
+    REQUIRE(order.imu(5 * kSecond) == Verdict::accepted);
+    REQUIRE(order.all(INT64_MAX).size() == 1);
+    const bool joins = late_ns <= 100 * kMs;
+    CHECK(order.add(ODO_TYPE_FRAME, 5 * kSecond - late_ns) == (joins ? Verdict::accepted : Verdict::late));
+    CHECK(order.add(ODO_TYPE_BAROMETER, 5 * kSecond - late_ns) == Verdict::late);  // one that holds nobody back
+    if (!joins) continue;
+    REQUIRE(order.add(ODO_TYPE_FRAME, 5 * kSecond) == Verdict::accepted);  // in time from here on
+    REQUIRE(order.imu(6 * kSecond) == Verdict::accepted);
+    REQUIRE(order.all(INT64_MAX).size() == 3);
+    CHECK(order.add(ODO_TYPE_FRAME, 6 * kSecond - 10 * kMs) == Verdict::late);
+    REQUIRE(order.imu(8 * kSecond) == Verdict::accepted);
+    REQUIRE(order.all(INT64_MAX).size() == 1);
+    CHECK(order.add(ODO_TYPE_FRAME, 8 * kSecond - 10 * kMs) == Verdict::accepted);  // after its silence it begins anew
+  }
+}
+
+TEST_CASE("a sensor is waited for up to a second of silence, or the longest wait where that is longer") {
+  for (const int64_t wait : {200 * kMs, 1500 * kMs}) {
+    const int64_t silent = std::max(wait, kSecond);
+    for (const int64_t since : {silent - 1, silent, silent + 1}) {
+      CAPTURE(wait);
+      CAPTURE(since);
+      Order order(64, wait);
+      REQUIRE(order.imu(0) == Verdict::accepted);
+      REQUIRE(order.add(ODO_TYPE_FRAME, 10 * kSecond) == Verdict::accepted);
+      REQUIRE(order.imu(10 * kSecond) == Verdict::accepted);
+      order.all();
+      REQUIRE(order.imu(10 * kSecond + since) == Verdict::accepted);
+      CHECK(order.all().size() == (since > silent ? 1 : 0));  // else it waits for the camera
+      CHECK(order.ready() == false);
+    }
+  }
+}
+
+TEST_CASE("nothing is released before the longest wait has passed since the first sample, then the slowest rules") {
+  for (const int64_t newest : {99 * kMs, 100 * kMs, 101 * kMs}) {
+    CAPTURE(newest);
+    Order order(64, 100 * kMs);
+    REQUIRE(order.imu(0) == Verdict::accepted);
+    REQUIRE(order.imu(newest) == Verdict::accepted);
+    CHECK(order.ready() == (newest >= 100 * kMs));
+    CHECK(order.all().size() == (newest < 100 * kMs ? 0 : 2));
+  }
+  Order order(64, 100 * kMs);
+  CHECK(order.latest_waiting_ns() == INT64_MIN);
+  CHECK(order.released_ns() == INT64_MIN);
+  order.imu(0), order.add(ODO_TYPE_FRAME, 140 * kMs), order.imu(150 * kMs), order.imu(160 * kMs);
+  CHECK(order.latest_waiting_ns() == 160 * kMs);
+  CHECK(order.all() == std::vector<int64_t>{0, 140 * kMs});
+  CHECK(order.released_ns() == 140 * kMs);
+  CHECK(order.all(155 * kMs) == std::vector<int64_t>{150 * kMs});
+}
+
+TEST_CASE("a camera that is expected is waited for within the first second, and no longer once it has come") {
+  for (const bool came : {false, true})
+    for (const int64_t newest : {kSecond, kSecond + 1}) {
+      Order order(64, 100 * kMs);
+      order.expect_camera();
+      REQUIRE(order.imu(0) == Verdict::accepted);
+      if (came) REQUIRE(order.add(ODO_TYPE_FRAME, newest - 1) == Verdict::accepted);
+      REQUIRE(order.imu(newest) == Verdict::accepted);
+      CHECK(order.all().size() == (came ? 2 : newest > kSecond ? 2 : 1));
+    }
+}
+
+TEST_CASE("slow sensors and unknown messages are taken however late, describe no time, and keep their places") {
+  Order order(64, 0);
+  REQUIRE(order.imu(5 * kSecond) == Verdict::accepted);
+  REQUIRE(order.all().size() == 1);
+  const uint32_t slow[] = {ODO_TYPE_IMU_NOISE, ODO_TYPE_CALIBRATION, ODO_TYPE_GNSS, ODO_TYPE_WAYPOINT,
+                           ODO_TYPE_VENDOR(1, 1)};
+  for (const uint32_t type : slow) {
+    CHECK(order.add(type, kSecond) == Verdict::accepted);
+    CHECK(order.add(type, kSecond) == Verdict::accepted);  // the same time again
+    CHECK(order.add(type, 5000 * kSecond) == Verdict::accepted);
+  }
+  CHECK(order.imu(5 * kSecond + 1) == Verdict::accepted);
+  std::vector<uint32_t> types;
+  for (OwnedMessage m; order.pop(m, kSecond);) types.push_back(m.header().type);
+  REQUIRE(types.size() == 11);
+  CHECK(types.back() == ODO_TYPE_IMU);
+  CHECK(std::set<uint32_t>{types[0], types[1], types[2], types[3]} ==
+        std::set<uint32_t>{ODO_TYPE_IMU_NOISE, ODO_TYPE_CALIBRATION});  // what describes comes first
+  CHECK(order.released_ns() == 5 * kSecond + 1);                        // a late one sets nothing back
+  CHECK(order.add(ODO_TYPE_BAROMETER, 5 * kSecond) == Verdict::late);
+}
+
+TEST_CASE("a restart forgets every time and count, and a full queue takes again what was taken out") {
+  Order order(2, 100 * kMs);
+  REQUIRE(order.imu(50 * kSecond) == Verdict::accepted);
+  REQUIRE(order.add(ODO_TYPE_FRAME, 50 * kSecond) == Verdict::accepted);
+  CHECK(order.imu(50 * kSecond + 1) == Verdict::full);
+  CHECK(order.imu(50 * kSecond + 1) == Verdict::full);  // it was not noted: no duplicate
+  CHECK(order.imu(100 * kSecond) == Verdict::implausible);
+  CHECK(order.imu(101 * kSecond) == Verdict::implausible);
+  for (OwnedMessage m; order.drain(m);) {
+  }
+  CHECK(order.size() == 0);
+  order.restart();
+  CHECK(order.released_ns() == INT64_MIN);
+  CHECK(order.imu(0) == Verdict::accepted);
+  CHECK(order.imu(100 * kSecond) == Verdict::implausible);  // the first of three again
+  CHECK(order.imu(101 * kSecond) == Verdict::implausible);
+  CHECK(order.imu(10 * kMs) == Verdict::accepted);
+  CHECK(order.imu(20 * kMs) == Verdict::full);
+}
+
+TEST_SUITE_END();
