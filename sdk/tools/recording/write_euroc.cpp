@@ -41,7 +41,9 @@ class EurocWriter {
     if (fs::exists(folder_ / "mav0", error))
       return Failure{ODO_E_ARGUMENT, folder_.string() + ": holds a recording (mav0) already; expected another folder"};
     for (const char* part : {"mav0/cam0/data", "mav0/imu0", "mav0/state_groundtruth_estimate0"})
-      if (fs::create_directories(folder_ / part, error); error)
+      if (part == std::string("mav0/cam0/data") && !r_.has(ODO_TYPE_FRAME))
+        continue;  // a camera's folder without a camera could not be read again
+      else if (fs::create_directories(folder_ / part, error); error)
         return Failure{ODO_E_NOT_FOUND, (folder_ / part).string() + ": cannot be created"};
     for (const auto& m : r_.messages) {
       if (m.message.header().type == ODO_TYPE_CALIBRATION) camera_ = as<odo_calibration>(m.message.header());
