@@ -82,7 +82,8 @@ TEST_CASE("what satellites tell of a path's yaw is the same whatever the attitud
 TEST_CASE("the yaw follows when n is turned, is its opposite when left is right, and does not ask when and where") {
   const auto plain = told_of(4, {});
   REQUIRE(plain.size() >= 4);
-  for (const double turn : {0.4, 1.9, 3.1, -2.6}) follows(plain, told_of(4, {.places_rad = turn}), 1, turn, 1e-6);
+  for (const double rotation : {0.4, 1.9, 3.1, -2.6})
+    follows(plain, told_of(4, {.places_rad = rotation}), 1, rotation, 1e-6);
   follows(plain, told_of(4, {.mirrored = true}), -1, 0, 1e-6);
   follows(plain, told_of(4, {.later_ns = 1'700'000'000'000'000'000}), 1, 0, 1e-6);
   follows(plain, told_of(4, {.origin_m = {300, -500}}), 1, 0, 1e-3);  // of a place that may be anywhere within 100 km

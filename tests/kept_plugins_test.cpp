@@ -6,7 +6,7 @@
 
 #include "tests/kept.hpp"
 #include "tests/plugin_run.hpp"
-#include "tests/troubled_walk.hpp"
+#include "tests/disturbed_walk.hpp"
 
 using namespace odograph;
 
@@ -17,7 +17,7 @@ namespace {
 constexpr Tolerance kSame = {1e-6, false};
 
 const std::vector<AnyMessage>& troubled_walk() {
-  static const TroubledWalk walk;
+  static const DisturbedWalk walk;
   return walk.messages;
 }
 

@@ -9,8 +9,8 @@
 /// seldom does: falls silent for long and for short, repeats itself, jumps, shows nonsense; an odometry that loses its
 /// scale, satellites that are reflected, a heading that is off by nearly half a turn. In order of time, with the
 /// attitude, steps, motions, poses and fixes that the parts of a pipeline give each other.
-struct TroubledWalk {
+struct DisturbedWalk {
   /// Without troubles: the same walk as it should be.
-  explicit TroubledWalk(bool troubled = true);
+  explicit DisturbedWalk(bool troubled = true);
   std::vector<odograph::AnyMessage> messages;
 };

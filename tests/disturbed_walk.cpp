@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/troubled_walk.hpp"
+#include "tests/disturbed_walk.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -153,7 +153,7 @@ odo_fix fix_at(const TrueState& state, double t, bool troubled) {
 
 }  // namespace
 
-TroubledWalk::TroubledWalk(bool troubled) {
+DisturbedWalk::DisturbedWalk(bool troubled) {
   const Recording recording = walk();
   const auto& states = recording.true_states;
   const int64_t start_ns = states.front().t_ns;
