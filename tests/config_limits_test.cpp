@@ -91,7 +91,10 @@ TEST_CASE("each choice of a config is read as what it says") {
       {"vertical: ignore", [](const auto& c) { return c.coupling.vertical == Vertical::ignore; }},
       {"vertical: scaled", [](const auto& c) { return c.coupling.vertical == Vertical::scaled; }},
   };
-  for (const auto& [text, holds] : choices) CHECK_MESSAGE(holds(read(std::string("coupling: {") + text + "}\n")), text);
+  for (const auto& choice : choices) {
+    const std::string text = choice.first;
+    CHECK_MESSAGE(choice.second(read("coupling: {" + text + "}\n")), text);
+  }
   const std::map<std::string, Isolation::Kind> kinds = {
       {"none", Isolation::Kind::none}, {"thread", Isolation::Kind::thread}, {"process", Isolation::Kind::process}};
   for (const auto& [general, kind] : kinds)
@@ -169,7 +172,8 @@ TEST_CASE("a camera's quaternion is near 1 and made 1, its distortion has 0, 4, 
   for (const auto& [w, good] : {std::pair{1.009, true}, {0.991, true}, {0.989, false}, {0.0, false}}) {
     const auto c = lens("q_b_c: [" + std::to_string(std::min(w, 1.0)) + ", 0, 0, " +
                         std::to_string(w > 1 ? std::sqrt(w * w - 1) : 0.0) + "]\n");
-    CAPTURE(w);
+    const double scalar = w;
+    CAPTURE(scalar);
     REQUIRE(c.ok() == good);
     if (good) CHECK(std::hypot(c->q_b_c[0], c->q_b_c[3]) == doctest::Approx(1).epsilon(1e-12));
   }
@@ -233,7 +237,8 @@ TEST_CASE("numbers are good at their limits and refused beyond, whole ones too, 
   using namespace table;
   for (const auto& [value, good] : std::map<std::string, bool>{
            {"-1", true}, {"2.5", true}, {"-1.000001", false}, {"2.500001", false}, {"1e1", false}, {"x", false}}) {
-    CAPTURE(value);
+    const std::string written = value;
+    CAPTURE(written);
     CHECK(accepts(real("k", "m", -1, 2.5, "0", ""), value) == good);
     CHECK(accepts({.type = SpecType::reals, .min = -1, .max = 2.5, .count = 2}, "[0, " + value + "]") == good);
     CHECK(accepts({.type = SpecType::list, .children = {real("k", "", -1, 2.5, "0", "")}}, "[1, " + value + "]") ==

@@ -293,7 +293,7 @@ TEST_CASE("a frame needs the planes of its format, and a mask where it says that
       auto& m = reinterpret_cast<odo_frame&>(any.header());
       m.format = format;
       (missing < 4 ? m.planes[missing] : m.mask).data = nullptr;
-      CAPTURE(format);
+      CAPTURE(m.format);
       CAPTURE(missing);
       CHECK(message_is_good(m.header) == (missing >= count && missing < 4));
       m.header.flags &= ~ODO_FRAME_MASK;
