@@ -166,7 +166,9 @@ TEST_CASE("values that take a config's place: by key, number and plugin, and as 
   const auto changed = [&](const std::string& path, const std::string& value) {
     const auto root = with_overrides(config, {{path, value}});
     REQUIRE_MESSAGE(root.ok(), (root.ok() ? "" : root.failure().text));
-    const YamlNode* node = node_at(*parse_yaml(yaml_text(*root), "again"), path);
+    const auto again = parse_yaml(yaml_text(*root), "again");
+    REQUIRE(again.ok());
+    const YamlNode* node = node_at(*again, path);
     return node ? node->text : "nothing";
   };
   for (const char* path : {"walker.height", "absolute_fixers.0.parameters.x", "absolute_fixers.fix/waypoint.time_limit",
