@@ -3,6 +3,7 @@
 // Anchors through the C border.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -314,11 +315,21 @@ TEST_CASE("a sensor clock that is set back moves the anchors with the phone") {
   app.walk(5000, 6000);
   const uint64_t id = make(app, place(ODO_ANCHOR_VIEW, {0, 0, 2}));
   app.walk(6000, 6001);
+  const odo_pose before = app.all<odo_pose>(ODO_TYPE_POSE).back();
   app.walk(0, 1000);
   odo_session_flush(app.session);
   const auto corrections = app.all<odo_correction>(ODO_TYPE_CORRECTION);
   REQUIRE(!corrections.empty());
-  CHECK(corrections.back().reason == ODO_CORRECTION_RESTART);
+  const odo_correction& restart = corrections.back();
+  CHECK(restart.reason == ODO_CORRECTION_RESTART);
+  // The phone is where it was: its old pose, moved, is the first one in the new n.
+  const Quaterniond q(restart.q_n[0], restart.q_n[1], restart.q_n[2], restart.q_n[3]);
+  const auto poses = app.all<odo_pose>(ODO_TYPE_POSE);
+  const auto after =
+      std::find_if(poses.begin(), poses.end(), [&](const odo_pose& x) { return x.header.t_ns == restart.header.t_ns; });
+  REQUIRE(after != poses.end());
+  CHECK(Quaterniond::Identity().angularDistance(q) * Vector3d(before.p_n).norm() > 0.2);  // or nothing is shown
+  CHECK((q * Vector3d(before.p_n) + Vector3d(restart.p_n) - Vector3d(after->p_n)).norm() < 1e-6);
   CHECK(get(app, id).state == ODO_TRACKING);
   CHECK((where(app, id) - phone(app)).norm() < 15);  // ten seconds of walking since
 }

@@ -192,4 +192,30 @@ TEST_CASE("one fix lies by 50 m") {
   CHECK(r.beyond_s < 5);
 }
 
+TEST_CASE("who goes by steps alone: a step tells two directions, and what 99.9 % of two stay below is its gate") {
+  const auto told = [](double length_m) {
+    WalkMeasurements what;
+    what.camera = false, what.end_s = 12;
+    EstimatorWalk walk(estimator_scenario(40), what, 3);
+    CouplingConfig config;
+    config.type = CouplingType::inertial;
+    InertialEstimator estimator(config, {}, {false, false});
+    walk.run(estimator, [](double, const odo_pose&) {});
+    auto step = make_message<odo_step>(ODO_TYPE_STEP, EstimatorWalk::ns(11.95));
+    step.t_start_ns = EstimatorWalk::ns(11.3), step.t_end_ns = EstimatorWalk::ns(11.9);
+    step.header.flags = ODO_STEP_HEADING;
+    step.length_m = length_m, step.sigma_m = 0.05, step.mode = ODO_MODE_WALKING_TEXTING;
+    return estimator.update(&step);
+  };
+  double good_m = 0.7, bad_m = 20;
+  REQUIRE(told(good_m).accepted);
+  REQUIRE_FALSE(told(bad_m).accepted);
+  while (bad_m - good_m > 1e-4) {
+    const double middle_m = 0.5 * (good_m + bad_m);
+    (told(middle_m).accepted ? good_m : bad_m) = middle_m;
+  }
+  CHECK(std::abs(told(good_m).nis - 13.82) < 0.05);
+  CHECK(told(bad_m).nis > 13.82);
+}
+
 TEST_SUITE_END();

@@ -78,6 +78,14 @@ const std::vector<Told>& all_told() {
          w.q_b_c = Eigen::Quaterniond(0.3, 0.8, 0.4, -0.2).normalized();
        }},
       {"blind", [](WalkMeasurements& w) { w.odometry.blind_from_s = 8, w.odometry.blind_to_s = 14; }},
+      {"new_group",
+       [](WalkMeasurements& w) {
+         w.change = [](double t, odo_vo_motion& m) {
+           if (t < 9) return;
+           m.scale_group = 1;
+           for (double& x : m.p_c0_c1) x *= 2;
+         };
+       }},
       {"no_frames", [](WalkMeasurements& w) { w.odometry.off_from_s = 8, w.odometry.off_to_s = 12; }},
       {"no_imu", [](WalkMeasurements& w) { w.no_imu_from_s = 8, w.no_imu_to_s = 8.6; }},
       {"pressure",

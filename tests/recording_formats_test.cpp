@@ -3,8 +3,11 @@
 // Every number of every format: written and read again, or read from a made-up file with numbers that are all distinct.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <sstream>
+#include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -250,6 +253,29 @@ TEST_CASE("an EuRoC folder's truth has the states' numbers, is the camera's when
   CHECK(copy.truth[0].p == Vector3d(1, 2, 3));
   CHECK(copy.truth[0].q.angularDistance(kQ) < 1e-12);
   CHECK_FALSE(write_euroc(r, folder / "a", nullptr).ok());
+}
+
+TEST_CASE("a picture in colour is kept with its colours, whatever their order in the frame") {
+  const uint8_t bgr[2][3] = {{10, 120, 230}, {200, 60, 30}};
+  const std::map<uint32_t, std::array<int, 4>> orders = {// of blue, green, red in a pixel, and its bytes
+                                                         {ODO_FORMAT_RGB8, {2, 1, 0, 3}},
+                                                         {ODO_FORMAT_RGBA8, {2, 1, 0, 4}},
+                                                         {ODO_FORMAT_BGRA8, {0, 1, 2, 4}}};
+  for (const auto& [format, order] : orders) {
+    std::vector<uint8_t> bytes(static_cast<size_t>(2 * order[3]), 255);
+    for (int x = 0; x < 2; ++x)
+      for (int k = 0; k < 3; ++k) bytes[static_cast<size_t>(x * order[3] + order[static_cast<size_t>(k)])] = bgr[x][k];
+    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 1);
+    frame.format = format, frame.width = 2, frame.height = 1;
+    frame.planes[0] = {bytes.data(), 2 * order[3], static_cast<uint32_t>(order[3]), 0};
+    const auto picture = encode_picture(frame, 0);
+    REQUIRE(picture);
+    const cv::Mat read = cv::imdecode(*picture, cv::IMREAD_UNCHANGED);
+    REQUIRE(read.type() == CV_8UC3);
+    REQUIRE(read.cols == 2);
+    for (int x = 0; x < 2; ++x)
+      for (int k = 0; k < 3; ++k) CHECK(int(read.at<cv::Vec3b>(0, x)[k]) == int(bgr[x][k]));
+  }
 }
 
 TEST_SUITE_END();

@@ -7,6 +7,8 @@
 
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/tools/simulation/camera.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "tests/support.hpp"
 
 using namespace odograph;
 using Eigen::Vector2d;
@@ -115,5 +117,33 @@ TEST_SUITE("phone_camera") {
       REQUIRE(std::abs(std::log(grey / 120) - steps.back()) < 1e-9);
     }
     CHECK(std::abs(statistics_of(steps).std - 0.1) < 0.03);
+  }
+
+  TEST_CASE(
+      "a camera whose clock is behind by its time offset stamps the same frames earlier, and its calibration says so") {
+    const TemporaryFolder folder;
+    const auto recorded = [&](double offset_s) {
+      Scenario s;
+      s.camera.width = 32, s.camera.height = 24, s.camera.focal_px = 25, s.camera.time_offset_s = offset_s;
+      s.route = {{0, 0, 0}, {2, 0, 0}};
+      REQUIRE(simulate(s, 3, folder / "walk.odo", {.threads = 1}));
+      std::vector<int64_t> stamps_ns;
+      int64_t told_ns = 0;
+      const auto recording = read_recording(folder / "walk.odo");
+      REQUIRE(recording);
+      for (const RecordedMessage& m : recording->messages) {
+        if (m.message.header().type == ODO_TYPE_FRAME) stamps_ns.push_back(m.message.header().t_ns);
+        if (m.message.header().type == ODO_TYPE_CALIBRATION)
+          told_ns = as<odo_calibration>(m.message.header()).time_offset_ns;
+      }
+      return std::pair(stamps_ns, told_ns);
+    };
+    const auto [plain, none_ns] = recorded(0);
+    const auto [early, told_ns] = recorded(0.05);
+    CHECK(none_ns == 0);
+    CHECK(told_ns == 50'000'000);
+    REQUIRE(plain.size() > 10);
+    REQUIRE(early.size() == plain.size());
+    for (size_t i = 0; i < plain.size(); ++i) CHECK(std::abs(early[i] + told_ns - plain[i]) <= 1);
   }
 }

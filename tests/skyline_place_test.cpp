@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -127,6 +128,36 @@ TEST_CASE("in a town that the database does not have nothing is told") {
   const TemporaryFolder folder;
   const auto database = database_of(a_town(1), folder / "here");
   for (const uint64_t seed : {7u, 8u, 9u}) CHECK_FALSE(drive(a_town(seed), database).found);
+}
+
+TEST_CASE("pictures that speak for one place alone count in a row: one of another town between them begins anew") {
+  const TemporaryFolder folder;
+  const auto town = a_town(1), other = a_town(7);
+  const auto database = database_of(town, folder / "town");
+  // Of each picture of a drive whether a place is told: by one picture that speaks for it alone, or by two in a row.
+  const auto found_by = [&](int steady, bool disturbed) {
+    PlaceFinder::Parameters p;
+    p.pictures = 2, p.min_pictures = 2, p.min_path_m = 0, p.steady = steady;
+    PlaceFinder finder(p, database, Vector3d::Zero());
+    std::vector<bool> found;
+    for (int k = 0; k < 12; ++k) {
+      const Vector3d place(15.5, -33 + 4.5 * k, -1.5);
+      const auto& seen = disturbed && k % 5 < 2 ? other : town;
+      const Eigen::Quaterniond up(0, 1, 0, 0);
+      found.push_back(finder.add(seen_from(seen, place, up), up, place, [](uint64_t) {}).has_value());
+    }
+    return found;
+  };
+  for (const bool disturbed : {false, true}) {
+    const auto alone = found_by(1, disturbed), in_a_row = found_by(2, disturbed);
+    int believed = 0, lonely = 0;
+    for (size_t k = 1; k < alone.size(); ++k) {
+      CHECK(in_a_row[k] == (alone[k] && alone[k - 1]));
+      believed += in_a_row[k], lonely += alone[k] && !alone[k - 1];
+    }
+    MESSAGE("two in a row " << believed << " times, the first of a row " << lonely << " times");
+    CHECK((disturbed ? lonely : believed) >= 2);
+  }
 }
 
 TEST_SUITE_END();

@@ -105,6 +105,9 @@ Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jp
     case ODO_FORMAT_RGBA8:
       cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), image, cv::COLOR_RGBA2BGR);
       break;
+    case ODO_FORMAT_BGRA8:
+      cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), image, cv::COLOR_BGRA2BGR);
+      break;
     default: image = cv::Mat(rows, columns, CV_8UC1, data, stride);
   }
   std::vector<unsigned char> bytes;

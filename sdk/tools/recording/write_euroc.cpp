@@ -40,10 +40,10 @@ class EurocWriter {
     std::error_code error;
     if (fs::exists(folder_ / "mav0", error))
       return Failure{ODO_E_ARGUMENT, folder_.string() + ": holds a recording (mav0) already; expected another folder"};
-    for (const char* part : {"mav0/cam0/data", "mav0/imu0", "mav0/state_groundtruth_estimate0"})
-      if (part == std::string("mav0/cam0/data") && !r_.has(ODO_TYPE_FRAME))
-        continue;  // a camera's folder without a camera could not be read again
-      else if (fs::create_directories(folder_ / part, error); error)
+    std::vector<const char*> parts = {"mav0/imu0", "mav0/state_groundtruth_estimate0"};
+    if (r_.has(ODO_TYPE_FRAME)) parts.push_back("mav0/cam0/data");  // empty it could not be read again
+    for (const char* part : parts)
+      if (fs::create_directories(folder_ / part, error); error)
         return Failure{ODO_E_NOT_FOUND, (folder_ / part).string() + ": cannot be created"};
     for (const auto& m : r_.messages) {
       if (m.message.header().type == ODO_TYPE_CALIBRATION) camera_ = as<odo_calibration>(m.message.header());
