@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "sdk/host/base/rotation.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 #include "tests/plugin_run.hpp"
 
@@ -75,7 +76,7 @@ bool trouble(odo_gnss& sample, double t, size_t number) {
 }
 
 /// Of the samples: lost, or as a pipeline is given them.
-void add_samples(const Recording& recording, bool troubled, int64_t start_ns, std::vector<AnyMessage>& out) {
+void add_samples(const Recording& recording, int64_t start_ns, std::vector<AnyMessage>& out) {
   size_t numbers[16] = {};
   for (const RecordedMessage& recorded : recording.messages) {
     AnyMessage m(recorded.message.header());
@@ -83,7 +84,7 @@ void add_samples(const Recording& recording, bool troubled, int64_t start_ns, st
     bool kept = true;
     const auto with = [&](auto& sample, size_t kind) {
       const size_t number = numbers[kind]++;
-      if (troubled) kept = trouble(sample, t, number);
+      kept = trouble(sample, t, number);
     };
     switch (m.header().type) {
       case ODO_TYPE_IMU: with(of<odo_imu>(m), 0); break;
@@ -96,77 +97,76 @@ void add_samples(const Recording& recording, bool troubled, int64_t start_ns, st
   }
 }
 
-void put(const Quaterniond& q, double* wxyz) { wxyz[0] = q.w(), wxyz[1] = q.x(), wxyz[2] = q.y(), wxyz[3] = q.z(); }
-
-odo_attitude attitude_at(const TrueState& state, double t, bool troubled) {
+odo_attitude attitude_at(const TrueState& state, double t) {
   auto a = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, state.t_ns);
-  const double off = troubled ? 2.9 + 0.002 * t : 0;
-  put(Quaterniond(Eigen::AngleAxisd(off, Vector3d::UnitZ())) * state.q, a.q_n_b);
+  const double off = 2.9 + 0.002 * t;
+  put_quaternion(Quaterniond(Eigen::AngleAxisd(off, Vector3d::UnitZ())) * state.q, a.q_n_b);
   for (int k = 0; k < 3; ++k) a.covariance_n[4 * k] = 1e-3, a.gyro_bias_b[k] = state.gyro_bias[k];
   return a;
 }
 
-odo_pose pose_at(const TrueState& state, double t, bool troubled) {
+odo_pose pose_at(const TrueState& state, double t) {
   auto p = make_message<odo_pose>(ODO_TYPE_POSE, state.t_ns);
   p.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_METRIC;
-  put(state.q, p.q_n);
-  const Vector3d jump = troubled && t > 66 ? Vector3d(8, -6, 0) : Vector3d::Zero();
+  put_quaternion(state.q, p.q_n);
+  const Vector3d jump = t > 66 ? Vector3d(8, -6, 0) : Vector3d::Zero();
   Vector3d::Map(p.p_n) = state.p + jump;
   for (int k = 0; k < 6; ++k) p.covariance[7 * k] = k < 3 ? 0.01 : 1;
-  if (troubled && Span{100, 102}.has(t)) p.covariance[14] = 16;
-  if (troubled && Span{97, 98}.has(t)) p.header.flags |= ODO_POSE_EXTRAPOLATED;
-  if (troubled && Span{103, 104}.has(t)) p.header.flags &= ~ODO_POSE_METRIC;
+  if (Span{100, 102}.has(t)) p.covariance[14] = 16;
+  if (Span{97, 98}.has(t)) p.header.flags |= ODO_POSE_EXTRAPOLATED;
+  if (Span{103, 104}.has(t)) p.header.flags &= ~ODO_POSE_METRIC;
   p.state = ODO_TRACKING;
   return p;
 }
 
-odo_vo_motion motion_between(const TrueState& from, const TrueState& to, double t, bool troubled) {
+odo_vo_motion motion_between(const TrueState& from, const TrueState& to, double t) {
   auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, to.t_ns);
   m.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_NAVIGATION;
   m.t_from_ns = from.t_ns;
-  m.scale_group = troubled ? (t < 40 ? 1 : t < 95 ? 2 : 7) : 1;
+  m.scale_group = t < 40 ? 1 : t < 95 ? 2 : 7;
   const double scale = m.scale_group == 1 ? 2.5 : m.scale_group == 2 ? 4 : 1.7;
-  put(from.q, m.q_n_c0), put(from.q.conjugate() * to.q, m.q_c0_c1);
+  put_quaternion(from.q, m.q_n_c0), put_quaternion(from.q.conjugate() * to.q, m.q_c0_c1);
   Vector3d::Map(m.p_c0_c1) = from.q.conjugate() * (to.p - from.p) / scale;
-  if (troubled && Span{25, 26}.has(t)) m.header.flags &= ~ODO_VO_NAVIGATION;
-  if (troubled && Span{34, 34.5}.has(t)) std::fill_n(m.p_c0_c1, 3, 0.0);
-  if (troubled && Span{47, 47.1}.has(t)) Vector3d::Map(m.p_c0_c1) *= 50;
+  if (Span{25, 26}.has(t)) m.header.flags &= ~ODO_VO_NAVIGATION;
+  if (Span{34, 34.5}.has(t)) std::fill_n(m.p_c0_c1, 3, 0.0);
+  if (Span{47, 47.1}.has(t)) Vector3d::Map(m.p_c0_c1) *= 50;
   m.state = ODO_TRACKING;
   return m;
 }
 
 /// A place with a known point in view; for some seconds of a place that looks alike.
-odo_fix fix_at(const TrueState& state, double t, bool troubled) {
+odo_fix fix_at(const TrueState& state, double t) {
   auto f = make_message<odo_fix>(ODO_TYPE_FIX, state.t_ns);
-  f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_SLANT | ODO_FIX_ACCEPTED;
+  f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_SLANT | ODO_FIX_ACCEPTED;
+  if (static_cast<int>(std::lround(t)) % 30 == 5) f.header.flags |= ODO_FIX_DOWN;  // seldom: a barometer goes by it
   const Vector3d landmark(100, 60, -25), noise(0.3 * std::sin(3 * t), 0.3 * std::cos(5 * t), 0.1 * std::sin(7 * t));
-  const bool wrong = troubled && Span{55, 56.5}.has(t), alike = troubled && t > 104;
+  const bool wrong = Span{55, 56.5}.has(t), alike = t > 104;
   const Vector3d place =
       (alike ? Vector3d(2.4 * state.p) : Vector3d(state.p)) + noise + (wrong ? Vector3d(15, 5, 0) : Vector3d::Zero());
   Vector3d::Map(f.p_n) = place;
   Vector3d::Map(f.landmark_n) = landmark;
   f.slant_distance_m = (landmark - place).norm();
-  for (int k = 0; k < 3; ++k) f.covariance_n[4 * k] = troubled && static_cast<int>(t) % 4 == 0 ? 1 : 0.25;
-  if (troubled && Span{70, 72}.has(t)) f.header.flags &= ~(ODO_FIX_ACCEPTED | ODO_FIX_EAST);
+  for (int k = 0; k < 3; ++k) f.covariance_n[4 * k] = static_cast<int>(t) % 4 == 0 ? 1 : 0.25;
+  if (Span{70, 72}.has(t)) f.header.flags &= ~(ODO_FIX_ACCEPTED | ODO_FIX_EAST);
   return f;
 }
 
 }  // namespace
 
-DisturbedWalk::DisturbedWalk(bool troubled) {
+DisturbedWalk::DisturbedWalk() {
   const Recording recording = walk();
   const auto& states = recording.true_states;
   const int64_t start_ns = states.front().t_ns;
   const TrueState* frame = nullptr;
-  add_samples(recording, troubled, start_ns, messages);
+  add_samples(recording, start_ns, messages);
   for (size_t i = 0; i < states.size(); ++i) {
     const double t = static_cast<double>(states[i].t_ns - start_ns) * 1e-9;
-    messages.emplace_back(attitude_at(states[i], t, troubled).header);
+    messages.emplace_back(attitude_at(states[i], t).header);
     if (i % 10 != 0) continue;
-    if (frame) messages.emplace_back(motion_between(*frame, states[i], t, troubled).header);
+    if (frame) messages.emplace_back(motion_between(*frame, states[i], t).header);
     frame = &states[i];
-    messages.emplace_back(pose_at(states[i], t, troubled).header);
-    if (i % 100 == 0) messages.emplace_back(fix_at(states[i], t, troubled).header);
+    messages.emplace_back(pose_at(states[i], t).header);
+    if (i % 100 == 0) messages.emplace_back(fix_at(states[i], t).header);
     if (i % 2000 != 0) continue;
     auto waypoint = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, states[i].t_ns);
     Vector3d::Map(waypoint.p_n) = states[i].p;

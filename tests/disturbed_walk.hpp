@@ -10,7 +10,6 @@
 /// scale, satellites that are reflected, a heading that is off by nearly half a turn. In order of time, with the
 /// attitude, steps, motions, poses and fixes that the parts of a pipeline give each other.
 struct DisturbedWalk {
-  /// Without troubles: the same walk as it should be.
-  explicit DisturbedWalk(bool troubled = true);
+  DisturbedWalk();
   std::vector<odograph::AnyMessage> messages;
 };

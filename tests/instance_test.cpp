@@ -271,8 +271,8 @@ TEST_CASE("calls that come back late, one after the other, are forgotten: the pl
   PluginChoice choice = choice_of(kThread, own_copy(folder));
   choice.isolation.time_s = 0.03;
   for (int i = 0; i < 10; ++i) {
-    REQUIRE(leave_behind(choice, 60));
-    sleep_ms(50);
+    REQUIRE(leave_behind(choice, 300));
+    sleep_ms(350);
   }
 }
 
@@ -281,15 +281,15 @@ TEST_CASE("of eight calls that have not come back nothing more is loaded, until 
   PluginChoice choice = choice_of(kThread, own_copy(folder));
   choice.isolation.time_s = 0.03;
   std::string why;
-  for (int i = 0; i < 7; ++i) REQUIRE(leave_behind(choice, 1500));
-  REQUIRE(leave_behind(choice, 600));
-  CHECK_FALSE(leave_behind(choice, 600, &why));
+  for (int i = 0; i < 7; ++i) REQUIRE(leave_behind(choice, 6000));
+  REQUIRE(leave_behind(choice, 3000));
+  CHECK_FALSE(leave_behind(choice, 300, &why));
   CHECK(why.find("8 of its calls have not come back") != std::string::npos);
   PluginChoice another = choice_of(kThread, own_copy(other));  // each library has its own count
   another.isolation.time_s = 0.03;
-  CHECK(leave_behind(another, 60));
-  sleep_ms(700);
-  CHECK(leave_behind(choice, 60));
+  CHECK(leave_behind(another, 300));
+  sleep_ms(3200);
+  CHECK(leave_behind(choice, 300));
 }
 
 TEST_SUITE_END();

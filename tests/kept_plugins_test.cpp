@@ -56,6 +56,7 @@ void add(Digest& digest, const std::string& of, const odo_header& header, int64_
 struct Choice {
   const char* plugin;
   PluginRun::Settings settings;
+  size_t at_least = 5;  ///< events, or the walk is none for it
 };
 
 /// Each choice's events for the walk; after a reset they are the same again.
@@ -66,7 +67,7 @@ std::string digest_of(const std::vector<Choice>& choices) {
     CAPTURE(std::string(choice.plugin));
     PluginRun run(choice.plugin, choice.settings);
     const auto events = run(troubled_walk());
-    CHECK_FALSE(events.empty());
+    CHECK(events.size() >= choice.at_least);
     const std::string of = std::to_string(10 + number++) + "_" + choice.plugin;
     for (const auto& event : events)
       add(digest, of + "." + message_name(event.header().type), event.header(), troubled_walk().front().header().t_ns);
@@ -119,9 +120,9 @@ TEST_CASE("fixes on a walk full of troubles") {
         {{"fix_gnss", {}},
          {"fix_gnss", {{"height", "true"}, {"heading", "false"}, {"correlation", "0"}, {"min_satellites", "3"}}},
          {"fix_gnss", {{"correlation", "5"}, {"bias_time", "20"}, {"sigma", "3"}, {"min_sigma", "6"}}},
-         {"fix_barometer", {{"interval", "0.5"}}},
+         {"fix_barometer", {}},
          {"fix_barometer", {{"from_start", "false"}, {"interval", "1"}}},
-         {"fix_waypoint", {}},
+         {"fix_waypoint", {}, 1},
          {"fix_waypoint", {{"use", "all"}}}});
 }
 

@@ -25,9 +25,13 @@ namespace {
 /// other vector instructions.
 constexpr Tolerance kSame = {1e-6, false}, kRendered = {0.1, true}, kChosen = {0.3, true}, kDriven = {0.5, true};
 
-double seconds(int64_t t_ns) { return static_cast<double>(t_ns) * 1e-9; }
+/// Times are kept since a run's first one: of days they would hide what a column's other digits say.
+struct Clock {
+  int64_t start_ns;
+  double operator()(int64_t t_ns) const { return static_cast<double>(t_ns - start_ns) * 1e-9; }
+};
 
-void add_pose(Digest& digest, const odo_pose& x) {
+void add_pose(Digest& digest, const odo_pose& x, const Clock& seconds) {
   digest.add("pose.t_s", seconds(x.header.t_ns));
   digest.add("pose.q_n", x.q_n, 4);
   digest.add("pose.p_n", x.p_n, 3);
@@ -44,7 +48,7 @@ void add_pose(Digest& digest, const odo_pose& x) {
   digest.add("pose.velocity_covariance", x.velocity_covariance, 9);
 }
 
-void add_step(Digest& digest, const odo_step& x) {
+void add_step(Digest& digest, const odo_step& x, const Clock& seconds) {
   digest.add("step.t_start_s", seconds(x.t_start_ns));
   digest.add("step.t_end_s", seconds(x.t_end_ns));
   digest.add("step.length_m", x.length_m);
@@ -70,31 +74,34 @@ void add_motion(Digest& digest, const odo_vo_motion& x) {
   digest.add("motion.accel_bias_b", x.accel_bias_b, 3);
 }
 
-void add_fix(Digest& digest, const RunResult::Fix& f) {
+/// Each source has columns of its own, for they say different things in different sizes.
+void add_fix(Digest& digest, const RunResult::Fix& f, const Clock& seconds) {
   const odo_fix& x = f.fix;
-  digest.add("fix.t_s", seconds(x.header.t_ns));
-  digest.add("fix.accepted", f.accepted);
-  digest.add("fix.p_n", x.p_n, 3);
-  digest.add("fix.covariance_n", x.covariance_n, 9);
-  digest.add("fix.q_n_b", x.q_n_b, 4);
-  digest.add("fix.orientation_cov_n", x.orientation_cov_n, 9);
-  digest.add("fix.yaw_rad", x.yaw_rad);
-  digest.add("fix.yaw_sigma_rad", x.yaw_sigma_rad);
-  digest.add("fix.integrity", x.integrity);
-  digest.add("fix.slant_distance_m", x.slant_distance_m);
+  const std::string fix = "fix_" + std::to_string(x.header.source);
+  digest.add(fix + ".t_s", seconds(x.header.t_ns));
+  digest.add(fix + ".accepted", f.accepted);
+  digest.add(fix + ".p_n", x.p_n, 3);
+  digest.add(fix + ".covariance_n", x.covariance_n, 9);
+  digest.add(fix + ".q_n_b", x.q_n_b, 4);
+  digest.add(fix + ".orientation_cov_n", x.orientation_cov_n, 9);
+  digest.add(fix + ".yaw_rad", x.yaw_rad);
+  digest.add(fix + ".yaw_sigma_rad", x.yaw_sigma_rad);
+  digest.add(fix + ".integrity", x.integrity);
+  digest.add(fix + ".slant_distance_m", x.slant_distance_m);
 }
 
 std::string digest_of(const RunResult& result) {
   Digest digest;
-  for (const odo_pose& x : result.poses) add_pose(digest, x);
-  for (const odo_step& x : result.steps) add_step(digest, x);
+  const Clock seconds{result.poses.empty() ? 0 : result.poses.front().header.t_ns};
+  for (const odo_pose& x : result.poses) add_pose(digest, x, seconds);
+  for (const odo_step& x : result.steps) add_step(digest, x, seconds);
   for (const odo_vo_motion& x : result.motions) add_motion(digest, x);
-  for (const RunResult::Fix& x : result.fixes) add_fix(digest, x);
+  for (const RunResult::Fix& x : result.fixes) add_fix(digest, x, seconds);
   for (const odo_scale& x : result.scales) {
     digest.add("scale.scale", x.scale);
     digest.add("scale.sigma", x.sigma);
     digest.add("scale.displacement_m", x.displacement_m);
-    digest.add("scale.valid_s", seconds(x.valid_to_ns - x.valid_from_ns));
+    digest.add("scale.valid_s", seconds(seconds.start_ns + x.valid_to_ns - x.valid_from_ns));
   }
   for (const odo_attitude& x : result.attitudes) {
     digest.add("attitude.q_n_b", x.q_n_b, 4);
@@ -108,6 +115,8 @@ std::string digest_of(const RunResult& result) {
 
 std::string digest_of(const Recording& recording) {
   Digest digest;
+  const Clock seconds{recording.messages.front().message.header().t_ns};
+  constexpr double kEarth_m = 6378137;  // places are kept in metres from where they are supposed
   for (const RecordedMessage& message : recording.messages) {
     const odo_header& header = message.message.header();
     switch (header.type) {
@@ -120,8 +129,8 @@ std::string digest_of(const Recording& recording) {
       case ODO_TYPE_BAROMETER: digest.add("barometer.pressure_pa", as<odo_barometer>(header).pressure_pa); break;
       case ODO_TYPE_GNSS:
         digest.add("gnss.t_s", seconds(header.t_ns));
-        digest.add("gnss.latitude_rad", as<odo_gnss>(header).latitude_rad);
-        digest.add("gnss.longitude_rad", as<odo_gnss>(header).longitude_rad);
+        digest.add("gnss.north_m", (as<odo_gnss>(header).latitude_rad - kSimulatedOrigin[0]) * kEarth_m);
+        digest.add("gnss.east_m", (as<odo_gnss>(header).longitude_rad - kSimulatedOrigin[1]) * kEarth_m);
         digest.add("gnss.height_m", as<odo_gnss>(header).height_m);
         digest.add("gnss.covariance_n", as<odo_gnss>(header).covariance_n, 3, 4);
         digest.add("gnss.velocity_n", as<odo_gnss>(header).velocity_n, 3);
@@ -233,7 +242,9 @@ TEST_CASE("a rendered walk past known objects, as a recording and as an app play
   const auto app = app_stream(recording, options, {});
   REQUIRE(app);
   Digest digest;
-  for (const PolledPose& x : app->poses.polls) add_pose(digest, x.pose), digest.add("smooth.p_n", x.smooth.p_n, 3);
+  const Clock seconds{recording.messages.front().message.header().t_ns};
+  for (const PolledPose& x : app->poses.polls)
+    add_pose(digest, x.pose, seconds), digest.add("smooth.p_n", x.smooth.p_n, 3);
   const auto anchors = anchor_walk(recording, options, {});
   REQUIRE(anchors);
   for (double px : anchors->px) digest.add("anchor.px", px);

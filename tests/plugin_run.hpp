@@ -38,7 +38,6 @@ class PluginRun {
     return out;
   }
   void reset() { REQUIRE(subject_->reset() == ODO_OK); }
-  const std::vector<odograph::Spec>& parameters() const { return bench_.choice.manifest.parameters; }
 
  private:
   odograph::Bench bench_;

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <map>
 #include <sstream>
 #include <vector>
 
@@ -97,7 +96,8 @@ TEST_CASE("colours come back in their order, and a grey picture row by row") {
   REQUIRE(writer.ok());
   std::vector<uint8_t> pixels(2 * 16);
   for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(3 * i + 1);
-  const std::pair<uint32_t, uint32_t> formats[] = {{ODO_FORMAT_GREY8, 1}, {ODO_FORMAT_RGB8, 3}, {ODO_FORMAT_RGBA8, 4}};
+  const std::pair<uint32_t, uint32_t> formats[] = {
+      {ODO_FORMAT_GREY8, 1}, {ODO_FORMAT_RGB8, 3}, {ODO_FORMAT_RGBA8, 4}, {ODO_FORMAT_BGRA8, 4}};
   for (const auto& [format, channels] : formats) {
     auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, format + 1);
     frame.format = format, frame.width = 3, frame.height = 2, frame.planes[0] = {pixels.data(), 16, channels, 0};
@@ -105,7 +105,7 @@ TEST_CASE("colours come back in their order, and a grey picture row by row") {
   }
   REQUIRE((*writer)->finish().ok());
   const Recording r = read(folder / "a.odo");
-  REQUIRE(r.messages.size() == 3);
+  REQUIRE(r.messages.size() == 4);
   for (const auto& m : r.messages) {
     const auto frame = load_frame(m);
     REQUIRE(frame.ok());
@@ -114,12 +114,13 @@ TEST_CASE("colours come back in their order, and a grey picture row by row") {
                            : m.message.header().t_ns == ODO_FORMAT_RGB8 + 1 ? 3
                                                                             : 4;
     const uint32_t kept = std::min(given, 3U);
+    const bool blue_first = m.message.header().t_ns == ODO_FORMAT_BGRA8 + 1;
     CHECK(frame->planes[0].pixel_stride == kept);
     for (uint32_t y = 0; y < 2; ++y)
       for (uint32_t x = 0; x < 3; ++x)
         for (uint32_t c = 0; c < kept; ++c)
           CHECK(frame->planes[0].data[y * frame->planes[0].row_stride + x * kept + c] ==
-                pixels[16 * y + given * x + c]);
+                pixels[16 * y + given * x + (blue_first ? 2 - c : c)]);
     frame->release(&*frame);
   }
 }
@@ -253,29 +254,6 @@ TEST_CASE("an EuRoC folder's truth has the states' numbers, is the camera's when
   CHECK(copy.truth[0].p == Vector3d(1, 2, 3));
   CHECK(copy.truth[0].q.angularDistance(kQ) < 1e-12);
   CHECK_FALSE(write_euroc(r, folder / "a", nullptr).ok());
-}
-
-TEST_CASE("a picture in colour is kept with its colours, whatever their order in the frame") {
-  const uint8_t bgr[2][3] = {{10, 120, 230}, {200, 60, 30}};
-  const std::map<uint32_t, std::array<int, 4>> orders = {// of blue, green, red in a pixel, and its bytes
-                                                         {ODO_FORMAT_RGB8, {2, 1, 0, 3}},
-                                                         {ODO_FORMAT_RGBA8, {2, 1, 0, 4}},
-                                                         {ODO_FORMAT_BGRA8, {0, 1, 2, 4}}};
-  for (const auto& [format, order] : orders) {
-    std::vector<uint8_t> bytes(static_cast<size_t>(2 * order[3]), 255);
-    for (int x = 0; x < 2; ++x)
-      for (int k = 0; k < 3; ++k) bytes[static_cast<size_t>(x * order[3] + order[static_cast<size_t>(k)])] = bgr[x][k];
-    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 1);
-    frame.format = format, frame.width = 2, frame.height = 1;
-    frame.planes[0] = {bytes.data(), 2 * order[3], static_cast<uint32_t>(order[3]), 0};
-    const auto picture = encode_picture(frame, 0);
-    REQUIRE(picture);
-    const cv::Mat read = cv::imdecode(*picture, cv::IMREAD_UNCHANGED);
-    REQUIRE(read.type() == CV_8UC3);
-    REQUIRE(read.cols == 2);
-    for (int x = 0; x < 2; ++x)
-      for (int k = 0; k < 3; ++k) CHECK(int(read.at<cv::Vec3b>(0, x)[k]) == int(bgr[x][k]));
-  }
 }
 
 TEST_SUITE_END();

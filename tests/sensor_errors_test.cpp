@@ -74,9 +74,6 @@ TEST_SUITE("phone_sensors") {
     CHECK(sensor.measure({9, -9, 3.9}) == Vector3d(4, -4, 4));
     CHECK(sensor.measure({0.3, -0.3, 0.12}) == Vector3d(0.25, -0.25, 0));
     CHECK(sensor.measure({0.4, -0.4, 0.13}) == Vector3d(0.5, -0.5, 0.25));
-    const SimTriad::Errors all{0, 2e-4, 3e-3, 0, 0, 1, 0.06};
-    const double variance = (9e-6 + 0.06 * 0.06 / 12 / 50) / 2 + 4e-8 * 2 / 3;
-    CHECK(is_near(all.allan_deviation(50, 2), std::sqrt(variance), 1e-9));
   }
 
   TEST_CASE("a gyroscope's drift is 10 K by so much a kelvin in five minutes, and so much for each g") {

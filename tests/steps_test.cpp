@@ -77,7 +77,7 @@ TEST_CASE("steps are counted, timed and their rise is measured at any rate, regu
         CHECK(interval == doctest::Approx(1 / hz).epsilon(0.03));
         // The smoothing takes a part of quick steps, the same for everybody.
         const double smoothed_m = 0.04 * std::exp(-0.5 * std::pow(2 * kPi * hz * 0.06, 2));
-        CHECK(std::abs(rise - smoothed_m) < 0.15 * smoothed_m);
+        CHECK(std::abs(rise - smoothed_m) < 0.15 * smoothed_m);  // measured: 0.121 at most
       }
 }
 
