@@ -22,8 +22,8 @@ import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 INCLUDE = HERE / "include/odograph"
-HEADERS = ["base.h", "samples.h", "events.h", "odograph.h", "anchor.h", "plugin.h", "terrain.h", "skylines.h"]
-FROZEN = {"odo_string", "odo_plane", "odo_header"}  # embedded by value in others
+HEADERS = ["base.h", "samples.h", "events.h", "odograph.h", "anchor.h", "plugin.h", "terrain.h"]
+FROZEN = {"odo_string", "odo_plane", "odo_header", "odo_loan", "odo_borrowed"}  # embedded by value in others
 SCALARS = {"uint8_t": 1, "int32_t": 4, "uint32_t": 4, "float": 4, "double": 8, "int64_t": 8, "uint64_t": 8, "char": 1}
 WRITTEN = "/* SPDX-License-Identifier: Apache-2.0\n *\n * Written by abi/layout.py; do not edit. "
 
@@ -33,6 +33,8 @@ def structs(include=INCLUDE):
     known = {name: (size, size) for name, size in SCALARS.items()}
     for header in HEADERS:
         text = re.sub(r"/\*.*?\*/", "", (include / header).read_text(), flags=re.S).replace("ODO_CALL ", "")
+        text = re.sub(r"ODO_POINTER\((.*), (\w+)\);", r"\1 \2;", text)
+        text = re.sub(r"ODO_FUNCTION\((.*?), (\w+), \((.*)\)\);", r"\1 (*\2)(\3);", text)
         for name, body in re.findall(r"typedef struct (\w+) \{(.*?)\n\} \1;", text, flags=re.S):
             fields, end, widest = [], 0, 1
             for line in re.sub(r"\([^()]*\(\*(\w+)\)", r"(*\1)", body).split(";"):
@@ -65,7 +67,7 @@ def structs(include=INCLUDE):
 def type_numbers():
     """Message types by struct name, in the order of their numbers."""
     text = (INCLUDE / "base.h").read_text()
-    numbers = re.findall(r"#define ODO_TYPE_(\w+) UINT32_C\((0x[0-9A-Fa-f]+)\)", text)
+    numbers = re.findall(r"#define ODO_TYPE_(\w+) (0x[0-9A-Fa-f]+)u", text)
     return {"odo_" + name.lower(): name for name, number in sorted(numbers, key=lambda x: int(x[1], 16))}
 
 
@@ -87,7 +89,7 @@ def render_messages(sizes, minimum):
     rows = [f"  X(ODO_TYPE_{label}, {name}, {name[4:]}, {name.upper()}_SIZE_MIN)" for name, label in types.items()]
     width = max(len(row) for row in rows) + 1
     table = " \\\n".join([row.ljust(width) for row in rows[:-1]] + [rows[-1]])
-    constants = "\n".join(f"#define {name.upper()}_SIZE_MIN UINT32_C({minimum[name]})" for name in minimum)
+    constants = "\n".join(f"#define {name.upper()}_SIZE_MIN {minimum[name]}u" for name in minimum)
     return WRITTEN + """All messages as one list, and how large version 1.0 of each
  * struct was: a reader accepts what is at least as large, and takes fields behind its end for absent.
  */
@@ -120,7 +122,6 @@ def render():
 #include <odograph/anchor.h>
 #include <odograph/odograph.h>
 #include <odograph/plugin.h>
-#include <odograph/skylines.h>
 #include <odograph/terrain.h>
 
 #define ODO_LAYOUT(name, condition) typedef char odo_layout_of_##name[(condition) ? 1 : -1];

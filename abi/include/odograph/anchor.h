@@ -19,17 +19,17 @@
 extern "C" {
 #endif
 
-#define ODO_ANCHOR_POSE UINT32_C(1)     /* q and p are in n */
-#define ODO_ANCHOR_VIEW UINT32_C(2)     /* q and p are in the axes of the pose of t_ns: what a touch on a picture finds */
-#define ODO_ANCHOR_GEODETIC UINT32_C(3) /* a latitude, longitude and height */
+#define ODO_ANCHOR_POSE 1u     /* q and p are in n */
+#define ODO_ANCHOR_VIEW 2u     /* q and p are in the axes of the pose of t_ns: what a touch on a picture finds */
+#define ODO_ANCHOR_GEODETIC 3u /* a latitude, longitude and height */
 
-#define ODO_HEIGHT_ELLIPSOID UINT32_C(1) /* above the WGS 84 ellipsoid */
-#define ODO_HEIGHT_GEOID UINT32_C(2)     /* above the geoid ("sea level"), which is geoid_height_m above the ellipsoid there */
-#define ODO_HEIGHT_TERRAIN UINT32_C(3)   /* above the ground, as a fixer with a terrain model has it */
+#define ODO_HEIGHT_ELLIPSOID 1u /* above the WGS 84 ellipsoid */
+#define ODO_HEIGHT_GEOID 2u     /* above the geoid ("sea level"), which is geoid_height_m above the ellipsoid there */
+#define ODO_HEIGHT_TERRAIN 3u   /* above the ground, as a fixer with a terrain model has it */
 
 /* Two worlds an app may draw in, each with its own pose of the phone. */
-#define ODO_WORLD_CORRECTED UINT32_C(0) /* odo_session_get_pose: what is known best; jumps */
-#define ODO_WORLD_SMOOTH UINT32_C(1)    /* odo_session_get_smooth_pose: what is drawn never jumps against the picture */
+#define ODO_WORLD_CORRECTED 0u /* odo_session_get_pose: what is known best; jumps */
+#define ODO_WORLD_SMOOTH 1u    /* odo_session_get_smooth_pose: what is drawn never jumps against the picture */
 
 /* Where an anchor is to be. Zero what is not used. */
 typedef struct odo_anchor_place {
@@ -49,13 +49,13 @@ typedef struct odo_anchor_place {
   odo_string name;       /* UTF-8; the first 63 bytes are kept */
 } odo_anchor_place;
 
-#define ODO_ANCHOR_PLACED UINT32_C(1)   /* q_n, p_n and their sigmas are valid */
-#define ODO_ANCHOR_IN_VIEW UINT32_C(2)  /* q_view, p_view and view_sigma_m are valid */
-#define ODO_ANCHOR_ON_EARTH UINT32_C(4) /* latitude, longitude and height are valid */
+#define ODO_ANCHOR_PLACED 1u   /* q_n, p_n and their sigmas are valid */
+#define ODO_ANCHOR_IN_VIEW 2u  /* q_view, p_view and view_sigma_m are valid */
+#define ODO_ANCHOR_ON_EARTH 4u /* latitude, longitude and height are valid */
 
 /* Why an anchor is not placed yet; they continue ODO_REASON_*. */
-#define ODO_REASON_NO_FIX UINT32_C(10)    /* the place of n on the Earth is not known */
-#define ODO_REASON_NO_GROUND UINT32_C(11) /* the height of the ground there is not known */
+#define ODO_REASON_NO_FIX 10u    /* the place of n on the Earth is not known */
+#define ODO_REASON_NO_GROUND 11u /* the height of the ground there is not known */
 
 /* An anchor as it is at a time. */
 typedef struct odo_anchor {

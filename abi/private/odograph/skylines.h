@@ -14,7 +14,7 @@ extern "C" {
 #endif
 
 #define ODO_EXTENSION_SKYLINES "odo.skylines/draft1"
-#define ODO_SKYLINE_DIRECTIONS UINT32_C(720)
+#define ODO_SKYLINE_DIRECTIONS 720u
 
 /* What a database is. */
 typedef struct odo_skyline_database {
@@ -32,20 +32,18 @@ typedef int32_t (ODO_CALL *odo_skyline_progress)(void *context, uint64_t done, u
 typedef struct odo_skylines {
   uint32_t struct_size;
   uint32_t reserved; /* 0 */
-  void *user;        /* for the functions below */
+  ODO_POINTER(void *, user);        /* for the functions below */
   /* [control] Writes a database of the instance's model at `count` places (north, east, down of its n each, m), which lie
    * `spacing_m` apart. ODO_E_STATE without a model, ODO_E_DATA where it cannot be written, ODO_E_DISCARD where
    * `progress` (may be null) stopped it. */
-  int32_t (ODO_CALL *build)(void *user, const odo_string *file, const double *places_n, uint64_t count, double spacing_m,
-                            odo_skyline_progress progress, void *context);
+  ODO_FUNCTION(int32_t, build, (void *user, const odo_string *file, const double *places_n, uint64_t count, double spacing_m, odo_skyline_progress progress, void *context));
   /* [control] Opens a database for what follows. ODO_E_DATA where it is none or damaged. */
-  int32_t (ODO_CALL *open)(void *user, const odo_string *file, odo_skyline_database *what);
+  ODO_FUNCTION(int32_t, open, (void *user, const odo_string *file, odo_skyline_database *what));
   /* [control] The number of the place nearest to a point of the database's n. ODO_E_STATE before open. */
-  int32_t (ODO_CALL *nearest)(void *user, double north_m, double east_m, uint64_t *place);
+  ODO_FUNCTION(int32_t, nearest, (void *user, double north_m, double east_m, uint64_t *place));
   /* [control] A place (north, east, down in the database's n) and its skyline, 720 numbers each; any but `p_n` may be null.
    * ODO_E_DATA where the file is damaged there, ODO_E_NOT_FOUND where there is no such place. */
-  int32_t (ODO_CALL *skyline)(void *user, uint64_t place, double *p_n, float *elevation_rad, float *height_m,
-                              float *distance_m);
+  ODO_FUNCTION(int32_t, skyline, (void *user, uint64_t place, double *p_n, float *elevation_rad, float *height_m, float *distance_m));
 } odo_skylines;
 
 #ifdef __cplusplus
