@@ -234,7 +234,7 @@ TEST_CASE("a scale that comes too late is published as not accepted and reported
   odo_session_flush(app.session);
   const auto scales = app.all<odo_scale>(ODO_TYPE_SCALE);
   REQUIRE(scales.size() == 19);
-  const auto accepted = [](const odo_scale& s) { return (s.header.flags & ODO_SCALE_ACCEPTED) != 0; };
+  const auto accepted = [](const odo_scale& s) { return (s.header.flags & ODO_FLAG_ACCEPTED) != 0; };
   CHECK(std::count_if(scales.begin(), scales.end(), accepted) == 6);
   CHECK(accepted(scales[2]));
   CHECK(std::any_of(app.reports.begin(), app.reports.end(),

@@ -37,7 +37,7 @@ void fill(InertialEstimator& estimator) {
   estimator.on_calibration(calibration);
   for (int64_t ms = 0; ms <= kNow_ms; ms += 10) {
     auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ms * kMillisecond);
-    attitude.header.flags = ODO_ATTITUDE_NORTH;
+    attitude.header.flags = ODO_ATTITUDE_MAGNETIC_NORTH;
     put_quaternion(kTilted, attitude.q_n_b);
     attitude.covariance_n[0] = attitude.covariance_n[4] = 0.05 * 0.05, attitude.covariance_n[8] = 0.3 * 0.3;
     auto imu = make_message<odo_imu>(ODO_TYPE_IMU, ms * kMillisecond);

@@ -146,7 +146,7 @@ class EstimatorWalk {
     if (!told_attitude_) q = exp_rotation(w_.first_tilt_rad * Eigen::Vector3d::UnitX()) * q;
     told_attitude_ = true;
     if (w_.compass_sigma_rad > 0) {
-      a.header.flags |= ODO_ATTITUDE_NORTH;
+      a.header.flags |= ODO_ATTITUDE_MAGNETIC_NORTH;
       a.covariance_n[8] = w_.compass_sigma_rad * w_.compass_sigma_rad;
       q = exp_rotation(w_.compass_rad(t) * Eigen::Vector3d::UnitZ()) * q;
     }

@@ -76,7 +76,7 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_c0_c1, unit, ODO_VO_ROTATION),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, p_c0_c1, finite, ODO_VO_TRANSLATION),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, covariance, finite, ODO_VO_COVARIANCE),
-    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_n_c0, unjudged, ODO_VO_NAVIGATION),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_n_c0, unjudged, ODO_FLAG_NAVIGATION),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, scale_sigma, finite, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, velocity_c1, finite, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gravity_c1, finite, ODO_VO_INERTIAL),

@@ -89,7 +89,7 @@ TEST_CASE("a frame comes back with its encoded picture and without pointers") {
   frame.width = 8, frame.height = 6, frame.format = ODO_FORMAT_GREY8;
   frame.fx = 5, frame.header.flags = ODO_FRAME_INTRINSICS | ODO_FRAME_MASK;
   frame.planes[0].data = reinterpret_cast<const uint8_t*>(&frame);
-  frame.owner = &frame;
+  frame.loan.owner = &frame;
   const std::string picture = "as the app encoded it";
   CHECK(odo_recorder_write(out, &frame.header, picture.data(), picture.size()) == ODO_OK);
   CHECK(odo_recorder_close(out) == ODO_OK);

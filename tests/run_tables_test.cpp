@@ -89,7 +89,7 @@ TEST_CASE("the tables of a run have each event's own numbers under each name") {
   run.steps = {step};
   auto scale = message<odo_scale>(ODO_TYPE_SCALE, 29);
   scale.header.source = 3, scale.scale = 1.7, scale.sigma = 0.2, scale.displacement_m = 9;
-  scale.header.flags = ODO_SCALE_ACCEPTED | ODO_SCALE_STEADY;
+  scale.header.flags = ODO_FLAG_ACCEPTED | ODO_SCALE_STEADY;
   run.scales = {scale};
   run.fixes = {{a_fix(ODO_FIX_NORTH | ODO_FIX_EAST), true}};
   run.track = {{1'000'000'007, Eigen::Quaterniond(0.5, 0.1, -0.7, 0.5), {1.25, -2.5, 3.75}}};

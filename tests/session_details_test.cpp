@@ -153,11 +153,11 @@ TEST_CASE("what a plugin says of being accepted is the host's to say") {
   App app("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
-  scale.header.flags = ODO_SCALE_ACCEPTED | ODO_SCALE_STEADY;
+  scale.header.flags = ODO_FLAG_ACCEPTED | ODO_SCALE_STEADY;
   scale.scale = 1, scale.sigma = 0.1;
   echo(app, scale, 1'000'000'000);
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
-  fix.header.flags = ODO_FIX_ACCEPTED;
+  fix.header.flags = ODO_FLAG_ACCEPTED;
   echo(app, fix, 2'000'000'000);
   const auto scales = app.all<odo_scale>(ODO_TYPE_SCALE);
   const auto fixes = app.all<odo_fix>(ODO_TYPE_FIX);

@@ -39,15 +39,15 @@ struct picture {
   uint8_t pixels[WIDTH * HEIGHT];
 };
 
-static int32_t retain(const odo_frame* frame) {
+static int32_t retain(void* owner) {
   pthread_mutex_lock(&lock);
-  ++((struct picture*)frame->owner)->holds;
+  ++((struct picture*)owner)->holds;
   pthread_mutex_unlock(&lock);
   return ODO_OK;
 }
 
-static void release(const odo_frame* frame) {
-  struct picture* picture = (struct picture*)frame->owner;
+static void release(void* owner) {
+  struct picture* picture = (struct picture*)owner;
   int last;
   pthread_mutex_lock(&lock);
   last = --picture->holds == 0;
@@ -93,11 +93,11 @@ static void push_frame(odo_session* session, odo_recorder* recorder, int64_t t_n
   frame.planes[0].row_stride = WIDTH, frame.planes[0].pixel_stride = 1;
   frame.fx = frame.fy = 60 * (1 + 0.03 * sin(0.2 * number)); /* as ARCore and ARKit give them */
   frame.cx = 31.5, frame.cy = 23.5;
-  frame.owner = picture;
-  frame.retain = retain;
-  frame.release = release;
+  frame.loan.owner = picture;
+  frame.loan.retain = retain;
+  frame.loan.release = release;
   push(session, recorder, &frame.header);
-  release(&frame); /* the app's own hold */
+  release(picture); /* the app's own hold */
 }
 
 static void push_calibration(odo_session* session, odo_recorder* recorder, int64_t t_ns) {

@@ -40,7 +40,7 @@ GOOD_ENTRY
 EVENT(scale) { e.header.reserved = 7; }
 GOOD_ENTRY
 #elif defined(ZOO_events_flags__host_s_own)
-EVENT(fixer) { e.header.flags |= ODO_FIX_ACCEPTED; }
+EVENT(fixer) { e.header.flags |= ODO_FLAG_ACCEPTED; }
 GOOD_ENTRY
 #elif defined(ZOO_events_flags__unknown)
 EVENT(scale) { e.header.flags = 1u << 20; }

@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-#define ODO_EXTENSION_SKYLINES "odo.skylines/draft1"
+#define ODO_EXTENSION_SKYLINES "odo.skylines/1"
 #define ODO_SKYLINE_DIRECTIONS 720u
 
 /* What a database is. */

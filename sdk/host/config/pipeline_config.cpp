@@ -82,6 +82,7 @@ Result<Value> checked_values(const YamlNode& root, const std::string& name, Plug
 void read_navigation(const Value& navigation, PipelineConfig& config) {
   const Value& origin = navigation["origin"];
   if (origin.given) config.origin = {origin["latitude"].real, origin["longitude"].real, origin["height"].real};
+  if (navigation["declination"].given) config.declination_rad = navigation["declination"].real;
   const Value& start = navigation["start"];
   if (!start.given) return;
   const auto& p = start["position"].reals;

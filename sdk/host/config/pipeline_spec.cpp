@@ -56,6 +56,8 @@ Spec navigation_section() {
                          real("longitude", "rad", -6.283185307179586, 6.283185307179586, "0", "WGS 84"),
                          real("height", "m", -1000, 10000, "0", "above the ellipsoid"),
                      }),
+                 real("declination", "rad", -3.141592653589793, 3.141592653589793, "0",
+                      "magnetic north from true north, positive to the east; without it the app's (odo_earth_field)"),
                  map("start", "pose at the start; without it the first fix, or zero",
                      {
                          position,

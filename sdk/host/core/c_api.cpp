@@ -43,7 +43,7 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
   if (ODO_HAS(&options, asset_path))
     for (const auto& part : odograph::split(text(options.asset_path), ':'))
       assets.push_back(std::filesystem::absolute(part));
-  if (!ODO_HAS(&options, flags) || !(options.flags & ODO_SESSION_NO_CRASH_NOTES)) odograph::name_culprits();
+  if (ODO_HAS(&options, flags) && (options.flags & ODO_SESSION_CRASH_NOTES)) odograph::name_culprits();
   auto session = odograph::Session::make(std::move(*config), std::move(assets), options.run != ODO_RUN_REPLAY,
                                          ODO_HAS(&options, seed) ? options.seed : 0);
   if (!session) return fail(error, session.failure());
@@ -54,7 +54,7 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
 int32_t get_pose(odo_session* session, uint32_t of, bool smooth, int64_t t_ns, odo_pose* pose) {
   if (!session || !pose) return ODO_E_ARGUMENT;
   const uint32_t size = pose->header.struct_size;
-  if (size < sizeof(odo_header)) return ODO_E_STRUCT_SIZE;
+  if (size < ODO_POSE_SIZE_MIN) return ODO_E_STRUCT_SIZE;
   return guarded([&] {
     odo_pose found{};
     const int32_t status = session->session->pose_of(of, smooth, t_ns, found);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -33,6 +34,11 @@ class Pipeline {
 
   struct Parameters {
     size_t events_per_sample = 512;  ///< twice what one call of a plugin may emit; a walk gives fewer than ten
+    // Of an attitude without a covariance: a filter that does not compute one is seldom better than 3 degrees in tilt
+    // while walking, and its compass within 30 degrees (docs/accuracy/pose.md).
+    double tilt_sigma_rad = 0.05;
+    double heading_sigma_rad = 0.5;
+    double north_sigma_rad = 0.35;  ///< up to which a heading is called one against north: 20 degrees, half a street
   };
 
   struct Counters {
@@ -63,6 +69,8 @@ class Pipeline {
   /// changed where the blob itself is damaged.
   Result<bool> load(std::span<const uint8_t> blob);
 
+  /// header.source of the front-end's camera; 0 before there is one. [any]
+  uint32_t camera() const { return camera_ == kNoCamera ? 0 : static_cast<uint32_t>(camera_); }
   const Counters& counters() const { return counters_; }
   uint64_t plugin_faults() const;
   uint64_t gaps() const { return watch_.gaps(); }
@@ -74,6 +82,9 @@ class Pipeline {
 
   // pipeline.cpp: from samples to the estimator
   void on_imu(const odo_imu& imu);
+  bool is_main_camera(const odo_header& message);
+  void on_calibration(const odo_calibration& calibration);
+  bool is_for(const PluginInstance& plugin, const odo_header& message) const;
   void ask(const odo_header& message);
   void tell(const odo_header& event);
   void take(PluginInstance& plugin, const odo_header& message);
@@ -82,8 +93,10 @@ class Pipeline {
   bool in_use(const odo_header& event) const;
   void handle_events();
   void handle(AnyMessage& event);
+  void complete(odo_attitude& attitude) const;
   void on_attitude(const odo_attitude& attitude);
   void on_vo_motion(odo_vo_motion& motion);
+  odo_fix at_track(const odo_fix& fix) const;
   void on_fix(odo_fix& fix);
   void tell_notice();
   void on_scale(odo_scale& scale);
@@ -127,6 +140,12 @@ class Pipeline {
   ScaleJoin scale_join_;
   double odometry_covariance_ = 1;  ///< factor on what a front-end says
   const bool steps_alone_need_heading_;
+  const bool start_has_heading_;
+  bool north_is_true_ = false;  // something has observed the heading against true north
+  std::optional<double> declination_rad_;
+  static constexpr int64_t kNoCamera = -1;
+  std::atomic<int64_t> camera_{kNoCamera};  // header.source of the front-end's
+  Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();  // its position in b, m
   std::optional<odo_vo_motion> inertial_motion_;  // the newest motion, where it tells velocity and biases
   std::optional<odo_pose> before_restart_;
   odo_pose last_pose_{};

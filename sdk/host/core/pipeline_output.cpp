@@ -15,6 +15,8 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+constexpr Pipeline::Parameters kParameters;
+
 static_assert(kCorrectionFix == ODO_CORRECTION_FIX && kCorrectionScale == ODO_CORRECTION_SCALE &&
               kCorrectionRecovered == ODO_CORRECTION_RECOVERED);
 
@@ -40,6 +42,8 @@ void Pipeline::publish_estimates() {
 void Pipeline::publish_pose(odo_pose pose, bool is_new) {
   if (any_dead() && pose.state == ODO_TRACKING) pose.state = ODO_DEGRADED, pose.reason = ODO_REASON_PLUGIN_FAILED;
   if (sensor_silent()) pose.state = std::max(pose.state, ODO_DEGRADED), pose.reason = ODO_REASON_SENSOR_SILENT;
+  if (north_is_true_ && pose.covariance[14] < kParameters.north_sigma_rad * kParameters.north_sigma_rad)
+    pose.header.flags |= ODO_POSE_NORTH;
   if (before_restart_ && (pose.header.flags & ODO_POSE_POSITION)) publish_restart(pose);
   last_pose_ = pose;
   last_pose_ns_ = pose.header.t_ns;

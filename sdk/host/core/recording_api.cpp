@@ -102,7 +102,8 @@ int32_t odo_recorder_create(const odo_string* path, odo_recorder** recorder, odo
 
 int32_t odo_recorder_write(odo_recorder* recorder, const odo_header* message, const void* picture,
                            uint64_t picture_size) {
-  if (!recorder || !message || message->type == 0 || (picture_size > 0 && !picture)) return ODO_E_ARGUMENT;
+  if (!recorder || !message || ODO_IS_RESERVED(message->type) || (picture_size > 0 && !picture)) return ODO_E_ARGUMENT;
+  if (ODO_IS_BORROWED(message->type) && message->type != ODO_TYPE_FRAME) return ODO_E_UNSUPPORTED;
   if (message->struct_size < sizeof *message) return ODO_E_STRUCT_SIZE;
   return guarded([&]() -> int32_t {
     odograph::AnyMessage copy;

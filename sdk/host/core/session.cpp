@@ -23,10 +23,11 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
     return failure;
   }
   session->pipeline_ = std::move(*pipeline);
-  if (const auto& camera = session->config_.camera) {
-    session->note_timing(*camera);
+  if (session->config_.camera) {
+    odo_calibration camera = *session->config_.camera;
+    session->take_calibration(camera);
     session->order_.expect_camera();
-    session->pipeline_->process(camera->header);
+    session->pipeline_->process(camera.header);
   }
   session->publish_progress();
   if (live) session->thread_ = std::thread([raw = session.get()] { raw->work(); });
@@ -73,45 +74,46 @@ int32_t Session::take(const odo_header& sample, OwnedMessage& out) {
   if (!is_input(sample.type))
     return refuse_invalid(sample, ODO_E_ARGUMENT, "type = " + message_name(sample.type) + "; expected an input");
   AnyMessage copy;
-  if (!copy.assign(sample)) {
-    const MessageInfo* info = message_info(sample.type);
+  if (!copy.assign(sample))
     return refuse_invalid(sample, ODO_E_STRUCT_SIZE,
                           "struct_size = " + std::to_string(sample.struct_size) + "; expected " +
-                              std::to_string(info ? info->min_size : sizeof(odo_header)) + " to " +
-                              std::to_string(ODO_LARGEST_MESSAGE));
-  }
+                              std::to_string(min_size(sample.type)) + " to " + std::to_string(ODO_LARGEST_MESSAGE));
+  copy.header().flags &= ~ODO_FLAG_HOST_MASK;
   if (const std::string fault = message_fault(copy.header()); !fault.empty())
     return refuse_invalid(sample, ODO_E_DISCARD, fault);
   if (!gate_.within_range(copy.header())) return refuse_wild(sample, "outside the range of any such sensor");
   return own(std::move(copy), out);
 }
 
-/// A frame is retained or copied, times are brought onto the IMU's clock.
+/// Borrowed memory is retained or copied, times are brought onto the IMU's clock.
 int32_t Session::own(AnyMessage&& sample, OwnedMessage& out) {
-  if (sample.header().type == ODO_TYPE_CALIBRATION) {
-    const odo_calibration calibration = with_own(copy_as<odo_calibration>(sample.header()));
-    note_timing(calibration);
-    out = OwnedMessage(calibration.header);
-    return ODO_OK;
-  }
-  if (sample.header().type == ODO_TYPE_FRAME) {
-    auto& frame = reinterpret_cast<odo_frame&>(sample.header());
-    if (const std::string fault = size_fault(frame); !fault.empty())
-      return refuse_invalid(frame.header, ODO_E_DISCARD, fault);
-    if (const int32_t status = frames_.adopt(frame); status == ODO_E_DISCARD) {
-      return refuse_invalid(frame.header, status, "a plane's row_stride is smaller than its row");
-    } else if (status < 0) {
-      ++intake_.overflow;
-      host_.report(0, ODO_SEVERITY_WARNING, "dropped_frame",
-                   "a sample of frame was dropped: all pictures that may be held are still in use: frames come faster "
-                   "than they are processed, or its retain refused",
-                   status);
-      return status;
-    }
-    put_timing(frame);
-  }
+  const uint32_t type = sample.header().type;
+  if (type == ODO_TYPE_CALIBRATION) take_calibration(reinterpret_cast<odo_calibration&>(sample.header()));
+  if (type == ODO_TYPE_FRAME)
+    if (const std::string fault = size_fault(as<odo_frame>(sample.header())); !fault.empty())
+      return refuse_invalid(sample.header(), ODO_E_DISCARD, fault);
+  if (ODO_IS_BORROWED(type))
+    if (const int32_t status = borrow(reinterpret_cast<odo_borrowed&>(sample.header())); status < 0) return status;
+  if (type == ODO_TYPE_FRAME) put_timing(reinterpret_cast<odo_frame&>(sample.header()));
   out = OwnedMessage(std::move(sample));
   return ODO_OK;
+}
+
+int32_t Session::borrow(odo_borrowed& message) {
+  const int32_t status = frames_.adopt(message);
+  if (status == ODO_E_DISCARD)
+    return refuse_invalid(message.header, status, "a plane's row_stride is smaller than its row");
+  if (status == ODO_E_UNSUPPORTED)
+    return refuse_invalid(message.header, status, "it cannot be copied and has no retain and release");
+  if (status < 0) {
+    ++intake_.overflow;
+    host_.report(0, ODO_SEVERITY_WARNING, "dropped_" + message_name(message.header.type),
+                 "a sample of " + message_name(message.header.type) +
+                     " was dropped: all that may be retained are still in use: they come faster than they are "
+                     "processed, or its retain refused",
+                 status);
+  }
+  return status;
 }
 
 int32_t Session::refuse_invalid(const odo_header& sample, int32_t status, const std::string& why) {
@@ -128,49 +130,51 @@ int32_t Session::refuse_wild(const odo_header& sample, const char* what) {
   return ODO_E_DISCARD;
 }
 
-/// The config's camera stands above what is pushed; mount, time offset and row time only where the config has them.
-odo_calibration Session::with_own(const odo_calibration& pushed) const {
-  if (!config_.camera || config_.camera->id != pushed.id) return pushed;
-  odo_calibration own = *config_.camera;
-  own.header.t_ns = pushed.header.t_ns;
-  own.header.source = pushed.header.source;
-  if (!(own.header.flags & ODO_CALIBRATION_EXTRINSICS)) {
-    std::memcpy(own.q_b_c, pushed.q_b_c, sizeof own.q_b_c);
-    std::memcpy(own.p_b_c, pushed.p_b_c, sizeof own.p_b_c);
-    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_EXTRINSICS;
+/// Brings a calibration to what plugins are given: the config's values replace those that are pushed (mount, time offset
+/// and row time only where the config has them), and the time offset, which the session applies, is taken out.
+void Session::take_calibration(odo_calibration& c) {
+  const auto& own = config_.camera;
+  const bool configured = own && own->header.source == c.header.source;
+  if (configured) {
+    constexpr uint32_t optional = ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET | ODO_CALIBRATION_LINE_TIME;
+    const odo_calibration pushed = copy_as<odo_calibration>(c.header);
+    const odo_header header = c.header;
+    std::memcpy(static_cast<void*>(&c), &*own, sizeof c);
+    c.header = header;
+    c.header.flags = own->header.flags | (header.flags & optional);
+    if (!(own->header.flags & ODO_CALIBRATION_EXTRINSICS)) {
+      std::memcpy(c.q_b_c, pushed.q_b_c, sizeof c.q_b_c);
+      std::memcpy(c.p_b_c, pushed.p_b_c, sizeof c.p_b_c);
+    }
+    if (!(own->header.flags & ODO_CALIBRATION_TIME_OFFSET)) c.time_offset_ns = pushed.time_offset_ns;
+    if (!(own->header.flags & ODO_CALIBRATION_LINE_TIME)) c.line_time_ns = pushed.line_time_ns;
   }
-  if (!(own.header.flags & ODO_CALIBRATION_TIME_OFFSET)) {
-    own.time_offset_ns = pushed.time_offset_ns;
-    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_TIME_OFFSET;
-  }
-  if (!(own.header.flags & ODO_CALIBRATION_LINE_TIME)) {
-    own.line_time_ns = pushed.line_time_ns;
-    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_LINE_TIME;
-  }
-  return own;
+  note_camera(c, configured && (own->header.flags & ODO_CALIBRATION_LINE_TIME));
+  c.header.flags &= ~ODO_CALIBRATION_TIME_OFFSET;
+  c.time_offset_ns = 0;
 }
 
-void Session::note_timing(const odo_calibration& calibration) {
+void Session::note_camera(const odo_calibration& calibration, bool line_time_above_frames) {
   const std::lock_guard lock(mutex_);
   const uint32_t flags = calibration.header.flags;
-  const auto& own = config_.camera;
-  camera_timing_[calibration.id] = {
-      .width = calibration.width,
-      .height = calibration.height,
-      .offset_ns = flags & ODO_CALIBRATION_TIME_OFFSET ? calibration.time_offset_ns : 0,
-      .line_time_ns = calibration.line_time_ns,
-      .line_time = (flags & ODO_CALIBRATION_LINE_TIME) != 0,
-      .above_frames = own && own->id == calibration.id && (own->header.flags & ODO_CALIBRATION_LINE_TIME) != 0};
-  if (flags & ODO_CALIBRATION_EXTRINSICS) mount_ = {quaternion(calibration.q_b_c), Eigen::Vector3d(calibration.p_b_c)};
+  Camera& camera = cameras_[calibration.header.source];
+  camera.width = calibration.width;
+  camera.height = calibration.height;
+  camera.offset_ns = flags & ODO_CALIBRATION_TIME_OFFSET ? calibration.time_offset_ns : 0;
+  camera.line_time_ns = calibration.line_time_ns;
+  camera.line_time = (flags & ODO_CALIBRATION_LINE_TIME) != 0;
+  camera.above_frames = line_time_above_frames;
+  if (flags & ODO_CALIBRATION_EXTRINSICS)
+    camera.q_b_c = quaternion(calibration.q_b_c), camera.p_b_c = Eigen::Vector3d(calibration.p_b_c);
 }
 
 /// From here on everything runs on the IMU's clock: a camera's frames are shifted as they come in. A frame that does
 /// not tell its row time gets the calibration's.
 void Session::put_timing(odo_frame& frame) {
   const std::lock_guard lock(mutex_);
-  const auto found = camera_timing_.find(frame.calibration);
-  if (found == camera_timing_.end()) return;
-  const CameraTiming& timing = found->second;
+  const auto found = cameras_.find(frame.header.source);
+  if (found == cameras_.end()) return;
+  const Camera& timing = found->second;
   frame.header.t_ns = saturating_sum(frame.header.t_ns, timing.offset_ns);
   if (!timing.line_time || (!timing.above_frames && (frame.header.flags & ODO_FRAME_LINE_TIME))) return;
   frame.line_time_ns = timing.line_time_ns;
@@ -180,12 +184,12 @@ void Session::put_timing(odo_frame& frame) {
 /// A lens is known for one size of picture, unless the frame brings its own intrinsics.
 std::string Session::size_fault(const odo_frame& frame) const {
   const std::lock_guard lock(mutex_);
-  const auto found = camera_timing_.find(frame.calibration);
-  if (found == camera_timing_.end() || (frame.header.flags & ODO_FRAME_INTRINSICS)) return "";
-  const CameraTiming& camera = found->second;
+  const auto found = cameras_.find(frame.header.source);
+  if (found == cameras_.end() || (frame.header.flags & ODO_FRAME_INTRINSICS)) return "";
+  const Camera& camera = found->second;
   if (camera.width == frame.width && camera.height == frame.height) return "";
   const auto size = [](uint32_t w, uint32_t h) { return std::to_string(w) + " x " + std::to_string(h); };
-  return "it has " + size(frame.width, frame.height) + " pixels; calibration " + std::to_string(frame.calibration) +
+  return "it has " + size(frame.width, frame.height) + " pixels; the calibration of camera " + std::to_string(frame.header.source) +
          " is for " + size(camera.width, camera.height);
 }
 
@@ -221,7 +225,7 @@ TimeOrder::Verdict Session::order(OwnedMessage message, std::vector<OwnedMessage
     restart_clock(given_up);
     verdict = order_.push(std::move(message));
   }
-  if (message.header().type == ODO_TYPE_FRAME) given_up.push_back(std::move(message));
+  if (ODO_IS_BORROWED(message.header().type)) given_up.push_back(std::move(message));
   return verdict;
 }
 
@@ -336,14 +340,21 @@ void Session::publish(const odo_header& event) {
   if (!has_callback_.load(std::memory_order_relaxed)) return;
   odo_callback callback;
   void* user;
+  AnyMessage refined;
   {
     const std::lock_guard lock(mutex_);
     if (!callback_ || !callback_types_.has(event.type)) return;
+    if (event.type == ODO_TYPE_REFINED) {  // an app is given the whole time offset
+      refined.assign(event);
+      auto& whole = reinterpret_cast<odo_refined&>(refined.header());
+      if (const auto camera = cameras_.find(whole.camera); camera != cameras_.end())
+        whole.time_offset_ns = saturating_sum(whole.time_offset_ns, camera->second.offset_ns);
+    }
     callback = callback_, user = callback_user_;
     callback_runs_ = true;
     callback_thread_ = std::this_thread::get_id();
   }
-  callback(user, &event);
+  callback(user, event.type == ODO_TYPE_REFINED ? &refined.header() : &event);
   {
     const std::lock_guard lock(mutex_);
     callback_runs_ = false;

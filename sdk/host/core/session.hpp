@@ -108,8 +108,9 @@ class Session {
   void reported(const Report& report);
   bool report_is_waiting() const;
   void publish_reports();
-  odo_calibration with_own(const odo_calibration& calibration) const;
-  void note_timing(const odo_calibration& calibration);
+  int32_t borrow(odo_borrowed& message);
+  void take_calibration(odo_calibration& calibration);
+  void note_camera(const odo_calibration& calibration, bool line_time_above_frames);
   void put_timing(odo_frame& frame);
   std::string size_fault(const odo_frame& frame) const;
 
@@ -127,19 +128,16 @@ class Session {
   std::condition_variable work_waiting_, owner_changed_;
   SampleGate gate_;
   TimeOrder order_;
-  struct CameraTiming {
+  struct Camera {
     uint32_t width = 0, height = 0;  // that the calibration is for
     int64_t offset_ns = 0;           // IMU time minus camera time
     int64_t line_time_ns = 0;
     bool line_time = false;     // given
-    bool above_frames = false;  // by the config, which stands above what frames say
-  };
-  std::map<uint32_t, CameraTiming> camera_timing_;  // by calibration id
-  struct Mount {
+    bool above_frames = false;  // by the config, whose row time replaces the frames'
     Eigen::Quaterniond q_b_c = Eigen::Quaterniond::Identity();
     Eigen::Vector3d p_b_c = Eigen::Vector3d::Zero();
   };
-  Mount mount_;  // of the camera that was described last
+  std::map<uint32_t, Camera> cameras_;  // by header.source
   bool restart_pending_ = false;
   bool stopping_ = false;
   uint64_t flushes_asked_ = 0, flushes_done_ = 0;

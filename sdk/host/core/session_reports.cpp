@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include "sdk/host/base/saturating.hpp"
+#include "sdk/host/core/c_guard.hpp"
 
 namespace odograph {
 
@@ -63,10 +64,8 @@ void Session::set_report_listener(HostServices::Listener listener) {
 int32_t Session::last_error(odo_error& out) {
   const std::lock_guard lock(error_mutex_);
   if (errors_ == 0) return ODO_OK;
-  out.status = last_error_.status;
-  std::memcpy(out.message, last_error_.message, sizeof out.message);
   errors_ = 0;
-  return out.status;
+  return fail(&out, {last_error_.status, last_error_.message});
 }
 
 }  // namespace odograph

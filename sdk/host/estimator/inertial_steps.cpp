@@ -32,8 +32,8 @@ double heading_residual(const odo_fix& fix, const Eigen::Quaterniond& q_n_b) {
     const Eigen::Quaterniond off = quaternion(fix.q_n_b) * q_n_b.conjugate();
     return std::remainder(2 * std::atan2(off.z(), off.w()), 2 * EIGEN_PI);
   }
-  const Vector3d y_n = q_n_b * Vector3d::UnitY();
-  return std::remainder(fix.yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
+  const Vector3d axis_n = q_n_b * Vector3d(fix.yaw_axis_b);
+  return std::remainder(fix.yaw_rad - std::atan2(axis_n.y(), axis_n.x()), 2 * EIGEN_PI);
 }
 
 /// Rotation first, position below; what the fix does not have is noise without end.

@@ -11,9 +11,10 @@
 
 namespace odograph {
 
-/// The message types a kind is given and emits; empty for an unknown interface.
+/// The message types a plugin is given and emits, and how (ODO_PLUGIN_*); empty for an unknown interface.
 struct KindTypes {
   std::vector<uint32_t> inputs, outputs;
+  uint32_t flags = 0;
 };
 
 /// A plugin that declares more types than this is refused. Ours declare three at most; there are 40 of ours.

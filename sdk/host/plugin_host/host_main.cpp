@@ -127,8 +127,8 @@ void phase(const char* name) { std::snprintf(control->phase, sizeof control->pha
 
 std::atomic<bool> may_be_kept[wire::kFrameSlots];  // the host holds it as long as the plugin does
 
-int32_t retain(const odo_frame* frame) {
-  auto* holds = static_cast<std::atomic<uint32_t>*>(frame->owner);
+int32_t ODO_CALL retain(void* owner) {
+  auto* holds = static_cast<std::atomic<uint32_t>*>(owner);
   if (!may_be_kept[holds - control->holds]) return ODO_E_EXHAUSTED;
   const auto held = std::count_if(std::begin(control->holds), std::end(control->holds),
                                   [](const auto& each) { return each.load(std::memory_order_relaxed) > 0; });
@@ -137,8 +137,8 @@ int32_t retain(const odo_frame* frame) {
   return ODO_OK;
 }
 
-void release(const odo_frame* frame) {
-  static_cast<std::atomic<uint32_t>*>(frame->owner)->fetch_sub(1, std::memory_order_release);
+void ODO_CALL release(void* owner) {
+  static_cast<std::atomic<uint32_t>*>(owner)->fetch_sub(1, std::memory_order_release);
 }
 
 class Server {
@@ -214,6 +214,7 @@ class Server {
     for (const uint32_t type : types.outputs) sink_.outputs.add(type);
     for (const auto* list : {&types.inputs, &types.outputs})
       out.put_bytes(list->data(), list->size() * sizeof(uint32_t));
+    out.put(types.flags);
     control->response_size = out.size();
   }
 
@@ -258,12 +259,10 @@ class Server {
       plane->row_stride = request.get<int64_t>();
       plane->pixel_stride = request.get<uint32_t>();
     }
-    frame.owner = &control->holds[slot];
-    frame.retain = retain;
-    frame.release = release;
+    frame.loan = {&control->holds[slot], retain, release, nullptr, 0};
     phase("process");
     const int32_t status = backend_->process(header);
-    release(&frame);
+    release(frame.loan.owner);
     return status;
   }
 

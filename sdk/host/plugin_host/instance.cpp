@@ -75,15 +75,17 @@ KindTypes kind_types(const std::string& id) {
   if (id == ODO_INTERFACE_ATTITUDE)
     return {{ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_IMU_NOISE}, {ODO_TYPE_ATTITUDE}};
   if (id == ODO_INTERFACE_STEP_ESTIMATOR)
-    return {{ODO_TYPE_IMU, ODO_TYPE_ATTITUDE, ODO_TYPE_BAROMETER, ODO_TYPE_FIX}, {ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE}};
+    return {{ODO_TYPE_IMU, ODO_TYPE_ATTITUDE, ODO_TYPE_BAROMETER, ODO_TYPE_SYSTEM_STEP, ODO_TYPE_FIX},
+            {ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE}};
   if (id == ODO_INTERFACE_VO_FRONTEND)
     return {{ODO_TYPE_CALIBRATION, ODO_TYPE_FRAME, ODO_TYPE_IMU, ODO_TYPE_IMU_NOISE, ODO_TYPE_ATTITUDE},
-            {ODO_TYPE_VO_MOTION, ODO_TYPE_CALIBRATION}};
+            {ODO_TYPE_VO_MOTION, ODO_TYPE_REFINED}};
   if (id == ODO_INTERFACE_SCALE_SOURCE)
     return {{ODO_TYPE_VO_MOTION, ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE, ODO_TYPE_FIX}, {ODO_TYPE_SCALE}};
   if (id == ODO_INTERFACE_ABSOLUTE_FIXER)
-    return {{ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_FRAME, ODO_TYPE_CALIBRATION, ODO_TYPE_POSE},
-            {ODO_TYPE_FIX}};
+    return {{ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_RANGE, ODO_TYPE_EARTH_FIELD, ODO_TYPE_FRAME,
+             ODO_TYPE_CALIBRATION, ODO_TYPE_POSE},
+            {ODO_TYPE_FIX, ODO_TYPE_RELATIVE_POSE}};
   return {};
 }
 
@@ -91,6 +93,7 @@ KindTypes plugin_types(const std::string& id, const odo_plugin& table) {
   KindTypes types = kind_types(id);
   types.inputs.insert(types.inputs.end(), table.inputs, table.inputs + table.input_count);
   types.outputs.insert(types.outputs.end(), table.outputs, table.outputs + table.output_count);
+  types.flags = table.flags;
   return types;
 }
 
@@ -145,6 +148,7 @@ Result<bool> PluginInstance::open() {
 void PluginInstance::learn_types() {
   const KindTypes types = backend_ ? backend_->types() : kind_types(choice_->interface_id);
   inputs_ = outputs_ = {};
+  flags_ = types.flags;
   for (const uint32_t type : types.inputs) inputs_.add(type);
   for (const uint32_t type : types.outputs) outputs_.add(type);
 }
@@ -159,10 +163,11 @@ int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage&
   }
   if (!copy.assign(event)) {
     fault = {"event_size", "emitted a " + name() + " with struct_size = " + std::to_string(event.struct_size) +
-                               "; expected " + std::to_string(info ? info->min_size : sizeof(odo_header)) + " to " +
+                               "; expected " + std::to_string(min_size(event.type)) + " to " +
                                std::to_string(ODO_LARGEST_MESSAGE)};
     return ODO_E_STRUCT_SIZE;
   }
+  copy.header().flags &= ~ODO_FLAG_HOST_MASK;
   if (const std::string wrong = message_fault(copy.header()); !wrong.empty()) {
     fault = {"bad_event", "emitted a " + name() + " with " + wrong};
     return ODO_E_ARGUMENT;
@@ -195,7 +200,7 @@ int32_t PluginInstance::emit(const odo_sink* sink, const odo_header* event) {
 std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
   buffer_.clear();
   overflow_told_ = false;
-  if (!alive_ || !wants(message.type)) return {};
+  if (!alive_ || !wants(message.type) || !can_take(message)) return {};
   now_ns_ = std::max(now_ns_, message.t_ns);
   if (!backend_) {  // its process is down; what it is given first are the descriptions of the sensors
     if (now_ns_ >= back_at_ns_) revive();
@@ -215,6 +220,21 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
     failures_in_a_row_ = 0;
   if (isolated()) save_now_and_then();
   return buffer_.events();
+}
+
+/// Borrowed memory does not cross into another process, but for a frame's pixels; of a frame without pixels only plugins
+/// that declare it can make use.
+bool PluginInstance::can_take(const odo_header& message) {
+  if (!ODO_IS_BORROWED(message.type)) return true;
+  const bool is_frame = message.type == ODO_TYPE_FRAME;
+  if (is_frame && as<odo_frame>(message).planes[0].data) return true;
+  if (!isolated() && (!is_frame || (flags_ & ODO_PLUGIN_NATIVE_FRAMES))) return true;
+  host_.report(number_, ODO_SEVERITY_WARNING, "not_given",
+               "is not given a " + message_name(message.type) +
+                   (isolated() ? ": its memory cannot be shared with another process"
+                               : " without pixels in memory: its table lacks ODO_PLUGIN_NATIVE_FRAMES"),
+               ODO_E_UNSUPPORTED);
+  return false;
 }
 
 /// In the app's own thread a late call cannot be left out; it is named.

@@ -20,19 +20,18 @@ constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
 /// A table may end before a function that is optional; then it reads as null.
 #define ODO_OPTIONAL(table, function) (ODO_HAS(&(table), function) ? (table).function : nullptr)
 
-/// Notes which thread is within a call, also one within a call (reset makes a new instance).
+/// Notes which thread is within process: only there may events be emitted.
 class Calling {
  public:
-  explicit Calling(std::atomic<std::thread::id>& caller) : caller_(caller), outer_(caller) {
+  explicit Calling(std::atomic<std::thread::id>& caller) : caller_(caller) {
     caller_.store(std::this_thread::get_id(), std::memory_order_relaxed);
   }
-  ~Calling() { caller_.store(outer_, std::memory_order_relaxed); }
+  ~Calling() { caller_.store({}, std::memory_order_relaxed); }
   Calling(const Calling&) = delete;
   Calling& operator=(const Calling&) = delete;
 
  private:
   std::atomic<std::thread::id>& caller_;
-  const std::thread::id outer_;
 };
 
 }  // namespace
@@ -56,7 +55,7 @@ int32_t LibraryBackend::emit(const odo_sink* sink, const odo_header* event) {
   if (self.caller_.load(std::memory_order_relaxed) == std::this_thread::get_id())
     return self.sink_.emit(&self.sink_, event);
   self.host_.report(self.sink_.instance, ODO_SEVERITY_WARNING, "foreign_thread",
-                    "emitted on a thread of its own or between two calls; expected the thread that calls it",
+                    "emitted outside process: on another thread, or in another call",
                     ODO_E_STATE);
   return ODO_E_STATE;
 }
@@ -82,7 +81,6 @@ LibraryBackend::~LibraryBackend() { close(); }
 template <class Work>
 int32_t LibraryBackend::call(const char* name, Work&& work) {
   const Breadcrumb crumb(choice_.manifest.id, name);
-  const Calling calling(caller_);
   std::string what;
   try {
     return work();
@@ -120,6 +118,7 @@ int32_t LibraryBackend::process(const odo_header& message) {
   if (!instance_) return ODO_E_STATE;
   const odo_header* messages[] = {&message};
   const odo_batch batch{sizeof(odo_batch), 1, messages};
+  const Calling calling(caller_);
   return call("process", [&] { return library_->table().process(instance_, &batch); });
 }
 

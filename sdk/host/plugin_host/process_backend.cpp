@@ -134,6 +134,7 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
     types->resize(bytes.size() / sizeof(uint32_t));
     if (!bytes.empty()) std::memcpy(types->data(), bytes.data(), types->size() * sizeof(uint32_t));
   }
+  made->types_.flags = reader.get<uint32_t>();
   if (status < 0) return Failure{status, why};
   if (!reader.good()) return Failure{ODO_E_FATAL, who + "broke the protocol in load"};
   return made;
@@ -289,7 +290,7 @@ bool ProcessBackend::put_frame(const odo_header& message, wire::Writer& out) {
   odo_frame frame = copy_as<odo_frame>(message);
   HeldFrame held{true, false, frame, {}};
   if (shared.offset_of(frame.planes[0].data)) {
-    held.retained = frame.retain && frame.release && frame.retain(&frame) >= 0;
+    held.retained = frame.loan.retain && frame.loan.release && frame.loan.retain(frame.loan.owner) >= 0;
   } else {
     const size_t bytes = pixel_bytes(frame);
     held.copy = shared.take(bytes);
@@ -318,7 +319,7 @@ void ProcessBackend::take_back_frames() {
 
 void ProcessBackend::let_go(HeldFrame& held) {
   if (!held.used) return;
-  if (held.retained) held.frame.release(&held.frame);
+  if (held.retained) held.frame.loan.release(held.frame.loan.owner);
   host_.shared_pixels().give_back(held.copy);
   held = {};
 }

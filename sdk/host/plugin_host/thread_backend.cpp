@@ -55,13 +55,13 @@ struct FrameSlot {
   std::vector<uint8_t> pixels;
 };
 
-int32_t retain(const odo_frame* frame) {
-  static_cast<FrameSlot*>(frame->owner)->holds.fetch_add(1);
+int32_t ODO_CALL retain(void* owner) {
+  static_cast<FrameSlot*>(owner)->holds.fetch_add(1);
   return ODO_OK;
 }
 
-void release(const odo_frame* frame) {
-  static_cast<FrameSlot*>(frame->owner)->holds.fetch_sub(1, std::memory_order_release);
+void ODO_CALL release(void* owner) {
+  static_cast<FrameSlot*>(owner)->holds.fetch_sub(1, std::memory_order_release);
 }
 
 }  // namespace
@@ -134,9 +134,7 @@ class ThreadBackend::Worker {
     slot->pixels.resize(pixel_bytes(frame));
     if (!copy_pixels(frame, slot->pixels)) return false;
     slot->holds = 1;
-    frame.owner = slot;
-    frame.retain = retain;
-    frame.release = release;
+    frame.loan = {slot, retain, release, nullptr, 0};
     return true;
   }
 
@@ -201,7 +199,7 @@ class ThreadBackend::Worker {
       case Call::start: status = backend_->start(); break;
       case Call::process:
         status = backend_->process(message.header());
-        if (message.header().type == ODO_TYPE_FRAME) release(&as<odo_frame>(message.header()));
+        if (message.header().type == ODO_TYPE_FRAME) release(as<odo_frame>(message.header()).loan.owner);
         break;
       case Call::reset: status = backend_->reset(); break;
       case Call::save: bytes = backend_->save(); break;

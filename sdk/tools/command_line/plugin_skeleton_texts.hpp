@@ -118,7 +118,7 @@ inline const Skeleton kSkeletons[] = {
     if (!std::exchange(begun, true)) return;
     auto event = odo::make<odo_vo_motion>(message.header.t_ns);
     event.t_from_ns = from_ns;
-    event.camera = message.calibration;
+    event.camera = message.header.source;
     event.state = ODO_LOST, event.reason = ODO_REASON_INITIALISING;
     output.emit(event);
 )",
@@ -137,7 +137,7 @@ inline const Skeleton kSkeletons[] = {
   event.header.type = ODO_TYPE_VO_MOTION;
   event.header.t_ns = message->t_ns;
   event.t_from_ns = from_ns;
-  event.camera = frame->calibration;
+  event.camera = frame->header.source;
   event.state = ODO_LOST, event.reason = ODO_REASON_INITIALISING;
   return self->sink->emit(self->sink, &event.header);
 )",

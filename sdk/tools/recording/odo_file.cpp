@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/recording/odo_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -61,6 +62,8 @@ Result<bool> OdoWriter::write(const odo_header& message) {
     if (!picture) return picture.failure();
     return write_encoded_frame(frame, *picture);
   }
+  if (ODO_IS_RESERVED(message.type) || ODO_IS_BORROWED(message.type))
+    return Failure{ODO_E_UNSUPPORTED, "a " + message_name(message.type) + " cannot be recorded"};
   if (AnyMessage copy; !copy.assign(message))
     return Failure{ODO_E_STRUCT_SIZE, "a " + message_name(message.type) + " with struct_size = " +
                                           std::to_string(message.struct_size) + " cannot be recorded"};
@@ -94,6 +97,8 @@ Result<bool> OdoWriter::write_true_skyline(const TrueSkyline& s) {
 }
 
 Result<bool> OdoWriter::write_true_sighting(const TrueSighting& s) { return record(kTrueSighting, bytes_of(s)); }
+
+Result<bool> OdoWriter::write_true_step(const odo_step& s) { return record(kTrueStep, bytes_of(s)); }
 
 Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jpeg_quality) {
   const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
@@ -131,7 +136,6 @@ void take_message(Recording& recording, const RecordReader& record, const std::s
   std::span<const unsigned char> picture;
   if (!record.message(message, picture)) return;
   const odo_header& header = message.header();
-  if (header.type == ODO_TYPE_STEP) recording.true_steps.push_back(copy_as<odo_step>(header));
   if (header.type == ODO_TYPE_FRAME)
     recording.add(header, {file, record.payload_offset() + header.struct_size, picture.size()});
   else if (is_input(header.type))
@@ -163,6 +167,11 @@ void take(Recording& recording, const RecordReader& record, const std::shared_pt
   }
   if (record.type() == OdoWriter::kTrueSighting && payload.size() >= sizeof(TrueSighting)) {
     std::memcpy(&recording.true_sightings.emplace_back(), payload.data(), sizeof(TrueSighting));
+    return;
+  }
+  if (record.type() == OdoWriter::kTrueStep && payload.size() >= ODO_STEP_SIZE_MIN) {
+    odo_step& step = recording.true_steps.emplace_back();
+    std::memcpy(static_cast<void*>(&step), payload.data(), std::min(payload.size(), sizeof step));
     return;
   }
   if (record.type() == OdoWriter::kTrueSkyline && payload.size() >= sizeof(SkylineHead)) {

@@ -69,7 +69,7 @@ std::optional<Failure> push(odo_session* session, const RecordedMessage& message
   const auto picture = load_frame(message);
   if (!picture) return picture.failure();
   odo_session_push(session, &picture->header);
-  picture->release(&*picture);
+  picture->loan.release(picture->loan.owner);
   return std::nullopt;
 }
 

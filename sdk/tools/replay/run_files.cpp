@@ -49,7 +49,7 @@ void write_scales(std::ostream& out, const std::vector<odo_scale>& scales) {
   out << std::setprecision(9) << "t_ns,source,scale_m,sigma_m,used\n";
   for (const odo_scale& s : scales)
     out << s.header.t_ns << ',' << s.header.source << ',' << s.scale << ',' << s.sigma << ','
-        << ((s.header.flags & ODO_SCALE_ACCEPTED) ? 1 : 0) << '\n';
+        << ((s.header.flags & ODO_FLAG_ACCEPTED) ? 1 : 0) << '\n';
 }
 
 void write_fixes(std::ostream& out, const std::vector<RunResult::Fix>& fixes) {

@@ -63,7 +63,7 @@ struct Collector {
         break;
       case ODO_TYPE_CALIBRATION: result.refined.push_back(as<odo_calibration>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
-      case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FIX_ACCEPTED) != 0}); break;
+      case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FLAG_ACCEPTED) != 0}); break;
       case ODO_TYPE_REPORT: take_report(as<odo_report>(event)); break;
       case ODO_TYPE_STATE:
         result.final_state = as<odo_state>(event).state;
@@ -159,7 +159,7 @@ void push_all(odo_session* session, const Recording& recording, const RunOptions
         continue;
       }
       collector.take(work_of([&] { odo_session_push(session, &frame->header); }));
-      frame->release(&*frame);
+      frame->loan.release(frame->loan.owner);
     } else {
       const Work work = work_of([&] { odo_session_push(session, &message.message.header()); });
       collector.take(work);

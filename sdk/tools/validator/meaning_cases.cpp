@@ -216,13 +216,12 @@ std::string motion_camera(Bench& bench) {
 
 std::string refined(Bench& bench) {
   if (!bench.serves(ODO_INTERFACE_VO_FRONTEND)) return "~it is no front-end";
-  return of_all<odo_calibration>(bench, ODO_TYPE_CALIBRATION, [](const auto& all) -> std::string {
+  return of_all<odo_refined>(bench, ODO_TYPE_REFINED, [](const auto& all) -> std::string {
     int64_t last_ns = INT64_MIN / 2;
     for (const auto& [seen, c] : all) {
-      if (!(c->header.flags & ODO_CALIBRATION_REFINED)) return "a calibration without ODO_CALIBRATION_REFINED";
-      if (c->id != 0) return "it refined a camera that there is not: id = " + std::to_string(c->id);
+      if (c->camera != 0) return "it refined a camera that there is not: " + std::to_string(c->camera);
       if (c->header.t_ns - last_ns < kSecond_ns)
-        return "it gives calibrations more often than once a second" + at(c->header);
+        return "it emits odo_refined more often than once a second" + at(c->header);
       last_ns = c->header.t_ns;
     }
     return "";
