@@ -70,6 +70,7 @@ VectorXd measured(uint32_t flags, const HeldPose& at, const VectorXd& error) {
 odo_fix a_fix(uint32_t flags, int64_t t_ns, const HeldPose& at, MatrixXd& noise, VectorXd& residual) {
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, t_ns);
   fix.header.flags = flags;
+  fix.yaw_axis_b[1] = 1;
   const Vector3d theta(1e-4, -2e-4, 1.5e-4), off(2e-4, 1e-4, -3e-4);
   Matrix3d R, Q;
   R << 0.04, 0.01, -0.008, 0.01, 0.03, 0.006, -0.008, 0.006, 0.05;
@@ -190,7 +191,7 @@ TEST_CASE("a late fix is compared with what every fix since has made of its plac
   std::vector<std::function<Vector3d(const Vector3d&)>> corrections;
   const auto correct = [&](double yaw_rad, const Vector3d& by_n) {
     auto fix = make_message<odo_fix>(ODO_TYPE_FIX, pose.header.t_ns);
-    fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_YAW;
+    fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_YAW, fix.yaw_axis_b[1] = 1;
     const Vector3d y = quaternion(pose.q_n) * Quaterniond(0, 1, 0, 0) * Vector3d::UnitY();
     fix.yaw_rad = std::atan2(y.y(), y.x()) + yaw_rad, fix.yaw_sigma_rad = 0.01;
     Vector3d::Map(fix.p_n) = Vector3d(pose.p_n) + by_n;
@@ -211,7 +212,7 @@ TEST_CASE("a late fix is compared with what every fix since has made of its plac
   Vector3d expected(then.p_n);
   for (const auto& correction : corrections) expected = correction(expected);
   auto late = make_message<odo_fix>(ODO_TYPE_FIX, then.header.t_ns);
-  late.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+  late.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
   late.covariance_n[0] = late.covariance_n[4] = 1e-4;
   Vector3d::Map(late.p_n) = expected;
   CHECK((expected - Vector3d(then.p_n)).norm() > 1);

@@ -95,7 +95,8 @@ TEST_CASE("of mount, time offset and row time each comes from the config where i
       const auto from = [&](uint32_t flag, int64_t config, int64_t app_s) {
         return own & flag ? config : pushed & flag ? app_s : 0;
       };
-      CHECK(got.header.flags == (own | pushed));
+      CHECK(got.header.flags == ((own | pushed) & ~kOffset));  // the host applies the offset and keeps it
+      CHECK(got.time_offset_ns == 0);
       CHECK(got.fx == 70);  // the config's lens in any case
       if ((own | pushed) & kMount) CHECK(got.p_b_c[own & kMount ? 0 : 1] == (own & kMount ? 1 : 2));
       CHECK(frames[0].header.t_ns == 2'000'000'000 + from(kOffset, 10'000'000, 20'000'000));
@@ -112,7 +113,7 @@ TEST_CASE("after a clock that was set back each camera and each IMU is described
   for (const uint32_t id : {1u, 2u, 1u}) {
     auto c = calibration(64, 48);
     app.walk(0, 1);
-    c.id = id, c.fx = 100 * id + 1;
+    c.header.source = id, c.fx = 100 * id + 1;
     odo_session_push(app.session, &c.header);
   }
   for (const uint32_t source : {1u, 2u}) {
@@ -128,7 +129,7 @@ TEST_CASE("after a clock that was set back each camera and each IMU is described
   const auto cameras = given<odo_calibration>(app, ODO_TYPE_CALIBRATION);
   const auto noises = given<odo_imu_noise>(app, ODO_TYPE_IMU_NOISE);
   REQUIRE(cameras.size() == 2);
-  CHECK((cameras[0].id == 1 && cameras[0].fx == 101 && cameras[1].id == 2 && cameras[1].fx == 201));
+  CHECK((cameras[0].header.source == 1 && cameras[0].fx == 101 && cameras[1].header.source == 2 && cameras[1].fx == 201));
   REQUIRE(noises.size() == 2);
   CHECK((noises[0].gyro_noise == 1 && noises[1].gyro_noise == 2));
   CHECK(app.statistics().events_dropped == 0);  // nobody is given its own events
@@ -219,12 +220,14 @@ TEST_CASE("a report says how many it stands for, its status and the newest time;
   CHECK(std::string(error.message).find("host: dropped a sample of imu") == 0);
 }
 
-TEST_CASE("a camera that tells no mount leaves the one that was told") {
+TEST_CASE("a calibration without a mount leaves the mount as it was, and that of another camera does not change it") {
   App app(kWalk);
   auto c = calibration(64, 48);
   c.header.flags = ODO_CALIBRATION_EXTRINSICS, c.q_b_c[1] = 1, c.p_b_c[0] = 0.3, c.p_b_c[2] = 0.4;
   odo_session_push(app.session, &c.header);
-  c.header.flags = 0, c.id = 2, c.p_b_c[0] = 9;
+  c.header.flags = 0, c.p_b_c[0] = 9;
+  odo_session_push(app.session, &c.header);
+  c.header.flags = ODO_CALIBRATION_EXTRINSICS, c.header.source = 2;
   odo_session_push(app.session, &c.header);
   app.walk(0, 1000);
   odo_session_flush(app.session);

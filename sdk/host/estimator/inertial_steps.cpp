@@ -325,7 +325,8 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   flush();
   auto at = past(fix->header.t_ns);
   if (!at && started_) notice_ = {"late_fix", "a fix is of a time that the clones no longer reach back to: not used"};
-  if (!at || fix->integrity > p_.max_integrity_risk) return {};
+  const bool risky = (fix->header.flags & ODO_FIX_INTEGRITY) && fix->integrity > p_.max_integrity_risk;
+  if (!at || risky) return {};
   const bool rotates = tells_first_heading(*fix);
   if (rotates) {
     rotate_n(heading_residual(*fix, at->q_n_b));

@@ -153,7 +153,7 @@ std::string uncertainties(Bench& bench) {
       for (int i = 0; i < 3; ++i)
         if ((h.flags >> i & 1) && fix.covariance_n[4 * i] <= 0) return "has a known component of p_n with variance 0";
       if ((h.flags & ODO_FIX_YAW) && fix.yaw_sigma_rad <= 0) return "has yaw_sigma_rad = 0";
-      if (fix.integrity < 0 || fix.integrity > 1)
+      if ((h.flags & ODO_FIX_INTEGRITY) && (fix.integrity < 0 || fix.integrity > 1))
         return "has integrity = " + std::to_string(fix.integrity) + "; expected 0 to 1";
     }
     if (h.type == ODO_TYPE_VO_MOTION && (h.flags & ODO_VO_COVARIANCE) && (h.flags & ODO_VO_ROTATION) &&
