@@ -278,6 +278,7 @@ TEST_CASE("the quality and the time of every message are looked at, the time up 
     for (const int sign : {-1, 1}) {
       AnyMessage m = good(type);
       if (type == ODO_TYPE_VO_MOTION) reinterpret_cast<odo_vo_motion&>(m.header()).t_from_ns = INT64_MIN;
+      if (type == ODO_TYPE_RELATIVE_POSE) reinterpret_cast<odo_relative_pose&>(m.header()).t_from_ns = INT64_MIN;
       m.header().t_ns = sign * (int64_t(1) << 62);
       CHECK(message_fault(m.header()) == "");
       m.header().t_ns += sign;

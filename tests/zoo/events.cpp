@@ -34,7 +34,7 @@ INPUT(attitude) {
 }
 GOOD_ENTRY
 #elif defined(ZOO_events_quality__percent)
-EVENT(scale) { e.header.quality = 80; }
+EVENT(scale) { e.header.flags |= ODO_FLAG_QUALITY, e.header.quality = 80; }
 GOOD_ENTRY
 #elif defined(ZOO_events_reserved__used)
 EVENT(scale) { e.header.reserved = 7; }

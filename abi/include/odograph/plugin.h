@@ -182,7 +182,7 @@ typedef struct odo_plugin {
   ODO_FUNCTION(int32_t, process, (odo_instance *instance, const odo_batch *batch));
   /* [control] */
   ODO_FUNCTION(void, destroy, (odo_instance *instance));
-  /* What follows is optional: a table may end here or leave any of it null. */
+  /* What follows is optional: any of it may be null. */
   /* [control] Back to the state after activate; calibrations and noise come again. Without it the host makes a new instance. */
   ODO_FUNCTION(int32_t, reset, (odo_instance *instance));
   /* [control] What should survive a restart (a walker's personal parameters, ...), at most ODO_LARGEST_STATE bytes. Returns the

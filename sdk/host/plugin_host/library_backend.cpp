@@ -17,9 +17,6 @@ namespace {
 
 constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
 
-/// A table may end before a function that is optional; then it reads as null.
-#define ODO_OPTIONAL(table, function) (ODO_HAS(&(table), function) ? (table).function : nullptr)
-
 /// Notes which thread is within process: only there may events be emitted.
 class Calling {
  public:
@@ -123,7 +120,7 @@ int32_t LibraryBackend::process(const odo_header& message) {
 }
 
 int32_t LibraryBackend::reset() {
-  const auto function = ODO_OPTIONAL(library_->table(), reset);
+  const auto function = library_->table().reset;
   if (instance_ && function && call("reset", [&] { return function(instance_); }) >= 0) return ODO_OK;
   close();
   return start();
@@ -135,7 +132,7 @@ void LibraryBackend::close() {
 }
 
 std::vector<uint8_t> LibraryBackend::save() {
-  const auto function = ODO_OPTIONAL(library_->table(), save);
+  const auto function = library_->table().save;
   if (!instance_ || !function) return {};
   int64_t needed = 0, written = 0;
   std::vector<uint8_t> bytes;
@@ -147,7 +144,7 @@ std::vector<uint8_t> LibraryBackend::save() {
 }
 
 const void* LibraryBackend::extension(std::string_view id) {
-  const auto function = ODO_OPTIONAL(library_->table(), get_interface);
+  const auto function = library_->table().get_interface;
   const void* table = nullptr;
   if (instance_ && function)
     call("get_interface", [&] { return table = function(instance_, id.data(), id.size()), ODO_OK; });
@@ -155,7 +152,7 @@ const void* LibraryBackend::extension(std::string_view id) {
 }
 
 bool LibraryBackend::load(std::span<const uint8_t> data) {
-  const auto function = ODO_OPTIONAL(library_->table(), load);
+  const auto function = library_->table().load;
   return instance_ && function && call("load", [&] { return function(instance_, data.data(), data.size()); }) >= 0;
 }
 
