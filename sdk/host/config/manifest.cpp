@@ -40,7 +40,7 @@ Spec list_of(const char* name, Spec item, const char* help) {
 const Spec& manifest_spec() {
   static const Spec spec = [] {
     Spec whole{.name = "version", .type = SpecType::integer, .min = 0, .max = 65535, .help = "major, then minor"};
-    Spec parameter{.name = "parameter", .type = SpecType::map};
+    Spec parameter{.name = "parameter", .type = SpecType::map, .open = true};
     parameter.children = {
         text_spec("name", "lower_case"),
         {.name = "type",
@@ -56,7 +56,7 @@ const Spec& manifest_spec() {
         {.name = "count", .type = SpecType::integer, .min = 1, .max = 64, .fallback = "1", .help = "of reals"},
         text_spec("help", "one sentence", false),
     };
-    Spec root{.name = "manifest", .type = SpecType::map};
+    Spec root{.name = "manifest", .type = SpecType::map, .open = true};
     root.children = {
         {.name = "odoplugin",
          .type = SpecType::integer,

@@ -72,10 +72,15 @@ bool is_sha256(const std::string& text) {
   return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
+std::vector<fs::path> path_list(std::string_view text, char separator) {
+  const auto parts = split(text, separator);
+  return {parts.begin(), parts.end()};
+}
+
 std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
   std::vector<fs::path> directories = first;
   if (const char* path = std::getenv("ODOGRAPH_PLUGIN_PATH"))
-    for (const auto& part : split(path, ':')) directories.emplace_back(part);
+    for (auto& directory : path_list(path)) directories.push_back(std::move(directory));
   Dl_info self{};
   if (dladdr(reinterpret_cast<const void*>(&plugin_directories), &self) && self.dli_fname) {
     std::error_code error;
