@@ -155,6 +155,21 @@ Result<std::vector<Spec>> parameter_specs(const odo_plugin& plugin) {
   return specs;
 }
 
+Result<Manifest> manifest_of(const odo_plugin& plugin, odo_plugin_entry entry) {
+  auto parameters = parameter_specs(plugin);
+  if (!parameters) return parameters.failure();
+  Manifest manifest;
+  manifest.entry = entry;
+  manifest.id = text(plugin.id);
+  manifest.version = text(plugin.version);
+  manifest.summary = text(plugin.summary);
+  for (uint32_t i = 0; i < plugin.interface_count; ++i) manifest.interfaces.push_back(text(plugin.interfaces[i]));
+  manifest.abi_major = plugin.abi_major;
+  manifest.abi_minor = plugin.abi_minor;
+  manifest.parameters = std::move(*parameters);
+  return manifest;
+}
+
 std::string write_manifest(const odo_plugin& plugin, const std::string& library, const std::string& sha256) {
   JsonText json;
   json.open('{');

@@ -14,6 +14,7 @@
 #include "sdk/host/core/c_guard.hpp"
 #include "sdk/host/core/session.hpp"
 #include "sdk/host/plugin_host/breadcrumb.hpp"
+#include "sdk/host/plugin_host/library.hpp"
 
 struct odo_session {
   std::unique_ptr<odograph::Session> session;
@@ -89,6 +90,14 @@ int32_t odo_session_push_imu(odo_session* session, int64_t t_ns, const double* g
   std::copy(gyro_b, gyro_b + 3, imu.gyro_b);
   std::copy(accel_b, accel_b + 3, imu.accel_b);
   return guarded([&] { return session->session->push(imu.header); });
+}
+
+int32_t odo_register_plugin(odo_plugin_entry entry, odo_error* error) {
+  if (!entry) return fail(error, {ODO_E_ARGUMENT, "entry must not be null"});
+  return guarded([&]() -> int32_t {
+    const auto registered = odograph::register_plugin(entry);
+    return registered ? ODO_OK : fail(error, registered.failure());
+  });
 }
 
 uint64_t odo_current_plugin_call(char* text, uint64_t capacity) {

@@ -141,7 +141,7 @@ Result<bool> PluginInstance::open() {
   }
   if (status >= 0) return true;
   backend_.reset();
-  return Failure{status, choice_->manifest.library.string() + ": plugin '" + id() +
+  return Failure{status, choice_->manifest.place() + ": plugin '" + id() +
                              "' could not be created, configured and activated: " + odo_status_text(status)};
 }
 

@@ -123,7 +123,7 @@ class ThreadBackend::Worker {
     stopping_ = true;
     if (state_ == State::gone) return;  // no thread is left that could come back
     left_behind_ = true;
-    LeftBehind::add(choice_.manifest.library.string(), 1);
+    LeftBehind::add(choice_.manifest.place(), 1);
   }
 
   /// Copies the pixels into a slot that the plugin does not hold.
@@ -221,7 +221,7 @@ class ThreadBackend::Worker {
   void thread_ends() {
     if (!in_order_) (void)backend_.release();  // it is within a call that will never end
     const std::lock_guard lock(mutex_);
-    if (left_behind_) LeftBehind::add(choice_.manifest.library.string(), -1);
+    if (left_behind_) LeftBehind::add(choice_.manifest.place(), -1);
     state_ = State::gone;
     changed_.notify_all();
   }
@@ -248,7 +248,7 @@ class ThreadBackend::Worker {
 Result<std::unique_ptr<ThreadBackend>> ThreadBackend::load(const PluginChoice& choice, LibraryCheck check,
                                                            HostServices& host, const odo_sink& sink) {
   const Parameters parameters;
-  const std::string library = choice.manifest.library.string();
+  const std::string library = choice.manifest.place();
   if (const int left = LeftBehind::count(library); left >= parameters.max_left_behind)
     return Failure{ODO_E_EXHAUSTED, library + ": " + std::to_string(left) + " of its calls have not come back"};
   auto worker = std::make_shared<Worker>(choice, check, host, sink);
