@@ -42,7 +42,7 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
     assets.push_back(std::filesystem::absolute(folder));
   if (options.flags & ODO_SESSION_CRASH_NOTES) odograph::name_crashing_plugins();
   auto session = odograph::Session::make(std::move(*config), std::move(assets), options.run != ODO_RUN_REPLAY,
-                                         options.seed);
+                                         options.seed, {options.user, options.get_service});
   if (!session) return fail(error, session.failure());
   *out = new odo_session{std::move(*session)};
   return ODO_OK;

@@ -60,6 +60,8 @@ class Pipeline {
                                                 Publish publish);
 
   void process(const odo_header& message);
+  /// Calls the plugins that have asked for it (odo.wake/1), as process does before each message.
+  void wake();
   /// Starts anew, for a sensor clock that was set back. Geodetic origin, counters and calibrations stay.
   void reset();
 
@@ -88,6 +90,7 @@ class Pipeline {
   void ask(const odo_header& message);
   void tell(const odo_header& event);
   void take(PluginInstance& plugin, const odo_header& message);
+  void take(PluginInstance& woken);
   void describe_sensors_to(PluginInstance& plugin);
   void enqueue(const AnyMessage& event);
   bool in_use(const odo_header& event) const;

@@ -11,8 +11,8 @@
 namespace odograph {
 
 Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
-                                               bool live, uint64_t seed) {
-  std::unique_ptr<Session> session(new Session(std::move(config), std::move(assets), live, seed));
+                                               bool live, uint64_t seed, AppServices app) {
+  std::unique_ptr<Session> session(new Session(std::move(config), std::move(assets), live, seed, app));
   session->hang_watch_ = std::make_unique<HangWatch>(session->host_);
   auto pipeline = Pipeline::make(
       session->config_, {session->host_, session->geodesy_, session->poses_, session->anchors_, session->world_mutex_},
@@ -34,12 +34,18 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
   return session;
 }
 
-Session::Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed)
+Session::Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed,
+                 AppServices app)
     : config_(std::move(config)),
       live_(live),
-      host_(seed, std::move(assets), [this](const Report& report) { reported(report); }),
+      host_(seed, std::move(assets), [this](const Report& report) { reported(report); }, app),
       frames_(config_.ordering.frames, runs_processes(config_) ? &host_.shared_pixels() : nullptr),
-      order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {}
+      order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {
+  if (live_) host_.on_wake([this] {
+      const std::lock_guard lock(mutex_);  // so that the thread does not miss it
+      work_waiting_.notify_one();
+    });
+}
 
 Session::~Session() {
   {
@@ -264,7 +270,8 @@ void Session::restart_clock(std::vector<OwnedMessage>& given_up) {
 }
 
 bool Session::work_is_waiting() const {
-  return restart_pending_ || flushes_asked_ != flushes_done_ || order_.ready() || report_is_waiting();
+  return restart_pending_ || flushes_asked_ != flushes_done_ || order_.ready() || report_is_waiting() ||
+         host_.has_woken();
 }
 
 /// Waits for the pipeline; only for threads that do not own it.
@@ -282,6 +289,7 @@ void Session::release_ownership() {
 
 /// With ownership and the lock, which is given up while anything is called. What is pushed meanwhile is not flushed.
 void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
+  bool woken = false;  // once: a plugin may ask again each time
   for (;;) {
     OwnedMessage message;
     if (std::exchange(restart_pending_, false)) {
@@ -297,6 +305,10 @@ void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
     } else if (report_is_waiting()) {
       lock.unlock();
       publish_reports();
+    } else if (!woken && host_.has_woken()) {
+      woken = true;
+      lock.unlock();
+      pipeline_->wake();
     } else {
       return;
     }

@@ -15,8 +15,6 @@
 namespace odograph {
 namespace {
 
-constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
-
 /// A table may end before a function that is optional; then it reads as null.
 #define ODO_OPTIONAL(table, function) (ODO_HAS(&(table), function) ? (table).function : nullptr)
 
@@ -122,6 +120,13 @@ int32_t LibraryBackend::process(const odo_header& message) {
   return call("process", [&] { return library_->table().process(instance_, &batch); });
 }
 
+int32_t LibraryBackend::wake() {
+  if (!instance_) return ODO_E_STATE;
+  const odo_header* none[] = {nullptr};
+  const odo_batch batch{sizeof(odo_batch), 0, none};
+  return call("process", [&] { return library_->table().process(instance_, &batch); });
+}
+
 int32_t LibraryBackend::reset() {
   const auto function = ODO_OPTIONAL(library_->table(), reset);
   if (instance_ && function && call("reset", [&] { return function(instance_); }) >= 0) return ODO_OK;
@@ -140,7 +145,12 @@ std::vector<uint8_t> LibraryBackend::save() {
   int64_t needed = 0, written = 0;
   std::vector<uint8_t> bytes;
   call("save", [&] { return needed = function(instance_, nullptr, 0), ODO_OK; });
-  if (needed <= 0 || needed > kLargestState) return {};
+  if (needed > int64_t{ODO_LARGEST_STATE})
+    host_.report(sink_.instance, ODO_SEVERITY_ERROR, "state_too_large",
+                 "has " + std::to_string(needed) + " bytes of state to save; expected at most " +
+                     std::to_string(ODO_LARGEST_STATE) + ": nothing of it is kept",
+                 ODO_E_EXHAUSTED);
+  if (needed <= 0 || needed > int64_t{ODO_LARGEST_STATE}) return {};
   bytes.resize(static_cast<size_t>(needed));
   call("save", [&] { return written = function(instance_, bytes.data(), bytes.size()), ODO_OK; });
   return written == needed ? bytes : std::vector<uint8_t>();

@@ -26,6 +26,7 @@ class LibraryBackend : public PluginBackend {
 
   int32_t start() override;
   int32_t process(const odo_header& message) override;
+  int32_t wake() override;
   int32_t reset() override;
   std::vector<uint8_t> save() override;
   bool load(std::span<const uint8_t> data) override;

@@ -21,7 +21,7 @@ namespace {
 constexpr size_t kFrameSlots = 8;  // as many as a session holds by default
 
 const char* name_of(int call) {
-  constexpr const char* names[] = {"load", "create", "process", "reset", "save", "load"};
+  constexpr const char* names[] = {"load", "create", "process", "reset", "save", "load", "process"};
   return names[call];
 }
 
@@ -157,11 +157,23 @@ class ThreadBackend::Worker {
   /// The host's services, as long as it listens.
   class Services : public HostServices {
    public:
-    Services(HostServices& host, Worker& worker) : HostServices(host.seed(), host.assets(), nullptr), worker_(worker) {}
+    Services(HostServices& host, Worker& worker)
+        : HostServices(host.seed(), host.assets(), nullptr, host.app()), worker_(worker) {}
+    void wake(uint32_t instance) override {
+      const std::lock_guard gate(worker_.gate_);
+      if (worker_.host_) worker_.host_->wake(instance);
+    }
     void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
                 int32_t status) override {
       const std::lock_guard gate(worker_.gate_);
       if (worker_.host_) worker_.host_->report(instance, severity, key, text, status);
+    }
+
+   protected:
+    /// The app's services end with the session.
+    const void* service(std::string_view id) override {
+      const std::lock_guard gate(worker_.gate_);
+      return worker_.host_ ? HostServices::service(id) : nullptr;
     }
 
    private:
@@ -201,6 +213,7 @@ class ThreadBackend::Worker {
         status = backend_->process(message.header());
         if (message.header().type == ODO_TYPE_FRAME) release(as<odo_frame>(message.header()).loan.owner);
         break;
+      case Call::wake: status = backend_->wake(); break;
       case Call::reset: status = backend_->reset(); break;
       case Call::save: bytes = backend_->save(); break;
       case Call::restore: status = backend_->load(bytes) ? ODO_OK : ODO_E_DATA; break;
@@ -298,6 +311,10 @@ int32_t ThreadBackend::process(const odo_header& message) {
   if (message.type == ODO_TYPE_FRAME && !worker_->put_frame(reinterpret_cast<odo_frame&>(worker_->message.header())))
     return ODO_E_EXHAUSTED;
   return exchange(Call::process, worker_->choice().isolation.time_s) ? worker_->status : ODO_E_ERROR;
+}
+
+int32_t ThreadBackend::wake() {
+  return exchange(Call::wake, worker_->choice().isolation.time_s) ? worker_->status : ODO_E_ERROR;
 }
 
 int32_t ThreadBackend::reset() {
