@@ -85,5 +85,5 @@ int main(int argc, char **argv) {
   odo_session_set_callback(session, &wanted, 1, on_pose, &poses);
   walk(session);
   odo_session_destroy(session);
-  return poses > 100 ? 0 : 1;
+  return poses > 30 ? 0 : 1;
 }
