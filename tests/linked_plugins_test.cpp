@@ -12,6 +12,7 @@
 
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/plugin_host/services.hpp"
+#include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/session_app.hpp"
 #include "tests/support.hpp"
 
@@ -25,7 +26,7 @@ namespace {
 template <int Number>
 struct Linked {
   double gain = 1;
-  static constexpr const char* ids[] = {"linked/one", "attitude/vqf", "linked/one"};
+  static constexpr const char* ids[] = {"linked/one", "same/library_1", "linked/one"};
   static constexpr odo::Description description{ids[Number], "1.2.3", "Says how often it is called.",
                                                 ODO_INTERFACE_ATTITUDE};
   static std::vector<odo::Parameter<Linked>> parameters() {
@@ -104,8 +105,8 @@ TEST_CASE("an entry is registered once; null, another ABI, a refusal and a secon
 TEST_CASE("a registered plugin is found by its id without any file, and its parameters are checked") {
   REQUIRE(registered(linked_entry).status == ODO_OK);
   for (const char* isolation : {"none", "thread"}) {
-    App app(std::string("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 2 m}, isolation: ") + isolation +
-            "}\n");
+    App app(std::string("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 2 m}, isolation: ") +
+            isolation + "}\n");
     REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
     app.walk(0, 20);
     odo_session_flush(app.session);
@@ -136,15 +137,17 @@ TEST_CASE("a registered plugin cannot run in a process of its own, and the allow
 }
 
 TEST_CASE("a registered plugin comes before one of its id that lies in a folder") {
-  const auto config = [] {
-    auto read = read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf}\n", "test", {plugin_folder()});
+  const auto folder = std::filesystem::path(ODOGRAPH_BUILD) / "tests/same_class";
+  REQUIRE(write_manifest_beside(folder / "same_class_1.so").ok());
+  const auto config = [&] {
+    auto read = read_pipeline_config("odograph: 1\nattitude: {plugin: same/library_1}\n", "test", {folder});
     REQUIRE_MESSAGE(read.ok(), read.failure().text);
     return read->attitudes.front().manifest;
   };
-  CHECK(config().entry == nullptr);
+  CHECK((config().entry == nullptr));
   REQUIRE(registered(shadowing_entry).status == ODO_OK);
   const Manifest manifest = config();
-  CHECK(manifest.entry == shadowing_entry);
+  CHECK((manifest.entry == shadowing_entry));
   CHECK(manifest.library.empty());
   CHECK(manifest.version == "1.2.3");
 }
@@ -158,7 +161,7 @@ TEST_CASE("plugins whose classes have one name share nothing, linked in or loade
     void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
     REQUIRE(handle);
     const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
-    REQUIRE(entry);
+    REQUIRE((entry != nullptr));
     CHECK(id_of(entry) == std::string("same/library_") + number);
   }
 }

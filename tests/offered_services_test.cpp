@@ -131,6 +131,7 @@ TEST_CASE("a plugin that asks for it is called without a message, at the latest 
     }).join();
     app.walk(3, 4);
     odo_session_flush(app.session);
+    CAPTURE(app.said());
     CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 1);  // one call answers several requests
     Radio::asks_again = true;
     CHECK(Radio::newest->wake());

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * An app with its plugins inside, as on iOS and in a browser: three plugins of ours are linked in and registered, the config
- * is a text, and no file lies beside the program. It walks for twenty seconds and prints every pose.
+ * An app with its plugins inside, as on iOS and in a browser: three plugins of ours are linked in and registered, the
+ * config is a text, and no file lies beside the program. It walks for twenty seconds and prints every pose.
  *
  *   static_c                  the plugins that are linked in
  *   static_c PLUGIN_FOLDER    the same plugins as shared libraries: the same poses to the last digit
@@ -12,9 +12,9 @@
 
 #include <odograph/odograph.h>
 
-int32_t ODO_CALL odo_plugin_entry_attitude_vqf(const struct odo_host *host, struct odo_plugin *out);
-int32_t ODO_CALL odo_plugin_entry_step_weinberg2002(const struct odo_host *host, struct odo_plugin *out);
-int32_t ODO_CALL odo_plugin_entry_fix_waypoint(const struct odo_host *host, struct odo_plugin *out);
+int32_t ODO_CALL odo_plugin_entry_attitude_vqf(const struct odo_host* host, struct odo_plugin* out);
+int32_t ODO_CALL odo_plugin_entry_step_weinberg2002(const struct odo_host* host, struct odo_plugin* out);
+int32_t ODO_CALL odo_plugin_entry_fix_waypoint(const struct odo_host* host, struct odo_plugin* out);
 
 static const odo_plugin_entry entries[] = {odo_plugin_entry_attitude_vqf, odo_plugin_entry_step_weinberg2002,
                                            odo_plugin_entry_fix_waypoint};
@@ -25,21 +25,21 @@ static const char config[] =
     "step_estimator: {plugin: step/weinberg2002, parameters: {k: 0.4}}\n"
     "absolute_fixers: [{plugin: fix/waypoint, parameters: {use: all}}]\n";
 
-static void on_pose(void *user, const odo_header *event) {
-  const odo_pose *pose = (const odo_pose *)event;
-  ++*(int *)user;
+static void on_pose(void* user, const odo_header* event) {
+  const odo_pose* pose = (const odo_pose*)event;
+  ++*(int*)user;
   printf("%lld %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", (long long)event->t_ns, pose->p_n[0], pose->p_n[1],
          pose->p_n[2], pose->q_n[0], pose->q_n[1], pose->q_n[2], pose->q_n[3]);
 }
 
-static int register_all(odo_error *error) {
+static int register_all(odo_error* error) {
   size_t i;
   for (i = 0; i < sizeof entries / sizeof entries[0]; ++i)
     if (odo_register_plugin(entries[i], error) != ODO_OK) return 0;
   return 1;
 }
 
-static void walk(odo_session *session) {
+static void walk(odo_session* session) {
   int i;
   for (i = 0; i < 2000; ++i) {
     const double t = i * 0.01;
@@ -61,9 +61,9 @@ static void walk(odo_session *session) {
   odo_session_flush(session);
 }
 
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
   odo_session_options options;
-  odo_session *session = NULL;
+  odo_session* session = NULL;
   odo_error error;
   const uint32_t wanted = ODO_TYPE_POSE;
   int poses = 0;

@@ -3,6 +3,7 @@
 // Header-only C++17 wrapper for plugin authors, part 3: the plugin itself. A plugin is a class with a description, a parameter table and one
 // `on(message, output)` for each message it wants:
 //
+//   namespace {
 //   struct Example {
 //     double gain = 1.0;  // the initialiser is the parameter's default
 //     static constexpr odo::Description description{"scale/example", "1.0.0", "What it does.", ODO_INTERFACE_SCALE_SOURCE};
@@ -11,6 +12,7 @@
 //     }
 //     void on(const odo_vo_motion& motion, odo::Output& output) { ... output.emit(scale); }
 //   };
+//   }  // namespace
 //   ODO_PLUGIN(Example)
 //
 // Optional members: void configured() or configured(odo::Output&) (throw odo::Error to refuse), void reset(), std::vector<uint8_t> save() const,

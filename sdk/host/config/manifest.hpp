@@ -18,13 +18,13 @@ enum class LibraryCheck : uint32_t {
   sealed,  // and what is opened is a sealed copy of what was hashed (sealed_copy.hpp)
 };
 
-/// NAME.odoplugin.json: a plugin library's table, readable without running it. Of a plugin that is linked into the program
-/// it is made from the table itself, and there is no file.
+/// NAME.odoplugin.json: a plugin library's table, readable without running it. Of a plugin that is linked into the
+/// program it is made from the table itself, and there is no file.
 struct Manifest {
   odo_plugin_entry entry = nullptr;  // of a linked-in plugin
   std::filesystem::path path;        // of the manifest
-  std::string text;               // as read, once: what is verified and what is used are the same
-  std::filesystem::path library;  // absolute
+  std::string text;                  // as read, once: what is verified and what is used are the same
+  std::filesystem::path library;     // absolute
   std::string id;
   std::string version;
   std::string summary;

@@ -27,15 +27,14 @@ Spec signers() {
            .type = SpecType::text,
            .fallback = "*",
            .help = "an id, a beginning of ids and '*', as in 'acme/*', or '*' for every plugin"},
-      Spec{.name = "key",
-           .type = SpecType::text,
-           .help = "Ed25519 public key, 64 hexadecimal digits",
-           .required = true},
+      Spec{
+          .name = "key", .type = SpecType::text, .help = "Ed25519 public key, 64 hexadecimal digits", .required = true},
   };
   return {.name = "signers",
           .type = SpecType::list,
-          .help = "a plugin whose id matches must have a manifest that one of the matching keys has signed "
-                  "(NAME.odoplugin.sig); others need no signature",
+          .help =
+              "a plugin whose id matches must have a manifest that one of the matching keys has signed "
+              "(NAME.odoplugin.sig); others need no signature",
           .children = {std::move(signer)}};
 }
 

@@ -96,8 +96,7 @@ std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
   return directories;
 }
 
-PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories, size_t asked_for)
-    : linked_(linked_plugins()) {
+PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories, size_t asked_for) : linked_(linked_plugins()) {
   std::vector<fs::path> seen;
   for (size_t i = 0; i < directories.size(); ++i) {
     std::error_code error;

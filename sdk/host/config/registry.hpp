@@ -12,15 +12,16 @@
 
 namespace odograph {
 
-/// The plugins that are linked into the program, and those that lie on the search path, by their manifests. Looking runs no
-/// foreign code.
+/// The plugins that are linked into the program, and those that lie on the search path, by their manifests. Looking
+/// runs no foreign code.
 class PluginRegistry {
  public:
   /// Reads all manifests in the directories, in order. A directory that does not exist is skipped; one of the first
   /// `asked_for`, which a user named, is said where a plugin is not found, as are libraries without a manifest.
   explicit PluginRegistry(const std::vector<std::filesystem::path>& directories, size_t asked_for = 0);
 
-  /// The plugin with this id, of the linked-in ones before those in folders, or with this manifest path when `id` ends in
+  /// The plugin with this id, of the linked-in ones before those in folders, or with this manifest path when `id` ends
+  /// in
   /// ".odoplugin.json" (relative to `base`).
   /// Failures: unknown id with the nearest one, two manifests with one id, a kind it does not serve, not on `allow`
   /// (ids, paths of manifest or library, SHA-256 of the library; empty allows all), or open to everybody's writing:

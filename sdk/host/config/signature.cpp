@@ -115,7 +115,8 @@ Result<bool> verify_signature(const Manifest& manifest, const std::vector<std::s
     return Failure{ODO_E_UNSUPPORTED, who + "plugins.signers needs OpenSSL (libcrypto 1.1.1 or 3) on this machine"};
   const auto signed_by = [&](const Key& key) { return is_signed(*crypto, key, manifest.text, *signature); };
   if (std::none_of(keys.begin(), keys.end(), signed_by))
-    return Failure{ODO_E_CONFIG, who + file.string() + " is no signature of its manifest by any of plugins.signers for its id (" +
+    return Failure{ODO_E_CONFIG, who + file.string() +
+                                     " is no signature of its manifest by any of plugins.signers for its id (" +
                                      std::to_string(keys.size()) + ")"};
   if (const auto hash = sha256_of(manifest.library); !hash || *hash != manifest.sha256)
     return Failure{ODO_E_CONFIG, who + manifest.library.string() + ": its hash differs from its signed manifest's"};

@@ -147,9 +147,9 @@ class Pipeline {
   bool north_is_true_ = false;  // something has observed the heading against true north
   std::optional<double> declination_rad_;
   static constexpr int64_t kNoCamera = -1;
-  std::atomic<int64_t> camera_{kNoCamera};  // header.source of the front-end's
+  std::atomic<int64_t> camera_{kNoCamera};           // header.source of the front-end's
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();  // its position in b, m
-  std::optional<odo_vo_motion> inertial_motion_;  // the newest motion, where it tells velocity and biases
+  std::optional<odo_vo_motion> inertial_motion_;     // the newest motion, where it tells velocity and biases
   std::optional<odo_pose> before_restart_;
   odo_pose last_pose_{};
   int64_t last_pose_ns_ = INT64_MIN;

@@ -83,8 +83,8 @@ std::optional<std::vector<Part>> parts_of(std::span<const uint8_t> blob) {
 
 }  // namespace
 
-/// Of each plugin its id, and where that has been before " #2" and so on behind it. Not its kind: the next version of a kind
-/// is to keep what was estimated.
+/// Of each plugin its id, and where that has been before " #2" and so on behind it. Not its kind: the next version of a
+/// kind is to keep what was estimated.
 std::vector<std::string> Pipeline::state_names() const {
   std::vector<std::string> names;
   for (const auto& plugin : plugins_) {

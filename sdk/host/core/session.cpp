@@ -38,10 +38,12 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
                  AppServices app)
     : config_(std::move(config)),
       live_(live),
-      host_(seed, std::move(assets), [this](const Report& report) { reported(report); }, app),
+      host_(
+          seed, std::move(assets), [this](const Report& report) { reported(report); }, app),
       frames_(config_.ordering.frames, runs_processes(config_) ? &host_.shared_pixels() : nullptr),
       order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {
-  if (live_) host_.on_wake([this] {
+  if (live_)
+    host_.on_wake([this] {
       const std::lock_guard lock(mutex_);  // so that the thread does not miss it
       work_waiting_.notify_one();
     });
@@ -136,8 +138,8 @@ int32_t Session::refuse_wild(const odo_header& sample, const char* what) {
   return ODO_E_DISCARD;
 }
 
-/// Brings a calibration to what plugins are given: the config's values replace those that are pushed (mount, time offset
-/// and row time only where the config has them), and the time offset, which the session applies, is taken out.
+/// Brings a calibration to what plugins are given: the config's values replace those that are pushed (mount, time
+/// offset and row time only where the config has them), and the time offset, which the session applies, is taken out.
 void Session::take_calibration(odo_calibration& c) {
   const auto& own = config_.camera;
   const bool configured = own && own->header.source == c.header.source;
@@ -195,8 +197,8 @@ std::string Session::size_fault(const odo_frame& frame) const {
   const Camera& camera = found->second;
   if (camera.width == frame.width && camera.height == frame.height) return "";
   const auto size = [](uint32_t w, uint32_t h) { return std::to_string(w) + " x " + std::to_string(h); };
-  return "it has " + size(frame.width, frame.height) + " pixels; the calibration of camera " + std::to_string(frame.header.source) +
-         " is for " + size(camera.width, camera.height);
+  return "it has " + size(frame.width, frame.height) + " pixels; the calibration of camera " +
+         std::to_string(frame.header.source) + " is for " + size(camera.width, camera.height);
 }
 
 int32_t Session::enqueue(OwnedMessage message) {

@@ -19,8 +19,8 @@ class PluginLibrary {
   /// with RTLD_NOW | RTLD_LOCAL, calls the entry and checks the table. Failures name the path and the reason.
   static Result<std::shared_ptr<PluginLibrary>> load(const std::filesystem::path& path, const odo_host* host);
 
-  /// As load, after comparing the library's hash with the manifest's as `check` asks, and its id afterwards. A linked-in
-  /// plugin has no file to be checked.
+  /// As load, after comparing the library's hash with the manifest's as `check` asks, and its id afterwards. A
+  /// linked-in plugin has no file to be checked.
   static Result<std::shared_ptr<PluginLibrary>> load(const Manifest& manifest, LibraryCheck check,
                                                      const odo_host* host);
 

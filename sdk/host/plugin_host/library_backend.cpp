@@ -53,8 +53,7 @@ int32_t LibraryBackend::emit(const odo_sink* sink, const odo_header* event) {
   if (self.caller_.load(std::memory_order_relaxed) == std::this_thread::get_id())
     return self.sink_.emit(&self.sink_, event);
   self.host_.report(self.sink_.instance, ODO_SEVERITY_WARNING, "foreign_thread",
-                    "emitted outside process: on another thread, or in another call",
-                    ODO_E_STATE);
+                    "emitted outside process: on another thread, or in another call", ODO_E_STATE);
   return ODO_E_STATE;
 }
 
@@ -112,18 +111,13 @@ int32_t LibraryBackend::start() {
   return status < 0 ? status : call("activate", [&] { return table.activate(instance_, &given_); });
 }
 
-int32_t LibraryBackend::process(const odo_header& message) {
-  if (!instance_) return ODO_E_STATE;
-  const odo_header* messages[] = {&message};
-  const odo_batch batch{sizeof(odo_batch), 1, messages};
-  const Calling calling(caller_);
-  return call("process", [&] { return library_->table().process(instance_, &batch); });
-}
+int32_t LibraryBackend::process(const odo_header& message) { return process(&message, 1); }
+int32_t LibraryBackend::wake() { return process(nullptr, 0); }
 
-int32_t LibraryBackend::wake() {
+int32_t LibraryBackend::process(const odo_header* message, uint32_t count) {
   if (!instance_) return ODO_E_STATE;
-  const odo_header* none[] = {nullptr};
-  const odo_batch batch{sizeof(odo_batch), 0, none};
+  const odo_batch batch{sizeof(odo_batch), count, &message};
+  const Calling calling(caller_);
   return call("process", [&] { return library_->table().process(instance_, &batch); });
 }
 

@@ -45,6 +45,7 @@ class LibraryBackend : public PluginBackend {
   static int32_t emit(const odo_sink* sink, const odo_header* event);
   LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
                  const odo_sink& sink, bool thread_may_end);
+  int32_t process(const odo_header* message, uint32_t count);
   template <class Work>
   int32_t call(const char* name, Work&& work);
 

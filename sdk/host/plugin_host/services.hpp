@@ -36,8 +36,8 @@ struct AppServices {
   const void*(ODO_CALL* get)(void* user, const char* id, uint64_t id_size) = nullptr;
 };
 
-/// The odo_host that plugins see, with its services: report, random, assets, wake, and the app's. Outlives every instance
-/// made with it.
+/// The odo_host that plugins see, with its services: report, random, assets, wake, and the app's. Outlives every
+/// instance made with it.
 class HostServices : public odo_host {
  public:
   using Listener = std::function<void(const Report&)>;

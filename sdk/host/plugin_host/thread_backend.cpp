@@ -60,9 +60,7 @@ int32_t ODO_CALL retain(void* owner) {
   return ODO_OK;
 }
 
-void ODO_CALL release(void* owner) {
-  static_cast<FrameSlot*>(owner)->holds.fetch_sub(1, std::memory_order_release);
-}
+void ODO_CALL release(void* owner) { static_cast<FrameSlot*>(owner)->holds.fetch_sub(1, std::memory_order_release); }
 
 }  // namespace
 
