@@ -17,16 +17,6 @@ constexpr Pipeline::Parameters kParameters;
 
 }  // namespace
 
-void Pipeline::wake() {
-  if (!host_.has_woken()) return;
-  events_.begin();
-  for (const uint32_t number : host_.take_woken()) {
-    if (number == 0 || number > plugins_.size()) continue;
-    take(*plugins_[number - 1]);
-    handle_events();
-  }
-}
-
 void Pipeline::process(const odo_header& message) {
   wake();
   events_.begin();
@@ -117,11 +107,6 @@ void Pipeline::tell(const odo_header& event) {
 void Pipeline::take(PluginInstance& plugin, const odo_header& message) {
   for (const AnyMessage& event : plugin.process(message)) enqueue(event);
   if (plugin.take_reset()) describe_sensors_to(plugin);
-}
-
-void Pipeline::take(PluginInstance& woken) {
-  for (const AnyMessage& event : woken.wake()) enqueue(event);
-  if (woken.take_reset()) describe_sensors_to(woken);
 }
 
 /// After a reset a plugin knows of no camera any more.

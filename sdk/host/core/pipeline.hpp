@@ -90,7 +90,6 @@ class Pipeline {
   void ask(const odo_header& message);
   void tell(const odo_header& event);
   void take(PluginInstance& plugin, const odo_header& message);
-  void take(PluginInstance& woken);
   void describe_sensors_to(PluginInstance& plugin);
   void enqueue(const AnyMessage& event);
   bool in_use(const odo_header& event) const;

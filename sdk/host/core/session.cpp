@@ -42,11 +42,7 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
           seed, std::move(assets), [this](const Report& report) { reported(report); }, app),
       frames_(config_.ordering.frames, runs_processes(config_) ? &host_.shared_pixels() : nullptr),
       order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {
-  if (live_)
-    host_.on_wake([this] {
-      const std::lock_guard lock(mutex_);  // so that the thread does not miss it
-      work_waiting_.notify_one();
-    });
+  host_.on_wake([this] { notify(); });
 }
 
 Session::~Session() {

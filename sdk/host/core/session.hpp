@@ -103,6 +103,8 @@ class Session {
   void process_waiting(Lock& lock, int64_t flush_until_ns);
   void publish_progress();
   void work();
+  /// Wakes the session's thread, where it has one.
+  void notify();
 
   void publish(const odo_header& event);
   void reported(const Report& report);
