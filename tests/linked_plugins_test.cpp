@@ -37,7 +37,11 @@ struct Linked {
     attitude.q_n_b[0] = 1;
     output.report(ODO_SEVERITY_INFO, "called", "gain " + std::to_string(gain));
     output.emit(attitude);
+    ++calls;
   }
+  std::vector<uint8_t> save() const { return {calls}; }
+  void load(const uint8_t* data, size_t size) { calls = size == 1 ? data[0] : 99; }
+  uint8_t calls = 0;
 };
 
 }  // namespace
@@ -117,6 +121,25 @@ TEST_CASE("a registered plugin is found by its id without any file, and its para
                  "expected a number in m from 0.5 to 2"));
   CHECK(contains(App("odograph: 1\nattitude: {plugin: linked/on}\n").message, "(nearest: 'linked/one')"));
   CHECK(contains(App("odograph: 1\nscale_source: {plugin: linked/one}\n").message, "plugin 'linked/one' serves"));
+}
+
+TEST_CASE("saved state is by the plugin's id: its kind's next version keeps it") {
+  REQUIRE(registered(linked_entry).status == ODO_OK);
+  const std::string yaml = "odograph: 1\nattitude: {plugin: linked/one}\n";
+  const auto saved = [](const App& app) {
+    std::string blob(static_cast<size_t>(odo_session_save(app.session, nullptr, 0)), '\0');
+    odo_session_save(app.session, blob.data(), blob.size());
+    return blob;
+  };
+  App first(yaml);
+  first.walk(0, 20);
+  odo_session_flush(first.session);
+  const std::string blob = saved(first);
+  CHECK(contains(blob, "linked/one\x14"));
+  CHECK_FALSE(contains(blob, ODO_INTERFACE_ATTITUDE));
+  const App second(yaml);
+  CHECK(odo_session_load(second.session, blob.data(), blob.size()) == ODO_OK);
+  CHECK(saved(second) == blob);
 }
 
 TEST_CASE("a registered plugin cannot run in a process of its own, and the allow list applies to its id") {
