@@ -83,6 +83,8 @@ int32_t walk_message(odo_instance* instance, const odo_header* message);
 extern odo_fix walk_fix;
 /* One second of the walk: inertial samples each 10 ms, frames each 100 ms. The first call pushes the calibration. */
 void walk_second(app* self, int second);
+/* Before another walk in the same case. */
+void walk_reset(void);
 
 /* A loan that counts. */
 typedef struct lent {

@@ -103,7 +103,7 @@ static void in_child(const conformance_case* chosen, int pipe_end, bool quiet) {
 /* ---- in the parent ---- */
 static void add_line(result* out, const char* text, size_t size) {
   const size_t used = strlen(out->text);
-  if (used + size + 2 > sizeof out->text) return;
+  if (++out->lines > MAX_LINES || used + size + 2 > sizeof out->text) return;
   memcpy(out->text + used, text, size);
   out->text[used + size] = '\n';
   out->text[used + size + 1] = 0;

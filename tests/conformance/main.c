@@ -119,9 +119,14 @@ static void print_case(const conformance_case* of, const result* found) {
     printf("%s\n    %s: %s\n", of->name, of->header, of->sentence);
     return;
   }
+  if (found->outcome == SKIPPED) {
+    printf("skip  %s: %s", of->name, found->text);
+    return;
+  }
   printf("%s  %s\n", outcome_names[found->outcome], of->name);
   if (found->outcome == FAILED) printf("      odograph/%s: \"%s\"\n", of->header, of->sentence);
   print_lines(found->text);
+  if (found->lines > MAX_LINES) printf("        and %u more\n", found->lines - MAX_LINES);
   fflush(stdout);
 }
 

@@ -144,6 +144,8 @@ void put_fix(odo_fix* out, int64_t t_ns, double north_m) {
 odo_fix walk_fix;
 static int64_t last_motion_ns;
 
+void walk_reset(void) { last_motion_ns = 0; }
+
 static int32_t answer_imu(odo_instance* instance, const odo_header* message) {
   odo_attitude attitude;
   put_header(&attitude, sizeof attitude, ODO_TYPE_ATTITUDE, message->t_ns);

@@ -112,9 +112,11 @@ extern conformance_options options;
 
 /* ---- running ---- */
 typedef enum outcome { PASSED, FAILED, SKIPPED } outcome;
-#define RESULT_TEXT 4096
+#define RESULT_TEXT 8192
+#define MAX_LINES 6u /* of text; `lines` counts on */
 typedef struct result {
   outcome outcome;
+  unsigned lines;
   double seconds;
   char text[RESULT_TEXT]; /* what failed, a line each, or why the case was skipped */
 } result;
