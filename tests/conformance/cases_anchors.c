@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#define ORIGIN "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n"
+#define ORIGIN "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n  start: {position: [0 m, 0 m, 0 m], heading: 0}\n"
 
 static odo_anchor_place place_of(uint32_t kind) {
   odo_anchor_place place;

@@ -139,7 +139,8 @@ static void push_within(app* self, const odo_header* event) {
   size_t before;
   if (event->type != PROBE_EVENT || pushed_within >= 20) return;
   before = given_count(ODO_TYPE_BAROMETER, FIXER);
-  put_barometer(&sample, T0 + 2 * SECOND + ++pushed_within * MS);
+  ++pushed_within;
+  put_barometer(&sample, event->t_ns + MS);
   EXPECT(push(self, &sample), ODO_OK);
   processed_within += run_is_live ? 0 : given_count(ODO_TYPE_BAROMETER, FIXER) != before;
 }

@@ -142,7 +142,7 @@ static void offset_survives_a_reset(int unused) {
   push_rest_between(self, T0, T0 + SECOND);
   app_flush(self);
   journal_clear();
-  push_rest_between(self, T0 / 2, T0 / 2 + 3 * SECOND); /* the clock is set back */
+  push_set_back(self, T0 / 2, T0 / 2 + 3 * SECOND);
   EXPECT(push_frame(self, 0, T0 / 2 + 4 * SECOND), ODO_OK);
   app_flush(self);
   found = given_message(ODO_TYPE_CALIBRATION, FIXER, 0);

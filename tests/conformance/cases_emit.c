@@ -56,8 +56,7 @@ static void emit_outside_process(int what) {
     push_rest_between(self, T0, T0 + 2 * SECOND);
     app_flush(self);
     odo.session_save(self->session, blob, sizeof blob);
-    if (what == PROBE_RESET) push_rest_between(self, T0 / 2, T0 / 2 + 3 * SECOND);
-    app_flush(self);
+    if (what == PROBE_RESET) push_set_back(self, T0 / 2, T0 / 2 + 3 * SECOND);
   }
   if (what == PROBE_DESTROY) {
     app_close(self);

@@ -32,7 +32,7 @@ static app* offer(void) {
   self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   walk_second(self, 0);
   walk_second(self, 1);
-  put_barometer(&sample, T0 + 1500 * MS);
+  put_barometer(&sample, T0 + 1995 * MS);
   EXPECT(push(self, &sample), ODO_OK);
   walk_second(self, 2);
   app_flush(self);

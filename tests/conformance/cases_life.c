@@ -64,13 +64,13 @@ static void parameters_by_default(int unused) {
 static void parameters_of_the_config(int unused) {
   (void)unused;
   hooks.on_call = note_values;
-  app_open(FIXER_ALONE "    answer: 17\n    word: hello\n", ODO_RUN_REPLAY);
+  app_open(FIXER_ALONE "    parameters:\n      answer: 17\n      word: hello\n", ODO_RUN_REPLAY);
   CHECK(configured.answer == 17 && strcmp(configured.word, "hello") == 0, "it was given answer %lld and word \"%s\"",
         (long long)configured.answer, configured.word);
 }
 
 static void parameter_out_of_range(int unused) {
-  const odo_session_options chosen = app_options(FIXER_ALONE "    answer: 101\n", ODO_RUN_REPLAY);
+  const odo_session_options chosen = app_options(FIXER_ALONE "    parameters:\n      answer: 101\n", ODO_RUN_REPLAY);
   odo_session* session;
   odo_error error = {sizeof error, 0, ""};
   (void)unused;
@@ -78,7 +78,7 @@ static void parameter_out_of_range(int unused) {
   need_plugins();
   EXPECT(odo.session_create(&chosen, &session, &error), ODO_E_CONFIG);
   CHECK(session == NULL, "*session is not null after a failure");
-  CHECK(strstr(error.message, "answer") && strstr(error.message, "4:"), "the reason names neither key nor line: %s", error.message);
+  CHECK(strstr(error.message, "answer") && strstr(error.message, "5:"), "the reason names neither key nor line: %s", error.message);
   CHECK(journal_count(PROBE_CONFIGURE, ANY_KIND) == 0, "the plugin was given a value out of its range");
 }
 

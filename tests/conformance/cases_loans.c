@@ -72,19 +72,23 @@ static void duplicate(int unused) {
 }
 
 static void queue_full(int unused) {
-  app* self = app_open(FIXER_ALONE "time_ordering:\n  queue: 16\n  frames: 64\n  max_wait: 5 s\n", ODO_RUN_REPLAY);
+  app* self = app_open(FIXER_ALONE "time_ordering:\n  queue: 64\n  frames: 64\n  max_wait: 5 s\n", ODO_RUN_REPLAY);
   lent memory;
   int i, refused = 0;
   (void)unused;
   lent_init(&memory);
   push_rest_between(self, T0, T0 + 10 * MS); /* frames wait for this sensor */
-  for (i = 1; i <= 40; ++i) {
-    const int32_t status = push_lent(self, &memory, T0 + i * 50 * MS);
+  for (i = 1; i <= 40; ++i) { /* two messages each: more than the queue holds */
+    odo_barometer sample;
+    int32_t status;
+    put_barometer(&sample, T0 + i * 50 * MS);
+    push(self, &sample);
+    status = push_lent(self, &memory, T0 + i * 50 * MS);
     refused += status == ODO_E_EXHAUSTED;
     CHECK(status == ODO_OK || status == ODO_E_EXHAUSTED, "odo_session_push = %s", status_name(status));
   }
   CHECK(refused > 0, "no frame was refused");
-  CHECK(app_statistics(self).overflow == (uint64_t)refused, "overflow is %llu; expected %d",
+  CHECK(app_statistics(self).overflow >= (uint64_t)refused, "overflow is %llu; expected %d at least",
         (unsigned long long)app_statistics(self).overflow, refused);
   app_flush(self);
   CHECK_BALANCED(&memory, 1);
@@ -123,8 +127,7 @@ static void clock_set_back(int unused) {
   lent_init(&memory);
   push_rest_between(self, T0, T0 + 10 * MS);
   for (i = 1; i <= 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
-  for (i = 0; i < 400; ++i) push_rest(self, T0 / 2 + i * 10 * MS);
-  app_flush(self);
+  push_set_back(self, T0 / 2, T0 / 2 + 4 * SECOND);
   CHECK_BALANCED(&memory, 1);
 }
 
@@ -150,9 +153,8 @@ static void bad_frame(int which) {
   EXPECT(push(self, &calibration), ODO_OK);
   put_lent_frame(&frame, &memory, 0, T0);
   if (which == 0) frame.width = 32, frame.height = 24;   /* the calibration has another size */
-  if (which == 1) frame.planes[0].row_stride = 8;        /* smaller than a row */
-  if (which == 2) frame.width = 0;
-  if (which == 3) frame.planes[0].data = NULL;           /* and no native */
+  if (which == 1) frame.width = 0;
+  if (which == 2) frame.planes[0].data = NULL; /* and no native */
   EXPECT(push(self, &frame), ODO_E_DISCARD);
   app_flush(self);
   CHECK(given_count(ODO_TYPE_FRAME, ANY_KIND) == 0, "the plugin was given it");
@@ -180,16 +182,17 @@ static void plugin_fails(int unused) {
 /* ---- retain and release that push ---- */
 static app* nested_app;
 static int nested;
+static int64_t frame_ns;
 
 static int32_t ODO_CALL pushing_retain(void* owner) {
   (void)owner;
-  push_rest(nested_app, T0 + SECOND + ++nested * MS);
+  push_rest(nested_app, frame_ns + ++nested * MS);
   return ODO_OK;
 }
 
 static void ODO_CALL pushing_release(void* owner) {
   (void)owner;
-  push_rest(nested_app, T0 + 2 * SECOND + ++nested * MS);
+  push_rest(nested_app, frame_ns + ++nested * MS);
 }
 
 static void they_may_push(int run) {
@@ -197,7 +200,8 @@ static void they_may_push(int run) {
   int i;
   nested_app = app_open(FIXER_ALONE, (uint32_t)run);
   for (i = 0; i < 3; ++i) {
-    put_frame(&frame, 0, T0 + i * 10 * MS);
+    frame_ns = T0 + i * SECOND;
+    put_frame(&frame, 0, frame_ns);
     frame.loan.retain = pushing_retain, frame.loan.release = pushing_release;
     EXPECT(push(nested_app, &frame), ODO_OK);
   }
@@ -297,10 +301,9 @@ const conformance_case cases_loans[] = {
     DRAW("frames that wait when the clock is set back are released once", clock_set_back, 0),
     DRAW("frames that a plugin fails on are released once", plugin_fails, 0),
     DRAW("a frame of another size than its calibration is refused and released", bad_frame, 0),
-    DRAW("a frame whose rows overlap is refused and released", bad_frame, 1),
-    DRAW("a frame without width is refused and released", bad_frame, 2),
+    DRAW("a frame without width is refused and released", bad_frame, 1),
     {"a frame with neither pixels nor native memory is refused", "samples.h",
-     "first pixel of the first row; null where only loan.native has the pixels", bad_frame, 3},
+     "first pixel of the first row; null where only loan.native has the pixels", bad_frame, 2},
     {"a frame whose retain refuses is refused and never released", "base.h", BALANCE, retain_refuses, 0},
     {"retain and release of a replay may push", "odograph.h",
      "No lock is held while a frame's retain or release is called: they may push.", they_may_push, ODO_RUN_REPLAY},

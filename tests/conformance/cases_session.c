@@ -104,8 +104,10 @@ static void sums_hold(int run) {
   app_flush(self);
   for (i = 0; i < 3; ++i) odo.session_push_imu(self->session, T0 + 2 * SECOND, nan3, zero);
   for (i = 0; i < 4; ++i) odo.session_push_imu(self->session, T0 + 2 * SECOND, wild, zero);
-  put_barometer(&sample, T0);
-  for (i = 0; i < 5; ++i) push(self, &sample); /* late */
+  for (i = 0; i < 5; ++i) {
+    put_barometer(&sample, T0 + i * MS); /* late */
+    push(self, &sample);
+  }
   put_barometer(&sample, T0 + 1100 * MS);
   for (i = 0; i < 7; ++i) push(self, &sample); /* one, and six times the same */
   put_header(&sample, sizeof sample, PROBE_UNDECLARED, T0 + 1100 * MS);

@@ -45,7 +45,7 @@ static void start(pthread_t* thread, void* (*run)(void*), void* user) {
 }
 
 static void push_from_four(int run) {
-  app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 10 s\n", (uint32_t)run);
+  app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", (uint32_t)run);
   pusher pushers[4];
   pthread_t threads[4];
   odo_statistics counts;
@@ -65,7 +65,7 @@ static void push_from_four(int run) {
         "of 1200 samples %llu were taken and %llu refused; pushed is %llu, processed %llu, late %llu, overflow %llu",
         (unsigned long long)taken, (unsigned long long)refused, (unsigned long long)counts.pushed,
         (unsigned long long)counts.processed, (unsigned long long)counts.late, (unsigned long long)counts.overflow);
-  CHECK(refused == 0, "%llu samples were refused although 10 s are waited", (unsigned long long)refused);
+  CHECK(refused == 0, "%llu samples were refused although 5 s are waited", (unsigned long long)refused);
   CHECK(journal_overlaps() == 0, "%u calls of one instance overlapped", journal_overlaps());
 }
 
