@@ -148,6 +148,7 @@ static void on_the_earth(int known) {
   odo_anchor anchor;
   uint64_t id;
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
+  walk_second(self, 2); /* its place is found with a pose */
   app_flush(self);
   EXPECT(get(self, id, &anchor), ODO_OK);
   if (known) {
@@ -169,6 +170,8 @@ static void no_ground(int unused) {
   (void)unused;
   place.height_above = ODO_HEIGHT_TERRAIN;
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
+  walk_second(self, 2);
+  app_flush(self);
   EXPECT(get(self, id, &anchor), ODO_OK);
   CHECK(!(anchor.flags & ODO_ANCHOR_PLACED) && anchor.state == ODO_LOST && anchor.reason == ODO_REASON_NO_GROUND,
         "its flags are 0x%x, its state is %u and its reason %u", anchor.flags, anchor.state, anchor.reason);

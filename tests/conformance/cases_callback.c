@@ -137,7 +137,7 @@ static bool run_is_live;
 static void push_within(app* self, const odo_header* event) {
   odo_barometer sample;
   size_t before;
-  if (event->type != PROBE_EVENT || pushed_within >= 20) return;
+  if (event->type != PROBE_EVENT || pushed_within >= 20 || event->t_ns % (10 * MS) != 0) return;
   before = given_count(ODO_TYPE_BAROMETER, FIXER);
   ++pushed_within;
   put_barometer(&sample, event->t_ns + MS);
