@@ -51,7 +51,8 @@ class Judge {
   Judge& covariance(const char* field, const double* values, size_t rows) {
     finite(field, values, rows * rows);
     for (size_t i = 0; asked_ && i < rows && fault.empty(); ++i)
-      not_negative((std::string(field) + "[" + std::to_string(i * (rows + 1)) + "]").c_str(), values[i * (rows + 1)]);
+      if (const size_t at = i * (rows + 1); values[at] < 0)
+        not_negative((std::string(field) + "[" + std::to_string(at) + "]").c_str(), values[at]);
     return *this;
   }
   Judge& unit(const char* field, const double* q) {
