@@ -30,7 +30,7 @@ typedef struct app {
   pthread_mutex_t lock;
   odo_header** events; /* copies, in order */
   size_t count, capacity;
-  pthread_t callback_thread; /* of the newest call */
+  pthread_t callback_thread;                                  /* of the newest call */
   void (*on_event)(struct app* app, const odo_header* event); /* within the callback; may be null */
   void* user;
 } app;
@@ -77,10 +77,10 @@ typedef struct sample_kind {
 } sample_kind;
 extern const sample_kind sample_kinds[];
 extern const size_t sample_kind_count;
-#define LARGEST_SAMPLE 1024 /* room for any of them with a longer end */
+#define LARGEST_SAMPLE 1024 /* holds any of them, with a longer end */
 
-/* Hooks: attitude and front-end answer as in a walk to the front, one metre a second. The fixer emits `walk_fix` with the next
- * barometer sample where its struct_size is set. */
+/* Hooks: attitude and front-end answer as in a walk to the front, one metre a second. The fixer emits `walk_fix` with
+ * the next barometer sample where its struct_size is set. */
 int32_t walk_message(odo_instance* instance, const odo_header* message);
 extern odo_fix walk_fix;
 /* One second of the walk: inertial samples each 10 ms, frames each 100 ms. The first call pushes the calibration. */
@@ -92,18 +92,19 @@ void walk_reset(void);
 typedef struct lent {
   pthread_mutex_t lock;
   int retains, releases;
-  int refuse; /* retain answers ODO_E_EXHAUSTED */
+  int refuse;  /* retain answers ODO_E_EXHAUSTED */
   int strange; /* calls with an owner that was not ours */
   const void* native;
 } lent;
 void lent_init(lent* self);
 void lend(odo_loan* loan, lent* self);
 /* Each retain was followed by one release. */
-#define CHECK_BALANCED(self, min_retains)                                                                         \
-  do {                                                                                                            \
-    CHECK((self)->retains == (self)->releases && (self)->retains >= (min_retains) && (self)->strange == 0,         \
-          "retain was called %d times and release %d times (%d with a strange owner); expected as many of each, at least %d", \
-          (self)->retains, (self)->releases, (self)->strange, (min_retains));                                     \
+#define CHECK_BALANCED(self, min_retains)                                                                            \
+  do {                                                                                                               \
+    CHECK((self)->retains == (self)->releases && (self)->retains >= (min_retains) && (self)->strange == 0,           \
+          "retain was called %d times and release %d times (%d with a strange owner); expected as many of each, at " \
+          "least %d",                                                                                                \
+          (self)->retains, (self)->releases, (self)->strange, (min_retains));                                        \
   } while (0)
 
 #endif

@@ -6,7 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-#define ORIGIN "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n  start: {position: [0 m, 0 m, 0 m], heading: 0}\n"
+#define ORIGIN                                                                                                     \
+  "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n  start: {position: [0 m, 0 m, 0 m], " \
+  "heading: 0}\n"
 
 static odo_anchor_place place_of(uint32_t kind) {
   odo_anchor_place place;
@@ -60,10 +62,10 @@ static void life_of_anchors(int unused) {
   EXPECT(odo.anchor_create(self->session, &place, &next), ODO_OK);
   CHECK(next == 3, "after a removal the id is %llu; expected 3", (unsigned long long)next);
   memset(ids, 0, sizeof ids);
-  CHECK(odo.anchor_list(self->session, ids, 1) == 2 && ids[0] == 1 && ids[1] == 0, "with a capacity of 1 the list was %llu, %llu",
-        (unsigned long long)ids[0], (unsigned long long)ids[1]);
-  CHECK(odo.anchor_list(self->session, ids, 8) == 2 && ids[0] == 1 && ids[1] == 3, "the list was %llu, %llu; expected 1, 3",
-        (unsigned long long)ids[0], (unsigned long long)ids[1]);
+  CHECK(odo.anchor_list(self->session, ids, 1) == 2 && ids[0] == 1 && ids[1] == 0,
+        "with a capacity of 1 the list was %llu, %llu", (unsigned long long)ids[0], (unsigned long long)ids[1]);
+  CHECK(odo.anchor_list(self->session, ids, 8) == 2 && ids[0] == 1 && ids[1] == 3,
+        "the list was %llu, %llu; expected 1, 3", (unsigned long long)ids[0], (unsigned long long)ids[1]);
 }
 
 static void local_needs_a_position(int unused) {
@@ -104,7 +106,8 @@ static void bad_places(int unused) {
     if (which == 6) place.height_above = 9;
     if (which == 7) place.sigma_m = (double)NAN;
     status = odo.anchor_create(self->session, &place, &id);
-    CHECK(status == ODO_E_ARGUMENT, "place %d: odo_anchor_create = %s; expected ODO_E_ARGUMENT", which, status_name(status));
+    CHECK(status == ODO_E_ARGUMENT, "place %d: odo_anchor_create = %s; expected ODO_E_ARGUMENT", which,
+          status_name(status));
   }
   CHECK(odo.anchor_list(self->session, NULL, 0) == 0, "there is an anchor");
 }
@@ -132,14 +135,17 @@ static void where_it_is(int unused) {
   place.name = string_of("a name of more than sixty-three bytes, which is cut behind the sixty-third of them");
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
   EXPECT(get(self, id, &anchor), ODO_OK);
-  CHECK(anchor.id == id && anchor.kind == ODO_ANCHOR_POSE, "it has id %llu and kind %u", (unsigned long long)anchor.id, anchor.kind);
-  CHECK((anchor.flags & ODO_ANCHOR_PLACED) && (anchor.flags & ODO_ANCHOR_IN_VIEW) && !(anchor.flags & ODO_ANCHOR_ON_EARTH),
+  CHECK(anchor.id == id && anchor.kind == ODO_ANCHOR_POSE, "it has id %llu and kind %u", (unsigned long long)anchor.id,
+        anchor.kind);
+  CHECK((anchor.flags & ODO_ANCHOR_PLACED) && (anchor.flags & ODO_ANCHOR_IN_VIEW) &&
+            !(anchor.flags & ODO_ANCHOR_ON_EARTH),
         "its flags are 0x%x", anchor.flags);
-  CHECK(fabs(anchor.p_n[0] - 5) < 1e-6 && fabs(anchor.p_n[2] + 1) < 1e-6, "it is at %g, %g, %g", anchor.p_n[0], anchor.p_n[1],
-        anchor.p_n[2]);
+  CHECK(fabs(anchor.p_n[0] - 5) < 1e-6 && fabs(anchor.p_n[2] + 1) < 1e-6, "it is at %g, %g, %g", anchor.p_n[0],
+        anchor.p_n[1], anchor.p_n[2]);
   CHECK(fabs(anchor.p_view[0] - 3.1) < 0.2, "in the view it is %g m ahead; expected about 3.1", anchor.p_view[0]);
   CHECK(anchor.q_n[0] == 1, "all zero is no rotation: q_n begins with %g", anchor.q_n[0]);
-  CHECK(strlen(anchor.name) == 63 && strncmp(anchor.name, "a name of more than", 19) == 0, "its name is \"%.64s\"", anchor.name);
+  CHECK(strlen(anchor.name) == 63 && strncmp(anchor.name, "a name of more than", 19) == 0, "its name is \"%.64s\"",
+        anchor.name);
 }
 
 static void on_the_earth(int known) {
@@ -157,8 +163,8 @@ static void on_the_earth(int known) {
           anchor.p_n[1], anchor.p_n[2]);
     return;
   }
-  CHECK(!(anchor.flags & ODO_ANCHOR_PLACED) && anchor.state == ODO_LOST, "its flags are 0x%x and its state is %u", anchor.flags,
-        anchor.state);
+  CHECK(!(anchor.flags & ODO_ANCHOR_PLACED) && anchor.state == ODO_LOST, "its flags are 0x%x and its state is %u",
+        anchor.flags, anchor.state);
   CHECK(anchor.reason == ODO_REASON_NO_FIX, "its reason is %u; expected ODO_REASON_NO_FIX", anchor.reason);
 }
 
@@ -180,17 +186,20 @@ static void no_ground(int unused) {
 #define MAKES "Makes an anchor; its id counts from 1 and is never used again."
 const conformance_case cases_anchors[] = {
     {"anchors are numbered from 1, listed in their order and removed once", "anchor.h", MAKES, life_of_anchors, 0},
-    {"a local anchor needs a position", "anchor.h", "ODO_NOT_READY while the phone's position is not known (a local one)",
-     local_needs_a_position, 0},
-    {"a local anchor needs a time that is kept", "anchor.h", "ODO_E_NOT_FOUND for a time outside of what is kept", time_is_kept, 0},
-    {"bad places are refused", "anchor.h", "ODO_E_ARGUMENT (unknown kind, a number that is not finite, no unit quaternion, a latitude beyond a pole)",
+    {"a local anchor needs a position", "anchor.h",
+     "ODO_NOT_READY while the phone's position is not known (a local one)", local_needs_a_position, 0},
+    {"a local anchor needs a time that is kept", "anchor.h", "ODO_E_NOT_FOUND for a time outside of what is kept",
+     time_is_kept, 0},
+    {"bad places are refused", "anchor.h",
+     "ODO_E_ARGUMENT (unknown kind, a number that is not finite, no unit quaternion, a latitude beyond a pole)",
      bad_places, 0},
     {"there are 1024 anchors at most", "anchor.h", "ODO_E_EXHAUSTED beyond 1024 anchors", too_many, 0},
-    {"a local anchor is where it was put, with 63 bytes of its name", "anchor.h", "UTF-8; the first 63 bytes are kept", where_it_is, 0},
-    {"a geodetic anchor is placed where the origin is known", "anchor.h", "A geodetic one is made at once and gets its place as soon as",
-     on_the_earth, 1},
-    {"a geodetic anchor without a known origin is lost for want of a fix", "anchor.h", "the place of n on the Earth is not known",
-     on_the_earth, 0},
+    {"a local anchor is where it was put, with 63 bytes of its name", "anchor.h", "UTF-8; the first 63 bytes are kept",
+     where_it_is, 0},
+    {"a geodetic anchor is placed where the origin is known", "anchor.h",
+     "A geodetic one is made at once and gets its place as soon as", on_the_earth, 1},
+    {"a geodetic anchor without a known origin is lost for want of a fix", "anchor.h",
+     "the place of n on the Earth is not known", on_the_earth, 0},
     {"an anchor above terrain without a terrain model is lost for want of the ground", "anchor.h",
      "the height of the ground there is not known", no_ground, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -54,8 +54,8 @@ static void one_camera_for_a_frontend(int calibrated) {
   if (calibrated) push_calibration(self, 5, 0), push_calibration(self, 2, 0);
   push_pairs(self, 5, 2);
   CHECK(frames_of(5, FRONTEND) == 4 && frames_of(2, FRONTEND) == 0,
-        "it was given %u frames of the first camera and %u of the second; expected 4 and 0", (unsigned)frames_of(5, FRONTEND),
-        (unsigned)frames_of(2, FRONTEND));
+        "it was given %u frames of the first camera and %u of the second; expected 4 and 0",
+        (unsigned)frames_of(5, FRONTEND), (unsigned)frames_of(2, FRONTEND));
   for (i = 0; (found = given_message(ODO_TYPE_CALIBRATION, FRONTEND, i)) != NULL; ++i)
     CHECK(found->source == 5, "it was given the calibration of camera %u", found->source);
 }
@@ -95,8 +95,8 @@ static void offset_is_applied_once(int unused) {
     REQUIRE(frame && calibration, "%s was not given frame and calibration", kinds[i]);
     CHECK(frame->t_ns == T0 + 30 * MS, "%s was given a frame that is shifted by %lld ns; expected 30 ms", kinds[i],
           (long long)(frame->t_ns - T0));
-    CHECK((calibration->flags & ODO_CALIBRATION_TIME_OFFSET) == 0, "%s was given a calibration with flags 0x%x", kinds[i],
-          calibration->flags);
+    CHECK((calibration->flags & ODO_CALIBRATION_TIME_OFFSET) == 0, "%s was given a calibration with flags 0x%x",
+          kinds[i], calibration->flags);
   }
 }
 
@@ -146,13 +146,16 @@ static void offset_survives_a_reset(int unused) {
   EXPECT(push_frame(self, 0, T0 / 2 + 4 * SECOND), ODO_OK);
   app_flush(self);
   found = given_message(ODO_TYPE_CALIBRATION, FIXER, 0);
-  CHECK(found && !(found->flags & ODO_CALIBRATION_TIME_OFFSET), "the calibration did not come again, or with its offset");
+  CHECK(found && !(found->flags & ODO_CALIBRATION_TIME_OFFSET),
+        "the calibration did not come again, or with its offset");
   found = given_message(ODO_TYPE_FRAME, FIXER, 0);
   CHECK(found && found->t_ns == T0 / 2 + 4 * SECOND + 30 * MS, "the frame was not given, or not shifted");
 }
 
 #define SAME_SOURCE "frames and calibration of one camera have the same"
-#define SHIFTS "The host shifts the frames: plugins are given frames on the IMU's clock, and calibrations without ODO_CALIBRATION_TIME_OFFSET"
+#define SHIFTS                                                                                         \
+  "The host shifts the frames: plugins are given frames on the IMU's clock, and calibrations without " \
+  "ODO_CALIBRATION_TIME_OFFSET"
 const conformance_case cases_cameras[] = {
     {"frames of two cameras may have the same time", "base.h", SAME_SOURCE, same_time_is_no_duplicate, 0},
     {"a front-end is given the first camera that has a frame", "vo_frontend.h",
@@ -164,10 +167,11 @@ const conformance_case cases_cameras[] = {
     {"a front-end is given the first camera that has a calibration", "vo_frontend.h",
      "Of one camera, the first that has a calibration or a frame, unless the table has ODO_PLUGIN_SEVERAL_CAMERAS.",
      first_calibration_decides, 0},
-    {"a front-end for several cameras is given all", "plugin.h", "a front-end that is given frames of all cameras instead of the first one's",
-     several_where_declared, 0},
+    {"a front-end for several cameras is given all", "plugin.h",
+     "a front-end that is given frames of all cameras instead of the first one's", several_where_declared, 0},
     {"a camera's time offset is applied once, by the host", "samples.h", SHIFTS, offset_is_applied_once, 0},
     {"a calibration loses its time offset and nothing else", "samples.h", SHIFTS, offset_keeps_other_bits, 0},
-    {"each camera has a time offset of its own", "samples.h", "IMU time = camera time + time_offset_ns.", offset_of_each_camera, 0},
+    {"each camera has a time offset of its own", "samples.h", "IMU time = camera time + time_offset_ns.",
+     offset_of_each_camera, 0},
     {"a camera's time offset outlives a clock that is set back", "samples.h", SHIFTS, offset_survives_a_reset, 0},
     {NULL, NULL, NULL, NULL, 0}};

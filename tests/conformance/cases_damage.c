@@ -62,13 +62,14 @@ static int read_all(const char* path, int32_t* loss) {
   *loss = odo.recording_open(&name, &recording, &words);
   if (*loss != ODO_OK) return -1;
   while (odo.recording_next(recording, &found, NULL, NULL) == ODO_OK) {
-    CHECK(found->type == ODO_TYPE_BAROMETER && found->struct_size == sizeof(odo_barometer), "a message of type 0x%x was read",
-          found->type);
+    CHECK(found->type == ODO_TYPE_BAROMETER && found->struct_size == sizeof(odo_barometer),
+          "a message of type 0x%x was read", found->type);
     ++count;
   }
   words.struct_size = sizeof words;
   *loss = odo.recording_loss(recording, &words);
-  CHECK((*loss == ODO_OK) == (words.message[0] == 0), "odo_recording_loss = %s, \"%s\"", status_name(*loss), words.message);
+  CHECK((*loss == ODO_OK) == (words.message[0] == 0), "odo_recording_loss = %s, \"%s\"", status_name(*loss),
+        words.message);
   odo.recording_close(recording);
   return count;
 }
@@ -87,8 +88,10 @@ static void cut_off(int unused) {
     int count;
     write_file(path, &whole, size);
     count = read_all(path, &loss);
-    CHECK(loss == ODO_E_DATA, "cut to %u of %u bytes the loss is %s", (unsigned)size, (unsigned)whole.size, status_name(loss));
-    CHECK(count >= before, "cut to %u bytes %d messages can be read; %d with fewer bytes", (unsigned)size, count, before);
+    CHECK(loss == ODO_E_DATA, "cut to %u of %u bytes the loss is %s", (unsigned)size, (unsigned)whole.size,
+          status_name(loss));
+    CHECK(count >= before, "cut to %u bytes %d messages can be read; %d with fewer bytes", (unsigned)size, count,
+          before);
     if (count > before) before = count;
   }
   CHECK(before == 10, "of 10 whole records and no end mark %d could be read", before);
@@ -121,7 +124,8 @@ static void never_closed(int unused) {
   (void)unused;
   write_ten(path, false); /* there was no file of the name: it is written in its place at once */
   count = read_all(path, &loss);
-  CHECK(count == 10 || count == -1 || loss == ODO_E_DATA, "of a recording that is being written %d messages could be read", count);
+  CHECK(count == 10 || count == -1 || loss == ODO_E_DATA,
+        "of a recording that is being written %d messages could be read", count);
   CHECK(loss == ODO_E_DATA, "the loss of a recording that was never closed is %s", status_name(loss));
   CHECK(count == 10, "%d of 10 messages could be read before it was closed", count);
 }
@@ -183,13 +187,13 @@ static void null_is_allowed(int unused) {
 const conformance_case cases_damage[] = {
     {"a recording that was cut off has a loss, and its whole records are read", "recording.h",
      "After a crash everything up to the last whole message can be read.", cut_off, 0},
-    {"a changed byte costs one message at most and is reported", "recording.h", "what is damaged is left out (odo_recording_loss)",
-     changed_bytes, 0},
-    {"a recording that was never closed can be read and has a loss", "recording.h", "Sets the mark that tells a closed recording from one that was cut off.",
-     never_closed, 0},
+    {"a changed byte costs one message at most and is reported", "recording.h",
+     "what is damaged is left out (odo_recording_loss)", changed_bytes, 0},
+    {"a recording that was never closed can be read and has a loss", "recording.h",
+     "Sets the mark that tells a closed recording from one that was cut off.", never_closed, 0},
     {"a recording of the same name stays until the new one is closed", "recording.h",
      "A file of that name stays until the new one is closed; until then that lies beside it as", old_one_stays, 0},
-    {"files that are no recordings are refused with a reason", "recording.h", "null and `error`, which may be null, says why: ODO_E_NOT_FOUND, ODO_E_DATA, ODO_E_VERSION.",
-     no_recordings, 0},
+    {"files that are no recordings are refused with a reason", "recording.h",
+     "null and `error`, which may be null, says why: ODO_E_NOT_FOUND, ODO_E_DATA, ODO_E_VERSION.", no_recordings, 0},
     {"closing null does nothing", "recording.h", "Null is allowed.", null_is_allowed, 0},
     {NULL, NULL, NULL, NULL, 0}};

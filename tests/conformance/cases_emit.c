@@ -162,9 +162,10 @@ static void many_events(int unused) {
   hooks.on_message = emit_many;
   self = open_and_push(2);
   CHECK(plan.accepted == 2 * 256 && plan.exhausted == 2 * 44,
-        "of 300 events of each of two calls %u were taken and %u answered ODO_E_EXHAUSTED; expected 512 and 88", plan.accepted,
-        plan.exhausted);
-  REQUIRE(app_events(self, PROBE_EVENT) == 512, "%u events were published; expected 512", (unsigned)app_events(self, PROBE_EVENT));
+        "of 300 events of each of two calls %u were taken and %u answered ODO_E_EXHAUSTED; expected 512 and 88",
+        plan.accepted, plan.exhausted);
+  REQUIRE(app_events(self, PROBE_EVENT) == 512, "%u events were published; expected 512",
+          (unsigned)app_events(self, PROBE_EVENT));
   for (i = 0; i < 512; ++i) {
     const vendor_event* event = (const vendor_event*)(const void*)app_event(self, PROBE_EVENT, i);
     CHECK(event->words[0] == i % 256, "event %u has %u: it was not copied when emitted", (unsigned)i, event->words[0]);
@@ -237,8 +238,8 @@ static void vendor_event_is_published(int unused) {
   REQUIRE(found, "the event was not published");
   CHECK(found->struct_size == 200 && memcmp(found + 1, offered.rest, 200 - sizeof *found) == 0, "its bytes are others");
   CHECK(found->flags == 5, "its flags are 0x%x; expected 0x5", found->flags);
-  CHECK(found->source == journal_find(PROBE_CREATE, FIXER, 0)->number, "its source is %u; expected the instance's number",
-        found->source);
+  CHECK(found->source == journal_find(PROBE_CREATE, FIXER, 0)->number,
+        "its source is %u; expected the instance's number", found->source);
 }
 
 const conformance_case cases_emit[] = {
@@ -247,18 +248,20 @@ const conformance_case cases_emit[] = {
     {"emit from save is refused", "plugin.h", "ODO_E_STATE outside process.", emit_outside_process, PROBE_SAVE},
     {"emit from load is refused", "plugin.h", "ODO_E_STATE outside process.", emit_outside_process, PROBE_LOAD},
     {"emit from destroy is refused", "plugin.h", "ODO_E_STATE outside process.", emit_outside_process, PROBE_DESTROY},
-    {"emit of another instance within process is refused", "plugin.h", "emit works within process of this instance alone",
-     emit_of_another_instance, 0},
-    {"emit on another thread is refused", "plugin.h", "emit works within process of this instance alone", emit_of_another_thread, 0},
-    {"256 events of one call are taken, no more, and each is copied", "plugin.h", "ODO_E_EXHAUSTED (more than 256 events in one call)",
-     many_events, 0},
+    {"emit of another instance within process is refused", "plugin.h",
+     "emit works within process of this instance alone", emit_of_another_instance, 0},
+    {"emit on another thread is refused", "plugin.h", "emit works within process of this instance alone",
+     emit_of_another_thread, 0},
+    {"256 events of one call are taken, no more, and each is copied", "plugin.h",
+     "ODO_E_EXHAUSTED (more than 256 events in one call)", many_events, 0},
     {"an event that neither the kind emits nor the table declares is refused", "plugin.h",
      "that neither this kind emits nor the table declares", undeclared_type, ODO_TYPE_STEP},
     {"a pose is not a plugin's to emit undeclared", "plugin.h", "that neither this kind emits nor the table declares",
      undeclared_type, ODO_TYPE_POSE},
-    {"an input is not emitted", "plugin.h", "that neither this kind emits nor the table declares", undeclared_type, ODO_TYPE_BAROMETER},
-    {"a vendor's event that is not declared is refused", "plugin.h", "that neither this kind emits nor the table declares",
-     undeclared_type, (int)PROBE_UNDECLARED},
+    {"an input is not emitted", "plugin.h", "that neither this kind emits nor the table declares", undeclared_type,
+     ODO_TYPE_BAROMETER},
+    {"a vendor's event that is not declared is refused", "plugin.h",
+     "that neither this kind emits nor the table declares", undeclared_type, (int)PROBE_UNDECLARED},
     {"an event that the host is too old for is not supported and no fault", "plugin.h",
      "ODO_E_UNSUPPORTED: an event that this host is too old", later_event, 0},
     {"emit of null is refused", "base.h", "the caller broke the contract; discarded, state unchanged", null_event, 0},

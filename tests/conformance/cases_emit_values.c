@@ -105,8 +105,10 @@ static void accepted_is_the_hosts(int far) {
   found = app_event(self, ODO_TYPE_FIX, 0);
   REQUIRE(found, "the fix was not published");
   CHECK(((found->flags & ODO_FLAG_ACCEPTED) != 0) == expected, "the published fix has flags 0x%x", found->flags);
-  CHECK((found->flags & ODO_FLAG_HOST_MASK & ~ODO_FLAG_ACCEPTED) == 0, "the published fix has flags 0x%x", found->flags);
-  CHECK(app_statistics(self).fixes_accepted == (expected ? 1 : 0) && app_statistics(self).fixes_rejected == (expected ? 0 : 1),
+  CHECK((found->flags & ODO_FLAG_HOST_MASK & ~ODO_FLAG_ACCEPTED) == 0, "the published fix has flags 0x%x",
+        found->flags);
+  CHECK(app_statistics(self).fixes_accepted == (expected ? 1 : 0) &&
+            app_statistics(self).fixes_rejected == (expected ? 0 : 1),
         "fixes_accepted is %llu, fixes_rejected %llu", (unsigned long long)app_statistics(self).fixes_accepted,
         (unsigned long long)app_statistics(self).fixes_rejected);
 }
@@ -124,7 +126,8 @@ static void end_is_published(int unused) {
   REQUIRE(found, "the fix was not published");
   REQUIRE(found->struct_size == sizeof(odo_fix) + 40, "it was published with %u bytes; expected %u", found->struct_size,
           (unsigned)sizeof(odo_fix) + 40);
-  CHECK(memcmp((const unsigned char*)found + sizeof(odo_fix), offered.rest + sizeof(odo_fix) - sizeof(odo_header), 40) == 0,
+  CHECK(memcmp((const unsigned char*)found + sizeof(odo_fix), offered.rest + sizeof(odo_fix) - sizeof(odo_header),
+               40) == 0,
         "its end is another");
 }
 
@@ -154,7 +157,8 @@ static void correction_comes_first(int unused) {
     if (!corrected)
       CHECK(pose->p_n[0] < 3.5, "a pose %g m to the north came before the correction", pose->p_n[0]);
     else
-      CHECK(pose->p_n[0] > 3.5, "the pose behind the correction is %g m to the north; the fix was at 4.5 m", pose->p_n[0]);
+      CHECK(pose->p_n[0] > 3.5, "the pose behind the correction is %g m to the north; the fix was at 4.5 m",
+            pose->p_n[0]);
     checked = corrected;
   }
   CHECK(corrected, "there was no correction");
@@ -178,15 +182,19 @@ static void motions_carry_the_orientation(int unused) {
   REQUIRE(found, "%u motions were published; expected more than 10", (unsigned)app_events(self, ODO_TYPE_VO_MOTION));
   CHECK(found->flags & ODO_FLAG_NAVIGATION, "a motion was published with flags 0x%x", found->flags);
   for (i = 0; i < self->count; ++i)
-    CHECK(self->events[i]->struct_size >= sizeof(odo_header), "event %u has %u bytes", (unsigned)i, self->events[i]->struct_size);
+    CHECK(self->events[i]->struct_size >= sizeof(odo_header), "event %u has %u bytes", (unsigned)i,
+          self->events[i]->struct_size);
 }
 
-#define NEEDS "A position needs ODO_FIX_COVARIANCE, an orientation ODO_FIX_ORIENTATION_COVARIANCE: the host refuses one without (ODO_E_ARGUMENT)."
+#define NEEDS                                                                                                         \
+  "A position needs ODO_FIX_COVARIANCE, an orientation ODO_FIX_ORIENTATION_COVARIANCE: the host refuses one without " \
+  "(ODO_E_ARGUMENT)."
 #define FIELDS "or a field that is out of its range: a report names it"
 const conformance_case cases_emit_values[] = {
     {"a position fix without covariance is refused", "events.h", NEEDS, position_without_covariance,
      ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN},
-    {"a fix of one component without covariance is refused", "events.h", NEEDS, position_without_covariance, ODO_FIX_DOWN},
+    {"a fix of one component without covariance is refused", "events.h", NEEDS, position_without_covariance,
+     ODO_FIX_DOWN},
     {"a geodetic fix without covariance is refused", "events.h", NEEDS, position_without_covariance, ODO_FIX_GEODETIC},
     {"an orientation fix without its covariance is refused", "events.h", NEEDS, orientation_without_covariance, 0},
     {"a fix that is not finite is refused and its field reported", "plugin.h", FIELDS, not_finite, 0},
@@ -194,14 +202,17 @@ const conformance_case cases_emit_values[] = {
     {"a fix whose variance is negative is refused and its field reported", "plugin.h", FIELDS, not_finite, 2},
     {"a fix without a unit quaternion is refused and its field reported", "plugin.h", FIELDS, no_unit_quaternion, 0},
     {"fields whose bit is not set are not read", "base.h",
-     "A value is valid when its bit in `header.flags` is set, never by being or not being NaN.", invalid_fields_are_not_read, 0},
-    {"a fix that was used is published as accepted", "events.h", "ODO_FLAG_ACCEPTED on what the host publishes: it was used.",
-     accepted_is_the_hosts, 0},
+     "A value is valid when its bit in `header.flags` is set, never by being or not being NaN.",
+     invalid_fields_are_not_read, 0},
+    {"a fix that was used is published as accepted", "events.h",
+     "ODO_FLAG_ACCEPTED on what the host publishes: it was used.", accepted_is_the_hosts, 0},
     {"a fix that was rejected is published without the bit, whatever its plugin set", "base.h",
      "24 to 30 are set by the host alone", accepted_is_the_hosts, 1},
-    {"the end of a later event is published", "base.h", "the end of a larger one is passed on unread", end_is_published, 0},
+    {"the end of a later event is published", "base.h", "the end of a larger one is passed on unread", end_is_published,
+     0},
     {"a correction comes before the pose that it corrected", "events.h", "Given before the pose that it corrected",
      correction_comes_first, 0},
     {"a published motion has the orientation as the host estimates it", "events.h",
-     "orientation of the earlier frame as the host estimates it; valid with ODO_FLAG_NAVIGATION", motions_carry_the_orientation, 0},
+     "orientation of the earlier frame as the host estimates it; valid with ODO_FLAG_NAVIGATION",
+     motions_carry_the_orientation, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -93,7 +93,8 @@ static void reset_after(int status) {
 static void quarantined(int unused) {
   app* self = run_failing(ODO_E_FATAL, 0, 10);
   (void)unused;
-  CHECK(plan.failed == 1 && given_count(ODO_TYPE_BAROMETER, FIXER) == 3, "it was called again: %s", journal_words(FIXER));
+  CHECK(plan.failed == 1 && given_count(ODO_TYPE_BAROMETER, FIXER) == 3, "it was called again: %s",
+        journal_words(FIXER));
   app_close(self);
 }
 
@@ -101,8 +102,9 @@ static void always_failing(int unused) {
   app* self = run_failing(ODO_E_ERROR, 0, 60);
   (void)unused;
   app_close(self);
-  CHECK(journal_count(PROBE_CREATE, FIXER) == journal_count(PROBE_DESTROY, FIXER), "%u instances were made and %u destroyed",
-        (unsigned)journal_count(PROBE_CREATE, FIXER), (unsigned)journal_count(PROBE_DESTROY, FIXER));
+  CHECK(journal_count(PROBE_CREATE, FIXER) == journal_count(PROBE_DESTROY, FIXER),
+        "%u instances were made and %u destroyed", (unsigned)journal_count(PROBE_CREATE, FIXER),
+        (unsigned)journal_count(PROBE_DESTROY, FIXER));
 }
 
 static void unknown_status(int status) {
@@ -112,23 +114,24 @@ static void unknown_status(int status) {
 }
 
 const conformance_case cases_failures[] = {
-    {"a session whose plugin cannot be created is not made, and nothing is left", "odograph.h", "On failure *session is null",
-     create_fails, 0},
+    {"a session whose plugin cannot be created is not made, and nothing is left", "odograph.h",
+     "On failure *session is null", create_fails, 0},
     {"a session whose plugin refuses its configuration is not made, and nothing is left", "base.h",
      "configuration refused; the instance stays unconfigured", configure_fails, 0},
-    {"a session whose plugin cannot be activated is not made, and nothing is left", "odograph.h", "On failure *session is null",
-     activate_fails, 0},
-    {"a plugin that is not ready goes on", "base.h", "no output yet; nothing is wrong and the state is unchanged", unchanged_after,
-     ODO_NOT_READY},
-    {"a plugin that discards its input goes on", "base.h", "the input was unusable; discarded, state unchanged", unchanged_after,
-     ODO_E_DISCARD},
-    {"a plugin that failed is reset before it is called again", "base.h", "the instance needs reset or load before it works again",
-     reset_after, ODO_E_ERROR},
-    {"a plugin that was out of memory is reset before it is called again", "base.h", "out of memory; the instance needs reset or load",
-     reset_after, ODO_E_MEMORY},
+    {"a session whose plugin cannot be activated is not made, and nothing is left", "odograph.h",
+     "On failure *session is null", activate_fails, 0},
+    {"a plugin that is not ready goes on", "base.h", "no output yet; nothing is wrong and the state is unchanged",
+     unchanged_after, ODO_NOT_READY},
+    {"a plugin that discards its input goes on", "base.h", "the input was unusable; discarded, state unchanged",
+     unchanged_after, ODO_E_DISCARD},
+    {"a plugin that failed is reset before it is called again", "base.h",
+     "the instance needs reset or load before it works again", reset_after, ODO_E_ERROR},
+    {"a plugin that was out of memory is reset before it is called again", "base.h",
+     "out of memory; the instance needs reset or load", reset_after, ODO_E_MEMORY},
     {"a plugin that failed fatally is not called again", "base.h", "the whole library is quarantined", quarantined, 0},
-    {"a plugin that always fails ends without harm", "plugin.h", "create -> configure -> activate -> process", always_failing, 0},
-    {"an unknown negative status is an error", "base.h", "Each failure has a stated effect on the instance that returned it.",
-     unknown_status, -99},
+    {"a plugin that always fails ends without harm", "plugin.h", "create -> configure -> activate -> process",
+     always_failing, 0},
+    {"an unknown negative status is an error", "base.h",
+     "Each failure has a stated effect on the instance that returned it.", unknown_status, -99},
     {"an unknown positive status is no error", "base.h", "Zero is success.", unknown_status, 99},
     {NULL, NULL, NULL, NULL, 0}};

@@ -166,7 +166,8 @@ static void native_alone(int declares) {
   lend(&frame.loan, &memory);
   EXPECT(push(self, &frame), ODO_OK);
   app_flush(self);
-  CHECK(plugin.shown == (declares ? 1 : 0), "the front-end was given %d frames; expected %d", plugin.shown, declares ? 1 : 0);
+  CHECK(plugin.shown == (declares ? 1 : 0), "the front-end was given %d frames; expected %d", plugin.shown,
+        declares ? 1 : 0);
   if (declares) CHECK(plugin.native == &memory && !plugin.data, "its native memory was not given on");
   CHECK_BALANCED(&memory, 0);
 }
@@ -190,7 +191,8 @@ static void later_end_of_a_frame(int unused) {
   CHECK(found->flags == 0x00800000u, "it was given with flags 0x%x", found->flags);
   REQUIRE(found->struct_size == sizeof larger, "it was given with %u bytes; expected %u", found->struct_size,
           (unsigned)sizeof larger);
-  CHECK(memcmp((const unsigned char*)found + sizeof larger.frame, larger.end, sizeof larger.end) == 0, "its end is another");
+  CHECK(memcmp((const unsigned char*)found + sizeof larger.frame, larger.end, sizeof larger.end) == 0,
+        "its end is another");
 }
 
 static void frame_too_small(int unused) {
@@ -224,27 +226,30 @@ static void unknown_format(int unused) {
 }
 
 const conformance_case cases_keeping[] = {
-    {"frames that a plugin retains are released when it releases them", "base.h",
-     "later release, once for each retain", kept_until_released, 0},
-    {"frames that a plugin releases as it is destroyed are released once", "base.h", "later release, once for each retain",
-     kept_until_destroy, 0},
-    {"a plugin that retains too many frames is refused and nothing is lost", "base.h", "ODO_E_EXHAUSTED when too many are retained",
-     many_kept, 0},
+    {"frames that a plugin retains are released when it releases them", "base.h", "later release, once for each retain",
+     kept_until_released, 0},
+    {"frames that a plugin releases as it is destroyed are released once", "base.h",
+     "later release, once for each retain", kept_until_destroy, 0},
+    {"a plugin that retains too many frames is refused and nothing is lost", "base.h",
+     "ODO_E_EXHAUSTED when too many are retained", many_kept, 0},
     {"pixels are not copied where the frame has retain and release", "odograph.h",
      "A frame's pixels are not copied if it has retain and release", not_copied, 0},
     {"pixels are copied where the frame has neither retain nor release", "odograph.h", "(otherwise, and where any",
      copied_without_retain, 0},
-    {"pixels are copied where the frame cannot be retained", "base.h", "null: cannot be retained", copied_without_retain, 1},
-    {"a plugin can retain a frame whose pixels the host copied", "base.h", "To use it longer, call retain", copied_without_retain, 2},
-    {"native memory is given on to plugins", "base.h", "The memory as the platform has it (ODO_NATIVE_*), borrowed like the rest",
-     native_passes, 0},
+    {"pixels are copied where the frame cannot be retained", "base.h", "null: cannot be retained",
+     copied_without_retain, 1},
+    {"a plugin can retain a frame whose pixels the host copied", "base.h", "To use it longer, call retain",
+     copied_without_retain, 2},
+    {"native memory is given on to plugins", "base.h",
+     "The memory as the platform has it (ODO_NATIVE_*), borrowed like the rest", native_passes, 0},
     {"a frame with native memory alone reaches a plugin that declares it", "plugin.h",
      "is given frames whose pixels only loan.native has", native_alone, 1},
-    {"a frame with native memory alone is kept from other plugins", "plugin.h", "is given frames whose pixels only loan.native has",
-     native_alone, 0},
+    {"a frame with native memory alone is kept from other plugins", "plugin.h",
+     "is given frames whose pixels only loan.native has", native_alone, 0},
     {"the end of a later odo_frame is passed on, the host's bits are cleared", "base.h",
      "the end of a larger one is passed on unread", later_end_of_a_frame, 0},
-    {"odo_frame that is too small is refused", "base.h", "A struct smaller than version 1.0 is refused", frame_too_small, 0},
+    {"odo_frame that is too small is refused", "base.h", "A struct smaller than version 1.0 is refused",
+     frame_too_small, 0},
     {"a frame of an unknown format is passed on", "samples.h",
      "a number that a host does not know is passed on, and copied by its planes", unknown_format, 0},
     {NULL, NULL, NULL, NULL, 0}};

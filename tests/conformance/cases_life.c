@@ -19,7 +19,8 @@ static void order_of_calls(int run) {
   words = journal_words(FIXER);
   size = strlen(words);
   CHECK(begins_with(words, "create configure activate process"), "the calls were: %s", words);
-  CHECK(size > 8 && strcmp(words + size - 8, " destroy") == 0, "the last calls were: %s", words + (size > 60 ? size - 60 : 0));
+  CHECK(size > 8 && strcmp(words + size - 8, " destroy") == 0, "the last calls were: %s",
+        words + (size > 60 ? size - 60 : 0));
   CHECK(journal_count(PROBE_CREATE, FIXER) == 1 && journal_count(PROBE_CONFIGURE, FIXER) == 1 &&
             journal_count(PROBE_ACTIVATE, FIXER) == 1 && journal_count(PROBE_DESTROY, FIXER) == 1,
         "a call was made more than once: %s", words);
@@ -28,7 +29,8 @@ static void order_of_calls(int run) {
 static void unused_session(int run) {
   app* self = app_open(FIXER_ALONE, (uint32_t)run);
   app_close(self);
-  CHECK(strcmp(journal_words(FIXER), "create configure activate destroy") == 0, "the calls were: %s", journal_words(FIXER));
+  CHECK(strcmp(journal_words(FIXER), "create configure activate destroy") == 0, "the calls were: %s",
+        journal_words(FIXER));
 }
 
 /* ---- parameters ---- */
@@ -78,7 +80,8 @@ static void parameter_out_of_range(int unused) {
   need_plugins();
   EXPECT(odo.session_create(&chosen, &session, &error), ODO_E_CONFIG);
   CHECK(session == NULL, "*session is not null after a failure");
-  CHECK(strstr(error.message, "answer") && strstr(error.message, "5:"), "the reason names neither key nor line: %s", error.message);
+  CHECK(strstr(error.message, "answer") && strstr(error.message, "5:"), "the reason names neither key nor line: %s",
+        error.message);
   CHECK(journal_count(PROBE_CONFIGURE, ANY_KIND) == 0, "the plugin was given a value out of its range");
 }
 
@@ -124,10 +127,11 @@ static void instances_are_numbered(int unused) {
   (void)unused;
   app_open(CONFIG WITH_ATTITUDE WITH_FRONTEND WITH_FIXER, ODO_RUN_REPLAY);
   first = journal_find(PROBE_CREATE, ATTITUDE, 0), second = journal_find(PROBE_CREATE, FIXER, 0);
-  REQUIRE(first && second && journal_find(PROBE_CREATE, FRONTEND, 0), "not all instances were made: %s", journal_words(ANY_KIND));
+  REQUIRE(first && second && journal_find(PROBE_CREATE, FRONTEND, 0), "not all instances were made: %s",
+          journal_words(ANY_KIND));
   CHECK(first->number == 1 && journal_find(PROBE_CREATE, FRONTEND, 0)->number == 2 && second->number == 3,
-        "the numbers are %u, %u and %u; expected 1, 2 and 3", first->number, journal_find(PROBE_CREATE, FRONTEND, 0)->number,
-        second->number);
+        "the numbers are %u, %u and %u; expected 1, 2 and 3", first->number,
+        journal_find(PROBE_CREATE, FRONTEND, 0)->number, second->number);
 }
 
 static void bare_table(int unused) {
@@ -149,22 +153,24 @@ static void bare_table(int unused) {
 
 #define ORDER "create -> configure -> activate -> process ... [reset | save | load] -> destroy"
 const conformance_case cases_life[] = {
-    {"an instance of a replay is created, configured, activated, used and destroyed in order", "plugin.h", ORDER, order_of_calls,
-     ODO_RUN_REPLAY},
+    {"an instance of a replay is created, configured, activated, used and destroyed in order", "plugin.h", ORDER,
+     order_of_calls, ODO_RUN_REPLAY},
     {"an instance of a live session is created, configured, activated, used and destroyed in order", "plugin.h", ORDER,
      order_of_calls, ODO_RUN_LIVE},
     {"an instance of a replay without samples is destroyed", "plugin.h", ORDER, unused_session, ODO_RUN_REPLAY},
     {"an instance of a live session without samples is destroyed", "plugin.h", ORDER, unused_session, ODO_RUN_LIVE},
     {"configure is given every parameter, by default as the table has it", "plugin.h",
      "All parameters, checked; called once before activate.", parameters_by_default, 0},
-    {"configure is given what the config has", "plugin.h", "A value out of the config, already checked against the table.",
-     parameters_of_the_config, 0},
-    {"a parameter out of its range is refused before the plugin is given it", "odograph.h", "a bad config with file:line:column",
-     parameter_out_of_range, 0},
+    {"configure is given what the config has", "plugin.h",
+     "A value out of the config, already checked against the table.", parameters_of_the_config, 0},
+    {"a parameter out of its range is refused before the plugin is given it", "odograph.h",
+     "a bad config with file:line:column", parameter_out_of_range, 0},
     {"calls to an instance of a replay never overlap", "plugin.h",
      "[control] and [process] calls to one instance never overlap and are ordered", never_at_once, ODO_RUN_REPLAY},
     {"calls to an instance of a live session never overlap", "plugin.h",
      "[control] and [process] calls to one instance never overlap and are ordered", never_at_once, ODO_RUN_LIVE},
-    {"instances are numbered in the order of their kinds", "plugin.h", "`number` is its number in reports.", instances_are_numbered, 0},
-    {"a table that ends behind destroy is used", "plugin.h", "a table may end here or leave any of it null", bare_table, 0},
+    {"instances are numbered in the order of their kinds", "plugin.h", "`number` is its number in reports.",
+     instances_are_numbered, 0},
+    {"a table that ends behind destroy is used", "plugin.h", "a table may end here or leave any of it null", bare_table,
+     0},
     {NULL, NULL, NULL, NULL, 0}};

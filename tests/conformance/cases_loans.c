@@ -65,7 +65,8 @@ static void duplicate(int unused) {
   lent_init(&first), lent_init(&second);
   EXPECT(push_lent(self, &first, T0), ODO_OK);
   EXPECT(push_lent(self, &second, T0), ODO_E_DISCARD);
-  CHECK(app_statistics(self).duplicate == 1, "duplicate is %llu; expected 1", (unsigned long long)app_statistics(self).duplicate);
+  CHECK(app_statistics(self).duplicate == 1, "duplicate is %llu; expected 1",
+        (unsigned long long)app_statistics(self).duplicate);
   CHECK_BALANCED(&second, 0);
   app_flush(self);
   CHECK_BALANCED(&first, 1);
@@ -78,7 +79,7 @@ static void queue_full(int unused) {
   (void)unused;
   lent_init(&memory);
   push_rest_between(self, T0, T0 + 10 * MS); /* frames wait for this sensor */
-  for (i = 1; i <= 40; ++i) { /* two messages each: more than the queue holds */
+  for (i = 1; i <= 40; ++i) {                /* two messages each: more than the queue holds */
     odo_barometer sample;
     int32_t status;
     put_barometer(&sample, T0 + i * 50 * MS);
@@ -103,7 +104,8 @@ static void too_many_frames(int unused) {
   push_rest_between(self, T0, T0 + 10 * MS);
   for (i = 1; i <= 10; ++i) refused += push_lent(self, &memory, T0 + i * 50 * MS) == ODO_E_EXHAUSTED;
   CHECK(refused == 7, "%d of 10 frames were refused; expected 7", refused);
-  CHECK(memory.retains - memory.releases <= 3, "%d frames are retained; expected 3 at most", memory.retains - memory.releases);
+  CHECK(memory.retains - memory.releases <= 3, "%d frames are retained; expected 3 at most",
+        memory.retains - memory.releases);
   app_flush(self);
   CHECK_BALANCED(&memory, 3);
 }
@@ -152,7 +154,7 @@ static void bad_frame(int which) {
   put_calibration(&calibration, 0, T0);
   EXPECT(push(self, &calibration), ODO_OK);
   put_lent_frame(&frame, &memory, 0, T0);
-  if (which == 0) frame.width = 32, frame.height = 24;   /* the calibration has another size */
+  if (which == 0) frame.width = 32, frame.height = 24; /* the calibration has another size */
   if (which == 1) frame.width = 0;
   if (which == 2) frame.planes[0].data = NULL; /* and no native */
   EXPECT(push(self, &frame), ODO_E_DISCARD);
@@ -286,16 +288,18 @@ static void short_borrowed(int unused) {
   CHECK(memory.retains == 0, "retain was called out of a struct that does not hold it");
 }
 
-#define BALANCE "To use it longer, call retain (ODO_E_EXHAUSTED when too many are retained) and later release, once for each retain"
-#define DRAW(text, run, argument) {text, "base.h", BALANCE, run, argument}
+#define BALANCE \
+  "To use it longer, call retain (ODO_E_EXHAUSTED when too many are retained) and later release, once for each retain"
+#define DRAW(text, run, argument) \
+  { text, "base.h", BALANCE, run, argument }
 const conformance_case cases_loans[] = {
     DRAW("frames that were processed are released once", processed, 0),
     DRAW("frames that a live session processed are released once", processed_live, 0),
     DRAW("a late frame is released once", late, 0),
     DRAW("a frame that comes twice is released once", duplicate, 0),
     DRAW("frames that find the queue full are released once", queue_full, 0),
-    {"more frames than may be retained are refused", "odograph.h", "ODO_E_EXHAUSTED (queue full, too many frames retained)",
-     too_many_frames, 0},
+    {"more frames than may be retained are refused", "odograph.h",
+     "ODO_E_EXHAUSTED (queue full, too many frames retained)", too_many_frames, 0},
     DRAW("frames that wait in a replay when it is destroyed are released once", destroyed, ODO_RUN_REPLAY),
     DRAW("frames that wait in a live session when it is destroyed are released once", destroyed, ODO_RUN_LIVE),
     DRAW("frames that wait when the clock is set back are released once", clock_set_back, 0),
@@ -314,10 +318,12 @@ const conformance_case cases_loans[] = {
     {"a vendor's borrowed message is retained and reaches the plugin that declares it", "base.h",
      "With number & ODO_BORROWED it starts with an odo_borrowed", unknown_borrowed, (int)PROBE_BORROWED},
     {"a later borrowed input without retain or release is not supported", "odograph.h",
-     "another borrowed message must have them (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain, PROBE_NEWER_BORROWED},
+     "another borrowed message must have them (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain,
+     PROBE_NEWER_BORROWED},
     {"a vendor's borrowed message without retain or release is not supported", "odograph.h",
-     "another borrowed message must have them (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain, (int)PROBE_BORROWED},
+     "another borrowed message must have them (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain,
+     (int)PROBE_BORROWED},
     DRAW("a borrowed message that no plugin declares is released", undeclared_borrowed, 0),
-    {"a borrowed message that ends before its loan is refused", "base.h", "The head of every message whose type has the bit ODO_BORROWED.",
-     short_borrowed, 0},
+    {"a borrowed message that ends before its loan is refused", "base.h",
+     "The head of every message whose type has the bit ODO_BORROWED.", short_borrowed, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -42,7 +42,8 @@ static void lagging_is_taken(app* self, const sample_kind* kind) {
     dropped += push(self, &sample) != ODO_OK;
   }
   app_flush(self);
-  CHECK(dropped <= 10, "of 190 samples that came 0.1 s behind the inertial ones %u were dropped; 0.2 s are waited", dropped);
+  CHECK(dropped <= 10, "of 190 samples that came 0.1 s behind the inertial ones %u were dropped; 0.2 s are waited",
+        dropped);
   CHECK(given_count(kind->type, FIXER) == 190 - dropped, "the plugin was given %u of %u samples",
         (unsigned)given_count(kind->type, FIXER), 190 - dropped);
 }
@@ -64,7 +65,8 @@ static void camera_may_lag(int unused) {
     if (i >= 10 && i % 5 == 0) dropped += push(self, &frame) != ODO_OK;
   }
   app_flush(self);
-  CHECK(dropped <= 2, "of 38 frames that came 0.1 s behind the inertial samples %u were dropped; 0.2 s are waited", dropped);
+  CHECK(dropped <= 2, "of 38 frames that came 0.1 s behind the inertial samples %u were dropped; 0.2 s are waited",
+        dropped);
   check_times_rise();
 }
 
@@ -100,11 +102,12 @@ static void twice_is_dropped(int unused) {
   EXPECT(push_barometer(self, T0), ODO_OK);
   EXPECT(push_barometer(self, T0), ODO_E_DISCARD);
   EXPECT(push_magnetometer(self, T0), ODO_OK); /* another sensor */
-  CHECK(app_statistics(self).duplicate == 1, "duplicate is %llu; expected 1", (unsigned long long)app_statistics(self).duplicate);
+  CHECK(app_statistics(self).duplicate == 1, "duplicate is %llu; expected 1",
+        (unsigned long long)app_statistics(self).duplicate);
   app_flush(self);
   CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 1 && given_count(ODO_TYPE_MAGNETOMETER, FIXER) == 1,
-        "the plugin was given %u and %u samples; expected one of each", (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER),
-        (unsigned)given_count(ODO_TYPE_MAGNETOMETER, FIXER));
+        "the plugin was given %u and %u samples; expected one of each",
+        (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER), (unsigned)given_count(ODO_TYPE_MAGNETOMETER, FIXER));
 }
 
 static void two_sources_are_two_sensors(int unused) {
@@ -128,7 +131,8 @@ static void flush_processes_all(int run) {
   EXPECT(push_barometer(self, T0 + SECOND), ODO_OK);
   app_flush(self);
   CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 1, "after odo_session_flush the newest sample was not given");
-  CHECK(app_statistics(self).processed == 3, "processed is %llu; expected 3", (unsigned long long)app_statistics(self).processed);
+  CHECK(app_statistics(self).processed == 3, "processed is %llu; expected 3",
+        (unsigned long long)app_statistics(self).processed);
 }
 
 static void set_back(app* self) {
@@ -163,7 +167,8 @@ static void set_back_without_reset(int unused) {
   CHECK(journal_count(PROBE_CREATE, FRONTEND) == 1 && journal_count(PROBE_CONFIGURE, FRONTEND) == 1 &&
             journal_count(PROBE_ACTIVATE, FRONTEND) == 1 && journal_count(PROBE_DESTROY, FRONTEND) == 1,
         "there was not one new instance; its calls were: %s", journal_words(FRONTEND));
-  CHECK(given_count(ODO_TYPE_CALIBRATION, FRONTEND) == 1, "the calibration came %u times to the new instance; expected once",
+  CHECK(given_count(ODO_TYPE_CALIBRATION, FRONTEND) == 1,
+        "the calibration came %u times to the new instance; expected once",
         (unsigned)given_count(ODO_TYPE_CALIBRATION, FRONTEND));
 }
 
@@ -185,10 +190,11 @@ static const void* batch_fault;
 static int64_t look_at_batch(probe_call* call) {
   if (call->what == PROBE_PROCESS && (call->batch->struct_size < ODO_BATCH_SIZE_MIN || !call->batch->messages))
     batch_fault = "struct_size or messages";
-  if (call->what == PROBE_ACTIVATE &&
-      (call->instance->sink->struct_size < ODO_SINK_SIZE_MIN || call->instance->sink->instance != call->instance->number))
+  if (call->what == PROBE_ACTIVATE && (call->instance->sink->struct_size < ODO_SINK_SIZE_MIN ||
+                                       call->instance->sink->instance != call->instance->number))
     batch_fault = "the sink";
-  if (call->what == PROBE_CONFIGURE && (call->size < ODO_VALUE_SIZE_MIN || call->values->struct_size < ODO_VALUE_SIZE_MIN))
+  if (call->what == PROBE_CONFIGURE &&
+      (call->size < ODO_VALUE_SIZE_MIN || call->values->struct_size < ODO_VALUE_SIZE_MIN))
     batch_fault = "the values";
   if (call->what == PROBE_ENTRY && (((odo_plugin*)call->data)->struct_size < ODO_PLUGIN_SIZE_MIN ||
                                     call->host->struct_size < ODO_HOST_SIZE_MIN || !call->host->version.size))
@@ -206,30 +212,35 @@ static void structs_have_their_sizes(int unused) {
   CHECK(!batch_fault, "a plugin's struct is wrong: %s", (const char*)batch_fault);
 }
 
-#define ANY_ORDER "Samples of different sensors may come in any order within the configured wait (time_ordering.max_wait)."
+#define ANY_ORDER \
+  "Samples of different sensors may come in any order within the configured wait (time_ordering.max_wait)."
 const conformance_case cases_order[] = {
-    {"two sensors are put in order in a replay", "plugin.h", "Messages in the order of their time", pairs_are_ordered, ODO_RUN_REPLAY},
-    {"two sensors are put in order in a live session", "plugin.h", "Messages in the order of their time", pairs_are_ordered,
-     ODO_RUN_LIVE},
+    {"two sensors are put in order in a replay", "plugin.h", "Messages in the order of their time", pairs_are_ordered,
+     ODO_RUN_REPLAY},
+    {"two sensors are put in order in a live session", "plugin.h", "Messages in the order of their time",
+     pairs_are_ordered, ODO_RUN_LIVE},
     {"a camera may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, camera_may_lag, 0},
     {"a magnetometer may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 1},
     {"a barometer may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 2},
-    {"a satellite receiver may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 3},
+    {"a satellite receiver may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag,
+     3},
     {"a platform's poses may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 8},
     {"ranges may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 9},
     {"a platform's steps may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 10},
-    {"a sample of a time that was processed is discarded as late", "odograph.h", "dropped: came after its time had been processed",
-     late_is_discarded, 0},
-    {"a sample of the same sensor and time is dropped", "odograph.h", "dropped: same sensor, same time", twice_is_dropped, 0},
-    {"messages of two sources are of two sensors", "base.h", "of an input the sensor's number", two_sources_are_two_sensors, 0},
-    {"a flush of a replay processes all", "odograph.h", "Processes all that has been pushed, without waiting for slower sensors",
-     flush_processes_all, ODO_RUN_REPLAY},
-    {"a flush of a live session processes all", "odograph.h", "Processes all that has been pushed, without waiting for slower sensors",
-     flush_processes_all, ODO_RUN_LIVE},
+    {"a sample of a time that was processed is discarded as late", "odograph.h",
+     "dropped: came after its time had been processed", late_is_discarded, 0},
+    {"a sample of the same sensor and time is dropped", "odograph.h", "dropped: same sensor, same time",
+     twice_is_dropped, 0},
+    {"messages of two sources are of two sensors", "base.h", "of an input the sensor's number",
+     two_sources_are_two_sensors, 0},
+    {"a flush of a replay processes all", "odograph.h",
+     "Processes all that has been pushed, without waiting for slower sensors", flush_processes_all, ODO_RUN_REPLAY},
+    {"a flush of a live session processes all", "odograph.h",
+     "Processes all that has been pushed, without waiting for slower sensors", flush_processes_all, ODO_RUN_LIVE},
     {"plugins are reset when the clock is set back, and calibrations come again", "plugin.h",
      "Back to the state after activate; calibrations and noise come again.", clock_set_back, 0},
-    {"a plugin without reset is made anew when the clock is set back", "plugin.h", "Without it the host makes a new instance.",
-     set_back_without_reset, 0},
+    {"a plugin without reset is made anew when the clock is set back", "plugin.h",
+     "Without it the host makes a new instance.", set_back_without_reset, 0},
     {"each sample is in one batch", "plugin.h", "Messages in the order of their time", batches_are_whole, 0},
     {"what a plugin is given has at least the sizes of 1.0", "base.h", "It starts with `uint32_t struct_size`.",
      structs_have_their_sizes, 0},

@@ -10,7 +10,8 @@ static void refuse(app* self, uint32_t type) {
   odo_pose message; /* as large as any that is tried */
   put_header(&message, sizeof message, type, T0);
   if (push(self, &message) != ODO_E_ARGUMENT)
-    fail_at(__FILE__, __LINE__, "odo_session_push of type 0x%x = %s; expected ODO_E_ARGUMENT", type, status_name(push(self, &message)));
+    fail_at(__FILE__, __LINE__, "odo_session_push of type 0x%x = %s; expected ODO_E_ARGUMENT", type,
+            status_name(push(self, &message)));
 }
 
 static void reserved_is_refused(int unused) {
@@ -51,8 +52,8 @@ static void check_given(app* self, uint32_t size, uint32_t type) {
   app_flush(self);
   found = given_message(type, FIXER, 0);
   REQUIRE(found, "the plugin that declares 0x%x was not given it", type);
-  CHECK(found->struct_size == size && memcmp(found, message, size) == 0, "0x%x of %u bytes was given with %u bytes, or others", type,
-        size, found->struct_size);
+  CHECK(found->struct_size == size && memcmp(found, message, size) == 0,
+        "0x%x of %u bytes was given with %u bytes, or others", type, size, found->struct_size);
   free(message);
 }
 
@@ -81,7 +82,8 @@ static void undeclared_is_counted(int unused) {
   EXPECT(push(self, newer), ODO_OK);
   app_flush(self);
   CHECK(given_count(PROBE_UNDECLARED, ANY_KIND) + given_count(0x3F0, ANY_KIND) == 0, "a plugin was given one");
-  CHECK(app_statistics(self).unknown == 2, "unknown is %llu; expected 2", (unsigned long long)app_statistics(self).unknown);
+  CHECK(app_statistics(self).unknown == 2, "unknown is %llu; expected 2",
+        (unsigned long long)app_statistics(self).unknown);
 }
 
 static void unknown_is_ordered(int unused) {
@@ -96,7 +98,8 @@ static void unknown_is_ordered(int unused) {
   app_flush(self);
   first = journal_find(PROBE_GIVEN, FIXER, 0), second = journal_find(PROBE_GIVEN, FIXER, 1);
   REQUIRE(first && second, "the plugin was not given both");
-  CHECK(first->message->type == PROBE_MESSAGE && second->message->type == ODO_TYPE_BAROMETER, "the later one came first");
+  CHECK(first->message->type == PROBE_MESSAGE && second->message->type == ODO_TYPE_BAROMETER,
+        "the later one came first");
 }
 
 static void push_imu_is_short(int unused) {
@@ -111,7 +114,8 @@ static void push_imu_is_short(int unused) {
   found = (const odo_imu*)(const void*)given_message(ODO_TYPE_IMU, FIXER, 0);
   REQUIRE(found, "the plugin was not given the sample");
   CHECK(found->header.flags == (ODO_IMU_GYRO | ODO_IMU_ACCEL), "its flags are 0x%x", found->header.flags);
-  CHECK(memcmp(found->gyro_b, gyro, sizeof gyro) == 0 && memcmp(found->accel_b, accel, sizeof accel) == 0, "its values are others");
+  CHECK(memcmp(found->gyro_b, gyro, sizeof gyro) == 0 && memcmp(found->accel_b, accel, sizeof accel) == 0,
+        "its values are others");
   EXPECT(odo.session_push_imu(self->session, T0 + 20 * MS, NULL, accel), ODO_E_ARGUMENT);
   EXPECT(odo.session_push_imu(self->session, T0 + 20 * MS, gyro, NULL), ODO_E_ARGUMENT);
 }
@@ -203,16 +207,24 @@ static void times_at_the_ends(int unused) {
 }
 
 #define NUMBERS "0 is none, 0x1 to 0xFFF are inputs, 0x1000 to 0x1FFF events, 0x2000 to 0x7FFFFFFF reserved"
-#define UNKNOWN "An input or a vendor's message that a host does not know is ordered by time, recorded and given to the plugins that declare it."
+#define UNKNOWN                                                                                                     \
+  "An input or a vendor's message that a host does not know is ordered by time, recorded and given to the plugins " \
+  "that declare it."
 const conformance_case cases_push[] = {
-    {"a reserved type is refused", "odograph.h", "ODO_E_ARGUMENT (an event's or a reserved type)", reserved_is_refused, 0},
-    {"an event's type is refused", "odograph.h", "ODO_E_ARGUMENT (an event's or a reserved type)", events_are_refused, 0},
-    {"a vendor's message reaches the plugin that declares it, byte by byte", "base.h", UNKNOWN, vendor_message_is_given, 200},
-    {"a vendor's message may be a head alone", "base.h", "It starts with an odo_header and has at most ODO_LARGEST_MESSAGE bytes.",
-     vendor_message_is_given, sizeof(odo_header)},
+    {"a reserved type is refused", "odograph.h", "ODO_E_ARGUMENT (an event's or a reserved type)", reserved_is_refused,
+     0},
+    {"an event's type is refused", "odograph.h", "ODO_E_ARGUMENT (an event's or a reserved type)", events_are_refused,
+     0},
+    {"a vendor's message reaches the plugin that declares it, byte by byte", "base.h", UNKNOWN, vendor_message_is_given,
+     200},
+    {"a vendor's message may be a head alone", "base.h",
+     "It starts with an odo_header and has at most ODO_LARGEST_MESSAGE bytes.", vendor_message_is_given,
+     sizeof(odo_header)},
     {"a vendor's message may have the largest size", "base.h",
-     "It starts with an odo_header and has at most ODO_LARGEST_MESSAGE bytes.", vendor_message_is_given, ODO_LARGEST_MESSAGE},
-    {"an input of a later version reaches the plugin that declares it, byte by byte", "base.h", UNKNOWN, newer_input_is_given, 200},
+     "It starts with an odo_header and has at most ODO_LARGEST_MESSAGE bytes.", vendor_message_is_given,
+     ODO_LARGEST_MESSAGE},
+    {"an input of a later version reaches the plugin that declares it, byte by byte", "base.h", UNKNOWN,
+     newer_input_is_given, 200},
     {"a vendor's message beyond the largest size is refused", "base.h",
      "It starts with an odo_header and has at most ODO_LARGEST_MESSAGE bytes.", too_large_is_refused, 0},
     {"a barometer's sample beyond the largest size is refused", "base.h", "ODO_LARGEST_MESSAGE", too_large_is_refused,
@@ -220,11 +232,13 @@ const conformance_case cases_push[] = {
     {"a message that no plugin declares is counted as unknown", "odograph.h",
      "samples of a type that neither the library nor any of its plugins knows", undeclared_is_counted, 0},
     {"an unknown message is ordered by its time", "base.h", UNKNOWN, unknown_is_ordered, 0},
-    {"odo_session_push_imu pushes both sensors", "odograph.h", "Shorthand for the commonest sample.", push_imu_is_short, 0},
+    {"odo_session_push_imu pushes both sensors", "odograph.h", "Shorthand for the commonest sample.", push_imu_is_short,
+     0},
     {"gyroscope and accelerometer pushed apart are joined at the gyroscope's times", "samples.h",
      "them by interpolating the accelerometer at the gyroscope's times", halves_are_joined, 0},
-    {"a value outside of any sensor's range is refused", "odograph.h", "ODO_E_DISCARD (not finite, outside any sensor's range, late)",
-     wild_value_is_refused, 0},
+    {"a value outside of any sensor's range is refused", "odograph.h",
+     "ODO_E_DISCARD (not finite, outside any sensor's range, late)", wild_value_is_refused, 0},
     {"an inertial spike is dropped", "odograph.h", "and is dropped if that does not confirm it", spike_is_dropped, 0},
-    {"times at the ends of the clock harm nothing", "base.h", "Time is int64_t nanoseconds of the sensor clock", times_at_the_ends, 0},
+    {"times at the ends of the clock harm nothing", "base.h", "Time is int64_t nanoseconds of the sensor clock",
+     times_at_the_ends, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -83,8 +83,8 @@ static void round_trip(const uint32_t* types, const uint32_t* sizes, size_t coun
     const odo_header* found = next(recording);
     put_message(&one, types[i], sizes[i], T0 + (int64_t)i * MS);
     CHECK(found->type == types[i] && found->struct_size == sizes[i] && memcmp(found, &one, sizes[i]) == 0,
-          "message %u of type 0x%x and %u bytes was read as type 0x%x and %u bytes, or with other bytes", (unsigned)i, types[i],
-          sizes[i], found->type, found->struct_size);
+          "message %u of type 0x%x and %u bytes was read as type 0x%x and %u bytes, or with other bytes", (unsigned)i,
+          types[i], sizes[i], found->type, found->struct_size);
   }
   EXPECT(odo.recording_next(recording, &end, NULL, NULL), ODO_NOT_READY);
   odo.recording_close(recording);
@@ -111,7 +111,8 @@ static void events(int more) {
 }
 
 static void unknown_ones(int unused) {
-  const uint32_t types[] = {PROBE_NEWER_INPUT, 0x3F0, PROBE_MESSAGE, PROBE_UNDECLARED, ODO_TYPE_VENDOR(0x7FFFF, 0x7FF), PROBE_MESSAGE};
+  const uint32_t types[] = {PROBE_NEWER_INPUT, 0x3F0, PROBE_MESSAGE, PROBE_UNDECLARED, ODO_TYPE_VENDOR(0x7FFFF, 0x7FF),
+                            PROBE_MESSAGE};
   const uint32_t sizes[] = {200, 32, 2000, 48, 64, sizeof(odo_header)};
   (void)unused;
   round_trip(types, sizes, COUNT_OF(types));
@@ -194,11 +195,12 @@ static void pictures(int unused) {
   EXPECT(odo.recording_next(recording, &found, &picture, &size), ODO_OK);
   REQUIRE(found->type == ODO_TYPE_FRAME && found->source == 2, "the first message is of type 0x%x", found->type);
   frame = (const odo_frame*)(const void*)found;
-  CHECK(!frame->planes[0].data && !frame->loan.owner && !frame->loan.retain && !frame->loan.release && !frame->loan.native,
+  CHECK(!frame->planes[0].data && !frame->loan.owner && !frame->loan.retain && !frame->loan.release &&
+            !frame->loan.native,
         "a pointer of the writer's is in it");
   CHECK(frame->width == 64 && frame->height == 48, "it is %u x %u", frame->width, frame->height);
-  CHECK(picture && size == sizeof encoded && memcmp(picture, encoded, sizeof encoded) == 0, "its picture has %llu other bytes",
-        (unsigned long long)size);
+  CHECK(picture && size == sizeof encoded && memcmp(picture, encoded, sizeof encoded) == 0,
+        "its picture has %llu other bytes", (unsigned long long)size);
   EXPECT(odo.recording_next(recording, &found, &picture, &size), ODO_OK);
   CHECK(found->type == ODO_TYPE_BAROMETER && !picture, "a barometer's sample has a picture");
 }
@@ -228,20 +230,23 @@ static void order_of_time(int unused) {
 #define APPENDS "Appends a message of any type as it is"
 const conformance_case cases_recordings[] = {
     {"inputs of version 1.0 are recorded and read again", "recording.h", APPENDS, inputs, 0},
-    {"later inputs are recorded and read with their ends", "recording.h", "older or newer than this library, vendors' own too", inputs, 40},
+    {"later inputs are recorded and read with their ends", "recording.h",
+     "older or newer than this library, vendors' own too", inputs, 40},
     {"events of version 1.0 are recorded and read again", "recording.h", APPENDS, events, 0},
-    {"later events are recorded and read with their ends", "recording.h", "older or newer than this library, vendors' own too", events, 40},
+    {"later events are recorded and read with their ends", "recording.h",
+     "older or newer than this library, vendors' own too", events, 40},
     {"unknown inputs and vendors' messages are recorded and read again", "base.h",
      "An input or a vendor's message that a host does not know is ordered by time, recorded", unknown_ones, 0},
-    {"a reserved type is not recorded, and nothing of the recording is lost", "recording.h", "ODO_E_ARGUMENT (a reserved type: ODO_IS_RESERVED)",
-     reserved_ones, 0},
-    {"a vendor's borrowed message is not recorded", "recording.h", "ODO_E_UNSUPPORTED (a borrowed message that is no frame)", borrowed_ones,
-     (int)PROBE_BORROWED},
-    {"a later borrowed input is not recorded", "recording.h", "ODO_E_UNSUPPORTED (a borrowed message that is no frame)", borrowed_ones,
-     PROBE_NEWER_BORROWED},
-    {"a message that is too small is not recorded", "base.h", "A struct smaller than version 1.0 is refused", too_small, 0},
+    {"a reserved type is not recorded, and nothing of the recording is lost", "recording.h",
+     "ODO_E_ARGUMENT (a reserved type: ODO_IS_RESERVED)", reserved_ones, 0},
+    {"a vendor's borrowed message is not recorded", "recording.h",
+     "ODO_E_UNSUPPORTED (a borrowed message that is no frame)", borrowed_ones, (int)PROBE_BORROWED},
+    {"a later borrowed input is not recorded", "recording.h", "ODO_E_UNSUPPORTED (a borrowed message that is no frame)",
+     borrowed_ones, PROBE_NEWER_BORROWED},
+    {"a message that is too small is not recorded", "base.h", "A struct smaller than version 1.0 is refused", too_small,
+     0},
     {"a frame is recorded with its encoded picture and without pointers", "recording.h",
      "Of a frame the planes are null and *picture is its picture, encoded; otherwise *picture is null.", pictures, 0},
-    {"messages are read in the order of time", "recording.h", "The next message in the order of time; valid until the next call.",
-     order_of_time, 0},
+    {"messages are read in the order of time", "recording.h",
+     "The next message in the order of time; valid until the next call.", order_of_time, 0},
     {NULL, NULL, NULL, NULL, 0}};

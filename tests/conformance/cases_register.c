@@ -27,7 +27,8 @@ static void found_by_id(int unused) {
   self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   push_rest_between(self, T0, T0 + 100 * MS);
   app_flush(self);
-  CHECK(given_count(ODO_TYPE_IMU, FIXER) == 10, "the registered plugin was given %u samples", (unsigned)given_count(ODO_TYPE_IMU, FIXER));
+  CHECK(given_count(ODO_TYPE_IMU, FIXER) == 10, "the registered plugin was given %u samples",
+        (unsigned)given_count(ODO_TYPE_IMU, FIXER));
 }
 
 static void again_changes_nothing(int unused) {
@@ -37,7 +38,8 @@ static void again_changes_nothing(int unused) {
   register_all();
   for (i = 0; i < 3; ++i) EXPECT(odo.register_plugin(probe_entries[PROBE_FULL], &error), ODO_OK);
   app_close(app_open(FIXER_ALONE, ODO_RUN_REPLAY));
-  CHECK(journal_count(PROBE_CREATE, FIXER) == 1, "%u instances were made", (unsigned)journal_count(PROBE_CREATE, FIXER));
+  CHECK(journal_count(PROBE_CREATE, FIXER) == 1, "%u instances were made",
+        (unsigned)journal_count(PROBE_CREATE, FIXER));
 }
 
 /* ---- other entries ---- */
@@ -86,8 +88,8 @@ static void refused(odo_plugin_entry entry, int32_t expected, const char* word) 
   NEED(register_plugin);
   status = odo.register_plugin(entry, &error);
   CHECK(expected == 0 ? status < 0 : status == expected, "odo_register_plugin = %s", status_name(status));
-  CHECK(error.status == status && error.message[0], "the error has status %s and message \"%s\"", status_name(error.status),
-        error.message);
+  CHECK(error.status == status && error.message[0], "the error has status %s and message \"%s\"",
+        status_name(error.status), error.message);
   if (word) CHECK(strstr(error.message, word), "the reason is \"%s\"", error.message);
   CHECK(odo.register_plugin(entry, NULL) == status, "without an error struct the status is another");
 }
@@ -99,7 +101,8 @@ static void same_id(int unused) {
 }
 
 static void bad_entries(int which) {
-  static const odo_plugin_entry entries[] = {refusing, too_old, of_another_draft, without_id, without_functions, failing};
+  static const odo_plugin_entry entries[] = {refusing,   too_old,           of_another_draft,
+                                             without_id, without_functions, failing};
   static const int32_t expected[] = {ODO_E_CONFIG, ODO_E_VERSION, ODO_E_VERSION, 0, 0, ODO_E_MEMORY};
   static const char* const words[] = {"the licence has expired", "made for another ABI", NULL, NULL, NULL, NULL};
   refused(entries[which], expected[which], words[which]);
@@ -121,7 +124,8 @@ static void before_the_folder(int unused) {
   self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   walk_second(self, 0);
   app_flush(self);
-  CHECK(journal_count(PROBE_CREATE, ANY_KIND) == 3, "%u instances were made; expected 3", (unsigned)journal_count(PROBE_CREATE, ANY_KIND));
+  CHECK(journal_count(PROBE_CREATE, ANY_KIND) == 3, "%u instances were made; expected 3",
+        (unsigned)journal_count(PROBE_CREATE, ANY_KIND));
 }
 
 /* Two sessions of one plugin, the second made while the first is used. */
@@ -134,7 +138,8 @@ static void in_several_sessions(int unused) {
   second = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   push_rest_between(second, T0, T0 + SECOND);
   app_flush(first), app_flush(second);
-  CHECK(given_count(ODO_TYPE_IMU, FIXER) == 200, "%u samples were given; expected 200", (unsigned)given_count(ODO_TYPE_IMU, FIXER));
+  CHECK(given_count(ODO_TYPE_IMU, FIXER) == 200, "%u samples were given; expected 200",
+        (unsigned)given_count(ODO_TYPE_IMU, FIXER));
   app_close(first), app_close(second);
 }
 
@@ -163,32 +168,39 @@ static void from_several_threads(int unused) {
   int i;
   (void)unused;
   NEED(register_plugin);
-  for (i = 0; i < 4; ++i) REQUIRE(pthread_create(&threads[i], NULL, register_many, &threads) == 0, "no thread could be started");
+  for (i = 0; i < 4; ++i)
+    REQUIRE(pthread_create(&threads[i], NULL, register_many, &threads) == 0, "no thread could be started");
   for (i = 0; i < 4; ++i) {
     pthread_join(threads[i], &failed);
     CHECK(!failed, "a registration failed on thread %d", i);
   }
 }
 
-#define RETURNS "ODO_E_ARGUMENT (null), ODO_E_VERSION, ODO_E_CONFIG (another registered plugin has its id) or what the entry returned"
+#define RETURNS                                                                                                  \
+  "ODO_E_ARGUMENT (null), ODO_E_VERSION, ODO_E_CONFIG (another registered plugin has its id) or what the entry " \
+  "returned"
 const conformance_case cases_register[] = {
     {"registering null is refused", "odograph.h", RETURNS, null_entry, 0},
-    {"a registered plugin is found by its id", "odograph.h", "sessions created later find it by its id", found_by_id, 0},
-    {"registering an entry again changes nothing", "odograph.h", "Registering an entry again changes nothing.", again_changes_nothing, 0},
+    {"a registered plugin is found by its id", "odograph.h", "sessions created later find it by its id", found_by_id,
+     0},
+    {"registering an entry again changes nothing", "odograph.h", "Registering an entry again changes nothing.",
+     again_changes_nothing, 0},
     {"another plugin of a registered id is refused", "odograph.h", RETURNS, same_id, 0},
     {"an entry that refuses is refused with its reason", "odograph.h", RETURNS, bad_entries, 0},
     {"an entry for another ABI is refused with its reason", "odograph.h", RETURNS, bad_entries, 1},
-    {"a table of another draft is refused", "base.h", "host and plugin must be of the same draft, which is the minor", bad_entries, 2},
+    {"a table of another draft is refused", "base.h", "host and plugin must be of the same draft, which is the minor",
+     bad_entries, 2},
     {"a table without an id is refused", "odograph.h", "`error`, which may be null, has the reason", bad_entries, 3},
-    {"a table without its functions is refused", "odograph.h", "`error`, which may be null, has the reason", bad_entries, 4},
+    {"a table without its functions is refused", "odograph.h", "`error`, which may be null, has the reason",
+     bad_entries, 4},
     {"an entry that fails gives its status", "odograph.h", RETURNS, bad_entries, 5},
     {"a registration that was refused does no harm to others", "odograph.h", RETURNS, refused_then_another, 0},
-    {"a registered plugin comes before one in a folder", "odograph.h", "like one that lies in a folder, and before those",
-     before_the_folder, 0},
-    {"a registered plugin serves several sessions", "base.h", "It is called once for each session or tool that uses the plugin",
-     in_several_sessions, 0},
-    {"a registered plugin cannot be isolated in a process", "odograph.h", "It needs no manifest and cannot be isolated in a process.",
-     no_process_of_its_own, 0},
-    {"entries are registered from several threads at once", "odograph.h", "Registers a plugin that is linked into the program",
-     from_several_threads, 0},
+    {"a registered plugin comes before one in a folder", "odograph.h",
+     "like one that lies in a folder, and before those", before_the_folder, 0},
+    {"a registered plugin serves several sessions", "base.h",
+     "It is called once for each session or tool that uses the plugin", in_several_sessions, 0},
+    {"a registered plugin cannot be isolated in a process", "odograph.h",
+     "It needs no manifest and cannot be isolated in a process.", no_process_of_its_own, 0},
+    {"entries are registered from several threads at once", "odograph.h",
+     "Registers a plugin that is linked into the program", from_several_threads, 0},
     {NULL, NULL, NULL, NULL, 0}};

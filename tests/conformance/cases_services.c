@@ -12,8 +12,8 @@ static const odo_host* host_at_create;
 static const void* found[8];
 
 static int64_t ask_for(const odo_host* host) {
-  static const char* const ids[] = {ODO_SERVICE_REPORT,   ODO_SERVICE_RANDOM, ODO_SERVICE_ASSETS, ODO_SERVICE_ASSETS_2,
-                                    ODO_SERVICE_WAKE, "odo.nothing/1",    "acme.java_vm/1",  ""};
+  static const char* const ids[] = {ODO_SERVICE_REPORT, ODO_SERVICE_RANDOM, ODO_SERVICE_ASSETS, ODO_SERVICE_ASSETS_2,
+                                    ODO_SERVICE_WAKE,   "odo.nothing/1",    "acme.java_vm/1",   ""};
   size_t i;
   host_at_create = host;
   for (i = 0; i < COUNT_OF(ids); ++i) found[i] = SERVICE(host, ids[i]);
@@ -68,7 +68,8 @@ static int32_t report_thrice(odo_instance* instance, const odo_header* message) 
   const odo_string key = string_of("trouble"), text = string_of("the lens is covered");
   int i;
   if (message->type != ODO_TYPE_BAROMETER) return ODO_OK;
-  for (i = 0; service && i < 3; ++i) service->report(instance->host, instance->number, ODO_SEVERITY_WARNING, &key, &text);
+  for (i = 0; service && i < 3; ++i)
+    service->report(instance->host, instance->number, ODO_SEVERITY_WARNING, &key, &text);
   return ODO_OK;
 }
 
@@ -88,9 +89,10 @@ static void reports_are_events(int unused) {
   CHECK(strcmp(report->plugin, "conformance/probe") == 0 && strcmp(report->key, "trouble") == 0 &&
             strstr(report->text, "the lens is covered"),
         "it has plugin \"%s\", key \"%s\" and text \"%s\"", report->plugin, report->key, report->text);
-  CHECK(report->severity == ODO_SEVERITY_WARNING && report->count == 1, "it has severity %u and count %llu", report->severity,
-        (unsigned long long)report->count);
-  CHECK(report->header.source == journal_find(PROBE_CREATE, FIXER, 0)->number, "its source is %u", report->header.source);
+  CHECK(report->severity == ODO_SEVERITY_WARNING && report->count == 1, "it has severity %u and count %llu",
+        report->severity, (unsigned long long)report->count);
+  CHECK(report->header.source == journal_find(PROBE_CREATE, FIXER, 0)->number, "its source is %u",
+        report->header.source);
   sleep_ms(1100);
   put_barometer(&sample, T0 + SECOND);
   EXPECT(push(self, &sample), ODO_OK);
@@ -179,14 +181,17 @@ static void asset_files(int unused) {
   chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
   chosen.asset_path = string_of(folder);
   app_open_options(&chosen);
-  CHECK(assets.resolved > 9 && assets.path[0] == '/' && strstr(assets.path, "asset.txt"), "odo.assets/1 resolved %lld: \"%.200s\"",
-        (long long)assets.resolved, assets.path);
-  CHECK(assets.missing == ODO_E_NOT_FOUND, "odo.assets/1 resolved a file that is not there: %s", status_name(assets.missing));
+  CHECK(assets.resolved > 9 && assets.path[0] == '/' && strstr(assets.path, "asset.txt"),
+        "odo.assets/1 resolved %lld: \"%.200s\"", (long long)assets.resolved, assets.path);
+  CHECK(assets.missing == ODO_E_NOT_FOUND, "odo.assets/1 resolved a file that is not there: %s",
+        status_name(assets.missing));
   if (!assets.has_contents) skip_case("the host has no odo.assets/2");
-  CHECK(assets.not_opened == ODO_E_NOT_FOUND, "odo.assets/2 open of a file that is not there = %s", status_name(assets.not_opened));
+  CHECK(assets.not_opened == ODO_E_NOT_FOUND, "odo.assets/2 open of a file that is not there = %s",
+        status_name(assets.not_opened));
   CHECK(assets.opened == ODO_OK && assets.size == 5, "odo.assets/2 open = %s, size %llu", status_name(assets.opened),
         (unsigned long long)assets.size);
-  CHECK(assets.read == 3 && memcmp(assets.data, "llo", 3) == 0, "odo.assets/2 read %lld bytes; expected 3", (long long)assets.read);
+  CHECK(assets.read == 3 && memcmp(assets.data, "llo", 3) == 0, "odo.assets/2 read %lld bytes; expected 3",
+        (long long)assets.read);
   CHECK(assets.behind == 0, "odo.assets/2 read %lld bytes at the end; expected 0", (long long)assets.behind);
 }
 
@@ -228,21 +233,25 @@ static void wake_calls(int run) {
   } else {
     app_wait_events(self, PROBE_EVENT, 1); /* soon, without another sample */
   }
-  CHECK(empty_batches >= 1 && empty_batches <= 10, "10 requests were answered by %d calls; expected 1 to 10", empty_batches);
-  CHECK(events_of_wake == empty_batches, "of %d events within these calls %d were taken", empty_batches, events_of_wake);
+  CHECK(empty_batches >= 1 && empty_batches <= 10, "10 requests were answered by %d calls; expected 1 to 10",
+        empty_batches);
+  CHECK(events_of_wake == empty_batches, "of %d events within these calls %d were taken", empty_batches,
+        events_of_wake);
   CHECK(app_events(self, PROBE_EVENT) == (size_t)events_of_wake, "%u events were published",
         (unsigned)app_events(self, PROBE_EVENT));
 }
 
 const conformance_case cases_services[] = {
-    {"the host's services are there and have their sizes", "plugin.h", "A table of the service, or null where there is none: plugins cope.",
-     host_services, 0},
+    {"the host's services are there and have their sizes", "plugin.h",
+     "A table of the service, or null where there is none: plugins cope.", host_services, 0},
     {"the app's services reach plugins, but not for the host's ids", "plugin.h",
      "are the host's; all others are handed to the app (odo_session_options.get_service)", app_services, 0},
     {"a plugin's report is an event, once a second, with its count", "events.h",
-     "Of equal origin and key at most one a second is given; `count` says how many that one stands for.", reports_are_events, 0},
+     "Of equal origin and key at most one a second is given; `count` says how many that one stands for.",
+     reports_are_events, 0},
     {"random seeds are a function of seed, instance and stream", "plugin.h",
-     "Random numbers that are a function of the run's seed, the instance and the stream alone.", seeds_are_functions, 0},
+     "Random numbers that are a function of the run's seed, the instance and the stream alone.", seeds_are_functions,
+     0},
     {"assets are found by path and by contents", "plugin.h", "Contents of files that a config names.", asset_files, 0},
     {"a plugin of a replay that asked to be called is called with an empty batch", "plugin.h",
      "the host calls process of this instance with a batch of no messages", wake_calls, ODO_RUN_REPLAY},

@@ -25,7 +25,8 @@ static void bad_configs(int unused) {
   EXPECT(try_config("odograph: 1\nattitud:\n  plugin: conformance/probe\n", &error), ODO_E_CONFIG);
   CHECK(strstr(error.message, ":2:1") && strstr(error.message, "attitud"), "the reason names neither place nor key: %s",
         error.message);
-  CHECK(try_config("odograph: 1\nattitude:\n  plugin: nobody/nothing\n", &error) < 0, "a plugin that is nowhere was found");
+  CHECK(try_config("odograph: 1\nattitude:\n  plugin: nobody/nothing\n", &error) < 0,
+        "a plugin that is nowhere was found");
   CHECK(strstr(error.message, "nobody/nothing"), "the reason does not name the plugin: %s", error.message);
   CHECK(try_config("{", &error) < 0 && error.message[0], "half a document was taken");
   CHECK(try_config("", &error) == ODO_E_ARGUMENT, "neither path nor text is no argument error");
@@ -73,8 +74,9 @@ static void poses_of_a_walk(int unused) {
   walk_second(self, 1);
   app_flush(self);
   EXPECT(pose_at(self, ODO_TIME_LATEST, &pose), ODO_OK);
-  CHECK(pose.header.type == ODO_TYPE_POSE && pose.header.flags & ODO_POSE_CAMERA && pose.header.flags & ODO_POSE_METRIC &&
-            pose.header.flags & ODO_POSE_ORIENTATION && pose.header.flags & ODO_POSE_POSITION,
+  CHECK(pose.header.type == ODO_TYPE_POSE && pose.header.flags & ODO_POSE_CAMERA &&
+            pose.header.flags & ODO_POSE_METRIC && pose.header.flags & ODO_POSE_ORIENTATION &&
+            pose.header.flags & ODO_POSE_POSITION,
         "the newest pose has flags 0x%x", pose.header.flags);
   EXPECT(pose_at(self, T0 + 1550 * MS, &pose), ODO_OK);
   CHECK(pose.header.t_ns == T0 + 1550 * MS, "a pose between two is of another time");
@@ -156,15 +158,16 @@ static void last_error_once(int unused) {
   EXPECT(push(self, &sample), ODO_E_DISCARD);
   error.struct_size = sizeof error;
   status = odo.session_last_error(self->session, &error);
-  CHECK(status == ODO_E_DISCARD && error.status == ODO_E_DISCARD, "odo_session_last_error = %s, status %s", status_name(status),
-        status_name(error.status));
+  CHECK(status == ODO_E_DISCARD && error.status == ODO_E_DISCARD, "odo_session_last_error = %s, status %s",
+        status_name(status), status_name(error.status));
   CHECK(strstr(error.message, "pressure_pa"), "it does not name the field: %s", error.message);
   error.struct_size = sizeof error;
   EXPECT(odo.session_last_error(self->session, &error), ODO_OK);
 }
 
 static void there_and_back(int unused) {
-  app* self = app_open(FIXER_ALONE "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n", ODO_RUN_REPLAY);
+  app* self =
+      app_open(FIXER_ALONE "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n", ODO_RUN_REPLAY);
   const double p[3] = {1000, -2000, 30};
   double geodetic[3], back[3];
   int i;
@@ -193,30 +196,34 @@ static void replay_repeats(int unused) {
     app_flush(sessions[n]);
     walk_reset();
   }
-  REQUIRE(sessions[0]->count == sessions[1]->count, "%u and %u events", (unsigned)sessions[0]->count, (unsigned)sessions[1]->count);
+  REQUIRE(sessions[0]->count == sessions[1]->count, "%u and %u events", (unsigned)sessions[0]->count,
+          (unsigned)sessions[1]->count);
   for (i = 0; i < sessions[0]->count; ++i) {
     const odo_header *one = sessions[0]->events[i], *other = sessions[1]->events[i];
-    REQUIRE(one->struct_size == other->struct_size && memcmp(one, other, one->struct_size) == 0, "event %u of type 0x%x differs",
-            (unsigned)i, one->type);
+    REQUIRE(one->struct_size == other->struct_size && memcmp(one, other, one->struct_size) == 0,
+            "event %u of type 0x%x differs", (unsigned)i, one->type);
   }
 }
 
 const conformance_case cases_session[] = {
     {"a bad config is refused with its place, and no session is made", "odograph.h",
      "a bad config with file:line:column, a plugin with its path and reason", bad_configs, 0},
-    {"a config is a path or a text, not both", "odograph.h", "... or its text; exactly one of the two", one_of_path_and_text, 0},
-    {"a config's text ends by its size", "base.h", "A UTF-8 string that is not terminated and not owned.", text_is_not_terminated, 0},
-    {"poses are interpolated, carried on and flagged", "odograph.h", "Between two poses it is interpolated", poses_of_a_walk, 0},
-    {"what a replay was given was processed or dropped for one reason", "odograph.h", "messages handed to the pipeline", sums_hold,
-     ODO_RUN_REPLAY},
-    {"what a live session was given was processed or dropped for one reason", "odograph.h", "messages handed to the pipeline",
-     sums_hold, ODO_RUN_LIVE},
-    {"frames, distance and time of a walk are counted", "odograph.h", "What a session has done so far. Counters count from creation.",
-     walk_is_counted, 0},
-    {"the last error is given once, with the field", "odograph.h", "The last error or warning that a push or a plugin caused",
-     last_error_once, 0},
-    {"places go to the Earth and back, where the origin is known", "odograph.h", "ODO_NOT_READY while the origin is not known",
-     there_and_back, 0},
-    {"a replay gives the same bytes again", "odograph.h", "samples are processed within push, on the caller's thread: deterministic.",
-     replay_repeats, 0},
+    {"a config is a path or a text, not both", "odograph.h", "... or its text; exactly one of the two",
+     one_of_path_and_text, 0},
+    {"a config's text ends by its size", "base.h", "A UTF-8 string that is not terminated and not owned.",
+     text_is_not_terminated, 0},
+    {"poses are interpolated, carried on and flagged", "odograph.h", "Between two poses it is interpolated",
+     poses_of_a_walk, 0},
+    {"what a replay was given was processed or dropped for one reason", "odograph.h", "messages handed to the pipeline",
+     sums_hold, ODO_RUN_REPLAY},
+    {"what a live session was given was processed or dropped for one reason", "odograph.h",
+     "messages handed to the pipeline", sums_hold, ODO_RUN_LIVE},
+    {"frames, distance and time of a walk are counted", "odograph.h",
+     "What a session has done so far. Counters count from creation.", walk_is_counted, 0},
+    {"the last error is given once, with the field", "odograph.h",
+     "The last error or warning that a push or a plugin caused", last_error_once, 0},
+    {"places go to the Earth and back, where the origin is known", "odograph.h",
+     "ODO_NOT_READY while the origin is not known", there_and_back, 0},
+    {"a replay gives the same bytes again", "odograph.h",
+     "samples are processed within push, on the caller's thread: deterministic.", replay_repeats, 0},
     {NULL, NULL, NULL, NULL, 0}};

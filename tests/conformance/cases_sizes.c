@@ -18,7 +18,9 @@ typedef struct output {
 static uint64_t anchor_id;
 static odo_recording* damaged;
 
-static int32_t fill_pose(app* self, void* out) { return odo.session_get_pose(self->session, ODO_TIME_LATEST, (odo_pose*)out); }
+static int32_t fill_pose(app* self, void* out) {
+  return odo.session_get_pose(self->session, ODO_TIME_LATEST, (odo_pose*)out);
+}
 static int32_t fill_smooth(app* self, void* out) {
   return odo.session_get_smooth_pose(self->session, ODO_TIME_LATEST, (odo_pose*)out);
 }
@@ -44,13 +46,14 @@ static int32_t fill_loss(app* self, void* out) {
   return odo.recording_loss(damaged, (odo_error*)out);
 }
 
-static const output outputs[] = {{"odo_session_get_pose", sizeof(odo_pose), ODO_POSE_SIZE_MIN, fill_pose},
-                                 {"odo_session_get_smooth_pose", sizeof(odo_pose), ODO_POSE_SIZE_MIN, fill_smooth},
-                                 {"odo_session_get_pose_of", sizeof(odo_pose), ODO_POSE_SIZE_MIN, fill_pose_of},
-                                 {"odo_session_get_statistics", sizeof(odo_statistics), ODO_STATISTICS_SIZE_MIN, fill_statistics},
-                                 {"odo_anchor_get", sizeof(odo_anchor), ODO_ANCHOR_SIZE_MIN, fill_anchor},
-                                 {"odo_session_last_error", sizeof(odo_error), ODO_ERROR_SIZE_MIN, fill_last_error},
-                                 {"odo_recording_loss", sizeof(odo_error), ODO_ERROR_SIZE_MIN, fill_loss}};
+static const output outputs[] = {
+    {"odo_session_get_pose", sizeof(odo_pose), ODO_POSE_SIZE_MIN, fill_pose},
+    {"odo_session_get_smooth_pose", sizeof(odo_pose), ODO_POSE_SIZE_MIN, fill_smooth},
+    {"odo_session_get_pose_of", sizeof(odo_pose), ODO_POSE_SIZE_MIN, fill_pose_of},
+    {"odo_session_get_statistics", sizeof(odo_statistics), ODO_STATISTICS_SIZE_MIN, fill_statistics},
+    {"odo_anchor_get", sizeof(odo_anchor), ODO_ANCHOR_SIZE_MIN, fill_anchor},
+    {"odo_session_last_error", sizeof(odo_error), ODO_ERROR_SIZE_MIN, fill_last_error},
+    {"odo_recording_loss", sizeof(odo_error), ODO_ERROR_SIZE_MIN, fill_loss}};
 
 static void put_anchor(app* self) {
   odo_anchor_place place;
@@ -107,8 +110,9 @@ static void check_capacity(app* self, const output* of, uint32_t capacity, uint3
   memcpy(bytes, &capacity, sizeof capacity);
   expect_status(__FILE__, __LINE__, of->name, of->fill(self, bytes), ODO_OK);
   memcpy(&written, bytes, sizeof written);
-  CHECK(written >= min_written && written <= max_written, "%s: struct_size was %u on entry and is %u on return; expected %u to %u",
-        of->name, capacity, written, min_written, max_written);
+  CHECK(written >= min_written && written <= max_written,
+        "%s: struct_size was %u on entry and is %u on return; expected %u to %u", of->name, capacity, written,
+        min_written, max_written);
   CHECK(untouched(bytes, written < capacity ? written : capacity, sizeof aligned),
         "%s: bytes behind struct_size were written (capacity %u)", of->name, capacity);
 }
@@ -164,10 +168,11 @@ static void error_of_create(int unused) {
     memset(bytes, FILL, sizeof aligned);
     error->struct_size = capacity;
     EXPECT(odo.session_create(&chosen, &session, error), ODO_E_ARGUMENT);
-    CHECK(untouched(bytes, capacity < 4 ? 4 : capacity, sizeof aligned), "bytes behind a struct_size of %u were written", capacity);
+    CHECK(untouched(bytes, capacity < 4 ? 4 : capacity, sizeof aligned),
+          "bytes behind a struct_size of %u were written", capacity);
     if (capacity < ODO_ERROR_SIZE_MIN) continue;
-    CHECK(error->struct_size >= ODO_ERROR_SIZE_MIN && error->struct_size <= capacity, "struct_size is %u on return, %u on entry",
-          error->struct_size, capacity);
+    CHECK(error->struct_size >= ODO_ERROR_SIZE_MIN && error->struct_size <= capacity,
+          "struct_size is %u on return, %u on entry", error->struct_size, capacity);
     CHECK(error->status == ODO_E_ARGUMENT && error->message[0], "no reason was written (capacity %u)", capacity);
   }
 }
@@ -220,17 +225,23 @@ static void place_sizes(int unused) {
   EXPECT(odo.anchor_create(self->session, &place.known, &id), ODO_OK);
 }
 
-#define OUTPUT(index, what)                                                                                                   \
-  {what " of this version is written whole", "base.h",                                                                        \
-   "Where a struct is output, it is the capacity on entry and the number of bytes written on return.", out_of_this_version, index}, \
-      {what " of version 1.0 is written up to its end", "base.h",                                                             \
-       "Where a struct is output, it is the capacity on entry and the number of bytes written on return.", out_of_version_1_0, \
-       index},                                                                                                                \
-      {what " of a later version is written up to what is known", "base.h",                                                   \
-       "Where a struct is output, it is the capacity on entry and the number of bytes written on return.",                    \
-       out_of_later_version, index}
-#define TOO_SMALL(index, what)                                                                                                \
-  {what " that is too small is refused", "base.h", "A struct smaller than version 1.0 is refused", out_too_small, index}
+#define OUTPUT(index, what)                                                                                 \
+  {what " of this version is written whole", "base.h",                                                      \
+   "Where a struct is output, it is the capacity on entry and the number of bytes written on return.",      \
+   out_of_this_version, index},                                                                             \
+      {what " of version 1.0 is written up to its end", "base.h",                                           \
+       "Where a struct is output, it is the capacity on entry and the number of bytes written on return.",  \
+       out_of_version_1_0, index},                                                                          \
+  {                                                                                                         \
+    what " of a later version is written up to what is known", "base.h",                                    \
+        "Where a struct is output, it is the capacity on entry and the number of bytes written on return.", \
+        out_of_later_version, index                                                                         \
+  }
+#define TOO_SMALL(index, what)                                                                                     \
+  {                                                                                                                \
+    what " that is too small is refused", "base.h", "A struct smaller than version 1.0 is refused", out_too_small, \
+        index                                                                                                      \
+  }
 
 const conformance_case cases_sizes[] = {
     OUTPUT(0, "a pose"),
@@ -246,7 +257,8 @@ const conformance_case cases_sizes[] = {
     OUTPUT(5, "a last error"),
     OUTPUT(6, "a recording's loss"),
     TOO_SMALL(6, "a recording's loss"),
-    {"a last error smaller than 1.0 is refused", "base.h", "A struct smaller than version 1.0 is refused", last_error_too_small, 0},
+    {"a last error smaller than 1.0 is refused", "base.h", "A struct smaller than version 1.0 is refused",
+     last_error_too_small, 0},
     {"why a session could not be created fits into its struct", "odograph.h",
      "struct_size: capacity in, bytes written out; message is UTF-8 and terminated.", error_of_create, 0},
     {"options are refused below the size of 1.0 and taken at every larger one", "base.h",

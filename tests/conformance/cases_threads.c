@@ -11,7 +11,7 @@ typedef struct pusher {
   int taken, exhausted, discarded, others;
 } pusher;
 
-static volatile int stop;
+static volatile int stop, asked;
 
 static void put_sample(int sensor, int i, void* out) {
   const int64_t t_ns = T0 + i * 10 * MS + sensor * MS;
@@ -61,7 +61,8 @@ static void push_from_four(int run) {
     refused += (uint64_t)(pushers[i].exhausted + pushers[i].discarded);
     CHECK(pushers[i].others == 0, "%d pushes had another status", pushers[i].others);
   }
-  CHECK(counts.pushed == 1200 && counts.processed == taken && counts.late + counts.overflow + counts.duplicate + counts.invalid == refused,
+  CHECK(counts.pushed == 1200 && counts.processed == taken &&
+            counts.late + counts.overflow + counts.duplicate + counts.invalid == refused,
         "of 1200 samples %llu were taken and %llu refused; pushed is %llu, processed %llu, late %llu, overflow %llu",
         (unsigned long long)taken, (unsigned long long)refused, (unsigned long long)counts.pushed,
         (unsigned long long)counts.processed, (unsigned long long)counts.late, (unsigned long long)counts.overflow);
@@ -69,7 +70,7 @@ static void push_from_four(int run) {
   CHECK(journal_overlaps() == 0, "%u calls of one instance overlapped", journal_overlaps());
 }
 
-static int asked, torn;
+static int torn;
 static void* ask_for_poses(void* user) {
   app* self = (app*)user;
   while (!stop) {
@@ -100,6 +101,7 @@ static void poses_meanwhile(int run) {
   hooks.on_message = walk_message;
   self = app_open(CAMERA_WALK, (uint32_t)run);
   start(&thread, ask_for_poses, self);
+  while (asked == 0) sleep_ms(1);
   for (second = 0; second < 5; ++second) {
     walk_second(self, second);
     app_flush(self);
@@ -135,7 +137,8 @@ static void destroyed_in_flight(int unused) {
   sleep_ms(8);
   app_close(self);
   CHECK_BALANCED(&memory, 1);
-  CHECK(journal_count(PROBE_DESTROY, FIXER) == 1 && journal_overlaps() == 0, "the instance was not destroyed in its turn");
+  CHECK(journal_count(PROBE_DESTROY, FIXER) == 1 && journal_overlaps() == 0,
+        "the instance was not destroyed in its turn");
 }
 
 static void sessions_are_independent(int unused) {
@@ -159,7 +162,8 @@ static void sessions_are_independent(int unused) {
           (unsigned long long)app_statistics(sessions[i]).processed);
     app_close(sessions[i]);
   }
-  CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 300 * SESSIONS, "%u samples were given", (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER));
+  CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 300 * SESSIONS, "%u samples were given",
+        (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER));
 }
 
 /* One thread processes; what the other pushes meanwhile is processed by it. */
@@ -222,23 +226,25 @@ static void statistics_do_not_wait(int unused) {
   }
   stop = 1;
   pthread_join(thread, NULL);
-  CHECK(asked > 150, "%d of 200 calls took less than 4 ms while plugins took 5 ms; the longest %.1f ms", asked, 1e3 * longest_s);
+  CHECK(asked > 150, "%d of 200 calls took less than 4 ms while plugins took 5 ms; the longest %.1f ms", asked,
+        1e3 * longest_s);
 }
 
 const conformance_case cases_threads[] = {
-    {"four threads push into a replay at once and nothing is lost", "odograph.h", "from any thread, also several at once", push_from_four,
-     ODO_RUN_REPLAY},
-    {"four threads push into a live session at once and nothing is lost", "odograph.h", "from any thread, also several at once",
-     push_from_four, ODO_RUN_LIVE},
-    {"poses and statistics asked for beside a replay are whole", "odograph.h", "Takes microseconds and never waits for the pipeline.",
-     poses_meanwhile, ODO_RUN_REPLAY},
+    {"four threads push into a replay at once and nothing is lost", "odograph.h",
+     "from any thread, also several at once", push_from_four, ODO_RUN_REPLAY},
+    {"four threads push into a live session at once and nothing is lost", "odograph.h",
+     "from any thread, also several at once", push_from_four, ODO_RUN_LIVE},
+    {"poses and statistics asked for beside a replay are whole", "odograph.h",
+     "Takes microseconds and never waits for the pipeline.", poses_meanwhile, ODO_RUN_REPLAY},
     {"poses and statistics asked for beside a live session are whole", "odograph.h",
      "Takes microseconds and never waits for the pipeline.", poses_meanwhile, ODO_RUN_LIVE},
-    {"a live session is destroyed with frames in flight", "odograph.h", "Stops the session's thread, destroys the plugins' instances, releases held frames.",
-     destroyed_in_flight, 0},
-    {"sessions on several threads are independent", "plugin.h", "Instances are independent of each other", sessions_are_independent, 0},
-    {"pushes into a replay that is processing do not call plugins at once", "odograph.h", "what others push is processed by it",
-     replay_has_one_owner, 0},
-    {"poses and statistics do not wait for plugins", "odograph.h", "Accumulated counters. Never waits for the pipeline.",
-     statistics_do_not_wait, 0},
+    {"a live session is destroyed with frames in flight", "odograph.h",
+     "Stops the session's thread, destroys the plugins' instances, releases held frames.", destroyed_in_flight, 0},
+    {"sessions on several threads are independent", "plugin.h", "Instances are independent of each other",
+     sessions_are_independent, 0},
+    {"pushes into a replay that is processing do not call plugins at once", "odograph.h",
+     "what others push is processed by it", replay_has_one_owner, 0},
+    {"poses and statistics do not wait for plugins", "odograph.h",
+     "Accumulated counters. Never waits for the pipeline.", statistics_do_not_wait, 0},
     {NULL, NULL, NULL, NULL, 0}};

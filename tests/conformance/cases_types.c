@@ -56,9 +56,10 @@ static void taken_at_1_0(int index) {
   found = given_at_t0(kind);
   REQUIRE(found->struct_size >= kind->min_size, "it was given with %u bytes", found->struct_size);
   CHECK(found->flags == sample.header.flags && found->source == sample.header.source,
-        "it was given with flags 0x%x and source %u; expected 0x%x and %u", found->flags, found->source, sample.header.flags,
-        sample.header.source);
-  if (kind->type != ODO_TYPE_IMU) CHECK(found->quality == 0.5f, "its quality is %g; expected 0.5", (double)found->quality);
+        "it was given with flags 0x%x and source %u; expected 0x%x and %u", found->flags, found->source,
+        sample.header.flags, sample.header.source);
+  if (kind->type != ODO_TYPE_IMU)
+    CHECK(found->quality == 0.5f, "its quality is %g; expected 0.5", (double)found->quality);
   CHECK(memcmp(found + 1, sample.bytes + sizeof *found, kind->min_size - sizeof *found) == 0, "its values are others");
 }
 
@@ -156,24 +157,29 @@ static void struct_is_copied(int index) {
 }
 
 #define TAKEN "Hands in an input of samples.h or a vendor's message, with struct_size and type set."
-#define BASE(index, name)                                                                                             \
-  {name " of version 1.0's size is taken and given to the plugin", "odograph.h", TAKEN, taken_at_1_0, index},         \
-      {name " that is too small is refused", "base.h", "A struct smaller than version 1.0 is refused",                \
-       too_small_is_refused, index},                                                                                  \
-      {name " with a number that is not finite is refused", "odograph.h",                                             \
-       "ODO_E_DISCARD (not finite, outside any sensor's range, late)", not_finite_is_refused, index},                 \
-      {"the host's bits are cleared on " name, "odograph.h", "bits of ODO_FLAG_HOST_MASK are cleared",                \
-       host_bits_are_cleared, index},                                                                                 \
-      {"an unknown bit of " name " is passed on", "base.h", "Bits of header.flags: 0 to 23 have a meaning of their own in each type", \
-       unknown_bits_are_passed_on, index}
-#define COPIED(index, name)                                                                                           \
-  {"the end of a later " name " is passed on", "base.h", "the end of a larger one is passed on unread",               \
-   later_end_is_passed_on, index},                                                                                    \
-      {name " is copied by its push", "odograph.h", "The struct is copied", struct_is_copied, index}
+#define BASE(index, name)                                                                                           \
+  {name " of version 1.0's size is taken and given to the plugin", "odograph.h", TAKEN, taken_at_1_0, index},       \
+      {name " that is too small is refused", "base.h", "A struct smaller than version 1.0 is refused",              \
+       too_small_is_refused, index},                                                                                \
+      {name " with a number that is not finite is refused", "odograph.h",                                           \
+       "ODO_E_DISCARD (not finite, outside any sensor's range, late)", not_finite_is_refused, index},               \
+      {"the host's bits are cleared on " name, "odograph.h", "bits of ODO_FLAG_HOST_MASK are cleared",              \
+       host_bits_are_cleared, index},                                                                               \
+  {                                                                                                                 \
+    "an unknown bit of " name " is passed on", "base.h",                                                            \
+        "Bits of header.flags: 0 to 23 have a meaning of their own in each type", unknown_bits_are_passed_on, index \
+  }
+#define COPIED(index, name)                                                                             \
+  {"the end of a later " name " is passed on", "base.h", "the end of a larger one is passed on unread", \
+   later_end_is_passed_on, index},                                                                      \
+  {                                                                                                     \
+    name " is copied by its push", "odograph.h", "The struct is copied", struct_is_copied, index        \
+  }
 
 const conformance_case cases_types[] = {
     BASE(0, "odo_imu"),
-    {"a later odo_imu is taken", "base.h", "the end of a larger one is passed on unread", later_inertial_sample_is_taken, 0},
+    {"a later odo_imu is taken", "base.h", "the end of a larger one is passed on unread",
+     later_inertial_sample_is_taken, 0},
     BASE(1, "odo_magnetometer"),
     COPIED(1, "odo_magnetometer"),
     BASE(2, "odo_barometer"),

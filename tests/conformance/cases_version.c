@@ -12,7 +12,8 @@ static void version_is_three_numbers(int unused) {
   (void)unused;
   NEED(version);
   REQUIRE(odo.version() != NULL, "odo_version gives null");
-  CHECK(sscanf(odo.version(), "%u.%u.%u%1s", &major, &minor, &patch, rest) == 3, "odo_version gives \"%s\"", odo.version());
+  CHECK(sscanf(odo.version(), "%u.%u.%u%1s", &major, &minor, &patch, rest) == 3, "odo_version gives \"%s\"",
+        odo.version());
 }
 
 static void abi_is_of_these_headers(int unused) {
@@ -32,7 +33,8 @@ static const char* reason_text(int64_t n) { return odo.reason_text((uint32_t)n);
 static const char* mode_text(int64_t n) { return odo.mode_text((uint32_t)n); }
 static const char* status_text(int64_t n) { return odo.status_text((int32_t)n); }
 
-static void check_texts(const char* of, const char* (*text)(int64_t), int64_t from, int64_t to, int64_t first_with_words) {
+static void check_texts(const char* of, const char* (*text)(int64_t), int64_t from, int64_t to,
+                        int64_t first_with_words) {
   static const int64_t far[] = {INT32_MIN, INT32_MAX, 1000, -1000};
   int64_t i, j;
   for (i = from; i <= to; ++i) {
@@ -113,16 +115,18 @@ static void current_call_is_named(int unused) {
 const conformance_case cases_version[] = {
     {"the version is three numbers", "odograph.h", "\"major.minor.patch\" of the library, terminated, never null.",
      version_is_three_numbers, 0},
-    {"the ABI's version is major and minor", "odograph.h", "ABI of the library: major << 16 | minor.", abi_is_of_these_headers,
-     0},
+    {"the ABI's version is major and minor", "odograph.h", "ABI of the library: major << 16 | minor.",
+     abi_is_of_these_headers, 0},
     {"every function of the headers is there", "base.h", "ODO_API: what the library exports and an app imports.",
      all_functions_are_there, 0},
     {"each status, state, reason and mode has words of its own", "odograph.h",
-     "A status code, a state (ODO_TRACKING ...), a reason or a motion mode in words; never null.", numbers_have_words, 0},
-    {"null where something is needed is an argument error", "base.h", "the caller broke the contract; discarded, state unchanged",
-     null_is_an_argument, 0},
+     "A status code, a state (ODO_TRACKING ...), a reason or a motion mode in words; never null.", numbers_have_words,
+     0},
+    {"null where something is needed is an argument error", "base.h",
+     "the caller broke the contract; discarded, state unchanged", null_is_an_argument, 0},
     {"destroying null does nothing", "odograph.h",
-     "Stops the session's thread, destroys the plugins' instances, releases held frames. Null is allowed.", null_is_destroyed, 0},
+     "Stops the session's thread, destroys the plugins' instances, releases held frames. Null is allowed.",
+     null_is_destroyed, 0},
     {"the current plugin call names the plugin and the call", "odograph.h",
      "Writes at most `capacity` bytes, unterminated, and returns how many; 0: none.", current_call_is_named, 0},
     {NULL, NULL, NULL, NULL, 0}};

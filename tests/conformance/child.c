@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Runs a case in a process of its own (POSIX), and hears of it through a pipe: a line begins with F for a failure, S for a skip, E at
- * the case's end. */
+ * Runs a case in a process of its own (POSIX), and hears of it through a pipe: a line begins with F for a failure, S
+ * for a skip, E at the case's end. */
 #define _POSIX_C_SOURCE 200809L
 #define _DARWIN_C_SOURCE
 #include "suite.h"

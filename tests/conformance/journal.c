@@ -123,7 +123,8 @@ const char* journal_words(const char* kind) {
   pthread_mutex_lock(&journal.lock);
   for (i = 0; i < journal.count && used < sizeof words - 16; ++i)
     if (journal.entries[i]->what != PROBE_GIVEN && matches(journal.entries[i], journal.entries[i]->what, kind))
-      used += (size_t)snprintf(words + used, sizeof words - used, "%s%s", used ? " " : "", names[journal.entries[i]->what]);
+      used +=
+          (size_t)snprintf(words + used, sizeof words - used, "%s%s", used ? " " : "", names[journal.entries[i]->what]);
   pthread_mutex_unlock(&journal.lock);
   return words;
 }

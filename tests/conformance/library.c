@@ -10,7 +10,8 @@ conformance_library odo;
 conformance_options options;
 
 /* The list in suite.h has the types of the headers: a difference is a warning of the compiler here. */
-#define SAME_TYPE(result, name, arguments) typedef char same_type_##name[sizeof(((conformance_library*)0)->name == odo_##name)];
+#define SAME_TYPE(result, name, arguments) \
+  typedef char same_type_##name[sizeof(((conformance_library*)0)->name == odo_##name)];
 CONFORMANCE_FUNCTIONS(SAME_TYPE)
 
 const char* library_open(const char* path) {
@@ -39,10 +40,10 @@ odo_string string_of(const char* text) {
 }
 
 const char* status_name(int64_t status) {
-  static const char* const names[] = {"ODO_OK",          "ODO_E_ARGUMENT",    "ODO_E_DISCARD",     "ODO_E_EXHAUSTED",
-                                      "ODO_E_UNSUPPORTED", "ODO_E_STRUCT_SIZE", "ODO_E_VERSION",   "ODO_E_STATE",
-                                      "ODO_E_CONFIG",    "ODO_E_NOT_FOUND",   "ODO_E_DATA",        "ODO_E_MEMORY",
-                                      "ODO_E_ERROR",     "ODO_E_FATAL"};
+  static const char* const names[] = {
+      "ODO_OK",        "ODO_E_ARGUMENT", "ODO_E_DISCARD", "ODO_E_EXHAUSTED", "ODO_E_UNSUPPORTED", "ODO_E_STRUCT_SIZE",
+      "ODO_E_VERSION", "ODO_E_STATE",    "ODO_E_CONFIG",  "ODO_E_NOT_FOUND", "ODO_E_DATA",        "ODO_E_MEMORY",
+      "ODO_E_ERROR",   "ODO_E_FATAL"};
   static char number[2][32];
   static int next;
   if (status == ODO_NOT_READY) return "ODO_NOT_READY";

@@ -8,10 +8,10 @@
 #include <string.h>
 
 static const conformance_case* const groups[] = {
-    cases_version,     cases_sizes,    cases_types,    cases_push,  cases_loans,      cases_keeping,
-    cases_order,       cases_cameras,  cases_emit,     cases_emit_values, cases_life, cases_failures,
-    cases_services,    cases_callback, cases_threads,  cases_session, cases_saved,    cases_anchors,
-    cases_recordings,  cases_damage,   cases_process,  cases_register};
+    cases_version,    cases_sizes,    cases_types,   cases_push,        cases_loans, cases_keeping,
+    cases_order,      cases_cameras,  cases_emit,    cases_emit_values, cases_life,  cases_failures,
+    cases_services,   cases_callback, cases_threads, cases_session,     cases_saved, cases_anchors,
+    cases_recordings, cases_damage,   cases_process, cases_register};
 
 typedef struct command {
   const char *library, *only;
@@ -22,7 +22,8 @@ typedef struct command {
 static const char help[] =
     "odograph-host-conformance LIBODOGRAPH [PLUGIN_FOLDER]\n"
     "\n"
-    "Checks a host library of Odograph against the sentences of the public headers. Each case runs in a process of its\n"
+    "Checks a host library of Odograph against the sentences of the public headers. Each case runs in a process of "
+    "its\n"
     "own. The suite registers its plugins; with PLUGIN_FOLDER it loads them from there where the library has no\n"
     "odo_register_plugin.\n"
     "\n"
@@ -167,10 +168,11 @@ static int check_library(const char* path) {
   abi = odo.abi_version();
   if (abi >> 16 == ODO_ABI_MAJOR && (ODO_ABI_MAJOR != 0 || (abi & 0xFFFF) == ODO_ABI_MINOR)) return 0;
   fprintf(stderr,
-          "odograph-host-conformance: %s (version %s) has ABI %u.%u%s; this suite checks ABI %u.%u%s, whose messages differ: "
+          "odograph-host-conformance: %s (version %s) has ABI %u.%u%s; this suite checks ABI %u.%u%s, whose messages "
+          "differ: "
           "no case was run\n",
-          path, odo.version ? odo.version() : "unknown", abi >> 16, abi & 0xFFFF, abi >> 16 ? "" : ", a draft", ODO_ABI_MAJOR,
-          ODO_ABI_MINOR, ODO_ABI_MAJOR ? "" : ", a draft");
+          path, odo.version ? odo.version() : "unknown", abi >> 16, abi & 0xFFFF, abi >> 16 ? "" : ", a draft",
+          ODO_ABI_MAJOR, ODO_ABI_MINOR, ODO_ABI_MAJOR ? "" : ", a draft");
   return 2;
 }
 
@@ -188,7 +190,8 @@ int main(int argc, char** argv) {
   }
   go_through(&chosen, counts);
   if (chosen.json) {
-    printf("\n  ],\n  \"passed\": %u, \"failed\": %u, \"skipped\": %u\n}\n", counts[PASSED], counts[FAILED], counts[SKIPPED]);
+    printf("\n  ],\n  \"passed\": %u, \"failed\": %u, \"skipped\": %u\n}\n", counts[PASSED], counts[FAILED],
+           counts[SKIPPED]);
     return counts[FAILED] ? 1 : 0;
   }
   if (chosen.list) return 0;

@@ -20,15 +20,34 @@ static const odo_string kinds[] = {TEXT(ODO_INTERFACE_ATTITUDE), TEXT(ODO_INTERF
                                    TEXT(ODO_INTERFACE_ABSOLUTE_FIXER)};
 static const odo_string ids[PROBE_VARIANTS] = {TEXT("conformance/probe"), TEXT("conformance/frontend"),
                                                TEXT("conformance/several"), TEXT("conformance/bare")};
-static const uint32_t inputs[] = {ODO_TYPE_IMU,        ODO_TYPE_MAGNETOMETER,  ODO_TYPE_BAROMETER,   ODO_TYPE_GNSS,
-                                  ODO_TYPE_CALIBRATION, ODO_TYPE_IMU_NOISE,    ODO_TYPE_WAYPOINT,    ODO_TYPE_EARTH_FIELD,
-                                  ODO_TYPE_PLATFORM_POSE, ODO_TYPE_RANGE,      ODO_TYPE_SYSTEM_STEP, ODO_TYPE_FRAME,
-                                  PROBE_MESSAGE,       PROBE_BORROWED,         PROBE_NEWER_INPUT,    PROBE_NEWER_BORROWED,
-                                  ODO_TYPE_CORRECTION};
+static const uint32_t inputs[] = {
+    ODO_TYPE_IMU,         ODO_TYPE_MAGNETOMETER, ODO_TYPE_BAROMETER,   ODO_TYPE_GNSS,          ODO_TYPE_CALIBRATION,
+    ODO_TYPE_IMU_NOISE,   ODO_TYPE_WAYPOINT,     ODO_TYPE_EARTH_FIELD, ODO_TYPE_PLATFORM_POSE, ODO_TYPE_RANGE,
+    ODO_TYPE_SYSTEM_STEP, ODO_TYPE_FRAME,        PROBE_MESSAGE,        PROBE_BORROWED,         PROBE_NEWER_INPUT,
+    PROBE_NEWER_BORROWED, ODO_TYPE_CORRECTION};
 static const uint32_t outputs[] = {PROBE_EVENT};
-static const odo_parameter parameters[] = {
-    {sizeof(odo_parameter), ODO_PARAMETER_INT, TEXT("answer"), TEXT(""), TEXT("A number."), TEXT("42"), {0, 0}, 0, 100, 0, 0},
-    {sizeof(odo_parameter), ODO_PARAMETER_STRING, TEXT("word"), TEXT(""), TEXT("A word."), TEXT("none"), {0, 0}, 0, 0, 0, 0}};
+static const odo_parameter parameters[] = {{sizeof(odo_parameter),
+                                            ODO_PARAMETER_INT,
+                                            TEXT("answer"),
+                                            TEXT(""),
+                                            TEXT("A number."),
+                                            TEXT("42"),
+                                            {0, 0},
+                                            0,
+                                            100,
+                                            0,
+                                            0},
+                                           {sizeof(odo_parameter),
+                                            ODO_PARAMETER_STRING,
+                                            TEXT("word"),
+                                            TEXT(""),
+                                            TEXT("A word."),
+                                            TEXT("none"),
+                                            {0, 0},
+                                            0,
+                                            0,
+                                            0,
+                                            0}};
 
 #if defined(PROBE_MODULE)
 static probe_handler handler_of(const odo_host* host) {

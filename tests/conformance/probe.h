@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The suite's plugin: it forwards each call to the suite's own process, which keeps a journal of them and answers. It is registered
- * where the library can do that, or loaded from a folder; then it finds the suite by a service of the app. */
+ * The suite's plugin: it forwards each call to the suite's own process, which keeps a journal of them and answers. It
+ * is registered where the library can do that, or loaded from a folder; then it finds the suite by a service of the
+ * app. */
 #ifndef CONFORMANCE_PROBE_H
 #define CONFORMANCE_PROBE_H
 
 #include <odograph/messages.h>
 #include <odograph/plugin.h>
 
-/* conformance/probe serves every kind and declares every input and the vendor's messages below; conformance/frontend declares
- * nothing beyond its kind; conformance/several is one for several cameras and native frames; the table of conformance/bare
- * ends behind destroy. */
+/* conformance/probe serves every kind and declares every input and the vendor's messages below; conformance/frontend
+ * declares nothing beyond its kind; conformance/several is one for several cameras and native frames; the table of
+ * conformance/bare ends behind destroy. */
 enum probe_variant { PROBE_FULL, PROBE_FRONTEND, PROBE_SEVERAL, PROBE_BARE, PROBE_VARIANTS };
 
 #define PROBE_VENDOR 1u

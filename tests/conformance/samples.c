@@ -37,8 +37,8 @@ void push_set_back(app* self, int64_t from_ns, int64_t to_ns) {
   int64_t t_ns;
   for (t_ns = from_ns; t_ns < to_ns; t_ns += 10 * MS) {
     const int32_t status = push_rest(self, t_ns); /* at first they look late */
-    CHECK(status == ODO_OK || (status == ODO_E_DISCARD && t_ns < from_ns + SECOND), "%lld ms after the clock was set back %s",
-          (long long)((t_ns - from_ns) / MS), status_name(status));
+    CHECK(status == ODO_OK || (status == ODO_E_DISCARD && t_ns < from_ns + SECOND),
+          "%lld ms after the clock was set back %s", (long long)((t_ns - from_ns) / MS), status_name(status));
   }
   app_flush(self);
 }
