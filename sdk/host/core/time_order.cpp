@@ -11,7 +11,7 @@ namespace {
 /// Sensors that deliver steadily hold the others back; sensors that speak now and then do not.
 bool holds_back(uint32_t type) {
   return type == ODO_TYPE_IMU || type == ODO_TYPE_MAGNETOMETER || type == ODO_TYPE_FRAME ||
-         type == ODO_TYPE_PLATFORM_POSE;
+         type == ODO_TYPE_BAROMETER || type == ODO_TYPE_PLATFORM_POSE;
 }
 
 /// Slow sensors are passed on late rather than lost; what uses them looks the pose of their time up.
