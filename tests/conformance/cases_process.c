@@ -80,6 +80,7 @@ static int signal_of(pid_t child) {
 static void crash_is_noted(int unused) {
   char note[512];
   int note_pipe[2], ended_by;
+  size_t used = 0;
   ssize_t size;
   pid_t child;
   (void)unused;
@@ -101,8 +102,9 @@ static void crash_is_noted(int unused) {
     _exit(0);
   }
   close(note_pipe[1]);
-  size = read(note_pipe[0], note, sizeof note - 1);
-  note[size > 0 ? size : 0] = 0;
+  memset(note, 0, sizeof note);
+  while (used < sizeof note - 1 && (size = read(note_pipe[0], note + used, sizeof note - 1 - used)) > 0)
+    used += (size_t)size;
   CHECK(strstr(note, "conformance/probe") && strstr(note, "process"), "the note is \"%s\"", note);
   ended_by = signal_of(child);
   CHECK(ended_by == SIGSEGV, "the process ended by signal %d; expected SIGSEGV", ended_by);
