@@ -94,6 +94,27 @@ TEST_CASE("a manifest with a path, or without two numbers of its ABI, is refused
   CHECK_FALSE(with("[0, 1]", "''"));
 }
 
+TEST_CASE(
+    "a manifest of a later version is read: what it has beyond is passed over, a parameter's unknown type is not") {
+  const auto read = [](const std::string& type) {
+    return parse_manifest(
+        "{odoplugin: 1, id: a/b, version: '1', summary: s, interfaces: [odo.attitude/7, odo.smell/1], "
+        "abi: [0, 9], library: a.so, sha256: x, flags: 3, licence: {name: MIT, since: [1, 2]}, "
+        "parameters: [{name: gain, type: real, default: '1', advanced: true, presets: {slow: 1}}, "
+        "{name: odour, type: " +
+            type + ", shape: [3, 3]}]}",
+        "/x/m.json");
+  };
+  const auto known = read("string");
+  REQUIRE_MESSAGE(known.ok(), known.failure().text);
+  CHECK(known->id == "a/b");
+  REQUIRE(known->parameters.size() == 2);
+  CHECK(known->parameters[0].fallback == "1");
+  const auto unknown = read("matrix");
+  REQUIRE_FALSE(unknown.ok());
+  CHECK(unknown.failure().text.find("parameters[1].type: 'matrix'") != std::string::npos);
+}
+
 TEST_CASE("a file's hash is SHA-256, in small letters") {
   const TemporaryFolder folder;
   CHECK(*sha256_of(write_text(folder / "abc", "abc")) ==

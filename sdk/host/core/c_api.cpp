@@ -10,11 +10,11 @@
 #include <cstring>
 #include <new>
 
-#include "sdk/host/base/nearest.hpp"
 #include "sdk/host/base/version.hpp"
 #include "sdk/host/core/c_guard.hpp"
 #include "sdk/host/core/session.hpp"
 #include "sdk/host/plugin_host/breadcrumb.hpp"
+#include "sdk/host/plugin_host/library.hpp"
 
 struct odo_session {
   std::unique_ptr<odograph::Session> session;
@@ -32,20 +32,17 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
   const std::string path = text(options.config_path), config_text = text(options.config_text);
   if (path.empty() == config_text.empty())
     return fail(error, {ODO_E_ARGUMENT, "expected exactly one of config_path and config_text"});
-  std::vector<std::filesystem::path> directories;
-  if (ODO_HAS(&options, plugin_path))
-    for (const auto& part : odograph::split(text(options.plugin_path), ':')) directories.emplace_back(part);
+  const auto directories = odograph::path_list(text(options.plugin_path));
   auto config = path.empty() ? odograph::read_pipeline_config(config_text, "<text>", directories)
                              : odograph::read_pipeline_config_file(path, directories);
   if (!config) return fail(error, config.failure());
   std::vector<std::filesystem::path> assets = {path.empty() ? std::filesystem::current_path()
                                                             : std::filesystem::absolute(path).parent_path()};
-  if (ODO_HAS(&options, asset_path))
-    for (const auto& part : odograph::split(text(options.asset_path), ':'))
-      assets.push_back(std::filesystem::absolute(part));
-  if (ODO_HAS(&options, flags) && (options.flags & ODO_SESSION_CRASH_NOTES)) odograph::name_culprits();
+  for (const auto& folder : odograph::path_list(text(options.asset_path)))
+    assets.push_back(std::filesystem::absolute(folder));
+  if (options.flags & ODO_SESSION_CRASH_NOTES) odograph::name_crashing_plugins();
   auto session = odograph::Session::make(std::move(*config), std::move(assets), options.run != ODO_RUN_REPLAY,
-                                         ODO_HAS(&options, seed) ? options.seed : 0);
+                                         options.seed, {options.user, options.get_service});
   if (!session) return fail(error, session.failure());
   *out = new odo_session{std::move(*session)};
   return ODO_OK;
@@ -93,6 +90,14 @@ int32_t odo_session_push_imu(odo_session* session, int64_t t_ns, const double* g
   std::copy(gyro_b, gyro_b + 3, imu.gyro_b);
   std::copy(accel_b, accel_b + 3, imu.accel_b);
   return guarded([&] { return session->session->push(imu.header); });
+}
+
+int32_t odo_register_plugin(odo_plugin_entry entry, odo_error* error) {
+  if (!entry) return fail(error, {ODO_E_ARGUMENT, "entry must not be null"});
+  return guarded([&]() -> int32_t {
+    const auto registered = odograph::register_plugin(entry);
+    return registered ? ODO_OK : fail(error, registered.failure());
+  });
 }
 
 uint64_t odo_current_plugin_call(char* text, uint64_t capacity) {

@@ -18,6 +18,7 @@ constexpr Pipeline::Parameters kParameters;
 }  // namespace
 
 void Pipeline::process(const odo_header& message) {
+  wake();
   events_.begin();
   watch_.see(message);
   switch (message.type) {

@@ -60,6 +60,8 @@ class Pipeline {
                                                 Publish publish);
 
   void process(const odo_header& message);
+  /// Calls the plugins that have asked for it (odo.wake/1), as process does before each message.
+  void wake();
   /// Starts anew, for a sensor clock that was set back. Geodetic origin, counters and calibrations stay.
   void reset();
 
@@ -144,9 +146,9 @@ class Pipeline {
   bool north_is_true_ = false;  // something has observed the heading against true north
   std::optional<double> declination_rad_;
   static constexpr int64_t kNoCamera = -1;
-  std::atomic<int64_t> camera_{kNoCamera};  // header.source of the front-end's
+  std::atomic<int64_t> camera_{kNoCamera};           // header.source of the front-end's
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();  // its position in b, m
-  std::optional<odo_vo_motion> inertial_motion_;  // the newest motion, where it tells velocity and biases
+  std::optional<odo_vo_motion> inertial_motion_;     // the newest motion, where it tells velocity and biases
   std::optional<odo_pose> before_restart_;
   odo_pose last_pose_{};
   int64_t last_pose_ns_ = INT64_MIN;

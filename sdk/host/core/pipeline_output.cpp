@@ -178,4 +178,16 @@ uint64_t Pipeline::plugin_faults() const {
   return faults;
 }
 
+void Pipeline::wake() {
+  if (!host_.has_woken()) return;
+  events_.begin();
+  for (const uint32_t number : host_.take_woken()) {
+    if (number == 0 || number > plugins_.size()) continue;
+    PluginInstance& plugin = *plugins_[number - 1];
+    for (const AnyMessage& event : plugin.wake()) enqueue(event);
+    if (plugin.take_reset()) describe_sensors_to(plugin);
+    handle_events();
+  }
+}
+
 }  // namespace odograph

@@ -11,8 +11,8 @@
 namespace odograph {
 
 Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
-                                               bool live, uint64_t seed) {
-  std::unique_ptr<Session> session(new Session(std::move(config), std::move(assets), live, seed));
+                                               bool live, uint64_t seed, AppServices app) {
+  std::unique_ptr<Session> session(new Session(std::move(config), std::move(assets), live, seed, app));
   session->hang_watch_ = std::make_unique<HangWatch>(session->host_);
   auto pipeline = Pipeline::make(
       session->config_, {session->host_, session->geodesy_, session->poses_, session->anchors_, session->world_mutex_},
@@ -34,12 +34,16 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
   return session;
 }
 
-Session::Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed)
+Session::Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed,
+                 AppServices app)
     : config_(std::move(config)),
       live_(live),
-      host_(seed, std::move(assets), [this](const Report& report) { reported(report); }),
+      host_(
+          seed, std::move(assets), [this](const Report& report) { reported(report); }, app),
       frames_(config_.ordering.frames, runs_processes(config_) ? &host_.shared_pixels() : nullptr),
-      order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {}
+      order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {
+  host_.on_wake([this] { notify(); });
+}
 
 Session::~Session() {
   {
@@ -130,8 +134,8 @@ int32_t Session::refuse_wild(const odo_header& sample, const char* what) {
   return ODO_E_DISCARD;
 }
 
-/// Brings a calibration to what plugins are given: the config's values replace those that are pushed (mount, time offset
-/// and row time only where the config has them), and the time offset, which the session applies, is taken out.
+/// Brings a calibration to what plugins are given: the config's values replace those that are pushed (mount, time
+/// offset and row time only where the config has them), and the time offset, which the session applies, is taken out.
 void Session::take_calibration(odo_calibration& c) {
   const auto& own = config_.camera;
   const bool configured = own && own->header.source == c.header.source;
@@ -189,8 +193,8 @@ std::string Session::size_fault(const odo_frame& frame) const {
   const Camera& camera = found->second;
   if (camera.width == frame.width && camera.height == frame.height) return "";
   const auto size = [](uint32_t w, uint32_t h) { return std::to_string(w) + " x " + std::to_string(h); };
-  return "it has " + size(frame.width, frame.height) + " pixels; the calibration of camera " + std::to_string(frame.header.source) +
-         " is for " + size(camera.width, camera.height);
+  return "it has " + size(frame.width, frame.height) + " pixels; the calibration of camera " +
+         std::to_string(frame.header.source) + " is for " + size(camera.width, camera.height);
 }
 
 int32_t Session::enqueue(OwnedMessage message) {
@@ -264,7 +268,8 @@ void Session::restart_clock(std::vector<OwnedMessage>& given_up) {
 }
 
 bool Session::work_is_waiting() const {
-  return restart_pending_ || flushes_asked_ != flushes_done_ || order_.ready() || report_is_waiting();
+  return restart_pending_ || flushes_asked_ != flushes_done_ || order_.ready() || report_is_waiting() ||
+         host_.has_woken();
 }
 
 /// Waits for the pipeline; only for threads that do not own it.
@@ -282,6 +287,7 @@ void Session::release_ownership() {
 
 /// With ownership and the lock, which is given up while anything is called. What is pushed meanwhile is not flushed.
 void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
+  bool woken = false;  // once: a plugin may ask again each time
   for (;;) {
     OwnedMessage message;
     if (std::exchange(restart_pending_, false)) {
@@ -297,6 +303,10 @@ void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
     } else if (report_is_waiting()) {
       lock.unlock();
       publish_reports();
+    } else if (!woken && host_.has_woken()) {
+      woken = true;
+      lock.unlock();
+      pipeline_->wake();
     } else {
       return;
     }

@@ -30,7 +30,7 @@ namespace odograph {
 class Session {
  public:
   static Result<std::unique_ptr<Session>> make(PipelineConfig config, std::vector<std::filesystem::path> assets,
-                                               bool live, uint64_t seed);
+                                               bool live, uint64_t seed, AppServices app = {});
   ~Session();
 
   int32_t push(const odo_header& sample);
@@ -69,7 +69,7 @@ class Session {
   };
   using Lock = std::unique_lock<std::mutex>;
 
-  Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed);
+  Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed, AppServices app);
 
   int32_t take(const odo_header& sample, OwnedMessage& out);
   int32_t own(AnyMessage&& sample, OwnedMessage& out);
@@ -103,6 +103,8 @@ class Session {
   void process_waiting(Lock& lock, int64_t flush_until_ns);
   void publish_progress();
   void work();
+  /// Wakes the session's thread, where it has one.
+  void notify();
 
   void publish(const odo_header& event);
   void reported(const Report& report);

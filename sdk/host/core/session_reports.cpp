@@ -26,10 +26,13 @@ void Session::reported(const Report& report) {
     has_reports_ = true;
   }
   if (listener) listener(report);
-  if (live_) {
-    const std::lock_guard lock(mutex_);  // so that the thread does not miss it
-    work_waiting_.notify_one();
-  }
+  notify();
+}
+
+void Session::notify() {
+  if (!live_) return;
+  const std::lock_guard lock(mutex_);  // so that the thread does not miss it
+  work_waiting_.notify_one();
 }
 
 /// Under the lock.

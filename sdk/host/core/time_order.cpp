@@ -10,13 +10,15 @@ namespace {
 
 /// Sensors that deliver steadily hold the others back; sensors that speak now and then do not.
 bool holds_back(uint32_t type) {
-  return type == ODO_TYPE_IMU || type == ODO_TYPE_MAGNETOMETER || type == ODO_TYPE_FRAME;
+  return type == ODO_TYPE_IMU || type == ODO_TYPE_MAGNETOMETER || type == ODO_TYPE_FRAME ||
+         type == ODO_TYPE_BAROMETER || type == ODO_TYPE_PLATFORM_POSE;
 }
 
 /// Slow sensors are passed on late rather than lost; what uses them looks the pose of their time up.
 bool may_be_late(uint32_t type) {
   return type == ODO_TYPE_GNSS || type == ODO_TYPE_WAYPOINT || type == ODO_TYPE_CALIBRATION ||
-         type == ODO_TYPE_IMU_NOISE || !message_info(type);
+         type == ODO_TYPE_IMU_NOISE || type == ODO_TYPE_EARTH_FIELD || type == ODO_TYPE_RANGE ||
+         type == ODO_TYPE_SYSTEM_STEP || !message_info(type);
 }
 
 /// Among equal times: what describes a sensor before what it measured, then by type.

@@ -47,6 +47,14 @@ class Judge {
       if (!std::isfinite(values[i])) finite((std::string(field) + "[" + std::to_string(i) + "]").c_str(), values[i]);
     return *this;
   }
+  /// A square matrix of finite numbers, row by row, with variances on its diagonal.
+  Judge& covariance(const char* field, const double* values, size_t rows) {
+    finite(field, values, rows * rows);
+    for (size_t i = 0; asked_ && i < rows && fault.empty(); ++i)
+      if (const size_t at = i * (rows + 1); values[at] < 0)
+        not_negative((std::string(field) + "[" + std::to_string(at) + "]").c_str(), values[at]);
+    return *this;
+  }
   Judge& unit(const char* field, const double* q) {
     finite(field, q, 4);
     const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -125,13 +133,13 @@ void judge_fix(Judge& judge, const odo_fix& m) {
   judge.when(ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_GEODETIC)
       .that(flags & ODO_FIX_COVARIANCE, "flags", flags, "ODO_FIX_COVARIANCE with a position")
       .finite("p_n", m.p_n, 3);
-  judge.when(ODO_FIX_COVARIANCE).finite("covariance_n", m.covariance_n, 9);
+  judge.when(ODO_FIX_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
   judge.when(ODO_FIX_INTEGRITY).finite("integrity", m.integrity);
   judge.when(ODO_FIX_LEVER).finite("lever_b", m.lever_b, 3);
   judge.when(ODO_FIX_ORIENTATION)
       .that(flags & ODO_FIX_ORIENTATION_COVARIANCE, "flags", flags, "ODO_FIX_ORIENTATION_COVARIANCE with an orientation")
       .unit("q_n_b", m.q_n_b)
-      .finite("orientation_cov_n", m.orientation_cov_n, 9);
+      .covariance("orientation_cov_n", m.orientation_cov_n, 3);
   judge.when(ODO_FIX_CROSS_COVARIANCE).finite("cross_covariance_n", m.cross_covariance_n, 9);
   judge.when(ODO_FIX_SLANT_SIGMA).positive("slant_sigma_m", m.slant_sigma_m);
   judge.when(ODO_FIX_SLANT).finite("landmark_n", m.landmark_n, 3).finite("slant_distance_m", m.slant_distance_m);
@@ -144,7 +152,7 @@ void judge_gnss(Judge& judge, const odo_gnss& m) {
   judge.when(ODO_GNSS_POSITION).finite("latitude_rad", m.latitude_rad).finite("longitude_rad", m.longitude_rad);
   judge.that(std::abs(m.latitude_rad) <= kRightAngle, "latitude_rad", m.latitude_rad, "-pi/2 to pi/2");
   judge.when(ODO_GNSS_HEIGHT).finite("height_m", m.height_m);
-  judge.when(ODO_GNSS_COVARIANCE).finite("covariance_n", m.covariance_n, 9);
+  judge.when(ODO_GNSS_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
   judge.when(ODO_GNSS_VELOCITY).finite("velocity_n", m.velocity_n, 3);
   judge.when(ODO_GNSS_LEVER).finite("lever_b", m.lever_b, 3);
 }
@@ -228,7 +236,7 @@ std::string message_fault(const odo_header& header) {
     case ODO_TYPE_PLATFORM_POSE: {
       const auto& m = as<odo_platform_pose>(header);
       judge.unit("q_w", m.q_w).finite("p_w", m.p_w, 3);
-      judge.when(ODO_PLATFORM_POSE_COVARIANCE).finite("covariance", m.covariance, 36);
+      judge.when(ODO_PLATFORM_POSE_COVARIANCE).covariance("covariance", m.covariance, 6);
       break;
     }
     case ODO_TYPE_RANGE: {
@@ -246,7 +254,7 @@ std::string message_fault(const odo_header& header) {
     case ODO_TYPE_RELATIVE_POSE: {
       const auto& m = as<odo_relative_pose>(header);
       judge.that(m.header.t_ns > m.t_from_ns, "t_from_ns", static_cast<double>(m.t_from_ns), "before header.t_ns");
-      judge.finite("covariance", m.covariance, 36);
+      judge.covariance("covariance", m.covariance, 6);
       judge.when(ODO_RELATIVE_POSE_ROTATION).unit("q_b0_b1", m.q_b0_b1);
       judge.when(ODO_RELATIVE_POSE_TRANSLATION).finite("p_b0_b1", m.p_b0_b1, 3);
       break;

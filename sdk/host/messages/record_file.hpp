@@ -93,6 +93,8 @@ class RecordWriter {
   bool write(uint32_t type, std::span<const unsigned char> head, std::span<const unsigned char> tail = {});
   /// A message without the pointers of a frame, and its picture. False also for one that is no message.
   bool write(const odo_header& message, std::span<const unsigned char> picture);
+  /// Hands what has been written to the operating system: it outlives a crash of the program.
+  bool flush() { return static_cast<bool>(file_.stream().flush()); }
   /// Sets the end mark and puts the file in its place. A failure of this or of a write leaves there what was there.
   Result<bool> finish();
   /// Leaves what has been written without an end mark, where it lies.

@@ -29,6 +29,8 @@ class PluginBackend {
   /// Creates, configures and activates.
   virtual int32_t start() = 0;
   virtual int32_t process(const odo_header& message) = 0;
+  /// A batch of no messages, for a plugin that has asked for it (odo.wake/1).
+  virtual int32_t wake() { return ODO_OK; }
   /// Back to the state after activation, by the plugin's own function or by a new instance.
   virtual int32_t reset() = 0;
   virtual std::vector<uint8_t> save() = 0;

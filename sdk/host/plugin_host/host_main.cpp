@@ -45,6 +45,11 @@ class Answer {
     out_.put_bytes(bytes, size);
     if (out_.full()) out_.rewind(before);
   }
+  void state(std::span<const uint8_t> data) {
+    const std::lock_guard lock(mutex_);
+    out_.put(static_cast<uint32_t>(wire::state));
+    out_.put_bytes(data.data(), data.size());
+  }
   void report(uint32_t severity, int32_t status, const std::string& key, const std::string& text) {
     const std::lock_guard lock(mutex_);
     if (open_)
@@ -57,12 +62,6 @@ class Answer {
     std::memcpy(control->response, &status, sizeof status);
     control->response_size = out_.size();
     open_ = false;
-  }
-  /// An answer of another shape.
-  void bytes(std::span<const uint8_t> data) {
-    wire::Writer out({control->response, wire::kAreaBytes});
-    out.put_bytes(data.data(), data.size());
-    control->response_size = out.size();
   }
 
  private:
@@ -98,6 +97,12 @@ class RemoteServices : public HostServices {
       : HostServices(seed, std::move(assets), nullptr) {}
   void report(uint32_t, uint32_t severity, const std::string& key, const std::string& text, int32_t status) override {
     answer.report(severity, status, key, text);
+  }
+
+ protected:
+  /// Nothing would call the host from here.
+  const void* service(std::string_view id) override {
+    return id == ODO_SERVICE_WAKE ? nullptr : HostServices::service(id);
   }
 };
 
@@ -169,7 +174,10 @@ class Server {
         phase("reset");
         status = backend_->reset();
         break;
-      case wire::save: phase("save"); return answer.bytes(backend_->save());
+      case wire::save:
+        phase("save");
+        answer.state(backend_->save());
+        break;
       case wire::load:
         phase("load");
         status = backend_->load(request.get_bytes()) ? ODO_OK : ODO_E_DATA;

@@ -141,7 +141,7 @@ Result<bool> PluginInstance::open() {
   }
   if (status >= 0) return true;
   backend_.reset();
-  return Failure{status, choice_->manifest.library.string() + ": plugin '" + id() +
+  return Failure{status, choice_->manifest.place() + ": plugin '" + id() +
                              "' could not be created, configured and activated: " + odo_status_text(status)};
 }
 
@@ -209,6 +209,17 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
   const int64_t start_ns = coarse_now_ns();
   const int32_t status = backend_->process(message);
   if (!isolated()) note_time(coarse_now_ns() - start_ns);
+  return finish(status, &message);
+}
+
+std::span<AnyMessage> PluginInstance::wake() {
+  buffer_.clear();
+  overflow_told_ = false;
+  return alive() ? finish(backend_->wake(), nullptr) : std::span<AnyMessage>();
+}
+
+/// What comes after a call to process, which had no message where `message` is null.
+std::span<AnyMessage> PluginInstance::finish(int32_t status, const odo_header* message) {
   if (has_ended()) {
     note_end(backend_->ended());
     if (alive_ && !backend_ && now_ns_ >= back_at_ns_) revive();
@@ -318,16 +329,17 @@ void PluginInstance::save_now_and_then() {
   saved_ = std::move(learnt);
 }
 
-void PluginInstance::failed(int32_t status, const odo_header& message) {
+void PluginInstance::failed(int32_t status, const odo_header* message) {
+  const std::string given = message ? "a sample of " + message_name(message->type) : "being woken";
   if (status == ODO_E_DISCARD || status == ODO_E_ARGUMENT || status == ODO_E_EXHAUSTED || status == ODO_E_UNSUPPORTED) {
     const std::string why = status == ODO_E_DISCARD ? "" : std::string(": ") + odo_status_text(status);
     fault(
         "discarded",
-        "discarded a sample of " + message_name(message.type) + " (t_ns = " + std::to_string(message.t_ns) + ")" + why,
+        "discarded " + given + (message ? " (t_ns = " + std::to_string(message->t_ns) + ")" : "") + why,
         status);
     return;
   }
-  fault("failed", "failed at a sample of " + message_name(message.type) + ": " + odo_status_text(status), status);
+  fault("failed", "failed at " + given + ": " + odo_status_text(status), status);
   if (status == ODO_E_FATAL) backend_->quarantine();
   if (backend_->quarantined() || ++failures_in_a_row_ >= parameters_.failures_before_giving_up) return give_up();
   reset();

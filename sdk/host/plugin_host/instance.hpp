@@ -62,6 +62,8 @@ class PluginInstance {
   bool gives(uint32_t type) const { return outputs_.has(type); }
   /// Hands one message in and returns the events that came out; they are valid until the next call. [process]
   std::span<AnyMessage> process(const odo_header& message);
+  /// As process, with no message, for a plugin that has asked for it (odo.wake/1). [process]
+  std::span<AnyMessage> wake();
   /// Back to the state after activation. [control]
   void reset();
   /// True once after a reset, also one of its own after a failure: what describes the sensors is to be told anew.
@@ -105,7 +107,8 @@ class PluginInstance {
   void learn_types();
   bool can_take(const odo_header& message);
   void save_now_and_then();
-  void failed(int32_t status, const odo_header& message);
+  std::span<AnyMessage> finish(int32_t status, const odo_header* message);
+  void failed(int32_t status, const odo_header* message);
   void fault(const char* key, const std::string& text, int32_t status);
 
   Parameters parameters_;

@@ -15,8 +15,6 @@
 namespace odograph {
 namespace {
 
-constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
-
 /// Notes which thread is within process: only there may events be emitted.
 class Calling {
  public:
@@ -52,8 +50,7 @@ int32_t LibraryBackend::emit(const odo_sink* sink, const odo_header* event) {
   if (self.caller_.load(std::memory_order_relaxed) == std::this_thread::get_id())
     return self.sink_.emit(&self.sink_, event);
   self.host_.report(self.sink_.instance, ODO_SEVERITY_WARNING, "foreign_thread",
-                    "emitted outside process: on another thread, or in another call",
-                    ODO_E_STATE);
+                    "emitted outside process: on another thread, or in another call", ODO_E_STATE);
   return ODO_E_STATE;
 }
 
@@ -111,10 +108,12 @@ int32_t LibraryBackend::start() {
   return status < 0 ? status : call("activate", [&] { return table.activate(instance_, &given_); });
 }
 
-int32_t LibraryBackend::process(const odo_header& message) {
+int32_t LibraryBackend::process(const odo_header& message) { return process(&message, 1); }
+int32_t LibraryBackend::wake() { return process(nullptr, 0); }
+
+int32_t LibraryBackend::process(const odo_header* message, uint32_t count) {
   if (!instance_) return ODO_E_STATE;
-  const odo_header* messages[] = {&message};
-  const odo_batch batch{sizeof(odo_batch), 1, messages};
+  const odo_batch batch{sizeof(odo_batch), count, &message};
   const Calling calling(caller_);
   return call("process", [&] { return library_->table().process(instance_, &batch); });
 }
@@ -137,7 +136,12 @@ std::vector<uint8_t> LibraryBackend::save() {
   int64_t needed = 0, written = 0;
   std::vector<uint8_t> bytes;
   call("save", [&] { return needed = function(instance_, nullptr, 0), ODO_OK; });
-  if (needed <= 0 || needed > kLargestState) return {};
+  if (needed > int64_t{ODO_LARGEST_STATE})
+    host_.report(sink_.instance, ODO_SEVERITY_ERROR, "state_too_large",
+                 "has " + std::to_string(needed) + " bytes of state to save; expected at most " +
+                     std::to_string(ODO_LARGEST_STATE) + ": nothing of it is kept",
+                 ODO_E_EXHAUSTED);
+  if (needed <= 0 || needed > int64_t{ODO_LARGEST_STATE}) return {};
   bytes.resize(static_cast<size_t>(needed));
   call("save", [&] { return written = function(instance_, bytes.data(), bytes.size()), ODO_OK; });
   return written == needed ? bytes : std::vector<uint8_t>();

@@ -251,6 +251,12 @@ bool ProcessBackend::take_records(wire::Reader& reader) {
       host_.report(sink_.instance, std::min(severity, ODO_SEVERITY_ERROR), key, text, status);
       continue;
     }
+    if (kind == wire::state) {
+      const auto data = reader.get_bytes();
+      if (!reader.good()) return false;
+      state_.assign(data.begin(), data.end());
+      continue;
+    }
     const auto event = reader.get_bytes();
     if (kind != wire::event || !reader.good() || event.size() > sizeof bytes) return false;
     if (event.empty()) {
@@ -329,10 +335,9 @@ int32_t ProcessBackend::reset() {
 }
 
 std::vector<uint8_t> ProcessBackend::save() {
-  if (!exchange(wire::save, request(), choice_.isolation.time_s)) return {};
-  wire::Reader reader({reinterpret_cast<const uint8_t*>(answer_.data()), answer_size_});
-  const auto bytes = reader.get_bytes();
-  return reader.good() ? std::vector<uint8_t>(bytes.begin(), bytes.end()) : std::vector<uint8_t>();
+  state_.clear();
+  if (!exchange(wire::save, request(), choice_.isolation.time_s) || answered() < 0) return {};
+  return std::move(state_);
 }
 
 bool ProcessBackend::load(std::span<const uint8_t> data) {

@@ -206,6 +206,8 @@ inline constexpr char kCpp[] = R"(// SPDX-License-Identifier: Apache-2.0
 
 #include <odograph/plugin.hpp>
 
+namespace {
+
 struct Plugin {
   double gain = @DEFAULT@;  // the initialiser is the parameter's default
 
@@ -219,6 +221,8 @@ struct Plugin {
 @BODY@  }
 
 @STATE@};
+
+}  // namespace
 
 ODO_PLUGIN(Plugin)
 )";

@@ -48,6 +48,7 @@ Result<SessionHandle> replay_session(const RunOptions& options) {
   odo_session_options o{};
   o.struct_size = sizeof o;
   o.run = ODO_RUN_REPLAY;
+  o.flags = ODO_SESSION_CRASH_NOTES;
   o.config_path = {own->config.data(), own->config.size()};
   o.plugin_path = {own->plugin_path.data(), own->plugin_path.size()};
   o.seed = own->seed;
