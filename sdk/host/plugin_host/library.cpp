@@ -80,10 +80,9 @@ Result<odo_plugin> read_table(odo_plugin_entry entry, const odo_host* host, cons
                 "it refused to start: " + (refusal.empty() ? odo_status_text(status) : refusal));
   }
   if (const auto fault = version_fault(*filled, *host); !fault.empty()) return fail(ODO_E_VERSION, fault);
-  constexpr size_t kMinSize = offsetof(odo_plugin, reset);  // what follows is optional: plugin.h
-  if (filled->struct_size < kMinSize)
+  if (filled->struct_size < ODO_PLUGIN_SIZE_MIN)
     return fail(ODO_E_STRUCT_SIZE, "its table has struct_size = " + std::to_string(filled->struct_size) +
-                                       "; expected at least " + std::to_string(kMinSize));
+                                       "; expected at least " + std::to_string(ODO_PLUGIN_SIZE_MIN));
   odo_plugin table{};
   std::memcpy(&table, filled, std::min<size_t>(filled->struct_size, sizeof table));
   if (const auto fault = table_fault(table); !fault.empty()) return fail(ODO_E_DATA, fault);
