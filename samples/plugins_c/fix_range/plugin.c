@@ -41,7 +41,7 @@ static const odo_parameter parameters[] = {
     REAL("correlation", "s", "How long that error lasts: about as long as it takes to walk a few metres; assumed.", "2",
          0.0, 100.0),
     REAL("prior_sigma", "m",
-         "Standard deviation of a pose without covariance; also what a place against the track needs.", "10", 0.01,
+         "Standard deviation of a pose without covariance, and what ranges must determine a direction to.", "10", 0.01,
          1000.0),
     REAL("unobserved_sigma", "m",
          "Standard deviation in directions that no range informs about: large against any session.", "1000", 10.0,

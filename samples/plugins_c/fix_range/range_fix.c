@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#define ITERATIONS 10
-#define CONVERGED_M 1e-6
+#define ITERATIONS 50 /* Huber's weights converge linearly where the track is far off */
+#define CONVERGED_M 1e-4
 #define HUBER 1.5 /* residuals beyond so many sigma weigh less: Huber 1981, 95 % efficient with 1.345 */
 
 /* Differences of any two times, without overflow. */
@@ -26,13 +26,6 @@ static double trace(const double* m) { return m[0] + m[4] + m[8]; }
 void range_fix_clear(range_fix* self) {
   self->pose_count = self->waiting_count = self->window_count = 0;
   self->rejected = 0;
-}
-
-void range_fix_add_pose(range_fix* self, const range_pose* pose) {
-  if (self->pose_count > 0 && pose->t_ns <= self->poses[1].t_ns) return;
-  self->poses[0] = self->pose_count > 0 ? self->poses[1] : *pose;
-  self->poses[1] = *pose;
-  if (self->pose_count < 2) ++self->pose_count;
 }
 
 static void move(const double* q, const double* p, double* point) {
@@ -83,6 +76,14 @@ static void place_waiting(range_fix* self) {
   self->waiting_count = left;
 }
 
+void range_fix_add_pose(range_fix* self, const range_pose* pose) {
+  if (self->pose_count > 0 && pose->t_ns <= self->poses[1].t_ns) return;
+  self->poses[0] = self->pose_count > 0 ? self->poses[1] : *pose;
+  self->poses[1] = *pose;
+  if (self->pose_count < 2) ++self->pose_count;
+  place_waiting(self);
+}
+
 /* Unit vector from the transmitter to the antenna moved by delta; returns their distance. */
 static double line_of_sight(const range_sample* range, const double* delta, double* u) {
   double distance;
@@ -116,15 +117,15 @@ static void weigh(range_fix* self) {
   }
 }
 
-/* The ranges that agree with the track to within the gate, moved to the front; their number. */
-static int gate(range_fix* self) {
-  const double none[3] = {0, 0, 0};
+/* Of the first `count` ranges those that agree with the antenna moved by delta, whose place has the covariance P (null:
+ * none), to within the gate, moved to the front; their number. */
+static int gate(range_fix* self, int count, const double* delta, const double* P) {
   int i, kept = 0;
-  for (i = 0; i < self->window_count; ++i) {
+  for (i = 0; i < count; ++i) {
     const range_sample range = self->window[i];
     double u[3];
-    const double innovation = range.range_m - line_of_sight(&range, none, u);
-    const double variance = range.variance + quadratic(self->poses[1].covariance_n, u);
+    const double innovation = range.range_m - line_of_sight(&range, delta, u);
+    const double variance = range.variance + (P ? quadratic(P, u) : 0);
     if (!(innovation * innovation <= self->parameters.gate * self->parameters.gate * variance)) continue;
     self->window[i] = self->window[kept]; /* swaps */
     self->window[kept++] = range;
@@ -133,10 +134,11 @@ static int gate(range_fix* self) {
 }
 
 /* One Gauss-Newton step on the first `count` ranges, with Huber's weights: adds it to delta and fills in the
- * covariance. Returns its length. `normalised` is the root mean square of residual / sigma. */
-static double step(const range_fix* self, int count, double* delta, double* covariance, double* normalised) {
+ * covariance. Returns its length. */
+static double step(const range_fix* self, int count, double* delta, double* covariance) {
   const double unobserved2 = self->parameters.unobserved_sigma_m * self->parameters.unobserved_sigma_m;
-  double information[9] = {0}, gradient[3] = {0}, values[3], vectors[9], moved2 = 0, sum = 0;
+  const double worst2 = self->parameters.prior_sigma_m * self->parameters.prior_sigma_m;
+  double information[9] = {0}, gradient[3] = {0}, values[3], vectors[9], moved2 = 0;
   int i, k, m;
   for (i = 0; i < count; ++i) {
     const range_sample* range = &self->window[i];
@@ -144,18 +146,16 @@ static double step(const range_fix* self, int count, double* delta, double* cova
     const double residual = range->range_m - line_of_sight(range, delta, u);
     const double sigmas = fabs(residual) / sqrt(range->variance);
     const double weight = (sigmas > HUBER ? HUBER / sigmas : 1.0) / range->variance;
-    sum += sigmas * sigmas;
     for (k = 0; k < 3; ++k) {
       gradient[k] += weight * residual * u[k];
       for (m = 0; m < 3; ++m) information[3 * k + m] += weight * u[k] * u[m];
     }
   }
-  *normalised = sqrt(sum / count);
   range_eigen(information, values, vectors);
   memset(covariance, 0, 9 * sizeof *covariance);
   for (i = 0; i < 3; ++i) {
     const double* v = vectors + 3 * i;
-    const int observed = values[i] * unobserved2 > 1;
+    const int observed = values[i] * worst2 > 1;
     const double variance = observed ? 1 / values[i] : unobserved2, length = observed ? variance * dot(v, gradient) : 0;
     moved2 += length * length;
     for (k = 0; k < 3; ++k) {
@@ -167,11 +167,11 @@ static double step(const range_fix* self, int count, double* delta, double* cova
 }
 
 /* Returns whether it converged. */
-static int solve(const range_fix* self, int count, double* delta, double* covariance, double* normalised) {
+static int solve(const range_fix* self, int count, double* delta, double* covariance) {
   int i;
   memset(delta, 0, 3 * sizeof *delta);
   for (i = 0; i < ITERATIONS; ++i) {
-    const double moved = step(self, count, delta, covariance, normalised);
+    const double moved = step(self, count, delta, covariance);
     if (!(moved < 1e6)) return 0;
     if (moved < CONVERGED_M) return 1;
   }
@@ -197,22 +197,21 @@ static int finish(range_fix* self, range_result* result) {
   const range_pose* pose = &self->poses[1];
   const range_parameters* p = &self->parameters;
   const range_sample newest = self->window[self->window_count - 1];
-  double delta[3], lever_n[3], normalised;
-  int i, count, opened;
+  double delta[3] = {0, 0, 0}, lever_n[3];
+  int i, count, against;
   weigh(self);
-  count = gate(self);
-  opened = self->rejected >= p->max_rejected; /* it is the track that is wrong */
-  self->rejected = 2 * count < self->window_count ? self->rejected + 1 : 0;
-  if (opened && self->rejected > 0) count = self->window_count;
-  result->used = count, result->given = self->window_count;
-  if (count == 0 || !solve(self, count, delta, result->covariance_n, &normalised)) return 0;
+  count = gate(self, self->window_count, delta, pose->covariance_n);
+  against = 2 * count < self->window_count; /* the few that agree may do so by chance */
+  self->rejected = against ? self->rejected + 1 : 0;
+  if (against && self->rejected <= p->max_rejected) return 0;
+  if (against) count = self->window_count; /* it is the track that is wrong */
+  if (!solve(self, count, delta, result->covariance_n)) return 0;
   add_curvature(self, count, delta, result->covariance_n);
-  if (!solve(self, count, delta, result->covariance_n, &normalised) || normalised > p->gate) return 0;
+  count = gate(self, count, delta, NULL);
+  if (2 * count < self->window_count || !solve(self, count, delta, result->covariance_n)) return 0;
   /* Against the track the ranges must determine a place by themselves. */
-  if (opened && self->rejected > 0) {
-    if (result->covariance_n[0] + result->covariance_n[4] > p->prior_sigma_m * p->prior_sigma_m) return 0;
-    self->rejected = 0;
-  }
+  if (against && result->covariance_n[0] + result->covariance_n[4] > p->prior_sigma_m * p->prior_sigma_m) return 0;
+  result->used = count, result->given = self->window_count;
   result->t_ns = pose->t_ns;
   range_rotate(pose->q_n_b, newest.lever_b, lever_n);
   for (i = 0; i < 3; ++i) {
@@ -224,7 +223,6 @@ static int finish(range_fix* self, range_result* result) {
 
 int range_fix_add_range(range_fix* self, const range_sample* range, range_result* result) {
   int done;
-  place_waiting(self);
   if (self->waiting_count == RANGE_CAPACITY)
     memmove(self->waiting, self->waiting + 1, (size_t)--self->waiting_count * sizeof *self->waiting);
   self->waiting[self->waiting_count++] = *range;

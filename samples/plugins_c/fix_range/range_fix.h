@@ -18,7 +18,7 @@ typedef struct range_parameters {
   double max_gap_s;          /* between two poses that a range may lie between, s */
   double bias_sigma_m;       /* error of a transmitter's ranges that does not average out, m */
   double correlation_s;      /* how long that error lasts, s */
-  double prior_sigma_m;      /* of a pose without covariance, m */
+  double prior_sigma_m;      /* of a pose without covariance; what ranges must determine a direction to, m */
   double unobserved_sigma_m; /* of a direction that no range informs about, m */
   double gate;               /* normalised innovation above which a range is rejected */
   int64_t max_rejected;      /* consecutive windows against the track after which the ranges are trusted instead */
