@@ -162,6 +162,7 @@ TEST_CASE("a run's summary has each statistic under its own name") {
   run.loss.file = {.records_lost = 21, .bytes = 22, .places = 23, .cut = true};
   run.loss.pictures = 24, run.loss.wild_times = 25;
   run.notices["p: k"] = {.count = 31, .text = "said"};
+  run.plugins = {{1, "attitude", "a/b", "1.2.3", "12ab"}};
   run.reports = {"a report"}, run.config_text = "a: config\n";
   run.track.resize(3);
   Recording recording = nothing_of("walk.odo");
@@ -215,6 +216,7 @@ TEST_CASE("a run's summary has each statistic under its own name") {
   CHECK(j["reports"][0] == "a report");
   CHECK(j["notices"]["p: k"]["text"] == "said");
   CHECK(j["config"] == "a: config\n");
+  CHECK(j["plugins"].dump() == R"([{"id":"a/b","kind":"attitude","number":1,"sha256":"12ab","version":"1.2.3"}])");
   CHECK(j["peak_rss_mb"].get<double>() > 1);
   CHECK(j["peak_rss_mb"].get<double>() < 10'000);
   s.scale_sigma = 0, run.loss = {};

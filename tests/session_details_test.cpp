@@ -129,7 +129,8 @@ TEST_CASE("after a clock that was set back each camera and each IMU is described
   const auto cameras = given<odo_calibration>(app, ODO_TYPE_CALIBRATION);
   const auto noises = given<odo_imu_noise>(app, ODO_TYPE_IMU_NOISE);
   REQUIRE(cameras.size() == 2);
-  CHECK((cameras[0].header.source == 1 && cameras[0].fx == 101 && cameras[1].header.source == 2 && cameras[1].fx == 201));
+  CHECK(
+      (cameras[0].header.source == 1 && cameras[0].fx == 101 && cameras[1].header.source == 2 && cameras[1].fx == 201));
   REQUIRE(noises.size() == 2);
   CHECK((noises[0].gyro_noise == 1 && noises[1].gyro_noise == 2));
   CHECK(app.statistics().events_dropped == 0);  // nobody is given its own events
@@ -166,6 +167,33 @@ TEST_CASE("what a plugin says of being accepted is the host's to say") {
   CHECK(scales[0].header.flags == ODO_SCALE_STEADY);
   CHECK(fixes[0].header.flags == 0);
   CHECK(app.statistics().fixes_rejected == 1);
+}
+
+TEST_CASE("a fix far from the origin of n is refused, counted and reported") {
+  App app(kWalk +
+          "navigation: {origin: {latitude: 48 deg, longitude: 11 deg, height: 500 m}}\nabsolute_fixers: [{plugin: "
+          "fix/gnss}]\n");
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const auto gnss = [&](int s, double latitude_rad) {
+    auto sample = make_message<odo_gnss>(ODO_TYPE_GNSS, 1'000'000'000LL * s);
+    sample.header.flags = ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE;
+    sample.latitude_rad = latitude_rad, sample.longitude_rad = 0.19198621771937624;
+    for (int k = 0; k < 3; ++k) sample.covariance_n[4 * k] = 9;
+    CHECK(odo_session_push(app.session, &sample.header) == ODO_OK);
+  };
+  app.walk(0, 300);
+  for (int s = 4; s < 9; ++s) gnss(s, 0.9948376736367679);  // 57 degrees: 1,000 km further north
+  app.walk(300, 1000);
+  odo_session_flush(app.session);
+  CHECK(app.statistics().fixes_accepted == 0);
+  CHECK(app.statistics().fixes_rejected >= 4);
+  REQUIRE_FALSE(app.reports.empty());
+  CHECK(app.said().find("km from the origin of n") != std::string::npos);
+  CHECK(std::abs(app.pose(ODO_TIME_LATEST).p_n[0]) < 100);
+  for (int s = 12; s < 17; ++s) gnss(s, 0.8377580409572781 + 10 / 6.4e6);
+  app.walk(1000, 1800);
+  odo_session_flush(app.session);
+  CHECK(app.statistics().fixes_accepted > 0);
 }
 
 TEST_CASE("the time in each state is that between the states that were told") {

@@ -243,9 +243,10 @@ const char* odo_reason_text(uint32_t reason) {
                                       "sensor silent",
                                       "plugin failed",
                                       "no scale yet",
-                                      "no position fix yet",
-                                      "no ground known there"};
-  return reason < 12 ? texts[reason] : "unknown";
+                                      "no start position and no position fix yet",
+                                      "no ground known there",
+                                      "no origin on the Earth yet"};
+  return reason < 13 ? texts[reason] : "unknown";
 }
 
 const char* odo_mode_text(uint32_t mode) {

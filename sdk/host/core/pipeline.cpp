@@ -304,7 +304,7 @@ odo_fix Pipeline::at_track(const odo_fix& fix) const {
 void Pipeline::on_fix(odo_fix& fix) {
   resolve_geodetic(fix, geodesy_);  // what is published is metric, and has the verdict
   const odo_fix moved = at_track(fix);
-  const bool used = estimator_->update(&moved).accepted;
+  const bool used = !is_beyond_frame(fix) && estimator_->update(&moved).accepted;
   tell_notice();
   ++(used ? counters_.fixes_accepted : counters_.fixes_rejected);
   if (used) fix.header.flags |= ODO_FLAG_ACCEPTED;

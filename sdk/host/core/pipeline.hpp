@@ -38,6 +38,9 @@ class Pipeline {
     // while walking, and its compass within 30 degrees (docs/accuracy/pose.md).
     double tilt_sigma_rad = 0.05;
     double heading_sigma_rad = 0.5;
+    /// From n's origin: beyond, n's vertical is off by more than 0.9 degrees (100 km / 6371 km) and its plane 785 m above
+    /// the ground, so that a position there is a wrong origin or a wrong fix.
+    double farthest_fix_m = 100e3;
     double north_sigma_rad = 0.35;  ///< up to which a heading is called one against north: 20 degrees, half a street
   };
 
@@ -100,6 +103,7 @@ class Pipeline {
   void on_vo_motion(odo_vo_motion& motion);
   odo_fix at_track(const odo_fix& fix) const;
   void on_fix(odo_fix& fix);
+  bool is_beyond_frame(const odo_fix& fix);  // pipeline_bounds.cpp
   void tell_notice();
   void on_scale(odo_scale& scale);
   void publish_scale(odo_scale& scale, bool accepted);

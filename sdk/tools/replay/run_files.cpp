@@ -74,6 +74,14 @@ Json json_of(const RecordingLoss& loss) {
           {"cut_off", loss.file.cut}, {"pictures", loss.pictures}, {"wild_times", loss.wild_times}};
 }
 
+Json json_of(const std::vector<RunResult::Plugin>& plugins) {
+  Json rows = Json::array();
+  for (const auto& p : plugins)
+    rows.push_back(
+        {{"number", p.number}, {"kind", p.kind}, {"id", p.id}, {"version", p.version}, {"sha256", p.sha256}});
+  return rows;
+}
+
 /// What the metre of the last scale group rests on; null where nobody knows it.
 Json json_of_scale(const odo_statistics& s) {
   if (s.scale_sigma == 0) return nullptr;
@@ -119,6 +127,7 @@ Json summary_of(const Recording& recording, const RunResult& result, const RunOp
       {"versions",
        {{"odograph", odo_version()},
         {"abi", std::to_string(odo_abi_version() >> 16) + "." + std::to_string(odo_abi_version() & 0xFFFF)}}},
+      {"plugins", json_of(result.plugins)},
       {"seed", options.seed},
       {"config", result.config_text}};
 }

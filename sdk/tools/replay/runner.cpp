@@ -182,6 +182,21 @@ void lay_over_waypoints(const ReplayConfig& replay, const Recording& recording, 
     step.heading_rad = std::remainder(step.heading_rad + result.heading_offset_rad, 2 * EIGEN_PI);
 }
 
+/// In the order of their instances' numbers.
+std::vector<RunResult::Plugin> plugins_of(const PipelineConfig& config) {
+  const std::pair<const char*, const std::vector<PluginChoice>*> kinds[] = {{"attitude", &config.attitudes},
+                                                                            {"step_estimator", &config.step_estimators},
+                                                                            {"vo_frontend", &config.vo_frontends},
+                                                                            {"scale_source", &config.scale_sources},
+                                                                            {"absolute_fixer", &config.fixers}};
+  std::vector<RunResult::Plugin> plugins;
+  for (const auto& [kind, choices] : kinds)
+    for (const PluginChoice& choice : *choices)
+      plugins.push_back({static_cast<uint32_t>(plugins.size() + 1), kind, choice.manifest.id, choice.manifest.version,
+                         choice.manifest.sha256});
+  return plugins;
+}
+
 }  // namespace
 
 Result<RunResult> replay(const Recording& recording, const RunOptions& options) {
@@ -198,6 +213,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
 
   RunResult result;
   result.config_text = config->text;
+  result.plugins = plugins_of(*config);
   result.loss = recording.loss;
   if (options.keep_session) result.session = shared;
   Collector collector{result, options.collect_poses};
