@@ -390,9 +390,10 @@ FUNCTIONS = {
 
 
 def load(path):
-    """The library, its functions with their types."""
+    """The library, its functions with their types. An older library has not all of them."""
     library = c.CDLL(path)
     for name, (result, parameters) in FUNCTIONS.items():
-        function = getattr(library, name)
-        function.restype, function.argtypes = result, parameters
+        if hasattr(library, name):
+            function = getattr(library, name)
+            function.restype, function.argtypes = result, parameters
     return library
