@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Written by abi/layout.py; do not edit. All messages as one list, and how large version 1.0 of each
- * struct was: a reader accepts what is at least as large, and takes fields behind its end for absent.
+ * Written by abi/generate.py; do not edit. All messages as one list, and the size of version 1.0 of
+ * each struct: a reader accepts what is at least as large, and treats fields behind its end as absent.
  */
 #ifndef ODOGRAPH_MESSAGES_H
 #define ODOGRAPH_MESSAGES_H
@@ -36,18 +36,6 @@
   X(ODO_TYPE_REFINED, odo_refined, refined, ODO_REFINED_SIZE_MIN)                          \
   X(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, relative_pose, ODO_RELATIVE_POSE_SIZE_MIN)
 
-#define ODO_IMU_SIZE_MIN 80u
-#define ODO_MAGNETOMETER_SIZE_MIN 64u
-#define ODO_BAROMETER_SIZE_MIN 48u
-#define ODO_GNSS_SIZE_MIN 184u
-#define ODO_FRAME_SIZE_MIN 256u
-#define ODO_CALIBRATION_SIZE_MIN 216u
-#define ODO_IMU_NOISE_SIZE_MIN 64u
-#define ODO_WAYPOINT_SIZE_MIN 88u
-#define ODO_EARTH_FIELD_SIZE_MIN 56u
-#define ODO_PLATFORM_POSE_SIZE_MIN 384u
-#define ODO_RANGE_SIZE_MIN 112u
-#define ODO_SYSTEM_STEP_SIZE_MIN 48u
 #define ODO_ATTITUDE_SIZE_MIN 160u
 #define ODO_STEP_SIZE_MIN 96u
 #define ODO_MOTION_MODE_SIZE_MIN 40u
@@ -60,11 +48,18 @@
 #define ODO_CORRECTION_SIZE_MIN 96u
 #define ODO_REFINED_SIZE_MIN 224u
 #define ODO_REPORT_SIZE_MIN 1200u
-#define ODO_ERROR_SIZE_MIN 2048u
-#define ODO_SESSION_OPTIONS_SIZE_MIN 104u
-#define ODO_STATISTICS_SIZE_MIN 184u
-#define ODO_ANCHOR_PLACE_SIZE_MIN 136u
-#define ODO_ANCHOR_SIZE_MIN 264u
+#define ODO_IMU_SIZE_MIN 80u
+#define ODO_MAGNETOMETER_SIZE_MIN 64u
+#define ODO_BAROMETER_SIZE_MIN 48u
+#define ODO_GNSS_SIZE_MIN 184u
+#define ODO_FRAME_SIZE_MIN 256u
+#define ODO_CALIBRATION_SIZE_MIN 216u
+#define ODO_IMU_NOISE_SIZE_MIN 64u
+#define ODO_WAYPOINT_SIZE_MIN 88u
+#define ODO_EARTH_FIELD_SIZE_MIN 56u
+#define ODO_PLATFORM_POSE_SIZE_MIN 384u
+#define ODO_RANGE_SIZE_MIN 112u
+#define ODO_SYSTEM_STEP_SIZE_MIN 48u
 #define ODO_HOST_SIZE_MIN 40u
 #define ODO_REPORT_SERVICE_SIZE_MIN 16u
 #define ODO_RANDOM_SERVICE_SIZE_MIN 16u
@@ -76,6 +71,11 @@
 #define ODO_BATCH_SIZE_MIN 16u
 #define ODO_SINK_SIZE_MIN 16u
 #define ODO_PLUGIN_SIZE_MIN 208u
+#define ODO_ERROR_SIZE_MIN 2048u
+#define ODO_SESSION_OPTIONS_SIZE_MIN 104u
+#define ODO_STATISTICS_SIZE_MIN 184u
+#define ODO_ANCHOR_PLACE_SIZE_MIN 136u
+#define ODO_ANCHOR_SIZE_MIN 264u
 #define ODO_TERRAIN_SIZE_MIN 24u
 /* clang-format on */
 
