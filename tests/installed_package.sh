@@ -31,7 +31,7 @@ cmake -S "$work/samples/plugin_example" -B "$work/plugin" -DCMAKE_PREFIX_PATH="$
 cmake --build "$work/plugin" >/dev/null
 "$work/prefix/bin/odograph" plugin manifest "$work/plugin/constant_speed.so"
 "$work/prefix/bin/odograph" plugin check "$work/plugin/constant_speed.so"
-[ "$(nm -D --defined-only "$work/plugin/constant_speed.so" | awk '{print $NF}')" = odo_plugin_entry_draft2 ]
+[ "$(nm -D --defined-only "$work/plugin/constant_speed.so" | awk '{print $NF}')" = odo_plugin_entry_draft3 ]
 
 # A new plugin of each kind, in both languages: it builds, passes the check and runs, and where it does not tell the way
 # itself the rest of its pipeline does.
