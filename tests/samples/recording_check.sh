@@ -10,5 +10,5 @@ cd "$work" || exit 1
 "$odograph" sim "$source/tests/data/tiny_walk.yaml" -o tiny.odo >/dev/null || exit 1
 expect 0 'emits events: attitude ' "$odograph" plugin check "$plugins/attitude_vqf.so" --only recording --recording tiny.odo
 expect 0 'frame ' "$odograph" plugin check "$plugins/vo_five_point.so" --only recording --recording tiny.odo --format json
-expect 2 'there is no such' "$odograph" plugin check "$plugins/attitude_vqf.so" --recording missing.odo
+expect 3 'no such file' "$odograph" plugin check "$plugins/attitude_vqf.so" --recording missing.odo
 exit $failed
