@@ -170,10 +170,10 @@ TEST_CASE("what a plugin says of being accepted is the host's to say") {
 }
 
 TEST_CASE("a fix far from the origin of n is refused, counted and reported") {
-  const std::string config =
-      kWalk +
-      "coupling: {type: inertial}\nnavigation: {origin: {latitude: 48 deg, longitude: 11 deg, height: 500 m}}\nabsolute_fixers: [{plugin: "
-      "fix/gnss}]\n";
+  const std::string config = kWalk +
+                             "coupling: {type: inertial}\nnavigation: {origin: {latitude: 48 deg, longitude: 11 deg, "
+                             "height: 500 m}}\nabsolute_fixers: [{plugin: "
+                             "fix/gnss}]\n";
   constexpr double degree = 0.017453292519943295;
   for (const double latitude : {48.5, 57.0}) {  // 56 and 1,000 km north of the origin
     App app(config);

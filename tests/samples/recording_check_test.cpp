@@ -87,14 +87,14 @@ TEST_CASE("a plugin that a vendor's own messages feed is seen to answer them, al
       give(scan.header);
     }
   };
-  const auto checks = check("room_by_wifi", scans, {"recording"});
+  const auto checks = check("zone_by_wifi", scans, {"recording"});
   CHECK(row(checks, "recording.given").detail == "type 0x80000001 5");
   CHECK(row(checks, "recording.emitted").detail == "type 0x80000002 4");
   CHECK_FALSE(any_failed(checks));
 }
 
 TEST_CASE("a recording that the plugin wants nothing of is no fault, and is stated") {
-  const auto checks = check("room_by_wifi", [](const auto&) {}, {"recording"});
+  const auto checks = check("zone_by_wifi", [](const auto&) {}, {"recording"});
   CHECK(row(checks, "recording.given").outcome == PluginCheck::Outcome::not_applicable);
   CHECK(row(checks, "recording.emitted").outcome == PluginCheck::Outcome::not_applicable);
 }
