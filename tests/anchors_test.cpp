@@ -189,34 +189,6 @@ TEST_CASE("a geospatial anchor stays on the Earth, and waits until n is there") 
   CHECK((Vector3d(back) - Vector3d(1, 2, 3)).norm() < 1e-6);
 }
 
-TEST_CASE("n's origin and the phone's place in n are two things, and an anchor's reason names the one that is missing") {
-  App origin(kWalk + kInertial + "navigation: {origin: {latitude: 0.8 rad, longitude: 0.1 rad, height: 300 m}}\n");
-  const odo_anchor_place at = on_earth(origin, {10, 20, -2});  // n's origin is known: it converts
-  const uint64_t id = make(origin, at);
-  App start(kWalk + kInertial + kStart);
-  const double geodetic[3] = {0.8, 0.1, 300};
-  double p_n[3];
-  CHECK(odo_session_from_geodetic(start.session, geodetic, p_n) == ODO_NOT_READY);
-  const uint64_t other = make(start, at);
-  origin.walk(0, 500), start.walk(0, 500);
-  CHECK(get(origin, id).reason == ODO_REASON_NO_FIX);
-  CHECK(get(start, other).reason == ODO_REASON_NO_ORIGIN);
-  CHECK(std::string(odo_reason_text(ODO_REASON_NO_ORIGIN)) == "no origin on the Earth yet");
-  App both(kWalk + kInertial + kOnEarth);
-  const uint64_t placed = make(both, at);
-  both.walk(0, 500);
-  CHECK(get(both, placed).state == ODO_TRACKING);
-}
-
-TEST_CASE("an anchor is in front on the side that the phone's camera faces alone") {
-  App app(kWalk + kInertial + kStart);
-  app.walk(0, 500);
-  // Without a camera the pose is the body's, whose z axis points out of the screen.
-  const uint64_t faced = make(app, place(ODO_ANCHOR_VIEW, {0, 0, -3})), behind = make(app, place(ODO_ANCHOR_VIEW, {0, 0, 3}));
-  CHECK(get(app, faced).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE | ODO_ANCHOR_IN_FRONT));
-  CHECK(get(app, behind).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE));
-}
-
 TEST_CASE("an anchor above terrain stands on the ground that a fixer's model knows") {
   const std::string slope = source("tests/data/slope.obj").string();
   App app(kWalk + kInertial + kOnEarth + "absolute_fixers:\n  - plugin: fix/terrain\n    parameters: {model: " + slope +

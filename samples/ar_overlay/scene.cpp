@@ -125,7 +125,8 @@ std::vector<Point> Scene::path_points(int64_t t_ns) const {
   for (const uint64_t id : path_) {
     odo_anchor a = sized<odo_anchor>();
     a.struct_size = sizeof a;
-    if (odo_anchor_get(session_, id, ODO_WORLD_SMOOTH, t_ns, &a) != ODO_OK || !(a.flags & ODO_ANCHOR_VIEW_POSE)) continue;
+    if (odo_anchor_get(session_, id, ODO_WORLD_SMOOTH, t_ns, &a) != ODO_OK || !(a.flags & ODO_ANCHOR_VIEW_POSE))
+      continue;
     points.push_back({a.p_n[0], a.p_n[1], a.p_n[2]});
   }
   return points;

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <odograph/anchor.h>
 #include <odograph/recording.h>
 
 #define WIDTH 64
@@ -121,6 +122,31 @@ static void* learnt(odo_session* session, int64_t* size) {
   return data;
 }
 
+/* Puts up the app's sign, 2 m above the ground at a place on the Earth, unless odo_session_load brought it back.
+ * Returns how many anchors there are. */
+static int64_t put_up_sign(odo_session* session) {
+  uint64_t ids[8], id;
+  const int64_t count = odo_anchor_list(session, ids, 8);
+  odo_anchor anchor;
+  odo_anchor_place place;
+  int64_t i;
+  for (i = 0; i < count && i < 8; ++i) {
+    memset(&anchor, 0, sizeof anchor);
+    anchor.struct_size = sizeof anchor;
+    if (odo_anchor_get(session, ids[i], ODO_WORLD_CORRECTED, ODO_TIME_LATEST, &anchor) == ODO_OK &&
+        strcmp(anchor.name, "the sign") == 0)
+      return count;
+  }
+  memset(&place, 0, sizeof place);
+  place.struct_size = sizeof place;
+  place.kind = ODO_ANCHOR_GEODETIC;
+  place.latitude_rad = 0.84, place.longitude_rad = 0.2, place.height_m = 2;
+  place.height_above = ODO_HEIGHT_TERRAIN;
+  place.name.data = "the sign", place.name.size = 8;
+  odo_anchor_create(session, &place, &id);
+  return odo_anchor_list(session, NULL, 0);
+}
+
 static int run(odo_session* session, odo_recorder* recorder) {
   int64_t t_ns, next_gyro = 0, next_accel = 0, next_frame = 1000000000; /* the camera starts late */
   int frames = 0, poses = 0;
@@ -174,10 +200,12 @@ int main(int argc, char** argv) {
   good = run(session, recorder);
   odo_recorder_close(recorder);
 
+  if (put_up_sign(session) != 1) good = 0;
   state = learnt(session, &size);
   odo_session_destroy(session);
   if (state && odo_session_create(&options, &session, &error) == ODO_OK) { /* the next time */
     if (odo_session_load(session, state, (uint64_t)size) != ODO_OK) good = 0;
+    if (put_up_sign(session) != 1) good = 0; /* it was saved */
     odo_session_destroy(session);
   }
   free(state);

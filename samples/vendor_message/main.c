@@ -12,19 +12,19 @@
 #include "message.h"
 
 static void on_event(void* user, const odo_header* event) {
-  example_room* newest = (example_room*)user;
-  if (event->type != EXAMPLE_TYPE_ROOM || event->struct_size < sizeof *newest) return;
+  example_zone* newest = (example_zone*)user;
+  if (event->type != EXAMPLE_TYPE_ZONE || event->struct_size < sizeof *newest) return;
   memcpy(newest, event, sizeof *newest);
-  printf("room %llu, quality %.2f\n", (unsigned long long)newest->room, (double)newest->header.quality);
+  printf("zone %llu, quality %.2f\n", (unsigned long long)newest->zone, (double)newest->header.quality);
 }
 
 int main(int argc, char** argv) {
-  const uint32_t wanted = EXAMPLE_TYPE_ROOM;
+  const uint32_t wanted = EXAMPLE_TYPE_ZONE;
   odo_session_options options;
   odo_session* session = NULL;
   odo_error error;
   example_wifi_scan scan;
-  example_room room;
+  example_zone zone;
 
   if (argc != 3) return fprintf(stderr, "usage: %s pipeline.yaml FOLDER_OF_THE_PLUGIN\n", argv[0]), 2;
   memset(&options, 0, sizeof options);
@@ -35,8 +35,8 @@ int main(int argc, char** argv) {
   memset(&error, 0, sizeof error);
   error.struct_size = sizeof error;
   if (odo_session_create(&options, &session, &error) != ODO_OK) return fprintf(stderr, "%s\n", error.message), 2;
-  memset(&room, 0, sizeof room);
-  odo_session_set_callback(session, &wanted, 1, on_event, &room);
+  memset(&zone, 0, sizeof zone);
+  odo_session_set_callback(session, &wanted, 1, on_event, &zone);
 
   memset(&scan, 0, sizeof scan);
   scan.header.struct_size = sizeof scan;
@@ -49,5 +49,5 @@ int main(int argc, char** argv) {
   if (odo_session_push(session, &scan.header) != ODO_OK) return fprintf(stderr, "the scan was refused\n"), 1;
   odo_session_flush(session);
   odo_session_destroy(session);
-  return room.room == 12 ? 0 : 1;
+  return zone.zone == 12 ? 0 : 1;
 }

@@ -8,7 +8,7 @@
 #include <odograph/base.h>
 
 #define EXAMPLE_TYPE_WIFI_SCAN ODO_TYPE_VENDOR(0, 1)
-#define EXAMPLE_TYPE_ROOM ODO_TYPE_VENDOR(0, 2)
+#define EXAMPLE_TYPE_ZONE ODO_TYPE_VENDOR(0, 2)
 
 /* From the app: the access points that a scan has found. No pointers, so that it can be recorded and replayed. */
 typedef struct example_wifi_scan {
@@ -21,10 +21,10 @@ typedef struct example_wifi_scan {
   } access_points[32];
 } example_wifi_scan;
 
-/* From the plugin: the room that the phone is in. */
-typedef struct example_room {
-  odo_header header; /* t_ns: of the scan; quality: 1 where no other room is possible */
-  uint64_t room;
-} example_room;
+/* From the plugin: the zone that the phone is in. */
+typedef struct example_zone {
+  odo_header header; /* t_ns: of the scan; quality: 1 where no other zone is possible */
+  uint64_t zone;
+} example_zone;
 
 #endif

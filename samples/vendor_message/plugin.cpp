@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A plugin that is fed by a message of its vendor's own and answers with another: the room is that of the loudest
+// A plugin that is fed by a message of its vendor's own and answers with another: the zone is that of the loudest
 // access point. As a fixer it could emit an odo_fix as well.
 #include <algorithm>
 #include <cmath>
@@ -12,19 +12,19 @@
 template <>
 struct odo::type_of<example_wifi_scan> : std::integral_constant<uint32_t, EXAMPLE_TYPE_WIFI_SCAN> {};
 template <>
-struct odo::type_of<example_room> : std::integral_constant<uint32_t, EXAMPLE_TYPE_ROOM> {};
+struct odo::type_of<example_zone> : std::integral_constant<uint32_t, EXAMPLE_TYPE_ZONE> {};
 
-struct RoomByWifi {
+struct ZoneByWifi {
   double clear_db = 20.0;
 
-  static constexpr odo::Description description{"example/room_by_wifi", "1.0.0", "The room of the loudest access point",
+  static constexpr odo::Description description{"example/zone_by_wifi", "1.0.0", "The zone of the loudest access point",
                                                 ODO_INTERFACE_ABSOLUTE_FIXER};
   static constexpr uint32_t extra_inputs[] = {EXAMPLE_TYPE_WIFI_SCAN};
-  static constexpr uint32_t extra_outputs[] = {EXAMPLE_TYPE_ROOM};
+  static constexpr uint32_t extra_outputs[] = {EXAMPLE_TYPE_ZONE};
   using VendorMessages = odo::Messages<example_wifi_scan>;  // what on() takes
 
-  static std::vector<odo::Parameter<RoomByWifi>> parameters() {
-    return {odo::real("clear_db", "", 0.1, 100.0, &RoomByWifi::clear_db,
+  static std::vector<odo::Parameter<ZoneByWifi>> parameters() {
+    return {odo::real("clear_db", "", 0.1, 100.0, &ZoneByWifi::clear_db,
                       "dB over the second loudest at which the quality is 1: two walls attenuate by about 20.")};
   }
 
@@ -44,13 +44,13 @@ struct RoomByWifi {
       }
     }
     if (loudest == count) return;
-    auto room = odo::make<example_room>(scan.header.t_ns);
-    room.room = scan.access_points[loudest].bssid;
-    room.header.flags = ODO_FLAG_QUALITY;
-    room.header.quality =
+    auto zone = odo::make<example_zone>(scan.header.t_ns);
+    zone.zone = scan.access_points[loudest].bssid;
+    zone.header.flags = ODO_FLAG_QUALITY;
+    zone.header.quality =
         static_cast<float>(std::min(1.0, (scan.access_points[loudest].rssi_dbm - second_dbm) / clear_db));
-    output.emit(room);
+    output.emit(zone);
   }
 };
 
-ODO_PLUGIN(RoomByWifi)
+ODO_PLUGIN(ZoneByWifi)

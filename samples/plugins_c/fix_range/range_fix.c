@@ -6,7 +6,7 @@
 
 #define ITERATIONS 50 /* Huber's weights converge linearly where the track is far off */
 #define CONVERGED_M 1e-4
-#define HUBER 1.5 /* residuals beyond so many sigma weigh less: Huber 1981, 95 % efficient with 1.345 */
+#define HUBER 1.5 /* residuals beyond so many sigma get a smaller weight: Huber 1981, 95 % efficient with 1.345 */
 
 /* Differences of any two times, without overflow. */
 static double seconds(int64_t later_ns, int64_t earlier_ns) {
@@ -97,7 +97,7 @@ static double line_of_sight(const range_sample* range, const double* delta, doub
 
 /* Variances of the ranges. What the ranges of one transmitter have in common is multiplied by their number, so that
  * their mean keeps it, and by how many windows it lasts. */
-static void weigh(range_fix* self) {
+static void set_variances(range_fix* self) {
   const range_parameters* p = &self->parameters;
   const range_pose* pose = &self->poses[1];
   const double windows = p->correlation_s > p->interval_s ? p->correlation_s / p->interval_s : 1.0;
@@ -199,7 +199,7 @@ static int finish(range_fix* self, range_result* result) {
   const range_sample newest = self->window[self->window_count - 1];
   double delta[3] = {0, 0, 0}, lever_n[3];
   int i, count, against;
-  weigh(self);
+  set_variances(self);
   count = gate(self, self->window_count, delta, pose->covariance_n);
   against = 2 * count < self->window_count; /* the few that agree may do so by chance */
   self->rejected = against ? self->rejected + 1 : 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * vo/platform_pose: a front-end that turns the platform's own poses (ARKit, ARCore, OpenXR: odo_platform_pose) into
- * metric motions, so that the platform's tracking is an odometry like any other.
+ * vo/platform_pose: a front-end that makes metric camera motion of the platform's own poses (ARKit, ARCore, OpenXR:
+ * odo_platform_pose), so that the platform's tracking is an odometry like any other.
  */
 #include <math.h>
 #include <stddef.h>

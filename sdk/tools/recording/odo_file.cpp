@@ -131,20 +131,21 @@ Eigen::Quaterniond unit(const double* q) {
 }
 
 /// An ABI message as its writer knew it, older or newer than this program; behind a frame's struct lies its picture.
-void take_message(Recording& recording, const RecordReader& record, const std::shared_ptr<const fs::path>& file) {
+void take_message(Recording& recording, const RecordReader& record, const std::shared_ptr<const fs::path>& file,
+                  bool events) {
   AnyMessage message;
   std::span<const unsigned char> picture;
   if (!record.message(message, picture)) return;
   const odo_header& header = message.header();
   if (header.type == ODO_TYPE_FRAME)
     recording.add(header, {file, record.payload_offset() + header.struct_size, picture.size()});
-  else if (is_input(header.type))
+  else if (is_input(header.type) || (events && ODO_IS_EVENT(header.type)))
     recording.add(header);
 }
 
 /// Takes one whole record into the recording.
 void take(Recording& recording, const RecordReader& record, const std::shared_ptr<const fs::path>& file,
-          bool true_states) {
+          const ReadOptions& options) {
   const auto payload = record.payload();
   if (record.type() == OdoWriter::kTruthPose && payload.size() >= sizeof(TruthRecord)) {
     TruthRecord t;
@@ -157,7 +158,7 @@ void take(Recording& recording, const RecordReader& record, const std::shared_pt
     return;
   }
   if (record.type() == OdoWriter::kTrueState && payload.size() >= sizeof(StateRecord)) {
-    if (!true_states) return;
+    if (!options.true_states) return;
     StateRecord r;
     std::memcpy(&r, payload.data(), sizeof r);
     using Eigen::Vector3d;
@@ -188,7 +189,7 @@ void take(Recording& recording, const RecordReader& record, const std::shared_pt
     }
     return;
   }
-  take_message(recording, record, file);
+  take_message(recording, record, file, options.events);
 }
 
 }  // namespace
@@ -198,7 +199,7 @@ Result<Recording> read_odo(const fs::path& file, const ReadOptions& options) {
   auto records = RecordReader::open(file);
   if (!records) return records.failure();
   const auto shared = std::make_shared<const fs::path>(file);
-  while (records->next()) take(recording, *records, shared, options.true_states);
+  while (records->next()) take(recording, *records, shared, options);
   recording.loss.file = records->loss();
   if (const std::string lost = recording.loss.file.text(); !lost.empty()) recording.warnings.push_back(lost);
   if (recording.messages.empty())
