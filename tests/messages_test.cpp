@@ -49,7 +49,7 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, latitude_rad, latitude, ODO_GNSS_POSITION),
     ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, longitude_rad, finite, ODO_GNSS_POSITION),
     ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, height_m, finite, ODO_GNSS_HEIGHT),
-    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, covariance_n, finite, ODO_GNSS_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, covariance_n, not_negative, ODO_GNSS_COVARIANCE),
     ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, velocity_n, finite, ODO_GNSS_VELOCITY),
     ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, lever_b, finite, ODO_GNSS_LEVER),
     ODO_FIELD(ODO_TYPE_FRAME, odo_frame, fx, positive, ODO_FRAME_INTRINSICS),
@@ -75,7 +75,7 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_EARTH_FIELD, odo_earth_field, intensity_t, positive, ODO_EARTH_FIELD_INTENSITY),
     ODO_FIELD(ODO_TYPE_PLATFORM_POSE, odo_platform_pose, q_w, unit, 0),
     ODO_FIELD(ODO_TYPE_PLATFORM_POSE, odo_platform_pose, p_w, finite, 0),
-    ODO_FIELD(ODO_TYPE_PLATFORM_POSE, odo_platform_pose, covariance, finite, ODO_PLATFORM_POSE_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_PLATFORM_POSE, odo_platform_pose, covariance, not_negative, ODO_PLATFORM_POSE_COVARIANCE),
     ODO_FIELD(ODO_TYPE_RANGE, odo_range, range_m, not_negative, 0),
     ODO_FIELD(ODO_TYPE_RANGE, odo_range, sigma_m, positive, 0),
     ODO_FIELD(ODO_TYPE_RANGE, odo_range, p_n, finite, ODO_RANGE_TRANSMITTER),
@@ -103,9 +103,9 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_SCALE, odo_scale, sigma, finite, 0),
     ODO_FIELD(ODO_TYPE_SCALE, odo_scale, displacement_m, finite, 0),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, p_n, finite, kPosition),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, covariance_n, finite, ODO_FIX_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, covariance_n, not_negative, ODO_FIX_COVARIANCE),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, q_n_b, unit, ODO_FIX_ORIENTATION),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, orientation_cov_n, finite, ODO_FIX_ORIENTATION_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, orientation_cov_n, not_negative, ODO_FIX_ORIENTATION_COVARIANCE),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_rad, finite, ODO_FIX_YAW),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_sigma_rad, finite, ODO_FIX_YAW),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, latitude_rad, finite, ODO_FIX_GEODETIC),
@@ -127,7 +127,7 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_REFINED, odo_refined, p_b_c, finite, ODO_REFINED_EXTRINSICS),
     ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, q_b0_b1, unit, ODO_RELATIVE_POSE_ROTATION),
     ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, p_b0_b1, finite, ODO_RELATIVE_POSE_TRANSLATION),
-    ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, covariance, finite, 0),
+    ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, covariance, not_negative, 0),
 };
 #undef ODO_FIELD
 

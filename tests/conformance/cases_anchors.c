@@ -6,9 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-#define ORIGIN                                                                                                     \
-  "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n  start: {position: [0 m, 0 m, 0 m], " \
-  "heading: 0}\n"
+#define ORIGIN "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n"
+#define START "  start: {position: [0 m, 0 m, 0 m], heading: 0}\n"
 
 static odo_anchor_place place_of(uint32_t kind) {
   odo_anchor_place place;
@@ -137,7 +136,7 @@ static void where_it_is(int unused) {
   EXPECT(get(self, id, &anchor), ODO_OK);
   CHECK(anchor.id == id && anchor.kind == ODO_ANCHOR_POSE, "it has id %llu and kind %u", (unsigned long long)anchor.id,
         anchor.kind);
-  CHECK((anchor.flags & ODO_ANCHOR_PLACED) && (anchor.flags & ODO_ANCHOR_IN_VIEW) &&
+  CHECK((anchor.flags & ODO_ANCHOR_PLACED) && (anchor.flags & ODO_ANCHOR_VIEW_POSE) &&
             !(anchor.flags & ODO_ANCHOR_ON_EARTH),
         "its flags are 0x%x", anchor.flags);
   CHECK(fabs(anchor.p_n[0] - 5) < 1e-6 && fabs(anchor.p_n[2] + 1) < 1e-6, "it is at %g, %g, %g", anchor.p_n[0],
@@ -148,39 +147,56 @@ static void where_it_is(int unused) {
         anchor.name);
 }
 
-static void on_the_earth(int known) {
-  app* self = walk(known ? ORIGIN : "", 2);
-  const odo_anchor_place place = place_of(ODO_ANCHOR_GEODETIC);
+/* A geodetic anchor that was made before the last second of a walk. */
+static odo_anchor geodetic(const char* navigation, uint32_t height_above) {
+  app* self = walk(navigation, 2);
+  odo_anchor_place place = place_of(ODO_ANCHOR_GEODETIC);
   odo_anchor anchor;
   uint64_t id;
+  place.height_above = height_above;
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
   walk_second(self, 2); /* its place is found with a pose */
   app_flush(self);
   EXPECT(get(self, id, &anchor), ODO_OK);
-  if (known) {
-    CHECK(anchor.flags & ODO_ANCHOR_PLACED, "its flags are 0x%x", anchor.flags);
-    CHECK(fabs(anchor.p_n[0]) < 1e-3 && fabs(anchor.p_n[2]) < 1e-3, "at the origin it is at %g, %g, %g", anchor.p_n[0],
-          anchor.p_n[1], anchor.p_n[2]);
-    return;
-  }
-  CHECK(!(anchor.flags & ODO_ANCHOR_PLACED) && anchor.state == ODO_LOST, "its flags are 0x%x and its state is %u",
-        anchor.flags, anchor.state);
-  CHECK(anchor.reason == ODO_REASON_NO_FIX, "its reason is %u; expected ODO_REASON_NO_FIX", anchor.reason);
+  return anchor;
 }
 
-static void no_ground(int unused) {
-  app* self = walk(ORIGIN, 2);
-  odo_anchor_place place = place_of(ODO_ANCHOR_GEODETIC);
-  odo_anchor anchor;
-  uint64_t id;
+static void on_the_earth(int unused) {
+  const odo_anchor anchor = geodetic(ORIGIN START, ODO_HEIGHT_ELLIPSOID);
   (void)unused;
-  place.height_above = ODO_HEIGHT_TERRAIN;
-  EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
-  walk_second(self, 2);
-  app_flush(self);
-  EXPECT(get(self, id, &anchor), ODO_OK);
-  CHECK(!(anchor.flags & ODO_ANCHOR_PLACED) && anchor.state == ODO_LOST && anchor.reason == ODO_REASON_NO_GROUND,
-        "its flags are 0x%x, its state is %u and its reason %u", anchor.flags, anchor.state, anchor.reason);
+  CHECK(anchor.flags & ODO_ANCHOR_PLACED, "its flags are 0x%x and its reason %u", anchor.flags, anchor.reason);
+  CHECK(fabs(anchor.p_n[0]) < 1e-3 && fabs(anchor.p_n[2]) < 1e-3, "at the origin it is at %g, %g, %g", anchor.p_n[0],
+        anchor.p_n[1], anchor.p_n[2]);
+}
+
+/* `reason`: why it is not placed. */
+static void not_placed(int reason) {
+  const char* navigation = reason == ODO_REASON_NO_ORIGIN   ? "navigation:\n" START
+                           : reason == ODO_REASON_NO_GROUND ? ORIGIN START
+                                                            : ORIGIN;
+  const odo_anchor anchor =
+      geodetic(navigation, reason == ODO_REASON_NO_GROUND ? ODO_HEIGHT_TERRAIN : ODO_HEIGHT_ELLIPSOID);
+  CHECK(!(anchor.flags & (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE | ODO_ANCHOR_IN_FRONT)) && anchor.state == ODO_LOST,
+        "its flags are 0x%x and its state is %u", anchor.flags, anchor.state);
+  CHECK(anchor.reason == (uint32_t)reason, "its reason is %u; expected %d", anchor.reason, reason);
+}
+
+static void in_front(int unused) {
+  app* self = walk("", 2);
+  odo_anchor_place place = place_of(ODO_ANCHOR_VIEW);
+  odo_anchor anchor;
+  uint64_t ahead, behind;
+  (void)unused;
+  place.p[2] = 3;
+  EXPECT(odo.anchor_create(self->session, &place, &ahead), ODO_OK);
+  place.p[2] = -3;
+  EXPECT(odo.anchor_create(self->session, &place, &behind), ODO_OK);
+  EXPECT(get(self, ahead, &anchor), ODO_OK);
+  CHECK((anchor.flags & ODO_ANCHOR_VIEW_POSE) && (anchor.flags & ODO_ANCHOR_IN_FRONT) && anchor.p_view[2] > 2,
+        "ahead of the camera it has flags 0x%x and p_view[2] = %g", anchor.flags, anchor.p_view[2]);
+  EXPECT(get(self, behind, &anchor), ODO_OK);
+  CHECK((anchor.flags & ODO_ANCHOR_VIEW_POSE) && !(anchor.flags & ODO_ANCHOR_IN_FRONT) && anchor.p_view[2] < -2,
+        "behind the camera it has flags 0x%x and p_view[2] = %g", anchor.flags, anchor.p_view[2]);
 }
 
 #define MAKES "Makes an anchor; its id counts from 1 and is never used again."
@@ -196,10 +212,16 @@ const conformance_case cases_anchors[] = {
     {"there are 1024 anchors at most", "anchor.h", "ODO_E_EXHAUSTED beyond 1024 anchors", too_many, 0},
     {"a local anchor is where it was put, with 63 bytes of its name", "anchor.h", "UTF-8; the first 63 bytes are kept",
      where_it_is, 0},
-    {"a geodetic anchor is placed where the origin is known", "anchor.h",
-     "A geodetic one is made at once and gets its place as soon as", on_the_earth, 1},
-    {"a geodetic anchor without a known origin is lost for want of a fix", "anchor.h",
-     "the place of n on the Earth is not known", on_the_earth, 0},
+    {"a geodetic anchor is placed where start and origin are known", "anchor.h",
+     "soon as the phone's place in n, n's place on the Earth and, above terrain, the ground there are known",
+     on_the_earth, 0},
+    {"a geodetic anchor without start and fix is lost for want of a fix", "anchor.h",
+     "the phone's place in n is not known: neither navigation.start nor a position fix", not_placed, ODO_REASON_NO_FIX},
+    {"a geodetic anchor without an origin is lost for want of the origin", "anchor.h",
+     "the phone's place in n is known, n's on the Earth is not: no navigation.origin, no GNSS", not_placed,
+     ODO_REASON_NO_ORIGIN},
     {"an anchor above terrain without a terrain model is lost for want of the ground", "anchor.h",
-     "the height of the ground there is not known", no_ground, 0},
+     "the height of the ground there is not known", not_placed, ODO_REASON_NO_GROUND},
+    {"an anchor behind the camera has a pose in the view and is not in front", "anchor.h",
+     "With VIEW_POSE: it is on the side that the phone's camera faces.", in_front, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -77,6 +77,13 @@ static int32_t ODO_CALL without_functions(const odo_host* host, odo_plugin* out)
   return status;
 }
 
+static int32_t ODO_CALL too_small(const odo_host* host, odo_plugin* out) {
+  const int32_t status = probe_entries[PROBE_FULL](host, out);
+  out->id = string_of("conformance/too_small");
+  out->struct_size = ODO_PLUGIN_SIZE_MIN - 8;
+  return status;
+}
+
 static int32_t ODO_CALL failing(const odo_host* host, odo_plugin* out) {
   (void)host, (void)out;
   return ODO_E_MEMORY;
@@ -101,10 +108,10 @@ static void same_id(int unused) {
 }
 
 static void bad_entries(int which) {
-  static const odo_plugin_entry entries[] = {refusing,   too_old,           of_another_draft,
-                                             without_id, without_functions, failing};
-  static const int32_t expected[] = {ODO_E_CONFIG, ODO_E_VERSION, ODO_E_VERSION, 0, 0, ODO_E_MEMORY};
-  static const char* const words[] = {"the licence has expired", "made for another ABI", NULL, NULL, NULL, NULL};
+  static const odo_plugin_entry entries[] = {refusing,          too_old, of_another_draft, without_id,
+                                             without_functions, failing, too_small};
+  static const int32_t expected[] = {ODO_E_CONFIG, ODO_E_VERSION, ODO_E_VERSION, 0, 0, ODO_E_MEMORY, ODO_E_STRUCT_SIZE};
+  static const char* const words[] = {"the licence has expired", "made for another ABI", NULL, NULL, NULL, NULL, NULL};
   refused(entries[which], expected[which], words[which]);
 }
 
@@ -193,6 +200,7 @@ const conformance_case cases_register[] = {
     {"a table without an id is refused", "odograph.h", "`error`, which may be null, has the reason", bad_entries, 3},
     {"a table without its functions is refused", "odograph.h", "`error`, which may be null, has the reason",
      bad_entries, 4},
+    {"a table smaller than 1.0 is refused", "base.h", "A struct smaller than version 1.0 is refused", bad_entries, 6},
     {"an entry that fails gives its status", "odograph.h", RETURNS, bad_entries, 5},
     {"a registration that was refused does no harm to others", "odograph.h", RETURNS, refused_then_another, 0},
     {"a registered plugin comes before one in a folder", "odograph.h",

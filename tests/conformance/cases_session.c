@@ -223,7 +223,7 @@ const conformance_case cases_session[] = {
     {"the last error is given once, with the field", "odograph.h",
      "The last error or warning that a push or a plugin caused", last_error_once, 0},
     {"places go to the Earth and back, where the origin is known", "odograph.h",
-     "ODO_NOT_READY while the origin is not known", there_and_back, 0},
+     "ODO_NOT_READY while n's origin is not known", there_and_back, 0},
     {"a replay gives the same bytes again", "odograph.h",
      "samples are processed within push, on the caller's thread: deterministic.", replay_repeats, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -113,6 +113,9 @@ static void check_capacity(app* self, const output* of, uint32_t capacity, uint3
   CHECK(written >= min_written && written <= max_written,
         "%s: struct_size was %u on entry and is %u on return; expected %u to %u", of->name, capacity, written,
         min_written, max_written);
+  CHECK(written <= of->size || !untouched(bytes, of->size, written),
+        "%s: struct_size is %u on return, but no byte behind the %u known ones was written", of->name, written,
+        of->size);
   CHECK(untouched(bytes, written < capacity ? written : capacity, sizeof aligned),
         "%s: bytes behind struct_size were written (capacity %u)", of->name, capacity);
 }

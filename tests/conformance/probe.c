@@ -157,7 +157,7 @@ static int32_t create_bare(const odo_host* h, uint32_t n, const odo_string* k, o
 
 static void put_table(odo_plugin* table, int variant) {
   memset(table, 0, sizeof *table);
-  table->struct_size = variant == PROBE_BARE ? (uint32_t)offsetof(odo_plugin, reset) : (uint32_t)sizeof *table;
+  table->struct_size = sizeof *table;
   table->abi_major = ODO_ABI_MAJOR, table->abi_minor = ODO_ABI_MINOR;
   table->interfaces = kinds, table->interface_count = sizeof kinds / sizeof *kinds;
   table->id = ids[variant];

@@ -10,8 +10,8 @@
 #include <odograph/plugin.h>
 
 /* conformance/probe serves every kind and declares every input and the vendor's messages below; conformance/frontend
- * declares nothing beyond its kind; conformance/several is one for several cameras and native frames; the table of
- * conformance/bare ends behind destroy. */
+ * declares nothing beyond its kind; conformance/several is one for several cameras and native frames; in the
+ * table of conformance/bare all that is optional is null. */
 enum probe_variant { PROBE_FULL, PROBE_FRONTEND, PROBE_SEVERAL, PROBE_BARE, PROBE_VARIANTS };
 
 #define PROBE_VENDOR 1u

@@ -8,10 +8,14 @@
 namespace odograph {
 namespace {
 
-/// Sensors that deliver steadily hold the others back; sensors that speak now and then do not.
+/// Sensors whose time going back means that the clock was set back.
+bool shows_the_clock(uint32_t type) {
+  return type == ODO_TYPE_IMU || type == ODO_TYPE_MAGNETOMETER || type == ODO_TYPE_FRAME;
+}
+
+/// Sensors that deliver steadily hold the others back; those that deliver now and then do not.
 bool holds_back(uint32_t type) {
-  return type == ODO_TYPE_IMU || type == ODO_TYPE_MAGNETOMETER || type == ODO_TYPE_FRAME ||
-         type == ODO_TYPE_BAROMETER || type == ODO_TYPE_PLATFORM_POSE;
+  return shows_the_clock(type) || type == ODO_TYPE_BAROMETER || type == ODO_TYPE_PLATFORM_POSE;
 }
 
 /// Slow sensors are passed on late rather than lost; what uses them looks the pose of their time up.
@@ -67,7 +71,7 @@ bool TimeOrder::camera_to_come() const {
 /// Of a sample that is older than what was released. Its stream is noted first, so that the others wait for it.
 TimeOrder::Verdict TimeOrder::judge_late(Stream& stream, const odo_header& message) {
   if (message.t_ns < stream.latest_ns) {  // the sensor itself went back; while others go on it is not the clock
-    const bool set_back = ++stream.behind >= parameters_.believe_behind && holds_back(message.type);
+    const bool set_back = ++stream.behind >= parameters_.believe_behind && shows_the_clock(message.type);
     return set_back ? Verdict::restarted : Verdict::late;
   }
   if (stream.latest_ns == INT64_MIN || silent(stream)) stream.joined = false;
