@@ -333,10 +333,8 @@ void PluginInstance::failed(int32_t status, const odo_header* message) {
   const std::string given = message ? "a sample of " + message_name(message->type) : "being woken";
   if (status == ODO_E_DISCARD || status == ODO_E_ARGUMENT || status == ODO_E_EXHAUSTED || status == ODO_E_UNSUPPORTED) {
     const std::string why = status == ODO_E_DISCARD ? "" : std::string(": ") + odo_status_text(status);
-    fault(
-        "discarded",
-        "discarded " + given + (message ? " (t_ns = " + std::to_string(message->t_ns) + ")" : "") + why,
-        status);
+    fault("discarded", "discarded " + given + (message ? " (t_ns = " + std::to_string(message->t_ns) + ")" : "") + why,
+          status);
     return;
   }
   fault("failed", "failed at " + given + ": " + odo_status_text(status), status);
