@@ -44,7 +44,8 @@ static double grown_of(const odo_header* message) {
 #ifdef ODO_TEST_GROWN
   switch (message->type) {
 #define ROW(number, type, name, min_size) \
-  case number: return ODO_HAS((const type*)(const void*)message, grown) ? ((const type*)(const void*)message)->grown[0] : -1;
+  case number:                            \
+    return ODO_HAS((const type*)(const void*)message, grown) ? ((const type*)(const void*)message)->grown[0] : -1;
     ODO_FOR_EACH_MESSAGE(ROW)
 #undef ROW
     default: break;
@@ -61,11 +62,15 @@ static void fill(union message* m, uint32_t number, int64_t t_ns) {
   memset(m, 0, sizeof *m);
   switch (number) {
 #ifdef ODO_TEST_GROWN
-#define ROW(value, type, name, min_size) \
-  case value: m->header.struct_size = sizeof(type), m->name.grown[0] = (double)(1000 + value); break;
+#define ROW(value, type, name, min_size)                                             \
+  case value:                                                                        \
+    m->header.struct_size = sizeof(type), m->name.grown[0] = (double)(1000 + value); \
+    break;
 #else
-#define ROW(value, type, name, min_size) \
-  case value: m->header.struct_size = sizeof(type); break;
+#define ROW(value, type, name, min_size)  \
+  case value:                             \
+    m->header.struct_size = sizeof(type); \
+    break;
 #endif
     ODO_FOR_EACH_MESSAGE(ROW)
 #undef ROW

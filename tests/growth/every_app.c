@@ -3,8 +3,8 @@
  * An app for the growth matrix over every message, built with today's headers and with those of a later version:
  *   every_app LIBRARY write RECORDING
  *   every_app LIBRARY replay RECORDING CONFIG PLUGINS STATE HOST PLUGIN RECORDED
- * STATE is loaded where the file exists, otherwise written. The last three are the ages, old or new, of the library, the
- * plugin and the recording. It prints how many combinations hold, or those that do not. */
+ * STATE is loaded where the file exists, otherwise written. The last three are the ages, old or new, of the library,
+ * the plugin and the recording. It prints how many combinations hold, or those that do not. */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,9 +38,12 @@ static void expect(double found, double expected, const char* what) {
 static void ODO_CALL on_event(void* user, const odo_header* event) {
   const uint32_t row = row_of(event->type);
   (void)user;
-  if (event->type == ANSWER) odo_copy(&seen.answer, sizeof seen.answer, event);
-  else if (row < MAX_ROWS) seen.grown[row] = grown_of(event);
-  if (event->type == ODO_TYPE_REPORT) seen.reports += strcmp(((const odo_report*)(const void*)event)->key, "every") == 0;
+  if (event->type == ANSWER)
+    odo_copy(&seen.answer, sizeof seen.answer, event);
+  else if (row < MAX_ROWS)
+    seen.grown[row] = grown_of(event);
+  if (event->type == ODO_TYPE_REPORT)
+    seen.reports += strcmp(((const odo_report*)(const void*)event)->key, "every") == 0;
 }
 
 static void* library;
@@ -50,7 +53,9 @@ static void* load(const char* name) {
   return found;
 }
 /* A function of the library under its own name, as a local. */
-#define LOAD(result, name, parameters) result(*name) parameters = NULL; *(void**)(&name) = load("odo_" #name)
+#define LOAD(result, name, parameters) \
+  result(*name) parameters = NULL;     \
+  *(void**)(&name) = load("odo_" #name)
 
 static int write_recording(const char* path) {
   LOAD(int32_t, recorder_create, (const odo_string*, odo_recorder**, odo_error*));
@@ -67,8 +72,8 @@ static int write_recording(const char* path) {
     const int64_t t_ns = 1000000000 + i * (int64_t)10000000;
     fill(&m, ODO_TYPE_IMU, t_ns), worst |= recorder_write(recorder, &m.header, NULL, 0);
     if (i != 50) continue;
-#define ROW(number, type, name, min_size)                                                \
-  if (!ODO_IS_EVENT(number) && !ODO_IS_BORROWED(number) && (number) != ODO_TYPE_IMU)     \
+#define ROW(number, type, name, min_size)                                            \
+  if (!ODO_IS_EVENT(number) && !ODO_IS_BORROWED(number) && (number) != ODO_TYPE_IMU) \
     fill(&m, number, t_ns), worst |= recorder_write(recorder, &m.header, NULL, 0);
     ODO_FOR_EACH_MESSAGE(ROW)
 #undef ROW
@@ -87,7 +92,8 @@ static int32_t push_rest(int32_t (*push)(odo_session*, const odo_header*), odo_s
   memset(&question, 0, sizeof question);
   question.struct_size = sizeof question, question.type = QUESTION, question.t_ns = 2100000000;
   worst |= push(session, &question);
-  for (i = 100; i < 130; ++i) fill(&m, ODO_TYPE_IMU, 1000000000 + i * (int64_t)10000000), worst |= push(session, &m.header);
+  for (i = 100; i < 130; ++i)
+    fill(&m, ODO_TYPE_IMU, 1000000000 + i * (int64_t)10000000), worst |= push(session, &m.header);
   return worst;
 }
 
@@ -164,18 +170,18 @@ static void check_outputs(odo_session* session, int host_is_new) {
 
 static void check_messages(int host_is_new, int plugin_is_new, int recorded_is_new) {
   uint32_t row = 0;
-#define ROW(number, type, name, min_size)                                                                               \
-  if (!ODO_IS_EVENT(number)) {                                                                                          \
-    const int writer_is_new = ODO_IS_BORROWED(number) ? kIsNew : recorded_is_new;                                       \
-    const double passed = writer_is_new ? 1000.0 + number : -1.0;                                                           \
-    if ((number) != ODO_TYPE_IMU) expect(seen.answer.grown[row], plugin_is_new ? passed : 0, #name " to the plugin");   \
-  } else if (seen.grown[row] != -2) {                                                                                   \
-    const int is_host = number == ODO_TYPE_POSE || number == ODO_TYPE_STATE || number == ODO_TYPE_REPORT;               \
-    const double passed = is_host ? (host_is_new ? 0.0 : -1.0) : (plugin_is_new ? 1000.0 + number : -1.0);                      \
-    expect(seen.grown[row], kIsNew ? passed : 0, #name " to the app");                                                  \
-  } else if (number != ODO_TYPE_CORRECTION) {                                                                           \
-    expect(0, 1, #name " was given");                                                                                   \
-  }                                                                                                                     \
+#define ROW(number, type, name, min_size)                                                                             \
+  if (!ODO_IS_EVENT(number)) {                                                                                        \
+    const int writer_is_new = ODO_IS_BORROWED(number) ? kIsNew : recorded_is_new;                                     \
+    const double passed = writer_is_new ? 1000.0 + number : -1.0;                                                     \
+    if ((number) != ODO_TYPE_IMU) expect(seen.answer.grown[row], plugin_is_new ? passed : 0, #name " to the plugin"); \
+  } else if (seen.grown[row] != -2) {                                                                                 \
+    const int is_host = number == ODO_TYPE_POSE || number == ODO_TYPE_STATE || number == ODO_TYPE_REPORT;             \
+    const double passed = is_host ? (host_is_new ? 0.0 : -1.0) : (plugin_is_new ? 1000.0 + number : -1.0);            \
+    expect(seen.grown[row], kIsNew ? passed : 0, #name " to the app");                                                \
+  } else if (number != ODO_TYPE_CORRECTION) {                                                                         \
+    expect(0, 1, #name " was given");                                                                                 \
+  }                                                                                                                   \
   ++row;
   ODO_FOR_EACH_MESSAGE(ROW)
 #undef ROW

@@ -68,7 +68,8 @@ static int32_t answer(odo_instance* self, int64_t t_ns) {
     fill(&event, events[i], t_ns);
     if (self->sink->emit(self->sink, &event.header) < 0) return ODO_E_ERROR;
   }
-  self->answer.header.struct_size = sizeof self->answer, self->answer.header.type = ANSWER, self->answer.header.t_ns = t_ns;
+  self->answer.header.struct_size = sizeof self->answer, self->answer.header.type = ANSWER,
+  self->answer.header.t_ns = t_ns;
   return self->sink->emit(self->sink, &self->answer.header);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Calls two plugins of one class name by their entries, linked in (ODO_STATIC) or loaded from the two files named, and checks
- * that each has its own id, its own default and its own process. */
+ * Calls two plugins of one class name by their entries, linked in (ODO_STATIC) or loaded from the two files named, and
+ * checks that each has its own id, its own default and its own process. */
 #include <stdio.h>
 #include <string.h>
 
@@ -42,7 +42,8 @@ static double run(const odo_host* host, const odo_plugin* table) {
   batch.struct_size = sizeof batch, batch.count = 1, batch.messages = messages;
   emitted = 0;
   if (table->create(host, 1, table->interfaces, &instance) != ODO_OK) return -1;
-  if (table->configure(instance, NULL, 0, sizeof(odo_value)) != ODO_OK || table->activate(instance, &sink) != ODO_OK) return -2;
+  if (table->configure(instance, NULL, 0, sizeof(odo_value)) != ODO_OK || table->activate(instance, &sink) != ODO_OK)
+    return -2;
   if (table->process(instance, &batch) != ODO_OK) return -3;
   table->destroy(instance);
   return emitted;

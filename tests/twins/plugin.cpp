@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Two plugins whose class has one name, made of this file: TWIN is 1 or 2. Linked into a program the class is in a namespace
-// of its own, as any two classes of a program must be.
+// Two plugins whose class has one name, made of this file: TWIN is 1 or 2. Linked into a program the class is in a
+// namespace of its own, as any two classes of a program must be.
 #include <odograph/plugin.hpp>
 
 #if defined(ODO_STATIC)
@@ -10,7 +10,8 @@ namespace {
 
 struct Twin {
   double gain = TWIN;
-  static constexpr odo::Description description{TWIN == 1 ? "twin/one" : "twin/two", "1.0.0", "A twin.", ODO_INTERFACE_ATTITUDE};
+  static constexpr odo::Description description{TWIN == 1 ? "twin/one" : "twin/two", "1.0.0", "A twin.",
+                                                ODO_INTERFACE_ATTITUDE};
   static std::vector<odo::Parameter<Twin>> parameters() {
     return {odo::real("gain", "", 0, 10, &Twin::gain, "Its number.")};
   }
