@@ -15,6 +15,7 @@
                  field `grown` at its end, an array of two doubles.
 --probe          prints a C program that defines every function and names every type: it compiles where the compiler
                  agrees with the description, and libabigail reads the ABI out of it.
+--exchange [INCLUDE]  prints a C program that writes and reads every number of every message, by those or other headers.
 --symbols        prints what the library exports, NAME@@NODE, and what a plugin exports.
 
 Until the freeze (ODO_ABI_MAJOR 0) minimum sizes are today's. From then on the file never changes but for new lines.
@@ -25,6 +26,7 @@ import sys
 
 from bindings import check_python, python
 from description import Description
+from exchange import exchange_c
 from facts import breaks, differences, facts, nodes, text_of
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -165,6 +167,8 @@ def main():
     abi = Description(INCLUDE)
     if "--grow" in sys.argv:
         return grow(abi, sys.argv[sys.argv.index("--grow") + 1])
+    if "--exchange" in sys.argv:
+        return print(exchange_c(Description(pathlib.Path(sys.argv[-1]) / "odograph" if sys.argv[-1] != "--exchange" else INCLUDE)), end="")
     if "--probe" in sys.argv:
         return print(probe_c(abi), end="")
     if "--symbols" in sys.argv:

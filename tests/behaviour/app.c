@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What the headers promise of the host's behaviour, by the headers alone; abi_mutations.py has a host in which each is broken.
- *   behaviour_app PLUGINS_OF_THE_TEST PLUGINS RECORDING      prints each promise that is broken and returns 1 */
+ * What the headers promise of the host's behaviour, by the headers alone; abi_mutations.py has a host in which each is
+ * broken. behaviour_app PLUGINS_OF_THE_TEST PLUGINS RECORDING      prints each promise that is broken and returns 1 */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <signal.h>
@@ -35,7 +35,8 @@ static double distance(const double* a, const double* b) {
 static void on_correction(const odo_correction* event) {
   const double c = event->q_n[0] * event->q_n[0] - event->q_n[3] * event->q_n[3], s = 2 * event->q_n[0] * event->q_n[3];
   const double* p = seen.expected_n;
-  const double moved[3] = {c * p[0] - s * p[1] + event->p_n[0], s * p[0] + c * p[1] + event->p_n[1], p[2] + event->p_n[2]};
+  const double moved[3] = {c * p[0] - s * p[1] + event->p_n[0], s * p[0] + c * p[1] + event->p_n[1],
+                           p[2] + event->p_n[2]};
   const double by = distance(moved, p);
   ++seen.corrections;
   if (by > seen.largest_correction_m) seen.largest_correction_m = by;
@@ -96,7 +97,8 @@ static void check_plugin_border(const char* plugins) {
   promise(odo_session_push(session, &pressure.header) == ODO_OK, "an input with the host's bits is taken");
   for (i = 0; i < 100; ++i) push_imu(session, i);
   odo_session_flush(session);
-  promise(seen.attitude.header.type == ODO_TYPE_ATTITUDE && seen.attitude.gyro_bias_b[2] > 0, "a plugin's events come out");
+  promise(seen.attitude.header.type == ODO_TYPE_ATTITUDE && seen.attitude.gyro_bias_b[2] > 0,
+          "a plugin's events come out");
   promise(seen.attitude.gyro_bias_b[0] == 0, "the host's bits are cleared on push");
   promise((seen.attitude.header.flags & ODO_FLAG_HOST_MASK) == 0, "the host's bits are cleared on emit");
   promise(seen.attitude.gyro_bias_b[1] == ODO_E_STATE, "emit outside process returns ODO_E_STATE");
@@ -106,7 +108,8 @@ static void check_plugin_border(const char* plugins) {
   pressure.header.type = 0x2000;
   promise(odo_session_push(session, &pressure.header) == ODO_E_ARGUMENT, "a reserved type is no input");
   statistics.known.struct_size = sizeof statistics;
-  promise(odo_session_get_statistics(session, &statistics.known) == ODO_OK && statistics.known.struct_size == sizeof(odo_statistics),
+  promise(odo_session_get_statistics(session, &statistics.known) == ODO_OK &&
+              statistics.known.struct_size == sizeof(odo_statistics),
           "struct_size of an output is what was written");
   odo_session_destroy(session);
 }
@@ -114,7 +117,8 @@ static void check_plugin_border(const char* plugins) {
 static void check_signals(const char* plugins) {
   struct sigaction action;
   odo_session* session = create("odograph: 1\nattitude:\n  plugin: test/behaviour\n", plugins);
-  promise(session && sigaction(SIGSEGV, NULL, &action) == 0 && action.sa_handler == SIG_DFL, "no signal handler without the flag");
+  promise(session && sigaction(SIGSEGV, NULL, &action) == 0 && action.sa_handler == SIG_DFL,
+          "no signal handler without the flag");
   odo_session_destroy(session);
 }
 
