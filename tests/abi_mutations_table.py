@@ -9,6 +9,15 @@ WEINBERG = "plugins/step/weinberg2002/plugin.cpp"
 CORRECTION = "  if (moved) publish_correction(correction, corrected);\n"
 NEW_POSES = "  for (; any; any = estimator_->take_pose(pose)) publish_pose(pose, true);\n"
 
+# What may be added.
+GROWTH = [
+    ("field at a message's end", [(SAMPLES, "  double intensity_t;     /* tesla */", "  double intensity_t;\n  double more;")]),
+    ("flag", [(SAMPLES, "#define ODO_RANGE_LEVER 2u", "#define ODO_RANGE_MORE 4u\n#define ODO_RANGE_LEVER 2u")]),
+    ("function", [(APP, "ODO_API uint32_t ODO_CALL odo_abi_version(void);", "ODO_API uint32_t ODO_CALL odo_abi_version(void);\nODO_API uint32_t ODO_CALL odo_more(void);"),
+                  (MAP, "  local: *;\n};", "  local: *;\n};\nODOGRAPH_1.1 {\n  global:\n    odo_more;\n};")]),
+    ("minor version", [(BASE, "ODO_ABI_MINOR 3u", "ODO_ABI_MINOR 4u")]),
+]
+
 ROWS = [
     # What a check of offsets alone did not notice.
     ("flag renumbered", [(SAMPLES, "ODO_GNSS_HEIGHT 2u", "ODO_GNSS_HEIGHT 32u")], "contract", "constant ODO_GNSS_HEIGHT: released as '2', now '32'"),
@@ -35,7 +44,7 @@ ROWS = [
     ("length of an array", [(SAMPLES, "  double distortion[8];\n  double q_b_c[4];  ", "  double distortion[6];\n  double q_b_c[4];  ")], "contract", "odo_calibration"),
     ("frozen struct grown", [(BASE, "Frozen at 16 bytes", "Frozen at 24 bytes"), (BASE, "  uint64_t size;                   /* bytes */", "  uint64_t size;\n  uint64_t later;")],
      "contract", "struct odo_string: released as '16 frozen', now '24 frozen'"),
-    ("minimum size raised", [(SAMPLES, "  double sigma_pa; /*", "  double later; double sigma_pa; /*")], "contract", "minimum odo_barometer"),
+    ("minimum size lowered", [("abi/golden/minimum_v1.txt", "odo_barometer 48", "odo_barometer 40")], "contract", "minimum odo_barometer: released as '48', now '40'"),
     ("pointer appended to a message", [(SAMPLES, "  double intensity_t;     /* tesla */", "  double intensity_t;\n  ODO_POINTER(void *, more);")], "contract", "odo_earth_field: a message that lends no memory has a pointer"),
     ("sign of an integer", [(APP, "  uint64_t gaps; ", "  int64_t gaps; ")], "binary", "gaps"),
     # Targets and symbols.
