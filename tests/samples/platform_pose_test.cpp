@@ -103,6 +103,20 @@ TEST_CASE("motions are metric with a scale sigma, and follow the platform's stat
   CHECK(motion_at(app, 8.05).state == ODO_TRACKING);
 }
 
+TEST_CASE("the host takes the stated uncertainty of the platform's scale") {
+  for (const auto& [stated, expected] : {std::pair{"0.01", 0.01}, std::pair{"0.08", 0.08}}) {
+    std::string config = platform_config("");
+    const std::string plain = "{plugin: vo/platform_pose}";
+    config.replace(config.find(plain), plain.size(),
+                   std::string("{plugin: vo/platform_pose, parameters: {scale_sigma: ") + stated + "}}");
+    App app(config, ODO_RUN_REPLAY, sample_plugins());
+    CorridorWalk truth;
+    walk(app, 0, 10, truth);
+    CHECK(app.statistics().scale_sigma > 0.7 * expected);
+    CHECK(app.statistics().scale_sigma < 1.3 * expected);
+  }
+}
+
 TEST_CASE("in a new world of the platform a new scale group begins, and the track goes on") {
   App app(platform_config(""), ODO_RUN_REPLAY, sample_plugins());
   CorridorWalk truth;
