@@ -138,7 +138,8 @@ odo_vo_motion motion_between(const TrueState& from, const TrueState& to, double 
 odo_fix fix_at(const TrueState& state, double t) {
   auto f = make_message<odo_fix>(ODO_TYPE_FIX, state.t_ns);
   f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_SLANT | ODO_FLAG_ACCEPTED;
-  if (static_cast<int>(std::lround(t)) % 30 == 5) f.header.flags |= ODO_FIX_DOWN | ODO_FIX_COVARIANCE;  // seldom: a barometer goes by it
+  if (static_cast<int>(std::lround(t)) % 30 == 5)
+    f.header.flags |= ODO_FIX_DOWN | ODO_FIX_COVARIANCE;  // seldom: a barometer goes by it
   const Vector3d landmark(100, 60, -25), noise(0.3 * std::sin(3 * t), 0.3 * std::cos(5 * t), 0.1 * std::sin(7 * t));
   const bool wrong = Span{55, 56.5}.has(t), alike = t > 104;
   const Vector3d place =

@@ -94,7 +94,7 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, p_c0_c1, finite, ODO_VO_TRANSLATION),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, covariance, finite, ODO_VO_COVARIANCE),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_n_c0, unjudged, ODO_FLAG_NAVIGATION),
-    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, scale_sigma, finite, ODO_VO_INERTIAL),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, scale_sigma, finite, ODO_VO_METRIC | ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, velocity_c1, finite, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gravity_c1, finite, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gyro_bias_b, finite, ODO_VO_INERTIAL),
@@ -145,7 +145,8 @@ AnyMessage good(uint32_t type) {
   for (const Field& field : kFields) {
     if (field.type != type) continue;
     auto* values = reinterpret_cast<double*>(bytes + field.offset);
-    const double value = field.rule == Rule::direction ? std::sqrt(1.0 / 3) : 0.5;  // four of these are a unit quaternion
+    const double value =
+        field.rule == Rule::direction ? std::sqrt(1.0 / 3) : 0.5;  // four of these are a unit quaternion
     for (size_t i = 0; i < field.count; ++i) values[i] = value;
     made.header().flags |= field.flag;
   }
@@ -304,7 +305,10 @@ TEST_CASE("whole numbers of calibrations and frames are good within their limits
   const Limit limits[] = {
       {ODO_TYPE_FRAME, offsetof(odo_frame, width), size, no_size},
       {ODO_TYPE_FRAME, offsetof(odo_frame, height), size, no_size},
-      {ODO_TYPE_FRAME, offsetof(odo_frame, format), {1, 2, 3, 4, 5, 6, 7, 8, UINT32_MAX}, {0}},  // newer ones are passed on
+      {ODO_TYPE_FRAME,
+       offsetof(odo_frame, format),
+       {1, 2, 3, 4, 5, 6, 7, 8, UINT32_MAX},
+       {0}},  // newer ones are passed on
       {ODO_TYPE_FRAME, offsetof(odo_frame, plane_count), {0, 1, 2, 3, 4}, {5, UINT32_MAX}},
       {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, width), size, no_size},
       {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, height), size, no_size},

@@ -36,10 +36,10 @@ const char* const kSigner = "dcf6df3681d433ecf8f75cf207040907d42294e0e2edaebe254
 const char* const kSignature =
     "9aa358f3db7b2294afe92c69c5ab44de06a7f276ab0604a888d047ec15a2bf272538b9a95f58dfbe3d10394e16213ac7fe597ca2bc54386a8f"
     "214a54f7622609";
-const char* const kSignedKind = "odo.attitude/draft3";
+const char* const kSignedKind = "odo.attitude/draft2";
 const char* const kSigned =
     R"({"odoplugin": 1, "id": "test/signed", "version": "1.0.0", "summary": "Signed.", )"
-    R"("interfaces": ["odo.attitude/draft3"], "abi": [0, 1], "library": "one.so", )"
+    R"("interfaces": ["odo.attitude/draft2"], "abi": [0, 1], "library": "one.so", )"
     R"("sha256": "f6bb034ecdd65239971cf2fbc49cb6ecef0dc0a192e40c2884e68e3346503e69", "parameters": []})";
 
 std::string bytes_of_hex(const std::string& hex) {

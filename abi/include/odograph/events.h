@@ -77,7 +77,7 @@ typedef struct odo_motion_mode {
 #define ODO_VO_ROTATION 1u    /* q_c0_c1 is valid */
 #define ODO_VO_TRANSLATION 2u /* p_c0_c1 is valid */
 #define ODO_VO_COVARIANCE 4u
-#define ODO_VO_METRIC 8u       /* displacements are in metres, to within scale_sigma */
+#define ODO_VO_METRIC 8u       /* displacements are in metres, to within scale_sigma, which is valid */
 #define ODO_VO_INERTIAL 16u    /* scale_sigma, velocity_c1, gravity_c1 and the biases are valid */
 typedef struct odo_vo_motion {
   odo_header header;     /* t_ns: time of the later frame, c1 */

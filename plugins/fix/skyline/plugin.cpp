@@ -343,7 +343,8 @@ class Skyline {
   odo_fix fix_of(const Match& match, int64_t t_ns) const {
     auto fix = odo::make<odo_fix>(t_ns);
     fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_ORIENTATION |
-                       ODO_FIX_ORIENTATION_COVARIANCE | ODO_FIX_SLANT | ODO_FIX_LEVER | ODO_FIX_INTEGRITY | ODO_FLAG_QUALITY;
+                       ODO_FIX_ORIENTATION_COVARIANCE | ODO_FIX_SLANT | ODO_FIX_LEVER | ODO_FIX_INTEGRITY |
+                       ODO_FLAG_QUALITY;
     Eigen::Vector3d::Map(fix.lever_b) = p_b_c_;  // it is the camera's position
     fix.header.quality = static_cast<float>(match.agreement);
     Eigen::Vector3d::Map(fix.p_n) = match.p_n;

@@ -31,8 +31,8 @@ class ToldCamera {
   /// Takes a calibration. True where it is another camera than before; a phone that focuses or stabilises tells its own
   /// lens again and again.
   bool take(const odo_calibration& c) {
-    const bool same =
-        told_ && told_->header.source == c.header.source && told_->model == c.model && told_->width == c.width && told_->height == c.height;
+    const bool same = told_ && told_->header.source == c.header.source && told_->model == c.model &&
+                      told_->width == c.width && told_->height == c.height;
     told_ = c;
     return !same;
   }
@@ -82,7 +82,8 @@ inline cv::Mat grey_of(const odo_frame& frame, cv::Mat& converted) {
     case ODO_FORMAT_NV12:
     case ODO_FORMAT_NV21:
     case ODO_FORMAT_YUV420: return {rows, columns, CV_8UC1, data, stride};
-    default: throw odo::Error(ODO_E_DISCARD, "format = " + std::to_string(frame.format) + "; expected one of ODO_FORMAT_*");
+    default:
+      throw odo::Error(ODO_E_DISCARD, "format = " + std::to_string(frame.format) + "; expected one of ODO_FORMAT_*");
   }
 }
 

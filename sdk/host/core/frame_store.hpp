@@ -26,10 +26,10 @@ class FrameStore {
   FrameStore(const FrameStore&) = delete;
   FrameStore& operator=(const FrameStore&) = delete;
 
-  /// Replaces the app's loan by the store's, in a borrowed message that is as large as the host's struct. The caller owns
-  /// one hold and gives it up with release. ODO_E_EXHAUSTED when the quota is used up or the app refuses, ODO_E_DISCARD
-  /// when a row is longer than its stride, ODO_E_UNSUPPORTED when it must be copied and cannot be (no pixels, no rows of
-  /// an unknown format, no frame); the message has no loan then.
+  /// Replaces the app's loan by the store's, in a borrowed message that is as large as the host's struct. The caller
+  /// owns one hold and gives it up with release. ODO_E_EXHAUSTED when the quota is used up or the app refuses,
+  /// ODO_E_DISCARD when a row is longer than its stride, ODO_E_UNSUPPORTED when it must be copied and cannot be (no
+  /// pixels, no rows of an unknown format, no frame); the message has no loan then.
   int32_t adopt(odo_borrowed& message);
   /// Frames held now.
   size_t in_use() const;

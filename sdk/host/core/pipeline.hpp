@@ -38,8 +38,8 @@ class Pipeline {
     // while walking, and its compass within 30 degrees (docs/accuracy/pose.md).
     double tilt_sigma_rad = 0.05;
     double heading_sigma_rad = 0.5;
-    /// From n's origin: beyond, n's vertical is off by more than 0.9 degrees (100 km / 6371 km) and its plane 785 m above
-    /// the ground, so that a position there is a wrong origin or a wrong fix.
+    /// From n's origin: beyond, n's vertical is off by more than 0.9 degrees (100 km / 6371 km) and its plane 785 m
+    /// above the ground, so that a position there is a wrong origin or a wrong fix.
     double farthest_fix_m = 100e3;
     double north_sigma_rad = 0.35;  ///< up to which a heading is called one against north: 20 degrees, half a street
   };

@@ -109,8 +109,8 @@ int32_t odo_recorder_write(odo_recorder* recorder, const odo_header* message, co
     odograph::AnyMessage copy;
     if (!copy.assign(*message)) return ODO_E_STRUCT_SIZE;
     const auto* bytes = static_cast<const unsigned char*>(picture);
-    const bool written = recorder->writer.write(copy.header(), {bytes, static_cast<size_t>(picture_size)}) &&
-                         recorder->writer.flush();
+    const bool written =
+        recorder->writer.write(copy.header(), {bytes, static_cast<size_t>(picture_size)}) && recorder->writer.flush();
     recorder->good = recorder->good && written;
     return written ? ODO_OK : ODO_E_DATA;
   });

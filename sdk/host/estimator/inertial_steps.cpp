@@ -70,10 +70,10 @@ struct FixInnovation {
     dof += 3;
   }
   void add_yaw(const odo_fix& fix, const PastPose& at) {
-    const Vector3d y_n = at.q_n_b * Vector3d::UnitY();
-    const double across = std::max(1e-6, y_n.head<2>().squaredNorm());
+    const Vector3d axis_n = at.q_n_b * Vector3d(fix.yaw_axis_b);
+    const double across = std::max(1e-6, axis_n.head<2>().squaredNorm());
     seen.residual[2] = heading_residual(fix, at.q_n_b);
-    by_theta.row(2) << -y_n.x() * y_n.z() / across, -y_n.y() * y_n.z() / across, 1;
+    by_theta.row(2) << -axis_n.x() * axis_n.z() / across, -axis_n.y() * axis_n.z() / across, 1;
     seen.noise(2, 2) = squared(fix.yaw_sigma_rad);
     dof += 1;
   }

@@ -123,7 +123,8 @@ void judge_vo_motion(Judge& judge, const odo_vo_motion& m) {
   judge.when(ODO_VO_ROTATION).unit("q_c0_c1", m.q_c0_c1);
   judge.when(ODO_VO_TRANSLATION).finite("p_c0_c1", m.p_c0_c1, 3);
   judge.when(ODO_VO_COVARIANCE).finite("covariance", m.covariance, 36);
-  judge.when(ODO_VO_INERTIAL).finite("scale_sigma", m.scale_sigma).finite("velocity_c1", m.velocity_c1, 3);
+  judge.when(ODO_VO_METRIC | ODO_VO_INERTIAL).finite("scale_sigma", m.scale_sigma);
+  judge.when(ODO_VO_INERTIAL).finite("velocity_c1", m.velocity_c1, 3);
   judge.finite("gravity_c1", m.gravity_c1, 3).finite("gyro_bias_b", m.gyro_bias_b, 3);
   judge.finite("accel_bias_b", m.accel_bias_b, 3);
 }
@@ -137,13 +138,17 @@ void judge_fix(Judge& judge, const odo_fix& m) {
   judge.when(ODO_FIX_INTEGRITY).finite("integrity", m.integrity);
   judge.when(ODO_FIX_LEVER).finite("lever_b", m.lever_b, 3);
   judge.when(ODO_FIX_ORIENTATION)
-      .that(flags & ODO_FIX_ORIENTATION_COVARIANCE, "flags", flags, "ODO_FIX_ORIENTATION_COVARIANCE with an orientation")
+      .that(flags & ODO_FIX_ORIENTATION_COVARIANCE, "flags", flags,
+            "ODO_FIX_ORIENTATION_COVARIANCE with an orientation")
       .unit("q_n_b", m.q_n_b)
       .covariance("orientation_cov_n", m.orientation_cov_n, 3);
   judge.when(ODO_FIX_CROSS_COVARIANCE).finite("cross_covariance_n", m.cross_covariance_n, 9);
   judge.when(ODO_FIX_SLANT_SIGMA).positive("slant_sigma_m", m.slant_sigma_m);
   judge.when(ODO_FIX_SLANT).finite("landmark_n", m.landmark_n, 3).finite("slant_distance_m", m.slant_distance_m);
-  judge.when(ODO_FIX_YAW).finite("yaw_rad", m.yaw_rad).finite("yaw_sigma_rad", m.yaw_sigma_rad).unit3("yaw_axis_b", m.yaw_axis_b);
+  judge.when(ODO_FIX_YAW)
+      .finite("yaw_rad", m.yaw_rad)
+      .finite("yaw_sigma_rad", m.yaw_sigma_rad)
+      .unit3("yaw_axis_b", m.yaw_axis_b);
   judge.when(ODO_FIX_GEODETIC).finite("latitude_rad", m.latitude_rad).finite("longitude_rad", m.longitude_rad);
   judge.finite("height_m", m.height_m);
 }
@@ -157,25 +162,7 @@ void judge_gnss(Judge& judge, const odo_gnss& m) {
   judge.when(ODO_GNSS_LEVER).finite("lever_b", m.lever_b, 3);
 }
 
-}  // namespace
-
-const MessageInfo* message_info(uint32_t type) {
-  for (const MessageInfo& info : kMessages)
-    if (info.type == type) return &info;
-  return nullptr;
-}
-
-std::string message_name(uint32_t type) {
-  if (const MessageInfo* info = message_info(type)) return info->name;
-  char text[24];
-  std::snprintf(text, sizeof text, "type 0x%X", type);
-  return text;
-}
-
-std::string message_fault(const odo_header& header) {
-  Judge judge(header);
-  if (!is_plausible_time(header.t_ns))
-    return "t_ns = " + std::to_string(header.t_ns) + "; expected at most 2^62 from the clock's zero";
+void judge_input_fields(Judge& judge, const odo_header& header) {
   switch (header.type) {
     case ODO_TYPE_IMU: {
       const auto& m = as<odo_imu>(header);
@@ -201,31 +188,6 @@ std::string message_fault(const odo_header& header) {
       judge.finite("p_n", as<odo_waypoint>(header).p_n, 3).not_negative("sigma_m", as<odo_waypoint>(header).sigma_m);
       judge.when(ODO_WAYPOINT_LEVER).finite("lever_b", as<odo_waypoint>(header).lever_b, 3);
       break;
-    case ODO_TYPE_ATTITUDE: {
-      const auto& m = as<odo_attitude>(header);
-      judge.unit("q_n_b", m.q_n_b);
-      judge.when(ODO_ATTITUDE_COVARIANCE).finite("covariance_n", m.covariance_n, 9);
-      judge.when(ODO_ATTITUDE_GYRO_BIAS).finite("gyro_bias_b", m.gyro_bias_b, 3);
-      break;
-    }
-    case ODO_TYPE_STEP: {
-      const auto& m = as<odo_step>(header);
-      judge.not_negative("length_m", m.length_m)
-          .not_negative("sigma_m", m.sigma_m)
-          .finite("frequency_hz", m.frequency_hz);
-      judge.when(ODO_STEP_HEADING).finite("heading_rad", m.heading_rad);
-      judge.when(ODO_STEP_HEADING_SIGMA).positive("heading_sigma_rad", m.heading_sigma_rad).always();
-      judge.that(m.t_end_ns > m.t_start_ns, "t_end_ns", static_cast<double>(m.t_end_ns), "after t_start_ns");
-      break;
-    }
-    case ODO_TYPE_VO_MOTION: judge_vo_motion(judge, as<odo_vo_motion>(header)); break;
-    case ODO_TYPE_SCALE: {
-      const auto& m = as<odo_scale>(header);
-      judge.not_negative("scale", m.scale).finite("sigma", m.sigma);
-      judge.finite("displacement_m", m.displacement_m);
-      break;
-    }
-    case ODO_TYPE_FIX: judge_fix(judge, as<odo_fix>(header)); break;
     case ODO_TYPE_EARTH_FIELD: {
       const auto& m = as<odo_earth_field>(header);
       judge.when(ODO_EARTH_FIELD_DECLINATION).finite("declination_rad", m.declination_rad);
@@ -251,6 +213,37 @@ std::string message_fault(const odo_header& header) {
     case ODO_TYPE_SYSTEM_STEP:
       judge.when(ODO_SYSTEM_STEP_DISTANCE).not_negative("distance_m", as<odo_system_step>(header).distance_m);
       break;
+    default: break;
+  }
+}
+
+void judge_event_fields(Judge& judge, const odo_header& header) {
+  switch (header.type) {
+    case ODO_TYPE_ATTITUDE: {
+      const auto& m = as<odo_attitude>(header);
+      judge.unit("q_n_b", m.q_n_b);
+      judge.when(ODO_ATTITUDE_COVARIANCE).finite("covariance_n", m.covariance_n, 9);
+      judge.when(ODO_ATTITUDE_GYRO_BIAS).finite("gyro_bias_b", m.gyro_bias_b, 3);
+      break;
+    }
+    case ODO_TYPE_STEP: {
+      const auto& m = as<odo_step>(header);
+      judge.not_negative("length_m", m.length_m)
+          .not_negative("sigma_m", m.sigma_m)
+          .finite("frequency_hz", m.frequency_hz);
+      judge.when(ODO_STEP_HEADING).finite("heading_rad", m.heading_rad);
+      judge.when(ODO_STEP_HEADING_SIGMA).positive("heading_sigma_rad", m.heading_sigma_rad).always();
+      judge.that(m.t_end_ns > m.t_start_ns, "t_end_ns", static_cast<double>(m.t_end_ns), "after t_start_ns");
+      break;
+    }
+    case ODO_TYPE_VO_MOTION: judge_vo_motion(judge, as<odo_vo_motion>(header)); break;
+    case ODO_TYPE_SCALE: {
+      const auto& m = as<odo_scale>(header);
+      judge.not_negative("scale", m.scale).finite("sigma", m.sigma);
+      judge.finite("displacement_m", m.displacement_m);
+      break;
+    }
+    case ODO_TYPE_FIX: judge_fix(judge, as<odo_fix>(header)); break;
     case ODO_TYPE_RELATIVE_POSE: {
       const auto& m = as<odo_relative_pose>(header);
       judge.that(m.header.t_ns > m.t_from_ns, "t_from_ns", static_cast<double>(m.t_from_ns), "before header.t_ns");
@@ -268,6 +261,28 @@ std::string message_fault(const odo_header& header) {
     }
     default: break;
   }
+}
+
+}  // namespace
+
+const MessageInfo* message_info(uint32_t type) {
+  for (const MessageInfo& info : kMessages)
+    if (info.type == type) return &info;
+  return nullptr;
+}
+
+std::string message_name(uint32_t type) {
+  if (const MessageInfo* info = message_info(type)) return info->name;
+  char text[24];
+  std::snprintf(text, sizeof text, "type 0x%X", type);
+  return text;
+}
+
+std::string message_fault(const odo_header& header) {
+  if (!is_plausible_time(header.t_ns))
+    return "t_ns = " + std::to_string(header.t_ns) + "; expected at most 2^62 from the clock's zero";
+  Judge judge(header);
+  (ODO_IS_EVENT(header.type) ? judge_event_fields : judge_input_fields)(judge, header);
   return std::move(judge.fault);
 }
 

@@ -233,8 +233,8 @@ std::span<AnyMessage> PluginInstance::finish(int32_t status, const odo_header* m
   return buffer_.events();
 }
 
-/// Borrowed memory does not cross into another process, but for a frame's pixels; of a frame without pixels only plugins
-/// that declare it can make use.
+/// Borrowed memory does not cross into another process, but for a frame's pixels; of a frame without pixels only
+/// plugins that declare it can make use.
 bool PluginInstance::can_take(const odo_header& message) {
   if (!ODO_IS_BORROWED(message.type)) return true;
   const bool is_frame = message.type == ODO_TYPE_FRAME;
