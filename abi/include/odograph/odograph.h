@@ -92,8 +92,10 @@ ODO_API void ODO_CALL odo_session_destroy(odo_session *session);
  * ODO_FLAG_HOST_MASK are cleared. A frame's pixels are not copied if it has retain and release (otherwise, and where any
  * plugin is isolated in a process, they are copied once); another borrowed message must have them (ODO_E_UNSUPPORTED), and
  * is not given to isolated plugins.
- * Samples of different sensors may come in any order within the configured wait (time_ordering.max_wait). An inertial
- * sample that jumps away from the one before waits for the next one, and is dropped if that does not confirm it.
+ * Samples of different sensors may come in any order within the configured wait (time_ordering.max_wait). Those of IMU,
+ * magnetometer, barometer, camera and platform poses that come later than that, or twice, are refused; all others are
+ * passed on late rather than lost. An inertial sample that jumps away from the one before waits for the next one, and is
+ * dropped if that does not confirm it.
  * No lock is held while a frame's retain or release is called: they may push.
  * ODO_E_ARGUMENT (an event's or a reserved type), ODO_E_DISCARD (not finite, outside any sensor's range, late),
  * ODO_E_EXHAUSTED (queue full, too many frames retained), ODO_E_UNSUPPORTED, ODO_E_STRUCT_SIZE. */

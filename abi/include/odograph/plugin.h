@@ -128,8 +128,9 @@ typedef struct odo_value {
 } odo_value;
 
 /* ---- data in and out ---------------------------------------------------------------------------------------------- */
-/* Messages in the order of their time, checked by the host: at least of version 1.0's size, with numbers that are finite and
- * within what a sensor can measure. A plugin must survive others, but need not process them. Each message has its own size,
+/* Messages in the order of their time; GNSS, waypoints, ranges, steps of the system, descriptions of sensors and vendors'
+ * messages that came too late for that follow newer ones. The host has checked them: at least of version 1.0's size, with
+ * numbers that are finite and within what a sensor can measure. A plugin must survive others, but need not process them. Each message has its own size,
  * so that a batch needs no stride and mixes types. How the input is cut into batches never changes the output. A batch may
  * be empty (odo.wake/1). */
 typedef struct odo_batch {

@@ -304,8 +304,13 @@ odo_fix Pipeline::at_track(const odo_fix& fix) const {
 void Pipeline::on_fix(odo_fix& fix) {
   resolve_geodetic(fix, geodesy_);  // what is published is metric, and has the verdict
   const odo_fix moved = at_track(fix);
-  const bool used = !is_beyond_frame(fix) && estimator_->update(&moved).accepted;
+  const UpdateResult result = is_beyond_frame(fix) ? UpdateResult{} : estimator_->update(&moved);
+  const bool used = result.accepted;
   tell_notice();
+  if (!used && result.dof > 0)
+    host_.report(fix.header.source, ODO_SEVERITY_INFO, "rejected_fix",
+                 "a fix was rejected by the gate: " + std::to_string(std::sqrt(result.nis)) +
+                     " sigma from the track in " + std::to_string(result.dof) + " components");
   ++(used ? counters_.fixes_accepted : counters_.fixes_rejected);
   if (used) fix.header.flags |= ODO_FLAG_ACCEPTED;
   if (used && (fix.header.flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION))) north_is_true_ = true;

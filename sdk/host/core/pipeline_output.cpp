@@ -115,7 +115,7 @@ void Pipeline::tell_stream(const odo_pose& pose) {
   const bool goes_on = estimator_->at(INT64_MIN, estimate) == ODO_OK && !estimate.velocity_is_mean &&
                        estimate.pose.header.t_ns >= pose.header.t_ns;
   if (goes_on || estimator_->at(pose.header.t_ns, estimate) == ODO_OK) {
-    if (goes_on) base.pose = estimate.pose;
+    if (goes_on) base.pose = estimate.pose, base.pose.header.flags |= pose.header.flags & ODO_POSE_NORTH;
     base.q_n_b = estimate.q_n_b;
     base.p_n_b = estimate.p_n_b;
     if (goes_on && (estimate.pose.header.flags & ODO_POSE_VELOCITY)) base.v_n_b = estimate.v_n_b;

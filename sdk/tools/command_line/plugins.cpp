@@ -87,6 +87,8 @@ int check(const CheckWish& wish) {
     options.recording = [&](const auto& give) { give_all(**recording, give); };
   }
   const auto checks = check_plugin(wish.file, options);
+  if (checks.empty())
+    return complain({ODO_E_ARGUMENT, "--only: no case begins so; `odograph plugin check --list` names them"});
   const std::string text = wish.format == "json"    ? check_as_json(wish.file, checks)
                            : wish.format == "junit" ? check_as_junit(wish.file, checks)
                                                     : check_as_text(checks, wish.times);
