@@ -73,5 +73,6 @@ def breaks(abi, released, now):
         offset, _, kind = new[name].split(" ", 2)
         if end and int(offset) < end:
             yield f"{name}: new, but not at the end of the released struct"
-        if end and struct in abi.messages() and "*" in kind:
+        inner = kind.split("[")[0]
+        if end and struct in abi.messages() and ("*" in kind or inner in abi.structs and abi.has_pointer(inner)):
             yield f"{name}: a pointer was appended to a message"

@@ -30,7 +30,7 @@ ROWS = [
     ("interface id", [(H + "attitude.h", "odo.attitude/draft3", "odo.attitude/draft4")], "contract", "constant ODO_INTERFACE_ATTITUDE"),
     ("argument of a function pointer", [(BASE, "retain, (void *owner)", "retain, (const void *owner)")], "contract", "field odo_loan.retain"),
     # Constants, macros and names.
-    ("bit of the host's mask", [(BASE, "ODO_FLAG_HOST_MASK 0x7F000000u", "ODO_FLAG_HOST_MASK 0x3F000000u")], "contract", "constant ODO_FLAG_HOST_MASK"),
+    ("bit of the host's mask", [(BASE, "ODO_FLAG_HOST_MASK 0x0F000000u", "ODO_FLAG_HOST_MASK 0x07000000u")], "contract", "constant ODO_FLAG_HOST_MASK"),
     ("ODO_HAS excludes the last field", [(BASE, "sizeof((ptr)->field) <= ", "sizeof((ptr)->field) < ")], "contract", "macro ODO_HAS"),
     ("calling convention dropped", [(APP, "typedef void (ODO_CALL *odo_callback)", "typedef void (*odo_callback)")], "contract", "callback odo_callback"),
     ("entry symbol", [(PLUGIN, '"odo_plugin_entry_draft3"', '"odo_plugin_entry_v1"'), (PLUGIN, "#define ODO_PLUGIN_ENTRY odo_plugin_entry_draft3", "#define ODO_PLUGIN_ENTRY odo_plugin_entry_v1")],

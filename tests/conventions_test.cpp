@@ -3,6 +3,7 @@
 // What the numbers of the contract are of: the point of a fix, true north, a camera among several.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sdk/host/base/rotation.hpp"
@@ -127,6 +128,42 @@ TEST_CASE("frames of a second camera at the same times are no duplicates, and do
   const auto motions = app.all<odo_vo_motion>(ODO_TYPE_VO_MOTION);
   CHECK(motions.size() == 19);
   for (const odo_vo_motion& motion : motions) CHECK(motion.camera == 3);
+}
+
+TEST_CASE("no plugin emits inputs, the host's own events, reserved numbers or memory, whatever its table declares") {
+  const TestPlugins plugins{"echo"};
+  App app("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const auto echoed = [&](uint32_t type, int64_t t_ns) {
+    alignas(8) unsigned char bytes[sizeof(odo_header) + sizeof(odo_report)] = {};
+    auto& head = *reinterpret_cast<odo_header*>(bytes);
+    auto& event = *reinterpret_cast<odo_header*>(bytes + sizeof head);
+    head.struct_size = sizeof bytes, head.type = ODO_TYPE_VENDOR(0, 1), head.t_ns = t_ns;
+    event.struct_size = sizeof(odo_report), event.type = type, event.t_ns = t_ns;
+    odo_session_push(app.session, &head);
+    odo_session_flush(app.session);
+    return std::any_of(app.events.begin(), app.events.end(), [&](const std::string& e) {
+      return reinterpret_cast<const odo_header*>(e.data())->type == type;
+    });
+  };
+  int64_t t_ns = 1'000'000'000;
+  CHECK(echoed(ODO_TYPE_VENDOR(0, 2), t_ns));
+  for (const uint32_t type :
+       {ODO_TYPE_IMU, ODO_TYPE_POSE, ODO_TYPE_CORRECTION, ODO_TYPE_REPORT, 0x5000u, ODO_TYPE_VENDOR(0, ODO_BORROWED)})
+    CHECK_FALSE(echoed(type, t_ns += 1'000'000));
+}
+
+TEST_CASE("a vendor's message from a far future is refused and does not make what follows late") {
+  App app(kWalk);
+  app.walk(0, 100);
+  auto far = make_message<odo_imu>(ODO_TYPE_IMU, int64_t(1) << 61);
+  far.header.type = ODO_TYPE_VENDOR(0, 1);
+  CHECK(odo_session_push(app.session, &far.header) == ODO_E_DISCARD);
+  odo_session_flush(app.session);
+  CHECK(app.walk(100, 200) == ODO_OK);
+  odo_session_flush(app.session);
+  CHECK(app.statistics().late == 0);
+  CHECK(app.statistics().processed == 200);
 }
 
 TEST_SUITE_END();

@@ -24,7 +24,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
 /// What a number must be; `unjudged`: it is the host's own, or nobody takes it from outside.
-enum class Rule { finite, not_negative, positive, unit, direction, latitude, unjudged };
+enum class Rule { finite, not_negative, positive, share, unit, direction, latitude, unjudged };
 
 struct Field {
   uint32_t type;
@@ -63,10 +63,10 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, distortion, finite, 0),
     ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, q_b_c, unit, ODO_CALIBRATION_EXTRINSICS),
     ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, p_b_c, finite, ODO_CALIBRATION_EXTRINSICS),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_noise, finite, 0),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_walk, finite, 0),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_noise, finite, 0),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_walk, finite, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_noise, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_walk, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_noise, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_walk, not_negative, 0),
     ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, p_n, finite, 0),
     ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, sigma_m, not_negative, 0),
     ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, lever_b, finite, ODO_WAYPOINT_LEVER),
@@ -94,24 +94,24 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, p_c0_c1, finite, ODO_VO_TRANSLATION),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, covariance, finite, ODO_VO_COVARIANCE),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_n_c0, unjudged, ODO_FLAG_NAVIGATION),
-    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, scale_sigma, finite, ODO_VO_METRIC | ODO_VO_INERTIAL),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, scale_sigma, not_negative, ODO_VO_METRIC | ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, velocity_c1, finite, ODO_VO_INERTIAL),
-    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gravity_c1, finite, ODO_VO_INERTIAL),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gravity_c1, direction, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gyro_bias_b, finite, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, accel_bias_b, finite, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_SCALE, odo_scale, scale, not_negative, 0),
-    ODO_FIELD(ODO_TYPE_SCALE, odo_scale, sigma, finite, 0),
+    ODO_FIELD(ODO_TYPE_SCALE, odo_scale, sigma, not_negative, 0),
     ODO_FIELD(ODO_TYPE_SCALE, odo_scale, displacement_m, finite, 0),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, p_n, finite, kPosition),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, covariance_n, not_negative, ODO_FIX_COVARIANCE),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, q_n_b, unit, ODO_FIX_ORIENTATION),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, orientation_cov_n, not_negative, ODO_FIX_ORIENTATION_COVARIANCE),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_rad, finite, ODO_FIX_YAW),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_sigma_rad, finite, ODO_FIX_YAW),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_sigma_rad, positive, ODO_FIX_YAW),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, latitude_rad, finite, ODO_FIX_GEODETIC),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, longitude_rad, finite, ODO_FIX_GEODETIC),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, height_m, finite, ODO_FIX_GEODETIC),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, integrity, finite, ODO_FIX_INTEGRITY),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, integrity, share, ODO_FIX_INTEGRITY),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, landmark_n, finite, ODO_FIX_SLANT),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, slant_distance_m, finite, ODO_FIX_SLANT),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, lever_b, finite, ODO_FIX_LEVER),
@@ -253,6 +253,11 @@ TEST_CASE("numbers of a range are good at its ends, and faults beyond") {
         CHECK(good_with(1e-12));
         CHECK_FALSE(good_with(0));
         CHECK_FALSE(good_with(-1));
+        break;
+      case Rule::share:
+        CHECK((good_with(0) && good_with(1)));
+        CHECK_FALSE(good_with(-1e-9));
+        CHECK_FALSE(good_with(1 + 1e-9));
         break;
       case Rule::latitude:
         for (const double sign : {-1, 1}) {

@@ -179,6 +179,31 @@ TEST_CASE("a recorder takes neither the numbers that the format uses itself nor 
   odo_recording_close(recording);
 }
 
+TEST_CASE("a crafted recording hands out no loan and no reserved number") {
+  const TemporaryFolder folder;
+  const auto path = folder / "crafted.odo";
+  {
+    auto writer = RecordWriter::create(path);
+    REQUIRE(writer.ok());
+    auto lent = make_message<odo_borrowed>(ODO_TYPE_VENDOR(3, 0x801), 5);
+    lent.loan.owner = &lent;
+    for (const uint32_t type : {ODO_TYPE_VENDOR(3, 0x801), 0x5000u, ODO_TYPE_VENDOR(3, 1)}) {
+      lent.header.type = type;
+      CHECK(writer->write(type, {reinterpret_cast<const unsigned char*>(&lent), sizeof lent}));
+    }
+    CHECK(writer->finish().ok());
+  }
+  const std::string file = path.string();
+  const odo_string name{file.data(), file.size()};
+  odo_recording* recording = nullptr;
+  REQUIRE(odo_recording_open(&name, &recording, nullptr) == ODO_OK);
+  const odo_header* message = nullptr;
+  REQUIRE(odo_recording_next(recording, &message, nullptr, nullptr) == ODO_OK);
+  CHECK(message->type == ODO_TYPE_VENDOR(3, 1));
+  CHECK(odo_recording_next(recording, &message, nullptr, nullptr) == ODO_NOT_READY);
+  odo_recording_close(recording);
+}
+
 TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' messages replays to the bit") {
   const TestPlugins plugins{"wifi_fixer"};
   const std::string yaml =

@@ -207,7 +207,7 @@ const conformance_case cases_emit_values[] = {
     {"a fix that was used is published as accepted", "events.h",
      "ODO_FLAG_ACCEPTED on what the host publishes: it was used.", accepted_is_the_hosts, 0},
     {"a fix that was rejected is published without the bit, whatever its plugin set", "base.h",
-     "24 to 30 are set by the host alone", accepted_is_the_hosts, 1},
+     "24 to 27 are set by the host alone", accepted_is_the_hosts, 1},
     {"the end of a later event is published", "base.h", "the end of a larger one is passed on unread", end_is_published,
      0},
     {"a correction comes before the pose that it corrected", "events.h", "Given before the pose that it corrected",

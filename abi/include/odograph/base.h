@@ -133,7 +133,7 @@ typedef struct odo_string {
 /* Numbers by range: 0 is none, 0x1 to 0xFFF are inputs, 0x1000 to 0x1FFF events, 0x2000 to 0x7FFFFFFF reserved (no app,
  * plugin or recording may use them), and the upper half belongs to vendors. An input or a vendor's message that a host does
  * not know is ordered by time, recorded and given to the plugins that declare it. In every range the bit ODO_BORROWED marks
- * messages that lend memory. */
+ * messages that lend memory; they are inputs alone, and emit answers ODO_E_UNSUPPORTED. */
 #define ODO_BORROWED 0x800u
 #define ODO_TYPE_IMU 0x1u
 #define ODO_TYPE_MAGNETOMETER 0x2u
@@ -171,10 +171,10 @@ typedef struct odo_string {
 #define ODO_IS_BORROWED(type) (((uint32_t)(type) & ODO_BORROWED) != 0)
 #define ODO_LARGEST_MESSAGE 65536u
 
-/* Bits of header.flags: 0 to 23 have a meaning of their own in each type, 24 to 30 are set by the host alone (it clears them
- * on everything it receives, also those it has no meaning for), 31 is common to all types. */
+/* Bits of header.flags: 0 to 23 have a meaning of their own in each type, 24 to 27 are set by the host alone (it clears them
+ * on everything it receives, also those it has no meaning for), 28 to 31 are common to all types (28 to 30 are not in use). */
 #define ODO_FLAG_QUALITY 0x80000000u   /* header.quality is valid */
-#define ODO_FLAG_HOST_MASK 0x7F000000u
+#define ODO_FLAG_HOST_MASK 0x0F000000u
 #define ODO_FLAG_ACCEPTED 0x01000000u  /* on a published fix or scale: the host used it */
 #define ODO_FLAG_NAVIGATION 0x02000000u /* on a motion: q_n_c0 is valid */
 

@@ -81,10 +81,10 @@ typedef struct odo_motion_mode {
 #define ODO_VO_INERTIAL 16u    /* scale_sigma, velocity_c1, gravity_c1 and the biases are valid */
 typedef struct odo_vo_motion {
   odo_header header;     /* t_ns: time of the later frame, c1 */
-  int64_t t_from_ns;     /* time of the earlier frame, c0: the t_ns of the last result */
+  int64_t t_from_ns;     /* time of the earlier frame, c0: the t_ns of the last result, also of one that was lost */
   double q_c0_c1[4];
   double p_c0_c1[3];     /* position of c1 in c0, up to scale */
-  double covariance[36]; /* of (rotation in c0, position in c0), rad and up to scale */
+  double covariance[36]; /* of (rotation in c0, position in c0), rad^2 and displacement units^2 */
   double q_n_c0[4];      /* orientation of the earlier frame as the host estimates it; valid with ODO_FLAG_NAVIGATION */
   uint32_t camera;       /* header.source of its frames */
   uint32_t state;        /* ODO_TRACKING, ODO_DEGRADED, ODO_LOST */
@@ -148,12 +148,13 @@ typedef struct odo_fix {
   double landmark_n[3];          /* a surveyed point in view of the camera, such as a roof's edge, m */
   double slant_distance_m;       /* from the camera to it */
   double lever_b[3];             /* the point in b that the position is of (a camera, an antenna), m */
-  double yaw_axis_b[3];          /* unit vector in b: (0, 1, 0) is the top of a phone, the camera's axis of one held upright */
+  double yaw_axis_b[3];          /* unit vector in b: (0, 1, 0) is a phone's top, (0, 0, -1) its back, which suits one held upright */
   double cross_covariance_n[9];  /* of rotation (rows) and position (columns), rad m */
   double slant_sigma_m;          /* standard deviation of slant_distance_m */
 } odo_fix;
 
-/* The relative pose of the body at two times, as a loop closure or another map gives it. */
+/* The relative pose of the body at two times, as a loop closure or another map gives it. Published, recorded and given to the
+ * plugins that declare it; the host's estimate does not use it yet. */
 #define ODO_RELATIVE_POSE_TRANSLATION 1u
 #define ODO_RELATIVE_POSE_ROTATION 2u
 typedef struct odo_relative_pose {
@@ -197,7 +198,8 @@ typedef struct odo_state {
 } odo_state;
 
 /* The track was corrected and n with it: what was at x in the old n is at q_n * x + p_n in the new one. Given before the
- * pose that it corrected; whoever keeps places in n (anchors) moves them by it, and turns them by q_n. */
+ * pose that it corrected. Places that were found from the track (anchors, seen objects) move by it and are rotated by q_n; surveyed
+ * places (roofs, waypoints, transmitters) stay. */
 #define ODO_CORRECTION_FIX 1u       /* a position or orientation from outside */
 #define ODO_CORRECTION_SCALE 2u     /* the metre became known, or better known */
 #define ODO_CORRECTION_RECOVERED 3u /* a part of the estimate was started anew */
@@ -226,7 +228,7 @@ typedef struct odo_refined {
   double distortion[8];
   double q_b_c[4];
   double p_b_c[3];
-  int64_t time_offset_ns;    /* from a front-end: beyond the offset that the host applies; the host publishes the sum */
+  int64_t time_offset_ns;    /* beyond the offset that the host applies to this camera's frames */
   int64_t line_time_ns;
 } odo_refined;
 

@@ -143,8 +143,8 @@ typedef struct odo_batch {
 typedef struct odo_sink {
   uint32_t struct_size;
   uint32_t instance; /* this instance's number, for the report service */
-  /* [process] The event is copied; bits of ODO_FLAG_HOST_MASK are cleared. ODO_E_STATE outside process. ODO_E_ARGUMENT (a type
-   * that neither this kind emits nor the table declares, or a field that is out of its range: a report names it),
+  /* [process] The event is copied; bits of ODO_FLAG_HOST_MASK are cleared. ODO_E_STATE outside process and on other threads. ODO_E_ARGUMENT (a type
+   * that neither this kind emits nor the table declares, an input, a pose, state, correction or report, or a field that is out of its range: a report names it),
    * ODO_E_STRUCT_SIZE, ODO_E_EXHAUSTED (more than 256 events in one call). ODO_E_UNSUPPORTED: an event that this host is too old
    * for; nothing is wrong. */
   ODO_FUNCTION(int32_t, emit, (const struct odo_sink *sink, const odo_header *event));
@@ -175,21 +175,24 @@ typedef struct odo_plugin {
   uint32_t reserved;         /* 0 */
   /* [control] Makes an instance that serves `interface_id`. `number` is its number in reports. */
   ODO_FUNCTION(int32_t, create, (const odo_host *host, uint32_t number, const odo_string *interface_id, odo_instance **instance));
-  /* [control] All parameters, checked; called once before activate. ODO_E_CONFIG refuses, after a report. */
+  /* [control] All parameters, checked, numbers in the table's units; called once before activate. The rows and what they point to
+   * are valid for the call alone. ODO_E_CONFIG refuses, after a report. */
   ODO_FUNCTION(int32_t, configure, (odo_instance *instance, const odo_value *values, uint32_t count, uint32_t stride));
   /* [control] From here on process may be called. `sink` outlives the instance. */
   ODO_FUNCTION(int32_t, activate, (odo_instance *instance, const odo_sink *sink));
-  /* [process] */
+  /* [process] Each message of the batch is processed whatever became of those before it; events that were emitted stand. Returns
+   * the lowest status of all. */
   ODO_FUNCTION(int32_t, process, (odo_instance *instance, const odo_batch *batch));
-  /* [control] */
+  /* [control] Ends the instance, which releases all that it has retained first. */
   ODO_FUNCTION(void, destroy, (odo_instance *instance));
   /* What follows is optional: any of it may be null. */
-  /* [control] Back to the state after activate; calibrations and noise come again. Without it the host makes a new instance. */
+  /* [control] Back to the state after activate, what was loaded included; calibrations and noise come again. Without it the host
+   * makes a new instance. */
   ODO_FUNCTION(int32_t, reset, (odo_instance *instance));
   /* [control] What should survive a restart (a walker's personal parameters, ...), at most ODO_LARGEST_STATE bytes. Returns the
    * bytes needed; writes them if `capacity` suffices. 0: nothing to save. The host keeps it by the plugin's id. */
   ODO_FUNCTION(int64_t, save, (odo_instance *instance, void *data, uint64_t capacity));
-  /* [control] ODO_E_DATA when the blob is not this plugin's or damaged: the state is as it was. */
+  /* [control] After activate. ODO_E_DATA when the blob is not this plugin's or damaged: the state is as it was. */
   ODO_FUNCTION(int32_t, load, (odo_instance *instance, const void *data, uint64_t size));
   /* [any] An extension's table, or null. */
   ODO_FUNCTION(const void *, get_interface, (odo_instance *instance, const char *id, uint64_t id_size));

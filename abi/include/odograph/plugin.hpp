@@ -296,23 +296,27 @@ template <class T, class Tag> class Glue {
     (void)instance, (void)header;
   }
 
+  static void dispatch(Instance& instance, const odo_header* header) {
+    switch (header->type) {
+#define ODO_DETAIL_DELIVER(number, type, name, min_size) \
+  case number: deliver<type>(instance, header); break;
+      ODO_FOR_EACH_MESSAGE(ODO_DETAIL_DELIVER)
+#undef ODO_DETAIL_DELIVER
+      default: deliver_vendors(instance, header, typename vendor_messages<T>::type());
+    }
+  }
+
+  /// A message that is refused does not keep those behind it from being processed.
   static int32_t ODO_CALL process(odo_instance* handle, const odo_batch* batch) noexcept {
     Instance* instance = of(handle);
-    return guarded(&instance->output, [&]() -> int32_t {
-      if constexpr (has_woken<T>::value)
-        if (batch->count == 0) instance->object->woken(instance->output);
-      for (uint32_t i = 0; i < batch->count; ++i) {
-        const odo_header* header = batch->messages[i];
-        switch (header->type) {
-#define ODO_DETAIL_DELIVER(number, type, name, min_size) \
-  case number: deliver<type>(*instance, header); break;
-          ODO_FOR_EACH_MESSAGE(ODO_DETAIL_DELIVER)
-#undef ODO_DETAIL_DELIVER
-          default: deliver_vendors(*instance, header, typename vendor_messages<T>::type());
-        }
-      }
-      return ODO_OK;
-    });
+    int32_t worst = ODO_OK;
+    const auto keep = [&worst](int32_t status) { worst = status < worst ? status : worst; };
+    if constexpr (has_woken<T>::value)
+      if (batch->count == 0)
+        keep(guarded(&instance->output, [&]() -> int32_t { return instance->object->woken(instance->output), ODO_OK; }));
+    for (uint32_t i = 0; i < batch->count; ++i)
+      keep(guarded(&instance->output, [&]() -> int32_t { return dispatch(*instance, batch->messages[i]), ODO_OK; }));
+    return worst;
   }
 
   static int32_t ODO_CALL reset(odo_instance* handle) noexcept {

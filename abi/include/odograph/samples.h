@@ -93,7 +93,8 @@ typedef struct odo_plane {
 typedef struct odo_frame {
   odo_header header;
   odo_loan loan;
-  uint32_t format;      /* ODO_FORMAT_*; a number that a host does not know is passed on, and copied by its planes */
+  uint32_t format;      /* ODO_FORMAT_*; a number that a host does not know is passed on, and copied by its planes where the
+                         * frame cannot be retained: then each of their rows has |row_stride| bytes, the last one too */
   uint32_t width;       /* pixels */
   uint32_t height;      /* pixels */
   uint32_t plane_count; /* 1 to 4; 0: as the format has it */

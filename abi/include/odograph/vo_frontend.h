@@ -4,7 +4,8 @@
  *
  * Given: odo_calibration, odo_frame (borrowed), odo_imu (a phone that has no accelerometer at a gyroscope's time sends the
  *        gyroscope alone: look at the flags), odo_imu_noise and odo_attitude as priors where there are any.
- *        Of one camera, the first that has a calibration or a frame, unless the table has ODO_PLUGIN_SEVERAL_CAMERAS.
+ *        Of one camera, the main one: the config's (source 0) where it has one, otherwise the first that has a calibration or
+ *        a frame. With ODO_PLUGIN_SEVERAL_CAMERAS in the table, of all cameras; motions are of the main one all the same.
  * Emits: at most one odo_vo_motion for each frame after the first, in the frames' order, with t_from_ns the t_ns of the last
  *        result (of the first frame, before there is one). It comes within the call of its frame or, where a frame's last rows
  *        need later inertial samples, of one of the next calls. While no motion can be computed, state is ODO_DEGRADED or

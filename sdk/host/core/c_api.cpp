@@ -30,6 +30,11 @@ std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.
 
 int32_t create(const odo_session_options& options, odo_session** out, odo_error* error) {
   const std::string path = text(options.config_path), config_text = text(options.config_text);
+  if (options.run != ODO_RUN_LIVE && options.run != ODO_RUN_REPLAY)
+    return fail(error, {ODO_E_ARGUMENT, "run = " + std::to_string(options.run) + "; expected one of ODO_RUN_*"});
+  if (options.flags & ~ODO_SESSION_CRASH_NOTES)
+    return fail(error,
+                {ODO_E_UNSUPPORTED, "flags = " + std::to_string(options.flags) + "; expected ODO_SESSION_* alone"});
   if (path.empty() == config_text.empty())
     return fail(error, {ODO_E_ARGUMENT, "expected exactly one of config_path and config_text"});
   const auto directories = odograph::path_list(text(options.plugin_path));

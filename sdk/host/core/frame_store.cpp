@@ -31,6 +31,26 @@ size_t FrameStore::in_use() const {
       std::count_if(holders_.begin(), holders_.end(), [](const auto& h) { return h->holds > 0; }));
 }
 
+namespace {
+
+/// Gives a place back, also where memory runs out, unless it is kept.
+template <class Holder>
+class Place {
+ public:
+  explicit Place(Holder& holder) : holder_(&holder) {}
+  ~Place() {
+    if (holder_) holder_->holds = 0;
+  }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+  void keep() { holder_ = nullptr; }
+
+ private:
+  Holder* holder_;
+};
+
+}  // namespace
+
 int32_t FrameStore::adopt(odo_borrowed& message) {
   Holder* holder = nullptr;
   {
@@ -43,6 +63,7 @@ int32_t FrameStore::adopt(odo_borrowed& message) {
       }
   }
   if (!holder) return message.loan = {}, ODO_E_EXHAUSTED;
+  Place place(*holder);
   const odo_loan original = std::exchange(message.loan, {});
   const bool can_be_retained = original.retain && original.release;
   const bool is_frame = message.header.type == ODO_TYPE_FRAME;
@@ -54,10 +75,8 @@ int32_t FrameStore::adopt(odo_borrowed& message) {
     status = original.retain(original.owner) >= 0 ? ODO_OK : ODO_E_EXHAUSTED;
   else
     status = has_pixels ? copy_frame(*holder, reinterpret_cast<odo_frame&>(message)) : ODO_E_UNSUPPORTED;
-  if (status < 0) {
-    holder->holds = 0;
-    return status;
-  }
+  if (status < 0) return status;
+  place.keep();
   message.loan = {holder, retain, release, !holder->copied && original.native ? native : nullptr, 0};
   return ODO_OK;
 }

@@ -89,7 +89,10 @@ bool Pipeline::is_for(const PluginInstance& plugin, const odo_header& message) c
 void Pipeline::ask(const odo_header& message) {
   bool wanted = message_info(message.type) != nullptr;
   for (PluginInstance* plugin : asked_) {
-    if (!is_for(*plugin, message)) continue;
+    if (!is_for(*plugin, message)) {
+      if (message.type == ODO_TYPE_FRAME && plugin->wants(message.type)) report_other_camera(message.source);
+      continue;
+    }
     wanted = true;
     take(*plugin, message);
     handle_events();
@@ -159,7 +162,8 @@ void Pipeline::handle(AnyMessage& event) {
     case ODO_TYPE_POSE:  // a prior for the fixers; they have been published
     case ODO_TYPE_CORRECTION: return tell(header);
     case ODO_TYPE_VO_MOTION:
-      if (in_use(header)) return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
+      if (in_use(header) && is_of_main_camera(as<odo_vo_motion>(header)))
+        return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
       break;
     case ODO_TYPE_SCALE: return on_scale(reinterpret_cast<odo_scale&>(event.header()));
     case ODO_TYPE_ATTITUDE: complete(reinterpret_cast<odo_attitude&>(event.header())); break;
@@ -189,25 +193,6 @@ void Pipeline::handle(AnyMessage& event) {
     case ODO_TYPE_VO_MOTION: break;
     default: tell(header);  // for plugins that declare it
   }
-}
-
-/// Turns magnetic north into true north, where the declination is known; an attitude without a covariance is given an
-/// uninformed one.
-void Pipeline::complete(odo_attitude& attitude) const {
-  uint32_t& flags = attitude.header.flags;
-  if (!(flags & ODO_ATTITUDE_COVARIANCE)) {
-    std::fill(std::begin(attitude.covariance_n), std::end(attitude.covariance_n), 0.0);
-    attitude.covariance_n[0] = attitude.covariance_n[4] = kParameters.tilt_sigma_rad * kParameters.tilt_sigma_rad;
-    attitude.covariance_n[8] = kParameters.heading_sigma_rad * kParameters.heading_sigma_rad;
-    flags |= ODO_ATTITUDE_COVARIANCE;
-  }
-  if (!declination_rad_ || !(flags & ODO_ATTITUDE_MAGNETIC_NORTH)) return;
-  const Eigen::Quaterniond rotation(Eigen::AngleAxisd(*declination_rad_, Eigen::Vector3d::UnitZ()));
-  put_quaternion(rotation * quaternion(attitude.q_n_b), attitude.q_n_b);
-  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> covariance(attitude.covariance_n);
-  const Eigen::Matrix3d R = rotation.toRotationMatrix();
-  covariance = (R * covariance * R.transpose()).eval();
-  flags = (flags & ~ODO_ATTITUDE_MAGNETIC_NORTH) | ODO_ATTITUDE_TRUE_NORTH;
 }
 
 void Pipeline::on_attitude(const odo_attitude& attitude) {
@@ -283,22 +268,6 @@ void Pipeline::on_vo_motion(odo_vo_motion& motion) {
 void Pipeline::tell_notice() {
   if (const Notice notice = estimator_->take_notice(); notice.key)
     host_.report(0, ODO_SEVERITY_WARNING, notice.key, notice.text);
-}
-
-/// A fix of the point that the estimator's track is of, the camera or the body, from one of the point lever_b:
-/// p = p_fix + R_n_b (p_b - lever_b), with the fix's orientation, or the estimate at its time.
-odo_fix Pipeline::at_track(const odo_fix& fix) const {
-  odo_fix moved = copy_as<odo_fix>(fix.header);
-  Eigen::Vector3d lever_b = has_vo_ ? p_b_c_ : Eigen::Vector3d(Eigen::Vector3d::Zero());
-  if (fix.header.flags & ODO_FIX_LEVER) lever_b -= Eigen::Vector3d(fix.lever_b);
-  if (lever_b.isZero(0)) return moved;
-  Estimate then;
-  if (fix.header.flags & ODO_FIX_ORIENTATION)
-    then.q_n_b = quaternion(fix.q_n_b);
-  else if (estimator_->at(fix.header.t_ns, then) != ODO_OK && estimator_->at(INT64_MIN, then) != ODO_OK)
-    return moved;
-  Eigen::Vector3d::Map(moved.p_n) += then.q_n_b * lever_b;
-  return moved;
 }
 
 void Pipeline::on_fix(odo_fix& fix) {

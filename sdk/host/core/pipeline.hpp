@@ -88,6 +88,8 @@ class Pipeline {
   // pipeline.cpp: from samples to the estimator
   void on_imu(const odo_imu& imu);
   bool is_main_camera(const odo_header& message);
+  bool is_of_main_camera(const odo_vo_motion& motion);
+  void report_other_camera(uint32_t source);
   void on_calibration(const odo_calibration& calibration);
   bool is_for(const PluginInstance& plugin, const odo_header& message) const;
   void ask(const odo_header& message);
@@ -103,7 +105,7 @@ class Pipeline {
   void on_vo_motion(odo_vo_motion& motion);
   odo_fix at_track(const odo_fix& fix) const;
   void on_fix(odo_fix& fix);
-  bool is_beyond_frame(const odo_fix& fix);  // pipeline_bounds.cpp
+  bool is_beyond_frame(const odo_fix& fix);  // pipeline_conventions.cpp
   void tell_notice();
   void on_scale(odo_scale& scale);
   void publish_scale(odo_scale& scale, bool accepted);

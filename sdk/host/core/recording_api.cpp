@@ -38,8 +38,11 @@ int32_t open(const std::filesystem::path& path, odo_recording** out, odo_error* 
   if (!reader) return fail(error, reader.failure());
   auto recording = std::make_unique<odo_recording>(odo_recording{std::move(*reader), {}, 0, {}});
   std::span<const unsigned char> picture;
+  const auto is_kept = [](uint32_t type) {  // what a recorder does not take, no recording has
+    return !ODO_IS_RESERVED(type) && (!ODO_IS_BORROWED(type) || type == ODO_TYPE_FRAME);
+  };
   while (recording->reader.next())
-    if (recording->reader.message(recording->message, picture))
+    if (recording->reader.message(recording->message, picture) && is_kept(recording->message.header().type))
       recording->places.push_back({recording->message.header().t_ns, recording->reader.payload_offset()});
   if (recording->places.empty()) return fail(error, {ODO_E_DATA, path.string() + ": no whole message in it"});
   std::stable_sort(recording->places.begin(), recording->places.end(),

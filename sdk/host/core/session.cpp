@@ -83,6 +83,7 @@ int32_t Session::take(const odo_header& sample, OwnedMessage& out) {
                           "struct_size = " + std::to_string(sample.struct_size) + "; expected " +
                               std::to_string(min_size(sample.type)) + " to " + std::to_string(ODO_LARGEST_MESSAGE));
   copy.header().flags &= ~ODO_FLAG_HOST_MASK;
+  copy.header().reserved = 0;
   if (const std::string fault = message_fault(copy.header()); !fault.empty())
     return refuse_invalid(sample, ODO_E_DISCARD, fault);
   if (!gate_.within_range(copy.header())) return refuse_wild(sample, "outside the range of any such sensor");
@@ -113,7 +114,9 @@ int32_t Session::enqueue(OwnedMessage message) {
     const std::lock_guard lock(mutex_);
     if (stopping_) return ODO_E_STATE;  // an app that pushes while its last frames are given back
     if (header.type == ODO_TYPE_IMU) {
-      spikes = gate_.push(copy_as<odo_imu>(message.header()), [&](const odo_imu& imu) {
+      odo_imu sample = copy_as<odo_imu>(message.header());  // bits of fields that are cut off go with them
+      sample.header.flags &= (2 * ODO_IMU_ACCEL_CORRECTED - 1) | ODO_FLAG_QUALITY;
+      spikes = gate_.push(sample, [&](const odo_imu& imu) {
         const auto each = order(OwnedMessage(imu.header), given_up);
         if (each == TimeOrder::Verdict::accepted) poses_.add_imu(imu);
         if (each != TimeOrder::Verdict::accepted) verdict = each;
@@ -256,21 +259,14 @@ void Session::publish(const odo_header& event) {
   if (!has_callback_.load(std::memory_order_relaxed)) return;
   odo_callback callback;
   void* user;
-  AnyMessage refined;
   {
     const std::lock_guard lock(mutex_);
     if (!callback_ || !callback_types_.has(event.type)) return;
-    if (event.type == ODO_TYPE_REFINED) {  // an app is given the whole time offset
-      refined.assign(event);
-      auto& whole = reinterpret_cast<odo_refined&>(refined.header());
-      if (const auto camera = cameras_.find(whole.camera); camera != cameras_.end())
-        whole.time_offset_ns = saturating_sum(whole.time_offset_ns, camera->second.offset_ns);
-    }
     callback = callback_, user = callback_user_;
     callback_runs_ = true;
     callback_thread_ = std::this_thread::get_id();
   }
-  callback(user, event.type == ODO_TYPE_REFINED ? &refined.header() : &event);
+  callback(user, &event);
   {
     const std::lock_guard lock(mutex_);
     callback_runs_ = false;

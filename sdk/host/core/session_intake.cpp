@@ -51,7 +51,7 @@ void Session::take_calibration(odo_calibration& c) {
     const odo_header header = c.header;
     std::memcpy(static_cast<void*>(&c), &*own, sizeof c);
     c.header = header;
-    c.header.flags = own->header.flags | (header.flags & optional);
+    c.header.flags = header.flags | (own->header.flags & optional);
     if (!(own->header.flags & ODO_CALIBRATION_EXTRINSICS)) {
       std::memcpy(c.q_b_c, pushed.q_b_c, sizeof c.q_b_c);
       std::memcpy(c.p_b_c, pushed.p_b_c, sizeof c.p_b_c);

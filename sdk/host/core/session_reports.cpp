@@ -66,7 +66,7 @@ void Session::set_report_listener(HostServices::Listener listener) {
 
 int32_t Session::last_error(odo_error& out) {
   const std::lock_guard lock(error_mutex_);
-  if (errors_ == 0) return ODO_OK;
+  if (errors_ == 0) return fail(&out, {ODO_OK, ""});
   errors_ = 0;
   return fail(&out, {last_error_.status, last_error_.message});
 }

@@ -87,6 +87,8 @@ TimeOrder::Verdict TimeOrder::push(OwnedMessage&& message) {
   const int64_t t_ns = header.t_ns;
   const bool ordered = !may_be_late(header.type);
   if (header.type == ODO_TYPE_CALIBRATION) expect_camera();
+  if (!ordered && newest_ns_ != INT64_MIN && saturating_difference(t_ns, newest_ns_) > parameters_.far_ahead_ns)
+    return Verdict::implausible;
   if (ordered) {
     Stream& stream = stream_of(header);
     if (t_ns == stream.latest_ns) return Verdict::duplicate;
@@ -145,7 +147,7 @@ int64_t TimeOrder::latest_waiting_ns() const {
 bool TimeOrder::pop(OwnedMessage& out, int64_t flush_until_ns) {
   if (heap_.empty() || heap_.front().t_ns > std::max(watermark(), flush_until_ns)) return false;
   take_first(out);
-  released_ns_ = std::max(released_ns_, out.header().t_ns);
+  if (!may_be_late(out.header().type)) released_ns_ = std::max(released_ns_, out.header().t_ns);
   return true;
 }
 

@@ -24,7 +24,7 @@ std::string number_text(double value) {
 class Judge {
  public:
   explicit Judge(const odo_header& header) : flags_(header.flags) {
-    when(ODO_FLAG_QUALITY).finite("quality", header.quality).always();
+    when(ODO_FLAG_QUALITY).share("quality", header.quality).always();
   }
 
   /// What follows counts only where this validity bit is set.
@@ -66,6 +66,9 @@ class Judge {
     finite(field, v, 3);
     const double norm = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     return that(std::abs(norm - 1.0) < 1e-3, field, norm, "a vector of norm 1");
+  }
+  Judge& share(const char* field, double value) {
+    return finite(field, value).that(value >= 0 && value <= 1, field, value, "0 to 1");
   }
   Judge& positive(const char* field, double value) {
     return finite(field, value).that(value > 0, field, value, "above 0");
@@ -123,9 +126,9 @@ void judge_vo_motion(Judge& judge, const odo_vo_motion& m) {
   judge.when(ODO_VO_ROTATION).unit("q_c0_c1", m.q_c0_c1);
   judge.when(ODO_VO_TRANSLATION).finite("p_c0_c1", m.p_c0_c1, 3);
   judge.when(ODO_VO_COVARIANCE).finite("covariance", m.covariance, 36);
-  judge.when(ODO_VO_METRIC | ODO_VO_INERTIAL).finite("scale_sigma", m.scale_sigma);
+  judge.when(ODO_VO_METRIC | ODO_VO_INERTIAL).not_negative("scale_sigma", m.scale_sigma);
   judge.when(ODO_VO_INERTIAL).finite("velocity_c1", m.velocity_c1, 3);
-  judge.finite("gravity_c1", m.gravity_c1, 3).finite("gyro_bias_b", m.gyro_bias_b, 3);
+  judge.unit3("gravity_c1", m.gravity_c1).finite("gyro_bias_b", m.gyro_bias_b, 3);
   judge.finite("accel_bias_b", m.accel_bias_b, 3);
 }
 
@@ -135,7 +138,7 @@ void judge_fix(Judge& judge, const odo_fix& m) {
       .that(flags & ODO_FIX_COVARIANCE, "flags", flags, "ODO_FIX_COVARIANCE with a position")
       .finite("p_n", m.p_n, 3);
   judge.when(ODO_FIX_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
-  judge.when(ODO_FIX_INTEGRITY).finite("integrity", m.integrity);
+  judge.when(ODO_FIX_INTEGRITY).share("integrity", m.integrity);
   judge.when(ODO_FIX_LEVER).finite("lever_b", m.lever_b, 3);
   judge.when(ODO_FIX_ORIENTATION)
       .that(flags & ODO_FIX_ORIENTATION_COVARIANCE, "flags", flags,
@@ -147,7 +150,7 @@ void judge_fix(Judge& judge, const odo_fix& m) {
   judge.when(ODO_FIX_SLANT).finite("landmark_n", m.landmark_n, 3).finite("slant_distance_m", m.slant_distance_m);
   judge.when(ODO_FIX_YAW)
       .finite("yaw_rad", m.yaw_rad)
-      .finite("yaw_sigma_rad", m.yaw_sigma_rad)
+      .positive("yaw_sigma_rad", m.yaw_sigma_rad)
       .unit3("yaw_axis_b", m.yaw_axis_b);
   judge.when(ODO_FIX_GEODETIC).finite("latitude_rad", m.latitude_rad).finite("longitude_rad", m.longitude_rad);
   judge.finite("height_m", m.height_m);
@@ -182,7 +185,9 @@ void judge_input_fields(Judge& judge, const odo_header& header) {
     case ODO_TYPE_FRAME: judge_frame(judge, as<odo_frame>(header)); break;
     case ODO_TYPE_CALIBRATION: judge_calibration(judge, as<odo_calibration>(header)); break;
     case ODO_TYPE_IMU_NOISE:
-      judge.finite("gyro_noise and what follows", &as<odo_imu_noise>(header).gyro_noise, 4);
+      for (const double* density = &as<odo_imu_noise>(header).gyro_noise;
+           density <= &as<odo_imu_noise>(header).accel_walk; ++density)
+        judge.not_negative("gyro_noise and what follows", *density);
       break;
     case ODO_TYPE_WAYPOINT:
       judge.finite("p_n", as<odo_waypoint>(header).p_n, 3).not_negative("sigma_m", as<odo_waypoint>(header).sigma_m);
@@ -239,7 +244,7 @@ void judge_event_fields(Judge& judge, const odo_header& header) {
     case ODO_TYPE_VO_MOTION: judge_vo_motion(judge, as<odo_vo_motion>(header)); break;
     case ODO_TYPE_SCALE: {
       const auto& m = as<odo_scale>(header);
-      judge.not_negative("scale", m.scale).finite("sigma", m.sigma);
+      judge.not_negative("scale", m.scale).not_negative("sigma", m.sigma);
       judge.finite("displacement_m", m.displacement_m);
       break;
     }

@@ -153,10 +153,25 @@ void PluginInstance::learn_types() {
   for (const uint32_t type : types.outputs) outputs_.add(type);
 }
 
+namespace {
+
+/// Inputs are the app's, and some events the host's own; no table can declare them.
+bool may_be_emitted(uint32_t type) {
+  if (ODO_IS_VENDOR(type)) return true;
+  return ODO_IS_EVENT(type) && type != ODO_TYPE_POSE && type != ODO_TYPE_STATE && type != ODO_TYPE_CORRECTION &&
+         type != ODO_TYPE_REPORT;
+}
+
+}  // namespace
+
 int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault) {
   const MessageInfo* info = message_info(event.type);
   const auto name = [&] { return message_name(event.type); };
-  if (!outputs.has(event.type)) {
+  if (ODO_IS_BORROWED(event.type)) {
+    fault = {"wrong_event", "emitted type = " + name() + ", which lends memory; events do not"};
+    return ODO_E_UNSUPPORTED;
+  }
+  if (!may_be_emitted(event.type) || !outputs.has(event.type)) {
     if (ODO_IS_EVENT(event.type) && !info) return ODO_E_UNSUPPORTED;  // of a newer plugin
     fault = {"wrong_event", "emitted type = " + name() + "; expected one that its kind emits or its table declares"};
     return ODO_E_ARGUMENT;
@@ -168,6 +183,7 @@ int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage&
     return ODO_E_STRUCT_SIZE;
   }
   copy.header().flags &= ~ODO_FLAG_HOST_MASK;
+  copy.header().reserved = 0;
   if (const std::string wrong = message_fault(copy.header()); !wrong.empty()) {
     fault = {"bad_event", "emitted a " + name() + " with " + wrong};
     return ODO_E_ARGUMENT;

@@ -128,7 +128,7 @@ class ThreadBackend::Worker {
   bool put_frame(odo_frame& frame) {
     const auto slot =
         std::find_if(std::begin(slots_), std::end(slots_), [](const FrameSlot& each) { return each.holds == 0; });
-    if (slot == std::end(slots_)) return false;
+    if (slot == std::end(slots_) || pixel_bytes(frame) == 0) return false;
     slot->pixels.resize(pixel_bytes(frame));
     if (!copy_pixels(frame, slot->pixels)) return false;
     slot->holds = 1;
