@@ -158,14 +158,11 @@ static void offset_survives_a_reset(int unused) {
   "ODO_CALIBRATION_TIME_OFFSET"
 const conformance_case cases_cameras[] = {
     {"frames of two cameras may have the same time", "base.h", SAME_SOURCE, same_time_is_no_duplicate, 0},
-    {"a front-end is given the first camera that has a frame", "vo_frontend.h",
-     "Of one camera, the first that has a calibration or a frame, unless the table has ODO_PLUGIN_SEVERAL_CAMERAS.",
+    {"a front-end is given the first camera that has a frame", "vo_frontend.h", "Of one camera, the main one",
      one_camera_for_a_frontend, 0},
-    {"a front-end is given one of two calibrated cameras", "vo_frontend.h",
-     "Of one camera, the first that has a calibration or a frame, unless the table has ODO_PLUGIN_SEVERAL_CAMERAS.",
+    {"a front-end is given one of two calibrated cameras", "vo_frontend.h", "Of one camera, the main one",
      one_camera_for_a_frontend, 1},
-    {"a front-end is given the first camera that has a calibration", "vo_frontend.h",
-     "Of one camera, the first that has a calibration or a frame, unless the table has ODO_PLUGIN_SEVERAL_CAMERAS.",
+    {"a front-end is given the first camera that has a calibration", "vo_frontend.h", "Of one camera, the main one",
      first_calibration_decides, 0},
     {"a front-end for several cameras is given all", "plugin.h",
      "a front-end that is given frames of all cameras instead of the first one's", several_where_declared, 0},

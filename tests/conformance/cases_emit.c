@@ -243,11 +243,16 @@ static void vendor_event_is_published(int unused) {
 }
 
 const conformance_case cases_emit[] = {
-    {"emit from activate is refused", "plugin.h", "ODO_E_STATE outside process.", emit_outside_process, PROBE_ACTIVATE},
-    {"emit from reset is refused", "plugin.h", "ODO_E_STATE outside process.", emit_outside_process, PROBE_RESET},
-    {"emit from save is refused", "plugin.h", "ODO_E_STATE outside process.", emit_outside_process, PROBE_SAVE},
-    {"emit from load is refused", "plugin.h", "ODO_E_STATE outside process.", emit_outside_process, PROBE_LOAD},
-    {"emit from destroy is refused", "plugin.h", "ODO_E_STATE outside process.", emit_outside_process, PROBE_DESTROY},
+    {"emit from activate is refused", "plugin.h", "ODO_E_STATE outside process and on other threads.",
+     emit_outside_process, PROBE_ACTIVATE},
+    {"emit from reset is refused", "plugin.h", "ODO_E_STATE outside process and on other threads.",
+     emit_outside_process, PROBE_RESET},
+    {"emit from save is refused", "plugin.h", "ODO_E_STATE outside process and on other threads.", emit_outside_process,
+     PROBE_SAVE},
+    {"emit from load is refused", "plugin.h", "ODO_E_STATE outside process and on other threads.", emit_outside_process,
+     PROBE_LOAD},
+    {"emit from destroy is refused", "plugin.h", "ODO_E_STATE outside process and on other threads.",
+     emit_outside_process, PROBE_DESTROY},
     {"emit of another instance within process is refused", "plugin.h",
      "emit works within process of this instance alone", emit_of_another_instance, 0},
     {"emit on another thread is refused", "plugin.h", "emit works within process of this instance alone",

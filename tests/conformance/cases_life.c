@@ -160,7 +160,7 @@ const conformance_case cases_life[] = {
     {"an instance of a replay without samples is destroyed", "plugin.h", ORDER, unused_session, ODO_RUN_REPLAY},
     {"an instance of a live session without samples is destroyed", "plugin.h", ORDER, unused_session, ODO_RUN_LIVE},
     {"configure is given every parameter, by default as the table has it", "plugin.h",
-     "All parameters, checked; called once before activate.", parameters_by_default, 0},
+     "called once before activate.", parameters_by_default, 0},
     {"configure is given what the config has", "plugin.h",
      "A value out of the config, already checked against the table.", parameters_of_the_config, 0},
     {"a parameter out of its range is refused before the plugin is given it", "odograph.h",

@@ -238,7 +238,7 @@ const conformance_case cases_order[] = {
     {"a flush of a live session processes all", "odograph.h",
      "Processes all that has been pushed, without waiting for slower sensors", flush_processes_all, ODO_RUN_LIVE},
     {"plugins are reset when the clock is set back, and calibrations come again", "plugin.h",
-     "Back to the state after activate; calibrations and noise come again.", clock_set_back, 0},
+     "calibrations and noise come again.", clock_set_back, 0},
     {"a plugin without reset is made anew when the clock is set back", "plugin.h",
      "Without it the host makes a new instance.", set_back_without_reset, 0},
     {"each sample is in one batch", "plugin.h", "Messages in the order of their time", batches_are_whole, 0},

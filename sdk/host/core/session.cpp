@@ -114,8 +114,9 @@ int32_t Session::enqueue(OwnedMessage message) {
     const std::lock_guard lock(mutex_);
     if (stopping_) return ODO_E_STATE;  // an app that pushes while its last frames are given back
     if (header.type == ODO_TYPE_IMU) {
-      odo_imu sample = copy_as<odo_imu>(message.header());  // bits of fields that are cut off go with them
-      sample.header.flags &= (2 * ODO_IMU_ACCEL_CORRECTED - 1) | ODO_FLAG_QUALITY;
+      odo_imu sample = copy_as<odo_imu>(message.header());
+      if (header.struct_size > sizeof sample)  // bits of fields that are cut off go with them
+        sample.header.flags &= (2 * ODO_IMU_ACCEL_CORRECTED - 1) | ODO_FLAG_QUALITY;
       spikes = gate_.push(sample, [&](const odo_imu& imu) {
         const auto each = order(OwnedMessage(imu.header), given_up);
         if (each == TimeOrder::Verdict::accepted) poses_.add_imu(imu);

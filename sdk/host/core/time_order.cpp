@@ -87,8 +87,6 @@ TimeOrder::Verdict TimeOrder::push(OwnedMessage&& message) {
   const int64_t t_ns = header.t_ns;
   const bool ordered = !may_be_late(header.type);
   if (header.type == ODO_TYPE_CALIBRATION) expect_camera();
-  if (!ordered && newest_ns_ != INT64_MIN && saturating_difference(t_ns, newest_ns_) > parameters_.far_ahead_ns)
-    return Verdict::implausible;
   if (ordered) {
     Stream& stream = stream_of(header);
     if (t_ns == stream.latest_ns) return Verdict::duplicate;
