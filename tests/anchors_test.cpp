@@ -92,7 +92,7 @@ TEST_CASE("an anchor is seen where it was put, in n and in the view, and goes wi
   CHECK(a.id == id);
   CHECK(a.kind == ODO_ANCHOR_VIEW);
   CHECK(std::string(a.name) == "the door");
-  CHECK(a.flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_IN_VIEW));
+  CHECK(a.flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE));
   CHECK(a.state == ODO_TRACKING);
   CHECK((Vector3d(a.p_view) - ahead).norm() < 1e-9);
   CHECK(std::abs(a.q_view[0] - std::sqrt(0.5)) < 1e-9);
@@ -166,7 +166,7 @@ TEST_CASE("a geospatial anchor stays on the Earth, and waits until n is there") 
   app.walk(0, 1000);
   CHECK(get(app, id).state == ODO_LOST);
   CHECK(get(app, id).reason == ODO_REASON_NO_FIX);
-  CHECK(std::string(odo_reason_text(ODO_REASON_NO_FIX)) == "no position fix yet");
+  CHECK(std::string(odo_reason_text(ODO_REASON_NO_FIX)) == "no start position and no position fix yet");
   CHECK(get(app, id).flags == ODO_ANCHOR_ON_EARTH);
   mark(app, 999, {0, 0, 0});
   app.walk(1000, 2000);

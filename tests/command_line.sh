@@ -122,7 +122,7 @@ expect 3 "1 pictures cannot be read" "$odograph" run -c "$configs/monocular.yaml
 expect 0 '"pictures": 1' cat o7/summary.json
 expect 3 "1 pictures cannot be read" "$odograph" convert euroc mended2.odo
 sed -i 's/resolution: .*/resolution: [320, 240]/' euroc/mav0/cam0/sensor.yaml
-expect 3 "calibration 0 is for 320 x 240" "$odograph" run -c "$configs/monocular.yaml" -i euroc -o o8
+expect 3 "calibration of camera 0 is for 320 x 240" "$odograph" run -c "$configs/monocular.yaml" -i euroc -o o8
 # What goes wrong with the sensors of any recording.
 cat >faults.yaml <<'YAML'
 odograph_faults: 1

@@ -144,7 +144,7 @@ TEST_CASE("a camera has its mount where either part of it is given, and each oth
   REQUIRE(plain.ok());
   CHECK(plain->header.flags == 0);
   CHECK(plain->model == ODO_CAMERA_PINHOLE);
-  CHECK((plain->width == 640 && plain->height == 480 && plain->id == 0 && plain->distortion_count == 0));
+  CHECK((plain->width == 640 && plain->height == 480 && plain->header.source == 0 && plain->distortion_count == 0));
   CHECK((plain->fx == 431.5 && plain->fy == 432.5 && plain->cx == 320.25 && plain->cy == 240.75));
   const auto q = lens("q_b_c: [0.5, -0.5, 0.5, 0.5]\n"), p = lens("p_b_c: [1 cm, -2, 3]\n"),
              both = lens("q_b_c: [0.6, 0, 0, 0.8]\np_b_c: [1, 2, 3]\n");

@@ -125,7 +125,7 @@ TEST_CASE("every broken config is named with its place, what was expected and th
       {"plugin of another kind",
        "odograph: 1\nattitude:\n  plugin: fix/gnss\n",
        "f.yaml:3:11:",
-       {"fix/gnss", "odo.attitude/draft2"}},
+       {"fix/gnss", "odo.attitude/draft3"}},
       {"no plugin named", "odograph: 1\nattitude:\n  parameters: {}\n", "f.yaml:3:3:", {"'plugin' is missing"}},
       {"unknown parameter",
        "odograph: 1\nattitude:\n  plugin: attitude/vqf\n  parameters:\n    tau_ac: 3\n",

@@ -37,7 +37,7 @@ odo_scale scale(double scale) {
 
 odo_fix position_fix(int64_t t, double north, double east, double sigma) {
   auto f = make_message<odo_fix>(ODO_TYPE_FIX, t);
-  f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+  f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
   f.p_n[0] = north, f.p_n[1] = east;
   f.covariance_n[0] = f.covariance_n[4] = sigma * sigma;
   return f;
@@ -138,7 +138,7 @@ TEST_CASE("an orientation fix turns the track by what it is worth, and not at al
   const Eigen::Quaterniond q_b_c(0, 1, 0, 0);
   const auto fix_of = [&](double yaw, double sigma) {
     auto f = make_message<odo_fix>(ODO_TYPE_FIX, 0);
-    f.header.flags = ODO_FIX_ORIENTATION;
+    f.header.flags = ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
     const Eigen::Quaterniond q =
         Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitZ())) * q_n_c * q_b_c.conjugate();
     f.q_n_b[0] = q.w(), f.q_n_b[1] = q.x(), f.q_n_b[2] = q.y(), f.q_n_b[3] = q.z();
@@ -160,7 +160,7 @@ TEST_CASE("the fix that places a track turns it to any heading, later ones do no
   const Eigen::Quaterniond q_n_c(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
   const auto fix_of = [&](int64_t t, double yaw, double north) {
     auto f = position_fix(t, north, 7, 0.5);
-    f.header.flags |= ODO_FIX_ORIENTATION;
+    f.header.flags |= ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
     const Eigen::Quaterniond q =
         Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitZ())) * q_n_c * coupling.q_b_c().conjugate();
     f.q_n_b[0] = q.w(), f.q_n_b[1] = q.x(), f.q_n_b[2] = q.y(), f.q_n_b[3] = q.z();
@@ -186,7 +186,7 @@ TEST_CASE("a late fix of the heading turns what was driven since its time, and a
   const Eigen::Quaterniond q(now.q_n[0], now.q_n[1], now.q_n[2], now.q_n[3]);
   const Vector3d y_n = (q * coupling.q_b_c().conjugate()) * Vector3d::UnitY();
   auto fix = position_fix(2 * kSecond, 20, 0, 0.5);  // was looking 0.3 rad farther to the right then
-  fix.header.flags |= ODO_FIX_YAW;
+  fix.header.flags |= ODO_FIX_YAW, fix.yaw_axis_b[1] = 1;
   fix.yaw_sigma_rad = 0.01;
   fix.yaw_rad = std::atan2(y_n.y(), y_n.x()) + 0.3;
   REQUIRE(coupling.on_fix(fix).accepted);
@@ -254,7 +254,7 @@ TEST_CASE("a fix of the heading alone is announced and publishes the pose anew")
   odo_pose first, pose;
   REQUIRE(estimator.take_pose(first));
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
-  fix.header.flags = ODO_FIX_YAW;
+  fix.header.flags = ODO_FIX_YAW, fix.yaw_axis_b[1] = 1;
   fix.yaw_rad = EIGEN_PI / 2 + 0.1;
   fix.yaw_sigma_rad = 0.01;
   Correction correction;
@@ -320,7 +320,7 @@ TEST_CASE(
     coupling.on_attitude(attitude);
     coupling.on_first_frame(0);
     auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
-    fix.header.flags = ODO_FIX_YAW;
+    fix.header.flags = ODO_FIX_YAW, fix.yaw_axis_b[1] = 1;
     fix.yaw_rad = -2.5, fix.yaw_sigma_rad = 0.02;
     CHECK(coupling.on_fix(fix).accepted == !told);
   }

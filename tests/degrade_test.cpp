@@ -199,7 +199,7 @@ TEST_CASE("a black picture has the size of what it hides") {
     CHECK(frame->width == 8);
     CHECK(frame->height == 6);
     CHECK(frame->planes[0].data[13] == (black ? 0 : 200));
-    frame->release(&*frame);
+    frame->loan.release(frame->loan.owner);
   }
 }
 

@@ -121,13 +121,13 @@ odo_pose pose_at(const TrueState& state, double t) {
 
 odo_vo_motion motion_between(const TrueState& from, const TrueState& to, double t) {
   auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, to.t_ns);
-  m.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_NAVIGATION;
+  m.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_FLAG_NAVIGATION;
   m.t_from_ns = from.t_ns;
   m.scale_group = t < 40 ? 1 : t < 95 ? 2 : 7;
   const double scale = m.scale_group == 1 ? 2.5 : m.scale_group == 2 ? 4 : 1.7;
   put_quaternion(from.q, m.q_n_c0), put_quaternion(from.q.conjugate() * to.q, m.q_c0_c1);
   Vector3d::Map(m.p_c0_c1) = from.q.conjugate() * (to.p - from.p) / scale;
-  if (Span{25, 26}.has(t)) m.header.flags &= ~ODO_VO_NAVIGATION;
+  if (Span{25, 26}.has(t)) m.header.flags &= ~ODO_FLAG_NAVIGATION;
   if (Span{34, 34.5}.has(t)) std::fill_n(m.p_c0_c1, 3, 0.0);
   if (Span{47, 47.1}.has(t)) Vector3d::Map(m.p_c0_c1) *= 50;
   m.state = ODO_TRACKING;
@@ -137,8 +137,9 @@ odo_vo_motion motion_between(const TrueState& from, const TrueState& to, double 
 /// A place with a known point in view; for some seconds of a place that looks alike.
 odo_fix fix_at(const TrueState& state, double t) {
   auto f = make_message<odo_fix>(ODO_TYPE_FIX, state.t_ns);
-  f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_SLANT | ODO_FIX_ACCEPTED;
-  if (static_cast<int>(std::lround(t)) % 30 == 5) f.header.flags |= ODO_FIX_DOWN;  // seldom: a barometer goes by it
+  f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_SLANT | ODO_FLAG_ACCEPTED;
+  if (static_cast<int>(std::lround(t)) % 30 == 5)
+    f.header.flags |= ODO_FIX_DOWN | ODO_FIX_COVARIANCE;  // seldom: a barometer goes by it
   const Vector3d landmark(100, 60, -25), noise(0.3 * std::sin(3 * t), 0.3 * std::cos(5 * t), 0.1 * std::sin(7 * t));
   const bool wrong = Span{55, 56.5}.has(t), alike = t > 104;
   const Vector3d place =
@@ -147,7 +148,7 @@ odo_fix fix_at(const TrueState& state, double t) {
   Vector3d::Map(f.landmark_n) = landmark;
   f.slant_distance_m = (landmark - place).norm();
   for (int k = 0; k < 3; ++k) f.covariance_n[4 * k] = static_cast<int>(t) % 4 == 0 ? 1 : 0.25;
-  if (Span{70, 72}.has(t)) f.header.flags &= ~(ODO_FIX_ACCEPTED | ODO_FIX_EAST);
+  if (Span{70, 72}.has(t)) f.header.flags &= ~(ODO_FLAG_ACCEPTED | ODO_FIX_EAST);
   return f;
 }
 

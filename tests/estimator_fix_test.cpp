@@ -25,6 +25,7 @@ namespace {
 constexpr int64_t kMillisecond = 1'000'000, kNow_ms = 1500;
 constexpr uint32_t kAll = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN;
 const Vector3d kLever_b(0.8, -0.5, 1.2);
+const Vector3d kYawAxis_b(0.48, 0.6, -0.64);  // between a phone's top and its back
 const Quaterniond kAskew = Quaterniond(0.5, 0.7, -0.3, 0.4).normalized(),
                   kTilted = Quaterniond(0.8, 0.3, -0.2, 0.35).normalized();
 
@@ -37,7 +38,7 @@ void fill(InertialEstimator& estimator) {
   estimator.on_calibration(calibration);
   for (int64_t ms = 0; ms <= kNow_ms; ms += 10) {
     auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ms * kMillisecond);
-    attitude.header.flags = ODO_ATTITUDE_NORTH;
+    attitude.header.flags = ODO_ATTITUDE_MAGNETIC_NORTH;
     put_quaternion(kTilted, attitude.q_n_b);
     attitude.covariance_n[0] = attitude.covariance_n[4] = 0.05 * 0.05, attitude.covariance_n[8] = 0.3 * 0.3;
     auto imu = make_message<odo_imu>(ODO_TYPE_IMU, ms * kMillisecond);
@@ -59,7 +60,7 @@ VectorXd measured(uint32_t flags, const HeldPose& at, const VectorXd& error) {
     const Vector3d theta = log_rotation(q * at.q_n_b.conjugate());
     for (const double angle : theta) add(angle);
   } else if (flags & ODO_FIX_YAW) {
-    add(std::atan2((q * Vector3d::UnitY()).y(), (q * Vector3d::UnitY()).x()));
+    add(std::atan2((q * kYawAxis_b).y(), (q * kYawAxis_b).x()));
   }
   for (int i = 0; i < 3; ++i)
     if (flags & (ODO_FIX_NORTH << i)) add(p[i]);
@@ -70,12 +71,13 @@ VectorXd measured(uint32_t flags, const HeldPose& at, const VectorXd& error) {
 odo_fix a_fix(uint32_t flags, int64_t t_ns, const HeldPose& at, MatrixXd& noise, VectorXd& residual) {
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, t_ns);
   fix.header.flags = flags;
+  Vector3d::Map(fix.yaw_axis_b) = kYawAxis_b;
   const Vector3d theta(1e-4, -2e-4, 1.5e-4), off(2e-4, 1e-4, -3e-4);
   Matrix3d R, Q;
   R << 0.04, 0.01, -0.008, 0.01, 0.03, 0.006, -0.008, 0.006, 0.05;
   Q = 0.02 * R;
   Matrix3d::Map(fix.covariance_n) = R, Matrix3d::Map(fix.orientation_cov_n) = Q;
-  const Vector3d y = at.q_n_b * Vector3d::UnitY();
+  const Vector3d y = at.q_n_b * kYawAxis_b;
   fix.yaw_rad = std::atan2(y.y(), y.x()) + theta.z(), fix.yaw_sigma_rad = 0.07;
   put_quaternion(exp_rotation(theta) * at.q_n_b, fix.q_n_b);
   Vector3d::Map(fix.p_n) = at.p_n_b + at.q_n_b * kLever_b + off;
@@ -190,7 +192,7 @@ TEST_CASE("a late fix is compared with what every fix since has made of its plac
   std::vector<std::function<Vector3d(const Vector3d&)>> corrections;
   const auto correct = [&](double yaw_rad, const Vector3d& by_n) {
     auto fix = make_message<odo_fix>(ODO_TYPE_FIX, pose.header.t_ns);
-    fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_YAW;
+    fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_YAW, fix.yaw_axis_b[1] = 1;
     const Vector3d y = quaternion(pose.q_n) * Quaterniond(0, 1, 0, 0) * Vector3d::UnitY();
     fix.yaw_rad = std::atan2(y.y(), y.x()) + yaw_rad, fix.yaw_sigma_rad = 0.01;
     Vector3d::Map(fix.p_n) = Vector3d(pose.p_n) + by_n;
@@ -211,7 +213,7 @@ TEST_CASE("a late fix is compared with what every fix since has made of its plac
   Vector3d expected(then.p_n);
   for (const auto& correction : corrections) expected = correction(expected);
   auto late = make_message<odo_fix>(ODO_TYPE_FIX, then.header.t_ns);
-  late.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+  late.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
   late.covariance_n[0] = late.covariance_n[4] = 1e-4;
   Vector3d::Map(late.p_n) = expected;
   CHECK((expected - Vector3d(then.p_n)).norm() > 1);

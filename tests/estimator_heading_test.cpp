@@ -73,7 +73,7 @@ TEST_CASE("one fix with its heading puts a walk right that a compass had led ast
     what.fix_every_s = 50, what.fix_sigma_m = 0.2, what.end_s = 60;
     std::optional<EstimatorWalk> walk;
     what.change_fix = [&](double t_s, odo_fix& fix) {
-      fix.header.flags |= ODO_FIX_ORIENTATION;
+      fix.header.flags |= ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
       const auto T = walk->truth(t_s);
       const Quaterniond q = T.q_n_c * Quaterniond(0, 1, 0, 0).conjugate();  // of the body
       fix.q_n_b[0] = q.w(), fix.q_n_b[1] = q.x(), fix.q_n_b[2] = q.y(), fix.q_n_b[3] = q.z();
@@ -129,7 +129,7 @@ TEST_CASE("a fix that comes later than the clones reach back is refused, and tol
   auto estimator = an_estimator();
   walk.run(estimator, [](double, const odo_pose&) {});
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, EstimatorWalk::ns(19));
-  fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+  fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
   fix.covariance_n[0] = fix.covariance_n[4] = 100;
   CHECK(estimator.update(&fix).accepted);
   CHECK(estimator.take_notice().key == nullptr);

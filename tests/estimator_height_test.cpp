@@ -39,7 +39,7 @@ TEST_CASE(
     }
     if (i % 100 == 41) {
       auto fix = make_message<odo_fix>(ODO_TYPE_FIX, ns(t - kTold_s));
-      fix.header.flags = ODO_FIX_DOWN;
+      fix.header.flags = ODO_FIX_DOWN | ODO_FIX_COVARIANCE;
       fix.p_n[2] = down_at(t - kTold_s) + 0.25 * random.normal();
       fix.covariance_n[8] = 0.25 * 0.25;
       CHECK(estimator.update(&fix).accepted);

@@ -198,11 +198,11 @@ TEST_CASE(
         Vector3d::Map(fix.p_n) = at_n + turned * Vector3d(fix.p_n);
         const Quaterniond q = body_of(t);
         if (whole) {
-          fix.header.flags |= ODO_FIX_ORIENTATION;
+          fix.header.flags |= ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
           fix.q_n_b[0] = q.w(), fix.q_n_b[1] = q.x(), fix.q_n_b[2] = q.y(), fix.q_n_b[3] = q.z();
           for (const int i : {0, 4, 8}) fix.orientation_cov_n[i] = 0.01 * 0.01;
         } else {
-          fix.header.flags |= ODO_FIX_YAW;
+          fix.header.flags |= ODO_FIX_YAW, fix.yaw_axis_b[1] = 1;
           const Vector3d y_n = q * Vector3d::UnitY();
           fix.yaw_rad = std::atan2(y_n.y(), y_n.x()), fix.yaw_sigma_rad = 0.01;
         }
@@ -239,7 +239,7 @@ TEST_CASE("a first fix of the height alone says nothing of north and east, nor t
   Estimate before, after;
   REQUIRE(estimator.at(INT64_MIN, before) == ODO_OK);
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 1'000'000'000);
-  fix.header.flags = ODO_FIX_DOWN;
+  fix.header.flags = ODO_FIX_DOWN | ODO_FIX_COVARIANCE;
   fix.p_n[2] = -30;
   fix.covariance_n[8] = 0.25;
   CHECK(estimator.update(&fix).accepted);
@@ -249,7 +249,7 @@ TEST_CASE("a first fix of the height alone says nothing of north and east, nor t
   for (const int i : {21, 28})
     CHECK(after.pose.covariance[i] < before.pose.covariance[i] + 1);  // m^2, in a tenth of a second
   CHECK((after.pose.header.flags & ODO_POSE_POSITION) == 0);
-  fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+  fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
   fix.p_n[0] = 100, fix.p_n[1] = 50;
   fix.covariance_n[0] = fix.covariance_n[4] = 4;
   CHECK(estimator.update(&fix).accepted);

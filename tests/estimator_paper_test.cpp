@@ -29,7 +29,7 @@ odo_vo_motion standing(int64_t from, int64_t to) {
 
 odo_fix yaw_fix(int64_t t, double yaw, double sigma) {
   auto f = make_message<odo_fix>(ODO_TYPE_FIX, t);
-  f.header.flags = ODO_FIX_YAW;
+  f.header.flags = ODO_FIX_YAW, f.yaw_axis_b[1] = 1;
   f.yaw_rad = yaw, f.yaw_sigma_rad = sigma;
   return f;
 }
@@ -115,7 +115,7 @@ TEST_CASE("a fix whose position is refused does not turn the heading either") {
   coupling.on_calibration(forward_mount());
   const double before = body_yaw(coupling.on_first_frame(0));
   auto fix = yaw_fix(0, before + 0.1, 0.01);
-  fix.header.flags |= ODO_FIX_NORTH | ODO_FIX_EAST;
+  fix.header.flags |= ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
   fix.p_n[0] = 500;
   fix.covariance_n[0] = fix.covariance_n[4] = 1;
   CHECK_FALSE(coupling.on_fix(fix).accepted);

@@ -146,7 +146,7 @@ class EstimatorWalk {
     if (!told_attitude_) q = exp_rotation(w_.first_tilt_rad * Eigen::Vector3d::UnitX()) * q;
     told_attitude_ = true;
     if (w_.compass_sigma_rad > 0) {
-      a.header.flags |= ODO_ATTITUDE_NORTH;
+      a.header.flags |= ODO_ATTITUDE_MAGNETIC_NORTH;
       a.covariance_n[8] = w_.compass_sigma_rad * w_.compass_sigma_rad;
       q = exp_rotation(w_.compass_rad(t) * Eigen::Vector3d::UnitZ()) * q;
     }
@@ -225,7 +225,7 @@ class EstimatorWalk {
 
   odo_fix fix(double t) {
     auto f = make_message<odo_fix>(ODO_TYPE_FIX, ns(t));
-    f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+    f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
     const Eigen::Vector3d p = truth(t).p_n_c;
     for (int i = 0; i < 2; ++i) f.p_n[i] = p[i] + w_.fix_sigma_m * random_.normal();
     f.covariance_n[0] = f.covariance_n[4] = w_.fix_sigma_m * w_.fix_sigma_m;

@@ -20,19 +20,19 @@ TEST_CASE("plugins may keep all frames of the quota but one, which stays free fo
     f.format = ODO_FORMAT_GREY8;
     f.width = f.height = 8;
     f.planes[0] = {pixels.data(), 8, 1, 0};
-    f.retain = nullptr, f.release = nullptr;
+    f.loan.retain = nullptr, f.loan.release = nullptr;
   }
   for (size_t i = 0; i < 2; ++i) {
-    REQUIRE(store.adopt(frames[i]) == ODO_OK);
-    CHECK(frames[i].retain(&frames[i]) == ODO_OK);  // a plugin's
-    frames[i].release(&frames[i]);                  // the host's
+    REQUIRE(store.adopt(reinterpret_cast<odo_borrowed&>(frames[i])) == ODO_OK);
+    CHECK(frames[i].loan.retain(frames[i].loan.owner) == ODO_OK);  // a plugin's
+    frames[i].loan.release(frames[i].loan.owner);                  // the host's
   }
   CHECK(store.in_use() == 2);
-  REQUIRE(store.adopt(frames[2]) == ODO_OK);
-  CHECK(frames[2].retain(&frames[2]) == ODO_E_EXHAUSTED);
-  frames[2].release(&frames[2]);
-  CHECK(store.adopt(frames[3]) == ODO_OK);  // the next one has a place
-  for (const size_t i : {0, 1, 3}) frames[i].release(&frames[i]);
+  REQUIRE(store.adopt(reinterpret_cast<odo_borrowed&>(frames[2])) == ODO_OK);
+  CHECK(frames[2].loan.retain(frames[2].loan.owner) == ODO_E_EXHAUSTED);
+  frames[2].loan.release(frames[2].loan.owner);
+  CHECK(store.adopt(reinterpret_cast<odo_borrowed&>(frames[3])) == ODO_OK);  // the next one has a place
+  for (const size_t i : {0, 1, 3}) frames[i].loan.release(frames[i].loan.owner);
   CHECK(store.in_use() == 0);
 }
 

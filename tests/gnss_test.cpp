@@ -283,7 +283,7 @@ TEST_CASE("a fix that tells latitude and longitude alone is one of north and eas
   geodesy.set_origin({0.8238, -0.0271, 20.0});
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 1);
   const auto there = geodesy.to_geodetic({30, -40, 0});
-  fix.header.flags = ODO_FIX_GEODETIC;
+  fix.header.flags = ODO_FIX_GEODETIC | ODO_FIX_COVARIANCE;
   fix.latitude_rad = there[0], fix.longitude_rad = there[1], fix.height_m = there[2];
   resolve_geodetic(fix, geodesy);
   CHECK((fix.header.flags & (ODO_FIX_NORTH | ODO_FIX_EAST)) == (ODO_FIX_NORTH | ODO_FIX_EAST));

@@ -31,7 +31,16 @@ cmake -S "$work/samples/plugin_example" -B "$work/plugin" -DCMAKE_PREFIX_PATH="$
 cmake --build "$work/plugin" >/dev/null
 "$work/prefix/bin/odograph" plugin manifest "$work/plugin/constant_speed.so"
 "$work/prefix/bin/odograph" plugin check "$work/plugin/constant_speed.so"
-[ "$(nm -D --defined-only "$work/plugin/constant_speed.so" | awk '{print $NF}')" = odo_plugin_entry_draft2 ]
+[ "$(nm -D --defined-only "$work/plugin/constant_speed.so" | awk '{print $NF}')" = odo_plugin_entry_draft3 ]
+
+cmake -S "$work/samples/plugins_c" -B "$work/plugins_c" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
+cmake --build "$work/plugins_c" >/dev/null
+for plugin in fix_range vo_platform_pose; do
+  "$work/prefix/bin/odograph" plugin check "$work/plugins_c/$plugin.so" > "$work/said" || { grep FAIL "$work/said"; exit 1; }
+done
+cmake -S "$work/samples/vendor_message" -B "$work/vendor" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
+cmake --build "$work/vendor" >/dev/null
+"$work/vendor/vendor_message" "$work/samples/vendor_message/pipeline.yaml" "$work/vendor"
 
 # A new plugin of each kind, in both languages: it builds, passes the check and runs, and where it does not tell the way
 # itself the rest of its pipeline does.

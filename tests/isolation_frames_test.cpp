@@ -61,10 +61,10 @@ TEST_CASE("a frame of the session is seen by isolated plugins where it lies") {
   const std::vector<uint8_t> pixels(kBytes, 90);
   for (int i = 0; i < 10; ++i) {
     odo_frame frame = grey_frame(pixels, i);
-    REQUIRE(store.adopt(frame) == ODO_OK);
+    REQUIRE(store.adopt(reinterpret_cast<odo_borrowed&>(frame)) == ODO_OK);
     CHECK(isolated.plugin->process(frame.header).size() == (i > 0 ? 1 : 0));
     CHECK(store.in_use() == 1);
-    frame.release(&frame);
+    frame.loan.release(frame.loan.owner);
     CHECK(store.in_use() == 0);
   }
   CHECK(shared.reserved() == kBytes);  // one picture's worth: no copy was ever made
@@ -123,11 +123,11 @@ TEST_CASE("what isolation adds to a frame") {
   std::vector<double> us;
   for (int i = 0; i < 2000; ++i) {
     odo_frame frame = grey_frame(pixels, i);
-    REQUIRE(store.adopt(frame) == ODO_OK);
+    REQUIRE(store.adopt(reinterpret_cast<odo_borrowed&>(frame)) == ODO_OK);
     const auto start = std::chrono::steady_clock::now();
     isolated.plugin->process(frame.header);
     us.push_back(milliseconds_since(start) * 1e3);
-    frame.release(&frame);
+    frame.loan.release(frame.loan.owner);
   }
   std::sort(us.begin(), us.end());
   MESSAGE("a frame of 640 x 480 takes " << us[1000] << " us in the median, " << us[1980] << " at 99 %");

@@ -53,10 +53,10 @@ void noise(Estimator& estimator) {
 /// Of all parts of a fix in kind.
 void all_fixes(double t_s, odo_fix& fix) {
   const int kind = static_cast<int>(t_s / 2) % 4;
-  if (kind == 1) fix.header.flags |= ODO_FIX_DOWN, fix.p_n[2] = -1.2, fix.covariance_n[8] = 0.3;
-  if (kind == 2) fix.header.flags = ODO_FIX_YAW, fix.yaw_rad = 0.3, fix.yaw_sigma_rad = 0.2;
+  if (kind == 1) fix.header.flags |= ODO_FIX_DOWN | ODO_FIX_COVARIANCE, fix.p_n[2] = -1.2, fix.covariance_n[8] = 0.3;
+  if (kind == 2) fix.header.flags = ODO_FIX_YAW, fix.yaw_axis_b[1] = 1, fix.yaw_rad = 0.3, fix.yaw_sigma_rad = 0.2;
   if (kind == 3) {
-    fix.header.flags |= ODO_FIX_ORIENTATION;
+    fix.header.flags |= ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
     fix.q_n_b[0] = std::cos(0.1), fix.q_n_b[3] = std::sin(0.1);
     for (const int i : {0, 4, 8}) fix.orientation_cov_n[i] = 0.05 + 0.01 * i;
   }

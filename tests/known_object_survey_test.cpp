@@ -56,7 +56,7 @@ TEST_CASE("a poster and a tag beside a simulated walk are where the survey has t
       CHECK((sighting.poses[0].pose.t_c_o - p_c).norm() < 0.02 * p_c.norm());
       ++seen[sighting.object];
     }
-    frame->release(&*frame);
+    frame->loan.release(frame->loan.owner);
   }
   CHECK(seen[0] >= 3);
   CHECK(seen[1] >= 3);

@@ -29,7 +29,7 @@ int releases = 0;
 
 OwnedMessage frame() {
   auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 5);
-  f.release = [](const odo_frame*) { ++releases; };
+  f.loan.release = [](void*) { ++releases; };
   return OwnedMessage(f.header);
 }
 

@@ -24,7 +24,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
 /// What a number must be; `unjudged`: it is the host's own, or nobody takes it from outside.
-enum class Rule { finite, not_negative, positive, unit, latitude, unjudged };
+enum class Rule { finite, not_negative, positive, share, unit, direction, latitude, unjudged };
 
 struct Field {
   uint32_t type;
@@ -33,6 +33,8 @@ struct Field {
   Rule rule;
   uint32_t flag;  // that says it is valid; 0: it always is
 };
+
+constexpr uint32_t kPosition = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_GEODETIC;
 
 #define ODO_FIELD(type, message, field, rule, flag) \
   Field { type, #field, offsetof(message, field), sizeof(message::field) / sizeof(double), Rule::rule, flag }
@@ -47,8 +49,9 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, latitude_rad, latitude, ODO_GNSS_POSITION),
     ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, longitude_rad, finite, ODO_GNSS_POSITION),
     ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, height_m, finite, ODO_GNSS_HEIGHT),
-    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, covariance_n, finite, ODO_GNSS_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, covariance_n, not_negative, ODO_GNSS_COVARIANCE),
     ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, velocity_n, finite, ODO_GNSS_VELOCITY),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, lever_b, finite, ODO_GNSS_LEVER),
     ODO_FIELD(ODO_TYPE_FRAME, odo_frame, fx, positive, ODO_FRAME_INTRINSICS),
     ODO_FIELD(ODO_TYPE_FRAME, odo_frame, fy, positive, ODO_FRAME_INTRINSICS),
     ODO_FIELD(ODO_TYPE_FRAME, odo_frame, cx, finite, ODO_FRAME_INTRINSICS),
@@ -60,43 +63,71 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, distortion, finite, 0),
     ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, q_b_c, unit, ODO_CALIBRATION_EXTRINSICS),
     ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, p_b_c, finite, ODO_CALIBRATION_EXTRINSICS),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_noise, finite, 0),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_walk, finite, 0),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_noise, finite, 0),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_walk, finite, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_noise, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_walk, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_noise, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_walk, not_negative, 0),
     ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, p_n, finite, 0),
     ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, sigma_m, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, lever_b, finite, ODO_WAYPOINT_LEVER),
+    ODO_FIELD(ODO_TYPE_EARTH_FIELD, odo_earth_field, declination_rad, finite, ODO_EARTH_FIELD_DECLINATION),
+    ODO_FIELD(ODO_TYPE_EARTH_FIELD, odo_earth_field, inclination_rad, finite, ODO_EARTH_FIELD_INCLINATION),
+    ODO_FIELD(ODO_TYPE_EARTH_FIELD, odo_earth_field, intensity_t, positive, ODO_EARTH_FIELD_INTENSITY),
+    ODO_FIELD(ODO_TYPE_PLATFORM_POSE, odo_platform_pose, q_w, unit, 0),
+    ODO_FIELD(ODO_TYPE_PLATFORM_POSE, odo_platform_pose, p_w, finite, 0),
+    ODO_FIELD(ODO_TYPE_PLATFORM_POSE, odo_platform_pose, covariance, not_negative, ODO_PLATFORM_POSE_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_RANGE, odo_range, range_m, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_RANGE, odo_range, sigma_m, positive, 0),
+    ODO_FIELD(ODO_TYPE_RANGE, odo_range, p_n, finite, ODO_RANGE_TRANSMITTER),
+    ODO_FIELD(ODO_TYPE_RANGE, odo_range, transmitter_sigma_m, not_negative, ODO_RANGE_TRANSMITTER),
+    ODO_FIELD(ODO_TYPE_RANGE, odo_range, lever_b, finite, ODO_RANGE_LEVER),
+    ODO_FIELD(ODO_TYPE_SYSTEM_STEP, odo_system_step, distance_m, not_negative, ODO_SYSTEM_STEP_DISTANCE),
     ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, q_n_b, unit, 0),
-    ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, covariance_n, finite, 0),
-    ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, gyro_bias_b, finite, 0),
+    ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, covariance_n, finite, ODO_ATTITUDE_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, gyro_bias_b, finite, ODO_ATTITUDE_GYRO_BIAS),
     ODO_FIELD(ODO_TYPE_STEP, odo_step, length_m, not_negative, 0),
     ODO_FIELD(ODO_TYPE_STEP, odo_step, sigma_m, not_negative, 0),
     ODO_FIELD(ODO_TYPE_STEP, odo_step, frequency_hz, finite, 0),
-    ODO_FIELD(ODO_TYPE_STEP, odo_step, heading_rad, finite, 0),
+    ODO_FIELD(ODO_TYPE_STEP, odo_step, heading_rad, finite, ODO_STEP_HEADING),
+    ODO_FIELD(ODO_TYPE_STEP, odo_step, heading_sigma_rad, positive, ODO_STEP_HEADING_SIGMA),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_c0_c1, unit, ODO_VO_ROTATION),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, p_c0_c1, finite, ODO_VO_TRANSLATION),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, covariance, finite, ODO_VO_COVARIANCE),
-    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_n_c0, unjudged, ODO_VO_NAVIGATION),
-    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, scale_sigma, finite, ODO_VO_INERTIAL),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_n_c0, unjudged, ODO_FLAG_NAVIGATION),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, scale_sigma, not_negative, ODO_VO_METRIC | ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, velocity_c1, finite, ODO_VO_INERTIAL),
-    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gravity_c1, finite, ODO_VO_INERTIAL),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gravity_c1, direction, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gyro_bias_b, finite, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, accel_bias_b, finite, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_SCALE, odo_scale, scale, not_negative, 0),
-    ODO_FIELD(ODO_TYPE_SCALE, odo_scale, sigma, finite, 0),
+    ODO_FIELD(ODO_TYPE_SCALE, odo_scale, sigma, not_negative, 0),
     ODO_FIELD(ODO_TYPE_SCALE, odo_scale, displacement_m, finite, 0),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, p_n, finite, 0),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, covariance_n, finite, 0),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, p_n, finite, kPosition),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, covariance_n, not_negative, ODO_FIX_COVARIANCE),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, q_n_b, unit, ODO_FIX_ORIENTATION),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, orientation_cov_n, finite, ODO_FIX_ORIENTATION),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, orientation_cov_n, not_negative, ODO_FIX_ORIENTATION_COVARIANCE),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_rad, finite, ODO_FIX_YAW),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_sigma_rad, finite, ODO_FIX_YAW),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_sigma_rad, positive, ODO_FIX_YAW),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, latitude_rad, finite, ODO_FIX_GEODETIC),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, longitude_rad, finite, ODO_FIX_GEODETIC),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, height_m, finite, ODO_FIX_GEODETIC),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, integrity, finite, 0),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, integrity, share, ODO_FIX_INTEGRITY),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, landmark_n, finite, ODO_FIX_SLANT),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, slant_distance_m, finite, ODO_FIX_SLANT),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, lever_b, finite, ODO_FIX_LEVER),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_axis_b, direction, ODO_FIX_YAW),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, cross_covariance_n, finite, ODO_FIX_CROSS_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, slant_sigma_m, positive, ODO_FIX_SLANT_SIGMA),
+    ODO_FIELD(ODO_TYPE_REFINED, odo_refined, fx, positive, 0),
+    ODO_FIELD(ODO_TYPE_REFINED, odo_refined, fy, positive, 0),
+    ODO_FIELD(ODO_TYPE_REFINED, odo_refined, cx, finite, 0),
+    ODO_FIELD(ODO_TYPE_REFINED, odo_refined, cy, finite, 0),
+    ODO_FIELD(ODO_TYPE_REFINED, odo_refined, distortion, finite, 0),
+    ODO_FIELD(ODO_TYPE_REFINED, odo_refined, q_b_c, unit, ODO_REFINED_EXTRINSICS),
+    ODO_FIELD(ODO_TYPE_REFINED, odo_refined, p_b_c, finite, ODO_REFINED_EXTRINSICS),
+    ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, q_b0_b1, unit, ODO_RELATIVE_POSE_ROTATION),
+    ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, p_b0_b1, finite, ODO_RELATIVE_POSE_TRANSLATION),
+    ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, covariance, not_negative, 0),
 };
 #undef ODO_FIELD
 
@@ -114,7 +145,9 @@ AnyMessage good(uint32_t type) {
   for (const Field& field : kFields) {
     if (field.type != type) continue;
     auto* values = reinterpret_cast<double*>(bytes + field.offset);
-    for (size_t i = 0; i < field.count; ++i) values[i] = 0.5;  // four of them are a unit quaternion
+    const double value =
+        field.rule == Rule::direction ? std::sqrt(1.0 / 3) : 0.5;  // four of these are a unit quaternion
+    for (size_t i = 0; i < field.count; ++i) values[i] = value;
     made.header().flags |= field.flag;
   }
   if (type == ODO_TYPE_FRAME) {
@@ -136,6 +169,9 @@ std::string fault_with(const Field& field, size_t i, double value, uint32_t clea
   AnyMessage m = good(field.type);
   reinterpret_cast<double*>(reinterpret_cast<unsigned char*>(&m.header()) + field.offset)[i] = value;
   m.header().flags &= ~cleared;
+  // Without its covariance a position or an orientation is refused.
+  if (field.type == ODO_TYPE_FIX && cleared == ODO_FIX_COVARIANCE) m.header().flags &= ~kPosition;
+  if (field.type == ODO_TYPE_FIX && cleared == ODO_FIX_ORIENTATION_COVARIANCE) m.header().flags &= ~ODO_FIX_ORIENTATION;
   return message_fault(m.header());
 }
 
@@ -218,6 +254,11 @@ TEST_CASE("numbers of a range are good at its ends, and faults beyond") {
         CHECK_FALSE(good_with(0));
         CHECK_FALSE(good_with(-1));
         break;
+      case Rule::share:
+        CHECK((good_with(0) && good_with(1)));
+        CHECK_FALSE(good_with(-1e-9));
+        CHECK_FALSE(good_with(1 + 1e-9));
+        break;
       case Rule::latitude:
         for (const double sign : {-1, 1}) {
           CHECK(good_with(sign * half_pi));
@@ -243,11 +284,15 @@ TEST_CASE("the quality and the time of every message are looked at, the time up 
     for (const int sign : {-1, 1}) {
       AnyMessage m = good(type);
       if (type == ODO_TYPE_VO_MOTION) reinterpret_cast<odo_vo_motion&>(m.header()).t_from_ns = INT64_MIN;
+      if (type == ODO_TYPE_RELATIVE_POSE) reinterpret_cast<odo_relative_pose&>(m.header()).t_from_ns = INT64_MIN;
       m.header().t_ns = sign * (int64_t(1) << 62);
       CHECK(message_fault(m.header()) == "");
       m.header().t_ns += sign;
       CHECK(message_fault(m.header()).find("t_ns") == 0);
       m = good(type);
+      m.header().quality = static_cast<float>(kNan);
+      CHECK(message_is_good(m.header()));  // it is not valid
+      m.header().flags |= ODO_FLAG_QUALITY;
       m.header().quality = static_cast<float>(sign * kInfinity);
       CHECK(message_fault(m.header()).find("quality") == 0);
       m.header().quality = static_cast<float>(kNan);
@@ -265,7 +310,11 @@ TEST_CASE("whole numbers of calibrations and frames are good within their limits
   const Limit limits[] = {
       {ODO_TYPE_FRAME, offsetof(odo_frame, width), size, no_size},
       {ODO_TYPE_FRAME, offsetof(odo_frame, height), size, no_size},
-      {ODO_TYPE_FRAME, offsetof(odo_frame, format), {1, 2, 3, 4, 5, 6, 7}, {0, 8, UINT32_MAX}},
+      {ODO_TYPE_FRAME,
+       offsetof(odo_frame, format),
+       {1, 2, 3, 4, 5, 6, 7, 8, UINT32_MAX},
+       {0}},  // newer ones are passed on
+      {ODO_TYPE_FRAME, offsetof(odo_frame, plane_count), {0, 1, 2, 3, 4}, {5, UINT32_MAX}},
       {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, width), size, no_size},
       {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, height), size, no_size},
       {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, model), {1, 2}, {0, 3}},

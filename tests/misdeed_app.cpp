@@ -36,6 +36,7 @@ int main(int count, char** arguments) {
   odo_session_options options{};
   options.struct_size = sizeof options;
   options.run = ODO_RUN_REPLAY;
+  options.flags = ODO_SESSION_CRASH_NOTES;
   options.config_text = {yaml.data(), yaml.size()};
   options.plugin_path = {folders.data(), folders.size()};
   odo_error error{};

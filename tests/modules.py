@@ -90,8 +90,9 @@ def check_lengths():
     for path in files:
         if path.endswith((".c", ".h", ".cpp", ".hpp", ".py", ".sh")) and os.path.exists(os.path.join(ROOT, path)):
             with open(os.path.join(ROOT, path), encoding="utf-8") as file:
-                count = sum(1 for _ in file)
-            if count > MAX_LINES:
+                lines = file.readlines()
+            count = len(lines)
+            if count > MAX_LINES and "Written by abi/generate.py" not in "".join(lines[:4]):
                 wrong.append(f"{path} has {count} lines, {MAX_LINES} at most")
 
 

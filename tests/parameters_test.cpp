@@ -94,6 +94,27 @@ TEST_CASE("a manifest with a path, or without two numbers of its ABI, is refused
   CHECK_FALSE(with("[0, 1]", "''"));
 }
 
+TEST_CASE(
+    "a manifest of a later version is read: what it has beyond is passed over, a parameter's unknown type is not") {
+  const auto read = [](const std::string& type) {
+    return parse_manifest(
+        "{odoplugin: 1, id: a/b, version: '1', summary: s, interfaces: [odo.attitude/7, odo.smell/1], "
+        "abi: [0, 9], library: a.so, sha256: x, flags: 3, licence: {name: MIT, since: [1, 2]}, "
+        "parameters: [{name: gain, type: real, default: '1', advanced: true, presets: {slow: 1}}, "
+        "{name: odour, type: " +
+            type + ", shape: [3, 3]}]}",
+        "/x/m.json");
+  };
+  const auto known = read("string");
+  REQUIRE_MESSAGE(known.ok(), known.failure().text);
+  CHECK(known->id == "a/b");
+  REQUIRE(known->parameters.size() == 2);
+  CHECK(known->parameters[0].fallback == "1");
+  const auto unknown = read("matrix");
+  REQUIRE_FALSE(unknown.ok());
+  CHECK(unknown.failure().text.find("parameters[1].type: 'matrix'") != std::string::npos);
+}
+
 TEST_CASE("a file's hash is SHA-256, in small letters") {
   const TemporaryFolder folder;
   CHECK(*sha256_of(write_text(folder / "abc", "abc")) ==
@@ -138,17 +159,18 @@ TEST_CASE("each kind is given and gives what the contract's header says") {
   const Kind kinds[] = {
       {ODO_INTERFACE_ATTITUDE, {ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_IMU_NOISE}, {ODO_TYPE_ATTITUDE}},
       {ODO_INTERFACE_STEP_ESTIMATOR,
-       {ODO_TYPE_IMU, ODO_TYPE_ATTITUDE, ODO_TYPE_BAROMETER, ODO_TYPE_FIX},
+       {ODO_TYPE_IMU, ODO_TYPE_ATTITUDE, ODO_TYPE_BAROMETER, ODO_TYPE_SYSTEM_STEP, ODO_TYPE_FIX},
        {ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE}},
       {ODO_INTERFACE_VO_FRONTEND,
        {ODO_TYPE_CALIBRATION, ODO_TYPE_FRAME, ODO_TYPE_IMU, ODO_TYPE_IMU_NOISE, ODO_TYPE_ATTITUDE},
-       {ODO_TYPE_VO_MOTION, ODO_TYPE_CALIBRATION}},
+       {ODO_TYPE_VO_MOTION, ODO_TYPE_REFINED}},
       {ODO_INTERFACE_SCALE_SOURCE,
        {ODO_TYPE_VO_MOTION, ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE, ODO_TYPE_FIX},
        {ODO_TYPE_SCALE}},
       {ODO_INTERFACE_ABSOLUTE_FIXER,
-       {ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_FRAME, ODO_TYPE_CALIBRATION, ODO_TYPE_POSE},
-       {ODO_TYPE_FIX}},
+       {ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_RANGE, ODO_TYPE_EARTH_FIELD, ODO_TYPE_FRAME,
+        ODO_TYPE_CALIBRATION, ODO_TYPE_POSE},
+       {ODO_TYPE_FIX, ODO_TYPE_RELATIVE_POSE}},
       {"odo.nothing/1", {}, {}}};
   for (const Kind& kind : kinds) {
     const KindTypes types = kind_types(kind.id);

@@ -137,7 +137,7 @@ TEST_CASE("the clean profile has none of a phone's errors, and a lens that stand
       REQUIRE(frame.ok());
       for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 96; ++x) grey += frame->planes[0].data[y * frame->planes[0].row_stride + x] / (96.0 * 64);
-      frame->release(&*frame);
+      frame->loan.release(frame->loan.owner);
     }
   CHECK(grey == doctest::Approx(116.251).epsilon(1e-4));
 }
@@ -207,7 +207,7 @@ TEST_CASE("what is rendered through a moving lens is where the truth has it") {
       }
     }
     apriltag_detections_destroy(found);
-    frame->release(&*frame);
+    frame->loan.release(frame->loan.owner);
   }
   apriltag_detector_destroy(detector);
   tag36h11_destroy(family);

@@ -166,7 +166,7 @@ TEST_CASE("two seconds of darkness are two seconds of dark frames") {
     double grey = 0;
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 96; ++x) grey += frame->planes[0].data[y * frame->planes[0].row_stride + x] / (96.0 * 64);
-    frame->release(&*frame);
+    frame->loan.release(frame->loan.owner);
     (grey < 20 ? dark : bright) += 1;
   }
   CHECK(dark >= 17);

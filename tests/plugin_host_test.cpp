@@ -69,15 +69,16 @@ TEST_CASE("files that are no plugins are refused with their path and the reason"
 }
 
 TEST_CASE("plugins whose table cannot be used are refused with the reason") {
-  CHECK(contains(refusal(hostile("abi_too_new")), "speaks ABI 3.2, this host speaks major 0"));
+  CHECK(contains(refusal(hostile("abi_too_new")),
+                 "it is for ABI 3." + std::to_string(ODO_ABI_MINOR) + ", this host has major 0"));
   CHECK(contains(refusal(hostile("refuses")), "the licence has expired"));
   CHECK(contains(refusal(hostile("table_too_small")), "its table has"));
   CHECK(contains(refusal(hostile("no_functions")), "its table lacks process"));
 }
 
-TEST_CASE("smaller and larger tables work") {
+TEST_CASE("tables of newer plugins work") {
   HostServices host(0, {"."}, nullptr);
-  for (const char* name : {"good", "table_smaller", "table_larger"}) {
+  for (const char* name : {"good", "table_larger"}) {
     CAPTURE(name);
     auto made = PluginInstance::make(choice_of(name), LibraryCheck::none, 1, host);
     REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
@@ -137,7 +138,7 @@ TEST_CASE("manifests: two plugins with one id, a changed library, a lying manife
     const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
     REQUIRE(found.ok());
     CHECK(PluginLibrary::load(**found, LibraryCheck::hash, &host).ok());
-    CHECK_FALSE(registry.find("test/hostile", "odo.attitude/draft2", ".", {}).ok());
+    CHECK_FALSE(registry.find("test/hostile", "odo.attitude/draft3", ".", {}).ok());
     CHECK(contains(registry.find("test/hostil", ODO_INTERFACE_SCALE_SOURCE, ".", {}).failure().text,
                    "nearest: 'test/hostile'"));
     CHECK(
@@ -159,7 +160,7 @@ TEST_CASE("manifests: two plugins with one id, a changed library, a lying manife
       contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "the manifest says 'test/other'"));
   read->abi_major = 3;
   CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text,
-                 "it speaks ABI 3.2, this host speaks major 0"));
+                 "it is for ABI 3." + std::to_string(ODO_ABI_MINOR) + ", this host has major 0"));
   read->abi_major = ODO_ABI_MAJOR;
   read->sha256[0] = read->sha256[0] == '0' ? '1' : '0';
   CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "hash differs"));

@@ -36,6 +36,7 @@ const char* const kSigner = "dcf6df3681d433ecf8f75cf207040907d42294e0e2edaebe254
 const char* const kSignature =
     "9aa358f3db7b2294afe92c69c5ab44de06a7f276ab0604a888d047ec15a2bf272538b9a95f58dfbe3d10394e16213ac7fe597ca2bc54386a8f"
     "214a54f7622609";
+const char* const kSignedKind = "odo.attitude/draft2";
 const char* const kSigned =
     R"({"odoplugin": 1, "id": "test/signed", "version": "1.0.0", "summary": "Signed.", )"
     R"("interfaces": ["odo.attitude/draft2"], "abi": [0, 1], "library": "one.so", )"
@@ -143,6 +144,54 @@ TEST_CASE("a signature is of the manifest as it was read, whatever its file hold
   CHECK(contains(verify_signature(*manifest, {kSigner}).failure().text, "is no signature of its manifest"));
   CHECK(contains(verify_signature(*manifest, {kSigner, "abc"}).failure().text, "expected a public key of 32 bytes"));
   CHECK(contains(verify_signature(*manifest, {std::string(64, 'g')}).failure().text, "expected a public key"));
+}
+
+TEST_CASE("a signer vouches for the ids it is given for: those need its signature, all others none") {
+  const TemporaryFolder folder;
+  put_signed(folder);
+  const auto found = [&](const std::string& id, const std::vector<Signer>& signers) {
+    PluginRegistry registry({folder.path()});
+    registry.require_signature(signers);
+    const auto manifest = registry.find(id, kSignedKind, folder.path(), {});
+    return manifest ? std::string() : manifest.failure().text;
+  };
+  const std::string stranger(64, '1');
+  if (contains(found("test/signed", {{"*", kSigner}}), "needs OpenSSL")) return skip("no OpenSSL");
+  for (const char* ids : {"*", "test/*", "test/signed", "test/sign*"}) {
+    CAPTURE(ids);
+    CHECK(found("test/signed", {{ids, kSigner}}) == "");
+    CHECK(contains(found("test/signed", {{ids, stranger}}), "is no signature of its manifest"));
+    CHECK(found("test/signed", {{ids, stranger}, {"test/*", kSigner}}) == "");
+  }
+  fs::remove(folder / "one.odoplugin.sig");
+  CHECK(contains(found("test/signed", {{"test/*", kSigner}}), "one.odoplugin.sig is missing"));
+  for (const char* ids : {"acme/*", "test", "test/signed2", "test/s"})
+    CHECK(found("test/signed", {{ids, kSigner}}) == "");
+  // By its path a manifest has whatever id it states: it does not get past the signers by that.
+  CHECK(found("one.odoplugin.json", {}) == "");
+  CHECK(contains(found("one.odoplugin.json", {{"acme/*", kSigner}}), "is chosen by its path"));
+}
+
+TEST_CASE("a key that vouches for nothing is a mistake in the config") {
+  const auto refusal = [](const std::string& signer) {
+    const auto config =
+        read_pipeline_config("odograph: 1\nplugins: {signers: [" + signer + "]}\nattitude: {plugin: attitude/vqf}\n",
+                             "test", {plugin_folder()});
+    return config ? std::string() : config.failure().text;
+  };
+  const std::string key = std::string(", key: ") + kSigner + "}";
+  CHECK(refusal("{ids: acme/*" + key) == "");  // ours are not signed
+  for (const char* ids : {"'*/vo'", "'acme*/vo'", "'**'", "''"})
+    CHECK(contains(refusal(std::string("{ids: ") + ids + key), "expected an id, with '*' at its end alone"));
+  CHECK(contains(refusal("{ids: acme/*}"), "the key 'key' is missing"));
+  CHECK(contains(refusal("{ids: '*'" + key), "attitude_vqf.odoplugin.sig is missing"));
+  CHECK(contains(refusal(std::string("{key: ") + kSigner + "}"), "attitude_vqf.odoplugin.sig is missing"));
+}
+
+TEST_CASE("lists of folders are split at ';' on Windows, whose drives have ':'") {
+  CHECK(path_list("a:b::/c", ':') == std::vector<fs::path>{"a", "b", "/c"});
+  CHECK(path_list("C:\\a;D:\\b", ';') == std::vector<fs::path>{"C:\\a", "D:\\b"});
+  CHECK(path_list("").empty());
 }
 
 #if defined(__linux__)

@@ -89,7 +89,7 @@ TEST_CASE("a frame comes back with its encoded picture and without pointers") {
   frame.width = 8, frame.height = 6, frame.format = ODO_FORMAT_GREY8;
   frame.fx = 5, frame.header.flags = ODO_FRAME_INTRINSICS | ODO_FRAME_MASK;
   frame.planes[0].data = reinterpret_cast<const uint8_t*>(&frame);
-  frame.owner = &frame;
+  frame.loan.owner = &frame;
   const std::string picture = "as the app encoded it";
   CHECK(odo_recorder_write(out, &frame.header, picture.data(), picture.size()) == ODO_OK);
   CHECK(odo_recorder_close(out) == ODO_OK);
@@ -101,7 +101,7 @@ TEST_CASE("a frame comes back with its encoded picture and without pointers") {
   REQUIRE(odo_recording_next(in, &message, &found, &size) == ODO_OK);
   CHECK(std::string(static_cast<const char*>(found), size) == picture);
   CHECK(as<odo_frame>(*message).planes[0].data == nullptr);
-  CHECK(as<odo_frame>(*message).owner == nullptr);
+  CHECK(as<odo_frame>(*message).loan.owner == nullptr);
   CHECK(as<odo_frame>(*message).fx == 5);
   CHECK(message->flags == ODO_FRAME_INTRINSICS);
   odo_recording_close(in);
@@ -147,25 +147,61 @@ TEST_CASE("a recording that was cut off is read up to there; what is none is ref
   CHECK(odo_recorder_close(nullptr) == ODO_OK);
 }
 
-TEST_CASE("recordings of minor version 0, in which events were numbered from 16, are read with today's numbers") {
+namespace {
+struct Plain {
+  odo_header header;
+};
+}  // namespace
+
+TEST_CASE("a recorder takes neither the numbers that the format uses itself nor memory that it cannot keep") {
   const TemporaryFolder folder;
-  const auto path = folder / "first.odo";
+  const std::string path = (folder / "a.odo").string();
+  const odo_string name{path.data(), path.size()};
+  odo_recorder* recorder = nullptr;
+  REQUIRE(odo_recorder_create(&name, &recorder, nullptr) == ODO_OK);
+  auto message = make_message<Plain>(ODO_TYPE_VENDOR(0, 1), 7);
+  CHECK(odo_recorder_write(recorder, &message.header, nullptr, 0) == ODO_OK);
+  for (const uint32_t reserved : {0u, 0x2000u, 0x10000u, 0x10004u, 0x1FFFFu, 0x7FFFFFFFu}) {
+    message.header.type = reserved;
+    CHECK(odo_recorder_write(recorder, &message.header, nullptr, 0) == ODO_E_ARGUMENT);
+  }
+  auto lent = make_message<odo_borrowed>(ODO_TYPE_VENDOR(0, ODO_BORROWED), 7);
+  CHECK(odo_recorder_write(recorder, &lent.header, nullptr, 0) == ODO_E_UNSUPPORTED);
+  REQUIRE(odo_recorder_close(recorder) == ODO_OK);
+  odo_recording* recording = nullptr;
+  REQUIRE(odo_recording_open(&name, &recording, nullptr) == ODO_OK);
+  odo_error loss{};
+  loss.struct_size = sizeof loss;
+  CHECK(odo_recording_loss(recording, &loss) == ODO_OK);
+  const odo_header* read = nullptr;
+  CHECK(odo_recording_next(recording, &read, nullptr, nullptr) == ODO_OK);
+  CHECK(odo_recording_next(recording, &read, nullptr, nullptr) == ODO_NOT_READY);
+  odo_recording_close(recording);
+}
+
+TEST_CASE("a crafted recording hands out no loan and no reserved number") {
+  const TemporaryFolder folder;
+  const auto path = folder / "crafted.odo";
   {
     auto writer = RecordWriter::create(path);
     REQUIRE(writer.ok());
-    auto step = make_message<odo_step>(ODO_TYPE_STEP, 5);
-    step.header.type = 17;
-    CHECK(writer->write(17, {reinterpret_cast<const unsigned char*>(&step), sizeof step}));
+    auto lent = make_message<odo_borrowed>(ODO_TYPE_VENDOR(3, 0x801), 5);
+    lent.loan.owner = &lent;
+    for (const uint32_t type : {ODO_TYPE_VENDOR(3, 0x801), 0x5000u, ODO_TYPE_VENDOR(3, 1)}) {
+      lent.header.type = type;
+      CHECK(writer->write(type, {reinterpret_cast<const unsigned char*>(&lent), sizeof lent}));
+    }
     CHECK(writer->finish().ok());
   }
-  std::fstream(path, std::ios::in | std::ios::out | std::ios::binary).seekp(12).write("\0\0\0\0", 4);
-  auto reader = RecordReader::open(path);
-  REQUIRE(reader.ok());
-  REQUIRE(reader->next());
-  AnyMessage message;
-  std::span<const unsigned char> picture;
-  REQUIRE(reader->message(message, picture));
-  CHECK(message.header().type == ODO_TYPE_STEP);
+  const std::string file = path.string();
+  const odo_string name{file.data(), file.size()};
+  odo_recording* recording = nullptr;
+  REQUIRE(odo_recording_open(&name, &recording, nullptr) == ODO_OK);
+  const odo_header* message = nullptr;
+  REQUIRE(odo_recording_next(recording, &message, nullptr, nullptr) == ODO_OK);
+  CHECK(message->type == ODO_TYPE_VENDOR(3, 1));
+  CHECK(odo_recording_next(recording, &message, nullptr, nullptr) == ODO_NOT_READY);
+  odo_recording_close(recording);
 }
 
 TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' messages replays to the bit") {

@@ -64,7 +64,7 @@ TEST_CASE("all that a simulator knows comes back from an Odograph recording numb
   REQUIRE((*writer)->write(make_message<odo_imu>(ODO_TYPE_IMU, 1).header).ok());
   auto step = make_message<odo_step>(ODO_TYPE_STEP, 55);
   step.t_start_ns = 33, step.length_m = 0.7;
-  REQUIRE((*writer)->write(step.header).ok());
+  REQUIRE((*writer)->write_true_step(step).ok());
   REQUIRE((*writer)->write_truth({61, kQ, {13, 14, 15}}).ok());
   REQUIRE((*writer)->write_true_state(a_state()).ok());
   REQUIRE((*writer)->write_true_skyline({81, {0.1F, 0.2F, 0.3F}, {10, 20, 30}}).ok());
@@ -121,7 +121,7 @@ TEST_CASE("colours come back in their order, and a grey picture row by row") {
         for (uint32_t c = 0; c < kept; ++c)
           CHECK(frame->planes[0].data[y * frame->planes[0].row_stride + x * kept + c] ==
                 pixels[16 * y + given * x + (blue_first ? 2 - c : c)]);
-    frame->release(&*frame);
+    frame->loan.release(frame->loan.owner);
   }
 }
 

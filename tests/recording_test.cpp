@@ -65,7 +65,7 @@ TEST_CASE("an Odograph recording gives back what was written, bit for bit") {
     const auto frame = load_frame(m);
     REQUIRE(frame.ok());
     CHECK(frame->planes[0].data[7] == frames++);
-    frame->release(&*frame);
+    frame->loan.release(frame->loan.owner);
   }
   CHECK(frames == 5);
 }
@@ -106,7 +106,7 @@ TEST_CASE("random bytes behind a good head never crash the reader") {
     if (recording)
       for (const auto& m : recording->messages)
         if (m.message.header().type == ODO_TYPE_FRAME)
-          if (const auto frame = load_frame(m)) frame->release(&*frame);
+          if (const auto frame = load_frame(m)) frame->loan.release(frame->loan.owner);
   });
 }
 

@@ -89,7 +89,7 @@ TEST_CASE("the tables of a run have each event's own numbers under each name") {
   run.steps = {step};
   auto scale = message<odo_scale>(ODO_TYPE_SCALE, 29);
   scale.header.source = 3, scale.scale = 1.7, scale.sigma = 0.2, scale.displacement_m = 9;
-  scale.header.flags = ODO_SCALE_ACCEPTED | ODO_SCALE_STEADY;
+  scale.header.flags = ODO_FLAG_ACCEPTED | ODO_SCALE_STEADY;
   run.scales = {scale};
   run.fixes = {{a_fix(ODO_FIX_NORTH | ODO_FIX_EAST), true}};
   run.track = {{1'000'000'007, Eigen::Quaterniond(0.5, 0.1, -0.7, 0.5), {1.25, -2.5, 3.75}}};
@@ -162,6 +162,7 @@ TEST_CASE("a run's summary has each statistic under its own name") {
   run.loss.file = {.records_lost = 21, .bytes = 22, .places = 23, .cut = true};
   run.loss.pictures = 24, run.loss.wild_times = 25;
   run.notices["p: k"] = {.count = 31, .text = "said"};
+  run.plugins = {{1, "attitude", "a/b", "1.2.3", "12ab"}};
   run.reports = {"a report"}, run.config_text = "a: config\n";
   run.track.resize(3);
   Recording recording = nothing_of("walk.odo");
@@ -215,6 +216,7 @@ TEST_CASE("a run's summary has each statistic under its own name") {
   CHECK(j["reports"][0] == "a report");
   CHECK(j["notices"]["p: k"]["text"] == "said");
   CHECK(j["config"] == "a: config\n");
+  CHECK(j["plugins"].dump() == R"([{"id":"a/b","kind":"attitude","number":1,"sha256":"12ab","version":"1.2.3"}])");
   CHECK(j["peak_rss_mb"].get<double>() > 1);
   CHECK(j["peak_rss_mb"].get<double>() < 10'000);
   s.scale_sigma = 0, run.loss = {};

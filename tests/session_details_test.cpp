@@ -95,7 +95,8 @@ TEST_CASE("of mount, time offset and row time each comes from the config where i
       const auto from = [&](uint32_t flag, int64_t config, int64_t app_s) {
         return own & flag ? config : pushed & flag ? app_s : 0;
       };
-      CHECK(got.header.flags == (own | pushed));
+      CHECK(got.header.flags == ((own | pushed) & ~kOffset));  // the host applies the offset and keeps it
+      CHECK(got.time_offset_ns == 0);
       CHECK(got.fx == 70);  // the config's lens in any case
       if ((own | pushed) & kMount) CHECK(got.p_b_c[own & kMount ? 0 : 1] == (own & kMount ? 1 : 2));
       CHECK(frames[0].header.t_ns == 2'000'000'000 + from(kOffset, 10'000'000, 20'000'000));
@@ -112,7 +113,7 @@ TEST_CASE("after a clock that was set back each camera and each IMU is described
   for (const uint32_t id : {1u, 2u, 1u}) {
     auto c = calibration(64, 48);
     app.walk(0, 1);
-    c.id = id, c.fx = 100 * id + 1;
+    c.header.source = id, c.fx = 100 * id + 1;
     odo_session_push(app.session, &c.header);
   }
   for (const uint32_t source : {1u, 2u}) {
@@ -128,7 +129,8 @@ TEST_CASE("after a clock that was set back each camera and each IMU is described
   const auto cameras = given<odo_calibration>(app, ODO_TYPE_CALIBRATION);
   const auto noises = given<odo_imu_noise>(app, ODO_TYPE_IMU_NOISE);
   REQUIRE(cameras.size() == 2);
-  CHECK((cameras[0].id == 1 && cameras[0].fx == 101 && cameras[1].id == 2 && cameras[1].fx == 201));
+  CHECK(
+      (cameras[0].header.source == 1 && cameras[0].fx == 101 && cameras[1].header.source == 2 && cameras[1].fx == 201));
   REQUIRE(noises.size() == 2);
   CHECK((noises[0].gyro_noise == 1 && noises[1].gyro_noise == 2));
   CHECK(app.statistics().events_dropped == 0);  // nobody is given its own events
@@ -153,11 +155,11 @@ TEST_CASE("what a plugin says of being accepted is the host's to say") {
   App app("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
-  scale.header.flags = ODO_SCALE_ACCEPTED | ODO_SCALE_STEADY;
+  scale.header.flags = ODO_FLAG_ACCEPTED | ODO_SCALE_STEADY;
   scale.scale = 1, scale.sigma = 0.1;
   echo(app, scale, 1'000'000'000);
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
-  fix.header.flags = ODO_FIX_ACCEPTED;
+  fix.header.flags = ODO_FLAG_ACCEPTED;
   echo(app, fix, 2'000'000'000);
   const auto scales = app.all<odo_scale>(ODO_TYPE_SCALE);
   const auto fixes = app.all<odo_fix>(ODO_TYPE_FIX);
@@ -165,6 +167,33 @@ TEST_CASE("what a plugin says of being accepted is the host's to say") {
   CHECK(scales[0].header.flags == ODO_SCALE_STEADY);
   CHECK(fixes[0].header.flags == 0);
   CHECK(app.statistics().fixes_rejected == 1);
+}
+
+TEST_CASE("a fix far from the origin of n is refused, counted and reported") {
+  const std::string config = kWalk +
+                             "coupling: {type: inertial}\nnavigation: {origin: {latitude: 48 deg, longitude: 11 deg, "
+                             "height: 500 m}}\nabsolute_fixers: [{plugin: "
+                             "fix/gnss}]\n";
+  constexpr double degree = 0.017453292519943295;
+  for (const double latitude : {48.5, 57.0}) {  // 56 and 1,000 km north of the origin
+    App app(config);
+    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    app.walk(0, 300);
+    for (int s = 4; s < 9; ++s) {
+      auto gnss = make_message<odo_gnss>(ODO_TYPE_GNSS, 1'000'000'000LL * s);
+      gnss.header.flags = ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE;
+      gnss.latitude_rad = latitude * degree, gnss.longitude_rad = 11 * degree;
+      for (int k = 0; k < 3; ++k) gnss.covariance_n[4 * k] = 9;
+      CHECK(odo_session_push(app.session, &gnss.header) == ODO_OK);
+    }
+    app.walk(300, 1000);
+    odo_session_flush(app.session);
+    const bool far = latitude > 50;
+    CHECK((app.statistics().fixes_accepted == 0) == far);
+    CHECK((app.statistics().fixes_rejected >= 4) == far);
+    CHECK((app.said().find("km from the origin of n") != std::string::npos) == far);
+    CHECK((std::abs(app.pose(ODO_TIME_LATEST).p_n[0]) < 100) == far);
+  }
 }
 
 TEST_CASE("the time in each state is that between the states that were told") {
@@ -219,12 +248,14 @@ TEST_CASE("a report says how many it stands for, its status and the newest time;
   CHECK(std::string(error.message).find("host: dropped a sample of imu") == 0);
 }
 
-TEST_CASE("a camera that tells no mount leaves the one that was told") {
+TEST_CASE("a calibration without a mount leaves the mount as it was, and that of another camera does not change it") {
   App app(kWalk);
   auto c = calibration(64, 48);
   c.header.flags = ODO_CALIBRATION_EXTRINSICS, c.q_b_c[1] = 1, c.p_b_c[0] = 0.3, c.p_b_c[2] = 0.4;
   odo_session_push(app.session, &c.header);
-  c.header.flags = 0, c.id = 2, c.p_b_c[0] = 9;
+  c.header.flags = 0, c.p_b_c[0] = 9;
+  odo_session_push(app.session, &c.header);
+  c.header.flags = ODO_CALIBRATION_EXTRINSICS, c.header.source = 2;
   odo_session_push(app.session, &c.header);
   app.walk(0, 1000);
   odo_session_flush(app.session);

@@ -57,7 +57,7 @@ TEST_CASE("a published fix says in its flags whether it was used, and keeps its 
   odo_session_flush(app.session);
   const auto fixes = app.all<odo_fix>(ODO_TYPE_FIX);
   REQUIRE(fixes.size() == 1);
-  CHECK((fixes[0].header.flags & ODO_FIX_ACCEPTED) != 0);
+  CHECK((fixes[0].header.flags & ODO_FLAG_ACCEPTED) != 0);
   CHECK(fixes[0].header.quality == 0.25f);
 }
 
@@ -78,7 +78,7 @@ TEST_CASE("a plugin that asks for corrections is told each that the app is told,
   for (size_t i = 0; i < echoes.size(); ++i) {
     CHECK(echoes[i].header.t_ns == corrections[i].header.t_ns);
     CHECK(Eigen::Vector3d(echoes[i].p_n) == Eigen::Vector3d(corrections[i].p_n));
-    CHECK((echoes[i].header.flags & ODO_FIX_ACCEPTED) == 0);
+    CHECK((echoes[i].header.flags & ODO_FLAG_ACCEPTED) == 0);
   }
 }
 
@@ -240,9 +240,9 @@ TEST_CASE("an app may push within release and within a callback") {
         f.format = ODO_FORMAT_GREY8;
         f.width = 64, f.height = 48;
         f.planes[0] = {reentrant.pixels.data(), 64, 1, 0};
-        f.owner = &reentrant;
-        f.retain = [](const odo_frame*) -> int32_t { return ODO_OK; };
-        f.release = [](const odo_frame* frame) { static_cast<Reentrant*>(frame->owner)->push_barometer(); };
+        f.loan.owner = &reentrant;
+        f.loan.retain = [](void*) -> int32_t { return ODO_OK; };
+        f.loan.release = [](void* owner) { static_cast<Reentrant*>(owner)->push_barometer(); };
         odo_session_push(app.session, &f.header);
       }
       CHECK(odo_session_flush(app.session) == ODO_OK);
@@ -385,8 +385,8 @@ TEST_CASE("a frame that cannot be held is counted and reported in words") {
   auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'050'000'000);
   f.format = ODO_FORMAT_GREY8, f.width = 64, f.height = 48;
   f.planes[0] = {pixels.data(), 64, 1, 0};
-  f.retain = [](const odo_frame*) -> int32_t { return ODO_E_EXHAUSTED; };
-  f.release = [](const odo_frame*) {};
+  f.loan.retain = [](void*) -> int32_t { return ODO_E_EXHAUSTED; };
+  f.loan.release = [](void*) {};
   CHECK(odo_session_push(app.session, &f.header) == ODO_E_EXHAUSTED);
   odo_session_flush(app.session);
   CHECK(app.statistics().overflow == 1);
@@ -394,7 +394,7 @@ TEST_CASE("a frame that cannot be held is counted and reported in words") {
                                  [](const odo_report& r) { return std::string(r.key) == "dropped_frame"; });
   REQUIRE(told != app.reports.end());
   CHECK(told->status == ODO_E_EXHAUSTED);
-  CHECK(std::string(told->text).find("frames come faster than they are processed") != std::string::npos);
+  CHECK(std::string(told->text).find("they come faster than they are processed") != std::string::npos);
 }
 
 TEST_SUITE_END();

@@ -267,13 +267,13 @@ TEST_CASE("a frame is held without a copy while it waits, and given back exactly
       f.format = ODO_FORMAT_GREY8;
       f.width = 64, f.height = 48;
       f.planes[0] = {pixels.data(), 64, 1, 0};
-      f.retain = [](const odo_frame*) -> int32_t { return ++holds, ODO_OK; };
-      f.release = [](const odo_frame*) { ++releases; };
+      f.loan.retain = [](void*) -> int32_t { return ++holds, ODO_OK; };
+      f.loan.release = [](void*) { ++releases; };
       const int32_t status = odo_session_push(app.session, &f.header);
       CHECK((status == ODO_OK || status == ODO_E_DISCARD));
       if (i % 2 == 0) {  // a frame that cannot be kept is copied instead
         f.header.t_ns += 25'000'000;
-        f.retain = nullptr, f.release = nullptr;
+        f.loan.retain = nullptr, f.loan.release = nullptr;
         odo_session_push(app.session, &f.header);
       }
     }

@@ -15,19 +15,20 @@ openssl genpkey -algorithm ed25519 -out stranger.pem
 key() { openssl pkey -in "$1" -pubout -outform DER | tail -c 32 | od -An -v -tx1 | tr -d ' \n'; }
 sign() { openssl pkeyutl -sign -rawin -inkey "$1" -in mine/attitude_vqf.odoplugin.json -out mine/attitude_vqf.odoplugin.sig; }
 config() { printf 'odograph: 1\nplugins: {search: [mine], signers: [%s]}\nattitude: {plugin: mine/attitude_vqf.odoplugin.json}\n' "$1" >config.yaml; }
+by() { printf '{ids: "%s", key: %s}' "$1" "$(key "$2")"; }
 # what, expected status, words
 check() {
   "$odograph" config check config.yaml >said 2>&1
   status=$?
   [ $status -eq "$2" ] && grep -qF -- "$3" said || { echo "FAILED: $1: status $status"; cat said; failed=1; }
 }
-config "$(key vendor.pem)"
+config "$(by '*' vendor.pem)"
 check "no signature" 2 "attitude_vqf.odoplugin.sig is missing"
 sign stranger.pem
 check "a stranger's signature" 2 "is no signature of its manifest by any of plugins.signers"
 sign vendor.pem
 check "the vendor's signature" 0 ""
-config "$(key stranger.pem), $(key vendor.pem)"
+config "$(by 'attitude/*' stranger.pem), $(by '*' vendor.pem)"
 check "one signer of two" 0 ""
 printf ' ' >>mine/attitude_vqf.odoplugin.json
 check "a manifest that was changed" 2 "is no signature of its manifest"
@@ -37,7 +38,11 @@ check "a library that was changed" 2 "hash"
 cp "$plugins/attitude_vqf.so" mine/
 printf 'x' >>mine/attitude_vqf.odoplugin.sig
 check "a signature that is too long" 2 "has another size"
-config abc
+config "$(by 'acme/*' vendor.pem)"
+check "chosen by its path, with an id that nobody vouches for" 2 "is chosen by its path"
+printf 'odograph: 1\nplugins: {signers: [%s]}\nattitude: {plugin: attitude/vqf}\n' "$(by 'acme/*' vendor.pem)" >config.yaml
+check "an id of ours, with a signer for a vendor's alone" 0 ""
+config '{key: abc}'
 sign vendor.pem
 check "a key that is none" 2 "expected a public key of 32 bytes"
 exit $failed

@@ -6,6 +6,7 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "sdk/host/config/manifest.hpp"
 #include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/drive.hpp"
 #include "sdk/tools/simulation/sensors.hpp"
@@ -285,6 +286,15 @@ TEST_CASE("fixes from GNSS bound a walk on the Earth") {
   const auto result = replay(*recording, options);
   REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
   CHECK(result->statistics.fixes_accepted > 30);
+  // What the fixes' source is can be looked up.
+  REQUIRE(result->plugins.size() == 3);
+  REQUIRE_FALSE(result->fixes.empty());
+  for (const auto& fix : result->fixes) {
+    const auto& plugin = result->plugins.at(fix.fix.header.source - 1);
+    CHECK(plugin.number == fix.fix.header.source);
+    CHECK((plugin.id == "fix/gnss" && plugin.kind == "absolute_fixer"));
+    CHECK(plugin.sha256 == *sha256_of(plugin_folder() / "fix_gnss.so"));
+  }
   // n's origin is the first fix, the walk starts at the true origin: shifted by that fix's error and no more.
   CHECK((result->track.back().p - recording->truth.back().p).head<2>().norm() < 6.0);
 }

@@ -170,7 +170,7 @@ std::vector<LateFix> fixes_of(const std::filesystem::path& folder, const Vector3
   REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
   PluginInstance& plugin = **made;
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
-  c.id = 1, c.model = ODO_CAMERA_KANNALA_BRANDT, c.width = 640, c.height = 480, c.distortion_count = 4;
+  c.header.source = 1, c.model = ODO_CAMERA_KANNALA_BRANDT, c.width = 640, c.height = 480, c.distortion_count = 4;
   c.fx = c.fy = 200, c.cx = 319.5, c.cy = 239.5;
   plugin.process(c.header);
   const CameraModel camera{
@@ -186,7 +186,7 @@ std::vector<LateFix> fixes_of(const std::filesystem::path& folder, const Vector3
     pose.covariance[21] = pose.covariance[28] = sigma_m * sigma_m;
     plugin.process(pose.header);
     auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, k * kFrame_ns);
-    frame.format = ODO_FORMAT_GREY8, frame.calibration = 1, frame.width = 640, frame.height = 480;
+    frame.format = ODO_FORMAT_GREY8, frame.header.source = 1, frame.width = 640, frame.height = 480;
     frame.planes[0].data = picture.data, frame.planes[0].row_stride = 640, frame.planes[0].pixel_stride = 1;
     double took_ms = 0;
     std::span<AnyMessage> events;

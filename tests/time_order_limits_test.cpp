@@ -113,11 +113,12 @@ TEST_CASE("a sensor that begins may be as late as the longest wait, not a nanose
     REQUIRE(order.all(INT64_MAX).size() == 1);
     const bool joins = late_ns <= 100 * kMs;
     CHECK(order.add(ODO_TYPE_FRAME, 5 * kSecond - late_ns) == (joins ? Verdict::accepted : Verdict::late));
-    CHECK(order.add(ODO_TYPE_BAROMETER, 5 * kSecond - late_ns) == Verdict::late);  // one that holds nobody back
+    CHECK(order.add(ODO_TYPE_BAROMETER, 5 * kSecond - late_ns) == (joins ? Verdict::accepted : Verdict::late));
+    CHECK(order.add(ODO_TYPE_RANGE, 5 * kSecond - late_ns) == Verdict::accepted);  // it may always be late
     if (!joins) continue;
     REQUIRE(order.add(ODO_TYPE_FRAME, 5 * kSecond) == Verdict::accepted);  // in time from here on
     REQUIRE(order.imu(6 * kSecond) == Verdict::accepted);
-    REQUIRE(order.all(INT64_MAX).size() == 3);
+    REQUIRE(order.all(INT64_MAX).size() == 5);
     CHECK(order.add(ODO_TYPE_FRAME, 6 * kSecond - 10 * kMs) == Verdict::late);
     REQUIRE(order.imu(8 * kSecond) == Verdict::accepted);
     REQUIRE(order.all(INT64_MAX).size() == 1);

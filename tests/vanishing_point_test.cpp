@@ -124,7 +124,7 @@ TEST_CASE("pitch and roll by vanishing points in pictures of real cities" *
             beyond += errors.back() * kDegree > 3.44 * zenith->sigma_rad;  // 99.73 % of a plane
           }
         }
-        frame->release(&*frame);
+        frame->loan.release(frame->loan.owner);
       }
       REQUIRE(pictures > 30);
       std::sort(errors.begin(), errors.end());

@@ -183,7 +183,7 @@ TEST_CASE("a tag in a frame is found by AprilTag's own detector where the truth 
       }
     }
     apriltag_detections_destroy(found);
-    frame->release(&*frame);
+    frame->loan.release(frame->loan.owner);
   }
   apriltag_detector_destroy(detector);
   tag36h11_destroy(family);
@@ -280,7 +280,7 @@ TEST_CASE("in the pocket the lens sees nothing, and a crowd fills the picture") 
     const auto frame = load_frame(m);
     double sum = 0;
     for (int i = 0; i < 96; ++i) sum += frame->planes[0].data[36 * frame->planes[0].row_stride + i];
-    frame->release(&*frame);
+    frame->loan.release(frame->loan.owner);
     (sum / 96 < 25 ? dark : bright) += 1;
   }
   CHECK(dark > 35);

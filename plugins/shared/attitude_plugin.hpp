@@ -54,7 +54,8 @@ class AttitudeSource {
     event.covariance_n[0] = event.covariance_n[4] = tilt * tilt;
     event.covariance_n[8] = heading * heading;
     Eigen::Vector3d::Map(event.gyro_bias_b) = filter_->bias();
-    if (filter_->has_heading()) event.header.flags |= ODO_ATTITUDE_NORTH;
+    event.header.flags = ODO_ATTITUDE_COVARIANCE | ODO_ATTITUDE_GYRO_BIAS;
+    if (filter_->has_heading()) event.header.flags |= ODO_ATTITUDE_MAGNETIC_NORTH;
     if (filter_->mag_disturbed()) event.header.flags |= ODO_ATTITUDE_MAG_DISTURBED;
     if (filter_->at_rest()) event.header.flags |= ODO_ATTITUDE_REST;
     output.emit(event);

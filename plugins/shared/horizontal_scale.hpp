@@ -45,7 +45,7 @@ inline void emit_scale(const odo_vo_motion& motion, double d_step_m, double rela
 
 /// True when the motion can be scaled at all.
 inline bool scalable(const odo_vo_motion& motion) {
-  constexpr uint32_t needed = ODO_VO_TRANSLATION | ODO_VO_NAVIGATION;
+  constexpr uint32_t needed = ODO_VO_TRANSLATION | ODO_FLAG_NAVIGATION;
   return (motion.header.flags & needed) == needed;
 }
 

@@ -55,6 +55,7 @@ class StepPlugin {
     if (step->heading_valid) event.header.flags |= ODO_STEP_HEADING;
     event.mode = mode_of(step->carrying);
     event.index = count_++;
+    event.header.flags |= ODO_FLAG_QUALITY;
     event.header.quality = 0.5f;
     output.emit(event);
   }

@@ -35,7 +35,7 @@ class App {
     frame.planes[0].data = rgb.data;
     frame.planes[0].row_stride = static_cast<int64_t>(rgb.step);
     frame.planes[0].pixel_stride = static_cast<uint32_t>(rgb.channels());
-    frame.owner = nullptr, frame.retain = nullptr, frame.release = nullptr;
+    frame.loan.owner = nullptr, frame.loan.retain = nullptr, frame.loan.release = nullptr;
     odo_session_push(session_, &frame.header);
     const int64_t t_ns = frame.header.t_ns;
     if (first_ns_ == INT64_MIN) first_ns_ = t_ns;

@@ -125,7 +125,8 @@ std::vector<Point> Scene::path_points(int64_t t_ns) const {
   for (const uint64_t id : path_) {
     odo_anchor a = sized<odo_anchor>();
     a.struct_size = sizeof a;
-    if (odo_anchor_get(session_, id, ODO_WORLD_SMOOTH, t_ns, &a) != ODO_OK || !(a.flags & ODO_ANCHOR_IN_VIEW)) continue;
+    if (odo_anchor_get(session_, id, ODO_WORLD_SMOOTH, t_ns, &a) != ODO_OK || !(a.flags & ODO_ANCHOR_VIEW_POSE))
+      continue;
     points.push_back({a.p_n[0], a.p_n[1], a.p_n[2]});
   }
   return points;
@@ -150,7 +151,7 @@ void Scene::draw_anchors(Canvas& canvas, const odo_pose& pose, double ground_dow
     odo_anchor a = sized<odo_anchor>();
     a.struct_size = sizeof a;
     if (odo_anchor_get(session_, shown.id, ODO_WORLD_SMOOTH, t_ns, &a) != ODO_OK) continue;
-    if (!(a.flags & ODO_ANCHOR_IN_VIEW) || a.state == ODO_LOST) continue;
+    if (!(a.flags & ODO_ANCHOR_IN_FRONT) || a.state == ODO_LOST) continue;
     const cv::Scalar colour = kColours[static_cast<size_t>(shown.colour) % std::size(kColours)];
     const Point tip(a.p_view[0], a.p_view[1], a.p_view[2]);
     const Point foot = into_camera(pose, {a.p_n[0], a.p_n[1], ground_down});
@@ -176,7 +177,7 @@ void Scene::draw_map(Canvas& canvas, const odo_pose& pose, const std::vector<Poi
   for (const Shown& shown : shown_) {
     odo_anchor a = sized<odo_anchor>();
     a.struct_size = sizeof a;
-    if (odo_anchor_get(session_, shown.id, ODO_WORLD_SMOOTH, t_ns, &a) != ODO_OK || !(a.flags & ODO_ANCHOR_IN_VIEW))
+    if (odo_anchor_get(session_, shown.id, ODO_WORLD_SMOOTH, t_ns, &a) != ODO_OK || !(a.flags & ODO_ANCHOR_VIEW_POSE))
       continue;
     marks.push_back(
         {on_map({a.p_n[0], a.p_n[1], a.p_n[2]}), kColours[static_cast<size_t>(shown.colour) % std::size(kColours)]});

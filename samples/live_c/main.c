@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <odograph/anchor.h>
 #include <odograph/recording.h>
 
 #define WIDTH 64
@@ -39,15 +40,15 @@ struct picture {
   uint8_t pixels[WIDTH * HEIGHT];
 };
 
-static int32_t retain(const odo_frame* frame) {
+static int32_t retain(void* owner) {
   pthread_mutex_lock(&lock);
-  ++((struct picture*)frame->owner)->holds;
+  ++((struct picture*)owner)->holds;
   pthread_mutex_unlock(&lock);
   return ODO_OK;
 }
 
-static void release(const odo_frame* frame) {
-  struct picture* picture = (struct picture*)frame->owner;
+static void release(void* owner) {
+  struct picture* picture = (struct picture*)owner;
   int last;
   pthread_mutex_lock(&lock);
   last = --picture->holds == 0;
@@ -93,11 +94,11 @@ static void push_frame(odo_session* session, odo_recorder* recorder, int64_t t_n
   frame.planes[0].row_stride = WIDTH, frame.planes[0].pixel_stride = 1;
   frame.fx = frame.fy = 60 * (1 + 0.03 * sin(0.2 * number)); /* as ARCore and ARKit give them */
   frame.cx = 31.5, frame.cy = 23.5;
-  frame.owner = picture;
-  frame.retain = retain;
-  frame.release = release;
+  frame.loan.owner = picture;
+  frame.loan.retain = retain;
+  frame.loan.release = release;
   push(session, recorder, &frame.header);
-  release(&frame); /* the app's own hold */
+  release(picture); /* the app's own hold */
 }
 
 static void push_calibration(odo_session* session, odo_recorder* recorder, int64_t t_ns) {
@@ -119,6 +120,31 @@ static void* learnt(odo_session* session, int64_t* size) {
   data = *size > 0 ? malloc((size_t)*size) : NULL;
   if (data && odo_session_save(session, data, (uint64_t)*size) != *size) *size = 0;
   return data;
+}
+
+/* Puts up the app's sign, 2 m above the ground at a place on the Earth, unless odo_session_load brought it back.
+ * Returns how many anchors there are. */
+static int64_t put_up_sign(odo_session* session) {
+  uint64_t ids[8], id;
+  const int64_t count = odo_anchor_list(session, ids, 8);
+  odo_anchor anchor;
+  odo_anchor_place place;
+  int64_t i;
+  for (i = 0; i < count && i < 8; ++i) {
+    memset(&anchor, 0, sizeof anchor);
+    anchor.struct_size = sizeof anchor;
+    if (odo_anchor_get(session, ids[i], ODO_WORLD_CORRECTED, ODO_TIME_LATEST, &anchor) == ODO_OK &&
+        strcmp(anchor.name, "the sign") == 0)
+      return count;
+  }
+  memset(&place, 0, sizeof place);
+  place.struct_size = sizeof place;
+  place.kind = ODO_ANCHOR_GEODETIC;
+  place.latitude_rad = 0.84, place.longitude_rad = 0.2, place.height_m = 2;
+  place.height_above = ODO_HEIGHT_TERRAIN;
+  place.name.data = "the sign", place.name.size = 8;
+  odo_anchor_create(session, &place, &id);
+  return odo_anchor_list(session, NULL, 0);
 }
 
 static int run(odo_session* session, odo_recorder* recorder) {
@@ -174,10 +200,12 @@ int main(int argc, char** argv) {
   good = run(session, recorder);
   odo_recorder_close(recorder);
 
+  if (put_up_sign(session) != 1) good = 0;
   state = learnt(session, &size);
   odo_session_destroy(session);
   if (state && odo_session_create(&options, &session, &error) == ODO_OK) { /* the next time */
     if (odo_session_load(session, state, (uint64_t)size) != ODO_OK) good = 0;
+    if (put_up_sign(session) != 1) good = 0; /* it was saved */
     odo_session_destroy(session);
   }
   free(state);

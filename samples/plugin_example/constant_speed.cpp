@@ -5,6 +5,8 @@
 
 #include <odograph/plugin.hpp>
 
+namespace {
+
 struct ConstantSpeed {
   double speed = 1.3;
 
@@ -28,5 +30,7 @@ struct ConstantSpeed {
     output.emit(scale);
   }
 };
+
+}  // namespace
 
 ODO_PLUGIN(ConstantSpeed)

@@ -33,7 +33,7 @@ void give_pixels(odo_frame& frame) {
   frame.width %= kMaxPixels + 1, frame.height %= kMaxPixels + 1;
   for (odo_plane* plane : {&frame.planes[0], &frame.planes[1], &frame.planes[2], &frame.planes[3], &frame.mask})
     *plane = {pixels.data(), kMaxPixels * 4, 1 + plane->pixel_stride % 2, 0};
-  frame.retain = nullptr, frame.release = nullptr, frame.owner = nullptr;
+  frame.loan.retain = nullptr, frame.loan.release = nullptr, frame.loan.owner = nullptr;
 }
 
 }  // namespace

@@ -23,6 +23,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (const auto recording = odograph::read_recording(path))
     for (const auto& message : recording->messages)
       if (message.message.header().type == ODO_TYPE_FRAME)
-        if (const auto frame = odograph::load_frame(message)) frame->release(&*frame);
+        if (const auto frame = odograph::load_frame(message)) frame->loan.release(frame->loan.owner);
   return 0;
 }

@@ -14,7 +14,6 @@ inline odo_session* open(const std::string& pipeline) {
   odo_session_options options{};
   options.struct_size = sizeof options;
   options.run = ODO_RUN_REPLAY;
-  options.flags = ODO_SESSION_NO_CRASH_NOTES;
   options.config_text = {yaml.data(), yaml.size()};
   options.plugin_path = {folders.data(), folders.size()};
   odo_error error{};

@@ -19,7 +19,7 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
       fix.header.struct_size = sizeof fix;
       fix.header.type = ODO_TYPE_FIX;
       fix.header.t_ns = pose.header.t_ns;
-      fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+      fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
       fix.header.quality = 0.25f;
       for (int k = 0; k < 3; ++k) fix.p_n[k] = pose.p_n[k], fix.covariance_n[4 * k] = 1;
       hostile::sink()->emit(hostile::sink(), &fix.header);

@@ -15,13 +15,13 @@ std::deque<odo_frame> kept;
 int64_t last_ns = 0;
 
 void let_go(size_t down_to) {
-  for (; kept.size() > down_to; kept.pop_front()) kept.front().release(&kept.front());
+  for (; kept.size() > down_to; kept.pop_front()) kept.front().loan.release(kept.front().loan.owner);
 }
 
 void take(const odo_header& message) {
   if (message.type != ODO_TYPE_FRAME) return;
   const auto& frame = reinterpret_cast<const odo_frame&>(message);
-  if (frame.retain && frame.retain(&frame) >= 0) kept.push_back(frame);
+  if (frame.loan.retain && frame.loan.retain(frame.loan.owner) >= 0) kept.push_back(frame);
   let_go(kMax);
   odo_vo_motion motion;
   std::memset(&motion, 0, sizeof motion);

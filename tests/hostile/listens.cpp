@@ -12,6 +12,7 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   odo_plugin t = hostile::table();
   t.interfaces = interfaces;
   t.inputs = t.outputs = types, t.input_count = t.output_count = 1;
+  t.flags = ODO_PLUGIN_SEVERAL_CAMERAS;
   t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
     const odo_header& told = *batch->messages[0];
     if (told.type == ODO_TYPE_IMU || told.type == ODO_TYPE_ATTITUDE) return ODO_OK;

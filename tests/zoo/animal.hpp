@@ -106,7 +106,7 @@ inline void answer_motion(State& s, const odo_header& m) {
 
 inline void answer_waypoint(State& s, const odo_header& m) {
   Event event;
-  event.fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+  event.fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
   event.fix.p_n[0] = reinterpret_cast<const odo_waypoint&>(m).p_n[0];
   for (int i = 0; i < 3; ++i) event.fix.covariance_n[4 * i] = 1;
   emit(s, event, ODO_TYPE_FIX, sizeof(odo_fix), m.t_ns);

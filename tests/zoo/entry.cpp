@@ -59,13 +59,6 @@ extern "C" ODO_EXPORT int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin*
   out->struct_size = sizeof *out;
   return good_entry(host, out);
 }
-#elif defined(ZOO_entry_table_end__writes_all)
-TABLE(scale) {}
-extern "C" ODO_EXPORT int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
-  const int32_t status = good_entry(host, out);
-  if (status == ODO_OK) *out = good_table();
-  return status;
-}
 #elif defined(ZOO_entry_twice__another)
 TABLE(scale) {
   static int calls = 0;

@@ -33,14 +33,14 @@ INPUT(attitude) {
   return ODO_OK;
 }
 GOOD_ENTRY
-#elif defined(ZOO_events_quality__percent)
-EVENT(scale) { e.header.quality = 80; }
+#elif defined(ZOO_events_numbers__percent)
+EVENT(scale) { e.header.flags |= ODO_FLAG_QUALITY, e.header.quality = 80; }
 GOOD_ENTRY
 #elif defined(ZOO_events_reserved__used)
 EVENT(scale) { e.header.reserved = 7; }
 GOOD_ENTRY
 #elif defined(ZOO_events_flags__host_s_own)
-EVENT(fixer) { e.header.flags |= ODO_FIX_ACCEPTED; }
+EVENT(fixer) { e.header.flags |= ODO_FLAG_ACCEPTED; }
 GOOD_ENTRY
 #elif defined(ZOO_events_flags__unknown)
 EVENT(scale) { e.header.flags = 1u << 20; }
@@ -152,8 +152,8 @@ GOOD_ENTRY
 #elif defined(ZOO_scale_interval__past)
 EVENT(scale) { e.scale.valid_from_ns -= 2'000'000'000, e.scale.valid_to_ns -= 1'000'000'000; }
 GOOD_ENTRY
-#elif defined(ZOO_scale_sigma__negative)
-EVENT(scale) { e.scale.sigma = -1; }
+#elif defined(ZOO_scale_sigma__huge)
+EVENT(scale) { e.scale.sigma = 1e6; }
 GOOD_ENTRY
 #elif defined(ZOO_fix_says_something__nothing)
 EVENT(fixer) { e.header.flags = 0; }

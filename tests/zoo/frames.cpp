@@ -8,20 +8,20 @@ using namespace zoo;
 #if defined(ZOO_frames_balance__never_releases)
 INPUT(odometry) {
   const auto& frame = reinterpret_cast<const odo_frame&>(m);
-  if (m.type == ODO_TYPE_FRAME && frame.retain) frame.retain(&frame);
+  if (m.type == ODO_TYPE_FRAME && frame.loan.retain) frame.loan.retain(frame.loan.owner);
   return ODO_OK;
 }
 GOOD_ENTRY
 #elif defined(ZOO_frames_balance__releases_twice)
 INPUT(odometry) {
   const auto& frame = reinterpret_cast<const odo_frame&>(m);
-  if (m.type == ODO_TYPE_FRAME && frame.release) frame.release(&frame);
+  if (m.type == ODO_TYPE_FRAME && frame.loan.release) frame.loan.release(frame.loan.owner);
   return ODO_OK;
 }
 GOOD_ENTRY
 #elif defined(ZOO_frames_quota__twenty)
 static void let_go(std::vector<odo_frame>& held, size_t down_to) {
-  while (held.size() > down_to) held.back().release(&held.back()), held.pop_back();
+  while (held.size() > down_to) held.back().loan.release(held.back().loan.owner), held.pop_back();
 }
 Kind zoo::kind() { return odometry; }
 void zoo::on_event(State&, Event&) {}
@@ -30,7 +30,7 @@ int32_t zoo::on_input(State& s, const odo_header& m) {
   if (!s.more) s.more = new std::vector<odo_frame>;
   auto& held = *static_cast<std::vector<odo_frame>*>(s.more);
   const auto& frame = reinterpret_cast<const odo_frame&>(m);
-  if (frame.retain && frame.retain(&frame) >= 0) held.push_back(frame);
+  if (frame.loan.retain && frame.loan.retain(frame.loan.owner) >= 0) held.push_back(frame);
   if (held.size() > 20) let_go(held, 0);
   return ODO_OK;
 }
@@ -60,9 +60,9 @@ GOOD_ENTRY
 #elif defined(ZOO_frames_exhausted__insists)
 INPUT(odometry) {
   const auto& frame = reinterpret_cast<const odo_frame&>(m);
-  if (m.type != ODO_TYPE_FRAME || !frame.retain) return ODO_OK;
-  if (frame.retain(&frame) < 0) return ODO_E_ERROR;
-  return frame.release(&frame), ODO_OK;
+  if (m.type != ODO_TYPE_FRAME || !frame.loan.retain) return ODO_OK;
+  if (frame.loan.retain(frame.loan.owner) < 0) return ODO_E_ERROR;
+  return frame.loan.release(frame.loan.owner), ODO_OK;
 }
 GOOD_ENTRY
 #elif defined(ZOO_frames_strides__width)

@@ -164,11 +164,6 @@ GOOD_ENTRY
 #elif defined(ZOO_growth_vendor_type__error)
 INPUT(scale) { return ODO_IS_VENDOR(m.type) ? ODO_E_ERROR : ODO_OK; }
 GOOD_ENTRY
-#elif defined(ZOO_growth_older_messages__sizeof)
-INPUT(attitude) {
-  return m.type == ODO_TYPE_MAGNETOMETER && m.struct_size < sizeof(odo_magnetometer) ? ODO_E_STRUCT_SIZE : ODO_OK;
-}
-GOOD_ENTRY
 #elif defined(ZOO_growth_newer_messages__exact)
 INPUT(attitude) { return m.type == ODO_TYPE_IMU && m.struct_size != sizeof(odo_imu) ? ODO_E_STRUCT_SIZE : ODO_OK; }
 GOOD_ENTRY

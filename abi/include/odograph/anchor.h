@@ -19,17 +19,17 @@
 extern "C" {
 #endif
 
-#define ODO_ANCHOR_POSE UINT32_C(1)     /* q and p are in n */
-#define ODO_ANCHOR_VIEW UINT32_C(2)     /* q and p are in the axes of the pose of t_ns: what a touch on a picture finds */
-#define ODO_ANCHOR_GEODETIC UINT32_C(3) /* a latitude, longitude and height */
+#define ODO_ANCHOR_POSE 1u     /* q and p are in n */
+#define ODO_ANCHOR_VIEW 2u     /* q and p are in the axes of the pose of t_ns: what a touch on a picture finds */
+#define ODO_ANCHOR_GEODETIC 3u /* a latitude, longitude and height */
 
-#define ODO_HEIGHT_ELLIPSOID UINT32_C(1) /* above the WGS 84 ellipsoid */
-#define ODO_HEIGHT_GEOID UINT32_C(2)     /* above the geoid ("sea level"), which is geoid_height_m above the ellipsoid there */
-#define ODO_HEIGHT_TERRAIN UINT32_C(3)   /* above the ground, as a fixer with a terrain model has it */
+#define ODO_HEIGHT_ELLIPSOID 1u /* above the WGS 84 ellipsoid */
+#define ODO_HEIGHT_GEOID 2u     /* above the geoid ("sea level"), which is geoid_height_m above the ellipsoid there */
+#define ODO_HEIGHT_TERRAIN 3u   /* above the ground, as a fixer with a terrain model has it */
 
 /* Two worlds an app may draw in, each with its own pose of the phone. */
-#define ODO_WORLD_CORRECTED UINT32_C(0) /* odo_session_get_pose: what is known best; jumps */
-#define ODO_WORLD_SMOOTH UINT32_C(1)    /* odo_session_get_smooth_pose: what is drawn never jumps against the picture */
+#define ODO_WORLD_CORRECTED 0u /* odo_session_get_pose: what is known best; jumps */
+#define ODO_WORLD_SMOOTH 1u    /* odo_session_get_smooth_pose: what is drawn never jumps against the picture */
 
 /* Where an anchor is to be. Zero what is not used. */
 typedef struct odo_anchor_place {
@@ -49,13 +49,17 @@ typedef struct odo_anchor_place {
   odo_string name;       /* UTF-8; the first 63 bytes are kept */
 } odo_anchor_place;
 
-#define ODO_ANCHOR_PLACED UINT32_C(1)   /* q_n, p_n and their sigmas are valid */
-#define ODO_ANCHOR_IN_VIEW UINT32_C(2)  /* q_view, p_view and view_sigma_m are valid */
-#define ODO_ANCHOR_ON_EARTH UINT32_C(4) /* latitude, longitude and height are valid */
+#define ODO_ANCHOR_PLACED 1u    /* q_n, p_n and their sigmas are valid */
+#define ODO_ANCHOR_VIEW_POSE 2u /* q_view, p_view and view_sigma_m are valid, also behind the camera */
+#define ODO_ANCHOR_ON_EARTH 4u  /* latitude, longitude and height are valid */
+/* With VIEW_POSE: it is on the side that the phone's camera faces. p_view[2] > 0 where the pose is the camera's, p_view[2] < 0
+ * where it is the body's, whose z axis points out of the screen. */
+#define ODO_ANCHOR_IN_FRONT 8u
 
 /* Why an anchor is not placed yet; they continue ODO_REASON_*. */
-#define ODO_REASON_NO_FIX UINT32_C(10)    /* the place of n on the Earth is not known */
-#define ODO_REASON_NO_GROUND UINT32_C(11) /* the height of the ground there is not known */
+#define ODO_REASON_NO_FIX 10u    /* the phone's place in n is not known: neither navigation.start nor a position fix */
+#define ODO_REASON_NO_GROUND 11u /* the height of the ground there is not known */
+#define ODO_REASON_NO_ORIGIN 12u /* the phone's place in n is known, n's on the Earth is not: no navigation.origin, no GNSS */
 
 /* An anchor as it is at a time. */
 typedef struct odo_anchor {
@@ -65,7 +69,7 @@ typedef struct odo_anchor {
   int64_t t_ns;          /* asked for */
   uint32_t flags;        /* ODO_ANCHOR_PLACED ... */
   uint32_t state;        /* ODO_TRACKING: draw it; ODO_DEGRADED: it may be off; ODO_LOST: not placed, or the phone is not */
-  uint32_t reason;       /* ODO_REASON_*: of the phone's state, or ODO_REASON_NO_FIX, ODO_REASON_NO_GROUND */
+  uint32_t reason;       /* ODO_REASON_*: of the phone's state, or why it is not placed */
   uint32_t reserved;     /* 0 */
   double q_n[4];         /* in the world asked for */
   double p_n[3];         /* m */
@@ -81,7 +85,8 @@ typedef struct odo_anchor {
 } odo_anchor;
 
 /* [any] Makes an anchor; its id counts from 1 and is never used again. A geodetic one is made at once and gets its place as
- * soon as n's place on the Earth and, above terrain, the ground there are known. ODO_NOT_READY while the phone's position
+ * soon as the phone's place in n, n's place on the Earth and, above terrain, the ground there are known. Anchors that
+ * odo_session_load brought back are there already: look for yours by its name among odo_anchor_list before you make it. ODO_NOT_READY while the phone's position
  * is not known (a local one), ODO_E_NOT_FOUND for a time outside of what is kept, ODO_E_EXHAUSTED beyond 1024 anchors,
  * ODO_E_ARGUMENT (unknown kind, a number that is not finite, no unit quaternion, a latitude beyond a pole). */
 ODO_API int32_t ODO_CALL odo_anchor_create(odo_session *session, const odo_anchor_place *place, uint64_t *id);

@@ -1,357 +1,233 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Written by abi/layout.py; do not edit. Including this header proves at compile time that this
+ * Written by abi/generate.py; do not edit. Including this header proves at compile time that this
  * compiler lays the ABI's structs out as every other one does.
  */
 #ifndef ODOGRAPH_LAYOUT_H
 #define ODOGRAPH_LAYOUT_H
 
-#include <odograph/anchor.h>
-#include <odograph/odograph.h>
+#include <odograph/base.h>
+#include <odograph/events.h>
+#include <odograph/samples.h>
+#include <odograph/types.h>
 #include <odograph/plugin.h>
-#include <odograph/skylines.h>
+#include <odograph/absolute_fixer.h>
+#include <odograph/odograph.h>
+#include <odograph/anchor.h>
+#include <odograph/attitude.h>
+#include <odograph/recording.h>
+#include <odograph/scale_source.h>
+#include <odograph/step_estimator.h>
 #include <odograph/terrain.h>
+#include <odograph/vo_frontend.h>
 
 #define ODO_LAYOUT(name, condition) typedef char odo_layout_of_##name[(condition) ? 1 : -1];
 /* clang-format off */
-ODO_LAYOUT(odo_string, sizeof(odo_string) == 16)
-ODO_LAYOUT(odo_string_data, offsetof(odo_string, data) == 0)
-ODO_LAYOUT(odo_string_size, offsetof(odo_string, size) == 8)
-ODO_LAYOUT(odo_header, sizeof(odo_header) == 32)
-ODO_LAYOUT(odo_header_struct_size, offsetof(odo_header, struct_size) == 0)
-ODO_LAYOUT(odo_header_type, offsetof(odo_header, type) == 4)
-ODO_LAYOUT(odo_header_t_ns, offsetof(odo_header, t_ns) == 8)
-ODO_LAYOUT(odo_header_source, offsetof(odo_header, source) == 16)
-ODO_LAYOUT(odo_header_flags, offsetof(odo_header, flags) == 20)
-ODO_LAYOUT(odo_header_quality, offsetof(odo_header, quality) == 24)
-ODO_LAYOUT(odo_header_reserved, offsetof(odo_header, reserved) == 28)
-ODO_LAYOUT(odo_imu, sizeof(odo_imu) == 80)
-ODO_LAYOUT(odo_imu_header, offsetof(odo_imu, header) == 0)
-ODO_LAYOUT(odo_imu_gyro_b, offsetof(odo_imu, gyro_b) == 32)
-ODO_LAYOUT(odo_imu_accel_b, offsetof(odo_imu, accel_b) == 56)
-ODO_LAYOUT(odo_magnetometer, sizeof(odo_magnetometer) == 64)
-ODO_LAYOUT(odo_magnetometer_header, offsetof(odo_magnetometer, header) == 0)
-ODO_LAYOUT(odo_magnetometer_field_b, offsetof(odo_magnetometer, field_b) == 32)
-ODO_LAYOUT(odo_magnetometer_sigma_t, offsetof(odo_magnetometer, sigma_t) == 56)
-ODO_LAYOUT(odo_barometer, sizeof(odo_barometer) == 48)
-ODO_LAYOUT(odo_barometer_header, offsetof(odo_barometer, header) == 0)
-ODO_LAYOUT(odo_barometer_pressure_pa, offsetof(odo_barometer, pressure_pa) == 32)
-ODO_LAYOUT(odo_barometer_sigma_pa, offsetof(odo_barometer, sigma_pa) == 40)
-ODO_LAYOUT(odo_gnss, sizeof(odo_gnss) == 160)
-ODO_LAYOUT(odo_gnss_header, offsetof(odo_gnss, header) == 0)
-ODO_LAYOUT(odo_gnss_latitude_rad, offsetof(odo_gnss, latitude_rad) == 32)
-ODO_LAYOUT(odo_gnss_longitude_rad, offsetof(odo_gnss, longitude_rad) == 40)
-ODO_LAYOUT(odo_gnss_height_m, offsetof(odo_gnss, height_m) == 48)
-ODO_LAYOUT(odo_gnss_covariance_n, offsetof(odo_gnss, covariance_n) == 56)
-ODO_LAYOUT(odo_gnss_velocity_n, offsetof(odo_gnss, velocity_n) == 128)
-ODO_LAYOUT(odo_gnss_satellites, offsetof(odo_gnss, satellites) == 152)
-ODO_LAYOUT(odo_gnss_reserved, offsetof(odo_gnss, reserved) == 156)
-ODO_LAYOUT(odo_plane, sizeof(odo_plane) == 24)
-ODO_LAYOUT(odo_plane_data, offsetof(odo_plane, data) == 0)
-ODO_LAYOUT(odo_plane_row_stride, offsetof(odo_plane, row_stride) == 8)
-ODO_LAYOUT(odo_plane_pixel_stride, offsetof(odo_plane, pixel_stride) == 16)
-ODO_LAYOUT(odo_plane_reserved, offsetof(odo_plane, reserved) == 20)
-ODO_LAYOUT(odo_frame, sizeof(odo_frame) == 240)
-ODO_LAYOUT(odo_frame_header, offsetof(odo_frame, header) == 0)
-ODO_LAYOUT(odo_frame_format, offsetof(odo_frame, format) == 32)
-ODO_LAYOUT(odo_frame_calibration, offsetof(odo_frame, calibration) == 36)
-ODO_LAYOUT(odo_frame_width, offsetof(odo_frame, width) == 40)
-ODO_LAYOUT(odo_frame_height, offsetof(odo_frame, height) == 44)
-ODO_LAYOUT(odo_frame_planes, offsetof(odo_frame, planes) == 48)
-ODO_LAYOUT(odo_frame_mask, offsetof(odo_frame, mask) == 144)
-ODO_LAYOUT(odo_frame_exposure_ns, offsetof(odo_frame, exposure_ns) == 168)
-ODO_LAYOUT(odo_frame_line_time_ns, offsetof(odo_frame, line_time_ns) == 176)
-ODO_LAYOUT(odo_frame_owner, offsetof(odo_frame, owner) == 184)
-ODO_LAYOUT(odo_frame_retain, offsetof(odo_frame, retain) == 192)
-ODO_LAYOUT(odo_frame_release, offsetof(odo_frame, release) == 200)
-ODO_LAYOUT(odo_frame_fx, offsetof(odo_frame, fx) == 208)
-ODO_LAYOUT(odo_frame_fy, offsetof(odo_frame, fy) == 216)
-ODO_LAYOUT(odo_frame_cx, offsetof(odo_frame, cx) == 224)
-ODO_LAYOUT(odo_frame_cy, offsetof(odo_frame, cy) == 232)
-ODO_LAYOUT(odo_calibration, sizeof(odo_calibration) == 224)
-ODO_LAYOUT(odo_calibration_header, offsetof(odo_calibration, header) == 0)
-ODO_LAYOUT(odo_calibration_id, offsetof(odo_calibration, id) == 32)
-ODO_LAYOUT(odo_calibration_model, offsetof(odo_calibration, model) == 36)
-ODO_LAYOUT(odo_calibration_width, offsetof(odo_calibration, width) == 40)
-ODO_LAYOUT(odo_calibration_height, offsetof(odo_calibration, height) == 44)
-ODO_LAYOUT(odo_calibration_fx, offsetof(odo_calibration, fx) == 48)
-ODO_LAYOUT(odo_calibration_fy, offsetof(odo_calibration, fy) == 56)
-ODO_LAYOUT(odo_calibration_cx, offsetof(odo_calibration, cx) == 64)
-ODO_LAYOUT(odo_calibration_cy, offsetof(odo_calibration, cy) == 72)
-ODO_LAYOUT(odo_calibration_distortion, offsetof(odo_calibration, distortion) == 80)
-ODO_LAYOUT(odo_calibration_distortion_count, offsetof(odo_calibration, distortion_count) == 144)
-ODO_LAYOUT(odo_calibration_reserved, offsetof(odo_calibration, reserved) == 148)
-ODO_LAYOUT(odo_calibration_q_b_c, offsetof(odo_calibration, q_b_c) == 152)
-ODO_LAYOUT(odo_calibration_p_b_c, offsetof(odo_calibration, p_b_c) == 184)
-ODO_LAYOUT(odo_calibration_time_offset_ns, offsetof(odo_calibration, time_offset_ns) == 208)
-ODO_LAYOUT(odo_calibration_line_time_ns, offsetof(odo_calibration, line_time_ns) == 216)
-ODO_LAYOUT(odo_imu_noise, sizeof(odo_imu_noise) == 64)
-ODO_LAYOUT(odo_imu_noise_header, offsetof(odo_imu_noise, header) == 0)
-ODO_LAYOUT(odo_imu_noise_gyro_noise, offsetof(odo_imu_noise, gyro_noise) == 32)
-ODO_LAYOUT(odo_imu_noise_gyro_walk, offsetof(odo_imu_noise, gyro_walk) == 40)
-ODO_LAYOUT(odo_imu_noise_accel_noise, offsetof(odo_imu_noise, accel_noise) == 48)
-ODO_LAYOUT(odo_imu_noise_accel_walk, offsetof(odo_imu_noise, accel_walk) == 56)
-ODO_LAYOUT(odo_waypoint, sizeof(odo_waypoint) == 64)
-ODO_LAYOUT(odo_waypoint_header, offsetof(odo_waypoint, header) == 0)
-ODO_LAYOUT(odo_waypoint_p_n, offsetof(odo_waypoint, p_n) == 32)
-ODO_LAYOUT(odo_waypoint_sigma_m, offsetof(odo_waypoint, sigma_m) == 56)
-ODO_LAYOUT(odo_attitude, sizeof(odo_attitude) == 160)
-ODO_LAYOUT(odo_attitude_header, offsetof(odo_attitude, header) == 0)
-ODO_LAYOUT(odo_attitude_q_n_b, offsetof(odo_attitude, q_n_b) == 32)
-ODO_LAYOUT(odo_attitude_covariance_n, offsetof(odo_attitude, covariance_n) == 64)
-ODO_LAYOUT(odo_attitude_gyro_bias_b, offsetof(odo_attitude, gyro_bias_b) == 136)
-ODO_LAYOUT(odo_step, sizeof(odo_step) == 88)
-ODO_LAYOUT(odo_step_header, offsetof(odo_step, header) == 0)
-ODO_LAYOUT(odo_step_t_start_ns, offsetof(odo_step, t_start_ns) == 32)
-ODO_LAYOUT(odo_step_t_end_ns, offsetof(odo_step, t_end_ns) == 40)
-ODO_LAYOUT(odo_step_length_m, offsetof(odo_step, length_m) == 48)
-ODO_LAYOUT(odo_step_sigma_m, offsetof(odo_step, sigma_m) == 56)
-ODO_LAYOUT(odo_step_frequency_hz, offsetof(odo_step, frequency_hz) == 64)
-ODO_LAYOUT(odo_step_heading_rad, offsetof(odo_step, heading_rad) == 72)
-ODO_LAYOUT(odo_step_mode, offsetof(odo_step, mode) == 80)
-ODO_LAYOUT(odo_step_index, offsetof(odo_step, index) == 84)
-ODO_LAYOUT(odo_motion_mode, sizeof(odo_motion_mode) == 40)
-ODO_LAYOUT(odo_motion_mode_header, offsetof(odo_motion_mode, header) == 0)
-ODO_LAYOUT(odo_motion_mode_mode, offsetof(odo_motion_mode, mode) == 32)
-ODO_LAYOUT(odo_motion_mode_reserved, offsetof(odo_motion_mode, reserved) == 36)
-ODO_LAYOUT(odo_vo_motion, sizeof(odo_vo_motion) == 544)
-ODO_LAYOUT(odo_vo_motion_header, offsetof(odo_vo_motion, header) == 0)
-ODO_LAYOUT(odo_vo_motion_t_from_ns, offsetof(odo_vo_motion, t_from_ns) == 32)
-ODO_LAYOUT(odo_vo_motion_q_c0_c1, offsetof(odo_vo_motion, q_c0_c1) == 40)
-ODO_LAYOUT(odo_vo_motion_p_c0_c1, offsetof(odo_vo_motion, p_c0_c1) == 72)
-ODO_LAYOUT(odo_vo_motion_covariance, offsetof(odo_vo_motion, covariance) == 96)
-ODO_LAYOUT(odo_vo_motion_q_n_c0, offsetof(odo_vo_motion, q_n_c0) == 384)
-ODO_LAYOUT(odo_vo_motion_camera, offsetof(odo_vo_motion, camera) == 416)
-ODO_LAYOUT(odo_vo_motion_state, offsetof(odo_vo_motion, state) == 420)
-ODO_LAYOUT(odo_vo_motion_reason, offsetof(odo_vo_motion, reason) == 424)
-ODO_LAYOUT(odo_vo_motion_scale_group, offsetof(odo_vo_motion, scale_group) == 428)
-ODO_LAYOUT(odo_vo_motion_tracked, offsetof(odo_vo_motion, tracked) == 432)
-ODO_LAYOUT(odo_vo_motion_inliers, offsetof(odo_vo_motion, inliers) == 436)
-ODO_LAYOUT(odo_vo_motion_scale_sigma, offsetof(odo_vo_motion, scale_sigma) == 440)
-ODO_LAYOUT(odo_vo_motion_velocity_c1, offsetof(odo_vo_motion, velocity_c1) == 448)
-ODO_LAYOUT(odo_vo_motion_gravity_c1, offsetof(odo_vo_motion, gravity_c1) == 472)
-ODO_LAYOUT(odo_vo_motion_gyro_bias_b, offsetof(odo_vo_motion, gyro_bias_b) == 496)
-ODO_LAYOUT(odo_vo_motion_accel_bias_b, offsetof(odo_vo_motion, accel_bias_b) == 520)
-ODO_LAYOUT(odo_scale, sizeof(odo_scale) == 80)
-ODO_LAYOUT(odo_scale_header, offsetof(odo_scale, header) == 0)
-ODO_LAYOUT(odo_scale_valid_from_ns, offsetof(odo_scale, valid_from_ns) == 32)
-ODO_LAYOUT(odo_scale_valid_to_ns, offsetof(odo_scale, valid_to_ns) == 40)
-ODO_LAYOUT(odo_scale_scale, offsetof(odo_scale, scale) == 48)
-ODO_LAYOUT(odo_scale_sigma, offsetof(odo_scale, sigma) == 56)
-ODO_LAYOUT(odo_scale_displacement_m, offsetof(odo_scale, displacement_m) == 64)
-ODO_LAYOUT(odo_scale_scale_group, offsetof(odo_scale, scale_group) == 72)
-ODO_LAYOUT(odo_scale_reserved, offsetof(odo_scale, reserved) == 76)
-ODO_LAYOUT(odo_fix, sizeof(odo_fix) == 312)
-ODO_LAYOUT(odo_fix_header, offsetof(odo_fix, header) == 0)
-ODO_LAYOUT(odo_fix_p_n, offsetof(odo_fix, p_n) == 32)
-ODO_LAYOUT(odo_fix_covariance_n, offsetof(odo_fix, covariance_n) == 56)
-ODO_LAYOUT(odo_fix_q_n_b, offsetof(odo_fix, q_n_b) == 128)
-ODO_LAYOUT(odo_fix_orientation_cov_n, offsetof(odo_fix, orientation_cov_n) == 160)
-ODO_LAYOUT(odo_fix_yaw_rad, offsetof(odo_fix, yaw_rad) == 232)
-ODO_LAYOUT(odo_fix_yaw_sigma_rad, offsetof(odo_fix, yaw_sigma_rad) == 240)
-ODO_LAYOUT(odo_fix_latitude_rad, offsetof(odo_fix, latitude_rad) == 248)
-ODO_LAYOUT(odo_fix_longitude_rad, offsetof(odo_fix, longitude_rad) == 256)
-ODO_LAYOUT(odo_fix_height_m, offsetof(odo_fix, height_m) == 264)
-ODO_LAYOUT(odo_fix_integrity, offsetof(odo_fix, integrity) == 272)
-ODO_LAYOUT(odo_fix_landmark_n, offsetof(odo_fix, landmark_n) == 280)
-ODO_LAYOUT(odo_fix_slant_distance_m, offsetof(odo_fix, slant_distance_m) == 304)
-ODO_LAYOUT(odo_pose, sizeof(odo_pose) == 528)
-ODO_LAYOUT(odo_pose_header, offsetof(odo_pose, header) == 0)
-ODO_LAYOUT(odo_pose_q_n, offsetof(odo_pose, q_n) == 32)
-ODO_LAYOUT(odo_pose_p_n, offsetof(odo_pose, p_n) == 64)
-ODO_LAYOUT(odo_pose_velocity_n, offsetof(odo_pose, velocity_n) == 88)
-ODO_LAYOUT(odo_pose_covariance, offsetof(odo_pose, covariance) == 112)
-ODO_LAYOUT(odo_pose_scale, offsetof(odo_pose, scale) == 400)
-ODO_LAYOUT(odo_pose_scale_sigma, offsetof(odo_pose, scale_sigma) == 408)
-ODO_LAYOUT(odo_pose_distance_m, offsetof(odo_pose, distance_m) == 416)
-ODO_LAYOUT(odo_pose_state, offsetof(odo_pose, state) == 424)
-ODO_LAYOUT(odo_pose_reason, offsetof(odo_pose, reason) == 428)
-ODO_LAYOUT(odo_pose_angular_velocity, offsetof(odo_pose, angular_velocity) == 432)
-ODO_LAYOUT(odo_pose_velocity_covariance, offsetof(odo_pose, velocity_covariance) == 456)
-ODO_LAYOUT(odo_state, sizeof(odo_state) == 40)
-ODO_LAYOUT(odo_state_header, offsetof(odo_state, header) == 0)
-ODO_LAYOUT(odo_state_state, offsetof(odo_state, state) == 32)
-ODO_LAYOUT(odo_state_reason, offsetof(odo_state, reason) == 36)
-ODO_LAYOUT(odo_correction, sizeof(odo_correction) == 96)
-ODO_LAYOUT(odo_correction_header, offsetof(odo_correction, header) == 0)
-ODO_LAYOUT(odo_correction_q_n, offsetof(odo_correction, q_n) == 32)
-ODO_LAYOUT(odo_correction_p_n, offsetof(odo_correction, p_n) == 64)
-ODO_LAYOUT(odo_correction_reason, offsetof(odo_correction, reason) == 88)
-ODO_LAYOUT(odo_correction_reserved, offsetof(odo_correction, reserved) == 92)
-ODO_LAYOUT(odo_report, sizeof(odo_report) == 1200)
-ODO_LAYOUT(odo_report_header, offsetof(odo_report, header) == 0)
-ODO_LAYOUT(odo_report_count, offsetof(odo_report, count) == 32)
-ODO_LAYOUT(odo_report_severity, offsetof(odo_report, severity) == 40)
-ODO_LAYOUT(odo_report_status, offsetof(odo_report, status) == 44)
-ODO_LAYOUT(odo_report_plugin, offsetof(odo_report, plugin) == 48)
-ODO_LAYOUT(odo_report_key, offsetof(odo_report, key) == 112)
-ODO_LAYOUT(odo_report_text, offsetof(odo_report, text) == 176)
-ODO_LAYOUT(odo_error, sizeof(odo_error) == 2048)
-ODO_LAYOUT(odo_error_struct_size, offsetof(odo_error, struct_size) == 0)
-ODO_LAYOUT(odo_error_status, offsetof(odo_error, status) == 4)
-ODO_LAYOUT(odo_error_message, offsetof(odo_error, message) == 8)
-ODO_LAYOUT(odo_session_options, sizeof(odo_session_options) == 88)
-ODO_LAYOUT(odo_session_options_struct_size, offsetof(odo_session_options, struct_size) == 0)
-ODO_LAYOUT(odo_session_options_run, offsetof(odo_session_options, run) == 4)
-ODO_LAYOUT(odo_session_options_config_path, offsetof(odo_session_options, config_path) == 8)
-ODO_LAYOUT(odo_session_options_config_text, offsetof(odo_session_options, config_text) == 24)
-ODO_LAYOUT(odo_session_options_plugin_path, offsetof(odo_session_options, plugin_path) == 40)
-ODO_LAYOUT(odo_session_options_seed, offsetof(odo_session_options, seed) == 56)
-ODO_LAYOUT(odo_session_options_asset_path, offsetof(odo_session_options, asset_path) == 64)
-ODO_LAYOUT(odo_session_options_flags, offsetof(odo_session_options, flags) == 80)
-ODO_LAYOUT(odo_session_options_reserved, offsetof(odo_session_options, reserved) == 84)
-ODO_LAYOUT(odo_statistics, sizeof(odo_statistics) == 184)
-ODO_LAYOUT(odo_statistics_struct_size, offsetof(odo_statistics, struct_size) == 0)
-ODO_LAYOUT(odo_statistics_reserved, offsetof(odo_statistics, reserved) == 4)
-ODO_LAYOUT(odo_statistics_pushed, offsetof(odo_statistics, pushed) == 8)
-ODO_LAYOUT(odo_statistics_processed, offsetof(odo_statistics, processed) == 16)
-ODO_LAYOUT(odo_statistics_frames, offsetof(odo_statistics, frames) == 24)
-ODO_LAYOUT(odo_statistics_steps, offsetof(odo_statistics, steps) == 32)
-ODO_LAYOUT(odo_statistics_fixes_accepted, offsetof(odo_statistics, fixes_accepted) == 40)
-ODO_LAYOUT(odo_statistics_fixes_rejected, offsetof(odo_statistics, fixes_rejected) == 48)
-ODO_LAYOUT(odo_statistics_late, offsetof(odo_statistics, late) == 56)
-ODO_LAYOUT(odo_statistics_duplicate, offsetof(odo_statistics, duplicate) == 64)
-ODO_LAYOUT(odo_statistics_invalid, offsetof(odo_statistics, invalid) == 72)
-ODO_LAYOUT(odo_statistics_overflow, offsetof(odo_statistics, overflow) == 80)
-ODO_LAYOUT(odo_statistics_gaps, offsetof(odo_statistics, gaps) == 88)
-ODO_LAYOUT(odo_statistics_plugin_faults, offsetof(odo_statistics, plugin_faults) == 96)
-ODO_LAYOUT(odo_statistics_tracking_s, offsetof(odo_statistics, tracking_s) == 104)
-ODO_LAYOUT(odo_statistics_degraded_s, offsetof(odo_statistics, degraded_s) == 112)
-ODO_LAYOUT(odo_statistics_lost_s, offsetof(odo_statistics, lost_s) == 120)
-ODO_LAYOUT(odo_statistics_distance_m, offsetof(odo_statistics, distance_m) == 128)
-ODO_LAYOUT(odo_statistics_wild, offsetof(odo_statistics, wild) == 136)
-ODO_LAYOUT(odo_statistics_events_dropped, offsetof(odo_statistics, events_dropped) == 144)
-ODO_LAYOUT(odo_statistics_unknown, offsetof(odo_statistics, unknown) == 152)
-ODO_LAYOUT(odo_statistics_scale_sigma, offsetof(odo_statistics, scale_sigma) == 160)
-ODO_LAYOUT(odo_statistics_scale_by_inertia, offsetof(odo_statistics, scale_by_inertia) == 168)
-ODO_LAYOUT(odo_statistics_scale_by_steps, offsetof(odo_statistics, scale_by_steps) == 176)
-ODO_LAYOUT(odo_anchor_place, sizeof(odo_anchor_place) == 136)
-ODO_LAYOUT(odo_anchor_place_struct_size, offsetof(odo_anchor_place, struct_size) == 0)
-ODO_LAYOUT(odo_anchor_place_kind, offsetof(odo_anchor_place, kind) == 4)
-ODO_LAYOUT(odo_anchor_place_t_ns, offsetof(odo_anchor_place, t_ns) == 8)
-ODO_LAYOUT(odo_anchor_place_world, offsetof(odo_anchor_place, world) == 16)
-ODO_LAYOUT(odo_anchor_place_height_above, offsetof(odo_anchor_place, height_above) == 20)
-ODO_LAYOUT(odo_anchor_place_q, offsetof(odo_anchor_place, q) == 24)
-ODO_LAYOUT(odo_anchor_place_p, offsetof(odo_anchor_place, p) == 56)
-ODO_LAYOUT(odo_anchor_place_latitude_rad, offsetof(odo_anchor_place, latitude_rad) == 80)
-ODO_LAYOUT(odo_anchor_place_longitude_rad, offsetof(odo_anchor_place, longitude_rad) == 88)
-ODO_LAYOUT(odo_anchor_place_height_m, offsetof(odo_anchor_place, height_m) == 96)
-ODO_LAYOUT(odo_anchor_place_geoid_height_m, offsetof(odo_anchor_place, geoid_height_m) == 104)
-ODO_LAYOUT(odo_anchor_place_sigma_m, offsetof(odo_anchor_place, sigma_m) == 112)
-ODO_LAYOUT(odo_anchor_place_name, offsetof(odo_anchor_place, name) == 120)
-ODO_LAYOUT(odo_anchor, sizeof(odo_anchor) == 264)
-ODO_LAYOUT(odo_anchor_struct_size, offsetof(odo_anchor, struct_size) == 0)
-ODO_LAYOUT(odo_anchor_kind, offsetof(odo_anchor, kind) == 4)
-ODO_LAYOUT(odo_anchor_id, offsetof(odo_anchor, id) == 8)
-ODO_LAYOUT(odo_anchor_t_ns, offsetof(odo_anchor, t_ns) == 16)
-ODO_LAYOUT(odo_anchor_flags, offsetof(odo_anchor, flags) == 24)
-ODO_LAYOUT(odo_anchor_state, offsetof(odo_anchor, state) == 28)
-ODO_LAYOUT(odo_anchor_reason, offsetof(odo_anchor, reason) == 32)
-ODO_LAYOUT(odo_anchor_reserved, offsetof(odo_anchor, reserved) == 36)
-ODO_LAYOUT(odo_anchor_q_n, offsetof(odo_anchor, q_n) == 40)
-ODO_LAYOUT(odo_anchor_p_n, offsetof(odo_anchor, p_n) == 72)
-ODO_LAYOUT(odo_anchor_q_view, offsetof(odo_anchor, q_view) == 96)
-ODO_LAYOUT(odo_anchor_p_view, offsetof(odo_anchor, p_view) == 128)
-ODO_LAYOUT(odo_anchor_position_sigma_m, offsetof(odo_anchor, position_sigma_m) == 152)
-ODO_LAYOUT(odo_anchor_yaw_sigma_rad, offsetof(odo_anchor, yaw_sigma_rad) == 160)
-ODO_LAYOUT(odo_anchor_view_sigma_m, offsetof(odo_anchor, view_sigma_m) == 168)
-ODO_LAYOUT(odo_anchor_latitude_rad, offsetof(odo_anchor, latitude_rad) == 176)
-ODO_LAYOUT(odo_anchor_longitude_rad, offsetof(odo_anchor, longitude_rad) == 184)
-ODO_LAYOUT(odo_anchor_height_m, offsetof(odo_anchor, height_m) == 192)
-ODO_LAYOUT(odo_anchor_name, offsetof(odo_anchor, name) == 200)
-ODO_LAYOUT(odo_host, sizeof(odo_host) == 40)
-ODO_LAYOUT(odo_host_struct_size, offsetof(odo_host, struct_size) == 0)
-ODO_LAYOUT(odo_host_abi_major_min, offsetof(odo_host, abi_major_min) == 4)
-ODO_LAYOUT(odo_host_abi_major_max, offsetof(odo_host, abi_major_max) == 8)
-ODO_LAYOUT(odo_host_abi_minor, offsetof(odo_host, abi_minor) == 12)
-ODO_LAYOUT(odo_host_version, offsetof(odo_host, version) == 16)
-ODO_LAYOUT(odo_host_get_service, offsetof(odo_host, get_service) == 32)
-ODO_LAYOUT(odo_report_service, sizeof(odo_report_service) == 16)
-ODO_LAYOUT(odo_report_service_struct_size, offsetof(odo_report_service, struct_size) == 0)
-ODO_LAYOUT(odo_report_service_reserved, offsetof(odo_report_service, reserved) == 4)
-ODO_LAYOUT(odo_report_service_report, offsetof(odo_report_service, report) == 8)
-ODO_LAYOUT(odo_random_service, sizeof(odo_random_service) == 16)
-ODO_LAYOUT(odo_random_service_struct_size, offsetof(odo_random_service, struct_size) == 0)
-ODO_LAYOUT(odo_random_service_reserved, offsetof(odo_random_service, reserved) == 4)
-ODO_LAYOUT(odo_random_service_seed, offsetof(odo_random_service, seed) == 8)
-ODO_LAYOUT(odo_asset_service, sizeof(odo_asset_service) == 16)
-ODO_LAYOUT(odo_asset_service_struct_size, offsetof(odo_asset_service, struct_size) == 0)
-ODO_LAYOUT(odo_asset_service_reserved, offsetof(odo_asset_service, reserved) == 4)
-ODO_LAYOUT(odo_asset_service_resolve, offsetof(odo_asset_service, resolve) == 8)
-ODO_LAYOUT(odo_parameter, sizeof(odo_parameter) == 112)
-ODO_LAYOUT(odo_parameter_struct_size, offsetof(odo_parameter, struct_size) == 0)
-ODO_LAYOUT(odo_parameter_type, offsetof(odo_parameter, type) == 4)
-ODO_LAYOUT(odo_parameter_name, offsetof(odo_parameter, name) == 8)
-ODO_LAYOUT(odo_parameter_unit, offsetof(odo_parameter, unit) == 24)
-ODO_LAYOUT(odo_parameter_help, offsetof(odo_parameter, help) == 40)
-ODO_LAYOUT(odo_parameter_default_text, offsetof(odo_parameter, default_text) == 56)
-ODO_LAYOUT(odo_parameter_choices, offsetof(odo_parameter, choices) == 72)
-ODO_LAYOUT(odo_parameter_min, offsetof(odo_parameter, min) == 88)
-ODO_LAYOUT(odo_parameter_max, offsetof(odo_parameter, max) == 96)
-ODO_LAYOUT(odo_parameter_count, offsetof(odo_parameter, count) == 104)
-ODO_LAYOUT(odo_parameter_reserved, offsetof(odo_parameter, reserved) == 108)
-ODO_LAYOUT(odo_value, sizeof(odo_value) == 64)
-ODO_LAYOUT(odo_value_struct_size, offsetof(odo_value, struct_size) == 0)
-ODO_LAYOUT(odo_value_type, offsetof(odo_value, type) == 4)
-ODO_LAYOUT(odo_value_name, offsetof(odo_value, name) == 8)
-ODO_LAYOUT(odo_value_text, offsetof(odo_value, text) == 24)
-ODO_LAYOUT(odo_value_reals, offsetof(odo_value, reals) == 40)
-ODO_LAYOUT(odo_value_count, offsetof(odo_value, count) == 48)
-ODO_LAYOUT(odo_value_integer, offsetof(odo_value, integer) == 56)
-ODO_LAYOUT(odo_batch, sizeof(odo_batch) == 16)
-ODO_LAYOUT(odo_batch_struct_size, offsetof(odo_batch, struct_size) == 0)
-ODO_LAYOUT(odo_batch_count, offsetof(odo_batch, count) == 4)
-ODO_LAYOUT(odo_batch_messages, offsetof(odo_batch, messages) == 8)
-ODO_LAYOUT(odo_sink, sizeof(odo_sink) == 16)
-ODO_LAYOUT(odo_sink_struct_size, offsetof(odo_sink, struct_size) == 0)
-ODO_LAYOUT(odo_sink_instance, offsetof(odo_sink, instance) == 4)
-ODO_LAYOUT(odo_sink_emit, offsetof(odo_sink, emit) == 8)
-ODO_LAYOUT(odo_plugin, sizeof(odo_plugin) == 200)
-ODO_LAYOUT(odo_plugin_struct_size, offsetof(odo_plugin, struct_size) == 0)
-ODO_LAYOUT(odo_plugin_abi_major, offsetof(odo_plugin, abi_major) == 4)
-ODO_LAYOUT(odo_plugin_abi_minor, offsetof(odo_plugin, abi_minor) == 8)
-ODO_LAYOUT(odo_plugin_interface_count, offsetof(odo_plugin, interface_count) == 12)
-ODO_LAYOUT(odo_plugin_interfaces, offsetof(odo_plugin, interfaces) == 16)
-ODO_LAYOUT(odo_plugin_id, offsetof(odo_plugin, id) == 24)
-ODO_LAYOUT(odo_plugin_version, offsetof(odo_plugin, version) == 40)
-ODO_LAYOUT(odo_plugin_summary, offsetof(odo_plugin, summary) == 56)
-ODO_LAYOUT(odo_plugin_refusal, offsetof(odo_plugin, refusal) == 72)
-ODO_LAYOUT(odo_plugin_parameters, offsetof(odo_plugin, parameters) == 88)
-ODO_LAYOUT(odo_plugin_parameter_count, offsetof(odo_plugin, parameter_count) == 96)
-ODO_LAYOUT(odo_plugin_parameter_stride, offsetof(odo_plugin, parameter_stride) == 100)
-ODO_LAYOUT(odo_plugin_create, offsetof(odo_plugin, create) == 104)
-ODO_LAYOUT(odo_plugin_configure, offsetof(odo_plugin, configure) == 112)
-ODO_LAYOUT(odo_plugin_activate, offsetof(odo_plugin, activate) == 120)
-ODO_LAYOUT(odo_plugin_process, offsetof(odo_plugin, process) == 128)
-ODO_LAYOUT(odo_plugin_destroy, offsetof(odo_plugin, destroy) == 136)
-ODO_LAYOUT(odo_plugin_reset, offsetof(odo_plugin, reset) == 144)
-ODO_LAYOUT(odo_plugin_save, offsetof(odo_plugin, save) == 152)
-ODO_LAYOUT(odo_plugin_load, offsetof(odo_plugin, load) == 160)
-ODO_LAYOUT(odo_plugin_get_interface, offsetof(odo_plugin, get_interface) == 168)
-ODO_LAYOUT(odo_plugin_inputs, offsetof(odo_plugin, inputs) == 176)
-ODO_LAYOUT(odo_plugin_outputs, offsetof(odo_plugin, outputs) == 184)
-ODO_LAYOUT(odo_plugin_input_count, offsetof(odo_plugin, input_count) == 192)
-ODO_LAYOUT(odo_plugin_output_count, offsetof(odo_plugin, output_count) == 196)
-ODO_LAYOUT(odo_terrain, sizeof(odo_terrain) == 24)
-ODO_LAYOUT(odo_terrain_struct_size, offsetof(odo_terrain, struct_size) == 0)
-ODO_LAYOUT(odo_terrain_reserved, offsetof(odo_terrain, reserved) == 4)
-ODO_LAYOUT(odo_terrain_user, offsetof(odo_terrain, user) == 8)
-ODO_LAYOUT(odo_terrain_height, offsetof(odo_terrain, height) == 16)
-ODO_LAYOUT(odo_skyline_database, sizeof(odo_skyline_database) == 56)
-ODO_LAYOUT(odo_skyline_database_struct_size, offsetof(odo_skyline_database, struct_size) == 0)
-ODO_LAYOUT(odo_skyline_database_reserved, offsetof(odo_skyline_database, reserved) == 4)
-ODO_LAYOUT(odo_skyline_database_places, offsetof(odo_skyline_database, places) == 8)
-ODO_LAYOUT(odo_skyline_database_bytes, offsetof(odo_skyline_database, bytes) == 16)
-ODO_LAYOUT(odo_skyline_database_origin, offsetof(odo_skyline_database, origin) == 24)
-ODO_LAYOUT(odo_skyline_database_spacing_m, offsetof(odo_skyline_database, spacing_m) == 48)
-ODO_LAYOUT(odo_skylines, sizeof(odo_skylines) == 48)
-ODO_LAYOUT(odo_skylines_struct_size, offsetof(odo_skylines, struct_size) == 0)
-ODO_LAYOUT(odo_skylines_reserved, offsetof(odo_skylines, reserved) == 4)
-ODO_LAYOUT(odo_skylines_user, offsetof(odo_skylines, user) == 8)
-ODO_LAYOUT(odo_skylines_build, offsetof(odo_skylines, build) == 16)
-ODO_LAYOUT(odo_skylines_open, offsetof(odo_skylines, open) == 24)
-ODO_LAYOUT(odo_skylines_nearest, offsetof(odo_skylines, nearest) == 32)
-ODO_LAYOUT(odo_skylines_skyline, offsetof(odo_skylines, skyline) == 40)
+ODO_LAYOUT(odo_string, sizeof(odo_string) == 16 && offsetof(odo_string, data) == 0 &&
+           offsetof(odo_string, size) == 8)
+ODO_LAYOUT(odo_header, sizeof(odo_header) == 32 && offsetof(odo_header, struct_size) == 0 &&
+           offsetof(odo_header, type) == 4 && offsetof(odo_header, t_ns) == 8 &&
+           offsetof(odo_header, source) == 16 && offsetof(odo_header, flags) == 20 &&
+           offsetof(odo_header, quality) == 24 && offsetof(odo_header, reserved) == 28)
+ODO_LAYOUT(odo_loan, sizeof(odo_loan) == 40 && offsetof(odo_loan, owner) == 0 && offsetof(odo_loan, retain) == 8 &&
+           offsetof(odo_loan, release) == 16 && offsetof(odo_loan, native) == 24 &&
+           offsetof(odo_loan, reserved) == 32)
+ODO_LAYOUT(odo_borrowed, sizeof(odo_borrowed) == 72 && offsetof(odo_borrowed, header) == 0 &&
+           offsetof(odo_borrowed, loan) == 32)
+ODO_LAYOUT(odo_attitude, sizeof(odo_attitude) == 160 && offsetof(odo_attitude, header) == 0 &&
+           offsetof(odo_attitude, q_n_b) == 32 && offsetof(odo_attitude, covariance_n) == 64 &&
+           offsetof(odo_attitude, gyro_bias_b) == 136)
+ODO_LAYOUT(odo_step, sizeof(odo_step) == 96 && offsetof(odo_step, header) == 0 &&
+           offsetof(odo_step, t_start_ns) == 32 && offsetof(odo_step, t_end_ns) == 40 &&
+           offsetof(odo_step, length_m) == 48 && offsetof(odo_step, sigma_m) == 56 &&
+           offsetof(odo_step, frequency_hz) == 64 && offsetof(odo_step, heading_rad) == 72 &&
+           offsetof(odo_step, mode) == 80 && offsetof(odo_step, index) == 84 &&
+           offsetof(odo_step, heading_sigma_rad) == 88)
+ODO_LAYOUT(odo_motion_mode, sizeof(odo_motion_mode) == 40 && offsetof(odo_motion_mode, header) == 0 &&
+           offsetof(odo_motion_mode, mode) == 32 && offsetof(odo_motion_mode, reserved) == 36)
+ODO_LAYOUT(odo_vo_motion, sizeof(odo_vo_motion) == 544 && offsetof(odo_vo_motion, header) == 0 &&
+           offsetof(odo_vo_motion, t_from_ns) == 32 && offsetof(odo_vo_motion, q_c0_c1) == 40 &&
+           offsetof(odo_vo_motion, p_c0_c1) == 72 && offsetof(odo_vo_motion, covariance) == 96 &&
+           offsetof(odo_vo_motion, q_n_c0) == 384 && offsetof(odo_vo_motion, camera) == 416 &&
+           offsetof(odo_vo_motion, state) == 420 && offsetof(odo_vo_motion, reason) == 424 &&
+           offsetof(odo_vo_motion, scale_group) == 428 && offsetof(odo_vo_motion, tracked) == 432 &&
+           offsetof(odo_vo_motion, inliers) == 436 && offsetof(odo_vo_motion, scale_sigma) == 440 &&
+           offsetof(odo_vo_motion, velocity_c1) == 448 && offsetof(odo_vo_motion, gravity_c1) == 472 &&
+           offsetof(odo_vo_motion, gyro_bias_b) == 496 && offsetof(odo_vo_motion, accel_bias_b) == 520)
+ODO_LAYOUT(odo_scale, sizeof(odo_scale) == 80 && offsetof(odo_scale, header) == 0 &&
+           offsetof(odo_scale, valid_from_ns) == 32 && offsetof(odo_scale, valid_to_ns) == 40 &&
+           offsetof(odo_scale, scale) == 48 && offsetof(odo_scale, sigma) == 56 &&
+           offsetof(odo_scale, displacement_m) == 64 && offsetof(odo_scale, scale_group) == 72 &&
+           offsetof(odo_scale, reserved) == 76)
+ODO_LAYOUT(odo_fix, sizeof(odo_fix) == 440 && offsetof(odo_fix, header) == 0 && offsetof(odo_fix, p_n) == 32 &&
+           offsetof(odo_fix, covariance_n) == 56 && offsetof(odo_fix, q_n_b) == 128 &&
+           offsetof(odo_fix, orientation_cov_n) == 160 && offsetof(odo_fix, yaw_rad) == 232 &&
+           offsetof(odo_fix, yaw_sigma_rad) == 240 && offsetof(odo_fix, latitude_rad) == 248 &&
+           offsetof(odo_fix, longitude_rad) == 256 && offsetof(odo_fix, height_m) == 264 &&
+           offsetof(odo_fix, integrity) == 272 && offsetof(odo_fix, landmark_n) == 280 &&
+           offsetof(odo_fix, slant_distance_m) == 304 && offsetof(odo_fix, lever_b) == 312 &&
+           offsetof(odo_fix, yaw_axis_b) == 336 && offsetof(odo_fix, cross_covariance_n) == 360 &&
+           offsetof(odo_fix, slant_sigma_m) == 432)
+ODO_LAYOUT(odo_relative_pose, sizeof(odo_relative_pose) == 384 && offsetof(odo_relative_pose, header) == 0 &&
+           offsetof(odo_relative_pose, t_from_ns) == 32 && offsetof(odo_relative_pose, q_b0_b1) == 40 &&
+           offsetof(odo_relative_pose, p_b0_b1) == 72 && offsetof(odo_relative_pose, covariance) == 96)
+ODO_LAYOUT(odo_pose, sizeof(odo_pose) == 528 && offsetof(odo_pose, header) == 0 && offsetof(odo_pose, q_n) == 32 &&
+           offsetof(odo_pose, p_n) == 64 && offsetof(odo_pose, velocity_n) == 88 &&
+           offsetof(odo_pose, covariance) == 112 && offsetof(odo_pose, scale) == 400 &&
+           offsetof(odo_pose, scale_sigma) == 408 && offsetof(odo_pose, distance_m) == 416 &&
+           offsetof(odo_pose, state) == 424 && offsetof(odo_pose, reason) == 428 &&
+           offsetof(odo_pose, angular_velocity) == 432 && offsetof(odo_pose, velocity_covariance) == 456)
+ODO_LAYOUT(odo_state, sizeof(odo_state) == 40 && offsetof(odo_state, header) == 0 &&
+           offsetof(odo_state, state) == 32 && offsetof(odo_state, reason) == 36)
+ODO_LAYOUT(odo_correction, sizeof(odo_correction) == 96 && offsetof(odo_correction, header) == 0 &&
+           offsetof(odo_correction, q_n) == 32 && offsetof(odo_correction, p_n) == 64 &&
+           offsetof(odo_correction, reason) == 88 && offsetof(odo_correction, reserved) == 92)
+ODO_LAYOUT(odo_refined, sizeof(odo_refined) == 224 && offsetof(odo_refined, header) == 0 &&
+           offsetof(odo_refined, camera) == 32 && offsetof(odo_refined, model) == 36 &&
+           offsetof(odo_refined, width) == 40 && offsetof(odo_refined, height) == 44 &&
+           offsetof(odo_refined, distortion_count) == 48 && offsetof(odo_refined, reserved) == 52 &&
+           offsetof(odo_refined, fx) == 56 && offsetof(odo_refined, fy) == 64 && offsetof(odo_refined, cx) == 72 &&
+           offsetof(odo_refined, cy) == 80 && offsetof(odo_refined, distortion) == 88 &&
+           offsetof(odo_refined, q_b_c) == 152 && offsetof(odo_refined, p_b_c) == 184 &&
+           offsetof(odo_refined, time_offset_ns) == 208 && offsetof(odo_refined, line_time_ns) == 216)
+ODO_LAYOUT(odo_report, sizeof(odo_report) == 1200 && offsetof(odo_report, header) == 0 &&
+           offsetof(odo_report, count) == 32 && offsetof(odo_report, severity) == 40 &&
+           offsetof(odo_report, status) == 44 && offsetof(odo_report, plugin) == 48 &&
+           offsetof(odo_report, key) == 112 && offsetof(odo_report, text) == 176)
+ODO_LAYOUT(odo_imu, sizeof(odo_imu) == 80 && offsetof(odo_imu, header) == 0 && offsetof(odo_imu, gyro_b) == 32 &&
+           offsetof(odo_imu, accel_b) == 56)
+ODO_LAYOUT(odo_magnetometer, sizeof(odo_magnetometer) == 64 && offsetof(odo_magnetometer, header) == 0 &&
+           offsetof(odo_magnetometer, field_b) == 32 && offsetof(odo_magnetometer, sigma_t) == 56)
+ODO_LAYOUT(odo_barometer, sizeof(odo_barometer) == 48 && offsetof(odo_barometer, header) == 0 &&
+           offsetof(odo_barometer, pressure_pa) == 32 && offsetof(odo_barometer, sigma_pa) == 40)
+ODO_LAYOUT(odo_gnss, sizeof(odo_gnss) == 184 && offsetof(odo_gnss, header) == 0 &&
+           offsetof(odo_gnss, latitude_rad) == 32 && offsetof(odo_gnss, longitude_rad) == 40 &&
+           offsetof(odo_gnss, height_m) == 48 && offsetof(odo_gnss, covariance_n) == 56 &&
+           offsetof(odo_gnss, velocity_n) == 128 && offsetof(odo_gnss, satellites) == 152 &&
+           offsetof(odo_gnss, reserved) == 156 && offsetof(odo_gnss, lever_b) == 160)
+ODO_LAYOUT(odo_plane, sizeof(odo_plane) == 24 && offsetof(odo_plane, data) == 0 &&
+           offsetof(odo_plane, row_stride) == 8 && offsetof(odo_plane, pixel_stride) == 16 &&
+           offsetof(odo_plane, rows) == 20)
+ODO_LAYOUT(odo_frame, sizeof(odo_frame) == 256 && offsetof(odo_frame, header) == 0 &&
+           offsetof(odo_frame, loan) == 32 && offsetof(odo_frame, format) == 72 &&
+           offsetof(odo_frame, width) == 76 && offsetof(odo_frame, height) == 80 &&
+           offsetof(odo_frame, plane_count) == 84 && offsetof(odo_frame, planes) == 88 &&
+           offsetof(odo_frame, mask) == 184 && offsetof(odo_frame, exposure_ns) == 208 &&
+           offsetof(odo_frame, line_time_ns) == 216 && offsetof(odo_frame, fx) == 224 &&
+           offsetof(odo_frame, fy) == 232 && offsetof(odo_frame, cx) == 240 && offsetof(odo_frame, cy) == 248)
+ODO_LAYOUT(odo_calibration, sizeof(odo_calibration) == 216 && offsetof(odo_calibration, header) == 0 &&
+           offsetof(odo_calibration, model) == 32 && offsetof(odo_calibration, width) == 36 &&
+           offsetof(odo_calibration, height) == 40 && offsetof(odo_calibration, distortion_count) == 44 &&
+           offsetof(odo_calibration, fx) == 48 && offsetof(odo_calibration, fy) == 56 &&
+           offsetof(odo_calibration, cx) == 64 && offsetof(odo_calibration, cy) == 72 &&
+           offsetof(odo_calibration, distortion) == 80 && offsetof(odo_calibration, q_b_c) == 144 &&
+           offsetof(odo_calibration, p_b_c) == 176 && offsetof(odo_calibration, time_offset_ns) == 200 &&
+           offsetof(odo_calibration, line_time_ns) == 208)
+ODO_LAYOUT(odo_imu_noise, sizeof(odo_imu_noise) == 64 && offsetof(odo_imu_noise, header) == 0 &&
+           offsetof(odo_imu_noise, gyro_noise) == 32 && offsetof(odo_imu_noise, gyro_walk) == 40 &&
+           offsetof(odo_imu_noise, accel_noise) == 48 && offsetof(odo_imu_noise, accel_walk) == 56)
+ODO_LAYOUT(odo_waypoint, sizeof(odo_waypoint) == 88 && offsetof(odo_waypoint, header) == 0 &&
+           offsetof(odo_waypoint, p_n) == 32 && offsetof(odo_waypoint, sigma_m) == 56 &&
+           offsetof(odo_waypoint, lever_b) == 64)
+ODO_LAYOUT(odo_earth_field, sizeof(odo_earth_field) == 56 && offsetof(odo_earth_field, header) == 0 &&
+           offsetof(odo_earth_field, declination_rad) == 32 && offsetof(odo_earth_field, inclination_rad) == 40 &&
+           offsetof(odo_earth_field, intensity_t) == 48)
+ODO_LAYOUT(odo_platform_pose, sizeof(odo_platform_pose) == 384 && offsetof(odo_platform_pose, header) == 0 &&
+           offsetof(odo_platform_pose, q_w) == 32 && offsetof(odo_platform_pose, p_w) == 64 &&
+           offsetof(odo_platform_pose, covariance) == 88 && offsetof(odo_platform_pose, state) == 376 &&
+           offsetof(odo_platform_pose, world) == 380)
+ODO_LAYOUT(odo_range, sizeof(odo_range) == 112 && offsetof(odo_range, header) == 0 &&
+           offsetof(odo_range, transmitter) == 32 && offsetof(odo_range, range_m) == 40 &&
+           offsetof(odo_range, sigma_m) == 48 && offsetof(odo_range, p_n) == 56 &&
+           offsetof(odo_range, transmitter_sigma_m) == 80 && offsetof(odo_range, lever_b) == 88)
+ODO_LAYOUT(odo_system_step, sizeof(odo_system_step) == 48 && offsetof(odo_system_step, header) == 0 &&
+           offsetof(odo_system_step, count) == 32 && offsetof(odo_system_step, distance_m) == 40)
+ODO_LAYOUT(odo_host, sizeof(odo_host) == 40 && offsetof(odo_host, struct_size) == 0 &&
+           offsetof(odo_host, abi_major_min) == 4 && offsetof(odo_host, abi_major_max) == 8 &&
+           offsetof(odo_host, abi_minor) == 12 && offsetof(odo_host, version) == 16 &&
+           offsetof(odo_host, get_service) == 32)
+ODO_LAYOUT(odo_report_service, sizeof(odo_report_service) == 16 && offsetof(odo_report_service, struct_size) == 0 &&
+           offsetof(odo_report_service, reserved) == 4 && offsetof(odo_report_service, report) == 8)
+ODO_LAYOUT(odo_random_service, sizeof(odo_random_service) == 16 && offsetof(odo_random_service, struct_size) == 0 &&
+           offsetof(odo_random_service, reserved) == 4 && offsetof(odo_random_service, seed) == 8)
+ODO_LAYOUT(odo_asset_service, sizeof(odo_asset_service) == 16 && offsetof(odo_asset_service, struct_size) == 0 &&
+           offsetof(odo_asset_service, reserved) == 4 && offsetof(odo_asset_service, resolve) == 8)
+ODO_LAYOUT(odo_asset_service_2, sizeof(odo_asset_service_2) == 40 &&
+           offsetof(odo_asset_service_2, struct_size) == 0 && offsetof(odo_asset_service_2, reserved) == 4 &&
+           offsetof(odo_asset_service_2, user) == 8 && offsetof(odo_asset_service_2, open) == 16 &&
+           offsetof(odo_asset_service_2, read) == 24 && offsetof(odo_asset_service_2, close) == 32)
+ODO_LAYOUT(odo_wake_service, sizeof(odo_wake_service) == 16 && offsetof(odo_wake_service, struct_size) == 0 &&
+           offsetof(odo_wake_service, reserved) == 4 && offsetof(odo_wake_service, wake) == 8)
+ODO_LAYOUT(odo_parameter, sizeof(odo_parameter) == 112 && offsetof(odo_parameter, struct_size) == 0 &&
+           offsetof(odo_parameter, type) == 4 && offsetof(odo_parameter, name) == 8 &&
+           offsetof(odo_parameter, unit) == 24 && offsetof(odo_parameter, help) == 40 &&
+           offsetof(odo_parameter, default_text) == 56 && offsetof(odo_parameter, choices) == 72 &&
+           offsetof(odo_parameter, min) == 88 && offsetof(odo_parameter, max) == 96 &&
+           offsetof(odo_parameter, count) == 104 && offsetof(odo_parameter, reserved) == 108)
+ODO_LAYOUT(odo_value, sizeof(odo_value) == 64 && offsetof(odo_value, struct_size) == 0 &&
+           offsetof(odo_value, type) == 4 && offsetof(odo_value, name) == 8 && offsetof(odo_value, text) == 24 &&
+           offsetof(odo_value, reals) == 40 && offsetof(odo_value, count) == 48 &&
+           offsetof(odo_value, integer) == 56)
+ODO_LAYOUT(odo_batch, sizeof(odo_batch) == 16 && offsetof(odo_batch, struct_size) == 0 &&
+           offsetof(odo_batch, count) == 4 && offsetof(odo_batch, messages) == 8)
+ODO_LAYOUT(odo_sink, sizeof(odo_sink) == 16 && offsetof(odo_sink, struct_size) == 0 &&
+           offsetof(odo_sink, instance) == 4 && offsetof(odo_sink, emit) == 8)
+ODO_LAYOUT(odo_plugin, sizeof(odo_plugin) == 208 && offsetof(odo_plugin, struct_size) == 0 &&
+           offsetof(odo_plugin, abi_major) == 4 && offsetof(odo_plugin, abi_minor) == 8 &&
+           offsetof(odo_plugin, interface_count) == 12 && offsetof(odo_plugin, interfaces) == 16 &&
+           offsetof(odo_plugin, id) == 24 && offsetof(odo_plugin, version) == 40 &&
+           offsetof(odo_plugin, summary) == 56 && offsetof(odo_plugin, refusal) == 72 &&
+           offsetof(odo_plugin, parameters) == 88 && offsetof(odo_plugin, parameter_count) == 96 &&
+           offsetof(odo_plugin, parameter_stride) == 100 && offsetof(odo_plugin, flags) == 104 &&
+           offsetof(odo_plugin, reserved) == 108 && offsetof(odo_plugin, create) == 112 &&
+           offsetof(odo_plugin, configure) == 120 && offsetof(odo_plugin, activate) == 128 &&
+           offsetof(odo_plugin, process) == 136 && offsetof(odo_plugin, destroy) == 144 &&
+           offsetof(odo_plugin, reset) == 152 && offsetof(odo_plugin, save) == 160 &&
+           offsetof(odo_plugin, load) == 168 && offsetof(odo_plugin, get_interface) == 176 &&
+           offsetof(odo_plugin, inputs) == 184 && offsetof(odo_plugin, outputs) == 192 &&
+           offsetof(odo_plugin, input_count) == 200 && offsetof(odo_plugin, output_count) == 204)
+ODO_LAYOUT(odo_error, sizeof(odo_error) == 2048 && offsetof(odo_error, struct_size) == 0 &&
+           offsetof(odo_error, status) == 4 && offsetof(odo_error, message) == 8)
+ODO_LAYOUT(odo_session_options, sizeof(odo_session_options) == 104 &&
+           offsetof(odo_session_options, struct_size) == 0 && offsetof(odo_session_options, run) == 4 &&
+           offsetof(odo_session_options, config_path) == 8 && offsetof(odo_session_options, config_text) == 24 &&
+           offsetof(odo_session_options, plugin_path) == 40 && offsetof(odo_session_options, seed) == 56 &&
+           offsetof(odo_session_options, asset_path) == 64 && offsetof(odo_session_options, flags) == 80 &&
+           offsetof(odo_session_options, reserved) == 84 && offsetof(odo_session_options, user) == 88 &&
+           offsetof(odo_session_options, get_service) == 96)
+ODO_LAYOUT(odo_statistics, sizeof(odo_statistics) == 184 && offsetof(odo_statistics, struct_size) == 0 &&
+           offsetof(odo_statistics, reserved) == 4 && offsetof(odo_statistics, pushed) == 8 &&
+           offsetof(odo_statistics, processed) == 16 && offsetof(odo_statistics, frames) == 24 &&
+           offsetof(odo_statistics, steps) == 32 && offsetof(odo_statistics, fixes_accepted) == 40 &&
+           offsetof(odo_statistics, fixes_rejected) == 48 && offsetof(odo_statistics, late) == 56 &&
+           offsetof(odo_statistics, duplicate) == 64 && offsetof(odo_statistics, invalid) == 72 &&
+           offsetof(odo_statistics, overflow) == 80 && offsetof(odo_statistics, gaps) == 88 &&
+           offsetof(odo_statistics, plugin_faults) == 96 && offsetof(odo_statistics, tracking_s) == 104 &&
+           offsetof(odo_statistics, degraded_s) == 112 && offsetof(odo_statistics, lost_s) == 120 &&
+           offsetof(odo_statistics, distance_m) == 128 && offsetof(odo_statistics, wild) == 136 &&
+           offsetof(odo_statistics, events_dropped) == 144 && offsetof(odo_statistics, unknown) == 152 &&
+           offsetof(odo_statistics, scale_sigma) == 160 && offsetof(odo_statistics, scale_by_inertia) == 168 &&
+           offsetof(odo_statistics, scale_by_steps) == 176)
+ODO_LAYOUT(odo_anchor_place, sizeof(odo_anchor_place) == 136 && offsetof(odo_anchor_place, struct_size) == 0 &&
+           offsetof(odo_anchor_place, kind) == 4 && offsetof(odo_anchor_place, t_ns) == 8 &&
+           offsetof(odo_anchor_place, world) == 16 && offsetof(odo_anchor_place, height_above) == 20 &&
+           offsetof(odo_anchor_place, q) == 24 && offsetof(odo_anchor_place, p) == 56 &&
+           offsetof(odo_anchor_place, latitude_rad) == 80 && offsetof(odo_anchor_place, longitude_rad) == 88 &&
+           offsetof(odo_anchor_place, height_m) == 96 && offsetof(odo_anchor_place, geoid_height_m) == 104 &&
+           offsetof(odo_anchor_place, sigma_m) == 112 && offsetof(odo_anchor_place, name) == 120)
+ODO_LAYOUT(odo_anchor, sizeof(odo_anchor) == 264 && offsetof(odo_anchor, struct_size) == 0 &&
+           offsetof(odo_anchor, kind) == 4 && offsetof(odo_anchor, id) == 8 && offsetof(odo_anchor, t_ns) == 16 &&
+           offsetof(odo_anchor, flags) == 24 && offsetof(odo_anchor, state) == 28 &&
+           offsetof(odo_anchor, reason) == 32 && offsetof(odo_anchor, reserved) == 36 &&
+           offsetof(odo_anchor, q_n) == 40 && offsetof(odo_anchor, p_n) == 72 &&
+           offsetof(odo_anchor, q_view) == 96 && offsetof(odo_anchor, p_view) == 128 &&
+           offsetof(odo_anchor, position_sigma_m) == 152 && offsetof(odo_anchor, yaw_sigma_rad) == 160 &&
+           offsetof(odo_anchor, view_sigma_m) == 168 && offsetof(odo_anchor, latitude_rad) == 176 &&
+           offsetof(odo_anchor, longitude_rad) == 184 && offsetof(odo_anchor, height_m) == 192 &&
+           offsetof(odo_anchor, name) == 200)
+ODO_LAYOUT(odo_terrain, sizeof(odo_terrain) == 24 && offsetof(odo_terrain, struct_size) == 0 &&
+           offsetof(odo_terrain, reserved) == 4 && offsetof(odo_terrain, user) == 8 &&
+           offsetof(odo_terrain, height) == 16)
 /* clang-format on */
 #undef ODO_LAYOUT
 

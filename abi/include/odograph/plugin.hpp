@@ -3,6 +3,7 @@
 // Header-only C++17 wrapper for plugin authors, part 3: the plugin itself. A plugin is a class with a description, a parameter table and one
 // `on(message, output)` for each message it wants:
 //
+//   namespace {
 //   struct Example {
 //     double gain = 1.0;  // the initialiser is the parameter's default
 //     static constexpr odo::Description description{"scale/example", "1.0.0", "What it does.", ODO_INTERFACE_SCALE_SOURCE};
@@ -11,12 +12,16 @@
 //     }
 //     void on(const odo_vo_motion& motion, odo::Output& output) { ... output.emit(scale); }
 //   };
+//   }  // namespace
 //   ODO_PLUGIN(Example)
 //
 // Optional members: void configured() or configured(odo::Output&) (throw odo::Error to refuse), void reset(), std::vector<uint8_t> save() const,
 // void load(const uint8_t*, size_t), const void* extension(std::string_view id); static constexpr uint32_t extra_inputs[] and
-// extra_outputs[] for message types beyond those of its kind, and `using VendorMessages = odo::Messages<acme_wifi, ...>`
-// for vendors' own that on() takes.
+// extra_outputs[] for message types beyond those of its kind, `using VendorMessages = odo::Messages<acme_wifi, ...>` for
+// vendors' own that on() takes, static constexpr uint32_t flags (ODO_PLUGIN_*), and void woken(odo::Output&), which follows
+// Output::wake().
+// The class belongs into an unnamed namespace: then no other plugin has functions of the same name. Where plugins are linked
+// into one program this is checked.
 // No exception leaves the plugin: each becomes a status code and a report, also when the plugin carries a C++ runtime of
 // its own, because the guard is compiled into the plugin.
 #ifndef ODOGRAPH_PLUGIN_HPP
@@ -40,6 +45,7 @@
 #include <vector>
 
 namespace odo {
+inline namespace ODO_DETAIL_VERSION {
 
 struct Description {
   const char* id;
@@ -66,6 +72,11 @@ template <class T> struct has_save<T, std::void_t<decltype(std::declval<const T&
 template <class T, class = void> struct has_extension : std::false_type {};
 template <class T>
 struct has_extension<T, std::void_t<decltype(std::declval<T&>().extension(std::string_view()))>> : std::true_type {};
+template <class T, class = void> struct has_woken : std::false_type {};
+template <class T>
+struct has_woken<T, std::void_t<decltype(std::declval<T&>().woken(std::declval<Output&>()))>> : std::true_type {};
+template <class T, class = void> struct has_flags : std::false_type {};
+template <class T> struct has_flags<T, std::void_t<decltype(T::flags)>> : std::true_type {};
 template <class T, class M, class = void> struct has_on : std::false_type {};
 template <class T, class M>
 struct has_on<T, M,
@@ -81,11 +92,25 @@ template <class T> struct has_extra_inputs<T, std::void_t<decltype(T::extra_inpu
 template <class T, class = void> struct has_extra_outputs : std::false_type {};
 template <class T> struct has_extra_outputs<T, std::void_t<decltype(T::extra_outputs)>> : std::true_type {};
 
-/// The C table of a plugin class, and the guard around each call.
-template <class T> class Glue {
+/// Whether a class has internal linkage, by the name that the compiler gives it.
+template <class T> constexpr bool is_unnamed() {
+#if defined(_MSC_VER)
+  return std::string_view(__FUNCSIG__).find("anonymous") != std::string_view::npos;
+#else
+  return std::string_view(__PRETTY_FUNCTION__).find("anonymous") != std::string_view::npos;
+#endif
+}
+
+/// The C table of a plugin class, and the guard around each call. The tag is a type of internal linkage: two plugins whose
+/// class has the same name have a Glue each.
+template <class T, class Tag> class Glue {
+#if defined(ODO_STATIC)
+  static_assert(is_unnamed<T>(), "the class of a plugin that is linked into a program belongs into an unnamed namespace");
+#endif
+
  public:
-  static int32_t entry(const odo_host* host, odo_plugin* out) noexcept {
-    static constexpr char no_version[] = "this plugin speaks another ABI than the host";
+  static int32_t fill(const odo_host* host, odo_plugin* out) noexcept {
+    static constexpr char no_version[] = "the plugin was built for another ABI than the host's";
     static constexpr char no_memory[] = "the plugin could not build its tables";
     if (!host || !out || out->struct_size < ODO_PLUGIN_SIZE_MIN) return ODO_E_STRUCT_SIZE;
     if (!ODO_HOST_FITS(host)) {
@@ -163,6 +188,7 @@ template <class T> class Glue {
         plugin.parameters = rows.data();
         plugin.parameter_count = static_cast<uint32_t>(rows.size());
         plugin.parameter_stride = sizeof(odo_parameter);
+        if constexpr (has_flags<T>::value) plugin.flags = T::flags;
         plugin.create = create;
         plugin.configure = configure;
         plugin.activate = activate;
@@ -270,21 +296,27 @@ template <class T> class Glue {
     (void)instance, (void)header;
   }
 
+  static void dispatch(Instance& instance, const odo_header* header) {
+    switch (header->type) {
+#define ODO_DETAIL_DELIVER(number, type, name, min_size) \
+  case number: deliver<type>(instance, header); break;
+      ODO_FOR_EACH_MESSAGE(ODO_DETAIL_DELIVER)
+#undef ODO_DETAIL_DELIVER
+      default: deliver_vendors(instance, header, typename vendor_messages<T>::type());
+    }
+  }
+
+  /// A message that is refused does not keep those behind it from being processed.
   static int32_t ODO_CALL process(odo_instance* handle, const odo_batch* batch) noexcept {
     Instance* instance = of(handle);
-    return guarded(&instance->output, [&]() -> int32_t {
-      for (uint32_t i = 0; i < batch->count; ++i) {
-        const odo_header* header = batch->messages[i];
-        switch (header->type) {
-#define ODO_DETAIL_DELIVER(number, type, name, min_size) \
-  case number: deliver<type>(*instance, header); break;
-          ODO_FOR_EACH_MESSAGE(ODO_DETAIL_DELIVER)
-#undef ODO_DETAIL_DELIVER
-          default: deliver_vendors(*instance, header, typename vendor_messages<T>::type());
-        }
-      }
-      return ODO_OK;
-    });
+    int32_t worst = ODO_OK;
+    const auto keep = [&worst](int32_t status) { worst = status < worst ? status : worst; };
+    if constexpr (has_woken<T>::value)
+      if (batch->count == 0)
+        keep(guarded(&instance->output, [&]() -> int32_t { return instance->object->woken(instance->output), ODO_OK; }));
+    for (uint32_t i = 0; i < batch->count; ++i)
+      keep(guarded(&instance->output, [&]() -> int32_t { return dispatch(*instance, batch->messages[i]), ODO_OK; }));
+    return worst;
   }
 
   static int32_t ODO_CALL reset(odo_instance* handle) noexcept {
@@ -348,12 +380,19 @@ template <class T> class Glue {
 };
 
 }  // namespace detail
+}  // inline namespace
 }  // namespace odo
 
 /// Exports the class as this library's plugin. Once in a plugin, at namespace scope.
-#define ODO_PLUGIN(Class)                                                              \
-  extern "C" ODO_EXPORT int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) { \
-    return odo::detail::Glue<Class>::entry(host, out);                                 \
+#define ODO_PLUGIN(Class) ODO_PLUGIN_NAMED(Class, ODO_PLUGIN_ENTRY)
+/// The same with an entry of another name, for plugins that are linked into a program.
+#define ODO_PLUGIN_NAMED(Class, entry) ODO_DETAIL_PLUGIN(Class, entry)
+#define ODO_DETAIL_PLUGIN(Class, entry)                                                   \
+  namespace {                                                                             \
+  struct entry##_tag;                                                                     \
+  }                                                                                       \
+  extern "C" ODO_EXPORT int32_t ODO_CALL entry(const odo_host* host, odo_plugin* out) {   \
+    return odo::detail::Glue<Class, entry##_tag>::fill(host, out);                        \
   }
 
 #endif

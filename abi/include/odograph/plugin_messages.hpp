@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The C++17 wrapper for plugin authors, part 1: messages in, events and reports out. A vendor's own message takes part
-// once its type number is told:
+// once its type number is given:
 //
 //   struct acme_wifi { odo_header header; double rssi_dbm; };
 //   template <> struct odo::type_of<acme_wifi> : std::integral_constant<uint32_t, ODO_TYPE_VENDOR(7, 1)> {};
@@ -19,7 +19,16 @@
 #include <type_traits>
 #include <utility>
 
+/* What is compiled into a plugin is the plugin's own: hidden, and named for the version of these headers, so that
+ * plugins of several versions in one process share nothing. */
+#if defined(__GNUC__)
+#define ODO_DETAIL_VERSION draft3 __attribute__((visibility("hidden")))
+#else
+#define ODO_DETAIL_VERSION draft3
+#endif
+
 namespace odo {
+inline namespace ODO_DETAIL_VERSION {
 
 /// Thrown by a plugin to fail with a chosen status. Any other exception becomes ODO_E_ERROR.
 class Error : public std::runtime_error {
@@ -80,13 +89,23 @@ class Output {
       throw Error(status, "the host refused an event of type " + std::to_string(event.header.type));
     return status >= 0;
   }
+  /// Asks for a call of woken(), for a plugin with an input of its own. False where the host has no such service, as in
+  /// a process of the plugin's own. [any]
+  bool wake() const noexcept {
+    static constexpr std::string_view id = ODO_SERVICE_WAKE;
+    const auto* service = static_cast<const odo_wake_service*>(
+        host_ && host_->get_service ? host_->get_service(host_, id.data(), id.size()) : nullptr);
+    if (!service || !service->wake) return false;
+    service->wake(host_, instance_);
+    return true;
+  }
   void report(uint32_t severity, std::string_view key, std::string_view text) const noexcept {
     const odo_string k = str(key), t = str(text);
     if (report_ && report_->report) report_->report(host_, instance_, severity, &k, &t);
   }
   /// The path of a file that the config names, or null where there is none. [control]
   std::unique_ptr<std::string> asset(std::string_view name) const {
-    static const std::string_view id = ODO_SERVICE_ASSETS;
+    static constexpr std::string_view id = ODO_SERVICE_ASSETS;
     const void* found = host_ && host_->get_service ? host_->get_service(host_, id.data(), id.size()) : nullptr;
     const auto* assets = static_cast<const odo_asset_service*>(found);
     const odo_string wanted = str(name);
@@ -106,6 +125,7 @@ class Output {
   const odo_sink* sink_ = nullptr;
 };
 
+}  // inline namespace
 }  // namespace odo
 
 #endif

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The C++17 wrapper for plugin authors, part 2: the parameter table. One line names a parameter, says its unit and range,
-// and which member it sets; the member's initialiser is the default.
+// The C++17 wrapper for plugin authors, part 2: the parameter table. One line has a parameter's name, unit and range,
+// and the member that it sets; the member's initialiser is the default.
 #ifndef ODOGRAPH_PLUGIN_PARAMETERS_HPP
 #define ODOGRAPH_PLUGIN_PARAMETERS_HPP
 
-#include <odograph/plugin.h>
+#include <odograph/plugin_messages.hpp>
 
 #include <array>
 #include <cstdint>
@@ -16,6 +16,7 @@
 #include <variant>
 
 namespace odo {
+inline namespace ODO_DETAIL_VERSION {
 
 /// One parameter: its line of the table and the member it sets. Made by real(), reals(), integer(), boolean(), text(),
 /// choice().
@@ -83,6 +84,7 @@ template <class T> std::string default_text(const T& object, const Parameter<T>&
 }
 
 }  // namespace detail
+}  // inline namespace
 }  // namespace odo
 
 #endif

@@ -46,7 +46,7 @@ class Barometer {
     const auto height = height_->add(reading.header.t_ns, reading.pressure_pa);
     if (!height) return;
     auto fix = odo::make<odo_fix>(height->t_ns);
-    fix.header.flags = ODO_FIX_DOWN;
+    fix.header.flags = ODO_FIX_DOWN | ODO_FIX_COVARIANCE | ODO_FIX_INTEGRITY;
     fix.p_n[2] = height->down_m;
     fix.covariance_n[0] = fix.covariance_n[4] = 1e6;  // not told, and not valid
     fix.covariance_n[8] = height->fix_variance_m2;
@@ -56,7 +56,7 @@ class Barometer {
 
   /// A height that somebody else knew, and the estimator took.
   void on(const odo_fix& fix, odo::Output&) {
-    constexpr uint32_t needed = ODO_FIX_DOWN | ODO_FIX_ACCEPTED;
+    constexpr uint32_t needed = ODO_FIX_DOWN | ODO_FLAG_ACCEPTED;
     if ((fix.header.flags & needed) != needed) return;
     height_->refer(fix.header.t_ns, fix.p_n[2], fix.covariance_n[8]);
   }

@@ -107,7 +107,11 @@ class Gnss {
     if (!on_earth) throw odo::Error(ODO_E_DISCARD, "latitude_rad, longitude_rad or height_m is no place on the Earth");
     if (sample.satellites > 0 && sample.satellites < min_satellites) return;
     auto fix = odo::make<odo_fix>(sample.header.t_ns);
-    fix.header.flags = ODO_FIX_GEODETIC | ODO_FIX_NORTH | ODO_FIX_EAST;
+    fix.header.flags = ODO_FIX_GEODETIC | ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_INTEGRITY;
+    if (sample.header.flags & ODO_GNSS_LEVER) {
+      fix.header.flags |= ODO_FIX_LEVER;
+      std::copy(sample.lever_b, sample.lever_b + 3, fix.lever_b);
+    }
     if (height && (sample.header.flags & ODO_GNSS_HEIGHT)) fix.header.flags |= ODO_FIX_DOWN;
     fix.latitude_rad = sample.latitude_rad;
     fix.longitude_rad = sample.longitude_rad;
@@ -129,6 +133,8 @@ class Gnss {
   /// About the Earth's circumference: what is farther, or is as unsure, says nothing and would stay in the sums for
   /// ever.
   static constexpr double kFarthest_m = 4e7;
+  /// Horizontal part of the phone's top, 0 to 1, below which it counts as upright: 60 degrees from the horizontal.
+  static constexpr double kUprightTop = 0.5;
   static constexpr double kLongestStep_s = 0.2;  ///< between samples of a gyroscope
 
   /// The heading by the gyroscope alone, about the vertical of the attitude.
@@ -162,11 +168,15 @@ class Gnss {
     if (!attitude_) return;
     const auto yaw = path_->news();
     if (!yaw) return;
-    const Eigen::Vector3d y_n = orientation(*attitude_) * Eigen::Vector3d::UnitY();
-    if (y_n.head<2>().norm() < 0.1) return;  // a phone that stands upright has no heading of its top
+    // Of a phone held upright the top has no heading, the back has.
+    const Eigen::Quaterniond q_n_b = orientation(*attitude_);
+    const bool upright = (q_n_b * Eigen::Vector3d::UnitY()).head<2>().norm() < kUprightTop;
+    const Eigen::Vector3d axis_b = upright ? Eigen::Vector3d(-Eigen::Vector3d::UnitZ()) : Eigen::Vector3d::UnitY();
+    const Eigen::Vector3d axis_n = q_n_b * axis_b;
     auto fix = odo::make<odo_fix>(attitude_->header.t_ns);
-    fix.header.flags = ODO_FIX_YAW;
-    fix.yaw_rad = std::remainder(std::atan2(y_n.y(), y_n.x()) + gyro_.beyond_attitude_rad + yaw->rad, 2 * kPi);
+    fix.header.flags = ODO_FIX_YAW | ODO_FIX_INTEGRITY;
+    Eigen::Vector3d::Map(fix.yaw_axis_b) = axis_b;
+    fix.yaw_rad = std::remainder(std::atan2(axis_n.y(), axis_n.x()) + gyro_.beyond_attitude_rad + yaw->rad, 2 * kPi);
     fix.yaw_sigma_rad = std::hypot(yaw->sigma_rad, hold_sigma);
     fix.integrity = 0.05;
     output.emit(fix);

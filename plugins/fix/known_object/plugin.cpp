@@ -295,21 +295,20 @@ class KnownObject {
   void tell(const Estimate& e, odo::Output& output) {
     const PlaneObject& object = finder_->objects()[e.object];
     auto fix = odo::make<odo_fix>(e.t_ns);
-    fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_ORIENTATION;
+    fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_COVARIANCE | ODO_FIX_ORIENTATION |
+                       ODO_FIX_ORIENTATION_COVARIANCE | ODO_FIX_LEVER | ODO_FIX_INTEGRITY | ODO_FLAG_QUALITY;
     fix.header.quality = static_cast<float>(std::clamp(e.correlation, 0.0, 1.0));
     const Quaterniond q_n_b = (e.q_n_c * q_b_c_.conjugate()).normalized();
-    // Without a front-end the pose is the body's.
-    const bool of_camera = poses_.empty() || (poses_.back().header.flags & ODO_POSE_CAMERA) != 0;
-    const Vector3d lever = of_camera ? Vector3d(Vector3d::Zero()) : Vector3d(q_n_b * p_b_c_);
+    Vector3d::Map(fix.lever_b) = p_b_c_;  // it is the camera's position
     if (object.place.geodetic && !geodetic) {
       fix.header.flags |= ODO_FIX_GEODETIC;
       const RadianLengths metres(object.place.latitude_rad);
-      const Vector3d from = e.from_object_n - lever;
+      const Vector3d& from = e.from_object_n;
       fix.latitude_rad = object.place.latitude_rad + from.x() / metres.north_m;
       fix.longitude_rad = object.place.longitude_rad + from.y() / metres.east_m;
       fix.height_m = object.place.height_m - from.z();
     } else {
-      Vector3d::Map(fix.p_n) = e.p_n - lever;
+      Vector3d::Map(fix.p_n) = e.p_n;
     }
     Eigen::Map<Matrix3d>(fix.covariance_n) = 0.5 * (e.covariance_n + e.covariance_n.transpose());
     odograph::so3::put_quaternion(q_n_b, fix.q_n_b);

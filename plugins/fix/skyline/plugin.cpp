@@ -110,7 +110,8 @@ class Skyline {
   void on(const odo_calibration& c, odo::Output&) {
     camera_.take(c);
     q_c_b_.setIdentity();
-    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) q_c_b_ = odograph::so3::quaternion(c.q_b_c).conjugate();
+    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS)
+      q_c_b_ = odograph::so3::quaternion(c.q_b_c).conjugate(), p_b_c_ = Eigen::Vector3d(c.p_b_c);
   }
 
   void on(const odo_pose& pose, odo::Output& output) {
@@ -341,7 +342,10 @@ class Skyline {
 
   odo_fix fix_of(const Match& match, int64_t t_ns) const {
     auto fix = odo::make<odo_fix>(t_ns);
-    fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_ORIENTATION | ODO_FIX_SLANT;
+    fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_ORIENTATION |
+                       ODO_FIX_ORIENTATION_COVARIANCE | ODO_FIX_SLANT | ODO_FIX_LEVER | ODO_FIX_INTEGRITY |
+                       ODO_FLAG_QUALITY;
+    Eigen::Vector3d::Map(fix.lever_b) = p_b_c_;  // it is the camera's position
     fix.header.quality = static_cast<float>(match.agreement);
     Eigen::Vector3d::Map(fix.p_n) = match.p_n;
     const Eigen::Matrix2d covariance = match.covariance + Eigen::Matrix2d::Identity() * (min_sigma * min_sigma);
@@ -374,6 +378,7 @@ class Skyline {
   std::optional<Picture> waiting_;
   Look look_;
   Eigen::Quaterniond q_c_b_ = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
   cv::Mat converted_;
   odograph::ToldCamera camera_;
   int64_t last_ns_ = INT64_MIN, frame_ns_ = INT64_MIN;

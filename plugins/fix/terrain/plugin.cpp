@@ -79,7 +79,7 @@ class TerrainFixer {
         std::min(max_horizontal_sigma, std::sqrt(std::max({0.0, pose.covariance[21], pose.covariance[28]})));
     const double by_place = rise_within(north, east, down, horizontal);
     auto fix = odo::make<odo_fix>(pose.header.t_ns);
-    fix.header.flags = ODO_FIX_DOWN;
+    fix.header.flags = ODO_FIX_DOWN | ODO_FIX_COVARIANCE | ODO_FIX_INTEGRITY;
     fix.p_n[2] = down - held_m;
     // Many fixes whose errors are alike for tau tell as much as white ones of 2 tau / interval times the variance.
     const double alike = std::max(1.0, 2 * correlation / std::max(interval, std::min(since_s, correlation)));

@@ -21,9 +21,13 @@ class Waypoint {
   void on(const odo_waypoint& waypoint, odo::Output& output) {
     if (use == "first" && used_++ > 0) return;
     auto fix = odo::make<odo_fix>(waypoint.header.t_ns);
-    fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+    fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_INTEGRITY;
     if (waypoint.header.flags & ODO_WAYPOINT_VERTICAL) fix.header.flags |= ODO_FIX_DOWN;
     std::copy(waypoint.p_n, waypoint.p_n + 3, fix.p_n);
+    if (waypoint.header.flags & ODO_WAYPOINT_LEVER) {
+      fix.header.flags |= ODO_FIX_LEVER;
+      std::copy(waypoint.lever_b, waypoint.lever_b + 3, fix.lever_b);
+    }
     const double sigma = std::max(min_sigma, waypoint.sigma_m);
     for (int i = 0; i < 3; ++i) fix.covariance_n[4 * i] = sigma * sigma;
     fix.integrity = 0.01;

@@ -31,8 +31,8 @@ class ToldCamera {
   /// Takes a calibration. True where it is another camera than before; a phone that focuses or stabilises tells its own
   /// lens again and again.
   bool take(const odo_calibration& c) {
-    const bool same =
-        told_ && told_->id == c.id && told_->model == c.model && told_->width == c.width && told_->height == c.height;
+    const bool same = told_ && told_->header.source == c.header.source && told_->model == c.model &&
+                      told_->width == c.width && told_->height == c.height;
     told_ = c;
     return !same;
   }
@@ -46,10 +46,10 @@ class ToldCamera {
   /// Throws odo::Error (discard) where the frame does not belong to the calibration.
   CameraModel lens_of(const odo_frame& frame) const {
     const auto discard = [](const std::string& text) { throw odo::Error(ODO_E_DISCARD, text); };
-    if (!told_ || frame.calibration != told_->id)
-      discard("calibration = " + std::to_string(frame.calibration) +
-              (told_ ? "; expected " + std::to_string(told_->id) + ", which was described last"
-                     : "; it was not described"));
+    if (!told_ || frame.header.source != told_->header.source)
+      discard("header.source = " + std::to_string(frame.header.source) +
+              (told_ ? "; expected the camera of the last calibration, " + std::to_string(told_->header.source)
+                     : "; this camera has no calibration"));
     if (frame.width != told_->width || frame.height != told_->height)
       discard("width x height = " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
               "; expected its calibration's " + std::to_string(told_->width) + " x " + std::to_string(told_->height));
@@ -78,7 +78,12 @@ inline cv::Mat grey_of(const odo_frame& frame, cv::Mat& converted) {
     case ODO_FORMAT_BGRA8:
       cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), converted, cv::COLOR_BGRA2GRAY);
       return converted;
-    default: return {rows, columns, CV_8UC1, data, stride};
+    case ODO_FORMAT_GREY8:
+    case ODO_FORMAT_NV12:
+    case ODO_FORMAT_NV21:
+    case ODO_FORMAT_YUV420: return {rows, columns, CV_8UC1, data, stride};
+    default:
+      throw odo::Error(ODO_E_DISCARD, "format = " + std::to_string(frame.format) + "; expected one of ODO_FORMAT_*");
   }
 }
 
@@ -96,8 +101,9 @@ inline odo_vo_motion motion_event(const odo_frame& frame, int64_t from_ns, bool 
   event.t_from_ns = from_ns;
   if (rotation) event.header.flags |= ODO_VO_ROTATION;
   if (translation) event.header.flags |= ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
-  event.camera = frame.calibration;
+  event.camera = frame.header.source;
   event.tracked = tracked, event.inliers = inliers;
+  event.header.flags |= ODO_FLAG_QUALITY;
   event.header.quality = tracked ? static_cast<float>(inliers) / static_cast<float>(tracked) : 0.0f;
   return event;
 }

@@ -144,6 +144,7 @@ class OdographSteps {
     event.sigma_m = treads ? stairs_.parameters().tread_sigma_m : walker_->sigma_m(event.length_m, step.gentle);
     event.mode = mode;
     event.index = count_++;
+    event.header.flags |= ODO_FLAG_QUALITY;
     event.header.quality = step.gentle ? 0.7f : 0.9f;
     if (const Vector2d f = heading_of(step); f.norm() > 0) {
       event.heading_rad = std::atan2(f.y(), f.x());

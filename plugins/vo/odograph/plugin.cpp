@@ -123,7 +123,7 @@ class OdographVo {
     auto event = event_of(motion->motion, motion->from_ns, head_);
     if (motion->metric) put_inertial(*motion, event);
     output.emit(event);
-    if (motion->metric) tell_refined(*inertial, motion->t_ns, output);
+    if (motion->metric) emit_refined(*inertial, motion->t_ns, output);
   }
 
   static odo_vo_motion event_of(const Motion& motion, int64_t from_ns, const odo_frame& frame) {
@@ -146,21 +146,21 @@ class OdographVo {
   }
 
   /// What the camera was found to be, once a second.
-  void tell_refined(const InertialOdometry& inertial, int64_t t_ns, odo::Output& output) {
+  void emit_refined(const InertialOdometry& inertial, int64_t t_ns, odo::Output& output) {
     if (t_ns - refined_ns_ < kRefinedEvery_ns || !inertial.filter()) return;
     refined_ns_ = t_ns;
     const odograph::vio::Camera& camera = inertial.filter()->state().camera;
     const odograph::CameraModel lens = inertial.lens();
-    odo_calibration c = *camera_.calibration();
-    c.header.t_ns = t_ns;
-    c.header.flags |=
-        ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET | ODO_CALIBRATION_LINE_TIME | ODO_CALIBRATION_REFINED;
+    const odo_calibration& given = *camera_.calibration();
+    auto c = odo::make<odo_refined>(t_ns);
+    c.header.flags = ODO_REFINED_EXTRINSICS | ODO_REFINED_TIME_OFFSET | ODO_REFINED_LINE_TIME;
+    c.camera = given.header.source, c.model = given.model, c.width = given.width, c.height = given.height;
     c.fx = lens.fx, c.fy = lens.fy, c.cx = lens.cx, c.cy = lens.cy;
     c.distortion_count = static_cast<uint32_t>(lens.coefficients.size());
     std::copy(lens.coefficients.begin(), lens.coefficients.end(), c.distortion);
     put_quaternion(camera.q_b_c, c.q_b_c);
     Eigen::Vector3d::Map(c.p_b_c) = camera.p_b_c;
-    c.time_offset_ns += static_cast<int64_t>(std::llround(camera.time_offset_s * 1e9));
+    c.time_offset_ns = static_cast<int64_t>(std::llround(camera.time_offset_s * 1e9));
     c.line_time_ns = static_cast<int64_t>(std::llround(camera.line_time_s * 1e9));
     output.emit(c);
   }

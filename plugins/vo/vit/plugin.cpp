@@ -126,7 +126,7 @@ class Vit {
     odograph::put_motion(Eigen::Quaterniond(step.linear()), step.translation(), kParameters.rotation_sigma_rad,
                          kParameters.displacement_sigma * length + kParameters.min_displacement_sigma, event);
     event.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
-    event.camera = camera_.calibration()->id;
+    event.camera = camera_.calibration()->header.source;
     event.state = ODO_TRACKING;
     output.emit(event);
   }
@@ -136,7 +136,7 @@ class Vit {
     auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
     event.t_from_ns = std::exchange(last_ns_, frame.header.t_ns);
     event.q_c0_c1[0] = 1;
-    event.camera = camera_.calibration()->id;
+    event.camera = camera_.calibration()->header.source;
     event.state = ODO_LOST;
     event.reason = ODO_REASON_INITIALISING;
     output.emit(event);

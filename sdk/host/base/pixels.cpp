@@ -8,6 +8,10 @@
 namespace odograph {
 namespace {
 
+/// Of a plane of an unknown format: 16,384 pixels of 16 bytes, the largest picture that is accepted.
+constexpr uint32_t kMaxRows = 16384;
+constexpr size_t kMaxRowBytes = 16384 * 16;
+
 /// Rows and bytes a row of each plane, by format; zero rows = no such plane.
 struct PlaneSize {
   size_t rows, bytes;
@@ -27,7 +31,14 @@ PlaneSize plane_size(const odo_frame& frame, int plane) {
         return {(h + 1) / 2, ((w + 1) / 2 - 1) * stride + 1};
       }
       return plane == 0 ? PlaneSize{h, w} : PlaneSize{0, 0};
-    default: return plane == 0 ? PlaneSize{h, w * 4} : PlaneSize{0, 0};
+    case ODO_FORMAT_RGBA8:
+    case ODO_FORMAT_BGRA8: return plane == 0 ? PlaneSize{h, w * 4} : PlaneSize{0, 0};
+    default: {  // of a newer app: by its planes
+      const odo_plane& p = frame.planes[plane];
+      const bool used = static_cast<uint32_t>(plane) < frame.plane_count && p.rows <= kMaxRows;
+      const auto bytes = static_cast<size_t>(std::llabs(p.row_stride));
+      return used && bytes <= kMaxRowBytes ? PlaneSize{p.rows, bytes} : PlaneSize{0, 0};
+    }
   }
 }
 

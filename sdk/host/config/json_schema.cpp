@@ -8,8 +8,9 @@ namespace {
 
 void describe(JsonText& json, const Spec& spec);
 
-void object(JsonText& json, const std::vector<Spec>& children) {
-  json.key("type").string("object").key("additionalProperties").boolean(false);
+void object(JsonText& json, const Spec& spec) {
+  const auto& children = spec.children;
+  json.key("type").string("object").key("additionalProperties").boolean(spec.open);
   bool required = false;
   for (const Spec& child : children) required = required || child.required;
   if (required) {
@@ -59,7 +60,7 @@ void describe(JsonText& json, const Spec& spec) {
   if (!spec.fallback.empty()) help += (help.empty() ? "" : "; ") + std::string("default ") + spec.fallback;
   if (!help.empty()) json.key("description").string(help);
   switch (spec.type) {
-    case SpecType::map: object(json, spec.children); break;
+    case SpecType::map: object(json, spec); break;
     case SpecType::boolean: json.key("type").string("boolean"); break;
     case SpecType::integer:
       json.key("type").string("integer");

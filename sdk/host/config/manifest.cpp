@@ -40,7 +40,7 @@ Spec list_of(const char* name, Spec item, const char* help) {
 const Spec& manifest_spec() {
   static const Spec spec = [] {
     Spec whole{.name = "version", .type = SpecType::integer, .min = 0, .max = 65535, .help = "major, then minor"};
-    Spec parameter{.name = "parameter", .type = SpecType::map};
+    Spec parameter{.name = "parameter", .type = SpecType::map, .open = true};
     parameter.children = {
         text_spec("name", "lower_case"),
         {.name = "type",
@@ -56,7 +56,7 @@ const Spec& manifest_spec() {
         {.name = "count", .type = SpecType::integer, .min = 1, .max = 64, .fallback = "1", .help = "of reals"},
         text_spec("help", "one sentence", false),
     };
-    Spec root{.name = "manifest", .type = SpecType::map};
+    Spec root{.name = "manifest", .type = SpecType::map, .open = true};
     root.children = {
         {.name = "odoplugin",
          .type = SpecType::integer,
@@ -153,6 +153,21 @@ Result<std::vector<Spec>> parameter_specs(const odo_plugin& plugin) {
     specs.push_back(std::move(spec));
   }
   return specs;
+}
+
+Result<Manifest> manifest_of(const odo_plugin& plugin, odo_plugin_entry entry) {
+  auto parameters = parameter_specs(plugin);
+  if (!parameters) return parameters.failure();
+  Manifest manifest;
+  manifest.entry = entry;
+  manifest.id = text(plugin.id);
+  manifest.version = text(plugin.version);
+  manifest.summary = text(plugin.summary);
+  for (uint32_t i = 0; i < plugin.interface_count; ++i) manifest.interfaces.push_back(text(plugin.interfaces[i]));
+  manifest.abi_major = plugin.abi_major;
+  manifest.abi_minor = plugin.abi_minor;
+  manifest.parameters = std::move(*parameters);
+  return manifest;
 }
 
 std::string write_manifest(const odo_plugin& plugin, const std::string& library, const std::string& sha256) {

@@ -18,11 +18,13 @@ enum class LibraryCheck : uint32_t {
   sealed,  // and what is opened is a sealed copy of what was hashed (sealed_copy.hpp)
 };
 
-/// NAME.odoplugin.json: what a plugin library says of itself, readable without running it.
+/// NAME.odoplugin.json: a plugin library's table, readable without running it. Of a plugin that is linked into the
+/// program it is made from the table itself, and there is no file.
 struct Manifest {
-  std::filesystem::path path;     // of the manifest
-  std::string text;               // as read, once: what is verified and what is used are the same
-  std::filesystem::path library;  // absolute
+  odo_plugin_entry entry = nullptr;  // of a linked-in plugin
+  std::filesystem::path path;        // of the manifest
+  std::string text;                  // as read, once: what is verified and what is used are the same
+  std::filesystem::path library;     // absolute
   std::string id;
   std::string version;
   std::string summary;
@@ -31,7 +33,13 @@ struct Manifest {
   uint32_t abi_minor = 0;
   std::string sha256;  // of the library, lower-case hex
   std::vector<Spec> parameters;
+
+  /// Where the plugin is, for messages.
+  std::string place() const { return entry ? "plugin '" + id + "', which is linked in" : library.string(); }
 };
+
+/// The manifest of a linked-in plugin. ODO_E_DATA as for parameter_specs.
+Result<Manifest> manifest_of(const odo_plugin& plugin, odo_plugin_entry entry);
 
 /// Reads a manifest. A failure names file, line and column.
 Result<Manifest> read_manifest(const std::filesystem::path& path);

@@ -24,6 +24,17 @@ std::vector<std::string> early_texts(const YamlNode& root, const char* key) {
   return texts;
 }
 
+std::vector<Signer> early_signers(const YamlNode& root) {
+  std::vector<Signer> signers;
+  const YamlNode* list = in_plugins(root, "signers");
+  for (size_t i = 0; list && i < list->items.size(); ++i) {
+    const YamlNode* ids = list->items[i].find("ids");
+    const YamlNode* key = list->items[i].find("key");
+    signers.push_back({ids ? ids->text : "*", key ? key->text : ""});
+  }
+  return signers;
+}
+
 std::string early_text(const YamlNode& root, const char* key) {
   const YamlNode* node = in_plugins(root, key);
   return node ? node->text : "";
@@ -51,7 +62,8 @@ Isolation isolation_of(const Value& plugin, const Value& plugins, const std::fil
 
 /// Where plugins are looked for, and which of them may be used.
 struct PluginPolicy {
-  std::vector<std::string> allow, signers;
+  std::vector<std::string> allow;
+  std::vector<Signer> signers;
   std::filesystem::path base;
 
   /// What is allowed by its hash must have it, and a signed manifest says which library it is for.
@@ -76,12 +88,17 @@ Result<Value> checked_values(const YamlNode& root, const std::string& name, Plug
       return Failure{ODO_E_CONFIG, at(name, list->mark,
                                       std::string("plugins.") + key +
                                           ": an empty list; expected one item or more, or no '" + key + "' at all")};
+  for (const Value& signer : (*checked)["plugins"]["signers"].items)  // what matches nothing would let all pass
+    if (const std::string& ids = signer["ids"].text; ids.find('*') < ids.size() - 1 || ids.empty())
+      return Failure{ODO_E_CONFIG, at(name, signer["ids"].mark,
+                                      "plugins.signers: '" + ids + "'; expected an id, with '*' at its end alone")};
   return checked;
 }
 
 void read_navigation(const Value& navigation, PipelineConfig& config) {
   const Value& origin = navigation["origin"];
   if (origin.given) config.origin = {origin["latitude"].real, origin["longitude"].real, origin["height"].real};
+  if (navigation["declination"].given) config.declination_rad = navigation["declination"].real;
   const Value& start = navigation["start"];
   if (!start.given) return;
   const auto& p = start["position"].reals;
@@ -125,7 +142,19 @@ PluginChoice choose(const Value& value, const Spec& spec, const Value& v, Plugin
   return choice;
 }
 
-void choose_plugins(const Value& v, PluginRegistry& registry, const PluginPolicy& policy, PipelineConfig& config) {
+/// A plugin that is linked in is part of the app's process.
+std::optional<Failure> check_isolation(const PluginChoice& choice, Mark mark, const std::string& name) {
+  for (const PluginChoice* each = &choice; each; each = each->fallback.get())
+    if (each->manifest.entry && each->isolation.kind == Isolation::Kind::process)
+      return Failure{ODO_E_CONFIG, at(name, mark,
+                                      "isolation: plugin '" + each->manifest.id +
+                                          "' is linked into the app and cannot run in a process of its own; expected "
+                                          "'isolation: none' or 'isolation: thread'")};
+  return std::nullopt;
+}
+
+std::optional<Failure> choose_plugins(const Value& v, PluginRegistry& registry, const PluginPolicy& policy,
+                                      PipelineConfig& config) {
   for (const Spec& spec : pipeline_spec().children) {
     const Value& value = v[spec.name];
     if (spec.type != SpecType::plugins || !value.given) continue;
@@ -134,8 +163,12 @@ void choose_plugins(const Value& v, PluginRegistry& registry, const PluginPolicy
                  : spec.name == "vo_frontend"    ? config.vo_frontends
                  : spec.name == "scale_source"   ? config.scale_sources
                                                  : config.fixers;
-    for (const Value& item : value.items) kind.push_back(choose(item, spec, v, registry, policy));
+    for (const Value& item : value.items) {
+      kind.push_back(choose(item, spec, v, registry, policy));
+      if (const auto wrong = check_isolation(kind.back(), item.mark, config.name)) return wrong;
+    }
   }
+  return std::nullopt;
 }
 
 /// Whether the plugins are there whose output others need.
@@ -157,7 +190,7 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
                                  const std::filesystem::path& base, std::vector<std::filesystem::path> directories) {
   if (root.kind == YamlNode::Kind::null)
     return Failure{ODO_E_CONFIG, at(name, {}, "the config is empty; expected a map that starts with 'odograph: 1'")};
-  const PluginPolicy policy{early_texts(root, "allow"), early_texts(root, "signers"), base};
+  const PluginPolicy policy{early_texts(root, "allow"), early_signers(root), base};
   for (const auto& directory : early_texts(root, "search")) directories.push_back(base / directory);
   PluginRegistry registry(plugin_directories(directories), directories.size());
   registry.require_signature(policy.signers);
@@ -181,7 +214,7 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
                      static_cast<size_t>(ordering["queue"].integer), static_cast<size_t>(ordering["frames"].integer)};
   config.coupling = coupling_of(v["coupling"]);
   config.replay = {v["replay"]["start_at_first_waypoint"].boolean, v["replay"]["align_heading_over"].real};
-  choose_plugins(v, registry, policy, config);
+  if (const auto wrong = choose_plugins(v, registry, policy, config)) return *wrong;
   if (const auto missing = check_companions(config, v)) return *missing;
   return config;
 }

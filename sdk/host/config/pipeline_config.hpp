@@ -75,6 +75,7 @@ struct PipelineConfig {
   std::string text;  // as read, so that a run can be repeated
   LibraryCheck library_check = LibraryCheck::hash;
   std::optional<std::array<double, 3>> origin;  // latitude rad, longitude rad, height m
+  std::optional<double> declination_rad;        // magnetic north from true north, positive to the east
   StartPose start;
   std::optional<odo_calibration> camera;  // its mount and time offset only where their flags are set
   OrderingConfig ordering;

@@ -20,6 +20,24 @@ Spec plugin(const char* name, const char* interface_id, const char* help) {
   return {.name = name, .type = SpecType::plugins, .help = help, .interface_id = interface_id};
 }
 
+Spec signers() {
+  Spec signer = map("signer", "{ids: PATTERN, key: KEY}", {});
+  signer.children = {
+      Spec{.name = "ids",
+           .type = SpecType::text,
+           .fallback = "*",
+           .help = "an id, a beginning of ids and '*', as in 'acme/*', or '*' for every plugin"},
+      Spec{
+          .name = "key", .type = SpecType::text, .help = "Ed25519 public key, 64 hexadecimal digits", .required = true},
+  };
+  return {.name = "signers",
+          .type = SpecType::list,
+          .help =
+              "a plugin whose id matches must have a manifest that one of the matching keys has signed "
+              "(NAME.odoplugin.sig); others need no signature",
+          .children = {std::move(signer)}};
+}
+
 Spec plugins_section() {
   return map("plugins", "where plugins come from",
              {
@@ -27,9 +45,7 @@ Spec plugins_section() {
                  texts("allow", "id, path or SHA-256",
                        "if given, only plugins with one of these ids, manifest or library paths, or hashes of the "
                        "library may be loaded"),
-                 texts("signers", "public key",
-                       "if given, only plugins whose manifest is signed (NAME.odoplugin.sig) by one of these Ed25519 "
-                       "keys, 64 hexadecimal digits, may be loaded"),
+                 signers(),
                  boolean("verify_hash", "true", "refuse a library whose hash is not its manifest's"),
                  boolean("allow_writable", "false",
                          "load also from folders and files that every user of the machine may write to"),
@@ -56,6 +72,8 @@ Spec navigation_section() {
                          real("longitude", "rad", -6.283185307179586, 6.283185307179586, "0", "WGS 84"),
                          real("height", "m", -1000, 10000, "0", "above the ellipsoid"),
                      }),
+                 real("declination", "rad", -3.141592653589793, 3.141592653589793, "0",
+                      "magnetic north from true north, positive to the east; without it the app's (odo_earth_field)"),
                  map("start", "pose at the start; without it the first fix, or zero",
                      {
                          position,

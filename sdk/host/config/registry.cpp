@@ -8,7 +8,7 @@
 #include <dlfcn.h>
 
 #include "sdk/host/base/nearest.hpp"
-#include "sdk/host/config/signature.hpp"
+#include "sdk/host/config/linked_plugins.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;
@@ -72,10 +72,15 @@ bool is_sha256(const std::string& text) {
   return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
+std::vector<fs::path> path_list(std::string_view text, char separator) {
+  const auto parts = split(text, separator);
+  return {parts.begin(), parts.end()};
+}
+
 std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
   std::vector<fs::path> directories = first;
   if (const char* path = std::getenv("ODOGRAPH_PLUGIN_PATH"))
-    for (const auto& part : split(path, ':')) directories.emplace_back(part);
+    for (auto& directory : path_list(path)) directories.push_back(std::move(directory));
   Dl_info self{};
   if (dladdr(reinterpret_cast<const void*>(&plugin_directories), &self) && self.dli_fname) {
     std::error_code error;
@@ -91,7 +96,7 @@ std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
   return directories;
 }
 
-PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories, size_t asked_for) {
+PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories, size_t asked_for) : linked_(linked_plugins()) {
   std::vector<fs::path> seen;
   for (size_t i = 0; i < directories.size(); ++i) {
     std::error_code error;
@@ -127,26 +132,17 @@ Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::s
     found = explicit_.emplace_back(std::make_unique<Manifest>(std::move(*manifest))).get();
   }
   std::vector<std::string> usable;
-  for (const Manifest& manifest : manifests_) {
-    const bool serves =
-        std::find(manifest.interfaces.begin(), manifest.interfaces.end(), interface_id) != manifest.interfaces.end();
-    if (serves) usable.push_back(manifest.id);
-    if (manifest.id != id) continue;
-    if (found)
-      return Failure{ODO_E_CONFIG, "two plugins have the id '" + id + "': " + found->path.string() + " and " +
-                                       manifest.path.string() + "; expected one, or the path of one manifest"};
-    found = &manifest;
-  }
-  if (!found) {
-    std::string text = "no plugin '" + id + "'";
-    text += usable.empty() ? "; no plugin for " + interface_id + " lies in "
-                           : "; expected one of " + join(usable) + " (nearest: '" + nearest(id, usable) + "'), from ";
-    for (size_t i = 0; i < directories_.size(); ++i) text += (i ? ":" : "") + directories_[i].string();
-    if (directories_.empty()) text += "any directory";
-    for (const auto& problem : problems_) text += "; passed over: " + problem;
-    for (const auto& hint : hints_) text += "; " + hint;
-    return Failure{ODO_E_NOT_FOUND, text};
-  }
+  for (const auto* manifests : {&linked_, &manifests_})
+    for (const Manifest& manifest : *manifests) {
+      const auto& kinds = manifest.interfaces;
+      if (std::find(kinds.begin(), kinds.end(), interface_id) != kinds.end()) usable.push_back(manifest.id);
+      if (manifest.id != id || (found && found->entry)) continue;
+      if (found)
+        return Failure{ODO_E_CONFIG, "two plugins have the id '" + id + "': " + found->path.string() + " and " +
+                                         manifest.path.string() + "; expected one, or the path of one manifest"};
+      found = &manifest;
+    }
+  if (!found) return not_found(id, interface_id, usable);
   if (std::find(found->interfaces.begin(), found->interfaces.end(), interface_id) == found->interfaces.end())
     return Failure{ODO_E_CONFIG,
                    "plugin '" + found->id + "' serves " + join(found->interfaces) + "; expected one that serves " +
@@ -156,13 +152,39 @@ Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::s
     return Failure{ODO_E_CONFIG, "plugin '" + found->id +
                                      "' is not on the allow list (plugins.allow); expected one of " + join(allow) +
                                      " (nearest: '" + nearest(found->id, allow) + "')"};
-  if (const fs::path open = allow_writable_ ? fs::path() : open_to_all(*found); !open.empty())
-    return Failure{ODO_E_CONFIG,
-                   "plugin '" + found->id + "': " + open.string() +
-                       " may be written to by every user; expected 'chmod o-w', or plugins.allow_writable"};
-  if (!signers_.empty())
-    if (const auto verified = verify_signature(*found, signers_); !verified) return verified.failure();
+  if (const auto loadable = may_be_loaded(*found, is_manifest(id)); !loadable) return loadable.failure();
   return found;
+}
+
+Failure PluginRegistry::not_found(const std::string& id, const std::string& interface_id,
+                                  const std::vector<std::string>& usable) const {
+  std::string text = "no plugin '" + id + "'";
+  text += usable.empty() ? "; no plugin for " + interface_id + " lies in "
+                         : "; expected one of " + join(usable) + " (nearest: '" + nearest(id, usable) + "'), from ";
+  for (size_t i = 0; i < directories_.size(); ++i) text += (i ? ":" : "") + directories_[i].string();
+  if (directories_.empty()) text += "any directory";
+  for (const auto& problem : problems_) text += "; passed over: " + problem;
+  for (const auto& hint : hints_) text += "; " + hint;
+  return {ODO_E_NOT_FOUND, text};
+}
+
+/// What is linked in has no file that anybody could have replaced. A manifest that is chosen by its path states its id
+/// itself: it must not escape the signers by another one.
+Result<bool> PluginRegistry::may_be_loaded(const Manifest& manifest, bool by_path) const {
+  if (manifest.entry) return true;
+  if (const fs::path open = allow_writable_ ? fs::path() : open_to_all(manifest); !open.empty())
+    return Failure{ODO_E_CONFIG,
+                   "plugin '" + manifest.id + "': " + open.string() +
+                       " may be written to by every user; expected 'chmod o-w', or plugins.allow_writable"};
+  std::vector<std::string> keys;
+  for (const Signer& signer : signers_)
+    if (signer.vouches_for(manifest.id)) keys.push_back(signer.key);
+  if (!keys.empty()) return verify_signature(manifest, keys);
+  if (by_path && !signers_.empty())
+    return Failure{ODO_E_CONFIG, "plugin '" + manifest.id + "': " + manifest.path.string() +
+                                     " is chosen by its path, and none of plugins.signers vouches for its id; expected "
+                                     "its id in the config, or a signer for it"};
+  return true;
 }
 
 }  // namespace odograph

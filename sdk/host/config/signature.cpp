@@ -88,13 +88,18 @@ bool is_signed(const Crypto& crypto, const Key& key, const std::string& text, co
 
 }  // namespace
 
-Result<bool> verify_signature(const Manifest& manifest, const std::vector<std::string>& signers) {
+bool Signer::vouches_for(const std::string& id) const {
+  const bool open = !ids.empty() && ids.back() == '*';
+  return open ? id.starts_with(std::string_view(ids).substr(0, ids.size() - 1)) : id == ids;
+}
+
+Result<bool> verify_signature(const Manifest& manifest, const std::vector<std::string>& texts) {
   std::vector<Key> keys;
-  for (const std::string& signer : signers) {
-    const auto key = key_of(signer);
+  for (const std::string& each : texts) {
+    const auto key = key_of(each);
     if (!key)
       return Failure{ODO_E_CONFIG,
-                     "plugins.signers: '" + signer + "'; expected a public key of 32 bytes as 64 hexadecimal digits"};
+                     "plugins.signers: '" + each + "'; expected a public key of 32 bytes as 64 hexadecimal digits"};
     keys.push_back(*key);
   }
   const std::string who = "plugin '" + manifest.id + "': ";
@@ -104,14 +109,15 @@ Result<bool> verify_signature(const Manifest& manifest, const std::vector<std::s
   if (!signature || signature->size() != kSignatureBytes)
     return Failure{ODO_E_CONFIG, who + file.string() + (signature ? " has another size" : " is missing") +
                                      "; expected the " + std::to_string(kSignatureBytes) +
-                                     " bytes of an Ed25519 signature, because plugins.signers is given"};
+                                     " bytes of an Ed25519 signature, because plugins.signers has a key for its id"};
   const Crypto* crypto = Crypto::get();
   if (!crypto)
     return Failure{ODO_E_UNSUPPORTED, who + "plugins.signers needs OpenSSL (libcrypto 1.1.1 or 3) on this machine"};
   const auto signed_by = [&](const Key& key) { return is_signed(*crypto, key, manifest.text, *signature); };
   if (std::none_of(keys.begin(), keys.end(), signed_by))
-    return Failure{ODO_E_CONFIG, who + file.string() + " is no signature of its manifest by any of plugins.signers (" +
-                                     std::to_string(signers.size()) + ")"};
+    return Failure{ODO_E_CONFIG, who + file.string() +
+                                     " is no signature of its manifest by any of plugins.signers for its id (" +
+                                     std::to_string(keys.size()) + ")"};
   if (const auto hash = sha256_of(manifest.library); !hash || *hash != manifest.sha256)
     return Failure{ODO_E_CONFIG, who + manifest.library.string() + ": its hash differs from its signed manifest's"};
   return true;

@@ -32,7 +32,7 @@ class Checker {
     value.mark = node.mark;
     value.given = true;
     switch (spec.type) {
-      case SpecType::map: check_map(node, spec.children, path, value); break;
+      case SpecType::map: check_map(node, spec.children, spec.open, path, value); break;
       case SpecType::plugins: check_plugins(node, spec, path, value); break;
       case SpecType::list: check_list(node, spec, path, value); break;
       case SpecType::reals: check_reals(node, spec, path, value); break;
@@ -48,7 +48,8 @@ class Checker {
     if (errors.size() < kMaxErrors) errors.push_back(at(name_, mark, path.empty() ? text : path + ": " + text));
   }
 
-  void check_map(const YamlNode& node, const std::vector<Spec>& table, const std::string& path, Value& value) {
+  void check_map(const YamlNode& node, const std::vector<Spec>& table, bool open, const std::string& path,
+                 Value& value) {
     std::vector<std::string> names;
     names.reserve(table.size());
     for (const Spec& spec : table) names.push_back(spec.name);
@@ -60,7 +61,7 @@ class Checker {
     }
     const std::string prefix = path.empty() ? "" : path + ".";
     for (const auto& entry : node.entries) {
-      bool known = false;
+      bool known = open;
       for (const Spec& spec : table) known = known || spec.name == entry.key;
       if (known) continue;
       const std::string close = nearest(entry.key, names);
@@ -137,7 +138,7 @@ class Checker {
     }
     std::vector<Spec> table = {id, parameters};
     table.insert(table.end(), plugin_choice_specs().begin(), plugin_choice_specs().end());
-    check_map(node, table, path, value);
+    check_map(node, table, false, path, value);
     const Value* fallback = value.find("fallback");
     if (!fallback || !fallback->given) return;
     if (const auto other = resolver_(fallback->text, spec.interface_id); !other)

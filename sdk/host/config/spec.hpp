@@ -24,6 +24,7 @@ struct Spec {
   std::string choices;   // separated by '|'
   std::string help;
   bool required = false;
+  bool open = false;           // of a map: a later version of the table may have more keys, which are passed over
   size_t count = 1;            // of reals
   std::string interface_id;    // of plugins
   std::vector<Spec> children;  // of a map; of a list the one item

@@ -136,7 +136,7 @@ Quaterniond Anchors::axes_at(const std::array<double, 3>& geodetic) const {
 
 void Anchors::put_on_earth(Anchor& anchor, const HeldPose& now) {
   if (anchor.placed) return;
-  anchor.why_not = ODO_REASON_NO_FIX;
+  anchor.why_not = !placed_ ? ODO_REASON_NO_FIX : ODO_REASON_NO_ORIGIN;
   if (!placed_ || !geodesy_.has_origin()) return;
   auto place = anchor.geodetic;
   Vector3d p_n = vector(geodesy_.from_geodetic(place));

@@ -10,11 +10,11 @@
 #include <cstring>
 #include <new>
 
-#include "sdk/host/base/nearest.hpp"
 #include "sdk/host/base/version.hpp"
 #include "sdk/host/core/c_guard.hpp"
 #include "sdk/host/core/session.hpp"
 #include "sdk/host/plugin_host/breadcrumb.hpp"
+#include "sdk/host/plugin_host/library.hpp"
 
 struct odo_session {
   std::unique_ptr<odograph::Session> session;
@@ -30,22 +30,24 @@ std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.
 
 int32_t create(const odo_session_options& options, odo_session** out, odo_error* error) {
   const std::string path = text(options.config_path), config_text = text(options.config_text);
+  if (options.run != ODO_RUN_LIVE && options.run != ODO_RUN_REPLAY)
+    return fail(error, {ODO_E_ARGUMENT, "run = " + std::to_string(options.run) + "; expected one of ODO_RUN_*"});
+  if (options.flags & ~ODO_SESSION_CRASH_NOTES)
+    return fail(error,
+                {ODO_E_UNSUPPORTED, "flags = " + std::to_string(options.flags) + "; expected ODO_SESSION_* alone"});
   if (path.empty() == config_text.empty())
     return fail(error, {ODO_E_ARGUMENT, "expected exactly one of config_path and config_text"});
-  std::vector<std::filesystem::path> directories;
-  if (ODO_HAS(&options, plugin_path))
-    for (const auto& part : odograph::split(text(options.plugin_path), ':')) directories.emplace_back(part);
+  const auto directories = odograph::path_list(text(options.plugin_path));
   auto config = path.empty() ? odograph::read_pipeline_config(config_text, "<text>", directories)
                              : odograph::read_pipeline_config_file(path, directories);
   if (!config) return fail(error, config.failure());
   std::vector<std::filesystem::path> assets = {path.empty() ? std::filesystem::current_path()
                                                             : std::filesystem::absolute(path).parent_path()};
-  if (ODO_HAS(&options, asset_path))
-    for (const auto& part : odograph::split(text(options.asset_path), ':'))
-      assets.push_back(std::filesystem::absolute(part));
-  if (!ODO_HAS(&options, flags) || !(options.flags & ODO_SESSION_NO_CRASH_NOTES)) odograph::name_culprits();
+  for (const auto& folder : odograph::path_list(text(options.asset_path)))
+    assets.push_back(std::filesystem::absolute(folder));
+  if (options.flags & ODO_SESSION_CRASH_NOTES) odograph::name_crashing_plugins();
   auto session = odograph::Session::make(std::move(*config), std::move(assets), options.run != ODO_RUN_REPLAY,
-                                         ODO_HAS(&options, seed) ? options.seed : 0);
+                                         options.seed, {options.user, options.get_service});
   if (!session) return fail(error, session.failure());
   *out = new odo_session{std::move(*session)};
   return ODO_OK;
@@ -54,7 +56,7 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
 int32_t get_pose(odo_session* session, uint32_t of, bool smooth, int64_t t_ns, odo_pose* pose) {
   if (!session || !pose) return ODO_E_ARGUMENT;
   const uint32_t size = pose->header.struct_size;
-  if (size < sizeof(odo_header)) return ODO_E_STRUCT_SIZE;
+  if (size < ODO_POSE_SIZE_MIN) return ODO_E_STRUCT_SIZE;
   return guarded([&] {
     odo_pose found{};
     const int32_t status = session->session->pose_of(of, smooth, t_ns, found);
@@ -93,6 +95,14 @@ int32_t odo_session_push_imu(odo_session* session, int64_t t_ns, const double* g
   std::copy(gyro_b, gyro_b + 3, imu.gyro_b);
   std::copy(accel_b, accel_b + 3, imu.accel_b);
   return guarded([&] { return session->session->push(imu.header); });
+}
+
+int32_t odo_register_plugin(odo_plugin_entry entry, odo_error* error) {
+  if (!entry) return fail(error, {ODO_E_ARGUMENT, "entry must not be null"});
+  return guarded([&]() -> int32_t {
+    const auto registered = odograph::register_plugin(entry);
+    return registered ? ODO_OK : fail(error, registered.failure());
+  });
 }
 
 uint64_t odo_current_plugin_call(char* text, uint64_t capacity) {
@@ -238,9 +248,10 @@ const char* odo_reason_text(uint32_t reason) {
                                       "sensor silent",
                                       "plugin failed",
                                       "no scale yet",
-                                      "no position fix yet",
-                                      "no ground known there"};
-  return reason < 12 ? texts[reason] : "unknown";
+                                      "no start position and no position fix yet",
+                                      "no ground known there",
+                                      "no origin on the Earth yet"};
+  return reason < 13 ? texts[reason] : "unknown";
 }
 
 const char* odo_mode_text(uint32_t mode) {

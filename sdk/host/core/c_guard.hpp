@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What every function of the C API does at the border: no exception leaves, and a failure is told.
+// What every function of the C API does at the border: no exception leaves, and a failure has its text.
 #pragma once
 
+#include <algorithm>
 #include <cstdio>
 #include <new>
 
@@ -27,6 +28,7 @@ int32_t guarded(Work&& work) noexcept {
 /// The failure's status, with its text in `error` where the caller gave one.
 inline int32_t fail(odo_error* error, const Failure& failure) {
   if (error && error->struct_size >= ODO_ERROR_SIZE_MIN) {
+    error->struct_size = std::min<uint32_t>(error->struct_size, sizeof *error);
     error->status = failure.status;
     std::snprintf(error->message, sizeof error->message, "%s", failure.text.c_str());
   }

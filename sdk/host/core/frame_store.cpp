@@ -2,6 +2,7 @@
 #include "sdk/host/core/frame_store.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "sdk/host/base/pixels.hpp"
 #include "sdk/host/messages/messages.hpp"
@@ -18,7 +19,8 @@ FrameStore::FrameStore(size_t quota, SharedPixels* shared) : shared_(shared) {
 
 FrameStore::~FrameStore() {
   for (const auto& holder : holders_)  // a plugin that kept a frame beyond its life: the app gets its pixels back
-    if (holder->holds > 0 && !holder->copied && holder->original.release) holder->original.release(&holder->original);
+    if (holder->holds > 0 && !holder->copied && holder->original.release)
+      holder->original.release(holder->original.owner);
   for (const auto& holder : holders_)
     if (shared_) shared_->give_back(holder->shared);
 }
@@ -29,7 +31,27 @@ size_t FrameStore::in_use() const {
       std::count_if(holders_.begin(), holders_.end(), [](const auto& h) { return h->holds > 0; }));
 }
 
-int32_t FrameStore::adopt(odo_frame& frame) {
+namespace {
+
+/// Gives a place back, also where memory runs out, unless it is kept.
+template <class Holder>
+class Place {
+ public:
+  explicit Place(Holder& holder) : holder_(&holder) {}
+  ~Place() {
+    if (holder_) holder_->holds = 0;
+  }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+  void keep() { holder_ = nullptr; }
+
+ private:
+  Holder* holder_;
+};
+
+}  // namespace
+
+int32_t FrameStore::adopt(odo_borrowed& message) {
   Holder* holder = nullptr;
   {
     const std::lock_guard lock(mutex_);
@@ -40,21 +62,29 @@ int32_t FrameStore::adopt(odo_frame& frame) {
         break;
       }
   }
-  if (!holder) return ODO_E_EXHAUSTED;
-  holder->original = copy_as<odo_frame>(frame.header);
-  holder->copied = shared_ || !(frame.retain && frame.release);
-  const bool kept = holder->copied ? copy_pixels(frame, memory_of(*holder, pixel_bytes(frame)))
-                                   : frame.retain(&holder->original) >= 0;
-  if (!kept) {
-    frame.release = nullptr;
-    const int32_t status = holder->copied ? ODO_E_DISCARD : ODO_E_EXHAUSTED;
-    holder->holds = 0;
-    return status;
-  }
-  frame.owner = holder;
-  frame.retain = retain;
-  frame.release = release;
+  if (!holder) return message.loan = {}, ODO_E_EXHAUSTED;
+  Place place(*holder);
+  const odo_loan original = std::exchange(message.loan, {});
+  const bool can_be_retained = original.retain && original.release;
+  const bool is_frame = message.header.type == ODO_TYPE_FRAME;
+  const bool has_pixels = is_frame && reinterpret_cast<odo_frame&>(message).planes[0].data;
+  holder->original = original;
+  holder->copied = !can_be_retained || (shared_ && has_pixels);
+  int32_t status = ODO_OK;
+  if (!holder->copied)
+    status = original.retain(original.owner) >= 0 ? ODO_OK : ODO_E_EXHAUSTED;
+  else
+    status = has_pixels ? copy_frame(*holder, reinterpret_cast<odo_frame&>(message)) : ODO_E_UNSUPPORTED;
+  if (status < 0) return status;
+  place.keep();
+  message.loan = {holder, retain, release, !holder->copied && original.native ? native : nullptr, 0};
   return ODO_OK;
+}
+
+int32_t FrameStore::copy_frame(Holder& holder, odo_frame& frame) {
+  const size_t bytes = pixel_bytes(frame);
+  if (bytes == 0) return ODO_E_UNSUPPORTED;
+  return copy_pixels(frame, memory_of(holder, bytes)) ? ODO_OK : ODO_E_DISCARD;
 }
 
 /// Kept from frame to frame.
@@ -68,19 +98,24 @@ std::span<uint8_t> FrameStore::memory_of(Holder& holder, size_t bytes) {
   return holder.pixels;
 }
 
-int32_t FrameStore::retain(const odo_frame* frame) {
-  auto* holder = static_cast<Holder*>(frame->owner);
+int32_t FrameStore::retain(void* owner) {
+  auto* holder = static_cast<Holder*>(owner);
   // One place stays free for the next frame: plugins may keep the rest.
   if (holder->holds == 1 && holder->store->in_use() >= holder->store->holders_.size()) return ODO_E_EXHAUSTED;
   ++holder->holds;
   return ODO_OK;
 }
 
-void FrameStore::release(const odo_frame* frame) {
-  auto* holder = static_cast<Holder*>(frame->owner);
-  const odo_frame original = holder->original;  // with the last hold the place may be taken again
+void FrameStore::release(void* owner) {
+  auto* holder = static_cast<Holder*>(owner);
+  const odo_loan original = holder->original;  // with the last hold the place may be taken again
   const bool give_back = !holder->copied;
-  if (--holder->holds == 0 && give_back) original.release(&original);  // the app's code: no lock is held
+  if (--holder->holds == 0 && give_back) original.release(original.owner);  // the app's code: no lock is held
+}
+
+const void* FrameStore::native(void* owner, const char* id, uint64_t id_size) {
+  const odo_loan& original = static_cast<Holder*>(owner)->original;
+  return original.native(original.owner, id, id_size);
 }
 
 }  // namespace odograph

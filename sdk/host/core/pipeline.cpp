@@ -8,9 +8,17 @@
 #include <odograph/step_estimator.h>
 #include <odograph/vo_frontend.h>
 
+#include "sdk/host/base/rotation.hpp"
+
 namespace odograph {
+namespace {
+
+constexpr Pipeline::Parameters kParameters;
+
+}  // namespace
 
 void Pipeline::process(const odo_header& message) {
+  wake();
   events_.begin();
   watch_.see(message);
   switch (message.type) {
@@ -22,13 +30,17 @@ void Pipeline::process(const odo_header& message) {
       break;
     case ODO_TYPE_FRAME:
       ++counters_.frames;
-      if (has_vo_) estimator_->update(FrameTime{message.t_ns});
+      if (is_main_camera(message) && has_vo_) estimator_->update(FrameTime{message.t_ns});
       publish_estimates();
       ask(message);
       break;
     case ODO_TYPE_CALIBRATION:
       remember(message);
-      estimator_->on_calibration(as<odo_calibration>(message));
+      if (is_main_camera(message)) on_calibration(as<odo_calibration>(message));
+      ask(message);
+      break;
+    case ODO_TYPE_EARTH_FIELD:
+      if (message.flags & ODO_EARTH_FIELD_DECLINATION) declination_rad_ = as<odo_earth_field>(message).declination_rad;
       ask(message);
       break;
     case ODO_TYPE_BAROMETER:
@@ -53,12 +65,34 @@ void Pipeline::on_imu(const odo_imu& imu) {
   ask(imu.header);
 }
 
+/// The camera of the front-end: the first that has a calibration or a frame.
+bool Pipeline::is_main_camera(const odo_header& message) {
+  int64_t none = kNoCamera;
+  camera_.compare_exchange_strong(none, message.source);
+  return camera_ == message.source;
+}
+
+void Pipeline::on_calibration(const odo_calibration& calibration) {
+  if (calibration.header.flags & ODO_CALIBRATION_EXTRINSICS) p_b_c_ = Eigen::Vector3d(calibration.p_b_c);
+  estimator_->on_calibration(calibration);
+}
+
+bool Pipeline::is_for(const PluginInstance& plugin, const odo_header& message) const {
+  if (!plugin.wants(message.type)) return false;
+  const bool of_camera = message.type == ODO_TYPE_FRAME || message.type == ODO_TYPE_CALIBRATION;
+  return !of_camera || camera_ == message.source || plugin.takes_several_cameras() ||
+         plugin.interface_id() != ODO_INTERFACE_VO_FRONTEND;
+}
+
 /// Hands a sample to the plugins that want it, the attitude first: it is a prior of what the others make of the same
 /// sample. All that comes of it is handled before the next one is asked.
 void Pipeline::ask(const odo_header& message) {
   bool wanted = message_info(message.type) != nullptr;
   for (PluginInstance* plugin : asked_) {
-    if (!plugin->wants(message.type)) continue;
+    if (!is_for(*plugin, message)) {
+      if (message.type == ODO_TYPE_FRAME && plugin->wants(message.type)) report_other_camera(message.source);
+      continue;
+    }
     wanted = true;
     take(*plugin, message);
     handle_events();
@@ -80,17 +114,16 @@ void Pipeline::take(PluginInstance& plugin, const odo_header& message) {
 
 /// After a reset a plugin knows of no camera any more.
 void Pipeline::describe_sensors_to(PluginInstance& plugin) {
-  for (const AnyMessage& description : descriptions_)
+  for (const AnyMessage& description : descriptions_) {
+    if (!is_for(plugin, description.header())) continue;
     for (const AnyMessage& event : plugin.process(description.header())) enqueue(event);
+  }
   plugin.take_reset();
 }
 
 void Pipeline::remember(const odo_header& description) {
   const auto same = [&](const AnyMessage& known) {
-    if (known.header().type != description.type) return false;
-    return description.type == ODO_TYPE_CALIBRATION
-               ? as<odo_calibration>(known.header()).id == as<odo_calibration>(description).id
-               : known.header().source == description.source;
+    return known.header().type == description.type && known.header().source == description.source;
   };
   const auto found = std::find_if(descriptions_.begin(), descriptions_.end(), same);
   (found != descriptions_.end() ? *found : descriptions_.emplace_back()).assign(description);
@@ -129,9 +162,11 @@ void Pipeline::handle(AnyMessage& event) {
     case ODO_TYPE_POSE:  // a prior for the fixers; they have been published
     case ODO_TYPE_CORRECTION: return tell(header);
     case ODO_TYPE_VO_MOTION:
-      if (in_use(header)) return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
+      if (in_use(header) && is_of_main_camera(as<odo_vo_motion>(header)))
+        return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
       break;
     case ODO_TYPE_SCALE: return on_scale(reinterpret_cast<odo_scale&>(event.header()));
+    case ODO_TYPE_ATTITUDE: complete(reinterpret_cast<odo_attitude&>(event.header())); break;
     default: break;
   }
   publish_(header);
@@ -155,15 +190,15 @@ void Pipeline::handle(AnyMessage& event) {
       tell(header);
       estimator_->update(&as<odo_motion_mode>(header));
       break;
-    case ODO_TYPE_VO_MOTION:
-    case ODO_TYPE_CALIBRATION: break;
-    default: tell(header);  // a vendor's
+    case ODO_TYPE_VO_MOTION: break;
+    default: tell(header);  // for plugins that declare it
   }
 }
 
 void Pipeline::on_attitude(const odo_attitude& attitude) {
   poses_.predictor().add_attitude(attitude);
-  if (!camera_knows_bias_)
+  if (attitude.header.flags & ODO_ATTITUDE_TRUE_NORTH) north_is_true_ = true;
+  if (!camera_knows_bias_ && (attitude.header.flags & ODO_ATTITUDE_GYRO_BIAS))
     poses_.predictor().set_biases(Eigen::Vector3d(attitude.gyro_bias_b), Eigen::Vector3d::Zero());
   estimator_->update(&attitude);
   publish_estimates();
@@ -179,9 +214,8 @@ void Pipeline::on_scale(odo_scale& scale) {
 }
 
 void Pipeline::publish_scale(odo_scale& scale, bool accepted) {
-  scale.header.flags &= ~ODO_SCALE_ACCEPTED;
   if (accepted)
-    scale.header.flags |= ODO_SCALE_ACCEPTED;
+    scale.header.flags |= ODO_FLAG_ACCEPTED;
   else
     host_.report(scale.header.source, ODO_SEVERITY_WARNING, "late_scale",
                  "a scale changes nothing: it holds until valid_to_ns = " + std::to_string(scale.valid_to_ns) +
@@ -237,12 +271,18 @@ void Pipeline::tell_notice() {
 }
 
 void Pipeline::on_fix(odo_fix& fix) {
-  resolve_geodetic(fix, geodesy_);  // what is published is metric, and says what became of it
-  fix.header.flags &= ~ODO_FIX_ACCEPTED;
-  const bool used = estimator_->update(&fix).accepted;
+  resolve_geodetic(fix, geodesy_);  // what is published is metric, and has the verdict
+  const odo_fix moved = at_track(fix);
+  const UpdateResult result = is_beyond_frame(fix) ? UpdateResult{} : estimator_->update(&moved);
+  const bool used = result.accepted;
   tell_notice();
+  if (!used && result.dof > 0)
+    host_.report(fix.header.source, ODO_SEVERITY_INFO, "rejected_fix",
+                 "a fix was rejected by the gate: " + std::to_string(std::sqrt(result.nis)) +
+                     " sigma from the track in " + std::to_string(result.dof) + " components");
   ++(used ? counters_.fixes_accepted : counters_.fixes_rejected);
-  if (used) fix.header.flags |= ODO_FIX_ACCEPTED;
+  if (used) fix.header.flags |= ODO_FLAG_ACCEPTED;
+  if (used && (fix.header.flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION))) north_is_true_ = true;
   publish_(fix.header);
   if (used) tell(fix.header);
 }
@@ -258,10 +298,10 @@ void Pipeline::reset() {
   estimator_->reset();
   anchors_.lose_holds();
   for (const AnyMessage& description : descriptions_) {
-    if (description.header().type == ODO_TYPE_CALIBRATION)
-      estimator_->on_calibration(as<odo_calibration>(description.header()));
-    else
+    if (description.header().type == ODO_TYPE_IMU_NOISE)
       estimator_->on_imu_noise(as<odo_imu_noise>(description.header()));
+    else if (camera_ == description.header().source)
+      estimator_->on_calibration(as<odo_calibration>(description.header()));
   }
   joiner_.reset();
   watch_.reset();
@@ -269,6 +309,7 @@ void Pipeline::reset() {
   scale_join_.reset();
   inertial_motion_.reset();
   camera_knows_bias_ = false;
+  north_is_true_ = start_has_heading_;
   if (last_pose_ns_ != INT64_MIN) before_restart_ = last_pose_;
   last_pose_ns_ = INT64_MIN;
   state_ = 0;
@@ -283,12 +324,15 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       poses_(surroundings.poses),
       anchors_(surroundings.anchors),
       world_mutex_(surroundings.world_mutex),
-      events_(Parameters{}.events_per_sample),
+      events_(kParameters.events_per_sample),
       watch_(config.ordering.max_gap_s),
       publish_(std::move(publish)),
       scale_join_(config.scale_sources.size()),
       odometry_covariance_(config.coupling.odometry_covariance),
-      steps_alone_need_heading_(config.coupling.type == CouplingType::paper && config.vo_frontends.empty()) {
+      steps_alone_need_heading_(config.coupling.type == CouplingType::paper && config.vo_frontends.empty()),
+      start_has_heading_(config.start.heading_given),
+      north_is_true_(start_has_heading_),
+      declination_rad_(config.declination_rad) {
   if (config.origin) geodesy_.set_origin(*config.origin);
   anchors_.set_ground(
       [this](double north_m, double east_m, double near_down_m) { return ground_at(north_m, east_m, near_down_m); });

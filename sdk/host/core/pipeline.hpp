@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -33,6 +34,14 @@ class Pipeline {
 
   struct Parameters {
     size_t events_per_sample = 512;  ///< twice what one call of a plugin may emit; a walk gives fewer than ten
+    // Of an attitude without a covariance: a filter that does not compute one is seldom better than 3 degrees in tilt
+    // while walking, and its compass within 30 degrees (docs/accuracy/pose.md).
+    double tilt_sigma_rad = 0.05;
+    double heading_sigma_rad = 0.5;
+    /// From n's origin: beyond, n's vertical is off by more than 0.9 degrees (100 km / 6371 km) and its plane 785 m
+    /// above the ground, so that a position there is a wrong origin or a wrong fix.
+    double farthest_fix_m = 100e3;
+    double north_sigma_rad = 0.35;  ///< up to which a heading is called one against north: 20 degrees, half a street
   };
 
   struct Counters {
@@ -54,6 +63,8 @@ class Pipeline {
                                                 Publish publish);
 
   void process(const odo_header& message);
+  /// Calls the plugins that have asked for it (odo.wake/1), as process does before each message.
+  void wake();
   /// Starts anew, for a sensor clock that was set back. Geodetic origin, counters and calibrations stay.
   void reset();
 
@@ -63,6 +74,8 @@ class Pipeline {
   /// changed where the blob itself is damaged.
   Result<bool> load(std::span<const uint8_t> blob);
 
+  /// header.source of the front-end's camera; 0 before there is one. [any]
+  uint32_t camera() const { return camera_ == kNoCamera ? 0 : static_cast<uint32_t>(camera_); }
   const Counters& counters() const { return counters_; }
   uint64_t plugin_faults() const;
   uint64_t gaps() const { return watch_.gaps(); }
@@ -74,6 +87,11 @@ class Pipeline {
 
   // pipeline.cpp: from samples to the estimator
   void on_imu(const odo_imu& imu);
+  bool is_main_camera(const odo_header& message);
+  bool is_of_main_camera(const odo_vo_motion& motion);
+  void report_other_camera(uint32_t source);
+  void on_calibration(const odo_calibration& calibration);
+  bool is_for(const PluginInstance& plugin, const odo_header& message) const;
   void ask(const odo_header& message);
   void tell(const odo_header& event);
   void take(PluginInstance& plugin, const odo_header& message);
@@ -82,9 +100,12 @@ class Pipeline {
   bool in_use(const odo_header& event) const;
   void handle_events();
   void handle(AnyMessage& event);
+  void complete(odo_attitude& attitude) const;
   void on_attitude(const odo_attitude& attitude);
   void on_vo_motion(odo_vo_motion& motion);
+  odo_fix at_track(const odo_fix& fix) const;
   void on_fix(odo_fix& fix);
+  bool is_beyond_frame(const odo_fix& fix);  // pipeline_conventions.cpp
   void tell_notice();
   void on_scale(odo_scale& scale);
   void publish_scale(odo_scale& scale, bool accepted);
@@ -127,7 +148,13 @@ class Pipeline {
   ScaleJoin scale_join_;
   double odometry_covariance_ = 1;  ///< factor on what a front-end says
   const bool steps_alone_need_heading_;
-  std::optional<odo_vo_motion> inertial_motion_;  // the newest motion, where it tells velocity and biases
+  const bool start_has_heading_;
+  bool north_is_true_ = false;  // something has observed the heading against true north
+  std::optional<double> declination_rad_;
+  static constexpr int64_t kNoCamera = -1;
+  std::atomic<int64_t> camera_{kNoCamera};           // header.source of the front-end's
+  Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();  // its position in b, m
+  std::optional<odo_vo_motion> inertial_motion_;     // the newest motion, where it tells velocity and biases
   std::optional<odo_pose> before_restart_;
   odo_pose last_pose_{};
   int64_t last_pose_ns_ = INT64_MIN;

@@ -15,6 +15,8 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+constexpr Pipeline::Parameters kParameters;
+
 static_assert(kCorrectionFix == ODO_CORRECTION_FIX && kCorrectionScale == ODO_CORRECTION_SCALE &&
               kCorrectionRecovered == ODO_CORRECTION_RECOVERED);
 
@@ -40,6 +42,8 @@ void Pipeline::publish_estimates() {
 void Pipeline::publish_pose(odo_pose pose, bool is_new) {
   if (any_dead() && pose.state == ODO_TRACKING) pose.state = ODO_DEGRADED, pose.reason = ODO_REASON_PLUGIN_FAILED;
   if (sensor_silent()) pose.state = std::max(pose.state, ODO_DEGRADED), pose.reason = ODO_REASON_SENSOR_SILENT;
+  if (north_is_true_ && pose.covariance[14] < kParameters.north_sigma_rad * kParameters.north_sigma_rad)
+    pose.header.flags |= ODO_POSE_NORTH;
   if (before_restart_ && (pose.header.flags & ODO_POSE_POSITION)) publish_restart(pose);
   last_pose_ = pose;
   last_pose_ns_ = pose.header.t_ns;
@@ -111,7 +115,7 @@ void Pipeline::tell_stream(const odo_pose& pose) {
   const bool goes_on = estimator_->at(INT64_MIN, estimate) == ODO_OK && !estimate.velocity_is_mean &&
                        estimate.pose.header.t_ns >= pose.header.t_ns;
   if (goes_on || estimator_->at(pose.header.t_ns, estimate) == ODO_OK) {
-    if (goes_on) base.pose = estimate.pose;
+    if (goes_on) base.pose = estimate.pose, base.pose.header.flags |= pose.header.flags & ODO_POSE_NORTH;
     base.q_n_b = estimate.q_n_b;
     base.p_n_b = estimate.p_n_b;
     if (goes_on && (estimate.pose.header.flags & ODO_POSE_VELOCITY)) base.v_n_b = estimate.v_n_b;
@@ -172,6 +176,18 @@ uint64_t Pipeline::plugin_faults() const {
   uint64_t faults = 0;
   for (const auto& plugin : plugins_) faults += plugin->faults();
   return faults;
+}
+
+void Pipeline::wake() {
+  if (!host_.has_woken()) return;
+  events_.begin();
+  for (const uint32_t number : host_.take_woken()) {
+    if (number == 0 || number > plugins_.size()) continue;
+    PluginInstance& plugin = *plugins_[number - 1];
+    for (const AnyMessage& event : plugin.wake()) enqueue(event);
+    if (plugin.take_reset()) describe_sensors_to(plugin);
+    handle_events();
+  }
 }
 
 }  // namespace odograph

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the plugins have learnt, and the anchors, as a blob: "ODOSTATE", u32 version, u32 parts; of each part u32 and
-// u64 lengths, the interface and the plugin's id as "interface plugin" (behind it " #2" for the second of the kind),
-// and its bytes; at last a u64 FNV-1a of all before. Little-endian.
+// u64 lengths, the plugin's id (behind it " #2" for the second instance of it), and its bytes; at last a u64 FNV-1a of
+// all before. Little-endian.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -83,11 +83,12 @@ std::optional<std::vector<Part>> parts_of(std::span<const uint8_t> blob) {
 
 }  // namespace
 
-/// Of each plugin "interface id", and where that has been before " #2" and so on behind it.
+/// Of each plugin its id, and where that has been before " #2" and so on behind it. Not its kind: the next version of a
+/// kind is to keep what was estimated.
 std::vector<std::string> Pipeline::state_names() const {
   std::vector<std::string> names;
   for (const auto& plugin : plugins_) {
-    const std::string plain = plugin->interface_id() + " " + plugin->id();
+    const std::string plain = plugin->id();
     const auto same = [&](const std::string& name) { return name == plain || name.starts_with(plain + " #"); };
     const auto before = std::count_if(names.begin(), names.end(), same);
     names.push_back(before == 0 ? plain : plain + " #" + std::to_string(before + 1));

@@ -38,8 +38,11 @@ int32_t open(const std::filesystem::path& path, odo_recording** out, odo_error* 
   if (!reader) return fail(error, reader.failure());
   auto recording = std::make_unique<odo_recording>(odo_recording{std::move(*reader), {}, 0, {}});
   std::span<const unsigned char> picture;
+  const auto is_kept = [](uint32_t type) {  // what a recorder does not take, no recording has
+    return !ODO_IS_RESERVED(type) && (!ODO_IS_BORROWED(type) || type == ODO_TYPE_FRAME);
+  };
   while (recording->reader.next())
-    if (recording->reader.message(recording->message, picture))
+    if (recording->reader.message(recording->message, picture) && is_kept(recording->message.header().type))
       recording->places.push_back({recording->message.header().t_ns, recording->reader.payload_offset()});
   if (recording->places.empty()) return fail(error, {ODO_E_DATA, path.string() + ": no whole message in it"});
   std::stable_sort(recording->places.begin(), recording->places.end(),
@@ -102,13 +105,15 @@ int32_t odo_recorder_create(const odo_string* path, odo_recorder** recorder, odo
 
 int32_t odo_recorder_write(odo_recorder* recorder, const odo_header* message, const void* picture,
                            uint64_t picture_size) {
-  if (!recorder || !message || message->type == 0 || (picture_size > 0 && !picture)) return ODO_E_ARGUMENT;
+  if (!recorder || !message || ODO_IS_RESERVED(message->type) || (picture_size > 0 && !picture)) return ODO_E_ARGUMENT;
+  if (ODO_IS_BORROWED(message->type) && message->type != ODO_TYPE_FRAME) return ODO_E_UNSUPPORTED;
   if (message->struct_size < sizeof *message) return ODO_E_STRUCT_SIZE;
   return guarded([&]() -> int32_t {
     odograph::AnyMessage copy;
     if (!copy.assign(*message)) return ODO_E_STRUCT_SIZE;
     const auto* bytes = static_cast<const unsigned char*>(picture);
-    const bool written = recorder->writer.write(copy.header(), {bytes, static_cast<size_t>(picture_size)});
+    const bool written =
+        recorder->writer.write(copy.header(), {bytes, static_cast<size_t>(picture_size)}) && recorder->writer.flush();
     recorder->good = recorder->good && written;
     return written ? ODO_OK : ODO_E_DATA;
   });

@@ -11,8 +11,8 @@
 namespace odograph {
 
 Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
-                                               bool live, uint64_t seed) {
-  std::unique_ptr<Session> session(new Session(std::move(config), std::move(assets), live, seed));
+                                               bool live, uint64_t seed, AppServices app) {
+  std::unique_ptr<Session> session(new Session(std::move(config), std::move(assets), live, seed, app));
   session->hang_watch_ = std::make_unique<HangWatch>(session->host_);
   auto pipeline = Pipeline::make(
       session->config_, {session->host_, session->geodesy_, session->poses_, session->anchors_, session->world_mutex_},
@@ -23,22 +23,27 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
     return failure;
   }
   session->pipeline_ = std::move(*pipeline);
-  if (const auto& camera = session->config_.camera) {
-    session->note_timing(*camera);
+  if (session->config_.camera) {
+    odo_calibration camera = *session->config_.camera;
+    session->take_calibration(camera);
     session->order_.expect_camera();
-    session->pipeline_->process(camera->header);
+    session->pipeline_->process(camera.header);
   }
   session->publish_progress();
   if (live) session->thread_ = std::thread([raw = session.get()] { raw->work(); });
   return session;
 }
 
-Session::Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed)
+Session::Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed,
+                 AppServices app)
     : config_(std::move(config)),
       live_(live),
-      host_(seed, std::move(assets), [this](const Report& report) { reported(report); }),
+      host_(
+          seed, std::move(assets), [this](const Report& report) { reported(report); }, app),
       frames_(config_.ordering.frames, runs_processes(config_) ? &host_.shared_pixels() : nullptr),
-      order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {}
+      order_(config_.ordering.queue, static_cast<int64_t>(config_.ordering.max_wait_s * 1e9)) {
+  host_.on_wake([this] { notify(); });
+}
 
 Session::~Session() {
   {
@@ -73,45 +78,16 @@ int32_t Session::take(const odo_header& sample, OwnedMessage& out) {
   if (!is_input(sample.type))
     return refuse_invalid(sample, ODO_E_ARGUMENT, "type = " + message_name(sample.type) + "; expected an input");
   AnyMessage copy;
-  if (!copy.assign(sample)) {
-    const MessageInfo* info = message_info(sample.type);
+  if (!copy.assign(sample))
     return refuse_invalid(sample, ODO_E_STRUCT_SIZE,
                           "struct_size = " + std::to_string(sample.struct_size) + "; expected " +
-                              std::to_string(info ? info->min_size : sizeof(odo_header)) + " to " +
-                              std::to_string(ODO_LARGEST_MESSAGE));
-  }
+                              std::to_string(min_size(sample.type)) + " to " + std::to_string(ODO_LARGEST_MESSAGE));
+  copy.header().flags &= ~ODO_FLAG_HOST_MASK;
+  copy.header().reserved = 0;
   if (const std::string fault = message_fault(copy.header()); !fault.empty())
     return refuse_invalid(sample, ODO_E_DISCARD, fault);
   if (!gate_.within_range(copy.header())) return refuse_wild(sample, "outside the range of any such sensor");
   return own(std::move(copy), out);
-}
-
-/// A frame is retained or copied, times are brought onto the IMU's clock.
-int32_t Session::own(AnyMessage&& sample, OwnedMessage& out) {
-  if (sample.header().type == ODO_TYPE_CALIBRATION) {
-    const odo_calibration calibration = with_own(copy_as<odo_calibration>(sample.header()));
-    note_timing(calibration);
-    out = OwnedMessage(calibration.header);
-    return ODO_OK;
-  }
-  if (sample.header().type == ODO_TYPE_FRAME) {
-    auto& frame = reinterpret_cast<odo_frame&>(sample.header());
-    if (const std::string fault = size_fault(frame); !fault.empty())
-      return refuse_invalid(frame.header, ODO_E_DISCARD, fault);
-    if (const int32_t status = frames_.adopt(frame); status == ODO_E_DISCARD) {
-      return refuse_invalid(frame.header, status, "a plane's row_stride is smaller than its row");
-    } else if (status < 0) {
-      ++intake_.overflow;
-      host_.report(0, ODO_SEVERITY_WARNING, "dropped_frame",
-                   "a sample of frame was dropped: all pictures that may be held are still in use: frames come faster "
-                   "than they are processed, or its retain refused",
-                   status);
-      return status;
-    }
-    put_timing(frame);
-  }
-  out = OwnedMessage(std::move(sample));
-  return ODO_OK;
 }
 
 int32_t Session::refuse_invalid(const odo_header& sample, int32_t status, const std::string& why) {
@@ -128,67 +104,6 @@ int32_t Session::refuse_wild(const odo_header& sample, const char* what) {
   return ODO_E_DISCARD;
 }
 
-/// The config's camera stands above what is pushed; mount, time offset and row time only where the config has them.
-odo_calibration Session::with_own(const odo_calibration& pushed) const {
-  if (!config_.camera || config_.camera->id != pushed.id) return pushed;
-  odo_calibration own = *config_.camera;
-  own.header.t_ns = pushed.header.t_ns;
-  own.header.source = pushed.header.source;
-  if (!(own.header.flags & ODO_CALIBRATION_EXTRINSICS)) {
-    std::memcpy(own.q_b_c, pushed.q_b_c, sizeof own.q_b_c);
-    std::memcpy(own.p_b_c, pushed.p_b_c, sizeof own.p_b_c);
-    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_EXTRINSICS;
-  }
-  if (!(own.header.flags & ODO_CALIBRATION_TIME_OFFSET)) {
-    own.time_offset_ns = pushed.time_offset_ns;
-    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_TIME_OFFSET;
-  }
-  if (!(own.header.flags & ODO_CALIBRATION_LINE_TIME)) {
-    own.line_time_ns = pushed.line_time_ns;
-    own.header.flags |= pushed.header.flags & ODO_CALIBRATION_LINE_TIME;
-  }
-  return own;
-}
-
-void Session::note_timing(const odo_calibration& calibration) {
-  const std::lock_guard lock(mutex_);
-  const uint32_t flags = calibration.header.flags;
-  const auto& own = config_.camera;
-  camera_timing_[calibration.id] = {
-      .width = calibration.width,
-      .height = calibration.height,
-      .offset_ns = flags & ODO_CALIBRATION_TIME_OFFSET ? calibration.time_offset_ns : 0,
-      .line_time_ns = calibration.line_time_ns,
-      .line_time = (flags & ODO_CALIBRATION_LINE_TIME) != 0,
-      .above_frames = own && own->id == calibration.id && (own->header.flags & ODO_CALIBRATION_LINE_TIME) != 0};
-  if (flags & ODO_CALIBRATION_EXTRINSICS) mount_ = {quaternion(calibration.q_b_c), Eigen::Vector3d(calibration.p_b_c)};
-}
-
-/// From here on everything runs on the IMU's clock: a camera's frames are shifted as they come in. A frame that does
-/// not tell its row time gets the calibration's.
-void Session::put_timing(odo_frame& frame) {
-  const std::lock_guard lock(mutex_);
-  const auto found = camera_timing_.find(frame.calibration);
-  if (found == camera_timing_.end()) return;
-  const CameraTiming& timing = found->second;
-  frame.header.t_ns = saturating_sum(frame.header.t_ns, timing.offset_ns);
-  if (!timing.line_time || (!timing.above_frames && (frame.header.flags & ODO_FRAME_LINE_TIME))) return;
-  frame.line_time_ns = timing.line_time_ns;
-  frame.header.flags |= ODO_FRAME_LINE_TIME;
-}
-
-/// A lens is known for one size of picture, unless the frame brings its own intrinsics.
-std::string Session::size_fault(const odo_frame& frame) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = camera_timing_.find(frame.calibration);
-  if (found == camera_timing_.end() || (frame.header.flags & ODO_FRAME_INTRINSICS)) return "";
-  const CameraTiming& camera = found->second;
-  if (camera.width == frame.width && camera.height == frame.height) return "";
-  const auto size = [](uint32_t w, uint32_t h) { return std::to_string(w) + " x " + std::to_string(h); };
-  return "it has " + size(frame.width, frame.height) + " pixels; calibration " + std::to_string(frame.calibration) +
-         " is for " + size(camera.width, camera.height);
-}
-
 int32_t Session::enqueue(OwnedMessage message) {
   std::vector<OwnedMessage> given_up;  // released without the lock
   const odo_header header = message.header();
@@ -199,7 +114,10 @@ int32_t Session::enqueue(OwnedMessage message) {
     const std::lock_guard lock(mutex_);
     if (stopping_) return ODO_E_STATE;  // an app that pushes while its last frames are given back
     if (header.type == ODO_TYPE_IMU) {
-      spikes = gate_.push(copy_as<odo_imu>(message.header()), [&](const odo_imu& imu) {
+      odo_imu sample = copy_as<odo_imu>(message.header());
+      if (header.struct_size > sizeof sample)  // bits of fields that are cut off go with them
+        sample.header.flags &= (2 * ODO_IMU_ACCEL_CORRECTED - 1) | ODO_FLAG_QUALITY;
+      spikes = gate_.push(sample, [&](const odo_imu& imu) {
         const auto each = order(OwnedMessage(imu.header), given_up);
         if (each == TimeOrder::Verdict::accepted) poses_.add_imu(imu);
         if (each != TimeOrder::Verdict::accepted) verdict = each;
@@ -221,7 +139,7 @@ TimeOrder::Verdict Session::order(OwnedMessage message, std::vector<OwnedMessage
     restart_clock(given_up);
     verdict = order_.push(std::move(message));
   }
-  if (message.header().type == ODO_TYPE_FRAME) given_up.push_back(std::move(message));
+  if (ODO_IS_BORROWED(message.header().type)) given_up.push_back(std::move(message));
   return verdict;
 }
 
@@ -260,7 +178,8 @@ void Session::restart_clock(std::vector<OwnedMessage>& given_up) {
 }
 
 bool Session::work_is_waiting() const {
-  return restart_pending_ || flushes_asked_ != flushes_done_ || order_.ready() || report_is_waiting();
+  return restart_pending_ || flushes_asked_ != flushes_done_ || order_.ready() || report_is_waiting() ||
+         host_.has_woken();
 }
 
 /// Waits for the pipeline; only for threads that do not own it.
@@ -278,6 +197,7 @@ void Session::release_ownership() {
 
 /// With ownership and the lock, which is given up while anything is called. What is pushed meanwhile is not flushed.
 void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
+  bool woken = false;  // once: a plugin may ask again each time
   for (;;) {
     OwnedMessage message;
     if (std::exchange(restart_pending_, false)) {
@@ -293,6 +213,10 @@ void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
     } else if (report_is_waiting()) {
       lock.unlock();
       publish_reports();
+    } else if (!woken && host_.has_woken()) {
+      woken = true;
+      lock.unlock();
+      pipeline_->wake();
     } else {
       return;
     }

@@ -30,7 +30,7 @@ namespace odograph {
 class Session {
  public:
   static Result<std::unique_ptr<Session>> make(PipelineConfig config, std::vector<std::filesystem::path> assets,
-                                               bool live, uint64_t seed);
+                                               bool live, uint64_t seed, AppServices app = {});
   ~Session();
 
   int32_t push(const odo_header& sample);
@@ -69,7 +69,7 @@ class Session {
   };
   using Lock = std::unique_lock<std::mutex>;
 
-  Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed);
+  Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed, AppServices app);
 
   int32_t take(const odo_header& sample, OwnedMessage& out);
   int32_t own(AnyMessage&& sample, OwnedMessage& out);
@@ -103,13 +103,16 @@ class Session {
   void process_waiting(Lock& lock, int64_t flush_until_ns);
   void publish_progress();
   void work();
+  /// Wakes the session's thread, where it has one.
+  void notify();
 
   void publish(const odo_header& event);
   void reported(const Report& report);
   bool report_is_waiting() const;
   void publish_reports();
-  odo_calibration with_own(const odo_calibration& calibration) const;
-  void note_timing(const odo_calibration& calibration);
+  int32_t borrow(odo_borrowed& message);
+  void take_calibration(odo_calibration& calibration);
+  void note_camera(const odo_calibration& calibration, bool line_time_above_frames);
   void put_timing(odo_frame& frame);
   std::string size_fault(const odo_frame& frame) const;
 
@@ -127,19 +130,16 @@ class Session {
   std::condition_variable work_waiting_, owner_changed_;
   SampleGate gate_;
   TimeOrder order_;
-  struct CameraTiming {
+  struct Camera {
     uint32_t width = 0, height = 0;  // that the calibration is for
     int64_t offset_ns = 0;           // IMU time minus camera time
     int64_t line_time_ns = 0;
     bool line_time = false;     // given
-    bool above_frames = false;  // by the config, which stands above what frames say
-  };
-  std::map<uint32_t, CameraTiming> camera_timing_;  // by calibration id
-  struct Mount {
+    bool above_frames = false;  // by the config, whose row time replaces the frames'
     Eigen::Quaterniond q_b_c = Eigen::Quaterniond::Identity();
     Eigen::Vector3d p_b_c = Eigen::Vector3d::Zero();
   };
-  Mount mount_;  // of the camera that was described last
+  std::map<uint32_t, Camera> cameras_;  // by header.source
   bool restart_pending_ = false;
   bool stopping_ = false;
   uint64_t flushes_asked_ = 0, flushes_done_ = 0;

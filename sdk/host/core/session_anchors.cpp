@@ -89,7 +89,9 @@ int32_t Session::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor& o
   Rigid T_n_a = world == ODO_WORLD_SMOOTH ? known->smooth_T_n_a : known->T_n_a;
   if (is_placed && seen) {
     const Rigid T_view_a = rigid(corrected).inverse() * T_n_a;
-    out.flags |= ODO_ANCHOR_IN_VIEW;
+    out.flags |= ODO_ANCHOR_VIEW_POSE;
+    const bool is_camera = (corrected.header.flags & ODO_POSE_CAMERA) != 0;
+    if (is_camera ? T_view_a.p.z() > 0 : T_view_a.p.z() < 0) out.flags |= ODO_ANCHOR_IN_FRONT;
     put(T_view_a, out.q_view, out.p_view);
     // In the smooth world it is seen where it is seen in the corrected one.
     if (world == ODO_WORLD_SMOOTH && pose_of(ODO_OF_PIPELINE, true, t_ns, smooth) == ODO_OK)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include "sdk/host/base/saturating.hpp"
+#include "sdk/host/core/c_guard.hpp"
 
 namespace odograph {
 
@@ -25,10 +26,13 @@ void Session::reported(const Report& report) {
     has_reports_ = true;
   }
   if (listener) listener(report);
-  if (live_) {
-    const std::lock_guard lock(mutex_);  // so that the thread does not miss it
-    work_waiting_.notify_one();
-  }
+  notify();
+}
+
+void Session::notify() {
+  if (!live_) return;
+  const std::lock_guard lock(mutex_);  // so that the thread does not miss it
+  work_waiting_.notify_one();
 }
 
 /// Under the lock.
@@ -62,11 +66,9 @@ void Session::set_report_listener(HostServices::Listener listener) {
 
 int32_t Session::last_error(odo_error& out) {
   const std::lock_guard lock(error_mutex_);
-  if (errors_ == 0) return ODO_OK;
-  out.status = last_error_.status;
-  std::memcpy(out.message, last_error_.message, sizeof out.message);
+  if (errors_ == 0) return fail(&out, {ODO_OK, ""});
   errors_ = 0;
-  return out.status;
+  return fail(&out, {last_error_.status, last_error_.message});
 }
 
 }  // namespace odograph

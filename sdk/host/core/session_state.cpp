@@ -14,10 +14,10 @@ int32_t Session::pose_of(uint32_t of, bool smooth, int64_t t_ns, odo_pose& out) 
   const int32_t status = poses_.at(t_ns, smooth, out);
   const bool is_camera = (out.header.flags & ODO_POSE_CAMERA) != 0;
   if (status != ODO_OK || of == ODO_OF_PIPELINE || is_camera == (of == ODO_OF_CAMERA)) return status;
-  Mount mount;
+  Camera mount;
   {
     const std::lock_guard lock(mutex_);
-    mount = mount_;
+    if (const auto found = cameras_.find(pipeline_->camera()); found != cameras_.end()) mount = found->second;
   }
   if (is_camera)
     move_pose(mount.q_b_c.conjugate(), -(mount.q_b_c.conjugate() * mount.p_b_c), out);

@@ -8,15 +8,21 @@
 namespace odograph {
 namespace {
 
-/// Sensors that deliver steadily hold the others back; sensors that speak now and then do not.
-bool holds_back(uint32_t type) {
+/// Sensors whose time going back means that the clock was set back.
+bool shows_the_clock(uint32_t type) {
   return type == ODO_TYPE_IMU || type == ODO_TYPE_MAGNETOMETER || type == ODO_TYPE_FRAME;
+}
+
+/// Sensors that deliver steadily hold the others back; those that deliver now and then do not.
+bool holds_back(uint32_t type) {
+  return shows_the_clock(type) || type == ODO_TYPE_BAROMETER || type == ODO_TYPE_PLATFORM_POSE;
 }
 
 /// Slow sensors are passed on late rather than lost; what uses them looks the pose of their time up.
 bool may_be_late(uint32_t type) {
   return type == ODO_TYPE_GNSS || type == ODO_TYPE_WAYPOINT || type == ODO_TYPE_CALIBRATION ||
-         type == ODO_TYPE_IMU_NOISE || !message_info(type);
+         type == ODO_TYPE_IMU_NOISE || type == ODO_TYPE_EARTH_FIELD || type == ODO_TYPE_RANGE ||
+         type == ODO_TYPE_SYSTEM_STEP || !message_info(type);
 }
 
 /// Among equal times: what describes a sensor before what it measured, then by type.
@@ -65,7 +71,7 @@ bool TimeOrder::camera_to_come() const {
 /// Of a sample that is older than what was released. Its stream is noted first, so that the others wait for it.
 TimeOrder::Verdict TimeOrder::judge_late(Stream& stream, const odo_header& message) {
   if (message.t_ns < stream.latest_ns) {  // the sensor itself went back; while others go on it is not the clock
-    const bool set_back = ++stream.behind >= parameters_.believe_behind && holds_back(message.type);
+    const bool set_back = ++stream.behind >= parameters_.believe_behind && shows_the_clock(message.type);
     return set_back ? Verdict::restarted : Verdict::late;
   }
   if (stream.latest_ns == INT64_MIN || silent(stream)) stream.joined = false;
@@ -139,7 +145,7 @@ int64_t TimeOrder::latest_waiting_ns() const {
 bool TimeOrder::pop(OwnedMessage& out, int64_t flush_until_ns) {
   if (heap_.empty() || heap_.front().t_ns > std::max(watermark(), flush_until_ns)) return false;
   take_first(out);
-  released_ns_ = std::max(released_ns_, out.header().t_ns);
+  if (!may_be_late(out.header().type)) released_ns_ = std::max(released_ns_, out.header().t_ns);
   return true;
 }
 

@@ -94,7 +94,7 @@ class Estimator {
   virtual void propagate(const odo_imu& imu) = 0;
   virtual UpdateResult update(const Measurement& measurement) = 0;
 
-  /// Writes the earlier frame's orientation into a motion (ODO_VO_NAVIGATION), for scale sources.
+  /// Writes the earlier frame's orientation into a motion (ODO_FLAG_NAVIGATION), for scale sources.
   virtual void prepare(odo_vo_motion& motion) const = 0;
 
   /// The pose at t, or the newest for INT64_MIN; ahead of the newest by at most 0.5 s, flagged as extrapolated.
@@ -131,6 +131,11 @@ class Estimator {
 
 /// The estimator that the config names.
 std::unique_ptr<Estimator> make_estimator(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs);
+
+/// The heading is against north, magnetic or true; without a declination the two are taken for the same.
+inline bool refers_to_north(const odo_attitude& attitude) {
+  return (attitude.header.flags & (ODO_ATTITUDE_MAGNETIC_NORTH | ODO_ATTITUDE_TRUE_NORTH)) != 0;
+}
 
 class Geodesy;
 /// Fills in p_n where the fix is geodetic; the first such fix is the origin where there is none.

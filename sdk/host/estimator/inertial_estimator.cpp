@@ -300,7 +300,7 @@ UpdateResult InertialEstimator::apply(const odo_attitude* attitude) {
   resting_ = (attitude->header.flags & ODO_ATTITUDE_REST) != 0;
   const int64_t t = attitude->header.t_ns;
   const Quaterniond q = heading_offset() * quaternion(attitude->q_n_b);
-  const bool north = (attitude->header.flags & ODO_ATTITUDE_NORTH) != 0;
+  const bool north = refers_to_north(*attitude);
   const double tilt_sigma = std::sqrt(std::max(attitude->covariance_n[0], attitude->covariance_n[4]));
   if (north) north_sigma_rad_ = std::sqrt(attitude->covariance_n[8]);
   if (!started_by_attitude_) {

@@ -29,7 +29,8 @@ bool InertialEstimator::walks(int64_t t_ns) const {
 /// for it than the front-end says at its surest.
 void InertialEstimator::use_metric_scale(const odo_vo_motion& m) {
   const int64_t t_ns = m.header.t_ns;
-  const double sigma = inertial_front_end_ ? m.scale_sigma : p_.unstated_scale_sigma;
+  const bool stated = inertial_front_end_ || m.scale_sigma > 0;
+  const double sigma = stated ? m.scale_sigma : p_.unstated_scale_sigma;
   const double information = 1 / squared(std::clamp(sigma, p_.min_log_scale_sigma, p_.max_log_scale_sigma));
   if (!vo_.known) {
     if (!metric_ && placed_ == 0 && inertial_front_end_) begin_here(m);

@@ -54,7 +54,7 @@ struct Parameters {
   double vo_rotation_walk = 1e-3;         ///< rad/sqrt(s): 0.018 deg a frame at 10 Hz (odograph bench vo)
   double vo_scale_walk = 2e-3;            ///< 1/sqrt(m) of log-scale: 0.9 % between halves of 10 m (odograph bench vo)
   double vo_standing_scale_walk = 0.01;   ///< 1/sqrt(s) while standing: 3 % over a stop is usual
-  double unstated_scale_sigma = 0.02;     ///< of log-scale, of a front-end that says metric and no more; judgement
+  double unstated_scale_sigma = 0.02;     ///< of log-scale, of a metric front-end whose scale_sigma is 0; judgement
   double vio_velocity_sigma_mps = 0.1;    ///< m/s, as a front-end that used inertia itself states it
   double vio_velocity_unknown_mps = 0.3;  ///< m/s of sigma, above which such a velocity is used: below, the positions
                                           ///< have told it; by hand

@@ -45,7 +45,7 @@ UpdateResult InertialEstimator::update(const Measurement& measurement) {
 
 /// A compass beside a camera turns the world that the camera tracks, by little each time and by much in the end.
 bool InertialEstimator::rotates_camera(const odo_attitude& attitude) const {
-  return inputs_.vo && started_by_attitude_ && (attitude.header.flags & ODO_ATTITUDE_NORTH) && due(attitude);
+  return inputs_.vo && started_by_attitude_ && refers_to_north(attitude) && due(attitude);
 }
 
 /// A jump is announced from `part` of the parameters' sizes on.
@@ -70,7 +70,7 @@ void InertialEstimator::note_jump(const odo_pose& before, uint32_t reason, doubl
 
 odo_pose InertialEstimator::make_pose(int64_t t_ns, const PastPose& at) const {
   auto pose = make_message<odo_pose>(ODO_TYPE_POSE, t_ns);
-  pose.header.flags = ODO_POSE_ORIENTATION;
+  pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_COVARIANCE;
   if (metric_) pose.header.flags |= ODO_POSE_POSITION | ODO_POSE_VELOCITY | ODO_POSE_METRIC;
   Vector3d lever_n = Vector3d::Zero();
   if (camera_) {
@@ -130,7 +130,7 @@ void InertialEstimator::refer_steps(const odo_pose& pose) {
   if (!begins) reference_path_m_ = 0;
   if (fixed_ns_ != INT64_MIN && pose.header.t_ns - fixed_ns_ < p_.fixes_rule_ns) return;
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, pose.header.t_ns);
-  fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+  fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
   std::copy(pose.p_n, pose.p_n + 3, fix.p_n);
   const double sigma_m = std::max(p_.reference_min_sigma, sigma) *
                          std::sqrt(p_.reference_path_m * std::max(p_.reference_path_m, p_.reference_alike_m));
@@ -157,7 +157,7 @@ void InertialEstimator::prepare(odo_vo_motion& motion) const {
   Quaterniond q_n_c = e_.x.q_n_b * q_b_c_;
   if (const auto at = past(motion.t_from_ns)) q_n_c = at->q_n_b * q_b_c_;
   put_quaternion(q_n_c, motion.q_n_c0);
-  motion.header.flags |= ODO_VO_NAVIGATION;
+  motion.header.flags |= ODO_FLAG_NAVIGATION;
 }
 
 void InertialEstimator::snapshot() {

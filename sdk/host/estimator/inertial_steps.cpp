@@ -32,8 +32,8 @@ double heading_residual(const odo_fix& fix, const Eigen::Quaterniond& q_n_b) {
     const Eigen::Quaterniond off = quaternion(fix.q_n_b) * q_n_b.conjugate();
     return std::remainder(2 * std::atan2(off.z(), off.w()), 2 * EIGEN_PI);
   }
-  const Vector3d y_n = q_n_b * Vector3d::UnitY();
-  return std::remainder(fix.yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
+  const Vector3d axis_n = q_n_b * Vector3d(fix.yaw_axis_b);
+  return std::remainder(fix.yaw_rad - std::atan2(axis_n.y(), axis_n.x()), 2 * EIGEN_PI);
 }
 
 /// Rotation first, position below; what the fix does not have is noise without end.
@@ -70,10 +70,10 @@ struct FixInnovation {
     dof += 3;
   }
   void add_yaw(const odo_fix& fix, const PastPose& at) {
-    const Vector3d y_n = at.q_n_b * Vector3d::UnitY();
-    const double across = std::max(1e-6, y_n.head<2>().squaredNorm());
+    const Vector3d axis_n = at.q_n_b * Vector3d(fix.yaw_axis_b);
+    const double across = std::max(1e-6, axis_n.head<2>().squaredNorm());
     seen.residual[2] = heading_residual(fix, at.q_n_b);
-    by_theta.row(2) << -y_n.x() * y_n.z() / across, -y_n.y() * y_n.z() / across, 1;
+    by_theta.row(2) << -axis_n.x() * axis_n.z() / across, -axis_n.y() * axis_n.z() / across, 1;
     seen.noise(2, 2) = squared(fix.yaw_sigma_rad);
     dof += 1;
   }
@@ -325,7 +325,8 @@ UpdateResult InertialEstimator::apply(const odo_fix* fix) {
   flush();
   auto at = past(fix->header.t_ns);
   if (!at && started_) notice_ = {"late_fix", "a fix is of a time that the clones no longer reach back to: not used"};
-  if (!at || fix->integrity > p_.max_integrity_risk) return {};
+  const bool risky = (fix->header.flags & ODO_FIX_INTEGRITY) && fix->integrity > p_.max_integrity_risk;
+  if (!at || risky) return {};
   const bool rotates = tells_first_heading(*fix);
   if (rotates) {
     rotate_n(heading_residual(*fix, at->q_n_b));

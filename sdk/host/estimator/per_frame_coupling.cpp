@@ -94,7 +94,7 @@ odo_pose PerFrameCoupling::on_first_frame(int64_t t_ns) {
   bool north = false;
   if (const auto attitude = attitude_at(t_ns)) {
     tilt_variance_ = std::max(attitude->covariance_n[0], attitude->covariance_n[4]);
-    north = (attitude->header.flags & ODO_ATTITUDE_NORTH) != 0;
+    north = refers_to_north(*attitude);
     if (north) heading_variance_ = attitude->covariance_n[8];
   }
   // A chained gyroscope that nobody told its heading has any: fixes may turn it around.
@@ -107,7 +107,7 @@ odo_pose PerFrameCoupling::on_first_frame(int64_t t_ns) {
 
 void PerFrameCoupling::prepare(odo_vo_motion& motion) const {
   put_quaternion(q_n_, motion.q_n_c0);
-  motion.header.flags |= ODO_VO_NAVIGATION;
+  motion.header.flags |= ODO_FLAG_NAVIGATION;
 }
 
 /// The later frame's orientation, by what the config prefers and what there is.
@@ -275,7 +275,7 @@ std::optional<odo_pose> PerFrameCoupling::take_correction() {
 
 odo_pose PerFrameCoupling::publish(int64_t t_ns, uint32_t state, uint32_t reason) {
   auto pose = make_message<odo_pose>(ODO_TYPE_POSE, t_ns);
-  pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION;
+  pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_COVARIANCE;
   if (metre_known()) pose.header.flags |= ODO_POSE_METRIC;
   if (metre_known() && velocity_known_) pose.header.flags |= ODO_POSE_VELOCITY;
   if (camera_) pose.header.flags |= ODO_POSE_CAMERA;

@@ -42,8 +42,8 @@ bool PerFrameCoupling::update_heading(const odo_fix& fix, const Quaterniond& q_t
     yaw_variance = fix.orientation_cov_n[8];
     fix_tilt_variance = std::max(fix.orientation_cov_n[0], fix.orientation_cov_n[4]);
   } else {
-    const Vector3d y_n = (camera_ ? q_then * q_b_c_.conjugate() : q_then) * Vector3d::UnitY();
-    theta_n.z() = std::remainder(fix.yaw_rad - std::atan2(y_n.y(), y_n.x()), 2 * EIGEN_PI);
+    const Vector3d axis_n = (camera_ ? q_then * q_b_c_.conjugate() : q_then) * Vector3d(fix.yaw_axis_b);
+    theta_n.z() = std::remainder(fix.yaw_rad - std::atan2(axis_n.y(), axis_n.x()), 2 * EIGEN_PI);
   }
   if (whole && camera_ && config_.orientation == Orientation::gyroscope) return correct_gyro_attitude(theta_n, fix);
   const double gate = config_.fix_gate_sigma, S = heading_variance_ + yaw_variance + 1e-12;

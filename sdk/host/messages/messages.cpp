@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/messages/messages.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -22,7 +23,9 @@ std::string number_text(double value) {
 /// Notes the first thing that is wrong.
 class Judge {
  public:
-  explicit Judge(const odo_header& header) : flags_(header.flags) { finite("quality", header.quality); }
+  explicit Judge(const odo_header& header) : flags_(header.flags) {
+    when(ODO_FLAG_QUALITY).share("quality", header.quality).always();
+  }
 
   /// What follows counts only where this validity bit is set.
   Judge& when(uint32_t bit) {
@@ -44,12 +47,28 @@ class Judge {
       if (!std::isfinite(values[i])) finite((std::string(field) + "[" + std::to_string(i) + "]").c_str(), values[i]);
     return *this;
   }
+  /// A square matrix of finite numbers, row by row, with variances on its diagonal.
+  Judge& covariance(const char* field, const double* values, size_t rows) {
+    finite(field, values, rows * rows);
+    for (size_t i = 0; asked_ && i < rows && fault.empty(); ++i)
+      if (const size_t at = i * (rows + 1); values[at] < 0)
+        not_negative((std::string(field) + "[" + std::to_string(at) + "]").c_str(), values[at]);
+    return *this;
+  }
   Judge& unit(const char* field, const double* q) {
     finite(field, q, 4);
     const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     if (asked_ && fault.empty() && !(std::abs(norm - 1.0) < 1e-3))
       fault = std::string(field) + " has the norm " + number_text(norm) + "; expected a quaternion of norm 1";
     return *this;
+  }
+  Judge& unit3(const char* field, const double* v) {
+    finite(field, v, 3);
+    const double norm = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    return that(std::abs(norm - 1.0) < 1e-3, field, norm, "a vector of norm 1");
+  }
+  Judge& share(const char* field, double value) {
+    return finite(field, value).that(value >= 0 && value <= 1, field, value, "0 to 1");
   }
   Judge& positive(const char* field, double value) {
     return finite(field, value).that(value > 0, field, value, "above 0");
@@ -71,12 +90,18 @@ void judge_frame(Judge& judge, const odo_frame& m) {
   const auto plane = [&](int i) {
     judge.that(m.planes[i].data != nullptr, ("planes[" + std::to_string(i) + "].data").c_str(), 0, "pixels");
   };
+  const bool native_only = m.planes[0].data == nullptr && m.loan.native != nullptr;
   judge.that(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
       .that(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384")
-      .that(m.format >= ODO_FORMAT_GREY8 && m.format <= ODO_FORMAT_BGRA8, "format", m.format, "one of ODO_FORMAT_*");
-  plane(0);
-  if (m.format == ODO_FORMAT_NV12 || m.format == ODO_FORMAT_NV21 || m.format == ODO_FORMAT_YUV420) plane(1);
-  if (m.format == ODO_FORMAT_YUV420) plane(2);
+      .that(m.format != 0, "format", m.format, "one of ODO_FORMAT_*")
+      .that(m.plane_count <= 4, "plane_count", m.plane_count, "0 to 4");
+  if (!native_only) plane(0);
+  for (uint32_t i = 1; !native_only && i < std::min(m.plane_count, 4u); ++i) plane(static_cast<int>(i));
+  if (native_only) {
+  } else if (m.format == ODO_FORMAT_NV12 || m.format == ODO_FORMAT_NV21 || m.format == ODO_FORMAT_YUV420) {
+    plane(1);
+    if (m.format == ODO_FORMAT_YUV420) plane(2);
+  }
   judge.when(ODO_FRAME_MASK).that(m.mask.data != nullptr, "mask.data", 0, "pixels");
   judge.when(ODO_FRAME_INTRINSICS).positive("fx", m.fx).positive("fy", m.fy).finite("cx", m.cx).finite("cy", m.cy);
 }
@@ -101,16 +126,32 @@ void judge_vo_motion(Judge& judge, const odo_vo_motion& m) {
   judge.when(ODO_VO_ROTATION).unit("q_c0_c1", m.q_c0_c1);
   judge.when(ODO_VO_TRANSLATION).finite("p_c0_c1", m.p_c0_c1, 3);
   judge.when(ODO_VO_COVARIANCE).finite("covariance", m.covariance, 36);
-  judge.when(ODO_VO_INERTIAL).finite("scale_sigma", m.scale_sigma).finite("velocity_c1", m.velocity_c1, 3);
-  judge.finite("gravity_c1", m.gravity_c1, 3).finite("gyro_bias_b", m.gyro_bias_b, 3);
+  judge.when(ODO_VO_METRIC | ODO_VO_INERTIAL).not_negative("scale_sigma", m.scale_sigma);
+  judge.when(ODO_VO_INERTIAL).finite("velocity_c1", m.velocity_c1, 3);
+  judge.unit3("gravity_c1", m.gravity_c1).finite("gyro_bias_b", m.gyro_bias_b, 3);
   judge.finite("accel_bias_b", m.accel_bias_b, 3);
 }
 
 void judge_fix(Judge& judge, const odo_fix& m) {
-  judge.finite("p_n", m.p_n, 3).finite("covariance_n", m.covariance_n, 9).finite("integrity", m.integrity);
-  judge.when(ODO_FIX_ORIENTATION).unit("q_n_b", m.q_n_b).finite("orientation_cov_n", m.orientation_cov_n, 9);
+  const uint32_t flags = m.header.flags;
+  judge.when(ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_GEODETIC)
+      .that(flags & ODO_FIX_COVARIANCE, "flags", flags, "ODO_FIX_COVARIANCE with a position")
+      .finite("p_n", m.p_n, 3);
+  judge.when(ODO_FIX_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
+  judge.when(ODO_FIX_INTEGRITY).share("integrity", m.integrity);
+  judge.when(ODO_FIX_LEVER).finite("lever_b", m.lever_b, 3);
+  judge.when(ODO_FIX_ORIENTATION)
+      .that(flags & ODO_FIX_ORIENTATION_COVARIANCE, "flags", flags,
+            "ODO_FIX_ORIENTATION_COVARIANCE with an orientation")
+      .unit("q_n_b", m.q_n_b)
+      .covariance("orientation_cov_n", m.orientation_cov_n, 3);
+  judge.when(ODO_FIX_CROSS_COVARIANCE).finite("cross_covariance_n", m.cross_covariance_n, 9);
+  judge.when(ODO_FIX_SLANT_SIGMA).positive("slant_sigma_m", m.slant_sigma_m);
   judge.when(ODO_FIX_SLANT).finite("landmark_n", m.landmark_n, 3).finite("slant_distance_m", m.slant_distance_m);
-  judge.when(ODO_FIX_YAW).finite("yaw_rad", m.yaw_rad).finite("yaw_sigma_rad", m.yaw_sigma_rad);
+  judge.when(ODO_FIX_YAW)
+      .finite("yaw_rad", m.yaw_rad)
+      .positive("yaw_sigma_rad", m.yaw_sigma_rad)
+      .unit3("yaw_axis_b", m.yaw_axis_b);
   judge.when(ODO_FIX_GEODETIC).finite("latitude_rad", m.latitude_rad).finite("longitude_rad", m.longitude_rad);
   judge.finite("height_m", m.height_m);
 }
@@ -119,29 +160,12 @@ void judge_gnss(Judge& judge, const odo_gnss& m) {
   judge.when(ODO_GNSS_POSITION).finite("latitude_rad", m.latitude_rad).finite("longitude_rad", m.longitude_rad);
   judge.that(std::abs(m.latitude_rad) <= kRightAngle, "latitude_rad", m.latitude_rad, "-pi/2 to pi/2");
   judge.when(ODO_GNSS_HEIGHT).finite("height_m", m.height_m);
-  judge.when(ODO_GNSS_COVARIANCE).finite("covariance_n", m.covariance_n, 9);
+  judge.when(ODO_GNSS_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
   judge.when(ODO_GNSS_VELOCITY).finite("velocity_n", m.velocity_n, 3);
+  judge.when(ODO_GNSS_LEVER).finite("lever_b", m.lever_b, 3);
 }
 
-}  // namespace
-
-const MessageInfo* message_info(uint32_t type) {
-  for (const MessageInfo& info : kMessages)
-    if (info.type == type) return &info;
-  return nullptr;
-}
-
-std::string message_name(uint32_t type) {
-  if (const MessageInfo* info = message_info(type)) return info->name;
-  char text[24];
-  std::snprintf(text, sizeof text, "type 0x%X", type);
-  return text;
-}
-
-std::string message_fault(const odo_header& header) {
-  Judge judge(header);
-  if (!is_plausible_time(header.t_ns))
-    return "t_ns = " + std::to_string(header.t_ns) + "; expected at most 2^62 from the clock's zero";
+void judge_input_fields(Judge& judge, const odo_header& header) {
   switch (header.type) {
     case ODO_TYPE_IMU: {
       const auto& m = as<odo_imu>(header);
@@ -161,14 +185,50 @@ std::string message_fault(const odo_header& header) {
     case ODO_TYPE_FRAME: judge_frame(judge, as<odo_frame>(header)); break;
     case ODO_TYPE_CALIBRATION: judge_calibration(judge, as<odo_calibration>(header)); break;
     case ODO_TYPE_IMU_NOISE:
-      judge.finite("gyro_noise and what follows", &as<odo_imu_noise>(header).gyro_noise, 4);
+      for (const double* density = &as<odo_imu_noise>(header).gyro_noise;
+           density <= &as<odo_imu_noise>(header).accel_walk; ++density)
+        judge.not_negative("gyro_noise and what follows", *density);
       break;
     case ODO_TYPE_WAYPOINT:
       judge.finite("p_n", as<odo_waypoint>(header).p_n, 3).not_negative("sigma_m", as<odo_waypoint>(header).sigma_m);
+      judge.when(ODO_WAYPOINT_LEVER).finite("lever_b", as<odo_waypoint>(header).lever_b, 3);
       break;
+    case ODO_TYPE_EARTH_FIELD: {
+      const auto& m = as<odo_earth_field>(header);
+      judge.when(ODO_EARTH_FIELD_DECLINATION).finite("declination_rad", m.declination_rad);
+      judge.when(ODO_EARTH_FIELD_INCLINATION).finite("inclination_rad", m.inclination_rad);
+      judge.when(ODO_EARTH_FIELD_INTENSITY).positive("intensity_t", m.intensity_t);
+      break;
+    }
+    case ODO_TYPE_PLATFORM_POSE: {
+      const auto& m = as<odo_platform_pose>(header);
+      judge.unit("q_w", m.q_w).finite("p_w", m.p_w, 3);
+      judge.when(ODO_PLATFORM_POSE_COVARIANCE).covariance("covariance", m.covariance, 6);
+      break;
+    }
+    case ODO_TYPE_RANGE: {
+      const auto& m = as<odo_range>(header);
+      judge.not_negative("range_m", m.range_m).positive("sigma_m", m.sigma_m);
+      judge.when(ODO_RANGE_TRANSMITTER)
+          .finite("p_n", m.p_n, 3)
+          .not_negative("transmitter_sigma_m", m.transmitter_sigma_m);
+      judge.when(ODO_RANGE_LEVER).finite("lever_b", m.lever_b, 3);
+      break;
+    }
+    case ODO_TYPE_SYSTEM_STEP:
+      judge.when(ODO_SYSTEM_STEP_DISTANCE).not_negative("distance_m", as<odo_system_step>(header).distance_m);
+      break;
+    default: break;
+  }
+}
+
+void judge_event_fields(Judge& judge, const odo_header& header) {
+  switch (header.type) {
     case ODO_TYPE_ATTITUDE: {
       const auto& m = as<odo_attitude>(header);
-      judge.unit("q_n_b", m.q_n_b).finite("covariance_n", m.covariance_n, 9).finite("gyro_bias_b", m.gyro_bias_b, 3);
+      judge.unit("q_n_b", m.q_n_b);
+      judge.when(ODO_ATTITUDE_COVARIANCE).finite("covariance_n", m.covariance_n, 9);
+      judge.when(ODO_ATTITUDE_GYRO_BIAS).finite("gyro_bias_b", m.gyro_bias_b, 3);
       break;
     }
     case ODO_TYPE_STEP: {
@@ -176,27 +236,70 @@ std::string message_fault(const odo_header& header) {
       judge.not_negative("length_m", m.length_m)
           .not_negative("sigma_m", m.sigma_m)
           .finite("frequency_hz", m.frequency_hz);
-      judge.finite("heading_rad", m.heading_rad);
+      judge.when(ODO_STEP_HEADING).finite("heading_rad", m.heading_rad);
+      judge.when(ODO_STEP_HEADING_SIGMA).positive("heading_sigma_rad", m.heading_sigma_rad).always();
       judge.that(m.t_end_ns > m.t_start_ns, "t_end_ns", static_cast<double>(m.t_end_ns), "after t_start_ns");
       break;
     }
     case ODO_TYPE_VO_MOTION: judge_vo_motion(judge, as<odo_vo_motion>(header)); break;
     case ODO_TYPE_SCALE: {
       const auto& m = as<odo_scale>(header);
-      judge.not_negative("scale", m.scale).finite("sigma", m.sigma);
+      judge.not_negative("scale", m.scale).not_negative("sigma", m.sigma);
       judge.finite("displacement_m", m.displacement_m);
       break;
     }
     case ODO_TYPE_FIX: judge_fix(judge, as<odo_fix>(header)); break;
+    case ODO_TYPE_RELATIVE_POSE: {
+      const auto& m = as<odo_relative_pose>(header);
+      judge.that(m.header.t_ns > m.t_from_ns, "t_from_ns", static_cast<double>(m.t_from_ns), "before header.t_ns");
+      judge.covariance("covariance", m.covariance, 6);
+      judge.when(ODO_RELATIVE_POSE_ROTATION).unit("q_b0_b1", m.q_b0_b1);
+      judge.when(ODO_RELATIVE_POSE_TRANSLATION).finite("p_b0_b1", m.p_b0_b1, 3);
+      break;
+    }
+    case ODO_TYPE_REFINED: {
+      const auto& m = as<odo_refined>(header);
+      judge.positive("fx", m.fx).positive("fy", m.fy).finite("cx", m.cx).finite("cy", m.cy);
+      judge.finite("distortion", m.distortion, 8);
+      judge.when(ODO_REFINED_EXTRINSICS).unit("q_b_c", m.q_b_c).finite("p_b_c", m.p_b_c, 3);
+      break;
+    }
     default: break;
   }
+}
+
+}  // namespace
+
+const MessageInfo* message_info(uint32_t type) {
+  for (const MessageInfo& info : kMessages)
+    if (info.type == type) return &info;
+  return nullptr;
+}
+
+std::string message_name(uint32_t type) {
+  if (const MessageInfo* info = message_info(type)) return info->name;
+  char text[24];
+  std::snprintf(text, sizeof text, "type 0x%X", type);
+  return text;
+}
+
+std::string message_fault(const odo_header& header) {
+  if (!is_plausible_time(header.t_ns))
+    return "t_ns = " + std::to_string(header.t_ns) + "; expected at most 2^62 from the clock's zero";
+  Judge judge(header);
+  (ODO_IS_EVENT(header.type) ? judge_event_fields : judge_input_fields)(judge, header);
   return std::move(judge.fault);
+}
+
+size_t min_size(uint32_t type) {
+  if (const MessageInfo* info = message_info(type)) return info->min_size;
+  return ODO_IS_BORROWED(type) ? sizeof(odo_borrowed) : sizeof(odo_header);
 }
 
 bool AnyMessage::assign(const odo_header& message) {
   const MessageInfo* info = message_info(message.type);
   const size_t size = message.struct_size;
-  if (size < (info ? info->min_size : sizeof(odo_header)) || size > ODO_LARGEST_MESSAGE) return false;
+  if (size < min_size(message.type) || size > ODO_LARGEST_MESSAGE) return false;
   capacity_ = std::max(size, info ? info->size : size_t(0));
   if (capacity_ > kInside)
     outside_.resize((capacity_ + 7) / 8);

@@ -23,6 +23,8 @@ struct MessageInfo {
 
 /// Null for a type the host does not know.
 const MessageInfo* message_info(uint32_t type);
+/// What is smaller is refused: version 1.0's size, or the head of a type that the host does not know.
+size_t min_size(uint32_t type);
 /// "imu", "fix", or the number of a type that the host does not know.
 std::string message_name(uint32_t type);
 /// Times further from the clock's zero are refused, so that no difference of two overflows: 146 years, and the epoch of
@@ -30,8 +32,8 @@ std::string message_name(uint32_t type);
 constexpr int64_t kFarthestTime_ns = int64_t(1) << 62;
 constexpr bool is_plausible_time(int64_t t_ns) { return t_ns >= -kFarthestTime_ns && t_ns <= kFarthestTime_ns; }
 
-/// Whether an app may push it: everything but events and 0.
-inline bool is_input(uint32_t type) { return type != 0 && !ODO_IS_EVENT(type); }
+/// Whether an app may push it: everything but events and reserved numbers.
+inline bool is_input(uint32_t type) { return !ODO_IS_EVENT(type) && !ODO_IS_RESERVED(type); }
 
 /// Why a message cannot be used, as "field = value; expected ...": a wild time, a number whose validity bit is set and
 /// that is not finite or out of its range, a quaternion that is not of unit length within 1e-3. Empty where it can.
@@ -134,9 +136,10 @@ class TypeSet {
   bool empty() const { return !all_ && known_ == 0 && others_.empty(); }
 
  private:
-  /// Inputs and events below 32 each have a bit of their own.
+  /// Frames have bit 0, inputs below 32 and the first 32 events each a bit of their own.
   static uint64_t bit(uint32_t type) {
-    if (type < 32) return uint64_t(1) << type;
+    if (type == ODO_TYPE_FRAME) return 1;
+    if (type < 32) return type == 0 ? 0 : uint64_t(1) << type;
     return type - 0x1000 < 32 ? uint64_t(1) << (type - 0x1000 + 32) : 0;
   }
 
@@ -145,11 +148,11 @@ class TypeSet {
   std::vector<uint32_t> others_;
 };
 
-/// A message by value that owns the hold of its frame, if it is one: whoever has it last gives the frame back.
+/// A message by value that owns the hold of its loan, if it is a borrowed one: the last owner releases it.
 class OwnedMessage {
  public:
   OwnedMessage() = default;
-  /// Takes over the message and the hold of a frame.
+  /// Takes over the message and the hold of its loan.
   explicit OwnedMessage(AnyMessage&& message) : message_(std::move(message)) {}
   explicit OwnedMessage(const odo_header& message) : message_(message) {}
   OwnedMessage(OwnedMessage&& other) noexcept : message_(std::move(other.message_)) { other.header().type = 0; }
@@ -165,11 +168,11 @@ class OwnedMessage {
   const odo_header& header() const { return message_.header(); }
   odo_header& header() { return message_.header(); }
   bool empty() const { return header().type == 0; }
-  /// Gives the frame back and is empty. Calls out of the host: hold no lock.
+  /// Releases the loan and is empty. Calls out of the host: hold no lock.
   void release() {
-    if (header().type == ODO_TYPE_FRAME) {
-      const auto& frame = as<odo_frame>(header());
-      if (frame.release) frame.release(&frame);
+    if (ODO_IS_BORROWED(header().type)) {
+      const odo_loan& loan = as<odo_borrowed>(header()).loan;
+      if (loan.release) loan.release(loan.owner);
     }
     header().type = 0;
   }

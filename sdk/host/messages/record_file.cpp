@@ -16,7 +16,7 @@ constexpr size_t kFirstLook = 4096, kLargestLook = 1 << 20;  // bytes read at on
 constexpr uint64_t kLook = 4096;                             // bytes that looking at a place costs at least
 constexpr uint64_t kMinEffort = 16u << 20;                   // of small files
 constexpr uint32_t kEndMark = 0x1FFFF;
-constexpr uint32_t kVersion = 1, kMinor = 2, kMinorOfEndMark = 2;
+constexpr uint32_t kVersion = 2, kMinor = 0;
 
 struct RecordHead {
   uint32_t magic, type, size, crc;
@@ -54,15 +54,10 @@ uint32_t checksum(uint32_t type, uint32_t size, std::span<const unsigned char> h
   return crc.value();
 }
 
-/// Of the files of minor version 0, before events had a range of their own.
-uint32_t renumbered(uint32_t type) { return type >= 16 && type <= 24 ? ODO_TYPE_ATTITUDE + (type - 16) : type; }
-
 void forget_pointers(odo_frame& frame) {  // they mean nothing in a file
   for (auto& plane : frame.planes) plane = {};
   frame.mask = {};
-  frame.owner = nullptr;
-  frame.retain = nullptr;
-  frame.release = nullptr;
+  frame.loan = {};
   frame.header.flags &= ~ODO_FRAME_MASK;
 }
 
@@ -105,9 +100,9 @@ Result<RecordReader> RecordReader::open(const std::filesystem::path& file) {
     return Failure{ODO_E_DATA, file.string() + ": not an Odograph recording"};
   if (!damaged_head && version[0] != kVersion)
     return Failure{ODO_E_VERSION, file.string() + ": recording version " + std::to_string(version[0]) +
+                                      (version[0] == 1 ? ", of a draft of the ABI" : "") +
                                       "; this program reads version " + std::to_string(kVersion)};
   if (damaged_head) reader.loss_.bytes = sizeof magic, reader.loss_.places = 1;
-  reader.minor_ = damaged_head ? kMinor : version[1];
   reader.in_.seekg(16);
   return reader;
 }
@@ -157,7 +152,7 @@ void RecordReader::finish() {
   if (written_)
     loss_.records_lost = *written_ - std::min(*written_, loss_.records_read);
   else
-    loss_.cut = minor_ >= kMinorOfEndMark;
+    loss_.cut = true;
 }
 
 void RecordReader::skip_damage() {
@@ -231,7 +226,6 @@ bool RecordReader::message(AnyMessage& out, std::span<const unsigned char>& pict
   std::vector<uint64_t> aligned((head.struct_size + 7) / 8);
   std::memcpy(aligned.data(), payload_.data(), head.struct_size);
   auto& written = *reinterpret_cast<odo_header*>(aligned.data());
-  if (minor_ == 0) written.type = renumbered(type_);
   if (!out.assign(written)) return false;
   if (written.type == ODO_TYPE_FRAME) forget_pointers(reinterpret_cast<odo_frame&>(out.header()));
   picture = std::span(payload_).subspan(head.struct_size);

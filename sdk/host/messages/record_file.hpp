@@ -33,7 +33,7 @@ struct RecordLoss {
 /// damage reading goes on at the next whole record; an end mark tells a recording that was closed from one that was cut
 /// off. Little-endian.
 ///
-///   header  "ODOREC1\n", u32 version = 1, u32 minor = 2 (0: events were numbered from 16; below 2: no end mark)
+///   header  "ODOREC1\n", u32 version = 2, u32 minor = 0
 ///   record  u32 "ODOR", u32 type, u32 payload size, u32 CRC-32 of type, size and payload; payload
 ///   end     a record of type 0x1FFFF: u64 number of records before it
 class RecordReader {
@@ -56,7 +56,7 @@ class RecordReader {
   std::span<const unsigned char> payload() const { return payload_; }
   /// Of the payload, in the file.
   uint64_t payload_offset() const { return payload_offset_; }
-  /// The record as a message: its writer's struct, renumbered where the file is of minor version 0, and behind it, of a
+  /// The record as a message: its writer's struct, and behind it, of a
   /// frame, the picture. False when the record is none.
   bool message(AnyMessage& out, std::span<const unsigned char>& picture) const;
   /// What has been found missing; complete once next() has returned false.
@@ -75,7 +75,7 @@ class RecordReader {
   Parameters parameters_;
   std::ifstream in_;
   uint64_t size_ = 0;
-  uint32_t minor_ = 0, type_ = 0;
+  uint32_t type_ = 0;
   uint64_t offset_ = 16, payload_offset_ = 0;
   uint64_t effort_left_ = 0;
   std::optional<uint64_t> written_;  // as the end mark says
@@ -93,6 +93,8 @@ class RecordWriter {
   bool write(uint32_t type, std::span<const unsigned char> head, std::span<const unsigned char> tail = {});
   /// A message without the pointers of a frame, and its picture. False also for one that is no message.
   bool write(const odo_header& message, std::span<const unsigned char> picture);
+  /// Hands what has been written to the operating system: it outlives a crash of the program.
+  bool flush() { return static_cast<bool>(file_.stream().flush()); }
   /// Sets the end mark and puts the file in its place. A failure of this or of a write leaves there what was there.
   Result<bool> finish();
   /// Leaves what has been written without an end mark, where it lies.

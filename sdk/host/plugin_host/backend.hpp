@@ -11,9 +11,10 @@
 
 namespace odograph {
 
-/// The message types a kind is given and emits; empty for an unknown interface.
+/// The message types a plugin is given and emits, and how (ODO_PLUGIN_*); empty for an unknown interface.
 struct KindTypes {
   std::vector<uint32_t> inputs, outputs;
+  uint32_t flags = 0;
 };
 
 /// A plugin that declares more types than this is refused. Ours declare three at most; there are 40 of ours.
@@ -28,6 +29,8 @@ class PluginBackend {
   /// Creates, configures and activates.
   virtual int32_t start() = 0;
   virtual int32_t process(const odo_header& message) = 0;
+  /// A batch of no messages, for a plugin that has asked for it (odo.wake/1).
+  virtual int32_t wake() { return ODO_OK; }
   /// Back to the state after activation, by the plugin's own function or by a new instance.
   virtual int32_t reset() = 0;
   virtual std::vector<uint8_t> save() = 0;

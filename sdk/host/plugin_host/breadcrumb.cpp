@@ -77,33 +77,33 @@ class SignalStack {
 constexpr int kSignals[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
 std::atomic<bool> watching{false};
 
-void say(const char* what, size_t size) noexcept { (void)!write(STDERR_FILENO, what, size); }
+void put(const char* what, size_t size) noexcept { (void)!write(STDERR_FILENO, what, size); }
 
-void say_culprit(const char* how) noexcept {
+void name_plugin(const char* how) noexcept {
   char call[kLongestId + 32];
   const size_t size = current_plugin_call(call, sizeof call);
   if (size == 0) return;
   constexpr char kHead[] = "odograph: ";
-  say(kHead, sizeof kHead - 1);
-  say(how, std::strlen(how));
-  say(call, size);
-  say("\n", 1);
+  put(kHead, sizeof kHead - 1);
+  put(how, std::strlen(how));
+  put(call, size);
+  put("\n", 1);
 }
 
 void on_signal(int signal_number) {
   switch (signal_number) {
-    case SIGSEGV: say_culprit("segmentation fault in plugin "); break;
-    case SIGBUS: say_culprit("bus error in plugin "); break;
-    case SIGILL: say_culprit("illegal instruction in plugin "); break;
-    case SIGFPE: say_culprit("arithmetic fault in plugin "); break;
-    default: say_culprit("aborted in plugin ");
+    case SIGSEGV: name_plugin("segmentation fault in plugin "); break;
+    case SIGBUS: name_plugin("bus error in plugin "); break;
+    case SIGILL: name_plugin("illegal instruction in plugin "); break;
+    case SIGFPE: name_plugin("arithmetic fault in plugin "); break;
+    default: name_plugin("aborted in plugin ");
   }
   raise(signal_number);  // the disposition is the default again (SA_RESETHAND)
 }
 
 void at_exit() {
   if (current < 0) return;
-  say_culprit("exit() was called in plugin ");
+  name_plugin("exit() was called in plugin ");
   _exit(kExitOfPlugin);
 }
 
@@ -144,7 +144,7 @@ size_t current_plugin_call(char* text, size_t capacity) noexcept {
 }
 
 void abort_for_ended_thread() noexcept {
-  say_culprit("pthread_exit() on the host's thread was called in plugin ");
+  name_plugin("pthread_exit() on the host's thread was called in plugin ");
   std::abort();
 }
 
@@ -160,7 +160,7 @@ void for_each_long_call(int64_t longer_than_ns, const std::function<void(const L
   }
 }
 
-void name_culprits() {
+void name_crashing_plugins() {
   static std::once_flag once;
   std::call_once(once, [] {
     watching = true;

@@ -40,9 +40,9 @@ struct LongCall {
 /// Calls of all threads of this process that last for longer. [any]
 void for_each_long_call(int64_t longer_than_ns, const std::function<void(const LongCall&)>& tell);
 
-/// Names the plugin on standard error when a signal (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT) ends this process within
-/// a plugin's call, and turns an exit() from within one into _exit(4). Only signals that nobody else handles; what the
-/// signal does besides stays as it was. Once for a process. [any]
-void name_culprits();
+/// From here on the plugin is named on standard error when a signal (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT) ends
+/// this process within a plugin's call, and an exit() from within one becomes _exit(4). Only signals that have no other
+/// handler; what the signal does besides stays as it was. Once for a process. [any]
+void name_crashing_plugins();
 
 }  // namespace odograph

@@ -45,6 +45,11 @@ class Answer {
     out_.put_bytes(bytes, size);
     if (out_.full()) out_.rewind(before);
   }
+  void state(std::span<const uint8_t> data) {
+    const std::lock_guard lock(mutex_);
+    out_.put(static_cast<uint32_t>(wire::state));
+    out_.put_bytes(data.data(), data.size());
+  }
   void report(uint32_t severity, int32_t status, const std::string& key, const std::string& text) {
     const std::lock_guard lock(mutex_);
     if (open_)
@@ -57,12 +62,6 @@ class Answer {
     std::memcpy(control->response, &status, sizeof status);
     control->response_size = out_.size();
     open_ = false;
-  }
-  /// An answer of another shape.
-  void bytes(std::span<const uint8_t> data) {
-    wire::Writer out({control->response, wire::kAreaBytes});
-    out.put_bytes(data.data(), data.size());
-    control->response_size = out.size();
   }
 
  private:
@@ -99,6 +98,12 @@ class RemoteServices : public HostServices {
   void report(uint32_t, uint32_t severity, const std::string& key, const std::string& text, int32_t status) override {
     answer.report(severity, status, key, text);
   }
+
+ protected:
+  /// Nothing would call the host from here.
+  const void* service(std::string_view id) override {
+    return id == ODO_SERVICE_WAKE ? nullptr : HostServices::service(id);
+  }
 };
 
 /// Answers the plugin as the host's own sink would, and passes everything on; the host judges once more.
@@ -127,8 +132,8 @@ void phase(const char* name) { std::snprintf(control->phase, sizeof control->pha
 
 std::atomic<bool> may_be_kept[wire::kFrameSlots];  // the host holds it as long as the plugin does
 
-int32_t retain(const odo_frame* frame) {
-  auto* holds = static_cast<std::atomic<uint32_t>*>(frame->owner);
+int32_t ODO_CALL retain(void* owner) {
+  auto* holds = static_cast<std::atomic<uint32_t>*>(owner);
   if (!may_be_kept[holds - control->holds]) return ODO_E_EXHAUSTED;
   const auto held = std::count_if(std::begin(control->holds), std::end(control->holds),
                                   [](const auto& each) { return each.load(std::memory_order_relaxed) > 0; });
@@ -137,8 +142,8 @@ int32_t retain(const odo_frame* frame) {
   return ODO_OK;
 }
 
-void release(const odo_frame* frame) {
-  static_cast<std::atomic<uint32_t>*>(frame->owner)->fetch_sub(1, std::memory_order_release);
+void ODO_CALL release(void* owner) {
+  static_cast<std::atomic<uint32_t>*>(owner)->fetch_sub(1, std::memory_order_release);
 }
 
 class Server {
@@ -169,7 +174,10 @@ class Server {
         phase("reset");
         status = backend_->reset();
         break;
-      case wire::save: phase("save"); return answer.bytes(backend_->save());
+      case wire::save:
+        phase("save");
+        answer.state(backend_->save());
+        break;
       case wire::load:
         phase("load");
         status = backend_->load(request.get_bytes()) ? ODO_OK : ODO_E_DATA;
@@ -214,6 +222,7 @@ class Server {
     for (const uint32_t type : types.outputs) sink_.outputs.add(type);
     for (const auto* list : {&types.inputs, &types.outputs})
       out.put_bytes(list->data(), list->size() * sizeof(uint32_t));
+    out.put(types.flags);
     control->response_size = out.size();
   }
 
@@ -258,12 +267,10 @@ class Server {
       plane->row_stride = request.get<int64_t>();
       plane->pixel_stride = request.get<uint32_t>();
     }
-    frame.owner = &control->holds[slot];
-    frame.retain = retain;
-    frame.release = release;
+    frame.loan = {&control->holds[slot], retain, release, nullptr, 0};
     phase("process");
     const int32_t status = backend_->process(header);
-    release(&frame);
+    release(frame.loan.owner);
     return status;
   }
 

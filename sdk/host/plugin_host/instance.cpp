@@ -75,15 +75,17 @@ KindTypes kind_types(const std::string& id) {
   if (id == ODO_INTERFACE_ATTITUDE)
     return {{ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_IMU_NOISE}, {ODO_TYPE_ATTITUDE}};
   if (id == ODO_INTERFACE_STEP_ESTIMATOR)
-    return {{ODO_TYPE_IMU, ODO_TYPE_ATTITUDE, ODO_TYPE_BAROMETER, ODO_TYPE_FIX}, {ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE}};
+    return {{ODO_TYPE_IMU, ODO_TYPE_ATTITUDE, ODO_TYPE_BAROMETER, ODO_TYPE_SYSTEM_STEP, ODO_TYPE_FIX},
+            {ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE}};
   if (id == ODO_INTERFACE_VO_FRONTEND)
     return {{ODO_TYPE_CALIBRATION, ODO_TYPE_FRAME, ODO_TYPE_IMU, ODO_TYPE_IMU_NOISE, ODO_TYPE_ATTITUDE},
-            {ODO_TYPE_VO_MOTION, ODO_TYPE_CALIBRATION}};
+            {ODO_TYPE_VO_MOTION, ODO_TYPE_REFINED}};
   if (id == ODO_INTERFACE_SCALE_SOURCE)
     return {{ODO_TYPE_VO_MOTION, ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE, ODO_TYPE_FIX}, {ODO_TYPE_SCALE}};
   if (id == ODO_INTERFACE_ABSOLUTE_FIXER)
-    return {{ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_FRAME, ODO_TYPE_CALIBRATION, ODO_TYPE_POSE},
-            {ODO_TYPE_FIX}};
+    return {{ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_RANGE, ODO_TYPE_EARTH_FIELD, ODO_TYPE_FRAME,
+             ODO_TYPE_CALIBRATION, ODO_TYPE_POSE},
+            {ODO_TYPE_FIX, ODO_TYPE_RELATIVE_POSE}};
   return {};
 }
 
@@ -91,6 +93,7 @@ KindTypes plugin_types(const std::string& id, const odo_plugin& table) {
   KindTypes types = kind_types(id);
   types.inputs.insert(types.inputs.end(), table.inputs, table.inputs + table.input_count);
   types.outputs.insert(types.outputs.end(), table.outputs, table.outputs + table.output_count);
+  types.flags = table.flags;
   return types;
 }
 
@@ -138,31 +141,49 @@ Result<bool> PluginInstance::open() {
   }
   if (status >= 0) return true;
   backend_.reset();
-  return Failure{status, choice_->manifest.library.string() + ": plugin '" + id() +
+  return Failure{status, choice_->manifest.place() + ": plugin '" + id() +
                              "' could not be created, configured and activated: " + odo_status_text(status)};
 }
 
 void PluginInstance::learn_types() {
   const KindTypes types = backend_ ? backend_->types() : kind_types(choice_->interface_id);
   inputs_ = outputs_ = {};
+  flags_ = types.flags;
   for (const uint32_t type : types.inputs) inputs_.add(type);
   for (const uint32_t type : types.outputs) outputs_.add(type);
 }
 
+namespace {
+
+/// Inputs are the app's, and some events the host's own; no table can declare them.
+bool may_be_emitted(uint32_t type) {
+  if (ODO_IS_VENDOR(type)) return true;
+  return ODO_IS_EVENT(type) && type != ODO_TYPE_POSE && type != ODO_TYPE_STATE && type != ODO_TYPE_CORRECTION &&
+         type != ODO_TYPE_REPORT;
+}
+
+}  // namespace
+
 int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault) {
   const MessageInfo* info = message_info(event.type);
   const auto name = [&] { return message_name(event.type); };
-  if (!outputs.has(event.type)) {
+  if (ODO_IS_BORROWED(event.type)) {
+    fault = {"wrong_event", "emitted type = " + name() + ", which lends memory; events do not"};
+    return ODO_E_UNSUPPORTED;
+  }
+  if (!may_be_emitted(event.type) || !outputs.has(event.type)) {
     if (ODO_IS_EVENT(event.type) && !info) return ODO_E_UNSUPPORTED;  // of a newer plugin
     fault = {"wrong_event", "emitted type = " + name() + "; expected one that its kind emits or its table declares"};
     return ODO_E_ARGUMENT;
   }
   if (!copy.assign(event)) {
     fault = {"event_size", "emitted a " + name() + " with struct_size = " + std::to_string(event.struct_size) +
-                               "; expected " + std::to_string(info ? info->min_size : sizeof(odo_header)) + " to " +
+                               "; expected " + std::to_string(min_size(event.type)) + " to " +
                                std::to_string(ODO_LARGEST_MESSAGE)};
     return ODO_E_STRUCT_SIZE;
   }
+  copy.header().flags &= ~ODO_FLAG_HOST_MASK;
+  copy.header().reserved = 0;
   if (const std::string wrong = message_fault(copy.header()); !wrong.empty()) {
     fault = {"bad_event", "emitted a " + name() + " with " + wrong};
     return ODO_E_ARGUMENT;
@@ -195,7 +216,7 @@ int32_t PluginInstance::emit(const odo_sink* sink, const odo_header* event) {
 std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
   buffer_.clear();
   overflow_told_ = false;
-  if (!alive_ || !wants(message.type)) return {};
+  if (!alive_ || !wants(message.type) || !can_take(message)) return {};
   now_ns_ = std::max(now_ns_, message.t_ns);
   if (!backend_) {  // its process is down; what it is given first are the descriptions of the sensors
     if (now_ns_ >= back_at_ns_) revive();
@@ -204,6 +225,17 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
   const int64_t start_ns = coarse_now_ns();
   const int32_t status = backend_->process(message);
   if (!isolated()) note_time(coarse_now_ns() - start_ns);
+  return finish(status, &message);
+}
+
+std::span<AnyMessage> PluginInstance::wake() {
+  buffer_.clear();
+  overflow_told_ = false;
+  return alive() ? finish(backend_->wake(), nullptr) : std::span<AnyMessage>();
+}
+
+/// What comes after a call to process, which had no message where `message` is null.
+std::span<AnyMessage> PluginInstance::finish(int32_t status, const odo_header* message) {
   if (has_ended()) {
     note_end(backend_->ended());
     if (alive_ && !backend_ && now_ns_ >= back_at_ns_) revive();
@@ -215,6 +247,21 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
     failures_in_a_row_ = 0;
   if (isolated()) save_now_and_then();
   return buffer_.events();
+}
+
+/// Borrowed memory does not cross into another process, but for a frame's pixels; of a frame without pixels only
+/// plugins that declare it can make use.
+bool PluginInstance::can_take(const odo_header& message) {
+  if (!ODO_IS_BORROWED(message.type)) return true;
+  const bool is_frame = message.type == ODO_TYPE_FRAME;
+  if (is_frame && as<odo_frame>(message).planes[0].data) return true;
+  if (!isolated() && (!is_frame || (flags_ & ODO_PLUGIN_NATIVE_FRAMES))) return true;
+  host_.report(number_, ODO_SEVERITY_WARNING, "not_given",
+               "is not given a " + message_name(message.type) +
+                   (isolated() ? ": its memory cannot be shared with another process"
+                               : " without pixels in memory: its table lacks ODO_PLUGIN_NATIVE_FRAMES"),
+               ODO_E_UNSUPPORTED);
+  return false;
 }
 
 /// In the app's own thread a late call cannot be left out; it is named.
@@ -298,16 +345,15 @@ void PluginInstance::save_now_and_then() {
   saved_ = std::move(learnt);
 }
 
-void PluginInstance::failed(int32_t status, const odo_header& message) {
+void PluginInstance::failed(int32_t status, const odo_header* message) {
+  const std::string given = message ? "a sample of " + message_name(message->type) : "being woken";
   if (status == ODO_E_DISCARD || status == ODO_E_ARGUMENT || status == ODO_E_EXHAUSTED || status == ODO_E_UNSUPPORTED) {
     const std::string why = status == ODO_E_DISCARD ? "" : std::string(": ") + odo_status_text(status);
-    fault(
-        "discarded",
-        "discarded a sample of " + message_name(message.type) + " (t_ns = " + std::to_string(message.t_ns) + ")" + why,
-        status);
+    fault("discarded", "discarded " + given + (message ? " (t_ns = " + std::to_string(message->t_ns) + ")" : "") + why,
+          status);
     return;
   }
-  fault("failed", "failed at a sample of " + message_name(message.type) + ": " + odo_status_text(status), status);
+  fault("failed", "failed at " + given + ": " + odo_status_text(status), status);
   if (status == ODO_E_FATAL) backend_->quarantine();
   if (backend_->quarantined() || ++failures_in_a_row_ >= parameters_.failures_before_giving_up) return give_up();
   reset();

@@ -57,10 +57,13 @@ class PluginInstance {
 
   /// True when the plugin's kind is given messages of this type, or the plugin declares that it wants them.
   bool wants(uint32_t type) const { return inputs_.has(type); }
+  bool takes_several_cameras() const { return (flags_ & ODO_PLUGIN_SEVERAL_CAMERAS) != 0; }
   /// True when it emits or declares events of this type.
   bool gives(uint32_t type) const { return outputs_.has(type); }
   /// Hands one message in and returns the events that came out; they are valid until the next call. [process]
   std::span<AnyMessage> process(const odo_header& message);
+  /// As process, with no message, for a plugin that has asked for it (odo.wake/1). [process]
+  std::span<AnyMessage> wake();
   /// Back to the state after activation. [control]
   void reset();
   /// True once after a reset, also one of its own after a failure: what describes the sensors is to be told anew.
@@ -102,8 +105,10 @@ class PluginInstance {
   void give_up();
   bool use_fallback();
   void learn_types();
+  bool can_take(const odo_header& message);
   void save_now_and_then();
-  void failed(int32_t status, const odo_header& message);
+  std::span<AnyMessage> finish(int32_t status, const odo_header* message);
+  void failed(int32_t status, const odo_header* message);
   void fault(const char* key, const std::string& text, int32_t status);
 
   Parameters parameters_;
@@ -112,6 +117,7 @@ class PluginInstance {
   HostServices& host_;
   uint32_t number_;
   TypeSet inputs_, outputs_;
+  uint32_t flags_ = 0;  // ODO_PLUGIN_*
   Sink sink_{};
   EventBuffer buffer_;
   std::unique_ptr<PluginBackend> backend_;  // none while its process is down

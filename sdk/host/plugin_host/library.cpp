@@ -12,8 +12,10 @@
 #include <odograph/messages.h>
 #include <odograph/odograph.h>
 
+#include "sdk/host/config/linked_plugins.hpp"
 #include "sdk/host/plugin_host/backend.hpp"
 #include "sdk/host/plugin_host/sealed_copy.hpp"
+#include "sdk/host/plugin_host/services.hpp"
 
 namespace odograph {
 namespace {
@@ -22,11 +24,11 @@ std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.
 
 /// A draft's plugin fits a host of the same draft alone.
 std::string version_fault(const odo_plugin& table, const odo_host& host) {
-  const std::string speaks = "it speaks ABI " + std::to_string(table.abi_major) + "." + std::to_string(table.abi_minor);
+  const std::string its = "it is for ABI " + std::to_string(table.abi_major) + "." + std::to_string(table.abi_minor);
   if (table.abi_major < host.abi_major_min || table.abi_major > host.abi_major_max)
-    return speaks + ", this host speaks major " + std::to_string(host.abi_major_max);
+    return its + ", this host has major " + std::to_string(host.abi_major_max);
   if (table.abi_major == 0 && table.abi_minor != host.abi_minor)
-    return speaks + ", a draft; this host speaks draft 0." + std::to_string(host.abi_minor) + ": build it anew";
+    return its + ", a draft; this host has draft 0." + std::to_string(host.abi_minor) + ": build it again";
   return "";
 }
 
@@ -36,6 +38,57 @@ std::string version_fault(const odo_plugin& table, const odo_host& host) {
 void make_ready_for_foreign_exceptions() {
   static const auto looked = _Unwind_Backtrace([](_Unwind_Context*, void*) { return _URC_END_OF_STACK; }, nullptr);
   (void)looked;
+}
+
+/// What is wrong with a table, or nothing.
+std::string table_fault(const odo_plugin& t) {
+  for (const auto& [present, name] :
+       {std::pair{t.create != nullptr, "create"}, std::pair{t.configure != nullptr, "configure"},
+        std::pair{t.activate != nullptr, "activate"}, std::pair{t.process != nullptr, "process"},
+        std::pair{t.destroy != nullptr, "destroy"}})
+    if (!present) return std::string("its table lacks ") + name;
+  if (text(t.id).empty()) return "its table has no id";
+  if (t.interface_count == 0 || !t.interfaces) return "its table has no interface";
+  if ((t.input_count > 0 && !t.inputs) || (t.output_count > 0 && !t.outputs))
+    return "its table counts inputs or outputs and has no list of them";
+  if (t.input_count > kMaxTypes || t.output_count > kMaxTypes)
+    return "its table has " + std::to_string(std::max(t.input_count, t.output_count)) +
+           " inputs or outputs; expected at most " + std::to_string(kMaxTypes);
+  return "";
+}
+
+/// Calls the entry and checks its table; what a smaller table does not have is null.
+Result<odo_plugin> read_table(odo_plugin_entry entry, const odo_host* host, const std::string& place) {
+  const auto fail = [&](int32_t status, const std::string& why) { return Failure{status, place + ": " + why}; };
+  // Room behind the struct: a careless plugin of a newer ABI that writes its whole larger table does no harm.
+  alignas(odo_plugin) unsigned char storage[4096] = {};
+  auto* filled = reinterpret_cast<odo_plugin*>(storage);
+  filled->struct_size = sizeof(odo_plugin);
+  int32_t status = ODO_E_ERROR;
+  try {
+    status = entry(host, filled);
+  } catch (const abi::__forced_unwind&) {  // it ends its thread (pthread_exit)
+    throw;
+  } catch (const std::exception& error) {
+    return fail(ODO_E_ERROR, std::string("an exception came out of its entry: ") + error.what());
+  } catch (...) {
+    return fail(ODO_E_ERROR, "an exception came out of its entry");
+  }
+  if (status != ODO_OK) {
+    const std::string refusal = text(filled->refusal);
+    return fail(status < 0 ? status : ODO_E_ERROR,
+                "it refused to start: " + (refusal.empty() ? odo_status_text(status) : refusal));
+  }
+  if (const auto fault = version_fault(*filled, *host); !fault.empty()) return fail(ODO_E_VERSION, fault);
+  if (filled->struct_size < ODO_PLUGIN_SIZE_MIN)
+    return fail(ODO_E_STRUCT_SIZE, "its table has struct_size = " + std::to_string(filled->struct_size) +
+                                       "; expected at least " + std::to_string(ODO_PLUGIN_SIZE_MIN));
+  odo_plugin table{};
+  std::memcpy(&table, filled, std::min<size_t>(filled->struct_size, sizeof table));
+  if (const auto fault = table_fault(table); !fault.empty()) return fail(ODO_E_DATA, fault);
+  const auto parameters = parameter_specs(table);
+  if (!parameters) return fail(parameters.failure().status, parameters.failure().text);
+  return table;
 }
 
 }  // namespace
@@ -60,47 +113,11 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::open(const std::filesystem
   const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
   if (!entry) return fail(ODO_E_UNSUPPORTED, "symbol missing: it does not export " ODO_PLUGIN_ENTRY_SYMBOL);
 
-  // Room behind the struct: a careless plugin of a newer ABI that writes its whole larger table does no harm.
-  alignas(odo_plugin) unsigned char storage[4096] = {};
-  auto* filled = reinterpret_cast<odo_plugin*>(storage);
-  filled->struct_size = sizeof(odo_plugin);
-  int32_t status = ODO_E_ERROR;
-  try {
-    status = entry(host, filled);
-  } catch (const abi::__forced_unwind&) {  // it ends its thread (pthread_exit)
-    throw;
-  } catch (const std::exception& error) {
-    return fail(ODO_E_ERROR, std::string("an exception came out of its entry: ") + error.what());
-  } catch (...) {
-    return fail(ODO_E_ERROR, "an exception came out of its entry");
-  }
-  if (status != ODO_OK) {
-    const std::string refusal = text(filled->refusal);
-    return fail(status < 0 ? status : ODO_E_ERROR,
-                "it refused to start: " + (refusal.empty() ? odo_status_text(status) : refusal));
-  }
-  if (const auto fault = version_fault(*filled, *host); !fault.empty()) return fail(ODO_E_VERSION, fault);
-  if (filled->struct_size < ODO_PLUGIN_SIZE_MIN)
-    return fail(ODO_E_STRUCT_SIZE, "its table has struct_size = " + std::to_string(filled->struct_size) +
-                                       "; expected at least " + std::to_string(ODO_PLUGIN_SIZE_MIN));
+  const auto table = read_table(entry, host, path.string());
+  if (!table) return table.failure();
   auto library = std::make_shared<PluginLibrary>();
   library->path_ = path;
-  std::memcpy(&library->table_, filled, std::min<size_t>(filled->struct_size, sizeof(odo_plugin)));
-  const odo_plugin& t = library->table_;
-  for (const auto& [present, name] :
-       {std::pair{t.create != nullptr, "create"}, std::pair{t.configure != nullptr, "configure"},
-        std::pair{t.activate != nullptr, "activate"}, std::pair{t.process != nullptr, "process"},
-        std::pair{t.destroy != nullptr, "destroy"}})
-    if (!present) return fail(ODO_E_DATA, std::string("its table lacks ") + name);
-  if (text(t.id).empty()) return fail(ODO_E_DATA, "its table names no id");
-  if (t.interface_count == 0 || !t.interfaces) return fail(ODO_E_DATA, "its table names no interface");
-  if ((t.input_count > 0 && !t.inputs) || (t.output_count > 0 && !t.outputs))
-    return fail(ODO_E_DATA, "its table counts inputs or outputs and has no list of them");
-  if (t.input_count > kMaxTypes || t.output_count > kMaxTypes)
-    return fail(ODO_E_DATA, "its table has " + std::to_string(std::max(t.input_count, t.output_count)) +
-                                " inputs or outputs; expected at most " + std::to_string(kMaxTypes));
-  const auto parameters = parameter_specs(t);
-  if (!parameters) return fail(parameters.failure().status, parameters.failure().text);
+  library->table_ = *table;
   return library;
 }
 
@@ -110,7 +127,14 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const Manifest& manif
   promised.abi_major = manifest.abi_major;
   promised.abi_minor = manifest.abi_minor;
   if (const auto fault = version_fault(promised, *host); !fault.empty())
-    return Failure{ODO_E_VERSION, manifest.path.string() + ": " + fault};
+    return Failure{ODO_E_VERSION, (manifest.entry ? manifest.place() : manifest.path.string()) + ": " + fault};
+  if (manifest.entry) {
+    const auto table = read_table(manifest.entry, host, manifest.place());
+    if (!table) return table.failure();
+    auto library = std::make_shared<PluginLibrary>();
+    library->table_ = *table;
+    return library;
+  }
   std::filesystem::path opened = manifest.library;
   if (check == LibraryCheck::hash)
     if (const auto same = has_hash_of(manifest, opened); !same) return same.failure();
@@ -124,6 +148,15 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const Manifest& manif
     return Failure{ODO_E_DATA, manifest.library.string() + ": its id is '" + text((*library)->table().id) +
                                    "', the manifest says '" + manifest.id + "'"};
   return library;
+}
+
+Result<bool> register_plugin(odo_plugin_entry entry) {
+  const HostServices host(0, {}, nullptr);
+  const auto table = read_table(entry, &host, "the entry");
+  if (!table) return table.failure();
+  const auto manifest = manifest_of(*table, entry);
+  if (!manifest) return manifest.failure();
+  return add_linked_plugin(*manifest);
 }
 
 }  // namespace odograph

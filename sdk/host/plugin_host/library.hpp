@@ -12,14 +12,15 @@
 
 namespace odograph {
 
-/// A loaded plugin library and its table. Stays resident: it is never unloaded. [control]
+/// A loaded plugin library, or a linked-in plugin, and its table. Stays resident: it is never unloaded. [control]
 class PluginLibrary {
  public:
   /// Checks the file's format before the dynamic loader touches it (the loader may crash on a truncated file), loads it
   /// with RTLD_NOW | RTLD_LOCAL, calls the entry and checks the table. Failures name the path and the reason.
   static Result<std::shared_ptr<PluginLibrary>> load(const std::filesystem::path& path, const odo_host* host);
 
-  /// As load, after comparing the library's hash with the manifest's as `check` asks, and its id afterwards.
+  /// As load, after comparing the library's hash with the manifest's as `check` asks, and its id afterwards. A
+  /// linked-in plugin has no file to be checked.
   static Result<std::shared_ptr<PluginLibrary>> load(const Manifest& manifest, LibraryCheck check,
                                                      const odo_host* host);
 
@@ -39,6 +40,9 @@ class PluginLibrary {
   odo_plugin table_{};
   bool quarantined_ = false;
 };
+
+/// Registers a plugin that is linked into the program (odo_register_plugin). The failure names what is wrong. [any]
+Result<bool> register_plugin(odo_plugin_entry entry);
 
 /// Whether the file is a shared library that this machine can run, with all its segments present. True or a Failure,
 /// which calls it `name`.

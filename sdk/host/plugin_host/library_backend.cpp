@@ -15,24 +15,18 @@
 namespace odograph {
 namespace {
 
-constexpr int64_t kLargestState = 16 << 20;  // bytes that a plugin may save
-
-/// A table may end before a function that is optional; then it reads as null.
-#define ODO_OPTIONAL(table, function) (ODO_HAS(&(table), function) ? (table).function : nullptr)
-
-/// Notes which thread is within a call, also one within a call (reset makes a new instance).
+/// Notes which thread is within process: only there may events be emitted.
 class Calling {
  public:
-  explicit Calling(std::atomic<std::thread::id>& caller) : caller_(caller), outer_(caller) {
+  explicit Calling(std::atomic<std::thread::id>& caller) : caller_(caller) {
     caller_.store(std::this_thread::get_id(), std::memory_order_relaxed);
   }
-  ~Calling() { caller_.store(outer_, std::memory_order_relaxed); }
+  ~Calling() { caller_.store({}, std::memory_order_relaxed); }
   Calling(const Calling&) = delete;
   Calling& operator=(const Calling&) = delete;
 
  private:
   std::atomic<std::thread::id>& caller_;
-  const std::thread::id outer_;
 };
 
 }  // namespace
@@ -56,8 +50,7 @@ int32_t LibraryBackend::emit(const odo_sink* sink, const odo_header* event) {
   if (self.caller_.load(std::memory_order_relaxed) == std::this_thread::get_id())
     return self.sink_.emit(&self.sink_, event);
   self.host_.report(self.sink_.instance, ODO_SEVERITY_WARNING, "foreign_thread",
-                    "emitted on a thread of its own or between two calls; expected the thread that calls it",
-                    ODO_E_STATE);
+                    "emitted outside process: on another thread, or in another call", ODO_E_STATE);
   return ODO_E_STATE;
 }
 
@@ -82,7 +75,6 @@ LibraryBackend::~LibraryBackend() { close(); }
 template <class Work>
 int32_t LibraryBackend::call(const char* name, Work&& work) {
   const Breadcrumb crumb(choice_.manifest.id, name);
-  const Calling calling(caller_);
   std::string what;
   try {
     return work();
@@ -116,15 +108,18 @@ int32_t LibraryBackend::start() {
   return status < 0 ? status : call("activate", [&] { return table.activate(instance_, &given_); });
 }
 
-int32_t LibraryBackend::process(const odo_header& message) {
+int32_t LibraryBackend::process(const odo_header& message) { return process(&message, 1); }
+int32_t LibraryBackend::wake() { return process(nullptr, 0); }
+
+int32_t LibraryBackend::process(const odo_header* message, uint32_t count) {
   if (!instance_) return ODO_E_STATE;
-  const odo_header* messages[] = {&message};
-  const odo_batch batch{sizeof(odo_batch), 1, messages};
+  const odo_batch batch{sizeof(odo_batch), count, &message};
+  const Calling calling(caller_);
   return call("process", [&] { return library_->table().process(instance_, &batch); });
 }
 
 int32_t LibraryBackend::reset() {
-  const auto function = ODO_OPTIONAL(library_->table(), reset);
+  const auto function = library_->table().reset;
   if (instance_ && function && call("reset", [&] { return function(instance_); }) >= 0) return ODO_OK;
   close();
   return start();
@@ -136,19 +131,24 @@ void LibraryBackend::close() {
 }
 
 std::vector<uint8_t> LibraryBackend::save() {
-  const auto function = ODO_OPTIONAL(library_->table(), save);
+  const auto function = library_->table().save;
   if (!instance_ || !function) return {};
   int64_t needed = 0, written = 0;
   std::vector<uint8_t> bytes;
   call("save", [&] { return needed = function(instance_, nullptr, 0), ODO_OK; });
-  if (needed <= 0 || needed > kLargestState) return {};
+  if (needed > int64_t{ODO_LARGEST_STATE})
+    host_.report(sink_.instance, ODO_SEVERITY_ERROR, "state_too_large",
+                 "has " + std::to_string(needed) + " bytes of state to save; expected at most " +
+                     std::to_string(ODO_LARGEST_STATE) + ": nothing of it is kept",
+                 ODO_E_EXHAUSTED);
+  if (needed <= 0 || needed > int64_t{ODO_LARGEST_STATE}) return {};
   bytes.resize(static_cast<size_t>(needed));
   call("save", [&] { return written = function(instance_, bytes.data(), bytes.size()), ODO_OK; });
   return written == needed ? bytes : std::vector<uint8_t>();
 }
 
 const void* LibraryBackend::extension(std::string_view id) {
-  const auto function = ODO_OPTIONAL(library_->table(), get_interface);
+  const auto function = library_->table().get_interface;
   const void* table = nullptr;
   if (instance_ && function)
     call("get_interface", [&] { return table = function(instance_, id.data(), id.size()), ODO_OK; });
@@ -156,7 +156,7 @@ const void* LibraryBackend::extension(std::string_view id) {
 }
 
 bool LibraryBackend::load(std::span<const uint8_t> data) {
-  const auto function = ODO_OPTIONAL(library_->table(), load);
+  const auto function = library_->table().load;
   return instance_ && function && call("load", [&] { return function(instance_, data.data(), data.size()); }) >= 0;
 }
 

@@ -26,6 +26,7 @@ class LibraryBackend : public PluginBackend {
 
   int32_t start() override;
   int32_t process(const odo_header& message) override;
+  int32_t wake() override;
   int32_t reset() override;
   std::vector<uint8_t> save() override;
   bool load(std::span<const uint8_t> data) override;
@@ -44,6 +45,7 @@ class LibraryBackend : public PluginBackend {
   static int32_t emit(const odo_sink* sink, const odo_header* event);
   LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
                  const odo_sink& sink, bool thread_may_end);
+  int32_t process(const odo_header* message, uint32_t count);
   template <class Work>
   int32_t call(const char* name, Work&& work);
 

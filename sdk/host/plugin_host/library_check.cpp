@@ -8,7 +8,7 @@
 
 #if defined(__linux__)
 #include <elf.h>
-#include <sys/utsname.h>
+#include <link.h>
 #endif
 
 namespace odograph {
@@ -42,7 +42,7 @@ Result<bool> check_shared_library(const std::filesystem::path& path, const std::
   std::ifstream file(path, std::ios::binary);
   if (!file) return Failure{ODO_E_NOT_FOUND, name.string() + ": cannot be opened"};
   const uint64_t size = std::filesystem::file_size(path, error);
-  Elf64_Ehdr header{};
+  ElfW(Ehdr) header{};
   file.read(reinterpret_cast<char*>(&header), sizeof header);
   if (file.gcount() < EI_NIDENT || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0)
     return fail("not an ELF file; expected a shared library");
@@ -52,21 +52,20 @@ Result<bool> check_shared_library(const std::filesystem::path& path, const std::
     return fail("made for another machine (ELF machine " + std::to_string(header.e_machine) + ", this one is " +
                 std::to_string(machine_of_this_build()) + ")");
   if (header.e_type != ET_DYN) return fail("an ELF file, but not a shared library");
-  if (sizeof(void*) != 8) return true;
-  const auto truncated = [&](uint64_t end) { return end > size || end < 0x40; };
-  const uint64_t table_end = header.e_phoff + uint64_t(header.e_phnum) * sizeof(Elf64_Phdr);
-  if (file.gcount() < static_cast<std::streamsize>(sizeof header) || header.e_phentsize != sizeof(Elf64_Phdr) ||
+  const auto truncated = [&](uint64_t end) { return end > size || end < sizeof(ElfW(Ehdr)); };
+  const uint64_t table_end = uint64_t(header.e_phoff) + uint64_t(header.e_phnum) * sizeof(ElfW(Phdr));
+  if (file.gcount() < static_cast<std::streamsize>(sizeof header) || header.e_phentsize != sizeof(ElfW(Phdr)) ||
       truncated(table_end) ||
-      (header.e_shnum && truncated(header.e_shoff + uint64_t(header.e_shnum) * header.e_shentsize)))
+      (header.e_shnum && truncated(uint64_t(header.e_shoff) + uint64_t(header.e_shnum) * header.e_shentsize)))
     return fail("truncated: " + std::to_string(size) + " bytes are there, its tables lie beyond");
   file.clear();
   file.seekg(static_cast<std::streamoff>(header.e_phoff));
   for (uint16_t i = 0; i < header.e_phnum; ++i) {
-    Elf64_Phdr segment{};
+    ElfW(Phdr) segment{};
     file.read(reinterpret_cast<char*>(&segment), sizeof segment);
-    if (!file || segment.p_offset + segment.p_filesz > size || segment.p_offset + segment.p_filesz < segment.p_offset)
+    if (!file || segment.p_offset > size || segment.p_filesz > size - segment.p_offset)
       return fail("truncated: " + std::to_string(size) + " bytes are there, a segment ends at " +
-                  std::to_string(segment.p_offset + segment.p_filesz));
+                  std::to_string(uint64_t(segment.p_offset) + segment.p_filesz));
   }
   return true;
 }

@@ -134,6 +134,7 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
     types->resize(bytes.size() / sizeof(uint32_t));
     if (!bytes.empty()) std::memcpy(types->data(), bytes.data(), types->size() * sizeof(uint32_t));
   }
+  made->types_.flags = reader.get<uint32_t>();
   if (status < 0) return Failure{status, why};
   if (!reader.good()) return Failure{ODO_E_FATAL, who + "broke the protocol in load"};
   return made;
@@ -250,6 +251,12 @@ bool ProcessBackend::take_records(wire::Reader& reader) {
       host_.report(sink_.instance, std::min(severity, ODO_SEVERITY_ERROR), key, text, status);
       continue;
     }
+    if (kind == wire::state) {
+      const auto data = reader.get_bytes();
+      if (!reader.good()) return false;
+      state_.assign(data.begin(), data.end());
+      continue;
+    }
     const auto event = reader.get_bytes();
     if (kind != wire::event || !reader.good() || event.size() > sizeof bytes) return false;
     if (event.empty()) {
@@ -289,7 +296,7 @@ bool ProcessBackend::put_frame(const odo_header& message, wire::Writer& out) {
   odo_frame frame = copy_as<odo_frame>(message);
   HeldFrame held{true, false, frame, {}};
   if (shared.offset_of(frame.planes[0].data)) {
-    held.retained = frame.retain && frame.release && frame.retain(&frame) >= 0;
+    held.retained = frame.loan.retain && frame.loan.release && frame.loan.retain(frame.loan.owner) >= 0;
   } else {
     const size_t bytes = pixel_bytes(frame);
     held.copy = shared.take(bytes);
@@ -318,7 +325,7 @@ void ProcessBackend::take_back_frames() {
 
 void ProcessBackend::let_go(HeldFrame& held) {
   if (!held.used) return;
-  if (held.retained) held.frame.release(&held.frame);
+  if (held.retained) held.frame.loan.release(held.frame.loan.owner);
   host_.shared_pixels().give_back(held.copy);
   held = {};
 }
@@ -328,10 +335,9 @@ int32_t ProcessBackend::reset() {
 }
 
 std::vector<uint8_t> ProcessBackend::save() {
-  if (!exchange(wire::save, request(), choice_.isolation.time_s)) return {};
-  wire::Reader reader({reinterpret_cast<const uint8_t*>(answer_.data()), answer_size_});
-  const auto bytes = reader.get_bytes();
-  return reader.good() ? std::vector<uint8_t>(bytes.begin(), bytes.end()) : std::vector<uint8_t>();
+  state_.clear();
+  if (!exchange(wire::save, request(), choice_.isolation.time_s) || answered() < 0) return {};
+  return std::move(state_);
 }
 
 bool ProcessBackend::load(std::span<const uint8_t> data) {

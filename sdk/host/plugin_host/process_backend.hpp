@@ -64,6 +64,7 @@ class ProcessBackend : public SeparateBackend {
   HeldFrame held_[wire::kFrameSlots];
   std::vector<uint64_t> answer_;  // copied before it is looked at
   size_t answer_size_ = 0;
+  std::vector<uint8_t> state_;  // of the last save
 };
 
 /// The program that runs plugins, beside this library or program or where it is installed to. Empty where it is

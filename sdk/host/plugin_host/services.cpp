@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 #include "sdk/host/base/version.hpp"
+#include "sdk/host/plugin_host/assets.hpp"
 
 namespace odograph {
 namespace {
@@ -29,16 +31,34 @@ uint64_t mix(uint64_t x) {
 
 }  // namespace
 
-HostServices::HostServices(uint64_t seed, std::vector<std::filesystem::path> assets, Listener listener)
-    : odo_host{}, seed_(seed), assets_(std::move(assets)), listener_(std::move(listener)) {
+HostServices::HostServices(uint64_t seed, std::vector<std::filesystem::path> assets, Listener listener, AppServices app)
+    : odo_host{}, seed_(seed), assets_(std::move(assets)), listener_(std::move(listener)), app_(app) {
   struct_size = sizeof(odo_host);
   abi_major_min = abi_major_max = ODO_ABI_MAJOR;
   abi_minor = ODO_ABI_MINOR;
   version = {kVersion, std::strlen(kVersion)};
   get_service = find_service;
+  asset_contents_.struct_size = sizeof asset_contents_;
+  asset_contents_.user = this;
+  asset_contents_.open = [](void* user, const odo_string* name, odo_asset** asset, uint64_t* size) -> int32_t {
+    return open_asset(static_cast<const HostServices*>(user)->assets_, text_of(name, kLongestText), asset, size);
+  };
+  asset_contents_.read = read_asset;
+  asset_contents_.close = close_asset;
 }
 
-const void* HostServices::find_service(const odo_host*, const char* id, uint64_t size) {
+const void* HostServices::find_service(const odo_host* host, const char* id, uint64_t size) {
+  return of(host).service({id, static_cast<size_t>(size)});
+}
+
+/// Ids that begin with "odo." are the host's; contents of assets are the app's before the host's.
+const void* HostServices::service(std::string_view id) {
+  const bool app_may_have_it = !id.starts_with("odo.") || id == ODO_SERVICE_ASSETS_2;
+  const void* found = app_may_have_it && app_.get ? app_.get(app_.user, id.data(), id.size()) : nullptr;
+  return found ? found : own_service(id);
+}
+
+const void* HostServices::own_service(std::string_view id) const {
   static const odo_report_service reports{
       sizeof(odo_report_service), 0,
       [](const odo_host* host, uint32_t instance, uint32_t severity, const odo_string* key, const odo_string* text) {
@@ -48,24 +68,39 @@ const void* HostServices::find_service(const odo_host*, const char* id, uint64_t
                                          [](const odo_host* host, uint32_t instance, uint64_t stream) {
                                            return mix(mix(of(host).seed_ + instance) ^ stream);
                                          }};
-  static const odo_asset_service assets{
+  static const odo_asset_service paths{
       sizeof(odo_asset_service), 0,
       [](const odo_host* host, const odo_string* name, char* path, uint64_t capacity) -> int64_t {
-        for (const auto& folder : of(host).assets_) {
-          std::error_code error;
-          const auto found = std::filesystem::canonical(folder / text_of(name, kLongestText), error);
-          if (error) continue;
-          const std::string text = found.string();
-          std::copy_n(text.data(), std::min<uint64_t>(capacity, text.size()), path);
-          return static_cast<int64_t>(text.size());
-        }
-        return ODO_E_NOT_FOUND;
+        const auto found = find_asset(of(host).assets_, text_of(name, kLongestText));
+        if (!found) return ODO_E_NOT_FOUND;
+        const std::string text = found->string();
+        std::copy_n(text.data(), std::min<uint64_t>(capacity, text.size()), path);
+        return static_cast<int64_t>(text.size());
       }};
-  const std::string_view wanted(id, size);
-  if (wanted == ODO_SERVICE_REPORT) return &reports;
-  if (wanted == ODO_SERVICE_RANDOM) return &random;
-  if (wanted == ODO_SERVICE_ASSETS) return &assets;
+  static const odo_wake_service wakes{sizeof(odo_wake_service), 0,
+                                      [](const odo_host* host, uint32_t instance) { of(host).wake(instance); }};
+  if (id == ODO_SERVICE_REPORT) return &reports;
+  if (id == ODO_SERVICE_RANDOM) return &random;
+  if (id == ODO_SERVICE_ASSETS) return &paths;
+  if (id == ODO_SERVICE_ASSETS_2) return &asset_contents_;
+  if (id == ODO_SERVICE_WAKE) return &wakes;
   return nullptr;
+}
+
+void HostServices::wake(uint32_t instance) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (names_.count(instance) == 0) return;
+    woken_.insert(instance);
+    has_woken_ = true;
+  }
+  if (wake_listener_) wake_listener_();
+}
+
+std::set<uint32_t> HostServices::take_woken() {
+  const std::lock_guard lock(mutex_);
+  has_woken_ = false;
+  return std::exchange(woken_, {});
 }
 
 void HostServices::name_instance(uint32_t instance, const std::string& id) {

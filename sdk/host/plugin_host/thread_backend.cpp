@@ -21,7 +21,7 @@ namespace {
 constexpr size_t kFrameSlots = 8;  // as many as a session holds by default
 
 const char* name_of(int call) {
-  constexpr const char* names[] = {"load", "create", "process", "reset", "save", "load"};
+  constexpr const char* names[] = {"load", "create", "process", "reset", "save", "load", "process"};
   return names[call];
 }
 
@@ -55,14 +55,12 @@ struct FrameSlot {
   std::vector<uint8_t> pixels;
 };
 
-int32_t retain(const odo_frame* frame) {
-  static_cast<FrameSlot*>(frame->owner)->holds.fetch_add(1);
+int32_t ODO_CALL retain(void* owner) {
+  static_cast<FrameSlot*>(owner)->holds.fetch_add(1);
   return ODO_OK;
 }
 
-void release(const odo_frame* frame) {
-  static_cast<FrameSlot*>(frame->owner)->holds.fetch_sub(1, std::memory_order_release);
-}
+void ODO_CALL release(void* owner) { static_cast<FrameSlot*>(owner)->holds.fetch_sub(1, std::memory_order_release); }
 
 }  // namespace
 
@@ -123,20 +121,18 @@ class ThreadBackend::Worker {
     stopping_ = true;
     if (state_ == State::gone) return;  // no thread is left that could come back
     left_behind_ = true;
-    LeftBehind::add(choice_.manifest.library.string(), 1);
+    LeftBehind::add(choice_.manifest.place(), 1);
   }
 
   /// Copies the pixels into a slot that the plugin does not hold.
   bool put_frame(odo_frame& frame) {
     const auto slot =
         std::find_if(std::begin(slots_), std::end(slots_), [](const FrameSlot& each) { return each.holds == 0; });
-    if (slot == std::end(slots_)) return false;
+    if (slot == std::end(slots_) || pixel_bytes(frame) == 0) return false;
     slot->pixels.resize(pixel_bytes(frame));
     if (!copy_pixels(frame, slot->pixels)) return false;
     slot->holds = 1;
-    frame.owner = slot;
-    frame.retain = retain;
-    frame.release = release;
+    frame.loan = {slot, retain, release, nullptr, 0};
     return true;
   }
 
@@ -159,11 +155,23 @@ class ThreadBackend::Worker {
   /// The host's services, as long as it listens.
   class Services : public HostServices {
    public:
-    Services(HostServices& host, Worker& worker) : HostServices(host.seed(), host.assets(), nullptr), worker_(worker) {}
+    Services(HostServices& host, Worker& worker)
+        : HostServices(host.seed(), host.assets(), nullptr, host.app()), worker_(worker) {}
+    void wake(uint32_t instance) override {
+      const std::lock_guard gate(worker_.gate_);
+      if (worker_.host_) worker_.host_->wake(instance);
+    }
     void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
                 int32_t status) override {
       const std::lock_guard gate(worker_.gate_);
       if (worker_.host_) worker_.host_->report(instance, severity, key, text, status);
+    }
+
+   protected:
+    /// The app's services end with the session.
+    const void* service(std::string_view id) override {
+      const std::lock_guard gate(worker_.gate_);
+      return worker_.host_ ? HostServices::service(id) : nullptr;
     }
 
    private:
@@ -201,8 +209,9 @@ class ThreadBackend::Worker {
       case Call::start: status = backend_->start(); break;
       case Call::process:
         status = backend_->process(message.header());
-        if (message.header().type == ODO_TYPE_FRAME) release(&as<odo_frame>(message.header()));
+        if (message.header().type == ODO_TYPE_FRAME) release(as<odo_frame>(message.header()).loan.owner);
         break;
+      case Call::wake: status = backend_->wake(); break;
       case Call::reset: status = backend_->reset(); break;
       case Call::save: bytes = backend_->save(); break;
       case Call::restore: status = backend_->load(bytes) ? ODO_OK : ODO_E_DATA; break;
@@ -223,7 +232,7 @@ class ThreadBackend::Worker {
   void thread_ends() {
     if (!in_order_) (void)backend_.release();  // it is within a call that will never end
     const std::lock_guard lock(mutex_);
-    if (left_behind_) LeftBehind::add(choice_.manifest.library.string(), -1);
+    if (left_behind_) LeftBehind::add(choice_.manifest.place(), -1);
     state_ = State::gone;
     changed_.notify_all();
   }
@@ -250,7 +259,7 @@ class ThreadBackend::Worker {
 Result<std::unique_ptr<ThreadBackend>> ThreadBackend::load(const PluginChoice& choice, LibraryCheck check,
                                                            HostServices& host, const odo_sink& sink) {
   const Parameters parameters;
-  const std::string library = choice.manifest.library.string();
+  const std::string library = choice.manifest.place();
   if (const int left = LeftBehind::count(library); left >= parameters.max_left_behind)
     return Failure{ODO_E_EXHAUSTED, library + ": " + std::to_string(left) + " of its calls have not come back"};
   auto worker = std::make_shared<Worker>(choice, check, host, sink);
@@ -300,6 +309,10 @@ int32_t ThreadBackend::process(const odo_header& message) {
   if (message.type == ODO_TYPE_FRAME && !worker_->put_frame(reinterpret_cast<odo_frame&>(worker_->message.header())))
     return ODO_E_EXHAUSTED;
   return exchange(Call::process, worker_->choice().isolation.time_s) ? worker_->status : ODO_E_ERROR;
+}
+
+int32_t ThreadBackend::wake() {
+  return exchange(Call::wake, worker_->choice().isolation.time_s) ? worker_->status : ODO_E_ERROR;
 }
 
 int32_t ThreadBackend::reset() {

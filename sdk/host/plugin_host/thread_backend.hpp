@@ -30,13 +30,14 @@ class ThreadBackend : public SeparateBackend {
 
   int32_t start() override;
   int32_t process(const odo_header& message) override;
+  int32_t wake() override;
   int32_t reset() override;
   std::vector<uint8_t> save() override;
   bool load(std::span<const uint8_t> data) override;
 
  private:
   class Worker;
-  enum class Call { load, start, process, reset, save, restore };
+  enum class Call { load, start, process, reset, save, restore, wake };
 
   explicit ThreadBackend(std::shared_ptr<Worker> worker) : worker_(std::move(worker)) {}
   bool exchange(Call call, double limit_s);

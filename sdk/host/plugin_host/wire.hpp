@@ -13,12 +13,12 @@
 
 namespace odograph::wire {
 
-constexpr uint32_t kVersion = 4;
+constexpr uint32_t kVersion = 5;
 /// Descriptors of the plugin's process.
 constexpr int kSocket = 3, kControl = 4, kPixels = 5;
 
 enum Call : uint32_t { hello = 1, start, process, reset, save, load, end };
-enum Record : uint32_t { event = 1, report = 2 };
+enum Record : uint32_t { event = 1, report = 2, state = 3 };
 
 constexpr size_t kFrameSlots = 8;                // as many as a session holds by default
 constexpr size_t kAreaBytes = size_t(20) << 20;  // 256 events of the largest size, or a saved state of 16 MiB

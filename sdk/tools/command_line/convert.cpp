@@ -38,11 +38,11 @@ Result<bool> to_recording(const Recording& recording, const fs::path& output, in
       continue;
     }
     const auto written = (*writer)->write(frame->header);
-    frame->release(&*frame);
+    frame->loan.release(frame->loan.owner);
     if (!written) return written.failure();
   }
   for (const odo_step& step : recording.true_steps)
-    if (const auto written = (*writer)->write(step.header); !written) return written.failure();
+    if (const auto written = (*writer)->write_true_step(step); !written) return written.failure();
   for (const StampedPose& pose : recording.truth)
     if (const auto written = (*writer)->write_truth(pose); !written) return written.failure();
   for (const TrueState& state : recording.true_states)

@@ -118,7 +118,7 @@ inline const Skeleton kSkeletons[] = {
     if (!std::exchange(begun, true)) return;
     auto event = odo::make<odo_vo_motion>(message.header.t_ns);
     event.t_from_ns = from_ns;
-    event.camera = message.calibration;
+    event.camera = message.header.source;
     event.state = ODO_LOST, event.reason = ODO_REASON_INITIALISING;
     output.emit(event);
 )",
@@ -137,7 +137,7 @@ inline const Skeleton kSkeletons[] = {
   event.header.type = ODO_TYPE_VO_MOTION;
   event.header.t_ns = message->t_ns;
   event.t_from_ns = from_ns;
-  event.camera = frame->calibration;
+  event.camera = frame->header.source;
   event.state = ODO_LOST, event.reason = ODO_REASON_INITIALISING;
   return self->sink->emit(self->sink, &event.header);
 )",
@@ -174,7 +174,7 @@ inline const Skeleton kSkeletons[] = {
     {"absolute_fixer", "ODO_INTERFACE_ABSOLUTE_FIXER", "A fix for each waypoint", "odo_waypoint", "",
      R"(    if (!(std::hypot(message.p_n[0], message.p_n[1]) < 1e7 && message.sigma_m < 1e7)) return;  // no place on the Earth
     auto event = odo::make<odo_fix>(message.header.t_ns);
-    event.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+    event.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
     for (int i = 0; i < 2; ++i) event.p_n[i] = message.p_n[i];
     const double sigma = std::max(gain * 0.01, message.sigma_m);
     for (int i = 0; i < 3; ++i) event.covariance_n[4 * i] = sigma * sigma;
@@ -190,7 +190,7 @@ inline const Skeleton kSkeletons[] = {
   event.header.struct_size = sizeof event;
   event.header.type = ODO_TYPE_FIX;
   event.header.t_ns = message->t_ns;
-  event.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST;
+  event.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
   for (i = 0; i < 2; ++i) event.p_n[i] = waypoint->p_n[i];
   sigma = waypoint->sigma_m > 0.01 * self->gain ? waypoint->sigma_m : 0.01 * self->gain;
   for (i = 0; i < 3; ++i) event.covariance_n[4 * i] = sigma * sigma;
@@ -206,6 +206,8 @@ inline constexpr char kCpp[] = R"(// SPDX-License-Identifier: Apache-2.0
 
 #include <odograph/plugin.hpp>
 
+namespace {
+
 struct Plugin {
   double gain = @DEFAULT@;  // the initialiser is the parameter's default
 
@@ -219,6 +221,8 @@ struct Plugin {
 @BODY@  }
 
 @STATE@};
+
+}  // namespace
 
 ODO_PLUGIN(Plugin)
 )";

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <fstream>
+#include <functional>
+#include <optional>
 
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/base/printable.hpp"
 #include "sdk/host/config/registry.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/command_line/plugin_skeleton.hpp"
+#include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/validator/check.hpp"
 #include "sdk/tools/validator/write_manifest.hpp"
 
@@ -42,10 +45,22 @@ int plugins(const std::string& id, const std::string& folder) {
 }
 
 struct CheckWish {
-  std::string file, format = "text", output;
+  std::string file, format = "text", output, recording;
   std::vector<std::string> set, only;
   bool list = false, times = false;
 };
+
+/// Gives the messages of a recording; a frame whose picture cannot be read is left out.
+void give_all(const Recording& recording, const std::function<void(const odo_header&)>& give) {
+  for (const RecordedMessage& message : recording.messages) {
+    if (message.message.header().type != ODO_TYPE_FRAME) {
+      give(message.message.header());
+    } else if (const auto frame = load_frame(message)) {
+      give(frame->header);
+      frame->loan.release(frame->loan.owner);
+    }
+  }
+}
 
 int check(const CheckWish& wish) {
   if (wish.list) {
@@ -65,7 +80,15 @@ int check(const CheckWish& wish) {
     if (equals == std::string::npos) return complain({ODO_E_ARGUMENT, "--set " + one + ": expected NAME=VALUE"});
     options.settings.emplace_back(one.substr(0, equals), one.substr(equals + 1));
   }
+  std::optional<Result<Recording>> recording;
+  if (!wish.recording.empty()) {
+    recording.emplace(read_recording(wish.recording, {.events = true}));
+    if (!*recording) return complain(recording->failure());
+    options.recording = [&](const auto& give) { give_all(**recording, give); };
+  }
   const auto checks = check_plugin(wish.file, options);
+  if (checks.empty())
+    return complain({ODO_E_ARGUMENT, "--only: no case begins so; `odograph plugin check --list` names them"});
   const std::string text = wish.format == "json"    ? check_as_json(wish.file, checks)
                            : wish.format == "junit" ? check_as_junit(wish.file, checks)
                                                     : check_as_text(checks, wish.times);
@@ -103,6 +126,8 @@ void add_plugins(CLI::App& app, int& status) {
   check_command->add_option("--format", wish->format, "text, json or junit")
       ->check(CLI::IsMember({"text", "json", "junit"}));
   check_command->add_option("-o,--output", wish->output, "file to write to instead of the terminal");
+  check_command->add_option("--recording", wish->recording,
+                            "give the plugin this recording too: what it emits is counted and checked");
   check_command->add_flag("--times", wish->times, "how long each case took");
   check_command->add_flag("--list", wish->list, "list the cases");
   check_command->callback([=, &status] { status = check(*wish); });

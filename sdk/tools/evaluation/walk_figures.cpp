@@ -70,7 +70,7 @@ void add_attitude(const Recording& recording, const WalkEstimate& result, WalkFi
       if (first_s < 0) first_s = t, first_deg = heading, before = heading;
       rotations += std::remainder(heading - before, 360.0);
       before = heading, last_s = t, last_deg = first_deg + rotations;
-      strays.push_back(std::abs((a.header.flags & ODO_ATTITUDE_NORTH) ? first_deg + rotations : rotations));
+      strays.push_back(std::abs((a.header.flags & ODO_ATTITUDE_MAGNETIC_NORTH) ? first_deg + rotations : rotations));
     }
   }
   if (n > 0) f.tilt_deg.push_back(std::sqrt(squares / static_cast<double>(n)));

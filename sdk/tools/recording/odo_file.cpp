@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/recording/odo_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -61,6 +62,8 @@ Result<bool> OdoWriter::write(const odo_header& message) {
     if (!picture) return picture.failure();
     return write_encoded_frame(frame, *picture);
   }
+  if (ODO_IS_RESERVED(message.type) || ODO_IS_BORROWED(message.type))
+    return Failure{ODO_E_UNSUPPORTED, "a " + message_name(message.type) + " cannot be recorded"};
   if (AnyMessage copy; !copy.assign(message))
     return Failure{ODO_E_STRUCT_SIZE, "a " + message_name(message.type) + " with struct_size = " +
                                           std::to_string(message.struct_size) + " cannot be recorded"};
@@ -95,6 +98,8 @@ Result<bool> OdoWriter::write_true_skyline(const TrueSkyline& s) {
 
 Result<bool> OdoWriter::write_true_sighting(const TrueSighting& s) { return record(kTrueSighting, bytes_of(s)); }
 
+Result<bool> OdoWriter::write_true_step(const odo_step& s) { return record(kTrueStep, bytes_of(s)); }
+
 Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jpeg_quality) {
   const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
   auto* data = const_cast<uint8_t*>(frame.planes[0].data);
@@ -126,21 +131,21 @@ Eigen::Quaterniond unit(const double* q) {
 }
 
 /// An ABI message as its writer knew it, older or newer than this program; behind a frame's struct lies its picture.
-void take_message(Recording& recording, const RecordReader& record, const std::shared_ptr<const fs::path>& file) {
+void take_message(Recording& recording, const RecordReader& record, const std::shared_ptr<const fs::path>& file,
+                  bool events) {
   AnyMessage message;
   std::span<const unsigned char> picture;
   if (!record.message(message, picture)) return;
   const odo_header& header = message.header();
-  if (header.type == ODO_TYPE_STEP) recording.true_steps.push_back(copy_as<odo_step>(header));
   if (header.type == ODO_TYPE_FRAME)
     recording.add(header, {file, record.payload_offset() + header.struct_size, picture.size()});
-  else if (is_input(header.type))
+  else if (is_input(header.type) && !ODO_IS_BORROWED(header.type) || (events && ODO_IS_EVENT(header.type)))
     recording.add(header);
 }
 
 /// Takes one whole record into the recording.
 void take(Recording& recording, const RecordReader& record, const std::shared_ptr<const fs::path>& file,
-          bool true_states) {
+          const ReadOptions& options) {
   const auto payload = record.payload();
   if (record.type() == OdoWriter::kTruthPose && payload.size() >= sizeof(TruthRecord)) {
     TruthRecord t;
@@ -153,7 +158,7 @@ void take(Recording& recording, const RecordReader& record, const std::shared_pt
     return;
   }
   if (record.type() == OdoWriter::kTrueState && payload.size() >= sizeof(StateRecord)) {
-    if (!true_states) return;
+    if (!options.true_states) return;
     StateRecord r;
     std::memcpy(&r, payload.data(), sizeof r);
     using Eigen::Vector3d;
@@ -163,6 +168,11 @@ void take(Recording& recording, const RecordReader& record, const std::shared_pt
   }
   if (record.type() == OdoWriter::kTrueSighting && payload.size() >= sizeof(TrueSighting)) {
     std::memcpy(&recording.true_sightings.emplace_back(), payload.data(), sizeof(TrueSighting));
+    return;
+  }
+  if (record.type() == OdoWriter::kTrueStep && payload.size() >= ODO_STEP_SIZE_MIN) {
+    odo_step& step = recording.true_steps.emplace_back();
+    std::memcpy(static_cast<void*>(&step), payload.data(), std::min(payload.size(), sizeof step));
     return;
   }
   if (record.type() == OdoWriter::kTrueSkyline && payload.size() >= sizeof(SkylineHead)) {
@@ -179,7 +189,7 @@ void take(Recording& recording, const RecordReader& record, const std::shared_pt
     }
     return;
   }
-  take_message(recording, record, file);
+  take_message(recording, record, file, options.events);
 }
 
 }  // namespace
@@ -189,7 +199,7 @@ Result<Recording> read_odo(const fs::path& file, const ReadOptions& options) {
   auto records = RecordReader::open(file);
   if (!records) return records.failure();
   const auto shared = std::make_shared<const fs::path>(file);
-  while (records->next()) take(recording, *records, shared, options.true_states);
+  while (records->next()) take(recording, *records, shared, options);
   recording.loss.file = records->loss();
   if (const std::string lost = recording.loss.file.text(); !lost.empty()) recording.warnings.push_back(lost);
   if (recording.messages.empty())

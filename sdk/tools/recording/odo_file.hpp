@@ -28,6 +28,9 @@ class OdoWriter {
   /// i64 t_ns; u32 tag, f32 visible part; f64 corners[8] (px)
   static constexpr uint32_t kTrueSighting = 0x10003;
 
+  /// An odo_step, as its writer knew it
+  static constexpr uint32_t kTrueStep = 0x10004;
+
   /// A file that is there already stays until finish(). jpeg_quality 0 = lossless PNG.
   static Result<std::unique_ptr<OdoWriter>> create(const std::filesystem::path& file, int jpeg_quality);
 
@@ -39,6 +42,7 @@ class OdoWriter {
   Result<bool> write_true_state(const TrueState& state);
   Result<bool> write_true_skyline(const TrueSkyline& skyline);
   Result<bool> write_true_sighting(const TrueSighting& sighting);
+  Result<bool> write_true_step(const odo_step& step);
   /// Sets the end mark and puts the file in its place.
   Result<bool> finish() { return records_.finish(); }
   int jpeg_quality() const { return jpeg_quality_; }

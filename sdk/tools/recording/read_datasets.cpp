@@ -39,9 +39,9 @@ std::vector<fs::path> pictures_of(const fs::path& folder) {
   return files;
 }
 
-void add_frame(Recording& recording, int64_t t_ns, uint32_t calibration, const fs::path& picture) {
+void add_frame(Recording& recording, int64_t t_ns, uint32_t camera, const fs::path& picture) {
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
-  frame.calibration = calibration;
+  frame.header.source = camera;
   recording.add(frame.header, {std::make_shared<const fs::path>(picture)});
 }
 
@@ -109,7 +109,7 @@ Result<Recording> read_kitti(const fs::path& folder) {
   }
   if (!first) return first.failure();
   calibration.width = first->width, calibration.height = first->height;
-  first->release(&*first);
+  first->loan.release(first->loan.owner);
   recording.add(calibration.header);
   for (size_t i = 0; i < files.size(); ++i) add_frame(recording, times[i], 0, files[i]);
   std::error_code error;

@@ -85,7 +85,7 @@ Result<odo_calibration> read_asl_camera(const fs::path& path, uint32_t id) {
   const auto resolution = reals(file, *node, "resolution", 2, 1e6);
   if (!resolution) return resolution.failure();
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
-  c.id = id;
+  c.header.source = id;
   const YamlNode* model = node->find("distortion_model");
   const bool fisheye = model && (model->text == "equidistant" || model->text == "kannala_brandt");
   c.model = fisheye ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;

@@ -95,13 +95,13 @@ struct HeldPicture {
   std::atomic<int> holds{1};
 };
 
-int32_t retain(const odo_frame* frame) {
-  ++static_cast<HeldPicture*>(frame->owner)->holds;
+int32_t retain(void* owner) {
+  ++static_cast<HeldPicture*>(owner)->holds;
   return ODO_OK;
 }
 
-void release(const odo_frame* frame) {
-  auto* held = static_cast<HeldPicture*>(frame->owner);
+void release(void* owner) {
+  auto* held = static_cast<HeldPicture*>(owner);
   if (--held->holds == 0) delete held;
 }
 
@@ -141,10 +141,11 @@ Result<odo_frame> load_frame(const RecordedMessage& recorded) {
   frame.width = static_cast<uint32_t>(image.cols);
   frame.height = static_cast<uint32_t>(image.rows);
   frame.format = image.channels() == 1 ? ODO_FORMAT_GREY8 : ODO_FORMAT_RGB8;
+  frame.plane_count = 1;
   frame.planes[0] = {image.data, static_cast<int64_t>(image.step[0]), static_cast<uint32_t>(image.channels()), 0};
-  frame.owner = held.release();
-  frame.retain = retain;
-  frame.release = release;
+  frame.loan.owner = held.release();
+  frame.loan.retain = retain;
+  frame.loan.release = release;
   return frame;
 }
 

@@ -66,6 +66,8 @@ struct ReadOptions {
   bool pictures_outside = false;
   /// What a simulator knows of the body is read too, which takes 144 bytes for each IMU sample.
   bool true_states = true;
+  /// Events that an app recorded are messages too; without it they are left out, since a replay makes them anew.
+  bool events = false;
 };
 
 /// A recording in memory, except for its pictures. Messages are in order of time.

@@ -97,7 +97,7 @@ class EurocWriter {
           continue;
         }
         const auto picture = encode_picture(*frame, 0);
-        frame->release(&*frame);
+        frame->loan.release(frame->loan.owner);
         if (!picture) return picture.failure();
         write_text("mav0/cam0/data/" + stamp + ".png", std::string(picture->begin(), picture->end()));
         frames += stamp + "," + stamp + ".png\n";

@@ -113,7 +113,7 @@ class Walk {
       for (const auto& [world, px] :
            {std::pair{ODO_WORLD_CORRECTED, &sums_.px}, std::pair{ODO_WORLD_SMOOTH, &sums_.smooth_px}}) {
         const odo_anchor anchor = get(content.id, world, t_ns);
-        if ((anchor.flags & ODO_ANCHOR_IN_VIEW) == 0) continue;
+        if ((anchor.flags & ODO_ANCHOR_VIEW_POSE) == 0) continue;
         const Vector3d p_view(anchor.p_view);
         if (p_view.z() < 0.2) continue;
         px->push_back(

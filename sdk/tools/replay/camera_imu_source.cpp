@@ -29,7 +29,7 @@ Result<CameraImuData> camera_imu_data(const Recording& recording, const Progress
     const int64_t t_ns = frame->header.t_ns;
     if (i == 0 && (frame->header.flags & ODO_FRAME_LINE_TIME))
       data.given_row_time_s = static_cast<double>(frame->line_time_ns) * 1e-9;
-    frame->release(&*frame);
+    frame->loan.release(frame->loan.owner);
     if (grey.cols != static_cast<int>(data.given.width) || grey.rows != static_cast<int>(data.given.height))
       return Failure{ODO_E_DATA, recording.path.string() + ": frames of " + std::to_string(grey.cols) + "x" +
                                      std::to_string(grey.rows) + ", a calibration of " +

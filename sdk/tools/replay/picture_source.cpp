@@ -57,7 +57,7 @@ cv::Mat load_grey(const RecordedMessage& message) {
   const auto frame = load_frame(message);
   if (!frame) return {};
   const cv::Mat grey = grey_of(*frame);
-  frame->release(&*frame);
+  frame->loan.release(frame->loan.owner);
   return grey;
 }
 
@@ -137,7 +137,7 @@ Result<TrackFigures> followed_corners(const Recording& recording, size_t most,
     const auto frame = load_frame(*frames[i]);
     if (!frame) return frame.failure();
     follower.add(grey_of(*frame), calibration);
-    frame->release(&*frame);
+    frame->loan.release(frame->loan.owner);
   }
   follower.finish();
   const auto span_ns = frames.back()->message.header().t_ns - frames.front()->message.header().t_ns;

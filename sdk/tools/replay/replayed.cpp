@@ -48,6 +48,7 @@ Result<SessionHandle> replay_session(const RunOptions& options) {
   odo_session_options o{};
   o.struct_size = sizeof o;
   o.run = ODO_RUN_REPLAY;
+  o.flags = ODO_SESSION_CRASH_NOTES;
   o.config_path = {own->config.data(), own->config.size()};
   o.plugin_path = {own->plugin_path.data(), own->plugin_path.size()};
   o.seed = own->seed;
@@ -69,7 +70,7 @@ std::optional<Failure> push(odo_session* session, const RecordedMessage& message
   const auto picture = load_frame(message);
   if (!picture) return picture.failure();
   odo_session_push(session, &picture->header);
-  picture->release(&*picture);
+  picture->loan.release(picture->loan.owner);
   return std::nullopt;
 }
 

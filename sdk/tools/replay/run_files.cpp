@@ -49,7 +49,7 @@ void write_scales(std::ostream& out, const std::vector<odo_scale>& scales) {
   out << std::setprecision(9) << "t_ns,source,scale_m,sigma_m,used\n";
   for (const odo_scale& s : scales)
     out << s.header.t_ns << ',' << s.header.source << ',' << s.scale << ',' << s.sigma << ','
-        << ((s.header.flags & ODO_SCALE_ACCEPTED) ? 1 : 0) << '\n';
+        << ((s.header.flags & ODO_FLAG_ACCEPTED) ? 1 : 0) << '\n';
 }
 
 void write_fixes(std::ostream& out, const std::vector<RunResult::Fix>& fixes) {
@@ -72,6 +72,14 @@ Json json_of(const RecordingLoss& loss) {
   if (!loss.file.any()) records = 0;
   return {{"records", records},       {"bytes", loss.file.bytes},  {"places", loss.file.places},
           {"cut_off", loss.file.cut}, {"pictures", loss.pictures}, {"wild_times", loss.wild_times}};
+}
+
+Json json_of(const std::vector<RunResult::Plugin>& plugins) {
+  Json rows = Json::array();
+  for (const auto& p : plugins)
+    rows.push_back(
+        {{"number", p.number}, {"kind", p.kind}, {"id", p.id}, {"version", p.version}, {"sha256", p.sha256}});
+  return rows;
 }
 
 /// What the metre of the last scale group rests on; null where nobody knows it.
@@ -119,6 +127,7 @@ Json summary_of(const Recording& recording, const RunResult& result, const RunOp
       {"versions",
        {{"odograph", odo_version()},
         {"abi", std::to_string(odo_abi_version() >> 16) + "." + std::to_string(odo_abi_version() & 0xFFFF)}}},
+      {"plugins", json_of(result.plugins)},
       {"seed", options.seed},
       {"config", result.config_text}};
 }

@@ -63,7 +63,7 @@ struct Collector {
         break;
       case ODO_TYPE_CALIBRATION: result.refined.push_back(as<odo_calibration>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
-      case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FIX_ACCEPTED) != 0}); break;
+      case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FLAG_ACCEPTED) != 0}); break;
       case ODO_TYPE_REPORT: take_report(as<odo_report>(event)); break;
       case ODO_TYPE_STATE:
         result.final_state = as<odo_state>(event).state;
@@ -159,7 +159,7 @@ void push_all(odo_session* session, const Recording& recording, const RunOptions
         continue;
       }
       collector.take(work_of([&] { odo_session_push(session, &frame->header); }));
-      frame->release(&*frame);
+      frame->loan.release(frame->loan.owner);
     } else {
       const Work work = work_of([&] { odo_session_push(session, &message.message.header()); });
       collector.take(work);
@@ -182,6 +182,21 @@ void lay_over_waypoints(const ReplayConfig& replay, const Recording& recording, 
     step.heading_rad = std::remainder(step.heading_rad + result.heading_offset_rad, 2 * EIGEN_PI);
 }
 
+/// In the order of their instances' numbers.
+std::vector<RunResult::Plugin> plugins_of(const PipelineConfig& config) {
+  const std::pair<const char*, const std::vector<PluginChoice>*> kinds[] = {{"attitude", &config.attitudes},
+                                                                            {"step_estimator", &config.step_estimators},
+                                                                            {"vo_frontend", &config.vo_frontends},
+                                                                            {"scale_source", &config.scale_sources},
+                                                                            {"absolute_fixer", &config.fixers}};
+  std::vector<RunResult::Plugin> plugins;
+  for (const auto& [kind, choices] : kinds)
+    for (const PluginChoice& choice : *choices)
+      plugins.push_back({static_cast<uint32_t>(plugins.size() + 1), kind, choice.manifest.id, choice.manifest.version,
+                         choice.manifest.sha256});
+  return plugins;
+}
+
 }  // namespace
 
 Result<RunResult> replay(const Recording& recording, const RunOptions& options) {
@@ -198,6 +213,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
 
   RunResult result;
   result.config_text = config->text;
+  result.plugins = plugins_of(*config);
   result.loss = recording.loss;
   if (options.keep_session) result.session = shared;
   Collector collector{result, options.collect_poses};

@@ -56,6 +56,14 @@ struct RunResult {
     std::string text;
   };
   std::map<std::string, Notice> notices;
+  /// A plugin of the config; events have its number in header.source.
+  struct Plugin {
+    uint32_t number = 0;  ///< from 1
+    std::string kind;     ///< as in the config: "step_estimator"
+    std::string id, version;
+    std::string sha256;  ///< of the library, from the manifest
+  };
+  std::vector<Plugin> plugins;
   std::string config_text;
 };
 

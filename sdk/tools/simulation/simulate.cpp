@@ -312,7 +312,7 @@ class Simulation {
     s.length_m = step.length_m;
     s.frequency_hz = 1.0 / (step.t_end_s - step.t_start_s);
     s.mode = step.mode;
-    check(writer_.write(s.header));
+    check(writer_.write_true_step(s));
   }
 
   const Scenario& c_;

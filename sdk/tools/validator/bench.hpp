@@ -9,6 +9,7 @@
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/plugin_host/library.hpp"
 #include "sdk/host/plugin_host/services.hpp"
+#include "sdk/tools/validator/check.hpp"
 #include "sdk/tools/validator/subject.hpp"
 #include "sdk/tools/validator/test_input.hpp"
 
@@ -39,6 +40,11 @@ class Bench {
   std::unique_ptr<Subject> subject() const { return std::make_unique<Subject>(table(), host, interface_id); }
   /// An instance that has been started; null, and `why` says it, when it could not be.
   std::unique_ptr<Subject> started(std::string& why) const;
+  /// An instance that has been given the walk or, in place of it, the recording: the same for all cases of this
+  /// process. Null, and `why` says it, when it does not start.
+  const Subject* walked(std::string& why);
+  /// From here on `walked` gives the messages of a recording, one after the other.
+  void replay(Messages messages) { recording_ = std::move(messages); }
   /// The events of a new instance for some input.
   std::vector<std::vector<unsigned char>> run(const std::vector<AnyMessage>& messages, const Handling& handling,
                                               std::string& why) const;
@@ -46,6 +52,8 @@ class Bench {
  private:
   std::vector<std::pair<std::string, std::string>> settings_;
   TypeSet inputs_, outputs_;
+  Messages recording_;
+  std::unique_ptr<Subject> walked_;
 };
 
 /// One case: "" passes, a text that starts with '~' says why it does not apply, any other what is wrong.
@@ -56,6 +64,7 @@ struct Case {
   double input_s;  ///< how long a walk it needs
   bool loaded;     ///< it works with the loaded library
   std::string (*test)(Bench&);
+  bool any_input = false;  ///< it judges the events of any input, a recording's too
 };
 
 std::vector<Case> entry_cases();
@@ -66,6 +75,10 @@ std::vector<Case> meaning_cases();
 std::vector<Case> repeat_cases();
 std::vector<Case> frame_cases();
 std::vector<Case> fault_cases();
+
+std::vector<Case> all_cases();
+/// What a case's answer comes to.
+PluginCheck judged(const Case& one, const std::string& answer);
 
 /// What the first event differs in from the other run's, or "".
 std::string difference(const std::vector<std::vector<unsigned char>>& one,

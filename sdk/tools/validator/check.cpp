@@ -8,6 +8,7 @@
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/tools/validator/bench.hpp"
 #include "sdk/tools/validator/child.hpp"
+#include "sdk/tools/validator/recording_check.hpp"
 
 namespace odograph {
 
@@ -58,6 +59,23 @@ std::vector<std::vector<unsigned char>> Bench::run(const std::vector<AnyMessage>
   return made->bytes();
 }
 
+const Subject* Bench::walked(std::string& why) {
+  if (walked_) return walked_.get();
+  walked_ = started(why);
+  if (!walked_) return nullptr;
+  if (!recording_) {
+    walked_->process(input);
+    return walked_.get();
+  }
+  input.clear();
+  recording_([&](const odo_header& message) {
+    if (!wants(message.type)) return;
+    input.emplace_back(message);
+    walked_->process({input.back()});
+  });
+  return walked_.get();
+}
+
 std::string difference(const std::vector<std::vector<unsigned char>>& one,
                        const std::vector<std::vector<unsigned char>>& other) {
   for (size_t i = 0; i < std::min(one.size(), other.size()); ++i) {
@@ -71,8 +89,6 @@ std::string difference(const std::vector<std::vector<unsigned char>>& one,
   return "";
 }
 
-namespace {
-
 std::vector<Case> all_cases() {
   std::vector<Case> all;
   for (const auto& part : {entry_cases(), parameter_cases(), life_cases(), event_cases(), meaning_cases(),
@@ -80,6 +96,18 @@ std::vector<Case> all_cases() {
     all.insert(all.end(), part.begin(), part.end());
   return all;
 }
+
+PluginCheck judged(const Case& one, const std::string& answer) {
+  PluginCheck check{one.id, one.what, PluginCheck::Outcome::failed, answer, 0};
+  if (answer.empty()) check.outcome = PluginCheck::Outcome::passed;
+  if (answer[0] == '~') {
+    check.outcome = PluginCheck::Outcome::not_applicable;
+    check.detail = answer.substr(1);
+  }
+  return check;
+}
+
+namespace {
 
 PluginCheck run_case(const Case& one, const std::filesystem::path& library, const CheckOptions& options) {
   PluginCheck check{one.id, one.what, PluginCheck::Outcome::failed, "", 0};
@@ -90,14 +118,9 @@ PluginCheck run_case(const Case& one, const std::filesystem::path& library, cons
           if (const std::string why = bench.load(); !why.empty()) return why;
         return one.test(bench);
       });
+  if (result.finished) check = judged(one, result.text);
+  check.detail = result.finished ? check.detail : result.text;
   check.seconds = result.seconds;
-  check.detail = result.text;
-  if (!result.finished) return check;
-  if (result.text.empty()) check.outcome = PluginCheck::Outcome::passed;
-  if (result.text[0] == '~') {
-    check.outcome = PluginCheck::Outcome::not_applicable;
-    check.detail = result.text.substr(1);
-  }
   return check;
 }
 
@@ -155,6 +178,10 @@ std::vector<PluginCheck> check_plugin(const std::filesystem::path& library, cons
     checks.push_back(run_case(cases[i], path, options));
     if (checks.back().id == "entry.fills_table") loads = checks.back().outcome == PluginCheck::Outcome::passed;
   }
+  const bool wanted =
+      options.only.empty() || std::find(options.only.begin(), options.only.end(), "recording") != options.only.end();
+  if (options.recording && loads && wanted)
+    for (PluginCheck& check : check_on_recording(path, options)) checks.push_back(std::move(check));
   return checks;
 }
 

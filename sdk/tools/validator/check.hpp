@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <odograph/base.h>
+
 namespace odograph {
 
 /// What one case of the plugin validator found.
@@ -19,6 +21,9 @@ struct PluginCheck {
   double seconds = 0;
 };
 
+/// Gives all messages of a recording, in the order of time, each valid for the duration of the call.
+using Messages = std::function<void(const std::function<void(const odo_header&)>& give)>;
+
 struct CheckOptions {
   /// Parameters, name and value, for plugins that have no good default.
   std::vector<std::pair<std::string, std::string>> settings;
@@ -26,6 +31,8 @@ struct CheckOptions {
   std::vector<std::string> only;
   /// Longest that a case may take, s, where its own limit is longer; 0: each case's own.
   double limit_s = 0;
+  /// A recording that the plugin is given besides, for the cases that are named recording; may be empty.
+  Messages recording;
   /// Called before each case with its number, how many there are and its id.
   std::function<void(size_t, size_t, const std::string&)> progress;
 };

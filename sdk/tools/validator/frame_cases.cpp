@@ -39,9 +39,9 @@ std::string survives(Bench& bench, const std::function<void(AnyMessage&)>& chang
 
 void lend(AnyMessage& message, FrameLedger& ledger) {
   odo_frame& frame = frame_of(message);
-  frame.owner = &ledger;
-  frame.retain = FrameLedger::retain;
-  frame.release = FrameLedger::release;
+  frame.loan.owner = &ledger;
+  frame.loan.retain = FrameLedger::retain;
+  frame.loan.release = FrameLedger::release;
 }
 
 /// What is kept in a call is given back until destroy. Pixels stay, so that who keeps them well may read them.
@@ -181,7 +181,7 @@ std::string masked(Bench& bench) {
 }
 
 std::string unknown_camera(Bench& bench) {
-  return survives(bench, [](AnyMessage& message) { frame_of(message).calibration = 7; });
+  return survives(bench, [](AnyMessage& message) { message.header().source = 7; });
 }
 
 /// The focal length as autofocus moves it: by 3 % and back.

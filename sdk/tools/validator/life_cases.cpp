@@ -228,7 +228,7 @@ std::vector<uint8_t> saved(const Bench& bench, const Subject& subject, std::stri
   note_phase("save");
   const auto save = bench.table().save;
   const int64_t needed = save(subject.instance(), nullptr, 0);
-  if (needed < 0 || needed > (16 << 20))
+  if (needed < 0 || needed > int64_t{ODO_LARGEST_STATE})
     return why = status_text("save", static_cast<int32_t>(needed)), std::vector<uint8_t>();
   std::vector<uint8_t> bytes(static_cast<size_t>(needed) + 64, 0x5A);
   if (save(subject.instance(), bytes.data(), static_cast<uint64_t>(needed)) != needed)

@@ -188,13 +188,13 @@ std::vector<std::vector<unsigned char>> Subject::bytes() const {
   return all;
 }
 
-int32_t FrameLedger::retain(const odo_frame* frame) {
-  auto& ledger = *static_cast<FrameLedger*>(frame->owner);
+int32_t FrameLedger::retain(void* owner) {
+  auto& ledger = *static_cast<FrameLedger*>(owner);
   if (ledger.refuse) return ODO_E_EXHAUSTED;
   ++ledger.retained;
   return ODO_OK;
 }
 
-void FrameLedger::release(const odo_frame* frame) { ++static_cast<FrameLedger*>(frame->owner)->released; }
+void FrameLedger::release(void* owner) { ++static_cast<FrameLedger*>(owner)->released; }
 
 }  // namespace odograph

@@ -84,8 +84,8 @@ class Subject {
 struct FrameLedger {
   int retained = 0, released = 0;
   bool refuse = false;  ///< retain answers ODO_E_EXHAUSTED
-  static int32_t ODO_CALL retain(const odo_frame* frame);
-  static void ODO_CALL release(const odo_frame* frame);
+  static int32_t ODO_CALL retain(void* owner);
+  static void ODO_CALL release(void* owner);
 };
 
 }  // namespace odograph

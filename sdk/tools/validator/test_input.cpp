@@ -29,6 +29,7 @@ TestInput::TestInput(double seconds) {
     imu.accel_b[2] = 9.81 + 2.0 * std::sin(4 * kPi * t);  // two steps a second
     add(imu);
     auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);
+    attitude.header.flags = ODO_ATTITUDE_COVARIANCE | ODO_ATTITUDE_GYRO_BIAS;
     attitude.q_n_b[1] = 1.0;  // screen up: half a turn about north
     for (int k = 0; k < 3; ++k) attitude.covariance_n[4 * k] = 1e-4;
     add(attitude);
@@ -46,6 +47,15 @@ TestInput::TestInput(double seconds) {
 }
 
 void TestInput::add_slow(int i, double t, int64_t t_ns) {
+  if (i % 20 == 10) {
+    auto range = make_message<odo_range>(ODO_TYPE_RANGE, t_ns);
+    range.header.flags = ODO_RANGE_TRANSMITTER;
+    range.transmitter = 1;
+    range.p_n[0] = 100, range.p_n[2] = -20;
+    range.range_m = std::hypot(100 - kSpeed_mps * t, 20.0);
+    range.sigma_m = 0.1, range.transmitter_sigma_m = 0.01;
+    add(range);
+  }
   if (i % 2 == 0) {
     auto field = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, t_ns);
     field.field_b[0] = 2e-5, field.field_b[2] = -4e-5;
@@ -67,7 +77,8 @@ void TestInput::add_slow(int i, double t, int64_t t_ns) {
   waypoint.sigma_m = 0.1;
   add(waypoint);
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, t_ns);
-  fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_SLANT | ODO_FIX_ACCEPTED;
+  fix.header.flags =
+      ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_COVARIANCE | ODO_FIX_SLANT | ODO_FLAG_ACCEPTED;
   fix.p_n[0] = kSpeed_mps * t;
   for (int k = 0; k < 3; ++k) fix.covariance_n[4 * k] = 1;
   fix.landmark_n[0] = 100, fix.landmark_n[2] = -20;
@@ -93,9 +104,15 @@ void TestInput::add_camera(int k, int64_t t_ns) {
   frame.width = kWidth, frame.height = kHeight;
   frame.planes[0] = {pixels.data(), kWidth, 1, 0};
   add(frame);
+  auto platform = make_message<odo_platform_pose>(ODO_TYPE_PLATFORM_POSE, t_ns);
+  platform.header.flags = ODO_PLATFORM_POSE_CAMERA;
+  platform.q_w[0] = 1.0;
+  platform.p_w[0] = 0.1 * kSpeed_mps * k;
+  platform.state = ODO_TRACKING;
+  add(platform);
   if (k == 0) return;
   auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, t_ns);
-  motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_COVARIANCE | ODO_VO_NAVIGATION;
+  motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_COVARIANCE | ODO_FLAG_NAVIGATION;
   motion.t_from_ns = t_ns - 100'000'000;
   motion.q_c0_c1[0] = motion.q_n_c0[0] = 1.0;
   motion.p_c0_c1[0] = 0.1 * kUnit_mps;

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/plugin_host/assets.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <new>
+
+struct odo_asset {
+  std::ifstream file;
+  uint64_t size = 0;
+};
+
+namespace odograph {
+
+std::optional<std::filesystem::path> find_asset(const std::vector<std::filesystem::path>& folders,
+                                                const std::string& name) {
+  for (const auto& folder : folders) {
+    std::error_code error;
+    auto found = std::filesystem::canonical(folder / name, error);
+    if (!error) return found;
+  }
+  return std::nullopt;
+}
+
+int32_t open_asset(const std::vector<std::filesystem::path>& folders, const std::string& name, odo_asset** asset,
+                   uint64_t* size) noexcept {
+  if (!asset || !size) return ODO_E_ARGUMENT;
+  *asset = nullptr;
+  *size = 0;
+  try {
+    const auto path = find_asset(folders, name);
+    std::error_code error;
+    if (!path || !std::filesystem::is_regular_file(*path, error)) return ODO_E_NOT_FOUND;  // a pipe would wait
+    auto made = std::make_unique<odo_asset>();
+    made->file.open(*path, std::ios::binary);
+    made->size = std::filesystem::file_size(*path, error);
+    if (!made->file || error) return ODO_E_NOT_FOUND;
+    *size = made->size;
+    *asset = made.release();
+    return ODO_OK;
+  } catch (const std::bad_alloc&) {
+    return ODO_E_MEMORY;
+  } catch (...) {
+    return ODO_E_NOT_FOUND;
+  }
+}
+
+int64_t read_asset(odo_asset* asset, uint64_t offset, void* data, uint64_t size) noexcept {
+  if (!asset || (!data && size > 0)) return ODO_E_ARGUMENT;
+  if (offset >= asset->size) return 0;
+  try {
+    asset->file.clear();
+    asset->file.seekg(static_cast<std::streamoff>(offset));
+    asset->file.read(static_cast<char*>(data), static_cast<std::streamsize>(std::min(size, asset->size - offset)));
+    return asset->file.bad() ? ODO_E_DATA : asset->file.gcount();
+  } catch (...) {
+    return ODO_E_DATA;
+  }
+}
+
+void close_asset(odo_asset* asset) noexcept { delete asset; }
+
+}  // namespace odograph

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/validator/recording_check.hpp"
+
+#include <map>
+
+#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/child.hpp"
+
+namespace odograph {
+namespace {
+
+constexpr double kLimit_s = 3600;  // for a recording of any length, pictures and all
+constexpr char kBetween = '\x1e';  // between the child's answers, one for each row of rows()
+
+std::vector<Case> rows() {
+  std::vector<Case> rows = {{"given", "is given messages that it takes", 0, 0, true, nullptr, true},
+                            {"emitted", "emits events", 0, 0, true, nullptr, true}};
+  for (const Case& one : all_cases())
+    if (one.any_input) rows.push_back(one);
+  return rows;
+}
+
+/// "fix 12, step 40", or why it does not apply. The first byte '+': it is no fault.
+template <class Range, class Header>
+std::string counted(const Range& messages, Header&& header) {
+  std::map<std::string, size_t> counts;
+  for (const auto& message : messages) ++counts[message_name(header(message).type)];
+  std::string text;
+  for (const auto& [name, count] : counts) text += (text.empty() ? "+" : ", ") + name + " " + std::to_string(count);
+  return text.empty() ? "~nothing" : text;
+}
+
+std::string answers(Bench& bench) {
+  std::string why;
+  const Subject* subject = bench.walked(why);
+  if (!subject) return why;
+  std::string text = counted(bench.input, [](const AnyMessage& m) -> const odo_header& { return m.header(); });
+  text += kBetween;
+  text += counted(subject->events, [](const SeenEvent& e) -> const odo_header& { return e.message.header(); });
+  for (const Case& one : rows())
+    if (one.test) text += kBetween + one.test(bench);
+  return text;
+}
+
+}  // namespace
+
+std::vector<PluginCheck> check_on_recording(const std::filesystem::path& library, const CheckOptions& options) {
+  const ChildResult result = run_in_child(options.limit_s > 0 ? options.limit_s : kLimit_s, [&]() -> std::string {
+    Bench bench(library, options.settings, 0);
+    if (const std::string why = bench.load(); !why.empty()) return why;
+    bench.replay(options.recording);
+    return answers(bench);
+  });
+  std::vector<PluginCheck> checks;
+  std::string left = result.text;
+  for (const Case& row : rows()) {
+    const size_t end = left.find(kBetween);
+    const bool is_last = end == std::string::npos;
+    PluginCheck check = judged(row, left.substr(0, end));
+    if (!check.detail.empty() && check.detail[0] == '+')
+      check.outcome = PluginCheck::Outcome::passed, check.detail.erase(0, 1);
+    check.id = "recording." + check.id;
+    check.seconds = checks.empty() ? result.seconds : 0;
+    if (!result.finished) check.outcome = PluginCheck::Outcome::failed;
+    checks.push_back(std::move(check));
+    if (is_last) break;  // also what ended the child, or kept the plugin from its start
+    left.erase(0, end + 1);
+  }
+  return checks;
+}
+
+}  // namespace odograph

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Why an anchor is not placed, and whether it is in front.
+#include <doctest/doctest.h>
+
+#include <odograph/anchor.h>
+
+#include "tests/session_app.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("anchor_state");
+
+namespace {
+
+const std::string kInertial = "coupling: {type: inertial}\n",
+                  kPlace = "start: {position: [0 m, 0 m, 0 m], heading: 0 rad}",
+                  kOrigin = "origin: {latitude: 0.8 rad, longitude: 0.1 rad, height: 300 m}";
+
+std::string navigation(const std::string& keys) { return "navigation: {" + keys + "}\n"; }
+
+odo_anchor_place in_view(double z_m) {
+  odo_anchor_place out{};
+  out.struct_size = sizeof out;
+  out.kind = ODO_ANCHOR_VIEW, out.t_ns = ODO_TIME_LATEST, out.p[2] = z_m;
+  return out;
+}
+
+odo_anchor_place on_earth() {
+  odo_anchor_place out{};
+  out.struct_size = sizeof out;
+  out.kind = ODO_ANCHOR_GEODETIC, out.height_above = ODO_HEIGHT_ELLIPSOID;
+  out.latitude_rad = 0.8, out.longitude_rad = 0.1, out.height_m = 302;
+  return out;
+}
+
+uint64_t make(const App& app, const odo_anchor_place& at) {
+  uint64_t id = 0;
+  REQUIRE(odo_anchor_create(app.session, &at, &id) == ODO_OK);
+  return id;
+}
+
+odo_anchor get(const App& app, uint64_t id) {
+  odo_anchor anchor{};
+  anchor.struct_size = sizeof anchor;
+  REQUIRE(odo_anchor_get(app.session, id, ODO_WORLD_CORRECTED, ODO_TIME_LATEST, &anchor) == ODO_OK);
+  return anchor;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "n's origin and the phone's place in n are two things, and an anchor's reason names the one that is missing") {
+  const double geodetic[3] = {0.8, 0.1, 300};
+  double p_n[3];
+  App origin(kWalk + kInertial + navigation(kOrigin)), start(kWalk + kInertial + navigation(kPlace)),
+      both(kWalk + kInertial + navigation(kOrigin + ", " + kPlace));
+  CHECK(odo_session_from_geodetic(origin.session, geodetic, p_n) == ODO_OK);  // it converts without a place
+  CHECK(odo_session_from_geodetic(start.session, geodetic, p_n) == ODO_NOT_READY);
+  for (App* app : {&origin, &start, &both}) make(*app, on_earth()), app->walk(0, 500);
+  CHECK(get(origin, 1).reason == ODO_REASON_NO_FIX);
+  CHECK(get(start, 1).reason == ODO_REASON_NO_ORIGIN);
+  CHECK(std::string(odo_reason_text(ODO_REASON_NO_ORIGIN)) == "no origin on the Earth yet");
+  CHECK(get(both, 1).state == ODO_TRACKING);
+}
+
+TEST_CASE("an anchor is in front on the side that the phone's camera faces alone") {
+  App app(kWalk + kInertial + navigation(kPlace));
+  app.walk(0, 500);
+  // Without a camera the pose is the body's, whose z axis points out of the screen.
+  const uint64_t faced = make(app, in_view(-3)), behind = make(app, in_view(3));
+  CHECK(get(app, faced).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE | ODO_ANCHOR_IN_FRONT));
+  CHECK(get(app, behind).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE));
+}
+
+TEST_SUITE_END();

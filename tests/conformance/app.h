@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What cases have in common as apps: a session with all of its events, and samples to push. */
+#ifndef CONFORMANCE_APP_H
+#define CONFORMANCE_APP_H
+
+#include <pthread.h>
+
+#include "journal.h"
+
+/* Configs. The suite's plugins alone stand in them. */
+#define CONFIG "odograph: 1\n"
+#define WITH_ATTITUDE "attitude:\n  plugin: conformance/probe\n"
+#define WITH_STEPS "step_estimator:\n  plugin: conformance/probe\n"
+#define WITH_FRONTEND "vo_frontend:\n  plugin: conformance/frontend\n"
+#define WITH_SEVERAL "vo_frontend:\n  plugin: conformance/several\n"
+#define WITH_FIXER "absolute_fixers:\n  - plugin: conformance/probe\n"
+#define FIXER_ALONE CONFIG WITH_FIXER
+#define CAMERA_WALK CONFIG WITH_ATTITUDE WITH_FRONTEND WITH_FIXER /* with hooks_walk: poses with a metric position */
+#define FIXER ODO_INTERFACE_ABSOLUTE_FIXER
+#define FRONTEND ODO_INTERFACE_VO_FRONTEND
+#define ATTITUDE ODO_INTERFACE_ATTITUDE
+
+#define MS INT64_C(1000000)
+#define SECOND INT64_C(1000000000)
+#define T0 (100 * SECOND)
+
+typedef struct app {
+  odo_session* session;
+  pthread_mutex_t lock;
+  odo_header** events; /* copies, in order */
+  size_t count, capacity;
+  pthread_t callback_thread;                                  /* of the newest call */
+  void (*on_event)(struct app* app, const odo_header* event); /* within the callback; may be null */
+  void* user;
+} app;
+
+/* Registers the suite's plugins or finds their folder; skips the case where neither can be done. */
+void need_plugins(void);
+/* Options with this config, and the plugins of the suite. */
+odo_session_options app_options(const char* config, uint32_t run);
+/* A session whose callback receives all events. The case ends where it cannot be created. */
+app* app_open(const char* config, uint32_t run);
+app* app_open_options(const odo_session_options* chosen);
+/* Destroys the session; the events stay. */
+void app_close(app* self);
+size_t app_events(app* self, uint32_t type);
+const odo_header* app_event(app* self, uint32_t type, size_t index);
+/* Whether a report with this key, or with this text within, was given. */
+bool app_reported(app* self, const char* key_or_text);
+odo_statistics app_statistics(app* self);
+/* Flushes, which must succeed. */
+void app_flush(app* self);
+/* Waits until a live session has given `count` events of a type, 5 s at most. */
+bool app_wait_events(app* self, uint32_t type, size_t count);
+
+/* Fills *message of `size` bytes: zero, with size, type and time. */
+void put_header(void* message, uint32_t size, uint32_t type, int64_t t_ns);
+int32_t push(app* self, const void* message);
+int32_t push_rest(app* self, int64_t t_ns); /* an inertial sample at rest */
+/* Inertial samples at rest, one each 10 ms, `from` to before `to`. All must be taken. */
+void push_rest_between(app* self, int64_t from_ns, int64_t to_ns);
+/* The same on a clock that was set back, and flushes. */
+void push_set_back(app* self, int64_t from_ns, int64_t to_ns);
+void put_barometer(odo_barometer* out, int64_t t_ns);
+void put_calibration(odo_calibration* out, uint32_t camera, int64_t t_ns);
+/* A grey frame of 64 x 48 pixels without retain and release. */
+void put_frame(odo_frame* out, uint32_t camera, int64_t t_ns);
+void put_fix(odo_fix* out, int64_t t_ns, double north_m);
+
+/* A valid message of each input that copies (not of odo_frame). */
+typedef struct sample_kind {
+  uint32_t type, size, min_size;
+  const char* name;
+  void (*put)(void* out, int64_t t_ns);
+  size_t number_at; /* offset of a double that must be finite */
+} sample_kind;
+extern const sample_kind sample_kinds[];
+extern const size_t sample_kind_count;
+#define LARGEST_SAMPLE 1024 /* holds any of them, with a longer end */
+
+/* Hooks: attitude and front-end answer as in a walk to the front, one metre a second. The fixer emits `walk_fix` with
+ * the next barometer sample where its struct_size is set. */
+int32_t walk_message(odo_instance* instance, const odo_header* message);
+extern odo_fix walk_fix;
+/* One second of the walk: inertial samples each 10 ms, frames each 100 ms. The first call pushes the calibration. */
+void walk_second(app* self, int second);
+/* Before another walk in the same case. */
+void walk_reset(void);
+
+/* A loan that counts. */
+typedef struct lent {
+  pthread_mutex_t lock;
+  int retains, releases;
+  int refuse;  /* retain answers ODO_E_EXHAUSTED */
+  int strange; /* calls with an owner that was not ours */
+  const void* native;
+} lent;
+void lent_init(lent* self);
+void lend(odo_loan* loan, lent* self);
+/* Each retain was followed by one release. */
+#define CHECK_BALANCED(self, min_retains)                                                                            \
+  do {                                                                                                               \
+    CHECK((self)->retains == (self)->releases && (self)->retains >= (min_retains) && (self)->strange == 0,           \
+          "retain was called %d times and release %d times (%d with a strange owner); expected as many of each, at " \
+          "least %d",                                                                                                \
+          (self)->retains, (self)->releases, (self)->strange, (min_retains));                                        \
+  } while (0)
+
+#endif

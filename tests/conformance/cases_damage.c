@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Recordings that were cut off or damaged, and files that are none. */
+#include "app.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void need_all(void) {
+  NEED(recorder_create);
+  NEED(recorder_write);
+  NEED(recorder_close);
+  NEED(recording_open);
+  NEED(recording_next);
+  NEED(recording_loss);
+  NEED(recording_close);
+}
+
+/* Ten barometer samples, numbered by their pressure; closed or not. */
+static odo_recorder* write_ten(const char* path, bool closed) {
+  const odo_string name = string_of(path);
+  odo_recorder* recorder = NULL;
+  odo_barometer sample;
+  int i;
+  need_all();
+  EXPECT(odo.recorder_create(&name, &recorder, NULL), ODO_OK);
+  for (i = 0; i < 10; ++i) {
+    put_barometer(&sample, T0 + i * MS);
+    EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
+  }
+  if (!closed) return recorder;
+  EXPECT(odo.recorder_close(recorder), ODO_OK);
+  return NULL;
+}
+
+typedef struct file {
+  unsigned char bytes[16384];
+  size_t size;
+} file;
+
+static void read_file(const char* path, file* out) {
+  FILE* opened = fopen(path, "rb");
+  REQUIRE(opened, "there is no file %s", path);
+  out->size = fread(out->bytes, 1, sizeof out->bytes, opened);
+  fclose(opened);
+}
+
+static void write_file(const char* path, const file* from, size_t size) {
+  FILE* opened = fopen(path, "wb");
+  REQUIRE(opened && fwrite(from->bytes, 1, size, opened) == size, "%s could not be written", path);
+  fclose(opened);
+}
+
+/* How many messages can be read; -1 where it cannot be opened. *loss is what odo_recording_loss gives. */
+static int read_all(const char* path, int32_t* loss) {
+  const odo_string name = string_of(path);
+  odo_error words = {sizeof words, 0, ""};
+  odo_recording* recording = NULL;
+  const odo_header* found;
+  int count = 0;
+  *loss = odo.recording_open(&name, &recording, &words);
+  if (*loss != ODO_OK) return -1;
+  while (odo.recording_next(recording, &found, NULL, NULL) == ODO_OK) {
+    CHECK(found->type == ODO_TYPE_BAROMETER && found->struct_size == sizeof(odo_barometer),
+          "a message of type 0x%x was read", found->type);
+    ++count;
+  }
+  words.struct_size = sizeof words;
+  *loss = odo.recording_loss(recording, &words);
+  CHECK((*loss == ODO_OK) == (words.message[0] == 0), "odo_recording_loss = %s, \"%s\"", status_name(*loss),
+        words.message);
+  odo.recording_close(recording);
+  return count;
+}
+
+static void cut_off(int unused) {
+  const char* path = case_file("cut.odo");
+  file whole;
+  size_t size;
+  int32_t loss;
+  int before = -1;
+  (void)unused;
+  write_ten(path, true);
+  read_file(path, &whole);
+  CHECK(read_all(path, &loss) == 10 && loss == ODO_OK, "the whole recording has a loss");
+  for (size = 0; size < whole.size; ++size) {
+    int count;
+    write_file(path, &whole, size);
+    count = read_all(path, &loss);
+    CHECK(loss == ODO_E_DATA, "cut to %u of %u bytes the loss is %s", (unsigned)size, (unsigned)whole.size,
+          status_name(loss));
+    CHECK(count >= before, "cut to %u bytes %d messages can be read; %d with fewer bytes", (unsigned)size, count,
+          before);
+    if (count > before) before = count;
+  }
+  CHECK(before == 10, "of 10 whole records and no end mark %d could be read", before);
+}
+
+static void changed_bytes(int unused) {
+  const char* path = case_file("changed.odo");
+  file whole;
+  size_t at;
+  int32_t loss;
+  (void)unused;
+  write_ten(path, true);
+  read_file(path, &whole);
+  for (at = 0; at < whole.size; ++at) {
+    int count;
+    whole.bytes[at] ^= 0x10;
+    write_file(path, &whole, whole.size);
+    count = read_all(path, &loss);
+    CHECK(count == -1 || count >= 9, "with byte %u changed %d of 10 messages could be read", (unsigned)at, count);
+    CHECK(count != -1 || at < 64, "with byte %u changed it could not be opened", (unsigned)at);
+    CHECK(loss < 0 || at < 16, "with byte %u changed nothing is reported as lost", (unsigned)at);
+    whole.bytes[at] ^= 0x10;
+  }
+}
+
+static void never_closed(int unused) {
+  const char* path = case_file("open.odo");
+  int32_t loss;
+  int count;
+  (void)unused;
+  write_ten(path, false); /* there was no file of the name: it is written in its place at once */
+  count = read_all(path, &loss);
+  CHECK(count == 10 || count == -1 || loss == ODO_E_DATA,
+        "of a recording that is being written %d messages could be read", count);
+  CHECK(loss == ODO_E_DATA, "the loss of a recording that was never closed is %s", status_name(loss));
+  CHECK(count == 10, "%d of 10 messages could be read before it was closed", count);
+}
+
+static void old_one_stays(int unused) {
+  const char *path = case_file("kept.odo"), *part = case_file("kept.odo.part");
+  odo_recorder* recorder;
+  FILE* beside;
+  int32_t loss;
+  (void)unused;
+  write_ten(path, true);
+  recorder = write_ten(path, false);
+  beside = fopen(part, "rb");
+  CHECK(beside, "the new one does not lie beside the old one as NAME.part");
+  if (beside) fclose(beside);
+  CHECK(read_all(path, &loss) == 10 && loss == ODO_OK, "the old one is gone before the new one is closed");
+  EXPECT(odo.recorder_close(recorder), ODO_OK);
+  CHECK(read_all(path, &loss) == 10 && loss == ODO_OK, "the new one cannot be read");
+  beside = fopen(part, "rb");
+  CHECK(!beside, "NAME.part is left");
+}
+
+static void no_recordings(int unused) {
+  static const char* const texts[] = {"", "hello", "ODOREC1\n", "PK\3\4 and so on and so on"};
+  char missing[512], apart[512];
+  odo_string nowhere, no_folder;
+  odo_error error = {sizeof error, 0, ""};
+  odo_recording* recording = NULL;
+  odo_recorder* recorder = NULL;
+  file content;
+  int32_t loss;
+  size_t i;
+  (void)unused;
+  need_all();
+  strcpy(missing, case_file("nowhere.odo")), strcpy(apart, case_file("no_folder/walk.odo"));
+  nowhere = string_of(missing), no_folder = string_of(apart);
+  EXPECT(odo.recording_open(&nowhere, &recording, &error), ODO_E_NOT_FOUND);
+  CHECK(!recording && error.message[0], "there is a recording, or no reason");
+  for (i = 0; i < COUNT_OF(texts); ++i) {
+    const char* path = case_file("text.odo");
+    memcpy(content.bytes, texts[i], strlen(texts[i]));
+    write_file(path, &content, strlen(texts[i]));
+    CHECK(read_all(path, &loss) <= 0 && loss == ODO_E_DATA, "\"%s\" is a recording: %s", texts[i], status_name(loss));
+  }
+  error.struct_size = sizeof error, error.message[0] = 0;
+  CHECK(odo.recorder_create(&no_folder, &recorder, &error) < 0 && !recorder && error.message[0],
+        "a recording in a folder that is not there was created");
+}
+
+static void null_is_allowed(int unused) {
+  (void)unused;
+  need_all();
+  odo.recording_close(NULL);
+  EXPECT(odo.recorder_close(NULL), ODO_OK);
+  EXPECT(odo.recording_open(NULL, NULL, NULL), ODO_E_ARGUMENT);
+  EXPECT(odo.recorder_create(NULL, NULL, NULL), ODO_E_ARGUMENT);
+}
+
+const conformance_case cases_damage[] = {
+    {"a recording that was cut off has a loss, and its whole records are read", "recording.h",
+     "After a crash everything up to the last whole message can be read.", cut_off, 0},
+    {"a changed byte costs one message at most and is reported", "recording.h",
+     "what is damaged is left out (odo_recording_loss)", changed_bytes, 0},
+    {"a recording that was never closed can be read and has a loss", "recording.h",
+     "Sets the mark that tells a closed recording from one that was cut off.", never_closed, 0},
+    {"a recording of the same name stays until the new one is closed", "recording.h",
+     "A file of that name stays until the new one is closed; until then that lies beside it as", old_one_stays, 0},
+    {"files that are no recordings are refused with a reason", "recording.h",
+     "null and `error`, which may be null, says why: ODO_E_NOT_FOUND, ODO_E_DATA, ODO_E_VERSION.", no_recordings, 0},
+    {"closing null does nothing", "recording.h", "Null is allowed.", null_is_allowed, 0},
+    {NULL, NULL, NULL, NULL, 0}};

@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Events: where a plugin may emit, which, and how many. */
+#include "app.h"
+
+#include <string.h>
+
+typedef struct vendor_event {
+  odo_header header;
+  uint32_t words[8];
+} vendor_event;
+
+static void put_event(vendor_event* event, int64_t t_ns) {
+  put_header(event, sizeof *event, PROBE_EVENT, t_ns);
+  event->words[0] = 7;
+}
+
+/* What the hooks below answered; their plan. */
+static struct {
+  uint32_t within; /* the call that emits */
+  int32_t status;
+  int calls;
+  uint32_t count, accepted, exhausted;
+} plan;
+
+/* ---- outside of process ---- */
+static int64_t emit_within(probe_call* call) {
+  vendor_event event;
+  if (call->what != plan.within || !call->instance || !call->instance->sink) return ODO_OK;
+  put_event(&event, T0);
+  plan.status = probe_emit(call->instance, &event);
+  ++plan.calls;
+  if (call->what == PROBE_SAVE) {
+    if (call->data && call->size >= 4) memcpy(call->data, "text", 4);
+    return 4;
+  }
+  return ODO_OK;
+}
+
+static void emit_outside_process(int what) {
+  app* self;
+  char blob[4096];
+  int64_t size;
+  NEED(session_save);
+  NEED(session_load);
+  plan.within = (uint32_t)what;
+  hooks.on_call = emit_within;
+  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  if (what == PROBE_LOAD) { /* something to load */
+    plan.within = PROBE_SAVE;
+    size = odo.session_save(self->session, blob, sizeof blob);
+    plan.within = PROBE_LOAD, plan.calls = 0;
+    CHECK(size > 0 && size <= (int64_t)sizeof blob, "odo_session_save = %s", status_name(size));
+    EXPECT(odo.session_load(self->session, blob, (uint64_t)size), ODO_OK);
+  } else {
+    push_rest_between(self, T0, T0 + 2 * SECOND);
+    app_flush(self);
+    odo.session_save(self->session, blob, sizeof blob);
+    if (what == PROBE_RESET) push_set_back(self, T0 / 2, T0 / 2 + 3 * SECOND);
+  }
+  if (what == PROBE_DESTROY) {
+    app_close(self);
+  } else {
+    app_flush(self);
+  }
+  CHECK(plan.calls > 0, "the call was not made; the calls were: %s", journal_words(FIXER));
+  CHECK(plan.status == ODO_E_STATE, "emit = %s; expected ODO_E_STATE", status_name(plan.status));
+  CHECK(app_events(self, PROBE_EVENT) == 0, "the event was published");
+}
+
+/* ---- another instance's sink, another thread ---- */
+static odo_instance* instances[2];
+
+static int32_t emit_by_other(odo_instance* instance, const odo_header* message) {
+  vendor_event event;
+  if (!instances[0] || instances[0] == instance) {
+    instances[0] = instance;
+    return ODO_OK;
+  }
+  put_event(&event, message->t_ns);
+  plan.status = probe_emit(instances[0], &event);
+  ++plan.calls;
+  return ODO_OK;
+}
+
+static void emit_of_another_instance(int unused) {
+  odo_barometer sample;
+  app* self;
+  (void)unused;
+  hooks.on_message = emit_by_other;
+  self = app_open(FIXER_ALONE "  - plugin: conformance/probe\n", ODO_RUN_REPLAY);
+  put_barometer(&sample, T0);
+  EXPECT(push(self, &sample), ODO_OK);
+  app_flush(self);
+  CHECK(plan.calls == 1, "the two instances were not both called");
+  CHECK(plan.status == ODO_E_STATE, "emit = %s; expected ODO_E_STATE", status_name(plan.status));
+  CHECK(app_events(self, PROBE_EVENT) == 0, "the event was published");
+}
+
+static void* emit_on_thread(void* instance) {
+  vendor_event event;
+  put_event(&event, T0);
+  plan.status = probe_emit((odo_instance*)instance, &event);
+  return NULL;
+}
+
+static int32_t emit_by_thread(odo_instance* instance, const odo_header* message) {
+  pthread_t thread;
+  (void)message;
+  if (plan.calls++ == 0 && pthread_create(&thread, NULL, emit_on_thread, instance) == 0) pthread_join(thread, NULL);
+  return ODO_OK;
+}
+
+static void emit_of_another_thread(int unused) {
+  odo_barometer sample;
+  app* self;
+  (void)unused;
+  hooks.on_message = emit_by_thread;
+  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  put_barometer(&sample, T0);
+  EXPECT(push(self, &sample), ODO_OK);
+  app_flush(self);
+  CHECK(plan.status == ODO_E_STATE, "emit = %s; expected ODO_E_STATE", status_name(plan.status));
+  CHECK(app_events(self, PROBE_EVENT) == 0, "the event was published");
+}
+
+/* ---- how many ---- */
+static int32_t emit_many(odo_instance* instance, const odo_header* message) {
+  uint32_t i;
+  if (plan.calls++ > 1) return ODO_OK;
+  for (i = 0; i < plan.count; ++i) {
+    vendor_event event;
+    int32_t status;
+    put_event(&event, message->t_ns);
+    event.words[0] = i;
+    status = probe_emit(instance, &event);
+    memset(&event, 0xFF, sizeof event); /* it was copied */
+    plan.accepted += status == ODO_OK;
+    plan.exhausted += status == ODO_E_EXHAUSTED;
+  }
+  return ODO_OK;
+}
+
+static app* open_and_push(int samples) {
+  app* self;
+  int i;
+  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  for (i = 0; i < samples; ++i) {
+    odo_barometer sample;
+    put_barometer(&sample, T0 + i * 10 * MS);
+    EXPECT(push(self, &sample), ODO_OK);
+    app_flush(self);
+  }
+  return self;
+}
+
+static void many_events(int unused) {
+  app* self;
+  size_t i;
+  (void)unused;
+  plan.count = 300;
+  hooks.on_message = emit_many;
+  self = open_and_push(2);
+  CHECK(plan.accepted == 2 * 256 && plan.exhausted == 2 * 44,
+        "of 300 events of each of two calls %u were taken and %u answered ODO_E_EXHAUSTED; expected 512 and 88",
+        plan.accepted, plan.exhausted);
+  REQUIRE(app_events(self, PROBE_EVENT) == 512, "%u events were published; expected 512",
+          (unsigned)app_events(self, PROBE_EVENT));
+  for (i = 0; i < 512; ++i) {
+    const vendor_event* event = (const vendor_event*)(const void*)app_event(self, PROBE_EVENT, i);
+    CHECK(event->words[0] == i % 256, "event %u has %u: it was not copied when emitted", (unsigned)i, event->words[0]);
+  }
+}
+
+/* ---- which ---- */
+static struct {
+  odo_header header;
+  unsigned char rest[2048];
+} offered;
+
+static int32_t emit_offered(odo_instance* instance, const odo_header* message) {
+  if (message->type != ODO_TYPE_BAROMETER || plan.calls++ > 0) return ODO_OK;
+  plan.status = instance->sink->emit(instance->sink, offered.header.struct_size == 1 ? NULL : &offered.header);
+  return ODO_OK;
+}
+
+/* Has the fixer emit what is offered. */
+static app* offer(int32_t expected) {
+  app* self;
+  hooks.on_message = emit_offered;
+  self = open_and_push(1);
+  CHECK(plan.calls == 1, "the plugin was not called");
+  CHECK(plan.status == expected, "emit of type 0x%x = %s; expected %s", offered.header.type, status_name(plan.status),
+        status_name(expected));
+  if (expected < 0) CHECK(app_events(self, offered.header.type) == 0, "the event was published");
+  return self;
+}
+
+static void undeclared_type(int type) {
+  app* self;
+  put_header(&offered, sizeof offered, (uint32_t)type, T0);
+  self = offer(ODO_E_ARGUMENT);
+  CHECK(app_statistics(self).plugin_faults >= 1, "it is not counted as a fault");
+}
+
+static void later_event(int unused) {
+  app* self;
+  (void)unused;
+  put_header(&offered, 64, PROBE_NEWER_EVENT, T0);
+  self = offer(ODO_E_UNSUPPORTED);
+  CHECK(app_statistics(self).plugin_faults == 0, "plugin_faults is %llu; nothing is wrong",
+        (unsigned long long)app_statistics(self).plugin_faults);
+}
+
+static void null_event(int unused) {
+  (void)unused;
+  offered.header.struct_size = 1;
+  offer(ODO_E_ARGUMENT);
+}
+
+static void too_small_event(int size) {
+  put_fix((odo_fix*)(void*)&offered, T0, 1);
+  offered.header.struct_size = (uint32_t)size;
+  offer(ODO_E_STRUCT_SIZE);
+}
+
+static void vendor_event_is_published(int unused) {
+  app* self;
+  const odo_header* found;
+  uint32_t i;
+  (void)unused;
+  put_header(&offered, 200, PROBE_EVENT, T0);
+  offered.header.flags = ODO_FLAG_HOST_MASK | 5;
+  offered.header.source = 99;
+  for (i = 0; i < 200 - sizeof(odo_header); ++i) offered.rest[i] = (unsigned char)i;
+  self = offer(ODO_OK);
+  found = app_event(self, PROBE_EVENT, 0);
+  REQUIRE(found, "the event was not published");
+  CHECK(found->struct_size == 200 && memcmp(found + 1, offered.rest, 200 - sizeof *found) == 0, "its bytes are others");
+  CHECK(found->flags == 5, "its flags are 0x%x; expected 0x5", found->flags);
+  CHECK(found->source == journal_find(PROBE_CREATE, FIXER, 0)->number,
+        "its source is %u; expected the instance's number", found->source);
+}
+
+const conformance_case cases_emit[] = {
+    {"emit from activate is refused", "plugin.h", "ODO_E_STATE outside process and on other threads.",
+     emit_outside_process, PROBE_ACTIVATE},
+    {"emit from reset is refused", "plugin.h", "ODO_E_STATE outside process and on other threads.",
+     emit_outside_process, PROBE_RESET},
+    {"emit from save is refused", "plugin.h", "ODO_E_STATE outside process and on other threads.", emit_outside_process,
+     PROBE_SAVE},
+    {"emit from load is refused", "plugin.h", "ODO_E_STATE outside process and on other threads.", emit_outside_process,
+     PROBE_LOAD},
+    {"emit from destroy is refused", "plugin.h", "ODO_E_STATE outside process and on other threads.",
+     emit_outside_process, PROBE_DESTROY},
+    {"emit of another instance within process is refused", "plugin.h",
+     "emit works within process of this instance alone", emit_of_another_instance, 0},
+    {"emit on another thread is refused", "plugin.h", "emit works within process of this instance alone",
+     emit_of_another_thread, 0},
+    {"256 events of one call are taken, no more, and each is copied", "plugin.h",
+     "ODO_E_EXHAUSTED (more than 256 events in one call)", many_events, 0},
+    {"an event that neither the kind emits nor the table declares is refused", "plugin.h",
+     "that neither this kind emits nor the table declares", undeclared_type, ODO_TYPE_STEP},
+    {"a pose is not a plugin's to emit undeclared", "plugin.h", "that neither this kind emits nor the table declares",
+     undeclared_type, ODO_TYPE_POSE},
+    {"an input is not emitted", "plugin.h", "that neither this kind emits nor the table declares", undeclared_type,
+     ODO_TYPE_BAROMETER},
+    {"a vendor's event that is not declared is refused", "plugin.h",
+     "that neither this kind emits nor the table declares", undeclared_type, (int)PROBE_UNDECLARED},
+    {"an event that the host is too old for is not supported and no fault", "plugin.h",
+     "ODO_E_UNSUPPORTED: an event that this host is too old", later_event, 0},
+    {"emit of null is refused", "base.h", "the caller broke the contract; discarded, state unchanged", null_event, 0},
+    {"an event one byte too small is refused", "plugin.h", "ODO_E_STRUCT_SIZE", too_small_event, ODO_FIX_SIZE_MIN - 1},
+    {"an event smaller than a head is refused", "plugin.h", "ODO_E_STRUCT_SIZE", too_small_event, 16},
+    {"a vendor's event is published with its bytes, its source and without the host's bits", "plugin.h",
+     "The event is copied; bits of ODO_FLAG_HOST_MASK are cleared.", vendor_event_is_published, 0},
+    {NULL, NULL, NULL, NULL, 0}};

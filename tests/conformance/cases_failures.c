@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What a plugin's status does to its instance. */
+#include "app.h"
+
+#include <string.h>
+
+static struct {
+  uint32_t within; /* the call that fails */
+  int32_t status;
+  int after; /* calls before it fails */
+  int times; /* how often; 0: always */
+  int failed;
+} plan;
+
+static int64_t fail_call(probe_call* call) {
+  if (call->what != plan.within || (plan.times && plan.failed >= plan.times)) return ODO_OK;
+  if (plan.after > 0) return --plan.after, ODO_OK;
+  ++plan.failed;
+  return plan.status;
+}
+
+static void cannot_be_made(uint32_t within, int32_t status, int32_t expected) {
+  const odo_session_options chosen = app_options(CONFIG WITH_ATTITUDE WITH_FIXER, ODO_RUN_REPLAY);
+  odo_session* session = NULL;
+  odo_error error = {sizeof error, 0, ""};
+  size_t made, ended;
+  int32_t got;
+  NEED(session_create);
+  need_plugins();
+  plan.within = within, plan.status = status, plan.after = 1; /* the second instance fails */
+  hooks.on_call = fail_call;
+  got = odo.session_create(&chosen, &session, &error);
+  CHECK(expected == 0 ? got < 0 : got == expected, "odo_session_create = %s", status_name(got));
+  CHECK(session == NULL, "*session is not null after a failure");
+  CHECK(strstr(error.message, "conformance/probe"), "the reason does not name the plugin: %s", error.message);
+  made = journal_count(PROBE_CREATE, ANY_KIND) - (within == PROBE_CREATE);
+  ended = journal_count(PROBE_DESTROY, ANY_KIND);
+  CHECK(made == ended, "%u instances were made and %u destroyed", (unsigned)made, (unsigned)ended);
+  CHECK(journal_count(PROBE_PROCESS, ANY_KIND) == 0, "an instance was used");
+}
+
+static void create_fails(int unused) {
+  (void)unused;
+  cannot_be_made(PROBE_CREATE, ODO_E_MEMORY, 0);
+}
+static void configure_fails(int unused) {
+  (void)unused;
+  cannot_be_made(PROBE_CONFIGURE, ODO_E_CONFIG, ODO_E_CONFIG);
+}
+static void activate_fails(int unused) {
+  (void)unused;
+  cannot_be_made(PROBE_ACTIVATE, ODO_E_ERROR, 0);
+}
+
+/* `count` barometer samples, one a second; process answers `status`, once or always, from the third one on. */
+static app* run_failing(int32_t status, int times, int count) {
+  app* self;
+  int i;
+  plan.within = PROBE_PROCESS, plan.status = status, plan.times = times, plan.after = 2;
+  hooks.on_call = fail_call;
+  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  for (i = 0; i < count; ++i) {
+    odo_barometer sample;
+    put_barometer(&sample, T0 + i * SECOND);
+    EXPECT(push(self, &sample), ODO_OK);
+    app_flush(self);
+  }
+  return self;
+}
+
+static void unchanged_after(int status) {
+  app* self = run_failing(status, 1, 10);
+  CHECK(journal_count(PROBE_RESET, FIXER) == 0 && journal_count(PROBE_CREATE, FIXER) == 1, "the calls were: %s",
+        journal_words(FIXER));
+  CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 10, "it was given %u of 10 samples",
+        (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER));
+  CHECK(app_statistics(self).plugin_faults == 0 || status != ODO_NOT_READY, "plugin_faults is %llu",
+        (unsigned long long)app_statistics(self).plugin_faults);
+}
+
+static void reset_after(int status) {
+  app* self = run_failing(status, 1, 10);
+  const char* words = journal_words(FIXER);
+  CHECK(strstr(words, "create configure activate process process process reset") ||
+            strstr(words, "create configure activate process process process load"),
+        "the calls were: %s", words);
+  CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) > 3, "it was given nothing after it failed");
+  CHECK(app_statistics(self).plugin_faults >= 1, "it is not counted as a fault");
+  CHECK(app_events(self, ODO_TYPE_REPORT) >= 1, "it is not reported");
+}
+
+static void quarantined(int unused) {
+  app* self = run_failing(ODO_E_FATAL, 0, 10);
+  (void)unused;
+  CHECK(plan.failed == 1 && given_count(ODO_TYPE_BAROMETER, FIXER) == 3, "it was called again: %s",
+        journal_words(FIXER));
+  app_close(self);
+}
+
+static void always_failing(int unused) {
+  app* self = run_failing(ODO_E_ERROR, 0, 60);
+  (void)unused;
+  app_close(self);
+  CHECK(journal_count(PROBE_CREATE, FIXER) == journal_count(PROBE_DESTROY, FIXER),
+        "%u instances were made and %u destroyed", (unsigned)journal_count(PROBE_CREATE, FIXER),
+        (unsigned)journal_count(PROBE_DESTROY, FIXER));
+}
+
+static void unknown_status(int status) {
+  app* self = run_failing(status, 1, 10);
+  CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) >= 4, "it was given nothing after an unknown status");
+  app_close(self);
+}
+
+const conformance_case cases_failures[] = {
+    {"a session whose plugin cannot be created is not made, and nothing is left", "odograph.h",
+     "On failure *session is null", create_fails, 0},
+    {"a session whose plugin refuses its configuration is not made, and nothing is left", "base.h",
+     "configuration refused; the instance stays unconfigured", configure_fails, 0},
+    {"a session whose plugin cannot be activated is not made, and nothing is left", "odograph.h",
+     "On failure *session is null", activate_fails, 0},
+    {"a plugin that is not ready goes on", "base.h", "no output yet; nothing is wrong and the state is unchanged",
+     unchanged_after, ODO_NOT_READY},
+    {"a plugin that discards its input goes on", "base.h", "the input was unusable; discarded, state unchanged",
+     unchanged_after, ODO_E_DISCARD},
+    {"a plugin that failed is reset before it is called again", "base.h",
+     "the instance needs reset or load before it works again", reset_after, ODO_E_ERROR},
+    {"a plugin that was out of memory is reset before it is called again", "base.h",
+     "out of memory; the instance needs reset or load", reset_after, ODO_E_MEMORY},
+    {"a plugin that failed fatally is not called again", "base.h", "the whole library is quarantined", quarantined, 0},
+    {"a plugin that always fails ends without harm", "plugin.h", "create -> configure -> activate -> process",
+     always_failing, 0},
+    {"an unknown negative status is an error", "base.h",
+     "Each failure has a stated effect on the instance that returned it.", unknown_status, -99},
+    {"an unknown positive status is no error", "base.h", "Zero is success.", unknown_status, 99},
+    {NULL, NULL, NULL, NULL, 0}};

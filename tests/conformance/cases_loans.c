@@ -1,0 +1,329 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Borrowed messages: retain and release over every path that a message can take. */
+#include "app.h"
+
+#include <string.h>
+
+static uint8_t pixels[64 * 48];
+
+static void put_lent_frame(odo_frame* frame, lent* of, uint32_t camera, int64_t t_ns) {
+  put_frame(frame, camera, t_ns);
+  frame->planes[0].data = pixels;
+  lend(&frame->loan, of);
+}
+
+static int32_t push_lent(app* self, lent* of, int64_t t_ns) {
+  odo_frame frame;
+  int32_t status;
+  put_lent_frame(&frame, of, 0, t_ns);
+  status = push(self, &frame);
+  memset(&frame, 0xFF, sizeof frame); /* `owner` alone is left */
+  return status;
+}
+
+static void processed(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  lent memory;
+  int i;
+  (void)unused;
+  lent_init(&memory);
+  for (i = 0; i < 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
+  app_flush(self);
+  CHECK(given_count(ODO_TYPE_FRAME, FIXER) == 5, "the plugin was given %u frames; expected 5",
+        (unsigned)given_count(ODO_TYPE_FRAME, FIXER));
+  CHECK_BALANCED(&memory, 5);
+}
+
+static void processed_live(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_LIVE);
+  lent memory;
+  int i;
+  (void)unused;
+  lent_init(&memory);
+  for (i = 0; i < 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
+  app_flush(self);
+  CHECK_BALANCED(&memory, 5);
+}
+
+static void late(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  lent memory;
+  (void)unused;
+  lent_init(&memory);
+  push_rest_between(self, T0, T0 + 2 * SECOND);
+  app_flush(self);
+  EXPECT(push_lent(self, &memory, T0), ODO_E_DISCARD);
+  CHECK(app_statistics(self).late == 1, "late is %llu; expected 1", (unsigned long long)app_statistics(self).late);
+  CHECK_BALANCED(&memory, 0);
+}
+
+static void duplicate(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  lent first, second;
+  (void)unused;
+  lent_init(&first), lent_init(&second);
+  EXPECT(push_lent(self, &first, T0), ODO_OK);
+  EXPECT(push_lent(self, &second, T0), ODO_E_DISCARD);
+  CHECK(app_statistics(self).duplicate == 1, "duplicate is %llu; expected 1",
+        (unsigned long long)app_statistics(self).duplicate);
+  CHECK_BALANCED(&second, 0);
+  app_flush(self);
+  CHECK_BALANCED(&first, 1);
+}
+
+static void queue_full(int unused) {
+  app* self = app_open(FIXER_ALONE "time_ordering:\n  queue: 64\n  frames: 64\n  max_wait: 5 s\n", ODO_RUN_REPLAY);
+  lent memory;
+  int i, refused = 0;
+  (void)unused;
+  lent_init(&memory);
+  push_rest_between(self, T0, T0 + 10 * MS); /* frames wait for this sensor */
+  for (i = 1; i <= 40; ++i) {                /* two messages each: more than the queue holds */
+    odo_barometer sample;
+    int32_t status;
+    put_barometer(&sample, T0 + i * 50 * MS);
+    push(self, &sample);
+    status = push_lent(self, &memory, T0 + i * 50 * MS);
+    refused += status == ODO_E_EXHAUSTED;
+    CHECK(status == ODO_OK || status == ODO_E_EXHAUSTED, "odo_session_push = %s", status_name(status));
+  }
+  CHECK(refused > 0, "no frame was refused");
+  CHECK(app_statistics(self).overflow >= (uint64_t)refused, "overflow is %llu; expected %d at least",
+        (unsigned long long)app_statistics(self).overflow, refused);
+  app_flush(self);
+  CHECK_BALANCED(&memory, 1);
+}
+
+static void too_many_frames(int unused) {
+  app* self = app_open(FIXER_ALONE "time_ordering:\n  frames: 3\n  max_wait: 5 s\n", ODO_RUN_REPLAY);
+  lent memory;
+  int i, refused = 0;
+  (void)unused;
+  lent_init(&memory);
+  push_rest_between(self, T0, T0 + 10 * MS);
+  for (i = 1; i <= 10; ++i) refused += push_lent(self, &memory, T0 + i * 50 * MS) == ODO_E_EXHAUSTED;
+  CHECK(refused == 7, "%d of 10 frames were refused; expected 7", refused);
+  CHECK(memory.retains - memory.releases <= 3, "%d frames are retained; expected 3 at most",
+        memory.retains - memory.releases);
+  app_flush(self);
+  CHECK_BALANCED(&memory, 3);
+}
+
+static void destroyed(int run) {
+  app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", (uint32_t)run);
+  lent memory;
+  int i;
+  lent_init(&memory);
+  push_rest_between(self, T0, T0 + 10 * MS);
+  for (i = 1; i <= 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
+  app_close(self);
+  CHECK_BALANCED(&memory, 1);
+}
+
+static void clock_set_back(int unused) {
+  app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", ODO_RUN_REPLAY);
+  lent memory;
+  int i;
+  (void)unused;
+  lent_init(&memory);
+  push_rest_between(self, T0, T0 + 10 * MS);
+  for (i = 1; i <= 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
+  push_set_back(self, T0 / 2, T0 / 2 + 4 * SECOND);
+  CHECK_BALANCED(&memory, 1);
+}
+
+static void retain_refuses(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  lent memory;
+  (void)unused;
+  lent_init(&memory);
+  memory.refuse = 1;
+  EXPECT(push_lent(self, &memory, T0), ODO_E_EXHAUSTED);
+  app_flush(self);
+  CHECK(given_count(ODO_TYPE_FRAME, ANY_KIND) == 0, "the plugin was given it");
+  CHECK(memory.releases == 0, "release was called %d times for what was never retained", memory.releases);
+}
+
+static void bad_frame(int which) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  odo_calibration calibration;
+  odo_frame frame;
+  lent memory;
+  lent_init(&memory);
+  put_calibration(&calibration, 0, T0);
+  EXPECT(push(self, &calibration), ODO_OK);
+  put_lent_frame(&frame, &memory, 0, T0);
+  if (which == 0) frame.width = 32, frame.height = 24; /* the calibration has another size */
+  if (which == 1) frame.width = 0;
+  if (which == 2) frame.planes[0].data = NULL; /* and no native */
+  EXPECT(push(self, &frame), ODO_E_DISCARD);
+  app_flush(self);
+  CHECK(given_count(ODO_TYPE_FRAME, ANY_KIND) == 0, "the plugin was given it");
+  CHECK_BALANCED(&memory, 0);
+}
+
+static int32_t fail_on_frame(odo_instance* instance, const odo_header* message) {
+  (void)instance;
+  return message->type == ODO_TYPE_FRAME ? ODO_E_ERROR : ODO_OK;
+}
+
+static void plugin_fails(int unused) {
+  app* self;
+  lent memory;
+  int i;
+  (void)unused;
+  hooks.on_message = fail_on_frame;
+  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  lent_init(&memory);
+  for (i = 0; i < 5; ++i) push_lent(self, &memory, T0 + i * 100 * MS);
+  app_flush(self);
+  CHECK_BALANCED(&memory, 1);
+}
+
+/* ---- retain and release that push ---- */
+static app* nested_app;
+static int nested;
+static int64_t frame_ns;
+
+static int32_t ODO_CALL pushing_retain(void* owner) {
+  (void)owner;
+  push_rest(nested_app, frame_ns + ++nested * MS);
+  return ODO_OK;
+}
+
+static void ODO_CALL pushing_release(void* owner) {
+  (void)owner;
+  push_rest(nested_app, frame_ns + ++nested * MS);
+}
+
+static void they_may_push(int run) {
+  odo_frame frame;
+  int i;
+  nested_app = app_open(FIXER_ALONE, (uint32_t)run);
+  for (i = 0; i < 3; ++i) {
+    frame_ns = T0 + i * SECOND;
+    put_frame(&frame, 0, frame_ns);
+    frame.loan.retain = pushing_retain, frame.loan.release = pushing_release;
+    EXPECT(push(nested_app, &frame), ODO_OK);
+  }
+  app_flush(nested_app);
+  CHECK(nested >= 6, "retain and release were called %d times; expected 6", nested);
+  app_close(nested_app);
+}
+
+/* ---- other borrowed messages ---- */
+static void put_borrowed(odo_borrowed* message, lent* of, uint32_t type) {
+  put_header(message, sizeof *message, type, T0);
+  lend(&message->loan, of);
+}
+
+static const void* native_seen;
+
+static int32_t ask_native(odo_instance* instance, const odo_header* message) {
+  const odo_borrowed* borrowed = (const odo_borrowed*)(const void*)message;
+  (void)instance;
+  if (ODO_IS_BORROWED(message->type) && borrowed->loan.native)
+    native_seen =
+        borrowed->loan.native(borrowed->loan.owner, ODO_NATIVE_HARDWARE_BUFFER, sizeof ODO_NATIVE_HARDWARE_BUFFER - 1);
+  return ODO_OK;
+}
+
+static void unknown_borrowed(int type) {
+  app* self;
+  odo_borrowed message;
+  lent memory;
+  lent_init(&memory);
+  memory.native = &memory;
+  hooks.on_message = ask_native;
+  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  put_borrowed(&message, &memory, (uint32_t)type);
+  EXPECT(push(self, &message), ODO_OK);
+  CHECK(memory.retains == 1 || memory.releases == 1, "the message was neither processed nor retained");
+  memset(&message, 0xFF, sizeof message);
+  app_flush(self);
+  CHECK(given_count((uint32_t)type, FIXER) == 1, "the plugin was not given it");
+  CHECK(native_seen == &memory, "its memory was not given on");
+  CHECK_BALANCED(&memory, 1);
+}
+
+static void unknown_borrowed_without_retain(int type) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  odo_borrowed message;
+  lent memory;
+  lent_init(&memory);
+  put_borrowed(&message, &memory, (uint32_t)type);
+  message.loan.retain = NULL;
+  EXPECT(push(self, &message), ODO_E_UNSUPPORTED);
+  message.loan.release = NULL;
+  EXPECT(push(self, &message), ODO_E_UNSUPPORTED);
+  app_flush(self);
+  CHECK(given_count((uint32_t)type, ANY_KIND) == 0, "the plugin was given it");
+}
+
+static void undeclared_borrowed(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  odo_borrowed message;
+  lent memory;
+  (void)unused;
+  lent_init(&memory);
+  put_borrowed(&message, &memory, PROBE_BORROWED_UNDECLARED);
+  push(self, &message);
+  app_flush(self);
+  CHECK(given_count(PROBE_BORROWED_UNDECLARED, ANY_KIND) == 0, "the plugin was given it");
+  CHECK_BALANCED(&memory, 0);
+}
+
+static void short_borrowed(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  odo_borrowed message;
+  lent memory;
+  (void)unused;
+  lent_init(&memory);
+  put_borrowed(&message, &memory, PROBE_BORROWED);
+  message.header.struct_size = sizeof(odo_header);
+  EXPECT(push(self, &message), ODO_E_STRUCT_SIZE);
+  message.header.struct_size = sizeof(odo_borrowed) - 1;
+  EXPECT(push(self, &message), ODO_E_STRUCT_SIZE);
+  CHECK(memory.retains == 0, "retain was called out of a struct that does not hold it");
+}
+
+#define BALANCE \
+  "To use it longer, call retain (ODO_E_EXHAUSTED when too many are retained) and later release, once for each retain"
+#define DRAW(text, run, argument) \
+  { text, "base.h", BALANCE, run, argument }
+const conformance_case cases_loans[] = {
+    DRAW("frames that were processed are released once", processed, 0),
+    DRAW("frames that a live session processed are released once", processed_live, 0),
+    DRAW("a late frame is released once", late, 0),
+    DRAW("a frame that comes twice is released once", duplicate, 0),
+    DRAW("frames that find the queue full are released once", queue_full, 0),
+    {"more frames than may be retained are refused", "odograph.h",
+     "ODO_E_EXHAUSTED (queue full, too many frames retained)", too_many_frames, 0},
+    DRAW("frames that wait in a replay when it is destroyed are released once", destroyed, ODO_RUN_REPLAY),
+    DRAW("frames that wait in a live session when it is destroyed are released once", destroyed, ODO_RUN_LIVE),
+    DRAW("frames that wait when the clock is set back are released once", clock_set_back, 0),
+    DRAW("frames that a plugin fails on are released once", plugin_fails, 0),
+    DRAW("a frame of another size than its calibration is refused and released", bad_frame, 0),
+    DRAW("a frame without width is refused and released", bad_frame, 1),
+    {"a frame with neither pixels nor native memory is refused", "samples.h",
+     "first pixel of the first row; null where only loan.native has the pixels", bad_frame, 2},
+    {"a frame whose retain refuses is refused and never released", "base.h", BALANCE, retain_refuses, 0},
+    {"retain and release of a replay may push", "odograph.h",
+     "No lock is held while a frame's retain or release is called: they may push.", they_may_push, ODO_RUN_REPLAY},
+    {"retain and release of a live session may push", "odograph.h",
+     "No lock is held while a frame's retain or release is called: they may push.", they_may_push, ODO_RUN_LIVE},
+    {"a later borrowed input is retained and reaches the plugin that declares it", "base.h",
+     "so that a host can retain a message of a type it does not know", unknown_borrowed, PROBE_NEWER_BORROWED},
+    {"a vendor's borrowed message is retained and reaches the plugin that declares it", "base.h",
+     "With number & ODO_BORROWED it starts with an odo_borrowed", unknown_borrowed, (int)PROBE_BORROWED},
+    {"a later borrowed input without retain or release is not supported", "odograph.h",
+     "another borrowed message must have them (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain,
+     PROBE_NEWER_BORROWED},
+    {"a vendor's borrowed message without retain or release is not supported", "odograph.h",
+     "another borrowed message must have them (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain,
+     (int)PROBE_BORROWED},
+    DRAW("a borrowed message that no plugin declares is released", undeclared_borrowed, 0),
+    {"a borrowed message that ends before its loan is refused", "base.h",
+     "The head of every message whose type has the bit ODO_BORROWED.", short_borrowed, 0},
+    {NULL, NULL, NULL, NULL, 0}};

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The order of time: over sensors, late, twice, set back. */
+#include "app.h"
+
+#include <string.h>
+
+static int32_t push_barometer(app* self, int64_t t_ns) {
+  odo_barometer sample;
+  put_barometer(&sample, t_ns);
+  return push(self, &sample);
+}
+
+static int32_t push_magnetometer(app* self, int64_t t_ns) {
+  odo_magnetometer sample;
+  sample_kinds[1].put(&sample, t_ns);
+  return push(self, &sample);
+}
+
+static void check_times_rise(void) {
+  int64_t before = INT64_MIN;
+  const journal_entry* entry;
+  size_t i;
+  for (i = 0; (entry = journal_find(PROBE_GIVEN, FIXER, i)) != NULL; ++i) {
+    CHECK(entry->message->t_ns >= before, "message %u was given after a later one", (unsigned)i);
+    before = entry->message->t_ns;
+  }
+}
+
+/* Of each inertial sample's time one of the kind comes 100 ms later; 200 ms are waited. */
+static void lagging_is_taken(app* self, const sample_kind* kind) {
+  union {
+    odo_header header;
+    unsigned char bytes[LARGEST_SAMPLE];
+  } sample;
+  unsigned dropped = 0;
+  int i;
+  for (i = 0; i < 200; ++i) {
+    EXPECT(push_rest(self, T0 + i * 10 * MS), ODO_OK);
+    if (i < 10) continue;
+    kind->put(&sample, T0 + (i - 10) * 10 * MS + MS);
+    dropped += push(self, &sample) != ODO_OK;
+  }
+  app_flush(self);
+  CHECK(dropped <= 10, "of 190 samples that came 0.1 s behind the inertial ones %u were dropped; 0.2 s are waited",
+        dropped);
+  CHECK(given_count(kind->type, FIXER) == 190 - dropped, "the plugin was given %u of %u samples",
+        (unsigned)given_count(kind->type, FIXER), 190 - dropped);
+}
+
+static void sensor_may_lag(int index) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  lagging_is_taken(self, &sample_kinds[index]);
+}
+
+static void camera_may_lag(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  unsigned dropped = 0;
+  odo_frame frame;
+  int i;
+  (void)unused;
+  for (i = 0; i < 200; ++i) {
+    EXPECT(push_rest(self, T0 + i * 10 * MS), ODO_OK);
+    put_frame(&frame, 0, T0 + (i - 10) * 10 * MS + MS);
+    if (i >= 10 && i % 5 == 0) dropped += push(self, &frame) != ODO_OK;
+  }
+  app_flush(self);
+  CHECK(dropped <= 2, "of 38 frames that came 0.1 s behind the inertial samples %u were dropped; 0.2 s are waited",
+        dropped);
+  check_times_rise();
+}
+
+static void pairs_are_ordered(int run) {
+  app* self = app_open(FIXER_ALONE, (uint32_t)run);
+  int i;
+  for (i = 0; i < 100; ++i) {
+    EXPECT(push_magnetometer(self, T0 + i * 10 * MS + 2 * MS), ODO_OK);
+    EXPECT(push_rest(self, T0 + i * 10 * MS), ODO_OK);
+  }
+  app_flush(self);
+  CHECK(given_count(ODO_TYPE_IMU, FIXER) == 100 && given_count(ODO_TYPE_MAGNETOMETER, FIXER) == 100,
+        "%u and %u samples were given; expected 100 of each", (unsigned)given_count(ODO_TYPE_IMU, FIXER),
+        (unsigned)given_count(ODO_TYPE_MAGNETOMETER, FIXER));
+  check_times_rise();
+}
+
+static void late_is_discarded(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  (void)unused;
+  push_rest_between(self, T0, T0 + SECOND);
+  app_flush(self);
+  EXPECT(push_barometer(self, T0 + 500 * MS), ODO_E_DISCARD);
+  CHECK(app_statistics(self).late == 1, "late is %llu; expected 1", (unsigned long long)app_statistics(self).late);
+  app_flush(self);
+  CHECK(given_count(ODO_TYPE_BAROMETER, ANY_KIND) == 0, "the plugin was given it");
+  EXPECT(push_barometer(self, T0 + 1100 * MS), ODO_OK);
+}
+
+static void twice_is_dropped(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  (void)unused;
+  EXPECT(push_barometer(self, T0), ODO_OK);
+  EXPECT(push_barometer(self, T0), ODO_E_DISCARD);
+  EXPECT(push_magnetometer(self, T0), ODO_OK); /* another sensor */
+  CHECK(app_statistics(self).duplicate == 1, "duplicate is %llu; expected 1",
+        (unsigned long long)app_statistics(self).duplicate);
+  app_flush(self);
+  CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 1 && given_count(ODO_TYPE_MAGNETOMETER, FIXER) == 1,
+        "the plugin was given %u and %u samples; expected one of each",
+        (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER), (unsigned)given_count(ODO_TYPE_MAGNETOMETER, FIXER));
+}
+
+static void two_sources_are_two_sensors(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  odo_header message;
+  uint32_t source;
+  (void)unused;
+  for (source = 0; source < 2; ++source) {
+    put_header(&message, sizeof message, PROBE_MESSAGE, T0);
+    message.source = source;
+    EXPECT(push(self, &message), ODO_OK);
+  }
+  app_flush(self);
+  CHECK(given_count(PROBE_MESSAGE, FIXER) == 2, "the plugin was given %u messages; expected 2",
+        (unsigned)given_count(PROBE_MESSAGE, FIXER));
+}
+
+static void flush_processes_all(int run) {
+  app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", (uint32_t)run);
+  push_rest_between(self, T0, T0 + 20 * MS);
+  EXPECT(push_barometer(self, T0 + SECOND), ODO_OK);
+  app_flush(self);
+  CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 1, "after odo_session_flush the newest sample was not given");
+  CHECK(app_statistics(self).processed == 3, "processed is %llu; expected 3",
+        (unsigned long long)app_statistics(self).processed);
+}
+
+static void set_back(app* self) {
+  odo_calibration calibration;
+  put_calibration(&calibration, 0, T0);
+  EXPECT(push(self, &calibration), ODO_OK);
+  push_rest_between(self, T0, T0 + 2 * SECOND);
+  app_flush(self);
+  journal_clear();
+  push_set_back(self, T0 / 2 + 5 * SECOND, T0 / 2 + 8 * SECOND);
+}
+
+static void clock_set_back(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  const journal_entry* first;
+  const odo_header* newest;
+  (void)unused;
+  set_back(self);
+  first = journal_find(PROBE_RESET, FIXER, 0);
+  CHECK(first, "the plugin was not reset; its calls were: %s", journal_words(FIXER));
+  CHECK(journal_count(PROBE_CREATE, FIXER) == 0, "a new instance was made of a plugin that can be reset");
+  CHECK(given_count(ODO_TYPE_CALIBRATION, FIXER) == 1, "the calibration came %u times after the reset; expected once",
+        (unsigned)given_count(ODO_TYPE_CALIBRATION, FIXER));
+  newest = given_message(ODO_TYPE_IMU, FIXER, 200);
+  CHECK(newest && newest->t_ns > T0 / 2 && newest->t_ns < T0, "samples of the new clock were not given");
+}
+
+static void set_back_without_reset(int unused) {
+  app* self = app_open(CONFIG WITH_ATTITUDE "vo_frontend:\n  plugin: conformance/bare\n", ODO_RUN_REPLAY);
+  (void)unused;
+  set_back(self);
+  CHECK(journal_count(PROBE_CREATE, FRONTEND) == 1 && journal_count(PROBE_CONFIGURE, FRONTEND) == 1 &&
+            journal_count(PROBE_ACTIVATE, FRONTEND) == 1 && journal_count(PROBE_DESTROY, FRONTEND) == 1,
+        "there was not one new instance; its calls were: %s", journal_words(FRONTEND));
+  CHECK(given_count(ODO_TYPE_CALIBRATION, FRONTEND) == 1,
+        "the calibration came %u times to the new instance; expected once",
+        (unsigned)given_count(ODO_TYPE_CALIBRATION, FRONTEND));
+}
+
+static void batches_are_whole(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  const journal_entry* entry;
+  size_t i, given = 0;
+  (void)unused;
+  push_rest_between(self, T0, T0 + 500 * MS);
+  app_flush(self);
+  for (i = 0; (entry = journal_find(PROBE_PROCESS, FIXER, i)) != NULL; ++i) {
+    CHECK(entry->size > 0, "a batch is empty although nothing asked to be called");
+    given += entry->size;
+  }
+  CHECK(given == 50, "batches had %u messages; expected 50", (unsigned)given);
+}
+
+static const void* batch_fault;
+static int64_t look_at_batch(probe_call* call) {
+  if (call->what == PROBE_PROCESS && (call->batch->struct_size < ODO_BATCH_SIZE_MIN || !call->batch->messages))
+    batch_fault = "struct_size or messages";
+  if (call->what == PROBE_ACTIVATE && (call->instance->sink->struct_size < ODO_SINK_SIZE_MIN ||
+                                       call->instance->sink->instance != call->instance->number))
+    batch_fault = "the sink";
+  if (call->what == PROBE_CONFIGURE &&
+      (call->size < ODO_VALUE_SIZE_MIN || call->values->struct_size < ODO_VALUE_SIZE_MIN))
+    batch_fault = "the values";
+  if (call->what == PROBE_ENTRY && (((odo_plugin*)call->data)->struct_size < ODO_PLUGIN_SIZE_MIN ||
+                                    call->host->struct_size < ODO_HOST_SIZE_MIN || !call->host->version.size))
+    batch_fault = "the host or the table";
+  return ODO_OK;
+}
+
+static void structs_have_their_sizes(int unused) {
+  app* self;
+  (void)unused;
+  hooks.on_call = look_at_batch;
+  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  push_rest_between(self, T0, T0 + 100 * MS);
+  app_flush(self);
+  CHECK(!batch_fault, "a plugin's struct is wrong: %s", (const char*)batch_fault);
+}
+
+#define ANY_ORDER \
+  "Samples of different sensors may come in any order within the configured wait (time_ordering.max_wait)."
+const conformance_case cases_order[] = {
+    {"two sensors are put in order in a replay", "plugin.h", "Messages in the order of their time", pairs_are_ordered,
+     ODO_RUN_REPLAY},
+    {"two sensors are put in order in a live session", "plugin.h", "Messages in the order of their time",
+     pairs_are_ordered, ODO_RUN_LIVE},
+    {"a camera may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, camera_may_lag, 0},
+    {"a magnetometer may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 1},
+    {"a barometer may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 2},
+    {"a satellite receiver may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag,
+     3},
+    {"a platform's poses may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 8},
+    {"ranges may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 9},
+    {"a platform's steps may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 10},
+    {"a sample of a time that was processed is discarded as late", "odograph.h",
+     "dropped: came after its time had been processed", late_is_discarded, 0},
+    {"a sample of the same sensor and time is dropped", "odograph.h", "dropped: same sensor, same time",
+     twice_is_dropped, 0},
+    {"messages of two sources are of two sensors", "base.h", "of an input the sensor's number",
+     two_sources_are_two_sensors, 0},
+    {"a flush of a replay processes all", "odograph.h",
+     "Processes all that has been pushed, without waiting for slower sensors", flush_processes_all, ODO_RUN_REPLAY},
+    {"a flush of a live session processes all", "odograph.h",
+     "Processes all that has been pushed, without waiting for slower sensors", flush_processes_all, ODO_RUN_LIVE},
+    {"plugins are reset when the clock is set back, and calibrations come again", "plugin.h",
+     "calibrations and noise come again.", clock_set_back, 0},
+    {"a plugin without reset is made anew when the clock is set back", "plugin.h",
+     "Without it the host makes a new instance.", set_back_without_reset, 0},
+    {"each sample is in one batch", "plugin.h", "Messages in the order of their time", batches_are_whole, 0},
+    {"what a plugin is given has at least the sizes of 1.0", "base.h", "It starts with `uint32_t struct_size`.",
+     structs_have_their_sizes, 0},
+    {NULL, NULL, NULL, NULL, 0}};

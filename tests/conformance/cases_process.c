@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What a library must leave alone in the process that it is loaded into. */
+#define _POSIX_C_SOURCE 200809L
+#include "app.h"
+
+#include <fenv.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const int fatal[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
+static const int others[] = {SIGINT, SIGTERM, SIGPIPE, SIGCHLD, SIGALRM, SIGUSR1, SIGUSR2, SIGHUP};
+
+static bool is_default(int number) {
+  struct sigaction action;
+  sigaction(number, NULL, &action);
+  return !(action.sa_flags & SA_SIGINFO) && action.sa_handler == SIG_DFL;
+}
+
+static void set_default(void) {
+  size_t i;
+  for (i = 0; i < COUNT_OF(fatal); ++i) signal(fatal[i], SIG_DFL);
+  for (i = 0; i < COUNT_OF(others); ++i) signal(others[i], SIG_DFL);
+}
+
+static void run_session(uint32_t flags) {
+  odo_session_options chosen = app_options(CAMERA_WALK, ODO_RUN_LIVE);
+  app* self;
+  hooks.on_message = walk_message;
+  chosen.flags = flags;
+  self = app_open_options(&chosen);
+  walk_second(self, 0);
+  app_flush(self);
+  app_close(self);
+}
+
+static void no_handlers(int unused) {
+  size_t i;
+  (void)unused;
+  set_default();
+  run_session(0);
+  for (i = 0; i < COUNT_OF(fatal); ++i) CHECK(is_default(fatal[i]), "there is a handler of signal %d", fatal[i]);
+  for (i = 0; i < COUNT_OF(others); ++i) CHECK(is_default(others[i]), "there is a handler of signal %d", others[i]);
+}
+
+static void apps_handler(int number) { (void)number; }
+
+static void handlers_on_request(int unused) {
+  struct sigaction action;
+  size_t i;
+  (void)unused;
+  set_default();
+  signal(SIGFPE, apps_handler);
+  run_session(ODO_SESSION_CRASH_NOTES);
+  for (i = 0; i < COUNT_OF(fatal); ++i) CHECK(!is_default(fatal[i]), "there is no handler of signal %d", fatal[i]);
+  for (i = 0; i < COUNT_OF(others); ++i) CHECK(is_default(others[i]), "there is a handler of signal %d", others[i]);
+  sigaction(SIGFPE, NULL, &action);
+  CHECK(!(action.sa_flags & SA_SIGINFO) && action.sa_handler == apps_handler, "the app's own handler was replaced");
+}
+
+/* ---- crash notes ---- */
+static int32_t crash(odo_instance* instance, const odo_header* message) {
+  (void)instance, (void)message;
+  raise(SIGSEGV);
+  return ODO_OK;
+}
+
+static int signal_of(pid_t child) {
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+}
+
+/* SIGSEGV with a handler of the library's: it writes the note and raises the signal with its former effect, which ends
+ * the process. A grandchild does it. */
+static void crash_is_noted(int unused) {
+  char note[512];
+  int note_pipe[2], ended_by;
+  size_t used = 0;
+  ssize_t size;
+  pid_t child;
+  (void)unused;
+  need_plugins();
+  set_default();
+  REQUIRE(pipe(note_pipe) == 0, "no pipe");
+  child = fork();
+  if (child == 0) {
+    odo_session_options chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
+    odo_barometer sample;
+    app* self;
+    dup2(note_pipe[1], STDERR_FILENO);
+    chosen.flags = ODO_SESSION_CRASH_NOTES;
+    hooks.on_message = crash;
+    self = app_open_options(&chosen);
+    put_barometer(&sample, T0);
+    push(self, &sample);
+    odo.session_flush(self->session);
+    _exit(0);
+  }
+  close(note_pipe[1]);
+  memset(note, 0, sizeof note);
+  while (used < sizeof note - 1 && (size = read(note_pipe[0], note + used, sizeof note - 1 - used)) > 0)
+    used += (size_t)size;
+  CHECK(strstr(note, "conformance/probe") && strstr(note, "process"), "the note is \"%s\"", note);
+  ended_by = signal_of(child);
+  CHECK(ended_by == SIGSEGV, "the process ended by signal %d; expected SIGSEGV", ended_by);
+}
+
+/* ---- the rest of the process ---- */
+static void floating_point_stays(int unused) {
+  (void)unused;
+  fesetround(FE_UPWARD);
+  run_session(0);
+  CHECK(fegetround() == FE_UPWARD, "the rounding mode changed");
+  fesetround(FE_TONEAREST);
+}
+
+static int open_descriptors(void) {
+  int count = 0, i;
+  for (i = 0; i < 1024; ++i) count += fcntl(i, F_GETFD) != -1;
+  return count;
+}
+
+static void nothing_is_left_open(int unused) {
+  int before, i;
+  (void)unused;
+  run_session(0);
+  walk_reset();
+  before = open_descriptors();
+  for (i = 0; i < 5; ++i) run_session(0), walk_reset();
+  CHECK(open_descriptors() == before, "5 sessions left %d files open", open_descriptors() - before);
+}
+
+static void no_output(int unused) {
+  const char* path = case_file("output.txt");
+  const int file = open(path, O_CREAT | O_RDWR, 0600), out = dup(STDOUT_FILENO), err = dup(STDERR_FILENO);
+  (void)unused;
+  REQUIRE(file >= 0, "no file could be created");
+  fflush(NULL);
+  dup2(file, STDOUT_FILENO), dup2(file, STDERR_FILENO);
+  run_session(0);
+  fflush(NULL);
+  dup2(out, STDOUT_FILENO), dup2(err, STDERR_FILENO);
+  CHECK(lseek(file, 0, SEEK_END) == 0, "a session wrote to standard output or standard error");
+}
+
+const conformance_case cases_process[] = {
+    {"no signal handler is set without being asked for", "odograph.h", "Without it no signal handler is ever set.",
+     no_handlers, 0},
+    {"crash notes set handlers where there are none", "odograph.h", "and SIGABRT where no other has been set",
+     handlers_on_request, 0},
+    {"a crash within a plugin is noted, and has its former effect", "odograph.h",
+     "Within a plugin's call they write plugin and call to standard error, then the signal has its former effect",
+     crash_is_noted, 0},
+    {"the rounding mode of the app's thread stays", "plugin.h",
+     "The host's floating-point environment (rounding mode, traps) must be as it was when a call returns.",
+     floating_point_stays, 0},
+    {"sessions leave no file open", "odograph.h", "Stops the session's thread, destroys the plugins' instances",
+     nothing_is_left_open, 0},
+    {"a session writes neither to standard output nor to standard error", "odograph.h",
+     "Within a plugin's call they write plugin and call to standard error", no_output, 0},
+    {NULL, NULL, NULL, NULL, 0}};

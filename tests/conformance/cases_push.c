@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Numbers of messages, unknown and vendors' ones, and inertial samples. */
+#include "app.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void refuse(app* self, uint32_t type) {
+  odo_pose message; /* as large as any that is tried */
+  put_header(&message, sizeof message, type, T0);
+  if (push(self, &message) != ODO_E_ARGUMENT)
+    fail_at(__FILE__, __LINE__, "odo_session_push of type 0x%x = %s; expected ODO_E_ARGUMENT", type,
+            status_name(push(self, &message)));
+}
+
+static void reserved_is_refused(int unused) {
+  const uint32_t types[] = {0, 0x2000, 0x10000, 0x10001, 0x1FFFF, 0x20000, 0x01000000, 0x7FFFFFFF};
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  size_t i;
+  (void)unused;
+  for (i = 0; i < COUNT_OF(types); ++i) refuse(self, types[i]);
+  app_flush(self);
+  CHECK(app_statistics(self).processed == 0, "one was processed");
+}
+
+static void events_are_refused(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  uint32_t type;
+  (void)unused;
+  for (type = ODO_TYPE_ATTITUDE; type <= ODO_TYPE_RELATIVE_POSE; ++type) refuse(self, type);
+  refuse(self, 0x1000);
+  refuse(self, PROBE_NEWER_EVENT);
+  refuse(self, 0x1FFF);
+  app_flush(self);
+  CHECK(app_statistics(self).processed == 0, "one was processed");
+}
+
+/* A message of `size` bytes with a pattern behind its head. */
+static odo_header* pattern(uint32_t size, uint32_t type, int64_t t_ns) {
+  unsigned char* bytes = (unsigned char*)malloc(size);
+  uint32_t i;
+  put_header(bytes, size, type, t_ns);
+  for (i = sizeof(odo_header); i < size; ++i) bytes[i] = (unsigned char)(i * 31 + type);
+  return (odo_header*)(void*)bytes;
+}
+
+static void check_given(app* self, uint32_t size, uint32_t type) {
+  odo_header* message = pattern(size, type, T0);
+  const odo_header* found;
+  EXPECT(push(self, message), ODO_OK);
+  app_flush(self);
+  found = given_message(type, FIXER, 0);
+  REQUIRE(found, "the plugin that declares 0x%x was not given it", type);
+  CHECK(found->struct_size == size && memcmp(found, message, size) == 0,
+        "0x%x of %u bytes was given with %u bytes, or others", type, size, found->struct_size);
+  free(message);
+}
+
+static void vendor_message_is_given(int size) {
+  check_given(app_open(FIXER_ALONE, ODO_RUN_REPLAY), (uint32_t)size, PROBE_MESSAGE);
+}
+static void newer_input_is_given(int size) {
+  check_given(app_open(FIXER_ALONE, ODO_RUN_REPLAY), (uint32_t)size, PROBE_NEWER_INPUT);
+}
+
+static void too_large_is_refused(int type) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  odo_header* message = pattern(ODO_LARGEST_MESSAGE + 8, type ? (uint32_t)type : PROBE_MESSAGE, T0);
+  const int32_t status = push(self, message);
+  CHECK(status < 0, "odo_session_push of %u bytes = %s", message->struct_size, status_name(status));
+  app_flush(self);
+  CHECK(app_statistics(self).processed == 0, "it was processed");
+}
+
+static void undeclared_is_counted(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  odo_header* vendors = pattern(48, PROBE_UNDECLARED, T0);
+  odo_header* newer = pattern(48, 0x3F0, T0 + MS);
+  (void)unused;
+  EXPECT(push(self, vendors), ODO_OK);
+  EXPECT(push(self, newer), ODO_OK);
+  app_flush(self);
+  CHECK(given_count(PROBE_UNDECLARED, ANY_KIND) + given_count(0x3F0, ANY_KIND) == 0, "a plugin was given one");
+  CHECK(app_statistics(self).unknown == 2, "unknown is %llu; expected 2",
+        (unsigned long long)app_statistics(self).unknown);
+}
+
+static void unknown_is_ordered(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  odo_barometer sample;
+  odo_header* message = pattern(48, PROBE_MESSAGE, T0 + 10 * MS);
+  const journal_entry *first, *second;
+  (void)unused;
+  put_barometer(&sample, T0 + 20 * MS);
+  EXPECT(push(self, &sample), ODO_OK);
+  EXPECT(push(self, message), ODO_OK);
+  app_flush(self);
+  first = journal_find(PROBE_GIVEN, FIXER, 0), second = journal_find(PROBE_GIVEN, FIXER, 1);
+  REQUIRE(first && second, "the plugin was not given both");
+  CHECK(first->message->type == PROBE_MESSAGE && second->message->type == ODO_TYPE_BAROMETER,
+        "the later one came first");
+}
+
+static void push_imu_is_short(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  const double gyro[3] = {0.1, 0.2, 0.3}, accel[3] = {0.5, 0.25, -9.75};
+  const odo_imu* found;
+  (void)unused;
+  NEED(session_push_imu);
+  EXPECT(odo.session_push_imu(self->session, T0, gyro, accel), ODO_OK);
+  EXPECT(odo.session_push_imu(self->session, T0 + 10 * MS, gyro, accel), ODO_OK);
+  app_flush(self);
+  found = (const odo_imu*)(const void*)given_message(ODO_TYPE_IMU, FIXER, 0);
+  REQUIRE(found, "the plugin was not given the sample");
+  CHECK(found->header.flags == (ODO_IMU_GYRO | ODO_IMU_ACCEL), "its flags are 0x%x", found->header.flags);
+  CHECK(memcmp(found->gyro_b, gyro, sizeof gyro) == 0 && memcmp(found->accel_b, accel, sizeof accel) == 0,
+        "its values are others");
+  EXPECT(odo.session_push_imu(self->session, T0 + 20 * MS, NULL, accel), ODO_E_ARGUMENT);
+  EXPECT(odo.session_push_imu(self->session, T0 + 20 * MS, gyro, NULL), ODO_E_ARGUMENT);
+}
+
+static void push_half(app* self, int64_t t_ns, uint32_t flags, double value) {
+  odo_imu imu;
+  put_header(&imu, sizeof imu, ODO_TYPE_IMU, t_ns);
+  imu.header.flags = flags;
+  if (flags & ODO_IMU_GYRO) imu.gyro_b[0] = value;
+  if (flags & ODO_IMU_ACCEL) imu.accel_b[2] = value;
+  EXPECT(push(self, &imu), ODO_OK);
+}
+
+/* The accelerometer's samples lie 4 ms beside the gyroscope's, its values are -9 - time in s. */
+static void halves_are_joined(int unused) {
+  app* self = app_open(CONFIG WITH_ATTITUDE, ODO_RUN_REPLAY);
+  const odo_header* found;
+  size_t i, whole = 0;
+  int n;
+  (void)unused;
+  for (n = 0; n < 50; ++n) {
+    push_half(self, T0 + n * 10 * MS, ODO_IMU_GYRO, 0.001 * n);
+    push_half(self, T0 + n * 10 * MS + 4 * MS, ODO_IMU_ACCEL, -9 - 0.01 * n - 0.004);
+  }
+  app_flush(self);
+  for (i = 0; (found = given_message(ODO_TYPE_IMU, ATTITUDE, i)) != NULL; ++i) {
+    const odo_imu* imu = (const odo_imu*)(const void*)found;
+    const double expected = -9 - (double)(found->t_ns - T0) * 1e-9, off = imu->accel_b[2] - expected;
+    const uint32_t both = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    CHECK((found->flags & both) == both, "an attitude was given a sample with flags 0x%x", found->flags);
+    CHECK((found->t_ns - T0) % (10 * MS) == 0, "a sample is not at a gyroscope's time");
+    if (found->t_ns > T0 + 10 * MS && found->t_ns < T0 + 480 * MS) {
+      ++whole;
+      CHECK(off < 1e-9 && off > -1e-9, "the accelerometer is off by %g where it is interpolated", off);
+    }
+  }
+  CHECK(whole == 46, "%u samples between the ends; expected 46", (unsigned)whole);
+}
+
+static void wild_value_is_refused(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  const double zero[3] = {0, 0, 0}, wild[3] = {1e6, 0, 0};
+  odo_barometer sample;
+  (void)unused;
+  NEED(session_push_imu);
+  EXPECT(odo.session_push_imu(self->session, T0, wild, zero), ODO_E_DISCARD);
+  EXPECT(odo.session_push_imu(self->session, T0, zero, wild), ODO_E_DISCARD);
+  put_barometer(&sample, T0);
+  sample.pressure_pa = 1e9;
+  EXPECT(push(self, &sample), ODO_E_DISCARD);
+  app_flush(self);
+  CHECK(app_statistics(self).processed == 0, "one was processed");
+}
+
+static void spike_is_dropped(int unused) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  const double spike[3] = {30, 0, 0}, accel[3] = {0, 0, -9.81};
+  size_t i;
+  const odo_header* found;
+  (void)unused;
+  NEED(session_push_imu);
+  push_rest_between(self, T0, T0 + 100 * MS);
+  EXPECT(odo.session_push_imu(self->session, T0 + 100 * MS, spike, accel), ODO_OK);
+  push_rest_between(self, T0 + 110 * MS, T0 + 200 * MS);
+  app_flush(self);
+  CHECK(app_statistics(self).wild == 1, "wild is %llu; expected 1", (unsigned long long)app_statistics(self).wild);
+  for (i = 0; (found = given_message(ODO_TYPE_IMU, ANY_KIND, i)) != NULL; ++i)
+    CHECK(((const odo_imu*)(const void*)found)->gyro_b[0] < 1, "the plugin was given the spike");
+}
+
+static void times_at_the_ends(int unused) {
+  const int64_t times[] = {INT64_MIN, INT64_MIN + 1, INT64_MAX, INT64_MAX - 1, 0, -1, T0};
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  size_t i, j;
+  (void)unused;
+  hooks.on_message = walk_message;
+  for (i = 0; i < COUNT_OF(times); ++i)
+    for (j = 0; j < sample_kind_count; ++j) {
+      union {
+        odo_header header;
+        unsigned char bytes[LARGEST_SAMPLE];
+      } sample;
+      sample_kinds[j].put(&sample, times[i]);
+      push(self, &sample);
+    }
+  EXPECT(push(self, NULL), ODO_E_ARGUMENT);
+  app_flush(self);
+  app_close(self);
+}
+
+#define NUMBERS "0 is none, 0x1 to 0xFFF are inputs, 0x1000 to 0x1FFF events, 0x2000 to 0x7FFFFFFF reserved"
+#define UNKNOWN                                                                                                     \
+  "An input or a vendor's message that a host does not know is ordered by time, recorded and given to the plugins " \
+  "that declare it."
+const conformance_case cases_push[] = {
+    {"a reserved type is refused", "odograph.h", "ODO_E_ARGUMENT (an event's or a reserved type)", reserved_is_refused,
+     0},
+    {"an event's type is refused", "odograph.h", "ODO_E_ARGUMENT (an event's or a reserved type)", events_are_refused,
+     0},
+    {"a vendor's message reaches the plugin that declares it, byte by byte", "base.h", UNKNOWN, vendor_message_is_given,
+     200},
+    {"a vendor's message may be a head alone", "base.h",
+     "It starts with an odo_header and has at most ODO_LARGEST_MESSAGE bytes.", vendor_message_is_given,
+     sizeof(odo_header)},
+    {"a vendor's message may have the largest size", "base.h",
+     "It starts with an odo_header and has at most ODO_LARGEST_MESSAGE bytes.", vendor_message_is_given,
+     ODO_LARGEST_MESSAGE},
+    {"an input of a later version reaches the plugin that declares it, byte by byte", "base.h", UNKNOWN,
+     newer_input_is_given, 200},
+    {"a vendor's message beyond the largest size is refused", "base.h",
+     "It starts with an odo_header and has at most ODO_LARGEST_MESSAGE bytes.", too_large_is_refused, 0},
+    {"a barometer's sample beyond the largest size is refused", "base.h", "ODO_LARGEST_MESSAGE", too_large_is_refused,
+     ODO_TYPE_BAROMETER},
+    {"a message that no plugin declares is counted as unknown", "odograph.h",
+     "samples of a type that neither the library nor any of its plugins knows", undeclared_is_counted, 0},
+    {"an unknown message is ordered by its time", "base.h", UNKNOWN, unknown_is_ordered, 0},
+    {"odo_session_push_imu pushes both sensors", "odograph.h", "Shorthand for the commonest sample.", push_imu_is_short,
+     0},
+    {"gyroscope and accelerometer pushed apart are joined at the gyroscope's times", "samples.h",
+     "them by interpolating the accelerometer at the gyroscope's times", halves_are_joined, 0},
+    {"a value outside of any sensor's range is refused", "odograph.h",
+     "ODO_E_DISCARD (not finite, outside any sensor's range, late)", wild_value_is_refused, 0},
+    {"an inertial spike is dropped", "odograph.h", "and is dropped if that does not confirm it", spike_is_dropped, 0},
+    {"times at the ends of the clock harm nothing", "base.h", "Time is int64_t nanoseconds of the sensor clock",
+     times_at_the_ends, 0},
+    {NULL, NULL, NULL, NULL, 0}};

@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Recordings: what is written is read again. */
+#include "app.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef union message {
+  odo_header header;
+  odo_frame frame;
+  unsigned char bytes[4096];
+} message;
+
+static odo_recorder* create(const char* path) {
+  const odo_string name = string_of(path);
+  odo_error error = {sizeof error, 0, ""};
+  odo_recorder* recorder = NULL;
+  int32_t status;
+  NEED(recorder_create);
+  NEED(recorder_write);
+  NEED(recorder_close);
+  NEED(recording_open);
+  NEED(recording_next);
+  NEED(recording_loss);
+  NEED(recording_close);
+  status = odo.recorder_create(&name, &recorder, &error);
+  REQUIRE(status == ODO_OK && recorder, "odo_recorder_create = %s: %s", status_name(status), error.message);
+  return recorder;
+}
+
+static odo_recording* open_recording(const char* path) {
+  const odo_string name = string_of(path);
+  odo_error error = {sizeof error, 0, ""};
+  odo_recording* recording = NULL;
+  const int32_t status = odo.recording_open(&name, &recording, &error);
+  REQUIRE(status == ODO_OK && recording, "odo_recording_open = %s: %s", status_name(status), error.message);
+  return recording;
+}
+
+static void check_no_loss(odo_recording* recording) {
+  odo_error loss = {sizeof loss, 1, "x"};
+  EXPECT(odo.recording_loss(recording, &loss), ODO_OK);
+  CHECK(loss.message[0] == 0, "the loss is \"%s\"", loss.message);
+}
+
+static const odo_header* next(odo_recording* recording) {
+  const odo_header* found = NULL;
+  const int32_t status = odo.recording_next(recording, &found, NULL, NULL);
+  REQUIRE(status == ODO_OK && found, "odo_recording_next = %s", status_name(status));
+  return found;
+}
+
+/* A message of a type with its number in every byte behind the head, but for frames. */
+static void put_message(message* out, uint32_t type, uint32_t size, int64_t t_ns) {
+  size_t i;
+  for (i = 0; i < sample_kind_count; ++i)
+    if (sample_kinds[i].type == type) {
+      sample_kinds[i].put(out, t_ns);
+      memset(out->bytes + sample_kinds[i].size, 0x42, size - sample_kinds[i].size);
+      out->header.struct_size = size;
+      return;
+    }
+  put_header(out, size, type, t_ns);
+  memset(out->bytes + sizeof(odo_header), (int)(type & 0x7F) + 1, size - sizeof(odo_header));
+}
+
+static void round_trip(const uint32_t* types, const uint32_t* sizes, size_t count) {
+  const char* path = case_file("all.odo");
+  odo_recorder* recorder = create(path);
+  odo_recording* recording;
+  const odo_header* end;
+  message one;
+  size_t i;
+  for (i = 0; i < count; ++i) {
+    put_message(&one, types[i], sizes[i], T0 + (int64_t)i * MS);
+    expect_status(__FILE__, __LINE__, "odo_recorder_write", odo.recorder_write(recorder, &one.header, NULL, 0), ODO_OK);
+  }
+  EXPECT(odo.recorder_close(recorder), ODO_OK);
+  recording = open_recording(path);
+  check_no_loss(recording);
+  for (i = 0; i < count; ++i) {
+    const odo_header* found = next(recording);
+    put_message(&one, types[i], sizes[i], T0 + (int64_t)i * MS);
+    CHECK(found->type == types[i] && found->struct_size == sizes[i] && memcmp(found, &one, sizes[i]) == 0,
+          "message %u of type 0x%x and %u bytes was read as type 0x%x and %u bytes, or with other bytes", (unsigned)i,
+          types[i], sizes[i], found->type, found->struct_size);
+  }
+  EXPECT(odo.recording_next(recording, &end, NULL, NULL), ODO_NOT_READY);
+  odo.recording_close(recording);
+}
+
+static void inputs(int more) {
+  uint32_t types[16], sizes[16];
+  size_t i;
+  for (i = 0; i < sample_kind_count; ++i) {
+    types[i] = sample_kinds[i].type;
+    sizes[i] = (more ? sample_kinds[i].size : sample_kinds[i].min_size) + (uint32_t)more;
+  }
+  round_trip(types, sizes, sample_kind_count);
+}
+
+static void events(int more) {
+  /* clang-format off */
+#define EVENT(number, type, name, min) if (ODO_IS_EVENT(number)) types[count] = number, sizes[count++] = (more ? (uint32_t)sizeof(type) : min) + (uint32_t)more;
+  /* clang-format on */
+  uint32_t types[32], sizes[32];
+  size_t count = 0;
+  ODO_FOR_EACH_MESSAGE(EVENT)
+  round_trip(types, sizes, count);
+}
+
+static void unknown_ones(int unused) {
+  const uint32_t types[] = {PROBE_NEWER_INPUT, 0x3F0, PROBE_MESSAGE, PROBE_UNDECLARED, ODO_TYPE_VENDOR(0x7FFFF, 0x7FF),
+                            PROBE_MESSAGE};
+  const uint32_t sizes[] = {200, 32, 2000, 48, 64, sizeof(odo_header)};
+  (void)unused;
+  round_trip(types, sizes, COUNT_OF(types));
+}
+
+static void reserved_ones(int unused) {
+  const uint32_t types[] = {0, 0x2000, 0x10000, 0x10001, 0x10003, 0x1FFFF, 0x01000000, 0x7FFFFFFF};
+  const char* path = case_file("reserved.odo");
+  odo_recorder* recorder = create(path);
+  odo_recording* recording;
+  const odo_header* found;
+  message one;
+  size_t i;
+  (void)unused;
+  for (i = 0; i < COUNT_OF(types); ++i) {
+    put_message(&one, types[i], 64, T0);
+    if (odo.recorder_write(recorder, &one.header, NULL, 0) != ODO_E_ARGUMENT)
+      fail_at(__FILE__, __LINE__, "odo_recorder_write of type 0x%x is not refused", types[i]);
+  }
+  put_message(&one, ODO_TYPE_BAROMETER, sizeof(odo_barometer), T0);
+  EXPECT(odo.recorder_write(recorder, &one.header, NULL, 0), ODO_OK);
+  EXPECT(odo.recorder_close(recorder), ODO_OK);
+  recording = open_recording(path);
+  check_no_loss(recording);
+  CHECK(next(recording)->type == ODO_TYPE_BAROMETER, "the first message is another");
+  EXPECT(odo.recording_next(recording, &found, NULL, NULL), ODO_NOT_READY);
+}
+
+static void borrowed_ones(int type) {
+  odo_recorder* recorder = create(case_file("borrowed.odo"));
+  odo_borrowed one;
+  lent memory;
+  lent_init(&memory);
+  put_header(&one, sizeof one, (uint32_t)type, T0);
+  lend(&one.loan, &memory);
+  EXPECT(odo.recorder_write(recorder, &one.header, NULL, 0), ODO_E_UNSUPPORTED);
+  EXPECT(odo.recorder_close(recorder), ODO_OK);
+  CHECK_BALANCED(&memory, 0);
+}
+
+static void too_small(int unused) {
+  odo_recorder* recorder = create(case_file("small.odo"));
+  message one;
+  size_t i;
+  (void)unused;
+  for (i = 0; i < sample_kind_count; ++i) {
+    put_message(&one, sample_kinds[i].type, sample_kinds[i].size, T0);
+    one.header.struct_size = sample_kinds[i].min_size - 1;
+    EXPECT(odo.recorder_write(recorder, &one.header, NULL, 0), ODO_E_STRUCT_SIZE);
+  }
+  put_message(&one, PROBE_MESSAGE, 64, T0);
+  one.header.struct_size = 31;
+  EXPECT(odo.recorder_write(recorder, &one.header, NULL, 0), ODO_E_STRUCT_SIZE);
+  EXPECT(odo.recorder_write(recorder, NULL, NULL, 0), ODO_E_ARGUMENT);
+  EXPECT(odo.recorder_close(recorder), ODO_OK);
+}
+
+static void pictures(int unused) {
+  static const char encoded[] = "\x89PNG\r\n\x1a\n and whatever follows";
+  const char* path = case_file("pictures.odo");
+  odo_recorder* recorder = create(path);
+  odo_recording* recording;
+  const odo_header* found;
+  const odo_frame* frame;
+  const void* picture = NULL;
+  uint64_t size = 0;
+  odo_frame one;
+  odo_barometer sample;
+  lent memory;
+  (void)unused;
+  lent_init(&memory);
+  put_frame(&one, 2, T0);
+  lend(&one.loan, &memory);
+  EXPECT(odo.recorder_write(recorder, &one.header, encoded, sizeof encoded), ODO_OK);
+  put_barometer(&sample, T0 + MS);
+  EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
+  EXPECT(odo.recorder_close(recorder), ODO_OK);
+  CHECK_BALANCED(&memory, 0);
+  recording = open_recording(path);
+  EXPECT(odo.recording_next(recording, &found, &picture, &size), ODO_OK);
+  REQUIRE(found->type == ODO_TYPE_FRAME && found->source == 2, "the first message is of type 0x%x", found->type);
+  frame = (const odo_frame*)(const void*)found;
+  CHECK(!frame->planes[0].data && !frame->loan.owner && !frame->loan.retain && !frame->loan.release &&
+            !frame->loan.native,
+        "a pointer of the writer's is in it");
+  CHECK(frame->width == 64 && frame->height == 48, "it is %u x %u", frame->width, frame->height);
+  CHECK(picture && size == sizeof encoded && memcmp(picture, encoded, sizeof encoded) == 0,
+        "its picture has %llu other bytes", (unsigned long long)size);
+  EXPECT(odo.recording_next(recording, &found, &picture, &size), ODO_OK);
+  CHECK(found->type == ODO_TYPE_BAROMETER && !picture, "a barometer's sample has a picture");
+}
+
+static void order_of_time(int unused) {
+  const int64_t times[] = {T0 + 30 * MS, T0 + 10 * MS, T0 + 20 * MS, T0};
+  const char* path = case_file("order.odo");
+  odo_recorder* recorder = create(path);
+  odo_recording* recording;
+  odo_barometer sample;
+  int64_t before = INT64_MIN;
+  size_t i;
+  (void)unused;
+  for (i = 0; i < COUNT_OF(times); ++i) {
+    put_barometer(&sample, times[i]);
+    EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
+  }
+  EXPECT(odo.recorder_close(recorder), ODO_OK);
+  recording = open_recording(path);
+  for (i = 0; i < COUNT_OF(times); ++i) {
+    const int64_t t_ns = next(recording)->t_ns;
+    CHECK(t_ns >= before, "message %u is earlier than the one before", (unsigned)i);
+    before = t_ns;
+  }
+}
+
+#define APPENDS "Appends a message of any type as it is"
+const conformance_case cases_recordings[] = {
+    {"inputs of version 1.0 are recorded and read again", "recording.h", APPENDS, inputs, 0},
+    {"later inputs are recorded and read with their ends", "recording.h",
+     "older or newer than this library, vendors' own too", inputs, 40},
+    {"events of version 1.0 are recorded and read again", "recording.h", APPENDS, events, 0},
+    {"later events are recorded and read with their ends", "recording.h",
+     "older or newer than this library, vendors' own too", events, 40},
+    {"unknown inputs and vendors' messages are recorded and read again", "base.h",
+     "An input or a vendor's message that a host does not know is ordered by time, recorded", unknown_ones, 0},
+    {"a reserved type is not recorded, and nothing of the recording is lost", "recording.h",
+     "ODO_E_ARGUMENT (a reserved type: ODO_IS_RESERVED)", reserved_ones, 0},
+    {"a vendor's borrowed message is not recorded", "recording.h",
+     "ODO_E_UNSUPPORTED (a borrowed message that is no frame)", borrowed_ones, (int)PROBE_BORROWED},
+    {"a later borrowed input is not recorded", "recording.h", "ODO_E_UNSUPPORTED (a borrowed message that is no frame)",
+     borrowed_ones, PROBE_NEWER_BORROWED},
+    {"a message that is too small is not recorded", "base.h", "A struct smaller than version 1.0 is refused", too_small,
+     0},
+    {"a frame is recorded with its encoded picture and without pointers", "recording.h",
+     "Of a frame the planes are null and *picture is its picture, encoded; otherwise *picture is null.", pictures, 0},
+    {"messages are read in the order of time", "recording.h",
+     "The next message in the order of time; valid until the next call.", order_of_time, 0},
+    {NULL, NULL, NULL, NULL, 0}};

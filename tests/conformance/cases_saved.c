@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What plugins have estimated, as a blob of the app's. */
+#include "app.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Each plugin saves its id and kind, and keeps what it was given to load. */
+static char loaded[256];
+static size_t loads;
+static int32_t load_status;
+static uint64_t saved_size; /* 0: the text */
+
+static int64_t save_text(probe_call* call) {
+  char text[96];
+  const int size = snprintf(text, sizeof text, "%s as %s;", call->instance->plugin, call->instance->kind);
+  if (saved_size) {
+    if (call->data && call->size >= saved_size) memset(call->data, 'x', (size_t)saved_size);
+    return (int64_t)saved_size;
+  }
+  if (call->data && call->size >= (uint64_t)size) memcpy(call->data, text, (size_t)size);
+  return size;
+}
+
+static int64_t on_call(probe_call* call) {
+  if (call->what == PROBE_SAVE) return save_text(call);
+  if (call->what != PROBE_LOAD) return ODO_OK;
+  ++loads;
+  if (strlen(loaded) + call->size < sizeof loaded) strncat(loaded, (const char*)call->blob, (size_t)call->size);
+  return load_status;
+}
+
+typedef struct saved {
+  unsigned char* bytes;
+  int64_t size;
+} saved;
+
+static saved save_of(app* self) {
+  saved blob = {NULL, odo.session_save(self->session, NULL, 0)};
+  int64_t written;
+  REQUIRE(blob.size > 0, "odo_session_save without memory = %s", status_name(blob.size));
+  blob.bytes = (unsigned char*)malloc((size_t)blob.size + 8);
+  memset(blob.bytes, 0xA5, (size_t)blob.size + 8);
+  written = odo.session_save(self->session, blob.bytes, (uint64_t)blob.size - 1);
+  CHECK(written == blob.size, "odo_session_save with a byte too few = %lld; expected %lld", (long long)written,
+        (long long)blob.size);
+  CHECK(blob.bytes[0] == 0xA5, "it wrote although the capacity does not suffice");
+  written = odo.session_save(self->session, blob.bytes, (uint64_t)blob.size);
+  CHECK(written == blob.size, "odo_session_save = %lld; expected %lld", (long long)written, (long long)blob.size);
+  CHECK(blob.bytes[blob.size] == 0xA5, "it wrote behind the capacity");
+  return blob;
+}
+
+static app* open_saving(const char* config) {
+  NEED(session_save);
+  NEED(session_load);
+  hooks.on_call = on_call;
+  return app_open(config, ODO_RUN_REPLAY);
+}
+
+static void there_and_back(int unused) {
+  const saved blob = save_of(open_saving(FIXER_ALONE));
+  app* self = open_saving(FIXER_ALONE);
+  (void)unused;
+  EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_OK);
+  CHECK(strcmp(loaded, "conformance/probe as " FIXER ";") == 0, "the plugin was given \"%s\"", loaded);
+}
+
+static void parts_by_id(int unused) {
+  const saved blob = save_of(open_saving(CONFIG WITH_ATTITUDE WITH_FRONTEND));
+  app* self = open_saving(CONFIG WITH_FRONTEND);
+  (void)unused;
+  EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_OK);
+  CHECK(loads == 1 && strcmp(loaded, "conformance/frontend as " FRONTEND ";") == 0,
+        "in %u calls plugins were given \"%s\"", (unsigned)loads, loaded);
+}
+
+static void by_id_not_by_kind(int unused) {
+  const saved blob = save_of(open_saving(CONFIG WITH_ATTITUDE "vo_frontend:\n  plugin: conformance/frontend\n"));
+  app* self = open_saving(CONFIG WITH_ATTITUDE "vo_frontend:\n  plugin: conformance/several\n");
+  (void)unused;
+  EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_OK);
+  CHECK(strcmp(loaded, "conformance/probe as " ATTITUDE ";") == 0, "plugins were given \"%s\"", loaded);
+}
+
+/* Each byte, one at a time. */
+static void every_damage_is_found(int unused) {
+  const saved blob = save_of(open_saving(FIXER_ALONE));
+  app* self = open_saving(FIXER_ALONE);
+  int64_t i;
+  int taken = 0;
+  (void)unused;
+  for (i = 0; i < blob.size; ++i) {
+    int32_t status;
+    blob.bytes[i] ^= 0x10;
+    status = odo.session_load(self->session, blob.bytes, (uint64_t)blob.size);
+    taken += status >= 0;
+    CHECK(status < 0 || taken > 3, "with byte %lld changed odo_session_load = %s", (long long)i, status_name(status));
+    CHECK(status >= 0 || status == ODO_E_DATA, "with byte %lld changed odo_session_load = %s", (long long)i,
+          status_name(status));
+    blob.bytes[i] ^= 0x10;
+  }
+  for (i = 0; i < blob.size; ++i) {
+    const int32_t status = odo.session_load(self->session, blob.bytes, (uint64_t)i);
+    CHECK(status == ODO_E_DATA, "cut to %lld bytes odo_session_load = %s", (long long)i, status_name(status));
+  }
+  CHECK(loads == 0, "the plugin was given a part of a damaged blob %u times", (unsigned)loads);
+}
+
+static void refused_part(int unused) {
+  const saved blob = save_of(open_saving(CONFIG WITH_ATTITUDE WITH_FRONTEND));
+  app* self = open_saving(CONFIG WITH_ATTITUDE WITH_FRONTEND);
+  (void)unused;
+  load_status = ODO_E_DATA;
+  EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_E_DATA);
+  CHECK(loads == 2, "%u of 2 plugins were given their part", (unsigned)loads);
+}
+
+static void too_large_a_part(int unused) {
+  app* self;
+  int64_t size;
+  (void)unused;
+  saved_size = (uint64_t)ODO_LARGEST_STATE + 1;
+  self = open_saving(FIXER_ALONE);
+  size = odo.session_save(self->session, NULL, 0);
+  CHECK(size >= 0 && size < 100000, "odo_session_save = %lld although the part is too large", (long long)size);
+  app_flush(self);
+  CHECK(app_events(self, ODO_TYPE_REPORT) >= 1, "nothing reports that the part was left out");
+}
+
+static void bad_arguments(int unused) {
+  app* self = open_saving(FIXER_ALONE);
+  (void)unused;
+  EXPECT(odo.session_load(self->session, NULL, 10), ODO_E_ARGUMENT);
+  EXPECT(odo.session_save(self->session, NULL, 10), ODO_E_ARGUMENT);
+  EXPECT(odo.session_load(NULL, "x", 1), ODO_E_ARGUMENT);
+}
+
+#define LOAD \
+  "ODO_E_DATA when the blob is damaged (nothing changed) or a plugin does not take its part (the others have theirs)."
+const conformance_case cases_saved[] = {
+    {"what a plugin saved it is given to load", "odograph.h", "as a blob for", there_and_back, 0},
+    {"each plugin is given its own part, those of absent plugins are ignored", "odograph.h",
+     "Parts are by plugin id; those of plugins that this config does not have are ignored.", parts_by_id, 0},
+    {"another plugin of the same kind is not given the part", "plugin.h", "The host keeps it by the plugin's id.",
+     by_id_not_by_kind, 0},
+    {"every damage of a saved blob is found before a plugin is given its part", "odograph.h", LOAD,
+     every_damage_is_found, 0},
+    {"a plugin that refuses its part keeps it from nobody else", "odograph.h", LOAD, refused_part, 0},
+    {"saved state that is too large is left out and reported", "plugin.h",
+     "bytes of saved state of one instance; more is not kept, and reported", too_large_a_part, 0},
+    {"saving and loading null is refused", "base.h", "the caller broke the contract; discarded, state unchanged",
+     bad_arguments, 0},
+    {NULL, NULL, NULL, NULL, 0}};

@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * What the host offers to plugins: services by id. */
+#include "app.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define SERVICE(from, id) ((from)->get_service((from), (id), strlen(id)))
+
+static const odo_host* host_at_create;
+static const void* found[8];
+
+static int64_t ask_for(const odo_host* host) {
+  static const char* const ids[] = {ODO_SERVICE_REPORT, ODO_SERVICE_RANDOM, ODO_SERVICE_ASSETS, ODO_SERVICE_ASSETS_2,
+                                    ODO_SERVICE_WAKE,   "odo.nothing/1",    "acme.java_vm/1",   ""};
+  size_t i;
+  host_at_create = host;
+  for (i = 0; i < COUNT_OF(ids); ++i) found[i] = SERVICE(host, ids[i]);
+  return ODO_OK;
+}
+
+static int64_t ask_at_create(probe_call* call) {
+  return call->what == PROBE_CREATE ? ask_for(call->instance->host) : ODO_OK;
+}
+
+static uint64_t apps_table[4] = {sizeof apps_table};
+static const void* ODO_CALL app_service(void* user, const char* id, uint64_t size) {
+  if (size == sizeof PROBE_SERVICE - 1 && memcmp(id, PROBE_SERVICE, size) == 0) {
+    const odo_session_options by_suite = app_options("", ODO_RUN_REPLAY);
+    return by_suite.get_service(NULL, id, size);
+  }
+  return user == apps_table && size == 14 && memcmp(id, "acme.java_vm/1", 14) == 0 ? apps_table : NULL;
+}
+
+static void host_services(int unused) {
+  static const uint32_t sizes[] = {ODO_REPORT_SERVICE_SIZE_MIN, ODO_RANDOM_SERVICE_SIZE_MIN, ODO_ASSET_SERVICE_SIZE_MIN,
+                                   ODO_ASSET_SERVICE_2_SIZE_MIN, ODO_WAKE_SERVICE_SIZE_MIN};
+  size_t i;
+  (void)unused;
+  hooks.on_call = ask_at_create;
+  app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  REQUIRE(host_at_create, "no instance was made");
+  for (i = 0; i < COUNT_OF(sizes); ++i) {
+    uint32_t size = 0;
+    CHECK(found[i], "service %u of the host is missing", (unsigned)i);
+    if (found[i]) memcpy(&size, found[i], sizeof size);
+    CHECK(!found[i] || size >= sizes[i], "service %u has %u bytes; expected %u at least", (unsigned)i, size, sizes[i]);
+  }
+  CHECK(!found[5] && !found[7], "there is a table for an id that nobody offers");
+  CHECK(!found[6], "there is a table for an id of the app's, which offers none");
+}
+
+static void app_services(int unused) {
+  odo_session_options chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
+  (void)unused;
+  hooks.on_call = ask_at_create;
+  chosen.get_service = app_service;
+  chosen.user = apps_table;
+  app_open_options(&chosen);
+  CHECK(found[6] == apps_table, "the plugin was not given the app's table");
+  CHECK(!found[5], "an id that begins with \"odo.\" was answered");
+}
+
+/* ---- reports ---- */
+static int32_t report_thrice(odo_instance* instance, const odo_header* message) {
+  const odo_report_service* service = (const odo_report_service*)SERVICE(instance->host, ODO_SERVICE_REPORT);
+  const odo_string key = string_of("trouble"), text = string_of("the lens is covered");
+  int i;
+  if (message->type != ODO_TYPE_BAROMETER) return ODO_OK;
+  for (i = 0; service && i < 3; ++i)
+    service->report(instance->host, instance->number, ODO_SEVERITY_WARNING, &key, &text);
+  return ODO_OK;
+}
+
+static void reports_are_events(int unused) {
+  odo_barometer sample;
+  const odo_report* report;
+  app* self;
+  (void)unused;
+  hooks.on_message = report_thrice;
+  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  put_barometer(&sample, T0);
+  EXPECT(push(self, &sample), ODO_OK);
+  app_flush(self);
+  REQUIRE(app_events(self, ODO_TYPE_REPORT) == 1, "%u reports of one key came in a moment; expected 1",
+          (unsigned)app_events(self, ODO_TYPE_REPORT));
+  report = (const odo_report*)(const void*)app_event(self, ODO_TYPE_REPORT, 0);
+  CHECK(strcmp(report->plugin, "conformance/probe") == 0 && strcmp(report->key, "trouble") == 0 &&
+            strstr(report->text, "the lens is covered"),
+        "it has plugin \"%s\", key \"%s\" and text \"%s\"", report->plugin, report->key, report->text);
+  CHECK(report->severity == ODO_SEVERITY_WARNING && report->count == 1, "it has severity %u and count %llu",
+        report->severity, (unsigned long long)report->count);
+  CHECK(report->header.source == journal_find(PROBE_CREATE, FIXER, 0)->number, "its source is %u",
+        report->header.source);
+  sleep_ms(1100);
+  put_barometer(&sample, T0 + SECOND);
+  EXPECT(push(self, &sample), ODO_OK);
+  app_flush(self);
+  report = (const odo_report*)(const void*)app_event(self, ODO_TYPE_REPORT, 1);
+  REQUIRE(report, "a second later there was no report");
+  CHECK(report->count == 3, "it stands for %llu reports; expected 3", (unsigned long long)report->count);
+}
+
+/* ---- random numbers ---- */
+static uint64_t seeds[4];
+
+static int64_t draw(probe_call* call) {
+  const odo_random_service* service;
+  uint64_t i;
+  if (call->what != PROBE_ACTIVATE) return ODO_OK;
+  service = (const odo_random_service*)SERVICE(call->instance->host, ODO_SERVICE_RANDOM);
+  for (i = 0; service && i < 2; ++i) seeds[i] = service->seed(call->instance->host, call->instance->number, i);
+  if (service) seeds[2] = service->seed(call->instance->host, call->instance->number + 1, 0);
+  if (service) seeds[3] = service->seed(call->instance->host, call->instance->number, 0);
+  return ODO_OK;
+}
+
+static void draw_with(uint64_t seed, uint64_t out[4]) {
+  odo_session_options chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
+  chosen.seed = seed;
+  app_close(app_open_options(&chosen));
+  memcpy(out, seeds, sizeof seeds);
+}
+
+static void seeds_are_functions(int unused) {
+  uint64_t one[4], same[4], other[4];
+  (void)unused;
+  hooks.on_call = draw;
+  draw_with(1, one), draw_with(1, same), draw_with(2, other);
+  CHECK(memcmp(one, same, sizeof one) == 0, "two sessions of one seed differ");
+  CHECK(one[0] == one[3], "two calls with the same arguments differ");
+  CHECK(one[0] != one[1] && one[0] != one[2], "streams or instances have the same seed");
+  CHECK(one[0] != other[0], "two seeds give the same");
+}
+
+/* ---- assets ---- */
+static struct {
+  int64_t resolved, missing, read, behind;
+  int32_t opened, not_opened;
+  uint64_t size;
+  bool has_contents;
+  char path[512], data[16];
+} assets;
+
+static int64_t use_assets(probe_call* call) {
+  const odo_string name = string_of("asset.txt"), nowhere = string_of("nowhere.txt");
+  const odo_host* host;
+  const odo_asset_service* paths;
+  const odo_asset_service_2* contents;
+  odo_asset* asset = NULL;
+  if (call->what != PROBE_CONFIGURE) return ODO_OK;
+  host = call->instance->host;
+  paths = (const odo_asset_service*)SERVICE(host, ODO_SERVICE_ASSETS);
+  contents = (const odo_asset_service_2*)SERVICE(host, ODO_SERVICE_ASSETS_2);
+  if (paths) {
+    assets.resolved = paths->resolve(host, &name, assets.path, sizeof assets.path);
+    assets.missing = paths->resolve(host, &nowhere, assets.path + 256, 256);
+  }
+  assets.has_contents = contents != NULL;
+  if (!contents) return ODO_OK;
+  assets.not_opened = contents->open(contents->user, &nowhere, &asset, &assets.size);
+  assets.opened = contents->open(contents->user, &name, &asset, &assets.size);
+  if (assets.opened != ODO_OK) return ODO_OK;
+  assets.read = contents->read(asset, 2, assets.data, sizeof assets.data);
+  assets.behind = contents->read(asset, 5, assets.data + 8, 8);
+  contents->close(asset);
+  return ODO_OK;
+}
+
+static void asset_files(int unused) {
+  odo_session_options chosen;
+  const char* path = case_file("asset.txt");
+  char folder[512];
+  FILE* file = fopen(path, "wb");
+  (void)unused;
+  REQUIRE(file && fwrite("hello", 1, 5, file) == 5, "no file could be written");
+  fclose(file);
+  strcpy(folder, case_file(""));
+  hooks.on_call = use_assets;
+  chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
+  chosen.asset_path = string_of(folder);
+  app_open_options(&chosen);
+  CHECK(assets.resolved > 9 && assets.path[0] == '/' && strstr(assets.path, "asset.txt"),
+        "odo.assets/1 resolved %lld: \"%.200s\"", (long long)assets.resolved, assets.path);
+  CHECK(assets.missing == ODO_E_NOT_FOUND, "odo.assets/1 resolved a file that is not there: %s",
+        status_name(assets.missing));
+  if (!assets.has_contents) skip_case("the host has no odo.assets/2");
+  CHECK(assets.not_opened == ODO_E_NOT_FOUND, "odo.assets/2 open of a file that is not there = %s",
+        status_name(assets.not_opened));
+  CHECK(assets.opened == ODO_OK && assets.size == 5, "odo.assets/2 open = %s, size %llu", status_name(assets.opened),
+        (unsigned long long)assets.size);
+  CHECK(assets.read == 3 && memcmp(assets.data, "llo", 3) == 0, "odo.assets/2 read %lld bytes; expected 3",
+        (long long)assets.read);
+  CHECK(assets.behind == 0, "odo.assets/2 read %lld bytes at the end; expected 0", (long long)assets.behind);
+}
+
+/* ---- wake ---- */
+static odo_instance* waker;
+static int empty_batches, events_of_wake;
+
+static int64_t note_empty(probe_call* call) {
+  odo_header event;
+  if (call->what == PROBE_ACTIVATE) waker = call->instance;
+  if (call->what != PROBE_PROCESS || call->batch->count > 0) return ODO_OK;
+  ++empty_batches;
+  put_header(&event, sizeof event, PROBE_EVENT, T0);
+  events_of_wake += probe_emit(call->instance, &event) == ODO_OK;
+  return ODO_OK;
+}
+
+static void* wake_many(void* unused) {
+  const odo_wake_service* service = (const odo_wake_service*)SERVICE(waker->host, ODO_SERVICE_WAKE);
+  int i;
+  (void)unused;
+  for (i = 0; i < 10; ++i) service->wake(waker->host, waker->number);
+  return NULL;
+}
+
+static void wake_calls(int run) {
+  pthread_t thread;
+  app* self;
+  hooks.on_call = note_empty;
+  self = app_open(FIXER_ALONE, (uint32_t)run);
+  REQUIRE(waker, "no instance was activated");
+  if (!SERVICE(waker->host, ODO_SERVICE_WAKE)) skip_case("the host has no odo.wake/1");
+  push_rest_between(self, T0, T0 + 50 * MS);
+  REQUIRE(pthread_create(&thread, NULL, wake_many, NULL) == 0, "no thread could be started");
+  pthread_join(thread, NULL);
+  if (run == ODO_RUN_REPLAY) {
+    push_rest(self, T0 + 50 * MS);
+    app_flush(self);
+  } else {
+    app_wait_events(self, PROBE_EVENT, 1); /* soon, without another sample */
+  }
+  CHECK(empty_batches >= 1 && empty_batches <= 10, "10 requests were answered by %d calls; expected 1 to 10",
+        empty_batches);
+  CHECK(events_of_wake == empty_batches, "of %d events within these calls %d were taken", empty_batches,
+        events_of_wake);
+  CHECK(app_events(self, PROBE_EVENT) == (size_t)events_of_wake, "%u events were published",
+        (unsigned)app_events(self, PROBE_EVENT));
+}
+
+const conformance_case cases_services[] = {
+    {"the host's services are there and have their sizes", "plugin.h",
+     "A table of the service, or null where there is none: plugins cope.", host_services, 0},
+    {"the app's services reach plugins, but not for the host's ids", "plugin.h",
+     "are the host's; all others are handed to the app (odo_session_options.get_service)", app_services, 0},
+    {"a plugin's report is an event, once a second, with its count", "events.h",
+     "Of equal origin and key at most one a second is given; `count` says how many that one stands for.",
+     reports_are_events, 0},
+    {"random seeds are a function of seed, instance and stream", "plugin.h",
+     "Random numbers that are a function of the run's seed, the instance and the stream alone.", seeds_are_functions,
+     0},
+    {"assets are found by path and by contents", "plugin.h", "Contents of files that a config names.", asset_files, 0},
+    {"a plugin of a replay that asked to be called is called with an empty batch", "plugin.h",
+     "the host calls process of this instance with a batch of no messages", wake_calls, ODO_RUN_REPLAY},
+    {"a plugin of a live session that asked to be called is called with an empty batch", "plugin.h",
+     "the host calls process of this instance with a batch of no messages", wake_calls, ODO_RUN_LIVE},
+    {NULL, NULL, NULL, NULL, 0}};

@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Functions that may be called from any thread, called from several at once. */
+#include "app.h"
+
+#include <string.h>
+
+typedef struct pusher {
+  app* to;
+  int sensor; /* 0 to 3 */
+  int taken, exhausted, discarded, others;
+} pusher;
+
+static volatile int stop, asked;
+
+static void put_sample(int sensor, int i, void* out) {
+  const int64_t t_ns = T0 + i * 10 * MS + sensor * MS;
+  if (sensor == 0) sample_kinds[0].put(out, t_ns);
+  if (sensor == 1) put_barometer((odo_barometer*)out, t_ns);
+  if (sensor == 2) sample_kinds[1].put(out, t_ns);
+  if (sensor == 3) put_header(out, 64, PROBE_MESSAGE, t_ns);
+}
+
+static void* push_sensor(void* user) {
+  pusher* self = (pusher*)user;
+  union {
+    odo_header header;
+    unsigned char bytes[LARGEST_SAMPLE];
+  } sample;
+  int i;
+  for (i = 0; i < 300 && !stop; ++i) {
+    int32_t status;
+    put_sample(self->sensor, i, &sample);
+    status = push(self->to, &sample);
+    self->taken += status == ODO_OK;
+    self->exhausted += status == ODO_E_EXHAUSTED;
+    self->discarded += status == ODO_E_DISCARD; /* a thread that runs ahead makes the others late */
+    self->others += status != ODO_OK && status != ODO_E_EXHAUSTED && status != ODO_E_DISCARD;
+  }
+  return NULL;
+}
+
+static void start(pthread_t* thread, void* (*run)(void*), void* user) {
+  REQUIRE(pthread_create(thread, NULL, run, user) == 0, "no thread could be started");
+}
+
+static void push_from_four(int run) {
+  app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", (uint32_t)run);
+  pusher pushers[4];
+  pthread_t threads[4];
+  odo_statistics counts;
+  uint64_t taken = 0, refused = 0;
+  int i;
+  memset(pushers, 0, sizeof pushers);
+  for (i = 0; i < 4; ++i) pushers[i].to = self, pushers[i].sensor = i, start(&threads[i], push_sensor, &pushers[i]);
+  for (i = 0; i < 4; ++i) pthread_join(threads[i], NULL);
+  app_flush(self);
+  counts = app_statistics(self);
+  for (i = 0; i < 4; ++i) {
+    taken += (uint64_t)pushers[i].taken;
+    refused += (uint64_t)(pushers[i].exhausted + pushers[i].discarded);
+    CHECK(pushers[i].others == 0, "%d pushes had another status", pushers[i].others);
+  }
+  CHECK(counts.pushed == 1200 && counts.processed == taken &&
+            counts.late + counts.overflow + counts.duplicate + counts.invalid == refused,
+        "of 1200 samples %llu were taken and %llu refused; pushed is %llu, processed %llu, late %llu, overflow %llu",
+        (unsigned long long)taken, (unsigned long long)refused, (unsigned long long)counts.pushed,
+        (unsigned long long)counts.processed, (unsigned long long)counts.late, (unsigned long long)counts.overflow);
+  CHECK(refused == 0, "%llu samples were refused although 5 s are waited", (unsigned long long)refused);
+  CHECK(journal_overlaps() == 0, "%u calls of one instance overlapped", journal_overlaps());
+}
+
+static int torn;
+static void* ask_for_poses(void* user) {
+  app* self = (app*)user;
+  while (!stop) {
+    odo_pose pose;
+    odo_statistics counts;
+    int32_t status;
+    double norm = 0;
+    int i;
+    memset(&pose, 0, sizeof pose);
+    pose.header.struct_size = sizeof pose;
+    status = odo.session_get_pose(self->session, ODO_TIME_LATEST, &pose);
+    for (i = 0; i < 4; ++i) norm += pose.q_n[i] * pose.q_n[i];
+    torn += status == ODO_OK && (norm < 0.999 || norm > 1.001);
+    memset(&counts, 0, sizeof counts);
+    counts.struct_size = sizeof counts;
+    odo.session_get_statistics(self->session, &counts);
+    torn += counts.processed > counts.pushed;
+    ++asked;
+  }
+  return NULL;
+}
+
+static void poses_meanwhile(int run) {
+  pthread_t thread;
+  app* self;
+  int second;
+  NEED(session_get_pose);
+  hooks.on_message = walk_message;
+  self = app_open(CAMERA_WALK, (uint32_t)run);
+  start(&thread, ask_for_poses, self);
+  while (asked == 0) sleep_ms(1);
+  for (second = 0; second < 5; ++second) {
+    walk_second(self, second);
+    app_flush(self);
+  }
+  stop = 1;
+  pthread_join(thread, NULL);
+  CHECK(asked > 0 && torn == 0, "%d of %d answers were torn", torn, asked);
+}
+
+static int32_t linger(odo_instance* instance, const odo_header* message) {
+  (void)instance, (void)message;
+  sleep_ms(5);
+  return ODO_OK;
+}
+
+/* Frames wait, and one is being processed. */
+static void destroyed_in_flight(int unused) {
+  uint8_t pixels[64 * 48] = {0};
+  lent memory;
+  app* self;
+  int i;
+  (void)unused;
+  hooks.on_message = linger;
+  lent_init(&memory);
+  self = app_open(FIXER_ALONE, ODO_RUN_LIVE);
+  for (i = 0; i < 8; ++i) {
+    odo_frame frame;
+    put_frame(&frame, 0, T0 + i * 10 * MS);
+    frame.planes[0].data = pixels;
+    lend(&frame.loan, &memory);
+    push(self, &frame);
+  }
+  sleep_ms(8);
+  app_close(self);
+  CHECK_BALANCED(&memory, 1);
+  CHECK(journal_count(PROBE_DESTROY, FIXER) == 1 && journal_overlaps() == 0,
+        "the instance was not destroyed in its turn");
+}
+
+static void sessions_are_independent(int unused) {
+  enum { SESSIONS = 3 };
+  app* sessions[SESSIONS];
+  pusher pushers[SESSIONS];
+  pthread_t threads[SESSIONS];
+  int i;
+  (void)unused;
+  memset(pushers, 0, sizeof pushers);
+  for (i = 0; i < SESSIONS; ++i) sessions[i] = app_open(FIXER_ALONE, i % 2 ? ODO_RUN_LIVE : ODO_RUN_REPLAY);
+  for (i = 0; i < SESSIONS; ++i) {
+    pushers[i].to = sessions[i];
+    pushers[i].sensor = 1;
+    start(&threads[i], push_sensor, &pushers[i]);
+  }
+  for (i = 0; i < SESSIONS; ++i) pthread_join(threads[i], NULL);
+  for (i = 0; i < SESSIONS; ++i) {
+    app_flush(sessions[i]);
+    CHECK(app_statistics(sessions[i]).processed == 300, "session %d processed %llu samples; expected 300", i,
+          (unsigned long long)app_statistics(sessions[i]).processed);
+    app_close(sessions[i]);
+  }
+  CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 300 * SESSIONS, "%u samples were given",
+        (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER));
+}
+
+/* One thread processes; what the other pushes meanwhile is processed by it. */
+static int32_t take_long(odo_instance* instance, const odo_header* message) {
+  (void)instance, (void)message;
+  sleep_ms(20);
+  return ODO_OK;
+}
+
+static void* push_one(void* user) {
+  app* self = (app*)user;
+  push_rest(self, T0);
+  push_rest(self, T0 + 300 * MS);
+  push_rest(self, T0 + 600 * MS);
+  push_rest(self, T0 + 900 * MS);
+  return NULL;
+}
+
+static void replay_has_one_owner(int unused) {
+  pthread_t thread;
+  app* self;
+  int i;
+  (void)unused;
+  hooks.on_message = take_long;
+  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  start(&thread, push_one, self);
+  for (i = 0; i < 100 && given_count(ODO_TYPE_IMU, FIXER) == 0; ++i) sleep_ms(1);
+  {
+    odo_barometer sample;
+    put_barometer(&sample, T0 + 100 * MS);
+    push(self, &sample);
+  }
+  pthread_join(thread, NULL);
+  app_flush(self);
+  CHECK(journal_overlaps() == 0, "calls of one instance overlapped");
+}
+
+static void statistics_do_not_wait(int unused) {
+  double start_s, longest_s = 0;
+  pthread_t thread;
+  pusher slow = {NULL, 1, 0, 0, 0, 0};
+  app* self;
+  int i;
+  (void)unused;
+  NEED(session_get_pose);
+  hooks.on_message = linger;
+  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  slow.to = self;
+  start(&thread, push_sensor, &slow);
+  for (i = 0; i < 200; ++i) {
+    odo_pose pose;
+    memset(&pose, 0, sizeof pose);
+    pose.header.struct_size = sizeof pose;
+    start_s = now_s();
+    odo.session_get_pose(self->session, ODO_TIME_LATEST, &pose);
+    app_statistics(self);
+    if (now_s() - start_s < 0.004) ++asked; /* a machine that is busy may be late now and then */
+    if (now_s() - start_s > longest_s) longest_s = now_s() - start_s;
+    sleep_ms(1);
+  }
+  stop = 1;
+  pthread_join(thread, NULL);
+  CHECK(asked > 150, "%d of 200 calls took less than 4 ms while plugins took 5 ms; the longest %.1f ms", asked,
+        1e3 * longest_s);
+}
+
+const conformance_case cases_threads[] = {
+    {"four threads push into a replay at once and nothing is lost", "odograph.h",
+     "from any thread, also several at once", push_from_four, ODO_RUN_REPLAY},
+    {"four threads push into a live session at once and nothing is lost", "odograph.h",
+     "from any thread, also several at once", push_from_four, ODO_RUN_LIVE},
+    {"poses and statistics asked for beside a replay are whole", "odograph.h",
+     "Takes microseconds and never waits for the pipeline.", poses_meanwhile, ODO_RUN_REPLAY},
+    {"poses and statistics asked for beside a live session are whole", "odograph.h",
+     "Takes microseconds and never waits for the pipeline.", poses_meanwhile, ODO_RUN_LIVE},
+    {"a live session is destroyed with frames in flight", "odograph.h",
+     "Stops the session's thread, destroys the plugins' instances, releases held frames.", destroyed_in_flight, 0},
+    {"sessions on several threads are independent", "plugin.h", "Instances are independent of each other",
+     sessions_are_independent, 0},
+    {"pushes into a replay that is processing do not call plugins at once", "odograph.h",
+     "what others push is processed by it", replay_has_one_owner, 0},
+    {"poses and statistics do not wait for plugins", "odograph.h",
+     "Accumulated counters. Never waits for the pipeline.", statistics_do_not_wait, 0},
+    {NULL, NULL, NULL, NULL, 0}};

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * Functions that need no session. */
+#include "app.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void version_is_three_numbers(int unused) {
+  unsigned major, minor, patch;
+  char rest[2];
+  (void)unused;
+  NEED(version);
+  REQUIRE(odo.version() != NULL, "odo_version gives null");
+  CHECK(sscanf(odo.version(), "%u.%u.%u%1s", &major, &minor, &patch, rest) == 3, "odo_version gives \"%s\"",
+        odo.version());
+}
+
+static void abi_is_of_these_headers(int unused) {
+  (void)unused;
+  NEED(abi_version);
+  CHECK(odo.abi_version() >> 16 == ODO_ABI_MAJOR, "odo_abi_version gives major %u", odo.abi_version() >> 16);
+  CHECK((odo.abi_version() & 0xFFFF) >= ODO_ABI_MINOR, "odo_abi_version gives minor %u", odo.abi_version() & 0xFFFF);
+}
+
+static void all_functions_are_there(int unused) {
+  (void)unused;
+  if (library_missing()[0]) skip_case("the library lacks %s", library_missing());
+}
+
+static const char* state_text(int64_t n) { return odo.state_text((uint32_t)n); }
+static const char* reason_text(int64_t n) { return odo.reason_text((uint32_t)n); }
+static const char* mode_text(int64_t n) { return odo.mode_text((uint32_t)n); }
+static const char* status_text(int64_t n) { return odo.status_text((int32_t)n); }
+
+static void check_texts(const char* of, const char* (*text)(int64_t), int64_t from, int64_t to,
+                        int64_t first_with_words) {
+  static const int64_t far[] = {INT32_MIN, INT32_MAX, 1000, -1000};
+  int64_t i, j;
+  for (i = from; i <= to; ++i) {
+    REQUIRE(text(i) != NULL, "the text of %s %lld is null", of, (long long)i);
+    CHECK(i < first_with_words || text(i)[0], "the text of %s %lld is empty", of, (long long)i);
+    for (j = from; j < i; ++j)
+      CHECK(strcmp(text(i), text(j)) != 0, "%s %lld and %lld are both \"%s\"", of, (long long)i, (long long)j, text(i));
+  }
+  for (i = 0; i < (int64_t)COUNT_OF(far); ++i)
+    CHECK(text(far[i]) != NULL, "the text of the unknown %s %lld is null", of, (long long)far[i]);
+}
+
+static void numbers_have_words(int unused) {
+  (void)unused;
+  NEED(status_text);
+  NEED(state_text);
+  NEED(reason_text);
+  NEED(mode_text);
+  check_texts("status", status_text, ODO_E_FATAL, ODO_NOT_READY, ODO_E_FATAL);
+  check_texts("state", state_text, ODO_TRACKING, ODO_LOST, ODO_TRACKING);
+  check_texts("reason", reason_text, ODO_REASON_NONE, ODO_REASON_NO_ORIGIN, ODO_REASON_INITIALISING);
+  check_texts("motion mode", mode_text, ODO_MODE_UNKNOWN, ODO_MODE_HANDLING, ODO_MODE_STATIC);
+}
+
+static void null_is_an_argument(int unused) {
+  odo_session* session = (odo_session*)&session;
+  odo_session_options chosen;
+  odo_error error = {sizeof error, 0, ""};
+  (void)unused;
+  NEED(session_create);
+  memset(&chosen, 0, sizeof chosen);
+  chosen.struct_size = sizeof chosen;
+  EXPECT(odo.session_create(NULL, &session, &error), ODO_E_ARGUMENT);
+  CHECK(session == NULL, "*session is not null after a failure");
+  CHECK(error.message[0] && memchr(error.message, 0, sizeof error.message), "no reason was written");
+  EXPECT(odo.session_create(&chosen, NULL, NULL), ODO_E_ARGUMENT);
+  EXPECT(odo.session_push(NULL, NULL), ODO_E_ARGUMENT);
+  EXPECT(odo.session_flush(NULL), ODO_E_ARGUMENT);
+  EXPECT(odo.session_get_pose(NULL, 0, NULL), ODO_E_ARGUMENT);
+  EXPECT(odo.session_get_statistics(NULL, NULL), ODO_E_ARGUMENT);
+}
+
+static void null_is_destroyed(int unused) {
+  (void)unused;
+  NEED(session_destroy);
+  odo.session_destroy(NULL);
+}
+
+static char within[128], cut[8];
+static uint64_t within_size, cut_size;
+
+static int32_t ask_for_call(odo_instance* instance, const odo_header* message) {
+  (void)instance, (void)message;
+  within_size = odo.current_plugin_call(within, sizeof within - 1);
+  memset(cut, '#', sizeof cut);
+  cut_size = odo.current_plugin_call(cut, 4);
+  return ODO_OK;
+}
+
+static void current_call_is_named(int unused) {
+  odo_barometer sample;
+  char outside[64];
+  app* self;
+  (void)unused;
+  NEED(current_plugin_call);
+  hooks.on_message = ask_for_call;
+  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  CHECK(odo.current_plugin_call(outside, sizeof outside) == 0, "there is a call outside of any plugin's");
+  put_barometer(&sample, T0);
+  EXPECT(push(self, &sample), ODO_OK);
+  app_flush(self);
+  CHECK(strcmp(within, "conformance/probe in process") == 0, "within process it gives \"%s\"", within);
+  CHECK(within_size == strlen("conformance/probe in process"), "it returned %llu", (unsigned long long)within_size);
+  CHECK(memcmp(cut, "conf####", 8) == 0, "with a capacity of 4 it wrote \"%.8s\"", cut);
+  CHECK(cut_size == 4, "with a capacity of 4 it returned %llu", (unsigned long long)cut_size);
+}
+
+const conformance_case cases_version[] = {
+    {"the version is three numbers", "odograph.h", "\"major.minor.patch\" of the library, terminated, never null.",
+     version_is_three_numbers, 0},
+    {"the ABI's version is major and minor", "odograph.h", "ABI of the library: major << 16 | minor.",
+     abi_is_of_these_headers, 0},
+    {"every function of the headers is there", "base.h", "ODO_API: what the library exports and an app imports.",
+     all_functions_are_there, 0},
+    {"each status, state, reason and mode has words of its own", "odograph.h",
+     "A status code, a state (ODO_TRACKING ...), a reason or a motion mode in words; never null.", numbers_have_words,
+     0},
+    {"null where something is needed is an argument error", "base.h",
+     "the caller broke the contract; discarded, state unchanged", null_is_an_argument, 0},
+    {"destroying null does nothing", "odograph.h",
+     "Stops the session's thread, destroys the plugins' instances, releases held frames. Null is allowed.",
+     null_is_destroyed, 0},
+    {"the current plugin call names the plugin and the call", "odograph.h",
+     "Writes at most `capacity` bytes, unterminated, and returns how many; 0: none.", current_call_is_named, 0},
+    {NULL, NULL, NULL, NULL, 0}};

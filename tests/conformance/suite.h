@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The conformance suite of the host's side: cases that check a libodograph.so against the sentences of the public
+ * headers. It is C99 and POSIX, includes the public headers alone and takes the library at run time. */
+#ifndef CONFORMANCE_SUITE_H
+#define CONFORMANCE_SUITE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <odograph/absolute_fixer.h>
+#include <odograph/anchor.h>
+#include <odograph/attitude.h>
+#include <odograph/messages.h>
+#include <odograph/odograph.h>
+#include <odograph/recording.h>
+#include <odograph/scale_source.h>
+#include <odograph/step_estimator.h>
+#include <odograph/vo_frontend.h>
+
+/* ---- cases ---- */
+typedef struct conformance_case {
+  const char* name;     /* a sentence */
+  const char* header;   /* the file of the contract ... */
+  const char* sentence; /* ... and the sentence of it that is checked */
+  void (*run)(int argument);
+  int argument;
+} conformance_case;
+
+/* Groups, each ended by a row without a name. */
+extern const conformance_case cases_version[], cases_sizes[], cases_push[], cases_types[], cases_loans[],
+    cases_keeping[], cases_cameras[], cases_order[], cases_emit[], cases_emit_values[], cases_life[], cases_failures[],
+    cases_services[], cases_callback[], cases_threads[], cases_session[], cases_saved[], cases_anchors[],
+    cases_recordings[], cases_damage[], cases_process[], cases_register[];
+
+/* Within a case. fail_at notes a failure and goes on, stop_at ends the case too; both may be called on any thread. */
+void fail_at(const char* file, int line, const char* format, ...);
+void stop_at(const char* file, int line, const char* format, ...);
+void skip_case(const char* format, ...);
+void expect_status(const char* file, int line, const char* what, int64_t status, int64_t expected);
+
+#define CHECK(condition, ...)                                   \
+  do {                                                          \
+    if (!(condition)) fail_at(__FILE__, __LINE__, __VA_ARGS__); \
+  } while (0)
+#define REQUIRE(condition, ...)                                 \
+  do {                                                          \
+    if (!(condition)) stop_at(__FILE__, __LINE__, __VA_ARGS__); \
+  } while (0)
+#define EXPECT(call, expected) expect_status(__FILE__, __LINE__, #call, (call), (expected))
+
+/* ---- the library ---- */
+#define CONFORMANCE_FUNCTIONS(X)                                                                   \
+  X(int32_t, session_create, (const odo_session_options*, odo_session**, odo_error*))              \
+  X(void, session_destroy, (odo_session*))                                                         \
+  X(int32_t, session_push, (odo_session*, const odo_header*))                                      \
+  X(int32_t, session_push_imu, (odo_session*, int64_t, const double*, const double*))              \
+  X(int32_t, session_flush, (odo_session*))                                                        \
+  X(int32_t, session_get_pose, (odo_session*, int64_t, odo_pose*))                                 \
+  X(int32_t, session_get_pose_of, (odo_session*, uint32_t, uint32_t, int64_t, odo_pose*))          \
+  X(int32_t, session_get_smooth_pose, (odo_session*, int64_t, odo_pose*))                          \
+  X(int32_t, session_set_callback, (odo_session*, const uint32_t*, uint32_t, odo_callback, void*)) \
+  X(int32_t, register_plugin, (odo_plugin_entry, odo_error*))                                      \
+  X(uint64_t, current_plugin_call, (char*, uint64_t))                                              \
+  X(int32_t, session_get_statistics, (odo_session*, odo_statistics*))                              \
+  X(int32_t, session_last_error, (odo_session*, odo_error*))                                       \
+  X(int32_t, session_to_geodetic, (odo_session*, const double*, double*))                          \
+  X(int32_t, session_from_geodetic, (odo_session*, const double*, double*))                        \
+  X(int64_t, session_save, (odo_session*, void*, uint64_t))                                        \
+  X(int32_t, session_load, (odo_session*, const void*, uint64_t))                                  \
+  X(const char*, version, (void))                                                                  \
+  X(uint32_t, abi_version, (void))                                                                 \
+  X(const char*, status_text, (int32_t))                                                           \
+  X(const char*, state_text, (uint32_t))                                                           \
+  X(const char*, reason_text, (uint32_t))                                                          \
+  X(const char*, mode_text, (uint32_t))                                                            \
+  X(int32_t, anchor_create, (odo_session*, const odo_anchor_place*, uint64_t*))                    \
+  X(int32_t, anchor_get, (odo_session*, uint64_t, uint32_t, int64_t, odo_anchor*))                 \
+  X(int64_t, anchor_list, (odo_session*, uint64_t*, uint64_t))                                     \
+  X(int32_t, anchor_remove, (odo_session*, uint64_t))                                              \
+  X(int32_t, recording_open, (const odo_string*, odo_recording**, odo_error*))                     \
+  X(int32_t, recording_next, (odo_recording*, const odo_header**, const void**, uint64_t*))        \
+  X(int32_t, recording_loss, (odo_recording*, odo_error*))                                         \
+  X(void, recording_close, (odo_recording*))                                                       \
+  X(int32_t, recorder_create, (const odo_string*, odo_recorder**, odo_error*))                     \
+  X(int32_t, recorder_write, (odo_recorder*, const odo_header*, const void*, uint64_t))            \
+  X(int32_t, recorder_close, (odo_recorder*))
+
+#define CONFORMANCE_MEMBER(result, name, arguments) result(ODO_CALL* name) arguments;
+typedef struct conformance_library {
+  CONFORMANCE_FUNCTIONS(CONFORMANCE_MEMBER)
+} conformance_library;
+extern conformance_library odo;
+
+/* Loads the library; null, or why not. */
+const char* library_open(const char* path);
+/* Names of the headers' functions that the library has not, separated by blanks; empty when it has all. */
+const char* library_missing(void);
+/* Skips the case where the library has no such function. */
+#define NEED(name)                                                \
+  do {                                                            \
+    if (!odo.name) skip_case("the library has no odo_%s", #name); \
+  } while (0)
+
+/* What the command line gave. */
+typedef struct conformance_options {
+  const char* plugin_folder; /* of the suite's plugins as shared libraries; null: they are registered */
+  bool by_folder;            /* use plugin_folder although the library has odo_register_plugin */
+} conformance_options;
+extern conformance_options options;
+
+/* ---- running ---- */
+typedef enum outcome { PASSED, FAILED, SKIPPED } outcome;
+#define RESULT_TEXT 8192
+#define MAX_LINES 6u /* of text; `lines` counts on */
+typedef struct result {
+  outcome outcome;
+  unsigned lines;
+  double seconds;
+  char text[RESULT_TEXT]; /* what failed, a line each, or why the case was skipped */
+} result;
+/* Runs a case in a process of its own, which is ended after `limit_s` seconds. */
+void run_case(const conformance_case* chosen, double limit_s, bool quiet, result* out);
+
+/* ---- small things ---- */
+#define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
+const char* status_name(int64_t status);
+odo_string string_of(const char* text);
+/* A path in a new folder of this case. */
+const char* case_file(const char* name);
+void sleep_ms(unsigned milliseconds);
+double now_s(void);
+
+#endif

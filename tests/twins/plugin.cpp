@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Two plugins whose class has one name, made of this file: TWIN is 1 or 2. Linked into a program the class is in a
+// namespace of its own, as any two classes of a program must be.
+#include <odograph/plugin.hpp>
+
+#if defined(ODO_STATIC)
+namespace {
+#endif
+
+struct Twin {
+  double gain = TWIN;
+  static constexpr odo::Description description{TWIN == 1 ? "twin/one" : "twin/two", "1.0.0", "A twin.",
+                                                ODO_INTERFACE_ATTITUDE};
+  static std::vector<odo::Parameter<Twin>> parameters() {
+    return {odo::real("gain", "", 0, 10, &Twin::gain, "Its number.")};
+  }
+  void on(const odo_imu& imu, odo::Output& output) {
+    auto attitude = odo::make<odo_attitude>(imu.header.t_ns);
+    attitude.gyro_bias_b[0] = gain;
+    output.emit(attitude);
+  }
+};
+
+#if defined(ODO_STATIC)
+}  // namespace
+#endif
+
+ODO_PLUGIN(Twin)
