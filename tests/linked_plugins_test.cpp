@@ -23,11 +23,12 @@ int32_t ODO_CALL same_entry_2(const struct odo_host* host, struct odo_plugin* ou
 
 namespace {
 
+constexpr const char* kIds[3] = {"linked/one", "same/library_1", "linked/one"};
+
 template <int Number>
 struct Linked {
   double gain = 1;
-  static constexpr const char* ids[] = {"linked/one", "same/library_1", "linked/one"};
-  static constexpr odo::Description description{ids[Number], "1.2.3", "Says how often it is called.",
+  static constexpr odo::Description description{kIds[Number], "1.2.3", "Says how often it is called.",
                                                 ODO_INTERFACE_ATTITUDE};
   static std::vector<odo::Parameter<Linked>> parameters() {
     return {odo::real("gain", "m", 0.5, 2, &Linked::gain, "Does nothing.")};
