@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -45,6 +46,11 @@ class InertialTrack {
   std::optional<Point> at(int64_t t_ns, double ahead_s) const;
   /// True when an accelerometer has been heard within the longest gap before the newest gyroscope sample.
   bool has_force() const;
+  /// The earliest time that at() answers; INT64_MAX without any.
+  int64_t oldest_ns() const {
+    const size_t usable = std::min(since_gap_, points_.size());
+    return usable == 0 ? INT64_MAX : points_.back(usable - 1).t_ns;
+  }
   /// Of the gyroscope; INT64_MIN without any.
   int64_t newest_ns() const { return points_.empty() ? INT64_MIN : points_.back(0).t_ns; }
   void clear();

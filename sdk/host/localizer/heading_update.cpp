@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/localizer/heading_update.hpp"
+
+#include <cmath>
+
+#include "sdk/host/base/rotation.hpp"
+#include "sdk/host/messages/messages.hpp"
+
+namespace odograph {
+
+using Eigen::Quaterniond;
+
+void HeadingUpdate::note(Localizer& localizer, const odo_attitude& attitude) {
+  const int64_t t_ns = attitude.header.t_ns;
+  const double gap_s = noted_ns_ == INT64_MIN ? 0 : static_cast<double>(t_ns - noted_ns_) * kNanoseconds;
+  if (gap_s > p_.attitude_gap_s)
+    localizer.add_variance(kAttitudeHeading, std::min(squared(p_.gap_turn) * gap_s, squared(p_.any_heading_rad)));
+  noted_ns_ = t_ns;
+  north_ = refers_to_north(attitude);
+  if (north_) north_sigma_rad_ = std::sqrt(attitude.covariance_n[8]);
+}
+
+double HeadingUpdate::go_on(Localizer& localizer, double dt_s, bool carried) const {
+  double keep = 1, variance = squared(p_.attitude_walk) * dt_s;
+  if (north_) {
+    keep = std::exp(-dt_s / p_.north_correlation_s);
+    variance = (1 - keep * keep) * squared(north_sigma_rad_);
+    if (carried) {
+      localizer.add_multiple(kHeading, kAttitudeHeading, keep - 1);
+      localizer.x[kHeading] -= (keep - 1) * mean_rad_;
+    }
+  }
+  localizer.decay(kAttitudeHeading, mean_rad_, keep, variance);
+  if (!carried) return 0;
+  localizer.add_variance(kHeading, variance);
+  localizer.P(kHeading, kAttitudeHeading) += variance;
+  localizer.P(kAttitudeHeading, kHeading) += variance;
+  return variance;
+}
+
+bool HeadingUpdate::due(int64_t t_ns) const {
+  return used_ns_ == INT64_MIN || static_cast<double>(t_ns - used_ns_) * kNanoseconds >= p_.attitude_interval_s;
+}
+
+Innovation<1> HeadingUpdate::difference(const Localizer& localizer, const Quaterniond& q_o_a, double sigma_rad) const {
+  const double turned = -2 * std::atan2(q_o_a.z(), q_o_a.w());  // about down: heading minus the attitude source's
+  Innovation<1> seen;
+  seen.residual[0] =
+      std::remainder(turned - (localizer.x[kHeading] - localizer.x[kAttitudeHeading]), 2 * EIGEN_PI);
+  seen.H(0, kHeading) = 1, seen.H(0, kAttitudeHeading) = -1;
+  seen.noise(0, 0) = squared(sigma_rad);
+  return seen;
+}
+
+UpdateResult HeadingUpdate::use(Localizer& localizer, int64_t t_ns, const Quaterniond& q_o_a) {
+  used_ns_ = t_ns;
+  const auto seen = difference(localizer, q_o_a, p_.attitude_yaw_rad);
+  return localizer.update(seen, p_.gate[1],
+                          north_ ? these({kLogScale, kLogFactor, kStepHeading}) : all_but({kAttitudeHeading}));
+}
+
+void HeadingUpdate::join(Localizer& localizer, const Quaterniond& q_o_a) const {
+  constexpr double kExact_rad = 1e-3;  // both are of the same moment
+  localizer.update(difference(localizer, q_o_a, kExact_rad), 0, all_but({kAttitudeHeading}));
+  localizer.copy_error(kHeading, kAttitudeHeading);
+}
+
+}  // namespace odograph

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/localizer/localizer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "sdk/host/base/rotation.hpp"
+
+namespace odograph {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr int kPose[4] = {kHeading, kNorth, kEast, kDown};  // a held pose's errors among the filter's
+
+/// What a turn by a heading adds to a displacement that is proportional to it: the arc's chord, not its tangent.
+Vector3d along_arc(const Vector3d& tangent, double turned_rad) {
+  return left_jacobian(turned_rad * Vector3d::UnitZ()) * tangent;
+}
+
+Quaterniond about_down(double rad) { return Quaterniond(Eigen::AngleAxisd(rad, Vector3d::UnitZ())); }
+
+/// (heading, position) among (rotation, position).
+Eigen::Matrix<double, 6, 6> spread(const Eigen::Matrix4d& of_pose, double tilt_variance) {
+  Eigen::Matrix<double, 6, 6> out = Eigen::Matrix<double, 6, 6>::Zero();
+  out.bottomRightCorner<4, 4>() = of_pose;
+  out(0, 0) = out(1, 1) = tilt_variance;
+  return out;
+}
+
+/// Nothing up to where the position was last known, all of it now, linear by the path between: an error that has grown
+/// with it. Without such a place it was n that was wrong: all of it everywhere.
+double share_of_shift(double held_m, double fixed_m, double now_m) {
+  if (fixed_m < 0 || held_m >= now_m) return 1.0;
+  return held_m <= fixed_m ? 0.0 : (held_m - fixed_m) / (now_m - fixed_m);
+}
+
+}  // namespace
+
+void Localizer::move(const Vector3d& d_n, std::initializer_list<std::pair<StateIndex, Vector3d>> by,
+                     const Matrix3d& noise) {
+  x.head<3>() += d_n;
+  Eigen::Matrix<double, 3, kStates> F = Eigen::Matrix<double, 3, kStates>::Zero();
+  F.leftCols<3>().setIdentity();
+  for (const auto& [state, derivative] : by) F.col(state) += derivative;
+  const Eigen::Matrix<double, 3, kStates> FP = F * P;
+  const Matrix3d FPF = FP * F.transpose();
+  P.topRows<3>() = FP;
+  P.leftCols<3>() = FP.transpose();
+  P.topLeftCorner<3, 3>() = 0.5 * (FPF + FPF.transpose());
+  P.topLeftCorner<3, 3>() += noise;
+  for (Held& held : held_) held.cross.leftCols<3>() = (held.cross * F.transpose()).eval();
+}
+
+void Localizer::add_multiple(StateIndex to, StateIndex from, double factor) {
+  x[to] += factor * x[from];
+  P.row(to) += factor * P.row(from);
+  P.col(to) += factor * P.col(from);
+  for (Held& held : held_) held.cross.col(to) += factor * held.cross.col(from);
+}
+
+void Localizer::decay(StateIndex i, double mean, double keep, double variance) {
+  x[i] = mean + keep * (x[i] - mean);
+  P.row(i) *= keep;
+  P.col(i) *= keep;
+  P(i, i) += variance;
+  for (Held& held : held_) held.cross.col(i) *= keep;
+}
+
+void Localizer::set(StateIndex i, double value, double variance) {
+  x[i] = value;
+  decay(i, value, 0, variance);
+}
+
+void Localizer::restate(StateIndex i, double variance) {
+  if (P(i, i) <= 0) return set(i, x[i], variance);
+  decay(i, x[i], std::sqrt(variance / P(i, i)), 0);
+}
+
+void Localizer::copy_error(StateIndex to, StateIndex from) {
+  P.row(to) = P.row(from);
+  P.col(to) = P.col(from);
+  P(to, to) = P(from, from);
+  for (Held& held : held_) held.cross.col(to) = held.cross.col(from);
+}
+
+template <int D>
+UpdateResult Localizer::update(const Innovation<D>& innovation, double max_nis, StateSet considered) {
+  const auto& H = innovation.H;
+  Eigen::Matrix<double, kStates, D> PHt = P * H.transpose();
+  // What has entered since is no error of the measured time; never more than half of what is not known now.
+  for (int i = 0; i < kStates; ++i) PHt.row(i) -= std::min(innovation.since[i], 0.5 * P(i, i)) * H.col(i).transpose();
+  Eigen::Matrix<double, D, D> S = H * PHt + innovation.noise;
+  S = (0.5 * (S + S.transpose())).eval();
+  const Eigen::LLT<Eigen::Matrix<double, D, D>> llt(S);
+  if (llt.info() != Eigen::Success) return {false, 0.0, D};
+  const double nis = innovation.residual.dot(llt.solve(innovation.residual));
+  if (!(nis >= 0) || !std::isfinite(nis) || (max_nis > 0 && nis > max_nis)) return {false, nis, D};
+
+  const Eigen::Matrix<double, D, D> inverse = llt.solve(Eigen::Matrix<double, D, D>::Identity().eval());
+  Eigen::Matrix<double, kStates, D> K = PHt * inverse;
+  for (int i = 0; i < kStates; ++i)
+    if (considered[static_cast<size_t>(i)]) K.row(i).setZero();
+  for (Held& held : held_) {
+    const Eigen::Matrix<double, 4, D> CHt = held.cross * H.transpose();
+    const Eigen::Matrix<double, 4, D> K_held = CHt * inverse;
+    const Eigen::Matrix<double, 4, 1> moved = K_held * innovation.residual;
+    held.q_n_b = (about_down(moved[0]) * held.q_n_b).normalized();
+    held.p_n += along_arc(moved.tail<3>(), moved[0]);
+    held.cross += K_held * (S * K.transpose() - PHt.transpose()) - CHt * K.transpose();
+    held.own -= K_held * CHt.transpose();
+  }
+  StateVector moved = K * innovation.residual;
+  moved.head<3>() = along_arc(moved.head<3>(), moved[kHeading]);
+  x += moved;
+  const Eigen::Matrix<double, kStates, D> half = PHt - 0.5 * K * S;
+  P -= K * half.transpose() + half * K.transpose();
+  return {true, nis, D};
+}
+
+void Localizer::shift(const Vector3d& by_n, const Matrix3d& covariance, double fixed_m, double now_m) {
+  x.head<3>() += by_n;
+  P.topLeftCorner<3, 3>() += covariance;
+  for (Held& held : held_) {
+    const double share = share_of_shift(held.path_m, fixed_m, now_m);
+    held.p_n += share * by_n;
+    held.own.bottomRightCorner<3, 3>() += share * share * covariance;
+    held.cross.bottomLeftCorner<3, 3>() += share * covariance;
+  }
+}
+
+void Localizer::rotate(double by_rad, const Vector3d& about_n) {
+  const Quaterniond q = about_down(by_rad);
+  const Matrix3d R = q.toRotationMatrix();
+  x.head<3>() = about_n + R * (p_n() - about_n);
+  x[kHeading] += by_rad, x[kAttitudeHeading] += by_rad;
+  P.topRows<3>() = (R * P.topRows<3>()).eval();
+  P.leftCols<3>() = (P.leftCols<3>() * R.transpose()).eval();
+  for (Held& held : held_) {
+    held.q_n_b = (q * held.q_n_b).normalized();
+    held.p_n = about_n + R * (held.p_n - about_n);
+    held.cross.bottomRows<3>() = (R * held.cross.bottomRows<3>()).eval();
+    held.cross.leftCols<3>() = (held.cross.leftCols<3>() * R.transpose()).eval();
+    held.own.bottomRows<3>() = (R * held.own.bottomRows<3>()).eval();
+    held.own.rightCols<3>() = (held.own.rightCols<3>() * R.transpose()).eval();
+  }
+}
+
+void Localizer::loosen_heading(double sigma_rad) {
+  const double variance = sigma_rad * sigma_rad;
+  for (const int i : {kHeading, kAttitudeHeading})
+    for (const int j : {kHeading, kAttitudeHeading}) P(i, j) += variance;
+  for (Held& held : held_) {  // turned with the rest, about where the body is
+    Eigen::Vector4d by;
+    by << 1, across(held.p_n - p_n());
+    held.own += variance * by * by.transpose();
+    for (const int i : {kHeading, kAttitudeHeading}) held.cross.col(i) += variance * by;
+  }
+}
+
+uint64_t Localizer::hold(const TrackPoint& then, const TrackPoint& now) {
+  const Vector3d since_n = q_n_o() * (now.p_o_b - then.p_o_b);
+  Eigen::Matrix<double, 4, kStates> H = Eigen::Matrix<double, 4, kStates>::Zero();
+  for (int i = 0; i < 4; ++i) H(i, kPose[i]) = 1;
+  H.block<3, 1>(1, kHeading) = -across(since_n);
+  H.block<3, 1>(1, kLogScale) = -since_n;
+  StateVector since = StateVector::Zero();
+  since.head<3>() = now.drift_m2 - then.drift_m2;
+  since[kHeading] = now.heading_drift_rad2 - then.heading_drift_rad2;
+  since = since.cwiseMin(0.5 * P.diagonal());
+  Held held{++last_held_, then.path_m, q_n_o() * then.q_o_b, p_n() - since_n, H * P, Eigen::Matrix4d::Zero()};
+  held.cross -= H * since.asDiagonal();
+  held.own = held.cross * H.transpose();
+  held.own = (0.5 * (held.own + held.own.transpose())).eval();
+  held_.push_back(held);
+  return last_held_;
+}
+
+void Localizer::let_go(uint64_t id) {
+  std::erase_if(held_, [id](const Held& held) { return held.id == id; });
+}
+
+Eigen::Matrix<double, 6, 6> Localizer::pose_covariance(double tilt_variance) const {
+  Eigen::Matrix4d of_pose;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) of_pose(i, j) = P(kPose[i], kPose[j]);
+  return spread(of_pose, tilt_variance);
+}
+
+bool Localizer::held(uint64_t id, double tilt_variance, HeldPose& out) const {
+  const auto found = std::find_if(held_.begin(), held_.end(), [id](const Held& held) { return held.id == id; });
+  if (found == held_.end()) return false;
+  Eigen::Matrix4d cross;
+  for (int j = 0; j < 4; ++j) cross.col(j) = found->cross.col(kPose[j]);
+  out = {found->q_n_b, found->p_n, spread(found->own, tilt_variance), pose_covariance(tilt_variance), spread(cross, 0)};
+  return true;
+}
+
+template UpdateResult Localizer::update<1>(const Innovation<1>&, double, StateSet);
+template UpdateResult Localizer::update<2>(const Innovation<2>&, double, StateSet);
+template UpdateResult Localizer::update<4>(const Innovation<4>&, double, StateSet);
+
+}  // namespace odograph

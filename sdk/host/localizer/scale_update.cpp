@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/localizer/scale_update.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/host/messages/messages.hpp"
+
+namespace odograph {
+namespace {
+
+constexpr double kNews = 1.02;  // times the information so far: less is nothing new
+
+Innovation<1> of_log_scale(double value, const Localizer& localizer, double variance) {
+  Innovation<1> seen;
+  seen.residual[0] = value - localizer.x[kLogScale];
+  seen.H(0, kLogScale) = 1;
+  seen.noise(0, 0) = variance;
+  return seen;
+}
+
+}  // namespace
+
+void ScaleUpdate::begin_group() { *this = ScaleUpdate(p_); }
+
+void ScaleUpdate::use_own(Localizer& localizer, double sigma, bool walks) {
+  const double information = 1 / squared(std::clamp(sigma, p_.min_scale_sigma, p_.max_scale_sigma));
+  own_ = information;
+  if (!known_) {
+    known_ = true;
+    localizer.set(kLogScale, 0, 1 / information);
+    stated_ = information;
+    return;
+  }
+  const double held = 1 / localizer.P(kLogScale, kLogScale);
+  if (information < p_.lost_confidence * stated_ && walks) {
+    if (information < held) localizer.add_variance(kLogScale, 1 / information - 1 / held);
+    stated_ = information;
+    return;
+  }
+  stated_ = std::max(stated_, information);
+  if (information > kNews * held) localizer.update(of_log_scale(0, localizer, 1 / (information - held)), 0);
+}
+
+UpdateResult ScaleUpdate::use(Localizer& localizer, const odo_scale& scale) {
+  if (scale.scale <= 0) return {};
+  const double sigma = std::clamp(scale.sigma / scale.scale, p_.min_scale_sigma, p_.max_scale_sigma);
+  const double information = 1 / squared(sigma), value = std::log(scale.scale);
+  const bool by_steps = (scale.header.flags & ODO_SCALE_NOT_BY_STEPS) == 0;
+  if (by_steps && steps_ > 0) return {};  // steps are compared with the front-end themselves
+  const double since_s =
+      stated_ns_ == INT64_MIN ? 0.0 : static_cast<double>(scale.header.t_ns - stated_ns_) * kNanoseconds;
+  stated_ns_ = scale.header.t_ns;
+  if (!std::exchange(known_, true)) {
+    localizer.set(kLogScale, value, squared(sigma));
+    stated_ = information;
+  } else {
+    stated_ *= std::exp(-std::max(0.0, since_s) / p_.scale_memory_s);
+    if (information <= kNews * stated_) return {};
+    const UpdateResult result =
+        localizer.update(of_log_scale(value, localizer, 1 / (information - stated_)), p_.gate[1]);
+    if (!result.accepted) return result;
+    stated_ = information;
+  }
+  (by_steps ? by_steps_ : own_) = information;
+  return {true, 0.0, 1};
+}
+
+void ScaleUpdate::know_by_steps(const Localizer& localizer) {
+  constexpr int kFewest = 3;
+  known_ = known_ || (steps_ >= kFewest && localizer.sigma(kLogScale) < p_.known_scale_sigma);
+}
+
+ScaleKnowledge ScaleUpdate::knowledge(const Localizer& localizer) const {
+  if (!known_) return {};
+  const double all = own_ + by_steps_, sigma = localizer.sigma(kLogScale);
+  return all > 0 ? ScaleKnowledge{sigma, own_ / all, by_steps_ / all} : ScaleKnowledge{sigma, 0, 0};
+}
+
+}  // namespace odograph
