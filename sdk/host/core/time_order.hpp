@@ -54,8 +54,6 @@ class TimeOrder {
   /// True when pop without flush would give a message.
   bool ready() const { return !heap_.empty() && heap_.front().t_ns <= watermark(); }
 
-  /// Time of the last message released; INT64_MIN before the first.
-  int64_t released_ns() const { return released_ns_; }
   size_t size() const { return heap_.size(); }
   /// Takes out what waits, one message a call, whether or not its time has come; false when nothing is left.
   bool drain(OwnedMessage& out);
@@ -90,7 +88,7 @@ class TimeOrder {
   int64_t max_wait_ns_;
   int64_t oldest_ns_ = INT64_MIN;  // of the first sample
   int64_t newest_ns_ = INT64_MIN;
-  int64_t released_ns_ = INT64_MIN;
+  int64_t released_ns_ = INT64_MIN;  // of the last message released
   uint64_t sequence_ = 0;
   bool camera_expected_ = false;
   std::array<Stream, 32> streams_{};
