@@ -33,7 +33,7 @@ class TimeOrder {
     duplicate,    // same sensor and time as the one before
     implausible,  // far ahead of everything else, and alone with that
     full,
-    restarted,  // not taken: the sensor clock was set back; the caller drains, restarts and pushes again
+    restarted,  // the sensor clock was set back; the caller drains, restarts and asks again
   };
 
   TimeOrder(size_t capacity, int64_t max_wait_ns) : TimeOrder(capacity, max_wait_ns, Parameters()) {}
@@ -43,8 +43,11 @@ class TimeOrder {
   /// that is pushed says so too.
   void expect_camera() { camera_expected_ = true; }
 
-  /// Takes the message over where it is accepted, and leaves it alone where it is not.
-  Verdict push(OwnedMessage&& message);
+  /// Whether a message may be added; it is to be if it is accepted.
+  Verdict judge(const odo_header& message);
+  void add(OwnedMessage message);
+  /// Both; what is not accepted is released.
+  Verdict push(OwnedMessage message);
 
   /// The next message in order, or false while a slower sensor may still deliver an earlier one. Up to `flush_until_ns`
   /// nothing is waited for.
