@@ -53,7 +53,7 @@ ROWS = [
     ("name missing in the linker's map", [(MAP, "    odo_session_save;\n", "")], "contract", "odo_session_save: declared, but not in odograph.map"),
     # Behaviour.
     ("correction after the pose", [(OUTPUT, CORRECTION, ""), (OUTPUT, NEW_POSES, NEW_POSES + CORRECTION)], "behaviour", "a correction is published before the pose that it moved"),
-    ("host's bits pass in", [("sdk/host/core/session.cpp", "  copy.header().flags &= ~ODO_FLAG_HOST_MASK;\n", "")], "behaviour", "the host's bits are cleared on push"),
+    ("host's bits pass in", [("sdk/host/core/intake.cpp", "  copy.header().flags &= ~ODO_FLAG_HOST_MASK;\n", "")], "behaviour", "the host's bits are cleared on push"),
     ("host's bits pass out", [("sdk/host/plugin_host/instance.cpp", "  copy.header().flags &= ~ODO_FLAG_HOST_MASK;\n", "")], "behaviour", "the host's bits are cleared on emit"),
     ("default of a key", [("sdk/host/config/pipeline_spec.cpp", 'real("max_wait", "s", 0, 5, "0.2"', 'real("max_wait", "s", 0, 5, "0.3"')], "config", "max_wait"),
     ("default of a parameter", [(WEINBERG, "double k = 0.42", "double k = 0.43")], "config", "parameter step/weinberg2002.k"),

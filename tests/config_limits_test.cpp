@@ -95,8 +95,8 @@ TEST_CASE("each choice of a config is read as what it says") {
     const std::string text = choice.first;
     CHECK_MESSAGE(choice.second(read("coupling: {" + text + "}\n")), text);
   }
-  const std::map<std::string, Isolation::Kind> kinds = {
-      {"none", Isolation::Kind::none}, {"thread", Isolation::Kind::thread}, {"process", Isolation::Kind::process}};
+  const std::map<std::string, Isolation::Kind> kinds = {{"none", Isolation::Kind::none},
+                                                        {"process", Isolation::Kind::process}};
   for (const auto& [general, kind] : kinds)
     for (const auto& [own, own_kind] : kinds) {
       const std::string plugins = "plugins: {isolation: " + general + ", host: bin/host}\nattitude: ";

@@ -3,10 +3,8 @@
 // The life of one plugin: when it is reset, left out, started anew, saved; each at its limits.
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <map>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <odograph/scale_source.h>
@@ -14,6 +12,7 @@
 #include "sdk/host/plugin_host/instance.hpp"
 #include "tests/obeys.hpp"
 #include "tests/support.hpp"
+#include "tests/test_plugins.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -24,17 +23,14 @@ namespace {
 
 constexpr int64_t kMs = 1'000'000, kSecond = 1000 * kMs;
 
-PluginChoice choice_of(Isolation::Kind kind, const fs::path& library) {
+PluginChoice choice_of(Isolation::Kind kind) {
+  static const TestPlugins plugins{"obeys"};
   PluginChoice choice;
-  choice.manifest.id = "test/obeys";
-  choice.manifest.library = library;
-  choice.manifest.abi_major = ODO_ABI_MAJOR, choice.manifest.abi_minor = ODO_ABI_MINOR;
+  choice.manifest = *read_manifest(fs::path(plugins.path()) / "obeys.odoplugin.json");
   choice.interface_id = ODO_INTERFACE_SCALE_SOURCE;
   choice.isolation.kind = kind;
   return choice;
 }
-
-fs::path obeys() { return fs::path(ODOGRAPH_BUILD) / "tests/hostile/obeys.so"; }
 
 struct Obedient {
   std::vector<Report> told;
@@ -46,7 +42,7 @@ struct Obedient {
     REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
     plugin = std::move(*made);
   }
-  explicit Obedient(Isolation::Kind kind) : Obedient(choice_of(kind, obeys())) {}
+  explicit Obedient(Isolation::Kind kind) : Obedient(choice_of(kind)) {}
 
   size_t give(const Order& o) { return plugin->process(o.header).size(); }
   int32_t fails(int64_t t_ns, int32_t status) {
@@ -55,9 +51,9 @@ struct Obedient {
     give(o);
     return status;
   }
-  void end_thread(int64_t t_ns) {
+  void end(int64_t t_ns) {
     Order o = order(t_ns);
-    o.ends_thread = 1;
+    o.ends = 1;
     give(o);
   }
   void learn(int64_t t_ns, uint32_t what) {
@@ -77,12 +73,12 @@ struct Obedient {
   }
 };
 
-constexpr auto kInside = Isolation::Kind::none, kThread = Isolation::Kind::thread;
+constexpr auto kInside = Isolation::Kind::none, kProcess = Isolation::Kind::process;
 
 }  // namespace
 
 TEST_CASE("five failures in a row are the end, a success between them begins anew, and each one resets") {
-  for (const auto kind : {kInside, kThread})
+  for (const auto kind : {kInside, kProcess})
     for (const int32_t status : {ODO_E_ERROR, ODO_E_STATE, ODO_E_MEMORY, ODO_E_DATA, ODO_E_NOT_FOUND}) {
       CAPTURE(status);
       Obedient one(kind);
@@ -121,7 +117,7 @@ TEST_CASE("what is discarded costs no reset, however often; what is fatal is the
 }
 
 TEST_CASE("one call gives 256 events at most, and what is beyond is told once a call") {
-  for (const auto kind : {kInside, kThread}) {
+  for (const auto kind : {kInside, kProcess}) {
     Obedient one(kind);
     Order o = order(0);
     uint64_t faults = 0;
@@ -136,11 +132,11 @@ TEST_CASE("one call gives 256 events at most, and what is beyond is told once a 
 }
 
 TEST_CASE("what ends in a row is back at once, then after 0.1 s, and each wait is twice the one before up to 10 s") {
-  Obedient one(kThread);
+  Obedient one(kProcess);
   int64_t t = 100 * kSecond;
   for (const int64_t wait_ms : {0, 100, 200, 400, 800, 1600, 3200, 6400, 10000, 10000, 10000}) {
     CAPTURE(wait_ms);
-    one.end_thread(t);
+    one.end(t);
     if (wait_ms > 0) {
       CHECK_FALSE(one.plugin->alive());
       one.give(order(t + wait_ms * kMs - 1));
@@ -157,26 +153,26 @@ TEST_CASE("what ends in a row is back at once, then after 0.1 s, and each wait i
 
 TEST_CASE("what has run for more than a second begins its ends anew, and is called recovering for one") {
   for (const int64_t ran : {kSecond, kSecond + 1}) {
-    Obedient one(kThread);
-    one.end_thread(10 * kSecond);
+    Obedient one(kProcess);
+    one.end(10 * kSecond);
     REQUIRE(one.plugin->alive());
     one.give(order(11 * kSecond - 1));
     CHECK(one.plugin->recovering());
     one.give(order(11 * kSecond));
     CHECK_FALSE(one.plugin->recovering());
-    one.end_thread(10 * kSecond + ran);
+    one.end(10 * kSecond + ran);
     CHECK(one.plugin->alive() == (ran > kSecond));  // else it is the second in a row, and waits
   }
 }
 
 TEST_CASE("at its third end in a row, not before, the fallback takes its place and its number") {
-  PluginChoice choice = choice_of(kThread, obeys());
-  auto fallback = std::make_shared<PluginChoice>(choice_of(kInside, obeys()));
+  PluginChoice choice = choice_of(kProcess);
+  auto fallback = std::make_shared<PluginChoice>(choice_of(kInside));
   choice.fallback = fallback;
   Obedient one(choice);
   int64_t t = 0;
   for (int i = 0; i < 2; ++i) {
-    one.end_thread(t += kMs);
+    one.end(t += kMs);
     one.give(order(t += 200 * kMs));
   }
   const auto took_place = [&] {
@@ -184,7 +180,7 @@ TEST_CASE("at its third end in a row, not before, the fallback takes its place a
   };
   CHECK_FALSE(took_place());
   one.plugin->take_reset();
-  one.end_thread(t += kMs);
+  one.end(t += kMs);
   CHECK(took_place());
   CHECK(one.plugin->alive());
   CHECK(one.plugin->take_reset());
@@ -200,13 +196,13 @@ TEST_CASE("at its third end in a row, not before, the fallback takes its place a
 TEST_CASE("what one outside has learnt is kept every ten seconds, and that is what it has after its end") {
   for (const int64_t until : {10 * kSecond - 1, 10 * kSecond, 15 * kSecond, 20 * kSecond - 1, 20 * kSecond}) {
     CAPTURE(until);
-    Obedient one(kThread);
+    Obedient one(kProcess);
     one.learn(0, 1);
     one.give(order(5 * kSecond));
     if (until >= 10 * kSecond) one.give(order(10 * kSecond));
     one.learn(until >= 10 * kSecond ? 11 * kSecond : 6 * kSecond, 2);
     one.give(order(until));
-    one.end_thread(30 * kSecond);
+    one.end(30 * kSecond);
     REQUIRE(one.plugin->alive());
     const double learnt = one.state(30 * kSecond + 1).first;
     CHECK(learnt == (until < 10 * kSecond ? 0 : until < 20 * kSecond ? 1 : 2));
@@ -214,7 +210,7 @@ TEST_CASE("what one outside has learnt is kept every ten seconds, and that is wh
 }
 
 TEST_CASE("what is loaded into one outside survives its end, and one inside is saved as it is") {
-  for (const auto kind : {kInside, kThread}) {
+  for (const auto kind : {kInside, kProcess}) {
     Obedient one(kind);
     CHECK(one.plugin->save().empty());
     const std::vector<uint8_t> seven = {7, 0, 0, 0}, short_one = {7, 0, 0};
@@ -222,13 +218,13 @@ TEST_CASE("what is loaded into one outside survives its end, and one inside is s
     CHECK(one.plugin->load(seven));
     CHECK(one.plugin->save() == seven);
     if (kind == kInside) continue;
-    one.end_thread(kSecond);
+    one.end(kSecond);
     CHECK(one.state(kSecond + 1).first == 7);
   }
 }
 
 TEST_CASE("a reset that is asked for is told once, and costs no fault") {
-  for (const auto kind : {kInside, kThread}) {
+  for (const auto kind : {kInside, kProcess}) {
     Obedient one(kind);
     one.give(order(1)), one.give(order(2));
     one.plugin->reset();
@@ -237,59 +233,6 @@ TEST_CASE("a reset that is asked for is told once, and costs no fault") {
     CHECK(one.state(3).second == 1);
     CHECK(one.plugin->faults() == 0);
   }
-}
-
-namespace {
-
-/// A library of its own, so that its calls are counted apart.
-fs::path own_copy(const TemporaryFolder& folder) {
-  fs::copy_file(obeys(), folder / "obeys.so");
-  return folder / "obeys.so";
-}
-
-/// Leaves a call behind that comes back after `sleep_ms`; false where the library is refused by now.
-bool leave_behind(const PluginChoice& choice, uint32_t sleep_ms, std::string* why = nullptr) {
-  HostServices host(0, {}, nullptr);
-  auto made = PluginInstance::make(choice, LibraryCheck::none, 1, host);
-  if (!made.ok()) {
-    if (why) *why = made.failure().text;
-    return false;
-  }
-  Order o = order(1);
-  o.sleep_ms = sleep_ms;
-  (*made)->process(o.header);
-  CHECK((*made)->faults() == 1);
-  return true;
-}
-
-void sleep_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
-
-}  // namespace
-
-TEST_CASE("calls that come back late, one after the other, are forgotten: the plugin is loaded as often as it likes") {
-  const TemporaryFolder folder;
-  PluginChoice choice = choice_of(kThread, own_copy(folder));
-  choice.isolation.time_s = 0.03;
-  for (int i = 0; i < 10; ++i) {
-    REQUIRE(leave_behind(choice, 300));
-    sleep_ms(350);
-  }
-}
-
-TEST_CASE("of eight calls that have not come back nothing more is loaded, until one of them has") {
-  const TemporaryFolder folder, other;
-  PluginChoice choice = choice_of(kThread, own_copy(folder));
-  choice.isolation.time_s = 0.03;
-  std::string why;
-  for (int i = 0; i < 7; ++i) REQUIRE(leave_behind(choice, 6000));
-  REQUIRE(leave_behind(choice, 3000));
-  CHECK_FALSE(leave_behind(choice, 300, &why));
-  CHECK(why.find("8 of its calls have not come back") != std::string::npos);
-  PluginChoice another = choice_of(kThread, own_copy(other));  // each library has its own count
-  another.isolation.time_s = 0.03;
-  CHECK(leave_behind(another, 300));
-  sleep_ms(3200);
-  CHECK(leave_behind(choice, 300));
 }
 
 TEST_SUITE_END();

@@ -109,15 +109,12 @@ TEST_CASE("an entry is registered once; null, another ABI, a refusal and a secon
 
 TEST_CASE("a registered plugin is found by its id without any file, and its parameters are checked") {
   REQUIRE(registered(linked_entry).status == ODO_OK);
-  for (const char* isolation : {"none", "thread"}) {
-    App app(std::string("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 2 m}, isolation: ") +
-            isolation + "}\n");
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-    app.walk(0, 20);
-    odo_session_flush(app.session);
-    CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 20);
-    CHECK(contains(app.said(), "linked/one: gain 2.0"));
-  }
+  App app("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 2 m}}\n");
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  app.walk(0, 20);
+  odo_session_flush(app.session);
+  CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 20);
+  CHECK(contains(app.said(), "linked/one: gain 2.0"));
   CHECK(contains(App("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 3 m}}\n").message,
                  "expected a number in m from 0.5 to 2"));
   CHECK(contains(App("odograph: 1\nattitude: {plugin: linked/on}\n").message, "(nearest: 'linked/one')"));

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """The modules' rules, read from the includes: who may see whom, no cycles between folders, what no library may do; and
-how long files and functions may be."""
+how large files, functions and classes may be."""
 import collections
 import json
 import os
@@ -9,10 +9,19 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 ROOT = sys.argv[1]
 MAX_LINES = 400
 MAX_FUNCTION_LINES = 60
+MAX_CLASS_LINES = 400
+# 99 in 100 classes have at most 32, tables of parameters up to 36; what has more holds several things at once.
+MAX_DATA_MEMBERS = 40
+# Larger ones, to be split; one that fits, or is gone, leaves the list. In sdk/host only what is about to go.
+LARGE_CLASSES = {
+    "sdk/host odograph::InertialEstimator", "sdk/host odograph::inertial::Parameters", "sdk/host odograph::inertial::ErrorState",
+    "sdk/host odograph::PerFrameCoupling", "sdk/host odograph::Pipeline", "sdk/tools odograph::World",
+    "plugins/vo/odograph odograph::vo::Odometry", "plugins/fix/skyline odograph::skyline::Matcher", "plugins/fix/skyline Skyline"}
 # Folders of the host, each may include those before it. The tools may include all of them.
 HOST = ["base", "messages", "config", "plugin_host", "estimator", "core"]
 # The files of a plugin that may include the ABI; algorithms never do.
@@ -96,15 +105,20 @@ def check_lengths():
                 wrong.append(f"{path} has {count} lines, {MAX_LINES} at most")
 
 
+def has_ctags():
+    return shutil.which("ctags") and "Universal Ctags" in subprocess.run(["ctags", "--version"], capture_output=True, text=True, check=False).stdout
+
+
+def tags_of(files, kinds, folder=ROOT):
+    """What universal-ctags finds, which says where each function and class ends."""
+    said = subprocess.run(["ctags", "--output-format=json", "--fields=+neKs", f"--c-kinds={kinds}", f"--c++-kinds={kinds}", "-L", "-", "-f", "-"],
+                          input="\n".join(files), cwd=folder, capture_output=True, text=True, check=False).stdout
+    return [json.loads(line) for line in said.splitlines()]
+
+
 def check_functions():
-    """By universal-ctags, which says where each function ends. False where there is none."""
-    if not shutil.which("ctags") or "Universal Ctags" not in subprocess.run(["ctags", "--version"], capture_output=True, text=True, check=False).stdout:
-        return False
-    files = [path for path, _ in sources("abi", "sdk", "plugins", "samples", "tests")]
-    said = subprocess.run(["ctags", "--output-format=json", "--fields=+ne", "--c-kinds=f", "--c++-kinds=f", "-L", "-", "-f", "-"],
-                          input="\n".join(files), cwd=ROOT, capture_output=True, text=True, check=False).stdout
     seen = 0
-    for tag in map(json.loads, said.splitlines()):
+    for tag in tags_of([path for path, _ in sources("abi", "sdk", "plugins", "samples", "tests")], "f"):
         if "end" not in tag:
             continue
         seen += 1
@@ -113,7 +127,66 @@ def check_functions():
             wrong.append(f"{tag['path']}:{tag['line']}: {tag['name']} has {count} lines, {MAX_FUNCTION_LINES} at most")
     if seen < 2000:
         wrong.append(f"ctags found {seen} functions only")
-    return True
+
+
+def class_sizes(files, folder=ROOT):
+    """Of each class its lines, its definition's and those of its members that are defined outside of it, in whatever
+    file, and its data members but for constants. Its name has its module before it; of classes in the unnamed namespaces
+    of several files that have one name it is the largest."""
+    lines, members, bodies = collections.Counter(), collections.Counter(), collections.defaultdict(list)
+    tags = tags_of(files, "fcsm", folder)
+
+    def class_of(tag, *names):
+        module = "/".join(tag["path"].split("/")[:3 if tag["path"].startswith("plugins/") else 2])
+        unnamed = tag["path"] if "__anon" in tag.get("scope", "") else ""  # each file has its own
+        scopes = [name for name in (*tag.get("scope", "").split("::"), *names) if name and not name.startswith("__anon")]
+        return f"{module} {'::'.join(scopes)}", unnamed
+
+    for tag in tags:
+        if tag["kind"] in ("class", "struct") and "end" in tag:
+            lines[class_of(tag, tag["name"])] += tag["end"] - tag["line"] + 1
+            bodies[class_of(tag, tag["name"])].append((tag["path"], tag["line"], tag["end"]))
+    for tag in tags:
+        owner = class_of(tag)
+        if owner not in bodies:
+            continue
+        inside = any(path == tag["path"] and first <= tag["line"] <= last for path, first, last in bodies[owner])
+        if tag["kind"] == "function" and "end" in tag and not inside:
+            lines[owner] += tag["end"] - tag["line"] + 1
+        if tag["kind"] == "member" and not re.match(r"/\^\s*static\b", tag["pattern"]):
+            members[owner] += 1
+    sizes = collections.defaultdict(lambda: (0, 0))
+    for owner in lines:
+        sizes[owner[0]] = (max(sizes[owner[0]][0], lines[owner]), max(sizes[owner[0]][1], members[owner]))
+    return sizes
+
+
+def check_classes():
+    sizes = class_sizes([path for path, _ in sources("sdk/host", "plugins", "sdk/tools")])
+    if len(sizes) < 700:
+        wrong.append(f"ctags found {len(sizes)} classes only")
+    large = {name for name, (lines, members) in sizes.items() if lines > MAX_CLASS_LINES or members > MAX_DATA_MEMBERS}
+    for name in sorted(large - LARGE_CLASSES):
+        wrong.append(f"class {name} has {sizes[name][0]} lines over all files and {sizes[name][1]} data members, {MAX_CLASS_LINES} and {MAX_DATA_MEMBERS} at most")
+    for name in sorted(LARGE_CLASSES - large):
+        wrong.append(f"class {name} is no longer large: strike it from the list in modules.py")
+
+
+def check_class_sizes():
+    """The measure itself, on a class of known size."""
+    files = {"sdk/host/a.hpp": "namespace n {\nclass A {\n  int inside() {\n    return 1;\n  }\n  void outside();\n  struct B {\n    int y;\n  };\n"
+                               "  static constexpr int kNone = 0;\n  int x, z = 2;\n  B b;\n};\n}\n",
+             "sdk/host/a.cpp": "namespace n {\nvoid A::outside() {\n  x = 1;\n}\nvoid free() {\n}\n}\n",
+             "sdk/host/b.cpp": "namespace {\nstruct A {\n  int x;\n};\n}\n"}
+    with tempfile.TemporaryDirectory() as folder:
+        for path, text in files.items():
+            os.makedirs(os.path.dirname(os.path.join(folder, path)), exist_ok=True)
+            with open(os.path.join(folder, path), "w", encoding="utf-8") as file:
+                file.write(text)
+        sizes = class_sizes(files, folder)
+    expected = {"sdk/host n::A": (12 + 3, 3), "sdk/host n::A::B": (3, 1), "sdk/host A": (3, 1)}
+    if dict(sizes) != expected:
+        wrong.append(f"classes are measured as {dict(sizes)}; expected {expected}")
 
 
 edges = collections.defaultdict(set)
@@ -133,9 +206,12 @@ for path, text in sources("abi", "sdk", "plugins", "samples"):
                 wrong.append(f"{path}:{number}: a library writes to the terminal, ends the program or reads its environment")
 check_cycles(edges)
 check_lengths()
-counted = check_functions()
+if has_ctags():
+    check_functions()
+    check_class_sizes()
+    check_classes()
 if wrong:
     sys.exit("\n".join(wrong))
-if not counted:
-    print("SKIPPED: no universal-ctags, so no function was measured")
+if not has_ctags():
+    print("SKIPPED: no universal-ctags, so no function and no class was measured")
     sys.exit(77)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A plugin that does what it is told (hostile/obeys.cpp), in the process or on a thread of its own.
+// A plugin that does what it is told (hostile/obeys.cpp), in the app's process or in one of its own.
 #pragma once
 
 #include <odograph/types.h>
@@ -10,11 +10,11 @@ namespace odograph {
 /// One call of its process function.
 struct Order {
   odo_header header;
-  int32_t status;        ///< that it returns
-  uint32_t sleep_ms;     ///< that it takes
-  uint32_t emits;        ///< scales: 1 + what it has learnt; displacement_m: orders since activation or reset
-  uint32_t learn;        ///< what it knows from then on and saves; 0: nothing new
-  uint32_t ends_thread;  ///< not 0: it ends the thread that calls it
+  int32_t status;     ///< that it returns
+  uint32_t sleep_ms;  ///< that it takes
+  uint32_t emits;     ///< scales: 1 + what it has learnt; displacement_m: orders since activation or reset
+  uint32_t learn;     ///< what it knows from then on and saves; 0: nothing new
+  uint32_t ends;      ///< not 0: it ends the process that calls it
   uint32_t reserved;
 };
 

@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       "  - plugin: step/renaudin2012\nabsolute_fixers:\n  plugin: fix/barometer\n");
   std::vector<uint8_t> blob(data, data + size);
   if (size > 8) {
-    uint64_t hash = 14695981039346656037u;  // FNV-1a, as session_state.cpp takes it
+    uint64_t hash = 14695981039346656037u;  // FNV-1a, as saved_state.cpp takes it
     for (size_t i = 0; i + 8 < size; ++i) hash = (hash ^ blob[i]) * 1099511628211u;
     std::memcpy(blob.data() + size - 8, &hash, sizeof hash);
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scale source that does what it is told by ODO_TYPE_VENDOR(0, 1): tests/obeys.hpp has the order's struct.
 #define HOSTILE_ID "test/obeys"
-#include <pthread.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <odograph/vo_frontend.h>
 
@@ -59,7 +59,7 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     const timespec pause{order.sleep_ms / 1000, static_cast<long>(order.sleep_ms % 1000) * 1'000'000};
     nanosleep(&pause, nullptr);
     for (uint32_t i = 0; i < order.emits; ++i) emit(state, order.header);
-    if (order.ends_thread != 0) pthread_exit(nullptr);
+    if (order.ends != 0) _exit(1);
     return order.status;
   };
   return hostile::fill(out, t);

@@ -131,11 +131,7 @@ void StepFinder::begin(const WalkSignal& signal) {
     swings += swing;
   }
   const double mean_s = (peaks_[last].t_ns - peaks_[first_alike].t_ns) * 1e-9 / static_cast<double>(p_.to_begin - 1);
-  // Of somebody whose legs are unlike every other interval is like the one before last.
-  const double side = interval_s(last) / interval_s(last - 2);
-  const bool limps = std::max(side, 1 / side) < p_.same_leg && longest < p_.unlike_legs * shortest;
-  if (longest > p_.alike * shortest && !limps) return;
-  if (strongest > (longest > p_.alike * shortest ? p_.max_limping_swing_ratio : p_.max_swing_ratio) * weakest) return;
+  if (longest > p_.alike * shortest || strongest > p_.max_swing_ratio * weakest) return;
   if (!may_be_walk(signal, swings / static_cast<double>(p_.to_begin - 1), first_alike, last)) return;
   if (repetition(signal, mean_s, 2) < p_.regular_to_begin) return;
   walking_ = true;

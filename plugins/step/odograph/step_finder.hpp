@@ -56,12 +56,10 @@ class StepFinder {
     double refractory = 0.55;         ///< of the typical interval, within a walk, between two peaks
     double push = 0.55;               ///< of the typical swing: a weaker first peak is no foot's
     int stray_to_end = 3;             ///< steps in a row that are not, which end a walk
-    double same_leg = 1.15;           ///< largest over smallest interval of one leg
-    double unlike_legs = 2.2;         ///< the same of both, of somebody who limps
-    double max_swing_ratio = 3.0, max_limping_swing_ratio = 1.5;  ///< largest over smallest swing, to begin
-    double part_over_s = 0.8;                         ///< over which the vertical part and the hand's tilting are taken
-    double gentle_over_s = 2.0;                       ///< the same, beside it, for gentle steps
-    double arm_lag_s = 0.03;                          ///< the hand follows the trunk by that much
+    double max_swing_ratio = 3.0;     ///< largest over smallest swing, to begin
+    double part_over_s = 0.8;         ///< over which the vertical part and the hand's tilting are taken
+    double gentle_over_s = 2.0;       ///< the same, beside it, for gentle steps
+    double arm_lag_s = 0.03;          ///< the hand follows the trunk by that much
     double learn_interval = 0.25, learn_swing = 0.2;  ///< weight of the newest step in the typical one
     static Parameters of_gentle_steps();
   };

@@ -51,7 +51,6 @@ Isolation isolation_of(const Value& plugin, const Value& plugins, const std::fil
   Isolation isolation;
   const Value& own = plugin["isolation"];
   const std::string& kind = (own.given ? own : plugins["isolation"]).text;
-  if (kind == "thread") isolation.kind = Isolation::Kind::thread;
   if (kind == "process") isolation.kind = Isolation::Kind::process;
   isolation.time_s = plugin["time_limit"].real;
   isolation.start_s = plugin["start_limit"].real;
@@ -149,7 +148,7 @@ std::optional<Failure> check_isolation(const PluginChoice& choice, Mark mark, co
       return Failure{ODO_E_CONFIG, at(name, mark,
                                       "isolation: plugin '" + each->manifest.id +
                                           "' is linked into the app and cannot run in a process of its own; expected "
-                                          "'isolation: none' or 'isolation: thread'")};
+                                          "'isolation: none'")};
   return std::nullopt;
 }
 

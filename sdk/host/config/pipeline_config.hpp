@@ -17,7 +17,7 @@ namespace odograph {
 
 /// Where a plugin runs, and what it may take there.
 struct Isolation {
-  enum class Kind { none, thread, process };
+  enum class Kind { none, process };
   Kind kind = Kind::none;
   double time_s = 2;                          ///< longest call; longer than any of ours on a slow phone
   double start_s = 30;                        ///< longest load, create, configure, activate: models, on a slow disk

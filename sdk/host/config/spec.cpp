@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/config/spec.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <stdexcept>
@@ -176,10 +177,11 @@ class Checker {
       }
       case SpecType::choice: {
         const auto choices = split(spec.choices, '|');
-        bool known = false;
-        for (const auto& choice : choices) known = known || choice == node.text;
-        if (!known) return wrong(" (nearest: '" + nearest(node.text, choices) + "')");
-        break;
+        if (std::find(choices.begin(), choices.end(), node.text) != choices.end()) break;
+        for (const std::string& renamed : split(spec.renamed, '|'))
+          if (renamed.starts_with(node.text + "="))
+            return wrong(" was removed, its successor is '" + renamed.substr(node.text.size() + 1) + "'");
+        return wrong(" (nearest: '" + nearest(node.text, choices) + "')");
       }
       default: break;
     }
@@ -233,10 +235,9 @@ const std::vector<Spec>& plugin_choice_specs() {
   static const std::vector<Spec> specs = {
       {.name = "isolation",
        .type = SpecType::choice,
-       .choices = "none|thread|process",
-       .help =
-           "thread: on a thread of its own, which may hang; process: in a process of its own, which may crash, hang "
-           "or be killed; plugins.isolation unless given"},
+       .choices = "none|process",
+       .renamed = "thread=process",
+       .help = "process: in a process of its own, which may crash, hang or be killed; plugins.isolation unless given"},
       {.name = "fallback",
        .type = SpecType::text,
        .help = "the plugin that takes its place when it is given up, with that plugin's own defaults"},
@@ -246,8 +247,7 @@ const std::vector<Spec>& plugin_choice_specs() {
        .min = 0.01,
        .max = 600,
        .fallback = "2",
-       .help = "of one call; what takes longer is named, and on a thread or in a process of its own left out and "
-               "started anew"},
+       .help = "of one call; what takes longer is named, and in a process of its own left out and started anew"},
       {.name = "start_limit",
        .type = SpecType::real,
        .unit = "s",

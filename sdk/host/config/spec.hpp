@@ -22,6 +22,7 @@ struct Spec {
   double max = 0.0;      // inclusive; both 0: no bound
   std::string fallback;  // as YAML text, in `unit`
   std::string choices;   // separated by '|'
+  std::string renamed;   // choices that are no more, as OLD=NEW, separated by '|'
   std::string help;
   bool required = false;
   bool open = false;           // of a map: a later version of the table may have more keys, which are passed over

@@ -53,18 +53,27 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
   return ODO_OK;
 }
 
-int32_t get_pose(odo_session* session, uint32_t of, bool smooth, int64_t t_ns, odo_pose* pose) {
-  if (!session || !pose) return ODO_E_ARGUMENT;
-  const uint32_t size = pose->header.struct_size;
-  if (size < ODO_POSE_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+/// Hands out what `find` finds, in a struct of the caller's, which may be older or newer than the host's.
+template <class Struct, class Find>
+int32_t hand_out(Struct* out, uint32_t min_size, Find&& find) {
+  uint32_t size = 0;
+  std::memcpy(&size, out, sizeof size);  // struct_size, the first of each
+  if (size < min_size) return ODO_E_STRUCT_SIZE;
   return guarded([&] {
-    odo_pose found{};
-    const int32_t status = session->session->pose_of(of, smooth, t_ns, found);
+    Struct found{};
+    const int32_t status = find(found);
     if (status != ODO_OK) return status;
-    found.header.struct_size = std::min<uint32_t>(size, sizeof found);
-    std::memcpy(static_cast<void*>(pose), &found, found.header.struct_size);
+    size = std::min<uint32_t>(size, sizeof found);
+    std::memcpy(static_cast<void*>(out), &found, size);
+    std::memcpy(static_cast<void*>(out), &size, sizeof size);
     return status;
   });
+}
+
+int32_t get_pose(odo_session* session, uint32_t of, bool smooth, int64_t t_ns, odo_pose* pose) {
+  if (!session || !pose) return ODO_E_ARGUMENT;
+  return hand_out(pose, ODO_POSE_SIZE_MIN,
+                  [&](odo_pose& found) { return session->session->world().pose_of(of, smooth, t_ns, found); });
 }
 
 }  // namespace
@@ -139,24 +148,24 @@ int32_t odo_session_set_callback(odo_session* session, const uint32_t* types, ui
 
 int32_t odo_session_get_statistics(odo_session* session, odo_statistics* statistics) {
   if (!session || !statistics) return ODO_E_ARGUMENT;
-  if (statistics->struct_size < ODO_STATISTICS_SIZE_MIN) return ODO_E_STRUCT_SIZE;
-  return guarded([&] { return session->session->statistics(*statistics), ODO_OK; });
+  return hand_out(statistics, ODO_STATISTICS_SIZE_MIN,
+                  [&](odo_statistics& found) { return found = session->session->statistics(), ODO_OK; });
 }
 
 int32_t odo_session_last_error(odo_session* session, odo_error* error) {
   if (!session || !error) return ODO_E_ARGUMENT;
   if (error->struct_size < ODO_ERROR_SIZE_MIN) return ODO_E_STRUCT_SIZE;
-  return guarded([&] { return session->session->last_error(*error); });
+  return guarded([&] { return fail(error, session->session->take_last_error()); });
 }
 
 int32_t odo_session_to_geodetic(odo_session* session, const double* p_n, double* geodetic) {
   if (!session || !p_n || !geodetic) return ODO_E_ARGUMENT;
-  return guarded([&] { return session->session->to_geodetic(p_n, geodetic); });
+  return guarded([&] { return session->session->world().to_geodetic(p_n, geodetic); });
 }
 
 int32_t odo_session_from_geodetic(odo_session* session, const double* geodetic, double* p_n) {
   if (!session || !p_n || !geodetic) return ODO_E_ARGUMENT;
-  return guarded([&] { return session->session->from_geodetic(geodetic, p_n); });
+  return guarded([&] { return session->session->world().from_geodetic(geodetic, p_n); });
 }
 
 int64_t odo_session_save(odo_session* session, void* data, uint64_t capacity) {
@@ -175,28 +184,20 @@ int32_t odo_anchor_create(odo_session* session, const odo_anchor_place* place, u
   if (id) *id = 0;
   if (!session || !place || !id) return ODO_E_ARGUMENT;
   if (place->struct_size < ODO_ANCHOR_PLACE_SIZE_MIN) return ODO_E_STRUCT_SIZE;
-  return guarded([&] { return session->session->create_anchor(*place, *id); });
+  return guarded([&] { return session->session->world().create_anchor(*place, *id); });
 }
 
 int32_t odo_anchor_get(odo_session* session, uint64_t id, uint32_t world, int64_t t_ns, odo_anchor* anchor) {
   if (!session || !anchor) return ODO_E_ARGUMENT;
-  const uint32_t size = anchor->struct_size;
-  if (size < ODO_ANCHOR_SIZE_MIN) return ODO_E_STRUCT_SIZE;
-  return guarded([&] {
-    odo_anchor found{};
-    const int32_t status = session->session->anchor(id, world, t_ns, found);
-    if (status != ODO_OK) return status;
-    found.struct_size = std::min<uint32_t>(size, sizeof found);
-    std::memcpy(static_cast<void*>(anchor), &found, found.struct_size);
-    return status;
-  });
+  return hand_out(anchor, ODO_ANCHOR_SIZE_MIN,
+                  [&](odo_anchor& found) { return session->session->world().anchor(id, world, t_ns, found); });
 }
 
 int64_t odo_anchor_list(odo_session* session, uint64_t* ids, uint64_t capacity) {
   if (!session || (capacity > 0 && !ids)) return ODO_E_ARGUMENT;
   int64_t count = 0;
   const int32_t status = guarded([&] {
-    const auto all = session->session->anchor_ids();
+    const auto all = session->session->world().anchor_ids();
     std::copy_n(all.begin(), std::min<uint64_t>(capacity, all.size()), ids);
     count = static_cast<int64_t>(all.size());
     return ODO_OK;
@@ -205,7 +206,7 @@ int64_t odo_anchor_list(odo_session* session, uint64_t* ids, uint64_t capacity) 
 }
 
 int32_t odo_anchor_remove(odo_session* session, uint64_t id) {
-  return session ? guarded([&] { return session->session->remove_anchor(id); }) : ODO_E_ARGUMENT;
+  return session ? guarded([&] { return session->session->world().remove_anchor(id); }) : ODO_E_ARGUMENT;
 }
 
 const char* odo_version(void) { return odograph::kVersion; }

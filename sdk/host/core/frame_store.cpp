@@ -31,26 +31,6 @@ size_t FrameStore::in_use() const {
       std::count_if(holders_.begin(), holders_.end(), [](const auto& h) { return h->holds > 0; }));
 }
 
-namespace {
-
-/// Gives a place back, also where memory runs out, unless it is kept.
-template <class Holder>
-class Place {
- public:
-  explicit Place(Holder& holder) : holder_(&holder) {}
-  ~Place() {
-    if (holder_) holder_->holds = 0;
-  }
-  Place(const Place&) = delete;
-  Place& operator=(const Place&) = delete;
-  void keep() { holder_ = nullptr; }
-
- private:
-  Holder* holder_;
-};
-
-}  // namespace
-
 int32_t FrameStore::adopt(odo_borrowed& message) {
   Holder* holder = nullptr;
   {
@@ -63,7 +43,8 @@ int32_t FrameStore::adopt(odo_borrowed& message) {
       }
   }
   if (!holder) return message.loan = {}, ODO_E_EXHAUSTED;
-  Place place(*holder);
+  const auto give_back = [](Holder* unused) { unused->holds = 0; };  // also where memory runs out
+  std::unique_ptr<Holder, decltype(give_back)> place(holder, give_back);
   const odo_loan original = std::exchange(message.loan, {});
   const bool can_be_retained = original.retain && original.release;
   const bool is_frame = message.header.type == ODO_TYPE_FRAME;
@@ -76,7 +57,7 @@ int32_t FrameStore::adopt(odo_borrowed& message) {
   else
     status = has_pixels ? copy_frame(*holder, reinterpret_cast<odo_frame&>(message)) : ODO_E_UNSUPPORTED;
   if (status < 0) return status;
-  place.keep();
+  (void)place.release();
   message.loan = {holder, retain, release, !holder->copied && original.native ? native : nullptr, 0};
   return ODO_OK;
 }

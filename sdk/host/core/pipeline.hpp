@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,12 +10,13 @@
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/core/anchors.hpp"
 #include "sdk/host/core/event_queue.hpp"
+#include "sdk/host/core/plugin_roster.hpp"
 #include "sdk/host/core/pose_stream.hpp"
+#include "sdk/host/core/saved_state.hpp"
 #include "sdk/host/core/scale_join.hpp"
 #include "sdk/host/core/sensor_watch.hpp"
 #include "sdk/host/estimator/estimator.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
-#include "sdk/host/plugin_host/instance.hpp"
 
 namespace odograph {
 
@@ -69,15 +69,15 @@ class Pipeline {
   void reset();
 
   /// What the plugins have learnt and want to keep, as a blob of this host's (docs/embed.md).
-  std::vector<uint8_t> save() const;
+  std::vector<uint8_t> save() const { return save_state(roster_, anchors_); }
   /// Gives each plugin what it saved; other plugins' parts are passed over. A failure says what is wrong; nothing is
   /// changed where the blob itself is damaged.
-  Result<bool> load(std::span<const uint8_t> blob);
+  Result<bool> load(std::span<const uint8_t> blob) { return load_state(blob, roster_, anchors_); }
 
   /// header.source of the front-end's camera; 0 before there is one. [any]
-  uint32_t camera() const { return camera_ == kNoCamera ? 0 : static_cast<uint32_t>(camera_); }
+  uint32_t camera() const { return roster_.camera(); }
   const Counters& counters() const { return counters_; }
-  uint64_t plugin_faults() const;
+  uint64_t plugin_faults() const { return roster_.faults(); }
   uint64_t gaps() const { return watch_.gaps(); }
   double distance_m() const { return estimator_->distance_m(); }
   ScaleKnowledge scale_knowledge() const { return estimator_->scale_knowledge(); }
@@ -87,17 +87,10 @@ class Pipeline {
 
   // pipeline.cpp: from samples to the estimator
   void on_imu(const odo_imu& imu);
-  bool is_main_camera(const odo_header& message);
   bool is_of_main_camera(const odo_vo_motion& motion);
-  void report_other_camera(uint32_t source);
   void on_calibration(const odo_calibration& calibration);
-  bool is_for(const PluginInstance& plugin, const odo_header& message) const;
   void ask(const odo_header& message);
-  void tell(const odo_header& event);
-  void take(PluginInstance& plugin, const odo_header& message);
-  void describe_sensors_to(PluginInstance& plugin);
   void enqueue(const AnyMessage& event);
-  bool in_use(const odo_header& event) const;
   void handle_events();
   void handle(AnyMessage& event);
   void complete(odo_attitude& attitude) const;
@@ -110,7 +103,6 @@ class Pipeline {
   void on_scale(odo_scale& scale);
   void publish_scale(odo_scale& scale, bool accepted);
   const odo_scale* scale_for(const odo_vo_motion& motion);
-  void remember(const odo_header& description);
 
   // pipeline_output.cpp: from the estimator to who listens
   void publish_estimates();
@@ -123,15 +115,8 @@ class Pipeline {
   bool sensor_silent() const;
   void watch_silence();
   void set_state(int64_t t_ns, uint32_t state, uint32_t reason);
-  bool any_dead() const;
 
-  bool gives(uint32_t type) const;
-  std::vector<std::string> state_names() const;
-
-  std::vector<std::unique_ptr<PluginInstance>> plugins_;  // in the order of their numbers, from 1
-  std::vector<PluginInstance*> asked_;                    // the same in the order in which they are asked
-  std::vector<PluginInstance*> scales_;                   // the scale sources
-  bool has_attitude_ = false, has_vo_ = false;
+  PluginRoster roster_;
   bool gives_poses_to_ = false, gives_corrections_to_ = false;  // some plugin wants them
   std::unique_ptr<Estimator> estimator_;
   HostServices& host_;
@@ -144,16 +129,13 @@ class Pipeline {
   SensorWatch watch_;
   Publish publish_;
   Counters counters_;
-  std::vector<AnyMessage> descriptions_;  // the newest calibration of each camera, the newest noise of each IMU
   ScaleJoin scale_join_;
   double odometry_covariance_ = 1;  ///< factor on what a front-end says
   const bool steps_alone_need_heading_;
   const bool start_has_heading_;
   bool north_is_true_ = false;  // something has observed the heading against true north
   std::optional<double> declination_rad_;
-  static constexpr int64_t kNoCamera = -1;
-  std::atomic<int64_t> camera_{kNoCamera};           // header.source of the front-end's
-  Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();  // its position in b, m
+  Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();  // the main camera's position in b, m
   std::optional<odo_vo_motion> inertial_motion_;     // the newest motion, where it tells velocity and biases
   std::optional<odo_pose> before_restart_;
   odo_pose last_pose_{};

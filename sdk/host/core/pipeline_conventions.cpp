@@ -30,18 +30,12 @@ bool Pipeline::is_beyond_frame(const odo_fix& fix) {
 }
 
 bool Pipeline::is_of_main_camera(const odo_vo_motion& motion) {
-  if (camera_ == kNoCamera || camera_ == motion.camera) return true;
+  if (!roster_.has_camera() || camera() == motion.camera) return true;
   host_.report(motion.header.source, ODO_SEVERITY_WARNING, "other_camera",
                "a motion of camera " + std::to_string(motion.camera) + "; expected one of the main camera, " +
                    std::to_string(camera()),
                ODO_E_ARGUMENT);
   return false;
-}
-
-void Pipeline::report_other_camera(uint32_t source) {
-  host_.report(0, ODO_SEVERITY_INFO, "other_camera",
-               "frames of camera " + std::to_string(source) + " are not given to the front-end, whose camera is " +
-                   std::to_string(camera()));
 }
 
 /// Turns magnetic north into true north, where the declination is known; an attitude without a covariance is given an

@@ -40,7 +40,8 @@ void Pipeline::publish_estimates() {
 }
 
 void Pipeline::publish_pose(odo_pose pose, bool is_new) {
-  if (any_dead() && pose.state == ODO_TRACKING) pose.state = ODO_DEGRADED, pose.reason = ODO_REASON_PLUGIN_FAILED;
+  if (roster_.any_dead() && pose.state == ODO_TRACKING)
+    pose.state = ODO_DEGRADED, pose.reason = ODO_REASON_PLUGIN_FAILED;
   if (sensor_silent()) pose.state = std::max(pose.state, ODO_DEGRADED), pose.reason = ODO_REASON_SENSOR_SILENT;
   if (north_is_true_ && pose.covariance[14] < kParameters.north_sigma_rad * kParameters.north_sigma_rad)
     pose.header.flags |= ODO_POSE_NORTH;
@@ -96,7 +97,7 @@ void Pipeline::correct_world(int64_t t_ns, const Rigid& correction) {
 
 /// What the first plugin with a terrain model says; nothing without one.
 std::optional<double> Pipeline::ground_at(double north_m, double east_m, double near_down_m) const {
-  for (const auto& plugin : plugins_) {
+  for (const auto& plugin : roster_.plugins()) {
     const auto* terrain = static_cast<const odo_terrain*>(plugin->extension(ODO_EXTENSION_TERRAIN));
     double down_m = 0, sigma_m = 0;
     if (terrain && ODO_HAS(terrain, height) && terrain->height &&
@@ -132,7 +133,7 @@ void Pipeline::tell_stream(const odo_pose& pose) {
 }
 
 bool Pipeline::sensor_silent() const {
-  return (watch_.imu_silent() && has_attitude_) || (watch_.camera_silent() && has_vo_);
+  return (watch_.imu_silent() && roster_.has_attitude()) || (watch_.camera_silent() && roster_.has_front_end());
 }
 
 /// Between two poses nobody else would notice. As long as the other sensor gives poses it is not lost.
@@ -158,36 +159,10 @@ void Pipeline::set_state(int64_t t_ns, uint32_t state, uint32_t reason) {
   publish_(event.header);
 }
 
-/// True while some plugin that is alive gives events of this type.
-bool Pipeline::gives(uint32_t type) const {
-  return std::any_of(plugins_.begin(), plugins_.end(),
-                     [type](const auto& plugin) { return plugin->alive() && plugin->gives(type); });
-}
-
-/// A fixer's end, and that of a plugin whose place another one takes, costs no state.
-bool Pipeline::any_dead() const {
-  for (const auto& plugin : plugins_)
-    for (const uint32_t type : {ODO_TYPE_ATTITUDE, ODO_TYPE_STEP, ODO_TYPE_VO_MOTION, ODO_TYPE_SCALE})
-      if (plugin->gives(type) && (plugin->recovering() || (!plugin->alive() && !gives(type)))) return true;
-  return false;
-}
-
-uint64_t Pipeline::plugin_faults() const {
-  uint64_t faults = 0;
-  for (const auto& plugin : plugins_) faults += plugin->faults();
-  return faults;
-}
-
 void Pipeline::wake() {
   if (!host_.has_woken()) return;
   events_.begin();
-  for (const uint32_t number : host_.take_woken()) {
-    if (number == 0 || number > plugins_.size()) continue;
-    PluginInstance& plugin = *plugins_[number - 1];
-    for (const AnyMessage& event : plugin.wake()) enqueue(event);
-    if (plugin.take_reset()) describe_sensors_to(plugin);
-    handle_events();
-  }
+  roster_.wake([this] { handle_events(); });
 }
 
 }  // namespace odograph

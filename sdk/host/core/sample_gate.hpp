@@ -25,8 +25,6 @@ class SampleGate {
     int64_t neighbour_ns = 50'000'000;  ///< samples further apart are no neighbours
   };
 
-  enum class Verdict { passed, held, refused };
-
   SampleGate() = default;
   explicit SampleGate(const Parameters& parameters) : parameters_(parameters) {}
 

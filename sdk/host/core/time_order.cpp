@@ -82,38 +82,45 @@ TimeOrder::Verdict TimeOrder::judge_late(Stream& stream, const odo_header& messa
   return joins ? Verdict::accepted : Verdict::late;
 }
 
-TimeOrder::Verdict TimeOrder::push(OwnedMessage&& message) {
-  const odo_header header = message.header();
-  const int64_t t_ns = header.t_ns;
-  const bool ordered = !may_be_late(header.type);
-  if (header.type == ODO_TYPE_CALIBRATION) expect_camera();
-  if (ordered) {
-    Stream& stream = stream_of(header);
+TimeOrder::Verdict TimeOrder::judge(const odo_header& message) {
+  const int64_t t_ns = message.t_ns;
+  if (message.type == ODO_TYPE_CALIBRATION) expect_camera();
+  if (!may_be_late(message.type)) {
+    Stream& stream = stream_of(message);
     if (t_ns == stream.latest_ns) return Verdict::duplicate;
     if (newest_ns_ != INT64_MIN && saturating_difference(t_ns, newest_ns_) > parameters_.far_ahead_ns &&
         ++stream.ahead < parameters_.believe_ahead)
       return Verdict::implausible;
     stream.ahead = 0;
     if (released_ns_ != INT64_MIN && t_ns < released_ns_) {
-      if (const Verdict verdict = judge_late(stream, header); verdict != Verdict::accepted) return verdict;
+      if (const Verdict verdict = judge_late(stream, message); verdict != Verdict::accepted) return verdict;
     } else {
       stream.joined = true;
       for (Stream& any : streams_) any.behind = 0;
     }
   }
-  if (free_.empty()) return Verdict::full;
-  if (ordered) {
+  return free_.empty() ? Verdict::full : Verdict::accepted;
+}
+
+void TimeOrder::add(OwnedMessage message) {
+  const odo_header header = message.header();
+  if (!may_be_late(header.type)) {
     Stream& stream = stream_of(header);
-    stream.latest_ns = std::max(stream.latest_ns, t_ns);
-    newest_ns_ = std::max(newest_ns_, t_ns);
-    if (oldest_ns_ == INT64_MIN) oldest_ns_ = t_ns;
+    stream.latest_ns = std::max(stream.latest_ns, header.t_ns);
+    newest_ns_ = std::max(newest_ns_, header.t_ns);
+    if (oldest_ns_ == INT64_MIN) oldest_ns_ = header.t_ns;
   }
   const uint32_t slot = free_.back();
   free_.pop_back();
-  heap_.push_back({t_ns, rank_of(header.type), slot, sequence_++});
+  heap_.push_back({header.t_ns, rank_of(header.type), slot, sequence_++});
   slots_[slot] = std::move(message);
   std::push_heap(heap_.begin(), heap_.end(), later);
-  return Verdict::accepted;
+}
+
+TimeOrder::Verdict TimeOrder::push(OwnedMessage message) {
+  const Verdict verdict = judge(message.header());
+  if (verdict == Verdict::accepted) add(std::move(message));
+  return verdict;
 }
 
 int64_t TimeOrder::watermark() const {

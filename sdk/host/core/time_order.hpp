@@ -33,7 +33,7 @@ class TimeOrder {
     duplicate,    // same sensor and time as the one before
     implausible,  // far ahead of everything else, and alone with that
     full,
-    restarted,  // not taken: the sensor clock was set back; the caller drains, restarts and pushes again
+    restarted,  // the sensor clock was set back; the caller drains, restarts and asks again
   };
 
   TimeOrder(size_t capacity, int64_t max_wait_ns) : TimeOrder(capacity, max_wait_ns, Parameters()) {}
@@ -43,8 +43,11 @@ class TimeOrder {
   /// that is pushed says so too.
   void expect_camera() { camera_expected_ = true; }
 
-  /// Takes the message over where it is accepted, and leaves it alone where it is not.
-  Verdict push(OwnedMessage&& message);
+  /// Whether a message may be added; it is to be if it is accepted.
+  Verdict judge(const odo_header& message);
+  void add(OwnedMessage message);
+  /// Both; what is not accepted is released.
+  Verdict push(OwnedMessage message);
 
   /// The next message in order, or false while a slower sensor may still deliver an earlier one. Up to `flush_until_ns`
   /// nothing is waited for.
@@ -54,8 +57,6 @@ class TimeOrder {
   /// True when pop without flush would give a message.
   bool ready() const { return !heap_.empty() && heap_.front().t_ns <= watermark(); }
 
-  /// Time of the last message released; INT64_MIN before the first.
-  int64_t released_ns() const { return released_ns_; }
   size_t size() const { return heap_.size(); }
   /// Takes out what waits, one message a call, whether or not its time has come; false when nothing is left.
   bool drain(OwnedMessage& out);
@@ -90,7 +91,7 @@ class TimeOrder {
   int64_t max_wait_ns_;
   int64_t oldest_ns_ = INT64_MIN;  // of the first sample
   int64_t newest_ns_ = INT64_MIN;
-  int64_t released_ns_ = INT64_MIN;
+  int64_t released_ns_ = INT64_MIN;  // of the last message released
   uint64_t sequence_ = 0;
   bool camera_expected_ = false;
   std::array<Stream, 32> streams_{};

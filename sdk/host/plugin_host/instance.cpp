@@ -16,7 +16,6 @@
 #include "sdk/host/base/saturating.hpp"
 #include "sdk/host/plugin_host/library_backend.hpp"
 #include "sdk/host/plugin_host/process_backend.hpp"
-#include "sdk/host/plugin_host/thread_backend.hpp"
 
 namespace odograph {
 namespace {
@@ -28,11 +27,9 @@ Result<std::unique_ptr<PluginBackend>> open_backend(const PluginChoice& choice, 
     if (!made) return made.failure();
     return std::unique_ptr<PluginBackend>(std::move(*made));
   };
-  switch (choice.isolation.kind) {
-    case Isolation::Kind::process: return general(ProcessBackend::load(choice, check, host, sink));
-    case Isolation::Kind::thread: return general(ThreadBackend::load(choice, check, host, sink));
-    default: return general(LibraryBackend::load(choice, check, host, sink));
-  }
+  if (choice.isolation.kind == Isolation::Kind::process)
+    return general(ProcessBackend::load(choice, check, host, sink));
+  return general(LibraryBackend::load(choice, check, host, sink));
 }
 
 }  // namespace

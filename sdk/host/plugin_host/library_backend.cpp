@@ -32,13 +32,12 @@ class Calling {
 }  // namespace
 
 LibraryBackend::LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
-                               const odo_sink& sink, bool thread_may_end)
+                               const odo_sink& sink)
     : library_(std::move(library)),
       choice_(choice),
       host_(host),
       sink_(sink),
-      types_(plugin_types(choice.interface_id, library_->table())),
-      thread_may_end_(thread_may_end) {
+      types_(plugin_types(choice.interface_id, library_->table())) {
   given_.struct_size = sizeof(odo_sink);
   given_.instance = sink.instance;
   given_.emit = emit;
@@ -55,23 +54,21 @@ int32_t LibraryBackend::emit(const odo_sink* sink, const odo_header* event) {
 }
 
 Result<std::unique_ptr<LibraryBackend>> LibraryBackend::load(const PluginChoice& choice, LibraryCheck check,
-                                                             HostServices& host, const odo_sink& sink,
-                                                             bool thread_may_end) {
+                                                             HostServices& host, const odo_sink& sink) {
   const Breadcrumb crumb(choice.manifest.id, "load");
   try {
     auto library = PluginLibrary::load(choice.manifest, check, &host);
     if (!library) return library.failure();
-    return std::unique_ptr<LibraryBackend>(new LibraryBackend(std::move(*library), choice, host, sink, thread_may_end));
+    return std::unique_ptr<LibraryBackend>(new LibraryBackend(std::move(*library), choice, host, sink));
   } catch (const abi::__forced_unwind&) {
-    if (!thread_may_end) abort_for_ended_thread();  // here, where the breadcrumb names the plugin
-    throw;
+    abort_for_ended_thread();  // here, where the breadcrumb names the plugin
   }
 }
 
 LibraryBackend::~LibraryBackend() { close(); }
 
 /// What the call returns. An exception out of it is a failure of the instance. A plugin that ends the thread
-/// (pthread_exit) ends the process, here, where the call is still known, unless the thread is the plugin's own.
+/// (pthread_exit) ends the process, here, where the call is still known.
 template <class Work>
 int32_t LibraryBackend::call(const char* name, Work&& work) {
   const Breadcrumb crumb(choice_.manifest.id, name);
@@ -79,8 +76,7 @@ int32_t LibraryBackend::call(const char* name, Work&& work) {
   try {
     return work();
   } catch (const abi::__forced_unwind&) {
-    if (!thread_may_end_) abort_for_ended_thread();
-    throw;
+    abort_for_ended_thread();
   } catch (const std::bad_alloc&) {
     return ODO_E_MEMORY;
   } catch (const std::exception& error) {

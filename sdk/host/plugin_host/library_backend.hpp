@@ -17,11 +17,10 @@ namespace odograph {
 /// plugin's own is refused and reported: nobody on the host's side waits for it.
 class LibraryBackend : public PluginBackend {
  public:
-  /// `choice` and `sink` outlive it. `thread_may_end`: a plugin that ends its thread (pthread_exit) unwinds it;
-  /// otherwise that ends the process, because the thread is the app's.
+  /// `choice` and `sink` outlive it. A plugin that ends the thread (pthread_exit) ends the process, because the
+  /// thread is the app's.
   static Result<std::unique_ptr<LibraryBackend>> load(const PluginChoice& choice, LibraryCheck check,
-                                                      HostServices& host, const odo_sink& sink,
-                                                      bool thread_may_end = false);
+                                                      HostServices& host, const odo_sink& sink);
   ~LibraryBackend() override;
 
   int32_t start() override;
@@ -44,7 +43,7 @@ class LibraryBackend : public PluginBackend {
 
   static int32_t emit(const odo_sink* sink, const odo_header* event);
   LibraryBackend(std::shared_ptr<PluginLibrary> library, const PluginChoice& choice, HostServices& host,
-                 const odo_sink& sink, bool thread_may_end);
+                 const odo_sink& sink);
   int32_t process(const odo_header* message, uint32_t count);
   template <class Work>
   int32_t call(const char* name, Work&& work);
@@ -57,7 +56,6 @@ class LibraryBackend : public PluginBackend {
   std::atomic<std::thread::id> caller_{{}};  // of the current call
   KindTypes types_;
   odo_instance* instance_ = nullptr;
-  bool thread_may_end_;
 };
 
 }  // namespace odograph

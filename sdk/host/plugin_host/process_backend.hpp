@@ -3,11 +3,14 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 #include <sys/types.h>
 
 #include "sdk/host/config/pipeline_config.hpp"
-#include "sdk/host/plugin_host/separate_backend.hpp"
+#include "sdk/host/plugin_host/backend.hpp"
 #include "sdk/host/plugin_host/services.hpp"
 #include "sdk/host/plugin_host/wire.hpp"
 
@@ -16,8 +19,8 @@ namespace odograph {
 /// An instance in a process of its own, the program `odograph-plugin-host`, behind a sandbox (sandbox.hpp). Messages
 /// and events go through shared memory, wake-ups through a socket; a frame's pixels stay where they are if that is
 /// memory that the plugin sees (FrameStore), and are copied there otherwise. Whatever the plugin does ends its own
-/// process alone: then ended() says what it was.
-class ProcessBackend : public SeparateBackend {
+/// process alone: then ended() says what it was, every call is ODO_E_ERROR, and a new backend is to be made.
+class ProcessBackend : public PluginBackend {
  public:
   /// Starts the process and loads the library in it. The failure names the plugin and what it did. `choice` and `sink`
   /// outlive it; the sink's emit gets every event within process().
@@ -30,6 +33,10 @@ class ProcessBackend : public SeparateBackend {
   int32_t reset() override;
   std::vector<uint8_t> save() override;
   bool load(std::span<const uint8_t> data) override;
+  const KindTypes& types() const override { return types_; }
+  void quarantine() override { quarantined_ = true; }
+  bool quarantined() const override { return quarantined_; }
+  std::string ended() const override { return ended_; }
   pid_t process_id() const { return child_; }
 
  private:
@@ -58,6 +65,9 @@ class ProcessBackend : public SeparateBackend {
   const PluginChoice& choice_;
   HostServices& host_;
   const odo_sink& sink_;
+  KindTypes types_;
+  std::string ended_;
+  bool quarantined_ = false;
   pid_t child_ = -1;
   int socket_ = -1;
   wire::Control* control_ = nullptr;

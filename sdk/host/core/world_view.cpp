@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Anchors as an app makes and asks them: what it saw from which pose, in which world.
+#include "sdk/host/core/world_view.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
+#include "sdk/host/base/pose_frame.hpp"
 #include "sdk/host/base/rotation.hpp"
-#include "sdk/host/core/session.hpp"
 
 namespace odograph {
 namespace {
@@ -39,7 +38,21 @@ Rigid placed(const odo_anchor_place& place) {
 
 }  // namespace
 
-int32_t Session::create_anchor(const odo_anchor_place& place, uint64_t& id) {
+int32_t WorldView::pose_of(uint32_t of, bool smooth, int64_t t_ns, odo_pose& out) const {
+  if (of > ODO_OF_CAMERA) return ODO_E_ARGUMENT;
+  const int32_t status = poses_.at(t_ns, smooth, out);
+  const bool is_camera = (out.header.flags & ODO_POSE_CAMERA) != 0;
+  if (status != ODO_OK || of == ODO_OF_PIPELINE || is_camera == (of == ODO_OF_CAMERA)) return status;
+  const CameraTable::Mount mount = cameras_.mount(main_camera_());
+  if (is_camera)
+    move_pose(mount.q_b_c.conjugate(), -(mount.q_b_c.conjugate() * mount.p_b_c), out);
+  else
+    move_pose(mount.q_b_c, mount.p_b_c, out);
+  out.header.flags ^= ODO_POSE_CAMERA;
+  return status;
+}
+
+int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
   if (place.kind < ODO_ANCHOR_POSE || place.kind > ODO_ANCHOR_GEODETIC || place.world > ODO_WORLD_SMOOTH)
     return ODO_E_ARGUMENT;
   if (!finite(place.q, 4) || !is_rotation(place.q)) return ODO_E_ARGUMENT;
@@ -68,10 +81,10 @@ int32_t Session::create_anchor(const odo_anchor_place& place, uint64_t& id) {
   return id != 0 ? ODO_OK : ODO_E_EXHAUSTED;
 }
 
-int32_t Session::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor& out) const {
+int32_t WorldView::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor& out) const {
   if (world > ODO_WORLD_SMOOTH) return ODO_E_ARGUMENT;
   // The pose and the anchor of one moment: a correction moves both under this lock.
-  const std::lock_guard lock(world_mutex_);
+  const std::lock_guard lock(mutex_);
   odo_pose corrected{}, smooth{};
   const int32_t status = pose_of(ODO_OF_PIPELINE, false, t_ns, corrected);
   const bool oriented = status == ODO_OK, seen = oriented && (corrected.header.flags & ODO_POSE_POSITION) != 0;
@@ -106,6 +119,20 @@ int32_t Session::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor& o
     out.latitude_rad = (*known->geodetic)[0], out.longitude_rad = (*known->geodetic)[1];
     out.height_m = (*known->geodetic)[2];
   }
+  return ODO_OK;
+}
+
+int32_t WorldView::to_geodetic(const double* p_n, double* geodetic) const {
+  if (!geodesy_.has_origin()) return ODO_NOT_READY;
+  const auto g = geodesy_.to_geodetic({p_n[0], p_n[1], p_n[2]});
+  std::copy(g.begin(), g.end(), geodetic);
+  return ODO_OK;
+}
+
+int32_t WorldView::from_geodetic(const double* geodetic, double* p_n) const {
+  if (!geodesy_.has_origin()) return ODO_NOT_READY;
+  const auto p = geodesy_.from_geodetic({geodetic[0], geodetic[1], geodetic[2]});
+  std::copy(p.begin(), p.end(), p_n);
   return ODO_OK;
 }
 

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// What the plugins have learnt, and the anchors, as a blob: "ODOSTATE", u32 version, u32 parts; of each part u32 and
-// u64 lengths, the plugin's id (behind it " #2" for the second instance of it), and its bytes; at last a u64 FNV-1a of
-// all before. Little-endian.
-#include <algorithm>
+#include "sdk/host/core/saved_state.hpp"
+
 #include <bit>
 #include <cstring>
-
-#include "sdk/host/core/pipeline.hpp"
 
 namespace odograph {
 namespace {
@@ -83,25 +78,13 @@ std::optional<std::vector<Part>> parts_of(std::span<const uint8_t> blob) {
 
 }  // namespace
 
-/// Of each plugin its id, and where that has been before " #2" and so on behind it. Not its kind: the next version of a
-/// kind is to keep what was estimated.
-std::vector<std::string> Pipeline::state_names() const {
-  std::vector<std::string> names;
-  for (const auto& plugin : plugins_) {
-    const std::string plain = plugin->id();
-    const auto same = [&](const std::string& name) { return name == plain || name.starts_with(plain + " #"); };
-    const auto before = std::count_if(names.begin(), names.end(), same);
-    names.push_back(before == 0 ? plain : plain + " #" + std::to_string(before + 1));
-  }
-  return names;
-}
-
-std::vector<uint8_t> Pipeline::save() const {
+std::vector<uint8_t> save_state(const PluginRoster& roster, const Anchors& anchors) {
   std::vector<uint8_t> parts, blob(std::begin(kMagic), std::end(kMagic));
   uint32_t count = 0;
-  const auto names = state_names();
-  for (size_t i = 0; i < plugins_.size(); ++i) {
-    const auto data = plugins_[i]->save();
+  const auto names = roster.state_names();
+  const auto& plugins = roster.plugins();
+  for (size_t i = 0; i < plugins.size(); ++i) {
+    const auto data = plugins[i]->save();
     if (data.empty()) continue;
     const std::string& name = names[i];
     put(parts, static_cast<uint32_t>(name.size()));
@@ -110,11 +93,11 @@ std::vector<uint8_t> Pipeline::save() const {
     parts.insert(parts.end(), data.begin(), data.end());
     ++count;
   }
-  if (const auto anchors = anchors_.save(); !anchors.empty()) {
+  if (const auto saved = anchors.save(); !saved.empty()) {
     put(parts, static_cast<uint32_t>(sizeof kAnchors - 1));
-    put(parts, static_cast<uint64_t>(anchors.size()));
+    put(parts, static_cast<uint64_t>(saved.size()));
     parts.insert(parts.end(), kAnchors, kAnchors + sizeof kAnchors - 1);
-    parts.insert(parts.end(), anchors.begin(), anchors.end());
+    parts.insert(parts.end(), saved.begin(), saved.end());
     ++count;
   }
   put(blob, kVersion);
@@ -124,16 +107,17 @@ std::vector<uint8_t> Pipeline::save() const {
   return blob;
 }
 
-Result<bool> Pipeline::load(std::span<const uint8_t> blob) {
+Result<bool> load_state(std::span<const uint8_t> blob, const PluginRoster& roster, Anchors& anchors) {
   const auto parts = parts_of(blob);
   if (!parts) return Failure{ODO_E_DATA, "what was to be loaded is not a saved state, or it is damaged"};
   std::string refused;
-  const auto names = state_names();
+  const auto names = roster.state_names();
+  const auto& plugins = roster.plugins();
   for (const Part& part : *parts)
-    for (size_t i = 0; i < plugins_.size(); ++i)
-      if (names[i] == part.name && !plugins_[i]->load(part.data)) refused += " " + plugins_[i]->id();
+    for (size_t i = 0; i < plugins.size(); ++i)
+      if (names[i] == part.name && !plugins[i]->load(part.data)) refused += " " + plugins[i]->id();
   for (const Part& part : *parts)
-    if (part.name == kAnchors && !anchors_.load(part.data)) refused += " anchors";
+    if (part.name == kAnchors && !anchors.load(part.data)) refused += " anchors";
   if (!refused.empty()) return Failure{ODO_E_DATA, "saved state not taken by:" + refused};
   return true;
 }

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/core/intake.hpp"
+
+#include <utility>
+
+namespace odograph {
+
+Intake::Intake(const PipelineConfig& config, SharedPixels* shared, CameraTable& cameras, PoseStream& poses,
+               HostServices& host, Outbox& outbox)
+    : cameras_(cameras),
+      poses_(poses),
+      host_(host),
+      outbox_(outbox),
+      frames_(config.ordering.frames, shared),
+      order_(config.ordering.queue, static_cast<int64_t>(config.ordering.max_wait_s * 1e9)) {
+  if (config.camera) order_.expect_camera();
+}
+
+int32_t Intake::take(const odo_header& sample, OwnedMessage& out) {
+  ++counts_.pushed;
+  if (!is_input(sample.type))
+    return refuse_invalid(sample, ODO_E_ARGUMENT, "type = " + message_name(sample.type) + "; expected an input");
+  AnyMessage copy;
+  if (!copy.assign(sample))
+    return refuse_invalid(sample, ODO_E_STRUCT_SIZE,
+                          "struct_size = " + std::to_string(sample.struct_size) + "; expected " +
+                              std::to_string(min_size(sample.type)) + " to " + std::to_string(ODO_LARGEST_MESSAGE));
+  copy.header().flags &= ~ODO_FLAG_HOST_MASK;
+  copy.header().reserved = 0;
+  if (const std::string fault = message_fault(copy.header()); !fault.empty())
+    return refuse_invalid(sample, ODO_E_DISCARD, fault);
+  if (!gate_.within_range(copy.header()))
+    return refuse(counts_.wild, "wild_", sample, ODO_E_DISCARD, "outside the range of any such sensor");
+  if (sample.type == ODO_TYPE_CALIBRATION) cameras_.take_calibration(reinterpret_cast<odo_calibration&>(copy.header()));
+  if (sample.type == ODO_TYPE_FRAME)
+    if (const std::string fault = cameras_.size_fault(as<odo_frame>(copy.header())); !fault.empty())
+      return refuse_invalid(sample, ODO_E_DISCARD, fault);
+  if (ODO_IS_BORROWED(sample.type))
+    if (const int32_t status = borrow(reinterpret_cast<odo_borrowed&>(copy.header())); status < 0) return status;
+  if (sample.type == ODO_TYPE_FRAME) cameras_.put_timing(reinterpret_cast<odo_frame&>(copy.header()));
+  out = OwnedMessage(std::move(copy));
+  return ODO_OK;
+}
+
+int32_t Intake::borrow(odo_borrowed& message) {
+  const int32_t status = frames_.adopt(message);
+  if (status >= 0) return status;
+  if (status == ODO_E_DISCARD)
+    return refuse_invalid(message.header, status, "a plane's row_stride is smaller than its row");
+  if (status == ODO_E_UNSUPPORTED)
+    return refuse_invalid(message.header, status, "it cannot be copied and has no retain and release");
+  return refuse(counts_.overflow, "dropped_", message.header, status,
+                "all that may be retained are still in use: they come faster than they are processed, or its retain "
+                "refused");
+}
+
+int32_t Intake::add(OwnedMessage message) {
+  const odo_header header = message.header();
+  std::vector<OwnedMessage> given_up;
+  TimeOrder::Verdict verdict = TimeOrder::Verdict::accepted;
+  int spikes = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return ODO_E_STATE;
+    if (header.type == ODO_TYPE_IMU) {
+      odo_imu imu = copy_as<odo_imu>(message.header());
+      if (header.struct_size > sizeof imu)  // bits of fields that are cut off go with them
+        imu.header.flags &= (2 * ODO_IMU_ACCEL_CORRECTED - 1) | ODO_FLAG_QUALITY;
+      spikes = gate_.push(imu, [&](const odo_imu& passed) {
+        const auto each = order(OwnedMessage(passed.header), given_up);
+        if (each == TimeOrder::Verdict::accepted)
+          poses_.add_imu(passed);
+        else
+          verdict = each;
+      });
+    } else {
+      verdict = order(std::move(message), given_up);
+    }
+  }
+  if (spikes > 0)
+    refuse(counts_.wild, "wild_", header, ODO_E_DISCARD, "the one before it sticks out from both its neighbours");
+  return verdict == TimeOrder::Verdict::accepted ? ODO_OK : refuse_unordered(header, verdict);
+}
+
+/// Under the lock. What is not accepted is released without it.
+TimeOrder::Verdict Intake::order(OwnedMessage message, std::vector<OwnedMessage>& given_up) {
+  auto verdict = order_.judge(message.header());
+  if (verdict == TimeOrder::Verdict::restarted) {
+    restart(given_up);
+    verdict = order_.judge(message.header());
+  }
+  if (verdict == TimeOrder::Verdict::accepted)
+    order_.add(std::move(message));
+  else
+    given_up.push_back(std::move(message));
+  return verdict;
+}
+
+/// Under the lock. What waits is of the old clock, but for what describes the sensors.
+void Intake::restart(std::vector<OwnedMessage>& given_up) {
+  std::vector<OwnedMessage> descriptions;
+  OwnedMessage message;
+  while (order_.drain(message)) {
+    const uint32_t type = message.header().type;
+    const bool describes = type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE;
+    (describes ? descriptions : given_up).push_back(std::move(message));
+  }
+  order_.restart();
+  gate_.reset();
+  poses_.clear();
+  for (OwnedMessage& description : descriptions) order_.push(std::move(description));
+  restarted_ = true;
+}
+
+Intake::Next Intake::next(OwnedMessage& out, int64_t flush_until_ns) {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(restarted_, false)) return Next::restart;
+  return order_.pop(out, flush_until_ns) ? Next::sample : Next::nothing;
+}
+
+bool Intake::ready() const {
+  const std::lock_guard lock(mutex_);
+  return restarted_ || order_.ready();
+}
+
+int64_t Intake::latest_waiting_ns() const {
+  const std::lock_guard lock(mutex_);
+  return order_.latest_waiting_ns();
+}
+
+void Intake::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+}
+
+bool Intake::drop_one() {
+  OwnedMessage waiting;  // released without the lock
+  const std::lock_guard lock(mutex_);
+  return order_.drain(waiting);
+}
+
+int32_t Intake::refuse(std::atomic<uint64_t>& count, const char* key, const odo_header& sample, int32_t status,
+                       const std::string& why) {
+  ++count;
+  const std::string name = message_name(sample.type);
+  host_.report(0, ODO_SEVERITY_WARNING, key + name, "dropped a sample of " + name + ": " + why, status);
+  return status;
+}
+
+/// The newest is the last error even where it is not reported: reports of a kind come once a second.
+int32_t Intake::refuse_unordered(const odo_header& sample, TimeOrder::Verdict verdict) {
+  using Verdict = TimeOrder::Verdict;
+  const auto [count, why] =
+      verdict == Verdict::late        ? std::pair(&counts_.late, "came after its time had been processed")
+      : verdict == Verdict::duplicate ? std::pair(&counts_.duplicate, "same sensor and time as the one before")
+      : verdict == Verdict::full      ? std::pair(&counts_.overflow, "the queue is full")
+                                      : std::pair(&counts_.invalid, "its time is far ahead of all others");
+  refuse(*count, "dropped_", sample, ODO_E_DISCARD, why);
+  const int32_t status = verdict == Verdict::full ? ODO_E_EXHAUSTED : ODO_E_DISCARD;
+  outbox_.set_last_error({status, "dropped a sample of " + message_name(sample.type) + ": " + why});
+  return status;
+}
+
+}  // namespace odograph

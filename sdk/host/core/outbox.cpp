@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/core/outbox.hpp"
+
+#include <cstdio>
+#include <utility>
+
+namespace odograph {
+
+void Outbox::set_callback(TypeSet types, odo_callback callback, void* user) {
+  std::unique_lock lock(mutex_);
+  callback_ = types.empty() ? nullptr : callback;
+  user_ = user;
+  types_ = std::move(types);
+  has_callback_ = callback_ != nullptr;
+  returned_.wait(lock, [this] { return !runs_ || thread_ == std::this_thread::get_id(); });
+}
+
+void Outbox::publish(const odo_header& event) {
+  if (!has_callback_.load(std::memory_order_relaxed)) return;
+  std::unique_lock lock(mutex_);
+  if (!callback_ || !types_.has(event.type)) return;
+  const auto call = callback_;
+  void* const user = user_;
+  runs_ = true;
+  thread_ = std::this_thread::get_id();
+  lock.unlock();
+  call(user, &event);
+  lock.lock();
+  runs_ = false;
+  lock.unlock();
+  returned_.notify_all();
+}
+
+void Outbox::add(const Report& report) {
+  const std::lock_guard lock(mutex_);
+  if (report.severity >= ODO_SEVERITY_WARNING)
+    last_error_ = {report.status < 0                       ? report.status
+                   : report.severity == ODO_SEVERITY_ERROR ? ODO_E_ERROR
+                                                           : ODO_E_DISCARD,
+                   report.origin + ": " + report.text};
+  if (reports_.size() < kMaxReports) reports_.push_back(report);
+  has_reports_ = true;
+}
+
+bool Outbox::report_is_waiting() const {
+  if (!has_reports_ || !has_callback_) return false;
+  const std::lock_guard lock(mutex_);
+  return types_.has(ODO_TYPE_REPORT);
+}
+
+void Outbox::publish_reports(int64_t t_ns) {
+  std::vector<Report> reports;
+  {
+    const std::lock_guard lock(mutex_);
+    reports.swap(reports_);
+    has_reports_ = false;
+  }
+  for (const Report& report : reports) {
+    auto event = make_message<odo_report>(ODO_TYPE_REPORT, t_ns);
+    event.header.source = report.instance;
+    event.count = report.count;
+    event.severity = report.severity;
+    event.status = report.status;
+    std::snprintf(event.plugin, sizeof event.plugin, "%s", report.origin.c_str());
+    std::snprintf(event.key, sizeof event.key, "%s", report.key.c_str());
+    std::snprintf(event.text, sizeof event.text, "%s", report.text.c_str());
+    publish(event.header);
+  }
+}
+
+void Outbox::set_last_error(Failure error) {
+  const std::lock_guard lock(mutex_);
+  last_error_ = std::move(error);
+}
+
+Failure Outbox::take_last_error() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(last_error_, {ODO_OK, ""});
+}
+
+}  // namespace odograph

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/core/plugin_roster.hpp"
+
+#include <algorithm>
+
+#include <odograph/vo_frontend.h>
+
+namespace odograph {
+
+Result<bool> PluginRoster::start(const PipelineConfig& config) {
+  Plugins attitudes, steps, front_ends, fixers;
+  const std::pair<const std::vector<PluginChoice>*, Plugins*> kinds[] = {{&config.attitudes, &attitudes},
+                                                                         {&config.step_estimators, &steps},
+                                                                         {&config.vo_frontends, &front_ends},
+                                                                         {&config.scale_sources, &scale_sources_},
+                                                                         {&config.fixers, &fixers}};
+  for (const auto& [choices, kind] : kinds)
+    for (const PluginChoice& choice : *choices) {
+      const auto number = static_cast<uint32_t>(plugins_.size() + 1);
+      auto made = PluginInstance::make(choice, config.library_check, number, host_);
+      if (!made) return made.failure();
+      kind->push_back(plugins_.emplace_back(std::move(*made)).get());
+    }
+  for (const auto* kind : {&attitudes, &front_ends, &scale_sources_, &steps, &fixers})
+    asked_.insert(asked_.end(), kind->begin(), kind->end());
+  has_attitude_ = !attitudes.empty();
+  has_front_end_ = !front_ends.empty();
+  return true;
+}
+
+bool PluginRoster::is_for(const PluginInstance& plugin, const odo_header& message) const {
+  if (!plugin.wants(message.type)) return false;
+  const bool of_camera = message.type == ODO_TYPE_FRAME || message.type == ODO_TYPE_CALIBRATION;
+  return !of_camera || camera_ == message.source || plugin.takes_several_cameras() ||
+         plugin.interface_id() != ODO_INTERFACE_VO_FRONTEND;
+}
+
+bool PluginRoster::ask(const odo_header& message, const std::function<void()>& handled) {
+  bool wanted = false;
+  for (PluginInstance* plugin : asked_) {
+    if (is_for(*plugin, message)) {
+      wanted = true;
+      take(*plugin, message);
+      handled();
+    } else if (message.type == ODO_TYPE_FRAME && plugin->wants(message.type)) {
+      host_.report(0, ODO_SEVERITY_INFO, "other_camera",
+                   "frames of camera " + std::to_string(message.source) +
+                       " are not given to the front-end, whose camera is " + std::to_string(camera()));
+    }
+  }
+  return wanted;
+}
+
+void PluginRoster::tell(const odo_header& event, bool scale_sources_too) {
+  for (PluginInstance* plugin : asked_) {
+    if (plugin->number() == event.source || !plugin->wants(event.type)) continue;
+    const bool is_scale = std::find(scale_sources_.begin(), scale_sources_.end(), plugin) != scale_sources_.end();
+    if (scale_sources_too || !is_scale) take(*plugin, event);
+  }
+}
+
+void PluginRoster::tell_kind(const char* interface_id, const odo_header& message) {
+  for (PluginInstance* plugin : asked_)
+    if (plugin->interface_id() == interface_id && plugin->wants(message.type)) take(*plugin, message);
+}
+
+void PluginRoster::take(PluginInstance& plugin, const odo_header& message) {
+  for (const AnyMessage& event : plugin.process(message)) emit_(event);
+  if (plugin.take_reset()) describe_sensors_to(plugin);
+}
+
+void PluginRoster::describe_sensors_to(PluginInstance& plugin) {
+  for (const AnyMessage& description : descriptions_) {
+    if (!is_for(plugin, description.header())) continue;
+    for (const AnyMessage& event : plugin.process(description.header())) emit_(event);
+  }
+  plugin.take_reset();
+}
+
+void PluginRoster::wake(const std::function<void()>& handled) {
+  for (const uint32_t number : host_.take_woken()) {
+    if (number == 0 || number > plugins_.size()) continue;
+    PluginInstance& plugin = *plugins_[number - 1];
+    for (const AnyMessage& event : plugin.wake()) emit_(event);
+    if (plugin.take_reset()) describe_sensors_to(plugin);
+    handled();
+  }
+}
+
+void PluginRoster::reset() {
+  for (const auto& plugin : plugins_) {
+    const auto learnt = plugin->save();  // the clock was set back, the walker is the same
+    plugin->reset();
+    if (!learnt.empty()) plugin->load(learnt);
+    if (plugin->take_reset()) describe_sensors_to(*plugin);
+  }
+}
+
+void PluginRoster::remember(const odo_header& description) {
+  const auto same = [&](const AnyMessage& known) {
+    return known.header().type == description.type && known.header().source == description.source;
+  };
+  const auto found = std::find_if(descriptions_.begin(), descriptions_.end(), same);
+  (found != descriptions_.end() ? *found : descriptions_.emplace_back()).assign(description);
+}
+
+bool PluginRoster::is_main_camera(const odo_header& message) {
+  int64_t none = kNoCamera;
+  camera_.compare_exchange_strong(none, message.source);
+  return camera_ == message.source;
+}
+
+bool PluginRoster::in_use(const odo_header& event) const {
+  for (const auto& plugin : plugins_)
+    if (plugin->alive() && plugin->gives(event.type)) return plugin->number() == event.source;
+  return false;
+}
+
+bool PluginRoster::wants(uint32_t type) const {
+  return std::any_of(plugins_.begin(), plugins_.end(), [type](const auto& plugin) { return plugin->wants(type); });
+}
+
+/// True while some plugin that is alive gives events of this type.
+bool PluginRoster::gives(uint32_t type) const {
+  return std::any_of(plugins_.begin(), plugins_.end(),
+                     [type](const auto& plugin) { return plugin->alive() && plugin->gives(type); });
+}
+
+bool PluginRoster::any_dead() const {
+  for (const auto& plugin : plugins_)
+    for (const uint32_t type : {ODO_TYPE_ATTITUDE, ODO_TYPE_STEP, ODO_TYPE_VO_MOTION, ODO_TYPE_SCALE})
+      if (plugin->gives(type) && (plugin->recovering() || (!plugin->alive() && !gives(type)))) return true;
+  return false;
+}
+
+uint64_t PluginRoster::faults() const {
+  uint64_t faults = 0;
+  for (const auto& plugin : plugins_) faults += plugin->faults();
+  return faults;
+}
+
+std::vector<std::string> PluginRoster::state_names() const {
+  std::vector<std::string> names;
+  for (const auto& plugin : plugins_) {
+    const std::string plain = plugin->id();
+    const auto same = [&](const std::string& name) { return name == plain || name.starts_with(plain + " #"); };
+    const auto before = std::count_if(names.begin(), names.end(), same);
+    names.push_back(before == 0 ? plain : plain + " #" + std::to_string(before + 1));
+  }
+  return names;
+}
+
+}  // namespace odograph

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <vector>
+
+#include "sdk/host/base/geodesy.hpp"
+#include "sdk/host/core/anchors.hpp"
+#include "sdk/host/core/camera_table.hpp"
+#include "sdk/host/core/pose_stream.hpp"
+
+namespace odograph {
+
+/// What is known of the phone's place in the world, which the pipeline writes and an app asks: poses of body and
+/// camera, anchors (anchor.h says what the calls do), places on the Earth. Its questions are [any].
+class WorldView {
+ public:
+  /// `main_camera`: header.source of the pipeline's.
+  WorldView(const CameraTable& cameras, std::function<uint32_t()> main_camera)
+      : cameras_(cameras), main_camera_(std::move(main_camera)) {}
+
+  /// PoseStream::at, of the body or the camera: ODO_OF_*.
+  int32_t pose_of(uint32_t of, bool smooth, int64_t t_ns, odo_pose& out) const;
+  int32_t create_anchor(const odo_anchor_place& place, uint64_t& id);
+  int32_t anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor& out) const;
+  std::vector<uint64_t> anchor_ids() const { return anchors_.ids(); }
+  int32_t remove_anchor(uint64_t id) { return anchors_.remove(id) ? ODO_OK : ODO_E_NOT_FOUND; }
+  int32_t to_geodetic(const double* p_n, double* geodetic) const;
+  int32_t from_geodetic(const double* geodetic, double* p_n) const;
+
+  // The pipeline's.
+  Geodesy& geodesy() { return geodesy_; }
+  PoseStream& poses() { return poses_; }
+  Anchors& anchors() { return anchors_; }
+  std::mutex& mutex() { return mutex_; }
+
+ private:
+  const CameraTable& cameras_;
+  const std::function<uint32_t()> main_camera_;
+  Geodesy geodesy_;
+  PoseStream poses_;
+  Anchors anchors_{geodesy_};
+  mutable std::mutex mutex_;  // poses and anchors are corrected together
+};
+
+}  // namespace odograph
