@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstring>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/base/saturating.hpp"
 #include "sdk/host/config/runs_processes.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 

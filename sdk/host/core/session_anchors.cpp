@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/core/session.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 namespace {

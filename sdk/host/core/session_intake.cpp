@@ -3,9 +3,9 @@
 // Inputs as the session keeps them: borrowed memory retained or copied, cameras on the IMU's clock.
 #include <cstring>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/base/saturating.hpp"
 #include "sdk/host/core/session.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 
