@@ -7,8 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/core/anchors.hpp"
+#include "sdk/math/rotation.hpp"
 
 using namespace odograph;
 using Eigen::Matrix3d;

@@ -6,8 +6,8 @@
 #include <map>
 #include <random>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/calibration/camera_imu.hpp"
 #include "sdk/tools/calibration/lens_model.hpp"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "tests/session_app.hpp"
 #include "tests/test_plugins.hpp"
 

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 #include "tests/plugin_run.hpp"
 

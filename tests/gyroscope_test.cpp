@@ -3,8 +3,8 @@
 
 #include <doctest/doctest.h>
 
-#include "plugins/shared/rotation.hpp"
 #include "plugins/vo/odograph/visual/gyroscope.hpp"
+#include "sdk/math/rotation.hpp"
 
 using namespace odograph;
 using namespace odograph::vo;
@@ -33,7 +33,7 @@ TEST_CASE("a gyroscope that falls silent before the frame tells no rotation, nor
   const Gyroscope gyroscope = sampled(1200, rate);
   const auto whole = gyroscope.between(1100 * kMilli, (1200 + gap) * kMilli, none);
   REQUIRE(whole);  // the last rate goes on for a moment
-  CHECK((so3::log_rotation(whole->q_c0_c1) - 0.001 * static_cast<double>(100 + gap) * rate).norm() < 1e-6);
+  CHECK((log_rotation(whole->q_c0_c1) - 0.001 * static_cast<double>(100 + gap) * rate).norm() < 1e-6);
   CHECK_FALSE(gyroscope.between(1100 * kMilli, (1201 + gap) * kMilli, none));
   CHECK_FALSE(gyroscope.between(1200 * kMilli, 1210 * kMilli, none));         // no sample later than its beginning
   CHECK_FALSE(gyroscope.between((999 - gap) * kMilli, 1100 * kMilli, none));  // began too late
@@ -50,7 +50,7 @@ TEST_CASE("samples that come twice or go back are passed over, and what is clear
   gyroscope.add(1100 * kMilli, {0, 0, 50});
   const auto rotation = gyroscope.between(1050 * kMilli, 1200 * kMilli, Vector3d::Zero());
   REQUIRE(rotation);
-  CHECK(so3::log_rotation(rotation->q_c0_c1).z() == doctest::Approx(0.15));
+  CHECK(log_rotation(rotation->q_c0_c1).z() == doctest::Approx(0.15));
   gyroscope.clear();
   CHECK_FALSE(gyroscope.between(1050 * kMilli, 1200 * kMilli, Vector3d::Zero()));
   CHECK_FALSE(gyroscope.rate(1200 * kMilli));
@@ -63,7 +63,7 @@ TEST_CASE("a sample stands for the mean of it and the one before, up to its time
   const auto part = gyroscope.between(1004 * kMilli, 1027 * kMilli, {0, 0.2, 0});
   REQUIRE(part);
   const double expected = 0.006 * (30 - 0.2) + 0.010 * (10 - 0.2) + 0.007 * (25 - 0.2);
-  CHECK(std::abs(so3::log_rotation(part->q_c0_c1).y() - expected) < 1e-9);
+  CHECK(std::abs(log_rotation(part->q_c0_c1).y() - expected) < 1e-9);
   CHECK(std::abs(part->by_bias(1, 1) + 0.023) < 1e-9);
   const auto& p = kParameters;
   const double sigma_rad =

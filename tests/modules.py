@@ -59,18 +59,23 @@ def plugin_of(path):
 
 def check_include(path, other):
     if path.startswith("sdk/host/"):
-        if not other.startswith("sdk/host/"):
-            wrong.append(f"{path} includes {other}: the host sees itself and the ABI alone")
-        elif HOST.index(path.split("/")[2]) < HOST.index(other.split("/")[2]):
+        if not other.startswith(("sdk/host/", "sdk/math/")):
+            wrong.append(f"{path} includes {other}: the host sees itself, sdk/math and the ABI alone")
+        elif other.startswith("sdk/host/") and HOST.index(path.split("/")[2]) < HOST.index(other.split("/")[2]):
             wrong.append(f"{path} includes {other}: the host's folders see those before them: {', '.join(HOST)}")
     elif path.startswith("sdk/tools/"):
         if not other.startswith("sdk/"):
             wrong.append(f"{path} includes {other}: the tools see the SDK alone")
     elif path.startswith("plugins/"):
+        if other.startswith("sdk/math/"):
+            return
         if not other.startswith("plugins/"):
-            wrong.append(f"{path} includes {other}: a plugin sees the ABI and itself, never the host")
+            wrong.append(f"{path} includes {other}: a plugin sees the ABI, sdk/math and itself, never the host")
         elif plugin_of(other) not in ("shared", plugin_of(path)):
             wrong.append(f"{path} includes {other}: plugins share plugins/shared and nothing else")
+    elif path.startswith("sdk/math/"):
+        if not other.startswith("sdk/math/"):
+            wrong.append(f"{path} includes {other}: sdk/math sees itself, Eigen and the standard library")
     elif path.startswith("samples/"):
         if not other.startswith(os.path.dirname(path) + "/"):
             wrong.append(f"{path} includes {other}: a sample sees what is installed")
@@ -198,9 +203,12 @@ for path, text in sources("abi", "sdk", "plugins", "samples"):
     name = os.path.basename(path)
     if path.startswith("plugins/") and "#include <odograph/" in text and name not in GLUE:
         wrong.append(f"{path} includes the ABI: an algorithm knows nothing of it")
-    if path.startswith("sdk/host/") and HEAVY.search(text):
+    if path.startswith("sdk/math/"):
+        wrong += [f"{path} includes <{name}>: sdk/math sees itself, Eigen and the standard library"
+                  for name in re.findall(r"#include <([^>]+)>", text) if not re.fullmatch(r"Eigen/\w+|[a-z_]+", name)]
+    if path.startswith(("sdk/host/", "sdk/math/")) and HEAVY.search(text):
         wrong.append(f"{path}: the host uses a heavy library")
-    if path.startswith(("sdk/host/", "plugins/")) and path not in ENVIRONMENT:
+    if path.startswith(("sdk/host/", "sdk/math/", "plugins/")) and path not in ENVIRONMENT:
         for number, line in enumerate(text.splitlines(), 1):
             if LOUD.search(line):
                 wrong.append(f"{path}:{number}: a library writes to the terminal, ends the program or reads its environment")

@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/core/inertial_track.hpp"
 #include "sdk/host/core/pose_predictor.hpp"
 #include "sdk/host/core/smooth_pose.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/math/rotation.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;

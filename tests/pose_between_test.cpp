@@ -6,10 +6,10 @@
 #include <atomic>
 #include <thread>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/estimator/pose_history.hpp"
 #include "sdk/host/estimator/pose_track.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/math/rotation.hpp"
 
 using namespace odograph;
 using namespace odograph::inertial;

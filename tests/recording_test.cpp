@@ -8,8 +8,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/config/overrides.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
 #include "tests/support.hpp"

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <deque>
+#include <vector>
 
 #include <doctest/doctest.h>
 
-#include "plugins/shared/ring.hpp"
 #include "sdk/host/estimator/timed_positions.hpp"
+#include "sdk/math/atmosphere.hpp"
+#include "sdk/math/ring.hpp"
+#include "sdk/math/sample_intervals.hpp"
+#include "sdk/math/time.hpp"
 
 TEST_SUITE_BEGIN("ring");
 
@@ -28,9 +33,60 @@ void check_newest() {
 
 }  // namespace
 
-TEST_CASE("a ring keeps the newest values, the host's and the plugins'") {
-  check_newest<odograph::Ring<int, 5>>();
-  check_newest<odograph::plugin::Ring<int, 5>>();
+TEST_CASE("a ring keeps the newest values") { check_newest<odograph::Ring<int, 5>>(); }
+
+TEST_CASE("the intervals between samples cover a span once, in order, and gaps and lacking ends are reported") {
+  struct Sample {
+    int64_t t_ns;
+  };
+  odograph::Ring<Sample, 8> ring;
+  struct Part {
+    int64_t before, after, t0, t1;
+    bool operator==(const Part&) const = default;
+  };
+  std::vector<Part> parts;
+  const auto visit = [&](const Sample& a, const Sample& b, int64_t t0, int64_t t1) {
+    parts.push_back({a.t_ns, b.t_ns, t0, t1});
+  };
+  const auto whole = [&](int64_t from_ns, int64_t to_ns) {
+    parts.clear();
+    return odograph::for_each_interval(ring, from_ns, to_ns, 15, visit);
+  };
+  CHECK(!whole(0, 10));
+  for (const int64_t t_ns : {100, 110, 120, 150, 160}) ring.push({t_ns});
+  CHECK(odograph::count_after(ring, 120) == 2);
+  CHECK(odograph::count_after(ring, 99) == 5);
+  CHECK(odograph::count_after(ring, 160) == 0);
+  CHECK(whole(103, 118));
+  CHECK(parts == std::vector<Part>{{100, 110, 103, 110}, {110, 120, 110, 118}});
+  CHECK(whole(110, 120));
+  CHECK(parts == std::vector<Part>{{110, 120, 110, 120}});
+  CHECK(whole(85, 100));  // the oldest sample holds ahead of itself, the newest past itself
+  CHECK(parts == std::vector<Part>{{100, 100, 85, 100}});
+  CHECK(whole(155, 175));
+  CHECK(parts == std::vector<Part>{{150, 160, 155, 160}, {160, 160, 160, 175}});
+  CHECK(whole(165, 170));
+  CHECK(parts == std::vector<Part>{{160, 160, 165, 170}});
+  CHECK((!whole(84, 100) && parts.empty()));
+  CHECK((!whole(150, 176) && parts.empty()));
+  CHECK(!whole(115, 155));  // 120 to 150
+  CHECK(parts.size() == 3);
+  CHECK(whole(125, 140));  // within that gap, but no longer than a gap may be
+  CHECK((whole(130, 130) && parts.empty()));
+}
+
+TEST_CASE("pressure and height are each other's inverse, and the standard atmosphere's") {
+  const double table[][2] = {{0, 101325}, {1000, 89874.6}, {5000, 54019.9}, {11000, 22632.1}};  // m, Pa (ISO 2533)
+  for (const auto& [height_m, pressure_pa] : table) {
+    CHECK(odograph::pressure_at_pa(height_m) == doctest::Approx(pressure_pa).epsilon(1e-5));
+    CHECK(std::abs(odograph::pressure_height_m(odograph::pressure_at_pa(height_m)) - height_m) < 1e-9);
+  }
+}
+
+TEST_CASE("nanoseconds are the nearest, and seconds take them back") {
+  CHECK(odograph::nanoseconds(1.001) == 1'001'000'000);  // a cut would give one less
+  CHECK(odograph::nanoseconds(-1.5e-9) == -2);
+  CHECK(odograph::seconds(3 * odograph::kSecond_ns + 5 * odograph::kMillisecond_ns) == doctest::Approx(3.005));
 }
 
 TEST_CASE("positions between those kept are linear, outside there are none but for a moment after the newest") {

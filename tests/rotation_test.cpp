@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rotations of the SDK and of the plugins against Eigen's angle-axis, the matrix exponential and logarithm, and numeric
+// Rotations against Eigen's angle-axis, the matrix exponential and logarithm, and numeric
 // derivatives.
 #include <doctest/doctest.h>
 
@@ -10,8 +10,7 @@
 #include <Eigen/Dense>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "plugins/shared/rotation.hpp"
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/simulation/random.hpp"
 
 TEST_SUITE_BEGIN("rotation");
@@ -21,7 +20,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-namespace so3 = odograph::so3;
 
 /// Rotation vectors of all sizes, up to but not to half a turn.
 std::vector<Vector3d> rotation_vectors() {
@@ -41,14 +39,13 @@ TEST_CASE("Exp is the matrix exponential of the cross product matrix, and a unit
   for (const Vector3d& v : rotation_vectors()) {
     CAPTURE(v.norm());
     const Matrix3d expected = odograph::skew(v).exp();
-    for (const Quaterniond& q : {odograph::exp_rotation(v), so3::exp_rotation(v)}) {
-      CHECK(difference(q.toRotationMatrix(), expected) < 1e-14);
-      CHECK(std::abs(q.norm() - 1) < 1e-15);
-    }
-    CHECK(difference(so3::exp_rotation_matrix(v), expected) < 1e-14);
+    const Quaterniond q = odograph::exp_rotation(v);
+    CHECK(difference(q.toRotationMatrix(), expected) < 1e-14);
+    CHECK(std::abs(q.norm() - 1) < 1e-15);
+    CHECK(difference(odograph::exp_rotation_matrix(v), expected) < 1e-14);
     if (v.norm() > 0) {
       const Matrix3d by_angle = Eigen::AngleAxisd(v.norm(), v.normalized()).toRotationMatrix();
-      CHECK(difference(so3::exp_rotation(v).toRotationMatrix(), by_angle) < 1e-14);
+      CHECK(difference(q.toRotationMatrix(), by_angle) < 1e-14);
     }
   }
 }
@@ -58,10 +55,7 @@ TEST_CASE("Log takes Exp back, of q as of -q, relative to the angle") {
     CAPTURE(v.norm());
     const Quaterniond q = odograph::exp_rotation(v), minus(-q.coeffs());
     const double bound = 1e-13 * v.norm() + 1e-300;
-    for (const Quaterniond& same : {q, minus}) {
-      CHECK((odograph::log_rotation(same) - v).norm() <= bound);
-      CHECK((so3::log_rotation(same) - v).norm() <= bound);
-    }
+    for (const Quaterniond& same : {q, minus}) CHECK((odograph::log_rotation(same) - v).norm() <= bound);
     if (v.norm() > 1e-6)
       CHECK(difference(odograph::skew(odograph::log_rotation(q)), q.toRotationMatrix().log()) < 1e-8);
   }
@@ -87,16 +81,22 @@ TEST_CASE("the left Jacobian is Exp's derivative on the left, numerically, and o
 TEST_CASE("the cross product matrix, quaternions of messages and rigid transforms") {
   const Vector3d a(0.3, -1.2, 2.5), b(-0.7, 0.4, 1.1);
   CHECK((odograph::skew(a) * b - a.cross(b)).norm() < 1e-15);
-  CHECK((so3::skew(a) * b - a.cross(b)).norm() < 1e-15);
-  const Quaterniond q = so3::exp_rotation(a);
+  const Quaterniond q = odograph::exp_rotation(a);
   double wxyz[4];
-  so3::put_quaternion(q, wxyz);
+  odograph::put_quaternion(q, wxyz);
   CHECK(wxyz[0] == q.w());
   CHECK(wxyz[3] == q.z());
-  CHECK(so3::quaternion(wxyz).coeffs() == q.coeffs());
+  CHECK(odograph::raw_quaternion(wxyz).coeffs() == q.coeffs());
   const double twice[4] = {2 * wxyz[0], 2 * wxyz[1], 2 * wxyz[2], 2 * wxyz[3]};
   CHECK((odograph::quaternion(twice).coeffs() - q.coeffs()).norm() < 1e-15);
-  CHECK((so3::isometry(q, b) * a - (q * a + b)).norm() < 1e-15);
+  CHECK((odograph::isometry(q, b) * a - (q * a + b)).norm() < 1e-15);
+}
+
+TEST_CASE("a rear camera looks away from the viewer, its picture upright on an upright phone") {
+  const Quaterniond q_b_c = odograph::rear_camera_mount();
+  CHECK(q_b_c * Vector3d::UnitX() == Vector3d::UnitX());
+  CHECK(q_b_c * Vector3d::UnitY() == -Vector3d::UnitY());
+  CHECK(q_b_c * Vector3d::UnitZ() == -Vector3d::UnitZ());
 }
 
 TEST_SUITE_END();

@@ -10,7 +10,7 @@
 
 #include "plugins/vo/odograph/inertial/filter.hpp"
 #include "plugins/vo/odograph/inertial/update.hpp"
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace {
 
@@ -20,8 +20,8 @@ using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using odograph::CameraModel;
-using odograph::so3::exp_rotation;
-using odograph::so3::log_rotation;
+using odograph::exp_rotation;
+using odograph::log_rotation;
 
 constexpr double kGravity = 9.81, kPi = 3.141592653589793, kFrame_s = 0.1, kSample_s = 0.005;
 constexpr int kWidth = 640, kHeight = 480;

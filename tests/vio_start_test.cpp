@@ -9,7 +9,7 @@
 #include "plugins/vo/odograph/inertial/corners.hpp"
 #include "plugins/vo/odograph/inertial/observe.hpp"
 #include "plugins/vo/odograph/inertial/start.hpp"
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace {
 
@@ -18,7 +18,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using odograph::CameraModel;
-using odograph::so3::exp_rotation;
+using odograph::exp_rotation;
 
 constexpr double kGravity_mps2 = 9.81;
 

@@ -10,7 +10,7 @@
 #include "plugins/vo/odograph/inertial/patch.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
 #include "plugins/vo/odograph/inertial/update.hpp"
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace {
 
@@ -18,8 +18,8 @@ using namespace odograph::vio;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using odograph::CameraModel;
-using odograph::so3::exp_rotation;
-using odograph::so3::log_rotation;
+using odograph::exp_rotation;
+using odograph::log_rotation;
 
 std::mt19937 generator(7);
 double normal() { return std::normal_distribution<double>()(generator); }
@@ -267,7 +267,7 @@ TEST_CASE("a landmark hung on another clone keeps its place and its covariance i
     const size_t a = s.find_clone(s.landmarks[0].anchor);
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, s.size());
     const Vector3d p = s.point(s.landmarks[0]);
-    J.block<3, 3>(0, s.clone_at(a)) = -odograph::so3::skew(p);
+    J.block<3, 3>(0, s.clone_at(a)) = -odograph::skew(p);
     J.block<3, 3>(0, s.clone_at(a) + 3).setIdentity();
     J.block<3, 3>(0, s.landmark_at(0)) = s.clones[a].q_w_c.toRotationMatrix() * landmark_jacobian(s.landmarks[0].at);
     return Eigen::Matrix3d(J * s.P * J.transpose());

@@ -4,9 +4,9 @@
 
 #include <doctest/doctest.h>
 
-#include "plugins/shared/rotation.hpp"
 #include "plugins/vo/odograph/visual/bundle.hpp"
 #include "plugins/vo/odograph/visual/odometry.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/simulation/camera.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/support.hpp"
@@ -17,8 +17,6 @@ using Eigen::Isometry3d;
 using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using odograph::so3::exp_rotation;
-using odograph::so3::log_rotation;
 
 TEST_SUITE_BEGIN("vo_odograph");
 

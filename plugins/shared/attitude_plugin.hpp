@@ -12,8 +12,9 @@
 #include <Eigen/Geometry>
 #include <odograph/plugin.hpp>
 
-#include "plugins/shared/rotation.hpp"
 #include "plugins/shared/sensor_range.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 
 namespace odograph {
 
@@ -31,7 +32,7 @@ class AttitudeSource {
   void on(const odo_imu& imu, odo::Output& output) {
     expect("gyro_b", imu.gyro_b, SensorRange::rate_radps);
     expect("accel_b", imu.accel_b, SensorRange::force_mps2);
-    const double dt = last_ns_ == INT64_MIN ? 0.01 : static_cast<double>(imu.header.t_ns - last_ns_) * 1e-9;
+    const double dt = last_ns_ == INT64_MIN ? 0.01 : seconds(imu.header.t_ns - last_ns_);
     last_ns_ = imu.header.t_ns;
     if (dt <= 0) return;
     filter_->update(Eigen::Vector3d(imu.gyro_b), Eigen::Vector3d(imu.accel_b), std::min(dt, kLongestStep_s));
@@ -49,7 +50,7 @@ class AttitudeSource {
     }
     const Eigen::Quaterniond q = filter_->has_heading() ? q_ned_b : yaw_ * q_ned_b;
     auto event = odo::make<odo_attitude>(imu.header.t_ns);
-    so3::put_quaternion(q, event.q_n_b);
+    put_quaternion(q, event.q_n_b);
     const double tilt = filter_->inclination_sigma(), heading = filter_->heading_sigma();
     event.covariance_n[0] = event.covariance_n[4] = tilt * tilt;
     event.covariance_n[8] = heading * heading;
@@ -64,7 +65,7 @@ class AttitudeSource {
   void on(const odo_magnetometer& sample) {
     if (!magnetometer_) return;
     expect("field_b", sample.field_b, SensorRange::field_t);
-    const double dt = last_mag_ns_ == INT64_MIN ? 0.02 : static_cast<double>(sample.header.t_ns - last_mag_ns_) * 1e-9;
+    const double dt = last_mag_ns_ == INT64_MIN ? 0.02 : seconds(sample.header.t_ns - last_mag_ns_);
     last_mag_ns_ = sample.header.t_ns;
     if (dt > 0) filter_->update_magnetometer(Eigen::Vector3d(sample.field_b), std::min(dt, kLongestStep_s));
   }

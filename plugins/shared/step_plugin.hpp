@@ -8,7 +8,7 @@
 #include <odograph/plugin.hpp>
 
 #include "plugins/shared/gait/gait.hpp"
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 
@@ -34,7 +34,7 @@ class StepPlugin {
     gait_.emplace(gait::GaitSignal::Parameters{}, gait::StepDetector::Parameters{}, axis);
   }
 
-  void on(const odo_attitude& attitude, odo::Output&) { gait_->set_attitude(so3::quaternion(attitude.q_n_b)); }
+  void on(const odo_attitude& attitude, odo::Output&) { gait_->set_attitude(odograph::raw_quaternion(attitude.q_n_b)); }
 
   void on(const odo_imu& imu, odo::Output& output) {
     const auto step = gait_->update(imu.header.t_ns, Eigen::Vector3d(imu.gyro_b), Eigen::Vector3d(imu.accel_b));

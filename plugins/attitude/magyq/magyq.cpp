@@ -5,7 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/gravity.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::magyq {
 namespace {
@@ -13,9 +14,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-using so3::exp_rotation;
-
-constexpr double kGravity = 9.80665;
 
 }  // namespace
 
@@ -71,7 +69,7 @@ void Filter::align_with_gravity() {
   calm_ = accel_spread < p_.calm_accel_mps2;
   at_rest_ = accel_spread < p_.rest_accel_mps2 && rate_spread < p_.rest_gyro_radps;
   // What a rotation error of the true over the estimated axes does to the vertical.
-  const double sigma = (at_rest_ ? p_.rest_accel_factor : 1.0) * p_.accel_sigma_mps2 / kGravity;
+  const double sigma = (at_rest_ ? p_.rest_accel_factor : 1.0) * p_.accel_sigma_mps2 / kStandardGravity_mps2;
   const double norm = std::max(mean.norm(), 1.0);
   Row H = Row::Zero();
   H[0] = 1;

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "plugins/shared/ring.hpp"
+#include "sdk/math/ring.hpp"
 
 namespace odograph::magyq {
 
@@ -101,7 +101,7 @@ class Filter {
 
   // The magnetic field.
   static constexpr size_t kNorms = 256;
-  plugin::Ring<double, kNorms> norms_;
+  Ring<double, kNorms> norms_;
   double since_update_s_ = 0, seen_s_ = 0;
   Eigen::Vector3d field_sum_ = Eigen::Vector3d::Zero();  // in the Earth's axes
   double field_off_rad_ = 0, street_off_rad_ = 0;

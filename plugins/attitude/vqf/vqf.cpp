@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::vqf {
 namespace {
@@ -13,7 +13,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-using so3::exp_rotation;
 
 constexpr double kPi = 3.14159265358979323846;
 

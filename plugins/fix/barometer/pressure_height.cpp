@@ -4,19 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/atmosphere.hpp"
+#include "sdk/math/time.hpp"
+
 namespace odograph::barometer {
 namespace {
 
 constexpr double kMin_pa = 30'000, kMax_pa = 120'000;
 
-double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
-
 }  // namespace
 
-double PressureHeight::down_of(double pressure_pa) {
-  constexpr double kSeaLevel_pa = 101325, kScaleHeight_m = 44330, kExponent = 0.190263;
-  return -kScaleHeight_m * (1 - std::pow(pressure_pa / kSeaLevel_pa, kExponent));
-}
+double PressureHeight::down_of(double pressure_pa) { return -pressure_height_m(pressure_pa); }
 
 /// Of an average: as many independent readings as gusts fit into it, one at least.
 double PressureHeight::noise_variance() const {
@@ -39,7 +37,7 @@ std::optional<PressureHeight::Height> PressureHeight::add(int64_t t_ns, double p
   mean_.t_s += seconds(t_ns - mean_.first_ns), mean_.down_m += down_of(pressure_pa), ++mean_.n;
   if (seconds(t_ns - mean_.first_ns) < p_.average_s * (1 - 1e-6)) return {};
   const double by_pressure_m = mean_.down_m / mean_.n;
-  const int64_t middle_ns = mean_.first_ns + static_cast<int64_t>(mean_.t_s / mean_.n * 1e9);
+  const int64_t middle_ns = mean_.first_ns + nanoseconds(mean_.t_s / mean_.n);
   mean_ = {};
   last_by_pressure_m_ = by_pressure_m, last_ns_ = middle_ns;
   if (waiting_) {

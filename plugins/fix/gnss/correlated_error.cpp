@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph::gnss {
 
 void CorrelatedError::on_path(int64_t, const Eigen::Vector2d& path_m, double heading_sigma_rad) {
@@ -19,7 +21,7 @@ void CorrelatedError::on_path(int64_t, const Eigen::Vector2d& path_m, double hea
 
 CorrelatedError::Corrected CorrelatedError::on_position(int64_t t_ns, const Eigen::Vector2d& position_m,
                                                         double sigma_m) {
-  const double dt = has_last_ ? static_cast<double>(t_ns - last_ns_) * 1e-9 : 0.0;
+  const double dt = has_last_ ? seconds(t_ns - last_ns_) : 0.0;
   const double decay = std::exp(-dt / p_.bias_s);
   bias_ *= decay, bias_variance_m2_ *= decay * decay;
   Corrected result{position_m - bias_, sigma_m, false};

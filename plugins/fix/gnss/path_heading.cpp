@@ -7,6 +7,8 @@
 
 #include <Eigen/Dense>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph::gnss {
 
 using Eigen::Matrix2d;
@@ -16,7 +18,6 @@ namespace {
 
 constexpr size_t kKept = 64;  // steps and positions
 
-double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 double wrapped(double rad) { return std::remainder(rad, 2 * std::numbers::pi); }
 
 }  // namespace

@@ -9,7 +9,8 @@
 
 #include "plugins/fix/gnss/correlated_error.hpp"
 #include "plugins/fix/gnss/path_heading.hpp"
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 
 namespace {
 
@@ -73,7 +74,7 @@ class Gnss {
   /// which is off by an angle and a drift.
   void on(const odo_imu& imu, odo::Output&) {
     if (!Eigen::Vector3d(imu.gyro_b).allFinite()) throw odo::Error(ODO_E_DISCARD, "gyro_b is no number");
-    const double dt_s = static_cast<double>(imu.header.t_ns - gyro_.t_ns) * 1e-9;
+    const double dt_s = odograph::seconds(imu.header.t_ns - gyro_.t_ns);
     if (attitude_ && dt_s > 0 && dt_s < kLongestStep_s) {
       const Eigen::Vector3d rate_b = Eigen::Vector3d(imu.gyro_b) - gyro_.bias_b;
       gyro_.heading_rad += (orientation(*attitude_) * rate_b).z() * dt_s;
@@ -144,9 +145,7 @@ class Gnss {
     Eigen::Vector3d bias_b = Eigen::Vector3d::Zero();  ///< as it was taken for at first, so that the rest is steady
   };
 
-  static Eigen::Quaterniond orientation(const odo_attitude& attitude) {
-    return odograph::so3::quaternion(attitude.q_n_b).normalized();
-  }
+  static Eigen::Quaterniond orientation(const odo_attitude& attitude) { return odograph::quaternion(attitude.q_n_b); }
 
   /// North and east about the first position, m.
   Eigen::Vector2d seen_at(const odo_gnss& sample) {

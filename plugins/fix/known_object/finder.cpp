@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph::known_object {
 
 using Eigen::Vector3d;
@@ -30,7 +32,7 @@ bool are_apart(const std::vector<Pose>& seen, const PlaneObject& object) {
 
 /// Where the camera's motion has taken an object to.
 Pose carried_on(const Pose& pose, const RollingLens& lens, int64_t by_ns) {
-  const double s = static_cast<double>(by_ns) * 1e-9;
+  const double s = seconds(by_ns);
   Eigen::Matrix<double, 6, 1> motion;
   motion << -s * lens.rate_c, -s * lens.velocity_c;
   return pose.moved(motion);
@@ -154,7 +156,7 @@ std::vector<Sighting> Finder::find(int64_t t_ns, const cv::Mat& grey, const cv::
   for (size_t k = 0; k < objects_.size(); ++k) any = any || wanted(k);
   if (!any) return {};
   const Aligner::Frame frame(grey, mask, aligner_.parameters());
-  const bool due = searched_ns_ == INT64_MIN || static_cast<double>(t_ns - searched_ns_) * 1e-9 >= p_.search_interval_s;
+  const bool due = searched_ns_ == INT64_MIN || seconds(t_ns - searched_ns_) >= p_.search_interval_s;
   std::vector<SeenTag> tags;
   if (tags_) tags = tags_->find(grey);
   std::optional<PictureSearch::Features> features;
@@ -179,8 +181,7 @@ std::vector<Sighting> Finder::find(int64_t t_ns, const cv::Mat& grey, const cv::
     if (!seen && last.t_ns != INT64_MIN && t_ns - last.t_ns <= p_.follow_ns)
       seen = look_at(k, frame, lens, {carried_on(last.pose, lens, t_ns - last.t_ns)}, false).sighting;
     if (seen && !is_single(*seen, grey, mask, lens)) last.twins_ns = t_ns;
-    const bool twins =
-        last.twins_ns != INT64_MIN && static_cast<double>(t_ns - last.twins_ns) * 1e-9 < p_.twin_memory_s;
+    const bool twins = last.twins_ns != INT64_MIN && seconds(t_ns - last.twins_ns) < p_.twin_memory_s;
     if (!seen || twins) {
       if (searched) last.t_ns = INT64_MIN;
       continue;

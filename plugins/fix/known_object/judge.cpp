@@ -4,19 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 
 namespace odograph::known_object {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using so3::skew;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 namespace {
-
-double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 /// What corners that are seen `pixel_sigma` off, each on its own, make of a pose.
 Matrix6 covariance_of_corners(const Pose& pose, const PlaneObject& object, const RollingLens& lens, double sigma_px) {

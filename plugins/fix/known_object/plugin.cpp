@@ -9,7 +9,8 @@
 #include "plugins/fix/known_object/judge.hpp"
 #include "plugins/fix/known_object/read_objects.hpp"
 #include "plugins/shared/camera/frame_view.hpp"
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 
 namespace {
 
@@ -122,10 +123,10 @@ class KnownObject {
     lens_.camera = odograph::camera_of(c);
     lens_.width = static_cast<int>(c.width), lens_.height = static_cast<int>(c.height);
     line_time_ns_ = (c.header.flags & ODO_CALIBRATION_LINE_TIME) ? c.line_time_ns : 0;
-    q_b_c_ = Quaterniond(0, 1, 0, 0);
+    q_b_c_ = odograph::rear_camera_mount();
     p_b_c_.setZero();
     if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) {
-      q_b_c_ = odograph::so3::quaternion(c.q_b_c).normalized();
+      q_b_c_ = odograph::quaternion(c.q_b_c);
       p_b_c_ = Vector3d(c.p_b_c);
     }
     calibrated_ = true;
@@ -153,7 +154,7 @@ class KnownObject {
     RollingLens lens = lens_;
     lens.camera = camera_.lens_of(frame);
     const int64_t line_ns = (frame.header.flags & ODO_FRAME_LINE_TIME) ? frame.line_time_ns : line_time_ns_;
-    lens.line_time_s = static_cast<double>(line_ns) * 1e-9;
+    lens.line_time_s = odograph::seconds(line_ns);
     move(lens);
     const cv::Mat grey = odograph::grey_of(frame, converted_);
     for (Sighting& s : finder_->find(frame.header.t_ns, grey, odograph::mask_of(frame), lens, possible()))
@@ -208,16 +209,15 @@ class KnownObject {
     lens.rate_c.setZero(), lens.velocity_c.setZero();
     if (poses_.size() < 2) return;
     const odo_pose &a = poses_[poses_.size() - 2], &b = poses_.back();
-    const double dt_s = static_cast<double>(b.header.t_ns - a.header.t_ns) * 1e-9;
+    const double dt_s = odograph::seconds(b.header.t_ns - a.header.t_ns);
     if (dt_s < kParameters.min_motion_s || dt_s > kParameters.max_motion_s) return;
-    const Eigen::AngleAxisd turned(camera(a).conjugate() * camera(b));
-    lens.rate_c = turned.angle() / dt_s * turned.axis();
+    lens.rate_c = odograph::log_rotation(camera(a).conjugate() * camera(b)) / dt_s;
     constexpr uint32_t moving = ODO_POSE_VELOCITY | ODO_POSE_METRIC;
     if ((b.header.flags & moving) == moving) lens.velocity_c = camera(b).conjugate() * Vector3d(b.velocity_n);
   }
 
   Quaterniond camera(const odo_pose& pose) const {
-    const Quaterniond q = odograph::so3::quaternion(pose.q_n).normalized();
+    const Quaterniond q = odograph::quaternion(pose.q_n);
     return (pose.header.flags & ODO_POSE_CAMERA) ? q : (q * q_b_c_).normalized();
   }
 
@@ -311,7 +311,7 @@ class KnownObject {
       Vector3d::Map(fix.p_n) = e.p_n;
     }
     Eigen::Map<Matrix3d>(fix.covariance_n) = 0.5 * (e.covariance_n + e.covariance_n.transpose());
-    odograph::so3::put_quaternion(q_n_b, fix.q_n_b);
+    odograph::put_quaternion(q_n_b, fix.q_n_b);
     Eigen::Map<Matrix3d>(fix.orientation_cov_n) =
         0.5 * (e.orientation_covariance_n + e.orientation_covariance_n.transpose());
     fix.integrity = e.standing ? kParameters.integrity_standing : kParameters.integrity_walking;
@@ -325,7 +325,7 @@ class KnownObject {
   bool calibrated_ = false, any_geodetic_ = false, map_known_ = false, placed_ = false;
   odograph::ToldCamera camera_;
   int64_t line_time_ns_ = 0;
-  Quaterniond q_b_c_ = Quaterniond(0, 1, 0, 0);
+  Quaterniond q_b_c_ = odograph::rear_camera_mount();
   Vector3d p_b_c_ = Vector3d::Zero(), n_from_map_ = Vector3d::Zero();
   std::array<double, 3> datum_ = {0, 0, 0};  // latitude and longitude in rad, height in m, of the map's zero
   std::deque<odo_pose> poses_;

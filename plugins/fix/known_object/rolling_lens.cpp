@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plugins/fix/known_object/rolling_lens.hpp"
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::known_object {
 
@@ -9,7 +9,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 Pose Pose::moved(const Eigen::Matrix<double, 6, 1>& theta_delta) const {
-  const Eigen::Matrix3d R = so3::exp_rotation_matrix(theta_delta.head<3>());
+  const Eigen::Matrix3d R = exp_rotation_matrix(theta_delta.head<3>());
   return {R * R_c_o, R * t_c_o + theta_delta.tail<3>()};
 }
 

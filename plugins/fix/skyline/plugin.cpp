@@ -21,7 +21,8 @@
 #include "plugins/fix/skyline/vanishing_point.hpp"
 #include "plugins/fix/skyline/view_window.hpp"
 #include "plugins/shared/camera/frame_view.hpp"
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 
 namespace {
 
@@ -111,7 +112,7 @@ class Skyline {
     camera_.take(c);
     q_c_b_.setIdentity();
     if (c.header.flags & ODO_CALIBRATION_EXTRINSICS)
-      q_c_b_ = odograph::so3::quaternion(c.q_b_c).conjugate(), p_b_c_ = Eigen::Vector3d(c.p_b_c);
+      q_c_b_ = odograph::raw_quaternion(c.q_b_c).conjugate(), p_b_c_ = Eigen::Vector3d(c.p_b_c);
   }
 
   void on(const odo_pose& pose, odo::Output& output) {
@@ -123,7 +124,7 @@ class Skyline {
   }
 
   void on(const odo_correction& c, odo::Output&) {
-    const Eigen::Quaterniond q = odograph::so3::quaternion(c.q_n);
+    const Eigen::Quaterniond q = odograph::raw_quaternion(c.q_n);
     const Eigen::Vector3d p(c.p_n);
     window_.correct(q, p), path_judge_.correct(q, p), look_.correct(q, p);
   }
@@ -131,7 +132,7 @@ class Skyline {
   /// A frame waits for its pose where the front-end tells it later, having waited for the IMU itself. While a picture
   /// is worked on no other is taken; its fix comes with the frame at which the work is done.
   void on(const odo_frame& frame, odo::Output& output) {
-    const double passed_s = frame_ns_ == INT64_MIN ? 0 : static_cast<double>(frame.header.t_ns - frame_ns_) * 1e-9;
+    const double passed_s = frame_ns_ == INT64_MIN ? 0 : odograph::seconds(frame.header.t_ns - frame_ns_);
     frame_ns_ = frame.header.t_ns;
     slice_ = std::clamp(static_cast<uint64_t>(std::clamp(passed_s, 0.0, 1.0) * kParameters.work_per_second),
                         kParameters.min_slice, kParameters.max_slice);
@@ -140,7 +141,7 @@ class Skyline {
       finish(output);
     }
     const odograph::CameraModel lens = camera_.lens_of(frame);
-    const int64_t t_ns = frame.header.t_ns, wait_ns = static_cast<int64_t>(interval * 1e9) - 1'000'000;
+    const int64_t t_ns = frame.header.t_ns, wait_ns = odograph::nanoseconds(interval) - 1'000'000;
     if (last_ns_ != INT64_MIN && t_ns - last_ns_ < wait_ns) return;
     last_ns_ = t_ns;
     if (waiting_) refuse(kPrior, "no pose came for a picture", output);
@@ -202,7 +203,7 @@ class Skyline {
     worker_.start([this](const Spend& spend) { look(spend); }, slice_);
   }
 
-  static Eigen::Quaterniond orientation_of(const odo_pose& pose) { return odograph::so3::quaternion(pose.q_n); }
+  static Eigen::Quaterniond orientation_of(const odo_pose& pose) { return odograph::raw_quaternion(pose.q_n); }
 
   /// Before the first fix, without a heading: how well the distance from the start is known, m; else none.
   std::optional<double> displacement_from_start(double yaw_sigma, double sigma, bool metric) const {
@@ -352,7 +353,7 @@ class Skyline {
     fix.covariance_n[0] = covariance(0, 0), fix.covariance_n[1] = fix.covariance_n[3] = covariance(0, 1);
     fix.covariance_n[4] = covariance(1, 1);
     const Eigen::Quaterniond q_n_b = (match.q_n_c * q_c_b_).normalized();
-    odograph::so3::put_quaternion(q_n_b, fix.q_n_b);
+    odograph::put_quaternion(q_n_b, fix.q_n_b);
     fix.orientation_cov_n[0] = fix.orientation_cov_n[4] = tilt_sigma * tilt_sigma;
     fix.orientation_cov_n[8] = match.yaw_sigma_rad * match.yaw_sigma_rad;
     fix.integrity = std::max(kParameters.min_integrity, match.second_best_ratio);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::skyline {
 namespace {
@@ -16,8 +16,7 @@ constexpr SeenSkyline::Parameters kParameters;
 }  // namespace
 
 Eigen::Quaterniond Guess::rotation() const {
-  return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-         so3::exp_rotation(Eigen::Vector3d(tilt_north, tilt_east, 0));
+  return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * exp_rotation(Eigen::Vector3d(tilt_north, tilt_east, 0));
 }
 
 void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c) {

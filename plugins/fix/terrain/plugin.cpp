@@ -8,6 +8,8 @@
 
 #include "plugins/fix/terrain/placement.hpp"
 
+#include "sdk/math/time.hpp"
+
 namespace {
 
 using namespace odograph::terrain;
@@ -70,7 +72,7 @@ class TerrainFixer {
   void on(const odo_pose& pose, odo::Output& output) {
     constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_METRIC;
     if ((pose.header.flags & needed) != needed || (pose.header.flags & ODO_POSE_EXTRAPOLATED)) return;
-    const double since_s = last_ns_ == INT64_MIN ? 1e9 : static_cast<double>(pose.header.t_ns - last_ns_) * 1e-9;
+    const double since_s = last_ns_ == INT64_MIN ? 1e9 : odograph::seconds(pose.header.t_ns - last_ns_);
     if (since_s < interval) return;
     const double held_m = hand * height, north = pose.p_n[0], east = pose.p_n[1];
     double down = 0;

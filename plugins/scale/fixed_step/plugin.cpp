@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plugins/shared/horizontal_scale.hpp"
 
+#include "sdk/math/time.hpp"
+
 namespace {
 
 /// The comparison of Antigny et al. 2019, Table 5: one step length for a body height, one walking speed for all phases
@@ -26,7 +28,7 @@ class FixedStep {
   }
   void on(const odo_vo_motion& motion, odo::Output& output) {
     if (!known_ || !odograph::scalable(motion)) return;
-    const double dt = static_cast<double>(motion.header.t_ns - motion.t_from_ns) * 1e-9;
+    const double dt = odograph::seconds(motion.header.t_ns - motion.t_from_ns);
     odograph::emit_scale(motion, walking_ ? walker_height * length_by_height * cadence * dt : 0.0, 0.15, output);
   }
 

@@ -6,12 +6,13 @@
 
 #include <Eigen/Dense>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph::slant_scale {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kNanoseconds = 1e-9;
 constexpr double kMinBaseline = 1e-6;  // eq. (5) divides by it
 
 }  // namespace
@@ -26,11 +27,11 @@ void SlantScale::add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d
     guessed_.clear();
     known_ = false;
   }
-  const double dt = static_cast<double>(t_ns - from_ns) * kNanoseconds, distance = d_n.head<2>().norm();
+  const double dt = seconds(t_ns - from_ns), distance = d_n.head<2>().norm();
   guess(dt, distance);
   at_ += d_n.head<2>();
   path_.push_back({t_ns, at_});
-  while (static_cast<double>(t_ns - path_.front().t_ns) * kNanoseconds > window_s_) path_.pop_front();
+  while (seconds(t_ns - path_.front().t_ns) > window_s_) path_.pop_front();
 }
 
 double SlantScale::RunningMedian::median() const {
@@ -57,7 +58,7 @@ void SlantScale::add_place(int64_t t_ns, const Vector2d& p_n, double variance) {
       std::lower_bound(path_.begin(), path_.end(), t_ns, [](const Point& p, int64_t t) { return p.t_ns < t; });
   if (at == path_.end() || at->t_ns != t_ns) return;
   pairs_.push_back({t_ns, p_n, at->p, variance});
-  while (static_cast<double>(t_ns - pairs_.front().t_ns) * kNanoseconds > window_s_) pairs_.pop_front();
+  while (seconds(t_ns - pairs_.front().t_ns) > window_s_) pairs_.pop_front();
   fit();
 }
 

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "plugins/shared/ring.hpp"
+#include "sdk/math/ring.hpp"
 
 namespace odograph::step_fit {
 
@@ -55,7 +55,7 @@ class StepFit {
 
   Parameters p_;
   double drift_, common_;
-  plugin::Ring<Point, 1024> path_;
+  Ring<Point, 1024> path_;
   std::optional<uint32_t> group_;
   std::array<Step, 3> recent_{};
   size_t recent_count_ = 0;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "plugins/shared/ring.hpp"
+#include "sdk/math/ring.hpp"
 
 namespace odograph::step_scale {
 
@@ -38,7 +38,7 @@ class StepInterpolation {
   };
 
   double hold_;
-  plugin::Ring<Step, 16> steps_;
+  Ring<Step, 16> steps_;
   int64_t standing_since_ns_ = INT64_MAX;
 };
 

@@ -12,7 +12,7 @@
 
 #include "plugins/shared/camera/camera_model.hpp"
 #include "plugins/shared/camera/tracking.hpp"
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 
@@ -120,7 +120,7 @@ inline void put_state(Tracking tracking, FailureReason failure, odo_vo_motion& e
 /// Writes a motion and its uncertainty, the same in all directions, into an event.
 inline void put_motion(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector3d& p_c0_c1, double rotation_sigma_rad,
                        double position_sigma, odo_vo_motion& event) {
-  so3::put_quaternion(q_c0_c1, event.q_c0_c1);
+  put_quaternion(q_c0_c1, event.q_c0_c1);
   Eigen::Vector3d::Map(event.p_c0_c1) = p_c0_c1;
   for (int i = 0; i < 3; ++i) {
     event.covariance[7 * i] = rotation_sigma_rad * rotation_sigma_rad;

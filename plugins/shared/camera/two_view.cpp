@@ -9,13 +9,10 @@
 #include <opencv2/calib3d.hpp>
 
 #include "plugins/shared/median.hpp"
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 namespace {
-
-using so3::exp_rotation_matrix;
-using so3::skew;
 
 const Eigen::Vector3d kDirections[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {-1, 0, 1}, {0, 1, 1}, {0, -1, 1}};
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph::gait {
 
 void GaitSignal::update(int64_t t_ns, const Eigen::Vector3d& gyro, const Eigen::Vector3d& accel) {
@@ -13,10 +15,10 @@ void GaitSignal::update(int64_t t_ns, const Eigen::Vector3d& gyro, const Eigen::
     t_ns_ = t_ns;
     smooth_ = {norm, norm};
     mean_ = norm;
-    delay_ns_ = static_cast<int64_t>(p_.smooth_tau_s * 1e9);
+    delay_ns_ = nanoseconds(p_.smooth_tau_s);
     return;
   }
-  const double dt = std::min(0.2, static_cast<double>(t_ns - t_ns_) * 1e-9);
+  const double dt = std::min(0.2, seconds(t_ns - t_ns_));
   t_ns_ = t_ns;
   if (dt <= 0) return;
   time_s_ += dt;

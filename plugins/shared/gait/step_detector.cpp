@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph::gait {
 namespace {
-
-int64_t ns(double seconds) { return static_cast<int64_t>(seconds * 1e9); }
 
 /// Time of the top of a parabola through three samples of which the middle one is the highest.
 int64_t top(int64_t t0, double y0, int64_t t1, double y1, int64_t t2, double y2) {
@@ -30,14 +30,14 @@ std::optional<DetectedStep> StepDetector::update(int64_t t_ns, double value, boo
     const double threshold = std::max(p_.min_peak_mps2, p_.relative_peak * typical_peak_);
     const bool peak = last_value_ > previous_value_ && last_value_ >= value && last_value_ > threshold;
     if (peak && active && (!candidate_ || last_value_ > candidate_value_) &&
-        last_ns_ - last_step_ns_ > ns(p_.min_interval_s)) {
+        last_ns_ - last_step_ns_ > nanoseconds(p_.min_interval_s)) {
       candidate_ = true;
       candidate_value_ = last_value_;
       candidate_ns_ = top(previous_ns_, previous_value_, last_ns_, last_value_, t_ns, value);
       lowest_before_candidate_ = lowest_;
     }
-    if (candidate_ && t_ns - candidate_ns_ > ns(p_.confirm_s)) found = confirm();
-    if (t_ns - last_step_ns_ > ns(2 * p_.max_interval_s)) typical_peak_ *= 0.99;
+    if (candidate_ && t_ns - candidate_ns_ > nanoseconds(p_.confirm_s)) found = confirm();
+    if (t_ns - last_step_ns_ > nanoseconds(2 * p_.max_interval_s)) typical_peak_ *= 0.99;
   }
   lowest_ = std::min(lowest_, value);
   absolute_sum_ += std::abs(value), sum_ += value, ++count_;
@@ -48,8 +48,8 @@ std::optional<DetectedStep> StepDetector::update(int64_t t_ns, double value, boo
 
 std::optional<DetectedStep> StepDetector::confirm() {
   candidate_ = false;
-  const bool fresh = candidate_ns_ - last_step_ns_ > ns(p_.max_interval_s);
-  const DetectedStep step{fresh ? candidate_ns_ - ns(p_.start_interval_s) : last_step_ns_,
+  const bool fresh = candidate_ns_ - last_step_ns_ > nanoseconds(p_.max_interval_s);
+  const DetectedStep step{fresh ? candidate_ns_ - nanoseconds(p_.start_interval_s) : last_step_ns_,
                           candidate_ns_,
                           candidate_value_ - lowest_before_candidate_,
                           absolute_sum_ / std::max(1, count_),

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <complex>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph::gait {
 namespace {
 constexpr double kPi = 3.14159265358979323846;
@@ -28,7 +30,7 @@ double StepFrequency::estimate(double expected_hz) const {
   std::array<Phasor, kSamples> phasors;
   size_t used = 0;
   for (size_t i = 0; i < std::min(count_, kSamples); ++i) {
-    const double age = static_cast<double>(now - samples_[i].t_ns) * 1e-9;
+    const double age = seconds(now - samples_[i].t_ns);
     if (age > kWindow_s) continue;
     const double window = 0.5 - 0.5 * std::cos(2 * kPi * age / kWindow_s);
     phasors[used++] = {std::polar(window, 2 * kPi * (low - kGrid_hz) * age) * samples_[i].value,

@@ -7,10 +7,11 @@
 #include <Eigen/Geometry>
 #include <odograph/plugin.hpp>
 
-#include "plugins/shared/rotation.hpp"
 #include "plugins/step/odograph/carry_mode.hpp"
 #include "plugins/step/odograph/gait_finder.hpp"
 #include "plugins/step/odograph/stair_detector.hpp"
+#include "sdk/math/gravity.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace {
 
@@ -18,8 +19,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using namespace odograph::steps;
-
-constexpr double kGravity = 9.80665;
 
 class OdographSteps {
  public:
@@ -70,7 +69,7 @@ class OdographSteps {
   }
 
   void on(const odo_attitude& a, odo::Output&) {
-    q_n_b_ = odograph::so3::quaternion(a.q_n_b);
+    q_n_b_ = odograph::raw_quaternion(a.q_n_b);
     has_attitude_ = true;
     const Vector3d forward = q_n_b_ * forward_b_;
     const double level = std::hypot(forward.x(), forward.y());
@@ -84,7 +83,8 @@ class OdographSteps {
     const Vector3d force = has_attitude_ ? Vector3d(q_n_b_ * accel) : Vector3d(0, 0, -accel.norm());
     const Vector2d horizontal = force.head<2>(), tilting = Vector3d(q_n_b_ * gyro).head<2>();
     resampler_.push(
-        {imu.header.t_ns, -force.z() - kGravity, horizontal.norm(), gyro.norm(), horizontal, tilting},
+        {imu.header.t_ns, -force.z() - odograph::kStandardGravity_mps2, horizontal.norm(), gyro.norm(), horizontal,
+         tilting},
         [&](const WalkSample& s) { on_sample(s, output); }, [&] { finder_.reset(); });
   }
 

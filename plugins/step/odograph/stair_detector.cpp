@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph::steps {
 
 void StairDetector::add(int64_t t_ns, double pressure_pa) {
   if (!heights_.empty()) {
     const int64_t since = t_ns - heights_.back(0).t_ns;
     if (since < p_.min_interval_ns) return;
-    if (since > static_cast<int64_t>(p_.window_s * 1e9)) reset();
+    if (since > nanoseconds(p_.window_s)) reset();
   }
   heights_.push({t_ns, -p_.metres_per_pascal * pressure_pa});
   double n = 0, t_sum = 0, h_sum = 0, tt = 0, th = 0, hh = 0;
@@ -18,7 +20,7 @@ void StairDetector::add(int64_t t_ns, double pressure_pa) {
   double span_s = 0;
   for (size_t k = 0; k < heights_.size(); ++k) {
     const Height& height = heights_.back(k);
-    const double t = static_cast<double>(height.t_ns - t_ns) * 1e-9, h = height.m - first_m;
+    const double t = seconds(height.t_ns - t_ns), h = height.m - first_m;
     if (t < -p_.window_s) break;
     n += 1, t_sum += t, h_sum += h, tt += t * t, th += t * h, hh += h * h;
     span_s = -t;
@@ -39,9 +41,9 @@ void StairDetector::add(int64_t t_ns, double pressure_pa) {
 void StairDetector::add_step(int64_t t_start_ns, int64_t t_end_ns, double length_m) {
   if (t_end_ns <= t_start_ns) return;
   // A barometer that has fallen silent says no more of a climb.
-  if (!heights_.empty() && t_end_ns - heights_.back(0).t_ns > static_cast<int64_t>(p_.window_s * 1e9)) reset();
+  if (!heights_.empty() && t_end_ns - heights_.back(0).t_ns > nanoseconds(p_.window_s)) reset();
   const double speed_mps = length_m * 1e9 / static_cast<double>(t_end_ns - t_start_ns);
-  const bool begins = t_start_ns - step_ns_ > static_cast<int64_t>(p_.pause_s * 1e9);
+  const bool begins = t_start_ns - step_ns_ > nanoseconds(p_.pause_s);
   speed_mps_ = begins ? speed_mps : speed_mps_ + p_.learn_speed * (speed_mps - speed_mps_);
   step_ns_ = t_end_ns;
   judge(t_start_ns);

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "plugins/shared/ring.hpp"
+#include "sdk/math/ring.hpp"
 
 namespace odograph::steps {
 
@@ -52,7 +52,7 @@ class StairDetector {
   void judge(int64_t since_ns);
 
   Parameters p_;
-  plugin::Ring<Height, 256> heights_;
+  Ring<Height, 256> heights_;
   bool ascends_ = false, on_stairs_ = false;  ///< the former up or down, by the pressure alone
   double climb_mps_ = 0, speed_mps_ = 0;
   int64_t step_ns_ = INT64_MIN / 2;

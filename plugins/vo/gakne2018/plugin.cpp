@@ -2,8 +2,8 @@
 #include <optional>
 
 #include "plugins/shared/camera/frame_view.hpp"
-#include "plugins/shared/rotation.hpp"
 #include "plugins/vo/gakne2018/sky_odometry.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace {
 
@@ -27,8 +27,8 @@ class Gakne2018 {
   }
 
   void on(const odo_calibration& c, odo::Output&) {
-    q_b_c_ = Eigen::Quaterniond(0, 1, 0, 0);
-    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) q_b_c_ = odograph::so3::quaternion(c.q_b_c);
+    q_b_c_ = odograph::rear_camera_mount();
+    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) q_b_c_ = odograph::raw_quaternion(c.q_b_c);
     if (!camera_.take(c)) return;  // the lens comes with each frame
     p_.features = static_cast<int>(features);
     const auto camera = odograph::camera_of(c);
@@ -37,7 +37,7 @@ class Gakne2018 {
     previous_ns_ = INT64_MIN;
   }
 
-  void on(const odo_attitude& attitude, odo::Output&) { q_n_b_ = odograph::so3::quaternion(attitude.q_n_b); }
+  void on(const odo_attitude& attitude, odo::Output&) { q_n_b_ = odograph::raw_quaternion(attitude.q_n_b); }
 
   void on(const odo_frame& frame, odo::Output& output) {
     const odograph::CameraModel lens = camera_.lens_of(frame);

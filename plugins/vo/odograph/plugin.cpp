@@ -6,16 +6,17 @@
 #include <variant>
 
 #include "plugins/shared/camera/frame_view.hpp"
-#include "plugins/shared/rotation.hpp"
 #include "plugins/shared/sensor_range.hpp"
 #include "plugins/vo/odograph/inertial/inertial_odometry.hpp"
 #include "plugins/vo/odograph/visual/odometry.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 
 namespace {
 
 using namespace odograph::vo;
+using odograph::put_quaternion;
 using odograph::SensorRange;
-using odograph::so3::put_quaternion;
 using odograph::vio::InertialMotion;
 using odograph::vio::InertialOdometry;
 
@@ -64,7 +65,7 @@ class OdographVo {
     if (frame.header.t_ns <= frame_ns_) throw odo::Error(ODO_E_DISCARD, "t_ns is not after that of the frame before");
     frame_ns_ = frame.header.t_ns;
     const Frame view{odograph::grey_of(frame, converted_), odograph::mask_of(frame), frame.header.t_ns,
-                     static_cast<double>(frame.line_time_ns) * 1e-9};
+                     odograph::seconds(frame.line_time_ns)};
     if (auto* inertial = std::get_if<InertialOdometry>(&odometry_)) {
       tell_pending(true, output);
       inertial->change_lens(lens);
@@ -94,13 +95,13 @@ class OdographVo {
   static odograph::vio::Camera camera_at_start(const odo_calibration& c) {
     odograph::vio::Camera camera;
     camera.lens = odograph::camera_of(c);
-    camera.q_b_c = Eigen::Quaterniond(0, 1, 0, 0);  // a phone's rear camera
+    camera.q_b_c = odograph::rear_camera_mount();
     if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) {
-      camera.q_b_c = odograph::so3::quaternion(c.q_b_c);
+      camera.q_b_c = odograph::raw_quaternion(c.q_b_c);
       camera.p_b_c = Eigen::Vector3d(c.p_b_c);
     }
     camera.middle_row = 0.5 * (c.height - 1.0);
-    if (c.header.flags & ODO_CALIBRATION_LINE_TIME) camera.line_time_s = static_cast<double>(c.line_time_ns) * 1e-9;
+    if (c.header.flags & ODO_CALIBRATION_LINE_TIME) camera.line_time_s = odograph::seconds(c.line_time_ns);
     return camera;
   }
 
@@ -160,8 +161,8 @@ class OdographVo {
     std::copy(lens.coefficients.begin(), lens.coefficients.end(), c.distortion);
     put_quaternion(camera.q_b_c, c.q_b_c);
     Eigen::Vector3d::Map(c.p_b_c) = camera.p_b_c;
-    c.time_offset_ns = static_cast<int64_t>(std::llround(camera.time_offset_s * 1e9));
-    c.line_time_ns = static_cast<int64_t>(std::llround(camera.line_time_s * 1e9));
+    c.time_offset_ns = odograph::nanoseconds(camera.time_offset_s);
+    c.line_time_ns = odograph::nanoseconds(camera.line_time_s);
     output.emit(c);
   }
 

@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "plugins/shared/camera/frame_view.hpp"
-#include "plugins/shared/rotation.hpp"
 #include "plugins/vo/vit/vit_system.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace {
 
@@ -56,9 +56,9 @@ class Vit {
   void on(const odo_calibration& c, odo::Output&) {
     camera_.take(c);
     T_b_c_ = Isometry3d::Identity();
-    Eigen::Quaterniond q(0, 1, 0, 0);  // a phone's rear camera
+    Eigen::Quaterniond q = odograph::rear_camera_mount();
     if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) {
-      q = odograph::so3::quaternion(c.q_b_c);
+      q = odograph::raw_quaternion(c.q_b_c);
       T_b_c_.translation() = Eigen::Vector3d(c.p_b_c);
     }
     T_b_c_.linear() = q.toRotationMatrix();

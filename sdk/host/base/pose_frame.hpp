@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <odograph/types.h>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "sdk/host/base/nearest.hpp"
+#include "sdk/math/time.hpp"
 
 namespace odograph {
 
@@ -128,11 +129,11 @@ Result<odo_calibration> read_camera_yaml(const std::filesystem::path& file, doub
     c.header.flags |= ODO_CALIBRATION_EXTRINSICS;
   }
   if (v["time_offset"].given) {
-    c.time_offset_ns = std::llround(v["time_offset"].real * 1e9);
+    c.time_offset_ns = nanoseconds(v["time_offset"].real);
     c.header.flags |= ODO_CALIBRATION_TIME_OFFSET;
   }
   if (v["row_time"].given) {
-    c.line_time_ns = std::llround(v["row_time"].real * 1e9);
+    c.line_time_ns = nanoseconds(v["row_time"].real);
     c.header.flags |= ODO_CALIBRATION_LINE_TIME;
   }
   if (fps) *fps = v["fps"].real;

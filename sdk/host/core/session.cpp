@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "sdk/host/config/runs_processes.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sdk/host/base/pose_frame.hpp"
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 namespace {

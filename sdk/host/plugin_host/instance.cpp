@@ -16,6 +16,7 @@
 #include "sdk/host/base/saturating.hpp"
 #include "sdk/host/plugin_host/library_backend.hpp"
 #include "sdk/host/plugin_host/process_backend.hpp"
+#include "sdk/math/time.hpp"
 
 namespace odograph {
 namespace {
@@ -264,8 +265,8 @@ bool PluginInstance::can_take(const odo_header& message) {
 /// In the app's own thread a late call cannot be left out; it is named.
 void PluginInstance::note_time(int64_t took_ns) {
   if (took_ns <= kCoarseClock_ns) return;
-  const double took_s = static_cast<double>(took_ns) * 1e-9;
-  if (took_s <= choice_->isolation.time_s + static_cast<double>(kCoarseClock_ns) * 1e-9) return;
+  const double took_s = seconds(took_ns);
+  if (took_s <= choice_->isolation.time_s + seconds(kCoarseClock_ns)) return;
   char text[96];
   std::snprintf(text, sizeof text, "took %.3g s in process; expected at most %g s (time_limit)", took_s,
                 choice_->isolation.time_s);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What an app gets: the poses that it draws with, its anchors, what poses say of their errors.
+#include "sdk/math/time.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/replay/anchor_walk.hpp"
@@ -24,7 +25,7 @@ struct StreamBenchmark : Benchmark {
   Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {
     const auto stream = app_stream(recording, one.run, timing);
     if (!stream) return stream.failure();
-    const int64_t start_ns = recording.messages.front().message.header().t_ns + static_cast<int64_t>(settle_s * 1e9);
+    const int64_t start_ns = recording.messages.front().message.header().t_ns + nanoseconds(settle_s);
     const StreamFigures f = stream_figures(stream->poses, recording.truth, start_ns);
     return row_of({{"", "frames", "frames", 0, f.frames},
                    {"orientation", "deg median", "orientation_deg_median", 2, part_of(f.orientation_deg, 0.5)},

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/console/board_option.hpp"
 #include "sdk/tools/replay/camera_imu_source.hpp"
@@ -93,10 +94,9 @@ struct CalibrateImu : Benchmark {
     const double row_s = data->given_row_time_s;
     if (!(said.header.flags & ODO_CALIBRATION_EXTRINSICS))
       return Failure{ODO_E_DATA, one.files.front().string() + ": does not say how its camera is mounted"};
-    const double offset_s =
-        said.header.flags & ODO_CALIBRATION_TIME_OFFSET ? static_cast<double>(said.time_offset_ns) * 1e-9 : 0;
+    const double offset_s = said.header.flags & ODO_CALIBRATION_TIME_OFFSET ? seconds(said.time_offset_ns) : 0;
     data->given.header.flags = ODO_CALIBRATION_TIME_OFFSET;
-    data->given.time_offset_ns = std::llround((offset_s + kOffsetWrong_s) * 1e9);
+    data->given.time_offset_ns = nanoseconds(offset_s + kOffsetWrong_s);
     data->given_row_time_s = row_s * kRowWrong;
     if (!keep_lens) data->given.fx *= kFocalWrong, data->given.fy *= kFocalWrong;
     const auto found = calibrate_camera_imu(*data, {.refine_lens = !keep_lens});

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/time.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/evaluation/reference_poses.hpp"
 #include "sdk/tools/evaluation/vo_consistency.hpp"
@@ -35,7 +36,7 @@ Json stops_of(const VoFigures& f) {
   Json all = Json::array();
   for (const StopFigures& s : f.stops)
     all.push_back({{"from_ns", s.stop.from_ns},
-                   {"seconds", static_cast<double>(s.stop.to_ns - s.stop.from_ns) * 1e-9},
+                   {"seconds", seconds(s.stop.to_ns - s.stop.from_ns)},
                    {"new_group", s.new_group},
                    {"drift_m", s.drift_m},
                    {"jump_percent", s.measured() ? Json(100 * s.jump()) : Json(nullptr)}});

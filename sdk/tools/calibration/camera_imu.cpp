@@ -5,7 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/calibration/camera_imu_problem.hpp"
 #include "sdk/tools/text/text.hpp"
 
@@ -128,17 +129,15 @@ class Work {
       if (std::hypot(r.dx_px, r.dy_px) < 2 * scale_px_) squares += r.dx_px * r.dx_px + r.dy_px * r.dy_px, within += 2;
     out.rms_px = std::sqrt(squares / std::max(1.0, within));
     out.lens = lens_;
-    const auto& q = out.q_b_c;
-    const double numbers[] = {q.w(), q.x(), q.y(), q.z()};
     const uint32_t given = data_.given.header.flags;
     uint32_t flags = given & (ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET);
     if (out.rotation_observable) flags |= ODO_CALIBRATION_EXTRINSICS;
     if (out.time_offset_s.observable) flags |= ODO_CALIBRATION_TIME_OFFSET;
     if (out.row_time_s.observable) flags |= ODO_CALIBRATION_LINE_TIME;
-    if (flags & ODO_CALIBRATION_EXTRINSICS) std::copy(std::begin(numbers), std::end(numbers), out.lens.q_b_c);
+    if (flags & ODO_CALIBRATION_EXTRINSICS) put_quaternion(q_b_c_, out.lens.q_b_c);
     out.lens.header.flags = flags;
-    out.lens.time_offset_ns = std::llround(x_[shared::time_offset] * 1e9);
-    out.lens.line_time_ns = std::llround(x_[shared::row_time] * 1e9);
+    out.lens.time_offset_ns = nanoseconds(x_[shared::time_offset]);
+    out.lens.line_time_ns = nanoseconds(x_[shared::row_time]);
   }
 
   size_t windows() const { return windows_.size(); }
@@ -215,8 +214,7 @@ Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, con
   out.correlation = start->correlation;
   out.offset_cost = start->offset_cost, out.rotations = start->rotations;
   if (given.header.flags & ODO_CALIBRATION_EXTRINSICS) out.given_q_b_c = quaternion(given.q_b_c);
-  if (given.header.flags & ODO_CALIBRATION_TIME_OFFSET)
-    out.time_offset_s.given = static_cast<double>(given.time_offset_ns) * 1e-9;
+  if (given.header.flags & ODO_CALIBRATION_TIME_OFFSET) out.time_offset_s.given = seconds(given.time_offset_ns);
   out.row_time_s.given = data.given_row_time_s;
   out.focal_px.given = given.fx, out.cx.given = given.cx, out.cy.given = given.cy;
   out.k1.given = given.distortion[0];

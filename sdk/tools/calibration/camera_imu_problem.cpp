@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/calibration/camera_imu_window.hpp"
 
 namespace odograph {

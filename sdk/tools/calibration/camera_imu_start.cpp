@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/calibration/camera_imu_start.hpp"
 
 #include <algorithm>
@@ -135,7 +136,7 @@ std::vector<FramePair> pairs_of(const std::vector<TrackedFrame>& frames, double 
   std::vector<FramePair> pairs;
   const size_t stride = std::max<size_t>(1, (frames.size() + most - 1) / std::max<size_t>(1, most));
   for (size_t i = 0; i < frames.size(); i += stride) {
-    const auto wanted_ns = frames[i].t_ns + static_cast<int64_t>(apart_s * 1e9);
+    const auto wanted_ns = frames[i].t_ns + nanoseconds(apart_s);
     size_t k = i + 1;
     while (k + 1 < frames.size() && std::abs(frames[k + 1].t_ns - wanted_ns) <= std::abs(frames[k].t_ns - wanted_ns))
       ++k;
@@ -155,7 +156,7 @@ std::vector<FramePair> pairs_of(const std::vector<TrackedFrame>& frames, double 
 Result<CameraImuStart> find_camera_imu_start(const CameraImuData& data, const GyroOrientation& gyro,
                                              const CameraImuOptions& options) {
   const double around_s =
-      data.given.header.flags & ODO_CALIBRATION_TIME_OFFSET ? static_cast<double>(data.given.time_offset_ns) * 1e-9 : 0;
+      data.given.header.flags & ODO_CALIBRATION_TIME_OFFSET ? seconds(data.given.time_offset_ns) : 0;
   std::vector<Seen> seen;
   for (const FramePair& pair : pairs_of(data.frames, kBetween_s, kMaxPairs, options.min_corners)) {
     const double from = gyro.seconds(data.frames[pair.first].t_ns), to = gyro.seconds(data.frames[pair.second].t_ns);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
+#include "sdk/math/time.hpp"
 #include "sdk/tools/calibration/camera_imu.hpp"
 #include "sdk/tools/text/text.hpp"
 
@@ -83,8 +84,7 @@ std::string camera_yaml(const CameraImuCalibration& c) {
     yaml += text("p_b_c: [%.6f, %.6f, %.6f]  # as given\n", lens.p_b_c[0], lens.p_b_c[1], lens.p_b_c[2]);
   }
   if (lens.header.flags & ODO_CALIBRATION_TIME_OFFSET)
-    yaml += text("time_offset: %.6f", 1e-9 * static_cast<double>(lens.time_offset_ns)) +
-            note(c.time_offset_s, 1e3, "ms") + "\n";
+    yaml += text("time_offset: %.6f", seconds(lens.time_offset_ns)) + note(c.time_offset_s, 1e3, "ms") + "\n";
   if (shutter_of(c) == Shutter::rolling)
     yaml += text("row_time: %.4g", c.row_time_s.value) + note(c.row_time_s, 1e6, "us") + "\n";
   if (shutter_of(c) == Shutter::global)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/calibration/gyro_orientation.hpp"
 
 #include <algorithm>
@@ -11,7 +12,7 @@ GyroOrientation::GyroOrientation(const std::vector<GyroSample>& samples, const E
     : first_ns_(samples.front().t_ns) {
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   for (size_t i = 0; i + 1 < samples.size(); ++i) {
-    const double dt = static_cast<double>(samples[i + 1].t_ns - samples[i].t_ns) * 1e-9;
+    const double dt = odograph::seconds(samples[i + 1].t_ns - samples[i].t_ns);
     const Eigen::Vector3d rate = scale * (samples[i].rate_b - bias_b);
     const Eigen::Vector3d change = scale * (samples[i + 1].rate_b - samples[i].rate_b);
     knots_.push_back({seconds(samples[i].t_ns), q, rate, change / dt});

@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph {
 
 struct GyroSample {
@@ -22,7 +24,7 @@ class GyroOrientation {
   GyroOrientation(const std::vector<GyroSample>& samples, const Eigen::Vector3d& bias_b,
                   const Eigen::Matrix3d& scale = Eigen::Matrix3d::Identity());
 
-  double seconds(int64_t t_ns) const { return static_cast<double>(t_ns - first_ns_) * 1e-9; }
+  double seconds(int64_t t_ns) const { return odograph::seconds(t_ns - first_ns_); }
   /// Whether there are samples throughout, with none further apart than `gap_s`.
   bool covers(double from_s, double to_s, double gap_s) const;
   /// From the body at `t_s` to the body at the first sample; beyond the samples the nearest interval's rate is carried

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/config/camera_yaml.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/plot/plot.hpp"
 #include "sdk/tools/replay/camera_imu_source.hpp"
@@ -135,7 +136,7 @@ Result<bool> start_from(const CalibrateImuArguments& a, const LensCalibration* b
     }
     if (!(lens.header.flags & ODO_CALIBRATION_TIME_OFFSET)) lens.time_offset_ns = given.time_offset_ns;
     lens.header.flags |= given.header.flags & (ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET);
-    if (lens.header.flags & ODO_CALIBRATION_LINE_TIME) row_time_s = static_cast<double>(lens.line_time_ns) * 1e-9;
+    if (lens.header.flags & ODO_CALIBRATION_LINE_TIME) row_time_s = seconds(lens.line_time_ns);
   }
   if (board) {
     lens.model = board->lens == Lens::pinhole ? ODO_CAMERA_PINHOLE : ODO_CAMERA_KANNALA_BRANDT;

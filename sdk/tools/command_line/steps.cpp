@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/base/output_file.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/plot/plot.hpp"
 #include "sdk/tools/replay/runner.hpp"
@@ -23,7 +24,7 @@ struct StepsArguments {
   bool json = false, each = false;
 };
 
-double seconds_since(int64_t start_ns, int64_t t_ns) { return static_cast<double>(t_ns - start_ns) * 1e-9; }
+double seconds_since(int64_t start_ns, int64_t t_ns) { return seconds(t_ns - start_ns); }
 
 /// A stretch of one mode.
 struct Stretch {

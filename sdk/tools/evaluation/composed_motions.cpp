@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/evaluation/composed_motions.hpp"
 
+#include "sdk/math/rotation.hpp"
+
 namespace odograph {
 
 using Eigen::Vector3d;
@@ -36,8 +38,7 @@ ComposedMotions compose(const std::vector<odo_vo_motion>& motions) {
       x.own += d;
       if (group_is_metric) x.p_m += d;
     }
-    if (flags & ODO_VO_ROTATION)
-      x.q = (x.q * Eigen::Quaterniond(m.q_c0_c1[0], m.q_c0_c1[1], m.q_c0_c1[2], m.q_c0_c1[3])).normalized();
+    if (flags & ODO_VO_ROTATION) x.q = (x.q * raw_quaternion(m.q_c0_c1)).normalized();
     x.placed = (flags & ODO_VO_TRANSLATION) && m.state != ODO_LOST;
     x.metric = x.placed && group_is_metric;
     x.tracking = m.state == ODO_TRACKING;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "sdk/math/time.hpp"
 #include "sdk/tools/simulation/random.hpp"
 
 namespace odograph {
@@ -13,8 +14,6 @@ namespace {
 constexpr double kEquator_m = 6378137.0;
 
 enum Stream : uint64_t { kNoise = 71, kJitter, kWild };  // of random numbers: one fault does not move another's
-
-int64_t nanoseconds(double s) { return std::llround(s * 1e9); }
 
 odo_imu& imu_of(RecordedMessage& m) { return reinterpret_cast<odo_imu&>(m.message.header()); }
 odo_frame& frame_of(RecordedMessage& m) { return reinterpret_cast<odo_frame&>(m.message.header()); }
@@ -194,7 +193,7 @@ void shift_gnss(Recording& recording, double from_s, double to_s, double east_m)
   for (RecordedMessage& m : recording.messages) {
     if (m.message.header().type != ODO_TYPE_GNSS) continue;
     auto& gnss = reinterpret_cast<odo_gnss&>(m.message.header());
-    const double t = static_cast<double>(gnss.header.t_ns - start_ns) * 1e-9;
+    const double t = seconds(gnss.header.t_ns - start_ns);
     if (t > from_s && t < to_s) gnss.longitude_rad += east_m / (kEquator_m * std::cos(gnss.latitude_rad));
   }
 }
@@ -211,7 +210,7 @@ void add_gnss_velocities(Recording& recording, double sigma_mps, uint64_t seed) 
     auto& gnss = reinterpret_cast<odo_gnss&>(m.message.header());
     while (at + 1 < truth.size() && truth[at].t_ns < gnss.header.t_ns) ++at;
     const auto &from = truth[at > kHalf ? at - kHalf : 0], &to = truth[std::min(truth.size() - 1, at + kHalf)];
-    const double dt_s = static_cast<double>(to.t_ns - from.t_ns) * 1e-9;
+    const double dt_s = seconds(to.t_ns - from.t_ns);
     const double kick = sigma_mps * std::sqrt(1 - keep * keep);
     error = keep * error + kick * Eigen::Vector2d(random.normal(), random.normal());
     const Eigen::Vector2d velocity = (to.p - from.p).head<2>() / std::max(0.1, dt_s) + error;

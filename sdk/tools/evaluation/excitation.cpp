@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph {
 
 double detrended_rms(const Trajectory& trajectory) {
@@ -26,8 +28,8 @@ double detrended_rms(const Trajectory& trajectory) {
 Excitation excitation_of(const Pairs& pairs, const ExcitationParameters& c) {
   Excitation result;
   std::vector<double> motion, error;
-  const auto window_ns = static_cast<int64_t>(c.window_s * 1e9);
-  const auto step_ns = std::max<int64_t>(1, static_cast<int64_t>((1 - c.overlap) * c.window_s * 1e9));
+  const auto window_ns = nanoseconds(c.window_s);
+  const auto step_ns = std::max<int64_t>(1, nanoseconds((1 - c.overlap) * c.window_s));
   if (pairs.reference.empty()) return result;
   size_t first = 0;
   const int64_t end_ns = pairs.reference.back().t_ns;
@@ -38,10 +40,10 @@ Excitation excitation_of(const Pairs& pairs, const ExcitationParameters& c) {
     int64_t before = t;
     for (size_t i = first; i < pairs.reference.size() && pairs.reference[i].t_ns <= t + window_ns; ++i) {
       window.reference.push_back(pairs.reference[i]), window.estimate.push_back(pairs.estimate[i]);
-      whole = whole && static_cast<double>(pairs.reference[i].t_ns - before) * 1e-9 <= c.fullest_gap_s;
+      whole = whole && seconds(pairs.reference[i].t_ns - before) <= c.fullest_gap_s;
       before = pairs.reference[i].t_ns;
     }
-    whole = whole && static_cast<double>(t + window_ns - before) * 1e-9 <= c.fullest_gap_s;
+    whole = whole && seconds(t + window_ns - before) <= c.fullest_gap_s;
     if (!whole || window.reference.size() < 8 || path_length(window.reference) < c.slowest_mps * c.window_s) continue;
     motion.push_back(detrended_rms(window.reference));
     Trajectory off = align(window, Alignment::sim3, nullptr);

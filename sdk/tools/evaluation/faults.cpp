@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sdk/host/config/table.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/simulation/random.hpp"
 
 namespace odograph {
@@ -61,7 +62,7 @@ struct Delivery {
 void spoil(std::vector<Delivery>& all, const SensorFault& fault) {
   Delivery& one = all.back();
   odo_header& header = one.message.message.header();
-  const auto by_ns = static_cast<int64_t>(std::llround(fault.by_s * 1e9));
+  const auto by_ns = nanoseconds(fault.by_s);
   switch (fault.kind) {
     case FaultKind::drop:
       if (const uint32_t half = half_of(fault.sensor); half && (header.flags & 3 & ~half))
@@ -136,7 +137,7 @@ Recording with_faults(const Recording& recording, const SensorFaults& faults) {
     next.reserve(deliveries.size());
     for (Delivery& one : deliveries) {
       const odo_header& header = one.message.message.header();
-      const double t_s = static_cast<double>(header.t_ns - begin_ns) * 1e-9;
+      const double t_s = seconds(header.t_ns - begin_ns);
       const bool now = t_s >= fault.from_s && (fault.for_s <= 0 || t_s < fault.from_s + fault.for_s);
       const bool hit = now && concerns(fault, header) && random.uniform() < fault.part;
       next.push_back(std::move(one));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/time.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 
 namespace odograph {
@@ -70,7 +71,7 @@ CanyonFigures canyon_figures(const std::vector<TrueState>& truth, const Trajecto
     while (at + 1 < truth.size() && truth[at].t_ns < pose.t_ns) ++at;
     for (; walked_to + 20 <= at; walked_to += 20)  // a tenth of a second: what the hand does is no path
       walked_m += (truth[walked_to + 20].p - truth[walked_to].p).head<2>().norm();
-    const double t = static_cast<double>(pose.t_ns - truth.front().t_ns) * 1e-9;
+    const double t = seconds(pose.t_ns - truth.front().t_ns);
     const double error = (pose.p - truth[at].p).head<2>().norm();
     if (!has_heading && walked_m >= p.yaw_after_m) {
       const Eigen::Quaterniond off = pose.q * truth[at].q.conjugate();

@@ -5,8 +5,9 @@
 
 #include <Eigen/Dense>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
 
 namespace odograph {
@@ -41,8 +42,7 @@ PoseConsistency pose_consistency(const std::vector<odo_pose>& poses, const Traje
     if (!there) continue;
     const Quaterniond q = raw_quaternion(pose.q_n);
     if (estimate.empty()) laid = yaw_alignment({pose.header.t_ns, q, Vector3d(pose.p_n)}, *there);
-    const double dt_s =
-        estimate.empty() ? 0 : static_cast<double>(pose.header.t_ns - estimate.back().t_ns) * kNanoseconds;
+    const double dt_s = estimate.empty() ? 0 : seconds(pose.header.t_ns - estimate.back().t_ns);
     estimate.push_back({pose.header.t_ns, q, Vector3d(pose.p_n)});
     reference.push_back(*there);
     const Eigen::Vector2d error = (laid.on_truth(Vector3d(pose.p_n)) - there->p).head<2>();

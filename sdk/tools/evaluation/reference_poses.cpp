@@ -5,7 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
 
 namespace odograph {
@@ -52,14 +53,13 @@ double disagreement(const Trajectory& poses, const std::vector<Rate>& rates, con
   auto sample = rates.begin();
   for (size_t i = 1; i < poses.size(); ++i) {
     const int64_t from = poses[i - 1].t_ns, to = poses[i].t_ns;
-    const double seconds = static_cast<double>(to - from) * 1e-9;
+    const double seconds = odograph::seconds(to - from);
     Vector3d sum = Vector3d::Zero();
     double count = 0;
     while (sample != rates.end() && sample->t_ns < from) ++sample;
     for (; sample != rates.end() && sample->t_ns < to; ++sample, ++count) sum += sample->rate_b;
     if (count == 0 || seconds > kLongest_s) continue;
-    const Eigen::AngleAxisd turned(poses[i - 1].q.conjugate() * poses[i].q);
-    off_rad.push_back((turned.angle() * turned.axis() - q_x_b * (seconds / count * sum)).norm());
+    off_rad.push_back((log_rotation(poses[i - 1].q.conjugate() * poses[i].q) - q_x_b * (seconds / count * sum)).norm());
   }
   return off_rad.size() < kMinPoses ? std::nan("") : percentile(off_rad, 0.5);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/evaluation/stream_figures.hpp"
 
 #include <algorithm>

@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "sdk/math/rotation.hpp"
+
 namespace odograph {
 namespace {
 
@@ -23,9 +25,7 @@ MotionConsistency motion_consistency(const Trajectory& truth, const std::vector<
     const auto from = pose_at(truth, m.t_from_ns, kLargestGap_s), to = pose_at(truth, m.header.t_ns, kLargestGap_s);
     if (!from || !to) continue;
     const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(m.covariance);
-    const Eigen::Quaterniond seen(m.q_c0_c1[0], m.q_c0_c1[1], m.q_c0_c1[2], m.q_c0_c1[3]);
-    const Eigen::AngleAxisd off(seen * (from->q.conjugate() * to->q).conjugate());
-    const Vector3d error = off.angle() * off.axis();
+    const Vector3d error = log_rotation(raw_quaternion(m.q_c0_c1) * (from->q.conjugate() * to->q).conjugate());
     result.rotation.push_back(error.dot(covariance.topLeftCorner<3, 3>().inverse() * error) / 3);
     const Vector3d displacement = from->q.conjugate() * (to->p - from->p), own(m.p_c0_c1);
     if (displacement.norm() < kMinDisplacement_m) continue;

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <map>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSeconds = 1e-9;
-
-double seconds(int64_t from_ns, int64_t to_ns) { return static_cast<double>(to_ns - from_ns) * kSeconds; }
+double seconds(int64_t from_ns, int64_t to_ns) { return odograph::seconds(to_ns - from_ns); }
 
 /// The poses that have a true one, as indices, and the true path up to each.
 struct Matched {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/evaluation/walk_figures.hpp"
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "sdk/math/time.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
 
 namespace odograph {
@@ -35,9 +36,8 @@ void add_steps(const Recording& recording, const WalkEstimate& result, WalkFigur
 
 void add_modes(const Recording& recording, const WalkEstimate& result, WalkFigures& f) {
   size_t at = 0;
-  const double dt = recording.true_states.size() > 1
-                        ? static_cast<double>(recording.true_states[1].t_ns - recording.true_states[0].t_ns) * 1e-9
-                        : 0.0;
+  const double dt =
+      recording.true_states.size() > 1 ? seconds(recording.true_states[1].t_ns - recording.true_states[0].t_ns) : 0.0;
   for (const TrueState& state : recording.true_states) {
     while (at + 1 < result.modes.size() && result.modes[at + 1].header.t_ns <= state.t_ns) ++at;
     const uint32_t seen =
@@ -60,7 +60,7 @@ void add_attitude(const Recording& recording, const WalkEstimate& result, WalkFi
     while (at + 1 < recording.true_states.size() && recording.true_states[at].t_ns < a.header.t_ns) ++at;
     const Eigen::Quaterniond q = raw_quaternion(a.q_n_b), &truth = recording.true_states[at].q;
     const Eigen::Vector3d down = q * (truth.conjugate() * Eigen::Vector3d::UnitZ());
-    const double t = static_cast<double>(a.header.t_ns - recording.true_states.front().t_ns) * 1e-9;
+    const double t = seconds(a.header.t_ns - recording.true_states.front().t_ns);
     if (t < 10) continue;
     squares += std::pow(std::atan2(down.head<2>().norm(), down.z()) * 180 / EIGEN_PI, 2), ++n;
     const Eigen::Quaterniond error = q * truth.conjugate();
@@ -101,7 +101,7 @@ double heading_drift(const std::vector<odo_attitude>& attitudes, const std::vect
     const double heading = 2 * std::atan2(off.z(), off.w());
     const double last = off_rad.empty() ? heading : off_rad.back();
     off_rad.push_back(last + std::remainder(heading - last, 2 * EIGEN_PI));
-    t_s.push_back(static_cast<double>(a.header.t_ns) * 1e-9);
+    t_s.push_back(seconds(a.header.t_ns));
   }
   const size_t tenth = t_s.size() / 10;
   if (tenth < 10) return std::nan("");

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/config/camera_yaml.hpp"
 #include "sdk/host/config/spec.hpp"
+#include "sdk/math/gravity.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
 
@@ -15,7 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kGravity = 9.80665;
 constexpr double kRadians = 3.14159265358979323846 / 180.0;
 
 /// Adds one message a row, made by `make(values, t_ns)` from the numbers of the row.
@@ -147,7 +148,7 @@ Result<bool> add_euroc_camera(Recording& recording, const fs::path& folder, cons
   if (!(line_s >= 0 && line_s < 1e-2))
     return Failure{ODO_E_DATA, (folder / "sensor.yaml").string() + ": line_delay: " + number_text(line_s) +
                                    "; expected seconds from one row to the next, below 0.01"};
-  frame.line_time_ns = std::llround(line_s * 1e9);
+  frame.line_time_ns = nanoseconds(line_s);
   if (frame.line_time_ns > 0) frame.header.flags |= ODO_FRAME_LINE_TIME;
   return read_rows(folder / "data.csv", [&](const TextRow& row) -> Result<bool> {
     const auto t = row.integer(0);
@@ -183,7 +184,8 @@ odo_imu advio_imu(uint32_t flag, const std::vector<double>& v, int64_t t) {
   auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
   imu.header.flags = flag;
   for (size_t i = 0; i < 3; ++i)  // iOS gives gravity's own direction, in g; specific force is its opposite
-    (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[i] = flag == ODO_IMU_GYRO ? v[1 + i] : -kGravity * v[1 + i];
+    (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[i] =
+        flag == ODO_IMU_GYRO ? v[1 + i] : -kStandardGravity_mps2 * v[1 + i];
   return imu;
 }
 

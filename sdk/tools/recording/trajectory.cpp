@@ -8,6 +8,7 @@
 
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
 
 namespace odograph {
@@ -20,7 +21,7 @@ Result<int64_t> parse_seconds(std::string_view text) {
     const auto parsed = std::from_chars(text.data(), text.data() + text.size(), seconds);
     if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || !(std::abs(seconds) <= kFarthest_s))
       return wrong;
-    return static_cast<int64_t>(std::llround(seconds * 1e9));
+    return nanoseconds(seconds);
   }
   const bool negative = !text.empty() && text[0] == '-';
   if (negative) text.remove_prefix(1);

@@ -8,8 +8,9 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/recording/recording.hpp"
 
@@ -137,7 +138,7 @@ class EurocWriter {
     for (const auto& m : r_.messages)
       if (m.message.header().type == ODO_TYPE_FRAME) {
         const int64_t line_ns = as<odo_frame>(m.message.header()).line_time_ns;
-        return line_ns > 0 ? indent + "line_delay: " + text(static_cast<double>(line_ns) * 1e-9) + "\n" : "";
+        return line_ns > 0 ? indent + "line_delay: " + text(seconds(line_ns)) + "\n" : "";
       }
     return "";
   }
@@ -164,8 +165,7 @@ class EurocWriter {
                    "  camera_model: pinhole\n  intrinsics: [" + list(intrinsics, 4) +
                    "]\n  distortion_model: " + (fisheye ? "equidistant" : "radtan") + "\n  distortion_coeffs: [" +
                    list(camera_.distortion, 4) + "]\n  resolution: " + size + "\n  rostopic: /cam0/image_raw\n" +
-                   "  timeshift_cam_imu: " + text(static_cast<double>(camera_.time_offset_ns) * 1e-9) + "\n" +
-                   line_delay("  "));
+                   "  timeshift_cam_imu: " + text(seconds(camera_.time_offset_ns)) + "\n" + line_delay("  "));
   }
 
   void write_imu() {

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <odograph/anchor.h>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/replay/arrivals.hpp"
 #include "sdk/tools/replay/replayed.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/replay/camera_imu_source.hpp"
 
+#include "sdk/math/time.hpp"
 #include "sdk/tools/replay/picture_source.hpp"
 
 namespace odograph {
@@ -27,8 +28,7 @@ Result<CameraImuData> camera_imu_data(const Recording& recording, const Progress
     if (!frame) return frame.failure();
     const cv::Mat grey = grey_of(*frame);
     const int64_t t_ns = frame->header.t_ns;
-    if (i == 0 && (frame->header.flags & ODO_FRAME_LINE_TIME))
-      data.given_row_time_s = static_cast<double>(frame->line_time_ns) * 1e-9;
+    if (i == 0 && (frame->header.flags & ODO_FRAME_LINE_TIME)) data.given_row_time_s = seconds(frame->line_time_ns);
     frame->loan.release(frame->loan.owner);
     if (grey.cols != static_cast<int>(data.given.width) || grey.rows != static_cast<int>(data.given.height))
       return Failure{ODO_E_DATA, recording.path.string() + ": frames of " + std::to_string(grey.cols) + "x" +

@@ -9,8 +9,9 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/simulation/poster.hpp"
 
@@ -110,7 +111,7 @@ std::vector<Told> play(Fixer& fixer, const std::vector<Hung>& hung, const Viewpo
       prior.covariance[7 * i] = turned * turned, prior.covariance[7 * (i + 3)] = off * off;
     }
     prior.state = ODO_TRACKING;
-    for (const odo_fix& fix : fixer.see(prior, grey, std::llround(shot.line_time_s * 1e9))) told.push_back({fix, v});
+    for (const odo_fix& fix : fixer.see(prior, grey, nanoseconds(shot.line_time_s))) told.push_back({fix, v});
   }
   return told;
 }
@@ -181,7 +182,7 @@ Result<CellFigures> scenes_of(const Target& target, size_t number, uint64_t scen
     const Told& last = told.back();
     figures.error_m.push_back(error_of(last).head<2>().norm());
     figures.nis.push_back(horizontal_nees(error_of(last), last.fix.covariance_n));
-    const Eigen::Quaterniond q_n_c = raw_quaternion(last.fix.q_n_b) * Eigen::Quaterniond(0, 1, 0, 0);
+    const Eigen::Quaterniond q_n_c = raw_quaternion(last.fix.q_n_b) * rear_camera_mount();
     figures.rotation_deg.push_back(Eigen::AngleAxisd(q_n_c.toRotationMatrix().transpose() * last.truth.R_n_c).angle() /
                                    kDegree);
   }

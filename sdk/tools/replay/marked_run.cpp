@@ -6,7 +6,8 @@
 
 #include <sys/resource.h>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
 #include "sdk/tools/replay/replayed.hpp"
@@ -49,7 +50,7 @@ class Marks {
       if (const int32_t status = odo_session_push(session, &mark.header); status != ODO_OK)
         return Failure{status, "a mark was not taken"};
     }
-    next_ns_ = t_ns + static_cast<int64_t>(a_.every_s * 1e9);
+    next_ns_ = t_ns + nanoseconds(a_.every_s);
     return std::nullopt;
   }
 
@@ -84,7 +85,7 @@ Result<MarkedRun> marked_run(const Recording& recording, const RunOptions& run, 
   double recorded_s = 0;
   for (const RecordedMessage& message : recording.messages) {
     const odo_header& header = message.message.header();
-    recorded_s = static_cast<double>(header.t_ns - recording.messages.front().message.header().t_ns) * kNanoseconds;
+    recorded_s = seconds(header.t_ns - recording.messages.front().message.header().t_ns);
     if (recorded_s > first_s) break;
     if (options.sigma_m > 0 && header.type == ODO_TYPE_WAYPOINT) continue;  // the scenario's own
     if (const auto failure = marks.tell(raw, poses, header.t_ns)) return *failure;

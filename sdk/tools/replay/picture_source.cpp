@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/recording/recording.hpp"
 
 namespace odograph {
@@ -141,8 +142,7 @@ Result<TrackFigures> followed_corners(const Recording& recording, size_t most,
   }
   follower.finish();
   const auto span_ns = frames.back()->message.header().t_ns - frames.front()->message.header().t_ns;
-  follower.figures.rate_hz =
-      static_cast<double>(frames.size() - 1) / std::max(1e-9, static_cast<double>(span_ns) * 1e-9);
+  follower.figures.rate_hz = static_cast<double>(frames.size() - 1) / std::max(1e-9, seconds(span_ns));
   return std::move(follower.figures);
 }
 

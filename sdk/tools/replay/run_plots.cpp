@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "sdk/math/time.hpp"
+
 namespace odograph {
 namespace {
 
@@ -78,7 +80,7 @@ Plot track_plot(const Recording& recording, const std::vector<NamedRun>& runs) {
 std::vector<std::pair<double, double>> error_over_time(const Recording& recording, const RunResult& result) {
   std::vector<std::pair<double, double>> errors;
   if (result.track.empty()) return errors;
-  const auto seconds = [&](int64_t t_ns) { return static_cast<double>(t_ns - result.track.front().t_ns) * 1e-9; };
+  const auto seconds = [&](int64_t t_ns) { return odograph::seconds(t_ns - result.track.front().t_ns); };
   if (!recording.truth.empty()) {
     const Pairs pairs = pairs_of(recording, result);
     if (pairs.reference.size() < 3) return errors;
@@ -108,7 +110,7 @@ std::vector<Plot> plots_of(const Recording& recording, const std::vector<NamedRu
   for (const auto& [name, result] : runs) {
     const Trajectory& track = result->track;
     if (track.empty()) continue;
-    const auto seconds = [t0 = track.front().t_ns](int64_t t_ns) { return static_cast<double>(t_ns - t0) * 1e-9; };
+    const auto seconds = [t0 = track.front().t_ns](int64_t t_ns) { return odograph::seconds(t_ns - t0); };
     const double end = seconds(track.back().t_ns);
     PlotSeries over_time{.name = name, .style = "lines lw 2"}, part{.name = name, .style = "lines lw 2"};
     over_time.points = error_over_time(recording, *result);

@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "sdk/host/base/output_file.hpp"
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/replay/replayed.hpp"
 
 namespace odograph {

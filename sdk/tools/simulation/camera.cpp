@@ -7,6 +7,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/simulation/random.hpp"
 
 namespace odograph {
@@ -39,7 +40,7 @@ SimCamera::SimCamera(const Scenario::Camera& camera, double light, uint64_t seed
     : c_(camera),
       light_(light),
       seed_(seed),
-      in_body_(Eigen::Quaterniond(0, 1, 0, 0) * Eigen::AngleAxisd(camera.tilt_rad, Eigen::Vector3d::UnitX())),
+      in_body_(rear_camera_mount() * Eigen::AngleAxisd(camera.tilt_rad, Eigen::Vector3d::UnitX())),
       vignette_(camera.height, camera.width, CV_32F) {
   if (phone) lens_ = SimLens(camera, in_body_, *phone, seed);
   if (lens_.moves()) margin_ = static_cast<int>(std::ceil(lens_.reach_px())) + 2;

@@ -5,10 +5,11 @@
 #include <array>
 #include <cmath>
 
+#include "sdk/math/gravity.hpp"
+#include "sdk/math/rotation.hpp"
+
 namespace odograph {
 namespace {
-
-constexpr double kGravity = 9.80665;
 
 /// Weights of the degree + 1 control points around a point at fraction x of its interval (Cox & de Boor, uniform).
 template <int degree>
@@ -22,21 +23,10 @@ std::array<double, degree + 1> weights(double x) {
   return w;
 }
 
-Eigen::Vector3d log_of(const Eigen::Quaterniond& q) {
-  const double sign = q.w() < 0 ? -1.0 : 1.0, n = q.vec().norm();
-  const double half = std::atan2(n, sign * q.w());
-  return (n < 1e-12 ? 2.0 : 2.0 * half / n) * sign * q.vec();
-}
-
-Eigen::Quaterniond exp_of(const Eigen::Vector3d& v) {
-  const double angle = v.norm(), scale = angle < 1e-9 ? 0.5 : std::sin(0.5 * angle) / angle;
-  return {std::cos(0.5 * angle), scale * v.x(), scale * v.y(), scale * v.z()};
-}
-
 }  // namespace
 
 Eigen::Vector3d Motion::State::specific_force_b() const {
-  return T_n_b.linear().transpose() * (acceleration_n - Eigen::Vector3d(0, 0, kGravity));
+  return T_n_b.linear().transpose() * (acceleration_n - Eigen::Vector3d(0, 0, kStandardGravity_mps2));
 }
 
 Motion::Motion(double rate_hz, std::vector<Eigen::Vector3d> p_n, std::vector<Eigen::Quaterniond> q_n_b)
@@ -71,8 +61,8 @@ Motion::State Motion::at(double t_s) const {
   for (size_t j = 1; j <= 3; ++j) {
     tail -= w3[j - 1];
     const auto k = static_cast<long>(j);
-    const Eigen::Vector3d d = log_of(q_[index(i - 2 + k)].conjugate() * q_[index(i - 1 + k)]);
-    const Eigen::Quaterniond rotation = exp_of(tail * d);
+    const Eigen::Vector3d d = log_rotation(q_[index(i - 2 + k)].conjugate() * q_[index(i - 1 + k)]);
+    const Eigen::Quaterniond rotation = exp_rotation(tail * d);
     omega = rotation.conjugate() * omega + rate_hz_ * w2[j - 1] * d;
     q = q * rotation;
   }

@@ -3,10 +3,12 @@
 // What phones' cameras and inertial sensors do. Sources of the figures: docs/simulator.md, "Phones".
 #include "sdk/tools/simulation/scenario.hpp"
 
+#include "sdk/math/gravity.hpp"
+
 namespace odograph {
 namespace {
 
-constexpr double kDeg = 3.14159265358979323846 / 180, kMilliG = 9.80665e-3;
+constexpr double kDeg = 3.14159265358979323846 / 180, kMilliG = 1e-3 * kStandardGravity_mps2;
 
 struct CameraFigures {
   double readout_s, exposure_s, exposure_longest_s, time_offset_s, jitter_s, travel_deg, breathing, focus_interval_s,

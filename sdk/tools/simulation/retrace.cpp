@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/time.hpp"
 #include "sdk/tools/simulation/signal.hpp"
 #include "sdk/tools/simulation/walk_smoother.hpp"
 
@@ -72,8 +73,7 @@ std::vector<InertialSample> inertial_samples(const Recording& recording, int64_t
   std::vector<InertialSample> out;
   if (forces.size() < 10 || rates.size() < 10) return out;
   size_t next = 0;
-  for (const auto& [t, force] : forces)
-    out.push_back({static_cast<double>(t - start_ns) * 1e-9, value_at(rates, t, next), force});
+  for (const auto& [t, force] : forces) out.push_back({seconds(t - start_ns), value_at(rates, t, next), force});
   return out;
 }
 
@@ -144,14 +144,14 @@ std::vector<WalkState> first_guess(const Recording& recording, const std::vector
                                    const std::vector<Waypoint>& marks, int64_t start_ns) {
   Signal path[3];
   for (const InertialSample& s : samples) {
-    const Vector3d at = path_at(marks, start_ns + std::llround(s.t_s * 1e9));
+    const Vector3d at = path_at(marks, start_ns + nanoseconds(s.t_s));
     for (int axis = 0; axis < 3; ++axis) path[axis].push_back(at[axis]);
   }
   const double rate_hz = static_cast<double>(samples.size() - 1) / (samples.back().t_s - samples.front().t_s);
   for (Signal& axis : path) smooth(axis, 0.5, rate_hz);
   std::vector<WalkState> walk;
   for (size_t i = 0; i < samples.size(); ++i) {
-    const int64_t t = start_ns + std::llround(samples[i].t_s * 1e9);
+    const int64_t t = start_ns + nanoseconds(samples[i].t_s);
     const Vector3d p_n(path[0][i], path[1][i], path[2][i] - kHold_m);
     const Vector3d v_n =
         i > 0 ? Vector3d((p_n - walk[i - 1].p_n) / (samples[i].t_s - samples[i - 1].t_s)) : Vector3d(Vector3d::Zero());
@@ -195,7 +195,7 @@ Result<Retraced> retrace(const Recording& recording) {
   const Eigen::AngleAxisd rotation(out.yaw_rad, Vector3d::UnitZ());
   for (Waypoint& mark : marks) {
     mark.p_n = rotation * mark.p_n;
-    out.journey.waypoints.push_back({static_cast<double>(mark.t_ns - out.start_ns) * 1e-9, mark.p_n});
+    out.journey.waypoints.push_back({seconds(mark.t_ns - out.start_ns), mark.p_n});
   }
 
   auto walk = first_guess(recording, samples, marks, out.start_ns);

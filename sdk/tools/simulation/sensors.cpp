@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/atmosphere.hpp"
+#include "sdk/math/gravity.hpp"
+
 namespace odograph {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kGravity = 9.80665;
 
 Vector3d normal3(Random& random, double sigma) {
   return sigma * Vector3d(random.normal(), random.normal(), random.normal());
@@ -54,7 +55,7 @@ Vector3d SimTriad::measure(const Vector3d& truth) {
 SimGyroErrors::SimGyroErrors(const Scenario::Imu& c, uint64_t seed) {
   Random random(seed, 84);
   per_kelvin_ = normal3(random, c.gyro_warming);
-  per_force_ = normal33(random, c.gyro_by_g / kGravity);
+  per_force_ = normal33(random, c.gyro_by_g / kStandardGravity_mps2);
 }
 
 Vector3d SimGyroErrors::at(double t, const Vector3d& force) const {
@@ -123,8 +124,7 @@ SimBarometer::SimBarometer(const Scenario::Barometer& b, uint64_t seed) : c_(b),
 double SimBarometer::measure(double up) {
   drift_ += c_.drift_pa / 60 * random_.normal();  // a random walk reaches its size after 3600 steps
   wind_ = wander(wind_, 1, 4, random_);
-  return 101325.0 * std::pow(1 - 2.25577e-5 * up, 5.25588) + drift_ + c_.wind_pa * wind_ +
-         c_.noise_pa * random_.normal();
+  return pressure_at_pa(up) + drift_ + c_.wind_pa * wind_ + c_.noise_pa * random_.normal();
 }
 
 SimGnss::SimGnss(const Scenario& scenario, uint64_t seed)

@@ -5,8 +5,9 @@
 #include <cmath>
 
 #include "sdk/host/base/geodesy.hpp"
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/simulation/drive.hpp"
 #include "sdk/tools/simulation/retrace.hpp"
@@ -124,7 +125,7 @@ class Simulation {
     size_t next_frame = 0, next_mark = 0;
     for (const auto& m : real.messages) {
       const odo_header& header = m.message.header();
-      const double t = static_cast<double>(header.t_ns - start_ns_) * 1e-9;
+      const double t = seconds(header.t_ns - start_ns_);
       write_frames_until(t, next_frame, progress);
       if (header.type == ODO_TYPE_WAYPOINT) {
         write_mark(walk_.waypoints[next_mark++]);
@@ -179,7 +180,7 @@ class Simulation {
     return SimulationReport{frames_.size(), wall.count(), maker_->threads(), maker_->times(), maker_->moving_parts()};
   }
 
-  int64_t clock_ns(double t_s) const { return start_ns_ + static_cast<int64_t>(std::llround(t_s * 1e9)); }
+  int64_t clock_ns(double t_s) const { return start_ns_ + nanoseconds(t_s); }
 
   /// Keeps the first failure; nothing is written after it.
   void check(const Result<bool>& written) {
@@ -204,7 +205,7 @@ class Simulation {
     m.distortion_count = 4;
     const Eigen::Quaterniond q = camera_.in_body();
     put_quaternion(q, m.q_b_c);
-    m.time_offset_ns = std::llround(c_.camera.time_offset_s * 1e9);
+    m.time_offset_ns = nanoseconds(c_.camera.time_offset_s);
     return m;
   }
 
@@ -242,8 +243,8 @@ class Simulation {
     frame.header.flags = ODO_FRAME_EXPOSURE | ODO_FRAME_LINE_TIME;
     frame.format = ODO_FORMAT_GREY8;
     frame.width = static_cast<uint32_t>(c_.camera.width), frame.height = static_cast<uint32_t>(c_.camera.height);
-    frame.exposure_ns = std::llround(frames_[k].exposure_s * 1e9);
-    frame.line_time_ns = std::llround(c_.camera.row_time_s * (1 + c_.camera.row_time_error) * 1e9);
+    frame.exposure_ns = nanoseconds(frames_[k].exposure_s);
+    frame.line_time_ns = nanoseconds(c_.camera.row_time_s * (1 + c_.camera.row_time_error));
     check(writer_.write_encoded_frame(frame, *picture));
     const Eigen::Isometry3d T = camera_.pose(walk_.phone, frames_[k].t_s);
     check(writer_.write_truth({clock_ns(frames_[k].t_s), Eigen::Quaterniond(T.linear()), T.translation()}));

@@ -3,7 +3,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/gravity.hpp"
+#include "sdk/math/rotation_integral.hpp"
 
 namespace odograph {
 namespace {
@@ -15,8 +16,6 @@ using Vector15 = Eigen::Matrix<double, 15, 1>;
 using Matrix15 = Eigen::Matrix<double, 15, 15>;
 
 enum Column { kTheta = 0, kPosition = 3, kVelocity = 6, kGyroBias = 9, kAccelBias = 12 };
-
-constexpr double kGravity_mps2 = 9.80665;
 
 double squared(double x) { return x * x; }
 
@@ -45,11 +44,10 @@ void correct(WalkState& x, const Vector15& error) {
 WalkState move(const WalkState& x, const InertialSample& a, const InertialSample& b, Matrix15& F) {
   const double dt = b.t_s - a.t_s;
   const Vector3d rotation = (0.5 * (a.gyro_b + b.gyro_b) - x.gyro_bias_b) * dt;
-  const Matrix3d R = (x.q_n_b * exp_rotation(0.5 * rotation)).toRotationMatrix();
-  const Vector3d force_n = R * (0.5 * (a.accel_b + b.accel_b) - x.accel_bias_b);
-  const Vector3d accel_n = force_n + Vector3d(0, 0, kGravity_mps2);
   WalkState next = x;
-  next.q_n_b = (x.q_n_b * exp_rotation(rotation)).normalized();
+  const Matrix3d R = rotate_body(next.q_n_b, rotation);
+  const Vector3d force_n = R * (0.5 * (a.accel_b + b.accel_b) - x.accel_bias_b);
+  const Vector3d accel_n = force_n + Vector3d(0, 0, kStandardGravity_mps2);
   next.p_n += dt * x.v_n + 0.5 * dt * dt * accel_n;
   next.v_n += dt * accel_n;
   F.setIdentity();

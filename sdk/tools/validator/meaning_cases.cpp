@@ -13,7 +13,8 @@
 #include <odograph/step_estimator.h>
 #include <odograph/vo_frontend.h>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "sdk/tools/validator/bench.hpp"
 
 namespace odograph {
@@ -131,8 +132,8 @@ std::string step_late(Bench& bench) {
       for (; i < end; ++i) {
         const auto& [seen, step] = all[i];
         if (const int64_t late_ns = seen->input_ns - step->t_end_ns; late_ns > max_ns)
-          return "a step came " + std::to_string(static_cast<double>(late_ns) * 1e-9) + " s after the foot's contact" +
-                 at(step->header) + "; expected at most " + std::to_string(static_cast<double>(max_ns) * 1e-9) + " s";
+          return "a step came " + std::to_string(seconds(late_ns)) + " s after the foot's contact" + at(step->header) +
+                 "; expected at most " + std::to_string(seconds(max_ns)) + " s";
         last_end_ns = step->t_end_ns;
       }
     }

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/atmosphere.hpp"
+#include "sdk/math/gravity.hpp"
+
 namespace odograph {
 namespace {
 constexpr double kPi = 3.14159265358979323846;
@@ -26,7 +29,7 @@ TestInput::TestInput(double seconds) {
     auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
     imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
     imu.gyro_b[2] = 0.1 * std::sin(t);
-    imu.accel_b[2] = 9.81 + 2.0 * std::sin(4 * kPi * t);  // two steps a second
+    imu.accel_b[2] = kRoundedGravity_mps2 + 2.0 * std::sin(4 * kPi * t);  // two steps a second
     add(imu);
     auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);
     attitude.header.flags = ODO_ATTITUDE_COVARIANCE | ODO_ATTITUDE_GYRO_BIAS;
@@ -63,7 +66,7 @@ void TestInput::add_slow(int i, double t, int64_t t_ns) {
   }
   if (i % 10 == 0) {
     auto pressure = make_message<odo_barometer>(ODO_TYPE_BAROMETER, t_ns);
-    pressure.pressure_pa = 101325;
+    pressure.pressure_pa = kSeaLevel_pa;
     add(pressure);
   }
   if (i % 100 != 0) return;

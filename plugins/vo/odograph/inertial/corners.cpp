@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -111,7 +111,7 @@ void GuidedCorners::track_forward(std::vector<cv::Point2f>& to) {
 
 /// From frame to frame small errors add up; the picture where the corner was found knows no drift.
 void GuidedCorners::refine_by_patch(const cv::Mat& picture, const Eigen::Quaterniond& q_c0_c1) {
-  const Eigen::Matrix2d roll = Eigen::Rotation2Dd(-so3::log_rotation(q_c0_c1).z()).toRotationMatrix();
+  const Eigen::Matrix2d roll = Eigen::Rotation2Dd(-log_rotation(q_c0_c1).z()).toRotationMatrix();
   std::vector<char> keep(tracks_.size(), 1);
   for (size_t i = 0; i < tracks_.size(); ++i) {
     Track& t = tracks_[i];

@@ -6,6 +6,7 @@
 
 #include "plugins/shared/median.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
+#include "sdk/math/time.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -63,9 +64,9 @@ void Filter::count(const Outcome& outcome, FrameReport& report) {
 
 FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   FrameReport report;
-  const int64_t t_ns = frame.t_ns + static_cast<int64_t>(std::llround(state_.camera.time_offset_s * 1e9));
+  const int64_t t_ns = frame.t_ns + nanoseconds(state_.camera.time_offset_s);
   report.imu_whole = propagate(state_, std::max(t_ns, state_.t_ns), imu, p_);
-  if (!recent_.empty()) let_corners_walk(static_cast<double>(frame.t_ns - recent_.back().t_ns) * 1e-9);
+  if (!recent_.empty()) let_corners_walk(seconds(frame.t_ns - recent_.back().t_ns));
   report.standing = !gets_somewhere(frame.t_ns) && stands(frame, imu);
   if (state_.clones.size() > 2 && ((report.standing && stood_) || without_parallax()))
     forget_clone(state_.clones.size() - 1);
@@ -78,9 +79,9 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   marginalise();
   settle_lens();
   update_scale_sigma();
-  if (!recent_.empty()) update_pixel_sigma(report, static_cast<double>(frame.t_ns - recent_.back().t_ns) * 1e-9);
+  if (!recent_.empty()) update_pixel_sigma(report, seconds(frame.t_ns - recent_.back().t_ns));
   recent_.push_back(frame);
-  while (static_cast<double>(frame.t_ns - recent_.front().t_ns) * 1e-9 > 1.5 * p_.stand.window_s) recent_.pop_front();
+  while (seconds(frame.t_ns - recent_.front().t_ns) > 1.5 * p_.stand.window_s) recent_.pop_front();
   return report;
 }
 
@@ -93,7 +94,7 @@ void Filter::let_corners_walk(double dt_s) {
 /// Its mean velocity is none of somebody who stays where he is, or turns there with the phone at arm's length.
 bool Filter::gets_somewhere(int64_t t_ns) {
   motions_.push_back({t_ns, state_.nav.v_w, state_.nav.q_w_b});
-  while (static_cast<double>(t_ns - motions_.front().t_ns) * 1e-9 > p_.stand.mean_s) motions_.pop_front();
+  while (seconds(t_ns - motions_.front().t_ns) > p_.stand.mean_s) motions_.pop_front();
   Vector3d mean = Vector3d::Zero();
   for (const Motion& x : motions_) mean += x.v_w / static_cast<double>(motions_.size());
   const double rotation_rad = motions_.front().q_w_b.angularDistance(state_.nav.q_w_b);
@@ -106,7 +107,7 @@ bool Filter::gets_somewhere(int64_t t_ns) {
 /// Nothing but a rotation in the picture, and a specific force that hardly changes.
 bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
   const auto before = std::find_if(recent_.rbegin(), recent_.rend(), [&](const FrameCorners& f) {
-    return static_cast<double>(frame.t_ns - f.t_ns) * 1e-9 > p_.stand.window_s;
+    return seconds(frame.t_ns - f.t_ns) > p_.stand.window_s;
   });
   if (before == recent_.rend()) return false;
   Vector3d sum = Vector3d::Zero(), squares = Vector3d::Zero();
@@ -123,7 +124,7 @@ bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
     norms += norm, norm_squares += norm * norm;
   });
   const double norm_variance = norm_squares / n - norms * norms / (n * n);
-  const double rate_hz = n / (static_cast<double>(frame.t_ns - before->t_ns) * 1e-9);
+  const double rate_hz = n / seconds(frame.t_ns - before->t_ns);
   if (std::min(variance, 2 * norm_variance) > p_.stand.max_force_variance(p_.noise, rate_hz)) return false;
   const auto flow_px = flow_beside_rotation(*before, frame, state_.camera, p_.stand.min_corners);
   return flow_px && *flow_px < p_.stand.flow_px;
@@ -223,7 +224,7 @@ void Filter::settle_lens() {
     return;
   }
   if (!unfollowed_ns_) unfollowed_ns_ = now_ns;
-  if (static_cast<double>(now_ns - *unfollowed_ns_) * 1e-9 < s.fixed_s) return;
+  if (seconds(now_ns - *unfollowed_ns_) < s.fixed_s) return;
   fixed_lens_ = true;
   hold_lens(state_);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plugins/vo/odograph/inertial/imu_buffer.hpp"
 
+#include <algorithm>
+
 namespace odograph::vio {
 
 void ImuBuffer::add(const ImuSample& sample) {
@@ -8,31 +10,20 @@ void ImuBuffer::add(const ImuSample& sample) {
   samples_.push(sample);
 }
 
-size_t ImuBuffer::first_after(int64_t t_ns) const {
-  size_t low = 0, high = samples_.size();  // samples [0, low) are later
-  while (low < high) {
-    const size_t middle = (low + high) / 2;
-    if (samples_.back(middle).t_ns > t_ns)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low;
+ImuSample ImuBuffer::between(const ImuSample& before, const ImuSample& after, int64_t t_ns) {
+  if (t_ns == after.t_ns) return after;
+  ImuSample result = before;
+  result.t_ns = t_ns;
+  if (after.t_ns == before.t_ns) return result;
+  const double part = static_cast<double>(t_ns - before.t_ns) / static_cast<double>(after.t_ns - before.t_ns);
+  result.gyro_b += part * (after.gyro_b - before.gyro_b);
+  result.accel_b += part * (after.accel_b - before.accel_b);
+  return result;
 }
 
 ImuSample ImuBuffer::at(int64_t t_ns) const {
-  const size_t later = first_after(t_ns);
-  ImuSample result = later == 0                 ? samples_.back(0)
-                     : later == samples_.size() ? samples_.back(samples_.size() - 1)
-                                                : samples_.back(later);
-  if (later > 0 && later < samples_.size()) {
-    const ImuSample &a = samples_.back(later), &b = samples_.back(later - 1);
-    const double part = static_cast<double>(t_ns - a.t_ns) / static_cast<double>(b.t_ns - a.t_ns);
-    result.gyro_b = a.gyro_b + part * (b.gyro_b - a.gyro_b);
-    result.accel_b = a.accel_b + part * (b.accel_b - a.accel_b);
-  }
-  result.t_ns = t_ns;
-  return result;
+  const size_t later = count_after(samples_, t_ns);
+  return between(samples_.back(std::min(later, samples_.size() - 1)), samples_.back(later > 0 ? later - 1 : 0), t_ns);
 }
 
 }  // namespace odograph::vio

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <optional>
 
 #include <Eigen/Core>
 
-#include "plugins/shared/ring.hpp"
+#include "sdk/math/ring.hpp"
+#include "sdk/math/sample_intervals.hpp"
 
 namespace odograph::vio {
 
@@ -32,31 +31,20 @@ class ImuBuffer {
   /// Interpolated; the nearest sample's beyond the ends. The buffer must not be empty.
   ImuSample at(int64_t t_ns) const;
 
-  /// Calls `visit(from, to)` for each stretch between neighbouring samples of [from_ns, to_ns], the ends interpolated.
-  /// False where a gap is longer than `longest_gap_ns`, or samples lack at either end by more than that.
+  /// for_each_interval of [from_ns, to_ns], with `visit(from, to)` called by the samples at the ends of each interval,
+  /// interpolated where they are cut.
   template <class Visit>
   bool for_each(int64_t from_ns, int64_t to_ns, int64_t longest_gap_ns, Visit visit) const {
-    if (empty() || from_ns + longest_gap_ns < oldest_ns() || to_ns - longest_gap_ns > newest_ns()) return false;
-    size_t i = first_after(from_ns);
-    ImuSample before = at(from_ns);
-    bool whole = true;
-    for (; i > 0 && samples_.back(i - 1).t_ns < to_ns; --i) {
-      const ImuSample& next = samples_.back(i - 1);
-      whole = whole && next.t_ns - before.t_ns <= longest_gap_ns;
-      visit(before, next);
-      before = next;
-    }
-    if (to_ns > before.t_ns) {
-      whole = whole && to_ns - before.t_ns <= longest_gap_ns;
-      visit(before, at(to_ns));
-    }
-    return whole;
+    return for_each_interval(samples_, from_ns, to_ns, longest_gap_ns,
+                             [&](const ImuSample& before, const ImuSample& after, int64_t t0_ns, int64_t t1_ns) {
+                               visit(between(before, after, t0_ns), between(before, after, t1_ns));
+                             });
   }
 
  private:
-  size_t first_after(int64_t t_ns) const;  ///< how many samples are later
+  static ImuSample between(const ImuSample& before, const ImuSample& after, int64_t t_ns);
 
-  plugin::Ring<ImuSample, 4096> samples_;
+  Ring<ImuSample, 4096> samples_;
 };
 
 }  // namespace odograph::vio

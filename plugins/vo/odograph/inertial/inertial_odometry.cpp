@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "plugins/shared/rotation.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
+#include "sdk/math/rotation_integral.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -14,13 +14,8 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-using so3::exp_rotation;
-using so3::isometry;
-using so3::skew;
 
-double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
-
-int64_t imu_offset_ns(const Camera& camera) { return static_cast<int64_t>(std::llround(camera.time_offset_s * 1e9)); }
+int64_t imu_offset_ns(const Camera& camera) { return nanoseconds(camera.time_offset_s); }
 
 Isometry3d pose_of(const Clone& clone) { return isometry(clone.q_w_c, clone.p_w); }
 
@@ -137,7 +132,7 @@ bool InertialOdometry::has_accelerometer(int64_t t_ns) const {
 bool InertialOdometry::imu_reaches(int64_t t_ns) const {
   const double reach_s =
       std::max(0.0, camera().time_offset_s) + (camera().middle_row + 1) * std::abs(camera().line_time_s);
-  return !imu_.empty() && imu_.newest_ns() >= t_ns + p_.imu_margin_ns + static_cast<int64_t>(reach_s * 1e9);
+  return !imu_.empty() && imu_.newest_ns() >= t_ns + p_.imu_margin_ns + nanoseconds(reach_s);
 }
 
 /// Poses of a scale group from the visual motions.
@@ -185,13 +180,13 @@ Quaterniond InertialOdometry::rotation_between(int64_t from_ns, int64_t to_ns) c
     nav.gyro_bias = camera_.q_b_c * phase->visual->gyro_bias_c();
   else
     nav = filter()->state().nav;
-  Quaterniond q = Quaterniond::Identity();
+  RotationIntegral integral;
   const bool whole = imu_.for_each(from_ns + offset_ns, to_ns + offset_ns, ImuBuffer::kLongestGap_ns,
                                    [&](const ImuSample& a, const ImuSample& b) {
-                                     const Vector3d rate = nav.rate(0.5 * (a.gyro_b + b.gyro_b));
-                                     q = q * exp_rotation(seconds(b.t_ns - a.t_ns) * rate);
+                                     integral.add(nav.rate(0.5 * (a.gyro_b + b.gyro_b)), seconds(b.t_ns - a.t_ns));
                                    });
-  return whole ? (camera().q_b_c.conjugate() * q * camera().q_b_c).normalized() : Quaterniond::Identity();
+  if (!whole) return Quaterniond::Identity();
+  return (camera().q_b_c.conjugate() * integral.q_b0_b1 * camera().q_b_c).normalized();
 }
 
 /// The filter's, carried to a frame's time.

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -14,8 +14,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using so3::exp_rotation;
-using so3::skew;
 
 constexpr double kNearest_m = 0.05;  // of a point before a camera: nearer no phone's lens is in focus
 

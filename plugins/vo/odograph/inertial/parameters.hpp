@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "sdk/math/gravity.hpp"
+
 namespace odograph::vio {
 
 /// Noise densities of an inertial sensor, as an Allan deviation gives them. What it leaves out, scale error, cross
@@ -106,7 +108,7 @@ struct FilterParameters {
   Priors priors;
   StabiliserParameters stabiliser;
   StandParameters stand;
-  double gravity_mps2 = 9.81;
+  double gravity_mps2 = kRoundedGravity_mps2;
   size_t clones = 12;                ///< poses in the window
   size_t landmarks = 40;             ///< points that are states
   size_t features = 25;              ///< tracks that an update takes at most

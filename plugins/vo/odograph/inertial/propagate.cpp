@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation_integral.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -11,22 +11,18 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using so3::exp_rotation;
-using so3::skew;
 using Matrix15d = Eigen::Matrix<double, block::navigation, block::navigation>;
 
-double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 double squared(double x) { return x * x; }
 
 /// One stretch by the rate and the specific force of its middle. Returns the orientation of the middle.
 Matrix3d step(Navigation& nav, const ImuSample& from, const ImuSample& to, double dt, double gravity) {
   const Vector3d rate = nav.rate(0.5 * (from.gyro_b + to.gyro_b));
   const Vector3d force = nav.force(0.5 * (from.accel_b + to.accel_b));
-  const Matrix3d R = (nav.q_w_b * exp_rotation(0.5 * dt * rate)).toRotationMatrix();
+  const Matrix3d R = rotate_body(nav.q_w_b, dt * rate);
   const Vector3d a = R * force + Vector3d(0, 0, gravity);
   nav.p_w += nav.v_w * dt + 0.5 * dt * dt * a;
   nav.v_w += dt * a;
-  nav.q_w_b = (nav.q_w_b * exp_rotation(dt * rate)).normalized();
   return R;
 }
 
@@ -173,7 +169,7 @@ bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterPa
 void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, const FilterParameters& p) {
   const Navigation& nav = state.nav;
   const Matrix3d R = nav.q_w_b.toRotationMatrix();
-  const auto half_ns = static_cast<int64_t>(p.rate_change_s * 1e9);
+  const auto half_ns = nanoseconds(p.rate_change_s);
   const ImuSample before = imu.at(state.t_ns - half_ns), now = imu.at(state.t_ns), after = imu.at(state.t_ns + half_ns);
   const Vector3d rate = nav.rate(now.gyro_b);
   const Eigen::Quaterniond q_c_b = state.camera.q_b_c.conjugate();

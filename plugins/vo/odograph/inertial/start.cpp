@@ -6,8 +6,8 @@
 
 #include <Eigen/Dense>
 
-#include "plugins/shared/rotation.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
+#include "sdk/math/rotation_integral.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -16,12 +16,9 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-using so3::exp_rotation;
-
-double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 int64_t imu_time(const StartFrame& frame, const Camera& camera) {
-  return frame.corners.t_ns + static_cast<int64_t>(std::llround(camera.time_offset_s * 1e9));
+  return frame.corners.t_ns + nanoseconds(camera.time_offset_s);
 }
 
 /// The newest frame that is at least so long ago.
@@ -38,7 +35,7 @@ struct ForceOverTime {
 };
 ForceOverTime force_before(int64_t end_ns, double reach_s, const Quaterniond& q_w_b_end, const Vector3d& gyro_bias,
                            const ImuBuffer& imu) {
-  const auto reach_ns = static_cast<int64_t>(reach_s * 1e9);
+  const auto reach_ns = nanoseconds(reach_s);
   const int64_t from_ns = std::max(imu.oldest_ns(), end_ns - reach_ns);
   if (from_ns >= end_ns) return {};
   Quaterniond q = Quaterniond::Identity();
@@ -47,8 +44,7 @@ ForceOverTime force_before(int64_t end_ns, double reach_s, const Quaterniond& q_
       imu.for_each(from_ns, end_ns, ImuBuffer::kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
         const double dt = seconds(b.t_ns - a.t_ns);
         const Vector3d rate = 0.5 * (a.gyro_b + b.gyro_b) - gyro_bias;
-        v += dt * (q * exp_rotation(0.5 * dt * rate) * (0.5 * (a.accel_b + b.accel_b)));
-        q = (q * exp_rotation(dt * rate)).normalized();
+        v += dt * (rotate_body(q, dt * rate) * (0.5 * (a.accel_b + b.accel_b)));
       });
   if (!whole) return {};
   return {q_w_b_end * q.conjugate() * v, seconds(end_ns - from_ns)};
@@ -80,12 +76,11 @@ std::optional<Displacements> displacements(const std::deque<StartFrame>& frames,
         imu.for_each(now_ns, t_ns, ImuBuffer::kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
           const double dt = seconds(b.t_ns - a.t_ns);
           const Vector3d rate = 0.5 * (a.gyro_b + b.gyro_b) - gyro_bias;
-          const Matrix3d R = (q * exp_rotation(0.5 * dt * rate)).toRotationMatrix();
+          const Matrix3d R = rotate_body(q, dt * rate);
           const Vector3d force = R * (0.5 * (a.accel_b + b.accel_b));
           out.force_sum += dt * force;
           x += dt * out.v + 0.5 * dt * dt * force, out.v += dt * force;
           X -= dt * V + 0.5 * dt * dt * R, V += dt * R;
-          q = (q * exp_rotation(dt * rate)).normalized();
         });
     if (!whole) return std::nullopt;
     now_ns = t_ns;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -12,8 +12,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-using so3::exp_rotation;
-using so3::skew;
 
 constexpr double kMinInverseDepth = 1e-4;  // 1/m: as good as infinitely far
 constexpr double kMaxLeak = 1.4;           // four times as much, or as little

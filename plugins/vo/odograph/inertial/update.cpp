@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::vio {
 namespace {
@@ -15,7 +15,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using so3::skew;
 
 /// Residuals and derivatives of a track by its clones, its point and the camera. Columns: of each clone block::clone,
 /// then line time, lens and follow.

@@ -7,13 +7,12 @@
 
 #include <Eigen/Geometry>
 
-#include "plugins/shared/ring.hpp"
 #include "plugins/vo/odograph/visual/parameters.hpp"
+#include "sdk/math/ring.hpp"
 
 namespace odograph::vo {
 
-/// A gyroscope's rotation between two times, with what a bias would change (Forster et al., "On-manifold
-/// preintegration", 2017, eq. (33) and (44)).
+/// A gyroscope's rotation between two times, as RotationIntegral has it.
 struct GyroRotation {
   Eigen::Quaterniond q_c0_c1;
   Eigen::Matrix3d by_bias;  ///< derivative of the right-hand small rotation by the bias, s
@@ -39,7 +38,7 @@ class Gyroscope {
   };
 
   GyroscopeParameters p_;
-  plugin::Ring<Sample, 4096> samples_;
+  Ring<Sample, 4096> samples_;
 };
 
 }  // namespace odograph::vo

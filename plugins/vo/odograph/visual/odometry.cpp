@@ -8,8 +8,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/shared/camera/two_view.hpp"
-#include "plugins/shared/rotation.hpp"
 #include "plugins/shared/median.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 
 namespace odograph::vo {
 namespace {
@@ -18,12 +19,8 @@ using Eigen::Isometry3d;
 using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using so3::exp_rotation;
-using so3::isometry;
 
 constexpr double kRayleighMedian = 1.18;  // of two normal components of equal deviation, in deviations
-
-double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 }  // namespace
 

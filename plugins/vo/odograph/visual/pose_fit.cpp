@@ -6,14 +6,11 @@
 
 #include <Eigen/Cholesky>
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::vo {
 namespace {
 
-using so3::exp_rotation;
-using so3::log_rotation;
-using so3::skew;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 

@@ -5,9 +5,10 @@
 #include <cmath>
 
 #include "plugins/shared/camera/two_view.hpp"
-#include "plugins/shared/rotation.hpp"
 #include "plugins/shared/median.hpp"
 #include "plugins/vo/odograph/visual/odometry.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 
 namespace odograph::vo {
 namespace {
@@ -15,10 +16,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-using so3::isometry;
-using so3::log_rotation;
-
-double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 }  // namespace
 
@@ -60,8 +57,7 @@ void Odometry::learn_bias(const Initialising& state, const Prediction& predicted
                           double sigma_rad) {
   const double since_s = seconds(last_ns_ - state.reference_ns) + predicted.step_s;
   if (!predicted.gyro || since_s < p_.gyroscope.learn_bias_after_s) return;
-  const auto gyro =
-      gyroscope_.between(state.reference_ns, state.reference_ns + static_cast<int64_t>(since_s * 1e9), bias_c_);
+  const auto gyro = gyroscope_.between(state.reference_ns, state.reference_ns + nanoseconds(since_s), bias_c_);
   const double sigma = sigma_rad / since_s, variance = bias_sigma_ * bias_sigma_;
   if (!gyro || sigma > bias_sigma_) return;
   bias_c_ += variance / (variance + sigma * sigma) * log_rotation(seen_rotation.conjugate() * gyro->q_c0_c1) / since_s;

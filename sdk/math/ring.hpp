@@ -5,10 +5,9 @@
 #include <array>
 #include <cstddef>
 
-namespace odograph::plugin {
+namespace odograph {
 
-/// The host has the same (sdk/host/base/ring.hpp), which plugins cannot see. The newest N values of a stream; a new one
-/// takes the oldest one's place. No allocation.
+/// The newest N values of a stream; a new one takes the oldest one's place. No allocation.
 template <class T, size_t N>
 class Ring {
  public:
@@ -25,4 +24,4 @@ class Ring {
   size_t count_ = 0;
 };
 
-}  // namespace odograph::plugin
+}  // namespace odograph

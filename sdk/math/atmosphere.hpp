@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+namespace odograph {
+
+/// The troposphere of the International Standard Atmosphere (ISO 2533): 101325 Pa and 288.15 K at sea level, 6.5 K less
+/// for each km; the exponent is R L / (M g).
+inline constexpr double kSeaLevel_pa = 101325, kTemperatureHeight_m = 288.15 / 0.0065, kPressureExponent = 0.190263;
+
+/// m, positive above sea level; of a pressure > 0.
+inline double pressure_height_m(double pressure_pa) {
+  return kTemperatureHeight_m * (1 - std::pow(pressure_pa / kSeaLevel_pa, kPressureExponent));
+}
+
+/// Pa; the inverse. Below 44 km.
+inline double pressure_at_pa(double height_m) {
+  return kSeaLevel_pa * std::pow(1 - height_m / kTemperatureHeight_m, 1 / kPressureExponent);
+}
+
+}  // namespace odograph

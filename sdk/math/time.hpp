@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace odograph {
+
+inline constexpr int64_t kMillisecond_ns = 1'000'000;
+inline constexpr int64_t kSecond_ns = 1'000'000'000;
+
+constexpr double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+/// The nearest; of what lies within 9.2e9 s.
+inline int64_t nanoseconds(double s) { return std::llround(s * 1e9); }
+
+}  // namespace odograph
