@@ -110,7 +110,8 @@ class Walk {
       const Vector3d d_n = p_n_c - last_p_n_;
       log_inverse_ += errors.scale_walk * std::sqrt(d_n.norm()) * random_.normal();
       const Vector3d d = std::exp(log_inverse_) * (d_n + error_m_ - last_error_m_);
-      motion = InertialScale::Motion{ns(last_s_), ns(t), last_stated_, last_q_.conjugate() * d, 3, true};
+      const Quaterniond q_c0_c1 = last_q_.conjugate() * Quaterniond(T.linear()) * q_b_c;
+      motion = InertialScale::Motion{ns(last_s_), ns(t), last_stated_, q_c0_c1, last_q_.conjugate() * d, 3, true};
       if (change) change(t, *motion);
     }
     last_s_ = t, last_p_n_ = p_n_c, last_error_m_ = error_m_;
@@ -171,7 +172,7 @@ TEST_CASE("without errors the scale is exact, with a long lever and frames betwe
     REQUIRE(answers.size() > 150);
     CHECK(answers.front().t_s < 5);  // the first window
     for (const auto& answer : answers) CHECK(std::abs(answer.off()) < 2e-3);
-    CHECK(answers.back().scale.relative_sigma < 0.02);
+    CHECK(answers.back().scale.relative_sigma < 0.025);
     CHECK(answers.back().scale.relative_sigma > 0.01);  // the accelerometer's own is never averaged away
   }
 }
@@ -211,7 +212,8 @@ TEST_CASE("the scale errs by as much as it states, whatever errs most") {
   for (const auto& row : rows) {
     CAPTURE(row.name);
     const Consistency c = consistency(row.errors);
-    MESSAGE(row.name << ": NEES " << c.nees << ", mean " << c.bias << ", rms " << c.rms << " of " << c.n);
+    CAPTURE(c.nees);
+    CAPTURE(c.rms);
     CHECK(c.n > 60);
     CHECK(c.nees > 0.3);
     CHECK(c.nees < 2);
@@ -234,8 +236,8 @@ TEST_CASE("a window's regression is blind to a cubic trend, and to noise of the 
           Vector3d(1.3, -0.4, 0.2) * t + Vector3d(0.1, 0.2, -0.1) * t * t + Vector3d(0.02, 0, 0.03) * t * t * t;
       for (int axis = 0; axis < 3; ++axis) error[axis] = 0.8 * error[axis] + 0.6 * 0.017 * random.normal();
       signal += gait.squaredNorm(), noise += error.squaredNorm();
-      exact.add(t, gait, 2.5 * gait + trend);
-      noisy.add(t, gait + trend, 2.5 * (gait + error));
+      exact.add({t, gait, 2.5 * gait + trend, Vector3d::Zero()});
+      noisy.add({t, gait + trend, 2.5 * (gait + error), Vector3d::Zero()});
     }
     REQUIRE(exact.solve());
     CHECK(std::abs(exact.solve()->inverse_scale - 2.5) < 1e-9);
@@ -251,10 +253,10 @@ TEST_CASE("a window's regression is blind to a cubic trend, and to noise of the 
   Window small{{}};
   for (int i = 0; i < 11; ++i) {
     CHECK_FALSE(small.solve());
-    small.add(0.4 * i, {0, 0, 0.01 * std::sin(5.0 * i)}, {0, 0.1 * i, 0.02 * std::sin(5.0 * i)});
+    small.add({0.4 * i, {0, 0, 0.01 * std::sin(5.0 * i)}, {0, 0.1 * i, 0.02 * std::sin(5.0 * i)}, Vector3d::Zero()});
   }
   CHECK_FALSE(small.solve());
-  small.add(4.4, {0, 0, 0}, {0, 1.1, 0});
+  small.add({4.4, {0, 0, 0}, {0, 1.1, 0}, Vector3d::Zero()});
   CHECK(small.solve());
 }
 
@@ -326,22 +328,19 @@ TEST_CASE("a window with a gap in the IMU or in the motions is none") {
 TEST_CASE("who stands has no scale at first, and keeps the one that he had") {
   for (const uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u}) CHECK(Walk(standing(60, seed), seed).run().empty());
 
-  Errors errors;
-  errors.noise_m = 0.002;
-  Walk walk = Walk::of_length(60, 2, errors);
   Scenario s;
   s.route = {{0, 0, 0}, {60, 0, 0}};
   Scenario::Event stand;
   stand.at_m = 40, stand.what = "stand", stand.for_s = 60;
   s.events = {stand};
-  const auto answers = Walk(make_walk(s, 2).phone, 2, errors).run();
-  REQUIRE(answers.back().t_s > 90);
-  double widest = 0;
-  for (const auto& answer : answers) {
-    CHECK(std::abs(answer.normalised()) < 3.5);
-    widest = std::max(widest, answer.scale.relative_sigma);
+  for (const bool seen : {true, false}) {  // by an IMU, while standing
+    Walk walk(make_walk(s, 2).phone, 2);
+    walk.imu_missing = [&](double t) { return !seen && t > 40; };
+    const auto answers = walk.run();
+    REQUIRE(answers.back().t_s > 90);
+    for (const auto& answer : answers) CHECK(std::abs(answer.normalised()) < 3.5);
+    if (!seen) CHECK(answers.back().scale.relative_sigma > 0.01 * std::sqrt(50.0));
   }
-  CHECK(widest > 0.05);  // a minute's standing: 0.01 sqrt(60)
 }
 
 TEST_CASE("the plugin answers each motion of an odometry without a metre, and reports one that has it") {
@@ -364,6 +363,8 @@ TEST_CASE("the plugin answers each motion of an odometry without a metre, and re
                m.t_from_ns = motion.from_ns;
                m.q_n_c0[0] = motion.q_n_c0.w();
                Vector3d::Map(m.q_n_c0 + 1) = motion.q_n_c0.vec();
+               m.q_c0_c1[0] = motion.q_c0_c1.w();
+               Vector3d::Map(m.q_c0_c1 + 1) = motion.q_c0_c1.vec();
                Vector3d::Map(m.p_c0_c1) = motion.p_c0_c1;
                m.camera = 4, m.state = ODO_TRACKING, m.scale_group = 3;
                messages.emplace_back(m.header);

@@ -45,14 +45,16 @@ void InertialScale::use(const Motion& m) {
   last_ns_ = INT64_MIN;
   if (!m.translates) return;
   if (!chained) q_n_b_ = (m.q_n_c0 * mount_.q_b_c.conjugate()).normalized();
-  const Vector3d d_n = q_n_b_ * (mount_.q_b_c * m.p_c0_c1);
+  const Quaterniond q_n_c0 = q_n_b_ * mount_.q_b_c;
   if (!integrate(m.from_ns, m.t_ns)) return;
   last_ns_ = m.t_ns;
   if (chained) {
-    y_n_ += d_n;
+    const Quaterniond gyro_c0_c1 = q_n_c0.conjugate() * q_n_b_ * mount_.q_b_c;
+    y_n_ += q_n_c0 * m.p_c0_c1;
+    beta_n_ += q_n_c0 * so3::log_rotation(m.q_c0_c1 * gyro_c0_c1.conjugate()).cross(Vector3d::UnitZ());
   } else {  // a window begins with this motion's later frame
     window_.clear();
-    alpha_n_.setZero(), rate_n_.setZero(), y_n_.setZero();
+    alpha_n_.setZero(), rate_n_.setZero(), y_n_.setZero(), beta_n_.setZero();
   }
   add_frame(m.t_ns);
 }
@@ -97,7 +99,7 @@ void InertialScale::add_frame(int64_t t_ns) {
   if (window_.empty()) window_ns_ = t_ns;
   const double t_s = seconds(t_ns - window_ns_);
   if (!window_.empty() && t_s - window_.last_s() < p_.frame_spacing_s) return;
-  window_.add(t_s, alpha_n_ + q_n_b_ * mount_.p_b_c, y_n_);
+  window_.add({t_s, alpha_n_ + q_n_b_ * mount_.p_b_c, y_n_, beta_n_});
   if (t_s < p_.window_s) return;
   if (const auto window = window_.solve()) update(*window);
   last_ns_ = INT64_MIN;  // the next window shares no frame with this one
@@ -113,7 +115,9 @@ void InertialScale::predict(const Motion& m, double dt_s) {
 }
 
 void InertialScale::update(const WindowScale& window) {
-  const double noise = squared(window.sigma), innovation = window.inverse_scale - inverse_scale_;
+  // The scale's mean over the window stands for that at its end.
+  const double r = std::abs(window.inverse_scale), innovation = window.inverse_scale - inverse_scale_;
+  const double noise = squared(window.sigma) + squared(p_.scale_walk) * r * window.path / 3;
   const bool fits = variance_ >= 0 && squared(innovation) <= p_.gate * (variance_ + noise);
   if (variance_ >= 0 && !fits && ++rejected_ < p_.max_rejected) return;
   if (!fits) known_ = false;

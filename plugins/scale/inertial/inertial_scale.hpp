@@ -52,9 +52,10 @@ class InertialScale {
   struct Motion {
     int64_t from_ns, t_ns;
     Eigen::Quaterniond q_n_c0;
-    Eigen::Vector3d p_c0_c1;  ///< up to scale
+    Eigen::Quaterniond q_c0_c1;  ///< of a camera's rotation, not the gyroscope's
+    Eigen::Vector3d p_c0_c1;     ///< up to scale
     uint32_t group;
-    bool translates;  ///< p_c0_c1 is valid
+    bool translates;  ///< q_c0_c1 and p_c0_c1 are valid
   };
 
   explicit InertialScale(const Parameters& parameters = {}) : p_(parameters), window_(parameters.window) {}
@@ -89,8 +90,9 @@ class InertialScale {
   int64_t window_ns_ = 0;        // of its first frame
   int64_t last_ns_ = INT64_MIN;  // the frame up to which the motions chain without a break
   Eigen::Quaterniond q_n_b_ = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d alpha_n_ = Eigen::Vector3d::Zero(), rate_n_ = Eigen::Vector3d::Zero(), y_n_ = Eigen::Vector3d::Zero();
-  double inverse_scale_ = 0, variance_ = -1;  // below 0: no window yet
+  Eigen::Vector3d alpha_n_ = Eigen::Vector3d::Zero(), rate_n_ = Eigen::Vector3d::Zero(), y_n_ = Eigen::Vector3d::Zero(),
+                  beta_n_ = Eigen::Vector3d::Zero();  // as in Window
+  double inverse_scale_ = 0, variance_ = -1;          // below 0: no window yet
   bool known_ = false;
   int rejected_ = 0;
 };

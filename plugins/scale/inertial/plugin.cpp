@@ -56,12 +56,13 @@ class Inertial {
       return;
     }
     const Eigen::Vector3d p_c0_c1(motion.p_c0_c1);
-    const bool translates = odograph::scalable(motion) && motion.state != ODO_LOST;
+    const bool translates =
+        odograph::scalable(motion) && (motion.header.flags & ODO_VO_ROTATION) != 0 && motion.state != ODO_LOST;
     if (translates && !(p_c0_c1.norm() < kMaxDisplacement))
       throw odo::Error(ODO_E_DISCARD, "p_c0_c1 is no motion between two frames");
     if (const auto mount = mounts_.find(motion.camera); mount != mounts_.end()) scale_.set_camera(mount->second);
-    scale_.add_motion({motion.t_from_ns, motion.header.t_ns, odograph::so3::quaternion(motion.q_n_c0), p_c0_c1,
-                       motion.scale_group, translates});
+    scale_.add_motion({motion.t_from_ns, motion.header.t_ns, odograph::so3::quaternion(motion.q_n_c0),
+                       odograph::so3::quaternion(motion.q_c0_c1), p_c0_c1, motion.scale_group, translates});
     const auto found = scale_.scale();
     if (!translates || !found) return;
     auto scale = odograph::scale_of(motion);
