@@ -41,14 +41,14 @@ void InertialScale::use(const Motion& m) {
   const double dt_s = seconds(m.t_ns - m.from_ns);
   if (dt_s <= 0) return;
   predict(m, dt_s);
-  const bool chained = m.from_ns == last_ns_ && m.translates && orient(m);
+  const bool continues = m.from_ns == last_ns_ && m.translates && orient(m);
   last_ns_ = INT64_MIN;
   if (!m.translates) return;
-  if (!chained) q_n_b_ = (m.q_n_c0 * mount_.q_b_c.conjugate()).normalized();
+  if (!continues) q_n_b_ = (m.q_n_c0 * mount_.q_b_c.conjugate()).normalized();
   const Quaterniond q_n_c0 = q_n_b_ * mount_.q_b_c;
   if (!integrate(m.from_ns, m.t_ns)) return;
   last_ns_ = m.t_ns;
-  if (chained) {
+  if (continues) {
     const Quaterniond gyro_c0_c1 = q_n_c0.conjugate() * q_n_b_ * mount_.q_b_c;
     y_n_ += q_n_c0 * m.p_c0_c1;
     beta_n_ += q_n_c0 * so3::log_rotation(m.q_c0_c1 * gyro_c0_c1.conjugate()).cross(Vector3d::UnitZ());

@@ -14,14 +14,15 @@ namespace odograph::inertial_scale {
 
 /// Units and sources; "judgement" is a choice that was seen not to matter much, "by hand" one that was never varied.
 struct Parameters {
-  double window_s = 4.0;          ///< s of motion in a regression; 3 and 6 s err by a fifth more on simulated gait
-  double start_sigma = 0.15;      ///< of the scale, relative, at which it counts as known
-  double scale_walk = 0.01;       ///< 1/sqrt(m) of the odometry's log-scale: 1.2 % between the halves of 10 m
-                                  ///< (docs/accuracy/odometry.md)
-  double standing_walk = 0.01;    ///< 1/sqrt(s) of it where the camera hardly moves: 3 % over a stop is usual
-  double standing_mps = 0.1;      ///< m/s: slower, the camera hardly moves; by hand
-  double common_sigma = 0.01;     ///< of the scale, relative, the same in all windows: the accelerometer's scale error
-                                  ///< of 0.5 to 1 %, data sheets of BMI270 and ICM-20602
+  double window_s = 4.0;      ///< s of motion in a regression; with 6 s the error grows by a quarter on simulated gait
+  double start_sigma = 0.15;  ///< of the scale, relative, at which it counts as known
+  double scale_walk = 0.03;   ///< 1/sqrt(m) of the odometry's log-scale: vo/five_point at corners, simulated streets
+                              ///< (docs/accuracy/pose.md); half of the time a third of it
+  double standing_walk = 0.01;  ///< 1/sqrt(s) of it where the camera hardly moves: 3 % over a stop is usual
+  double standing_mps = 0.1;    ///< m/s: slower, the camera hardly moves; by hand
+  double common_sigma = 0.03;   ///< of the scale, relative, the same in all windows: what a rolling shutter leaves in
+                               ///< the gait's motion (simulated streets, as above); the accelerometer's own scale error
+                               ///< is 0.01 at most (data sheets of BMI270 and ICM-20602)
   double frame_spacing_s = 0.08;  ///< s between a window's frames: nearer ones have the same error; judgement
   double anchor_s = 2.0;          ///< s in which the gyroscope's orientation follows the host's; judgement, 1 to 3
   double jump_rad = 0.1;          ///< rad between the two: beyond, the host has corrected its own at once. A bias of
@@ -45,8 +46,9 @@ struct Scale {
 
 /// The scale of an odometry's displacements from inertia. A Kalman filter of one state, r = 1/scale: each window
 /// (Window) measures it directly, a new scale group starts it anew. Windows share no frame, so their errors are
-/// independent; the accelerometer's scale error is common to all of them and is added to the stated sigma. A motion is
-/// used when the next one comes, since the IMU samples around its later frame are there by then. No allocation.
+/// independent; what is common to all of them (common_sigma) is added to the stated sigma and never averaged away. A
+/// motion is used when the next one comes, since the IMU samples around its later frame are there by then. No
+/// allocation.
 class InertialScale {
  public:
   struct Motion {

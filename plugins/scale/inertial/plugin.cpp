@@ -12,7 +12,7 @@ namespace {
 /// Scale of a scale group from the IMU, for a front-end that has not used it.
 class Inertial {
  public:
-  double window = 4, start_sigma = 0.15, scale_walk = 0.01, common_sigma = 0.01;
+  double window = 4, start_sigma = 0.15, scale_walk = 0.03, common_sigma = 0.03;
 
   static constexpr odo::Description description{"scale/inertial", "1.0.0",
                                                 "Scale from the IMU, for a front-end without inertia of its own",
@@ -25,8 +25,8 @@ class Inertial {
                   "relative standard deviation of the scale at which it is emitted for the first time"),
         odo::real("scale_walk", "", 0, 1, &Inertial::scale_walk,
                   "relative, by how much the odometry's scale changes over 1 m; over d metres by sqrt(d) times that"),
-        odo::real("common_sigma", "", 0, 0.1, &Inertial::common_sigma,
-                  "relative standard deviation that all windows share: the accelerometer's scale error")};
+        odo::real("common_sigma", "", 0.01, 0.2, &Inertial::common_sigma,
+                  "relative standard deviation that all windows share: accelerometer, rolling shutter")};
   }
   void configured() {
     odograph::inertial_scale::Parameters p;

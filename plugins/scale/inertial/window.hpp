@@ -34,7 +34,7 @@ struct WindowScale {
 /// tau is not known: the one that gives the largest sigma counts. No allocation.
 class Window {
  public:
-  static constexpr size_t kMostFrames = 128;
+  static constexpr size_t kMaxFrames = 128;
 
   struct Parameters {
     size_t min_frames = 12;   ///< of a window with an answer; by hand
@@ -52,7 +52,7 @@ class Window {
     double t_s;  ///< since the first one
     Eigen::Vector3d alpha_n, y_n, beta_n;
   };
-  /// In order of time; what is beyond kMostFrames is passed over.
+  /// In order of time; what is beyond kMaxFrames is passed over.
   void add(const Frame& frame) {
     if (count_ < frames_.size()) frames_[count_++] = frame;
   }
@@ -61,8 +61,8 @@ class Window {
   std::optional<WindowScale> solve() const;
 
  private:
-  using Vectors = std::array<Eigen::Vector3d, kMostFrames>;
-  using Basis = std::array<Eigen::Vector4d, kMostFrames>;
+  using Vectors = std::array<Eigen::Vector3d, kMaxFrames>;
+  using Basis = std::array<Eigen::Vector4d, kMaxFrames>;
   Basis basis() const;
   Vectors detrended(const Basis& basis, Eigen::Vector3d Frame::*values) const;
   double product(const Vectors& one, const Vectors& other) const;
@@ -70,7 +70,7 @@ class Window {
   double freedom(const Basis& basis, double tau_s) const;
 
   Parameters p_;
-  std::array<Frame, kMostFrames> frames_;
+  std::array<Frame, kMaxFrames> frames_;
   size_t count_ = 0;
 };
 
