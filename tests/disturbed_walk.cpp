@@ -160,6 +160,10 @@ DisturbedWalk::DisturbedWalk() {
   const int64_t start_ns = states.front().t_ns;
   const TrueState* frame = nullptr;
   add_samples(recording, start_ns, messages);
+  auto camera = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, messages.front().header().t_ns);
+  camera.header.flags = ODO_CALIBRATION_EXTRINSICS;  // the motions are the body's
+  camera.q_b_c[0] = 1;
+  messages.emplace_back(camera.header);
   for (size_t i = 0; i < states.size(); ++i) {
     const double t = static_cast<double>(states[i].t_ns - start_ns) * 1e-9;
     messages.emplace_back(attitude_at(states[i], t).header);

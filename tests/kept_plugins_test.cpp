@@ -112,7 +112,8 @@ TEST_CASE("scales on a walk full of troubles") {
          {"scale_fixed_step", {}},
          {"scale_slant_distance", {}},
          {"scale_slant_distance", {{"window", "5"}, {"min_displacement", "3"}, {"initial_scale", "3"}}},
-         {"scale_slant_distance", {{"formula", "gakne2018"}}}});
+         {"scale_slant_distance", {{"formula", "gakne2018"}}},
+         {"scale_inertial", {}}});
 }
 
 TEST_CASE("fixes on a walk full of troubles") {
