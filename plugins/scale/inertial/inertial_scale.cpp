@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::inertial_scale {
 namespace {
@@ -51,7 +51,7 @@ void InertialScale::use(const Motion& m) {
   if (continues) {
     const Quaterniond gyro_c0_c1 = q_n_c0.conjugate() * q_n_b_ * mount_.q_b_c;
     y_n_ += q_n_c0 * m.p_c0_c1;
-    beta_n_ += q_n_c0 * so3::log_rotation(m.q_c0_c1 * gyro_c0_c1.conjugate()).cross(Vector3d::UnitZ());
+    beta_n_ += q_n_c0 * log_rotation(m.q_c0_c1 * gyro_c0_c1.conjugate()).cross(Vector3d::UnitZ());
   } else {  // a window begins with this motion's later frame
     window_.clear();
     alpha_n_.setZero(), rate_n_.setZero(), y_n_.setZero(), beta_n_.setZero();
@@ -62,10 +62,10 @@ void InertialScale::use(const Motion& m) {
 /// The gyroscope's orientation follows the host's slowly, so that an error of the host's in one frame tilts no
 /// acceleration. False where the host's has jumped.
 bool InertialScale::orient(const Motion& m) {
-  const Vector3d off_n = so3::log_rotation(m.q_n_c0 * mount_.q_b_c.conjugate() * q_n_b_.conjugate());
+  const Vector3d off_n = log_rotation(m.q_n_c0 * mount_.q_b_c.conjugate() * q_n_b_.conjugate());
   if (!(off_n.norm() < p_.jump_rad)) return false;
   const double share = std::min(1.0, seconds(m.t_ns - m.from_ns) / p_.anchor_s);
-  q_n_b_ = (so3::exp_rotation(share * off_n) * q_n_b_).normalized();
+  q_n_b_ = (exp_rotation(share * off_n) * q_n_b_).normalized();
   return true;
 }
 
@@ -83,12 +83,12 @@ bool InertialScale::integrate(int64_t from_ns, int64_t to_ns) {
     const double dt = seconds(until_ns - t_ns);
     const double w = i > 0 ? (seconds(t_ns - a.t_ns) + 0.5 * dt) / seconds(b.t_ns - a.t_ns) : 0.0;
     const Vector3d half_rotation = 0.5 * dt * (a.gyro_b + w * (b.gyro_b - a.gyro_b));
-    const Quaterniond middle = q_n_b_ * so3::exp_rotation(half_rotation);
+    const Quaterniond middle = q_n_b_ * exp_rotation(half_rotation);
     Vector3d accel_n = middle * (a.accel_b + w * (b.accel_b - a.accel_b));
     accel_n.z() += p_.gravity_mps2;
     alpha_n_ += dt * rate_n_ + 0.5 * dt * dt * accel_n;
     rate_n_ += dt * accel_n;
-    q_n_b_ = (middle * so3::exp_rotation(half_rotation)).normalized();
+    q_n_b_ = (middle * exp_rotation(half_rotation)).normalized();
     t_ns = until_ns;
     if (i > 0) --i;
   }

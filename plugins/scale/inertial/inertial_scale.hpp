@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "plugins/scale/inertial/window.hpp"
-#include "plugins/shared/ring.hpp"
+#include "sdk/math/ring.hpp"
 
 namespace odograph::inertial_scale {
 
@@ -86,7 +86,7 @@ class InertialScale {
 
   Parameters p_;
   Mount mount_;
-  plugin::Ring<Sample, 1024> samples_;
+  Ring<Sample, 1024> samples_;
   std::optional<Motion> pending_;
   Window window_;
   int64_t window_ns_ = 0;        // of its first frame

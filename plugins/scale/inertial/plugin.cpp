@@ -4,7 +4,7 @@
 
 #include "plugins/scale/inertial/inertial_scale.hpp"
 #include "plugins/shared/horizontal_scale.hpp"
-#include "plugins/shared/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "plugins/shared/sensor_range.hpp"
 
 namespace {
@@ -37,7 +37,7 @@ class Inertial {
   void on(const odo_calibration& c, odo::Output&) {
     mounts_.erase(c.header.source);
     if ((c.header.flags & ODO_CALIBRATION_EXTRINSICS) != 0)
-      mounts_[c.header.source] = {odograph::so3::quaternion(c.q_b_c), Eigen::Vector3d(c.p_b_c)};
+      mounts_[c.header.source] = {odograph::raw_quaternion(c.q_b_c), Eigen::Vector3d(c.p_b_c)};
   }
 
   void on(const odo_imu& imu, odo::Output&) {
@@ -61,8 +61,8 @@ class Inertial {
     if (translates && !(p_c0_c1.norm() < kMaxDisplacement))
       throw odo::Error(ODO_E_DISCARD, "p_c0_c1 is no motion between two frames");
     if (const auto mount = mounts_.find(motion.camera); mount != mounts_.end()) scale_.set_camera(mount->second);
-    scale_.add_motion({motion.t_from_ns, motion.header.t_ns, odograph::so3::quaternion(motion.q_n_c0),
-                       odograph::so3::quaternion(motion.q_c0_c1), p_c0_c1, motion.scale_group, translates});
+    scale_.add_motion({motion.t_from_ns, motion.header.t_ns, odograph::raw_quaternion(motion.q_n_c0),
+                       odograph::raw_quaternion(motion.q_c0_c1), p_c0_c1, motion.scale_group, translates});
     const auto found = scale_.scale();
     if (!translates || !found) return;
     auto scale = odograph::scale_of(motion);

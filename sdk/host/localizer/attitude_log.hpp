@@ -6,10 +6,10 @@
 #include <Eigen/Geometry>
 #include <odograph/types.h>
 
-#include "sdk/host/base/ring.hpp"
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/ring.hpp"
+#include "sdk/math/rotation.hpp"
 
-namespace odograph {
+namespace odograph::localizer {
 
 /// The newest orientations of the attitude source, q_a_b: 2.5 s at 200 Hz.
 class AttitudeLog {
@@ -18,7 +18,9 @@ class AttitudeLog {
   void clear() { entries_.clear(); }
 
   /// Whether it still speaks at a time.
-  bool covers(int64_t t_ns, int64_t reach_ns) const { return !entries_.empty() && t_ns - entries_.back(0).t_ns <= reach_ns; }
+  bool covers(int64_t t_ns, int64_t reach_ns) const {
+    return !entries_.empty() && t_ns - entries_.back(0).t_ns <= reach_ns;
+  }
   /// The newest that is not later than t, or the oldest; nothing without any.
   std::optional<Eigen::Quaterniond> at(int64_t t_ns) const {
     size_t i = 0;
@@ -34,4 +36,4 @@ class AttitudeLog {
   Ring<Entry, 512> entries_;
 };
 
-}  // namespace odograph
+}  // namespace odograph::localizer

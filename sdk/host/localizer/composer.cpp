@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Time, the start, and what measures heading, height and place. Motions, steps and poses are in files of their own.
 #include "sdk/host/localizer/composer.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "sdk/host/base/rotation.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 
-namespace odograph {
+namespace odograph::localizer {
 
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
@@ -17,173 +17,68 @@ using Eigen::Vector3d;
 
 namespace {
 
-double seconds(int64_t ns) { return static_cast<double>(ns) * kNanoseconds; }
+constexpr double kTiltSigma_rad = 0.01;  // of the inclination that a front-end or an attitude source keeps; 0.5 degrees
+
+FixUpdate::Parameters fix_parameters(const CouplingConfig& config) {
+  FixUpdate::Parameters out;
+  out.gate_sigma = config.fix_gate_sigma;
+  return out;
+}
 
 }  // namespace
 
-Composer::Composer(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs,
-                   const LocalizerParameters& parameters)
-    : p_(parameters),
-      config_(config),
-      start_(start),
-      inputs_(inputs),
-      scale_(p_),
-      steps_(p_),
-      heading_(p_),
-      height_(p_),
-      fixes_(p_, config.fix_gate_sigma) {
+Composer::Composer(const CouplingConfig& config, const StartPose& start, ComposerInputs inputs)
+    : inputs_(inputs),
+      tracker_(config, start),
+      front_end_(tracker_, inputs),
+      walker_(tracker_, front_end_),
+      fixes_(fix_parameters(config)) {
   reset();
 }
 
 void Composer::reset() {
-  localizer_ = {};
-  track_.clear();
-  coverage_ = {};
-  attitudes_.clear();
-  inertia_.clear();
-  scale_ = ScaleUpdate(p_);
-  steps_.reset(), heading_.reset(), height_.reset();
-  fixes_.reset(start_.given, start_.heading_given);
-  heading_.set_mean(start_.heading_rad);
+  tracker_.reset();
+  front_end_.reset();
+  walker_.reset();
+  fixes_.reset(tracker_.start_pose().given, tracker_.start_pose().heading_given);
+  output_.reset();
   source_ = NoSource{};
-  metre_check_ = {};
-  reference_.reset();
-  group_ = {};
-  path_.clear();
-  waiting_count_ = 0;
-  started_ = camera_ = lost_ = moves_ = false;
-  tilt_variance_ = 0;
-  metric_ = !inputs_.vo;
-  carried_ = true;
-  t_ns_ = first_frame_ns_ = translated_ns_ = step_ns_ = leads_since_ns_ = last_pose_ns_ = INT64_MIN;
-  blind_sigma_m_ = distance_m_ = 0;
-  velocity_ = Velocity::none;
-  gyro_bias_b_.setZero(), accel_bias_b_.setZero();
-  pose_.reset(), corrected_.reset(), correction_.reset(), step_reference_.reset();
+  shown_ = !inputs_.vo;
   notice_ = {};
-}
-
-void Composer::on_calibration(const odo_calibration& calibration) {
-  if ((calibration.header.flags & ODO_CALIBRATION_EXTRINSICS) == 0) return;
-  q_b_c_ = quaternion(calibration.q_b_c);
-  p_b_c_ = Vector3d(calibration.p_b_c);
-}
-
-void Composer::propagate(const odo_imu& imu) { inertia_.add(imu); }
-
-/// o begins here: it is the attitude source's frame, or level by the first specific force.
-void Composer::start(int64_t t_ns, const Quaterniond& q_o_b) {
-  started_ = true;
-  t_ns_ = t_ns;
-  localizer_.x.head<3>() = Vector3d(start_.position_m.data());
-  localizer_.set(kLogScale, 0, paper() ? 0 : squared(p_.unknown_scale_sigma));
-  localizer_.set(kLogFactor, 0, squared(p_.factor_sigma));
-  localizer_.set(kStepHeading, 0, squared(p_.step_heading_sigma_rad));
-  set_headings();
-  if (config_.orientation == Orientation::gyroscope)
-    localizer_.set(kHeadingRate, 0, squared(p_.heading_rate_radps));
-  coverage_.begin(t_ns);
-  push(t_ns, q_o_b, Vector3d::Zero());
-}
-
-/// o has the attitude source's axes, whose heading errs as a compass does, or is what n's was laid by.
-void Composer::set_headings() {
-  localizer_.set(kAttitudeHeading, start_.heading_rad, heading_.north() ? squared(heading_.north_sigma()) : 0.0);
-  localizer_.x[kHeading] = start_.heading_rad;
-  localizer_.copy_error(kHeading, kAttitudeHeading);
-}
-
-void Composer::start_without_attitude(int64_t t_ns) {
-  if (const auto point = inertia_.at(t_ns, 1.0); point && inertia_.has_force())
-    return start(t_ns, Quaterniond::FromTwoVectors(point->force_b, -Vector3d::UnitZ()));
-  Matrix3d horizontal;  // columns: the camera's x, y, z in o when it looks level along o's first axis
-  horizontal << 0, 0, 1, 1, 0, 0, 0, 1, 0;
-  start(t_ns, Quaterniond(horizontal) * q_b_c_.conjugate());
-}
-
-/// Where the camera begins; before it has moved, the start is its own.
-void Composer::begin_camera(int64_t t_ns) {
-  camera_ = true;
-  first_frame_ns_ = t_ns;
-  go_on(t_ns);
-  const auto now = point_at(t_ns);
-  if (!steps_.any()) {
-    coverage_.begin(t_ns);
-    localizer_.x.head<3>() = Vector3d(start_.position_m.data()) - localizer_.q_n_o() * (now->q_o_b * p_b_c_);
-  }
-  push(t_ns, now->q_o_b, Vector3d::Zero());
-  carried_ = false;
-  if (config_.orientation != Orientation::gyroscope) return;
-  gyro_.reset(now->q_o_b * q_b_c_, Vector3d(tilt_variance_, tilt_variance_, 0).asDiagonal());
-  if (!heading_.north() && !start_.heading_given) localizer_.loosen_heading(p_.any_heading_rad);
-}
-
-void Composer::go_on(int64_t t_ns) {
-  if (t_ns <= t_ns_) return;
-  const double dt_s = seconds(t_ns - t_ns_);
-  t_ns_ = t_ns;
-  TrackPoint drifted = track_.newest();
-  drifted.heading_drift_rad2 += heading_.go_on(localizer_, dt_s, carried_);
-  track_.push(drifted);
-  localizer_.add_variance(kBarometer, squared(p_.baro_walk) * dt_s);
-  if (config_.orientation != Orientation::gyroscope) return;
-  localizer_.add_multiple(kHeading, kHeadingRate, dt_s);
-  localizer_.add_variance(kHeadingRate, squared(p_.heading_rate_walk) * dt_s);
-}
-
-/// The body has moved in o, m; what drift there was is in the newest point.
-void Composer::push(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& d_o) {
-  TrackPoint point = track_.empty() ? TrackPoint{} : track_.newest();
-  point.t_ns = track_.empty() ? t_ns : std::max(t_ns, point.t_ns);
-  point.q_o_b = q_o_b.normalized();
-  point.p_o_b += d_o;
-  point.path_m += d_o.norm();
-  track_.push(point);
-  if (const auto q_a_b = attitudes_.at(point.t_ns)) q_o_a_ = point.q_o_b * q_a_b->conjugate();
-}
-
-/// The body's orientation in o as the attitude source has it, since the two were compared.
-std::optional<Quaterniond> Composer::by_attitude(int64_t t_ns) const {
-  const auto q_a_b = attitudes_.covers(t_ns, static_cast<int64_t>(p_.attitude_gap_s * 1e9)) ? attitudes_.at(t_ns) : std::nullopt;
-  return q_a_b ? std::optional<Quaterniond>(q_o_a_ * *q_a_b) : std::nullopt;
-}
-
-/// The body in o: from the track, and after its newest pose ahead of it by the newest velocity and rotation.
-std::optional<TrackPoint> Composer::point_at(int64_t t_ns) const {
-  auto point = track_.at(t_ns);
-  if (!point || t_ns <= point->t_ns) return point;
-  const double ahead_s = std::min(seconds(t_ns - point->t_ns), seconds(kMaxExtrapolation_ns));
-  const auto then = inertia_.at(point->t_ns, 0), now = inertia_.at(t_ns, seconds(kMaxExtrapolation_ns));
-  const auto attitude = carried_ || !then ? by_attitude(t_ns) : std::nullopt;
-  if (attitude)
-    point->q_o_b = *attitude;
-  else if (then && now && then->t_ns == point->t_ns)
-    point->q_o_b = point->q_o_b * then->q_e_b.conjugate() * now->q_e_b;
-  if (!carried_) point->p_o_b += ahead_s * velocity_o_;
-  point->t_ns = t_ns;
-  return point;
 }
 
 UpdateResult Composer::update(const Measurement& measurement) {
   const bool fix = std::holds_alternative<const odo_fix*>(measurement);
   const auto* attitude = std::get_if<const odo_attitude*>(&measurement);
   // A compass beside a camera turns the world that the camera tracks, by little each time and by much in the end.
-  const bool turns = attitude && camera_ && refers_to_north(**attitude);
+  const bool turns = attitude && front_end_.begun() && refers_to_north(**attitude);
+  const int64_t last_ns = output_.last_ns();
   std::optional<odo_pose> before;
-  carried_n_.setZero();
-  if ((!attitude || turns) && last_pose_ns_ != INT64_MIN)
-    if (const auto point = track_.at(last_pose_ns_)) before = make_pose(*point);
+  stepped_n_.setZero();
+  if ((!attitude || turns) && last_ns != INT64_MIN)
+    if (const auto point = tracker_.track().at(last_ns)) before = make_pose(*point);
   const UpdateResult result = std::visit([this](const auto& what) { return apply(what); }, measurement);
-  if (before) Vector3d::Map(before->p_n) += carried_n_;  // steps are told late: that is motion
-  if (before) note_jump(*before, fix || turns ? kCorrectionFix : kCorrectionScale, turns ? 0 : 1);
+  const auto point = before ? tracker_.track().at(last_ns) : std::nullopt;
+  if (!point) return result;
+  Vector3d::Map(before->p_n) += stepped_n_;
+  odo_pose after = make_pose(*point);
+  after.header.t_ns = last_ns;
+  output_.correct(*before, after, fix || turns ? ODO_CORRECTION_FIX : ODO_CORRECTION_SCALE, turns);
   return result;
+}
+
+void Composer::begin_camera(int64_t t_ns) {
+  if (!tracker_.started()) {
+    tracker_.start_without_attitude(t_ns, front_end_.q_b_c());
+    walker_.start();
+  }
+  if (!front_end_.begun()) front_end_.begin(t_ns, walker_.any());
 }
 
 UpdateResult Composer::apply(const FrameTime& frame) {
   if (!inputs_.vo) return {};
-  if (!started_) start_without_attitude(frame.t_ns);
-  if (camera_) {
-    settle_steps(frame.t_ns);
+  if (front_end_.begun()) {
+    if (!tracker_.paper()) note_steps(walker_.settle(frame.t_ns), frame.t_ns);
     return {};
   }
   begin_camera(frame.t_ns);
@@ -192,72 +87,197 @@ UpdateResult Composer::apply(const FrameTime& frame) {
 }
 
 UpdateResult Composer::apply(const odo_attitude* attitude) {
-  attitudes_.push(*attitude);
-  const bool first = !heading_.noted();
-  heading_.note(localizer_, *attitude);
   const int64_t t_ns = attitude->header.t_ns;
-  tilt_variance_ = std::max(attitude->covariance_n[0], attitude->covariance_n[4]);
-  if (!started_) {
-    start(t_ns, quaternion(attitude->q_n_b));
+  const bool first = tracker_.add_attitude(*attitude);
+  if (!tracker_.started()) {
+    tracker_.start(t_ns, quaternion(attitude->q_n_b));
+    walker_.start();
     publish(t_ns, inputs_.vo ? ODO_DEGRADED : ODO_TRACKING, inputs_.vo ? ODO_REASON_INITIALISING : ODO_REASON_NONE);
     return {true, 0.0, 0};
   }
-  go_on(t_ns);
-  if (first && translated_ns_ == INT64_MIN && step_ns_ == INT64_MIN) {  // the camera came first, and has not moved
-    set_headings();
-    push(track_.newest().t_ns, quaternion(attitude->q_n_b), Vector3d::Zero());
+  tracker_.go_on(t_ns);
+  if (first && std::holds_alternative<NoSource>(source_)) {  // the camera came first, and nothing has moved
+    tracker_.heading.start(tracker_.localizer);
+    tracker_.push(tracker_.newest().t_ns, quaternion(attitude->q_n_b), Vector3d::Zero());
     return {true, 0.0, 0};
   }
-  if (carried_ || !heading_.due(t_ns)) return {};
-  const auto then = point_at(t_ns);
-  const Quaterniond q_o_a = then ? Quaterniond(then->q_o_b * quaternion(attitude->q_n_b).conjugate()) : q_o_a_;
-  return heading_.use(localizer_, t_ns, q_o_a);
+  if (tracker_.turns_with_attitude() || !tracker_.heading.due(t_ns)) return {};
+  const auto then = tracker_.at(t_ns);
+  if (!then) return {};
+  return tracker_.heading.use(tracker_.localizer, t_ns, then->q_o_b * quaternion(attitude->q_n_b).conjugate());
+}
+
+UpdateResult Composer::apply(const RelativeMotion& relative) {
+  const int64_t t_ns = relative.motion->header.t_ns;
+  begin_camera(relative.motion->t_from_ns);
+  tracker_.go_on(t_ns);
+  const bool at_start = !is_placed() && !walker_.any();
+  const double path_m = tracker_.newest().path_m;
+  const auto moved = front_end_.apply(relative, shown_, at_start);
+  if (moved.moved) {
+    shown_ = true;
+    set_source(moved.metric ? MotionSource(MetricSource{moved.inertial}) : MotionSource(ScaledSource{}));
+    if (tracker_.paper()) output_.count(tracker_.newest().path_m - path_m);
+  }
+  if (!tracker_.paper()) note_steps(walker_.settle(t_ns), t_ns);
+  uint32_t state = moved.state;
+  const bool carried = walker_.carried_ns() != INT64_MIN || front_end_.moved_ns() != INT64_MIN;
+  const int64_t moved_ns = std::max(walker_.carried_ns(), front_end_.moved_ns());
+  if (state == ODO_LOST && carried && seconds(t_ns - moved_ns) < tracker_.config().bridge_s) state = ODO_DEGRADED;
+  publish(t_ns, state, moved.reason);
+  return {moved.moved, 0.0, 0};
+}
+
+UpdateResult Composer::apply(const odo_step* step) {
+  if (!tracker_.started() || step->length_m <= 0 || step->t_end_ns <= step->t_start_ns) return {};
+  tracker_.go_on(step->header.t_ns);
+  if (tracker_.paper()) {
+    const Vector3d moved_n = walker_.carry_as_in_papers(*step);
+    output_.count(moved_n.norm());
+    note_steps(moved_n, step->header.t_ns);
+  } else {
+    walker_.add(*step);
+    note_steps(walker_.settle(step->header.t_ns), step->header.t_ns);
+  }
+  return {true, 0.0, 0};
+}
+
+void Composer::note_steps(const Vector3d& moved_n, int64_t now_ns) {
+  stepped_n_ += moved_n;
+  if (!walker_.take_carried()) return;
+  shown_ = true;
+  set_source(StepSource{});
+  if (!front_end_.begun()) return publish(walker_.carried_ns(), ODO_TRACKING, ODO_REASON_NONE);
+  const bool frames_end = walker_.carried_ns() > output_.last_ns() && now_ns > walker_.carried_ns();
+  if (frames_end && !tracker_.paper()) publish(walker_.carried_ns(), ODO_DEGRADED, ODO_REASON_SENSOR_SILENT);
 }
 
 UpdateResult Composer::apply(const odo_barometer* barometer) {
-  if (!started_ || paper()) return {};
-  go_on(barometer->header.t_ns);
-  const auto then = point_at(barometer->header.t_ns);
+  if (!tracker_.started() || tracker_.paper()) return {};
+  tracker_.go_on(barometer->header.t_ns);
+  const auto then = tracker_.at(barometer->header.t_ns);
   if (!then) return {};
-  const double since_m = track_.newest().p_o_b.z() - then->p_o_b.z();  // o and n share the vertical
-  return height_.use(localizer_, *barometer, localizer_.x[kDown] - since_m, carried_);
+  const double since_m = tracker_.newest().p_o_b.z() - then->p_o_b.z();  // o and n share the vertical
+  return tracker_.height.use(tracker_.localizer, *barometer, tracker_.localizer.x[kDown] - since_m,
+                             tracker_.turns_with_attitude());
 }
 
 UpdateResult Composer::apply(const odo_fix* fix) {
-  if (!started_) return {};
-  const auto then = point_at(fix->header.t_ns);
+  if (!tracker_.started()) return {};
+  const auto then = tracker_.at(fix->header.t_ns);
   if (!then) {
     notice_ = {"late_fix", "a fix is older than the track that is kept: not used"};
     return {};
   }
-  const bool leads = group_.inertial && scale_.own_information() > 1 / squared(p_.lead_scale_sigma);
-  const UpdateResult result = fixes_.use(localizer_, *fix,
-                                         {*then, track_.newest(), Vector3d(start_.position_m.data()), heading_.north(),
-                                          paper(), leads, leads_since_ns_});
-  if (!result.accepted) return result;
-  if (fix->header.flags & FixUpdate::kHorizontal) metric_ = metric_ || !inputs_.vo || scale_.known();
-  reference_.fixed(fix->header.t_ns);
+  const Vector3d start_n(tracker_.start_pose().position_m.data());
+  const UpdateResult result = fixes_.use(tracker_.localizer, *fix,
+                                         {*then, tracker_.newest(), start_n, tracker_.heading.north(), tracker_.paper(),
+                                          front_end_.leads(), front_end_.leads_since_ns()});
+  if (result.accepted) output_.fixed(fix->header.t_ns);
   return result;
 }
 
+void Composer::set_source(const MotionSource& source) {
+  if (source.index() != source_.index() && !notice_.key) notice_ = {"motion_source", describe(source)};
+  source_ = source;
+}
+
+Notice Composer::take_notice() {
+  const Notice of_steps = walker_.take_notice();
+  return of_steps.key ? of_steps : std::exchange(notice_, {});
+}
+
+/// The papers' tracks without a scale source are shown up to scale.
+bool Composer::is_metric() const {
+  if (!inputs_.vo || front_end_.metric()) return shown_;
+  return shown_ && (inputs_.scale || !tracker_.paper());
+}
+
+odo_pose Composer::make_pose(const TrackPoint& point) const {
+  const Localizer& localizer = tracker_.localizer;
+  auto pose = make_message<odo_pose>(ODO_TYPE_POSE, point.t_ns);
+  const bool placed = shown_ || tracker_.paper(), moves = tracker_.velocity() != Tracker::Velocity::none;
+  pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_COVARIANCE;
+  if (placed) pose.header.flags |= ODO_POSE_POSITION;
+  if (is_metric()) pose.header.flags |= ODO_POSE_METRIC | (moves ? ODO_POSE_VELOCITY : 0);
+  const Quaterniond q_n_o = localizer.q_n_o(), q_n_b = (q_n_o * point.q_o_b).normalized();
+  Vector3d p_n = localizer.p_n() - q_n_o * (tracker_.newest().p_o_b - point.p_o_b);
+  Eigen::Matrix<double, 6, 6> covariance = localizer.pose_covariance(squared(kTiltSigma_rad));
+  if (front_end_.begun()) {
+    pose.header.flags |= ODO_POSE_CAMERA;
+    const Vector3d lever_n = q_n_b * front_end_.p_b_c();
+    p_n += lever_n;
+    const Matrix3d by_theta = -skew(lever_n);
+    covariance.bottomRows<3>() += (by_theta * covariance.topRows<3>()).eval();
+    covariance.rightCols<3>() += (covariance.leftCols<3>() * by_theta.transpose()).eval();
+  }
+  put_quaternion(front_end_.begun() ? (q_n_b * front_end_.q_b_c()).normalized() : q_n_b, pose.q_n);
+  Vector3d::Map(pose.p_n) = placed ? p_n : Vector3d(tracker_.start_pose().position_m.data());
+  Vector3d::Map(pose.velocity_n) = q_n_o * tracker_.velocity_o();
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(pose.covariance) = covariance;
+  if (front_end_.scale().known() || (tracker_.paper() && inputs_.scale && shown_)) {
+    pose.scale = std::exp(localizer.x[kLogScale]);
+    pose.scale_sigma = pose.scale * localizer.sigma(kLogScale);
+  }
+  pose.distance_m = output_.distance_m();
+  pose.state = output_.last_state(), pose.reason = output_.last_reason();
+  return pose;
+}
+
+void Composer::publish(int64_t t_ns, uint32_t state, uint32_t reason) {
+  auto point = tracker_.track().at(t_ns);
+  if (!point) return;
+  point->t_ns = t_ns;
+  odo_pose pose = make_pose(*point);
+  pose.state = state, pose.reason = reason;
+  const double own = front_end_.scale().own_information();
+  output_.publish(pose, shown_, own > 0 ? 1 / std::sqrt(own) : 0.0);
+}
+
+void Composer::prepare(odo_vo_motion& motion) const {
+  Quaterniond q_n_c = front_end_.q_b_c();
+  if (tracker_.started()) {
+    const TrackPoint point = tracker_.track().at(motion.t_from_ns).value_or(tracker_.newest());
+    q_n_c = tracker_.localizer.q_n_o() * point.q_o_b * front_end_.q_b_c();
+  }
+  put_quaternion(q_n_c.normalized(), motion.q_n_c0);
+  motion.header.flags |= ODO_FLAG_NAVIGATION;
+}
+
+int32_t Composer::at(int64_t t_ns, Estimate& out) const {
+  if (!tracker_.started()) return ODO_NOT_READY;
+  const int64_t newest_ns = tracker_.now_ns();
+  if (t_ns == INT64_MIN) t_ns = newest_ns;
+  if (t_ns > newest_ns && t_ns - newest_ns > kMaxExtrapolation_ns) return ODO_E_NOT_FOUND;
+  const auto point = tracker_.at(t_ns);
+  if (!point) return ODO_E_NOT_FOUND;
+  const Quaterniond q_n_o = tracker_.localizer.q_n_o();
+  out.pose = make_pose(*point);
+  if (t_ns > newest_ns) out.pose.header.flags |= ODO_POSE_EXTRAPOLATED;
+  out.q_n_b = (q_n_o * point->q_o_b).normalized();
+  out.p_n_b = tracker_.localizer.p_n() - q_n_o * (tracker_.newest().p_o_b - point->p_o_b);
+  out.v_n_b = q_n_o * tracker_.velocity_o();
+  out.velocity_is_mean = tracker_.velocity() != Tracker::Velocity::now;
+  out.gyro_bias_b = front_end_.gyro_bias_b, out.accel_bias_b = front_end_.accel_bias_b;
+  return ODO_OK;
+}
+
 uint64_t Composer::hold_pose(int64_t t_ns) {
-  if (!started_ || t_ns > std::max(t_ns_, track_.newest().t_ns)) return 0;
-  auto then = track_.at(t_ns);
-  if (!then) return 0;
-  return localizer_.hold(*then, track_.newest());
+  if (!tracker_.started() || t_ns > tracker_.now_ns()) return 0;
+  const auto then = tracker_.track().at(t_ns);
+  return then ? tracker_.localizer.hold(*then, tracker_.newest()) : 0;
 }
 
 bool Composer::held_pose(uint64_t id, HeldPose& out) const {
-  return localizer_.held(id, squared(p_.tilt_sigma_rad), out);
+  return tracker_.localizer.held(id, squared(kTiltSigma_rad), out);
 }
 
 bool Composer::pose_now(HeldPose& out) const {
-  if (!started_) return false;
-  const auto now = point_at(std::max(t_ns_, track_.newest().t_ns));
-  out.q_n_b = localizer_.q_n_o() * now->q_o_b;
-  out.p_n_b = localizer_.p_n() + localizer_.q_n_o() * (now->p_o_b - track_.newest().p_o_b);
-  out.own = out.now = out.cross = localizer_.pose_covariance(squared(p_.tilt_sigma_rad));
+  Estimate now;
+  if (at(INT64_MIN, now) != ODO_OK) return false;
+  out.q_n_b = now.q_n_b, out.p_n_b = now.p_n_b;
+  out.own = out.now = out.cross = tracker_.localizer.pose_covariance(squared(kTiltSigma_rad));
   return true;
 }
 
-}  // namespace odograph
+}  // namespace odograph::localizer

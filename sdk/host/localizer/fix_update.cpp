@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/localizer/fix_update.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "sdk/host/base/rotation.hpp"
-#include "sdk/host/messages/messages.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 
-namespace odograph {
+namespace odograph::localizer {
 
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
@@ -44,7 +45,7 @@ void forget(Innovation<4>& seen, int row) {
 Innovation<4> innovation_of(const Localizer& localizer, const odo_fix& fix, const FixUpdate::Context& at) {
   const Quaterniond q_n_o = localizer.q_n_o(), q_n_b = q_n_o * at.then.q_o_b;
   const Vector3d since_n = q_n_o * (at.now.p_o_b - at.then.p_o_b);
-  const double since_s = static_cast<double>(at.now.t_ns - at.then.t_ns) * kNanoseconds;
+  const double since_s = seconds(at.now.t_ns - at.then.t_ns);
   const Quaterniond q = (fix.header.flags & ODO_FIX_ORIENTATION) ? quaternion(fix.q_n_b) : q_n_b;
   const Vector3d lever_n =
       (fix.header.flags & ODO_FIX_LEVER) ? Vector3d(q * Vector3d(fix.lever_b)) : Vector3d(Vector3d::Zero());
@@ -57,7 +58,8 @@ Innovation<4> innovation_of(const Localizer& localizer, const odo_fix& fix, cons
   seen.H.block<3, 1>(1, kHeading) = across(lever_n - since_n);
   seen.H.block<3, 1>(1, kLogScale) = -since_n;
   seen.noise(kYaw, kYaw) = has_yaw(fix) ? yaw_variance(fix) : kNothing;
-  seen.noise.bottomRightCorner<3, 3>() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(fix.covariance_n);
+  seen.noise.bottomRightCorner<3, 3>() =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(fix.covariance_n);
   for (int i = 0; i < 3; ++i)
     if ((fix.header.flags & (ODO_FIX_NORTH << i)) == 0) forget(seen, 1 + i);
   seen.noise.diagonal().array() += 1e-12;
@@ -75,7 +77,7 @@ int degrees_of_freedom(const odo_fix& fix) {
 }  // namespace
 
 void FixUpdate::reset(bool given, bool heading_given) {
-  *this = FixUpdate(p_, gate_sigma_);
+  *this = FixUpdate(p_);
   given_ = given, heading_known_ = heading_given || given;
   placed_ = given ? kAllAxes : 0;
   fixed_m_ = given ? 0 : -1;
@@ -89,8 +91,8 @@ bool FixUpdate::tells_first_heading(const odo_fix& fix, const Context& at) const
 
 /// Fixes agreed with the track, and a front-end has led without a break since: the track is not what is off.
 bool FixUpdate::outweighs_fixes(int64_t t_ns, const Context& at) const {
-  return agreed_ >= p_.agreed_fixes && at.leads && at.leads_since_ns <= fixed_ns_ &&
-         static_cast<double>(t_ns - fixed_ns_) * kNanoseconds < p_.agreed_for_s;
+  return agreed_ >= p_.agreed && at.leads && at.leads_since_ns <= fixed_ns_ &&
+         seconds(t_ns - fixed_ns_) < p_.agreed_for_s;
 }
 
 /// The first position of an axis moves the whole track there, and states how well that is known.
@@ -115,7 +117,7 @@ UpdateResult FixUpdate::turn(Localizer& localizer, const odo_fix& fix, const Con
   Innovation<4> heading = innovation_of(localizer, fix, at);
   for (int row = 1; row < 4; ++row) forget(heading, row);
   const StateSet considered = at.way_is_given ? these({kLogScale, kLogFactor, kStepHeading}) : StateSet{};
-  const UpdateResult turned = localizer.update(heading, squared(gate_sigma_), considered);
+  const UpdateResult turned = localizer.update(heading, squared(p_.gate_sigma), considered);
   return turned;
 }
 
@@ -131,7 +133,7 @@ UpdateResult FixUpdate::use(Localizer& localizer, const odo_fix& fix, const Cont
   const bool risky = (fix.header.flags & ODO_FIX_INTEGRITY) && fix.integrity > p_.max_integrity_risk;
   if (risky || (axes == 0 && !has_yaw(fix))) return {};
   const double now_m = at.now.path_m;
-  if (rejected_ >= p_.max_fixes_rejected && !outweighs_fixes(fix.header.t_ns, at)) {
+  if (rejected_ >= p_.max_rejected && !outweighs_fixes(fix.header.t_ns, at)) {
     placed_ &= ~axes;
     agreed_ = 0;
   }
@@ -169,11 +171,11 @@ UpdateResult FixUpdate::use(Localizer& localizer, const odo_fix& fix, const Cont
   if (heading_used) forget(seen, kYaw);
   if (axes & ~placed_) place(localizer, seen, axes & ~placed_, now_m);
   const StateSet considered = at.way_is_given ? all_but({kNorth, kEast, kDown}) : StateSet{};
-  UpdateResult result = localizer.update(seen, squared(gate_sigma_), considered);
+  UpdateResult result = localizer.update(seen, squared(p_.gate_sigma), considered);
   if (!result.accepted) return reject(result.nis);
   agree(fix, now_m);
   result.dof = dof;
   return result;
 }
 
-}  // namespace odograph
+}  // namespace odograph::localizer

@@ -4,26 +4,35 @@
 #include <cstdint>
 
 #include "sdk/host/localizer/localizer.hpp"
-#include "sdk/host/localizer/parameters.hpp"
 
-namespace odograph {
+namespace odograph::localizer {
 
 /// Positions and headings from outside, of any subset of components, at their own time.
 class FixUpdate {
  public:
   static constexpr uint32_t kHorizontal = ODO_FIX_NORTH | ODO_FIX_EAST, kAllAxes = kHorizontal | ODO_FIX_DOWN;
 
-  FixUpdate(const LocalizerParameters& parameters, double gate_sigma) : p_(parameters), gate_sigma_(gate_sigma) {}
+  struct Parameters {
+    double gate_sigma = 5;            ///< `coupling.fix_gate`
+    double start_heading_rad = 0.2;   ///< rad against north without a compass; opened by the first fix
+    double max_integrity_risk = 0.5;  ///< a fix that is wrong more often than not is none
+    double arc_rad = 0.05;            ///< rad: a heading that is off by more turns the track first
+    int max_rejected = 5;             ///< in a row: then the track is wrong; judgement
+    int agreed = 10;                  ///< in a row, after which a front-end that leads is believed instead ...
+    double agreed_for_s = 90;         ///< s: ... for that long; reflections last a minute (bench canyon)
+  };
+
+  explicit FixUpdate(const Parameters& parameters) : p_(parameters) {}
   /// `given`: the config has a start position, `heading_given` its heading.
   void reset(bool given, bool heading_given);
 
   /// What a fix is compared with.
   struct Context {
-    TrackPoint then, now;         ///< at the fix's time, and the newest
-    Eigen::Vector3d start_n;      ///< about which n turns where the first fix tells its heading
-    bool north = false;           ///< a compass has told the heading
-    bool way_is_given = false;    ///< papers: a fix moves the position, not scale and heading of the way
-    bool leads = false;           ///< the front-end is not to be doubted for a few fixes
+    TrackPoint then, now;       ///< at the fix's time, and the newest
+    Eigen::Vector3d start_n;    ///< about which n turns where the first fix tells its heading
+    bool north = false;         ///< a compass has told the heading
+    bool way_is_given = false;  ///< papers: a fix moves the position, not scale and heading of the way
+    bool leads = false;         ///< the front-end is not to be doubted for a few fixes
     int64_t leads_since_ns = INT64_MIN;
   };
   UpdateResult use(Localizer& localizer, const odo_fix& fix, const Context& at);
@@ -41,8 +50,7 @@ class FixUpdate {
   UpdateResult turn(Localizer& localizer, const odo_fix& fix, const Context& at);
   void agree(const odo_fix& fix, double now_m);
 
-  LocalizerParameters p_;
-  double gate_sigma_;
+  Parameters p_;
   bool given_ = false, heading_known_ = false;
   uint32_t placed_ = 0;
   int rejected_ = 0, agreed_ = 0;  // in a row
@@ -50,4 +58,4 @@ class FixUpdate {
   int64_t fixed_ns_ = INT64_MIN;
 };
 
-}  // namespace odograph
+}  // namespace odograph::localizer

@@ -1,27 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/localizer/heading_update.hpp"
 
+#include <algorithm>
 #include <cmath>
 
-#include "sdk/host/base/rotation.hpp"
-#include "sdk/host/messages/messages.hpp"
+#include "sdk/math/time.hpp"
 
-namespace odograph {
+namespace odograph::localizer {
 
 using Eigen::Quaterniond;
 
 void HeadingUpdate::note(Localizer& localizer, const odo_attitude& attitude) {
   const int64_t t_ns = attitude.header.t_ns;
-  const double gap_s = noted_ns_ == INT64_MIN ? 0 : static_cast<double>(t_ns - noted_ns_) * kNanoseconds;
-  if (gap_s > p_.attitude_gap_s)
-    localizer.add_variance(kAttitudeHeading, std::min(squared(p_.gap_turn) * gap_s, squared(p_.any_heading_rad)));
+  const double gap_s = noted_ns_ == INT64_MIN ? 0 : seconds(t_ns - noted_ns_);
+  if (gap_s > p_.gap_s)
+    localizer.add_variance(kAttitudeHeading, std::min(squared(p_.gap_turn) * gap_s, squared(p_.max_turn_rad)));
   noted_ns_ = t_ns;
   north_ = refers_to_north(attitude);
   if (north_) north_sigma_rad_ = std::sqrt(attitude.covariance_n[8]);
 }
 
+void HeadingUpdate::start(Localizer& localizer) const {
+  localizer.set(kAttitudeHeading, mean_rad_, north_ ? squared(north_sigma_rad_) : 0.0);
+  localizer.x[kHeading] = mean_rad_;
+  localizer.copy_error(kHeading, kAttitudeHeading);
+}
+
 double HeadingUpdate::go_on(Localizer& localizer, double dt_s, bool carried) const {
-  double keep = 1, variance = squared(p_.attitude_walk) * dt_s;
+  double keep = 1, variance = squared(p_.walk) * dt_s;
   if (north_) {
     keep = std::exp(-dt_s / p_.north_correlation_s);
     variance = (1 - keep * keep) * squared(north_sigma_rad_);
@@ -39,14 +45,13 @@ double HeadingUpdate::go_on(Localizer& localizer, double dt_s, bool carried) con
 }
 
 bool HeadingUpdate::due(int64_t t_ns) const {
-  return used_ns_ == INT64_MIN || static_cast<double>(t_ns - used_ns_) * kNanoseconds >= p_.attitude_interval_s;
+  return used_ns_ == INT64_MIN || seconds(t_ns - used_ns_) >= p_.interval_s;
 }
 
 Innovation<1> HeadingUpdate::difference(const Localizer& localizer, const Quaterniond& q_o_a, double sigma_rad) const {
   const double turned = -2 * std::atan2(q_o_a.z(), q_o_a.w());  // about down: heading minus the attitude source's
   Innovation<1> seen;
-  seen.residual[0] =
-      std::remainder(turned - (localizer.x[kHeading] - localizer.x[kAttitudeHeading]), 2 * EIGEN_PI);
+  seen.residual[0] = std::remainder(turned - (localizer.x[kHeading] - localizer.x[kAttitudeHeading]), 2 * EIGEN_PI);
   seen.H(0, kHeading) = 1, seen.H(0, kAttitudeHeading) = -1;
   seen.noise(0, 0) = squared(sigma_rad);
   return seen;
@@ -54,8 +59,8 @@ Innovation<1> HeadingUpdate::difference(const Localizer& localizer, const Quater
 
 UpdateResult HeadingUpdate::use(Localizer& localizer, int64_t t_ns, const Quaterniond& q_o_a) {
   used_ns_ = t_ns;
-  const auto seen = difference(localizer, q_o_a, p_.attitude_yaw_rad);
-  return localizer.update(seen, p_.gate[1],
+  const auto seen = difference(localizer, q_o_a, p_.yaw_rad);
+  return localizer.update(seen, kGate[1],
                           north_ ? these({kLogScale, kLogFactor, kStepHeading}) : all_but({kAttitudeHeading}));
 }
 
@@ -65,4 +70,4 @@ void HeadingUpdate::join(Localizer& localizer, const Quaterniond& q_o_a) const {
   localizer.copy_error(kHeading, kAttitudeHeading);
 }
 
-}  // namespace odograph
+}  // namespace odograph::localizer

@@ -6,43 +6,48 @@
 #include <cstdint>
 
 #include "sdk/host/localizer/localizer.hpp"
-#include "sdk/host/localizer/parameters.hpp"
-#include "sdk/host/messages/messages.hpp"
+#include "sdk/math/atmosphere.hpp"
+#include "sdk/math/time.hpp"
 
-namespace odograph {
+namespace odograph::localizer {
 
 /// The barometer's height, against an offset that drifts.
 class HeightUpdate {
  public:
-  explicit HeightUpdate(const LocalizerParameters& parameters) : p_(parameters) {}
-  void reset() { *this = HeightUpdate(p_); }
+  struct Parameters {
+    double sigma_m = 0.5;       ///< m: 4 Pa of wind and 3 of noise
+    double correlation_s = 10;  ///< s over which its error is one error; judgement
+    double walk = 0.02;         ///< m/sqrt(s): 20 Pa in an hour, doors
+  };
+
+  void reset() { *this = {}; }
+  void go_on(Localizer& localizer, double dt_s) const { localizer.add_variance(kBarometer, squared(p_.walk) * dt_s); }
 
   /// `down_m`: of the body at the barometer's time. `steps`: they carry the track, and no reading waits for another.
   UpdateResult use(Localizer& localizer, const odo_barometer& barometer, double down_m, bool steps) {
-    constexpr double kSeaLevel_pa = 101325, kScaleHeight_m = 44330, kExponent = 0.190263;  // ISA, troposphere
     if (barometer.pressure_pa <= 0) return {};
-    const double z_m = -kScaleHeight_m * (1 - std::pow(barometer.pressure_pa / kSeaLevel_pa, kExponent));
+    const double z_m = -pressure_height_m(barometer.pressure_pa);
     const int64_t t_ns = barometer.header.t_ns;
     if (used_ns_ == INT64_MIN) {
-      localizer.set(kBarometer, z_m - down_m, squared(p_.baro_sigma_m));
+      localizer.set(kBarometer, z_m - down_m, squared(p_.sigma_m));
       localizer.P(kBarometer, kBarometer) += localizer.P(kDown, kDown);
       localizer.P(kBarometer, kDown) = localizer.P(kDown, kBarometer) = -localizer.P(kDown, kDown);
       used_ns_ = t_ns;
       return {true, 0.0, 1};
     }
     // Gusts and doors last for seconds: readings within that time have one error.
-    const double since_s = std::clamp(static_cast<double>(t_ns - used_ns_) * kNanoseconds, 0.01, p_.baro_correlation_s);
+    const double since_s = std::clamp(seconds(t_ns - used_ns_), 0.01, p_.correlation_s);
     used_ns_ = t_ns;
     Innovation<1> height;
     height.residual[0] = z_m - down_m - localizer.x[kBarometer];
     height.H(0, kDown) = height.H(0, kBarometer) = 1;
-    height.noise(0, 0) = squared(p_.baro_sigma_m) * (steps ? 1.0 : p_.baro_correlation_s / since_s);
-    return localizer.update(height, p_.gate[1], these({kLogScale, kLogFactor, kStepHeading, kHeading}));
+    height.noise(0, 0) = squared(p_.sigma_m) * (steps ? 1.0 : p_.correlation_s / since_s);
+    return localizer.update(height, kGate[1], these({kLogScale, kLogFactor, kStepHeading, kHeading}));
   }
 
  private:
-  LocalizerParameters p_;
+  Parameters p_;
   int64_t used_ns_ = INT64_MIN;
 };
 
-}  // namespace odograph
+}  // namespace odograph::localizer

@@ -11,23 +11,25 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "sdk/host/estimator/estimator.hpp"
+#include "sdk/host/localizer/measurement.hpp"
 #include "sdk/host/localizer/track.hpp"
 
-namespace odograph {
+namespace odograph::localizer {
 
 /// What the filter estimates, in this order. Position and heading are those of the newest pose of the track, so that
 /// together with the track they are T_n_o.
 enum StateIndex : int {
-  kNorth, kEast, kDown,  ///< of the body in n, m
-  kHeading,              ///< of o against n, rad: q_n_b = Rz(heading) q_o_b
-  kHeadingRate,          ///< its rate, rad/s; 0 unless a gyroscope is chained
-  kLogScale,             ///< log of metres per unit of the front-end's displacements
-  kLogFactor,            ///< log of the true step length by the stated one
-  kStepHeading,          ///< walking direction minus the steps' heading, rad
-  kAttitudeHeading,      ///< of the attitude source's frame against n, rad: q_n_b = Rz(.) q_attitude
-  kBarometer,            ///< barometer's height downwards minus down, m
-  kClimb,                ///< vertical velocity downwards where steps carry, m/s
+  kNorth,
+  kEast,
+  kDown,             ///< of the body in n, m
+  kHeading,          ///< of o against n, rad: q_n_b = Rz(heading) q_o_b
+  kHeadingRate,      ///< its rate, rad/s; 0 unless a gyroscope is chained
+  kLogScale,         ///< log of metres per unit of the front-end's displacements
+  kLogFactor,        ///< log of the true step length by the stated one
+  kStepHeading,      ///< walking direction minus the steps' heading, rad
+  kAttitudeHeading,  ///< of the attitude source's frame against n, rad: q_n_b = Rz(.) q_attitude
+  kBarometer,        ///< barometer's height downwards minus down, m
+  kClimb,            ///< vertical velocity downwards where steps carry, m/s
   kStates
 };
 
@@ -116,6 +118,9 @@ inline StateSet all_but(std::initializer_list<StateIndex> states) {
 }
 inline StateSet these(std::initializer_list<StateIndex> states) { return ~all_but(states); }
 
+/// Of a normalised innovation squared, by its degrees of freedom: 99.9 % of good measurements pass (chi-square).
+inline constexpr double kGate[] = {0, 10.83, 13.82, 16.27, 18.47};
+
 inline double squared(double x) { return x * x; }
 
-}  // namespace odograph
+}  // namespace odograph::localizer

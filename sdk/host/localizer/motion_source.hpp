@@ -7,13 +7,15 @@
 #include <Eigen/Core>
 #include <odograph/types.h>
 
-namespace odograph {
+namespace odograph::localizer {
 
 /// What moves the track: one at a time, the best that is alive.
-struct NoSource {};                         ///< nothing yet, or nothing any more: the track stays
-struct StepSource {};                       ///< steps, from where the last displacement ended
-struct ScaledSource { bool known = false; };  ///< a front-end times the scale that is known of it, if it is
-struct MetricSource { bool inertial = false; };  ///< a front-end that states metres, with inertia or without
+struct NoSource {};      ///< nothing yet, or nothing any more: the track stays
+struct StepSource {};    ///< steps, from where the last displacement ended
+struct ScaledSource {};  ///< a front-end, times a scale that others give
+struct MetricSource {
+  bool inertial = false;
+};  ///< a front-end that states metres, with inertia or without
 using MotionSource = std::variant<NoSource, StepSource, ScaledSource, MetricSource>;
 
 inline const char* describe(const MotionSource& source) {
@@ -23,4 +25,4 @@ inline const char* describe(const MotionSource& source) {
   return kNames[source.index()];
 }
 
-}  // namespace odograph
+}  // namespace odograph::localizer

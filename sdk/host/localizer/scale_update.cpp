@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "sdk/host/messages/messages.hpp"
+#include "sdk/math/time.hpp"
 
-namespace odograph {
+namespace odograph::localizer {
 namespace {
 
 constexpr double kNews = 1.02;  // times the information so far: less is nothing new
@@ -21,10 +22,13 @@ Innovation<1> of_log_scale(double value, const Localizer& localizer, double vari
 
 }  // namespace
 
-void ScaleUpdate::begin_group() { *this = ScaleUpdate(p_); }
+void ScaleUpdate::begin_group(Localizer& localizer) {
+  *this = {};
+  localizer.set(kLogScale, 0, squared(p_.unknown_sigma));
+}
 
 void ScaleUpdate::use_own(Localizer& localizer, double sigma, bool walks) {
-  const double information = 1 / squared(std::clamp(sigma, p_.min_scale_sigma, p_.max_scale_sigma));
+  const double information = 1 / squared(std::clamp(sigma, p_.min_sigma, p_.max_sigma));
   own_ = information;
   if (!known_) {
     known_ = true;
@@ -44,21 +48,19 @@ void ScaleUpdate::use_own(Localizer& localizer, double sigma, bool walks) {
 
 UpdateResult ScaleUpdate::use(Localizer& localizer, const odo_scale& scale) {
   if (scale.scale <= 0) return {};
-  const double sigma = std::clamp(scale.sigma / scale.scale, p_.min_scale_sigma, p_.max_scale_sigma);
+  const double sigma = std::clamp(scale.sigma / scale.scale, p_.min_sigma, p_.max_sigma);
   const double information = 1 / squared(sigma), value = std::log(scale.scale);
   const bool by_steps = (scale.header.flags & ODO_SCALE_NOT_BY_STEPS) == 0;
   if (by_steps && steps_ > 0) return {};  // steps are compared with the front-end themselves
-  const double since_s =
-      stated_ns_ == INT64_MIN ? 0.0 : static_cast<double>(scale.header.t_ns - stated_ns_) * kNanoseconds;
+  const double since_s = stated_ns_ == INT64_MIN ? 0.0 : seconds(scale.header.t_ns - stated_ns_);
   stated_ns_ = scale.header.t_ns;
   if (!std::exchange(known_, true)) {
     localizer.set(kLogScale, value, squared(sigma));
     stated_ = information;
   } else {
-    stated_ *= std::exp(-std::max(0.0, since_s) / p_.scale_memory_s);
+    stated_ *= std::exp(-std::max(0.0, since_s) / p_.memory_s);
     if (information <= kNews * stated_) return {};
-    const UpdateResult result =
-        localizer.update(of_log_scale(value, localizer, 1 / (information - stated_)), p_.gate[1]);
+    const UpdateResult result = localizer.update(of_log_scale(value, localizer, 1 / (information - stated_)), kGate[1]);
     if (!result.accepted) return result;
     stated_ = information;
   }
@@ -67,8 +69,7 @@ UpdateResult ScaleUpdate::use(Localizer& localizer, const odo_scale& scale) {
 }
 
 void ScaleUpdate::know_by_steps(const Localizer& localizer) {
-  constexpr int kFewest = 3;
-  known_ = known_ || (steps_ >= kFewest && localizer.sigma(kLogScale) < p_.known_scale_sigma);
+  known_ = known_ || (steps_ >= p_.min_steps && localizer.sigma(kLogScale) < p_.known_sigma);
 }
 
 ScaleKnowledge ScaleUpdate::knowledge(const Localizer& localizer) const {
@@ -77,4 +78,4 @@ ScaleKnowledge ScaleUpdate::knowledge(const Localizer& localizer) const {
   return all > 0 ? ScaleKnowledge{sigma, own_ / all, by_steps_ / all} : ScaleKnowledge{sigma, 0, 0};
 }
 
-}  // namespace odograph
+}  // namespace odograph::localizer

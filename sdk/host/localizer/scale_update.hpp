@@ -4,18 +4,25 @@
 #include <cstdint>
 
 #include "sdk/host/localizer/localizer.hpp"
-#include "sdk/host/localizer/parameters.hpp"
 
-namespace odograph {
+namespace odograph::localizer {
 
 /// What makes a front-end's displacements metres: its own statement, or scale sources. Neither states independent
 /// errors: a statement counts for as much as it says more than was said before.
 class ScaleUpdate {
  public:
-  explicit ScaleUpdate(const LocalizerParameters& parameters) : p_(parameters) {}
+  struct Parameters {
+    double unknown_sigma = 1.0;     ///< of log-scale before anything is known
+    double known_sigma = 0.15;      ///< of log-scale, at which steps have told it
+    double min_sigma = 1e-3;        ///< lower clamp of a stated sigma; by hand
+    double max_sigma = 1;           ///< upper clamp; by hand
+    double lost_confidence = 0.25;  ///< share of its information below which a front-end has doubted its scale anew
+    double memory_s = 20;           ///< s for which a source repeats the same error
+    int min_steps = 3;              ///< before steps tell it; by hand
+  };
 
   /// Another scale group: nothing is known of its scale.
-  void begin_group();
+  void begin_group(Localizer& localizer);
   /// A front-end's own statement, relative sigma. `walks`: the camera moves; a camera at rest doubts its displacement,
   /// not its scale.
   void use_own(Localizer& localizer, double sigma, bool walks);
@@ -32,11 +39,11 @@ class ScaleUpdate {
   ScaleKnowledge knowledge(const Localizer& localizer) const;
 
  private:
-  LocalizerParameters p_;
+  Parameters p_;
   bool known_ = false;
   double own_ = 0, stated_ = 0, by_steps_ = 0;
   int steps_ = 0;
   int64_t stated_ns_ = INT64_MIN;
 };
 
-}  // namespace odograph
+}  // namespace odograph::localizer

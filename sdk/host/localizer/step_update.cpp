@@ -5,17 +5,16 @@
 #include <cmath>
 #include <utility>
 
-namespace odograph {
+#include "sdk/math/time.hpp"
+
+namespace odograph::localizer {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kMinSigma = 0.01;        // of a step's length, relative: none is stated better
-constexpr double kMinMoved = 0.1;         // units a step, below which its logarithm means nothing
-constexpr double kOdometrySigma = 0.02;   // units: of a front-end's displacement over a step
-constexpr double kMaxStretch = 0.9;       // of log-length: a step that was none, or a phone that was handed on
+constexpr double kMaxStretch = 0.9;  // of log-length: a step that was none, or a phone that was handed on
 
 bool is_loose(const odo_step& step) {
   return step.mode == ODO_MODE_WALKING_SWINGING || step.mode == ODO_MODE_WALKING_POCKET;
@@ -24,11 +23,17 @@ bool is_loose(const odo_step& step) {
 }  // namespace
 
 double StepUpdate::own_sigma(const odo_step& step) const {
-  return std::min(p_.step_own_sigma, std::max(step.sigma_m / step.length_m, kMinSigma));
+  return std::min(p_.own_sigma, std::max(step.sigma_m / step.length_m, p_.min_sigma));
 }
 
 double StepUpdate::direction_sigma(const odo_step& step) const {
-  return is_loose(step) ? p_.step_loose_across_rad : p_.step_across_rad;
+  return is_loose(step) ? p_.loose_across_rad : p_.across_rad;
+}
+
+void StepUpdate::reset(Localizer& localizer) {
+  *this = {};
+  localizer.set(kLogFactor, 0, squared(p_.factor_sigma));
+  localizer.set(kStepHeading, 0, squared(p_.heading_sigma_rad));
 }
 
 void StepUpdate::go_on(Localizer& localizer, const odo_step& step, bool learns) {
@@ -38,57 +43,67 @@ void StepUpdate::go_on(Localizer& localizer, const odo_step& step, bool learns) 
   }
   const double keep = std::exp(-1 / p_.factor_steps);
   if (learns) localizer.decay(kLogFactor, 0, keep, (1 - keep * keep) * squared(p_.factor_sigma));
-  localizer.add_variance(kStepHeading, squared(p_.step_heading_walk));
+  localizer.add_variance(kStepHeading, squared(p_.heading_walk));
   if (std::exchange(loose_, is_loose(step)) != is_loose(step))  // the phone is held otherwise
-    localizer.add_variance(kStepHeading, squared(p_.step_loose_across_rad));
+    localizer.add_variance(kStepHeading, squared(p_.loose_across_rad));
 }
 
-StepUpdate::Stride StepUpdate::stride(const Localizer& localizer, const odo_step& step, double share,
-                                      double phone_heading_rad) const {
+StepUpdate::Stride StepUpdate::carry(Localizer& localizer, const odo_step& step, double share,
+                                     double phone_heading_rad) const {
+  const auto& x = localizer.x;
   const bool heading = (step.header.flags & ODO_STEP_HEADING) != 0;
-  const double direction =
-      localizer.x[kAttitudeHeading] + (heading ? step.heading_rad + localizer.x[kStepHeading] : phone_heading_rad);
-  const Vector3d along(std::cos(direction), std::sin(direction), 0);
-  const double length_m = share * std::exp(localizer.x[kLogFactor]) * step.length_m;
-  const Vector3d d_n = length_m * along, side_n = across(along);
-  const double sway = heading ? p_.step_across_rad : p_.step_loose_across_rad;
+  const double direction = x[kAttitudeHeading] + (heading ? step.heading_rad + x[kStepHeading] : phone_heading_rad);
+  const Vector3d along(std::cos(direction), std::sin(direction), 0), side_n = across(along);
+  const double length_m = share * std::exp(x[kLogFactor]) * step.length_m;
+  const double sway = heading ? p_.across_rad : p_.loose_across_rad;
   const Matrix3d noise = squared(own_sigma(step) * length_m) * along * along.transpose() +
                          squared(sway * length_m) * side_n * side_n.transpose();
-  const bool stairs = step.mode == ODO_MODE_STAIRS;
-  return {d_n, stairs ? Vector3d(Vector3d::Zero()) : d_n, across(d_n), noise};
+  const Vector3d walked_n = length_m * along, by_heading = across(walked_n);
+  const Vector3d by_factor = step.mode == ODO_MODE_STAIRS ? Vector3d(Vector3d::Zero()) : walked_n;
+  // Up and down he goes with the ground, and no faster than people climb.
+  const double dt_s = share * seconds(step.t_end_ns - step.t_start_ns), keep = std::exp(-dt_s / p_.climb_s);
+  localizer.decay(kClimb, 0, keep, (1 - keep * keep) * squared(p_.climb_sigma_mps));
+  const Vector3d d_n = walked_n + Vector3d(0, 0, x[kClimb] * dt_s);
+  localizer.move(d_n,
+                 {{kLogFactor, by_factor},
+                  {kAttitudeHeading, by_heading},
+                  {kStepHeading, by_heading},
+                  {kClimb, Vector3d(0, 0, dt_s)}},
+                 noise);
+  return {d_n, noise};
 }
 
 UpdateResult StepUpdate::compare(Localizer& localizer, const odo_step& step, const Vector3d& moved_o, bool metric) {
   const double moved = moved_o.head<2>().norm();
-  if (moved < kMinMoved || step.mode == ODO_MODE_STAIRS) return {};
+  if (moved < p_.min_moved || step.mode == ODO_MODE_STAIRS) return {};
   const auto& x = localizer.x;
   const bool heading = (step.header.flags & ODO_STEP_HEADING) != 0;
   Innovation<2> seen;  // of two differences that are zero
   const double stretch = x[kLogFactor] + std::log(step.length_m / moved) - x[kLogScale];
   seen.residual[0] = -stretch;
   seen.H(0, kLogFactor) = 1, seen.H(0, kLogScale) = -1;
-  seen.noise(0, 0) = (squared(own_sigma(step)) + squared(kOdometrySigma / moved)) * p_.step_correlation;
+  seen.noise(0, 0) = (squared(own_sigma(step)) + squared(p_.odometry_sigma / moved)) * p_.correlation;
   seen.noise(1, 1) = 1e12;
   if (heading) {
-    const double off = step.heading_rad + x[kAttitudeHeading] + x[kStepHeading] -
-                       std::atan2(moved_o.y(), moved_o.x()) - x[kHeading];
+    const double off =
+        step.heading_rad + x[kAttitudeHeading] + x[kStepHeading] - std::atan2(moved_o.y(), moved_o.x()) - x[kHeading];
     seen.residual[1] = -std::remainder(off, 2 * EIGEN_PI);
     seen.H(1, kAttitudeHeading) = seen.H(1, kStepHeading) = 1, seen.H(1, kHeading) = -1;
     seen.noise(1, 1) = squared(direction_sigma(step));
   }
   const bool bounded = !metric || std::abs(stretch) < kMaxStretch;
-  const UpdateResult result =
-      bounded ? localizer.update(seen, p_.gate[2], metric ? all_but({kLogFactor, kStepHeading})
-                                                          : all_but({kLogScale, kLogFactor, kStepHeading}))
-              : UpdateResult{false, 0, 2};
+  const UpdateResult result = bounded ? localizer.update(seen, kGate[2],
+                                                         metric ? all_but({kLogFactor, kStepHeading})
+                                                                : all_but({kLogScale, kLogFactor, kStepHeading}))
+                                      : UpdateResult{false, 0, 2};
   if (result.accepted) {
     rejected_ = 0;
-  } else if (++rejected_ >= p_.max_steps_rejected) {
+  } else if (++rejected_ >= p_.max_rejected) {
     rejected_ = 0;
-    localizer.add_variance(kStepHeading, squared(p_.step_heading_sigma_rad));
+    localizer.add_variance(kStepHeading, squared(p_.heading_sigma_rad));
     localizer.add_variance(kLogFactor, squared(p_.factor_sigma));
   }
   return result;
 }
 
-}  // namespace odograph
+}  // namespace odograph::localizer

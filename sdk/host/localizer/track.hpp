@@ -7,9 +7,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "sdk/host/base/ring.hpp"
+#include "sdk/math/ring.hpp"
 
-namespace odograph {
+namespace odograph::localizer {
 
 /// A pose of the body in the odometry frame o, which is level and in which the track never jumps, and how uncertain the
 /// way there has become since the track began, squared.
@@ -62,4 +62,4 @@ class Track {
   Ring<TrackPoint, 1024> points_;
 };
 
-}  // namespace odograph
+}  // namespace odograph::localizer

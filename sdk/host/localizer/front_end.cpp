@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/localizer/front_end.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sdk/math/gravity.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
+
+namespace odograph::localizer {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+namespace {
+
+/// Of a motion's rotation, the largest of its axes, rad; 0 where it states none.
+double rotation_sigma(const odo_vo_motion& m) {
+  if ((m.header.flags & ODO_VO_COVARIANCE) == 0) return 0;
+  return std::sqrt(std::max({m.covariance[0], m.covariance[7], m.covariance[14]}));
+}
+
+}  // namespace
+
+void FrontEnd::begin_group(const odo_vo_motion& motion, bool metric) {
+  group_ = {};
+  group_.any = true;
+  group_.id = motion.scale_group;
+  group_.metric = metric;
+  group_.began_ns = motion.t_from_ns;
+  path_.clear();
+  path_.add(motion.t_from_ns, group_.y_o);
+  if (!tracker_.paper()) scale_.begin_group(tracker_.localizer);
+}
+
+bool FrontEnd::turn_by_gyroscope(const odo_vo_motion& m) {
+  const double gap_s = tracker_.parameters().longest_gap_s, dt_s = seconds(m.header.t_ns - m.t_from_ns);
+  const auto from = tracker_.inertia.at(m.t_from_ns, gap_s), to = tracker_.inertia.at(m.header.t_ns, gap_s);
+  if (!from || !to || dt_s <= 0) return false;
+  const Quaterniond q_c0_c1 = q_b_c_.conjugate() * from->q_e_b.conjugate() * to->q_e_b * q_b_c_;
+  gyro_.propagate(q_c0_c1, dt_s);
+  // With parallax a picture's rotation and translation are too much alike to tell a bias.
+  const bool pure = m.reason == ODO_REASON_NO_PARALLAX && (m.header.flags & ODO_VO_ROTATION) != 0;
+  if (pure) gyro_.update_relative_rotation(q_c0_c1, quaternion(m.q_c0_c1), rotation_sigma(m), dt_s);
+  gyro_.update_gravity(q_b_c_.conjugate() * (to->q_e_b.conjugate() * ((to->v_e - from->v_e) / dt_s)), pure);
+  return true;
+}
+
+/// Whether the front-end has turned as the gyroscope has; a picture of the inside of a pocket turns otherwise.
+bool FrontEnd::turns_with_gyroscope(const odo_vo_motion& m) const {
+  const auto q_b0_b1 = tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns);
+  if (!q_b0_b1) return true;
+  const Quaterniond q_c0_c1 = q_b_c_.conjugate() * *q_b0_b1 * q_b_c_;
+  const double off_rad = log_rotation(quaternion(m.q_c0_c1).conjugate() * q_c0_c1).norm();
+  return off_rad < p_.rotation_off_rad + p_.rotation_off_share * log_rotation(*q_b0_b1).norm() +
+                       tracker_.parameters().heading_rate_radps * seconds(m.header.t_ns - m.t_from_ns);
+}
+
+/// The body in o at the motion's end, by what the config prefers and what there is.
+std::optional<Quaterniond> FrontEnd::turned(const Moving& moving) {
+  const odo_vo_motion& m = moving.m;
+  const Orientation orientation = tracker_.config().orientation;
+  if (const auto q_a_b = tracker_.attitudes.at(m.header.t_ns); q_a_b && orientation == Orientation::attitude)
+    return q_a_b;
+  if (orientation == Orientation::gyroscope && turn_by_gyroscope(m)) return gyro_.q_o_c() * q_b_c_.conjugate();
+  if (moving.rotates) return moving.q_o_c0 * quaternion(m.q_c0_c1) * q_b_c_.conjugate();
+  if (const auto q_o_b = tracker_.by_attitude(m.header.t_ns)) return q_o_b;
+  const auto q_b0_b1 = tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns);
+  return q_b0_b1 ? std::optional<Quaterniond>(moving.from.q_o_b * *q_b0_b1) : std::nullopt;
+}
+
+/// Of the heading, rad^2. A front-end with inertia that has not walked yet knows the gyroscope's bias badly, and that
+/// is one error for all that time: (sigma T)^2 grows by 2 sigma^2 T dt.
+double FrontEnd::heading_variance(const Moving& moving) const {
+  const double lost_turn = squared(tracker_.heading.parameters().gap_turn);
+  if (!moving.turn_known) return lost_turn * moving.dt_s;
+  if (!moving.inertial) return squared(p_.rotation_walk) * moving.dt_s;
+  const odo_vo_motion& m = moving.m;
+  double rate = squared(p_.inertial_rotation_walk);
+  if (!tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns)) rate += lost_turn;  // it has had no gyroscope
+  if (!group_.walked) {
+    const bool stated = (m.header.flags & ODO_VO_COVARIANCE) != 0;
+    const double sigma_radps = stated ? rotation_sigma(m) / moving.dt_s : p_.start_rate_radps;
+    rate += 2 * squared(std::min(sigma_radps, p_.start_rate_radps)) * seconds(m.header.t_ns - group_.began_ns);
+  }
+  return rate * moving.dt_s;
+}
+
+/// Whether the camera walks: its doubt about the displacement is one about the scale.
+bool FrontEnd::walks(int64_t t_ns) const {
+  const auto before = path_.at(t_ns - 1'000'000'000);
+  return before && std::exp(tracker_.localizer.x[kLogScale]) * (group_.y_o - *before).norm() > p_.walking_m;
+}
+
+/// The papers' rule: each motion has its own scale, whose errors are common to the path.
+bool FrontEnd::to_metres_as_in_papers(Moving& moving, const odo_scale* scale) {
+  if (!inputs_.scale) return true;
+  if (!scale) return false;
+  moving.d_o *= scale->scale;
+  const bool horizontal =
+      (scale->header.flags & ODO_SCALE_HORIZONTAL) != 0 && tracker_.config().vertical == Vertical::ignore;
+  if (horizontal) moving.d_o.z() = 0.0;
+  const double relative = scale->scale > 0 ? std::min(1.0, scale->sigma / scale->scale) : 0.0;
+  tracker_.localizer.x[kLogScale] = scale->scale > 0 ? std::log(scale->scale) : 0.0;
+  tracker_.localizer.restate(kLogScale, squared(relative));
+  if (moving.translates) catch_up(scale, horizontal);
+  return true;
+}
+
+/// Metres of the displacement; false where none are known.
+bool FrontEnd::to_metres(Moving& moving, const odo_scale* scale) {
+  const odo_vo_motion& m = moving.m;
+  if (moving.metric) {
+    if (moving.translates) {
+      const bool stated = moving.inertial || m.scale_sigma > 0;
+      tracker_.localizer.add_variance(kLogScale, squared(p_.metric_scale_walk) * moving.dt_s);
+      scale_.use_own(tracker_.localizer, stated ? m.scale_sigma : p_.unstated_scale_sigma, walks(m.header.t_ns));
+    }
+    if (!tracker_.paper()) moving.d_o *= std::exp(tracker_.localizer.x[kLogScale]);
+    return true;
+  }
+  if (tracker_.paper()) return to_metres_as_in_papers(moving, scale);
+  if (scale) scale_.use(tracker_.localizer, *scale);
+  if (!scale_.known()) return false;
+  moving.d_o *= std::exp(tracker_.localizer.x[kLogScale]);
+  const double walk = metre_check_.doubted() ? p_.doubted_scale_walk : p_.scale_walk;
+  tracker_.localizer.add_variance(kLogScale, squared(walk) * moving.d_o.norm());
+  catch_up(scale, false);
+  return true;
+}
+
+/// What the group moved before its scale was known, once it holds for that too and nothing else has moved the track.
+void FrontEnd::catch_up(const odo_scale* scale, bool horizontal) {
+  const Vector3d waiting_o = std::exchange(group_.unscaled_o, Vector3d::Zero());
+  if (waiting_o.isZero() || (tracker_.paper() && !(scale && (scale->header.flags & ODO_SCALE_STEADY)))) return;
+  if (tracker_.coverage.missing(group_.began_ns, tracker_.newest().t_ns) < 0.5) return;
+  Vector3d d_o = std::exp(tracker_.localizer.x[kLogScale]) * waiting_o;
+  if (horizontal) d_o.z() = 0;
+  const Vector3d d_n = tracker_.localizer.q_n_o() * d_o;
+  tracker_.localizer.move(d_n, {{kHeading, across(d_n)}, {kLogScale, d_n}}, Matrix3d::Zero());
+  tracker_.push(tracker_.newest().t_ns, tracker_.newest().q_o_b, d_o);
+  tracker_.coverage.add(group_.began_ns, tracker_.newest().t_ns);
+}
+
+/// A front-end with inertia knows the vertical: inclination is its own. Another's is mended slowly by the attitude.
+void FrontEnd::level(Moving& moving) const {
+  Vector3d down_b = q_b_c_ * Vector3d(moving.m.gravity_c1);
+  double share = 1;
+  if (!moving.inertial) {
+    const auto q_a_b = tracker_.attitudes.at(moving.m.header.t_ns);
+    if (!q_a_b) return;
+    down_b = q_a_b->conjugate() * Vector3d::UnitZ();
+    share = std::min(1.0, moving.dt_s / p_.tilt_time_s);
+  }
+  const Quaterniond up = Quaterniond::FromTwoVectors(moving.q_o_b1 * down_b, Vector3d::UnitZ());
+  moving.q_o_b1 = (Quaterniond::Identity().slerp(share, up) * moving.q_o_b1).normalized();
+}
+
+/// The first metric motion: where it began follows from the velocity and the inertial samples since the first frame,
+/// p(T) - p(0) = v T - int t a dt; before that the camera is taken to have stood.
+void FrontEnd::begin_here(const Moving& moving) {
+  const int64_t to_ns = moving.m.header.t_ns;
+  const int64_t from_ns =
+      std::max({tracker_.coverage.until_ns(), to_ns - nanoseconds(p_.rewind_s), tracker_.inertia.oldest_ns()});
+  tracker_.coverage.begin(to_ns);
+  const auto from = tracker_.inertia.at(from_ns, 0);
+  const auto to = tracker_.inertia.at(to_ns, tracker_.parameters().longest_gap_s);
+  if (!from || !to || to_ns <= from_ns) return;
+  const double T = seconds(to_ns - from_ns);
+  const Quaterniond q_o_e = moving.q_o_b1 * to->q_e_b.conjugate();
+  const Vector3d v_o = moving.q_o_b1 * q_b_c_ * Vector3d(moving.m.velocity_c1);
+  const Vector3d constant_o = Vector3d(0, 0, kStandardGravity_mps2) - moving.q_o_b1 * Vector3d(moving.m.accel_bias_b);
+  const Vector3d d_o = T * v_o + q_o_e * (to->p_e - from->p_e - T * to->v_e) - 0.5 * T * T * constant_o;
+  const Vector3d d_n = tracker_.localizer.q_n_o() * d_o;
+  tracker_.localizer.move(d_n, {{kHeading, across(d_n)}}, Matrix3d::Identity() * squared(p_.rewind_sigma_mps * T));
+  tracker_.push(tracker_.newest().t_ns, tracker_.newest().q_o_b, d_o);
+}
+
+/// The track goes on, by the rotation, and where there is a displacement in metres by that.
+void FrontEnd::move(const Moving& moving, bool moves) {
+  const odo_vo_motion& m = moving.m;
+  const Vector3d d_o = moves ? moving.d_o : Vector3d(Vector3d::Zero());
+  const Vector3d body_o = d_o - (moving.q_o_b1 * p_b_c_ - moving.from.q_o_b * p_b_c_);
+  const double walk = squared(p_.drift_per_root_m) * d_o.norm();
+  Vector3d variance(walk, walk, squared(p_.height_drift_per_root_m) * d_o.norm());
+  double blind_m = 0;  // with the camera covered it goes on by inertia, whose errors are one error
+  if (moves && moving.state != ODO_TRACKING && (m.header.flags & ODO_VO_COVARIANCE)) {
+    blind_m = blind_sigma_m_ + std::sqrt(std::max({m.covariance[21], m.covariance[28], m.covariance[35]}));
+    variance.array() += squared(blind_m) - squared(blind_sigma_m_);
+  }
+  blind_sigma_m_ = blind_m;
+  const Quaterniond q_n_o = tracker_.localizer.q_n_o();
+  const Vector3d body_n = q_n_o * body_o, d_n = q_n_o * d_o;
+  tracker_.localizer.move(body_n, {{kHeading, across(body_n)}, {kLogScale, d_n}}, Matrix3d(variance.asDiagonal()));
+  const double turned = heading_variance(moving);
+  tracker_.localizer.add_variance(kHeading, turned);
+  tracker_.push(m.header.t_ns, moving.q_o_b1, body_o, variance, turned);
+  if (!moves) return tracker_.set_velocity(Vector3d::Zero(), Tracker::Velocity::none);
+  if (!moving.inertial) return tracker_.set_velocity(d_o / moving.dt_s, Tracker::Velocity::mean);
+  tracker_.set_velocity(moving.q_o_b1 * q_b_c_ * Vector3d(m.velocity_c1), Tracker::Velocity::now);
+  gyro_bias_b = Vector3d(m.gyro_bias_b), accel_bias_b = Vector3d(m.accel_bias_b);
+}
+
+void FrontEnd::reset() {
+  scale_ = {};
+  metre_check_ = {};
+  group_ = {};
+  path_.clear();
+  lost_ = moves_ = false;
+  first_frame_ns_ = translated_ns_ = leads_since_ns_ = INT64_MIN;
+  blind_sigma_m_ = 0;
+  gyro_bias_b.setZero(), accel_bias_b.setZero();
+}
+
+void FrontEnd::on_calibration(const odo_calibration& calibration) {
+  if ((calibration.header.flags & ODO_CALIBRATION_EXTRINSICS) == 0) return;
+  q_b_c_ = quaternion(calibration.q_b_c);
+  p_b_c_ = Vector3d(calibration.p_b_c);
+}
+
+void FrontEnd::begin(int64_t t_ns, bool has_stepped) {
+  first_frame_ns_ = t_ns;
+  tracker_.go_on(t_ns);
+  const Quaterniond q_o_b = tracker_.at(t_ns).value_or(tracker_.newest()).q_o_b;
+  if (!has_stepped) tracker_.start_camera_at(t_ns, q_o_b, p_b_c_);
+  tracker_.push(t_ns, q_o_b, Vector3d::Zero());
+  tracker_.turn_with_camera();
+  begin_turning();
+}
+
+void FrontEnd::begin_turning() {
+  if (tracker_.config().orientation != Orientation::gyroscope) return;
+  const double tilt_variance = tracker_.tilt_variance();
+  gyro_.reset(tracker_.newest().q_o_b * q_b_c_, Vector3d(tilt_variance, tilt_variance, 0).asDiagonal());
+  if (!tracker_.heading.north() && !tracker_.start_pose().heading_given)
+    tracker_.localizer.loosen_heading(p_.any_heading_rad);
+}
+
+FrontEnd::Moving FrontEnd::begin_motion(const odo_vo_motion& m) {
+  const int64_t t_ns = m.header.t_ns;
+  const uint32_t flags = m.header.flags;
+  if (group_.any && m.scale_group != group_.id) metre_check_.restart();
+  metre_check_.add_motion(seconds(t_ns - m.t_from_ns), m.state == ODO_TRACKING, (flags & ODO_VO_METRIC) != 0);
+  const bool metric = (flags & ODO_VO_METRIC) != 0 && !metre_check_.doubted();
+  if (!group_.any || m.scale_group != group_.id || metric != group_.metric) begin_group(m, metric);
+  lost_ = m.state == ODO_LOST;
+  const TrackPoint from = tracker_.track().at(m.t_from_ns).value_or(tracker_.newest());
+  Moving moving{m,
+                from,
+                from.q_o_b * q_b_c_,
+                from.q_o_b,
+                seconds(t_ns - m.t_from_ns),
+                metric,
+                metric && (flags & ODO_VO_INERTIAL) != 0,
+                false,
+                false,
+                true,
+                m.state,
+                m.reason,
+                Vector3d::Zero()};
+  group_.inertial = moving.inertial;
+  moving.rotates = (flags & ODO_VO_ROTATION) != 0 && (!lost_ || tracker_.paper());
+  moving.translates = (flags & ODO_VO_TRANSLATION) != 0 && !lost_ && moving.dt_s > 0;
+  if (!tracker_.paper() && moving.rotates && !turns_with_gyroscope(m)) moving.rotates = moving.translates = false;
+  const auto q_o_b1 = turned(moving);
+  moving.turn_known = q_o_b1.has_value();
+  moving.q_o_b1 = q_o_b1.value_or(from.q_o_b);
+  if (!tracker_.paper()) level(moving);
+  if (moving.translates) {
+    moving.d_o = moving.q_o_c0 * Vector3d(m.p_c0_c1);
+    group_.y_o += moving.d_o;
+    path_.add(t_ns, group_.y_o);
+  }
+  return moving;
+}
+
+/// A motion that picture or scale got wrong.
+bool FrontEnd::is_impossible(const Moving& moving) const {
+  const bool in_metres = moving.metric || inputs_.scale || scale_.known();
+  return in_metres && moving.d_o.norm() > p_.impossible * tracker_.config().fastest_mps * moving.dt_s;
+}
+
+FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, bool shown, bool at_start) {
+  const odo_vo_motion& m = *relative.motion;
+  const int64_t t_ns = m.header.t_ns;
+  Moving moving = begin_motion(m);
+  const Vector3d units_o = moving.d_o;
+  bool moves = to_metres(moving, relative.scale) && moving.translates;
+  if (moving.translates && !moves) {
+    group_.unscaled_o += units_o;
+    if (moving.state == ODO_TRACKING) moving.state = ODO_DEGRADED, moving.reason = ODO_REASON_NO_SCALE;
+  }
+  moves_ = moving.translates;
+  if (moves && is_impossible(moving)) {
+    moves = moves_ = false;
+    moving.state = ODO_DEGRADED, moving.reason = ODO_REASON_TOO_FAST;
+  }
+  if (moves && moving.inertial && !shown && at_start) {
+    begin_here(moving);
+    moving.d_o.setZero();
+  } else if (moves && tracker_.coverage.until_ns() > m.t_from_ns) {  // steps have moved the track meanwhile
+    moving.d_o *= tracker_.coverage.missing(m.t_from_ns, t_ns);
+  }
+  move(moving, moves);
+  group_.walked = group_.walked || scale_.own_information() > 1 / squared(p_.walked_scale_sigma);
+  if (!moves || !leads()) leads_since_ns_ = t_ns;
+  if (moves) {
+    tracker_.coverage.add(m.t_from_ns, t_ns);
+    tracker_.turn_with_camera();
+    translated_ns_ = t_ns;
+  }
+  return {moving.state, moving.reason, moves, moving.metric, moving.inertial};
+}
+
+UpdateResult FrontEnd::apply(const odo_scale& scale) {
+  if (tracker_.paper() || !group_.any || scale.scale_group != group_.id || group_.metric) return {};
+  return scale_.use(tracker_.localizer, scale);
+}
+
+bool FrontEnd::leads() const { return group_.inertial && scale_.own_information() > 1 / squared(p_.lead_scale_sigma); }
+
+bool FrontEnd::knows_metres() const {
+  return group_.metric && scale_.own_information() > 1 / squared(p_.walked_scale_sigma);
+}
+
+bool FrontEnd::is_silent(int64_t now_ns) const {
+  if (!begun()) return true;
+  if (translated_ns_ == INT64_MIN) return seconds(now_ns - first_frame_ns_) > p_.silent_start_s;
+  return lost_ || seconds(now_ns - translated_ns_) > p_.silent_s;
+}
+
+Vector3d FrontEnd::displacement(int64_t from_ns, int64_t to_ns, bool& known) const {
+  const auto from = path_.at(from_ns), to = path_.at(to_ns);
+  known = from && to;
+  return known ? Vector3d(*to - *from) : Vector3d(Vector3d::Zero());
+}
+
+bool FrontEnd::check_metres(const odo_step& step, const Vector3d& moved_o) {
+  if ((!group_.metric && !metre_check_.doubted()) || step.mode == ODO_MODE_STAIRS) return false;
+  if (!metre_check_.add(step.length_m, moved_o.head<2>().norm())) return false;
+  if (metre_check_.doubted())  // what the steps were taught since it went wrong is forgotten
+    tracker_.localizer.set(kLogFactor, metre_check_.log_factor(), metre_check_.variance());
+  return true;
+}
+
+}  // namespace odograph::localizer

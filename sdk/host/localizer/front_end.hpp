@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <variant>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "sdk/host/localizer/gyro_attitude_filter.hpp"
+#include "sdk/host/localizer/measurement.hpp"
+#include "sdk/host/localizer/metre_check.hpp"
+#include "sdk/host/localizer/scale_update.hpp"
+#include "sdk/host/localizer/timed_positions.hpp"
+#include "sdk/host/localizer/tracker.hpp"
+
+namespace odograph::localizer {
+
+/// A front-end's motions: rotation, scale and displacement, and how uncertain they leave the track.
+class FrontEnd {
+ public:
+  struct Parameters {
+    double drift_per_root_m = 0.01;  ///< m/sqrt(m), horizontal axes, without scale and heading (odograph bench vo)
+    double height_drift_per_root_m = 0.03;  ///< the same downwards: an inclination of 5 mrad over 40 m
+    double rotation_walk = 1e-3;  ///< rad/sqrt(s) of its heading: 0.018 deg a frame at 10 Hz (odograph bench vo)
+    double inertial_rotation_walk = 1.5e-3;  ///< the same with inertia: 3 to 50 mrad over ten minutes of six real walks
+    double start_rate_radps = 0.01;      ///< rad/s: gyroscope bias of a front-end with inertia before it has walked;
+                                         ///< 4.6 to 17 mrad/s on four stabilised phones, below 1 without a stabiliser
+    double walked_scale_sigma = 0.10;    ///< of log-scale: below it such a front-end has walked, and knows the metric
+                                         ///< scale better than walkers differ, so that steps do not move it
+    double lead_scale_sigma = 0.2;       ///< of log-scale: above, a front-end with inertia does not outweigh fixes
+    double rotation_off_rad = 0.015;     ///< rad from the gyroscope's, above which a rotation is none of the phone;
+                                         ///< stabilised lenses differ by 2 to 3 mrad; by hand
+    double rotation_off_share = 0.05;    ///< of the rotation: the gyroscope's scale, a rolling shutter; by hand
+    double tilt_time_s = 10;             ///< s over which the attitude levels a front-end without inertia; judgement
+    double rewind_s = 1.5;               ///< s before the first metric motion that inertia covers: an inclination of
+                                         ///< 5 mrad is 6 cm then; front-ends start in 1.2 s (odograph bench vo)
+    double rewind_sigma_mps = 0.1;       ///< m/s of the velocity that is rewound
+    double impossible = 5;               ///< times coupling.fastest: what picture or scale got wrong; by hand
+    double silent_s = 1.0;               ///< s without a displacement, until steps carry; they are told 0.4 s late
+    double silent_start_s = 6.0;         ///< s after the first frame of a camera that has never moved
+    double unstated_scale_sigma = 0.02;  ///< relative, of a metric front-end that states none; judgement
+    double metric_scale_walk = 2e-4;     ///< 1/sqrt(s) of log-scale of a metric one: 0.5 % in ten minutes; judgement
+    double scale_walk = 2e-3;            ///< 1/sqrt(m) of another: 0.9 % between halves of 10 m (odograph bench vo)
+    double doubted_scale_walk = 0.015;   ///< 1/sqrt(m) of one whose metric scale contradicts the steps
+    double walking_m = 0.5;              ///< m a second, above which the camera walks: half the slowest walk
+    double any_heading_rad = 1.8;        ///< rad of a chained gyroscope without a compass: pi / sqrt(3)
+  };
+
+  FrontEnd(Tracker& tracker, ComposerInputs inputs) : tracker_(tracker), inputs_(inputs) {}
+  void reset();
+  void on_calibration(const odo_calibration& calibration);
+
+  /// The camera begins: its first frame, or its first motion.
+  void begin(int64_t t_ns, bool has_stepped);
+  /// The orientation where it stands has been set: what is chained from there begins anew.
+  void begin_turning();
+  bool begun() const { return first_frame_ns_ != INT64_MIN; }
+
+  struct Outcome {
+    uint32_t state, reason;
+    bool moved;             ///< the track, by a displacement in metres (or as the papers' do, in units)
+    bool metric, inertial;  ///< the motion was
+  };
+  /// `shown`: positions have been published; `at_start`: nothing but the front-end has moved the track yet.
+  Outcome apply(const RelativeMotion& relative, bool shown, bool at_start);
+  /// A scale outside of a motion.
+  UpdateResult apply(const odo_scale& scale);
+  /// A step that it has covered: its displacement against the step's length.
+  Eigen::Vector3d displacement(int64_t from_ns, int64_t to_ns, bool& known) const;
+  /// Whether its metric scale is judged by a step of that length; true where the verdict has changed.
+  bool check_metres(const odo_step& step, const Eigen::Vector3d& moved_o);
+
+  /// Nothing will come of the time until now.
+  bool is_silent(int64_t now_ns) const;
+  bool lost() const { return lost_; }
+  bool moves() const { return moves_; }
+  /// When it moved the track last; INT64_MIN before it did.
+  int64_t moved_ns() const { return translated_ns_; }
+  bool doubted() const { return metre_check_.doubted(); }
+  /// Steps are not to move its scale.
+  bool knows_metres() const;
+  bool leads() const;
+  int64_t leads_since_ns() const { return leads_since_ns_; }
+  bool metric() const { return group_.metric; }
+  ScaleUpdate& scale() { return scale_; }
+  const ScaleUpdate& scale() const { return scale_; }
+  const Eigen::Quaterniond& q_b_c() const { return q_b_c_; }
+  const Eigen::Vector3d& p_b_c() const { return p_b_c_; }
+  Eigen::Vector3d gyro_bias_b = Eigen::Vector3d::Zero(), accel_bias_b = Eigen::Vector3d::Zero();
+
+ private:
+  /// A motion while it is worked on.
+  struct Moving {
+    const odo_vo_motion& m;
+    TrackPoint from;
+    Eigen::Quaterniond q_o_c0, q_o_b1;
+    double dt_s;
+    bool metric, inertial, rotates, translates, turn_known;
+    uint32_t state, reason;
+    Eigen::Vector3d d_o;  ///< of the camera, m
+  };
+  Moving begin_motion(const odo_vo_motion& motion);
+  void begin_group(const odo_vo_motion& motion, bool metric);
+  std::optional<Eigen::Quaterniond> turned(const Moving& moving);
+  bool turn_by_gyroscope(const odo_vo_motion& motion);
+  bool turns_with_gyroscope(const odo_vo_motion& motion) const;
+  double heading_variance(const Moving& moving) const;
+  void level(Moving& moving) const;
+  bool to_metres(Moving& moving, const odo_scale* scale);
+  bool to_metres_as_in_papers(Moving& moving, const odo_scale* scale);
+  void catch_up(const odo_scale* scale, bool horizontal);
+  bool is_impossible(const Moving& moving) const;
+  void begin_here(const Moving& moving);
+  void move(const Moving& moving, bool moves);
+  bool walks(int64_t t_ns) const;
+
+  Parameters p_;
+  Tracker& tracker_;
+  ComposerInputs inputs_;
+  // A phone's rear camera: x right as the body's, y down and z forward against the body's up and out of the screen.
+  Eigen::Quaterniond q_b_c_{0.0, 1.0, 0.0, 0.0};
+  Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
+  ScaleUpdate scale_;
+  MetreCheck metre_check_;
+  GyroAttitudeFilter gyro_;
+
+  /// The present scale group.
+  struct Group {
+    uint32_t id = 0;
+    bool any = false, metric = false, inertial = false;
+    bool walked = false;  ///< it has been surer of its scale than walkers differ
+    int64_t began_ns = INT64_MIN;
+    Eigen::Vector3d y_o = Eigen::Vector3d::Zero();         ///< displacement since it began, up to scale, in o
+    Eigen::Vector3d unscaled_o = Eigen::Vector3d::Zero();  ///< of that, what waits for a scale
+  } group_;
+  TimedPositions path_;  // y_o
+  bool lost_ = false, moves_ = false;
+  int64_t first_frame_ns_ = INT64_MIN, translated_ns_ = INT64_MIN, leads_since_ns_ = INT64_MIN;
+  double blind_sigma_m_ = 0;  // of what it moved since it saw something
+};
+
+}  // namespace odograph::localizer

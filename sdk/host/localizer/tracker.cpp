@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/localizer/tracker.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
+
+namespace odograph::localizer {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+void Tracker::reset() {
+  *this = Tracker(config_, start_);
+  heading.reset(start_.heading_rad);
+}
+
+void Tracker::start(int64_t t_ns, const Quaterniond& q_o_b) {
+  t_ns_ = t_ns;
+  localizer.x.head<3>() = Vector3d(start_.position_m.data());
+  heading.start(localizer);
+  if (config_.orientation == Orientation::gyroscope) localizer.set(kHeadingRate, 0, squared(p_.heading_rate_radps));
+  coverage.begin(t_ns);
+  push(t_ns, q_o_b, Vector3d::Zero());
+}
+
+void Tracker::start_without_attitude(int64_t t_ns, const Quaterniond& q_b_c) {
+  constexpr double kLongestAgo_s = 1;  // of the sample whose force is taken for gravity
+  if (const auto point = inertia.at(t_ns, kLongestAgo_s); point && inertia.has_force())
+    return start(t_ns, Quaterniond::FromTwoVectors(point->force_b, -Vector3d::UnitZ()));
+  Matrix3d level;  // columns: the camera's x, y, z in o when it looks level along o's first axis
+  level << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  start(t_ns, Quaterniond(level) * q_b_c.conjugate());
+}
+
+bool Tracker::add_attitude(const odo_attitude& attitude) {
+  const bool first = !heading.noted();
+  attitudes.push(attitude);
+  heading.note(localizer, attitude);
+  tilt_variance_ = std::max(attitude.covariance_n[0], attitude.covariance_n[4]);
+  return first;
+}
+
+void Tracker::start_camera_at(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& lever_b) {
+  coverage.begin(t_ns);
+  localizer.x.head<3>() = Vector3d(start_.position_m.data()) - localizer.q_n_o() * (q_o_b * lever_b);
+}
+
+void Tracker::go_on(int64_t t_ns) {
+  if (t_ns <= t_ns_) return;
+  const double dt_s = seconds(t_ns - t_ns_);
+  t_ns_ = t_ns;
+  TrackPoint drifted = track_.newest();
+  drifted.heading_drift_rad2 += heading.go_on(localizer, dt_s, turns_with_attitude_);
+  track_.push(drifted);
+  height.go_on(localizer, dt_s);
+  if (config_.orientation != Orientation::gyroscope) return;
+  localizer.add_multiple(kHeading, kHeadingRate, dt_s);
+  localizer.add_variance(kHeadingRate, squared(p_.heading_rate_walk) * dt_s);
+}
+
+void Tracker::push(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& d_o, const Vector3d& drift_m2,
+                   double heading_drift_rad2) {
+  TrackPoint point = track_.empty() ? TrackPoint{} : track_.newest();
+  point.t_ns = std::max(t_ns, point.t_ns);
+  point.q_o_b = q_o_b.normalized();
+  point.p_o_b += d_o;
+  point.path_m += d_o.norm();
+  point.drift_m2 += drift_m2;
+  point.heading_drift_rad2 += heading_drift_rad2;
+  track_.push(point);
+  if (const auto q_a_b = attitudes.at(point.t_ns)) q_o_a_ = point.q_o_b * q_a_b->conjugate();
+}
+
+void Tracker::turn_with_attitude() {
+  if (!std::exchange(turns_with_attitude_, true) && heading.noted()) heading.join(localizer, q_o_a_);
+}
+
+std::optional<Quaterniond> Tracker::gyro_rotation(int64_t from_ns, int64_t to_ns) const {
+  const auto from = inertia.at(from_ns, p_.longest_gap_s), to = inertia.at(to_ns, p_.longest_gap_s);
+  if (!from || !to) return std::nullopt;
+  return from->q_e_b.conjugate() * to->q_e_b;
+}
+
+std::optional<Quaterniond> Tracker::by_attitude(int64_t t_ns) const {
+  const auto reach_ns = nanoseconds(heading.parameters().gap_s);
+  if (!attitudes.covers(t_ns, reach_ns)) return std::nullopt;
+  return q_o_a_ * *attitudes.at(t_ns);
+}
+
+std::optional<TrackPoint> Tracker::at(int64_t t_ns) const {
+  auto point = track_.at(t_ns);
+  if (!point || t_ns <= point->t_ns) return point;
+  const double ahead_s = std::min(seconds(t_ns - point->t_ns), seconds(kMaxExtrapolation_ns));
+  const auto then = inertia.at(point->t_ns, 0), now = inertia.at(t_ns, seconds(kMaxExtrapolation_ns));
+  const bool by_gyroscope = then && now && then->t_ns == point->t_ns;
+  if (const auto q = by_attitude(t_ns); q && (turns_with_attitude_ || !by_gyroscope))
+    point->q_o_b = *q;
+  else if (by_gyroscope)
+    point->q_o_b = point->q_o_b * then->q_e_b.conjugate() * now->q_e_b;
+  point->p_o_b += ahead_s * v_o_;
+  point->t_ns = t_ns;
+  return point;
+}
+
+}  // namespace odograph::localizer

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/localizer/walker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
+
+namespace odograph::localizer {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+void Walker::reset() {
+  update_ = {};
+  count_ = 0;
+  carried_ns_ = INT64_MIN;
+  carried_ = false;
+  notice_ = {};
+}
+
+void Walker::add(const odo_step& step) {
+  update_.go_on(tracker_.localizer, step, !front_end_.doubted());
+  waiting_.push(step);
+  count_ = std::min(count_ + 1, waiting_.size());
+}
+
+Vector3d Walker::settle(int64_t now_ns) {
+  Vector3d moved_n = Vector3d::Zero();
+  for (; count_ > 0; --count_) {
+    const odo_step step = waiting_.back(count_ - 1);
+    const bool answered = tracker_.coverage.until_ns() >= step.t_end_ns;
+    if (!answered && !front_end_.is_silent(now_ns)) break;
+    const double missing = tracker_.coverage.missing(step.t_start_ns, step.t_end_ns);
+    if (missing > 0)
+      moved_n += carry(step, missing);
+    else
+      compare(step);
+  }
+  return moved_n;
+}
+
+Vector3d Walker::carry_as_in_papers(const odo_step& step) {
+  const bool moves = !front_end_.begun() || !front_end_.moves();
+  const bool heading = (step.header.flags & ODO_STEP_HEADING) != 0;
+  return moves && heading ? carry(step, 1) : Vector3d(Vector3d::Zero());
+}
+
+Vector3d Walker::carry(const odo_step& step, double share) {
+  const bool late = tracker_.coverage.until_ns() >= step.t_end_ns;  // the front-end has gone on since
+  if (!late) tracker_.turn_with_attitude();
+  const auto q_a_b = tracker_.attitudes.at(step.t_end_ns);
+  const Vector3d top_a = q_a_b ? Vector3d(*q_a_b * Vector3d::UnitY()) : Vector3d::UnitX();
+  const auto stride = update_.carry(tracker_.localizer, step, share, std::atan2(top_a.y(), top_a.x()));
+  const TrackPoint& from = tracker_.newest();
+  const int64_t to_ns = std::max(from.t_ns, step.t_end_ns);
+  const auto turned = late ? std::nullopt : tracker_.by_attitude(to_ns);
+  tracker_.push(to_ns, turned.value_or(from.q_o_b), tracker_.localizer.q_n_o().conjugate() * stride.d_n,
+                stride.noise.diagonal());
+  tracker_.coverage.fill(step.t_start_ns, step.t_end_ns);
+  carried_ns_ = step.t_end_ns;
+  if (late) return stride.d_n;
+  carried_ = true;
+  tracker_.set_velocity(Vector3d::Zero(), Tracker::Velocity::none);
+  return stride.d_n;
+}
+
+/// The front-end's displacement over a step against its length.
+void Walker::compare(const odo_step& step) {
+  bool known = false;
+  const Vector3d moved_o = front_end_.displacement(step.t_start_ns, step.t_end_ns, known);
+  if (!known) return;
+  if (front_end_.check_metres(step, moved_o))
+    notice_ = {"odometry_metre",
+               front_end_.doubted()
+                   ? "the front-end's metres contradict the walker's steps by two fifths and more: its "
+                     "motions count up to scale"
+                   : "the front-end's metres agree with the steps again"};
+  const Localizer& localizer = tracker_.localizer;
+  const double before = 1 / localizer.P(kLogScale, kLogScale);
+  if (!update_.compare(tracker_.localizer, step, moved_o, front_end_.knows_metres()).accepted) return;
+  front_end_.scale().add_steps(std::max(0.0, 1 / localizer.P(kLogScale, kLogScale) - before));
+  front_end_.scale().know_by_steps(localizer);
+}
+
+}  // namespace odograph::localizer
