@@ -50,6 +50,7 @@ StartPose given_start() {
 }
 
 void walk(Composer& composer, int from, int to) {
+  if (from == 1) composer.update(FrameTime{kStart_ns});
   for (int k = from; k <= to; ++k) {
     const odo_vo_motion motion = forward(k);
     composer.update(FrameTime{motion.header.t_ns});
@@ -162,6 +163,7 @@ TEST_SUITE("localizer") {
 
   TEST_CASE("By the papers' rules each motion is multiplied by its own scale, horizontally") {
     Composer composer(coupling(CouplingType::paper), given_start(), {true, true});
+    composer.update(FrameTime{kStart_ns});
     double expected_m = 0;
     for (int k = 1; k <= 30; ++k) {
       const odo_vo_motion motion = forward(k, ODO_VO_ROTATION | ODO_VO_TRANSLATION);
