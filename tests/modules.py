@@ -23,7 +23,7 @@ LARGE_CLASSES = {
     "sdk/host odograph::PerFrameCoupling", "sdk/host odograph::Pipeline", "sdk/tools odograph::World",
     "plugins/vo/odograph odograph::vo::Odometry", "plugins/fix/skyline odograph::skyline::Matcher", "plugins/fix/skyline Skyline"}
 # Folders of the host, each may include those before it. The tools may include all of them.
-HOST = ["base", "messages", "config", "plugin_host", "estimator", "core"]
+HOST = ["base", "messages", "config", "plugin_host", "estimator", "core", "localizer"]
 # The files of a plugin that may include the ABI; algorithms never do.
 GLUE = {"plugin.cpp", "step_plugin.hpp", "attitude_plugin.hpp", "horizontal_scale.hpp", "database_extension.hpp", "frame_view.hpp"}
 # A program of its own, and the reader of ODOGRAPH_PLUGIN_PATH.

@@ -50,12 +50,12 @@ void Composer::reset() {
 UpdateResult Composer::update(const Measurement& measurement) {
   const bool fix = std::holds_alternative<const odo_fix*>(measurement);
   const auto* attitude = std::get_if<const odo_attitude*>(&measurement);
-  // A compass beside a camera turns the world that the camera tracks, by little each time and by much in the end.
-  const bool turns = attitude && front_end_.begun() && refers_to_north(**attitude);
+  // A compass beside a camera rotates the world that the camera tracks, by little each time and by much in the end.
+  const bool rotates = attitude && front_end_.begun() && refers_to_north(**attitude);
   const int64_t last_ns = output_.last_ns();
   std::optional<odo_pose> before;
   stepped_n_.setZero();
-  if ((!attitude || turns) && last_ns != INT64_MIN)
+  if ((!attitude || rotates) && last_ns != INT64_MIN)
     if (const auto point = tracker_.track().at(last_ns)) before = make_pose(*point);
   const UpdateResult result = std::visit([this](const auto& what) { return apply(what); }, measurement);
   const auto point = before ? tracker_.track().at(last_ns) : std::nullopt;
@@ -63,7 +63,7 @@ UpdateResult Composer::update(const Measurement& measurement) {
   Vector3d::Map(before->p_n) += stepped_n_;
   odo_pose after = make_pose(*point);
   after.header.t_ns = last_ns;
-  output_.correct(*before, after, fix || turns ? ODO_CORRECTION_FIX : ODO_CORRECTION_SCALE, turns);
+  output_.correct(*before, after, fix || rotates ? ODO_CORRECTION_FIX : ODO_CORRECTION_SCALE, rotates);
   return result;
 }
 
@@ -101,7 +101,7 @@ UpdateResult Composer::apply(const odo_attitude* attitude) {
     tracker_.push(tracker_.newest().t_ns, quaternion(attitude->q_n_b), Vector3d::Zero());
     return {true, 0.0, 0};
   }
-  if (tracker_.turns_with_attitude() || !tracker_.heading.due(t_ns)) return {};
+  if (tracker_.rotates_with_attitude() || !tracker_.heading.due(t_ns)) return {};
   const auto then = tracker_.at(t_ns);
   if (!then) return {};
   return tracker_.heading.use(tracker_.localizer, t_ns, then->q_o_b * quaternion(attitude->q_n_b).conjugate());
@@ -159,7 +159,7 @@ UpdateResult Composer::apply(const odo_barometer* barometer) {
   if (!then) return {};
   const double since_m = tracker_.newest().p_o_b.z() - then->p_o_b.z();  // o and n share the vertical
   return tracker_.height.use(tracker_.localizer, *barometer, tracker_.localizer.x[kDown] - since_m,
-                             tracker_.turns_with_attitude());
+                             tracker_.rotates_with_attitude());
 }
 
 UpdateResult Composer::apply(const odo_fix* fix) {

@@ -16,7 +16,7 @@ namespace odograph::localizer {
 
 /// Composes one pose of everything: a motion source moves the track in o, and all that is absolute moves T_n_o
 /// (docs/estimator.md). With `coupling: paper` by the papers' rules: each frame's displacement times that frame's scale
-/// (Antigny et al. 2019, eq. (5) to (8)), fixes that move the position and not the way. Inputs come in the order in
+/// (Antigny et al. 2019, eq. (5) to (8)), fixes that move the position and not the path. Inputs come in the order in
 /// which the pipeline handles them; IMU samples in order of time. One thread at a time. Output depends on the inputs
 /// and the config alone.
 class Composer {

@@ -113,10 +113,10 @@ void FixUpdate::place(Localizer& localizer, Innovation<4>& seen, uint32_t axes, 
 
 /// A heading that is off by more than a small angle is turned first, so that the position is compared with where that
 /// leads; both are judged together, and nothing has changed where they do not fit.
-UpdateResult FixUpdate::turn(Localizer& localizer, const odo_fix& fix, const Context& at) {
+UpdateResult FixUpdate::rotate(Localizer& localizer, const odo_fix& fix, const Context& at) {
   Innovation<4> heading = innovation_of(localizer, fix, at);
   for (int row = 1; row < 4; ++row) forget(heading, row);
-  const StateSet considered = at.way_is_given ? these({kLogScale, kLogFactor, kStepHeading}) : StateSet{};
+  const StateSet considered = at.path_is_given ? these({kLogScale, kLogFactor, kStepHeading}) : StateSet{};
   const UpdateResult turned = localizer.update(heading, squared(p_.gate_sigma), considered);
   return turned;
 }
@@ -163,14 +163,14 @@ UpdateResult FixUpdate::use(Localizer& localizer, const odo_fix& fix, const Cont
     return UpdateResult{false, nis, dof};
   };
   if (on_arc && !heading_used) {
-    const UpdateResult turned = turn(localizer, fix, at);
+    const UpdateResult turned = rotate(localizer, fix, at);
     if (!turned.accepted) return reject(turned.nis);
     heading_used = true;
     seen = innovation_of(localizer, fix, at);
   }
   if (heading_used) forget(seen, kYaw);
   if (axes & ~placed_) place(localizer, seen, axes & ~placed_, now_m);
-  const StateSet considered = at.way_is_given ? all_but({kNorth, kEast, kDown}) : StateSet{};
+  const StateSet considered = at.path_is_given ? all_but({kNorth, kEast, kDown}) : StateSet{};
   UpdateResult result = localizer.update(seen, squared(p_.gate_sigma), considered);
   if (!result.accepted) return reject(result.nis);
   agree(fix, now_m);

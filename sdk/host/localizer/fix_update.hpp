@@ -28,11 +28,11 @@ class FixUpdate {
 
   /// What a fix is compared with.
   struct Context {
-    TrackPoint then, now;       ///< at the fix's time, and the newest
-    Eigen::Vector3d start_n;    ///< about which n turns where the first fix tells its heading
-    bool north = false;         ///< a compass has told the heading
-    bool way_is_given = false;  ///< papers: a fix moves the position, not scale and heading of the way
-    bool leads = false;         ///< the front-end is not to be doubted for a few fixes
+    TrackPoint then, now;        ///< at the fix's time, and the newest
+    Eigen::Vector3d start_n;     ///< about which n turns where the first fix tells its heading
+    bool north = false;          ///< a compass has told the heading
+    bool path_is_given = false;  ///< papers: a fix moves the position, not scale and heading of the path
+    bool leads = false;          ///< the front-end is not to be doubted for a few fixes
     int64_t leads_since_ns = INT64_MIN;
   };
   UpdateResult use(Localizer& localizer, const odo_fix& fix, const Context& at);
@@ -47,7 +47,7 @@ class FixUpdate {
   bool tells_first_heading(const odo_fix& fix, const Context& at) const;
   bool outweighs_fixes(int64_t t_ns, const Context& at) const;
   void place(Localizer& localizer, Innovation<4>& seen, uint32_t axes, double now_m);
-  UpdateResult turn(Localizer& localizer, const odo_fix& fix, const Context& at);
+  UpdateResult rotate(Localizer& localizer, const odo_fix& fix, const Context& at);
   void agree(const odo_fix& fix, double now_m);
 
   Parameters p_;

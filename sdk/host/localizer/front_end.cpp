@@ -36,7 +36,7 @@ void FrontEnd::begin_group(const odo_vo_motion& motion, bool metric) {
   if (!tracker_.paper()) scale_.begin_group(tracker_.localizer);
 }
 
-bool FrontEnd::turn_by_gyroscope(const odo_vo_motion& m) {
+bool FrontEnd::rotate_by_gyroscope(const odo_vo_motion& m) {
   const double gap_s = tracker_.parameters().longest_gap_s, dt_s = seconds(m.header.t_ns - m.t_from_ns);
   const auto from = tracker_.inertia.at(m.t_from_ns, gap_s), to = tracker_.inertia.at(m.header.t_ns, gap_s);
   if (!from || !to || dt_s <= 0) return false;
@@ -50,7 +50,7 @@ bool FrontEnd::turn_by_gyroscope(const odo_vo_motion& m) {
 }
 
 /// Whether the front-end has turned as the gyroscope has; a picture of the inside of a pocket turns otherwise.
-bool FrontEnd::turns_with_gyroscope(const odo_vo_motion& m) const {
+bool FrontEnd::rotates_with_gyroscope(const odo_vo_motion& m) const {
   const auto q_b0_b1 = tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns);
   if (!q_b0_b1) return true;
   const Quaterniond q_c0_c1 = q_b_c_.conjugate() * *q_b0_b1 * q_b_c_;
@@ -65,7 +65,7 @@ std::optional<Quaterniond> FrontEnd::turned(const Moving& moving) {
   const Orientation orientation = tracker_.config().orientation;
   if (const auto q_a_b = tracker_.attitudes.at(m.header.t_ns); q_a_b && orientation == Orientation::attitude)
     return q_a_b;
-  if (orientation == Orientation::gyroscope && turn_by_gyroscope(m)) return gyro_.q_o_c() * q_b_c_.conjugate();
+  if (orientation == Orientation::gyroscope && rotate_by_gyroscope(m)) return gyro_.q_o_c() * q_b_c_.conjugate();
   if (moving.rotates) return moving.q_o_c0 * quaternion(m.q_c0_c1) * q_b_c_.conjugate();
   if (const auto q_o_b = tracker_.by_attitude(m.header.t_ns)) return q_o_b;
   const auto q_b0_b1 = tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns);
@@ -75,12 +75,12 @@ std::optional<Quaterniond> FrontEnd::turned(const Moving& moving) {
 /// Of the heading, rad^2. A front-end with inertia that has not walked yet knows the gyroscope's bias badly, and that
 /// is one error for all that time: (sigma T)^2 grows by 2 sigma^2 T dt.
 double FrontEnd::heading_variance(const Moving& moving) const {
-  const double lost_turn = squared(tracker_.heading.parameters().gap_turn);
-  if (!moving.turn_known) return lost_turn * moving.dt_s;
+  const double unknown_rotation = squared(tracker_.heading.parameters().gap_rotation);
+  if (!moving.rotation_known) return unknown_rotation * moving.dt_s;
   if (!moving.inertial) return squared(p_.rotation_walk) * moving.dt_s;
   const odo_vo_motion& m = moving.m;
   double rate = squared(p_.inertial_rotation_walk);
-  if (!tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns)) rate += lost_turn;  // it has had no gyroscope
+  if (!tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns)) rate += unknown_rotation;  // it has had no gyroscope
   if (!group_.walked) {
     const bool stated = (m.header.flags & ODO_VO_COVARIANCE) != 0;
     const double sigma_radps = stated ? rotation_sigma(m) / moving.dt_s : p_.start_rate_radps;
@@ -205,13 +205,10 @@ void FrontEnd::move(const Moving& moving, bool moves) {
 }
 
 void FrontEnd::reset() {
-  scale_ = {};
-  metre_check_ = {};
-  group_ = {};
+  scale_ = {}, metre_check_ = {}, group_ = {};
   path_.clear();
-  lost_ = moves_ = false;
+  lost_ = moves_ = false, blind_sigma_m_ = 0;
   first_frame_ns_ = translated_ns_ = leads_since_ns_ = INT64_MIN;
-  blind_sigma_m_ = 0;
   gyro_bias_b.setZero(), accel_bias_b.setZero();
 }
 
@@ -227,7 +224,7 @@ void FrontEnd::begin(int64_t t_ns, bool has_stepped) {
   const Quaterniond q_o_b = tracker_.at(t_ns).value_or(tracker_.newest()).q_o_b;
   if (!has_stepped) tracker_.start_camera_at(t_ns, q_o_b, p_b_c_);
   tracker_.push(t_ns, q_o_b, Vector3d::Zero());
-  tracker_.turn_with_camera();
+  tracker_.rotate_with_camera();
   begin_turning();
 }
 
@@ -264,9 +261,9 @@ FrontEnd::Moving FrontEnd::begin_motion(const odo_vo_motion& m) {
   group_.inertial = moving.inertial;
   moving.rotates = (flags & ODO_VO_ROTATION) != 0 && (!lost_ || tracker_.paper());
   moving.translates = (flags & ODO_VO_TRANSLATION) != 0 && !lost_ && moving.dt_s > 0;
-  if (!tracker_.paper() && moving.rotates && !turns_with_gyroscope(m)) moving.rotates = moving.translates = false;
+  if (!tracker_.paper() && moving.rotates && !rotates_with_gyroscope(m)) moving.rotates = moving.translates = false;
   const auto q_o_b1 = turned(moving);
-  moving.turn_known = q_o_b1.has_value();
+  moving.rotation_known = q_o_b1.has_value();
   moving.q_o_b1 = q_o_b1.value_or(from.q_o_b);
   if (!tracker_.paper()) level(moving);
   if (moving.translates) {
@@ -309,7 +306,7 @@ FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, bool shown, bo
   if (!moves || !leads()) leads_since_ns_ = t_ns;
   if (moves) {
     tracker_.coverage.add(m.t_from_ns, t_ns);
-    tracker_.turn_with_camera();
+    tracker_.rotate_with_camera();
     translated_ns_ = t_ns;
   }
   return {moving.state, moving.reason, moves, moving.metric, moving.inertial};

@@ -14,6 +14,7 @@
 #include "sdk/host/localizer/scale_update.hpp"
 #include "sdk/host/localizer/timed_positions.hpp"
 #include "sdk/host/localizer/tracker.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::localizer {
 
@@ -79,8 +80,7 @@ class FrontEnd {
   /// When it moved the track last; INT64_MIN before it did.
   int64_t moved_ns() const { return translated_ns_; }
   bool doubted() const { return metre_check_.doubted(); }
-  /// Steps are not to move its scale.
-  bool knows_metres() const;
+  bool knows_metres() const;  ///< steps are not to move its scale
   bool leads() const;
   int64_t leads_since_ns() const { return leads_since_ns_; }
   bool metric() const { return group_.metric; }
@@ -97,15 +97,15 @@ class FrontEnd {
     TrackPoint from;
     Eigen::Quaterniond q_o_c0, q_o_b1;
     double dt_s;
-    bool metric, inertial, rotates, translates, turn_known;
+    bool metric, inertial, rotates, translates, rotation_known;
     uint32_t state, reason;
     Eigen::Vector3d d_o;  ///< of the camera, m
   };
   Moving begin_motion(const odo_vo_motion& motion);
   void begin_group(const odo_vo_motion& motion, bool metric);
   std::optional<Eigen::Quaterniond> turned(const Moving& moving);
-  bool turn_by_gyroscope(const odo_vo_motion& motion);
-  bool turns_with_gyroscope(const odo_vo_motion& motion) const;
+  bool rotate_by_gyroscope(const odo_vo_motion& motion);
+  bool rotates_with_gyroscope(const odo_vo_motion& motion) const;
   double heading_variance(const Moving& moving) const;
   void level(Moving& moving) const;
   bool to_metres(Moving& moving, const odo_scale* scale);
@@ -119,8 +119,7 @@ class FrontEnd {
   Parameters p_;
   Tracker& tracker_;
   ComposerInputs inputs_;
-  // A phone's rear camera: x right as the body's, y down and z forward against the body's up and out of the screen.
-  Eigen::Quaterniond q_b_c_{0.0, 1.0, 0.0, 0.0};
+  Eigen::Quaterniond q_b_c_ = rear_camera_mount();
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
   ScaleUpdate scale_;
   MetreCheck metre_check_;

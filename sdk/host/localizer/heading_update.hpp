@@ -17,8 +17,8 @@ class HeadingUpdate {
     double walk = 2e-4;               ///< rad/sqrt(s) of a heading without north
     double north_correlation_s = 60;  ///< s for which a compass errs alike: 20 to 60 s in streets (bench canyon)
     double gap_s = 0.25;              ///< s without an attitude, after which its frame may have turned; by hand
-    double gap_turn = 0.7;            ///< rad/sqrt(s) by which: a hand turns by 30 deg/s rms
-    double max_turn_rad = 1.8;        ///< rad: uniform over the circle, pi / sqrt(3)
+    double gap_rotation = 0.7;        ///< rad/sqrt(s) by which: a hand turns by 30 deg/s rms
+    double max_rotation_rad = 1.8;    ///< rad: uniform over the circle, pi / sqrt(3)
   };
 
   /// `mean_rad`: the attitude source's heading against n as it is expected.

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kPose[4] = {kHeading, kNorth, kEast, kDown};  // a held pose's errors among the filter's
 
-/// What a turn by a heading adds to a displacement that is proportional to it: the arc's chord, not its tangent.
+/// What a rotation of the heading adds to a displacement that is proportional to it: the arc's chord, not its tangent.
 Vector3d along_arc(const Vector3d& tangent, double turned_rad) {
   return left_jacobian(turned_rad * Vector3d::UnitZ()) * tangent;
 }

@@ -78,7 +78,7 @@ class Localizer {
   /// (Schmidt 1966) count with their doubt, but are not moved.
   template <int D>
   UpdateResult update(const Innovation<D>& innovation, double max_nis, StateSet considered = {});
-  /// The state moves, held poses with it by `share` each: n was wrong, not the way. Position and its covariance.
+  /// The state moves, held poses with it by `share` each: n was wrong, not the path. Position and its covariance.
   void shift(const Eigen::Vector3d& by_n, const Eigen::Matrix3d& covariance, double fixed_m, double now_m);
   /// All that is in n turns about a place: body, held poses and headings.
   void rotate(double by_rad, const Eigen::Vector3d& about_n);

@@ -14,7 +14,7 @@
 namespace odograph::localizer {
 
 /// What the composer has to hand out: the newest pose, a correction of those before it, a displacement that step
-/// estimators may learn from, and the way so far.
+/// estimators may learn from, and the distance so far.
 class PoseOutput {
  public:
   struct Parameters {
@@ -31,7 +31,7 @@ class PoseOutput {
   void publish(odo_pose pose, bool shown, double scale_sigma);
   /// The published pose has become another one by a measurement, at its own time. Small ones are no event unless asked.
   void correct(const odo_pose& before, odo_pose after, uint32_t reason, bool small_too);
-  /// A way that is counted as it is, m.
+  /// A displacement that is counted as it is, m.
   void count(double moved_m) { distance_m_ += moved_m, counts_all_ = true; }
   void fixed(int64_t t_ns) { reference_maker_.fixed(t_ns); }
 

@@ -12,7 +12,7 @@
 namespace odograph::localizer {
 
 /// A pose of the body in the odometry frame o, which is level and in which the track never jumps, and how uncertain the
-/// way there has become since the track began, squared.
+/// path there has become since the track began, squared.
 struct TrackPoint {
   int64_t t_ns = INT64_MIN;
   Eigen::Quaterniond q_o_b = Eigen::Quaterniond::Identity();

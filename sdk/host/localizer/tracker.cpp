@@ -54,7 +54,7 @@ void Tracker::go_on(int64_t t_ns) {
   const double dt_s = seconds(t_ns - t_ns_);
   t_ns_ = t_ns;
   TrackPoint drifted = track_.newest();
-  drifted.heading_drift_rad2 += heading.go_on(localizer, dt_s, turns_with_attitude_);
+  drifted.heading_drift_rad2 += heading.go_on(localizer, dt_s, rotates_with_attitude_);
   track_.push(drifted);
   height.go_on(localizer, dt_s);
   if (config_.orientation != Orientation::gyroscope) return;
@@ -75,8 +75,8 @@ void Tracker::push(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& d_o, 
   if (const auto q_a_b = attitudes.at(point.t_ns)) q_o_a_ = point.q_o_b * q_a_b->conjugate();
 }
 
-void Tracker::turn_with_attitude() {
-  if (!std::exchange(turns_with_attitude_, true) && heading.noted()) heading.join(localizer, q_o_a_);
+void Tracker::rotate_with_attitude() {
+  if (!std::exchange(rotates_with_attitude_, true) && heading.noted()) heading.join(localizer, q_o_a_);
 }
 
 std::optional<Quaterniond> Tracker::gyro_rotation(int64_t from_ns, int64_t to_ns) const {
@@ -97,7 +97,7 @@ std::optional<TrackPoint> Tracker::at(int64_t t_ns) const {
   const double ahead_s = std::min(seconds(t_ns - point->t_ns), seconds(kMaxExtrapolation_ns));
   const auto then = inertia.at(point->t_ns, 0), now = inertia.at(t_ns, seconds(kMaxExtrapolation_ns));
   const bool by_gyroscope = then && now && then->t_ns == point->t_ns;
-  if (const auto q = by_attitude(t_ns); q && (turns_with_attitude_ || !by_gyroscope))
+  if (const auto q = by_attitude(t_ns); q && (rotates_with_attitude_ || !by_gyroscope))
     point->q_o_b = *q;
   else if (by_gyroscope)
     point->q_o_b = point->q_o_b * then->q_e_b.conjugate() * now->q_e_b;

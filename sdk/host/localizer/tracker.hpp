@@ -26,7 +26,7 @@ inline constexpr int64_t kMaxExtrapolation_ns = 500'000'000;
 class Tracker {
  public:
   struct Parameters {
-    double heading_rate_radps = 0.009;  ///< rad/s of a gyroscope chain at the start: 0.5 deg/s, BMI270, ICM-20602
+    double heading_rate_radps = 0.009;  ///< rad/s of a chained gyroscope at the start: 0.5 deg/s, BMI270, ICM-20602
     double heading_rate_walk = 3e-5;    ///< rad/s/sqrt(s) of it; temperature
     double longest_gap_s = 0.05;        ///< s between samples that is no gap: ten at 200 Hz, two or three at 50 Hz
   };
@@ -53,9 +53,9 @@ class Tracker {
   void push(int64_t t_ns, const Eigen::Quaterniond& q_o_b, const Eigen::Vector3d& d_o,
             const Eigen::Vector3d& drift_m2 = Eigen::Vector3d::Zero(), double heading_drift_rad2 = 0);
   /// Steps move it from now on: o turns with the attitude source. False where it did already.
-  void turn_with_attitude();
-  void turn_with_camera() { turns_with_attitude_ = false; }
-  bool turns_with_attitude() const { return turns_with_attitude_; }
+  void rotate_with_attitude();
+  void rotate_with_camera() { rotates_with_attitude_ = false; }
+  bool rotates_with_attitude() const { return rotates_with_attitude_; }
   void set_velocity(const Eigen::Vector3d& v_o, Velocity kind) { v_o_ = v_o, velocity_ = kind; }
 
   // Questions.
@@ -92,7 +92,7 @@ class Tracker {
   Eigen::Quaterniond q_o_a_ = Eigen::Quaterniond::Identity();  // the attitude source's frame, as last compared
   Eigen::Vector3d v_o_ = Eigen::Vector3d::Zero();
   Velocity velocity_ = Velocity::none;
-  bool turns_with_attitude_ = true;
+  bool rotates_with_attitude_ = true;
   double tilt_variance_ = 0;  // rad^2, as the attitude source states it
   int64_t t_ns_ = INT64_MIN;
 };

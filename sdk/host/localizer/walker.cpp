@@ -49,7 +49,7 @@ Vector3d Walker::carry_as_in_papers(const odo_step& step) {
 
 Vector3d Walker::carry(const odo_step& step, double share) {
   const bool late = tracker_.coverage.until_ns() >= step.t_end_ns;  // the front-end has gone on since
-  if (!late) tracker_.turn_with_attitude();
+  if (!late) tracker_.rotate_with_attitude();
   const auto q_a_b = tracker_.attitudes.at(step.t_end_ns);
   const Vector3d top_a = q_a_b ? Vector3d(*q_a_b * Vector3d::UnitY()) : Vector3d::UnitX();
   const auto stride = update_.carry(tracker_.localizer, step, share, std::atan2(top_a.y(), top_a.x()));
