@@ -58,6 +58,38 @@ void walk(Composer& composer, int from, int to) {
   }
 }
 
+/// A phone whose rear camera looks level: the body's axes as the first frame without an attitude has them.
+odo_imu sample(int64_t t_ns, const Vector3d& gyro_b) {
+  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
+  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+  Vector3d::Map(imu.gyro_b) = gyro_b;
+  imu.accel_b[1] = 9.80665;  // upright: the top of the phone is up
+  return imu;
+}
+
+void still(Composer& composer, int64_t from_ns, int64_t to_ns) {
+  for (int64_t t = from_ns; t <= to_ns; t += 10'000'000) composer.propagate(sample(t, Vector3d::Zero()));
+}
+
+odo_attitude upright(int64_t t_ns, double heading_rad) {
+  auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);
+  const Eigen::Quaterniond up = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), -Vector3d::UnitZ());
+  put_quaternion(Eigen::Quaterniond(Eigen::AngleAxisd(heading_rad, Vector3d::UnitZ())) * up, attitude.q_n_b);
+  attitude.covariance_n[0] = attitude.covariance_n[4] = 1e-4;
+  return attitude;
+}
+
+odo_step step_of(int64_t from_ns, int64_t to_ns, double length_m) {
+  auto step = make_message<odo_step>(ODO_TYPE_STEP, to_ns + 360'000'000);
+  step.header.flags = ODO_STEP_HEADING;
+  step.t_start_ns = from_ns, step.t_end_ns = to_ns;
+  step.length_m = length_m, step.sigma_m = 0.05 * length_m;
+  step.mode = ODO_MODE_WALKING_TEXTING;
+  return step;
+}
+
+double heading(const Composer& composer) { return composer.localizer().x[kHeading]; }
+
 Vector3d position(const Composer& composer) {
   Estimate estimate;
   REQUIRE(composer.at(INT64_MIN, estimate) == ODO_OK);
@@ -159,6 +191,174 @@ TEST_SUITE("localizer") {
     CHECK(held_m > 0.1 * now_m);
     CHECK(held_m < now_m);
     CHECK(after.own(3, 3) < before.own(3, 3));
+  }
+
+  TEST_CASE("A front-end that answers 700 ms late is not overtaken by the steps of that time") {
+    Composer late(coupling(CouplingType::inertial), given_start(), {true, false});
+    walk(late, 1, 40);
+    for (int k = 41; k <= 100; ++k) {
+      if (k % 5 == 4 && k > 44) {  // too long by half, told 0.4 s after its end
+        const odo_step step = step_of(kStart_ns + (k - 9) * kFrame_ns, kStart_ns + (k - 4) * kFrame_ns, 0.8);
+        late.update(&step);
+      }
+      if (k < 48) continue;
+      const odo_vo_motion motion = forward(k - 7);
+      late.update(RelativeMotion{&motion, nullptr});
+    }
+    Estimate last;
+    REQUIRE(late.at(kStart_ns + 93 * kFrame_ns, last) == ODO_OK);
+    CHECK(std::abs(last.p_n_b.norm() - 9.3) < 0.01);
+  }
+
+  TEST_CASE("Steps that come late move the track, which is no correction") {
+    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    const odo_attitude attitude = upright(kStart_ns, 0);
+    composer.update(&attitude);
+    walk(composer, 1, 40);
+    odo_pose pose;
+    Correction correction;
+    composer.take_correction(correction, pose);
+    for (int k = 41; k <= 60; ++k) {
+      auto lost = forward(k, 0);
+      lost.state = ODO_LOST;
+      composer.update(RelativeMotion{&lost, nullptr});
+      const Vector3d before = position(composer);
+      if (k % 5 != 0 || k < 50) continue;
+      const odo_step step = step_of(kStart_ns + (k - 10) * kFrame_ns, kStart_ns + (k - 5) * kFrame_ns, 0.6);
+      composer.update(&step);
+      CHECK(std::abs((position(composer) - before).norm() - 0.6) < 0.05);
+    }
+    CHECK_FALSE(composer.take_correction(correction, pose));
+    CHECK(std::holds_alternative<StepSource>(composer.source()));
+  }
+
+  TEST_CASE("A rotation that the gyroscope contradicts is none of the phone's, and moves nothing") {
+    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    still(composer, kStart_ns - kFrame_ns, kStart_ns + 21 * kFrame_ns);
+    walk(composer, 1, 20);
+    Estimate before, after;
+    REQUIRE(composer.at(INT64_MIN, before) == ODO_OK);
+    odo_vo_motion motion = forward(21);
+    put_quaternion(exp_rotation(Vector3d(0, 0.1, 0)), motion.q_c0_c1);
+    composer.update(RelativeMotion{&motion, nullptr});
+    REQUIRE(composer.at(INT64_MIN, after) == ODO_OK);
+    CHECK(after.q_n_b.angularDistance(before.q_n_b) < 1e-3);
+    CHECK((after.p_n_b - before.p_n_b).norm() < 1e-3);
+  }
+
+  TEST_CASE("Where the gyroscope ends the front-end's rotation is taken, with the doubt that nothing checks it") {
+    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    still(composer, kStart_ns - kFrame_ns, kStart_ns + 20 * kFrame_ns);
+    walk(composer, 1, 20);
+    Estimate before, after;
+    REQUIRE(composer.at(INT64_MIN, before) == ODO_OK);
+    const double sigma_rad = composer.localizer().sigma(kHeading);
+    for (int k = 22; k <= 30; ++k) {  // 21 ends 0.1 s after the last sample
+      odo_vo_motion motion = forward(k);
+      put_quaternion(exp_rotation(Vector3d(0, 0.1, 0)), motion.q_c0_c1);
+      composer.update(RelativeMotion{&motion, nullptr});
+    }
+    REQUIRE(composer.at(INT64_MIN, after) == ODO_OK);
+    CHECK(std::abs(after.q_n_b.angularDistance(before.q_n_b) - 0.9) < 0.02);
+    CHECK(composer.localizer().sigma(kHeading) > sigma_rad + 0.3);
+  }
+
+  TEST_CASE("Over a gap the attitude source's frame may have rotated; what it says afterwards is learnt anew") {
+    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    still(composer, kStart_ns - kFrame_ns, kStart_ns + 81 * kFrame_ns);
+    for (int k = 0; k <= 20; ++k) {
+      const odo_attitude attitude = upright(kStart_ns + k * kFrame_ns, 0);
+      composer.update(&attitude);
+      if (k > 0) walk(composer, k, k);
+    }
+    walk(composer, 21, 50);
+    for (int k = 51; k <= 80; ++k) {  // 1 rad off since
+      const odo_attitude attitude = upright(kStart_ns + k * kFrame_ns, 1);
+      composer.update(&attitude);
+      walk(composer, k, k);
+    }
+    CHECK(std::abs(composer.localizer().x[kAttitudeHeading] + 1) < 0.05);
+    CHECK(std::abs(heading(composer)) < 1e-6);
+  }
+
+  TEST_CASE("A fix's orientation corrects the inclination of a composed gyroscope") {
+    CouplingConfig config = coupling(CouplingType::paper);
+    config.orientation = Orientation::gyroscope;
+    Composer composer(config, given_start(), {true, false});
+    odo_attitude attitude = upright(kStart_ns - kFrame_ns, 0);
+    attitude.covariance_n[0] = attitude.covariance_n[4] = 0.01;
+    composer.update(&attitude);
+    still(composer, kStart_ns - kFrame_ns, kStart_ns + 30 * kFrame_ns);
+    walk(composer, 1, 20);
+    Estimate before, after;
+    REQUIRE(composer.at(INT64_MIN, before) == ODO_OK);
+    auto fix = make_message<odo_fix>(ODO_TYPE_FIX, kStart_ns + 20 * kFrame_ns);
+    fix.header.flags = ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
+    put_quaternion(exp_rotation(Vector3d(0.05, 0, 0)) * before.q_n_b, fix.q_n_b);
+    for (const int i : {0, 4, 8}) fix.orientation_cov_n[i] = 1e-6;
+    CHECK(composer.update(&fix).accepted);
+    walk(composer, 21, 21);
+    REQUIRE(composer.at(INT64_MIN, after) == ODO_OK);
+    CHECK(after.q_n_b.angularDistance(quaternion(fix.q_n_b)) < 0.015);
+  }
+
+  TEST_CASE("A fix whose position is refused leaves nothing of its heading behind") {
+    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    walk(composer, 1, 50);
+    Estimate before;
+    REQUIRE(composer.at(INT64_MIN, before) == ODO_OK);
+    odo_fix fix = north_east(kStart_ns + 50 * kFrame_ns, position(composer) + Vector3d(50, 0, 0), 0.5);
+    fix.header.flags |= ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
+    put_quaternion(exp_rotation(Vector3d(0, 0, 0.06)) * before.q_n_b, fix.q_n_b);
+    for (const int i : {0, 4, 8}) fix.orientation_cov_n[i] = 0.01;
+    const double was = heading(composer);
+    CHECK_FALSE(composer.update(&fix).accepted);
+    CHECK(heading(composer) == was);
+  }
+
+  TEST_CASE("What the camera did not see while it led is as far as the carrier can be") {
+    CouplingConfig config = coupling(CouplingType::inertial);
+    config.fastest_mps = 2;
+    Composer composer(config, given_start(), {true, false});
+    walk(composer, 1, 20);
+    const odo_vo_motion motion = forward(51);  // 3 s later, of a frame 0.1 s before
+    composer.update(RelativeMotion{&motion, nullptr});
+    CHECK(std::abs(composer.localizer().sigma(kNorth) - 2 * 3) < 0.1);
+  }
+
+  TEST_CASE("A correction of two centimetres is no event, one of thirty is") {
+    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    walk(composer, 1, 100);
+    odo_pose pose;
+    Correction correction;
+    for (const double off_m : {0.02, 0.3}) {
+      const Vector3d was = position(composer);
+      const odo_fix fix = north_east(kStart_ns + 100 * kFrame_ns, was + Vector3d(off_m, 0, 0), 0.1);
+      REQUIRE(composer.update(&fix).accepted);
+      CHECK(composer.take_correction(correction, pose) == (off_m > 0.1));
+      CHECK((position(composer) - was).norm() > 0.3 * off_m);
+    }
+    CHECK(correction.reason == ODO_CORRECTION_FIX);
+  }
+
+  TEST_CASE("What was learnt of a walker is forgotten over 200 steps, and never beyond how walkers differ") {
+    Localizer localizer;
+    StepUpdate steps;
+    steps.reset(localizer);
+    localizer.set(kLogFactor, 0.3, 1e-6);
+    const odo_step step = step_of(kStart_ns, kStart_ns + 5 * kFrame_ns, 0.7);
+    steps.go_on(localizer, step, true);
+    localizer.set(kLogFactor, 0.3, 1e-6);
+    for (int i = 0; i < 200; ++i) steps.go_on(localizer, step, true);
+    CHECK(std::abs(localizer.x[kLogFactor] - 0.3 / std::exp(1)) < 1e-3);
+    for (int i = 0; i < 5000; ++i) steps.go_on(localizer, step, true);
+    CHECK(std::abs(localizer.sigma(kLogFactor) - 0.10) < 1e-3);
+  }
+
+  TEST_CASE("What a front-end states of its scale again and again is stated once") {
+    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    walk(composer, 1, 100);
+    CHECK(composer.localizer().sigma(kLogScale) > 0.0099);
   }
 
   TEST_CASE("By the papers' rules each motion is multiplied by its own scale, horizontally") {

@@ -8,6 +8,8 @@
 namespace odograph {
 namespace {
 
+constexpr double kScaleSigma = 0.01;  // relative, of a scale without steps: 0.8 % in nine walks (docs/accuracy.md)
+
 template <class T>
 bool take(std::optional<T>& from, T& out) {
   if (!from) return false;
@@ -49,7 +51,8 @@ UpdateResult PaperEstimator::apply(const RelativeMotion& relative) {
   const bool metric_without_steps = inputs_.scale
                                         ? relative.scale && (relative.scale->header.flags & ODO_SCALE_NOT_BY_STEPS) != 0
                                         : (relative.motion->header.flags & ODO_VO_METRIC) != 0;
-  if (const auto reference = displacement_reference_.see(*pose_, metric_without_steps)) reference_ = *reference;
+  if (const auto reference = displacement_reference_.see(*pose_, metric_without_steps ? kScaleSigma : 0))
+    reference_ = *reference;
   return {relative.motion->state != ODO_LOST, 0.0, 0};
 }
 

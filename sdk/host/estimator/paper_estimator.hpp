@@ -58,7 +58,7 @@ class PaperEstimator : public Estimator {
   std::vector<Held> held_;
   uint64_t last_held_ = 0;
   double fixed_m_, corrected_from_m_;  ///< of the path, where the position was known last, and before the newest fix
-  DisplacementReference displacement_reference_;
+  DisplacementReference displacement_reference_{{.stretch_m = 20}};  // long beside a step: single frames are scaled
   std::optional<odo_pose> pose_;
   std::optional<odo_fix> reference_;
   bool camera_started_ = false, corrected_pending_ = false;

@@ -27,7 +27,7 @@ FixUpdate::Parameters fix_parameters(const CouplingConfig& config) {
 
 }  // namespace
 
-Composer::Composer(const CouplingConfig& config, const StartPose& start, ComposerInputs inputs)
+Composer::Composer(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs)
     : inputs_(inputs),
       tracker_(config, start),
       front_end_(tracker_, inputs),
@@ -102,18 +102,20 @@ UpdateResult Composer::apply(const odo_attitude* attitude) {
     return {true, 0.0, 0};
   }
   if (tracker_.rotates_with_attitude() || !tracker_.heading.due(t_ns)) return {};
-  const auto then = tracker_.at(t_ns);
-  if (!then) return {};
-  return tracker_.heading.use(tracker_.localizer, t_ns, then->q_o_b * quaternion(attitude->q_n_b).conjugate());
+  // The camera's orientation at that time, which must not be the attitude's own.
+  const TrackPoint& newest = tracker_.newest();
+  const auto q_b0_b1 = tracker_.gyro_rotation(newest.t_ns, t_ns);
+  if (!q_b0_b1) return {};
+  return tracker_.heading.use(tracker_.localizer, t_ns,
+                              newest.q_o_b * *q_b0_b1 * quaternion(attitude->q_n_b).conjugate());
 }
 
 UpdateResult Composer::apply(const RelativeMotion& relative) {
   const int64_t t_ns = relative.motion->header.t_ns;
   begin_camera(relative.motion->t_from_ns);
   tracker_.go_on(t_ns);
-  const bool at_start = !is_placed() && !walker_.any();
   const double path_m = tracker_.newest().path_m;
-  const auto moved = front_end_.apply(relative, shown_, at_start);
+  const auto moved = front_end_.apply(relative, shown_, is_placed(), walker_.any());
   if (moved.moved) {
     shown_ = true;
     set_source(moved.metric ? MotionSource(MetricSource{moved.inertial}) : MotionSource(ScaledSource{}));
@@ -173,7 +175,14 @@ UpdateResult Composer::apply(const odo_fix* fix) {
   const UpdateResult result = fixes_.use(tracker_.localizer, *fix,
                                          {*then, tracker_.newest(), start_n, tracker_.heading.north(), tracker_.paper(),
                                           front_end_.leads(), front_end_.leads_since_ns()});
-  if (result.accepted) output_.fixed(fix->header.t_ns);
+  if (!result.accepted) return result;
+  output_.fixed(fix->header.t_ns);
+  if (fix->header.flags & ODO_FIX_ORIENTATION) {
+    const Quaterniond q_o_n = tracker_.localizer.q_n_o().conjugate();
+    const Matrix3d R_o_n = q_o_n.toRotationMatrix();
+    const auto R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(fix->orientation_cov_n);
+    front_end_.gyroscope().see_inclination(q_o_n * quaternion(fix->q_n_b), *then, R_o_n * R * R_o_n.transpose());
+  }
   return result;
 }
 
@@ -204,6 +213,7 @@ odo_pose Composer::make_pose(const TrackPoint& point) const {
   Vector3d p_n = localizer.p_n() - q_n_o * (tracker_.newest().p_o_b - point.p_o_b);
   Eigen::Matrix<double, 6, 6> covariance = localizer.pose_covariance(squared(kTiltSigma_rad));
   if (front_end_.begun()) {
+    covariance.diagonal().segment<2>(3).array() += squared(tracker_.unseen_m(point.t_ns));
     pose.header.flags |= ODO_POSE_CAMERA;
     const Vector3d lever_n = q_n_b * front_end_.p_b_c();
     p_n += lever_n;

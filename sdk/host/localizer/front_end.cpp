@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "sdk/math/gravity.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
@@ -36,20 +35,7 @@ void FrontEnd::begin_group(const odo_vo_motion& motion, bool metric) {
   if (!tracker_.paper()) scale_.begin_group(tracker_.localizer);
 }
 
-bool FrontEnd::rotate_by_gyroscope(const odo_vo_motion& m) {
-  const double gap_s = tracker_.parameters().longest_gap_s, dt_s = seconds(m.header.t_ns - m.t_from_ns);
-  const auto from = tracker_.inertia.at(m.t_from_ns, gap_s), to = tracker_.inertia.at(m.header.t_ns, gap_s);
-  if (!from || !to || dt_s <= 0) return false;
-  const Quaterniond q_c0_c1 = q_b_c_.conjugate() * from->q_e_b.conjugate() * to->q_e_b * q_b_c_;
-  gyro_.propagate(q_c0_c1, dt_s);
-  // With parallax a picture's rotation and translation are too much alike to tell a bias.
-  const bool pure = m.reason == ODO_REASON_NO_PARALLAX && (m.header.flags & ODO_VO_ROTATION) != 0;
-  if (pure) gyro_.update_relative_rotation(q_c0_c1, quaternion(m.q_c0_c1), rotation_sigma(m), dt_s);
-  gyro_.update_gravity(q_b_c_.conjugate() * (to->q_e_b.conjugate() * ((to->v_e - from->v_e) / dt_s)), pure);
-  return true;
-}
-
-/// Whether the front-end has turned as the gyroscope has; a picture of the inside of a pocket turns otherwise.
+/// Whether the front-end rotates as the gyroscope does; a picture of the inside of a pocket does not.
 bool FrontEnd::rotates_with_gyroscope(const odo_vo_motion& m) const {
   const auto q_b0_b1 = tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns);
   if (!q_b0_b1) return true;
@@ -60,12 +46,12 @@ bool FrontEnd::rotates_with_gyroscope(const odo_vo_motion& m) const {
 }
 
 /// The body in o at the motion's end, by what the config prefers and what there is.
-std::optional<Quaterniond> FrontEnd::turned(const Moving& moving) {
+std::optional<Quaterniond> FrontEnd::rotated(const Moving& moving) {
   const odo_vo_motion& m = moving.m;
   const Orientation orientation = tracker_.config().orientation;
   if (const auto q_a_b = tracker_.attitudes.at(m.header.t_ns); q_a_b && orientation == Orientation::attitude)
     return q_a_b;
-  if (orientation == Orientation::gyroscope && rotate_by_gyroscope(m)) return gyro_.q_o_c() * q_b_c_.conjugate();
+  if (const auto q_o_b = gyroscope_.rotate(m, rotation_sigma(m))) return q_o_b;
   if (moving.rotates) return moving.q_o_c0 * quaternion(m.q_c0_c1) * q_b_c_.conjugate();
   if (const auto q_o_b = tracker_.by_attitude(m.header.t_ns)) return q_o_b;
   const auto q_b0_b1 = tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns);
@@ -77,11 +63,12 @@ std::optional<Quaterniond> FrontEnd::turned(const Moving& moving) {
 double FrontEnd::heading_variance(const Moving& moving) const {
   const double unknown_rotation = squared(tracker_.heading.parameters().gap_rotation);
   if (!moving.rotation_known) return unknown_rotation * moving.dt_s;
-  if (!moving.inertial) return squared(p_.rotation_walk) * moving.dt_s;
   const odo_vo_motion& m = moving.m;
-  double rate = squared(p_.inertial_rotation_walk);
-  if (!tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns)) rate += unknown_rotation;  // it has had no gyroscope
-  if (!group_.walked) {
+  double rate = squared(moving.inertial ? p_.inertial_rotation_walk : p_.rotation_walk);
+  // Where the gyroscope has gone nothing checks the front-end's rotation, and what it predicts corners with is gone.
+  const bool has_gyroscope = tracker_.inertia.newest_ns() != INT64_MIN;
+  if (has_gyroscope && !tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns)) rate += unknown_rotation;
+  if (moving.inertial && !group_.walked) {
     const bool stated = (m.header.flags & ODO_VO_COVARIANCE) != 0;
     const double sigma_radps = stated ? rotation_sigma(m) / moving.dt_s : p_.start_rate_radps;
     rate += 2 * squared(std::min(sigma_radps, p_.start_rate_radps)) * seconds(m.header.t_ns - group_.began_ns);
@@ -150,6 +137,7 @@ void FrontEnd::level(Moving& moving) const {
   Vector3d down_b = q_b_c_ * Vector3d(moving.m.gravity_c1);
   double share = 1;
   if (!moving.inertial) {
+    if (tracker_.paper()) return;
     const auto q_a_b = tracker_.attitudes.at(moving.m.header.t_ns);
     if (!q_a_b) return;
     down_b = q_a_b->conjugate() * Vector3d::UnitZ();
@@ -159,24 +147,20 @@ void FrontEnd::level(Moving& moving) const {
   moving.q_o_b1 = (Quaterniond::Identity().slerp(share, up) * moving.q_o_b1).normalized();
 }
 
-/// The first metric motion: where it began follows from the velocity and the inertial samples since the first frame,
-/// p(T) - p(0) = v T - int t a dt; before that the camera is taken to have stood.
+/// The first metric motion: where it began follows from the velocity and the inertial samples since the first frame;
+/// before that the camera is taken to have stood.
 void FrontEnd::begin_here(const Moving& moving) {
   const int64_t to_ns = moving.m.header.t_ns;
   const int64_t from_ns =
       std::max({tracker_.coverage.until_ns(), to_ns - nanoseconds(p_.rewind_s), tracker_.inertia.oldest_ns()});
   tracker_.coverage.begin(to_ns);
-  const auto from = tracker_.inertia.at(from_ns, 0);
-  const auto to = tracker_.inertia.at(to_ns, tracker_.parameters().longest_gap_s);
-  if (!from || !to || to_ns <= from_ns) return;
-  const double T = seconds(to_ns - from_ns);
-  const Quaterniond q_o_e = moving.q_o_b1 * to->q_e_b.conjugate();
   const Vector3d v_o = moving.q_o_b1 * q_b_c_ * Vector3d(moving.m.velocity_c1);
-  const Vector3d constant_o = Vector3d(0, 0, kStandardGravity_mps2) - moving.q_o_b1 * Vector3d(moving.m.accel_bias_b);
-  const Vector3d d_o = T * v_o + q_o_e * (to->p_e - from->p_e - T * to->v_e) - 0.5 * T * T * constant_o;
-  const Vector3d d_n = tracker_.localizer.q_n_o() * d_o;
-  tracker_.localizer.move(d_n, {{kHeading, across(d_n)}}, Matrix3d::Identity() * squared(p_.rewind_sigma_mps * T));
-  tracker_.push(tracker_.newest().t_ns, tracker_.newest().q_o_b, d_o);
+  const auto d_o = tracker_.moved_until(from_ns, to_ns, moving.q_o_b1, v_o, Vector3d(moving.m.accel_bias_b));
+  if (!d_o) return;
+  const Vector3d d_n = tracker_.localizer.q_n_o() * *d_o;
+  const double sigma_m = p_.rewind_sigma_mps * seconds(to_ns - from_ns);
+  tracker_.localizer.move(d_n, {{kHeading, across(d_n)}}, Matrix3d::Identity() * squared(sigma_m));
+  tracker_.push(tracker_.newest().t_ns, tracker_.newest().q_o_b, *d_o);
 }
 
 /// The track goes on, by the rotation, and where there is a displacement in metres by that.
@@ -225,15 +209,7 @@ void FrontEnd::begin(int64_t t_ns, bool has_stepped) {
   if (!has_stepped) tracker_.start_camera_at(t_ns, q_o_b, p_b_c_);
   tracker_.push(t_ns, q_o_b, Vector3d::Zero());
   tracker_.rotate_with_camera();
-  begin_turning();
-}
-
-void FrontEnd::begin_turning() {
-  if (tracker_.config().orientation != Orientation::gyroscope) return;
-  const double tilt_variance = tracker_.tilt_variance();
-  gyro_.reset(tracker_.newest().q_o_b * q_b_c_, Vector3d(tilt_variance, tilt_variance, 0).asDiagonal());
-  if (!tracker_.heading.north() && !tracker_.start_pose().heading_given)
-    tracker_.localizer.loosen_heading(p_.any_heading_rad);
+  gyroscope_.start(q_b_c_);
 }
 
 FrontEnd::Moving FrontEnd::begin_motion(const odo_vo_motion& m) {
@@ -262,10 +238,10 @@ FrontEnd::Moving FrontEnd::begin_motion(const odo_vo_motion& m) {
   moving.rotates = (flags & ODO_VO_ROTATION) != 0 && (!lost_ || tracker_.paper());
   moving.translates = (flags & ODO_VO_TRANSLATION) != 0 && !lost_ && moving.dt_s > 0;
   if (!tracker_.paper() && moving.rotates && !rotates_with_gyroscope(m)) moving.rotates = moving.translates = false;
-  const auto q_o_b1 = turned(moving);
+  const auto q_o_b1 = rotated(moving);
   moving.rotation_known = q_o_b1.has_value();
   moving.q_o_b1 = q_o_b1.value_or(from.q_o_b);
-  if (!tracker_.paper()) level(moving);
+  level(moving);
   if (moving.translates) {
     moving.d_o = moving.q_o_c0 * Vector3d(m.p_c0_c1);
     group_.y_o += moving.d_o;
@@ -280,7 +256,7 @@ bool FrontEnd::is_impossible(const Moving& moving) const {
   return in_metres && moving.d_o.norm() > p_.impossible * tracker_.config().fastest_mps * moving.dt_s;
 }
 
-FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, bool shown, bool at_start) {
+FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, bool shown, bool placed, bool has_stepped) {
   const odo_vo_motion& m = *relative.motion;
   const int64_t t_ns = m.header.t_ns;
   Moving moving = begin_motion(m);
@@ -295,7 +271,9 @@ FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, bool shown, bo
     moves = moves_ = false;
     moving.state = ODO_DEGRADED, moving.reason = ODO_REASON_TOO_FAST;
   }
-  if (moves && moving.inertial && !shown && at_start) {
+  if (shown && moves) tracker_.add_gap(m.t_from_ns);
+  const bool at_start = !shown && !placed && !has_stepped;
+  if (moves && moving.inertial && at_start) {
     begin_here(moving);
     moving.d_o.setZero();
   } else if (moves && tracker_.coverage.until_ns() > m.t_from_ns) {  // steps have moved the track meanwhile
@@ -329,10 +307,9 @@ bool FrontEnd::is_silent(int64_t now_ns) const {
   return lost_ || seconds(now_ns - translated_ns_) > p_.silent_s;
 }
 
-Vector3d FrontEnd::displacement(int64_t from_ns, int64_t to_ns, bool& known) const {
+std::optional<Vector3d> FrontEnd::displacement(int64_t from_ns, int64_t to_ns) const {
   const auto from = path_.at(from_ns), to = path_.at(to_ns);
-  known = from && to;
-  return known ? Vector3d(*to - *from) : Vector3d(Vector3d::Zero());
+  return from && to ? std::optional<Vector3d>(*to - *from) : std::nullopt;
 }
 
 bool FrontEnd::check_metres(const odo_step& step, const Vector3d& moved_o) {

@@ -8,11 +8,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "sdk/host/localizer/gyro_attitude_filter.hpp"
-#include "sdk/host/localizer/measurement.hpp"
-#include "sdk/host/localizer/metre_check.hpp"
+#include "sdk/host/estimator/estimator.hpp"
+#include "sdk/host/estimator/metre_check.hpp"
+#include "sdk/host/localizer/gyro_orientation.hpp"
 #include "sdk/host/localizer/scale_update.hpp"
-#include "sdk/host/localizer/timed_positions.hpp"
+#include "sdk/host/estimator/timed_positions.hpp"
 #include "sdk/host/localizer/tracker.hpp"
 #include "sdk/math/rotation.hpp"
 
@@ -46,17 +46,14 @@ class FrontEnd {
     double scale_walk = 2e-3;            ///< 1/sqrt(m) of another: 0.9 % between halves of 10 m (odograph bench vo)
     double doubted_scale_walk = 0.015;   ///< 1/sqrt(m) of one whose metric scale contradicts the steps
     double walking_m = 0.5;              ///< m a second, above which the camera walks: half the slowest walk
-    double any_heading_rad = 1.8;        ///< rad of a chained gyroscope without a compass: pi / sqrt(3)
   };
 
-  FrontEnd(Tracker& tracker, ComposerInputs inputs) : tracker_(tracker), inputs_(inputs) {}
+  FrontEnd(Tracker& tracker, EstimatorInputs inputs) : tracker_(tracker), inputs_(inputs), gyroscope_(tracker) {}
   void reset();
   void on_calibration(const odo_calibration& calibration);
 
   /// The camera begins: its first frame, or its first motion.
   void begin(int64_t t_ns, bool has_stepped);
-  /// The orientation where it stands has been set: what is chained from there begins anew.
-  void begin_turning();
   bool begun() const { return first_frame_ns_ != INT64_MIN; }
 
   struct Outcome {
@@ -64,12 +61,13 @@ class FrontEnd {
     bool moved;             ///< the track, by a displacement in metres (or as the papers' do, in units)
     bool metric, inertial;  ///< the motion was
   };
-  /// `shown`: positions have been published; `at_start`: nothing but the front-end has moved the track yet.
-  Outcome apply(const RelativeMotion& relative, bool shown, bool at_start);
+  /// `shown`: positions have been published; `placed`: n is; `has_stepped`: there are steps.
+  Outcome apply(const RelativeMotion& relative, bool shown, bool placed, bool has_stepped);
+  GyroOrientation& gyroscope() { return gyroscope_; }
   /// A scale outside of a motion.
   UpdateResult apply(const odo_scale& scale);
-  /// A step that it has covered: its displacement against the step's length.
-  Eigen::Vector3d displacement(int64_t from_ns, int64_t to_ns, bool& known) const;
+  /// In o, up to scale; nothing of a time that is no longer kept, or before the scale group.
+  std::optional<Eigen::Vector3d> displacement(int64_t from_ns, int64_t to_ns) const;
   /// Whether its metric scale is judged by a step of that length; true where the verdict has changed.
   bool check_metres(const odo_step& step, const Eigen::Vector3d& moved_o);
 
@@ -103,8 +101,7 @@ class FrontEnd {
   };
   Moving begin_motion(const odo_vo_motion& motion);
   void begin_group(const odo_vo_motion& motion, bool metric);
-  std::optional<Eigen::Quaterniond> turned(const Moving& moving);
-  bool rotate_by_gyroscope(const odo_vo_motion& motion);
+  std::optional<Eigen::Quaterniond> rotated(const Moving& moving);
   bool rotates_with_gyroscope(const odo_vo_motion& motion) const;
   double heading_variance(const Moving& moving) const;
   void level(Moving& moving) const;
@@ -118,12 +115,12 @@ class FrontEnd {
 
   Parameters p_;
   Tracker& tracker_;
-  ComposerInputs inputs_;
+  EstimatorInputs inputs_;
   Eigen::Quaterniond q_b_c_ = rear_camera_mount();
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
   ScaleUpdate scale_;
-  MetreCheck metre_check_;
-  GyroAttitudeFilter gyro_;
+  inertial::MetreCheck metre_check_;
+  GyroOrientation gyroscope_;
 
   /// The present scale group.
   struct Group {
@@ -134,7 +131,7 @@ class FrontEnd {
     Eigen::Vector3d y_o = Eigen::Vector3d::Zero();         ///< displacement since it began, up to scale, in o
     Eigen::Vector3d unscaled_o = Eigen::Vector3d::Zero();  ///< of that, what waits for a scale
   } group_;
-  TimedPositions path_;  // y_o
+  inertial::TimedPositions path_;  // y_o
   bool lost_ = false, moves_ = false;
   int64_t first_frame_ns_ = INT64_MIN, translated_ns_ = INT64_MIN, leads_since_ns_ = INT64_MIN;
   double blind_sigma_m_ = 0;  // of what it moved since it saw something

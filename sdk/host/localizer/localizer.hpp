@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "sdk/host/localizer/measurement.hpp"
+#include "sdk/host/estimator/estimator.hpp"
 #include "sdk/host/localizer/track.hpp"
 
 namespace odograph::localizer {

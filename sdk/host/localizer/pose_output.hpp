@@ -8,8 +8,8 @@
 #include <Eigen/Core>
 #include <odograph/types.h>
 
-#include "sdk/host/localizer/displacement_reference.hpp"
-#include "sdk/host/localizer/measurement.hpp"
+#include "sdk/host/estimator/displacement_reference.hpp"
+#include "sdk/host/estimator/estimator.hpp"
 
 namespace odograph::localizer {
 

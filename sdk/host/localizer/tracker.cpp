@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sdk/math/gravity.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
@@ -75,12 +76,34 @@ void Tracker::push(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& d_o, 
   if (const auto q_a_b = attitudes.at(point.t_ns)) q_o_a_ = point.q_o_b * q_a_b->conjugate();
 }
 
+double Tracker::unseen_m(int64_t t_ns) const {
+  const double unseen_s = seconds(t_ns - coverage.until_ns());
+  return rotates_with_attitude_ || unseen_s < p_.unseen_s ? 0.0 : unseen_s * config_.fastest_mps;
+}
+
+void Tracker::add_gap(int64_t from_ns) { localizer.P.diagonal().head<2>().array() += squared(unseen_m(from_ns)); }
+
 void Tracker::rotate_with_attitude() {
   if (!std::exchange(rotates_with_attitude_, true) && heading.noted()) heading.join(localizer, q_o_a_);
 }
 
+std::optional<InertialTrack::Point> Tracker::inertial_point(int64_t t_ns) const {
+  const auto point = inertia.at(t_ns, p_.longest_gap_s);
+  return point && point->t_ns == t_ns ? point : std::nullopt;
+}
+
+std::optional<Vector3d> Tracker::moved_until(int64_t from_ns, int64_t to_ns, const Quaterniond& q_o_b,
+                                             const Vector3d& v_o, const Vector3d& accel_bias_b) const {
+  const auto from = inertial_point(from_ns), to = inertial_point(to_ns);
+  if (!from || !to || to_ns <= from_ns) return std::nullopt;
+  const double T = seconds(to_ns - from_ns);
+  const Vector3d constant_o = Vector3d(0, 0, kStandardGravity_mps2) - q_o_b * accel_bias_b;
+  const Vector3d by_samples_o = q_o_b * (to->q_e_b.conjugate() * (to->p_e - from->p_e - T * to->v_e));
+  return Vector3d(T * v_o + by_samples_o - 0.5 * T * T * constant_o);
+}
+
 std::optional<Quaterniond> Tracker::gyro_rotation(int64_t from_ns, int64_t to_ns) const {
-  const auto from = inertia.at(from_ns, p_.longest_gap_s), to = inertia.at(to_ns, p_.longest_gap_s);
+  const auto from = inertial_point(from_ns), to = inertial_point(to_ns);
   if (!from || !to) return std::nullopt;
   return from->q_e_b.conjugate() * to->q_e_b;
 }
@@ -95,8 +118,8 @@ std::optional<TrackPoint> Tracker::at(int64_t t_ns) const {
   auto point = track_.at(t_ns);
   if (!point || t_ns <= point->t_ns) return point;
   const double ahead_s = std::min(seconds(t_ns - point->t_ns), seconds(kMaxExtrapolation_ns));
-  const auto then = inertia.at(point->t_ns, 0), now = inertia.at(t_ns, seconds(kMaxExtrapolation_ns));
-  const bool by_gyroscope = then && now && then->t_ns == point->t_ns;
+  const auto then = inertial_point(point->t_ns), now = inertia.at(t_ns, seconds(kMaxExtrapolation_ns));
+  const bool by_gyroscope = then && now;
   if (const auto q = by_attitude(t_ns); q && (rotates_with_attitude_ || !by_gyroscope))
     point->q_o_b = *q;
   else if (by_gyroscope)

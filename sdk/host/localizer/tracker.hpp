@@ -13,21 +13,20 @@
 #include "sdk/host/localizer/heading_update.hpp"
 #include "sdk/host/localizer/height_update.hpp"
 #include "sdk/host/localizer/localizer.hpp"
-#include "sdk/host/localizer/measurement.hpp"
+#include "sdk/host/estimator/estimator.hpp"
+#include "sdk/host/estimator/pose_history.hpp"
 #include "sdk/host/localizer/track.hpp"
 
 namespace odograph::localizer {
-
-/// How far beyond the newest measurement a pose is given, with its velocity; by hand.
-inline constexpr int64_t kMaxExtrapolation_ns = 500'000'000;
 
 /// What all sources of motion share: the track in o and the filter of T_n_o, which go on together, and what turns o
 /// where no camera does. One thread at a time.
 class Tracker {
  public:
   struct Parameters {
-    double heading_rate_radps = 0.009;  ///< rad/s of a chained gyroscope at the start: 0.5 deg/s, BMI270, ICM-20602
+    double heading_rate_radps = 0.009;  ///< rad/s of a composed gyroscope at the start: 0.5 deg/s, BMI270, ICM-20602
     double heading_rate_walk = 3e-5;    ///< rad/s/sqrt(s) of it; temperature
+    double unseen_s = 1.0;              ///< s without a displacement until it counts as unseen: steps are 0.4 s late
     double longest_gap_s = 0.05;        ///< s between samples that is no gap: ten at 200 Hz, two or three at 50 Hz
   };
   enum class Velocity { none, mean, now };
@@ -56,6 +55,10 @@ class Tracker {
   void rotate_with_attitude();
   void rotate_with_camera() { rotates_with_attitude_ = false; }
   bool rotates_with_attitude() const { return rotates_with_attitude_; }
+  /// A displacement begins there: what was not seen before it is in the filter's covariance from now on.
+  void add_gap(int64_t from_ns);
+  /// What the body may have moved by until a time while the camera leads and has seen no displacement, m, one sigma.
+  double unseen_m(int64_t t_ns) const;
   void set_velocity(const Eigen::Vector3d& v_o, Velocity kind) { v_o_ = v_o, velocity_ = kind; }
 
   // Questions.
@@ -65,6 +68,12 @@ class Tracker {
   const TrackPoint& newest() const { return track_.newest(); }
   /// Of the newest measurement.
   int64_t now_ns() const { return std::max(t_ns_, track_.newest().t_ns); }
+  /// The inertial samples as far as that time; nothing where they end before.
+  std::optional<InertialTrack::Point> inertial_point(int64_t t_ns) const;
+  /// The body's displacement in o by the samples of an interval, at whose end it has this orientation and velocity:
+  /// p(T) - p(0) = v T - int t a dt. Nothing where samples lack.
+  std::optional<Eigen::Vector3d> moved_until(int64_t from_ns, int64_t to_ns, const Eigen::Quaterniond& q_o_b,
+                                             const Eigen::Vector3d& v_o, const Eigen::Vector3d& accel_bias_b) const;
   /// The body's rotation by the gyroscope, where there are samples.
   std::optional<Eigen::Quaterniond> gyro_rotation(int64_t from_ns, int64_t to_ns) const;
   /// Its orientation as the attitude source has it, since the two were compared.

@@ -68,9 +68,9 @@ Vector3d Walker::carry(const odo_step& step, double share) {
 
 /// The front-end's displacement over a step against its length.
 void Walker::compare(const odo_step& step) {
-  bool known = false;
-  const Vector3d moved_o = front_end_.displacement(step.t_start_ns, step.t_end_ns, known);
-  if (!known) return;
+  const auto displacement_o = front_end_.displacement(step.t_start_ns, step.t_end_ns);
+  if (!displacement_o) return;
+  const Vector3d& moved_o = *displacement_o;
   if (front_end_.check_metres(step, moved_o))
     notice_ = {"odometry_metre",
                front_end_.doubted()

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The localizer beside the estimator that it is to replace, on the same simulated measurements.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "sdk/host/localizer/composer.hpp"
+#include "tests/estimator_walk.hpp"
+
+namespace odograph {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr int kSeeds = 8;
+
+struct Outcome {
+  double rms_m = 0;       ///< of the position against where the first one was
+  double worst_nees = 0;  ///< of the horizontal position, of the second half's mean by seed
+  double mean_nees = 0;
+};
+
+/// Of one estimator over several walks. `absolute`: positions are compared in n, otherwise from the first one on.
+template <class Make>
+Outcome run(const WalkMeasurements& what, double length_m, bool absolute, Make make) {
+  Outcome out;
+  for (uint64_t seed = 51; seed < 51 + kSeeds; ++seed) {
+    EstimatorWalk walk(estimator_scenario(length_m), what, seed);
+    const auto estimator = make();
+    std::optional<Vector3d> first;
+    double squares = 0, nees = 0;
+    int poses = 0, judged = 0;
+    walk.run(*estimator, [&](double t, const odo_pose& pose) {
+      if ((pose.header.flags & ODO_POSE_METRIC) == 0) return;
+      const bool camera = (pose.header.flags & ODO_POSE_CAMERA) != 0;
+      const auto truth = walk.truth(t);
+      const Vector3d p_n =
+          camera ? truth.p_n_c : Vector3d(truth.p_n_c - truth.q_n_c * (what.q_b_c.conjugate() * walk.p_b_c()));
+      Vector3d error = Vector3d(pose.p_n) - p_n;
+      if (!first) first = absolute ? Vector3d(Vector3d::Zero()) : error;
+      error -= *first;
+      squares += error.squaredNorm(), ++poses;
+      if (t < 0.5 * walk.duration_s()) return;
+      const Matrix2d P =
+          Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(pose.covariance).block<2, 2>(3, 3);
+      nees += error.head<2>().dot(P.inverse() * error.head<2>()) / 2, ++judged;
+    });
+    REQUIRE(poses > 10);
+    out.rms_m += std::sqrt(squares / poses) / kSeeds;
+    out.mean_nees += nees / judged / kSeeds;
+    out.worst_nees = std::max(out.worst_nees, nees / judged);
+  }
+  return out;
+}
+
+void compare(const WalkMeasurements& what, double length_m, bool absolute, bool vo, double factor) {
+  CouplingConfig config;
+  config.type = CouplingType::inertial;
+  const EstimatorInputs inputs{vo, false};
+  const Outcome before =
+      run(what, length_m, absolute, [&] { return std::make_unique<InertialEstimator>(config, StartPose{}, inputs); });
+  const Outcome after =
+      run(what, length_m, absolute, [&] { return std::make_unique<localizer::Composer>(config, StartPose{}, inputs); });
+  MESSAGE("estimator " << before.rms_m << " m, NEES " << before.mean_nees << ", worst " << before.worst_nees
+                       << "; localizer " << after.rms_m << " m, NEES " << after.mean_nees << ", worst "
+                       << after.worst_nees);
+  CHECK(after.rms_m < factor * before.rms_m);
+  CHECK(after.worst_nees < 9);  // three sigmas
+}
+
+WalkMeasurements with_inertial_front_end() {
+  WalkMeasurements what;
+  what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
+  what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
+  return what;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("localizer_walk");
+
+TEST_CASE("a front-end with inertia") { compare(with_inertial_front_end(), 60, false, true, 1.1); }
+
+TEST_CASE("a front-end with inertia that is blind for five seconds, in which steps carry") {
+  WalkMeasurements what = with_inertial_front_end();
+  what.odometry.blind_from_s = 15, what.odometry.blind_to_s = 20;
+  compare(what, 60, false, true, 1.1);
+}
+
+TEST_CASE("the same without a frame") {
+  WalkMeasurements what = with_inertial_front_end();
+  what.odometry.off_from_s = 15, what.odometry.off_to_s = 20;
+  compare(what, 60, false, true, 1.1);
+}
+
+// The estimator's own inertia is scale/inertial's here: with steps alone the scale errs by the walker's factor, and the
+// position by that along the path, sigma L / sqrt(3) in the mean.
+TEST_CASE("a front-end without a metric scale goes by the walker's steps, and says how well") {
+  constexpr double kLength_m = 60;
+  const WalkMeasurements what;
+  CouplingConfig config;
+  config.type = CouplingType::inertial;
+  const Outcome out = run(what, kLength_m, false, [&] {
+    return std::make_unique<localizer::Composer>(config, StartPose{}, EstimatorInputs{true, false});
+  });
+  MESSAGE(out.rms_m << " m, NEES " << out.mean_nees << ", worst " << out.worst_nees);
+  CHECK(out.rms_m < what.step_factor_sigma * kLength_m / std::sqrt(3.0));
+  CHECK(out.worst_nees < 9);
+}
+
+TEST_CASE("steps alone, with fixes that come late") {
+  WalkMeasurements what;
+  what.camera = false;
+  what.fix_every_s = 1, what.fix_sigma_m = 1.5;
+  compare(what, 100, true, false, 1.1);
+}
+
+TEST_CASE("a front-end with inertia, with fixes that come late") {
+  WalkMeasurements what = with_inertial_front_end();
+  what.fix_every_s = 1, what.fix_sigma_m = 1.5;
+  compare(what, 100, true, true, 1.1);
+}
+
+TEST_SUITE_END();
+
+}  // namespace odograph
