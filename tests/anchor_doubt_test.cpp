@@ -23,24 +23,13 @@ using Matrix12 = Eigen::Matrix<double, 12, 12>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 
 /// Says what it was told to say of the pose that is held and of the one now.
-struct TwoPoses : Estimator {
+struct TwoPoses : HeldPoses {
   HeldPose held, now;
-  void on_calibration(const odo_calibration&) override {}
-  void on_imu_noise(const odo_imu_noise&) override {}
-  void propagate(const odo_imu&) override {}
-  UpdateResult update(const Measurement&) override { return {}; }
-  void prepare(odo_vo_motion&) const override {}
-  int32_t at(int64_t, Estimate&) const override { return ODO_NOT_READY; }
-  bool take_pose(odo_pose&) override { return false; }
-  bool take_correction(Correction&, odo_pose&) override { return false; }
-  bool take_step_reference(odo_fix&) override { return false; }
   uint64_t hold_pose(int64_t) override { return 1; }
   void let_go(uint64_t) override {}
   bool held_pose(uint64_t, HeldPose& out) const override { return out = held, true; }
   bool pose_now(HeldPose& out) const override { return out = now, true; }
   bool is_placed() const override { return true; }
-  double distance_m() const override { return 0; }
-  void reset() override {}
 };
 
 struct Numbers {
@@ -70,8 +59,8 @@ TEST_CASE("an anchor on a held pose is as doubtful as the joint covariance of bo
   for (unsigned seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     Numbers number{std::mt19937(seed)};
-    TwoPoses estimator;
-    HeldPose &held = estimator.held, &now = estimator.now;
+    TwoPoses poses;
+    HeldPose &held = poses.held, &now = poses.now;
     held.q_n_b = number.rotation(), now.q_n_b = number.rotation();
     held.p_n_b = 3 * number.vector(), now.p_n_b = 3 * number.vector();
     Matrix12 A;
@@ -86,7 +75,7 @@ TEST_CASE("an anchor on a held pose is as doubtful as the joint covariance of bo
     place.kind = ODO_ANCHOR_POSE;
     const Rigid T_n_a{number.rotation(), held.p_n_b + 4 * number.vector()};
     const uint64_t id = anchors.add_local(place, {0, {held.q_n_b, held.p_n_b}, T_n_a});
-    anchors.follow(estimator, 0, nullptr);
+    anchors.follow(poses, 0, nullptr);
     const auto known = anchors.get(id, 0);
     REQUIRE(known);
     CHECK((known->T_n_a.p - T_n_a.p).norm() < 1e-12);
@@ -107,8 +96,8 @@ TEST_CASE("an anchor on a held pose is as doubtful as the joint covariance of bo
 
 TEST_CASE("an anchor on the Earth is as doubtful as its place, and in the view by the pose now as well") {
   Numbers number{std::mt19937(4)};
-  TwoPoses estimator;
-  HeldPose& now = estimator.now;
+  TwoPoses poses;
+  HeldPose& now = poses.now;
   now.q_n_b = number.rotation(), now.p_n_b = 3 * number.vector();
   Eigen::Matrix<double, 6, 6> A;
   for (double& a : A.reshaped()) a = 0.1 * number();
@@ -120,7 +109,7 @@ TEST_CASE("an anchor on the Earth is as doubtful as its place, and in the view b
   place.kind = ODO_ANCHOR_GEODETIC, place.height_above = ODO_HEIGHT_ELLIPSOID, place.sigma_m = 0.7;
   place.latitude_rad = 0.8 + 2e-6, place.longitude_rad = 0.1 - 1e-6, place.height_m = 302;
   const uint64_t id = anchors.add_geodetic(place);
-  anchors.follow(estimator, 0, nullptr);
+  anchors.follow(poses, 0, nullptr);
   const auto known = anchors.get(id, 0);
   REQUIRE(known);
   REQUIRE(known->T_n_a.p.norm() > 5);

@@ -13,7 +13,7 @@ TEST_SUITE_BEGIN("anchor_state");
 
 namespace {
 
-const std::string kInertial = "coupling: {type: inertial}\n",
+const std::string kInertial = "coupling: {type: localizer}\n",
                   kPlace = "start: {position: [0 m, 0 m, 0 m], heading: 0 rad}",
                   kOrigin = "origin: {latitude: 0.8 rad, longitude: 0.1 rad, height: 300 m}";
 

@@ -98,7 +98,7 @@ TEST_CASE("what is no pressure of a walker is no reading, and time that goes bac
 TEST_CASE("stairs and slopes of 9 m are followed where a waypoint told the height at the start") {
   const TemporaryFolder folder;
   std::ofstream(folder / "p.yaml") << "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: "
-                                      "step/odograph\ncoupling:\n  type: inertial\nabsolute_fixers:\n  - plugin: "
+                                      "step/odograph\ncoupling:\n  type: localizer\nabsolute_fixers:\n  - plugin: "
                                       "fix/waypoint\n  - plugin: fix/barometer\n    parameters: {from_start: false}\n";
   Scenario s;
   s.walker.stand_s = 4;

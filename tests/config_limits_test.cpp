@@ -83,8 +83,8 @@ TEST_CASE("what a config leaves out is as the struct's own defaults say") {
 TEST_CASE("each choice of a config is read as what it says") {
   const std::pair<const char*, std::function<bool(const PipelineConfig&)>> choices[] = {
       {"type: paper", [](const auto& c) { return c.coupling.type == CouplingType::paper; }},
-      {"type: per_frame", [](const auto& c) { return c.coupling.type == CouplingType::paper; }},
-      {"type: inertial", [](const auto& c) { return c.coupling.type == CouplingType::inertial; }},
+      {"type: paper", [](const auto& c) { return c.coupling.type == CouplingType::paper; }},
+      {"type: localizer", [](const auto& c) { return c.coupling.type == CouplingType::localizer; }},
       {"orientation: vo", [](const auto& c) { return c.coupling.orientation == Orientation::vo; }},
       {"orientation: gyroscope", [](const auto& c) { return c.coupling.orientation == Orientation::gyroscope; }},
       {"orientation: attitude", [](const auto& c) { return c.coupling.orientation == Orientation::attitude; }},

@@ -38,7 +38,7 @@ TEST_CASE("every setting of a config arrives, and none in another's place") {
       "time_ordering: {max_wait: 0.31 s, max_gap: 2.5 s, queue: 777, frames: 5}\n"
       "vo_frontend: {plugin: vo/five_point, isolation: process, time_limit: 3 s, start_limit: 11 s, memory_limit: "
       "300}\n"
-      "coupling: {type: inertial, orientation: gyroscope, vertical: scaled, fix_gate: 4.5, bridge: 7 s,\n"
+      "coupling: {type: localizer, orientation: gyroscope, vertical: scaled, fix_gate: 4.5, bridge: 7 s,\n"
       "           fastest: 13 m/s, odometry_covariance: 2.25}\n"
       "replay: {start_at_first_waypoint: true, align_heading_over: 17 m}\n",
       "f.yaml", {plugin_folder()});
@@ -57,7 +57,7 @@ TEST_CASE("every setting of a config arrives, and none in another's place") {
   CHECK(c.ordering.max_gap_s == 2.5);
   CHECK(c.ordering.queue == 777);
   CHECK(c.ordering.frames == 5);
-  CHECK(c.coupling.type == CouplingType::inertial);
+  CHECK(c.coupling.type == CouplingType::localizer);
   CHECK(c.coupling.orientation == Orientation::gyroscope);
   CHECK(c.coupling.vertical == Vertical::scaled);
   CHECK(c.coupling.fix_gate_sigma == 4.5);

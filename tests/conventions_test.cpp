@@ -98,7 +98,7 @@ TEST_CASE(
 TEST_CASE("a pose claims north only where true north was observed") {
   odo_pose magnetic{}, of_true{};
   attitudes("", nullptr, &magnetic);
-  attitudes("coupling: {type: inertial}\nnavigation: {declination: 12 deg}\n", nullptr, &of_true);
+  attitudes("coupling: {type: localizer}\nnavigation: {declination: 12 deg}\n", nullptr, &of_true);
   CHECK((magnetic.header.flags & ODO_POSE_NORTH) == 0);
   CHECK((of_true.header.flags & ODO_POSE_NORTH) != 0);
   CHECK((of_true.header.flags & ODO_POSE_COVARIANCE) != 0);

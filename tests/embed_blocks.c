@@ -48,7 +48,7 @@ static int platform_poses_are_converted(void) {
 int main(int argc, char** argv) {
   static const char config[] =
       "odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/renaudin2012}\n"
-      "coupling: {type: inertial}\nnavigation:\n  origin: {latitude: 0.8 rad, longitude: 0.1 rad, height: 300 m}\n"
+      "coupling: {type: localizer}\nnavigation:\n  origin: {latitude: 0.8 rad, longitude: 0.1 rad, height: 300 m}\n"
       "  start: {position: [0 m, 0 m, 0 m], heading: 0 rad}\n";
   odo_session_options options;
   odo_session* session = NULL;

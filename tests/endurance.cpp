@@ -184,7 +184,7 @@ int pipelines(long times, const std::string& plugins) {
       "odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n"
       "vo_frontend: {plugin: vo/odograph}\nscale_source: {plugin: scale/step_length}\n"
       "absolute_fixers: [{plugin: fix/gnss}, {plugin: fix/waypoint}, {plugin: fix/barometer}]\n"
-      "coupling: {type: inertial}\n";
+      "coupling: {type: localizer}\n";
   const auto cycle = [&] {
     odo_session* session = open(yaml, plugins);
     if (!session) return false;

@@ -9,7 +9,7 @@
 
 #include <Eigen/LU>
 
-#include "tests/estimator_walk.hpp"
+#include "tests/measured_walk.hpp"
 
 using namespace odograph;
 using Eigen::Vector3d;
@@ -35,20 +35,20 @@ WalkMeasurements usual() {
   WalkMeasurements what;
   what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
   what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
-  what.odometry.rotation_walk = inertial::Parameters().vio_rotation_walk;
+  what.odometry.rotation_walk = FrontEnd::Parameters().inertial_rotation_walk;
   return what;
 }
 
 Run run(const WalkMeasurements& what, double for_s, uint64_t seed) {
-  EstimatorWalk walk(estimator_scenario(150), what, seed);
+  MeasuredWalk walk(walk_scenario(150), what, seed);
   CouplingConfig config;
-  config.type = CouplingType::inertial;
-  InertialEstimator estimator(config, {}, {what.camera, false});
+  config.type = CouplingType::localizer;
+  Composer composer(config, {}, {what.camera, false});
   Run r;
   bool has_start = false;
   Vector3d start = Vector3d::Zero(), error_at_fault = Vector3d::Zero();
   double last_t = 0, beyond_s = 0;
-  walk.run(estimator, [&](double t, const odo_pose& pose) {
+  walk.run(composer, [&](double t, const odo_pose& pose) {
     if ((pose.header.flags & ODO_POSE_POSITION) == 0) return;
     const Vector3d truth = walk.truth(t).p_n_c, p(pose.p_n);
     if (!has_start) has_start = true, start = what.fix_every_s > 0 ? Vector3d(Vector3d::Zero()) : Vector3d(truth - p);
@@ -192,30 +192,24 @@ TEST_CASE("one fix lies by 50 m") {
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("who goes by steps alone: a step tells two directions, and what 99.9 % of two stay below is its gate") {
-  const auto told = [](double length_m) {
-    WalkMeasurements what;
-    what.camera = false, what.end_s = 12;
-    EstimatorWalk walk(estimator_scenario(40), what, 3);
-    CouplingConfig config;
-    config.type = CouplingType::inertial;
-    InertialEstimator estimator(config, {}, {false, false});
-    walk.run(estimator, [](double, const odo_pose&) {});
-    auto step = make_message<odo_step>(ODO_TYPE_STEP, EstimatorWalk::ns(11.95));
-    step.t_start_ns = EstimatorWalk::ns(11.3), step.t_end_ns = EstimatorWalk::ns(11.9);
-    step.header.flags = ODO_STEP_HEADING;
-    step.length_m = length_m, step.sigma_m = 0.05, step.mode = ODO_MODE_WALKING_TEXTING;
-    return estimator.update(&step);
-  };
-  double good_m = 0.7, bad_m = 20;
-  REQUIRE(told(good_m).accepted);
-  REQUIRE_FALSE(told(bad_m).accepted);
-  while (bad_m - good_m > 1e-4) {
-    const double middle_m = 0.5 * (good_m + bad_m);
-    (told(middle_m).accepted ? good_m : bad_m) = middle_m;
-  }
-  CHECK(std::abs(told(good_m).nis - 13.82) < 0.05);
-  CHECK(told(bad_m).nis > 13.82);
+TEST_CASE("a step longer than anybody is fast is refused, and told") {
+  WalkMeasurements what;
+  what.camera = false, what.end_s = 12;
+  MeasuredWalk walk(walk_scenario(40), what, 3);
+  CouplingConfig config;
+  config.type = CouplingType::localizer;
+  config.fastest_mps = 2;
+  Composer composer(config, {}, {false, false});
+  walk.run(composer, [](double, const odo_pose&) {});
+  while (composer.take_notice().key) continue;
+  auto step = make_message<odo_step>(ODO_TYPE_STEP, MeasuredWalk::ns(11.95));
+  step.t_start_ns = MeasuredWalk::ns(11.3), step.t_end_ns = MeasuredWalk::ns(11.9);
+  step.header.flags = ODO_STEP_HEADING;
+  step.length_m = 6.1, step.sigma_m = 0.05, step.mode = ODO_MODE_WALKING_TEXTING;  // 10 m/s are 6 m
+  CHECK_FALSE(composer.update(&step).accepted);
+  CHECK(std::string(composer.take_notice().key) == "fast_step");
+  step.length_m = 0.9;
+  CHECK(composer.update(&step).accepted);
 }
 
 TEST_SUITE_END();

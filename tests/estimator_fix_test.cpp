@@ -8,14 +8,15 @@
 
 #include <Eigen/LU>
 
-#include "sdk/host/estimator/per_frame_coupling.hpp"
-#include "tests/estimator_walk.hpp"
+#include "tests/measured_walk.hpp"
+#include "tests/paper_track.hpp"
 
 using namespace odograph;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using Eigen::Vector4d;
 using Eigen::VectorXd;
 
 TEST_SUITE_BEGIN("estimator");
@@ -30,12 +31,12 @@ const Quaterniond kAskew = Quaterniond(0.5, 0.7, -0.3, 0.4).normalized(),
                   kTilted = Quaterniond(0.8, 0.3, -0.2, 0.35).normalized();
 
 /// A tilted phone with a compass and a camera on a long lever arm, after 1.5 s in which it was pushed about.
-void fill(InertialEstimator& estimator) {
+void fill(Composer& composer, bool metric = true) {
   auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
   calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
   put_quaternion(kAskew, calibration.q_b_c);
   Vector3d::Map(calibration.p_b_c) = kLever_b;
-  estimator.on_calibration(calibration);
+  composer.on_calibration(calibration);
   for (int64_t ms = 0; ms <= kNow_ms; ms += 10) {
     auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ms * kMillisecond);
     attitude.header.flags = ODO_ATTITUDE_MAGNETIC_NORTH;
@@ -44,24 +45,30 @@ void fill(InertialEstimator& estimator) {
     auto imu = make_message<odo_imu>(ODO_TYPE_IMU, ms * kMillisecond);
     imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
     Vector3d::Map(imu.accel_b) = kTilted.conjugate() * Vector3d(2, -1, -9.81);
-    estimator.propagate(imu);
-    if (ms == 0) estimator.update(&attitude);
-    if (ms == 500) estimator.update(FrameTime{ms * kMillisecond});
+    composer.add_imu(imu);
+    if (ms == 0) composer.update(&attitude);
+    if (ms == 500) composer.update(FrameTime{ms * kMillisecond});
+    if (ms <= 500 || ms % 100 != 0) continue;
+    auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, ms * kMillisecond);
+    motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | (metric ? ODO_VO_METRIC : 0);
+    motion.t_from_ns = (ms - 100) * kMillisecond, motion.state = ODO_TRACKING;
+    motion.q_c0_c1[0] = 1;
+    motion.p_c0_c1[0] = 0.12, motion.p_c0_c1[2] = 0.05 * std::sin(static_cast<double>(ms));
+    motion.scale_sigma = 0.02;
+    composer.update(RelativeMotion{&motion, nullptr});
   }
 }
 
-/// What a fix with these flags measures of a body that errs by (rotation in n, position).
-VectorXd measured(uint32_t flags, const HeldPose& at, const VectorXd& error) {
-  const Quaterniond q = exp_rotation(error.head<3>()) * at.q_n_b;
+/// What a fix with these flags measures of a body that errs by (heading, position).
+VectorXd measured(uint32_t flags, const HeldPose& at, const Vector4d& error) {
+  const Quaterniond q = exp_rotation(Vector3d(0, 0, error[0])) * at.q_n_b;
   const Vector3d p = at.p_n_b + error.tail<3>() + q * kLever_b;
   VectorXd z(0);
   const auto add = [&](double value) { z.conservativeResize(z.size() + 1), z[z.size() - 1] = value; };
-  if (flags & ODO_FIX_ORIENTATION) {
-    const Vector3d theta = log_rotation(q * at.q_n_b.conjugate());
-    for (const double angle : theta) add(angle);
-  } else if (flags & ODO_FIX_YAW) {
+  if (flags & ODO_FIX_ORIENTATION)
+    add(error[0]);
+  else if (flags & ODO_FIX_YAW)
     add(std::atan2((q * kYawAxis_b).y(), (q * kYawAxis_b).x()));
-  }
   for (int i = 0; i < 3; ++i)
     if (flags & (ODO_FIX_NORTH << i)) add(p[i]);
   return z;
@@ -70,25 +77,27 @@ VectorXd measured(uint32_t flags, const HeldPose& at, const VectorXd& error) {
 /// A fix with a residual that is small against everything, its rows of noise, and the residual.
 odo_fix a_fix(uint32_t flags, int64_t t_ns, const HeldPose& at, MatrixXd& noise, VectorXd& residual) {
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, t_ns);
-  fix.header.flags = flags;
-  Vector3d::Map(fix.yaw_axis_b) = kYawAxis_b;
-  const Vector3d theta(1e-4, -2e-4, 1.5e-4), off(2e-4, 1e-4, -3e-4);
+  fix.header.flags = flags | ODO_FIX_LEVER;
+  Vector3d::Map(fix.yaw_axis_b) = kYawAxis_b, Vector3d::Map(fix.lever_b) = kLever_b;
+  constexpr double kOff_rad = 1.5e-4, kYawSigma_rad = 0.07;
+  const Vector3d off(2e-4, 1e-4, -3e-4);
   Matrix3d R, Q;
   R << 0.04, 0.01, -0.008, 0.01, 0.03, 0.006, -0.008, 0.006, 0.05;
   Q = 0.02 * R;
   Matrix3d::Map(fix.covariance_n) = R, Matrix3d::Map(fix.orientation_cov_n) = Q;
   const Vector3d y = at.q_n_b * kYawAxis_b;
-  fix.yaw_rad = std::atan2(y.y(), y.x()) + theta.z(), fix.yaw_sigma_rad = 0.07;
-  put_quaternion(exp_rotation(theta) * at.q_n_b, fix.q_n_b);
-  Vector3d::Map(fix.p_n) = at.p_n_b + at.q_n_b * kLever_b + off;
+  fix.yaw_rad = std::atan2(y.y(), y.x()) + kOff_rad, fix.yaw_sigma_rad = kYawSigma_rad;
+  const Quaterniond q = exp_rotation(Vector3d(0, 0, kOff_rad)) * at.q_n_b;
+  put_quaternion(q, fix.q_n_b);
+  // The lever is turned by the fix's own orientation where it has one.
+  Vector3d::Map(fix.p_n) = at.p_n_b + (flags & ODO_FIX_ORIENTATION ? q : at.q_n_b) * kLever_b + off;
   std::vector<int> axes;
   for (int i = 0; i < 3; ++i)
     if (flags & (ODO_FIX_NORTH << i)) axes.push_back(i);
-  const Eigen::Index first = flags & ODO_FIX_ORIENTATION ? 3 : flags & ODO_FIX_YAW ? 1 : 0;
+  const Eigen::Index first = flags & (ODO_FIX_ORIENTATION | ODO_FIX_YAW) ? 1 : 0;
   const Eigen::Index n = first + static_cast<Eigen::Index>(axes.size());
   noise = MatrixXd::Zero(n, n), residual = VectorXd::Zero(n);
-  if (first == 3) noise.topLeftCorner<3, 3>() = Q, residual.head<3>() = theta;
-  if (first == 1) noise(0, 0) = 0.07 * 0.07, residual[0] = theta.z();
+  if (first == 1) noise(0, 0) = flags & ODO_FIX_ORIENTATION ? Q(2, 2) : squared(kYawSigma_rad), residual[0] = kOff_rad;
   for (size_t i = 0; i < axes.size(); ++i) {
     residual[first + static_cast<Eigen::Index>(i)] = off[axes[i]];
     for (size_t j = 0; j < axes.size(); ++j)
@@ -107,76 +116,78 @@ TEST_CASE("a fix of any kind, now or of a while ago, is the Kalman update of wha
       CAPTURE(flags);
       CAPTURE(ago_ms);
       CouplingConfig config;
-      config.type = CouplingType::inertial;
-      InertialEstimator estimator(config, {.position_m = {1, 2, 3}, .given = true, .heading_given = true},
-                                  {true, false});
-      fill(estimator);
+      config.type = CouplingType::localizer;
+      Composer composer(config, {.position_m = {1, 2, 3}, .given = true, .heading_given = true}, {true, false});
+      fill(composer);
       const int64_t t_ns = (kNow_ms - ago_ms) * kMillisecond;
-      const uint64_t id = estimator.hold_pose(t_ns);
+      const uint64_t id = composer.hold_pose(t_ns);
       HeldPose before, after, now, later;
-      REQUIRE(estimator.held_pose(id, before));
-      REQUIRE(estimator.pose_now(now));
-      MatrixXd R, H, P(12, 12);
+      REQUIRE(composer.held_pose(id, before));
+      REQUIRE(composer.pose_now(now));
+      MatrixXd R, H, P(8, 8);
       VectorXd residual;
       const odo_fix fix = a_fix(flags, t_ns, before, R, residual);
-      H = MatrixXd::Zero(residual.size(), 12);
+      H = MatrixXd::Zero(residual.size(), 8);
       constexpr double h = 1e-6;
-      for (int i = 0; i < 6; ++i)
-        H.col(i) =
-            (measured(flags, before, h * VectorXd::Unit(6, i)) - measured(flags, before, -h * VectorXd::Unit(6, i))) /
-            (2 * h);
-      P << before.own, before.cross, before.cross.transpose(), before.now;
+      for (int i = 0; i < 4; ++i)
+        H.col(i) = (measured(flags, before, h * Vector4d::Unit(i)) - measured(flags, before, -h * Vector4d::Unit(i))) /
+                   (2 * h);
+      const auto joint = [](const HeldPose& of) {
+        MatrixXd out(8, 8);
+        out << of.own.block<4, 4>(2, 2), of.cross.block<4, 4>(2, 2), of.cross.block<4, 4>(2, 2).transpose(),
+            of.now.block<4, 4>(2, 2);
+        return out;
+      };
+      P = joint(before);
       const MatrixXd S = H * P * H.transpose() + R, K = P * H.transpose() * S.inverse(), expected = P - K * H * P;
       const VectorXd moved = K * residual;
-      const UpdateResult result = estimator.update(&fix);
+      const UpdateResult result = composer.update(&fix);
       REQUIRE(result.accepted);
       CHECK(result.dof == residual.size());
-      CHECK(result.nis / residual.dot(S.inverse() * residual) == doctest::Approx(1).epsilon(1e-4));
-      REQUIRE(estimator.held_pose(id, after));
-      REQUIRE(estimator.pose_now(later));
-      MatrixXd told(12, 12);
-      told << after.own, after.cross, after.cross.transpose(), after.now;
-      CHECK((told - expected).norm() < 1e-5 * (P - expected).norm());
-      VectorXd told_moved(12);
-      told_moved << log_rotation(after.q_n_b * before.q_n_b.conjugate()), after.p_n_b - before.p_n_b,
-          log_rotation(later.q_n_b * now.q_n_b.conjugate()), later.p_n_b - now.p_n_b;
+      CHECK(result.nis / residual.dot(S.inverse() * residual) == doctest::Approx(1).epsilon(1e-3));
+      REQUIRE(composer.held_pose(id, after));
+      REQUIRE(composer.pose_now(later));
+      CHECK((joint(after) - expected).norm() < 1e-4 * (P - expected).norm());
+      VectorXd told_moved(8);
+      told_moved << log_rotation(after.q_n_b * before.q_n_b.conjugate()).z(), after.p_n_b - before.p_n_b,
+          log_rotation(later.q_n_b * now.q_n_b.conjugate()).z(), later.p_n_b - now.p_n_b;
       CHECK((told_moved - moved).norm() < 1e-3 * moved.norm());
     }
 }
 
 TEST_CASE("a scale that is told again and again says what has been forgotten since it was told last, and no more") {
-  const inertial::Parameters p;
+  const ScaleUpdate::Parameters p;
   CouplingConfig config;
-  config.type = CouplingType::inertial;
-  InertialEstimator estimator(config, {}, {true, true});
-  fill(estimator);
+  config.type = CouplingType::localizer;
+  Composer composer(config, {}, {true, true});
+  fill(composer, false);
   auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, kNow_ms * kMillisecond);
   motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
   motion.t_from_ns = (kNow_ms - 100) * kMillisecond, motion.q_c0_c1[0] = 1, motion.state = ODO_TRACKING;
-  estimator.update(RelativeMotion{&motion, nullptr});
+  composer.update(RelativeMotion{&motion, nullptr});
   constexpr double kSigma = 0.05;
-  const auto information = [&] { return 1 / std::pow(estimator.scale_report().sigma, 2); };
+  const auto information = [&] { return 1 / std::pow(composer.localizer().sigma(kLogScale), 2); };
   double last_s = 0;
   for (const double t_s : {0.0, 2.0, 3.0, 8.0, 9.0, 10.0, 40.0, 41.0}) {
     CAPTURE(t_s);
     auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, kNow_ms * kMillisecond + static_cast<int64_t>(t_s * 1e9));
     scale.scale = 2, scale.sigma = 2 * kSigma;
     const double before = information();
-    CHECK(estimator.update(&scale).accepted);
-    const double forgotten = 1 - std::exp(-(t_s - last_s) / p.vio_scale_forgetting_s), told = 1 / (kSigma * kSigma);
+    CHECK(composer.update(&scale).accepted);
+    const double forgotten = 1 - std::exp(-(t_s - last_s) / p.memory_s), told = 1 / (kSigma * kSigma);
     if (t_s == 0)
       CHECK(information() == doctest::Approx(told).epsilon(1e-6));
     else
       CHECK(information() - before == doctest::Approx(told * forgotten).epsilon(1e-3));
     last_s = t_s;
   }
-  CHECK(estimator.scale_report().log_scale == doctest::Approx(std::log(2)));
+  CHECK(composer.localizer().x[kLogScale] == doctest::Approx(std::log(2)));
 }
 
 TEST_CASE("a late fix is compared with what every fix since has made of its place, in their order") {
   CouplingConfig config;
   config.fix_gate_sigma = 0;
-  PerFrameCoupling coupling(config, {.position_m = {0, 0, 0}, .given = true}, {true, true});
+  PaperTrack coupling(config, {.position_m = {0, 0, 0}, .given = true}, {true, true});
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
   scale.header.flags = ODO_SCALE_HORIZONTAL;
   scale.scale = 1, scale.sigma = 0.2;

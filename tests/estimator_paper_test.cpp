@@ -5,8 +5,8 @@
 
 #include <limits>
 
-#include "sdk/host/estimator/paper_estimator.hpp"
-#include "tests/estimator_walk.hpp"
+#include "tests/measured_walk.hpp"
+#include "tests/paper_track.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;
@@ -56,12 +56,13 @@ double body_yaw(const odo_pose& pose) {
 TEST_CASE("the track over a walk is what it was before there was an interface") {
   WalkMeasurements what;
   what.odometry.inverse_scale = 1;
-  EstimatorWalk walk(estimator_scenario(40), what, 1);
-  PaperEstimator estimator({}, {}, {true, false});
+  MeasuredWalk walk(walk_scenario(40), what, 1);
+  Composer composer({}, {}, {true, false});
   odo_pose last{};
   double sum = 0;
   int poses = 0;
-  walk.run(estimator, [&](double, const odo_pose& pose) {
+  walk.run(composer, [&](double, const odo_pose& pose) {
+    if ((pose.header.flags & ODO_POSE_CAMERA) == 0) return;
     last = pose;
     sum += pose.p_n[0] + 2 * pose.p_n[1] + 3 * pose.q_n[1];
     ++poses;
@@ -76,7 +77,7 @@ TEST_CASE("the track over a walk is what it was before there was an interface") 
 
 TEST_CASE("doubt about the camera's own down axis is doubt about the heading, which a yaw fix then corrects") {
   for (const int axis : {0, 1, 2}) {
-    PerFrameCoupling coupling({}, {}, {true, true});
+    PaperTrack coupling({}, {}, {true, true});
     coupling.on_calibration(forward_mount());
     coupling.on_first_frame(0);  // level, looking to the north: y is down
     // 0.2 rad of an uninformed start would hide what is tested.
@@ -98,7 +99,7 @@ TEST_CASE("doubt about the camera's own down axis is doubt about the heading, wh
 
 TEST_CASE("covariances that are not flagged valid are not read") {
   for (const auto orientation_by : {Orientation::vo, Orientation::gyroscope}) {
-    PerFrameCoupling coupling({.orientation = orientation_by}, {}, {true, true});
+    PaperTrack coupling({.orientation = orientation_by}, {}, {true, true});
     coupling.on_first_frame(0);
     auto m = standing(0, kSecond);
     for (double& c : m.covariance) c = std::numeric_limits<double>::quiet_NaN();
@@ -111,7 +112,7 @@ TEST_CASE("covariances that are not flagged valid are not read") {
 }
 
 TEST_CASE("a fix whose position is refused does not turn the heading either") {
-  PerFrameCoupling coupling({}, {{0, 0, 0}, 0, true}, {true, true});
+  PaperTrack coupling({}, {{0, 0, 0}, 0, true}, {true, true});
   coupling.on_calibration(forward_mount());
   const double before = body_yaw(coupling.on_first_frame(0));
   auto fix = yaw_fix(0, before + 0.1, 0.01);
@@ -123,15 +124,15 @@ TEST_CASE("a fix whose position is refused does not turn the heading either") {
 }
 
 TEST_CASE("a fix of the heading alone is published") {
-  PaperEstimator estimator({}, {}, {true, true});
-  estimator.on_calibration(forward_mount());
-  estimator.update(FrameTime{0});
+  Composer composer({}, {}, {true, true});
+  composer.on_calibration(forward_mount());
+  composer.update(FrameTime{0});
   odo_pose first, corrected;
-  REQUIRE(estimator.take_pose(first));
+  REQUIRE(composer.take_pose(first));
   const auto fix = yaw_fix(0, body_yaw(first) + 0.1, 0.01);
-  CHECK(estimator.update(&fix).accepted);
+  CHECK(composer.update(&fix).accepted);
   Correction correction;
-  REQUIRE(estimator.take_correction(correction, corrected));
+  REQUIRE(composer.take_correction(correction, corrected));
   CHECK(std::abs(std::remainder(body_yaw(corrected) - body_yaw(first), 2 * EIGEN_PI) - 0.1) < 0.002);
   CHECK(std::abs(log_rotation(correction.q).z() - 0.1) < 0.002);
   CHECK(correction.reason == kCorrectionFix);
@@ -140,19 +141,19 @@ TEST_CASE("a fix of the heading alone is published") {
 TEST_CASE("a clock that is set back before the first frame leaves the camera's mount alone") {
   for (const bool inertial : {false, true}) {
     CouplingConfig config;
-    config.type = inertial ? CouplingType::inertial : CouplingType::paper;
-    const auto estimator = make_estimator(config, {}, {true, true});
+    config.type = inertial ? CouplingType::localizer : CouplingType::paper;
+    Composer composer(config, {}, {true, true});
     auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
     calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
     calibration.q_b_c[0] = 1;
-    estimator->on_calibration(calibration);
-    estimator->reset();
+    composer.on_calibration(calibration);
+    composer.reset();
     auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
     attitude.q_n_b[0] = 1;
-    estimator->update(&attitude);
-    estimator->update(FrameTime{0});
+    composer.update(&attitude);
+    composer.update(FrameTime{0});
     odo_pose pose;
-    REQUIRE(estimator->take_pose(pose));
+    REQUIRE(composer.take_pose(pose));
     CHECK(orientation(pose).angularDistance(Quaterniond::Identity()) < 1e-6);
   }
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The inertial estimator on simulated measurements: algebra against oracles, consistency, and what it must survive.
+// The localizer on simulated measurements: consistency, and what it must survive.
 #include <doctest/doctest.h>
 
 #include <limits>
 
 #include <Eigen/LU>
 
-#include "tests/estimator_walk.hpp"
+#include "tests/measured_walk.hpp"
 
 using namespace odograph;
 using Eigen::Matrix3d;
@@ -26,19 +26,18 @@ struct Outcome {
   bool finite = true;
 };
 
-Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 40,
-                 const inertial::Parameters& parameters = {}) {
-  EstimatorWalk walk(estimator_scenario(length_m), what, seed);
+Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 40) {
+  MeasuredWalk walk(walk_scenario(length_m), what, seed);
   CouplingConfig config;
-  config.type = CouplingType::inertial;
-  InertialEstimator estimator(config, {}, {what.camera, false}, parameters);
+  config.type = CouplingType::localizer;
+  Composer composer(config, {}, {what.camera, false});
   Outcome o;
   bool has_start = false;
   Vector3d start = Vector3d::Zero(), last = Vector3d::Zero(), last_truth = Vector3d::Zero(), path_from = last,
            truth_from = last;
   double path = 0, true_path = 0;
   walk.run(
-      estimator,
+      composer,
       [&](double t, const odo_pose& pose) {
         const auto truth = walk.truth(t);
         if (!has_start) has_start = true, start = truth.p_n_c;
@@ -61,7 +60,7 @@ Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 
         o.end_error_m = error.head<2>().norm();
         o.worst_error_m = std::max(o.worst_error_m, o.end_error_m);
         odo_fix reference;
-        o.references += estimator.take_step_reference(reference);
+        o.references += composer.take_step_reference(reference);
         if (t < 10) return;
         const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> P(pose.covariance);
         const Eigen::Matrix2d horizontal = P.block<2, 2>(3, 3);
@@ -72,11 +71,11 @@ Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 
         ++o.poses;
       },
       [&](const Correction&, const odo_pose&) { ++o.corrections; });
-  const auto report = estimator.scale_report();
-  o.scale_error = report.known ? report.log_scale + std::log(what.odometry.inverse_scale) : 0;
-  o.scale_sigma = report.sigma;
-  o.knowledge = estimator.scale_knowledge();
-  o.factor_error = report.log_factor - walk.log_factor();
+  const Localizer& localizer = composer.localizer();
+  o.scale_error = localizer.x[kLogScale] + std::log(what.odometry.inverse_scale);
+  o.scale_sigma = localizer.sigma(kLogScale);
+  o.knowledge = composer.scale_knowledge();
+  o.factor_error = localizer.x[kLogFactor] - walk.log_factor();
   o.position_nees /= std::max(1, o.poses), o.height_nees /= std::max(1, o.poses);
   o.heading_nees /= std::max(1, o.poses);
   o.path_ratio = path / std::max(1e-9, true_path);
@@ -85,106 +84,19 @@ Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 
 
 }  // namespace
 
-TEST_CASE("the transition of errors over IMU samples agrees with finite differences") {
-  using namespace inertial;
-  struct Motion {
-    Quaterniond q;
-    Vector3d v, p;
-  };
-  const auto integrate = [](Motion m, const Vector3d& gyro_bias, const Vector3d& accel_bias, ImuTransition* by) {
-    constexpr double dt = 0.005;
-    for (int k = 0; k < 40; ++k) {
-      const Vector3d gyro(0.7, -1.1 + 0.02 * k, 0.4), accel(1.0, -9.0, 2.0 + 0.05 * k);
-      const Vector3d rotation = (gyro - gyro_bias) * dt;
-      const Matrix3d R = (m.q * exp_rotation(0.5 * rotation)).toRotationMatrix();
-      const Vector3d force = R * (accel - accel_bias), a = force + Vector3d(0, 0, 9.81);
-      m.p += dt * m.v + 0.5 * dt * dt * a;
-      m.v += dt * a;
-      m.q = m.q * exp_rotation(rotation);
-      if (by) by->add(R, force, dt);
-    }
-    return m;
-  };
-  const Motion start{exp_rotation({0.3, -0.2, 1.0}), {1, 0.2, -0.1}, {5, 6, 7}};
-  ImuTransition by;
-  const Motion end = integrate(start, Vector3d::Zero(), Vector3d::Zero(), &by);
-  constexpr double h = 1e-6;
-  for (int i = 0; i < 3; ++i) {
-    const Vector3d e = h * Vector3d::Unit(i);
-    const Motion turned =
-        integrate({exp_rotation(e) * start.q, start.v, start.p}, Vector3d::Zero(), Vector3d::Zero(), nullptr);
-    CHECK(((turned.v - end.v) / h - by.v_by_theta.col(i)).norm() < 1e-3);
-    CHECK(((turned.p - end.p) / h - by.p_by_theta.col(i)).norm() < 1e-3);
-    const Motion biased = integrate(start, e, Vector3d::Zero(), nullptr);
-    CHECK((log_rotation(biased.q * end.q.conjugate()) / h - by.theta_by_bias.col(i)).norm() < 2e-3);
-    CHECK(((biased.v - end.v) / h - by.v_by_gyro.col(i)).norm() < 5e-3);
-    CHECK(((biased.p - end.p) / h - by.p_by_gyro.col(i)).norm() < 5e-3);
-    const Motion pushed = integrate(start, Vector3d::Zero(), e, nullptr);
-    CHECK(((pushed.v - end.v) / h - by.v_by_accel.col(i)).norm() < 1e-4);
-    CHECK(((pushed.p - end.p) / h - by.p_by_accel.col(i)).norm() < 1e-4);
-  }
-}
-
-TEST_CASE("the update is the textbook's, and what is considered stays where it is") {
-  using namespace inertial;
-  Random random(3, 1);
-  for (const Hold hold : {Hold::nothing, Hold::scale_and_factor, Hold::scale_and_steps, Hold::odometry_and_scale,
-                          Hold::all_but_steps, Hold::all_but_scale_and_steps}) {
-    ErrorState e;
-    e.clone(0);
-    Covariance A;
-    for (int i = 0; i < kSize; ++i)
-      for (int j = 0; j < kSize; ++j) A(i, j) = 0.1 * random.normal();
-    e.P = A * A.transpose() + 0.01 * Covariance::Identity();
-    const Covariance P = e.P;
-    Innovation<3> z;
-    Eigen::Matrix<double, 3, kSize> H = Eigen::Matrix<double, 3, kSize>::Zero();
-    Matrix3d by_p, by_v;
-    for (int i = 0; i < 9; ++i) by_p(i) = random.normal(), by_v(i) = random.normal();
-    z.by(kPosition, by_p), z.by(kVelocity, by_v), z.by_one(kLogScale, Vector3d(1, 2, 3));
-    H.middleCols<3>(kPosition) = by_p, H.middleCols<3>(kVelocity) = by_v, H.col(kLogScale) = Vector3d(1, 2, 3);
-    z.residual = Vector3d(0.1, -0.2, 0.3);
-    z.noise = 0.3 * Matrix3d::Identity();
-    const UpdateResult result = e.update(z, 0, hold);
-    const Matrix3d S = H * P * H.transpose() + z.noise;
-    Eigen::Matrix<double, kSize, 3> K = P * H.transpose() * S.inverse();
-    const auto [first, n] = held_columns(hold);
-    if (n > 0) {  // the gain where they are known
-      const Covariance given =
-          P - P.middleCols(first, n) * P.block(first, first, n, n).inverse() * P.middleRows(first, n);
-      K = given * H.transpose() * (H * given * H.transpose() + z.noise).inverse();
-    }
-    const auto held = [&, from = first, count = n](int column) {
-      const bool few = column == kLogScale || column == kLogFactor || column == kStepHeading;
-      if (hold == Hold::all_but_steps) return !few || column == kLogScale;
-      if (hold == Hold::all_but_scale_and_steps) return !few;
-      return column >= from && column < from + count;
-    };
-    for (int i = 0; i < kSize; ++i)
-      if (held(i)) K.row(i).setZero();
-    const Covariance I_KH = Covariance::Identity() - K * H;  // Joseph's form holds for any gain
-    const Covariance expected = I_KH * P * I_KH.transpose() + K * z.noise * K.transpose();
-    CHECK((e.P - expected).norm() < 1e-9 * P.norm());
-    CHECK((e.x.v_n - (K * z.residual).segment<3>(kVelocity)).norm() < 1e-12);
-    CHECK((e.x.log_scale == 0) == held(kLogScale));
-    CHECK((e.x.log_factor == 0) == held(kLogFactor));
-    CHECK(result.nis == doctest::Approx(z.residual.dot(S.inverse() * z.residual)));
-  }
-}
-
 TEST_CASE(
     "errors are as large as the covariance says: 20 walks each, with and without a metre, with and without fixes") {
-  enum class FrontEnd { no_metre, metric, metric_stabilised_lens };
-  for (const FrontEnd kind : {FrontEnd::no_metre, FrontEnd::metric, FrontEnd::metric_stabilised_lens})
+  enum class Kind { no_metre, metric, metric_stabilised_lens };
+  for (const Kind kind : {Kind::no_metre, Kind::metric, Kind::metric_stabilised_lens})
     for (const bool fixes : {false, true}) {
       WalkMeasurements what;
-      const inertial::Parameters assumed;
-      const bool metric = kind != FrontEnd::no_metre;
-      what.odometry.rotation_walk = metric ? assumed.vio_rotation_walk : assumed.vo_rotation_walk;
+      const FrontEnd::Parameters assumed;
+      const bool metric = kind != Kind::no_metre;
+      what.odometry.rotation_walk = metric ? assumed.inertial_rotation_walk : assumed.rotation_walk;
       if (metric) what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
       if (metric) what.odometry.rotation_rad = 5e-4;
-      if (kind == FrontEnd::metric_stabilised_lens)  // 2 to 3 mrad a frame, of which each half second leaves its trace
-        what.odometry.rotation_rad = 2.5e-3, what.odometry.rotation_walk = 2.5e-3 / std::sqrt(assumed.vo_correlation_s);
+      if (kind == Kind::metric_stabilised_lens)  // 2 to 3 mrad a frame
+        what.odometry.rotation_rad = 2.5e-3;
       if (fixes) what.fix_every_s = 2;
       double position = 0, height = 0, heading = 0;
       for (uint64_t seed = 1; seed <= 20; ++seed) {
@@ -194,7 +106,7 @@ TEST_CASE(
       CAPTURE(static_cast<int>(kind));
       CAPTURE(fixes);
       MESSAGE("NEES: position " << position << ", height " << height << ", heading " << heading);
-      CHECK(height > 0.17);  // measured: 0.22 to 0.90
+      CHECK(height > 0.1);
       CHECK(height < 1.2);
       CHECK(position > 0.5);
       CHECK(position < 2.0);
@@ -220,17 +132,6 @@ TEST_CASE("the scale does not move with the odometry's own covariance, nor colla
     }
     CHECK(length_4 == doctest::Approx(length_quarter).epsilon(0.02));
     CHECK(worst < 3.5);
-  }
-}
-
-TEST_CASE("inertia alone tells the scale of an odometry without a metre") {
-  WalkMeasurements what;
-  what.steps = false;
-  what.odometry.position_m = 0.008;  // as measured on simulated pictures
-  for (uint64_t seed = 1; seed <= 5; ++seed) {
-    const Outcome o = run_walk(what, seed, 60);
-    CHECK(std::abs(o.scale_error) < 0.06);
-    CHECK(std::abs(o.scale_error) < 3 * o.scale_sigma);
   }
 }
 
@@ -263,8 +164,8 @@ TEST_CASE(
     "steps told late after a stop are walked in full and say nothing of the walker, whether a camera may come or not") {
   for (const bool vo : {false, true}) {
     CouplingConfig config;
-    config.type = CouplingType::inertial;
-    InertialEstimator estimator(config, {}, {vo, false});
+    config.type = CouplingType::localizer;
+    Composer composer(config, {}, {vo, false});
     const auto ns = [](double t_s) { return 1'000'000'000 + static_cast<int64_t>(std::llround(t_s * 1e9)); };
     // Stands for 8 s, goes eight steps that are told together 0.4 s after the last, goes on; over and over.
     constexpr double kStep_s = 0.5, kStep_m = 0.7, kCycle_s = 16;
@@ -276,16 +177,16 @@ TEST_CASE(
       imu.accel_b[2] = -9.81;
       const double in_cycle = std::fmod(t, kCycle_s);
       if (in_cycle > 8) imu.accel_b[0] = 2 * std::sin(4 * EIGEN_PI * t);
-      estimator.propagate(imu);
+      composer.add_imu(imu);
       auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ns(t));
       attitude.q_n_b[0] = 1;
       attitude.covariance_n[0] = attitude.covariance_n[4] = 4e-4;
-      estimator.update(&attitude);
+      composer.update(&attitude);
       odo_pose pose;
       const auto drain = [&] {
         Correction correction;
-        while (estimator.take_correction(correction, pose)) path += pose.p_n[0] - last, last = pose.p_n[0];
-        while (estimator.take_pose(pose)) path += pose.p_n[0] - last, last = pose.p_n[0];
+        while (composer.take_correction(correction, pose)) path += pose.p_n[0] - last, last = pose.p_n[0];
+        while (composer.take_pose(pose)) path += pose.p_n[0] - last, last = pose.p_n[0];
       };
       drain();
       const int cycle = static_cast<int>(t / kCycle_s);
@@ -297,7 +198,7 @@ TEST_CASE(
         step.t_end_ns = ns(cycle * kCycle_s + 8 + (k + 1) * kStep_s);
         step.length_m = kStep_m, step.sigma_m = 0.07;
         step.mode = ODO_MODE_WALKING_TEXTING;
-        CHECK(estimator.update(&step).accepted);
+        CHECK(composer.update(&step).accepted);
         walked += kStep_m;
         drain();
       }
@@ -305,7 +206,7 @@ TEST_CASE(
     CHECK(walked == doctest::Approx(5 * 14 * kStep_m));
     CHECK(last == doctest::Approx(walked).epsilon(0.01));
     CHECK(path == doctest::Approx(walked).epsilon(0.01));
-    CHECK(std::abs(estimator.scale_report().log_factor) < 0.01);
+    CHECK(std::abs(composer.localizer().x[kLogFactor]) < 0.01);
   }
 }
 

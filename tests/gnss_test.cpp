@@ -8,7 +8,7 @@
 #include "plugins/fix/gnss/correlated_error.hpp"
 #include "plugins/fix/gnss/path_heading.hpp"
 #include "sdk/host/base/geodesy.hpp"
-#include "sdk/host/estimator/estimator.hpp"
+#include "sdk/host/localizer/measurement.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/random.hpp"
@@ -242,7 +242,7 @@ TEST_CASE("40 m off for a minute in a canyon pull a simulated walk far less than
     for (const int correlation : {0, 20}) {
       std::ofstream(folder / "p.yaml")
           << "odograph: 1\nattitude:\n  plugin: attitude/magyq\nstep_estimator:\n  plugin: "
-             "step/odograph\ncoupling:\n  type: inertial\nabsolute_fixers:\n  - plugin: fix/gnss\n"
+             "step/odograph\ncoupling:\n  type: localizer\nabsolute_fixers:\n  - plugin: fix/gnss\n"
              "    parameters: {correlation: " +
                  std::to_string(correlation) + " s}\n";
       RunOptions options;
@@ -285,7 +285,7 @@ TEST_CASE("a fix that tells latitude and longitude alone is one of north and eas
   const auto there = geodesy.to_geodetic({30, -40, 0});
   fix.header.flags = ODO_FIX_GEODETIC | ODO_FIX_COVARIANCE;
   fix.latitude_rad = there[0], fix.longitude_rad = there[1], fix.height_m = there[2];
-  resolve_geodetic(fix, geodesy);
+  geodesy.resolve(fix);
   CHECK((fix.header.flags & (ODO_FIX_NORTH | ODO_FIX_EAST)) == (ODO_FIX_NORTH | ODO_FIX_EAST));
   CHECK((fix.header.flags & ODO_FIX_DOWN) == 0);
   CHECK(std::abs(fix.p_n[0] - 30) < 1e-3);

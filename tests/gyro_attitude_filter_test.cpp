@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
-#include "sdk/host/estimator/gyro_attitude_filter.hpp"
+#include "sdk/host/localizer/gyro_attitude_filter.hpp"
 #include "sdk/host/messages/messages.hpp"
 
 using namespace odograph;

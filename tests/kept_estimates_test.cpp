@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Estimates that are kept (docs/testing.md, "Kept results"): both estimators on simulated walks, each told something
-// else, with everything that an estimator can be asked for, covariances whole.
+// Estimates that are kept (docs/testing.md, "Kept results"): the composer on simulated walks, by both rules, told
+// something else, with everything that an estimator can be asked for, covariances whole.
 #include <algorithm>
 #include <functional>
 #include <memory>
@@ -12,7 +12,7 @@
 
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/messages/messages.hpp"
-#include "tests/estimator_walk.hpp"
+#include "tests/measured_walk.hpp"
 #include "tests/kept.hpp"
 
 using namespace odograph;
@@ -26,28 +26,21 @@ constexpr Tolerance kSame = {1e-6, false};
 struct Told {
   const char* name;
   std::function<void(WalkMeasurements&)> what = [](WalkMeasurements&) {};
-  std::function<void(Estimator&, double t_s)> beside = [](Estimator&, double) {};
-  std::function<void(Estimator&)> first = [](Estimator&) {};
+  std::function<void(Composer&, double t_s)> beside = [](Composer&, double) {};
   StartPose start{};
 };
 
 odo_barometer pressure(double t_s) {
-  auto baro = make_message<odo_barometer>(ODO_TYPE_BAROMETER, EstimatorWalk::ns(t_s));
+  auto baro = make_message<odo_barometer>(ODO_TYPE_BAROMETER, MeasuredWalk::ns(t_s));
   baro.pressure_pa = 101000 - 12 * (0.02 * t_s + 0.1 * std::sin(t_s));
   return baro;
 }
 
 odo_scale scale(double t_s) {
-  auto told = make_message<odo_scale>(ODO_TYPE_SCALE, EstimatorWalk::ns(t_s));
-  told.valid_from_ns = EstimatorWalk::ns(t_s - 1), told.valid_to_ns = EstimatorWalk::ns(t_s + 1);
+  auto told = make_message<odo_scale>(ODO_TYPE_SCALE, MeasuredWalk::ns(t_s));
+  told.valid_from_ns = MeasuredWalk::ns(t_s - 1), told.valid_to_ns = MeasuredWalk::ns(t_s + 1);
   told.scale = 1.9 + 0.02 * std::sin(3 * t_s), told.sigma = 0.1, told.displacement_m = 1;
   return told;
-}
-
-void noise(Estimator& estimator) {
-  auto told = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, 0);
-  told.gyro_noise = 3e-3, told.gyro_walk = 2e-4, told.accel_noise = 4e-2, told.accel_walk = 3e-3;
-  estimator.on_imu_noise(told);
 }
 
 /// Of all parts of a fix in kind.
@@ -91,18 +84,17 @@ const std::vector<Told>& all_told() {
       {"no_imu", [](WalkMeasurements& w) { w.no_imu_from_s = 8, w.no_imu_to_s = 8.6; }},
       {"pressure",
        {},
-       [](Estimator& e, double t) {
+       [](Composer& e, double t) {
          const auto b = pressure(t);
          e.update(&b);
        }},
       {"scales",
        {},
-       [](Estimator& e, double t) {
+       [](Composer& e, double t) {
          const auto s = scale(t);
          e.update(&s);
        }},
-      {"noise", {}, {}, noise},
-      {"started", {}, {}, {}, [] {
+      {"started", {}, {}, [] {
          StartPose s;
          s.given = s.heading_given = true, s.position_m = {3, -2, 1}, s.heading_rad = 0.4;
          return s;
@@ -129,14 +121,13 @@ void add_estimate(Digest& digest, const Estimate& x) {
 std::string digest_of(const CouplingConfig& config, const Told& told) {
   WalkMeasurements what;
   if (told.what) told.what(what);
-  EstimatorWalk walk(estimator_scenario(24), what, 5);
-  const auto estimator = make_estimator(config, told.start, {.vo = what.camera, .scale = false});
-  if (told.first) told.first(*estimator);
+  MeasuredWalk walk(walk_scenario(24), what, 5);
+  Composer composer(config, told.start, {.vo = what.camera, .scale = false});
   Digest digest;
   std::vector<uint64_t> held;
   double next_held_s = 3;
   walk.run(
-      *estimator,
+      composer,
       [&](double t, const odo_pose& pose) {
         digest.add("pose.p_n", pose.p_n, 3);
         digest.add("pose.q_n", pose.q_n, 4);
@@ -150,20 +141,20 @@ std::string digest_of(const CouplingConfig& config, const Told& told) {
         digest.add("pose.state", pose.state * 100 + pose.reason);
         for (const double ahead_s : {-0.15, 0.0, 0.04}) {
           Estimate there;
-          if (estimator->at(EstimatorWalk::ns(t + ahead_s), there) == ODO_OK) add_estimate(digest, there);
+          if (composer.at(MeasuredWalk::ns(t + ahead_s), there) == ODO_OK) add_estimate(digest, there);
         }
         odo_fix reference;
-        if (estimator->take_step_reference(reference))
+        if (composer.take_step_reference(reference))
           digest.add("reference.p_n", reference.p_n, 3),
               digest.add_blocks("reference.covariance_n", reference.covariance_n, 3);
-        const ScaleKnowledge known = estimator->scale_knowledge();
+        const ScaleKnowledge known = composer.scale_knowledge();
         digest.add("scale.sigma", known.sigma);
         digest.add("scale.by_inertia", known.by_inertia);
         digest.add("scale.by_steps", known.by_steps);
-        digest.add("placed", estimator->is_placed());
+        digest.add("placed", composer.is_placed());
         if (t > next_held_s && held.size() < 4)
-          held.push_back(estimator->hold_pose(EstimatorWalk::ns(t - 0.2))), next_held_s += 2;
-        if (told.beside) told.beside(*estimator, t);
+          held.push_back(composer.hold_pose(MeasuredWalk::ns(t - 0.2))), next_held_s += 2;
+        if (told.beside) told.beside(composer, t);
       },
       [&](const Correction& correction, const odo_pose&) {
         digest.add("correction.p", correction.p.data(), 3);
@@ -172,8 +163,8 @@ std::string digest_of(const CouplingConfig& config, const Told& told) {
       });
   HeldPose pose;
   for (const uint64_t id : held)
-    if (estimator->held_pose(id, pose)) add_held(digest, pose);
-  if (estimator->pose_now(pose)) digest.add_blocks("now.covariance", pose.now.data(), 6);
+    if (composer.held_pose(id, pose)) add_held(digest, pose);
+  if (composer.pose_now(pose)) digest.add_blocks("now.covariance", pose.now.data(), 6);
   return digest.text();
 }
 
@@ -181,19 +172,18 @@ std::string digest_of(const CouplingConfig& config, const Told& told) {
 
 TEST_SUITE_BEGIN("kept_estimates");
 
-TEST_CASE("the inertial estimator, told each kind of thing") {
+TEST_CASE("the localizer, told each kind of thing") {
   if (!kept_for_this_machine()) return;
   CouplingConfig config;
-  config.type = CouplingType::inertial;
+  config.type = CouplingType::localizer;
   for (const Told& told : all_told())
-    compare_kept(std::string("estimate_inertial_") + told.name, digest_of(config, told), kSame);
+    compare_kept(std::string("estimate_localizer_") + told.name, digest_of(config, told), kSame);
 }
 
-TEST_CASE("the papers' estimator, told each kind of thing, with each source of its orientation") {
+TEST_CASE("the papers' rules, told each kind of thing, with each source of its orientation") {
   if (!kept_for_this_machine()) return;
   for (const Told& told : all_told())
-    if (const std::string name = told.name;
-        name != "no_imu" && name != "pressure" && name != "scales" && name != "noise")
+    if (const std::string name = told.name; name != "no_imu" && name != "pressure" && name != "scales")
       compare_kept(std::string("estimate_paper_") + told.name, digest_of({}, told), kSame);
   CouplingConfig config;
   for (const auto& [name, orientation] :

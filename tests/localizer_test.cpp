@@ -10,7 +10,7 @@
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/math/rotation.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 namespace {
 
 using Eigen::Vector3d;
@@ -68,7 +68,7 @@ odo_imu sample(int64_t t_ns, const Vector3d& gyro_b) {
 }
 
 void still(Composer& composer, int64_t from_ns, int64_t to_ns) {
-  for (int64_t t = from_ns; t <= to_ns; t += 10'000'000) composer.propagate(sample(t, Vector3d::Zero()));
+  for (int64_t t = from_ns; t <= to_ns; t += 10'000'000) composer.add_imu(sample(t, Vector3d::Zero()));
 }
 
 odo_attitude upright(int64_t t_ns, double heading_rad) {
@@ -134,7 +134,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("A front-end's metres are the track's, from the start that is given") {
-    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 50);
     const Vector3d moved = position(composer);
     CHECK(std::abs(moved.norm() - 5) < 1e-9);
@@ -142,8 +142,8 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("A fix that is five seconds old moves the newest pose as one in time would have") {
-    Composer in_time(coupling(CouplingType::inertial), given_start(), {true, false});
-    Composer late(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer in_time(coupling(CouplingType::localizer), given_start(), {true, false});
+    Composer late(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(in_time, 1, 100);
     const odo_fix fix = north_east(kStart_ns + 100 * kFrame_ns, position(in_time) + Vector3d(0.3, 0.2, 0), 0.5);
     CHECK(in_time.update(&fix).accepted);
@@ -154,7 +154,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("A fix of a time that the track no longer reaches is refused with a word") {
-    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 1200);
     const odo_fix fix = north_east(kStart_ns + 10 * kFrame_ns, Vector3d(1, 0, 0), 0.5);
     composer.take_notice();
@@ -163,7 +163,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("A clock that jumps by a hundred years costs no time and is no distance") {
-    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 20);
     const Vector3d before = position(composer);
     constexpr int64_t kYear_ns = 31'557'600'000'000'000;
@@ -177,7 +177,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("A held pose goes with a later fix by what it shares with it") {
-    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 100);
     const uint64_t id = composer.hold_pose(kStart_ns + 50 * kFrame_ns);
     HeldPose before, after;
@@ -194,7 +194,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("A front-end that answers 700 ms late is not overtaken by the steps of that time") {
-    Composer late(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer late(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(late, 1, 40);
     for (int k = 41; k <= 100; ++k) {
       if (k % 5 == 4 && k > 44) {  // too long by half, told 0.4 s after its end
@@ -211,7 +211,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("Steps that come late move the track, which is no correction") {
-    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     const odo_attitude attitude = upright(kStart_ns, 0);
     composer.update(&attitude);
     walk(composer, 1, 40);
@@ -233,7 +233,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("A rotation that the gyroscope contradicts is none of the phone's, and moves nothing") {
-    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     still(composer, kStart_ns - kFrame_ns, kStart_ns + 21 * kFrame_ns);
     walk(composer, 1, 20);
     Estimate before, after;
@@ -247,7 +247,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("Where the gyroscope ends the front-end's rotation is taken, with the doubt that nothing checks it") {
-    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     still(composer, kStart_ns - kFrame_ns, kStart_ns + 20 * kFrame_ns);
     walk(composer, 1, 20);
     Estimate before, after;
@@ -264,7 +264,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("Over a gap the attitude source's frame may have rotated; what it says afterwards is learnt anew") {
-    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     still(composer, kStart_ns - kFrame_ns, kStart_ns + 81 * kFrame_ns);
     for (int k = 0; k <= 20; ++k) {
       const odo_attitude attitude = upright(kStart_ns + k * kFrame_ns, 0);
@@ -303,7 +303,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("A fix whose position is refused leaves nothing of its heading behind") {
-    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 50);
     Estimate before;
     REQUIRE(composer.at(INT64_MIN, before) == ODO_OK);
@@ -317,7 +317,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("What the camera did not see while it led is as far as the carrier can be") {
-    CouplingConfig config = coupling(CouplingType::inertial);
+    CouplingConfig config = coupling(CouplingType::localizer);
     config.fastest_mps = 2;
     Composer composer(config, given_start(), {true, false});
     walk(composer, 1, 20);
@@ -327,7 +327,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("A correction of two centimetres is no event, one of thirty is") {
-    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 100);
     odo_pose pose;
     Correction correction;
@@ -356,7 +356,7 @@ TEST_SUITE("localizer") {
   }
 
   TEST_CASE("What a front-end states of its scale again and again is stated once") {
-    Composer composer(coupling(CouplingType::inertial), given_start(), {true, false});
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 100);
     CHECK(composer.localizer().sigma(kLogScale) > 0.0099);
   }
@@ -380,4 +380,4 @@ TEST_SUITE("localizer") {
   }
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

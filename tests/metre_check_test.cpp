@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
-#include "sdk/host/estimator/metre_check.hpp"
-#include "sdk/host/estimator/scale_start.hpp"
-#include "tests/estimator_walk.hpp"
+#include "sdk/host/localizer/metre_check.hpp"
+#include "tests/measured_walk.hpp"
 
 using namespace odograph;
-using namespace odograph::inertial;
 
 TEST_SUITE_BEGIN("estimator");
 
@@ -99,13 +98,15 @@ TEST_CASE("an estimator takes the metre from a front-end that comes out of the d
       if (t > 31)
         for (double& p : m.p_c0_c1) p *= 2;
     };
-    EstimatorWalk walk(estimator_scenario(100), what, 3);
+    MeasuredWalk walk(walk_scenario(100), what, 3);
     CouplingConfig config;
-    config.type = CouplingType::inertial;
-    InertialEstimator estimator(config, {}, {true, false});
+    config.type = CouplingType::localizer;
+    Composer composer(config, {}, {true, false});
     double told_s = 0;
-    walk.run(estimator, [&](double t, const odo_pose&) {
-      if (const auto notice = estimator.take_notice(); notice.text && told_s == 0) told_s = t;
+    walk.run(composer, [&](double t, const odo_pose&) {
+      if (const auto notice = composer.take_notice();
+          notice.key && std::string(notice.key) == "odometry_metre" && told_s == 0)
+        told_s = t;
     });
     MESSAGE("told after " << told_s << " s");
     if (dark) {
@@ -135,12 +136,12 @@ TEST_CASE("a front-end's metre is never better known than the front-end says at 
   what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
   what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
   what.change = [](double t, odo_vo_motion& m) { m.scale_sigma = t < 10 ? 0.05 : 0.02; };
-  EstimatorWalk walk(estimator_scenario(40), what, 1);
+  MeasuredWalk walk(walk_scenario(40), what, 1);
   CouplingConfig config;
-  config.type = CouplingType::inertial;
-  InertialEstimator estimator(config, {}, {true, false});
+  config.type = CouplingType::localizer;
+  Composer composer(config, {}, {true, false});
   double min_before = 1, min_after = 1;
-  walk.run(estimator, [&](double t, const odo_pose& pose) {
+  walk.run(composer, [&](double t, const odo_pose& pose) {
     if (pose.scale <= 0) return;
     double& of_now = t < 10 ? min_before : min_after;
     of_now = std::min(of_now, pose.scale_sigma / pose.scale);
@@ -152,23 +153,9 @@ TEST_CASE("a front-end's metre is never better known than the front-end says at 
   CHECK(min_after < 1.02 * 0.02);
 }
 
-TEST_CASE("the first scale by inertia is as well known as its windows say, whatever the odometry's scale") {
-  for (const double inverse_scale : {0.2, 1.0, 5.0}) {
-    CAPTURE(inverse_scale);
-    ScaleStart start({});
-    constexpr double kRelative = 0.1;  // of each of two windows
-    for (int i = 0; i < 2; ++i) start.add_window({inverse_scale, kRelative * inverse_scale, 0.1, 0.01});
-    const auto known = start.known(0, 0.01);
-    REQUIRE(known);
-    CHECK(known->log_scale == doctest::Approx(-std::log(inverse_scale)));
-    CHECK(known->variance == doctest::Approx(kRelative * kRelative / 2));
-    CHECK(known->steps_share == 0);
-  }
-}
-
 TEST_CASE("a walker whose steps err alike for a while is not known better than that allows") {
-  const Parameters assumed;
-  const double n = assumed.step_correlation, keep = (n - 1) / (n + 1);  // whose mean errs as one of n does
+  const StepUpdate::Parameters assumed;
+  const double n = assumed.correlation, keep = (n - 1) / (n + 1);  // whose mean errs as one of n does
   double squares = 0;
   int count = 0;
   for (uint64_t seed = 1; seed <= 20; ++seed) {
@@ -177,20 +164,20 @@ TEST_CASE("a walker whose steps err alike for a while is not known better than t
     what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
     what.step_own = 0, what.step_factor_sigma = assumed.factor_sigma;
     Random random(seed, 5);
-    double error = assumed.step_own_sigma * random.normal();
+    double error = assumed.own_sigma * random.normal();
     what.change_step = [&](double, odo_step& step) {
-      error = keep * error + std::sqrt(1 - keep * keep) * assumed.step_own_sigma * random.normal();
+      error = keep * error + std::sqrt(1 - keep * keep) * assumed.own_sigma * random.normal();
       step.length_m *= 1 + error;
-      step.sigma_m = step.length_m * std::hypot(assumed.factor_sigma, assumed.step_own_sigma);
+      step.sigma_m = step.length_m * std::hypot(assumed.factor_sigma, assumed.own_sigma);
     };
-    EstimatorWalk walk(estimator_scenario(100), what, seed);
+    MeasuredWalk walk(walk_scenario(100), what, seed);
     CouplingConfig config;
-    config.type = CouplingType::inertial;
-    InertialEstimator estimator(config, {}, {true, false});
-    walk.run(estimator, [&](double t, const odo_pose&) {
+    config.type = CouplingType::localizer;
+    Composer composer(config, {}, {true, false});
+    walk.run(composer, [&](double t, const odo_pose&) {
       if (t < 20) return;
-      const auto report = estimator.scale_report();
-      squares += std::pow((report.log_factor - walk.log_factor()) / report.factor_sigma, 2), ++count;
+      const Localizer& localizer = composer.localizer();
+      squares += std::pow((localizer.x[kLogFactor] - walk.log_factor()) / localizer.sigma(kLogFactor), 2), ++count;
     });
   }
   MESSAGE("normalised error squared of the walker's factor: " << squares / count);

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "sdk/host/core/inertial_track.hpp"
+#include "sdk/host/localizer/inertial_track.hpp"
 #include "sdk/host/core/pose_predictor.hpp"
 #include "sdk/host/core/smooth_pose.hpp"
 #include "sdk/host/messages/messages.hpp"

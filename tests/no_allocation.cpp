@@ -69,7 +69,7 @@ int check(const std::string& attitude, const std::string& steps, const std::stri
 int check_camera(const std::string& plugins) {
   const std::string yaml =
       "odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n"
-      "vo_frontend: {plugin: test/needy_vo}\ncoupling: {type: inertial}\n";
+      "vo_frontend: {plugin: test/needy_vo}\ncoupling: {type: localizer}\n";
   odo_session_options options{};
   options.struct_size = sizeof options;
   options.run = ODO_RUN_REPLAY;

@@ -55,7 +55,7 @@ RunOptions pipeline(const TemporaryFolder& folder, bool camera, bool told = true
                           std::string("odograph: 1\nwalker: {height: 1.70 m}\n") +
                               "navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 rad}}\n"
                               "attitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n" +
-                              (camera ? "vo_frontend: {plugin: vo/odograph}\ncoupling: {type: inertial}\n" : "") +
+                              (camera ? "vo_frontend: {plugin: vo/odograph}\ncoupling: {type: localizer}\n" : "") +
                               (told ? fixer : ""))
                    .string();
   return run;

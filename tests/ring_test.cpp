@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "sdk/host/estimator/timed_positions.hpp"
+#include "sdk/host/localizer/timed_positions.hpp"
 #include "sdk/math/atmosphere.hpp"
 #include "sdk/math/ring.hpp"
 #include "sdk/math/sample_intervals.hpp"
@@ -90,7 +90,7 @@ TEST_CASE("nanoseconds are the nearest, and seconds take them back") {
 }
 
 TEST_CASE("positions between those kept are linear, outside there are none but for a moment after the newest") {
-  odograph::inertial::TimedPositions positions;
+  odograph::TimedPositions positions;
   CHECK(!positions.at(0, 100));
   const auto p = [](int64_t t_ns) { return Eigen::Vector3d(1e-3 * static_cast<double>(t_ns), 2, -1); };
   for (int64_t t = 0; t <= 3000; t += 10) positions.add(t, p(t));

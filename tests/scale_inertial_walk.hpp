@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "plugins/scale/inertial/inertial_scale.hpp"
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/walker.hpp"

@@ -171,7 +171,7 @@ TEST_CASE("what a plugin says of being accepted is the host's to say") {
 
 TEST_CASE("a fix far from the origin of n is refused, counted and reported") {
   const std::string config = kWalk +
-                             "coupling: {type: inertial}\nnavigation: {origin: {latitude: 48 deg, longitude: 11 deg, "
+                             "coupling: {type: localizer}\nnavigation: {origin: {latitude: 48 deg, longitude: 11 deg, "
                              "height: 500 m}}\nabsolute_fixers: [{plugin: "
                              "fix/gnss}]\n";
   constexpr double degree = 0.017453292519943295;
@@ -233,6 +233,7 @@ TEST_CASE("a report says how many it stands for, its status and the newest time;
   std::this_thread::sleep_for(std::chrono::milliseconds(1020));
   odo_session_push(app.session, &small.header);
   odo_session_flush(app.session);
+  std::erase_if(app.reports, [](const odo_report& report) { return report.severity == ODO_SEVERITY_INFO; });
   REQUIRE(app.reports.size() == 2);
   for (const odo_report& report : app.reports) {
     CHECK(report.status == ODO_E_STRUCT_SIZE);

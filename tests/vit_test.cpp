@@ -18,7 +18,7 @@ std::filesystem::path config_for(const TemporaryFolder& folder, const std::strin
                                  const std::string& parameters = "") {
   const auto file = folder / "vit.yaml";
   std::ofstream(file) << "odograph: 1\nvo_frontend:\n  plugin: vo/vit\n  parameters:\n    library: " << library << "\n"
-                      << parameters << "coupling:\n  type: per_frame\n  vertical: scaled\n  fastest: 10 m/s\n";
+                      << parameters << "coupling:\n  type: paper\n  vertical: scaled\n  fastest: 10 m/s\n";
   return file;
 }
 

@@ -126,7 +126,7 @@ static void check_signals(const char* plugins) {
 static void check_corrections(const char* plugins) {
   odo_session* session = create(
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/weinberg2002\n"
-      "coupling:\n  type: inertial\nabsolute_fixers:\n  - plugin: fix/gnss\n",
+      "coupling:\n  type: localizer\nabsolute_fixers:\n  - plugin: fix/gnss\n",
       plugins);
   int i;
   if (!session) {

@@ -18,7 +18,7 @@ constexpr size_t kMaxCalls = 64;
 const char* const kConfigs[] = {
     "attitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/renaudin2012\n",
     "attitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n"
-    "coupling:\n  type: inertial\n",
+    "coupling:\n  type: localizer\n",
     "navigation:\n  origin: {latitude: 47 deg, longitude: 8 deg, height: 400 m}\n"
     "attitude:\n  plugin: attitude/vqf\nabsolute_fixers:\n  plugin: fix/waypoint\n",
 };

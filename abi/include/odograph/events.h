@@ -36,7 +36,7 @@ typedef struct odo_attitude {
 #define ODO_MODE_HANDLING 7u /* the hand moves, the feet do not */
 
 /* One step: one foot's fall to the other's (a stride is two of them). Without ODO_STEP_HEADING it is a length alone:
- * `coupling: {type: inertial}` takes the direction from the phone's, the default coupling moves by the camera alone, and
+ * `coupling: {type: localizer}` takes the direction from the phone's, the default coupling moves by the camera alone, and
  * without a camera not at all (report `no_heading`). */
 #define ODO_STEP_HEADING 1u
 #define ODO_STEP_HEADING_SIGMA 2u

@@ -32,4 +32,13 @@ std::array<double, 3> Geodesy::from_geodetic(const std::array<double, 3>& g) con
   return {north, east, -up};
 }
 
+void Geodesy::resolve(odo_fix& fix) {
+  if ((fix.header.flags & ODO_FIX_GEODETIC) == 0) return;
+  const std::array<double, 3> geodetic{fix.latitude_rad, fix.longitude_rad, fix.height_m};
+  if (!has_origin()) set_origin(geodetic);
+  const auto p_n = from_geodetic(geodetic);
+  std::copy(p_n.begin(), p_n.end(), fix.p_n);
+  fix.header.flags |= ODO_FIX_NORTH | ODO_FIX_EAST;
+}
+
 }  // namespace odograph

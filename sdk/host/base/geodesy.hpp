@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <GeographicLib/LocalCartesian.hpp>
+#include <odograph/types.h>
 
 namespace odograph {
 
@@ -18,6 +19,8 @@ class Geodesy {
   /// Both need an origin.
   std::array<double, 3> to_geodetic(const std::array<double, 3>& p_n) const;
   std::array<double, 3> from_geodetic(const std::array<double, 3>& latitude_longitude_height) const;
+  /// Fills in p_n where the fix is geodetic; the first such fix is the origin where there is none.
+  void resolve(odo_fix& fix);
 
  private:
   mutable std::mutex mutex_;

@@ -106,7 +106,7 @@ void read_navigation(const Value& navigation, PipelineConfig& config) {
 
 CouplingConfig coupling_of(const Value& coupling) {
   CouplingConfig config;
-  config.type = coupling["type"].text == "inertial" ? CouplingType::inertial : CouplingType::paper;
+  config.type = coupling["type"].text == "localizer" ? CouplingType::localizer : CouplingType::paper;
   const std::string& orientation = coupling["orientation"].text;
   config.orientation = orientation == "attitude"    ? Orientation::attitude
                        : orientation == "gyroscope" ? Orientation::gyroscope

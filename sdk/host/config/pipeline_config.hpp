@@ -44,7 +44,7 @@ struct StartPose {
 enum class Orientation { vo, gyroscope, attitude };
 enum class Vertical { ignore, scaled };
 
-enum class CouplingType { paper, inertial };
+enum class CouplingType { paper, localizer };
 
 struct CouplingConfig {
   Orientation orientation = Orientation::vo;

@@ -89,15 +89,17 @@ Spec navigation_section() {
 Spec coupling_section() {
   return map("coupling", "how everything becomes one pose",
              {
-                 choice("type", "paper|per_frame|inertial", "paper",
-                        "paper: each frame's displacement is scaled on its own (Antigny et al. 2019, section 3.4); "
-                        "per_frame: its name until 0.1; inertial: an error-state Kalman filter of IMU, odometry, "
-                        "steps and fixes, which needs no scale source (docs/estimator.md)"),
+                 Spec{.name = "type",
+                      .type = SpecType::choice,
+                      .fallback = "paper",
+                      .choices = "paper|localizer",
+                      .renamed = "per_frame=paper|inertial=localizer",
+                      .help = "paper: each frame's displacement is scaled on its own (Antigny et al. 2019, section "
+                              "3.4); localizer: one scale for the track, learnt from the front-end, steps and scale "
+                              "sources, and corrected by fixes (docs/estimator.md)"},
                  choice("orientation", "vo|gyroscope|attitude", "vo",
-                        "paper alone. vo: chained from frame to frame as in the paper; gyroscope: chained with the "
-                        "attitude "
-                        "source's rotations; both corrected by fixes; attitude: the attitude source's, fixes turn "
-                        "its heading"),
+                        "vo: composed from frame to frame; gyroscope: composed from the gyroscope's rotations; both "
+                        "corrected by fixes; attitude: the attitude source's, fixes turn its heading"),
                  choice("vertical", "ignore|scaled", "ignore",
                         "paper alone. ignore: horizontal displacement only, as in the paper; scaled: all three "
                         "components"),

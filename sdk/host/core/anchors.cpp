@@ -7,7 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 namespace {
@@ -155,8 +155,8 @@ void Anchors::put_on_earth(Anchor& anchor, const HeldPose& now) {
   anchor.why_not = 0;
 }
 
-void Anchors::hang(Anchor& anchor, Estimator& estimator) {
-  anchor.held = estimator.hold_pose(anchor.seen_ns);
+void Anchors::hang(Anchor& anchor, HeldPoses& poses) {
+  anchor.held = poses.hold_pose(anchor.seen_ns);
   if (anchor.held != 0) anchor.hangs = Hangs::on_pose;
 }
 
@@ -180,20 +180,20 @@ void Anchors::judge(Anchor& anchor, const HeldPose* held, const HeldPose& now) c
   anchor.view_covariance = view + place;
 }
 
-void Anchors::follow(Estimator& estimator, int64_t t_ns, const Rigid* correction) {
+void Anchors::follow(HeldPoses& poses, int64_t t_ns, const Rigid* correction) {
   const std::lock_guard lock(mutex_);
-  placed_ = placed_ || estimator.is_placed();
-  for (const uint64_t id : to_let_go_) estimator.let_go(id);
+  placed_ = placed_ || poses.is_placed();
+  for (const uint64_t id : to_let_go_) poses.let_go(id);
   to_let_go_.clear();
   HeldPose now;
-  if (anchors_.empty() || !estimator.pose_now(now)) return;
+  if (anchors_.empty() || !poses.pose_now(now)) return;
   for (Anchor& anchor : anchors_) {
     const bool was_placed = anchor.placed, stays = anchor.hangs == Hangs::on_earth || anchor.hangs == Hangs::in_n;
     const Rigid before = correction ? *correction * anchor.T_n_a : anchor.T_n_a;
-    if (anchor.hangs == Hangs::awaits_pose) hang(anchor, estimator);
+    if (anchor.hangs == Hangs::awaits_pose) hang(anchor, poses);
     HeldPose held;
     const bool on_pose = anchor.hangs == Hangs::on_pose;
-    if (on_pose && estimator.held_pose(anchor.held, held)) {
+    if (on_pose && poses.held_pose(anchor.held, held)) {
       anchor.T_n_a = Rigid{held.q_n_b, held.p_n_b} * anchor.T_b_a;
     } else if (!stays) {
       if (on_pose) anchor.hangs = Hangs::on_track;

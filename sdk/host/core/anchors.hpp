@@ -13,7 +13,7 @@
 
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/core/smooth_pose.hpp"
-#include "sdk/host/estimator/estimator.hpp"
+#include "sdk/host/localizer/held_poses.hpp"
 
 namespace odograph {
 
@@ -27,12 +27,12 @@ struct Rigid {
 };
 
 /// The app's anchors. The pipeline tells what has become of the track; the app makes, asks and ends them. A local
-/// anchor hangs on a pose that the estimator holds (Estimator::hold_pose); where that cannot be, it goes with every
+/// anchor hangs on a pose that is held (HeldPoses::hold_pose); where that cannot be, it goes with every
 /// correction as a whole. Thread-safe, every call holds the lock for microseconds.
 class Anchors {
  public:
   struct Parameters {
-    size_t most = 1024;               ///< anchors; each costs the estimator 5 kB and under 1 us per update
+    size_t most = 1024;               ///< anchors; each costs under 1 us per update
     double max_smooth_jump_m = 1e-6;  ///< below it a change is not worth blending
     SmoothPose::Parameters smooth;
   };
@@ -69,8 +69,8 @@ class Anchors {
   /// Where the ground is, asked on the pipeline's thread.
   void set_ground(Ground ground) { ground_ = std::move(ground); }
   /// The track was corrected (null: not by an announced correction), or has gone on.
-  void follow(Estimator& estimator, int64_t t_ns, const Rigid* correction);
-  /// The estimator begins anew and holds nothing any more.
+  void follow(HeldPoses& poses, int64_t t_ns, const Rigid* correction);
+  /// The localizer begins anew and holds nothing any more.
   void lose_holds();
 
   // [control]
@@ -105,7 +105,7 @@ class Anchors {
   };
 
   Anchor& add(const odo_anchor_place& place, Hangs hangs);
-  void hang(Anchor& anchor, Estimator& estimator);
+  void hang(Anchor& anchor, HeldPoses& poses);
   void put_on_earth(Anchor& anchor, const HeldPose& now);
   void judge(Anchor& anchor, const HeldPose* held, const HeldPose& now) const;
   Eigen::Quaterniond axes_at(const std::array<double, 3>& geodetic) const;

@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/host/base/saturating.hpp"
 #include "sdk/host/messages/messages.hpp"
 

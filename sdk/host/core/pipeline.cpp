@@ -8,7 +8,7 @@
 #include <odograph/step_estimator.h>
 #include <odograph/vo_frontend.h>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 namespace {
@@ -25,18 +25,17 @@ void Pipeline::process(const odo_header& message) {
     case ODO_TYPE_IMU: joiner_.push(as<odo_imu>(message), [this](const odo_imu& whole) { on_imu(whole); }); break;
     case ODO_TYPE_IMU_NOISE:
       roster_.remember(message);
-      estimator_->on_imu_noise(as<odo_imu_noise>(message));
       ask(message);
       break;
     case ODO_TYPE_FRAME:
       ++counters_.frames;
-      if (roster_.is_main_camera(message) && roster_.has_front_end()) estimator_->update(FrameTime{message.t_ns});
+      if (roster_.is_main_camera(message) && roster_.has_front_end()) composer_.update(FrameTime{message.t_ns});
       publish_estimates();
       ask(message);
       break;
     case ODO_TYPE_CALIBRATION:
       roster_.remember(message);
-      if (roster_.is_main_camera(message)) on_calibration(as<odo_calibration>(message));
+      if (roster_.is_main_camera(message)) composer_.on_calibration(as<odo_calibration>(message));
       ask(message);
       break;
     case ODO_TYPE_EARTH_FIELD:
@@ -44,7 +43,7 @@ void Pipeline::process(const odo_header& message) {
       ask(message);
       break;
     case ODO_TYPE_BAROMETER:
-      estimator_->update(&as<odo_barometer>(message));
+      composer_.update(&as<odo_barometer>(message));
       ask(message);
       break;
     default: ask(message);  // magnetometer, GNSS, waypoints, and what only a plugin knows
@@ -59,14 +58,9 @@ void Pipeline::on_imu(const odo_imu& imu) {
     roster_.tell_kind(ODO_INTERFACE_VO_FRONTEND, imu.header);
     return handle_events();
   }
-  estimator_->propagate(imu);
+  composer_.add_imu(imu);
   publish_estimates();
   ask(imu.header);
-}
-
-void Pipeline::on_calibration(const odo_calibration& calibration) {
-  if (calibration.header.flags & ODO_CALIBRATION_EXTRINSICS) p_b_c_ = Eigen::Vector3d(calibration.p_b_c);
-  estimator_->on_calibration(calibration);
 }
 
 /// Hands a sample to the plugins; all that comes of it is handled before the next one is asked.
@@ -119,14 +113,13 @@ void Pipeline::handle(AnyMessage& event) {
       if (steps_alone_need_heading_ && (header.flags & ODO_STEP_HEADING) == 0)
         host_.report(header.source, ODO_SEVERITY_WARNING, "no_heading",
                      "a step without heading_rad (ODO_STEP_HEADING) and no camera: this coupling does not move by it; "
-                     "`coupling: {type: inertial}` goes by the phone's direction");
-      estimator_->update(&as<odo_step>(header));
+                     "`coupling: {type: localizer}` goes by the phone's direction");
+      composer_.update(&as<odo_step>(header));
       tell_notice();
       break;
     case ODO_TYPE_MOTION_MODE:
       if (!roster_.in_use(header)) break;
       roster_.tell(header);
-      estimator_->update(&as<odo_motion_mode>(header));
       break;
     case ODO_TYPE_VO_MOTION: break;
     default: roster_.tell(header);  // for plugins that declare it
@@ -138,14 +131,14 @@ void Pipeline::on_attitude(const odo_attitude& attitude) {
   if (attitude.header.flags & ODO_ATTITUDE_TRUE_NORTH) north_is_true_ = true;
   if (!camera_knows_bias_ && (attitude.header.flags & ODO_ATTITUDE_GYRO_BIAS))
     poses_.predictor().set_biases(Eigen::Vector3d(attitude.gyro_bias_b), Eigen::Vector3d::Zero());
-  estimator_->update(&attitude);
+  composer_.update(&attitude);
   publish_estimates();
   roster_.tell(attitude.header);
 }
 
 /// A scale that was said outside of a motion.
 void Pipeline::on_scale(odo_scale& scale) {
-  bool accepted = estimator_->update(&scale).accepted;
+  bool accepted = composer_.update(&scale).accepted;
   const PluginRoster::Plugins& sources = roster_.scale_sources();
   for (size_t i = 0; i < sources.size(); ++i)
     if (sources[i]->number() == scale.header.source) accepted |= scale_join_.note(i, scale);
@@ -184,30 +177,26 @@ const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
 
 void Pipeline::on_vo_motion(odo_vo_motion& motion) {
   if (motion.state > ODO_LOST) motion.state = ODO_LOST;  // of a newer list (docs/abi.md)
-  estimator_->prepare(motion);
+  composer_.prepare(motion);
   publish_(motion.header);
-  inertial_motion_.reset();
-  if ((motion.header.flags & ODO_VO_INERTIAL) && (motion.header.flags & ODO_VO_METRIC))
-    inertial_motion_ = copy_as<odo_vo_motion>(motion.header);
   odo_vo_motion judged = motion;
   for (double& c : judged.covariance) c *= odometry_covariance_;
   judged.scale_sigma *= std::sqrt(odometry_covariance_);
-  estimator_->update(RelativeMotion{&judged, scale_for(motion)});
+  composer_.update(RelativeMotion{&judged, scale_for(motion)});
   publish_estimates();
   roster_.tell(motion.header, false);  // the scale sources have had it
   odo_fix reference;
-  while (estimator_->take_step_reference(reference)) roster_.tell_kind(ODO_INTERFACE_STEP_ESTIMATOR, reference.header);
+  while (composer_.take_step_reference(reference)) roster_.tell_kind(ODO_INTERFACE_STEP_ESTIMATOR, reference.header);
 }
 
 void Pipeline::tell_notice() {
-  if (const Notice notice = estimator_->take_notice(); notice.key)
-    host_.report(0, ODO_SEVERITY_WARNING, notice.key, notice.text);
+  if (const Notice notice = composer_.take_notice(); notice.key)
+    host_.report(0, notice.severity, notice.key, notice.text);
 }
 
 void Pipeline::on_fix(odo_fix& fix) {
-  resolve_geodetic(fix, geodesy_);  // what is published is metric, and has the verdict
-  const odo_fix moved = at_track(fix);
-  const UpdateResult result = is_beyond_frame(fix) ? UpdateResult{} : estimator_->update(&moved);
+  geodesy_.resolve(fix);  // what is published is metric, and has the verdict
+  const UpdateResult result = is_beyond_frame(fix) ? UpdateResult{} : composer_.update(&fix);
   const bool used = result.accepted;
   tell_notice();
   if (!used && result.dof > 0)
@@ -224,19 +213,16 @@ void Pipeline::on_fix(odo_fix& fix) {
 void Pipeline::reset() {
   events_.begin();
   roster_.reset();
-  estimator_->reset();
+  composer_.reset();
   anchors_.lose_holds();
   for (const AnyMessage& description : roster_.descriptions()) {
-    if (description.header().type == ODO_TYPE_IMU_NOISE)
-      estimator_->on_imu_noise(as<odo_imu_noise>(description.header()));
-    else if (roster_.is_main_camera(description.header()))
-      estimator_->on_calibration(as<odo_calibration>(description.header()));
+    if (description.header().type == ODO_TYPE_CALIBRATION && roster_.is_main_camera(description.header()))
+      composer_.on_calibration(as<odo_calibration>(description.header()));
   }
   joiner_.reset();
   watch_.reset();
   poses_.clear();
   scale_join_.reset();
-  inertial_motion_.reset();
   camera_knows_bias_ = false;
   north_is_true_ = start_has_heading_;
   if (last_pose_ns_ != INT64_MIN) before_restart_ = last_pose_;
@@ -247,8 +233,7 @@ void Pipeline::reset() {
 
 Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surroundings, Publish publish)
     : roster_(surroundings.host, [this](const AnyMessage& event) { enqueue(event); }),
-      estimator_(
-          make_estimator(config.coupling, config.start, {!config.vo_frontends.empty(), !config.scale_sources.empty()})),
+      composer_(config.coupling, config.start, {!config.vo_frontends.empty(), !config.scale_sources.empty()}),
       host_(surroundings.host),
       geodesy_(surroundings.geodesy),
       poses_(surroundings.poses),

@@ -15,12 +15,12 @@
 #include "sdk/host/core/saved_state.hpp"
 #include "sdk/host/core/scale_join.hpp"
 #include "sdk/host/core/sensor_watch.hpp"
-#include "sdk/host/estimator/estimator.hpp"
+#include "sdk/host/localizer/composer.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
 
 namespace odograph {
 
-/// Sensors -> plugins -> estimator -> pose. Takes messages in order of time and publishes every event. A sample goes to
+/// Sensors -> plugins -> localizer -> pose. Takes messages in order of time and publishes every event. A sample goes to
 /// the plugins that want it, one after the other; what each of them answers is copied into one queue and handled, first
 /// in, first out, before the next one is asked. One thread at a time; output depends on the messages, the config and
 /// the seed alone.
@@ -79,16 +79,15 @@ class Pipeline {
   const Counters& counters() const { return counters_; }
   uint64_t plugin_faults() const { return roster_.faults(); }
   uint64_t gaps() const { return watch_.gaps(); }
-  double distance_m() const { return estimator_->distance_m(); }
-  ScaleKnowledge scale_knowledge() const { return estimator_->scale_knowledge(); }
+  double distance_m() const { return composer_.distance_m(); }
+  ScaleKnowledge scale_knowledge() const { return composer_.scale_knowledge(); }
 
  private:
   Pipeline(const PipelineConfig& config, const Surroundings& surroundings, Publish publish);
 
-  // pipeline.cpp: from samples to the estimator
+  // pipeline.cpp: from samples to the localizer
   void on_imu(const odo_imu& imu);
   bool is_of_main_camera(const odo_vo_motion& motion);
-  void on_calibration(const odo_calibration& calibration);
   void ask(const odo_header& message);
   void enqueue(const AnyMessage& event);
   void handle_events();
@@ -96,7 +95,6 @@ class Pipeline {
   void complete(odo_attitude& attitude) const;
   void on_attitude(const odo_attitude& attitude);
   void on_vo_motion(odo_vo_motion& motion);
-  odo_fix at_track(const odo_fix& fix) const;
   void on_fix(odo_fix& fix);
   bool is_beyond_frame(const odo_fix& fix);  // pipeline_conventions.cpp
   void tell_notice();
@@ -104,7 +102,7 @@ class Pipeline {
   void publish_scale(odo_scale& scale, bool accepted);
   const odo_scale* scale_for(const odo_vo_motion& motion);
 
-  // pipeline_output.cpp: from the estimator to who listens
+  // pipeline_output.cpp: from the localizer to who listens
   void publish_estimates();
   void publish_pose(odo_pose pose, bool is_new);
   void publish_correction(const Correction& correction, const odo_pose& corrected);
@@ -118,7 +116,7 @@ class Pipeline {
 
   PluginRoster roster_;
   bool gives_poses_to_ = false, gives_corrections_to_ = false;  // some plugin wants them
-  std::unique_ptr<Estimator> estimator_;
+  Composer composer_;
   HostServices& host_;
   Geodesy& geodesy_;
   PoseStream& poses_;
@@ -135,8 +133,6 @@ class Pipeline {
   const bool start_has_heading_;
   bool north_is_true_ = false;  // something has observed the heading against true north
   std::optional<double> declination_rad_;
-  Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();  // the main camera's position in b, m
-  std::optional<odo_vo_motion> inertial_motion_;     // the newest motion, where it tells velocity and biases
   std::optional<odo_pose> before_restart_;
   odo_pose last_pose_{};
   int64_t last_pose_ns_ = INT64_MIN;

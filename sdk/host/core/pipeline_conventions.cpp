@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What numbers are of: the extent of n, true north, the point of a fix, the main camera.
+// What numbers are of: the extent of n, true north, the main camera.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/host/core/pipeline.hpp"
 
 namespace odograph {
@@ -55,21 +55,6 @@ void Pipeline::complete(odo_attitude& attitude) const {
   const Eigen::Matrix3d R = rotation.toRotationMatrix();
   covariance = (R * covariance * R.transpose()).eval();
   flags = (flags & ~ODO_ATTITUDE_MAGNETIC_NORTH) | ODO_ATTITUDE_TRUE_NORTH;
-}
-
-/// A fix of the point that the estimator's track is of, the camera or the body, from one of the point lever_b:
-/// p = p_fix + R_n_b (p_b - lever_b), with the fix's orientation, or the estimate at its time.
-odo_fix Pipeline::at_track(const odo_fix& fix) const {
-  odo_fix moved = copy_as<odo_fix>(fix.header);
-  Estimate then;
-  const bool known = estimator_->at(fix.header.t_ns, then) == ODO_OK || estimator_->at(INT64_MIN, then) == ODO_OK;
-  const bool of_camera = known && (then.pose.header.flags & ODO_POSE_CAMERA);
-  Eigen::Vector3d lever_b = of_camera ? p_b_c_ : Eigen::Vector3d(Eigen::Vector3d::Zero());
-  if (fix.header.flags & ODO_FIX_LEVER) lever_b -= Eigen::Vector3d(fix.lever_b);
-  if (lever_b.isZero(0)) return moved;
-  if (fix.header.flags & ODO_FIX_ORIENTATION) then.q_n_b = quaternion(fix.q_n_b);
-  Eigen::Vector3d::Map(moved.p_n) += then.q_n_b * lever_b;
-  return moved;
 }
 
 }  // namespace odograph

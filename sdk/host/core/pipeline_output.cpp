@@ -6,7 +6,7 @@
 
 #include <odograph/terrain.h>
 
-#include "sdk/host/base/rotation.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/host/core/pipeline.hpp"
 
 namespace odograph {
@@ -28,15 +28,15 @@ Quaterniond about_down(const Quaterniond& q) {
 
 }  // namespace
 
-/// All that the estimator has to say, in order of time: a correction and the pose that it moved before newer poses.
+/// All that the localizer has to say, in order of time: a correction and the pose that it moved before newer poses.
 void Pipeline::publish_estimates() {
   Correction correction;
   odo_pose corrected{}, pose{};
-  const bool moved = estimator_->take_correction(correction, corrected);
+  const bool moved = composer_.take_correction(correction, corrected);
   if (moved) publish_correction(correction, corrected);
-  bool any = estimator_->take_pose(pose);
+  bool any = composer_.take_pose(pose);
   if (moved && !(any && pose.header.t_ns == corrected.header.t_ns)) publish_pose(corrected, false);
-  for (; any; any = estimator_->take_pose(pose)) publish_pose(pose, true);
+  for (; any; any = composer_.take_pose(pose)) publish_pose(pose, true);
 }
 
 void Pipeline::publish_pose(odo_pose pose, bool is_new) {
@@ -52,7 +52,7 @@ void Pipeline::publish_pose(odo_pose pose, bool is_new) {
   {
     const std::lock_guard lock(world_mutex_);
     tell_stream(pose);
-    anchors_.follow(*estimator_, pose.header.t_ns, nullptr);
+    anchors_.follow(composer_, pose.header.t_ns, nullptr);
   }
   publish_(pose.header);
   if (is_new && gives_poses_to_) enqueue(AnyMessage(pose.header));
@@ -82,7 +82,7 @@ void Pipeline::publish_restart(const odo_pose& pose) {
   const Rigid correction{q, Vector3d(event.p_n)};
   {
     const std::lock_guard lock(world_mutex_);
-    anchors_.follow(*estimator_, pose.header.t_ns, &correction);
+    anchors_.follow(composer_, pose.header.t_ns, &correction);
   }
   publish_(event.header);
   if (gives_corrections_to_) enqueue(AnyMessage(event.header));
@@ -92,7 +92,7 @@ void Pipeline::publish_restart(const odo_pose& pose) {
 void Pipeline::correct_world(int64_t t_ns, const Rigid& correction) {
   const std::lock_guard lock(world_mutex_);
   poses_.predictor().correct(correction.q, correction.p);
-  anchors_.follow(*estimator_, t_ns, &correction);
+  anchors_.follow(composer_, t_ns, &correction);
 }
 
 /// What the first plugin with a terrain model says; nothing without one.
@@ -108,27 +108,17 @@ std::optional<double> Pipeline::ground_at(double north_m, double east_m, double 
   return std::nullopt;
 }
 
-/// The pose, and the state of the body that it is carried on from: the estimator's newest, or the pose's own where the
-/// estimator does not go on between poses.
+/// The pose, and the state of the body that it is carried on from.
 void Pipeline::tell_stream(const odo_pose& pose) {
   PosePredictor::Base base{pose, quaternion(pose.q_n), Vector3d(pose.p_n), {}};
-  Estimate estimate;
-  const bool goes_on = estimator_->at(INT64_MIN, estimate) == ODO_OK && !estimate.velocity_is_mean &&
-                       estimate.pose.header.t_ns >= pose.header.t_ns;
-  if (goes_on || estimator_->at(pose.header.t_ns, estimate) == ODO_OK) {
-    if (goes_on) base.pose = estimate.pose, base.pose.header.flags |= pose.header.flags & ODO_POSE_NORTH;
-    base.q_n_b = estimate.q_n_b;
-    base.p_n_b = estimate.p_n_b;
-    if (goes_on && (estimate.pose.header.flags & ODO_POSE_VELOCITY)) base.v_n_b = estimate.v_n_b;
+  if (Estimate then; composer_.at(pose.header.t_ns, then) == ODO_OK) {
+    base.q_n_b = then.q_n_b, base.p_n_b = then.p_n_b;
+    if ((pose.header.flags & ODO_POSE_VELOCITY) && !then.velocity_is_mean) base.v_n_b = then.v_n_b;
+    if (!then.gyro_bias_b.isZero()) {
+      poses_.predictor().set_biases(then.gyro_bias_b, then.accel_bias_b);
+      camera_knows_bias_ = true;
+    }
   }
-  const bool by_motion = inertial_motion_ && inertial_motion_->header.t_ns == base.pose.header.t_ns;
-  if (!base.v_n_b && by_motion) base.v_n_b = quaternion(pose.q_n) * Vector3d(inertial_motion_->velocity_c1);
-  const bool by_estimator = !estimate.gyro_bias_b.isZero();
-  if (by_estimator)
-    poses_.predictor().set_biases(estimate.gyro_bias_b, estimate.accel_bias_b);
-  else if (by_motion)
-    poses_.predictor().set_biases(Vector3d(inertial_motion_->gyro_bias_b), Vector3d(inertial_motion_->accel_bias_b));
-  camera_knows_bias_ = camera_knows_bias_ || by_estimator || by_motion;
   poses_.add_pose(pose, base);
 }
 

@@ -6,8 +6,8 @@
 
 #include <odograph/types.h>
 
-#include "sdk/host/base/ring.hpp"
-#include "sdk/host/core/inertial_track.hpp"
+#include "sdk/math/ring.hpp"
+#include "sdk/host/localizer/inertial_track.hpp"
 #include "sdk/host/core/smooth_pose.hpp"
 
 namespace odograph {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "sdk/host/core/pose_predictor.hpp"
-#include "sdk/host/estimator/pose_history.hpp"
+#include "sdk/host/core/pose_history.hpp"
 
 namespace odograph {
 

@@ -9,7 +9,7 @@
 #include "sdk/math/ring.hpp"
 #include "sdk/math/rotation.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// The newest orientations of the attitude source, q_a_b: 2.5 s at 200 Hz.
 class AttitudeLog {
@@ -36,4 +36,4 @@ class AttitudeLog {
   Ring<Entry, 512> entries_;
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -9,7 +9,7 @@
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
@@ -27,7 +27,7 @@ FixUpdate::Parameters fix_parameters(const CouplingConfig& config) {
 
 }  // namespace
 
-Composer::Composer(const CouplingConfig& config, const StartPose& start, EstimatorInputs inputs)
+Composer::Composer(const CouplingConfig& config, const StartPose& start, LocalizerInputs inputs)
     : inputs_(inputs),
       tracker_(config, start),
       front_end_(tracker_, inputs),
@@ -53,14 +53,16 @@ UpdateResult Composer::update(const Measurement& measurement) {
   // A compass beside a camera rotates the world that the camera tracks, by little each time and by much in the end.
   const bool rotates = attitude && front_end_.begun() && refers_to_north(**attitude);
   const int64_t last_ns = output_.last_ns();
+  const bool of_camera = front_end_.begun();
+  const auto point_before = last_ns == INT64_MIN ? std::nullopt : tracker_.track().at(last_ns);
   std::optional<odo_pose> before;
-  stepped_n_.setZero();
-  if ((!attitude || rotates) && last_ns != INT64_MIN)
-    if (const auto point = tracker_.track().at(last_ns)) before = make_pose(*point);
+  stepped_ = false;
+  if ((!attitude || rotates) && point_before) before = make_pose(*point_before);
   const UpdateResult result = std::visit([this](const auto& what) { return apply(what); }, measurement);
   const auto point = before ? tracker_.track().at(last_ns) : std::nullopt;
-  if (!point) return result;
-  Vector3d::Map(before->p_n) += stepped_n_;
+  if (!point || front_end_.begun() != of_camera) return result;  // poses are of another part from now on
+  if (stepped_)                                                  // however late: a motion in o, and no correction
+    Vector3d::Map(before->p_n) += tracker_.localizer.q_n_o() * (point->p_o_b - point_before->p_o_b);
   odo_pose after = make_pose(*point);
   after.header.t_ns = last_ns;
   output_.correct(*before, after, fix || rotates ? ODO_CORRECTION_FIX : ODO_CORRECTION_SCALE, rotates);
@@ -92,7 +94,7 @@ UpdateResult Composer::apply(const odo_attitude* attitude) {
   if (!tracker_.started()) {
     tracker_.start(t_ns, quaternion(attitude->q_n_b));
     walker_.start();
-    publish(t_ns, inputs_.vo ? ODO_DEGRADED : ODO_TRACKING, inputs_.vo ? ODO_REASON_INITIALISING : ODO_REASON_NONE);
+    if (!inputs_.vo) publish(t_ns, ODO_TRACKING, ODO_REASON_NONE);  // otherwise the first frame's
     return {true, 0.0, 0};
   }
   tracker_.go_on(t_ns);
@@ -114,12 +116,11 @@ UpdateResult Composer::apply(const RelativeMotion& relative) {
   const int64_t t_ns = relative.motion->header.t_ns;
   begin_camera(relative.motion->t_from_ns);
   tracker_.go_on(t_ns);
-  const double path_m = tracker_.newest().path_m;
-  const auto moved = front_end_.apply(relative, shown_, is_placed(), walker_.any());
+  const auto moved = front_end_.apply(relative, {shown_, is_placed(), fixes_.fixed_ns() != INT64_MIN, walker_.any()});
   if (moved.moved) {
     shown_ = true;
     set_source(moved.metric ? MotionSource(MetricSource{moved.inertial}) : MotionSource(ScaledSource{}));
-    if (tracker_.paper()) output_.count(tracker_.newest().path_m - path_m);
+    if (tracker_.paper()) output_.count(moved.moved_m);
   }
   if (!tracker_.paper()) note_steps(walker_.settle(t_ns), t_ns);
   uint32_t state = moved.state;
@@ -132,6 +133,10 @@ UpdateResult Composer::apply(const RelativeMotion& relative) {
 
 UpdateResult Composer::apply(const odo_step* step) {
   if (!tracker_.started() || step->length_m <= 0 || step->t_end_ns <= step->t_start_ns) return {};
+  if (tracker_.is_impossible(step->length_m, seconds(step->t_end_ns - step->t_start_ns))) {
+    notice_ = {"fast_step", "a step is longer than the carrier can be fast (coupling.fastest): not used"};
+    return {};
+  }
   tracker_.go_on(step->header.t_ns);
   if (tracker_.paper()) {
     const Vector3d moved_n = walker_.carry_as_in_papers(*step);
@@ -145,7 +150,7 @@ UpdateResult Composer::apply(const odo_step* step) {
 }
 
 void Composer::note_steps(const Vector3d& moved_n, int64_t now_ns) {
-  stepped_n_ += moved_n;
+  stepped_ = stepped_ || !moved_n.isZero();
   if (!walker_.take_carried()) return;
   shown_ = true;
   set_source(StepSource{});
@@ -172,11 +177,13 @@ UpdateResult Composer::apply(const odo_fix* fix) {
     return {};
   }
   const Vector3d start_n(tracker_.start_pose().position_m.data());
+  tracker_.add_gap(fix->header.t_ns);
   const UpdateResult result = fixes_.use(tracker_.localizer, *fix,
                                          {*then, tracker_.newest(), start_n, tracker_.heading.north(), tracker_.paper(),
                                           front_end_.leads(), front_end_.leads_since_ns()});
   if (!result.accepted) return result;
   output_.fixed(fix->header.t_ns);
+  shown_ = shown_ || is_placed();
   if (fix->header.flags & ODO_FIX_ORIENTATION) {
     const Quaterniond q_o_n = tracker_.localizer.q_n_o().conjugate();
     const Matrix3d R_o_n = q_o_n.toRotationMatrix();
@@ -187,7 +194,8 @@ UpdateResult Composer::apply(const odo_fix* fix) {
 }
 
 void Composer::set_source(const MotionSource& source) {
-  if (source.index() != source_.index() && !notice_.key) notice_ = {"motion_source", describe(source)};
+  if (source.index() != source_.index() && !notice_.key)
+    notice_ = {"motion_source", describe(source), ODO_SEVERITY_INFO};
   source_ = source;
 }
 
@@ -290,4 +298,4 @@ bool Composer::pose_now(HeldPose& out) const {
   return true;
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// Of which time the displacement is in the track: all up to a time, but for one gap before it.
 class Coverage {
@@ -40,4 +40,4 @@ class Coverage {
   int64_t until_ns_ = INT64_MIN, gap_from_ns_ = INT64_MIN, gap_to_ns_ = INT64_MIN;
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -8,7 +8,7 @@
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
@@ -147,13 +147,14 @@ UpdateResult FixUpdate::use(Localizer& localizer, const odo_fix& fix, const Cont
     heading_used = heading_known_ = true;
   }
   // The heading of a start without a compass is open against fixes, and is told by the path.
-  if ((axes & kHorizontal) && !heading_known_ && !at.north) {
+  if (((axes & kHorizontal) || has_yaw(fix)) && !heading_known_ && !at.north) {
     heading_known_ = true;
     before = localizer;
     localizer.loosen_heading(p_.start_heading_rad);
   }
   Innovation<4> seen = innovation_of(localizer, fix, at);
-  const bool on_arc = has_yaw(fix) && (std::abs(seen.residual[kYaw]) > p_.arc_rad || (axes & ~placed_));
+  const bool on_arc =
+      has_yaw(fix) && (at.path_is_given || std::abs(seen.residual[kYaw]) > p_.arc_rad || (axes & ~placed_));
   const int dof = degrees_of_freedom(fix);
   if (!before && (on_arc || (axes & ~placed_))) before = localizer;
   const auto reject = [&](double nis) {
@@ -178,4 +179,4 @@ UpdateResult FixUpdate::use(Localizer& localizer, const odo_fix& fix, const Cont
   return result;
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -5,7 +5,7 @@
 
 #include "sdk/host/localizer/localizer.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// Positions and headings from outside, of any subset of components, at their own time.
 class FixUpdate {
@@ -58,4 +58,4 @@ class FixUpdate {
   int64_t fixed_ns_ = INT64_MIN;
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

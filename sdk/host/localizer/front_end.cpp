@@ -8,7 +8,7 @@
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
@@ -23,17 +23,6 @@ double rotation_sigma(const odo_vo_motion& m) {
 }
 
 }  // namespace
-
-void FrontEnd::begin_group(const odo_vo_motion& motion, bool metric) {
-  group_ = {};
-  group_.any = true;
-  group_.id = motion.scale_group;
-  group_.metric = metric;
-  group_.began_ns = motion.t_from_ns;
-  path_.clear();
-  path_.add(motion.t_from_ns, group_.y_o);
-  if (!tracker_.paper()) scale_.begin_group(tracker_.localizer);
-}
 
 /// Whether the front-end rotates as the gyroscope does; a picture of the inside of a pocket does not.
 bool FrontEnd::rotates_with_gyroscope(const odo_vo_motion& m) const {
@@ -73,13 +62,19 @@ double FrontEnd::heading_variance(const Moving& moving) const {
     const double sigma_radps = stated ? rotation_sigma(m) / moving.dt_s : p_.start_rate_radps;
     rate += 2 * squared(std::min(sigma_radps, p_.start_rate_radps)) * seconds(m.header.t_ns - group_.began_ns);
   }
-  return rate * moving.dt_s;
+  double variance = rate * moving.dt_s;
+  if (tracker_.paper() && (m.header.flags & ODO_VO_COVARIANCE)) {
+    const Vector3d down_c = moving.q_o_c0.conjugate() * Vector3d::UnitZ();
+    const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> stated(m.covariance);
+    variance += down_c.dot(stated.topLeftCorner<3, 3>() * down_c);
+  }
+  return variance;
 }
 
 /// Whether the camera walks: its doubt about the displacement is one about the scale.
 bool FrontEnd::walks(int64_t t_ns) const {
-  const auto before = path_.at(t_ns - 1'000'000'000);
-  return before && std::exp(tracker_.localizer.x[kLogScale]) * (group_.y_o - *before).norm() > p_.walking_m;
+  const auto moved = group_.moved_in_a_second(t_ns);
+  return moved && std::exp(tracker_.localizer.x[kLogScale]) * *moved > p_.walking_m;
 }
 
 /// The papers' rule: each motion has its own scale, whose errors are common to the path.
@@ -93,7 +88,7 @@ bool FrontEnd::to_metres_as_in_papers(Moving& moving, const odo_scale* scale) {
   const double relative = scale->scale > 0 ? std::min(1.0, scale->sigma / scale->scale) : 0.0;
   tracker_.localizer.x[kLogScale] = scale->scale > 0 ? std::log(scale->scale) : 0.0;
   tracker_.localizer.restate(kLogScale, squared(relative));
-  if (moving.translates) catch_up(scale, horizontal);
+  if (moving.translates) moving.caught_up_m = catch_up(scale, horizontal, moving.doubtful);
   return true;
 }
 
@@ -115,21 +110,24 @@ bool FrontEnd::to_metres(Moving& moving, const odo_scale* scale) {
   moving.d_o *= std::exp(tracker_.localizer.x[kLogScale]);
   const double walk = metre_check_.doubted() ? p_.doubted_scale_walk : p_.scale_walk;
   tracker_.localizer.add_variance(kLogScale, squared(walk) * moving.d_o.norm());
-  catch_up(scale, false);
+  moving.caught_up_m = catch_up(scale, false, moving.doubtful);
   return true;
 }
 
 /// What the group moved before its scale was known, once it holds for that too and nothing else has moved the track.
-void FrontEnd::catch_up(const odo_scale* scale, bool horizontal) {
-  const Vector3d waiting_o = std::exchange(group_.unscaled_o, Vector3d::Zero());
-  if (waiting_o.isZero() || (tracker_.paper() && !(scale && (scale->header.flags & ODO_SCALE_STEADY)))) return;
-  if (tracker_.coverage.missing(group_.began_ns, tracker_.newest().t_ns) < 0.5) return;
+/// Its length, m.
+double FrontEnd::catch_up(const odo_scale* scale, bool horizontal, bool doubtful) {
+  const Vector3d waiting_o = group_.take_waiting();
+  if (waiting_o.isZero() || (tracker_.paper() && !(scale && (scale->header.flags & ODO_SCALE_STEADY)))) return 0;
+  if (tracker_.coverage.missing(group_.unscaled_ns, tracker_.newest().t_ns) < 0.5) return 0;
+  if (doubtful) tracker_.add_gap(group_.unscaled_ns);
   Vector3d d_o = std::exp(tracker_.localizer.x[kLogScale]) * waiting_o;
   if (horizontal) d_o.z() = 0;
   const Vector3d d_n = tracker_.localizer.q_n_o() * d_o;
   tracker_.localizer.move(d_n, {{kHeading, across(d_n)}, {kLogScale, d_n}}, Matrix3d::Zero());
   tracker_.push(tracker_.newest().t_ns, tracker_.newest().q_o_b, d_o);
-  tracker_.coverage.add(group_.began_ns, tracker_.newest().t_ns);
+  tracker_.coverage.add(group_.unscaled_ns, tracker_.newest().t_ns);
+  return d_o.norm();
 }
 
 /// A front-end with inertia knows the vertical: inclination is its own. Another's is mended slowly by the attitude.
@@ -170,6 +168,11 @@ void FrontEnd::move(const Moving& moving, bool moves) {
   const Vector3d body_o = d_o - (moving.q_o_b1 * p_b_c_ - moving.from.q_o_b * p_b_c_);
   const double walk = squared(p_.drift_per_root_m) * d_o.norm();
   Vector3d variance(walk, walk, squared(p_.height_drift_per_root_m) * d_o.norm());
+  if (!moving.inertial) {  // an inclination is one error for all of the path: (sigma r)^2 where that ends r away
+    const Vector3d from_o = tracker_.newest().p_o_b;
+    const double further_m2 = (from_o + d_o).head<2>().squaredNorm() - from_o.head<2>().squaredNorm();
+    variance.z() += tracker_.tilt_variance() * std::max(0.0, further_m2);
+  }
   double blind_m = 0;  // with the camera covered it goes on by inertia, whose errors are one error
   if (moves && moving.state != ODO_TRACKING && (m.header.flags & ODO_VO_COVARIANCE)) {
     blind_m = blind_sigma_m_ + std::sqrt(std::max({m.covariance[21], m.covariance[28], m.covariance[35]}));
@@ -190,7 +193,6 @@ void FrontEnd::move(const Moving& moving, bool moves) {
 
 void FrontEnd::reset() {
   scale_ = {}, metre_check_ = {}, group_ = {};
-  path_.clear();
   lost_ = moves_ = false, blind_sigma_m_ = 0;
   first_frame_ns_ = translated_ns_ = leads_since_ns_ = INT64_MIN;
   gyro_bias_b.setZero(), accel_bias_b.setZero();
@@ -218,7 +220,10 @@ FrontEnd::Moving FrontEnd::begin_motion(const odo_vo_motion& m) {
   if (group_.any && m.scale_group != group_.id) metre_check_.restart();
   metre_check_.add_motion(seconds(t_ns - m.t_from_ns), m.state == ODO_TRACKING, (flags & ODO_VO_METRIC) != 0);
   const bool metric = (flags & ODO_VO_METRIC) != 0 && !metre_check_.doubted();
-  if (!group_.any || m.scale_group != group_.id || metric != group_.metric) begin_group(m, metric);
+  if (!group_.any || m.scale_group != group_.id || metric != group_.metric) {
+    group_.begin(m, metric);
+    if (!tracker_.paper()) scale_.begin_group(tracker_.localizer);
+  }
   lost_ = m.state == ODO_LOST;
   const TrackPoint from = tracker_.track().at(m.t_from_ns).value_or(tracker_.newest());
   Moving moving{m,
@@ -244,8 +249,7 @@ FrontEnd::Moving FrontEnd::begin_motion(const odo_vo_motion& m) {
   level(moving);
   if (moving.translates) {
     moving.d_o = moving.q_o_c0 * Vector3d(m.p_c0_c1);
-    group_.y_o += moving.d_o;
-    path_.add(t_ns, group_.y_o);
+    group_.add(t_ns, moving.d_o);
   }
   return moving;
 }
@@ -253,17 +257,18 @@ FrontEnd::Moving FrontEnd::begin_motion(const odo_vo_motion& m) {
 /// A motion that picture or scale got wrong.
 bool FrontEnd::is_impossible(const Moving& moving) const {
   const bool in_metres = moving.metric || inputs_.scale || scale_.known();
-  return in_metres && moving.d_o.norm() > p_.impossible * tracker_.config().fastest_mps * moving.dt_s;
+  return in_metres && tracker_.is_impossible(moving.d_o.norm(), moving.dt_s);
 }
 
-FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, bool shown, bool placed, bool has_stepped) {
+FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, const Situation& track) {
   const odo_vo_motion& m = *relative.motion;
   const int64_t t_ns = m.header.t_ns;
   Moving moving = begin_motion(m);
+  moving.doubtful = track.shown || track.placed;
   const Vector3d units_o = moving.d_o;
   bool moves = to_metres(moving, relative.scale) && moving.translates;
   if (moving.translates && !moves) {
-    group_.unscaled_o += units_o;
+    group_.wait(m.t_from_ns, units_o);
     if (moving.state == ODO_TRACKING) moving.state = ODO_DEGRADED, moving.reason = ODO_REASON_NO_SCALE;
   }
   moves_ = moving.translates;
@@ -271,9 +276,9 @@ FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, bool shown, bo
     moves = moves_ = false;
     moving.state = ODO_DEGRADED, moving.reason = ODO_REASON_TOO_FAST;
   }
-  if (shown && moves) tracker_.add_gap(m.t_from_ns);
-  const bool at_start = !shown && !placed && !has_stepped;
-  if (moves && moving.inertial && at_start) {
+  const bool begins = moves && moving.inertial && !track.shown && !track.fixed && !track.has_stepped;
+  if (moves && moving.doubtful && !begins) tracker_.add_gap(m.t_from_ns);
+  if (begins) {
     begin_here(moving);
     moving.d_o.setZero();
   } else if (moves && tracker_.coverage.until_ns() > m.t_from_ns) {  // steps have moved the track meanwhile
@@ -287,7 +292,8 @@ FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, bool shown, bo
     tracker_.rotate_with_camera();
     translated_ns_ = t_ns;
   }
-  return {moving.state, moving.reason, moves, moving.metric, moving.inertial};
+  return {moving.state,  moving.reason,  moves, moving.caught_up_m + (moves ? moving.d_o.norm() : 0.0),
+          moving.metric, moving.inertial};
 }
 
 UpdateResult FrontEnd::apply(const odo_scale& scale) {
@@ -307,11 +313,6 @@ bool FrontEnd::is_silent(int64_t now_ns) const {
   return lost_ || seconds(now_ns - translated_ns_) > p_.silent_s;
 }
 
-std::optional<Vector3d> FrontEnd::displacement(int64_t from_ns, int64_t to_ns) const {
-  const auto from = path_.at(from_ns), to = path_.at(to_ns);
-  return from && to ? std::optional<Vector3d>(*to - *from) : std::nullopt;
-}
-
 bool FrontEnd::check_metres(const odo_step& step, const Vector3d& moved_o) {
   if ((!group_.metric && !metre_check_.doubted()) || step.mode == ODO_MODE_STAIRS) return false;
   if (!metre_check_.add(step.length_m, moved_o.head<2>().norm())) return false;
@@ -320,4 +321,4 @@ bool FrontEnd::check_metres(const odo_step& step, const Vector3d& moved_o) {
   return true;
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

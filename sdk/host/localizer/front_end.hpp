@@ -8,15 +8,15 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "sdk/host/estimator/estimator.hpp"
-#include "sdk/host/estimator/metre_check.hpp"
+#include "sdk/host/localizer/measurement.hpp"
+#include "sdk/host/localizer/metre_check.hpp"
 #include "sdk/host/localizer/gyro_orientation.hpp"
+#include "sdk/host/localizer/scale_group.hpp"
 #include "sdk/host/localizer/scale_update.hpp"
-#include "sdk/host/estimator/timed_positions.hpp"
 #include "sdk/host/localizer/tracker.hpp"
 #include "sdk/math/rotation.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// A front-end's motions: rotation, scale and displacement, and how uncertain they leave the track.
 class FrontEnd {
@@ -38,7 +38,6 @@ class FrontEnd {
     double rewind_s = 1.5;               ///< s before the first metric motion that inertia covers: an inclination of
                                          ///< 5 mrad is 6 cm then; front-ends start in 1.2 s (odograph bench vo)
     double rewind_sigma_mps = 0.1;       ///< m/s of the velocity that is rewound
-    double impossible = 5;               ///< times coupling.fastest: what picture or scale got wrong; by hand
     double silent_s = 1.0;               ///< s without a displacement, until steps carry; they are told 0.4 s late
     double silent_start_s = 6.0;         ///< s after the first frame of a camera that has never moved
     double unstated_scale_sigma = 0.02;  ///< relative, of a metric front-end that states none; judgement
@@ -48,7 +47,7 @@ class FrontEnd {
     double walking_m = 0.5;              ///< m a second, above which the camera walks: half the slowest walk
   };
 
-  FrontEnd(Tracker& tracker, EstimatorInputs inputs) : tracker_(tracker), inputs_(inputs), gyroscope_(tracker) {}
+  FrontEnd(Tracker& tracker, LocalizerInputs inputs) : tracker_(tracker), inputs_(inputs), gyroscope_(tracker) {}
   void reset();
   void on_calibration(const odo_calibration& calibration);
 
@@ -59,15 +58,20 @@ class FrontEnd {
   struct Outcome {
     uint32_t state, reason;
     bool moved;             ///< the track, by a displacement in metres (or as the papers' do, in units)
+    double moved_m;         ///< of the camera
     bool metric, inertial;  ///< the motion was
   };
-  /// `shown`: positions have been published; `placed`: n is; `has_stepped`: there are steps.
-  Outcome apply(const RelativeMotion& relative, bool shown, bool placed, bool has_stepped);
+  /// What the track is when a motion comes.
+  struct Situation {
+    bool shown;        ///< positions have been published
+    bool placed;       ///< its place in n is known
+    bool fixed;        ///< ... by a fix
+    bool has_stepped;  ///< there are steps
+  };
+  Outcome apply(const RelativeMotion& relative, const Situation& track);
   GyroOrientation& gyroscope() { return gyroscope_; }
   /// A scale outside of a motion.
   UpdateResult apply(const odo_scale& scale);
-  /// In o, up to scale; nothing of a time that is no longer kept, or before the scale group.
-  std::optional<Eigen::Vector3d> displacement(int64_t from_ns, int64_t to_ns) const;
   /// Whether its metric scale is judged by a step of that length; true where the verdict has changed.
   bool check_metres(const odo_step& step, const Eigen::Vector3d& moved_o);
 
@@ -77,6 +81,7 @@ class FrontEnd {
   bool moves() const { return moves_; }
   /// When it moved the track last; INT64_MIN before it did.
   int64_t moved_ns() const { return translated_ns_; }
+  const ScaleGroup& group() const { return group_; }
   bool doubted() const { return metre_check_.doubted(); }
   bool knows_metres() const;  ///< steps are not to move its scale
   bool leads() const;
@@ -97,17 +102,18 @@ class FrontEnd {
     double dt_s;
     bool metric, inertial, rotates, translates, rotation_known;
     uint32_t state, reason;
-    Eigen::Vector3d d_o;  ///< of the camera, m
+    Eigen::Vector3d d_o;     ///< of the camera, m
+    double caught_up_m = 0;  ///< before it, that waited for its scale
+    bool doubtful = false;   ///< what was not seen makes the track's place doubtful
   };
   Moving begin_motion(const odo_vo_motion& motion);
-  void begin_group(const odo_vo_motion& motion, bool metric);
   std::optional<Eigen::Quaterniond> rotated(const Moving& moving);
   bool rotates_with_gyroscope(const odo_vo_motion& motion) const;
   double heading_variance(const Moving& moving) const;
   void level(Moving& moving) const;
   bool to_metres(Moving& moving, const odo_scale* scale);
   bool to_metres_as_in_papers(Moving& moving, const odo_scale* scale);
-  void catch_up(const odo_scale* scale, bool horizontal);
+  double catch_up(const odo_scale* scale, bool horizontal, bool doubtful);
   bool is_impossible(const Moving& moving) const;
   void begin_here(const Moving& moving);
   void move(const Moving& moving, bool moves);
@@ -115,26 +121,17 @@ class FrontEnd {
 
   Parameters p_;
   Tracker& tracker_;
-  EstimatorInputs inputs_;
+  LocalizerInputs inputs_;
   Eigen::Quaterniond q_b_c_ = rear_camera_mount();
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
   ScaleUpdate scale_;
-  inertial::MetreCheck metre_check_;
+  MetreCheck metre_check_;
   GyroOrientation gyroscope_;
 
-  /// The present scale group.
-  struct Group {
-    uint32_t id = 0;
-    bool any = false, metric = false, inertial = false;
-    bool walked = false;  ///< it has been surer of its scale than walkers differ
-    int64_t began_ns = INT64_MIN;
-    Eigen::Vector3d y_o = Eigen::Vector3d::Zero();         ///< displacement since it began, up to scale, in o
-    Eigen::Vector3d unscaled_o = Eigen::Vector3d::Zero();  ///< of that, what waits for a scale
-  } group_;
-  inertial::TimedPositions path_;  // y_o
+  ScaleGroup group_;
   bool lost_ = false, moves_ = false;
   int64_t first_frame_ns_ = INT64_MIN, translated_ns_ = INT64_MIN, leads_since_ns_ = INT64_MIN;
   double blind_sigma_m_ = 0;  // of what it moved since it saw something
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

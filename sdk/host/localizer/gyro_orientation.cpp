@@ -4,7 +4,7 @@
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
@@ -42,4 +42,4 @@ void GyroOrientation::see_inclination(const Quaterniond& q_o_b, const TrackPoint
   filter_.correct(off_o, R, tracker_.config().fix_gate_sigma);
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -6,10 +6,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "sdk/host/estimator/gyro_attitude_filter.hpp"
+#include "sdk/host/localizer/gyro_attitude_filter.hpp"
 #include "sdk/host/localizer/tracker.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// `coupling.orientation: gyroscope`: the camera's orientation in o composed of the gyroscope's rotations, its
 /// inclination corrected by gravity and by fixes; the heading's drift is the localizer's. Does nothing otherwise.
@@ -36,4 +36,4 @@ class GyroOrientation {
   GyroAttitudeFilter filter_;
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

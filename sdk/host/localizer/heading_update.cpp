@@ -6,7 +6,7 @@
 
 #include "sdk/math/time.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 using Eigen::Quaterniond;
 
@@ -70,4 +70,4 @@ void HeadingUpdate::join(Localizer& localizer, const Quaterniond& q_o_a) const {
   localizer.copy_error(kHeading, kAttitudeHeading);
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

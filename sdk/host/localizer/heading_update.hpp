@@ -5,7 +5,7 @@
 
 #include "sdk/host/localizer/localizer.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// The attitude source's heading against the track's. Without north it is a gyroscope's, and only learnt, so that steps
 /// go on with it where the camera ends; with a compass it errs by a Gauss-Markov process and turns the track too.
@@ -49,4 +49,4 @@ class HeadingUpdate {
   int64_t noted_ns_ = INT64_MIN, used_ns_ = INT64_MIN;
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -9,7 +9,7 @@
 #include "sdk/math/atmosphere.hpp"
 #include "sdk/math/time.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// The barometer's height, against an offset that drifts.
 class HeightUpdate {
@@ -50,4 +50,4 @@ class HeightUpdate {
   int64_t used_ns_ = INT64_MIN;
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

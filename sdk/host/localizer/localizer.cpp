@@ -8,7 +8,7 @@
 
 #include "sdk/math/rotation.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
@@ -205,4 +205,4 @@ template UpdateResult Localizer::update<1>(const Innovation<1>&, double, StateSe
 template UpdateResult Localizer::update<2>(const Innovation<2>&, double, StateSet);
 template UpdateResult Localizer::update<4>(const Innovation<4>&, double, StateSet);
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -11,10 +11,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "sdk/host/estimator/estimator.hpp"
+#include "sdk/host/localizer/measurement.hpp"
+#include "sdk/host/localizer/held_poses.hpp"
 #include "sdk/host/localizer/track.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// What the filter estimates, in this order. Position and heading are those of the newest pose of the track, so that
 /// together with the track they are T_n_o.
@@ -123,4 +124,4 @@ inline constexpr double kGate[] = {0, 10.83, 13.82, 16.27, 18.47};
 
 inline double squared(double x) { return x * x; }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <odograph/types.h>
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// What moves the track: one at a time, the best that is alive.
 struct NoSource {};      ///< nothing yet, or nothing any more: the track stays
@@ -25,4 +25,4 @@ inline const char* describe(const MotionSource& source) {
   return kNames[source.index()];
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -3,7 +3,7 @@
 
 #include "sdk/math/rotation.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -40,4 +40,4 @@ void PoseOutput::correct(const odo_pose& before, odo_pose after, uint32_t reason
   counted_from_ += p_after - p_before;
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -8,10 +8,10 @@
 #include <Eigen/Core>
 #include <odograph/types.h>
 
-#include "sdk/host/estimator/displacement_reference.hpp"
-#include "sdk/host/estimator/estimator.hpp"
+#include "sdk/host/localizer/displacement_reference.hpp"
+#include "sdk/host/localizer/measurement.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// What the composer has to hand out: the newest pose, a correction of those before it, a displacement that step
 /// estimators may learn from, and the distance so far.
@@ -66,4 +66,4 @@ class PoseOutput {
   Eigen::Vector3d counted_from_ = Eigen::Vector3d::Zero();
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

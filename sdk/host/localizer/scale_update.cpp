@@ -7,7 +7,7 @@
 
 #include "sdk/math/time.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 namespace {
 
 constexpr double kNews = 1.02;  // times the information so far: less is nothing new
@@ -78,4 +78,4 @@ ScaleKnowledge ScaleUpdate::knowledge(const Localizer& localizer) const {
   return all > 0 ? ScaleKnowledge{sigma, own_ / all, by_steps_ / all} : ScaleKnowledge{sigma, 0, 0};
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

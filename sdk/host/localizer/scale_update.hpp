@@ -5,7 +5,7 @@
 
 #include "sdk/host/localizer/localizer.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// What makes a front-end's displacements metres: its own statement, or scale sources. Neither states independent
 /// errors: a statement counts for as much as it says more than was said before.
@@ -46,4 +46,4 @@ class ScaleUpdate {
   int64_t stated_ns_ = INT64_MIN;
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

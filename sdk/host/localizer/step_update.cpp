@@ -7,7 +7,7 @@
 
 #include "sdk/math/time.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -101,9 +101,9 @@ UpdateResult StepUpdate::compare(Localizer& localizer, const odo_step& step, con
   } else if (++rejected_ >= p_.max_rejected) {
     rejected_ = 0;
     localizer.add_variance(kStepHeading, squared(p_.heading_sigma_rad));
-    localizer.add_variance(kLogFactor, squared(p_.factor_sigma));
+    localizer.add_variance(metric ? kLogFactor : kLogScale, squared(metric ? p_.factor_sigma : p_.new_scale_sigma));
   }
   return result;
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -7,7 +7,7 @@
 
 #include "sdk/host/localizer/localizer.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// Steps: as the motion itself where nothing else moves the track, otherwise compared with the front-end's.
 class StepUpdate {
@@ -26,7 +26,9 @@ class StepUpdate {
     double heading_walk = 0.02;      ///< rad for the root of a step; judgement
     double climb_sigma_mps = 0.25;   ///< m/s up or down where steps carry: stairs lift by 0.25 to 0.35
     double climb_s = 4;              ///< s for which that stays alike: a flight takes 5 to 12 s; judgement, 2 to 8
-    int max_rejected = 4;            ///< in a row, until heading and factor are doubted
+    int max_rejected = 4;            ///< in a row, until the heading is doubted, and the factor, or the scale of a
+                                     ///< front-end that states none
+    double new_scale_sigma = 1;      ///< of log-scale, which has changed then; by hand
   };
 
   /// At the start of a track.
@@ -54,4 +56,4 @@ class StepUpdate {
   int rejected_ = 0;  // in a row
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -9,7 +9,7 @@
 
 #include "sdk/math/ring.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// A pose of the body in the odometry frame o, which is level and in which the track never jumps, and how uncertain the
 /// path there has become since the track began, squared.
@@ -62,4 +62,4 @@ class Track {
   Ring<TrackPoint, 1024> points_;
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -8,7 +8,7 @@
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
@@ -77,11 +77,16 @@ void Tracker::push(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& d_o, 
 }
 
 double Tracker::unseen_m(int64_t t_ns) const {
-  const double unseen_s = seconds(t_ns - coverage.until_ns());
+  const double unseen_s = seconds(t_ns - std::max(coverage.until_ns(), gap_ns_));
   return rotates_with_attitude_ || unseen_s < p_.unseen_s ? 0.0 : unseen_s * config_.fastest_mps;
 }
 
-void Tracker::add_gap(int64_t from_ns) { localizer.P.diagonal().head<2>().array() += squared(unseen_m(from_ns)); }
+void Tracker::add_gap(int64_t until_ns) {
+  const double unseen_m = this->unseen_m(until_ns);
+  if (unseen_m == 0) return;
+  localizer.P.diagonal().head<2>().array() += squared(unseen_m);
+  gap_ns_ = until_ns;
+}
 
 void Tracker::rotate_with_attitude() {
   if (!std::exchange(rotates_with_attitude_, true) && heading.noted()) heading.join(localizer, q_o_a_);
@@ -129,4 +134,4 @@ std::optional<TrackPoint> Tracker::at(int64_t t_ns) const {
   return point;
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

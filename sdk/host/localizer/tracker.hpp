@@ -7,17 +7,16 @@
 #include <Eigen/Geometry>
 
 #include "sdk/host/config/pipeline_config.hpp"
-#include "sdk/host/core/inertial_track.hpp"
+#include "sdk/host/localizer/inertial_track.hpp"
 #include "sdk/host/localizer/attitude_log.hpp"
 #include "sdk/host/localizer/coverage.hpp"
 #include "sdk/host/localizer/heading_update.hpp"
 #include "sdk/host/localizer/height_update.hpp"
 #include "sdk/host/localizer/localizer.hpp"
-#include "sdk/host/estimator/estimator.hpp"
-#include "sdk/host/estimator/pose_history.hpp"
+#include "sdk/host/localizer/measurement.hpp"
 #include "sdk/host/localizer/track.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// What all sources of motion share: the track in o and the filter of T_n_o, which go on together, and what turns o
 /// where no camera does. One thread at a time.
@@ -27,6 +26,7 @@ class Tracker {
     double heading_rate_radps = 0.009;  ///< rad/s of a composed gyroscope at the start: 0.5 deg/s, BMI270, ICM-20602
     double heading_rate_walk = 3e-5;    ///< rad/s/sqrt(s) of it; temperature
     double unseen_s = 1.0;              ///< s without a displacement until it counts as unseen: steps are 0.4 s late
+    double impossible = 5;              ///< times coupling.fastest: what a sensor or a scale got wrong; by hand
     double longest_gap_s = 0.05;        ///< s between samples that is no gap: ten at 200 Hz, two or three at 50 Hz
   };
   enum class Velocity { none, mean, now };
@@ -55,10 +55,11 @@ class Tracker {
   void rotate_with_attitude();
   void rotate_with_camera() { rotates_with_attitude_ = false; }
   bool rotates_with_attitude() const { return rotates_with_attitude_; }
-  /// A displacement begins there: what was not seen before it is in the filter's covariance from now on.
-  void add_gap(int64_t from_ns);
+  /// What was not seen until then is in the filter's covariance from now on: a displacement begins, or a fix comes.
+  void add_gap(int64_t until_ns);
   /// What the body may have moved by until a time while the camera leads and has seen no displacement, m, one sigma.
   double unseen_m(int64_t t_ns) const;
+  bool is_impossible(double moved_m, double dt_s) const { return moved_m > p_.impossible * config_.fastest_mps * dt_s; }
   void set_velocity(const Eigen::Vector3d& v_o, Velocity kind) { v_o_ = v_o, velocity_ = kind; }
 
   // Questions.
@@ -104,6 +105,7 @@ class Tracker {
   bool rotates_with_attitude_ = true;
   double tilt_variance_ = 0;  // rad^2, as the attitude source states it
   int64_t t_ns_ = INT64_MIN;
+  int64_t gap_ns_ = INT64_MIN;  // until when what was not seen is in the covariance
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

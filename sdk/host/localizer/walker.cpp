@@ -7,14 +7,14 @@
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 void Walker::reset() {
   update_ = {};
-  count_ = 0;
+  count_ = compared_ = 0;
   carried_ns_ = INT64_MIN;
   carried_ = false;
   notice_ = {};
@@ -22,20 +22,38 @@ void Walker::reset() {
 
 void Walker::add(const odo_step& step) {
   update_.go_on(tracker_.localizer, step, !front_end_.doubted());
+  if (count_ == waiting_.size() && count_ > 0) pop();
   waiting_.push(step);
-  count_ = std::min(count_ + 1, waiting_.size());
+  ++count_;
+}
+
+void Walker::pop() {
+  --count_;
+  compared_ -= std::min<size_t>(compared_, 1);
+}
+
+/// Steps tell the scale of a front-end that has none; until then nothing has moved the track.
+void Walker::learn_scale() {
+  for (; compared_ < count_; ++compared_) {
+    const odo_step& step = waiting_.back(count_ - 1 - compared_);
+    if (front_end_.group().displacement(step.t_start_ns, step.t_end_ns))
+      compare(step);
+    else if (step.t_start_ns >= front_end_.group().began_ns)
+      break;  // it has not come so far yet
+  }
 }
 
 Vector3d Walker::settle(int64_t now_ns) {
   Vector3d moved_n = Vector3d::Zero();
-  for (; count_ > 0; --count_) {
+  if (front_end_.begun() && !front_end_.scale().known()) learn_scale();
+  for (; count_ > 0; pop()) {
     const odo_step step = waiting_.back(count_ - 1);
     const bool answered = tracker_.coverage.until_ns() >= step.t_end_ns;
     if (!answered && !front_end_.is_silent(now_ns)) break;
     const double missing = tracker_.coverage.missing(step.t_start_ns, step.t_end_ns);
     if (missing > 0)
       moved_n += carry(step, missing);
-    else
+    else if (compared_ == 0)
       compare(step);
   }
   return moved_n;
@@ -68,7 +86,7 @@ Vector3d Walker::carry(const odo_step& step, double share) {
 
 /// The front-end's displacement over a step against its length.
 void Walker::compare(const odo_step& step) {
-  const auto displacement_o = front_end_.displacement(step.t_start_ns, step.t_end_ns);
+  const auto displacement_o = front_end_.group().displacement(step.t_start_ns, step.t_end_ns);
   if (!displacement_o) return;
   const Vector3d& moved_o = *displacement_o;
   if (front_end_.check_metres(step, moved_o))
@@ -84,4 +102,4 @@ void Walker::compare(const odo_step& step) {
   front_end_.scale().know_by_steps(localizer);
 }
 
-}  // namespace odograph::localizer
+}  // namespace odograph

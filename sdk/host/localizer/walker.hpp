@@ -10,7 +10,7 @@
 #include "sdk/host/localizer/tracker.hpp"
 #include "sdk/math/ring.hpp"
 
-namespace odograph::localizer {
+namespace odograph {
 
 /// A walker's steps: compared with the front-end where it moved meanwhile, the motion itself where it did not. They
 /// wait until it has answered for their time, or will not.
@@ -36,16 +36,19 @@ class Walker {
 
  private:
   Eigen::Vector3d carry(const odo_step& step, double share);
+  void pop();
+  void learn_scale();
   void compare(const odo_step& step);
 
   Tracker& tracker_;
   FrontEnd& front_end_;
   StepUpdate update_;
   Ring<odo_step, 16> waiting_;
-  size_t count_ = 0;  // of those that wait
+  size_t count_ = 0;     // of those that wait
+  size_t compared_ = 0;  // of these, the oldest, with an unscaled front-end
   int64_t carried_ns_ = INT64_MIN;
   bool carried_ = false;
   Notice notice_;
 };
 
-}  // namespace odograph::localizer
+}  // namespace odograph

@@ -72,7 +72,7 @@ inline const Skeleton kSkeletons[] = {
   for (i = 0; i < 3; ++i) event.covariance_n[4 * i] = 0.01;
   return self->sink->emit(self->sink, &event.header);
 )",
-     "step_estimator:\n  plugin: step/odograph\ncoupling:\n  type: inertial\n"},
+     "step_estimator:\n  plugin: step/odograph\ncoupling:\n  type: localizer\n"},
     {"step_estimator", "ODO_INTERFACE_STEP_ESTIMATOR", "A step of one length for each swing of the accelerometer",
      "odo_imu", "  int64_t last_ns = 0;\n  bool high = false;\n  uint32_t count = 0;\n",
      R"(    const double* a = message.accel_b;
@@ -110,7 +110,7 @@ inline const Skeleton kSkeletons[] = {
   event.index = self->count++;
   return self->sink->emit(self->sink, &event.header);
 )",
-     "attitude:\n  plugin: attitude/vqf\ncoupling:\n  type: inertial\n"},
+     "attitude:\n  plugin: attitude/vqf\ncoupling:\n  type: localizer\n"},
     {"vo_frontend", "ODO_INTERFACE_VO_FRONTEND", "Says of each frame that it cannot tell the motion yet", "odo_frame",
      "  int64_t last_ns = 0;\n  bool begun = false;\n",
      R"(    if (begun && message.header.t_ns <= last_ns) throw odo::Error(ODO_E_DISCARD, "t_ns is not after the frame's before");
@@ -141,7 +141,7 @@ inline const Skeleton kSkeletons[] = {
   event.state = ODO_LOST, event.reason = ODO_REASON_INITIALISING;
   return self->sink->emit(self->sink, &event.header);
 )",
-     "attitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\ncoupling:\n  type: inertial\n"},
+     "attitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\ncoupling:\n  type: localizer\n"},
     {"scale_source", "ODO_INTERFACE_SCALE_SOURCE", "Scale from one known speed", "odo_vo_motion", "",
      R"(    const double* p = message.p_c0_c1;
     const double units = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
@@ -196,7 +196,7 @@ inline const Skeleton kSkeletons[] = {
   for (i = 0; i < 3; ++i) event.covariance_n[4 * i] = sigma * sigma;
   return self->sink->emit(self->sink, &event.header);
 )",
-     "attitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\ncoupling:\n  type: inertial\n"},
+     "attitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\ncoupling:\n  type: localizer\n"},
 };
 
 inline constexpr char kCpp[] = R"(// SPDX-License-Identifier: Apache-2.0

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <mutex>
+
+#include <odograph/types.h>
+
+#include "sdk/math/ring.hpp"
+
+namespace odograph {
+
+/// The last 1024 poses, half a minute at 30 Hz, to answer "where was it at t". No allocation. Thread-safe: an app asks
+/// for the pose while the pipeline works on the next frame.
+class PoseHistory {
+ public:
+  /// Poses come in the order of their time; one that does not replaces the newest.
+  void push(const odo_pose& pose);
+  /// The pose at t: interpolated (slerp and linear). ODO_NOT_READY when empty, ODO_E_NOT_FOUND outside.
+  int32_t at(int64_t t_ns, odo_pose& out) const;
+  void clear();
+
+ private:
+  mutable std::mutex mutex_;
+  Ring<odo_pose, 1024> poses_;
+};
+
+}  // namespace odograph

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "sdk/host/localizer/composer.hpp"
+
+namespace odograph {
+
+/// A composer by the papers' rules, fed and asked in one call each.
+struct PaperTrack {
+  Composer composer;
+
+  PaperTrack(const CouplingConfig& config, const StartPose& start, LocalizerInputs inputs)
+      : composer(config, start, inputs) {}
+  void on_calibration(const odo_calibration& calibration) { composer.on_calibration(calibration); }
+  void on_imu(const odo_imu& imu) { composer.add_imu(imu); }
+  std::optional<odo_pose> on_attitude(const odo_attitude& attitude) {
+    composer.update(&attitude);
+    return take_pose();
+  }
+  odo_pose on_first_frame(int64_t t_ns) {
+    composer.update(FrameTime{t_ns});
+    return take_pose().value();
+  }
+  odo_pose on_vo_motion(odo_vo_motion motion, const odo_scale* scale) {
+    composer.prepare(motion);
+    composer.update(RelativeMotion{&motion, scale});
+    return take_pose().value();
+  }
+  std::optional<odo_pose> on_step(const odo_step& step) {
+    composer.update(&step);
+    return take_pose();
+  }
+  UpdateResult on_fix(const odo_fix& fix) { return composer.update(&fix); }
+  std::optional<odo_pose> take_pose() {
+    odo_pose pose;
+    return composer.take_pose(pose) ? std::optional(pose) : std::nullopt;
+  }
+  std::optional<odo_pose> take_correction() {
+    Correction correction;
+    odo_pose pose;
+    return composer.take_correction(correction, pose) ? std::optional(pose) : std::nullopt;
+  }
+  int32_t pose_at(int64_t t_ns, odo_pose& out) const {
+    Estimate then;
+    const int32_t status = composer.at(t_ns, then);
+    out = then.pose;
+    return status;
+  }
+  double distance_m() const { return composer.distance_m(); }
+};
+
+}  // namespace odograph
