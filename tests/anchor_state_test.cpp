@@ -73,4 +73,28 @@ TEST_CASE("an anchor is in front on the side that the phone's camera faces alone
   CHECK(get(app, behind).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE));
 }
 
+TEST_CASE(
+    "an anchor on the Earth that was made before the first sample is where it belongs in both worlds, at any heading") {
+  for (const char* heading : {"0 rad", "3.1 rad"}) {
+    App app(kWalk + kInertial +
+            navigation(kOrigin + ", start: {position: [0 m, 0 m, 0 m], heading: " + std::string(heading) + "}"));
+    odo_anchor_place place = on_earth();
+    place.latitude_rad += 20 / 6.4e6;  // 20 m to the north
+    const uint64_t id = make(app, place);
+    int placed = 0;
+    for (int i = 0; i < 2000; i += 10) {
+      app.walk(i, i + 10);
+      odo_anchor worlds[2]{};
+      for (odo_anchor& world : worlds) world.struct_size = sizeof world;
+      odo_anchor_get(app.session, id, ODO_WORLD_CORRECTED, ODO_TIME_LATEST, &worlds[0]);
+      odo_anchor_get(app.session, id, ODO_WORLD_SMOOTH, ODO_TIME_LATEST, &worlds[1]);
+      if (worlds[0].state != ODO_TRACKING) continue;
+      ++placed;
+      for (int k = 0; k < 3; ++k) CHECK(std::abs(worlds[0].p_n[k] - worlds[1].p_n[k]) < 0.1);
+      CHECK(std::abs(worlds[0].p_n[0] - 20) < 0.1);
+    }
+    CHECK(placed > 100);
+  }
+}
+
 TEST_SUITE_END();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Poses of the past that are held: the oracle is a clone, which is the same pose among the filter's own states.
+// Poses of the past that are held: the oracle is the pose now, which a pose held now is.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -85,6 +85,28 @@ TEST_CASE("a held pose is nearer to the truth after the fixes that come later, a
   CHECK(after_m < before_m);
   CHECK(squares / count < 3);
   CHECK(squares / count > 0.2);
+}
+
+TEST_CASE("what considers the pose leaves held poses where they are, and what moves the pose moves them as it") {
+  Localizer localizer;
+  for (const StateIndex i : {kNorth, kEast, kHeading, kStepHeading}) localizer.set(i, 0, 0.04);
+  localizer.P(kHeading, kStepHeading) = localizer.P(kStepHeading, kHeading) = 0.03;
+  const TrackPoint here;
+  const uint64_t id = localizer.hold(here, here);
+  Innovation<1> seen;
+  seen.residual[0] = 0.2, seen.noise(0, 0) = 0.01;
+  seen.H(0, kStepHeading) = 1;
+  REQUIRE(localizer.update(seen, 0, all_but({kStepHeading})).accepted);
+  HeldPose held;
+  REQUIRE(localizer.held(id, 0, held));
+  CHECK(held.q_n_b.angularDistance(Quaterniond::Identity()) < 1e-12);
+  CHECK(std::abs(held.own(2, 2) - 0.04) < 1e-12);
+  REQUIRE(localizer.update(seen, 0).accepted);
+  REQUIRE(localizer.held(id, 0, held));
+  CHECK(std::abs(localizer.x[kHeading]) > 0.01);
+  CHECK(std::abs(held.q_n_b.angularDistance(localizer.q_n_o())) < 1e-9);
+  CHECK(std::abs(held.own(2, 2) - localizer.P(kHeading, kHeading)) < 1e-12);
+  CHECK(std::abs(held.cross(2, 2) - localizer.P(kHeading, kHeading)) < 1e-12);
 }
 
 TEST_SUITE_END();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The localizer beside the estimator: what its filter and its composer must hold to, by closed forms.
+// What the filter and its composer must hold to, by closed forms.
 #include <doctest/doctest.h>
 
 #include <cmath>

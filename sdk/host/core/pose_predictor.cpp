@@ -103,7 +103,9 @@ void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
 
   if (begins) return smooth_.reset();
   const auto after = pose_of(body_at(then_ns));
-  smooth_.jumped(then_ns, {before.q_n, had_position ? before.p_n : after.p_n}, after);
+  // Without a camera a pose is a step's end, a motion that nobody could foresee.
+  const bool foresaw = had_position && is_camera(base.pose);
+  smooth_.jumped(then_ns, {before.q_n, foresaw ? before.p_n : after.p_n}, after);
 }
 
 /// The attitude's heading starts anywhere, and where a camera tells the orientation the two differ.

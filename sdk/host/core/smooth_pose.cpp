@@ -14,9 +14,15 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// What is left of a length after dt when it goes down by dx/dt = -min(x / tau, limit): a straight line first, then an
-/// exponential from limit * tau on.
-double left_of(double length, double dt, double tau, double limit) {
+/// What is left of a length after dt when it goes down by dx/dt = -max(min(x / tau, limit), x / far): an exponential
+/// down to limit * far, a straight line, and an exponential again from limit * tau on.
+double left_of(double length, double dt, double tau, double limit, double far) {
+  if (length > limit * far) {
+    const double far_s = far * std::log(length / (limit * far));
+    if (dt <= far_s) return length * std::exp(-dt / far);
+    dt -= far_s;
+    length = limit * far;
+  }
   const double knee = limit * tau;
   if (length > knee) {
     const double straight_s = (length - knee) / limit;
@@ -27,18 +33,18 @@ double left_of(double length, double dt, double tau, double limit) {
   return length * std::exp(-dt / tau);
 }
 
-Vector3d left_of(const Vector3d& x, double dt, double tau, double limit) {
+Vector3d left_of(const Vector3d& x, double dt, double tau, double limit, double far) {
   const double length = x.norm();
-  return length > 0 ? Vector3d(x * (left_of(length, dt, tau, limit) / length)) : Vector3d::Zero();
+  return length > 0 ? Vector3d(x * (left_of(length, dt, tau, limit, far) / length)) : Vector3d::Zero();
 }
 
 }  // namespace
 
 SmoothPose::Pose SmoothPose::at(int64_t t_ns, const Pose& pose) const {
   const double dt = std::max(0.0, static_cast<double>(saturating_difference(t_ns, since_ns_)) * 1e-9);
-  const double tau = parameters_.time_constant_s;
-  const Vector3d theta_n = left_of(rotation_n_, dt, tau, parameters_.max_rate_radps);
-  const Vector3d shift = left_of(shift_n_, dt, tau, parameters_.max_speed_mps);
+  const double tau = parameters_.time_constant_s, far = parameters_.far_time_constant_s;
+  const Vector3d theta_n = left_of(rotation_n_, dt, tau, parameters_.max_rate_radps, far);
+  const Vector3d shift = left_of(shift_n_, dt, tau, parameters_.max_speed_mps, far);
   return {(exp_rotation(theta_n) * pose.q_n).normalized(), pose.p_n + shift};
 }
 

@@ -9,14 +9,15 @@
 namespace odograph {
 
 /// A pose that never jumps, beside one that does: the difference between the two is taken over at each jump and then
-/// blended out, exponentially and no faster than a limit. Pure function of the jumps and of time.
+/// blended out, exponentially, and while it is small no faster than a limit. Pure function of the jumps and of time.
 class SmoothPose {
  public:
   /// Judgement: 0.5 m/s is less than half of a walk, and 0.8 cm between two pictures at 60 Hz.
   struct Parameters {
     double time_constant_s = 0.15;
-    double max_speed_mps = 0.5;
-    double max_rate_radps = 0.17;  ///< 10 deg/s
+    double max_speed_mps = 0.5;    ///< up to 0.5 m; beyond, what is left of it in `far_time_constant_s`
+    double max_rate_radps = 0.17;  ///< 10 deg/s, likewise
+    double far_time_constant_s = 1;
   };
 
   struct Pose {

@@ -281,7 +281,7 @@ int32_t Composer::at(int64_t t_ns, Estimate& out) const {
 }
 
 uint64_t Composer::hold_pose(int64_t t_ns) {
-  if (!tracker_.started() || t_ns > tracker_.now_ns()) return 0;
+  if (!tracker_.started() || t_ns > tracker_.newest().t_ns) return 0;
   const auto then = tracker_.track().at(t_ns);
   return then ? tracker_.localizer.hold(*then, tracker_.newest()) : 0;
 }

@@ -108,12 +108,15 @@ UpdateResult Localizer::update(const Innovation<D>& innovation, double max_nis, 
     if (considered[static_cast<size_t>(i)]) K.row(i).setZero();
   for (Held& held : held_) {
     const Eigen::Matrix<double, 4, D> CHt = held.cross * H.transpose();
-    const Eigen::Matrix<double, 4, D> K_held = CHt * inverse;
+    Eigen::Matrix<double, 4, D> K_held = CHt * inverse;
+    for (int i = 0; i < 4; ++i)  // what holds for the pose now holds for that of then
+      if (considered[static_cast<size_t>(kPose[i])]) K_held.row(i).setZero();
     const Eigen::Matrix<double, 4, 1> moved = K_held * innovation.residual;
     held.q_n_b = (about_down(moved[0]) * held.q_n_b).normalized();
     held.p_n += along_arc(moved.tail<3>(), moved[0]);
     held.cross += K_held * (S * K.transpose() - PHt.transpose()) - CHt * K.transpose();
-    held.own -= K_held * CHt.transpose();
+    const Eigen::Matrix<double, 4, D> half = CHt - 0.5 * K_held * S;
+    held.own -= K_held * half.transpose() + half * K_held.transpose();
   }
   StateVector moved = K * innovation.residual;
   moved.head<3>() = along_arc(moved.head<3>(), moved[kHeading]);

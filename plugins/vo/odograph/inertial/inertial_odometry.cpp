@@ -100,8 +100,9 @@ InertialOdometry::Outcome InertialOdometry::advance(Filtering& phase, const Pend
   if (!seen.standing) phase.moved_s += seconds(filter.state().t_ns - before_ns);
   phase.tracked = static_cast<unsigned>(corners_.followed());
   phase.accepted = static_cast<unsigned>(seen.accepted);
+  const bool wrong = is_wrong(phase, seen, frame.t_ns);
   InertialMotion out = tell(phase, frame.t_ns, filter.state().nav, true);
-  if (!is_wrong(phase, seen, frame.t_ns) && filter.velocity_sigma() <= p_.lost_sigma_mps) return {out, std::nullopt};
+  if (!wrong && filter.velocity_sigma() <= p_.lost_sigma_mps) return {out, std::nullopt};
   ++group_;
   out.metric = false;
   out.motion.translation_valid = false;
@@ -229,7 +230,8 @@ InertialMotion InertialOdometry::tell(Filtering& phase, int64_t t_ns, const Navi
   m.covariance = motion_covariance(filter, t_ns, with_clone);
   m.rotation_valid = m.translation_valid = true;
   m.tracked = phase.tracked, m.inliers = std::min(phase.accepted, phase.tracked);
-  const bool degraded = filter.velocity_sigma() > p_.degraded_sigma_mps;
+  const bool blind = phase.unseen_since_ns && seconds(t_ns - *phase.unseen_since_ns) > p_.degraded_unseen_s;
+  const bool degraded = blind || filter.velocity_sigma() > p_.degraded_sigma_mps;
   m.state = degraded ? Tracking::degraded : Tracking::tracking;
   m.failure = degraded ? dark_or_few_features() : FailureReason::none;
   out.scale_sigma = std::min(1.0, std::hypot(p_.scale_sigma_factor * filter.scale_sigma(), p_.scale_sigma_floor,

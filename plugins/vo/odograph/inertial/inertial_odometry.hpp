@@ -48,6 +48,7 @@ struct InertialOdometryParameters {
   /// Linz came out four times as long).
   int min_seen = 10;
   double unseen_s = 4;
+  double degraded_unseen_s = 0.3;  ///< of that, degraded: two blinks of a hand before the lens; by hand
   // What is told of a motion.
   double start_every_s = 0.25;           ///< a start in motion is tried
   double keep_frames_s = 3.5;            ///< for a start: StartParameters::max_s and some
