@@ -4,21 +4,16 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <random>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "tests/measured_walk.hpp"
 
 using namespace odograph;
-using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("held_poses");
-
-namespace {}  // namespace
 
 TEST_CASE("what is held changes nothing of the filter, to the bit") {
   const auto run = [](bool holds) {
