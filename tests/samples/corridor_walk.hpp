@@ -141,7 +141,7 @@ inline std::string sample_plugins() { return (std::filesystem::path(ODOGRAPH_BUI
 /// The pipeline of both samples; the walk begins at the origin's height, heading north.
 inline std::string platform_config(const std::string& rest, const std::string& north = "0 m") {
   return "odograph: 1\nattitude: {plugin: attitude/vqf}\nvo_frontend: {plugin: vo/platform_pose}\ncoupling: {type: "
-         "inertial}\nnavigation: {start: {position: [" +
+         "localizer}\nnavigation: {start: {position: [" +
          north + ", 0 m, -1.4 m], heading: 0 rad}}\n" + rest;
 }
 

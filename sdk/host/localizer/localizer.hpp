@@ -94,7 +94,7 @@ class Localizer {
   Eigen::Matrix<double, 6, 6> pose_covariance(double tilt_variance) const;
 
  private:
-  /// Errors of (heading, position), moved where those of now are (delayed-state pose), eq. (11).
+  /// Errors of (heading, position), moved where those of now are (delayed-state pose), eq. (11), (12).
   struct Held {
     uint64_t id = 0;
     double path_m = 0;
