@@ -83,9 +83,11 @@ Result<MarkedRun> marked_run(const Recording& recording, const RunOptions& run, 
   Marks marks(options, recording.truth);
   const double before_s = cpu_s();
   double recorded_s = 0;
+  int64_t begin_ns = INT64_MIN;  // descriptions of sensors come before, and may have the time 0
   for (const RecordedMessage& message : recording.messages) {
     const odo_header& header = message.message.header();
-    recorded_s = seconds(header.t_ns - recording.messages.front().message.header().t_ns);
+    if (begin_ns == INT64_MIN && (header.type == ODO_TYPE_IMU || header.type == ODO_TYPE_FRAME)) begin_ns = header.t_ns;
+    recorded_s = begin_ns == INT64_MIN ? 0.0 : seconds(header.t_ns - begin_ns);
     if (recorded_s > first_s) break;
     if (options.sigma_m > 0 && header.type == ODO_TYPE_WAYPOINT) continue;  // the scenario's own
     if (const auto failure = marks.tell(raw, poses, header.t_ns)) return *failure;
