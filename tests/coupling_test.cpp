@@ -233,7 +233,7 @@ TEST_CASE("a pose says metric and velocity only when that is so, and the first s
   Correction correction;
   odo_pose pose;
   REQUIRE(composer.take_correction(correction, pose));
-  CHECK(correction.reason == kCorrectionScale);
+  CHECK(correction.reason == ODO_CORRECTION_SCALE);
   CHECK(correction.p.norm() == doctest::Approx(0.2));  // the first motion, in metres
   REQUIRE(composer.take_pose(pose));
   CHECK((pose.header.flags & ODO_POSE_METRIC) != 0);

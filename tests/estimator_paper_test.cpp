@@ -135,7 +135,7 @@ TEST_CASE("a fix of the heading alone is published") {
   REQUIRE(composer.take_correction(correction, corrected));
   CHECK(std::abs(std::remainder(body_yaw(corrected) - body_yaw(first), 2 * EIGEN_PI) - 0.1) < 0.002);
   CHECK(std::abs(log_rotation(correction.q).z() - 0.1) < 0.002);
-  CHECK(correction.reason == kCorrectionFix);
+  CHECK(correction.reason == ODO_CORRECTION_FIX);
 }
 
 TEST_CASE("a clock that is set back before the first frame leaves the camera's mount alone") {

@@ -17,9 +17,6 @@ using Eigen::Vector3d;
 
 constexpr Pipeline::Parameters kParameters;
 
-static_assert(kCorrectionFix == ODO_CORRECTION_FIX && kCorrectionScale == ODO_CORRECTION_SCALE &&
-              kCorrectionRecovered == ODO_CORRECTION_RECOVERED);
-
 /// The part of a rotation that is about the vertical (swing-twist decomposition).
 Quaterniond about_down(const Quaterniond& q) {
   const double norm = std::hypot(q.w(), q.z());

@@ -45,18 +45,13 @@ struct Notice {
   uint32_t severity = ODO_SEVERITY_WARNING;
 };
 
-/// Why the track jumped.
-constexpr uint32_t kCorrectionFix = 1;        // a position or orientation from outside
-constexpr uint32_t kCorrectionScale = 2;      // the metre became known, or better known
-constexpr uint32_t kCorrectionRecovered = 3;  // a sick part was started anew
-
 /// The track was corrected: what was at x in the old navigation frame is at q * x + p in the new one. q is unit, p in
 /// metres; t_ns is the time of the pose at which the two agree best.
 struct Correction {
   int64_t t_ns = 0;
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
-  uint32_t reason = 0;  ///< kCorrection*
+  uint32_t reason = 0;  ///< ODO_CORRECTION_*
 };
 
 /// How well the metre of the present scale group is known, and by whom.
