@@ -4,10 +4,10 @@ what it must name."""
 H = "abi/include/odograph/"
 BASE, SAMPLES, EVENTS, APP, PLUGIN = (H + name for name in ("base.h", "samples.h", "events.h", "odograph.h", "plugin.h"))
 MAP = "sdk/host/odograph.map"
-OUTPUT = "sdk/host/core/pipeline_output.cpp"
+OUTPUT = "sdk/host/core/pose_publisher.cpp"
 WEINBERG = "plugins/step/weinberg2002/plugin.cpp"
 CORRECTION = "  if (moved) publish_correction(correction, corrected);\n"
-NEW_POSES = "  for (; any; any = composer_.take_pose(pose)) publish_pose(pose, true);\n"
+NEW_POSES = "  for (; any; any = s_.composer.take_pose(pose)) publish_pose(pose, true);\n"
 
 # What may be added.
 GROWTH = [

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include <odograph/step_estimator.h>
@@ -30,7 +31,7 @@ void Pipeline::process(const odo_header& message) {
     case ODO_TYPE_FRAME:
       ++counters_.frames;
       if (roster_.is_main_camera(message) && roster_.has_front_end()) composer_.update(FrameTime{message.t_ns});
-      publish_estimates();
+      publisher_.publish_estimates();
       ask(message);
       break;
     case ODO_TYPE_CALIBRATION:
@@ -39,7 +40,7 @@ void Pipeline::process(const odo_header& message) {
       ask(message);
       break;
     case ODO_TYPE_EARTH_FIELD:
-      if (message.flags & ODO_EARTH_FIELD_DECLINATION) declination_rad_ = as<odo_earth_field>(message).declination_rad;
+      north_.add(as<odo_earth_field>(message));
       ask(message);
       break;
     case ODO_TYPE_BAROMETER:
@@ -49,7 +50,7 @@ void Pipeline::process(const odo_header& message) {
     default: ask(message);  // magnetometer, GNSS, waypoints, and what only a plugin knows
   }
   handle_events();
-  watch_silence();
+  publisher_.watch_silence();
 }
 
 void Pipeline::on_imu(const odo_imu& imu) {
@@ -59,8 +60,14 @@ void Pipeline::on_imu(const odo_imu& imu) {
     return handle_events();
   }
   composer_.add_imu(imu);
-  publish_estimates();
+  publisher_.publish_estimates();
   ask(imu.header);
+}
+
+void Pipeline::wake() {
+  if (!host_.has_woken()) return;
+  events_.begin();
+  roster_.wake([this] { handle_events(); });
 }
 
 /// Hands a sample to the plugins; all that comes of it is handled before the next one is asked.
@@ -83,7 +90,7 @@ void Pipeline::handle_events() {
     handle(event);
     // Fixes of one call count as one: the corrected pose comes after the last of them.
     const bool more_fixes = !events_.empty() && events_.front().header().type == ODO_TYPE_FIX;
-    if (event.header().type != ODO_TYPE_FIX || !more_fixes) publish_estimates();
+    if (event.header().type != ODO_TYPE_FIX || !more_fixes) publisher_.publish_estimates();
   }
 }
 
@@ -98,7 +105,7 @@ void Pipeline::handle(AnyMessage& event) {
         return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
       break;
     case ODO_TYPE_SCALE: return on_scale(reinterpret_cast<odo_scale&>(event.header()));
-    case ODO_TYPE_ATTITUDE: complete(reinterpret_cast<odo_attitude&>(event.header())); break;
+    case ODO_TYPE_ATTITUDE: north_.complete(reinterpret_cast<odo_attitude&>(event.header())); break;
     default: break;
   }
   publish_(header);
@@ -128,11 +135,11 @@ void Pipeline::handle(AnyMessage& event) {
 
 void Pipeline::on_attitude(const odo_attitude& attitude) {
   poses_.predictor().add_attitude(attitude);
-  if (attitude.header.flags & ODO_ATTITUDE_TRUE_NORTH) north_is_true_ = true;
-  if (!camera_knows_bias_ && (attitude.header.flags & ODO_ATTITUDE_GYRO_BIAS))
+  north_.observe(attitude);
+  if (!publisher_.camera_knows_bias() && (attitude.header.flags & ODO_ATTITUDE_GYRO_BIAS))
     poses_.predictor().set_biases(Eigen::Vector3d(attitude.gyro_bias_b), Eigen::Vector3d::Zero());
   composer_.update(&attitude);
-  publish_estimates();
+  publisher_.publish_estimates();
   roster_.tell(attitude.header);
 }
 
@@ -183,7 +190,8 @@ void Pipeline::on_vo_motion(odo_vo_motion& motion) {
   for (double& c : judged.covariance) c *= odometry_covariance_;
   judged.scale_sigma *= std::sqrt(odometry_covariance_);
   composer_.update(RelativeMotion{&judged, scale_for(motion)});
-  publish_estimates();
+  tell_notice();
+  publisher_.publish_estimates();
   roster_.tell(motion.header, false);  // the scale sources have had it
   odo_fix reference;
   while (composer_.take_step_reference(reference)) roster_.tell_kind(ODO_INTERFACE_STEP_ESTIMATOR, reference.header);
@@ -205,9 +213,32 @@ void Pipeline::on_fix(odo_fix& fix) {
                      " sigma from the track in " + std::to_string(result.dof) + " components");
   ++(used ? counters_.fixes_accepted : counters_.fixes_rejected);
   if (used) fix.header.flags |= ODO_FLAG_ACCEPTED;
-  if (used && (fix.header.flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION))) north_is_true_ = true;
+  if (used) north_.observe(fix);
   publish_(fix.header);
   if (used) roster_.tell(fix.header);
+}
+
+/// Whether a position lies so far from n's origin that n has no meaning there; reported.
+bool Pipeline::is_beyond_frame(const odo_fix& fix) {
+  const double north_m = (fix.header.flags & ODO_FIX_NORTH) ? fix.p_n[0] : 0.0;
+  const double east_m = (fix.header.flags & ODO_FIX_EAST) ? fix.p_n[1] : 0.0;
+  const double distance_m = std::hypot(north_m, east_m);
+  if (distance_m <= kParameters.farthest_fix_m) return false;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "a fix lies %.0f km from the origin of n, at most %.0f km make sense: is navigation.origin right?",
+                distance_m / 1e3, kParameters.farthest_fix_m / 1e3);
+  host_.report(fix.header.source, ODO_SEVERITY_WARNING, "far_fix", text);
+  return true;
+}
+
+bool Pipeline::is_of_main_camera(const odo_vo_motion& motion) {
+  if (!roster_.has_camera() || camera() == motion.camera) return true;
+  host_.report(motion.header.source, ODO_SEVERITY_WARNING, "other_camera",
+               "a motion of camera " + std::to_string(motion.camera) + "; expected one of the main camera, " +
+                   std::to_string(camera()),
+               ODO_E_ARGUMENT);
+  return false;
 }
 
 void Pipeline::reset() {
@@ -223,11 +254,8 @@ void Pipeline::reset() {
   watch_.reset();
   poses_.clear();
   scale_join_.reset();
-  camera_knows_bias_ = false;
-  north_is_true_ = start_has_heading_;
-  if (last_pose_ns_ != INT64_MIN) before_restart_ = last_pose_;
-  last_pose_ns_ = INT64_MIN;
-  state_ = 0;
+  publisher_.reset();
+  north_.reset();
   handle_events();
 }
 
@@ -238,19 +266,22 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       geodesy_(surroundings.geodesy),
       poses_(surroundings.poses),
       anchors_(surroundings.anchors),
-      world_mutex_(surroundings.world_mutex),
       events_(kParameters.events_per_sample),
       watch_(config.ordering.max_gap_s),
       publish_(std::move(publish)),
       scale_join_(config.scale_sources.size()),
       odometry_covariance_(config.coupling.odometry_covariance),
       steps_alone_need_heading_(config.coupling.type == CouplingType::paper && config.vo_frontends.empty()),
-      start_has_heading_(config.start.heading_given),
-      north_is_true_(start_has_heading_),
-      declination_rad_(config.declination_rad) {
+      north_(config.declination_rad, config.start.heading_given),
+      publisher_({composer_, roster_, watch_, north_, poses_, anchors_, surroundings.world_mutex}, publish_,
+                 [this](const odo_header& event) {
+                   if (event.type == ODO_TYPE_POSE ? gives_poses_to_ : gives_corrections_to_)
+                     enqueue(AnyMessage(event));
+                 }) {
   if (config.origin) geodesy_.set_origin(*config.origin);
-  anchors_.set_ground(
-      [this](double north_m, double east_m, double near_down_m) { return ground_at(north_m, east_m, near_down_m); });
+  anchors_.set_ground([this](double north_m, double east_m, double near_down_m) {
+    return roster_.ground_at(north_m, east_m, near_down_m);
+  });
 }
 
 Result<std::unique_ptr<Pipeline>> Pipeline::make(const PipelineConfig& config, const Surroundings& surroundings,

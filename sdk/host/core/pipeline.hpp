@@ -10,7 +10,9 @@
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/core/anchors.hpp"
 #include "sdk/host/core/event_queue.hpp"
+#include "sdk/host/core/north_reference.hpp"
 #include "sdk/host/core/plugin_roster.hpp"
+#include "sdk/host/core/pose_publisher.hpp"
 #include "sdk/host/core/pose_stream.hpp"
 #include "sdk/host/core/saved_state.hpp"
 #include "sdk/host/core/scale_join.hpp"
@@ -34,19 +36,13 @@ class Pipeline {
 
   struct Parameters {
     size_t events_per_sample = 512;  ///< twice what one call of a plugin may emit; a walk gives fewer than ten
-    // Of an attitude without a covariance: a filter that does not compute one is seldom better than 3 degrees in tilt
-    // while walking, and its compass within 30 degrees (docs/accuracy/pose.md).
-    double tilt_sigma_rad = 0.05;
-    double heading_sigma_rad = 0.5;
     /// From n's origin: beyond, n's vertical is off by more than 0.9 degrees (100 km / 6371 km) and its plane 785 m
     /// above the ground, so that a position there is a wrong origin or a wrong fix.
     double farthest_fix_m = 100e3;
-    double north_sigma_rad = 0.35;  ///< up to which a heading is called one against north: 20 degrees, half a street
   };
 
   struct Counters {
     uint64_t frames = 0, steps = 0, fixes_accepted = 0, fixes_rejected = 0, events_dropped = 0, unknown = 0;
-    double state_s[4] = {0, 0, 0, 0};  // by ODO_TRACKING ...
   };
 
   /// What a pipeline works with; outlives it.
@@ -77,6 +73,7 @@ class Pipeline {
   /// header.source of the front-end's camera; 0 before there is one. [any]
   uint32_t camera() const { return roster_.camera(); }
   const Counters& counters() const { return counters_; }
+  double state_s(uint32_t state) const { return publisher_.state_s(state); }
   uint64_t plugin_faults() const { return roster_.faults(); }
   uint64_t gaps() const { return watch_.gaps(); }
   double distance_m() const { return composer_.distance_m(); }
@@ -85,34 +82,20 @@ class Pipeline {
  private:
   Pipeline(const PipelineConfig& config, const Surroundings& surroundings, Publish publish);
 
-  // pipeline.cpp: from samples to the localizer
   void on_imu(const odo_imu& imu);
   bool is_of_main_camera(const odo_vo_motion& motion);
   void ask(const odo_header& message);
   void enqueue(const AnyMessage& event);
   void handle_events();
   void handle(AnyMessage& event);
-  void complete(odo_attitude& attitude) const;
   void on_attitude(const odo_attitude& attitude);
   void on_vo_motion(odo_vo_motion& motion);
   void on_fix(odo_fix& fix);
-  bool is_beyond_frame(const odo_fix& fix);  // pipeline_conventions.cpp
+  bool is_beyond_frame(const odo_fix& fix);
   void tell_notice();
   void on_scale(odo_scale& scale);
   void publish_scale(odo_scale& scale, bool accepted);
   const odo_scale* scale_for(const odo_vo_motion& motion);
-
-  // pipeline_output.cpp: from the localizer to who listens
-  void publish_estimates();
-  void publish_pose(odo_pose pose, bool is_new);
-  void publish_correction(const Correction& correction, const odo_pose& corrected);
-  void publish_restart(const odo_pose& pose);
-  void correct_world(int64_t t_ns, const Rigid& correction);
-  std::optional<double> ground_at(double north_m, double east_m, double near_down_m) const;
-  void tell_stream(const odo_pose& pose);
-  bool sensor_silent() const;
-  void watch_silence();
-  void set_state(int64_t t_ns, uint32_t state, uint32_t reason);
 
   PluginRoster roster_;
   bool gives_poses_to_ = false, gives_corrections_to_ = false;  // some plugin wants them
@@ -121,7 +104,6 @@ class Pipeline {
   Geodesy& geodesy_;
   PoseStream& poses_;
   Anchors& anchors_;
-  std::mutex& world_mutex_;
   EventQueue events_;
   ImuJoiner joiner_;
   SensorWatch watch_;
@@ -130,16 +112,8 @@ class Pipeline {
   ScaleJoin scale_join_;
   double odometry_covariance_ = 1;  ///< factor on what a front-end says
   const bool steps_alone_need_heading_;
-  const bool start_has_heading_;
-  bool north_is_true_ = false;  // something has observed the heading against true north
-  std::optional<double> declination_rad_;
-  std::optional<odo_pose> before_restart_;
-  odo_pose last_pose_{};
-  int64_t last_pose_ns_ = INT64_MIN;
-  bool camera_knows_bias_ = false;
-  uint32_t state_ = 0;
-  uint32_t reason_ = ODO_REASON_INITIALISING;
-  int64_t state_since_ns_ = 0;
+  NorthReference north_;
+  PosePublisher publisher_;
 };
 
 }  // namespace odograph

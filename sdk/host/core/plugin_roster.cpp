@@ -2,7 +2,9 @@
 #include "sdk/host/core/plugin_roster.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include <odograph/terrain.h>
 #include <odograph/vo_frontend.h>
 
 namespace odograph {
@@ -131,6 +133,18 @@ bool PluginRoster::any_dead() const {
     for (const uint32_t type : {ODO_TYPE_ATTITUDE, ODO_TYPE_STEP, ODO_TYPE_VO_MOTION, ODO_TYPE_SCALE})
       if (plugin->gives(type) && (plugin->recovering() || (!plugin->alive() && !gives(type)))) return true;
   return false;
+}
+
+std::optional<double> PluginRoster::ground_at(double north_m, double east_m, double near_down_m) const {
+  for (const auto& plugin : plugins_) {
+    const auto* terrain = static_cast<const odo_terrain*>(plugin->extension(ODO_EXTENSION_TERRAIN));
+    double down_m = 0, sigma_m = 0;
+    if (terrain && ODO_HAS(terrain, height) && terrain->height &&
+        terrain->height(terrain->user, north_m, east_m, near_down_m, &down_m, &sigma_m) == ODO_OK &&
+        std::isfinite(down_m))
+      return down_m;
+  }
+  return std::nullopt;
 }
 
 uint64_t PluginRoster::faults() const {

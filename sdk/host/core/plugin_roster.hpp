@@ -56,6 +56,8 @@ class PluginRoster {
   /// A fixer's end, and that of a plugin whose place another one takes, costs no state.
   bool any_dead() const;
   uint64_t faults() const;
+  /// Height of the ground downwards in n, m, by the first plugin with a terrain model; nothing without one.
+  std::optional<double> ground_at(double north_m, double east_m, double near_down_m) const;
   /// In the order of their numbers, from 1.
   const std::vector<std::unique_ptr<PluginInstance>>& plugins() const { return plugins_; }
   const Plugins& scale_sources() const { return scale_sources_; }

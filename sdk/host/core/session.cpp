@@ -133,9 +133,9 @@ void Session::publish_progress() {
   now.fixes_rejected = counters.fixes_rejected;
   now.gaps = pipeline_->gaps();
   now.plugin_faults = pipeline_->plugin_faults();
-  now.tracking_s = counters.state_s[ODO_TRACKING];
-  now.degraded_s = counters.state_s[ODO_DEGRADED];
-  now.lost_s = counters.state_s[ODO_LOST];
+  now.tracking_s = pipeline_->state_s(ODO_TRACKING);
+  now.degraded_s = pipeline_->state_s(ODO_DEGRADED);
+  now.lost_s = pipeline_->state_s(ODO_LOST);
   now.distance_m = pipeline_->distance_m();
   now.events_dropped = counters.events_dropped;
   now.unknown = counters.unknown;

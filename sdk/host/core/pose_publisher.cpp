@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/core/pose_publisher.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sdk/math/rotation.hpp"
+
+namespace odograph {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr PosePublisher::Parameters kParameters;
+
+/// The part of a rotation that is about the vertical (swing-twist decomposition).
+Quaterniond about_down(const Quaterniond& q) {
+  const double norm = std::hypot(q.w(), q.z());
+  return norm > 0 ? Quaterniond(q.w() / norm, 0, 0, q.z() / norm) : Quaterniond::Identity();
+}
+
+}  // namespace
+
+void PosePublisher::publish_estimates() {
+  Correction correction;
+  odo_pose corrected{}, pose{};
+  const bool moved = s_.composer.take_correction(correction, corrected);
+  if (moved) publish_correction(correction, corrected);
+  bool any = s_.composer.take_pose(pose);
+  if (moved && !(any && pose.header.t_ns == corrected.header.t_ns)) publish_pose(corrected, false);
+  for (; any; any = s_.composer.take_pose(pose)) publish_pose(pose, true);
+}
+
+void PosePublisher::publish_pose(odo_pose pose, bool is_new) {
+  if (s_.roster.any_dead() && pose.state == ODO_TRACKING)
+    pose.state = ODO_DEGRADED, pose.reason = ODO_REASON_PLUGIN_FAILED;
+  if (sensor_silent()) pose.state = std::max(pose.state, ODO_DEGRADED), pose.reason = ODO_REASON_SENSOR_SILENT;
+  if (s_.north.is_true() && pose.covariance[14] < kParameters.north_sigma_rad * kParameters.north_sigma_rad)
+    pose.header.flags |= ODO_POSE_NORTH;
+  if (before_restart_ && (pose.header.flags & ODO_POSE_POSITION)) publish_restart(pose);
+  last_ = pose;
+  if (is_new) set_state(pose.header.t_ns, pose.state, pose.reason);
+  {
+    const std::lock_guard lock(s_.world_mutex);
+    add_to_stream(pose);
+    s_.anchors.follow(s_.composer, pose.header.t_ns, nullptr);
+  }
+  publish_(pose.header);
+  if (is_new) tell_plugins_(pose.header);
+}
+
+void PosePublisher::publish_correction(const Correction& correction, const odo_pose& corrected) {
+  const Vector3d after(corrected.p_n), before = correction.q.conjugate() * (after - correction.p);
+  const Quaterniond q = about_down(correction.q);
+  const Rigid level{q, after - q * before};
+  {  // nobody sees a corrected phone among anchors that are not, nor the other way round
+    const std::lock_guard lock(s_.world_mutex);
+    s_.poses.predictor().correct(level.q, level.p);
+    s_.anchors.follow(s_.composer, correction.t_ns, &level);
+  }
+  announce(correction.t_ns, level, correction.reason);
+}
+
+/// The phone is where it was; n is another.
+void PosePublisher::publish_restart(const odo_pose& pose) {
+  const odo_pose before = *std::exchange(before_restart_, std::nullopt);
+  const Quaterniond q = about_down(quaternion(pose.q_n) * quaternion(before.q_n).conjugate());
+  const Rigid correction{q, Vector3d(pose.p_n) - q * Vector3d(before.p_n)};
+  {
+    const std::lock_guard lock(s_.world_mutex);
+    s_.anchors.follow(s_.composer, pose.header.t_ns, &correction);
+  }
+  announce(pose.header.t_ns, correction, ODO_CORRECTION_RESTART);
+}
+
+void PosePublisher::announce(int64_t t_ns, const Rigid& correction, uint32_t reason) {
+  auto event = make_message<odo_correction>(ODO_TYPE_CORRECTION, t_ns);
+  put_quaternion(correction.q, event.q_n);
+  Vector3d::Map(event.p_n) = correction.p;
+  event.reason = reason;
+  publish_(event.header);
+  tell_plugins_(event.header);
+}
+
+/// The pose, and the state of the body that it is carried on from.
+void PosePublisher::add_to_stream(const odo_pose& pose) {
+  PosePredictor::Base base{pose, quaternion(pose.q_n), Vector3d(pose.p_n), {}};
+  if (Estimate then; s_.composer.at(pose.header.t_ns, then) == ODO_OK) {
+    base.q_n_b = then.q_n_b, base.p_n_b = then.p_n_b;
+    if ((pose.header.flags & ODO_POSE_VELOCITY) && !then.velocity_is_mean) base.v_n_b = then.v_n_b;
+    if (!then.gyro_bias_b.isZero()) {
+      s_.poses.predictor().set_biases(then.gyro_bias_b, then.accel_bias_b);
+      camera_knows_bias_ = true;
+    }
+  }
+  s_.poses.add_pose(pose, base);
+}
+
+bool PosePublisher::sensor_silent() const {
+  return (s_.watch.imu_silent() && s_.roster.has_attitude()) || (s_.watch.camera_silent() && s_.roster.has_front_end());
+}
+
+/// As long as the other sensor gives poses it is not lost.
+void PosePublisher::watch_silence() {
+  if (!sensor_silent()) return;
+  const bool poses = last_ && s_.watch.recent(last_->header.t_ns);
+  set_state(s_.watch.now_ns(), poses ? ODO_DEGRADED : ODO_LOST, ODO_REASON_SENSOR_SILENT);
+}
+
+void PosePublisher::set_state(int64_t t_ns, uint32_t state, uint32_t reason) {
+  state = std::min(state, ODO_LOST);
+  if (state_ != 0 && t_ns > state_since_ns_) {
+    state_s_[state_] += static_cast<double>(t_ns - state_since_ns_) * kNanoseconds;
+    state_since_ns_ = t_ns;
+  }
+  if (state == state_ && reason == reason_) return;
+  if (state_ == 0) state_since_ns_ = t_ns;
+  state_ = state;
+  reason_ = reason;
+  s_.poses.predictor().set_state(state, reason);
+  auto event = make_message<odo_state>(ODO_TYPE_STATE, t_ns);
+  event.state = state;
+  event.reason = reason;
+  publish_(event.header);
+}
+
+void PosePublisher::reset() {
+  camera_knows_bias_ = false;
+  if (last_) before_restart_ = std::exchange(last_, std::nullopt);
+  state_ = 0;
+}
+
+}  // namespace odograph

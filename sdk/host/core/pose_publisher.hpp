@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <optional>
+
+#include "sdk/host/core/anchors.hpp"
+#include "sdk/host/core/north_reference.hpp"
+#include "sdk/host/core/plugin_roster.hpp"
+#include "sdk/host/core/pose_stream.hpp"
+#include "sdk/host/core/sensor_watch.hpp"
+#include "sdk/host/localizer/composer.hpp"
+
+namespace odograph {
+
+/// What leaves the pipeline: poses, corrections of earlier ones, and the tracking state, to the listener, to the pose
+/// stream and to the anchors. One thread at a time.
+class PosePublisher {
+ public:
+  struct Parameters {
+    double north_sigma_rad = 0.35;  ///< up to which a heading is called one against north: 20 degrees, half a street
+  };
+
+  /// What it reads and writes; outlives it.
+  struct Surroundings {
+    Composer& composer;
+    const PluginRoster& roster;
+    const SensorWatch& watch;
+    const NorthReference& north;
+    PoseStream& poses;        ///< gets every pose and state
+    Anchors& anchors;         ///< follow the estimate
+    std::mutex& world_mutex;  ///< held while a correction moves poses and anchors
+  };
+  using Send = std::function<void(const odo_header&)>;
+
+  /// `publish`: for who listens. `tell_plugins`: for the plugins that want poses and corrections.
+  PosePublisher(const Surroundings& surroundings, Send publish, Send tell_plugins)
+      : s_(surroundings), publish_(std::move(publish)), tell_plugins_(std::move(tell_plugins)) {}
+
+  /// All that the localizer has for the outside, in order of time: a correction and the pose that it moved before newer
+  /// poses.
+  void publish_estimates();
+  /// After each message: silence that no pose reports.
+  void watch_silence();
+  /// The clock was set back: the next pose is announced as a correction of the last one.
+  void reset();
+
+  /// Whether the pose stream's gyroscope bias is the camera's.
+  bool camera_knows_bias() const { return camera_knows_bias_; }
+  /// Sensor time spent in a state, s.
+  double state_s(uint32_t state) const { return state_s_[state]; }
+
+ private:
+  void publish_pose(odo_pose pose, bool is_new);
+  void publish_correction(const Correction& correction, const odo_pose& corrected);
+  void publish_restart(const odo_pose& pose);
+  void announce(int64_t t_ns, const Rigid& correction, uint32_t reason);
+  void add_to_stream(const odo_pose& pose);
+  bool sensor_silent() const;
+  void set_state(int64_t t_ns, uint32_t state, uint32_t reason);
+
+  Surroundings s_;
+  Send publish_, tell_plugins_;
+  std::optional<odo_pose> before_restart_, last_;
+  bool camera_knows_bias_ = false;
+  uint32_t state_ = 0, reason_ = ODO_REASON_INITIALISING;
+  int64_t state_since_ns_ = 0;
+  double state_s_[4] = {0, 0, 0, 0};  // by ODO_TRACKING ...
+};
+
+}  // namespace odograph
