@@ -19,12 +19,6 @@ namespace {
 
 constexpr double kTiltSigma_rad = 0.01;  // of the inclination that a front-end or an attitude source keeps; 0.5 degrees
 
-FixUpdate::Parameters fix_parameters(const CouplingConfig& config) {
-  FixUpdate::Parameters out;
-  out.gate_sigma = config.fix_gate_sigma;
-  return out;
-}
-
 }  // namespace
 
 Composer::Composer(const CouplingConfig& config, const StartPose& start, LocalizerInputs inputs)
@@ -32,7 +26,7 @@ Composer::Composer(const CouplingConfig& config, const StartPose& start, Localiz
       tracker_(config, start),
       front_end_(tracker_, inputs),
       walker_(tracker_, front_end_),
-      fixes_(fix_parameters(config)) {
+      fixes_(config.fix_gate_sigma) {
   reset();
 }
 

@@ -77,7 +77,7 @@ int degrees_of_freedom(const odo_fix& fix) {
 }  // namespace
 
 void FixUpdate::reset(bool given, bool heading_given) {
-  *this = FixUpdate(p_);
+  *this = FixUpdate(gate_sigma_);
   given_ = given, heading_known_ = heading_given || given;
   placed_ = given ? kAllAxes : 0;
   fixed_m_ = given ? 0 : -1;
@@ -117,7 +117,7 @@ UpdateResult FixUpdate::rotate(Localizer& localizer, const odo_fix& fix, const C
   Innovation<4> heading = innovation_of(localizer, fix, at);
   for (int row = 1; row < 4; ++row) forget(heading, row);
   const StateSet considered = at.path_is_given ? these({kLogScale, kLogFactor, kStepHeading}) : StateSet{};
-  const UpdateResult turned = localizer.update(heading, squared(p_.gate_sigma), considered);
+  const UpdateResult turned = localizer.update(heading, squared(gate_sigma_), considered);
   return turned;
 }
 
@@ -172,7 +172,7 @@ UpdateResult FixUpdate::use(Localizer& localizer, const odo_fix& fix, const Cont
   if (heading_used) forget(seen, kYaw);
   if (axes & ~placed_) place(localizer, seen, axes & ~placed_, now_m);
   const StateSet considered = at.path_is_given ? all_but({kNorth, kEast, kDown}) : StateSet{};
-  UpdateResult result = localizer.update(seen, squared(p_.gate_sigma), considered);
+  UpdateResult result = localizer.update(seen, squared(gate_sigma_), considered);
   if (!result.accepted) return reject(result.nis);
   agree(fix, now_m);
   result.dof = dof;

@@ -13,7 +13,6 @@ class FixUpdate {
   static constexpr uint32_t kHorizontal = ODO_FIX_NORTH | ODO_FIX_EAST, kAllAxes = kHorizontal | ODO_FIX_DOWN;
 
   struct Parameters {
-    double gate_sigma = 5;            ///< `coupling.fix_gate`
     double start_heading_rad = 0.2;   ///< rad against north without a compass; opened by the first fix
     double max_integrity_risk = 0.5;  ///< a fix that is wrong more often than not is none
     double arc_rad = 0.05;            ///< rad: a heading that is off by more turns the track first
@@ -22,7 +21,8 @@ class FixUpdate {
     double agreed_for_s = 90;         ///< s: ... for that long; reflections last a minute (bench canyon)
   };
 
-  explicit FixUpdate(const Parameters& parameters) : p_(parameters) {}
+  /// `gate_sigma`: `coupling.fix_gate`.
+  explicit FixUpdate(double gate_sigma) : gate_sigma_(gate_sigma) {}
   /// `given`: the config has a start position, `heading_given` its heading.
   void reset(bool given, bool heading_given);
 
@@ -51,6 +51,7 @@ class FixUpdate {
   void agree(const odo_fix& fix, double now_m);
 
   Parameters p_;
+  double gate_sigma_;
   bool given_ = false, heading_known_ = false;
   uint32_t placed_ = 0;
   int rejected_ = 0, agreed_ = 0;  // in a row

@@ -31,7 +31,7 @@ bool FrontEnd::rotates_with_gyroscope(const odo_vo_motion& m) const {
   const Quaterniond q_c0_c1 = q_b_c_.conjugate() * *q_b0_b1 * q_b_c_;
   const double off_rad = log_rotation(quaternion(m.q_c0_c1).conjugate() * q_c0_c1).norm();
   return off_rad < p_.rotation_off_rad + p_.rotation_off_share * log_rotation(*q_b0_b1).norm() +
-                       tracker_.parameters().heading_rate_radps * seconds(m.header.t_ns - m.t_from_ns);
+                       tracker_.gyroscope().bias_sigma_radps * seconds(m.header.t_ns - m.t_from_ns);
 }
 
 /// The body in o at the motion's end, by what the config prefers and what there is.
@@ -310,7 +310,7 @@ bool FrontEnd::knows_metres() const {
 bool FrontEnd::is_silent(int64_t now_ns) const {
   if (!begun()) return true;
   if (translated_ns_ == INT64_MIN) return seconds(now_ns - first_frame_ns_) > p_.silent_start_s;
-  return lost_ || seconds(now_ns - translated_ns_) > p_.silent_s;
+  return lost_ || seconds(now_ns - translated_ns_) > tracker_.parameters().unseen_s;
 }
 
 bool FrontEnd::check_metres(const odo_step& step, const Vector3d& moved_o) {

@@ -16,7 +16,7 @@ void GyroOrientation::start(const Quaterniond& q_b_c) {
   const double tilt_variance = tracker_.tilt_variance();
   filter_.reset(tracker_.newest().q_o_b * q_b_c_, Vector3d(tilt_variance, tilt_variance, 0).asDiagonal());
   if (!tracker_.heading.north() && !tracker_.start_pose().heading_given)
-    tracker_.localizer.loosen_heading(p_.any_heading_rad);
+    tracker_.localizer.loosen_heading(kAnyHeading_rad);
 }
 
 std::optional<Quaterniond> GyroOrientation::rotate(const odo_vo_motion& m, double rotation_sigma_rad) {

@@ -15,10 +15,6 @@ namespace odograph {
 /// inclination corrected by gravity and by fixes; the heading's drift is the localizer's. Does nothing otherwise.
 class GyroOrientation {
  public:
-  struct Parameters {
-    double any_heading_rad = 1.8;  ///< rad of a start without a compass: uniform over the circle, pi / sqrt(3)
-  };
-
   explicit GyroOrientation(Tracker& tracker) : tracker_(tracker) {}
   /// From the track's newest orientation on.
   void start(const Eigen::Quaterniond& q_b_c);
@@ -30,7 +26,6 @@ class GyroOrientation {
  private:
   bool wanted() const { return tracker_.config().orientation == Orientation::gyroscope; }
 
-  Parameters p_;
   Tracker& tracker_;
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();
   GyroAttitudeFilter filter_;

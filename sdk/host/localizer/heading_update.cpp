@@ -14,7 +14,7 @@ void HeadingUpdate::note(Localizer& localizer, const odo_attitude& attitude) {
   const int64_t t_ns = attitude.header.t_ns;
   const double gap_s = noted_ns_ == INT64_MIN ? 0 : seconds(t_ns - noted_ns_);
   if (gap_s > p_.gap_s)
-    localizer.add_variance(kAttitudeHeading, std::min(squared(p_.gap_rotation) * gap_s, squared(p_.max_rotation_rad)));
+    localizer.add_variance(kAttitudeHeading, std::min(squared(p_.gap_rotation) * gap_s, squared(kAnyHeading_rad)));
   noted_ns_ = t_ns;
   north_ = refers_to_north(attitude);
   if (north_) north_sigma_rad_ = std::sqrt(attitude.covariance_n[8]);

@@ -18,7 +18,6 @@ class HeadingUpdate {
     double north_correlation_s = 60;  ///< s for which a compass errs alike: 20 to 60 s in streets (bench canyon)
     double gap_s = 0.25;              ///< s without an attitude, after which its frame may have turned; by hand
     double gap_rotation = 0.7;        ///< rad/sqrt(s) by which: a hand turns by 30 deg/s rms
-    double max_rotation_rad = 1.8;    ///< rad: uniform over the circle, pi / sqrt(3)
   };
 
   /// `mean_rad`: the attitude source's heading against n as it is expected.

@@ -124,4 +124,7 @@ inline constexpr double kGate[] = {0, 10.83, 13.82, 16.27, 18.47};
 
 inline double squared(double x) { return x * x; }
 
+/// One sigma of a heading of which nothing is known, rad: uniform over the circle, pi / sqrt(3).
+inline constexpr double kAnyHeading_rad = 1.8;
+
 }  // namespace odograph

@@ -28,7 +28,7 @@ void ScaleUpdate::begin_group(Localizer& localizer) {
 }
 
 void ScaleUpdate::use_own(Localizer& localizer, double sigma, bool walks) {
-  const double information = 1 / squared(std::clamp(sigma, p_.min_sigma, p_.max_sigma));
+  const double information = 1 / squared(std::clamp(sigma, p_.min_sigma, p_.unknown_sigma));
   own_ = information;
   if (!known_) {
     known_ = true;
@@ -48,7 +48,7 @@ void ScaleUpdate::use_own(Localizer& localizer, double sigma, bool walks) {
 
 UpdateResult ScaleUpdate::use(Localizer& localizer, const odo_scale& scale) {
   if (scale.scale <= 0) return {};
-  const double sigma = std::clamp(scale.sigma / scale.scale, p_.min_sigma, p_.max_sigma);
+  const double sigma = std::clamp(scale.sigma / scale.scale, p_.min_sigma, p_.unknown_sigma);
   const double information = 1 / squared(sigma), value = std::log(scale.scale);
   const bool by_steps = (scale.header.flags & ODO_SCALE_NOT_BY_STEPS) == 0;
   if (by_steps && steps_ > 0) return {};  // steps are compared with the front-end themselves

@@ -12,10 +12,9 @@ namespace odograph {
 class ScaleUpdate {
  public:
   struct Parameters {
-    double unknown_sigma = 1.0;     ///< of log-scale before anything is known
+    double unknown_sigma = 1.0;     ///< of log-scale before anything is known; none is stated worse
     double known_sigma = 0.15;      ///< of log-scale, at which steps have told it
     double min_sigma = 1e-3;        ///< lower clamp of a stated sigma; by hand
-    double max_sigma = 1;           ///< upper clamp; by hand
     double lost_confidence = 0.25;  ///< share of its information below which a front-end has doubted its scale anew
     double memory_s = 20;           ///< s for which a source repeats the same error
     int min_steps = 3;              ///< before steps tell it; by hand

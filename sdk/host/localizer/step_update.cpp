@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sdk/host/localizer/scale_update.hpp"
 #include "sdk/math/time.hpp"
 
 namespace odograph {
@@ -101,7 +102,8 @@ UpdateResult StepUpdate::compare(Localizer& localizer, const odo_step& step, con
   } else if (++rejected_ >= p_.max_rejected) {
     rejected_ = 0;
     localizer.add_variance(kStepHeading, squared(p_.heading_sigma_rad));
-    localizer.add_variance(metric ? kLogFactor : kLogScale, squared(metric ? p_.factor_sigma : p_.new_scale_sigma));
+    localizer.add_variance(metric ? kLogFactor : kLogScale,
+                           squared(metric ? p_.factor_sigma : ScaleUpdate::Parameters().unknown_sigma));
   }
   return result;
 }

@@ -28,7 +28,6 @@ class StepUpdate {
     double climb_s = 4;              ///< s for which that stays alike: a flight takes 5 to 12 s; judgement, 2 to 8
     int max_rejected = 4;            ///< in a row, until the heading is doubted, and the factor, or the scale of a
                                      ///< front-end that states none
-    double new_scale_sigma = 1;      ///< of log-scale, which has changed then; by hand
   };
 
   /// At the start of a track.

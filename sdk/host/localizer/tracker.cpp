@@ -23,7 +23,8 @@ void Tracker::start(int64_t t_ns, const Quaterniond& q_o_b) {
   t_ns_ = t_ns;
   localizer.x.head<3>() = Vector3d(start_.position_m.data());
   heading.start(localizer);
-  if (config_.orientation == Orientation::gyroscope) localizer.set(kHeadingRate, 0, squared(p_.heading_rate_radps));
+  if (config_.orientation == Orientation::gyroscope)
+    localizer.set(kHeadingRate, 0, squared(gyroscope_.bias_sigma_radps));
   coverage.begin(t_ns);
   push(t_ns, q_o_b, Vector3d::Zero());
 }
@@ -60,7 +61,7 @@ void Tracker::go_on(int64_t t_ns) {
   height.go_on(localizer, dt_s);
   if (config_.orientation != Orientation::gyroscope) return;
   localizer.add_multiple(kHeading, kHeadingRate, dt_s);
-  localizer.add_variance(kHeadingRate, squared(p_.heading_rate_walk) * dt_s);
+  localizer.add_variance(kHeadingRate, squared(gyroscope_.bias_walk) * dt_s);
 }
 
 void Tracker::push(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& d_o, const Vector3d& drift_m2,
@@ -93,7 +94,7 @@ void Tracker::rotate_with_attitude() {
 }
 
 std::optional<InertialTrack::Point> Tracker::inertial_point(int64_t t_ns) const {
-  const auto point = inertia.at(t_ns, p_.longest_gap_s);
+  const auto point = inertia.at(t_ns, gyroscope_.longest_gap_s);
   return point && point->t_ns == t_ns ? point : std::nullopt;
 }
 

@@ -10,6 +10,7 @@
 #include "sdk/host/localizer/inertial_track.hpp"
 #include "sdk/host/localizer/attitude_log.hpp"
 #include "sdk/host/localizer/coverage.hpp"
+#include "sdk/host/localizer/gyro_attitude_filter.hpp"
 #include "sdk/host/localizer/heading_update.hpp"
 #include "sdk/host/localizer/height_update.hpp"
 #include "sdk/host/localizer/localizer.hpp"
@@ -23,11 +24,8 @@ namespace odograph {
 class Tracker {
  public:
   struct Parameters {
-    double heading_rate_radps = 0.009;  ///< rad/s of a composed gyroscope at the start: 0.5 deg/s, BMI270, ICM-20602
-    double heading_rate_walk = 3e-5;    ///< rad/s/sqrt(s) of it; temperature
-    double unseen_s = 1.0;              ///< s without a displacement until it counts as unseen: steps are 0.4 s late
-    double impossible = 5;              ///< times coupling.fastest: what a sensor or a scale got wrong; by hand
-    double longest_gap_s = 0.05;        ///< s between samples that is no gap: ten at 200 Hz, two or three at 50 Hz
+    double unseen_s = 1.0;  ///< s without a displacement until steps carry; they are told 0.4 s late
+    double impossible = 5;  ///< times coupling.fastest: what a sensor or a scale got wrong; by hand
   };
   enum class Velocity { none, mean, now };
 
@@ -86,6 +84,8 @@ class Tracker {
   bool paper() const { return config_.type == CouplingType::paper; }
   double tilt_variance() const { return tilt_variance_; }
   const Parameters& parameters() const { return p_; }
+  /// Of the phone, as the gyroscope\'s filter has it.
+  const GyroAttitudeFilter::Parameters& gyroscope() const { return gyroscope_; }
 
   Localizer localizer;
   Coverage coverage;
@@ -96,6 +96,7 @@ class Tracker {
 
  private:
   Parameters p_;
+  GyroAttitudeFilter::Parameters gyroscope_;
   CouplingConfig config_;
   StartPose start_;
   Track track_;
