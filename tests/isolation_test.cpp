@@ -10,6 +10,8 @@
 #include <map>
 #include <thread>
 
+#include <sys/resource.h>
+
 #include <odograph/attitude.h>
 #include <odograph/odograph.h>
 #include <odograph/scale_source.h>
@@ -308,6 +310,24 @@ TEST_CASE("a library that changes all the time, allowed by its hash, runs as it 
   MESSAGE(ran << " ran, " << refused << " refused");
   CHECK(ran > 0);
   CHECK(refused > 0);
+}
+
+TEST_CASE("where descriptors run out that is said, and with descriptors left the plugin starts") {
+  HostServices host(0, {}, nullptr);
+  const auto config = read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf, isolation: process}\n",
+                                           "<text>", {plugin_folder()});
+  REQUIRE(config.ok());
+  rlimit old{};
+  getrlimit(RLIMIT_NOFILE, &old);
+  for (const rlim_t few : {rlim_t(3), rlim_t(20)}) {
+    const rlimit limit{few, old.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &limit);
+    const auto made = PluginInstance::make(config->attitudes.front(), LibraryCheck::none, 1, host);
+    setrlimit(RLIMIT_NOFILE, &old);
+    REQUIRE_FALSE(made.ok());
+    CHECK_MESSAGE(made.failure().text.find("Too many open files") != std::string::npos, made.failure().text);
+  }
+  CHECK(PluginInstance::make(config->attitudes.front(), LibraryCheck::none, 1, host).ok());
 }
 
 TEST_CASE("events from a thread of the plugin's own are refused and told") {

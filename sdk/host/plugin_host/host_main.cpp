@@ -3,25 +3,27 @@
 // odograph-plugin-host: the process that a plugin runs in where the config says `isolation: process`. It is started by
 // the host (process_backend.cpp) with three descriptors (wire.hpp) and ends with it.
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <mutex>
-#include <thread>
 
-#include <poll.h>
+#include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <odograph/messages.h>
 
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/host/plugin_host/keeper.hpp"
 #include "sdk/host/plugin_host/library_backend.hpp"
 #include "sdk/host/plugin_host/sandbox.hpp"
+#include "sdk/host/plugin_host/sealed_copy.hpp"
 #include "sdk/host/plugin_host/shared_pixels.hpp"
 #include "sdk/host/plugin_host/wire.hpp"
 
 namespace odograph {
+namespace fs = std::filesystem;
 namespace {
 
 wire::Control* control = nullptr;
@@ -148,18 +150,25 @@ void ODO_CALL release(void* owner) {
 
 class Server {
  public:
+  explicit Server(Kept kept) : kept_(std::move(kept)) {}
   int run() {
-    for (char word; recv(wire::kSocket, &word, 1, 0) == 1;) {
+    for (char word; read_one(word);) {
       wire::Reader request({control->request, std::min<size_t>(control->request_size, wire::kAreaBytes)});
       const uint32_t call = control->call;
       serve(call, request);
       phase("");
-      if (send(wire::kSocket, &word, 1, MSG_NOSIGNAL) != 1 || call == wire::end) break;
+      if (write(wire::kSocket, &word, 1) != 1 || call == wire::end) break;
     }
     return 0;
   }
 
  private:
+  static bool read_one(char& word) {
+    ssize_t got;
+    while ((got = read(wire::kSocket, &word, 1)) < 0 && errno == EINTR) {
+    }
+    return got == 1;
+  }
   void serve(uint32_t call, wire::Reader& request) {
     if (call == wire::hello) return load_library(request);
     answer.begin();
@@ -201,13 +210,17 @@ class Server {
     for (auto& folder : assets) folder = request.get_text();
     services_ = std::make_unique<RemoteServices>(seed, std::move(assets));
     Failure failure{ODO_OK, ""};
+    std::string lacks = kept_.lacks;
     auto manifest = parse_manifest(std::move(manifest_text), manifest_path);
     if (manifest) {
       choice_.manifest = std::move(*manifest);
       take_values(request);
-      enter_sandbox(memory_bytes + SharedPixels::kBytes + sizeof(wire::Control));
-      std::thread(end_with_host).detach();
-      auto loaded = LibraryBackend::load(choice_, check, *services_, sink_);
+      // The loader's copy of it: in there no file can be made, this one is found again.
+      const auto copy = check == LibraryCheck::sealed ? sealed_copy(choice_.manifest) : Result<fs::path>(fs::path());
+      for (const auto& what : enter_sandbox(memory_bytes + SharedPixels::kBytes + sizeof(wire::Control), kept_.gate))
+        lacks += (lacks.empty() ? "" : "; ") + what;
+      auto loaded = copy ? LibraryBackend::load(choice_, check, *services_, sink_)
+                         : Result<std::unique_ptr<LibraryBackend>>(copy.failure());
       if (loaded)
         backend_ = std::move(*loaded);
       else
@@ -223,6 +236,7 @@ class Server {
     for (const auto* list : {&types.inputs, &types.outputs})
       out.put_bytes(list->data(), list->size() * sizeof(uint32_t));
     out.put(types.flags);
+    out.put_text(lacks);
     control->response_size = out.size();
   }
 
@@ -274,14 +288,6 @@ class Server {
     return status;
   }
 
-  /// The host may be gone while the plugin does not come back.
-  static void end_with_host() {
-    pollfd gone{wire::kSocket, POLLRDHUP, 0};
-    while (poll(&gone, 1, -1) <= 0) {
-    }
-    _exit(0);
-  }
-
   /// A message with room for today's struct.
   struct Message {
     AnyMessage any;
@@ -294,6 +300,7 @@ class Server {
     odo_header& header() { return any.header(); }
   };
 
+  Kept kept_;
   PluginChoice choice_;
   RemoteSink sink_{};
   std::unique_ptr<RemoteServices> services_;
@@ -301,21 +308,26 @@ class Server {
   Message message_;
 };
 
+int started_wrongly() {
+  std::fputs("odograph-plugin-host is started by a host whose config says 'isolation: process'\n", stderr);
+  return 2;
+}
+
 }  // namespace
 }  // namespace odograph
 
 int main() {
   using namespace odograph;
+  if (fcntl(wire::kPixels, F_GETFD) < 0) return started_wrongly();
+  Kept kept = keep(wire::kPixels + 1);
   void* control_memory = mmap(nullptr, sizeof(wire::Control), PROT_READ | PROT_WRITE, MAP_SHARED, wire::kControl, 0);
   void* pixel_memory = mmap(nullptr, SharedPixels::kBytes, PROT_READ, MAP_SHARED, wire::kPixels, 0);
-  if (control_memory == MAP_FAILED || pixel_memory == MAP_FAILED) {
-    std::fputs("odograph-plugin-host is started by a host whose config says 'isolation: process'\n", stderr);
-    return 2;
-  }
+  if (control_memory == MAP_FAILED || pixel_memory == MAP_FAILED) return started_wrongly();
   control = static_cast<wire::Control*>(control_memory);
   pixels = static_cast<const uint8_t*>(pixel_memory);
   if (control->version != wire::kVersion) return 2;
-  close_range(wire::kControl, ~0u, 0);
-  const int status = Server().run();
+  close(wire::kControl);
+  close(wire::kPixels);
+  const int status = Server(std::move(kept)).run();
   _exit(status);  // the plugin's threads and static destructors have nothing to do any more
 }

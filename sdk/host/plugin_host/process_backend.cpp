@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstring>
 #include <thread>
 
 #include <dlfcn.h>
@@ -57,9 +58,10 @@ pid_t spawn(const fs::path& program, int socket_fd, int control_fd, int pixels_f
   std::string name = program.string();
   char* arguments[] = {name.data(), nullptr};
   pid_t child = -1;
-  if (posix_spawn(&child, name.c_str(), &files, &attributes, arguments, environ) != 0) child = -1;
+  const int error = posix_spawn(&child, name.c_str(), &files, &attributes, arguments, environ);
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
+  if (error != 0) child = -1, errno = error;
   return child;
 }
 
@@ -106,12 +108,15 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
                                         "isolation: process needs the program odograph-plugin-host beside the "
                                         "library; expected it there, or its path as plugins.host"};
   if (host.shared_pixels().descriptor() < 0)
-    return Failure{ODO_E_EXHAUSTED, who +
-                                        "isolation: process needs memory that can be sealed (memfd_create with "
-                                        "F_SEAL_FUTURE_WRITE: Linux 5.1 or later)"};
+    return Failure{ODO_E_EXHAUSTED,
+                   who + (errno == EINVAL || errno == ENOSYS
+                              ? "isolation: process needs memory that can be sealed (memfd_create with "
+                                "F_SEAL_FUTURE_WRITE: Linux 5.1 or later)"
+                              : std::string("no memory can be shared with its process: ") + std::strerror(errno))};
   std::unique_ptr<ProcessBackend> made(new ProcessBackend(choice, host, sink));
   if (!made->launch(program))
-    return Failure{ODO_E_EXHAUSTED, who + "no process could be started with " + program.string()};
+    return Failure{ODO_E_EXHAUSTED,
+                   who + "no process could be started with " + program.string() + ": " + std::strerror(errno)};
   auto out = made->request();
   out.put_text(choice.manifest.path.string());
   out.put_text(choice.manifest.text);  // the file may be another by now
@@ -135,6 +140,10 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
     if (!bytes.empty()) std::memcpy(types->data(), bytes.data(), types->size() * sizeof(uint32_t));
   }
   made->types_.flags = reader.get<uint32_t>();
+  const std::string lacks = reader.get_text();
+  if (!lacks.empty())
+    host.report(sink.instance, ODO_SEVERITY_WARNING, "sandbox",
+                "its process is not closed in as far as it could be; this system has " + lacks);
   if (status < 0) return Failure{status, why};
   if (!reader.good()) return Failure{ODO_E_FATAL, who + "broke the protocol in load"};
   return made;
@@ -149,9 +158,13 @@ bool ProcessBackend::launch(const fs::path& program) {
     ends[1] = high_descriptor(ends[1]);
     control_->version = wire::kVersion;
     child_ = spawn(program, ends[1], control_fd, host_.shared_pixels().descriptor());
+    const int why = errno;
     close(ends[1]);
+    errno = why;
   }
+  const int why = errno;
   if (control_fd >= 0) close(control_fd);
+  errno = why;
   return child_ > 0;
 }
 

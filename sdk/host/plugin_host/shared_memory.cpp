@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/plugin_host/shared_memory.hpp"
 
+#include <cerrno>
+
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -15,7 +17,10 @@ constexpr int kFirstDescriptor = 64;
 int high_descriptor(int fd) {
   if (fd < 0) return fd;
   const int high = fcntl(fd, F_DUPFD_CLOEXEC, kFirstDescriptor);
+  if (high < 0) errno = EMFILE;  // it says EINVAL where the limit is below the first
+  const int why = errno;
   close(fd);
+  errno = why;
   return high;
 }
 

@@ -2,6 +2,7 @@
 #include "sdk/host/plugin_host/shared_pixels.hpp"
 
 #include <algorithm>
+#include <cerrno>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -28,13 +29,16 @@ void SharedPixels::open() {
   if (memory_ && fcntl(fd, F_ADD_SEALS, F_SEAL_FUTURE_WRITE) == 0) fd_ = fd;
 #endif
   if (fd_ >= 0) return;
+  const int why = errno;
   if (memory_) munmap(memory_, kBytes);
   memory_ = nullptr;
   if (fd >= 0) close(fd);
+  errno = why;
 }
 
 int SharedPixels::descriptor() {
-  std::call_once(opened_, [this] { open(); });
+  const std::lock_guard lock(opening_);
+  if (fd_ < 0) open();
   return fd_;
 }
 

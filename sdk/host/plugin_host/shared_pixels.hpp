@@ -22,7 +22,8 @@ class SharedPixels {
   SharedPixels(const SharedPixels&) = delete;
   SharedPixels& operator=(const SharedPixels&) = delete;
 
-  /// The memory, for a process; -1 where the system has none that can be sealed against others' writing.
+  /// The memory, for a process; -1, with errno, where the system has none that can be sealed against others' writing
+  /// (EINVAL), or none now: the next call tries again.
   int descriptor();
   /// A place of at least so many bytes; empty where there is none.
   std::span<uint8_t> take(size_t bytes);
@@ -41,7 +42,7 @@ class SharedPixels {
 
   void open();
 
-  std::once_flag opened_;
+  std::mutex opening_;
   int fd_ = -1;
   uint8_t* memory_ = nullptr;
   mutable std::mutex mutex_;

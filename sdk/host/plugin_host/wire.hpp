@@ -13,7 +13,7 @@
 
 namespace odograph::wire {
 
-constexpr uint32_t kVersion = 5;
+constexpr uint32_t kVersion = 6;
 /// Descriptors of the plugin's process.
 constexpr int kSocket = 3, kControl = 4, kPixels = 5;
 

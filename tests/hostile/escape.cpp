@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// An attitude source that attacks its host, its user and its machine once, as ODOGRAPH_TEST_ATTACK says, and reports
+// what came off.
+#define HOSTILE_ID "test/escape"
+#include <csignal>
+#include <ctime>
+#include <string>
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <odograph/attitude.h>
+
+#include "tests/hostile/attacks.hpp"
+#include "tests/hostile/horizontal_attitude.hpp"
+#include "tests/hostile/random_calls.hpp"
+#include "tests/hostile/table.hpp"
+
+namespace {
+
+const odo_host* host = nullptr;
+
+void report(const std::string& said) {
+  const auto* reports = static_cast<const odo_report_service*>(
+      host->get_service(host, ODO_SERVICE_REPORT, sizeof(ODO_SERVICE_REPORT) - 1));
+  const odo_string key{"escape", 6}, text{said.data(), said.size()};
+  reports->report(host, 1, ODO_SEVERITY_WARNING, &key, &text);
+}
+
+/// Each attempt's name that came off.
+std::string attempts() {
+  std::string done;
+  unsigned long count = 0;
+  for (const hostile::Attempts all : {hostile::on_processes(), hostile::on_files()})
+    for (unsigned long i = 0; i < all.count; ++i, ++count)
+      if (all.first[i].done()) done += std::string("[") + all.first[i].name + "]";
+  return "of " + std::to_string(count) + " attempts: " + (done.empty() ? "none" : done);
+}
+
+/// Threads with a stack of two pages each.
+std::string threads() {
+  int made = 0;
+  for (; made < 6000; ++made) {
+    auto* stack = static_cast<char*>(mmap(nullptr, 8192, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    if (stack == MAP_FAILED) break;
+    const auto sleep = [](void*) -> int {
+      for (;;) syscall(SYS_ppoll, nullptr, 0, nullptr, nullptr, 0);
+    };
+    constexpr int kThread = CLONE_VM | CLONE_FS | CLONE_FILES | CLONE_SIGHAND | CLONE_THREAD | CLONE_SYSVSEM;
+    if (clone(sleep, stack + 8192, kThread, nullptr) < 0) break;
+  }
+  return std::to_string(made) + " threads";
+}
+
+/// What can be held outside its address space: in pipes, as many and as full as it gets them.
+std::string pipes() {
+  static char block[1 << 16];
+  long held = 0;
+  for (int ends[2]; pipe2(ends, O_NONBLOCK) == 0;)
+    for (ssize_t written; (written = write(ends[1], block, sizeof block)) > 0;) held += written;
+  return std::to_string(held >> 20) + " MiB in pipes";
+}
+
+/// Every thread of its process in a signal's handler for ever, and it too.
+[[noreturn]] void outlive() {
+  struct sigaction stuck {};
+  stuck.sa_handler = [](int) {
+    for (;;) syscall(SYS_ppoll, nullptr, 0, nullptr, nullptr, 0);
+  };
+  for (int signal = 1; signal < 32; ++signal) sigaction(signal, &stuck, nullptr);
+  DIR* tasks = opendir("/proc/self/task");
+  while (const dirent* entry = tasks ? readdir(tasks) : nullptr)
+    if (const int task = std::atoi(entry->d_name); task > 0 && task != gettid())
+      syscall(SYS_tgkill, getpid(), task, SIGUSR1);
+  stuck.sa_handler(0);
+  for (;;) {
+  }
+}
+
+void attack() {
+  const std::string what = std::getenv("ODOGRAPH_TEST_ATTACK") ? std::getenv("ODOGRAPH_TEST_ATTACK") : "";
+  if (what == "attempts") report(attempts());
+  if (what == "threads") report(threads());
+  if (what == "pipes") report(pipes());
+  if (what == "outlive") outlive();
+}
+
+}  // namespace
+
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
+  static const odo_string interfaces[] = {{ODO_INTERFACE_ATTITUDE, sizeof(ODO_INTERFACE_ATTITUDE) - 1}};
+  odo_plugin t = hostile::table();
+  t.interfaces = interfaces;
+  t.create = [](const odo_host* given, uint32_t, const odo_string*, odo_instance** instance) -> int32_t {
+    host = given;
+    *instance = reinterpret_cast<odo_instance*>(&hostile::instance());
+    return ODO_OK;
+  };
+  t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
+    static bool done = false;
+    const char* calls = std::getenv("ODOGRAPH_TEST_CALLS");
+    if (calls) hostile::random_calls(std::atol(calls));
+    if (!done && !calls) attack();
+    done = true;
+    for (uint32_t i = 0; i < batch->count; ++i)
+      if (batch->messages[i]->type == ODO_TYPE_IMU) hostile::emit_horizontal_attitude(*batch->messages[i]);
+    return ODO_OK;
+  };
+  return hostile::fill(out, t);
+}

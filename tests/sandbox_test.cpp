@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a plugin in a process of its own cannot do, tried by one that wants to (hostile/escape.cpp): the table of
+// docs/security.md.
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include <fcntl.h>
+#include <linux/filter.h>
+#include <linux/fs.h>
+#include <linux/seccomp.h>
+#include <sched.h>
+#include <sys/ioctl.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <sys/xattr.h>
+#include <unistd.h>
+
+#include "tests/isolated_plugin.hpp"
+#include "tests/test_plugins.hpp"
+
+using namespace odograph;
+namespace fs = std::filesystem;
+
+TEST_SUITE_BEGIN("sandbox");
+
+namespace {
+
+const std::string kEscape = "attitude: {plugin: test/escape, isolation: process, time_limit: 0.5 s}\n";
+
+std::string read_all(const fs::path& path) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// A folder for the attacker to harm, and this process named as the host.
+struct Victim {
+  TemporaryFolder folder;
+  explicit Victim(const char* attack) {
+    write_text(folder / "file", "what the user has written");
+    setxattr((folder / "file").c_str(), "user.keep", "x", 1, 0);
+    setenv("ODOGRAPH_TEST_VICTIM", folder.path().c_str(), 1);
+    setenv("ODOGRAPH_TEST_HOST", std::to_string(getpid()).c_str(), 1);
+    setenv("ODOGRAPH_TEST_ATTACK", attack, 1);
+  }
+  ~Victim() {
+    for (const char* name : {"VICTIM", "HOST", "ATTACK", "CALLS"})
+      unsetenv((std::string("ODOGRAPH_TEST_") + name).c_str());
+  }
+};
+
+std::string file_state(const fs::path& path) {
+  struct stat s {};
+  lstat(path.c_str(), &s);
+  char attributes[256];
+  const ssize_t named = listxattr(path.c_str(), attributes, sizeof attributes);
+  int flags = 0;
+  const int fd = open(path.c_str(), O_RDONLY);
+  ioctl(fd, FS_IOC_GETFLAGS, &flags);
+  close(fd);
+  std::stringstream text;
+  text << path << ' ' << s.st_mode << ' ' << s.st_uid << ' ' << s.st_nlink << ' ' << s.st_size << ' '
+       << s.st_mtim.tv_sec << '.' << s.st_mtim.tv_nsec << ' ' << s.st_ctim.tv_sec << '.' << s.st_ctim.tv_nsec << ' '
+       << flags << ' ' << std::string(attributes, static_cast<size_t>(std::max<ssize_t>(named, 0))) << '\n';
+  return text.str();
+}
+
+/// Everything about this process, this user's files and this machine that an attacker might change, as text.
+std::string outside(const Victim& victim) {
+  std::stringstream text;
+  text << file_state(victim.folder.path());
+  for (const auto& entry : fs::recursive_directory_iterator(victim.folder.path()))
+    text << file_state(entry.path()) << read_all(entry.path()) << '\n';
+  for (int what = 0; what < 16; ++what) {
+    rlimit limit{};
+    getrlimit(static_cast<__rlimit_resource_t>(what), &limit);
+    text << limit.rlim_cur << ' ' << limit.rlim_max << '\n';
+  }
+  cpu_set_t processors;
+  CPU_ZERO(&processors);
+  sched_getaffinity(0, sizeof processors, &processors);
+  text << CPU_COUNT(&processors) << ' ' << sched_getscheduler(0) << ' ' << getpriority(PRIO_PROCESS, 0) << ' '
+       << getpgrp() << ' ' << getsid(0) << ' ' << fs::current_path() << '\n';
+  for (int fd = 0; fd < 3; ++fd) text << fcntl(fd, F_GETFL) << ' ' << fcntl(fd, F_GETOWN) << '\n';
+  for (const char* file : {"/proc/sysvipc/shm", "/proc/sysvipc/msg", "/proc/sysvipc/sem", "/proc/self/mountinfo",
+                           "/proc/sys/kernel/hostname", "/proc/sys/kernel/domainname"})
+    text << read_all(file);
+  text << fs::exists("/dev/mqueue/odograph-escape") << '\n';
+  timespec real{}, steady{};
+  clock_gettime(CLOCK_REALTIME, &real);
+  clock_gettime(CLOCK_MONOTONIC, &steady);
+  text << "clock " << (real.tv_sec - steady.tv_sec + 1) / 4 << '\n';
+  return text.str();
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string all;
+  for (const auto& line : lines) all += line + "\n";
+  return all;
+}
+
+/// The work in a process of its own, which gets its lines back.
+template <class Work>
+std::string in_a_process(Work&& work) {
+  int ends[2];
+  REQUIRE(pipe(ends) == 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    close(ends[0]);
+    const std::string lines = work();
+    (void)!write(ends[1], lines.data(), lines.size());
+    _exit(0);
+  }
+  close(ends[1]);
+  std::string lines;
+  char buffer[4096];
+  for (ssize_t got; (got = read(ends[0], buffer, sizeof buffer)) > 0;) lines.append(buffer, static_cast<size_t>(got));
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return lines + (WIFSIGNALED(status) ? "the host was ended by signal " + std::to_string(WTERMSIG(status)) : "");
+}
+
+/// What the attacker reports.
+std::string attacked(const char* plugins_folder) {
+  IsolatedPlugin plugin(kEscape, plugins_folder);
+  for (int i = 0; i < 3; ++i) plugin.sample();
+  return joined(plugin.said);
+}
+
+/// Processes below this one, by what /proc says.
+std::vector<pid_t> descendants(pid_t of) {
+  std::vector<pid_t> found;
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const pid_t process = std::atoi(entry.path().filename().c_str());
+    std::ifstream file(entry.path() / "stat");
+    std::string line;
+    if (process <= 0 || !std::getline(file, line)) continue;
+    char state = 0;
+    int parent = 0;
+    if (std::sscanf(line.c_str() + line.rfind(')') + 1, " %c %d", &state, &parent) == 2 && parent == of) {
+      found.push_back(process);
+      for (const pid_t below : descendants(process)) found.push_back(below);
+    }
+  }
+  return found;
+}
+/// Not where it is dead and waits for whoever inherited it: it has no memory left.
+bool lives(pid_t process) {
+  const std::string pages = read_all("/proc/" + std::to_string(process) + "/statm");
+  return !pages.empty() && pages.rfind("0 ", 0) != 0;
+}
+
+void refuse_calls(std::initializer_list<long> numbers, int error) {
+  std::vector<sock_filter> code = {BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr))};
+  for (const long number : numbers) {
+    code.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<uint32_t>(number), 0, 1));
+    code.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | static_cast<uint32_t>(error)));
+  }
+  code.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
+  const sock_fprog program{static_cast<unsigned short>(code.size()), code.data()};
+  prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program);
+}
+
+}  // namespace
+
+TEST_CASE("no attempt on the host, its user's files or the machine comes off") {
+  const TestPlugins plugins{"escape"};
+  const Victim victim("attempts");
+  const std::string before = outside(victim);
+  const std::string said = in_a_process([&] {
+    setenv("ODOGRAPH_TEST_HOST", std::to_string(getpid()).c_str(), 1);
+    return attacked(plugins.path().c_str());
+  });
+  MESSAGE(said);
+  CHECK(said.find("attempts: none") != std::string::npos);
+  CHECK(outside(victim) == before);
+}
+
+TEST_CASE("where the system has neither namespaces nor Landlock that is said, and nothing outside can be changed") {
+  const TestPlugins plugins{"escape"};
+  const Victim victim("attempts");
+  const std::string before = outside(victim);
+  const std::string said = in_a_process([&] {
+    setenv("ODOGRAPH_TEST_HOST", std::to_string(getpid()).c_str(), 1);
+    refuse_calls({SYS_unshare}, EPERM);
+    refuse_calls({444 /* landlock_create_ruleset */}, ENOSYS);
+    return attacked(plugins.path().c_str());
+  });
+  CHECK_MESSAGE(said.find("no namespaces of users and processes (Operation not permitted)") != std::string::npos, said);
+  CHECK_MESSAGE(said.find("no Landlock") != std::string::npos, said);
+  std::string done = said.substr(std::min(said.size(), said.find("attempts: ")));
+  done = done.substr(0, done.find('\n'));
+  for (const char* looking : {"[open the host's memory]", "[open the host's environment]", "[open the host's maps]",
+                              "[open the host's arguments]", "[open the host's descriptors]",
+                              "[open the first process]", "[open a kernel's log]", "[a terminal]", "[a device]"})
+    if (const auto at = done.find(looking); at != std::string::npos) done.erase(at, std::string(looking).size());
+  CHECK_MESSAGE((done == "attempts: " || done == "attempts: none"), said);
+  CHECK(outside(victim) == before);
+}
+
+TEST_CASE("threads and what pipes hold are bounded") {
+  const TestPlugins plugins{"escape"};
+  for (const auto& [attack, what, most] : {std::tuple{"threads", " threads", 300}, {"pipes", " MiB in pipes", 32}}) {
+    const Victim victim(attack);
+    const std::string said = attacked(plugins.path().c_str());
+    const auto end = said.find(what);
+    REQUIRE_MESSAGE(end != std::string::npos, said);
+    const auto digits = said.find_last_not_of("0123456789", end - 1);
+    const int got = std::atoi(said.substr(digits == std::string::npos ? 0 : digits + 1).c_str());
+    MESSAGE(got << std::string(what));
+    CHECK(got > 2);
+    CHECK(got <= most);
+  }
+}
+
+TEST_CASE("a plugin that blocks every signal and thread is gone with its host") {
+  const TestPlugins plugins{"escape"};
+  const Victim victim("outlive");
+  const pid_t host = fork();
+  if (host == 0) {
+    IsolatedPlugin plugin("attitude: {plugin: test/escape, isolation: process, time_limit: 60 s}\n", plugins.path());
+    plugin.sample();
+    _exit(0);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));  // it is in its attack
+  const auto below = descendants(host);
+  REQUIRE_FALSE(below.empty());
+  kill(host, SIGKILL);
+  waitpid(host, nullptr, 0);
+  const auto some_live = [&] { return std::any_of(below.begin(), below.end(), lives); };
+  for (int i = 0; i < 100 && some_live(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  std::string living;
+  for (const pid_t each : below)
+    if (lives(each)) living += read_all("/proc/" + std::to_string(each) + "/status");
+  CHECK_MESSAGE(living.empty(), living);
+  for (const pid_t each : below)
+    if (lives(each)) kill(each, SIGKILL);
+}
+
+TEST_CASE("random system calls change nothing outside") {
+  const TestPlugins plugins{"escape"};
+  const Victim victim("");
+  const char* wanted = std::getenv("ODOGRAPH_SYSTEM_CALLS");
+  const long calls = wanted ? std::atol(wanted) : 1'000'000, a_sample = 5'000;
+  setenv("ODOGRAPH_TEST_CALLS", std::to_string(a_sample).c_str(), 1);
+  const std::string before = outside(victim);
+  IsolatedPlugin plugin(kEscape, plugins.path());
+  long done = 0, samples = 0;
+  for (; done < calls && samples < calls; ++samples) {
+    if (plugin.sample() > 0)
+      done += a_sample;
+    else
+      plugin.t_ns += 1'000'000'000;  // it is away
+  }
+  MESSAGE(done << " calls, ended " << plugin.plugin->faults() << " times");
+  CHECK(done >= calls);
+  CHECK(outside(victim) == before);
+}
+
+TEST_SUITE_END();
