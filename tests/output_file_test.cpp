@@ -3,7 +3,11 @@
 // Where an output ends up: through links of every kind, from any working folder.
 #include <doctest/doctest.h>
 
+#include <csignal>
 #include <filesystem>
+
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "sdk/host/base/output_file.hpp"
 #include "tests/support.hpp"
@@ -85,6 +89,54 @@ TEST_CASE("what is abandoned stays where it lies, what is dropped beside an olde
   }
   CHECK(read_text(folder / "out.txt.part") == "kept");
   CHECK(read_text(file) == "old");
+}
+
+TEST_CASE("two writers of one place exclude each other, whichever way they write, through links too") {
+  using Beside = OutputFile::Beside;
+  for (const auto first : {Beside::always, Beside::if_exists})
+    for (const auto second : {Beside::always, Beside::if_exists})
+      for (const bool exists : {false, true}) {
+        const TemporaryFolder folder;
+        const fs::path file = folder / "out.txt";
+        fs::create_symlink("out.txt", folder / "link");
+        if (exists) write_text(file, "old");
+        {
+          auto out = OutputFile::create(file, first);
+          REQUIRE(out.ok());
+          out->stream() << "first";
+          for (const fs::path& name : {file, folder / "link"}) {
+            const auto other = OutputFile::create(name, second);
+            REQUIRE_FALSE(other.ok());
+            CHECK(other.failure().status == ODO_E_STATE);
+            CHECK(other.failure().text.find("is being written by another") != std::string::npos);
+          }
+          REQUIRE(out->commit().ok());
+          CHECK(read_text(file) == "first");
+        }
+        CHECK(OutputFile::create(file, second).ok());
+      }
+}
+
+TEST_CASE("what a writer left that is gone excludes nobody, nor does a child that was forked meanwhile") {
+  const TemporaryFolder folder;
+  const fs::path file = write_text(folder / "out.txt", "old");
+  write_text(folder / "out.txt.part", "left by a crash");
+  pid_t child = -1;
+  {
+    auto out = OutputFile::create(file);
+    REQUIRE(out.ok());
+    child = fork();
+    if (child == 0) {
+      pause();
+      _exit(0);
+    }
+    out->stream() << "new";
+    REQUIRE(out->commit().ok());
+  }
+  CHECK(write_whole_file(file, "newer").ok());
+  CHECK(read_text(file) == "newer");
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
 }
 
 TEST_SUITE_END();

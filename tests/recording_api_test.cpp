@@ -247,4 +247,32 @@ TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' m
   CHECK(live.events == again.events);
 }
 
+TEST_CASE("of two recorders on one path the second is refused, new file or old, and the first loses nothing") {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "twice.odo").string();
+  const odo_string name{path.data(), path.size()};
+  for (const int32_t count : {1000, 300}) {  // a new file, then one beside an older one
+    odo_recorder* first = recorder(path);
+    odo_recorder* second = nullptr;
+    odo_error error{};
+    error.struct_size = sizeof error;
+    CHECK(odo_recorder_create(&name, &second, &error) == ODO_E_STATE);
+    CHECK(second == nullptr);
+    CHECK(std::string(error.message).find("is being written by another recorder") != std::string::npos);
+    for (int i = 0; i < count; ++i) {
+      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'000 + 5'000'000LL * i);
+      imu.header.flags = ODO_IMU_GYRO;
+      CHECK(odo_recorder_write(first, &imu.header, nullptr, 0) == ODO_OK);
+    }
+    CHECK(odo_recorder_close(first) == ODO_OK);
+    odo_recording* in = recording(path);
+    REQUIRE(in);
+    int read = 0;
+    for (const odo_header* message = nullptr; odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK;) ++read;
+    CHECK(read == count);
+    CHECK(odo_recording_loss(in, &error) == ODO_OK);
+    odo_recording_close(in);
+  }
+}
+
 TEST_SUITE_END();

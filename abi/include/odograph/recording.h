@@ -35,7 +35,8 @@ ODO_API int32_t ODO_CALL odo_recording_loss(odo_recording *recording, odo_error 
 ODO_API void ODO_CALL odo_recording_close(odo_recording *recording);
 
 /* [any] Creates a recording. A file of that name stays until the new one is closed; until then that lies beside it as
- * NAME.part. Where there is none, it is written in its place at once. */
+ * NAME.part. Where there is none, it is written in its place at once. ODO_E_STATE: another recorder or run is writing it,
+ * in this process or in another (POSIX systems). */
 ODO_API int32_t ODO_CALL odo_recorder_create(const odo_string *path, odo_recorder **recorder, odo_error *error);
 
 /* [any, one thread at a time] Appends a message of any type as it is, of a frame the encoded picture too (none: the frame

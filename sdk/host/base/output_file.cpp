@@ -23,13 +23,17 @@ fs::path target_of(fs::path path) {
 
 }  // namespace
 
-OutputFile::OutputFile(fs::path file, fs::path beside)
-    : file_(std::move(file)),
+OutputFile::OutputFile(fs::path file, fs::path beside, FileLock lock)
+    : lock_(std::move(lock)),
+      file_(std::move(file)),
       beside_(std::move(beside)),
       out_(beside_.empty() ? file_ : beside_, std::ios::binary | std::ios::trunc) {}
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
-    : file_(std::move(other.file_)), beside_(std::exchange(other.beside_, {})), out_(std::move(other.out_)) {}
+    : lock_(std::move(other.lock_)),
+      file_(std::move(other.file_)),
+      beside_(std::exchange(other.beside_, {})),
+      out_(std::move(other.out_)) {}
 
 OutputFile::~OutputFile() {
   if (beside_.empty()) return;
@@ -43,11 +47,18 @@ Result<OutputFile> OutputFile::create(const fs::path& file, Beside beside) {
   std::error_code error;
   const auto status = fs::status(target, error);
   const bool exists = fs::exists(status);
-  fs::path part;
-  if (exists ? fs::is_regular_file(status) : beside == Beside::always) part = target.string() + ".part";
-  // What lies there may be a link to somebody's file.
-  if (!part.empty()) fs::remove(part, error);
-  OutputFile made(target, part);
+  const bool plain = !exists || fs::is_regular_file(status);  // a device or a pipe has as many writers as it likes
+  const fs::path part = target.string() + ".part";
+  const bool is_beside = exists ? plain : beside == Beside::always;
+  FileLock lock;
+  auto state = FileLock::State::impossible;
+  if (plain && (FileLock::is_held(is_beside ? target : part)))
+    state = FileLock::State::busy;
+  else if (plain)
+    state = lock.take(is_beside ? part : target);
+  if (state == FileLock::State::busy)
+    return Failure{ODO_E_STATE, file.string() + ": is being written by another recorder or run"};
+  OutputFile made(target, is_beside ? part : fs::path(), std::move(lock));
   if (!made.out_) {
     made.abandon();
     return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be written"};

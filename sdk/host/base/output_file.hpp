@@ -5,18 +5,20 @@
 #include <fstream>
 #include <string_view>
 
+#include "sdk/host/base/file_lock.hpp"
 #include "sdk/host/base/result.hpp"
 
 namespace odograph {
 
 /// A file that is written beside its place, as NAME.part, and put there when it is whole: what was there before stays
 /// until then, also where the disk is full or the file is being read meanwhile. A link is followed; a device or a pipe
-/// is written directly.
+/// is written directly. Two of one place exclude each other, from create to the end of their lives.
 class OutputFile {
  public:
   enum class Beside { always, if_exists };
 
   /// `if_exists`: a new file is written in its place at once, so that after a crash it lies there as far as it came.
+  /// ODO_E_STATE: another one is writing it, in this process or in another.
   static Result<OutputFile> create(const std::filesystem::path& file, Beside beside = Beside::always);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
@@ -30,8 +32,9 @@ class OutputFile {
   void abandon() { beside_.clear(); }
 
  private:
-  OutputFile(std::filesystem::path file, std::filesystem::path beside);
+  OutputFile(std::filesystem::path file, std::filesystem::path beside, FileLock lock);
 
+  FileLock lock_;
   std::filesystem::path file_, beside_;  // beside_ is empty where the file itself is written
   std::ofstream out_;
 };

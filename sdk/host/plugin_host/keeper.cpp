@@ -47,8 +47,8 @@ class Relay {
       at_ = 0;
       end_ = static_cast<size_t>(got);
     }
-    pollfd room{to_, POLLOUT, 0};  // then at least PIPE_BUF, which buffer_ is no larger than, do not block
-    if (poll(&room, 1, 0) != 1) return false;
+    pollfd ready{to_, POLLOUT, 0};  // then at least PIPE_BUF, which buffer_ is no larger than, do not block
+    if (poll(&ready, 1, 0) != 1) return false;
     const ssize_t written = write(to_, buffer_ + at_, left());
     if (written < 0 && errno == EINTR) return true;
     if (written <= 0)

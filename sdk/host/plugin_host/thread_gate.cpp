@@ -22,8 +22,8 @@ namespace {
 struct Parcel {
   char byte = 0;
   iovec part{&byte, 1};
-  alignas(cmsghdr) char room[CMSG_SPACE(sizeof(int))] = {};
-  msghdr message{nullptr, 0, &part, 1, room, sizeof room, 0};
+  alignas(cmsghdr) char storage[CMSG_SPACE(sizeof(int))] = {};
+  msghdr message{nullptr, 0, &part, 1, storage, sizeof storage, 0};
 };
 
 bool send_descriptor(int socket, int fd) {
@@ -75,7 +75,7 @@ void ThreadGate::answer() {
     return;
   }
   alignas(seccomp_notif) char question[1024] = {};  // a newer kernel's may be larger
-  alignas(seccomp_notif_resp) char room[1024] = {};
+  alignas(seccomp_notif_resp) char storage[1024] = {};
   if (ioctl(fd_, SECCOMP_IOCTL_NOTIF_RECV, question) != 0) {
     if (errno == EINTR || errno == ENOENT) return;
     close(fd_);
@@ -86,13 +86,13 @@ void ThreadGate::answer() {
   const std::string folder = "/proc/" + std::to_string(counted_) + "/task";
   const bool seen = stat(folder.c_str(), &tasks) == 0 && tasks.st_nlink > 2;
   const auto threads = seen ? static_cast<unsigned>(tasks.st_nlink) - 2 : let_;
-  auto& reply = reinterpret_cast<seccomp_notif_resp&>(room);
+  auto& reply = reinterpret_cast<seccomp_notif_resp&>(storage);
   reply.id = reinterpret_cast<const seccomp_notif&>(question).id;
-  if (threads < kMostThreads)
+  if (threads < kMaxThreads)
     reply.flags = SECCOMP_USER_NOTIF_FLAG_CONTINUE, ++let_;
   else
     reply.error = -EAGAIN;
-  ioctl(fd_, SECCOMP_IOCTL_NOTIF_SEND, room);
+  ioctl(fd_, SECCOMP_IOCTL_NOTIF_SEND, storage);
 }
 
 }  // namespace odograph

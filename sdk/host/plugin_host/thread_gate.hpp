@@ -6,7 +6,7 @@
 namespace odograph {
 
 /// How many threads a plugin's process may have: two libraries with a thread for each of 100 cores fit.
-constexpr unsigned kMostThreads = 256;
+constexpr unsigned kMaxThreads = 256;
 
 /// From now on a new thread of this process waits until the one who has the other end of the socket `gate` lets it
 /// (ThreadGate). False, with errno, where the system has no such thing (Linux 5.5). `gate` is closed.

@@ -7,6 +7,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/tools/recording/picture_header.hpp"
+
 namespace odograph {
 namespace fs = std::filesystem;
 
@@ -64,6 +66,20 @@ Result<Recording> read_whatever(const fs::path& path, const ReadOptions& options
                                  "iphone/ (ADVIO), rgb.txt (TUM RGB-D), camera.yaml (images)"};
 }
 
+/// The first picture that lies outside the recording's folder, over a link; those that are missing are nobody's matter
+/// yet.
+std::optional<fs::path> picture_outside(const Recording& recording, const fs::path& path) {
+  std::error_code error;
+  const fs::path root = fs::canonical(path, error);
+  for (const RecordedMessage& m : recording.messages) {
+    if (!m.picture.file) continue;
+    const fs::path real = fs::canonical(*m.picture.file, error);
+    if (!error && std::mismatch(root.begin(), root.end(), real.begin(), real.end()).first != root.end())
+      return *m.picture.file;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<int64_t> frame_times_ns(const Recording& recording) {
@@ -81,6 +97,11 @@ std::vector<int64_t> frame_times_ns(const Recording& recording) {
 
 Result<Recording> read_recording(const fs::path& path, const ReadOptions& options) {
   auto recording = read_whatever(path, options);
+  std::error_code error;
+  if (recording && !options.pictures_outside && fs::is_directory(path, error))
+    if (const auto outside = picture_outside(*recording, path))
+      return Failure{ODO_E_DATA,
+                     outside->string() + ": a link leads out of the recording's folder; --pictures-outside allows it"};
   if (recording && recording->loss.wild_times > 0)
     recording->warnings.push_back(std::to_string(recording->loss.wild_times) +
                                   " messages have times beyond +-2^62 ns and were left out");
@@ -123,10 +144,13 @@ cv::Mat decode(const PictureRef& picture) {
 
 Result<odo_frame> load_frame(const RecordedMessage& recorded) {
   auto held = std::make_unique<HeldPicture>();
+  std::error_code error;
+  if (const auto& file = recorded.picture.file; file && fs::is_regular_file(*file, error))
+    if (const auto size = picture_size(*file, recorded.picture.offset); !size) return size.failure();
   try {
     held->image = decode(recorded.picture);
-  } catch (const std::exception& error) {
-    return Failure{ODO_E_DATA, name_of(recorded.picture) + ": " + error.what()};
+  } catch (const std::exception& thrown) {
+    return Failure{ODO_E_DATA, name_of(recorded.picture) + ": " + thrown.what()};
   }
   if (held->image.empty() || held->image.depth() != CV_8U)
     return Failure{ODO_E_DATA, name_of(recorded.picture) + ": the picture cannot be read as 8-bit grey or colour"};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/recording/text_rows.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -13,18 +14,85 @@ namespace {
 
 constexpr size_t kLongestLine = 1 << 16;
 
-std::vector<std::string_view> fields_of(std::string_view line) {
-  std::vector<std::string_view> fields;
-  const auto separates = [](char c) { return c == ' ' || c == '\t' || c == ',' || c == ';' || c == '\r'; };
-  size_t i = 0;
-  while (i < line.size()) {
-    while (i < line.size() && separates(line[i])) ++i;
-    const size_t begin = i;
-    while (i < line.size() && !separates(line[i])) ++i;
-    if (i > begin) fields.push_back(line.substr(begin, i - begin));
-  }
-  return fields;
+constexpr std::string_view kBlank = " \t\r";
+const std::string kPoint = " (a decimal comma is to be a point)";
+
+std::string_view trimmed(std::string_view text) {
+  const size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) + 1 - first);
 }
+
+/// The character between a line's fields; ' ' stands for any white space.
+char separator_of(std::string_view line) {
+  for (const char each : {';', ','})
+    if (line.find(each) != std::string_view::npos) return each;
+  return ' ';
+}
+
+/// The next field, which is taken off the line: a cell, which may be empty or in quotes, or a word. False where a quote
+/// does not end.
+bool take_field(std::string_view& line, char separator, std::string_view& field) {
+  if (separator == ' ') {
+    const size_t end = std::min(line.find_first_of(kBlank), line.size());
+    field = line.substr(0, end);
+    line = trimmed(line.substr(end));
+    return true;
+  }
+  line = line.substr(std::min(line.find_first_not_of(kBlank), line.size()));
+  size_t end = 0;
+  if (!line.empty() && line[0] == '"') {
+    end = line.find('"', 1);
+    if (end == std::string_view::npos) return false;
+    ++end;
+  }
+  end = std::min(line.find(separator, end), line.size());
+  field = trimmed(line.substr(0, end));
+  if (field.size() >= 2 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
+  line.remove_prefix(std::min(end + 1, line.size()));
+  return true;
+}
+
+/// A table's lines as fields. The first line with fields, a head included, says what separates them; where that is a
+/// comma or a semicolon every line has as many cells.
+class Splitter {
+ public:
+  /// A comment before the first line may be its head: with twice as many cells each number is cut at its comma.
+  void note_comment(std::string_view line) {
+    std::vector<std::string_view> fields;
+    Splitter head;
+    if (cells_ == 0 && head.split(line, 0, fields).empty()) head_ = {head.separator_, fields.size()};
+  }
+  /// Empty where the line is; otherwise what is wrong, or no text.
+  std::string split(std::string_view line, int number, std::vector<std::string_view>& fields) {
+    fields.clear();
+    line = trimmed(line);
+    if (line.empty()) return "";
+    if (separator_ == 0) separator_ = separator_of(line);
+    while (!line.empty()) {
+      if (!take_field(line, separator_, fields.emplace_back()))
+        return "field " + std::to_string(fields.size()) + " begins with a quote that does not end";
+    }
+    if (separator_ == ' ') return "";
+    if (cells_ == 0) {
+      cells_ = fields.size(), first_ = number;
+      if (head_.first == separator_ && head_.second > 1 &&
+          (cells_ == 2 * head_.second || cells_ == 2 * head_.second - 1))
+        return std::to_string(cells_) + " fields, the head has " + std::to_string(head_.second) + kPoint;
+    }
+    if (fields.size() == cells_) return "";
+    return std::to_string(fields.size()) + " fields separated by '" + std::string(1, separator_) + "', line " +
+           std::to_string(first_) + " has " + std::to_string(cells_) + "; expected as many" + kPoint;
+  }
+
+ private:
+  char separator_ = 0;
+  size_t cells_ = 0;
+  int first_ = 0;
+  std::pair<char, size_t> head_{0, 0};
+};
+
+std::string shown(std::string_view text) { return "'" + std::string(text.substr(0, 40)) + "'"; }
 
 }  // namespace
 
@@ -36,10 +104,12 @@ Result<double> TextRow::number(size_t field) const {
   if (field >= fields.size()) return wrong("expected at least " + std::to_string(field + 1) + " fields");
   double value = 0;
   std::string_view text = fields[field];
-  if (!text.empty() && text[0] == '+') text.remove_prefix(1);
+  if (text.empty()) return wrong("field " + std::to_string(field + 1) + " is empty; expected a number");
+  if (text[0] == '+') text.remove_prefix(1);
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
   if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || !std::isfinite(value))
-    return wrong("field " + std::to_string(field + 1) + " '" + std::string(text.substr(0, 40)) + "' is not a number");
+    return wrong("field " + std::to_string(field + 1) + " " + shown(text) + " is not a number" +
+                 (text.find(',') != std::string_view::npos ? "; expected a decimal point" : ""));
   return value;
 }
 
@@ -95,14 +165,20 @@ Result<bool> read_lines(const std::filesystem::path& path, bool may_have_head,
   std::ifstream file(path, std::ios::binary);
   if (!file) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be opened"};
   std::string line;
+  Splitter splitter;
   bool first = true;
   for (int number = 1; std::getline(file, line); ++number) {
     if (line.size() > kLongestLine)
       return Failure{ODO_E_DATA, path.string() + ":" + std::to_string(number) + ": the line is too long for a table"};
-    if (line.empty() || line[0] == '#') continue;
-    const TextRow row{fields_of(line), &path, number};
+    if (line.empty()) continue;
+    if (line[0] == '#') {
+      splitter.note_comment(std::string_view(line).substr(1));
+      continue;
+    }
+    TextRow row{{}, &path, number};
+    if (const auto fault = splitter.split(line, number, row.fields); !fault.empty()) return row.wrong(fault);
     if (row.fields.empty()) continue;
-    const char head = row.fields[0][0];
+    const char head = row.fields[0].empty() ? '0' : row.fields[0][0];
     const bool is_head =
         may_have_head && first && !(head == '-' || head == '+' || head == '.' || (head >= '0' && head <= '9'));
     first = false;

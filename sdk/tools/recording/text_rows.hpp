@@ -29,7 +29,9 @@ struct TextRow {
 };
 
 /// Reads a table line by line: comments ('#'), empty lines and a first line that does not start with a number (a CSV
-/// head) are skipped; fields are separated by white space or commas. `take` returns a failure to stop.
+/// head) are skipped. The first line, a head included, settles what separates fields: semicolons, or else commas, or
+/// else white space. Between semicolons or commas there are cells: they may be empty or stand in quotes, and each line
+/// has as many as the first; otherwise it is a failure with line and field. `take` returns a failure to stop.
 Result<bool> read_rows(const std::filesystem::path& path, const std::function<Result<bool>(const TextRow&)>& take);
 
 /// As read_rows, for tables whose lines start with a name: no line is taken for a head.
@@ -37,7 +39,7 @@ Result<bool> read_rows_with_names(const std::filesystem::path& path,
                                   const std::function<Result<bool>(const TextRow&)>& take);
 
 /// Where a picture lies that a table's row names behind its time. A name that leads out of the folder, absolute or by
-/// "..", is refused unless the options allow it; links within the folder are the user's own.
+/// "..", is refused unless the options allow it; where links lead read_recording looks.
 Result<std::filesystem::path> picture_of(const TextRow& row, const std::filesystem::path& folder,
                                          const ReadOptions& options);
 

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/recording/picture_header.hpp"
+
+#include <cctype>
+#include <cstring>
+#include <fstream>
+#include <optional>
+
+namespace odograph {
+namespace {
+
+constexpr int kMostMarkers = 1000;  // of a JPEG before its size
+constexpr int kMostBytes = 4096;    // of a PGM's comments
+
+uint32_t big_endian(const unsigned char* bytes, int count) {
+  uint32_t value = 0;
+  for (int i = 0; i < count; ++i) value = value << 8 | bytes[i];
+  return value;
+}
+
+/// ISO/IEC 10918-1, B.2: markers with lengths, until a frame header (SOF) comes.
+std::optional<PictureSize> jpeg(std::istream& in) {
+  unsigned char head[7];
+  for (int i = 0; i < kMostMarkers && in.read(reinterpret_cast<char*>(head), 4); ++i) {
+    while (head[0] == 0xFF && head[1] == 0xFF) {  // fill bytes
+      std::memmove(head, head + 1, 3);
+      if (!in.read(reinterpret_cast<char*>(head) + 3, 1)) return std::nullopt;
+    }
+    if (head[0] != 0xFF) return std::nullopt;
+    const uint32_t marker = head[1], length = big_endian(head + 2, 2);
+    const bool frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (length < 2) return std::nullopt;
+    if (!frame) {
+      in.seekg(length - 2, std::ios::cur);
+      continue;
+    }
+    if (!in.read(reinterpret_cast<char*>(head), 5)) return std::nullopt;
+    return PictureSize{big_endian(head + 3, 2), big_endian(head + 1, 2)};
+  }
+  return std::nullopt;
+}
+
+/// netpbm's: numbers between white space and comments.
+std::optional<PictureSize> netpbm(std::istream& in) {
+  uint32_t numbers[2] = {};
+  int count = 0, digits = 0;
+  bool comment = false;
+  for (int i = 0; i < kMostBytes && count < 2; ++i) {
+    const int c = in.get();
+    if (c == EOF) return std::nullopt;
+    if (comment || c == '#') {
+      comment = c != '\n';
+    } else if (std::isdigit(c) && digits < 9) {
+      numbers[count] = numbers[count] * 10 + static_cast<uint32_t>(c - '0');
+      ++digits;
+    } else if (std::isspace(c)) {
+      count += digits > 0 ? 1 : 0;
+      digits = 0;
+    } else {
+      return std::nullopt;
+    }
+  }
+  if (count < 2) return std::nullopt;
+  return PictureSize{numbers[0], numbers[1]};
+}
+
+std::optional<PictureSize> stated_size(std::istream& in, uint64_t offset) {
+  unsigned char head[26] = {};
+  in.read(reinterpret_cast<char*>(head), sizeof head);
+  const auto got = in.gcount();
+  in.clear();
+  const auto continue_at = [&](uint64_t byte) -> std::istream& {
+    return in.seekg(static_cast<std::streamoff>(offset + byte));
+  };
+  if (got >= 24 && std::memcmp(head, "\x89PNG\r\n\x1a\n", 8) == 0 && std::memcmp(head + 12, "IHDR", 4) == 0)
+    return PictureSize{big_endian(head + 16, 4), big_endian(head + 20, 4)};
+  if (got >= 2 && head[0] == 0xFF && head[1] == 0xD8) return jpeg(continue_at(2));
+  if (got >= 26 && head[0] == 'B' && head[1] == 'M') {
+    int32_t size[2];
+    std::memcpy(size, head + 18, sizeof size);
+    const int64_t height = size[1];  // below 0: from the top
+    return PictureSize{static_cast<uint32_t>(size[0]), static_cast<uint32_t>(height < 0 ? -height : height)};
+  }
+  if (got >= 3 && head[0] == 'P' && head[1] >= '1' && head[1] <= '6') return netpbm(continue_at(2));
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<PictureSize> picture_size(const std::filesystem::path& file, uint64_t offset) {
+  std::ifstream in(file, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(offset));
+  if (!in) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be opened"};
+  const auto size = stated_size(in, offset);
+  if (!size || size->width == 0 || size->height == 0)
+    return Failure{ODO_E_DATA, file.string() + ": no picture; expected PNG, JPEG, BMP, PGM or PPM"};
+  if (size->width > kWidestPicture || size->height > kWidestPicture ||
+      uint64_t(size->width) * size->height > kMostPixels)
+    return Failure{ODO_E_DATA, file.string() + ": a picture of " + std::to_string(size->width) + " x " +
+                                   std::to_string(size->height) + " pixels; expected at most 64 million, " +
+                                   std::to_string(kWidestPicture) + " a side"};
+  return *size;
+}
+
+}  // namespace odograph
