@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `odograph compare`: several configs over several recordings, on one page.
+// `odograph compare`: several configs over several recordings.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/tools/command_line/commands.hpp"
-#include "sdk/tools/replay/run_plots.hpp"
+#include "sdk/tools/page/run_page.hpp"
 
 namespace odograph {
 namespace {
@@ -27,11 +26,11 @@ using Row = nlohmann::ordered_json;
 
 /// Null where a recording has no truth.
 Row errors_of(const Recording& recording, const RunResult& result) {
+  const LaidRun laid = lay_over_truth(recording, result);
+  if (laid.error_m.empty()) return nullptr;
   std::vector<double> errors;
-  double squares = 0;
-  for (const auto& [t, error] : error_over_time(recording, result)) errors.push_back(error), squares += error * error;
-  if (errors.empty()) return nullptr;
-  return {{"rms", std::sqrt(squares / static_cast<double>(errors.size()))},
+  for (const auto& [t, error] : laid.error_m) errors.push_back(error);
+  return {{"rms", laid.rms_m()},
           {"median", percentile(errors, 0.5)},
           {"largest", percentile(errors, 1.0)},
           {"end", errors.back()}};
@@ -52,39 +51,25 @@ Row row_of(const std::string& config, const std::string& name, const Recording& 
           {"frame_ms", percentile(result.frame_ms, 0.5)}};
 }
 
-const char* const kHeadings[] = {"config",           "distance (m)", "steps",      "error: rms (m)",
-                                 "median",           "largest",      "at the end", "tracking / degraded / lost (s)",
-                                 "fixes used / not", "frame (ms)"};
-
-std::vector<std::string> cells_of(const Row& row) {
-  const auto number = [](const Row& value, int digits) { return html::fixed(value.get<double>(), digits); };
+void print(const Row& row) {
   const Row& error = row["error_m"];
-  const auto part = [&](const char* key) { return error.is_null() ? std::string("-") : number(error[key], 2); };
-  return {row["config"].get<std::string>(),
-          number(row["distance_m"], 2),
-          std::to_string(row["steps"].get<uint64_t>()),
-          part("rms"),
-          part("median"),
-          part("largest"),
-          part("end"),
-          number(row["tracking_s"], 1) + " / " + number(row["degraded_s"], 1) + " / " + number(row["lost_s"], 1),
-          std::to_string(row["fixes_accepted"].get<uint64_t>()) + " / " +
-              std::to_string(row["fixes_rejected"].get<uint64_t>()),
-          number(row["frame_ms"], 2)};
+  const auto part = [&](const char* key) {
+    char text[32] = "-";
+    if (!error.is_null()) std::snprintf(text, sizeof text, "%.2f", error[key].get<double>());
+    return std::string(text);
+  };
+  std::printf("%-36s %-32s %9.2f m %5llu steps  error rms %s, median %s, largest %s, end %s m\n",
+              row["recording"].get<std::string>().c_str(), row["config"].get<std::string>().c_str(),
+              row["distance_m"].get<double>(), static_cast<unsigned long long>(row["steps"].get<uint64_t>()),
+              part("rms").c_str(), part("median").c_str(), part("largest").c_str(), part("end").c_str());
 }
 
-std::string table_of(const std::vector<Row>& rows) {
-  std::ostringstream table;
-  table << "<table>\n<tr>";
-  for (const char* heading : kHeadings) table << "<th>" << heading << "</th>";
-  table << "</tr>\n";
-  for (const Row& row : rows) {
-    table << "<tr>";
-    for (const std::string& cell : cells_of(row)) table << "<td>" << html::escape(cell) << "</td>";
-    table << "</tr>\n";
-  }
-  table << "</table>\n";
-  return table.str();
+/// The page of a recording: as asked for where there is one, otherwise with the recording's name before its extension.
+std::filesystem::path page_of(const CompareArguments& a, const std::string& recording) {
+  const std::filesystem::path asked(a.output);
+  if (a.recordings.size() == 1) return asked;
+  std::string name = std::filesystem::path(recording).filename().string();
+  return asked.parent_path() / (asked.stem().string() + "-" + name + asked.extension().string());
 }
 
 /// The names of the files, or the whole paths where two files are named alike.
@@ -100,9 +85,14 @@ std::vector<std::string> names_of(const std::vector<std::string>& paths) {
   return std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end() ? names : paths;
 }
 
+std::string command_of(const CompareArguments& a, const std::string& recording) {
+  std::string command = "odograph compare";
+  for (const std::string& config : a.configs) command += " " + config;
+  return command + " -i " + recording;
+}
+
 int compare(const CompareArguments& a) {
   const auto configs = names_of(a.configs), recordings = names_of(a.recordings);
-  std::string page = html::head("Odograph, " + std::to_string(a.configs.size()) + " configs");
   std::vector<Row> all;
   int done = kDone;
   Progress progress("compare");
@@ -114,6 +104,7 @@ int compare(const CompareArguments& a) {
       progress.show(r * a.configs.size() + c, a.recordings.size() * a.configs.size());
       RunOptions options;
       options.config = a.configs[c], options.plugin_path = a.plugins, options.asset_path = a.assets;
+      options.collect_poses = !a.output.empty();
       auto result = replay(*recording, options);
       if (!result) {
         const int status = complain(result.failure());
@@ -123,36 +114,24 @@ int compare(const CompareArguments& a) {
       results.push_back(std::move(*result));
     }
     std::vector<NamedRun> runs;
-    std::vector<Row> rows;
     for (size_t c = 0; c < results.size(); ++c) {
       runs.push_back({configs[c], &results[c]});
-      rows.push_back(row_of(configs[c], recordings[r], *recording, results[c]));
+      all.push_back(row_of(configs[c], recordings[r], *recording, results[c]));
     }
-    if (!a.output.empty())
-      page +=
-          "<h1>" + html::escape(recordings[r]) + "</h1>\n" + table_of(rows) + html::figures(plots_of(*recording, runs));
-    all.insert(all.end(), rows.begin(), rows.end());
+    if (a.output.empty()) continue;
+    const auto path = page_of(a, recordings[r]);
+    const auto written =
+        write_whole_file(path, run_page(*recording, runs, {.command = command_of(a, a.recordings[r])}));
+    if (!written) return complain(written.failure());
+    std::fprintf(stderr, "written to %s\n", path.string().c_str());
   }
   progress.show(1, 1);
   if (a.json) {
     std::printf("%s\n", Row(all).dump(2).c_str());
   } else {
-    for (const Row& row : all) {
-      const auto cells = cells_of(row);
-      std::printf("%-36s %-32s %9s m %5s steps  error rms %s, median %s, largest %s, end %s m\n",
-                  row["recording"].get<std::string>().c_str(), cells[0].c_str(), cells[1].c_str(), cells[2].c_str(),
-                  cells[3].c_str(), cells[4].c_str(), cells[5].c_str(), cells[6].c_str());
-    }
+    for (const Row& row : all) print(row);
   }
-  if (a.output.empty()) return done;
-  for (size_t c = 0; c < a.configs.size(); ++c) {
-    std::ifstream file(a.configs[c]);
-    std::stringstream text;
-    text << file.rdbuf();
-    page += "<h2>" + html::escape(configs[c]) + "</h2>\n<pre>" + html::escape(text.str()) + "</pre>\n";
-  }
-  const auto written = write_whole_file(a.output, page + "</html>\n");
-  return written ? done : complain(written.failure());
+  return done;
 }
 
 }  // namespace
@@ -162,7 +141,9 @@ void add_compare(CLI::App& app, int& status) {
   auto a = std::make_shared<CompareArguments>();
   command->add_option("configs", a->configs, "pipeline configs (YAML)")->required();
   command->add_option("-i,--input", a->recordings, "recordings, as `run` takes them")->required();
-  command->add_option("-o,--output", a->output, "page to write: tables, tracks, errors, steps, scale, states, fixes");
+  command->add_option(
+      "-o,--output", a->output,
+      "page to write, as of `run --report`, with all runs over one truth; with several recordings one for each");
   command->add_option("--plugins", a->plugins, "folder to look for plugins in first");
   command->add_option("--assets", a->assets, "folder of files that the configs name, where they are not beside them");
   command->add_flag("--json", a->json, "print one JSON array, an entry for each run");

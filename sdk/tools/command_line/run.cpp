@@ -3,10 +3,11 @@
 #include <fstream>
 #include <sstream>
 
+#include "sdk/host/base/output_file.hpp"
 #include "sdk/host/base/printable.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/evaluation/faults.hpp"
-#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/page/run_page.hpp"
 
 namespace odograph {
 namespace {
@@ -18,6 +19,15 @@ struct RunArguments {
   std::vector<std::string> set;
   bool report = false, json = false;
 };
+
+/// As somebody would type it again.
+std::string command_of(const RunArguments& a) {
+  std::string command = "odograph run -c " + a.options.config + " -i " + a.input;
+  for (const std::string& text : a.set) command += " --set '" + text + "'";
+  if (!a.faults.empty()) command += " --faults " + a.faults;
+  if (a.options.seed) command += " --seed " + std::to_string(a.options.seed);
+  return command;
+}
 
 int run(RunArguments& a) {
   a.reading.true_states = false;
@@ -36,6 +46,7 @@ int run(RunArguments& a) {
   Progress progress("run");
   a.options.progress = [&](size_t done, size_t all) { progress.show(done, all); };
   a.options.keep_session = true;
+  a.options.collect_poses = a.report;
   const auto result = replay(*recording, a.options);
   if (!result) {
     const int status = complain(result.failure());
@@ -43,8 +54,13 @@ int run(RunArguments& a) {
   }
   const auto written = write_run(a.output, *recording, *result, a.options);
   if (!written) return complain(written.failure());
-  if (a.report)
-    if (const auto report = write_report(a.output, *recording, *result); !report) return complain(report.failure());
+  if (a.report) {
+    const std::string page =
+        run_page(*recording, {{std::filesystem::path(a.options.config).filename().string(), &*result}},
+                 {.command = command_of(a)});
+    const auto report = write_whole_file(std::filesystem::path(a.output) / "report.html", page);
+    if (!report) return complain(report.failure());
+  }
   for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
   if (!result->state_failure.empty()) std::fprintf(stderr, "%s\n", printable(result->state_failure).c_str());
   if (a.json) {
@@ -95,7 +111,8 @@ void add_run(CLI::App& app, int& status) {
   command->add_option("--faults", a->faults,
                       "YAML file of what is to go wrong with the sensors; keys: odograph config schema faults");
   command->add_option("--seed", a->options.seed, "of the random numbers handed to plugins")->capture_default_str();
-  command->add_flag("--report", a->report, "write report.html with pictures");
+  command->add_flag("--report", a->report,
+                    "write report.html: one page with the track, the camera's pictures and charts over one time");
   command->add_flag("--json", a->json, "print the summary as one JSON object");
   command->callback([a, &status] { status = run(*a); });
 }

@@ -9,8 +9,8 @@
 namespace odograph {
 namespace {
 
-constexpr int kMostMarkers = 1000;  // of a JPEG before its size
-constexpr int kMostBytes = 4096;    // of a PGM's comments
+constexpr int kMaxMarkers = 1000;  // of a JPEG before its size
+constexpr int kMaxBytes = 4096;    // of a PGM's comments
 
 uint32_t big_endian(const unsigned char* bytes, int count) {
   uint32_t value = 0;
@@ -21,7 +21,7 @@ uint32_t big_endian(const unsigned char* bytes, int count) {
 /// ISO/IEC 10918-1, B.2: markers with lengths, until a frame header (SOF) comes.
 std::optional<PictureSize> jpeg(std::istream& in) {
   unsigned char head[7];
-  for (int i = 0; i < kMostMarkers && in.read(reinterpret_cast<char*>(head), 4); ++i) {
+  for (int i = 0; i < kMaxMarkers && in.read(reinterpret_cast<char*>(head), 4); ++i) {
     while (head[0] == 0xFF && head[1] == 0xFF) {  // fill bytes
       std::memmove(head, head + 1, 3);
       if (!in.read(reinterpret_cast<char*>(head) + 3, 1)) return std::nullopt;
@@ -45,7 +45,7 @@ std::optional<PictureSize> netpbm(std::istream& in) {
   uint32_t numbers[2] = {};
   int count = 0, digits = 0;
   bool comment = false;
-  for (int i = 0; i < kMostBytes && count < 2; ++i) {
+  for (int i = 0; i < kMaxBytes && count < 2; ++i) {
     const int c = in.get();
     if (c == EOF) return std::nullopt;
     if (comment || c == '#') {
@@ -95,7 +95,7 @@ Result<PictureSize> picture_size(const std::filesystem::path& file, uint64_t off
   if (!size || size->width == 0 || size->height == 0)
     return Failure{ODO_E_DATA, file.string() + ": no picture; expected PNG, JPEG, BMP, PGM or PPM"};
   if (size->width > kWidestPicture || size->height > kWidestPicture ||
-      uint64_t(size->width) * size->height > kMostPixels)
+      uint64_t(size->width) * size->height > kMaxPixels)
     return Failure{ODO_E_DATA, file.string() + ": a picture of " + std::to_string(size->width) + " x " +
                                    std::to_string(size->height) + " pixels; expected at most 64 million, " +
                                    std::to_string(kWidestPicture) + " a side"};

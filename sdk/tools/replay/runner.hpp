@@ -89,9 +89,6 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options);
 Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
                        const RunOptions& options);
 
-/// report.html: what happened, in pictures (by gnuplot, where it is installed).
-Result<bool> write_report(const std::filesystem::path& folder, const Recording& recording, const RunResult& result);
-
 /// Peak resident memory of this process, MB.
 double peak_rss_mb();
 

@@ -1,0 +1,172 @@
+// The track in space: from above, or tilted. Coordinates of data are north, east, down in metres.
+const map = {centre: [0, 0, 0], metre_px: 10, turn: 0, tilt: 0};
+
+/** A place of a run's frame in the frame that all is drawn in. */
+function lay(run, p, i) {
+  const {q, p: shift, s} = run.laid, [w, x, y, z] = q;
+  const v = [s * p[i], s * p[i + 1], s * p[i + 2]];
+  const u = [y * v[2] - z * v[1], z * v[0] - x * v[2], x * v[1] - y * v[0]];
+  const r = [y * u[2] - z * u[1], z * u[0] - x * u[2], x * u[1] - y * u[0]];
+  return [v[0] + 2 * (w * u[0] + r[0]) + shift[0], v[1] + 2 * (w * u[1] + r[1]) + shift[1], v[2] + 2 * (w * u[2] + r[2]) + shift[2]];
+}
+function layAll(run, p) {
+  const out = new Float64Array(p.length);
+  for (let i = 0; i < p.length; i += 3) out.set(lay(run, p, i), i);
+  return out;
+}
+function toScreen(p, i, w, h) {
+  const n = p[i] - map.centre[0], e = p[i + 1] - map.centre[1], up = map.centre[2] - p[i + 2];
+  const c = Math.cos(map.turn), s = Math.sin(map.turn);
+  const right = c * e - s * n, ahead = s * e + c * n;
+  return [w / 2 + map.metre_px * right, h / 2 - map.metre_px * (ahead * Math.cos(map.tilt) + up * Math.sin(map.tilt))];
+}
+
+function fitMap(data, w, h) {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  const take = p => {
+    for (let i = 0; i < p.length; i += 3)
+      for (let k = 0; k < 3; ++k) { low[k] = Math.min(low[k], p[i + k]); high[k] = Math.max(high[k], p[i + k]); }
+  };
+  data.runs.forEach(run => take(run.placed));
+  if (data.truth) take(data.truth.p);
+  if (!(high[0] >= low[0])) return;
+  map.centre = low.map((x, k) => (x + high[k]) / 2);
+  map.metre_px = 0.9 * Math.min(w / Math.max(1, high[1] - low[1]), h / Math.max(1, high[0] - low[0]));
+}
+
+function drawGrid(g, w, h) {
+  const step = tick(w / map.metre_px, 7), reach = Math.max(w, h) / map.metre_px;
+  const down = map.centre[2], lines = Math.ceil(reach / step);
+  const n0 = Math.round(map.centre[0] / step) * step, e0 = Math.round(map.centre[1] / step) * step;
+  g.strokeStyle = css('--line');
+  g.lineWidth = 1;
+  g.beginPath();
+  for (let k = -lines; k <= lines; ++k)
+    for (const ends of [[n0 + k * step, e0 - reach, down, n0 + k * step, e0 + reach, down], [n0 - reach, e0 + k * step, down, n0 + reach, e0 + k * step, down]]) {
+      g.moveTo(...toScreen(ends, 0, w, h));
+      g.lineTo(...toScreen(ends, 3, w, h));
+    }
+  g.stroke();
+  g.fillStyle = g.strokeStyle = css('--soft');
+  g.textAlign = 'left';
+  g.fillRect(12, h - 14, step * map.metre_px, 2);
+  g.fillText(readable(step) + ' m', 12, h - 20);
+  const x = w - 24, y = 30, a = map.turn;  // which way north is
+  g.beginPath();
+  g.moveTo(x - 14 * Math.sin(a), y - 14 * Math.cos(a));
+  g.lineTo(x + 5 * Math.cos(a), y - 5 * Math.sin(a));
+  g.lineTo(x - 5 * Math.cos(a), y + 5 * Math.sin(a));
+  g.fill();
+  g.textAlign = 'center';
+  g.fillText('N', x, y + 20);
+}
+
+function drawPath(g, p, w, h, colourOf, width, dash) {
+  g.lineWidth = width;
+  g.setLineDash(dash || []);
+  let colour = null;
+  for (let i = 0; i + 3 < p.length; i += 3) {
+    const c = colourOf(i / 3);
+    if (c !== colour) {
+      if (colour !== null) g.stroke();
+      colour = c;
+      g.strokeStyle = c;
+      g.beginPath();
+      g.moveTo(...toScreen(p, i, w, h));
+    }
+    g.lineTo(...toScreen(p, i + 3, w, h));
+  }
+  if (colour !== null) g.stroke();
+  g.setLineDash([]);
+}
+
+function drawFixes(g, run, w, h) {
+  const f = run.fixes;
+  f.t.forEach((t, k) => {
+    if (f.p[3 * k] === null) return;
+    const at = toScreen(lay(run, f.p, 3 * k), 0, w, h), i = Math.max(0, before(run.t, t));
+    const track = toScreen(run.placed, 3 * i, w, h);
+    g.strokeStyle = g.fillStyle = f.used[k] ? css('--good') : css('--bad');
+    g.globalAlpha = 0.5;
+    g.lineWidth = 1;
+    g.beginPath();
+    g.moveTo(...at);
+    g.lineTo(...track);
+    g.stroke();
+    g.globalAlpha = 1;
+    g.fillRect(at[0] - 2, at[1] - 2, 4, 4);
+  });
+}
+
+function drawHere(g, run, w, h) {
+  const i = before(run.t, view.now);
+  if (i < 0) return;
+  const at = toScreen(run.placed, 3 * i, w, h);
+  if (run.sigma.length) {
+    g.fillStyle = run.colour + '33';
+    g.beginPath();
+    g.ellipse(at[0], at[1], 2 * run.sigma[i] * map.metre_px, 2 * run.sigma[i] * map.metre_px * Math.max(0.15, Math.cos(map.tilt)), 0, 0, 7);
+    g.fill();
+  }
+  const [n, e] = directionAt(run, i), tip = run.placed.slice(3 * i, 3 * i + 3);
+  tip[0] += n * 16 / map.metre_px;
+  tip[1] += e * 16 / map.metre_px;
+  g.strokeStyle = g.fillStyle = run.colour;
+  g.lineWidth = 2.5;
+  g.beginPath();
+  g.moveTo(...at);
+  g.lineTo(...toScreen(tip, 0, w, h));
+  g.stroke();
+  g.beginPath();
+  g.arc(at[0], at[1], 5, 0, 7);
+  g.fill();
+  g.strokeStyle = css('--back');
+  g.stroke();
+}
+
+function setUpMap(data) {
+  const canvas = document.getElementById('map'), several = data.runs.length > 1;
+  const states = [css('--soft'), null, css('--fair'), css('--bad')];
+  view.listeners.push(() => {
+    const {g, w, h} = prepare(canvas);
+    if (!map.fitted) { fitMap(data, w, h); map.fitted = true; }
+    drawGrid(g, w, h);
+    if (data.truth) drawPath(g, data.truth.p, w, h, () => css('--soft'), 3, []);
+    for (const run of data.runs) {
+      drawFixes(g, run, w, h);
+      drawPath(g, run.placed, w, h, several ? () => run.colour : k => states[run.state[k]] || run.colour, 2);
+    }
+    g.fillStyle = css('--ink');
+    data.waypoints.forEach(p => {
+      const [x, y] = toScreen(p, 0, w, h);
+      g.beginPath();
+      g.arc(x, y, 4, 0, 7);
+      g.fill();
+    });
+    for (const run of data.runs) drawHere(g, run, w, h);
+  });
+  let drag = null;
+  canvas.addEventListener('pointerdown', e => { canvas.setPointerCapture(e.pointerId); drag = {x: e.offsetX, y: e.offsetY, turn: e.shiftKey || e.button === 2}; });
+  canvas.addEventListener('contextmenu', e => e.preventDefault());
+  canvas.addEventListener('pointerup', () => { drag = null; });
+  canvas.addEventListener('pointermove', e => {
+    if (!drag) return;
+    const dx = e.offsetX - drag.x, dy = e.offsetY - drag.y;
+    drag.x = e.offsetX;
+    drag.y = e.offsetY;
+    if (drag.turn || map.tilt > 0 && !e.ctrlKey) {
+      map.turn -= dx * 0.008;
+      map.tilt = Math.max(0, Math.min(1.5, map.tilt - dy * 0.006));
+    } else {
+      const c = Math.cos(map.turn), s = Math.sin(map.turn), right = -dx / map.metre_px, ahead = dy / map.metre_px;
+      map.centre[0] += c * ahead - s * right;
+      map.centre[1] += c * right + s * ahead;
+    }
+    redraw();
+  });
+  const scale = factor => { map.metre_px = Math.max(0.01, Math.min(5000, map.metre_px * factor)); redraw(); };
+  canvas.addEventListener('wheel', e => { e.preventDefault(); scale(Math.exp(-e.deltaY * 0.0015)); }, {passive: false});
+  document.getElementById('map-top').onclick = () => { map.turn = map.tilt = 0; redraw(); };
+  document.getElementById('map-tilt').onclick = () => { map.tilt = 1.0; map.turn = 0.6; redraw(); };
+  document.getElementById('map-fit').onclick = () => { map.fitted = false; redraw(); };
+}

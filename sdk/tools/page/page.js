@@ -1,0 +1,145 @@
+// Fills the page from the data that stands in it.
+const data = JSON.parse(document.getElementById('data').textContent);
+const element = (name, text) => { const e = document.createElement(name); if (text !== undefined) e.textContent = text; return e; };
+
+function stateBands() {
+  const colours = ['#7a8494', css('--good'), css('--fair'), css('--bad')];
+  addBand('State', data.runs.map(run => ({
+    name: data.runs.length > 1 ? run.name : '', end: run.t[run.t.length - 1],
+    entries: run.states.map(s => ({t: s.t, name: s.text, colour: colours[s.state] || colours[0]}))
+  })));
+}
+function modeBands() {
+  const colours = {};
+  addBand('Motion', data.runs.map(run => ({
+    name: data.runs.length > 1 ? run.name : '', end: run.t.length ? run.t[run.t.length - 1] : 0,
+    entries: run.modes.map(m => ({t: m.t, name: m.text, colour: colours[m.text] = colours[m.text] || kColours[Object.keys(colours).length % kColours.length]}))
+  })));
+}
+
+function setUpCharts() {
+  const each = make => data.runs.flatMap(run => [].concat(make(run) || [])), several = data.runs.length > 1;
+  const named = (run, name) => several ? (name ? run.name + ', ' + name : run.name) : name || '';
+  stateBands();
+  modeBands();
+  addChart(data.waypoints.length && !data.truth ? 'Error at the waypoints' : 'Error', 'm', each(run => [
+    {name: named(run, several ? '' : 'error'), t: run.error.t, y: run.error.y, colour: run.colour, points: !data.truth},
+    !several && run.sigma.length ? {name: 'stated sigma', t: run.t, y: run.sigma, colour: css('--soft'), dashed: true} : null
+  ].filter(s => s && run.error.t.length)), true);
+  addChart('Metric scale known to', '%', each(run => ({name: named(run), t: run.scale_sigma.t, y: run.scale_sigma.y, colour: run.colour})), true);
+  addChart('Scale told by its sources', '', each(run => run.scales.map((s, k) =>
+    ({name: named(run, s.source), t: s.t, y: s.y, band: s.sigma, colour: kColours[(k + data.runs.indexOf(run)) % kColours.length]}))));
+  addChart('Height', 'm', each(run => ({name: named(run), t: run.t, y: run.height, colour: run.colour}))
+    .concat(data.truth ? [{name: 'truth', t: data.truth.t, y: data.truth.height, colour: css('--soft'), dashed: true}] : []));
+  addChart('Speed', 'm/s', each(run => ({name: named(run), t: run.speed.t, y: run.speed.y, colour: run.colour, thin: true})), true);
+  addChart('Step length', 'm', each(run => ({name: named(run), t: run.steps.t, y: run.steps.y, band: several ? undefined : run.steps.sigma, points: true, colour: run.colour})));
+  addChart('Fixes less the track', 'm', each(run => ['north', 'east', 'down'].map((axis, k) =>
+    ({name: named(run, axis), t: run.fixes.t, y: run.fixes.residual[k], points: true, colour: kColours[k]})).filter(s => s.y.some(y => y !== null))));
+  addChart('Work for a frame', 'ms', each(run => ({name: named(run), t: run.frame_ms.t, y: run.frame_ms.y, colour: run.colour, thin: true})), true);
+}
+
+function table(rows, head) {
+  const box = element('div'), out = element('table');
+  box.className = 'wide';
+  if (head) {
+    const line = element('tr');
+    head.forEach(text => line.append(element('th', text)));
+    out.append(line);
+  }
+  for (const row of rows) {
+    const line = element('tr');
+    row.forEach((cell, k) => line.append(element(k === 0 ? 'th' : 'td', cell)));
+    out.append(line);
+  }
+  box.append(out);
+  return box;
+}
+
+function setUpDetails() {
+  const details = document.getElementById('details');
+  details.append(element('h2', 'Figures'), table(data.runs[0].table.map((row, k) => [row[0], ...data.runs.map(run => run.table[k][1])]),
+    data.runs.length > 1 ? ['', ...data.runs.map(run => run.name)] : null));
+  const said = data.runs.flatMap(run => run.reports.map(text => [run.name, text]));
+  if (said.length) details.append(element('h2', 'Reported'), table(said));
+  details.append(element('h2', 'How it was made'), table(data.about));
+  for (const run of data.runs) details.append(element('h2', 'Config of ' + run.name), element('pre', run.config));
+}
+
+function setUpTime() {
+  const cursor = document.getElementById('cursor'), now = document.getElementById('now'), play = document.getElementById('play');
+  cursor.min = view.whole[0];
+  cursor.max = view.whole[1];
+  cursor.oninput = () => setNow(Number(cursor.value));
+  let playing = null;
+  const step = time => {
+    if (playing === null) return;
+    setNow(view.now + (time - playing) / 1000);
+    playing = view.now >= view.whole[1] ? null : time;
+    play.textContent = playing === null ? '▶' : '❚❚';
+    requestAnimationFrame(step);
+  };
+  play.onclick = () => {
+    playing = playing === null ? performance.now() : null;
+    play.textContent = playing === null ? '▶' : '❚❚';
+    play.setAttribute('aria-label', playing === null ? 'Play' : 'Pause');
+    if (playing !== null) requestAnimationFrame(step);
+  };
+  document.getElementById('zoom-out').onclick = () => setWindow(...view.whole);
+  addEventListener('keydown', e => {
+    if (e.target.matches('button, input[type=checkbox], pre') && e.key === ' ') return;
+    const jump = e.shiftKey ? 5 : 0.5;
+    const act = {ArrowLeft: () => setNow(view.now - jump), ArrowRight: () => setNow(view.now + jump), Home: () => setNow(view.whole[0]), End: () => setNow(view.whole[1]),
+      ' ': () => play.click(), '+': () => zoom(0.7, view.now), '-': () => zoom(1 / 0.7, view.now), '0': () => setWindow(...view.whole)}[e.key];
+    if (act && !e.ctrlKey && !e.metaKey && !e.altKey) { e.preventDefault(); act(); }
+  });
+  view.listeners.push(() => {
+    cursor.value = view.now;
+    cursor.setAttribute('aria-valuetext', view.now.toFixed(1) + ' seconds');
+    now.textContent = view.now.toFixed(2) + ' s';
+  });
+}
+
+function start() {
+  document.title = data.title;
+  document.getElementById('title').textContent = data.title;
+  document.getElementById('headline').textContent = data.headline;
+  const legend = document.getElementById('runs');
+  data.runs.forEach((run, k) => {
+    run.colour = kColours[k % kColours.length];
+    run.placed = layAll(run, run.p);
+    run.height = Array.from({length: run.t.length}, (_, i) => -run.placed[3 * i + 2]);
+    const entry = element('li'), mark = element('i');
+    mark.style.background = run.colour;
+    entry.append(mark, run.name + (run.headline && data.runs.length > 1 ? ': ' + run.headline : ''));
+    legend.append(entry);
+  });
+  if (data.truth) {
+    data.truth.height = Array.from({length: data.truth.t.length}, (_, i) => -data.truth.p[3 * i + 2]);
+    const entry = element('li'), mark = element('i');
+    mark.style.background = css('--soft');
+    entry.append(mark, 'truth, on which ' + (data.runs.length > 1 ? 'each run was laid' : 'the run was laid') + ' by ' + data.alignment);
+    legend.append(entry);
+  }
+  const ends = data.runs.flatMap(run => run.t.length ? [run.t[0], run.t[run.t.length - 1]] : []);
+  view.whole = ends.length ? [Math.min(...ends), Math.max(...ends)] : [0, 1];
+  [view.t0, view.t1] = view.whole;
+  view.now = Number(new URLSearchParams(location.hash.slice(1)).get('t')) || view.whole[0];  // report.html#t=12.5
+  setUpMap(data);
+  setUpPicture(data);
+  setUpCharts();
+  setUpDetails();
+  setUpTime();
+  document.querySelectorAll('.save').forEach(button => {
+    button.onclick = () => {
+      const link = element('a');
+      link.download = button.dataset.for + '.png';
+      link.href = document.getElementById(button.dataset.for).toDataURL('image/png');
+      link.click();
+    };
+  });
+  addEventListener('resize', redraw);
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
+  addEventListener('beforeprint', () => view.listeners.forEach(draw => draw()));
+  redraw();
+}
+start();

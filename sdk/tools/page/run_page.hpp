@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sdk/tools/replay/runner.hpp"
+
+namespace odograph {
+
+/// A run of one recording under a name that a legend can show. Its poses are collected (RunOptions::collect_poses).
+struct NamedRun {
+  std::string name;
+  const RunResult* result;
+};
+
+/// How a run's track is laid over the truth: turned about the vertical and shifted so that it fits best, with a scale
+/// where the track is not metric; without a truth, turned and shifted onto the first 10 m of the waypoints.
+struct LaidRun {
+  StampedPose to_truth;  ///< of places in the run's n; its time has no meaning
+  double scale = 1;
+  bool metric = true;
+  /// Distance from the truth over the seconds since the run's first pose, m; at the waypoints where there is no truth.
+  /// Empty where a recording has neither.
+  std::vector<std::pair<double, double>> error_m;
+  double rms_m() const;
+};
+LaidRun lay_over_truth(const Recording& recording, const RunResult& result);
+
+struct PageOptions {
+  std::string command;      ///< that made the runs, for the reader
+  size_t pictures = 90;     ///< of the camera, at most, evenly over the recording
+  int picture_width = 400;  ///< px
+};
+
+/// One self-contained page about the runs of a recording, each laid over its truth by itself: the track, the camera's
+/// pictures, charts over one time, tables, configs. It asks for nothing from elsewhere.
+std::string run_page(const Recording& recording, const std::vector<NamedRun>& runs, const PageOptions& options);
+
+}  // namespace odograph
