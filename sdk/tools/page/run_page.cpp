@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kMaxPoses = 20000;   // of a run on the page: ten minutes at 30 Hz; more are thinned
+constexpr size_t kMaxPoses = 20000;    // of a run on the page: ten minutes at 30 Hz; more are thinned
 constexpr double kKnownScale = 0.2;    // relative sigma, above which a chart would show nothing else
 constexpr double kSpeedOver_s = 0.25;  // less and the noise of positions is seen
 constexpr double kGround_m = 1.35;     // of a phone in the hand, downwards; for the path in the pictures alone
