@@ -35,6 +35,7 @@ expect 0 "holds what the summary says" python3 "$source/tests/page_figures.py" o
 expect 0 "error rms" "$odograph" compare "$configs/phone_walk_odograph.yaml" "$configs/phone_walk.yaml" -i tiny.odo -o page.html
 expect 0 "phone_walk_odograph.yaml" cat page.html
 cp tiny.odo same_walk.odo
+expect 0 "http://127.0.0.1:" "$odograph" view -c "$configs/phone_walk.yaml" -i tiny.odo --port 0 --once
 expect 0 "page-tiny.odo.html" "$odograph" compare "$configs/phone_walk.yaml" -i tiny.odo same_walk.odo -o page.html
 expect 0 '"error_m"' "$odograph" compare "$configs/phone_walk.yaml" -i tiny.odo --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: compare --json is not one JSON value"; failed=1; }

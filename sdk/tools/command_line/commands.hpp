@@ -15,6 +15,7 @@ void add_config(CLI::App& app, int& status);
 void add_plugins(CLI::App& app, int& status);
 void add_convert(CLI::App& app, int& status);
 void add_calibrate(CLI::App& app, int& status);
+void add_view(CLI::App& app, int& status);
 void add_steps(CLI::App& app, int& status);
 void add_compare(CLI::App& app, int& status);
 /// `odograph city ...`: city models, their skylines, routes through their streets.

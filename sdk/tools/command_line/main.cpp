@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   odograph::add_run(app, status);
   odograph::add_eval(app, status);
   odograph::add_sim(app, status);
+  odograph::add_view(app, status);
   odograph::add_steps(app, status);
   odograph::add_compare(app, status);
   odograph::add_config(app, status);

@@ -124,12 +124,12 @@ function drawHere(g, run, w, h) {
   g.stroke();
 }
 
-function setUpMap(data) {
+function showMap(data) {
   const canvas = document.getElementById('map'), several = data.runs.length > 1;
   const states = [css('--soft'), null, css('--fair'), css('--bad')];
   view.listeners.push(() => {
     const {g, w, h} = prepare(canvas);
-    if (!map.fitted) { fitMap(data, w, h); map.fitted = true; }
+    if (!map.fitted) { fitMap(data, w, h); map.fitted = !data.live; }
     drawGrid(g, w, h);
     if (data.truth) drawPath(g, data.truth.p, w, h, () => css('--soft'), 3, []);
     for (const run of data.runs) {
@@ -145,12 +145,17 @@ function setUpMap(data) {
     });
     for (const run of data.runs) drawHere(g, run, w, h);
   });
+}
+
+function setUpMap() {
+  const canvas = document.getElementById('map');
   let drag = null;
   canvas.addEventListener('pointerdown', e => { canvas.setPointerCapture(e.pointerId); drag = {x: e.offsetX, y: e.offsetY, turn: e.shiftKey || e.button === 2}; });
   canvas.addEventListener('contextmenu', e => e.preventDefault());
   canvas.addEventListener('pointerup', () => { drag = null; });
   canvas.addEventListener('pointermove', e => {
     if (!drag) return;
+    map.fitted = true;
     const dx = e.offsetX - drag.x, dy = e.offsetY - drag.y;
     drag.x = e.offsetX;
     drag.y = e.offsetY;
@@ -164,7 +169,7 @@ function setUpMap(data) {
     }
     redraw();
   });
-  const scale = factor => { map.metre_px = Math.max(0.01, Math.min(5000, map.metre_px * factor)); redraw(); };
+  const scale = factor => { map.fitted = true; map.metre_px = Math.max(0.01, Math.min(5000, map.metre_px * factor)); redraw(); };
   canvas.addEventListener('wheel', e => { e.preventDefault(); scale(Math.exp(-e.deltaY * 0.0015)); }, {passive: false});
   document.getElementById('map-top').onclick = () => { map.turn = map.tilt = 0; redraw(); };
   document.getElementById('map-tilt').onclick = () => { map.tilt = 1.0; map.turn = 0.6; redraw(); };

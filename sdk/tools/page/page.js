@@ -1,5 +1,5 @@
-// Fills the page from the data that stands in it.
-const data = JSON.parse(document.getElementById('data').textContent);
+// Fills the page from the data that stands in it; with `odograph view`, again and again while the run goes on.
+let data = null;
 const element = (name, text) => { const e = document.createElement(name); if (text !== undefined) e.textContent = text; return e; };
 
 function stateBands() {
@@ -66,9 +66,7 @@ function setUpDetails() {
 }
 
 function setUpTime() {
-  const cursor = document.getElementById('cursor'), now = document.getElementById('now'), play = document.getElementById('play');
-  cursor.min = view.whole[0];
-  cursor.max = view.whole[1];
+  const cursor = document.getElementById('cursor'), play = document.getElementById('play');
   cursor.oninput = () => setNow(Number(cursor.value));
   let playing = null;
   const step = time => {
@@ -92,42 +90,56 @@ function setUpTime() {
       ' ': () => play.click(), '+': () => zoom(0.7, view.now), '-': () => zoom(1 / 0.7, view.now), '0': () => setWindow(...view.whole)}[e.key];
     if (act && !e.ctrlKey && !e.metaKey && !e.altKey) { e.preventDefault(); act(); }
   });
-  view.listeners.push(() => {
-    cursor.value = view.now;
-    cursor.setAttribute('aria-valuetext', view.now.toFixed(1) + ' seconds');
-    now.textContent = view.now.toFixed(2) + ' s';
-  });
+}
+function drawTime() {
+  const cursor = document.getElementById('cursor');
+  [cursor.min, cursor.max] = view.whole;
+  cursor.value = view.now;
+  cursor.setAttribute('aria-valuetext', view.now.toFixed(1) + ' seconds');
+  document.getElementById('now').textContent = view.now.toFixed(2) + ' s';
 }
 
-function start() {
-  document.title = data.title;
-  document.getElementById('title').textContent = data.title;
-  document.getElementById('headline').textContent = data.headline;
-  const legend = document.getElementById('runs');
+function mark(colour, text) {
+  const entry = element('li'), square = element('i');
+  square.style.background = colour;
+  entry.append(square, text);
+  document.getElementById('runs').append(entry);
+}
+
+function load(fresh) {
+  data = fresh;
+  for (const id of ['runs', 'charts', 'details']) document.getElementById(id).replaceChildren();
+  document.title = document.getElementById('title').textContent = data.title;
+  document.getElementById('headline').textContent = (data.live ? 'Running: ' : '') + data.headline;
   data.runs.forEach((run, k) => {
     run.colour = kColours[k % kColours.length];
     run.placed = layAll(run, run.p);
     run.height = Array.from({length: run.t.length}, (_, i) => -run.placed[3 * i + 2]);
-    const entry = element('li'), mark = element('i');
-    mark.style.background = run.colour;
-    entry.append(mark, run.name + (run.headline && data.runs.length > 1 ? ': ' + run.headline : ''));
-    legend.append(entry);
+    mark(run.colour, run.name + (run.headline && data.runs.length > 1 ? ': ' + run.headline : ''));
   });
   if (data.truth) {
     data.truth.height = Array.from({length: data.truth.t.length}, (_, i) => -data.truth.p[3 * i + 2]);
-    const entry = element('li'), mark = element('i');
-    mark.style.background = css('--soft');
-    entry.append(mark, 'truth, on which ' + (data.runs.length > 1 ? 'each run was laid' : 'the run was laid') + ' by ' + data.alignment);
-    legend.append(entry);
+    mark(css('--soft'), 'truth, on which ' + (data.runs.length > 1 ? 'each run was laid' : 'the run was laid') + ' by ' + data.alignment);
   }
   const ends = data.runs.flatMap(run => run.t.length ? [run.t[0], run.t[run.t.length - 1]] : []);
+  const [first, last] = view.whole, follows = view.now >= last, all = view.t0 <= first && view.t1 >= last;
   view.whole = ends.length ? [Math.min(...ends), Math.max(...ends)] : [0, 1];
-  [view.t0, view.t1] = view.whole;
-  view.now = Number(new URLSearchParams(location.hash.slice(1)).get('t')) || view.whole[0];  // report.html#t=12.5
-  setUpMap(data);
-  setUpPicture(data);
+  if (all) [view.t0, view.t1] = view.whole;
+  if (follows) view.now = view.whole[1];
+  view.listeners = [drawTime];
+  showMap(data);
+  showPicture(data);
   setUpCharts();
   setUpDetails();
+  redraw();
+  if (data.live) setTimeout(() => fetch('data').then(answer => answer.json()).then(load), 1000);
+}
+
+function start() {
+  const first = JSON.parse(document.getElementById('data').textContent);
+  view.whole = [0, 0];
+  if (!first.live) view.now = -1;  // from the start; a run that goes on is followed
+  setUpMap();
   setUpTime();
   document.querySelectorAll('.save').forEach(button => {
     button.onclick = () => {
@@ -137,9 +149,12 @@ function start() {
       link.click();
     };
   });
+  document.getElementById('overlay').onchange = redraw;
   addEventListener('resize', redraw);
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
   addEventListener('beforeprint', () => view.listeners.forEach(draw => draw()));
-  redraw();
+  [view.t0, view.t1] = [0, 0];
+  load(first);
+  if (!first.live) setNow(Number(new URLSearchParams(location.hash.slice(1)).get('t')) || view.whole[0]);  // report.html#t=12.5
 }
 start();

@@ -77,23 +77,29 @@ function drawOverlay(g, data, run, t, toCanvas) {
   line(way, run.colour, 4);
 }
 
-function setUpPicture(data) {
+const pictures = new Map();
+/** The k-th picture: out of the page, or from `odograph view`. */
+function picture(frame, k) {
+  if (pictures.has(k)) return pictures.get(k);
+  const image = new Image();
+  image.onload = redraw;
+  image.src = frame.jpeg ? 'data:image/jpeg;base64,' + frame.jpeg : 'picture/' + frame.number;
+  if (pictures.size > 200) pictures.delete(pictures.keys().next().value);
+  pictures.set(k, image);
+  return image;
+}
+
+let shown = null;  // while the next one is on its way
+function showPicture(data) {
   if (data.frames.length === 0) return;
   document.getElementById('picture-figure').hidden = false;
   const canvas = document.getElementById('picture'), times = data.frames.map(f => f.t);
-  const pictures = data.frames.map(f => {
-    const image = new Image();
-    image.onload = redraw;
-    image.src = 'data:image/jpeg;base64,' + f.jpeg;
-    return image;
-  });
-  const box = document.getElementById('overlay');
-  box.onchange = redraw;
   view.listeners.push(() => {
     const {g, w, h} = prepare(canvas);
-    const k = Math.max(0, before(times, view.now + 1e-6)), image = pictures[k];
-    if (!image.complete || !image.naturalWidth) return;
-    const scale = Math.min(w / image.naturalWidth, h / image.naturalHeight);
+    const k = Math.max(0, before(times, view.now + 1e-6)), wanted = picture(data.frames[k], k);
+    if (wanted.complete && wanted.naturalWidth) shown = {image: wanted, t: times[k]};
+    if (!shown) return;
+    const {image, t} = shown, scale = Math.min(w / image.naturalWidth, h / image.naturalHeight);
     const x0 = (w - scale * image.naturalWidth) / 2, y0 = (h - scale * image.naturalHeight) / 2;
     g.drawImage(image, x0, y0, scale * image.naturalWidth, scale * image.naturalHeight);
     const shrink = data.camera ? scale * image.naturalWidth / data.camera.width : scale;
@@ -101,8 +107,8 @@ function setUpPicture(data) {
     g.beginPath();
     g.rect(x0, y0, scale * image.naturalWidth, scale * image.naturalHeight);
     g.clip();
-    if (box.checked) drawOverlay(g, data, data.runs[0], times[k], at => [x0 + shrink * at[0], y0 + shrink * at[1]]);
+    if (document.getElementById('overlay').checked) drawOverlay(g, data, data.runs[0], t, at => [x0 + shrink * at[0], y0 + shrink * at[1]]);
     g.restore();
-    canvas.setAttribute('aria-label', 'Camera picture at ' + times[k].toFixed(1) + ' s');
+    canvas.setAttribute('aria-label', 'Camera picture at ' + t.toFixed(1) + ' s');
   });
 }

@@ -290,27 +290,44 @@ Json json_of(const odo_calibration* camera) {
           {"distortion", distortion}};
 }
 
-Json pictures_of(const Recording& recording, const odo_calibration* camera, const PageOptions& options, int64_t t0_ns) {
+/// The main camera's: those of `source`, or all where it is not known.
+std::vector<const RecordedMessage*> frames_of(const Recording& recording, const odo_calibration* camera) {
   std::vector<const RecordedMessage*> frames;
   for (const RecordedMessage& m : recording.messages)
     if (m.message.header().type == ODO_TYPE_FRAME && (!camera || m.message.header().source == camera->header.source))
       frames.push_back(&m);
+  return frames;
+}
+
+/// Empty where it cannot be read, which the run reports.
+std::vector<unsigned char> jpeg_of(const RecordedMessage& message, int width) {
+  const auto frame = load_frame(message);
+  if (!frame) return {};
+  cv::Mat grey = grey_of(*frame);
+  frame->loan.release(frame->loan.owner);
+  std::vector<unsigned char> jpeg;
+  if (grey.empty()) return jpeg;
+  if (grey.cols > width) cv::resize(grey, grey, {width, grey.rows * width / grey.cols}, 0, 0, cv::INTER_AREA);
+  cv::imencode(".jpg", grey, jpeg, {cv::IMWRITE_JPEG_QUALITY, 70});
+  return jpeg;
+}
+
+Json pictures_of(const Recording& recording, const odo_calibration* camera, const PageOptions& options, int64_t t0_ns) {
+  const auto frames = frames_of(recording, camera);
   Json out = Json::array();
-  const size_t count = std::min(options.pictures, frames.size());
+  const size_t count = options.served ? frames.size() : std::min(options.pictures, frames.size());
   for (size_t k = 0; k < count; ++k) {
-    const RecordedMessage& message = *frames[k * frames.size() / count];
-    const auto frame = load_frame(message);
-    if (!frame) continue;  // the run has reported it
-    cv::Mat grey = grey_of(*frame);
-    frame->loan.release(frame->loan.owner);
-    if (grey.empty()) continue;
-    if (grey.cols > options.picture_width)
-      cv::resize(grey, grey, {options.picture_width, grey.rows * options.picture_width / grey.cols}, 0, 0,
-                 cv::INTER_AREA);
-    std::vector<unsigned char> jpeg;
-    cv::imencode(".jpg", grey, jpeg, {cv::IMWRITE_JPEG_QUALITY, 70});
-    const int64_t t_ns = message.message.header().t_ns + (camera ? camera->time_offset_ns : 0);
-    out.push_back({{"t", rounded(seconds(t_ns - t0_ns))}, {"jpeg", base64(jpeg)}});
+    const size_t number = k * frames.size() / count;
+    const int64_t t_ns = frames[number]->message.header().t_ns + (camera ? camera->time_offset_ns : 0);
+    Json picture = {{"t", rounded(seconds(t_ns - t0_ns))}};
+    if (options.served) {
+      picture["number"] = number;
+    } else {
+      const auto jpeg = jpeg_of(*frames[number], options.picture_width);
+      if (jpeg.empty()) continue;
+      picture["jpeg"] = base64(jpeg);
+    }
+    out.push_back(picture);
   }
   return out;
 }
@@ -330,7 +347,12 @@ Json truth_of(const Recording& recording, int64_t from_ns, int64_t to_ns, int64_
 
 }  // namespace
 
-std::string run_page(const Recording& recording, const std::vector<NamedRun>& runs, const PageOptions& options) {
+std::vector<unsigned char> picture_of(const Recording& recording, size_t number, int width) {
+  const auto frames = frames_of(recording, camera_of(recording, {}));
+  return number < frames.size() ? jpeg_of(*frames[number], width) : std::vector<unsigned char>();
+}
+
+std::string run_page_data(const Recording& recording, const std::vector<NamedRun>& runs, const PageOptions& options) {
   int64_t from_ns = INT64_MAX, to_ns = INT64_MIN;
   for (const NamedRun& run : runs)
     if (!run.result->track.empty())
@@ -357,6 +379,7 @@ std::string run_page(const Recording& recording, const std::vector<NamedRun>& ru
   about.push_back({"Odograph", std::string(odo_version())});
   for (const std::string& warning : recording.warnings) about.push_back({"Recording's flaw", warning});
   const Json data = {{"title", name},
+                     {"live", options.live},
                      {"headline", runs.size() == 1 ? headline : std::to_string(runs.size()) + " runs of " + name},
                      {"alignment", metric ? "a turn about the vertical and a shift"
                                           : "a turn, a shift and, where a track is not metric, a scale"},
@@ -367,12 +390,15 @@ std::string run_page(const Recording& recording, const std::vector<NamedRun>& ru
                      {"waypoints", waypoints},
                      {"about", about},
                      {"runs", all}};
+  return data.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string run_page(const Recording& recording, const std::vector<NamedRun>& runs, const PageOptions& options) {
   // In a script element nothing may look like the end of it; "<" occurs in JSON's strings alone.
-  std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace), safe;
-  for (const char c : text) safe += c == '<' ? std::string("\\u003c") : std::string(1, c);
-  std::string page = kRunPageText;
-  const size_t at = page.find("@DATA@");
-  return page.replace(at, 6, safe);
+  std::string safe, page = kRunPageText;
+  for (const char c : run_page_data(recording, runs, options))
+    safe += c == '<' ? std::string("\\u003c") : std::string(1, c);
+  return page.replace(page.find("@DATA@"), 6, safe);
 }
 
 }  // namespace odograph

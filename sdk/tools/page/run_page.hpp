@@ -34,10 +34,16 @@ struct PageOptions {
   std::string command;      ///< that made the runs, for the reader
   size_t pictures = 90;     ///< of the camera, at most, evenly over the recording
   int picture_width = 400;  ///< px
+  bool served = false;      ///< by a server that gives pictures by their number, all of them
+  bool live = false;        ///< the run goes on, and the page asks again
 };
 
 /// One self-contained page about the runs of a recording, each laid over its truth by itself: the track, the camera's
-/// pictures, charts over one time, tables, configs. It asks for nothing from elsewhere.
+/// pictures, charts over one time, tables, configs. It asks for nothing from elsewhere, unless it is served.
 std::string run_page(const Recording& recording, const std::vector<NamedRun>& runs, const PageOptions& options);
+/// What the page shows, as JSON.
+std::string run_page_data(const Recording& recording, const std::vector<NamedRun>& runs, const PageOptions& options);
+/// A picture of the main camera as JPEG, by its number among its frames; empty where there is none.
+std::vector<unsigned char> picture_of(const Recording& recording, size_t number, int width);
 
 }  // namespace odograph

@@ -160,6 +160,7 @@ void push_all(odo_session* session, const Recording& recording, const RunOptions
       }
       collector.take(work_of([&] { odo_session_push(session, &frame->header); }));
       frame->loan.release(frame->loan.owner);
+      if (options.so_far) options.so_far(result);
     } else {
       const Work work = work_of([&] { odo_session_push(session, &message.message.header()); });
       collector.take(work);

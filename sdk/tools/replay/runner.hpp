@@ -79,6 +79,7 @@ struct RunOptions {
   bool collect_poses = false;
   bool keep_session = false;  // it ends with the result: a plugin that fails in its end takes no results with it
   std::function<void(size_t done, size_t all)> progress;
+  std::function<void(const RunResult&)> so_far;  // after each frame, what there is
 };
 
 /// Replays a recording through a session of the C API, deterministically.
