@@ -6,13 +6,11 @@
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
+#include "sdk/tools/page/page_pictures.hpp"
 #include "sdk/tools/page/run_page_text.hpp"
-#include "sdk/tools/replay/picture_source.hpp"
 
 namespace odograph {
 namespace {
@@ -32,18 +30,6 @@ std::string text_of(const char* format, double a, double b = 0, double c = 0) {
   char text[160];
   std::snprintf(text, sizeof text, format, a, b, c);
   return text;
-}
-
-std::string base64(const std::vector<unsigned char>& bytes) {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](size_t k) { return i + k < bytes.size() ? uint32_t(bytes[i + k]) : 0; };
-    const uint32_t three = byte(0) << 16 | byte(1) << 8 | byte(2);
-    for (int k = 0; k < 4; ++k)
-      out += i + static_cast<size_t>(k) <= bytes.size() ? kDigits[three >> (18 - 6 * k) & 63] : '=';
-  }
-  return out;
 }
 
 /// Two lists, of times and of values, as the page's charts take them.
@@ -267,15 +253,6 @@ class PageOfRun {
   Json poses_;
 };
 
-/// The main camera: the first that has frames, with its calibration where the recording or a run knows it.
-const odo_calibration* camera_of(const Recording& recording, const std::vector<NamedRun>& runs) {
-  for (const RecordedMessage& m : recording.messages)
-    if (m.message.header().type == ODO_TYPE_CALIBRATION) return &as<odo_calibration>(m.message.header());
-  for (const NamedRun& run : runs)
-    if (!run.result->refined.empty()) return &run.result->refined.front();
-  return nullptr;
-}
-
 Json json_of(const odo_calibration* camera) {
   if (!camera) return nullptr;
   Json distortion = Json::array();
@@ -288,28 +265,6 @@ Json json_of(const odo_calibration* camera) {
           {"cx", camera->cx},
           {"cy", camera->cy},
           {"distortion", distortion}};
-}
-
-/// The main camera's: those of `source`, or all where it is not known.
-std::vector<const RecordedMessage*> frames_of(const Recording& recording, const odo_calibration* camera) {
-  std::vector<const RecordedMessage*> frames;
-  for (const RecordedMessage& m : recording.messages)
-    if (m.message.header().type == ODO_TYPE_FRAME && (!camera || m.message.header().source == camera->header.source))
-      frames.push_back(&m);
-  return frames;
-}
-
-/// Empty where it cannot be read, which the run reports.
-std::vector<unsigned char> jpeg_of(const RecordedMessage& message, int width) {
-  const auto frame = load_frame(message);
-  if (!frame) return {};
-  cv::Mat grey = grey_of(*frame);
-  frame->loan.release(frame->loan.owner);
-  std::vector<unsigned char> jpeg;
-  if (grey.empty()) return jpeg;
-  if (grey.cols > width) cv::resize(grey, grey, {width, grey.rows * width / grey.cols}, 0, 0, cv::INTER_AREA);
-  cv::imencode(".jpg", grey, jpeg, {cv::IMWRITE_JPEG_QUALITY, 70});
-  return jpeg;
 }
 
 Json pictures_of(const Recording& recording, const odo_calibration* camera, const PageOptions& options, int64_t t0_ns) {
@@ -347,11 +302,6 @@ Json truth_of(const Recording& recording, int64_t from_ns, int64_t to_ns, int64_
 
 }  // namespace
 
-std::vector<unsigned char> picture_of(const Recording& recording, size_t number, int width) {
-  const auto frames = frames_of(recording, camera_of(recording, {}));
-  return number < frames.size() ? jpeg_of(*frames[number], width) : std::vector<unsigned char>();
-}
-
 std::string run_page_data(const Recording& recording, const std::vector<NamedRun>& runs, const PageOptions& options) {
   int64_t from_ns = INT64_MAX, to_ns = INT64_MIN;
   for (const NamedRun& run : runs)
@@ -367,7 +317,9 @@ std::string run_page_data(const Recording& recording, const std::vector<NamedRun
     all.push_back(page.json());
     headline = page.headline(), metric = metric && page.metric();
   }
-  const odo_calibration* camera = camera_of(recording, runs);
+  const odo_calibration* camera = camera_of(recording);
+  for (const NamedRun& run : runs)
+    if (!camera && !run.result->refined.empty()) camera = &run.result->refined.front();
   Json waypoints = Json::array();
   for (const auto& w : recording.waypoints())
     waypoints.push_back({rounded(w.p_n.x()), rounded(w.p_n.y()), rounded(w.p_n.z())});
