@@ -132,6 +132,23 @@ TEST_CASE("a time offset moves the IMU against the frames, a line time both plac
   CHECK(in_order(after));
 }
 
+TEST_CASE("a recording ends where it is told, loses a share of its frames, and its light changes") {
+  const Recording before = recording();
+  const auto cut = frames(degraded(before, {.length_s = 8}, 1));
+  REQUIRE_FALSE(cut.empty());
+  CHECK(cut.back().header.t_ns == kBegin_ns + 1'000'000'000 + 8'000'000'000);
+  const auto whole = frames(before), fewer = frames(degraded(before, {.lost_frames = 0.1}, 1));
+  CHECK(static_cast<double>(fewer.size()) / static_cast<double>(whole.size()) == doctest::Approx(0.9).epsilon(0.02));
+  float least = 2, most = 0;
+  for (const RecordedMessage& m : degraded(before, {.gamma = 2.2, .flicker = 0.5}, 1).messages) {
+    if (m.message.header().type != ODO_TYPE_FRAME) continue;
+    CHECK(m.picture.gamma == 2.2F);
+    least = std::min(least, m.picture.gain), most = std::max(most, m.picture.gain);
+  }
+  CHECK(least == doctest::Approx(0.5).epsilon(0.01));
+  CHECK(most == doctest::Approx(1.5).epsilon(0.01));
+}
+
 TEST_CASE("jittering stamps keep their order and have the deviation asked for") {
   const Recording after = degraded(recording(), {.stamp_jitter_s = 1.4e-3}, 1);
   CHECK(in_order(after));
@@ -205,7 +222,7 @@ TEST_CASE("a black picture has the size of what it hides") {
 
 TEST_CASE("the table of sensors has each fault once, and begins with none") {
   const auto all = sensor_qualities();
-  CHECK(all.size() == 11);
+  CHECK(all.size() == 15);
   CHECK(all.front().name == "as recorded");
   std::map<std::string, int> names;
   for (const Degradation& d : all) ++names[d.name];

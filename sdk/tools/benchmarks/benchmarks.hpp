@@ -19,5 +19,6 @@ Benchmarks papers_benchmarks();
 Benchmarks simulator_benchmarks();
 Benchmarks steps_benchmarks();
 Benchmarks vo_benchmarks();
+Benchmarks windows_benchmarks();
 
 }  // namespace odograph

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kEquator_m = 6378137.0;
 
-enum Stream : uint64_t { kNoise = 71, kJitter, kWild };  // of random numbers: one fault does not move another's
+enum Stream : uint64_t { kNoise = 71, kJitter, kWild, kLost };  // of random numbers: one fault does not move another's
 
 odo_imu& imu_of(RecordedMessage& m) { return reinterpret_cast<odo_imu&>(m.message.header()); }
 odo_frame& frame_of(RecordedMessage& m) { return reinterpret_cast<odo_frame&>(m.message.header()); }
@@ -59,6 +59,21 @@ void cut(Recording& recording, double s) {
     return time_of(m) < begin && !describes;
   });
   for (RecordedMessage& m : recording.messages) m.message.header().t_ns = std::max(begin, time_of(m));
+}
+
+void end_after(Recording& recording, double s) {
+  const int64_t end = first_frame_ns(recording) + nanoseconds(s);
+  drop(recording, [end](const RecordedMessage& m) { return time_of(m) > end; });
+}
+
+void relight(Recording& recording, const Degradation& d) {
+  const int64_t first = first_frame_ns(recording);
+  for (RecordedMessage& m : recording.messages) {
+    if (type_of(m) != ODO_TYPE_FRAME) continue;
+    const double phase = 2 * EIGEN_PI * d.flicker_hz * seconds(time_of(m) - first);
+    m.picture.gamma = static_cast<float>(d.gamma);
+    m.picture.gain = static_cast<float>(1 + d.flicker * std::sin(phase));
+  }
 }
 
 void leave_out_frames(Recording& recording, const Degradation& d) {
@@ -144,7 +159,13 @@ void worsen_times(Recording& recording, const Degradation& d, uint64_t seed) {
 Recording degraded(const Recording& recording, const Degradation& d, uint64_t seed) {
   Recording r = recording;
   if (d.cut_s > 0) cut(r, d.cut_s);
+  if (d.length_s > 0) end_after(r, d.length_s);
   leave_out_frames(r, d);
+  if (d.lost_frames > 0) {
+    Random random(seed, kLost);
+    drop(r, [&](const RecordedMessage& m) { return type_of(m) == ODO_TYPE_FRAME && random.uniform() < d.lost_frames; });
+  }
+  if (d.gamma != 1 || d.flicker != 0) relight(r, d);
   if (d.imu_rate_hz > 0) decimate(r, d.imu_rate_hz);
   worsen_values(r, d, seed);
   if (d.wild_per_minute > 0) make_wild(r, d.wild_per_minute, seed);
@@ -174,12 +195,16 @@ std::vector<Degradation> sensor_qualities() {
           {.name = "accel bias 0.3 m/s^2", .accel_bias_mps2 = 0.3},
           {.name = "IMU scale +2 %", .imu_scale_error = 0.02},
           {.name = "IMU 50 Hz", .imu_rate_hz = 50},
+          {.name = "IMU 100 Hz", .imu_rate_hz = 100},
           {.name = "no accelerometer", .accelerometer = false},
           {.name = "time offset +20 ms", .time_offset_s = 0.02},
           {.name = "time offset -20 ms", .time_offset_s = -0.02},
           {.name = "line time +20 %", .line_time_factor = 1.2},
           {.name = "stamps jitter 1.4 ms", .stamp_jitter_s = 1.4e-3},
-          {.name = "one wild sample a min", .wild_per_minute = 1}};
+          {.name = "one wild sample a min", .wild_per_minute = 1},
+          {.name = "10 % of frames lost", .lost_frames = 0.1},
+          {.name = "gamma 2.2", .gamma = 2.2},
+          {.name = "brightness +-50 %", .flicker = 0.5}};
 }
 
 std::vector<std::string> names_of(const std::vector<Degradation>& degradations) {

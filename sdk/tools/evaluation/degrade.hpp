@@ -28,7 +28,11 @@ struct Degradation {
   double line_time_factor = 1;
   double stamp_jitter_s = 0;               ///< s, standard deviation of IMU time stamps; their order stays
   double wild_per_minute = 0;              ///< IMU samples a minute that are a full scale reading of both sensors
+  double lost_frames = 0;                  ///< share of the frames that are missing, at random
+  double gamma = 1;                        ///< of the pictures: 255 (g / 255)^gamma
+  double flicker = 0, flicker_hz = 0.5;    ///< brightness goes up and down by that share, so many times a second
   double cut_s = 0;                        ///< s, it begins so long after its first frame
+  double length_s = 0;                     ///< s, and ends so long after that; 0: as recorded
   double gap_from_s = 0, gap_for_s = 0;    ///< s after its (new) first frame, frames are missing
   double dark_from_s = 0, dark_for_s = 0;  ///< the same, frames are black
 };

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <fstream>
 
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "sdk/tools/recording/picture_header.hpp"
@@ -140,6 +142,16 @@ cv::Mat decode(const PictureRef& picture) {
   return cv::imdecode(bytes, cv::IMREAD_ANYCOLOR);
 }
 
+/// Other light than was recorded.
+void relight(const PictureRef& picture, cv::Mat& image) {
+  if (picture.gamma == 1 && picture.gain == 1) return;
+  cv::Mat levels(1, 256, CV_8U);
+  for (int g = 0; g < 256; ++g)
+    levels.at<uchar>(g) =
+        cv::saturate_cast<uchar>(255 * picture.gain * std::pow(static_cast<float>(g) / 255, picture.gamma));
+  cv::LUT(image, levels, image);
+}
+
 }  // namespace
 
 Result<odo_frame> load_frame(const RecordedMessage& recorded) {
@@ -155,6 +167,7 @@ Result<odo_frame> load_frame(const RecordedMessage& recorded) {
   if (held->image.empty() || held->image.depth() != CV_8U)
     return Failure{ODO_E_DATA, name_of(recorded.picture) + ": the picture cannot be read as 8-bit grey or colour"};
   if (recorded.picture.black) held->image = cv::Scalar::all(0);
+  relight(recorded.picture, held->image);
   if (held->image.channels() == 3) {  // OpenCV decodes to BGR
     std::vector<cv::Mat> bgr;
     cv::split(held->image, bgr);

@@ -20,6 +20,8 @@ struct PictureRef {
   uint64_t offset = 0;
   uint64_t size = 0;   // 0: the whole file
   bool black = false;  // its size counts, not what it shows: something stood before the camera
+  float gamma = 1;     // grey levels g become 255 (g / 255)^gamma,
+  float gain = 1;      // times this
 };
 
 /// One message of a recording; a frame has its picture apart.
