@@ -82,6 +82,94 @@ TEST_CASE("a phone that is held still starts, and its gyroscope's bias is known"
   CHECK(up_b.dot(-Vector3d::UnitY()) > 0.9999);
 }
 
+TEST_CASE("half a second of a swing about its turning point is no stillness") {
+  // 0.9 m/s^2 at the end of a swing of 2.4 s and 13 cm: 1.5 px of picture at 3 to 8 m in the last half second.
+  Scene scene(0, 0);
+  const auto x = [](double t) { return 0.13 * std::cos(2.6 * (t - 0.95)); };
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> across(-2, 2), depth(3, 8);
+  std::vector<Vector3d> points;
+  for (int k = 0; k < 60; ++k) points.emplace_back(across(generator), across(generator), depth(generator));
+  const Camera camera = global_shutter();
+  for (StartFrame& frame : scene.frames) {
+    const double t = 1e-9 * static_cast<double>(frame.corners.t_ns);
+    frame.corners.corners.clear();
+    for (size_t j = 0; j < points.size(); ++j) {
+      const Vector3d at = points[j] - Vector3d(x(t), 0, 0);
+      const Vector2d pixel = camera.lens.project(at.head<2>() / at.z());
+      frame.corners.corners.push_back({j, pixel, pixel.y()});
+    }
+  }
+  StartParameters half;
+  half.still_s = 0.5;
+  CHECK(start_still(scene.frames, scene.imu, global_shutter(), {}, half));  // what was taken for stillness
+  CHECK_FALSE(scene.start());
+}
+
+TEST_CASE(
+    "at rest an accelerometer's bias along gravity is learnt, and what lies across is known to go with the tilt") {
+  Scene scene(0, 0);
+  const Vector3d bias(0.39, -0.43, -0.11);  // of a recorded phone
+  ImuBuffer biased;
+  for (int k = 0; k <= 260; ++k) biased.add({5'000'000LL * k, Vector3d::Zero(), Vector3d(0, -kGravity_mps2, 0) + bias});
+  scene.imu = biased;
+  const auto filter = scene.start();
+  REQUIRE(filter);
+  const State& s = filter->state();
+  const Vector3d up_b = s.nav.q_w_b.conjugate() * -Vector3d::UnitZ();
+  CHECK(s.nav.accel_bias.dot(up_b) == doctest::Approx(bias.dot(up_b)).epsilon(0.15));
+  const auto sigma = [&](int at) { return std::sqrt(s.P(at, at)); };
+  CHECK(sigma(block::accel_bias + 1) < 0.11);  // along gravity
+  CHECK(sigma(block::accel_bias) > 0.15);      // across
+  // The tilt is off by the bias across gravity, and is stated to be.
+  const double tilt = std::acos(std::clamp(up_b.dot(-Vector3d::UnitY()), -1.0, 1.0));
+  CHECK(tilt < 3 * std::hypot(sigma(block::theta), sigma(block::theta + 1)));
+  CHECK(tilt > 0.03);
+}
+
+TEST_CASE("the samples' second differences tell a vibrating body, not a moving one") {
+  std::mt19937 generator(5);
+  std::normal_distribution<double> unit(0, 1);
+  ImuBuffer smooth, shaken;
+  for (int k = 0; k < 400; ++k) {
+    const double t = 0.005 * k;
+    const Vector3d rate(std::sin(3 * t), 0, 0), force(2 * std::sin(6 * t), -kGravity_mps2, 0);
+    const Vector3d noise(unit(generator), unit(generator), unit(generator));
+    smooth.add({5'000'000LL * k, rate, force});
+    shaken.add({5'000'000LL * k, rate + 0.05 * noise, force + 1.0 * noise});
+  }
+  const auto quiet = smooth.roughness(1'990'000'000, 1.5), rough = shaken.roughness(1'990'000'000, 1.5);
+  CHECK(quiet.accel < 1e-4);
+  CHECK(quiet.gyro < 1e-4);
+  CHECK(rough.accel == doctest::Approx(1.0 / std::sqrt(200.0)).epsilon(0.1));
+  CHECK(rough.gyro == doctest::Approx(0.05 / std::sqrt(200.0)).epsilon(0.1));
+  CHECK(shaken.roughness(20'000'000, 1.5).accel == 0);  // too few samples
+}
+
+TEST_CASE("two starts are compared by the depths of what both see") {
+  State first, second;
+  for (State* s : {&first, &second}) {
+    const double scale = s == &first ? 1 : 1.25;
+    Clone clone;
+    clone.id = s == &first ? 3 : 7, clone.frame_ns = 100;
+    clone.p_w = scale * Vector3d(1, 2, 3);
+    s->clones.push_back(clone);
+    for (uint64_t k = 0; k < 12; ++k) {
+      Landmark landmark;
+      landmark.track = s == &first ? k : 11 - k;
+      landmark.anchor = clone.id;
+      landmark.at = {0.1, 0.2, 1 / (scale * (2 + static_cast<double>(landmark.track)))};
+      s->landmarks.push_back(landmark);
+    }
+  }
+  const auto ratio = scale_between(first, second, 8);
+  REQUIRE(ratio);
+  CHECK(*ratio == doctest::Approx(1.25));
+  CHECK_FALSE(scale_between(first, second, 13));
+  second.clones.front().frame_ns = 200;
+  CHECK_FALSE(scale_between(first, second, 8));
+}
+
 TEST_CASE("a phone that rotates slowly starts, and its rotation is not taken for a bias") {
   const auto filter = Scene(0.1, 0).start();
   REQUIRE(filter);

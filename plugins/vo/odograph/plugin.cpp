@@ -32,7 +32,22 @@ class OdographVo {
     return {
         odo::boolean("inertial", &OdographVo::inertial_,
                      "use accelerometer and gyroscope together for motions in metres; without it the gyroscope alone "
-                     "guides a visual odometry that is up to scale")};
+                     "guides a visual odometry that is up to scale"),
+        odo::real(
+            "accel_bias", "m/s^2", 0.01, 2, &OdographVo::accel_bias_,
+            "standard deviation of the accelerometer's bias on each axis before the first measurement (data sheets "
+            "of uncalibrated sensors: 20 mg)"),
+        odo::real("gyro_bias", "rad/s", 1e-4, 0.2, &OdographVo::gyro_bias_,
+                  "the same of the gyroscope (data sheets: 0.5 to 1 deg/s)"),
+        odo::real(
+            "accel_scale", "", 1e-4, 0.1, &OdographVo::accel_scale_,
+            "standard deviation of the scale of each of the accelerometer's axes, relative (data sheets: 0.4 to 1 "
+            "%, calibrated in phones)"),
+        odo::real("gyro_scale", "", 1e-4, 0.1, &OdographVo::gyro_scale_, "the same of the gyroscope"),
+        odo::real("misalignment", "rad", 1e-4, 0.1, &OdographVo::misalignment_,
+                  "standard deviation of each sensor axis against the others (data sheets: 0.3 to 1 %)"),
+        odo::real("time_offset", "s", 1e-4, 0.1, &OdographVo::time_offset_,
+                  "standard deviation of the camera's clock against the IMU's")};
   }
 
   void on(const odo_calibration& c, odo::Output& output) {
@@ -87,7 +102,7 @@ class OdographVo {
     q_b_c_ = camera.q_b_c;
     previous_ns_ = frame_ns_ = INT64_MIN;
     if (inertial_)
-      odometry_.emplace<InertialOdometry>(parameters_with(noise_), camera);
+      odometry_.emplace<InertialOdometry>(inertial_parameters(), camera);
     else
       odometry_.emplace<Odometry>(Odometry::Parameters{}, camera.lens);
   }
@@ -105,13 +120,17 @@ class OdographVo {
     return camera;
   }
 
-  static InertialOdometry::Parameters parameters_with(const std::optional<odo_imu_noise>& noise) {
+  InertialOdometry::Parameters inertial_parameters() const {
     InertialOdometry::Parameters parameters;
-    if (!noise || !(noise->gyro_noise > 0 && noise->accel_noise > 0)) return parameters;
+    auto& priors = parameters.filter.priors;
+    priors.accel_bias_mps2 = accel_bias_, priors.gyro_bias_radps = gyro_bias_;
+    priors.accel_scale = accel_scale_, priors.gyro_scale = gyro_scale_;
+    priors.misalignment_rad = misalignment_, priors.time_offset_s = time_offset_;
+    if (!noise_ || !(noise_->gyro_noise > 0 && noise_->accel_noise > 0)) return parameters;
     auto& n = parameters.filter.noise;
-    n.gyro = noise->gyro_noise, n.accel = noise->accel_noise;
-    n.gyro_walk = std::max(n.gyro_walk, noise->gyro_walk);
-    n.accel_walk = std::max(n.accel_walk, noise->accel_walk);
+    n.gyro = noise_->gyro_noise, n.accel = noise_->accel_noise;
+    n.gyro_walk = std::max(n.gyro_walk, noise_->gyro_walk);
+    n.accel_walk = std::max(n.accel_walk, noise_->accel_walk);
     return parameters;
   }
 
@@ -166,7 +185,11 @@ class OdographVo {
     output.emit(c);
   }
 
+  static constexpr odograph::vio::Priors kPriors{};
   bool inertial_ = true;
+  double accel_bias_ = kPriors.accel_bias_mps2, gyro_bias_ = kPriors.gyro_bias_radps;
+  double accel_scale_ = kPriors.accel_scale, gyro_scale_ = kPriors.gyro_scale;
+  double misalignment_ = kPriors.misalignment_rad, time_offset_ = kPriors.time_offset_s;
   odograph::ToldCamera camera_;
   std::optional<odo_imu_noise> noise_;
   /// None before the first calibration; then the one that `inertial` asks for. The visual one is up to scale.

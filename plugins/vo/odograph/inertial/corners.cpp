@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "plugins/shared/median.hpp"
 #include "sdk/math/rotation.hpp"
 
 namespace odograph::vio {
@@ -48,7 +49,8 @@ const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& ma
   if (!before_.empty() && !tracks_.empty()) {
     std::vector<cv::Point2f> to;
     predict(q_c0_c1, shift_px, before, dt_s, to);
-    track_forward(to);
+    const double ratio = light_ratio(to);
+    track_forward(std::abs(ratio - 1) > p_.light_change ? relit(ratio) : now_, to);
     refine_by_patch(now_[0], q_c0_c1);
     drop_outliers(q_c0_c1, shift_px);
     for (Track& t : tracks_)
@@ -89,18 +91,43 @@ void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const Vector2d& s
   }
 }
 
-void GuidedCorners::track_forward(std::vector<cv::Point2f>& to) {
+/// How much brighter the surroundings of the corners are than in the frame before, median. One where none can be seen.
+double GuidedCorners::light_ratio(const std::vector<cv::Point2f>& to) const {
+  const int half = p_.light_px / 2;
+  const auto mean_at = [&](const cv::Mat& picture, const cv::Point2f& at) {
+    const cv::Rect window(cvRound(at.x) - half, cvRound(at.y) - half, p_.light_px, p_.light_px);
+    const cv::Rect whole(0, 0, picture.cols, picture.rows);
+    return (window & whole) == window ? cv::mean(picture(window))[0] : 0.0;
+  };
+  std::vector<double> ratios;
+  for (size_t i = 0; i < tracks_.size(); ++i) {
+    const double was = mean_at(before_[0], tracks_[i].pixel), is = mean_at(now_[0], to[i]);
+    if (was > p_.dark_grey && is > p_.dark_grey) ratios.push_back(is / was);
+  }
+  return ratios.size() < p_.min_for_ransac ? 1.0 : median(ratios);
+}
+
+/// The present picture in the light of the one before.
+const GuidedCorners::Pyramid& GuidedCorners::relit(double ratio) {
+  cv::Mat picture;
+  smooth_.convertTo(picture, CV_8U, 1 / ratio);
+  cv::buildOpticalFlowPyramid(picture, relit_, {p_.window_px, p_.window_px}, p_.levels, true, cv::BORDER_REFLECT_101,
+                              cv::BORDER_CONSTANT, false);
+  return relit_;
+}
+
+void GuidedCorners::track_forward(const Pyramid& now, std::vector<cv::Point2f>& to) {
   std::vector<cv::Point2f> from;
   for (const Track& t : tracks_) from.push_back(t.pixel);
   const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, p_.settled_px);
   const cv::Size window(p_.window_px, p_.window_px);
   std::vector<cv::Point2f> back = from;
   std::vector<uchar> found, found_back;
-  cv::calcOpticalFlowPyrLK(before_, now_, from, to, found, cv::noArray(), window, p_.levels, stop,
+  cv::calcOpticalFlowPyrLK(before_, now, from, to, found, cv::noArray(), window, p_.levels, stop,
                            cv::OPTFLOW_USE_INITIAL_FLOW);
-  cv::calcOpticalFlowPyrLK(now_, before_, to, back, found_back, cv::noArray(), window, 1, stop,
+  cv::calcOpticalFlowPyrLK(now, before_, to, back, found_back, cv::noArray(), window, 1, stop,
                            cv::OPTFLOW_USE_INITIAL_FLOW);
-  const cv::Rect2f inside(1, 1, static_cast<float>(now_[0].cols - 2), static_cast<float>(now_[0].rows - 2));
+  const cv::Rect2f inside(1, 1, static_cast<float>(now[0].cols - 2), static_cast<float>(now[0].rows - 2));
   std::vector<char> keep(tracks_.size());
   for (size_t i = 0; i < tracks_.size(); ++i) {
     keep[i] = found[i] && found_back[i] && inside.contains(to[i]) && cv::norm(from[i] - back[i]) < p_.back_px;

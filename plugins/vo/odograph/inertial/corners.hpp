@@ -24,10 +24,13 @@ class GuidedCorners {
     int window_px = 13;           ///< of Lucas-Kanade
     int levels = 3;               ///< of the pyramid
     double settled_px = 0.01;     ///< its last step
-    double back_px = 0.7;         ///< largest distance between the way there and the way back
-    Patch::Parameters patch;      ///< of a corner against the picture where it was found
-    double reference_error = 6;   ///< grey levels, mean: what looks otherwise than where it was found is dropped
-    double reference_px = 1.5;    ///< most that the reference moves a corner
+    int light_px = 11;  ///< window over which the brightness about a corner is compared between frames; by hand
+    double light_change = 0.03;  ///< its median ratio: more, and Lucas-Kanade, which knows no change of light, is given
+                                 ///< a picture without it; by hand
+    double back_px = 0.7;        ///< largest distance between the way there and the way back
+    Patch::Parameters patch;     ///< of a corner against the picture where it was found
+    double reference_error = 6;  ///< grey levels, mean: what looks otherwise than where it was found is dropped
+    double reference_px = 1.5;   ///< most that the reference moves a corner
     double min_growth = 0.5, max_growth = 3;  ///< in area, until a corner's patch is taken anew
     double refill_below = 0.7;                ///< of `most`
     double epipolar_px = 2.0;                 ///< distance from the epipolar line of an inlier
@@ -66,14 +69,16 @@ class GuidedCorners {
 
   void predict(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px, const CameraModel& before,
                double dt_s, std::vector<cv::Point2f>& to);
-  void track_forward(std::vector<cv::Point2f>& to);
+  double light_ratio(const std::vector<cv::Point2f>& to) const;
+  const Pyramid& relit(double ratio);
+  void track_forward(const Pyramid& now, std::vector<cv::Point2f>& to);
   void refine_by_patch(const cv::Mat& picture, const Eigen::Quaterniond& q_c0_c1);
   void drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px);
   void refill(const cv::Mat& picture, const cv::Mat& mask);
   void keep_only(const std::vector<char>& keep);
 
   Parameters p_;
-  Pyramid before_, now_;
+  Pyramid before_, now_, relit_;
   std::vector<Track> tracks_;
   std::vector<Patch> patches_;
   std::vector<size_t> free_patches_;

@@ -52,6 +52,7 @@ Filter::Filter(const FilterParameters& parameters, const Camera& camera, const S
   set(block::lens + 1, 2, p_.priors.centre_px);
   set(block::lens + 3, 1, p_.priors.distortion[0]);
   set(block::lens + 4, 1, p_.priors.distortion[1]);
+  if (start.rest_force_b) update_gravity(state_, *start.rest_force_b, p_.gravity_mps2, start.rest_force_mps2);
 }
 
 void Filter::count(const Outcome& outcome, FrameReport& report) {

@@ -35,6 +35,9 @@ class Filter {
     int64_t t_ns = 0;  ///< IMU time
     Navigation nav;
     double tilt_rad = 0, velocity_mps = 0, gyro_bias_radps = 0, accel_bias_mps2 = 0;
+    /// Mean specific force of a body at rest and its sigma: the tilt is then known but for the accelerometer's bias.
+    std::optional<Eigen::Vector3d> rest_force_b;
+    double rest_force_mps2 = 0;
   };
   Filter(const FilterParameters& parameters, const Camera& camera, const Start& start);
 

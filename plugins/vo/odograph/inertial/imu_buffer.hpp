@@ -31,6 +31,13 @@ class ImuBuffer {
   /// Interpolated; the nearest sample's beyond the ends. The buffer must not be empty.
   ImuSample at(int64_t t_ns) const;
 
+  /// Noise densities of three axes together as white noise would show them in the second differences of the samples of
+  /// the last `reach_s` before a time, rad/s/sqrt(Hz) and m/s^2/sqrt(Hz) an axis. Zero of fewer than ten samples.
+  struct Roughness {
+    double gyro = 0, accel = 0;
+  };
+  Roughness roughness(int64_t until_ns, double reach_s) const;
+
   /// for_each_interval of [from_ns, to_ns], with `visit(from, to)` called by the samples at the ends of each interval,
   /// interpolated where they are cut.
   template <class Visit>

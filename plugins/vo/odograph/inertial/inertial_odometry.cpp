@@ -36,7 +36,7 @@ InertialOdometry::InertialOdometry(const Parameters& parameters, const Camera& c
     : p_(parameters), camera_(camera), lens_told_(camera.lens), corners_(parameters.corners), phase_(begin_anew()) {}
 
 InertialOdometry::Initialising InertialOdometry::begin_anew() const {
-  return {std::make_unique<vo::Odometry>(vo::Odometry::Parameters{}, lens_told_), {}, Isometry3d::Identity(), 0};
+  return {std::make_unique<vo::Odometry>(vo::Odometry::Parameters{}, lens_told_), {}, Isometry3d::Identity(), 0, {}};
 }
 
 const Filter* InertialOdometry::filter() const {
@@ -148,24 +148,43 @@ void InertialOdometry::compose(Initialising& phase, const vo::Motion& visual) {
 }
 
 /// From standing, or now and then from the visual odometry in motion.
-std::optional<InertialOdometry::Filtering> InertialOdometry::try_start(const Initialising& phase, int64_t t_ns) {
+std::optional<InertialOdometry::Filtering> InertialOdometry::try_start(Initialising& phase, int64_t t_ns) {
   std::optional<Filter> filter = start_still(phase.frames, imu_, camera_, p_.filter, p_.start);
+  double spread = 0;
   if (!filter && (!tried_ns_ || seconds(t_ns - *tried_ns_) >= p_.start_every_s)) {
     tried_ns_ = t_ns;
     const Vector3d gyro_bias_b = camera_.q_b_c * phase.visual->gyro_bias_c();
-    filter = start_moving(phase.frames, imu_, camera_, gyro_bias_b, p_.filter, p_.start);
+    auto next = start_moving(phase.frames, imu_, camera_, gyro_bias_b, p_.filter, p_.start);
+    if (!next) phase.hypothesis.reset();
+    if (next && confirm(phase, std::move(*next)))
+      spread = phase.hypothesis->spread, filter = std::move(phase.hypothesis->filter);
   }
   if (!filter) return std::nullopt;
   const Isometry3d T_w_previous = pose_of(filter->state().camera, navigation_at(*filter, *previous_ns_));
-  Filtering out{std::move(*filter), T_w_previous, {}, 0, {}, {}, 0, 0};
+  Filtering out{std::move(*filter), T_w_previous, {}, 0, {}, {}, 0, 0, spread, {}};
   out.tracked = out.accepted = static_cast<unsigned>(corners_.corners().corners.size());
   return out;
+}
+
+/// Takes the next hypothesis. True where enough of them agree.
+bool InertialOdometry::confirm(Initialising& phase, Filter next) const {
+  int confirmed = 0;
+  double spread = 0;
+  if (phase.hypothesis) {
+    const auto ratio = scale_between(phase.hypothesis->filter.state(), next.state(), p_.start.min_common);
+    const double apart = ratio ? std::abs(std::log(*ratio)) : INFINITY;
+    if (apart < p_.max_spread)
+      confirmed = phase.hypothesis->confirmed + 1, spread = std::max(apart, phase.hypothesis->spread);
+  }
+  phase.hypothesis.emplace(Hypothesis{std::move(next), confirmed, spread});
+  return confirmed >= p_.confirmations;
 }
 
 /// The filter, not what it sees: numbers that no phone has, or a picture that contradicts it for too long.
 bool InertialOdometry::is_wrong(Filtering& phase, const FrameReport& seen, int64_t t_ns) const {
   const bool refused = seen.tried >= p_.min_tried && seen.accepted < p_.min_accepted * seen.tried;
   const bool unseen = !seen.standing && seen.accepted < p_.min_seen;
+  lasts_s(!seen.standing && seen.accepted < p_.min_used * phase.tracked, t_ns, phase.few_since_ns);
   const bool diverged = lasts_s(refused, t_ns, phase.refused_since_ns) > p_.diverged_s;
   const bool long_unseen = lasts_s(unseen, t_ns, phase.unseen_since_ns) > p_.unseen_s;
   const Navigation& nav = phase.filter.state().nav;
@@ -230,12 +249,15 @@ InertialMotion InertialOdometry::tell(Filtering& phase, int64_t t_ns, const Navi
   m.covariance = motion_covariance(filter, t_ns, with_clone);
   m.rotation_valid = m.translation_valid = true;
   m.tracked = phase.tracked, m.inliers = std::min(phase.accepted, phase.tracked);
+  const bool few = phase.few_since_ns && seconds(t_ns - *phase.few_since_ns) > p_.degraded_unseen_s;
   const bool blind = phase.unseen_since_ns && seconds(t_ns - *phase.unseen_since_ns) > p_.degraded_unseen_s;
-  const bool degraded = blind || filter.velocity_sigma() > p_.degraded_sigma_mps;
+  const bool degraded = blind || few || filter.velocity_sigma() > p_.degraded_sigma_mps;
   m.state = degraded ? Tracking::degraded : Tracking::tracking;
   m.failure = degraded ? dark_or_few_features() : FailureReason::none;
-  out.scale_sigma = std::min(1.0, std::hypot(p_.scale_sigma_factor * filter.scale_sigma(), p_.scale_sigma_floor,
-                                             p_.scale_sigma_stabilised * state.camera.follow));
+  const double spread = phase.spread * std::exp(-phase.moved_s / p_.spread_s);
+  const double of_filter = std::hypot(p_.scale_sigma_factor * filter.scale_sigma(), spread);
+  out.scale_sigma =
+      std::min(1.0, std::hypot(of_filter, p_.scale_sigma_floor, p_.scale_sigma_stabilised * state.camera.follow));
   out.metric = true;
   const Eigen::Matrix3d R_c_w = T_w_c.linear().transpose();
   out.velocity_c = R_c_w * nav.v_w;

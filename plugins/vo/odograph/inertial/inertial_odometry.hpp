@@ -48,9 +48,16 @@ struct InertialOdometryParameters {
   /// Linz came out four times as long).
   int min_seen = 10;
   double unseen_s = 4;
+  double min_used = 0.1;           ///< of the followed corners, for degraded_unseen_s: less is degraded; by hand
   double degraded_unseen_s = 0.3;  ///< of that, degraded: two blinks of a hand before the lens; by hand
   // What is told of a motion.
-  double start_every_s = 0.25;           ///< a start in motion is tried
+  double start_every_s = 0.25;  ///< a start in motion is tried
+  /// A start in motion is a hypothesis. It is believed when so many later ones, each solved anew from all frames by
+  /// then, find the same scale within so much of its logarithm.
+  int confirmations = 1;
+  double max_spread = 0.15;
+  /// How far they were apart stays in what is stated of the scale, and fades over so much moving.
+  double spread_s = 4;
   double keep_frames_s = 3.5;            ///< for a start: StartParameters::max_s and some
   double mended_s = 6;                   ///< of moving: what was told of the path is mended by the motions that follow
   double scale_sigma_factor = 2;         ///< the filter takes corners' errors for independent, which they are not:
@@ -91,12 +98,19 @@ class InertialOdometry {
   const Filter* filter() const;
 
  private:
+  /// A start in motion that later ones have confirmed so often.
+  struct Hypothesis {
+    Filter filter;
+    int confirmed = 0;
+    double spread = 0;  ///< of the logarithm of the scale
+  };
   /// No metre yet: the visual odometry, and the frames from which a filter may start.
   struct Initialising {
     std::unique_ptr<vo::Odometry> visual;  ///< on the heap: it is large
     std::deque<StartFrame> frames;
     Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();  ///< chained from the motions of a scale group
     unsigned visual_group = 0;
+    std::optional<Hypothesis> hypothesis;
   };
   /// A frame that was told, by a clone of the window.
   struct Told {
@@ -111,6 +125,8 @@ class InertialOdometry {
     double moved_s = 0;              ///< since the start, without standing
     std::optional<int64_t> refused_since_ns, unseen_since_ns;
     unsigned tracked = 0, accepted = 0;  ///< corners of the newest frame that was estimated
+    double spread = 0;                   ///< of the hypotheses that it started from
+    std::optional<int64_t> few_since_ns;
   };
   using Phase = std::variant<Initialising, Filtering>;
 
@@ -134,7 +150,8 @@ class InertialOdometry {
   bool has_accelerometer(int64_t t_ns) const;
   bool imu_reaches(int64_t t_ns) const;
   void compose(Initialising& phase, const vo::Motion& visual);
-  std::optional<Filtering> try_start(const Initialising& phase, int64_t t_ns);
+  std::optional<Filtering> try_start(Initialising& phase, int64_t t_ns);
+  bool confirm(Initialising& phase, Filter next) const;
   Initialising begin_anew() const;
   bool is_wrong(Filtering& phase, const FrameReport& seen, int64_t t_ns) const;
   InertialMotion tell(Filtering& phase, int64_t t_ns, const Navigation& nav, bool with_clone) const;

@@ -24,15 +24,21 @@ struct ImuNoise {
   double accel_walk = 3e-4;
   double gyro_by_rate = 1e-3;     ///< of the rate, 1/sqrt(Hz): 0.3 % over 0.1 s
   double accel_by_motion = 3e-3;  ///< of the acceleration, 1/sqrt(Hz): 0.7 % over 0.1 s
-  double gap_mps2 = 3;            ///< acceleration of a hand while samples lack; by hand
+  /// A vibrating body: what the samples' second differences show above the sensor's noise, as a density. Most of it
+  /// lies above what moves the body and averages out; this part is aliased or moves it.
+  double vibration_part = 0.2;
+  double vibration_s = 0.5;  ///< s before a frame, over which it is measured; by hand
+  double gap_mps2 = 3;       ///< acceleration of a hand while samples lack; by hand
 };
 
 /// Standard deviations before the first measurement.
 struct Priors {
-  double tilt_rad = 0.01;                        ///< of gravity's direction
-  double velocity_mps = 0.05;                    ///< of a phone that is held still
-  double gyro_bias_radps = 0.02;                 ///< 1 deg/s
-  double accel_bias_mps2 = 0.08;                 ///< 8 mg; phones calibrate it in the factory
+  double tilt_rad = 0.01;         ///< of gravity's direction
+  double velocity_mps = 0.05;     ///< of a phone that is held still
+  double gyro_bias_radps = 0.02;  ///< 1 deg/s
+  /// 20 mg, what data sheets of phones' sensors leave before calibration (BMI270 20, ICM-20602 25). Some are not
+  /// calibrated in the factory: a recorded phone was off by 0.6.
+  double accel_bias_mps2 = 0.2;
   double gyro_scale = 5e-3, accel_scale = 3e-3;  ///< of each axis; BMI270, ICM-20602: 0.4 to 1 %, calibrated in phones
   double misalignment_rad = 3e-3;                ///< of each axis against each other; the same: 0.3 to 1 %
   double extrinsics_rad = 0.01;                  ///< of the camera in the phone

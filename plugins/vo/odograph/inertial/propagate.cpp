@@ -42,6 +42,7 @@ struct Transition {
   Eigen::Matrix<double, block::navigation, block::axes> Psi =
       Eigen::Matrix<double, block::navigation, block::axes>::Zero();
   Matrix15d Q = Matrix15d::Zero();
+  double gyro_noise = 0, accel_noise = 0;  ///< densities, vibration included
 
   /// Moves `nav` from one sample to the next.
   void add(Navigation& nav, const ImuSample& a, const ImuSample& b, const FilterParameters& p) {
@@ -70,8 +71,8 @@ struct Transition {
     Q = A * Q * A.transpose();
     const double rate = gyro_b.norm();
     const double acceleration = dt > 0 ? (nav.v_w - v).norm() / dt : 0;
-    const double gyro = squared(p.noise.gyro) + squared(p.noise.gyro_by_rate * rate);
-    const double accel = squared(p.noise.accel) + squared(p.noise.accel_by_motion * acceleration);
+    const double gyro = squared(gyro_noise) + squared(p.noise.gyro_by_rate * rate);
+    const double accel = squared(accel_noise) + squared(p.noise.accel_by_motion * acceleration);
     Q.topLeftCorner<9, 9>() += gyro * dt * by_gyro * by_gyro.transpose();
     Q.block<3, 3>(block::nu, block::nu).diagonal().array() += accel * dt;
     Q.block<3, 3>(block::gyro_bias, block::gyro_bias).diagonal().array() += squared(p.noise.gyro_walk) * dt;
@@ -138,11 +139,15 @@ Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, con
 }
 
 bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
+  const ImuBuffer::Roughness rough = imu.roughness(to_ns, p.noise.vibration_s);
   Transition transition;
+  transition.gyro_noise = std::hypot(p.noise.gyro, p.noise.vibration_part * rough.gyro);
+  transition.accel_noise = std::hypot(p.noise.accel, p.noise.vibration_part * rough.accel);
   const bool whole =
       imu.for_each(state.t_ns, to_ns, ImuBuffer::kLongestGap_ns,
                    [&](const ImuSample& from, const ImuSample& to) { transition.add(state.nav, from, to, p); });
-  const auto& [Phi, Psi, Q] = transition;
+  const Matrix15d &Phi = transition.Phi, &Q = transition.Q;
+  const auto& Psi = transition.Psi;
   const int n = state.size(), rest = n - block::navigation;
   auto& P = state.P;
   shift_lens(state, to_ns, imu, p);

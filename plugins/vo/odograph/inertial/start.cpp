@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "plugins/shared/median.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
 #include "sdk/math/rotation_integral.hpp"
 
@@ -173,39 +174,78 @@ std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, si
   return out;
 }
 
+namespace {
+
+/// What the IMU measures of a body that may be at rest.
+struct Rest {
+  Vector3d force_b = Vector3d::Zero();  ///< mean, in the body's axes at the beginning
+  Vector3d rate_b = Vector3d::Zero();   ///< mean
+  double force_variance = 0;            ///< of the three axes together, (m/s^2)^2
+  double rate_rms = 0;
+  int n = 0;
+  bool steady = false;  ///< the mean rate is the gyroscope's bias
+};
+std::optional<Rest> rest_between(int64_t t0_ns, int64_t t1_ns, const ImuBuffer& imu, const StartParameters& s) {
+  Rest rest;
+  Vector3d sum = Vector3d::Zero(), squares = Vector3d::Zero();
+  double rate_squares = 0;
+  const bool whole = imu.for_each(t0_ns, t1_ns, ImuBuffer::kLongestGap_ns, [&](const ImuSample& a, const ImuSample&) {
+    sum += a.accel_b, squares += a.accel_b.cwiseAbs2(), rest.rate_b += a.gyro_b, ++rest.n;
+    rate_squares += a.gyro_b.squaredNorm();
+  });
+  if (!whole || rest.n < s.still_samples) return std::nullopt;
+  rest.rate_b /= rest.n, rest.rate_rms = std::sqrt(rate_squares / rest.n);
+  rest.force_variance = (squares / rest.n - (sum / rest.n).cwiseAbs2()).sum();
+  rest.steady = rest.rate_rms < s.still_rate_radps;
+  const Vector3d bias = rest.steady ? rest.rate_b : Vector3d::Zero();
+  Quaterniond q = Quaterniond::Identity();
+  imu.for_each(t0_ns, t1_ns, ImuBuffer::kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
+    const double dt = seconds(b.t_ns - a.t_ns);
+    const Matrix3d R = rotate_body(q, dt * (0.5 * (a.gyro_b + b.gyro_b) - bias));
+    rest.force_b += dt * (R * (0.5 * (a.accel_b + b.accel_b)));
+  });
+  rest.force_b /= seconds(t1_ns - t0_ns);
+  return rest;
+}
+
+/// Between the newest picture and all of them that are looked at lies nothing but a rotation.
+bool only_rotates(const std::deque<StartFrame>& frames, size_t from, const Camera& camera, const FilterParameters& p,
+                  const StartParameters& s) {
+  const size_t last = frames.size() - 1, step = std::max<size_t>(1, (last - from) / static_cast<size_t>(s.still_looks));
+  for (size_t i = from; i < last; i += step) {
+    const auto flow_px = flow_beside_rotation(frames[i].corners, frames[last].corners, camera, p.stand.min_corners);
+    if (!flow_px || *flow_px > s.still_px) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const ImuBuffer& imu, const Camera& camera,
                                   const FilterParameters& p, const StartParameters& s) {
   const auto before = frame_before(frames, s.still_s);
   if (!before) return std::nullopt;
   const size_t from = *before;
-  const StartFrame& last = frames.back();
-  const int64_t t0_ns = imu_time(frames[from], camera), t1_ns = imu_time(last, camera);
-  Vector3d force = Vector3d::Zero(), force_squares = Vector3d::Zero(), rate = Vector3d::Zero();
-  double rate_squares = 0;
-  int n = 0;
-  const bool whole = imu.for_each(t0_ns, t1_ns, ImuBuffer::kLongestGap_ns, [&](const ImuSample& a, const ImuSample&) {
-    force += a.accel_b, force_squares += a.accel_b.cwiseAbs2(), rate += a.gyro_b, ++n;
-    rate_squares += a.gyro_b.squaredNorm();
-  });
-  if (!whole || n < s.still_samples) return std::nullopt;
-  force /= n, rate /= n;
-  const double variance = (force_squares / n - force.cwiseAbs2()).sum();
-  if (variance > p.stand.max_force_variance(p.noise, n / seconds(t1_ns - t0_ns)) ||
-      std::abs(force.norm() - p.gravity_mps2) > s.still_gravity_sigmas * p.priors.accel_bias_mps2)
+  const int64_t t0_ns = imu_time(frames[from], camera), t1_ns = imu_time(frames.back(), camera);
+  const auto rest = rest_between(t0_ns, t1_ns, imu, s);
+  if (!rest) return std::nullopt;
+  const double duration_s = seconds(t1_ns - t0_ns), carried_mps = p.stand.arm_m * rest->rate_rms;
+  if (rest->force_variance > p.stand.max_force_variance(p.noise, rest->n / duration_s) ||
+      std::abs(rest->force_b.norm() - p.gravity_mps2) > s.still_gravity_sigmas * p.priors.accel_bias_mps2 ||
+      carried_mps > s.still_arm_mps || !only_rotates(frames, from, camera, p, s))
     return std::nullopt;
-  if (p.stand.arm_m * std::sqrt(rate_squares / n) > s.still_arm_mps) return std::nullopt;
-  const auto flow_px = flow_beside_rotation(frames[from].corners, last.corners, camera, p.stand.min_corners);
-  if (!flow_px || *flow_px > s.still_px) return std::nullopt;
   Filter::Start start;
   start.t_ns = t0_ns;
   // Specific force at rest is minus gravity.
-  start.nav.q_w_b = between(force, -Vector3d::UnitZ());
-  const bool steady = std::sqrt(rate_squares / n) < s.still_rate_radps;
-  if (steady) start.nav.gyro_bias = rate;
-  start.tilt_rad = p.priors.tilt_rad,
-  start.velocity_mps = std::hypot(p.priors.velocity_mps, p.stand.arm_m * std::sqrt(rate_squares / n));
-  start.gyro_bias_radps = steady ? s.still_bias_sigma_radps : p.priors.gyro_bias_radps;
+  start.nav.q_w_b = between(rest->force_b, -Vector3d::UnitZ());
+  if (rest->steady) start.nav.gyro_bias = rest->rate_b;
+  start.velocity_mps = std::hypot(p.priors.velocity_mps, carried_mps);
+  start.gyro_bias_radps = rest->steady ? s.still_bias_sigma_radps : p.priors.gyro_bias_radps;
   start.accel_bias_mps2 = p.priors.accel_bias_mps2;
+  // What the velocity can have changed by, and what the accelerometer's scale makes of gravity.
+  start.tilt_rad = s.still_tilt_rad;
+  start.rest_force_b = rest->force_b;
+  start.rest_force_mps2 = std::hypot(M_SQRT2 * start.velocity_mps / duration_s, p.priors.accel_scale * p.gravity_mps2);
   Filter filter(p, camera, start);
   for (size_t i = from; i < frames.size(); ++i) filter.process(frames[i].corners, imu);
   return filter;
@@ -224,7 +264,7 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
   if (flow_px && *flow_px < s.min_flow_px) return std::nullopt;
   const auto alignment = align_with_imu(frames, from, imu, camera, gyro_bias, p, s);
   if (!alignment || alignment->rms_m > s.max_rms_m || alignment->relative_sigma > s.alignment_sigma ||
-      alignment->nav.accel_bias.norm() > s.max_accel_bias_mps2)
+      alignment->nav.accel_bias.norm() > s.max_bias_sigmas * p.priors.accel_bias_mps2)
     return std::nullopt;
   Filter::Start start;
   start.t_ns = imu_time(frames[from], camera);
@@ -237,13 +277,17 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
   Camera seen = camera;
   for (int pass = 0; pass < s.passes; ++pass) {
     Filter filter(p, seen, start);
-    int accepted = 0;
-    for (size_t i = from; i < frames.size(); ++i) accepted += filter.process(frames[i].corners, imu).accepted;
+    int accepted = 0, tried = 0;
+    for (size_t i = from; i < frames.size(); ++i) {
+      const FrameReport report = filter.process(frames[i].corners, imu);
+      accepted += report.accepted, tried += report.tried;
+    }
     const Navigation& end = filter.state().nav;
-    if (!end.v_w.allFinite() || end.accel_bias.norm() > s.max_accel_bias_mps2) return std::nullopt;
+    if (!end.v_w.allFinite() || end.accel_bias.norm() > s.max_bias_sigmas * p.priors.accel_bias_mps2)
+      return std::nullopt;
     if (pass + 1 == s.passes) {
-      if (accepted == 0 || filter.gate_sigma() > s.max_gate_px || filter.scale_sigma() > s.scale_sigma ||
-          filter.camera_pull() > s.max_camera_pull)
+      if (accepted == 0 || accepted < s.min_fit * tried || filter.gate_sigma() > s.max_gate_px ||
+          filter.scale_sigma() > s.scale_sigma || filter.camera_pull() > s.max_camera_pull)
         return std::nullopt;
       return filter;
     }
@@ -254,6 +298,28 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
     begin.accel_bias.setZero();  // the prior's: the equations are linear in it
     begin.gyro_axes.setIdentity(), begin.accel_axes.setIdentity();
     start.nav = begin;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> scale_between(const State& first, const State& second, size_t least) {
+  for (auto a = first.clones.rbegin(); a != first.clones.rend(); ++a) {
+    const auto b = std::find_if(second.clones.begin(), second.clones.end(),
+                                [&](const Clone& c) { return c.frame_ns == a->frame_ns; });
+    if (b == second.clones.end()) continue;
+    const auto depth = [](const State& state, const Landmark& landmark, const Clone& clone) {
+      return (clone.q_w_c.conjugate() * (state.point(landmark) - clone.p_w)).z();
+    };
+    std::vector<double> ratios;
+    for (const Landmark& l : first.landmarks) {
+      const auto same = std::find_if(second.landmarks.begin(), second.landmarks.end(),
+                                     [&](const Landmark& x) { return x.track == l.track; });
+      if (same == second.landmarks.end()) continue;
+      const double of_first = depth(first, l, *a), of_second = depth(second, *same, *b);
+      if (of_first > 0 && of_second > 0) ratios.push_back(of_second / of_first);
+    }
+    if (ratios.size() < least) return std::nullopt;
+    return median(ratios);
   }
   return std::nullopt;
 }

@@ -20,24 +20,29 @@ struct StartFrame {
 /// recorded.
 struct StartParameters {
   // Still.
-  double still_s = 0.5;                   ///< of a phone that is held still, before the filter starts from it; by hand
-  double still_rate_radps = 0.05;         ///< below this the mean rate is the gyroscope's bias; by hand
+  double still_s = 1.0;            ///< of a phone that is held still, before the filter starts from it: half of
+                                   ///< it a swinging drone has at its turning points
+  int still_looks = 4;             ///< pictures of that time, all of which a rotation alone must explain; by hand
+  double still_tilt_rad = 0.1;     ///< before gravity is measured
+  double still_rate_radps = 0.05;  ///< below this the mean rate is the gyroscope's bias; by hand
   double still_bias_sigma_radps = 0.005;  ///< which is then so well known; by hand
   double still_arm_mps = 0.15;            ///< speed of a phone that somebody who rotates carries around; by hand
   double still_px = 1.5;                  ///< of the picture's flow that a rotation leaves over; by hand
   double still_gravity_sigmas = 3;        ///< of the accelerometer bias, by which the force may differ from gravity
   int still_samples = 10;                 ///< of the IMU, at least
   // In motion: the visual odometry's poses aligned with the IMU.
-  double min_flow_px = 1;            ///< that a rotation leaves over: a hand that stands has 0.2 to 0.7
-  double min_s = 0.8, max_s = 3;     ///< of motion that is looked at; by hand
-  size_t min_frames = 6;             ///< 18 equations for 12 unknowns
-  int alignment_iterations = 4;      ///< of the noise and of gravity's direction, about which it is linearised
-  double min_visual_sigma = 2e-3;    ///< of a visual position, of the map's scale (median depth one): 1 px; by hand
-  double alignment_sigma = 0.35;     ///< relative, of the metre by the visual poses: more is no start; by hand
-  double max_rms_m = 0.1;            ///< that the visual poses leave beside the inertial ones: 0.01 where they are good
-  double scale_sigma = 0.15;         ///< relative, of the metre that the filter leaves: more is no start; by hand
-  double max_accel_bias_mps2 = 0.8;  ///< ten sigmas of the prior
-  double max_camera_pull = 10;       ///< Filter::camera_pull, of five degrees of freedom
+  double min_flow_px = 1;          ///< that a rotation leaves over: a hand that stands has 0.2 to 0.7
+  double min_s = 0.8, max_s = 3;   ///< of motion that is looked at; by hand
+  size_t min_frames = 6;           ///< 18 equations for 12 unknowns
+  int alignment_iterations = 4;    ///< of the noise and of gravity's direction, about which it is linearised
+  double min_visual_sigma = 2e-3;  ///< of a visual position, of the map's scale (median depth one): 1 px; by hand
+  double alignment_sigma = 0.35;   ///< relative, of the metre by the visual poses: more is no start; by hand
+  double max_rms_m = 0.1;          ///< that the visual poses leave beside the inertial ones: 0.01 where they are good
+  double scale_sigma = 0.15;       ///< relative, of the metre that the filter leaves: more is no start; by hand
+  double max_bias_sigmas = 5;      ///< of the accelerometer's bias, by its prior
+  double min_fit = 0.5;            ///< share of the tracks that the filter accepts over those frames; by hand
+  size_t min_common = 8;           ///< landmarks by which two starts are compared; by hand
+  double max_camera_pull = 10;     ///< Filter::camera_pull, of five degrees of freedom
   double max_gate_px = 1.5;  ///< of the corners' noise as the filter finds it: more, and it is the start that is wrong
   /// Of the velocity's change over the last history_s, of which a start in motion knows the end alone: who starts to
   /// walk changes it by 1.4 m/s, to run by 3.
@@ -67,5 +72,9 @@ std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const Im
 std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const ImuBuffer& imu, const Camera& camera,
                                    const Eigen::Vector3d& gyro_bias, const FilterParameters& p,
                                    const StartParameters& s);
+
+/// How many times as large the second filter has the world, by the median depth of the landmarks that both have in the
+/// newest frame of which both have a clone. Nothing where these are fewer than `least`.
+std::optional<double> scale_between(const State& first, const State& second, size_t least);
 
 }  // namespace odograph::vio

@@ -297,6 +297,18 @@ void hold_lens(State& state) {
   update(state, z, sigma_px, sigma_px, 0);
 }
 
+Outcome update_gravity(State& state, const Eigen::Vector3d& force_b, double gravity_mps2, double sigma_mps2) {
+  const Matrix3d R_b_w = state.nav.q_w_b.conjugate().toRotationMatrix();
+  const Eigen::Vector3d gravity_w(0, 0, gravity_mps2);
+  Linearised z;
+  z.residual = force_b - (state.nav.accel_bias - R_b_w * gravity_w);
+  z.H.resize(3, 6);
+  z.H << -R_b_w * skew(gravity_w), Matrix3d::Identity();
+  for (int k = 0; k < 3; ++k) z.columns.push_back(block::theta + k);
+  for (int k = 0; k < 3; ++k) z.columns.push_back(block::accel_bias + k);
+  return update(state, z, sigma_mps2, sigma_mps2, 0);
+}
+
 Outcome update_zero_velocity(State& state, double sigma_mps) {
   Linearised z;
   z.residual = -state.nav.v_w;

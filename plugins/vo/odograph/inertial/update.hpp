@@ -45,10 +45,13 @@ struct SeenLandmark {
 std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenLandmark>& seen,
                                            const FilterParameters& p);
 
-/// The body stands: v = 0 within sigma (m/s).
+/// The specific force of a body at rest, minus gravity and the accelerometer's bias, within sigma (m/s^2).
+Outcome update_gravity(State& state, const Eigen::Vector3d& force_b, double gravity_mps2, double sigma_mps2);
+
 /// A lens without stabiliser: neither it nor any clone's was ever shifted.
 void hold_lens(State& state);
 
+/// The body stands: v = 0 within sigma (m/s).
 Outcome update_zero_velocity(State& state, double sigma_mps);
 
 }  // namespace odograph::vio
