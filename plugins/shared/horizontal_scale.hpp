@@ -43,8 +43,11 @@ inline void emit_scale(const odo_vo_motion& motion, double d_step_m, double rela
   output.emit(scale);
 }
 
-/// True when the motion can be scaled at all.
+/// True when the motion can be scaled at all: over a pause no speed of before or after holds.
 inline bool scalable(const odo_vo_motion& motion) {
+  constexpr int64_t kLongest_ns =
+      2'000'000'000;  // two steps of a slow walk; frames further apart have little in common
+  if (motion.header.t_ns - motion.t_from_ns > kLongest_ns) return false;
   constexpr uint32_t needed = ODO_VO_TRANSLATION | ODO_FLAG_NAVIGATION;
   return (motion.header.flags & needed) == needed;
 }

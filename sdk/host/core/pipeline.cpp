@@ -21,7 +21,7 @@ constexpr Pipeline::Parameters kParameters;
 void Pipeline::process(const odo_header& message) {
   wake();
   events_.begin();
-  watch_.see(message);
+  if (watch_.see(message)) on_pause();
   switch (message.type) {
     case ODO_TYPE_IMU: joiner_.push(as<odo_imu>(message), [this](const odo_imu& whole) { on_imu(whole); }); break;
     case ODO_TYPE_IMU_NOISE:
@@ -51,6 +51,13 @@ void Pipeline::process(const odo_header& message) {
   }
   handle_events();
   publisher_.watch_silence();
+}
+
+/// All sensors were silent: an event, whatever its length, and not an interval to integrate over.
+void Pipeline::on_pause() {
+  joiner_.reset();
+  composer_.pause(watch_.pause().to_ns);
+  publisher_.pause();
 }
 
 void Pipeline::on_imu(const odo_imu& imu) {
@@ -116,6 +123,7 @@ void Pipeline::handle(AnyMessage& event) {
     case ODO_TYPE_STEP:
       if (!roster_.in_use(header)) break;
       roster_.tell(header);
+      if (watch_.pause().is_within(as<odo_step>(header).t_start_ns, as<odo_step>(header).t_end_ns)) break;
       ++counters_.steps;
       if (steps_alone_need_heading_ && (header.flags & ODO_STEP_HEADING) == 0)
         host_.report(header.source, ODO_SEVERITY_WARNING, "no_heading",
@@ -189,7 +197,16 @@ void Pipeline::on_vo_motion(odo_vo_motion& motion) {
   odo_vo_motion judged = motion;
   for (double& c : judged.covariance) c *= odometry_covariance_;
   judged.scale_sigma *= std::sqrt(odometry_covariance_);
-  composer_.update(RelativeMotion{&judged, scale_for(motion)});
+  const odo_scale* scale = scale_for(motion);
+  // Over a pause a front-end may have found its place again, in its own metres; an assumed scale of a pause is none.
+  if (watch_.pause().is_within(motion.t_from_ns, motion.header.t_ns)) {
+    scale = nullptr;
+    if ((motion.header.flags & ODO_VO_METRIC) == 0) {
+      judged.header.flags &= ~ODO_VO_TRANSLATION;
+      judged.state = std::max(judged.state, ODO_DEGRADED), judged.reason = ODO_REASON_SENSOR_SILENT;
+    }
+  }
+  composer_.update(RelativeMotion{&judged, scale});
   tell_notice();
   publisher_.publish_estimates();
   roster_.tell(motion.header, false);  // the scale sources have had it

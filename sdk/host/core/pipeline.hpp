@@ -82,6 +82,7 @@ class Pipeline {
  private:
   Pipeline(const PipelineConfig& config, const Surroundings& surroundings, Publish publish);
 
+  void on_pause();
   void on_imu(const odo_imu& imu);
   bool is_of_main_camera(const odo_vo_motion& motion);
   void ask(const odo_header& message);

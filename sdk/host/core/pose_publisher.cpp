@@ -102,6 +102,13 @@ bool PosePublisher::sensor_silent() const {
   return (s_.watch.imu_silent() && s_.roster.has_attitude()) || (s_.watch.camera_silent() && s_.roster.has_front_end());
 }
 
+void PosePublisher::pause() {
+  const SensorWatch::Pause& pause = s_.watch.pause();
+  set_state(pause.from_ns, state_, reason_);
+  if (state_ != 0) set_state(pause.from_ns, ODO_LOST, ODO_REASON_SENSOR_SILENT);
+  set_state(pause.to_ns, state_, reason_);
+}
+
 /// As long as the other sensor gives poses it is not lost.
 void PosePublisher::watch_silence() {
   if (!sensor_silent()) return;

@@ -41,6 +41,8 @@ class PosePublisher {
   /// All that the localizer has for the outside, in order of time: a correction and the pose that it moved before newer
   /// poses.
   void publish_estimates();
+  /// All sensors were silent (SensorWatch::pause): that time was lost, and so is the pose until the next one.
+  void pause();
   /// After each message: silence that no pose reports.
   void watch_silence();
   /// The clock was set back: the next pose is announced as a correction of the last one.

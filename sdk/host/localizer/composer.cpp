@@ -41,6 +41,10 @@ void Composer::reset() {
   notice_ = {};
 }
 
+void Composer::pause(int64_t until_ns) {
+  if (tracker_.started()) tracker_.pause(until_ns);
+}
+
 UpdateResult Composer::update(const Measurement& measurement) {
   const bool fix = std::holds_alternative<const odo_fix*>(measurement);
   const auto* attitude = std::get_if<const odo_attitude*>(&measurement);

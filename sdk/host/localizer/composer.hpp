@@ -26,6 +26,8 @@ class Composer : public HeldPoses {
   Composer& operator=(const Composer&) = delete;
   /// As at the start, for a sensor clock that was set back. The calibration stays.
   void reset();
+  /// No sensor gave anything until then: the velocity is none, and what is unknown of the position grows.
+  void pause(int64_t until_ns);
 
   void on_calibration(const odo_calibration& calibration) { front_end_.on_calibration(calibration); }
   /// A whole sample, gyroscope and accelerometer.

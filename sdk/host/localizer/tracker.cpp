@@ -79,14 +79,22 @@ void Tracker::push(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& d_o, 
 
 double Tracker::unseen_m(int64_t t_ns) const {
   const double unseen_s = seconds(t_ns - std::max(coverage.until_ns(), gap_ns_));
-  return rotates_with_attitude_ || unseen_s < p_.unseen_s ? 0.0 : unseen_s * config_.fastest_mps;
+  return rotates_with_attitude_ || unseen_s < p_.unseen_s ? 0.0 : unseen_m_in(unseen_s);
 }
+
+double Tracker::unseen_m_in(double unseen_s) const { return std::min(unseen_s * config_.fastest_mps, p_.farthest_m); }
 
 void Tracker::add_gap(int64_t until_ns) {
   const double unseen_m = this->unseen_m(until_ns);
   if (unseen_m == 0) return;
   localizer.P.diagonal().head<2>().array() += squared(unseen_m);
   gap_ns_ = until_ns;
+}
+
+void Tracker::pause(int64_t until_ns) {
+  set_velocity(Vector3d::Zero(), Velocity::none);
+  if (!rotates_with_attitude_) return;  // a camera's is added with its next displacement
+  localizer.P.diagonal().head<2>().array() += squared(unseen_m_in(seconds(until_ns - now_ns())));
 }
 
 void Tracker::rotate_with_attitude() {

@@ -24,8 +24,9 @@ namespace odograph {
 class Tracker {
  public:
   struct Parameters {
-    double unseen_s = 1.0;  ///< s without a displacement until steps carry; they are told 0.4 s late
-    double impossible = 5;  ///< times coupling.fastest: what a sensor or a scale got wrong; by hand
+    double unseen_s = 1.0;      ///< s without a displacement until steps carry; they are told 0.4 s late
+    double impossible = 5;      ///< times coupling.fastest: what a sensor or a scale got wrong; by hand
+    double farthest_m = 100e3;  ///< m that it is unseen by at most; as far as n reaches
   };
   enum class Velocity { none, mean, now };
 
@@ -55,6 +56,8 @@ class Tracker {
   bool rotates_with_attitude() const { return rotates_with_attitude_; }
   /// What was not seen until then is in the filter's covariance from now on: a displacement begins, or a fix comes.
   void add_gap(int64_t until_ns);
+  /// Nothing was measured at all until then.
+  void pause(int64_t until_ns);
   /// What the body may have moved by until a time while the camera leads and has seen no displacement, m, one sigma.
   double unseen_m(int64_t t_ns) const;
   bool is_impossible(double moved_m, double dt_s) const { return moved_m > p_.impossible * config_.fastest_mps * dt_s; }
@@ -95,6 +98,8 @@ class Tracker {
   InertialTrack inertia;
 
  private:
+  double unseen_m_in(double unseen_s) const;
+
   Parameters p_;
   GyroAttitudeFilter::Parameters gyroscope_;
   CouplingConfig config_;

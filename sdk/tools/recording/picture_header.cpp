@@ -94,11 +94,10 @@ Result<PictureSize> picture_size(const std::filesystem::path& file, uint64_t off
   const auto size = stated_size(in, offset);
   if (!size || size->width == 0 || size->height == 0)
     return Failure{ODO_E_DATA, file.string() + ": no picture; expected PNG, JPEG, BMP, PGM or PPM"};
-  if (size->width > kWidestPicture || size->height > kWidestPicture ||
-      uint64_t(size->width) * size->height > kMaxPixels)
+  if (size->width > kMaxSide || size->height > kMaxSide || uint64_t(size->width) * size->height > kMaxPixels)
     return Failure{ODO_E_DATA, file.string() + ": a picture of " + std::to_string(size->width) + " x " +
                                    std::to_string(size->height) + " pixels; expected at most 64 million, " +
-                                   std::to_string(kWidestPicture) + " a side"};
+                                   std::to_string(kMaxSide) + " a side"};
   return *size;
 }
 

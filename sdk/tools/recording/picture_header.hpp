@@ -13,7 +13,7 @@ struct PictureSize {
 };
 
 /// As of odo_frame, and what the largest sensors of phones give (48 megapixels) and some more.
-constexpr uint32_t kWidestPicture = 16384;
+constexpr uint32_t kMaxSide = 16384;
 constexpr uint64_t kMaxPixels = 64'000'000;
 
 /// The size that the header of a PNG, JPEG, BMP, PGM or PPM states at `offset` of a file, without decoding anything.
