@@ -12,16 +12,21 @@
 namespace odograph {
 namespace {
 
-int check(const std::string& file, const std::string& plugins) {
+/// All of them, each with its own verdict.
+int check(const std::vector<std::string>& files, const std::string& plugins) {
   std::vector<std::filesystem::path> directories;
   if (!plugins.empty()) directories.emplace_back(plugins);
-  const auto config = read_pipeline_config_file(file, directories);
-  if (!config) {
+  int status = kDone;
+  for (const std::string& file : files) {
+    const auto config = read_pipeline_config_file(file, directories);
+    if (config) {
+      std::printf("%s: good\n", file.c_str());
+      continue;
+    }
     std::fprintf(stderr, "%s\n", printable(config.failure().text).c_str());
-    return kBadUsage;
+    status = kBadUsage;
   }
-  std::printf("%s: good\n", file.c_str());
-  return kDone;
+  return status;
 }
 
 void list(const std::vector<Spec>& specs, const std::string& indent) {
@@ -55,12 +60,12 @@ int schema(const std::string& which) {
 void add_config(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("config", "Check a pipeline config, explain its keys, print its schema");
   command->require_subcommand(1);
-  auto file = std::make_shared<std::string>();
+  auto files = std::make_shared<std::vector<std::string>>();
   auto plugins = std::make_shared<std::string>();
-  auto* check_command = command->add_subcommand("check", "Find every mistake in a config; runs no plugin");
-  check_command->add_option("file", *file, "pipeline config (YAML)")->required();
+  auto* check_command = command->add_subcommand("check", "Find every mistake in configs; runs no plugin");
+  check_command->add_option("files", *files, "pipeline configs (YAML)")->required();
   check_command->add_option("--plugins", *plugins, "folder to look for plugins in first");
-  check_command->callback([=, &status] { status = check(*file, *plugins); });
+  check_command->callback([=, &status] { status = check(*files, *plugins); });
   command->add_subcommand("keys", "List all keys of a pipeline config")->callback([&status] {
     list(pipeline_spec().children, "");
     status = kDone;

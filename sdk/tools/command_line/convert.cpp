@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cstdio>
+#include <cstring>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
 
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/base/nearest.hpp"
@@ -14,15 +18,43 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr uint64_t kLargestPicture = 1u << 30;
+
 struct ConvertArguments {
   std::string input, output, origin;
-  int jpeg_quality = 0;
+  int jpeg_quality = -1;
   ReadOptions reading;
 };
 
-/// Writes all that there is. Pictures that cannot be read cost their frames; they are counted in `lost`.
+/// The bytes of a picture that lies somewhere as PNG or JPEG; empty where it does not, or is to be another.
+std::vector<unsigned char> encoded_picture(const PictureRef& picture) {
+  std::error_code error;
+  if (!picture.file || picture.store || picture.black || !fs::is_regular_file(*picture.file, error)) return {};
+  const uint64_t size = picture.size > 0 ? picture.size : fs::file_size(*picture.file, error);
+  if (error || size < 8 || size > kLargestPicture) return {};
+  std::vector<unsigned char> bytes(size);
+  std::ifstream file(*picture.file, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(picture.offset));
+  if (!file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) return {};
+  const bool is_png = std::memcmp(bytes.data(), "\x89PNG\r\n\x1a\n", 8) == 0;
+  const bool is_jpeg = bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
+  return is_png || is_jpeg ? bytes : std::vector<unsigned char>();
+}
+
+/// One frame with its picture: as it is, or packed anew. A picture that cannot be decoded is a failure of ODO_E_DATA.
+Result<bool> write_frame(OdoWriter& writer, const RecordedMessage& m, bool pack) {
+  const auto frame = load_frame(m);  // also what is copied is looked at: damage is to be found now
+  if (!frame) return frame.failure();
+  auto bytes = pack ? std::vector<unsigned char>() : encoded_picture(m.picture);
+  const auto written = bytes.empty() ? writer.write(frame->header) : writer.write_encoded_frame(*frame, bytes);
+  frame->loan.release(frame->loan.owner);
+  return written ? written : Failure{ODO_E_NOT_FOUND, written.failure().text};
+}
+
+/// Writes all that there is. Pictures that cannot be read cost their frames; they are counted in `lost`. Quality below
+/// 0: pictures stay as they are, a video's become PNG.
 Result<bool> to_recording(const Recording& recording, const fs::path& output, int jpeg_quality, uint64_t& lost) {
-  auto writer = OdoWriter::create(output, jpeg_quality);
+  auto writer = OdoWriter::create(output, std::max(0, jpeg_quality));
   if (!writer) return writer.failure();
   Progress progress("convert");
   size_t done = 0;
@@ -32,14 +64,10 @@ Result<bool> to_recording(const Recording& recording, const fs::path& output, in
       if (const auto written = (*writer)->write(m.message.header()); !written) return written.failure();
       continue;
     }
-    const auto frame = load_frame(m);
-    if (!frame) {
-      if (lost++ == 0) std::fprintf(stderr, "%s\n", printable(frame.failure().text).c_str());
-      continue;
-    }
-    const auto written = (*writer)->write(frame->header);
-    frame->loan.release(frame->loan.owner);
-    if (!written) return written.failure();
+    const auto written = write_frame(**writer, m, jpeg_quality >= 0);
+    if (written) continue;
+    if (written.failure().status != ODO_E_DATA) return written.failure();
+    if (lost++ == 0) std::fprintf(stderr, "%s\n", printable(written.failure().text).c_str());
   }
   for (const odo_step& step : recording.true_steps)
     if (const auto written = (*writer)->write_true_step(step); !written) return written.failure();
@@ -97,6 +125,35 @@ int convert_to_euroc(const ConvertArguments& a) {
   return status_over(loss, kDone);
 }
 
+/// Latitude, longitude (rad) and height (m).
+using Origin = std::optional<std::array<double, 3>>;
+/// Of a track's frame: as given, or as the run's summary.json has it.
+Result<Origin> origin_of(const ConvertArguments& a) {
+  std::array<double, 3> origin{};
+  if (a.origin.empty()) {
+    std::ifstream file((fs::is_directory(a.input) ? fs::path(a.input) : fs::path(a.input).parent_path()) /
+                       "summary.json");
+    const auto summary = nlohmann::json::parse(file, nullptr, false);
+    if (!summary.is_object() || !summary.contains("origin") || !summary["origin"].is_object()) return Origin();
+    const char* keys[] = {"latitude_deg", "longitude_deg", "height_m"};
+    for (size_t i = 0; i < 3; ++i) {
+      const auto number = summary["origin"].find(keys[i]);
+      if (number == summary["origin"].end() || !number->is_number()) return Origin();
+      origin[i] = number->get<double>() * (i < 2 ? EIGEN_PI / 180 : 1.0);
+    }
+    return Origin(origin);
+  }
+  const auto parts = split(a.origin, ',');
+  if (parts.size() != 3)
+    return Failure{ODO_E_ARGUMENT, "--origin: expected LATITUDE,LONGITUDE,HEIGHT in degrees and metres"};
+  for (size_t i = 0; i < 3; ++i) {
+    const auto number = parse_quantity(parts[i], "");
+    if (!number) return Failure{ODO_E_ARGUMENT, "--origin: '" + parts[i] + "'; expected a number"};
+    origin[i] = *number * (i < 2 ? EIGEN_PI / 180 : 1.0);
+  }
+  return Origin(origin);
+}
+
 int convert(const ConvertArguments& a) {
   const fs::path input = a.input, output = a.output;
   if (output.extension() == ".odo") return convert_to_recording(a);
@@ -109,24 +166,20 @@ int convert(const ConvertArguments& a) {
     track = recording->truth;
     status = status_over(recording->loss, kDone);
   }
-  auto geodesy = std::make_shared<Geodesy>();
+  const auto origin = origin_of(a);
+  if (!origin) return complain(origin.failure());
   ToGeodetic to_geodetic;
-  if (!a.origin.empty()) {
-    const auto parts = split(a.origin, ',');
-    if (parts.size() != 3)
-      return complain({ODO_E_ARGUMENT, "--origin: expected LATITUDE,LONGITUDE,HEIGHT in degrees and metres"});
-    std::array<double, 3> origin{};
-    for (size_t i = 0; i < 3; ++i) {
-      const auto number = parse_quantity(parts[i], "");
-      if (!number) return complain({ODO_E_ARGUMENT, "--origin: '" + parts[i] + "'; expected a number"});
-      origin[i] = *number * (i < 2 ? EIGEN_PI / 180 : 1.0);
-    }
-    geodesy->set_origin(origin);
+  if (*origin) {
+    const auto geodesy = std::make_shared<Geodesy>();
+    geodesy->set_origin(**origin);
     to_geodetic = [geodesy](const Eigen::Vector3d& p) { return geodesy->to_geodetic({p.x(), p.y(), p.z()}); };
   }
   const auto written = write_trajectory(output, *track, to_geodetic);
   if (!written) return complain(written.failure());
   std::printf("%s: %zu poses\n", a.output.c_str(), track->size());
+  const bool on_map = to_geodetic && (output.extension() == ".gpx" || output.extension() == ".kml");
+  if (on_map && !track->empty() && !is_unix_time(track->front().t_ns))
+    std::fprintf(stderr, "%s: without times: the recording's clock is not Unix time\n", a.output.c_str());
   return status;
 }
 
@@ -143,9 +196,12 @@ void add_convert(CLI::App& app, int& status) {
                    "its ending says the format: .odo .tum .kitti .csv .gpx .kml .geojson; none: EuRoC/ASL folder")
       ->required();
   command->add_option("--origin", a->origin,
-                      "of the track's frame, for GPX, KML and GeoJSON: LATITUDE,LONGITUDE,HEIGHT (degrees, metres)");
-  command->add_option("--jpeg", a->jpeg_quality, "store pictures as JPEG of this quality; 0 = PNG, lossless")
-      ->capture_default_str()
+                      "of the track's frame, for GPX, KML and GeoJSON: LATITUDE,LONGITUDE,HEIGHT (degrees, metres); "
+                      "without it as the run's summary.json has it");
+  command
+      ->add_option("--jpeg", a->jpeg_quality,
+                   "pack pictures anew, as JPEG of this quality, 0: as PNG, lossless; without it they stay as they are "
+                   "(a video's become PNG)")
       ->check(CLI::Range(0, 100));
   command->add_flag("--pictures-outside", a->reading.pictures_outside,
                     "pictures may lie outside of the recording's folder");

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sdk/math/time.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/replay/runner.hpp"
 
@@ -17,7 +18,7 @@ namespace fs = std::filesystem;
 struct EvalArguments {
   std::string reference, estimate, alignment = "none", rpe_unit = "frames";
   double max_difference_s = 0.01, rpe_delta = 1, window_m = 10, align_first_m = 10;
-  double true_window_m = 0;
+  double true_window_m = 0, offset_s = 0;
   bool true_lengths = false, json = false;
 };
 
@@ -132,7 +133,7 @@ Result<Json> evaluate_trajectory(const Trajectory& reference, const Trajectory& 
   if (pairs.reference.size() < 2)
     return Failure{ODO_E_DATA, "only " + std::to_string(pairs.reference.size()) +
                                    " poses of reference and estimate are within " + std::to_string(a.max_difference_s) +
-                                   " s of each other; are the clocks the same? (--max-diff)"};
+                                   " s of each other; are the clocks the same? (--offset, --max-diff)"};
   double scale = 1;
   const Trajectory aligned = align(pairs, alignment, &scale);
   const PoseErrors ape = absolute_errors(pairs.reference, aligned);
@@ -226,8 +227,9 @@ int eval(const EvalArguments& a) {
   if (!alignment) return complain(alignment.failure());
   const auto reference = read_reference(a.reference);
   if (!reference) return complain(reference.failure());
-  const auto estimate = read_estimate(a.estimate);
+  auto estimate = read_estimate(a.estimate);
   if (!estimate) return complain(estimate.failure());
+  for (StampedPose& pose : *estimate) pose.t_ns += nanoseconds(a.offset_s);
   Json out = Json::object();
   if (reference->waypoints.size() >= 2)
     out["waypoints"] = evaluate_waypoints(*estimate, reference->waypoints, a.align_first_m);
@@ -256,6 +258,8 @@ void add_eval(CLI::App& app, int& status) {
   command->add_option("--align", a->alignment, "none, first, yaw, se3 or sim3")->capture_default_str();
   command->add_option("--max-diff", a->max_difference_s, "largest difference of time within a pair, s")
       ->capture_default_str();
+  command->add_option("--offset", a->offset_s, "added to the times of the estimate, s: the reference has another clock")
+      ->check(CLI::Range(-4e9, 4e9));
   command->add_option("--rpe-delta", a->rpe_delta, "interval of the relative error")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);

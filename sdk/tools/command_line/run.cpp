@@ -8,6 +8,7 @@
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/evaluation/faults.hpp"
 #include "sdk/tools/page/run_page.hpp"
+#include "sdk/tools/replay/default_config.hpp"
 
 namespace odograph {
 namespace {
@@ -29,6 +30,18 @@ std::string command_of(const RunArguments& a) {
   return command;
 }
 
+/// Writes the recommended pipeline beside the results where the user has given none.
+Result<bool> choose_config(RunArguments& a, const Recording& recording) {
+  if (!a.options.config.empty()) return true;
+  const auto file = std::filesystem::path(a.output) / "pipeline.yaml";
+  std::error_code error;
+  std::filesystem::create_directories(a.output, error);
+  if (const auto written = write_whole_file(file, default_config(recording)); !written) return written.failure();
+  a.options.config = file.string();
+  std::fprintf(stderr, "no -c: %s, for a walker of 1.70 m (--set walker.height=1.80m)\n", file.c_str());
+  return true;
+}
+
 int run(RunArguments& a) {
   a.reading.true_states = false;
   for (const std::string& text : a.set) {
@@ -43,6 +56,13 @@ int run(RunArguments& a) {
     if (!faults) return complain(faults.failure());
     *recording = with_faults(*recording, *faults);
   }
+  if (const auto chosen = choose_config(a, *recording); !chosen) return complain(chosen.failure());
+  const bool inertial = recording->has(ODO_TYPE_IMU);
+  if (!inertial)
+    std::fprintf(stderr,
+                 "%s: no inertial samples in it: steps and vo/odograph need them; with pictures alone "
+                 "samples/configs/monocular.yaml gives a track up to scale\n",
+                 printable(a.input).c_str());
   Progress progress("run");
   a.options.progress = [&](size_t done, size_t all) { progress.show(done, all); };
   a.options.keep_session = true;
@@ -77,10 +97,15 @@ int run(RunArguments& a) {
     if (s.scale_sigma > 0)
       std::printf("metre known to %.1f %%: %.0f %% by inertia, %.0f %% by steps\n", 100 * s.scale_sigma,
                   100 * s.scale_by_inertia, 100 * s.scale_by_steps);
+    if (result->origin)
+      std::printf("on a map: odograph convert %s %s/track.gpx (or .kml, .geojson)\n", a.output.c_str(),
+                  a.output.c_str());
     std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");
   }
   if (!result->state_failure.empty()) return kBadData;
-  return status_over(result->loss, result->track.empty() || result->final_state == ODO_LOST ? kLostTracking : kDone);
+  const bool stood = !inertial && result->statistics.distance_m == 0;
+  const bool lost = result->track.empty() || result->final_state == ODO_LOST || stood;
+  return status_over(result->loss, lost ? kLostTracking : kDone);
 }
 
 }  // namespace
@@ -88,10 +113,13 @@ int run(RunArguments& a) {
 void add_run(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("run", "Run a pipeline over a recording");
   auto a = std::make_shared<RunArguments>();
-  command->add_option("-c,--config", a->options.config, "pipeline config (YAML)")->required();
+  command->add_option("-c,--config", a->options.config,
+                      "pipeline config (YAML); without it the recommended one for what the recording has");
   command
-      ->add_option("-i,--input", a->input,
-                   "recording: EuRoC/ASL, TUM RGB-D, KITTI, ADVIO, Indoor Location trace, image folder, *.odo")
+      ->add_option(
+          "-i,--input", a->input,
+          "recording: a phone app's export (zip or folder; docs/phone_recordings.md), EuRoC/ASL, TUM RGB-D, KITTI, "
+          "ADVIO, Indoor Location trace, image folder, *.odo")
       ->required();
   command
       ->add_option("-o,--output", a->output,

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/base/output_file.hpp"
+#include "sdk/host/base/temporary_folder.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/plot/plot.hpp"
@@ -20,7 +21,7 @@ namespace odograph {
 namespace {
 
 struct StepsArguments {
-  std::string recording, config = "samples/configs/phone_walk_odograph.yaml", plot;
+  std::string recording, config, plot;
   bool json = false, each = false;
 };
 
@@ -83,16 +84,24 @@ Result<std::string> page_of(const StepsArguments& a, const Recording& recording,
   return page;
 }
 
+/// Attitude and steps alone, laid over waypoints where there are some: samples/configs/phone_walk_odograph.yaml.
+constexpr const char* kStepsAlone =
+    "odograph: 1\nwalker: {height: 1.70 m}\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n"
+    "replay: {start_at_first_waypoint: true, align_heading_over: 10 m}\n";
+
 int steps(const StepsArguments& a) {
   const auto recording = open_recording(a.recording);
   if (!recording) return complain(recording.failure());
   Progress progress("steps");
   RunOptions options;
-  options.config = a.config;
+  const TemporaryFolder folder;
+  options.config = a.config.empty() ? (folder / "steps.yaml").string() : a.config;
+  if (a.config.empty())
+    if (const auto written = write_whole_file(options.config, kStepsAlone); !written)
+      return complain(written.failure());
   options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
   const auto result = replay(*recording, options);
   if (!result) return complain(result.failure());
-  if (recording->messages.empty()) return complain({ODO_E_DATA, a.recording + ": empty"});
   const int64_t start = recording->messages.front().message.header().t_ns,
                 end = recording->messages.back().message.header().t_ns;
   const auto stretches = stretches_of(*result, start, end);
@@ -148,7 +157,8 @@ void add_steps(CLI::App& app, int& status) {
       app.add_subcommand("steps", "Modes, steps, lengths and the dead-reckoned path that the IMU of a recording tells");
   auto a = std::make_shared<StepsArguments>();
   command->add_option("recording", a->recording, "any recording with an IMU")->required();
-  command->add_option("-c,--config", a->config, "pipeline config with a step estimator")->capture_default_str();
+  command->add_option("-c,--config", a->config,
+                      "pipeline config with a step estimator; without it attitude/vqf and step/odograph, 1.70 m tall");
   command->add_option("--plot", a->plot, "write lengths over time, their distribution and the path as an HTML page");
   command->add_flag("--each", a->each, "a line for each step");
   command->add_flag("--json", a->json, "print one JSON object");

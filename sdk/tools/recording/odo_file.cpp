@@ -100,6 +100,37 @@ Result<bool> OdoWriter::write_true_sighting(const TrueSighting& s) { return reco
 
 Result<bool> OdoWriter::write_true_step(const odo_step& s) { return record(kTrueStep, bytes_of(s)); }
 
+namespace {
+
+/// A video's frame in colour: luma, and chroma of half the size.
+cv::Mat bgr_of_yuv(const odo_frame& frame) {
+  const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
+  const auto plane = [&](int p, int height, int width, int type) {
+    return cv::Mat(height, width, type, const_cast<uint8_t*>(frame.planes[p].data),
+                   static_cast<size_t>(frame.planes[p].row_stride));
+  };
+  const int half_rows = (rows + 1) / 2, half_columns = (columns + 1) / 2;
+  std::vector<cv::Mat> halves;
+  if (frame.format == ODO_FORMAT_YUV420)
+    halves = {plane(1, half_rows, half_columns, CV_8UC1), plane(2, half_rows, half_columns, CV_8UC1)};
+  else
+    cv::split(plane(1, half_rows, half_columns, CV_8UC2), halves);
+  if (frame.format == ODO_FORMAT_NV21) std::swap(halves[0], halves[1]);
+  std::vector<cv::Mat> channels(3);
+  channels[0] = plane(0, rows, columns, CV_8UC1);
+  for (int i : {0, 1}) {  // Y Cr Cb is OpenCV's order
+    cv::Mat large;
+    cv::resize(halves[static_cast<size_t>(1 - i)], large, {2 * half_columns, 2 * half_rows}, 0, 0, cv::INTER_NEAREST);
+    channels[static_cast<size_t>(1 + i)] = large(cv::Rect(0, 0, columns, rows));
+  }
+  cv::Mat image;
+  cv::merge(channels, image);
+  cv::cvtColor(image, image, cv::COLOR_YCrCb2BGR);
+  return image;
+}
+
+}  // namespace
+
 Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jpeg_quality) {
   const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
   auto* data = const_cast<uint8_t*>(frame.planes[0].data);
@@ -113,6 +144,9 @@ Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jp
     case ODO_FORMAT_BGRA8:
       cv::cvtColor(cv::Mat(rows, columns, CV_8UC4, data, stride), image, cv::COLOR_BGRA2BGR);
       break;
+    case ODO_FORMAT_YUV420:
+    case ODO_FORMAT_NV12:
+    case ODO_FORMAT_NV21: image = bgr_of_yuv(frame); break;
     default: image = cv::Mat(rows, columns, CV_8UC1, data, stride);
   }
   std::vector<unsigned char> bytes;

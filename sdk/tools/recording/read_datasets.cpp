@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sdk/host/config/camera_yaml.hpp"
+#include "sdk/tools/recording/read_table.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
 
@@ -47,6 +48,27 @@ void add_frame(Recording& recording, int64_t t_ns, uint32_t camera, const fs::pa
 
 }  // namespace
 
+namespace {
+
+/// One time a picture, where the folder has such a table; ns, or seconds with a decimal point.
+Result<std::vector<int64_t>> times_of_pictures(const fs::path& folder) {
+  const phone::Table table{phone::Stream::frame, "", "t_ns|timestamp|time|#1"};
+  for (const char* name : {"times.csv", "timestamps.csv", "times.txt", "timestamps.txt"}) {
+    std::error_code error;
+    if (!fs::exists(folder / name, error)) continue;
+    phone::Rows rows{&table, folder / name, {}};
+    if (const auto read = phone::read_csv(folder / name, rows); !read) return read.failure();
+    if (!rows.missing_column.empty())
+      return Failure{ODO_E_DATA, (folder / name).string() + ": no column 't_ns', 'timestamp' or 'time'"};
+    std::vector<int64_t> times;
+    for (const phone::Row& row : rows.rows) times.push_back(row.t_ns);
+    return times;
+  }
+  return std::vector<int64_t>();
+}
+
+}  // namespace
+
 Result<Recording> read_image_folder(const fs::path& folder) {
   Recording recording{.format = "image folder", .path = folder};
   double fps = 30;
@@ -57,8 +79,21 @@ Result<Recording> read_image_folder(const fs::path& folder) {
   if (files.empty()) files = pictures_of(folder / "images");
   if (files.empty())
     return Failure{ODO_E_DATA, folder.string() + ": no pictures (png, jpg, pgm, bmp) beside camera.yaml"};
+  const auto times = times_of_pictures(folder);
+  if (!times) return times.failure();
+  if (!times->empty() && times->size() != files.size())
+    return Failure{ODO_E_DATA, folder.string() + ": " + std::to_string(files.size()) + " pictures, " +
+                                   std::to_string(times->size()) + " times; expected one for each"};
   for (size_t i = 0; i < files.size(); ++i)
-    add_frame(recording, std::llround(static_cast<double>(i) * 1e9 / fps), 0, files[i]);
+    add_frame(recording, times->empty() ? std::llround(static_cast<double>(i) * 1e9 / fps) : (*times)[i], 0, files[i]);
+  if (times->empty()) {
+    char rate[32];
+    std::snprintf(rate, sizeof rate, "%g Hz", fps);
+    recording.warnings.push_back(std::string("no times.csv: pictures are taken to be at ") + rate +
+                                 " ('fps' in camera.yaml)");
+  }
+  recording.warnings.push_back(
+      "pictures alone, no imu.csv: nothing gives the metric scale (docs/phone_recordings.md, plain folder)");
   std::error_code error;
   if (fs::exists(folder / "groundtruth.tum", error)) {
     auto truth = read_tum(folder / "groundtruth.tum");

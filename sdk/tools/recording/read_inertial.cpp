@@ -139,10 +139,15 @@ Result<bool> add_euroc_imu(Recording& recording, const fs::path& folder) {
 Result<bool> add_euroc_camera(Recording& recording, const fs::path& folder, const ReadOptions& options) {
   std::error_code error;
   if (!fs::exists(folder, error)) return true;
-  const auto camera = read_asl_camera(folder / "sensor.yaml", 0);
-  if (!camera) return camera.failure();
-  recording.add(camera->header);
-  const auto sensor = read_yaml((folder / "sensor.yaml").string());
+  const bool described = fs::exists(folder / "sensor.yaml", error);
+  if (described) {
+    const auto camera = read_asl_camera(folder / "sensor.yaml", 0);
+    if (!camera) return camera.failure();
+    recording.add(camera->header);
+  } else {
+    recording.warnings.push_back("cam0 has no sensor.yaml: the config's 'camera: camera.yaml' must give the lens");
+  }
+  const auto sensor = described ? read_yaml((folder / "sensor.yaml").string()) : Result<YamlNode>(Failure{});
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 0);
   const double line_s = sensor ? scalar(*sensor, "line_delay") : 0;  // our own key, Kalibr's name
   if (!(line_s >= 0 && line_s < 1e-2))

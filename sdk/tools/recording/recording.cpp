@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/recording/recording.hpp"
 
+#include "sdk/tools/recording/read_phone.hpp"
+#include "sdk/tools/recording/archive.hpp"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -45,27 +48,68 @@ void Recording::sort() {
 
 namespace {
 
-Result<Recording> read_whatever(const fs::path& path, const ReadOptions& options) {
+Result<Recording> read_folder(const fs::path& path, const ReadOptions& options, std::shared_ptr<const void> keep) {
   std::error_code error;
-  if (!fs::exists(path, error)) return Failure{ODO_E_NOT_FOUND, path.string() + ": no such file or folder"};
-  if (!fs::is_directory(path, error)) {
-    if (!fs::is_regular_file(path, error))
-      return Failure{ODO_E_DATA, path.string() + ": neither a file nor a folder; a pipe or a device is no recording"};
-    if (RecordReader::looks_like_one(path)) return read_odo(path, options);
-    if (path.extension() == ".txt") return read_indoor_location(path);
-    return Failure{
-        ODO_E_DATA,
-        path.string() +
-            ": not a recording; expected an Odograph recording (.odo) or an Indoor Location Competition trace (.txt)"};
-  }
   if (fs::exists(path / "mav0", error) || fs::exists(path / "imu0", error)) return read_euroc(path, options);
   if (fs::exists(path / "image_0", error)) return read_kitti(path);
   if (fs::exists(path / "iphone", error)) return read_advio(path);
   if (fs::exists(path / "rgb.txt", error)) return read_tum_rgbd(path, options);
+  if (looks_like_phone_recording(path)) return read_phone(path, std::move(keep));
   if (fs::exists(path / "camera.yaml", error)) return read_image_folder(path);
   return Failure{ODO_E_DATA, path.string() +
                                  ": no recording in this folder; looked for mav0/ (EuRoC/ASL), image_0/ (KITTI), "
-                                 "iphone/ (ADVIO), rgb.txt (TUM RGB-D), camera.yaml (images)"};
+                                 "iphone/ (ADVIO), rgb.txt (TUM RGB-D), camera.yaml (images), and the files of phones' "
+                                 "apps (docs/phone_recordings.md)"};
+}
+
+/// A zip of a recording: of its files, or of one folder with them.
+Result<Recording> read_archive(const fs::path& path, const ReadOptions& options) {
+  const auto folder = unpack(path);
+  if (!folder) return folder.failure();
+  fs::path inside = (*folder)->path();
+  std::error_code error;
+  for (int depth = 0; depth < 3; ++depth) {
+    std::vector<fs::path> folders;
+    bool has_files = false;
+    for (const auto& entry : fs::directory_iterator(inside, error)) {
+      const std::string name = entry.path().filename().string();
+      if (name == "__MACOSX" || name.starts_with(".")) continue;
+      if (entry.is_directory(error))
+        folders.push_back(entry.path());
+      else
+        has_files = true;
+    }
+    if (has_files || folders.size() != 1 || folders.front().filename() == "mav0") break;
+    inside = folders.front();
+  }
+  auto recording = read_folder(inside, options, *folder);
+  const std::string shown = path.string() + ':', own = inside.string();
+  const auto renamed = [&](std::string text) {
+    for (size_t at = 0; (at = text.find(own, at)) != std::string::npos; at += shown.size())
+      text.replace(at, own.size() + (text[at + own.size()] == ':' ? 1 : 0), shown);
+    return text;
+  };
+  if (!recording) return Failure{recording.failure().status, renamed(recording.failure().text)};
+  recording->path = path;
+  for (std::string& warning : recording->warnings) warning = renamed(warning);
+  recording->keep = *folder;
+  return recording;
+}
+
+Result<Recording> read_whatever(const fs::path& path, const ReadOptions& options) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return Failure{ODO_E_NOT_FOUND, path.string() + ": no such file or folder"};
+  if (fs::is_directory(path, error)) return read_folder(path, options, {});
+  if (!fs::is_regular_file(path, error))
+    return Failure{ODO_E_DATA, path.string() + ": neither a file nor a folder; a pipe or a device is no recording"};
+  if (RecordReader::looks_like_one(path)) return read_odo(path, options);
+  if (looks_like_archive(path)) return read_archive(path, options);
+  if (looks_like_gnss_log(path)) return read_gnss_log(path);
+  if (path.extension() == ".txt") return read_indoor_location(path);
+  return Failure{ODO_E_DATA,
+                 path.string() +
+                     ": not a recording; expected an Odograph recording (.odo), a phone app's export (.zip), "
+                     "GnssLogger's text or an Indoor Location Competition trace (.txt)"};
 }
 
 /// The first picture that lies outside the recording's folder, over a link; those that are missing are nobody's matter
@@ -155,6 +199,8 @@ void relight(const PictureRef& picture, cv::Mat& image) {
 }  // namespace
 
 Result<odo_frame> load_frame(const RecordedMessage& recorded) {
+  if (recorded.picture.store && !recorded.picture.black)
+    return recorded.picture.store->load(recorded.picture.offset, copy_as<odo_frame>(recorded.message.header()));
   auto held = std::make_unique<HeldPicture>();
   std::error_code error;
   if (const auto& file = recorded.picture.file; file && fs::is_regular_file(*file, error))

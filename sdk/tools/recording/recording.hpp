@@ -14,14 +14,23 @@
 
 namespace odograph {
 
-/// Where a camera frame's picture is: a file of its own, or a part of one.
+/// Pictures that are no files of their own: the frames of a video, the messages of a bag.
+class PictureStore {
+ public:
+  virtual ~PictureStore() = default;
+  /// Fills in pixels, size, format and loan of a frame; the caller releases it once. [any]
+  virtual Result<odo_frame> load(uint64_t number, const odo_frame& frame) = 0;
+};
+
+/// Where a camera frame's picture is: a file of its own, a part of one, or a number in a store.
 struct PictureRef {
-  std::shared_ptr<const std::filesystem::path> file;  // null: none
-  uint64_t offset = 0;
-  uint64_t size = 0;   // 0: the whole file
+  std::shared_ptr<const std::filesystem::path> file;  // null: none, or a store's
+  uint64_t offset = 0;                                // in the file; in a store the picture's number
+  uint64_t size = 0;                                  // 0: the whole file
   bool black = false;  // its size counts, not what it shows: something stood before the camera
   float gamma = 1;     // grey levels g become 255 (g / 255)^gamma,
   float gain = 1;      // times this
+  std::shared_ptr<PictureStore> store{};
 };
 
 /// One message of a recording; a frame has its picture apart.
@@ -85,7 +94,8 @@ struct Recording {
   std::vector<TrueSkyline> true_skylines;
   std::vector<TrueSighting> true_sightings;
   RecordingLoss loss;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings;   ///< what it lacks, and what had to be guessed
+  std::shared_ptr<const void> keep{};  ///< the folder that it was unpacked into, for as long as its pictures
 
   bool has(uint32_t type) const;
   std::vector<Waypoint> waypoints() const;  ///< in order of time
@@ -99,7 +109,8 @@ struct Recording {
 std::vector<int64_t> frame_times_ns(const Recording& recording);
 
 /// Finds out by looking what it is, and reads it: an Odograph recording (*.odo), EuRoC/ASL, TUM RGB-D, KITTI odometry,
-/// ADVIO, an Indoor Location Competition trace (*.txt), or a folder of numbered images with a camera.yaml.
+/// ADVIO, an Indoor Location Competition trace (*.txt), a folder of numbered images with a camera.yaml, or what a
+/// phone's app has written (docs/phone_recordings.md), as a folder or a zip of it.
 /// Failures name file and line (ODO_E_DATA), or say what was looked for (ODO_E_NOT_FOUND).
 Result<Recording> read_recording(const std::filesystem::path& path, const ReadOptions& options = {});
 

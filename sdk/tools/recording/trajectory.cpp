@@ -3,6 +3,8 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <iomanip>
 
@@ -155,31 +157,57 @@ void write_csv(std::ostream& out, const Trajectory& trajectory) {
         << x.q.y() << ',' << x.q.z() << '\n';
 }
 
+/// "2026-11-25T10:11:12.345Z" of a Unix time.
+std::string iso_time(int64_t unix_ns) {
+  const std::time_t whole = unix_ns / 1'000'000'000;
+  std::tm utc{};
+  gmtime_r(&whole, &utc);
+  char text[40];
+  const size_t size = std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
+  std::snprintf(text + size, sizeof text - size, ".%03dZ", static_cast<int>(unix_ns / 1'000'000 % 1000));
+  return text;
+}
+
 void write_gpx(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Odograph\" "
-         "xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><trkseg>\n";
+         "xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>Odograph</name><trkseg>\n";
   for (const auto& x : trajectory) {
     const auto g = to_geodetic(x.p);
-    out << "<trkpt lat=\"" << g[0] * kDegrees << "\" lon=\"" << g[1] * kDegrees << "\"><ele>" << g[2]
-        << "</ele></trkpt>\n";
+    out << "<trkpt lat=\"" << g[0] * kDegrees << "\" lon=\"" << g[1] * kDegrees << "\"><ele>" << g[2] << "</ele>";
+    if (is_unix_time(x.t_ns)) out << "<time>" << iso_time(x.t_ns) << "</time>";
+    out << "</trkpt>\n";
   }
   out << "</trkseg></trk>\n</gpx>\n";
 }
 
+/// With times a track that a viewer can play, otherwise a line.
 void write_kml(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
-  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml "
-         "xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark>"
-         "<name>Odograph</name><LineString><tessellate>1</tessellate><coordinates>\n";
+  const bool timed = !trajectory.empty() && is_unix_time(trajectory.front().t_ns);
+  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\" "
+         "xmlns:gx=\"http://www.google.com/kml/ext/2.2\"><Document><Placemark><name>Odograph</name>"
+      << (timed ? "<gx:Track><altitudeMode>absolute</altitudeMode>\n"
+                : "<LineString><tessellate>1</tessellate><coordinates>\n");
+  for (const auto& x : trajectory)
+    if (timed) out << "<when>" << iso_time(x.t_ns) << "</when>\n";
   for (const auto& x : trajectory) {
     const auto g = to_geodetic(x.p);
-    out << g[1] * kDegrees << ',' << g[0] * kDegrees << ',' << g[2] << '\n';
+    if (timed)
+      out << "<gx:coord>" << g[1] * kDegrees << ' ' << g[0] * kDegrees << ' ' << g[2] << "</gx:coord>\n";
+    else
+      out << g[1] * kDegrees << ',' << g[0] * kDegrees << ',' << g[2] << '\n';
   }
-  out << "</coordinates></LineString></Placemark></Document></kml>\n";
+  out << (timed ? "</gx:Track>" : "</coordinates></LineString>") << "</Placemark></Document></kml>\n";
 }
 
+/// Times as `coordTimes`, as converters of GPX write them.
 void write_geojson(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
-  out << "{\"type\":\"Feature\",\"properties\":{\"name\":\"Odograph\"},\"geometry\":{\"type\":\"LineString\","
-         "\"coordinates\":[";
+  out << "{\"type\":\"Feature\",\"properties\":{\"name\":\"Odograph\"";
+  if (!trajectory.empty() && is_unix_time(trajectory.front().t_ns)) {
+    out << ",\"coordTimes\":[";
+    for (size_t i = 0; i < trajectory.size(); ++i) out << (i ? ",\n\"" : "\n\"") << iso_time(trajectory[i].t_ns) << '"';
+    out << ']';
+  }
+  out << "},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[";
   for (size_t i = 0; i < trajectory.size(); ++i) {
     const auto g = to_geodetic(trajectory[i].p);
     out << (i ? ",\n" : "\n") << '[' << g[1] * kDegrees << ',' << g[0] * kDegrees << ',' << g[2] << ']';
@@ -197,9 +225,10 @@ Result<bool> write_trajectory(const std::filesystem::path& path, const Trajector
     return Failure{ODO_E_UNSUPPORTED, path.string() + ": unknown format '" + kind +
                                           "'; expected .tum, .txt, .kitti, .csv, .gpx, .kml or .geojson"};
   if (on_earth && !to_geodetic)
-    return Failure{
-        ODO_E_UNSUPPORTED,
-        path.string() + ": needs a place on the Earth; give --origin LATITUDE,LONGITUDE,HEIGHT (degrees, metres)"};
+    return Failure{ODO_E_UNSUPPORTED,
+                   path.string() +
+                       ": needs a place on the Earth, and the run had none (no GNSS, no navigation.origin); give "
+                       "--origin LATITUDE,LONGITUDE,HEIGHT (degrees, metres)"};
   auto file = OutputFile::create(path);
   if (!file) return file.failure();
   std::ofstream& out = file->stream();

@@ -41,10 +41,16 @@ Result<Trajectory> read_kitti_poses(const std::filesystem::path& path, const std
 /// EuRoC state_groundtruth_estimate0/data.csv: t_ns, p, q (w x y z), ...
 Result<Trajectory> read_euroc_truth(const std::filesystem::path& path);
 
+/// Whether a sensor clock's time can only be Unix time: after 2001 and before 2096.
+constexpr bool is_unix_time(int64_t t_ns) {
+  return t_ns >= 1'000'000'000'000'000'000 && t_ns < 4'000'000'000'000'000'000;
+}
+
 /// A track as TUM has it, with 12 digits.
 void write_tum(std::ostream& out, const Trajectory& trajectory);
 /// Writers by the file's extension: .tum/.txt, .kitti, .csv, and on the Earth .gpx, .kml, .geojson (`to_geodetic` gives
-/// latitude and longitude in rad and height in m for a p; without it those formats are refused).
+/// latitude and longitude in rad and height in m for a p; without it those formats are refused). These have times where
+/// the clock is Unix time.
 using ToGeodetic = std::function<std::array<double, 3>(const Eigen::Vector3d& p_n)>;
 Result<bool> write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
                               const ToGeodetic& to_geodetic);

@@ -106,7 +106,7 @@ cv::Mat grey_of(const odo_frame& frame) {
   if (colour)
     cv::cvtColor(pixels, grey, cv::COLOR_RGB2GRAY);
   else
-    grey = pixels.clone();
+    grey = pixels.clone();  // grey, or a video's luma
   return grey;
 }
 

@@ -90,6 +90,15 @@ Json json_of_scale(const odo_statistics& s) {
           {"by_steps_percent", 100 * s.scale_by_steps}};
 }
 
+/// Degrees and metres; null where the run never knew it.
+Json json_of_origin(const RunResult& result) {
+  if (!result.origin) return nullptr;
+  const auto& [latitude_rad, longitude_rad, height_m] = *result.origin;
+  constexpr double kDegrees = 57.295779513082320877;
+  return {
+      {"latitude_deg", latitude_rad * kDegrees}, {"longitude_deg", longitude_rad * kDegrees}, {"height_m", height_m}};
+}
+
 Json summary_of(const Recording& recording, const RunResult& result, const RunOptions& options) {
   const odo_statistics& s = result.statistics;
   Json notices = Json::object();
@@ -102,6 +111,8 @@ Json summary_of(const Recording& recording, const RunResult& result, const RunOp
       {"scale", json_of_scale(s)},
       {"frames", s.frames},
       {"poses", result.track.size()},
+      {"poses_before_scale", result.first_metric},
+      {"origin", json_of_origin(result)},
       {"states_s", {{"tracking", s.tracking_s}, {"degraded", s.degraded_s}, {"lost", s.lost_s}}},
       {"final_state", odo_state_text(result.final_state)},
       {"final_reason", odo_reason_text(result.final_reason)},
@@ -176,7 +187,9 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
   std::filesystem::create_directories(folder, error);
   if (error) return Failure{ODO_E_NOT_FOUND, folder.string() + ": cannot be created: " + error.message()};
   RunFiles files(folder);
-  files.add("trajectory.tum", [&](std::ostream& out) { write_tum(out, result.track); });
+  const size_t from = result.first_metric < result.track.size() ? result.first_metric : 0;
+  const Trajectory known(result.track.begin() + static_cast<std::ptrdiff_t>(from), result.track.end());
+  files.add("trajectory.tum", [&](std::ostream& out) { write_tum(out, known); });
   files.add("steps.csv", [&](std::ostream& out) { write_steps(out, result.steps); });
   if (!result.motions.empty()) files.add("vo.csv", [&](std::ostream& out) { write_motions(out, result.motions); });
   files.add("scale.csv", [&](std::ostream& out) { write_scales(out, result.scales); });

@@ -95,8 +95,10 @@ struct Collector {
       result.track.back() = x;
       return;
     }
+    const bool none_metric = result.first_metric == result.track.size();
     result.track.push_back(x);
     result.states.push_back(pose.state);
+    if (none_metric && !(pose.header.flags & ODO_POSE_METRIC)) result.first_metric = result.track.size();
     if (pose.header.flags & ODO_POSE_CAMERA) {
       result.frame_ms.push_back(work_ms);
       result.frame_thread_ms.push_back(work_thread_ms);
@@ -204,6 +206,11 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   // The config is read once more than the session does, for the replay section, which is not the session's business.
   const auto config = config_of(options);
   if (!config) return config.failure();
+  if (!config->vo_frontends.empty() && recording.has(ODO_TYPE_FRAME) && !recording.has(ODO_TYPE_CALIBRATION) &&
+      !config->camera)
+    return Failure{ODO_E_DATA,
+                   recording.path.string() +
+                       ": pictures without a lens: neither the recording nor the config's 'camera:' has one"};
   auto opened = replay_session(options);
   if (!opened) return Failure{ODO_E_ERROR, opened.failure().text};  // the config was good: it is a plugin
   const std::shared_ptr<odo_session> shared = std::move(*opened);
@@ -236,6 +243,9 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   result.statistics.struct_size = sizeof result.statistics;
   odo_session_get_statistics(session, &result.statistics);
   if (options.progress) options.progress(recording.messages.size(), recording.messages.size());
+  const double p_n[3] = {0, 0, 0};
+  std::array<double, 3> origin{};
+  if (odo_session_to_geodetic(session, p_n, origin.data()) == ODO_OK) result.origin = origin;
 
   lay_over_waypoints(config->replay, recording, result);
   return result;

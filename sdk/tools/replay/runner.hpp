@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -24,6 +25,8 @@ struct RunResult {
   };
   Trajectory track;              // in n; of the camera where the recording has one, otherwise of the body
   std::vector<uint32_t> states;  // of each pose
+  size_t first_metric = 0;       // poses before it have no scale yet; the track's size where none has
+  std::optional<std::array<double, 3>> origin;  // of n: latitude, longitude (rad), height (m), where the run knew it
   std::vector<odo_step> steps;
   std::vector<odo_vo_motion> motions;
   std::vector<int64_t> motions_known_ns;  // for each motion the time of the newest input when it came out
@@ -85,8 +88,9 @@ struct RunOptions {
 /// Replays a recording through a session of the C API, deterministically.
 Result<RunResult> replay(const Recording& recording, const RunOptions& options);
 
-/// trajectory.tum, vo.csv, steps.csv, scale.csv, fixes.csv, summary.json: all of them anew, or none where one cannot be
-/// written. Files of an older run that this one has not are removed.
+/// trajectory.tum (from the first pose on whose scale is known; all where none is), vo.csv, steps.csv, scale.csv,
+/// fixes.csv, summary.json: all of them anew, or none where one cannot be written. Files of an older run that this one
+/// has not are removed.
 Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
                        const RunOptions& options);
 
