@@ -60,7 +60,17 @@ expect 0 "poses" "$odograph" convert o track.gpx --origin 47.2,-1.55,20
 expect 0 "poses" "$odograph" convert o track.kml --origin 47.2,-1.55,20
 expect 0 "poses" "$odograph" convert o track.geojson --origin 47.2,-1.55,20
 expect 2 "needs a place on the Earth" "$odograph" convert o track.gpx
+expect 0 "poses" "$odograph" eval --ref tiny.odo --est o --offset 0.004 --max-diff 0.01
+expect 3 "are the clocks the same" "$odograph" eval --ref tiny.odo --est o --offset 1000
+expect 0 "good" "$odograph" config check "$configs/walk.yaml" "$configs/gnss_walk.yaml"
+expect 2 "bad.yaml:2:1" "$odograph" config check "$configs/walk.yaml" bad.yaml
+expect 0 "on a map" "$odograph" run -i tiny.odo -o mapped
+expect 0 "fix/gnss" cat mapped/pipeline.yaml
+expect 0 '"latitude_deg": 47.' cat mapped/summary.json
+for kind in gpx kml geojson; do expect 0 "poses" "$odograph" convert mapped "mapped/track.$kind"; done
+expect 0 "one foot's fall" "$odograph" steps tiny.odo
 expect 0 "messages" "$odograph" convert tiny.odo copy.odo
+[ "$(wc -c <copy.odo)" -le "$(wc -c <tiny.odo)" ] || { echo "FAILED: convert packs pictures anew"; failed=1; }
 expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i copy.odo -o o3
 expect 0 "true size" "$odograph" calibrate --print board.svg
 expect 0 "</svg>" cat board.svg

@@ -11,6 +11,7 @@
 #include "sdk/tools/recording/frame_clock.hpp"
 #include "sdk/tools/recording/phone_format.hpp"
 #include "sdk/tools/recording/archive.hpp"
+#include "sdk/tools/replay/guessed_camera.hpp"
 #include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 #include "tests/phone/app_files.hpp"
@@ -194,6 +195,21 @@ TEST_CASE("what is guessed is said: the lens by the phone, the mount by the pict
   const Recording without = read(folder / "out");
   CHECK(warns(without, "0.1 to 0.7 s early"));
   CHECK(frame_times_ns(without).front() == 1'781'801'310'305'000'000);
+}
+
+TEST_CASE("guesses are refined against the gyroscope: lens, mount and the time of a video without its own times") {
+  const TemporaryFolder folder;
+  apps()[3].write(walk(false), folder / "out");
+  REQUIRE(write_video(folder / "out/Camera/1781801310305.mp4", walk(false).pictures, walk(false).times_ns));
+  Recording recording = read(folder / "out");
+  refine_guessed_camera(recording);
+  for (const auto& warning : recording.warnings) MESSAGE(warning);
+  const auto c = all_of<odo_calibration>(recording, ODO_TYPE_CALIBRATION).front();
+  const double late_s = 1e-9 * static_cast<double>(walk(false).times_ns.front() - 1'781'801'310'305'000'000);
+  CHECK(std::abs(1e-9 * static_cast<double>(c.time_offset_ns) - late_s) < 5e-3);
+  const Eigen::Quaterniond q(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
+  const auto& t = walk(false).lens.q_b_c;
+  CHECK(q.angularDistance(Eigen::Quaterniond(t[0], t[1], t[2], t[3])) < 0.03);
 }
 
 TEST_CASE("a magnetometer, a barometer and fixes may be missing, and cached fixes are left out") {

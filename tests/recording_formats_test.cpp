@@ -154,6 +154,50 @@ TEST_CASE("trajectories have each number in its place, on the Earth longitude be
   CHECK(path_length(track) == doctest::Approx(std::hypot(2.5, 7.25, 2.875)));
 }
 
+TEST_CASE("tracks on a map have times where the clock is Unix time, and none where it is not") {
+  const TemporaryFolder folder;
+  const ToGeodetic earth = [](const Vector3d&) { return std::array<double, 3>{0.8, -0.1, 20}; };
+  const Trajectory unix_times = {{1'781'801'311'043'000'000, kQ, {}}, {1'781'801'312'043'000'000, kQ, {1, 0, 0}}};
+  const Trajectory boot_times = {{77'043'000'000, kQ, {}}, {78'043'000'000, kQ, {1, 0, 0}}};
+  const auto has = [&](const char* name, const Trajectory& track, const char* text) {
+    REQUIRE(write_trajectory(folder / name, track, earth).ok());
+    return read_text(folder / name).find(text) != std::string::npos;
+  };
+  CHECK(has("a.gpx", unix_times, "<time>2026-06-18T16:48:31.043Z</time>"));
+  CHECK(has("a.kml", unix_times, "<when>2026-06-18T16:48:32.043Z</when>"));
+  CHECK(has("a.geojson", unix_times, "\"coordTimes\":[\n\"2026-06-18T16:48:31.043Z\","));
+  CHECK_FALSE(has("b.gpx", boot_times, "<time>"));
+  CHECK_FALSE(has("b.kml", boot_times, "<when>"));
+  CHECK_FALSE(has("b.geojson", boot_times, "coordTimes"));
+}
+
+TEST_CASE("image folders take their times from a table, and say so where there is none") {
+  const TemporaryFolder folder;
+  write_text(folder / "camera.yaml", "width: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 32\ncy: 24\n");
+  for (const char* name : {"1.png", "2.png", "3.png"}) picture(folder / name);
+  const Recording assumed = read(folder.path());
+  CHECK(assumed.warnings.at(0).find("taken to be at 30 Hz") != std::string::npos);
+  CHECK(assumed.warnings.at(1).find("no imu.csv") != std::string::npos);
+  write_text(folder / "timestamps.csv", "timestamp\n0.5\n0.75\n1.5\n");
+  const Recording timed = read(folder.path());
+  CHECK(timed.warnings.size() == 1);
+  CHECK(timed.messages.at(2).message.header().t_ns == 750'000'000);
+  write_text(folder / "timestamps.csv", "timestamp\n500000000\n750000000\n");
+  CHECK(read_recording(folder.path()).failure().text.find("3 pictures, 2 times") != std::string::npos);
+}
+
+TEST_CASE("EuRoC without a sensor.yaml of its camera is read, and asks for a lens") {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "mav0/cam0/data"), fs::create_directories(folder / "mav0/imu0");
+  picture(folder / "mav0/cam0/data/5.png");
+  write_text(folder / "mav0/cam0/data.csv", "#t,name\n5,5.png\n");
+  write_text(folder / "mav0/imu0/data.csv", "4,0,0,0,0,0,9.8\n6,0,0,0,0,0,9.8\n");
+  const Recording recording = read(folder.path());
+  CHECK(recording.has(ODO_TYPE_FRAME));
+  CHECK_FALSE(recording.has(ODO_TYPE_CALIBRATION));
+  CHECK(recording.warnings.at(0).find("no sensor.yaml") != std::string::npos);
+}
+
 TEST_CASE("KITTI and TUM RGB-D: the camera's numbers, times and poses") {
   const TemporaryFolder folder;
   const auto kitti = folder / "kitti";

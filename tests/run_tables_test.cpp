@@ -8,8 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sdk/tools/replay/run_plots.hpp"
-#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/page/run_page.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -226,49 +225,60 @@ TEST_CASE("a run's summary has each statistic under its own name") {
   CHECK(bare["lost"]["records"] == 0);
 }
 
-TEST_CASE("plots of a run show its own numbers: east across, sigma about the scale, fixes less the track") {
+TEST_CASE("the page of a run shows its own numbers, and each run laid over the truth by itself") {
   RunResult run;
   constexpr int64_t kSecond = 1'000'000'000;
   for (int i = 0; i <= 4; ++i)
     run.track.push_back({(10 + i) * kSecond, Eigen::Quaterniond::Identity(), {1.0 * i, 20.0 + 2 * i, -3.0 * i}});
   run.states = {1, 1, 2, 3, 3};
   auto step = message<odo_step>(ODO_TYPE_STEP, 14 * kSecond);
-  step.t_start_ns = 11 * kSecond, step.t_end_ns = 12 * kSecond, step.length_m = 0.7;
+  step.t_start_ns = 11 * kSecond, step.t_end_ns = 12 * kSecond, step.length_m = 0.7, step.sigma_m = 0.05;
   run.steps = {step};
   auto scale = message<odo_scale>(ODO_TYPE_SCALE, 13 * kSecond);
-  scale.scale = 2, scale.sigma = 0.25;
+  scale.header.source = 2, scale.scale = 2, scale.sigma = 0.25;
   run.scales = {scale};
+  run.plugins = {{2, "scale_source", "scale/x", "1.0", ""}};
+  run.config_text = "</script><b>";
   auto fix = a_fix(ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN);
   fix.header.t_ns = 12 * kSecond + kSecond / 2;
   run.fixes = {{fix, true}};
   const Recording recording = nothing_of("x");
-  std::map<std::string, std::vector<std::pair<double, double>>> points;
-  for (const Plot& plot : plots_of(recording, {{"run", &run}}))
-    for (const PlotSeries& series : plot.series) points[plot.title + "/" + series.name] = series.points;
-  using Points = std::vector<std::pair<double, double>>;
-  CHECK(points["Track seen from above/run"].at(3) == std::pair(26.0, 3.0));
-  CHECK(points["Track seen from above/fixes"] == Points{{fix.p_n[1], fix.p_n[0]}});
-  CHECK(points["Step lengths/run"] == Points{{2, 0.7}});
-  CHECK(points["Scale, with one sigma/run"] == Points{{3, 2}});
-  CHECK(points["Scale, with one sigma/run, sigma"].at(0) == std::pair(3.0, 1.75));
-  CHECK(points["Scale, with one sigma/run, sigma"].at(1) == std::pair(3.0, 2.25));
-  CHECK(points["Fixes less the track/run, north"] == Points{{2.5, fix.p_n[0] - 2.5}});
-  CHECK(points["Fixes less the track/run, east"] == Points{{2.5, fix.p_n[1] - 25}});
-  CHECK(points["Fixes less the track/run, down"] == Points{{2.5, fix.p_n[2] + 7.5}});
-  const Points states = points["State (1 tracking, 2 degraded, 3 lost)/run"];
-  REQUIRE(states.size() == 10);
-  CHECK(states[4] == std::pair(2.0, 2.0));
-  CHECK(states[5] == std::pair(3.0, 2.0));
+  using Json = nlohmann::json;
+  const Json all = Json::parse(run_page_data(recording, {{"run", &run}}, {}));
+  const Json& shown = all["runs"][0];
+  CHECK(shown["t"] == Json({0.0, 1.0, 2.0, 3.0, 4.0}));
+  CHECK(shown["p"][9] == 3.0);
+  CHECK(shown["p"][10] == 26.0);
+  CHECK(shown["steps"] == Json({{"t", {2.0}}, {"y", {0.7}}, {"sigma", {0.05}}}));
+  CHECK(shown["scales"][0] == Json({{"t", {3.0}}, {"y", {2.0}}, {"sigma", {0.25}}, {"source", "scale/x"}}));
+  CHECK(shown["fixes"]["t"] == Json({2.5}));
+  CHECK(std::abs(shown["fixes"]["residual"][0][0].get<double>() - (fix.p_n[0] - 2.5)) < 1e-4);
+  CHECK(std::abs(shown["fixes"]["residual"][1][0].get<double>() - (fix.p_n[1] - 25)) < 1e-4);
+  CHECK(std::abs(shown["fixes"]["residual"][2][0].get<double>() - (fix.p_n[2] + 7.5)) < 1e-4);
+  REQUIRE(shown["states"].size() == 3);
+  CHECK(shown["states"][1] == Json({{"t", 2.0}, {"state", 2}, {"text", odo_state_text(ODO_DEGRADED)}}));
+  CHECK(shown["states"][2]["t"] == 3.0);
+  // What a config has cannot end the page's data.
+  const std::string page = run_page(recording, {{"run", &run}}, {});
+  CHECK(page.find("</script><b>") == std::string::npos);
 
   Recording known = recording;  // turned, shifted, and one pose 2 m off
   for (const StampedPose& x : run.track) known.truth.push_back({x.t_ns, x.q, {-x.p.y() + 5, x.p.x() + 1, x.p.z() + 4}});
-  for (const auto& [t, error] : error_over_time(known, run)) CHECK(error < 1e-9);
+  for (const auto& [t, error] : lay_over_truth(known, run).error_m) CHECK(error < 1e-9);
   run.track[2].p.z() += 2;
-  const auto errors = error_over_time(known, run);
+  const auto errors = lay_over_truth(known, run).error_m;
   REQUIRE(errors.size() == 5);
   CHECK(errors[2].first == 2);
   CHECK(std::abs(errors[2].second - 1.6) < 1e-9);
   CHECK(std::abs(errors[0].second - 0.4) < 1e-9);
+
+  run.track[2].p.z() -= 2;
+  RunResult moved = run;  // the same track in another frame: no worse a run
+  for (StampedPose& x : moved.track) x.p = {x.p.y() + 100, -x.p.x(), x.p.z()};
+  const LaidRun laid = lay_over_truth(known, moved);
+  CHECK(laid.rms_m() < 1e-9);
+  for (size_t k = 0; k < known.truth.size(); ++k)
+    CHECK((laid.to_truth.q * moved.track[k].p * laid.scale + laid.to_truth.p - known.truth[k].p).norm() < 1e-6);
 }
 
 TEST_SUITE_END();

@@ -3,6 +3,7 @@
 // Recordings that are folders. The first byte says which, the files follow, each up to a byte 0x1e.
 #include <vector>
 
+#include "sdk/tools/recording/read_phone.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/scratch.hpp"
@@ -14,6 +15,10 @@ struct Format {
   std::vector<std::string> files;
   odograph::Result<odograph::Recording> (*read)(const std::filesystem::path&);
 };
+
+odograph::Result<odograph::Recording> read_app(const std::filesystem::path& folder) {
+  return odograph::read_phone(folder);
+}
 
 const std::vector<Format>& formats() {
   using namespace odograph;
@@ -32,6 +37,16 @@ const std::vector<Format>& formats() {
         "iphone/frames/00001.png"},
        read_advio},
       {"images", {"camera.yaml", "groundtruth.tum", "000000.png"}, read_image_folder},
+      {"logger",
+       {"Metadata.csv", "Gyroscope.csv", "Accelerometer.csv", "Gravity.csv", "Barometer.csv", "Location.csv",
+        "Camera/1781801310305.jpg"},
+       read_app},
+      {"spectacular", {"data.jsonl", "calibration.json"}, read_app},
+      {"capture", {"video_meta.pb3"}, read_app},
+      {"mars", {"gyro_accel.csv", "frame_timestamps.txt", "movie.mp4"}, read_app},
+      {"stray", {"imu.csv", "odometry.csv", "camera_matrix.csv"}, read_app},
+      {"gnss", {"gnss_log_1.txt"}, read_app},
+      {"plain", {"imu.csv", "times.csv", "camera.yaml", "1.png"}, read_app},
   };
   return all;
 }

@@ -9,6 +9,7 @@
 #include "sdk/tools/evaluation/faults.hpp"
 #include "sdk/tools/page/run_page.hpp"
 #include "sdk/tools/replay/default_config.hpp"
+#include "sdk/tools/replay/guessed_camera.hpp"
 
 namespace odograph {
 namespace {
@@ -42,6 +43,17 @@ Result<bool> choose_config(RunArguments& a, const Recording& recording) {
   return true;
 }
 
+/// What was guessed of the camera is looked at before the run, and what came of it said.
+void check_guesses(Recording& recording) {
+  const size_t said = recording.warnings.size();
+  {
+    Progress progress("camera");
+    refine_guessed_camera(recording, {}, [&](size_t done, size_t all) { progress.show(done, all); });
+  }
+  for (size_t i = said; i < recording.warnings.size(); ++i)
+    std::fprintf(stderr, "%s\n", printable(recording.warnings[i]).c_str());
+}
+
 int run(RunArguments& a) {
   a.reading.true_states = false;
   for (const std::string& text : a.set) {
@@ -56,6 +68,7 @@ int run(RunArguments& a) {
     if (!faults) return complain(faults.failure());
     *recording = with_faults(*recording, *faults);
   }
+  check_guesses(*recording);
   if (const auto chosen = choose_config(a, *recording); !chosen) return complain(chosen.failure());
   const bool inertial = recording->has(ODO_TYPE_IMU);
   if (!inertial)

@@ -78,6 +78,7 @@ Result<std::vector<FrameTime>> by_name(Recording& recording, const Video& video,
       name +
       " has no track with its frames' times (older versions of the app): taken from its name, which is 0.1 to "
       "0.7 s early; 'odograph calibrate --imu' finds the offset, update the app for the next recording");
+  recording.guessed.times = true;
   std::vector<FrameTime> times;
   for (const int64_t t : video.times_ns()) times.push_back({*start + t - video.times_ns().front(), SIZE_MAX});
   return times;

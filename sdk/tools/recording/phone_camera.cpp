@@ -8,10 +8,9 @@
 #include <cstdlib>
 #include <optional>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/recording/frame_clock.hpp"
+#include "sdk/tools/recording/picture_header.hpp"
 
 namespace odograph::phone {
 namespace fs = std::filesystem;
@@ -75,6 +74,7 @@ Result<odo_calibration> calibration_of(CameraFacts facts, const Rows* times, uin
       c.fy = v[1] > 0 ? v[1] : focal;
       if (v[2] > 0 && v[3] > 0) c.cx = v[2], c.cy = v[3];
     } else {
+      recording.guessed.lens = true;
       c.fx = c.fy = (facts.apple ? kFocalOfApple : kFocalOfOthers) * std::max(width, height);
       recording.warnings.push_back(
           "no lens in the recording: guessed a focal length of " + number_text(c.fx) + " px, " +
@@ -87,6 +87,7 @@ Result<odo_calibration> calibration_of(CameraFacts facts, const Rows* times, uin
   }
   if (!facts.has_mount) {
     guess_mount(c);
+    recording.guessed.mount = true;
     recording.warnings.push_back(std::string("mount of the camera guessed by the picture's shape: ") +
                                  (c.width >= c.height ? "wide, so its right is the phone's bottom"
                                                       : "tall, so it stands upright when the phone does"));
@@ -153,16 +154,10 @@ Result<bool> add_pictures(Recording& recording, const Format& format, const File
   if (times && times->rows.size() != names.size())
     return Failure{ODO_E_DATA, times->file.string() + ": " + std::to_string(times->rows.size()) + " times for " +
                                    std::to_string(names.size()) + " pictures; expected one for each"};
-  cv::Mat first;
-  for (size_t i = 0; i < names.size() && first.empty(); ++i) {
-    try {
-      first = cv::imread(files.path(names[i])->string(), cv::IMREAD_ANYCOLOR);
-    } catch (const cv::Exception&) {
-    }
-  }
-  if (first.empty()) return Failure{ODO_E_DATA, files.folder.string() + ": none of its pictures can be read"};
-  const auto calibration =
-      calibration_of(facts, times, static_cast<uint32_t>(first.cols), static_cast<uint32_t>(first.rows), recording);
+  Result<PictureSize> size = Failure{};
+  for (size_t i = 0; i < names.size() && !size; ++i) size = picture_size(*files.path(names[i]));
+  if (!size) return size.failure();
+  const auto calibration = calibration_of(facts, times, size->width, size->height, recording);
   if (!calibration) return calibration.failure();
   recording.add(calibration->header);
   const bool by_name = !times && format.frame_times == FrameTimes::metadata_track;

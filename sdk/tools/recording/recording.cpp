@@ -11,6 +11,7 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "sdk/tools/recording/picture_header.hpp"
 
@@ -186,6 +187,23 @@ cv::Mat decode(const PictureRef& picture) {
   return cv::imdecode(bytes, cv::IMREAD_ANYCOLOR);
 }
 
+/// A copy of a store's picture, as OpenCV decodes files: grey or BGR.
+cv::Mat decode_stored(const RecordedMessage& recorded) {
+  const auto frame =
+      recorded.picture.store->load(recorded.picture.offset, copy_as<odo_frame>(recorded.message.header()));
+  if (!frame) return {};
+  const bool grey = frame->format != ODO_FORMAT_RGB8;  // a plane of brightness is one
+  const cv::Mat pixels(static_cast<int>(frame->height), static_cast<int>(frame->width), grey ? CV_8UC1 : CV_8UC3,
+                       const_cast<uint8_t*>(frame->planes[0].data), static_cast<size_t>(frame->planes[0].row_stride));
+  cv::Mat out;
+  if (grey)
+    out = pixels.clone();
+  else
+    cv::cvtColor(pixels, out, cv::COLOR_RGB2BGR);
+  frame->loan.release(frame->loan.owner);
+  return out;
+}
+
 /// Other light than was recorded.
 void relight(const PictureRef& picture, cv::Mat& image) {
   if (picture.gamma == 1 && picture.gain == 1) return;
@@ -199,14 +217,16 @@ void relight(const PictureRef& picture, cv::Mat& image) {
 }  // namespace
 
 Result<odo_frame> load_frame(const RecordedMessage& recorded) {
-  if (recorded.picture.store && !recorded.picture.black)
+  const PictureRef& picture = recorded.picture;
+  const bool as_it_is = !picture.black && picture.gamma == 1 && picture.gain == 1;
+  if (picture.store && as_it_is)
     return recorded.picture.store->load(recorded.picture.offset, copy_as<odo_frame>(recorded.message.header()));
   auto held = std::make_unique<HeldPicture>();
   std::error_code error;
   if (const auto& file = recorded.picture.file; file && fs::is_regular_file(*file, error))
     if (const auto size = picture_size(*file, recorded.picture.offset); !size) return size.failure();
   try {
-    held->image = decode(recorded.picture);
+    held->image = picture.store ? decode_stored(recorded) : decode(picture);
   } catch (const std::exception& thrown) {
     return Failure{ODO_E_DATA, name_of(recorded.picture) + ": " + thrown.what()};
   }

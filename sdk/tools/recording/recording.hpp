@@ -94,7 +94,12 @@ struct Recording {
   std::vector<TrueSkyline> true_skylines;
   std::vector<TrueSighting> true_sightings;
   RecordingLoss loss;
-  std::vector<std::string> warnings;   ///< what it lacks, and what had to be guessed
+  std::vector<std::string> warnings;  ///< what it lacks, and what had to be guessed
+  /// What the reader had to guess of the camera: what a calibration against the gyroscope may replace.
+  struct Guesses {
+    bool lens = false, mount = false, times = false;
+    bool any() const { return lens || mount || times; }
+  } guessed;
   std::shared_ptr<const void> keep{};  ///< the folder that it was unpacked into, for as long as its pictures
 
   bool has(uint32_t type) const;
