@@ -54,6 +54,27 @@ void check_guesses(Recording& recording) {
     std::fprintf(stderr, "%s\n", printable(recording.warnings[i]).c_str());
 }
 
+void print(const RunArguments& a, const Recording& recording, const RunResult& result) {
+  if (a.json) {
+    std::ifstream file(std::filesystem::path(a.output) / "summary.json");
+    std::stringstream text;
+    text << file.rdbuf();
+    std::fputs(text.str().c_str(), stdout);
+    return;
+  }
+  const odo_statistics& s = result.statistics;
+  std::printf("%s: %s, %zu poses, %.2f m, %llu steps, %llu frames; tracking %.1f s, degraded %.1f s, lost %.1f s\n",
+              a.input.c_str(), recording.format.c_str(), result.track.size(), s.distance_m,
+              static_cast<unsigned long long>(s.steps), static_cast<unsigned long long>(s.frames), s.tracking_s,
+              s.degraded_s, s.lost_s);
+  if (s.scale_sigma > 0)
+    std::printf("metre known to %.1f %%: %.0f %% by inertia, %.0f %% by steps\n", 100 * s.scale_sigma,
+                100 * s.scale_by_inertia, 100 * s.scale_by_steps);
+  if (result.origin)
+    std::printf("on a map: odograph convert %s %s/track.gpx (or .kml, .geojson)\n", a.output.c_str(), a.output.c_str());
+  std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");
+}
+
 int run(RunArguments& a) {
   a.reading.true_states = false;
   for (const std::string& text : a.set) {
@@ -96,25 +117,7 @@ int run(RunArguments& a) {
   }
   for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
   if (!result->state_failure.empty()) std::fprintf(stderr, "%s\n", printable(result->state_failure).c_str());
-  if (a.json) {
-    std::ifstream file(std::filesystem::path(a.output) / "summary.json");
-    std::stringstream text;
-    text << file.rdbuf();
-    std::fputs(text.str().c_str(), stdout);
-  } else {
-    const odo_statistics& s = result->statistics;
-    std::printf("%s: %s, %zu poses, %.2f m, %llu steps, %llu frames; tracking %.1f s, degraded %.1f s, lost %.1f s\n",
-                a.input.c_str(), recording->format.c_str(), result->track.size(), s.distance_m,
-                static_cast<unsigned long long>(s.steps), static_cast<unsigned long long>(s.frames), s.tracking_s,
-                s.degraded_s, s.lost_s);
-    if (s.scale_sigma > 0)
-      std::printf("metre known to %.1f %%: %.0f %% by inertia, %.0f %% by steps\n", 100 * s.scale_sigma,
-                  100 * s.scale_by_inertia, 100 * s.scale_by_steps);
-    if (result->origin)
-      std::printf("on a map: odograph convert %s %s/track.gpx (or .kml, .geojson)\n", a.output.c_str(),
-                  a.output.c_str());
-    std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");
-  }
+  print(a, *recording, *result);
   if (!result->state_failure.empty()) return kBadData;
   const bool stood = !inertial && result->statistics.distance_m == 0;
   const bool lost = result->track.empty() || result->final_state == ODO_LOST || stood;
