@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Steps without a camera: on simulated walkers, where every foot's fall is known, and on walks with waypoints.
+// Steps without a camera: on simulated walkers, where every foot's fall is known, and on real walks.
 #include <algorithm>
 
 #include "sdk/tools/benchmarks/benchmarks.hpp"
+#include "sdk/tools/benchmarks/step_data.hpp"
 #include "sdk/tools/evaluation/walk_figures.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walk_scenarios.hpp"
@@ -33,14 +34,23 @@ struct Steps : Benchmark {
   void add_options(CLI::App& command) override {
     command.add_option("--walkers", walkers, "brisk surveyors, or viewers who look through the phone")
         ->check(CLI::IsMember({"surveyors", "viewers"}));
+    command.add_option("--data", data, "folders of real walks, instead of simulated ones: RIDI, IPIN, Oxford, trundle wheel, "
+                                       "Indoor Location Competition, *.odo")->group(kCases);
+    command.add_flag("--each", each, "with --data: a line for each walk")->group(kOutput);
     command.add_flag("--confusion", confusion, "print what modes were taken for")->group(kOutput);
   }
 
+  Result<std::vector<BenchCase>> recordings() override {
+    return data.empty() ? Benchmark::recordings() : step_data_cases(data);
+  }
+
   Result<Recording> recording_of(const BenchCase& one) const override {
+    if (!one.files.empty()) return read_recording(one.files.front());
     return simulated(is_viewer() ? viewer_walk(one.seed) : surveyor_walk(one.seed), one.seed);
   }
 
   Result<Json> measure_replay(const BenchCase& one, const Recording& recording, const RunResult& r) const override {
+    if (!one.files.empty()) return step_data_row(recording, r);
     const auto handling = false_steps("handle", one), turning = false_steps("turn", one);
     if (!handling || !turning) return handling ? turning.failure() : handling.failure();
     const WalkFigures f = walk_figures(recording, {r.steps, r.modes, r.attitudes});
@@ -60,6 +70,11 @@ struct Steps : Benchmark {
                        {"stray", "deg", "heading_wander_deg", 2, f.wander_deg}});
     for (const auto& [pair, seconds] : f.modes_s) row["_modes"].push_back({pair.first, pair.second, seconds});
     return row;
+  }
+
+  BenchReport report(const Rows& rows) const override {
+    if (data.empty()) return Benchmark::report(rows);
+    return {step_data_report(rows) + (each ? '\n' + cases_text(rows) : ""), printed(rows)};
   }
 
   std::string heading(const Rows&) const override {
@@ -91,7 +106,8 @@ struct Steps : Benchmark {
   }
 
   std::string walkers = "surveyors";
-  bool confusion = false;
+  std::vector<std::string> data;
+  bool confusion = false, each = false;
 };
 
 const As kTotal{.sign = true, .over = Over::share};

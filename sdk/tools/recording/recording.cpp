@@ -106,11 +106,12 @@ Result<Recording> read_whatever(const fs::path& path, const ReadOptions& options
   if (RecordReader::looks_like_one(path)) return read_odo(path, options);
   if (looks_like_archive(path)) return read_archive(path, options);
   if (looks_like_gnss_log(path)) return read_gnss_log(path);
+  if (const auto walk = read_walk(path)) return *walk;
   if (path.extension() == ".txt") return read_indoor_location(path);
-  return Failure{ODO_E_DATA,
-                 path.string() +
-                     ": not a recording; expected an Odograph recording (.odo), a phone app's export (.zip), "
-                     "GnssLogger's text or an Indoor Location Competition trace (.txt)"};
+  return Failure{ODO_E_DATA, path.string() +
+                                 ": not a recording; expected an Odograph recording (.odo), a phone app's export "
+                                 "(.zip), GnssLogger's text, an Indoor Location Competition or IPIN trace (.txt), or a "
+                                 "walk of RIDI, Oxford's step counter or the trundle wheel (.csv)"};
 }
 
 /// The first picture that lies outside the recording's folder, over a link; those that are missing are nobody's matter

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,18 @@ struct TrueSighting {
   double corners_px[8]{};  ///< x, y: lower left, lower right, upper right, upper left as one reads it
 };
 
+/// How far somebody had walked at a time, as a wheel measured it.
+struct TrueDistance {
+  int64_t t_ns = 0;
+  double walked_m = 0;
+};
+
+/// On which floor he was at a time.
+struct TrueFloor {
+  int64_t t_ns = 0;
+  int floor = 0;
+};
+
 /// What a recording lacks of what it should hold.
 struct RecordingLoss {
   RecordLoss file;          ///< of an Odograph recording
@@ -90,6 +103,8 @@ struct Recording {
   /// The phone's own orientation where its recording has one: q from b to n (magnetic north). No input, a comparison.
   std::vector<StampedPose> phone_attitudes;
   std::vector<odo_step> true_steps;
+  std::vector<TrueDistance> true_distances;
+  std::vector<TrueFloor> true_floors;
   std::vector<TrueState> true_states;
   std::vector<TrueSkyline> true_skylines;
   std::vector<TrueSighting> true_sightings;
@@ -114,8 +129,8 @@ struct Recording {
 std::vector<int64_t> frame_times_ns(const Recording& recording);
 
 /// Finds out by looking what it is, and reads it: an Odograph recording (*.odo), EuRoC/ASL, TUM RGB-D, KITTI odometry,
-/// ADVIO, an Indoor Location Competition trace (*.txt), a folder of numbered images with a camera.yaml, or what a
-/// phone's app has written (docs/phone_recordings.md), as a folder or a zip of it.
+/// ADVIO, an Indoor Location Competition trace (*.txt), a folder of numbered images with a camera.yaml, what
+/// read_walk() reads, or what a phone's app has written (docs/phone_recordings.md), as a folder or a zip of it.
 /// Failures name file and line (ODO_E_DATA), or say what was looked for (ODO_E_NOT_FOUND).
 Result<Recording> read_recording(const std::filesystem::path& path, const ReadOptions& options = {});
 
@@ -126,6 +141,10 @@ Result<Recording> read_kitti(const std::filesystem::path& folder);
 Result<Recording> read_advio(const std::filesystem::path& folder);
 Result<Recording> read_indoor_location(const std::filesystem::path& file);
 Result<Recording> read_image_folder(const std::filesystem::path& folder);
+/// A walk of a published data set without a camera, known by its first line: RIDI (*.csv, a row each sample with the
+/// truth), IPIN competitions (*.txt, GetSensorData), Oxford step counter (*_accelerometer.csv beside
+/// *_stepcounter.csv), Malmo trundle wheel (*.csv). Nothing where it is none of these.
+std::optional<Result<Recording>> read_walk(const std::filesystem::path& file);
 
 /// Writes camera, IMU and (of a simulation) the true states as an EuRoC/ASL folder, with `camchain-imucam.yaml` and
 /// `imu.yaml` in Kalibr's form beside `mav0`. Pictures become PNG; time stamps stay the camera's own (Kalibr's file

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// `odograph bench steps --data`: step estimators on real walks, by data set, carrying place and person.
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/tools/benchmarks/step_data.hpp"
+#include "sdk/tools/evaluation/walk_truth.hpp"
+#include "sdk/tools/simulation/random.hpp"
+
+namespace odograph {
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> walks_in(const fs::path& folder) {
+  std::vector<std::string> walks;
+  for (const std::string& file : files_in(folder, "", {".txt", ".csv", ".odo"})) {
+    const std::string name = fs::path(file).filename().string();
+    if (name != "index.csv" && !name.ends_with("_stepcounter.csv")) walks.push_back(file);
+  }
+  return walks;
+}
+
+/// Half the width of what the means of resampled people lie within, 95 %: NaN of one person.
+double half_interval(const Rows& rows, const std::string& key, bool absolute) {
+  constexpr int kDraws = 1000;
+  std::vector<std::vector<double>> people;
+  for (const auto& [person, own] : groups_of(rows, "person"))
+    if (auto values = numbers_at(own, key, absolute); !values.empty()) people.push_back(std::move(values));
+  if (people.size() < 2) return std::nan("");
+  Random random(1, 0);
+  std::vector<double> means;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    double sum = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < people.size(); ++i) {
+      const auto& values = people[random.next() % people.size()];
+      for (const double x : values) sum += x;
+      count += values.size();
+    }
+    means.push_back(sum / static_cast<double>(count));
+  }
+  return 0.5 * (part_of(means, 0.975) - part_of(means, 0.025));
+}
+
+Json line_of(const Json& labels, const Rows& rows) {
+  const auto sizes = [&](const char* key, double part) { return percentile_at(rows, key, part, true); };
+  const auto mean = [&](const char* key, bool absolute = false) {
+    const auto values = numbers_at(rows, key, absolute);
+    double sum = 0;
+    for (const double x : values) sum += x;
+    return values.empty() ? std::nan("") : sum / static_cast<double>(values.size());
+  };
+  double stepless = 0, floors = 0, wrong = 0;
+  for (const Json& row : rows)
+    stepless += row["steps"].get<double>() == 0, floors += number_at(row, "floors"), wrong += number_at(row, "wrong_floors");
+  Json line = labels;
+  line.update(Json{{"walks", rows.size()},
+                   {"stepless", stepless},
+                   {"count", mean("count_percent", true)},
+                   {"count_worst", sizes("count_percent", 1)},
+                   {"peaks", mean("peaks_percent", true)},
+                   {"distance_mean", mean("distance_percent")},
+                   {"distance_median", sizes("distance_percent", 0.5)},
+                   {"distance_p90", sizes("distance_percent", 0.9)},
+                   {"distance_interval", half_interval(rows, "distance_percent", true)},
+                   {"position_mean", mean("position_m")},
+                   {"position_median", sizes("position_m", 0.5)},
+                   {"position_interval", half_interval(rows, "position_m", false)},
+                   {"heading", sizes("_heading_deg", 0.5)},
+                   {"heading_p90", sizes("_heading_deg", 0.9)},
+                   {"nees", mean("_normalised_error")},
+                   {"floors", floors > 0 ? floors : std::nan("")},
+                   {"wrong_floors", floors > 0 ? wrong : std::nan("")}});
+  return line;
+}
+
+std::string table_by(const Rows& rows, const std::string& by) {
+  Rows lines;
+  for (const auto& [set, of_set] : groups_of(rows, "data"))
+    for (const auto& [value, own] : groups_of(of_set, by))
+      for (const auto& [config, of_config] : groups_of(own, "config")) {
+        Json labels{{"data", set}};
+        if (by != "data") labels[by] = value;
+        labels["config"] = config;
+        lines.push_back(line_of(labels, of_config));
+      }
+  Table table{by == "data" ? "" : "by " + by, {{"data", "data"}}, {}};
+  if (by != "data") table.labels.push_back({by, by});
+  table.labels.push_back({"config", "config", true});
+  table.columns = {{"walks", "", "walks", 0},
+                   {"none", "", "stepless", 0},
+                   {"count", "%", "count", 1},
+                   {"worst", "%", "count_worst", 1},
+                   {"peaks", "%", "peaks", 1},
+                   {"distance", "mean %", "distance_mean", 1, kSigned},
+                   {"size", "median %", "distance_median", 1},
+                   {"", "90 %", "distance_p90", 1},
+                   {"mean", "+- %", "distance_interval", 1},
+                   {"position", "mean m", "position_mean", 2},
+                   {"", "median m", "position_median", 2},
+                   {"mean", "+- m", "position_interval", 2},
+                   {"heading", "deg", "heading", 1},
+                   {"", "90 %", "heading_p90", 1},
+                   {"NEES", "", "nees", 2},
+                   {"floors", "", "floors", 0},
+                   {"wrong", "", "wrong_floors", 0}};
+  return table_text(table, lines);
+}
+
+}  // namespace
+
+Result<std::vector<BenchCase>> step_data_cases(const std::vector<std::string>& folders) {
+  std::vector<BenchCase> all;
+  for (const std::string& folder : folders) {
+    auto walks = walks_in(folder);
+    std::error_code error;
+    if (walks.empty())
+      for (const auto& entry : fs::directory_iterator(folder, error))
+        for (std::string& walk : walks_in(entry.path())) walks.push_back(std::move(walk));
+    if (walks.empty()) return Failure{ODO_E_NOT_FOUND, folder + ": no walks (*.txt, *.csv, *.odo) in this folder"};
+    std::sort(walks.begin(), walks.end());
+    for (const std::string& walk : walks)
+      all.push_back({{{"data", stem_of(folder)}, {"recording", stem_of(walk)}}, {walk}});
+  }
+  return all;
+}
+
+Json step_data_row(const Recording& recording, const RunResult& result) {
+  const WalkTruthFigures f = walk_truth_figures(recording, result.steps, result.track);
+  const WalkerName name = walker_name(recording);
+  const As none{.over = Over::all};
+  Json row = row_of({{"steps", "", "steps", 0, result.steps.size(), none},
+                     {"true", "", "true_steps", 0, f.true_steps, none},
+                     {"peaks", "", "peaks", 0, f.peaks, none},
+                     {"count", "%", "count_percent", 1, f.count_percent, kSigned},
+                     {"peaks", "%", "peaks_percent", 1, f.peaks_percent, kSigned},
+                     {"true", "m", "true_m", 1, f.true_m, none},
+                     {"distance", "%", "distance_percent", 1, 100 * (f.estimated_m / f.true_m - 1), kSigned},
+                     {"position", "m", "position_m", 2, f.position_m, none},
+                     {"floors", "", "floors", 0, f.floors, none},
+                     {"wrong", "", "wrong_floors", 0, f.wrong_floors, none}});
+  row.update(Json{{"person", name.person},
+                  {"place", name.place},
+                  {"_heading_deg", f.heading_deg},
+                  {"_normalised_error", f.normalised_error}});
+  return row;
+}
+
+std::string step_data_report(const Rows& rows) {
+  return table_by(rows, "data") + '\n' + table_by(rows, "place") + '\n' + table_by(rows, "person");
+}
+
+}  // namespace odograph

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sdk/tools/evaluation/evaluation.hpp"
+#include "sdk/tools/recording/recording.hpp"
+
+namespace odograph {
+
+/// A stretch of a walk whose true displacement is known.
+struct TrueStretch {
+  int64_t from_ns, to_ns;
+  double length_m;
+  double direction_rad;  ///< NaN where the truth is a distance alone
+};
+
+/// The steps and the track of a walk against whatever truth its recording has: true steps, a path, waypoints, a wheel's
+/// distance, floors. NaN or empty where it has none.
+struct WalkTruthFigures {
+  double true_steps = 0, peaks = 0;      ///< peaks: what plain_peak_count() makes of it
+  double count_percent = 0;              ///< of the steps, estimated less true
+  double peaks_percent = 0;              ///< the same of the peaks
+  double true_m = 0, estimated_m = 0;    ///< over the time that has a truth
+  double position_m = 0;                 ///< rms, horizontal, the track laid on the truth by a rotation and a shift
+  std::vector<double> heading_deg;       ///< of stretches of the track, after that
+  std::vector<double> normalised_error;  ///< squared, of the steps' lengths over a stretch; they err alike
+  double floors = 0, wrong_floors = 0;   ///< changes of floor between two places, and those told otherwise
+};
+WalkTruthFigures walk_truth_figures(const Recording& recording, const std::vector<odo_step>& steps,
+                                    const Trajectory& track);
+
+/// Peaks of the acceleration's norm, smoothed over 0.1 s, that stand 0.5 m/s^2 above its mean of a second and 0.3 s
+/// apart: what nobody needs an SDK for.
+size_t plain_peak_count(const Recording& recording);
+
+/// Who walked and how the phone was carried, by the names that the data sets give their files. Where a set does not
+/// say, the part of the name that may be one person.
+struct WalkerName {
+  std::string person, place;
+};
+WalkerName walker_name(const Recording& recording);
+
+}  // namespace odograph
