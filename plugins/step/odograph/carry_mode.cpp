@@ -5,6 +5,7 @@ namespace odograph::steps {
 
 Carry CarryModeClassifier::classify(const FoundStep& step, const Eigen::Vector3d& up_b) {
   const bool loose = step.gyro_radps > (now_ == Carry::texting ? p_.loose_radps : p_.held_radps);
+  rate_radps_ += (rate_radps_ > 0 ? p_.learn_rate : 1.0) * (step.gyro_radps - rate_radps_);
   Carry seen = Carry::texting;
   if (step.swing_mps2 > p_.running_swing_mps2 && step.frequency_hz > p_.running_hz)
     seen = Carry::running;
@@ -12,6 +13,8 @@ Carry CarryModeClassifier::classify(const FoundStep& step, const Eigen::Vector3d
     seen = Carry::pocket;
   else if (loose && up_b.y() < p_.on_end)
     seen = Carry::swinging;
+  else if (!step.gentle && step.vertical_part < p_.worn_part && rate_radps_ > p_.worn_radps)
+    seen = Carry::pocket;
   if (since_ns_ == 0) since_ns_ = step.t_start_ns;
   if (seen == now_) {
     agreed_ = 0;

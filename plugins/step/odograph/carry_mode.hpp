@@ -10,9 +10,10 @@
 
 namespace odograph::steps {
 
-/// How a walker carries the phone, told from each step's rotation rate and from how the phone hangs: a swinging arm and
-/// a pocket rotate it at the stride's rate much more than a hand that holds it for its owner to see; in a pocket it
-/// stands on end. Two steps must agree.
+/// How a walker carries the phone, told from each step's rotation rate, from how the phone hangs and from how much of
+/// the acceleration is vertical: a swinging arm and a leg rotate it at the stride's rate much more than a hand that
+/// holds it for its owner to see; in a pocket it stands on end; in a bag, on the body or on a leg it is thrown to and
+/// fro as much as up and down. Two steps must agree.
 class CarryModeClassifier {
  public:
   /// Set on the walks and simulated walkers that the README names.
@@ -21,7 +22,9 @@ class CarryModeClassifier {
     double loose_radps = 0.92, held_radps = 0.85;         ///< mean rate of a step, to become loose and to be held again
     double on_end = 0.75, top_down = -0.5;                ///< part of up that is the phone's long axis
     double thigh_radps = 1.4;                             ///< mean rate: more than a hand that holds an upright phone
-    int steps_to_believe = 2;                             ///< that agree
+    double worn_part = 0.56, worn_radps = 0.45;  ///< vertical part below, rate above: a bag or the body, as a pocket
+    double learn_rate = 0.15;                    ///< weight of the newest step in the rate of the last ones
+    int steps_to_believe = 2;                    ///< that agree
   };
   CarryModeClassifier() : CarryModeClassifier(Parameters{}) {}
   explicit CarryModeClassifier(const Parameters& parameters) : p_(parameters) {}
@@ -30,10 +33,13 @@ class CarryModeClassifier {
   Carry classify(const FoundStep& step, const Eigen::Vector3d& up_b);
   /// When the present way of carrying began.
   int64_t since_ns() const { return since_ns_; }
+  /// In a pocket that swings with a leg.
+  bool on_leg() const { return now_ == Carry::pocket && rate_radps_ > p_.thigh_radps; }
   void reset() { *this = CarryModeClassifier(p_); }
 
  private:
   Parameters p_;
+  double rate_radps_ = 0;  ///< of the last steps
   Carry now_ = Carry::texting, next_ = Carry::texting;
   int agreed_ = 0;
   int64_t since_ns_ = 0, next_since_ns_ = 0;

@@ -16,6 +16,14 @@ namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
 
+/// The larger one, without a bend where they are equal.
+double larger(double a, double b) {
+  constexpr double kSharpness = 12;
+  if (!(a > 0) || !(b > 0)) return std::max(a, b);
+  const double most = std::max(a, b), ratio = std::min(a, b) / most;
+  return most * std::pow(1 + std::pow(ratio, kSharpness), 1 / kSharpness);
+}
+
 }  // namespace
 
 double LengthModel::length_m(const FoundStep& step) const {
@@ -27,7 +35,12 @@ double LengthModel::length_m(const FoundStep& step) const {
   }
   const double rate = std::clamp(step.gyro_radps, calmest_radps, wildest_radps);
   const double root = std::sqrt(std::max(0.0, step.rise_m));
-  return std::clamp(base_m + (per_root_rise + per_rate_and_root * rate) * root, shortest_m, longest_m);
+  const double by_bounce = base_m + (per_root_rise + per_rate_and_root * rate) * root;
+  const double by_cadence = at_usual_cadence_m + per_cadence * (step.frequency_hz - usual_cadence_hz);
+  const double softened = larger(by_cadence, per_root_whole_rise * root);
+  const double part =
+      std::clamp((step.vertical_part - from_vertical_part) / (to_vertical_part - from_vertical_part), 0.0, 1.0);
+  return std::clamp(softened + part * (by_bounce - softened), shortest_m, longest_m);
 }
 
 double Walker::factor_sigma() const { return std::sqrt(P_(0, 0)); }

@@ -20,7 +20,10 @@ enum class Carry : uint32_t { texting, swinging, pocket, running };
 /// al., Scientific Reports 2019) is L = (a f^0.42)^(1 / 0.58). Where the numbers come from is said in the README.
 struct LengthModel {
   double base_m = 0.0928, per_root_rise = 3.329, per_rate_and_root = -0.772;
-  double at_one_mps_m = 0.632, by_speed = 0.42;     ///< a, for a height of 1.70 m, and its exponent
+  double at_usual_cadence_m = 0.590, per_cadence = 0.2206;  ///< m at 1.8 Hz and m/Hz: least length of such a step
+  double usual_cadence_hz = 1.8, per_root_whole_rise = 3.346;
+  double from_vertical_part = 0.78, to_vertical_part = 0.84;  ///< of the power: below none, above all of the first law
+  double at_one_mps_m = 0.632, by_speed = 0.42;               ///< a, for a height of 1.70 m, and its exponent
   double per_root_gentle_rise = 4.0;                ///< m for a root of a metre: l = 0.90 m, knees and arms take 55 %
   double part_of_rise = 0.45;                       ///< of the gentle step's logarithm
   double gentle_factor = 0.965;                     ///< gentle walkers take small steps among the others

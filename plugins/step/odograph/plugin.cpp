@@ -10,6 +10,7 @@
 #include "plugins/step/odograph/carry_mode.hpp"
 #include "plugins/step/odograph/gait_finder.hpp"
 #include "plugins/step/odograph/stair_detector.hpp"
+#include "plugins/step/odograph/walk_direction.hpp"
 #include "sdk/math/gravity.hpp"
 #include "sdk/math/rotation.hpp"
 
@@ -51,7 +52,7 @@ class OdographSteps {
   /// As after configure: what was learnt is forgotten too, unless it is loaded again.
   void reset() {
     resampler_ = Resampler();
-    finder_.reset(), carry_.reset(), stairs_.reset();
+    finder_.reset(), carry_.reset(), direction_.reset(), stairs_.reset();
     carried_ = ODO_MODE_WALKING_TEXTING, mode_since_ns_ = INT64_MIN;
     hand_ = StillnessDetector();
     walking_ = false, stopped_ns_ = 0;
@@ -101,6 +102,8 @@ class OdographSteps {
   }
 
  private:
+  static constexpr double kKnownDirection_rad = 0.25;  ///< standard deviation, less than a phone's axis has on a leg
+
   struct Heading {
     int64_t t_ns = 0;
     Vector2d forward = Vector2d::Zero();
@@ -148,6 +151,10 @@ class OdographSteps {
     event.header.quality = step.gentle ? 0.7f : 0.9f;
     if (const Vector2d f = heading_of(step); f.norm() > 0) {
       event.heading_rad = std::atan2(f.y(), f.x());
+      direction_.add(step.surge_n, event.heading_rad);
+      // A leg's phone points anywhere; elsewhere its own axis is the better guess (README).
+      if (carry_.on_leg() && direction_.sigma_rad() < kKnownDirection_rad)
+        event.heading_rad = std::remainder(event.heading_rad + direction_.offset_rad(), 2 * M_PI);
       event.header.flags |= ODO_STEP_HEADING;
       walker_->on_step(treads ? stairs_.parameters().tread_m / factor : model_length, event.heading_rad, step.gentle);
     }
@@ -198,6 +205,7 @@ class OdographSteps {
   Resampler resampler_;
   GaitFinder finder_;
   CarryModeClassifier carry_;
+  WalkDirection direction_;
   StillnessDetector hand_;
   int64_t stopped_ns_ = 0;
   Quaterniond q_n_b_ = Quaterniond::Identity();

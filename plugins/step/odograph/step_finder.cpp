@@ -16,9 +16,9 @@ StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   p.to_begin = 5;
   p.alike = 1.8;
   p.regular_to_begin = 0.8;
-  p.upright = p.surely_upright = p.still_upright = 0;
+  p.upright = p.still_upright = 0;
   p.regular = 0.3;
-  p.swing_per_rate = p.surely_no_hand = 0;
+  p.swing_per_rate = 0;
   p.max_tilting_radps = 0.21;
   p.swing_per_tilting = 10;
   p.missing = 2.2;
@@ -26,6 +26,7 @@ StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   p.kept_peaks = 16;
   p.weak = 0.4;
   p.min_alternating_part = 0.05;
+  p.strides_to_begin = kMaxPeaks + 1;  // the other finder's part
   return p;
 }
 
@@ -71,7 +72,7 @@ void StepFinder::confirm(const WalkSignal& signal) {
   if (peak_count_ == p_.kept_peaks)
     std::copy(peaks_.begin() + 1, peaks_.begin() + static_cast<long>(peak_count_--), peaks_.begin());
   best_.a_foot = p_.gentle ? !hand_moves(signal, best_.value - best_.low, p_.part_over_s)
-                           : signal.vertical_part(p_.part_over_s) > 0.5 * p_.upright;
+                           : signal.vertical_part(p_.part_over_s) > 0.4 * p_.upright;
   peaks_[peak_count_++] = best_;
   if (walking_)
     go_on(signal);
@@ -83,10 +84,11 @@ void StepFinder::confirm(const WalkSignal& signal) {
 
 void StepFinder::go_on(const WalkSignal& signal) {
   const double swing = std::max(typical_swing_, best_.value - best_.low);
-  const bool stray =
-      p_.gentle
-          ? hand_moves(signal, swing, p_.part_over_s) || hand_moves(signal, swing, p_.gentle_over_s)
-          : signal.vertical_part(p_.part_over_s) < p_.still_upright && repetition(signal, typical_s_, 2) < p_.regular;
+  const bool stray = p_.gentle
+                         ? hand_moves(signal, swing, p_.part_over_s) || hand_moves(signal, swing, p_.gentle_over_s)
+                         : signal.vertical_part(p_.part_over_s) < p_.still_upright &&
+                               repetition(signal, typical_s_, 2) < p_.regular &&
+                               stride_repetition(signal, typical_s_, 1) < p_.strides_go_on;
   stray_ = stray ? stray_ + 1 : 0;
   if (stray_ >= p_.stray_to_end) {
     walking_ = false;
@@ -97,6 +99,8 @@ void StepFinder::go_on(const WalkSignal& signal) {
   if (peak_count_ < 2) return;
   typical_s_ += p_.learn_interval * (std::min(interval_s(peak_count_ - 1), p_.longest_s) - typical_s_);
   typical_swing_ += p_.learn_swing * (best_.value - best_.low - typical_swing_);
+  typical_part_ +=
+      p_.learn_part * (signal.vertical_part_between(peaks_[peak_count_ - 2].index, best_.index) - typical_part_);
   if (!stray) emit(signal, peaks_[peak_count_ - 2], best_);
 }
 
@@ -119,38 +123,66 @@ void StepFinder::begin_without_weak(const WalkSignal& signal) {
   if (!walking_) peaks_ = all, peak_count_ = count;
 }
 
-/// The walk begins when the last peaks are alike. Those before them, which were weaker or slower because somebody set
-/// out, belong to it too.
-void StepFinder::begin(const WalkSignal& signal) {
-  const size_t last = peak_count_ - 1, first_alike = peak_count_ - p_.to_begin;
-  double shortest = 1e9, longest = 0, weakest = 1e9, strongest = 0, swings = 0;
-  for (size_t i = first_alike + 1; i <= last; ++i) {
+StepFinder::Run StepFinder::run_from(size_t first) const {
+  const size_t last = peak_count_ - 1;
+  const auto steps = static_cast<double>(last - first);
+  Run run{first, (peaks_[last].t_ns - peaks_[first].t_ns) * 1e-9 / steps, 1e9, 0, 1e9, 0, 0};
+  for (size_t i = first + 1; i <= last; ++i) {
     const double swing = peaks_[i].value - peaks_[i].low;
-    shortest = std::min(shortest, interval_s(i)), longest = std::max(longest, interval_s(i));
-    weakest = std::min(weakest, swing), strongest = std::max(strongest, swing);
-    swings += swing;
+    run.shortest_s = std::min(run.shortest_s, interval_s(i)), run.longest_s = std::max(run.longest_s, interval_s(i));
+    run.weakest = std::min(run.weakest, swing), run.strongest = std::max(run.strongest, swing);
+    run.mean_swing += swing / steps;
   }
-  const double mean_s = (peaks_[last].t_ns - peaks_[first_alike].t_ns) * 1e-9 / static_cast<double>(p_.to_begin - 1);
-  if (longest > p_.alike * shortest || strongest > p_.max_swing_ratio * weakest) return;
-  if (!may_be_walk(signal, swings / static_cast<double>(p_.to_begin - 1), first_alike, last)) return;
-  if (repetition(signal, mean_s, 2) < p_.regular_to_begin) return;
+  return run;
+}
+
+bool StepFinder::steps_alike(const WalkSignal& signal, const Run& run) const {
+  return run.longest_s <= p_.alike * run.shortest_s && run.strongest <= p_.max_swing_ratio * run.weakest &&
+         may_be_walk(signal, run.mean_swing, run.first, peak_count_ - 1) &&
+         repetition(signal, run.mean_s, 2) >= p_.regular_to_begin;
+}
+
+bool StepFinder::strides_alike(const WalkSignal& signal, const Run& run) const {
+  if (run.mean_swing < p_.strides_swing_mps2) return false;
+  for (size_t i = run.first + 3; i < peak_count_; ++i)
+    if (std::abs(interval_s(i) - interval_s(i - 2)) > p_.foot_alike * run.mean_s) return false;
+  return stride_repetition(signal, run.mean_s, 2) >= p_.strides_alike;
+}
+
+/// The walk begins when the last peaks are alike.
+void StepFinder::begin(const WalkSignal& signal) {
+  const Run steps = run_from(peak_count_ - p_.to_begin);
+  if (steps_alike(signal, steps)) return start(signal, steps);
+  if (peak_count_ < p_.strides_to_begin) return;
+  const Run strides = run_from(peak_count_ - p_.strides_to_begin);
+  if (strides_alike(signal, strides)) start(signal, strides);
+}
+
+/// Peaks before the run, which were weaker or slower because somebody set out, belong to it too.
+void StepFinder::start(const WalkSignal& signal, const Run& run) {
+  const size_t last = peak_count_ - 1;
+  const double mean_s = run.mean_s;
   walking_ = true;
   stray_ = 0;
   typical_s_ = mean_s;
-  typical_swing_ = swings / static_cast<double>(p_.to_begin - 1);
-  size_t first = first_alike;
+  typical_swing_ = run.mean_swing;
+  typical_part_ = 0;
+  for (size_t i = run.first + 1; i <= last; ++i)
+    typical_part_ +=
+        signal.vertical_part_between(peaks_[i - 1].index, peaks_[i].index) / static_cast<double>(last - run.first);
+  size_t first = run.first;
   const auto belongs = [&](size_t i) {
     return interval_s(i + 1) < p_.setting_out * mean_s && peaks_[i].a_foot &&
            peaks_[i].value - peaks_[i].low > p_.weakest * typical_swing_;
   };
   while (first > 0 && belongs(first - 1)) --first;
   // The first peak of all is the first foot's fall; or, when it is weak, the push with which the walker set out.
-  Peak start = peaks_[first];
+  Peak from = peaks_[first];
   const bool push = peaks_[first].value - std::min(peaks_[first].low, 0.0) < p_.push * typical_swing_;
-  start.t_ns -= mean_s * 1e9;
-  start.index -= std::min(start.index, static_cast<size_t>(std::lround(mean_s * WalkSignal::kRate_hz)));
-  since_ns_ = static_cast<int64_t>(push ? peaks_[first].t_ns : start.t_ns);
-  if (!push) emit(signal, start, peaks_[first]);
+  from.t_ns -= mean_s * 1e9;
+  from.index -= std::min(from.index, static_cast<size_t>(std::lround(mean_s * WalkSignal::kRate_hz)));
+  since_ns_ = static_cast<int64_t>(push ? peaks_[first].t_ns : from.t_ns);
+  if (!push) emit(signal, from, peaks_[first]);
   for (size_t i = first + 1; i <= last; ++i) emit(signal, peaks_[i - 1], peaks_[i]);
 }
 
@@ -166,14 +198,20 @@ bool StepFinder::may_be_walk(const WalkSignal& signal, double swing_mps2, size_t
            signal.alternating_part(p_.gentle_over_s) > p_.min_alternating_part;
   const double swing_per_rate =
       swing_mps2 / std::max(signal.gyro_between(peaks_[first].index, peaks_[last].index), 1e-3);
-  const double upright = swing_per_rate < p_.surely_no_hand ? p_.surely_upright : p_.upright;
-  return swing_per_rate >= p_.swing_per_rate && signal.vertical_part(2 * p_.part_over_s) >= upright;
+  return swing_per_rate >= p_.swing_per_rate && signal.vertical_part(2 * p_.part_over_s) >= p_.upright;
 }
 
 double StepFinder::repetition(const WalkSignal& signal, double interval_s, size_t intervals) const {
   const auto lag = static_cast<size_t>(std::lround(interval_s * WalkSignal::kRate_hz));
   double best = 0;
   for (size_t l = lag - 2; l <= lag + 2; ++l) best = std::max(best, signal.regularity(l, intervals * lag));
+  return best;
+}
+
+double StepFinder::stride_repetition(const WalkSignal& signal, double interval_s, size_t strides) const {
+  const auto lag = static_cast<size_t>(std::lround(2 * interval_s * WalkSignal::kRate_hz));
+  double best = 0;
+  for (size_t l = lag - 2; l <= lag + 2; ++l) best = std::max(best, signal.repetition(l, strides * lag));
   return best;
 }
 
@@ -184,9 +222,11 @@ void StepFinder::emit(const WalkSignal& signal, const Peak& from, const Peak& to
   step.t_end_ns = static_cast<int64_t>(to.t_ns) - lag;
   step.swing_mps2 = to.value - to.low;
   step.rise_m = signal.rise_between(from.index, to.index);
+  step.surge_n = signal.surge_between(from.index, to.index, p_.surge_lead_rad);
   step.gyro_radps = signal.gyro_between(from.index, to.index);
   step.frequency_hz = 1 / typical_s_;
   step.whole_rise_m = step.rise_m / signal.gain(step.frequency_hz);
+  step.vertical_part = typical_part_;
   step.gentle = p_.gentle;
 }
 

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <span>
 
+#include <Eigen/Core>
+
 #include "plugins/step/odograph/walk_signal.hpp"
 
 namespace odograph::steps {
@@ -17,13 +19,17 @@ struct FoundStep {
   double whole_rise_m;           ///< the same, with what the smoothing took given back
   double gyro_radps;             ///< mean rotation rate
   double frequency_hz;           ///< of the steps around it
-  bool gentle;                   ///< found by the finder of gentle steps
+  double vertical_part;          ///< of the alternating acceleration's power, over the last steps
+  Eigen::Vector2d surge_n;  ///< horizontal acceleration that leads the vertical one as a walk's does, over the latter
+  bool gentle;              ///< found by the finder of gentle steps
 };
 
 /// Finds the contacts of feet as peaks of the smoothed vertical acceleration: the trunk is lowest there and is pushed
-/// up. A walk begins with four peaks that are alike, whose signal repeats itself and is mostly vertical; they are
-/// reported together. It goes on while such steps keep coming. So waving, typing and turning on the spot, which are as
-/// strong but neither regular nor vertical, are no steps. No allocation.
+/// up. A walk begins with four peaks that are alike, whose signal repeats itself and is mostly vertical, as a hand that
+/// holds the phone passes it on; or, wherever the phone is, with three strides of which each repeats the one before on
+/// all three axes: on a leg, one foot's step is not like the other's. They are reported together. It goes on while such
+/// steps keep coming. So waving, typing and turning on the spot, which are as strong but neither vertical nor
+/// that regular, are no steps. No allocation.
 class StepFinder {
  public:
   /// Numbers without a source were set on the walks that the README names.
@@ -36,12 +42,15 @@ class StepFinder {
     size_t to_begin = 4;              ///< peaks that are alike
     double alike = 1.45;              ///< largest over smallest of their intervals
     double regular_to_begin = 0.85;   ///< autocorrelation at a step's lag from which a walk may begin
-    double upright = 0.60;            ///< vertical part of the power, to begin
-    double surely_upright = 0.75;     ///< the same where the swing is not surely no hand's
+    double upright = 0.75;            ///< vertical part of the power, to begin
     double still_upright = 0.40;      ///< the same to go on
     double regular = 0.5;             ///< autocorrelation with which a walk goes on without it
+    size_t strides_to_begin = 7;      ///< peaks of three strides
+    double strides_alike = 0.8;       ///< repetition of all axes over two strides, to begin
+    double strides_go_on = 0.5;       ///< the same over one with which a walk goes on
+    double strides_swing_mps2 = 1.5;  ///< mean swing, to begin: softer steps are the other finder's
+    double foot_alike = 0.3;          ///< difference of two intervals of one foot, of the mean interval, to begin
     double swing_per_rate = 3.5;      ///< m/s^2 for a rad/s, to begin: a hand that moves by itself turns more
-    double surely_no_hand = 7;        ///< the same, of a hand that surely does not
     double max_tilting_radps = 1e9;   ///< a hand that tilts more by itself hides steps; root mean square
     double swing_per_tilting = 0;     ///< m/s^2 for a rad/s, above which a hand that tilts more hides none
     double min_alternating_part = 0;  ///< vertical part of the alternating power
@@ -60,7 +69,9 @@ class StepFinder {
     double part_over_s = 0.8;         ///< over which the vertical part and the hand's tilting are taken
     double gentle_over_s = 2.0;       ///< the same, beside it, for gentle steps
     double arm_lag_s = 0.03;          ///< the hand follows the trunk by that much
-    double learn_interval = 0.25, learn_swing = 0.2;  ///< weight of the newest step in the typical one
+    double surge_lead_rad = 1.75;     ///< of the surge ahead before the push up; RIDI: 1.1 on legs, 1.8 elsewhere
+    double learn_interval = 0.25, learn_swing = 0.2,
+           learn_part = 0.1;  ///< weight of the newest step in the typical one
     static Parameters of_gentle_steps();
   };
 
@@ -83,6 +94,15 @@ class StepFinder {
     double value, low;
     bool a_foot;  // it may be a foot's contact, by what the hand does meanwhile
   };
+  /// Peaks from one to the newest.
+  struct Run {
+    size_t first;
+    double mean_s, shortest_s, longest_s, weakest, strongest, mean_swing;
+  };
+  Run run_from(size_t first) const;
+  bool steps_alike(const WalkSignal& signal, const Run& run) const;
+  bool strides_alike(const WalkSignal& signal, const Run& run) const;
+  void start(const WalkSignal& signal, const Run& run);
   bool hand_moves(const WalkSignal& signal, double swing_mps2, double seconds) const;
   bool may_be_walk(const WalkSignal& signal, double swing_mps2, size_t first, size_t last) const;
   void confirm(const WalkSignal& signal);
@@ -90,6 +110,7 @@ class StepFinder {
   void begin_without_weak(const WalkSignal& signal);
   void go_on(const WalkSignal& signal);
   double repetition(const WalkSignal& signal, double interval_s, size_t intervals) const;
+  double stride_repetition(const WalkSignal& signal, double interval_s, size_t strides) const;
   void emit(const WalkSignal& signal, const Peak& from, const Peak& to);
   double interval_s(size_t newer) const;
 
@@ -102,7 +123,7 @@ class StepFinder {
   std::array<Peak, kMaxPeaks> peaks_{};  // the last ones, newest last
   size_t peak_count_ = 0;
   int stray_ = 0;
-  double typical_swing_ = 0, typical_s_ = 0.55;
+  double typical_swing_ = 0, typical_s_ = 0.55, typical_part_ = 0;
   std::array<FoundStep, kMaxPeaks> found_{};
   size_t found_count_ = 0;
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 namespace odograph::steps {
 
@@ -94,15 +95,19 @@ double WalkSignal::tilting(double seconds) const {
 }
 
 double WalkSignal::alternating_part(double seconds) const {
-  const size_t n = smoothed_within(seconds);
-  if (n < 2) return 0;
+  return vertical_part_between(smooth_count_ - smoothed_within(seconds), smooth_count_);
+}
+
+double WalkSignal::vertical_part_between(size_t from, size_t to) const {
+  if (to < from + 2 || to > from + kKept / 2) return 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero(), squares = Eigen::Vector3d::Zero();
-  for (size_t i = smooth_count_ - n; i < smooth_count_; ++i) {
+  for (size_t i = from; i < to; ++i) {
     const Eigen::Vector2d& level = smooth_horizontal_[i % kKept];
     const Eigen::Vector3d x(level.x(), level.y(), smooth_[i % kKept]);
     sum += x, squares += x.cwiseAbs2();
   }
-  const Eigen::Vector3d power = squares / static_cast<double>(n) - (sum / static_cast<double>(n)).cwiseAbs2();
+  const auto n = static_cast<double>(to - from);
+  const Eigen::Vector3d power = squares / n - (sum / n).cwiseAbs2();
   return power.sum() > 0 ? power.z() / power.sum() : 0.0;
 }
 
@@ -129,6 +134,21 @@ double WalkSignal::rise_between(size_t from, size_t to) const {
   return highest - lowest;
 }
 
+Eigen::Vector2d WalkSignal::surge_between(size_t from, size_t to, double lead_rad) const {
+  if (to - from < 3 || to - from > kKept / 2) return Eigen::Vector2d::Zero();
+  std::complex<double> up = 0, north = 0, east = 0;
+  const std::complex<double> rotation = std::polar(1.0, -2 * M_PI / static_cast<double>(to - from));
+  std::complex<double> phase = 1;
+  for (size_t i = from; i < to; ++i, phase *= rotation) {
+    up += smooth(i) * phase;
+    north += smooth_horizontal_[i % kKept].x() * phase, east += smooth_horizontal_[i % kKept].y() * phase;
+  }
+  const double power = std::norm(up);
+  if (!(power > 0)) return Eigen::Vector2d::Zero();
+  const std::complex<double> reference = std::conj(up * std::polar(1.0, lead_rad)) / power;
+  return {(north * reference).real(), (east * reference).real()};
+}
+
 double WalkSignal::regularity(size_t lag, size_t window) const {
   if (smooth_count_ < half_ + lag + window + 1 || lag + window + half_ > kKept) return 0;
   double product = 0, now = 0, before = 0;
@@ -137,6 +157,25 @@ double WalkSignal::regularity(size_t lag, size_t window) const {
     product += a * b, now += a * a, before += b * b;
   }
   return now > 0 && before > 0 ? product / std::sqrt(now * before) : 0.0;
+}
+
+double WalkSignal::repetition(size_t lag, size_t window) const {
+  if (smooth_count_ < half_ + lag + window + 1 || lag + window + half_ > kKept) return 0;
+  const auto at = [&](size_t i) {
+    const Eigen::Vector2d& level = smooth_horizontal_[i % kKept];
+    return Eigen::Vector3d(level.x(), level.y(), smooth(i));
+  };
+  Eigen::Vector3d now = Eigen::Vector3d::Zero(), before = now, products = now, now_squares = now, before_squares = now;
+  for (size_t i = smooth_count_ - window; i < smooth_count_; ++i) {
+    const Eigen::Vector3d a = at(i), b = at(i - lag);
+    now += a, before += b;
+    products += a.cwiseProduct(b), now_squares += a.cwiseAbs2(), before_squares += b.cwiseAbs2();
+  }
+  const auto n = static_cast<double>(window);
+  const double product = products.sum() - now.dot(before) / n;
+  const double squares =
+      (now_squares.sum() - now.squaredNorm() / n) * (before_squares.sum() - before.squaredNorm() / n);
+  return squares > 0 ? product / std::sqrt(squares) : 0.0;
 }
 
 }  // namespace odograph::steps

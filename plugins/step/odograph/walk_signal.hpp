@@ -111,11 +111,19 @@ class WalkSignal {
   /// The vertical part of the power of the acceleration over the last `seconds`, its mean taken off: 0 to 1. Unlike
   /// vertical_part() no error of the inclination counts.
   double alternating_part(double seconds) const;
+  /// The same between two smoothed values: of one step neither setting out nor a bend of the path counts.
+  double vertical_part_between(size_t from, size_t to) const;
   /// How far the vertical acceleration between two smoothed values, one period of it, carries: integrated twice, its
   /// mean and the velocity's taken off; highest less lowest, m.
   double rise_between(size_t from, size_t to) const;
+  /// Of the horizontal acceleration between two smoothed values, one period of it, the part that leads the vertical one
+  /// by that phase, over the vertical one's amplitude.
+  Eigen::Vector2d surge_between(size_t from, size_t to, double lead_rad) const;
   /// How much the smoothed signal repeats itself after `lag` samples, over the last `window` ones: -1 to 1.
   double regularity(size_t lag, size_t window) const;
+  /// The same of all three axes together, each without its mean: how a walk repeats itself from stride to stride,
+  /// wherever the phone is.
+  double repetition(size_t lag, size_t window) const;
 
  private:
   size_t smoothed_within(double seconds) const;

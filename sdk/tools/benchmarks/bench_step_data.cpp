@@ -54,7 +54,8 @@ Json line_of(const Json& labels, const Rows& rows) {
   };
   double stepless = 0, floors = 0, wrong = 0;
   for (const Json& row : rows)
-    stepless += row["steps"].get<double>() == 0, floors += number_at(row, "floors"), wrong += number_at(row, "wrong_floors");
+    stepless += row["steps"].get<double>() == 0, floors += number_at(row, "floors"),
+        wrong += number_at(row, "wrong_floors");
   Json line = labels;
   line.update(Json{{"walks", rows.size()},
                    {"stepless", stepless},

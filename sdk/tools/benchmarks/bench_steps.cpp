@@ -34,8 +34,11 @@ struct Steps : Benchmark {
   void add_options(CLI::App& command) override {
     command.add_option("--walkers", walkers, "brisk surveyors, or viewers who look through the phone")
         ->check(CLI::IsMember({"surveyors", "viewers"}));
-    command.add_option("--data", data, "folders of real walks, instead of simulated ones: RIDI, IPIN, Oxford, trundle wheel, "
-                                       "Indoor Location Competition, *.odo")->group(kCases);
+    command
+        .add_option("--data", data,
+                    "folders of real walks, instead of simulated ones: RIDI, IPIN, Oxford, trundle wheel, "
+                    "Indoor Location Competition, *.odo")
+        ->group(kCases);
     command.add_flag("--each", each, "with --data: a line for each walk")->group(kOutput);
     command.add_flag("--confusion", confusion, "print what modes were taken for")->group(kOutput);
   }

@@ -49,7 +49,7 @@ std::vector<TrueStretch> stretches_of(const Recording& recording, const std::vec
   std::vector<TrueStretch> all;
   for (size_t i = 1; i < places.size(); ++i) all.push_back(between(places[i - 1], places[i]));
   const auto& wheel = recording.true_distances;
-  constexpr double kStretch_m = 5;  // a click a metre
+  constexpr double kStretch_m = 10;  // a click a metre, which comes late at times
   for (size_t i = 1, from = 0; i < wheel.size(); ++i)
     if (wheel[i].walked_m - wheel[from].walked_m >= kStretch_m)
       all.push_back({wheel[from].t_ns, wheel[i].t_ns, wheel[i].walked_m - wheel[from].walked_m, std::nan("")}),
@@ -78,7 +78,7 @@ void add_distance(const std::vector<odo_step>& steps, const std::vector<TrueStre
   if (stretches.empty()) return;
   f.true_m = 0;
   for (const TrueStretch& s : stretches) f.true_m += s.length_m;
-  if (!path.empty()) {  // its own bends are part of the way
+  if (!path.empty()) {  // its bends count
     f.true_m = 0;
     for (size_t i = 1; i < path.size(); ++i) f.true_m += (path[i].p - path[i - 1].p).head<2>().norm();
   }
@@ -86,7 +86,7 @@ void add_distance(const std::vector<odo_step>& steps, const std::vector<TrueStre
   for (const TrueStretch& s : stretches) {
     const Walked own = walked(steps, s.from_ns, s.to_ns);
     const double whole_s = seconds(s.to_ns - s.from_ns);
-    if (own.sigma_m > 0 && s.length_m > 0.5 * whole_s && whole_s < 15)  // standing and bends are no lengths
+    if (own.sigma_m > 0 && s.length_m > 0.5 * whole_s && whole_s < 20)  // standing and bends are no lengths
       f.normalised_error.push_back(std::pow((own.length_m - s.length_m) / own.sigma_m, 2));
   }
 }
@@ -127,7 +127,7 @@ void add_floors(const Recording& recording, const Trajectory& track, WalkTruthFi
 }  // namespace
 
 size_t plain_peak_count(const Recording& recording) {
-  constexpr double kSmooth_s = 0.1, kMean_s = 1, kLeast_mps2 = 0.5, kApart_s = 0.3;
+  constexpr double kSmooth_s = 0.1, kMean_s = 1, kMinPeak_mps2 = 0.5, kApart_s = 0.3;
   double smooth = 0, mean = 0, before = 0;
   int64_t last_ns = INT64_MIN, peak_ns = INT64_MIN / 2;
   bool rises = false;
@@ -140,7 +140,7 @@ size_t plain_peak_count(const Recording& recording) {
     const double dt = seconds(imu.header.t_ns - std::exchange(last_ns, imu.header.t_ns));
     smooth += -std::expm1(-dt / kSmooth_s) * (norm - smooth), mean += -std::expm1(-dt / kMean_s) * (norm - mean);
     const double value = smooth - mean;
-    if (rises && value < before && before > kLeast_mps2 && seconds(imu.header.t_ns - peak_ns) > kApart_s)
+    if (rises && value < before && before > kMinPeak_mps2 && seconds(imu.header.t_ns - peak_ns) > kApart_s)
       ++count, peak_ns = imu.header.t_ns;
     if (value != before) rises = value > before;
     before = value;
@@ -179,9 +179,9 @@ WalkerName walker_name(const Recording& recording) {
     place.erase(std::find_if(place.begin(), place.end(), [](char c) { return c >= '0' && c <= '9'; }), place.end());
     return {part(0), place == "handheld" ? "hand" : place};
   }
-  if (recording.format == "Oxford steps") return {part(1), "hand"};                 // Pixel_Jamie_Carpet_InHand_1
-  if (recording.format == "IPIN") return {part(0), "hand"};                         // T51_R02: trial and repetition
-  return {parts.size() > 2 ? part(0) + '_' + part(1) : part(0), "hand"};            // site2_F6_...
+  if (recording.format == "Oxford steps") return {part(1), "hand"};       // Pixel_Jamie_Carpet_InHand_1
+  if (recording.format == "IPIN") return {part(0), "hand"};               // T51_R02: trial and repetition
+  return {parts.size() > 2 ? part(0) + '_' + part(1) : part(0), "hand"};  // site2_F6_...
 }
 
 }  // namespace odograph

@@ -123,7 +123,7 @@ Result<Recording> read_get_sensor_data(const fs::path& file) {
   std::map<std::string, double, std::less<>> offsets_s;  // of each sensor's clock: the app's jitters
   const auto done = read_rows_with_names(file, [&](const TextRow& row) -> Result<bool> {
     const std::string_view type = row.fields[0];
-    const bool place = type == "POSI", air = type == "PRES";
+    const bool place = type == "POSI", air = type.starts_with("PRE");
     if (type != "ACCE" && type != "GYRO" && type != "MAGN" && !air && !place) return true;
     std::vector<double> v;
     for (size_t i = 1; i < (air ? 4u : 6u); ++i) {
@@ -131,7 +131,8 @@ Result<Recording> read_get_sensor_data(const fs::path& file) {
       if (!value) return value.failure();
       v.push_back(*value);
     }
-    const auto t_ns = time_of(place ? v[0] : v[1] + offsets_s.try_emplace(std::string(type), v[0] - v[1]).first->second, row);
+    const auto t_ns =
+        time_of(place ? v[0] : v[1] + offsets_s.try_emplace(std::string(type), v[0] - v[1]).first->second, row);
     if (!t_ns) return t_ns.failure();
     if (air) {
       auto m = make_message<odo_barometer>(ODO_TYPE_BAROMETER, *t_ns);
@@ -198,18 +199,18 @@ Result<Recording> read_oxford_steps(const fs::path& accelerometer) {
 
 Result<Recording> read_trundle_wheel(const fs::path& file) {
   Recording recording{.format = "Trundle wheel", .path = file};
-  const auto done = read_columns(file, ';',
-                                 {"time", "m_accG_x", "m_accG_y", "m_accG_z", "m_rotTate_alpha", "m_rotTate_beta",
-                                  "m_rotTate_gamma", "distance"},
-                                 [&](const std::vector<double>& v, const TextRow& row) -> Result<bool> {
-                                   const auto t_ns = time_of(1e-3 * v[0], row);
-                                   if (!t_ns) return t_ns.failure();
-                                   if (finite(three(v, 1)) && finite(three(v, 4)))
-                                     add_imu(recording, *t_ns, ODO_IMU_GYRO | ODO_IMU_ACCEL,
-                                             {kRadians * v[4], kRadians * v[5], kRadians * v[6]}, three(v, 1));
-                                   if (std::isfinite(v[7])) recording.true_distances.push_back({*t_ns, v[7]});
-                                   return true;
-                                 });
+  const auto done = read_columns(
+      file, ';',
+      {"time", "m_accG_x", "m_accG_y", "m_accG_z", "m_rotTate_alpha", "m_rotTate_beta", "m_rotTate_gamma", "distance"},
+      [&](const std::vector<double>& v, const TextRow& row) -> Result<bool> {
+        const auto t_ns = time_of(1e-3 * v[0], row);
+        if (!t_ns) return t_ns.failure();
+        if (finite(three(v, 1)) && finite(three(v, 4)))
+          add_imu(recording, *t_ns, ODO_IMU_GYRO | ODO_IMU_ACCEL, {kRadians * v[4], kRadians * v[5], kRadians * v[6]},
+                  three(v, 1));
+        if (std::isfinite(v[7])) recording.true_distances.push_back({*t_ns, v[7]});
+        return true;
+      });
   if (!done) return done.failure();
   return complete(std::move(recording));
 }
@@ -220,7 +221,8 @@ std::optional<Result<Recording>> read_walk(const fs::path& file) {
   if (!stream || !std::getline(stream, line)) return std::nullopt;
   const auto has = [&](std::string_view what) { return line.find(what) != std::string::npos; };
   if (file.extension() == ".txt") {
-    while (line.starts_with('%') && std::getline(stream, line)) {}
+    while (line.starts_with('%') && std::getline(stream, line)) {
+    }
     const bool four_letters = line.size() > 4 && line[4] == ';' &&
                               std::all_of(line.begin(), line.begin() + 4, [](char c) { return c >= 'A' && c <= 'Z'; });
     return four_letters ? std::optional(read_get_sensor_data(file)) : std::nullopt;
