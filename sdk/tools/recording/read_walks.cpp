@@ -56,26 +56,34 @@ double number_of(std::string_view text) {
                                                                                                      : std::nan("");
 }
 
+/// Lines of fields, as many in each as there are: these sets leave out what a row has not.
+Result<bool> read_lines(const fs::path& path, char separator, const std::function<Result<bool>(const TextRow&)>& take) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be read"};
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number)
+    if (const auto taken = take({split_at(line, separator), &path, number}); !taken) return taken.failure();
+  return true;
+}
+
 /// Columns of a CSV file by the names of its head; NaN where a row has none.
 Result<bool> read_columns(const fs::path& path, char separator, const std::vector<std::string>& names,
                           const std::function<Result<bool>(const std::vector<double>&, const TextRow&)>& take) {
-  std::ifstream file(path, std::ios::binary);
-  std::string line;
-  if (!file || !std::getline(file, line)) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be read"};
-  const auto head = split_at(line, separator);
   std::vector<size_t> columns;
-  for (const std::string& name : names) {
-    columns.push_back(static_cast<size_t>(std::find(head.begin(), head.end(), name) - head.begin()));
-    if (columns.back() == head.size()) return Failure{ODO_E_DATA, path.string() + ":1: no column '" + name + "'"};
-  }
   std::vector<double> values(names.size());
-  for (int number = 2; std::getline(file, line); ++number) {
-    const TextRow row{split_at(line, separator), &path, number};
+  return read_lines(path, separator, [&](const TextRow& row) -> Result<bool> {
+    if (row.line == 1) {
+      for (const std::string& name : names) {
+        const auto found = std::find(row.fields.begin(), row.fields.end(), name);
+        if (found == row.fields.end()) return row.wrong("no column '" + name + "'");
+        columns.push_back(static_cast<size_t>(found - row.fields.begin()));
+      }
+      return true;
+    }
     for (size_t i = 0; i < columns.size(); ++i)
       values[i] = columns[i] < row.fields.size() ? number_of(row.fields[columns[i]]) : std::nan("");
-    if (const auto taken = take(values, row); !taken) return taken.failure();
-  }
-  return true;
+    return take(values, row);
+  });
 }
 
 Vector three(const std::vector<double>& v, size_t from) { return {v[from], v[from + 1], v[from + 2]}; }
@@ -121,7 +129,7 @@ Result<Recording> read_get_sensor_data(const fs::path& file) {
   Recording recording{.format = "IPIN", .path = file};
   double first_latitude = std::nan(""), first_longitude = std::nan("");
   std::map<std::string, double, std::less<>> offsets_s;  // of each sensor's clock: the app's jitters
-  const auto done = read_rows_with_names(file, [&](const TextRow& row) -> Result<bool> {
+  const auto done = read_lines(file, ';', [&](const TextRow& row) -> Result<bool> {
     const std::string_view type = row.fields[0];
     const bool place = type == "POSI", air = type.starts_with("PRE");
     if (type != "ACCE" && type != "GYRO" && type != "MAGN" && !air && !place) return true;
