@@ -88,7 +88,7 @@ void StepFinder::go_on(const WalkSignal& signal) {
                          ? hand_moves(signal, swing, p_.part_over_s) || hand_moves(signal, swing, p_.gentle_over_s)
                          : signal.vertical_part(p_.part_over_s) < p_.still_upright &&
                                repetition(signal, typical_s_, 2) < p_.regular &&
-                               stride_repetition(signal, typical_s_, 1) < p_.strides_go_on;
+                               stride_repetition(signal, typical_s_, 1) < p_.regular;
   stray_ = stray ? stray_ + 1 : 0;
   if (stray_ >= p_.stray_to_end) {
     walking_ = false;
@@ -143,7 +143,9 @@ bool StepFinder::steps_alike(const WalkSignal& signal, const Run& run) const {
 }
 
 bool StepFinder::strides_alike(const WalkSignal& signal, const Run& run) const {
+  const double rate = signal.gyro_between(peaks_[run.first].index, peaks_[peak_count_ - 1].index);
   if (run.mean_swing < p_.strides_swing_mps2) return false;
+  if (rate > p_.rotating_radps && repetition(signal, run.mean_s, 2) > p_.rotating_alike) return false;
   for (size_t i = run.first + 3; i < peak_count_; ++i)
     if (std::abs(interval_s(i) - interval_s(i - 2)) > p_.foot_alike * run.mean_s) return false;
   return stride_repetition(signal, run.mean_s, 2) >= p_.strides_alike;

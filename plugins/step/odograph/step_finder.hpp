@@ -35,20 +35,20 @@ class StepFinder {
   /// Numbers without a source were set on the walks that the README names.
   struct Parameters {
     bool gentle = false;
-    double min_swing_mps2 = 0.5;      ///< a smaller one is no step, even of somebody who shuffles
-    double relative_swing = 0.25;     ///< least swing within a walk, of the typical one
-    double longest_s = 1.1;           ///< of a step; after that a walk is over
-    double missing = 2.0;             ///< times the typical interval: a walk is over
-    size_t to_begin = 4;              ///< peaks that are alike
-    double alike = 1.45;              ///< largest over smallest of their intervals
-    double regular_to_begin = 0.85;   ///< autocorrelation at a step's lag from which a walk may begin
-    double upright = 0.75;            ///< vertical part of the power, to begin
-    double still_upright = 0.40;      ///< the same to go on
-    double regular = 0.5;             ///< autocorrelation with which a walk goes on without it
-    size_t strides_to_begin = 7;      ///< peaks of three strides
-    double strides_alike = 0.8;       ///< repetition of all axes over two strides, to begin
-    double strides_go_on = 0.5;       ///< the same over one with which a walk goes on
-    double strides_swing_mps2 = 1.5;  ///< mean swing, to begin: softer steps are the other finder's
+    double min_swing_mps2 = 0.5;     ///< a smaller one is no step, even of somebody who shuffles
+    double relative_swing = 0.25;    ///< least swing within a walk, of the typical one
+    double longest_s = 1.1;          ///< of a step; after that a walk is over
+    double missing = 2.0;            ///< times the typical interval: a walk is over
+    size_t to_begin = 4;             ///< peaks that are alike
+    double alike = 1.45;             ///< largest over smallest of their intervals
+    double regular_to_begin = 0.85;  ///< autocorrelation at a step's lag from which a walk may begin
+    double upright = 0.75;           ///< vertical part of the power, to begin
+    double still_upright = 0.40;     ///< the same to go on
+    double regular = 0.5;         ///< autocorrelation at a step, or of all axes at a stride, with which a walk goes on
+    size_t strides_to_begin = 7;  ///< peaks of three strides
+    double strides_alike = 0.8;   ///< repetition of all axes over two strides, to begin
+    double strides_swing_mps2 = 1.5;                    ///< mean swing, to begin: softer steps are the other finder's
+    double rotating_radps = 1.6, rotating_alike = 0.6;  ///< above both a hand draws eights: on a leg the feet differ
     double foot_alike = 0.3;          ///< difference of two intervals of one foot, of the mean interval, to begin
     double swing_per_rate = 3.5;      ///< m/s^2 for a rad/s, to begin: a hand that moves by itself turns more
     double max_tilting_radps = 1e9;   ///< a hand that tilts more by itself hides steps; root mean square
