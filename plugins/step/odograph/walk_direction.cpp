@@ -23,7 +23,7 @@ double WalkDirection::sigma_rad() const {
   // Surges scatter to both sides; what is left of their lengths' sum tells how much (Mardia & Jupp 2000).
   const double part = std::min(1.0, length / weights_), effective = weights_ * weights_ / squared_weights_;
   const double scatter = (1 - part * part) / (2 * part * part);
-  return std::min(M_PI, std::sqrt(p_.least_sigma_rad * p_.least_sigma_rad + scatter / effective));
+  return std::min(M_PI, std::sqrt(p_.min_sigma_rad * p_.min_sigma_rad + scatter / effective));
 }
 
 }  // namespace odograph::steps

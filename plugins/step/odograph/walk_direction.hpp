@@ -13,7 +13,7 @@ class WalkDirection {
  public:
   struct Parameters {
     double steps = 12;              ///< over which surges are averaged: a few strides more than it takes to turn
-    double least_sigma_rad = 0.12;  ///< that no number of steps makes smaller: RIDI's walkers (README)
+    double min_sigma_rad = 0.12;  ///< that no number of steps makes smaller: RIDI's walkers (README)
   };
   WalkDirection() : WalkDirection(Parameters{}) {}
   explicit WalkDirection(const Parameters& parameters) : p_(parameters) {}

@@ -29,9 +29,9 @@ struct PictureRef {
   uint64_t offset = 0;                                // in the file; in a store the picture's number
   uint64_t size = 0;                                  // 0: the whole file
   bool black = false;  // its size counts, not what it shows: something stood before the camera
+  std::shared_ptr<PictureStore> store{};
   float gamma = 1;     // grey levels g become 255 (g / 255)^gamma,
   float gain = 1;      // times this
-  std::shared_ptr<PictureStore> store{};
 };
 
 /// One message of a recording; a frame has its picture apart.
