@@ -23,8 +23,8 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
-/// What a number must be; `unjudged`: it is the host's own, or nobody takes it from outside.
-enum class Rule { finite, not_negative, positive, share, unit, direction, latitude, unjudged };
+/// What a number must be; `natural`: 0 or more; `any`: it is the host's own, or nobody takes it from outside.
+enum class Rule { finite, natural, positive, share, unit, direction, lat, lon, height, place, sensed, matrix, any };
 
 struct Field {
   uint32_t type;
@@ -40,16 +40,16 @@ constexpr uint32_t kPosition = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO
   Field { type, #field, offsetof(message, field), sizeof(message::field) / sizeof(double), Rule::rule, flag }
 
 const Field kFields[] = {
-    ODO_FIELD(ODO_TYPE_IMU, odo_imu, gyro_b, finite, ODO_IMU_GYRO),
-    ODO_FIELD(ODO_TYPE_IMU, odo_imu, accel_b, finite, ODO_IMU_ACCEL),
-    ODO_FIELD(ODO_TYPE_MAGNETOMETER, odo_magnetometer, field_b, finite, 0),
-    ODO_FIELD(ODO_TYPE_MAGNETOMETER, odo_magnetometer, sigma_t, not_negative, ODO_MAGNETOMETER_SIGMA),
-    ODO_FIELD(ODO_TYPE_BAROMETER, odo_barometer, pressure_pa, finite, 0),
-    ODO_FIELD(ODO_TYPE_BAROMETER, odo_barometer, sigma_pa, not_negative, ODO_BAROMETER_SIGMA),
-    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, latitude_rad, latitude, ODO_GNSS_POSITION),
-    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, longitude_rad, finite, ODO_GNSS_POSITION),
-    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, height_m, finite, ODO_GNSS_HEIGHT),
-    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, covariance_n, not_negative, ODO_GNSS_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_IMU, odo_imu, gyro_b, sensed, ODO_IMU_GYRO),
+    ODO_FIELD(ODO_TYPE_IMU, odo_imu, accel_b, sensed, ODO_IMU_ACCEL),
+    ODO_FIELD(ODO_TYPE_MAGNETOMETER, odo_magnetometer, field_b, sensed, 0),
+    ODO_FIELD(ODO_TYPE_MAGNETOMETER, odo_magnetometer, sigma_t, natural, ODO_MAGNETOMETER_SIGMA),
+    ODO_FIELD(ODO_TYPE_BAROMETER, odo_barometer, pressure_pa, sensed, 0),
+    ODO_FIELD(ODO_TYPE_BAROMETER, odo_barometer, sigma_pa, natural, ODO_BAROMETER_SIGMA),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, latitude_rad, lat, ODO_GNSS_POSITION),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, longitude_rad, lon, ODO_GNSS_POSITION),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, height_m, height, ODO_GNSS_HEIGHT),
+    ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, covariance_n, matrix, ODO_GNSS_COVARIANCE),
     ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, velocity_n, finite, ODO_GNSS_VELOCITY),
     ODO_FIELD(ODO_TYPE_GNSS, odo_gnss, lever_b, finite, ODO_GNSS_LEVER),
     ODO_FIELD(ODO_TYPE_FRAME, odo_frame, fx, positive, ODO_FRAME_INTRINSICS),
@@ -63,57 +63,57 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, distortion, finite, 0),
     ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, q_b_c, unit, ODO_CALIBRATION_EXTRINSICS),
     ODO_FIELD(ODO_TYPE_CALIBRATION, odo_calibration, p_b_c, finite, ODO_CALIBRATION_EXTRINSICS),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_noise, not_negative, 0),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_walk, not_negative, 0),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_noise, not_negative, 0),
-    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_walk, not_negative, 0),
-    ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, p_n, finite, 0),
-    ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, sigma_m, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_noise, natural, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, gyro_walk, natural, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_noise, natural, 0),
+    ODO_FIELD(ODO_TYPE_IMU_NOISE, odo_imu_noise, accel_walk, natural, 0),
+    ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, p_n, place, 0),
+    ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, sigma_m, natural, 0),
     ODO_FIELD(ODO_TYPE_WAYPOINT, odo_waypoint, lever_b, finite, ODO_WAYPOINT_LEVER),
     ODO_FIELD(ODO_TYPE_EARTH_FIELD, odo_earth_field, declination_rad, finite, ODO_EARTH_FIELD_DECLINATION),
     ODO_FIELD(ODO_TYPE_EARTH_FIELD, odo_earth_field, inclination_rad, finite, ODO_EARTH_FIELD_INCLINATION),
     ODO_FIELD(ODO_TYPE_EARTH_FIELD, odo_earth_field, intensity_t, positive, ODO_EARTH_FIELD_INTENSITY),
     ODO_FIELD(ODO_TYPE_PLATFORM_POSE, odo_platform_pose, q_w, unit, 0),
     ODO_FIELD(ODO_TYPE_PLATFORM_POSE, odo_platform_pose, p_w, finite, 0),
-    ODO_FIELD(ODO_TYPE_PLATFORM_POSE, odo_platform_pose, covariance, not_negative, ODO_PLATFORM_POSE_COVARIANCE),
-    ODO_FIELD(ODO_TYPE_RANGE, odo_range, range_m, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_PLATFORM_POSE, odo_platform_pose, covariance, matrix, ODO_PLATFORM_POSE_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_RANGE, odo_range, range_m, natural, 0),
     ODO_FIELD(ODO_TYPE_RANGE, odo_range, sigma_m, positive, 0),
-    ODO_FIELD(ODO_TYPE_RANGE, odo_range, p_n, finite, ODO_RANGE_TRANSMITTER),
-    ODO_FIELD(ODO_TYPE_RANGE, odo_range, transmitter_sigma_m, not_negative, ODO_RANGE_TRANSMITTER),
+    ODO_FIELD(ODO_TYPE_RANGE, odo_range, p_n, place, ODO_RANGE_TRANSMITTER),
+    ODO_FIELD(ODO_TYPE_RANGE, odo_range, transmitter_sigma_m, natural, ODO_RANGE_TRANSMITTER),
     ODO_FIELD(ODO_TYPE_RANGE, odo_range, lever_b, finite, ODO_RANGE_LEVER),
-    ODO_FIELD(ODO_TYPE_SYSTEM_STEP, odo_system_step, distance_m, not_negative, ODO_SYSTEM_STEP_DISTANCE),
+    ODO_FIELD(ODO_TYPE_SYSTEM_STEP, odo_system_step, distance_m, natural, ODO_SYSTEM_STEP_DISTANCE),
     ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, q_n_b, unit, 0),
-    ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, covariance_n, finite, ODO_ATTITUDE_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, covariance_n, matrix, ODO_ATTITUDE_COVARIANCE),
     ODO_FIELD(ODO_TYPE_ATTITUDE, odo_attitude, gyro_bias_b, finite, ODO_ATTITUDE_GYRO_BIAS),
-    ODO_FIELD(ODO_TYPE_STEP, odo_step, length_m, not_negative, 0),
-    ODO_FIELD(ODO_TYPE_STEP, odo_step, sigma_m, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_STEP, odo_step, length_m, natural, 0),
+    ODO_FIELD(ODO_TYPE_STEP, odo_step, sigma_m, natural, 0),
     ODO_FIELD(ODO_TYPE_STEP, odo_step, frequency_hz, finite, 0),
     ODO_FIELD(ODO_TYPE_STEP, odo_step, heading_rad, finite, ODO_STEP_HEADING),
     ODO_FIELD(ODO_TYPE_STEP, odo_step, heading_sigma_rad, positive, ODO_STEP_HEADING_SIGMA),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_c0_c1, unit, ODO_VO_ROTATION),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, p_c0_c1, finite, ODO_VO_TRANSLATION),
-    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, covariance, finite, ODO_VO_COVARIANCE),
-    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_n_c0, unjudged, ODO_FLAG_NAVIGATION),
-    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, scale_sigma, not_negative, ODO_VO_METRIC | ODO_VO_INERTIAL),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, covariance, matrix, ODO_VO_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, q_n_c0, any, ODO_FLAG_NAVIGATION),
+    ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, scale_sigma, natural, ODO_VO_METRIC | ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, velocity_c1, finite, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gravity_c1, direction, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, gyro_bias_b, finite, ODO_VO_INERTIAL),
     ODO_FIELD(ODO_TYPE_VO_MOTION, odo_vo_motion, accel_bias_b, finite, ODO_VO_INERTIAL),
-    ODO_FIELD(ODO_TYPE_SCALE, odo_scale, scale, not_negative, 0),
-    ODO_FIELD(ODO_TYPE_SCALE, odo_scale, sigma, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_SCALE, odo_scale, scale, natural, 0),
+    ODO_FIELD(ODO_TYPE_SCALE, odo_scale, sigma, natural, 0),
     ODO_FIELD(ODO_TYPE_SCALE, odo_scale, displacement_m, finite, 0),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, p_n, finite, kPosition),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, covariance_n, not_negative, ODO_FIX_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, p_n, place, kPosition),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, covariance_n, matrix, ODO_FIX_COVARIANCE),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, q_n_b, unit, ODO_FIX_ORIENTATION),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, orientation_cov_n, not_negative, ODO_FIX_ORIENTATION_COVARIANCE),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, orientation_cov_n, matrix, ODO_FIX_ORIENTATION_COVARIANCE),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_rad, finite, ODO_FIX_YAW),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_sigma_rad, positive, ODO_FIX_YAW),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, latitude_rad, finite, ODO_FIX_GEODETIC),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, longitude_rad, finite, ODO_FIX_GEODETIC),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, height_m, finite, ODO_FIX_GEODETIC),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, latitude_rad, lat, ODO_FIX_GEODETIC),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, longitude_rad, lon, ODO_FIX_GEODETIC),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, height_m, height, ODO_FIX_GEODETIC),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, integrity, share, ODO_FIX_INTEGRITY),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, landmark_n, finite, ODO_FIX_SLANT),
-    ODO_FIELD(ODO_TYPE_FIX, odo_fix, slant_distance_m, finite, ODO_FIX_SLANT),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, landmark_n, place, ODO_FIX_SLANT),
+    ODO_FIELD(ODO_TYPE_FIX, odo_fix, slant_distance_m, natural, ODO_FIX_SLANT),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, lever_b, finite, ODO_FIX_LEVER),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, yaw_axis_b, direction, ODO_FIX_YAW),
     ODO_FIELD(ODO_TYPE_FIX, odo_fix, cross_covariance_n, finite, ODO_FIX_CROSS_COVARIANCE),
@@ -127,7 +127,7 @@ const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_REFINED, odo_refined, p_b_c, finite, ODO_REFINED_EXTRINSICS),
     ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, q_b0_b1, unit, ODO_RELATIVE_POSE_ROTATION),
     ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, p_b0_b1, finite, ODO_RELATIVE_POSE_TRANSLATION),
-    ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, covariance, not_negative, 0),
+    ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, covariance, matrix, 0),
 };
 #undef ODO_FIELD
 
@@ -148,6 +148,8 @@ AnyMessage good(uint32_t type) {
     const double value =
         field.rule == Rule::direction ? std::sqrt(1.0 / 3) : 0.5;  // four of these are a unit quaternion
     for (size_t i = 0; i < field.count; ++i) values[i] = value;
+    const size_t rows = field.count == 36 ? 6 : 3;
+    for (size_t i = 0; field.rule == Rule::matrix && i < field.count; ++i) values[i] = i % (rows + 1) == 0 ? 0.5 : 0.0;
     made.header().flags |= field.flag;
   }
   if (type == ODO_TYPE_FRAME) {
@@ -229,7 +231,7 @@ TEST_CASE("no number that is not finite, of any field of any message, gets throu
         CAPTURE(i);
         const std::string fault = fault_with(field, i, wild);
         const bool named = fault.find(field.name) == 0 || field.type == ODO_TYPE_IMU_NOISE;
-        CHECK(((field.rule == Rule::unjudged) ? fault.empty() : !fault.empty() && named));
+        CHECK(((field.rule == Rule::any) ? fault.empty() : !fault.empty() && named));
         if (field.flag != 0) CHECK(fault_with(field, i, wild, field.flag) == "");
       }
 }
@@ -244,8 +246,35 @@ TEST_CASE("numbers of a range are good at its ends, and faults beyond") {
       case Rule::finite:
         CHECK(good_with(-1e6));
         CHECK(good_with(0));
+        CHECK(good_with(1e9));
+        CHECK_FALSE(good_with(-1.001e9));
+        CHECK_FALSE(good_with(1e300));
         break;
-      case Rule::not_negative:
+      case Rule::sensed:  // what is impossible of a sensor the gate counts as wild
+        CHECK((good_with(-1e300) && good_with(1e300)));
+        break;
+      case Rule::place:
+        CHECK((good_with(-2e7) && good_with(2e7)));
+        CHECK_FALSE(good_with(2.001e7));
+        break;
+      case Rule::height:
+        CHECK((good_with(-12e3) && good_with(100e3)));
+        CHECK_FALSE((good_with(-12.1e3) || good_with(101e3)));
+        break;
+      case Rule::lon:
+        CHECK((good_with(-2 * std::acos(-1.0)) && good_with(2 * std::acos(-1.0))));
+        CHECK_FALSE((good_with(6.3) || good_with(11.575)));
+        break;
+      case Rule::matrix: {
+        CHECK(good_with(1e15));
+        CHECK_FALSE((good_with(-1e-9) || good_with(1.1e15)));
+        CHECK_FALSE(fault_with(field, 1, 0.1).empty());  // not symmetric
+        const bool known = field.type == ODO_TYPE_FIX;   // what is stated to be known has a variance
+        CHECK(good_with(0) == !known);
+        CHECK(good_with(1e-12));
+        break;
+      }
+      case Rule::natural:
         CHECK(good_with(0));
         CHECK_FALSE(good_with(-1e-12));
         break;
@@ -259,7 +288,7 @@ TEST_CASE("numbers of a range are good at its ends, and faults beyond") {
         CHECK_FALSE(good_with(-1e-9));
         CHECK_FALSE(good_with(1 + 1e-9));
         break;
-      case Rule::latitude:
+      case Rule::lat:
         for (const double sign : {-1, 1}) {
           CHECK(good_with(sign * half_pi));
           CHECK_FALSE(good_with(sign * (half_pi + 1e-9)));

@@ -51,6 +51,11 @@ void Pipeline::process(const odo_header& message) {
   }
   handle_events();
   publisher_.watch_silence();
+  if (!publisher_.take_broken()) return;
+  host_.report(0, ODO_SEVERITY_ERROR, "broken_pose",
+               "the localizer's pose is no number any more: it is not published, and the pipeline starts anew",
+               ODO_E_ERROR);
+  reset();
 }
 
 /// All sensors were silent: an event, whatever its length, and not an interval to integrate over.

@@ -26,11 +26,23 @@ Quaterniond about_down(const Quaterniond& q) {
 void PosePublisher::publish_estimates() {
   Correction correction;
   odo_pose corrected{}, pose{};
-  const bool moved = s_.composer.take_correction(correction, corrected);
+  const bool moved = s_.composer.take_correction(correction, corrected) && is_whole(corrected);
   if (moved) publish_correction(correction, corrected);
   bool any = s_.composer.take_pose(pose);
+  if (broken_ || (any && !is_whole(pose))) return;
   if (moved && !(any && pose.header.t_ns == corrected.header.t_ns)) publish_pose(corrected, false);
-  for (; any; any = s_.composer.take_pose(pose)) publish_pose(pose, true);
+  for (; any && is_whole(pose); any = s_.composer.take_pose(pose)) publish_pose(pose, true);
+}
+
+/// The last gate: nothing that is no number leaves, whatever got in.
+bool PosePublisher::is_whole(const odo_pose& pose) {
+  const auto finite = [](const double* values, size_t count) {
+    return std::all_of(values, values + count, [](double x) { return std::isfinite(x); });
+  };
+  const bool whole = finite(pose.q_n, 4) && finite(pose.p_n, 3) && finite(pose.velocity_n, 3) &&
+                     finite(pose.covariance, 36) && std::isfinite(pose.scale + pose.scale_sigma + pose.distance_m);
+  broken_ = broken_ || !whole;
+  return whole;
 }
 
 void PosePublisher::publish_pose(odo_pose pose, bool is_new) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "sdk/host/core/anchors.hpp"
 #include "sdk/host/core/north_reference.hpp"
@@ -41,6 +42,9 @@ class PosePublisher {
   /// All that the localizer has for the outside, in order of time: a correction and the pose that it moved before newer
   /// poses.
   void publish_estimates();
+  /// Whether the localizer has given a pose with a number that is none since the last call; such a pose is not
+  /// published.
+  bool take_broken() { return std::exchange(broken_, false); }
   /// All sensors were silent (SensorWatch::pause): that time was lost, and so is the pose until the next one.
   void pause();
   /// After each message: silence that no pose reports.
@@ -54,6 +58,7 @@ class PosePublisher {
   double state_s(uint32_t state) const { return state_s_[state]; }
 
  private:
+  bool is_whole(const odo_pose& pose);
   void publish_pose(odo_pose pose, bool is_new);
   void publish_correction(const Correction& correction, const odo_pose& corrected);
   void publish_restart(const odo_pose& pose);
@@ -65,7 +70,7 @@ class PosePublisher {
   Surroundings s_;
   Send publish_, tell_plugins_;
   std::optional<odo_pose> before_restart_, last_;
-  bool camera_knows_bias_ = false;
+  bool camera_knows_bias_ = false, broken_ = false;
   uint32_t state_ = 0, reason_ = ODO_REASON_INITIALISING;
   int64_t state_since_ns_ = 0;
   double state_s_[4] = {0, 0, 0, 0};  // by ODO_TRACKING ...

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "sdk/host/messages/bounds.hpp"
+
 namespace odograph {
 namespace {
 
@@ -41,19 +43,40 @@ class Judge {
       fault = std::string(field) + " = " + number_text(value) + "; expected " + expected;
     return *this;
   }
-  Judge& finite(const char* field, double value) { return that(std::isfinite(value), field, value, "a finite number"); }
-  Judge& finite(const char* field, const double* values, size_t count) {
+  Judge& within(const char* field, double value, const bounds::Bounds& bounds) {
+    that(std::isfinite(value), field, value, "a finite number");
+    return that(bounds.holds(value), field, value, bounds.text);
+  }
+  Judge& within(const char* field, const double* values, size_t count, const bounds::Bounds& bounds) {
     for (size_t i = 0; asked_ && i < count && fault.empty(); ++i)
-      if (!std::isfinite(values[i])) finite((std::string(field) + "[" + std::to_string(i) + "]").c_str(), values[i]);
+      if (!bounds.holds(values[i]))
+        within(count == 1 ? field : (std::string(field) + "[" + std::to_string(i) + "]").c_str(), values[i], bounds);
     return *this;
   }
-  /// A square matrix of finite numbers, row by row, with variances on its diagonal.
+  /// Of a sensor, whose range SampleGate knows.
+  Judge& sensed(const char* field, const double* values, size_t count) {
+    constexpr bounds::Bounds kFinite = {-1.7e308, 1.7e308, "a finite number"};
+    return within(field, values, count, kFinite);
+  }
+  Judge& finite(const char* field, double value) { return within(field, value, bounds::kAnything); }
+  Judge& finite(const char* field, const double* values, size_t count) {
+    return within(field, values, count, bounds::kAnything);
+  }
+  /// A covariance matrix, row by row.
   Judge& covariance(const char* field, const double* values, size_t rows) {
-    finite(field, values, rows * rows);
+    constexpr bounds::Bounds kFinite = {-bounds::kMaxVariance, bounds::kMaxVariance, "within +-1e15"};
+    within(field, values, rows * rows, kFinite);
     for (size_t i = 0; asked_ && i < rows && fault.empty(); ++i)
       if (const size_t at = i * (rows + 1); values[at] < 0)
         not_negative((std::string(field) + "[" + std::to_string(at) + "]").c_str(), values[at]);
+    if (asked_ && fault.empty() && !bounds::is_covariance(values, rows))
+      fault = std::string(field) + " is no covariance; expected a symmetric positive semidefinite matrix";
     return *this;
+  }
+  /// Of a component that is stated to be known.
+  Judge& known(const char* field, double variance) {
+    return that(variance >= bounds::kMinKnownVariance, field, variance,
+                "a variance of at least 1e-12 of what is known");
   }
   Judge& unit(const char* field, const double* q) {
     finite(field, q, 4);
@@ -83,8 +106,6 @@ class Judge {
   uint32_t flags_;
   bool asked_ = true;
 };
-
-constexpr double kRightAngle = 1.5707963267948966;
 
 void judge_frame(Judge& judge, const odo_frame& m) {
   const auto plane = [&](int i) {
@@ -125,7 +146,7 @@ void judge_vo_motion(Judge& judge, const odo_vo_motion& m) {
   judge.that(m.header.t_ns > m.t_from_ns, "t_from_ns", static_cast<double>(m.t_from_ns), "before header.t_ns");
   judge.when(ODO_VO_ROTATION).unit("q_c0_c1", m.q_c0_c1);
   judge.when(ODO_VO_TRANSLATION).finite("p_c0_c1", m.p_c0_c1, 3);
-  judge.when(ODO_VO_COVARIANCE).finite("covariance", m.covariance, 36);
+  judge.when(ODO_VO_COVARIANCE).covariance("covariance", m.covariance, 6);
   judge.when(ODO_VO_METRIC | ODO_VO_INERTIAL).not_negative("scale_sigma", m.scale_sigma);
   judge.when(ODO_VO_INERTIAL).finite("velocity_c1", m.velocity_c1, 3);
   judge.unit3("gravity_c1", m.gravity_c1).finite("gyro_bias_b", m.gyro_bias_b, 3);
@@ -136,30 +157,41 @@ void judge_fix(Judge& judge, const odo_fix& m) {
   const uint32_t flags = m.header.flags;
   judge.when(ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_GEODETIC)
       .that(flags & ODO_FIX_COVARIANCE, "flags", flags, "ODO_FIX_COVARIANCE with a position")
-      .finite("p_n", m.p_n, 3);
+      .within("p_n", m.p_n, 3, bounds::kPlace_m);
   judge.when(ODO_FIX_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
+  judge.when(ODO_FIX_NORTH | ODO_FIX_GEODETIC).known("covariance_n[0]", m.covariance_n[0]);
+  judge.when(ODO_FIX_EAST | ODO_FIX_GEODETIC).known("covariance_n[4]", m.covariance_n[4]);
+  judge.when(ODO_FIX_DOWN).known("covariance_n[8]", m.covariance_n[8]);
   judge.when(ODO_FIX_INTEGRITY).share("integrity", m.integrity);
   judge.when(ODO_FIX_LEVER).finite("lever_b", m.lever_b, 3);
   judge.when(ODO_FIX_ORIENTATION)
       .that(flags & ODO_FIX_ORIENTATION_COVARIANCE, "flags", flags,
             "ODO_FIX_ORIENTATION_COVARIANCE with an orientation")
       .unit("q_n_b", m.q_n_b)
-      .covariance("orientation_cov_n", m.orientation_cov_n, 3);
+      .covariance("orientation_cov_n", m.orientation_cov_n, 3)
+      .known("orientation_cov_n[0]", m.orientation_cov_n[0])
+      .known("orientation_cov_n[4]", m.orientation_cov_n[4])
+      .known("orientation_cov_n[8]", m.orientation_cov_n[8]);
   judge.when(ODO_FIX_CROSS_COVARIANCE).finite("cross_covariance_n", m.cross_covariance_n, 9);
   judge.when(ODO_FIX_SLANT_SIGMA).positive("slant_sigma_m", m.slant_sigma_m);
-  judge.when(ODO_FIX_SLANT).finite("landmark_n", m.landmark_n, 3).finite("slant_distance_m", m.slant_distance_m);
+  judge.when(ODO_FIX_SLANT)
+      .within("landmark_n", m.landmark_n, 3, bounds::kPlace_m)
+      .not_negative("slant_distance_m", m.slant_distance_m);
   judge.when(ODO_FIX_YAW)
       .finite("yaw_rad", m.yaw_rad)
       .positive("yaw_sigma_rad", m.yaw_sigma_rad)
       .unit3("yaw_axis_b", m.yaw_axis_b);
-  judge.when(ODO_FIX_GEODETIC).finite("latitude_rad", m.latitude_rad).finite("longitude_rad", m.longitude_rad);
-  judge.finite("height_m", m.height_m);
+  judge.when(ODO_FIX_GEODETIC)
+      .within("latitude_rad", m.latitude_rad, bounds::kLatitude_rad)
+      .within("longitude_rad", m.longitude_rad, bounds::kLongitude_rad)
+      .within("height_m", m.height_m, bounds::kHeight_m);
 }
 
 void judge_gnss(Judge& judge, const odo_gnss& m) {
-  judge.when(ODO_GNSS_POSITION).finite("latitude_rad", m.latitude_rad).finite("longitude_rad", m.longitude_rad);
-  judge.that(std::abs(m.latitude_rad) <= kRightAngle, "latitude_rad", m.latitude_rad, "-pi/2 to pi/2");
-  judge.when(ODO_GNSS_HEIGHT).finite("height_m", m.height_m);
+  judge.when(ODO_GNSS_POSITION)
+      .within("latitude_rad", m.latitude_rad, bounds::kLatitude_rad)
+      .within("longitude_rad", m.longitude_rad, bounds::kLongitude_rad);
+  judge.when(ODO_GNSS_HEIGHT).within("height_m", m.height_m, bounds::kHeight_m);
   judge.when(ODO_GNSS_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
   judge.when(ODO_GNSS_VELOCITY).finite("velocity_n", m.velocity_n, 3);
   judge.when(ODO_GNSS_LEVER).finite("lever_b", m.lever_b, 3);
@@ -169,16 +201,16 @@ void judge_input_fields(Judge& judge, const odo_header& header) {
   switch (header.type) {
     case ODO_TYPE_IMU: {
       const auto& m = as<odo_imu>(header);
-      judge.when(ODO_IMU_GYRO).finite("gyro_b", m.gyro_b, 3);
-      judge.when(ODO_IMU_ACCEL).finite("accel_b", m.accel_b, 3);
+      judge.when(ODO_IMU_GYRO).sensed("gyro_b", m.gyro_b, 3);
+      judge.when(ODO_IMU_ACCEL).sensed("accel_b", m.accel_b, 3);
       break;
     }
     case ODO_TYPE_MAGNETOMETER:
-      judge.finite("field_b", as<odo_magnetometer>(header).field_b, 3);
+      judge.sensed("field_b", as<odo_magnetometer>(header).field_b, 3);
       judge.when(ODO_MAGNETOMETER_SIGMA).not_negative("sigma_t", as<odo_magnetometer>(header).sigma_t);
       break;
     case ODO_TYPE_BAROMETER:
-      judge.finite("pressure_pa", as<odo_barometer>(header).pressure_pa);
+      judge.sensed("pressure_pa", &as<odo_barometer>(header).pressure_pa, 1);
       judge.when(ODO_BAROMETER_SIGMA).not_negative("sigma_pa", as<odo_barometer>(header).sigma_pa);
       break;
     case ODO_TYPE_GNSS: judge_gnss(judge, as<odo_gnss>(header)); break;
@@ -190,7 +222,8 @@ void judge_input_fields(Judge& judge, const odo_header& header) {
         judge.not_negative("gyro_noise and what follows", *density);
       break;
     case ODO_TYPE_WAYPOINT:
-      judge.finite("p_n", as<odo_waypoint>(header).p_n, 3).not_negative("sigma_m", as<odo_waypoint>(header).sigma_m);
+      judge.within("p_n", as<odo_waypoint>(header).p_n, 3, bounds::kPlace_m)
+          .not_negative("sigma_m", as<odo_waypoint>(header).sigma_m);
       judge.when(ODO_WAYPOINT_LEVER).finite("lever_b", as<odo_waypoint>(header).lever_b, 3);
       break;
     case ODO_TYPE_EARTH_FIELD: {
@@ -210,7 +243,7 @@ void judge_input_fields(Judge& judge, const odo_header& header) {
       const auto& m = as<odo_range>(header);
       judge.not_negative("range_m", m.range_m).positive("sigma_m", m.sigma_m);
       judge.when(ODO_RANGE_TRANSMITTER)
-          .finite("p_n", m.p_n, 3)
+          .within("p_n", m.p_n, 3, bounds::kPlace_m)
           .not_negative("transmitter_sigma_m", m.transmitter_sigma_m);
       judge.when(ODO_RANGE_LEVER).finite("lever_b", m.lever_b, 3);
       break;
@@ -227,7 +260,7 @@ void judge_event_fields(Judge& judge, const odo_header& header) {
     case ODO_TYPE_ATTITUDE: {
       const auto& m = as<odo_attitude>(header);
       judge.unit("q_n_b", m.q_n_b);
-      judge.when(ODO_ATTITUDE_COVARIANCE).finite("covariance_n", m.covariance_n, 9);
+      judge.when(ODO_ATTITUDE_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
       judge.when(ODO_ATTITUDE_GYRO_BIAS).finite("gyro_bias_b", m.gyro_bias_b, 3);
       break;
     }

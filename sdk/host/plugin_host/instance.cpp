@@ -14,6 +14,7 @@
 
 #include "sdk/host/base/coarse_clock.hpp"
 #include "sdk/host/base/saturating.hpp"
+#include "sdk/host/messages/bounds.hpp"
 #include "sdk/host/plugin_host/library_backend.hpp"
 #include "sdk/host/plugin_host/process_backend.hpp"
 #include "sdk/math/time.hpp"
@@ -204,7 +205,11 @@ int32_t PluginInstance::emit(const odo_sink* sink, const odo_header* event) {
   }
   AnyMessage none;
   EventFault fault;
-  const int32_t status = judge_event(*event, self.outputs_, slot ? *slot : none, fault);
+  int32_t status = judge_event(*event, self.outputs_, slot ? *slot : none, fault);
+  if (status == ODO_OK && bounds::is_ahead(event->t_ns, self.now_ns_)) {
+    fault = {"bad_event", "emitted a " + message_name(event->type) + " of a time more than a second ahead"};
+    status = ODO_E_ARGUMENT;
+  }
   if (status == ODO_OK) return slot->header().source = self.number_, ODO_OK;
   if (slot) self.buffer_.drop_last();
   if (status != ODO_E_UNSUPPORTED) self.fault(fault.key, fault.text, status);
