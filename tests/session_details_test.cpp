@@ -3,6 +3,9 @@
 // What a session tells the plugins and the app in detail: calibrations, sizes, flags, states, reports, saved names.
 #include <doctest/doctest.h>
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -299,6 +302,39 @@ TEST_CASE("a live session answers what is pushed without being flushed") {
   for (int i = 0; i < 500 && app.poses == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   CHECK(app.poses > 0);
   odo_session_set_callback(app.session, nullptr, 0, nullptr, nullptr);
+}
+
+TEST_CASE("places that are none are refused in both directions") {
+  App app(kWalk + "navigation: {origin: {latitude: 48.1 deg, longitude: 11.6 deg, height: 500 m}}\n");
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const double good_n[3] = {10, -20, 3};
+  double geodetic[3], p_n[3];
+  REQUIRE(odo_session_to_geodetic(app.session, good_n, geodetic) == ODO_OK);
+  REQUIRE(odo_session_from_geodetic(app.session, geodetic, p_n) == ODO_OK);
+  for (int i = 0; i < 3; ++i)
+    for (const double wrong : {std::nan(""), HUGE_VAL, -1e9, 48.1e6}) {
+      double bad_n[3] = {10, -20, 3}, bad[3] = {geodetic[0], geodetic[1], geodetic[2]}, out[3];
+      bad_n[i] = bad[i] = wrong;
+      CHECK(odo_session_to_geodetic(app.session, bad_n, out) == ODO_E_ARGUMENT);
+      CHECK(odo_session_from_geodetic(app.session, bad, out) == ODO_E_ARGUMENT);
+    }
+}
+
+TEST_CASE(
+    "a child that was forked beside a live session is told so by flush, and does not wait for a thread it lacks") {
+  App app(kWalk, ODO_RUN_LIVE);
+  REQUIRE(app.status == ODO_OK);
+  app.walk(0, 100);
+  odo_session_flush(app.session);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(5);
+    _exit(odo_session_flush(app.session) == ODO_E_STATE ? 0 : 1);
+  }
+  int status = -1;
+  waitpid(child, &status, 0);
+  CHECK(status == 0);
+  CHECK(odo_session_flush(app.session) == ODO_OK);
 }
 
 TEST_SUITE_END();

@@ -162,7 +162,8 @@ ODO_API int32_t ODO_CALL odo_session_last_error(odo_session *session, odo_error 
 /* [any] Local NED to WGS 84 and back, exact (GeographicLib::LocalCartesian). p_n and geodetic are arrays of 3; geodetic
  * is latitude and longitude in rad, ellipsoidal height in m. ODO_NOT_READY while n's origin is not known (neither
  * navigation.origin nor a GNSS fix). That is about n alone: with navigation.origin they work at once, while the phone's
- * place in n is arbitrary until a navigation.start or a position fix (ODO_REASON_NO_FIX of geodetic anchors). */
+ * place in n is arbitrary until a navigation.start or a position fix (ODO_REASON_NO_FIX of geodetic anchors).
+ * ODO_E_ARGUMENT: no number, no such latitude or longitude, or farther than 2e7 m. */
 ODO_API int32_t ODO_CALL odo_session_to_geodetic(odo_session *session, const double *p_n, double *geodetic);
 ODO_API int32_t ODO_CALL odo_session_from_geodetic(odo_session *session, const double *geodetic, double *p_n);
 

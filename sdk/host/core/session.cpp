@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include <unistd.h>
+
 #include "sdk/host/config/runs_processes.hpp"
 #include "sdk/math/rotation.hpp"
 
@@ -38,6 +40,7 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
                  AppServices app)
     : config_(std::move(config)),
       live_(live),
+      process_(getpid()),
       host_(
           seed, std::move(assets), [this](const Report& report) { outbox_.add(report), notify(); }, app),
       cameras_(config_.camera),
@@ -47,7 +50,10 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
   host_.on_wake([this] { notify(); });
 }
 
+bool Session::is_in_a_child() const { return live_ && getpid() != process_; }
+
 Session::~Session() {
+  if (is_in_a_child()) thread_.detach();
   intake_.close();  // an app may push while its last frames are given back
   {
     const std::lock_guard lock(mutex_);
@@ -178,7 +184,7 @@ void Session::notify() {
 
 int32_t Session::flush() {
   Lock lock(mutex_);
-  if (is_owner()) return ODO_E_STATE;
+  if (is_owner() || is_in_a_child()) return ODO_E_STATE;
   if (live_) {
     const uint64_t mine = ++flushes_asked_;
     work_waiting_.notify_one();

@@ -59,6 +59,7 @@ class Session {
 
   Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed, AppServices app);
 
+  bool is_in_a_child() const;
   bool is_owner() const { return owned_ && owner_ == std::this_thread::get_id(); }
   bool work_is_waiting() const;
   void process_waiting(Lock& lock, int64_t flush_until_ns);
@@ -68,6 +69,7 @@ class Session {
 
   const PipelineConfig config_;
   const bool live_;
+  const int process_;  // a child that was forked has no thread of this session
   Outbox outbox_;
   HostServices host_;
   CameraTable cameras_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/host/messages/bounds.hpp"
 #include "sdk/host/base/pose_frame.hpp"
 #include "sdk/math/rotation.hpp"
 
@@ -123,6 +124,7 @@ int32_t WorldView::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor&
 }
 
 int32_t WorldView::to_geodetic(const double* p_n, double* geodetic) const {
+  if (!std::all_of(p_n, p_n + 3, [](double x) { return bounds::kPlace_m.holds(x); })) return ODO_E_ARGUMENT;
   if (!geodesy_.has_origin()) return ODO_NOT_READY;
   const auto g = geodesy_.to_geodetic({p_n[0], p_n[1], p_n[2]});
   std::copy(g.begin(), g.end(), geodetic);
@@ -130,6 +132,9 @@ int32_t WorldView::to_geodetic(const double* p_n, double* geodetic) const {
 }
 
 int32_t WorldView::from_geodetic(const double* geodetic, double* p_n) const {
+  if (!bounds::kLatitude_rad.holds(geodetic[0]) || !bounds::kLongitude_rad.holds(geodetic[1]) ||
+      !bounds::kPlace_m.holds(geodetic[2]))
+    return ODO_E_ARGUMENT;
   if (!geodesy_.has_origin()) return ODO_NOT_READY;
   const auto p = geodesy_.from_geodetic({geodetic[0], geodetic[1], geodetic[2]});
   std::copy(p.begin(), p.end(), p_n);
