@@ -259,7 +259,7 @@ TEST_CASE(
   const TemporaryFolder folder;
   Recording recording;
   recording.add(make_message<odo_imu>(ODO_TYPE_IMU, 1).header);
-  CHECK(sizeof(RecordedMessage) <= 72);  // beside sizeof(odo_imu): there are 200 a second
+  CHECK(sizeof(RecordedMessage) <= 64);  // beside sizeof(odo_imu): there are 200 a second
   StoredMessage copy = recording.messages[0].message;
   auto& imu = reinterpret_cast<odo_imu&>(copy.header());
   imu.accel_b[2] = 9.81;

@@ -27,7 +27,7 @@ class PictureStore {
 struct PictureRef {
   std::shared_ptr<const std::filesystem::path> file;  // null: none, or a store's
   uint64_t offset = 0;                                // in the file; in a store the picture's number
-  uint64_t size = 0;                                  // 0: the whole file
+  uint32_t size = 0;                                  // 0: the whole file
   bool black = false;  // its size counts, not what it shows: something stood before the camera
   std::shared_ptr<PictureStore> store{};
   float gamma = 1;     // grey levels g become 255 (g / 255)^gamma,

@@ -98,7 +98,8 @@ struct Collector {
     const bool none_metric = result.first_metric == result.track.size();
     result.track.push_back(x);
     result.states.push_back(pose.state);
-    if (none_metric && !(pose.header.flags & ODO_POSE_METRIC)) result.first_metric = result.track.size();
+    const bool stands = pose.reason == ODO_REASON_INITIALISING || pose.reason == ODO_REASON_NO_SCALE;
+    if (none_metric && (stands || !(pose.header.flags & ODO_POSE_METRIC))) result.first_metric = result.track.size();
     if (pose.header.flags & ODO_POSE_CAMERA) {
       result.frame_ms.push_back(work_ms);
       result.frame_thread_ms.push_back(work_thread_ms);
