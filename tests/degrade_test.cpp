@@ -142,8 +142,8 @@ TEST_CASE("a recording ends where it is told, loses a share of its frames, and i
   float least = 2, most = 0;
   for (const RecordedMessage& m : degraded(before, {.gamma = 2.2, .flicker = 0.5}, 1).messages) {
     if (m.message.header().type != ODO_TYPE_FRAME) continue;
-    CHECK(m.picture.gamma == 2.2F);
-    least = std::min(least, m.picture.gain), most = std::max(most, m.picture.gain);
+    CHECK(m.picture.gamma_percent == 220);
+    least = std::min(least, m.picture.gain_percent / 100.0), most = std::max(most, m.picture.gain_percent / 100.0);
   }
   CHECK(least == doctest::Approx(0.5).epsilon(0.01));
   CHECK(most == doctest::Approx(1.5).epsilon(0.01));
@@ -194,8 +194,8 @@ TEST_CASE("frames are missing in a gap and black in the dark, counted from the f
     if (m.message.header().type != ODO_TYPE_FRAME) continue;
     const double s = static_cast<double>(m.message.header().t_ns - first) * 1e-9;
     missing -= s >= 10 && s < 12;
-    CHECK(m.picture.black == (s >= 20 && s < 23));
-    black += m.picture.black;
+    CHECK((m.picture.gain_percent == 0) == (s >= 20 && s < 23));
+    black += m.picture.gain_percent == 0;
   }
   CHECK(missing == 20);
   CHECK(black == 30);
@@ -210,7 +210,7 @@ TEST_CASE("a black picture has the size of what it hides") {
   m.message.assign(make_message<odo_frame>(ODO_TYPE_FRAME, 0).header);
   m.picture = {.file = std::make_shared<const std::filesystem::path>(file)};
   for (const bool black : {false, true}) {
-    m.picture.black = black;
+    m.picture.gain_percent = black ? 0 : 100;
     const auto frame = load_frame(m);
     REQUIRE(frame);
     CHECK(frame->width == 8);

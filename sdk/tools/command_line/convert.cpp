@@ -29,7 +29,7 @@ struct ConvertArguments {
 /// The bytes of a picture that lies somewhere as PNG or JPEG; empty where it does not, or is to be another.
 std::vector<unsigned char> encoded_picture(const PictureRef& picture) {
   std::error_code error;
-  if (!picture.file || picture.store || picture.black || !fs::is_regular_file(*picture.file, error)) return {};
+  if (!picture.file || picture.store || picture.relit() || !fs::is_regular_file(*picture.file, error)) return {};
   const uint64_t size = picture.size > 0 ? picture.size : fs::file_size(*picture.file, error);
   if (error || size < 8 || size > kLargestPicture) return {};
   std::vector<unsigned char> bytes(size);

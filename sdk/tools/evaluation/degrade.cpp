@@ -71,8 +71,8 @@ void relight(Recording& recording, const Degradation& d) {
   for (RecordedMessage& m : recording.messages) {
     if (type_of(m) != ODO_TYPE_FRAME) continue;
     const double phase = 2 * EIGEN_PI * d.flicker_hz * seconds(time_of(m) - first);
-    m.picture.gamma = static_cast<float>(d.gamma);
-    m.picture.gain = static_cast<float>(1 + d.flicker * std::sin(phase));
+    m.picture.gamma_percent = static_cast<uint16_t>(std::lround(100 * d.gamma));
+    m.picture.gain_percent = static_cast<uint16_t>(std::lround(100 * (1 + d.flicker * std::sin(phase))));
   }
 }
 
@@ -83,7 +83,7 @@ void leave_out_frames(Recording& recording, const Degradation& d) {
     return type_of(m) == ODO_TYPE_FRAME && t >= nanoseconds(from_s) && t < nanoseconds(from_s + for_s);
   };
   for (RecordedMessage& m : recording.messages)
-    if (within(m, d.dark_from_s, d.dark_for_s)) m.picture.black = true;
+    if (within(m, d.dark_from_s, d.dark_for_s)) m.picture.gain_percent = 0;
   drop(recording, [&](const RecordedMessage& m) { return within(m, d.gap_from_s, d.gap_for_s); });
 }
 

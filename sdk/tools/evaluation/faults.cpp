@@ -74,7 +74,7 @@ void spoil(std::vector<Delivery>& all, const SensorFault& fault) {
     case FaultKind::delay: one.at_ns += by_ns; break;
     case FaultKind::shift: header.t_ns += by_ns; break;
     case FaultKind::value: read_as(header, fault.sensor, fault.value); break;
-    case FaultKind::black: one.message.picture.black = true; break;
+    case FaultKind::black: one.message.picture.gain_percent = 0; break;
     case FaultKind::damaged:
       if (header.type == ODO_TYPE_FRAME) one.message.picture = {};
   }

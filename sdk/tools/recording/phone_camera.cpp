@@ -132,7 +132,7 @@ Result<bool> add_video(Recording& recording, const Format& format, const Files& 
     const auto& [t_ns, row] = (*clock)[i];
     if (!t_ns) continue;
     const Row* values = times && row < times->rows.size() ? &times->rows[row] : nullptr;
-    recording.add(frame_of(*t_ns, values, *calibration, by_lens).header, PictureRef{{}, i, 0, false, *video});
+    recording.add(frame_of(*t_ns, values, *calibration, by_lens).header, PictureRef{.offset = i, .store = *video});
   }
   return true;
 }

@@ -207,11 +207,11 @@ cv::Mat decode_stored(const RecordedMessage& recorded) {
 
 /// Other light than was recorded.
 void relight(const PictureRef& picture, cv::Mat& image) {
-  if (picture.gamma == 1 && picture.gain == 1) return;
+  if (!picture.relit()) return;
   cv::Mat levels(1, 256, CV_8U);
   for (int g = 0; g < 256; ++g)
     levels.at<uchar>(g) =
-        cv::saturate_cast<uchar>(255 * picture.gain * std::pow(static_cast<float>(g) / 255, picture.gamma));
+        cv::saturate_cast<uchar>(2.55 * picture.gain_percent * std::pow(g / 255.0, picture.gamma_percent / 100.0));
   cv::LUT(image, levels, image);
 }
 
@@ -219,9 +219,8 @@ void relight(const PictureRef& picture, cv::Mat& image) {
 
 Result<odo_frame> load_frame(const RecordedMessage& recorded) {
   const PictureRef& picture = recorded.picture;
-  const bool as_it_is = !picture.black && picture.gamma == 1 && picture.gain == 1;
-  if (picture.store && as_it_is)
-    return recorded.picture.store->load(recorded.picture.offset, copy_as<odo_frame>(recorded.message.header()));
+  if (picture.store && !picture.relit())
+    return picture.store->load(picture.offset, copy_as<odo_frame>(recorded.message.header()));
   auto held = std::make_unique<HeldPicture>();
   std::error_code error;
   if (const auto& file = recorded.picture.file; file && fs::is_regular_file(*file, error))
@@ -233,7 +232,6 @@ Result<odo_frame> load_frame(const RecordedMessage& recorded) {
   }
   if (held->image.empty() || held->image.depth() != CV_8U)
     return Failure{ODO_E_DATA, name_of(recorded.picture) + ": the picture cannot be read as 8-bit grey or colour"};
-  if (recorded.picture.black) held->image = cv::Scalar::all(0);
   relight(recorded.picture, held->image);
   if (held->image.channels() == 3) {  // OpenCV decodes to BGR
     std::vector<cv::Mat> bgr;

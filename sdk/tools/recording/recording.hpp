@@ -28,10 +28,12 @@ struct PictureRef {
   std::shared_ptr<const std::filesystem::path> file;  // null: none, or a store's
   uint64_t offset = 0;                                // in the file; in a store the picture's number
   uint32_t size = 0;                                  // 0: the whole file
-  bool black = false;  // its size counts, not what it shows: something stood before the camera
+  // Other light than was recorded: grey levels g become gain 255 (g / 255)^gamma. Of a gain of 0, when something stood
+  // before the camera, the size alone counts.
+  uint16_t gamma_percent = 100, gain_percent = 100;
   std::shared_ptr<PictureStore> store{};
-  float gamma = 1;     // grey levels g become 255 (g / 255)^gamma,
-  float gain = 1;      // times this
+
+  bool relit() const { return gamma_percent != 100 || gain_percent != 100; }
 };
 
 /// One message of a recording; a frame has its picture apart.
