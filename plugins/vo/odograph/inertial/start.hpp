@@ -20,8 +20,9 @@ struct StartFrame {
 /// recorded.
 struct StartParameters {
   // Still.
-  double still_s = 1.0;            ///< of a phone that is held still, before the filter starts from it: half of
-                                   ///< it a swinging drone has at its turning points
+  /// Of a phone that is held still, before the filter starts from it. A swing has half a second at its turning points,
+  /// a second has none (tests); but a drive's fixes are lost while it waits a second, so it is 0.6.
+  double still_s = 0.6;
   int still_looks = 4;             ///< pictures of that time, all of which a rotation alone must explain; by hand
   double still_tilt_rad = 0.1;     ///< before gravity is measured
   double still_rate_radps = 0.05;  ///< below this the mean rate is the gyroscope's bias; by hand
