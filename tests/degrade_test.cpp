@@ -139,7 +139,7 @@ TEST_CASE("a recording ends where it is told, loses a share of its frames, and i
   CHECK(cut.back().header.t_ns == kBegin_ns + 1'000'000'000 + 8'000'000'000);
   const auto whole = frames(before), fewer = frames(degraded(before, {.lost_frames = 0.1}, 1));
   CHECK(static_cast<double>(fewer.size()) / static_cast<double>(whole.size()) == doctest::Approx(0.9).epsilon(0.02));
-  float least = 2, most = 0;
+  double least = 2, most = 0;
   for (const RecordedMessage& m : degraded(before, {.gamma = 2.2, .flicker = 0.5}, 1).messages) {
     if (m.message.header().type != ODO_TYPE_FRAME) continue;
     CHECK(m.picture.gamma_percent == 220);

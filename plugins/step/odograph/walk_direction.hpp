@@ -12,7 +12,7 @@ namespace odograph::steps {
 class WalkDirection {
  public:
   struct Parameters {
-    double steps = 12;              ///< over which surges are averaged: a few strides more than it takes to turn
+    double steps = 12;            ///< over which surges are averaged: a few strides more than it takes to turn
     double min_sigma_rad = 0.12;  ///< that no number of steps makes smaller: RIDI's walkers (README)
   };
   WalkDirection() : WalkDirection(Parameters{}) {}
