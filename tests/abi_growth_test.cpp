@@ -260,7 +260,7 @@ TEST_CASE("reports are events with the plugin, a key, the status and a count") {
   const odo_report& report = app.reports.back();
   CHECK(std::string(report.plugin) == "host");
   CHECK(std::string(report.key) == "invalid_gnss");
-  CHECK(std::string(report.text) == "dropped a sample of gnss: latitude_rad = 3; expected -pi/2 to pi/2");
+  CHECK(std::string(report.text) == "dropped a sample of gnss: latitude_rad = 3; expected -pi/2 to pi/2 (degrees?)");
   CHECK(report.status == ODO_E_DISCARD);
   CHECK(report.severity == ODO_SEVERITY_WARNING);
   CHECK(report.count == 1);

@@ -70,7 +70,7 @@ TEST_CASE("a fixer by range gives fixes on a recording with ranges and poses, an
   });
   CHECK(row(checks, "recording.given").detail == "pose 400, range 400");
   CHECK(row(checks, "recording.emitted").detail.starts_with("fix "));
-  CHECK(row(checks, "recording.events.covariance").outcome == PluginCheck::Outcome::passed);
+  CHECK(row(checks, "recording.events.numbers").outcome == PluginCheck::Outcome::passed);
   CHECK(row(checks, "recording.fix.place").outcome == PluginCheck::Outcome::passed);
   CHECK_FALSE(any_failed(checks));
 }

@@ -54,11 +54,13 @@ GOOD_ENTRY
 #elif defined(ZOO_events_time_known__seconds)
 EVENT(scale) { e.header.t_ns = -5'000'000'000 + e.header.t_ns / 1'000'000'000; }
 GOOD_ENTRY
-#elif defined(ZOO_events_covariance__not_symmetric)
+#elif defined(ZOO_events_numbers__not_symmetric)
 EVENT(odometry) { e.motion.covariance[1] = 1e-5; }
 GOOD_ENTRY
 #elif defined(ZOO_events_uncertainty__sure)
-EVENT(fixer) { e.fix.covariance_n[0] = 0; }
+EVENT(odometry) {
+  for (int i = 0; i < 18; ++i) e.motion.covariance[i] = e.motion.covariance[6 * (i % 6) + i / 6] = 0;
+}
 GOOD_ENTRY
 #elif defined(ZOO_events_lists__mode_42)
 EVENT(steps) {
@@ -158,8 +160,8 @@ GOOD_ENTRY
 #elif defined(ZOO_fix_says_something__nothing)
 EVENT(fixer) { e.header.flags = 0; }
 GOOD_ENTRY
-#elif defined(ZOO_fix_place__moon)
-EVENT(fixer) { e.fix.p_n[0] = 3.8e8; }
+#elif defined(ZOO_fix_place__abroad)
+EVENT(fixer) { e.fix.p_n[0] = 4e6; }
 GOOD_ENTRY
 #elif defined(ZOO_fix_no_echo__poses)
 INPUT(fixer) {

@@ -23,7 +23,7 @@ constexpr double kSpeedOver_s = 0.25;  // less and the noise of positions is see
 constexpr double kGround_m = 1.35;     // of a phone in the hand, downwards; for the path in the pictures alone
 
 /// Ten thousandths are below what a page shows.
-double rounded(double value, double unit = 1e-4) { return std::round(value / unit) * unit; }
+double rounded(double value, double per_unit = 1e4) { return std::round(value * per_unit) / per_unit; }
 Json number(double value) { return std::isfinite(value) ? Json(rounded(value)) : Json(nullptr); }
 
 std::string text_of(const char* format, double a, double b = 0, double c = 0) {
@@ -93,7 +93,7 @@ class PageOfRun {
  private:
   double time(int64_t t_ns) const { return rounded(seconds(t_ns - t0_ns_)); }
   static Json json_of(const Eigen::Quaterniond& q) {
-    return {rounded(q.w(), 1e-6), rounded(q.x(), 1e-6), rounded(q.y(), 1e-6), rounded(q.z(), 1e-6)};
+    return {rounded(q.w(), 1e6), rounded(q.x(), 1e6), rounded(q.y(), 1e6), rounded(q.z(), 1e6)};
   }
 
   /// Poses, thinned where there are many; sigma and scale where the run has collected them.

@@ -118,41 +118,11 @@ std::string time_known(Bench& bench) {
   });
 }
 
-std::string covariances(Bench& bench) {
-  const auto judge = [](const double* c, int n) -> std::string {
-    for (int i = 0; i < n; ++i) {
-      if (c[i * n + i] < 0) return "has a negative variance (" + std::to_string(c[i * n + i]) + ")";
-      for (int k = 0; k < i; ++k) {
-        if (std::abs(c[i * n + k] - c[k * n + i]) > 1e-9 + 1e-6 * std::abs(c[i * n + k]))
-          return "has a covariance that is not symmetric";
-        if (c[i * n + k] * c[i * n + k] > 1.0001 * c[i * n + i] * c[k * n + k] + 1e-18)
-          return "has a correlation above 1";
-      }
-    }
-    return "";
-  };
-  return of_each(bench, [&](const SeenEvent&, const odo_header& h) -> std::string {
-    if (h.type == ODO_TYPE_ATTITUDE) return judge(as<odo_attitude>(h).covariance_n, 3);
-    if (h.type == ODO_TYPE_VO_MOTION && (h.flags & ODO_VO_COVARIANCE)) return judge(as<odo_vo_motion>(h).covariance, 6);
-    if (h.type != ODO_TYPE_FIX) return "";
-    const std::string position = judge(as<odo_fix>(h).covariance_n, 3);
-    return position.empty() && (h.flags & ODO_FIX_ORIENTATION) ? judge(as<odo_fix>(h).orientation_cov_n, 3) : position;
-  });
-}
-
 /// A variance of nothing in something that is said to be known is a promise that nobody can keep.
 std::string uncertainties(Bench& bench) {
   return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
     if (h.type == ODO_TYPE_STEP && as<odo_step>(h).sigma_m <= 0)
       return "has sigma_m = 0; expected how unsure the length is";
-    if (h.type == ODO_TYPE_FIX) {
-      const auto& fix = as<odo_fix>(h);
-      for (int i = 0; i < 3; ++i)
-        if ((h.flags >> i & 1) && fix.covariance_n[4 * i] <= 0) return "has a known component of p_n with variance 0";
-      if ((h.flags & ODO_FIX_YAW) && fix.yaw_sigma_rad <= 0) return "has yaw_sigma_rad = 0";
-      if ((h.flags & ODO_FIX_INTEGRITY) && (fix.integrity < 0 || fix.integrity > 1))
-        return "has integrity = " + std::to_string(fix.integrity) + "; expected 0 to 1";
-    }
     if (h.type == ODO_TYPE_VO_MOTION && (h.flags & ODO_VO_COVARIANCE) && (h.flags & ODO_VO_ROTATION) &&
         as<odo_vo_motion>(h).covariance[0] + as<odo_vo_motion>(h).covariance[7] + as<odo_vo_motion>(h).covariance[14] <=
             0)
@@ -202,8 +172,6 @@ std::vector<Case> event_cases() {
       {"events.flags", "sets the flags of the type, none of the host's", 20, 10, true, flags, true},
       {"events.time_order", "gives each type in the order of time", 20, 10, true, time_order, true},
       {"events.time_known", "gives times of the sensor clock, none ahead of its input", 20, 10, true, time_known, true},
-      {"events.covariance", "gives covariances that are symmetric, with correlations below 1", 20, 10, true,
-       covariances, true},
       {"events.uncertainty", "says how unsure it is of what it says to know", 20, 10, true, uncertainties, true},
       {"events.lists", "uses the modes, states and reasons of the lists", 20, 10, true, lists, true},
   };

@@ -290,8 +290,6 @@ std::string fix_says(Bench& bench) {
 std::string fix_place(Bench& bench) {
   return of_all<odo_fix>(bench, ODO_TYPE_FIX, [](const auto& all) -> std::string {
     for (const auto& [seen, fix] : all) {
-      if ((fix->header.flags & ODO_FIX_GEODETIC) && std::abs(fix->latitude_rad) > 1.5708)
-        return "latitude_rad = " + std::to_string(fix->latitude_rad) + at(fix->header);
       for (int i = 0; i < 3; ++i)
         if ((fix->header.flags >> i & 1) && std::abs(fix->p_n[i]) > kFarthest_m)
           return "p_n[" + std::to_string(i) + "] = " + std::to_string(fix->p_n[i]) + " m" + at(fix->header);
