@@ -100,6 +100,17 @@ double sigma_m(const odo_pose& pose) { return std::sqrt(std::max(pose.covariance
 
 }  // namespace
 
+TEST_CASE("a front-end that loses its unit after a pause at its start moves nothing by kilometres") {
+  for (const double before_s : {0.7, 0.74}) {
+    Walk walk(kPipelines[4]);
+    walk.go(before_s);
+    walk.wait(6);
+    walk.go(9 - before_s);
+    walk.flush();
+    CHECK(end_of(walk).distance_m < 15);  // 361 km when a displacement without a scale had no bound
+  }
+}
+
 TEST_CASE("a pause of any length anywhere is no displacement beyond the covariance, no tracking and no distance") {
   const char* wanted = std::getenv("ODOGRAPH_PAUSES");
   const int runs = wanted ? std::atoi(wanted) : 70;

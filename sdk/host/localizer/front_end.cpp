@@ -254,10 +254,11 @@ FrontEnd::Moving FrontEnd::begin_motion(const odo_vo_motion& m) {
   return moving;
 }
 
-/// A motion that picture or scale got wrong.
+/// A motion that picture or scale got wrong. Without a scale a unit is a metre within three sigmas of what is assumed.
 bool FrontEnd::is_impossible(const Moving& moving) const {
   const bool in_metres = moving.metric || inputs_.scale || scale_.known();
-  return in_metres && tracker_.is_impossible(moving.d_o.norm(), moving.dt_s);
+  const double units = in_metres ? 1 : std::exp(3 * ScaleUpdate::Parameters().unknown_sigma);
+  return tracker_.is_impossible(moving.d_o.norm() / units, moving.dt_s);
 }
 
 FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, const Situation& track) {
