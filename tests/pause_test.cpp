@@ -3,9 +3,9 @@
 // Silence of all sensors, of any length, anywhere in a run: an event and no interval to integrate over.
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <ctime>
 #include <random>
 
 #include "tests/session_app.hpp"
@@ -65,9 +65,15 @@ class Walk {
   static constexpr uint32_t kWidth = 160, kHeight = 120;
   template <class Work>
   void timed(Work&& work) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start_s = thread_s();
     work();
-    slowest_s = std::max(slowest_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    slowest_s = std::max(slowest_s, thread_s() - start_s);
+  }
+  /// Processor time: a loaded machine is no hang.
+  static double thread_s() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
   }
   void sample() {
     t_ns_ += 10'000'000;

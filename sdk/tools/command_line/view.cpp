@@ -62,6 +62,14 @@ int view(ViewArguments& a) {
   show(RunResult{});
 
   httplib::Server server;  // of this machine alone
+  server.set_pre_routing_handler([](const httplib::Request& in, httplib::Response& out) {
+    // A page of elsewhere whose name was made to lead here has that name as its host.
+    const std::string host = in.get_header_value("Host");
+    if (host.starts_with("127.0.0.1:") || host.starts_with("localhost:"))
+      return httplib::Server::HandlerResponse::Unhandled;
+    out.status = 403;
+    return httplib::Server::HandlerResponse::Handled;
+  });
   server.Get("/", [&](const httplib::Request&, httplib::Response& out) { out.set_content(shown.page(), "text/html"); });
   server.Get("/data", [&](const httplib::Request&, httplib::Response& out) {
     out.set_content(shown.data(), "application/json");

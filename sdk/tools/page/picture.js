@@ -24,7 +24,7 @@ function project(camera, v) {
   const d = camera.distortion;
   if (camera.model === 'equidistant') {
     const r = Math.hypot(x, y), a = Math.atan(r), a2 = a * a;
-    const f = r < 1e-9 ? 1 : a * (1 + a2 * (d[0] + a2 * (d[1] + a2 * (d[2] + a2 * d[3])))) / r;
+    const f = r < 1e-9 ? 1 : a * (1 + a2 * ((d[0] || 0) + a2 * ((d[1] || 0) + a2 * ((d[2] || 0) + a2 * (d[3] || 0))))) / r;
     x *= f;
     y *= f;
   } else if (d.length) {
