@@ -241,16 +241,6 @@ TEST_CASE("while its plugin comes back the pose goes on and says degraded, and t
   CHECK(out.says("test/crashing_attitude: was ended by a signal (Segmentation fault) in process; is started anew"));
 }
 
-TEST_CASE("the sandbox: no program, no socket, no file written; files read") {
-  const TestPlugins plugins{"prying"};
-  App app("odograph: 1\nattitude: {plugin: test/prying, isolation: process}\n", ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-  const Outcome out = walk(app, 0, 20);
-  std::string all;
-  for (const auto& text : out.said) all += text + "\n";
-  CHECK_MESSAGE(out.says("socket no, write no, fork no, kill no, exec no, read yes, thread yes"), all);
-}
-
 TEST_CASE("a plugin that takes memory without end ends alone" * doctest::skip(!kMemoryLimited)) {
   const TestPlugins plugins{"greedy"};
   App app("odograph: 1\nattitude: {plugin: test/greedy, isolation: process, memory_limit: 256}\n", ODO_RUN_REPLAY,

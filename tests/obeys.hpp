@@ -10,12 +10,12 @@ namespace odograph {
 /// One call of its process function.
 struct Order {
   odo_header header;
-  int32_t status;     ///< that it returns
-  uint32_t sleep_ms;  ///< that it takes
-  uint32_t emits;     ///< scales: 1 + what it has learnt; displacement_m: orders since activation or reset
-  uint32_t learn;     ///< what it knows from then on and saves; 0: nothing new
-  uint32_t ends;      ///< not 0: it ends the process that calls it
-  uint32_t reserved;
+  int32_t status;      ///< that it returns
+  uint32_t sleep_ms;   ///< that it takes
+  uint32_t emits;      ///< scales: 1 + what it has learnt; displacement_m: orders since activation or reset
+  uint32_t learn;      ///< what it knows from then on and saves; 0: nothing new
+  uint32_t ends;       ///< not 0: it ends the process that calls it
+  uint32_t rounds_up;  ///< not 0: it leaves that rounding mode behind
 };
 
 inline Order order(int64_t t_ns) {

@@ -5,6 +5,8 @@
 
 #include "tests/hostile/table.hpp"
 
+static const odo_sink*& sink_of(odo_instance* it) { return *reinterpret_cast<const odo_sink**>(it); }
+
 extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   static const odo_string interfaces[] = {{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1}};
   static const uint32_t inputs[] = {ODO_TYPE_VENDOR(0, 1)};
@@ -16,14 +18,19 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   t.interfaces = interfaces;
   t.inputs = inputs, t.input_count = 1;
   t.outputs = outputs, t.output_count = sizeof outputs / sizeof *outputs;
-  t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
+  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** made) -> int32_t {
+    return *made = reinterpret_cast<odo_instance*>(new const odo_sink*(nullptr)), ODO_OK;
+  };
+  t.activate = [](odo_instance* it, const odo_sink* sink) -> int32_t { return sink_of(it) = sink, ODO_OK; };
+  t.destroy = [](odo_instance* it) { delete &sink_of(it); };
+  t.process = [](odo_instance* it, const odo_batch* batch) -> int32_t {
     const odo_header& told = *batch->messages[0];
     if (told.type != ODO_TYPE_VENDOR(0, 1) || told.struct_size < 2 * sizeof(odo_header)) return ODO_OK;
-    alignas(8) static unsigned char event[ODO_LARGEST_MESSAGE];
+    alignas(8) unsigned char event[ODO_LARGEST_MESSAGE];
     const uint32_t size = told.struct_size - static_cast<uint32_t>(sizeof told);
     std::memcpy(event, &told + 1, size);
     std::memset(event + size, 0, sizeof event - size);
-    hostile::sink()->emit(hostile::sink(), reinterpret_cast<const odo_header*>(event));
+    sink_of(it)->emit(sink_of(it), reinterpret_cast<const odo_header*>(event));
     return ODO_OK;
   };
   return hostile::fill(out, t);

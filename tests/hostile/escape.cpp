@@ -5,6 +5,7 @@
 #include <csignal>
 #include <ctime>
 #include <string>
+#include <thread>
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -24,10 +25,10 @@ namespace {
 
 const odo_host* host = nullptr;
 
-void report(const std::string& said) {
+void report(const std::string& what, const std::string& said) {
   const auto* reports = static_cast<const odo_report_service*>(
       host->get_service(host, ODO_SERVICE_REPORT, sizeof(ODO_SERVICE_REPORT) - 1));
-  const odo_string key{"escape", 6}, text{said.data(), said.size()};
+  const odo_string key{what.data(), what.size()}, text{said.data(), said.size()};
   reports->report(host, 1, ODO_SEVERITY_WARNING, &key, &text);
 }
 
@@ -39,6 +40,14 @@ std::string attempts() {
     for (unsigned long i = 0; i < all.count; ++i, ++count)
       if (all.first[i].done()) done += std::string("[") + all.first[i].name + "]";
   return "of " + std::to_string(count) + " attempts: " + (done.empty() ? "none" : done);
+}
+
+/// What it needs for its work.
+std::string needs() {
+  bool ran = false;
+  std::thread([&] { ran = true; }).join();
+  return std::string(open("/proc/self/maps", O_RDONLY) >= 0 ? "reads files, " : "reads none, ") +
+         (ran ? "has threads" : "has none");
 }
 
 /// Threads with a stack of two pages each.
@@ -83,9 +92,9 @@ std::string pipes() {
 
 void attack() {
   const std::string what = std::getenv("ODOGRAPH_TEST_ATTACK") ? std::getenv("ODOGRAPH_TEST_ATTACK") : "";
-  if (what == "attempts") report(attempts());
-  if (what == "threads") report(threads());
-  if (what == "pipes") report(pipes());
+  if (what == "attempts") report(what, attempts()), report("needs", needs());
+  if (what == "threads") report(what, threads());
+  if (what == "pipes") report(what, pipes());
   if (what == "outlive") outlive();
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scale source that does what it is told by ODO_TYPE_VENDOR(0, 1): tests/obeys.hpp has the order's struct.
 #define HOSTILE_ID "test/obeys"
+#include <cfenv>
+
 #include <time.h>
 #include <unistd.h>
 
@@ -51,7 +53,8 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     return std::memcpy(&of(instance).learnt, data, size), ODO_OK;
   };
   t.process = [](odo_instance* instance, const odo_batch* batch) -> int32_t {
-    if (batch->messages[0]->type != ODO_TYPE_VENDOR(0, 1)) return ODO_OK;
+    const odo_header& told = *batch->messages[0];  // what test/echo is told has the same type and another size
+    if (told.type != ODO_TYPE_VENDOR(0, 1) || told.struct_size != sizeof(odograph::Order)) return ODO_OK;
     const auto& order = *reinterpret_cast<const odograph::Order*>(batch->messages[0]);
     State& state = of(instance);
     ++state.processed;
@@ -59,6 +62,7 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     const timespec pause{order.sleep_ms / 1000, static_cast<long>(order.sleep_ms % 1000) * 1'000'000};
     nanosleep(&pause, nullptr);
     for (uint32_t i = 0; i < order.emits; ++i) emit(state, order.header);
+    if (order.rounds_up != 0) std::fesetround(FE_UPWARD);
     if (order.ends != 0) _exit(1);
     return order.status;
   };

@@ -23,7 +23,8 @@ inline int& instance() {
   return thing;
 }
 
-inline odo_plugin table() {
+/// Of this plugin: several may be linked into one program.
+static odo_plugin table() {
   static const odo_string interfaces[] = {{ODO_INTERFACE_SCALE_SOURCE, sizeof(ODO_INTERFACE_SCALE_SOURCE) - 1}};
   odo_plugin t;
   std::memset(&t, 0, sizeof t);
