@@ -3,6 +3,7 @@
 // Broken recordings of apps: file, column and what to switch on are named; archives do no harm.
 #include <doctest/doctest.h>
 
+#include <cstdlib>
 #include <map>
 
 #include "sdk/tools/recording/archive.hpp"
@@ -180,6 +181,24 @@ TEST_CASE("an archive's names do not lead out of its folder, and it does not unp
   CHECK(failure_of(folder / "damaged.zip").find("unpacked") != std::string::npos);
   const auto limited = unpack(folder / "bomb.zip", {.bytes = 1 << 20});
   CHECK(limited.failure().text.find("more than 1 MB") != std::string::npos);
+}
+
+TEST_CASE("an archive starts no program, whatever it says that it is packed with") {
+  const TemporaryFolder folder;
+  const fs::path ran = folder / "ran";
+  for (const char* name : {"lrzip", "grzip", "lzop", "uncompress"}) {
+    write_text(folder / name, "#!/bin/sh\ntouch " + ran.string() + "\n");
+    fs::permissions(folder / name, fs::perms::owner_all);
+  }
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
+  for (const std::string& head :
+       {std::string("LRZI\0\6", 6), std::string("GRZipII\0\2\4:)", 12), std::string("\x89LZO\0\r\n\x1a\n", 9)}) {
+    write_text(folder / "a.gz", head + std::string(600, '\0'));
+    CHECK_FALSE(unpack(folder / "a.gz").ok());
+  }
+  setenv("PATH", path.c_str(), 1);
+  CHECK_FALSE(fs::exists(ran));
 }
 
 TEST_SUITE_END();
