@@ -361,6 +361,20 @@ TEST_SUITE("localizer") {
     CHECK(composer.localizer().sigma(kLogScale) > 0.0099);
   }
 
+  TEST_CASE("What a better scale corrects is no distance") {
+    Composer composer(coupling(CouplingType::localizer), given_start(), {true, true});
+    composer.update(FrameTime{kStart_ns});
+    for (int k = 1; k <= 60; ++k) {
+      const odo_vo_motion motion = forward(k, ODO_VO_ROTATION | ODO_VO_TRANSLATION);
+      auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, motion.header.t_ns);
+      scale.scale = k < 40 ? 1 : 1.3, scale.sigma = k < 40 ? 0.3 : 0.01;
+      composer.update(FrameTime{motion.header.t_ns});
+      composer.update(RelativeMotion{&motion, &scale});
+    }
+    CHECK(position(composer).norm() > 7);  // all of it is 1.3 times as long
+    CHECK(std::abs(composer.distance_m() - (39 * 0.1 + 21 * 0.13)) < 0.15);
+  }
+
   TEST_CASE("By the papers' rules each motion is multiplied by its own scale, horizontally") {
     Composer composer(coupling(CouplingType::paper), given_start(), {true, true});
     composer.update(FrameTime{kStart_ns});

@@ -42,10 +42,17 @@ void Composer::reset() {
 }
 
 void Composer::pause(int64_t until_ns) {
-  if (tracker_.started()) tracker_.pause(until_ns);
+  if (tracker_.started()) tracker_.pause(until_ns, shown_ || is_placed() || tracker_.paper());
+  front_end_.pause();
 }
 
 UpdateResult Composer::update(const Measurement& measurement) {
+  const UpdateResult result = apply_and_correct(measurement);
+  output_.settle();
+  return result;
+}
+
+UpdateResult Composer::apply_and_correct(const Measurement& measurement) {
   const bool fix = std::holds_alternative<const odo_fix*>(measurement);
   const auto* attitude = std::get_if<const odo_attitude*>(&measurement);
   // A compass beside a camera rotates the world that the camera tracks, by little each time and by much in the end.
@@ -116,6 +123,7 @@ UpdateResult Composer::apply(const RelativeMotion& relative) {
   tracker_.go_on(t_ns);
   const auto moved = front_end_.apply(relative, {shown_, is_placed(), fixes_.fixed_ns() != INT64_MIN, walker_.any()});
   if (moved.moved) {
+    if (shown_ && !tracker_.paper()) output_.catch_up(moved.caught_up_m);
     shown_ = true;
     set_source(moved.metric ? MotionSource(MetricSource{moved.inertial}) : MotionSource(ScaledSource{}));
     if (tracker_.paper()) output_.count(moved.moved_m);

@@ -58,6 +58,7 @@ class Composer : public HeldPoses {
   const Localizer& localizer() const { return tracker_.localizer; }
 
  private:
+  UpdateResult apply_and_correct(const Measurement& measurement);
   UpdateResult apply(const FrameTime& frame);
   UpdateResult apply(const odo_attitude* attitude);
   UpdateResult apply(const RelativeMotion& relative);

@@ -293,8 +293,8 @@ FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, const Situatio
     tracker_.rotate_with_camera();
     translated_ns_ = t_ns;
   }
-  return {moving.state,  moving.reason,  moves, moving.caught_up_m + (moves ? moving.d_o.norm() : 0.0),
-          moving.metric, moving.inertial};
+  return {moving.state,       moving.reason, moves,          moving.caught_up_m + (moves ? moving.d_o.norm() : 0.0),
+          moving.caught_up_m, moving.metric, moving.inertial};
 }
 
 UpdateResult FrontEnd::apply(const odo_scale& scale) {

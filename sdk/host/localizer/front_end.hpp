@@ -48,6 +48,9 @@ class FrontEnd {
 
   FrontEnd(Tracker& tracker, LocalizerInputs inputs) : tracker_(tracker), inputs_(inputs), gyroscope_(tracker) {}
   void reset();
+  /// Nothing was measured for a while: what waits for its scale is given up, since nobody knows how much of that time
+  /// it is.
+  void pause() { group_.take_waiting(); }
   void on_calibration(const odo_calibration& calibration);
 
   /// The camera begins: its first frame, or its first motion.
@@ -58,6 +61,7 @@ class FrontEnd {
     uint32_t state, reason;
     bool moved;             ///< the track, by a displacement in metres (or as the papers' do, in units)
     double moved_m;         ///< of the camera
+    double caught_up_m;     ///< of that by motions before this one, which had no scale
     bool metric, inertial;  ///< the motion was
   };
   /// What the track is when a motion comes.

@@ -9,13 +9,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 void PoseOutput::publish(odo_pose pose, bool shown, double scale_sigma) {
-  const Vector3d p_n(pose.p_n);
-  if (last_ns_ == INT64_MIN || !shown) counted_from_ = p_n;
-  if (const double moved_m = (p_n - counted_from_).norm(); !counts_all_ && moved_m > p_.counted_m) {
-    distance_m_ += moved_m;
-    counted_from_ = p_n;
-  }
-  pose.distance_m = distance_m_;
+  if (last_ns_ == INT64_MIN || !shown) counted_from_ = Vector3d(pose.p_n);
   last_ns_ = pose.header.t_ns;
   last_state_ = pose.state, last_reason_ = pose.reason;
   pose_ = pose;
@@ -23,6 +17,16 @@ void PoseOutput::publish(odo_pose pose, bool shown, double scale_sigma) {
   const bool teaches =
       scale_sigma > 0 && scale_sigma < p_.teaching_scale_sigma && (pose.header.flags & ODO_POSE_VELOCITY) != 0;
   if (const auto reference = reference_maker_.see(pose, teaches ? scale_sigma : 0)) reference_ = *reference;
+}
+
+void PoseOutput::settle() {
+  if (!pose_) return;
+  const Vector3d p_n(pose_->p_n);
+  if (const double moved_m = (p_n - counted_from_).norm(); !counts_all_ && moved_m > p_.counted_m) {
+    distance_m_ += moved_m;
+    counted_from_ = p_n;
+  }
+  pose_->distance_m = distance_m_;
 }
 
 void PoseOutput::correct(const odo_pose& before, odo_pose after, uint32_t reason, bool small_too) {

@@ -31,8 +31,12 @@ class PoseOutput {
   void publish(odo_pose pose, bool shown, double scale_sigma);
   /// The published pose has become another one by a measurement, at its own time. Small ones are no event unless asked.
   void correct(const odo_pose& before, odo_pose after, uint32_t reason, bool small_too);
+  /// After both: the published pose's path from the one before it is counted, what corrected that one is not.
+  void settle();
   /// A displacement that is counted as it is, m.
   void count(double moved_m) { distance_m_ += moved_m, counts_all_ = true; }
+  /// What has moved the newest pose too, and corrects it, m.
+  void catch_up(double moved_m) { distance_m_ += moved_m; }
   void fixed(int64_t t_ns) { reference_maker_.fixed(t_ns); }
 
   bool take_pose(odo_pose& pose) { return take(pose_, pose); }

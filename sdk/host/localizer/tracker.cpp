@@ -91,10 +91,11 @@ void Tracker::add_gap(int64_t until_ns) {
   gap_ns_ = until_ns;
 }
 
-void Tracker::pause(int64_t until_ns) {
+void Tracker::pause(int64_t until_ns, bool placed) {
   set_velocity(Vector3d::Zero(), Velocity::none);
-  if (!rotates_with_attitude_) return;  // a camera's is added with its next displacement
-  localizer.P.diagonal().head<2>().array() += squared(unseen_m_in(seconds(until_ns - now_ns())));
+  const int64_t seen_ns = rotates_with_attitude_ ? now_ns() : std::max(coverage.until_ns(), gap_ns_);
+  gap_ns_ = until_ns;  // at once: whatever moves the track next need not know of it
+  if (placed) localizer.P.diagonal().head<2>().array() += squared(unseen_m_in(seconds(until_ns - seen_ns)));
 }
 
 void Tracker::rotate_with_attitude() {

@@ -56,8 +56,8 @@ class Tracker {
   bool rotates_with_attitude() const { return rotates_with_attitude_; }
   /// What was not seen until then is in the filter's covariance from now on: a displacement begins, or a fix comes.
   void add_gap(int64_t until_ns);
-  /// Nothing was measured at all until then.
-  void pause(int64_t until_ns);
+  /// Nothing was measured at all until then; `placed`: a position had been given that one may hold against it.
+  void pause(int64_t until_ns, bool placed);
   /// What the body may have moved by until a time while the camera leads and has seen no displacement, m, one sigma.
   double unseen_m(int64_t t_ns) const;
   bool is_impossible(double moved_m, double dt_s) const { return moved_m > p_.impossible * config_.fastest_mps * dt_s; }
