@@ -5,10 +5,12 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <tuple>
 
 #include <Eigen/Eigenvalues>
 
 #include "sdk/host/messages/bounds.hpp"
+#include "sdk/host/messages/messages.hpp"
 
 using namespace odograph;
 
@@ -28,6 +30,21 @@ TEST_CASE("matrices that are a covariance, up to rounding, and that are none") {
       C = units.asDiagonal() * worse * units.asDiagonal();
       CHECK_FALSE(bounds::is_covariance(C.data(), static_cast<size_t>(n)));
     }
+}
+
+TEST_CASE("a frame has 2^24 pixels at most, in any shape") {
+  const uint8_t pixel = 0;
+  auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 1);
+  frame.format = ODO_FORMAT_GREY8, frame.planes[0].data = &pixel;
+  for (const auto& [width, height, good] : {std::tuple{4096u, 4096u, true},
+                                            {16384u, 1024u, true},
+                                            {4032u, 3024u, true},
+                                            {4097u, 4096u, false},
+                                            {16384u, 1025u, false},
+                                            {8000u, 6000u, false}}) {
+    frame.width = width, frame.height = height;
+    CHECK(message_is_good(frame.header) == good);
+  }
 }
 
 TEST_SUITE_END();

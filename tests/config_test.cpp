@@ -319,4 +319,19 @@ TEST_CASE("what a config names beside itself is found from anywhere, with other 
   CHECK(config->ordering.queue == 77);
 }
 
+TEST_CASE("a file that a config names as its camera and that is none is not quoted") {
+  const TemporaryFolder folder;
+  for (const std::string secret : {"root:x:0:0:root:/root:/bin/bash\ndaemon:x:1:1\n", "hunter2\n", "token: hunter2\n",
+                                   "- hunter2\n- x\n", "-----BEGIN PRIVATE KEY-----\nhunter2\n"}) {
+    write_text(folder / "secret", secret);
+    const auto config =
+        read_pipeline_config("odograph: 1\ncamera: " + (folder / "secret").string() + "\n", "f.yaml", {});
+    REQUIRE_FALSE(config.ok());
+    const std::string& text = config.failure().text;
+    CHECK_MESSAGE(text.find("no camera's description; expected a map with width") != std::string::npos, text);
+    for (const char* part : {"root:x", "daemon", "hunter", "token", "BEGIN"})
+      CHECK_MESSAGE(text.find(part) == std::string::npos, text);
+  }
+}
+
 TEST_SUITE_END();

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/host/core/pipeline.hpp"
+#include "sdk/host/core/world_view.hpp"
 #include "tests/session_app.hpp"
 #include "tests/test_plugins.hpp"
 
@@ -81,6 +83,52 @@ TEST_CASE(
   }
   MESSAGE(all.poses << " poses, " << all.accepted << " fixes accepted, started anew " << all.restarts << " times");
   CHECK(all.accepted > 0);
+}
+
+TEST_CASE(
+    "where the localizer itself has come to no number, no such pose leaves: it starts anew, and that is reported") {
+  const TestPlugins plugins{"echo"};
+  const auto config =
+      read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf}\nvo_frontend: {plugin: test/echo}\n",
+                           "<text>", {plugin_folder(), plugins.path()});
+  REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+  std::vector<std::string> said;
+  HostServices host(0, {}, [&](const Report& report) { said.push_back(report.key); });
+  CameraTable cameras(std::nullopt);
+  WorldView world(cameras, [] { return 0u; });
+  size_t poses = 0, broken = 0;
+  auto pipeline = Pipeline::make(*config, {host, world.geodesy(), world.poses(), world.anchors(), world.mutex()},
+                                 [&](const odo_header& event) {
+                                   if (event.type != ODO_TYPE_POSE) return;
+                                   ++poses, broken += whole(as<odo_pose>(event)) ? 0 : 1;
+                                 });
+  REQUIRE(pipeline.ok());
+  int64_t t_ns = 1'000'000'000;
+  const auto see = [&](double mounted_m) {  // past the session, which would refuse a mount that is no number
+    poses = 0;
+    auto c = calibration(64, 48);
+    c.header.t_ns = t_ns, c.header.flags = ODO_CALIBRATION_EXTRINSICS;
+    c.q_b_c[0] = 1, c.p_b_c[0] = mounted_m;
+    (*pipeline)->process(c.header);
+    for (int i = 0; i < 50; ++i) {
+      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns += 10'000'000);
+      imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+      imu.accel_b[1] = 9.81;
+      (*pipeline)->process(imu.header);
+      (*pipeline)->process(make_message<odo_frame>(ODO_TYPE_FRAME, t_ns + 1).header);
+    }
+    odo_pose now{};
+    const bool has_pose = world.pose_of(ODO_OF_PIPELINE, false, ODO_TIME_LATEST, now) == ODO_OK;
+    CHECK((!has_pose || whole(now)));
+    return std::count(said.begin(), said.end(), "broken_pose");
+  };
+  CHECK(see(0.1) == 0);
+  CHECK(poses > 0);
+  CHECK(see(std::nan("")) == 1);  // once a second
+  CHECK(poses == 0);
+  CHECK(see(0.1) == 1);
+  CHECK(poses > 0);
+  CHECK(broken == 0);
 }
 
 TEST_SUITE_END();

@@ -3,6 +3,7 @@
 // Recordings through the C API: what is written is read, in the order of time, whoever made the structs.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <cstring>
 #include <tuple>
 
@@ -177,6 +178,34 @@ TEST_CASE("a recorder takes neither the numbers that the format uses itself nor 
   CHECK(odo_recording_next(recording, &read, nullptr, nullptr) == ODO_OK);
   CHECK(odo_recording_next(recording, &read, nullptr, nullptr) == ODO_NOT_READY);
   odo_recording_close(recording);
+}
+
+TEST_CASE("a recorder takes what a session takes: impossible numbers are refused, and nothing else is lost") {
+  const TemporaryFolder folder;
+  odo_recorder* out = recorder(folder / "bounds.odo");
+  auto gnss = make_message<odo_gnss>(ODO_TYPE_GNSS, 5);
+  gnss.header.flags = ODO_GNSS_POSITION;
+  gnss.latitude_rad = 0.8;
+  CHECK(odo_recorder_write(out, &gnss.header, nullptr, 0) == ODO_OK);
+  for (const double wrong : {48.1, std::nan(""), 1e300}) {
+    gnss.latitude_rad = wrong;
+    CHECK(odo_recorder_write(out, &gnss.header, nullptr, 0) == ODO_E_DISCARD);
+  }
+  auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 6);
+  frame.header.flags = ODO_FRAME_INTRINSICS;
+  CHECK(odo_recorder_write(out, &frame.header, nullptr, 0) == ODO_E_DISCARD);  // a focal length of 0
+  frame.header.flags = 0;
+  CHECK(odo_recorder_write(out, &frame.header, nullptr, 0) == ODO_OK);
+  CHECK(odo_recorder_close(out) == ODO_OK);
+  odo_recording* in = recording(folder / "bounds.odo");
+  REQUIRE(in);
+  const odo_header* message = nullptr;
+  for (const uint32_t type : {ODO_TYPE_GNSS, ODO_TYPE_FRAME}) {
+    REQUIRE(odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK);
+    CHECK(message->type == type);
+  }
+  CHECK(odo_recording_next(in, &message, nullptr, nullptr) == ODO_NOT_READY);
+  odo_recording_close(in);
 }
 
 TEST_CASE("a crafted recording hands out no loan and no reserved number") {

@@ -296,6 +296,20 @@ TEST_CASE("times near the ends of int64 are left out and counted") {
     CHECK_FALSE(parse_seconds(text).ok());
 }
 
+TEST_CASE("messages with impossible numbers are left out, counted and the first one named") {
+  Recording recording;
+  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 7);
+  imu.header.flags = ODO_IMU_GYRO;
+  for (const double rate : {0.1, std::nan(""), HUGE_VAL}) {
+    imu.gyro_b[1] = rate;
+    recording.add(imu.header);
+  }
+  CHECK(recording.messages.size() == 1);
+  CHECK(recording.loss.impossible == 2);
+  CHECK(recording.loss.any());
+  CHECK(recording.loss.first_impossible == "imu at 7 ns: gyro_b[1] = nan; expected a finite number");
+}
+
 TEST_CASE("a pipe is refused in words and not waited for") {
   const TemporaryFolder folder;
   const auto pipe = folder / "pipe.odo";

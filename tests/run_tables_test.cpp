@@ -159,7 +159,7 @@ TEST_CASE("a run's summary has each statistic under its own name") {
   run.final_state = ODO_LOST, run.final_reason = ODO_REASON_TOO_DARK, run.heading_offset_rad = 0.75;
   run.frame_ms = {1, 2, 3, 4, 105}, run.imu_us = {10, 20, 30, 40, 1050};
   run.loss.file = {.records_lost = 21, .bytes = 22, .places = 23, .cut = true};
-  run.loss.pictures = 24, run.loss.wild_times = 25;
+  run.loss.pictures = 24, run.loss.wild_times = 25, run.loss.impossible = 26;
   run.notices["p: k"] = {.count = 31, .text = "said"};
   run.plugins = {{1, "attitude", "a/b", "1.2.3", "12ab"}};
   run.reports = {"a report"}, run.config_text = "a: config\n";
@@ -197,6 +197,7 @@ TEST_CASE("a run's summary has each statistic under its own name") {
                                                                 {"/lost/places", 23},
                                                                 {"/lost/pictures", 24},
                                                                 {"/lost/wild_times", 25},
+                                                                {"/lost/impossible", 26},
                                                                 {"/heading_offset_rad", 0.75},
                                                                 {"/notices/p: k/count", 31},
                                                                 {"/seed", 77}};

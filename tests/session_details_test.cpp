@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cfenv>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -252,6 +253,24 @@ TEST_CASE("a report says how many it stands for, its status and the newest time;
   CHECK(std::string(error.message).find("host: dropped a sample of imu") == 0);
 }
 
+TEST_CASE("each sample that is refused is the last error, also within the second in which its kind is not reported") {
+  App app(kWalk);
+  app.walk(0, 100);
+  odo_session_flush(app.session);
+  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 2'000'000'000);
+  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+  for (const double wrong : {std::nan(""), HUGE_VAL, 1e5}) {
+    imu.gyro_b[1] = wrong;
+    for (int i = 0; i < 2; ++i) {
+      CHECK(odo_session_push(app.session, &imu.header) == ODO_E_DISCARD);
+      odo_error error{};
+      error.struct_size = sizeof error;
+      CHECK(odo_session_last_error(app.session, &error) == ODO_E_DISCARD);
+      CHECK(std::string(error.message).find("host: dropped a sample of imu") == 0);
+    }
+  }
+}
+
 TEST_CASE("a calibration without a mount leaves the mount as it was, and that of another camera does not change it") {
   App app(kWalk);
   auto c = calibration(64, 48);
@@ -302,6 +321,45 @@ TEST_CASE("a live session answers what is pushed without being flushed") {
   for (int i = 0; i < 500 && app.poses == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   CHECK(app.poses > 0);
   odo_session_set_callback(app.session, nullptr, 0, nullptr, nullptr);
+}
+
+TEST_CASE("the rounding of an app's thread, or one that a plugin leaves behind, changes no digit") {
+  const TestPlugins plugins{"obeys"};
+  struct Sample {
+    double gyro[3], accel[3];
+  };
+  std::vector<Sample> samples;  // sines of another rounding are others
+  for (int i = 0; i < 600; ++i) {
+    const double phase = 0.12 * i;
+    samples.push_back(
+        {{0.05 * std::sin(phase), 0.01, 0.1}, {0.1, 9.81 + 2.2 * std::sin(phase), 0.4 * std::cos(phase)}});
+  }
+  const auto walked = [&](int app_rounds, uint32_t plugin_rounds) {
+    App app(kWalk + "vo_frontend: {plugin: vo/five_point}\nscale_source: {plugin: test/obeys}\n", ODO_RUN_REPLAY,
+            plugins.path());
+    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    Order o = order(2'000'000'001);
+    o.rounds_up = plugin_rounds;
+    std::fesetround(app_rounds);
+    int64_t t_ns = 1'000'000'000;
+    for (const Sample& s : samples) {
+      odo_session_push_imu(app.session, t_ns += 10'000'000, s.gyro, s.accel);
+      if (t_ns == 2'000'000'000) odo_session_push(app.session, &o.header);
+    }
+    odo_session_flush(app.session);
+    const odo_pose last = app.pose(ODO_TIME_LATEST);
+    app.events.emplace_back(reinterpret_cast<const char*>(last.p_n), sizeof last.p_n);
+    CHECK(std::fegetround() == app_rounds);
+    std::fesetround(FE_TONEAREST);
+    CHECK((app.said().find("test/obeys: left another rounding mode behind in process") != std::string::npos) ==
+          (plugin_rounds != 0));
+    return app.events;
+  };
+  const auto plain = walked(FE_TONEAREST, 0);
+  CHECK(plain.size() > 10);
+  CHECK(walked(FE_UPWARD, 0) == plain);
+  CHECK(walked(FE_TOWARDZERO, 0) == plain);
+  CHECK(walked(FE_TONEAREST, 1) == plain);
 }
 
 TEST_CASE("places that are none are refused in both directions") {

@@ -156,7 +156,7 @@ ODO_API uint64_t ODO_CALL odo_current_plugin_call(char *text, uint64_t capacity)
 /* [any] Accumulated counters. Never waits for the pipeline. */
 ODO_API int32_t ODO_CALL odo_session_get_statistics(odo_session *session, odo_statistics *statistics);
 
-/* [any] The last error or warning that a push or a plugin caused, and how often since the last call; ODO_OK when none. */
+/* [any] The last error or warning that a push or a plugin caused since the last call; ODO_OK when none. */
 ODO_API int32_t ODO_CALL odo_session_last_error(odo_session *session, odo_error *error);
 
 /* [any] Local NED to WGS 84 and back, exact (GeographicLib::LocalCartesian). p_n and geodetic are arrays of 3; geodetic

@@ -42,7 +42,8 @@ ODO_API int32_t ODO_CALL odo_recorder_create(const odo_string *path, odo_recorde
 /* [any, one thread at a time] Appends a message of any type as it is, of a frame the encoded picture too (none: the frame
  * is left out of a replay). After a crash everything up to the last whole message can be read.
  * ODO_E_STRUCT_SIZE, ODO_E_ARGUMENT (a reserved type: ODO_IS_RESERVED), ODO_E_UNSUPPORTED (a borrowed message that is no frame),
- * ODO_E_DATA when the disk is full. */
+ * ODO_E_DISCARD (a number that odo_session_push refuses too: no number, or beyond all that it can mean), ODO_E_DATA when the
+ * disk is full. */
 ODO_API int32_t ODO_CALL odo_recorder_write(odo_recorder *recorder, const odo_header *message, const void *picture,
                                             uint64_t picture_size);
 

@@ -95,8 +95,8 @@ typedef struct odo_frame {
   odo_loan loan;
   uint32_t format;      /* ODO_FORMAT_*; a number that a host does not know is passed on, and copied by its planes where the
                          * frame cannot be retained: then each of their rows has |row_stride| bytes, the last one too */
-  uint32_t width;       /* pixels */
-  uint32_t height;      /* pixels */
+  uint32_t width;       /* pixels, 1 to 16384 */
+  uint32_t height;      /* and no more than 2^24 in all */
   uint32_t plane_count; /* 1 to 4; 0: as the format has it */
   odo_plane planes[4];
   odo_plane mask;       /* grey8 of the frame's size, 0 = do not use this pixel */

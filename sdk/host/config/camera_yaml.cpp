@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/config/camera_yaml.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -97,6 +98,11 @@ const Spec& camera_spec() {
 Result<odo_calibration> read_camera_yaml(const std::filesystem::path& file, double* fps) {
   auto node = read_yaml(file.string());
   if (!node) return node.failure();
+  // Whatever else a stranger's config names as its camera is not quoted.
+  const auto& keys = camera_spec().children;
+  if (std::none_of(keys.begin(), keys.end(), [&](const Spec& key) { return node->find(key.name) != nullptr; }))
+    return Failure{ODO_E_CONFIG, at(file.string(), node->mark,
+                                    "no camera's description; expected a map with width, height, fx, fy, cx, cy, ...")};
   const PluginResolver none = [](const std::string&, const std::string&) -> Result<const std::vector<Spec>*> {
     return Failure{ODO_E_CONFIG, "no plugins here"};
   };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What every function of the C API does at the border: no exception leaves, and a failure has its text.
+// What every function of the C API does at the border: no exception leaves, a failure has its text, and
+// the caller's rounding is not ours.
 #pragma once
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 
 #include <odograph/messages.h>
 
+#include "sdk/host/base/floating_point.hpp"
 #include "sdk/host/base/result.hpp"
 
 namespace odograph {
@@ -16,6 +18,7 @@ namespace odograph {
 /// What `work` returns; a status where it throws.
 template <class Work>
 int32_t guarded(Work&& work) noexcept {
+  const DefaultFloatingPoint environment;
   try {
     return work();
   } catch (const std::bad_alloc&) {

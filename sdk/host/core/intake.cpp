@@ -139,15 +139,17 @@ bool Intake::drop_one() {
   return order_.drain(waiting);
 }
 
+/// The newest is the last error even where it is not reported: reports of a kind come once a second.
 int32_t Intake::refuse(std::atomic<uint64_t>& count, const char* key, const odo_header& sample, int32_t status,
                        const std::string& why) {
   ++count;
   const std::string name = message_name(sample.type);
-  host_.report(0, ODO_SEVERITY_WARNING, key + name, "dropped a sample of " + name + ": " + why, status);
+  const std::string text = "dropped a sample of " + name + ": " + why;
+  host_.report(0, ODO_SEVERITY_WARNING, key + name, text, status);
+  outbox_.set_last_error({status, "host: " + text});
   return status;
 }
 
-/// The newest is the last error even where it is not reported: reports of a kind come once a second.
 int32_t Intake::refuse_unordered(const odo_header& sample, TimeOrder::Verdict verdict) {
   using Verdict = TimeOrder::Verdict;
   const auto [count, why] =
@@ -155,10 +157,7 @@ int32_t Intake::refuse_unordered(const odo_header& sample, TimeOrder::Verdict ve
       : verdict == Verdict::duplicate ? std::pair(&counts_.duplicate, "same sensor and time as the one before")
       : verdict == Verdict::full      ? std::pair(&counts_.overflow, "the queue is full")
                                       : std::pair(&counts_.invalid, "its time is far ahead of all others");
-  refuse(*count, "dropped_", sample, ODO_E_DISCARD, why);
-  const int32_t status = verdict == Verdict::full ? ODO_E_EXHAUSTED : ODO_E_DISCARD;
-  outbox_.set_last_error({status, "dropped a sample of " + message_name(sample.type) + ": " + why});
-  return status;
+  return refuse(*count, "dropped_", sample, verdict == Verdict::full ? ODO_E_EXHAUSTED : ODO_E_DISCARD, why);
 }
 
 }  // namespace odograph

@@ -111,6 +111,7 @@ int32_t odo_recorder_write(odo_recorder* recorder, const odo_header* message, co
   return guarded([&]() -> int32_t {
     odograph::AnyMessage copy;
     if (!copy.assign(*message)) return ODO_E_STRUCT_SIZE;
+    if (!odograph::recorded_fault(copy.header()).empty()) return ODO_E_DISCARD;
     const auto* bytes = static_cast<const unsigned char*>(picture);
     const bool written =
         recorder->writer.write(copy.header(), {bytes, static_cast<size_t>(picture_size)}) && recorder->writer.flush();

@@ -26,6 +26,9 @@ inline constexpr Bounds kLongitude_rad = {-6.283185307179587, 6.283185307179587,
 inline constexpr Bounds kHeight_m = {-12e3, 100e3, "-12 to 100 km"};
 /// In n: half the Earth's circumference.
 inline constexpr Bounds kPlace_m = {-2e7, 2e7, "within half the Earth's circumference, +-2e7 m"};
+/// Of a frame: the whole sensor of a phone read at once has 12 million, a picture of 4K video 8. One of 48 takes a
+/// front-end 2 GB and seconds.
+inline constexpr uint64_t kMaxPixels = uint64_t(1) << 24;
 /// Of any quantity: (3e7)^2, so that "nowhere near known" can be stated.
 inline constexpr double kMaxVariance = 1e15;
 /// Of what a fix states to know: (1 um)^2, below what any sensor measures and above where the filter's numbers end.

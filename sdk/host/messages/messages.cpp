@@ -107,6 +107,10 @@ class Judge {
   bool asked_ = true;
 };
 
+void judge_lens(Judge& judge, const odo_frame& m) {
+  judge.when(ODO_FRAME_INTRINSICS).positive("fx", m.fx).positive("fy", m.fy).finite("cx", m.cx).finite("cy", m.cy);
+}
+
 void judge_frame(Judge& judge, const odo_frame& m) {
   const auto plane = [&](int i) {
     judge.that(m.planes[i].data != nullptr, ("planes[" + std::to_string(i) + "].data").c_str(), 0, "pixels");
@@ -114,6 +118,8 @@ void judge_frame(Judge& judge, const odo_frame& m) {
   const bool native_only = m.planes[0].data == nullptr && m.loan.native != nullptr;
   judge.that(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
       .that(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384")
+      .that(uint64_t(m.width) * m.height <= bounds::kMaxPixels, "width * height", double(m.width) * m.height,
+            "at most 2^24 pixels; a smaller picture tells as much")
       .that(m.format != 0, "format", m.format, "one of ODO_FORMAT_*")
       .that(m.plane_count <= 4, "plane_count", m.plane_count, "0 to 4");
   if (!native_only) plane(0);
@@ -124,7 +130,7 @@ void judge_frame(Judge& judge, const odo_frame& m) {
     if (m.format == ODO_FORMAT_YUV420) plane(2);
   }
   judge.when(ODO_FRAME_MASK).that(m.mask.data != nullptr, "mask.data", 0, "pixels");
-  judge.when(ODO_FRAME_INTRINSICS).positive("fx", m.fx).positive("fy", m.fy).finite("cx", m.cx).finite("cy", m.cy);
+  judge_lens(judge, m);
 }
 
 void judge_calibration(Judge& judge, const odo_calibration& m) {
@@ -321,6 +327,13 @@ std::string message_fault(const odo_header& header) {
     return "t_ns = " + std::to_string(header.t_ns) + "; expected at most 2^62 from the clock's zero";
   Judge judge(header);
   (ODO_IS_EVENT(header.type) ? judge_event_fields : judge_input_fields)(judge, header);
+  return std::move(judge.fault);
+}
+
+std::string recorded_fault(const odo_header& header) {
+  if (header.type != ODO_TYPE_FRAME) return ODO_IS_EVENT(header.type) ? "" : message_fault(header);
+  Judge judge(header);
+  judge_lens(judge, as<odo_frame>(header));
   return std::move(judge.fault);
 }
 

@@ -39,6 +39,9 @@ inline bool is_input(uint32_t type) { return !ODO_IS_EVENT(type) && !ODO_IS_RESE
 /// that is not finite or out of its range, a quaternion that is not of unit length within 1e-3. Empty where it can.
 /// Only for messages that are known to be as large as the host's struct (AnyMessage).
 std::string message_fault(const odo_header& message);
+/// The same of a message in a recording, where a frame's size and pixels are its picture's, and events are what some
+/// host has given.
+std::string recorded_fault(const odo_header& message);
 inline bool message_is_good(const odo_header& message) { return message_fault(message).empty(); }
 
 /// A zeroed message with its size, type and time filled in.

@@ -9,6 +9,7 @@
 
 #include <odograph/messages.h>
 
+#include "sdk/host/base/floating_point.hpp"
 #include "sdk/host/plugin_host/breadcrumb.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 
@@ -74,7 +75,12 @@ int32_t LibraryBackend::call(const char* name, Work&& work) {
   const Breadcrumb crumb(choice_.manifest.id, name);
   std::string what;
   try {
-    return work();
+    const int32_t status = work();
+    if (!DefaultFloatingPoint::rounds_to_nearest())
+      host_.report(sink_.instance, ODO_SEVERITY_WARNING, "rounding_mode",
+                   std::string("left another rounding mode behind in ") + name);
+    DefaultFloatingPoint::restore();
+    return status;
   } catch (const abi::__forced_unwind&) {
     abort_for_ended_thread();
   } catch (const std::bad_alloc&) {

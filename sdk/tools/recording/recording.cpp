@@ -36,9 +36,14 @@ void Recording::add(const odo_header& message, PictureRef picture) {
     ++loss.wild_times;
     return;
   }
-  messages.emplace_back();
-  messages.back().message.assign(message);
-  messages.back().picture = std::move(picture);
+  StoredMessage stored;
+  if (!stored.assign(message)) return;
+  if (const std::string fault = recorded_fault(stored.header()); !fault.empty()) {
+    if (loss.impossible++ == 0)
+      loss.first_impossible = message_name(message.type) + " at " + std::to_string(message.t_ns) + " ns: " + fault;
+    return;
+  }
+  messages.push_back({std::move(stored), std::move(picture)});
 }
 
 void Recording::sort() {
@@ -153,6 +158,10 @@ Result<Recording> read_recording(const fs::path& path, const ReadOptions& option
   if (recording && recording->loss.wild_times > 0)
     recording->warnings.push_back(std::to_string(recording->loss.wild_times) +
                                   " messages have times beyond +-2^62 ns and were left out");
+  if (recording && recording->loss.impossible > 0)
+    recording->warnings.push_back(std::to_string(recording->loss.impossible) +
+                                  " messages are impossible and were left out; the first, " +
+                                  recording->loss.first_impossible);
   if (recording && recording->messages.empty()) return Failure{ODO_E_DATA, path.string() + ": no usable message in it"};
   return recording;
 }

@@ -83,7 +83,9 @@ struct RecordingLoss {
   RecordLoss file;          ///< of an Odograph recording
   uint64_t pictures = 0;    ///< that are missing or damaged, as far as they have been looked at; each costs its frame
   uint64_t wild_times = 0;  ///< messages further from the clock's zero than kFarthestTime_ns, left out
-  bool any() const { return file.any() || pictures > 0 || wild_times > 0; }
+  uint64_t impossible = 0;  ///< messages that message_fault() refuses, left out; the host would not take them either
+  std::string first_impossible;
+  bool any() const { return file.any() || pictures > 0 || wild_times > 0 || impossible > 0; }
 };
 
 /// How recordings are read.

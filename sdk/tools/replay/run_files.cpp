@@ -70,8 +70,9 @@ Json json_of(const RecordingLoss& loss) {
   Json records = nullptr;  // nobody knows
   if (loss.file.records_lost) records = *loss.file.records_lost;
   if (!loss.file.any()) records = 0;
-  return {{"records", records},       {"bytes", loss.file.bytes},  {"places", loss.file.places},
-          {"cut_off", loss.file.cut}, {"pictures", loss.pictures}, {"wild_times", loss.wild_times}};
+  return {{"records", records},           {"bytes", loss.file.bytes},  {"places", loss.file.places},
+          {"cut_off", loss.file.cut},     {"pictures", loss.pictures}, {"wild_times", loss.wild_times},
+          {"impossible", loss.impossible}};
 }
 
 Json json_of(const std::vector<RunResult::Plugin>& plugins) {
