@@ -88,7 +88,7 @@ TEST_CASE("a frame comes back with its encoded picture and without pointers") {
   odo_recorder* out = recorder(folder / "frame.odo");
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 5);
   frame.width = 8, frame.height = 6, frame.format = ODO_FORMAT_GREY8;
-  frame.fx = 5, frame.header.flags = ODO_FRAME_INTRINSICS | ODO_FRAME_MASK;
+  frame.fx = frame.fy = 5, frame.header.flags = ODO_FRAME_INTRINSICS | ODO_FRAME_MASK;
   frame.planes[0].data = reinterpret_cast<const uint8_t*>(&frame);
   frame.loan.owner = &frame;
   const std::string picture = "as the app encoded it";

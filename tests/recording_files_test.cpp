@@ -101,6 +101,8 @@ TEST_CASE("a picture's header states its size, and a too large one is refused be
                       std::string::npos,
                   frame.failure().text);
   }
+  CHECK(picture_size(write_text(folder / "64.pgm", "P5 8000 8000 255\n")).ok());
+  CHECK_FALSE(picture_size(write_text(folder / "more.pgm", "P5 8000 8001 255\n")).ok());  // no side too long
   CHECK_FALSE(picture_size(write_text(folder / "text.png", "no picture")).ok());
   CHECK_FALSE(picture_size(write_text(folder / "cut.jpg", jpeg.substr(0, 12))).ok());
   CHECK_FALSE(picture_size(folder / "missing.png").ok());
