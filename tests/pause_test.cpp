@@ -147,14 +147,15 @@ double check_poses(const std::vector<odo_pose>& poses, size_t before, double pau
   for (size_t i = 0; i < poses.size(); ++i) {
     const odo_pose& pose = poses[i];
     CHECK(std::isfinite(pose.p_n[0] + pose.covariance[0] + pose.covariance[21] + pose.q_n[0]));
-    if ((pose.header.flags & ODO_POSE_VELOCITY) != 0) CHECK(std::hypot(pose.velocity_n[0], pose.velocity_n[1]) < 5);
+    if ((pose.header.flags & ODO_POSE_VELOCITY) != 0)  // what the localizer takes for possible (Tracker::Parameters)
+      CHECK(std::hypot(pose.velocity_n[0], pose.velocity_n[1]) < 5 * kFastest_mps + 0.01);
     const double since_s = static_cast<double>(pose.header.t_ns - last_ns) * 1e-9;
     if (placed && pause_s > 2 && since_s > pause_s)  // it may have been carried anywhere, whatever moves it now
       CHECK_MESSAGE(sigma_m(pose) > 0.9 * std::min(kFastest_mps * pause_s, kFarthest_m), "pose " << i);
     if (i == 0 || i + 1 < before || !(poses[i - 1].header.flags & pose.header.flags & ODO_POSE_POSITION)) continue;
     const double moved_m = std::hypot(pose.p_n[0] - poses[i - 1].p_n[0], pose.p_n[1] - poses[i - 1].p_n[1]);
     const double s = std::min(2.0, static_cast<double>(pose.header.t_ns - poses[i - 1].header.t_ns) * 1e-9);
-    const double allowed_m = 3 * sigma_m(pose) + 0.5 + 2.5 * s;
+    const double allowed_m = 3 * std::max(sigma_m(pose), sigma_m(poses[i - 1])) + 0.5 + 2.5 * s;
     largest = std::max(largest, moved_m / allowed_m);
     CHECK_MESSAGE(moved_m <= allowed_m, "pose " << i << " of " << poses.size());
   }
