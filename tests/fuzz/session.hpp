@@ -1,27 +1,85 @@
 // SPDX-License-Identifier: Apache-2.0
+//
+// Sessions over plugins that are linked in, so that making one reads no file, and what must hold for all that they
+// give.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 
 #include <odograph/odograph.h>
 
+#include "sdk/host/messages/messages.hpp"
+
+// clang-format off
+#define FUZZ_FOR_EACH_PLUGIN(PLUGIN) \
+  PLUGIN(attitude_vqf) PLUGIN(attitude_magyq) PLUGIN(step_renaudin2012) PLUGIN(step_odograph) \
+  PLUGIN(scale_step_length) PLUGIN(scale_inertial) PLUGIN(fix_gnss) PLUGIN(fix_waypoint) PLUGIN(fix_barometer) \
+  PLUGIN(vo_five_point) PLUGIN(test_echo) PLUGIN(test_obeys)
+// clang-format on
+
+extern "C" {
+#define FUZZ_DECLARE(plugin) int32_t ODO_CALL odo_plugin_entry_##plugin(const odo_host*, odo_plugin*);
+FUZZ_FOR_EACH_PLUGIN(FUZZ_DECLARE)
+#undef FUZZ_DECLARE
+}
+
 namespace fuzz {
 
-/// A replay session over the plugins of this build; null and an end of the program where the build is not whole.
-inline odo_session* open(const std::string& pipeline) {
-  const std::string yaml = "odograph: 1\nplugins: {verify_hash: false}\n" + pipeline;  // a hash takes longer than a run
-  static const std::string folders = ODOGRAPH_FUZZ_PLUGINS;
+/// Ends the program where it does not hold.
+inline void require(bool holds, const char* what) {
+  if (holds) return;
+  std::fprintf(stderr, "not held: %s\n", what);
+  std::abort();
+}
+
+/// An event of a host: possible by the table of bounds, and a pose is one of numbers.
+inline void check(const odo_header& event) {
+  using namespace odograph;
+  if (event.type == ODO_TYPE_REPORT && event.t_ns == INT64_MIN) return;  // before the first sample
+  if (const std::string fault = message_fault(event); !fault.empty())
+    require(false, (message_name(event.type) + ": " + fault).c_str());
+  const auto finite = [](const double* values, size_t count) {
+    return std::all_of(values, values + count, [](double x) { return std::isfinite(x); });
+  };
+  if (event.type == ODO_TYPE_POSE) {
+    const auto& pose = as<odo_pose>(event);
+    require(finite(pose.q_n, 4) && finite(pose.p_n, 3) && finite(pose.velocity_n, 3) && finite(pose.covariance, 36) &&
+                std::isfinite(pose.scale + pose.scale_sigma + pose.distance_m),
+            "every number of a pose is one");
+  }
+  if (event.type == ODO_TYPE_CORRECTION) {
+    const auto& correction = as<odo_correction>(event);
+    require(finite(correction.q_n, 4) && finite(correction.p_n, 3), "every number of a correction is one");
+  }
+}
+
+inline void register_plugins() {
+#define FUZZ_REGISTER(plugin) \
+  require(odo_register_plugin(odo_plugin_entry_##plugin, nullptr) == ODO_OK, "a plugin is registered: " #plugin);
+  FUZZ_FOR_EACH_PLUGIN(FUZZ_REGISTER)
+#undef FUZZ_REGISTER
+}
+
+/// A session whose every event is checked.
+inline odo_session* open(const std::string& pipeline, uint32_t run = ODO_RUN_REPLAY) {
+  static const bool registered = (register_plugins(), true);
+  (void)registered;
+  const std::string yaml = "odograph: 1\n" + pipeline;
   odo_session_options options{};
   options.struct_size = sizeof options;
-  options.run = ODO_RUN_REPLAY;
+  options.run = run;
   options.config_text = {yaml.data(), yaml.size()};
-  options.plugin_path = {folders.data(), folders.size()};
   odo_error error{};
   error.struct_size = sizeof error;
   odo_session* session = nullptr;
-  if (odo_session_create(&options, &session, &error) == ODO_OK) return session;
-  std::fprintf(stderr, "%s\n", error.message);
-  std::abort();
+  if (odo_session_create(&options, &session, &error) != ODO_OK) require(false, error.message);
+  odo_session_set_callback(
+      session, nullptr, ODO_ALL_EVENTS, [](void*, const odo_header* event) { check(*event); }, nullptr);
+  return session;
 }
 
 }  // namespace fuzz
