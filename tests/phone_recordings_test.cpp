@@ -33,11 +33,6 @@ Recording read(const fs::path& path) {
   return std::move(*recording);
 }
 
-std::string failure_of(const fs::path& path) {
-  const auto recording = read_recording(path);
-  return recording ? "" : recording.failure().text;
-}
-
 bool warns(const Recording& recording, const std::string& text) {
   for (const auto& warning : recording.warnings)
     if (warning.find(text) != std::string::npos) return true;

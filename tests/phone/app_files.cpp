@@ -310,8 +310,16 @@ const std::vector<App>& apps() {
       {"Stray Scanner", write_stray, true},
       {"GnssLogger", write_gnss_logger, true},
       {"plain folder", write_plain},
+      {"MCAP", write_ros2_mcap, true},
   };
   return all;
+}
+
+void east_north_up(const double* n, double* e) {
+  constexpr size_t kAxis[3] = {1, 0, 2};
+  constexpr int kSign[3] = {1, 1, -1};
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t j = 0; j < 3; ++j) e[3 * i + j] = kSign[i] * kSign[j] * n[3 * kAxis[i] + kAxis[j]];
 }
 
 void write_lens(const PhoneWalk& walk, const fs::path& folder) {

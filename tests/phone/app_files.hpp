@@ -39,6 +39,11 @@ struct App {
 };
 const std::vector<App>& apps();
 
+/// The walk as ROS 2 records it.
+void write_ros2_mcap(const PhoneWalk& walk, const std::filesystem::path& folder);
+/// A covariance in north, east, down as one in east, north, up.
+void east_north_up(const double* n, double* e);
+
 /// A camera.yaml with the lens alone.
 void write_lens(const PhoneWalk& walk, const std::filesystem::path& folder);
 

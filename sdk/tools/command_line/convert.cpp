@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
-
-#include <nlohmann/json.hpp>
 
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/base/printable.hpp"
 #include "sdk/host/config/spec.hpp"
 #include "sdk/tools/command_line/commands.hpp"
+#include "sdk/tools/export/exported_run.hpp"
+#include "sdk/tools/recording/kalibr.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 
 namespace odograph {
@@ -18,28 +17,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kLargestPicture = 1u << 30;
-
 struct ConvertArguments {
-  std::string input, output, origin;
+  std::string input, output, origin, recording;
   int jpeg_quality = -1;
+  double every_s = 0;
   ReadOptions reading;
 };
-
-/// The bytes of a picture that lies somewhere as PNG or JPEG; empty where it does not, or is to be another.
-std::vector<unsigned char> encoded_picture(const PictureRef& picture) {
-  std::error_code error;
-  if (!picture.file || picture.store || picture.relit() || !fs::is_regular_file(*picture.file, error)) return {};
-  const uint64_t size = picture.size > 0 ? picture.size : fs::file_size(*picture.file, error);
-  if (error || size < 8 || size > kLargestPicture) return {};
-  std::vector<unsigned char> bytes(size);
-  std::ifstream file(*picture.file, std::ios::binary);
-  file.seekg(static_cast<std::streamoff>(picture.offset));
-  if (!file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) return {};
-  const bool is_png = std::memcmp(bytes.data(), "\x89PNG\r\n\x1a\n", 8) == 0;
-  const bool is_jpeg = bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
-  return is_png || is_jpeg ? bytes : std::vector<unsigned char>();
-}
 
 /// One frame with its picture: as it is, or packed anew. A picture that cannot be decoded is a failure of ODO_E_DATA.
 Result<bool> write_frame(OdoWriter& writer, const RecordedMessage& m, bool pack) {
@@ -125,24 +108,13 @@ int convert_to_euroc(const ConvertArguments& a) {
   return status_over(loss, kDone);
 }
 
-/// Latitude, longitude (rad) and height (m).
-using Origin = std::optional<std::array<double, 3>>;
 /// Of a track's frame: as given, or as the run's summary.json has it.
 Result<Origin> origin_of(const ConvertArguments& a) {
+  std::error_code error;
+  const fs::path input = a.input;
+  if (a.origin.empty())
+    return origin_in_summary((fs::is_directory(input, error) ? input : input.parent_path()) / "summary.json");
   std::array<double, 3> origin{};
-  if (a.origin.empty()) {
-    std::ifstream file((fs::is_directory(a.input) ? fs::path(a.input) : fs::path(a.input).parent_path()) /
-                       "summary.json");
-    const auto summary = nlohmann::json::parse(file, nullptr, false);
-    if (!summary.is_object() || !summary.contains("origin") || !summary["origin"].is_object()) return Origin();
-    const char* keys[] = {"latitude_deg", "longitude_deg", "height_m"};
-    for (size_t i = 0; i < 3; ++i) {
-      const auto number = summary["origin"].find(keys[i]);
-      if (number == summary["origin"].end() || !number->is_number()) return Origin();
-      origin[i] = number->get<double>() * (i < 2 ? EIGEN_PI / 180 : 1.0);
-    }
-    return Origin(origin);
-  }
   const auto parts = split(a.origin, ',');
   if (parts.size() != 3)
     return Failure{ODO_E_ARGUMENT, "--origin: expected LATITUDE,LONGITUDE,HEIGHT in degrees and metres"};
@@ -154,9 +126,49 @@ Result<Origin> origin_of(const ConvertArguments& a) {
   return Origin(origin);
 }
 
+/// MCAP, COLMAP, transforms.json: poses with what they are of.
+int convert_with_pictures(const ConvertArguments& a) {
+  auto run = read_exported_run(a.input, a.recording, a.reading);
+  if (!run) return complain(run.failure());
+  const fs::path output = a.output;
+  if (const auto origin = origin_of(a); !origin)
+    return complain(origin.failure());
+  else
+    run->origin = *origin;
+  Result<Exported> done = Failure{};
+  {
+    Progress bar("convert");
+    const auto progress = [&](size_t i, size_t n) { bar.show(i, n); };
+    done = output.extension() == ".mcap"     ? write_foxglove(*run, output, progress)
+           : output.extension() == ".colmap" ? write_colmap(*run, output, a.every_s, progress)
+                                             : write_transforms(*run, output, a.every_s, progress);
+  }
+  if (!done) return complain(done.failure());
+  RecordingLoss loss = run->recording.loss;
+  loss.pictures = done->pictures_lost;
+  say_pictures(loss.pictures);
+  if (done->without_pose > 0)
+    std::fprintf(stderr, "%zu pictures have no pose at their time and are left out\n", done->without_pose);
+  std::printf("%s: %zu poses, %zu pictures\n", a.output.c_str(), done->poses, done->pictures);
+  return status_over(loss, kDone);
+}
+
+/// Kalibr's camchain to camera.yaml.
+int convert_camera(const ConvertArguments& a) {
+  const auto camera = read_camchain(a.input);
+  if (!camera) return complain(camera.failure());
+  if (const auto written = write_whole_file(a.output, camera_yaml(*camera)); !written)
+    return complain(written.failure());
+  std::printf("%s: camera of %u x %u\n", a.output.c_str(), camera->width, camera->height);
+  return kDone;
+}
+
 int convert(const ConvertArguments& a) {
   const fs::path input = a.input, output = a.output;
   if (output.extension() == ".odo") return convert_to_recording(a);
+  if (output.extension() == ".yaml") return convert_camera(a);
+  if (output.extension() == ".mcap" || output.extension() == ".colmap" || output.filename() == "transforms.json")
+    return convert_with_pictures(a);
   if (output.extension().empty()) return convert_to_euroc(a);
   int status = kDone;
   auto track = read_track(input);
@@ -186,18 +198,26 @@ int convert(const ConvertArguments& a) {
 }  // namespace
 
 void add_convert(CLI::App& app, int& status) {
-  auto* command = app.add_subcommand(
-      "convert",
-      "Convert a recording to *.odo or an EuRoC/ASL folder, or a track to TUM, KITTI, CSV, GPX, KML, GeoJSON");
+  auto* command =
+      app.add_subcommand("convert",
+                         "Convert a recording to *.odo or an EuRoC/ASL folder, a track to TUM, KITTI, CSV, GPX, KML or "
+                         "GeoJSON, a run with "
+                         "its pictures to MCAP, COLMAP or transforms.json, Kalibr's camchain to camera.yaml");
   auto a = std::make_shared<ConvertArguments>();
   command->add_option("input", a->input, "recording, track, or folder of a run")->required();
   command
       ->add_option("output", a->output,
-                   "its ending says the format: .odo .tum .kitti .csv .gpx .kml .geojson; none: EuRoC/ASL folder")
+                   "its ending says the format: .odo .tum .kitti .csv .gpx .kml .geojson .mcap .colmap (a folder) "
+                   "transforms.json (images/ beside it) .yaml (of Kalibr's camchain); none: EuRoC/ASL folder")
       ->required();
   command->add_option("--origin", a->origin,
                       "of the track's frame, for GPX, KML and GeoJSON: LATITUDE,LONGITUDE,HEIGHT (degrees, metres); "
                       "without it as the run's summary.json has it");
+  command->add_option("--recording", a->recording,
+                      "whose pictures a run's track goes with, where it is no longer where summary.json has it");
+  command->add_option("--every", a->every_s, "COLMAP and transforms.json: time between pictures, s; 0: all")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--jpeg", a->jpeg_quality,
                    "pack pictures anew, as JPEG of this quality, 0: as PNG, lossless; without it they stay as they are "

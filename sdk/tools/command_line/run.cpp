@@ -139,7 +139,7 @@ void add_run(CLI::App& app, int& status) {
       ->required();
   command
       ->add_option("-o,--output", a->output,
-                   "folder for trajectory.tum, vo.csv, steps.csv, scale.csv, fixes.csv, summary.json")
+                   "folder for trajectory.tum, vo.csv, steps.csv, scale.csv, fixes.csv, states.csv, summary.json")
       ->capture_default_str();
   command->add_option("--set", a->set,
                       "PATH=VALUE in place of what the config says, such as walker.height=1.8m, or of a list's item "

@@ -124,4 +124,25 @@ Result<std::shared_ptr<const TemporaryFolder>> unpack(const fs::path& file, cons
   return Unpacking(file, limits).run();
 }
 
+bool unpack_bytes(std::span<const unsigned char> packed, uint64_t size, std::vector<unsigned char>& bytes) {
+  const std::unique_ptr<archive, int (*)(archive*)> reader(archive_read_new(), archive_read_free);
+  archive_read_support_filter_bzip2(reader.get());
+  archive_read_support_filter_lz4(reader.get());
+  archive_read_support_filter_zstd(reader.get());
+  archive_read_support_format_raw(reader.get());
+  archive_entry* entry = nullptr;
+  bytes.clear();
+  if (archive_read_open_memory(reader.get(), packed.data(), packed.size()) != ARCHIVE_OK ||
+      archive_read_next_header(reader.get(), &entry) != ARCHIVE_OK)
+    return false;
+  while (bytes.size() <= size) {  // grows with what there is: a stated size may be a lie
+    unsigned char block[1 << 16];
+    const auto got = archive_read_data(reader.get(), block, sizeof block);
+    if (got < 0) return false;
+    if (got == 0) break;
+    bytes.insert(bytes.end(), block, block + got);
+  }
+  return bytes.size() == size;
+}
+
 }  // namespace odograph

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "sdk/host/base/result.hpp"
 #include "sdk/host/base/temporary_folder.hpp"
@@ -24,5 +26,8 @@ bool looks_like_archive(const std::filesystem::path& file);
 /// lead out of the folder, links, what is larger than the limits, passwords, damage.
 Result<std::shared_ptr<const TemporaryFolder>> unpack(const std::filesystem::path& file,
                                                       const UnpackLimits& limits = {});
+
+/// What bzip2, LZ4 or Zstandard has packed; false where it is damaged or has not the stated size.
+bool unpack_bytes(std::span<const unsigned char> packed, uint64_t size, std::vector<unsigned char>& bytes);
 
 }  // namespace odograph

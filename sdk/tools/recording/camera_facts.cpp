@@ -10,6 +10,7 @@
 
 #include "sdk/host/config/camera_yaml.hpp"
 #include "sdk/math/rotation.hpp"
+#include "sdk/tools/recording/kalibr.hpp"
 #include "sdk/tools/recording/phone_camera.hpp"
 #include "sdk/tools/recording/protobuf_fields.hpp"
 
@@ -35,24 +36,6 @@ Result<std::string> small_text(const fs::path& file) {
 double number_in(const Json& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
-}
-
-/// Camera to body out of p_camera = T p_imu, row by row.
-bool set_mount(odo_calibration& c, const double (&T)[12]) {
-  Eigen::Matrix3d R_c_b;
-  Eigen::Vector3d p_c_b;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) R_c_b(i, j) = T[4 * i + j];
-    p_c_b[i] = T[4 * i + 3];
-  }
-  if (!((R_c_b * R_c_b.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01) || !(R_c_b.determinant() > 0) ||
-      !(p_c_b.norm() < 10))
-    return false;
-  const Eigen::Quaterniond q_b_c = Eigen::Quaterniond(R_c_b).normalized().conjugate();
-  put_quaternion(q_b_c, c.q_b_c);
-  Eigen::Vector3d::Map(c.p_b_c) = -(q_b_c * p_c_b);
-  c.header.flags |= ODO_CALIBRATION_EXTRINSICS;
-  return true;
 }
 
 /// Spectacular AI's calibration.json: the first camera's lens and mount.
@@ -163,6 +146,23 @@ void from_protobuf(const fs::path& file, CameraFacts& facts, std::vector<std::st
 
 }  // namespace
 
+bool set_mount(odo_calibration& c, const double (&T)[12]) {
+  Eigen::Matrix3d R_c_b;
+  Eigen::Vector3d p_c_b;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) R_c_b(i, j) = T[4 * i + j];
+    p_c_b[i] = T[4 * i + 3];
+  }
+  if (!((R_c_b * R_c_b.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01) || !(R_c_b.determinant() > 0) ||
+      !(p_c_b.norm() < 10))
+    return false;
+  const Eigen::Quaterniond q_b_c = Eigen::Quaterniond(R_c_b).normalized().conjugate();
+  put_quaternion(q_b_c, c.q_b_c);
+  Eigen::Vector3d::Map(c.p_b_c) = -(q_b_c * p_c_b);
+  c.header.flags |= ODO_CALIBRATION_EXTRINSICS;
+  return true;
+}
+
 Result<CameraFacts> camera_facts(const Files& files, std::vector<std::string>& warnings) {
   CameraFacts facts;
   facts.calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
@@ -170,9 +170,12 @@ Result<CameraFacts> camera_facts(const Files& files, std::vector<std::string>& w
     facts.lens_from = (files.folder / name).string();
     return !files.find(name).empty();
   };
-  if (has("camera.yaml")) {
-    const auto camera = read_camera_yaml(files.folder / "camera.yaml", nullptr);
+  for (const char* name : {"camera.yaml", "camchain-imucam.yaml", "*camchain*.yaml"}) {
+    if (!has(name)) continue;
+    const fs::path file = files.folder / files.find(name);
+    const auto camera = file.filename() == "camera.yaml" ? read_camera_yaml(file, nullptr) : read_camchain(file);
     if (!camera) return camera.failure();
+    facts.lens_from = file.string();
     facts.calibration = *camera;
     facts.has_lens = true, facts.frames_have_lens = false;
     facts.has_mount = (camera->header.flags & ODO_CALIBRATION_EXTRINSICS) != 0;

@@ -55,48 +55,6 @@ Result<bool> fit_to_size(odo_calibration& c, uint32_t width, uint32_t height, co
   return true;
 }
 
-/// Lens and mount, given or guessed, each guess said.
-Result<odo_calibration> calibration_of(CameraFacts facts, const Rows* times, uint32_t width, uint32_t height,
-                                       Recording& recording) {
-  odo_calibration c = facts.calibration;
-  if (!facts.has_lens) {
-    c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
-    c.model = ODO_CAMERA_PINHOLE;
-    if (facts.has_mount) {
-      std::copy_n(facts.calibration.q_b_c, 4, c.q_b_c), std::copy_n(facts.calibration.p_b_c, 3, c.p_b_c);
-      c.header.flags |= ODO_CALIBRATION_EXTRINSICS;
-    }
-    c.width = width, c.height = height, c.cx = 0.5 * (width - 1), c.cy = 0.5 * (height - 1);
-    const double focal = times && !times->rows.empty() ? times->rows.front().v[0] : std::nan("");
-    if (times && !times->table->columns.empty() && focal > 0.2 * width) {
-      c.fx = focal;
-      const auto& v = times->rows.front().v;
-      c.fy = v[1] > 0 ? v[1] : focal;
-      if (v[2] > 0 && v[3] > 0) c.cx = v[2], c.cy = v[3];
-    } else {
-      recording.guessed.lens = true;
-      c.fx = c.fy = (facts.apple ? kFocalOfApple : kFocalOfOthers) * std::max(width, height);
-      recording.warnings.push_back(
-          "no lens in the recording: guessed a focal length of " + number_text(c.fx) + " px, " +
-          number_text(2 * 57.29578 * std::atan(0.5 * std::max(width, height) / c.fx)) +
-          " degrees over the longer side (" + (facts.device.empty() ? "a phone's main camera" : facts.device) +
-          "); the metric scale hangs on it: 'odograph calibrate' makes a camera.yaml");
-    }
-  } else if (const auto fitted = fit_to_size(c, width, height, facts.lens_from); !fitted) {
-    return fitted.failure();
-  }
-  if (!facts.has_mount) {
-    guess_mount(c);
-    recording.guessed.mount = true;
-    recording.warnings.push_back(std::string("mount of the camera guessed by the picture's shape: ") +
-                                 (c.width >= c.height ? "wide, so its right is the phone's bottom"
-                                                      : "tall, so it stands upright when the phone does"));
-  }
-  if (const std::string fault = message_fault(c.header); !fault.empty())
-    return Failure{ODO_E_DATA, facts.lens_from + ": " + fault};
-  return c;
-}
-
 /// A frame as its row has it: focal length, exposure, readout.
 odo_frame frame_of(int64_t t_ns, const Row* row, const odo_calibration& c, bool by_lens) {
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
@@ -177,6 +135,47 @@ Result<bool> add_pictures(Recording& recording, const Format& format, const File
 }
 
 }  // namespace
+
+Result<odo_calibration> calibration_of(CameraFacts facts, const Rows* times, uint32_t width, uint32_t height,
+                                       Recording& recording) {
+  odo_calibration c = facts.calibration;
+  if (!facts.has_lens) {
+    c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+    c.model = ODO_CAMERA_PINHOLE;
+    if (facts.has_mount) {
+      std::copy_n(facts.calibration.q_b_c, 4, c.q_b_c), std::copy_n(facts.calibration.p_b_c, 3, c.p_b_c);
+      c.header.flags |= ODO_CALIBRATION_EXTRINSICS;
+    }
+    c.width = width, c.height = height, c.cx = 0.5 * (width - 1), c.cy = 0.5 * (height - 1);
+    const double focal = times && !times->rows.empty() ? times->rows.front().v[0] : std::nan("");
+    if (times && !times->table->columns.empty() && focal > 0.2 * width) {
+      c.fx = focal;
+      const auto& v = times->rows.front().v;
+      c.fy = v[1] > 0 ? v[1] : focal;
+      if (v[2] > 0 && v[3] > 0) c.cx = v[2], c.cy = v[3];
+    } else {
+      recording.guessed.lens = true;
+      c.fx = c.fy = (facts.apple ? kFocalOfApple : kFocalOfOthers) * std::max(width, height);
+      recording.warnings.push_back(
+          "no lens in the recording: guessed a focal length of " + number_text(c.fx) + " px, " +
+          number_text(2 * 57.29578 * std::atan(0.5 * std::max(width, height) / c.fx)) +
+          " degrees over the longer side (" + (facts.device.empty() ? "a phone's main camera" : facts.device) +
+          "); the metric scale hangs on it: 'odograph calibrate' makes a camera.yaml");
+    }
+  } else if (const auto fitted = fit_to_size(c, width, height, facts.lens_from); !fitted) {
+    return fitted.failure();
+  }
+  if (!facts.has_mount) {
+    guess_mount(c);
+    recording.guessed.mount = true;
+    recording.warnings.push_back(std::string("mount of the camera guessed by the picture's shape: ") +
+                                 (c.width >= c.height ? "wide, so its right is the phone's bottom"
+                                                      : "tall, so it stands upright when the phone does"));
+  }
+  if (const std::string fault = message_fault(c.header); !fault.empty())
+    return Failure{ODO_E_DATA, facts.lens_from + ": " + fault};
+  return c;
+}
 
 Result<bool> add_camera(Recording& recording, const Format& format, const Files& files, const Rows* times,
                         CameraFacts facts) {

@@ -43,8 +43,17 @@ struct CameraFacts {
   std::string lens_from;  ///< for the words: "calibration.json"
 };
 
-/// What the app's own files beside the tables say: camera.yaml, calibration.json, camera_matrix.csv, video_meta.pb3.
+/// Camera to body out of p_camera = T p_imu, row by row; false where its rotation is none or its shift more than 10 m.
+bool set_mount(odo_calibration& camera, const double (&T)[12]);
+
+/// What the app's own files beside the tables say: camera.yaml, Kalibr's camchain, calibration.json, camera_matrix.csv,
+/// video_meta.pb3.
 Result<CameraFacts> camera_facts(const Files& files, std::vector<std::string>& warnings);
+
+/// Lens and mount for pictures of a size, given or guessed; each guess is a warning. `times` may have focal lengths, or
+/// be null.
+Result<odo_calibration> calibration_of(CameraFacts facts, const Rows* times, uint32_t width, uint32_t height,
+                                       Recording& recording);
 
 /// Adds the calibration and all frames; what is guessed or left out goes into the recording's warnings. `times` is of
 /// Stream::frame, or null. No video and no pictures is no failure, but said.

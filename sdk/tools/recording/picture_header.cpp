@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/recording/picture_header.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <cstring>
 #include <fstream>
 #include <optional>
+#include <sstream>
 
 namespace odograph {
 namespace {
 
 constexpr int kMaxMarkers = 1000;  // of a JPEG before its size
 constexpr int kMaxBytes = 4096;    // of a PGM's comments
+constexpr size_t kLongestHeader = 1 << 20;
 
 uint32_t big_endian(const unsigned char* bytes, int count) {
   uint32_t value = 0;
@@ -85,20 +88,30 @@ std::optional<PictureSize> stated_size(std::istream& in, uint64_t offset) {
   return std::nullopt;
 }
 
+Result<PictureSize> checked_size(std::istream& in, uint64_t offset, const std::string& name) {
+  const auto size = stated_size(in, offset);
+  if (!size || size->width == 0 || size->height == 0)
+    return Failure{ODO_E_DATA, name + ": no picture; expected PNG, JPEG, BMP, PGM or PPM"};
+  if (size->width > kMaxSide || size->height > kMaxSide || uint64_t(size->width) * size->height > kMaxPixels)
+    return Failure{ODO_E_DATA, name + ": a picture of " + std::to_string(size->width) + " x " +
+                                   std::to_string(size->height) + " pixels; expected at most 64 million, " +
+                                   std::to_string(kMaxSide) + " a side"};
+  return *size;
+}
+
 }  // namespace
 
 Result<PictureSize> picture_size(const std::filesystem::path& file, uint64_t offset) {
   std::ifstream in(file, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(offset));
   if (!in) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be opened"};
-  const auto size = stated_size(in, offset);
-  if (!size || size->width == 0 || size->height == 0)
-    return Failure{ODO_E_DATA, file.string() + ": no picture; expected PNG, JPEG, BMP, PGM or PPM"};
-  if (size->width > kMaxSide || size->height > kMaxSide || uint64_t(size->width) * size->height > kMaxPixels)
-    return Failure{ODO_E_DATA, file.string() + ": a picture of " + std::to_string(size->width) + " x " +
-                                   std::to_string(size->height) + " pixels; expected at most 64 million, " +
-                                   std::to_string(kMaxSide) + " a side"};
-  return *size;
+  return checked_size(in, offset, file.string());
+}
+
+Result<PictureSize> picture_size(std::span<const unsigned char> bytes, const std::string& name) {
+  std::istringstream in(
+      std::string(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), kLongestHeader))));
+  return checked_size(in, 0, name);
 }
 
 }  // namespace odograph

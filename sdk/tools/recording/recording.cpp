@@ -3,17 +3,9 @@
 
 #include "sdk/tools/recording/read_phone.hpp"
 #include "sdk/tools/recording/archive.hpp"
+#include "sdk/tools/recording/message_log.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <fstream>
-
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-
-#include "sdk/tools/recording/picture_header.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;
@@ -54,12 +46,33 @@ void Recording::sort() {
 
 namespace {
 
+/// The bag or MCAP file of a folder, as ROS 2 keeps one; empty where there is none.
+Result<fs::path> log_in(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> logs;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const fs::path kind = entry.path().extension();
+    if (kind == ".db3" && fs::exists(folder / "metadata.yaml", error))
+      return Failure{ODO_E_DATA, folder.string() +
+                                     ": a ROS 2 bag in SQLite, which is not read; 'ros2 bag convert' makes MCAP of it"};
+    if (kind == ".mcap" || kind == ".bag") logs.push_back(entry.path());
+  }
+  if (logs.size() > 1)
+    return Failure{ODO_E_DATA,
+                   folder.string() + ": " + std::to_string(logs.size()) + " bags or MCAP files; name one of them"};
+  return logs.empty() ? fs::path() : logs.front();
+}
+
 Result<Recording> read_folder(const fs::path& path, const ReadOptions& options, std::shared_ptr<const void> keep) {
   std::error_code error;
   if (fs::exists(path / "mav0", error) || fs::exists(path / "imu0", error)) return read_euroc(path, options);
   if (fs::exists(path / "image_0", error)) return read_kitti(path);
   if (fs::exists(path / "iphone", error)) return read_advio(path);
   if (fs::exists(path / "rgb.txt", error)) return read_tum_rgbd(path, options);
+  if (const auto log = log_in(path); log && !log->empty())
+    return read_log(*log);
+  else if (!log)
+    return log.failure();
   if (looks_like_phone_recording(path)) return read_phone(path, std::move(keep));
   if (fs::exists(path / "camera.yaml", error)) return read_image_folder(path);
   return Failure{ODO_E_DATA, path.string() +
@@ -109,13 +122,15 @@ Result<Recording> read_whatever(const fs::path& path, const ReadOptions& options
   if (!fs::is_regular_file(path, error))
     return Failure{ODO_E_DATA, path.string() + ": neither a file nor a folder; a pipe or a device is no recording"};
   if (RecordReader::looks_like_one(path)) return read_odo(path, options);
+  if (MessageLog::looks_like_one(path)) return read_log(path);
   if (looks_like_archive(path)) return read_archive(path, options);
   if (looks_like_gnss_log(path)) return read_gnss_log(path);
   if (const auto walk = read_walk(path)) return *walk;
   if (path.extension() == ".txt") return read_indoor_location(path);
   return Failure{ODO_E_DATA, path.string() +
                                  ": not a recording; expected an Odograph recording (.odo), a phone app's export "
-                                 "(.zip), GnssLogger's text, an Indoor Location Competition or IPIN trace (.txt), or a "
+                                 "(.zip), a ROS bag (.bag), MCAP (.mcap), GnssLogger's text, an Indoor Location "
+                                 "Competition or IPIN trace (.txt), or a "
                                  "walk of RIDI, Oxford's step counter or the trundle wheel (.csv)"};
 }
 
@@ -164,100 +179,6 @@ Result<Recording> read_recording(const fs::path& path, const ReadOptions& option
                                   recording->loss.first_impossible);
   if (recording && recording->messages.empty()) return Failure{ODO_E_DATA, path.string() + ": no usable message in it"};
   return recording;
-}
-
-namespace {
-
-struct HeldPicture {
-  cv::Mat image;
-  std::atomic<int> holds{1};
-};
-
-int32_t retain(void* owner) {
-  ++static_cast<HeldPicture*>(owner)->holds;
-  return ODO_OK;
-}
-
-void release(void* owner) {
-  auto* held = static_cast<HeldPicture*>(owner);
-  if (--held->holds == 0) delete held;
-}
-
-std::string name_of(const PictureRef& picture) { return picture.file ? picture.file->string() : "no file"; }
-
-cv::Mat decode(const PictureRef& picture) {
-  std::error_code error;
-  if (!picture.file || !fs::is_regular_file(*picture.file, error)) return {};  // a pipe would wait for ever
-  if (picture.size == 0) return cv::imread(picture.file->string(), cv::IMREAD_ANYCOLOR);
-  std::ifstream file(*picture.file, std::ios::binary);
-  std::vector<uchar> bytes(picture.size);
-  file.seekg(static_cast<std::streamoff>(picture.offset));
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!file) return {};
-  return cv::imdecode(bytes, cv::IMREAD_ANYCOLOR);
-}
-
-/// A copy of a store's picture, as OpenCV decodes files: grey or BGR.
-cv::Mat decode_stored(const RecordedMessage& recorded) {
-  const auto frame =
-      recorded.picture.store->load(recorded.picture.offset, copy_as<odo_frame>(recorded.message.header()));
-  if (!frame) return {};
-  const bool grey = frame->format != ODO_FORMAT_RGB8;  // a plane of brightness is one
-  const cv::Mat pixels(static_cast<int>(frame->height), static_cast<int>(frame->width), grey ? CV_8UC1 : CV_8UC3,
-                       const_cast<uint8_t*>(frame->planes[0].data), static_cast<size_t>(frame->planes[0].row_stride));
-  cv::Mat out;
-  if (grey)
-    out = pixels.clone();
-  else
-    cv::cvtColor(pixels, out, cv::COLOR_RGB2BGR);
-  frame->loan.release(frame->loan.owner);
-  return out;
-}
-
-/// Other light than was recorded.
-void relight(const PictureRef& picture, cv::Mat& image) {
-  if (!picture.relit()) return;
-  cv::Mat levels(1, 256, CV_8U);
-  for (int g = 0; g < 256; ++g)
-    levels.at<uchar>(g) =
-        cv::saturate_cast<uchar>(2.55 * picture.gain_percent * std::pow(g / 255.0, picture.gamma_percent / 100.0));
-  cv::LUT(image, levels, image);
-}
-
-}  // namespace
-
-Result<odo_frame> load_frame(const RecordedMessage& recorded) {
-  const PictureRef& picture = recorded.picture;
-  if (picture.store && !picture.relit())
-    return picture.store->load(picture.offset, copy_as<odo_frame>(recorded.message.header()));
-  auto held = std::make_unique<HeldPicture>();
-  std::error_code error;
-  if (const auto& file = recorded.picture.file; file && fs::is_regular_file(*file, error))
-    if (const auto size = picture_size(*file, recorded.picture.offset); !size) return size.failure();
-  try {
-    held->image = picture.store ? decode_stored(recorded) : decode(picture);
-  } catch (const std::exception& thrown) {
-    return Failure{ODO_E_DATA, name_of(recorded.picture) + ": " + thrown.what()};
-  }
-  if (held->image.empty() || held->image.depth() != CV_8U)
-    return Failure{ODO_E_DATA, name_of(recorded.picture) + ": the picture cannot be read as 8-bit grey or colour"};
-  relight(recorded.picture, held->image);
-  if (held->image.channels() == 3) {  // OpenCV decodes to BGR
-    std::vector<cv::Mat> bgr;
-    cv::split(held->image, bgr);
-    cv::merge(std::vector<cv::Mat>{bgr[2], bgr[1], bgr[0]}, held->image);
-  }
-  auto frame = copy_as<odo_frame>(recorded.message.header());
-  const cv::Mat& image = held->image;
-  frame.width = static_cast<uint32_t>(image.cols);
-  frame.height = static_cast<uint32_t>(image.rows);
-  frame.format = image.channels() == 1 ? ODO_FORMAT_GREY8 : ODO_FORMAT_RGB8;
-  frame.plane_count = 1;
-  frame.planes[0] = {image.data, static_cast<int64_t>(image.step[0]), static_cast<uint32_t>(image.channels()), 0};
-  frame.loan.owner = held.release();
-  frame.loan.retain = retain;
-  frame.loan.release = release;
-  return frame;
 }
 
 }  // namespace odograph

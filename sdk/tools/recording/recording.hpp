@@ -21,6 +21,8 @@ class PictureStore {
   virtual ~PictureStore() = default;
   /// Fills in pixels, size, format and loan of a frame; the caller releases it once. [any]
   virtual Result<odo_frame> load(uint64_t number, const odo_frame& frame) = 0;
+  /// The picture as PNG or JPEG where it is stored as one; empty otherwise. [any]
+  virtual std::vector<unsigned char> encoded(uint64_t) { return {}; }
 };
 
 /// Where a camera frame's picture is: a file of its own, a part of one, or a number in a store.
@@ -134,7 +136,8 @@ std::vector<int64_t> frame_times_ns(const Recording& recording);
 
 /// Finds out by looking what it is, and reads it: an Odograph recording (*.odo), EuRoC/ASL, TUM RGB-D, KITTI odometry,
 /// ADVIO, an Indoor Location Competition trace (*.txt), a folder of numbered images with a camera.yaml, what
-/// read_walk() reads, or what a phone's app has written (docs/phone_recordings.md), as a folder or a zip of it.
+/// read_walk() reads, a ROS 1 bag, MCAP, or what a phone's app has written (docs/phone_recordings.md), as a folder or a
+/// zip of it.
 /// Failures name file and line (ODO_E_DATA), or say what was looked for (ODO_E_NOT_FOUND).
 Result<Recording> read_recording(const std::filesystem::path& path, const ReadOptions& options = {});
 
@@ -144,6 +147,8 @@ Result<Recording> read_tum_rgbd(const std::filesystem::path& folder, const ReadO
 Result<Recording> read_kitti(const std::filesystem::path& folder);
 Result<Recording> read_advio(const std::filesystem::path& folder);
 Result<Recording> read_indoor_location(const std::filesystem::path& file);
+/// A ROS 1 bag, or MCAP with sensor_msgs or Foxglove's schemas.
+Result<Recording> read_log(const std::filesystem::path& file);
 Result<Recording> read_image_folder(const std::filesystem::path& folder);
 /// A walk of a published data set without a camera, known by its first line: RIDI (*.csv, a row each sample with the
 /// truth), IPIN competitions (*.txt, GetSensorData), Oxford step counter (*_accelerometer.csv beside
@@ -165,5 +170,7 @@ Result<EurocWritten> write_euroc(const Recording& recording, const std::filesyst
 /// Loads a frame's picture and fills in pixels, size and format. The result carries retain and release, so nobody has
 /// to copy it; the caller releases it once.
 Result<odo_frame> load_frame(const RecordedMessage& message);
+/// A picture that lies somewhere as PNG or JPEG, byte for byte; empty where it does not, or is to be another.
+std::vector<unsigned char> encoded_picture(const PictureRef& picture);
 
 }  // namespace odograph

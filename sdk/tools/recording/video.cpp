@@ -2,7 +2,6 @@
 #include "sdk/tools/recording/video.hpp"
 
 #include <algorithm>
-#include <atomic>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -10,6 +9,8 @@ extern "C" {
 #include <libavutil/imgutils.h>
 #include <libswscale/swscale.h>
 }
+
+#include "sdk/tools/recording/lent_picture.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;
@@ -22,21 +23,10 @@ constexpr size_t kMaxMetadataSample = 4096;
 /// Further ahead than this many frames a seek is cheaper than decoding all between.
 constexpr size_t kSeekAhead = 90;
 
-struct HeldFrame {
-  AVFrame* frame = av_frame_alloc();
-  std::atomic<int> holds{1};
-  ~HeldFrame() { av_frame_free(&frame); }
+struct FreeFrame {
+  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
 };
-
-int32_t retain(void* owner) {
-  ++static_cast<HeldFrame*>(owner)->holds;
-  return ODO_OK;
-}
-
-void release(void* owner) {
-  auto* held = static_cast<HeldFrame*>(owner);
-  if (--held->holds == 0) delete held;
-}
+using OwnedFrame = std::unique_ptr<AVFrame, FreeFrame>;
 
 /// As the ABI has it; 0 where the pixels must be converted.
 uint32_t format_of(int pixels) {
@@ -175,28 +165,26 @@ Result<odo_frame> Video::load(uint64_t number, const odo_frame& head) {
   if (const auto found = decode_until(pts_[number]); !found) return found.failure();
   if (decoded_->width != static_cast<int>(width_) || decoded_->height != static_cast<int>(height_))
     return wrong("frame " + std::to_string(number) + " has another size");
-  auto held = std::make_unique<HeldFrame>();
-  if (!held->frame) return wrong("out of memory");
+  OwnedFrame held(av_frame_alloc());
+  if (!held) return wrong("out of memory");
   uint32_t format = format_of(decoded_->format);
   if (format != 0) {
-    if (av_frame_ref(held->frame, decoded_) < 0) return wrong("out of memory");
+    if (av_frame_ref(held.get(), decoded_) < 0) return wrong("out of memory");
   } else {  // ten bits, other chroma
-    held->frame->format = AV_PIX_FMT_YUV420P;
-    held->frame->width = decoded_->width, held->frame->height = decoded_->height;
+    held->format = AV_PIX_FMT_YUV420P;
+    held->width = decoded_->width, held->height = decoded_->height;
     scaler_ = sws_getCachedContext(scaler_, decoded_->width, decoded_->height,
                                    static_cast<AVPixelFormat>(decoded_->format), decoded_->width, decoded_->height,
                                    AV_PIX_FMT_YUV420P, SWS_POINT, nullptr, nullptr, nullptr);
-    if (!scaler_ || av_frame_get_buffer(held->frame, 0) < 0 ||
-        sws_scale(scaler_, decoded_->data, decoded_->linesize, 0, decoded_->height, held->frame->data,
-                  held->frame->linesize) != decoded_->height)
+    if (!scaler_ || av_frame_get_buffer(held.get(), 0) < 0 ||
+        sws_scale(scaler_, decoded_->data, decoded_->linesize, 0, decoded_->height, held->data, held->linesize) !=
+            decoded_->height)
       return wrong("frame " + std::to_string(number) + " has pixels of an unknown kind");
     format = ODO_FORMAT_YUV420;
   }
   odo_frame frame = head;
-  set_planes(frame, *held->frame, format);
-  frame.loan.owner = held.release();
-  frame.loan.retain = retain;
-  frame.loan.release = release;
+  set_planes(frame, *held, format);
+  lend(frame, std::move(held));
   return frame;
 }
 

@@ -64,6 +64,15 @@ void write_fixes(std::ostream& out, const std::vector<RunResult::Fix>& fixes) {
         << (accepted ? 1 : 0) << '\n';
 }
 
+/// A row each time that the state or its reason changes.
+void write_states(std::ostream& out, const RunResult& r) {
+  out << "t_ns,state,reason\n";
+  for (size_t i = 0; i < r.states.size() && i < r.reasons.size() && i < r.track.size(); ++i)
+    if (i == 0 || r.states[i] != r.states[i - 1] || r.reasons[i] != r.reasons[i - 1])
+      out << r.track[i].t_ns << ',' << odo_state_text(r.states[i]) << ','
+          << (r.reasons[i] ? odo_reason_text(r.reasons[i]) : "") << '\n';
+}
+
 using Json = nlohmann::ordered_json;
 
 Json json_of(const RecordingLoss& loss) {
@@ -195,6 +204,7 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
   if (!result.motions.empty()) files.add("vo.csv", [&](std::ostream& out) { write_motions(out, result.motions); });
   files.add("scale.csv", [&](std::ostream& out) { write_scales(out, result.scales); });
   files.add("fixes.csv", [&](std::ostream& out) { write_fixes(out, result.fixes); });
+  files.add("states.csv", [&](std::ostream& out) { write_states(out, result); });
   files.add("summary.json", [&](std::ostream& out) {
     out << summary_of(recording, result, options).dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   });

@@ -97,7 +97,7 @@ struct Collector {
     }
     const bool none_metric = result.first_metric == result.track.size();
     result.track.push_back(x);
-    result.states.push_back(pose.state);
+    result.states.push_back(pose.state), result.reasons.push_back(pose.reason);
     const bool stands = pose.reason == ODO_REASON_INITIALISING || pose.reason == ODO_REASON_NO_SCALE;
     if (none_metric && (stands || !(pose.header.flags & ODO_POSE_METRIC))) result.first_metric = result.track.size();
     if (pose.header.flags & ODO_POSE_CAMERA) {

@@ -23,9 +23,9 @@ struct RunResult {
     odo_fix fix;
     bool accepted;
   };
-  Trajectory track;              // in n; of the camera where the recording has one, otherwise of the body
-  std::vector<uint32_t> states;  // of each pose
-  size_t first_metric = 0;       // poses before it have no scale yet; the track's size where none has
+  Trajectory track;                       // in n; of the camera where the recording has one, otherwise of the body
+  std::vector<uint32_t> states, reasons;  // of each pose
+  size_t first_metric = 0;                // poses before it have no scale yet; the track's size where none has
   std::optional<std::array<double, 3>> origin;  // of n: latitude, longitude (rad), height (m), where the run knew it
   std::vector<odo_step> steps;
   std::vector<odo_vo_motion> motions;
@@ -89,8 +89,8 @@ struct RunOptions {
 Result<RunResult> replay(const Recording& recording, const RunOptions& options);
 
 /// trajectory.tum (from the first pose on whose scale is known; all where none is), vo.csv, steps.csv, scale.csv,
-/// fixes.csv, summary.json: all of them anew, or none where one cannot be written. Files of an older run that this one
-/// has not are removed.
+/// fixes.csv, states.csv, summary.json: all anew, or none where one cannot be written. Files of an older run that this
+/// one has not are removed.
 Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
                        const RunOptions& options);
 

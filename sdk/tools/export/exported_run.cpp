@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/tools/export/exported_run.hpp"
+
+#include <fstream>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "sdk/host/base/nearest.hpp"
+
+namespace odograph {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::json;
+
+Json summary_at(const fs::path& file) {
+  std::ifstream in(file);
+  return Json::parse(in, nullptr, false);
+}
+
+/// Calls with the fields of each line but the first; a file that is not there has none.
+void each_row(const fs::path& file, size_t fields, const std::function<void(const std::vector<std::string>&)>& take) {
+  std::ifstream in(file);
+  std::string line;
+  for (std::getline(in, line); std::getline(in, line);)
+    if (const auto row = split(line, ','); row.size() >= fields) take(row);
+}
+
+void read_tables(const fs::path& folder, const Json& summary, ExportedRun& run) {
+  std::map<std::string, std::string> plugins;
+  if (summary.contains("plugins") && summary["plugins"].is_array())
+    for (const Json& plugin : summary["plugins"])
+      if (plugin.is_object() && plugin.contains("number") && plugin.contains("id") && plugin["id"].is_string())
+        plugins[plugin["number"].dump()] = plugin["id"];
+  each_row(folder / "scale.csv", 5, [&](const auto& row) {
+    run.scales.push_back({std::atoll(row[0].c_str()), std::atof(row[2].c_str()), std::atof(row[3].c_str()),
+                          plugins.count(row[1]) ? plugins[row[1]] : row[1], row[4] == "1"});
+  });
+  each_row(folder / "states.csv", 2, [&](const auto& row) {
+    run.states.push_back({std::atoll(row[0].c_str()), row[1], row.size() > 2 ? row[2] : ""});
+  });
+}
+
+}  // namespace
+
+Origin origin_in_summary(const fs::path& file) {
+  const Json summary = summary_at(file);
+  std::array<double, 3> origin{};
+  if (!summary.is_object() || !summary.contains("origin") || !summary["origin"].is_object()) return std::nullopt;
+  const char* keys[] = {"latitude_deg", "longitude_deg", "height_m"};
+  for (size_t i = 0; i < 3; ++i) {
+    const auto number = summary["origin"].find(keys[i]);
+    if (number == summary["origin"].end() || !number->is_number()) return std::nullopt;
+    origin[i] = number->get<double>() * (i < 2 ? EIGEN_PI / 180 : 1.0);
+  }
+  return origin;
+}
+
+Result<ExportedRun> read_exported_run(const fs::path& input, const std::string& named, const ReadOptions& options) {
+  ExportedRun run;
+  std::error_code error;
+  const bool is_run = fs::is_regular_file(input / "trajectory.tum", error);
+  fs::path path = is_run ? fs::path(named) : input;
+  Json summary;
+  if (is_run) {
+    auto track = read_tum(input / "trajectory.tum");
+    if (!track) return track.failure();
+    run.track = std::move(*track);
+    run.origin = origin_in_summary(input / "summary.json");
+    summary = summary_at(input / "summary.json");
+    if (path.empty() && summary.is_object() && summary.contains("recording") && summary["recording"].is_string())
+      path = summary["recording"].get<std::string>();
+    if (path.empty() || !fs::exists(path, error))
+      return Failure{ODO_E_NOT_FOUND,
+                     input.string() + ": its recording '" + path.string() + "' is not there; name it with --recording"};
+  }
+  auto recording = read_recording(path, options);
+  if (!recording) return recording.failure();
+  run.recording = std::move(*recording);
+  if (is_run)
+    read_tables(input, summary, run);
+  else
+    run.track = run.recording.truth;
+  return run;
+}
+
+}  // namespace odograph

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <utility>
+
+#include <opencv2/core.hpp>
+
+#include "sdk/host/base/result.hpp"
+#include "sdk/host/messages/messages.hpp"
+
+namespace odograph {
+
+/// Lends a frame's pixels: `owner` is what they live in, and ends with the last release. [releases: any thread]
+template <class Owner>
+void lend(odo_frame& frame, Owner owner) {
+  struct Held {
+    Owner owner;
+    std::atomic<int> holds{1};
+  };
+  frame.loan.owner = new Held{std::move(owner)};
+  frame.loan.retain = [](void* held) -> int32_t {
+    ++static_cast<Held*>(held)->holds;
+    return ODO_OK;
+  };
+  frame.loan.release = [](void* held) {
+    if (--static_cast<Held*>(held)->holds == 0) delete static_cast<Held*>(held);
+  };
+}
+
+/// A frame that borrows a picture as OpenCV decodes files, 8-bit grey, BGR or BGRA. ODO_E_DATA in words with `name` for
+/// any other.
+Result<odo_frame> lend_image(cv::Mat image, const odo_frame& head, const std::string& name);
+
+}  // namespace odograph
