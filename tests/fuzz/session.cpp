@@ -81,7 +81,7 @@ class Caller {
   void diagonal(double* matrix, size_t rows, double usual) {
     for (size_t i = 0; i < rows; ++i) matrix[i * (rows + 1)] = std::abs(number(usual));
   }
-  void turn(double* q) {
+  void rotation(double* q) {
     numbers(q, 4, 1);
     double norm = 0;
     for (int i = 0; i < 4; ++i) norm += q[i] * q[i];
@@ -140,7 +140,7 @@ class Caller {
     auto m = sample<odo_calibration>(ODO_TYPE_CALIBRATION, ODO_CALIBRATION_EXTRINSICS);
     m.model = 1 + take<uint8_t>() % 2;
     m.width = kWidth, m.height = kHeight, m.fx = m.fy = 40 + number(10), m.cx = 20, m.cy = 16;
-    turn(m.q_b_c), numbers(m.p_b_c, 3, 0.1);
+    rotation(m.q_b_c), numbers(m.p_b_c, 3, 0.1);
     m.time_offset_ns = take<int16_t>() * INT64_C(10'000), m.line_time_ns = take<int16_t>();
     push(m.header);
   }
@@ -184,7 +184,7 @@ class Caller {
       }
       case 3: {
         auto m = sample<odo_platform_pose>(ODO_TYPE_PLATFORM_POSE, 0);
-        turn(m.q_w), numbers(m.p_w, 3, 10), diagonal(m.covariance, 6, 0.1);
+        rotation(m.q_w), numbers(m.p_w, 3, 10), diagonal(m.covariance, 6, 0.1);
         return push(m.header);
       }
       case 4: {
@@ -211,7 +211,7 @@ class Caller {
     odo_vo_motion& m = told.m;
     m.header.flags = take<uint8_t>();
     m.t_from_ns = m.header.t_ns - take<uint8_t>() * INT64_C(4'000'000);
-    turn(m.q_c0_c1), numbers(m.p_c0_c1, 3, 0.3), diagonal(m.covariance, 6, 0.01), numbers(m.velocity_c1, 3, 1);
+    rotation(m.q_c0_c1), numbers(m.p_c0_c1, 3, 0.3), diagonal(m.covariance, 6, 0.01), numbers(m.velocity_c1, 3, 1);
     m.gravity_c1[take<uint8_t>() % 3] = 1;
     m.scale_group = take<uint8_t>() % 3, m.scale_sigma = number(0.1), m.state = take<uint8_t>() % 4;
     push(told.outer);
@@ -261,7 +261,7 @@ class Caller {
     place.struct_size = sizeof place;
     place.kind = take<uint8_t>() % 5, place.t_ns = take<uint8_t>() < 128 ? ODO_TIME_LATEST : time();
     place.world = take<uint8_t>() % 3, place.height_above = take<uint8_t>() % 5;
-    turn(place.q), numbers(place.p, 3, 10);
+    rotation(place.q), numbers(place.p, 3, 10);
     place.latitude_rad = 0.82 + number(1e-4), place.longitude_rad = 0.14 + number(1e-4);
     place.height_m = number(500), place.geoid_height_m = number(50), place.sigma_m = number(2);
     place.name = {"anchor", 6};

@@ -89,7 +89,12 @@ int32_t odo_session_create(const odo_session_options* options, odo_session** ses
   return guarded([&] { return create(*options, session, error); });
 }
 
-void odo_session_destroy(odo_session* session) { delete session; }
+void odo_session_destroy(odo_session* session) {
+  guarded([&] {
+    delete session;
+    return ODO_OK;
+  });
+}
 
 int32_t odo_session_push(odo_session* session, const odo_header* sample) {
   if (!session || !sample) return ODO_E_ARGUMENT;

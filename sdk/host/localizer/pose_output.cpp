@@ -30,7 +30,10 @@ void PoseOutput::settle() {
 }
 
 void PoseOutput::correct(const odo_pose& before, odo_pose after, uint32_t reason, bool small_too) {
-  if ((before.header.flags & ODO_POSE_POSITION) == 0) return;
+  if ((before.header.flags & ODO_POSE_POSITION) == 0) {
+    if (reason == ODO_CORRECTION_FIX) counted_from_ += Vector3d(after.p_n) - Vector3d(before.p_n);  // its first place
+    return;
+  }
   const Quaterniond q = (raw_quaternion(after.q_n) * raw_quaternion(before.q_n).conjugate()).normalized();
   const Vector3d p_before(before.p_n), p_after(after.p_n);
   const double jump_m = (p_after - p_before).norm(), rotation_rad = log_rotation(q).norm();
