@@ -34,6 +34,9 @@ expect 2 "bad.yaml:2:1" "$odograph" run -c bad.yaml -i tiny.odo -o o
 expect 0 "holds what the summary says" python3 "$source/tests/page_figures.py" o/report.html o/summary.json
 expect 0 "error rms" "$odograph" compare "$configs/phone_walk_odograph.yaml" "$configs/phone_walk.yaml" -i tiny.odo -o page.html
 expect 0 "phone_walk_odograph.yaml" cat page.html
+expect 0 "APE translation" "$odograph" eval --ref tiny.odo --est o --align yaw --plot eval.html
+expect 0 '"axes":true' cat eval.html
+expect 0 '"relative":{"t":[0' cat eval.html
 cp tiny.odo same_walk.odo
 expect 0 "http://127.0.0.1:" "$odograph" view -c "$configs/phone_walk.yaml" -i tiny.odo --port 0 --once
 expect 0 "page-tiny.odo.html" "$odograph" compare "$configs/phone_walk.yaml" -i tiny.odo same_walk.odo -o page.html

@@ -6,7 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/math/time.hpp"
+#include "sdk/host/base/output_file.hpp"
 #include "sdk/tools/command_line/commands.hpp"
+#include "sdk/tools/page/run_page.hpp"
 #include "sdk/tools/replay/runner.hpp"
 
 namespace odograph {
@@ -16,7 +18,7 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 struct EvalArguments {
-  std::string reference, estimate, alignment = "none", rpe_unit = "frames";
+  std::string reference, estimate, alignment = "none", rpe_unit = "frames", plot;
   double max_difference_s = 0.01, rpe_delta = 1, window_m = 10, align_first_m = 10;
   double true_window_m = 0, offset_s = 0;
   bool true_lengths = false, json = false;
@@ -222,6 +224,45 @@ void print(const Json& json, const std::string& head) {
   if (json.contains("true_lengths")) print_true_lengths(json["true_lengths"]);
 }
 
+/// The page of a run, for any two trajectories.
+Result<bool> write_plot(const EvalArguments& a, const Reference& reference, const Trajectory& estimate,
+                        Alignment alignment, const Json& result) {
+  Recording recording;
+  recording.path = a.reference, recording.format = "the truth", recording.truth = reference.trajectory;
+  for (const Waypoint& w : reference.waypoints) {
+    auto waypoint = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, w.t_ns);
+    Eigen::Vector3d::Map(waypoint.p_n) = w.p_n;
+    recording.add(waypoint.header);
+  }
+  RunResult run;
+  run.track = estimate;
+  run.states.assign(estimate.size(), ODO_TRACKING);
+  PageOptions::Evaluation shown{alignment, "--align " + a.alignment, {}, {}};
+  const auto figure = [&](const char* name, const char* key, const char* unit) {
+    if (!result.contains(key)) return;
+    char text[120];
+    std::snprintf(text, sizeof text, "%.4g %s rms, median %.4g, largest %.4g", result[key]["rmse"].get<double>(), unit,
+                  result[key]["median"].get<double>(), result[key]["max"].get<double>());
+    shown.figures.emplace_back(name, text);
+  };
+  figure("APE, translation", "ape_m", "m"), figure("APE, rotation", "ape_deg", "degrees");
+  figure("RPE, translation", "rpe_m", "m"), figure("RPE, rotation", "rpe_deg", "degrees");
+  figure("Horizontal error", "horizontal_m", "m");
+  const Pairs pairs = associate(reference.trajectory, estimate, a.max_difference_s);
+  double scale = 1;
+  const auto delta = static_cast<size_t>(std::max(1.0, a.rpe_delta));
+  if (a.rpe_unit == "frames" && pairs.estimate.size() > delta) {
+    const auto relative = relative_errors(pairs.reference, align(pairs, alignment, &scale), a.rpe_delta, false);
+    for (size_t k = 0; k < relative.translation_m.size() && (k + 1) * delta < pairs.estimate.size(); ++k)
+      shown.relative_m.emplace_back(seconds(pairs.estimate[(k + 1) * delta].t_ns - estimate.front().t_ns),
+                                    relative.translation_m[k]);
+  }
+  PageOptions options;
+  options.command = "odograph eval --ref " + a.reference + " --est " + a.estimate + " --align " + a.alignment;
+  options.evaluation = std::move(shown);
+  return write_whole_file(a.plot, run_page(recording, {{fs::path(a.estimate).filename().string(), &run}}, options));
+}
+
 int eval(const EvalArguments& a) {
   const auto alignment = parse_alignment(a.alignment);
   if (!alignment) return complain(alignment.failure());
@@ -238,6 +279,9 @@ int eval(const EvalArguments& a) {
     if (!result) return complain(result.failure());
     out.update(*result);
   }
+  if (!a.plot.empty())
+    if (const auto written = write_plot(a, *reference, *estimate, *alignment, out); !written)
+      return complain(written.failure());
   if (a.json)
     std::printf("%s\n", out.dump(2).c_str());
   else
@@ -278,6 +322,9 @@ void add_eval(CLI::App& app, int& status) {
                    "with --true-lengths: one factor for all of this much of the path, m; 0: for each frame")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
+  command->add_option("--plot", a->plot,
+                      "write a page (HTML): both tracks, the estimate coloured by its error, coordinates, angles and "
+                      "errors over time");
   command->add_flag("--json", a->json, "print one JSON object");
   command->callback([a, &status] { status = eval(*a); });
 }

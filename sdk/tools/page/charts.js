@@ -17,6 +17,23 @@ function prepare(canvas) {
   return {g, w, h};
 }
 
+/** What does not move with the cursor is drawn once for a key, and copied from then on. */
+function layered(canvas, key, draw) {
+  const {g, w, h} = prepare(canvas), whole = [key, canvas.width, canvas.height, css('--back')].join();
+  if (canvas.layerKey !== whole) {
+    canvas.layerKey = whole;
+    canvas.layer = canvas.layer || document.createElement('canvas');
+    canvas.layer.width = canvas.width;
+    canvas.layer.height = canvas.height;
+    const under = canvas.layer.getContext('2d');
+    under.setTransform(g.getTransform());
+    under.font = g.font;
+    draw(under, w, h);
+  }
+  g.drawImage(canvas.layer, 0, 0, w, h);
+  return {g, w, h};
+}
+
 /** 1, 2 or 5 times a power of ten, so that `span` has about `count` of them. */
 function tick(span, count) {
   const raw = span / count, power = Math.pow(10, Math.floor(Math.log10(raw || 1)));
@@ -99,14 +116,14 @@ function drawTimeAxis(g, w, h) {
   g.fillStyle = css('--soft');
   g.strokeStyle = css('--line');
   g.lineWidth = 1;
-  g.textAlign = 'center';
   for (let t = Math.ceil(view.t0 / step) * step; t <= view.t1; t += step) {
     const x = Math.round(toX(t, w)) + 0.5;
     g.beginPath();
     g.moveTo(x, kTop);
     g.lineTo(x, h - kBottom);
     g.stroke();
-    g.fillText(round(t, step) + ' s', x, h - 4);
+    g.textAlign = x > w - 24 ? 'right' : 'center';
+    g.fillText(round(t, step) + ' s', x > w - 24 ? w - 4 : x, h - 4);
   }
 }
 function drawCursor(g, w, h) {
@@ -193,7 +210,15 @@ function addChart(title, unit, series, zero) {
   if (series.length === 0) return;
   const {canvas, value} = makePanel(title + (unit ? ' (' + unit + ')' : ''), 'line');
   view.listeners.push(() => {
-    const {g, w, h} = prepare(canvas);
+    const {g, w, h} = layered(canvas, [view.t0, view.t1], drawUnder);
+    drawCursor(g, w, h);
+    value.textContent = series.filter(s => !s.quiet).map(s => {
+      const k = before(s.t, view.now);
+      const text = k < 0 || s.y[k] === null ? '-' : readable(s.y[k]) + (s.band ? ' ± ' + readable(s.band[k]) : '');
+      return (s.name ? s.name + ' ' : '') + text;
+    }).join('   ');
+  });
+  function drawUnder(g, w, h) {
     const [low, high] = rangeOf(series, zero);
     const X = t => toX(t, w), Y = y => h - kBottom - (y - low) / (high - low) * (h - kTop - kBottom);
     drawTimeAxis(g, w, h);
@@ -211,13 +236,7 @@ function addChart(title, unit, series, zero) {
     g.clip();
     for (const s of series) drawSeries(g, s, X, Y);
     g.restore();
-    drawCursor(g, w, h);
-    value.textContent = series.filter(s => !s.quiet).map(s => {
-      const k = before(s.t, view.now);
-      const text = k < 0 || s.y[k] === null ? '-' : readable(s.y[k]) + (s.band ? ' ± ' + readable(s.band[k]) : '');
-      return (s.name ? s.name + ' ' : '') + text;
-    }).join('   ');
-  });
+  }
 }
 
 /** entries: {t, name, colour}, each until the next one. */
@@ -226,8 +245,16 @@ function addBand(title, rows) {
   if (rows.length === 0) return;
   const {canvas, value} = makePanel(title, 'band');
   canvas.style.height = 22 + 20 * rows.length + 'px';
+  const times = rows.map(row => row.entries.map(e => e.t));
   view.listeners.push(() => {
-    const {g, w, h} = prepare(canvas);
+    const {g, w, h} = layered(canvas, [view.t0, view.t1], drawUnder);
+    drawCursor(g, w, h);
+    value.textContent = rows.map((row, i) => {
+      const k = before(times[i], view.now);
+      return (row.name ? row.name + ' ' : '') + (k < 0 ? '-' : row.entries[k].name);
+    }).join('   ');
+  });
+  function drawUnder(g, w, h) {
     drawTimeAxis(g, w, h);
     g.save();
     g.beginPath();
@@ -249,10 +276,5 @@ function addBand(title, rows) {
       });
     });
     g.restore();
-    drawCursor(g, w, h);
-    value.textContent = rows.map(row => {
-      const k = before(row.entries.map(e => e.t), view.now);
-      return (row.name ? row.name + ' ' : '') + (k < 0 ? '-' : row.entries[k].name);
-    }).join('   ');
-  });
+  }
 }

@@ -25,7 +25,7 @@ double LaidRun::rms_m() const {
   return error_m.empty() ? 0 : std::sqrt(squares / static_cast<double>(error_m.size()));
 }
 
-LaidRun lay_over_truth(const Recording& recording, const RunResult& result) {
+LaidRun lay_over_truth(const Recording& recording, const RunResult& result, std::optional<Alignment> alignment) {
   LaidRun laid;
   laid.metric = is_metric(recording, result);
   const Trajectory& track = result.track;
@@ -36,7 +36,7 @@ LaidRun lay_over_truth(const Recording& recording, const RunResult& result) {
     const Pairs pairs = associate(recording.truth, track, kTogether_s);
     if (pairs.reference.size() < 3) return laid;
     from = pairs.estimate;
-    to = align(pairs, laid.metric ? Alignment::yaw : Alignment::sim3, &laid.scale);
+    to = align(pairs, alignment.value_or(laid.metric ? Alignment::yaw : Alignment::sim3), &laid.scale);
     for (size_t k = 0; k < to.size(); ++k)
       laid.error_m.emplace_back(since_start(to[k].t_ns), (to[k].p - pairs.reference[k].p).norm());
   } else {

@@ -1,5 +1,5 @@
 // The track in space: from above, or tilted. Coordinates of data are north, east, down in metres.
-const map = {centre: [0, 0, 0], metre_px: 10, turn: 0, tilt: 0};
+const map = {centre: [0, 0, 0], metre_px: 10, turn: 0, tilt: 0, by_error: false, loads: 0};
 
 /** A place of a run's frame in the frame that all is drawn in. */
 function lay(run, p, i) {
@@ -103,10 +103,12 @@ function drawHere(g, run, w, h) {
   if (i < 0) return;
   const at = toScreen(run.placed, 3 * i, w, h);
   if (run.sigma.length) {
-    g.fillStyle = run.colour + '33';
+    const radius = 2 * run.sigma[i] * map.metre_px;
+    g.fillStyle = g.strokeStyle = run.colour + '33';
+    g.lineWidth = 1.5;
     g.beginPath();
-    g.ellipse(at[0], at[1], 2 * run.sigma[i] * map.metre_px, 2 * run.sigma[i] * map.metre_px * Math.max(0.15, Math.cos(map.tilt)), 0, 0, 7);
-    g.fill();
+    g.ellipse(at[0], at[1], radius, radius * Math.max(0.15, Math.cos(map.tilt)), 0, 0, 7);
+    if (radius < 0.3 * Math.min(w, h)) g.fill(); else g.stroke();  // one that covers the map hides it
   }
   const [n, e] = directionAt(run, i), tip = run.placed.slice(3 * i, 3 * i + 3);
   tip[0] += n * 16 / map.metre_px;
@@ -124,18 +126,47 @@ function drawHere(g, run, w, h) {
   g.stroke();
 }
 
+/** Green, yellow, red as x goes from 0 to 1. */
+const heat = x => `hsl(${Math.round(130 * (1 - Math.min(1, x)))}, 75%, 45%)`;
+
+/** Each pose's error over the largest, for colours. */
+function errorParts(run, largest) {
+  return Array.from(run.t, t => {
+    const k = before(run.error.t, t);
+    return k < 0 || run.error.y[k] === null ? 0 : Math.round(20 * run.error.y[k] / largest) / 20;  // few colours are drawn quickly
+  });
+}
+function drawErrorLegend(g, w, h, largest) {
+  for (let k = 0; k < 60; ++k) {
+    g.fillStyle = heat(k / 60);
+    g.fillRect(w - 80 + k, h - 16, 1.5, 6);
+  }
+  g.fillStyle = css('--soft');
+  g.textAlign = 'right';
+  g.fillText('error 0 to ' + readable(largest) + ' m', w - 20, h - 22);
+}
+
 function showMap(data) {
   const canvas = document.getElementById('map'), several = data.runs.length > 1;
   const states = [css('--soft'), null, css('--fair'), css('--bad')];
+  const largest = Math.max(0, ...data.runs.map(run => run.error.y.reduce((a, y) => Math.max(a, y || 0), 0)));
+  document.getElementById('map-error').hidden = !(largest > 0 && data.truth);
+  if (largest > 0) data.runs.forEach(run => { run.parts = errorParts(run, largest); });
+  ++map.loads;
   view.listeners.push(() => {
-    const {g, w, h} = prepare(canvas);
-    if (!map.fitted) { fitMap(data, w, h); map.fitted = !data.live; }
+    if (!map.fitted) { fitMap(data, canvas.clientWidth, canvas.clientHeight); map.fitted = !data.live; }
+    const {g, w, h} = layered(canvas, [map.centre, map.metre_px, map.turn, map.tilt, map.by_error, map.loads], drawUnder);
+    for (const run of data.runs) drawHere(g, run, w, h);
+  });
+  function drawUnder(g, w, h) {
     drawGrid(g, w, h);
-    if (data.truth) drawPath(g, data.truth.p, w, h, () => css('--soft'), 3, []);
+    if (data.truth) drawPath(g, data.truth.p, w, h, () => css('--soft'), 4, []);
     for (const run of data.runs) {
       drawFixes(g, run, w, h);
-      drawPath(g, run.placed, w, h, several ? () => run.colour : k => states[run.state[k]] || run.colour, 2);
+      const colours = several ? () => run.colour : k => states[run.state[k]] || run.colour;
+      drawPath(g, run.placed, w, h, map.by_error && run.parts ? k => heat(run.parts[k]) : colours, 2);
     }
+    if (map.by_error && largest > 0) drawErrorLegend(g, w, h, largest);
     g.fillStyle = css('--ink');
     data.waypoints.forEach(p => {
       const [x, y] = toScreen(p, 0, w, h);
@@ -143,8 +174,7 @@ function showMap(data) {
       g.arc(x, y, 4, 0, 7);
       g.fill();
     });
-    for (const run of data.runs) drawHere(g, run, w, h);
-  });
+  }
 }
 
 function setUpMap() {
@@ -173,5 +203,6 @@ function setUpMap() {
   canvas.addEventListener('wheel', e => { e.preventDefault(); scale(Math.exp(-e.deltaY * 0.0015)); }, {passive: false});
   document.getElementById('map-top').onclick = () => { map.turn = map.tilt = 0; redraw(); };
   document.getElementById('map-tilt').onclick = () => { map.tilt = 1.0; map.turn = 0.6; redraw(); };
+  document.getElementById('map-error').onclick = e => { map.by_error = !map.by_error; e.target.setAttribute('aria-pressed', map.by_error); redraw(); };
   document.getElementById('map-fit').onclick = () => { map.fitted = false; redraw(); };
 }

@@ -13,28 +13,53 @@ function modeBands() {
   const colours = {};
   addBand('Motion', data.runs.map(run => ({
     name: data.runs.length > 1 ? run.name : '', end: run.t.length ? run.t[run.t.length - 1] : 0,
-    entries: run.modes.map(m => ({t: m.t, name: m.text, colour: colours[m.text] = colours[m.text] || kColours[Object.keys(colours).length % kColours.length]}))
+    entries: run.modes.map(m => ({t: m.t, name: m.text.replace(/_/g, ' '), colour: colours[m.text] = colours[m.text] || kColours[Object.keys(colours).length % kColours.length]}))
   })));
+}
+
+/** Coordinates and angles of poses, in the frame that all is drawn in: north, east, down, m; roll, pitch, yaw, degrees. */
+function axesOf(t, p, q, turn) {
+  const axes = [0, 1, 2].map(k => Array.from(t, (_, i) => p[3 * i + k])), angles = [[], [], []];
+  for (let i = 0; i < t.length; ++i) {
+    const x = rotate(turn, rotate(q.slice(4 * i, 4 * i + 4), [1, 0, 0])), y = rotate(turn, rotate(q.slice(4 * i, 4 * i + 4), [0, 1, 0]));
+    const z = rotate(turn, rotate(q.slice(4 * i, 4 * i + 4), [0, 0, 1])), d = 180 / Math.PI;
+    [Math.atan2(y[2], z[2]), Math.asin(Math.max(-1, Math.min(1, -x[2]))), Math.atan2(x[1], x[0])].forEach((a, k) => {
+      const before = angles[k].length ? angles[k][angles[k].length - 1] : a * d;
+      angles[k].push(a * d + 360 * Math.round((before - a * d) / 360));  // no jump at 180
+    });
+  }
+  return [...axes, ...angles];
+}
+function axisCharts(each, named) {
+  const ofTruth = data.truth.q ? axesOf(data.truth.t, data.truth.p, data.truth.q, [1, 0, 0, 0]) : null;
+  data.runs.forEach(run => { run.axes = axesOf(run.t, run.placed, run.q, run.laid.q); });
+  ['x', 'y', 'z', 'Roll', 'Pitch', 'Yaw'].forEach((name, k) => addChart(name, k < 3 ? 'm' : '°', [
+    ...(ofTruth ? [{name: 'truth', t: data.truth.t, y: ofTruth[k], colour: css('--soft'), dashed: true}] : []),
+    ...each(run => ({name: named(run), t: run.t, y: run.axes[k], colour: run.colour}))]));
+  addChart('Relative error', 'm', each(run => ({name: named(run), t: run.relative.t, y: run.relative.y, colour: run.colour, thin: true})), true);
 }
 
 function setUpCharts() {
   const each = make => data.runs.flatMap(run => [].concat(make(run) || [])), several = data.runs.length > 1;
   const named = (run, name) => several ? (name ? run.name + ', ' + name : run.name) : name || '';
-  stateBands();
+  if (!data.axes) stateBands();
   modeBands();
   addChart(data.waypoints.length && !data.truth ? 'Error at the waypoints' : 'Error', 'm', each(run => [
     {name: named(run, several ? '' : 'error'), t: run.error.t, y: run.error.y, colour: run.colour, points: !data.truth},
     !several && run.sigma.length ? {name: 'stated sigma', t: run.t, y: run.sigma, colour: css('--soft'), dashed: true} : null
   ].filter(s => s && run.error.t.length)), true);
+  if (data.axes) axisCharts(each, named);
   addChart('Metric scale known to', '%', each(run => ({name: named(run), t: run.scale_sigma.t, y: run.scale_sigma.y, colour: run.colour})), true);
   addChart('Scale told by its sources', '', each(run => run.scales.map((s, k) =>
     ({name: named(run, s.source), t: s.t, y: s.y, band: s.sigma, colour: kColours[(k + data.runs.indexOf(run)) % kColours.length]}))));
-  addChart('Height', 'm', each(run => ({name: named(run), t: run.t, y: run.height, colour: run.colour}))
+  if (!data.axes) addChart('Height', 'm', each(run => ({name: named(run), t: run.t, y: run.height, colour: run.colour}))
     .concat(data.truth ? [{name: 'truth', t: data.truth.t, y: data.truth.height, colour: css('--soft'), dashed: true}] : []));
   addChart('Speed', 'm/s', each(run => ({name: named(run), t: run.speed.t, y: run.speed.y, colour: run.colour, thin: true})), true);
   addChart('Step length', 'm', each(run => ({name: named(run), t: run.steps.t, y: run.steps.y, band: several ? undefined : run.steps.sigma, points: true, colour: run.colour})));
   addChart('Fixes less the track', 'm', each(run => ['north', 'east', 'down'].map((axis, k) =>
     ({name: named(run, axis), t: run.fixes.t, y: run.fixes.residual[k], points: true, colour: kColours[k]})).filter(s => s.y.some(y => y !== null))));
+  addChart('Corners of the front-end', '', each(run => [['followed', 'tracked'], ['in use', 'inliers']].map(([name, key], k) =>
+    ({name: named(run, name), t: run.corners.t, y: run.corners[key], colour: several ? run.colour : kColours[k], thin: true, dashed: several && k === 0}))), true);
   addChart('Work for a frame', 'ms', each(run => ({name: named(run), t: run.frame_ms.t, y: run.frame_ms.y, colour: run.colour, thin: true})), true);
 }
 
@@ -62,7 +87,7 @@ function setUpDetails() {
   const said = data.runs.flatMap(run => run.reports.map(text => [run.name, text]));
   if (said.length) details.append(element('h2', 'Reported'), table(said));
   details.append(element('h2', 'How it was made'), table(data.about));
-  for (const run of data.runs) details.append(element('h2', 'Config of ' + run.name), element('pre', run.config));
+  for (const run of data.runs) if (run.config) details.append(element('h2', 'Config of ' + run.name), element('pre', run.config));
 }
 
 function setUpTime() {
@@ -155,6 +180,7 @@ function start() {
   addEventListener('beforeprint', () => view.listeners.forEach(draw => draw()));
   [view.t0, view.t1] = [0, 0];
   load(first);
+  if (first.axes) document.getElementById('map-error').click();
   if (!first.live) setNow(Number(new URLSearchParams(location.hash.slice(1)).get('t')) || view.whole[0]);  // report.html#t=12.5
 }
 start();

@@ -13,7 +13,7 @@ std::string base64(const std::vector<unsigned char>& bytes);
 const odo_calibration* camera_of(const Recording& recording);
 /// Frames of that camera, or all where it is not known.
 std::vector<const RecordedMessage*> frames_of(const Recording& recording, const odo_calibration* camera);
-/// At most `width` px wide, grey; empty where it cannot be read, which the run reports.
+/// At most `width` px wide, in colour where the camera has it; empty where it cannot be read, which the run reports.
 std::vector<unsigned char> jpeg_of(const RecordedMessage& message, int width);
 
 }  // namespace odograph

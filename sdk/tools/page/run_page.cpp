@@ -41,19 +41,27 @@ struct Series {
 
 class PageOfRun {
  public:
-  PageOfRun(const Recording& recording, const NamedRun& run, int64_t t0_ns)
-      : recording_(recording), r_(*run.result), name_(run.name), t0_ns_(t0_ns), laid_(lay_over_truth(recording, r_)) {}
+  PageOfRun(const Recording& recording, const NamedRun& run, int64_t t0_ns,
+            const std::optional<PageOptions::Evaluation>& evaluation)
+      : recording_(recording),
+        r_(*run.result),
+        name_(run.name),
+        t0_ns_(t0_ns),
+        evaluation_(evaluation),
+        laid_(lay_over_truth(recording, r_, evaluation ? std::optional(evaluation->alignment) : std::nullopt)) {}
 
   Json json() {
     add_poses();
     const Eigen::Vector3d& p = laid_.to_truth.p;
     Json laid = {
         {"q", json_of(laid_.to_truth.q)}, {"p", {rounded(p.x()), rounded(p.y()), rounded(p.z())}}, {"s", laid_.scale}};
-    Series errors, work;
+    Series errors, work, relative;
     if (!r_.track.empty())
       for (const auto& [t, error] : laid_.error_m) errors.add(t + time(r_.track.front().t_ns), error);
     for (size_t k = 0; k < std::min(r_.frame_ms.size(), r_.track.size()); ++k)
       work.add(time(r_.track[k].t_ns), r_.frame_ms[k]);
+    if (evaluation_)
+      for (const auto& [t, error] : evaluation_->relative_m) relative.add(t, error);
     Json out = std::move(poses_);
     out.update({{"name", name_},
                 {"metric", laid_.metric},
@@ -65,6 +73,8 @@ class PageOfRun {
                 {"scales", scales()},
                 {"fixes", fixes()},
                 {"frame_ms", work.json()},
+                {"corners", corners()},
+                {"relative", relative.json()},
                 {"headline", headline()},
                 {"table", table()},
                 {"reports", reports()},
@@ -109,7 +119,7 @@ class PageOfRun {
       const StampedPose& x = r_.track[i];
       while (k + 1 < r_.poses.size() && r_.poses[k + 1].header.t_ns <= x.t_ns) ++k;
       const odo_pose* pose = k < r_.poses.size() && r_.poses[k].header.t_ns == x.t_ns ? &r_.poses[k] : nullptr;
-      const uint32_t reason = pose ? pose->reason : 0;
+      const uint32_t reason = i < r_.reasons.size() ? r_.reasons[i] : 0;
       if (i == 0 || r_.states[i] != last_state || reason != last_reason) {
         const std::string why = reason ? std::string(": ") + odo_reason_text(reason) : "";
         states.push_back({{"t", time(x.t_ns)},
@@ -158,6 +168,17 @@ class PageOfRun {
     Json out = lengths.json();
     out["sigma"] = sigma;
     return out;
+  }
+
+  /// How many corners the front-end followed, and how many it used.
+  Json corners() const {
+    Json t = Json::array(), tracked = Json::array(), inliers = Json::array();
+    const size_t step = r_.motions.size() / kMaxPoses + 1;
+    for (size_t i = 0; i < r_.motions.size(); i += step)
+      if (r_.motions[i].tracked > 0 || r_.motions[i].inliers > 0)
+        t.push_back(time(r_.motions[i].header.t_ns)), tracked.push_back(r_.motions[i].tracked),
+            inliers.push_back(r_.motions[i].inliers);
+    return {{"t", t}, {"tracked", tracked}, {"inliers", inliers}};
   }
 
   Json modes() const {
@@ -213,6 +234,10 @@ class PageOfRun {
     const odo_statistics& s = r_.statistics;
     const auto count = [](uint64_t n) { return std::to_string(n); };
     Json rows = Json::array();
+    if (evaluation_) {
+      for (const auto& [name, figure] : evaluation_->figures) rows.push_back({name, figure});
+      return rows;
+    }
     rows.push_back({"Error, rms", laid_.error_m.empty() ? "no truth" : text_of("%.3f m", laid_.rms_m())});
     rows.push_back(
         {"Error at the end", laid_.error_m.empty() ? "no truth" : text_of("%.3f m", laid_.error_m.back().second)});
@@ -249,6 +274,7 @@ class PageOfRun {
   const RunResult& r_;
   std::string name_;
   int64_t t0_ns_;
+  const std::optional<PageOptions::Evaluation>& evaluation_;
   LaidRun laid_;
   Json poses_;
 };
@@ -287,17 +313,21 @@ Json pictures_of(const Recording& recording, const odo_calibration* camera, cons
   return out;
 }
 
-Json truth_of(const Recording& recording, int64_t from_ns, int64_t to_ns, int64_t t0_ns) {
-  Json t = Json::array(), p = Json::array();
+Json truth_of(const Recording& recording, int64_t from_ns, int64_t to_ns, int64_t t0_ns, bool with_angles) {
+  Json t = Json::array(), p = Json::array(), q = Json::array();
   const size_t step = recording.truth.size() / kMaxPoses + 1;
   for (size_t i = 0; i < recording.truth.size(); i += step) {
     const StampedPose& x = recording.truth[i];
     if (x.t_ns < from_ns || x.t_ns > to_ns) continue;
     t.push_back(rounded(seconds(x.t_ns - t0_ns)));
     for (const double value : {x.p.x(), x.p.y(), x.p.z()}) p.push_back(rounded(value));
+    for (const double value : {x.q.w(), x.q.x(), x.q.y(), x.q.z()})
+      if (with_angles) q.push_back(rounded(value, 1e6));
   }
   if (t.empty()) return nullptr;
-  return {{"t", t}, {"p", p}};
+  Json out = {{"t", t}, {"p", p}};
+  if (with_angles) out["q"] = q;
+  return out;
 }
 
 }  // namespace
@@ -313,7 +343,7 @@ std::string run_page_data(const Recording& recording, const std::vector<NamedRun
   std::string headline;
   bool metric = true;
   for (const NamedRun& run : runs) {
-    PageOfRun page(recording, run, t0_ns);
+    PageOfRun page(recording, run, t0_ns, options.evaluation);
     all.push_back(page.json());
     headline = page.headline(), metric = metric && page.metric();
   }
@@ -333,12 +363,14 @@ std::string run_page_data(const Recording& recording, const std::vector<NamedRun
   const Json data = {{"title", name},
                      {"live", options.live},
                      {"headline", runs.size() == 1 ? headline : std::to_string(runs.size()) + " runs of " + name},
-                     {"alignment", metric ? "a turn about the vertical and a shift"
-                                          : "a turn, a shift and, where a track is not metric, a scale"},
+                     {"alignment", options.evaluation ? options.evaluation->alignment_text.c_str()
+                                   : metric           ? "a turn about the vertical and a shift"
+                                                      : "a turn, a shift and, where a track is not metric, a scale"},
+                     {"axes", options.evaluation.has_value()},
                      {"ground_m", kGround_m},
                      {"camera", json_of(camera)},
                      {"frames", pictures_of(recording, camera, options, t0_ns)},
-                     {"truth", truth_of(recording, from_ns, to_ns, t0_ns)},
+                     {"truth", truth_of(recording, from_ns, to_ns, t0_ns, options.evaluation.has_value())},
                      {"waypoints", waypoints},
                      {"about", about},
                      {"runs", all}};

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/tools/replay/runner.hpp"
 
 namespace odograph {
@@ -28,7 +29,7 @@ struct LaidRun {
   std::vector<std::pair<double, double>> error_m;
   double rms_m() const;
 };
-LaidRun lay_over_truth(const Recording& recording, const RunResult& result);
+LaidRun lay_over_truth(const Recording& recording, const RunResult& result, std::optional<Alignment> alignment = {});
 
 struct PageOptions {
   std::string command;      ///< that made the runs, for the reader
@@ -36,6 +37,15 @@ struct PageOptions {
   int picture_width = 400;  ///< px
   bool served = false;      ///< by a server that gives pictures by their number, all of them
   bool live = false;        ///< the run goes on, and the page asks again
+  /// Of one run against any truth: how it is laid over it, its figures in place of a run's own, and its relative error
+  /// over time (s since the first pose, m). With them the page has coordinates and angles over time.
+  struct Evaluation {
+    Alignment alignment = Alignment::none;
+    std::string alignment_text;
+    std::vector<std::pair<std::string, std::string>> figures;
+    std::vector<std::pair<double, double>> relative_m;
+  };
+  std::optional<Evaluation> evaluation{};
 };
 
 /// One self-contained page about the runs of a recording, each laid over its truth by itself: the track, the camera's
