@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # What goes to and comes from other programs, by them where they are installed: COLMAP triangulates from exported poses, gpsbabel
-# reads tracks with their times, ROS 1's Python writes bags, @mcap/core (NODE_PATH) reads MCAP.
+# reads tracks with their times, ROS 1's Python writes bags; with NODE_PATH @mcap/core reads MCAP, Chromium shows the page and axe-core judges it.
 set -u
 odograph=$1 source=$2
 work=$(mktemp -d)
@@ -16,8 +16,16 @@ route: {points: [[0, 0, 0], [9, 0, 0]]}
 camera: {width: 480, height: 360, focal: 375 px, row_time: 0 s}
 YAML
 expect 0 "walk.odo" "$odograph" sim walk.yaml -o walk.odo --seed 3
-expect 0 "written to run" "$odograph" run -c "$source/samples/configs/walk.yaml" -i walk.odo -o run
+expect 0 "written to run" "$odograph" run -c "$source/samples/configs/walk.yaml" -i walk.odo -o run --report
 expect 0 "t_ns,state,reason" cat run/states.csv
+
+# The page in a browser.
+node "$source/tests/page_browser.js" run/report.html run/summary.json >said 2>&1
+case $? in
+  0) cat said ;;
+  77) echo "without playwright-core, axe-core or Chromium: no look at the page" ;;
+  *) echo "FAILED: the page in a browser"; cat said; failed=1 ;;
+esac
 
 # MCAP out and in: the samples are the same, pictures byte for byte.
 expect 0 "poses" "$odograph" convert run run.mcap

@@ -8,6 +8,8 @@
 #include <map>
 #include <tuple>
 
+#include <opencv2/imgcodecs.hpp>
+
 #include "sdk/tools/recording/frame_clock.hpp"
 #include "sdk/tools/recording/phone_format.hpp"
 #include "sdk/tools/recording/archive.hpp"
@@ -247,6 +249,35 @@ TEST_CASE("rows of a table find their frames where some are missing at the begin
   std::vector<int64_t> other = rows;
   for (size_t i = 0; i < other.size(); ++i) other[i] += static_cast<int64_t>(i) * 20'000'000;
   CHECK_FALSE(phone::match_rows(video, other).ok());
+}
+
+TEST_CASE("a picture is as the sensor reads it, however its EXIF says that the phone was held") {
+  const TemporaryFolder folder;
+  std::vector<unsigned char> jpeg;
+  REQUIRE(cv::imencode(".jpg", cv::Mat(16, 32, CV_8U, cv::Scalar(90)), jpeg));
+  for (const char orientation : {1, 3, 6, 8}) {
+    const std::string exif(
+        "\xFF\xE1\0\x22"
+        "Exif\0\0"
+        "MM\0*\0\0\0\10"
+        "\0\1"
+        "\1\x12\0\3\0\0\0\1\0",
+        29);
+    std::string bytes(jpeg.begin(), jpeg.begin() + 2);
+    bytes += exif + orientation + std::string(6, '\0');
+    bytes.append(jpeg.begin() + 2, jpeg.end());
+    write_text(folder / "a.jpg", bytes);
+    RecordedMessage message;
+    message.message.assign(make_message<odo_frame>(ODO_TYPE_FRAME, 1).header);
+    message.picture.file = std::make_shared<const fs::path>(folder / "a.jpg");
+    const auto frame = load_frame(message);
+    REQUIRE(frame.ok());
+    CHECK(frame->width == 32);
+    CHECK(frame->height == 16);
+    frame->loan.release(frame->loan.owner);
+    CHECK(cv::imread((folder / "a.jpg").string()).cols ==
+          (orientation < 5 ? 32 : 16));  // the note is one that OpenCV reads
+  }
 }
 
 TEST_CASE("names match patterns") {

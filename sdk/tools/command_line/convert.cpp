@@ -130,6 +130,7 @@ Result<Origin> origin_of(const ConvertArguments& a) {
 int convert_with_pictures(const ConvertArguments& a) {
   auto run = read_exported_run(a.input, a.recording, a.reading);
   if (!run) return complain(run.failure());
+  for (const std::string& warning : run->recording.warnings) std::fprintf(stderr, "%s\n", printable(warning).c_str());
   const fs::path output = a.output;
   if (const auto origin = origin_of(a); !origin)
     return complain(origin.failure());
@@ -173,8 +174,13 @@ int convert(const ConvertArguments& a) {
   int status = kDone;
   auto track = read_track(input);
   if (!track) {
+    std::error_code error;
     const auto recording = open_recording(input);
-    if (!recording || recording->truth.empty()) return complain(track.failure());
+    if (!recording || recording->truth.empty())
+      return complain(!fs::is_directory(input, error) ? track.failure()
+                      : recording
+                          ? Failure{ODO_E_DATA, a.input + ": no truth in it; convert a run's folder"}
+                          : Failure{ODO_E_DATA, a.input + ": not the folder of a run (no trajectory.tum in it)"});
     track = recording->truth;
     status = status_over(recording->loss, kDone);
   }

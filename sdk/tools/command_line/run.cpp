@@ -134,8 +134,8 @@ void add_run(CLI::App& app, int& status) {
   command
       ->add_option(
           "-i,--input", a->input,
-          "recording: a phone app's export (zip or folder; docs/phone_recordings.md), EuRoC/ASL, TUM RGB-D, KITTI, "
-          "ADVIO, Indoor Location trace, image folder, *.odo")
+          "recording: a phone app's export (zip or folder; docs/phone_recordings.md), a ROS bag, MCAP, EuRoC/ASL, "
+          "TUM RGB-D, KITTI, ADVIO, Indoor Location trace, image folder, *.odo")
       ->required();
   command
       ->add_option("-o,--output", a->output,

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/base/nearest.hpp"
+#include "sdk/tools/replay/guessed_camera.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;
@@ -79,6 +80,7 @@ Result<ExportedRun> read_exported_run(const fs::path& input, const std::string& 
   auto recording = read_recording(path, options);
   if (!recording) return recording.failure();
   run.recording = std::move(*recording);
+  refine_guessed_camera(run.recording);  // as the run had it
   if (is_run)
     read_tables(input, summary, run);
   else

@@ -58,14 +58,16 @@ function setUpCharts() {
   addChart('Step length', 'm', each(run => ({name: named(run), t: run.steps.t, y: run.steps.y, band: several ? undefined : run.steps.sigma, points: true, colour: run.colour})));
   addChart('Fixes less the track', 'm', each(run => ['north', 'east', 'down'].map((axis, k) =>
     ({name: named(run, axis), t: run.fixes.t, y: run.fixes.residual[k], points: true, colour: kColours[k]})).filter(s => s.y.some(y => y !== null))));
-  addChart('Corners of the front-end', '', each(run => [['followed', 'tracked'], ['in use', 'inliers']].map(([name, key], k) =>
-    ({name: named(run, name), t: run.corners.t, y: run.corners[key], colour: several ? run.colour : kColours[k], thin: true, dashed: several && k === 0}))), true);
+  const corners = (several ? [] : [['followed', 'tracked', '#e0662b']]).concat([['in use', 'inliers', null]]);
+  addChart('Corners of the front-end' + (several ? ' in use' : ''), '', each(run => corners.map(([name, key, colour]) =>
+    ({name: named(run, several ? '' : name), t: run.corners.t, y: run.corners[key], colour: colour || run.colour, thin: true}))), true);
   addChart('Work for a frame', 'ms', each(run => ({name: named(run), t: run.frame_ms.t, y: run.frame_ms.y, colour: run.colour, thin: true})), true);
 }
 
 function table(rows, head) {
   const box = element('div'), out = element('table');
   box.className = 'wide';
+  box.tabIndex = 0;  // by keys too it can be moved, where it is wider than the screen
   if (head) {
     const line = element('tr');
     head.forEach(text => line.append(element('th', text)));
@@ -83,7 +85,7 @@ function table(rows, head) {
 function setUpDetails() {
   const details = document.getElementById('details');
   details.append(element('h2', 'Figures'), table(data.runs[0].table.map((row, k) => [row[0], ...data.runs.map(run => run.table[k][1])]),
-    data.runs.length > 1 ? ['', ...data.runs.map(run => run.name)] : null));
+    data.runs.length > 1 ? ['Figure', ...data.runs.map(run => run.name)] : null));
   const said = data.runs.flatMap(run => run.reports.map(text => [run.name, text]));
   if (said.length) details.append(element('h2', 'Reported'), table(said));
   details.append(element('h2', 'How it was made'), table(data.about));

@@ -18,17 +18,19 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr uint64_t kLargestPicture = 1u << 30;
+/// As the sensor reads it: a note (EXIF) of how the phone was held does not rotate it, since the lens does not rotate.
+constexpr int kAsStored = cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION;
 
 cv::Mat decode(const PictureRef& picture) {
   std::error_code error;
   if (!picture.file || !fs::is_regular_file(*picture.file, error)) return {};  // a pipe would wait for ever
-  if (picture.size == 0) return cv::imread(picture.file->string(), cv::IMREAD_ANYCOLOR);
+  if (picture.size == 0) return cv::imread(picture.file->string(), kAsStored);
   std::ifstream file(*picture.file, std::ios::binary);
   std::vector<uchar> bytes(picture.size);
   file.seekg(static_cast<std::streamoff>(picture.offset));
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (!file) return {};
-  return cv::imdecode(bytes, cv::IMREAD_ANYCOLOR);
+  return cv::imdecode(bytes, kAsStored);
 }
 
 /// A copy of a store's picture, as OpenCV decodes files: grey or BGR.

@@ -265,7 +265,7 @@ bool knows_encoding(const std::string& encoding) { return encoding.empty() || en
 cv::Mat image_of(const LoggedMessage::Picture& picture) {
   if (picture.encoding.empty()) {
     if (picture.bytes.empty() || !picture_size(picture.bytes, "picture")) return {};
-    return cv::imdecode(picture.bytes, cv::IMREAD_ANYCOLOR);
+    return cv::imdecode(picture.bytes, cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
   }
   const Encoding* encoding = encoding_of(picture.encoding);
   const uint64_t row = encoding ? uint64_t(picture.width) * uint64_t(encoding->channels) : 0;

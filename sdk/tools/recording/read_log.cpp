@@ -163,9 +163,7 @@ class LogReading {
     int64_t begin_ns = camera->pictures.front().first;
     for (const RecordedMessage& m : recording_.messages) begin_ns = std::min(begin_ns, m.message.header().t_ns);
     lens->header.t_ns = begin_ns;
-    const RecordedMessage none;
-    recording_.messages.insert(recording_.messages.begin(), none);
-    recording_.messages.front().message.assign(lens->header);
+    recording_.add(lens->header);
     for (size_t i = 0; i < store->places.size(); ++i)
       recording_.add(make_message<odo_frame>(ODO_TYPE_FRAME, camera->pictures[i].first).header,
                      PictureRef{.offset = i, .store = store});

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// page_browser.js REPORT SUMMARY: the page of a run in headless Chromium (playwright-core, axe-core from NODE_PATH): what it shows is what the summary says, no error, no request, keys, and
+// nothing that axe-core finds wrong, wide and phone-sized, light and dark. 77 without those packages. Prints how long it took to open and to draw.
+'use strict';
+const fs = require('fs');
+let chromium, axe;
+try {
+  ({chromium} = require('playwright-core'));
+  axe = require.resolve('axe-core/axe.min.js');
+} catch (e) {
+  process.exit(77);
+}
+const browser_file = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(file => fs.existsSync(file));
+if (!browser_file) process.exit(77);
+
+(async () => {
+  const summary = JSON.parse(fs.readFileSync(process.argv[3]));
+  const browser = await chromium.launch({executablePath: browser_file, args: ['--no-sandbox']});
+  const page = await browser.newPage({viewport: {width: 1280, height: 900}}), failures = [], requests = [];
+  const check = (good, what) => { if (!good) failures.push(what); };
+  page.on('console', m => { if (m.type() === 'error') failures.push(m.text()); });
+  page.on('pageerror', e => failures.push(String(e)));
+  page.on('request', r => { if (!r.url().startsWith('data:')) requests.push(r.url()); });
+  const begin = Date.now();
+  await page.goto('file://' + require('path').resolve(process.argv[2]));
+  await page.evaluate(() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))));
+  const opened_ms = Date.now() - begin;
+
+  const figures = await page.$$eval('#details tr', rows => Object.fromEntries(rows.map(row => [...row.children].map(cell => cell.textContent))));
+  check(figures.Distance === summary.distance_m.toFixed(2) + ' m', `distance ${figures.Distance}, in the summary ${summary.distance_m}`);
+  check(figures.Steps === String(summary.steps), `steps ${figures.Steps}, in the summary ${summary.steps}`);
+  check(figures['Camera frames'] === String(summary.frames), `frames ${figures['Camera frames']}, in the summary ${summary.frames}`);
+  check(requests.length === 1, `asks for ${requests.slice(1)}`);
+
+  const cursor = () => page.$eval('#cursor', e => Number(e.value));
+  await page.keyboard.press('Home');
+  const first = await cursor();
+  await page.keyboard.press('ArrowRight');
+  await page.waitForFunction(t => Number(document.getElementById('cursor').value) > t, first, {timeout: 5000}).catch(() => failures.push('the right arrow moves nothing'));
+  const draw = await page.evaluate(() => {
+    const cost = [];
+    for (let k = 0; k < 50; ++k) {
+      view.now = view.whole[0] + (view.whole[1] - view.whole[0]) * k / 50;
+      const start = performance.now();
+      view.listeners.forEach(listener => listener());
+      cost.push(performance.now() - start);
+    }
+    return cost.sort((a, b) => a - b)[25];
+  });
+
+  await page.addScriptTag({path: axe});
+  for (const [width, colorScheme] of [[1280, 'light'], [1280, 'dark'], [390, 'light']]) {
+    await page.setViewportSize({width, height: 844});
+    await page.emulateMedia({colorScheme});
+    const {violations} = await page.evaluate(() => axe.run());
+    violations.forEach(v => failures.push(`axe-core, ${width} px, ${colorScheme}: ${v.id} at ${v.nodes.map(n => n.target)}`));
+    check(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `wider than ${width} px`);
+  }
+  await browser.close();
+  console.log(`the page opened in ${opened_ms} ms and draws a moment in ${draw.toFixed(1)} ms (median)`);
+  failures.forEach(text => console.log('FAILED:', text));
+  process.exit(failures.length ? 1 : 0);
+})();
