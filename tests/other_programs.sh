@@ -60,13 +60,15 @@ expect 0 "fx: 375" cat camera.yaml
 sed 's/radtan/fov/' direct/camchain-imucam.yaml >fov.yaml
 expect 3 "distortion_model 'fov'; expected radtan" "$odograph" convert fov.yaml camera.yaml
 
-# Tracks on a map, with times.
-expect 0 "poses" "$odograph" convert run run.gpx --origin 48,11,500
-expect 0 "poses" "$odograph" convert run run.kml --origin 48,11,500
-expect 0 "poses" "$odograph" convert run run.geojson --origin 48,11,500
+# Tracks on a map, with times where the clock is Unix time.
+awk '{ $1 = sprintf("%.3f", $1 + 1781800000); print }' run/trajectory.tum >unix.tum
+for kind in gpx kml geojson; do expect 0 "poses" "$odograph" convert unix.tum unix.$kind --origin 48,11,500; done
 if command -v gpsbabel >/dev/null; then
-  expect 0 "Odograph" gpsbabel -i gpx -f run.gpx -o gpx -F -
-  expect 0 "48.0000" gpsbabel -i kml -f run.kml -o csv -F -
+  for kind in gpx kml; do
+    expect 0 "2026/06/1" gpsbabel -t -i $kind -f unix.$kind -o unicsv -F -
+    rows=$(grep -c "2026/06/1" out) poses=$(grep -c . unix.tum)
+    [ "$rows" = "$poses" ] || { echo "FAILED: gpsbabel reads $rows of $poses places of unix.$kind with times"; failed=1; }
+  done
 fi
 
 # Poses with pictures.
