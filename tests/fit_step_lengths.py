@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fits step/odograph's lengths of softened steps, and chooses the law on data sets that were left out.
+"""Fits step/odograph's lengths, and chooses the law on data sets and people that were left out.
 
     python3 tests/fit_step_lengths.py DATA      # DATA/ridi, DATA/ipin2023_t3, DATA/trundle_wheel, DATA/phone_walks
 
 Needs numpy and scipy, which nothing else of the project does. Steps are peaks of the smoothed vertical acceleration, as the plugin's
-(plugins/step/odograph); inclination by a complementary filter of 3 s. A stretch between two true places counts where steps
-that repeat from stride to stride fill it. Printed for each law: its numbers by all sets, and the error of each walk's distance (median and
-90 % of the size, mean) fitted on all sets and on the others."""
+(plugins/step/odograph); inclination by a complementary filter of 3 s. What steps fill between true places is joined to
+stretches of 20 m. Printed for each law: its numbers by all sets; the error of each walk's distance (median and 90 % of the size, mean)
+fitted on all sets and on the others; of RIDI fitted without the person too."""
 import csv
 import glob
 import os
@@ -162,26 +162,30 @@ def steps_of(t, force, rate):
     return np.array(steps)
 
 
-def larger(a, b):
-    return (np.maximum(a, 0.05) ** 12 + np.maximum(b, 0.05) ** 12) ** (1 / 12)
-
-
-# x: frequency, rise, rate
+# x: frequency, rise, rotation rate, repetition, vertical part
 LAWS = {
-    'a': (lambda q, f, h, w: q[0] + 0 * f, [0.6]),
-    'a + b f': (lambda q, f, h, w: q[0] + q[1] * f, [0.3, 0.2]),
-    'a + b sqrt(h)': (lambda q, f, h, w: q[0] + q[1] * np.sqrt(h), [0.3, 1.8]),
-    'a + (b + c w) sqrt(h)': (lambda q, f, h, w: q[0] + (q[1] + q[2] * w) * np.sqrt(h), [0.1, 3.3, -0.8]),
-    'a f^b h^c': (lambda q, f, h, w: q[0] * (f / 1.8) ** q[1] * (h / 0.03) ** q[2], [0.6, 0.5, 0.2]),
-    'larger of a and b sqrt(h)': (lambda q, f, h, w: larger(q[1] + 0 * f, q[0] * np.sqrt(h)), [3.2, 0.58]),
-    'larger of a + b (f - 1.8) and c sqrt(h)':
-        (lambda q, f, h, w: larger(q[1] + q[2] * (f - 1.8), q[0] * np.sqrt(h)), [3.2, 0.58, 0.1]),
+    'a': (lambda q, f, h, w, r, v: q[0] + 0 * f, [0.6]),
+    'a + b f': (lambda q, f, h, w, r, v: q[0] + q[1] * f, [0.3, 0.2]),
+    'a + b h': (lambda q, f, h, w, r, v: q[0] + q[1] * h, [0.5, 4]),
+    'a + b sqrt(h)': (lambda q, f, h, w, r, v: q[0] + q[1] * np.sqrt(h), [0.3, 1.8]),
+    'a + (b + c w) sqrt(h)': (lambda q, f, h, w, r, v: q[0] + (q[1] + q[2] * w) * np.sqrt(h), [0.1, 3.3, -0.8]),
+    'a f^b h^c': (lambda q, f, h, w, r, v: q[0] * (f / 1.8) ** q[1] * (h / 0.03) ** q[2], [0.6, 0.5, 0.2]),
+    'a + b r': (lambda q, f, h, w, r, v: q[0] + q[1] * r, [0.5, 0.2]),
+    'a + b h + c r': (lambda q, f, h, w, r, v: q[0] + q[1] * h + q[2] * r, [0.6, 4, 0.2]),
+    'a + b h + c r + d f': (lambda q, f, h, w, r, v: q[0] + q[1] * h + q[2] * r + q[3] * f, [0.6, 4, 0.2, 0]),
+    'a + b h + c r + d v': (lambda q, f, h, w, r, v: q[0] + q[1] * h + q[2] * r + q[3] * v, [0.6, 4, 0.2, 0]),
+    'a + b h + c r + d w': (lambda q, f, h, w, r, v: q[0] + q[1] * h + q[2] * r + q[3] * w, [0.6, 4, 0.2, 0]),
+    'a + b (h - 0.03) + c (f - 1.8) (h - 0.03) + d (r - 0.85)':
+        (lambda q, f, h, w, r, v: q[0] + (q[1] + q[2] * (f - 1.8)) * (h - 0.03) + q[3] * (r - 0.85), [0.6, 4, -5, 0.2]),
+    'the same + e (w - 0.5) (v - 0.6) h':
+        (lambda q, f, h, w, r, v: q[0] + (q[1] + q[2] * (f - 1.8)) * (h - 0.03) + q[3] * (r - 0.85) +
+         q[4] * (w - 0.5) * (v - 0.6) * h, [0.6, 4, -5, 0.2, 0]),
 }
 
 
 def distance(law, q, row):
     x, part = row[2], row[3]
-    return (law(q, x[:, 2], np.maximum(x[:, 3], 1e-3), np.clip(x[:, 4], 0.2, 1.4)) * part).sum()
+    return (law(q, x[:, 2], np.clip(x[:, 3], 1e-3, 0.1), np.clip(x[:, 4], 0.2, 1.4), x[:, 5], x[:, 6]) * part).sum()
 
 
 def fitted(law, start, rows):
@@ -191,19 +195,50 @@ def fitted(law, start, rows):
     return least_squares(residual, start, loss='soft_l1', f_scale=0.02).x
 
 
-def errors(law, q, rows):
+def sizes(sums):
+    e = np.array([100 * (a / b - 1) for a, b in sums.values()])
+    return '%5.1f %5.1f %+6.1f' % (np.median(abs(e)), np.quantile(abs(e), 0.9), e.mean())
+
+
+def sums_of(law, q, rows):
     sums = {}
     for r in rows:
         total = sums.setdefault(r[1], [0, 0])
         total[0] += distance(law, q, r)
         total[1] += r[4]
-    e = np.array([100 * (a / b - 1) for a, b in sums.values()])
-    return '%5.1f %5.1f %+6.1f' % (np.median(abs(e)), np.quantile(abs(e), 0.9), e.mean())
+    return sums
+
+
+def without_the_person(law, start, rows):
+    sums = {}
+    person = lambda r: r[1].split('_')[0] if r[0] == 'ridi' else ''
+    for one in {person(r) for r in rows} - {''}:
+        q = fitted(law, start, [r for r in rows if person(r) != one])
+        sums.update(sums_of(law, q, [r for r in rows if person(r) == one]))
+    return sizes(sums)
+
+
+def joined(rows):
+    """Stretches of one walk until they have 20 m."""
+    for r in rows:
+        if out := getattr(joined, 'open', None):
+            if out[1] == r[1]:
+                r = (r[0], r[1], np.vstack([out[2], r[2]]), np.concatenate([out[3], r[3]]), out[4] + r[4])
+            else:
+                yield out
+        joined.open = r if r[4] < 20 else None
+        if r[4] >= 20:
+            yield r
+    if joined.open:
+        yield joined.open
 
 
 def main():
     rows = []
     for data_set, name, steps, stretches in walks(sys.argv[1]):
+        for i in range(1, len(steps)):  # the repetition over the last steps, as the plugin's
+            if steps[i, 0] - steps[i - 1, 1] < 1:
+                steps[i, 5] = steps[i - 1, 5] + 0.25 * (steps[i, 5] - steps[i - 1, 5])
         for a, b, d in stretches:
             x = steps[(steps[:, 1] > a) & (steps[:, 0] < b)] if len(steps) else steps
             if len(x) < 3 or d < 2:
@@ -211,15 +246,16 @@ def main():
             inside = np.minimum(b, x[:, 1]) - np.maximum(a, x[:, 0])
             if inside.sum() > 0.9 * (b - a) and np.median(x[:, 5]) > 0.5:
                 rows.append((data_set, name, x, inside / (x[:, 1] - x[:, 0]), d))
-    for sets in (['ridi', 'ipin', 'trundle'], ['ridi', 'ipin', 'trundle', 'phone_walks']):
-        used = [r for r in rows if r[0] in sets]
-        print('\n%-42s %s' % ('walks: ' + str({s: len({r[1] for r in used if r[0] == s}) for s in sets}), ''))
-        for name, (law, start) in LAWS.items():
-            q = fitted(law, start, used)
-            print(name, np.round(q, 4))
-            for s in sets:
-                own, others = [r for r in used if r[0] == s], [r for r in used if r[0] != s]
-                print('  %-12s all %s   left out %s' % (s, errors(law, q, own), errors(law, fitted(law, start, others), own)))
+    rows = list(joined(rows))
+    sets = ['ridi', 'ipin', 'trundle', 'phone_walks']
+    print('walks: ' + str({s: len({r[1] for r in rows if r[0] == s}) for s in sets}))
+    for name, (law, start) in LAWS.items():
+        q = fitted(law, start, rows)
+        print(name, np.round(q, 4))
+        for s in sets:
+            own, others = [r for r in rows if r[0] == s], [r for r in rows if r[0] != s]
+            print('  %-12s all %s   left out %s%s' % (s, sizes(sums_of(law, q, own)), sizes(sums_of(law, fitted(law, start, others), own)),
+                  '   person left out ' + without_the_person(law, start, rows) if s == 'ridi' else ''))
 
 
 if __name__ == '__main__':

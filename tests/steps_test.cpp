@@ -166,8 +166,7 @@ TEST_CASE("a gentle step's length follows cadence and rise, and is doubted more"
   // Orendurff et al. 2004: 0.7 m/s, rise 2.7 cm, of which the phone's holder leaves half; 0.58 m at 1.2 Hz.
   const FoundStep of_paper{.whole_rise_m = 0.0137, .frequency_hz = 1.2, .gentle = true};
   CHECK(std::abs(model.length_m(of_paper) - 0.55) < 0.0825);
-  const Walker walker({});
-  CHECK(walker.sigma_m(0.5, true) > 2 * walker.sigma_m(0.5, false));
+  CHECK(model.own_sigma(slow) > 2 * model.own_sigma({.repetition = 0.8, .gentle = false}));
 }
 
 TEST_CASE("simulated users who look through the phone: counts and distances") {

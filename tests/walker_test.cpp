@@ -36,7 +36,7 @@ double learnt(double factor, double fix_sigma_m, int fixes, int wrong_fix, uint6
     heading += 0.01 * random.normal();
     p += factor * length * Eigen::Vector2d(std::cos(heading), std::sin(heading));
     walked += factor * length;
-    walker.on_step(length, heading);
+    walker.on_step(length, heading, 0.06);
     if (walked > 50 * (fix + 1)) ++fix, seen(fix == wrong_fix);
   }
   return walker.factor();
@@ -71,7 +71,7 @@ TEST_CASE("gentle steps have a factor of their own, and a camera's metre teaches
         hand = 0.9 * hand + 0.15 * std::sqrt(1 - 0.81) * random.normal();
         p += ratio * length * Eigen::Vector2d(std::cos(heading), std::sin(heading));
         since_m += ratio * length, walked_m += ratio * length;
-        walker.on_step(length, heading + hand, true);
+        walker.on_step(length, heading + hand, 0.3, true);
         if (since_m > 5) since_m = 0, walker.on_fix(p, 0.1);
       }
       errors.push_back(std::abs(walker.factor() * walker.gentle_ratio() / ratio - 1));

@@ -16,14 +16,6 @@ namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
 
-/// The larger one, without a bend where they are equal.
-double larger(double a, double b) {
-  constexpr double kSharpness = 12;
-  if (!(a > 0) || !(b > 0)) return std::max(a, b);
-  const double most = std::max(a, b), ratio = std::min(a, b) / most;
-  return most * std::pow(1 + std::pow(ratio, kSharpness), 1 / kSharpness);
-}
-
 }  // namespace
 
 double LengthModel::length_m(const FoundStep& step) const {
@@ -33,29 +25,31 @@ double LengthModel::length_m(const FoundStep& step) const {
     const double length = std::pow(by_cadence, 1 - part_of_rise) * std::pow(by_rise, part_of_rise);
     return std::clamp(gentle_factor * length, shortest_m, longest_m);
   }
-  const double rate = std::clamp(step.gyro_radps, calmest_radps, wildest_radps);
-  const double root = std::sqrt(std::max(0.0, step.rise_m));
-  const double by_bounce = base_m + (per_root_rise + per_rate_and_root * rate) * root;
-  const double by_cadence = at_usual_cadence_m + per_cadence * (step.frequency_hz - usual_cadence_hz);
-  const double softened = larger(by_cadence, per_root_whole_rise * root);
-  const double part =
-      std::clamp((step.vertical_part - from_vertical_part) / (to_vertical_part - from_vertical_part), 0.0, 1.0);
-  return std::clamp(softened + part * (by_bounce - softened), shortest_m, longest_m);
+  const double quicker_hz = std::clamp(step.frequency_hz, slowest_hz, quickest_hz) - usual_cadence_hz;
+  const double higher_m = std::min(step.rise_m, highest_m) - usual_rise_m;
+  const double rocking =
+      (std::clamp(step.gyro_radps, calmest_radps, wildest_radps) - usual_radps) * (step.vertical_part - usual_part);
+  const double length =
+      usual_m + per_rise * (step.rise_m - usual_rise_m) + per_cadence_and_rise * quicker_hz * higher_m +
+      per_repetition * (step.repetition - usual_repetition) + per_rocking_and_rise * rocking * step.rise_m;
+  return std::clamp(length, shortest_m, longest_m);
+}
+
+double LengthModel::own_sigma(const FoundStep& step) const {
+  return step.gentle ? gentle_sigma : regular_sigma + per_irregularity * std::clamp(1 - step.repetition, 0.0, 0.5);
 }
 
 double Walker::factor_sigma() const { return std::sqrt(P_(0, 0)); }
 
-double Walker::sigma_m(double length_m, bool gentle) const {
-  const double step = gentle ? p_.gentle_step_sigma : p_.step_sigma;
+double Walker::sigma_m(double length_m, double own_sigma, bool gentle) const {
   const double walker = gentle ? P_(0, 0) + P_(1, 1) + 2 * P_(0, 1) : P_(0, 0);
-  return length_m * std::sqrt(walker + step * step);
+  return length_m * std::sqrt(walker + own_sigma * own_sigma);
 }
 
-void Walker::on_step(double length_m, double heading_rad, bool gentle) {
+void Walker::on_step(double length_m, double heading_rad, double own_sigma, bool gentle) {
   (gentle ? gentle_path_ : path_) += length_m * Vector2d(std::cos(heading_rad), std::sin(heading_rad));
   walked_m_ += length_m;
-  const double own = gentle ? p_.gentle_step_sigma : p_.step_sigma;
-  own_variance_m2_ += length_m * length_m * own * own;
+  own_variance_m2_ += length_m * length_m * own_sigma * own_sigma;
   if (gentle) gentle_m_ += length_m;
 }
 

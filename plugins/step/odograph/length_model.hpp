@@ -13,25 +13,33 @@ namespace odograph::steps {
 /// How the phone is carried.
 enum class Carry : uint32_t { texting, swinging, pocket, running };
 
-/// Step length from the trunk's rise. A leg that swings over as a stiff pendulum lifts the trunk by L^2 / (8 l)
-/// (Zijlstra & Hof, Gait & Posture 2003), so L grows as the root of the rise. A hand that rocks adds to the rise that
-/// the phone feels; the rotation rate tells how much. Of gentle steps the rise tells less, because knees and arms
-/// soften it, and the cadence more: L = a v^0.42 with v = L f (Grieve & Gear, Ergonomics 1966; down to 0.1 m/s by Wu et
-/// al., Scientific Reports 2019) is L = (a f^0.42)^(1 / 0.58). Where the numbers come from is said in the README.
+/// Step length: of a vivid walk a linear law of how much the phone rises and falls with the step, of the cadence and of
+/// how well the walk repeats itself from stride to stride. Whoever walks straight on at his own pace repeats himself
+/// and takes long steps; who sets out, turns, evades or strolls does not (regularity grows with speed: Moe-Nilssen &
+/// Helbostad, J Biomechanics 37, 2004). A hand, a strap or cloth softens the bounce by an amount that nobody knows, so
+/// the rise counts for little where it is small, and the less the quicker the steps are; and a hand that rocks adds a
+/// rise of its own, which a leg that rotates as much does not: there little of the power is vertical.
+/// Of gentle steps the rise tells less, because knees and arms soften it, and the cadence more: L = a v^0.42 with
+/// v = L f (Grieve & Gear, Ergonomics 1966; down to 0.1 m/s by Wu et al., Scientific Reports 2019) is
+/// L = (a f^0.42)^(1 / 0.58). Where the numbers come from is said in the README.
 struct LengthModel {
-  double base_m = 0.0928, per_root_rise = 3.329, per_rate_and_root = -0.772;
-  double at_usual_cadence_m = 0.590, per_cadence = 0.2206;  ///< m at 1.8 Hz and m/Hz: least length of such a step
-  double usual_cadence_hz = 1.8, per_root_whole_rise = 3.346;
-  double from_vertical_part = 0.78, to_vertical_part = 0.84;  ///< of the power: below none, above all of the first law
-  double at_one_mps_m = 0.632, by_speed = 0.42;               ///< a, for a height of 1.70 m, and its exponent
-  double per_root_gentle_rise = 4.0;                ///< m for a root of a metre: l = 0.90 m, knees and arms take 55 %
-  double part_of_rise = 0.45;                       ///< of the gentle step's logarithm
-  double gentle_factor = 0.965;                     ///< gentle walkers take small steps among the others
-  double shortest_m = 0.15, longest_m = 1.6;        ///< of a step, whatever the model says; judgement
-  double min_rise_m = 0.001;                        ///< of a gentle step: less is the sensor's noise
-  double calmest_radps = 0.2, wildest_radps = 1.4;  ///< beyond, nobody was among those on whom it was fitted
+  double usual_m = 0.638;  ///< with the usual rise, cadence and repetition
+  double per_rise = 4.37, per_cadence_and_rise = -3.9, per_repetition = 0.20;  ///< m/m, 1/Hz, m
+  double per_rocking_and_rise = -1.75;                                         ///< s
+  double usual_rise_m = 0.03, usual_cadence_hz = 1.8, usual_repetition = 0.85, usual_radps = 0.5, usual_part = 0.6;
+  /// Beyond, cadence, rise and rotation are those of nobody fitted.
+  double slowest_hz = 1.4, quickest_hz = 2.3, highest_m = 0.06, calmest_radps = 0.2, wildest_radps = 1.4;
+  double at_one_mps_m = 0.632, by_speed = 0.42;  ///< a, for a height of 1.70 m, and its exponent
+  double per_root_gentle_rise = 4.0;             ///< m for a root of a metre: l = 0.90 m, knees and arms take 55 %
+  double part_of_rise = 0.45;                    ///< of the gentle step's logarithm
+  double gentle_factor = 0.965;                  ///< gentle walkers take small steps among the others
+  double shortest_m = 0.15, longest_m = 1.6;     ///< of a step, whatever the model says; judgement
+  double min_rise_m = 0.001;                     ///< of a gentle step: less is the sensor's noise
+  /// Standard deviation of one step, as a part of it: of people who were left out of the fit, by the repetition.
+  double regular_sigma = 0.03, per_irregularity = 0.20, gentle_sigma = 0.30;
 
   double length_m(const FoundStep& step) const;
+  double own_sigma(const FoundStep& step) const;
 };
 
 /// What is learnt of a walker: one factor on the model's lengths, another one on gentle steps beside it, and the
@@ -41,11 +49,9 @@ struct LengthModel {
 class Walker {
  public:
   struct Parameters {
-    double factor_sigma = 0.10;          ///< how much walkers differ
+    double factor_sigma = 0.08;          ///< how much walkers differ
     double gentle_ratio_sigma = 0.20;    ///< how much one's gentle steps differ from that: the walk ratio L / f of slow
                                          ///< walkers scatters so (Murakami & Otaka 2017)
-    double step_sigma = 0.06;            ///< of one step, as a part of it
-    double gentle_step_sigma = 0.30;     ///< the same of a gentle one
     double rotation_drift_rad = 0.0005;  ///< of the headings, for the root of a metre
     double gentle_hand_rad = 0.2;        ///< of who looks through the phone, against where he goes; judgement
     double gentle_hand_m = 5;            ///< for so long that is the same; judgement
@@ -68,11 +74,11 @@ class Walker {
   void set_factor(double factor) { factor_ = factor; }
   /// Of gentle steps, beside `factor`.
   double gentle_ratio() const { return gentle_ratio_; }
-  /// Of a step of that length: the walker's part, common to all steps, and the step's own. m
-  double sigma_m(double length_m, bool gentle = false) const;
+  /// Of a step of that length: the walker's part, common to all steps, and the step's own, a part of its length. m
+  double sigma_m(double length_m, double own_sigma, bool gentle = false) const;
   double factor_sigma() const;
 
-  void on_step(double model_length_m, double heading_rad, bool gentle = false);
+  void on_step(double model_length_m, double heading_rad, double own_sigma, bool gentle = false);
   /// A position in a horizontal frame, with the standard deviation of each component.
   void on_fix(const Eigen::Vector2d& p_n, double sigma_m);
 

@@ -24,7 +24,7 @@ using namespace odograph::steps;
 class OdographSteps {
  public:
   LengthModel model;
-  double factor = 1.0, factor_sigma = 0.10;
+  double factor = 1.0, factor_sigma = 0.08;
   bool learn = true;
   std::array<double, 3> forward_axis{0.0, 1.0, -1.0};
 
@@ -135,6 +135,7 @@ class OdographSteps {
     const Vector3d up_b = q_n_b_.conjugate() * Vector3d(0, 0, -1);
     carried_ = mode_of(carry_.classify(step, up_b));
     const double model_length = model.length_m(step);
+    const double own_sigma = model.own_sigma(step);
     const double learnt = walker_->factor() * (step.gentle ? walker_->gentle_ratio() : 1.0);
     stairs_.add_step(step.t_start_ns, step.t_end_ns, learnt * model_length);
     const uint32_t mode = walking_mode();
@@ -144,7 +145,8 @@ class OdographSteps {
     event.frequency_hz = 1e9 / static_cast<double>(std::max<int64_t>(1, step.t_end_ns - step.t_start_ns));
     const bool treads = mode == ODO_MODE_STAIRS;  // there the stairs say how far a step goes, not the walker
     event.length_m = treads ? stairs_.parameters().tread_m : learnt * model_length;
-    event.sigma_m = treads ? stairs_.parameters().tread_sigma_m : walker_->sigma_m(event.length_m, step.gentle);
+    event.sigma_m =
+        treads ? stairs_.parameters().tread_sigma_m : walker_->sigma_m(event.length_m, own_sigma, step.gentle);
     event.mode = mode;
     event.index = count_++;
     event.header.flags |= ODO_FLAG_QUALITY;
@@ -156,7 +158,8 @@ class OdographSteps {
       if (carry_.on_leg() && direction_.sigma_rad() < kKnownDirection_rad)
         event.heading_rad = std::remainder(event.heading_rad + direction_.offset_rad(), 2 * M_PI);
       event.header.flags |= ODO_STEP_HEADING;
-      walker_->on_step(treads ? stairs_.parameters().tread_m / factor : model_length, event.heading_rad, step.gentle);
+      walker_->on_step(treads ? stairs_.parameters().tread_m / factor : model_length, event.heading_rad, own_sigma,
+                       step.gentle);
     }
     output.emit(event);
   }

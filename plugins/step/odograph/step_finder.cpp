@@ -101,6 +101,7 @@ void StepFinder::go_on(const WalkSignal& signal) {
   typical_swing_ += p_.learn_swing * (best_.value - best_.low - typical_swing_);
   typical_part_ +=
       p_.learn_part * (signal.vertical_part_between(peaks_[peak_count_ - 2].index, best_.index) - typical_part_);
+  typical_repetition_ += p_.learn_interval * (stride_repetition(signal, typical_s_, 1) - typical_repetition_);
   if (!stray) emit(signal, peaks_[peak_count_ - 2], best_);
 }
 
@@ -168,6 +169,7 @@ void StepFinder::start(const WalkSignal& signal, const Run& run) {
   stray_ = 0;
   typical_s_ = mean_s;
   typical_swing_ = run.mean_swing;
+  typical_repetition_ = stride_repetition(signal, mean_s, 1);
   typical_part_ = 0;
   for (size_t i = run.first + 1; i <= last; ++i)
     typical_part_ +=
@@ -229,6 +231,7 @@ void StepFinder::emit(const WalkSignal& signal, const Peak& from, const Peak& to
   step.frequency_hz = 1 / typical_s_;
   step.whole_rise_m = step.rise_m / signal.gain(step.frequency_hz);
   step.vertical_part = typical_part_;
+  step.repetition = typical_repetition_;
   step.gentle = p_.gentle;
 }
 

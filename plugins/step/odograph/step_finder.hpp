@@ -20,6 +20,7 @@ struct FoundStep {
   double gyro_radps;             ///< mean rotation rate
   double frequency_hz;           ///< of the steps around it
   double vertical_part;          ///< of the alternating acceleration's power, over the last steps
+  double repetition;             ///< of the acceleration after a stride, over the last steps: how regular the walk is
   Eigen::Vector2d surge_n;  ///< horizontal acceleration that leads the vertical one as a walk's does, over the latter
   bool gentle;              ///< found by the finder of gentle steps
 };
@@ -57,7 +58,7 @@ class StepFinder {
     double setting_out = 1.7;         ///< longest of the first steps, over the mean interval
     double weakest = 0.12;            ///< least swing of the same, of the typical one
     size_t kept_peaks = 8;            ///< those before a walk was sure of which are looked at, at most kMaxPeaks
-    double weak = 0;                  ///< peaks below this part of the strongest are harmonics, before a walk
+    double weak = 0;                  ///< gentle peaks below this part of the strongest are harmonics, before a walk
     double confirm_s = 0.12;          ///< a peak must stay the highest for that long
     double shortest_s = 0.27;         ///< of a step: 3.7 a second, a sprint
     double quickest_s = 0.38;         ///< of a gentle step
@@ -123,7 +124,7 @@ class StepFinder {
   std::array<Peak, kMaxPeaks> peaks_{};  // the last ones, newest last
   size_t peak_count_ = 0;
   int stray_ = 0;
-  double typical_swing_ = 0, typical_s_ = 0.55, typical_part_ = 0;
+  double typical_swing_ = 0, typical_s_ = 0.55, typical_part_ = 0, typical_repetition_ = 0;
   std::array<FoundStep, kMaxPeaks> found_{};
   size_t found_count_ = 0;
 };

@@ -77,6 +77,61 @@ Json line_of(const Json& labels, const Rows& rows) {
   return line;
 }
 
+double percent(double estimate, double truth) { return 100 * (estimate / truth - 1); }
+
+/// Adds to each walk what a fixed step makes of its distance: everybody's, and his own, measured on his other walks.
+Rows with_fixed_steps(Rows rows) {
+  for (Json& row : rows) {
+    const auto of = [](const Json& one, const char* key) { return number_at(one, key); };
+    double others_m = 0, others = 0;
+    for (const Json& other : rows)
+      if (other["data"] == row["data"] && other["config"] == row["config"] && other["person"] == row["person"] &&
+          other["recording"] != row["recording"] && of(other, "_counted") > 0)
+        others_m += of(other, "true_m"), others += of(other, "_counted");
+    const double counted = of(row, "_counted"), true_m = of(row, "true_m");
+    row["_fixed_percent"] = percent(kFixedStep_m * counted, true_m);
+    row["_own_percent"] = others > 0 ? percent(others_m / others * counted, true_m) : std::nan("");
+    row["_gain_m"] = of(row, "_fixed_mean_m") - of(row, "_mean_m");
+    row["_end_percent"] = 100 * of(row, "_end_m") / true_m;
+    row["_fixed_end_percent"] = 100 * of(row, "_fixed_end_m") / true_m;
+  }
+  return rows;
+}
+
+/// Antigny et al. 2019, Table 5, on these walks.
+std::string adaptive_against_fixed(const Rows& all) {
+  Rows lines;
+  for (const auto& [set, of_set] : groups_of(with_fixed_steps(all), "data"))
+    for (const auto& [config, rows] : groups_of(of_set, "config")) {
+      Json line{{"data", set}, {"config", config}};
+      for (const char* key : {"_end_percent", "_fixed_end_percent", "_mean_m", "_fixed_mean_m", "distance_percent",
+                              "_fixed_percent", "_own_percent"})
+        line[key] = percentile_at(rows, key, 0.5, true);
+      const auto gains = numbers_at(rows, "_gain_m", false);
+      double sum = 0, better = 0;
+      for (const double gain : gains) sum += gain, better += gain > 0;
+      const auto n = static_cast<double>(gains.size());
+      line.update(Json{{"gain", n > 0 ? sum / n : std::nan("")},
+                       {"interval", half_interval(rows, "_gain_m", false)},
+                       {"better", n > 0 ? 100 * better / n : std::nan("")}});
+      if (percentile_at(rows, "true_m", 0.5, true) > 0) lines.push_back(line);
+    }
+  const Table table{
+      "adaptive against fixed step length (0.41 of 1.70 m), the same steps and headings; medians of walks",
+      {{"data", "data"}, {"config", "config", true}},
+      {{"at the end", "%", "_end_percent", 1},
+       {"", "fixed %", "_fixed_end_percent", 1},
+       {"mean error", "m", "_mean_m", 2},
+       {"", "fixed m", "_fixed_mean_m", 2},
+       {"gain", "mean m", "gain", 2, kSigned},
+       {"people", "+- m", "interval", 2},
+       {"better", "% of walks", "better", 0},
+       {"distance", "%", "distance_percent", 1},
+       {"", "fixed %", "_fixed_percent", 1},
+       {"", "his own %", "_own_percent", 1}}};
+  return table_text(table, lines);
+}
+
 std::string table_by(const Rows& rows, const std::string& by) {
   Rows lines;
   for (const auto& [set, of_set] : groups_of(rows, "data"))
@@ -138,19 +193,25 @@ Json step_data_row(const Recording& recording, const RunResult& result) {
                      {"count", "%", "count_percent", 1, f.count_percent, kSigned},
                      {"peaks", "%", "peaks_percent", 1, f.peaks_percent, kSigned},
                      {"true", "m", "true_m", 1, f.true_m, none},
-                     {"distance", "%", "distance_percent", 1, 100 * (f.estimated_m / f.true_m - 1), kSigned},
+                     {"distance", "%", "distance_percent", 1, percent(f.estimated_m, f.true_m), kSigned},
                      {"position", "m", "position_m", 2, f.position_m, none},
                      {"floors", "", "floors", 0, f.floors, none},
                      {"wrong", "", "wrong_floors", 0, f.wrong_floors, none}});
   row.update(Json{{"person", name.person},
                   {"place", name.place},
                   {"_heading_deg", f.heading_deg},
-                  {"_normalised_error", f.normalised_error}});
+                  {"_normalised_error", f.normalised_error},
+                  {"_counted", f.counted},
+                  {"_end_m", f.adaptive.end_m},
+                  {"_mean_m", f.adaptive.mean_m},
+                  {"_fixed_end_m", f.fixed.end_m},
+                  {"_fixed_mean_m", f.fixed.mean_m}});
   return row;
 }
 
 std::string step_data_report(const Rows& rows) {
-  return table_by(rows, "data") + '\n' + table_by(rows, "place") + '\n' + table_by(rows, "person");
+  return table_by(rows, "data") + '\n' + table_by(rows, "place") + '\n' + table_by(rows, "person") + '\n' +
+         adaptive_against_fixed(rows);
 }
 
 }  // namespace odograph

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include <Eigen/Geometry>
 
 #include "sdk/math/time.hpp"
 
@@ -57,9 +60,9 @@ std::vector<TrueStretch> stretches_of(const Recording& recording, const std::vec
   return all;
 }
 
-/// How much of the steps lies in a time, as a length, and the sum of their standard deviations.
+/// How much of the steps lies in a time, as a length and a number, and the sum of their standard deviations.
 struct Walked {
-  double length_m = 0, sigma_m = 0;
+  double length_m = 0, sigma_m = 0, count = 0;
 };
 Walked walked(const std::vector<odo_step>& steps, int64_t from_ns, int64_t to_ns) {
   Walked sum;
@@ -67,7 +70,7 @@ Walked walked(const std::vector<odo_step>& steps, int64_t from_ns, int64_t to_ns
     const int64_t inside = std::min(to_ns, step.t_end_ns) - std::max(from_ns, step.t_start_ns);
     if (inside <= 0) continue;
     const double part = static_cast<double>(inside) / static_cast<double>(step.t_end_ns - step.t_start_ns);
-    sum.length_m += part * step.length_m, sum.sigma_m += part * step.sigma_m;
+    sum.length_m += part * step.length_m, sum.sigma_m += part * step.sigma_m, sum.count += part;
   }
   return sum;
 }
@@ -82,7 +85,8 @@ void add_distance(const std::vector<odo_step>& steps, const std::vector<TrueStre
     f.true_m = 0;
     for (size_t i = 1; i < path.size(); ++i) f.true_m += (path[i].p - path[i - 1].p).head<2>().norm();
   }
-  f.estimated_m = walked(steps, stretches.front().from_ns, stretches.back().to_ns).length_m;
+  const Walked whole = walked(steps, stretches.front().from_ns, stretches.back().to_ns);
+  f.estimated_m = whole.length_m, f.counted = whole.count;
   for (const TrueStretch& s : stretches) {
     const Walked own = walked(steps, s.from_ns, s.to_ns);
     const double whole_s = seconds(s.to_ns - s.from_ns);
@@ -110,6 +114,39 @@ void add_position(const Trajectory& track, const std::vector<Waypoint>& places, 
       f.heading_deg.push_back(std::abs(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b))) * 180 / EIGEN_PI);
   }
   f.position_m = std::sqrt(squares / static_cast<double>(laid.size()));
+}
+
+/// The steps one after the other, along their own headings.
+WalkTruthFigures::Composed composed_errors(const std::vector<odo_step>& steps, double fixed_m,
+                                           const std::vector<Waypoint>& places) {
+  const bool headings =
+      std::all_of(steps.begin(), steps.end(), [](const odo_step& s) { return s.header.flags & ODO_STEP_HEADING; });
+  if (places.size() < 2 || steps.empty() || !headings) return {std::nan(""), std::nan("")};
+  Trajectory composed{{steps.front().t_start_ns, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()}};
+  for (const odo_step& step : steps) {
+    StampedPose next = composed.back();
+    if (step.t_start_ns > next.t_ns) next.t_ns = step.t_start_ns, composed.push_back(next);
+    const double length = fixed_m > 0 ? fixed_m : step.length_m;
+    next.p += length * Eigen::Vector3d(std::cos(step.heading_rad), std::sin(step.heading_rad), 0);
+    if (step.t_end_ns > next.t_ns) next.t_ns = step.t_end_ns, composed.push_back(next);
+  }
+  const auto from_first = [&](const Waypoint& place) -> std::pair<Vector2d, Vector2d> {
+    return {(position_at(composed, place.t_ns) - position_at(composed, places.front().t_ns)).head<2>(),
+            (place.p_n - places.front().p_n).head<2>()};
+  };
+  double along = 0, across = 0;
+  for (const Waypoint& place : places) {
+    const auto [a, b] = from_first(place);
+    along += a.dot(b), across += a.x() * b.y() - a.y() * b.x();
+  }
+  const Eigen::Rotation2Dd rotation(std::atan2(across, along));
+  WalkTruthFigures::Composed errors{};
+  for (const Waypoint& place : places) {
+    const auto [a, b] = from_first(place);
+    errors.end_m = (rotation * a - b).norm();
+    errors.mean_m += errors.end_m / static_cast<double>(places.size() - 1);  // the first one is no error
+  }
+  return errors;
 }
 
 void add_floors(const Recording& recording, const Trajectory& track, WalkTruthFigures& f) {
@@ -162,6 +199,7 @@ WalkTruthFigures walk_truth_figures(const Recording& recording, const std::vecto
   add_distance(steps, stretches_of(recording, places), path, f);
   add_position(track, places, f);
   add_floors(recording, track, f);
+  f.adaptive = composed_errors(steps, 0, places), f.fixed = composed_errors(steps, kFixedStep_m, places);
   return f;
 }
 

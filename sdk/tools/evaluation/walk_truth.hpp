@@ -27,7 +27,15 @@ struct WalkTruthFigures {
   std::vector<double> heading_deg;       ///< of stretches of the track, after that
   std::vector<double> normalised_error;  ///< squared, of the steps' lengths over a stretch; they err alike
   double floors = 0, wrong_floors = 0;   ///< changes of floor between two places, and those told otherwise
+  double counted = 0;                    ///< steps of the time that has a truth, parts of them as parts
+  /// Antigny et al. 2019, Table 5: the same steps and headings, once with their own lengths, once with a fixed one.
+  /// Laid on the first place and rotated about it onto the others. NaN without places or headings.
+  struct Composed {
+    double end_m, mean_m;  ///< off at the last place, and in the mean
+  } adaptive{}, fixed{};
 };
+/// Of everybody: the pedometers' rule of thumb for the height of 1.70 m that is taken where none is known.
+constexpr double kFixedStep_m = 0.41 * 1.70;
 WalkTruthFigures walk_truth_figures(const Recording& recording, const std::vector<odo_step>& steps,
                                     const Trajectory& track);
 

@@ -6,6 +6,8 @@
 
 #include <odograph/types.h>
 
+#include "sdk/tools/simulation/carrying.hpp"
+
 namespace odograph {
 namespace {
 
@@ -15,13 +17,12 @@ constexpr double kRunning_mps = 2.2;
 double limited(Random& random, double sigma, double most) { return std::clamp(sigma * random.normal(), -most, most); }
 
 bool is_stop(const std::string& what) {
-  return what == "stand" || what == "look_around" || what == "handle" || what == "turn";
+  return what == "stand" || what == "look_around" || what == "handle" || what == "turn" || what == "lift";
 }
-bool is_carry(const std::string& what) { return what == "texting" || what == "swinging" || what == "pocket"; }
 
 uint32_t carry_mode(const std::string& carry) {
   if (carry == "swinging") return ODO_MODE_WALKING_SWINGING;
-  if (carry == "pocket") return ODO_MODE_WALKING_POCKET;
+  if (is_covered(carry)) return ODO_MODE_WALKING_POCKET;
   return ODO_MODE_WALKING_TEXTING;
 }
 

@@ -41,7 +41,7 @@ struct Scenario {
   struct Event {
     double at_m = 0;
     std::string what;  // stand, look_around, handle, turn, evade, cross, shuffle, sidestep, backwards, speed, bump,
-                       // texting, swinging, pocket, dark
+                       // texting, swinging, pocket, leg, bag, dark, lift
     double for_s = 0;
     double speed_mps = 0;
     bool waypoint = false;

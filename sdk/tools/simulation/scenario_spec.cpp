@@ -62,21 +62,22 @@ Spec world_spec() {
 
 Spec route_spec() {
   const Spec point = reals("point", "m", -1e4, 1e4, 3, "north, east, up");
-  Spec event =
-      map("event", "what happens along the route",
-          {required(real("at", "m", 0, 1e5, "0", "distance along the route")),
-           required(choice("do",
-                           "stand|look_around|handle|turn|evade|cross|shuffle|sidestep|backwards|speed|bump|texting|"
-                           "swinging|pocket|dark",
-                           "stand",
-                           "stop and stand still, look around, type and gesture (handle) or turn in place; step "
-                           "around somebody; cross a road from kerb to kerb; small steps (shuffle); small steps to the "
-                           "side or backwards; another speed; another way "
-                           "to carry the phone; nothing to be seen for a while (dark); a car knows "
-                           "stand, speed and bump (a hump in the road)")),
-           real("for", "s", 0, 3600, "5", "how long, where the walker stands; over how long otherwise"),
-           real("speed", "m/s", 0.2, 40, "1.35", "for `do: speed`; above 2.2 a walker runs"),
-           boolean("waypoint", "false", "a surveyed mark on the ground: the recording says when he is on it")});
+  Spec event = map(
+      "event", "what happens along the route",
+      {required(real("at", "m", 0, 1e5, "0", "distance along the route")),
+       required(choice("do",
+                       "stand|look_around|handle|turn|evade|cross|shuffle|sidestep|backwards|speed|bump|texting|"
+                       "swinging|pocket|leg|bag|dark|lift",
+                       "stand",
+                       "stop and stand still, look around, type and gesture (handle) or turn in place; step "
+                       "around somebody; cross a road from kerb to kerb; small steps (shuffle); small steps to the "
+                       "side or backwards; another speed; another way "
+                       "to carry the phone (leg: against a thigh; bag: on a strap, which swings by itself); nothing "
+                       "to be seen for a while (dark); a ride in a lift, up and the next one down; a car knows "
+                       "stand, speed and bump (a hump in the road)")),
+       real("for", "s", 0, 3600, "5", "how long, where the walker stands; over how long otherwise"),
+       real("speed", "m/s", 0.2, 40, "1.35", "for `do: speed`; above 2.2 a walker runs"),
+       boolean("waypoint", "false", "a surveyed mark on the ground: the recording says when he is on it")});
   Spec object = map("object", "a board with a tag of the family 36h11 or a poster, its place surveyed; numbered from 0",
                     {required(real("at", "m", 0, 1e5, "0", "distance along the route; it faces those who come")),
                      real("right", "m", -100, 100, "4", "beside the route"),
@@ -192,7 +193,7 @@ const Spec& scenario_spec() {
            map("walker", "who walks; seeds draw the individual's gait",
                {real("height", "m", 1.0, 2.3, "1.70", "body height"),
                 real("speed", "m/s", 0.3, 4, "1.35", "mean walking speed; above 2.2 he runs"),
-                choice("carry", "texting|swinging|pocket", "texting", "how the phone is carried at the start"),
+                choice("carry", "texting|swinging|pocket|leg|bag", "texting", "how the phone is carried at the start"),
                 choice("gait", "brisk|viewing", "brisk",
                        "walks to get somewhere, or looks at the world through the phone: gentle, unsteady, scanning, "
                        "phone held up; give such a walker 0.5 to 1.2 m/s"),

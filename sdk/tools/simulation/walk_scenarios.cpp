@@ -30,6 +30,31 @@ Scenario viewer_walk(uint64_t seed) {
   return s;
 }
 
+Scenario pocket_walk(uint64_t seed) {
+  Random random(seed, 132);
+  Scenario s;
+  s.walker.height_m = random.uniform(1.55, 1.92), s.walker.speed_mps = random.uniform(0.9, 1.5);
+  s.walker.stand_s = 4, s.walker.carry = "leg";
+  s.route = {{0, 0, 0}, {60, 0, 0}, {60, 45, 0}, {-30, 45, 0}};
+  s.events = {{40, "stand", 8}, {70, "bag"}, {100, "stand", 8}, {140, "pocket"}};
+  return s;
+}
+
+Scenario car_ride(uint64_t seed) {
+  Random random(seed, 133);
+  Scenario s;
+  s.carrier = "car";
+  s.vehicle.speed_mps = random.uniform(8, 14);
+  s.route = {{0, 0, 0}};
+  for (int k = 1; k <= 10; ++k) {  // round blocks of 300 by 150 m
+    const Eigen::Vector3d corner(k % 4 == 1 || k % 4 == 2 ? 300 : 0, k % 4 == 2 || k % 4 == 3 ? 150 : 0, 0);
+    s.route.push_back(corner);
+    for (const double at : {40.0, 110.0})
+      s.events.push_back({225.0 * k - at, at > 100 ? "bump" : "stand", at > 100 ? 0.0 : random.uniform(5, 40)});
+  }
+  return s;
+}
+
 Scenario any_walker(Scenario s, uint64_t seed) {
   Random random(seed, 6);
   s.events.clear();
@@ -44,7 +69,8 @@ Scenario standing(const std::string& what, bool viewer) {
   if (viewer) s.walker.gait = "viewing", s.walker.speed_mps = 0.8;
   s.walker.stand_s = 1;
   s.route = {{0, 0, 0}, {1, 0, 0}};
-  for (int k = 0; k < (what == "turn" ? 60 : 1); ++k) s.events.push_back({0.0, what, what == "turn" ? 10.0 : 600.0});
+  const int times = what == "turn" ? 60 : what == "lift" ? 40 : 1;
+  for (int k = 0; k < times; ++k) s.events.push_back({0.0, what, 600.0 / times});
   return s;
 }
 

@@ -17,7 +17,13 @@ Scenario viewer_walk(uint64_t seed);
 /// 80 m of a scenario without its stops, by a walker of any size and pace.
 Scenario any_walker(Scenario scenario, uint64_t seed);
 
-/// Ten minutes on the spot with the phone in the hand: `what` is "handle" (typing and gestures) or "turn".
+/// A walk with the phone against a thigh, in a bag and in a pocket.
+Scenario pocket_walk(uint64_t seed);
+
+/// Ten minutes in a car through a town, over bumps and with stops.
+Scenario car_ride(uint64_t seed);
+
+/// Ten minutes on the spot with the phone in the hand: `what` is "handle" (typing and gestures), "turn" or "lift".
 Scenario standing(const std::string& what, bool viewer);
 
 /// 200 m with a corner, a position each second.

@@ -6,6 +6,7 @@
 
 #include <odograph/types.h>
 
+#include "sdk/tools/simulation/carrying.hpp"
 #include "sdk/tools/simulation/gait_plan.hpp"
 #include "sdk/tools/simulation/signal.hpp"
 
@@ -37,7 +38,7 @@ class Body {
     for (const auto& s : plan_.steps) walk.steps.push_back({s.t0, s.t1, s.length_m, s.mode});
     walk.modes = modes();
     for (size_t k = 0; k < plan_.carries.size(); ++k)
-      if (plan_.carries[k].second == "pocket")
+      if (is_covered(plan_.carries[k].second))
         walk.covers.push_back(
             {plan_.carries[k].first, k + 1 < plan_.carries.size() ? plan_.carries[k + 1].first : plan_.duration_s + 1});
     for (const auto& [from, to] : plan_.darknesses) walk.covers.push_back({from, to});
@@ -95,6 +96,7 @@ class Body {
     }
     for (const auto& [from, to] : plan_.roads)
       for (size_t i = sample(from); i < sample(to); ++i) up[i] -= kKerb_m;
+    ride(up);
     smooth(north, 0.25, kRate_hz), smooth(east, 0.25, kRate_hz), smooth(up, 0.12, kRate_hz);
     smooth(heading_, 0.30, kRate_hz);
     add_wander(lateral_, Random(seed_, 21), 8.0, 0.18, kRate_hz);
@@ -121,6 +123,28 @@ class Body {
       base_[i] = {north[i] + forward * std::cos(h) - right * std::sin(h),
                   east[i] + forward * std::sin(h) + right * std::cos(h), -(up[i] + rise)};
     }
+  }
+
+  /// Lifts: up to 1.6 m/s, reached within 2 s, doors for 2 s before and after; every other one goes down again.
+  void ride(Signal& up) const {
+    constexpr double kDoors_s = 2, kFastest_mps = 1.6, kPull_mps2 = 0.8;
+    double floor_m = 0, direction = 1;
+    size_t done = 0;
+    const auto fill = [&](size_t to) {
+      for (; done < to; ++done) up[done] += floor_m;
+    };
+    for (const auto& stand : plan_.stands) {
+      if (stand.what != "lift") continue;
+      const double from = stand.t0 + kDoors_s, to = stand.t1 - kDoors_s;
+      fill(sample(from));
+      for (; done < sample(to); ++done) {
+        const double speed = std::min({kFastest_mps, kPull_mps2 * (time(done) - from), kPull_mps2 * (to - time(done))});
+        floor_m += direction * std::max(0.0, speed) / kRate_hz;
+        up[done] += floor_m;
+      }
+      direction = -direction;
+    }
+    fill(n_);
   }
 
   /// Heel strikes: a damped ring, up and backwards.
@@ -180,15 +204,16 @@ class Body {
 
   /// How the phone is held against the trunk, and what the hand adds.
   void hand() {
-    Signal swing(n_), pocket(n_);
+    Signal swing(n_), pocket(n_), leg(n_), bag(n_);
     for (size_t k = 0; k < plan_.carries.size(); ++k) {
       const size_t to = k + 1 < plan_.carries.size() ? sample(plan_.carries[k + 1].first) : n_;
       for (size_t i = sample(plan_.carries[k].first); i < to; ++i) {
         swing[i] = plan_.carries[k].second == "swinging";
         pocket[i] = plan_.carries[k].second == "pocket";
+        leg[i] = plan_.carries[k].second == "leg", bag[i] = plan_.carries[k].second == "bag";
       }
     }
-    smooth(swing, 0.4, kRate_hz), smooth(pocket, 0.4, kRate_hz);
+    for (Signal* part : {&swing, &pocket, &leg, &bag}) smooth(*part, 0.4, kRate_hz);
     Signal drift[6], shake[6], wave[6];
     for (size_t k = 0; k < 6; ++k) {
       drift[k] = Signal(n_), shake[k] = Signal(n_), wave[k] = Signal(n_);
@@ -202,6 +227,9 @@ class Body {
     Eigen::Matrix3d axes;  // columns: the body's x, y, z in the forward-right-down frame of an upright phone
     axes << 0, 0, -1, 1, 0, 0, 0, -1, 0;
     const Eigen::Quaterniond upright(axes);
+    Random strap(seed_, 29);
+    const double strap_m = strap.uniform(0.35, 0.55), damping = strap.uniform(0.08, 0.2);
+    const Bag swaying(base_, heading_, strap_m, damping, kRate_hz);
     p_.resize(n_), q_.resize(n_);
     for (size_t i = 0; i < n_; ++i) {
       const double v = std::min(vigour_[i], 1.3), ph = phase_[i], rocking = c_.walker.rocking * who_.rocking * v;
@@ -210,16 +238,19 @@ class Body {
       const Vector3d text(who_.hold_forward_m, 0, -who_.hold_height_m);
       const Vector3d swung(arm * std::sin(angle), 0.22, -0.80 * who_.height_m + arm * std::cos(angle));
       const Vector3d pocketed(0.10 + 0.06 * v * std::sin(kPi * ph), 0.18, -0.48 * who_.height_m);
-      const double s = swing[i], k = pocket[i], held = std::max(0.0, 1 - s - k);
+      const double s = swing[i], k = pocket[i], held = std::max(0.0, 1 - s - k - leg[i] - bag[i]);
+      const Carried thigh = on_leg(ph, v, who_.height_m), bagged = swaying.at(i, who_.height_m);
       const double facing = heading_[i] + look_yaw_[i];
-      Vector3d offset = held * text + s * swung + k * pocketed;
+      Vector3d offset = held * text + s * swung + k * pocketed + leg[i] * thigh.offset + bag[i] * bagged.offset;
       offset += Vector3d(other(0), other(1), other(2));
       p_[i] = base_[i] + Eigen::AngleAxisd(facing, Vector3d::UnitZ()) * offset;
       const double yaw = facing + who_.yaw_rad * rocking * std::sin(kPi * ph + who_.phases[1]) + other(3);
       const double pitch = held * (c_.camera.pitch_rad + look_pitch_[i]) + s * (-1.1 + angle) +
                            k * (0.1 + 0.35 * v * std::sin(kPi * ph)) +  // the thigh
+                           leg[i] * thigh.pitch_rad + bag[i] * bagged.pitch_rad +
                            who_.pitch_rad * rocking * std::sin(2 * kPi * ph + who_.phases[2]) + other(4);
       const double roll = s * 0.4 + k * 2.8 +  // top down in the pocket
+                          leg[i] * thigh.roll_rad + bag[i] * bagged.roll_rad +
                           who_.roll_rad * rocking * std::sin(kPi * ph + who_.phases[3]) + other(5);
       q_[i] = Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Vector3d::UnitY()) *
               Eigen::AngleAxisd(roll, Vector3d::UnitX()) * upright;
@@ -250,7 +281,9 @@ class Body {
     for (size_t k = 0; k <= plan_.steps.size(); ++k) {
       const double until = k < plan_.steps.size() ? plan_.steps[k].t0 : plan_.duration_s;
       for (; stand < plan_.stands.size() && plan_.stands[stand].t0 <= until + 1e-9; ++stand)
-        add(plan_.stands[stand].t0, plan_.stands[stand].what == "stand" ? ODO_MODE_STATIC : ODO_MODE_HANDLING);
+        add(plan_.stands[stand].t0, plan_.stands[stand].what == "stand" || plan_.stands[stand].what == "lift"
+                                        ? ODO_MODE_STATIC
+                                        : ODO_MODE_HANDLING);
       if (k < plan_.steps.size()) add(plan_.steps[k].t0, plan_.steps[k].mode);
     }
     return modes;
