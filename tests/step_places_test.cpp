@@ -12,7 +12,10 @@
 #include "plugins/step/odograph/walk_direction.hpp"
 #include "sdk/tools/evaluation/walk_truth.hpp"
 #include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/carrying.hpp"
 #include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "sdk/tools/simulation/walk_scenarios.hpp"
 #include "tests/support.hpp"
 
 using namespace odograph;
@@ -146,6 +149,47 @@ TEST_CASE(
   // Nobody ran among those whom the numbers are from: they are not carried on without bound.
   const FoundStep run{.rise_m = 0.09, .gyro_radps = 1, .frequency_hz = 2.8, .vertical_part = 0.8, .repetition = 0.95};
   CHECK(model.length_m(run) > 0.75);
+}
+
+TEST_CASE("a bag swings with its strap's own period, and less and less") {
+  constexpr double kRate_hz = 400, kStrap_m = 0.5;
+  std::vector<Eigen::Vector3d> trunk(4000, Eigen::Vector3d::Zero());
+  for (size_t i = 100; i < trunk.size(); ++i) trunk[i].x() = 0.05;  // a jerk ahead
+  const Bag bag(trunk, Signal(trunk.size()), kStrap_m, 0.1, kRate_hz);
+  std::vector<size_t> crossings;
+  for (size_t i = 200; i + 2 < trunk.size(); ++i)
+    if (bag.forward_rad[i - 1] < 0 && bag.forward_rad[i] >= 0) crossings.push_back(i);
+  REQUIRE(crossings.size() > 3);
+  const double period_s = static_cast<double>(crossings[3] - crossings[0]) / 3 / kRate_hz;
+  CHECK(period_s == doctest::Approx(2 * kPi * std::sqrt(kStrap_m / 9.80665) / std::sqrt(1 - 0.01)).epsilon(0.01));
+  CHECK(std::abs(bag.right_rad[500]) < 1e-12);
+  CHECK(std::abs(bag.forward_rad[3990]) < 0.1 * std::abs(bag.forward_rad[150]));
+}
+
+TEST_CASE("no more than a step a minute in lifts and in a car") {
+  const TemporaryFolder folder;
+  for (const bool drives : {false, true}) {
+    CAPTURE(drives);
+    REQUIRE(
+        simulate(drives ? car_ride(3) : standing("lift", false), 3, folder / "w.odo", {.threads = 1, .frames = false})
+            .ok());
+    const auto recording = read_recording(folder / "w.odo");
+    REQUIRE(recording.ok());
+    RunOptions options;
+    options.config = source("samples/configs/pocket_walk.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const auto& states = recording->true_states;
+    const double minutes = static_cast<double>(states.back().t_ns - states.front().t_ns) / 60e9;
+    CHECK(minutes > 5);
+    // The metre to the lift and away is walked.
+    CHECK(static_cast<double>(result->steps.size()) <= minutes + static_cast<double>(recording->true_steps.size()));
+    if (drives) continue;
+    double highest_m = 0;
+    for (const TrueState& state : states) highest_m = std::max(highest_m, states.front().p.z() - state.p.z());
+    CHECK(highest_m > 10);  // it rode
+  }
 }
 
 namespace {

@@ -34,7 +34,7 @@ struct Bag {
   Signal forward_rad, right_rad;
 };
 
-/// Whether that is a way to carry a phone, and one in which its camera sees nothing.
+/// Whether a phone is carried so, and whether its camera then sees nothing.
 bool is_carry(const std::string& what);
 bool is_covered(const std::string& carry);
 
