@@ -185,10 +185,10 @@ TEST_CASE("saved anchors come back, and a blob with one number out of its range 
   const auto taken = [&](size_t at, double value) {
     auto bad = blob;
     std::memcpy(bad.data() + at, &value, sizeof value);
-    const bool taken = second.load(bad);
-    CHECK(second.ids().size() == (taken ? 2 : 1));
-    if (taken) second.remove(second.ids().back());
-    return taken;
+    const bool loaded = second.load(bad);
+    CHECK(second.ids().size() == (loaded ? 2 : 1));
+    if (loaded) second.remove(second.ids().back());
+    return loaded;
   };
   for (size_t at = 16; at < 104; at += 8)
     for (const double wild : {std::nan(""), std::numeric_limits<double>::infinity()}) CHECK_FALSE(taken(at, wild));

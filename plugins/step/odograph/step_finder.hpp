@@ -21,8 +21,9 @@ struct FoundStep {
   double frequency_hz;           ///< of the steps around it
   double vertical_part;          ///< of the alternating acceleration's power, over the last steps
   double repetition;             ///< of the acceleration after a stride, over the last steps: how regular the walk is
-  Eigen::Vector2d surge_n;  ///< horizontal acceleration that leads the vertical one as a walk's does, over the latter
-  bool gentle;              ///< found by the finder of gentle steps
+  Eigen::Vector2d surge_n = Eigen::Vector2d::Zero();  ///< horizontal acceleration that leads the vertical one as a
+                                                      ///< walk's does, over the latter
+  bool gentle;                                        ///< found by the finder of gentle steps
 };
 
 /// Finds the contacts of feet as peaks of the smoothed vertical acceleration: the trunk is lowest there and is pushed
