@@ -15,6 +15,7 @@
 namespace {
 
 using namespace odograph::vio;
+using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using odograph::CameraModel;
@@ -241,7 +242,8 @@ TEST_CASE("a clone's covariance is that of the camera's pose") {
         integrate(s.nav, s.t_ns, s.t_ns + static_cast<int64_t>(step * 1e9), imu, p.gravity_mps2);
       }
       augment(s, 0, 1, imu, p);
-      return difference(s.clones[0].q_w_c, s.clones[0].p_w, reference.clones[0].q_w_c, reference.clones[0].p_w);
+      const double scale = k == block::scale ? std::exp(step) : 1;
+      return difference(s.clones[0].q_w_c, s.clones[0].p_w, reference.clones[0].q_w_c, scale * reference.clones[0].p_w);
     };
     numeric.col(k) = (at(h) - at(-h)) / (2 * h);
   }
@@ -276,6 +278,50 @@ TEST_CASE("a landmark hung on another clone keeps its place and its covariance i
   state.move_anchor(0, 1);
   CHECK((state.point(state.landmarks[0]) - before).norm() < 1e-9);
   CHECK((covariance_in_w(state) - covariance).norm() < 1e-9 * covariance.norm());
+}
+
+TEST_CASE("the scale of all lengths together changes no picture, and accelerations alone contradict it") {
+  generator.seed(15);
+  State state = some_state();
+  state.camera.line_time_s = 0;  // between the rows lies an acceleration, which is in metres
+  const ImuBuffer imu = some_imu();
+  FilterParameters p;
+  p.noise = {0, 0, 0, 0, 0, 0};
+  const auto scaled = [](State s, double by) {
+    Eigen::VectorXd delta = Eigen::VectorXd::Zero(s.size());
+    delta[block::scale] = by;
+    s.correct(delta);
+    return s;
+  };
+  State seen = state;
+  augment(seen, 0, 1, imu, p);
+  propagate(seen, seen.t_ns + 200'000'000, imu, p);
+  augment(seen, 1, 2, imu, p);
+  seen.add_landmark({5, 0, Vector3d(0.1, -0.2, 0.4), 0}, Eigen::MatrixXd::Zero(3, seen.size()), Matrix3d::Identity());
+  const State larger = scaled(seen, 0.3);
+  CHECK(larger.clones[1].p_w.norm() == doctest::Approx(std::exp(0.3) * seen.clones[1].p_w.norm()));
+  const auto pixel = [](const State& s) { return observe(s.clones[1], s.camera, s.point(s.landmarks[0]), 100)->pixel; };
+  CHECK((pixel(larger) - pixel(seen)).norm() < 1e-9);
+
+  State reference = state;
+  propagate(reference, state.t_ns + 300'000'000, imu, p);
+  const double h = 1e-5;
+  const auto beside = [&](double by) {
+    State s = scaled(state, by);
+    propagate(s, state.t_ns + 300'000'000, imu, p);
+    return Vector3d(s.nav.v_w - std::exp(by) * reference.nav.v_w);
+  };
+  const Vector3d numeric = (beside(h) - beside(-h)) / (2 * h);
+  const Vector3d carried = reference.P.block<3, 1>(block::nu, block::scale) / reference.P(block::scale, block::scale);
+  CHECK((numeric - carried).norm() < 1e-3 * numeric.norm());
+  CHECK((numeric - (state.nav.v_w - reference.nav.v_w)).norm() < 1e-6);
+
+  // What corrects the velocity beside the scale is multiplied by the scale's error from then on.
+  Eigen::VectorXd delta = Eigen::VectorXd::Zero(reference.size());
+  delta.segment<3>(block::nu) = Vector3d(0.1, -0.2, 0.3);
+  reference.correct(delta);
+  const Vector3d now = reference.P.block<3, 1>(block::nu, block::scale) / reference.P(block::scale, block::scale);
+  CHECK((carried - now - Vector3d(0.1, -0.2, 0.3)).norm() < 1e-9);
 }
 
 TEST_SUITE_END();

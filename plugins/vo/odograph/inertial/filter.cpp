@@ -48,6 +48,7 @@ Filter::Filter(const FilterParameters& parameters, const Camera& camera, const S
   set(block::follow, 1, p_.stabiliser.follow_sigma);
   set(block::leak, 1, p_.stabiliser.leak_sigma);
   set(block::focus, 1, p_.focus_sigma);
+  set(block::scale, 1, start.scale);
   set(block::lens, 1, p_.priors.focal_relative);
   set(block::lens + 1, 2, p_.priors.centre_px);
   set(block::lens + 3, 1, p_.priors.distortion[0]);
@@ -100,7 +101,7 @@ bool Filter::gets_somewhere(int64_t t_ns) {
   for (const Motion& x : motions_) mean += x.v_w / static_cast<double>(motions_.size());
   const double rotation_rad = motions_.front().q_w_b.angularDistance(state_.nav.q_w_b);
   const double sigma_mps = std::hypot(p_.stand.sway_m, p_.stand.arm_m * rotation_rad) / p_.stand.mean_s;
-  Eigen::Matrix3d S = state_.P.block<3, 3>(block::nu, block::nu);
+  Matrix3d S = velocity_covariance();
   S.diagonal().array() += sigma_mps * sigma_mps;
   return mean.dot(S.ldlt().solve(mean)) > chi_square_bound(3, p_.gate_tail);
 }
@@ -246,7 +247,14 @@ void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
     p_.plain_residual_px = std::max(p_.min_residual_px, towards(p_.plain_residual_px, median(report.rms_px)));
 }
 
-double Filter::velocity_sigma() const { return std::sqrt(state_.P.block<3, 3>(block::nu, block::nu).trace()); }
+/// But for the heading, on which it depends as well.
+Matrix3d Filter::velocity_covariance() const {
+  const Vector3d& v = state_.nav.v_w;
+  const Vector3d with_scale =
+      state_.P.block<3, 1>(block::nu, block::scale) + 0.5 * state_.P(block::scale, block::scale) * v;
+  const Matrix3d cross = with_scale * v.transpose();
+  return state_.P.block<3, 3>(block::nu, block::nu) + cross + cross.transpose();
+}
 
 double Filter::camera_pull() const {
   const Camera& now = state_.camera;
@@ -267,13 +275,14 @@ void Filter::update_scale_sigma() {
   const Clone &a = state_.clones.front(), &b = state_.clones[last];
   const Vector3d d = b.p_w - a.p_w;
   if (d.norm() < p_.min_displacement_m) return;  // a camera that stands keeps its map, and what it knows of the metre
-  // d = p_b - p_a: theta_b x p_b - theta_a x p_a + rho_b - rho_a; along d.
+  // d = p_b - p_a: theta_b x p_b - theta_a x p_a + rho_b - rho_a + s d; along d.
   const Vector3d u = d.normalized();
   Eigen::VectorXd J = Eigen::VectorXd::Zero(state_.size());
   J.segment<3>(state_.clone_at(0)) = -a.p_w.cross(u);
   J.segment<3>(state_.clone_at(0) + 3) = -u;
   J.segment<3>(state_.clone_at(last)) = b.p_w.cross(u);
   J.segment<3>(state_.clone_at(last) + 3) = u;
+  J[block::scale] = d.norm();
   scale_sigma_ = std::sqrt(std::max(0.0, J.dot(state_.P * J))) / d.norm();
 }
 

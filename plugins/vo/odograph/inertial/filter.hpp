@@ -35,6 +35,7 @@ class Filter {
     int64_t t_ns = 0;  ///< IMU time
     Navigation nav;
     double tilt_rad = 0, velocity_mps = 0, gyro_bias_radps = 0, accel_bias_mps2 = 0;
+    double scale = 0;  ///< relative, of the velocity and whatever is seen later
     /// Mean specific force of a body at rest and its sigma: the tilt is then known but for the accelerometer's bias.
     std::optional<Eigen::Vector3d> rest_force_b;
     double rest_force_mps2 = 0;
@@ -49,7 +50,7 @@ class Filter {
   const Clone& newest() const { return state_.clones.back(); }
   /// Relative standard deviation of the metre.
   double scale_sigma() const { return scale_sigma_; }
-  double velocity_sigma() const;
+  double velocity_sigma() const { return std::sqrt(velocity_covariance().trace()); }
   /// How far the camera was pulled from its calibration: squares of time offset, focal length, centre and, where it was
   /// given, row time, by their priors' sigmas. A wrong metre is explained by a wrong camera before anything else.
   double camera_pull() const;
@@ -59,6 +60,7 @@ class Filter {
  private:
   using Track = std::vector<Observation>;
 
+  Eigen::Matrix3d velocity_covariance() const;
   bool gets_somewhere(int64_t t_ns);
   bool stands(const FrameCorners& frame, const ImuBuffer& imu) const;
   bool without_parallax() const;

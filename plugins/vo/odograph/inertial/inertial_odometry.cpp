@@ -286,6 +286,10 @@ Eigen::Matrix<double, 6, 6> InertialOdometry::motion_covariance(const Filter& fi
     J.block<3, 3>(3, 0) = R * skew(clones[j].p_w), J.block<3, 3>(3, next) = -J.block<3, 3>(3, 0);
     J.block<3, 3>(3, 3) = -R, J.block<3, 3>(3, next + 3) = R;
     covariance = J * state.P.block<both, both>(state.clone_at(i), state.clone_at(i)) * J.transpose();
+    const Vector3d step = R * (clones[j].p_w - clones[i].p_w);
+    const Eigen::Matrix<double, 6, 1> cross = J * state.P.block<both, 1>(state.clone_at(i), block::scale);
+    covariance.rightCols<3>() += cross * step.transpose(), covariance.bottomRows<3>() += step * cross.transpose();
+    covariance.bottomRightCorner<3, 3>() += state.P(block::scale, block::scale) * step * step.transpose();
     covariance.diagonal().head<3>().array() += std::pow(p_.rotation_floor_rad, 2);
     covariance.diagonal().tail<3>().array() += std::pow(p_.position_floor_m, 2);
   } else {

@@ -41,6 +41,7 @@ struct Transition {
   Matrix15d Phi = Matrix15d::Identity();
   Eigen::Matrix<double, block::navigation, block::axes> Psi =
       Eigen::Matrix<double, block::navigation, block::axes>::Zero();
+  Eigen::Matrix<double, block::navigation, 1> by_scale = Eigen::Matrix<double, block::navigation, 1>::Zero();
   Matrix15d Q = Matrix15d::Zero();
   double gyro_noise = 0, accel_noise = 0;  ///< densities, vibration included
 
@@ -68,6 +69,10 @@ struct Transition {
       Psi.block<3, 3>(block::nu, 9 + 3 * k) += dt * accel_b[k] * R;
       Psi.block<3, 3>(block::rho, 9 + 3 * k) += 0.5 * dt * dt * accel_b[k] * R;
     }
+    // What is measured in metres does not grow with the scale.
+    by_scale = (A * by_scale).eval();
+    by_scale.segment<3>(block::nu) -= nav.v_w - v;
+    by_scale.segment<3>(block::rho) -= 0.5 * dt * (nav.v_w - v);
     Q = A * Q * A.transpose();
     const double rate = gyro_b.norm();
     const double acceleration = dt > 0 ? (nav.v_w - v).norm() / dt : 0;
@@ -151,10 +156,12 @@ bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterPa
   const int n = state.size(), rest = n - block::navigation;
   auto& P = state.P;
   shift_lens(state, to_ns, imu, p);
-  const Eigen::MatrixXd moved =
-      Phi * P.topRows<block::navigation>() + Psi * P.middleRows<block::axes>(block::gyro_axes);
+  const Eigen::MatrixXd moved = Phi * P.topRows<block::navigation>() +
+                                Psi * P.middleRows<block::axes>(block::gyro_axes) +
+                                transition.by_scale * P.row(block::scale);
   const Matrix15d own = moved.leftCols<block::navigation>() * Phi.transpose() +
-                        moved.middleCols<block::axes>(block::gyro_axes) * Psi.transpose() + Q;
+                        moved.middleCols<block::axes>(block::gyro_axes) * Psi.transpose() +
+                        moved.col(block::scale) * transition.by_scale.transpose() + Q;
   P.topLeftCorner<block::navigation, block::navigation>() = 0.5 * (own + own.transpose());
   P.topRightCorner(block::navigation, rest) = moved.rightCols(rest);
   P.bottomLeftCorner(rest, block::navigation) = moved.rightCols(rest).transpose();
@@ -203,6 +210,7 @@ void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, 
   J.block<3, 3>(3, block::rho).setIdentity();
   J.block<3, 3>(3, block::extrinsics) = x * R;
   J.block<3, 3>(3, block::lever) = R;
+  J.block<3, 1>(3, block::scale) = -R * state.camera.p_b_c;  // the lever is in metres
   J.block<3, 1>(3, block::time_offset) = clone.v_w + x * R * rate;
   // The jitter turns the camera in its place: theta, and what keeps p = Exp(theta) p_est + rho where it is.
   Eigen::Matrix<double, 6, 3> by_jitter;

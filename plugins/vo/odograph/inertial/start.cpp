@@ -271,7 +271,8 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
   start.nav = alignment->nav;
   start.nav.accel_bias.setZero();
   start.tilt_rad = std::hypot(p.priors.tilt_rad, alignment->tilt_rad);
-  start.velocity_mps = s.min_velocity_sigma_mps + 2 * alignment->relative_sigma * alignment->nav.v_w.norm();
+  start.velocity_mps = s.velocity_sigma_mps;
+  start.scale = s.alignment_sigma;
   start.gyro_bias_radps = 0.5 * p.priors.gyro_bias_radps;
   start.accel_bias_mps2 = p.priors.accel_bias_mps2;
   Camera seen = camera;

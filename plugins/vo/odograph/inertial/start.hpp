@@ -48,8 +48,8 @@ struct StartParameters {
   /// Of the velocity's change over the last history_s, of which a start in motion knows the end alone: who starts to
   /// walk changes it by 1.4 m/s, to run by 3.
   double velocity_change_mps = 1.5, history_s = 3;
-  int passes = 3;                        ///< of the filter over those frames, each linearised about the one before
-  double min_velocity_sigma_mps = 0.15;  ///< of the filter that starts, beside twice the metre's doubt; by hand
+  int passes = 3;                    ///< of the filter over those frames, each linearised about the one before
+  double velocity_sigma_mps = 0.15;  ///< of the filter that starts, beside the scale's alignment_sigma; by hand
 };
 
 /// The inertial alignment of a piece of visual odometry: p_visual = a + b t + c t^2 / 2 + d (inertial displacement),

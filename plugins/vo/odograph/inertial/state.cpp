@@ -43,9 +43,10 @@ void State::correct(const Eigen::VectorXd& d) {
   };
   const Vector3d theta = d.segment<3>(block::theta);
   const Quaterniond rotation = exp_rotation(theta);
+  const double scale = std::exp(d[block::scale]);
   nav.q_w_b = turned(nav.q_w_b, theta);
-  nav.v_w = rotation * nav.v_w + d.segment<3>(block::nu);
-  nav.p_w = rotation * nav.p_w + d.segment<3>(block::rho);
+  nav.v_w = scale * (rotation * nav.v_w) + d.segment<3>(block::nu);
+  nav.p_w = scale * (rotation * nav.p_w) + d.segment<3>(block::rho);
   nav.gyro_bias += d.segment<3>(block::gyro_bias);
   nav.accel_bias += d.segment<3>(block::accel_bias);
   nav.gyro_axes += Eigen::Map<const Matrix3d>(d.data() + block::gyro_axes);
@@ -64,16 +65,22 @@ void State::correct(const Eigen::VectorXd& d) {
     const Vector3d theta_c = d.segment<3>(clone_at(i));
     const Quaterniond rotation_c = exp_rotation(theta_c);
     c.q_w_c = turned(c.q_w_c, theta_c);
-    c.p_w = rotation_c * c.p_w + d.segment<3>(clone_at(i) + 3);
-    c.v_w = rotation_c * c.v_w;
+    c.p_w = scale * (rotation_c * c.p_w) + d.segment<3>(clone_at(i) + 3);
+    c.v_w = scale * (rotation_c * c.v_w);
     c.shift_px += d.segment<2>(clone_at(i) + block::clone_shift);
     c.shift_rate_px_s += d[block::follow] * c.drive_px_s;
     c.focal_px *= std::exp(d[clone_at(i) + block::clone_focal]);
   }
   for (size_t j = 0; j < landmarks.size(); ++j) {
+    landmarks[j].at.z() /= scale;
     landmarks[j].at += d.segment<3>(landmark_at(j));
     landmarks[j].at.z() = std::max(landmarks[j].at.z(), kMinInverseDepth);
   }
+  // The scale's error multiplies what the velocity is by now: nu' = nu - d_nu (1 + s'). Otherwise it would go with the
+  // accelerometer's sum, noise included, and the scale come out too long (errors in variables).
+  const Vector3d d_nu = d.segment<3>(block::nu);
+  P.middleRows<3>(block::nu) -= (d_nu * P.row(block::scale)).eval();
+  P.middleCols<3>(block::nu) -= (P.col(block::scale) * d_nu.transpose()).eval();
 }
 
 void State::add_clone(const Clone& clone, const Eigen::Matrix<double, block::clone, block::fixed>& J,

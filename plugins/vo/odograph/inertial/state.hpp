@@ -74,7 +74,11 @@ namespace block {
 inline constexpr int theta = 0, nu = 3, rho = 6, gyro_bias = 9, accel_bias = 12, navigation = 15;
 inline constexpr int gyro_axes = 15, accel_axes = 24, axes = 18;  // column by column; axes: of both
 inline constexpr int extrinsics = 33, lever = 36, time_offset = 39, line_time = 40, lens = 41;
-inline constexpr int shift = 46, follow = 48, leak = 49, focus = 50, fixed = 51;
+inline constexpr int shift = 46, follow = 48, leak = 49, focus = 50;
+/// No state but a coordinate of the errors of all lengths of the map together: v = e^s Exp(theta) v_est + nu, the same
+/// of positions, and inverse depths by e^-s. No picture depends on it, exactly: without it a scale that is not known
+/// yet by 15 % leaves residuals of the second order, which count as information about the scale and make it too long.
+inline constexpr int scale = 51, fixed = 52;
 inline constexpr int clone = 9, clone_shift = 6, clone_focal = 8;  // theta, rho, shift, log of the focal length
 }  // namespace block
 

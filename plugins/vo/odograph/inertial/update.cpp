@@ -312,9 +312,9 @@ Outcome update_gravity(State& state, const Eigen::Vector3d& force_b, double grav
 Outcome update_zero_velocity(State& state, double sigma_mps) {
   Linearised z;
   z.residual = -state.nav.v_w;
-  z.H.resize(3, 6);
-  z.H << -skew(state.nav.v_w), Matrix3d::Identity();
-  z.columns = {0, 1, 2, 3, 4, 5};
+  z.H.resize(3, 7);
+  z.H << -skew(state.nav.v_w), Matrix3d::Identity(), state.nav.v_w;
+  z.columns = {0, 1, 2, 3, 4, 5, block::scale};
   return update(state, z, sigma_mps, sigma_mps, 0.001);
 }
 
