@@ -32,6 +32,7 @@ StampedPose camera_at(int64_t i) {
 Recording recording(bool mounted) {
   Recording r;
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+  c.model = ODO_CAMERA_PINHOLE, c.width = 640, c.height = 480, c.fx = c.fy = 500;
   if (mounted) c.header.flags = ODO_CALIBRATION_EXTRINSICS;
   c.q_b_c[0] = kMount.w(), c.q_b_c[1] = kMount.x(), c.q_b_c[2] = kMount.y(), c.q_b_c[3] = kMount.z();
   Vector3d::Map(c.p_b_c) = kLever;
