@@ -9,6 +9,7 @@
 #include <string>
 
 #include <fcntl.h>
+#include <linux/futex.h>
 #include <linux/sched.h>
 #include <mqueue.h>
 #include <sched.h>
@@ -78,6 +79,24 @@ const Attempt kAttempts[] = {
      [] {
        int on = 1;
        return ioctl(one_pipe(), FIOASYNC, &on) == 0;
+     }},
+    {"memory that no limit counts (shared, of no file)",
+     [] {
+       void* got = mmap(nullptr, 1 << 20, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+       return got != MAP_FAILED && munmap(got, 1 << 20) == 0;
+     }},
+    {"memory that no limit counts (huge pages)",
+     [] {
+       void* got = mmap(nullptr, 2 << 20, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_HUGETLB, -1, 0);
+       return got != MAP_FAILED || errno != EPERM;
+     }},
+    {"a thread with descriptors of its own",  // without signal handlers, so that the kernel refuses what the list lets
+                                              // by
+     [] { return !call(SYS_clone, CLONE_VM | CLONE_THREAD, nullptr) && errno != EPERM; }},
+    {"move who waits at a lock in a shared file",
+     [] {
+       static uint32_t from = 0, to = 0;
+       return call(SYS_futex, &from, FUTEX_REQUEUE, 0, 1, &to, 0);
      }},
     {"kill the host", [] { return kill(host_process(), 0) == 0; }},
     {"kill the parent", [] { return getppid() > 0 && kill(getppid(), 0) == 0; }},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// By hand and not by libseccomp: a hundred numbers, eight looks at an argument, and one library less in the program
+// By hand and not by libseccomp: a hundred numbers, a dozen looks at an argument, and one library less in the program
 // that strangers' code runs in.
 #include "sdk/host/plugin_host/call_filter.hpp"
 
@@ -15,9 +15,11 @@
 #include <fcntl.h>
 #include <linux/audit.h>
 #include <linux/filter.h>
+#include <linux/futex.h>
 #include <linux/seccomp.h>
 #include <sched.h>
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -44,10 +46,9 @@ constexpr int kAllowed[] = {
     // The host's socket and what it writes for people: the descriptors are its own (keeper.hpp). Files are read.
     SYS_read,
     SYS_write,
-    SYS_futex,
     SYS_clock_gettime,
-    // Its own memory, counted by RLIMIT_AS; libraries and compilers at run time need executable pages.
-    SYS_mmap,
+    // Its own memory, counted by RLIMIT_AS; MMAP is looked at below; libraries and compilers at run time need
+    // executable pages.
     SYS_munmap,
     SYS_mprotect,
     SYS_mremap,
@@ -144,9 +145,9 @@ constexpr int kAllowed[] = {
 constexpr uint32_t kOpensForMore =
     O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND | O_ASYNC | O_DIRECT | (O_TMPFILE & ~O_DIRECTORY);
 /// What makes a thread of this process, as the C libraries do, and nothing else.
-constexpr uint32_t kThread = CLONE_VM | CLONE_FS | CLONE_FILES | CLONE_SIGHAND | CLONE_THREAD | CLONE_SYSVSEM |
-                             CLONE_SETTLS | CLONE_PARENT_SETTID | CLONE_CHILD_CLEARTID | CLONE_CHILD_SETTID |
-                             CLONE_DETACHED;
+constexpr uint32_t kOneProcess = CLONE_VM | CLONE_FS | CLONE_FILES | CLONE_SIGHAND | CLONE_THREAD;
+constexpr uint32_t kThread = kOneProcess | CLONE_SYSVSEM | CLONE_SETTLS | CLONE_PARENT_SETTID | CLONE_CHILD_CLEARTID |
+                             CLONE_CHILD_SETTID | CLONE_DETACHED;
 
 class Filter {
  public:
@@ -178,6 +179,7 @@ class Filter {
   /// The lower half of an argument: all that the kernel looks at of an int.
   static constexpr uint32_t argument(int i) { return static_cast<uint32_t>(offsetof(seccomp_data, args)) + 8u * i; }
   void load(uint32_t offset) { code_.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offset)); }
+  void keep(uint32_t bits) { code_.push_back(BPF_STMT(BPF_ALU | BPF_AND | BPF_K, bits)); }
   void give(uint32_t verdict) { code_.push_back(BPF_STMT(BPF_RET | BPF_K, verdict)); }
   void jump(uint16_t how, uint32_t value, uint8_t yes, uint8_t no) {
     code_.push_back(BPF_JUMP(static_cast<uint16_t>(BPF_JMP | how | BPF_K), value, yes, no));
@@ -217,9 +219,26 @@ class Filter {
 #if defined(__x86_64__)
     only_without(SYS_open, 1, kOpensForMore);
 #endif
-    of(SYS_clone, [&] {  // a process, or a namespace, no
+    of(SYS_futex, [&] {  // where another process may wait, no more than thread joins need
+      load(argument(1));
+      jump(BPF_JSET, FUTEX_PRIVATE_FLAG, 0, 1);
+      give(SECCOMP_RET_ALLOW);
+      keep(~static_cast<uint32_t>(FUTEX_CLOCK_REALTIME));
+      allow_values({FUTEX_WAIT, FUTEX_WAKE, FUTEX_WAIT_BITSET});
+      give(refused(EPERM));
+    });
+    of(SYS_mmap, [&] {  // no memory that RLIMIT_AS forgets while it is in use
+      load(argument(3));
+      jump(BPF_JSET, MAP_HUGETLB, 2, 0);
+      jump(BPF_JSET, MAP_ANONYMOUS, 0, 2);
+      jump(BPF_JSET, MAP_SHARED, 0, 1);
+      give(refused(EPERM));
+      give(SECCOMP_RET_ALLOW);
+    });
+    of(SYS_clone, [&] {  // a process, a namespace, or a table of descriptors of its own, no
       load(argument(0));
-      jump(BPF_JSET, CLONE_THREAD, 1, 0);
+      keep(kOneProcess);
+      jump(BPF_JEQ, kOneProcess, 1, 0);
       give(refused(EPERM));
       allow_without(0, ~kThread);
     });

@@ -162,7 +162,7 @@ Kept keep(int first_closed) {
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, gate) != 0) _exit(2);
   for (int& end : gate) end = high_descriptor(end);
   Kept kept{};
-  if (unshare(CLONE_NEWUSER | CLONE_NEWPID) == 0)
+  if (unshare(CLONE_NEWUSER | CLONE_NEWPID | CLONE_NEWNET) == 0)
     hold_namespace();
   else
     kept.lacks = std::string("no namespaces of users and processes (") + std::strerror(errno) + ")";

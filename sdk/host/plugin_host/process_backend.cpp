@@ -188,8 +188,14 @@ bool ProcessBackend::exchange(wire::Call call, const wire::Writer& asked, double
   control_->call = call;
   control_->request_size = asked.size();
   control_->response_size = 0;
-  const char word = 'c';
-  if (send(socket_, &word, 1, MSG_NOSIGNAL) != 1) return reap(false, ""), false;
+  char word = 0;
+  if (recv(socket_, &word, 1, MSG_DONTWAIT | MSG_PEEK) == 1)
+    return give_up("broke the protocol: an answer that nobody asked for"), false;
+  word = 'c';
+  while (send(socket_, &word, 1, MSG_NOSIGNAL | MSG_DONTWAIT) != 1) {
+    if (errno == EINTR) continue;
+    return errno == EAGAIN ? give_up("does not take what it is asked") : reap(false, ""), false;
+  }
   if (!wait_for_answer(limit_s)) return false;
   const uint64_t size = *static_cast<volatile uint64_t*>(&control_->response_size);
   if (size > wire::kAreaBytes)
