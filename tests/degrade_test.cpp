@@ -20,7 +20,8 @@ constexpr int64_t kBegin_ns = 1'000'000'000'000;
 Recording recording(bool apart = false) {
   Recording r;
   auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, kBegin_ns);
-  calibration.model = ODO_CAMERA_PINHOLE, calibration.width = 640, calibration.height = 480, calibration.fx = calibration.fy = 500;
+  calibration.model = ODO_CAMERA_PINHOLE, calibration.width = 640, calibration.height = 480,
+  calibration.fx = calibration.fy = 500;
   calibration.line_time_ns = 30'000;
   r.add(calibration.header);
   for (int64_t i = 0; i < 120'000; ++i) {

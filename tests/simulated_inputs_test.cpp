@@ -40,7 +40,8 @@ TEST_CASE("frames' times are put on the IMU's clock") {
   for (const int i : {1, 2}) r.add(make_message<odo_frame>(ODO_TYPE_FRAME, i * kSecond).header);
   CHECK(frame_times_ns(r) == std::vector<int64_t>{kSecond, 2 * kSecond});
   auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
-  calibration.model = ODO_CAMERA_PINHOLE, calibration.width = 640, calibration.height = 480, calibration.fx = calibration.fy = 500;
+  calibration.model = ODO_CAMERA_PINHOLE, calibration.width = 640, calibration.height = 480,
+  calibration.fx = calibration.fy = 500;
   calibration.time_offset_ns = 5'000'000;
   r.add(calibration.header);
   CHECK(frame_times_ns(r)[0] == kSecond);  // it says that it does not know
