@@ -272,7 +272,7 @@ bool ProcessBackend::take_records(wire::Reader& reader) {
     }
     if (kind == wire::state) {
       const auto data = reader.get_bytes();
-      if (!reader.good()) return false;
+      if (!reader.good() || data.size() > ODO_LARGEST_STATE) return false;
       state_.assign(data.begin(), data.end());
       continue;
     }
@@ -350,7 +350,7 @@ void ProcessBackend::let_go(HeldFrame& held) {
 }
 
 int32_t ProcessBackend::reset() {
-  return exchange(wire::reset, request(), choice_.isolation.start_s) ? answered() : ODO_E_ERROR;
+  return exchange(wire::reset, request(), choice_.isolation.time_s) ? answered() : ODO_E_ERROR;
 }
 
 std::vector<uint8_t> ProcessBackend::save() {
