@@ -68,8 +68,8 @@ void now(const char* moment) {
       if (!memory) std::abort();
       std::memset(memory, 1, 1 << 20);
     }
-  if (deed == "answers_unasked")  // on the descriptor of its answers, until the host's end is full
-    while (send(3, "a", 1, MSG_DONTWAIT | MSG_NOSIGNAL) == 1) continue;
+  if (deed == "answers_unasked")  // on the descriptor of its answers, for ever, and takes no question any more
+    while (send(3, "a", 1, MSG_NOSIGNAL) == 1) continue;
   if (deed == "scribbles") {  // over whatever lies about it
     static int mine = 0;
     std::memset(static_cast<void*>(&mine), 0x5a, 1 << 24);
