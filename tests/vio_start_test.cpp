@@ -146,6 +146,32 @@ TEST_CASE("the samples' second differences tell a vibrating body, not a moving o
   CHECK(rough.accel == doctest::Approx(1.0 / std::sqrt(200.0)).epsilon(0.1));
   CHECK(rough.gyro == doctest::Approx(0.05 / std::sqrt(200.0)).epsilon(0.1));
   CHECK(shaken.roughness(20'000'000, 1.5).accel == 0);  // too few samples
+  CHECK(rough.rate_hz == doctest::Approx(200));
+}
+
+TEST_CASE("a vibration that a slow sensor folds to where the body moves is noise of the velocity") {
+  // 97 Hz and a little, as a rotor is never steady, sampled at 100 Hz: the sums of the force over half a second are off
+  // from those of a body that does not move.
+  ImuBuffer folded;
+  std::mt19937 generator(5);
+  std::normal_distribution<double> unit(0, 1);
+  double sum = 0, squares = 0, phase = 0;
+  int n = 0;
+  for (int k = 0; k < 4000; ++k) {
+    phase += 2 * M_PI * 0.97 + 1.8 * unit(generator);
+    const double force = std::sin(phase);
+    folded.add({10'000'000LL * k, Vector3d::Zero(), Vector3d(force, force, force - kGravity_mps2)});
+    sum += 0.01 * force;
+    if (k % 50 == 49) squares += sum * sum, sum = 0, ++n;
+  }
+  const double off = std::sqrt(squares / n / 0.5);
+  const auto shown = folded.roughness(39'990'000'000, 30);
+  const ImuNoise noise;
+  MESSAGE("off by " << off << ", shown " << shown.accel);
+  CHECK(noise.vibration_part * shown.accel < 0.5 * off);
+  CHECK(noise.part_of_vibration(shown.rate_hz) * shown.accel > 0.8 * off);
+  CHECK(noise.part_of_vibration(50) == noise.part_of_vibration(100));
+  CHECK(noise.part_of_vibration(400) == noise.part_of_vibration(200));
 }
 
 TEST_CASE("two starts are compared by the depths of what both see") {

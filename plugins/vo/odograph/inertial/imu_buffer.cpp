@@ -44,7 +44,7 @@ ImuBuffer::Roughness ImuBuffer::roughness(int64_t until_ns, double reach_s) cons
   if (n < 8) return {};
   // White noise of sigma on each axis has 6 sigma^2 in a second difference.
   const double by = dt_s / static_cast<double>(n) / (18 * static_cast<double>(n));
-  return {std::sqrt(gyro * by), std::sqrt(accel * by)};
+  return {std::sqrt(gyro * by), std::sqrt(accel * by), static_cast<double>(n) / dt_s};
 }
 
 }  // namespace odograph::vio

@@ -35,6 +35,7 @@ class ImuBuffer {
   /// the last `reach_s` before a time, rad/s/sqrt(Hz) and m/s^2/sqrt(Hz) an axis. Zero of fewer than ten samples.
   struct Roughness {
     double gyro = 0, accel = 0;
+    double rate_hz = 0;  ///< of the samples
   };
   Roughness roughness(int64_t until_ns, double reach_s) const;
 

@@ -145,9 +145,10 @@ Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, con
 
 bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
   const ImuBuffer::Roughness rough = imu.roughness(to_ns, p.noise.vibration_s);
+  const double part = p.noise.part_of_vibration(rough.rate_hz);
   Transition transition;
-  transition.gyro_noise = std::hypot(p.noise.gyro, p.noise.vibration_part * rough.gyro);
-  transition.accel_noise = std::hypot(p.noise.accel, p.noise.vibration_part * rough.accel);
+  transition.gyro_noise = std::hypot(p.noise.gyro, part * rough.gyro);
+  transition.accel_noise = std::hypot(p.noise.accel, part * rough.accel);
   const bool whole =
       imu.for_each(state.t_ns, to_ns, ImuBuffer::kLongestGap_ns,
                    [&](const ImuSample& from, const ImuSample& to) { transition.add(state.nav, from, to, p); });

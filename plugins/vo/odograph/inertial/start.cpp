@@ -240,6 +240,7 @@ std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const Im
   start.nav.q_w_b = between(rest->force_b, -Vector3d::UnitZ());
   if (rest->steady) start.nav.gyro_bias = rest->rate_b;
   start.velocity_mps = std::hypot(p.priors.velocity_mps, carried_mps);
+  start.scale = s.alignment_sigma;
   start.gyro_bias_radps = rest->steady ? s.still_bias_sigma_radps : p.priors.gyro_bias_radps;
   start.accel_bias_mps2 = p.priors.accel_bias_mps2;
   // What the velocity can have changed by, and what the accelerometer's scale makes of gravity.

@@ -80,7 +80,9 @@ void State::correct(const Eigen::VectorXd& d) {
   // accelerometer's sum, noise included, and the scale come out too long (errors in variables).
   const Vector3d d_nu = d.segment<3>(block::nu);
   P.middleRows<3>(block::nu) -= (d_nu * P.row(block::scale)).eval();
-  P.middleCols<3>(block::nu) -= (P.col(block::scale) * d_nu.transpose()).eval();
+  const Matrix3d own = P.block<3, 3>(block::nu, block::nu) - P.block<3, 1>(block::nu, block::scale) * d_nu.transpose();
+  P.block<3, 3>(block::nu, block::nu) = 0.5 * (own + own.transpose());
+  P.middleCols<3>(block::nu) = P.middleRows<3>(block::nu).transpose().eval();
 }
 
 void State::add_clone(const Clone& clone, const Eigen::Matrix<double, block::clone, block::fixed>& J,
