@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plugins/fix/known_object/text_tree.hpp"
 
-#include <charconv>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
 
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
+
+#include "sdk/math/number_text.hpp"
 
 namespace odograph::known_object {
 namespace {
@@ -32,10 +33,8 @@ class Builder : public YAML::EventHandler {
       keys_.back() = key_;
       return;
     }
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool is_number = tag != "!" && error == std::errc() && end == text.data() + text.size();
-    put(mark, is_number ? json(number) : json(text));
+    const auto number = tag == "!" ? std::nullopt : parse_number(text);
+    put(mark, number ? json(*number) : json(text));
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
     open(mark, json::array());

@@ -34,7 +34,9 @@ double Matcher::cost(const Guess& g, bool new_place) {
 /// A place of the lattice, with the best of the headings in reach.
 void Matcher::look_at_place(Place best, int middle_deg, int yaw_steps, int stride) {
   best.cost = 1e9;
-  auto& [seen, offset, sector, horizon, looked] = seen_.newest();
+  auto& newest = seen_.newest();
+  const auto& seen = newest.skyline;
+  auto& horizon = newest.horizon;
   spend(city_.quick_work() +
         static_cast<uint64_t>(2 * yaw_steps / stride + 3) * seen.turned_size() / p_.rotated_cheaper);
   city_.quick_horizon(place_of(best.guess), horizon);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +9,7 @@
 
 #include "plugins/fix/terrain/geotiff.hpp"
 #include "plugins/fix/terrain/terrain.hpp"
+#include "sdk/math/number_text.hpp"
 
 namespace odograph::terrain {
 namespace {
@@ -37,11 +37,9 @@ class Words {
     return number_of(word_);
   }
   double number_of(const std::string& word) const {
-    double value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size())
-      refuse(file_, "expected a number, found '" + word + "'");
-    return value;
+    const auto value = parse_number(word);
+    if (!value) refuse(file_, "expected a number, found '" + word + "'");
+    return *value;
   }
 
  private:

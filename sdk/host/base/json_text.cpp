@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/base/json_text.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <cstdio>
+
+#include "sdk/math/number_text.hpp"
 
 namespace odograph {
 
@@ -52,8 +53,7 @@ JsonText& JsonText::number(double value) {
     text_ += "null";
     return *this;
   }
-  char buffer[40];
-  text_.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+  text_ += number_text(value);
   return *this;
 }
 

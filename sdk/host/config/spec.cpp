@@ -7,18 +7,14 @@
 #include <stdexcept>
 
 #include "sdk/host/base/nearest.hpp"
+#include "sdk/math/number_text.hpp"
 
 namespace odograph {
 namespace {
 
-std::string number(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
-
 std::string range(const Spec& spec) {
   if (!spec.bounded()) return "";
-  return " from " + number(spec.min) + " to " + number(spec.max);
+  return " from " + number_text(spec.min) + " to " + number_text(spec.max);
 }
 
 /// Walks the document once along the table. One object per validation.

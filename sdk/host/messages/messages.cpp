@@ -2,11 +2,11 @@
 #include "sdk/host/messages/messages.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 
 #include "sdk/host/messages/bounds.hpp"
+#include "sdk/math/number_text.hpp"
 
 namespace odograph {
 namespace {
@@ -16,11 +16,6 @@ constexpr MessageInfo kMessages[] = {
     ODO_FOR_EACH_MESSAGE(ODO_ROW)
 #undef ODO_ROW
 };
-
-std::string number_text(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
 
 /// Notes the first thing that is wrong.
 class Judge {

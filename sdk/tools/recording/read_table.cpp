@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/math/number_text.hpp"
 #include "sdk/tools/recording/trajectory.hpp"
 
 namespace odograph::phone {
@@ -52,11 +53,9 @@ std::string plain_name(std::string_view name) {
 }
 
 std::optional<double> number_of(std::string_view text) {
-  double value = 0;
   if (!text.empty() && text[0] == '+') text.remove_prefix(1);
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
+  const auto value = parse_number(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 /// What apps write where there is no value.

@@ -3,12 +3,12 @@
 // Readers of published data sets of walks with a phone and no camera: RIDI, IPIN competitions (GetSensorData), Oxford
 // step counter, Malmo trundle wheel.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <string_view>
 
+#include "sdk/math/number_text.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
@@ -50,10 +50,8 @@ std::vector<std::string_view> split_at(std::string_view line, char separator) {
 
 /// NaN where it is no number.
 double number_of(std::string_view text) {
-  double value = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  return parsed.ec == std::errc() && parsed.ptr == text.data() + text.size() && std::isfinite(value) ? value
-                                                                                                     : std::nan("");
+  const auto value = parse_number(text);
+  return value && std::isfinite(*value) ? *value : std::nan("");
 }
 
 /// Lines of fields, as many in each as there are: these sets leave out what a row has not.

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/math/number_text.hpp"
 #include "sdk/tools/recording/recording.hpp"
 
 namespace odograph {
@@ -102,15 +103,14 @@ Failure TextRow::wrong(const std::string& text) const {
 
 Result<double> TextRow::number(size_t field) const {
   if (field >= fields.size()) return wrong("expected at least " + std::to_string(field + 1) + " fields");
-  double value = 0;
   std::string_view text = fields[field];
   if (text.empty()) return wrong("field " + std::to_string(field + 1) + " is empty; expected a number");
   if (text[0] == '+') text.remove_prefix(1);
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || !std::isfinite(value))
+  const auto value = parse_number(text);
+  if (!value || !std::isfinite(*value))
     return wrong("field " + std::to_string(field + 1) + " " + shown(text) + " is not a number" +
                  (text.find(',') != std::string_view::npos ? "; expected a decimal point" : ""));
-  return value;
+  return *value;
 }
 
 Result<int64_t> TextRow::integer(size_t field) const {

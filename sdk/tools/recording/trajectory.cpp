@@ -10,6 +10,7 @@
 
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/math/number_text.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
 
@@ -19,11 +20,9 @@ Result<int64_t> parse_seconds(std::string_view text) {
   constexpr int64_t kFarthest_s = kFarthestTime_ns / 1'000'000'000 - 1;
   const Failure wrong{ODO_E_DATA, "'" + std::string(text.substr(0, 40)) + "' is not a time in seconds"};
   if (text.find_first_of("eE") != std::string_view::npos) {  // KITTI writes 1.0e-01
-    double seconds = 0;
-    const auto parsed = std::from_chars(text.data(), text.data() + text.size(), seconds);
-    if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() || !(std::abs(seconds) <= kFarthest_s))
-      return wrong;
-    return nanoseconds(seconds);
+    const auto seconds = parse_number(text);
+    if (!seconds || !(std::abs(*seconds) <= kFarthest_s)) return wrong;
+    return nanoseconds(*seconds);
   }
   const bool negative = !text.empty() && text[0] == '-';
   if (negative) text.remove_prefix(1);
