@@ -22,12 +22,26 @@ LARGE_CLASSES = {
     "sdk/tools odograph::World",
     "plugins/vo/odograph odograph::vo::Odometry", "plugins/fix/skyline odograph::skyline::Matcher", "plugins/fix/skyline Skyline"}
 # Folders of the host, each may include those before it. The tools may include all of them.
-HOST = ["base", "messages", "config", "plugin_host", "localizer", "core"]
+HOST = ["platform", "base", "messages", "config", "plugin_host", "localizer", "core"]
 # The files of a plugin that may include the ABI; algorithms never do.
 GLUE = {"plugin.cpp", "step_plugin.hpp", "attitude_plugin.hpp", "horizontal_scale.hpp", "database_extension.hpp", "frame_view.hpp"}
 # A program of its own, and the reader of ODOGRAPH_PLUGIN_PATH.
 ENVIRONMENT = {"sdk/host/plugin_host/host_main.cpp", "sdk/host/config/registry.cpp"}
 HEAVY = re.compile(r"#include <(opencv2|embree|CLI/|nlohmann|ceres)")
+# What an operating system has beyond C and C++. In the host, platform/ alone and what isolates plugins and loads their
+# files may use it; the build leaves all of that out where a platform has none (sdk/host/CMakeLists.txt).
+SYSTEM = re.compile(r"#\s*include\s*<((sys|linux|mach|netinet|arpa)/[^>]*|unistd\.h|dlfcn\.h|fcntl\.h|poll\.h|sched\.h|spawn\.h|semaphore\.h|ucontext\.h"
+                    r"|execinfo\.h|elf\.h|link\.h|unwind\.h|c?signal(\.h)?|csetjmp|setjmp\.h|pthread\.h|[Ww]indows\.h|io\.h)>"
+                    r"|\b(v?fork|mmap|munmap|dlopen|dlsym|sigaction|pthread_\w+|getpid|kill|waitpid|sysconf|mkdtemp|isatty)\s*\("
+                    r"|\b(_WIN32|__APPLE__|__ANDROID__|__EMSCRIPTEN__)\b")
+PLUGIN_HOST = "sdk/host/plugin_host/"
+SYSTEM_FILES = {PLUGIN_HOST + name for name in (
+    "call_filter.cpp", "file_rules.cpp", "host_main.cpp", "keeper.cpp", "library_check.cpp", "process_backend.cpp", "process_backend.hpp", "sandbox.cpp",
+    "sealed_copy.cpp", "shared_memory.cpp", "shared_pixels.cpp", "thread_gate.cpp", "thread_gate.hpp")}
+# Of the tools, which run on a developer's machine: child processes, pipes, the terminal.
+SYSTEM_FILES |= {"sdk/tools/" + name for name in (
+    "console/console.cpp", "replay/marked_run.cpp", "replay/picture_source.cpp", "replay/run_files.cpp", "validator/child.cpp", "validator/entry_cases.cpp",
+    "validator/fault_cases.cpp", "validator/life_cases.cpp", "validator/subject.cpp")}
 LOUD = re.compile(r"std::(cout|cerr|exit|getenv)|(?<!sn)(?<!vsn)printf *\(|[^a-z_]getenv *\(")
 
 wrong = []
@@ -193,6 +207,31 @@ def check_class_sizes():
         wrong.append(f"classes are measured as {dict(sizes)}; expected {expected}")
 
 
+def check_system(path, text):
+    """What knows an operating system, in the SDK: platform/ and the files of the list."""
+    if not path.startswith("sdk/") or path.startswith("sdk/host/platform/"):
+        return
+    found = SYSTEM.search(without_comments(text))
+    if found and path not in SYSTEM_FILES:
+        wrong.append(f"{path}: {found[0]}: sdk/host/platform alone knows an operating system")
+    if not found and path in SYSTEM_FILES:
+        wrong.append(f"{path} knows no operating system any more: strike it from the list in modules.py")
+
+
+def without_comments(text):
+    return re.sub(r"//[^\n]*|/\*.*?\*/|\"(?:[^\"\\\n]|\\.)*\"", "", text, flags=re.S)
+
+
+def check_system_rule():
+    """The rule itself, on lines that break it and on lines that do not."""
+    for line in ("#include <unistd.h>", "#include <sys/mman.h>", "# include <csignal>", "  if (fork() == 0)", "#if defined(_WIN32)", "x = mmap (0"):
+        if not SYSTEM.search(without_comments(line + "\n")):
+            wrong.append(f"the rule of operating systems lets '{line}' pass")
+    for line in ("#include <vector>", "// a child by fork()", 'say("mmap(")', "thread.join();", "system_step(x);"):
+        if SYSTEM.search(without_comments(line + "\n")):
+            wrong.append(f"the rule of operating systems refuses '{line}'")
+
+
 edges = collections.defaultdict(set)
 for path, text in sources("abi", "sdk", "plugins", "samples"):
     for other in included(path, text):
@@ -205,6 +244,7 @@ for path, text in sources("abi", "sdk", "plugins", "samples"):
     if path.startswith("sdk/math/"):
         wrong += [f"{path} includes <{name}>: sdk/math sees itself, Eigen and the standard library"
                   for name in re.findall(r"#include <([^>]+)>", text) if not re.fullmatch(r"Eigen/\w+|[a-z_]+", name)]
+    check_system(path, text)
     if path.startswith(("sdk/host/", "sdk/math/")) and HEAVY.search(text):
         wrong.append(f"{path}: the host uses a heavy library")
     if path.startswith(("sdk/host/", "sdk/math/", "plugins/")) and path not in ENVIRONMENT:
@@ -212,6 +252,7 @@ for path, text in sources("abi", "sdk", "plugins", "samples"):
             if LOUD.search(line):
                 wrong.append(f"{path}:{number}: a library writes to the terminal, ends the program or reads its environment")
 check_cycles(edges)
+check_system_rule()
 check_lengths()
 if has_ctags():
     check_functions()

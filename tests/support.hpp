@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-#include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/host/platform/temporary_folder.hpp"
 
 using odograph::TemporaryFolder;
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "sdk/host/base/file_lock.hpp"
+#include "sdk/host/platform/file_lock.hpp"
 #include "sdk/host/base/result.hpp"
 
 namespace odograph {

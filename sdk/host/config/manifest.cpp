@@ -5,8 +5,6 @@
 #include <charconv>
 #include <cstring>
 
-#include <sys/types.h>
-
 #include <odograph/messages.h>
 #include <sha2.h>
 

@@ -6,6 +6,7 @@
 
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/config/camera_yaml.hpp"
+#include "sdk/host/platform/features.hpp"
 
 namespace odograph {
 namespace {
@@ -141,14 +142,17 @@ PluginChoice choose(const Value& value, const Spec& spec, const Value& v, Plugin
   return choice;
 }
 
-/// A plugin that is linked in is part of the app's process.
+/// A plugin that is linked in is part of the app's process, as all are where there are no processes.
 std::optional<Failure> check_isolation(const PluginChoice& choice, Mark mark, const std::string& name) {
   for (const PluginChoice* each = &choice; each; each = each->fallback.get())
     if (each->manifest.entry && each->isolation.kind == Isolation::Kind::process)
       return Failure{ODO_E_CONFIG, at(name, mark,
                                       "isolation: plugin '" + each->manifest.id +
-                                          "' is linked into the app and cannot run in a process of its own; expected "
-                                          "'isolation: none'")};
+                                          "' is linked into the app and cannot run in a process of its own" +
+                                          (kPlatform.processes ? ""
+                                                               : std::string(", which this program's platform (") +
+                                                                     kPlatform.name + ") has not") +
+                                          "; expected 'isolation: none'")};
   return std::nullopt;
 }
 

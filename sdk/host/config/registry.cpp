@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
-
-#include <dlfcn.h>
 
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/config/linked_plugins.hpp"
+#include "sdk/host/platform/library.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;
@@ -81,16 +79,10 @@ std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
   std::vector<fs::path> directories = first;
   if (const char* path = std::getenv("ODOGRAPH_PLUGIN_PATH"))
     for (auto& directory : path_list(path)) directories.push_back(std::move(directory));
-  Dl_info self{};
-  if (dladdr(reinterpret_cast<const void*>(&plugin_directories), &self) && self.dli_fname) {
-    std::error_code error;
-    // Of the program itself it is the name that it was called by, which the shell may have found in PATH.
-    const bool by_name = std::strchr(self.dli_fname, '/') == nullptr;
-    const fs::path binary = fs::canonical(by_name ? "/proc/self/exe" : self.dli_fname, error);
-    if (!error) {  // PREFIX/lib[/TRIPLET]/libodograph.so or PREFIX/bin/odograph
-      directories.push_back(binary.parent_path() / "odograph/plugins");
-      directories.push_back(binary.parent_path() / "../lib/odograph/plugins");
-    }
+  const fs::path binary = own_file();
+  if (!binary.empty()) {  // PREFIX/lib[/TRIPLET]/libodograph.so or PREFIX/bin/odograph
+    directories.push_back(binary.parent_path() / "odograph/plugins");
+    directories.push_back(binary.parent_path() / "../lib/odograph/plugins");
   }
   directories.emplace_back(ODOGRAPH_PLUGIN_DIR);
   return directories;
@@ -159,6 +151,13 @@ Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::s
 Failure PluginRegistry::not_found(const std::string& id, const std::string& interface_id,
                                   const std::vector<std::string>& usable) const {
   std::string text = "no plugin '" + id + "'";
+  if (!kPlatform.libraries)
+    return {ODO_E_NOT_FOUND,
+            "plugin '" + id + "' is not linked into this program, whose platform (" + kPlatform.name +
+                ") loads none from a file; " +
+                (usable.empty() ? "there is no plugin for " + interface_id
+                                : "expected one of " + join(usable) + " (nearest: '" + nearest(id, usable) + "')") +
+                ", or odo_register_plugin before"};
   text += usable.empty() ? "; no plugin for " + interface_id + " lies in "
                          : "; expected one of " + join(usable) + " (nearest: '" + nearest(id, usable) + "'), from ";
   for (size_t i = 0; i < directories_.size(); ++i) text += (i ? ":" : "") + directories_[i].string();
@@ -172,6 +171,10 @@ Failure PluginRegistry::not_found(const std::string& id, const std::string& inte
 /// itself: it must not escape the signers by another one.
 Result<bool> PluginRegistry::may_be_loaded(const Manifest& manifest, bool by_path) const {
   if (manifest.entry) return true;
+  if (!kPlatform.libraries)
+    return Failure{ODO_E_UNSUPPORTED, manifest.path.string() + ": this program's platform (" + kPlatform.name +
+                                          ") loads no plugin from a file; expected one that is linked in and "
+                                          "registered (odo_register_plugin)"};
   if (const fs::path open = allow_writable_ ? fs::path() : open_to_all(manifest); !open.empty())
     return Failure{ODO_E_CONFIG,
                    "plugin '" + manifest.id + "': " + open.string() +

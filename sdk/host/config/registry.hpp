@@ -9,6 +9,7 @@
 
 #include "sdk/host/config/manifest.hpp"
 #include "sdk/host/config/signature.hpp"
+#include "sdk/host/platform/features.hpp"
 
 namespace odograph {
 
@@ -58,14 +59,8 @@ class PluginRegistry {
 /// 64 hexadecimal digits.
 bool is_sha256(const std::string& text);
 
-#if defined(_WIN32)
-inline constexpr char kPathSeparator = ';';  // drives have ':'
-#else
-inline constexpr char kPathSeparator = ':';
-#endif
-
 /// The directories of a list like $PATH; empty parts are dropped.
-std::vector<std::filesystem::path> path_list(std::string_view text, char separator = kPathSeparator);
+std::vector<std::filesystem::path> path_list(std::string_view text, char separator = kPlatform.path_separator);
 
 /// `first` in order, then $ODOGRAPH_PLUGIN_PATH, then the folder that belongs to this program or library.
 std::vector<std::filesystem::path> plugin_directories(const std::vector<std::filesystem::path>& first);

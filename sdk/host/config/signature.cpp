@@ -7,7 +7,7 @@
 #include <fstream>
 #include <optional>
 
-#include <dlfcn.h>
+#include "sdk/host/platform/library.hpp"
 
 namespace odograph {
 namespace {
@@ -35,11 +35,12 @@ struct Crypto {
  private:
   static std::optional<Crypto> load() {
     for (const char* name : {"libcrypto.so.3", "libcrypto.so.1.1", "libcrypto.3.dylib"}) {
-      void* library = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+      std::string why;
+      void* library = open_library(name, why);
       if (!library) continue;
       Crypto c;
       const auto find = [&](auto& function, const char* symbol) {
-        function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, symbol));
+        function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(library_symbol(library, symbol));
         return function != nullptr;
       };
       if (find(c.new_key, "EVP_PKEY_new_raw_public_key") && find(c.free_key, "EVP_PKEY_free") &&

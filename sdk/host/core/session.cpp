@@ -4,19 +4,22 @@
 #include <algorithm>
 #include <cstring>
 
-#include <unistd.h>
-
 #include "sdk/host/config/runs_processes.hpp"
+#include "sdk/host/platform/features.hpp"
+#include "sdk/host/platform/process.hpp"
 #include "sdk/math/rotation.hpp"
 
 namespace odograph {
 
 Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
                                                bool live, uint64_t seed, AppServices app) {
+  if (live && !kPlatform.threads)
+    return Failure{ODO_E_UNSUPPORTED, std::string("run = ODO_RUN_LIVE: this program's platform (") + kPlatform.name +
+                                          ") has no threads; expected ODO_RUN_REPLAY, in which all runs within push"};
   std::unique_ptr<Session> made(new Session(std::move(config), std::move(assets), live, seed, app));
   Session& self = *made;
   WorldView& world = self.world_;
-  self.hang_watch_ = std::make_unique<HangWatch>(self.host_);
+  if (kPlatform.threads) self.hang_watch_ = std::make_unique<HangWatch>(self.host_);
   auto pipeline =
       Pipeline::make(self.config_, {self.host_, world.geodesy(), world.poses(), world.anchors(), world.mutex()},
                      [&self](const odo_header& event) { self.outbox_.publish(event); });
@@ -40,7 +43,7 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
                  AppServices app)
     : config_(std::move(config)),
       live_(live),
-      process_(getpid()),
+      process_(this_process()),
       host_(
           seed, std::move(assets), [this](const Report& report) { outbox_.add(report), notify(); }, app),
       cameras_(config_.camera),
@@ -50,7 +53,7 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
   host_.on_wake([this] { notify(); });
 }
 
-bool Session::is_in_a_child() const { return live_ && getpid() != process_; }
+bool Session::is_in_a_child() const { return live_ && this_process() != process_; }
 
 Session::~Session() {
   if (is_in_a_child()) thread_.detach();

@@ -69,7 +69,7 @@ class Session {
 
   const PipelineConfig config_;
   const bool live_;
-  const int process_;  // a child that was forked has no thread of this session
+  const int64_t process_;  // a child that was forked has no thread of this session
   Outbox outbox_;
   HostServices host_;
   CameraTable cameras_;

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <odograph/plugin.h>
+
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/plugin_host/services.hpp"
 
 namespace odograph {
 
@@ -47,6 +51,12 @@ class PluginBackend {
   virtual bool quarantined() const = 0;
   /// Why it has ended, such as "crashed (Segmentation fault) in process"; empty while it runs.
   virtual std::string ended() const { return ""; }
+  /// Of its own process; -1 where it has none.
+  virtual int process_id() const { return -1; }
 };
+
+/// A backend in a process of its own; ODO_E_UNSUPPORTED where there are none. [control]
+Result<std::unique_ptr<PluginBackend>> open_process(const PluginChoice& choice, LibraryCheck check, HostServices& host,
+                                                    const odo_sink& sink);
 
 }  // namespace odograph

@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
 
-#include <unistd.h>
-
-#include "sdk/host/base/coarse_clock.hpp"
+#include "sdk/host/platform/coarse_clock.hpp"
+#include "sdk/host/platform/crash.hpp"
 
 namespace odograph {
 namespace {
@@ -49,68 +47,26 @@ size_t describe(const Crumb& crumb, char* text, size_t capacity) noexcept {
 Crumb crumbs[kSlots];
 thread_local int current = -1;
 
-/// A stack that overflowed cannot carry the handler.
-class SignalStack {
- public:
-  SignalStack() {
-    stack_t old{};
-    if (sigaltstack(nullptr, &old) != 0 || (old.ss_flags & SS_DISABLE) == 0) return;
-    memory_ = std::malloc(kSize);
-    if (!memory_) return;
-    stack_t mine{};
-    mine.ss_sp = memory_, mine.ss_size = kSize;
-    sigaltstack(&mine, nullptr);
-  }
-  ~SignalStack() {
-    if (!memory_) return;
-    stack_t none{};
-    none.ss_flags = SS_DISABLE;
-    sigaltstack(&none, nullptr);
-    std::free(memory_);
-  }
-
- private:
-  static constexpr size_t kSize = 32 << 10;
-  void* memory_ = nullptr;
-};
-
-constexpr int kSignals[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
 std::atomic<bool> watching{false};
 
-void put(const char* what, size_t size) noexcept { (void)!write(STDERR_FILENO, what, size); }
-
+/// `how` it ends the process, such as "aborted".
 void name_plugin(const char* how) noexcept {
   char call[kLongestId + 32];
   const size_t size = current_plugin_call(call, sizeof call);
   if (size == 0) return;
   constexpr char kHead[] = "odograph: ";
-  put(kHead, sizeof kHead - 1);
-  put(how, std::strlen(how));
-  put(call, size);
-  put("\n", 1);
-}
-
-void on_signal(int signal_number) {
-  switch (signal_number) {
-    case SIGSEGV: name_plugin("segmentation fault in plugin "); break;
-    case SIGBUS: name_plugin("bus error in plugin "); break;
-    case SIGILL: name_plugin("illegal instruction in plugin "); break;
-    case SIGFPE: name_plugin("arithmetic fault in plugin "); break;
-    default: name_plugin("aborted in plugin ");
-  }
-  raise(signal_number);  // the disposition is the default again (SA_RESETHAND)
-}
-
-void at_exit() {
-  if (current < 0) return;
-  name_plugin("exit() was called in plugin ");
-  _exit(kExitOfPlugin);
+  constexpr char kWhere[] = " in plugin ";
+  write_error(kHead, sizeof kHead - 1);
+  write_error(how, std::strlen(how));
+  write_error(kWhere, sizeof kWhere - 1);
+  write_error(call, size);
+  write_error("\n", 1);
 }
 
 }  // namespace
 
 Breadcrumb::Breadcrumb(const std::string& plugin, const char* call) noexcept : slot_(-1), outer_(current) {
-  if (watching.load(std::memory_order_relaxed)) thread_local const SignalStack stack;
+  if (watching.load(std::memory_order_relaxed)) give_signal_stack();
   for (int i = 0; i < kSlots; ++i) {
     bool free = false;
     if (!crumbs[i].taken.compare_exchange_strong(free, true, std::memory_order_acquire)) continue;
@@ -144,7 +100,7 @@ size_t current_plugin_call(char* text, size_t capacity) noexcept {
 }
 
 void abort_for_ended_thread() noexcept {
-  name_plugin("pthread_exit() on the host's thread was called in plugin ");
+  name_plugin("pthread_exit() on the host's thread was called");
   std::abort();
 }
 
@@ -164,17 +120,7 @@ void name_crashing_plugins() {
   static std::once_flag once;
   std::call_once(once, [] {
     watching = true;
-    for (const int signal_number : kSignals) {
-      struct sigaction old {};
-      if (sigaction(signal_number, nullptr, &old) != 0 || (old.sa_flags & SA_SIGINFO) || old.sa_handler != SIG_DFL)
-        continue;
-      struct sigaction mine {};
-      mine.sa_handler = on_signal;
-      mine.sa_flags = SA_ONSTACK | static_cast<int>(SA_RESETHAND) | SA_NODEFER;
-      sigemptyset(&mine.sa_mask);
-      sigaction(signal_number, &mine, nullptr);
-    }
-    std::atexit(at_exit);
+    watch_crashes({name_plugin, []() noexcept { return current >= 0; }}, kExitOfPlugin);
   });
 }
 

@@ -12,11 +12,10 @@
 
 #include <odograph/odograph.h>
 
-#include "sdk/host/base/coarse_clock.hpp"
+#include "sdk/host/platform/coarse_clock.hpp"
 #include "sdk/host/base/saturating.hpp"
 #include "sdk/host/messages/bounds.hpp"
 #include "sdk/host/plugin_host/library_backend.hpp"
-#include "sdk/host/plugin_host/process_backend.hpp"
 #include "sdk/math/time.hpp"
 
 namespace odograph {
@@ -25,13 +24,10 @@ namespace {
 /// The backend that a choice wishes for.
 Result<std::unique_ptr<PluginBackend>> open_backend(const PluginChoice& choice, LibraryCheck check, HostServices& host,
                                                     const odo_sink& sink) {
-  const auto general = [](auto made) -> Result<std::unique_ptr<PluginBackend>> {
-    if (!made) return made.failure();
-    return std::unique_ptr<PluginBackend>(std::move(*made));
-  };
-  if (choice.isolation.kind == Isolation::Kind::process)
-    return general(ProcessBackend::load(choice, check, host, sink));
-  return general(LibraryBackend::load(choice, check, host, sink));
+  if (choice.isolation.kind == Isolation::Kind::process) return open_process(choice, check, host, sink);
+  auto made = LibraryBackend::load(choice, check, host, sink);
+  if (!made) return made.failure();
+  return std::unique_ptr<PluginBackend>(std::move(*made));
 }
 
 }  // namespace
@@ -382,10 +378,7 @@ bool PluginInstance::load(std::span<const uint8_t> data) {
   return taken;
 }
 
-int PluginInstance::process_id() const {
-  const auto* process = dynamic_cast<const ProcessBackend*>(backend_.get());
-  return process ? process->process_id() : -1;
-}
+int PluginInstance::process_id() const { return backend_ ? backend_->process_id() : -1; }
 
 const void* PluginInstance::extension(std::string_view id) const { return alive() ? backend_->extension(id) : nullptr; }
 

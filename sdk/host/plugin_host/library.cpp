@@ -5,14 +5,12 @@
 #include <cstring>
 #include <exception>
 
-#include <cxxabi.h>
-#include <dlfcn.h>
-#include <unwind.h>
-
 #include <odograph/messages.h>
 #include <odograph/odograph.h>
 
+#include "sdk/host/base/forced_unwind.hpp"
 #include "sdk/host/config/linked_plugins.hpp"
+#include "sdk/host/platform/library.hpp"
 #include "sdk/host/plugin_host/backend.hpp"
 #include "sdk/host/plugin_host/sealed_copy.hpp"
 #include "sdk/host/plugin_host/services.hpp"
@@ -30,14 +28,6 @@ std::string version_fault(const odo_plugin& table, const odo_host& host) {
   if (table.abi_major == 0 && table.abi_minor != host.abi_minor)
     return its + ", a draft; this host has draft 0." + std::to_string(host.abi_minor) + ": build it again";
   return "";
-}
-
-/// An exception of a plugin may be unwound by another copy of libgcc than this one's, which then asks this one to set
-/// registers. A copy that has never unwound anything aborts there (`dwarf_reg_size_table`, libgcc's unwind-dw2.c), so
-/// it looks at its own stack once.
-void make_ready_for_foreign_exceptions() {
-  static const auto looked = _Unwind_Backtrace([](_Unwind_Context*, void*) { return _URC_END_OF_STACK; }, nullptr);
-  (void)looked;
 }
 
 /// What is wrong with a table, or nothing.
@@ -67,7 +57,7 @@ Result<odo_plugin> read_table(odo_plugin_entry entry, const odo_host* host, cons
   int32_t status = ODO_E_ERROR;
   try {
     status = entry(host, filled);
-  } catch (const abi::__forced_unwind&) {  // it ends its thread (pthread_exit)
+  } catch (const ForcedUnwind&) {  // it ends its thread (pthread_exit)
     throw;
   } catch (const std::exception& error) {
     return fail(ODO_E_ERROR, std::string("an exception came out of its entry: ") + error.what());
@@ -102,15 +92,12 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::open(const std::filesystem
   const auto fail = [&](int32_t status, const std::string& why) { return Failure{status, path.string() + ": " + why}; };
   const auto file = check_shared_library(opened, path);
   if (!file) return file.failure();
-  make_ready_for_foreign_exceptions();
-  dlerror();
-  void* handle = dlopen(std::filesystem::absolute(opened).c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!handle) {
-    const char* why = dlerror();
-    return fail(ODO_E_DATA, std::string("the loader refused it: ") + (why ? why : "no reason given") +
+  std::string why;
+  void* handle = open_library(std::filesystem::absolute(opened), why);
+  if (!handle)
+    return fail(ODO_E_DATA, "the loader refused it: " + why +
                                 (opened == path ? "" : "; of a sealed copy, for which $ORIGIN is not its folder"));
-  }
-  const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
+  const auto entry = reinterpret_cast<odo_plugin_entry>(library_symbol(handle, ODO_PLUGIN_ENTRY_SYMBOL));
   if (!entry) return fail(ODO_E_UNSUPPORTED, "symbol missing: it does not export " ODO_PLUGIN_ENTRY_SYMBOL);
 
   const auto table = read_table(entry, host, path.string());

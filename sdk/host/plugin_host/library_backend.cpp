@@ -5,11 +5,10 @@
 #include <exception>
 #include <new>
 
-#include <cxxabi.h>
-
 #include <odograph/messages.h>
 
 #include "sdk/host/base/floating_point.hpp"
+#include "sdk/host/base/forced_unwind.hpp"
 #include "sdk/host/plugin_host/breadcrumb.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 
@@ -61,7 +60,7 @@ Result<std::unique_ptr<LibraryBackend>> LibraryBackend::load(const PluginChoice&
     auto library = PluginLibrary::load(choice.manifest, check, &host);
     if (!library) return library.failure();
     return std::unique_ptr<LibraryBackend>(new LibraryBackend(std::move(*library), choice, host, sink));
-  } catch (const abi::__forced_unwind&) {
+  } catch (const ForcedUnwind&) {
     abort_for_ended_thread();  // here, where the breadcrumb names the plugin
   }
 }
@@ -81,7 +80,7 @@ int32_t LibraryBackend::call(const char* name, Work&& work) {
                    std::string("left another rounding mode behind in ") + name);
     DefaultFloatingPoint::restore();
     return status;
-  } catch (const abi::__forced_unwind&) {
+  } catch (const ForcedUnwind&) {
     abort_for_ended_thread();
   } catch (const std::bad_alloc&) {
     return ODO_E_MEMORY;

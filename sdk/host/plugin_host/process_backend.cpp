@@ -99,6 +99,13 @@ fs::path plugin_host_program() {
   return {};
 }
 
+Result<std::unique_ptr<PluginBackend>> open_process(const PluginChoice& choice, LibraryCheck check, HostServices& host,
+                                                    const odo_sink& sink) {
+  auto made = ProcessBackend::load(choice, check, host, sink);
+  if (!made) return made.failure();
+  return std::unique_ptr<PluginBackend>(std::move(*made));
+}
+
 Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice& choice, LibraryCheck check,
                                                              HostServices& host, const odo_sink& sink) {
   const std::string who = choice.manifest.library.string() + ": ";

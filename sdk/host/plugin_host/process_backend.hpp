@@ -37,7 +37,7 @@ class ProcessBackend : public PluginBackend {
   void quarantine() override { quarantined_ = true; }
   bool quarantined() const override { return quarantined_; }
   std::string ended() const override { return ended_; }
-  pid_t process_id() const { return child_; }
+  int process_id() const override { return child_; }
 
  private:
   ProcessBackend(const PluginChoice& choice, HostServices& host, const odo_sink& sink)

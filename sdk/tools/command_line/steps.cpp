@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/base/output_file.hpp"
-#include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/host/platform/temporary_folder.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/plot/plot.hpp"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/host/platform/temporary_folder.hpp"
 
 namespace odograph {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sdk/host/base/result.hpp"
-#include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/host/platform/temporary_folder.hpp"
 
 namespace odograph {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/host/platform/temporary_folder.hpp"
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/host/plugin_host/instance.hpp"

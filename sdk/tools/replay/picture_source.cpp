@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/host/platform/temporary_folder.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/recording/recording.hpp"
 

@@ -2,7 +2,7 @@
 #include "sdk/tools/replay/replayed.hpp"
 
 #include "sdk/host/base/output_file.hpp"
-#include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/host/platform/temporary_folder.hpp"
 
 namespace odograph {
 namespace {

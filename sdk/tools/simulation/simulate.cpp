@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sdk/host/base/geodesy.hpp"
-#include "sdk/host/base/temporary_folder.hpp"
+#include "sdk/host/platform/temporary_folder.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/recording/odo_file.hpp"

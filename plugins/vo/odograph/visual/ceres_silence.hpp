@@ -7,6 +7,17 @@
 
 namespace odograph::vo {
 
+#if defined(CERCES_INTERNAL_MINIGLOG_GLOG_LOGGING_H_)
+
+/// Ceres has a small log of its own here, whose level was chosen when Ceres was built (MINIGLOG_MAX_LOG_LEVEL).
+class CeresSilence {
+ public:
+  CeresSilence() {}
+  ~CeresSilence() {}
+};
+
+#else
+
 /// While one lives, nothing below a fatal error comes out of Ceres' log (glog): `logging_type = SILENT` leaves its
 /// warnings of steps that could not be computed, and without an app that sets glog up they go to the terminal. What
 /// failed is in the solver's summary. glog has one level for the whole process, so an app that logs by the same
@@ -40,5 +51,7 @@ class CeresSilence {
     return before;
   }
 };
+
+#endif
 
 }  // namespace odograph::vo

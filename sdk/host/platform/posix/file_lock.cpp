@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/host/base/file_lock.hpp"
+#include "sdk/host/platform/file_lock.hpp"
 
 #include <cerrno>
 

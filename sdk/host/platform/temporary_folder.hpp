@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
 namespace odograph {
 
+/// A new folder that nobody else reads, where the system keeps what may go; an empty path where none could be made.
+std::filesystem::path make_temporary_folder();
+
 /// A folder that is there as long as this is; an empty path where none could be made.
 class TemporaryFolder {
  public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / ("odograph-" + std::string(6, 'X'))).string();
-    if (mkdtemp(name.data())) path_ = name;
-  }
+  TemporaryFolder() : path_(make_temporary_folder()) {}
   ~TemporaryFolder() {
     std::error_code error;
     if (!path_.empty()) std::filesystem::remove_all(path_, error);
