@@ -4,15 +4,17 @@
 #define HOSTILE_ID "test/misdeed"
 #include <dlfcn.h>
 #include <pthread.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
+#include "tests/hostile/control.hpp"
 #include "tests/hostile/horizontal_attitude.hpp"
 
 namespace {
@@ -34,6 +36,36 @@ int deep(volatile char* above) {
   volatile char storage[4096];
   storage[0] = above[0];
   return deep(storage) + storage[0];
+}
+
+/// The shortest whole answer: a status, and neither events nor reports.
+void forge(volatile odograph::wire::Control& shared) {
+  for (size_t i = 0; i < sizeof(int32_t); ++i) shared.response[i] = 0;
+  shared.response_size = sizeof(int32_t);
+}
+
+/// Answers ahead of every question, as many as the socket holds, and takes none of them.
+void answer_unasked() {
+  auto* shared = hostile::control();
+  if (!shared) return;
+  forge(*shared);
+  std::thread([] {
+    while (write(odograph::wire::kSocket, "a", 1) == 1) continue;
+  }).detach();
+  for (;;) forge(*shared);
+}
+
+/// Answers the question that it has taken, and each further one once it lies in the socket, where it leaves it: they
+/// fill the socket.
+void answer_without_taking() {
+  auto* shared = hostile::control();
+  if (!shared) return;
+  for (int left = 0;; ++left) {
+    for (int asked = 0; asked < left;)
+      if (ioctl(odograph::wire::kSocket, FIONREAD, &asked) != 0) return;
+    forge(*shared);
+    if (write(odograph::wire::kSocket, "a", 1) != 1) return;
+  }
 }
 
 /// Does what the file is called after, if its moment has come.
@@ -68,8 +100,8 @@ void now(const char* moment) {
       if (!memory) std::abort();
       std::memset(memory, 1, 1 << 20);
     }
-  if (deed == "answers_unasked")  // on the descriptor of its answers, for ever, and takes no question any more
-    while (send(3, "a", 1, MSG_NOSIGNAL) == 1) continue;
+  if (deed == "answers_unasked") answer_unasked();
+  if (deed == "takes_no_question") answer_without_taking();
   if (deed == "scribbles") {  // over whatever lies about it
     static int mine = 0;
     std::memset(static_cast<void*>(&mine), 0x5a, 1 << 24);
