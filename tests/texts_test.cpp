@@ -89,6 +89,23 @@ TEST_CASE("every control character is shown, and nothing else is changed") {
         "b");
 }
 
+TEST_CASE(
+    "a line of a stranger's is whole characters of UTF-8, and nothing that moves a cursor or begins another line") {
+  CHECK(one_line("a\nb\x1b[1m\xc2\x85\xe2\x82\xac", 100) == "a b\\x1B[1m\\x85\xe2\x82\xac");
+  CHECK(one_line("\xc0\xaf \xe0\x80\xaf \xed\xa0\x80 \xf4\x90\x80\x80 \xc3", 100) ==
+        "\\xC0\\xAF \\xE0\\x80\\xAF \\xED\\xA0\\x80 \\xF4\\x90\\x80\\x80 \\xC3");
+  CHECK(one_line("\xe2\x82\xac\xe2\x82\xac", 5) == "\xe2\x82\xac");
+  CHECK(one_line("ab\x01", 5) == "ab");
+  CHECK(utf8_character("") == 0);
+  for (const auto& [text, bytes] : {std::pair{"a", 1}, {"\xc3\xa4", 2}, {"\xed\x9f\xbf", 3}, {"\xf4\x8f\xbf\xbf", 4}}) {
+    CHECK(utf8_character(text) == static_cast<size_t>(bytes));
+    CHECK(whole_characters(text, 3) == (bytes > 3 ? "" : text));
+  }
+  char field[4];
+  copy_text(field, "ab\xc3\xa4");
+  CHECK(std::string(field) == "ab");
+}
+
 TEST_CASE("differences and sums of times stay at the ends of the range") {
   constexpr int64_t least = INT64_MIN, most = INT64_MAX;
   CHECK(saturating_difference(5, 3) == 2);

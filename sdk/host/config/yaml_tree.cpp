@@ -9,6 +9,8 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
+#include "sdk/host/base/printable.hpp"
+
 namespace odograph {
 namespace {
 
@@ -123,21 +125,15 @@ void check_bytes(const std::string& text) {
   bool indentation = true;
   for (size_t i = 0; i < text.size(); ++mark.column) {
     const auto byte = static_cast<unsigned char>(text[i]);
-    int more = byte < 0x80                   ? 0
-               : byte >= 0xC2 && byte < 0xE0 ? 1
-               : byte >= 0xE0 && byte < 0xF0 ? 2
-               : byte >= 0xF0 && byte < 0xF5 ? 3
-                                             : -1;
+    const size_t bytes = utf8_character(std::string_view(text).substr(i));
     if (byte == 0) throw Refused{mark, "a NUL byte; expected a text file in UTF-8"};
     if (indentation && byte == '\t') throw Refused{mark, "a tab in the indentation; expected spaces"};
-    for (int k = 1; k <= more; ++k)
-      if (i + k >= text.size() || (static_cast<unsigned char>(text[i + k]) & 0xC0) != 0x80) more = -1;
-    if (more < 0) throw Refused{mark, "bytes that are not UTF-8; expected a text file in UTF-8"};
+    if (bytes == 0) throw Refused{mark, "bytes that are not UTF-8; expected a text file in UTF-8"};
     if (byte == '\n')
       mark = {mark.line + 1, 0}, indentation = true;
     else if (byte != ' ')
       indentation = false;
-    i += static_cast<size_t>(more) + 1;
+    i += bytes;
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "sdk/host/base/printable.hpp"
 #include "sdk/math/rotation.hpp"
 
 namespace odograph {
@@ -33,22 +34,14 @@ double largest_variance(const Matrix3d& covariance) {
 std::array<double, 3> array(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Vector3d vector(const std::array<double, 3>& a) { return Vector3d(a[0], a[1], a[2]); }
 
-/// UTF-8 is not cut within a character.
-std::string short_name(const odo_string& name) {
-  std::string out(name.data ? std::string(name.data, name.size) : std::string());
-  if (out.size() <= kMaxName) return out;
-  size_t end = kMaxName;
-  while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xC0) == 0x80) --end;
-  return out.substr(0, end);
-}
-
 }  // namespace
 
 Anchors::Anchor& Anchors::add(const odo_anchor_place& place, Hangs hangs) {
   Anchor& anchor = anchors_.emplace_back();
   anchor.id = ++last_id_;
   anchor.kind = place.kind;
-  anchor.name = short_name(place.name);
+  const std::string_view name(place.name.data, place.name.data ? place.name.size : 0);
+  anchor.name = whole_characters(name, kMaxName);
   anchor.hangs = hangs;
   anchor.smooth = SmoothPose(p_.smooth);
   anchor.q = rotation(place.q);

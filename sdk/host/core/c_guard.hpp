@@ -5,12 +5,12 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdio>
 #include <new>
 
 #include <odograph/messages.h>
 
 #include "sdk/host/base/floating_point.hpp"
+#include "sdk/host/base/printable.hpp"
 #include "sdk/host/base/result.hpp"
 
 namespace odograph {
@@ -33,7 +33,7 @@ inline int32_t fail(odo_error* error, const Failure& failure) {
   if (error && error->struct_size >= ODO_ERROR_SIZE_MIN) {
     error->struct_size = std::min<uint32_t>(error->struct_size, sizeof *error);
     error->status = failure.status;
-    std::snprintf(error->message, sizeof error->message, "%s", failure.text.c_str());
+    copy_text(error->message, failure.text);
   }
   return failure.status;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/core/outbox.hpp"
 
-#include <cstdio>
 #include <utility>
+
+#include "sdk/host/base/printable.hpp"
 
 namespace odograph {
 
@@ -61,9 +62,9 @@ void Outbox::publish_reports(int64_t t_ns) {
     event.count = report.count;
     event.severity = report.severity;
     event.status = report.status;
-    std::snprintf(event.plugin, sizeof event.plugin, "%s", report.origin.c_str());
-    std::snprintf(event.key, sizeof event.key, "%s", report.key.c_str());
-    std::snprintf(event.text, sizeof event.text, "%s", report.text.c_str());
+    copy_text(event.plugin, report.origin);
+    copy_text(event.key, report.key);
+    copy_text(event.text, report.text);
     publish(event.header);
   }
 }

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "sdk/host/base/printable.hpp"
 #include "sdk/host/base/version.hpp"
 #include "sdk/host/plugin_host/assets.hpp"
 
@@ -110,7 +111,7 @@ void HostServices::name_instance(uint32_t instance, const std::string& id) {
 
 void HostServices::report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
                           int32_t status) {
-  Report report{severity, "host", key.substr(0, kLongestKey), text.substr(0, kLongestText), instance, 1, status};
+  Report report{severity, "host", one_line(key, kLongestKey), one_line(text, kLongestText), instance, 1, status};
   {
     const std::lock_guard lock(mutex_);
     if (const auto name = names_.find(instance); name != names_.end()) report.origin = name->second;

@@ -51,8 +51,9 @@ class HostServices : public odo_host {
   /// Gives an instance number its plugin's name, for reports. [control]
   void name_instance(uint32_t instance, const std::string& id);
 
-  /// Passes a report on, at most one a second (of this machine's clock) for each origin and key; the rest are counted
-  /// into the next one. An origin with more than 256 keys has "more" for the rest. [any]
+  /// Passes a report on, key and text as one line each (one_line in base/printable.hpp), at most one a second (of this
+  /// machine's clock) for each origin and key; the rest are counted into the next one. An origin with more than 256
+  /// keys has "more" for the rest. [any]
   virtual void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
                       int32_t status = ODO_OK);
 

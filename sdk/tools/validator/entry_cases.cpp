@@ -9,6 +9,7 @@
 #include <dirent.h>
 #include <dlfcn.h>
 
+#include "sdk/host/base/printable.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/tools/validator/bench.hpp"
 #include "sdk/tools/validator/child.hpp"
@@ -209,16 +210,12 @@ std::string version_is_good(Bench& bench) {
   return good ? "" : "version = '" + version + "'; expected major.minor.patch";
 }
 
-bool is_plain_utf8(const std::string& s) {
-  for (size_t i = 0; i < s.size();) {
-    const auto c = static_cast<unsigned char>(s[i]);
-    const size_t more = c < 0x80 ? 0 : (c >> 5) == 6 ? 1 : (c >> 4) == 14 ? 2 : (c >> 3) == 30 ? 3 : 9;
-    if (more == 9 || i + more >= s.size() + (more == 0) || (c < 0x20 && c != '\n')) return false;
-    for (size_t k = 1; k <= more; ++k)
-      if ((static_cast<unsigned char>(s[i + k]) >> 6) != 2) return false;
-    i += more + 1;
+bool is_plain_utf8(std::string_view text) {
+  while (const size_t bytes = utf8_character(text)) {
+    if (static_cast<unsigned char>(text[0]) < 0x20 && text[0] != '\n') return false;
+    text.remove_prefix(bytes);
   }
-  return true;
+  return text.empty();
 }
 
 std::string texts_are_good(Bench& bench) {
