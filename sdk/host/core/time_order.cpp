@@ -31,10 +31,10 @@ uint32_t rank_of(uint32_t type) { return type == ODO_TYPE_CALIBRATION || type ==
 }  // namespace
 
 TimeOrder::TimeOrder(size_t capacity, int64_t max_wait_ns, const Parameters& parameters)
-    : parameters_(parameters), max_wait_ns_(max_wait_ns), slots_(capacity) {
+    : parameters_(parameters), capacity_(capacity), max_wait_ns_(max_wait_ns) {
+  slots_.reserve(capacity);
   free_.reserve(capacity);
   heap_.reserve(capacity);
-  for (size_t i = capacity; i-- > 0;) free_.push_back(static_cast<uint32_t>(i));
 }
 
 bool TimeOrder::later(const Entry& a, const Entry& b) {
@@ -99,7 +99,7 @@ TimeOrder::Verdict TimeOrder::judge(const odo_header& message) {
       for (Stream& any : streams_) any.behind = 0;
     }
   }
-  return free_.empty() ? Verdict::full : Verdict::accepted;
+  return heap_.size() == capacity_ ? Verdict::full : Verdict::accepted;
 }
 
 void TimeOrder::add(OwnedMessage message) {
@@ -109,6 +109,10 @@ void TimeOrder::add(OwnedMessage message) {
     stream.latest_ns = std::max(stream.latest_ns, header.t_ns);
     newest_ns_ = std::max(newest_ns_, header.t_ns);
     if (oldest_ns_ == INT64_MIN) oldest_ns_ = header.t_ns;
+  }
+  if (free_.empty()) {  // memory is touched once it is needed
+    free_.push_back(static_cast<uint32_t>(slots_.size()));
+    slots_.emplace_back();
   }
   const uint32_t slot = free_.back();
   free_.pop_back();

@@ -88,6 +88,7 @@ class TimeOrder {
   void take_first(OwnedMessage& out);
 
   Parameters parameters_;
+  size_t capacity_;
   int64_t max_wait_ns_;
   int64_t oldest_ns_ = INT64_MIN;  // of the first sample
   int64_t newest_ns_ = INT64_MIN;

@@ -19,9 +19,13 @@ namespace odograph {
 class EventBuffer {
  public:
   static constexpr size_t kCapacity = 256;
-  EventBuffer() : events_(kCapacity) {}
+  EventBuffer() { events_.reserve(kCapacity); }
   void clear() { count_ = 0; }
-  AnyMessage* next() { return count_ < kCapacity ? &events_[count_++] : nullptr; }
+  AnyMessage* next() {
+    if (count_ == kCapacity) return nullptr;
+    if (count_ == events_.size()) events_.emplace_back();  // memory is touched once it is needed
+    return &events_[count_++];
+  }
   void drop_last() { --count_; }
   std::span<AnyMessage> events() { return {events_.data(), count_}; }
 
