@@ -12,12 +12,10 @@
 #include <thread>
 
 #include <fcntl.h>
-#include <linux/filter.h>
 #include <linux/fs.h>
-#include <linux/seccomp.h>
 #include <sched.h>
 #include <sys/ioctl.h>
-#include <sys/prctl.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -26,6 +24,7 @@
 #include <unistd.h>
 
 #include "tests/isolated_plugin.hpp"
+#include "tests/sandboxed.hpp"
 #include "tests/test_plugins.hpp"
 
 using namespace odograph;
@@ -36,29 +35,6 @@ TEST_SUITE_BEGIN("sandbox");
 namespace {
 
 const std::string kEscape = "attitude: {plugin: test/escape, isolation: process, time_limit: 0.5 s}\n";
-
-std::string read_all(const fs::path& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-/// A folder for the attacker to harm, and this process named as the host.
-struct Victim {
-  TemporaryFolder folder;
-  explicit Victim(const char* attack) {
-    write_text(folder / "file", "what the user has written");
-    setxattr((folder / "file").c_str(), "user.keep", "x", 1, 0);
-    setenv("ODOGRAPH_TEST_VICTIM", folder.path().c_str(), 1);
-    setenv("ODOGRAPH_TEST_HOST", std::to_string(getpid()).c_str(), 1);
-    setenv("ODOGRAPH_TEST_ATTACK", attack, 1);
-  }
-  ~Victim() {
-    for (const char* name : {"VICTIM", "HOST", "ATTACK", "CALLS"})
-      unsetenv((std::string("ODOGRAPH_TEST_") + name).c_str());
-  }
-};
 
 std::string file_state(const fs::path& path) {
   struct stat s {};
@@ -105,74 +81,11 @@ std::string outside(const Victim& victim) {
   return text.str();
 }
 
-std::string joined(const std::vector<std::string>& lines) {
-  std::string all;
-  for (const auto& line : lines) all += line + "\n";
-  return all;
-}
-
-/// The work in a process of its own, which gets its lines back.
-template <class Work>
-std::string in_a_process(Work&& work) {
-  int ends[2];
-  REQUIRE(pipe(ends) == 0);
-  const pid_t child = fork();
-  if (child == 0) {
-    close(ends[0]);
-    const std::string lines = work();
-    (void)!write(ends[1], lines.data(), lines.size());
-    _exit(0);
-  }
-  close(ends[1]);
-  std::string lines;
-  char buffer[4096];
-  for (ssize_t got; (got = read(ends[0], buffer, sizeof buffer)) > 0;) lines.append(buffer, static_cast<size_t>(got));
-  close(ends[0]);
-  int status = 0;
-  waitpid(child, &status, 0);
-  return lines + (WIFSIGNALED(status) ? "the host was ended by signal " + std::to_string(WTERMSIG(status)) : "");
-}
-
 /// What the attacker reports.
 std::string attacked(const char* plugins_folder) {
   IsolatedPlugin plugin(kEscape, plugins_folder);
   for (int i = 0; i < 3; ++i) plugin.sample();
   return joined(plugin.said);
-}
-
-/// Processes below this one, by what /proc says.
-std::vector<pid_t> descendants(pid_t of) {
-  std::vector<pid_t> found;
-  for (const auto& entry : fs::directory_iterator("/proc")) {
-    const pid_t process = std::atoi(entry.path().filename().c_str());
-    std::ifstream file(entry.path() / "stat");
-    std::string line;
-    if (process <= 0 || !std::getline(file, line)) continue;
-    char state = 0;
-    int parent = 0;
-    if (std::sscanf(line.c_str() + line.rfind(')') + 1, " %c %d", &state, &parent) == 2 && parent == of) {
-      found.push_back(process);
-      for (const pid_t below : descendants(process)) found.push_back(below);
-    }
-  }
-  return found;
-}
-/// Not where it is dead and waits for whoever inherited it: it has no memory left.
-bool lives(pid_t process) {
-  const std::string pages = read_all("/proc/" + std::to_string(process) + "/statm");
-  return !pages.empty() && pages.rfind("0 ", 0) != 0;
-}
-
-void refuse_calls(std::initializer_list<long> numbers, int error) {
-  std::vector<sock_filter> code = {BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr))};
-  for (const long number : numbers) {
-    code.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<uint32_t>(number), 0, 1));
-    code.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | static_cast<uint32_t>(error)));
-  }
-  code.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
-  const sock_fprog program{static_cast<unsigned short>(code.size()), code.data()};
-  prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-  prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program);
 }
 
 }  // namespace
@@ -211,6 +124,22 @@ TEST_CASE("where the system has neither namespaces nor Landlock that is said, an
     if (const auto at = done.find(looking); at != std::string::npos) done.erase(at, std::string(looking).size());
   CHECK_MESSAGE((done == "attempts: " || done == "attempts: none"), said);
   CHECK(outside(victim) == before);
+}
+
+TEST_CASE("a second mount of the kernel's processes is closed as the first is, and what lies beside it is open") {
+  const TestPlugins plugins{"escape"};
+  const Victim victim("second names");
+  for (const char* name : {"names", "beside"}) fs::create_directory(victim.folder / name);
+  write_text(victim.folder / "beside/file", "a model");
+  const std::string said = in_a_process([&]() -> std::string {
+    if (unshare(CLONE_NEWNS) != 0 || mount("", "/", "", MS_REC | MS_PRIVATE, "") != 0 ||
+        mount("proc", (victim.folder / "names").c_str(), "proc", 0, "") != 0)
+      return "not allowed to mount";
+    return attacked(plugins.path().c_str());
+  });
+  if (said == "not allowed to mount") return;
+  if (said.find("no Landlock") != std::string::npos) return;
+  CHECK_MESSAGE(said.find("opened: /file /beside/file \n") != std::string::npos, said);
 }
 
 TEST_CASE("threads and what pipes hold are bounded") {

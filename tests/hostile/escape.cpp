@@ -17,6 +17,7 @@
 #include <odograph/attitude.h>
 
 #include "tests/hostile/attacks.hpp"
+#include "tests/hostile/control.hpp"
 #include "tests/hostile/horizontal_attitude.hpp"
 #include "tests/hostile/random_calls.hpp"
 #include "tests/hostile/table.hpp"
@@ -90,9 +91,55 @@ std::string pipes() {
   }
 }
 
+/// Writes for ever, in lines whose length fits into no buffer evenly.
+[[noreturn]] void chatter() {
+  const std::string much = std::string(997, 'x') + "\n";
+  for (;;)
+    for (const int fd : {1, 2}) (void)!write(fd, much.data(), much.size());
+}
+
+/// What forges lines of a log, moves a terminal's cursor, is no text, and is cut within a character.
+void lie_in_reports() {
+  report("line\nfeed", "all is well\n2026-01-01 host: nothing is wrong");
+  report("escape", "a\x1b[2J\xc2\x9b\x7f\r\tb");
+  report("bytes", "\xff\xc0\xaf\xed\xa0\x80");
+  std::string letters;
+  for (int i = 0; i < 2049; ++i) letters += "\xc3\xa4";
+  report("cut", "x" + letters);
+}
+
+/// What it can open in the victim's folder, where the kernel's names of processes are mounted as `names`.
+std::string second_names() {
+  const std::string folder = hostile::victim();
+  std::string opened;
+  for (const char* name : {"/names/version", "/names/self/environ", "/names/1/status", "/file", "/beside/file"})
+    if (const int fd = open((folder + name).c_str(), O_RDONLY); fd >= 0) opened += name + std::string(" "), close(fd);
+  return "opened: " + opened;
+}
+
+std::string ordered() {
+  const char* what = std::getenv("ODOGRAPH_TEST_ATTACK");
+  return what ? what : "";
+}
+
+/// Before anything of the library is called: answers in its host's place that all went well, and never returns.
+__attribute__((constructor)) void forge_the_start() {
+  if (ordered() != "forge the start") return;
+  auto* shared = hostile::control();
+  if (!shared) return;
+  constexpr size_t kBytes = 40;  // status, why, types, flags, and what the system lacked: nothing of it
+  for (size_t i = 0; i < kBytes; ++i) shared->response[i] = 0;
+  shared->response_size = kBytes;
+  (void)!write(odograph::wire::kSocket, "a", 1);
+  for (;;) pause();
+}
+
 void attack() {
-  const std::string what = std::getenv("ODOGRAPH_TEST_ATTACK") ? std::getenv("ODOGRAPH_TEST_ATTACK") : "";
+  const std::string what = ordered();
+  if (what == "chatter") chatter();
+  if (what == "lie") lie_in_reports();
   if (what == "attempts") report(what, attempts()), report("needs", needs());
+  if (what == "second names") report(what, second_names());
   if (what == "threads") report(what, threads());
   if (what == "pipes") report(what, pipes());
   if (what == "outlive") outlive();

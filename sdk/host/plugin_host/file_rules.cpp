@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/plugin_host/file_rules.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
+#include <set>
+#include <sstream>
 #include <string>
 
 #include <dirent.h>
@@ -36,26 +40,68 @@ size_t size_known_to(long version) {
 }
 
 void allow_reading(int rules, const std::string& path) {
-  const int fd = open(path.c_str(), O_PATH | O_CLOEXEC);
+  const int fd = open(path.c_str(), O_PATH | O_CLOEXEC | O_NOFOLLOW);  // where a link leads to has a name of its own
   struct stat kind {};
-  if (fd >= 0 && fstat(fd, &kind) == 0) {
+  if (fd >= 0 && fstat(fd, &kind) == 0 && !S_ISLNK(kind.st_mode)) {
     const PathBeneath rule{S_ISDIR(kind.st_mode) ? kReadFile | kReadFolder : kReadFile, fd};
     syscall(kAddRule, rules, kPathBeneath, &rule, 0);
   }
   if (fd >= 0) close(fd);
 }
 
-void allow_all(int rules) {
-  for (const char* path : {"/proc/self", "/proc/cpuinfo", "/proc/meminfo", "/proc/stat", "/proc/filesystems",
-                           "/sys/devices/system", "/dev/null", "/dev/zero", "/dev/random", "/dev/urandom"})
-    allow_reading(rules, path);
-  DIR* root = opendir("/");
-  while (const dirent* entry = root ? readdir(root) : nullptr) {
-    const std::string name = entry->d_name;
-    if (name != "." && name != ".." && name != "proc" && name != "sys" && name != "dev" && name != "run")
-      allow_reading(rules, "/" + name);
+/// In mountinfo blanks, tabs, line feeds and backslashes are \NNN in octal.
+std::string unescaped(const std::string& text) {
+  std::string out;
+  for (size_t i = 0; i < text.size(); ++i)
+    if (text[i] == '\\' && i + 3 < text.size())
+      out += static_cast<char>(std::stoi(text.substr(i + 1, 3), nullptr, 8)), i += 3;
+    else
+      out += text[i];
+  return out;
+}
+
+/// Folders in which the kernel shows processes, devices and its own state, wherever they are mounted.
+std::set<std::string> kernel_folders() {
+  static const std::set<std::string> kKinds = {"proc",     "sysfs",   "devtmpfs", "devpts",     "cgroup",
+                                               "cgroup2",  "debugfs", "tracefs",  "securityfs", "configfs",
+                                               "efivarfs", "pstore",  "bpf",      "mqueue"};
+  std::set<std::string> found = {"/proc", "/sys", "/dev", "/run"};
+  std::ifstream mounts("/proc/self/mountinfo");
+  for (std::string line; std::getline(mounts, line);) {
+    std::istringstream fields(line);
+    std::string place, kind;
+    for (int i = 0; i < 5; ++i) fields >> place;
+    while (fields >> kind && kind != "-") continue;
+    if (fields >> kind && kKinds.count(kind) > 0) found.insert(unescaped(place));
   }
-  if (root) closedir(root);
+  return found;
+}
+
+bool lies_below(const std::string& path, const std::string& folder) {
+  return folder == "/" || path.compare(0, folder.size() + 1, folder + "/") == 0;
+}
+
+/// Everything in the folder but the closed ones. What holds one of these cannot be listed itself.
+void allow_reading_but(const std::set<std::string>& closed, int rules, const std::string& folder) {
+  if (closed.count(folder) > 0) return;
+  const bool holds_closed =
+      std::any_of(closed.begin(), closed.end(), [&](const auto& each) { return lies_below(each, folder); });
+  if (!holds_closed) return allow_reading(rules, folder);
+  DIR* entries = opendir(folder.c_str());
+  while (const dirent* entry = entries ? readdir(entries) : nullptr)
+    if (const std::string name = entry->d_name; name != "." && name != "..")
+      allow_reading_but(closed, rules, (folder == "/" ? "" : folder) + "/" + name);
+  if (entries) closedir(entries);
+}
+
+void allow_all(int rules) {
+  char self[32] = "/proc/";  // the link's aim; the link itself is not followed
+  const ssize_t length = readlink("/proc/self", self + 6, sizeof self - 7);
+  if (length > 0) allow_reading(rules, std::string(self, 6 + static_cast<size_t>(length)));
+  for (const char* path : {"/proc/cpuinfo", "/proc/meminfo", "/proc/stat", "/proc/filesystems", "/sys/devices/system",
+                           "/dev/null", "/dev/zero", "/dev/random", "/dev/urandom"})
+    allow_reading(rules, path);
+  allow_reading_but(kernel_folders(), rules, "/");
 }
 
 }  // namespace

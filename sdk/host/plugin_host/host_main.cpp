@@ -170,7 +170,8 @@ class Server {
     return got == 1;
   }
   void serve(uint32_t call, wire::Reader& request) {
-    if (call == wire::hello) return load_library(request);
+    if (call == wire::enter) return enter(request);
+    if (call == wire::open) return open_library();
     answer.begin();
     int32_t status = ODO_OK;
     switch (call) {
@@ -196,7 +197,7 @@ class Server {
     answer.finish(status);
   }
 
-  void load_library(wire::Reader& request) {
+  void enter(wire::Reader& request) {
     phase("load");
     const std::string manifest_path = request.get_text();
     std::string manifest_text = request.get_text();
@@ -204,39 +205,46 @@ class Server {
     sink_.struct_size = sizeof(odo_sink);
     sink_.instance = request.get<uint32_t>();
     sink_.emit = RemoteSink::take;
-    const auto check = static_cast<LibraryCheck>(request.get<uint32_t>());
+    check_ = static_cast<LibraryCheck>(request.get<uint32_t>());
     const auto seed = request.get<uint64_t>(), memory_bytes = request.get<uint64_t>();
     std::vector<std::filesystem::path> assets(std::min<uint32_t>(request.get<uint32_t>(), 1024));
     for (auto& folder : assets) folder = request.get_text();
     services_ = std::make_unique<RemoteServices>(seed, std::move(assets));
-    Failure failure{ODO_OK, ""};
-    std::string lacks = kept_.lacks;
     auto manifest = parse_manifest(std::move(manifest_text), manifest_path);
     if (manifest) {
       choice_.manifest = std::move(*manifest);
       take_values(request);
       // The loader's copy of it: in there no file can be made, this one is found again.
-      const auto copy = check == LibraryCheck::sealed ? sealed_copy(choice_.manifest) : Result<fs::path>(fs::path());
-      for (const auto& what : enter_sandbox(memory_bytes + SharedPixels::kBytes + sizeof(wire::Control), kept_.gate))
-        lacks += (lacks.empty() ? "" : "; ") + what;
-      auto loaded = copy ? LibraryBackend::load(choice_, check, *services_, sink_)
-                         : Result<std::unique_ptr<LibraryBackend>>(copy.failure());
+      if (check_ == LibraryCheck::sealed)
+        if (const auto copy = sealed_copy(choice_.manifest); !copy) failure_ = copy.failure();
+    } else {
+      failure_ = manifest.failure();
+    }
+    std::string lacks = kept_.lacks;
+    for (const auto& what : enter_sandbox(memory_bytes + SharedPixels::kBytes + sizeof(wire::Control), kept_.gate))
+      lacks += (lacks.empty() ? "" : "; ") + what;
+    wire::Writer out({control->response, wire::kAreaBytes});
+    out.put_text(lacks);
+    control->response_size = out.size();
+  }
+
+  void open_library() {
+    phase("load");
+    if (failure_.status == ODO_OK) {
+      auto loaded = LibraryBackend::load(choice_, check_, *services_, sink_);
       if (loaded)
         backend_ = std::move(*loaded);
       else
-        failure = loaded.failure();
-    } else {
-      failure = manifest.failure();
+        failure_ = loaded.failure();
     }
     wire::Writer out({control->response, wire::kAreaBytes});
-    out.put(failure.status);
-    out.put_text(failure.text);
+    out.put(failure_.status);
+    out.put_text(failure_.text);
     const KindTypes types = backend_ ? backend_->types() : KindTypes{};
     for (const uint32_t type : types.outputs) sink_.outputs.add(type);
     for (const auto* list : {&types.inputs, &types.outputs})
       out.put_bytes(list->data(), list->size() * sizeof(uint32_t));
     out.put(types.flags);
-    out.put_text(lacks);
     control->response_size = out.size();
   }
 
@@ -302,6 +310,8 @@ class Server {
 
   Kept kept_;
   PluginChoice choice_;
+  LibraryCheck check_ = LibraryCheck::none;
+  Failure failure_{ODO_OK, ""};  // where it cannot be loaded
   RemoteSink sink_{};
   std::unique_ptr<RemoteServices> services_;
   std::unique_ptr<LibraryBackend> backend_;

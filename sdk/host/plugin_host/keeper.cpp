@@ -4,15 +4,20 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
+#include <iterator>
+#include <string>
 
 #include <fcntl.h>
 #include <poll.h>
 #include <sched.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -24,8 +29,30 @@ namespace {
 
 constexpr int kLookAfterHost_ms = 200;  // where the system has no descriptors of processes
 constexpr int kLastOutput_ms = 100;     // for what the plugin wrote last, where nobody reads
+constexpr int kLongestWrite_ms = 20;
 
-/// Passes on what the plugin writes, without ever waiting: the watch over the host goes on.
+/// Interrupts a write that somebody else's pipe or terminal holds up, again and again. Their flags are not to be
+/// touched, and a terminal that takes a part only is ready for poll().
+class WriteLimit {
+ public:
+  WriteLimit() { set(kLongestWrite_ms); }
+  ~WriteLimit() { set(0); }
+  WriteLimit(const WriteLimit&) = delete;
+  /// Once, before.
+  static void prepare() {
+    struct sigaction action {};
+    action.sa_handler = [](int) {};  // without SA_RESTART
+    sigaction(SIGALRM, &action, nullptr);
+  }
+
+ private:
+  static void set(int period_ms) {
+    const itimerval timer{{0, period_ms * 1000}, {0, period_ms * 1000}};
+    setitimer(ITIMER_REAL, &timer, nullptr);
+  }
+};
+
+/// Passes on what the plugin writes, and never waits for long: the watch over the host goes on.
 class Relay {
  public:
   explicit Relay(int to) : to_(to) {
@@ -47,10 +74,10 @@ class Relay {
       at_ = 0;
       end_ = static_cast<size_t>(got);
     }
-    pollfd ready{to_, POLLOUT, 0};  // then at least PIPE_BUF, which buffer_ is no larger than, do not block
+    pollfd ready{to_, POLLOUT, 0};
     if (poll(&ready, 1, 0) != 1) return false;
-    const ssize_t written = write(to_, buffer_ + at_, left());
-    if (written < 0 && errno == EINTR) return true;
+    const ssize_t written = limited_write();
+    if (written < 0 && errno == EINTR) return false;
     if (written <= 0)
       at_ = end_;  // nobody is there to read it
     else
@@ -60,6 +87,10 @@ class Relay {
 
  private:
   size_t left() const { return end_ - at_; }
+  ssize_t limited_write() const {
+    const WriteLimit limit;
+    return write(to_, buffer_ + at_, left());
+  }
   void close_pipe() {
     if (from_ >= 0) close(from_);
     from_ = -1;
@@ -78,8 +109,8 @@ void close_from(int first) {
   for (int fd = first; fd < static_cast<int>(std::min<rlim_t>(most.rlim_cur, 65536)); ++fd) close(fd);
 }
 
-/// The first process of a process namespace, which ends with it: does nothing until the keeper is gone.
-void hold_namespace() {
+/// The first process of a process namespace, which ends with it: does nothing until the keeper is gone. Its number.
+pid_t hold_namespace() {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) _exit(2);
   const pid_t first = fork();
@@ -87,8 +118,9 @@ void hold_namespace() {
   if (first > 0) {
     close(ends[0]);
     high_descriptor(ends[1]);  // stays open as long as the keeper lives
-    return;
+    return first;
   }
+  prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
   prctl(PR_SET_NAME, "odograph-names");
   const int end = dup2(ends[0], 0);
   close_from(1);
@@ -96,6 +128,14 @@ void hold_namespace() {
   while (read(end, &byte, 1) < 0 && errno == EINTR) {
   }
   _exit(0);
+}
+
+/// Ends the process and takes its status, so that nothing of it is left to whoever inherits the orphans.
+void end_process(pid_t process) {
+  if (process <= 0) return;
+  kill(process, SIGKILL);
+  while (waitpid(process, nullptr, 0) < 0 && errno == EINTR) {
+  }
 }
 
 /// Ends as the other process did.
@@ -112,45 +152,79 @@ void hold_namespace() {
 /// The keeper's life, from the child's start to its end.
 class Watch {
  public:
-  Watch(pid_t child, pid_t host, int gate, Relay* relays)
+  /// `stop`: SIGTERM as a descriptor (block_stop). `first`: of the namespace; 0 without one.
+  Watch(pid_t child, pid_t host, pid_t first, int stop, int gate, Relay* relays)
       : child_(child),
         host_(host),
+        first_(first),
+        stop_(stop),
         child_fd_(descriptor_of(child)),
         host_fd_(descriptor_of(host)),
         gate_(gate, child),
         relays_(relays) {}
   [[noreturn]] void run() {
+    prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);  // nobody of the same user traces it
     signal(SIGPIPE, SIG_IGN);
+    WriteLimit::prepare();
     for (;;) {
-      pollfd wanted[] = {{host_fd_, POLLIN, 0},
-                         {child_fd_, POLLIN, 0},
-                         {gate_.descriptor(), POLLIN, 0},
-                         relays_[0].wanted(),
-                         relays_[1].wanted()};
+      pollfd wanted[] = {{host_fd_, POLLIN, 0},           {child_fd_, POLLIN, 0}, {stop_, POLLIN, 0},
+                         {gate_.descriptor(), POLLIN, 0}, relays_[0].wanted(),    relays_[1].wanted()};
       const bool asks = host_fd_ < 0 || child_fd_ < 0;
-      poll(wanted, 5, asks ? kLookAfterHost_ms : -1);
-      if (wanted[0].revents || getppid() != host_) _exit(0);  // the child ends with its parent
+      poll(wanted, std::size(wanted), asks ? kLookAfterHost_ms : -1);
+      if (wanted[0].revents || wanted[2].revents || getppid() != host_) give_up();
       int status = 0;
       if ((asks || wanted[1].revents) && waitpid(child_, &status, WNOHANG) == child_) finish(status);
-      if (wanted[2].revents) gate_.answer();
+      if (wanted[3].revents) gate_.answer();
       for (int i = 0; i < 2; ++i)
-        if (wanted[3 + i].revents) relays_[i].step();
+        if (wanted[4 + i].revents) relays_[i].step();
     }
   }
 
  private:
+  /// The host is gone, or has no use for the plugin any more.
+  [[noreturn]] void give_up() {
+    end_process(child_);
+    end_process(first_);
+    _exit(0);
+  }
+  /// False where nothing is left, nobody takes it, or the host does not wait any more.
+  bool pass_on_last(Relay& relay) const {
+    pollfd wanted[] = {relay.wanted(), {stop_, POLLIN, 0}};
+    if (wanted[0].fd < 0 || poll(wanted, 2, kLastOutput_ms) < 1) return false;
+    return wanted[1].revents == 0 && relay.step();
+  }
   [[noreturn]] void finish(int status) {
-    for (int i = 0; i < 2; ++i) {
-      pollfd wanted = relays_[i].wanted();
-      while (wanted.fd >= 0 && poll(&wanted, 1, kLastOutput_ms) == 1 && relays_[i].step()) wanted = relays_[i].wanted();
-    }
+    for (int i = 0; i < 2; ++i)
+      while (pass_on_last(relays_[i])) continue;
+    end_process(first_);
     end_like(status);
   }
-  pid_t child_, host_;
+  pid_t child_, host_, first_;
+  int stop_;
   int child_fd_, host_fd_;
   ThreadGate gate_;
   Relay* relays_;
 };
+
+/// SIGTERM as a descriptor, of this process not of the child.
+int block_stop(sigset_t& stop) {
+  sigemptyset(&stop);
+  sigaddset(&stop, SIGTERM);
+  sigprocmask(SIG_BLOCK, &stop, nullptr);
+  return high_descriptor(signalfd(-1, &stop, SFD_CLOEXEC));
+}
+
+/// Where memory runs short it is to go before its host, by as much as if it used this share of the machine's more.
+void go_before_host() {
+  constexpr int kThousandths = 200, kHighest = 1000;
+  const int fd = open("/proc/self/oom_score_adj", O_RDWR | O_CLOEXEC);
+  char text[16] = {};
+  if (fd >= 0 && read(fd, text, sizeof text - 1) > 0) {
+    const std::string more = std::to_string(std::min(kHighest, std::atoi(text) + kThousandths));
+    (void)!pwrite(fd, more.data(), more.size(), 0);
+  }
+  if (fd >= 0) close(fd);
+}
 
 }  // namespace
 
@@ -161,9 +235,12 @@ Kept keep(int first_closed) {
   int gate[2];
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, gate) != 0) _exit(2);
   for (int& end : gate) end = high_descriptor(end);
+  sigset_t stop;
+  const int stop_fd = block_stop(stop);
   Kept kept{};
+  pid_t first = 0;
   if (unshare(CLONE_NEWUSER | CLONE_NEWPID | CLONE_NEWNET) == 0)
-    hold_namespace();
+    first = hold_namespace();
   else
     kept.lacks = std::string("no namespaces of users and processes (") + std::strerror(errno) + ")";
   const pid_t child = fork();
@@ -172,8 +249,11 @@ Kept keep(int first_closed) {
     for (Relay& relay : relays) relay.become_keeper();
     close(gate[1]);
     for (int fd = 3; fd < first_closed; ++fd) close(fd);  // the host's: it is to see that the child ends
-    Watch(child, host, gate[0], relays).run();
+    Watch(child, host, first, stop_fd, gate[0], relays).run();
   }
+  prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
+  sigprocmask(SIG_UNBLOCK, &stop, nullptr);
+  go_before_host();
   for (Relay& relay : relays) relay.become_child();
   const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (nothing != 0) dup2(nothing, 0);

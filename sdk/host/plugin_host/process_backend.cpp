@@ -20,6 +20,7 @@
 #include <odograph/messages.h>
 
 #include "sdk/host/base/pixels.hpp"
+#include "sdk/host/base/printable.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/host/plugin_host/shared_memory.hpp"
@@ -32,6 +33,7 @@ namespace {
 
 constexpr double kEndLimit_s = 1;
 constexpr int kEndPolls = 100;        // of 1 ms: what has closed its socket should be gone by then
+constexpr int kKeeperPolls = 1000;    // of 1 ms: for the keeper to end the plugin and what holds its namespace
 constexpr size_t kMaxRecords = 4096;  // of one call: 256 events, reports and what was emitted beyond
 
 std::string number(double value) {
@@ -135,25 +137,31 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
   out.put(static_cast<uint32_t>(host.assets().size()));
   for (const fs::path& folder : host.assets()) out.put_text(folder.string());
   put_values(out, choice);
-  if (!made->exchange(wire::hello, out, choice.isolation.start_s)) return Failure{ODO_E_FATAL, who + made->ended_};
-  wire::Reader reader({reinterpret_cast<const uint8_t*>(made->answer_.data()), made->answer_size_});
+  if (!made->exchange(wire::enter, out, choice.isolation.start_s)) return Failure{ODO_E_FATAL, who + made->ended_};
+  if (const std::string lacks = made->answer().get_text(); !lacks.empty())
+    host.report(sink.instance, ODO_SEVERITY_WARNING, "sandbox",
+                "its process is not closed in as far as it could be; this system has " + lacks);
+  if (!made->exchange(wire::open, made->request(), choice.isolation.start_s))
+    return Failure{ODO_E_FATAL, who + made->ended_};
+  if (Failure failure = made->opened(who); failure.status < 0) return failure;
+  return made;
+}
+
+/// Takes the library's types out of the answer, and why it was not loaded; ODO_E_FATAL where that is no answer.
+Failure ProcessBackend::opened(const std::string& who) {
+  constexpr size_t kLongestText = 4096;
+  const Failure no_answer{ODO_E_FATAL, who + "broke the protocol in load"};
+  wire::Reader reader = answer();
   const auto status = reader.get<int32_t>();
-  const std::string why = reader.get_text();
-  for (auto* types : {&made->types_.inputs, &made->types_.outputs}) {
+  const std::string why = one_line(reader.get_text(), kLongestText);
+  for (auto* types : {&types_.inputs, &types_.outputs}) {
     const auto bytes = reader.get_bytes();
-    if (bytes.size() > 2 * kMaxTypes * sizeof(uint32_t))  // its kind's, and what it declares
-      return Failure{ODO_E_FATAL, who + "broke the protocol in load"};
+    if (bytes.size() > 2 * kMaxTypes * sizeof(uint32_t)) return no_answer;  // its kind's, and what it declares
     types->resize(bytes.size() / sizeof(uint32_t));
     if (!bytes.empty()) std::memcpy(types->data(), bytes.data(), types->size() * sizeof(uint32_t));
   }
-  made->types_.flags = reader.get<uint32_t>();
-  const std::string lacks = reader.get_text();
-  if (!lacks.empty())
-    host.report(sink.instance, ODO_SEVERITY_WARNING, "sandbox",
-                "its process is not closed in as far as it could be; this system has " + lacks);
-  if (status < 0) return Failure{status, why};
-  if (!reader.good()) return Failure{ODO_E_FATAL, who + "broke the protocol in load"};
-  return made;
+  types_.flags = reader.get<uint32_t>();
+  return reader.good() ? Failure{status, why} : no_answer;
 }
 
 bool ProcessBackend::launch(const fs::path& program) {
@@ -182,7 +190,7 @@ ProcessBackend::~ProcessBackend() {
     if (!in_order)
       host_.report(sink_.instance, ODO_SEVERITY_WARNING, "isolated", ended_, ODO_E_ERROR);
     else
-      reap(true, "");
+      reap(false, "");
   }
   if (socket_ >= 0) close(socket_);
   if (control_) munmap(control_, sizeof(wire::Control));
@@ -229,6 +237,16 @@ bool ProcessBackend::wait_for_answer(double limit_s) {
   }
 }
 
+/// Waits for the process, at most so many times 1 ms. As waitpid().
+pid_t ProcessBackend::wait_for_end(int polls, int& status) {
+  pid_t gone = 0;
+  for (int i = 0; i < polls && gone == 0; ++i) {
+    gone = waitpid(child_, &status, WNOHANG);
+    if (gone == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return gone;
+}
+
 /// Ends the process for what it did.
 void ProcessBackend::give_up(std::string what) { reap(true, what); }
 
@@ -238,12 +256,12 @@ void ProcessBackend::reap(bool killed_by_us, const std::string& what) {
   std::replace_if(
       std::begin(phase), std::end(phase) - 1, [](char c) { return c != 0 && !std::islower(c); }, '?');
   int status = 0;
-  pid_t gone = 0;
-  for (int i = 0; i < kEndPolls && gone == 0 && !killed_by_us; ++i) {
-    gone = waitpid(child_, &status, WNOHANG);
-    if (gone == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  pid_t gone = killed_by_us ? 0 : wait_for_end(kEndPolls, status);
   ended_ = killed_by_us ? what : gone > 0 ? how_it_ended(status) : gone < 0 ? "ended its process" : "left the host";
+  if (gone == 0) {
+    kill(child_, SIGTERM);  // its keeper ends the rest and then itself
+    gone = wait_for_end(kKeeperPolls, status);
+  }
   if (gone == 0) {
     kill(child_, SIGKILL);
     while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
@@ -255,7 +273,7 @@ void ProcessBackend::reap(bool killed_by_us, const std::string& what) {
 
 /// The status out of an answer, after its events and reports have been passed on.
 int32_t ProcessBackend::answered() {
-  wire::Reader reader({reinterpret_cast<const uint8_t*>(answer_.data()), answer_size_});
+  wire::Reader reader = answer();
   const auto status = reader.get<int32_t>();
   if (!take_records(reader) || !reader.good()) {
     give_up("broke the protocol");

@@ -45,6 +45,8 @@ class ProcessBackend : public PluginBackend {
   bool launch(const std::filesystem::path& program);
   bool exchange(wire::Call call, const wire::Writer& request, double limit_s);
   bool wait_for_answer(double limit_s);
+  wire::Reader answer() const { return wire::Reader({reinterpret_cast<const uint8_t*>(answer_.data()), answer_size_}); }
+  Failure opened(const std::string& who);
   int32_t answered();
   bool take_records(wire::Reader& reader);
   /// A frame that the plugin's process may hold.
@@ -59,6 +61,7 @@ class ProcessBackend : public PluginBackend {
   void take_back_frames();
   void let_go(HeldFrame& held);
   void give_up(std::string what);
+  pid_t wait_for_end(int polls, int& status);
   void reap(bool killed_by_us, const std::string& what);
   wire::Writer request() { return wire::Writer({control_->request, wire::kAreaBytes}); }
 

@@ -63,6 +63,7 @@ std::vector<std::string> enter_sandbox(uint64_t memory_bytes, int gate) {
   drop_capabilities();
   prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);  // nobody of the same user traces it
   prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
+  prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);  // of a huge page a part given back is not counted and yet held
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   done(restrict_files(), "no Landlock: files of other processes and devices can be read");
   done(ask_for_threads(gate), "no count of threads");

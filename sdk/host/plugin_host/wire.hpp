@@ -13,11 +13,13 @@
 
 namespace odograph::wire {
 
-constexpr uint32_t kVersion = 6;
+constexpr uint32_t kVersion = 7;
 /// Descriptors of the plugin's process.
 constexpr int kSocket = 3, kControl = 4, kPixels = 5;
 
-enum Call : uint32_t { hello = 1, start, process, reset, save, load, end };
+/// `enter` closes the process in and answers what the system lacks for it, `open` loads the library: what comes before
+/// `open` nothing of the plugin's has had a hand in.
+enum Call : uint32_t { enter = 1, open, start, process, reset, save, load, end };
 enum Record : uint32_t { event = 1, report = 2, state = 3 };
 
 constexpr size_t kFrameSlots = 8;                // as many as a session holds by default
