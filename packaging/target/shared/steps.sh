@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+# For the targets' scripts, sourced from the project's root.
+set -eu
+kept=${ODOGRAPH_TARGETS:-$HOME/.cache/odograph-targets}
+mkdir -p "$kept"
+export ODOGRAPH_TARGETS="$kept"
+
+# install PACKAGE ...: Debian's packages that are missing on this machine.
+install() {
+  missing=""
+  for package in "$@"; do
+    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing="$missing $package"
+  done
+  [ -n "$missing" ] || return 0
+  echo "installing:$missing"
+  as_root=""
+  [ "$(id -u)" = 0 ] || as_root=sudo
+  $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
+}
+
+# once NAME KEY COMMAND ...: runs a step unless it ended well before with the same key, the text of all that it depends on.
+once() {
+  name=$1 key=$2
+  shift 2
+  if [ -f "$kept/$name.done" ] && [ "$(cat "$kept/$name.done")" = "$key" ]; then return 0; fi
+  rm -f "$kept/$name.done"
+  "$@"
+  printf '%s\n' "$key" > "$kept/$name.done"
+}
