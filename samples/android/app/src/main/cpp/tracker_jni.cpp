@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What Tracker.kt calls. One tracker at a time; Kotlin calls from its main thread.
+#include <jni.h>
+
+#include <memory>
+#include <string>
+
+#include <odograph/odograph.h>
+
+#include "camera.hpp"
+#include "sensors.hpp"
+
+extern "C" {
+int32_t ODO_CALL odo_plugin_entry_attitude_vqf(const struct odo_host* host, struct odo_plugin* out);
+int32_t ODO_CALL odo_plugin_entry_step_odograph(const struct odo_host* host, struct odo_plugin* out);
+int32_t ODO_CALL odo_plugin_entry_vo_odograph(const struct odo_host* host, struct odo_plugin* out);
+}
+
+namespace {
+
+const char kPackage[] = "org.odograph.phone";
+
+struct Tracker {
+  odo_session* session = nullptr;
+  std::unique_ptr<phone::Camera> camera;
+  std::unique_ptr<phone::Sensors> sensors;
+  ~Tracker() {
+    sensors.reset();
+    if (camera) camera->pause();
+    odo_session_destroy(session);
+  }
+};
+std::unique_ptr<Tracker> tracker;
+
+std::string start(const std::string& config) {
+  odo_error error = {};
+  error.struct_size = sizeof error;
+  for (const odo_plugin_entry entry :
+       {odo_plugin_entry_attitude_vqf, odo_plugin_entry_step_odograph, odo_plugin_entry_vo_odograph})
+    if (odo_register_plugin(entry, &error) != ODO_OK) return error.message;
+  odo_session_options options = {};
+  options.struct_size = sizeof options;
+  options.run = ODO_RUN_LIVE;
+  options.config_text.data = config.data();
+  options.config_text.size = config.size();
+  auto made = std::make_unique<Tracker>();
+  if (odo_session_create(&options, &made->session, &error) != ODO_OK) return error.message;
+  made->camera = std::make_unique<phone::Camera>(made->session);
+  const std::string wrong = made->camera->start();
+  if (!wrong.empty()) return wrong;
+  made->sensors = std::make_unique<phone::Sensors>(made->session, kPackage);
+  tracker = std::move(made);
+  return "";
+}
+
+}  // namespace
+
+extern "C" JNIEXPORT jstring JNICALL Java_org_odograph_phone_Tracker_start(JNIEnv* env, jobject, jstring config) {
+  const char* text = env->GetStringUTFChars(config, nullptr);
+  const std::string wrong = start(text);
+  env->ReleaseStringUTFChars(config, text);
+  return env->NewStringUTF(wrong.c_str());
+}
+
+extern "C" JNIEXPORT void JNICALL Java_org_odograph_phone_Tracker_stop(JNIEnv*, jobject) { tracker.reset(); }
+
+/// North, east, down in m, then the state, whether it is metric, and the distance walked; null before the first pose.
+extern "C" JNIEXPORT jdoubleArray JNICALL Java_org_odograph_phone_Tracker_pose(JNIEnv* env, jobject) {
+  odo_pose pose = {};
+  pose.header.struct_size = sizeof pose;
+  if (!tracker || odo_session_get_smooth_pose(tracker->session, ODO_TIME_LATEST, &pose) != ODO_OK) return nullptr;
+  odo_statistics statistics = {};
+  statistics.struct_size = sizeof statistics;
+  odo_session_get_statistics(tracker->session, &statistics);
+  const double values[6] = {pose.p_n[0],
+                            pose.p_n[1],
+                            pose.p_n[2],
+                            double(pose.state),
+                            pose.header.flags & ODO_POSE_METRIC ? 1.0 : 0.0,
+                            statistics.distance_m};
+  jdoubleArray array = env->NewDoubleArray(6);
+  if (array) env->SetDoubleArrayRegion(array, 0, 6, values);
+  return array;
+}
+
+extern "C" JNIEXPORT jstring JNICALL Java_org_odograph_phone_Tracker_stateText(JNIEnv* env, jobject, jint state) {
+  return env->NewStringUTF(odo_state_text(static_cast<uint32_t>(state)));
+}

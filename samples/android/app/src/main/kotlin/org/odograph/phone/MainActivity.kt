@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+package org.odograph.phone
+
+import android.Manifest.permission.CAMERA
+import android.app.Activity
+import android.content.pm.PackageManager.PERMISSION_GRANTED
+import android.os.Bundle
+import android.os.Handler
+import android.os.Looper
+import android.view.WindowManager.LayoutParams.FLAG_KEEP_SCREEN_ON
+import android.widget.TextView
+
+/** Tracks while it is on the screen, and shows where the phone is. */
+class MainActivity : Activity() {
+    private lateinit var text: TextView
+    private val handler = Handler(Looper.getMainLooper())
+    private val show = object : Runnable {
+        override fun run() {
+            text.text = Tracker.pose()?.let {
+                val unit = if (it[4] > 0) "m" else "(scale unknown)"
+                "%s\nnorth %.2f, east %.2f, up %.2f %s\nwalked %.1f m".format(
+                    Tracker.stateText(it[3].toInt()), it[0], it[1], -it[2], unit, it[5])
+            } ?: "move the phone"
+            handler.postDelayed(this, 100)
+        }
+    }
+
+    override fun onCreate(state: Bundle?) {
+        super.onCreate(state)
+        window.addFlags(FLAG_KEEP_SCREEN_ON)
+        text = TextView(this).apply { textSize = 24f; setPadding(48, 160, 48, 48) }
+        setContentView(text)
+        if (checkSelfPermission(CAMERA) != PERMISSION_GRANTED) requestPermissions(arrayOf(CAMERA), 1)
+    }
+
+    override fun onResume() {
+        super.onResume()
+        if (checkSelfPermission(CAMERA) != PERMISSION_GRANTED) {
+            text.text = "Odograph needs the camera."
+            return
+        }
+        val wrong = Tracker.start(assets.open("pipeline.yaml").bufferedReader().readText())
+        if (wrong.isEmpty()) handler.post(show) else text.text = wrong
+    }
+
+    override fun onPause() {
+        handler.removeCallbacks(show)
+        Tracker.stop()
+        super.onPause()
+    }
+}

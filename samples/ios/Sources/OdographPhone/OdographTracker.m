@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#import "OdographTracker.h"
+
+#import <AVFoundation/AVFoundation.h>
+#import <CoreMotion/CoreMotion.h>
+
+#include <odograph/odograph.h>
+
+#include "conversions.h"
+
+static const double kReadoutS = 0.010; /* of a picture; no API gives it, the front-end refines it */
+
+int32_t ODO_CALL odo_plugin_entry_attitude_vqf(const struct odo_host *host, struct odo_plugin *out);
+int32_t ODO_CALL odo_plugin_entry_step_odograph(const struct odo_host *host, struct odo_plugin *out);
+int32_t ODO_CALL odo_plugin_entry_vo_odograph(const struct odo_host *host, struct odo_plugin *out);
+
+static NSError *failure(NSString *text) {
+  return [NSError errorWithDomain:@"Odograph" code:1 userInfo:@{NSLocalizedDescriptionKey : text}];
+}
+
+/* A picture is the session's until it releases it as often as it retained it. */
+static int32_t retain_picture(void *owner) {
+  CVPixelBufferLockBaseAddress((CVPixelBufferRef)owner, kCVPixelBufferLock_ReadOnly);
+  CVPixelBufferRetain((CVPixelBufferRef)owner);
+  return ODO_OK;
+}
+
+static void release_picture(void *owner) {
+  CVPixelBufferUnlockBaseAddress((CVPixelBufferRef)owner, kCVPixelBufferLock_ReadOnly);
+  CVPixelBufferRelease((CVPixelBufferRef)owner);
+}
+
+static const void *native_picture(void *owner, const char *id, uint64_t size) {
+  return size == strlen(ODO_NATIVE_PIXEL_BUFFER) && memcmp(id, ODO_NATIVE_PIXEL_BUFFER, size) == 0 ? owner : NULL;
+}
+
+@interface OdographTracker () <AVCaptureVideoDataOutputSampleBufferDelegate>
+@end
+
+@implementation OdographTracker {
+  odo_session *_session;
+  CMMotionManager *_motion;
+  CMAltimeter *_altimeter;
+  AVCaptureSession *_capture;
+  AVCaptureDevice *_camera;
+  NSOperationQueue *_queue;
+  dispatch_queue_t _pictures;
+  BOOL _described;
+}
+
+- (nullable instancetype)initWithConfig:(NSString *)config error:(NSError **)error {
+  const odo_plugin_entry entries[] = {odo_plugin_entry_attitude_vqf, odo_plugin_entry_step_odograph, odo_plugin_entry_vo_odograph};
+  odo_session_options options;
+  odo_error reason;
+  int32_t status = ODO_OK;
+  if (!(self = [super init])) return nil;
+  memset(&options, 0, sizeof options);
+  memset(&reason, 0, sizeof reason);
+  options.struct_size = sizeof options;
+  reason.struct_size = sizeof reason;
+  options.run = ODO_RUN_LIVE;
+  options.config_text.data = config.UTF8String;
+  options.config_text.size = strlen(config.UTF8String);
+  for (int i = 0; i < 3 && status == ODO_OK; ++i) status = odo_register_plugin(entries[i], &reason);
+  if (status == ODO_OK) status = odo_session_create(&options, &_session, &reason);
+  if (status != ODO_OK) {
+    if (error) *error = failure([NSString stringWithUTF8String:reason.message]);
+    return nil;
+  }
+  _motion = [CMMotionManager new];
+  _altimeter = [CMAltimeter new];
+  _queue = [NSOperationQueue new];
+  _queue.maxConcurrentOperationCount = 1;
+  _pictures = dispatch_queue_create("org.odograph.pictures", NULL);
+  return self;
+}
+
+- (void)dealloc {
+  [self stop];
+  odo_session_destroy(_session);
+}
+
+- (BOOL)start:(NSError **)error {
+  NSString *wrong = [self startCamera];
+  if (wrong) {
+    if (error) *error = failure(wrong);
+    return NO;
+  }
+  [self startMotion];
+  return YES;
+}
+
+- (void)stop {
+  [_motion stopAccelerometerUpdates];
+  [_motion stopGyroUpdates];
+  [_altimeter stopRelativeAltitudeUpdates];
+  [_capture stopRunning];
+  [_queue waitUntilAllOperationsAreFinished];
+  dispatch_sync(_pictures, ^{});
+}
+
+- (void)startMotion {
+  odo_session *session = _session;
+  _motion.accelerometerUpdateInterval = _motion.gyroUpdateInterval = 0.01;
+  [_motion startAccelerometerUpdatesToQueue:_queue
+                                withHandler:^(CMAccelerometerData *data, NSError *error) {
+                                  odo_imu imu;
+                                  if (!data) return;
+                                  phone_accelerometer(&imu, data.timestamp, data.acceleration.x, data.acceleration.y, data.acceleration.z);
+                                  odo_session_push(session, &imu.header);
+                                }];
+  [_motion startGyroUpdatesToQueue:_queue
+                       withHandler:^(CMGyroData *data, NSError *error) {
+                         odo_imu imu;
+                         if (!data) return;
+                         phone_gyroscope(&imu, data.timestamp, data.rotationRate.x, data.rotationRate.y, data.rotationRate.z);
+                         odo_session_push(session, &imu.header);
+                       }];
+  if (![CMAltimeter isRelativeAltitudeAvailable]) return;
+  [_altimeter startRelativeAltitudeUpdatesToQueue:_queue
+                                      withHandler:^(CMAltitudeData *data, NSError *error) {
+                                        odo_barometer barometer;
+                                        if (!data) return;
+                                        phone_barometer(&barometer, data.timestamp, data.pressure.doubleValue);
+                                        odo_session_push(session, &barometer.header);
+                                      }];
+}
+
+/* Rear wide camera, 640 x 480, as the sensor reads it, nothing stabilised, focus far. Returns what went wrong. */
+- (NSString *)startCamera {
+  AVCaptureVideoDataOutput *output = [AVCaptureVideoDataOutput new];
+  AVCaptureDeviceInput *input;
+  AVCaptureConnection *connection;
+  _camera = [AVCaptureDevice defaultDeviceWithDeviceType:AVCaptureDeviceTypeBuiltInWideAngleCamera
+                                               mediaType:AVMediaTypeVideo
+                                                position:AVCaptureDevicePositionBack];
+  input = _camera ? [AVCaptureDeviceInput deviceInputWithDevice:_camera error:NULL] : nil;
+  if (!input) return @"no camera at the back, or it may not be used";
+  _capture = [AVCaptureSession new];
+  _capture.sessionPreset = AVCaptureSessionPreset640x480;
+  output.videoSettings = @{(NSString *)kCVPixelBufferPixelFormatTypeKey : @(kCVPixelFormatType_420YpCbCr8BiPlanarFullRange)};
+  output.alwaysDiscardsLateVideoFrames = YES;
+  [output setSampleBufferDelegate:self queue:_pictures];
+  if (![_capture canAddInput:input] || ![_capture canAddOutput:output]) return @"the camera has no such pictures";
+  [_capture addInput:input];
+  [_capture addOutput:output];
+  connection = [output connectionWithMediaType:AVMediaTypeVideo];
+  connection.preferredVideoStabilizationMode = AVCaptureVideoStabilizationModeOff;
+  if (connection.isCameraIntrinsicMatrixDeliverySupported) connection.cameraIntrinsicMatrixDeliveryEnabled = YES;
+  if ([_camera isLockingFocusWithCustomLensPositionSupported] && [_camera lockForConfiguration:NULL]) {
+    [_camera setFocusModeLockedWithLensPosition:1.0f completionHandler:nil];
+    [_camera unlockForConfiguration];
+  }
+  _described = NO;
+  [_capture startRunning];
+  return nil;
+}
+
+- (void)captureOutput:(AVCaptureOutput *)output didOutputSampleBuffer:(CMSampleBufferRef)sample fromConnection:(AVCaptureConnection *)connection {
+  CVPixelBufferRef pixels = CMSampleBufferGetImageBuffer(sample);
+  /* From the session's clock to the one that Core Motion counts. That this is the start of the exposure is an assumption. */
+  const CMTime start = CMSyncConvertTime(CMSampleBufferGetPresentationTimeStamp(sample), _capture.synchronizationClock, CMClockGetHostTimeClock());
+  const double exposure_s = CMTimeGetSeconds(_camera.exposureDuration);
+  NSData *matrix = (__bridge NSData *)CMGetAttachment(sample, kCMSampleBufferAttachmentKey_CameraIntrinsicMatrix, NULL);
+  odo_frame frame;
+  if (!pixels) return;
+  retain_picture(pixels);
+  phone_begin(&frame.header, sizeof frame, ODO_TYPE_FRAME, phone_ns(CMTimeGetSeconds(start) + (exposure_s + kReadoutS) / 2), ODO_FRAME_EXPOSURE);
+  frame.exposure_ns = phone_ns(exposure_s);
+  frame.format = ODO_FORMAT_NV12;
+  frame.width = (uint32_t)CVPixelBufferGetWidth(pixels);
+  frame.height = (uint32_t)CVPixelBufferGetHeight(pixels);
+  for (size_t i = 0; i < 2; ++i) {
+    frame.planes[i].data = CVPixelBufferGetBaseAddressOfPlane(pixels, i);
+    frame.planes[i].row_stride = (int64_t)CVPixelBufferGetBytesPerRowOfPlane(pixels, i);
+    frame.planes[i].pixel_stride = i == 0 ? 1 : 2;
+  }
+  frame.loan.owner = pixels;
+  frame.loan.retain = retain_picture;
+  frame.loan.release = release_picture;
+  frame.loan.native = native_picture;
+  if (matrix.length >= 12 * sizeof(float)) phone_intrinsics(&frame, (const float *)matrix.bytes);
+  if (!_described) {
+    odo_calibration calibration;
+    phone_calibration(&calibration, &frame, kReadoutS);
+    odo_session_push(_session, &calibration.header);
+    _described = YES;
+  }
+  odo_session_push(_session, &frame.header);
+  release_picture(pixels);
+}
+
+- (BOOL)getPose:(OdographPose *)out {
+  odo_pose pose;
+  odo_statistics statistics;
+  memset(&pose, 0, sizeof pose);
+  memset(&statistics, 0, sizeof statistics);
+  pose.header.struct_size = sizeof pose;
+  statistics.struct_size = sizeof statistics;
+  if (odo_session_get_smooth_pose(_session, ODO_TIME_LATEST, &pose) != ODO_OK) return NO;
+  odo_session_get_statistics(_session, &statistics);
+  out->north = pose.p_n[0], out->east = pose.p_n[1], out->down = pose.p_n[2];
+  out->metric = (pose.header.flags & ODO_POSE_METRIC) != 0;
+  out->state = pose.state;
+  out->distance = statistics.distance_m;
+  return YES;
+}
+
+- (NSString *)textOfState:(unsigned)state {
+  return [NSString stringWithUTF8String:odo_state_text(state)];
+}
+
+@end
