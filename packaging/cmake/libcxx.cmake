@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+# clang with libc++, the C++ library of Android, iOS and browsers, here on this machine's own processor. Debian's binaries of
+# C++ libraries are of libstdc++ and do not fit: `packaging/targets libcxx` builds those that host and plugins need.
+if(DEFINED ENV{ODOGRAPH_TARGETS})
+  set(kept $ENV{ODOGRAPH_TARGETS})
+else()
+  set(kept $ENV{HOME}/.cache/odograph-targets)
+endif()
+set(libcxx ${kept}/libcxx/usr/lib/llvm-14)
+if(NOT EXISTS ${libcxx})
+  message(FATAL_ERROR "no libc++ at ${libcxx}: packaging/targets unpacks it")
+endif()
+set(CMAKE_C_COMPILER clang)
+set(CMAKE_CXX_COMPILER clang++)
+set(CMAKE_CXX_FLAGS_INIT "-nostdinc++ -isystem ${libcxx}/include/c++/v1 -stdlib=libc++")
+foreach(kind EXE SHARED MODULE)
+  set(CMAKE_${kind}_LINKER_FLAGS_INIT "-L${libcxx}/lib -Wl,-rpath,${libcxx}/lib -lc++abi")
+endforeach()
+list(APPEND CMAKE_PREFIX_PATH ${kept}/root-libcxx)
+set(ENV{PKG_CONFIG_PATH} ${kept}/root-libcxx/lib/pkgconfig)
