@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh
 # For the targets' scripts, sourced from the project's root.
 set -eu
 kept=${ODOGRAPH_TARGETS:-$HOME/.cache/odograph-targets}
@@ -20,10 +21,10 @@ install() {
 
 # once NAME KEY COMMAND ...: runs a step unless it ended well before with the same key, the text of all that it depends on.
 once() {
-  name=$1 key=$2
+  once_file=$kept/$1.done once_key=$2
   shift 2
-  if [ -f "$kept/$name.done" ] && [ "$(cat "$kept/$name.done")" = "$key" ]; then return 0; fi
-  rm -f "$kept/$name.done"
+  if [ -f "$once_file" ] && [ "$(cat "$once_file")" = "$once_key" ]; then return 0; fi
+  rm -f "$once_file"
   "$@"
-  printf '%s\n' "$key" > "$kept/$name.done"
+  printf '%s\n' "$once_key" > "$once_file"
 }
