@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sdk/host/base/saturating.hpp"
 #include "sdk/math/gravity.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
@@ -53,7 +54,7 @@ void Tracker::start_camera_at(int64_t t_ns, const Quaterniond& q_o_b, const Vect
 
 void Tracker::go_on(int64_t t_ns) {
   if (t_ns <= t_ns_) return;
-  const double dt_s = seconds(t_ns - t_ns_);
+  const double dt_s = seconds(saturating_difference(t_ns, t_ns_));
   t_ns_ = t_ns;
   TrackPoint drifted = track_.newest();
   drifted.heading_drift_rad2 += heading.go_on(localizer, dt_s, rotates_with_attitude_);
@@ -78,7 +79,7 @@ void Tracker::push(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& d_o, 
 }
 
 double Tracker::unseen_m(int64_t t_ns) const {
-  const double unseen_s = seconds(t_ns - std::max(coverage.until_ns(), gap_ns_));
+  const double unseen_s = seconds(saturating_difference(t_ns, std::max(coverage.until_ns(), gap_ns_)));
   return rotates_with_attitude_ || unseen_s < p_.unseen_s ? 0.0 : unseen_m_in(unseen_s);
 }
 
@@ -95,7 +96,8 @@ void Tracker::pause(int64_t until_ns, bool placed) {
   set_velocity(Vector3d::Zero(), Velocity::none);
   const int64_t seen_ns = rotates_with_attitude_ ? now_ns() : std::max(coverage.until_ns(), gap_ns_);
   gap_ns_ = until_ns;  // at once: whatever moves the track next need not know of it
-  if (placed) localizer.P.diagonal().head<2>().array() += squared(unseen_m_in(seconds(until_ns - seen_ns)));
+  if (placed)
+    localizer.P.diagonal().head<2>().array() += squared(unseen_m_in(seconds(saturating_difference(until_ns, seen_ns))));
 }
 
 void Tracker::rotate_with_attitude() {
