@@ -7,6 +7,7 @@
   golden/contract_v1.txt               all that is promised, one fact a line
   golden/minimum_v1.txt                the smallest size of each struct that a reader accepts
   ../samples/python/odograph_abi.py    the declarations for Python
+  ../packaging/web/npm/abi.js, abi.d.ts  where numbers lie in memory for JavaScript, and the types for TypeScript
 
 --check          writes nothing. Fails where a file is out of date, with the facts that differ, and where the tree breaks
                  golden/released_v1.txt, the facts of the last release: there a fact may be added and a struct may grow at
@@ -25,6 +26,7 @@ import re
 import sys
 
 from bindings import check_python, python
+from bindings_js import javascript, typescript
 from description import Description
 from exchange import exchange_c
 from facts import breaks, differences, facts, nodes, text_of
@@ -144,6 +146,8 @@ def generate(abi):
         CONTRACT: text_of(facts(abi, minimum, MAP)),
         MINIMUM: "".join(f"{name} {size}\n" for name, size in minimum.items()),
         HERE.parent / "samples/python/odograph_abi.py": python(abi),
+        HERE.parent / "packaging/web/npm/abi.js": javascript(abi),
+        HERE.parent / "packaging/web/npm/abi.d.ts": typescript(abi),
     }
 
 

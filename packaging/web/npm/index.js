@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+// Odograph for browsers: a small typed API (index.d.ts) over the C API (odograph.h), which runs as WebAssembly on the thread that
+// calls it. A page calls it from a Web Worker.
+import makeModule from './odograph.js';
+import * as abi from './abi.js';
+
+export * from './abi.js';
+
+const {STRUCTS, TYPES} = abi;
+const NAMES = Object.fromEntries(Object.entries(TYPES).map(([name, number]) => [number, name]));
+const READ = {u8: 'getUint8', i32: 'getInt32', u32: 'getUint32', i64: 'getBigInt64', u64: 'getBigUint64', f32: 'getFloat32', f64: 'getFloat64'};
+const BYTES = {u8: 1, char: 1, i32: 4, u32: 4, f32: 4, i64: 8, u64: 8, f64: 8};
+const LATEST = -(2n ** 63n);
+
+/** What the library answers where it refuses something: `status` is ODO_E_*, the message names what is wrong. */
+export class OdographError extends Error {
+  constructor(status, text) {
+    super(text);
+    this.name = 'OdographError';
+    this.status = status;
+  }
+}
+
+/** Loads the library. `wasm`: where odograph.wasm is, or its bytes; beside this file unless given. */
+export async function load({wasm} = {}) {
+  const options = {};
+  if (wasm instanceof ArrayBuffer || ArrayBuffer.isView(wasm)) options.wasmBinary = wasm;
+  else options.locateFile = () => String(wasm ?? new URL('./odograph.wasm', import.meta.url));
+  return new Odograph(await makeModule(options));
+}
+
+export class Odograph {
+  #files = 0;
+
+  constructor(module) {
+    this.module = module;
+    const failed = this.#memory(STRUCTS.error.size, error => this.failure(module._odo_web_register(this.ask(error, 'error')), error));
+    if (failed) throw failed;
+  }
+
+  get version() { return this.module.UTF8ToString(this.module._odo_version()); }
+  /** Of a status, a state, a reason or a motion mode, in words. */
+  statusText(status) { return this.module.UTF8ToString(this.module._odo_status_text(status)); }
+  stateText(state) { return this.module.UTF8ToString(this.module._odo_state_text(state)); }
+  reasonText(reason) { return this.module.UTF8ToString(this.module._odo_reason_text(reason)); }
+  modeText(mode) { return this.module.UTF8ToString(this.module._odo_mode_text(mode)); }
+
+  /** A session in replay mode: everything runs within push. `events`: the names of those that onEvent is called with, or 'all'. */
+  createSession({config, seed = 0n, events = 'all', onEvent = () => {}}) { return new Session(this, config, BigInt(seed), events, onEvent); }
+
+  /** A recording (*.odo), by its bytes. */
+  openRecording(bytes) {
+    const path = `/recording-${this.#files++}.odo`;
+    this.module.FS.writeFile(path, bytes, {canOwn: true});
+    return new Recording(this, path);
+  }
+
+  // What follows is for this file.
+  get view() {
+    if (this.#view?.buffer !== this.module.HEAPU8.buffer) this.#view = new DataView(this.module.HEAPU8.buffer);
+    return this.#view;
+  }
+  #view;
+
+  ask(at, name) { return this.view.setUint32(at, STRUCTS[name].size, true), at; }
+  #memory(size, work) {
+    const at = this.module._malloc(size);
+    this.module.HEAPU8.fill(0, at, at + size);
+    try {
+      return work(at);
+    } finally {
+      this.module._free(at);
+    }
+  }
+  /** Memory for the time of `work`, zeroed. */
+  using(size, work) { return this.#memory(size, work); }
+  withText(text, work) {
+    const bytes = new TextEncoder().encode(text);
+    return this.#memory(bytes.length + 1, at => (this.module.HEAPU8.set(bytes, at), work(at, bytes.length)));
+  }
+  putString(at, field, struct, text, size) {
+    const {fields} = STRUCTS[struct];
+    this.view.setUint32(at + fields[`${field}_data`][1], text, true);
+    this.view.setBigUint64(at + fields[`${field}_size`][1], BigInt(size), true);
+  }
+  failure(status, error) { return status < 0 ? new OdographError(status, this.read(error, 'error').message || this.statusText(status)) : null; }
+
+  /** The fields of a struct; what its writer did not have is left out. */
+  read(at, name, size = this.view.getUint32(at, true)) {
+    const out = {};
+    for (const [label, [code, offset, count = 1]] of Object.entries(STRUCTS[name].fields)) {
+      if (offset + BYTES[code] * count > size) continue;
+      if (code === 'char') out[label] = this.module.UTF8ToString(at + offset, count);
+      else if (count === 1) out[label] = this.view[READ[code]](at + offset, true);
+      else out[label] = Array.from({length: count}, (_, i) => this.view[READ[code]](at + offset + i * BYTES[code], true));
+    }
+    return out;
+  }
+  message(at) {
+    const type = this.view.getUint32(at + 4, true), name = NAMES[type];
+    return name ? {type: name, ...this.read(at, name)} : {type: type.toString(), t_ns: this.view.getBigInt64(at + 8, true)};
+  }
+  write(at, name, values) {
+    this.view.setUint32(at, STRUCTS[name].size, true);
+    for (const [label, value] of Object.entries(values)) {
+      if (label === 'type') continue;
+      const field = STRUCTS[name].fields[label];
+      if (!field) throw new OdographError(abi.ODO_E_ARGUMENT, `${name}.${label}: there is no such field; expected one of ${Object.keys(STRUCTS[name].fields).join(', ')}`);
+      const [code, offset, count = 1] = field, list = count === 1 ? [value] : value;
+      for (let i = 0; i < Math.min(count, list.length); ++i) {
+        const number = code.endsWith('64') && code !== 'f64' ? BigInt(list[i]) : list[i];
+        this.view[READ[code].replace('get', 'set')](at + offset + i * BYTES[code], number, true);
+      }
+    }
+  }
+}
+
+export class Session {
+  #session; #pixels = 0; #capacity = 0; #scratch; #callback = 0;
+
+  constructor(library, config, seed, events, onEvent) {
+    this.library = library;
+    const {module} = library, {size} = STRUCTS.session_options;
+    library.withText(config, (text, length) => library.using(size + STRUCTS.error.size + 4, at => {
+      const error = library.ask(at + size, 'error'), handle = at + size + STRUCTS.error.size;
+      library.write(at, 'session_options', {run: abi.ODO_RUN_REPLAY, seed});
+      library.putString(at, 'config_text', 'session_options', text, length);
+      const failed = library.failure(module._odo_session_create(at, handle, error), error);
+      if (failed) throw failed;
+      this.#session = library.view.getUint32(handle, true);
+    }));
+    this.#scratch = module._malloc(Math.max(...Object.values(STRUCTS).map(struct => struct.size)));
+    this.#listen(events, onEvent);
+  }
+
+  #listen(events, onEvent) {
+    const {library, library: {module}} = this;
+    this.#callback = module.addFunction((user, event) => onEvent(library.message(event)), 'vii');
+    if (events === 'all') return module._odo_session_set_callback(this.#session, 0, 0xFFFFFFFF, this.#callback, 0);
+    const unknown = events.find(name => !(name in TYPES));
+    if (unknown) throw new OdographError(abi.ODO_E_ARGUMENT, `events: '${unknown}'; expected names of ${Object.keys(TYPES).join(', ')}`);
+    library.using(4 * events.length + 4, at => {
+      events.forEach((name, i) => library.view.setUint32(at + 4 * i, TYPES[name], true));
+      return module._odo_session_set_callback(this.#session, at, events.length, this.#callback, 0);
+    });
+  }
+
+  get #handle() {
+    if (!this.#session) throw new OdographError(abi.ODO_E_STATE, 'the session was closed');
+    return this.#session;
+  }
+
+  /** Any input but a frame. Answers the status; what is wrong is in lastError(). */
+  push(message) {
+    if (!(message.type in TYPES) || message.type === 'frame') throw new OdographError(abi.ODO_E_ARGUMENT, `type: '${message.type}'; expected an input, of frames pushFrame`);
+    const {library} = this, at = this.#scratch;
+    library.module.HEAPU8.fill(0, at, at + STRUCTS[message.type].size);
+    library.write(at, message.type, message);
+    library.view.setUint32(at + 4, TYPES[message.type], true);
+    return library.module._odo_session_push(this.#handle, at);
+  }
+
+  /** Rotation rate (rad/s) and specific force (m/s^2) in the body's axes. */
+  pushImu(t_ns, gyro, accel) { return this.push({type: 'imu', t_ns, flags: abi.ODO_IMU_GYRO | abi.ODO_IMU_ACCEL, gyro_b: gyro, accel_b: accel}); }
+
+  /** A picture: `pixels` are width * height bytes (grey) or four times as many (RGBA), copied. Other fields as odo_frame has them. */
+  pushFrame({pixels, width, height, ...fields}) {
+    const {library, library: {module}} = this, handle = this.#handle;
+    const grey = pixels.length === width * height;
+    if (!grey && pixels.length !== 4 * width * height)
+      throw new OdographError(abi.ODO_E_ARGUMENT, `pixels: ${pixels.length} bytes of ${width} x ${height}; expected one or four a pixel`);
+    if (pixels.length > this.#capacity) {
+      module._free(this.#pixels);
+      this.#pixels = module._malloc(pixels.length);
+      this.#capacity = pixels.length;
+    }
+    module.HEAPU8.set(pixels, this.#pixels);
+    const at = this.#scratch;
+    module.HEAPU8.fill(0, at, at + STRUCTS.frame.size);
+    library.write(at, 'frame', {...fields, format: grey ? abi.ODO_FORMAT_GREY8 : abi.ODO_FORMAT_RGBA8, width, height, plane_count: 1, planes0_data: this.#pixels,
+      planes0_row_stride: grey ? width : 4 * width, planes0_pixel_stride: grey ? 1 : 4});
+    library.view.setUint32(at + 4, TYPES.frame, true);
+    return module._odo_session_push(handle, at);
+  }
+
+  flush() { return this.library.module._odo_session_flush(this.#handle); }
+
+  /** The pose at a time, or the newest; null while there is none. `smooth`: for what is drawn. `of`: ODO_OF_*. */
+  pose(t_ns = LATEST, {smooth = false, of = abi.ODO_OF_PIPELINE} = {}) {
+    const {library} = this, at = library.ask(this.#scratch, 'pose');
+    const status = library.module._odo_session_get_pose_of(this.#handle, of, smooth ? 1 : 0, BigInt(t_ns), at);
+    return status === abi.ODO_OK ? {type: 'pose', ...library.read(at, 'pose')} : null;
+  }
+
+  /** Makes an anchor: odo_anchor_place's fields, and a name. Answers its id. */
+  createAnchor({name = '', ...place}) {
+    const {library, library: {module}} = this, {size} = STRUCTS.anchor_place;
+    return library.withText(name, (text, length) => library.using(size + 8, at => {
+      library.write(at, 'anchor_place', {t_ns: LATEST, ...place});
+      library.putString(at, 'name', 'anchor_place', text, length);
+      const status = module._odo_anchor_create(this.#handle, at, at + size);
+      if (status < 0) throw new OdographError(status, library.statusText(status));
+      return library.view.getBigUint64(at + size, true);
+    }));
+  }
+  /** The anchor at a time in a world (ODO_WORLD_*), or null. */
+  anchor(id, {t_ns = LATEST, world = abi.ODO_WORLD_CORRECTED} = {}) {
+    const {library} = this, at = library.ask(this.#scratch, 'anchor');
+    return library.module._odo_anchor_get(this.#handle, BigInt(id), world, BigInt(t_ns), at) === abi.ODO_OK ? library.read(at, 'anchor') : null;
+  }
+  /** The ids of all anchors. */
+  anchors() {
+    const {library, library: {module}} = this, count = Number(module._odo_anchor_list(this.#handle, 0, 0n));
+    return library.using(8 * count + 8, at => {
+      module._odo_anchor_list(this.#handle, at, BigInt(count));
+      return Array.from({length: count}, (_, i) => library.view.getBigUint64(at + 8 * i, true));
+    });
+  }
+  removeAnchor(id) { return this.library.module._odo_anchor_remove(this.#handle, BigInt(id)); }
+
+  statistics() {
+    const {library} = this, at = library.ask(this.#scratch, 'statistics');
+    library.module._odo_session_get_statistics(this.#handle, at);
+    return library.read(at, 'statistics');
+  }
+
+  /** The last error or warning since the last call, or null. */
+  lastError() {
+    const {library} = this, at = library.ask(this.#scratch, 'error');
+    return library.module._odo_session_last_error(this.#handle, at) === abi.ODO_OK ? null : library.read(at, 'error').message;
+  }
+
+  close() {
+    const {module} = this.library;
+    module._odo_session_destroy(this.#session);
+    if (this.#session) [this.#pixels, this.#scratch].forEach(at => module._free(at)), module.removeFunction(this.#callback);
+    this.#session = 0;
+  }
+}
+
+export class Recording {
+  #recording; #out;
+
+  constructor(library, path) {
+    this.library = library;
+    this.path = path;
+    const {module} = library;
+    try {
+      library.withText(path, (text, length) => library.using(16 + STRUCTS.error.size + 4, at => {
+        const error = library.ask(at + 16, 'error'), handle = at + 16 + STRUCTS.error.size;
+        library.view.setUint32(at, text, true);
+        library.view.setBigUint64(at + 8, BigInt(length), true);
+        const failed = library.failure(module._odo_recording_open(at, handle, error), error);
+        if (failed) throw failed;
+        this.#recording = library.view.getUint32(handle, true);
+      }));
+    } catch (error) {
+      module.FS.unlink(path);
+      throw error;
+    }
+    this.#out = module._malloc(16);
+  }
+
+  /** The next message in the order of time, of a frame with its `picture` (PNG or JPEG, a copy); null at the end. */
+  next() {
+    const {library, library: {module}} = this, out = this.#out;
+    if (module._odo_recording_next(this.#recording, out, out + 4, out + 8) !== abi.ODO_OK) return null;
+    const message = library.message(library.view.getUint32(out, true)), picture = library.view.getUint32(out + 4, true);
+    if (picture) message.picture = module.HEAPU8.slice(picture, picture + Number(library.view.getBigUint64(out + 8, true)));
+    return message;
+  }
+
+  /** What it lacks of what was written, in words; empty where nothing. */
+  loss() {
+    const {library} = this;
+    return library.using(STRUCTS.error.size, at => (library.module._odo_recording_loss(this.#recording, library.ask(at, 'error')), library.read(at, 'error').message));
+  }
+
+  close() {
+    if (!this.#recording) return;
+    const {module} = this.library;
+    module._odo_recording_close(this.#recording);
+    module._free(this.#out);
+    module.FS.unlink(this.path);
+    this.#recording = 0;
+  }
+}

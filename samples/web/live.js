@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// This phone's camera and motion sensors as a browser gives them. Times are of performance.now(), in ns; axes are Android's: x to the right,
+// y up, z out of the screen of the phone held upright.
+import {cross, dot, length, multiply, scale, subtract} from './math.js';
+
+const DEGREE = Math.PI / 180;
+const CAPTURE_TO_NOW_MS = 60; // judgement: from the middle of the exposure to the callback, where the browser does not tell the time of capture
+
+/** The permission for the motion sensors, which iOS asks for: within a touch. Throws with words. */
+export async function askForMotion() {
+  if (!window.isSecureContext) throw new Error('Camera and motion sensors need a page by https (or of this machine itself).');
+  if (typeof DeviceMotionEvent === 'undefined') throw new Error('This browser has no motion sensors. Open the page on a phone.');
+  if (typeof DeviceMotionEvent.requestPermission !== 'function') return;
+  const answer = await DeviceMotionEvent.requestPermission();
+  if (answer !== 'granted') throw new Error('The motion sensors were refused. On an iPhone: close this page, open it again, and allow “Motion & Orientation Access”.');
+}
+
+/** The rear camera's stream. Throws with words. */
+export async function askForCamera() {
+  if (!navigator.mediaDevices?.getUserMedia) throw new Error('This browser gives pages no camera.');
+  try {
+    return await navigator.mediaDevices.getUserMedia({audio: false, video: {facingMode: {ideal: 'environment'}, width: {ideal: 640}, height: {ideal: 480}, frameRate: {ideal: 30}}});
+  } catch (error) {
+    if (error.name === 'NotAllowedError') throw new Error('The camera was refused. Allow it for this page in the browser’s settings, and try again.');
+    if (error.name === 'NotFoundError' || error.name === 'OverconstrainedError') throw new Error('No camera was found.');
+    if (error.name === 'NotReadableError') throw new Error('Another app is using the camera. Close it, and try again.');
+    throw error;
+  }
+}
+
+/** iOS gives the acceleration with gravity the other way round: it points downwards at rest, where the standard has it upwards. */
+const gravityIsReversed = () => typeof DeviceMotionEvent.requestPermission === 'function';
+
+/** Which of rotationRate's numbers is about which axis: browsers have alpha, beta, gamma as x, y, z; the standard's words are z, x, y. Gravity
+ * decides, which turns as the rotation says: the order whose prediction is nearer over what has been seen. */
+export class AxisOrder {
+  #last = null; #errors = [0, 0]; #turned = 0;
+  static ORDERS = [r => [r.alpha, r.beta, r.gamma], r => [r.beta, r.gamma, r.alpha]];
+  order = 0;
+
+  see(t_s, accel, rate) {
+    const last = this.#last;
+    this.#last = {t_s, accel};
+    if (!last || t_s - last.t_s > 0.1 || t_s <= last.t_s) return;
+    const change = scale(subtract(accel, last.accel), 1 / (t_s - last.t_s));
+    AxisOrder.ORDERS.forEach((pick, i) => {
+      const off = subtract(change, scale(cross(scale(pick(rate), DEGREE), accel), -1));
+      this.#errors[i] = 0.998 * this.#errors[i] + dot(off, off);
+    });
+    this.#turned += length(AxisOrder.ORDERS[0](rate)) * DEGREE * (t_s - last.t_s);
+    if (this.#turned > 1 && this.#errors[1 - this.order] < 0.6 * this.#errors[this.order]) this.order = 1 - this.order;
+  }
+  pick(rate) { return AxisOrder.ORDERS[this.order](rate); }
+}
+
+/** Calls back with each inertial sample; the function returned ends that. */
+export function listenToMotion(onSample) {
+  const order = new AxisOrder(), sign = gravityIsReversed() ? -1 : 1;
+  let last_ns = -Infinity;
+  const listener = event => {
+    const a = event.accelerationIncludingGravity, r = event.rotationRate;
+    if (a?.x == null || r?.alpha == null) return;
+    const t_ns = event.timeStamp * 1e6;
+    if (t_ns <= last_ns) return; // some browsers give two events one time
+    last_ns = t_ns;
+    const accel = [sign * a.x, sign * a.y, sign * a.z];
+    order.see(t_ns / 1e9, accel, r);
+    onSample({t_ns, gyro: scale(order.pick(r), DEGREE), accel});
+  };
+  window.addEventListener('devicemotion', listener);
+  return () => window.removeEventListener('devicemotion', listener);
+}
+
+/** Calls back with {t_ns, bitmap} of each picture; the function returned ends that. */
+export function listenToCamera(video, onPicture) {
+  let running = true, busy = false;
+  const take = async (now, metadata) => {
+    if (!running) return;
+    video.requestVideoFrameCallback(take);
+    if (busy) return;
+    busy = true;
+    const t_ms = metadata.captureTime ?? now - CAPTURE_TO_NOW_MS;
+    try {
+      onPicture({t_ns: t_ms * 1e6, bitmap: await createImageBitmap(video)});
+    } finally {
+      busy = false;
+    }
+  };
+  if (typeof video.requestVideoFrameCallback !== 'function') throw new Error('This browser does not give the times of a video’s pictures. Safari 15.4, Chrome 83 or Firefox 132 do.');
+  video.requestVideoFrameCallback(take);
+  return () => { running = false; };
+}
+
+/** By how many degrees clockwise the browser has turned the picture from how the sensor reads it: its rows lie across the upright phone, the first
+ * column at the phone's top, as nearly all rear cameras are built in. The tracker is given the picture turned back: then its rows are the sensor's,
+ * which it needs for the rolling shutter, and turning the screen changes nothing. */
+export const turnOf = (screen_deg, {width, height}) => ((width < height) === (screen_deg % 180 === 0) ? (450 - screen_deg) % 360 : 0);
+
+/** A calibration out of what one can guess, of the picture as the sensor reads it. */
+export function guessedCamera({width, height, turn_deg, angle_deg, readout_ms}) {
+  const [w, h] = turn_deg % 180 === 0 ? [width, height] : [height, width];
+  const focal = Math.max(w, h) / 2 / Math.tan(angle_deg * DEGREE / 2);
+  return {model: 1, width: w, height: h, distortion_count: 0, fx: focal, fy: focal, cx: (w - 1) / 2, cy: (h - 1) / 2, distortion: Array(8).fill(0),
+    q_b_c: [0, Math.SQRT1_2, -Math.SQRT1_2, 0], p_b_c: [0, 0, 0], line_time_ns: Math.round(readout_ms * 1e6 / h)};
+}
+
+/** The camera and the pose of the picture as it is shown: turned clockwise by turn_deg. */
+export function shown(camera, pose, turn_deg) {
+  if (!turn_deg) return {camera, pose};
+  const {width: w, height: h, fx, fy, cx, cy} = camera, half = -turn_deg * DEGREE / 2;
+  const turned = {90: {width: h, height: w, fx: fy, fy: fx, cx: h - 1 - cy, cy: cx}, 180: {cx: w - 1 - cx, cy: h - 1 - cy}, 270: {width: h, height: w, fx: fy, fy: fx, cx: cy, cy: w - 1 - cx}}[turn_deg];
+  return {camera: {...camera, ...turned}, pose: pose && {...pose, q_n: multiply(pose.q_n, [Math.cos(half), 0, 0, Math.sin(half)])}};
+}
+
+/** Draws a picture turned back by turn_deg. */
+export function drawTurnedBack(context, bitmap, turn_deg) {
+  const {width: w, height: h} = bitmap;
+  context.setTransform(...{0: [1, 0, 0, 1, 0, 0], 90: [0, -1, 1, 0, 0, w], 180: [-1, 0, 0, -1, w, h], 270: [0, 1, -1, 0, h, 0]}[turn_deg]);
+  context.drawImage(bitmap, 0, 0);
+}

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page: what a person touches and sees. The tracker runs in worker.js.
+import {askForCamera, askForMotion, guessedCamera, listenToCamera, listenToMotion, shown, turnOf} from './live.js';
+import {drawMap} from './map.js';
+import {add, rotate, project, unproject, conjugate, subtract} from './math.js';
+import {Overlay} from './overlay.js';
+
+const $ = id => document.getElementById(id);
+const MARK_AHEAD_M = 3; // where a touch looks above the ground
+const FARTHEST_MARK_M = 15; // on the ground; farther off a touch is no place
+const HAND_HEIGHT = 0.8; // of a phone that is held to be looked at, as a part of the walker's height (judgement)
+const PATH_STEP_M = 0.05;
+const SILENT_AFTER_MS = 3000; // without motion samples somebody is told
+const ASIDE_NOTES = 4;
+
+const HELP = [
+  [/isolation/, 'A browser has no processes to put a plugin into. Delete the line with “isolation”, or set it to none.'],
+  [/not linked into this program/, 'This page has the plugins of the recommended pipeline. Choose one of those named, or build the package with yours.'],
+  [/loads no plugin from a file/, 'Name a plugin by its id; files of plugins are not loaded in a browser.'],
+  [/^\/recording|no recording|not a recording|ODOREC/i, 'Choose a file that Odograph wrote (*.odo). Other recordings become one by “odograph convert”.'],
+];
+
+const worker = new Worker('worker.js', {type: 'module'});
+const overlay = new Overlay($('picture'));
+let view, live = null;
+
+function reset() {
+  view?.bitmap?.close?.();
+  view = {bitmap: null, camera: null, pose: null, path: [], ground: null, marks: [], t_ns: 0n, metric: false, ended: false};
+  for (const id of ['distance', 'speed', 'rise', 'scale', 'steps', 'cost']) $(id).textContent = '–';
+  $('notes').textContent = '';
+  $('labels').textContent = '';
+  $('pause').textContent = 'Pause';
+  tellState('', 'Starting');
+}
+
+function tellState(state, text) {
+  $('state').dataset.state = state;
+  if ($('state').textContent !== text) $('state').textContent = text;
+}
+
+function note(text, bad = false) {
+  const line = document.createElement('li');
+  line.textContent = text;
+  line.classList.toggle('bad', bad);
+  $('notes').append(line);
+  while ($('notes').children.length > ASIDE_NOTES) $('notes').firstChild.remove();
+}
+
+function show(screen) {
+  document.body.dataset.screen = screen;
+  $('start').hidden = screen !== 'start';
+  $('run').hidden = screen !== 'run';
+}
+
+function fail(text) {
+  stop();
+  $('error-text').textContent = text;
+  $('error-help').textContent = HELP.find(([what]) => what.test(text))?.[1] ?? '';
+  $('error').hidden = false;
+  $('error-close').focus();
+}
+
+function stop() {
+  live?.stop();
+  live = null;
+  worker.postMessage({do: 'close'});
+  show('start');
+}
+
+/** The pipeline, with the person's height where the text has the usual one. */
+const pipeline = () => $('config').value.replace(/^(\s*height:\s*)1\.70 m/m, `$1${Number($('height').value).toFixed(2)} m`);
+
+async function openFile(file) {
+  reset();
+  show('run');
+  $('pace-label').hidden = $('pause').hidden = false;
+  note(`${file.name}, ${(file.size / 1e6).toFixed(1)} MB`);
+  const bytes = await file.arrayBuffer();
+  worker.postMessage({do: 'open', bytes, config: pipeline(), pace: Number($('pace').value)}, [bytes]);
+}
+
+async function goLive() {
+  try {
+    await askForMotion(); // first: iOS wants it within the touch
+    const stream = await askForCamera();
+    reset();
+    show('run');
+    $('pace-label').hidden = $('pause').hidden = true;
+    worker.postMessage({do: 'live', config: pipeline()});
+    const video = Object.assign(document.createElement('video'), {muted: true, playsInline: true, srcObject: stream});
+    await video.play();
+    let camera = null, samples = 0;
+    const stopMotion = listenToMotion(sample => { ++samples; worker.postMessage({do: 'imu', ...sample}); });
+    const stopCamera = listenToCamera(video, ({t_ns, bitmap}) => {
+      const turn_deg = turnOf(screen.orientation?.angle ?? Number(window.orientation ?? 0), bitmap);
+      if (!camera) {
+        camera = guessedCamera({width: bitmap.width, height: bitmap.height, turn_deg, angle_deg: Number($('angle').value), readout_ms: Number($('readout').value)});
+        worker.postMessage({do: 'calibrate', camera, t_ns});
+        note(`Guessed: a lens of ${$('angle').value}° over the picture’s longer side, refined while you walk, and ${$('readout').value} ms of readout (Settings).`);
+      }
+      worker.postMessage({do: 'picture', t_ns, bitmap, turn_deg}, [bitmap]);
+    });
+    const silence = setTimeout(() => { if (!samples) note('No motion samples arrive: this device has no sensors, or the browser keeps them.', true); }, SILENT_AFTER_MS);
+    const awake = await navigator.wakeLock?.request?.('screen').catch(() => null);
+    live = {stop() { stopMotion(), stopCamera(), clearTimeout(silence), awake?.release(), stream.getTracks().forEach(track => track.stop()); }};
+  } catch (error) {
+    fail(error.message);
+  }
+}
+
+function correct({q_n, p_n}) {
+  view.path = view.path.map(p => add(rotate(q_n, p), p_n));
+  if (view.ground !== null) view.ground += p_n[2];
+}
+
+function takePicture(told) {
+  told.corrections.forEach(correct);
+  const {pose} = told;
+  if (told.bitmap) {
+    view.bitmap?.close();
+    view.bitmap = told.bitmap;
+    const upright = shown(told.calibration, pose, told.turn_deg);
+    Object.assign(view, {camera: upright.camera, turn_deg: told.turn_deg, pose: told.placed ? upright.pose : null, t_ns: pose.t_ns});
+  }
+  if (told.metric && !view.metric) {
+    view.metric = true; // what came before was up to scale
+    view.path = [];
+    view.ground = null;
+  }
+  if (told.placed && told.metric) {
+    view.ground ??= pose.p_n[2] + HAND_HEIGHT * Number($('height').value);
+    const last = view.path.at(-1);
+    if (!last || Math.hypot(...subtract(last, pose.p_n)) > PATH_STEP_M) view.path.push(pose.p_n);
+    view.first ??= pose.p_n[2];
+  }
+  view.marks = told.marks;
+  tellState(told.state, told.state === 'tracking' ? (told.metric ? 'Tracking, in metres' : 'Tracking') : `${told.state[0].toUpperCase()}${told.state.slice(1)}${told.reason ? `: ${told.reason}` : ''}`);
+  told.notes.forEach(({text, bad}) => note(text, bad));
+  tellNumbers(told, pose);
+  draw();
+  if (told.bitmap) worker.postMessage({do: 'drawn'});
+}
+
+function tellNumbers(told, pose) {
+  const metric = told.metric, speed = Math.hypot(...pose.velocity_n);
+  $('distance').textContent = metric ? `${pose.distance_m.toFixed(1)} m` : '–';
+  $('speed').textContent = metric ? `${speed.toFixed(1)} m/s` : '–';
+  $('rise').textContent = metric && view.path.length ? `${(view.path[0][2] - pose.p_n[2]).toFixed(1).replace('-', '−')} m` : '–';
+  $('scale').textContent = told.scale_sigma > 0 ? `${(100 * told.scale_sigma).toFixed(1)} %` : '–';
+  $('steps').textContent = told.steps;
+  $('cost').textContent = `${told.cost_ms.toFixed(0)} ms`;
+  view.mapped = {p_n: pose.p_n, heading: Math.atan2(...rotate(pose.q_n, [0, 0, 1]).slice(0, 2).reverse())};
+}
+
+function draw() {
+  overlay.draw({...view, ground: view.metric ? view.ground : null});
+  drawMap($('map'), {path: view.path, marks: view.marks, pose: view.metric && view.mapped ? view.mapped : null});
+  const labels = $('labels');
+  while (labels.children.length > view.marks.length) labels.lastChild.remove();
+  view.marks.forEach((mark, i) => {
+    const label = labels.children[i] ?? labels.appendChild(document.createElement('span'));
+    const seen = view.pose && rotate(conjugate(view.pose.q_n), subtract(mark.p_n, view.pose.p_n));
+    const pixel = seen && seen[2] > 0.2 && project(view.camera, seen);
+    label.hidden = !pixel;
+    if (!pixel) return;
+    const [x, y] = overlay.placeOf(pixel, view.camera);
+    label.style.left = `${x}px`, label.style.top = `${y}px`;
+    label.textContent = `${mark.id} · ${Math.hypot(...seen).toFixed(1)} m`;
+  });
+}
+
+/** A mark where a touch meets the ground, or a few metres ahead of the phone. */
+function touch(event) {
+  if (!view.pose || !view.camera) return note('A mark needs a position: walk a few steps first.');
+  const box = $('picture').getBoundingClientRect();
+  const ray_d = unproject(view.camera, overlay.pixelAt([event.clientX - box.left, event.clientY - box.top], view.camera));
+  const ray_n = rotate(view.pose.q_n, ray_d), below = view.ground === null ? 0 : view.ground - view.pose.p_n[2];
+  const to_ground = ray_n[2] > 0.05 ? below / ray_n[2] : Infinity, far = to_ground > 0 && to_ground < FARTHEST_MARK_M ? to_ground : MARK_AHEAD_M;
+  // In the axes of the tracker's camera, whose picture is not turned.
+  const half = view.turn_deg * Math.PI / 360, q_c_d = [Math.cos(half), 0, 0, -Math.sin(half)];
+  worker.postMessage({do: 'mark', t_ns: view.t_ns, p: rotate(q_c_d, ray_d).map(x => x * far)});
+  $('hint').hidden = true;
+}
+
+const TOLD = {
+  ready({version}) {
+    $('loading').textContent = `Version ${version}. Ready.`;
+    $('live').disabled = $('file').disabled = false;
+  },
+  failed({text}) { $('loading').textContent = `The library could not be loaded: ${text}. A browser of 2022 or later is needed (WebAssembly with SIMD and exceptions).`; },
+  picture: takePicture,
+  marks({marks}) { view.marks = marks, draw(); },
+  end(told) {
+    view.ended = true;
+    window.dispatchEvent(new CustomEvent('odograph-end', {detail: told}));
+    if (told.loss) note(told.loss, true);
+    note(`End of the recording. ${told.statistics.frames} pictures in ${(told.took_ms / 1e3).toFixed(1)} s.`);
+    $('pause').hidden = true;
+  },
+  error({text}) { fail(text); },
+};
+worker.onmessage = ({data}) => TOLD[data.tell](data);
+worker.onerror = event => fail(event.message || 'The worker could not be started: this browser has no module workers. A browser of 2022 or later is needed.');
+
+$('live').addEventListener('click', goLive);
+$('file').addEventListener('change', () => { if ($('file').files[0]) openFile($('file').files[0]); $('file').value = ''; });
+$('drop').addEventListener('keydown', event => { if (event.key === 'Enter' || event.key === ' ') event.preventDefault(), $('file').click(); });
+$('close').addEventListener('click', stop);
+$('error-close').addEventListener('click', () => { $('error').hidden = true; });
+$('pause').addEventListener('click', () => {
+  const paused = $('pause').textContent === 'Pause';
+  $('pause').textContent = paused ? 'Go on' : 'Pause';
+  worker.postMessage({do: 'pause', paused});
+});
+$('pace').addEventListener('change', () => worker.postMessage({do: 'pace', pace: Number($('pace').value)}));
+$('picture').addEventListener('pointerdown', touch);
+window.addEventListener('resize', () => { if (document.body.dataset.screen === 'run') draw(); });
+for (const name of ['dragover', 'dragleave', 'drop'])
+  window.addEventListener(name, event => {
+    event.preventDefault();
+    document.body.classList.toggle('dropping', name === 'dragover');
+    const file = name === 'drop' && event.dataTransfer.files[0];
+    if (file && !$('file').disabled) $('error').hidden = true, openFile(file);
+  });
+fetch('walk.yaml').then(answer => answer.text()).then(text => { $('config').value = text; });
