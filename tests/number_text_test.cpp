@@ -10,6 +10,8 @@
 
 #include <doctest/doctest.h>
 
+TEST_SUITE_BEGIN("number_text");
+
 namespace {
 
 /// To the bit, or none in both.
@@ -100,3 +102,5 @@ TEST_CASE("numbers as texts have a decimal point in every locale") {
   }
   std::setlocale(LC_NUMERIC, before.c_str());
 }
+
+TEST_SUITE_END();
