@@ -8,6 +8,7 @@
 #include <fstream>
 #include <string>
 
+#include <odograph/attitude.h>
 #include <odograph/odograph.h>
 #include <odograph/recording.h>
 
@@ -87,7 +88,8 @@ TEST_CASE("a plugin's file is refused where there are no libraries") {
   REQUIRE_FALSE(folder.path().empty());
   const auto manifest = folder / "a.odoplugin.json";
   std::ofstream(manifest) << R"({"odoplugin": 1, "id": "attitude/far", "version": "1.0.0", "summary": "s",
-    "interfaces": ["odo.attitude/1"], "abi": [0, 3], "library": "a.so", "sha256": "0", "parameters": []})";
+    "interfaces": [")" ODO_INTERFACE_ATTITUDE
+                             R"("], "abi": [0, 3], "library": "a.so", "sha256": "0", "parameters": []})";
   check_refused(make("odograph: 1\nattitude:\n  plugin: " + manifest.string() + "\n"), ODO_E_CONFIG,
                 {"loads no plugin from a file", "odo_register_plugin"});
   std::string why;
