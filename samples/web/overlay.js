@@ -7,17 +7,16 @@ uniform vec4 q; uniform vec3 p; uniform vec4 lens; uniform vec2 size; uniform ve
 vec3 turn(vec4 q, vec3 v) { vec3 t = 2.0 * cross(q.yzw, v); return v + q.x * t + cross(q.yzw, t); }
 void main() {
   vec3 c = turn(vec4(q.x, -q.yzw), point - p);
-  vec2 n = c.xy / max(c.z, 0.05);
+  vec2 n = c.xy / max(c.z, 0.05), d = n;
   float r2 = dot(n, n);
-  vec2 d = n;
-  if (r2 < 4.0) {
+  if (c.z > 0.05 && r2 < 4.0) {
     if (model.x > 1.5) { float r = sqrt(r2), t = atan(r), t2 = t * t; if (r > 1e-6) d = n * t * (1.0 + t2 * (k.x + t2 * (k.y + t2 * (k.z + t2 * k.w)))) / r; }
     else if (model.y > 0.5) d = n * (1.0 + r2 * (k.x + r2 * (k.y + r2 * k2.x))) / (1.0 + r2 * (k2.y + r2 * (k2.z + r2 * k2.w)))
       + vec2(2.0 * k.z * n.x * n.y + k.w * (r2 + 2.0 * n.x * n.x), k.z * (r2 + 2.0 * n.y * n.y) + 2.0 * k.w * n.x * n.y);
   }
-  vec2 pixel = (lens.xy * d + lens.zw + 0.5) / size;
-  vec2 at = vec2(2.0 * pixel.x - 1.0, 1.0 - 2.0 * pixel.y) * place.xy + place.zw;
-  gl_Position = vec4(at * c.z, 0.0, c.z);
+  vec2 pixel = (lens.xy * (c.z > 0.05 ? d * c.z : c.xy) + (lens.zw + 0.5) * c.z) / size; // times c.z: what reaches behind the phone is cut off there
+  vec2 at = vec2(2.0 * pixel.x - c.z, c.z - 2.0 * pixel.y) * place.xy + place.zw * c.z;
+  gl_Position = vec4(at, c.z - 0.1, c.z);
   gl_PointSize = dot_size / max(c.z, 0.5);
   colour = tint * vec4(1.0, 1.0, 1.0, clamp(1.6 - 0.06 * c.z, 0.12, 1.0));
 }`;
@@ -98,7 +97,7 @@ export class Overlay {
     if (!camera || !pose) return;
     this.#use(camera, pose, place, height);
     if (ground !== null) this.#put(gl.LINES, grid(pose.p_n, ground));
-    if (ground !== null && path.length > 1) this.#put(gl.TRIANGLE_STRIP, ribbon(path, pose.p_n, ground));
+    if (ground !== null && path.length > 1) this.#put(gl.TRIANGLES, ribbon(path, pose.p_n, ground));
     if (marks.length) this.#put(gl.LINES, marks.flatMap(mark => post(mark, ground)));
     if (marks.length) this.#put(gl.POINTS, marks.flatMap(({p_n}) => [...p_n, 1, 0.72, 0.1, 1]));
   }
@@ -133,7 +132,7 @@ function grid([north, east], ground) {
   const out = [], n0 = Math.round(north), e0 = Math.round(east);
   for (let i = -GRID_M; i <= GRID_M; i += GRID_STEP_M)
     for (let j = -GRID_M; j < GRID_M; j += GRID_PIECE_M) {
-      const strong = (offset, origin) => (origin + offset) % 5 === 0 ? 0.55 : 0.28;
+      const strong = (offset, origin) => (origin + offset) % 5 === 0 ? 0.8 : 0.42;
       const one = [1, 1, 1, strong(i, n0)], other = [1, 1, 1, strong(i, e0)];
       out.push(n0 + i, e0 + j, ground, ...one, n0 + i, e0 + j + GRID_PIECE_M, ground, ...one);
       out.push(n0 + j, e0 + i, ground, ...other, n0 + j + GRID_PIECE_M, e0 + i, ground, ...other);
@@ -147,8 +146,9 @@ function ribbon(path, here, ground) {
   for (let i = 1; i < path.length; ++i) {
     const a = path[i - 1], b = path[i], dn = b[0] - a[0], de = b[1] - a[1], far = Math.hypot(dn, de);
     if (far < 1e-6 || Math.hypot(b[0] - here[0], b[1] - here[1]) < NEAR_PATH_M) continue;
-    const n = -de / far * half_m, e = dn / far * half_m, down = ground + (b[2] - here[2]);
-    out.push(b[0] + n, b[1] + e, down, ...tint, b[0] - n, b[1] - e, down, ...tint);
+    const n = -de / far * half_m, e = dn / far * half_m;
+    const corner = (p, side) => [p[0] + side * n, p[1] + side * e, ground, ...tint];
+    out.push(...corner(a, 1), ...corner(a, -1), ...corner(b, 1), ...corner(b, 1), ...corner(a, -1), ...corner(b, -1));
   }
   return out;
 }

@@ -140,13 +140,14 @@ function takePicture(told) {
   tellNumbers(told, pose);
   draw();
   if (told.bitmap) worker.postMessage({do: 'drawn'});
+  window.dispatchEvent(new CustomEvent('odograph-picture', {detail: told})); // for whoever embeds or tests the page
 }
 
 function tellNumbers(told, pose) {
   const metric = told.metric, speed = Math.hypot(...pose.velocity_n);
   $('distance').textContent = metric ? `${pose.distance_m.toFixed(1)} m` : '–';
   $('speed').textContent = metric ? `${speed.toFixed(1)} m/s` : '–';
-  $('rise').textContent = metric && view.path.length ? `${(view.path[0][2] - pose.p_n[2]).toFixed(1).replace('-', '−')} m` : '–';
+  $('rise').textContent = metric && view.path.length ? `${(Math.round(10 * (view.path[0][2] - pose.p_n[2])) / 10 || 0).toFixed(1).replace('-', '−')} m` : '–';
   $('scale').textContent = told.scale_sigma > 0 ? `${(100 * told.scale_sigma).toFixed(1)} %` : '–';
   $('steps').textContent = told.steps;
   $('cost').textContent = `${told.cost_ms.toFixed(0)} ms`;

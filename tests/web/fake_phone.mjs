@@ -42,7 +42,8 @@ export async function fakePhone(url) {
   HTMLVideoElement.prototype.play = async () => {};
   HTMLVideoElement.prototype.requestVideoFrameCallback = function (wanted) { callback = wanted; return 1; };
   const makeBitmap = window.createImageBitmap.bind(window);
-  window.createImageBitmap = (source, ...rest) => makeBitmap(source instanceof HTMLVideoElement ? canvas : source, ...rest);
+  let taken = Promise.resolve();
+  window.createImageBitmap = source => (taken = makeBitmap(source instanceof HTMLVideoElement ? canvas : source));
 
   // From the recording's body to the body of a phone that is held with its top to the left, whose rear camera the recording's is.
   const SENSOR = [0, Math.SQRT1_2, -Math.SQRT1_2, 0];
@@ -52,6 +53,8 @@ export async function fakePhone(url) {
   return {
     facts: () => ({angle_deg: 2 * Math.atan(calibration.width / 2 / calibration.fx) * 180 / Math.PI, readout_ms: line_ns * calibration.height / 1e6}),
     async walk() {
+      const told = [];
+      addEventListener('odograph-picture', ({detail: {pose, metric, placed}}) => { if (metric && placed) told.push({t_s: Number(pose.t_ns) * SECONDS_OF_TRUTH, distance_m: pose.distance_m}); });
       let samples = 0, pictures = 0, seen = 0, first_s = Infinity, last_s = -Infinity;
       const DEGREES = 180 / Math.PI;
       for (const message of messages) {
@@ -70,13 +73,20 @@ export async function fakePhone(url) {
           callback = null;
           call?.(t_ms, {captureTime: t_ms});
           ++pictures;
-          await new Promise(done => setTimeout(done, 25)); // the worker's turn
+          await taken; // a phone has the time
+          await new Promise(done => setTimeout(done, 25));
         }
       }
-      await new Promise(done => setTimeout(done, 1500));
+      for (let before = -1; before !== told.length;) { // until no more comes
+        before = told.length;
+        await new Promise(done => setTimeout(done, 2000));
+      }
+      // From the first metric pose to the last one.
+      const first = told[0], last = told.at(-1);
       let path_m = 0;
-      for (let i = 1; i < path.length; ++i) path_m += Math.hypot(...path[i].p.map((x, k) => x - path[i - 1].p[k]));
-      return {samples, pictures, rate_hz: samples / (last_s - first_s), path_m};
+      for (let i = 1; i < path.length; ++i)
+        if (path[i - 1].t_s > first?.t_s - 0.01 && path[i].t_s < last.t_s + 0.01) path_m += Math.hypot(...path[i].p.map((x, k) => x - path[i - 1].p[k]));
+      return {samples, pictures, told: told.length, rate_hz: samples / (last_s - first_s), path_m, distance_m: last ? last.distance_m - first.distance_m : NaN};
     },
   };
 }
