@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The ABI for JavaScript and TypeScript: where each number of each message lies in memory, and the messages' types.
 generate.py writes what is returned here. Names are C's; the head of a message is part of it, 64-bit integers are bigints."""
-import re
-
 CODES = {"uint8_t": "u8", "int32_t": "i32", "uint32_t": "u32", "int64_t": "i64", "uint64_t": "u64", "float": "f32", "double": "f64", "char": "char"}
 CALLS = ["odo_string", "odo_error", "odo_session_options", "odo_statistics", "odo_anchor_place", "odo_anchor"]  # beside the messages
 HEAD = "// SPDX-License-Identifier: Apache-2.0\n// Written by abi/generate.py; do not edit.\n"
@@ -62,7 +60,7 @@ def typescript(description):
         return title, f"export interface {title} {{\n" + "\n".join(body) + "\n}"
 
     made = [interface(name, True) for name in description.messages()]
-    events = [title for (title, _), number in zip(made, description.messages().values()) if re.match(r"0x1\d{3}", f"{number:#x}")]
+    events = [title for (title, _), number in zip(made, description.messages().values()) if number >> 12 == 1]  # ODO_IS_EVENT
     inputs = [title for title, _ in made if title not in events]
     lines = [f"export const {name}: {value};" for name, value in constants(description).items()]
     return (HEAD + "\n".join(lines) + "\n\n" + "\n\n".join(text for _, text in [*made, interface("odo_statistics", False), interface("odo_anchor_place", False), interface("odo_anchor", False)]) +

@@ -610,8 +610,8 @@ export interface Anchor {
   name: string;
 }
 
-export type Input = Imu | Magnetometer | Barometer | Gnss | Calibration | ImuNoise | Waypoint | EarthField | PlatformPose | Range | SystemStep | Frame | Report | Refined | RelativePose;
-export type Event = Attitude | Step | MotionMode | VoMotion | Scale | Fix | Pose | State | Correction;
+export type Input = Imu | Magnetometer | Barometer | Gnss | Calibration | ImuNoise | Waypoint | EarthField | PlatformPose | Range | SystemStep | Frame;
+export type Event = Attitude | Step | MotionMode | VoMotion | Scale | Fix | Pose | State | Correction | Report | Refined | RelativePose;
 export type Message = Input | Event;
 export type MessageName = Message['type'];
 export const TYPES: Record<MessageName, number>;

@@ -37,15 +37,18 @@ export class Odograph {
   openRecording(bytes: Uint8Array): Recording;
 }
 
-export type Fields<T> = Partial<Omit<T, 'type'>>;
+/** A message's fields as they are handed in: each may be left out, whole numbers of 64 bits may be numbers. */
+export type Fields<T> = T extends {type: string} ? {[K in keyof Omit<T, 'type'>]?: T[K] extends bigint ? Time : T[K]} : never;
+/** Any input but a frame. */
+export type Pushed = {[T in Exclude<Input, Frame> as T['type']]: {type: T['type']} & Fields<T>}[Exclude<Input, Frame>['type']];
 
 export class Session {
   private constructor();
   /** Any input but a frame, with ODO_OK or ODO_E_* as the answer. */
-  push(message: {type: Input['type']} & Fields<Exclude<Input, Frame>>): number;
+  push(message: Pushed): number;
   pushImu(t_ns: Time, gyro_b: ArrayLike<number>, accel_b: ArrayLike<number>): number;
   /** width * height bytes (grey), or four times as many (RGBA). They are copied. */
-  pushFrame(frame: {t_ns: Time; pixels: Uint8Array | Uint8ClampedArray; width: number; height: number} & Fields<Frame>): number;
+  pushFrame(frame: {t_ns: Time; pixels: Uint8Array | Uint8ClampedArray; width: number; height: number} & Omit<Fields<Frame>, 't_ns'>): number;
   /** Processes all that has been pushed, without waiting for slower sensors. */
   flush(): number;
   /** Null while there is none at that time. */
