@@ -185,6 +185,7 @@ def main():
             sys.exit("\n".join(wrong))
         return print(f"{files[CONTRACT].count(chr(10))} facts hold")
     for path, text in files.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
 
 
