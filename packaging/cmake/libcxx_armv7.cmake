@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
+# 32-bit ARM with clang and libc++, to compile and not to link: the headers are Debian's, its libraries this machine's own.
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR armv7l)
+include(${CMAKE_CURRENT_LIST_DIR}/libcxx.cmake)
+set(CMAKE_C_COMPILER_TARGET arm-linux-gnueabihf)
+set(CMAKE_CXX_COMPILER_TARGET arm-linux-gnueabihf)
+set(CMAKE_C_FLAGS_INIT "-march=armv7-a -isystem /usr/arm-linux-gnueabihf/include")
+string(APPEND CMAKE_CXX_FLAGS_INIT " -march=armv7-a -isystem /usr/arm-linux-gnueabihf/include")
+set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
+set(CMAKE_LIBRARY_ARCHITECTURE x86_64-linux-gnu)
