@@ -14,7 +14,8 @@ def poses(folder):
 
 
 def angle_deg(p, q):
-    return math.degrees(2 * math.acos(min(1.0, abs(sum(a * b for a, b in zip(p[3:], q[3:]))))))
+    apart = min(math.dist(p[3:], q[3:]), math.dist(p[3:], [-value for value in q[3:]]))  # of quaternions: 2 sin(angle / 4)
+    return math.degrees(4 * math.asin(min(1.0, apart / 2)))
 
 
 def compare(name, one, other):
@@ -26,7 +27,7 @@ def compare(name, one, other):
     first = next((str(i + 1) for i, t in enumerate(common) if one[t] != other[t]), "none")
     turned = max(angle_deg(one[t], other[t]) for t in common)
     missing = len(set(one) ^ set(other))
-    return f"| {name} | {len(common)}{f' ({missing} in one alone)' if missing else ''} | {path:.1f} | {first} | {1000 * max(apart):.1f} | {turned:.3f} |"
+    return f"| {name} | {len(common)}{f' ({missing} in one alone)' if missing else ''} | {path:.1f} | {first} | {1000 * max(apart):.3g} | {turned:.2g} |"
 
 
 print("| recording | poses | path, m | first that differs | largest difference, mm | degrees |\n|---|---|---|---|---|---|")
