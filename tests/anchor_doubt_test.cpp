@@ -113,7 +113,7 @@ TEST_CASE("an anchor on the Earth is as doubtful as its place, and in the view b
   const auto known = anchors.get(id, 0);
   REQUIRE(known);
   REQUIRE(known->T_n_a.p.norm() > 5);
-  const auto by_seen =
+  const Eigen::Matrix<double, 3, 6> by_seen =
       derivative([&](const Vector12& e) -> Vector3d {
         return (exp_rotation(e.segment<3>(6)) * now.q_n_b).conjugate() * (known->T_n_a.p - now.p_n_b - e.tail<3>());
       }).rightCols<6>();
