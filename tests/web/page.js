@@ -18,7 +18,7 @@ const browser_file = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(file =
 if (!browser_file) skip('no Chromium');
 
 const LARGEST_M = 0.1; // from the native command line: OpenCV's tracker gives other last digits on another processor, which the walk carries on
-const LIVE_PART = 0.02; // of the path, that the distance walked live may be off: 1.5 % on this walk, whose scale is known to 2.4 % then. The native command line with the same 67 Hz gives the same
+const LIVE_PART = 0.02; // of the path, that the distance walked live may be off: 1.5 % on this walk, whose scale is known to 2.4 % then; 67 Hz cost half of it
 const PHONE = {width: 390, height: 844}, WIDE = {width: 844, height: 390};
 const KINDS = {'.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm', '.yaml': 'text/plain', '.odo': 'application/octet-stream'};
 const served = {'/play.mjs': path.join(__dirname, 'play.mjs'), '/fake_phone.mjs': path.join(__dirname, 'fake_phone.mjs'), '/walk.odo': recording};
