@@ -12,4 +12,7 @@ set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 set(CMAKE_C_COMPILER_FORCED TRUE)
 set(CMAKE_CXX_COMPILER_FORCED TRUE)
 set(CMAKE_CXX_COMPILE_FEATURES cxx_std_11 cxx_std_14 cxx_std_17 cxx_std_20)
+# Searched anyhow, last. Named by a package, as GeographicLib's does, it would come before libc++'s own headers.
+set(CMAKE_C_IMPLICIT_INCLUDE_DIRECTORIES /usr/include)
+set(CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES /usr/include)
 set(CMAKE_LIBRARY_ARCHITECTURE x86_64-linux-gnu)
