@@ -31,7 +31,7 @@ export async function askForCamera() {
 /** iOS gives the acceleration with gravity the other way round: it points downwards at rest, where the standard has it upwards. */
 const gravityIsReversed = () => navigator.vendor.startsWith('Apple'); // all browsers of iOS are WebKit
 
-/** Which of rotationRate's numbers is about which axis: browsers have alpha, beta, gamma as x, y, z; the standard's words are z, x, y. Gravity
+/** Which of rotationRate's numbers is about which axis: browsers have alpha, beta, gamma as x, y, z; older words of the standard are z, x, y. Gravity
  * decides, which turns as the rotation says: the order whose prediction is nearer over what has been seen. */
 export class AxisOrder {
   #last = null; #errors = [0, 0]; #turned = 0;
