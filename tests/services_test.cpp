@@ -48,4 +48,16 @@ TEST_CASE("an origin with more kinds of reports than are kept apart has one kind
   CHECK(told[256].key == "more");
 }
 
+TEST_CASE("what a plugin reports holds nothing back that the host says about it") {
+  std::vector<Report> told;
+  HostServices services(0, {}, [&](const Report& report) { told.push_back(report); });
+  services.name_instance(1, "a/plugin");
+  const auto plugin = HostServices::Author::plugin;
+  services.report(1, 1, "isolated", "a forgery", ODO_OK, plugin);
+  for (int i = 0; i < 300; ++i) services.report(1, 1, "kind " + std::to_string(i), "x", ODO_OK, plugin);
+  services.report(1, 1, "isolated", "was ended by a signal");
+  REQUIRE(!told.empty());
+  CHECK(told.back().text == "was ended by a signal");
+}
+
 TEST_SUITE_END();

@@ -16,6 +16,7 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
+#include <sys/utsname.h>
 #include <sys/xattr.h>
 #include <unistd.h>
 
@@ -44,18 +45,31 @@ int readable() {
   static const int fd = open(file(), O_RDONLY);
   return fd;
 }
-/// Whether the memory of the host's pixels can be made writable.
-bool writes_pixels() {
+/// Whether it can be done to the memory of the host's pixels.
+template <class Deed>
+bool to_pixels(Deed deed) {
   std::FILE* maps = std::fopen("/proc/self/maps", "r");
   char line[512];
   bool done = false;
   while (maps && std::fgets(line, sizeof line, maps)) {
     unsigned long from = 0, to = 0;
     if (std::strstr(line, "odograph-pixels") && std::sscanf(line, "%lx-%lx", &from, &to) == 2)
-      done = done || mprotect(reinterpret_cast<void*>(from), to - from, PROT_READ | PROT_WRITE) == 0;
+      done = done || deed(reinterpret_cast<void*>(from), to - from);
   }
   if (maps) std::fclose(maps);
   return done;
+}
+bool writes_pixels() {
+  return to_pixels([](void* at, size_t bytes) { return mprotect(at, bytes, PROT_READ | PROT_WRITE) == 0; });
+}
+/// The room would count for other memory. Linux before 6.10 cannot forbid it.
+bool gives_pixels_back() {
+  utsname system{};
+  int major = 0, minor = 0;
+  uname(&system);
+  std::sscanf(system.release, "%d.%d", &major, &minor);
+  return (major > 6 || (major == 6 && minor >= 10)) &&
+         to_pixels([](void* at, size_t bytes) { return munmap(at, bytes) == 0; });
 }
 
 const Attempt kAttempts[] = {
@@ -130,6 +144,7 @@ const Attempt kAttempts[] = {
     {"map and write",
      [] { return mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, readable(), 0) != MAP_FAILED; }},
     {"write into the host's pictures", writes_pixels},
+    {"give the memory of the pixels back", gives_pixels_back},
     {"write to disk now", [] { return fsync(readable()) == 0 || call(SYS_syncfs, readable()) || call(SYS_sync); }},
     {"mount",
      [] {

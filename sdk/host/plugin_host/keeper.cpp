@@ -144,6 +144,10 @@ void end_process(pid_t process) {
     const rlimit none{0, 0};
     setrlimit(RLIMIT_CORE, &none);
     signal(WTERMSIG(status), SIG_DFL);
+    sigset_t own;  // SIGTERM is blocked here
+    sigemptyset(&own);
+    sigaddset(&own, WTERMSIG(status));
+    sigprocmask(SIG_UNBLOCK, &own, nullptr);
     raise(WTERMSIG(status));
   }
   _exit(WIFEXITED(status) ? WEXITSTATUS(status) : 2);

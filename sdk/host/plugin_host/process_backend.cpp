@@ -10,7 +10,6 @@
 #include <thread>
 
 #include <dlfcn.h>
-#include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
@@ -161,7 +160,8 @@ Failure ProcessBackend::opened(const std::string& who) {
     if (!bytes.empty()) std::memcpy(types->data(), bytes.data(), types->size() * sizeof(uint32_t));
   }
   types_.flags = reader.get<uint32_t>();
-  return reader.good() ? Failure{status, why} : no_answer;
+  if (!reader.good() || status == ODO_OK) return reader.good() ? Failure{status, why} : no_answer;
+  return {status, why.starts_with(who) ? why : who + why};
 }
 
 bool ProcessBackend::launch(const fs::path& program) {
@@ -204,7 +204,7 @@ bool ProcessBackend::exchange(wire::Call call, const wire::Writer& asked, double
   control_->request_size = asked.size();
   control_->response_size = 0;
   char word = 0;
-  if (recv(socket_, &word, 1, MSG_DONTWAIT | MSG_PEEK) == 1)
+  if (const ssize_t got = recv(socket_, &word, 1, MSG_DONTWAIT | MSG_PEEK); got == 1 || (got == 0 && !hung_up()))
     return give_up("broke the protocol: an answer that nobody asked for"), false;
   word = 'c';
   while (send(socket_, &word, 1, MSG_NOSIGNAL | MSG_DONTWAIT) != 1) {
@@ -233,6 +233,7 @@ bool ProcessBackend::wait_for_answer(double limit_s) {
     const ssize_t got = recv(socket_, &word, 1, 0);
     if (got == 1) return true;
     if (got < 0 && errno == EINTR) continue;
+    if (got == 0 && !hung_up()) return give_up("broke the protocol: an empty answer"), false;
     return reap(false, ""), false;
   }
 }
@@ -292,7 +293,8 @@ bool ProcessBackend::take_records(wire::Reader& reader) {
       const auto status = reader.get<int32_t>();
       const std::string key = reader.get_text(), text = reader.get_text();
       if (!reader.good()) return false;
-      host_.report(sink_.instance, std::min(severity, ODO_SEVERITY_ERROR), key, text, status);
+      host_.report(sink_.instance, std::min(severity, ODO_SEVERITY_ERROR), key, text, status,
+                   HostServices::Author::plugin);
       continue;
     }
     if (kind == wire::state) {

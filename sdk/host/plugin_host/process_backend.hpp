@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <poll.h>
 #include <sys/types.h>
 
 #include "sdk/host/config/pipeline_config.hpp"
@@ -45,6 +46,11 @@ class ProcessBackend : public PluginBackend {
   bool launch(const std::filesystem::path& program);
   bool exchange(wire::Call call, const wire::Writer& request, double limit_s);
   bool wait_for_answer(double limit_s);
+  /// Nothing received may be an empty packet, or the end.
+  bool hung_up() const {
+    pollfd end{socket_, 0, 0};
+    return poll(&end, 1, 0) != 0;
+  }
   wire::Reader answer() const { return wire::Reader({reinterpret_cast<const uint8_t*>(answer_.data()), answer_size_}); }
   Failure opened(const std::string& who);
   int32_t answered();

@@ -63,7 +63,8 @@ const void* HostServices::own_service(std::string_view id) const {
   static const odo_report_service reports{
       sizeof(odo_report_service), 0,
       [](const odo_host* host, uint32_t instance, uint32_t severity, const odo_string* key, const odo_string* text) {
-        of(host).report(instance, severity, text_of(key, kLongestKey), text_of(text, kLongestText));
+        of(host).report(instance, severity, text_of(key, kLongestKey), text_of(text, kLongestText), ODO_OK,
+                        Author::plugin);
       }};
   static const odo_random_service random{sizeof(odo_random_service), 0,
                                          [](const odo_host* host, uint32_t instance, uint64_t stream) {
@@ -110,19 +111,20 @@ void HostServices::name_instance(uint32_t instance, const std::string& id) {
 }
 
 void HostServices::report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
-                          int32_t status) {
-  Report report{severity, "host", one_line(key, kLongestKey), one_line(text, kLongestText), instance, 1, status};
+                          int32_t status, Author author) {
+  Report report{severity, "host", one_line(key, kLongestKey), "", instance, 1, status};
   {
     const std::lock_guard lock(mutex_);
     if (const auto name = names_.find(instance); name != names_.end()) report.origin = name->second;
     const auto now = std::chrono::steady_clock::now();
-    auto& kinds = recent_[report.origin];
+    auto& kinds = recent_[{report.origin, author}];
     if (kinds.size() >= kMaxKinds && kinds.count(report.key) == 0) report.key = "more";
     auto [entry, is_new] = kinds.try_emplace(report.key);
     if (!is_new && now - entry->second.last < std::chrono::seconds(1)) {
       ++entry->second.held_back;
       return;
     }
+    report.text = one_line(text, kLongestText);  // of what is passed on alone: thousands are held back at once
     report.count += entry->second.held_back;
     if (entry->second.held_back > 0)
       report.text += " (and " + std::to_string(entry->second.held_back) + " more like it)";

@@ -51,11 +51,13 @@ class HostServices : public odo_host {
   /// Gives an instance number its plugin's name, for reports. [control]
   void name_instance(uint32_t instance, const std::string& id);
 
+  /// Who a report is by: what a plugin reports never holds back what the host says about it.
+  enum class Author { host, plugin };
   /// Passes a report on, key and text as one line each (one_line in base/printable.hpp), at most one a second (of this
-  /// machine's clock) for each origin and key; the rest are counted into the next one. An origin with more than 256
-  /// keys has "more" for the rest. [any]
+  /// machine's clock) for each origin, author and key; the rest are counted into the next one. An origin with more than
+  /// 256 keys has "more" for the rest. [any]
   virtual void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
-                      int32_t status = ODO_OK);
+                      int32_t status = ODO_OK, Author author = Author::host);
 
   /// Notes that an instance asks to be called (odo.wake/1). [any]
   virtual void wake(uint32_t instance);
@@ -95,7 +97,7 @@ class HostServices : public odo_host {
   SharedPixels shared_pixels_;
   std::mutex mutex_;
   std::map<uint32_t, std::string> names_;
-  std::map<std::string, std::map<std::string, Recent>> recent_;  // by origin and key
+  std::map<std::pair<std::string, Author>, std::map<std::string, Recent>> recent_;  // by key
 };
 
 }  // namespace odograph
