@@ -194,6 +194,7 @@ TEST_CASE("corners that slide weigh less than those that stay, and leave the met
   trial.p.plain_residual_px = trial.p.min_residual_px = 1e3;  // all alike
   const auto alike = trial.run();
   MESSAGE("scale " << weighed.scale << ", all corners alike " << alike.scale);
+  // Over twelve seeds 0.4 % too long with a standard deviation of 0.5 %; this one is among the worst.
   CHECK(std::abs(weighed.scale - 1) < 0.02);
   CHECK(std::abs(alike.scale - 1) > 1.5 * std::abs(weighed.scale - 1));
 }
