@@ -302,13 +302,11 @@ Eigen::Matrix<double, 6, 6> InertialOdometry::motion_covariance(const Filter& fi
   return covariance;
 }
 
-/// The frame before, as it is seen by now: the filter corrects where everything of the window is together, by what it
-/// learns of the path so far; that is no motion, but for the first seconds of moving, whose metre and bias are still
-/// being found: there the motion mends what was told. A clone may have been forgotten since, then the one before it
-/// holds the frame.
+/// The frame before, as the filter sees it now. What it corrects where the whole window is, by what it learns of the path
+/// before, is no motion. Told as one, for the first seconds, it doubled the error of the shape on euroc_mh05. A clone may
+/// have been forgotten since; then the one before it holds the frame.
 Isometry3d InertialOdometry::previous_pose(const Filtering& phase) const {
   const State& state = phase.filter.state();
-  if (phase.moved_s < p_.mended_s) return phase.T_w_previous;
   for (const Told& told : phase.told) {
     const size_t i = state.find_clone(told.clone);
     if (i < state.clones.size()) return pose_of(state.clones[i]) * told.T_clone_c;

@@ -59,7 +59,6 @@ struct InertialOdometryParameters {
   /// How far they were apart stays in what is stated of the scale, and fades over so much moving.
   double spread_s = 4;
   double keep_frames_s = 3.5;            ///< for a start: StartParameters::max_s and some
-  double mended_s = 6;                   ///< of moving: what was told of the path is mended by the motions that follow
   double scale_sigma_factor = 2;         ///< the filter takes corners' errors for independent, which they are not:
   double scale_sigma_floor = 0.01;       ///< relative; both by the 5 m stretches of euroc_mh05 and a simulated phone
   double scale_sigma_stabilised = 0.02;  ///< relative, times the gain of a stabilised lens: what its model leaves out

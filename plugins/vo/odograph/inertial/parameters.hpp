@@ -26,17 +26,18 @@ struct ImuNoise {
   double accel_by_motion = 3e-3;  ///< of the acceleration, 1/sqrt(Hz): 0.7 % over 0.1 s
   /// A vibrating body: what the samples' second differences show above the sensor's noise, as a density. Sampled fast
   /// enough, most of it lies above what moves the body and averages out; this part is aliased or moves it. Of
-  /// euroc_mh05 at 200 Hz, 0.07, the sums of the force over 0.25 to 1 s show 0.025 to 0.035 beside the true
-  /// displacements.
-  double vibration_part = 0.4;
+  /// euroc_mh05 at 200 Hz they show 0.07 of the force and 2.7e-3 of the rate; the sums over 0.1 to 1 s are off from the
+  /// truth by 0.025 to 0.035 and 0.5e-4 to 2.2e-4.
+  double accel_vibration_part = 0.4, gyro_vibration_part = 0.05;
   /// Rotors and engines turn at 50 to 100 Hz. A sensor that is sampled at no more than twice that without a filter
   /// folds them to where the body moves, and the second differences do not show it: every other sample of euroc_mh05
-  /// (92 Hz becomes 8 Hz) has 0.056 and is off by 0.03 to 0.11, every fourth has 0.108 and is off by 0.04 to 0.12.
+  /// (92 Hz becomes 8 Hz) has 0.056 and is off by 0.03 to 0.11, every fourth has 0.108 and is off by 0.04 to 0.12; of
+  /// the rate 2.1e-3, off by 1.0e-3 to 3.4e-3, and 6.2e-3, off by 1.3e-3 to 3.4e-3.
   double aliased_part = 1.5;
   double fast_hz = 190, slow_hz = 110;  ///< rates at which the one and the other hold; in proportion between them
-  double part_of_vibration(double rate_hz) const {
+  double part_of_vibration(double rate_hz, double fast_part) const {
     const double slow = std::clamp((fast_hz - rate_hz) / (fast_hz - slow_hz), 0.0, 1.0);
-    return vibration_part + slow * (aliased_part - vibration_part);
+    return fast_part + slow * (aliased_part - fast_part);
   }
   double vibration_s = 0.5;  ///< s before a frame, over which it is measured; by hand
   double gap_mps2 = 3;       ///< acceleration of a hand while samples lack; by hand
