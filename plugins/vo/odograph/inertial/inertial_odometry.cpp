@@ -302,9 +302,9 @@ Eigen::Matrix<double, 6, 6> InertialOdometry::motion_covariance(const Filter& fi
   return covariance;
 }
 
-/// The frame before, as the filter sees it now. What it corrects where the whole window is, by what it learns of the path
-/// before, is no motion. Told as one, for the first seconds, it doubled the error of the shape on euroc_mh05. A clone may
-/// have been forgotten since; then the one before it holds the frame.
+/// The frame before, as the filter sees it now. What it corrects where the whole window is, by what it learns of the
+/// path before, is no motion. Told as one, for the first seconds, it doubled the error of the shape on euroc_mh05. A
+/// clone may have been forgotten since; then the one before it holds the frame.
 Isometry3d InertialOdometry::previous_pose(const Filtering& phase) const {
   const State& state = phase.filter.state();
   for (const Told& told : phase.told) {

@@ -145,7 +145,9 @@ Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, con
 
 bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
   const ImuBuffer::Roughness rough = imu.roughness(to_ns, p.noise.vibration_s);
-  const auto vibration = [&](double seen, double part) { return seen * p.noise.part_of_vibration(rough.rate_hz, part); };
+  const auto vibration = [&](double seen, double part) {
+    return seen * p.noise.part_of_vibration(rough.rate_hz, part);
+  };
   Transition transition;
   transition.gyro_noise = std::hypot(p.noise.gyro, vibration(rough.gyro, p.noise.gyro_vibration_part));
   transition.accel_noise = std::hypot(p.noise.accel, vibration(rough.accel, p.noise.accel_vibration_part));
