@@ -3,7 +3,7 @@
 generate.py writes what is returned here. Names are C's; the head of a message is part of it, 64-bit integers are bigints."""
 CODES = {"uint8_t": "u8", "int32_t": "i32", "uint32_t": "u32", "int64_t": "i64", "uint64_t": "u64", "float": "f32", "double": "f64", "char": "char"}
 CALLS = ["odo_string", "odo_error", "odo_session_options", "odo_statistics", "odo_anchor_place", "odo_anchor"]  # beside the messages
-HEAD = "// SPDX-License-Identifier: Apache-2.0\n// Written by abi/generate.py; do not edit.\n"
+HEAD = "// SPDX-License-" "Identifier: Apache-2.0\n// Written by abi/generate.py; do not edit.\n"
 SKIPPED = {"struct_size", "reserved", "type"}  # the length, zeros, and the number that `type` has a name for
 
 

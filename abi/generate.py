@@ -35,7 +35,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 INCLUDE = HERE / "include/odograph"
 MAP = HERE.parent / "sdk/host/odograph.map"
 CONTRACT, MINIMUM, RELEASED = (HERE / f"golden/{name}_v1.txt" for name in ("contract", "minimum", "released"))
-HEAD = "/* SPDX-License-Identifier: Apache-2.0\n *\n * Written by abi/generate.py; do not edit. "
+HEAD = "/* SPDX-License-" "Identifier: Apache-2.0\n *\n * Written by abi/generate.py; do not edit. "
 
 
 def minimum_sizes(abi):

@@ -82,7 +82,7 @@ std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
   const fs::path binary = own_file();
   if (!binary.empty()) {  // PREFIX/lib[/TRIPLET]/libodograph.so or PREFIX/bin/odograph
     directories.push_back(binary.parent_path() / "odograph/plugins");
-    directories.push_back(binary.parent_path() / "../lib/odograph/plugins");
+    directories.push_back(binary.parent_path() / ODOGRAPH_FROM_BIN / "plugins");
   }
   directories.emplace_back(ODOGRAPH_PLUGIN_DIR);
   return directories;

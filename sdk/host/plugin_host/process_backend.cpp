@@ -92,7 +92,7 @@ fs::path plugin_host_program() {
   std::error_code error;
   if (dladdr(reinterpret_cast<const void*>(&plugin_host_program), &self) && self.dli_fname)
     if (const fs::path binary = fs::canonical(self.dli_fname, error); !error)
-      for (const char* folder : {".", "odograph", "../bin", "../lib/odograph"})
+      for (const char* folder : {".", "odograph", "../bin", ODOGRAPH_FROM_BIN})
         places.push_back(binary.parent_path() / folder / kName);
   places.push_back(fs::path(ODOGRAPH_PLUGIN_DIR).parent_path() / kName);
   for (const fs::path& place : places)
