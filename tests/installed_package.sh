@@ -58,4 +58,10 @@ for kind in attitude step_estimator vo_frontend scale_source absolute_fixer; do
     python3 -c "import json, sys; m = json.load(open(sys.argv[1]))['distance_m']; sys.exit(not 4 < m < 16 and f'{m} m of 8 m')" "$work/$name/out/summary.json"
   done
 done
+# As a repository: what its CI runs, and the statement; a plugin that fails says so in red.
+(cd "$work" && "$work/prefix/bin/odograph" plugin new absolute_fixer acme/fix_it --repository > /dev/null)
+(cd "$work/fix_it" && PATH="$work/prefix/bin:$PATH" sh ci/check -DCMAKE_PREFIX_PATH="$work/prefix" > said) || { cat "$work/fix_it/said"; exit 1; }
+grep -q '^# acme/fix_it 0.1.0 conforms to odo.absolute_fixer/' "$work/fix_it/build/conformance.md"
+grep -q ' cases passed' "$work/fix_it/build/conformance.svg"
+python3 -c 'import sys, xml.dom.minidom as m; m.parse(sys.argv[1]); m.parse(sys.argv[2])' "$work/fix_it/build/conformance.svg" "$work/fix_it/build/check.xml"
 "$work/prefix/bin/odograph" plugins --plugins "$work/plugin" example/constant_speed

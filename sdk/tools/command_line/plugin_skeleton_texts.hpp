@@ -330,6 +330,11 @@ target_link_options(@FILE@ PRIVATE @STATIC@-Wl,--version-script=${CMAKE_CURRENT_
 # The manifest, beside the library.
 find_program(ODOGRAPH_PROGRAM odograph HINTS ${Odograph_DIR}/../../../bin ${Odograph_DIR}/../../../../bin REQUIRED)
 add_custom_command(TARGET @FILE@ POST_BUILD COMMAND ${ODOGRAPH_PROGRAM} plugin manifest $<TARGET_FILE:@FILE@> VERBATIM)
+# `ctest --test-dir build`; check.xml is for CI systems, conformance.md and its badge are for those who choose a plugin.
+include(CTest)
+add_test(NAME check COMMAND ${ODOGRAPH_PROGRAM} plugin check $<TARGET_FILE:@FILE@> --format junit -o check.xml --statement .)
+add_test(NAME pipeline COMMAND ${ODOGRAPH_PROGRAM} config check ${CMAKE_CURRENT_SOURCE_DIR}/pipeline.yaml)
+set_tests_properties(pipeline PROPERTIES ENVIRONMENT ODOGRAPH_PLUGIN_PATH=${CMAKE_CURRENT_BINARY_DIR})
 )";
 
 inline constexpr char kReadme[] = R"(# @ID@

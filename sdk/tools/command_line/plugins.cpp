@@ -8,9 +8,11 @@
 #include "sdk/host/base/printable.hpp"
 #include "sdk/host/config/registry.hpp"
 #include "sdk/tools/command_line/commands.hpp"
+#include "sdk/tools/command_line/plugin_repository.hpp"
 #include "sdk/tools/command_line/plugin_skeleton.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/validator/check.hpp"
+#include "sdk/tools/validator/statement.hpp"
 #include "sdk/tools/validator/write_manifest.hpp"
 
 namespace odograph {
@@ -45,7 +47,7 @@ int plugins(const std::string& id, const std::string& folder) {
 }
 
 struct CheckWish {
-  std::string file, format = "text", output, recording;
+  std::string file, format = "text", output, recording, statement;
   std::vector<std::string> set, only;
   bool list = false, times = false;
 };
@@ -62,6 +64,21 @@ void give_all(const Recording& recording, const std::function<void(const odo_hea
   }
 }
 
+/// conformance.md and conformance.svg.
+Result<bool> write_statement(const CheckWish& wish, const std::vector<PluginCheck>& checks) {
+  const auto manifest = read_manifest(std::filesystem::path(wish.file).replace_extension(".odoplugin.json"));
+  if (!manifest) return manifest.failure();
+  for (const auto& [name, text] :
+       {std::pair<const char*, std::string>{"conformance.md", conformance_statement(*manifest, checks)},
+        {"conformance.svg", conformance_badge(*manifest, checks)}}) {
+    const std::filesystem::path file = std::filesystem::path(wish.statement) / name;
+    std::ofstream out(file, std::ios::binary);
+    out << text;
+    if (!out.flush()) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be written"};
+  }
+  return true;
+}
+
 int check(const CheckWish& wish) {
   if (wish.list) {
     for (const auto& [id, what] : plugin_check_cases()) std::printf("%-26s %s\n", id.c_str(), what.c_str());
@@ -73,6 +90,8 @@ int check(const CheckWish& wish) {
     return complain({ODO_E_NOT_FOUND, wish.file + (std::filesystem::exists(wish.file, error)
                                                        ? ": is no file; expected a plugin library"
                                                        : ": there is no such file; expected a plugin library")});
+  if (!wish.statement.empty() && !wish.only.empty())
+    return complain({ODO_E_ARGUMENT, "--statement is of all cases; leave out --only"});
   CheckOptions options;
   options.only = wish.only;
   for (const std::string& one : wish.set) {
@@ -99,6 +118,8 @@ int check(const CheckWish& wish) {
     out << text;
     if (!out.flush()) return complain({ODO_E_NOT_FOUND, wish.output + ": cannot be written"});
   }
+  if (!wish.statement.empty())
+    if (const auto written = write_statement(wish, checks); !written) return complain(written.failure());
   for (const PluginCheck& one : checks)
     if (one.outcome == PluginCheck::Outcome::failed) return kPluginFailure;
   return kDone;
@@ -126,6 +147,8 @@ void add_plugins(CLI::App& app, int& status) {
   check_command->add_option("--format", wish->format, "text, json or junit")
       ->check(CLI::IsMember({"text", "json", "junit"}));
   check_command->add_option("-o,--output", wish->output, "file to write to instead of the terminal");
+  check_command->add_option("--statement", wish->statement,
+                            "folder for conformance.md, what was checked and where, and its badge conformance.svg");
   check_command->add_option("--recording", wish->recording,
                             "give the plugin this recording too: what it emits is counted and checked");
   check_command->add_flag("--times", wish->times, "how long each case took");
@@ -133,7 +156,7 @@ void add_plugins(CLI::App& app, int& status) {
   check_command->callback([=, &status] { status = check(*wish); });
   struct NewWish {
     std::string kind, id, folder;
-    bool in_c = false;
+    bool in_c = false, repository = false;
   };
   auto fresh = std::make_shared<NewWish>();
   auto* new_command = command->add_subcommand("new", "Write the source of a new plugin, ready to be built and run");
@@ -142,10 +165,13 @@ void add_plugins(CLI::App& app, int& status) {
   new_command->add_option("id", fresh->id, "group/name")->required();
   new_command->add_option("folder", fresh->folder, "where to; a folder of the plugin's name unless given");
   new_command->add_flag("--c", fresh->in_c, "in C99 instead of C++17");
+  new_command->add_flag("--repository", fresh->repository,
+                        "with CI files for GitHub and GitLab that build, check and state what it conforms to");
   new_command->callback([=, &status] {
     const std::filesystem::path where =
         fresh->folder.empty() ? fresh->id.substr(fresh->id.find('/') + 1) : fresh->folder;
-    const auto written = write_plugin_skeleton(fresh->kind, fresh->id, where, fresh->in_c);
+    auto written = write_plugin_skeleton(fresh->kind, fresh->id, where, fresh->in_c);
+    if (written && fresh->repository) written = write_plugin_repository(fresh->id, where);
     status = written ? kDone : complain(written.failure());
     if (written) std::printf("%s: see README.md there\n", where.c_str());
   });
