@@ -1,9 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # web.sh ODOGRAPH SOURCE FOLDER [PICTURES]: @odograph/web and its page, as packaging/targets wasm has built them into FOLDER, against the command line.
+# With ODOGRAPH_REQUIRE_WEB=ON what is missing for that is a failure.
 set -u
 odograph=$1 source=$2 built=$3 pictures=${4:-}
-[ -e "$built/web/odograph/odograph.wasm" ] || { echo "SKIPPED: no $built/web: packaging/targets wasm builds it"; exit 77; }
+missing=77
+[ "${ODOGRAPH_REQUIRE_WEB:-OFF}" != ON ] || missing=1
+[ -e "$built/web/odograph/odograph.wasm" ] || { echo "SKIPPED: no $built/web: packaging/targets wasm builds it"; exit $missing; }
+NODE_PATH=${NODE_PATH:-${ODOGRAPH_TARGETS:-$HOME/.cache/odograph-targets}/npm/node_modules} # packaging/dependencies test
+export NODE_PATH
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0 skipped=0
@@ -22,4 +27,4 @@ run node "$source/tests/web/node.mjs" "$built/npm" "$work/png.odo" "$work/png/tr
 tsc=$(node -p "require.resolve('typescript/bin/tsc')" 2>/dev/null) &&
   { node "$tsc" --noEmit --strict --target es2022 --module nodenext --moduleResolution nodenext --lib es2022,dom "$source/tests/web/types.ts" || failed=1; } || skipped=$((skipped + 1))
 [ $failed = 0 ] || exit 1
-[ $skipped = 0 ] || exit 77
+[ $skipped = 0 ] || exit $missing
