@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A phone that walks as a recording did: the page's camera is a stream of the recording's pictures, its motion events are the recording's inertial samples, both with the recording's times.
-// One of three samples is given, as browsers give some 60 a second.
+// Of the samples as many are given as browsers give, some 60 a second.
 import {load} from './odograph/index.js';
 
-const EVERY = 3; // samples; the recordings have 200 Hz
+const RATE_HZ = 66;
 const TRUE_POSE = 0x10000;
 const SECONDS_OF_TRUTH = 1e-9;
 
@@ -48,6 +48,8 @@ export async function fakePhone(url) {
   // From the recording's body to the body of a phone that is held with its top to the left, whose rear camera the recording's is.
   const SENSOR = [0, Math.SQRT1_2, -Math.SQRT1_2, 0];
   const turn = v => rotate(SENSOR, rotate(conjugate(calibration.q_b_c), v));
+  const samples_ns = messages.filter(({type}) => type === 'imu').map(({t_ns}) => Number(t_ns));
+  const every = Math.max(1, Math.round((samples_ns.length - 1) / (samples_ns.at(-1) - samples_ns[0]) * 1e9 / RATE_HZ));
   const line_ns = Number(first_frame.line_time_ns || calibration.line_time_ns);
 
   return {
@@ -58,7 +60,7 @@ export async function fakePhone(url) {
       let samples = 0, pictures = 0, seen = 0, first_s = Infinity, last_s = -Infinity;
       const DEGREES = 180 / Math.PI;
       for (const message of messages) {
-        if (message.type === 'imu' && seen++ % EVERY === 0) {
+        if (message.type === 'imu' && seen++ % every === 0) {
           const gyro = turn(message.gyro_b), accel = turn(message.accel_b), event = new DeviceMotionEvent('devicemotion', {interval: 1000 / 60,
             accelerationIncludingGravity: {x: accel[0], y: accel[1], z: accel[2]}, rotationRate: {alpha: gyro[0] * DEGREES, beta: gyro[1] * DEGREES, gamma: gyro[2] * DEGREES}});
           Object.defineProperty(event, 'timeStamp', {value: Number(message.t_ns) / 1e6});

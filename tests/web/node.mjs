@@ -69,5 +69,13 @@ try {
 } catch (error) {
   check(error instanceof OdographError, `no OdographError: ${error}`);
 }
+
+// What the page puts between a browser's few samples: parabolas where the times are even, nothing across a gap.
+const {Between} = await import('../../samples/web/live.js');
+const between = new Between(), parabola = t => [t * t, 1 - 3 * t, 2 * t * t - t], times = [0, 15, 30, 45, 60, 500, 516, 532, 548, 564].map(ms => ms / 1e3);
+const filled = times.flatMap(t => between.add({t_ns: t * 1e9, gyro: parabola(t), accel: parabola(t + 1)}));
+const amiss = Math.max(...filled.flatMap(({t_ns, gyro, accel}) => [...gyro.map((v, i) => v - parabola(t_ns / 1e9)[i]), ...accel.map((v, i) => v - parabola(t_ns / 1e9 + 1)[i])].map(Math.abs)));
+check(filled.length === 17 && amiss < 1e-12, `between samples: ${filled.length}, ${amiss} off`);
+check(filled.every(({t_ns}, i) => !i || t_ns > filled[i - 1].t_ns) && !filled.some(({t_ns}) => t_ns > 60e6 && t_ns < 500e6), 'between samples: not in order, or across a gap');
 failures.forEach(text => console.log('FAILED:', text));
 process.exit(failures.length ? 1 : 0);

@@ -69,7 +69,8 @@ std::string other_kind(Bench& bench) {
 
 std::string every_kind(Bench& bench) {
   for (uint32_t i = 0; i < bench.table().interface_count; ++i) {
-    Subject subject(bench.table(), bench.host, {bench.table().interfaces[i].data, bench.table().interfaces[i].size});
+    const odo_string& kind = bench.table().interfaces[i];
+    Subject subject(bench.table(), bench.host, {kind.data, static_cast<size_t>(kind.size)});
     if (const int32_t status = subject.start(bench.values); status < 0)
       return "interfaces[" + std::to_string(i) + "]: " + status_text("starting", status);
   }
