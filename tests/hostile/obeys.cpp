@@ -59,7 +59,8 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     State& state = of(instance);
     ++state.processed;
     if (order.learn != 0) state.learnt = order.learn;
-    const timespec pause{order.sleep_ms / 1000, static_cast<long>(order.sleep_ms % 1000) * 1'000'000};
+    const timespec pause{static_cast<time_t>(order.sleep_ms / 1000),
+                         static_cast<long>(order.sleep_ms % 1000) * 1'000'000};
     nanosleep(&pause, nullptr);
     for (uint32_t i = 0; i < order.emits; ++i) emit(state, order.header);
     if (order.rounds_up != 0) std::fesetround(FE_UPWARD);

@@ -71,7 +71,11 @@ class RandomCalls {
       SYS_mremap,
       SYS_mprotect,
       SYS_brk,
+#if defined(SYS_mmap2)  // 32 bits
+      SYS_mmap2,
+#else
       SYS_mmap,
+#endif
       SYS_madvise,
       SYS_close,
       SYS_close_range,

@@ -77,7 +77,7 @@ void read_heights(TIFF* tiff, const std::string& file, double missing, Grid& gri
   uint32_t width = static_cast<uint32_t>(grid.columns), height = 1;
   if (tiled) TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &width), TIFFGetField(tiff, TIFFTAG_TILELENGTH, &height);
   const tmsize_t size = tiled ? TIFFTileSize(tiff) : TIFFScanlineSize(tiff);
-  if (width == 0 || height == 0 || size < static_cast<tmsize_t>(width) * height * (bits / 8))
+  if (width == 0 || height == 0 || size <= 0 || static_cast<uint64_t>(size) / width / (bits / 8) < height)
     refuse(file, "its tiles are damaged");
   std::vector<uint8_t> buffer(static_cast<size_t>(size));
   for (uint32_t top = 0; top < grid.rows; top += height)
