@@ -55,7 +55,7 @@ export class AxisOrder {
 
 const WANTED_MS = 5, LONGEST_MS = 100; // between samples: what the tracker's sums of straight lines need; beyond that nothing is known of what was between
 
-/** Browsers give some 60 samples a second. Straight lines between them cut off the peaks of a step: ten walks became 1.4 % short in the mean, by these curves 0.1 %
+/** Browsers give some 60 samples a second. Straight lines between them cut off the peaks of a step: ten walks became 1.1 % short in the mean, by these curves 0.1 %
  * long (docs/web.md). Cubics with the slopes of Catmull & Rom 1974; each sample is given when the next one has come. */
 export class Between {
   #last = []; // three at most; the newest is not given yet
