@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fits step/odograph's lengths, and chooses the law on data sets and people that were left out.
 
-    python3 tests/fit_step_lengths.py DATA      # DATA/ridi, DATA/ipin2023_t3, DATA/trundle_wheel, DATA/phone_walks
+    python3 tests/fit_step_lengths.py DATA [--whole-steps]      # DATA/ridi, DATA/ipin2023_t3, DATA/trundle_wheel, DATA/phone_walks
 
 Needs numpy and scipy, which nothing else of the project does. Steps are peaks of the smoothed vertical acceleration, as the plugin's
 (plugins/step/odograph); inclination by a complementary filter of 3 s. What steps fill between true places is joined to
 stretches of 20 m. Printed for each law: its numbers by all sets; the error of each walk's distance (median and 90 % of the size, mean)
-fitted on all sets and on the others; of RIDI fitted without the person too."""
+fitted on all sets and on the others; of RIDI fitted without the person too. --whole-steps: the first steps after a stop as
+long as the others."""
 import csv
 import glob
 import os
@@ -162,6 +163,9 @@ def steps_of(t, force, rate):
     return np.array(steps)
 
 
+# Whoever sets out takes half a step first (RIDI's walkers): as the plugin's LengthModel has it.
+SETTING_OUT = lambda since_stood: 1 - 0.5 * np.exp(-since_stood / 1.3)
+
 # x: frequency, rise, rotation rate, repetition, vertical part
 LAWS = {
     'a': (lambda q, f, h, w, r, v: q[0] + 0 * f, [0.6]),
@@ -185,6 +189,8 @@ LAWS = {
 
 def distance(law, q, row):
     x, part = row[2], row[3]
+    if SETTING_OUT:
+        part = part * SETTING_OUT(x[:, 7])
     return (law(q, x[:, 2], np.clip(x[:, 3], 1e-3, 0.1), np.clip(x[:, 4], 0.2, 1.4), x[:, 5], x[:, 6]) * part).sum()
 
 
@@ -233,12 +239,25 @@ def joined(rows):
         yield joined.open
 
 
+def since_stood(steps):
+    """Steps since the last pause of 0.8 s and more."""
+    count, out = -1, []
+    for i, step in enumerate(steps):
+        count = 0 if i == 0 or step[0] - steps[i - 1, 1] > 0.8 else count + 1
+        out.append(count)
+    return np.array(out)
+
+
 def main():
+    global SETTING_OUT
+    if '--whole-steps' in sys.argv:
+        SETTING_OUT = None
     rows = []
     for data_set, name, steps, stretches in walks(sys.argv[1]):
         for i in range(1, len(steps)):  # the repetition over the last steps, as the plugin's
             if steps[i, 0] - steps[i - 1, 1] < 1:
                 steps[i, 5] = steps[i - 1, 5] + 0.25 * (steps[i, 5] - steps[i - 1, 5])
+        steps = np.column_stack([steps, since_stood(steps)]) if len(steps) else steps
         for a, b, d in stretches:
             x = steps[(steps[:, 1] > a) & (steps[:, 0] < b)] if len(steps) else steps
             if len(x) < 3 or d < 2:

@@ -32,6 +32,7 @@ void GaitFinder::take(const FoundStep& step) {
   if (last_end_ns_ > step.t_start_ns + (step.t_end_ns - step.t_start_ns) / 2 || found_count_ == found_.size()) return;
   FoundStep& kept = found_[found_count_++] = step;
   kept.t_start_ns = std::max(kept.t_start_ns, last_end_ns_);
+  kept.since_stood = since_stood_ = kept.t_start_ns - last_end_ns_ > kStood_ns ? 0 : since_stood_ + 1;
   last_end_ns_ = kept.t_end_ns;
   if (!kept.gentle) {
     last_vivid_ns_ = kept.t_end_ns;

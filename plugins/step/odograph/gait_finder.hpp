@@ -28,12 +28,15 @@ class GaitFinder {
  private:
   /// After a vivid step a gentle one is a shorter one of the same manner; set on the walks that the README names.
   static constexpr int64_t kSlowingDown_ns = 10'000'000'000;
+  /// Between two steps, after which he has stood: more than a step that was missed.
+  static constexpr int64_t kStood_ns = 800'000'000;
 
   void take(const FoundStep& step);
 
   WalkSignal signal_, smoother_{0.11, 18, true};
   StepFinder vivid_, gentle_{StepFinder::Parameters::of_gentle_steps()};
   int64_t last_end_ns_ = INT64_MIN / 2;    ///< of the newest step that counted
+  int since_stood_ = 0;                    ///< steps since then
   int64_t last_vivid_ns_ = INT64_MIN / 2;  ///< the same of the vivid ones
   std::array<FoundStep, 8> waiting_{};     ///< gentle ones found while a vivid walk went on, the newest last
   size_t waiting_count_ = 0;

@@ -32,11 +32,18 @@ double LengthModel::length_m(const FoundStep& step) const {
   const double length =
       usual_m + per_rise * (step.rise_m - usual_rise_m) + per_cadence_and_rise * quicker_hz * higher_m +
       per_repetition * (step.repetition - usual_repetition) + per_rocking_and_rise * rocking * step.rise_m;
-  return std::clamp(length, shortest_m, longest_m);
+  return std::clamp(setting_out_part(step) * length, shortest_m, longest_m);
+}
+
+double LengthModel::setting_out_part(const FoundStep& step) const {
+  return 1 - (1 - first_part) * std::exp(-step.since_stood / setting_out_steps);
 }
 
 double LengthModel::own_sigma(const FoundStep& step) const {
-  return step.gentle ? gentle_sigma : regular_sigma + per_irregularity * std::clamp(1 - step.repetition, 0.0, 0.5);
+  if (step.gentle) return gentle_sigma;
+  const double part = setting_out_part(step);
+  return std::hypot(regular_sigma + per_irregularity * std::clamp(1 - step.repetition, 0.0, 0.5),
+                    setting_out_sigma * (1 - part) / part);
 }
 
 double Walker::factor_sigma() const { return std::sqrt(P_(0, 0)); }

@@ -29,6 +29,8 @@ struct LengthModel {
   double usual_rise_m = 0.03, usual_cadence_hz = 1.8, usual_repetition = 0.85, usual_radps = 0.5, usual_part = 0.6;
   /// Beyond, cadence, rise and rotation are those of nobody fitted.
   double slowest_hz = 1.4, quickest_hz = 2.3, highest_m = 0.06, calmest_radps = 0.2, wildest_radps = 1.4;
+  /// Whoever sets out takes half a step first; the rest is made up for with each further one: RIDI's walkers (README).
+  double first_part = 0.5, setting_out_steps = 1.3, setting_out_sigma = 0.5;  ///< the last of what is missing
   double at_one_mps_m = 0.632, by_speed = 0.42;  ///< a, for a height of 1.70 m, and its exponent
   double per_root_gentle_rise = 4.0;             ///< m for a root of a metre: l = 0.90 m, knees and arms take 55 %
   double part_of_rise = 0.45;                    ///< of the gentle step's logarithm
@@ -40,6 +42,9 @@ struct LengthModel {
 
   double length_m(const FoundStep& step) const;
   double own_sigma(const FoundStep& step) const;
+
+ private:
+  double setting_out_part(const FoundStep& step) const;
 };
 
 /// What is learnt of a walker: one factor on the model's lengths, another one on gentle steps beside it, and the

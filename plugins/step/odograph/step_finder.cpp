@@ -76,7 +76,7 @@ void StepFinder::confirm(const WalkSignal& signal) {
   peaks_[peak_count_++] = best_;
   if (walking_)
     go_on(signal);
-  else if (peak_count_ >= p_.to_begin) {
+  else if (peak_count_ >= (p_.gentle ? p_.to_begin : kResume.peaks)) {
     begin(signal);
     if (!walking_ && p_.weak > 0) begin_without_weak(signal);
   }
@@ -102,6 +102,7 @@ void StepFinder::go_on(const WalkSignal& signal) {
   typical_part_ +=
       p_.learn_part * (signal.vertical_part_between(peaks_[peak_count_ - 2].index, best_.index) - typical_part_);
   typical_repetition_ += p_.learn_interval * (stride_repetition(signal, typical_s_, 1) - typical_repetition_);
+  ++walked_;
   if (!stray) emit(signal, peaks_[peak_count_ - 2], best_);
 }
 
@@ -152,24 +153,42 @@ bool StepFinder::strides_alike(const WalkSignal& signal, const Run& run) const {
   return stride_repetition(signal, run.mean_s, 2) >= p_.strides_alike;
 }
 
+double StepFinder::stood_s(const Run& run) const {
+  return (peaks_[run.first].t_ns - static_cast<double>(since_ns_)) * 1e-9;
+}
+
+/// Whoever has walked and stopped a moment ago goes on as before, if only for a few steps.
+bool StepFinder::like_before(const WalkSignal& signal, const Run& run) const {
+  if (p_.gentle || walked_ < kResume.after_steps || stood_s(run) > kResume.within_s) return false;
+  return run.longest_s < kResume.interval * typical_s_ && run.shortest_s > typical_s_ / kResume.interval &&
+         run.weakest > kResume.swing * typical_swing_ && run.strongest <= p_.max_swing_ratio * run.weakest &&
+         may_be_walk(signal, run.mean_swing, run.first, peak_count_ - 1);
+}
+
 /// The walk begins when the last peaks are alike.
 void StepFinder::begin(const WalkSignal& signal) {
+  if (peak_count_ >= kResume.peaks)
+    if (const Run few = run_from(peak_count_ - kResume.peaks); like_before(signal, few))
+      return start(signal, few, typical_repetition_);  // three peaks have no repetition of their own
+  if (peak_count_ < p_.to_begin) return;
   const Run steps = run_from(peak_count_ - p_.to_begin);
-  if (steps_alike(signal, steps)) return start(signal, steps);
+  if (steps_alike(signal, steps)) return start(signal, steps, stride_repetition(signal, steps.mean_s, 1));
   if (peak_count_ < p_.strides_to_begin) return;
   const Run strides = run_from(peak_count_ - p_.strides_to_begin);
-  if (strides_alike(signal, strides)) start(signal, strides);
+  if (strides_alike(signal, strides)) start(signal, strides, stride_repetition(signal, strides.mean_s, 1));
 }
 
 /// Peaks before the run, which were weaker or slower because somebody set out, belong to it too.
-void StepFinder::start(const WalkSignal& signal, const Run& run) {
+void StepFinder::start(const WalkSignal& signal, const Run& run, double repetition) {
   const size_t last = peak_count_ - 1;
   const double mean_s = run.mean_s;
   walking_ = true;
   stray_ = 0;
+  if (stood_s(run) > kResume.within_s) walked_ = 0;
+  walked_ += static_cast<double>(last - run.first);
   typical_s_ = mean_s;
   typical_swing_ = run.mean_swing;
-  typical_repetition_ = stride_repetition(signal, mean_s, 1);
+  typical_repetition_ = repetition;
   typical_part_ = 0;
   for (size_t i = run.first + 1; i <= last; ++i)
     typical_part_ +=

@@ -24,7 +24,16 @@ struct FoundStep {
   Eigen::Vector2d surge_n = Eigen::Vector2d::Zero();  ///< horizontal acceleration that leads the vertical one as a
                                                       ///< walk's does, over the latter
   bool gentle;                                        ///< found by the finder of gentle steps
+  int since_stood = 100;                              ///< steps since the walker stood, this one left out (GaitFinder)
 };
+
+/// Peaks like those of a walk that has just ended: a few steps, and he stands again. Set on the 80 mall walks.
+struct Resume {
+  size_t peaks = 3;
+  double within_s = 12, after_steps = 6;  ///< of that walk's end, and how long it was
+  double interval = 1.4, swing = 0.4;     ///< of theirs, either way, and the least, in parts of that walk's
+};
+inline constexpr Resume kResume;
 
 /// Finds the contacts of feet as peaks of the smoothed vertical acceleration: the trunk is lowest there and is pushed
 /// up. A walk begins with four peaks that are alike, whose signal repeats itself and is mostly vertical, as a hand that
@@ -104,7 +113,9 @@ class StepFinder {
   Run run_from(size_t first) const;
   bool steps_alike(const WalkSignal& signal, const Run& run) const;
   bool strides_alike(const WalkSignal& signal, const Run& run) const;
-  void start(const WalkSignal& signal, const Run& run);
+  bool like_before(const WalkSignal& signal, const Run& run) const;
+  double stood_s(const Run& run) const;  // since the last walk
+  void start(const WalkSignal& signal, const Run& run, double repetition);
   bool hand_moves(const WalkSignal& signal, double swing_mps2, double seconds) const;
   bool may_be_walk(const WalkSignal& signal, double swing_mps2, size_t first, size_t last) const;
   void confirm(const WalkSignal& signal);
@@ -125,6 +136,7 @@ class StepFinder {
   std::array<Peak, kMaxPeaks> peaks_{};  // the last ones, newest last
   size_t peak_count_ = 0;
   int stray_ = 0;
+  double walked_ = 0;  // steps of the walk that goes on, or of the last one, with those that it resumed
   double typical_swing_ = 0, typical_s_ = 0.55, typical_part_ = 0, typical_repetition_ = 0;
   std::array<FoundStep, kMaxPeaks> found_{};
   size_t found_count_ = 0;

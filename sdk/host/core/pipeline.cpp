@@ -45,6 +45,8 @@ void Pipeline::process(const odo_header& message) {
       break;
     case ODO_TYPE_BAROMETER:
       composer_.update(&as<odo_barometer>(message));
+      tell_notice();
+      publisher_.publish_estimates();
       ask(message);
       break;
     default: ask(message);  // magnetometer, GNSS, waypoints, and what only a plugin knows

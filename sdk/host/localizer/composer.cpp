@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "sdk/host/messages/messages.hpp"
@@ -36,6 +37,8 @@ void Composer::reset() {
   walker_.reset();
   fixes_.reset(tracker_.start_pose().given, tracker_.start_pose().heading_given);
   output_.reset();
+  heights_ = {}, lift_.reset(), floors_ = {};
+  stepped_ns_ = INT64_MIN / 2, said_floor_ = 0;
   source_ = NoSource{};
   shown_ = !inputs_.vo;
   notice_ = {};
@@ -144,6 +147,8 @@ UpdateResult Composer::apply(const odo_step* step) {
     return {};
   }
   tracker_.go_on(step->header.t_ns);
+  lift_.step(step->t_start_ns), stepped_ns_ = std::max(stepped_ns_, step->t_end_ns);
+  tracker_.height.ride(lift_.riding(), lift_.since_ns());
   if (tracker_.paper()) {
     const Vector3d moved_n = walker_.carry_as_in_papers(*step);
     output_.count(moved_n.norm());
@@ -170,9 +175,50 @@ UpdateResult Composer::apply(const odo_barometer* barometer) {
   tracker_.go_on(barometer->header.t_ns);
   const auto then = tracker_.at(barometer->header.t_ns);
   if (!then) return {};
+  see_lift(*barometer);
   const double since_m = tracker_.newest().p_o_b.z() - then->p_o_b.z();  // o and n share the vertical
-  return tracker_.height.use(tracker_.localizer, *barometer, tracker_.localizer.x[kDown] - since_m,
-                             tracker_.rotates_with_attitude());
+  const double down_m = tracker_.localizer.x[kDown] - since_m;
+  const UpdateResult result = tracker_.height.riding() ? ride(*barometer)
+                                                       : tracker_.height.use(tracker_.localizer, *barometer, down_m,
+                                                                             tracker_.rotates_with_attitude());
+  see_floor(barometer->header.t_ns);
+  return result;
+}
+
+/// Who has made steps and makes none while the air's pressure goes on changing is carried.
+void Composer::see_lift(const odo_barometer& barometer) {
+  if (!walker_.any() || !heights_.add(barometer.header.t_ns, barometer.pressure_pa)) return;
+  lift_.update(heights_, stepped_ns_);
+  if (lift_.riding() == tracker_.height.riding()) return;
+  tracker_.height.ride(lift_.riding(), lift_.since_ns());
+  if (front_end_.begun()) return;
+  lift_.riding() ? set_source(LiftSource{}) : set_source(StepSource{});
+}
+
+/// It is the body that the barometer sees move, and not an error that it corrects.
+UpdateResult Composer::ride(const odo_barometer& barometer) {
+  const int64_t t_ns = barometer.header.t_ns;
+  const double down_m = tracker_.localizer.x[kDown];
+  tracker_.height.carry(tracker_.localizer, t_ns);
+  const UpdateResult result = tracker_.height.use(tracker_.localizer, barometer, down_m, true);
+  TrackPoint to = tracker_.newest();
+  if (!front_end_.begun() && t_ns > to.t_ns) to = tracker_.at(t_ns).value_or(to);
+  tracker_.push(to.t_ns, to.q_o_b, Vector3d(0, 0, tracker_.localizer.x[kDown] - down_m));
+  stepped_ = true;
+  if (!front_end_.begun()) publish(to.t_ns, ODO_TRACKING, ODO_REASON_NONE);
+  return result;
+}
+
+/// Another floor is reported when it is likely enough.
+void Composer::see_floor(int64_t t_ns) {
+  constexpr double kReported = 0.8;  // probability; judgement
+  floors_.add(t_ns, -tracker_.localizer.x[kDown]);
+  const auto [floor, probability] = floors_.floor();
+  if (floor == said_floor_ || probability < kReported || notice_.key) return;
+  said_floor_ = floor;
+  std::snprintf(floor_text_.data(), floor_text_.size(), "floor %+d from where the track began, probability %.2f", floor,
+                probability);
+  notice_ = {"floor", floor_text_.data(), ODO_SEVERITY_INFO};
 }
 
 UpdateResult Composer::apply(const odo_fix* fix) {

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/localizer/fix_update.hpp"
+#include "sdk/host/localizer/floor_estimator.hpp"
 #include "sdk/host/localizer/front_end.hpp"
 #include "sdk/host/localizer/held_poses.hpp"
+#include "sdk/host/localizer/lift_detector.hpp"
 #include "sdk/host/localizer/motion_source.hpp"
 #include "sdk/host/localizer/pose_output.hpp"
 #include "sdk/host/localizer/tracker.hpp"
@@ -55,6 +58,8 @@ class Composer : public HeldPoses {
   ScaleKnowledge scale_knowledge() const { return front_end_.scale().knowledge(tracker_.localizer); }
   double distance_m() const { return output_.distance_m(); }
   const MotionSource& source() const { return source_; }
+  /// Of a building, by the barometer, counted from where the track began; probability 0 without one.
+  FloorEstimator::Floor floor() const { return floors_.floor(); }
   const Localizer& localizer() const { return tracker_.localizer; }
 
  private:
@@ -66,6 +71,9 @@ class Composer : public HeldPoses {
   UpdateResult apply(const odo_scale* scale) { return front_end_.apply(*scale); }
   UpdateResult apply(const odo_fix* fix);
   UpdateResult apply(const odo_barometer* barometer);
+  UpdateResult ride(const odo_barometer& barometer);
+  void see_lift(const odo_barometer& barometer);
+  void see_floor(int64_t t_ns);
   void begin_camera(int64_t t_ns);
   /// What steps have moved by, in n.
   void note_steps(const Eigen::Vector3d& moved_n, int64_t now_ns);
@@ -80,9 +88,15 @@ class Composer : public HeldPoses {
   Walker walker_;
   FixUpdate fixes_;
   PoseOutput output_;
+  HeightTrend heights_;
+  LiftDetector lift_;
+  FloorEstimator floors_;
+  int64_t stepped_ns_ = INT64_MIN / 2;  ///< end of the newest step
+  int32_t said_floor_ = 0;              ///< by the last report
+  std::array<char, 80> floor_text_{};   ///< of it
   MotionSource source_;
   bool shown_ = false;    ///< positions are published
-  bool stepped_ = false;  // steps have moved the track by the present measurement
+  bool stepped_ = false;  // steps, or a lift, have moved the track by the present measurement
   Notice notice_;
 };
 

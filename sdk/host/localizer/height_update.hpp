@@ -18,6 +18,8 @@ class HeightUpdate {
     double sigma_m = 0.5;       ///< m: 4 Pa of wind and 3 of noise
     double correlation_s = 10;  ///< s over which its error is one error; judgement
     double walk = 0.02;         ///< m/sqrt(s): 20 Pa in an hour, doors
+    double lift_mps = 3;        ///< m/s, one sigma, of a lift: those of high houses go 2 to 6
+    double told_s = 6;          ///< s at most that a ride is seen late, in which it has gone somewhere
   };
 
   void reset() { *this = {}; }
@@ -42,12 +44,26 @@ class HeightUpdate {
     height.residual[0] = z_m - down_m - localizer.x[kBarometer];
     height.H(0, kDown) = height.H(0, kBarometer) = 1;
     height.noise(0, 0) = squared(p_.sigma_m) * (steps ? 1.0 : p_.correlation_s / since_s);
-    return localizer.update(height, kGate[1], these({kLogScale, kLogFactor, kStepHeading, kHeading}));
+    return localizer.update(height, riding_ ? 0.0 : kGate[1], these({kLogScale, kLogFactor, kStepHeading, kHeading}));
+  }
+
+  /// A lift or an escalator carries the body up or down from that time on, or does no more.
+  void ride(bool rides, int64_t since_ns) {
+    if (rides && !riding_) ridden_ns_ = since_ns;
+    riding_ = rides;
+  }
+  bool riding() const { return riding_; }
+  /// What a ride may have moved the body by until a reading: nobody but the barometer knows.
+  void carry(Localizer& localizer, int64_t t_ns) {
+    const double dt_s = std::clamp(seconds(t_ns - ridden_ns_), 0.0, p_.told_s);
+    ridden_ns_ = std::max(t_ns, ridden_ns_);
+    localizer.add_variance(kDown, squared(p_.lift_mps * dt_s));
   }
 
  private:
   Parameters p_;
-  int64_t used_ns_ = INT64_MIN;
+  int64_t used_ns_ = INT64_MIN, ridden_ns_ = 0;
+  bool riding_ = false;
 };
 
 }  // namespace odograph

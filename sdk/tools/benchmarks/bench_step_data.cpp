@@ -52,10 +52,11 @@ Json line_of(const Json& labels, const Rows& rows) {
     for (const double x : values) sum += x;
     return values.empty() ? std::nan("") : sum / static_cast<double>(values.size());
   };
-  double stepless = 0, floors = 0, wrong = 0;
+  double stepless = 0, floors = 0, wrong = 0, places = 0, right = 0;
   for (const Json& row : rows)
     stepless += row["steps"].get<double>() == 0, floors += number_at(row, "floors"),
-        wrong += number_at(row, "wrong_floors");
+        wrong += number_at(row, "wrong_floors"), places += number_at(row, "_floor_places"),
+        right += number_at(row, "_floor_right");
   Json line = labels;
   line.update(Json{{"walks", rows.size()},
                    {"stepless", stepless},
@@ -73,7 +74,9 @@ Json line_of(const Json& labels, const Rows& rows) {
                    {"heading_p90", sizes("_heading_deg", 0.9)},
                    {"nees", mean("_normalised_error")},
                    {"floors", floors > 0 ? floors : std::nan("")},
-                   {"wrong_floors", floors > 0 ? wrong : std::nan("")}});
+                   {"wrong_floors", floors > 0 ? wrong : std::nan("")},
+                   {"floor_right", places > 0 ? 100 * right / places : std::nan("")},
+                   {"floor_probability", 100 * mean("_floor_probability")}});
   return line;
 }
 
@@ -161,7 +164,9 @@ std::string table_by(const Rows& rows, const std::string& by) {
                    {"", "90 %", "heading_p90", 1},
                    {"NEES", "", "nees", 2},
                    {"floors", "", "floors", 0},
-                   {"wrong", "", "wrong_floors", 0}};
+                   {"wrong", "", "wrong_floors", 0},
+                   {"number", "right %", "floor_right", 1},
+                   {"", "said %", "floor_probability", 1}};
   return table_text(table, lines);
 }
 
@@ -202,6 +207,9 @@ Json step_data_row(const Recording& recording, const RunResult& result) {
                   {"_heading_deg", f.heading_deg},
                   {"_normalised_error", f.normalised_error},
                   {"_counted", f.counted},
+                  {"_floor_places", f.floor_places},
+                  {"_floor_right", f.floor_right},
+                  {"_floor_probability", f.floor_probability},
                   {"_end_m", f.adaptive.end_m},
                   {"_mean_m", f.adaptive.mean_m},
                   {"_fixed_end_m", f.fixed.end_m},

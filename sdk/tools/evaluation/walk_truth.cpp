@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "sdk/host/localizer/floor_estimator.hpp"
 #include "sdk/math/time.hpp"
 
 namespace odograph {
@@ -161,6 +162,26 @@ void add_floors(const Recording& recording, const Trajectory& track, WalkTruthFi
   }
 }
 
+/// Floors as whole numbers, each counted from the first place's.
+void add_floor_numbers(const Recording& recording, const Trajectory& track, WalkTruthFigures& f) {
+  f.floor_probability = std::nan("");
+  const auto& places = recording.true_floors;
+  if (places.empty() || track.empty()) return;
+  FloorEstimator floors;
+  int32_t first = 0;
+  size_t done = 0;
+  double probabilities = 0;
+  for (const auto& place : places) {
+    for (; done < track.size() && track[done].t_ns <= place.t_ns; ++done)
+      floors.add(track[done].t_ns, -track[done].p.z());
+    const auto [floor, probability] = floors.floor();
+    if (f.floor_places == 0) first = floor;
+    ++f.floor_places, f.floor_right += floor - first == place.floor - places.front().floor;
+    probabilities += probability;
+  }
+  f.floor_probability = probabilities / f.floor_places;
+}
+
 }  // namespace
 
 size_t plain_peak_count(const Recording& recording) {
@@ -199,6 +220,7 @@ WalkTruthFigures walk_truth_figures(const Recording& recording, const std::vecto
   add_distance(steps, stretches_of(recording, places), path, f);
   add_position(track, places, f);
   add_floors(recording, track, f);
+  add_floor_numbers(recording, track, f);
   f.adaptive = composed_errors(steps, 0, places), f.fixed = composed_errors(steps, kFixedStep_m, places);
   return f;
 }

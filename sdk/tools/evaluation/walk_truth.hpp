@@ -26,8 +26,12 @@ struct WalkTruthFigures {
   double position_m = 0;                 ///< rms, horizontal, the track laid on the truth by a rotation and a shift
   std::vector<double> heading_deg;       ///< of stretches of the track, after that
   std::vector<double> normalised_error;  ///< squared, of the steps' lengths over a stretch; they err alike
-  double floors = 0, wrong_floors = 0;   ///< changes of floor between two places, and those told otherwise
-  double counted = 0;                    ///< steps of the time that has a truth, parts of them as parts
+  /// Changes of floor between two places, and those that the track's height tells otherwise.
+  double floors = 0, wrong_floors = 0;
+  /// Places with a floor, of them those whose number, from the first one's, the localizer's estimator has of the
+  /// track's heights, and the mean of its probabilities; NaN without floors.
+  double floor_places = 0, floor_right = 0, floor_probability = 0;
+  double counted = 0;  ///< steps of the time that has a truth, parts of them as parts
   /// Antigny et al. 2019, Table 5: the same steps and headings, once with their own lengths, once with a fixed one.
   /// Laid on the first place and rotated about it onto the others. NaN without places or headings.
   struct Composed {

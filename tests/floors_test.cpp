@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Floors as whole numbers, and lifts: neither walking nor standing still.
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "sdk/host/localizer/lift_detector.hpp"
+#include "sdk/host/localizer/composer.hpp"
+#include "sdk/host/localizer/floor_estimator.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/math/atmosphere.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "tests/support.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("floors");
+
+namespace {
+
+constexpr int64_t kSecond = 1'000'000'000;
+
+/// Half a minute on each of these heights, a third of a metre a second between them, with noise.
+struct Ascent {
+  FloorEstimator floors;
+  Random random{7, 1};
+  int64_t t_ns = 0;
+  double up_m = 0;
+
+  FloorEstimator::Floor to(double m, double stay_s = 30) {
+    const auto add = [&] { floors.add(t_ns += kSecond / 2, up_m + 0.1 * random.normal()); };
+    while (std::abs(m - up_m) > 0.2) up_m += std::copysign(0.16, m - up_m), add();
+    up_m = m;
+    for (double t = 0; t < stay_s; t += 0.5) add();
+    return floors.floor();
+  }
+};
+
+}  // namespace
+
+TEST_CASE("storeys of usual height are counted up and down, and a floor seen before is known better than a new one") {
+  Ascent ascent;
+  CHECK(ascent.to(0).floor == 0);
+  const auto first = ascent.to(3.3);
+  CHECK(first.floor == 1);
+  CHECK(first.probability > 0.8);
+  CHECK(ascent.to(6.5).floor == 2);
+  CHECK(ascent.to(9.9).floor == 3);
+  const auto again = ascent.to(3.3);
+  CHECK(again.floor == 1);
+  CHECK(again.probability > first.probability);
+  CHECK(again.probability > 0.98);
+  CHECK(ascent.to(0).floor == 0);
+  CHECK(ascent.to(-3.1).floor == -1);
+}
+
+TEST_CASE("a building with high storeys is learnt from its first one") {
+  Ascent learnt, unlearnt;
+  learnt.to(0), unlearnt.to(0);
+  learnt.to(4.3), learnt.to(8.6);
+  const auto after = learnt.to(17.2), at_once = unlearnt.to(17.2);
+  CHECK(after.floor == 4);
+  CHECK(after.probability > 0.6);
+  CHECK(at_once.probability < 0.5);  // four high ones, five usual ones or six low ones: it says that it does not know
+}
+
+TEST_CASE("half way up, on a landing, the floor is a guess and says so; a ramp or a step is none") {
+  Ascent ascent;
+  ascent.to(0);
+  CHECK(ascent.to(1.65, 3).probability < 0.8);
+  CHECK(ascent.to(3.3).floor == 1);
+  Ascent ramp;
+  ramp.to(0);
+  CHECK(ramp.to(0.6).floor == 0);
+  CHECK(ramp.to(0.6).probability > 0.95);
+}
+
+TEST_CASE("pressure that drifts by a storey in an hour of one floor changes no floor") {
+  Ascent ascent;
+  ascent.to(0);
+  for (int minute = 0; minute < 60; ++minute) ascent.up_m = 0.05 * minute, ascent.to(0.05 * minute, 60);
+  CHECK(ascent.floors.floor().floor == 0);
+  CHECK(ascent.floors.floor().probability > 0.9);
+}
+
+namespace {
+
+/// Rises at a speed for a time between two stands, with a barometer of that rate; whether and when a ride was seen.
+struct Ride {
+  bool seen = false, over = false;
+  double since_s = 0, seen_s = 0;
+};
+Ride ride_of(double mps, double ride_s, double rate_hz, bool walks, double scatter_pa = 1.5) {
+  HeightTrend trend;
+  LiftDetector detector;
+  Random random(11, 2);
+  Ride ride;
+  int64_t stepped_ns = 0;
+  for (double t = 0; t < 40 + ride_s; t += 1 / rate_hz) {
+    const double up_m = mps * std::clamp(t - 20, 0.0, ride_s);
+    const auto t_ns = static_cast<int64_t>(t * 1e9) + kSecond;
+    if (walks || t < 15) stepped_ns = t_ns, detector.step(t_ns);
+    if (!trend.add(t_ns, 101'325 - up_m / 0.0843 + scatter_pa * random.normal())) continue;
+    detector.update(trend, stepped_ns);
+    if (detector.riding() && !ride.seen)
+      ride.seen = true, ride.seen_s = t - 20, ride.since_s = 1e-9 * static_cast<double>(detector.since_ns()) - 21;
+    ride.over = ride.seen && !detector.riding();
+  }
+  return ride;
+}
+
+}  // namespace
+
+TEST_CASE("a lift is seen after a few seconds, an escalator before its end; stairs that are walked are neither") {
+  for (const double rate_hz : {1.0, 6.0, 25.0}) {
+    CAPTURE(rate_hz);
+    const Ride lift = ride_of(1.0, 10, rate_hz, false);
+    CHECK(lift.seen);
+    CHECK(lift.over);
+    CHECK(lift.seen_s < 5);
+    CHECK(std::abs(lift.since_s) < 4);
+    const Ride down = ride_of(-1.6, 8, rate_hz, false);
+    CHECK(down.seen);
+    const Ride escalator = ride_of(0.25, 20, rate_hz, false);
+    CHECK(escalator.seen);
+    CHECK(escalator.over);
+    CHECK_FALSE(ride_of(0.3, 20, rate_hz, true).seen);
+    CHECK_FALSE(ride_of(0, 20, rate_hz, false, 3).seen);
+  }
+}
+
+TEST_CASE("a walk with rides in a lift: the height follows") {
+  Scenario s;
+  s.walker.stand_s = 4;
+  s.route = {{0, 0, 0}, {60, 0, 0}};
+  s.events = {{20.0, "lift", 15.0}, {40.0, "lift", 15.0}};  // up by 14 m, and down again
+  const auto recording = simulated(s, 31);
+  REQUIRE(recording);
+  RunOptions options;
+  options.config = source("samples/configs/pocket_walk.yaml").string();
+  options.plugin_path = plugin_folder().string();
+  options.overrides = {{"absolute_fixers", "[]"}};
+  options.collect_poses = true;
+  const auto result = replay(*recording, options);
+  REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+  double worst_m = 0, highest_m = 0, riding_m = 0;
+  for (const odo_pose& pose : result->poses) {
+    const auto state = std::lower_bound(recording->true_states.begin(), recording->true_states.end(), pose.header.t_ns,
+                                        [](const TrueState& a, int64_t t) { return a.t_ns < t; });
+    if (state == recording->true_states.end()) continue;
+    const double true_m = -(state->p.z() - recording->true_states.front().p.z()), up_m = -pose.p_n[2];
+    const bool between = true_m > 2 && true_m < 12;
+    (between ? riding_m : worst_m) = std::max(between ? riding_m : worst_m, std::abs(up_m - true_m));
+    highest_m = std::max(highest_m, up_m);
+  }
+  MESSAGE("off by " << worst_m << " m on floors, " << riding_m << " m in the lift");
+  CHECK(worst_m < 2.5);
+  CHECK(riding_m > 0);
+  CHECK(riding_m < 6);
+  CHECK(highest_m > 12);
+  CHECK(std::abs(result->track.back().p.z() - result->track.front().p.z()) < 1.5);
+}
+
+TEST_CASE(
+    "a lift is a source of motion: what it moves is a motion and no correction, and steps move the track again after") {
+  CouplingConfig config;
+  config.type = CouplingType::localizer;
+  Composer composer(config, {}, {false, false});
+  Random random(3, 9);
+  const auto ns = [](double t_s) { return kSecond + static_cast<int64_t>(std::llround(t_s * 1e9)); };
+  const auto up_at = [](double t_s) { return 1.0 * std::clamp(t_s - 30, 0.0, 10.0); };
+  size_t corrections = 0;
+  bool rode = false, floor_said = false;
+  for (int i = 0; i < 7000; ++i) {
+    const double t = 0.01 * i;
+    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ns(t));
+    attitude.q_n_b[0] = 1;
+    attitude.covariance_n[0] = attitude.covariance_n[4] = 4e-4;
+    composer.update(&attitude);
+    const bool walks = t < 25 || t > 45;
+    if (walks && i > 0 && i % 50 == 0) {
+      auto step = make_message<odo_step>(ODO_TYPE_STEP, ns(t));
+      step.header.flags = ODO_STEP_HEADING;
+      step.t_start_ns = ns(t - 0.9), step.t_end_ns = ns(t - 0.4);
+      step.length_m = 0.7, step.sigma_m = 0.05, step.mode = ODO_MODE_WALKING_TEXTING;
+      composer.update(&step);
+    }
+    if (i % 20 == 0) {
+      auto reading = make_message<odo_barometer>(ODO_TYPE_BAROMETER, ns(t));
+      reading.pressure_pa = pressure_at_pa(up_at(t)) + 1.5 * random.normal();
+      composer.update(&reading);
+    }
+    Correction correction;
+    odo_pose pose{};
+    const bool corrected = composer.take_correction(correction, pose);
+    while (composer.take_pose(pose)) continue;
+    if (const Notice notice = composer.take_notice(); notice.key) floor_said |= std::string(notice.key) == "floor";
+    const bool rides = std::holds_alternative<LiftSource>(composer.source());
+    rode = rode || rides;
+    corrections += corrected && rides;
+    if (rides) CHECK((t > 30 && t < 45));
+    if (t > 36 && t < 40) CHECK(rides);
+  }
+  CHECK(rode);
+  CHECK(corrections == 0);
+  CHECK(floor_said);
+  CHECK(std::holds_alternative<StepSource>(composer.source()));
+  CHECK(std::abs(-composer.localizer().x[kDown] - 10) < 1);
+  CHECK(composer.floor().floor == 3);
+  CHECK(composer.floor().probability > 0.5);
+}
+
+TEST_SUITE_END();
