@@ -45,7 +45,7 @@ FloorEstimator::Expected FloorEstimator::expected(int floor, size_t hypothesis, 
 
 double FloorEstimator::likelihood(double up_m, int floor, size_t hypothesis, int64_t t_ns) const {
   const Expected there = expected(floor, hypothesis, t_ns);
-  const double off_m = up_m - there.up_m, variance = there.variance_m2 + squared(p_.level_sigma_m);
+  const double off_m = up_m - there.up_m, variance = there.variance_m2 + squared(p_.floor_sigma_m);
   return (1 - p_.between) * gauss(off_m, variance) +
          p_.between * gauss(off_m, variance + squared(p_.between_storeys * storey_m(hypothesis)));
 }
@@ -77,18 +77,18 @@ void FloorEstimator::see_level(int64_t t_ns, double up_m) {
       sum += weights_[s] *= storey_m(s) * any;
     }
     for (double& weight : weights_) weight /= sum;
-    level = {true, up_m, squared(p_.level_sigma_m), t_ns};
+    level = {true, up_m, squared(p_.floor_sigma_m), t_ns};
     return;
   }
   const double variance = level.variance_m2 + squared(p_.drift_m) * std::max(0.0, seconds(t_ns - level.t_ns));
-  const double gain = variance / (variance + squared(p_.level_sigma_m));
+  const double gain = variance / (variance + squared(p_.floor_sigma_m));
   level = {true, level.up_m + gain * (up_m - level.up_m), std::max((1 - gain) * variance, 0.01), t_ns};
 }
 
 void FloorEstimator::add(int64_t t_ns, double up_m) {
   if (!begun_) {
     begun_ = true;
-    levels_[-kLowest] = {true, up_m, squared(p_.level_sigma_m), t_ns};
+    levels_[-kLowest] = {true, up_m, squared(p_.floor_sigma_m), t_ns};
   } else if (t_ns - heights_.back(0).t_ns < kApart_ns) {
     return;
   }

@@ -20,7 +20,7 @@ class FloorEstimator {
     double storey_m = 3.2, storey_sigma_m = 0.6;  ///< mean height: dwellings 2.7, offices 3.5 to 4, museums and shops 5
     double lowest_m = 2.4, highest_m = 5.2;       ///< of that mean; building codes ask for 2.3 to 2.5 m of clear height
     double storey_scatter = 0.12;                 ///< of one storey's height, about the building's mean, relative
-    double level_sigma_m = 0.35;                  ///< of a height on a floor: the hand's, and gusts that last
+    double floor_sigma_m = 0.35;                  ///< of a height on a floor: the hand's, and gusts that last
     double between = 0.15, between_storeys = 0.35;  ///< how likely he is on stairs or a half storey, and how far off
     double drift_m = 0.02;                          ///< m/sqrt(s), of the pressure, as HeightUpdate's walk
     double level_s = 6;    ///< s within which a floor is level: longer than a landing is stood on

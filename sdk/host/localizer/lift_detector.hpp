@@ -35,9 +35,9 @@ class LiftDetector {
     const auto stands = [&](int64_t from_ns) {
       return seconds(now_ns - stepped_ns) > p_.stands_s && from_ns >= stepped_ns - nanoseconds(p_.stands_s);
     };
-    const auto rises = [&](const std::optional<HeightTrend::Slope>& slope, double least_mps) {
+    const auto rises = [&](const std::optional<HeightTrend::Slope>& slope, double min_mps) {
       return slope && stands(slope->from_ns) &&
-             std::abs(slope->mps) > std::max(least_mps, p_.clear_sigmas * slope->sigma_mps);
+             std::abs(slope->mps) > std::max(min_mps, p_.clear_sigmas * slope->sigma_mps);
     };
     if (riding_) {
       if (!quick || std::abs(quick->mps) < p_.end_mps) stop(now_ns - nanoseconds(0.5 * p_.lift_s));
