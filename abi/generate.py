@@ -6,7 +6,8 @@
   include/odograph/messages.h          all messages as one list, and the sizes of 1.0
   golden/contract_v1.txt               all that is promised, one fact a line
   golden/minimum_v1.txt                the smallest size of each struct that a reader accepts
-  ../samples/python/odograph_abi.py    the declarations for Python
+  ../bindings/python/odograph/abi.py, abi.pyi  the declarations for Python, and their types
+  ../bindings/csharp/Abi.cs, rust/src/abi.rs  the same for C# and Rust
   ../packaging/web/npm/abi.js, abi.d.ts  where numbers lie in memory for JavaScript, and the types for TypeScript
 
 --check          writes nothing. Fails where a file is out of date, with the facts that differ, and where the tree breaks
@@ -25,8 +26,10 @@ import pathlib
 import re
 import sys
 
-from bindings import check_python, python
+from bindings import check_python, python, stub
+from bindings_csharp import csharp
 from bindings_js import javascript, typescript
+from bindings_rust import rust
 from description import Description
 from exchange import exchange_c
 from facts import breaks, differences, facts, nodes, text_of
@@ -35,6 +38,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 INCLUDE = HERE / "include/odograph"
 MAP = HERE.parent / "sdk/host/odograph.map"
 CONTRACT, MINIMUM, RELEASED = (HERE / f"golden/{name}_v1.txt" for name in ("contract", "minimum", "released"))
+BINDINGS = HERE.parent / "bindings"
+PYTHON = BINDINGS / "python/odograph/abi.py"
 HEAD = "/* SPDX-License-" "Identifier: Apache-2.0\n *\n * Written by abi/generate.py; do not edit. "
 
 
@@ -145,7 +150,10 @@ def generate(abi):
         INCLUDE / "messages.h": messages_h(abi, minimum),
         CONTRACT: text_of(facts(abi, minimum, MAP)),
         MINIMUM: "".join(f"{name} {size}\n" for name, size in minimum.items()),
-        HERE.parent / "samples/python/odograph_abi.py": python(abi),
+        PYTHON: python(abi),
+        BINDINGS / "rust/src/abi.rs": rust(abi),
+        BINDINGS / "csharp/Abi.cs": csharp(abi),
+        PYTHON.with_suffix(".pyi"): stub(abi),
         HERE.parent / "packaging/web/npm/abi.js": javascript(abi),
         HERE.parent / "packaging/web/npm/abi.d.ts": typescript(abi),
     }
@@ -161,7 +169,7 @@ def check(abi, files):
             yield f"{path.relative_to(HERE.parent)} is out of date: run abi/generate.py"
     if RELEASED.exists():
         yield from breaks(abi, RELEASED.read_text(), files[CONTRACT])
-    yield from check_python(files[HERE.parent / "samples/python/odograph_abi.py"], abi)
+    yield from check_python(files[PYTHON], abi)
     functions, exported = {f.name for f in abi.exported()}, set(nodes(MAP))
     for name in sorted(functions ^ exported):
         yield f"{name}: " + ("declared, but not in odograph.map" if name in functions else "in odograph.map, but not declared")

@@ -21,7 +21,7 @@ import tempfile
 from abi_mutations_table import GROWTH, ROWS
 
 PROJECT, BUILD = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
-ABI = ("abi", "sdk/host/odograph.map", "samples/python")
+ABI = ("abi", "sdk/host/odograph.map")
 
 
 def run(command, cwd=None):

@@ -25,7 +25,6 @@ gcc -std=c99 -pedantic-errors -Wall -Wextra -Werror "$work/samples/embed_c/main.
 cmake -S "$work/samples/live_c" -B "$work/live" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
 cmake --build "$work/live" >/dev/null
 "$work/live/live" "$work/samples/configs/phone_walk.yaml" "$work/live.odo" | tail -1
-python3 "$work/samples/python/odograph_live.py" "$libdir/libodograph.so" "$work/samples/configs/phone_walk.yaml"
 
 cmake -S "$work/samples/plugin_example" -B "$work/plugin" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
 cmake --build "$work/plugin" >/dev/null

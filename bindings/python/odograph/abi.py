@@ -228,67 +228,99 @@ class odo_recorder(c.Structure): pass
 class odo_string(c.Structure): _fields_ = [*_pointer("data", _P(_char)), ("size", _u64)]
 class odo_header(c.Structure): _fields_ = [("struct_size", _u32), ("type", _u32), ("t_ns", _i64), ("source", _u32),
     ("flags", _u32), ("quality", _f32), ("reserved", _u32)]
+
+
+class Message(c.Structure):
+    """The head of a message is part of it. Without arguments all is zero; an array takes any sequence of its length."""
+    TYPE = 0
+    picture = None  # of a recorded frame: PNG or JPEG, as the app encoded it
+    HEAD = ("t_ns", "source", "flags", "quality")
+
+    def __init__(self, **fields):
+        super().__init__()
+        self.header.struct_size, self.header.type = c.sizeof(self), self.TYPE
+        for name, value in fields.items():
+            setattr(self, name, value)
+
+    def __setattr__(self, name, value):
+        if name in self.HEAD:
+            setattr(self.header, name, value)
+        elif isinstance(getattr(self, name), c.Array) and not isinstance(value, (bytes, c.Array)):
+            getattr(self, name)[:] = value
+        else:
+            super().__setattr__(name, value)
+
+    def __getattr__(self, name):
+        if name in self.HEAD:
+            return getattr(self.header, name)
+        raise AttributeError(f"{type(self).__name__} has no field '{name}'; it has {', '.join(f[0] for f in self._fields_)}")
+
+
 class odo_loan(c.Structure): _fields_ = [*_pointer("owner", c.c_void_p),
     *_pointer("retain", c.CFUNCTYPE(_i32, c.c_void_p)), *_pointer("release", c.CFUNCTYPE(None, c.c_void_p)),
     *_pointer("native", c.CFUNCTYPE(c.c_void_p, c.c_void_p, _P(_char), _u64)), ("reserved", _u64)]
 class odo_borrowed(c.Structure): _fields_ = [("header", odo_header), ("loan", odo_loan)]
-class odo_attitude(c.Structure): _fields_ = [("header", odo_header), ("q_n_b", _f64 * 4), ("covariance_n", _f64 * 9),
-    ("gyro_bias_b", _f64 * 3)]
-class odo_step(c.Structure): _fields_ = [("header", odo_header), ("t_start_ns", _i64), ("t_end_ns", _i64),
+class odo_attitude(Message): TYPE = 0x1001; _fields_ = [("header", odo_header), ("q_n_b", _f64 * 4),
+    ("covariance_n", _f64 * 9), ("gyro_bias_b", _f64 * 3)]
+class odo_step(Message): TYPE = 0x1002; _fields_ = [("header", odo_header), ("t_start_ns", _i64), ("t_end_ns", _i64),
     ("length_m", _f64), ("sigma_m", _f64), ("frequency_hz", _f64), ("heading_rad", _f64), ("mode", _u32),
     ("index", _u32), ("heading_sigma_rad", _f64)]
-class odo_motion_mode(c.Structure): _fields_ = [("header", odo_header), ("mode", _u32), ("reserved", _u32)]
-class odo_vo_motion(c.Structure): _fields_ = [("header", odo_header), ("t_from_ns", _i64), ("q_c0_c1", _f64 * 4),
-    ("p_c0_c1", _f64 * 3), ("covariance", _f64 * 36), ("q_n_c0", _f64 * 4), ("camera", _u32), ("state", _u32),
-    ("reason", _u32), ("scale_group", _u32), ("tracked", _u32), ("inliers", _u32), ("scale_sigma", _f64),
-    ("velocity_c1", _f64 * 3), ("gravity_c1", _f64 * 3), ("gyro_bias_b", _f64 * 3), ("accel_bias_b", _f64 * 3)]
-class odo_scale(c.Structure): _fields_ = [("header", odo_header), ("valid_from_ns", _i64), ("valid_to_ns", _i64),
-    ("scale", _f64), ("sigma", _f64), ("displacement_m", _f64), ("scale_group", _u32), ("reserved", _u32)]
-class odo_fix(c.Structure): _fields_ = [("header", odo_header), ("p_n", _f64 * 3), ("covariance_n", _f64 * 9),
-    ("q_n_b", _f64 * 4), ("orientation_cov_n", _f64 * 9), ("yaw_rad", _f64), ("yaw_sigma_rad", _f64),
-    ("latitude_rad", _f64), ("longitude_rad", _f64), ("height_m", _f64), ("integrity", _f64), ("landmark_n", _f64 * 3),
-    ("slant_distance_m", _f64), ("lever_b", _f64 * 3), ("yaw_axis_b", _f64 * 3), ("cross_covariance_n", _f64 * 9),
-    ("slant_sigma_m", _f64)]
-class odo_relative_pose(c.Structure): _fields_ = [("header", odo_header), ("t_from_ns", _i64), ("q_b0_b1", _f64 * 4),
-    ("p_b0_b1", _f64 * 3), ("covariance", _f64 * 36)]
-class odo_pose(c.Structure): _fields_ = [("header", odo_header), ("q_n", _f64 * 4), ("p_n", _f64 * 3),
+class odo_motion_mode(Message): TYPE = 0x1003; _fields_ = [("header", odo_header), ("mode", _u32), ("reserved", _u32)]
+class odo_vo_motion(Message): TYPE = 0x1004; _fields_ = [("header", odo_header), ("t_from_ns", _i64),
+    ("q_c0_c1", _f64 * 4), ("p_c0_c1", _f64 * 3), ("covariance", _f64 * 36), ("q_n_c0", _f64 * 4), ("camera", _u32),
+    ("state", _u32), ("reason", _u32), ("scale_group", _u32), ("tracked", _u32), ("inliers", _u32),
+    ("scale_sigma", _f64), ("velocity_c1", _f64 * 3), ("gravity_c1", _f64 * 3), ("gyro_bias_b", _f64 * 3),
+    ("accel_bias_b", _f64 * 3)]
+class odo_scale(Message): TYPE = 0x1005; _fields_ = [("header", odo_header), ("valid_from_ns", _i64),
+    ("valid_to_ns", _i64), ("scale", _f64), ("sigma", _f64), ("displacement_m", _f64), ("scale_group", _u32),
+    ("reserved", _u32)]
+class odo_fix(Message): TYPE = 0x1006; _fields_ = [("header", odo_header), ("p_n", _f64 * 3),
+    ("covariance_n", _f64 * 9), ("q_n_b", _f64 * 4), ("orientation_cov_n", _f64 * 9), ("yaw_rad", _f64),
+    ("yaw_sigma_rad", _f64), ("latitude_rad", _f64), ("longitude_rad", _f64), ("height_m", _f64), ("integrity", _f64),
+    ("landmark_n", _f64 * 3), ("slant_distance_m", _f64), ("lever_b", _f64 * 3), ("yaw_axis_b", _f64 * 3),
+    ("cross_covariance_n", _f64 * 9), ("slant_sigma_m", _f64)]
+class odo_relative_pose(Message): TYPE = 0x100c; _fields_ = [("header", odo_header), ("t_from_ns", _i64),
+    ("q_b0_b1", _f64 * 4), ("p_b0_b1", _f64 * 3), ("covariance", _f64 * 36)]
+class odo_pose(Message): TYPE = 0x1007; _fields_ = [("header", odo_header), ("q_n", _f64 * 4), ("p_n", _f64 * 3),
     ("velocity_n", _f64 * 3), ("covariance", _f64 * 36), ("scale", _f64), ("scale_sigma", _f64), ("distance_m", _f64),
     ("state", _u32), ("reason", _u32), ("angular_velocity", _f64 * 3), ("velocity_covariance", _f64 * 9)]
-class odo_state(c.Structure): _fields_ = [("header", odo_header), ("state", _u32), ("reason", _u32)]
-class odo_correction(c.Structure): _fields_ = [("header", odo_header), ("q_n", _f64 * 4), ("p_n", _f64 * 3),
+class odo_state(Message): TYPE = 0x1008; _fields_ = [("header", odo_header), ("state", _u32), ("reason", _u32)]
+class odo_correction(Message): TYPE = 0x1009; _fields_ = [("header", odo_header), ("q_n", _f64 * 4), ("p_n", _f64 * 3),
     ("reason", _u32), ("reserved", _u32)]
-class odo_refined(c.Structure): _fields_ = [("header", odo_header), ("camera", _u32), ("model", _u32), ("width", _u32),
-    ("height", _u32), ("distortion_count", _u32), ("reserved", _u32), ("fx", _f64), ("fy", _f64), ("cx", _f64),
-    ("cy", _f64), ("distortion", _f64 * 8), ("q_b_c", _f64 * 4), ("p_b_c", _f64 * 3), ("time_offset_ns", _i64),
-    ("line_time_ns", _i64)]
-class odo_report(c.Structure): _fields_ = [("header", odo_header), ("count", _u64), ("severity", _u32),
+class odo_refined(Message): TYPE = 0x100b; _fields_ = [("header", odo_header), ("camera", _u32), ("model", _u32),
+    ("width", _u32), ("height", _u32), ("distortion_count", _u32), ("reserved", _u32), ("fx", _f64), ("fy", _f64),
+    ("cx", _f64), ("cy", _f64), ("distortion", _f64 * 8), ("q_b_c", _f64 * 4), ("p_b_c", _f64 * 3),
+    ("time_offset_ns", _i64), ("line_time_ns", _i64)]
+class odo_report(Message): TYPE = 0x100a; _fields_ = [("header", odo_header), ("count", _u64), ("severity", _u32),
     ("status", _i32), ("plugin", _char * 64), ("key", _char * 64), ("text", _char * 1024)]
-class odo_imu(c.Structure): _fields_ = [("header", odo_header), ("gyro_b", _f64 * 3), ("accel_b", _f64 * 3)]
-class odo_magnetometer(c.Structure): _fields_ = [("header", odo_header), ("field_b", _f64 * 3), ("sigma_t", _f64)]
-class odo_barometer(c.Structure): _fields_ = [("header", odo_header), ("pressure_pa", _f64), ("sigma_pa", _f64)]
-class odo_gnss(c.Structure): _fields_ = [("header", odo_header), ("latitude_rad", _f64), ("longitude_rad", _f64),
-    ("height_m", _f64), ("covariance_n", _f64 * 9), ("velocity_n", _f64 * 3), ("satellites", _u32), ("reserved", _u32),
-    ("lever_b", _f64 * 3)]
+class odo_imu(Message): TYPE = 0x1; _fields_ = [("header", odo_header), ("gyro_b", _f64 * 3), ("accel_b", _f64 * 3)]
+class odo_magnetometer(Message): TYPE = 0x2; _fields_ = [("header", odo_header), ("field_b", _f64 * 3),
+    ("sigma_t", _f64)]
+class odo_barometer(Message): TYPE = 0x3; _fields_ = [("header", odo_header), ("pressure_pa", _f64),
+    ("sigma_pa", _f64)]
+class odo_gnss(Message): TYPE = 0x4; _fields_ = [("header", odo_header), ("latitude_rad", _f64),
+    ("longitude_rad", _f64), ("height_m", _f64), ("covariance_n", _f64 * 9), ("velocity_n", _f64 * 3),
+    ("satellites", _u32), ("reserved", _u32), ("lever_b", _f64 * 3)]
 class odo_plane(c.Structure): _fields_ = [*_pointer("data", _P(_u8)), ("row_stride", _i64), ("pixel_stride", _u32),
     ("rows", _u32)]
-class odo_frame(c.Structure): _fields_ = [("header", odo_header), ("loan", odo_loan), ("format", _u32),
+class odo_frame(Message): TYPE = 0x801; _fields_ = [("header", odo_header), ("loan", odo_loan), ("format", _u32),
     ("width", _u32), ("height", _u32), ("plane_count", _u32), ("planes", odo_plane * 4), ("mask", odo_plane),
     ("exposure_ns", _i64), ("line_time_ns", _i64), ("fx", _f64), ("fy", _f64), ("cx", _f64), ("cy", _f64)]
-class odo_calibration(c.Structure): _fields_ = [("header", odo_header), ("model", _u32), ("width", _u32),
+class odo_calibration(Message): TYPE = 0x5; _fields_ = [("header", odo_header), ("model", _u32), ("width", _u32),
     ("height", _u32), ("distortion_count", _u32), ("fx", _f64), ("fy", _f64), ("cx", _f64), ("cy", _f64),
     ("distortion", _f64 * 8), ("q_b_c", _f64 * 4), ("p_b_c", _f64 * 3), ("time_offset_ns", _i64),
     ("line_time_ns", _i64)]
-class odo_imu_noise(c.Structure): _fields_ = [("header", odo_header), ("gyro_noise", _f64), ("gyro_walk", _f64),
-    ("accel_noise", _f64), ("accel_walk", _f64)]
-class odo_waypoint(c.Structure): _fields_ = [("header", odo_header), ("p_n", _f64 * 3), ("sigma_m", _f64),
+class odo_imu_noise(Message): TYPE = 0x6; _fields_ = [("header", odo_header), ("gyro_noise", _f64),
+    ("gyro_walk", _f64), ("accel_noise", _f64), ("accel_walk", _f64)]
+class odo_waypoint(Message): TYPE = 0x7; _fields_ = [("header", odo_header), ("p_n", _f64 * 3), ("sigma_m", _f64),
     ("lever_b", _f64 * 3)]
-class odo_earth_field(c.Structure): _fields_ = [("header", odo_header), ("declination_rad", _f64),
+class odo_earth_field(Message): TYPE = 0x8; _fields_ = [("header", odo_header), ("declination_rad", _f64),
     ("inclination_rad", _f64), ("intensity_t", _f64)]
-class odo_platform_pose(c.Structure): _fields_ = [("header", odo_header), ("q_w", _f64 * 4), ("p_w", _f64 * 3),
+class odo_platform_pose(Message): TYPE = 0x9; _fields_ = [("header", odo_header), ("q_w", _f64 * 4), ("p_w", _f64 * 3),
     ("covariance", _f64 * 36), ("state", _u32), ("world", _u32)]
-class odo_range(c.Structure): _fields_ = [("header", odo_header), ("transmitter", _u64), ("range_m", _f64),
+class odo_range(Message): TYPE = 0xa; _fields_ = [("header", odo_header), ("transmitter", _u64), ("range_m", _f64),
     ("sigma_m", _f64), ("p_n", _f64 * 3), ("transmitter_sigma_m", _f64), ("lever_b", _f64 * 3)]
-class odo_system_step(c.Structure): _fields_ = [("header", odo_header), ("count", _u64), ("distance_m", _f64)]
+class odo_system_step(Message): TYPE = 0xb; _fields_ = [("header", odo_header), ("count", _u64), ("distance_m", _f64)]
 class odo_host(c.Structure): pass
 odo_host._fields_ = [("struct_size", _u32), ("abi_major_min", _u32), ("abi_major_max", _u32), ("abi_minor", _u32),
     ("version", odo_string), *_pointer("get_service", c.CFUNCTYPE(c.c_void_p, _P(odo_host), _P(_char), _u64))]
@@ -349,6 +381,36 @@ class odo_anchor(c.Structure): _fields_ = [("struct_size", _u32), ("kind", _u32)
 class odo_terrain(c.Structure): _fields_ = [("struct_size", _u32), ("reserved", _u32), *_pointer("user", c.c_void_p),
     *_pointer("height", c.CFUNCTYPE(_i32, c.c_void_p, _f64, _f64, _f64, _P(_f64), _P(_f64)))]
 
+Imu = odo_imu
+Magnetometer = odo_magnetometer
+Barometer = odo_barometer
+Gnss = odo_gnss
+Calibration = odo_calibration
+ImuNoise = odo_imu_noise
+Waypoint = odo_waypoint
+EarthField = odo_earth_field
+PlatformPose = odo_platform_pose
+Range = odo_range
+SystemStep = odo_system_step
+Frame = odo_frame
+Attitude = odo_attitude
+Step = odo_step
+MotionMode = odo_motion_mode
+VoMotion = odo_vo_motion
+Scale = odo_scale
+Fix = odo_fix
+Pose = odo_pose
+State = odo_state
+Correction = odo_correction
+Report = odo_report
+Refined = odo_refined
+RelativePose = odo_relative_pose
+SessionOptions = odo_session_options
+Statistics = odo_statistics
+AnchorPlace = odo_anchor_place
+Anchor = odo_anchor
+
+MESSAGES = {kind.TYPE: kind for kind in Message.__subclasses__()}
 
 odo_plugin_entry = c.CFUNCTYPE(_i32, _P(odo_host), _P(odo_plugin))
 odo_callback = c.CFUNCTYPE(None, c.c_void_p, _P(odo_header))

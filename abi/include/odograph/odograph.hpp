@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The library for C++17 apps: sessions, recordings and anchors that end by themselves, events as calls of a function,
+// pictures shared with the library instead of copied. Headers alone; what the functions do stands in the C headers.
+//
+//   odo::Session session(odo::Options().file("walk.yaml"));
+//   session.on_event([](const odo::Event& event) { if (const auto pose = event.get<odo_pose>()) draw(*pose); });
+//   session.push(odo::make<odo_imu>(t_ns));
+//
+// A failure is thrown as odo::Error where a call makes something or asks for something that is not there; a sample that is
+// refused is a status, as a live sensor's callback wants it.
+#ifndef ODOGRAPH_ODOGRAPH_HPP
+#define ODOGRAPH_ODOGRAPH_HPP
+
+#include <odograph/anchor.h>
+#include <odograph/plugin_messages.hpp>
+#include <odograph/recording.h>
+
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace odo {
+inline namespace ODO_DETAIL_VERSION {
+
+/// A zeroed struct that the library is to fill.
+template <class Struct> Struct sized() {
+  Struct made;
+  std::memset(&made, 0, sizeof made);
+  *reinterpret_cast<uint32_t*>(&made) = sizeof made;
+  return made;
+}
+
+inline void check(int32_t status, const odo_error* error = nullptr) {
+  if (status < 0) throw Error(status, error && *error->message ? error->message : odo_status_text(status));
+}
+
+/// A message of any type, borrowed: an event within its call, a recorded message until the next one.
+class Event {
+ public:
+  explicit Event(const odo_header* header) : header_(header) {}
+  const odo_header& header() const noexcept { return *header_; }
+  /// A copy of the message, where it is of that type.
+  template <class Message> std::optional<Message> get() const {
+    if (header_->type != type_of<Message>::value) return std::nullopt;
+    Message message;
+    odo_copy(&message, sizeof message, header_);
+    return message;
+  }
+
+ private:
+  const odo_header* header_;
+};
+
+/// What a session is made of: odo_session_options. The strings are this object's own.
+class Options {
+ public:
+  Options& file(std::string path) { return config_path_ = std::move(path), *this; }
+  Options& text(std::string yaml) { return config_text_ = std::move(yaml), *this; }
+  Options& plugins(std::string folders) { return plugin_path_ = std::move(folders), *this; }
+  Options& assets(std::string folders) { return asset_path_ = std::move(folders), *this; }
+  Options& live(bool on = true) { return run_ = on ? ODO_RUN_LIVE : ODO_RUN_REPLAY, *this; }
+  Options& seed(uint64_t number) { return seed_ = number, *this; }
+  odo_session_options c() const {
+    auto options = sized<odo_session_options>();
+    options.run = run_, options.seed = seed_;
+    options.config_path = str(config_path_), options.config_text = str(config_text_);
+    options.plugin_path = str(plugin_path_), options.asset_path = str(asset_path_);
+    return options;
+  }
+
+ private:
+  std::string config_path_, config_text_, plugin_path_, asset_path_;
+  uint32_t run_ = ODO_RUN_REPLAY;
+  uint64_t seed_ = 0;
+};
+
+/// One pipeline. It may be moved; threads as in odograph.h.
+class Session {
+ public:
+  explicit Session(const Options& options) {
+    auto error = sized<odo_error>();
+    const odo_session_options c = options.c();
+    live_ = c.run == ODO_RUN_LIVE;
+    odo_session* made = nullptr;
+    check(odo_session_create(&c, &made, &error), &error);
+    session_.reset(made);
+  }
+  odo_session* c() const noexcept { return session_.get(); }
+
+  /// Calls `function` with each event of those types, all of them unless given. What it throws comes out of the push or flush
+  /// in which it was called in a replay, and out of the next flush of a live session.
+  void on_event(std::function<void(const Event&)> function, std::initializer_list<uint32_t> types = {}) {
+    auto listener = std::make_unique<Listener>();
+    listener->function = std::move(function);
+    const uint32_t count = types.size() == 0 ? ODO_ALL_EVENTS : static_cast<uint32_t>(types.size());
+    check(odo_session_set_callback(c(), types.begin(), count, Listener::call, listener.get()));
+    listener_ = std::move(listener);
+  }
+
+  /// ODO_OK, or why it was dropped.
+  template <class Message> int32_t push(const Message& message) { return pushed(odo_session_push(c(), &message.header)); }
+  int32_t push(const Event& message) { return pushed(odo_session_push(c(), &message.header())); }
+  int32_t push_imu(int64_t t_ns, const double (&gyro_b)[3], const double (&accel_b)[3]) {
+    return pushed(odo_session_push_imu(c(), t_ns, gyro_b, accel_b));
+  }
+  /// A frame whose planes point into `pixels`, which the library shares for as long as it needs them: no copy.
+  int32_t push(odo_frame frame, std::shared_ptr<const void> pixels) {
+    auto* owner = new Shared{{1}, std::move(pixels)};
+    frame.loan = {owner, Shared::retain, Shared::release, nullptr, 0};
+    const int32_t status = odo_session_push(c(), &frame.header);
+    Shared::release(owner);
+    return pushed(status);
+  }
+  void flush() {
+    check(odo_session_flush(c()));
+    rethrow(*listener_);
+  }
+
+  /// None before the first pose, and at times that are not known.
+  std::optional<odo_pose> pose(int64_t t_ns = ODO_TIME_LATEST, bool smooth = false, uint32_t of = ODO_OF_PIPELINE) const {
+    auto pose = sized<odo_pose>();
+    if (odo_session_get_pose_of(c(), of, smooth, t_ns, &pose) != ODO_OK) return std::nullopt;
+    return pose;
+  }
+  odo_statistics statistics() const {
+    auto statistics = sized<odo_statistics>();
+    check(odo_session_get_statistics(c(), &statistics));
+    return statistics;
+  }
+  /// The last error or warning since the last call; empty: none.
+  std::string last_error() const {
+    auto error = sized<odo_error>();
+    return odo_session_last_error(c(), &error) == ODO_OK ? std::string() : std::string(error.message);
+  }
+
+  uint64_t create_anchor(odo_anchor_place place, std::string_view name = {}) {
+    uint64_t id = 0;
+    place.struct_size = sizeof place, place.name = str(name);
+    check(odo_anchor_create(c(), &place, &id));
+    return id;
+  }
+  odo_anchor anchor(uint64_t id, uint32_t world = ODO_WORLD_CORRECTED, int64_t t_ns = ODO_TIME_LATEST) const {
+    auto anchor = sized<odo_anchor>();
+    check(odo_anchor_get(c(), id, world, t_ns, &anchor));
+    return anchor;
+  }
+  std::vector<uint64_t> anchors() const {
+    std::vector<uint64_t> ids(static_cast<size_t>(odo_anchor_list(c(), nullptr, 0)));
+    const auto count = static_cast<size_t>(odo_anchor_list(c(), ids.data(), ids.size()));
+    if (count < ids.size()) ids.resize(count);
+    return ids;
+  }
+  void remove_anchor(uint64_t id) { check(odo_anchor_remove(c(), id)); }
+
+  /// What the plugins have learnt, for load() of a later session.
+  std::string save() const {
+    const int64_t size = odo_session_save(c(), nullptr, 0);
+    std::string data(static_cast<size_t>(size < 0 ? 0 : size), '\0');
+    if (odo_session_save(c(), &data[0], data.size()) != size) throw Error(ODO_E_ERROR, "what was learnt could not be saved");
+    return data;
+  }
+  void load(std::string_view data) { check(odo_session_load(c(), data.data(), data.size())); }
+
+ private:
+  struct Listener {
+    std::function<void(const Event&)> function;
+    std::exception_ptr thrown;
+    static void ODO_CALL call(void* user, const odo_header* event) {
+      auto* self = static_cast<Listener*>(user);
+      try {
+        self->function(Event(event));
+      } catch (...) {  // it cannot cross the library
+        self->thrown = std::current_exception();
+      }
+    }
+  };
+  struct Shared {
+    std::atomic<int> holds;
+    std::shared_ptr<const void> pixels;
+    static int32_t ODO_CALL retain(void* owner) { return ++static_cast<Shared*>(owner)->holds, ODO_OK; }
+    static void ODO_CALL release(void* owner) {
+      auto* self = static_cast<Shared*>(owner);
+      if (--self->holds == 0) delete self;
+    }
+  };
+  static void rethrow(Listener& listener) {
+    if (listener.thrown) std::rethrow_exception(std::exchange(listener.thrown, nullptr));
+  }
+  int32_t pushed(int32_t status) {
+    if (!live_) rethrow(*listener_);
+    return status;
+  }
+  struct Destroy {
+    void operator()(odo_session* session) const { odo_session_destroy(session); }
+  };
+
+  std::unique_ptr<Listener> listener_ = std::make_unique<Listener>();
+  std::unique_ptr<odo_session, Destroy> session_;  // ends before what it calls
+  bool live_ = false;
+};
+
+/// A recorded message, and of a frame its picture as the app encoded it; both until the next one.
+struct Recorded {
+  Event message;
+  std::string_view picture;
+};
+
+/// A recording: for (const odo::Recorded& recorded : odo::Recording("walk.odo")) ... It is read once.
+class Recording {
+ public:
+  explicit Recording(std::string_view path) {
+    auto error = sized<odo_error>();
+    const odo_string name = str(path);
+    odo_recording* made = nullptr;
+    check(odo_recording_open(&name, &made, &error), &error);
+    recording_.reset(made);
+  }
+  std::optional<Recorded> next() {
+    const odo_header* message = nullptr;
+    const void* picture = nullptr;
+    uint64_t size = 0;
+    if (odo_recording_next(recording_.get(), &message, &picture, &size) != ODO_OK) return std::nullopt;
+    return Recorded{Event(message), {static_cast<const char*>(picture), static_cast<size_t>(size)}};
+  }
+  /// What it lacks of what was written, in words; empty: nothing.
+  std::string loss() const {
+    auto loss = sized<odo_error>();
+    odo_recording_loss(recording_.get(), &loss);
+    return loss.message;
+  }
+
+  class iterator {
+   public:
+    iterator() = default;
+    explicit iterator(Recording* recording) : recording_(recording) { ++*this; }
+    const Recorded& operator*() const { return *current_; }
+    const Recorded* operator->() const { return &*current_; }
+    iterator& operator++() {
+      current_ = recording_->next();
+      return *this;
+    }
+    bool operator!=(const iterator& other) const { return current_.has_value() != other.current_.has_value(); }
+
+   private:
+    Recording* recording_ = nullptr;
+    std::optional<Recorded> current_;
+  };
+  iterator begin() { return iterator(this); }
+  iterator end() { return iterator(); }
+
+ private:
+  struct Close {
+    void operator()(odo_recording* recording) const { odo_recording_close(recording); }
+  };
+  std::unique_ptr<odo_recording, Close> recording_;
+};
+
+/// Writes a recording. close() says whether all of it reached the file; the destructor closes it too.
+class Recorder {
+ public:
+  explicit Recorder(std::string_view path) {
+    auto error = sized<odo_error>();
+    const odo_string name = str(path);
+    odo_recorder* made = nullptr;
+    check(odo_recorder_create(&name, &made, &error), &error);
+    recorder_.reset(made);
+  }
+  /// Of a frame with its encoded picture.
+  template <class Message> void write(const Message& message, std::string_view picture = {}) {
+    check(odo_recorder_write(recorder_.get(), &message.header, picture.data(), picture.size()));
+  }
+  void close() { check(odo_recorder_close(recorder_.release())); }
+
+ private:
+  struct Close {
+    void operator()(odo_recorder* recorder) const { odo_recorder_close(recorder); }
+  };
+  std::unique_ptr<odo_recorder, Close> recorder_;
+};
+
+}  // inline namespace
+}  // namespace odo
+
+#endif

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+// Odograph for C#, as Unity (Mono, IL2CPP) and .NET have it: no allocation for a sample, a frame, an event or a pose. Structs have the
+// fields of the C headers (Abi.cs), which state units, frames of reference and validity. Compile with -unsafe.
+using System;
+using System.Runtime.InteropServices;
+using System.Text;
+using System.Threading;
+
+namespace Odograph {
+  /// What IL2CPP looks for, by its name, on methods that native code calls.
+  [AttributeUsage(AttributeTargets.Method)]
+  sealed class MonoPInvokeCallbackAttribute : Attribute {
+    public MonoPInvokeCallbackAttribute(Type type) {}
+  }
+
+  /// Three numbers: m, m/s, rad/s ...
+  public struct Vector {
+    public double x, y, z;
+    public Vector(double x, double y, double z) { this.x = x; this.y = y; this.z = z; }
+  }
+
+  /// A Hamilton quaternion.
+  public struct Rotation {
+    public double w, x, y, z;
+    public Rotation(double w, double x, double y, double z) { this.w = w; this.x = x; this.y = y; this.z = z; }
+  }
+
+  /// What the library refused: Status is ODO_E_*, the message names what is wrong.
+  public sealed unsafe class OdographException : Exception {
+    public readonly int Status;
+    OdographException(int status, string text) : base(text) { Status = status; }
+
+    internal static void Check(int status, odo_error* error = null) {
+      if (status >= 0) return;
+      string text = error == null ? "" : Marshal.PtrToStringAnsi((IntPtr)error->message);
+      throw new OdographException(status, text != "" ? text : Marshal.PtrToStringAnsi((IntPtr)Abi.odo_status_text(status)));
+    }
+  }
+
+  /// A message of any type, borrowed: an event within its call, a recorded message until the next one. TryGet copies it.
+  public unsafe partial struct Event {
+    public readonly odo_header* Header;
+    public Event(odo_header* header) { Header = header; }
+    public uint Type => Header->type;
+    public long T_ns => Header->t_ns;
+    public bool IsInput => Type >> 12 != 1;
+
+    bool Copy(void* to, uint type, uint size) {
+      if (Header->type != type) return false;
+      uint available = Math.Min(size, Header->struct_size);
+      Buffer.MemoryCopy(Header, to, size, available);
+      *(uint*)to = available;
+      return true;
+    }
+  }
+
+  /// Pixels that the library borrows: pinned as long as this lives, so keep a few and use each again once it IsFree.
+  public sealed unsafe class Picture : IDisposable {
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)] delegate int RetainFunction(IntPtr owner);
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)] delegate void ReleaseFunction(IntPtr owner);
+    static readonly RetainFunction retain = Retain;
+    static readonly ReleaseFunction release = Release;
+    static readonly IntPtr retainPointer = Marshal.GetFunctionPointerForDelegate(retain), releasePointer = Marshal.GetFunctionPointerForDelegate(release);
+
+    public readonly byte[] Pixels;
+    readonly GCHandle pin, self;
+    readonly byte* data;
+    int holds;
+
+    /// Memory of its own.
+    public Picture(int bytes) {
+      Pixels = new byte[bytes];
+      pin = GCHandle.Alloc(Pixels, GCHandleType.Pinned);
+      self = GCHandle.Alloc(this);
+      data = (byte*)pin.AddrOfPinnedObject();
+    }
+    /// Memory of the platform's (a NativeArray, a camera's buffer), which stays until it IsFree.
+    public Picture(IntPtr pixels) {
+      self = GCHandle.Alloc(this);
+      data = (byte*)pixels;
+    }
+    public bool IsFree => Volatile.Read(ref holds) == 0;
+
+    internal byte* Data => data;
+    internal void Lend(ref Frame frame) {
+      Interlocked.Increment(ref holds);
+      frame.loan.owner = (void*)GCHandle.ToIntPtr(self);
+      frame.loan.retain = retainPointer;
+      frame.loan.release = releasePointer;
+    }
+    internal void Return() { Interlocked.Decrement(ref holds); }
+
+    [MonoPInvokeCallback(typeof(RetainFunction))]
+    static int Retain(IntPtr owner) { Interlocked.Increment(ref ((Picture)GCHandle.FromIntPtr(owner).Target).holds); return Abi.ODO_OK; }
+    [MonoPInvokeCallback(typeof(ReleaseFunction))]
+    static void Release(IntPtr owner) { ((Picture)GCHandle.FromIntPtr(owner).Target).Return(); }
+
+    /// When IsFree, or after the session.
+    public void Dispose() {
+      if (pin.IsAllocated) pin.Free();
+      if (self.IsAllocated) self.Free();
+    }
+  }
+
+  /// As many pictures as are borrowed at a time, each used again once it is free. One thread.
+  public sealed class PicturePool : IDisposable {
+    readonly System.Collections.Generic.List<Picture> pictures = new System.Collections.Generic.List<Picture>();
+    readonly int bytes;
+    public PicturePool(int bytes) { this.bytes = bytes; }
+
+    public Picture Take() {
+      for (int i = 0; i < pictures.Count; ++i)
+        if (pictures[i].IsFree) return pictures[i];
+      pictures.Add(new Picture(bytes));
+      return pictures[pictures.Count - 1];
+    }
+    public int Borrowed {
+      get {
+        int count = 0;
+        for (int i = 0; i < pictures.Count; ++i) count += pictures[i].IsFree ? 0 : 1;
+        return count;
+      }
+    }
+    public void Dispose() { foreach (Picture picture in pictures) picture.Dispose(); }
+  }
+
+  /// One pipeline.
+  public sealed unsafe partial class Session : IDisposable {
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)] delegate void Callback(IntPtr user, odo_header* header);
+    static readonly Callback callback = OnEvent;
+    public delegate void Handler(Event message);
+
+    odo_session* session;
+    readonly GCHandle self;
+    Handler handler;
+    volatile Exception thrown;
+
+    /// `config`: a YAML file, or its text (which has a line break).
+    public Session(string config, bool live = false, string pluginPath = "", string assetPath = "", ulong seed = 0) {
+      byte[] yaml = Encoding.UTF8.GetBytes(config + "\0"), plugins = Encoding.UTF8.GetBytes(pluginPath + "\0"), assets = Encoding.UTF8.GetBytes(assetPath + "\0");
+      var options = default(SessionOptions);
+      var error = default(odo_error);
+      options.struct_size = (uint)sizeof(SessionOptions);
+      error.struct_size = (uint)sizeof(odo_error);
+      options.run = live ? Abi.ODO_RUN_LIVE : Abi.ODO_RUN_REPLAY;
+      options.seed = seed;
+      odo_session* made;
+      fixed (byte* y = yaml) fixed (byte* p = plugins) fixed (byte* a = assets) {
+        var text = new odo_string {data = y, size = (ulong)yaml.Length - 1};
+        if (config.IndexOf('\n') >= 0) options.config_text = text; else options.config_path = text;
+        options.plugin_path = new odo_string {data = p, size = (ulong)plugins.Length - 1};
+        options.asset_path = new odo_string {data = a, size = (ulong)assets.Length - 1};
+        OdographException.Check(Abi.odo_session_create(&options, &made, &error), &error);
+      }
+      session = made;
+      self = GCHandle.Alloc(this);
+    }
+
+    /// Calls `function` with each event of those types (ODO_TYPE_*), all of them where none is given: within Push and Flush, or on the
+    /// library's thread when live. What it throws comes out of the next Push or Flush.
+    public void Listen(Handler function, params uint[] types) {
+      handler = function;
+      IntPtr pointer = Marshal.GetFunctionPointerForDelegate(callback);
+      fixed (uint* t = types)
+        OdographException.Check(Abi.odo_session_set_callback(session, t, types.Length == 0 ? Abi.ODO_ALL_EVENTS : (uint)types.Length, pointer, (void*)GCHandle.ToIntPtr(self)));
+    }
+
+    [MonoPInvokeCallback(typeof(Callback))]
+    static void OnEvent(IntPtr user, odo_header* header) {
+      var session = (Session)GCHandle.FromIntPtr(user).Target;
+      try {
+        session.handler(new Event(header));
+      } catch (Exception e) {  // it cannot cross the library
+        session.thrown = e;
+      }
+    }
+
+    int Checked(int status) {
+      if (thrown != null) {
+        Exception e = thrown;
+        thrown = null;
+        throw e;
+      }
+      return status;
+    }
+
+    /// ODO_OK, or why it was dropped. Of each input there is a Push(ref message) too.
+    public int Push(odo_header* message) { return Checked(Abi.odo_session_push(session, message)); }
+    public int Push(Event message) { return Push(message.Header); }
+    public int PushImu(long t_ns, Vector gyro, Vector accel) { return Checked(Abi.odo_session_push_imu(session, t_ns, &gyro.x, &accel.x)); }
+
+    /// A frame whose pixels are a picture's, from its byte `begin` on: borrowed, not copied. Format, width and height are the frame's.
+    public int PushFrame(ref Frame frame, Picture picture, int begin = 0, int rowStride = 0) {
+      uint pixel = frame.format == Abi.ODO_FORMAT_RGB8 ? 3u : frame.format == Abi.ODO_FORMAT_RGBA8 || frame.format == Abi.ODO_FORMAT_BGRA8 ? 4u : 1u;
+      frame.plane_count = 1;
+      frame.planes0.data = picture.Data + begin;
+      frame.planes0.row_stride = rowStride != 0 ? rowStride : (long)(frame.width * pixel);
+      frame.planes0.pixel_stride = pixel;
+      picture.Lend(ref frame);
+      try {
+        fixed (Frame* f = &frame) return Push(&f->header);
+      } finally {
+        picture.Return();
+      }
+    }
+
+    public void Flush() { OdographException.Check(Checked(Abi.odo_session_flush(session))); }
+
+    /// False before the first pose and at times that are not known. Look at its flags. `smooth`: for what is drawn and must not jump.
+    public bool TryGetPose(out Pose pose, long t_ns = Abi.ODO_TIME_LATEST, bool smooth = false, uint of = Abi.ODO_OF_PIPELINE) {
+      pose = new Pose(0);
+      fixed (Pose* p = &pose) return Abi.odo_session_get_pose_of(session, of, smooth ? 1u : 0u, t_ns, p) == Abi.ODO_OK;
+    }
+
+    public Statistics GetStatistics() {
+      var statistics = default(Statistics);
+      statistics.struct_size = (uint)sizeof(Statistics);
+      OdographException.Check(Abi.odo_session_get_statistics(session, &statistics));
+      return statistics;
+    }
+
+    /// The last error or warning since the last call, or null.
+    public string LastError() {
+      var error = default(odo_error);
+      error.struct_size = (uint)sizeof(odo_error);
+      return Abi.odo_session_last_error(session, &error) == Abi.ODO_OK ? null : Marshal.PtrToStringAnsi((IntPtr)error.message);
+    }
+
+    public ulong CreateAnchor(AnchorPlace place, string name = "") {
+      byte[] text = Encoding.UTF8.GetBytes(name + "\0");
+      ulong id;
+      place.struct_size = (uint)sizeof(AnchorPlace);
+      fixed (byte* t = text) {
+        place.name = new odo_string {data = t, size = (ulong)text.Length - 1};
+        OdographException.Check(Abi.odo_anchor_create(session, &place, &id));
+      }
+      return id;
+    }
+    public bool TryGetAnchor(ulong id, out Anchor anchor, long t_ns = Abi.ODO_TIME_LATEST, uint world = Abi.ODO_WORLD_CORRECTED) {
+      anchor = default(Anchor);
+      anchor.struct_size = (uint)sizeof(Anchor);
+      fixed (Anchor* a = &anchor) return Abi.odo_anchor_get(session, id, world, t_ns, a) == Abi.ODO_OK;
+    }
+    public bool RemoveAnchor(ulong id) { return Abi.odo_anchor_remove(session, id) == Abi.ODO_OK; }
+
+    public static string StateText(uint state) { return Marshal.PtrToStringAnsi((IntPtr)Abi.odo_state_text(state)); }
+    public static string ReasonText(uint reason) { return Marshal.PtrToStringAnsi((IntPtr)Abi.odo_reason_text(reason)); }
+
+    public void Dispose() {
+      if (session == null) return;
+      Abi.odo_session_destroy(session);
+      session = null;
+      self.Free();
+    }
+  }
+
+  /// A recording, read once: while (recording.Next(out message, out picture, out size)) ... Both are valid until the next one.
+  public sealed unsafe class Recording : IDisposable {
+    odo_recording* recording;
+
+    public Recording(string path) {
+      byte[] name = Encoding.UTF8.GetBytes(path + "\0");
+      var error = default(odo_error);
+      error.struct_size = (uint)sizeof(odo_error);
+      odo_recording* made;
+      fixed (byte* n = name) {
+        var text = new odo_string {data = n, size = (ulong)name.Length - 1};
+        OdographException.Check(Abi.odo_recording_open(&text, &made, &error), &error);
+      }
+      recording = made;
+    }
+
+    /// The next message in the order of time; of a frame its picture, as the app encoded it.
+    public bool Next(out Event message, out IntPtr picture, out int size) {
+      odo_header* header;
+      void* bytes;
+      ulong count;
+      bool there = Abi.odo_recording_next(recording, &header, &bytes, &count) == Abi.ODO_OK;
+      message = new Event(there ? header : null);
+      picture = there ? (IntPtr)bytes : IntPtr.Zero;
+      size = there ? (int)count : 0;
+      return there;
+    }
+
+    public void Dispose() { Abi.odo_recording_close(recording); recording = null; }
+  }
+}

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Odograph: a metric 6-DoF pose of a hand-held phone from its camera and motion sensors.
+
+    import odograph
+
+    run = odograph.run("walk.yaml", "walk.odo", progress=True)
+    run.poses["p_n"]                                    # N x 3, metres in North-East-Down
+    odograph.plot(run)
+
+    with odograph.Session("walk.yaml", live=True) as session:
+        session.push_imu(t_ns, gyro, accel)             # rad/s, m/s^2, every sample
+        session.push_frame(t_ns, picture)               # a NumPy array: borrowed, never copied
+        pose = session.pose()
+
+Messages have the names and fields of the C headers, which state units, frames of reference and validity; constants keep
+their C names. An array field is NumPy's without a copy: np.asarray(pose.p_n). docs/languages.md has the rest.
+"""
+from .abi import *  # noqa: F401,F403  pylint: disable=wildcard-import
+from ._library import OdographError, library, mode_text, reason_text, state_text, status_text, version
+from ._recording import Recorder, Recording
+from ._run import Run, decode, plot, run
+from ._session import Session

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shared library, its errors and its texts."""
+import ctypes as c
+import functools
+import os
+from typing import Any
+
+from . import abi
+
+
+class OdographError(Exception):
+    """What the library refused: `status` is ODO_E_*, the text names what is wrong."""
+
+    def __init__(self, status: int, text: str) -> None:
+        super().__init__(text)
+        self.status = status
+
+
+@functools.lru_cache(maxsize=None)
+def library() -> c.CDLL:
+    """libodograph: ODOGRAPH_LIBRARY, or what the dynamic loader finds."""
+    path = os.environ.get("ODOGRAPH_LIBRARY", f"libodograph.so.{abi.ODO_ABI_MAJOR}")
+    try:
+        found = abi.load(path)
+    except OSError as error:
+        raise ImportError(f"{error}. Install libodograph, or name its file in ODOGRAPH_LIBRARY") from error
+    number = found.odo_abi_version()
+    draft = abi.ODO_ABI_MAJOR == 0 and number & 0xFFFF != abi.ODO_ABI_MINOR
+    if number >> 16 != abi.ODO_ABI_MAJOR or draft:
+        raise ImportError(f"{path} has ABI {number >> 16}.{number & 0xFFFF}, this package {abi.ODO_ABI_MAJOR}.{abi.ODO_ABI_MINOR}")
+    return found
+
+
+def version() -> str:
+    """major.minor.patch of the library."""
+    return library().odo_version().decode()
+
+
+def status_text(status: int) -> str:
+    return library().odo_status_text(status).decode()
+
+
+def state_text(state: int) -> str:
+    return library().odo_state_text(state).decode()
+
+
+def reason_text(reason: int) -> str:
+    return library().odo_reason_text(reason).decode()
+
+
+def mode_text(mode: int) -> str:
+    return library().odo_mode_text(mode).decode()
+
+
+def sized(kind: Any) -> Any:
+    """A struct that the library is to fill."""
+    return kind(c.sizeof(kind))
+
+
+def string(text: str) -> abi.odo_string:
+    data = text.encode()
+    made = abi.odo_string(c.cast(c.c_char_p(data), c.POINTER(c.c_char)), len(data))
+    setattr(made, "keeps", data)  # the pointer is into it
+    return made
+
+
+def check(status: int, error: Any = None) -> None:
+    if status < 0:
+        raise OdographError(status, (error.message.decode() if error else "") or status_text(status))
+
+
+def copied(pointer: Any) -> Any:
+    """The message behind a pointer to its head, in memory of Python's own; of a type that nobody registered in MESSAGES the head."""
+    header = pointer.contents
+    message = abi.MESSAGES.get(header.type, abi.odo_header)()
+    size = min(header.struct_size, c.sizeof(message))
+    c.memmove(c.byref(message), pointer, size)
+    c.cast(c.byref(message), c.POINTER(c.c_uint32))[0] = size
+    return message

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A whole recording through a pipeline, and a look at what came out."""
+import re
+from typing import Any, Callable, Iterable
+
+import numpy as np
+
+from . import abi
+from ._recording import Recording
+from ._session import Path, Session
+
+Array = Any  # NumPy's, whose own types say little of structured arrays
+
+
+def decode(picture: bytes) -> Array:
+    """The pixels of an encoded picture: PGM (which is not copied), anything else by OpenCV or Pillow, whichever is there."""
+    head = re.match(rb"P5\s+(\d+)\s+(\d+)\s+255\s", picture)
+    if head:
+        width, height = int(head[1]), int(head[2])
+        return np.frombuffer(picture, np.uint8, width * height, head.end()).reshape(height, width)
+    try:
+        import cv2  # pylint: disable=import-outside-toplevel
+        image = cv2.imdecode(np.frombuffer(picture, np.uint8), cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION)
+        return image if image.ndim == 2 else np.ascontiguousarray(image[:, :, ::-1])
+    except ImportError:
+        pass
+    try:
+        import io  # pylint: disable=import-outside-toplevel
+        from PIL import Image  # pylint: disable=import-outside-toplevel
+    except ImportError as error:
+        raise ImportError("pictures are decoded by OpenCV (cv2) or Pillow; neither is installed") from error
+    image = Image.open(io.BytesIO(picture))
+    return np.asarray(image if image.mode in ("L", "RGB", "RGBA") else image.convert("RGB"))
+
+
+class Run:
+    """What came out: structured arrays, one row an event, with the fields of the C struct."""
+
+    def __init__(self, events: dict[type[abi.Message], bytearray], statistics: abi.Statistics) -> None:
+        self._events, self.statistics = events, statistics
+
+    def of(self, kind: type[abi.Message]) -> Array:
+        """All events of a type: run.of(odograph.Step)["length_m"]."""
+        return np.frombuffer(self._events.get(kind, bytearray()), np.dtype(kind))
+
+    @property
+    def poses(self) -> Array:
+        return self.of(abi.Pose)
+
+    @property
+    def steps(self) -> Array:
+        return self.of(abi.Step)
+
+    @property
+    def reports(self) -> list[str]:
+        """What the library and its plugins had to say."""
+        return [f"{row['plugin'].decode()}: {row['text'].decode()}" for row in self.of(abi.Report)]
+
+
+def run(config: Path, recording: "Path | Recording", *, decode: Callable[[bytes], Array] = decode,  # pylint: disable=redefined-outer-name
+        progress: bool = False, on_event: Callable[[Any], None] | None = None, **options: Any) -> Run:
+    """Plays a recording as `odograph run` does. `progress`: a bar by tqdm. `options`: as Session takes them."""
+    events: dict[type[abi.Message], bytearray] = {}
+
+    def take(event: Any) -> None:
+        events.setdefault(type(event), bytearray()).extend(bytes(event))
+        if on_event:
+            on_event(event)
+
+    messages: Iterable[Any] = recording if isinstance(recording, Recording) else Recording(recording)
+    if progress:
+        from tqdm.auto import tqdm  # pylint: disable=import-outside-toplevel
+        messages = tqdm(messages, unit=" messages")
+    with Session(config, on_event=take, **options) as session:
+        for message in messages:
+            if isinstance(message, abi.Frame):
+                if message.picture:
+                    session.push_frame(message.t_ns, decode(message.picture), like=message)
+            elif not 0x1000 <= message.TYPE < 0x2000:  # an event that the app recorded
+                session.push(message)
+        session.flush()
+        return Run(events, session.statistics())
+
+
+def plot(result: Run, axes: Any = None) -> Any:
+    """The path from above, with steps; matplotlib's axes."""
+    if axes is None:
+        import matplotlib.pyplot as plt  # pylint: disable=import-outside-toplevel
+        axes = plt.subplots()[1]
+    poses = result.poses
+    known = (poses["header"]["flags"] & abi.ODO_POSE_METRIC) != 0
+    north, east = poses["p_n"][known, 0], poses["p_n"][known, 1]
+    axes.plot(east, north)
+    axes.set_aspect("equal", "datalim")
+    axes.set_xlabel("east, m")
+    axes.set_ylabel("north, m")
+    axes.set_title(f"{result.statistics.distance_m:.1f} m, {result.statistics.steps} steps")
+    return axes

@@ -1,0 +1,656 @@
+# SPDX-License-Identifier: Apache-2.0
+# Written by abi/generate.py; do not edit.
+import ctypes as c
+from typing import Any
+
+ODO_ABI_MAJOR: int
+ODO_ABI_MINOR: int
+ODO_OK: int
+ODO_NOT_READY: int
+ODO_E_ARGUMENT: int
+ODO_E_DISCARD: int
+ODO_E_EXHAUSTED: int
+ODO_E_UNSUPPORTED: int
+ODO_E_STRUCT_SIZE: int
+ODO_E_VERSION: int
+ODO_E_STATE: int
+ODO_E_CONFIG: int
+ODO_E_NOT_FOUND: int
+ODO_E_DATA: int
+ODO_E_MEMORY: int
+ODO_E_ERROR: int
+ODO_E_FATAL: int
+ODO_BORROWED: int
+ODO_TYPE_IMU: int
+ODO_TYPE_MAGNETOMETER: int
+ODO_TYPE_BAROMETER: int
+ODO_TYPE_GNSS: int
+ODO_TYPE_CALIBRATION: int
+ODO_TYPE_IMU_NOISE: int
+ODO_TYPE_WAYPOINT: int
+ODO_TYPE_EARTH_FIELD: int
+ODO_TYPE_PLATFORM_POSE: int
+ODO_TYPE_RANGE: int
+ODO_TYPE_SYSTEM_STEP: int
+ODO_TYPE_FRAME: int
+ODO_TYPE_ATTITUDE: int
+ODO_TYPE_STEP: int
+ODO_TYPE_MOTION_MODE: int
+ODO_TYPE_VO_MOTION: int
+ODO_TYPE_SCALE: int
+ODO_TYPE_FIX: int
+ODO_TYPE_POSE: int
+ODO_TYPE_STATE: int
+ODO_TYPE_CORRECTION: int
+ODO_TYPE_REPORT: int
+ODO_TYPE_REFINED: int
+ODO_TYPE_RELATIVE_POSE: int
+ODO_LARGEST_MESSAGE: int
+ODO_FLAG_QUALITY: int
+ODO_FLAG_HOST_MASK: int
+ODO_FLAG_ACCEPTED: int
+ODO_FLAG_NAVIGATION: int
+ODO_NATIVE_HARDWARE_BUFFER: str
+ODO_NATIVE_PIXEL_BUFFER: str
+ODO_ATTITUDE_MAGNETIC_NORTH: int
+ODO_ATTITUDE_MAG_DISTURBED: int
+ODO_ATTITUDE_REST: int
+ODO_ATTITUDE_TRUE_NORTH: int
+ODO_ATTITUDE_COVARIANCE: int
+ODO_ATTITUDE_GYRO_BIAS: int
+ODO_MODE_UNKNOWN: int
+ODO_MODE_STATIC: int
+ODO_MODE_WALKING_TEXTING: int
+ODO_MODE_WALKING_SWINGING: int
+ODO_MODE_WALKING_POCKET: int
+ODO_MODE_STAIRS: int
+ODO_MODE_RUNNING: int
+ODO_MODE_HANDLING: int
+ODO_STEP_HEADING: int
+ODO_STEP_HEADING_SIGMA: int
+ODO_TRACKING: int
+ODO_DEGRADED: int
+ODO_LOST: int
+ODO_REASON_NONE: int
+ODO_REASON_INITIALISING: int
+ODO_REASON_TOO_DARK: int
+ODO_REASON_TOO_FAST: int
+ODO_REASON_FEW_FEATURES: int
+ODO_REASON_NO_PARALLAX: int
+ODO_REASON_NO_STEPS: int
+ODO_REASON_SENSOR_SILENT: int
+ODO_REASON_PLUGIN_FAILED: int
+ODO_REASON_NO_SCALE: int
+ODO_VO_ROTATION: int
+ODO_VO_TRANSLATION: int
+ODO_VO_COVARIANCE: int
+ODO_VO_METRIC: int
+ODO_VO_INERTIAL: int
+ODO_SCALE_HORIZONTAL: int
+ODO_SCALE_STEADY: int
+ODO_SCALE_NOT_BY_STEPS: int
+ODO_FIX_NORTH: int
+ODO_FIX_EAST: int
+ODO_FIX_DOWN: int
+ODO_FIX_YAW: int
+ODO_FIX_ORIENTATION: int
+ODO_FIX_GEODETIC: int
+ODO_FIX_SLANT: int
+ODO_FIX_COVARIANCE: int
+ODO_FIX_ORIENTATION_COVARIANCE: int
+ODO_FIX_INTEGRITY: int
+ODO_FIX_LEVER: int
+ODO_FIX_CROSS_COVARIANCE: int
+ODO_FIX_SLANT_SIGMA: int
+ODO_RELATIVE_POSE_TRANSLATION: int
+ODO_RELATIVE_POSE_ROTATION: int
+ODO_POSE_ORIENTATION: int
+ODO_POSE_POSITION: int
+ODO_POSE_VELOCITY: int
+ODO_POSE_METRIC: int
+ODO_POSE_CAMERA: int
+ODO_POSE_EXTRAPOLATED: int
+ODO_POSE_ANGULAR_VELOCITY: int
+ODO_POSE_VELOCITY_COVARIANCE: int
+ODO_POSE_COVARIANCE: int
+ODO_POSE_NORTH: int
+ODO_CORRECTION_FIX: int
+ODO_CORRECTION_SCALE: int
+ODO_CORRECTION_RECOVERED: int
+ODO_CORRECTION_RESTART: int
+ODO_REFINED_EXTRINSICS: int
+ODO_REFINED_TIME_OFFSET: int
+ODO_REFINED_LINE_TIME: int
+ODO_SEVERITY_DEBUG: int
+ODO_SEVERITY_INFO: int
+ODO_SEVERITY_WARNING: int
+ODO_SEVERITY_ERROR: int
+ODO_IMU_GYRO: int
+ODO_IMU_ACCEL: int
+ODO_IMU_GYRO_CORRECTED: int
+ODO_IMU_ACCEL_CORRECTED: int
+ODO_MAGNETOMETER_SIGMA: int
+ODO_MAGNETOMETER_CORRECTED: int
+ODO_BAROMETER_SIGMA: int
+ODO_GNSS_POSITION: int
+ODO_GNSS_HEIGHT: int
+ODO_GNSS_COVARIANCE: int
+ODO_GNSS_VELOCITY: int
+ODO_GNSS_LEVER: int
+ODO_FORMAT_GREY8: int
+ODO_FORMAT_NV12: int
+ODO_FORMAT_NV21: int
+ODO_FORMAT_RGB8: int
+ODO_FORMAT_RGBA8: int
+ODO_FORMAT_YUV420: int
+ODO_FORMAT_BGRA8: int
+ODO_FRAME_EXPOSURE: int
+ODO_FRAME_LINE_TIME: int
+ODO_FRAME_MASK: int
+ODO_FRAME_INTRINSICS: int
+ODO_CAMERA_PINHOLE: int
+ODO_CAMERA_KANNALA_BRANDT: int
+ODO_CALIBRATION_EXTRINSICS: int
+ODO_CALIBRATION_TIME_OFFSET: int
+ODO_CALIBRATION_LINE_TIME: int
+ODO_WAYPOINT_VERTICAL: int
+ODO_WAYPOINT_LEVER: int
+ODO_EARTH_FIELD_DECLINATION: int
+ODO_EARTH_FIELD_INCLINATION: int
+ODO_EARTH_FIELD_INTENSITY: int
+ODO_PLATFORM_POSE_CAMERA: int
+ODO_PLATFORM_POSE_COVARIANCE: int
+ODO_RANGE_TRANSMITTER: int
+ODO_RANGE_LEVER: int
+ODO_SYSTEM_STEP_COUNT: int
+ODO_SYSTEM_STEP_DISTANCE: int
+ODO_SERVICE_REPORT: str
+ODO_SERVICE_RANDOM: str
+ODO_SERVICE_ASSETS: str
+ODO_SERVICE_ASSETS_2: str
+ODO_SERVICE_WAKE: str
+ODO_PARAMETER_BOOL: int
+ODO_PARAMETER_INT: int
+ODO_PARAMETER_REAL: int
+ODO_PARAMETER_STRING: int
+ODO_PARAMETER_CHOICE: int
+ODO_PARAMETER_REALS: int
+ODO_LARGEST_STATE: int
+ODO_PLUGIN_SEVERAL_CAMERAS: int
+ODO_PLUGIN_NATIVE_FRAMES: int
+ODO_PLUGIN_ENTRY_SYMBOL: str
+ODO_INTERFACE_ABSOLUTE_FIXER: str
+ODO_RUN_LIVE: int
+ODO_RUN_REPLAY: int
+ODO_SESSION_CRASH_NOTES: int
+ODO_TIME_LATEST: int
+ODO_OF_PIPELINE: int
+ODO_OF_BODY: int
+ODO_OF_CAMERA: int
+ODO_ALL_EVENTS: int
+ODO_ANCHOR_POSE: int
+ODO_ANCHOR_VIEW: int
+ODO_ANCHOR_GEODETIC: int
+ODO_HEIGHT_ELLIPSOID: int
+ODO_HEIGHT_GEOID: int
+ODO_HEIGHT_TERRAIN: int
+ODO_WORLD_CORRECTED: int
+ODO_WORLD_SMOOTH: int
+ODO_ANCHOR_PLACED: int
+ODO_ANCHOR_VIEW_POSE: int
+ODO_ANCHOR_ON_EARTH: int
+ODO_ANCHOR_IN_FRONT: int
+ODO_REASON_NO_FIX: int
+ODO_REASON_NO_GROUND: int
+ODO_REASON_NO_ORIGIN: int
+ODO_INTERFACE_ATTITUDE: str
+ODO_INTERFACE_SCALE_SOURCE: str
+ODO_INTERFACE_STEP_ESTIMATOR: str
+ODO_EXTENSION_TERRAIN: str
+ODO_INTERFACE_VO_FRONTEND: str
+
+class odo_asset(c.Structure): ...
+class odo_instance(c.Structure): ...
+class odo_session(c.Structure): ...
+class odo_recording(c.Structure): ...
+class odo_recorder(c.Structure): ...
+class odo_string(c.Structure):
+    data: Any
+    size: int
+class odo_header(c.Structure):
+    struct_size: int
+    type: int
+    t_ns: int
+    source: int
+    flags: int
+    quality: float
+    reserved: int
+class Message(c.Structure):
+    TYPE: int
+    header: odo_header
+    t_ns: int
+    source: int
+    flags: int
+    quality: float
+    picture: bytes | None
+    def __init__(self, **fields: Any) -> None: ...
+class odo_loan(c.Structure):
+    owner: Any
+    retain: Any
+    release: Any
+    native: Any
+    reserved: int
+class odo_borrowed(c.Structure):
+    header: odo_header
+    loan: odo_loan
+class odo_attitude(Message):
+    header: odo_header
+    q_n_b: c.Array[c.c_double]
+    covariance_n: c.Array[c.c_double]
+    gyro_bias_b: c.Array[c.c_double]
+class odo_step(Message):
+    header: odo_header
+    t_start_ns: int
+    t_end_ns: int
+    length_m: float
+    sigma_m: float
+    frequency_hz: float
+    heading_rad: float
+    mode: int
+    index: int
+    heading_sigma_rad: float
+class odo_motion_mode(Message):
+    header: odo_header
+    mode: int
+    reserved: int
+class odo_vo_motion(Message):
+    header: odo_header
+    t_from_ns: int
+    q_c0_c1: c.Array[c.c_double]
+    p_c0_c1: c.Array[c.c_double]
+    covariance: c.Array[c.c_double]
+    q_n_c0: c.Array[c.c_double]
+    camera: int
+    state: int
+    reason: int
+    scale_group: int
+    tracked: int
+    inliers: int
+    scale_sigma: float
+    velocity_c1: c.Array[c.c_double]
+    gravity_c1: c.Array[c.c_double]
+    gyro_bias_b: c.Array[c.c_double]
+    accel_bias_b: c.Array[c.c_double]
+class odo_scale(Message):
+    header: odo_header
+    valid_from_ns: int
+    valid_to_ns: int
+    scale: float
+    sigma: float
+    displacement_m: float
+    scale_group: int
+    reserved: int
+class odo_fix(Message):
+    header: odo_header
+    p_n: c.Array[c.c_double]
+    covariance_n: c.Array[c.c_double]
+    q_n_b: c.Array[c.c_double]
+    orientation_cov_n: c.Array[c.c_double]
+    yaw_rad: float
+    yaw_sigma_rad: float
+    latitude_rad: float
+    longitude_rad: float
+    height_m: float
+    integrity: float
+    landmark_n: c.Array[c.c_double]
+    slant_distance_m: float
+    lever_b: c.Array[c.c_double]
+    yaw_axis_b: c.Array[c.c_double]
+    cross_covariance_n: c.Array[c.c_double]
+    slant_sigma_m: float
+class odo_relative_pose(Message):
+    header: odo_header
+    t_from_ns: int
+    q_b0_b1: c.Array[c.c_double]
+    p_b0_b1: c.Array[c.c_double]
+    covariance: c.Array[c.c_double]
+class odo_pose(Message):
+    header: odo_header
+    q_n: c.Array[c.c_double]
+    p_n: c.Array[c.c_double]
+    velocity_n: c.Array[c.c_double]
+    covariance: c.Array[c.c_double]
+    scale: float
+    scale_sigma: float
+    distance_m: float
+    state: int
+    reason: int
+    angular_velocity: c.Array[c.c_double]
+    velocity_covariance: c.Array[c.c_double]
+class odo_state(Message):
+    header: odo_header
+    state: int
+    reason: int
+class odo_correction(Message):
+    header: odo_header
+    q_n: c.Array[c.c_double]
+    p_n: c.Array[c.c_double]
+    reason: int
+    reserved: int
+class odo_refined(Message):
+    header: odo_header
+    camera: int
+    model: int
+    width: int
+    height: int
+    distortion_count: int
+    reserved: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    distortion: c.Array[c.c_double]
+    q_b_c: c.Array[c.c_double]
+    p_b_c: c.Array[c.c_double]
+    time_offset_ns: int
+    line_time_ns: int
+class odo_report(Message):
+    header: odo_header
+    count: int
+    severity: int
+    status: int
+    plugin: bytes
+    key: bytes
+    text: bytes
+class odo_imu(Message):
+    header: odo_header
+    gyro_b: c.Array[c.c_double]
+    accel_b: c.Array[c.c_double]
+class odo_magnetometer(Message):
+    header: odo_header
+    field_b: c.Array[c.c_double]
+    sigma_t: float
+class odo_barometer(Message):
+    header: odo_header
+    pressure_pa: float
+    sigma_pa: float
+class odo_gnss(Message):
+    header: odo_header
+    latitude_rad: float
+    longitude_rad: float
+    height_m: float
+    covariance_n: c.Array[c.c_double]
+    velocity_n: c.Array[c.c_double]
+    satellites: int
+    reserved: int
+    lever_b: c.Array[c.c_double]
+class odo_plane(c.Structure):
+    data: Any
+    row_stride: int
+    pixel_stride: int
+    rows: int
+class odo_frame(Message):
+    header: odo_header
+    loan: odo_loan
+    format: int
+    width: int
+    height: int
+    plane_count: int
+    planes: c.Array[odo_plane]
+    mask: odo_plane
+    exposure_ns: int
+    line_time_ns: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+class odo_calibration(Message):
+    header: odo_header
+    model: int
+    width: int
+    height: int
+    distortion_count: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    distortion: c.Array[c.c_double]
+    q_b_c: c.Array[c.c_double]
+    p_b_c: c.Array[c.c_double]
+    time_offset_ns: int
+    line_time_ns: int
+class odo_imu_noise(Message):
+    header: odo_header
+    gyro_noise: float
+    gyro_walk: float
+    accel_noise: float
+    accel_walk: float
+class odo_waypoint(Message):
+    header: odo_header
+    p_n: c.Array[c.c_double]
+    sigma_m: float
+    lever_b: c.Array[c.c_double]
+class odo_earth_field(Message):
+    header: odo_header
+    declination_rad: float
+    inclination_rad: float
+    intensity_t: float
+class odo_platform_pose(Message):
+    header: odo_header
+    q_w: c.Array[c.c_double]
+    p_w: c.Array[c.c_double]
+    covariance: c.Array[c.c_double]
+    state: int
+    world: int
+class odo_range(Message):
+    header: odo_header
+    transmitter: int
+    range_m: float
+    sigma_m: float
+    p_n: c.Array[c.c_double]
+    transmitter_sigma_m: float
+    lever_b: c.Array[c.c_double]
+class odo_system_step(Message):
+    header: odo_header
+    count: int
+    distance_m: float
+class odo_host(c.Structure):
+    struct_size: int
+    abi_major_min: int
+    abi_major_max: int
+    abi_minor: int
+    version: odo_string
+    get_service: Any
+class odo_report_service(c.Structure):
+    struct_size: int
+    reserved: int
+    report: Any
+class odo_random_service(c.Structure):
+    struct_size: int
+    reserved: int
+    seed: Any
+class odo_asset_service(c.Structure):
+    struct_size: int
+    reserved: int
+    resolve: Any
+class odo_asset_service_2(c.Structure):
+    struct_size: int
+    reserved: int
+    user: Any
+    open: Any
+    read: Any
+    close: Any
+class odo_wake_service(c.Structure):
+    struct_size: int
+    reserved: int
+    wake: Any
+class odo_parameter(c.Structure):
+    struct_size: int
+    type: int
+    name: odo_string
+    unit: odo_string
+    help: odo_string
+    default_text: odo_string
+    choices: odo_string
+    min: float
+    max: float
+    count: int
+    reserved: int
+class odo_value(c.Structure):
+    struct_size: int
+    type: int
+    name: odo_string
+    text: odo_string
+    reals: Any
+    count: int
+    integer: int
+class odo_batch(c.Structure):
+    struct_size: int
+    count: int
+    messages: Any
+class odo_sink(c.Structure):
+    struct_size: int
+    instance: int
+    emit: Any
+class odo_plugin(c.Structure):
+    struct_size: int
+    abi_major: int
+    abi_minor: int
+    interface_count: int
+    interfaces: Any
+    id: odo_string
+    version: odo_string
+    summary: odo_string
+    refusal: odo_string
+    parameters: Any
+    parameter_count: int
+    parameter_stride: int
+    flags: int
+    reserved: int
+    create: Any
+    configure: Any
+    activate: Any
+    process: Any
+    destroy: Any
+    reset: Any
+    save: Any
+    load: Any
+    get_interface: Any
+    inputs: Any
+    outputs: Any
+    input_count: int
+    output_count: int
+class odo_error(c.Structure):
+    struct_size: int
+    status: int
+    message: bytes
+class odo_session_options(c.Structure):
+    struct_size: int
+    run: int
+    config_path: odo_string
+    config_text: odo_string
+    plugin_path: odo_string
+    seed: int
+    asset_path: odo_string
+    flags: int
+    reserved: int
+    user: Any
+    get_service: Any
+class odo_statistics(c.Structure):
+    struct_size: int
+    reserved: int
+    pushed: int
+    processed: int
+    frames: int
+    steps: int
+    fixes_accepted: int
+    fixes_rejected: int
+    late: int
+    duplicate: int
+    invalid: int
+    overflow: int
+    gaps: int
+    plugin_faults: int
+    tracking_s: float
+    degraded_s: float
+    lost_s: float
+    distance_m: float
+    wild: int
+    events_dropped: int
+    unknown: int
+    scale_sigma: float
+    scale_by_inertia: float
+    scale_by_steps: float
+class odo_anchor_place(c.Structure):
+    struct_size: int
+    kind: int
+    t_ns: int
+    world: int
+    height_above: int
+    q: c.Array[c.c_double]
+    p: c.Array[c.c_double]
+    latitude_rad: float
+    longitude_rad: float
+    height_m: float
+    geoid_height_m: float
+    sigma_m: float
+    name: odo_string
+class odo_anchor(c.Structure):
+    struct_size: int
+    kind: int
+    id: int
+    t_ns: int
+    flags: int
+    state: int
+    reason: int
+    reserved: int
+    q_n: c.Array[c.c_double]
+    p_n: c.Array[c.c_double]
+    q_view: c.Array[c.c_double]
+    p_view: c.Array[c.c_double]
+    position_sigma_m: float
+    yaw_sigma_rad: float
+    view_sigma_m: float
+    latitude_rad: float
+    longitude_rad: float
+    height_m: float
+    name: bytes
+class odo_terrain(c.Structure):
+    struct_size: int
+    reserved: int
+    user: Any
+    height: Any
+
+Imu = odo_imu
+Magnetometer = odo_magnetometer
+Barometer = odo_barometer
+Gnss = odo_gnss
+Calibration = odo_calibration
+ImuNoise = odo_imu_noise
+Waypoint = odo_waypoint
+EarthField = odo_earth_field
+PlatformPose = odo_platform_pose
+Range = odo_range
+SystemStep = odo_system_step
+Frame = odo_frame
+Attitude = odo_attitude
+Step = odo_step
+MotionMode = odo_motion_mode
+VoMotion = odo_vo_motion
+Scale = odo_scale
+Fix = odo_fix
+Pose = odo_pose
+State = odo_state
+Correction = odo_correction
+Report = odo_report
+Refined = odo_refined
+RelativePose = odo_relative_pose
+SessionOptions = odo_session_options
+Statistics = odo_statistics
+AnchorPlace = odo_anchor_place
+Anchor = odo_anchor
+odo_plugin_entry: Any
+odo_callback: Any
+MESSAGES: dict[int, type[Message]]
+FUNCTIONS: dict[str, Any]
+def load(path: str) -> c.CDLL: ...

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+//! Where libodograph lies: ODOGRAPH_LIB_DIR, or what pkg-config says, or the linker's own folders.
+use std::process::Command;
+
+fn main() {
+    println!("cargo:rerun-if-env-changed=ODOGRAPH_LIB_DIR");
+    let folder = std::env::var("ODOGRAPH_LIB_DIR").ok().or_else(|| {
+        let output = Command::new("pkg-config").args(["--variable=libdir", "odograph"]).output().ok()?;
+        Some(String::from_utf8(output.stdout).ok()?.trim().to_string()).filter(|path| !path.is_empty())
+    });
+    if let Some(folder) = folder {
+        println!("cargo:rustc-link-search=native={folder}");
+    }
+}

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A recording read, and a walk tracked live, in Python.
+
+    python3 walk.py CONFIG.yaml RECORDING.odo
+"""
+import math
+import sys
+
+import numpy as np
+import odograph
+from odograph import Imu, Pose, Step
+
+CONFIG = """\
+odograph: 1
+walker: {height: 1.70 m}
+attitude: {plugin: attitude/vqf}
+step_estimator: {plugin: step/odograph}
+coupling: {type: localizer}
+navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
+"""
+
+
+def show(event):
+    x, y, z = event.p_n
+    qw, qx, qy, qz = event.q_n
+    print("pose", event.t_ns, x, y, z, qx, qy, qz, qw)
+
+
+def replay(config, recording):
+    odograph.run(config, recording, on_event=lambda event: show(event) if isinstance(event, Pose) else None)
+
+
+def live():
+    steps = []
+    pictures = [np.full((48, 64), 90, np.uint8) for _ in range(4)]  # as a camera has them
+    with odograph.Session(CONFIG, live=True, on_event=steps.append, events=[Step]) as session:
+        for i in range(1000):
+            t, t_ns = i * 0.01, 1_000_000_000 + i * 10_000_000
+            session.push_imu(t_ns, (0, 0.01, 0), (0.1, 9.81 + 2.2 * math.sin(12 * t), 0.4))
+            if i % 10 == 0:
+                session.push_frame(t_ns, pictures[i // 10 % 4])  # borrowed, not copied
+                session.flush()  # only because these ten seconds take none
+        pose = session.pose()
+        label = session.create_anchor(odograph.ODO_ANCHOR_VIEW, "a label", p=(0, 0, -3))
+        north, east, down = session.anchor(label).p_n
+        print("live", len(steps), "steps", *pose.p_n, f"label {north:.2f} {east:.2f} {down:.2f} borrowed", session.borrowed)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    replay(sys.argv[1], sys.argv[2])
+    live()

@@ -1,0 +1,101 @@
+#!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
+# languages.sh SOURCE BUILD: samples/walk in each language, against the command line's poses. A language whose tools are missing is named
+# and left out; where all are, the status is 77.
+set -u
+source=$1 build=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+walk=$source/samples/walk here=$source/tests/languages
+config=$source/samples/configs/walk.yaml
+export ODOGRAPH_PLUGIN_PATH=$work/plugins:$build/lib/odograph/plugins LD_LIBRARY_PATH=$build/lib
+failed=0 done=0
+
+# say LANGUAGE COMMAND...: runs it; what it says is shown where it fails.
+say() {
+  local language=$1
+  shift
+  "$@" >"$work/said" 2>&1 && return
+  echo "FAILED: $language: $*"
+  tail -20 "$work/said"
+  failed=1
+  return 1
+}
+missing() { # what a language lacks of these commands
+  local tool
+  for tool in "${@:2}"; do
+    command -v "$tool" >/dev/null || { echo "SKIPPED: $1: no $tool"; return 0; }
+  done
+  return 1
+}
+# compare LANGUAGE COMMAND...: the sample's output
+compare() {
+  local language=$1
+  shift
+  "$@" "$config" "$work/walk.odo" >"$work/$language.txt" 2>"$work/said" || { echo "FAILED: $language: $*"; tail -20 "$work/said"; failed=1; return 1; }
+  python3 "$here/compare.py" "$language" "$work/reference.txt" "$work/$language.txt" "$work/live.txt" || { failed=1; return 1; }
+  done=$((done + 1))
+}
+
+say recording "$build/bin/odograph" sim "$source/samples/scenarios/walk_short.yaml" --first 8 -o "$work/jpeg.odo" || exit 1
+say recording "$build/bin/odograph-reference" pictures "$work/jpeg.odo" "$work/walk.odo" || exit 1
+say run "$build/bin/odograph" run -c "$config" -i "$work/walk.odo" -o "$work/run" || exit 1
+"$build/bin/odograph-reference" poses "$config" "$work/walk.odo" "$work/run" >"$work/reference.txt" || exit 1
+
+# The counter of allocations, and a front-end that looks where pixels are.
+mkdir "$work/plugins"
+say counter cc -shared -fPIC -O1 -o "$work/count.so" "$here/allocations.c"
+say counter c++ -std=c++17 -shared -fPIC -fvisibility=hidden -I"$source/abi/include" -o "$work/plugins/pixels.so" "$here/pixels.cpp" &&
+  say counter "$build/bin/odograph" plugin manifest "$work/plugins/pixels.so"
+
+cpp() {
+  say C++ c++ -std=c++17 -Wall -Wextra -Wpedantic -Wshadow -Werror -O1 -I"$source/abi/include" "$walk/walk.cpp" -L"$build/lib" -lodograph -o "$work/walk_cpp" &&
+    compare C++ "$work/walk_cpp"
+}
+
+python() {
+  local python
+  for python in python3 /usr/bin/python3; do "$python" -c 'import numpy' 2>/dev/null && break; done
+  "$python" -c 'import numpy' 2>/dev/null || { echo "SKIPPED: Python: no numpy"; return; }
+  # The wheel, as it is installed.
+  cp -r "$source/bindings/python" "$work/python"
+  if "$python" -c 'import build, setuptools, wheel' 2>/dev/null; then
+    (cd "$work/python" && say Python "$python" -m build --wheel --no-isolation && "$python" -m zipfile -e dist/odograph-*.whl "$work/site") || return
+    [ -e "$work/site/odograph/py.typed" ] || { echo "FAILED: Python: no py.typed in the wheel"; failed=1; }
+  else
+    echo "SKIPPED: Python's wheel: no build"
+    cp -r "$work/python" "$work/site"
+  fi
+  PYTHONPATH=$work/site compare Python "$python" "$walk/walk.py" || return
+  PYTHONPATH=$work/site LD_PRELOAD=$work/count.so "$python" "$here/no_copy.py" || failed=1
+  PYTHONPATH=$work/site say Python "$python" "$here/python_package.py" "$config" "$work/walk.odo" "$work"
+  missing "Python's types" mypy || say Python mypy --strict --no-warn-return-any --ignore-missing-imports --no-error-summary "$work/site/odograph"
+}
+
+csharp() {
+  missing 'C#' mcs mono && return
+  say 'C#' mcs -unsafe -warnaserror -out:"$work/Walk.exe" "$source"/bindings/csharp/*.cs "$walk/Walk.cs" && compare 'C#' mono "$work/Walk.exe"
+  say 'C#' mcs -unsafe -warnaserror -out:"$work/NoCopy.exe" "$source"/bindings/csharp/*.cs "$here/NoCopy.cs" || return
+  LD_PRELOAD=$work/count.so mono "$work/NoCopy.exe" || failed=1
+}
+
+rust() {
+  local PATH=/usr/bin:$PATH # Debian's, where there is another beside it
+  missing Rust cargo && return
+  export ODOGRAPH_LIB_DIR=$build/lib CARGO_TARGET_DIR=$work/cargo CARGO_HOME=$work/cargo_home
+  cp -r "$source/bindings/rust" "$work/rust"
+  sed -i "s|\.\./\.\./samples|$source/samples|" "$work/rust/Cargo.toml"
+  (cd "$work/rust" && say Rust cargo build --offline --example walk) && compare Rust "$work/cargo/debug/examples/walk"
+  # bindgen's own reading of the headers, as an oracle.
+  missing "Rust's layout" bindgen && return
+  say Rust bindgen "$source/abi/include/odograph/layout.h" -o "$work/bindgen.rs" --no-layout-tests -- -I"$source/abi/include" || return
+  { echo '#[allow(warnings)] mod theirs { include!("bindgen.rs"); }'
+    echo '#[allow(warnings)] #[path = "rust/src/abi.rs"] mod ours;'
+    sed -n 's/^pub struct \(odo_[a-z_0-9]*\) {$/const _: () = assert!(std::mem::size_of::<ours::\1>() == std::mem::size_of::<theirs::\1>());/p' "$work/rust/src/abi.rs"
+    echo 'fn main() {}'; } >"$work/layout.rs"
+  say Rust rustc --edition 2021 --emit metadata -o "$work/layout.rmeta" "$work/layout.rs"
+}
+
+for language in ${3:-cpp python csharp rust}; do $language; done
+[ $failed = 0 ] || exit 1
+[ $done -gt 0 ] || exit 77

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""python_package.py CONFIG RECORDING FOLDER: what else the package does: errors in words, arrays without copies, recordings written and read."""
+import ctypes
+import os
+import sys
+
+import numpy as np
+import odograph
+from odograph import Imu, Pose, Recorder, Recording, Session
+
+config, path, folder = sys.argv[1:]
+
+
+def refused(call, *words):
+    try:
+        call()
+    except Exception as error:  # pylint: disable=broad-except
+        assert all(word in str(error) for word in words), f"'{error}' lacks one of {words}"
+        return error
+    raise AssertionError(f"was taken; expected an error with {words}")
+
+
+# Errors name what is wrong.
+error = refused(lambda: Session("odograph: 1\nattitude: {plugin: attitude/vqf, gain: 3}\n"), ":2:", "gain")
+assert isinstance(error, odograph.OdographError) and error.status == odograph.ODO_E_CONFIG
+refused(lambda: Recording(config), "walk.yaml")
+refused(lambda: Imu(gyro=(0, 0, 0)), "gyro", "gyro_b")
+with Session(config) as session:
+    refused(lambda: session.push_frame(0, np.zeros((4, 4))), "float64", "uint8")
+    assert session.pose() is None
+refused(session.flush, "closed")
+
+# An exception of a callback comes out of push.
+def fail(_):
+    raise KeyError("mine")
+
+
+with Session("odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\ncoupling: {type: localizer}\n", on_event=fail) as session:
+    refused(lambda: [session.push_imu(10**7 * i, (0, 0, 0), (0, 0, 9.81)) for i in range(200)], "mine")
+
+# Arrays are the struct's own memory.
+pose = Pose(t_ns=5, p_n=(1, 2, 3))
+view = np.asarray(pose.p_n)
+view[1] = 7
+assert list(pose.p_n) == [1, 7, 3] and view.ctypes.data == ctypes.addressof(pose) + Pose.p_n.offset and pose.t_ns == 5
+
+# A recording has a length, can be read twice, and what is written is read.
+recording = Recording(path)
+first = list(recording)
+assert len(recording) == len(first) > 500 and recording.loss == ""
+frames = [message for message in recording if message.picture]
+pixels = odograph.decode(frames[0].picture)
+assert pixels.ndim == 2 and pixels.base is not None and pixels.shape == (frames[0].height, frames[0].width) or frames[0].width == 0
+copy = os.path.join(folder, "copy.odo")
+with Recorder(copy) as recorder:
+    for message in first:
+        recorder.write(message, message.picture)
+assert [bytes(a) for a in Recording(copy)] == [bytes(a) for a in first]
+
+# A run's arrays, and its plot.
+run = odograph.run(config, copy)
+assert run.poses["p_n"].shape == (len(run.poses), 3) and run.statistics.frames == len(frames) and len(run.steps) == run.statistics.steps
+
+
+class Axes:
+    def __getattr__(self, name):
+        return lambda *values, **_: drawn.append((name, values))
+
+
+drawn = []
+odograph.plot(run, Axes())
+assert drawn[0][0] == "plot" and len(drawn[0][1][0]) > 50
