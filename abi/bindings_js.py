@@ -1,31 +1,33 @@
 # SPDX-License-Identifier: Apache-2.0
 """The ABI for JavaScript and TypeScript: where each number of each message lies in memory, and the messages' types.
 generate.py writes what is returned here. Names are C's; the head of a message is part of it, 64-bit integers are bigints."""
+from c_types import CALLS, is_event, parse
+
 CODES = {"uint8_t": "u8", "int32_t": "i32", "uint32_t": "u32", "int64_t": "i64", "uint64_t": "u64", "float": "f32", "double": "f64", "char": "char"}
-CALLS = ["odo_string", "odo_error", "odo_session_options", "odo_statistics", "odo_anchor_place", "odo_anchor"]  # beside the messages
+STRUCTS = ["odo_string", "odo_error", *CALLS]  # beside the messages
 HEAD = "// SPDX-License-" "Identifier: Apache-2.0\n// Written by abi/generate.py; do not edit.\n"
 SKIPPED = {"struct_size", "reserved", "type"}  # the length, zeros, and the number that `type` has a name for
 
 
-def members(description, name, base=0, prefix=""):
+def members(description, name, pointer, base=0, prefix=""):
     """Each number or array of them: its name, code, offset and count; structs within structs are taken apart."""
     for field in description.structs[name].fields:
         kind, _, count = field.type.replace("struct ", "").partition("[")
         count = int(count[:-1]) if count else 1
         at, label = base + field.offset, prefix + field.name
         if field.is_pointer:
-            yield label, "u32", at, 1
+            yield label, pointer, at, 1
         elif kind in CODES:
             yield label, CODES[kind], at, count
         else:
             inner = "" if field.name == "header" else label + "_"
             for i in range(count):
                 size = description.structs[kind].size
-                yield from members(description, kind, at + i * size, f"{inner[:-1]}{i}_" if count > 1 else inner)
+                yield from members(description, kind, pointer, at + i * size, f"{inner[:-1]}{i}_" if count > 1 else inner)
 
 
-def kept(description, name):
-    return [m for m in members(description, name) if m[0] not in SKIPPED and not m[0].startswith("loan_")]
+def kept(description, name, pointer):
+    return [m for m in members(description, name, pointer) if m[0] not in SKIPPED and not (pointer == "u32" and m[0].startswith("loan_"))]
 
 
 def constants(description):
@@ -34,19 +36,20 @@ def constants(description):
             if not isinstance(value, str) and not name.startswith(("ODO_LARGEST", "ODO_ABI_")) and -2**31 <= value < 2**32}
 
 
-def javascript(description):
+def javascript(description, pointer="u32"):
+    """`pointer`: how an address is read and written, in its lower half or whole."""
     types = ",\n".join(f"  {name[4:]}: {number:#x}" for name, number in description.messages().items())
     rows = []
-    for name in [*description.messages(), *CALLS]:
+    for name in [*description.messages(), *STRUCTS]:
         fields = ",\n".join(f"    {label}: ['{code}', {at}{', ' + str(count) if count > 1 else ''}]"
-                            for label, code, at, count in kept(description, name))
+                            for label, code, at, count in kept(description, name, pointer))
         rows.append(f"  {name[4:]}: {{size: {description.structs[name].size}, fields: {{\n{fields},\n  }}}}")
     lines = [f"export const {name} = {value};" for name, value in constants(description).items()]
     return (HEAD + "\n".join(lines) + "\n\n// Numbers of the messages' types.\nexport const TYPES = {\n" + types +
             ",\n};\n\n// Of each struct the bytes, and of each field its kind, offset and count.\nexport const STRUCTS = {\n" + ",\n".join(rows) + ",\n};\n")
 
 
-def typescript(description):
+def typescript(description, pointer="u32"):
     def kind(code, count, label):
         if code == "char":
             return "string"
@@ -56,11 +59,11 @@ def typescript(description):
     def interface(name, message):
         title = "".join(part.capitalize() for part in name[4:].split("_"))
         body = [f"  type: '{name[4:]}';"] if message else []
-        body += [f"  {label}: {kind(code, count, label)};" for label, code, _, count in kept(description, name)]
+        body += [f"  {label}: {kind(code, count, label)};" for label, code, _, count in kept(description, name, pointer)]
         return title, f"export interface {title} {{\n" + "\n".join(body) + "\n}"
 
     made = [interface(name, True) for name in description.messages()]
-    events = [title for (title, _), number in zip(made, description.messages().values()) if number >> 12 == 1]  # ODO_IS_EVENT
+    events = [title for (title, _), number in zip(made, description.messages().values()) if is_event(number)]
     inputs = [title for title, _ in made if title not in events]
     lines = [f"export const {name}: {value};" for name, value in constants(description).items()]
     return (HEAD + "\n".join(lines) + "\n\n" + "\n\n".join(text for _, text in [*made, interface("odo_statistics", False), interface("odo_anchor_place", False), interface("odo_anchor", False)]) +
@@ -68,3 +71,16 @@ def typescript(description):
             ";\nexport type Message = Input | Event;\nexport type MessageName = Message['type'];\n"
             "export const TYPES: Record<MessageName, number>;\n"
             "export const STRUCTS: Record<string, {size: number; fields: Record<string, [string, number, number?]>}>;\n")
+
+
+def prototypes(description):
+    """The library's functions as koffi takes them: every pointer is one to anything."""
+    def plain(text):
+        kind = parse(text)
+        if kind.base == "char" and kind.pointers and not kind.name:
+            return "const char *"
+        pointer = kind.pointers or kind.base in ("odo_callback", "odo_plugin_entry")
+        return ("void *" if pointer else kind.base + " ") + kind.name
+
+    rows = [f"  '{plain(f.result)}{f.name}({', '.join(plain(p) for p in f.parameters)})'," for f in description.exported()]
+    return HEAD + "export const PROTOTYPES = [\n" + "\n".join(rows) + "\n];\n"

@@ -7,8 +7,10 @@
   golden/contract_v1.txt               all that is promised, one fact a line
   golden/minimum_v1.txt                the smallest size of each struct that a reader accepts
   ../bindings/python/odograph/abi.py, abi.pyi  the declarations for Python, and their types
-  ../bindings/csharp/Abi.cs, rust/src/abi.rs  the same for C# and Rust
-  ../packaging/web/npm/abi.js, abi.d.ts  where numbers lie in memory for JavaScript, and the types for TypeScript
+  ../bindings/csharp/Abi.cs, rust/src/abi.rs, java/org/odograph/Abi.java, java/abi_jni.c  the same for C#, Rust, Java
+  ../bindings/swift/Sources/Odograph/Messages.swift  the messages' numbers for Swift
+  ../bindings/node/prototypes.js       the library's functions for koffi
+  ../packaging/web/npm/abi.js, abi.d.ts, ../bindings/node/abi.js, abi.d.ts  where numbers lie in memory for JavaScript, and the types for TypeScript
 
 --check          writes nothing. Fails where a file is out of date, with the facts that differ, and where the tree breaks
                  golden/released_v1.txt, the facts of the last release: there a fact may be added and a struct may grow at
@@ -28,7 +30,8 @@ import sys
 
 from bindings import check_python, python, stub
 from bindings_csharp import csharp
-from bindings_js import javascript, typescript
+from bindings_java import java, jni
+from bindings_js import javascript, prototypes, typescript
 from bindings_rust import rust
 from description import Description
 from exchange import exchange_c
@@ -143,6 +146,12 @@ def grow(abi, folder):
             target.write_text(text)
 
 
+def swift(abi):
+    rows = [f"extension {name}: Message {{ public static var type: UInt32 {{ {number:#x} }} }}" for name, number in abi.messages().items()]
+    return ("// Never compiled: there is no Swift compiler where this was written.\n// SPDX-License-Identifier: Apache-2.0\n"
+            "// Written by abi/generate.py; do not edit.\nimport COdograph\n\n" + "\n".join(rows) + "\n")
+
+
 def generate(abi):
     minimum = minimum_sizes(abi)
     return {
@@ -151,6 +160,12 @@ def generate(abi):
         CONTRACT: text_of(facts(abi, minimum, MAP)),
         MINIMUM: "".join(f"{name} {size}\n" for name, size in minimum.items()),
         PYTHON: python(abi),
+        BINDINGS / "java/org/odograph/Abi.java": java(abi),
+        BINDINGS / "java/abi_jni.c": jni(abi),
+        BINDINGS / "node/abi.js": javascript(abi, "u64"),
+        BINDINGS / "node/abi.d.ts": typescript(abi, "u64"),
+        BINDINGS / "node/prototypes.js": prototypes(abi),
+        BINDINGS / "swift/Sources/Odograph/Messages.swift": swift(abi),
         BINDINGS / "rust/src/abi.rs": rust(abi),
         BINDINGS / "csharp/Abi.cs": csharp(abi),
         PYTHON.with_suffix(".pyi"): stub(abi),

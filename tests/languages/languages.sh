@@ -77,6 +77,7 @@ csharp() {
   say 'C#' mcs -unsafe -warnaserror -out:"$work/Walk.exe" "$source"/bindings/csharp/*.cs "$walk/Walk.cs" && compare 'C#' mono "$work/Walk.exe"
   say 'C#' mcs -unsafe -warnaserror -out:"$work/NoCopy.exe" "$source"/bindings/csharp/*.cs "$here/NoCopy.cs" || return
   LD_PRELOAD=$work/count.so mono "$work/NoCopy.exe" || failed=1
+  say Unity mcs -unsafe -out:"$work/Unity.exe" "$source"/bindings/csharp/*.cs "$source/samples/unity/OdographProvider.cs" "$here/unity.cs" && say Unity mono "$work/Unity.exe"
 }
 
 rust() {
@@ -96,6 +97,43 @@ rust() {
   say Rust rustc --edition 2021 --emit metadata -o "$work/layout.rmeta" "$work/layout.rs"
 }
 
-for language in ${3:-cpp python csharp rust}; do $language; done
+java() {
+  missing Java javac && return
+  local home
+  home=$(dirname "$(dirname "$(readlink -f "$(command -v javac)")")")
+  say Java cc -std=c99 -shared -fPIC -Wall -Wextra -Werror -I"$home/include" -I"$home/include/linux" -I"$source/abi/include" "$source"/bindings/java/*.c \
+    -L"$build/lib" -lodograph -o "$work/libodograph_jni.so" || return
+  say Java javac -Xlint:all -Werror --release 11 -d "$work/java" "$source"/bindings/java/org/odograph/*.java "$walk/Walk.java" || return
+  compare Java "$home/bin/java" -Xcheck:jni -Djava.library.path="$work" -cp "$work/java" Walk
+  missing Kotlin kotlinc && return
+  say Kotlin kotlinc -cp "$work/java" -d "$work/kotlin.jar" -include-runtime "$walk/Walk.kt" &&
+    compare Kotlin "$home/bin/java" -Djava.library.path="$work" -cp "$work/java:$work/kotlin.jar" WalkKt
+}
+
+javascript() {
+  missing JavaScript node && return
+  local koffi
+  koffi=$(node -p "require('path').dirname(require.resolve('koffi'))" 2>/dev/null) ||
+    { echo "SKIPPED: JavaScript: no npm package koffi in NODE_PATH"; return; }
+  mkdir -p "$work/node/node_modules/@odograph"
+  cp -r "$source/bindings/node" "$work/node/node_modules/@odograph/node"
+  ln -s "$koffi" "$work/node/node_modules/koffi"
+  ln -s "$(dirname "$koffi")/@koromix" "$work/node/node_modules/@koromix" # koffi's own compiled part
+  cp "$walk/walk.mjs" "$work/node/"
+  compare JavaScript node --preserve-symlinks "$work/node/walk.mjs"
+}
+
+swift() { # the headers as Swift imports them
+  missing "Swift's headers" clang && return
+  local target
+  for target in x86_64-linux-gnu arm64-apple-ios16 arm64-apple-macos13; do
+    say Swift clang --target=$target -ffreestanding -fmodules -fmodules-cache-path="$work/modules" -fsyntax-only -Wall -Wextra -Wno-missing-field-initializers -Werror \
+      -fmodule-map-file="$source/bindings/swift/Sources/COdograph/module.modulemap" -I"$source/abi/include" -x objective-c "$here/module.m" || return
+  done
+  echo "Swift: the module's headers compile; its own sources were not compiled"
+}
+
+say documents python3 "$here/snippets.py" "$source"
+for language in ${3:-cpp python csharp rust java javascript swift}; do $language; done
 [ $failed = 0 ] || exit 1
 [ $done -gt 0 ] || exit 77

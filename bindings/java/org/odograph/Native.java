@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+package org.odograph;
+
+import java.nio.ByteBuffer;
+
+/** odograph_jni.c. */
+final class Native {
+    private Native() {}
+    static { System.loadLibrary("odograph_jni"); }
+
+    static native long address(ByteBuffer buffer);
+    static native ByteBuffer view(long address, long size);
+    static native long listen(long session, int[] types, Object listener);
+    static native void unlisten(long listener);
+    static native int borrowed();
+    static native int pushFrame(long session, long frame, ByteBuffer pixels, int begin);
+}

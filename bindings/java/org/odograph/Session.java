@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+package org.odograph;
+
+import java.lang.ref.Reference;
+import java.nio.ByteBuffer;
+import java.nio.ByteOrder;
+import java.util.function.Consumer;
+
+/** One pipeline, from samples to poses. Threads as in odograph.h. */
+public final class Session implements java.io.Closeable {
+    private long session, listener;
+    private Consumer<Event> consumer;
+    private volatile RuntimeException thrown;
+
+    /** `config`: a YAML file, or its text (which has a line break). */
+    public Session(String config) { this(config, false, ""); }
+
+    /** `live`: samples are processed on a thread of the session's own, otherwise within push. */
+    public Session(String config, boolean live, String pluginPath) {
+        Abi.SessionOptions options = new Abi.SessionOptions().run(live ? Abi.ODO_RUN_LIVE : Abi.ODO_RUN_REPLAY);
+        ByteBuffer yaml = Struct.utf8(config), plugins = Struct.utf8(pluginPath), made = pointer();
+        if (config.indexOf('\n') >= 0) options.config_text_data(Native.address(yaml)).config_text_size(yaml.capacity() - 1);
+        else options.config_path_data(Native.address(yaml)).config_path_size(yaml.capacity() - 1);
+        options.plugin_path_data(Native.address(plugins)).plugin_path_size(plugins.capacity() - 1);
+        OdographException.Text error = new OdographException.Text();
+        OdographException.check(Abi.odo_session_create(options.address, Native.address(made), error.address), error);
+        stays(options, yaml, plugins);
+        session = made.getLong(0);
+    }
+
+    /** What a call reads by its address lives until here. */
+    static void stays(Object... objects) { Reference.reachabilityFence(objects); }
+
+    static ByteBuffer pointer() { return ByteBuffer.allocateDirect(8).order(ByteOrder.LITTLE_ENDIAN); }
+
+    private long open() {
+        if (session == 0) throw new IllegalStateException("the session was closed");
+        return session;
+    }
+
+    /** Calls `consumer` with each event of those types (ODO_TYPE_*), all of them where none is given: within push and flush, or on the
+     * library's thread when live. What it throws comes out of the next push or flush. */
+    public void onEvent(Consumer<Event> consumer, int... types) {
+        long before = listener;
+        this.consumer = consumer;
+        listener = Native.listen(open(), types, this);
+        Native.unlisten(before);
+    }
+
+    private void take(long event) { // called by odograph_jni.c
+        try {
+            consumer.accept(new Event(event));
+        } catch (RuntimeException e) { // it cannot cross the library
+            thrown = e;
+        }
+    }
+
+    private int checked(int status) {
+        RuntimeException e = thrown;
+        thrown = null;
+        if (e != null) throw e;
+        return status;
+    }
+
+    /** Any input but a frame. ODO_OK, or why it was dropped. */
+    public int push(Struct message) {
+        try {
+            return checked(Abi.odo_session_push(open(), message.address));
+        } finally {
+            Reference.reachabilityFence(message);
+        }
+    }
+    public int push(Event message) { return checked(Abi.odo_session_push(open(), message.address)); }
+
+    /** A frame whose pixels begin at byte `begin` of a direct buffer: the library shares it, nothing is copied. Format, width and height
+     * are the frame's; rows are `rowStride` bytes apart. */
+    public int pushFrame(Abi.Frame frame, ByteBuffer pixels, int begin, int rowStride) {
+        int format = frame.format(), pixel = format == Abi.ODO_FORMAT_RGB8 ? 3 : format == Abi.ODO_FORMAT_RGBA8 || format == Abi.ODO_FORMAT_BGRA8 ? 4 : 1;
+        long end = begin + (frame.height() - 1L) * rowStride + (long) frame.width() * pixel;
+        if (!pixels.isDirect() || end > pixels.capacity()) throw new IllegalArgumentException("pixels: expected a direct buffer of at least " + end + " bytes");
+        frame.plane_count(1).planes0_row_stride(rowStride).planes0_pixel_stride(pixel);
+        try {
+            return checked(Native.pushFrame(open(), frame.address, pixels, begin));
+        } finally {
+            Reference.reachabilityFence(frame);
+        }
+    }
+
+    /** How many pictures the library has still borrowed, of all sessions. */
+    public static int borrowed() { return Native.borrowed(); }
+
+    /** Processes all that has been pushed, without waiting for slower sensors. */
+    public void flush() { OdographException.check(checked(Abi.odo_session_flush(open()))); }
+
+    /** The newest pose, or null. */
+    public Abi.Pose pose() { return pose(Abi.ODO_TIME_LATEST, false); }
+    /** At a time, also ahead of now; null where it is not known. `smooth`: for what is drawn and must not jump. */
+    public Abi.Pose pose(long t_ns, boolean smooth) {
+        Abi.Pose pose = new Abi.Pose(0);
+        int status = Abi.odo_session_get_pose_of(open(), Abi.ODO_OF_PIPELINE, smooth ? 1 : 0, t_ns, pose.address);
+        return status == Abi.ODO_OK ? pose : null;
+    }
+
+    public Abi.Statistics statistics() {
+        Abi.Statistics made = new Abi.Statistics();
+        OdographException.check(Abi.odo_session_get_statistics(open(), made.address));
+        return made;
+    }
+
+    /** The last error or warning since the last call, or null. */
+    public String lastError() {
+        OdographException.Text error = new OdographException.Text();
+        return Abi.odo_session_last_error(open(), error.address) == Abi.ODO_OK ? null : error.message();
+    }
+
+    /** Makes an anchor; its id. */
+    public long createAnchor(Abi.AnchorPlace place, String name) {
+        ByteBuffer text = Struct.utf8(name), id = pointer();
+        place.name_data(Native.address(text)).name_size(text.capacity() - 1);
+        OdographException.check(Abi.odo_anchor_create(open(), place.address, Native.address(id)));
+        stays(place, text);
+        return id.getLong(0);
+    }
+    public Abi.Anchor anchor(long id, int world, long t_ns) {
+        Abi.Anchor anchor = new Abi.Anchor();
+        OdographException.check(Abi.odo_anchor_get(open(), id, world, t_ns, anchor.address));
+        return anchor;
+    }
+    public void removeAnchor(long id) { OdographException.check(Abi.odo_anchor_remove(open(), id)); }
+
+    @Override
+    public void close() {
+        Abi.odo_session_destroy(session);
+        Native.unlisten(listener);
+        session = listener = 0;
+    }
+}

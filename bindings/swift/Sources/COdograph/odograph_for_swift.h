@@ -1,0 +1,3 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include <odograph/anchor.h>
+#include <odograph/recording.h>

@@ -1,0 +1,163 @@
+// Never compiled: there is no Swift compiler where this was written. clang compiles the module map that it imports, nothing else is tried.
+// SPDX-License-Identifier: Apache-2.0
+@_exported import COdograph
+
+/// What the library refused: `status` is ODO_E_*, the message names what is wrong.
+public struct OdographError: Error, CustomStringConvertible {
+    public let status: Int32
+    public let description: String
+
+    static func check(_ status: Int32, _ error: odo_error? = nil) throws {
+        guard status < 0 else { return }
+        var text = String(cString: odo_status_text(status))
+        if var error = error {
+            let message = withUnsafeBytes(of: &error.message) { String(cString: $0.bindMemory(to: CChar.self).baseAddress!) }
+            if !message.isEmpty { text = message }
+        }
+        throw OdographError(status: status, description: text)
+    }
+}
+
+/// A struct with an odo_header at its beginning, and its number.
+public protocol Message {
+    static var type: UInt32 { get }
+    init()
+    var header: odo_header { get set }
+}
+extension Message {
+    /// All zero but its size, type and time.
+    public init(at t_ns: Int64) {
+        self.init()
+        header.struct_size = UInt32(MemoryLayout<Self>.size)
+        header.type = Self.type
+        header.t_ns = t_ns
+    }
+}
+
+/// A message of any type, borrowed: an event within its call, a recorded message until the next one.
+public struct Event {
+    public let header: UnsafePointer<odo_header>
+    public var isInput: Bool { header.pointee.type >> 12 != 1 }
+
+    /// A copy of the message, where it is of that type.
+    public func get<M: Message>(_: M.Type) -> M? {
+        guard header.pointee.type == M.type else { return nil }
+        var message = M()
+        let size = min(MemoryLayout<M>.size, Int(header.pointee.struct_size))
+        withUnsafeMutableBytes(of: &message) { $0.copyMemory(from: UnsafeRawBufferPointer(start: header, count: size)) }
+        message.header.struct_size = UInt32(size)
+        return message
+    }
+}
+
+private func withString<R>(_ text: String, _ body: (odo_string) throws -> R) rethrows -> R {
+    var text = text
+    return try text.withUTF8 { bytes in
+        try bytes.withMemoryRebound(to: CChar.self) { try body(odo_string(data: $0.baseAddress, size: UInt64($0.count))) }
+    }
+}
+
+/// One pipeline. Threads as in odograph.h.
+public final class Session: @unchecked Sendable {
+    private final class Listener {
+        let call: (Event) -> Void
+        init(_ call: @escaping (Event) -> Void) { self.call = call }
+    }
+    private let session: OpaquePointer
+    private var listener: Listener?
+
+    /// `config`: a YAML file, or its text (which has a line break).
+    public init(config: String, live: Bool = false) throws {
+        var made: OpaquePointer?
+        var error = odo_error()
+        error.struct_size = UInt32(MemoryLayout<odo_error>.size)
+        var options = odo_session_options()
+        options.struct_size = UInt32(MemoryLayout<odo_session_options>.size)
+        options.run = live ? ODO_RUN_LIVE : ODO_RUN_REPLAY
+        try withString(config) { text in
+            if config.contains("\n") { options.config_text = text } else { options.config_path = text }
+            let status = odo_session_create(&options, &made, &error)
+            try OdographError.check(status, error)
+        }
+        session = made!
+    }
+    deinit { odo_session_destroy(session) }
+
+    /// Calls `listener` with each event of those types: within push and flush, or on the library's thread when live.
+    public func onEvent(_ types: [UInt32], _ call: @escaping (Event) -> Void) throws {
+        let made = Listener(call)
+        let status = odo_session_set_callback(session, types, UInt32(types.count), { user, event in
+            Unmanaged<Listener>.fromOpaque(user!).takeUnretainedValue().call(Event(header: event!))
+        }, Unmanaged.passUnretained(made).toOpaque())
+        try OdographError.check(status)
+        listener = made
+    }
+
+    /// ODO_OK, or why it was dropped.
+    @discardableResult public func push<M: Message>(_ message: M) -> Int32 {
+        withUnsafeBytes(of: message) { odo_session_push(session, $0.bindMemory(to: odo_header.self).baseAddress) }
+    }
+    @discardableResult public func push(_ message: Event) -> Int32 { odo_session_push(session, message.header) }
+
+    /// A frame whose pixels `owner` keeps alive (a CVPixelBuffer, an object of the app's): the library shares it, nothing is copied.
+    @discardableResult public func push(_ frame: odo_frame, owner: AnyObject) -> Int32 {
+        var lent = frame
+        let shared = Unmanaged.passRetained(owner)
+        defer { shared.release() }
+        lent.loan.owner = shared.toOpaque()
+        lent.loan.retain = { Unmanaged<AnyObject>.fromOpaque($0!).retain(); return ODO_OK }
+        lent.loan.release = { Unmanaged<AnyObject>.fromOpaque($0!).release() }
+        return push(lent)
+    }
+
+    public func flush() throws { try OdographError.check(odo_session_flush(session)) }
+
+    /// Nil where it is not known. `smooth`: for what is drawn and must not jump.
+    public func pose(at t_ns: Int64 = Int64.min, smooth: Bool = false) -> odo_pose? {
+        var pose = odo_pose(at: 0)
+        return odo_session_get_pose_of(session, ODO_OF_PIPELINE, smooth ? 1 : 0, t_ns, &pose) == ODO_OK ? pose : nil
+    }
+
+    public func createAnchor(_ place: odo_anchor_place, name: String) throws -> UInt64 {
+        var id: UInt64 = 0
+        var place = place
+        place.struct_size = UInt32(MemoryLayout<odo_anchor_place>.size)
+        try withString(name) { text in
+            place.name = text
+            try OdographError.check(odo_anchor_create(session, &place, &id))
+        }
+        return id
+    }
+    public func anchor(_ id: UInt64, world: UInt32 = ODO_WORLD_CORRECTED, at t_ns: Int64 = Int64.min) throws -> odo_anchor {
+        var anchor = odo_anchor()
+        anchor.struct_size = UInt32(MemoryLayout<odo_anchor>.size)
+        try OdographError.check(odo_anchor_get(session, id, world, t_ns, &anchor))
+        return anchor
+    }
+}
+
+/// A recording, read once: `while let (message, picture) = recording.next()`. Both are valid until the next one.
+public final class Recording {
+    private let recording: OpaquePointer
+
+    public init(_ path: String) throws {
+        var made: OpaquePointer?
+        var error = odo_error()
+        error.struct_size = UInt32(MemoryLayout<odo_error>.size)
+        try withString(path) { text in
+            var name = text
+            let status = odo_recording_open(&name, &made, &error)
+            try OdographError.check(status, error)
+        }
+        recording = made!
+    }
+    deinit { odo_recording_close(recording) }
+
+    public func next() -> (message: Event, picture: UnsafeRawBufferPointer?)? {
+        var message: UnsafePointer<odo_header>?
+        var picture: UnsafeRawPointer?
+        var size: UInt64 = 0
+        guard odo_recording_next(recording, &message, &picture, &size) == ODO_OK else { return nil }
+        return (Event(header: message!), picture.map { UnsafeRawBufferPointer(start: $0, count: Int(size)) })
+    }
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// A recording read, and a walk tracked as it happens, in JavaScript: node walk.mjs CONFIG.yaml RECORDING.odo
+import {load, ODO_ANCHOR_VIEW, TYPES} from '@odograph/node';
+
+const CONFIG = `odograph: 1
+walker: {height: 1.70 m}
+attitude: {plugin: attitude/vqf}
+step_estimator: {plugin: step/odograph}
+coupling: {type: localizer}
+navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
+`;
+const odograph = load();
+
+function show({t_ns, p_n: [x, y, z], q_n: [qw, qx, qy, qz]}) {
+  console.log(`pose ${t_ns} ${x} ${y} ${z} ${qx} ${qy} ${qz} ${qw}`);
+}
+
+/** The pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG by the one that it has. */
+function decode(picture) {
+  const [magic, width, height, depth] = new TextDecoder().decode(picture.subarray(0, 24)).split(/\s/);
+  const begin = magic.length + width.length + height.length + depth.length + 4;
+  return {width: Number(width), height: Number(height), pixels: picture.subarray(begin, begin + width * height)};
+}
+
+function replay(config, file) {
+  const session = odograph.createSession({config, events: ['pose'], onEvent: show});
+  const recording = odograph.openRecording(file);
+  for (const message of recording) {
+    const {picture, t_ns, source, flags, exposure_ns, line_time_ns, fx, fy, cx, cy} = message;
+    if (picture) session.pushFrame({t_ns, source, flags, exposure_ns, line_time_ns, fx, fy, cx, cy, ...decode(picture)});
+    else if (TYPES[message.type] < 0x1000) session.push(message); // what the app recorded of events is none
+  }
+  session.flush();
+  recording.close();
+  session.close();
+}
+
+function live() {
+  let steps = 0;
+  const pixels = new Uint8Array(64 * 48).fill(90); // as a camera has them
+  const session = odograph.createSession({config: CONFIG, events: ['step'], onEvent: () => ++steps});
+  for (let i = 0; i < 1000; ++i) {
+    const t = i * 0.01, t_ns = 1_000_000_000 + i * 10_000_000;
+    session.pushImu(t_ns, [0, 0.01, 0], [0.1, 9.81 + 2.2 * Math.sin(12 * t), 0.4]);
+    if (i % 10 === 0) session.pushFrame({t_ns, pixels, width: 64, height: 48}); // borrowed, not copied
+  }
+  session.flush();
+  const [north, east, down] = session.pose().p_n;
+  const label = session.createAnchor({kind: ODO_ANCHOR_VIEW, p: [0, 0, -3], name: 'a label'});
+  const place = session.anchor(label).p_n.map(x => x.toFixed(2));
+  console.log(`live ${steps} steps ${north} ${east} ${down} label ${place.join(' ')} borrowed ${session.borrowed}`);
+  session.close();
+}
+
+replay(process.argv[2], process.argv[3]);
+live();
