@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The part of Monado's Visual-Inertial Tracking interface (vit_interface.h, versions 1 and 2, which agree in it) that a
-// consumer with one camera and one IMU needs. Names and layouts are the interface's.
+// Monado's Visual-Inertial Tracking interface (vit_interface.h 2.0), in declarations of our own; names and layouts are
+// the interface's. What a consumer with one camera and one IMU needs is the same in version 1.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,36 @@ extern "C" {
 struct vit_tracker;
 struct vit_pose;
 
-enum vit_result : int32_t { VIT_SUCCESS = 0, VIT_ERROR_NOT_SUPPORTED = -4 };  // negative: an error
-enum vit_image_format : int32_t { VIT_IMAGE_FORMAT_L8 = 1 };
+enum vit_result : int32_t {  // negative: an error
+  VIT_SUCCESS = 0,
+  VIT_ERROR_INVALID_VALUE = -2,
+  VIT_ERROR_ALLOCATION_FAILURE = -3,
+  VIT_ERROR_NOT_SUPPORTED = -4,
+  VIT_ERROR_NOT_ENABLED = -5
+};
+enum vit_image_format : int32_t { VIT_IMAGE_FORMAT_L8 = 1, VIT_IMAGE_FORMAT_L16 = 2, VIT_IMAGE_FORMAT_R8G8B8 = 3 };
 enum vit_camera_distortion : int32_t {
   VIT_CAMERA_DISTORTION_NONE,
   VIT_CAMERA_DISTORTION_RT4,
   VIT_CAMERA_DISTORTION_RT5,
   VIT_CAMERA_DISTORTION_RT8,
   VIT_CAMERA_DISTORTION_KB4
+};
+
+enum vit_tracker_extension : int32_t {
+  VIT_TRACKER_EXTENSION_ADD_CAMERA_CALIBRATION,
+  VIT_TRACKER_EXTENSION_ADD_IMU_CALIBRATION,
+  VIT_TRACKER_EXTENSION_POSE_TIMING,
+  VIT_TRACKER_EXTENSION_POSE_FEATURES
+};
+
+struct vit_tracker_extension_set {
+  bool has_add_camera_calibration, has_add_imu_calibration, has_pose_timing, has_pose_features;
+};
+
+struct vit_tracker_timing_titles {
+  uint32_t count;
+  const char** titles;
 };
 
 struct vit_config {
@@ -54,6 +76,21 @@ struct vit_pose_data {
   float vx, vy, vz;
 };
 
+struct vit_pose_timing {
+  uint32_t count;
+  const int64_t* timestamps;
+};
+
+struct vit_pose_feature {
+  int64_t id;
+  float u, v, depth;
+};
+
+struct vit_pose_features {
+  uint32_t count;
+  const vit_pose_feature* features;
+};
+
 struct vit_camera_calibration {
   uint32_t camera_index;
   int width, height;
@@ -62,6 +99,19 @@ struct vit_camera_calibration {
   uint32_t distortion_count;
   double distortion[32];
   double transform[16];  // T_imu_cam, by rows
+};
+
+struct vit_inertial_calibration {
+  double transform[9];  // of the raw measurement, by rows
+  double offset[3];     // added to it
+  double bias_std[3];   // rad/s^2/sqrt(Hz), or m/s^3/sqrt(Hz)
+  double noise_std[3];  // rad/s/sqrt(Hz), or m/s^2/sqrt(Hz)
+};
+
+struct vit_imu_calibration {
+  uint32_t imu_index;
+  double frequency;
+  vit_inertial_calibration accel, gyro;
 };
 
 using vit_api_get_version_t = vit_result(uint32_t* major, uint32_t* minor, uint32_t* patch);
