@@ -39,6 +39,19 @@ pub unsafe trait Message: Copy {
 """.replace("type_", WORDS["type"])
 
 
+ENTRY = """/// Makes a [`plugin::Plugin`](crate::plugin::Plugin) the plugin of this library.
+#[macro_export]
+macro_rules! plugin {
+    ($kind:ty) => {
+        #[export_name = "@ENTRY@"]
+        pub unsafe extern "C" fn odograph_plugin_entry(host: *const $crate::abi::odo_host, out: *mut $crate::abi::odo_plugin) -> i32 {
+            static TABLE: $crate::plugin::Table = $crate::plugin::Table::new();
+            TABLE.fill::<$kind>(host, out)
+        }
+    };
+}"""
+
+
 def rust_type(kind):
     if kind.is_function:
         arguments = ", ".join(rust_type(argument) for argument in kind.arguments)
@@ -80,5 +93,5 @@ def rust(description):
     messages = [f"unsafe impl Message for {name} {{\n    const TYPE: u32 = {number:#x};\n}}" for name, number in description.messages().items()]
     aliases = [f"pub type {title(name)} = {name};" for name in public_structs(description)]
     return "\n\n".join([HEAD + "\n".join(constant(*item) for item in description.constants.items()), "\n".join(opaque), "\n".join(structs),
-                        "\n".join(callbacks), '#[link(name = "odograph")]\nextern "C" {\n' + "\n".join(functions) + "\n}", "\n".join(messages),
+                        "\n".join(callbacks), ENTRY.replace("@ENTRY@", description.entry_symbol()), '#[cfg(feature = "app")]\n#[link(name = "odograph")]\nextern "C" {\n' + "\n".join(functions) + "\n}", "\n".join(messages),
                         "\n".join(aliases)]) + "\n"

@@ -11,7 +11,8 @@ namespace {
 
 /// Judgements.
 struct Parameters {
-  size_t max_pictures = 8;  ///< waiting; then a push waits too
+  size_t max_pictures =
+      1;  ///< waiting; then a push waits too. A consumer that ends when poses no longer come loses those
   size_t max_poses = 4096;  ///< that nobody fetched; then the oldest go
   std::chrono::milliseconds imu_silent{
       100};  ///< without a sample, from where on a frame is processed without those that cover it

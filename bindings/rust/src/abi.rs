@@ -1023,6 +1023,19 @@ impl Default for odo_terrain {
 pub type odo_plugin_entry = unsafe extern "C" fn(host: *const odo_host, out: *mut odo_plugin) -> i32;
 pub type odo_callback = unsafe extern "C" fn(user: *mut c_void, event: *const odo_header);
 
+/// Makes a [`plugin::Plugin`](crate::plugin::Plugin) the plugin of this library.
+#[macro_export]
+macro_rules! plugin {
+    ($kind:ty) => {
+        #[export_name = "odo_plugin_entry_draft3"]
+        pub unsafe extern "C" fn odograph_plugin_entry(host: *const $crate::abi::odo_host, out: *mut $crate::abi::odo_plugin) -> i32 {
+            static TABLE: $crate::plugin::Table = $crate::plugin::Table::new();
+            TABLE.fill::<$kind>(host, out)
+        }
+    };
+}
+
+#[cfg(feature = "app")]
 #[link(name = "odograph")]
 extern "C" {
     pub fn odo_session_create(options: *const odo_session_options, session: *mut *mut odo_session, error: *mut odo_error) -> i32;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Recordings (*.odo), read and written.
 use crate::abi::*;
-use crate::{check, sized, string, with_error, Event, Result};
+use crate::session::{check, with_error};
+use crate::{sized, string, Event, Result};
 use std::os::raw::c_void;
 use std::ptr::{null, null_mut, NonNull};
 

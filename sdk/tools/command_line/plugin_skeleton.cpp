@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/command_line/plugin_skeleton.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <iterator>
 #include <vector>
 
 #include "sdk/host/base/nearest.hpp"
+#include "sdk/tools/command_line/plugin_skeleton_python.hpp"
+#include "sdk/tools/command_line/plugin_skeleton_rust.hpp"
 #include "sdk/tools/command_line/plugin_skeleton_texts.hpp"
 
 namespace odograph {
@@ -43,10 +47,49 @@ std::string c_members(const std::string& members) {
   return replaced(out, {{"bool ", "int "}});
 }
 
+/// The files of a language, by name, and what differs in them from kind to kind.
+struct Template {
+  std::vector<std::pair<std::string, const char*>> files;
+  std::vector<std::pair<std::string, std::string>> words;
+};
+
+template <class Rows>
+const auto& row_of(const Rows& rows, const std::string& kind) {
+  return *std::find_if(std::begin(rows), std::end(rows), [&](const auto& row) { return kind == row.kind; });
+}
+
+Template native(const Skeleton& kind, const std::string& file, bool in_c) {
+  const std::string source = file + (in_c ? ".c" : ".cpp");
+  const std::string state = *kind.state ? std::string(" private:\n") + kind.state : "";
+  return {{{source, in_c ? kC : kCpp}, {"CMakeLists.txt", kCMake}, {"README.md", kReadme}},
+          {{"@BODY@", in_c ? kind.c_body : kind.cpp_body},
+           {"@STATE@", in_c ? c_members(kind.state) : state},
+           {"@SOURCE@", source},
+           {"@LANGUAGE@", in_c ? "C" : "CXX"},
+           {"@LIBRARIES@", in_c ? " m" : ""},
+           {"@STANDARD@", in_c ? "C_STANDARD 99 C_VISIBILITY_PRESET hidden"
+                               : "CXX_STANDARD 17 CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON"},
+           {"@STATIC@", in_c ? "" : "-static-libstdc++ -static-libgcc "}}};
+}
+
+Template template_of(const Skeleton& kind, const std::string& file, const std::string& language) {
+  if (language == "rust") {
+    const RustSkeleton& row = row_of(kRustSkeletons, kind.kind);
+    return {{{"src/lib.rs", kRust}, {"Cargo.toml", kCargo}, {"README.md", kRustReadme}},
+            {{"@BODY@", row.body}, {"@STATE@", row.state}, {"@MESSAGE@", row.input}}};
+  }
+  if (language == "python") {
+    const PythonSkeleton& row = row_of(kPythonSkeletons, kind.kind);
+    return {{{file + ".py", kPython}, {"CMakeLists.txt", kPythonCMake}, {"README.md", kReadme}},
+            {{"@BODY@", row.body}, {"@STATE@", row.state}, {"@INTERFACE@", kind.interface_macro}}};
+  }
+  return native(kind, file, language == "c");
+}
+
 }  // namespace
 
 Result<bool> write_plugin_skeleton(const std::string& kind, const std::string& id, const std::filesystem::path& folder,
-                                   bool in_c) {
+                                   const std::string& language) {
   std::vector<std::string> kinds;
   const Skeleton* found = nullptr;
   for (const Skeleton& one : kSkeletons) {
@@ -62,40 +105,27 @@ Result<bool> write_plugin_skeleton(const std::string& kind, const std::string& i
                     file.find('/') == std::string::npos && !std::isdigit(static_cast<unsigned char>(file[0]));
   if (!good) return Failure{ODO_E_ARGUMENT, "id '" + id + "'; expected group/name in lower case"};
   const GainText gain = gain_of(kind);
-  const std::string source = file + (in_c ? ".c" : ".cpp");
-  const std::vector<std::pair<std::string, std::string>> words = {
-      {"@BODY@", in_c ? found->c_body : found->cpp_body},
-      {"@STATE@", in_c            ? c_members(found->state)
-                  : *found->state ? std::string(" private:\n") + found->state
-                                  : ""},
-      {"@ID@", id},
-      {"@KIND@", kind},
-      {"@SUMMARY@", found->summary},
-      {"@INTERFACE@", found->interface_macro},
-      {"@INPUT@", found->input},
-      {"@UNIT@", gain.unit},
-      {"@LOW@", gain.low},
-      {"@HIGH@", gain.high},
-      {"@DEFAULT@", gain.fallback},
-      {"@HELP@", gain.help},
-      {"@FILE@", file},
-      {"@SOURCE@", source},
-      {"@LANGUAGE@", in_c ? "C" : "CXX"},
-      {"@LIBRARIES@", in_c ? " m" : ""},
-      {"@STANDARD@", in_c ? "C_STANDARD 99 C_VISIBILITY_PRESET hidden"
-                          : "CXX_STANDARD 17 CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON"},
-      {"@STATIC@", in_c ? "" : "-static-libstdc++ -static-libgcc "}};
+  auto [files, words] = template_of(*found, file, language);
+  words.insert(words.end(), {{"@ID@", id},
+                             {"@KIND@", kind},
+                             {"@SUMMARY@", found->summary},
+                             {"@INTERFACE@", found->interface_macro},
+                             {"@INPUT@", found->input},
+                             {"@UNIT@", gain.unit},
+                             {"@LOW@", gain.low},
+                             {"@HIGH@", gain.high},
+                             {"@DEFAULT@", gain.fallback},
+                             {"@HELP@", gain.help},
+                             {"@FILE@", file}});
   const std::string choice = kind == "absolute_fixer" ? "absolute_fixers" : kind;
   const std::string yaml = "odograph: 1\nplugins:\n  search: [build]\n" + std::string(found->rest) + choice +
                            ":\n  plugin: " + id + "\n  parameters: {gain: " + gain.fallback + "}\n";
+  files.emplace_back("pipeline.yaml", yaml.c_str());
   std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  for (const auto& [name, text] : {std::pair<std::string, std::string>{source, in_c ? kC : kCpp},
-                                   {"CMakeLists.txt", kCMake},
-                                   {"README.md", kReadme},
-                                   {"pipeline.yaml", yaml}}) {
+  for (const auto& [name, text] : files) {
     if (std::filesystem::exists(folder / name, error))
       return Failure{ODO_E_ARGUMENT, (folder / name).string() + " is there already"};
+    std::filesystem::create_directories((folder / name).parent_path(), error);
     std::ofstream out(folder / name, std::ios::binary);
     out << replaced(text, words);
     if (!out.flush()) return Failure{ODO_E_NOT_FOUND, (folder / name).string() + ": cannot be written"};

@@ -8,10 +8,11 @@
 
 namespace odograph {
 
-/// Writes the source of a new plugin into `folder` (created; must not hold files of these names): the plugin in C++17
-/// or C99, CMakeLists.txt, README.md and pipeline.yaml. It builds against an installed Odograph, passes `plugin check`
-/// and runs as it is. `kind`: attitude, step_estimator, vo_frontend, scale_source or absolute_fixer; `id`: group/name.
+/// Writes the source of a new plugin into `folder` (created; must not hold files of these names): the plugin, what
+/// builds it, README.md and pipeline.yaml. It builds against an installed Odograph, passes `plugin check` and runs as
+/// it is. `kind`: attitude, step_estimator, vo_frontend, scale_source or absolute_fixer; `id`: group/name; `language`:
+/// c++ (17), c (99), rust or python.
 Result<bool> write_plugin_skeleton(const std::string& kind, const std::string& id, const std::filesystem::path& folder,
-                                   bool in_c);
+                                   const std::string& language);
 
 }  // namespace odograph

@@ -155,8 +155,8 @@ void add_plugins(CLI::App& app, int& status) {
   check_command->add_flag("--list", wish->list, "list the cases");
   check_command->callback([=, &status] { status = check(*wish); });
   struct NewWish {
-    std::string kind, id, folder;
-    bool in_c = false, repository = false;
+    std::string kind, id, folder, language = "c++";
+    bool repository = false;
   };
   auto fresh = std::make_shared<NewWish>();
   auto* new_command = command->add_subcommand("new", "Write the source of a new plugin, ready to be built and run");
@@ -164,13 +164,20 @@ void add_plugins(CLI::App& app, int& status) {
       ->required();
   new_command->add_option("id", fresh->id, "group/name")->required();
   new_command->add_option("folder", fresh->folder, "where to; a folder of the plugin's name unless given");
-  new_command->add_flag("--c", fresh->in_c, "in C99 instead of C++17");
+  new_command->add_option("--language", fresh->language, "c++ (C++17), c (C99), rust or python")
+      ->check(CLI::IsMember({"c++", "c", "rust", "python"}));
+  new_command->add_flag_callback("--c", [fresh] { fresh->language = "c"; }, "the same as --language c");
   new_command->add_flag("--repository", fresh->repository,
-                        "with CI files for GitHub and GitLab that build, check and state what it conforms to");
+                        "with CI files for GitHub and GitLab that build, check and state what it conforms to; C++ or C");
   new_command->callback([=, &status] {
+    if (fresh->repository && fresh->language != "c++" && fresh->language != "c") {
+      std::fprintf(stderr, "--repository is for plugins in C++ or C; not for %s\n", fresh->language.c_str());
+      status = kBadUsage;
+      return;
+    }
     const std::filesystem::path where =
         fresh->folder.empty() ? fresh->id.substr(fresh->id.find('/') + 1) : fresh->folder;
-    auto written = write_plugin_skeleton(fresh->kind, fresh->id, where, fresh->in_c);
+    auto written = write_plugin_skeleton(fresh->kind, fresh->id, where, fresh->language);
     if (written && fresh->repository) written = write_plugin_repository(fresh->id, where);
     status = written ? kDone : complain(written.failure());
     if (written) std::printf("%s: see README.md there\n", where.c_str());

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+//! A session: one pipeline, from samples to poses.
+use crate::abi::*;
+use crate::{sized, string, Error, Event, Result};
+use std::ffi::CStr;
+use std::mem::size_of;
+use std::os::raw::{c_char, c_void};
+use std::panic::{catch_unwind, AssertUnwindSafe};
+use std::ptr::{null, null_mut, NonNull};
+use std::sync::Arc;
+
+unsafe fn owned(text: *const c_char) -> String {
+    CStr::from_ptr(text).to_string_lossy().into_owned()
+}
+
+pub(crate) fn check(status: i32) -> Result<i32> {
+    if status >= 0 {
+        return Ok(status);
+    }
+    Err(Error { status, message: unsafe { owned(odo_status_text(status)) } })
+}
+
+/// Calls what fills an error.
+pub(crate) fn with_error(call: impl FnOnce(*mut odo_error) -> i32) -> Result<()> {
+    let mut error = odo_error { struct_size: size_of::<odo_error>() as u32, ..odo_error::default() };
+    let status = call(&mut error);
+    if status < 0 && error.message[0] != 0 {
+        return Err(Error { status, message: unsafe { owned(error.message.as_ptr()) } });
+    }
+    check(status).map(|_| ())
+}
+
+/// major.minor.patch of the library.
+pub fn version() -> String {
+    unsafe { owned(odo_version()) }
+}
+pub fn state_text(state: u32) -> String {
+    unsafe { owned(odo_state_text(state)) }
+}
+pub fn reason_text(reason: u32) -> String {
+    unsafe { owned(odo_reason_text(reason)) }
+}
+
+/// What a session is made of.
+#[derive(Clone, Copy, Default)]
+pub struct Options<'a> {
+    /// A YAML file, or its text (which has a line break).
+    pub config: &'a str,
+    /// Samples are processed on a thread of the session's own; otherwise within `push`.
+    pub live: bool,
+    pub plugin_path: &'a str,
+    pub asset_path: &'a str,
+    pub seed: u64,
+}
+
+type Listener = Box<dyn FnMut(Event<'_>) + Send>;
+
+/// One pipeline. Inputs and questions are of any thread; what takes `&mut self` is of one at a time.
+pub struct Session {
+    session: NonNull<odo_session>,
+    listener: Option<Box<Listener>>, // its address is the library's
+}
+// What odograph.h calls [any] takes &self, what it calls [control] &mut self; the listener is Send and never called twice at once.
+unsafe impl Send for Session {}
+unsafe impl Sync for Session {}
+
+impl Session {
+    pub fn new(options: &Options<'_>) -> Result<Session> {
+        let config = string(options.config);
+        let (config_text, config_path) = if options.config.contains('\n') { (config, string("")) } else { (string(""), config) };
+        let c = SessionOptions {
+            struct_size: size_of::<SessionOptions>() as u32,
+            run: if options.live { ODO_RUN_LIVE } else { ODO_RUN_REPLAY },
+            config_path,
+            config_text,
+            plugin_path: string(options.plugin_path),
+            asset_path: string(options.asset_path),
+            seed: options.seed,
+            ..SessionOptions::default()
+        };
+        let mut session = null_mut();
+        with_error(|error| unsafe { odo_session_create(&c, &mut session, error) })?;
+        Ok(Session { session: NonNull::new(session).expect("a session was made"), listener: None })
+    }
+
+    fn c(&self) -> *mut odo_session {
+        self.session.as_ptr()
+    }
+
+    /// Calls `listener` with each event of those types (`Pose::TYPE`), all of them where none is given: within `push` and `flush`, or on
+    /// the library's thread when live. A panic in it ends the process, since it cannot cross the library.
+    pub fn on_event(&mut self, types: &[u32], listener: impl FnMut(Event<'_>) + Send + 'static) -> Result<()> {
+        unsafe extern "C" fn call(user: *mut c_void, event: *const odo_header) {
+            let listener = &mut *(user as *mut Listener);
+            if catch_unwind(AssertUnwindSafe(|| listener(Event(&*event)))).is_err() {
+                std::process::abort();
+            }
+        }
+        let mut boxed: Box<Listener> = Box::new(Box::new(listener));
+        let user = &mut *boxed as *mut Listener as *mut c_void;
+        let (pointer, count) = if types.is_empty() { (null(), ODO_ALL_EVENTS) } else { (types.as_ptr(), types.len() as u32) };
+        check(unsafe { odo_session_set_callback(self.c(), pointer, count, Some(call), user) })?;
+        self.listener = Some(boxed);
+        Ok(())
+    }
+
+    /// An input. What becomes of it is often no error: a live sensor's late sample is `Err` and dropped.
+    pub fn push<M: Message>(&self, message: &M) -> Result<()> {
+        assert!(M::TYPE & ODO_BORROWED == 0, "push_frame takes frames");
+        let message = sized(message);
+        check(unsafe { odo_session_push(self.c(), &message as *const M as *const odo_header) }).map(|_| ())
+    }
+
+    /// A recorded input as it is; not a frame, whose picture was encoded.
+    pub fn push_event(&self, message: Event<'_>) -> Result<()> {
+        assert!(message.0.kind & ODO_BORROWED == 0, "push_frame takes frames");
+        check(unsafe { odo_session_push(self.c(), message.0) }).map(|_| ())
+    }
+
+    pub fn push_imu(&self, t_ns: i64, gyro_b: [f64; 3], accel_b: [f64; 3]) -> Result<()> {
+        check(unsafe { odo_session_push_imu(self.c(), t_ns, gyro_b.as_ptr(), accel_b.as_ptr()) }).map(|_| ())
+    }
+
+    /// A frame of one plane, whose pixels begin at byte `begin` of `pixels` and whose rows are `row_stride` bytes apart. The library
+    /// shares the pixels for as long as it needs them: nothing is copied, nothing allocated.
+    pub fn push_frame<P: AsRef<[u8]> + Send + Sync + 'static>(&self, frame: &Frame, pixels: &Arc<P>, begin: usize, row_stride: usize) -> Result<()> {
+        unsafe extern "C" fn retain<P>(owner: *mut c_void) -> i32 {
+            Arc::increment_strong_count(owner as *const P);
+            ODO_OK
+        }
+        unsafe extern "C" fn release<P>(owner: *mut c_void) {
+            Arc::decrement_strong_count(owner as *const P);
+        }
+        let pixel = match frame.format {
+            ODO_FORMAT_GREY8 => 1,
+            ODO_FORMAT_RGB8 => 3,
+            ODO_FORMAT_RGBA8 | ODO_FORMAT_BGRA8 => 4,
+            _ => return Err(Error { status: ODO_E_ARGUMENT, message: format!("format {}: expected one of one plane", frame.format) }),
+        };
+        let bytes = (**pixels).as_ref();
+        let (rows, row) = ((frame.height as usize).saturating_sub(1), frame.width as usize * pixel);
+        if row_stride < row || bytes.len() < begin + rows * row_stride + row {
+            let message = format!("{} bytes from {begin} on of {} x {} pixels", bytes.len(), frame.width, frame.height);
+            return Err(Error { status: ODO_E_ARGUMENT, message });
+        }
+        let mut lent = sized(frame);
+        lent.plane_count = 1;
+        lent.planes[0] = odo_plane { data: bytes[begin..].as_ptr(), row_stride: row_stride as i64, pixel_stride: pixel as u32, rows: 0 };
+        lent.mask = odo_plane::default();
+        lent.header.flags &= !ODO_FRAME_MASK;
+        lent.loan = odo_loan { owner: Arc::as_ptr(pixels) as *mut c_void, retain: Some(retain::<P>), release: Some(release::<P>), ..odo_loan::default() };
+        check(unsafe { odo_session_push(self.c(), &lent.header) }).map(|_| ())
+    }
+
+    /// Processes all that has been pushed, without waiting for slower sensors.
+    pub fn flush(&mut self) -> Result<()> {
+        check(unsafe { odo_session_flush(self.c()) }).map(|_| ())
+    }
+
+    fn asked(&self, of: u32, smooth: bool, t_ns: i64) -> Option<Pose> {
+        let mut pose = Pose::at(0);
+        let status = unsafe { odo_session_get_pose_of(self.c(), of, smooth as u32, t_ns, &mut pose) };
+        (status == ODO_OK).then_some(pose)
+    }
+    /// At a time (ODO_TIME_LATEST: the newest sample), also ahead of now; none where it is not known.
+    pub fn pose(&self, t_ns: i64) -> Option<Pose> {
+        self.asked(ODO_OF_PIPELINE, false, t_ns)
+    }
+    /// For what is drawn and must not jump.
+    pub fn smooth_pose(&self, t_ns: i64) -> Option<Pose> {
+        self.asked(ODO_OF_PIPELINE, true, t_ns)
+    }
+    /// Of the body or the camera: ODO_OF_*.
+    pub fn pose_of(&self, of: u32, smooth: bool, t_ns: i64) -> Option<Pose> {
+        self.asked(of, smooth, t_ns)
+    }
+
+    pub fn statistics(&self) -> Result<Statistics> {
+        let mut made = Statistics { struct_size: size_of::<Statistics>() as u32, ..Statistics::default() };
+        check(unsafe { odo_session_get_statistics(self.c(), &mut made) })?;
+        Ok(made)
+    }
+
+    /// The last error or warning since the last call.
+    pub fn last_error(&self) -> Option<Error> {
+        with_error(|error| unsafe { odo_session_last_error(self.c(), error) }).err()
+    }
+
+    /// Makes an anchor; its id. The name and size of `place` are filled in.
+    pub fn create_anchor(&self, place: &AnchorPlace, name: &str) -> Result<u64> {
+        let mut id = 0;
+        let place = AnchorPlace { struct_size: size_of::<AnchorPlace>() as u32, name: string(name), ..*place };
+        check(unsafe { odo_anchor_create(self.c(), &place, &mut id) })?;
+        Ok(id)
+    }
+    pub fn anchor(&self, id: u64, world: u32, t_ns: i64) -> Result<Anchor> {
+        let mut anchor = Anchor { struct_size: size_of::<Anchor>() as u32, ..Anchor::default() };
+        check(unsafe { odo_anchor_get(self.c(), id, world, t_ns, &mut anchor) })?;
+        Ok(anchor)
+    }
+    pub fn anchors(&self) -> Vec<u64> {
+        let mut ids = vec![0; unsafe { odo_anchor_list(self.c(), null_mut(), 0) }.max(0) as usize];
+        let count = unsafe { odo_anchor_list(self.c(), ids.as_mut_ptr(), ids.len() as u64) };
+        ids.truncate(count.max(0) as usize);
+        ids
+    }
+    pub fn remove_anchor(&self, id: u64) -> Result<()> {
+        check(unsafe { odo_anchor_remove(self.c(), id) }).map(|_| ())
+    }
+
+    /// What the plugins have learnt, for `load` of a later session.
+    pub fn save(&mut self) -> Result<Vec<u8>> {
+        let mut data = vec![0u8; unsafe { odo_session_save(self.c(), null_mut(), 0) }.max(0) as usize];
+        let size = unsafe { odo_session_save(self.c(), data.as_mut_ptr() as *mut c_void, data.len() as u64) };
+        if size != data.len() as i64 {
+            return Err(Error { status: ODO_E_ERROR, message: "what was learnt could not be saved".into() });
+        }
+        Ok(data)
+    }
+    pub fn load(&mut self, data: &[u8]) -> Result<()> {
+        check(unsafe { odo_session_load(self.c(), data.as_ptr() as *const c_void, data.len() as u64) }).map(|_| ())
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        unsafe { odo_session_destroy(self.c()) }
+    }
+}
