@@ -11,13 +11,14 @@ namespace {
 
 /// Judgements.
 struct Parameters {
-  size_t max_pictures =
-      1;  ///< waiting; then a push waits too. A consumer that ends when poses no longer come loses those
-  size_t max_poses = 4096;  ///< that nobody fetched; then the oldest go
-  std::chrono::milliseconds imu_silent{
-      100};  ///< without a sample, from where on a frame is processed without those that cover it
-  int64_t imu_ahead_ns =
-      20'000'000;  ///< ns of IMU samples after a frame that go with it, so that it need not wait for the next frame
+  /// Pictures that wait; then a push waits too. A consumer that ends when no new pose comes loses as many.
+  size_t max_pictures = 1;
+  /// Poses that nobody fetched; then the oldest go.
+  size_t max_poses = 4096;
+  /// Without a sample, from where on a picture is processed without those that cover it.
+  std::chrono::milliseconds imu_silent{1000};
+  /// ns of IMU samples after a picture that go with it, so that it need not wait for the next one.
+  int64_t imu_ahead_ns = 20'000'000;
 };
 constexpr Parameters kParameters;
 

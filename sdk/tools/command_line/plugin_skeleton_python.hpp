@@ -27,7 +27,7 @@ inline const PythonSkeleton kPythonSkeletons[] = {
             return
         if 0 < dt < 1:
             self.heading_rad -= float(gyro @ self.up_b) / norm * dt  # about down
-        # The shortest rotation that takes up_b to z, half a turn about x (up is -z in North-East-Down), the heading about z.
+        # The shortest rotation that takes up_b to z, 180 degrees about x (up is -z in North-East-Down), the heading about z.
         w, x, y = norm + self.up_b[2], self.up_b[1], -self.up_b[0]
         q = math.sqrt(w * w + x * x + y * y)
         w, x, y = (w / q, x / q, y / q) if q > 1e-6 * norm else (0.0, 1.0, 0.0)

@@ -16,7 +16,7 @@ struct RustSkeleton {
 inline const RustSkeleton kRustSkeletons[] = {
     {"attitude", "Imu", "    heading_rad: f64,\n    up_b: [f64; 3],\n    last_ns: i64,\n",
      R"(        // No sensor says that, and it would stay in up_b for ever.
-        if !message.gyro_b.iter().chain(&message.accel_b).all(|x| x.abs() < 1e3) {
+        if ![message.gyro_b, message.accel_b].iter().flatten().all(|x| x.abs() < 1e3) {
             return Err(ODO_E_DISCARD);
         }
         let t_ns = message.header.t_ns;
@@ -53,7 +53,8 @@ inline const RustSkeleton kRustSkeletons[] = {
     {"step_estimator", "Imu", "    last_ns: i64,\n    high: bool,\n    count: u32,\n",
      R"(        let (t_ns, before_ns) = (message.header.t_ns, self.state.last_ns);
         let high = message.accel_b.iter().map(|a| a * a).sum::<f64>().sqrt() > 10.8;
-        let begins = high && !std::mem::replace(&mut self.state.high, high);
+        let was_high = std::mem::replace(&mut self.state.high, high);
+        let begins = high && !was_high;
         let lasted_ns = t_ns.wrapping_sub(before_ns);
         if !begins || lasted_ns < 300_000_000 {
             return Ok(());

@@ -1,0 +1,48 @@
+#!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
+# plugins.sh SOURCE BUILD [LANGUAGE [KIND...]]: a new plugin of each kind in Rust and in Python, as `odograph plugin new` writes it, outside the tree and against
+# the installed package: it builds, passes the check and runs. A language whose tools are missing is named and left out.
+set -eu
+source=$1 build=$2 languages=${3:-rust python}
+kinds=${*:4}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cmake --install "$build" --prefix "$work/prefix" >/dev/null
+program=$work/prefix/bin/odograph
+export CMAKE_GENERATOR=Ninja CARGO_TARGET_DIR=$work/target CARGO_HOME=$work/cargo_home PATH=/usr/bin:$PATH # Debian's, where there is another beside it
+unset PYTHONPATH ODOGRAPH_PLUGIN_PATH
+"$program" sim "$source/samples/scenarios/walk_short.yaml" --first 8 -o "$work/short.odo" >/dev/null
+done=0
+
+quietly() { "$@" >"$work/said" 2>&1 || { echo "FAILED: $*"; grep -E "FAIL|error|Error" "$work/said" | head -20 || tail -20 "$work/said"; exit 1; }; }
+
+for language in $languages; do
+  case $language in
+    rust) command -v cargo >/dev/null || { echo "SKIPPED: Rust: no cargo"; continue; } ;;
+    python) python3 -c 'import numpy' 2>/dev/null || { echo "SKIPPED: Python: no numpy"; continue; } ;;
+  esac
+  for kind in ${kinds:-attitude step_estimator vo_frontend scale_source absolute_fixer}; do
+    name=${language}_$kind folder=$work/${language}_$kind
+    quietly "$program" plugin new "$kind" "trial/$name" "$folder" --language "$language"
+    if [ "$language" = rust ]; then
+      ln -s "$work/prefix/share/odograph/bindings/rust" "$folder/odograph"
+      (cd "$folder" && quietly cargo build --offline --release)
+      mkdir -p "$folder/build" && cp "$work/target/release/lib$name.so" "$folder/build/$name.so"
+      quietly "$program" plugin manifest "$folder/build/$name.so"
+    else
+      quietly cmake -S "$folder" -B "$folder/build" -DCMAKE_PREFIX_PATH="$work/prefix"
+      quietly cmake --build "$folder/build"
+    fi
+    # Each case of a Python plugin starts an interpreter: of the check what it emits.
+    [ "$language" = rust ] && cases="" || cases="--only events"
+    quietly "$program" plugin check "$folder/build/$name.so" $cases
+    quietly "$program" config check "$folder/pipeline.yaml"
+    if [ "$kind" != scale_source ]; then # no steps beside it: as far as its one speed says
+      "$program" run -c "$folder/pipeline.yaml" -i "$work/short.odo" -o "$folder/out" --json >/dev/null || [ $? = 1 ]
+      python3 -c "import json, sys; m = json.load(open(sys.argv[1]))['distance_m']; sys.exit(not 4 < m < 16 and f'$name: {m} m of 8 m')" "$folder/out/summary.json"
+    fi
+    echo "$language: $kind builds, passes the check and runs"
+    done=$((done + 1))
+  done
+done
+[ $done -gt 0 ] || exit 77
