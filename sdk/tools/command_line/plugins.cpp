@@ -125,6 +125,40 @@ int check(const CheckWish& wish) {
   return kDone;
 }
 
+struct NewWish {
+  std::string kind, id, folder, language = "c++";
+  bool repository = false;
+};
+
+int write_new(const NewWish& wish) {
+  if (wish.repository && wish.language != "c++" && wish.language != "c") {
+    std::fprintf(stderr, "--repository is for plugins in C++ or C, not in %s\n", wish.language.c_str());
+    return kBadUsage;
+  }
+  const std::filesystem::path where = wish.folder.empty() ? wish.id.substr(wish.id.find('/') + 1) : wish.folder;
+  auto written = write_plugin_skeleton(wish.kind, wish.id, where, wish.language);
+  if (written && wish.repository) written = write_plugin_repository(wish.id, where);
+  if (!written) return complain(written.failure());
+  std::printf("%s: see README.md there\n", where.c_str());
+  return kDone;
+}
+
+void add_new(CLI::App& plugin, int& status) {
+  auto wish = std::make_shared<NewWish>();
+  auto* command = plugin.add_subcommand("new", "Write the source of a new plugin, ready to be built and run");
+  command->add_option("kind", wish->kind, "attitude, step_estimator, vo_frontend, scale_source or absolute_fixer")
+      ->required();
+  command->add_option("id", wish->id, "group/name")->required();
+  command->add_option("folder", wish->folder, "where to; a folder of the plugin's name unless given");
+  command->add_option("--language", wish->language, "c++ (C++17), c (C99), rust or python")
+      ->check(CLI::IsMember({"c++", "c", "rust", "python"}));
+  command->add_flag_callback(
+      "--c", [wish] { wish->language = "c"; }, "the same as --language c");
+  command->add_flag("--repository", wish->repository,
+                    "with CI files for GitHub and GitLab that build, check and state what it conforms to; C++ or C");
+  command->callback([=, &status] { status = write_new(*wish); });
+}
+
 }  // namespace
 
 void add_plugins(CLI::App& app, int& status) {
@@ -154,34 +188,7 @@ void add_plugins(CLI::App& app, int& status) {
   check_command->add_flag("--times", wish->times, "how long each case took");
   check_command->add_flag("--list", wish->list, "list the cases");
   check_command->callback([=, &status] { status = check(*wish); });
-  struct NewWish {
-    std::string kind, id, folder, language = "c++";
-    bool repository = false;
-  };
-  auto fresh = std::make_shared<NewWish>();
-  auto* new_command = command->add_subcommand("new", "Write the source of a new plugin, ready to be built and run");
-  new_command->add_option("kind", fresh->kind, "attitude, step_estimator, vo_frontend, scale_source or absolute_fixer")
-      ->required();
-  new_command->add_option("id", fresh->id, "group/name")->required();
-  new_command->add_option("folder", fresh->folder, "where to; a folder of the plugin's name unless given");
-  new_command->add_option("--language", fresh->language, "c++ (C++17), c (C99), rust or python")
-      ->check(CLI::IsMember({"c++", "c", "rust", "python"}));
-  new_command->add_flag_callback("--c", [fresh] { fresh->language = "c"; }, "the same as --language c");
-  new_command->add_flag("--repository", fresh->repository,
-                        "with CI files for GitHub and GitLab that build, check and state what it conforms to; C++ or C");
-  new_command->callback([=, &status] {
-    if (fresh->repository && fresh->language != "c++" && fresh->language != "c") {
-      std::fprintf(stderr, "--repository is for plugins in C++ or C; not for %s\n", fresh->language.c_str());
-      status = kBadUsage;
-      return;
-    }
-    const std::filesystem::path where =
-        fresh->folder.empty() ? fresh->id.substr(fresh->id.find('/') + 1) : fresh->folder;
-    auto written = write_plugin_skeleton(fresh->kind, fresh->id, where, fresh->language);
-    if (written && fresh->repository) written = write_plugin_repository(fresh->id, where);
-    status = written ? kDone : complain(written.failure());
-    if (written) std::printf("%s: see README.md there\n", where.c_str());
-  });
+  add_new(*command, status);
   auto* manifest = command->add_subcommand("manifest", "Write NAME.odoplugin.json beside a plugin library");
   manifest->add_option("file", *file, "plugin library")->required();
   manifest->callback([=, &status] {
