@@ -112,9 +112,9 @@ java() {
 
 javascript() {
   missing JavaScript node && return
-  local koffi
-  koffi=$(node -p "require('path').dirname(require.resolve('koffi'))" 2>/dev/null) ||
-    { echo "SKIPPED: JavaScript: no npm package koffi in NODE_PATH"; return; }
+  local koffi npm=${ODOGRAPH_TARGETS:-$HOME/.cache/odograph-targets}/npm/node_modules # by packaging/dependencies test
+  koffi=$(NODE_PATH="${NODE_PATH:+$NODE_PATH:}$npm" node -p "require('path').dirname(require.resolve('koffi'))" 2>/dev/null) ||
+    { echo "SKIPPED: JavaScript: no npm package koffi (packaging/dependencies test)"; return; }
   mkdir -p "$work/node/node_modules/@odograph"
   cp -r "$source/bindings/node" "$work/node/node_modules/@odograph/node"
   ln -s "$koffi" "$work/node/node_modules/koffi"

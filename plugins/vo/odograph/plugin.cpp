@@ -79,8 +79,9 @@ class OdographVo {
     const odograph::CameraModel lens = camera_.lens_of(frame);
     if (frame.header.t_ns <= frame_ns_) throw odo::Error(ODO_E_DISCARD, "t_ns is not after that of the frame before");
     frame_ns_ = frame.header.t_ns;
+    const bool rolls = frame.header.flags & ODO_FRAME_LINE_TIME;
     const Frame view{odograph::grey_of(frame, converted_), odograph::mask_of(frame), frame.header.t_ns,
-                     odograph::seconds(frame.line_time_ns)};
+                     odograph::seconds(rolls ? frame.line_time_ns : 0)};
     if (auto* inertial = std::get_if<InertialOdometry>(&odometry_)) {
       tell_pending(true, output);
       inertial->change_lens(lens);
