@@ -15,80 +15,96 @@ constexpr int64_t kApart_ns = 250'000'000;  // of two heights that are kept: 64 
 
 double squared(double x) { return x * x; }
 
+/// The normal distribution's probability below so many sigmas.
+double normal_below(double sigmas) { return 0.5 * std::erfc(-std::sqrt(0.5) * sigmas); }
+
 double gauss(double off, double variance) { return std::exp(-0.5 * off * off / variance) / std::sqrt(variance); }
 
 }  // namespace
 
 FloorEstimator::FloorEstimator(const Parameters& parameters) : p_(parameters) {
   double sum = 0;
-  for (size_t i = 0; i < kStoreys; ++i)
-    sum += weights_[i] = gauss(storey_m(i) - p_.storey_m, squared(p_.storey_sigma_m));
-  for (double& weight : weights_) weight /= sum;
-}
-
-double FloorEstimator::storey_m(size_t hypothesis) const {
-  return p_.lowest_m + (p_.highest_m - p_.lowest_m) * static_cast<double>(hypothesis) / (kStoreys - 1);
-}
-
-/// Where a floor is: as it was found, or by its storeys from the nearest one that was.
-FloorEstimator::Expected FloorEstimator::expected(int floor, size_t hypothesis, int64_t t_ns) const {
-  int nearest = 0, storeys = kFloors;
-  for (int i = 0; i < kFloors; ++i) {
-    const int apart = std::abs(i + kLowest - floor);
-    if (levels_[static_cast<size_t>(i)].visited && apart < storeys) nearest = i, storeys = apart;
+  for (size_t i = 0; i < buildings_.size(); ++i) {
+    Building& building = buildings_[i];
+    building.storey_m = p_.lowest_m + (p_.highest_m - p_.lowest_m) * double(i) / (buildings_.size() - 1);
+    sum += building.weight = gauss(building.storey_m - p_.storey_m, squared(p_.storey_sigma_m));
   }
-  const Level& level = levels_[static_cast<size_t>(nearest)];
-  const double storey = storey_m(hypothesis), steps = floor - (nearest + kLowest);
-  const double drift = squared(p_.drift_m) * std::max(0.0, seconds(t_ns - level.t_ns));
-  return {level.up_m + steps * storey, level.variance_m2 + drift + storeys * squared(p_.storey_scatter * storey)};
+  for (Building& building : buildings_) building.weight /= sum;
 }
 
-double FloorEstimator::likelihood(double up_m, int floor, size_t hypothesis, int64_t t_ns) const {
-  const Expected there = expected(floor, hypothesis, t_ns);
-  const double off_m = up_m - there.up_m, variance = there.variance_m2 + squared(p_.floor_sigma_m);
-  return (1 - p_.between) * gauss(off_m, variance) +
-         p_.between * gauss(off_m, variance + squared(p_.between_storeys * storey_m(hypothesis)));
+/// A floor is where it was found, or by its storeys from the nearest one that was.
+FloorEstimator::Likelihood FloorEstimator::likelihood(double up_m, const Building& building, int index,
+                                                      int64_t t_ns) const {
+  int nearest = 0, storeys = kFloors;
+  for (int i = 0; i < kFloors; ++i)
+    if (building.levels[size_t(i)].visited && std::abs(i - index) < storeys) nearest = i, storeys = std::abs(i - index);
+  const Level& level = building.levels[size_t(nearest)];
+  const double apart_m = up_m - level.up_m, off_m = apart_m - (index - nearest) * building.storey_m;
+  const double measured = level.variance_m2 + squared(p_.drift_m) * std::max(0.0, seconds(t_ns - level.t_ns)) +
+                          squared(p_.floor_sigma_m);
+  const double variance = measured + storeys * squared(p_.storey_scatter * building.storey_m);
+  double on_it = (1 - p_.between) * gauss(off_m, variance);
+  if (storeys > 0)  // no storey is lower than the lowest
+    on_it *= normal_below(((index > nearest ? apart_m : -apart_m) - storeys * p_.lowest_m) / std::sqrt(measured));
+  return {on_it, on_it + p_.between * gauss(off_m, variance + squared(p_.between_storeys * building.storey_m))};
 }
 
 FloorEstimator::Floor FloorEstimator::nearest(int64_t t_ns, double up_m) const {
   std::array<double, kFloors> of_floor{};
   double all = 0;
-  for (size_t s = 0; s < kStoreys; ++s)
+  for (const Building& building : buildings_)
     for (int i = 0; i < kFloors; ++i) {
       // Low storeys lie closer together: each height is as likely, not each floor.
-      const double weight = weights_[s] * storey_m(s) * likelihood(up_m, i + kLowest, s, t_ns);
-      of_floor[static_cast<size_t>(i)] += weight, all += weight;
+      const double weight = building.weight * building.storey_m * likelihood(up_m, building, i, t_ns).either;
+      of_floor[size_t(i)] += weight, all += weight;
     }
-  const auto best = std::max_element(of_floor.begin(), of_floor.end());
   if (!(all > 0)) return {now_.floor, 0};  // far from all floors that are told apart
+  const auto best = std::max_element(of_floor.begin(), of_floor.end());
   return {static_cast<int32_t>(best - of_floor.begin()) + kLowest, *best / all};
 }
 
-/// He has been on one level for a while: it is a floor's height, and tells of the storeys where it is new.
-void FloorEstimator::see_level(int64_t t_ns, double up_m) {
-  const Floor here = nearest(t_ns, up_m);
-  if (here.probability < p_.known) return;
-  Level& level = levels_[static_cast<size_t>(here.floor - kLowest)];
-  if (!level.visited) {
-    double sum = 0;
-    for (size_t s = 0; s < kStoreys; ++s) {
-      double any = 0;
-      for (int i = 0; i < kFloors; ++i) any += likelihood(up_m, i + kLowest, s, t_ns);
-      sum += weights_[s] *= storey_m(s) * any;
-    }
-    for (double& weight : weights_) weight /= sum;
-    level = {true, up_m, squared(p_.floor_sigma_m), t_ns};
-    return;
+/// In this building the level is one of its floors, whose height it is from now on, or a landing. How likely it is
+/// here, relative to others.
+double FloorEstimator::see_level(Building& building, int64_t t_ns, double up_m) const {
+  double all = 0, best = 0;
+  int index = 0;
+  for (int i = 0; i < kFloors; ++i) {
+    const Likelihood there = likelihood(up_m, building, i, t_ns);
+    all += there.either;
+    if (there.on_it > best) best = there.on_it, index = i;
   }
-  const double variance = level.variance_m2 + squared(p_.drift_m) * std::max(0.0, seconds(t_ns - level.t_ns));
-  const double gain = variance / (variance + squared(p_.floor_sigma_m));
-  level = {true, level.up_m + gain * (up_m - level.up_m), std::max((1 - gain) * variance, 0.01), t_ns};
+  if (best < 0.5 * all) return building.storey_m * all;
+  Level& level = building.levels[size_t(index)];
+  const double sigma2 = squared(p_.floor_sigma_m);
+  if (level.visited) {
+    const double variance = level.variance_m2 + squared(p_.drift_m) * std::max(0.0, seconds(t_ns - level.t_ns));
+    const double gain = variance / (variance + sigma2);
+    level = {true, level.up_m + gain * (up_m - level.up_m), std::max((1 - gain) * variance, 0.01), t_ns};
+  } else {
+    level = {true, up_m, sigma2, t_ns};
+  }
+  return building.storey_m * all;
+}
+
+/// The walker has been on one level for a while. Longer on the same one tells nothing more of the building.
+void FloorEstimator::see_level(int64_t t_ns, double up_m) {
+  const bool other = std::abs(up_m - level_m_) > p_.other_m;
+  level_m_ = up_m;
+  double sum = 0;
+  for (Building& building : buildings_) {
+    const double here = see_level(building, t_ns, up_m);
+    if (other) building.weight *= here;
+    sum += building.weight;
+  }
+  if (sum > 0)
+    for (Building& building : buildings_) building.weight /= sum;
 }
 
 void FloorEstimator::add(int64_t t_ns, double up_m) {
   if (!begun_) {
     begun_ = true;
-    levels_[-kLowest] = {true, up_m, squared(p_.floor_sigma_m), t_ns};
+    level_m_ = up_m;
+    for (Building& building : buildings_) building.levels[-kLowest] = {true, up_m, squared(p_.floor_sigma_m), t_ns};
   } else if (t_ns - heights_.back(0).t_ns < kApart_ns) {
     return;
   }
