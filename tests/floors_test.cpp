@@ -174,7 +174,7 @@ TEST_CASE("a lift is seen after a few seconds, an escalator before its end; stai
   }
 }
 
-TEST_CASE("a walk with rides in a lift: the height follows") {
+TEST_CASE("a walk with rides in a lift: the height follows, poses say that one is carried, and on which floor") {
   Scenario s;
   s.walker.stand_s = 4;
   s.route = {{0, 0, 0}, {60, 0, 0}};
@@ -189,6 +189,7 @@ TEST_CASE("a walk with rides in a lift: the height follows") {
   const auto result = replay(*recording, options);
   REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
   double worst_m = 0, highest_m = 0, riding_m = 0;
+  int on_floors = 0, late = 0;
   for (const odo_pose& pose : result->poses) {
     const auto state = std::lower_bound(recording->true_states.begin(), recording->true_states.end(), pose.header.t_ns,
                                         [](const TrueState& a, int64_t t) { return a.t_ns < t; });
@@ -197,7 +198,19 @@ TEST_CASE("a walk with rides in a lift: the height follows") {
     const bool between = true_m > 2 && true_m < 12;
     (between ? riding_m : worst_m) = std::max(between ? riding_m : worst_m, std::abs(up_m - true_m));
     highest_m = std::max(highest_m, up_m);
+    const bool carried = pose.header.flags & ODO_POSE_CARRIED;
+    if (true_m > 7 && true_m < 12) CHECK(carried);
+    if (true_m < 0.5 || true_m > 13.9) ++on_floors, late += carried;
+    if (true_m > 13.9 && up_m > 12.5) {
+      REQUIRE((pose.header.flags & ODO_POSE_FLOOR) != 0);
+      CHECK(pose.floor >= 3);  // 14 m are four floors, or five
+      CHECK(pose.floor <= 5);
+      CHECK(pose.floor_probability < 0.9);  // and nobody knows which
+    }
   }
+  CHECK(late < 0.15 * on_floors);
+  CHECK(result->poses.back().floor == 0);
+  CHECK(result->poses.back().floor_probability > 0.95);
   MESSAGE("off by " << worst_m << " m on floors, " << riding_m << " m in the lift");
   CHECK(worst_m < 2.5);
   CHECK(riding_m > 0);

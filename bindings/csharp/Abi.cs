@@ -119,6 +119,8 @@ namespace Odograph {
     public const uint ODO_POSE_VELOCITY_COVARIANCE = 128;
     public const uint ODO_POSE_COVARIANCE = 256;
     public const uint ODO_POSE_NORTH = 512;
+    public const uint ODO_POSE_FLOOR = 1024;
+    public const uint ODO_POSE_CARRIED = 2048;
     public const uint ODO_CORRECTION_FIX = 1;
     public const uint ODO_CORRECTION_SCALE = 2;
     public const uint ODO_CORRECTION_RECOVERED = 3;
@@ -410,7 +412,7 @@ namespace Odograph {
     [FieldOffset(96)] public fixed double covariance[36];
     public RelativePose(long t_ns) { this = default(RelativePose); header.struct_size = 384; header.type = 0x100c; header.t_ns = t_ns; }
   }
-  [StructLayout(LayoutKind.Explicit, Size = 528)]
+  [StructLayout(LayoutKind.Explicit, Size = 544)]
   public unsafe struct Pose {
     [FieldOffset(0)] public odo_header header;
     [FieldOffset(32)] public Rotation q_n;
@@ -424,7 +426,10 @@ namespace Odograph {
     [FieldOffset(428)] public uint reason;
     [FieldOffset(432)] public Vector angular_velocity;
     [FieldOffset(456)] public fixed double velocity_covariance[9];
-    public Pose(long t_ns) { this = default(Pose); header.struct_size = 528; header.type = 0x1007; header.t_ns = t_ns; }
+    [FieldOffset(528)] public int floor;
+    [FieldOffset(532)] public uint reserved;
+    [FieldOffset(536)] public double floor_probability;
+    public Pose(long t_ns) { this = default(Pose); header.struct_size = 544; header.type = 0x1007; header.t_ns = t_ns; }
   }
   [StructLayout(LayoutKind.Explicit, Size = 40)]
   public unsafe struct State {
@@ -725,7 +730,7 @@ namespace Odograph {
     public bool TryGet(out VoMotion message) { message = default(VoMotion); fixed (VoMotion* p = &message) return Copy(p, 0x1004, 544); }
     public bool TryGet(out Scale message) { message = default(Scale); fixed (Scale* p = &message) return Copy(p, 0x1005, 80); }
     public bool TryGet(out Fix message) { message = default(Fix); fixed (Fix* p = &message) return Copy(p, 0x1006, 440); }
-    public bool TryGet(out Pose message) { message = default(Pose); fixed (Pose* p = &message) return Copy(p, 0x1007, 528); }
+    public bool TryGet(out Pose message) { message = default(Pose); fixed (Pose* p = &message) return Copy(p, 0x1007, 544); }
     public bool TryGet(out State message) { message = default(State); fixed (State* p = &message) return Copy(p, 0x1008, 40); }
     public bool TryGet(out Correction message) { message = default(Correction); fixed (Correction* p = &message) return Copy(p, 0x1009, 96); }
     public bool TryGet(out Report message) { message = default(Report); fixed (Report* p = &message) return Copy(p, 0x100a, 1200); }

@@ -106,6 +106,8 @@ export const ODO_POSE_ANGULAR_VELOCITY: 64;
 export const ODO_POSE_VELOCITY_COVARIANCE: 128;
 export const ODO_POSE_COVARIANCE: 256;
 export const ODO_POSE_NORTH: 512;
+export const ODO_POSE_FLOOR: 1024;
+export const ODO_POSE_CARRIED: 2048;
 export const ODO_CORRECTION_FIX: 1;
 export const ODO_CORRECTION_SCALE: 2;
 export const ODO_CORRECTION_RECOVERED: 3;
@@ -483,6 +485,8 @@ export interface Pose {
   reason: number;
   angular_velocity: number[];
   velocity_covariance: number[];
+  floor: number;
+  floor_probability: number;
 }
 
 export interface State {

@@ -176,6 +176,8 @@ typedef struct odo_relative_pose {
 #define ODO_POSE_VELOCITY_COVARIANCE 128u
 #define ODO_POSE_COVARIANCE 256u
 #define ODO_POSE_NORTH 512u           /* n's north is true north, to within the covariance */
+#define ODO_POSE_FLOOR 1024u          /* floor and floor_probability are valid: there is a barometer and a track */
+#define ODO_POSE_CARRIED 2048u        /* a lift or an escalator carries the user up or down, who takes no step */
 typedef struct odo_pose {
   odo_header header;
   double q_n[4];         /* camera (or body) to n */
@@ -189,6 +191,9 @@ typedef struct odo_pose {
   uint32_t reason;       /* ODO_REASON_* */
   double angular_velocity[3];    /* rad/s, in the pose's own axes (camera or body), bias subtracted */
   double velocity_covariance[9]; /* of velocity_n, (m/s)^2 */
+  int32_t floor;                 /* the newest known: storeys above the floor where the track began */
+  uint32_t reserved;             /* 0 */
+  double floor_probability;      /* of that number, 0 to 1 */
 } odo_pose;
 
 typedef struct odo_state {

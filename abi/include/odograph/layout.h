@@ -71,12 +71,14 @@ ODO_LAYOUT(odo_fix, sizeof(odo_fix) == 440 && offsetof(odo_fix, header) == 0 && 
 ODO_LAYOUT(odo_relative_pose, sizeof(odo_relative_pose) == 384 && offsetof(odo_relative_pose, header) == 0 &&
            offsetof(odo_relative_pose, t_from_ns) == 32 && offsetof(odo_relative_pose, q_b0_b1) == 40 &&
            offsetof(odo_relative_pose, p_b0_b1) == 72 && offsetof(odo_relative_pose, covariance) == 96)
-ODO_LAYOUT(odo_pose, sizeof(odo_pose) == 528 && offsetof(odo_pose, header) == 0 && offsetof(odo_pose, q_n) == 32 &&
+ODO_LAYOUT(odo_pose, sizeof(odo_pose) == 544 && offsetof(odo_pose, header) == 0 && offsetof(odo_pose, q_n) == 32 &&
            offsetof(odo_pose, p_n) == 64 && offsetof(odo_pose, velocity_n) == 88 &&
            offsetof(odo_pose, covariance) == 112 && offsetof(odo_pose, scale) == 400 &&
            offsetof(odo_pose, scale_sigma) == 408 && offsetof(odo_pose, distance_m) == 416 &&
            offsetof(odo_pose, state) == 424 && offsetof(odo_pose, reason) == 428 &&
-           offsetof(odo_pose, angular_velocity) == 432 && offsetof(odo_pose, velocity_covariance) == 456)
+           offsetof(odo_pose, angular_velocity) == 432 && offsetof(odo_pose, velocity_covariance) == 456 &&
+           offsetof(odo_pose, floor) == 528 && offsetof(odo_pose, reserved) == 532 &&
+           offsetof(odo_pose, floor_probability) == 536)
 ODO_LAYOUT(odo_state, sizeof(odo_state) == 40 && offsetof(odo_state, header) == 0 &&
            offsetof(odo_state, state) == 32 && offsetof(odo_state, reason) == 36)
 ODO_LAYOUT(odo_correction, sizeof(odo_correction) == 96 && offsetof(odo_correction, header) == 0 &&

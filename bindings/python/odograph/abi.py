@@ -124,6 +124,8 @@ ODO_POSE_ANGULAR_VELOCITY = 64
 ODO_POSE_VELOCITY_COVARIANCE = 128
 ODO_POSE_COVARIANCE = 256
 ODO_POSE_NORTH = 512
+ODO_POSE_FLOOR = 1024
+ODO_POSE_CARRIED = 2048
 ODO_CORRECTION_FIX = 1
 ODO_CORRECTION_SCALE = 2
 ODO_CORRECTION_RECOVERED = 3
@@ -283,7 +285,8 @@ class odo_relative_pose(Message): TYPE = 0x100c; _fields_ = [("header", odo_head
     ("q_b0_b1", _f64 * 4), ("p_b0_b1", _f64 * 3), ("covariance", _f64 * 36)]
 class odo_pose(Message): TYPE = 0x1007; _fields_ = [("header", odo_header), ("q_n", _f64 * 4), ("p_n", _f64 * 3),
     ("velocity_n", _f64 * 3), ("covariance", _f64 * 36), ("scale", _f64), ("scale_sigma", _f64), ("distance_m", _f64),
-    ("state", _u32), ("reason", _u32), ("angular_velocity", _f64 * 3), ("velocity_covariance", _f64 * 9)]
+    ("state", _u32), ("reason", _u32), ("angular_velocity", _f64 * 3), ("velocity_covariance", _f64 * 9),
+    ("floor", _i32), ("reserved", _u32), ("floor_probability", _f64)]
 class odo_state(Message): TYPE = 0x1008; _fields_ = [("header", odo_header), ("state", _u32), ("reason", _u32)]
 class odo_correction(Message): TYPE = 0x1009; _fields_ = [("header", odo_header), ("q_n", _f64 * 4), ("p_n", _f64 * 3),
     ("reason", _u32), ("reserved", _u32)]

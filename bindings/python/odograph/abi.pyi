@@ -114,6 +114,8 @@ ODO_POSE_ANGULAR_VELOCITY: int
 ODO_POSE_VELOCITY_COVARIANCE: int
 ODO_POSE_COVARIANCE: int
 ODO_POSE_NORTH: int
+ODO_POSE_FLOOR: int
+ODO_POSE_CARRIED: int
 ODO_CORRECTION_FIX: int
 ODO_CORRECTION_SCALE: int
 ODO_CORRECTION_RECOVERED: int
@@ -327,6 +329,9 @@ class odo_pose(Message):
     reason: int
     angular_velocity: c.Array[c.c_double]
     velocity_covariance: c.Array[c.c_double]
+    floor: int
+    reserved: int
+    floor_probability: float
 class odo_state(Message):
     header: odo_header
     state: int

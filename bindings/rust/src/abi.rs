@@ -138,6 +138,8 @@ pub const ODO_POSE_ANGULAR_VELOCITY: u32 = 64;
 pub const ODO_POSE_VELOCITY_COVARIANCE: u32 = 128;
 pub const ODO_POSE_COVARIANCE: u32 = 256;
 pub const ODO_POSE_NORTH: u32 = 512;
+pub const ODO_POSE_FLOOR: u32 = 1024;
+pub const ODO_POSE_CARRIED: u32 = 2048;
 pub const ODO_CORRECTION_FIX: u32 = 1;
 pub const ODO_CORRECTION_SCALE: u32 = 2;
 pub const ODO_CORRECTION_RECOVERED: u32 = 3;
@@ -448,6 +450,9 @@ pub struct odo_pose {
     pub reason: u32,
     pub angular_velocity: [f64; 3],
     pub velocity_covariance: [f64; 9],
+    pub floor: i32,
+    pub reserved: u32,
+    pub floor_probability: f64,
 }
 impl Default for odo_pose {
     fn default() -> Self {

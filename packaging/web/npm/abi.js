@@ -106,6 +106,8 @@ export const ODO_POSE_ANGULAR_VELOCITY = 64;
 export const ODO_POSE_VELOCITY_COVARIANCE = 128;
 export const ODO_POSE_COVARIANCE = 256;
 export const ODO_POSE_NORTH = 512;
+export const ODO_POSE_FLOOR = 1024;
+export const ODO_POSE_CARRIED = 2048;
 export const ODO_CORRECTION_FIX = 1;
 export const ODO_CORRECTION_SCALE = 2;
 export const ODO_CORRECTION_RECOVERED = 3;
@@ -455,7 +457,7 @@ export const STRUCTS = {
     cross_covariance_n: ['f64', 360, 9],
     slant_sigma_m: ['f64', 432],
   }},
-  pose: {size: 528, fields: {
+  pose: {size: 544, fields: {
     t_ns: ['i64', 8],
     source: ['u32', 16],
     flags: ['u32', 20],
@@ -471,6 +473,8 @@ export const STRUCTS = {
     reason: ['u32', 428],
     angular_velocity: ['f64', 432, 3],
     velocity_covariance: ['f64', 456, 9],
+    floor: ['i32', 528],
+    floor_probability: ['f64', 536],
   }},
   state: {size: 40, fields: {
     t_ns: ['i64', 8],

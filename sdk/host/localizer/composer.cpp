@@ -269,6 +269,11 @@ odo_pose Composer::make_pose(const TrackPoint& point) const {
   pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_COVARIANCE;
   if (placed) pose.header.flags |= ODO_POSE_POSITION;
   if (is_metric()) pose.header.flags |= ODO_POSE_METRIC | (moves ? ODO_POSE_VELOCITY : 0);
+  if (tracker_.height.riding()) pose.header.flags |= ODO_POSE_CARRIED;
+  if (floors_.known()) {
+    pose.header.flags |= ODO_POSE_FLOOR;
+    pose.floor = floors_.floor().floor, pose.floor_probability = floors_.floor().probability;
+  }
   const Quaterniond q_n_o = localizer.q_n_o(), q_n_b = (q_n_o * point.q_o_b).normalized();
   Vector3d p_n = localizer.p_n() - q_n_o * (tracker_.newest().p_o_b - point.p_o_b);
   Eigen::Matrix<double, 6, 6> covariance = localizer.pose_covariance(squared(kTiltSigma_rad));

@@ -40,8 +40,8 @@ FloorEstimator::Likelihood FloorEstimator::likelihood(double up_m, const Buildin
     if (building.levels[size_t(i)].visited && std::abs(i - index) < storeys) nearest = i, storeys = std::abs(i - index);
   const Level& level = building.levels[size_t(nearest)];
   const double apart_m = up_m - level.up_m, off_m = apart_m - (index - nearest) * building.storey_m;
-  const double measured = level.variance_m2 + squared(p_.drift_m) * std::max(0.0, seconds(t_ns - level.t_ns)) +
-                          squared(p_.floor_sigma_m);
+  const double measured =
+      level.variance_m2 + squared(p_.drift_m) * std::max(0.0, seconds(t_ns - level.t_ns)) + squared(p_.floor_sigma_m);
   const double variance = measured + storeys * squared(p_.storey_scatter * building.storey_m);
   double on_it = (1 - p_.between) * gauss(off_m, variance);
   if (storeys > 0)  // no storey is lower than the lowest

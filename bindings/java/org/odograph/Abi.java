@@ -118,6 +118,8 @@ public final class Abi {
     public static final int ODO_POSE_VELOCITY_COVARIANCE = 128;
     public static final int ODO_POSE_COVARIANCE = 256;
     public static final int ODO_POSE_NORTH = 512;
+    public static final int ODO_POSE_FLOOR = 1024;
+    public static final int ODO_POSE_CARRIED = 2048;
     public static final int ODO_CORRECTION_FIX = 1;
     public static final int ODO_CORRECTION_SCALE = 2;
     public static final int ODO_CORRECTION_RECOVERED = 3;
@@ -842,7 +844,7 @@ public final class Abi {
         public Fix slant_sigma_m(double value) { memory.putDouble(432, value); return this; }
     }
     public static final class Pose extends Struct {
-        public static final int SIZE = 528;
+        public static final int SIZE = 544;
         public static final int TYPE = 0x1007;
         public Pose(long t_ns) { super(SIZE); memory.putInt(4, TYPE).putLong(8, t_ns); }
         public Pose(Event event) { super(SIZE); copy(event, TYPE); }
@@ -884,6 +886,10 @@ public final class Abi {
         public double velocity_covariance(int i) { return memory.getDouble(456 + 8 * i); }
         public double[] velocity_covariance() { double[] values = new double[9]; for (int i = 0; i < 9; ++i) values[i] = velocity_covariance(i); return values; }
         public Pose velocity_covariance(double... values) { for (int i = 0; i < 9; ++i) memory.putDouble(456 + 8 * i, values[i]); return this; }
+        public int floor() { return memory.getInt(528); }
+        public Pose floor(int value) { memory.putInt(528, value); return this; }
+        public double floor_probability() { return memory.getDouble(536); }
+        public Pose floor_probability(double value) { memory.putDouble(536, value); return this; }
     }
     public static final class State extends Struct {
         public static final int SIZE = 40;
