@@ -9,25 +9,25 @@ HEAD = "// SPDX-License-" "Identifier: Apache-2.0\n// Written by abi/generate.py
 SKIPPED = {"struct_size", "reserved", "type"}  # the length, zeros, and the number that `type` has a name for
 
 
-def members(description, name, pointer, base=0, prefix=""):
-    """Each number or array of them: its name, code, offset and count; structs within structs are taken apart."""
+def members(description, name, base=0, prefix=""):
+    """Each number or array of them: its name, code, offset and count; structs within structs are taken apart. An address is `ptr`."""
     for field in description.structs[name].fields:
         kind, _, count = field.type.replace("struct ", "").partition("[")
         count = int(count[:-1]) if count else 1
         at, label = base + field.offset, prefix + field.name
         if field.is_pointer:
-            yield label, pointer, at, 1
+            yield label, "ptr", at, 1
         elif kind in CODES:
             yield label, CODES[kind], at, count
         else:
             inner = "" if field.name == "header" else label + "_"
             for i in range(count):
                 size = description.structs[kind].size
-                yield from members(description, kind, pointer, at + i * size, f"{inner[:-1]}{i}_" if count > 1 else inner)
+                yield from members(description, kind, at + i * size, f"{inner[:-1]}{i}_" if count > 1 else inner)
 
 
-def kept(description, name, pointer):
-    return [m for m in members(description, name, pointer) if m[0] not in SKIPPED and not (pointer == "u32" and m[0].startswith("loan_"))]
+def kept(description, name):
+    return [m for m in members(description, name) if m[0] not in SKIPPED]
 
 
 def constants(description):
@@ -36,37 +36,38 @@ def constants(description):
             if not isinstance(value, str) and not name.startswith(("ODO_LARGEST", "ODO_ABI_")) and -2**31 <= value < 2**32}
 
 
-def javascript(description, pointer="u32"):
-    """`pointer`: how an address is read and written, in its lower half or whole."""
+def javascript(description):
     types = ",\n".join(f"  {name[4:]}: {number:#x}" for name, number in description.messages().items())
     rows = []
     for name in [*description.messages(), *STRUCTS]:
         fields = ",\n".join(f"    {label}: ['{code}', {at}{', ' + str(count) if count > 1 else ''}]"
-                            for label, code, at, count in kept(description, name, pointer))
+                            for label, code, at, count in kept(description, name))
         rows.append(f"  {name[4:]}: {{size: {description.structs[name].size}, fields: {{\n{fields},\n  }}}}")
     lines = [f"export const {name} = {value};" for name, value in constants(description).items()]
     return (HEAD + "\n".join(lines) + "\n\n// Numbers of the messages' types.\nexport const TYPES = {\n" + types +
             ",\n};\n\n// Of each struct the bytes, and of each field its kind, offset and count.\nexport const STRUCTS = {\n" + ",\n".join(rows) + ",\n};\n")
 
 
-def typescript(description, pointer="u32"):
+def typescript(description):
     def kind(code, count, label):
         if code == "char":
             return "string"
+        if code == "ptr":
+            return "Pointer"
         one = "bigint" if code in ("i64", "u64") else "number"
         return f"{one}[]" if count > 1 else one
 
     def interface(name, message):
         title = "".join(part.capitalize() for part in name[4:].split("_"))
         body = [f"  type: '{name[4:]}';"] if message else []
-        body += [f"  {label}: {kind(code, count, label)};" for label, code, _, count in kept(description, name, pointer)]
+        body += [f"  {label}: {kind(code, count, label)};" for label, code, _, count in kept(description, name)]
         return title, f"export interface {title} {{\n" + "\n".join(body) + "\n}"
 
     made = [interface(name, True) for name in description.messages()]
     events = [title for (title, _), number in zip(made, description.messages().values()) if is_event(number)]
     inputs = [title for title, _ in made if title not in events]
     lines = [f"export const {name}: {value};" for name, value in constants(description).items()]
-    return (HEAD + "\n".join(lines) + "\n\n" + "\n\n".join(text for _, text in [*made, interface("odo_statistics", False), interface("odo_anchor_place", False), interface("odo_anchor", False)]) +
+    return (HEAD + "\n".join(lines) + "\n\n/** An address: a number in a browser, a bigint in Node. */\nexport type Pointer = number | bigint;\n\n" + "\n\n".join(text for _, text in [*made, interface("odo_statistics", False), interface("odo_anchor_place", False), interface("odo_anchor", False)]) +
             "\n\nexport type Input = " + " | ".join(inputs) + ";\nexport type Event = " + " | ".join(events) +
             ";\nexport type Message = Input | Event;\nexport type MessageName = Message['type'];\n"
             "export const TYPES: Record<MessageName, number>;\n"

@@ -6,11 +6,11 @@
   include/odograph/messages.h          all messages as one list, and the sizes of 1.0
   golden/contract_v1.txt               all that is promised, one fact a line
   golden/minimum_v1.txt                the smallest size of each struct that a reader accepts
-  ../bindings/python/odograph/abi.py, abi.pyi  the declarations for Python, and their types
-  ../bindings/csharp/Abi.cs, rust/src/abi.rs, java/org/odograph/Abi.java, java/abi_jni.c  the same for C#, Rust, Java
-  ../bindings/swift/Sources/Odograph/Messages.swift  the messages' numbers for Swift
-  ../bindings/node/prototypes.js       the library's functions for koffi
-  ../packaging/web/npm/abi.js, abi.d.ts, ../bindings/node/abi.js, abi.d.ts  where numbers lie in memory for JavaScript, and the types for TypeScript
+  bindings/python/odograph/abi.py, abi.pyi  the declarations for Python, and their types
+  bindings/csharp/Abi.cs, rust/src/abi.rs, java/org/odograph/Abi.java, java/abi_jni.c  the same for C#, Rust, Java
+  bindings/swift/Sources/Odograph/Messages.swift  the messages' numbers for Swift
+  bindings/javascript/abi.js, abi.d.ts   where numbers lie in memory for JavaScript, and the types for TypeScript
+  bindings/javascript/prototypes.js      the library's functions for koffi
 
 --check          writes nothing. Fails where a file is out of date, with the facts that differ, and where the tree breaks
                  golden/released_v1.txt, the facts of the last release: there a fact may be added and a struct may grow at
@@ -28,7 +28,7 @@ import pathlib
 import re
 import sys
 
-from bindings import check_python, python, stub
+from bindings_python import check_python, python, stub
 from bindings_csharp import csharp
 from bindings_java import java, jni
 from bindings_js import javascript, prototypes, typescript
@@ -41,7 +41,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 INCLUDE = HERE / "include/odograph"
 MAP = HERE.parent / "sdk/host/odograph.map"
 CONTRACT, MINIMUM, RELEASED = (HERE / f"golden/{name}_v1.txt" for name in ("contract", "minimum", "released"))
-BINDINGS = HERE.parent / "bindings"
+BINDINGS = HERE / "bindings"
 PYTHON = BINDINGS / "python/odograph/abi.py"
 HEAD = "/* SPDX-License-" "Identifier: Apache-2.0\n *\n * Written by abi/generate.py; do not edit. "
 
@@ -162,15 +162,13 @@ def generate(abi):
         PYTHON: python(abi),
         BINDINGS / "java/org/odograph/Abi.java": java(abi),
         BINDINGS / "java/abi_jni.c": jni(abi),
-        BINDINGS / "node/abi.js": javascript(abi, "u64"),
-        BINDINGS / "node/abi.d.ts": typescript(abi, "u64"),
-        BINDINGS / "node/prototypes.js": prototypes(abi),
+        BINDINGS / "javascript/abi.js": javascript(abi),
+        BINDINGS / "javascript/abi.d.ts": typescript(abi),
+        BINDINGS / "javascript/prototypes.js": prototypes(abi),
         BINDINGS / "swift/Sources/Odograph/Messages.swift": swift(abi),
         BINDINGS / "rust/src/abi.rs": rust(abi),
         BINDINGS / "csharp/Abi.cs": csharp(abi),
         PYTHON.with_suffix(".pyi"): stub(abi),
-        HERE.parent / "packaging/web/npm/abi.js": javascript(abi),
-        HERE.parent / "packaging/web/npm/abi.d.ts": typescript(abi),
     }
 
 

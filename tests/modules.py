@@ -92,6 +92,9 @@ def check_include(path, other):
     elif path.startswith("samples/"):
         if not other.startswith(os.path.dirname(path) + "/"):
             wrong.append(f"{path} includes {other}: a sample sees what is installed")
+    elif path.startswith("abi/bindings/"):
+        if os.path.dirname(other) != os.path.dirname(path) and other != "plugins/vo/vit/vit_interface.hpp":  # the interface that headset and plugin speak
+            wrong.append(f"{path} includes {other}: a binding sees the ABI and itself")
     elif path.startswith("abi/"):
         wrong.append(f"{path} includes {other}: the ABI's headers are found as <odograph/...>")
 

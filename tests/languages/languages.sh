@@ -58,7 +58,7 @@ python() {
   for python in python3 /usr/bin/python3; do "$python" -c 'import numpy' 2>/dev/null && break; done
   "$python" -c 'import numpy' 2>/dev/null || { echo "SKIPPED: Python: no numpy"; return; }
   # The wheel, as it is installed.
-  cp -r "$source/bindings/python" "$work/python"
+  cp -r "$source/abi/bindings/python" "$work/python"
   if "$python" -c 'import build, setuptools, wheel' 2>/dev/null; then
     (cd "$work/python" && say Python "$python" -m build --wheel --no-isolation && "$python" -m zipfile -e dist/odograph-*.whl "$work/site") || return
     [ -e "$work/site/odograph/py.typed" ] || { echo "FAILED: Python: no py.typed in the wheel"; failed=1; }
@@ -74,17 +74,17 @@ python() {
 
 csharp() {
   missing 'C#' mcs mono && return
-  say 'C#' mcs -unsafe -warnaserror -out:"$work/Walk.exe" "$source"/bindings/csharp/*.cs "$walk/Walk.cs" && compare 'C#' mono "$work/Walk.exe"
-  say 'C#' mcs -unsafe -warnaserror -out:"$work/NoCopy.exe" "$source"/bindings/csharp/*.cs "$here/NoCopy.cs" || return
+  say 'C#' mcs -unsafe -warnaserror -out:"$work/Walk.exe" "$source"/abi/bindings/csharp/*.cs "$walk/Walk.cs" && compare 'C#' mono "$work/Walk.exe"
+  say 'C#' mcs -unsafe -warnaserror -out:"$work/NoCopy.exe" "$source"/abi/bindings/csharp/*.cs "$here/NoCopy.cs" || return
   LD_PRELOAD=$work/count.so mono "$work/NoCopy.exe" || failed=1
-  say Unity mcs -unsafe -out:"$work/Unity.exe" "$source"/bindings/csharp/*.cs "$source/samples/unity/OdographProvider.cs" "$here/unity.cs" && say Unity mono "$work/Unity.exe"
+  say Unity mcs -unsafe -out:"$work/Unity.exe" "$source"/abi/bindings/csharp/*.cs "$source/samples/unity/OdographProvider.cs" "$here/unity.cs" && say Unity mono "$work/Unity.exe"
 }
 
 rust() {
   local PATH=/usr/bin:$PATH # Debian's, where there is another beside it
   missing Rust cargo && return
   export ODOGRAPH_LIB_DIR=$build/lib CARGO_TARGET_DIR=$work/cargo CARGO_HOME=$work/cargo_home
-  cp -r "$source/bindings/rust" "$work/rust"
+  cp -r "$source/abi/bindings/rust" "$work/rust"
   sed -i "s|\.\./\.\./samples|$source/samples|" "$work/rust/Cargo.toml"
   (cd "$work/rust" && say Rust cargo build --offline --example walk) && compare Rust "$work/cargo/debug/examples/walk"
   # bindgen's own reading of the headers, as an oracle.
@@ -101,9 +101,9 @@ java() {
   missing Java javac && return
   local home
   home=$(dirname "$(dirname "$(readlink -f "$(command -v javac)")")")
-  say Java cc -std=c99 -shared -fPIC -Wall -Wextra -Werror -I"$home/include" -I"$home/include/linux" -I"$source/abi/include" "$source"/bindings/java/*.c \
+  say Java cc -std=c99 -shared -fPIC -Wall -Wextra -Werror -I"$home/include" -I"$home/include/linux" -I"$source/abi/include" "$source"/abi/bindings/java/*.c \
     -L"$build/lib" -lodograph -o "$work/libodograph_jni.so" || return
-  say Java javac -Xlint:all -Werror --release 11 -d "$work/java" "$source"/bindings/java/org/odograph/*.java "$walk/Walk.java" || return
+  say Java javac -Xlint:all -Werror --release 11 -d "$work/java" "$source"/abi/bindings/java/org/odograph/*.java "$walk/Walk.java" || return
   compare Java "$home/bin/java" -Xcheck:jni -Djava.library.path="$work" -cp "$work/java" Walk
   missing Kotlin kotlinc && return
   say Kotlin kotlinc -cp "$work/java" -d "$work/kotlin.jar" -include-runtime "$walk/Walk.kt" &&
@@ -116,7 +116,7 @@ javascript() {
   koffi=$(NODE_PATH="${NODE_PATH:+$NODE_PATH:}$npm" node -p "require('path').dirname(require.resolve('koffi'))" 2>/dev/null) ||
     { echo "SKIPPED: JavaScript: no npm package koffi (packaging/dependencies test)"; return; }
   mkdir -p "$work/node/node_modules/@odograph"
-  cp -r "$source/bindings/node" "$work/node/node_modules/@odograph/node"
+  cp -r "$source/abi/bindings/javascript" "$work/node/node_modules/@odograph/node"
   ln -s "$koffi" "$work/node/node_modules/koffi"
   ln -s "$(dirname "$koffi")/@koromix" "$work/node/node_modules/@koromix" # koffi's own compiled part
   cp "$walk/walk.mjs" "$work/node/"
@@ -128,7 +128,7 @@ swift() { # the headers as Swift imports them
   local target
   for target in x86_64-linux-gnu arm64-apple-ios16 arm64-apple-macos13; do
     say Swift clang --target=$target -ffreestanding -fmodules -fmodules-cache-path="$work/modules" -fsyntax-only -Wall -Wextra -Wno-missing-field-initializers -Werror \
-      -fmodule-map-file="$source/bindings/swift/Sources/COdograph/module.modulemap" -I"$source/abi/include" -x objective-c "$here/module.m" || return
+      -fmodule-map-file="$source/abi/bindings/swift/Sources/COdograph/module.modulemap" -I"$source/abi/include" -x objective-c "$here/module.m" || return
   done
   echo "Swift: the module's headers compile; its own sources were not compiled"
 }

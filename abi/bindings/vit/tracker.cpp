@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bindings/vit/tracker.hpp"
+#include "abi/bindings/vit/tracker.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -1,25 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Odograph for browsers: a small typed API (index.d.ts) over the C API (odograph.h), which runs as WebAssembly on the thread that
+// Odograph for browsers: a small typed API (api.d.ts) over the C API (odograph.h), which runs as WebAssembly on the thread that
 // calls it. A page calls it from a Web Worker.
 import makeModule from './odograph.js';
 import * as abi from './abi.js';
+import {checkInput, eventTypes, LATEST, OdographError, plane, structs} from './structs.js';
 
 export * from './abi.js';
+export {OdographError};
 
-const {STRUCTS, TYPES} = abi;
-const NAMES = Object.fromEntries(Object.entries(TYPES).map(([name, number]) => [number, name]));
-const READ = {u8: 'getUint8', i32: 'getInt32', u32: 'getUint32', i64: 'getBigInt64', u64: 'getBigUint64', f32: 'getFloat32', f64: 'getFloat64'};
-const BYTES = {u8: 1, char: 1, i32: 4, u32: 4, f32: 4, i64: 8, u64: 8, f64: 8};
-const LATEST = -(2n ** 63n);
-
-/** What the library answers where it refuses something: `status` is ODO_E_*, the message names what is wrong. */
-export class OdographError extends Error {
-  constructor(status, text) {
-    super(text);
-    this.name = 'OdographError';
-    this.status = status;
-  }
-}
+const {STRUCTS} = abi, {read, message, write} = structs('u32');
 
 /** Loads the library. `wasm`: where odograph.wasm is, or its bytes; beside this file unless given. */
 export async function load({wasm} = {}) {
@@ -85,34 +74,10 @@ export class Odograph {
   }
   failure(status, error) { return status < 0 ? new OdographError(status, this.read(error, 'error').message || this.statusText(status)) : null; }
 
-  /** The fields of a struct; what its writer did not have is left out. */
-  read(at, name, size = this.view.getUint32(at, true)) {
-    const out = {};
-    for (const [label, [code, offset, count = 1]] of Object.entries(STRUCTS[name].fields)) {
-      if (offset + BYTES[code] * count > size) continue;
-      if (code === 'char') out[label] = this.module.UTF8ToString(at + offset, count);
-      else if (count === 1) out[label] = this.view[READ[code]](at + offset, true);
-      else out[label] = Array.from({length: count}, (_, i) => this.view[READ[code]](at + offset + i * BYTES[code], true));
-    }
-    return out;
-  }
-  message(at) {
-    const type = this.view.getUint32(at + 4, true), name = NAMES[type];
-    return name ? {type: name, ...this.read(at, name)} : {type: type.toString(), t_ns: this.view.getBigInt64(at + 8, true)};
-  }
-  write(at, name, values) {
-    this.view.setUint32(at, STRUCTS[name].size, true);
-    for (const [label, value] of Object.entries(values)) {
-      if (label === 'type') continue;
-      const field = STRUCTS[name].fields[label];
-      if (!field) throw new OdographError(abi.ODO_E_ARGUMENT, `${name}.${label}: there is no such field; expected one of ${Object.keys(STRUCTS[name].fields).join(', ')}`);
-      const [code, offset, count = 1] = field, list = count === 1 ? [value] : value;
-      for (let i = 0; i < Math.min(count, list.length); ++i) {
-        const number = code.endsWith('64') && code !== 'f64' ? BigInt(list[i]) : list[i];
-        this.view[READ[code].replace('get', 'set')](at + offset + i * BYTES[code], number, true);
-      }
-    }
-  }
+  // The memory is another one when it has grown: each call takes the view of then.
+  read(at, name, size) { return read(this.view, at, name, size); }
+  message(at) { return message(this.view, at); }
+  write(at, name, values) { write(this.view, at, name, values); }
 }
 
 export class Session {
@@ -136,12 +101,11 @@ export class Session {
   #listen(events, onEvent) {
     const {library, library: {module}} = this;
     this.#callback = module.addFunction((user, event) => onEvent(library.message(event)), 'vii');
-    if (events === 'all') return module._odo_session_set_callback(this.#session, 0, 0xFFFFFFFF, this.#callback, 0);
-    const unknown = events.find(name => !(name in TYPES));
-    if (unknown) throw new OdographError(abi.ODO_E_ARGUMENT, `events: '${unknown}'; expected names of ${Object.keys(TYPES).join(', ')}`);
-    library.using(4 * events.length + 4, at => {
-      events.forEach((name, i) => library.view.setUint32(at + 4 * i, TYPES[name], true));
-      return module._odo_session_set_callback(this.#session, at, events.length, this.#callback, 0);
+    const types = eventTypes(events);
+    if (!types) return module._odo_session_set_callback(this.#session, 0, abi.ODO_ALL_EVENTS, this.#callback, 0);
+    library.using(4 * types.length + 4, at => {
+      types.forEach((type, i) => library.view.setUint32(at + 4 * i, type, true));
+      return module._odo_session_set_callback(this.#session, at, types.length, this.#callback, 0);
     });
   }
 
@@ -152,23 +116,20 @@ export class Session {
 
   /** Any input but a frame. Answers the status; what is wrong is in lastError(). */
   push(message) {
-    if (!(message.type in TYPES) || message.type === 'frame') throw new OdographError(abi.ODO_E_ARGUMENT, `type: '${message.type}'; expected an input, of frames pushFrame`);
+    checkInput(message);
     const {library} = this, at = this.#scratch;
     library.module.HEAPU8.fill(0, at, at + STRUCTS[message.type].size);
     library.write(at, message.type, message);
-    library.view.setUint32(at + 4, TYPES[message.type], true);
     return library.module._odo_session_push(this.#handle, at);
   }
 
   /** Rotation rate (rad/s) and specific force (m/s^2) in the body's axes. */
   pushImu(t_ns, gyro, accel) { return this.push({type: 'imu', t_ns, flags: abi.ODO_IMU_GYRO | abi.ODO_IMU_ACCEL, gyro_b: gyro, accel_b: accel}); }
 
-  /** A picture: `pixels` are width * height bytes (grey) or four times as many (RGBA), copied. Other fields as odo_frame has them. */
+  /** A picture: `pixels` are width * height bytes (grey), three (RGB) or four times as many (RGBA), copied. Other fields as odo_frame
+   * has them. */
   pushFrame({pixels, width, height, ...fields}) {
     const {library, library: {module}} = this, handle = this.#handle;
-    const grey = pixels.length === width * height;
-    if (!grey && pixels.length !== 4 * width * height)
-      throw new OdographError(abi.ODO_E_ARGUMENT, `pixels: ${pixels.length} bytes of ${width} x ${height}; expected one or four a pixel`);
     if (pixels.length > this.#capacity) {
       module._free(this.#pixels);
       this.#pixels = module._malloc(pixels.length);
@@ -177,11 +138,12 @@ export class Session {
     module.HEAPU8.set(pixels, this.#pixels);
     const at = this.#scratch;
     module.HEAPU8.fill(0, at, at + STRUCTS.frame.size);
-    library.write(at, 'frame', {...fields, format: grey ? abi.ODO_FORMAT_GREY8 : abi.ODO_FORMAT_RGBA8, width, height, plane_count: 1, planes0_data: this.#pixels,
-      planes0_row_stride: grey ? width : 4 * width, planes0_pixel_stride: grey ? 1 : 4});
-    library.view.setUint32(at + 4, TYPES.frame, true);
+    library.write(at, 'frame', {...fields, ...plane(pixels, width, height, this.#pixels), loan_retain: 0, loan_release: 0});
     return module._odo_session_push(handle, at);
   }
+
+  /** How many pictures the library has still borrowed: none, it has copies. */
+  get borrowed() { return 0; }
 
   flush() { return this.library.module._odo_session_flush(this.#handle); }
 
@@ -268,6 +230,10 @@ export class Recording {
     const message = library.message(library.view.getUint32(out, true)), picture = library.view.getUint32(out + 4, true);
     if (picture) message.picture = module.HEAPU8.slice(picture, picture + Number(library.view.getBigUint64(out + 8, true)));
     return message;
+  }
+
+  * [Symbol.iterator]() {
+    for (let found; (found = this.next());) yield found;
   }
 
   /** What it lacks of what was written, in words; empty where nothing. */

@@ -1,58 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Odograph for Node: the API of @odograph/web (index.d.ts) over the native library, by koffi. Everything runs within push and flush, on
+// Odograph for Node: the API of @odograph/web (api.d.ts) over the native library, by koffi. Everything runs within push and flush, on
 // the thread that calls them: a server calls it from a worker thread.
 import koffi from 'koffi';
 import * as abi from './abi.js';
 import {PROTOTYPES} from './prototypes.js';
+import {checkInput, eventTypes, LATEST, OdographError, plane, structs} from './structs.js';
 
 export * from './abi.js';
+export {OdographError};
 
-const {STRUCTS, TYPES} = abi;
-const NAMES = Object.fromEntries(Object.entries(TYPES).map(([name, number]) => [number, name]));
-const ACCESS = {u8: ['Uint8', 1], i32: ['Int32', 4], u32: ['Uint32', 4], i64: ['BigInt64', 8], u64: ['BigUint64', 8], f32: ['Float32', 4], f64: ['Float64', 8]};
-const LATEST = -(2n ** 63n);
+const {read, message: messageAt, write} = structs('u64');
 const CALLBACK = koffi.pointer(koffi.proto('void odo_node_event(void *user, void *event)'));
 const RETAIN = koffi.pointer(koffi.proto('int32_t odo_node_retain(uintptr_t owner)')), RELEASE = koffi.pointer(koffi.proto('void odo_node_release(uintptr_t owner)'));
 
-/** What the library answers where it refuses something: `status` is ODO_E_*, the message names what is wrong. */
-export class OdographError extends Error {
-  constructor(status, text) {
-    super(text);
-    this.name = 'OdographError';
-    this.status = status;
-  }
-}
-
-const text = (view, at, capacity) => {
-  const bytes = new Uint8Array(view.buffer, view.byteOffset + at, capacity), end = bytes.indexOf(0);
-  return new TextDecoder().decode(bytes.slice(0, end < 0 ? capacity : end));
-};
-
-/** The fields of a struct; what its writer did not have is left out. */
-function read(view, name) {
-  const out = {}, size = view.getUint32(0, true);
-  for (const [label, [code, offset, count = 1]] of Object.entries(STRUCTS[name].fields)) {
-    const [method, bytes] = ACCESS[code] ?? [null, 1];
-    if (offset + bytes * count > size) continue;
-    if (!method) out[label] = text(view, offset, count);
-    else if (count === 1) out[label] = view[`get${method}`](offset, true);
-    else out[label] = Array.from({length: count}, (_, i) => view[`get${method}`](offset + i * bytes, true));
-  }
-  return out;
-}
-
-/** A zeroed struct with these fields. */
-function made(name, values = {}) {
-  const {size, fields} = STRUCTS[name], view = new DataView(new ArrayBuffer(size));
-  view.setUint32(0, size, true);
-  if (name in TYPES) view.setUint32(4, TYPES[name], true);
-  for (const [label, value] of Object.entries(values)) {
-    if (label === 'type' || label === 'picture') continue;
-    if (!fields[label]) throw new OdographError(abi.ODO_E_ARGUMENT, `${name}.${label}: there is no such field; expected one of ${Object.keys(fields).join(', ')}`);
-    const [code, offset, count = 1] = fields[label], [method, bytes] = ACCESS[code], list = count === 1 ? [value] : value;
-    for (let i = 0; i < Math.min(count, list.length); ++i)
-      view[`set${method}`](offset + i * bytes, method.startsWith('Big') ? BigInt(list[i]) : list[i], true);
-  }
+/** A struct with these fields. */
+function made(name, values) {
+  const view = new DataView(new ArrayBuffer(abi.STRUCTS[name].size));
+  write(view, 0, name, values);
   return view;
 }
 
@@ -64,10 +28,7 @@ function string(field, value, keeps) {
 }
 
 const bytes = view => Buffer.from(view.buffer);
-const message = (address) => {
-  const head = new DataView(koffi.view(address, 32)), size = head.getUint32(0, true), name = NAMES[head.getUint32(4, true)];
-  return name ? {type: name, ...read(new DataView(koffi.view(address, size)), name)} : {type: String(head.getUint32(4, true)), t_ns: head.getBigInt64(8, true)};
-};
+const message = address => messageAt(new DataView(koffi.view(address, new DataView(koffi.view(address, 4)).getUint32(0, true))), 0);
 
 /** Loads the library: a path, or what ODOGRAPH_LIBRARY or the dynamic loader finds. */
 export function load(path = process.env.ODOGRAPH_LIBRARY ?? 'libodograph.so.0') {
@@ -92,7 +53,7 @@ export class Odograph {
 
   // What follows is for this file.
   check(status, error) {
-    if (status < 0) throw new OdographError(status, (error && read(error, 'error').message) || this.statusText(status));
+    if (status < 0) throw new OdographError(status, (error && read(error, 0, 'error').message) || this.statusText(status));
     return status;
   }
   created(call) {
@@ -126,9 +87,7 @@ export class Session {
       }
     };
     this.#callback = koffi.register(call, CALLBACK);
-    const unknown = events !== 'all' && events.find(name => !(name in TYPES));
-    if (unknown) throw new OdographError(abi.ODO_E_ARGUMENT, `events: '${unknown}'; expected names of ${Object.keys(TYPES).join(', ')}`);
-    const types = events === 'all' ? null : Uint32Array.from(events, name => TYPES[name]);
+    const types = eventTypes(events);
     library.odo_session_set_callback(this.#session, types, types ? types.length : abi.ODO_ALL_EVENTS, this.#callback, null);
   }
 
@@ -145,7 +104,7 @@ export class Session {
 
   /** Any input but a frame. Answers the status; what is wrong is in lastError(). */
   push(input) {
-    if (!(input.type in TYPES) || input.type === 'frame') throw new OdographError(abi.ODO_E_ARGUMENT, `type: '${input.type}'; expected an input, of frames pushFrame`);
+    checkInput(input);
     return this.#checked(this.library.odo_session_push(this.#handle, bytes(made(input.type, input))));
   }
 
@@ -157,11 +116,8 @@ export class Session {
   /** A picture: `pixels` are width * height bytes (grey), three (RGB) or four times as many (RGBA). It is borrowed, not copied, and must not
    * change as long as `borrowed` counts it. Other fields as odo_frame has them. */
   pushFrame({pixels, width, height, ...fields}) {
-    const pixel = pixels.length / (width * height), format = {1: abi.ODO_FORMAT_GREY8, 3: abi.ODO_FORMAT_RGB8, 4: abi.ODO_FORMAT_RGBA8}[pixel];
-    if (!format) throw new OdographError(abi.ODO_E_ARGUMENT, `pixels: ${pixels.length} bytes of ${width} x ${height}; expected one, three or four a pixel`);
     const owner = this.#next++;
-    const frame = made('frame', {...fields, format, width, height, plane_count: 1, planes0_data: koffi.address(pixels), planes0_row_stride: width * pixel,
-      planes0_pixel_stride: pixel, loan_owner: owner, loan_retain: this.#retain, loan_release: this.#release});
+    const frame = made('frame', {...fields, ...plane(pixels, width, height, koffi.address(pixels)), loan_owner: owner, loan_retain: this.#retain, loan_release: this.#release});
     this.#borrowed.set(owner, {pixels, holds: 1});
     try {
       return this.#checked(this.library.odo_session_push(this.#handle, bytes(frame)));
@@ -179,7 +135,7 @@ export class Session {
   pose(t_ns = LATEST, {smooth = false, of = abi.ODO_OF_PIPELINE} = {}) {
     const pose = made('pose');
     const status = this.library.odo_session_get_pose_of(this.#handle, of, smooth ? 1 : 0, BigInt(t_ns), bytes(pose));
-    return status === abi.ODO_OK ? {type: 'pose', ...read(pose, 'pose')} : null;
+    return status === abi.ODO_OK ? {type: 'pose', ...read(pose, 0, 'pose')} : null;
   }
 
   /** Makes an anchor: odo_anchor_place's fields, and a name. Answers its id. */
@@ -192,7 +148,7 @@ export class Session {
   /** The anchor at a time in a world (ODO_WORLD_*), or null. */
   anchor(id, {t_ns = LATEST, world = abi.ODO_WORLD_CORRECTED} = {}) {
     const anchor = made('anchor');
-    return this.library.odo_anchor_get(this.#handle, BigInt(id), world, BigInt(t_ns), bytes(anchor)) === abi.ODO_OK ? read(anchor, 'anchor') : null;
+    return this.library.odo_anchor_get(this.#handle, BigInt(id), world, BigInt(t_ns), bytes(anchor)) === abi.ODO_OK ? read(anchor, 0, 'anchor') : null;
   }
   /** The ids of all anchors. */
   anchors() {
@@ -205,13 +161,13 @@ export class Session {
   statistics() {
     const statistics = made('statistics');
     this.library.check(this.library.odo_session_get_statistics(this.#handle, bytes(statistics)));
-    return read(statistics, 'statistics');
+    return read(statistics, 0, 'statistics');
   }
 
   /** The last error or warning since the last call, or null. */
   lastError() {
     const error = made('error');
-    return this.library.odo_session_last_error(this.#handle, bytes(error)) === abi.ODO_OK ? null : read(error, 'error').message;
+    return this.library.odo_session_last_error(this.#handle, bytes(error)) === abi.ODO_OK ? null : read(error, 0, 'error').message;
   }
 
   close() {
@@ -249,7 +205,7 @@ export class Recording {
   loss() {
     const error = made('error');
     this.library.odo_recording_loss(this.#recording, bytes(error));
-    return read(error, 'error').message;
+    return read(error, 0, 'error').message;
   }
 
   close() {

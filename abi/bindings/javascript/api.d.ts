@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Odograph for browsers: a metric 6-DoF pose of a hand-held phone. It runs on the thread that calls it; a page calls it from a
-// Web Worker. Fields of messages and what they mean: docs/abi.md and the headers of the C ABI, whose names these are.
+// Odograph in JavaScript: a metric 6-DoF pose of a hand-held phone. Fields of messages and what they mean: docs/abi.md and the headers of
+// the C ABI, whose names these are. node.d.ts and web.d.ts say how each package loads the library.
 import type {Anchor, AnchorPlace, Event, Frame, Input, MessageName, Message, Pose, Statistics} from './abi.js';
 export * from './abi.js';
 
@@ -12,12 +12,11 @@ export class OdographError extends Error {
   readonly status: number;
 }
 
-/** `wasm`: where odograph.wasm is, or its bytes; beside index.js unless given. */
-export function load(options?: {wasm?: string | URL | ArrayBuffer | Uint8Array}): Promise<Odograph>;
-
 export interface SessionOptions {
-  /** A pipeline's YAML text. Files that it names do not exist here. */
+  /** A pipeline's YAML text (which has a line break); in Node also its file. A browser has no files that the text could name. */
   config: string;
+  /** Folders to look for plugins in before all others, in Node. A browser has those that are linked in. */
+  plugins?: string;
   seed?: bigint | number;
   /** Which events onEvent is called with, within push and flush. */
   events?: 'all' | MessageName[];
@@ -31,10 +30,10 @@ export class Odograph {
   stateText(state: number): string;
   reasonText(reason: number): string;
   modeText(mode: number): string;
-  /** Throws OdographError: a bad config with line and column, a plugin that is not linked in. Several sessions may live at once. */
+  /** Throws OdographError: a bad config with line and column, a plugin that is not there. Several sessions may live at once. */
   createSession(options: SessionOptions): Session;
-  /** Throws OdographError where the bytes are no recording (*.odo). */
-  openRecording(bytes: Uint8Array): Recording;
+  /** A path in Node, the file's bytes in a browser. Throws OdographError where that is no recording (*.odo). */
+  openRecording(recording: string | Uint8Array): Recording;
 }
 
 /** A message's fields as they are handed in: each may be left out, whole numbers of 64 bits may be numbers. */
@@ -47,8 +46,11 @@ export class Session {
   /** Any input but a frame, with ODO_OK or ODO_E_* as the answer. */
   push(message: Pushed): number;
   pushImu(t_ns: Time, gyro_b: ArrayLike<number>, accel_b: ArrayLike<number>): number;
-  /** width * height bytes (grey), or four times as many (RGBA). They are copied. */
+  /** width * height bytes (grey), three (RGB) or four times as many (RGBA). In Node
+   * they are borrowed, not copied, and must not change as long as `borrowed` counts them. */
   pushFrame(frame: {t_ns: Time; pixels: Uint8Array | Uint8ClampedArray; width: number; height: number} & Omit<Fields<Frame>, 't_ns'>): number;
+  /** How many pictures the library has still borrowed. */
+  readonly borrowed: number;
   /** Processes all that has been pushed, without waiting for slower sensors. */
   flush(): number;
   /** Null while there is none at that time. */
@@ -63,10 +65,11 @@ export class Session {
   close(): void;
 }
 
-export class Recording {
+export class Recording implements Iterable<Message & {picture?: Uint8Array}> {
   private constructor();
   /** In the order of time; null at the end. */
   next(): (Message & {picture?: Uint8Array}) | null;
+  [Symbol.iterator](): Iterator<Message & {picture?: Uint8Array}>;
   loss(): string;
   close(): void;
 }

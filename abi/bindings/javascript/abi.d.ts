@@ -189,6 +189,9 @@ export const ODO_REASON_NO_FIX: 10;
 export const ODO_REASON_NO_GROUND: 11;
 export const ODO_REASON_NO_ORIGIN: 12;
 
+/** An address: a number in a browser, a bigint in Node. */
+export type Pointer = number | bigint;
+
 export interface Imu {
   type: 'imu';
   t_ns: bigint;
@@ -332,32 +335,32 @@ export interface Frame {
   source: number;
   flags: number;
   quality: number;
-  loan_owner: bigint;
-  loan_retain: bigint;
-  loan_release: bigint;
-  loan_native: bigint;
+  loan_owner: Pointer;
+  loan_retain: Pointer;
+  loan_release: Pointer;
+  loan_native: Pointer;
   loan_reserved: bigint;
   format: number;
   width: number;
   height: number;
   plane_count: number;
-  planes0_data: bigint;
+  planes0_data: Pointer;
   planes0_row_stride: bigint;
   planes0_pixel_stride: number;
   planes0_rows: number;
-  planes1_data: bigint;
+  planes1_data: Pointer;
   planes1_row_stride: bigint;
   planes1_pixel_stride: number;
   planes1_rows: number;
-  planes2_data: bigint;
+  planes2_data: Pointer;
   planes2_row_stride: bigint;
   planes2_pixel_stride: number;
   planes2_rows: number;
-  planes3_data: bigint;
+  planes3_data: Pointer;
   planes3_row_stride: bigint;
   planes3_pixel_stride: number;
   planes3_rows: number;
-  mask_data: bigint;
+  mask_data: Pointer;
   mask_row_stride: bigint;
   mask_pixel_stride: number;
   mask_rows: number;
@@ -595,7 +598,7 @@ export interface AnchorPlace {
   height_m: number;
   geoid_height_m: number;
   sigma_m: number;
-  name_data: bigint;
+  name_data: Pointer;
   name_size: bigint;
 }
 

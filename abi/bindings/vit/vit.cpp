@@ -6,7 +6,7 @@
 #include <exception>
 #include <new>
 
-#include "bindings/vit/tracker.hpp"
+#include "abi/bindings/vit/tracker.hpp"
 
 #define VIT_API extern "C" __attribute__((visibility("default")))
 
