@@ -69,6 +69,12 @@ expect 0 "good" "$odograph" config check "$configs/walk.yaml" "$configs/gnss_wal
 expect 2 "bad.yaml:2:1" "$odograph" config check "$configs/walk.yaml" bad.yaml
 expect 0 "on a map" "$odograph" run -i tiny.odo -o mapped
 expect 0 "fix/gnss" cat mapped/pipeline.yaml
+[ "$(tail -n 1 mapped/corrected.tum)" = "$(tail -n 1 mapped/trajectory.tum)" ] || { echo "FAILED: nothing corrects the last pose"; failed=1; }
+"$odograph" eval --ref tiny.odo --est mapped --json >out.json 2>eval.txt && "$odograph" eval --ref tiny.odo --est mapped/corrected.tum --json >corrected.json &&
+  python3 -c "
+import json
+a, b = (json.load(open(name))['rpe_m']['max'] for name in ('out.json', 'corrected.json'))
+assert b < a, f'the corrected track jumps by {b} m, the one that came out by {a} m'" && grep -q "mapped/corrected.tum" eval.txt || { echo "FAILED: corrected.tum"; failed=1; }
 expect 0 '"latitude_deg": 47.' cat mapped/summary.json
 for kind in gpx kml geojson; do expect 0 "poses" "$odograph" convert mapped "mapped/track.$kind"; done
 expect 0 "one foot's fall" "$odograph" steps tiny.odo

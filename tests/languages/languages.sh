@@ -38,9 +38,9 @@ compare() {
 }
 
 say recording "$build/bin/odograph" sim "$source/samples/scenarios/walk_short.yaml" --first 8 -o "$work/jpeg.odo" || exit 1
-say recording "$build/bin/odograph-reference" pictures "$work/jpeg.odo" "$work/walk.odo" || exit 1
+say recording "$build/bin/odograph" convert --pgm "$work/jpeg.odo" "$work/walk.odo" || exit 1
 say run "$build/bin/odograph" run -c "$config" -i "$work/walk.odo" -o "$work/run" || exit 1
-"$build/bin/odograph-reference" poses "$config" "$work/walk.odo" "$work/run" >"$work/reference.txt" || exit 1
+"$build/bin/odograph-reference" "$config" "$work/walk.odo" "$work/run" >"$work/reference.txt" || exit 1
 
 # The counter of allocations, and a front-end that looks where pixels are.
 mkdir "$work/plugins"
@@ -85,8 +85,9 @@ rust() {
   missing Rust cargo && return
   export ODOGRAPH_LIB_DIR=$build/lib CARGO_TARGET_DIR=$work/cargo CARGO_HOME=$work/cargo_home
   cp -r "$source/abi/bindings/rust" "$work/rust"
-  sed -i "s|\.\./\.\./samples|$source/samples|" "$work/rust/Cargo.toml"
-  (cd "$work/rust" && say Rust cargo build --offline --example walk) && compare Rust "$work/cargo/debug/examples/walk"
+  mkdir -p "$work/walk_rust/src" && cp "$walk/walk.rs" "$work/walk_rust/src/main.rs"
+  printf '[package]\nname = "walk"\nversion = "0.1.0"\nedition = "2021"\n\n[dependencies]\nodograph = {path = "%s"}\n' "$work/rust" >"$work/walk_rust/Cargo.toml"
+  (cd "$work/walk_rust" && say Rust cargo build --offline) && compare Rust "$work/cargo/debug/walk"
   # bindgen's own reading of the headers, as an oracle.
   missing "Rust's layout" bindgen && return
   say Rust bindgen "$source/abi/include/odograph/layout.h" -o "$work/bindgen.rs" --no-layout-tests -- -I"$source/abi/include" || return

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
+#include <optional>
 
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/base/nearest.hpp"
@@ -11,6 +12,7 @@
 #include "sdk/tools/export/exported_run.hpp"
 #include "sdk/tools/recording/kalibr.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
+#include "sdk/tools/recording/run_track.hpp"
 
 namespace odograph {
 namespace {
@@ -19,7 +21,8 @@ namespace fs = std::filesystem;
 
 struct ConvertArguments {
   std::string input, output, origin, recording;
-  int jpeg_quality = -1;
+  std::optional<int> jpeg_quality;
+  bool pgm = false;
   double every_s = 0;
   ReadOptions reading;
 };
@@ -34,10 +37,11 @@ Result<bool> write_frame(OdoWriter& writer, const RecordedMessage& m, bool pack)
   return written ? written : Failure{ODO_E_NOT_FOUND, written.failure().text};
 }
 
-/// Writes all that there is. Pictures that cannot be read cost their frames; they are counted in `lost`. Quality below
-/// 0: pictures stay as they are, a video's become PNG.
-Result<bool> to_recording(const Recording& recording, const fs::path& output, int jpeg_quality, uint64_t& lost) {
-  auto writer = OdoWriter::create(output, std::max(0, jpeg_quality));
+/// Writes all that there is. Pictures that cannot be read cost their frames; they are counted in `lost`. Without a
+/// quality (OdoWriter's) pictures stay as they are, a video's become PNG.
+Result<bool> to_recording(const Recording& recording, const fs::path& output, std::optional<int> jpeg_quality,
+                          uint64_t& lost) {
+  auto writer = OdoWriter::create(output, jpeg_quality.value_or(0));
   if (!writer) return writer.failure();
   Progress progress("convert");
   size_t done = 0;
@@ -47,7 +51,7 @@ Result<bool> to_recording(const Recording& recording, const fs::path& output, in
       if (const auto written = (*writer)->write(m.message.header()); !written) return written.failure();
       continue;
     }
-    const auto written = write_frame(**writer, m, jpeg_quality >= 0);
+    const auto written = write_frame(**writer, m, jpeg_quality.has_value());
     if (written) continue;
     if (written.failure().status != ODO_E_DATA) return written.failure();
     if (lost++ == 0) std::fprintf(stderr, "%s\n", printable(written.failure().text).c_str());
@@ -68,7 +72,7 @@ Result<bool> to_recording(const Recording& recording, const fs::path& output, in
 Result<Trajectory> read_track(const fs::path& input) {
   std::error_code error;
   if (fs::is_directory(input, error) && fs::exists(input / "trajectory.tum", error))
-    return read_tum(input / "trajectory.tum");
+    return read_tum(track_of_run(input));
   if (input.extension() == ".csv") return read_euroc_truth(input);
   auto kitti = read_kitti_poses(input, {});
   return kitti ? std::move(kitti) : read_tum(input);
@@ -82,7 +86,8 @@ int convert_to_recording(const ConvertArguments& a) {
   const auto recording = open_recording(a.input, a.reading);
   if (!recording) return complain(recording.failure());
   RecordingLoss loss = recording->loss;
-  if (const auto done = to_recording(*recording, a.output, a.jpeg_quality, loss.pictures); !done)
+  if (const auto done = to_recording(*recording, a.output, a.pgm ? std::optional(-1) : a.jpeg_quality, loss.pictures);
+      !done)
     return complain(done.failure());
   say_pictures(loss.pictures);
   std::printf("%s: %s, %zu messages, %zu true poses\n", a.output.c_str(), recording->format.c_str(),
@@ -229,6 +234,10 @@ void add_convert(CLI::App& app, int& status) {
                    "pack pictures anew, as JPEG of this quality, 0: as PNG, lossless; without it they stay as they are "
                    "(a video's become PNG)")
       ->check(CLI::Range(0, 100));
+  command
+      ->add_flag("--pgm", a->pgm,
+                 "pack pictures anew, as grey PGM, which a program reads without a library (samples/walk)")
+      ->excludes("--jpeg");
   command->add_flag("--pictures-outside", a->reading.pictures_outside,
                     "pictures may lie outside of the recording's folder");
   command->callback([a, &status] { status = convert(*a); });

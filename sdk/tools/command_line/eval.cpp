@@ -10,6 +10,7 @@
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/page/run_page.hpp"
 #include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/recording/run_track.hpp"
 
 namespace odograph {
 namespace {
@@ -80,8 +81,10 @@ Result<Reference> read_reference(const fs::path& path) {
 
 Result<Trajectory> read_estimate(const fs::path& path) {
   std::error_code error;
-  if (fs::is_directory(path, error)) return read_tum(path / "trajectory.tum");
-  return read_trajectory_file(path, {});
+  if (!fs::is_directory(path, error)) return read_trajectory_file(path, {});
+  if (const fs::path corrected = track_of_run(path); corrected.filename() != "trajectory.tum")
+    std::fprintf(stderr, "poses as they came out; the track as known at the end: --est %s\n", corrected.c_str());
+  return read_tum(path / "trajectory.tum");
 }
 
 Json json_of(const Statistics& s) {

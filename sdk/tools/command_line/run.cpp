@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -54,6 +55,12 @@ void check_guesses(Recording& recording) {
     std::fprintf(stderr, "%s\n", printable(recording.warnings[i]).c_str());
 }
 
+double largest_distance(const Trajectory& a, const Trajectory& b) {
+  double largest = 0;
+  for (size_t i = 0; i < a.size() && i < b.size(); ++i) largest = std::max(largest, (a[i].p - b[i].p).norm());
+  return largest;
+}
+
 void print(const RunArguments& a, const Recording& recording, const RunResult& result) {
   if (a.json) {
     std::ifstream file(std::filesystem::path(a.output) / "summary.json");
@@ -70,6 +77,9 @@ void print(const RunArguments& a, const Recording& recording, const RunResult& r
   if (s.scale_sigma > 0)
     std::printf("metre known to %.1f %%: %.0f %% by inertia, %.0f %% by steps\n", 100 * s.scale_sigma,
                 100 * s.scale_by_inertia, 100 * s.scale_by_steps);
+  if (!result.corrected.empty())
+    std::printf("corrected on the way by up to %.2f m: %s/corrected.tum has the track as known at the end\n",
+                largest_distance(result.track, result.corrected), a.output.c_str());
   if (result.origin)
     std::printf("on a map: odograph convert %s %s/track.gpx (or .kml, .geojson)\n", a.output.c_str(), a.output.c_str());
   std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");
@@ -138,8 +148,9 @@ void add_run(CLI::App& app, int& status) {
           "TUM RGB-D, KITTI, ADVIO, Indoor Location trace, image folder, *.odo")
       ->required();
   command
-      ->add_option("-o,--output", a->output,
-                   "folder for trajectory.tum, vo.csv, steps.csv, scale.csv, fixes.csv, states.csv, summary.json")
+      ->add_option(
+          "-o,--output", a->output,
+          "folder for trajectory.tum, corrected.tum, vo.csv, steps.csv, scale.csv, fixes.csv, states.csv, summary.json")
       ->capture_default_str();
   command->add_option("--set", a->set,
                       "PATH=VALUE in place of what the config says, such as walker.height=1.8m, or of a list's item "

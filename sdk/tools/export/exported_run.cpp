@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/base/nearest.hpp"
+#include "sdk/tools/recording/run_track.hpp"
 #include "sdk/tools/replay/guessed_camera.hpp"
 
 namespace odograph {
@@ -66,7 +67,7 @@ Result<ExportedRun> read_exported_run(const fs::path& input, const std::string& 
   fs::path path = is_run ? fs::path(named) : input;
   Json summary;
   if (is_run) {
-    auto track = read_tum(input / "trajectory.tum");
+    auto track = read_tum(track_of_run(input));
     if (!track) return track.failure();
     run.track = std::move(*track);
     run.origin = origin_in_summary(input / "summary.json");

@@ -150,8 +150,10 @@ Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jp
     default: image = cv::Mat(rows, columns, CV_8UC1, data, stride);
   }
   std::vector<unsigned char> bytes;
-  const bool encoded = jpeg_quality > 0 ? cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality})
-                                        : cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  if (jpeg_quality < 0 && image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
+  const bool encoded = jpeg_quality < 0   ? cv::imencode(".pgm", image, bytes)
+                       : jpeg_quality > 0 ? cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality})
+                                          : cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
   if (!encoded) return Failure{ODO_E_DATA, "a picture could not be encoded"};
   return bytes;
 }

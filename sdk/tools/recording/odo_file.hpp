@@ -31,7 +31,7 @@ class OdoWriter {
   /// An odo_step, as its writer knew it
   static constexpr uint32_t kTrueStep = 0x10004;
 
-  /// A file that is there already stays until finish(). jpeg_quality 0 = lossless PNG.
+  /// A file that is there already stays until finish(). jpeg_quality 0 = lossless PNG, below 0 = grey PGM.
   static Result<std::unique_ptr<OdoWriter>> create(const std::filesystem::path& file, int jpeg_quality);
 
   /// Any message; a frame needs its pixels.

@@ -175,7 +175,7 @@ class RunFiles {
     for (OutputFile& file : files_)
       if (const auto done = file.commit(); !done) return done.failure();
     std::error_code error;
-    for (const char* stale : {"vo.csv", "report.html"})
+    for (const char* stale : {"corrected.tum", "vo.csv", "report.html"})
       if (!names_.contains(stale)) std::filesystem::remove(folder_ / stale, error);
     return true;
   }
@@ -198,8 +198,12 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
   if (error) return Failure{ODO_E_NOT_FOUND, folder.string() + ": cannot be created: " + error.message()};
   RunFiles files(folder);
   const size_t from = result.first_metric < result.track.size() ? result.first_metric : 0;
-  const Trajectory known(result.track.begin() + static_cast<std::ptrdiff_t>(from), result.track.end());
-  files.add("trajectory.tum", [&](std::ostream& out) { write_tum(out, known); });
+  const auto add_track = [&](const char* name, const Trajectory& track) {
+    const Trajectory known(track.begin() + static_cast<std::ptrdiff_t>(from), track.end());
+    files.add(name, [&](std::ostream& out) { write_tum(out, known); });
+  };
+  add_track("trajectory.tum", result.track);
+  if (!result.corrected.empty()) add_track("corrected.tum", result.corrected);
   files.add("steps.csv", [&](std::ostream& out) { write_steps(out, result.steps); });
   if (!result.motions.empty()) files.add("vo.csv", [&](std::ostream& out) { write_motions(out, result.motions); });
   files.add("scale.csv", [&](std::ostream& out) { write_scales(out, result.scales); });

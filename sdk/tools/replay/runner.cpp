@@ -48,6 +48,12 @@ struct Collector {
   bool collect_poses;
   double work_ms = 0, work_thread_ms = 0;  // since the last camera pose
   int64_t pushed_ns = 0;                   // time of the newest input
+  /// From the old n to the new one, of the poses before `end`.
+  struct Correction {
+    size_t end;
+    Eigen::Isometry3d n_new_n_old;
+  };
+  std::vector<Correction> corrections;
 
   static void on_event(void* user, const odo_header* event) { static_cast<Collector*>(user)->take(*event); }
 
@@ -64,6 +70,7 @@ struct Collector {
       case ODO_TYPE_CALIBRATION: result.refined.push_back(as<odo_calibration>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
       case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FLAG_ACCEPTED) != 0}); break;
+      case ODO_TYPE_CORRECTION: take_correction(as<odo_correction>(event)); break;
       case ODO_TYPE_REPORT: take_report(as<odo_report>(event)); break;
       case ODO_TYPE_STATE:
         result.final_state = as<odo_state>(event).state;
@@ -86,6 +93,26 @@ struct Collector {
       result.reports.push_back(text);
   }
 
+  void take_correction(const odo_correction& correction) {
+    const Eigen::Translation3d p(correction.p_n[0], correction.p_n[1], correction.p_n[2]);
+    corrections.push_back({result.track.size(), p * raw_quaternion(correction.q_n)});
+  }
+
+  /// Each pose, moved by all corrections that came after it: rigid, so that a change of scale leaves the past as it
+  /// was. Empty where none came after the scale was known.
+  Trajectory corrected() const {
+    if (corrections.empty() || corrections.back().end <= result.first_metric) return {};
+    Trajectory track = result.track;
+    Eigen::Isometry3d since = Eigen::Isometry3d::Identity();
+    auto next = corrections.rbegin();
+    for (size_t i = track.size(); i-- > 0;) {
+      for (; next != corrections.rend() && next->end > i; ++next) since = since * next->n_new_n_old;
+      track[i].q = (Eigen::Quaterniond(since.linear()) * track[i].q).normalized();
+      track[i].p = since * track[i].p;
+    }
+    return track;
+  }
+
   void take(const Work& work) { work_ms += work.ms, work_thread_ms += work.thread_ms; }
 
   void take_pose(const odo_pose& pose) {
@@ -93,6 +120,8 @@ struct Collector {
     const StampedPose x{pose.header.t_ns, raw_quaternion(pose.q_n), Eigen::Vector3d(pose.p_n)};
     if (!result.track.empty() && result.track.back().t_ns >= x.t_ns) {  // a fix corrected the latest pose
       result.track.back() = x;
+      for (size_t i = corrections.size(); i > 0 && corrections[i - 1].end == result.track.size(); --i)
+        --corrections[i - 1].end;
       return;
     }
     const bool none_metric = result.first_metric == result.track.size();
@@ -182,6 +211,7 @@ void lay_over_waypoints(const ReplayConfig& replay, const Recording& recording, 
   if (replay.align_heading_over_m > 0)
     result.heading_offset_rad = heading_offset(result.track, waypoints, replay.align_heading_over_m);
   result.track = lay_over(result.track, waypoints, result.heading_offset_rad);
+  if (!result.corrected.empty()) result.corrected = lay_over(result.corrected, waypoints, result.heading_offset_rad);
   for (odo_step& step : result.steps)
     step.heading_rad = std::remainder(step.heading_rad + result.heading_offset_rad, 2 * EIGEN_PI);
 }
@@ -226,9 +256,9 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   result.loss = recording.loss;
   if (options.keep_session) result.session = shared;
   Collector collector{result, options.collect_poses};
-  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,        ODO_TYPE_VO_MOTION,   ODO_TYPE_STEP,
-                                  ODO_TYPE_MOTION_MODE, ODO_TYPE_SCALE,       ODO_TYPE_FIX,
-                                  ODO_TYPE_STATE,       ODO_TYPE_CALIBRATION, ODO_TYPE_REPORT};
+  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,   ODO_TYPE_VO_MOTION, ODO_TYPE_STEP,  ODO_TYPE_MOTION_MODE,
+                                  ODO_TYPE_SCALE,  ODO_TYPE_FIX,       ODO_TYPE_STATE, ODO_TYPE_CALIBRATION,
+                                  ODO_TYPE_REPORT, ODO_TYPE_CORRECTION};
   if (options.collect_attitudes) wanted.push_back(ODO_TYPE_ATTITUDE);
   odo_session_set_callback(session, wanted.data(), static_cast<uint32_t>(wanted.size()), Collector::on_event,
                            &collector);
@@ -248,6 +278,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   std::array<double, 3> origin{};
   if (odo_session_to_geodetic(session, p_n, origin.data()) == ODO_OK) result.origin = origin;
 
+  result.corrected = collector.corrected();
   lay_over_waypoints(config->replay, recording, result);
   return result;
 }

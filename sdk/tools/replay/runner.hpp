@@ -24,6 +24,7 @@ struct RunResult {
     bool accepted;
   };
   Trajectory track;                       // in n; of the camera where the recording has one, otherwise of the body
+  Trajectory corrected;                   // the same as known at the end; empty where nothing was corrected
   std::vector<uint32_t> states, reasons;  // of each pose
   size_t first_metric = 0;                // poses before it have no scale yet; the track's size where none has
   std::optional<std::array<double, 3>> origin;  // of n: latitude, longitude (rad), height (m), where the run knew it
@@ -88,9 +89,9 @@ struct RunOptions {
 /// Replays a recording through a session of the C API, deterministically.
 Result<RunResult> replay(const Recording& recording, const RunOptions& options);
 
-/// trajectory.tum (from the first pose on whose scale is known; all where none is), vo.csv, steps.csv, scale.csv,
-/// fixes.csv, states.csv, summary.json: all anew, or none where one cannot be written. Files of an older run that this
-/// one has not are removed.
+/// trajectory.tum (from the first pose on whose scale is known; all where none is), corrected.tum, vo.csv, steps.csv,
+/// scale.csv, fixes.csv, states.csv, summary.json: all anew, or none where one cannot be written. Files of an older run
+/// that this one has not are removed.
 Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
                        const RunOptions& options);
 
