@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# A small fleet, killed when some rows are there and resumed: the same table and report as of one that was left alone.
+# fleet.sh ODOGRAPH SOURCE [PROFILE]: a small fleet, killed when some rows are there and resumed: the same table and report as of one that was left
+# alone. PROFILE slurm: on the cluster that sbatch reaches, with the folders of TMPDIR seen by all of its nodes.
 set -eu
-odograph=$1 source=$2
+odograph=$1 source=$2 profile=${3:-local}
 command -v snakemake > /dev/null || { echo "SKIPPED: no snakemake"; exit 77; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -18,7 +19,8 @@ simulated:
   tall: {scenario: samples/fleet/tall.yaml, first: 101, walks: 2}
 END
 fleet() {
-  exec setsid snakemake -s samples/fleet/Snakefile --profile samples/fleet/profiles/local --cores 2 --config fleet=small.yaml out="$1" > "$1.log" 2>&1
+  [ "$profile" != local ] || set -- "$1" --cores 2
+  exec setsid snakemake -s samples/fleet/Snakefile --profile "samples/fleet/profiles/$profile" ${2:+"$2" "$3"} --config fleet=small.yaml out="$1" > "$1.log" 2>&1
 }
 (fleet whole) || { tail -30 whole.log; exit 1; }
 fleet killed &
@@ -29,6 +31,7 @@ for _ in $(seq 600); do
 done
 kill -KILL "-$pid"
 wait "$pid" || true
+[ "$profile" != slurm ] || scancel --name=odograph
 rows=$(find killed/rows -name '*.json' | wc -l)
 [ "$rows" -lt 10 ] || { echo "it was done before it was killed"; exit 1; }
 [ ! -e killed/table.csv ]
