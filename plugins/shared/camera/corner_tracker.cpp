@@ -8,7 +8,6 @@ namespace odograph {
 
 void CornerTracker::follow(const cv::Mat& grey, const std::vector<cv::Point2f>& expected) {
   grey.copyTo(latest_);  // the borrowed pixels end with the call; new corners are looked for later in this one
-  mean_grey_ = cv::mean(latest_)[0];
   const cv::Size window(p_.window_px, p_.window_px);
   cv::buildOpticalFlowPyramid(latest_, next_pyramid_, window, p_.levels);
   if (!pyramid_.empty() && !tracks_.empty()) {
@@ -35,7 +34,10 @@ void CornerTracker::follow(const cv::Mat& grey, const std::vector<cv::Point2f>& 
   std::swap(pyramid_, next_pyramid_);
 }
 
+void CornerTracker::skip() { tracks_.clear(), pyramid_.clear(), latest_.release(); }
+
 void CornerTracker::refill(const cv::Mat& mask) {
+  if (latest_.empty()) return;
   const int columns = latest_.cols / p_.cell_px + 1, rows = latest_.rows / p_.cell_px + 1;
   std::vector<char> taken(static_cast<size_t>(columns * rows), 0);
   const auto cell = [&](const cv::Point2f& p) {

@@ -30,6 +30,8 @@ class CornerTracker {
   /// Follows the corners into the next picture (8-bit grey), from where they were or, where given, from where they are
   /// expected (one for each track). What is lost is gone from tracks().
   void follow(const cv::Mat& grey, const std::vector<cv::Point2f>& expected = {});
+  /// Instead, where the next picture shows nothing: all corners are gone, and refill() finds none in it.
+  void skip();
   /// Fills the empty cells with new corners of the latest picture. `mask` may be empty.
   void refill(const cv::Mat& mask);
   /// Removes tracks for which `keep` is false (same order as tracks()).
@@ -39,8 +41,6 @@ class CornerTracker {
   CornerTracker snapshot() const;
 
   const std::vector<Track>& tracks() const { return tracks_; }
-  /// Standard deviation of the grey values and their mean, of the latest picture: too dark, too plain.
-  double mean_grey() const { return mean_grey_; }
 
  private:
   Parameters p_;
@@ -48,7 +48,6 @@ class CornerTracker {
   cv::Mat latest_;
   std::vector<Track> tracks_;
   uint64_t next_id_ = 0;
-  double mean_grey_ = 0.0;
 };
 
 }  // namespace odograph

@@ -6,6 +6,7 @@ namespace odograph::steps {
 Carry CarryModeClassifier::classify(const FoundStep& step, const Eigen::Vector3d& up_b) {
   const bool loose = step.gyro_radps > (now_ == Carry::texting ? p_.loose_radps : p_.held_radps);
   rate_radps_ += (rate_radps_ > 0 ? p_.learn_rate : 1.0) * (step.gyro_radps - rate_radps_);
+  swings_ = rate_radps_ > (swings_ ? p_.thigh_ends_radps : p_.thigh_radps);
   Carry seen = Carry::texting;
   if (step.swing_mps2 > p_.running_swing_mps2 && step.frequency_hz > p_.running_hz)
     seen = Carry::running;

@@ -22,6 +22,7 @@ class CarryModeClassifier {
     double loose_radps = 0.92, held_radps = 0.85;         ///< mean rate of a step, to become loose and to be held again
     double on_end = 0.75, top_down = -0.5;                ///< part of up that is the phone's long axis
     double thigh_radps = 1.4;                             ///< mean rate: more than a hand that holds an upright phone
+    double thigh_ends_radps = 1.1;                        ///< less, and it is no thigh any more
     double worn_part = 0.56, worn_radps = 0.45;  ///< vertical part below, rate above: a bag or the body, as a pocket
     double learn_rate = 0.15;                    ///< weight of the newest step in the rate of the last ones
     int steps_to_believe = 2;                    ///< that agree
@@ -34,12 +35,13 @@ class CarryModeClassifier {
   /// When the present way of carrying began.
   int64_t since_ns() const { return since_ns_; }
   /// In a pocket that swings with a leg.
-  bool on_leg() const { return now_ == Carry::pocket && rate_radps_ > p_.thigh_radps; }
+  bool on_leg() const { return now_ == Carry::pocket && swings_; }
   void reset() { *this = CarryModeClassifier(p_); }
 
  private:
   Parameters p_;
   double rate_radps_ = 0;  ///< of the last steps
+  bool swings_ = false;    ///< as a thigh does
   Carry now_ = Carry::texting, next_ = Carry::texting;
   int agreed_ = 0;
   int64_t since_ns_ = 0, next_since_ns_ = 0;

@@ -133,7 +133,7 @@ class OdographSteps {
 
   void emit(const FoundStep& step, int64_t now_ns, odo::Output& output) {
     const Vector3d up_b = q_n_b_.conjugate() * Vector3d(0, 0, -1);
-    carried_ = mode_of(carry_.classify(step, up_b));
+    if (std::exchange(carried_, mode_of(carry_.classify(step, up_b))) != carried_) direction_.reset();
     const double model_length = model.length_m(step);
     const double own_sigma = model.own_sigma(step);
     const double learnt = walker_->factor() * (step.gentle ? walker_->gentle_ratio() : 1.0);

@@ -35,7 +35,8 @@ void split(const Isometry3d& T, cv::Mat& rotation_vector, cv::Mat& translation) 
 
 Motion VisualOdometry::process(const cv::Mat& grey, const cv::Mat& mask) {
   Motion motion;
-  tracker_.follow(grey);
+  const bool shows = content_of(grey).shows_something(p_.content);
+  shows ? tracker_.follow(grey) : tracker_.skip();
   std::vector<cv::Point2f> pixels;
   for (const auto& track : tracker_.tracks()) pixels.push_back(track.pixel);
   camera_.undistort(pixels, normalized_);
@@ -50,14 +51,14 @@ Motion VisualOdometry::process(const cv::Mat& grey, const cv::Mat& mask) {
     } else {
       motion = Motion{.tracked = motion.tracked};
       motion.state = Tracking::lost;
-      motion.failure = tracker_.mean_grey() < p_.dark_grey ? FailureReason::too_dark : FailureReason::few_features;
+      motion.failure = shows ? FailureReason::few_features : FailureReason::too_dark;
       begin(true);
     }
   } else if (!try_start(motion)) {
     motion.state = motion.tracked < static_cast<unsigned>(p_.min_inliers) ? Tracking::lost : Tracking::degraded;
-    motion.failure = tracker_.mean_grey() < p_.dark_grey ? FailureReason::too_dark
-                     : motion.state == Tracking::lost    ? FailureReason::few_features
-                                                         : FailureReason::no_parallax;
+    motion.failure = !shows                           ? FailureReason::too_dark
+                     : motion.state == Tracking::lost ? FailureReason::few_features
+                                                      : FailureReason::no_parallax;
   }
   if (motion.translation_valid) {
     last_step_ = T_w_c0.inverse() * T_w_c_;

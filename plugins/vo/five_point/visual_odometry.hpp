@@ -8,6 +8,7 @@
 
 #include "plugins/shared/camera/camera_model.hpp"
 #include "plugins/shared/camera/corner_tracker.hpp"
+#include "plugins/shared/camera/picture_content.hpp"
 #include "plugins/shared/camera/tracking.hpp"
 #include "plugins/shared/camera/two_view.hpp"
 
@@ -32,12 +33,12 @@ class VisualOdometry {
  public:
   struct Parameters {
     CornerTracker::Parameters corners;
-    double inlier_px = 1.5;             ///< reprojection error; judgement
-    double start_parallax_rad = 0.008;  ///< median, to start from two views: half a degree; judgement
-    double point_parallax_rad = 0.012;  ///< to triangulate a point: depth to 1 part in 8 at 1.5 px of 1000; judgement
-    int min_inliers = 15;               ///< of a pose: three times the five of a sample; judgement
-    double dark_grey = 8.0;             ///< mean below which what is followed is the sensor's noise; by hand
-    size_t sightings = 10;              ///< kept for each point; judgement
+    double inlier_px = 1.5;              ///< reprojection error; judgement
+    double start_parallax_rad = 0.008;   ///< median, to start from two views: half a degree; judgement
+    double point_parallax_rad = 0.012;   ///< to triangulate a point: depth to 1 part in 8 at 1.5 px of 1000; judgement
+    int min_inliers = 15;                ///< of a pose: three times the five of a sample; judgement
+    PictureContent::Parameters content;  ///< less of it, and nothing is followed
+    size_t sightings = 10;               ///< kept for each point; judgement
     /// Most between a frame's rotation by the map and by the two latest pictures, in the mean: 1 px of 400; judgement.
     double contradiction_rad = 0.0025;
     int check_every = 2;        ///< frames

@@ -45,8 +45,11 @@ void StepUpdate::go_on(Localizer& localizer, const odo_step& step, bool learns) 
   const double keep = std::exp(-1 / p_.factor_steps);
   if (learns) localizer.decay(kLogFactor, 0, keep, (1 - keep * keep) * squared(p_.factor_sigma));
   localizer.add_variance(kStepHeading, squared(p_.heading_walk));
-  if (std::exchange(loose_, is_loose(step)) != is_loose(step))  // the phone is held otherwise
-    localizer.add_variance(kStepHeading, squared(p_.loose_across_rad));
+  if (settling_ > 0 && --settling_ == 0)
+    localizer.set(kStepHeading, 0, squared(loose_ ? p_.loose_across_rad : p_.heading_sigma_rad));
+  if (std::exchange(loose_, is_loose(step)) == is_loose(step)) return;
+  localizer.add_variance(kStepHeading, squared(p_.loose_across_rad));
+  settling_ = p_.settle_steps;
 }
 
 StepUpdate::Stride StepUpdate::carry(Localizer& localizer, const odo_step& step, double share,
@@ -74,7 +77,8 @@ StepUpdate::Stride StepUpdate::carry(Localizer& localizer, const odo_step& step,
   return {d_n, noise};
 }
 
-UpdateResult StepUpdate::compare(Localizer& localizer, const odo_step& step, const Vector3d& moved_o, bool metric) {
+UpdateResult StepUpdate::compare(Localizer& localizer, const odo_step& step, const Vector3d& moved_o, double variance,
+                                 bool metric) {
   const double moved = moved_o.head<2>().norm();
   if (moved < p_.min_moved || step.mode == ODO_MODE_STAIRS) return {};
   const auto& x = localizer.x;
@@ -83,14 +87,15 @@ UpdateResult StepUpdate::compare(Localizer& localizer, const odo_step& step, con
   const double stretch = x[kLogFactor] + std::log(step.length_m / moved) - x[kLogScale];
   seen.residual[0] = -stretch;
   seen.H(0, kLogFactor) = 1, seen.H(0, kLogScale) = -1;
-  seen.noise(0, 0) = (squared(own_sigma(step)) + squared(p_.odometry_sigma / moved)) * p_.correlation;
+  const double unseen = p_.correlation * variance / squared(moved);  // relative, along and across alike
+  seen.noise(0, 0) = (squared(own_sigma(step)) + squared(p_.odometry_sigma / moved)) * p_.correlation + unseen;
   seen.noise(1, 1) = 1e12;
   if (heading) {
     const double off =
         step.heading_rad + x[kAttitudeHeading] + x[kStepHeading] - std::atan2(moved_o.y(), moved_o.x()) - x[kHeading];
     seen.residual[1] = -std::remainder(off, 2 * EIGEN_PI);
     seen.H(1, kAttitudeHeading) = seen.H(1, kStepHeading) = 1, seen.H(1, kHeading) = -1;
-    seen.noise(1, 1) = squared(direction_sigma(step));
+    seen.noise(1, 1) = squared(direction_sigma(step)) + unseen;
   }
   const bool bounded = !metric || std::abs(stretch) < kMaxStretch;
   const UpdateResult result = bounded ? localizer.update(seen, kGate[2],

@@ -24,10 +24,12 @@ class StepUpdate {
     double loose_across_rad = 0.5;   ///< rad, the same with the phone swung or in a pocket
     double heading_sigma_rad = 0.3;  ///< rad between the phone's axis and the walk at the start; judgement
     double heading_walk = 0.02;      ///< rad for the root of a step; judgement
-    double climb_sigma_mps = 0.25;   ///< m/s up or down where steps carry: stairs lift by 0.25 to 0.35
-    double climb_s = 4;              ///< s for which that stays alike: a flight takes 5 to 12 s; judgement, 2 to 8
-    int max_rejected = 4;            ///< in a row, until the heading is doubted, and the factor, or the scale of a
-                                     ///< front-end that states none
+    int settle_steps = 6;           ///< after the phone is put elsewhere, until it lies there: its heading is anybody's
+                                    ///< guess then, whatever was learnt on the way; judgement, 3 s
+    double climb_sigma_mps = 0.25;  ///< m/s up or down where steps carry: stairs lift by 0.25 to 0.35
+    double climb_s = 4;             ///< s for which that stays alike: a flight takes 5 to 12 s; judgement, 2 to 8
+    int max_rejected = 4;           ///< in a row, until the heading is doubted, and the factor, or the scale of a
+                                    ///< front-end that states none
   };
 
   /// At the start of a track.
@@ -42,8 +44,10 @@ class StepUpdate {
   };
   /// Moves the body by a share of the step, by the phone's own direction where the step has none. Eq. (5).
   Stride carry(Localizer& localizer, const odo_step& step, double share, double phone_heading_rad) const;
-  /// Compared with what the front-end moved meanwhile, up to scale, in o. `metric`: its scale is not for steps to say.
-  UpdateResult compare(Localizer& localizer, const odo_step& step, const Eigen::Vector3d& moved_o, bool metric);
+  /// Compared with what the front-end moved meanwhile, up to scale, in o, with its variance, which counts where it saw
+  /// nothing and went on by inertia. `metric`: its scale is not for steps to say.
+  UpdateResult compare(Localizer& localizer, const odo_step& step, const Eigen::Vector3d& moved_o, double variance,
+                       bool metric);
   bool any() const { return any_; }
 
  private:
@@ -53,6 +57,7 @@ class StepUpdate {
   Parameters p_;
   bool any_ = false, loose_ = false;
   int rejected_ = 0;  // in a row
+  int settling_ = 0;  // steps, until the phone lies where it was put
 };
 
 }  // namespace odograph

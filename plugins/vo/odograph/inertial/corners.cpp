@@ -31,14 +31,14 @@ const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& ma
                                           const CameraModel& lens) {
   const CameraModel before = before_.empty() ? lens : lens_;
   lens_ = lens;
-  mean_grey_ = cv::mean(grey)[0];
-  if (mean_grey_ < p_.dim_grey)
+  content_ = content_of(grey);
+  if (content_.mean_grey < p_.dim_grey)
     cv::GaussianBlur(grey, smooth_, {}, p_.dim_blur_px);
   else
     grey.copyTo(smooth_);
   corners_.t_ns = t_ns;
   corners_.corners.clear();
-  if (mean_grey_ < p_.dark_grey) {
+  if (too_dark()) {
     keep_only(std::vector<char>(tracks_.size(), 0));
     before_.clear();
     followed_ = 0;
@@ -102,7 +102,7 @@ double GuidedCorners::light_ratio(const std::vector<cv::Point2f>& to) const {
   std::vector<double> ratios;
   for (size_t i = 0; i < tracks_.size(); ++i) {
     const double was = mean_at(before_[0], tracks_[i].pixel), is = mean_at(now_[0], to[i]);
-    if (was > p_.dark_grey && is > p_.dark_grey) ratios.push_back(is / was);
+    if (was > p_.content.dark_grey && is > p_.content.dark_grey) ratios.push_back(is / was);
   }
   return ratios.size() < p_.min_for_ransac ? 1.0 : median(ratios);
 }

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "plugins/shared/camera/camera_model.hpp"
+#include "plugins/shared/camera/picture_content.hpp"
 #include "plugins/vo/odograph/inertial/filter.hpp"
 #include "plugins/vo/odograph/inertial/patch.hpp"
 
@@ -37,7 +38,7 @@ class GuidedCorners {
     int trials = 40;                          ///< of RANSAC: 0.9999 with half of the corners wrong
     size_t min_for_ransac = 10;               ///< corners
     double min_inliers = 0.4;  ///< of them: fewer, and it is the rotation that is wrong, nobody is taken out; by hand
-    double dark_grey = 8;      ///< mean below which what is followed is the sensor's noise
+    PictureContent::Parameters content;       ///< less of it, and nothing is followed
     double dim_grey = 60, dim_blur_px = 1.5;  ///< by night the noise has more gradient than what is there
   };
 
@@ -52,7 +53,7 @@ class GuidedCorners {
   const FrameCorners& corners() const { return corners_; }
   /// Of the corners of the frame before, those that are still followed.
   size_t followed() const { return followed_; }
-  double mean_grey() const { return mean_grey_; }
+  bool too_dark() const { return !content_.shows_something(p_.content); }
 
  private:
   struct Track {
@@ -87,7 +88,7 @@ class GuidedCorners {
   CameraModel lens_;  ///< of the latest picture
   uint64_t next_id_ = 0;
   size_t followed_ = 0;
-  double mean_grey_ = 0;
+  PictureContent content_;
 };
 
 }  // namespace odograph::vio

@@ -233,7 +233,7 @@ CameraModel InertialOdometry::lens() const {
 }
 
 FailureReason InertialOdometry::dark_or_few_features() const {
-  return corners_.mean_grey() < p_.corners.dark_grey ? FailureReason::too_dark : FailureReason::few_features;
+  return corners_.too_dark() ? FailureReason::too_dark : FailureReason::few_features;
 }
 
 /// The motion to the filter's pose at a frame, of the newest clone or by `nav`.

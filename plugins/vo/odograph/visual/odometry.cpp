@@ -162,7 +162,9 @@ void Odometry::follow(const Frame& frame, const Isometry3d& T_expected, const Qu
     const cv::Point2f& pixel = tracker_.tracks()[i].pixel;
     expected.emplace_back(pixel.x + static_cast<float>(shift.x()), pixel.y + static_cast<float>(shift.y()));
   }
-  if (cv::mean(frame.grey)[0] < p_.light.dim_grey) {
+  content_ = content_of(frame.grey);
+  if (!content_.shows_something(p_.light.content)) return tracker_.skip();
+  if (content_.mean_grey < p_.light.dim_grey) {
     cv::GaussianBlur(frame.grey, smooth_, {}, p_.light.dim_blur_px);
     return tracker_.follow(smooth_, expected);
   }
@@ -201,7 +203,7 @@ Motion Odometry::rotation_by_gyroscope(const Prediction& predicted) const {
 }
 
 FailureReason Odometry::dark_or_few_features() const {
-  return tracker_.mean_grey() < p_.light.dark_grey ? FailureReason::too_dark : FailureReason::few_features;
+  return content_.shows_something(p_.light.content) ? FailureReason::few_features : FailureReason::too_dark;
 }
 
 /// The corners whose depth the map has.

@@ -123,6 +123,7 @@ class Odometry {
   Parameters p_;
   CameraModel camera_;
   CornerTracker tracker_;
+  PictureContent content_;  // of the latest picture
   Gyroscope gyroscope_;
   Eigen::Vector3d bias_c_ = Eigen::Vector3d::Zero();  ///< rad/s
   double bias_sigma_;                                 ///< rad/s, before the window knows better

@@ -8,12 +8,13 @@
 #include <cstdint>
 
 #include "plugins/shared/camera/corner_tracker.hpp"
+#include "plugins/shared/camera/picture_content.hpp"
 
 namespace odograph::vo {
 
 /// Pictures that tell little. Grey values are means of 0 to 255.
 struct LightParameters {
-  double dark_grey = 8;      ///< below it what is followed is the sensor's noise; by hand
+  PictureContent::Parameters content;  ///< less of it, and nothing is followed
   double dim_grey = 60;      ///< below it the picture is smoothed: the noise has more gradient than the scene; by hand
   double dim_blur_px = 1.5;  ///< standard deviation of that Gaussian; by hand
 };
