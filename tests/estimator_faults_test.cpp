@@ -176,7 +176,7 @@ TEST_CASE("the phone goes into a pocket, where it lies otherwise: what steps lea
     s.heading_rad += 0.5;
   };
   const Run r = worst_of("in a pocket for 15 s, steps' heading off by 0.5 rad", what, 15);
-  CHECK(r.worst_m < 12);  // of 20 m walked
+  CHECK(r.worst_m < 13);  // of 20 m walked
   CHECK(r.grown_m > 3);
   CHECK(r.beyond_s < 5);
 }
