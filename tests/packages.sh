@@ -13,7 +13,8 @@ trap 'rm -rf "$work"' EXIT
 
 # One version everywhere.
 version=$(sed -n 's/^project(Odograph VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt")
-for place in packaging/debian/changelog:"odograph ($version)" packaging/vcpkg/ports/odograph/vcpkg.json:"\"$version\"" packaging/conan/conanfile.py:"version = \"$version\""; do
+for place in packaging/debian/changelog:"odograph ($version)" packaging/vcpkg/ports/odograph/vcpkg.json:"\"$version\"" packaging/conan/conanfile.py:"version = \"$version\"" \
+  abi/bindings/csharp/package.json:"\"$version\"" abi/bindings/javascript/package.json:"\"$version\"" abi/bindings/python/pyproject.toml:"version = \"$version\"" abi/bindings/rust/Cargo.toml:"version = \"$version\""; do
   grep -qF "${place#*:}" "$source/${place%%:*}" || { echo "${place%%:*}: its version is not $version"; exit 1; }
 done
 

@@ -2,12 +2,35 @@
 #include "sdk/tools/command_line/plugin_repository.hpp"
 
 #include <fstream>
+#include <string>
 #include <utility>
 
 #include <odograph/base.h>
 
 namespace odograph {
 namespace {
+
+/// How a language is built and tested, and what that needs on Debian 12 beside Odograph.
+struct Toolchain {
+  const char *packages, *build, *ignored;
+};
+
+constexpr Toolchain kCMake = {"cmake g++ libodograph-dev ninja-build", R"(cmake -B build "$@"
+cmake --build build
+ctest --test-dir build --output-on-failure
+)",
+                              "/build/\n"};
+
+constexpr Toolchain kCargo = {"cargo", R"(program=$(command -v odograph)
+[ -e odograph ] || ln -s "${program%/bin/odograph}/share/odograph/bindings/rust" odograph
+cargo build --release
+mkdir -p build
+cp "${CARGO_TARGET_DIR:-target}/release/lib@FILE@.so" build/@FILE@.so
+odograph plugin manifest build/@FILE@.so
+odograph plugin check build/@FILE@.so --format junit -o build/check.xml --statement build
+odograph config check pipeline.yaml
+)",
+                              "/build/\n/target/\n/odograph\n"};
 
 constexpr char kCheck[] = R"(#!/bin/sh
 # Builds the plugin on Debian 12, tests it, and states what it conforms to: build/conformance.md, build/conformance.svg.
@@ -16,16 +39,13 @@ set -eu
 if ! command -v odograph > /dev/null; then
   : "${ODOGRAPH_REPOSITORY:?the address of an apt repository of Odograph}"
   apt-get update -qq
-  apt-get install -y -qq ca-certificates cmake curl g++ ninja-build > /dev/null
+  apt-get install -y -qq ca-certificates curl > /dev/null
   curl -fsSL "$ODOGRAPH_REPOSITORY/odograph.asc" -o /usr/share/keyrings/odograph.asc
   echo "deb [signed-by=/usr/share/keyrings/odograph.asc] $ODOGRAPH_REPOSITORY bookworm main" > /etc/apt/sources.list.d/odograph.list
   apt-get update -qq
-  apt-get install -y -qq libodograph-dev odograph > /dev/null
+  apt-get install -y -qq odograph @PACKAGES@ > /dev/null
 fi
-cmake -B build "$@"
-cmake --build build
-ctest --test-dir build --output-on-failure
-cat build/conformance.md
+@BUILD@cat build/conformance.md
 )";
 
 constexpr char kGitHub[] = R"(name: check
@@ -60,15 +80,25 @@ check:
       junit: build/check.xml
 )";
 
+std::string with(std::string text, const std::string& mark, const std::string& value) {
+  for (size_t at = 0; (at = text.find(mark, at)) != std::string::npos; at += value.size())
+    text.replace(at, mark.size(), value);
+  return text;
+}
+
 }  // namespace
 
-Result<bool> write_plugin_repository(const std::string& id, const std::filesystem::path& folder) {
+Result<bool> write_plugin_repository(const std::string& id, const std::filesystem::path& folder,
+                                     const std::string& language) {
   namespace fs = std::filesystem;
   std::error_code error;
-  for (const auto& [name, text] : {std::pair<const char*, std::string>{"ci/check", kCheck},
+  const Toolchain& tools = language == "rust" ? kCargo : kCMake;
+  const std::string check = with(with(with(kCheck, "@BUILD@", tools.build), "@PACKAGES@", tools.packages), "@FILE@",
+                                 id.substr(id.find('/') + 1));
+  for (const auto& [name, text] : {std::pair<const char*, std::string>{"ci/check", check},
                                    {".github/workflows/check.yml", kGitHub},
                                    {".gitlab-ci.yml", kGitLab},
-                                   {".gitignore", "/build/\n"}}) {
+                                   {".gitignore", tools.ignored}}) {
     const fs::path file = folder / name;
     if (fs::exists(file, error)) return Failure{ODO_E_ARGUMENT, file.string() + " is there already"};
     fs::create_directories(file.parent_path(), error);

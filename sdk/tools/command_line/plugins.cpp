@@ -131,13 +131,13 @@ struct NewWish {
 };
 
 int write_new(const NewWish& wish) {
-  if (wish.repository && wish.language != "c++" && wish.language != "c") {
-    std::fprintf(stderr, "--repository is for plugins in C++ or C, not in %s\n", wish.language.c_str());
+  if (wish.repository && wish.language == "python") {
+    std::fprintf(stderr, "--repository is for plugins in C++, C or Rust; those in Python are for research\n");
     return kBadUsage;
   }
   const std::filesystem::path where = wish.folder.empty() ? wish.id.substr(wish.id.find('/') + 1) : wish.folder;
   auto written = write_plugin_skeleton(wish.kind, wish.id, where, wish.language);
-  if (written && wish.repository) written = write_plugin_repository(wish.id, where);
+  if (written && wish.repository) written = write_plugin_repository(wish.id, where, wish.language);
   if (!written) return complain(written.failure());
   std::printf("%s: see README.md there\n", where.c_str());
   return kDone;
@@ -154,8 +154,9 @@ void add_new(CLI::App& plugin, int& status) {
       ->check(CLI::IsMember({"c++", "c", "rust", "python"}));
   command->add_flag_callback(
       "--c", [wish] { wish->language = "c"; }, "the same as --language c");
-  command->add_flag("--repository", wish->repository,
-                    "with CI files for GitHub and GitLab that build, check and state what it conforms to; C++ or C");
+  command->add_flag(
+      "--repository", wish->repository,
+      "with CI files for GitHub and GitLab that build, check and state what it conforms to; C++, C or Rust");
   command->callback([=, &status] { status = write_new(*wish); });
 }
 
