@@ -21,9 +21,9 @@ def lines_of(*command):
 
 
 def symbols(path, kinds):
-    """Names that a file or the members of an archive define."""
+    """Names that a file or the members of an archive define; what has a version is a library's, of which a program may hold a copy."""
     fields = (line.split() for line in lines_of("nm", "--defined-only", path))
-    return {f[2].split("@")[0] for f in fields if len(f) == 3 and f[1] in kinds}
+    return {f[2] for f in fields if len(f) == 3 and f[1] in kinds and "@" not in f[2]}
 
 
 def static_archives(build):
