@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A sketch of Odograph as the source of a camera's pose in Unity. It compiles against declarations of our own (ctest -R languages); it never
 // ran in Unity. Add the package of abi/bindings/csharp from disk, put this file into Assets,
-// libodograph and its plugins into Assets/Plugins, and attach it to the camera.
+// libodograph and its plugins into Assets/Plugins (on a phone they are linked into it: docs/plugins.md, "Linked into the app"), and attach it to the camera.
 using System;
 using Odograph;
 using UnityEngine;
