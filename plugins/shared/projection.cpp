@@ -5,6 +5,7 @@
 #include <GeographicLib/UTMUPS.hpp>
 #include <cmath>
 #include <cstdlib>
+#include <string_view>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -136,10 +137,11 @@ GridPlace wgs84_to_rd_new(const Geodetic& place) {
 }
 
 std::optional<Projection> Projection::of(int epsg) {
-  if (epsg == 4326 || epsg == 4258 || epsg == 4979 || epsg == 4937) return Projection(Kind::geographic, 0, true);
+  if (is_geographic(epsg)) return Projection(Kind::geographic, 0, true);
   if (epsg > 32600 && epsg <= 32660) return Projection(Kind::utm, epsg - 32600, true);
   if (epsg > 32700 && epsg <= 32760) return Projection(Kind::utm, epsg - 32700, false);
   if (epsg >= 25828 && epsg <= 25838) return Projection(Kind::utm, epsg - 25800, true);
+  if (epsg >= 5554 && epsg <= 5556) return Projection(Kind::utm, epsg - 5554 + 31, true);
   if (epsg == 28992 || epsg == 7415) return Projection(Kind::rd_new, 0, true);
   return std::nullopt;
 }
@@ -172,10 +174,19 @@ std::optional<GridPlace> Projection::grid(const Geodetic& g) const {
   return p;
 }
 
+bool is_geographic(int epsg) {
+  return epsg == 4326 || epsg == 4258 || epsg == 4979 || epsg == 4937 || epsg == 6668 || epsg == 6697;
+}
+
 int epsg_of(const std::string& name) {
-  if (name.find("EPSG") == std::string::npos) return 0;
-  const auto digits = name.find_last_not_of("0123456789");
-  return digits == std::string::npos ? 0 : std::atoi(name.c_str() + digits + 1);
+  constexpr std::string_view kSurveys = "ETRS89_UTM";
+  if (const auto at = name.find(kSurveys); at != std::string::npos)
+    return 25800 + std::atoi(name.c_str() + at + kSurveys.size());
+  const auto begin = name.find("EPSG");
+  if (begin == std::string::npos) return 0;
+  const std::string first = name.substr(begin, name.find(',', begin) - begin);
+  const auto digits = first.find_last_not_of("0123456789");
+  return std::atoi(first.c_str() + digits + 1);
 }
 
 }  // namespace odograph

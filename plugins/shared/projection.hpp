@@ -28,8 +28,9 @@ GridPlace wgs84_to_rd_new(const Geodetic& place);
 /// How a model's coordinates lie on the Earth. Immutable.
 class Projection {
  public:
-  /// Of an EPSG code: geographic coordinates (4326, 4258, 4979, 4937; easting is the longitude in degrees), UTM on WGS
-  /// 84 (326xx, 327xx) and ETRS89 (258xx), RD New with or without heights (28992, 7415). None for any other.
+  /// Of an EPSG code: geographic coordinates (4326, 4258, 4979, 4937, Japan's 6668 and 6697; easting is the longitude in
+  /// degrees), UTM on WGS 84 (326xx, 327xx) and ETRS89 (258xx, with German heights 5554 to 5556), RD New with or without
+  /// heights (28992, 7415). None for any other.
   static std::optional<Projection> of(int epsg);
 
   Geodetic geodetic(const GridPlace& place) const;
@@ -45,8 +46,13 @@ class Projection {
   bool northern_;
 };
 
-/// The EPSG code at the end of a reference system's name as CityJSON has it
-/// (`https://www.opengis.net/def/crs/EPSG/0/7415`, `urn:ogc:def:crs:EPSG::7415`); 0 where there is none.
+/// Whether it is one of the geographic codes above.
+bool is_geographic(int epsg);
+
+/// The EPSG code of a reference system's name as CityJSON and CityGML have it
+/// (`https://www.opengis.net/def/crs/EPSG/0/7415`, `urn:ogc:def:crs:EPSG::7415`; of two, the first, which is the
+/// horizontal one: `urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837`), or of the German surveys'
+/// (`urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH`); 0 where there is none.
 int epsg_of(const std::string& reference_system);
 
 }  // namespace odograph

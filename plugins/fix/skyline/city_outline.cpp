@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plugins/fix/skyline/city_outline.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <map>
-#include <optional>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
-#include <GeographicLib/LocalCartesian.hpp>
 #include <nlohmann/json.hpp>
 
-#include "plugins/shared/projection.hpp"
+#include "plugins/fix/skyline/city_gml.hpp"
+#include "plugins/fix/skyline/model_to_navigation.hpp"
 
 namespace odograph::skyline {
 namespace {
@@ -25,6 +25,11 @@ bool is_point(const Json& v) {
   return v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
 }
 Vector3d point(const Json& v) { return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()}; }
+
+bool is_ground(const std::string& type) {
+  return type == "TINRelief" || type == "Road" || type == "Railway" || type == "TransportSquare" || type == "LandUse" ||
+         type == "WaterBody" || type == "PlantCover" || type == "Waterway";
+}
 
 double level_of_detail(const Json& geometry) {
   const auto lod = geometry.find("lod");
@@ -49,53 +54,38 @@ void collect(const Json& part, const std::vector<Vector3d>& points, const std::s
   }
 }
 
-/// From a model's easting, northing and height to n.
-class ModelToNavigation {
- public:
-  ModelToNavigation(const CityPlacement& placement, const Json& root, const std::string& name) : p_(placement) {
-    if (!p_.geodetic) return;
-    const Json metadata = root.value("metadata", Json());
-    const Json system = metadata.is_object() ? metadata.value("referenceSystem", Json()) : Json();
-    const int epsg = system.is_string() ? epsg_of(system.get<std::string>()) : 0;
-    projection_ = Projection::of(epsg);
-    if (!projection_)
-      throw std::runtime_error(name + ": geodetic_origin: the model's reference system (EPSG " + std::to_string(epsg) +
-                               ") is not known; give model_origin in its coordinates");
-    local_.Reset(p_.geodetic_origin[0], p_.geodetic_origin[1], p_.geodetic_origin[2]);
-  }
-
-  Vector3d operator()(const Vector3d& at) const {
-    if (!projection_) {
-      const Vector3d d = at - Vector3d(p_.model_origin.data());
-      return {d.y(), d.x(), -d.z()};
-    }
-    const Geodetic g = projection_->geodetic({at.x(), at.y()});
-    double east = 0, north = 0, up = 0;
-    local_.Forward(g.latitude_deg, g.longitude_deg, at.z() + p_.geoid_height_m, east, north, up);
-    return {north, east, -up};
-  }
-
- private:
-  CityPlacement p_;
-  std::optional<Projection> projection_;
-  GeographicLib::LocalCartesian local_;
-};
-
 }  // namespace
 
-std::vector<Edge> edges_of(const std::vector<std::vector<Vector3d>>& rings) {
-  std::map<std::array<double, 6>, bool> seen;  // walls share their edges: each once
+std::vector<Edge> edges_of(const std::vector<std::vector<Vector3d>>& rings, const std::vector<int>& objects) {
   std::vector<Edge> edges;
-  for (const auto& ring : rings)
-    for (size_t i = 0; i < ring.size(); ++i) {
-      Vector3d a = ring[i], b = ring[(i + 1) % ring.size()];
+  for (size_t k = 0; k < rings.size(); ++k)
+    for (size_t i = 0; i < rings[k].size(); ++i) {
+      Vector3d a = rings[k][i], b = rings[k][(i + 1) % rings[k].size()];
       if (std::lexicographical_compare(b.data(), b.data() + 3, a.data(), a.data() + 3)) std::swap(a, b);
-      if (seen.try_emplace({a.x(), a.y(), a.z(), b.x(), b.y(), b.z()}, true).second) edges.push_back({a, b});
+      edges.push_back({a, b, k < objects.size() ? objects[k] : Edge::kUnknown});
     }
+  // Walls share their edges: each once, where it was met first.
+  const auto ends = [](const Edge& e) {
+    return std::array<double, 6>{e.from.x(), e.from.y(), e.from.z(), e.to.x(), e.to.y(), e.to.z()};
+  };
+  std::vector<uint32_t> order(edges.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    const auto x = ends(edges[a]), y = ends(edges[b]);
+    return x != y ? x < y : a < b;
+  });
+  std::vector<char> twice(edges.size(), 0);
+  for (size_t i = 1; i < order.size(); ++i) twice[order[i]] = ends(edges[order[i]]) == ends(edges[order[i - 1]]);
+  size_t kept = 0;
+  for (size_t i = 0; i < edges.size(); ++i)
+    if (!twice[i]) edges[kept++] = edges[i];
+  edges.resize(kept);
+  edges.shrink_to_fit();
   return edges;
 }
 
 std::vector<Edge> parse_city_outline(const std::string& text, const std::string& name, const CityPlacement& placement) {
+  if (is_xml(text)) return parse_city_gml(text, name, placement);
   const Json root = Json::parse(text, nullptr, false);
   if (!root.is_object() || root.value("type", Json()) != "CityJSON")
     throw std::runtime_error(name + ": not CityJSON: expected an object with \"type\": \"CityJSON\"");
@@ -105,10 +95,15 @@ std::vector<Edge> parse_city_outline(const std::string& text, const std::string&
       throw std::runtime_error(name + ": \"transform\" wants \"scale\" and \"translate\", three numbers each");
     scale = point((*t)["scale"]), shift = point((*t)["translate"]);
   }
-  const Json vertices = root.value("vertices", Json()), objects = root.value("CityObjects", Json());
-  if (!vertices.is_array() || !objects.is_object())
+  const auto found_vertices = root.find("vertices"), found_objects = root.find("CityObjects");
+  if (found_vertices == root.end() || !found_vertices->is_array() || found_objects == root.end() ||
+      !found_objects->is_object())
     throw std::runtime_error(name + ": no \"vertices\" or no \"CityObjects\" in it");
-  const ModelToNavigation to_navigation(placement, root, name);
+  const Json &vertices = *found_vertices, &objects = *found_objects;
+  const auto metadata = root.find("metadata");
+  const Json system =
+      metadata != root.end() && metadata->is_object() ? metadata->value("referenceSystem", Json()) : Json();
+  const ModelToNavigation to_navigation(placement, system.is_string() ? epsg_of(system.get<std::string>()) : 0, name);
   std::vector<Vector3d> points;
   for (const Json& v : vertices) {
     if (!is_point(v))
@@ -122,6 +117,8 @@ std::vector<Edge> parse_city_outline(const std::string& text, const std::string&
     points.push_back(p);
   }
   std::vector<std::vector<Vector3d>> rings;
+  std::vector<int> owners;
+  int building = 0;
   for (const auto& [id, object] : objects.items()) {
     const Json type = object.is_object() ? object.value("type", Json()) : Json();
     if (!type.is_string()) throw std::runtime_error(name + ": " + id + ": no \"type\"");
@@ -131,9 +128,11 @@ std::vector<Edge> parse_city_outline(const std::string& text, const std::string&
     for (const Json& g : *geometry)
       if (g.is_object() && g.contains("boundaries") && (!finest || level_of_detail(g) > level_of_detail(*finest)))
         finest = &g;
-    if (finest) collect((*finest)["boundaries"], points, name + ": " + id + ": ", rings);
+    if (!finest) continue;
+    collect((*finest)["boundaries"], points, name + ": " + id + ": ", rings);
+    owners.resize(rings.size(), is_ground(type.get<std::string>()) ? Edge::kGround : building++);
   }
-  auto edges = edges_of(rings);
+  auto edges = edges_of(rings, owners);
   if (edges.empty()) throw std::runtime_error(name + ": no building with surfaces in it");
   return edges;
 }

@@ -9,14 +9,17 @@
 
 namespace odograph::skyline {
 
-/// An edge of a building in n (north, east, down; m).
+/// An edge of a building in n (north, east, down; m), and whose it is.
 struct Edge {
+  static constexpr int kUnknown = -1, kGround = -2;
   Eigen::Vector3d from, to;
+  int object = kUnknown;  ///< of the model, from 0 a building or a part of one; kGround: terrain, roads, water
 };
 
 /// The edges of a city model's buildings. Seen from below, the skyline runs along edges alone: within a plane polygon
-/// nothing is higher than its border.
-std::vector<Edge> edges_of(const std::vector<std::vector<Eigen::Vector3d>>& rings);
+/// nothing is higher than its border. `objects`: each ring's; an edge of several is the first one's.
+std::vector<Edge> edges_of(const std::vector<std::vector<Eigen::Vector3d>>& rings,
+                           const std::vector<int>& objects = {});
 
 /// Where n lies in a city model.
 struct CityPlacement {

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <optional>
 
 #include <odograph/plugin.hpp>
 #include <odograph/skylines.h>
 
+#include "plugins/fix/skyline/ground.hpp"
 #include "plugins/fix/skyline/horizon.hpp"
 #include "plugins/fix/skyline/skyline_database.hpp"
 
@@ -21,7 +23,7 @@ class DatabaseExtension {
  public:
   /// `city`, which must outlive this, may be null: then nothing can be built. `origin` is easting, northing and height
   /// of its n's origin in the model's reference system.
-  DatabaseExtension(const odo::Output& host, const City* city, const Eigen::Vector3d& origin)
+  DatabaseExtension(const odo::Output& host, City* city, const Eigen::Vector3d& origin)
       : host_(host), city_(city), origin_(origin) {}
   DatabaseExtension(const DatabaseExtension&) = delete;
   DatabaseExtension& operator=(const DatabaseExtension&) = delete;
@@ -87,11 +89,49 @@ class DatabaseExtension {
     });
   }
 
+  static int32_t ODO_CALL look(void* user, const double* p_n, float* elevation_rad, int32_t* object) noexcept {
+    return ask(user, [&](DatabaseExtension& self) -> int32_t {
+      if (!self.city_) return ODO_E_STATE;
+      const Eigen::Vector3d at(p_n);
+      if (!at.allFinite()) return ODO_E_ARGUMENT;
+      self.city_->look_near(at, 1, kLowest);
+      Horizon horizon;
+      City::Winners winners;
+      self.city_->horizon(at, horizon, winners);
+      std::copy(horizon.elevation.begin(), horizon.elevation.end(), elevation_rad);
+      for (size_t j = 0; j < winners.size(); ++j)
+        object[j] = winners[j] < 0 ? Edge::kUnknown : self.city_->edges()[static_cast<size_t>(winners[j])].object;
+      return ODO_OK;
+    });
+  }
+  static int32_t ODO_CALL ground(void* user, double north_m, double east_m, double* down_m, int32_t* terrain) noexcept {
+    return ask(user, [&](DatabaseExtension& self) -> int32_t {
+      if (!self.city_) return ODO_E_STATE;
+      if (!std::isfinite(north_m) || !std::isfinite(east_m)) return ODO_E_ARGUMENT;
+      if (!self.ground_) self.ground_.emplace(self.city_->edges());
+      const auto at = self.ground_->at({north_m, east_m});
+      if (!at) return ODO_E_NOT_FOUND;
+      *down_m = at->down_m, *terrain = at->terrain;
+      return ODO_OK;
+    });
+  }
+  static int32_t ODO_CALL edge(void* user, uint64_t number, double* from_n, double* to_n, int32_t* object) noexcept {
+    return ask(user, [&](DatabaseExtension& self) -> int32_t {
+      if (!self.city_) return ODO_E_STATE;
+      if (number >= self.city_->edges().size()) return ODO_E_NOT_FOUND;
+      const Edge& e = self.city_->edges()[number];
+      Eigen::Vector3d::Map(from_n) = e.from, Eigen::Vector3d::Map(to_n) = e.to, *object = e.object;
+      return ODO_OK;
+    });
+  }
+
+  static constexpr double kLowest = 0.01;  // tangent of an elevation: what is lower is no skyline
   odo::Output host_;
-  const City* city_;
+  City* city_;
+  std::optional<Ground> ground_;
   Eigen::Vector3d origin_;
   SkylineDatabase asked_;
-  odo_skylines told_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline};
+  odo_skylines told_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline, look, ground, edge};
 };
 
 }  // namespace odograph::skyline

@@ -48,6 +48,7 @@ struct FixerParameters {
   uint64_t min_slice = 400'000, max_slice = 3'200'000;  ///< of a frame: 2 and 16 ms
   uint64_t sky_work = 10;                               ///< of a pixel
 
+  double elsewhere = 0.1;  ///< probability of other places, from where on they are what speaks against a photograph
   double min_integrity = 0.01;  ///< risk that a fix is wrong, at least
 };
 

@@ -208,6 +208,12 @@ void City::horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) c
     if (winner >= 0) winner = near_[static_cast<size_t>(winner)].number;
 }
 
+void City::quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) const {
+  envelope(visible_, p_n, out, &winners, Sector::all());
+  for (int& winner : winners)
+    if (winner >= 0) winner = visible_[static_cast<size_t>(winner)].number;
+}
+
 void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
                        const Spend& spend) {
   if (spend) spend(kEdgeWork * edges_.size());

@@ -68,6 +68,8 @@ class City {
   void quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, const Sector& sector = Sector::all()) const {
     envelope(visible_, p_n, out, nullptr, sector);
   }
+  /// The same with the number of the edge that is highest in each direction.
+  void quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) const;
 
  private:
   static constexpr uint64_t kEdgeWork = 8;  // directions that an edge costs in the mean, measured

@@ -69,6 +69,7 @@ class Matcher {
   static bool tells_enough(const std::vector<SkyEdge>& edges, const std::vector<View>& older = {},
                            const Parameters& parameters = {});
   const City& city() const { return city_; }
+  City& city() { return city_; }
   /// Why the latest match() gave nothing.
   Refusal refusal() const { return refusal_; }
 

@@ -9,11 +9,14 @@
 #include <Eigen/Geometry>
 
 #include "plugins/fix/skyline/database_extension.hpp"
+#include "plugins/fix/skyline/fixer_config.hpp"
 #include "plugins/fix/skyline/fixer_parameters.hpp"
 #include "plugins/fix/skyline/frame_chroma.hpp"
 #include "plugins/fix/skyline/judge_match.hpp"
 #include "plugins/fix/skyline/look.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
+#include "plugins/fix/skyline/photograph_fixer.hpp"
+#include "plugins/fix/skyline/photograph_prior.hpp"
 #include "plugins/fix/skyline/place_finder.hpp"
 #include "plugins/fix/skyline/sky_eye.hpp"
 #include "plugins/fix/skyline/skyline_database.hpp"
@@ -31,51 +34,13 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr FixerParameters kParameters;
 
 /// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
-class Skyline {
+class Skyline : public FixerConfig {
  public:
-  std::string model, skylines;
-  std::array<double, 3> model_origin = {0, 0, 0}, geodetic_origin = {0, 0, 0};
-  bool geodetic = false;
-  double geoid_height = 0;
-  std::string sky = "robust", inclination = "pose";
-  double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * kDegree, min_sigma = 0.2, radius = 40;
-  double height_sigma = 1.0;
-  bool start_known = true, join = false;
-
   static constexpr odo::Description description{
       "fix/skyline", "1.0.0", "Position and heading from the skyline of a 3D city model (Gakne & O'Keefe 2018)",
       ODO_INTERFACE_ABSOLUTE_FIXER};
   static constexpr uint32_t extra_inputs[] = {ODO_TYPE_CORRECTION};
-  static std::vector<odo::Parameter<Skyline>> parameters() {
-    return {
-        odo::text("model", &Skyline::model, "CityJSON file of the city, beside the config"),
-        odo::reals("model_origin", "m", -1e8, 1e8, &Skyline::model_origin,
-                   "easting, northing and height of n's origin in the model"),
-        odo::boolean("geodetic", &Skyline::geodetic,
-                     "geodetic_origin stands for model_origin; the model is geographic, UTM or RD New"),
-        odo::reals("geodetic_origin", "", -1e5, 1e5, &Skyline::geodetic_origin,
-                   "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),
-        odo::real("geoid_height", "m", -200, 200, &Skyline::geoid_height,
-                  "ellipsoidal height of the model's zero height"),
-        odo::text("skylines", &Skyline::skylines,
-                  "database of skylines (`odograph city build`), beside the config; without a model also its edges"),
-        odo::choice("sky", "robust|flood_fill", &Skyline::sky,
-                    "how sky is told from the rest: flood_fill is the paper's"),
-        odo::choice("inclination", "pose|vanishing_point", &Skyline::inclination,
-                    "where pitch and roll come from: vanishing_point is the paper's"),
-        odo::real("interval", "s", 0, 3600, &Skyline::interval, "time between two fixes at least"),
-        odo::real("radius", "m", 2, 200, &Skyline::radius, "farthest from the prior that is searched"),
-        odo::real("min_agreement", "", 0.1, 1, &Skyline::min_agreement,
-                  "part of the directions with a roof's edge in which picture and model must agree"),
-        odo::real("tilt_sigma", "rad", 0.0001, 0.5, &Skyline::tilt_sigma,
-                  "least standard deviation of the prior's inclination"),
-        odo::real("height_sigma", "m", 0.01, 100, &Skyline::height_sigma,
-                  "standard deviation of the prior's height at the start"),
-        odo::boolean("start_known", &Skyline::start_known,
-                     "the pose is right from the start; if not, it is looked for in all of the database"),
-        odo::boolean("join", &Skyline::join, "match a picture that sees too little together with those before it"),
-        odo::real("min_sigma", "m", 0.001, 100, &Skyline::min_sigma, "smallest standard deviation believed")};
-  }
+  static std::vector<odo::Parameter<Skyline>> parameters() { return fixer_parameters<Skyline>(); }
 
   void configured(odo::Output& host) {
     if (model.empty() && skylines.empty())
@@ -101,6 +66,7 @@ class Skyline {
     } catch (const std::runtime_error& error) {
       throw odo::Error(ODO_E_CONFIG, error.what());
     }
+    if (photographs) photograph_fixer_.emplace(matcher_->city());
     extension_.emplace(host, model.empty() ? nullptr : &matcher_->city(), Eigen::Vector3d(model_origin.data()));
   }
 
@@ -155,6 +121,7 @@ class Skyline {
     constexpr uint32_t needed = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_CAMERA;
     if ((pose_->header.flags & needed) != needed || pose_->header.t_ns != picture.t_ns)
       return refuse(kPrior, "no pose of the camera at the frame's time", output);
+    if (photograph_fixer_) return place_photograph(picture, output);
     const double variance = std::max(pose_->covariance[21], pose_->covariance[28]);
     if (placed_ && std::sqrt(variance) > kParameters.nowhere_m)
       return refuse(kPrior, "the pose is not placed yet", output);
@@ -201,6 +168,20 @@ class Skyline {
                  pose_->scale_sigma < kParameters.path_metre * pose_->scale,
              window_.views()};
     worker_.start([this](const Spend& spend) { look(spend); }, slice_);
+  }
+
+  /// At once, on this thread: nothing waits for a photograph.
+  void place_photograph(const Picture& picture, odo::Output& output) {
+    const auto answer = photograph_fixer_->place(picture, photograph_prior(*pose_, height_sigma));
+    if (!answer.match)
+      return refuse(answer.no_sky                          ? kSky
+                    : answer.other > kParameters.elsewhere ? kAmbiguity
+                                                           : kAgreement,
+                    answer.why, output);
+    odo_fix fix = fix_of(*answer.match, picture.t_ns);
+    fix.header.flags |= ODO_FIX_DOWN;
+    fix.covariance_n[8] = answer.match->height_sigma_m * answer.match->height_sigma_m;
+    output.emit(fix);
   }
 
   static Eigen::Quaterniond orientation_of(const odo_pose& pose) { return odograph::raw_quaternion(pose.q_n); }
@@ -368,6 +349,7 @@ class Skyline {
   std::optional<Eigen::Vector3d> start_n_;  // where the pose was at first
   std::optional<DatabaseExtension> extension_;
   std::optional<Matcher> matcher_;
+  std::optional<PhotographFixer> photograph_fixer_;
   SkyEye eye_;
   ViewWindow window_;
   PathJudge path_judge_;

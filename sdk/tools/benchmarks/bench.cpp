@@ -11,6 +11,9 @@ void add_bench(CLI::App& app, int& status) {
     for (const auto& benchmark : group()) add_benchmark(*command, benchmark, status);
 }
 
-void add_bench_city(CLI::App& city, int& status) { add_benchmark(city, city_benchmarks().front(), status); }
+void add_bench_city(CLI::App& city, int& status) {
+  for (const auto& group : {city_benchmarks, photograph_benchmarks})
+    for (const auto& benchmark : group()) add_benchmark(city, benchmark, status);
+}
 
 }  // namespace odograph

@@ -55,6 +55,7 @@ void add_city(CLI::App& app, int& status) {
     const auto done = write_city_scenario(*r);
     status = done ? kDone : complain(done.failure());
   });
+  add_city_locate(*city, status);
   add_city_skylines(*city, status);
   add_bench_city(*city, status);
 }

@@ -22,5 +22,7 @@ void add_compare(CLI::App& app, int& status);
 void add_city(CLI::App& app, int& status);
 /// `odograph city build`, `query` and `show`.
 void add_city_skylines(CLI::App& city, int& status);
+/// `odograph city locate`.
+void add_city_locate(CLI::App& city, int& status);
 
 }  // namespace odograph

@@ -125,4 +125,25 @@ void World::build_city(const CityModel& city, uint64_t seed) {
   }
 }
 
+/// Trees with round and with high crowns, and parked cars.
+void World::plant(const std::vector<Scenario::World::Planted>& planted, uint64_t seed) {
+  Mesh& m = meshes_[0];
+  Random random(seed, 63);
+  for (const auto& [foot, height] : planted) {
+    if (height <= 0) {
+      const double heading = random.uniform(0, 3.14);
+      const auto tone = static_cast<float>(random.uniform(0.4, 1.6));
+      m.add_box(foot - Vector3d(0, 0, 0.25), {4.3, 1.75, 0.65}, heading, Set::kPaint, tone);
+      m.add_box(foot - Vector3d(0, 0, 0.9), {2.3, 1.6, 0.55}, heading, Set::kPaint, 0.4f);
+      continue;
+    }
+    const double crown = std::clamp(0.28 * height, 0.9, 2.4);
+    m.add_box(foot, {0.3, 0.3, height - crown}, 0, Set::kLeaves, 0.6f);
+    for (const double part : {0.95, 0.7}) {
+      const Vector3d aside(random.normal() * 0.3 * crown, random.normal() * 0.3 * crown, -part * height);
+      m.add_ball(foot + aside, crown, Set::kLeaves, random.next());
+    }
+  }
+}
+
 }  // namespace odograph

@@ -26,6 +26,11 @@ struct Scenario {
     bool glass = true, shadows = true;
     int64_t trees = 12, parked_cars = 8, pedestrians = 6, cars = 2;  // per 100 m of route
     double light = 1.0;
+    struct Planted {
+      Eigen::Vector3d foot_n;
+      double height_m;  // of a tree; 0: a parked car
+    };
+    std::vector<Planted> planted;  // no key: simulated photographs plant a city model
   } world;
   struct Vehicle {
     double speed_mps = 11.0, camera_height_m = 1.55;

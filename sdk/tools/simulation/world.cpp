@@ -52,7 +52,7 @@ World::World(const Scenario& c, uint64_t seed, const CityModel* city)
   else if (c.world.type == "corridor")
     build_corridor();
   else if (city)
-    lay_route_on(*city), build_city(*city, seed);
+    lay_route_on(*city), build_city(*city, seed), plant(c.world.planted, seed);
   else
     clear_places(c), build_street(c, seed);
   add_known_objects(c, seed);

@@ -97,6 +97,7 @@ class World {
                  double height_m, uint32_t facade, float tone);
   void build_city(const CityModel& city, uint64_t seed);
   void lay_route_on(const CityModel& city);
+  void plant(const std::vector<Scenario::World::Planted>& planted, uint64_t seed);
   void build_hall(uint64_t seed);
   void build_corridor();
   void add_known_objects(const Scenario& c, uint64_t seed);

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/skyline/ground.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace odograph::skyline {
+
+Ground::Ground(const std::vector<Edge>& edges, const Parameters& parameters) : p_(parameters) {
+  int objects = 0;
+  for (const Edge& e : edges) objects = std::max(objects, e.object + 1);
+  std::vector<double> lowest(static_cast<size_t>(objects), -1e300);  // down
+  const auto each = [&](auto&& corner) {
+    for (const Edge& e : edges)
+      if (e.object >= 0)
+        corner(e.from, lowest[static_cast<size_t>(e.object)]), corner(e.to, lowest[static_cast<size_t>(e.object)]);
+  };
+  each([](const Eigen::Vector3d& p_n, double& low) { low = std::max(low, p_n.z()); });
+  each([&](const Eigen::Vector3d& p_n, double low) {
+    if (p_n.z() > low - p_.foot_m) add(p_n, feet_);
+  });
+  for (const Edge& e : edges)
+    if (e.object == Edge::kGround) add(e.from, terrain_), add(e.to, terrain_);
+}
+
+int64_t Ground::cell_of(double north, double east) const {
+  const auto a = static_cast<int64_t>(std::floor(north / p_.cell_m)),
+             b = static_cast<int64_t>(std::floor(east / p_.cell_m));
+  return a * (int64_t{1} << 32) + b;
+}
+
+void Ground::add(const Eigen::Vector3d& p_n, Cells& to) const {
+  to[cell_of(p_n.x(), p_n.y())].push_back(
+      {static_cast<float>(p_n.x()), static_cast<float>(p_n.y()), static_cast<float>(p_n.z())});
+}
+
+/// Of the points within reach, each weighted by the square of its distance.
+std::optional<double> Ground::mean(const Cells& cells, const Eigen::Vector2d& at, double reach_m) const {
+  const int reach = static_cast<int>(std::ceil(reach_m / p_.cell_m));
+  double sum = 0, weight = 0;
+  for (int a = -reach; a <= reach; ++a)
+    for (int b = -reach; b <= reach; ++b) {
+      const auto cell = cells.find(cell_of(at.x() + a * p_.cell_m, at.y() + b * p_.cell_m));
+      if (cell == cells.end()) continue;
+      for (const Point& p : cell->second) {
+        const double d = std::hypot(static_cast<double>(p.north) - at.x(), static_cast<double>(p.east) - at.y());
+        if (d > reach_m) continue;
+        const double w = 1 / (d * d + p_.near_m * p_.near_m);
+        sum += w * static_cast<double>(p.down), weight += w;
+      }
+    }
+  if (weight == 0) return std::nullopt;
+  return sum / weight;
+}
+
+std::optional<Ground::At> Ground::at(const Eigen::Vector2d& north_east) const {
+  if (const auto down = mean(terrain_, north_east, p_.terrain_m)) return At{*down, true};
+  if (const auto down = mean(feet_, north_east, p_.reach_m)) return At{*down, false};
+  return std::nullopt;
+}
+
+}  // namespace odograph::skyline

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/skyline/photograph_fixer.hpp"
+
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+
+namespace odograph::skyline {
+namespace {
+
+/// The picture at a whole part of its size.
+void shrink(Picture& picture, int by) {
+  if (by <= 1) return;
+  const cv::Size size = picture.grey.size() / by;
+  const auto smaller = [&](cv::Mat& m, const cv::Size& to, int how) {
+    if (!m.empty()) cv::resize(m(cv::Rect({0, 0}, to * by)).clone(), m, to, 0, 0, how);
+  };
+  smaller(picture.chroma.cb, size / 2, cv::INTER_AREA), smaller(picture.chroma.cr, size / 2, cv::INTER_AREA);
+  smaller(picture.grey, size, cv::INTER_AREA), smaller(picture.mask, size, cv::INTER_NEAREST);
+  CameraModel& lens = picture.lens;
+  lens.fx /= by, lens.fy /= by;
+  lens.cx = (lens.cx + 0.5) / by - 0.5, lens.cy = (lens.cy + 0.5) / by - 0.5;
+}
+
+}  // namespace
+
+PhotographFixer::Answer PhotographFixer::place(Picture picture, const PhotographPrior& prior) {
+  shrink(picture, (std::max(picture.grey.cols, picture.grey.rows) + p_.widest_px - 1) / p_.widest_px);
+  const Eigen::Vector3d prior_up_c = prior.q_n_c.conjugate() * -Eigen::Vector3d::UnitZ();
+  std::vector<PhotographLevel> levels = {{prior_up_c, prior.tilt_sigma_rad, 0}};
+  if (prior.tilt_sigma_rad > p_.level_rad)
+    levels = levels_of(lines_of(picture.grey, picture.lens, p_.level.lines), prior_up_c, p_.level);
+  Answer best;
+  best.no_sky = true, best.why = "no sky is seen over roofs";
+  double least = 1e300;
+  for (const PhotographLevel& level : levels) {
+    PhotographPrior held = prior;
+    held.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(level.up_c, prior_up_c)).normalized();
+    held.tilt_sigma_rad = level.sigma_rad;
+    const auto& edges = eye_.find(picture, held.q_n_c.conjugate(), false);
+    if (edges.empty()) continue;
+    auto match = matcher_.match(edges, held);
+    if (matcher_.cost() >= least && !(matcher_.cost() == least && !best.match)) continue;
+    least = matcher_.cost();
+    best.match = std::move(match), best.why = matcher_.why(), best.other = matcher_.other();
+    best.tried = matcher_.tried(), best.cost = least;
+    best.no_sky = !best.match && least > 1e8;
+  }
+  return best;
+}
+
+}  // namespace odograph::skyline

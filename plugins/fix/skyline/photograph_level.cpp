@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/skyline/photograph_level.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace odograph::skyline {
+
+using Eigen::AngleAxisd;
+using Eigen::Vector3d;
+
+std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const Vector3d& level_up_c,
+                                       const PhotographLevelParameters& p) {
+  const Vector3d axis = Vector3d::UnitZ(), right = axis.cross(level_up_c).normalized();
+  // The camera's axis rises by `pitch`: the zenith comes nearer to it.
+  const auto up_of = [&](double pitch, double roll) -> Vector3d {
+    return AngleAxisd(roll, axis) * (AngleAxisd(-pitch, right) * level_up_c);
+  };
+  struct Scored {
+    PhotographLevel level;
+    double score;
+  };
+  std::vector<Scored> found;
+  for (double pitch = p.lowest_rad; pitch <= p.highest_rad; pitch += p.pitch_step_rad)
+    for (const double roll : {0.0, -p.roll_rad, p.roll_rad}) {
+      const auto zenith = vanishing_zenith(lines, up_of(pitch, roll), p.lines);
+      if (!zenith) continue;
+      const double rolled = std::asin(std::clamp(zenith->up_c.dot(right), -1.0, 1.0)) / p.usual_roll_rad;
+      const double score = zenith->lines / (1 + 0.25 * rolled * rolled);
+      const PhotographLevel level{zenith->up_c, std::max(zenith->sigma_rad, p.least_sigma_rad), zenith->lines};
+      const auto same = std::find_if(found.begin(), found.end(), [&](const Scored& s) {
+        return s.level.up_c.dot(level.up_c) > std::cos(p.same_rad);
+      });
+      if (same == found.end())
+        found.push_back({level, score});
+      else if (score > same->score)
+        *same = {level, score};
+    }
+  std::sort(found.begin(), found.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  std::vector<PhotographLevel> levels;
+  for (const Scored& s : found)
+    if (levels.size() < p.most && s.score >= p.others_part * found.front().score) levels.push_back(s.level);
+  if (levels.empty())
+    for (const double pitch : {8.0, 0.0, 16.0}) levels.push_back({up_of(pitch * p.kDegree, 0), p.unknown_sigma_rad, 0});
+  return levels;
+}
+
+}  // namespace odograph::skyline

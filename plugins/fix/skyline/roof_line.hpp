@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How well a picture's skyline fits a model's whose roofs are wrong by metres.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "plugins/fix/skyline/horizon.hpp"
+#include "plugins/fix/skyline/seen_skyline.hpp"
+
+namespace odograph::skyline {
+
+/// What a model's roofs and a picture's sky err by. By hand on rendered pictures of Delft (`odograph city bench`) where
+/// no source is named.
+struct RoofErrorParameters {
+  static constexpr double kDegree = std::numbers::pi / 180;
+  double line_rad = 0.3 * kDegree;  ///< sigma of a direction of the seen line
+  double detail_m = 0.1;            ///< sigma of a roof's form: eaves, chimneys, dormers
+  double building_m = 1.5;          ///< sigma of a building's height in a LoD1 or LoD2 model, the same over all of it
+                                    ///< (Kaartinen et al. 2005: 0.3 to 3 m by method)
+  double above_loss = 3;  ///< most that a direction costs in which something stands above the model: trees, new houses
+  double below_loss = 4;  ///< the same in which the sky is seen where the model has a roof
+  double missing_loss = 2, missing_of = 0.7;  ///< a building that is missing or new costs this, and that part of all
+                                              ///< its directions' most
+  double correlated = 4;  ///< neighbouring directions that err together: three degrees
+};
+
+/// The model's skyline from a place, with whose roof each direction is.
+struct RoofLine {
+  static constexpr int kDirections = Horizon::kDirections;
+  std::array<float, kDirections> elevation{};  ///< rad
+  std::array<float, kDirections> per_m{};      ///< rad by which it rises where that roof is a metre higher
+  std::array<float, kDirections> inverse_sigma{}, wide_inverse_sigma{};  ///< 1/rad, without and with the building's
+  std::array<float, kDirections> width{}, wide_width{};  ///< logarithms of the sigmas over the line's own
+  std::array<int16_t, kDirections> object{};             ///< from 0, numbered here; -1 nothing
+  int objects = 0;
+
+  /// `objects_of`: by number of an edge.
+  void set(const Horizon& horizon, const City::Winners& winners, const std::vector<Edge>& edges,
+           const RoofErrorParameters& parameters);
+};
+
+/// A picture's skyline, and its fit to roof lines: minus the logarithm of a likelihood.
+class RoofLineFit {
+ public:
+  explicit RoofLineFit(const RoofErrorParameters& parameters) : p_(parameters) {}
+  void set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c);
+  size_t directions() const { return rays_.size(); }
+  /// Of every third direction, each building's height not looked for but allowed for.
+  double coarse(const RoofLine& model, const Guess& guess) const;
+  /// Of all, with the height of each building that fits best.
+  double fine(const RoofLine& model, const Guess& guess);
+  /// After fine(): part of the directions with a roof's edge that lie within two sigmas.
+  double agreement() const { return edge_weight_ > 0 ? agreeing_ / edge_weight_ : 0; }
+
+ private:
+  struct Ray {
+    double azimuth, elevation, slope, cosine, sine, weight;
+    bool open, above;
+  };
+  struct Residual {
+    double value, per_m, inverse_sigma, wide_inverse_sigma, width, weight;
+    bool edge;  // both sides known
+    int next;   // of the same object
+  };
+  int direction_of(const Ray& ray, const Guess& guess, double& tilt) const;
+  /// Minus the logarithm of a density: of a wide one it is low everywhere. Never more than `most`.
+  double loss(double x, double width, double most) const {
+    return std::min(most, width + most * x * x / (x * x + 2 * most));
+  }
+  double most(double value) const { return value > 0 ? p_.below_loss : p_.above_loss; }
+  double offset_of(int first, double& information) const;
+
+  RoofErrorParameters p_;
+  std::vector<Ray> rays_;
+  std::vector<Residual> residuals_;
+  std::vector<int> first_;  // of each object
+  double agreeing_ = 0, edge_weight_ = 0;
+};
+
+}  // namespace odograph::skyline

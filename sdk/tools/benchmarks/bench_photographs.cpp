@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Single photographs in city models whose roofs are wrong, drawn and rendered by seeds: how many are placed, how well,
+// and how often wrongly.
+#include <fstream>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "sdk/math/rotation.hpp"
+#include "sdk/tools/benchmarks/benchmarks.hpp"
+#include "sdk/tools/city/photograph_placer.hpp"
+#include "sdk/tools/city/photograph_scene.hpp"
+#include "sdk/tools/city/thinned_model.hpp"
+#include "sdk/tools/simulation/random.hpp"
+
+namespace odograph {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDegrees = 57.29577951308232;
+constexpr double kThreeSigma2 = 11.829;  // of two numbers, 99.73 %
+constexpr size_t kOfAWorld = 10;         // photographs under one sun
+constexpr double kGood_m = 3, kGood_deg = 3;
+
+struct Photographs : Benchmark {
+  Photographs()
+      : Benchmark("bench-photographs",
+                  "Single photographs in city models whose roofs are wrong and whose buildings are missing: places, "
+                  "headings, integrity",
+                  0) {}
+  void add_options(CLI::App& command) override {
+    command.add_option("model", models, "city models: CityJSON")->required()->group(kCases);
+    command.add_option("--photographs", count, "in each model")->check(CLI::Range(1, 10000))->group(kCases);
+    command.add_option("--first-seed", options.first_seed, "of places, sun, roofs and errors")->group(kCases);
+    command.add_option("--position-sigma", sigma_m, "standard deviation of north and of east that is known before, m");
+    command.add_option("--heading-sigma", heading_sigma_deg, "of the compass, degrees; 180: there is none");
+    command.add_option("--roofs", roof_sigma_m, "standard deviation of each building's height against the model, m");
+    command.add_option("--missing", missing, "part of the buildings that the model lacks")->check(CLI::Range(0.0, 0.9));
+    command.add_flag("--each", each, "a line for each photograph");
+  }
+
+  Result<std::vector<BenchCase>> recordings() override {
+    const auto plugins =
+        read_pipeline_config("odograph: 1\nabsolute_fixers:\n  - plugin: fix/skyline\n", "fix/skyline", {});
+    if (!plugins) return plugins.failure();
+    std::error_code error;
+    fs::create_directories(options.keep, error);
+    std::vector<BenchCase> all;
+    for (const std::string& model : models)
+      for (size_t k = 0; k < count; k += kOfAWorld)
+        all.push_back({{{"city", fs::path(model).stem().stem().string()}, {"first", k}},
+                       {fs::absolute(model), plugins->fixers.at(0).manifest.library},
+                       {},
+                       options.first_seed + k / kOfAWorld,
+                       std::min(kOfAWorld, count - k)});
+    return all;
+  }
+
+  /// A picture that is kept, or is taken now: name and truth.
+  struct Taken {
+    cv::Mat bgr;
+    double focal_px;
+    Eigen::Vector3d p_n;
+    Eigen::Quaterniond q_n_c;
+  };
+  Result<Taken> taken(PhotographScene& scene, const fs::path& file, uint64_t number) const {
+    if (!fs::exists(file)) {
+      const auto photograph = scene.take(number);
+      if (!photograph) return photograph.failure();
+      std::ofstream truth(file.string() + ".txt");
+      const Eigen::Quaterniond& q = photograph->q_n_c;
+      truth.precision(12);
+      truth << photograph->focal_px << ' ' << photograph->p_n.transpose() << ' ' << q.w() << ' ' << q.x() << ' '
+            << q.y() << ' ' << q.z() << '\n';
+      if (!truth.flush() || !cv::imwrite(file.string(), photograph->bgr, {cv::IMWRITE_JPEG_QUALITY, 80}))
+        return Failure{ODO_E_ERROR, file.string() + ": cannot be written"};
+    }
+    Taken t{cv::imread(file.string()), 0, {}, {}};
+    std::ifstream truth(file.string() + ".txt");
+    truth >> t.focal_px >> t.p_n.x() >> t.p_n.y() >> t.p_n.z() >> t.q_n_c.w() >> t.q_n_c.x() >> t.q_n_c.y() >>
+        t.q_n_c.z();
+    if (!truth || t.bgr.empty()) return Failure{ODO_E_DATA, file.string() + ": cannot be read"};
+    return t;
+  }
+
+  Result<Json> measure(const BenchCase& one) const override {
+    const fs::path model = one.files.front();
+    const auto city = read_city_model(model);
+    if (!city) return city.failure();
+    const auto city_name = one.labels["city"].get<std::string>();
+    const fs::path thinned = fs::path(options.keep) / text("%s_without_%g_%llu.city.json", city_name.c_str(), missing,
+                                                           static_cast<unsigned long long>(options.first_seed));
+    if (const auto done = write_thinned_model(model, thinned, missing, options.first_seed); !done)
+      return done.failure();
+    auto placer = PhotographPlacer::make(thinned, {.model = city->origin});
+    if (!placer) return placer.failure();
+    PhotographSceneParameters p;
+    p.roof_sigma_m = roof_sigma_m;
+    PhotographScene scene(*city, one.seed, p);
+    Json m, deg, lines = Json::array();
+    size_t placed = 0, good = 0, beyond = 0, beyond_heading = 0, wrong = 0;
+    std::map<std::string, size_t> reasons;
+    for (size_t k = 0; k < one.variant; ++k) {
+      const fs::path file = fs::path(options.keep) / text("photograph_%s_%g_%llu_%zu.jpg", city_name.c_str(),
+                                                          roof_sigma_m, static_cast<unsigned long long>(one.seed), k);
+      const auto photograph = taken(scene, file, k);
+      if (!photograph) return photograph.failure();
+      Random random(one.seed * 1000 + k, 304);
+      const Eigen::Vector3d axis = photograph->q_n_c * Eigen::Vector3d::UnitZ();
+      const double heading = std::atan2(axis.y(), axis.x());
+      PhotographGuess guess{.north_m = photograph->p_n.x() + sigma_m * random.normal(),
+                            .east_m = photograph->p_n.y() + sigma_m * random.normal(),
+                            .sigma_m = sigma_m,
+                            .heading_sigma_rad = heading_sigma_deg / kDegrees};
+      const double off = heading_sigma_deg / kDegrees * random.normal();
+      if (heading_sigma_deg < 180) guess.heading_rad = heading + off;
+      const auto answer = (*placer)->place(photograph->bgr, photograph->focal_px, guess);
+      if (!answer) return answer.failure();
+      std::string line = file.filename().string() +
+                         text(": prior off %.1f m",
+                              std::hypot(guess.north_m - photograph->p_n.x(), guess.east_m - photograph->p_n.y()));
+      if (!answer->placed) {
+        ++reasons[answer->why.substr(0, 24)];
+        lines.push_back(line + ", not placed: " + answer->why);
+        continue;
+      }
+      ++placed;
+      const Eigen::Vector2d d = (answer->p_n - photograph->p_n).head<2>();
+      const double turned_deg = std::abs(std::remainder(answer->heading_rad() - heading, 2 * EIGEN_PI)) * kDegrees;
+      m.push_back(d.norm()), deg.push_back(turned_deg);
+      good += d.norm() <= kGood_m && turned_deg <= kGood_deg;
+      wrong += d.norm() > 2 * kGood_m;
+      const double nees = d.dot(answer->covariance.inverse() * d);
+      beyond += nees > kThreeSigma2;
+      beyond_heading += turned_deg > 3 * answer->heading_sigma_rad * kDegrees;
+      lines.push_back(line +
+                      text(", %.2f m (%.2f sigma of %.2f m), %.2f deg (sigma %.2f), agreement %.2f, integrity %.3f",
+                           d.norm(), std::sqrt(nees), answer->sigma_m(), turned_deg,
+                           answer->heading_sigma_rad * kDegrees, answer->agreement, answer->integrity));
+      if (one.run.progress) one.run.progress(k + 1, one.variant);
+    }
+    const As mostly{.parts = {0.5, 0.95}};
+    Json row = row_of({{"photographs", "", "photographs", 0, one.variant, kSum},
+                       {"placed", "%", "_placed_percent", 1, {placed, one.variant}, kShare},
+                       {"in 3 m", "and 3 deg %", "_good_percent", 1, {good, one.variant}, kShare},
+                       {"place", "m", "_place_m", 2, m, mostly},
+                       {"heading", "deg", "_heading_deg", 2, deg, mostly},
+                       {"over 6 m", "off", "wrong", 0, wrong, kSum},
+                       {"> 3 sigma", "place", "beyond_3_sigma", 0, beyond, kSum},
+                       {"> 3 sigma", "heading", "heading_beyond_3_sigma", 0, beyond_heading, kSum}});
+    row["lines"] = lines;
+    std::string all;
+    for (const auto& [reason, n] : reasons) all += text("; %zu: %s", n, reason.c_str());
+    row["reasons"] = all;
+    return row;
+  }
+
+  BenchReport report(const Rows& rows) const override {
+    Table table{"", {{"city", "city"}}, columns_of(rows)};
+    const Rows lines = summaries_of(rows, "city", table.columns);
+    std::string said = table_text(table, lines);
+    if (each)
+      for (const Json& row : rows) {
+        for (const Json& line : row["lines"]) said += line.get<std::string>() + '\n';
+        said += row["reasons"].get<std::string>() + '\n';
+      }
+    return {said, printed(lines)};
+  }
+
+  std::vector<std::string> models;
+  size_t count = 40;
+  double sigma_m = 10, heading_sigma_deg = 20, roof_sigma_m = 1.5, missing = 0.1;
+  bool each = false;
+};
+
+}  // namespace
+
+Benchmarks photograph_benchmarks() { return {std::make_shared<Photographs>()}; }
+
+}  // namespace odograph

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <opencv2/core.hpp>
+
+#include "sdk/host/base/result.hpp"
+
+namespace odograph {
+
+/// A photograph, upright, and what its file says of where and how it was taken (EXIF, as libexif reads it).
+struct Photograph {
+  std::filesystem::path file;
+  cv::Mat bgr;  ///< turned as its note of orientation says
+  std::optional<double> focal_px;
+  std::optional<std::array<double, 2>> place_deg;  ///< latitude, longitude
+  std::optional<double> place_sigma_m;             ///< GPSHPositioningError
+  std::optional<double> heading_deg;               ///< GPSImgDirection, from north to the east
+  bool heading_is_magnetic = false;
+};
+
+/// Reads a picture that OpenCV knows; a file without EXIF has none of it. Failures name the file. Thread: any.
+Result<Photograph> read_photograph(const std::filesystem::path& file);
+
+/// The focal length that a lens in words has on a picture of that size: "26mm" (35 mm equivalent), "70deg" (angle of
+/// the long side), "1500px", else a camera.yaml of this aspect.
+Result<double> focal_of_lens(const std::string& lens, const cv::Size& size);
+
+}  // namespace odograph

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// One photograph against a city model whose roofs are wrong: fix/skyline's `photographs`.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "plugins/fix/skyline/city_gml.hpp"
+#include "plugins/fix/skyline/ground.hpp"
+#include "plugins/fix/skyline/photograph_level.hpp"
+#include "plugins/fix/skyline/photograph_matcher.hpp"
+#include "plugins/shared/projection.hpp"
+#include "sdk/tools/simulation/random.hpp"
+
+using namespace odograph;
+using namespace odograph::skyline;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("photograph");
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// A crossing of two streets: houses of many heights, each an object; `lift` by which their roofs are higher.
+std::vector<Edge> a_crossing(const std::vector<double>& lift) {
+  std::vector<Edge> edges;
+  int object = 0;
+  const auto house = [&](double north, double east, double a, double b, double height) {
+    height += object < static_cast<int>(lift.size()) ? lift[static_cast<size_t>(object)] : 0;
+    const Vector3d corners[] = {
+        {north - a, east - b, 0}, {north + a, east - b, 0}, {north + a, east + b, 0}, {north - a, east + b, 0}};
+    const Vector3d up(0, 0, -height);
+    for (int i = 0; i < 4; ++i) {
+      const Vector3d &p = corners[i], &q = corners[(i + 1) % 4];
+      edges.push_back({p, q, object}), edges.push_back({p + up, q + up, object}), edges.push_back({p, p + up, object});
+    }
+    ++object;
+  };
+  const double heights[] = {11, 16, 9, 13, 18, 12, 8, 15, 10, 14};
+  for (int side : {-1, 1})
+    for (int i = 0; i < 5; ++i) {
+      house(18 + 13 * i, side * 13.0, 6, 6, heights[(i + (side > 0 ? 5 : 0)) % 10]);
+      house(-18 - 14 * i, side * 14.0, 6.5, 6, heights[(2 * i + 3) % 10]);
+      house(side * 17.0, 22 + 12 * i, 5, 5.5, heights[(i + 7) % 10]);
+      house(side * 17.0, -24 - 12 * i, 5, 5.5, heights[(3 * i + 1) % 10]);
+    }
+  return edges;
+}
+
+Quaterniond camera(double heading, double pitch, double roll = 0) {
+  Eigen::Matrix3d R;
+  R << -std::sin(heading), 0, std::cos(heading), std::cos(heading), 0, std::sin(heading), 0, 1, 0;
+  return Quaterniond(R * Eigen::AngleAxisd(pitch, Vector3d::UnitX()) * Eigen::AngleAxisd(roll, Vector3d::UnitZ()));
+}
+
+/// The sky's edge in a picture 70 degrees wide and 54 high.
+std::vector<SkyEdge> seen_in(const std::vector<Edge>& houses, const Vector3d& p_n, const Quaterniond& q_n_c) {
+  City city(houses);
+  city.look_near(p_n, 1, 0.01);
+  Horizon horizon;
+  city.horizon(p_n, horizon);
+  std::vector<SkyEdge> edges;
+  for (size_t j = 0; j < Horizon::kDirections; ++j) {
+    const double azimuth = (static_cast<double>(j) + 0.5) * 0.5 * kDegree;
+    const auto ray = [&](double e) -> Vector3d {
+      return q_n_c.conjugate() *
+             Vector3d(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), -std::sin(e));
+    };
+    const auto inside = [](const Vector3d& r) {
+      return r.z() > 0.1 && std::abs(r.x() / r.z()) < 0.70 && std::abs(r.y() / r.z()) < 0.51;
+    };
+    double top = 1.4;
+    while (top > -0.5 && !inside(ray(top))) top -= 0.004;
+    if (top < -0.4) continue;
+    const double e = static_cast<double>(horizon.elevation[j]);
+    if (e > top)
+      edges.push_back({ray(top), false, true});
+    else if (inside(ray(e)))
+      edges.push_back({ray(e)});
+  }
+  return edges;
+}
+
+PhotographPrior prior_of(const Vector3d& p_n, const Quaterniond& q_n_c) {
+  return {.p_n = p_n,
+          .q_n_c = q_n_c,
+          .sigma_m = 8,
+          .yaw_sigma_rad = 15 * kDegree,
+          .tilt_sigma_rad = 0.6 * kDegree,
+          .eye_m = 1.6};
+}
+
+}  // namespace
+
+TEST_CASE("a photograph of seventy degrees is placed though each roof is wrong, as well as it says") {
+  Random random(7, 1);
+  const Vector3d place(-6, 1.5, -1.6);
+  int placed = 0, beyond = 0;
+  for (int k = 0; k < 6; ++k) {
+    CAPTURE(k);
+    std::vector<double> lift(40);
+    for (double& l : lift) l = 1.2 * random.normal();
+    const auto model = a_crossing({});
+    City city(model);
+    const Ground ground(model);
+    const Quaterniond q = camera((-20 + 25 * k) * kDegree, 10 * kDegree);
+    const Quaterniond off(Eigen::AngleAxisd(10 * kDegree * random.normal(), Vector3d::UnitZ()));
+    PhotographMatcher matcher(city, ground);
+    const auto match = matcher.match(seen_in(a_crossing(lift), place, q),
+                                     prior_of(place + 5 * Vector3d(random.normal(), random.normal(), 0), off * q));
+    if (!match) continue;
+    ++placed;
+    const Eigen::Vector2d d = (match->p_n - place).head<2>();
+    beyond += d.dot(match->covariance.inverse() * d) > 11.8;
+    CHECK(d.norm() < 4);
+    CHECK(match->q_n_c.angularDistance(q) < 6 * kDegree);
+    CHECK(match->yaw_sigma_rad >= std::sqrt(match->covariance.trace() / 2) / 10);
+  }
+  CHECK(placed >= 3);
+  CHECK(beyond == 0);
+}
+
+TEST_CASE("a photograph of one long wall is not placed, and says why") {
+  std::vector<Edge> wall;
+  const Vector3d up(0, 0, -10);
+  const Vector3d a(-300, 12, 0), b(300, 12, 0);
+  wall.push_back({a, b, 0}), wall.push_back({a + up, b + up, 0});
+  City city(wall);
+  const Ground ground(wall);
+  PhotographMatcher matcher(city, ground);
+  const Vector3d place(0, 0, -1.6);
+  const Quaterniond q = camera(60 * kDegree, 15 * kDegree);
+  CHECK_FALSE(matcher.match(seen_in(wall, place, q), prior_of(place, q)));
+  CHECK_FALSE(matcher.why().empty());
+  // Without any roof.
+  CHECK_FALSE(matcher.match({}, prior_of(place, q)));
+  CHECK(matcher.why().find("roofs end against the sky") != std::string::npos);
+}
+
+TEST_CASE("a photograph from elsewhere is not placed") {
+  const auto model = a_crossing({});
+  City city(model);
+  const Ground ground(model);
+  PhotographMatcher matcher(city, ground);
+  std::vector<Edge> other = a_crossing({4, -3, 5, 2, -4, 6, -2, 3, 5, -3, 4, 6, -4, 2, 3, 7, -3, 4, 5, -4});
+  for (Edge& e : other) std::swap(e.from.x(), e.from.y()), std::swap(e.to.x(), e.to.y());
+  const Vector3d place(-6, 1.5, -1.6);
+  const Quaterniond q = camera(0.4, 10 * kDegree);
+  const auto match = matcher.match(seen_in(other, place, q), prior_of(place, q));
+  if (match) CHECK(match->second_best_ratio > 0.001);
+}
+
+TEST_CASE("upright lines tell how a photograph was held, and without them it is guessed") {
+  Random random(3, 1);
+  const Quaterniond q_n_c = camera(0, 18 * kDegree, 3 * kDegree);
+  const Vector3d up_c = q_n_c.conjugate() * -Vector3d::UnitZ(), level_c(0, -1, 0);
+  std::vector<SeenLine> lines;
+  for (int i = 0; i < 60; ++i) {
+    const Vector3d foot(std::cos(random.uniform(-0.5, 0.5)), std::sin(random.uniform(-0.5, 0.5)),
+                        random.uniform(-0.1, 0));
+    const Vector3d a = q_n_c.conjugate() * foot.normalized(),
+                   b = q_n_c.conjugate() * (foot - Vector3d(0, 0, 0.3)).normalized();
+    lines.push_back({a.cross(b).normalized(), 0.2});
+  }
+  const auto levels = levels_of(lines, level_c);
+  REQUIRE_FALSE(levels.empty());
+  CHECK(levels.front().lines > 30);
+  CHECK(std::acos(std::min(1.0, levels.front().up_c.dot(up_c))) < 0.5 * kDegree);
+  const auto guesses = levels_of({}, level_c);
+  REQUIRE_FALSE(guesses.empty());
+  CHECK(guesses.front().lines == 0);
+  CHECK(guesses.front().sigma_rad > 2 * kDegree);
+}
+
+TEST_CASE("ground under buildings lies between their feet, and is the terrain's where there is some") {
+  std::vector<Edge> edges;
+  const auto house = [&](double north, double foot_up, int object) {
+    const Vector3d a(north, 0, -foot_up), b(north, 8, -foot_up), up(0, 0, -9);
+    edges.push_back({a, b, object}), edges.push_back({a + up, b + up, object}), edges.push_back({a, a + up, object});
+  };
+  house(0, 400, 0), house(40, 410, 1);
+  const auto between = Ground(edges).at({20, 4});
+  REQUIRE(between);
+  CHECK_FALSE(between->terrain);
+  CHECK(between->down_m == doctest::Approx(-405).epsilon(0.002));
+  CHECK(Ground(edges).at({2, 4})->down_m == doctest::Approx(-400).epsilon(0.005));
+  CHECK_FALSE(Ground(edges).at({300, 4}));
+  edges.push_back({{18, 4, -403}, {22, 4, -403}, Edge::kGround});
+  const auto terrain = Ground(edges).at({20, 4});
+  REQUIRE(terrain);
+  CHECK(terrain->terrain);
+  CHECK(terrain->down_m == doctest::Approx(-403));
+}
+
+namespace {
+
+std::string gml(const std::string& inside, const std::string& system = "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH") {
+  return "<?xml version=\"1.0\"?>\n<core:CityModel xmlns:core=\"http://www.opengis.net/citygml/2.0\" "
+         "xmlns:bldg=\"http://www.opengis.net/citygml/building/2.0\" xmlns:gml=\"http://www.opengis.net/gml\">\n"
+         "<gml:boundedBy><gml:Envelope srsName=\"" +
+         system + "\"/></gml:boundedBy>\n" + inside + "</core:CityModel>\n";
+}
+
+std::string polygon(const std::string& positions) {
+  return "<gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing><gml:posList srsDimension=\"3\">" + positions +
+         "</gml:posList></gml:LinearRing></gml:exterior></gml:Polygon></gml:surfaceMember>";
+}
+
+const std::string kBuilding =
+    "<core:cityObjectMember><bldg:Building gml:id=\"a\"><bldg:lod1Solid>" + polygon("0 0 400 9 0 400 9 9 400 0 0 400") +
+    "</bldg:lod1Solid><bldg:boundedBy><bldg:RoofSurface><bldg:lod2MultiSurface>" +
+    polygon("10 20 410\n20 20 410 20 30 412.5 10 20 410") +
+    "</bldg:lod2MultiSurface></bldg:RoofSurface></bldg:boundedBy></bldg:Building></core:cityObjectMember>\n";
+
+}  // namespace
+
+TEST_CASE("CityGML is read as CityJSON is: the finest level, each object's edges, in n") {
+  const auto edges = parse_city_outline(gml(kBuilding), "town.gml", {.model_origin = {10, 20, 400}});
+  REQUIRE(edges.size() == 3);
+  CHECK(edges[0].from.isApprox(Vector3d(0, 0, -10)));
+  CHECK(edges[1].object == 0);
+  const auto two = parse_city_outline(
+      gml(kBuilding + kBuilding +
+          "<core:cityObjectMember><dem:ReliefFeature xmlns:dem=\"d\"><dem:lod>2</dem:lod>"
+          "<dem:reliefComponent><dem:TINRelief><dem:tin><gml:Triangle><gml:exterior><gml:LinearRing>"
+          "<gml:pos>0 0 399</gml:pos><gml:pos>5 0 399</gml:pos><gml:pos>5 5 399</gml:pos><gml:pos>0 0 399</gml:pos>"
+          "</gml:LinearRing></gml:exterior></gml:Triangle></dem:tin></dem:TINRelief></dem:reliefComponent>"
+          "</dem:ReliefFeature></core:cityObjectMember>"),
+      "town.gml", {});
+  CHECK(std::count_if(two.begin(), two.end(), [](const Edge& e) { return e.object == Edge::kGround; }) == 3);
+  // A German survey's reference system, brought to n by its geodetic origin: 9 degrees east is zone 32's middle.
+  const auto placed =
+      parse_city_outline(gml("<core:cityObjectMember><bldg:Building><bldg:lod2Solid>" +
+                             polygon("500000 5400000 100 500010 5400000 100 500010 5400010 110 500000 5400000 100") +
+                             "</bldg:lod2Solid></bldg:Building></core:cityObjectMember>"),
+                         "town.gml", {.geodetic = true, .geodetic_origin = {48.7530, 9, 100}});
+  CHECK(placed.size() == 3);
+  CHECK(std::abs(placed[0].from.y()) < 0.01);
+  CHECK(std::abs(placed[0].from.z()) < 1);
+}
+
+TEST_CASE("what is no CityGML is refused with its line") {
+  const auto why = [](const std::string& text) -> std::string {
+    try {
+      parse_city_outline(text, "town.gml", {});
+      return "taken";
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+  };
+  CHECK(why("<html></html>").find("no CityModel") != std::string::npos);
+  CHECK(why(gml("")).find("no building") != std::string::npos);
+  CHECK(why("<core:CityModel>").find("town.gml:1: not XML") != std::string::npos);
+  const auto with = [&](const std::string& positions) {
+    return why(gml("<b:Building xmlns:b=\"b\"><b:lod2Solid>" + polygon(positions) + "</b:lod2Solid></b:Building>"));
+  };
+  CHECK(with("0 0 0 1 0").find("three numbers each") != std::string::npos);
+  CHECK(with("0 0 zero").find("no numbers") != std::string::npos);
+  CHECK(with("0 0 1e300 1 1 1 2 2 2").find("farther") != std::string::npos);
+  std::string deep;
+  for (int i = 0; i < 300; ++i) deep += "<a>";
+  CHECK(why(gml(deep)).find("deep") != std::string::npos);
+  CHECK(why("<!DOCTYPE a [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b "
+            "\"&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;\">]><CityModel>&b;</CityModel>") != "taken");
+}
+
+TEST_CASE("reference systems are known by the names that surveys use") {
+  CHECK(epsg_of("urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837") == 25832);
+  CHECK(epsg_of("urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH") == 25832);
+  CHECK(epsg_of("https://www.opengis.net/def/crs/EPSG/0/7415") == 7415);
+  CHECK(epsg_of("EPSG:5555") == 5555);
+  CHECK(epsg_of("DB_REF") == 0);
+  CHECK(Projection::of(5555).has_value());
+  CHECK(Projection::of(6697).has_value());
+}
+
+TEST_SUITE_END();
