@@ -49,7 +49,7 @@ std::string_view local_name(const char* name) {
 /// Reads a document as its elements come. Nothing may throw through expat, which is C: what is wrong is kept.
 class Reader {
  public:
-  explicit Reader(const std::string& name) : name_(name), parser_(XML_ParserCreate(nullptr)) {
+  explicit Reader(const std::string& source) : name_(source), parser_(XML_ParserCreate(nullptr)) {
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(
         parser_.get(),

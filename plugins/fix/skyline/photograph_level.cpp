@@ -29,7 +29,7 @@ std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const
       if (!zenith) continue;
       const double rolled = std::asin(std::clamp(zenith->up_c.dot(right), -1.0, 1.0)) / p.usual_roll_rad;
       const double score = zenith->lines / (1 + 0.25 * rolled * rolled);
-      const PhotographLevel level{zenith->up_c, std::max(zenith->sigma_rad, p.least_sigma_rad), zenith->lines};
+      const PhotographLevel level{zenith->up_c, std::max(zenith->sigma_rad, p.min_sigma_rad), zenith->lines};
       const auto same = std::find_if(found.begin(), found.end(), [&](const Scored& s) {
         return s.level.up_c.dot(level.up_c) > std::cos(p.same_rad);
       });

@@ -88,7 +88,7 @@ void PhotographMatcher::move(Candidate& at) {
       for (int k = 0; k < 4; ++k) {
         Candidate there = at;
         (k / 2 ? there.guess.east : there.guess.north) += k % 2 ? -size : size;
-        if (apart(there.guess, {}) > p_.most_m + 2) continue;
+        if (apart(there.guess, {}) > p_.max_m + 2) continue;
         look(there.guess);
         align(there);
         if (there.cost < at.cost - 1e-3) at = there, better = true;
@@ -99,7 +99,7 @@ void PhotographMatcher::move(Candidate& at) {
 /// All places of the lattice, tile by tile, so that no edge between them is missed.
 void PhotographMatcher::search() {
   candidates_.clear(), lines_.clear();
-  const double radius = std::clamp(p_.sigmas * prior_.sigma_m, p_.least_m, p_.most_m);
+  const double radius = std::clamp(p_.sigmas * prior_.sigma_m, p_.min_m, p_.max_m);
   const double step = radius > p_.wide_m ? p_.wide_step_m : p_.step_m;
   const int tiles = static_cast<int>(std::ceil((radius - p_.tile_m) / (2 * p_.tile_m)));
   const int reach = static_cast<int>(std::floor(p_.tile_m / step));

@@ -19,8 +19,8 @@ struct PhotographParameters {
   RoofErrorParameters roofs;
   // The search.
   double sigmas = 3;    ///< of the prior's place and heading that are searched
-  double least_m = 8;   ///< at least, and
-  double most_m = 60;   ///< at most
+  double min_m = 8;     ///< at least, and
+  double max_m = 60;    ///< at most
   double step_m = 1.5;  ///< of its lattice, 2 m where that is more than 30 m wide
   double wide_m = 30, wide_step_m = 2;
   double yaw_step_rad = 1.5 * kDegree;
@@ -32,9 +32,9 @@ struct PhotographParameters {
   double fine_m = 3.5, fine_step_m = 0.5;  ///< of the lattice around the best place, for its covariance
   // What is wanted of a picture that is placed.
   size_t min_edges = 40;       ///< directions with a roof's edge: 20 degrees
-  double max_sigma_m = 5;      ///< of the place along its worst axis
+  double max_sigma_m = 3;      ///< of the place along its worst axis
   double max_other = 0.1;      ///< probability of all other places together
-  double min_agreement = 0.5;  ///< of the directions with a roof's edge
+  double min_agreement = 0.6;  ///< of the directions with a roof's edge
   double doubt_over_m = 10;    ///< the place's doubt over this is the heading's: a roof is about so near (K7's drives)
 };
 

@@ -92,9 +92,9 @@ double RoofLineFit::offset_of(int first, double& information) const {
     for (int i = first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
       const Residual& r = residuals_[static_cast<size_t>(i)];
       const double scale = round == 0 ? r.wide_inverse_sigma : r.inverse_sigma / (round == 1 ? 2.0 : 1.0);
-      const double now = r.value + r.per_m * offset, x = now * scale, m = most(r.value);
-      const double weight = 2 * m / (x * x + 2 * m);
-      const double w = r.weight * weight * weight * scale * scale * r.per_m / p_.correlated;
+      const double now = r.value + r.per_m * offset, x = now * scale;
+      if (round > 1 && loss(x, r.width, most(r.value)) >= most(r.value)) continue;
+      const double w = r.weight * 3 / (2 + x * x) * scale * scale * r.per_m / p_.correlated;
       a += w * r.per_m, b -= w * r.value;
     }
     offset = b / a, information = a;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <vector>
 
@@ -19,15 +20,16 @@ namespace odograph::skyline {
 /// no source is named.
 struct RoofErrorParameters {
   static constexpr double kDegree = std::numbers::pi / 180;
-  double line_rad = 0.3 * kDegree;  ///< sigma of a direction of the seen line
-  double detail_m = 0.1;            ///< sigma of a roof's form: eaves, chimneys, dormers
-  double building_m = 1.5;          ///< sigma of a building's height in a LoD1 or LoD2 model, the same over all of it
-                                    ///< (Kaartinen et al. 2005: 0.3 to 3 m by method)
-  double above_loss = 3;  ///< most that a direction costs in which something stands above the model: trees, new houses
-  double below_loss = 4;  ///< the same in which the sky is seen where the model has a roof
+  double line_rad = 0.15 * kDegree;  ///< sigma of a direction of the seen line
+  double detail_m = 0.05;            ///< sigma of a roof's form: eaves, chimneys, dormers
+  double building_m = 1.5;           ///< sigma of a building's height in a LoD1 or LoD2 model, the same over all of it
+                                     ///< (Kaartinen et al. 2005: 0.3 to 3 m by method)
+  double above_loss =
+      3.5;  ///< most that a direction costs in which something stands above the model: trees, new houses
+  double below_loss = 4.5;                    ///< the same in which the sky is seen where the model has a roof
   double missing_loss = 2, missing_of = 0.7;  ///< a building that is missing or new costs this, and that part of all
                                               ///< its directions' most
-  double correlated = 4;  ///< neighbouring directions that err together: three degrees
+  double correlated = 5;                      ///< neighbouring directions that err together: two and a half degrees
 };
 
 /// The model's skyline from a place, with whose roof each direction is.
@@ -69,9 +71,10 @@ class RoofLineFit {
     int next;   // of the same object
   };
   int direction_of(const Ray& ray, const Guess& guess, double& tilt) const;
-  /// Minus the logarithm of a density: of a wide one it is low everywhere. Never more than `most`.
+  /// Minus the logarithm of a density, Student's with two degrees of freedom: some roofs are as the model has them to
+  /// centimetres, others not. A wide one is low everywhere. Never more than `most`.
   double loss(double x, double width, double most) const {
-    return std::min(most, width + most * x * x / (x * x + 2 * most));
+    return std::min(most, width + 1.5 * std::log1p(0.5 * x * x));
   }
   double most(double value) const { return value > 0 ? p_.below_loss : p_.above_loss; }
   double offset_of(int first, double& information) const;

@@ -84,75 +84,87 @@ struct Photographs : Benchmark {
     return t;
   }
 
+  /// What the photographs of a case came to.
+  struct Tally {
+    std::vector<double> m, deg;
+    size_t placed = 0, good = 0, beyond = 0, beyond_heading = 0, wrong = 0;
+    Json lines = Json::array();
+  };
+  PhotographGuess guess_of(const Taken& taken, double heading, uint64_t seed) const {
+    Random random(seed, 304);
+    PhotographGuess guess{.north_m = taken.p_n.x() + sigma_m * random.normal(),
+                          .east_m = taken.p_n.y() + sigma_m * random.normal(),
+                          .sigma_m = sigma_m,
+                          .heading_sigma_rad = heading_sigma_deg / kDegrees};
+    const double off = heading_sigma_deg / kDegrees * random.normal();
+    if (heading_sigma_deg < 180) guess.heading_rad = heading + off;
+    return guess;
+  }
+  Result<bool> add(const Taken& taken, const std::string& name, uint64_t seed, PhotographPlacer& placer,
+                   Tally& to) const {
+    const Eigen::Vector3d axis = taken.q_n_c * Eigen::Vector3d::UnitZ();
+    const double heading = std::atan2(axis.y(), axis.x());
+    const PhotographGuess guess = guess_of(taken, heading, seed);
+    const auto answer = placer.place(taken.bgr, taken.focal_px, guess);
+    if (!answer) return answer.failure();
+    const double off_m = std::hypot(guess.north_m - taken.p_n.x(), guess.east_m - taken.p_n.y());
+    const std::string line = name + text(": prior off %.1f m", off_m);
+    if (!answer->placed) {
+      to.lines.push_back(line + ", not placed: " + answer->why);
+      return true;
+    }
+    const Eigen::Vector2d d = (answer->p_n - taken.p_n).head<2>();
+    const double turned_deg = std::abs(std::remainder(answer->heading_rad() - heading, 2 * EIGEN_PI)) * kDegrees;
+    const double nees = d.dot(answer->covariance.inverse() * d);
+    to.m.push_back(d.norm()), to.deg.push_back(turned_deg);
+    ++to.placed;
+    to.good += d.norm() <= kGood_m && turned_deg <= kGood_deg;
+    to.wrong += d.norm() > 2 * kGood_m;
+    to.beyond += nees > kThreeSigma2;
+    to.beyond_heading += turned_deg > 3 * answer->heading_sigma_rad * kDegrees;
+    to.lines.push_back(line + text(", %.2f m (%.2f sigma of %.2f m), %.2f deg (sigma %.2f), agreement %.2f, risk %.3f",
+                                   d.norm(), std::sqrt(nees), answer->sigma_m(), turned_deg,
+                                   answer->heading_sigma_rad * kDegrees, answer->agreement, answer->integrity));
+    return true;
+  }
+
   Result<Json> measure(const BenchCase& one) const override {
     const fs::path model = one.files.front();
     const auto city = read_city_model(model);
     if (!city) return city.failure();
-    const auto city_name = one.labels["city"].get<std::string>();
-    const fs::path thinned = fs::path(options.keep) / text("%s_without_%g_%llu.city.json", city_name.c_str(), missing,
-                                                           static_cast<unsigned long long>(options.first_seed));
-    if (const auto done = write_thinned_model(model, thinned, missing, options.first_seed); !done)
-      return done.failure();
+    const auto name = one.labels["city"].get<std::string>();
+    const fs::path thinned = fs::path(options.keep) / text("%s_without_%g_%llu.city.json", name.c_str(), missing,
+                                                           static_cast<unsigned long long>(one.seed));
+    const auto written = write_thinned_model(model, thinned, missing, one.seed);
+    if (!written) return written.failure();
     auto placer = PhotographPlacer::make(thinned, {.model = city->origin});
     if (!placer) return placer.failure();
     PhotographSceneParameters p;
     p.roof_sigma_m = roof_sigma_m;
     PhotographScene scene(*city, one.seed, p);
-    Json m, deg, lines = Json::array();
-    size_t placed = 0, good = 0, beyond = 0, beyond_heading = 0, wrong = 0;
-    std::map<std::string, size_t> reasons;
+    Tally tally;
     for (size_t k = 0; k < one.variant; ++k) {
-      const fs::path file = fs::path(options.keep) / text("photograph_%s_%g_%llu_%zu.jpg", city_name.c_str(),
-                                                          roof_sigma_m, static_cast<unsigned long long>(one.seed), k);
+      const fs::path file = fs::path(options.keep) / text("photograph_%s_%g_%llu_%zu.jpg", name.c_str(), roof_sigma_m,
+                                                          static_cast<unsigned long long>(one.seed), k);
       const auto photograph = taken(scene, file, k);
       if (!photograph) return photograph.failure();
-      Random random(one.seed * 1000 + k, 304);
-      const Eigen::Vector3d axis = photograph->q_n_c * Eigen::Vector3d::UnitZ();
-      const double heading = std::atan2(axis.y(), axis.x());
-      PhotographGuess guess{.north_m = photograph->p_n.x() + sigma_m * random.normal(),
-                            .east_m = photograph->p_n.y() + sigma_m * random.normal(),
-                            .sigma_m = sigma_m,
-                            .heading_sigma_rad = heading_sigma_deg / kDegrees};
-      const double off = heading_sigma_deg / kDegrees * random.normal();
-      if (heading_sigma_deg < 180) guess.heading_rad = heading + off;
-      const auto answer = (*placer)->place(photograph->bgr, photograph->focal_px, guess);
-      if (!answer) return answer.failure();
-      std::string line = file.filename().string() +
-                         text(": prior off %.1f m",
-                              std::hypot(guess.north_m - photograph->p_n.x(), guess.east_m - photograph->p_n.y()));
-      if (!answer->placed) {
-        ++reasons[answer->why.substr(0, 24)];
-        lines.push_back(line + ", not placed: " + answer->why);
-        continue;
-      }
-      ++placed;
-      const Eigen::Vector2d d = (answer->p_n - photograph->p_n).head<2>();
-      const double turned_deg = std::abs(std::remainder(answer->heading_rad() - heading, 2 * EIGEN_PI)) * kDegrees;
-      m.push_back(d.norm()), deg.push_back(turned_deg);
-      good += d.norm() <= kGood_m && turned_deg <= kGood_deg;
-      wrong += d.norm() > 2 * kGood_m;
-      const double nees = d.dot(answer->covariance.inverse() * d);
-      beyond += nees > kThreeSigma2;
-      beyond_heading += turned_deg > 3 * answer->heading_sigma_rad * kDegrees;
-      lines.push_back(line +
-                      text(", %.2f m (%.2f sigma of %.2f m), %.2f deg (sigma %.2f), agreement %.2f, integrity %.3f",
-                           d.norm(), std::sqrt(nees), answer->sigma_m(), turned_deg,
-                           answer->heading_sigma_rad * kDegrees, answer->agreement, answer->integrity));
+      const auto done = add(*photograph, file.filename().string(), one.seed * 1000 + k, **placer, tally);
+      if (!done) return done.failure();
       if (one.run.progress) one.run.progress(k + 1, one.variant);
     }
+    return row_of_tally(tally, one.variant);
+  }
+  static Json row_of_tally(const Tally& t, size_t photographs) {
     const As mostly{.parts = {0.5, 0.95}};
-    Json row = row_of({{"photographs", "", "photographs", 0, one.variant, kSum},
-                       {"placed", "%", "_placed_percent", 1, {placed, one.variant}, kShare},
-                       {"in 3 m", "and 3 deg %", "_good_percent", 1, {good, one.variant}, kShare},
-                       {"place", "m", "_place_m", 2, m, mostly},
-                       {"heading", "deg", "_heading_deg", 2, deg, mostly},
-                       {"over 6 m", "off", "wrong", 0, wrong, kSum},
-                       {"> 3 sigma", "place", "beyond_3_sigma", 0, beyond, kSum},
-                       {"> 3 sigma", "heading", "heading_beyond_3_sigma", 0, beyond_heading, kSum}});
-    row["lines"] = lines;
-    std::string all;
-    for (const auto& [reason, n] : reasons) all += text("; %zu: %s", n, reason.c_str());
-    row["reasons"] = all;
+    Json row = row_of({{"photographs", "", "photographs", 0, photographs, kSum},
+                       {"placed", "%", "_placed_percent", 1, {t.placed, photographs}, kShare},
+                       {"in 3 m", "and 3 deg %", "_good_percent", 1, {t.good, photographs}, kShare},
+                       {"place", "m", "_place_m", 2, t.m, mostly},
+                       {"heading", "deg", "_heading_deg", 2, t.deg, mostly},
+                       {"over 6 m", "off", "wrong", 0, t.wrong, kSum},
+                       {"> 3 sigma", "place", "beyond_3_sigma", 0, t.beyond, kSum},
+                       {"> 3 sigma", "heading", "heading_beyond_3_sigma", 0, t.beyond_heading, kSum}});
+    row["lines"] = t.lines;
     return row;
   }
 
@@ -161,10 +173,8 @@ struct Photographs : Benchmark {
     const Rows lines = summaries_of(rows, "city", table.columns);
     std::string said = table_text(table, lines);
     if (each)
-      for (const Json& row : rows) {
+      for (const Json& row : rows)
         for (const Json& line : row["lines"]) said += line.get<std::string>() + '\n';
-        said += row["reasons"].get<std::string>() + '\n';
-      }
     return {said, printed(lines)};
   }
 

@@ -37,6 +37,13 @@ class Streets {
     if (y < 0 || x < 0 || y >= clearance_.rows || x >= clearance_.cols) return 1e3;
     return cell_m_ * static_cast<double>(clearance_.at<float>(y, x));
   }
+  /// How far the next building is in a direction; `max_m` where there is none so near.
+  double free_m(const Vector3d& q, double heading, double max_m) const {
+    const Vector3d along(std::cos(heading), std::sin(heading), 0);
+    for (double d = 1; d < max_m; d += 1)
+      if (clearance_m(q + d * along) < 0.5 * cell_m_) return d;
+    return max_m;
+  }
   bool is_inside(const Vector3d& q, double border_m) const {
     const int margin = static_cast<int>(border_m / cell_m_);
     return row(q) >= margin && column(q) >= margin && row(q) < clearance_.rows - margin &&
@@ -64,8 +71,8 @@ CityModel with_other_roofs(CityModel city, uint64_t seed, const PhotographSceneP
     if (!city.objects[face.object].is_building) continue;
     for (Vector3d& corner : face.corners) {
       const double height = foot[face.object] - corner.z();
-      if (height < p.least_height_m) continue;
-      corner.z() = foot[face.object] - std::max(p.least_height_m, height + lift[face.object]);
+      if (height < p.min_height_m) continue;
+      corner.z() = foot[face.object] - std::max(p.min_height_m, height + lift[face.object]);
     }
   }
   for (size_t i = 0; i < city.objects.size(); ++i) city.objects[i].top_up_m += std::max(0.0, lift[i]);
@@ -136,6 +143,23 @@ PhotographScene::PhotographScene(const CityModel& city, uint64_t seed, const Pho
   parts_->world = std::make_unique<World>(parts_->scenario, seed, &parts_->city);
 }
 
+/// Whether the line of the roofs lies in most of the picture's width, and is no wall or slope right before the camera.
+bool PhotographScene::sees_roofs(const Vector3d& eye_n, double heading, double pitch, double angle) const {
+  constexpr size_t kDirections = 180;
+  const PhotographSceneParameters& p = parts_->p;
+  const double top = pitch + std::atan(std::tan(0.5 * angle) * p.height / p.width) - p.below_top_rad;
+  const auto line = parts_->world->skyline(eye_n, kDirections);
+  int in_view = 0, seen = 0;
+  for (size_t k = 0; k < kDirections; ++k) {
+    const double azimuth = 2 * std::numbers::pi * static_cast<double>(k) / kDirections;
+    if (std::abs(std::remainder(azimuth - heading, 2 * std::numbers::pi)) > 0.5 * angle) continue;
+    ++in_view;
+    seen +=
+        static_cast<double>(line[k].distance_m) > p.roofs_from_m && static_cast<double>(line[k].elevation_rad) < top;
+  }
+  return seen > p.roofs_part * in_view;
+}
+
 Result<SimulatedPhotograph> PhotographScene::take(uint64_t number) {
   const PhotographSceneParameters& p = parts_->p;
   const Streets& streets = parts_->streets;
@@ -144,16 +168,20 @@ Result<SimulatedPhotograph> PhotographScene::take(uint64_t number) {
     Vector3d at = streets.places()[random.next() % streets.places().size()];
     const double aside = streets.clearance_m(at), heading = random.uniform(-std::numbers::pi, std::numbers::pi);
     if (aside < p.nearest_wall_m || aside > p.farthest_wall_m || !streets.is_inside(at, 25)) continue;
-    bool free = true;
-    for (double d = 2; d < p.view_m; d += 1)
-      free = free && streets.clearance_m(at + d * Vector3d(std::cos(heading), std::sin(heading), 0)) > 1;
+    const double angle = random.uniform(p.narrowest_rad, p.widest_rad);
+    if (streets.free_m(at, heading, p.view_m) < p.view_m) continue;
+    int built = 0;
+    for (int k = 0; k < 20; ++k)
+      built += streets.free_m(at, heading + ((k + 0.5) / 20 - 0.5) * angle, p.built_m) < p.built_m;
+    if (built < p.built_part * 20) continue;
     const bool in_tree =
         std::any_of(parts_->scenario.world.planted.begin(), parts_->scenario.world.planted.end(),
-                    [&](const auto& tree) { return (tree.foot_n - at).template head<2>().norm() < 3.5; });
-    if (!free || in_tree) continue;
+                    [&](const auto& tree) { return (tree.foot_n - at).template head<2>().norm() < 5; });
+    if (in_tree) continue;
     at.z() -= random.uniform(1.4, 1.8);
     const double pitch = random.uniform(p.lowest_pitch_rad, p.highest_pitch_rad);
-    const double roll = p.roll_sigma_rad * random.normal(), angle = random.uniform(p.narrowest_rad, p.widest_rad);
+    if (!sees_roofs(at, heading, pitch, angle)) continue;
+    const double roll = p.roll_sigma_rad * random.normal();
     Eigen::Matrix3d R;
     R << -std::sin(heading), 0, std::cos(heading), std::cos(heading), 0, std::sin(heading), 0, 1, 0;
     const Eigen::Quaterniond q_n_c(R * Eigen::AngleAxisd(pitch, Vector3d::UnitX()) *

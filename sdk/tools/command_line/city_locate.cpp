@@ -200,11 +200,11 @@ void say_ground(const PhotographPlacer& placer, const PhotographGuess& guess) {
                  -ground->down_m);
 }
 
-int locate(const LocateArguments& a) {
-  const auto files = files_of(a.pictures);
-  if (!files) return complain(files.failure());
+/// The pictures that can be read; `status` is that of the others.
+Result<std::vector<Photograph>> read_all(const std::vector<std::string>& names, int& status) {
+  const auto files = files_of(names);
+  if (!files) return files.failure();
   std::vector<Photograph> photographs;
-  int status = kDone;
   for (const fs::path& file : *files) {
     auto photograph = read_photograph(file);
     if (photograph)
@@ -212,6 +212,14 @@ int locate(const LocateArguments& a) {
     else
       status = complain(photograph.failure());
   }
+  return photographs;
+}
+
+int locate(const LocateArguments& a) {
+  int status = kDone;
+  auto photographs_read = read_all(a.pictures, status);
+  if (!photographs_read) return complain(photographs_read.failure());
+  std::vector<Photograph>& photographs = *photographs_read;
   if (photographs.empty()) return status;
   const auto frame = Frame::of(a, photographs);
   if (!frame) return complain(frame.failure());
