@@ -5,12 +5,11 @@
 
 #include <thread>
 
-#include <dlfcn.h>
-
 #include <odograph/odograph.h>
 #include <odograph/plugin.hpp>
 
 #include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/platform/library.hpp"
 #include "sdk/host/plugin_host/services.hpp"
 #include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/session_app.hpp"
@@ -177,11 +176,12 @@ TEST_CASE("plugins whose classes have one name share nothing, linked in or loade
   CHECK(id_of(same_entry_1) == "same/linked_1");
   CHECK(id_of(same_entry_2) == "same/linked_2");
   for (const char* number : {"1", "2"}) {
-    const auto library =
-        std::filesystem::path(ODOGRAPH_BUILD) / "tests/same_class" / (std::string("same_class_") + number + ".so");
-    void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-    REQUIRE(handle);
-    const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
+    const auto library = std::filesystem::path(ODOGRAPH_BUILD) / "tests/same_class" /
+                         (std::string("same_class_") + number + ODOGRAPH_LIBRARY);
+    std::string why;
+    void* handle = open_library(library, why);
+    REQUIRE_MESSAGE(handle, why);
+    const auto entry = reinterpret_cast<odo_plugin_entry>(library_symbol(handle, ODO_PLUGIN_ENTRY_SYMBOL));
     REQUIRE((entry != nullptr));
     CHECK(id_of(entry) == std::string("same/library_") + number);
   }

@@ -25,8 +25,8 @@ LARGE_CLASSES = {
 HOST = ["platform", "base", "messages", "config", "plugin_host", "localizer", "core"]
 # The files of a plugin that may include the ABI; algorithms never do.
 GLUE = {"plugin.cpp", "step_plugin.hpp", "attitude_plugin.hpp", "horizontal_scale.hpp", "database_extension.hpp", "fixer_config.hpp", "frame_view.hpp", "photograph_prior.hpp"}
-# A program of its own, and the reader of ODOGRAPH_PLUGIN_PATH.
-ENVIRONMENT = {"sdk/host/plugin_host/host_main.cpp", "sdk/host/config/registry.cpp"}
+# A program of its own, and what reads ODOGRAPH_PLUGIN_PATH.
+ENVIRONMENT = {"sdk/host/plugin_host/host_main.cpp", "sdk/host/platform/posix/process.cpp"}
 HEAVY = re.compile(r"#include <(opencv2|embree|CLI/|nlohmann|ceres)")
 # What an operating system has beyond C and C++. In the host, platform/ alone and what isolates plugins and loads their
 # files may use it; the build leaves all of that out where a platform has none (sdk/host/CMakeLists.txt).

@@ -3,11 +3,7 @@
 // Where an output ends up: through links of every kind, from any working folder.
 #include <doctest/doctest.h>
 
-#include <csignal>
 #include <filesystem>
-
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "sdk/host/base/output_file.hpp"
 #include "tests/support.hpp"
@@ -115,28 +111,6 @@ TEST_CASE("two writers of one place exclude each other, whichever way they write
         }
         CHECK(OutputFile::create(file, second).ok());
       }
-}
-
-TEST_CASE("what a writer left that is gone excludes nobody, nor does a child that was forked meanwhile") {
-  const TemporaryFolder folder;
-  const fs::path file = write_text(folder / "out.txt", "old");
-  write_text(folder / "out.txt.part", "left by a crash");
-  pid_t child = -1;
-  {
-    auto out = OutputFile::create(file);
-    REQUIRE(out.ok());
-    child = fork();
-    if (child == 0) {
-      pause();
-      _exit(0);
-    }
-    out->stream() << "new";
-    REQUIRE(out->commit().ok());
-  }
-  CHECK(write_whole_file(file, "newer").ok());
-  CHECK(read_text(file) == "newer");
-  kill(child, SIGKILL);
-  waitpid(child, nullptr, 0);
 }
 
 TEST_SUITE_END();

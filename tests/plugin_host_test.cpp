@@ -16,7 +16,9 @@ TEST_SUITE_BEGIN("plugin_host");
 
 namespace {
 
-fs::path hostile(const std::string& name) { return fs::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ".so"); }
+fs::path hostile(const std::string& name) {
+  return fs::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ODOGRAPH_LIBRARY);
+}
 
 std::string refusal(const fs::path& library) {
   const HostServices host(0, {"."}, nullptr);
@@ -27,14 +29,6 @@ std::string refusal(const fs::path& library) {
 }
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-/// A copy of a library in a folder of its own, with bytes changed.
-fs::path altered(const TemporaryFolder& folder, const std::string& name,
-                 const std::function<void(std::string&)>& change) {
-  std::string bytes = read_text(hostile("good"));
-  change(bytes);
-  return write_text(folder / name, bytes);
-}
 
 PluginChoice choice_of(const std::string& name) {
   PluginChoice choice;
@@ -54,6 +48,19 @@ odo_vo_motion motion(int64_t t_ns) {
 
 }  // namespace
 
+#if defined(__ELF__)
+namespace {
+
+/// A copy of a library in a folder of its own, with bytes changed.
+fs::path altered(const TemporaryFolder& folder, const std::string& name,
+                 const std::function<void(std::string&)>& change) {
+  std::string bytes = read_text(hostile("good"));
+  change(bytes);
+  return write_text(folder / name, bytes);
+}
+
+}  // namespace
+
 TEST_CASE("files that are no plugins are refused with their path and the reason") {
   const TemporaryFolder folder;
   CHECK(contains(refusal(write_text(folder / "text.so", "this is not a library")), "not an ELF file"));
@@ -65,12 +72,13 @@ TEST_CASE("files that are no plugins are refused with their path and the reason"
                                  [](std::string& b) { b[18] = static_cast<char>(b[18] == 40 ? 62 : 40), b[19] = 0; })),
                  "another machine"));
   CHECK(contains(refusal(altered(folder, "bits.so", [](std::string& b) { b[4] = b[4] == 1 ? 2 : 1; })), "word size"));
-  CHECK(contains(refusal(hostile("no_symbol")), "symbol missing"));
 }
+#endif
 
-TEST_CASE("plugins whose table cannot be used are refused with the reason") {
+TEST_CASE("plugins without an entry, or whose table cannot be used, are refused with the reason") {
   CHECK(contains(refusal(hostile("abi_too_new")),
                  "it is for ABI 3." + std::to_string(ODO_ABI_MINOR) + ", this host has major 0"));
+  CHECK(contains(refusal(hostile("no_symbol")), "symbol missing"));
   CHECK(contains(refusal(hostile("refuses")), "the licence has expired"));
   CHECK(contains(refusal(hostile("table_too_small")), "its table has"));
   CHECK(contains(refusal(hostile("no_functions")), "its table lacks process"));
@@ -95,7 +103,7 @@ TEST_CASE("an instance that cannot be made is a named failure, also when its con
     CAPTURE(name);
     const auto made = PluginInstance::make(choice_of(name), LibraryCheck::none, 1, host);
     REQUIRE_FALSE(made.ok());
-    CHECK(contains(made.failure().text, std::string(name) + ".so"));
+    CHECK(contains(made.failure().text, std::string(name) + ODOGRAPH_LIBRARY));
     CHECK(contains(made.failure().text, "could not be created"));
   }
   CHECK(contains(reported, "test/create_throws: the constructor has a bad day"));
@@ -129,8 +137,8 @@ TEST_CASE("manifests: two plugins with one id, a changed library, a lying manife
   const TemporaryFolder folder;
   const HostServices host(0, {"."}, nullptr);
   const auto install = [&](const std::string& name) {
-    fs::copy_file(hostile("good"), folder / (name + ".so"));
-    return *write_manifest_beside(folder / (name + ".so"));
+    fs::copy_file(hostile("good"), folder / (name + ODOGRAPH_LIBRARY));
+    return *write_manifest_beside(folder / (name + ODOGRAPH_LIBRARY));
   };
   const auto manifest = install("one");
   {
@@ -164,7 +172,7 @@ TEST_CASE("manifests: two plugins with one id, a changed library, a lying manife
   read->abi_major = ODO_ABI_MAJOR;
   read->sha256[0] = read->sha256[0] == '0' ? '1' : '0';
   CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "hash differs"));
-  fs::remove(folder / "one.so");
+  fs::remove(folder / (std::string("one") + ODOGRAPH_LIBRARY));
   CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "cannot be opened"));
   write_text(folder / "broken.odoplugin.json", "{\"odoplugin\": 1, \"id\": 7");
   const PluginRegistry registry({folder.path()});
@@ -174,7 +182,7 @@ TEST_CASE("manifests: two plugins with one id, a changed library, a lying manife
 
 TEST_CASE("a manifest is what the library says of itself") {
   for (const auto& entry : fs::directory_iterator(plugin_folder())) {
-    if (entry.path().extension() != ".so") continue;
+    if (entry.path().extension() != ODOGRAPH_LIBRARY) continue;
     CAPTURE(entry.path().string());
     const HostServices host(0, {"."}, nullptr);
     auto path = entry.path();

@@ -12,6 +12,7 @@
 #include <odograph/odograph.h>
 
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/host/platform/features.hpp"
 #include "tests/support.hpp"
 
 namespace odograph {
@@ -30,7 +31,7 @@ class App {
     o.struct_size = sizeof o;
     o.run = run;
     o.config_text = {yaml.data(), yaml.size()};
-    const std::string folder = plugin_folder().string() + (plugins.empty() ? "" : ":" + plugins);
+    const std::string folder = plugin_folder().string() + (plugins.empty() ? "" : kPlatform.path_separator + plugins);
     o.plugin_path = {folder.data(), folder.size()};
     odo_error error{};
     error.struct_size = sizeof error;

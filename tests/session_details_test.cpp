@@ -3,9 +3,6 @@
 // What a session tells the plugins and the app in detail: calibrations, sizes, flags, states, reports, saved names.
 #include <doctest/doctest.h>
 
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <cfenv>
 #include <chrono>
 #include <cmath>
@@ -376,23 +373,6 @@ TEST_CASE("places that are none are refused in both directions") {
       CHECK(odo_session_to_geodetic(app.session, bad_n, out) == ODO_E_ARGUMENT);
       CHECK(odo_session_from_geodetic(app.session, bad, out) == ODO_E_ARGUMENT);
     }
-}
-
-TEST_CASE(
-    "a child that was forked beside a live session is told so by flush, and does not wait for a thread it lacks") {
-  App app(kWalk, ODO_RUN_LIVE);
-  REQUIRE(app.status == ODO_OK);
-  app.walk(0, 100);
-  odo_session_flush(app.session);
-  const pid_t child = fork();
-  if (child == 0) {
-    alarm(5);
-    _exit(odo_session_flush(app.session) == ODO_E_STATE ? 0 : 1);
-  }
-  int status = -1;
-  waitpid(child, &status, 0);
-  CHECK(status == 0);
-  CHECK(odo_session_flush(app.session) == ODO_OK);
 }
 
 TEST_SUITE_END();

@@ -26,8 +26,9 @@ class TestPlugins {
  public:
   explicit TestPlugins(std::initializer_list<const char*> names) {
     for (const std::string name : names) {
-      const auto library = folder_ / (name + ".so");
-      std::filesystem::copy_file(std::filesystem::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ".so"), library);
+      const auto library = folder_ / (name + ODOGRAPH_LIBRARY);
+      std::filesystem::copy_file(std::filesystem::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ODOGRAPH_LIBRARY),
+                                 library);
       const auto written = write_manifest_beside(library);
       REQUIRE_MESSAGE(written.ok(), (written.ok() ? "" : written.failure().text));
     }
@@ -42,12 +43,12 @@ class TestPlugins {
 /// The folder's path.
 inline std::string install_unasked(const TemporaryFolder& folder, const std::filesystem::path& library,
                                    const std::string& name, const std::string& id, const std::string& kind) {
-  const auto copy = folder / (name + ".so");
+  const auto copy = folder / (name + ODOGRAPH_LIBRARY);
   std::filesystem::copy_file(library, copy, std::filesystem::copy_options::overwrite_existing);
   write_text(folder / (name + ".odoplugin.json"),
              "{\"odoplugin\": 1, \"id\": \"" + id + "\", \"version\": \"1.0.0\", \"summary\": \"Bad.\", \"abi\": [" +
                  std::to_string(ODO_ABI_MAJOR) + ", " + std::to_string(ODO_ABI_MINOR) + "], \"interfaces\": [\"" +
-                 kind + "\"], \"library\": \"" + name + ".so\", \"sha256\": \"" + *sha256_of(copy) +
+                 kind + "\"], \"library\": \"" + name + ODOGRAPH_LIBRARY + "\", \"sha256\": \"" + *sha256_of(copy) +
                  "\", \"parameters\": []}");
   return folder.path().string();
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstring>
+#include <fstream>
 
 #include <odograph/messages.h>
 #include <sha2.h>
@@ -12,6 +13,9 @@
 
 namespace odograph {
 namespace {
+
+constexpr size_t kChunk = 1 << 16;  // bytes of a library that are read at once
+constexpr char kHexDigits[] = "0123456789abcdef";
 
 constexpr struct {
   uint32_t code;
@@ -202,9 +206,20 @@ Result<std::string> sha256_of(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
     return Failure{ODO_E_NOT_FOUND, file.string() + ": is no file that can be read"};
-  char hex[SHA256_DIGEST_STRING_LENGTH];
-  if (!SHA256File(file.c_str(), hex)) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be read"};
-  return std::string(hex);
+  std::ifstream in(file, std::ios::binary);
+  SHA2_CTX hash;
+  SHA256Init(&hash);
+  std::vector<char> chunk(kChunk);
+  while (in) {
+    in.read(chunk.data(), kChunk);
+    SHA256Update(&hash, reinterpret_cast<const uint8_t*>(chunk.data()), static_cast<size_t>(in.gcount()));
+  }
+  if (!in.eof()) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be read"};
+  uint8_t digest[SHA256_DIGEST_LENGTH];
+  SHA256Final(digest, &hash);
+  std::string hex;
+  for (const uint8_t byte : digest) hex += {kHexDigits[byte >> 4], kHexDigits[byte & 15]};
+  return hex;
 }
 
 }  // namespace odograph

@@ -144,15 +144,15 @@ PluginChoice choose(const Value& value, const Spec& spec, const Value& v, Plugin
 
 /// A plugin that is linked in is part of the app's process, as all are where there are no processes.
 std::optional<Failure> check_isolation(const PluginChoice& choice, Mark mark, const std::string& name) {
-  for (const PluginChoice* each = &choice; each; each = each->fallback.get())
-    if (each->manifest.entry && each->isolation.kind == Isolation::Kind::process)
-      return Failure{ODO_E_CONFIG, at(name, mark,
-                                      "isolation: plugin '" + each->manifest.id +
-                                          "' is linked into the app and cannot run in a process of its own" +
-                                          (kPlatform.processes ? ""
-                                                               : std::string(", which this program's platform (") +
-                                                                     kPlatform.name + ") has not") +
-                                          "; expected 'isolation: none'")};
+  for (const PluginChoice* each = &choice; each; each = each->fallback.get()) {
+    if (each->isolation.kind != Isolation::Kind::process || (kPlatform.processes && !each->manifest.entry)) continue;
+    std::string why = each->manifest.entry ? "is linked into the app and cannot" : "cannot";
+    why += " run in a process of its own";
+    if (!kPlatform.processes) why += std::string(", which this program's platform (") + kPlatform.name + ") has not";
+    return Failure{
+        ODO_E_CONFIG,
+        at(name, mark, "isolation: plugin '" + each->manifest.id + "' " + why + "; expected 'isolation: none'")};
+  }
   return std::nullopt;
 }
 

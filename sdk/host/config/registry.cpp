@@ -2,11 +2,12 @@
 #include "sdk/host/config/registry.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/config/linked_plugins.hpp"
+#include "sdk/host/platform/file_access.hpp"
 #include "sdk/host/platform/library.hpp"
+#include "sdk/host/platform/process.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;
@@ -32,15 +33,6 @@ bool is_allowed(const Manifest& manifest, const std::vector<std::string>& allow,
   });
 }
 
-/// Whether everybody may put another file in the place of what lies in it: in a folder with the sticky bit, such as
-/// /tmp, nobody may but the owner.
-bool everybody_writes(const fs::path& path, bool sticky_is_safe) {
-  std::error_code error;
-  const auto permissions = fs::status(path, error).permissions();
-  if (error || (permissions & fs::perms::others_write) == fs::perms::none) return false;
-  return !sticky_is_safe || (permissions & fs::perms::sticky_bit) == fs::perms::none;
-}
-
 /// The first of manifest and library, where links lead to, and of all folders above them that everybody may write to;
 /// empty where none is.
 fs::path open_to_all(const Manifest& manifest) {
@@ -61,7 +53,8 @@ bool lacks_manifest(const fs::path& file) {
   const fs::path ending = file.extension();
   std::error_code error;
   fs::path manifest = file;
-  return (ending == ".so" || ending == ".dylib") && !fs::exists(manifest.replace_extension(kSuffix), error);
+  return (ending == ".so" || ending == ".dylib" || ending == ".dll") &&
+         !fs::exists(manifest.replace_extension(kSuffix), error);
 }
 
 }  // namespace
@@ -77,8 +70,8 @@ std::vector<fs::path> path_list(std::string_view text, char separator) {
 
 std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
   std::vector<fs::path> directories = first;
-  if (const char* path = std::getenv("ODOGRAPH_PLUGIN_PATH"))
-    for (auto& directory : path_list(path)) directories.push_back(std::move(directory));
+  for (auto& directory : path_list(environment_text("ODOGRAPH_PLUGIN_PATH")))
+    directories.push_back(std::move(directory));
   const fs::path binary = own_file();
   if (!binary.empty()) {  // PREFIX/lib[/TRIPLET]/libodograph.so or PREFIX/bin/odograph
     directories.push_back(binary.parent_path() / "odograph/plugins");
@@ -160,7 +153,8 @@ Failure PluginRegistry::not_found(const std::string& id, const std::string& inte
                 ", or odo_register_plugin before"};
   text += usable.empty() ? "; no plugin for " + interface_id + " lies in "
                          : "; expected one of " + join(usable) + " (nearest: '" + nearest(id, usable) + "'), from ";
-  for (size_t i = 0; i < directories_.size(); ++i) text += (i ? ":" : "") + directories_[i].string();
+  for (size_t i = 0; i < directories_.size(); ++i)
+    text += (i ? std::string(1, kPlatform.path_separator) : "") + directories_[i].string();
   if (directories_.empty()) text += "any directory";
   for (const auto& problem : problems_) text += "; passed over: " + problem;
   for (const auto& hint : hints_) text += "; " + hint;

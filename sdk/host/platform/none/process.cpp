@@ -10,4 +10,6 @@ const PlatformFeatures kPlatform{
 
 int64_t this_process() noexcept { return 0; }
 
+std::string environment_text(const char*) { return {}; }
+
 }  // namespace odograph

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/platform/process.hpp"
 
+#include <cstdlib>
+
 #include <unistd.h>
 
 #include "sdk/host/platform/features.hpp"
@@ -11,5 +13,10 @@ const PlatformFeatures kPlatform{
     .name = "posix", .libraries = true, .processes = true, .threads = true, .path_separator = ':'};
 
 int64_t this_process() noexcept { return getpid(); }
+
+std::string environment_text(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
 
 }  // namespace odograph
