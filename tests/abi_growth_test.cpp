@@ -151,7 +151,8 @@ TEST_CASE("a vendor's message reaches the plugin that declares it, in the order 
   CHECK(app.statistics().plugin_faults == 0);
 }
 
-TEST_CASE("of two step estimators and two scale sources the first step estimator's steps are used, scales are joined") {
+TEST_CASE("of two step estimators and two scale sources the first step estimator's steps are used, scales are joined" *
+          doctest::skip(!kCameraPlugins)) {
   const std::string yaml =
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: step/renaudin2012\n"
       "  - plugin: step/weinberg2002\nvo_frontend:\n  plugin: vo/five_point\nscale_source:\n"
@@ -201,7 +202,8 @@ TEST_CASE("scales of independent sources are averaged as logarithms by their var
   CHECK(join.joined()->scale == 3.0);  // of those to come
 }
 
-TEST_CASE("a scale that comes too late is published as not accepted and reported, one for motions to come is not") {
+TEST_CASE("a scale that comes too late is published as not accepted and reported, one for motions to come is not" *
+          doctest::skip(!kCameraPlugins)) {
   const odo_vo_motion motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, 100);
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 100);
   scale.valid_to_ns = 100, scale.scale = 2, scale.sigma = 0.1;

@@ -189,7 +189,7 @@ TEST_CASE("a geospatial anchor stays on the Earth, and waits until n is there") 
   CHECK((Vector3d(back) - Vector3d(1, 2, 3)).norm() < 1e-6);
 }
 
-TEST_CASE("an anchor above terrain stands on the ground that a fixer's model knows") {
+TEST_CASE("an anchor above terrain stands on the ground that a fixer's model knows" * doctest::skip(!kCameraPlugins)) {
   const std::string slope = source("tests/data/slope.obj").string();
   App app(kWalk + kInertial + kOnEarth + "absolute_fixers:\n  - plugin: fix/terrain\n    parameters: {model: " + slope +
           ", interval: 1000 s}\n");

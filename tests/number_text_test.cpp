@@ -20,6 +20,14 @@ bool same(std::optional<double> a, std::optional<double> b) {
   return std::bit_cast<uint64_t>(*a) == std::bit_cast<uint64_t>(*b) || (std::isnan(*a) && std::isnan(*b));
 }
 
+/// The plain functions rest on the C library's, which Windows' own (msvcrt) rounds wrongly beyond 1e260. They are not
+/// used there.
+#if defined(_WIN32)
+constexpr bool kRoundsWrongly = true;
+#else
+constexpr bool kRoundsWrongly = false;
+#endif
+
 void check(double value) {
   INFO(value);
   const std::string text = odograph::number_text(value);
@@ -30,7 +38,7 @@ void check(double value) {
 
 }  // namespace
 
-TEST_CASE("plain numbers as texts are the standard library's, to the bit") {
+TEST_CASE("plain numbers as texts are the standard library's, to the bit" * doctest::skip(kRoundsWrongly)) {
   for (int power = -1074; power <= 1023; ++power)
     for (const double next : {0.0, -HUGE_VAL, HUGE_VAL}) {
       const double value = std::ldexp(1.0, power);

@@ -100,7 +100,8 @@ TEST_CASE("the app's services are offered by their ids, contents of assets by th
   CHECK(contains(out.reported, "wake yes\n"));
 }
 
-TEST_CASE("in a process of its own a plugin reads assets, has nothing of the app's and cannot be woken") {
+TEST_CASE("in a process of its own a plugin reads assets, has nothing of the app's and cannot be woken" *
+          doctest::skip(!kPlatform.processes)) {
   const Outcome out = outcome("process");
   CHECK(out.asked.empty());
   CHECK(contains(out.reported, "number none\n"));
@@ -109,7 +110,8 @@ TEST_CASE("in a process of its own a plugin reads assets, has nothing of the app
 }
 
 TEST_CASE("more state than is kept is reported, wherever the plugin runs") {
-  for (const char* isolation : {"none", "process"}) {
+  for (const std::string isolation : {"none", "process"}) {
+    if (isolation == "process" && !kPlatform.processes) continue;
     CAPTURE(isolation);
     CHECK(contains(outcome(isolation).reported,
                    "state_too_large: has 16777217 bytes of state to save; expected at most 16777216"));

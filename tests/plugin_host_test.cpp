@@ -172,7 +172,7 @@ TEST_CASE("manifests: two plugins with one id, a changed library, a lying manife
   read->abi_major = ODO_ABI_MAJOR;
   read->sha256[0] = read->sha256[0] == '0' ? '1' : '0';
   CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "hash differs"));
-  fs::remove(folder / (std::string("one") + ODOGRAPH_LIBRARY));
+  fs::rename(folder / (std::string("one") + ODOGRAPH_LIBRARY), folder / "gone");  // Windows removes none that is loaded
   CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "cannot be opened"));
   write_text(folder / "broken.odoplugin.json", "{\"odoplugin\": 1, \"id\": 7");
   const PluginRegistry registry({folder.path()});

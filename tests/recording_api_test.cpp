@@ -233,7 +233,8 @@ TEST_CASE("a crafted recording hands out no loan and no reserved number") {
   odo_recording_close(recording);
 }
 
-TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' messages replays to the bit") {
+TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' messages replays to the bit" *
+          doctest::skip(!kCameraPlugins)) {
   const TestPlugins plugins{"wifi_fixer"};
   const std::string yaml =
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: step/renaudin2012\n"

@@ -288,7 +288,8 @@ TEST_CASE("a calibration without a mount leaves the mount as it was, and that of
         doctest::Approx(0.5).epsilon(1e-9));
 }
 
-TEST_CASE("two of one plugin are saved under names of their own, and each gets its own back") {
+TEST_CASE("two of one plugin are saved under names of their own, and each gets its own back" *
+          doctest::skip(!kCameraPlugins)) {
   const TestPlugins plugins{"obeys"};
   const std::string yaml =
       "odograph: 1\nvo_frontend: {plugin: vo/five_point}\nscale_source: [{plugin: test/obeys}, {plugin: test/obeys}]\n";
@@ -320,7 +321,8 @@ TEST_CASE("a live session answers what is pushed without being flushed") {
   odo_session_set_callback(app.session, nullptr, 0, nullptr, nullptr);
 }
 
-TEST_CASE("the rounding of an app's thread, or one that a plugin leaves behind, changes no digit") {
+TEST_CASE("the rounding of an app's thread, or one that a plugin leaves behind, changes no digit" *
+          doctest::skip(!kCameraPlugins)) {
   const TestPlugins plugins{"obeys"};
   struct Sample {
     double gyro[3], accel[3];

@@ -375,7 +375,7 @@ TEST_CASE("while the camera is off there is the orientation, and the position is
   CHECK((app.pose(ODO_TIME_LATEST).header.flags & ODO_POSE_POSITION) != 0);
 }
 
-TEST_CASE("a frame that cannot be held is counted and reported in words") {
+TEST_CASE("a frame that cannot be held is counted and reported in words" * doctest::skip(!kCameraPlugins)) {
   App app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: vo/five_point\n");
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   const auto lens = calibration(64, 48);

@@ -25,6 +25,9 @@ inline std::string read_text(const std::filesystem::path& path) {
 inline std::filesystem::path source(const std::string& name) { return std::filesystem::path(ODOGRAPH_SOURCE) / name; }
 inline std::filesystem::path plugin_folder() { return std::filesystem::path(ODOGRAPH_BUILD) / "lib/odograph/plugins"; }
 
+/// Whether the plugins are built that look at pictures or terrain (ODOGRAPH_OPENCV); cases that need one are left out.
+inline constexpr bool kCameraPlugins = ODOGRAPH_CAMERA_PLUGINS;
+
 /// Says what is missing here; where no check fails the program then ends with 77, which ctest shows as "Skipped".
 void skip(const std::string& why);
 

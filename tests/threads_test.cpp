@@ -65,7 +65,8 @@ void push_and_poll(odo_session* session, int thread, int round, std::atomic<uint
 
 }  // namespace
 
-TEST_CASE("eight threads push and poll, live and in replay: every sample is processed or counted") {
+TEST_CASE("eight threads push and poll, live and in replay: every sample is processed or counted" *
+          doctest::skip(!kCameraPlugins)) {
   for (const uint32_t run : {ODO_RUN_LIVE, ODO_RUN_REPLAY}) {
     CAPTURE(run);
     App app(kCamera + "absolute_fixers:\n  plugin: fix/waypoint\n", run);

@@ -73,8 +73,7 @@ TEST_CASE("plugins come from a list of folders at ';', with drives and names bey
   fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/hostile/listens.dll", library);
   REQUIRE(write_manifest_beside(library).ok());
   CHECK(path_list("C:\\a;D:\\b;;") == std::vector<fs::path>{"C:\\a", "D:\\b"});
-  const std::string config =
-      "odograph: 1\nvo_frontend: {plugin: vo/five_point}\nscale_source: {plugin: test/hostile}\n";
+  const std::string config = "odograph: 1\nvo_frontend: {plugin: test/listens}\n";
   const std::string list = mine.string() + ";" + plugin_folder().string();
   CHECK(refusal(list, config) == "");
   CHECK(refusal(list, config + "plugins: {verify_hash: true}\n") == "");

@@ -48,7 +48,8 @@ Result<OutputFile> OutputFile::create(const fs::path& file, Beside beside) {
   const auto status = fs::status(target, error);
   const bool exists = fs::exists(status);
   const bool plain = !exists || fs::is_regular_file(status);  // a device or a pipe has as many writers as it likes
-  const fs::path part = target.string() + ".part";
+  fs::path part = target;
+  part += ".part";
   const bool is_beside = exists ? plain : beside == Beside::always;
   FileLock lock;
   auto state = FileLock::State::impossible;

@@ -10,6 +10,7 @@
 #include <sha2.h>
 
 #include "sdk/host/base/json_text.hpp"
+#include "sdk/host/platform/utf8_path.hpp"
 
 namespace odograph {
 namespace {
@@ -107,7 +108,7 @@ Result<Manifest> parse_manifest(std::string text, const std::filesystem::path& p
     return Failure{ODO_E_CONFIG, at(path.string(), value["abi"].mark, "abi: expected [major, minor]")};
   manifest.abi_major = static_cast<uint32_t>(abi[0].integer);
   manifest.abi_minor = static_cast<uint32_t>(abi[1].integer);
-  const std::filesystem::path library = value["library"].text;
+  const std::filesystem::path library = utf8_path(value["library"].text);
   if (library.has_parent_path() || library.empty())
     return Failure{ODO_E_CONFIG, at(path.string(), value["library"].mark,
                                     "library: '" + library.string() + "'; expected a file name beside the manifest")};

@@ -8,6 +8,7 @@
 #include "sdk/host/base/json_text.hpp"
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/platform/utf8_path.hpp"
 
 namespace odograph {
 namespace {
@@ -79,7 +80,7 @@ bool needs_quotes(const YamlNode& scalar) {
 
 void make_absolute(YamlNode* node, const std::filesystem::path& base) {
   if (!node) return;
-  if (node->kind == YamlNode::Kind::scalar) node->text = (base / node->text).string(), node->quoted = true;
+  if (node->kind == YamlNode::Kind::scalar) node->text = utf8_text(base / utf8_path(node->text)), node->quoted = true;
   for (YamlNode& item : node->items) make_absolute(&item, base);
 }
 
@@ -148,7 +149,8 @@ Result<std::string> effective_config(const std::string& file, const std::vector<
     make_absolute(child_of(*plugins, "host"), base);
     if (YamlNode* allow = child_of(*plugins, "allow"))
       for (YamlNode& item : allow->items)
-        if (std::error_code error; std::filesystem::is_regular_file(base / item.text, error))  // not an id or a hash
+        if (std::error_code error;
+            std::filesystem::is_regular_file(base / utf8_path(item.text), error))  // not an id or a hash
           make_absolute(&item, base);
   }
   return yaml_text(*changed) + "\n";

@@ -7,6 +7,7 @@
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/config/camera_yaml.hpp"
 #include "sdk/host/platform/features.hpp"
+#include "sdk/host/platform/utf8_path.hpp"
 
 namespace odograph {
 namespace {
@@ -56,7 +57,7 @@ Isolation isolation_of(const Value& plugin, const Value& plugins, const std::fil
   isolation.time_s = plugin["time_limit"].real;
   isolation.start_s = plugin["start_limit"].real;
   isolation.memory_bytes = static_cast<uint64_t>(plugin["memory_limit"].integer) << 20;
-  if (plugins["host"].given) isolation.program = base / plugins["host"].text;
+  if (plugins["host"].given) isolation.program = base / utf8_path(plugins["host"].text);
   return isolation;
 }
 
@@ -194,7 +195,7 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   if (root.kind == YamlNode::Kind::null)
     return Failure{ODO_E_CONFIG, at(name, {}, "the config is empty; expected a map that starts with 'odograph: 1'")};
   const PluginPolicy policy{early_texts(root, "allow"), early_signers(root), base};
-  for (const auto& directory : early_texts(root, "search")) directories.push_back(base / directory);
+  for (const auto& directory : early_texts(root, "search")) directories.push_back(base / utf8_path(directory));
   PluginRegistry registry(plugin_directories(directories), directories.size());
   registry.require_signature(policy.signers);
   registry.allow_writable(early_text(root, "allow_writable") == "true");
@@ -208,7 +209,7 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   config.library_check = policy.library_check(v["plugins"]["verify_hash"].boolean);
   read_navigation(v["navigation"], config);
   if (v["camera"].given) {
-    const auto camera = read_camera_yaml(base / v["camera"].text, nullptr);
+    const auto camera = read_camera_yaml(base / utf8_path(v["camera"].text), nullptr);
     if (!camera) return Failure{ODO_E_CONFIG, at(name, v["camera"].mark, "camera: " + camera.failure().text)};
     config.camera = *camera;
   }
@@ -237,7 +238,7 @@ Result<PipelineConfig> read_pipeline_config_file(const std::string& path,
   if (!text) return text.failure();
   auto root = parse_yaml(*text, path);
   if (!root) return root.failure();
-  return interpret(*root, *text, path, std::filesystem::absolute(path).parent_path(), directories);
+  return interpret(*root, *text, path, std::filesystem::absolute(utf8_path(path)).parent_path(), directories);
 }
 
 }  // namespace odograph

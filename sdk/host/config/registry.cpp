@@ -8,6 +8,7 @@
 #include "sdk/host/platform/file_access.hpp"
 #include "sdk/host/platform/library.hpp"
 #include "sdk/host/platform/process.hpp"
+#include "sdk/host/platform/utf8_path.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;
@@ -28,7 +29,7 @@ bool is_allowed(const Manifest& manifest, const std::vector<std::string>& allow,
   return std::any_of(allow.begin(), allow.end(), [&](const std::string& item) {
     if (item == manifest.id || (is_sha256(item) && item == manifest.sha256)) return true;
     std::error_code error;
-    const fs::path path = base / item;
+    const fs::path path = base / utf8_path(item);
     return fs::equivalent(path, manifest.library, error) || fs::equivalent(path, manifest.path, error);
   });
 }
@@ -64,8 +65,9 @@ bool is_sha256(const std::string& text) {
 }
 
 std::vector<fs::path> path_list(std::string_view text, char separator) {
-  const auto parts = split(text, separator);
-  return {parts.begin(), parts.end()};
+  std::vector<fs::path> paths;
+  for (const auto& part : split(text, separator)) paths.push_back(utf8_path(part));
+  return paths;
 }
 
 std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
@@ -112,7 +114,7 @@ Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::s
                                              const fs::path& base, const std::vector<std::string>& allow) {
   const Manifest* found = nullptr;
   if (is_manifest(id)) {
-    auto manifest = read_manifest(base / id);
+    auto manifest = read_manifest(base / utf8_path(id));
     if (!manifest) return manifest.failure();
     found = explicit_.emplace_back(std::make_unique<Manifest>(std::move(*manifest))).get();
   }

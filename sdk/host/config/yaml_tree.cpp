@@ -10,6 +10,7 @@
 #include <yaml-cpp/parser.h>
 
 #include "sdk/host/base/printable.hpp"
+#include "sdk/host/platform/utf8_path.hpp"
 
 namespace odograph {
 namespace {
@@ -182,17 +183,18 @@ Result<YamlNode> parse_yaml(const std::string& text, const std::string& name, co
 }
 
 Result<std::string> read_limited(const std::string& path, const YamlLimits& limits) {
+  const std::filesystem::path name = utf8_path(path);
   std::error_code error;
-  if (std::filesystem::is_directory(path, error))
+  if (std::filesystem::is_directory(name, error))
     return Failure{ODO_E_NOT_FOUND, at(path, {}, "is a directory; expected a YAML file")};
-  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
+  if (std::filesystem::exists(name, error) && !std::filesystem::is_regular_file(name, error))
     return Failure{ODO_E_NOT_FOUND, at(path, {}, "is a pipe or a device; expected a YAML file")};
-  const auto size = std::filesystem::file_size(path, error);
+  const auto size = std::filesystem::file_size(name, error);
   if (!error && size > limits.bytes)
     return Failure{ODO_E_CONFIG, at(path, {},
                                     "the file has " + std::to_string(size) + " bytes; expected at most " +
                                         std::to_string(limits.bytes))};
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(name, std::ios::binary);
   if (!file) return Failure{ODO_E_NOT_FOUND, at(path, {}, "cannot be opened; expected a YAML file")};
   std::string text(limits.bytes + 1, '\0');  // also right for a file that grows
   file.read(text.data(), static_cast<std::streamsize>(text.size()));

@@ -13,6 +13,7 @@
 #include "sdk/host/base/version.hpp"
 #include "sdk/host/core/c_guard.hpp"
 #include "sdk/host/core/session.hpp"
+#include "sdk/host/platform/utf8_path.hpp"
 #include "sdk/host/plugin_host/breadcrumb.hpp"
 #include "sdk/host/plugin_host/library.hpp"
 
@@ -41,8 +42,9 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
   auto config = path.empty() ? odograph::read_pipeline_config(config_text, "<text>", directories)
                              : odograph::read_pipeline_config_file(path, directories);
   if (!config) return fail(error, config.failure());
-  std::vector<std::filesystem::path> assets = {path.empty() ? std::filesystem::current_path()
-                                                            : std::filesystem::absolute(path).parent_path()};
+  std::vector<std::filesystem::path> assets = {
+      path.empty() ? std::filesystem::current_path()
+                   : std::filesystem::absolute(odograph::utf8_path(path)).parent_path()};
   for (const auto& folder : odograph::path_list(text(options.asset_path)))
     assets.push_back(std::filesystem::absolute(folder));
   if (options.flags & ODO_SESSION_CRASH_NOTES) odograph::name_crashing_plugins();

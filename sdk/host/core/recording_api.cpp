@@ -10,6 +10,7 @@
 
 #include "sdk/host/core/c_guard.hpp"
 #include "sdk/host/messages/record_file.hpp"
+#include "sdk/host/platform/utf8_path.hpp"
 
 struct odo_recording {
   odograph::RecordReader reader;
@@ -51,7 +52,7 @@ int32_t open(const std::filesystem::path& path, odo_recording** out, odo_error* 
   return ODO_OK;
 }
 
-std::filesystem::path path_of(const odo_string& text) { return std::string(text.data, text.size); }
+std::filesystem::path path_of(const odo_string& text) { return odograph::utf8_path({text.data, text.size}); }
 
 }  // namespace
 

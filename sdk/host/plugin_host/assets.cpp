@@ -6,6 +6,8 @@
 #include <memory>
 #include <new>
 
+#include "sdk/host/platform/utf8_path.hpp"
+
 struct odo_asset {
   std::ifstream file;
   uint64_t size = 0;
@@ -17,7 +19,7 @@ std::optional<std::filesystem::path> find_asset(const std::vector<std::filesyste
                                                 const std::string& name) {
   for (const auto& folder : folders) {
     std::error_code error;
-    auto found = std::filesystem::canonical(folder / name, error);
+    auto found = std::filesystem::canonical(folder / utf8_path(name), error);
     if (!error) return found;
   }
   return std::nullopt;

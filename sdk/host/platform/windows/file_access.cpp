@@ -8,16 +8,29 @@
 namespace odograph {
 namespace {
 
-/// What the access list grants to a group that everybody is in.
+/// What the access list grants to a group that everybody is in: its entries in their order, those for what is inside a
+/// folder left out.
 ACCESS_MASK granted(ACL* list, WELL_KNOWN_SID_TYPE group) {
   alignas(SID) unsigned char sid[SECURITY_MAX_SID_SIZE];
   DWORD size = sizeof sid;
   if (!CreateWellKnownSid(group, nullptr, sid, &size)) return 0;
-  TRUSTEE_W trustee{};
-  trustee.TrusteeForm = TRUSTEE_IS_SID;
-  trustee.ptstrName = reinterpret_cast<LPWSTR>(sid);
-  ACCESS_MASK rights = 0;
-  return GetEffectiveRightsFromAclW(list, &trustee, &rights) == ERROR_SUCCESS ? rights : 0;
+  ACCESS_MASK allowed = 0, denied = 0;
+  for (DWORD i = 0; i < list->AceCount; ++i) {
+    void* entry = nullptr;
+    if (!GetAce(list, i, &entry)) return allowed;
+    const auto& head = *static_cast<const ACE_HEADER*>(entry);
+    if ((head.AceFlags & INHERIT_ONLY_ACE) != 0) continue;
+    if (head.AceType != ACCESS_ALLOWED_ACE_TYPE && head.AceType != ACCESS_DENIED_ACE_TYPE) continue;
+    auto* of_group = static_cast<ACCESS_ALLOWED_ACE*>(entry);  // the other kind has the same layout
+    if (!EqualSid(&of_group->SidStart, sid)) continue;
+    if (head.AceType == ACCESS_DENIED_ACE_TYPE)
+      denied |= of_group->Mask;
+    else
+      allowed |= of_group->Mask & ~denied;
+  }
+  GENERIC_MAPPING files{FILE_GENERIC_READ, FILE_GENERIC_WRITE, FILE_GENERIC_EXECUTE, FILE_ALL_ACCESS};
+  MapGenericMask(&allowed, &files);
+  return allowed;
 }
 
 }  // namespace

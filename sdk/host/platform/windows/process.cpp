@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/platform/process.hpp"
 
-#include <filesystem>
-
 #include <stdlib.h>
 
 #include "sdk/host/platform/features.hpp"
+#include "sdk/host/platform/utf8_path.hpp"
 
 namespace odograph {
 
@@ -16,8 +15,8 @@ const PlatformFeatures kPlatform{
 int64_t this_process() noexcept { return 0; }
 
 std::string environment_text(const char* name) {
-  const wchar_t* value = _wgetenv(std::filesystem::path(name).c_str());
-  return value ? std::filesystem::path(value).string() : std::string();  // in UTF-8: libstdc++'s narrow paths are
+  const wchar_t* value = _wgetenv(utf8_path(name).c_str());
+  return value ? utf8_text(value) : std::string();
 }
 
 }  // namespace odograph
