@@ -175,6 +175,23 @@ TEST_CASE("upright lines tell how a photograph was held, and without them it is 
   CHECK(guesses.front().sigma_rad > 2 * kDegree);
 }
 
+TEST_CASE("a place in a building is told from one in its yard and in the street") {
+  std::vector<Edge> edges;
+  const auto ring = [&](double side) {
+    const Vector3d c[] = {{-side, -side, 0}, {side, -side, 0}, {side, side, 0}, {-side, side, 0}};
+    for (int i = 0; i < 4; ++i) {
+      edges.push_back({c[i], c[(i + 1) % 4], 0});
+      edges.push_back({c[i] - Vector3d(0, 0, 9), c[(i + 1) % 4] - Vector3d(0, 0, 9), 0});
+    }
+  };
+  ring(12), ring(6);
+  const Ground ground(edges);
+  CHECK(ground.is_built({9, 1}));
+  CHECK_FALSE(ground.is_built({2, 1}));
+  CHECK_FALSE(ground.is_built({14, 1}));
+  CHECK_FALSE(ground.is_built({200, 1}));
+}
+
 TEST_CASE("ground under buildings lies between their feet, and is the terrain's where there is some") {
   std::vector<Edge> edges;
   const auto house = [&](double north, double foot_up, int object) {

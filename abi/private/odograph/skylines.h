@@ -47,14 +47,14 @@ typedef struct odo_skylines {
    * null. ODO_E_DATA where the file is damaged there, ODO_E_NOT_FOUND where there is no such place. */
   ODO_FUNCTION(int32_t, skyline,
                (void* user, uint64_t place, double* p_n, float* elevation_rad, float* height_m, float* distance_m));
-  /* [control] The skyline of the instance's model from a point of its own n: 720 elevations, rad, 0 where nothing is, and
-   * which object of the model each is of (-1 nothing, -2 ground). ODO_E_STATE without a model. */
+  /* [control] The skyline of the instance's model from a point of its own n: 720 elevations, rad, 0 where nothing is,
+   * and which object of the model each is of (-1 nothing, -2 ground). ODO_E_STATE without a model. */
   ODO_FUNCTION(int32_t, look, (void* user, const double* p_n, float* elevation_rad, int32_t* object));
   /* [control] The ground of the model at a point of its n, m down: 1 in `terrain` where the model has terrain there, 0
    * where it is what lies between the lowest corners of the buildings. ODO_E_NOT_FOUND where there is neither near. */
   ODO_FUNCTION(int32_t, ground, (void* user, double north_m, double east_m, double* down_m, int32_t* terrain));
-  /* [control] An edge of the model in its n, m, and whose it is (as above), by its number from 0. ODO_E_NOT_FOUND beyond the
-   * last. */
+  /* [control] An edge of the model in its n, m, and whose it is (as above), by its number from 0. ODO_E_NOT_FOUND
+   * beyond the last. */
   ODO_FUNCTION(int32_t, edge, (void* user, uint64_t number, double* from_n, double* to_n, int32_t* object));
 } odo_skylines;
 

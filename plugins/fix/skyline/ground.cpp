@@ -19,8 +19,46 @@ Ground::Ground(const std::vector<Edge>& edges, const Parameters& parameters) : p
   each([&](const Eigen::Vector3d& p_n, double low) {
     if (p_n.z() > low - p_.foot_m) add(p_n, feet_);
   });
+  buildings_.resize(lowest.size());
+  for (const Edge& e : edges)
+    if (e.object >= 0 && std::min(e.from.z(), e.to.z()) > lowest[static_cast<size_t>(e.object)] - p_.foot_m)
+      add_foot(e);
+  index_buildings();
   for (const Edge& e : edges)
     if (e.object == Edge::kGround) add(e.from, terrain_), add(e.to, terrain_);
+}
+
+void Ground::add_foot(const Edge& edge) {
+  const Eigen::Vector2f a = edge.from.head<2>().cast<float>(), b = edge.to.head<2>().cast<float>();
+  Foot& foot = buildings_[static_cast<size_t>(edge.object)];
+  if (foot.edges.empty()) foot.low = foot.high = a;
+  foot.low = foot.low.cwiseMin(a.cwiseMin(b)), foot.high = foot.high.cwiseMax(a.cwiseMax(b));
+  foot.edges.push_back({a, b});
+}
+
+void Ground::index_buildings() {
+  for (uint32_t i = 0; i < buildings_.size(); ++i) {
+    const Foot& foot = buildings_[i];
+    if (foot.edges.empty() || (foot.high - foot.low).maxCoeff() > 100 * static_cast<float>(p_.cell_m)) continue;
+    const auto cell = [&](float m) { return std::floor(static_cast<double>(m) / p_.cell_m); };
+    for (double a = cell(foot.low.x()); a <= cell(foot.high.x()); ++a)
+      for (double b = cell(foot.low.y()); b <= cell(foot.high.y()); ++b)
+        buildings_of_[cell_of((a + 0.5) * p_.cell_m, (b + 0.5) * p_.cell_m)].push_back(i);
+  }
+}
+
+bool Ground::is_built(const Eigen::Vector2d& north_east) const {
+  const auto cell = buildings_of_.find(cell_of(north_east.x(), north_east.y()));
+  if (cell == buildings_of_.end()) return false;
+  const Eigen::Vector2f p = north_east.cast<float>();
+  return std::any_of(cell->second.begin(), cell->second.end(), [&](uint32_t i) {
+    bool inside = false;  // edges that a ray to the north meets
+    for (const auto& [a, b] : buildings_[i].edges) {
+      if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+      inside ^= a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) > p.x();
+    }
+    return inside;
+  });
 }
 
 int64_t Ground::cell_of(double north, double east) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
@@ -34,18 +35,28 @@ class Ground {
     bool terrain;  ///< the model's own; false: between buildings
   };
   std::optional<At> at(const Eigen::Vector2d& north_east) const;
+  /// Whether a place lies within the foot of a building, as far as its lowest edges close around it.
+  bool is_built(const Eigen::Vector2d& north_east) const;
 
  private:
   struct Point {
     float north, east, down;
   };
+  struct Foot {
+    Eigen::Vector2f low, high;
+    std::vector<std::array<Eigen::Vector2f, 2>> edges;
+  };
   using Cells = std::unordered_map<int64_t, std::vector<Point>>;
   int64_t cell_of(double north, double east) const;
   void add(const Eigen::Vector3d& p_n, Cells& to) const;
+  void add_foot(const Edge& edge);
+  void index_buildings();
   std::optional<double> mean(const Cells& cells, const Eigen::Vector2d& at, double reach_m) const;
 
   Parameters p_;
   Cells terrain_, feet_;
+  std::vector<Foot> buildings_;
+  std::unordered_map<int64_t, std::vector<uint32_t>> buildings_of_;  // by cell
 };
 
 }  // namespace odograph::skyline

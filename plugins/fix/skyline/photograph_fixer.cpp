@@ -32,19 +32,23 @@ PhotographFixer::Answer PhotographFixer::place(Picture picture, const Photograph
     levels = levels_of(lines_of(picture.grey, picture.lens, p_.level.lines), prior_up_c, p_.level);
   Answer best;
   best.no_sky = true, best.why = "no sky is seen over roofs";
-  double least = 1e300;
+  double most = -1e300;
+  const Chroma chroma = picture.chroma;
   for (const PhotographLevel& level : levels) {
     PhotographPrior held = prior;
     held.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(level.up_c, prior_up_c)).normalized();
     held.tilt_sigma_rad = level.sigma_rad;
-    const auto& edges = eye_.find(picture, held.q_n_c.conjugate(), false);
-    if (edges.empty()) continue;
-    auto match = matcher_.match(edges, held);
-    if (matcher_.cost() >= least && !(matcher_.cost() == least && !best.match)) continue;
-    least = matcher_.cost();
-    best.match = std::move(match), best.why = matcher_.why(), best.other = matcher_.other();
-    best.tried = matcher_.tried(), best.cost = least;
-    best.no_sky = !best.match && least > 1e8;
+    // Colour tells more, but a cast of it misleads: the sky whose edge fits a place is the better one.
+    for (const bool in_colour : {true, false}) {
+      if (in_colour && chroma.empty()) continue;
+      picture.chroma = in_colour ? chroma : Chroma{};
+      const auto& edges = eye_.find(picture, held.q_n_c.conjugate(), false);
+      if (edges.empty()) continue;
+      auto match = matcher_.match(edges, held);
+      if (matcher_.gain() < most) continue;
+      most = matcher_.gain();
+      best = {std::move(match), matcher_.tried(), most, matcher_.why(), most < -1e8, matcher_.other()};
+    }
   }
   return best;
 }

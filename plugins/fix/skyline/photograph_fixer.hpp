@@ -22,7 +22,7 @@ class PhotographFixer {
   struct Answer {
     std::optional<Match> match;
     std::optional<Match> tried;  ///< what was refused, for tests and tools
-    double cost = 0;
+    double gain = 0;
     std::string why;      ///< there is none
     bool no_sky = false;  ///< that is the reason
     double other = 1;     ///< probability that it is elsewhere

@@ -73,7 +73,7 @@ void PhotographMatcher::align(Candidate& at) {
           case 0: g.yaw += by * kDegree; break;
           case 1: g.tilt_north += 0.5 * by * kDegree; break;
           case 2: g.tilt_east += 0.5 * by * kDegree; break;
-          default: g.up += 0.5 * by; break;
+          default: g.up = std::clamp(g.up + 0.5 * by, -p_.max_up_m, p_.max_up_m); break;
         }
         if (const double c = cost_of(g); c < at.cost - 1e-4) at.guess = g, at.cost = c, better = true;
       }
@@ -88,7 +88,7 @@ void PhotographMatcher::move(Candidate& at) {
       for (int k = 0; k < 4; ++k) {
         Candidate there = at;
         (k / 2 ? there.guess.east : there.guess.north) += k % 2 ? -size : size;
-        if (apart(there.guess, {}) > p_.max_m + 2) continue;
+        if (apart(there.guess, {}) > p_.max_m + 2 || is_built(there.guess)) continue;
         look(there.guess);
         align(there);
         if (there.cost < at.cost - 1e-3) at = there, better = true;
@@ -112,7 +112,7 @@ void PhotographMatcher::search() {
       for (int a = -reach; a <= reach; ++a)
         for (int b = -reach; b <= reach; ++b) {
           Candidate at{{.north = middle.north + a * step, .east = middle.east + b * step}, 0, step * step};
-          if (apart(at.guess, {}) > radius) continue;
+          if (apart(at.guess, {}) > radius || is_built(at.guess)) continue;
           look(at.guess);
           search_place(at);
           at.line = lines_.size();
@@ -130,7 +130,7 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::surroundings_of(con
     for (int b = -reach; b <= reach; ++b) {
       Candidate at = best;
       at.guess.north += a * p_.fine_step_m, at.guess.east += b * p_.fine_step_m;
-      if (apart(at.guess, best.guess) > p_.fine_m) continue;
+      if (apart(at.guess, best.guess) > p_.fine_m || is_built(at.guess)) continue;
       look(at.guess);
       align(at);
       at.area_m2 = p_.fine_step_m * p_.fine_step_m;
@@ -202,7 +202,7 @@ bool PhotographMatcher::describe(const Candidate& best, Match& match) {
 
 std::optional<Match> PhotographMatcher::match(const std::vector<SkyEdge>& edges, const PhotographPrior& prior) {
   prior_ = prior;
-  cost_ = 1e9, other_ = 1;
+  gain_ = -1e9, other_ = 1;
   why_.clear(), tried_.reset();
   if (const size_t closed = closed_edges(edges); closed < p_.min_edges) {
     why_ = words("roofs end against the sky in %.0f degrees of the picture only, %.0f are wanted",
@@ -241,7 +241,7 @@ std::optional<Match> PhotographMatcher::match(const std::vector<SkyEdge>& edges,
     why_ = "nothing was searched";
     return std::nullopt;
   }
-  cost_ = modes.front().cost;
+  gain_ = fit_.nothing() - modes.front().cost;
   city_.look_around(place_of(modes.front().guess), 8, 0.03, 4);
   Match match;
   if (!describe(modes.front(), match)) {

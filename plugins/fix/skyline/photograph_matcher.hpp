@@ -25,6 +25,7 @@ struct PhotographParameters {
   double wide_m = 30, wide_step_m = 2;
   double yaw_step_rad = 1.5 * kDegree;
   double pitch_step_rad = 1.2 * kDegree;  ///< of as many pitches as lie within a sigma
+  double max_up_m = 1.2;                  ///< by which the camera is higher or lower than eye_m over the ground
   double tile_m = 12;                     ///< half the side of what is looked around at once
   size_t refined = 500,
          modes = 12;   ///< places whose heading, pitch, roll and height are looked for; whose place is too
@@ -42,7 +43,7 @@ struct PhotographPrior {
   Eigen::Vector3d p_n;  ///< of the camera
   Eigen::Quaterniond q_n_c;
   double sigma_m = 10;  ///< of north and east each
-  double height_sigma_m = 1;
+  double height_sigma_m = 0.6;
   double yaw_sigma_rad = 0.35, tilt_sigma_rad = 0.01;
   double eye_m = 1.6;  ///< over the model's ground, where it has some; then p_n's down does not count
 };
@@ -58,8 +59,9 @@ class PhotographMatcher {
   /// Nothing where the picture does not tell the place; why() says so in words.
   std::optional<Match> match(const std::vector<SkyEdge>& edges, const PhotographPrior& prior);
   const std::string& why() const { return why_; }
-  /// Minus the logarithm of the best place's likelihood, to compare inclinations by; large where there is none.
-  double cost() const { return cost_; }
+  /// How much likelier the best place makes the picture than one that fits nothing, as a logarithm: to compare
+  /// inclinations and skies by. Low where there is none.
+  double gain() const { return gain_; }
   /// The best place, refused or not.
   const std::optional<Match>& tried() const { return tried_; }
   /// Probability of all places but the best one's surroundings.
@@ -75,6 +77,10 @@ class PhotographMatcher {
     size_t line = 0;     // in lines_
   };
   Eigen::Vector3d place_of(const Guess& guess) const;
+  /// Nobody stands in a building.
+  bool is_built(const Guess& guess) const {
+    return ground_.is_built(prior_.p_n.head<2>() + Eigen::Vector2d(guess.north, guess.east));
+  }
   void look(const Guess& guess);
   double cost_of_prior(const Guess& guess) const;
   double cost_of(const Guess& guess) { return fit_.fine(line_, guess) + cost_of_prior(guess); }
@@ -99,7 +105,7 @@ class PhotographMatcher {
   std::vector<Candidate> candidates_;
   std::string why_;
   std::optional<Match> tried_;
-  double cost_ = 1e9, other_ = 0;
+  double gain_ = -1e9, other_ = 0;
   bool terrain_ = false;
 };
 

@@ -102,6 +102,13 @@ double RoofLineFit::offset_of(int first, double& information) const {
   return offset;
 }
 
+double RoofLineFit::nothing() const {
+  double sum = 0;
+  for (const Ray& ray : rays_)
+    if (!ray.open && !ray.above) sum += ray.weight * p_.above_loss / p_.correlated;
+  return sum;
+}
+
 double RoofLineFit::fine(const RoofLine& model, const Guess& g) {
   residuals_.clear();
   first_.assign(static_cast<size_t>(model.objects), -1);
@@ -118,7 +125,7 @@ double RoofLineFit::fine(const RoofLine& model, const Guess& g) {
     if (model.object[j] < 0) {
       const double x = value * sigma;
       sum += ray.weight * loss(x, static_cast<double>(model.width[j]), most(value)) / p_.correlated;
-      if (edge) edge_weight_ += ray.weight, agreeing_ += std::abs(x) < 2 ? ray.weight : 0;
+      if (edge) edge_weight_ += ray.weight, agreeing_ += agrees(value, sigma) ? ray.weight : 0;
       continue;
     }
     int& first = first_[static_cast<size_t>(model.object[j])];
@@ -136,7 +143,7 @@ double RoofLineFit::fine(const RoofLine& model, const Guess& g) {
       const double x = (r.value + r.per_m * offset) * r.inverse_sigma;
       own += r.weight * loss(x, r.width, most(r.value)) / p_.correlated;
       all += r.weight * p_.above_loss / p_.correlated;
-      if (r.edge) edge_weight_ += r.weight, agreeing_ += std::abs(x) < 2 ? r.weight : 0;
+      if (r.edge) edge_weight_ += r.weight, agreeing_ += agrees(x / r.inverse_sigma, r.inverse_sigma) ? r.weight : 0;
     }
     own += 0.5 * offset * offset / (p_.building_m * p_.building_m);
     own += 0.5 * std::log(information * p_.building_m * p_.building_m);  // of all heights that it may have, few fit

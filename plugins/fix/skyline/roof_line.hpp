@@ -27,6 +27,7 @@ struct RoofErrorParameters {
   double above_loss =
       3.5;  ///< most that a direction costs in which something stands above the model: trees, new houses
   double below_loss = 4.5;                    ///< the same in which the sky is seen where the model has a roof
+  double agrees_rad = 0.5 * kDegree;          ///< of a direction in which picture and model agree, or two sigmas
   double missing_loss = 2, missing_of = 0.7;  ///< a building that is missing or new costs this, and that part of all
                                               ///< its directions' most
   double correlated = 5;                      ///< neighbouring directions that err together: two and a half degrees
@@ -57,7 +58,9 @@ class RoofLineFit {
   double coarse(const RoofLine& model, const Guess& guess) const;
   /// Of all, with the height of each building that fits best.
   double fine(const RoofLine& model, const Guess& guess);
-  /// After fine(): part of the directions with a roof's edge that lie within two sigmas.
+  /// What it would cost if nothing fitted: a trusted picture with many roofs is worth more than one with few.
+  double nothing() const;
+  /// After fine(): part of the directions with a roof's edge that agree.
   double agreement() const { return edge_weight_ > 0 ? agreeing_ / edge_weight_ : 0; }
 
  private:
@@ -77,6 +80,9 @@ class RoofLineFit {
     return std::min(most, width + 1.5 * std::log1p(0.5 * x * x));
   }
   double most(double value) const { return value > 0 ? p_.below_loss : p_.above_loss; }
+  bool agrees(double value, double inverse_sigma) const {
+    return std::abs(value) < std::max(p_.agrees_rad, 2 / inverse_sigma);
+  }
   double offset_of(int first, double& information) const;
 
   RoofErrorParameters p_;

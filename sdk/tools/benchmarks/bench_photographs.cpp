@@ -49,11 +49,12 @@ struct Photographs : Benchmark {
     std::vector<BenchCase> all;
     for (const std::string& model : models)
       for (size_t k = 0; k < count; k += kOfAWorld)
-        all.push_back({{{"city", fs::path(model).stem().stem().string()}, {"first", k}},
+        all.push_back({{{"city", fs::path(model).stem().stem().string()},
+                        {"first", k},
+                        {"of_it", std::min(kOfAWorld, count - k)}},
                        {fs::absolute(model), plugins->fixers.at(0).manifest.library},
                        {},
-                       options.first_seed + k / kOfAWorld,
-                       std::min(kOfAWorld, count - k)});
+                       options.first_seed + k / kOfAWorld});
     return all;
   }
 
@@ -143,16 +144,17 @@ struct Photographs : Benchmark {
     p.roof_sigma_m = roof_sigma_m;
     PhotographScene scene(*city, one.seed, p);
     Tally tally;
-    for (size_t k = 0; k < one.variant; ++k) {
+    const auto of_it = one.labels["of_it"].get<size_t>();
+    for (size_t k = 0; k < of_it; ++k) {
       const fs::path file = fs::path(options.keep) / text("photograph_%s_%g_%llu_%zu.jpg", name.c_str(), roof_sigma_m,
                                                           static_cast<unsigned long long>(one.seed), k);
       const auto photograph = taken(scene, file, k);
       if (!photograph) return photograph.failure();
       const auto done = add(*photograph, file.filename().string(), one.seed * 1000 + k, **placer, tally);
       if (!done) return done.failure();
-      if (one.run.progress) one.run.progress(k + 1, one.variant);
+      if (one.run.progress) one.run.progress(k + 1, of_it);
     }
-    return row_of_tally(tally, one.variant);
+    return row_of_tally(tally, of_it);
   }
   static Json row_of_tally(const Tally& t, size_t photographs) {
     const As mostly{.parts = {0.5, 0.95}};

@@ -79,7 +79,7 @@ Result<std::unique_ptr<PhotographPlacer>> PhotographPlacer::make(const fs::path&
                                                                  const PhotographOrigin& origin) {
   std::string yaml = text(
       "odograph: 1\nabsolute_fixers:\n  - plugin: fix/skyline\n    parameters:\n      model: %s\n"
-      "      photographs: true\n      interval: 0 s\n",
+      "      photographs: true\n      interval: 0 s\n      height_sigma: 0.6 m\n",
       nlohmann::json(model.filename().string()).dump().c_str());
   if (origin.geodetic_deg)
     yaml += text("      geodetic: true\n      geodetic_origin: [%.9f, %.9f, 0]\n", (*origin.geodetic_deg)[0],

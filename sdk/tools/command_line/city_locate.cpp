@@ -224,7 +224,14 @@ int locate(const LocateArguments& a) {
   const auto frame = Frame::of(a, photographs);
   if (!frame) return complain(frame.failure());
   auto placer = PhotographPlacer::make(a.model, frame->origin());
-  if (!placer) return complain(placer.failure());
+  if (!placer) {
+    Failure failure = placer.failure();
+    if (frame->origin().geodetic_deg)
+      failure.text +=
+          "; if it is its reference system: --model-at LAT,LON says where its zero is, --at EASTING NORTHING "
+          "takes the place in its own coordinates";
+    return complain(failure);
+  }
   std::error_code error;
   fs::create_directories(a.output, error);
   Rows rows;
