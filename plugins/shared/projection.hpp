@@ -28,9 +28,9 @@ GridPlace wgs84_to_rd_new(const Geodetic& place);
 /// How a model's coordinates lie on the Earth. Immutable.
 class Projection {
  public:
-  /// Of an EPSG code: geographic coordinates (4326, 4258, 4979, 4937, Japan's 6668 and 6697; easting is the longitude in
-  /// degrees), UTM on WGS 84 (326xx, 327xx) and ETRS89 (258xx, with German heights 5554 to 5556), RD New with or without
-  /// heights (28992, 7415). None for any other.
+  /// Of an EPSG code: geographic coordinates (4326, 4258, 4979, 4937, Japan's 6668 and 6697; easting is the longitude
+  /// in degrees), UTM on WGS 84 (326xx, 327xx) and ETRS89 (258xx, with German heights 5554 to 5556), RD New with or
+  /// without heights (28992, 7415). None for any other.
   static std::optional<Projection> of(int epsg);
 
   Geodetic geodetic(const GridPlace& place) const;

@@ -27,7 +27,7 @@ struct RoofErrorParameters {
   double above_loss =
       3.5;  ///< most that a direction costs in which something stands above the model: trees, new houses
   double below_loss = 4.5;                    ///< the same in which the sky is seen where the model has a roof
-  double agrees_rad = 0.5 * kDegree;          ///< of a direction in which picture and model agree, or two sigmas
+  double agrees_rad = 0.3 * kDegree;          ///< of a direction in which picture and model agree, or two sigmas
   double missing_loss = 2, missing_of = 0.7;  ///< a building that is missing or new costs this, and that part of all
                                               ///< its directions' most
   double correlated = 5;                      ///< neighbouring directions that err together: two and a half degrees

@@ -215,6 +215,14 @@ Result<std::vector<Photograph>> read_all(const std::vector<std::string>& names, 
   return photographs;
 }
 
+Failure with_hint(Failure failure, const Frame& frame) {
+  if (frame.origin().geodetic_deg)
+    failure.text +=
+        "; if it is its reference system: --model-at LAT,LON says where its zero is, --at EASTING NORTHING "
+        "takes the place in its own coordinates";
+  return failure;
+}
+
 int locate(const LocateArguments& a) {
   int status = kDone;
   auto photographs_read = read_all(a.pictures, status);
@@ -224,14 +232,7 @@ int locate(const LocateArguments& a) {
   const auto frame = Frame::of(a, photographs);
   if (!frame) return complain(frame.failure());
   auto placer = PhotographPlacer::make(a.model, frame->origin());
-  if (!placer) {
-    Failure failure = placer.failure();
-    if (frame->origin().geodetic_deg)
-      failure.text +=
-          "; if it is its reference system: --model-at LAT,LON says where its zero is, --at EASTING NORTHING "
-          "takes the place in its own coordinates";
-    return complain(failure);
-  }
+  if (!placer) return complain(with_hint(placer.failure(), *frame));
   std::error_code error;
   fs::create_directories(a.output, error);
   Rows rows;
