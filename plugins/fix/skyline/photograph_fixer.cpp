@@ -2,6 +2,7 @@
 #include "plugins/fix/skyline/photograph_fixer.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -30,27 +31,39 @@ PhotographFixer::Answer PhotographFixer::place(Picture picture, const Photograph
   std::vector<PhotographLevel> levels = {{prior_up_c, prior.tilt_sigma_rad, 0}};
   if (prior.tilt_sigma_rad > p_.level_rad)
     levels = levels_of(lines_of(picture.grey, picture.lens, p_.level.lines), prior_up_c, p_.level);
-  Answer best;
-  best.no_sky = true, best.why = "no sky is seen over roofs";
-  double most = -1e300;
+  Answer found[2];  // by the sky in colour and in grey
+  for (Answer& answer : found) answer.no_sky = true, answer.gain = -1e300, answer.why = "no sky is seen over roofs";
   const Chroma chroma = picture.chroma;
   for (const PhotographLevel& level : levels) {
     PhotographPrior held = prior;
     held.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(level.up_c, prior_up_c)).normalized();
     held.tilt_sigma_rad = level.sigma_rad;
-    // Colour tells more, but a cast of it misleads: the sky whose edge fits a place is the better one.
     for (const bool in_colour : {true, false}) {
       if (in_colour && chroma.empty()) continue;
       picture.chroma = in_colour ? chroma : Chroma{};
       const auto& edges = eye_.find(picture, held.q_n_c.conjugate(), false);
       if (edges.empty()) continue;
       auto match = matcher_.match(edges, held);
-      if (matcher_.gain() < most) continue;
-      most = matcher_.gain();
-      best = {std::move(match), matcher_.tried(), most, matcher_.why(), most < -1e8, matcher_.other()};
+      Answer& answer = found[in_colour ? 0 : 1];
+      const double gain = matcher_.gain();
+      if (gain < answer.gain) continue;
+      answer = {std::move(match), matcher_.tried(), gain, matcher_.why(), gain < -1e8, matcher_.other()};
     }
   }
-  return best;
+  return agreed(std::move(found[0]), std::move(found[1]));
+}
+
+/// Colour tells more of the sky, but a cast of it misleads: the sky whose edge fits a place is the better one, and a
+/// place that the other one does not lead to is none.
+PhotographFixer::Answer PhotographFixer::agreed(Answer colour, Answer grey) const {
+  Answer& best = colour.gain > grey.gain ? colour : grey;
+  const Answer& other = colour.gain > grey.gain ? grey : colour;
+  const std::optional<Match>& there = other.match ? other.match : other.tried;
+  if (best.match && there && (best.match->p_n - there->p_n).head<2>().norm() > p_.agree_m) {
+    best.tried = std::exchange(best.match, std::nullopt);
+    best.why = "the sky in colour and in grey lead to different places";
+  }
+  return std::move(best);
 }
 
 }  // namespace odograph::skyline

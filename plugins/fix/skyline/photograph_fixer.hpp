@@ -17,6 +17,7 @@ class PhotographFixer {
   struct Parameters {
     int widest_px = 1280;      ///< larger pictures are halved: a tenth of a degree a pixel is enough for roofs
     double level_rad = 0.052;  ///< sigma of the prior's inclination, from where on it is looked for: 3 degrees
+    double agree_m = 4;        ///< between the places that the sky in colour and in grey lead to; judgement
     PhotographLevelParameters level;
   };
   struct Answer {
@@ -35,6 +36,8 @@ class PhotographFixer {
   const Ground& ground() const { return ground_; }
 
  private:
+  Answer agreed(Answer colour, Answer grey) const;
+
   Parameters p_;
   Ground ground_;
   PhotographMatcher matcher_;

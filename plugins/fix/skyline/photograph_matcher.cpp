@@ -160,7 +160,7 @@ bool PhotographMatcher::judge(const Candidate& best, Match& match) {
   match.second_best_ratio = other_;
   // About the best place, not about the mean: that is what is told.
   const double cell = p_.fine_step_m * p_.fine_step_m / 12;
-  match.covariance = spread / all + cell * Eigen::Matrix2d::Identity();
+  match.covariance = spread / all + (cell + p_.min_sigma_m * p_.min_sigma_m) * Eigen::Matrix2d::Identity();
   const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
   // The heading's own width at the best place, by the fit a degree aside.
   Candidate aside = best;

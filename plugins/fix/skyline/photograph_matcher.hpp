@@ -34,6 +34,7 @@ struct PhotographParameters {
   // What is wanted of a picture that is placed.
   size_t min_edges = 40;       ///< directions with a roof's edge: 20 degrees
   double max_sigma_m = 3;      ///< of the place along its worst axis
+  double min_sigma_m = 0.5;    ///< of north and of east: no model's corners are better (CityGML 2.0, LOD3: 0.5 m)
   double max_other = 0.1;      ///< probability of all other places together
   double min_agreement = 0.6;  ///< of the directions with a roof's edge
   double doubt_over_m = 10;    ///< the place's doubt over this is the heading's: a roof is about so near (K7's drives)
