@@ -52,7 +52,9 @@ int32_t open(const std::filesystem::path& path, odo_recording** out, odo_error* 
   return ODO_OK;
 }
 
-std::filesystem::path path_of(const odo_string& text) { return odograph::utf8_path({text.data, text.size}); }
+std::filesystem::path path_of(const odo_string& text) {
+  return odograph::utf8_path({text.data, static_cast<size_t>(text.size)});
+}
 
 }  // namespace
 
