@@ -89,6 +89,15 @@ TEST_CASE("the probability is true over buildings of all kinds, whose landings p
   CHECK(certain_right > 0.93 * certain);
 }
 
+TEST_CASE("higher than any floor that is told apart, and down again: the floors are known as before") {
+  Ascent tower;
+  tower.to(0), tower.to(3.3);
+  CHECK(tower.to(400).probability < 0.1);
+  CHECK(tower.to(3.3).floor == 1);
+  CHECK(tower.to(0).floor == 0);
+  CHECK(tower.floors.floor().probability > 0.95);
+}
+
 TEST_CASE("a building with high storeys is learnt from its first one") {
   Ascent learnt, unlearnt;
   learnt.to(0), unlearnt.to(0);

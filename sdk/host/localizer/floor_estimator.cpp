@@ -58,8 +58,10 @@ FloorEstimator::Floor FloorEstimator::nearest(int64_t t_ns, double up_m) const {
       const double weight = building.weight * building.storey_m * likelihood(up_m, building, i, t_ns).either;
       of_floor[size_t(i)] += weight, all += weight;
     }
-  if (!(all > 0)) return {now_.floor, 0};  // far from all floors that are told apart
   const auto best = std::max_element(of_floor.begin(), of_floor.end());
+  // Beyond the floors that are told apart, or on the outermost one, which is nearest to all that lies beyond.
+  const bool beyond = !(all > 0) || best == of_floor.begin() || best + 1 == of_floor.end();
+  if (beyond) return {now_.floor, 0};
   return {static_cast<int32_t>(best - of_floor.begin()) + kLowest, *best / all};
 }
 
@@ -73,7 +75,7 @@ double FloorEstimator::see_level(Building& building, int64_t t_ns, double up_m) 
     all += there.either;
     if (there.on_it > best) best = there.on_it, index = i;
   }
-  if (best < 0.5 * all) return building.storey_m * all;
+  if (!(best > 0.5 * all)) return building.storey_m * all;
   Level& level = building.levels[size_t(index)];
   const double sigma2 = squared(p_.floor_sigma_m);
   if (level.visited) {
@@ -90,14 +92,14 @@ double FloorEstimator::see_level(Building& building, int64_t t_ns, double up_m) 
 void FloorEstimator::see_level(int64_t t_ns, double up_m) {
   const bool other = std::abs(up_m - level_m_) > p_.other_m;
   level_m_ = up_m;
+  std::array<double, kBuildings> weights;
   double sum = 0;
-  for (Building& building : buildings_) {
-    const double here = see_level(building, t_ns, up_m);
-    if (other) building.weight *= here;
-    sum += building.weight;
+  for (size_t i = 0; i < kBuildings; ++i) {
+    const double here = see_level(buildings_[i], t_ns, up_m);
+    sum += weights[i] = buildings_[i].weight * (other ? here : 1.0);
   }
-  if (sum > 0)
-    for (Building& building : buildings_) building.weight /= sum;
+  if (!(sum > 0)) return;  // higher than all floors that are told apart: of the buildings it tells nothing
+  for (size_t i = 0; i < kBuildings; ++i) buildings_[i].weight = weights[i] / sum;
 }
 
 void FloorEstimator::add(int64_t t_ns, double up_m) {

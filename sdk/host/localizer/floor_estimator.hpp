@@ -43,6 +43,7 @@ class FloorEstimator {
   Floor floor() const { return now_; }
 
  private:
+  static constexpr size_t kBuildings = 25;           ///< thought of side by side
   static constexpr int kFloors = 48, kLowest = -15;  ///< numbers that are told apart: -15 to 32
   struct Height {
     int64_t t_ns;
@@ -70,7 +71,7 @@ class FloorEstimator {
   bool begun_ = false;
   Floor now_;
   double level_m_ = 0;  ///< the newest level's height
-  std::array<Building, 25> buildings_{};
+  std::array<Building, kBuildings> buildings_{};
   Ring<Height, 64> heights_;  ///< a quarter of a second apart at least
 };
 
