@@ -181,6 +181,20 @@ TEST_CASE("the phone goes into a pocket, where it lies otherwise: what steps lea
   CHECK(r.beyond_s < 5);
 }
 
+TEST_CASE("the phone turns on its way into the pocket, as the camera still sees, and lies there as in the hand") {
+  WalkMeasurements what = usual();
+  what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 15;
+  begins_anew(what, kFrom_s);
+  what.change_step = [](double t, odo_step& s) {
+    if (t < kFrom_s - 2 || t > kFrom_s + 15) return;
+    s.mode = ODO_MODE_WALKING_POCKET;
+    if (t < kFrom_s + 0.5) s.heading_rad += 0.6;
+  };
+  const Run r = worst_of("turned by 0.6 rad on the way into a pocket", what, 15);
+  CHECK(r.worst_m < 4);
+  CHECK(r.beyond_s < 5);
+}
+
 TEST_CASE("one fix lies by 50 m") {
   WalkMeasurements what = usual();
   what.fix_every_s = 5, what.fix_sigma_m = 2;

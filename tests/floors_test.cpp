@@ -61,7 +61,7 @@ TEST_CASE("the probability is true over buildings of all kinds, whose landings p
   Random random{11, 3};
   int places = 0, right = 0, certain = 0, certain_right = 0;
   double stated = 0;
-  for (uint64_t building = 0; building < 200; ++building) {
+  for (uint64_t building = 0; building < 80; ++building) {
     const double mean_m = random.uniform(2.6, 4.6);
     std::array<double, 12> floor_m{};  // from -3 to 8, the walk begins on 0
     for (size_t i = 1; i < floor_m.size(); ++i) floor_m[i] = floor_m[i - 1] + mean_m * (1 + 0.1 * random.normal());

@@ -35,9 +35,7 @@ FloorEstimator::FloorEstimator(const Parameters& parameters) : p_(parameters) {
 /// A floor is where it was found, or by its storeys from the nearest one that was.
 FloorEstimator::Likelihood FloorEstimator::likelihood(double up_m, const Building& building, int index,
                                                       int64_t t_ns) const {
-  int nearest = 0, storeys = kFloors;
-  for (int i = 0; i < kFloors; ++i)
-    if (building.levels[size_t(i)].visited && std::abs(i - index) < storeys) nearest = i, storeys = std::abs(i - index);
+  const int nearest = building.nearest[size_t(index)], storeys = std::abs(nearest - index);
   const Level& level = building.levels[size_t(nearest)];
   const double apart_m = up_m - level.up_m, off_m = apart_m - (index - nearest) * building.storey_m;
   const double measured =
@@ -84,6 +82,10 @@ double FloorEstimator::see_level(Building& building, int64_t t_ns, double up_m) 
     level = {true, level.up_m + gain * (up_m - level.up_m), std::max((1 - gain) * variance, 0.01), t_ns};
   } else {
     level = {true, up_m, sigma2, t_ns};
+    for (int i = 0; i < kFloors; ++i) {
+      int& nearest = building.nearest[size_t(i)];
+      if (std::abs(i - index) < std::abs(i - nearest)) nearest = index;
+    }
   }
   return building.storey_m * all;
 }
@@ -106,7 +108,10 @@ void FloorEstimator::add(int64_t t_ns, double up_m) {
   if (!begun_) {
     begun_ = true;
     level_m_ = up_m;
-    for (Building& building : buildings_) building.levels[-kLowest] = {true, up_m, squared(p_.floor_sigma_m), t_ns};
+    for (Building& building : buildings_) {
+      building.levels[-kLowest] = {true, up_m, squared(p_.floor_sigma_m), t_ns};
+      building.nearest.fill(-kLowest);
+    }
   } else if (t_ns - heights_.back(0).t_ns < kApart_ns) {
     return;
   }

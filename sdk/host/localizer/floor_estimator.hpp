@@ -57,6 +57,7 @@ class FloorEstimator {
   struct Building {
     double storey_m = 0, weight = 0;  ///< the weights' sum is 1
     std::array<Level, kFloors> levels{};
+    std::array<int, kFloors> nearest{};  ///< of each floor, the visited one: its index
   };
   /// Of a height, 1/m: of one who is on a floor, and on the stairs or a landing nearest to it.
   struct Likelihood {
