@@ -135,6 +135,23 @@ TEST_CASE("a leg's swing is a pocket from the second step on") {
   CHECK(carry.on_leg());
 }
 
+TEST_CASE("a thigh that swings a little less for a few steps is one still, and the direction does not flip") {
+  CarryModeClassifier carry;
+  FoundStep step{.swing_mps2 = 6, .frequency_hz = 1.8, .vertical_part = 0.8};
+  const auto walk = [&](int steps, double radps) {
+    step.gyro_radps = radps;
+    for (int i = 0; i < steps; ++i) carry.classify(step, {0, -0.9, 0});
+  };
+  walk(10, 1.6);
+  CHECK(carry.on_leg());
+  walk(10, 1.25);
+  CHECK(carry.on_leg());
+  walk(20, 0.6);
+  CHECK_FALSE(carry.on_leg());
+  walk(10, 1.25);
+  CHECK_FALSE(carry.on_leg());
+}
+
 TEST_CASE(
     "a small bounce is no short step, a walk that does not repeat itself has shorter steps and less certain ones") {
   const LengthModel model;
