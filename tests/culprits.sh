@@ -25,6 +25,7 @@ run() {
     *vo_frontend*) printf 'odograph: 1\nplugins: {search: [plugins]}\nvo_frontend: {plugin: zoo/animal}\n' >config.yaml ;;
   esac
   rm -rf out
+  # shellcheck disable=SC3045  # dash and bash have -c
   (ulimit -c 0; exec "$odograph" run -c config.yaml -i tiny.odo -o out) >said 2>&1
   status=$?
 }

@@ -47,17 +47,4 @@ TEST_CASE("every YAML example of the documents is a good config or a part of one
   CHECK(examples >= 1);
 }
 
-TEST_CASE("files that the documents link to are there") {
-  for (const auto& folder : {source("."), source("docs"), source("docs/accuracy")})
-    for (const auto& entry : fs::directory_iterator(folder)) {
-      if (entry.path().extension() != ".md") continue;
-      const std::string text = read_text(entry.path());
-      const std::regex link("\\]\\(([^)#:]+)\\)");
-      for (std::sregex_iterator it(text.begin(), text.end(), link), end; it != end; ++it) {
-        CAPTURE(entry.path().string() + " -> " + (*it)[1].str());
-        CHECK(fs::exists(folder / (*it)[1].str()));
-      }
-    }
-}
-
 TEST_SUITE_END();

@@ -9,10 +9,11 @@ trap 'rm -rf "$work"' EXIT
 cmake --install "$build" --prefix "$work/prefix" >/dev/null
 cp -r "$source/samples" "$work/samples"
 export CMAKE_GENERATOR=Ninja
-export PKG_CONFIG_PATH="$(dirname "$(find "$work/prefix" -name odograph.pc)")"
+PKG_CONFIG_PATH=$(dirname "$(find "$work/prefix" -name odograph.pc)")
 # Called by its name alone, from another folder, the program finds the plugins that belong to it.
 (cd "$work" && env -u ODOGRAPH_PLUGIN_PATH PATH="$work/prefix/bin:$PATH" odograph plugins | grep -q "^vo/odograph")
-export ODOGRAPH_PLUGIN_PATH="$(pkg-config --variable=plugindir odograph)"
+ODOGRAPH_PLUGIN_PATH=$(PKG_CONFIG_PATH=$PKG_CONFIG_PATH pkg-config --variable=plugindir odograph)
+export PKG_CONFIG_PATH ODOGRAPH_PLUGIN_PATH
 
 cmake -S "$work/samples/embed_c" -B "$work/cmake" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
 cmake --build "$work/cmake" >/dev/null
