@@ -82,7 +82,7 @@ std::string figures_of(const CameraImuCalibration& c) {
     add(" +- %.3f, %.3f, %.3f degrees about the camera's x, y, z; %.2f degrees from the given one\n", s.x(), s.y(),
         s.z(), kDegrees * c.q_b_c.angularDistance(c.given_q_b_c));
   else
-    add(" as given\n");
+    out += " as given\n";
   one("time offset", c.time_offset_s, 1e3, "ms");
   one("row time", c.row_time_s, 1e6, "us");
   one("focal length", c.focal_px, 1, "px"), one("cx", c.cx, 1, "px"), one("cy", c.cy, 1, "px"), one("k1", c.k1, 1, "");
