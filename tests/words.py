@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The field's words (docs/notation.md): home-made ones are found in names, in comments and in documents."""
+"""The field's words (docs/notation.md): home-made ones are found in names, in comments and in documents.
+
+Documents (Markdown) are checked further: software does not tell, say, speak, believe, know or doubt, and prose has at most 120 columns.
+"""
 import re
 import subprocess
 import sys
@@ -37,6 +40,25 @@ PHRASES = [
     (r"\bVO units?\b|\bwhose unit\b", "scale, up to scale", r"$^"),
     (r"\bowes\b|\bplugin owes\b", "emits", r"$^"),
 ]
+# In Markdown, outside of code and quotations. Software and data do not speak or believe.
+VERBS = [
+    (r"\b(tells?|told)\b", "reports, emits, provides, states, distinguishes"),
+    (r"\b(says|said|speaks?|spoken)\b", "states, refers to"),
+    (r"\bbeliev(e|es|ed|ing)\b", "accepts, uses"),
+    (r"\b(knows|knew)\b", "has; scale is observable, is known to x %"),
+    (r"\bdoubt(s|ed|ful)?\b", "uncertainty, covariance, standard deviation"),
+    (r"\b(teach(es)?|taught)\b", "calibrates, biases"),
+    (r"\b(begins?|began|begun|starts?|started) anew\b", "restarts, re-initialises"),
+    (r"\b(tak(es?|en|ing)|took) ([a-z]+ ){1,4}for (granted|one|an?|the)\b", "treats x as y"),
+    (r"\bby hand\b", "manually, empirically"),
+    (r"\bwrongly certain\b|\bis held against\b", "overconfident; is compared with"),
+]
+COLUMNS = 120
+# A word that no line can be broken within: links and code with their spaces, and what adjoins them.
+WORD = re.compile(r"(?:\[[^\]]*\]\([^)]*\)|`[^`]*`|\S)+")
+# Pages that are not rewritten yet.
+UNREVISED = re.compile(r"^(docs/accuracy/city|docs/photographs|docs/sky_network|plugins/fix/skyline/README)\.md$")
+
 # This list itself, what is history, and files that hold whole words of others.
 SKIP = re.compile(r"^(CHANGELOG|LICENSE|tests/words\.py|tests/fuzz/seeds/|docs/pictures/)")
 
@@ -67,6 +89,24 @@ def code_of(line):
     return (bare, "") if at < 0 else (bare[:at], line[line.find("//"):])
 
 
+def blanked(text, pattern):
+    """The text with spaces in place of what matches; lines stay where they are."""
+    return re.sub(pattern, lambda found: re.sub(r"[^\n]", " ", found.group(0)), text)
+
+
+def check_markdown(path, text):
+    text = blanked(text, r"(?ms)^ *```.*?^ *```")
+    text = blanked(text, r"(?m)(?<=\n\n)(?: {4,}(?![*-] |\d+\. ).*\n)+")  # indented code: equations
+    for number, line in enumerate(text.split("\n"), 1):
+        if len(line.rstrip()) > COLUMNS and not re.match(r"\s*(\||#|!\[)", line) and len(WORD.findall(line)) > 1:
+            wrong.append(f"{path}:{number}: {len(line)} columns: {COLUMNS} but in tables, code and links")
+    prose = blanked(blanked(text, r"`[^`]*`|\]\([^)]*\)"), r'"(?:[^"\n]|\n(?!\n)){0,200}"')
+    for number, line in enumerate(prose.split("\n"), 1):
+        for pattern, better in VERBS:
+            for found in re.finditer(pattern, line, re.I):
+                wrong.append(f"{path}:{number}: '{found.group(0)}': {better}")
+
+
 files = subprocess.run(["git", "-C", ROOT, "ls-files"], capture_output=True, text=True, check=True).stdout.splitlines()
 for path in files:
     if SKIP.match(path) or not path.endswith(CODE + TEXT):
@@ -79,5 +119,8 @@ for path in files:
                 check_sentence(path, number, comment)
             elif path.endswith(".md"):
                 check_sentence(path, number, line)
+    if path.endswith(".md") and not UNREVISED.match(path):
+        with open(f"{ROOT}/{path}", encoding="utf-8") as file:
+            check_markdown(path, file.read())
 print("\n".join(wrong))
 sys.exit(1 if wrong else 0)
