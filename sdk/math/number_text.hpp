@@ -13,11 +13,11 @@
 #include <string>
 #include <string_view>
 
-// Numbers as texts and back, the same in every locale and with every C++ library: std::from_chars and std::to_chars of
-// double, which the libraries of Android, Apple and WebAssembly lack wholly or in part.
+// Conversion between numbers and text, the same in every locale and standard library. std::from_chars and std::to_chars
+// of double are missing, in whole or in part, from the libraries of Android, Apple and WebAssembly.
 namespace odograph {
 
-/// In plain C++, to the same bits as the standard functions (tests/number_text_test.cpp compares them).
+/// Plain C++ versions, bit-identical to the standard functions (tests/number_text_test.cpp compares them).
 namespace plain {
 
 inline size_t digits_at(std::string_view text, size_t from) {
@@ -49,13 +49,13 @@ inline std::optional<double> parse_number(std::string_view text) {
     if (below || text.substr(at).starts_with('+')) ++at;
     const size_t digits = digits_at(text, at);
     if (digits == 0) return std::nullopt;
-    constexpr int kFarthest = 100'000'000;  // beyond any double, whatever digits are before it
+    constexpr int kFarthest = 100'000'000;  // an exponent beyond the range of double, whatever the digits
     for (const size_t end = at + digits; at < end; ++at)
       exponent = std::min(kFarthest, 10 * exponent + (text[at] - '0'));
     if (below) exponent = -exponent;
   }
   if (at != text.size()) return std::nullopt;
-  // Without a decimal point, which is the locale's.
+  // Without a decimal point, which depends on the locale.
   std::string digits(text.substr(0, whole));
   if (fraction > 0) digits += text.substr(whole + 1, fraction);
   const bool zero = digits.find_first_not_of('0') == std::string::npos;
@@ -65,7 +65,7 @@ inline std::optional<double> parse_number(std::string_view text) {
   return sign * value;
 }
 
-/// The fewest digits that are read back as `value` (positive, finite), and the power of ten of the first.
+/// The fewest digits that parse back to `value` (positive, finite), and the power of ten of the first digit.
 struct Decimal {
   std::string digits;
   int exponent;
@@ -84,7 +84,7 @@ inline Decimal shortest_decimal(double value) {
       return parse_number(digits + 'e' + std::to_string(decimal.exponent - precision)) == value;
     };
     if (precision >= std::numeric_limits<double>::max_digits10 - 1 || back(decimal.digits)) return decimal;
-    // Below a power of two there are twice as many numbers as above it, so that the next digits may be its own.
+    // Doubles are twice as dense below a power of two as above it, so the next digits may be the nearest.
     std::string next = decimal.digits;
     if (int power = 0; std::frexp(value, &power) == 0.5 && next.back() != '9' && (++next.back(), back(next)))
       return {next, decimal.exponent};
@@ -120,9 +120,9 @@ inline std::string number_text(double value) {
 
 }  // namespace plain
 
-/// The number that the whole text is: an optional '-', digits with at most one '.', an exponent; or inf, infinity, nan.
-/// Rounded correctly. Nothing where it is anything else, where there is anything before or behind it, or where it is
-/// beyond a double's range.
+/// Parses the whole text as a number: an optional '-', digits with at most one '.', an optional exponent; or inf,
+/// infinity, nan. Correctly rounded. Nothing if the text has any other form or surrounding characters, or if the value
+/// is out of range for a double.
 inline std::optional<double> parse_number(std::string_view text) {
 #if defined(__cpp_lib_to_chars)
   double value = 0;
@@ -134,7 +134,7 @@ inline std::optional<double> parse_number(std::string_view text) {
 #endif
 }
 
-/// The shortest text that parse_number reads back as `value`, without an exponent where that is no longer.
+/// The shortest text that parse_number() converts back to `value`, without an exponent where that is no longer.
 inline std::string number_text(double value) {
 #if defined(__cpp_lib_to_chars)
   std::array<char, 32> text;

@@ -7,7 +7,7 @@
 
 namespace odograph {
 
-/// The newest N values of a stream; a new one takes the oldest one's place. No allocation.
+/// Fixed-size ring buffer of the newest N values. No allocation.
 template <class T, size_t N>
 class Ring {
  public:
@@ -15,7 +15,7 @@ class Ring {
   void push(const T& value) { values_[count_++ % N] = value; }
   bool empty() const { return count_ == 0; }
   size_t size() const { return std::min(count_, N); }
-  /// So many values before the newest one, which is back(0); less than size().
+  /// The i-th newest value: back(0) is the newest. i < size().
   const T& back(size_t i) const { return values_[(count_ - 1 - i) % N]; }
   T& back(size_t i) { return values_[(count_ - 1 - i) % N]; }
 

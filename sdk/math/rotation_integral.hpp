@@ -13,21 +13,21 @@
 
 namespace odograph {
 
-/// Rotates the body by a rotation vector in its own axes, rad. Returns the orientation of the middle, which a specific
-/// force measured meanwhile is taken by (midpoint rule).
+/// Rotates the body by a rotation vector in body axes, rad. Returns the orientation at mid-interval, which rotates the
+/// specific force measured over the interval (midpoint rule).
 inline Eigen::Matrix3d rotate_body(Eigen::Quaterniond& q, const Eigen::Vector3d& rotation_b) {
   const Eigen::Matrix3d R_middle = (q * exp_rotation(0.5 * rotation_b)).toRotationMatrix();
   q = (q * exp_rotation(rotation_b)).normalized();
   return R_middle;
 }
 
-/// A gyroscope's rotation over time, and how its bias would change it (Forster et al., "On-manifold preintegration",
-/// 2017, eq. (33) and (44)).
+/// Rotation integrated from a gyroscope, and its derivative by the gyroscope bias (Forster et al., "On-manifold
+/// preintegration", 2017, eq. (33) and (44)).
 struct RotationIntegral {
   Eigen::Quaterniond q_b0_b1 = Eigen::Quaterniond::Identity();
-  Eigen::Matrix3d by_bias = Eigen::Matrix3d::Zero();  ///< derivative of the right-hand small rotation by the bias, s
+  Eigen::Matrix3d by_bias = Eigen::Matrix3d::Zero();  ///< derivative of the right perturbation by the bias, s
 
-  /// rad/s, less the bias.
+  /// Adds one interval. `rate_b`: rad/s, bias subtracted.
   void add(const Eigen::Vector3d& rate_b, double dt_s) {
     const Eigen::Quaterniond step = exp_rotation(rate_b * dt_s);
     q_b0_b1 = q_b0_b1 * step;
@@ -35,8 +35,8 @@ struct RotationIntegral {
   }
 };
 
-/// Over the samples between two times (for_each_interval, whose gap rule this is); `rate_between` makes the rate less
-/// the bias, rad/s, of two neighbouring samples. Nothing where samples lack.
+/// Integrates over the samples between two times, with the gap rule of for_each_interval. `rate_between` returns the
+/// bias-corrected rate, rad/s, from two neighbouring samples. Nothing where samples are missing.
 template <class Samples, class RateBetween>
 std::optional<RotationIntegral> integrate_rotation(const Samples& samples, int64_t from_ns, int64_t to_ns,
                                                    int64_t longest_gap_ns, RateBetween rate_between) {

@@ -7,8 +7,8 @@
 
 namespace odograph {
 
-/// How many samples are later than t_ns. `Samples` as Ring: size(), and back(i) from the newest to the oldest, each
-/// with t_ns, no two alike.
+/// Number of samples later than t_ns. `Samples` has the interface of Ring: size(), and back(i) from the newest to the
+/// oldest, each with a distinct t_ns.
 template <class Samples>
 size_t count_after(const Samples& samples, int64_t t_ns) {
   size_t low = 0, high = samples.size();  // samples [0, low) are later
@@ -22,9 +22,10 @@ size_t count_after(const Samples& samples, int64_t t_ns) {
   return low;
 }
 
-/// Calls `visit(before, after, t0_ns, t1_ns)` for each part [t0_ns, t1_ns] of [from_ns, to_ns] between two neighbouring
-/// samples, in order of time; ahead of the oldest and past the newest sample, both are that sample. False where the
-/// interval has more than `longest_gap_ns` without a sample; where this is at either end, nothing is visited.
+/// Calls `visit(before, after, t0_ns, t1_ns)` in time order for each part [t0_ns, t1_ns] of [from_ns, to_ns] between
+/// two neighbouring samples; before the oldest and after the newest sample, both arguments are that sample. Returns
+/// false if the interval contains more than `longest_gap_ns` without a sample; if that gap is at either end, nothing is
+/// visited.
 template <class Samples, class Visit>
 bool for_each_interval(const Samples& samples, int64_t from_ns, int64_t to_ns, int64_t longest_gap_ns, Visit visit) {
   const size_t n = samples.size();

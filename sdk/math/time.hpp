@@ -10,7 +10,7 @@ inline constexpr int64_t kMillisecond_ns = 1'000'000;
 inline constexpr int64_t kSecond_ns = 1'000'000'000;
 
 constexpr double seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
-/// The nearest; of what lies within 9.2e9 s.
+/// Rounds to the nearest nanosecond; |s| must be below 9.2e9.
 inline int64_t nanoseconds(double s) { return std::llround(s * 1e9); }
 
 }  // namespace odograph

@@ -17,11 +17,11 @@ class AttitudeLog {
   void push(const odo_attitude& attitude) { entries_.push({attitude.header.t_ns, quaternion(attitude.q_n_b)}); }
   void clear() { entries_.clear(); }
 
-  /// Whether it still speaks at a time.
+  /// Whether the attitude source is still active at a time.
   bool covers(int64_t t_ns, int64_t reach_ns) const {
     return !entries_.empty() && t_ns - entries_.back(0).t_ns <= reach_ns;
   }
-  /// The newest that is not later than t, or the oldest; nothing without any.
+  /// The newest orientation that is not later than t, otherwise the oldest; nothing if empty.
   std::optional<Eigen::Quaterniond> at(int64_t t_ns) const {
     size_t i = 0;
     while (i + 1 < entries_.size() && entries_.back(i).t_ns > t_ns) ++i;

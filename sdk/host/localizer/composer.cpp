@@ -18,7 +18,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kTiltSigma_rad = 0.01;  // of the inclination that a front-end or an attitude source keeps; 0.5 degrees
+constexpr double kTiltSigma_rad =
+    0.01;  // of the inclination that a front-end or an attitude source maintains; 0.5 degrees
 
 }  // namespace
 
@@ -58,7 +59,7 @@ UpdateResult Composer::update(const Measurement& measurement) {
 UpdateResult Composer::apply_and_correct(const Measurement& measurement) {
   const bool fix = std::holds_alternative<const odo_fix*>(measurement);
   const auto* attitude = std::get_if<const odo_attitude*>(&measurement);
-  // A compass beside a camera rotates the world that the camera tracks, by little each time and by much in the end.
+  // A compass beside a camera rotates the tracked world slowly, but without bound in the end.
   const bool rotates = attitude && front_end_.begun() && refers_to_north(**attitude);
   const int64_t last_ns = output_.last_ns();
   const bool of_camera = front_end_.begun();
@@ -68,8 +69,8 @@ UpdateResult Composer::apply_and_correct(const Measurement& measurement) {
   if ((!attitude || rotates) && point_before) before = make_pose(*point_before);
   const UpdateResult result = std::visit([this](const auto& what) { return apply(what); }, measurement);
   const auto point = before ? tracker_.track().at(last_ns) : std::nullopt;
-  if (!point || front_end_.begun() != of_camera) return result;  // poses are of another part from now on
-  if (stepped_)                                                  // however late: a motion in o, and no correction
+  if (!point || front_end_.begun() != of_camera) return result;  // poses now refer to another part of the pipeline
+  if (stepped_)                                                  // even if late, this is motion in o, not a correction
     Vector3d::Map(before->p_n) += tracker_.localizer.q_n_o() * (point->p_o_b - point_before->p_o_b);
   odo_pose after = make_pose(*point);
   after.header.t_ns = last_ns;
@@ -102,17 +103,18 @@ UpdateResult Composer::apply(const odo_attitude* attitude) {
   if (!tracker_.started()) {
     tracker_.start(t_ns, quaternion(attitude->q_n_b));
     walker_.start();
-    if (!inputs_.vo) publish(t_ns, ODO_TRACKING, ODO_REASON_NONE);  // otherwise the first frame's
+    if (!inputs_.vo) publish(t_ns, ODO_TRACKING, ODO_REASON_NONE);  // otherwise the first frame publishes
     return {true, 0.0, 0};
   }
   tracker_.go_on(t_ns);
-  if (first && std::holds_alternative<NoSource>(source_)) {  // the camera came first, and nothing has moved
+  if (first &&
+      std::holds_alternative<NoSource>(source_)) {  // the camera started first, and nothing has moved the track yet
     tracker_.heading.start(tracker_.localizer);
     tracker_.push(tracker_.newest().t_ns, quaternion(attitude->q_n_b), Vector3d::Zero());
     return {true, 0.0, 0};
   }
   if (tracker_.rotates_with_attitude() || !tracker_.heading.due(t_ns)) return {};
-  // The camera's orientation at that time, which must not be the attitude's own.
+  // The camera's orientation at that time; the attitude's own may differ.
   const TrackPoint& newest = tracker_.newest();
   const auto q_b0_b1 = tracker_.gyro_rotation(newest.t_ns, t_ns);
   if (!q_b0_b1) return {};
@@ -143,7 +145,7 @@ UpdateResult Composer::apply(const RelativeMotion& relative) {
 UpdateResult Composer::apply(const odo_step* step) {
   if (!tracker_.started() || step->length_m <= 0 || step->t_end_ns <= step->t_start_ns) return {};
   if (tracker_.is_impossible(step->length_m, seconds(step->t_end_ns - step->t_start_ns))) {
-    notice_ = {"fast_step", "a step is longer than the carrier can be fast (coupling.fastest): not used"};
+    notice_ = {"fast_step", "a step is longer than coupling.fastest allows: not used"};
     return {};
   }
   tracker_.go_on(step->header.t_ns);
@@ -185,7 +187,7 @@ UpdateResult Composer::apply(const odo_barometer* barometer) {
   return result;
 }
 
-/// Who has made steps and makes none while the air's pressure goes on changing is carried.
+/// A walker who has made steps, makes none now, and whose air pressure keeps changing is in a lift or on an escalator.
 void Composer::see_lift(const odo_barometer& barometer) {
   if (!walker_.any() || !heights_.add(barometer.header.t_ns, barometer.pressure_pa)) return;
   lift_.update(heights_, stepped_ns_);
@@ -195,7 +197,7 @@ void Composer::see_lift(const odo_barometer& barometer) {
   lift_.riding() ? set_source(LiftSource{}) : set_source(StepSource{});
 }
 
-/// It is the body that the barometer sees move, and not an error that it corrects.
+/// The barometer measures motion of the body here, not an error of the track.
 UpdateResult Composer::ride(const odo_barometer& barometer) {
   const int64_t t_ns = barometer.header.t_ns;
   const double down_m = tracker_.localizer.x[kDown];
@@ -209,7 +211,7 @@ UpdateResult Composer::ride(const odo_barometer& barometer) {
   return result;
 }
 
-/// Another floor is reported when it is likely enough.
+/// Reports a new floor once it is probable enough.
 void Composer::see_floor(int64_t t_ns) {
   constexpr double kReported = 0.8;  // probability; judgement
   floors_.add(t_ns, -tracker_.localizer.x[kDown]);
@@ -225,7 +227,7 @@ UpdateResult Composer::apply(const odo_fix* fix) {
   if (!tracker_.started()) return {};
   const auto then = tracker_.at(fix->header.t_ns);
   if (!then) {
-    notice_ = {"late_fix", "a fix is older than the track that is kept: not used"};
+    notice_ = {"late_fix", "a fix is older than the stored track: not used"};
     return {};
   }
   const Vector3d start_n(tracker_.start_pose().position_m.data());
@@ -256,7 +258,7 @@ Notice Composer::take_notice() {
   return of_steps.key ? of_steps : std::exchange(notice_, {});
 }
 
-/// The papers' tracks without a scale source are shown up to scale.
+/// In paper mode without a scale source, the track is published up to scale.
 bool Composer::is_metric() const {
   if (!inputs_.vo || front_end_.metric()) return shown_;
   return shown_ && (inputs_.scale || !tracker_.paper());

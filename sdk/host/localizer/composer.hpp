@@ -17,38 +17,38 @@
 
 namespace odograph {
 
-/// Composes one pose of everything: a motion source moves the track in o, and all that is absolute moves T_n_o
-/// (docs/estimator.md). With `coupling: paper` by the papers' rules: each frame's displacement times that frame's scale
-/// (Antigny et al. 2019, eq. (5) to (8)), fixes that move the position and not the path. Inputs come in the order in
-/// which the pipeline handles them, IMU samples in order of time. One thread at a time. Output depends on the inputs
-/// and the config alone.
+/// Fuses all inputs into one pose: a motion source moves the track in o, absolute measurements move T_n_o
+/// (docs/estimator.md). `coupling: paper` follows the papers: each frame's displacement is multiplied by that frame's
+/// scale (Antigny et al. 2019, eq. (5) to (8)), and fixes move the position, not the path. Inputs arrive in the
+/// pipeline's processing order, IMU samples in time order. Not thread-safe. The output depends only on the inputs and
+/// the config.
 class Composer : public HeldPoses {
  public:
   Composer(const CouplingConfig& config, const StartPose& start, LocalizerInputs inputs);
   Composer(const Composer&) = delete;
   Composer& operator=(const Composer&) = delete;
-  /// As at the start, for a sensor clock that was set back. The calibration stays.
+  /// Restarts, for a sensor clock that was set back. The calibration is retained.
   void reset();
-  /// No sensor gave anything until then: the velocity is none, and what is unknown of the position grows.
+  /// No sensor delivered data until then: the velocity becomes unknown, and the position uncertainty grows.
   void pause(int64_t until_ns);
 
   void on_calibration(const odo_calibration& calibration) { front_end_.on_calibration(calibration); }
-  /// A whole sample, gyroscope and accelerometer.
+  /// Takes a complete sample, gyroscope and accelerometer.
   void add_imu(const odo_imu& imu) { tracker_.inertia.add(imu); }
   UpdateResult update(const Measurement& measurement);
-  /// Writes the earlier frame's orientation into a motion (ODO_FLAG_NAVIGATION), for scale sources.
+  /// Writes the orientation at the earlier frame into a motion (ODO_FLAG_NAVIGATION), for scale sources.
   void prepare(odo_vo_motion& motion) const;
 
-  /// The pose at t, or the newest for INT64_MIN; ahead of the newest by at most 0.5 s, flagged as extrapolated.
-  /// ODO_NOT_READY before the first, ODO_E_NOT_FOUND outside of what is kept.
+  /// The pose at t, or the newest for INT64_MIN. At most 0.5 s beyond the newest pose, flagged as extrapolated.
+  /// ODO_NOT_READY before the first pose, ODO_E_NOT_FOUND outside the stored track.
   int32_t at(int64_t t_ns, Estimate& out) const;
-  /// A pose to publish, for a frame, a step or the first attitude: each is given once; false when there is none.
+  /// Returns each pose to publish once, for a frame, a step or the first attitude; false if there is none.
   bool take_pose(odo_pose& pose) { return output_.take_pose(pose); }
-  /// A jump of the track, once, with the latest pose anew; false when there is none.
+  /// Returns each jump of the track once, with the corrected latest pose; false if there is none.
   bool take_correction(Correction& correction, odo_pose& pose) { return output_.take_correction(correction, pose); }
-  /// A metric displacement reference for the step estimator, as a position fix; false when there is none.
+  /// Returns a metric displacement reference for the step estimator, as a position fix; false if there is none.
   bool take_step_reference(odo_fix& reference) { return output_.take_step_reference(reference); }
-  /// Something that a person should know, once.
+  /// Returns each message for the user once.
   Notice take_notice();
   uint64_t hold_pose(int64_t t_ns) override;
   void let_go(uint64_t id) override { tracker_.localizer.let_go(id); }
@@ -58,7 +58,7 @@ class Composer : public HeldPoses {
   ScaleKnowledge scale_knowledge() const { return front_end_.scale().knowledge(tracker_.localizer); }
   double distance_m() const { return output_.distance_m(); }
   const MotionSource& source() const { return source_; }
-  /// Of a building, by the barometer, counted from where the track began; probability 0 without one.
+  /// Floor of the building from the barometer, relative to the start of the track; probability 0 without a barometer.
   FloorEstimator::Floor floor() const { return floors_.floor(); }
   const Localizer& localizer() const { return tracker_.localizer; }
 
@@ -75,7 +75,7 @@ class Composer : public HeldPoses {
   void see_lift(const odo_barometer& barometer);
   void see_floor(int64_t t_ns);
   void begin_camera(int64_t t_ns);
-  /// What steps have moved by, in n.
+  /// Records a displacement by steps, in n.
   void note_steps(const Eigen::Vector3d& moved_n, int64_t now_ns);
   void publish(int64_t t_ns, uint32_t state, uint32_t reason);
   odo_pose make_pose(const TrackPoint& point) const;
@@ -92,11 +92,11 @@ class Composer : public HeldPoses {
   LiftDetector lift_;
   FloorEstimator floors_;
   int64_t stepped_ns_ = INT64_MIN / 2;  ///< end of the newest step
-  int32_t said_floor_ = 0;              ///< by the last report
-  std::array<char, 80> floor_text_{};   ///< of it
+  int32_t said_floor_ = 0;              ///< last reported floor
+  std::array<char, 80> floor_text_{};   ///< text of that report
   MotionSource source_;
   bool shown_ = false;    ///< positions are published
-  bool stepped_ = false;  // steps, or a lift, have moved the track by the present measurement
+  bool stepped_ = false;  // steps or a lift moved the track during the current measurement
   Notice notice_;
 };
 

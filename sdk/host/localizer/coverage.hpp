@@ -6,26 +6,26 @@
 
 namespace odograph {
 
-/// Of which time the displacement is in the track: all up to a time, but for one gap before it.
+/// The time over which the track contains the displacement: everything up to a time, except for one gap before it.
 class Coverage {
  public:
   void begin(int64_t t_ns) { until_ns_ = gap_from_ns_ = gap_to_ns_ = t_ns; }
   bool begun() const { return until_ns_ != INT64_MIN; }
   int64_t until_ns() const { return until_ns_; }
 
-  /// The displacement over an interval has been added; before it there may be a gap.
+  /// The displacement over an interval has been added; a gap may precede it.
   void add(int64_t from_ns, int64_t to_ns) {
     if (from_ns > until_ns_) gap_from_ns_ = until_ns_, gap_to_ns_ = from_ns;
     until_ns_ = std::max(until_ns_, to_ns);
   }
-  /// The part of an interval that is not covered, 0 to 1.
+  /// Fraction of an interval that is not covered, 0 to 1.
   double missing(int64_t from_ns, int64_t to_ns) const {
     if (to_ns <= from_ns) return 0;
     const double in_gap = length(std::max(from_ns, gap_from_ns_), std::min(to_ns, gap_to_ns_));
     const double after = length(std::max(from_ns, until_ns_), to_ns);
     return std::min(1.0, (in_gap + after) / static_cast<double>(to_ns - from_ns));
   }
-  /// What was missing of an interval has been added.
+  /// The missing part of an interval has been added.
   void fill(int64_t from_ns, int64_t to_ns) {
     if (to_ns > until_ns_)
       add(std::max(from_ns, until_ns_), to_ns);

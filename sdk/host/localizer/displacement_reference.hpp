@@ -9,26 +9,27 @@
 
 namespace odograph {
 
-/// Makes position fixes for the step estimator out of poses whose scale does not come from steps, so that a walker's
-/// step length is learnt wherever the camera knows metres: one for each stretch that was metric from end to end.
-/// Positions from outside say more; for a minute after one of them there is nothing to add.
+/// Derives position fixes for the step estimator from poses whose scale does not depend on steps, so that the walker's
+/// step length is estimated wherever the camera has metric scale. One fix for each stretch that is metric throughout.
+/// External position fixes carry more information: for a minute after one, this emits nothing.
 class DisplacementReference {
  public:
   struct Parameters {
-    double stretch_m = 5;      ///< of displacement between two of them: seven steps; judgement
-    double alike_m = 20;       ///< over which the scale's error is the same one; judgement
-    double min_sigma = 0.01;   ///< relative: what a scaled odometry may err by (docs/accuracy.md: 0.8 % in nine walks)
-    double fixes_rule_s = 60;  ///< after a fix, for which it says more of the walker; judgement
+    double stretch_m = 5;      ///< displacement between two references: seven steps; judgement
+    double alike_m = 20;       ///< distance over which the scale error is fully correlated; judgement
+    double min_sigma = 0.01;   ///< relative error of a scaled odometry (docs/accuracy.md: 0.8 % in nine walks)
+    double fixes_rule_s = 60;  ///< after an external fix, which is the better reference; judgement
   };
 
   DisplacementReference() = default;
   explicit DisplacementReference(const Parameters& parameters) : p_(parameters) {}
   void reset() { *this = DisplacementReference(p_); }
 
-  /// A true fix was used at this time.
+  /// An external fix was used at this time.
   void fixed(int64_t t_ns) { fixed_ns_ = t_ns; }
 
-  /// The camera's pose, and the relative sigma of the displacement since the one before; 0: not metric without steps.
+  /// Takes the camera's pose and the relative sigma of the displacement since the previous pose; 0: not metric without
+  /// steps.
   std::optional<odo_fix> see(const odo_pose& pose, double scale_sigma) {
     const double step_m = std::hypot(pose.p_n[0] - last_[0], pose.p_n[1] - last_[1]);
     last_[0] = pose.p_n[0], last_[1] = pose.p_n[1];

@@ -16,12 +16,12 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kNothing = 1e12;  // variance of what a fix does not have
-constexpr int kYaw = 0;            // row of a fix's innovation; position below
+constexpr double kNothing = 1e12;  // variance of a component that the fix lacks
+constexpr int kYaw = 0;            // row of a fix's innovation; position follows
 
 bool has_yaw(const odo_fix& fix) { return (fix.header.flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0; }
 
-/// Heading of a fix minus the body's.
+/// Heading of the fix minus that of the body.
 double heading_residual(const odo_fix& fix, const Quaterniond& q_n_b) {
   if (fix.header.flags & ODO_FIX_ORIENTATION) {
     const Quaterniond off = quaternion(fix.q_n_b) * q_n_b.conjugate();
@@ -41,7 +41,7 @@ void forget(Innovation<4>& seen, int row) {
   seen.noise(row, row) = kNothing;
 }
 
-/// Eq. (10): heading and position of the body at the fix's time, by the state now and the track in between.
+/// Eq. (10): heading and position of the body at the fix's time, from the current state and the track in between.
 Innovation<4> innovation_of(const Localizer& localizer, const odo_fix& fix, const FixUpdate::Context& at) {
   const Quaterniond q_n_o = localizer.q_n_o(), q_n_b = q_n_o * at.then.q_o_b;
   const Vector3d since_n = q_n_o * (at.now.p_o_b - at.then.p_o_b);
@@ -83,19 +83,20 @@ void FixUpdate::reset(bool given, bool heading_given) {
   fixed_m_ = given ? 0 : -1;
 }
 
-/// A fix places a track of whose heading nothing is known, and has one.
+/// The fix initialises the heading: it has one, and the track has none yet.
 bool FixUpdate::tells_first_heading(const odo_fix& fix, const Context& at) const {
   const bool unheaded = !heading_known_ && !at.north && fixed_ns_ == INT64_MIN;
   return unheaded && (fix.header.flags & kHorizontal) == kHorizontal && has_yaw(fix);
 }
 
-/// Fixes agreed with the track, and a front-end has led without a break since: the track is not what is off.
+/// Fixes agreed with the track, and the front-end has been metric and inertial without a break since. Then the fix, not
+/// the track, is the likely outlier.
 bool FixUpdate::outweighs_fixes(int64_t t_ns, const Context& at) const {
   return agreed_ >= p_.agreed && at.leads && at.leads_since_ns <= fixed_ns_ &&
          seconds(t_ns - fixed_ns_) < p_.agreed_for_s;
 }
 
-/// The first position of an axis moves the whole track there, and states how well that is known.
+/// The first position of an axis shifts the whole track to it and sets its covariance.
 void FixUpdate::place(Localizer& localizer, Innovation<4>& seen, uint32_t axes, double now_m) {
   Vector3d moved_n = Vector3d::Zero();
   Matrix3d covariance = Matrix3d::Zero();
@@ -111,8 +112,8 @@ void FixUpdate::place(Localizer& localizer, Innovation<4>& seen, uint32_t axes, 
     if (first(i)) forget(seen, 1 + i);
 }
 
-/// A heading that is off by more than a small angle is turned first, so that the position is compared with where that
-/// leads; both are judged together, and nothing has changed where they do not fit.
+/// A heading that is off by more than a small angle is corrected first, so that the position innovation is computed
+/// with the corrected heading. If the fix is rejected, the caller restores the state.
 UpdateResult FixUpdate::rotate(Localizer& localizer, const odo_fix& fix, const Context& at) {
   Innovation<4> heading = innovation_of(localizer, fix, at);
   for (int row = 1; row < 4; ++row) forget(heading, row);
@@ -138,7 +139,7 @@ UpdateResult FixUpdate::use(Localizer& localizer, const odo_fix& fix, const Cont
     agreed_ = 0;
   }
   const FixUpdate policy = *this;
-  std::optional<Localizer> before;  // to return to, where more than one step may change it
+  std::optional<Localizer> before;  // restored if a later part of the update is rejected
   bool heading_used = false;
   if (tells_first_heading(fix, at)) {
     before = localizer;
@@ -146,7 +147,7 @@ UpdateResult FixUpdate::use(Localizer& localizer, const odo_fix& fix, const Cont
     localizer.loosen_heading(std::sqrt(yaw_variance(fix)));
     heading_used = heading_known_ = true;
   }
-  // The heading of a start without a compass is open against fixes, and is told by the path.
+  // Without a compass, fixes may correct the starting heading: the path determines it.
   if (((axes & kHorizontal) || has_yaw(fix)) && !heading_known_ && !at.north) {
     heading_known_ = true;
     before = localizer;

@@ -11,11 +11,11 @@ namespace odograph {
 
 namespace {
 
-constexpr int64_t kApart_ns = 250'000'000;  // of two heights that are kept: 64 last for 16 s
+constexpr int64_t kApart_ns = 250'000'000;  // minimum spacing of the stored heights: 64 span 16 s
 
 double squared(double x) { return x * x; }
 
-/// The normal distribution's probability below so many sigmas.
+/// Cumulative normal distribution.
 double normal_below(double sigmas) { return 0.5 * std::erfc(-std::sqrt(0.5) * sigmas); }
 
 double gauss(double off, double variance) { return std::exp(-0.5 * off * off / variance) / std::sqrt(variance); }
@@ -32,7 +32,7 @@ FloorEstimator::FloorEstimator(const Parameters& parameters) : p_(parameters) {
   for (Building& building : buildings_) building.weight /= sum;
 }
 
-/// A floor is where it was found, or by its storeys from the nearest one that was.
+/// A visited floor lies at its measured height, any other at its number of storeys from the nearest visited one.
 FloorEstimator::Likelihood FloorEstimator::likelihood(double up_m, const Building& building, int index,
                                                       int64_t t_ns) const {
   const int nearest = building.nearest[size_t(index)], storeys = std::abs(nearest - index);
@@ -42,7 +42,7 @@ FloorEstimator::Likelihood FloorEstimator::likelihood(double up_m, const Buildin
       level.variance_m2 + squared(p_.drift_m) * std::max(0.0, seconds(t_ns - level.t_ns)) + squared(p_.floor_sigma_m);
   const double variance = measured + storeys * squared(p_.storey_scatter * building.storey_m);
   double on_it = (1 - p_.between) * gauss(off_m, variance);
-  if (storeys > 0)  // no storey is lower than the lowest
+  if (storeys > 0)  // no storey is lower than lowest_m
     on_it *= normal_below(((index > nearest ? apart_m : -apart_m) - storeys * p_.lowest_m) / std::sqrt(measured));
   return {on_it, on_it + p_.between * gauss(off_m, variance + squared(p_.between_storeys * building.storey_m))};
 }
@@ -52,19 +52,19 @@ FloorEstimator::Floor FloorEstimator::nearest(int64_t t_ns, double up_m) const {
   double all = 0;
   for (const Building& building : buildings_)
     for (int i = 0; i < kFloors; ++i) {
-      // Low storeys lie closer together: each height is as likely, not each floor.
+      // Prior uniform in height, not in floor number: low storeys are closer together.
       const double weight = building.weight * building.storey_m * likelihood(up_m, building, i, t_ns).either;
       of_floor[size_t(i)] += weight, all += weight;
     }
   const auto best = std::max_element(of_floor.begin(), of_floor.end());
-  // Beyond the floors that are told apart, or on the outermost one, which is nearest to all that lies beyond.
+  // Outside the modelled range, or on its outermost floor, which is nearest to everything beyond.
   const bool beyond = !(all > 0) || best == of_floor.begin() || best + 1 == of_floor.end();
   if (beyond) return {now_.floor, 0};
   return {static_cast<int32_t>(best - of_floor.begin()) + kLowest, *best / all};
 }
 
-/// In this building the level is one of its floors, whose height it is from now on, or a landing. How likely it is
-/// here, relative to others.
+/// Assigns the level to a floor of this building and updates that floor's height, unless the level is a landing.
+/// Returns its relative likelihood.
 double FloorEstimator::see_level(Building& building, int64_t t_ns, double up_m) const {
   double all = 0, best = 0;
   int index = 0;
@@ -90,7 +90,7 @@ double FloorEstimator::see_level(Building& building, int64_t t_ns, double up_m) 
   return building.storey_m * all;
 }
 
-/// The walker has been on one level for a while. Longer on the same one tells nothing more of the building.
+/// The walker has stayed on one level for a while. Staying longer adds no information about the building.
 void FloorEstimator::see_level(int64_t t_ns, double up_m) {
   const bool other = std::abs(up_m - level_m_) > p_.other_m;
   level_m_ = up_m;
@@ -100,7 +100,7 @@ void FloorEstimator::see_level(int64_t t_ns, double up_m) {
     const double here = see_level(buildings_[i], t_ns, up_m);
     sum += weights[i] = buildings_[i].weight * (other ? here : 1.0);
   }
-  if (!(sum > 0)) return;  // higher than all floors that are told apart: of the buildings it tells nothing
+  if (!(sum > 0)) return;  // above the modelled range: no information about the buildings
   for (size_t i = 0; i < kBuildings; ++i) buildings_[i].weight = weights[i] / sum;
 }
 
@@ -125,7 +125,7 @@ void FloorEstimator::add(int64_t t_ns, double up_m) {
   }
   if (span_s >= p_.level_s && highest - lowest < p_.level_m) {
     see_level(t_ns, sum / static_cast<double>(n));
-    heights_.clear();  // the next level is of other heights
+    heights_.clear();  // the next level starts a new set of heights
     heights_.push({t_ns, up_m});
   }
   now_ = nearest(t_ns, up_m);

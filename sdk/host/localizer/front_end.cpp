@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Of a motion's rotation, the largest of its axes, rad; 0 where it states none.
+/// Largest axis sigma of a motion's rotation, rad; 0 if it states none.
 double rotation_sigma(const odo_vo_motion& m) {
   if ((m.header.flags & ODO_VO_COVARIANCE) == 0) return 0;
   return std::sqrt(std::max({m.covariance[0], m.covariance[7], m.covariance[14]}));
@@ -24,7 +24,8 @@ double rotation_sigma(const odo_vo_motion& m) {
 
 }  // namespace
 
-/// Whether the front-end rotates as the gyroscope does; a picture of the inside of a pocket does not.
+/// Whether the front-end's rotation agrees with the gyroscope's. It does not when the camera sees the inside of a
+/// pocket.
 bool FrontEnd::rotates_with_gyroscope(const odo_vo_motion& m) const {
   const auto q_b0_b1 = tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns);
   if (!q_b0_b1) return true;
@@ -34,7 +35,7 @@ bool FrontEnd::rotates_with_gyroscope(const odo_vo_motion& m) const {
                        tracker_.gyroscope().bias_sigma_radps * seconds(m.header.t_ns - m.t_from_ns);
 }
 
-/// The body in o at the motion's end, by what the config prefers and what there is.
+/// Orientation of the body in o at the motion's end, from the source that the config prefers among those available.
 std::optional<Quaterniond> FrontEnd::rotated(const Moving& moving) {
   const odo_vo_motion& m = moving.m;
   const Orientation orientation = tracker_.config().orientation;
@@ -47,14 +48,14 @@ std::optional<Quaterniond> FrontEnd::rotated(const Moving& moving) {
   return q_b0_b1 ? std::optional<Quaterniond>(moving.from.q_o_b * *q_b0_b1) : std::nullopt;
 }
 
-/// Of the heading, rad^2. A front-end with inertia that has not walked yet knows the gyroscope's bias badly, and that
-/// is one error for all that time: (sigma T)^2 grows by 2 sigma^2 T dt.
+/// Variance of the heading, rad^2. Before a front-end with inertia has walked, its gyroscope bias is poorly known,
+/// which is one constant error over that time: (sigma T)^2 grows by 2 sigma^2 T dt.
 double FrontEnd::heading_variance(const Moving& moving) const {
   const double unknown_rotation = squared(tracker_.heading.parameters().gap_rotation);
   if (!moving.rotation_known) return unknown_rotation * moving.dt_s;
   const odo_vo_motion& m = moving.m;
   double rate = squared(moving.inertial ? p_.inertial_rotation_walk : p_.rotation_walk);
-  // Where the gyroscope has gone nothing checks the front-end's rotation, and what it predicts corners with is gone.
+  // Without a gyroscope, nothing checks the front-end's rotation, and it cannot predict its corners.
   const bool has_gyroscope = tracker_.inertia.newest_ns() != INT64_MIN;
   if (has_gyroscope && !tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns)) rate += unknown_rotation;
   if (moving.inertial && !group_.walked) {
@@ -71,13 +72,13 @@ double FrontEnd::heading_variance(const Moving& moving) const {
   return variance;
 }
 
-/// Whether the camera walks: its doubt about the displacement is one about the scale.
+/// Whether the camera walks. If so, the uncertainty of its displacement is one of scale.
 bool FrontEnd::walks(int64_t t_ns) const {
   const auto moved = group_.moved_in_a_second(t_ns);
   return moved && std::exp(tracker_.localizer.x[kLogScale]) * *moved > p_.walking_m;
 }
 
-/// The papers' rule: each motion has its own scale, whose errors are common to the path.
+/// Paper mode: each motion has its own scale, whose errors are correlated over the path.
 bool FrontEnd::to_metres_as_in_papers(Moving& moving, const odo_scale* scale) {
   if (!inputs_.scale) return true;
   if (!scale) return false;
@@ -92,7 +93,7 @@ bool FrontEnd::to_metres_as_in_papers(Moving& moving, const odo_scale* scale) {
   return true;
 }
 
-/// Metres of the displacement; false where none are known.
+/// Scales the displacement to metres; false if the scale is unknown.
 bool FrontEnd::to_metres(Moving& moving, const odo_scale* scale) {
   const odo_vo_motion& m = moving.m;
   if (moving.metric) {
@@ -114,8 +115,8 @@ bool FrontEnd::to_metres(Moving& moving, const odo_scale* scale) {
   return true;
 }
 
-/// What the group moved before its scale was known, once it holds for that too and nothing else has moved the track.
-/// Its length, m.
+/// Adds what the scale group moved before its scale was known, if the scale also applies to that part and nothing else
+/// has moved the track. Returns its length, m.
 double FrontEnd::catch_up(const odo_scale* scale, bool horizontal, bool doubtful) {
   const Vector3d waiting_o = group_.take_waiting();
   if (waiting_o.isZero() || (tracker_.paper() && !(scale && (scale->header.flags & ODO_SCALE_STEADY)))) return 0;
@@ -130,7 +131,8 @@ double FrontEnd::catch_up(const odo_scale* scale, bool horizontal, bool doubtful
   return d_o.norm();
 }
 
-/// A front-end with inertia knows the vertical: inclination is its own. Another's is mended slowly by the attitude.
+/// A front-end with inertia estimates the vertical, so its inclination is used. Otherwise the attitude source corrects
+/// the inclination slowly.
 void FrontEnd::level(Moving& moving) const {
   Vector3d down_b = q_b_c_ * Vector3d(moving.m.gravity_c1);
   double share = 1;
@@ -145,8 +147,8 @@ void FrontEnd::level(Moving& moving) const {
   moving.q_o_b1 = (Quaterniond::Identity().slerp(share, up) * moving.q_o_b1).normalized();
 }
 
-/// The first metric motion: where it began follows from the velocity and the inertial samples since the first frame;
-/// before that the camera is taken to have stood.
+/// The first metric motion. The starting point follows from the velocity and the inertial samples since the first
+/// frame; the camera is assumed to have been at rest before them.
 void FrontEnd::begin_here(const Moving& moving) {
   const int64_t to_ns = moving.m.header.t_ns;
   const int64_t from_ns =
@@ -161,19 +163,19 @@ void FrontEnd::begin_here(const Moving& moving) {
   tracker_.push(tracker_.newest().t_ns, tracker_.newest().q_o_b, *d_o);
 }
 
-/// The track goes on, by the rotation, and where there is a displacement in metres by that.
+/// Advances the track by the rotation and, if `moves`, by the metric displacement.
 void FrontEnd::move(const Moving& moving, bool moves) {
   const odo_vo_motion& m = moving.m;
   const Vector3d d_o = moves ? moving.d_o : Vector3d(Vector3d::Zero());
   const Vector3d body_o = d_o - (moving.q_o_b1 * p_b_c_ - moving.from.q_o_b * p_b_c_);
   const double walk = squared(p_.drift_per_root_m) * d_o.norm();
   Vector3d variance(walk, walk, squared(p_.height_drift_per_root_m) * d_o.norm());
-  if (!moving.inertial) {  // an inclination is one error for all of the path: (sigma r)^2 where that ends r away
+  if (!moving.inertial) {  // an inclination error is constant over the path: (sigma r)^2 at distance r
     const Vector3d from_o = tracker_.newest().p_o_b;
     const double further_m2 = (from_o + d_o).head<2>().squaredNorm() - from_o.head<2>().squaredNorm();
     variance.z() += tracker_.tilt_variance() * std::max(0.0, further_m2);
   }
-  double blind_m = 0;  // with the camera covered it goes on by inertia, whose errors are one error
+  double blind_m = 0;  // a covered camera continues on inertia, whose errors accumulate coherently
   if (moves && moving.state != ODO_TRACKING && (m.header.flags & ODO_VO_COVARIANCE)) {
     blind_m = blind_sigma_m_ + std::sqrt(std::max({m.covariance[21], m.covariance[28], m.covariance[35]}));
     variance.array() += squared(blind_m) - squared(blind_sigma_m_);
@@ -254,7 +256,8 @@ FrontEnd::Moving FrontEnd::begin_motion(const odo_vo_motion& m) {
   return moving;
 }
 
-/// A motion that picture or scale got wrong. Without a scale a unit is a metre within three sigmas of what is assumed.
+/// A displacement that only a failure of tracking or scale explains. With unknown scale, the bound is relaxed by three
+/// sigma of the scale prior.
 bool FrontEnd::is_impossible(const Moving& moving) const {
   const bool in_metres = moving.metric || inputs_.scale || scale_.known();
   const double units = in_metres ? 1 : std::exp(3 * ScaleUpdate::Parameters().unknown_sigma);
@@ -317,7 +320,7 @@ bool FrontEnd::is_silent(int64_t now_ns) const {
 bool FrontEnd::check_metres(const odo_step& step, const Vector3d& moved_o) {
   if ((!group_.metric && !metre_check_.doubted()) || step.mode == ODO_MODE_STAIRS) return false;
   if (!metre_check_.add(step.length_m, moved_o.head<2>().norm())) return false;
-  if (metre_check_.doubted())  // what the steps were taught since it went wrong is forgotten
+  if (metre_check_.doubted())  // discards what the step factor learned since the scale went wrong
     tracker_.localizer.set(kLogFactor, metre_check_.log_factor(), metre_check_.variance());
   return true;
 }

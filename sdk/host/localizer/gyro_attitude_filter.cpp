@@ -22,7 +22,7 @@ void GyroAttitudeFilter::reset(const Quaterniond& q_n_c, const Matrix3d& covaria
 
 std::optional<GyroAttitudeFilter::Interval> GyroAttitudeFilter::between(int64_t from_ns, int64_t to_ns,
                                                                         const Quaterniond& q_b_c) const {
-  size_t back = 0;  // of the first sample after from_ns
+  size_t back = 0;  // index of the first sample after from_ns
   while (back < samples_.size() && samples_.back(back).header.t_ns > from_ns) ++back;
   Quaterniond q = Quaterniond::Identity();
   Vector3d force = Vector3d::Zero();
@@ -39,7 +39,7 @@ std::optional<GyroAttitudeFilter::Interval> GyroAttitudeFilter::between(int64_t 
     weight += dt_s, t = std::min(imu.header.t_ns, to_ns);
     last = &imu;
   }
-  // The newest sample holds on to the picture's time.
+  // The newest sample is held until the frame time.
   const double rest_s = static_cast<double>(to_ns - t) * 1e-9;
   if (!last || weight <= 0 || rest_s > p_.longest_gap_s) return std::nullopt;
   q = q * exp_rotation(Vector3d(last->gyro_b) * rest_s);

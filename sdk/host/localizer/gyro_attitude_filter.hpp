@@ -13,49 +13,50 @@
 
 namespace odograph {
 
-/// Orientation chained from a gyroscope's rotations, corrected by whatever sees the orientation: an error-state Kalman
-/// filter of the rotation's error (rad, in n, on the left) and of the gyroscope's bias (rad/s, in the camera's axes),
-/// after Sola, "Quaternion kinematics for the error-state Kalman filter" (2017), with global angular errors. The bias
-/// is learnt from fixes of the orientation and from pictures without parallax. The accelerometer counts where the
-/// carrier stands; in motion so little that a car's braking does not tilt the world.
+/// Orientation integrated from a gyroscope and corrected by orientation measurements: an error-state Kalman filter of
+/// the rotation error (rad, in n, left perturbation) and the gyroscope bias (rad/s, in camera axes), after Sola,
+/// "Quaternion kinematics for the error-state Kalman filter" (2017), with global angular errors. Orientation fixes and
+/// frames without parallax make the bias observable. The accelerometer corrects the inclination at rest; in motion its
+/// weight is so low that a braking car does not tilt the estimate.
 class GyroAttitudeFilter {
  public:
-  /// "judgement": a choice of which no sweep is recorded.
+  /// "judgement": no sweep of this value is recorded.
   struct Parameters {
-    double angle_random_walk = 0.001;  ///< rad/sqrt(s): white noise of a phone's gyroscope, and what else rotates it
+    double angle_random_walk = 0.001;  ///< rad/sqrt(s): white noise of a phone's gyroscope and other rotation errors
     double bias_sigma_radps = 0.009;   ///< rad/s at the start: 0.5 deg/s, data sheets of BMI270 and ICM-20602
     double bias_walk = 3e-5;           ///< rad/s/sqrt(s); temperature
-    double standing_sigma_rad = 0.03;  ///< rad, of the force's direction over a frame: an accelerometer's bias of
-                                       ///< 20 mg, an engine
-    double moving_sigma_rad = 0.5;     ///< rad, the same in motion: a car brakes with 0.5 g; judgement
-    double longest_gap_s = 0.05;       ///< s between samples that is no gap: ten at 200 Hz, two or three at 50 Hz
-    double min_seen_sigma_rad = 5e-4;  ///< rad, of a camera's rotation: never believed to be better; judgement
+    double standing_sigma_rad =
+        0.03;  ///< rad, direction of the specific force over a frame: 20 mg accelerometer bias, engine vibration
+    double moving_sigma_rad = 0.5;  ///< rad, the same in motion: a car brakes with 0.5 g; judgement
+    double longest_gap_s =
+        0.05;  ///< s, longest sample interval that is not a gap: ten samples at 200 Hz, two or three at 50 Hz
+    double min_seen_sigma_rad = 5e-4;  ///< rad, lower clamp for the sigma of a camera's rotation; judgement
   };
 
   GyroAttitudeFilter() { reset(Eigen::Quaterniond::Identity(), Eigen::Matrix3d::Identity()); }
   void reset(const Eigen::Quaterniond& q_n_c, const Eigen::Matrix3d& covariance_n);
 
-  /// Keeps a whole IMU sample for intervals to come. Times increase.
+  /// Stores a complete IMU sample. Times increase.
   void add_imu(const odo_imu& imu) { samples_.push(imu); }
 
-  /// What the IMU said between two times, in the camera's axes.
+  /// IMU measurements between two times, in camera axes.
   struct Interval {
-    Eigen::Quaterniond q_c0_c1;  ///< the gyroscope's rotation as it came
+    Eigen::Quaterniond q_c0_c1;  ///< gyroscope rotation, bias not subtracted
     Eigen::Vector3d force_c;     ///< mean specific force, m/s^2, in the axes at the end
     double dt_s;
   };
-  /// Nothing where samples lack.
+  /// Nothing if samples are missing.
   std::optional<Interval> between(int64_t from_ns, int64_t to_ns, const Eigen::Quaterniond& q_b_c) const;
 
-  /// The gyroscope's rotation over dt.
+  /// Propagates by the gyroscope's rotation over dt.
   void propagate(const Eigen::Quaterniond& q_c0_c1, double dt_s);
-  /// The specific force seen then, after propagate().
+  /// Updates with the specific force at the new time, after propagate().
   void update_gravity(const Eigen::Vector3d& force_c, bool standing);
-  /// The same rotation, seen by a camera (rad, standard deviation of each axis).
+  /// Updates with the same rotation as measured by a camera (sigma of each axis, rad).
   void update_relative_rotation(const Eigen::Quaterniond& gyro_q_c0_c1, const Eigen::Quaterniond& seen_q_c0_c1,
                                 double sigma_rad, double dt_s);
-  /// The orientation was off by this rotation, rad in n; false, and nothing changed, outside a gate (0: none) of
-  /// standard deviations. Returns what it rotated by.
+  /// Updates with a measured orientation error, rad in n. Returns the applied correction, or nothing, with the state
+  /// unchanged, if the innovation is outside a gate in standard deviations (0: no gate).
   std::optional<Eigen::Vector3d> correct(const Eigen::Vector3d& off_n, const Eigen::Matrix3d& covariance_n,
                                          double gate_sigma);
 

@@ -25,7 +25,7 @@ std::optional<Quaterniond> GyroOrientation::rotate(const odo_vo_motion& m, doubl
   if (!wanted() || !from || !to || dt_s <= 0) return std::nullopt;
   const Quaterniond q_c0_c1 = q_b_c_.conjugate() * from->q_e_b.conjugate() * to->q_e_b * q_b_c_;
   filter_.propagate(q_c0_c1, dt_s);
-  // With parallax a picture's rotation and translation are too much alike to tell a bias.
+  // With parallax, rotation and translation are too correlated in a frame for the bias to be observable.
   const bool pure = m.reason == ODO_REASON_NO_PARALLAX && (m.header.flags & ODO_VO_ROTATION) != 0;
   if (pure) filter_.update_relative_rotation(q_c0_c1, quaternion(m.q_c0_c1), rotation_sigma_rad, dt_s);
   filter_.update_gravity(q_b_c_.conjugate() * (to->q_e_b.conjugate() * ((to->v_e - from->v_e) / dt_s)), pure);
@@ -34,7 +34,7 @@ std::optional<Quaterniond> GyroOrientation::rotate(const odo_vo_motion& m, doubl
 
 void GyroOrientation::see_inclination(const Quaterniond& q_o_b, const TrackPoint& then, const Matrix3d& covariance_o) {
   if (!wanted()) return;
-  constexpr double kNothing = 1e6;  // rad^2: the heading is T_n_o's
+  constexpr double kNothing = 1e6;  // rad^2: heading belongs to T_n_o
   Vector3d off_o = log_rotation(q_o_b * then.q_o_b.conjugate());
   off_o.z() = 0;
   Matrix3d R = covariance_o;

@@ -11,16 +11,16 @@
 
 namespace odograph {
 
-/// `coupling.orientation: gyroscope`: the camera's orientation in o composed of the gyroscope's rotations, its
-/// inclination corrected by gravity and by fixes; the heading's drift is the localizer's. Does nothing otherwise.
+/// `coupling.orientation: gyroscope`: the camera's orientation in o, integrated from the gyroscope; gravity and fixes
+/// correct its inclination, the localizer estimates its heading drift. Otherwise inactive.
 class GyroOrientation {
  public:
   explicit GyroOrientation(Tracker& tracker) : tracker_(tracker) {}
-  /// From the track's newest orientation on.
+  /// Starts from the newest orientation of the track.
   void start(const Eigen::Quaterniond& q_b_c);
-  /// The body at the end of a motion; nothing where it is not asked for, or samples lack.
+  /// Orientation of the body at the end of a motion; nothing if inactive or samples are missing.
   std::optional<Eigen::Quaterniond> rotate(const odo_vo_motion& motion, double rotation_sigma_rad);
-  /// A fix's orientation of the body in o, at an earlier time, with its covariance, rad^2.
+  /// Updates with the orientation of the body in o at an earlier time, from a fix; covariance in rad^2.
   void see_inclination(const Eigen::Quaterniond& q_o_b, const TrackPoint& then, const Eigen::Matrix3d& covariance_o);
 
  private:

@@ -65,7 +65,7 @@ UpdateResult HeadingUpdate::use(Localizer& localizer, int64_t t_ns, const Quater
 }
 
 void HeadingUpdate::join(Localizer& localizer, const Quaterniond& q_o_a) const {
-  constexpr double kExact_rad = 1e-3;  // both are of the same moment
+  constexpr double kExact_rad = 1e-3;  // both refer to the same time
   localizer.update(difference(localizer, q_o_a, kExact_rad), 0, all_but({kAttitudeHeading}));
   localizer.copy_error(kHeading, kAttitudeHeading);
 }

@@ -7,36 +7,38 @@
 
 namespace odograph {
 
-/// The attitude source's heading against the track's. Without north it is a gyroscope's, and only learnt, so that steps
-/// go on with it where the camera ends; with a compass it errs by a Gauss-Markov process and turns the track too.
+/// Compares the attitude source's heading with the track's. Without north it is an integrated gyroscope heading, and
+/// only estimated, so that steps can continue with it when the camera stops. With a compass, its error is a
+/// Gauss-Markov process, and it corrects the track too.
 class HeadingUpdate {
  public:
   struct Parameters {
-    double interval_s = 1.0;          ///< s between attitudes that are used: nearer ones have the same error
-    double yaw_rad = 0.02;            ///< rad of one
-    double walk = 2e-4;               ///< rad/sqrt(s) of a heading without north
-    double north_correlation_s = 60;  ///< s for which a compass errs alike: 20 to 60 s in streets (bench canyon)
-    double gap_s = 0.25;              ///< s without an attitude, after which its frame may have turned; by hand
-    double gap_rotation = 0.7;        ///< rad/sqrt(s) by which: a hand turns by 30 deg/s rms
+    double interval_s = 1.0;  ///< s between the attitudes used: closer ones have correlated errors
+    double yaw_rad = 0.02;    ///< rad, of one attitude
+    double walk = 2e-4;       ///< rad/sqrt(s), of a heading without north
+    double north_correlation_s =
+        60;                     ///< s, correlation time of the compass error: 20 to 60 s in streets (bench canyon)
+    double gap_s = 0.25;        ///< s without an attitude, after which its frame may have rotated; empirical
+    double gap_rotation = 0.7;  ///< rad/sqrt(s), of that rotation: a hand rotates by 30 deg/s rms
   };
 
-  /// `mean_rad`: the attitude source's heading against n as it is expected.
+  /// `mean_rad`: expected heading of the attitude source's frame in n.
   void reset(double mean_rad) { *this = {}, mean_rad_ = mean_rad; }
-  /// Both headings at the start, where o has the attitude source's axes.
+  /// Initialises both headings; at the start, o has the attitude source's axes.
   void start(Localizer& localizer) const;
   const Parameters& parameters() const { return p_; }
-  /// An attitude has come. Over a gap the source's frame may have turned.
+  /// Notes the arrival of an attitude. After a gap, the source's frame may have rotated.
   void note(Localizer& localizer, const odo_attitude& attitude);
   bool noted() const { return noted_ns_ != INT64_MIN; }
   bool north() const { return north_; }
 
-  /// Time goes on by dt. `carried`: o turns with the attitude source. Returns what the heading has drifted by, rad^2.
+  /// Propagates by dt. `carried`: o rotates with the attitude source. Returns the heading drift, rad^2.
   double go_on(Localizer& localizer, double dt_s, bool carried) const;
-  /// Whether an attitude of this time says anything new.
+  /// Whether an attitude of this time is independent enough to be used.
   bool due(int64_t t_ns) const;
-  /// `q_o_a`: the attitude source's frame against o, as both have the body.
+  /// `q_o_a`: the attitude source's frame in o, from the two orientations of the body.
   UpdateResult use(Localizer& localizer, int64_t t_ns, const Eigen::Quaterniond& q_o_a);
-  /// From now on o turns with the attitude source: both headings err alike.
+  /// From now on o rotates with the attitude source: both headings share one error.
   void join(Localizer& localizer, const Eigen::Quaterniond& q_o_a) const;
 
  private:

@@ -13,22 +13,22 @@
 
 namespace odograph {
 
-/// The last heights by the air's pressure, and how fast they rise. No allocation.
+/// The newest pressure heights and their rate of climb. No allocation.
 class HeightTrend {
  public:
   struct Parameters {
-    double gust_s = 2;                     ///< what the pressure scatters by lasts that long; judgement
-    double forgotten_s = 10;               ///< without a reading
-    int64_t min_interval_ns = 40'000'000;  ///< quicker samples are passed over: 256 shall last for ten seconds
+    double gust_s = 2;                     ///< s, correlation time of the pressure noise; judgement
+    double forgotten_s = 10;               ///< s without a reading, after which the history is discarded
+    int64_t min_interval_ns = 40'000'000;  ///< faster samples are skipped, so that 256 span ten seconds
   };
   struct Slope {
     double mps, sigma_mps;
-    int64_t from_ns;  ///< of the oldest height in it
+    int64_t from_ns;  ///< time of the oldest height used
   };
   HeightTrend() : HeightTrend(Parameters{}) {}
   explicit HeightTrend(const Parameters& parameters) : p_(parameters) {}
 
-  /// False where the sample came too soon after the last one.
+  /// False if the sample followed the previous one too soon.
   bool add(int64_t t_ns, double pressure_pa) {
     if (!heights_.empty()) {
       const int64_t since = t_ns - heights_.back(0).t_ns;
@@ -38,13 +38,13 @@ class HeightTrend {
     heights_.push({t_ns, pressure_height_m(pressure_pa)});
     return true;
   }
-  /// No reading for so long that the last ones say nothing of now.
+  /// No reading for so long that the stored ones say nothing about the present.
   bool is_silent(int64_t t_ns) const {
     return !heights_.empty() && t_ns - heights_.back(0).t_ns > nanoseconds(p_.forgotten_s);
   }
   int64_t newest_ns() const { return heights_.back(0).t_ns; }
 
-  /// A line through the heights of the last `window_s`; nothing where they are fewer or span less than asked.
+  /// Line fit through the heights of the last `window_s`; nothing if they are fewer or span less than required.
   std::optional<Slope> slope(double window_s, double min_span_s, size_t min_samples) const {
     if (heights_.empty()) return std::nullopt;
     double n = 0, t_sum = 0, h_sum = 0, tt = 0, th = 0, hh = 0, span_s = 0;

@@ -11,21 +11,21 @@
 
 namespace odograph {
 
-/// The barometer's height, against an offset that drifts.
+/// Barometric height update with a drifting offset.
 class HeightUpdate {
  public:
   struct Parameters {
     double sigma_m = 0.5;       ///< m: 4 Pa of wind and 3 of noise
-    double correlation_s = 10;  ///< s over which its error is one error; judgement
-    double walk = 0.02;         ///< m/sqrt(s): 20 Pa in an hour, doors
-    double lift_mps = 3;        ///< m/s, one sigma, of a lift: those of high houses go 2 to 6
-    double told_s = 6;          ///< s at most that a ride is seen late, in which it has gone somewhere
+    double correlation_s = 10;  ///< s, correlation time of its error; judgement
+    double walk = 0.02;         ///< m/sqrt(s), offset random walk: 20 Pa in an hour, doors
+    double lift_mps = 3;        ///< m/s, one sigma, of a lift: in high buildings 2 to 6
+    double told_s = 6;          ///< s, maximum detection delay of a ride, during which the body has moved
   };
 
   void reset() { *this = {}; }
   void go_on(Localizer& localizer, double dt_s) const { localizer.add_variance(kBarometer, squared(p_.walk) * dt_s); }
 
-  /// `down_m`: of the body at the barometer's time. `steps`: they carry the track, and no reading waits for another.
+  /// `down_m`: of the body at the barometer's time. `steps`: steps move the track, so no reading waits for another.
   UpdateResult use(Localizer& localizer, const odo_barometer& barometer, double down_m, bool steps) {
     if (barometer.pressure_pa <= 0) return {};
     const double z_m = -pressure_height_m(barometer.pressure_pa);
@@ -37,7 +37,7 @@ class HeightUpdate {
       used_ns_ = t_ns;
       return {true, 0.0, 1};
     }
-    // Gusts and doors last for seconds: readings within that time have one error.
+    // Gusts and doors last for seconds: the error of the readings within that time is correlated.
     const double since_s = std::clamp(seconds(t_ns - used_ns_), 0.01, p_.correlation_s);
     used_ns_ = t_ns;
     Innovation<1> height;
@@ -47,13 +47,13 @@ class HeightUpdate {
     return localizer.update(height, riding_ ? 0.0 : kGate[1], these({kLogScale, kLogFactor, kStepHeading, kHeading}));
   }
 
-  /// A lift or an escalator carries the body up or down from that time on, or does no more.
+  /// A lift or an escalator moves the body vertically from that time on, or no longer does.
   void ride(bool rides, int64_t since_ns) {
     if (rides && !riding_) ridden_ns_ = since_ns;
     riding_ = rides;
   }
   bool riding() const { return riding_; }
-  /// What a ride may have moved the body by until a reading: nobody but the barometer knows.
+  /// Adds the vertical motion of a ride until a reading as process noise: only the barometer observes it.
   void carry(Localizer& localizer, int64_t t_ns) {
     const double dt_s = std::clamp(seconds(t_ns - ridden_ns_), 0.0, p_.told_s);
     ridden_ns_ = std::max(t_ns, ridden_ns_);

@@ -8,32 +8,31 @@
 
 namespace odograph {
 
-/// A pose of the body in the past that is kept because something hangs on it, as it is known now.
+/// A retained past pose of the body, with its current estimate.
 struct HeldPose {
   Eigen::Quaterniond q_n_b = Eigen::Quaterniond::Identity();
   Eigen::Vector3d p_n_b = Eigen::Vector3d::Zero();  ///< m
-  /// Of the small rotation in n and the position, rad and m, squared: of the held pose, of the body now, and held by
-  /// now.
+  /// Covariance of (rotation in n, position), rad and m, squared: of the retained pose, of the current pose, and of the
+  /// retained pose with the current one.
   Eigen::Matrix<double, 6, 6> own = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 6> now = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 6> cross = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
-/// What anchors hang on. One thread at a time.
+/// The poses that anchors refer to. Not thread-safe.
 class HeldPoses {
  public:
   virtual ~HeldPoses() = default;
 
-  /// Holds the body's pose at t, or the oldest that is kept: what is learnt later moves it as it should, by as much of
-  /// a correction as is its own. A number from 1, never given twice; 0 where that time has not come yet. let_go ends
-  /// it.
+  /// Retains the body's pose at t, or the oldest stored one. Later measurements correct it according to its correlation
+  /// with the current state. Returns an id from 1, never reused; 0 if t has not been reached yet. let_go() releases it.
   virtual uint64_t hold_pose(int64_t t_ns) = 0;
   virtual void let_go(uint64_t id) = 0;
-  /// As it is known now; false where it is not held (any more: reset).
+  /// Its current estimate; false if it is not retained (for example after a reset).
   virtual bool held_pose(uint64_t id, HeldPose& out) const = 0;
-  /// The body's pose now with its covariance, as held_pose has it; `own` and `cross` are the same as `now`.
+  /// The body's current pose with its covariance, in the form of held_pose(); `own` and `cross` equal `now`.
   virtual bool pose_now(HeldPose& out) const = 0;
-  /// Horizontal position against n is known, by the start that was given or by a fix.
+  /// Horizontal position in n is known, from the configured start or from a fix.
   virtual bool is_placed() const = 0;
 };
 

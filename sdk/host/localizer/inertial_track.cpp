@@ -21,7 +21,7 @@ double seconds(int64_t later_ns, int64_t earlier_ns) {
 
 }  // namespace
 
-/// Rotation rate and force linear between two points.
+/// Rotation rate and force are linear between two points.
 void InertialTrack::integrate(const Point& from, Point& to) {
   const double dt = seconds(to.t_ns, from.t_ns);
   to.q_e_b = (from.q_e_b * exp_rotation(0.5 * dt * (from.rate_b + to.rate_b))).normalized();
@@ -51,7 +51,7 @@ void InertialTrack::add(const odo_imu& imu) {
   points_.push(point);
 }
 
-/// The points since the accelerometer's sample before were integrated with a force that was held: now it is known.
+/// Re-integrates the points since the previous accelerometer sample, for which its force was held constant.
 void InertialTrack::add_force(int64_t t_ns, const Vector3d& force_b) {
   if (t_ns <= newest_force_.t_ns) return;
   const bool goes_on = newest_force_.t_ns != INT64_MIN && seconds(t_ns, newest_force_.t_ns) <= kLongestGap_s;
@@ -87,7 +87,7 @@ std::optional<InertialTrack::Point> InertialTrack::at(int64_t t_ns, double ahead
     out.p_e += dt * last.v_e + dt * dt / 6 * (2 * a0 + a1);
     return out;
   }
-  size_t newer = 0, older = usable - 1;  // places counted back from the newest
+  size_t newer = 0, older = usable - 1;  // indices counted back from the newest
   while (older - newer > 1) {
     const size_t middle = (newer + older) / 2;
     (points_.back(middle).t_ns > t_ns ? newer : older) = middle;

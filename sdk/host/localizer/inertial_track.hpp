@@ -14,10 +14,10 @@
 
 namespace odograph {
 
-/// The newest inertial samples as they were pushed, integrated once from an arbitrary epoch e, so that the motion
-/// between any two of their times is a difference of two of its points (preintegration, Forster et al. 2017, without
-/// its noise terms). Gyroscope and accelerometer may come apart: points stand at the gyroscope's times, the
-/// accelerometer is interpolated there, and held until its next sample. No allocation. One thread at a time.
+/// The newest inertial samples, integrated from an arbitrary epoch e, so that the motion between any two of their times
+/// is the difference of two points (preintegration, Forster et al. 2017, without its noise terms). Gyroscope and
+/// accelerometer samples may arrive separately: points lie at gyroscope times; the accelerometer is interpolated there,
+/// and held until its next sample. No allocation. Not thread-safe.
 class InertialTrack {
  public:
   static constexpr size_t kCapacity = 1024;  // 5 s at 200 Hz, 2 s at 500 Hz
@@ -29,29 +29,29 @@ class InertialTrack {
     Eigen::Quaterniond q_e_b = Eigen::Quaterniond::Identity();
     Eigen::Vector3d v_e = Eigen::Vector3d::Zero();      // m/s
     Eigen::Vector3d p_e = Eigen::Vector3d::Zero();      // m
-    Eigen::Vector3d rate_b = Eigen::Vector3d::Zero();   // rad/s, without the bias known then
+    Eigen::Vector3d rate_b = Eigen::Vector3d::Zero();   // rad/s, bias subtracted
     Eigen::Vector3d force_b = Eigen::Vector3d::Zero();  // m/s^2
   };
 
-  /// A sample that is not newer than the newest of its sensor changes nothing.
+  /// Ignores a sample that is not newer than the newest of its sensor.
   void add(const odo_imu& imu);
-  /// Subtracted from the samples to come, rad/s and m/s^2.
+  /// Sets the biases subtracted from later samples, rad/s and m/s^2.
   void set_biases(const Eigen::Vector3d& gyro_b, const Eigen::Vector3d& accel_b) {
     gyro_bias_b_ = gyro_b;
     accel_bias_b_ = accel_b;
   }
-  /// The point at a time: between two samples interpolated, after the newest with constant rotation rate and force, by
-  /// `ahead_s` at most (the point's own time says how far). Nothing before the oldest sample, before a gap, or without
-  /// samples.
+  /// The point at a time: interpolated between two samples; after the newest, extrapolated with constant rotation rate
+  /// and force by at most `ahead_s` (the point's t_ns is the time reached). Nothing before the oldest sample, before a
+  /// gap, or without samples.
   std::optional<Point> at(int64_t t_ns, double ahead_s) const;
-  /// True when an accelerometer has been heard within the longest gap before the newest gyroscope sample.
+  /// Whether an accelerometer sample arrived within the longest gap before the newest gyroscope sample.
   bool has_force() const;
-  /// The earliest time that at() answers; INT64_MAX without any.
+  /// The earliest time for which at() has a point; INT64_MAX if there is none.
   int64_t oldest_ns() const {
     const size_t usable = std::min(since_gap_, points_.size());
     return usable == 0 ? INT64_MAX : points_.back(usable - 1).t_ns;
   }
-  /// Of the gyroscope; INT64_MIN without any.
+  /// Time of the newest gyroscope sample; INT64_MIN if there is none.
   int64_t newest_ns() const { return points_.empty() ? INT64_MIN : points_.back(0).t_ns; }
   void clear();
 
@@ -66,7 +66,7 @@ class InertialTrack {
   static void integrate(const Point& from, Point& to);
 
   Ring<Point, kCapacity> points_;
-  size_t since_gap_ = 0;  // points without a gap between them
+  size_t since_gap_ = 0;  // consecutive points without a gap
   Force before_, newest_force_;
   Eigen::Vector3d gyro_bias_b_ = Eigen::Vector3d::Zero(), accel_bias_b_ = Eigen::Vector3d::Zero();
 };

@@ -9,25 +9,25 @@
 
 namespace odograph {
 
-/// Whether something carries a walker up or down who takes no step: a lift, which is quick, or an escalator, which is
-/// slow and steady. The air's pressure alone shows it: between its start and its end a lift is as still as a floor. No
-/// allocation.
+/// Detects that a walker who takes no step moves vertically: in a lift (fast) or on an escalator (slow and steady).
+/// Only the air pressure shows it: between start and stop, a lift is as still as a floor. No allocation.
 class LiftDetector {
  public:
   struct Parameters {
-    double lift_mps = 0.45;      ///< vertical, over `lift_s`: lifts of houses go 0.63 to 1.6 m/s (ISO 8100-1 classes)
-    double lift_s = 4;           ///< half a storey and the pull of a lift
-    double escalator_mps = 0.2;  ///< vertical, over `escalator_s`: 0.5 m/s at 30 degrees (EN 115) are 0.25 m/s
-    double escalator_s = 10;     ///< a storey
-    double end_mps = 0.12;       ///< over `lift_s`, below which a ride is over; judgement
-    double clear_sigmas = 4;     ///< of the slope, to begin; judgement, stairs ask for five
-    double stands_s = 1.5;       ///< without a step, after which it may be a ride; judgement
-    size_t min_samples = 4;      ///< in the short window: a reading a second
+    double lift_mps =
+        0.45;           ///< vertical speed over `lift_s`: lifts of houses run at 0.63 to 1.6 m/s (ISO 8100-1 classes)
+    double lift_s = 4;  ///< s, half a storey and the acceleration of a lift
+    double escalator_mps = 0.2;  ///< vertical speed over `escalator_s`: 0.5 m/s at 30 degrees (EN 115) is 0.25 m/s
+    double escalator_s = 10;     ///< s, one storey
+    double end_mps = 0.12;       ///< over `lift_s`, below which a ride ends; judgement
+    double clear_sigmas = 4;     ///< significance of the slope at the start of a ride; judgement, stairs need five
+    double stands_s = 1.5;       ///< s without a step, after which a ride is possible; judgement
+    size_t min_samples = 4;      ///< in the short window: one reading a second
   };
   LiftDetector() : LiftDetector(Parameters{}) {}
   explicit LiftDetector(const Parameters& parameters) : p_(parameters) {}
 
-  /// A reading has come. `stepped_ns`: when the last step ended.
+  /// Processes a reading. `stepped_ns`: end of the last step.
   void update(const HeightTrend& trend, int64_t stepped_ns) {
     const int64_t now_ns = trend.newest_ns();
     const auto quick = trend.slope(p_.lift_s, 0.7 * p_.lift_s, p_.min_samples),
@@ -48,12 +48,12 @@ class LiftDetector {
     riding_ = true;
     since_ns_ = std::max(stepped_ns, (lift ? quick : slow)->from_ns);
   }
-  /// Whoever walks is not carried.
+  /// A step ends a ride.
   void step(int64_t t_ns) {
     if (riding_) stop(t_ns);
   }
   bool riding() const { return riding_; }
-  /// When the ride, or what came after it, began: at the earliest.
+  /// Earliest start of the current ride or of the state after it.
   int64_t since_ns() const { return since_ns_; }
   void reset() { *this = LiftDetector(p_); }
 

@@ -16,16 +16,16 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int kPose[4] = {kHeading, kNorth, kEast, kDown};  // a held pose's errors among the filter's
+constexpr int kPose[4] = {kHeading, kNorth, kEast, kDown};  // columns of a retained pose's errors in the filter's state
 
-/// What a rotation of the heading adds to a displacement that is proportional to it: the arc's chord, not its tangent.
+/// Change of a heading-dependent displacement under a finite rotation: the chord of the arc, not its tangent.
 Vector3d along_arc(const Vector3d& tangent, double turned_rad) {
   return left_jacobian(turned_rad * Vector3d::UnitZ()) * tangent;
 }
 
 Quaterniond about_down(double rad) { return Quaterniond(Eigen::AngleAxisd(rad, Vector3d::UnitZ())); }
 
-/// (heading, position) among (rotation, position).
+/// Expands a covariance of (heading, position) to (rotation, position).
 Eigen::Matrix<double, 6, 6> spread(const Eigen::Matrix4d& of_pose, double tilt_variance) {
   Eigen::Matrix<double, 6, 6> out = Eigen::Matrix<double, 6, 6>::Zero();
   out.bottomRightCorner<4, 4>() = of_pose;
@@ -33,8 +33,9 @@ Eigen::Matrix<double, 6, 6> spread(const Eigen::Matrix4d& of_pose, double tilt_v
   return out;
 }
 
-/// Nothing up to where the position was last known, all of it now, linear by the path between: an error that has grown
-/// with it. Without such a place it was n that was wrong: all of it everywhere.
+/// Share of a position shift that a retained pose takes: 0 up to the last fixed position, 1 now, linear in path length
+/// between, for an error that grew along the path. Without a fixed position n itself was wrong, and every pose takes
+/// the whole shift.
 double share_of_shift(double held_m, double fixed_m, double now_m) {
   if (fixed_m < 0 || held_m >= now_m) return 1.0;
   return held_m <= fixed_m ? 0.0 : (held_m - fixed_m) / (now_m - fixed_m);
@@ -93,7 +94,7 @@ template <int D>
 UpdateResult Localizer::update(const Innovation<D>& innovation, double max_nis, StateSet considered) {
   const auto& H = innovation.H;
   Eigen::Matrix<double, kStates, D> PHt = P * H.transpose();
-  // What has entered since is no error of the measured time; never more than half of what is not known now.
+  // Process noise since the measurement is not correlated with it; limited to half the current variance.
   for (int i = 0; i < kStates; ++i) PHt.row(i) -= std::min(innovation.since[i], 0.5 * P(i, i)) * H.col(i).transpose();
   Eigen::Matrix<double, D, D> S = H * PHt + innovation.noise;
   S = (0.5 * (S + S.transpose())).eval();
@@ -109,7 +110,7 @@ UpdateResult Localizer::update(const Innovation<D>& innovation, double max_nis, 
   for (Held& held : held_) {
     const Eigen::Matrix<double, 4, D> CHt = held.cross * H.transpose();
     Eigen::Matrix<double, 4, D> K_held = CHt * inverse;
-    for (int i = 0; i < 4; ++i)  // what holds for the pose now holds for that of then
+    for (int i = 0; i < 4; ++i)  // a change of the current pose applies to the retained one
       if (considered[static_cast<size_t>(kPose[i])]) K_held.row(i).setZero();
     const Eigen::Matrix<double, 4, 1> moved = K_held * innovation.residual;
     held.q_n_b = (about_down(moved[0]) * held.q_n_b).normalized();
@@ -158,7 +159,7 @@ void Localizer::loosen_heading(double sigma_rad) {
   const double variance = sigma_rad * sigma_rad;
   for (const int i : {kHeading, kAttitudeHeading})
     for (const int j : {kHeading, kAttitudeHeading}) P(i, j) += variance;
-  for (Held& held : held_) {  // turned with the rest, about where the body is
+  for (Held& held : held_) {  // rotated with the rest, about the body's position
     Eigen::Vector4d by;
     by << 1, across(held.p_n - p_n());
     held.own += variance * by * by.transpose();

@@ -8,37 +8,38 @@
 
 namespace odograph {
 
-/// Whether the metre of a front-end that was blind for a while still agrees with the walker's steps. It may put all
-/// that it sees afterwards at twice its distance, be certain of it, and need a minute to find back. Who has seen all
-/// the time is believed: steps are no judge of that, since people shuffle, and their steps are then told three times
-/// too long. How long this walker's steps are is learnt from what the front-end saw before.
+/// Checks whether the metric scale of a front-end that lost tracking for a while still agrees with the walker's steps.
+/// Such a front-end may place everything it sees afterwards at twice its distance, with high confidence, for a minute.
+/// A front-end without tracking loss is not checked: people shuffle, and a step estimator then reports three times the
+/// true length. The walker's step factor is estimated while the front-end tracks.
 class MetreCheck {
  public:
   struct Parameters {
-    size_t steps = 12;           ///< over which it is looked at: six seconds; by hand
-    double walker_sigma = 0.2;   ///< of a walker's log factor at first: 0.10 of those who walk briskly, more of others
-    double window_sigma = 0.08;  ///< of that many steps of a walker who is known: of ways of walking
-    double walk = 0.02;          ///< of the log factor, from window to window
-    double max_sigmas = 3;       ///< beyond them the metre is doubted,
-    double min_log = 0.35;       ///< but never for less; three walks through cities, and hybrid walks as the other side
-    double trust_log = 0.15;     ///< below it twice in a row the front-end has found back; by hand
-    double blind_s = 0.5;        ///< without tracking, s; a velocity that is known to 0.3 m/s is then off by a tenth
-    size_t probation = 36;       ///< steps after that, over which steps judge it: three windows; by hand
+    size_t steps = 12;           ///< window of the comparison: six seconds; empirical
+    double walker_sigma = 0.2;   ///< prior of a walker's log factor: 0.10 for brisk walkers, more for others
+    double window_sigma = 0.08;  ///< of the mean over a window for a known walker, whose gait varies
+    double walk = 0.02;          ///< random walk of the log factor from window to window
+    double max_sigmas = 3;       ///< beyond which the scale is rejected,
+    double min_log =
+        0.35;  ///< with at least this difference; from three city walks, and hybrid walks as counterexamples
+    double trust_log = 0.15;  ///< below it twice in a row, the scale is accepted again; empirical
+    double blind_s = 0.5;     ///< s without tracking; a velocity known to 0.3 m/s is then off by a tenth
+    size_t probation = 36;    ///< steps afterwards during which steps judge the scale: three windows; empirical
   };
 
   MetreCheck() : variance_(p_.walker_sigma * p_.walker_sigma) {}
 
-  /// Another scale: what is known of the walker stays.
+  /// Another scale group starts; the walker's factor is retained.
   void restart() { count_ = 0, doubted_ = false; }
-  /// A motion of the front-end over dt_s. It counts as blind from its first metric one on, also where it has begun anew
-  /// since and has no metre yet, and where it was silent for so long.
+  /// Adds a motion of the front-end over dt_s. Tracking losses count from the first metric motion on, including
+  /// re-initialisations without metric scale and pauses of that length.
   void add_motion(double dt_s, bool tracking, bool metric) {
     was_metric_ = was_metric_ || metric;
     if (!was_metric_) return;
     blind_s_ = tracking && dt_s < p_.blind_s ? 0 : blind_s_ + dt_s;
     if (blind_s_ >= p_.blind_s) probation_ = p_.probation;
   }
-  /// A step's length as its estimator tells it, and as the front-end has it, m. True where the judgement has changed.
+  /// Adds a step length, m, from the step estimator and from the front-end. True if the verdict changed.
   bool add(double told_m, double seen_m) {
     told_[count_ % kMax] = told_m, seen_[count_ % kMax] = seen_m;
     ++count_;
@@ -57,18 +58,18 @@ class MetreCheck {
     return doubted_ != before;
   }
   bool doubted() const { return doubted_; }
-  /// The walker's log factor as it was learnt while both agreed, and the variance of a window by it.
+  /// The walker's log factor, estimated while both agreed, and the variance of a window about it.
   double log_factor() const { return factor_; }
   double variance() const { return variance_ + p_.window_sigma * p_.window_sigma; }
 
  private:
-  /// What the logarithm of seen over told differs by from the walker's factor. A step estimator may have been taught
-  /// that factor meanwhile, in part or whole: what lies between it and none is no contradiction.
+  /// Deviation of log(seen / told) from the walker's factor. The step estimator may have learned part or all of that
+  /// factor meanwhile, so any value between the factor and zero counts as agreement.
   double off(size_t back) const {
     const double ratio = log_ratio(back);
     return ratio - std::clamp(ratio, std::min(factor_, 0.0), std::max(factor_, 0.0));
   }
-  /// The logarithm of seen over told, over steps in a row of which the newest is `back` before the newest of all.
+  /// log(seen / told) over a window of consecutive steps that ends `back` steps before the newest.
   double log_ratio(size_t back) const {
     double told = 1e-9, seen = 1e-9;
     for (size_t i = back; i < back + p_.steps; ++i) {

@@ -9,20 +9,20 @@
 
 namespace odograph {
 
-/// What moves the track: one at a time, the best that is alive.
-struct NoSource {};      ///< nothing yet, or nothing any more: the track stays
-struct StepSource {};    ///< steps, from where the last displacement ended
-struct ScaledSource {};  ///< a front-end, times a scale that others give
+/// The source that moves the track: one at a time, the best one active.
+struct NoSource {};      ///< no source: the track stays in place
+struct StepSource {};    ///< steps, from the end of the last displacement
+struct ScaledSource {};  ///< a front-end, multiplied by an external scale
 struct MetricSource {
   bool inertial = false;
-};                     ///< a front-end that states metres, with inertia or without
-struct LiftSource {};  ///< a lift or an escalator, by the barometer, up or down
+};                     ///< a metric front-end, with or without inertia
+struct LiftSource {};  ///< a lift or an escalator, vertical only, from the barometer
 using MotionSource = std::variant<NoSource, StepSource, ScaledSource, MetricSource, LiftSource>;
 
 inline const char* describe(const MotionSource& source) {
-  constexpr const char* kNames[] = {"nothing moves the track: it stays where it is", "steps move the track",
-                                    "the front-end moves the track, times a scale from elsewhere",
-                                    "the front-end moves the track, in its own metres",
+  constexpr const char* kNames[] = {"nothing moves the track", "steps move the track",
+                                    "the front-end moves the track, with an external scale",
+                                    "the front-end moves the track, with its own metric scale",
                                     "a lift or an escalator moves the track up or down, by the barometer"};
   return kNames[source.index()];
 }

@@ -31,7 +31,8 @@ void PoseOutput::settle() {
 
 void PoseOutput::correct(const odo_pose& before, odo_pose after, uint32_t reason, bool small_too) {
   if ((before.header.flags & ODO_POSE_POSITION) == 0) {
-    if (reason == ODO_CORRECTION_FIX) counted_from_ += Vector3d(after.p_n) - Vector3d(before.p_n);  // its first place
+    if (reason == ODO_CORRECTION_FIX)
+      counted_from_ += Vector3d(after.p_n) - Vector3d(before.p_n);  // its first position
     return;
   }
   const Quaterniond q = (raw_quaternion(after.q_n) * raw_quaternion(before.q_n).conjugate()).normalized();

@@ -13,29 +13,30 @@
 
 namespace odograph {
 
-/// What the composer has to hand out: the newest pose, a correction of those before it, a displacement that step
-/// estimators may learn from, and the distance so far.
+/// Output of the composer: the newest pose, a correction of earlier poses, a displacement reference for step
+/// estimators, and the distance travelled.
 class PoseOutput {
  public:
   struct Parameters {
-    double announced_jump_m = 0.05;        ///< m: smaller corrections are no event
+    double announced_jump_m = 0.05;        ///< m: smaller corrections are not reported
     double announced_rotation_rad = 0.01;  ///< rad
-    double counted_m = 0.1;                ///< m of path: less may be trembling; by hand
-    double teaching_scale_sigma = 0.03;    ///< relative: a scale less well known does not teach steps
+    double counted_m = 0.1;                ///< m of path: less may be jitter; empirical
+    double teaching_scale_sigma = 0.03;    ///< relative: a scale with a larger sigma is no reference for steps
   };
 
   void reset() { *this = {}; }
   const Parameters& parameters() const { return p_; }
 
-  /// A pose to publish; `shown`: its position counts. `scale_sigma`: relative, without the help of steps, 0: unknown.
+  /// Takes a pose to publish. `shown`: its position is valid. `scale_sigma`: relative, without the help of steps; 0:
+  /// unknown.
   void publish(odo_pose pose, bool shown, double scale_sigma);
-  /// The published pose has become another one by a measurement, at its own time. Small ones are no event unless asked.
+  /// A measurement has changed the published pose at its own time. Small changes are reported only with `small_too`.
   void correct(const odo_pose& before, odo_pose after, uint32_t reason, bool small_too);
-  /// After both: the published pose's path from the one before it is counted, what corrected that one is not.
+  /// Call after both: adds the path since the previous pose to the distance, excluding its correction.
   void settle();
-  /// A displacement that is counted as it is, m.
+  /// Adds a displacement to the distance as it is, m.
   void count(double moved_m) { distance_m_ += moved_m, counts_all_ = true; }
-  /// What has moved the newest pose too, and corrects it, m.
+  /// Adds a late displacement that also corrects the newest pose, m.
   void catch_up(double moved_m) { distance_m_ += moved_m; }
   void fixed(int64_t t_ns) { reference_maker_.fixed(t_ns); }
 

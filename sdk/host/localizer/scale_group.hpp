@@ -12,12 +12,11 @@
 
 namespace odograph {
 
-/// Motions of a front-end that share one scale (odo_vo_motion.scale_group), and the path that they make, in o, up to
-/// that scale.
+/// Motions of a front-end that share one scale (odo_vo_motion.scale_group), and their path in o, up to that scale.
 struct ScaleGroup {
   uint32_t id = 0;
   bool any = false, metric = false, inertial = false;
-  bool walked = false;  ///< it has been surer of its scale than walkers differ
+  bool walked = false;  ///< its scale has been better known than step lengths vary between walkers
   int64_t began_ns = INT64_MIN;
   int64_t unscaled_ns = INT64_MIN;  ///< since when motions wait for their scale
 
@@ -32,14 +31,14 @@ struct ScaleGroup {
     if (unscaled_o_.isZero()) unscaled_ns = from_ns;
     unscaled_o_ += d_o;
   }
-  /// What has waited, once.
+  /// Returns the waiting displacement once.
   Eigen::Vector3d take_waiting() { return std::exchange(unscaled_o_, Eigen::Vector3d::Zero()); }
-  /// Nothing of a time that is no longer kept, or before the group.
+  /// Nothing for a time that is no longer stored or precedes the group.
   std::optional<Eigen::Vector3d> displacement(int64_t from_ns, int64_t to_ns) const {
     const auto from = path_.at(from_ns), to = path_.at(to_ns);
     return from && to ? std::optional<Eigen::Vector3d>(*to - *from) : std::nullopt;
   }
-  /// Over the second before t, in the group's units; nothing where it is younger.
+  /// Path over the second before t, in the group's units; nothing if the group is younger.
   std::optional<double> moved_in_a_second(int64_t t_ns) const {
     const auto before = path_.at(t_ns - 1'000'000'000);
     return before ? std::optional((y_o_ - *before).norm()) : std::nullopt;

@@ -10,7 +10,7 @@
 namespace odograph {
 namespace {
 
-constexpr double kNews = 1.02;  // times the information so far: less is nothing new
+constexpr double kNews = 1.02;  // minimum ratio to the information so far; less adds nothing
 
 Innovation<1> of_log_scale(double value, const Localizer& localizer, double variance) {
   Innovation<1> seen;
@@ -51,7 +51,7 @@ UpdateResult ScaleUpdate::use(Localizer& localizer, const odo_scale& scale) {
   const double sigma = std::clamp(scale.sigma / scale.scale, p_.min_sigma, p_.unknown_sigma);
   const double information = 1 / squared(sigma), value = std::log(scale.scale);
   const bool by_steps = (scale.header.flags & ODO_SCALE_NOT_BY_STEPS) == 0;
-  if (by_steps && steps_ > 0) return {};  // steps are compared with the front-end themselves
+  if (by_steps && steps_ > 0) return {};  // steps are compared with the front-end directly
   const double since_s = stated_ns_ == INT64_MIN ? 0.0 : seconds(scale.header.t_ns - stated_ns_);
   stated_ns_ = scale.header.t_ns;
   if (!std::exchange(known_, true)) {

@@ -7,33 +7,33 @@
 
 namespace odograph {
 
-/// What makes a front-end's displacements metres: its own statement, or scale sources. Neither states independent
-/// errors: a statement counts for as much as it says more than was said before.
+/// Metric scale of a front-end's displacements, stated by the front-end or by scale sources. Errors of successive
+/// statements are not independent: each counts only for the information it adds to the previous ones.
 class ScaleUpdate {
  public:
   struct Parameters {
-    double unknown_sigma = 1.0;     ///< of log-scale before anything is known; none is stated worse
-    double known_sigma = 0.15;      ///< of log-scale, at which steps have told it
-    double min_sigma = 1e-3;        ///< lower clamp of a stated sigma; by hand
-    double lost_confidence = 0.25;  ///< share of its information below which a front-end has doubted its scale anew
+    double unknown_sigma = 1.0;     ///< of log-scale, prior, and upper clamp of a stated sigma
+    double known_sigma = 0.15;      ///< of log-scale, below which steps have determined the scale
+    double min_sigma = 1e-3;        ///< lower clamp of a stated sigma; empirical
+    double lost_confidence = 0.25;  ///< ratio of stated information below which a front-end has lost its scale again
     double memory_s = 20;           ///< s for which a source repeats the same error
-    int min_steps = 3;              ///< before steps tell it; by hand
+    int min_steps = 3;              ///< before steps determine the scale; empirical
   };
 
-  /// Another scale group: nothing is known of its scale.
+  /// Starts a scale group with unknown scale.
   void begin_group(Localizer& localizer);
-  /// A front-end's own statement, relative sigma. `walks`: the camera moves; a camera at rest doubts its displacement,
-  /// not its scale.
+  /// Takes the front-end's own statement, relative sigma. `walks`: the camera moves. A camera at rest is uncertain of
+  /// its displacement, not its scale.
   void use_own(Localizer& localizer, double sigma, bool walks);
-  /// A scale source's statement at a time.
+  /// Takes a scale source's statement at a time.
   UpdateResult use(Localizer& localizer, const odo_scale& scale);
-  /// Steps have been compared with the front-end: what they gained, 1/variance.
+  /// Adds the information gained from comparing steps with the front-end, 1/variance.
   void add_steps(double gained) { by_steps_ += gained, ++steps_; }
 
   bool known() const { return known_; }
-  /// Steps alone may tell it: three at least, and well enough.
+  /// Accepts the scale from steps alone: at least min_steps, and a small enough sigma.
   void know_by_steps(const Localizer& localizer);
-  /// Of log-scale, without the help of steps, 1/variance; 0: nothing.
+  /// Information on log-scale without the help of steps, 1/variance; 0: none.
   double own_information() const { return own_; }
   ScaleKnowledge knowledge(const Localizer& localizer) const;
 

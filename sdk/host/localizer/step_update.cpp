@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kMaxStretch = 0.9;  // of log-length: a step that was none, or a phone that was handed on
+constexpr double kMaxStretch = 0.9;  // of log-length; more means a false step, or a phone handed on
 
 bool is_loose(const odo_step& step) {
   return step.mode == ODO_MODE_WALKING_SWINGING || step.mode == ODO_MODE_WALKING_POCKET;
@@ -64,7 +64,7 @@ StepUpdate::Stride StepUpdate::carry(Localizer& localizer, const odo_step& step,
                          squared(sway * length_m) * side_n * side_n.transpose();
   const Vector3d walked_n = length_m * along, by_heading = across(walked_n);
   const Vector3d by_factor = step.mode == ODO_MODE_STAIRS ? Vector3d(Vector3d::Zero()) : walked_n;
-  // Up and down he goes with the ground, and no faster than people climb.
+  // Stairs: vertical velocity is limited to what people climb.
   const double dt_s = share * seconds(step.t_end_ns - step.t_start_ns), keep = std::exp(-dt_s / p_.climb_s);
   localizer.decay(kClimb, 0, keep, (1 - keep * keep) * squared(p_.climb_sigma_mps));
   const Vector3d d_n = walked_n + Vector3d(0, 0, x[kClimb] * dt_s);
@@ -83,11 +83,11 @@ UpdateResult StepUpdate::compare(Localizer& localizer, const odo_step& step, con
   if (moved < p_.min_moved || step.mode == ODO_MODE_STAIRS) return {};
   const auto& x = localizer.x;
   const bool heading = (step.header.flags & ODO_STEP_HEADING) != 0;
-  Innovation<2> seen;  // of two differences that are zero
+  Innovation<2> seen;  // of two differences whose expected value is zero
   const double stretch = x[kLogFactor] + std::log(step.length_m / moved) - x[kLogScale];
   seen.residual[0] = -stretch;
   seen.H(0, kLogFactor) = 1, seen.H(0, kLogScale) = -1;
-  const double unseen = p_.correlation * variance / squared(moved);  // relative, along and across alike
+  const double unseen = p_.correlation * variance / squared(moved);  // relative, the same along and across
   seen.noise(0, 0) = (squared(own_sigma(step)) + squared(p_.odometry_sigma / moved)) * p_.correlation + unseen;
   seen.noise(1, 1) = 1e12;
   if (heading) {

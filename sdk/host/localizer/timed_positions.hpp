@@ -10,15 +10,15 @@
 
 namespace odograph {
 
-/// The newest positions of something that moves, and where it was between them. No allocation.
+/// The newest positions of a moving object, with interpolation. No allocation.
 class TimedPositions {
  public:
   void clear() { points_.clear(); }
-  /// In order of time.
+  /// In time order.
   void add(int64_t t_ns, const Eigen::Vector3d& p) { points_.push({t_ns, p}); }
 
-  /// The position then, between two of them linear. After the newest one its own, for less than `reach_ns`; nothing
-  /// else outside of what is kept.
+  /// Position at a time, linearly interpolated; the newest position for less than `reach_ns` after it; otherwise
+  /// nothing.
   std::optional<Eigen::Vector3d> at(int64_t t_ns, int64_t reach_ns = 0) const {
     for (size_t i = 0; i < points_.size(); ++i) {
       const Point& point = points_.back(i);

@@ -11,24 +11,24 @@
 
 namespace odograph {
 
-/// A pose of the body in the odometry frame o, which is level and in which the track never jumps, and how uncertain the
-/// path there has become since the track began, squared.
+/// A pose of the body in the odometry frame o, which is gravity-aligned and in which the track never jumps, with the
+/// variances accumulated since the track began.
 struct TrackPoint {
   int64_t t_ns = INT64_MIN;
   Eigen::Quaterniond q_o_b = Eigen::Quaterniond::Identity();
   Eigen::Vector3d p_o_b = Eigen::Vector3d::Zero();  ///< m
-  double path_m = 0;                                ///< walked until then
+  double path_m = 0;                                ///< travelled until then
   Eigen::Vector3d drift_m2 = Eigen::Vector3d::Zero();
   double heading_drift_rad2 = 0;
 };
 
-/// The newest poses in o, for measurements and anchors of the past. No allocation. One thread at a time.
+/// The newest poses in o, for measurements and anchors in the past. No allocation. Not thread-safe.
 class Track {
  public:
   void clear() { points_.clear(); }
   bool empty() const { return points_.empty(); }
   const TrackPoint& newest() const { return points_.back(0); }
-  /// In order of time; one of the newest's time replaces it.
+  /// In time order; a pose at the newest time replaces it.
   void push(const TrackPoint& point) {
     if (!empty() && point.t_ns <= newest().t_ns)
       points_.back(0) = point;
@@ -36,7 +36,7 @@ class Track {
       points_.push(point);
   }
 
-  /// The pose then: interpolated, and the newest after the newest; nothing before the oldest that is kept.
+  /// The pose at a time: interpolated; the newest after its time; nothing before the oldest stored.
   std::optional<TrackPoint> at(int64_t t_ns) const {
     if (empty()) return std::nullopt;
     if (t_ns >= newest().t_ns) return newest();

@@ -31,10 +31,10 @@ void Tracker::start(int64_t t_ns, const Quaterniond& q_o_b) {
 }
 
 void Tracker::start_without_attitude(int64_t t_ns, const Quaterniond& q_b_c) {
-  constexpr double kLongestAgo_s = 1;  // of the sample whose force is taken for gravity
+  constexpr double kLongestAgo_s = 1;  // maximum age of the sample whose force is taken for gravity
   if (const auto point = inertia.at(t_ns, kLongestAgo_s); point && inertia.has_force())
     return start(t_ns, Quaterniond::FromTwoVectors(point->force_b, -Vector3d::UnitZ()));
-  Matrix3d level;  // columns: the camera's x, y, z in o when it looks level along o's first axis
+  Matrix3d level;  // columns: the camera's x, y, z in o, optical axis horizontal along the first axis of o
   level << 0, 0, 1, 1, 0, 0, 0, 1, 0;
   start(t_ns, Quaterniond(level) * q_b_c.conjugate());
 }
@@ -95,7 +95,7 @@ void Tracker::add_gap(int64_t until_ns) {
 void Tracker::pause(int64_t until_ns, bool placed) {
   set_velocity(Vector3d::Zero(), Velocity::none);
   const int64_t seen_ns = rotates_with_attitude_ ? now_ns() : std::max(coverage.until_ns(), gap_ns_);
-  gap_ns_ = until_ns;  // at once: whatever moves the track next need not know of it
+  gap_ns_ = until_ns;  // immediately, so that any later motion source can ignore the pause
   if (placed)
     localizer.P.diagonal().head<2>().array() += squared(unseen_m_in(seconds(saturating_difference(until_ns, seen_ns))));
 }

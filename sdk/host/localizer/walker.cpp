@@ -32,14 +32,14 @@ void Walker::pop() {
   compared_ -= std::min<size_t>(compared_, 1);
 }
 
-/// Steps tell the scale of a front-end that has none; until then nothing has moved the track.
+/// Estimates the scale of a front-end without one from steps; until then nothing has moved the track.
 void Walker::learn_scale() {
   for (; compared_ < count_; ++compared_) {
     const odo_step& step = waiting_.back(count_ - 1 - compared_);
     if (front_end_.group().displacement(step.t_start_ns, step.t_end_ns))
       compare(step);
     else if (step.t_start_ns >= front_end_.group().began_ns)
-      break;  // it has not come so far yet
+      break;  // the front-end has not reached that step yet
   }
 }
 
@@ -66,7 +66,7 @@ Vector3d Walker::carry_as_in_papers(const odo_step& step) {
 }
 
 Vector3d Walker::carry(const odo_step& step, double share) {
-  const bool late = tracker_.coverage.until_ns() >= step.t_end_ns;  // the front-end has gone on since
+  const bool late = tracker_.coverage.until_ns() >= step.t_end_ns;  // the front-end has continued since
   if (!late) tracker_.rotate_with_attitude();
   const auto q_a_b = tracker_.attitudes.at(step.t_end_ns);
   const Vector3d top_a = q_a_b ? Vector3d(*q_a_b * Vector3d::UnitY()) : Vector3d::UnitX();
@@ -84,7 +84,7 @@ Vector3d Walker::carry(const odo_step& step, double share) {
   return stride.d_n;
 }
 
-/// The front-end's displacement over a step against its length.
+/// Compares the front-end's displacement over a step with the step's length.
 void Walker::compare(const odo_step& step) {
   const auto displacement_o = front_end_.group().displacement(step.t_start_ns, step.t_end_ns);
   if (!displacement_o) return;
@@ -92,9 +92,9 @@ void Walker::compare(const odo_step& step) {
   if (front_end_.check_metres(step, moved_o))
     notice_ = {"odometry_metre",
                front_end_.doubted()
-                   ? "the front-end's metres contradict the walker's steps by two fifths and more: its "
+                   ? "the front-end's metric scale contradicts the walker's steps by 40 % or more: its "
                      "motions count up to scale"
-                   : "the front-end's metres agree with the steps again"};
+                   : "the front-end's metric scale agrees with the steps again"};
   const Localizer& localizer = tracker_.localizer;
   const double before = 1 / localizer.P(kLogScale, kLogScale);
   const auto from = tracker_.track().at(step.t_start_ns), to = tracker_.track().at(step.t_end_ns);

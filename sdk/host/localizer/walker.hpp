@@ -12,8 +12,8 @@
 
 namespace odograph {
 
-/// A walker's steps: compared with the front-end where it moved meanwhile, the motion itself where it did not. They
-/// wait until it has answered for their time, or will not.
+/// A walker's steps: compared with the front-end where it moved meanwhile; otherwise they move the track. Each waits
+/// until the front-end has covered its time or has gone silent.
 class Walker {
  public:
   Walker(Tracker& tracker, FrontEnd& front_end) : tracker_(tracker), front_end_(front_end) {}
@@ -22,16 +22,16 @@ class Walker {
   void start() { update_.reset(tracker_.localizer); }
 
   void add(const odo_step& step);
-  /// Steps of a time that is decided by now. What they moved the body by, in n, m.
+  /// Processes the steps whose time is settled by now. Returns their displacement of the body in n, m.
   Eigen::Vector3d settle(int64_t now_ns);
-  /// The papers' rule: a step moves the track, whole, while the front-end does not. The same.
+  /// Paper mode: a whole step moves the track while the front-end does not. Returns its displacement in n, m.
   Eigen::Vector3d carry_as_in_papers(const odo_step& step);
 
   bool any() const { return update_.any(); }
-  /// Whether steps have moved the track since the last call, and up to when.
+  /// Whether steps have moved the track since the last call.
   bool take_carried() { return std::exchange(carried_, false); }
   int64_t carried_ns() const { return carried_ns_; }
-  /// The front-end's metric scale has come into doubt, or out of it.
+  /// A change of the verdict on the front-end's metric scale.
   Notice take_notice() { return std::exchange(notice_, {}); }
 
  private:
@@ -44,8 +44,8 @@ class Walker {
   FrontEnd& front_end_;
   StepUpdate update_;
   Ring<odo_step, 16> waiting_;
-  size_t count_ = 0;     // of those that wait
-  size_t compared_ = 0;  // of these, the oldest, with an unscaled front-end
+  size_t count_ = 0;     // of waiting steps
+  size_t compared_ = 0;  // of these, the oldest, already compared with an unscaled front-end
   int64_t carried_ns_ = INT64_MIN;
   bool carried_ = false;
   Notice notice_;
