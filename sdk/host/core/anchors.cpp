@@ -112,11 +112,11 @@ std::optional<Anchors::Known> Anchors::get(uint64_t id, int64_t t_ns) const {
   return known;
 }
 
-/// North-East-Down there, in n: over a walk the meridians converge by less than a millirad.
+/// North-East-Down axes at that point, expressed in n: over a walk the meridians converge by less than a millirad.
 Quaterniond Anchors::axes_at(const std::array<double, 3>& geodetic) const {
   constexpr double kNorthwards_rad = 1e-6;  // 6 m
   auto north = geodetic, down = geodetic;
-  north[0] += kNorthwards_rad * (geodetic[0] > 0 ? -1 : 1);  // not beyond a pole
+  north[0] += kNorthwards_rad * (geodetic[0] > 0 ? -1 : 1);  // never across a pole
   down[2] -= 1.0;
   const Vector3d here = vector(geodesy_.from_geodetic(geodetic));
   const Vector3d z = (vector(geodesy_.from_geodetic(down)) - here).normalized();
@@ -135,7 +135,7 @@ void Anchors::put_on_earth(Anchor& anchor, const HeldPose& now) {
   Vector3d p_n = vector(geodesy_.from_geodetic(place));
   if (anchor.height_above == ODO_HEIGHT_TERRAIN) {
     anchor.why_not = ODO_REASON_NO_GROUND;
-    // Where on the horizontal plane a latitude and longitude lie depends on the height by a millionth of it.
+    // The horizontal position of a latitude and longitude depends on the height by only a millionth of it.
     place[2] = geodesy_.to_geodetic(array(now.p_n_b))[2];
     p_n = vector(geodesy_.from_geodetic(place));
     const auto down_m = ground_ ? ground_(p_n.x(), p_n.y(), now.p_n_b.z()) : std::nullopt;
@@ -153,8 +153,8 @@ void Anchors::hang(Anchor& anchor, HeldPoses& poses) {
   if (anchor.held != 0) anchor.hangs = Hangs::on_pose;
 }
 
-/// How well it is known, in n and against the view: with l from the body to the anchor and s from the held pose to it,
-/// the place errs by dp_h - s x theta_h, and what is seen of it by that - dp + l x theta.
+/// Covariance in n and relative to the view: with l from the body to the anchor and s from the retained pose to it, the
+/// position error is dp_h - s x theta_h, and the error in the view is that - dp + l x theta.
 void Anchors::judge(Anchor& anchor, const HeldPose* held, const HeldPose& now) const {
   Matrix36 by_now;
   by_now << skew(anchor.T_n_a.p - now.p_n_b), -Matrix3d::Identity();
@@ -215,7 +215,7 @@ void Anchors::lose_holds() {
 
 namespace {
 
-/// As an anchor is saved: on the Earth where n was, else in n.
+/// An anchor as it is saved: geodetic where n was georeferenced, otherwise in n.
 struct Saved {
   uint32_t kind, hangs, height_above, reserved;
   double geodetic[3], q[4], p[3], sigma_m;
@@ -250,7 +250,7 @@ std::vector<uint8_t> Anchors::save() const {
       std::copy(anchor.geodetic.begin(), anchor.geodetic.end(), saved.geodetic);
       q = anchor.q;
     } else if (!placed_) {
-      continue;  // no later session could find it
+      continue;  // a later session could not place it
     } else if (geodesy_.has_origin()) {
       saved.hangs = kSavedOnEarth;
       const auto geodetic = geodesy_.to_geodetic(array(anchor.T_n_a.p));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The C API: argument checks and the guard that lets no exception out; everything else is Session.
+// The C API: checks arguments and stops exceptions; Session does the rest.
 #include <odograph/anchor.h>
 #include <odograph/layout.h>
 #include <odograph/odograph.h>
@@ -55,11 +55,11 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
   return ODO_OK;
 }
 
-/// Hands out what `find` finds, in a struct of the caller's, which may be older or newer than the host's.
+/// Copies what `find` returns into the caller's struct, which may be older or newer than the host's.
 template <class Struct, class Find>
 int32_t hand_out(Struct* out, uint32_t min_size, Find&& find) {
   uint32_t size = 0;
-  std::memcpy(&size, out, sizeof size);  // struct_size, the first of each
+  std::memcpy(&size, out, sizeof size);  // struct_size is the first member of each
   if (size < min_size) return ODO_E_STRUCT_SIZE;
   return guarded([&] {
     Struct found{};

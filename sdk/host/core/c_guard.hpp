@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What every function of the C API does at the border: no exception leaves, a failure has its text, and
-// the caller's rounding is not ours.
+// Common to every function of the C API: no exception escapes, each failure has a text, and the caller's floating-point
+// rounding mode does not affect the host.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace odograph {
 
-/// What `work` returns; a status where it throws.
+/// Returns the result of `work`, or a status if it throws.
 template <class Work>
 int32_t guarded(Work&& work) noexcept {
   const DefaultFloatingPoint environment;
@@ -28,7 +28,7 @@ int32_t guarded(Work&& work) noexcept {
   }
 }
 
-/// The failure's status, with its text in `error` where the caller gave one.
+/// Returns the failure's status and stores its text in `error`, if not null.
 inline int32_t fail(odo_error* error, const Failure& failure) {
   if (error && error->struct_size >= ODO_ERROR_SIZE_MIN) {
     error->struct_size = std::min<uint32_t>(error->struct_size, sizeof *error);

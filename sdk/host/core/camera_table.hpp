@@ -12,33 +12,32 @@
 
 namespace odograph {
 
-/// What is known of each camera, by header.source: the size of its pictures, its clock and its mount. [any]
+/// Picture size, clock offset and mount of each camera, by header.source. [any]
 class CameraTable {
  public:
-  /// The camera in b.
+  /// Pose of the camera in b.
   struct Mount {
     Eigen::Quaterniond q_b_c = Eigen::Quaterniond::Identity();
     Eigen::Vector3d p_b_c = Eigen::Vector3d::Zero();
   };
 
-  /// `configured`: the config's calibration, whose values replace those that are pushed (mount, time offset and row
-  /// time only where it has them).
+  /// `configured`: the config's calibration, which replaces pushed values (mount, time offset and line time only if the
+  /// config states them).
   explicit CameraTable(const std::optional<odo_calibration>& configured) : configured_(configured) {}
 
-  /// Notes a calibration and brings it to what plugins are given: the time offset, which put_timing applies, is taken
-  /// out.
+  /// Stores a calibration and converts it for the plugins: removes the time offset, which put_timing() applies.
   void take_calibration(odo_calibration& calibration);
-  /// Brings a frame onto the IMU's clock. One without a row time gets the calibration's.
+  /// Converts a frame's time to the IMU clock. A frame without a line time gets the calibration's.
   void put_timing(odo_frame& frame) const;
-  /// A lens is known for one size of picture, unless the frame brings its own intrinsics. Empty where the size is
-  /// right.
+  /// Describes a mismatch between the frame's size and the calibrated size; empty if they match or the frame has its
+  /// own intrinsics.
   std::string size_fault(const odo_frame& frame) const;
   Mount mount(uint32_t source) const;
 
  private:
   struct Camera {
     odo_calibration calibration{};
-    bool config_line_time = false;  // the config's row time replaces the frames'
+    bool config_line_time = false;  // the config's line time replaces the frames'
     Mount mount;
   };
 

@@ -8,15 +8,15 @@
 
 namespace odograph {
 
-/// The events that one sample gave and that have not been handled yet, first in, first out. What one sample may give is
-/// bounded, so that plugins which answer each other cannot go on without end. No allocation after construction.
+/// FIFO of the pending events that one sample caused. The number per sample is bounded, so that plugins that answer
+/// each other's events cannot loop forever. No allocation after construction.
 class EventQueue {
  public:
   explicit EventQueue(size_t limit) : events_(limit) {}
 
-  /// A new sample: what it gives is counted from here.
+  /// Starts a new sample and its event count.
   void begin() { taken_ = 0; }
-  /// Copies an event. False, and nothing done, when the sample has given its share already.
+  /// Copies an event. False, and nothing done, if the sample has reached its limit.
   bool push(const AnyMessage& event) {
     if (taken_ >= events_.size() || count_ >= events_.size()) return false;
     ++taken_;
@@ -24,7 +24,7 @@ class EventQueue {
     return true;
   }
   bool empty() const { return count_ == 0; }
-  /// The oldest; valid until it is popped.
+  /// The oldest event; valid until popped.
   AnyMessage& front() { return events_[first_]; }
   void pop() {
     first_ = (first_ + 1) % events_.size();

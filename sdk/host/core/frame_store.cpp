@@ -18,7 +18,7 @@ FrameStore::FrameStore(size_t quota, SharedPixels* shared) : shared_(shared) {
 }
 
 FrameStore::~FrameStore() {
-  for (const auto& holder : holders_)  // a plugin that kept a frame beyond its life: the app gets its pixels back
+  for (const auto& holder : holders_)  // a plugin retained a frame beyond its lifetime: return the pixels to the app
     if (holder->holds > 0 && !holder->copied && holder->original.release)
       holder->original.release(holder->original.owner);
   for (const auto& holder : holders_)
@@ -43,7 +43,7 @@ int32_t FrameStore::adopt(odo_borrowed& message) {
       }
   }
   if (!holder) return message.loan = {}, ODO_E_EXHAUSTED;
-  const auto give_back = [](Holder* unused) { unused->holds = 0; };  // also where memory runs out
+  const auto give_back = [](Holder* unused) { unused->holds = 0; };  // also if memory runs out
   std::unique_ptr<Holder, decltype(give_back)> place(holder, give_back);
   const odo_loan original = std::exchange(message.loan, {});
   const bool can_be_retained = original.retain && original.release;
@@ -68,7 +68,7 @@ int32_t FrameStore::copy_frame(Holder& holder, odo_frame& frame) {
   return copy_pixels(frame, memory_of(holder, bytes)) ? ODO_OK : ODO_E_DISCARD;
 }
 
-/// Kept from frame to frame.
+/// Reused from frame to frame.
 std::span<uint8_t> FrameStore::memory_of(Holder& holder, size_t bytes) {
   if (shared_ && holder.shared.size() < bytes) {
     shared_->give_back(holder.shared);
@@ -81,7 +81,7 @@ std::span<uint8_t> FrameStore::memory_of(Holder& holder, size_t bytes) {
 
 int32_t FrameStore::retain(void* owner) {
   auto* holder = static_cast<Holder*>(owner);
-  // One place stays free for the next frame: plugins may keep the rest.
+  // Plugins may retain all frames but one, so that the next frame always has a slot.
   if (holder->holds == 1 && holder->store->in_use() >= holder->store->holders_.size()) return ODO_E_EXHAUSTED;
   ++holder->holds;
   return ODO_OK;
@@ -89,9 +89,9 @@ int32_t FrameStore::retain(void* owner) {
 
 void FrameStore::release(void* owner) {
   auto* holder = static_cast<Holder*>(owner);
-  const odo_loan original = holder->original;  // with the last hold the place may be taken again
+  const odo_loan original = holder->original;  // the slot may be reused after the last release
   const bool give_back = !holder->copied;
-  if (--holder->holds == 0 && give_back) original.release(original.owner);  // the app's code: no lock is held
+  if (--holder->holds == 0 && give_back) original.release(original.owner);  // the app's code: call it without a lock
 }
 
 const void* FrameStore::native(void* owner, const char* id, uint64_t id_size) {

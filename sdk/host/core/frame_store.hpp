@@ -13,11 +13,11 @@ namespace odograph {
 
 class SharedPixels;
 
-/// Holds the borrowed messages (camera frames above all) that wait in the queue or that plugins retain, within a quota.
-/// The memory stays the app's when the message can be retained; otherwise a frame's pixels are copied once on arrival.
-/// With memory that the processes of plugins see they are always copied, into that memory, and no process needs a copy
-/// of its own. Retain and release may be called on any thread; the app's own release is called without a lock. Must
-/// outlive every message it handed out.
+/// Holds borrowed messages (mainly camera frames) that wait in the queue or that plugins retain, within a quota. Memory
+/// stays with the app if the message can be retained; otherwise the pixels are copied once on arrival. With memory
+/// shared with plugin processes, pixels are always copied into it, so that no process needs its own copy. Retain and
+/// release may be called on any thread; the app's own release is called without a lock. Must outlive every message it
+/// returned.
 class FrameStore {
  public:
   /// `shared` may be null and outlives the store.
@@ -26,12 +26,12 @@ class FrameStore {
   FrameStore(const FrameStore&) = delete;
   FrameStore& operator=(const FrameStore&) = delete;
 
-  /// Replaces the app's loan by the store's, in a borrowed message that is as large as the host's struct. The caller
-  /// owns one hold and gives it up with release. ODO_E_EXHAUSTED when the quota is used up or the app refuses,
-  /// ODO_E_DISCARD when a row is longer than its stride, ODO_E_UNSUPPORTED when it must be copied and cannot be (no
-  /// pixels, no rows of an unknown format, no frame); the message has no loan then.
+  /// Replaces the app's loan with the store's, in a borrowed message of the host's struct size. The caller owns one
+  /// reference and drops it with release. ODO_E_EXHAUSTED if the quota is used up or the app refuses, ODO_E_DISCARD if
+  /// a row exceeds its stride, ODO_E_UNSUPPORTED if the message must be copied but cannot be (no pixels, unknown
+  /// format, not a frame); the message then has no loan.
   int32_t adopt(odo_borrowed& message);
-  /// Frames held now.
+  /// Number of frames held.
   size_t in_use() const;
 
  private:
@@ -41,7 +41,7 @@ class FrameStore {
     odo_loan original{};  // the app's
     bool copied = false;
     std::vector<uint8_t> pixels;
-    std::span<uint8_t> shared;  // instead of them
+    std::span<uint8_t> shared;  // used instead of own memory
   };
 
   std::span<uint8_t> memory_of(Holder& holder, size_t bytes);

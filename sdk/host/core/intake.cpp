@@ -30,7 +30,7 @@ int32_t Intake::take(const odo_header& sample, OwnedMessage& out) {
   if (const std::string fault = message_fault(copy.header()); !fault.empty())
     return refuse_invalid(sample, ODO_E_DISCARD, fault);
   if (!gate_.within_range(copy.header()))
-    return refuse(counts_.wild, "wild_", sample, ODO_E_DISCARD, "outside the range of any such sensor");
+    return refuse(counts_.wild, "wild_", sample, ODO_E_DISCARD, "value outside the range of any such sensor");
   if (sample.type == ODO_TYPE_CALIBRATION) cameras_.take_calibration(reinterpret_cast<odo_calibration&>(copy.header()));
   if (sample.type == ODO_TYPE_FRAME)
     if (const std::string fault = cameras_.size_fault(as<odo_frame>(copy.header())); !fault.empty())
@@ -50,7 +50,7 @@ int32_t Intake::borrow(odo_borrowed& message) {
   if (status == ODO_E_UNSUPPORTED)
     return refuse_invalid(message.header, status, "it cannot be copied and has no retain and release");
   return refuse(counts_.overflow, "dropped_", message.header, status,
-                "all that may be retained are still in use: they come faster than they are processed, or its retain "
+                "all retainable messages are still in use: they arrive faster than they are processed, or its retain "
                 "refused");
 }
 
@@ -64,7 +64,7 @@ int32_t Intake::add(OwnedMessage message) {
     if (closed_) return ODO_E_STATE;
     if (header.type == ODO_TYPE_IMU) {
       odo_imu imu = copy_as<odo_imu>(message.header());
-      if (header.struct_size > sizeof imu)  // bits of fields that are cut off go with them
+      if (header.struct_size > sizeof imu)  // flags of fields beyond the host's struct are cleared with them
         imu.header.flags &= (2 * ODO_IMU_ACCEL_CORRECTED - 1) | ODO_FLAG_QUALITY;
       spikes = gate_.push(imu, [&](const odo_imu& passed) {
         const auto each = order(OwnedMessage(passed.header), given_up);
@@ -78,11 +78,12 @@ int32_t Intake::add(OwnedMessage message) {
     }
   }
   if (spikes > 0)
-    refuse(counts_.wild, "wild_", header, ODO_E_DISCARD, "the one before it sticks out from both its neighbours");
+    refuse(counts_.wild, "wild_", header, ODO_E_DISCARD,
+           "the previous sample is a spike: it differs from both its neighbours");
   return verdict == TimeOrder::Verdict::accepted ? ODO_OK : refuse_unordered(header, verdict);
 }
 
-/// Under the lock. What is not accepted is released without it.
+/// Requires the lock. Rejected messages are released without it.
 TimeOrder::Verdict Intake::order(OwnedMessage message, std::vector<OwnedMessage>& given_up) {
   auto verdict = order_.judge(message.header());
   if (verdict == TimeOrder::Verdict::restarted) {
@@ -96,7 +97,7 @@ TimeOrder::Verdict Intake::order(OwnedMessage message, std::vector<OwnedMessage>
   return verdict;
 }
 
-/// Under the lock. What waits is of the old clock, but for what describes the sensors.
+/// Requires the lock. Waiting messages are of the old clock and are dropped, except sensor descriptions.
 void Intake::restart(std::vector<OwnedMessage>& given_up) {
   std::vector<OwnedMessage> descriptions;
   OwnedMessage message;
@@ -139,7 +140,7 @@ bool Intake::drop_one() {
   return order_.drain(waiting);
 }
 
-/// The newest is the last error even where it is not reported: reports of a kind come once a second.
+/// Stores the newest refusal as the last error even if it is not reported: each kind is reported at most once a second.
 int32_t Intake::refuse(std::atomic<uint64_t>& count, const char* key, const odo_header& sample, int32_t status,
                        const std::string& why) {
   ++count;
@@ -153,8 +154,8 @@ int32_t Intake::refuse(std::atomic<uint64_t>& count, const char* key, const odo_
 int32_t Intake::refuse_unordered(const odo_header& sample, TimeOrder::Verdict verdict) {
   using Verdict = TimeOrder::Verdict;
   const auto [count, why] =
-      verdict == Verdict::late        ? std::pair(&counts_.late, "came after its time had been processed")
-      : verdict == Verdict::duplicate ? std::pair(&counts_.duplicate, "same sensor and time as the one before")
+      verdict == Verdict::late        ? std::pair(&counts_.late, "arrived after its time had been processed")
+      : verdict == Verdict::duplicate ? std::pair(&counts_.duplicate, "same sensor and time as the previous one")
       : verdict == Verdict::full      ? std::pair(&counts_.overflow, "the queue is full")
                                       : std::pair(&counts_.invalid, "its time is far ahead of all others");
   return refuse(*count, "dropped_", sample, verdict == Verdict::full ? ODO_E_EXHAUSTED : ODO_E_DISCARD, why);

@@ -16,9 +16,9 @@
 
 namespace odograph {
 
-/// What an app pushes, on its way to the pipeline: checked, made the session's own (borrowed memory is retained or
-/// copied), brought onto the IMU's clock, and put into the order of time. What cannot be used is refused, counted and
-/// reported. No lock is held while anything is released or reported. Outlives every message it gave. [any]
+/// Input stage between the app and the pipeline: checks each sample, takes ownership (borrowed memory is retained or
+/// copied), converts its time to the IMU clock and inserts it into the time order. Unusable samples are refused,
+/// counted and reported. Releases and reports happen without a lock. Outlives every message it returned. [any]
 class Intake {
  public:
   struct Counts {
@@ -26,24 +26,24 @@ class Intake {
   };
   enum class Next { nothing, restart, sample };
 
-  /// `shared` may be null (see FrameStore). `poses` is given each inertial sample, and cleared where the clock is set
-  /// back. The references outlive it.
+  /// `shared` may be null (see FrameStore). `poses` receives each inertial sample and is cleared when the clock is set
+  /// back. The references outlive this object.
   Intake(const PipelineConfig& config, SharedPixels* shared, CameraTable& cameras, PoseStream& poses,
          HostServices& host, Outbox& outbox);
 
-  /// The sample as a message, or why it is refused. What no one knows is taken: a plugin may.
+  /// Converts a sample to a message, or refuses it. Unknown types are accepted: a plugin may know them.
   int32_t take(const odo_header& sample, OwnedMessage& out);
-  /// Puts what was taken into the order of time. ODO_E_STATE once it is closed.
+  /// Inserts an accepted message into the time order. ODO_E_STATE after close().
   int32_t add(OwnedMessage message);
-  /// What the pipeline is to do next: to start anew, because the sensor clock was set back, or to process `out`. Up to
-  /// `flush_until_ns` no slower sensor is waited for.
+  /// Returns the pipeline's next action: restart, because the sensor clock was set back, or process `out`. Up to
+  /// `flush_until_ns`, slower sensors are not waited for.
   Next next(OwnedMessage& out, int64_t flush_until_ns);
-  /// True when next without flush would give something.
+  /// Whether next() without flush would return an action.
   bool ready() const;
   int64_t latest_waiting_ns() const;
-  /// Takes nothing more.
+  /// Refuses all further samples.
   void close();
-  /// Releases one message that waits; false where none does.
+  /// Releases one waiting message; false if there is none.
   bool drop_one();
   const Counts& counts() const { return counts_; }
 
@@ -65,8 +65,8 @@ class Intake {
   FrameStore frames_;
   Counts counts_;
 
-  mutable std::mutex mutex_;  // for what follows
-  SampleGate gate_;           // its ranges never change
+  mutable std::mutex mutex_;  // guards what follows
+  SampleGate gate_;           // its ranges are constant
   TimeOrder order_;
   bool restarted_ = false, closed_ = false;
 };

@@ -12,18 +12,18 @@
 
 namespace odograph {
 
-/// Which north a heading is of: turns magnetic north into true north, and knows whether anything has observed the
-/// heading against true north yet.
+/// Converts headings from magnetic to true north, and records whether any measurement has observed the heading against
+/// true north.
 class NorthReference {
  public:
-  // Of an attitude without a covariance: a filter that does not compute one is seldom better than 3 degrees in tilt
-  // while walking, and its compass within 30 degrees (docs/accuracy/pose.md).
+  // For an attitude without a covariance: such filters are seldom better than 3 degrees in tilt while walking, and
+  // their compass is within 30 degrees (docs/accuracy/pose.md).
   struct Parameters {
     double tilt_sigma_rad = 0.05;    ///< rad
     double heading_sigma_rad = 0.5;  ///< rad
   };
 
-  /// `declination_rad`: magnetic from true north, positive to the east. `start_is_true`: the config gives a heading.
+  /// `declination_rad`: of magnetic from true north, positive to the east. `start_is_true`: the config gives a heading.
   NorthReference(std::optional<double> declination_rad, bool start_is_true)
       : declination_rad_(declination_rad), start_is_true_(start_is_true), is_true_(start_is_true) {}
   void reset() { is_true_ = start_is_true_; }
@@ -32,12 +32,12 @@ class NorthReference {
     if (field.header.flags & ODO_EARTH_FIELD_DECLINATION) declination_rad_ = field.declination_rad;
   }
   void observe(const odo_attitude& attitude) { is_true_ |= (attitude.header.flags & ODO_ATTITUDE_TRUE_NORTH) != 0; }
-  /// A fix that was used.
+  /// Notes a fix that was used.
   void observe(const odo_fix& fix) { is_true_ |= (fix.header.flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0; }
   bool is_true() const { return is_true_; }
 
-  /// Turns magnetic into true north, where the declination is known; an attitude without a covariance is given an
-  /// uninformed one.
+  /// Converts magnetic to true north if the declination is known, and fills in a missing covariance with uninformed
+  /// sigmas.
   void complete(odo_attitude& attitude) const {
     uint32_t& flags = attitude.header.flags;
     Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> covariance(attitude.covariance_n);

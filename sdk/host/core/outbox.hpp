@@ -15,22 +15,22 @@
 
 namespace odograph {
 
-/// What goes to the app: events and reports through its callback, the last error on request. Reports are collected from
-/// any thread and published by one. The callback is called without a lock and may set another one. [any]
+/// Output to the app: events and reports through its callback, the last error on request. Any thread may report; one
+/// thread publishes. The callback is called without a lock and may set another callback. [any]
 class Outbox {
  public:
-  static constexpr size_t kMaxReports = 64;  ///< that wait; more are only the last error
+  static constexpr size_t kMaxReports = 64;  ///< waiting reports; further ones are only kept as the last error
 
-  /// Returns when the callback before is no longer running, unless called from within it.
+  /// Returns once the previous callback has finished, unless called from within it.
   void set_callback(TypeSet types, odo_callback callback, void* user);
-  /// One thread at a time, as publish_reports.
+  /// Called by one thread at a time, like publish_reports().
   void publish(const odo_header& event);
   void add(const Report& report);
-  /// True when publish_reports would call the callback.
+  /// Whether publish_reports() would call the callback.
   bool report_is_waiting() const;
   void publish_reports(int64_t t_ns);
   void set_last_error(Failure error);
-  /// The newest error or warning since the last call; ODO_OK and no text where there is none.
+  /// Returns and clears the newest error or warning; ODO_OK and no text if there is none.
   Failure take_last_error();
 
  private:
@@ -40,7 +40,7 @@ class Outbox {
   void* user_ = nullptr;
   TypeSet types_;
   bool runs_ = false;
-  std::thread::id thread_;  // on which it runs
+  std::thread::id thread_;  // thread that runs the callback
   Failure last_error_{ODO_OK, ""};
   std::vector<Report> reports_;
   std::atomic<bool> has_callback_{false}, has_reports_{false};

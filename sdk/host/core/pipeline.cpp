@@ -49,18 +49,17 @@ void Pipeline::process(const odo_header& message) {
       publisher_.publish_estimates();
       ask(message);
       break;
-    default: ask(message);  // magnetometer, GNSS, waypoints, and what only a plugin knows
+    default: ask(message);  // magnetometer, GNSS, waypoints, and types that only a plugin knows
   }
   handle_events();
   publisher_.watch_silence();
   if (!publisher_.take_broken()) return;
   host_.report(0, ODO_SEVERITY_ERROR, "broken_pose",
-               "the localizer's pose is no number any more: it is not published, and the pipeline starts anew",
-               ODO_E_ERROR);
+               "the localizer's pose is not finite: it is not published, and the pipeline restarts", ODO_E_ERROR);
   reset();
 }
 
-/// All sensors were silent: an event, whatever its length, and not an interval to integrate over.
+/// All sensors were silent. This counts as one event of any length; nothing integrates over it.
 void Pipeline::on_pause() {
   joiner_.reset();
   composer_.pause(watch_.pause().to_ns);
@@ -69,7 +68,7 @@ void Pipeline::on_pause() {
 
 void Pipeline::on_imu(const odo_imu& imu) {
   events_.begin();
-  if ((imu.header.flags & ODO_IMU_ACCEL) == 0) {  // front-ends alone: all others need gravity
+  if ((imu.header.flags & ODO_IMU_ACCEL) == 0) {  // for front-ends only: all others need gravity
     roster_.tell_kind(ODO_INTERFACE_VO_FRONTEND, imu.header);
     return handle_events();
   }
@@ -84,7 +83,7 @@ void Pipeline::wake() {
   roster_.wake([this] { handle_events(); });
 }
 
-/// Hands a sample to the plugins; all that comes of it is handled before the next one is asked.
+/// Passes a sample to each plugin in turn and handles all resulting events before the next plugin.
 void Pipeline::ask(const odo_header& message) {
   if (!roster_.ask(message, [this] { handle_events(); }) && !message_info(message.type)) ++counters_.unknown;
 }
@@ -94,7 +93,7 @@ void Pipeline::enqueue(const AnyMessage& event) {
   ++counters_.events_dropped;
   host_.report(event.header().source, ODO_SEVERITY_WARNING, "event_limit",
                "a " + message_name(event.header().type) + " was dropped: one sample has given " +
-                   std::to_string(events_.limit()) + " events already; plugins that answer each other without end?");
+                   std::to_string(events_.limit()) + " events already; do plugins answer each other in a loop?");
 }
 
 void Pipeline::handle_events() {
@@ -102,7 +101,7 @@ void Pipeline::handle_events() {
     AnyMessage event = events_.front();
     events_.pop();
     handle(event);
-    // Fixes of one call count as one: the corrected pose comes after the last of them.
+    // Fixes from one call count as one: the corrected pose follows the last of them.
     const bool more_fixes = !events_.empty() && events_.front().header().type == ODO_TYPE_FIX;
     if (event.header().type != ODO_TYPE_FIX || !more_fixes) publisher_.publish_estimates();
   }
@@ -112,7 +111,7 @@ void Pipeline::handle(AnyMessage& event) {
   const odo_header& header = event.header();
   switch (header.type) {
     case ODO_TYPE_FIX: return on_fix(reinterpret_cast<odo_fix&>(event.header()));
-    case ODO_TYPE_POSE:  // a prior for the fixers; they have been published
+    case ODO_TYPE_POSE:  // a prior for fix plugins; already published
     case ODO_TYPE_CORRECTION: return roster_.tell(header);
     case ODO_TYPE_VO_MOTION:
       if (roster_.in_use(header) && is_of_main_camera(as<odo_vo_motion>(header)))
@@ -134,8 +133,8 @@ void Pipeline::handle(AnyMessage& event) {
       ++counters_.steps;
       if (steps_alone_need_heading_ && (header.flags & ODO_STEP_HEADING) == 0)
         host_.report(header.source, ODO_SEVERITY_WARNING, "no_heading",
-                     "a step without heading_rad (ODO_STEP_HEADING) and no camera: this coupling does not move by it; "
-                     "`coupling: {type: localizer}` goes by the phone's direction");
+                     "a step without heading_rad (ODO_STEP_HEADING) and no camera: this coupling does not use it; "
+                     "`coupling: {type: localizer}` uses the phone's direction");
       composer_.update(&as<odo_step>(header));
       tell_notice();
       break;
@@ -158,7 +157,7 @@ void Pipeline::on_attitude(const odo_attitude& attitude) {
   roster_.tell(attitude.header);
 }
 
-/// A scale that was said outside of a motion.
+/// A scale published outside of a motion callback.
 void Pipeline::on_scale(odo_scale& scale) {
   bool accepted = composer_.update(&scale).accepted;
   const PluginRoster::Plugins& sources = roster_.scale_sources();
@@ -172,14 +171,14 @@ void Pipeline::publish_scale(odo_scale& scale, bool accepted) {
     scale.header.flags |= ODO_FLAG_ACCEPTED;
   else
     host_.report(scale.header.source, ODO_SEVERITY_WARNING, "late_scale",
-                 "a scale changes nothing: it holds until valid_to_ns = " + std::to_string(scale.valid_to_ns) +
+                 "a scale has no effect: it is valid until valid_to_ns = " + std::to_string(scale.valid_to_ns) +
                      " in scale_group " + std::to_string(scale.scale_group) + "; the newest motion ended at " +
                      std::to_string(scale_join_.motion_ns()) + " in group " + std::to_string(scale_join_.group()));
   publish_(scale.header);
 }
 
-/// The scale that holds for a motion: what the sources answer to it, or what they have said before; null where there is
-/// none. The answers are taken at once, because the motion needs them.
+/// The scale valid for a motion, from the sources' answers to it or their earlier statements; null if there is none.
+/// The answers are processed immediately because the motion needs them.
 const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
   scale_join_.begin(motion);
   const PluginRoster::Plugins& sources = roster_.scale_sources();
@@ -198,14 +197,14 @@ const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
 }
 
 void Pipeline::on_vo_motion(odo_vo_motion& motion) {
-  if (motion.state > ODO_LOST) motion.state = ODO_LOST;  // of a newer list (docs/abi.md)
+  if (motion.state > ODO_LOST) motion.state = ODO_LOST;  // an unknown state, from a newer ABI (docs/abi.md)
   composer_.prepare(motion);
   publish_(motion.header);
   odo_vo_motion judged = motion;
   for (double& c : judged.covariance) c *= odometry_covariance_;
   judged.scale_sigma *= std::sqrt(odometry_covariance_);
   const odo_scale* scale = scale_for(motion);
-  // Over a pause a front-end may have found its place again, in its own metres; an assumed scale of a pause is none.
+  // A front-end may relocalise after a pause with its own metric scale; a scale assumed over a pause is invalid.
   if (watch_.pause().is_within(motion.t_from_ns, motion.header.t_ns)) {
     scale = nullptr;
     if ((motion.header.flags & ODO_VO_METRIC) == 0) {
@@ -216,7 +215,7 @@ void Pipeline::on_vo_motion(odo_vo_motion& motion) {
   composer_.update(RelativeMotion{&judged, scale});
   tell_notice();
   publisher_.publish_estimates();
-  roster_.tell(motion.header, false);  // the scale sources have had it
+  roster_.tell(motion.header, false);  // the scale sources have received it already
   odo_fix reference;
   while (composer_.take_step_reference(reference)) roster_.tell_kind(ODO_INTERFACE_STEP_ESTIMATOR, reference.header);
 }
@@ -227,7 +226,7 @@ void Pipeline::tell_notice() {
 }
 
 void Pipeline::on_fix(odo_fix& fix) {
-  geodesy_.resolve(fix);  // what is published is metric, and has the verdict
+  geodesy_.resolve(fix);  // the published fix has metric coordinates and the verdict
   const UpdateResult result = is_beyond_frame(fix) ? UpdateResult{} : composer_.update(&fix);
   const bool used = result.accepted;
   tell_notice();
@@ -242,7 +241,7 @@ void Pipeline::on_fix(odo_fix& fix) {
   if (used) roster_.tell(fix.header);
 }
 
-/// Whether a position lies so far from n's origin that n has no meaning there; reported.
+/// Whether a position is so far from the origin of n that n is meaningless there; reported.
 bool Pipeline::is_beyond_frame(const odo_fix& fix) {
   const double north_m = (fix.header.flags & ODO_FIX_NORTH) ? fix.p_n[0] : 0.0;
   const double east_m = (fix.header.flags & ODO_FIX_EAST) ? fix.p_n[1] : 0.0;
@@ -250,7 +249,7 @@ bool Pipeline::is_beyond_frame(const odo_fix& fix) {
   if (distance_m <= kParameters.farthest_fix_m) return false;
   char text[160];
   std::snprintf(text, sizeof text,
-                "a fix lies %.0f km from the origin of n, at most %.0f km make sense: is navigation.origin right?",
+                "a fix lies %.0f km from the origin of n, expected at most %.0f km: is navigation.origin right?",
                 distance_m / 1e3, kParameters.farthest_fix_m / 1e3);
   host_.report(fix.header.source, ODO_SEVERITY_WARNING, "far_fix", text);
   return true;

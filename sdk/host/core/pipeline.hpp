@@ -22,22 +22,22 @@
 
 namespace odograph {
 
-/// Sensors -> plugins -> localizer -> pose. Takes messages in order of time and publishes every event. A sample goes to
-/// the plugins that want it, one after the other; what each of them answers is copied into one queue and handled, first
-/// in, first out, before the next one is asked. One thread at a time; output depends on the messages, the config and
-/// the seed alone.
+/// Sensors -> plugins -> localizer -> pose. Takes messages in time order and publishes every event. Each sample goes to
+/// the plugins that want it, one after the other; the events that a plugin emits are copied into a queue and handled in
+/// order before the next plugin is called. Not thread-safe. The output depends only on the messages, the config and the
+/// seed.
 ///
-/// Of attitudes, steps, modes and motions several plugins may give: those of the first that is alive, in the config's
-/// order, are used, the others' are published alone. Scales of several sources are joined (see ScaleJoin), all fixes
-/// used.
+/// Several plugins may provide attitudes, steps, modes and motions: those of the first active plugin in the config's
+/// order are used, the others' are only published. Scales of several sources are combined (see ScaleJoin); all fixes
+/// are used.
 class Pipeline {
  public:
   using Publish = std::function<void(const odo_header&)>;
 
   struct Parameters {
     size_t events_per_sample = 512;  ///< twice what one call of a plugin may emit; a walk gives fewer than ten
-    /// From n's origin: beyond, n's vertical is off by more than 0.9 degrees (100 km / 6371 km) and its plane 785 m
-    /// above the ground, so that a position there is a wrong origin or a wrong fix.
+    /// From the origin of n. Beyond it, the vertical of n is off by more than 0.9 degrees (100 km / 6371 km) and its
+    /// plane lies 785 m above the ground, so either the origin or the fix is wrong.
     double farthest_fix_m = 100e3;
   };
 
@@ -45,32 +45,31 @@ class Pipeline {
     uint64_t frames = 0, steps = 0, fixes_accepted = 0, fixes_rejected = 0, events_dropped = 0, unknown = 0;
   };
 
-  /// What a pipeline works with; outlives it.
+  /// Objects that a pipeline uses; they outlive it.
   struct Surroundings {
     HostServices& host;
     Geodesy& geodesy;
-    PoseStream& poses;        ///< gets every pose, attitude and state
-    Anchors& anchors;         ///< follow the estimate
+    PoseStream& poses;        ///< receives every pose, attitude and state
+    Anchors& anchors;         ///< updated with the estimate
     std::mutex& world_mutex;  ///< held while a correction moves poses and anchors
   };
 
-  /// Loads and starts the plugins. `publish` is called for every event, within process.
+  /// Loads and starts the plugins. `publish` is called for every event, from within process().
   static Result<std::unique_ptr<Pipeline>> make(const PipelineConfig& config, const Surroundings& surroundings,
                                                 Publish publish);
 
   void process(const odo_header& message);
-  /// Calls the plugins that have asked for it (odo.wake/1), as process does before each message.
+  /// Calls the plugins that requested it (odo.wake/1), as process() does before each message.
   void wake();
-  /// Starts anew, for a sensor clock that was set back. Geodetic origin, counters and calibrations stay.
+  /// Restarts after the sensor clock was set back. Geodetic origin, counters and calibrations are retained.
   void reset();
 
-  /// What the plugins have learnt and want to keep, as a blob of this host's (docs/embed.md).
+  /// State that the plugins and anchors save, as a blob of this host (docs/embed.md).
   std::vector<uint8_t> save() const { return save_state(roster_, anchors_); }
-  /// Gives each plugin what it saved; other plugins' parts are passed over. A failure says what is wrong; nothing is
-  /// changed where the blob itself is damaged.
+  /// Passes each plugin its saved state and skips that of other plugins. Changes nothing if the blob is damaged.
   Result<bool> load(std::span<const uint8_t> blob) { return load_state(blob, roster_, anchors_); }
 
-  /// header.source of the front-end's camera; 0 before there is one. [any]
+  /// header.source of the front-end's camera; 0 before the first camera. [any]
   uint32_t camera() const { return roster_.camera(); }
   const Counters& counters() const { return counters_; }
   double state_s(uint32_t state) const { return publisher_.state_s(state); }
@@ -111,7 +110,7 @@ class Pipeline {
   Publish publish_;
   Counters counters_;
   ScaleJoin scale_join_;
-  double odometry_covariance_ = 1;  ///< factor on what a front-end says
+  double odometry_covariance_ = 1;  ///< factor on the covariance that a front-end states
   const bool steps_alone_need_heading_;
   NorthReference north_;
   PosePublisher publisher_;

@@ -47,7 +47,7 @@ bool PluginRoster::ask(const odo_header& message, const std::function<void()>& h
     } else if (message.type == ODO_TYPE_FRAME && plugin->wants(message.type)) {
       host_.report(0, ODO_SEVERITY_INFO, "other_camera",
                    "frames of camera " + std::to_string(message.source) +
-                       " are not given to the front-end, whose camera is " + std::to_string(camera()));
+                       " are not passed to the front-end, whose camera is " + std::to_string(camera()));
     }
   }
   return wanted;
@@ -91,7 +91,7 @@ void PluginRoster::wake(const std::function<void()>& handled) {
 
 void PluginRoster::reset() {
   for (const auto& plugin : plugins_) {
-    const auto learnt = plugin->save();  // the clock was set back, the walker is the same
+    const auto learnt = plugin->save();  // the clock was set back, but the walker is the same
     plugin->reset();
     if (!learnt.empty()) plugin->load(learnt);
     if (plugin->take_reset()) describe_sensors_to(*plugin);
@@ -122,7 +122,7 @@ bool PluginRoster::wants(uint32_t type) const {
   return std::any_of(plugins_.begin(), plugins_.end(), [type](const auto& plugin) { return plugin->wants(type); });
 }
 
-/// True while some plugin that is alive gives events of this type.
+/// Whether an active plugin provides events of this type.
 bool PluginRoster::gives(uint32_t type) const {
   return std::any_of(plugins_.begin(), plugins_.end(),
                      [type](const auto& plugin) { return plugin->alive() && plugin->gives(type); });

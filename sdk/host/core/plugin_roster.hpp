@@ -12,59 +12,59 @@
 
 namespace odograph {
 
-/// The plugins of a pipeline: in which order they are given a message, which of them it is for, whose events are used,
-/// and what each is given again after a reset. One thread at a time, but for camera().
+/// The plugins of a pipeline: their calling order, the messages that each receives, whose events are used, and what
+/// each receives again after a reset. Not thread-safe, except camera().
 class PluginRoster {
  public:
   using Plugins = std::vector<PluginInstance*>;
   using Emit = std::function<void(const AnyMessage&)>;
 
-  /// `emit` is called for each event that a plugin answers with. `host` outlives it.
+  /// `emit` is called for each event of a plugin. `host` outlives this object.
   PluginRoster(HostServices& host, Emit emit) : host_(host), emit_(std::move(emit)) {}
-  /// Loads and starts the plugins of a config, once.
+  /// Loads and starts the plugins of a config. Call once.
   Result<bool> start(const PipelineConfig& config);
 
-  /// Hands a sample to the plugins that want it, the attitude first: it is a prior of what the others make of the same
-  /// sample. `handled` is called after each. False where no plugin wants it.
+  /// Passes a sample to the plugins that want it. The attitude plugin comes first: its output is a prior for the others
+  /// on the same sample. `handled` is called after each. False if no plugin wants it.
   bool ask(const odo_header& message, const std::function<void()>& handled);
-  /// Hands an event to the plugins that want it, but not to the one that it came from, nor to the scale sources where
-  /// they have had it.
+  /// Passes an event to the plugins that want it, except its sender, and except the scale sources if they have received
+  /// it already.
   void tell(const odo_header& event, bool scale_sources_too = true);
-  /// Hands a message to the plugins of one kind that want it.
+  /// Passes a message to the plugins of one kind that want it.
   void tell_kind(const char* interface_id, const odo_header& message);
-  /// Calls the plugins that have asked for it (odo.wake/1); `handled` after each.
+  /// Calls the plugins that requested it (odo.wake/1); `handled` after each.
   void wake(const std::function<void()>& handled);
-  /// Back to the state after activation, with what the plugins have learnt.
+  /// Returns to the state after activation, with the plugins' saved state.
   void reset();
 
-  /// Keeps the newest calibration of each camera and the newest noise of each IMU.
+  /// Stores the newest calibration of each camera and the newest noise of each IMU.
   void remember(const odo_header& description);
   const std::vector<AnyMessage>& descriptions() const { return descriptions_; }
-  /// After a reset a plugin knows of no camera any more.
+  /// Sends the stored descriptions: a reset plugin has none.
   void describe_sensors_to(PluginInstance& plugin);
 
-  /// Whether a message is of the front-end's camera: the first that has a calibration or a frame.
+  /// Whether a message belongs to the front-end's camera: the first with a calibration or a frame.
   bool is_main_camera(const odo_header& message);
   bool has_camera() const { return camera_ != kNoCamera; }
-  /// header.source of it; 0 before there is one. [any]
+  /// Its header.source; 0 before there is one. [any]
   uint32_t camera() const { return has_camera() ? static_cast<uint32_t>(camera_) : 0; }
 
-  /// Whether an event is of the plugin whose events of this type are used: the first that is alive.
+  /// Whether the event's sender is the first active plugin for this type, whose events are used.
   bool in_use(const odo_header& event) const;
-  /// Whether any wants messages of this type.
+  /// Whether any plugin wants messages of this type.
   bool wants(uint32_t type) const;
-  /// A fixer's end, and that of a plugin whose place another one takes, costs no state.
+  /// Whether a plugin failed whose loss degrades the state; a fix plugin's or a replaced plugin's does not.
   bool any_dead() const;
   uint64_t faults() const;
-  /// Height of the ground downwards in n, m, by the first plugin with a terrain model; nothing without one.
+  /// Height of the ground in n, m downwards, from the first plugin with a terrain model; nothing without one.
   std::optional<double> ground_at(double north_m, double east_m, double near_down_m) const;
   /// In the order of their numbers, from 1.
   const std::vector<std::unique_ptr<PluginInstance>>& plugins() const { return plugins_; }
   const Plugins& scale_sources() const { return scale_sources_; }
   bool has_attitude() const { return has_attitude_; }
   bool has_front_end() const { return has_front_end_; }
-  /// Of each plugin its id, and where that has been before " #2" and so on behind it. Not its kind: the next version of
-  /// a kind is to keep what was estimated.
+  /// The id of each plugin, with " #2" and so on for repetitions. The kind is left out, so that saved state survives a
+  /// new version of the kind.
   std::vector<std::string> state_names() const;
 
  private:
@@ -75,7 +75,7 @@ class PluginRoster {
   HostServices& host_;
   Emit emit_;
   std::vector<std::unique_ptr<PluginInstance>> plugins_;
-  Plugins asked_, scale_sources_;  // the same in the order in which they are asked; the scale sources of them
+  Plugins asked_, scale_sources_;  // the same in calling order; the scale sources among them
   bool has_attitude_ = false, has_front_end_ = false;
   std::vector<AnyMessage> descriptions_;
   static constexpr int64_t kNoCamera = -1;

@@ -13,7 +13,7 @@ void PoseHistory::clear() {
 void PoseHistory::push(const odo_pose& pose) {
   const std::lock_guard lock(mutex_);
   if (!poses_.empty() && pose.header.t_ns <= poses_.back(0).header.t_ns)
-    poses_.back(0) = pose;  // a correction of the latest
+    poses_.back(0) = pose;  // a correction of the newest pose
   else
     poses_.push(pose);
 }
@@ -21,7 +21,7 @@ void PoseHistory::push(const odo_pose& pose) {
 int32_t PoseHistory::at(int64_t t_ns, odo_pose& out) const {
   const std::lock_guard lock(mutex_);
   if (poses_.empty()) return ODO_NOT_READY;
-  size_t low = 0, high = poses_.size() - 1;  // back from the newest
+  size_t low = 0, high = poses_.size() - 1;  // indices back from the newest
   if (t_ns < poses_.back(high).header.t_ns || t_ns > poses_.back(0).header.t_ns) return ODO_E_NOT_FOUND;
   while (high - low > 1) {
     const size_t middle = (low + high) / 2;

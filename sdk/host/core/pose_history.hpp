@@ -9,13 +9,14 @@
 
 namespace odograph {
 
-/// The last 1024 poses, half a minute at 30 Hz, to answer "where was it at t". No allocation. Thread-safe: an app asks
-/// for the pose while the pipeline works on the next frame.
+/// The last 1024 poses (half a minute at 30 Hz), for queries by time. No allocation. Thread-safe: the app queries poses
+/// while the pipeline works on the next frame.
 class PoseHistory {
  public:
-  /// Poses come in the order of their time; one that does not replaces the newest.
+  /// Poses arrive in time order; one that is not newer replaces the newest.
   void push(const odo_pose& pose);
-  /// The pose at t: interpolated (slerp and linear). ODO_NOT_READY when empty, ODO_E_NOT_FOUND outside.
+  /// The pose at t: interpolated (slerp and linear). ODO_NOT_READY if empty, ODO_E_NOT_FOUND outside of the stored
+  /// range.
   int32_t at(int64_t t_ns, odo_pose& out) const;
   void clear();
 

@@ -88,7 +88,7 @@ void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
   if (!begins && velocity_ == Velocity::now) {
     const Body body = body_at(t_ns);
     const Vector3d jump = base.p_n_b - body.p_n_b;
-    const bool jumped = jump.norm() > parameters_.jump_m;  // and nobody announced it: what is kept goes along
+    const bool jumped = jump.norm() > parameters_.jump_m;  // an unannounced jump: move the stored data along
     for (size_t i = 0; i < supports_.size() && jumped; ++i) supports_.back(i).p_n_b += jump;
     if (!jumped && dt > 0) foreseen = body.v_n_b;
   }
@@ -103,12 +103,12 @@ void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
 
   if (begins) return smooth_.reset();
   const auto after = pose_of(body_at(then_ns));
-  // Without a camera a pose is a step's end, a motion that nobody could foresee.
+  // Without a camera, a pose is the end of a step, which cannot be predicted.
   const bool foresaw = had_position && is_camera(base.pose);
   smooth_.jumped(then_ns, {before.q_n, foresaw ? before.p_n : after.p_n}, after);
 }
 
-/// The attitude's heading starts anywhere, and where a camera tells the orientation the two differ.
+/// The attitude's heading origin is arbitrary; align it where a camera determines the orientation.
 void PosePredictor::align_attitude() {
   if (attitude_.t_ns == INT64_MIN) return;
   const auto point = track_.at(attitude_.t_ns, parameters_.ahead_s);
@@ -117,7 +117,7 @@ void PosePredictor::align_attitude() {
   q_align_ = (base_.q_n_b * q.conjugate()).normalized();
 }
 
-/// `foreseen`: the velocity that the pose before would have had by now.
+/// `foreseen`: velocity predicted from the previous pose.
 void PosePredictor::choose_velocity(const std::optional<Vector3d>& foreseen) {
   const odo_pose& pose = base_.pose;
   const int64_t t_ns = pose.header.t_ns;
@@ -149,8 +149,8 @@ void PosePredictor::choose_velocity(const std::optional<Vector3d>& foreseen) {
   }
 }
 
-/// Velocity by least squares over the newest poses: p_i - (what force and gravity moved between t_i and now)
-/// = p + v (t_i - now). False where there are too few.
+/// Least-squares velocity over the newest poses: p_i - (displacement by force and gravity between t_i and now) = p + v
+/// (t_i - now). False if there are too few.
 bool PosePredictor::fit_velocity() {
   if (!base_point_) return false;
   const Quaterniond q_n_e = base_.q_n_b * base_point_->q_e_b.conjugate();
@@ -183,7 +183,7 @@ int64_t PosePredictor::published_ns() const {
   return published_ns_;
 }
 
-/// Without a camera a walker who stands gives no poses and stays where the last step led.
+/// Without a camera, a walker at rest yields no poses; the position remains at the end of the last step.
 bool PosePredictor::position_known(int64_t t_ns) const {
   if (!has_pose() || (base_.pose.header.flags & ODO_POSE_POSITION) == 0) return false;
   if (!is_camera(base_.pose)) return true;

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 constexpr PosePublisher::Parameters kParameters;
 
-/// The part of a rotation that is about the vertical (swing-twist decomposition).
+/// The rotation's component about the vertical (swing-twist decomposition).
 Quaterniond about_down(const Quaterniond& q) {
   const double norm = std::hypot(q.w(), q.z());
   return norm > 0 ? Quaterniond(q.w() / norm, 0, 0, q.z() / norm) : Quaterniond::Identity();
@@ -34,7 +34,7 @@ void PosePublisher::publish_estimates() {
   for (; any && is_whole(pose); any = s_.composer.take_pose(pose)) publish_pose(pose, true);
 }
 
-/// The last gate: nothing that is no number leaves, whatever got in.
+/// Final check: no non-finite number is published.
 bool PosePublisher::is_whole(const odo_pose& pose) {
   const auto finite = [](const double* values, size_t count) {
     return std::all_of(values, values + count, [](double x) { return std::isfinite(x); });
@@ -67,7 +67,7 @@ void PosePublisher::publish_correction(const Correction& correction, const odo_p
   const Vector3d after(corrected.p_n), before = correction.q.conjugate() * (after - correction.p);
   const Quaterniond q = about_down(correction.q);
   const Rigid level{q, after - q * before};
-  {  // nobody sees a corrected phone among anchors that are not, nor the other way round
+  {  // readers must never combine a corrected phone with uncorrected anchors, or vice versa
     const std::lock_guard lock(s_.world_mutex);
     s_.poses.predictor().correct(level.q, level.p);
     s_.anchors.follow(s_.composer, correction.t_ns, &level);
@@ -75,7 +75,7 @@ void PosePublisher::publish_correction(const Correction& correction, const odo_p
   announce(correction.t_ns, level, correction.reason);
 }
 
-/// The phone is where it was; n is another.
+/// The phone has not moved; n has changed.
 void PosePublisher::publish_restart(const odo_pose& pose) {
   const odo_pose before = *std::exchange(before_restart_, std::nullopt);
   const Quaterniond q = about_down(quaternion(pose.q_n) * quaternion(before.q_n).conjugate());
@@ -96,7 +96,7 @@ void PosePublisher::announce(int64_t t_ns, const Rigid& correction, uint32_t rea
   tell_plugins_(event.header);
 }
 
-/// The pose, and the state of the body that it is carried on from.
+/// Adds the pose and the body state for prediction.
 void PosePublisher::add_to_stream(const odo_pose& pose) {
   PosePredictor::Base base{pose, quaternion(pose.q_n), Vector3d(pose.p_n), {}};
   if (Estimate then; s_.composer.at(pose.header.t_ns, then) == ODO_OK) {
@@ -121,7 +121,7 @@ void PosePublisher::pause() {
   set_state(pause.to_ns, state_, reason_);
 }
 
-/// As long as the other sensor gives poses it is not lost.
+/// A silent sensor does not mean a lost track while another one yields poses.
 void PosePublisher::watch_silence() {
   if (!sensor_silent()) return;
   const bool poses = last_ && s_.watch.recent(last_->header.t_ns);

@@ -15,44 +15,44 @@
 
 namespace odograph {
 
-/// What leaves the pipeline: poses, corrections of earlier ones, and the tracking state, to the listener, to the pose
-/// stream and to the anchors. One thread at a time.
+/// Publishes poses, corrections of earlier poses, and the tracking state to the listener, the pose stream and the
+/// anchors. Not thread-safe.
 class PosePublisher {
  public:
   struct Parameters {
-    double north_sigma_rad = 0.35;  ///< up to which a heading is called one against north: 20 degrees, half a street
+    double north_sigma_rad =
+        0.35;  ///< rad, below which a heading counts as one against north: 20 degrees, half a street
   };
 
-  /// What it reads and writes; outlives it.
+  /// Objects that it uses; they outlive it.
   struct Surroundings {
     Composer& composer;
     const PluginRoster& roster;
     const SensorWatch& watch;
     const NorthReference& north;
-    PoseStream& poses;        ///< gets every pose and state
-    Anchors& anchors;         ///< follow the estimate
+    PoseStream& poses;        ///< receives every pose and state
+    Anchors& anchors;         ///< updated with the estimate
     std::mutex& world_mutex;  ///< held while a correction moves poses and anchors
   };
   using Send = std::function<void(const odo_header&)>;
 
-  /// `publish`: for who listens. `tell_plugins`: for the plugins that want poses and corrections.
+  /// `publish`: to the listener. `tell_plugins`: to the plugins that want poses and corrections.
   PosePublisher(const Surroundings& surroundings, Send publish, Send tell_plugins)
       : s_(surroundings), publish_(std::move(publish)), tell_plugins_(std::move(tell_plugins)) {}
 
-  /// All that the localizer has for the outside, in order of time: a correction and the pose that it moved before newer
+  /// Publishes all pending output of the localizer in time order: a correction and its corrected pose before newer
   /// poses.
   void publish_estimates();
-  /// Whether the localizer has given a pose with a number that is none since the last call; such a pose is not
-  /// published.
+  /// Whether the localizer returned a non-finite pose, which is not published, since the last call.
   bool take_broken() { return std::exchange(broken_, false); }
-  /// All sensors were silent (SensorWatch::pause): that time was lost, and so is the pose until the next one.
+  /// All sensors were silent (SensorWatch::pause): the pose is lost from then until the next one.
   void pause();
-  /// After each message: silence that no pose reports.
+  /// Call after each message: detects silence that no pose reports.
   void watch_silence();
   /// The clock was set back: the next pose is announced as a correction of the last one.
   void reset();
 
-  /// Whether the pose stream's gyroscope bias is the camera's.
+  /// Whether the pose stream's gyroscope bias comes from the camera's front-end.
   bool camera_knows_bias() const { return camera_knows_bias_; }
   /// Sensor time spent in a state, s.
   double state_s(uint32_t state) const { return state_s_[state]; }
@@ -73,7 +73,7 @@ class PosePublisher {
   bool camera_knows_bias_ = false, broken_ = false;
   uint32_t state_ = 0, reason_ = ODO_REASON_INITIALISING;
   int64_t state_since_ns_ = 0;
-  double state_s_[4] = {0, 0, 0, 0};  // by ODO_TRACKING ...
+  double state_s_[4] = {0, 0, 0, 0};  // index: ODO_TRACKING ...
 };
 
 }  // namespace odograph

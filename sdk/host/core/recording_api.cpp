@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The C API of recordings: argument checks and the guard that lets no exception out.
+// The C API of recordings: checks arguments and stops exceptions.
 #include <odograph/messages.h>
 #include <odograph/recording.h>
 
@@ -18,7 +18,7 @@ struct odo_recording {
     int64_t t_ns;
     uint64_t payload_offset;
   };
-  std::vector<Place> places;  // in the order of time
+  std::vector<Place> places;  // in time order
   size_t next = 0;
   odograph::AnyMessage message;
 };
@@ -39,7 +39,7 @@ int32_t open(const std::filesystem::path& path, odo_recording** out, odo_error* 
   if (!reader) return fail(error, reader.failure());
   auto recording = std::make_unique<odo_recording>(odo_recording{std::move(*reader), {}, 0, {}});
   std::span<const unsigned char> picture;
-  const auto is_kept = [](uint32_t type) {  // what a recorder does not take, no recording has
+  const auto is_kept = [](uint32_t type) {  // a recording contains only types that a recorder accepts
     return !ODO_IS_RESERVED(type) && (!ODO_IS_BORROWED(type) || type == ODO_TYPE_FRAME);
   };
   while (recording->reader.next())
@@ -127,7 +127,7 @@ int32_t odo_recorder_close(odo_recorder* recorder) {
   if (!recorder) return ODO_OK;
   bool good = recorder->good;
   if (good) good = guarded([&] { return recorder->writer.finish() ? ODO_OK : ODO_E_DATA; }) == ODO_OK;
-  if (!good) recorder->writer.abandon();  // what did reach the disk is worth more than room on it
+  if (!good) recorder->writer.abandon();  // data that reached the disk matters more than disk space
   delete recorder;
   return good ? ODO_OK : ODO_E_DATA;
 }

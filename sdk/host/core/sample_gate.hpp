@@ -8,12 +8,12 @@
 
 namespace odograph {
 
-/// Refuses what a sensor cannot have measured: values outside its range, and single inertial samples that stick out
-/// from both neighbours. An inertial sample that jumps away from the one before waits for the next one, which tells
-/// a spike (dropped) from a shock (both are passed on). No allocation. One thread at a time.
+/// Rejects values that a sensor cannot have measured: values outside its range, and isolated spikes in the inertial
+/// samples. An inertial sample that jumps from the previous one waits for the next one, which distinguishes a spike
+/// (dropped) from a shock (both are passed on). No allocation. Not thread-safe.
 class SampleGate {
  public:
-  /// Widest ranges of phones' sensors and 15 % for scale and bias errors; spikes are a judgement.
+  /// Widest ranges of phone sensors plus 15 % for scale and bias errors; spike thresholds are judgement.
   struct Parameters {
     double gyro_range_radps = 40;       ///< +-2000 deg/s (Bosch BMI270, TDK ICM-42688 data sheets)
     double accel_range_mps2 = 180;      ///< +-16 g (the same)
@@ -21,19 +21,18 @@ class SampleGate {
     double pressure_low_pa = 25'000;    ///< 300 hPa (Bosch BMP390 data sheet)
     double pressure_high_pa = 145'000;  ///< 1250 hPa (the same)
     double gyro_spike_radps = 12;       ///< a hand's 500 rad/s^2 over 20 ms, with a margin
-    double accel_spike_mps2 = 80;       ///< twice a heel's shock at the hand
-    int64_t neighbour_ns = 50'000'000;  ///< samples further apart are no neighbours
+    double accel_spike_mps2 = 80;       ///< twice the shock of a heel strike at the hand
+    int64_t neighbour_ns = 50'000'000;  ///< samples further apart are not neighbours
   };
 
   SampleGate() = default;
   explicit SampleGate(const Parameters& parameters) : parameters_(parameters) {}
 
-  /// False when a number is outside the range of any phone's sensor. Other types than sensors' are always within.
+  /// False if a value is outside the range of any phone's sensor. Other message types always pass.
   bool within_range(const odo_header& sample) const;
 
-  /// Judges an inertial sample that is within range. `take(const odo_imu&)` is called for what may go on, in the order
-  /// of arrival: nothing (held), the sample, or the one that was held and the sample. Returns the number of spikes
-  /// dropped, 0 or 1.
+  /// Checks an inertial sample that is within range. Calls `take(const odo_imu&)` for each sample to pass on, in order
+  /// of arrival: none (held), the sample, or the held one and the sample. Returns the number of spikes dropped, 0 or 1.
   template <class Take>
   int push(const odo_imu& sample, Take&& take) {
     Track& track = track_of(sample.header);
@@ -55,7 +54,7 @@ class SampleGate {
     track.begun = true;
     return 0;
   }
-  /// Forgets all samples, for a sensor clock that was set back.
+  /// Discards all samples, after the sensor clock was set back.
   void reset() { tracks_ = {}; }
 
  private:
@@ -66,11 +65,11 @@ class SampleGate {
   };
 
   Track& track_of(const odo_header& header);
-  /// Whether two samples are neighbours and too different for it.
+  /// Whether two samples are neighbours but differ by more than the spike threshold.
   bool differs(const odo_imu& a, const odo_imu& b) const;
 
   Parameters parameters_;
-  std::array<Track, 6> tracks_{};  // gyroscope, accelerometer and both of two inertial sensors
+  std::array<Track, 6> tracks_{};  // gyroscope, accelerometer and both, of two inertial sensors
 };
 
 }  // namespace odograph

@@ -11,7 +11,7 @@ static_assert(std::endian::native == std::endian::little, "the blob is written a
 
 constexpr char kMagic[] = {'O', 'D', 'O', 'S', 'T', 'A', 'T', 'E'};
 constexpr uint32_t kVersion = 1;
-constexpr char kAnchors[] = "host anchors/1";  // the part of the host's own
+constexpr char kAnchors[] = "host anchors/1";  // the host's own part
 
 uint64_t fnv1a(std::span<const uint8_t> bytes) {
   uint64_t hash = 14695981039346656037u;
@@ -25,7 +25,7 @@ void put(std::vector<uint8_t>& blob, const T& value) {
   blob.insert(blob.end(), bytes, bytes + sizeof value);
 }
 
-/// Takes from the front; false where there is not enough.
+/// Reads from the front; false if too few bytes are left.
 class Reader {
  public:
   explicit Reader(std::span<const uint8_t> bytes) : left_(bytes) {}
@@ -109,7 +109,7 @@ std::vector<uint8_t> save_state(const PluginRoster& roster, const Anchors& ancho
 
 Result<bool> load_state(std::span<const uint8_t> blob, const PluginRoster& roster, Anchors& anchors) {
   const auto parts = parts_of(blob);
-  if (!parts) return Failure{ODO_E_DATA, "what was to be loaded is not a saved state, or it is damaged"};
+  if (!parts) return Failure{ODO_E_DATA, "the blob is not a saved state, or it is damaged"};
   std::string refused;
   const auto names = roster.state_names();
   const auto& plugins = roster.plugins();
@@ -118,7 +118,7 @@ Result<bool> load_state(std::span<const uint8_t> blob, const PluginRoster& roste
       if (names[i] == part.name && !plugins[i]->load(part.data)) refused += " " + plugins[i]->id();
   for (const Part& part : *parts)
     if (part.name == kAnchors && !anchors.load(part.data)) refused += " anchors";
-  if (!refused.empty()) return Failure{ODO_E_DATA, "saved state not taken by:" + refused};
+  if (!refused.empty()) return Failure{ODO_E_DATA, "saved state rejected by:" + refused};
   return true;
 }
 

@@ -42,7 +42,7 @@ const odo_scale* ScaleJoin::joined() {
   for (const auto& found : found_) {
     if (!found) continue;
     if (!first) first = &*found;
-    // A horizontal scale and one of all three components do not speak of the same.
+    // A horizontal scale and one of all three components measure different quantities.
     const bool alike = ((found->header.flags ^ first->header.flags) & ODO_SCALE_HORIZONTAL) == 0;
     if (!alike || !(found->scale > 0) || !(found->sigma > 0)) continue;
     const double relative = found->sigma / found->scale, weight = 1 / (relative * relative);

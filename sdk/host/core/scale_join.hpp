@@ -10,25 +10,25 @@
 
 namespace odograph {
 
-/// The scale that holds for a motion, of what one or several scale sources say. One source's word is taken as it is; of
-/// several that speak of the same motion the logarithms are averaged, weighted with the inverse of their variances (the
-/// maximum-likelihood estimate for independent log-normal scales). One thread at a time.
+/// Combines the statements of one or several scale sources about a motion. A single statement is used unchanged; for
+/// several about the same motion, the logarithms are averaged with inverse-variance weights (maximum-likelihood
+/// estimate for independent log-normal scales). Not thread-safe.
 class ScaleJoin {
  public:
   explicit ScaleJoin(size_t sources) : newest_(sources) {}
 
-  /// What a source said outside of a motion. Whether it may hold for motions to come.
+  /// Notes a statement made outside of a motion. Returns whether it may be valid for motions to come.
   bool note(size_t source, const odo_scale& scale);
-  /// A motion begins; what was said before and holds for it counts.
+  /// Starts a motion; earlier statements valid for it count.
   void begin(const odo_vo_motion& motion);
-  /// A source's answer to the motion: it stands above what that source said before. Whether it holds for the motion, or
-  /// may hold for motions to come.
+  /// Notes a source's answer to the motion, which replaces its earlier statement. Returns whether it is valid for the
+  /// motion or may be for later ones.
   bool answer(size_t source, const odo_scale& scale);
-  /// The scale for the motion, or null where nobody can tell. Valid until the next motion.
+  /// The scale for the motion, or null if there is none. Valid until the next motion.
   const odo_scale* joined();
   void reset();
 
-  /// Of the newest motion.
+  /// Time of the newest motion.
   int64_t motion_ns() const { return t_ns_; }
   uint32_t group() const { return group_; }
 

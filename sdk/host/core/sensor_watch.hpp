@@ -9,22 +9,22 @@
 
 namespace odograph {
 
-/// Notices when a sensor that used to speak falls silent, and when all do, in sensor time.
+/// Detects when an active sensor, or all of them, become silent, in sensor time.
 class SensorWatch {
  public:
   explicit SensorWatch(double max_gap_s) : max_gap_ns_(static_cast<int64_t>(max_gap_s * 1e9)) {}
 
-  /// Of a time in which no message came.
+  /// An interval in which no message arrived.
   struct Pause {
     int64_t from_ns = INT64_MIN, to_ns = INT64_MIN;
-    /// Whether an interval reaches over it.
+    /// Whether an interval spans the pause.
     bool is_within(int64_t begin_ns, int64_t end_ns) const {
       return begin_ns <= from_ns && end_ns >= to_ns && to_ns > from_ns;
     }
   };
 
-  /// Call with every message in order. Whether it ends a pause: nothing came before it for longer than a sensor's pause
-  /// may be.
+  /// Call with every message in order. Returns whether it ends a pause: no message came before it for longer than the
+  /// maximum gap of a sensor.
   bool see(const odo_header& message) {
     const bool paused = now_ns_ != INT64_MIN && saturating_difference(message.t_ns, now_ns_) > max_gap_ns_;
     if (paused) pause_ = {now_ns_, message.t_ns};
@@ -33,11 +33,11 @@ class SensorWatch {
     if (message.type == ODO_TYPE_FRAME) see(frame_ns_, message.t_ns);
     return paused;
   }
-  /// The newest.
+  /// The newest pause.
   const Pause& pause() const { return pause_; }
   bool imu_silent() const { return silent(imu_ns_); }
   bool camera_silent() const { return silent(frame_ns_); }
-  /// True when a time (INT64_MIN: none) is not further back than a sensor's pause may be.
+  /// Whether a time (INT64_MIN: none) is at most the maximum gap of a sensor ago.
   bool recent(int64_t t_ns) const { return t_ns != INT64_MIN && saturating_difference(now_ns_, t_ns) <= max_gap_ns_; }
   int64_t now_ns() const { return now_ns_; }
   uint64_t gaps() const { return gaps_; }

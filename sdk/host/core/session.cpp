@@ -14,8 +14,9 @@ namespace odograph {
 Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vector<std::filesystem::path> assets,
                                                bool live, uint64_t seed, AppServices app) {
   if (live && !kPlatform.threads)
-    return Failure{ODO_E_UNSUPPORTED, std::string("run = ODO_RUN_LIVE: this program's platform (") + kPlatform.name +
-                                          ") has no threads; expected ODO_RUN_REPLAY, in which all runs within push"};
+    return Failure{ODO_E_UNSUPPORTED,
+                   std::string("run = ODO_RUN_LIVE: this program's platform (") + kPlatform.name +
+                       ") has no threads; expected ODO_RUN_REPLAY, in which all processing runs within push"};
   std::unique_ptr<Session> made(new Session(std::move(config), std::move(assets), live, seed, app));
   Session& self = *made;
   WorldView& world = self.world_;
@@ -57,7 +58,7 @@ bool Session::is_in_a_child() const { return live_ && this_process() != process_
 
 Session::~Session() {
   if (is_in_a_child()) thread_.detach();
-  intake_.close();  // an app may push while its last frames are given back
+  intake_.close();  // the app may push while its last frames are returned
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -76,7 +77,7 @@ int32_t Session::push(const odo_header& sample) {
   Lock lock(mutex_);
   if (live_ && work_is_waiting()) work_waiting_.notify_one();
   if (live_ || owned_ || stopping_)
-    return status;  // who owns the pipeline processes this too; within a callback it is this very thread
+    return status;  // the owner of the pipeline processes this too; within a callback that is this thread
   const Ownership ownership(*this, lock);
   process_waiting(lock, INT64_MIN);
   return status;
@@ -95,20 +96,20 @@ Session::Ownership::~Ownership() {
   session_.owner_changed_.notify_all();
 }
 
-/// Under the lock.
+/// Requires the lock.
 bool Session::work_is_waiting() const {
   return intake_.ready() || flushes_asked_ != flushes_done_ || outbox_.report_is_waiting() || host_.has_woken();
 }
 
-/// With ownership and the lock, which is given up while anything is called. What is pushed meanwhile is not flushed.
+/// Requires ownership and the lock, which is released during every call. Samples pushed meanwhile are not flushed.
 void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
-  bool woken = false;  // once: a plugin may ask again each time
+  bool woken = false;  // only once: a plugin may ask again each time
   for (;;) {
     OwnedMessage message;
     const Intake::Next next = intake_.next(message, flush_until_ns);
     if (next == Intake::Next::restart) {
       lock.unlock();
-      host_.report(0, ODO_SEVERITY_WARNING, "clock_restart", "the sensor clock was set back; starting anew");
+      host_.report(0, ODO_SEVERITY_WARNING, "clock_restart", "the sensor clock was set back; restarting");
       pipeline_->reset();
     } else if (next == Intake::Next::sample) {
       lock.unlock();
@@ -178,7 +179,7 @@ void Session::work() {
   }
 }
 
-/// Wakes the session's thread, where it has one.
+/// Wakes the session's thread, if it has one.
 void Session::notify() {
   if (!live_) return;
   const std::lock_guard lock(mutex_);  // so that the thread does not miss it
@@ -201,7 +202,7 @@ int32_t Session::flush() {
 
 void Session::set_callback(TypeSet types, odo_callback callback, void* user) {
   outbox_.set_callback(std::move(types), callback, user);
-  notify();  // what has been reported before
+  notify();  // for reports made before
 }
 
 int64_t Session::save(void* data, uint64_t capacity) {

@@ -19,11 +19,11 @@
 
 namespace odograph {
 
-/// What is behind odo_session: brings what the intake has to the pipeline.
+/// Implementation of odo_session: passes the intake's messages to the pipeline.
 ///
-/// The pipeline belongs to one owner, one thread at a time: the session's own when live, whoever pushes or
-/// flushes in replay, and save and load. Only the owner's flag is under the lock, so that plugins work, callbacks are
-/// called and frames are given back with no lock held. Poses and counters are read without owning it.
+/// The pipeline has one owner, one thread at a time: the session's own thread when live, the thread that pushes or
+/// flushes in replay, and save and load. The lock guards only the ownership flag, so plugins, callbacks and frame
+/// releases run without a lock. Reading poses and counters needs no ownership.
 class Session {
  public:
   static Result<std::unique_ptr<Session>> make(PipelineConfig config, std::vector<std::filesystem::path> assets,
@@ -34,7 +34,7 @@ class Session {
   int32_t flush();
   void set_callback(TypeSet types, odo_callback callback, void* user);
   odo_statistics statistics() const;
-  /// As Outbox has it.
+  /// See Outbox.
   Failure take_last_error() { return outbox_.take_last_error(); }
   /// ODO_E_STATE from within a callback.
   int64_t save(void* data, uint64_t capacity);
@@ -44,7 +44,7 @@ class Session {
  private:
   using Lock = std::unique_lock<std::mutex>;
 
-  /// Ownership, once nobody else has it, to the end of the scope, however that is left.
+  /// Acquires ownership, waiting for other owners, and releases it at the end of the scope.
   class Ownership {
    public:
     Ownership(Session& session, Lock& lock);
@@ -69,19 +69,19 @@ class Session {
 
   const PipelineConfig config_;
   const bool live_;
-  const int64_t process_;  // a child that was forked has no thread of this session
+  const int64_t process_;  // a forked child does not have this session's thread
   Outbox outbox_;
   HostServices host_;
   CameraTable cameras_;
   WorldView world_;
   Intake intake_;
 
-  std::unique_ptr<Pipeline> pipeline_;  // the owner's, as are the next two
+  std::unique_ptr<Pipeline> pipeline_;  // used by the owner only, as are the next two
   uint64_t processed_ = 0;
-  int64_t newest_ns_ = INT64_MIN;      // of what was processed
-  Snapshot<odo_statistics> progress_;  // without what the intake counts
+  int64_t newest_ns_ = INT64_MIN;      // of the processed messages
+  Snapshot<odo_statistics> progress_;  // without the intake's counters
 
-  std::mutex mutex_;  // for what follows; held for moments only
+  std::mutex mutex_;  // guards what follows; held only briefly
   std::condition_variable work_waiting_, owner_changed_;
   bool stopping_ = false;
   uint64_t flushes_asked_ = 0, flushes_done_ = 0;
@@ -89,7 +89,7 @@ class Session {
   std::thread::id owner_;
 
   std::thread thread_;
-  std::unique_ptr<HangWatch> hang_watch_;  // the last: it reports to this session
+  std::unique_ptr<HangWatch> hang_watch_;  // last: it reports to this session
 };
 
 }  // namespace odograph

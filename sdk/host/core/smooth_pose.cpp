@@ -14,8 +14,8 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// What is left of a length after dt when it goes down by dx/dt = -max(min(x / tau, limit), x / far): an exponential
-/// down to limit * far, a straight line, and an exponential again from limit * tau on.
+/// Remaining length after dt for dx/dt = -max(min(x / tau, limit), x / far): exponential down to limit * far, linear,
+/// and exponential again below limit * tau.
 double left_of(double length, double dt, double tau, double limit, double far) {
   if (length > limit * far) {
     const double far_s = far * std::log(length / (limit * far));

@@ -8,24 +8,24 @@
 namespace odograph {
 namespace {
 
-/// Sensors whose time going back means that the clock was set back.
+/// Sensors for which a time that goes back means that the clock was set back.
 bool shows_the_clock(uint32_t type) {
   return type == ODO_TYPE_IMU || type == ODO_TYPE_MAGNETOMETER || type == ODO_TYPE_FRAME;
 }
 
-/// Sensors that deliver steadily hold the others back; those that deliver now and then do not.
+/// Other sensors wait for those that deliver at a steady rate, not for sporadic ones.
 bool holds_back(uint32_t type) {
   return shows_the_clock(type) || type == ODO_TYPE_BAROMETER || type == ODO_TYPE_PLATFORM_POSE;
 }
 
-/// Slow sensors are passed on late rather than lost; what uses them looks the pose of their time up.
+/// Slow sensors are passed on late rather than dropped; their users look up the pose at their time.
 bool may_be_late(uint32_t type) {
   return type == ODO_TYPE_GNSS || type == ODO_TYPE_WAYPOINT || type == ODO_TYPE_CALIBRATION ||
          type == ODO_TYPE_IMU_NOISE || type == ODO_TYPE_EARTH_FIELD || type == ODO_TYPE_RANGE ||
          type == ODO_TYPE_SYSTEM_STEP || !message_info(type);
 }
 
-/// Among equal times: what describes a sensor before what it measured, then by type.
+/// Among equal times: sensor descriptions first, then by type.
 uint32_t rank_of(uint32_t type) { return type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE ? 0 : type; }
 
 }  // namespace
@@ -42,7 +42,7 @@ bool TimeOrder::later(const Entry& a, const Entry& b) {
 }
 
 TimeOrder::Stream& TimeOrder::stream_of(const odo_header& message) {
-  // An accelerometer and a gyroscope that are delivered apart are two streams.
+  // Accelerometer and gyroscope delivered separately are two streams.
   const uint32_t part = message.type == ODO_TYPE_IMU ? message.flags & 3 : 0;
   for (Stream& stream : streams_)
     if (stream.used && stream.type == message.type && stream.source == message.source && stream.part == part)
@@ -68,9 +68,10 @@ bool TimeOrder::camera_to_come() const {
   });
 }
 
-/// Of a sample that is older than what was released. Its stream is noted first, so that the others wait for it.
+/// Judges a sample older than what was released. Its stream is noted first, so that the others wait for it.
 TimeOrder::Verdict TimeOrder::judge_late(Stream& stream, const odo_header& message) {
-  if (message.t_ns < stream.latest_ns) {  // the sensor itself went back; while others go on it is not the clock
+  if (message.t_ns <
+      stream.latest_ns) {  // the sensor's own time went back; while others go on, this is not a clock reset
     const bool set_back = ++stream.behind >= parameters_.believe_behind && shows_the_clock(message.type);
     return set_back ? Verdict::restarted : Verdict::late;
   }
@@ -110,7 +111,7 @@ void TimeOrder::add(OwnedMessage message) {
     newest_ns_ = std::max(newest_ns_, header.t_ns);
     if (oldest_ns_ == INT64_MIN) oldest_ns_ = header.t_ns;
   }
-  if (free_.empty()) {  // memory is touched once it is needed
+  if (free_.empty()) {  // memory is touched only when needed
     free_.push_back(static_cast<uint32_t>(slots_.size()));
     slots_.emplace_back();
   }
@@ -129,7 +130,7 @@ TimeOrder::Verdict TimeOrder::push(OwnedMessage message) {
 
 int64_t TimeOrder::watermark() const {
   if (newest_ns_ == INT64_MIN) return INT64_MAX;  // only calibrations so far: nothing to wait for
-  // At first nobody knows which sensors there are: all get the longest wait to show up.
+  // At first the set of sensors is unknown: all get the longest wait to appear.
   const int64_t bound_ns = saturating_difference(newest_ns_, max_wait_ns_);
   if (saturating_difference(newest_ns_, oldest_ns_) < max_wait_ns_ || camera_to_come()) return bound_ns;
   int64_t slowest = INT64_MAX;

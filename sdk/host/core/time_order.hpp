@@ -9,19 +9,19 @@
 
 namespace odograph {
 
-/// Merges samples of several sensors by time, waiting for the slower ones within a bound. No allocation after
-/// construction. Order of release: time, then type, then arrival; a sensor that starts while others run joins with
-/// samples that are older than what was released, by the wait at most, and is waited for from then on. One thread at a
-/// time.
+/// Merges the samples of several sensors by time, with a bounded wait for slower ones. No allocation after
+/// construction. Order of release: time, then type, then arrival. A sensor that starts while others run may begin with
+/// samples older than what was released, by at most the wait, and is waited for from then on. Not thread-safe.
 class TimeOrder {
  public:
   struct Parameters {
-    /// One sample with a wild time must not make all others late. Judgement: longer than any app's pause.
+    /// Bounds a single sample's time, so that one outlier does not make all others late. Judgement: longer than any
+    /// app's pause.
     int64_t far_ahead_ns = 10'000'000'000;
-    /// Consecutive samples that say so are believed: the sensor has had a pause.
+    /// Consecutive samples this far ahead are accepted: the sensor has paused.
     int believe_ahead = 3;
-    /// Consecutive samples behind the sensor's own last time, before the clock counts as set back. Judgement: half a
-    /// second of an IMU.
+    /// Consecutive samples behind the sensor's own latest time, after which the clock counts as set back. Judgement:
+    /// half a second of an IMU.
     int believe_behind = 50;
     /// A sensor that is silent for longer is not waited for. Judgement: a camera that was switched off.
     int64_t silent_ns = 1'000'000'000;
@@ -30,47 +30,47 @@ class TimeOrder {
   enum class Verdict {
     accepted,
     late,         // its time has been released already
-    duplicate,    // same sensor and time as the one before
-    implausible,  // far ahead of everything else, and alone with that
+    duplicate,    // same sensor and time as the previous sample
+    implausible,  // an isolated sample far ahead of everything else
     full,
-    restarted,  // the sensor clock was set back; the caller drains, restarts and asks again
+    restarted,  // the sensor clock was set back; the caller drains, restarts and judges again
   };
 
   TimeOrder(size_t capacity, int64_t max_wait_ns) : TimeOrder(capacity, max_wait_ns, Parameters()) {}
   TimeOrder(size_t capacity, int64_t max_wait_ns, const Parameters& parameters);
 
-  /// There is a camera: until its first frame it is waited for like one that has just given a frame. A calibration
-  /// that is pushed says so too.
+  /// A camera exists: until its first frame, it is waited for as if it had just delivered one. A pushed calibration has
+  /// the same effect.
   void expect_camera() { camera_expected_ = true; }
 
-  /// Whether a message may be added; it is to be if it is accepted.
+  /// Whether a message may be added; an accepted message must be added.
   Verdict judge(const odo_header& message);
   void add(OwnedMessage message);
-  /// Both; what is not accepted is released.
+  /// Judges and adds a message; releases it unless accepted.
   Verdict push(OwnedMessage message);
 
-  /// The next message in order, or false while a slower sensor may still deliver an earlier one. Up to `flush_until_ns`
-  /// nothing is waited for.
+  /// The next message in order, or false while a slower sensor may still deliver an earlier one. Does not wait up to
+  /// `flush_until_ns`.
   bool pop(OwnedMessage& out, int64_t flush_until_ns = INT64_MIN);
-  /// Time of the latest message that waits; INT64_MIN when none does.
+  /// Time of the latest waiting message; INT64_MIN if there is none.
   int64_t latest_waiting_ns() const;
-  /// True when pop without flush would give a message.
+  /// Whether pop() without flush would return a message.
   bool ready() const { return !heap_.empty() && heap_.front().t_ns <= watermark(); }
 
   size_t size() const { return heap_.size(); }
-  /// Takes out what waits, one message a call, whether or not its time has come; false when nothing is left.
+  /// Removes the waiting messages, one per call, regardless of their time; false if none is left.
   bool drain(OwnedMessage& out);
-  /// Forgets all times, for a sensor clock that was set back.
+  /// Discards all times, after the sensor clock was set back.
   void restart();
 
  private:
   struct Stream {
-    uint32_t type = 0, source = 0, part = 0;  // part: which half of an IMU that delivers its sensors apart
+    uint32_t type = 0, source = 0, part = 0;  // part: which half of an IMU that delivers its sensors separately
     int64_t latest_ns = 0;
     int ahead = 0;   // consecutive samples far ahead
-    int behind = 0;  // consecutive late ones that are behind the stream's own last time too
+    int behind = 0;  // consecutive late ones that are also behind the stream's own latest time
     bool used = false;
-    bool joined = false;  // has been in time since it began or was silent
+    bool joined = false;  // in time at least once since it started or was silent
   };
   struct Entry {
     int64_t t_ns;

@@ -26,12 +26,12 @@ bool finite(const double* x, int n) {
 }
 
 bool is_rotation(const double* q) {
-  constexpr double kRounded = 0.01;  // of the norm: a quaternion of floats, or one written with few digits
+  constexpr double kRounded = 0.01;  // of the norm: accepts a quaternion of floats, or one written with few digits
   const double norm = Eigen::Map<const Eigen::Vector4d>(q).norm();
   return norm == 0 || std::abs(norm - 1) < kRounded;
 }
 
-/// With all zero: no rotation.
+/// All zeros mean no rotation.
 Rigid placed(const odo_anchor_place& place) {
   const Quaterniond q(place.q[0], place.q[1], place.q[2], place.q[3]);
   return {q.norm() > 0 ? q.normalized() : Quaterniond::Identity(), Vector3d(place.p)};
@@ -84,7 +84,7 @@ int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
 
 int32_t WorldView::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor& out) const {
   if (world > ODO_WORLD_SMOOTH) return ODO_E_ARGUMENT;
-  // The pose and the anchor of one moment: a correction moves both under this lock.
+  // Pose and anchor must belong to the same correction, which moves both under this lock.
   const std::lock_guard lock(mutex_);
   odo_pose corrected{}, smooth{};
   const int32_t status = pose_of(ODO_OF_PIPELINE, false, t_ns, corrected);
@@ -107,7 +107,7 @@ int32_t WorldView::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor&
     const bool is_camera = (corrected.header.flags & ODO_POSE_CAMERA) != 0;
     if (is_camera ? T_view_a.p.z() > 0 : T_view_a.p.z() < 0) out.flags |= ODO_ANCHOR_IN_FRONT;
     put(T_view_a, out.q_view, out.p_view);
-    // In the smooth world it is seen where it is seen in the corrected one.
+    // In the smooth world, the anchor appears at the same place in the view as in the corrected one.
     if (world == ODO_WORLD_SMOOTH && pose_of(ODO_OF_PIPELINE, true, t_ns, smooth) == ODO_OK)
       T_n_a = rigid(smooth) * T_view_a;
   }

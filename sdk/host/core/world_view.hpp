@@ -12,15 +12,15 @@
 
 namespace odograph {
 
-/// What is known of the phone's place in the world, which the pipeline writes and an app asks: poses of body and
-/// camera, anchors (anchor.h says what the calls do), places on the Earth. Its questions are [any].
+/// The phone's pose in the world, written by the pipeline and queried by the app: poses of body and camera, anchors
+/// (see anchor.h), geodetic positions. Its queries are [any].
 class WorldView {
  public:
-  /// `main_camera`: header.source of the pipeline's.
+  /// `main_camera`: header.source of the pipeline's camera.
   WorldView(const CameraTable& cameras, std::function<uint32_t()> main_camera)
       : cameras_(cameras), main_camera_(std::move(main_camera)) {}
 
-  /// PoseStream::at, of the body or the camera: ODO_OF_*.
+  /// PoseStream::at of the body or the camera: ODO_OF_*.
   int32_t pose_of(uint32_t of, bool smooth, int64_t t_ns, odo_pose& out) const;
   int32_t create_anchor(const odo_anchor_place& place, uint64_t& id);
   int32_t anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor& out) const;
@@ -29,7 +29,7 @@ class WorldView {
   int32_t to_geodetic(const double* p_n, double* geodetic) const;
   int32_t from_geodetic(const double* geodetic, double* p_n) const;
 
-  // The pipeline's.
+  // For the pipeline.
   Geodesy& geodesy() { return geodesy_; }
   PoseStream& poses() { return poses_; }
   Anchors& anchors() { return anchors_; }
