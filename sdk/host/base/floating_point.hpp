@@ -5,8 +5,8 @@
 
 namespace odograph {
 
-/// Rounds to the nearest, traps nothing and keeps denormal numbers, whatever the caller's thread does, until its end:
-/// then the caller's environment is back. What a session gives depends on its input alone.
+/// Sets the default floating-point environment for its lifetime (round to nearest, no traps, denormals kept), then
+/// restores the caller's. A session's output must depend only on its input.
 class DefaultFloatingPoint {
  public:
   DefaultFloatingPoint() {
@@ -17,7 +17,7 @@ class DefaultFloatingPoint {
   DefaultFloatingPoint(const DefaultFloatingPoint&) = delete;
   DefaultFloatingPoint& operator=(const DefaultFloatingPoint&) = delete;
 
-  /// Again, after code of others has run.
+  /// Sets it again, after foreign code has run.
   static void restore() { std::fesetenv(FE_DFL_ENV); }
   static bool rounds_to_nearest() { return std::fegetround() == FE_TONEAREST; }
 

@@ -9,8 +9,8 @@
 
 namespace odograph {
 
-/// What passes through the handlers of a thread that ends itself (pthread_exit). Whoever catches everything catches
-/// this before, and throws it on. Only GNU's run-time library has it.
+/// The exception that unwinds a thread which calls pthread_exit. A handler that catches everything must catch this
+/// first and rethrow it. Only GNU's run-time library has it.
 #if defined(__GLIBCXX__)
 using ForcedUnwind = abi::__forced_unwind;
 #else

@@ -6,15 +6,15 @@
 
 namespace odograph {
 
-/// Writes JSON text, indented, in the order of the calls. The host core writes three small files with it; reading and
-/// anything larger goes through libraries.
+/// Writes indented JSON text in the order of the calls. The host core writes three small files with it; reading and
+/// larger files use libraries.
 class JsonText {
  public:
   JsonText& open(char bracket);
   JsonText& close(char bracket);
   JsonText& key(std::string_view name);
   JsonText& string(std::string_view text);
-  JsonText& number(double value);  // shortest text that reads back the same; null when not finite
+  JsonText& number(double value);  // shortest round-trip text; null if not finite
   JsonText& boolean(bool value);
   const std::string& text() const { return text_; }
 

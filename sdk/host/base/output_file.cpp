@@ -8,9 +8,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kMaxLinks = 40;  // as Linux follows
+constexpr int kMaxLinks = 40;  // the limit of Linux
 
-/// Where writing to a path ends up: links are followed, also one whose target does not exist yet.
+/// The file that a path refers to after following links, including a link whose target does not exist yet.
 fs::path target_of(fs::path path) {
   std::error_code error;
   for (int i = 0; i < kMaxLinks && fs::is_symlink(fs::symlink_status(path, error)); ++i) {
@@ -47,7 +47,7 @@ Result<OutputFile> OutputFile::create(const fs::path& file, Beside beside) {
   std::error_code error;
   const auto status = fs::status(target, error);
   const bool exists = fs::exists(status);
-  const bool plain = !exists || fs::is_regular_file(status);  // a device or a pipe has as many writers as it likes
+  const bool plain = !exists || fs::is_regular_file(status);  // a device or a pipe may have several writers
   fs::path part = target;
   part += ".part";
   const bool is_beside = exists ? plain : beside == Beside::always;

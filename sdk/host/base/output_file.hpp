@@ -10,36 +10,36 @@
 
 namespace odograph {
 
-/// A file that is written beside its place, as NAME.part, and put there when it is whole: what was there before stays
-/// until then, also where the disk is full or the file is being read meanwhile. A link is followed; a device or a pipe
-/// is written directly. Two of one place exclude each other, from create to the end of their lives.
+/// Writes a file as NAME.part and renames it when complete, so that the previous file remains until then, even if the
+/// disk is full or a reader has it open. Links are followed; a device or a pipe is written directly. Two writers of one
+/// path exclude each other during their lifetimes.
 class OutputFile {
  public:
   enum class Beside { always, if_exists };
 
-  /// `if_exists`: a new file is written in its place at once, so that after a crash it lies there as far as it came.
-  /// ODO_E_STATE: another one is writing it, in this process or in another.
+  /// `if_exists`: a new file is written directly to its path, so that a partial file remains after a crash. ODO_E_STATE
+  /// if another writer, in this or another process, has the path.
   static Result<OutputFile> create(const std::filesystem::path& file, Beside beside = Beside::always);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
-  /// What was written beside and not committed is removed.
+  /// Removes an uncommitted NAME.part.
   ~OutputFile();
 
   std::ofstream& stream() { return out_; }
-  /// Puts the file in its place. A failure leaves there what was there.
+  /// Moves the file to its path. On failure the previous file remains.
   Result<bool> commit();
-  /// Leaves what has been written where it lies.
+  /// Leaves what was written on disk.
   void abandon() { beside_.clear(); }
 
  private:
   OutputFile(std::filesystem::path file, std::filesystem::path beside, FileLock lock);
 
   FileLock lock_;
-  std::filesystem::path file_, beside_;  // beside_ is empty where the file itself is written
+  std::filesystem::path file_, beside_;  // beside_ is empty if the file itself is written
   std::ofstream out_;
 };
 
-/// A whole file by OutputFile.
+/// Writes a complete file through OutputFile.
 Result<bool> write_whole_file(const std::filesystem::path& file, std::string_view content);
 
 }  // namespace odograph

@@ -8,11 +8,11 @@
 namespace odograph {
 namespace {
 
-/// Of a plane of an unknown format: 16,384 pixels of 16 bytes, the largest picture that is accepted.
+/// For a plane of unknown format: 16,384 pixels of 16 bytes, the largest picture accepted.
 constexpr uint32_t kMaxRows = 16384;
 constexpr size_t kMaxRowBytes = 16384 * 16;
 
-/// Rows and bytes a row of each plane, by format; zero rows = no such plane.
+/// Rows and bytes per row of each plane, by format; zero rows mean no such plane.
 struct PlaneSize {
   size_t rows, bytes;
 };
@@ -25,7 +25,7 @@ PlaneSize plane_size(const odo_frame& frame, int plane) {
       [[fallthrough]];
     case ODO_FORMAT_GREY8: return plane == 0 ? PlaneSize{h, w} : PlaneSize{0, 0};
     case ODO_FORMAT_RGB8: return plane == 0 ? PlaneSize{h, w * 3} : PlaneSize{0, 0};
-    case ODO_FORMAT_YUV420:  // planes 1 and 2 lie as far apart as their pixel stride says
+    case ODO_FORMAT_YUV420:  // the pixel stride determines the row length of planes 1 and 2
       if (plane == 1 || plane == 2) {
         const size_t stride = std::max<size_t>(frame.planes[plane].pixel_stride, 1);
         return {(h + 1) / 2, ((w + 1) / 2 - 1) * stride + 1};
@@ -33,7 +33,7 @@ PlaneSize plane_size(const odo_frame& frame, int plane) {
       return plane == 0 ? PlaneSize{h, w} : PlaneSize{0, 0};
     case ODO_FORMAT_RGBA8:
     case ODO_FORMAT_BGRA8: return plane == 0 ? PlaneSize{h, w * 4} : PlaneSize{0, 0};
-    default: {  // of a newer app: by its planes
+    default: {  // an unknown format, from a newer app: by its planes
       const odo_plane& p = frame.planes[plane];
       const bool used = static_cast<uint32_t>(plane) < frame.plane_count && p.rows <= kMaxRows;
       const auto bytes = static_cast<size_t>(std::llabs(p.row_stride));

@@ -9,10 +9,10 @@
 
 namespace odograph {
 
-/// Bytes of a frame's pixels and mask without gaps between rows.
+/// Size of a frame's pixels and mask in bytes, without gaps between rows.
 size_t pixel_bytes(const odo_frame& frame);
-/// Copies them to `memory`, which has as many, and lets the frame's planes point there. False, and the frame unusable,
-/// when a plane is missing or a row is longer than its stride.
+/// Copies the pixels to `memory`, which must have that size, and redirects the frame's planes to it. False, and the
+/// frame unusable, if a plane is missing or a row exceeds its stride.
 bool copy_pixels(odo_frame& frame, std::span<uint8_t> memory);
 
 }  // namespace odograph

@@ -9,10 +9,10 @@
 
 namespace odograph {
 
-/// Turns a pose of one rigid part (old) into the pose of another (new) that is mounted to it: q_o_w takes vectors from
-/// the new part's axes to the old one's, p_o_w is the new part's origin in the old axes, m. With the lever arm l =
-/// R_n_o p_o_w position, velocity (v + omega x l, where the rates are known) and covariances are carried over to first
-/// order: a small rotation theta of the left error moves the new origin by theta x l.
+/// Converts the pose of one rigid part (old, o) to the pose of another (new, w) mounted on it: q_o_w rotates vectors
+/// from w to o, p_o_w is the origin of w in o, m. With the lever arm l = R_n_o p_o_w, position, velocity (v + omega x
+/// l, if the rates are known) and covariances are transformed to first order: a left rotation error theta moves the new
+/// origin by theta x l.
 inline void move_pose(const Eigen::Quaterniond& q_o_w, const Eigen::Vector3d& p_o_w, odo_pose& pose) {
   using Eigen::Matrix3d, Eigen::Quaterniond, Eigen::Vector3d;
   using Matrix6d = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;

@@ -6,25 +6,25 @@
 
 namespace odograph {
 
-/// A text as a terminal may be shown it: control characters but the line feed, which files, plugins and file names may
-/// hold, become \xNN, the C1 ones in UTF-8 too.
+/// Makes a text safe for a terminal: control characters except line feed, which may come from files, plugins and file
+/// names, become \xNN, including UTF-8 encoded C1 characters.
 std::string printable(std::string_view text);
 
-/// How many bytes the character has that the text begins with, by UTF-8 (RFC 3629); 0 where it begins with none.
+/// Length in bytes of the UTF-8 character (RFC 3629) at the start of the text; 0 if there is none.
 size_t utf8_character(std::string_view text);
 
-/// The text's beginning of at most `longest` bytes, not cut within a character.
+/// The first `longest` bytes of the text at most, not cut within a character.
 std::string_view whole_characters(std::string_view text, size_t longest);
 
-/// Into a field of a message, with a NUL behind it.
+/// Copies a text into a NUL-terminated field of a message.
 template <size_t kSize>
 void copy_text(char (&field)[kSize], std::string_view text) {
   const auto fitting = whole_characters(text, kSize - 1);
   field[fitting.copy(field, fitting.size())] = 0;
 }
 
-/// What a stranger says, as a report may have it: one line of UTF-8 of at most `longest` bytes. Line feeds become
-/// blanks, what is no UTF-8 becomes \xNN as control characters do.
+/// Makes an untrusted text safe for a report: one line of UTF-8 of at most `longest` bytes. Line feeds become blanks;
+/// invalid UTF-8 and control characters become \xNN.
 std::string one_line(std::string_view text, size_t longest);
 
 }  // namespace odograph

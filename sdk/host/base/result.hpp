@@ -10,7 +10,7 @@
 
 namespace odograph {
 
-/// Why something failed: a status code of the ABI and a sentence for a person.
+/// The reason of a failure: a status code of the ABI and a sentence for the user.
 struct Failure {
   int32_t status = ODO_E_ERROR;
   std::string text;

@@ -9,9 +9,9 @@
 
 namespace odograph {
 
-/// A value that one thread writes and any thread reads without a lock: two copies and a sequence number; readers take
-/// the copy that is not being written and look again only where the writer came round to it meanwhile (a seqlock with
-/// a latch; Boehm, "Can seqlocks get along with programming language memory models?", 2012). One writer at a time.
+/// A value that one thread writes and any thread reads without a lock: two copies and a sequence number. A reader takes
+/// the copy that is not being written, and retries only if the writer reached it meanwhile (seqlock with a latch;
+/// Boehm, "Can seqlocks get along with programming language memory models?", 2012). One writer at a time.
 template <class T>
 class Snapshot {
   static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(uint64_t) == 0);

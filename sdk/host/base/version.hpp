@@ -2,6 +2,6 @@
 #pragma once
 
 namespace odograph {
-/// "major.minor.patch" of the library, from the build file.
+/// Library version "major.minor.patch", from the build file.
 inline constexpr const char* kVersion = ODOGRAPH_VERSION;
 }  // namespace odograph

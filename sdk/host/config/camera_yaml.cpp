@@ -12,7 +12,7 @@ namespace odograph {
 
 namespace {
 
-/// How the camera sits on the body, and when its rows are exposed.
+/// Pose of the camera on the body, and the timing of its rows.
 std::vector<Spec> mount_and_timing() {
   return {
       {.name = "q_b_c",
@@ -43,7 +43,7 @@ std::vector<Spec> mount_and_timing() {
        .min = 0,
        .max = 1e-3,
        .fallback = "0",
-       .help = "rolling shutter: from one row to the next; 0 = global shutter. Stands above what frames say"},
+       .help = "rolling shutter: from one row to the next; 0 = global shutter. Overrides the frames' own"},
   };
 }
 
@@ -63,7 +63,7 @@ const Spec& camera_spec() {
     const auto size = [](const char* name) {
       return Spec{.name = name, .type = SpecType::integer, .min = 1, .max = 16384, .help = "pixels", .required = true};
     };
-    Spec root{.name = "camera", .type = SpecType::map, .help = "Intrinsics of a camera and how it is mounted"};
+    Spec root{.name = "camera", .type = SpecType::map, .help = "Intrinsics, mount and timing of a camera"};
     root.children = {
         {.name = "model",
          .type = SpecType::choice,
@@ -86,7 +86,7 @@ const Spec& camera_spec() {
          .min = 0.1,
          .max = 1000,
          .fallback = "30",
-         .help = "of a folder of images"},
+         .help = "frame rate of a folder of images"},
     };
     std::vector<Spec> further = mount_and_timing();
     for (Spec& each : further) root.children.push_back(std::move(each));
@@ -98,7 +98,7 @@ const Spec& camera_spec() {
 Result<odo_calibration> read_camera_yaml(const std::filesystem::path& file, double* fps) {
   auto node = read_yaml(file.string());
   if (!node) return node.failure();
-  // Whatever else a stranger's config names as its camera is not quoted.
+  // Do not quote the content of a file that is not a camera description: it may be unrelated and untrusted.
   const auto& keys = camera_spec().children;
   if (std::none_of(keys.begin(), keys.end(), [&](const Spec& key) { return node->find(key.name) != nullptr; }))
     return Failure{ODO_E_CONFIG, at(file.string(), node->mark,

@@ -9,11 +9,11 @@
 
 namespace odograph {
 
-/// The table of camera.yaml; `schemas/camera.schema.json` is made from it.
+/// Schema of camera.yaml; the source of `schemas/camera.schema.json`.
 const Spec& camera_spec();
 
-/// camera.yaml: model, width, height, fx, fy, cx, cy, distortion, fps, mount, time offset, row time. `fps` may be null.
-/// Failures name file, line and column.
+/// Reads camera.yaml: model, width, height, fx, fy, cx, cy, distortion, fps, mount, time offset, row time. `fps` may be
+/// null. Failures state file, line and column.
 Result<odo_calibration> read_camera_yaml(const std::filesystem::path& file, double* fps);
 
 }  // namespace odograph

@@ -11,7 +11,7 @@ struct Table {
   std::vector<Manifest> manifests;
 };
 
-/// Never destroyed: sessions may be made while the program ends.
+/// Never destroyed: sessions may be created during program exit.
 Table& table() {
   static auto* mine = new Table;
   return *mine;

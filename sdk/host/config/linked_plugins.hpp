@@ -7,11 +7,11 @@
 
 namespace odograph {
 
-/// Adds a plugin to those of this process that are linked into the program. Adding an entry again changes nothing.
-/// ODO_E_CONFIG when another entry has its id. [any]
+/// Registers a plugin that is linked into the program. Registering the same entry again has no effect. ODO_E_CONFIG if
+/// another entry has its id. [any]
 Result<bool> add_linked_plugin(const Manifest& manifest);
 
-/// All of them, in the order in which they were added. [any]
+/// All registered plugins, in order of registration. [any]
 std::vector<Manifest> linked_plugins();
 
 }  // namespace odograph

@@ -15,7 +15,7 @@
 namespace odograph {
 namespace {
 
-constexpr size_t kChunk = 1 << 16;  // bytes of a library that are read at once
+constexpr size_t kChunk = 1 << 16;  // bytes read from a library at a time
 constexpr char kHexDigits[] = "0123456789abcdef";
 
 constexpr struct {
@@ -87,7 +87,7 @@ Result<Manifest> read_manifest(const std::filesystem::path& path) {
 }
 
 Result<Manifest> parse_manifest(std::string text, const std::filesystem::path& path) {
-  auto node = parse_yaml(text, path.string());  // JSON is YAML, and this reader has limits and marks
+  auto node = parse_yaml(text, path.string());  // JSON is a subset of YAML, and this parser has limits and positions
   if (!node) return node.failure();
   const PluginResolver none = [](const std::string&, const std::string&) -> Result<const std::vector<Spec>*> {
     return Failure{ODO_E_CONFIG, "no plugins here"};
@@ -136,7 +136,7 @@ Result<std::vector<Spec>> parameter_specs(const odo_plugin& plugin) {
     return Failure{ODO_E_DATA, "its parameter table has rows of " + std::to_string(plugin.parameter_stride) +
                                    " bytes; expected at least " + std::to_string(ODO_PARAMETER_SIZE_MIN)};
   for (uint32_t i = 0; i < plugin.parameter_count; ++i) {
-    odo_parameter row{};  // of an older plugin: what it does not know is zero
+    odo_parameter row{};  // zero for members unknown to an older plugin
     std::memcpy(&row, reinterpret_cast<const char*>(plugin.parameters) + size_t(i) * plugin.parameter_stride,
                 std::min<size_t>(plugin.parameter_stride, sizeof row));
     Spec spec;
@@ -206,7 +206,7 @@ std::string write_manifest(const odo_plugin& plugin, const std::string& library,
 Result<std::string> sha256_of(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
-    return Failure{ODO_E_NOT_FOUND, file.string() + ": is no file that can be read"};
+    return Failure{ODO_E_NOT_FOUND, file.string() + ": is not a readable file"};
   std::ifstream in(file, std::ios::binary);
   SHA2_CTX hash;
   SHA256Init(&hash);

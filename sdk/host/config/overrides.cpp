@@ -19,7 +19,7 @@ YamlNode* child_of(YamlNode& map, const std::string& key) {
   return nullptr;
 }
 
-/// The item of a list by number or plugin; where there is one plugin alone it may stand without a list.
+/// Finds a list item by index or plugin id. A single plugin may be written without a list.
 YamlNode* item_of(YamlNode& list, const std::string& key) {
   const auto is = [&](const YamlNode& item) {
     const YamlNode* plugin = item.find("plugin");
@@ -49,7 +49,7 @@ Failure no_such(const std::string& path, const std::string& key, const std::vect
                                    (close.empty() ? "" : " (nearest: '" + close + "')")};
 }
 
-/// The place of `key` in a node, made where a map has none. `spec`: the node's table where it is known; gets the key's.
+/// Finds `key` in a node; a map creates it if missing. `spec`: the node's schema if known; set to the key's.
 Result<YamlNode*> step_into(YamlNode& node, const std::string& key, const std::string& path, const Spec*& spec) {
   if (YamlNode* item = item_of(node, key)) return spec = nullptr, item;
   if (node.kind == YamlNode::Kind::sequence) return no_such(path, key, items_of(node));
@@ -73,7 +73,7 @@ Result<YamlNode*> step_into(YamlNode& node, const std::string& key, const std::s
 
 std::string json_quoted(const std::string& text) { return JsonText().string(text).text(); }
 
-/// A plain scalar in a list or map on one line ends at some characters; one that has them is no number.
+/// Whether a plain scalar in flow style would end early at one of its characters; such a scalar is not a number.
 bool needs_quotes(const YamlNode& scalar) {
   return scalar.quoted || scalar.text.find_first_of(",[]{}:#\"'\n") != std::string::npos;
 }
@@ -94,7 +94,7 @@ Result<Override> parse_override(const std::string& text) {
 }
 
 const YamlNode* node_at(const YamlNode& root, const std::string& path) {
-  auto* node = const_cast<YamlNode*>(&root);  // nothing is made on this way
+  auto* node = const_cast<YamlNode*>(&root);  // the lookup creates no nodes
   for (const std::string& key : split(path, '.')) {
     YamlNode* next = item_of(*node, key);
     if (!next && !(next = child_of(*node, key))) return nullptr;

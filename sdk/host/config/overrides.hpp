@@ -9,28 +9,28 @@
 
 namespace odograph {
 
-/// A value that takes the place of what a config says. `path`: its keys with dots between them; of a list an item by
-/// its number from 0 or by its `plugin`: `absolute_fixers.fix/gnss.parameters.correlation`. `value`: as in the file.
+/// A value that replaces one in a config. `path`: keys separated by dots; a list item is named by its index from 0 or
+/// by its `plugin`: `absolute_fixers.fix/gnss.parameters.correlation`. `value`: as in the file.
 struct Override {
   std::string path, value;
 };
 
-/// "walker.height=1.8 m". ODO_E_ARGUMENT without a path before an equals sign.
+/// Parses "walker.height=1.8 m". ODO_E_ARGUMENT if there is no path before the equals sign.
 Result<Override> parse_override(const std::string& text);
 
-/// What stands at a path, or null.
+/// The node at a path, or null.
 const YamlNode* node_at(const YamlNode& root, const std::string& path);
 
-/// The config with the values in their places; maps on the way there are made. ODO_E_CONFIG, with the nearest key where
-/// a pipeline has no such key, or the items of the list.
+/// Returns the config with the values replaced; creates missing maps along a path. ODO_E_CONFIG for an unknown key,
+/// with the nearest valid key or the items of the list.
 Result<YamlNode> with_overrides(YamlNode config, const std::vector<Override>& overrides);
 
-/// A document that parse_yaml reads as the same values. Comments and places are lost.
+/// Formats the node as YAML with the same values. Comments and positions are lost.
 std::string yaml_text(const YamlNode& node);
 
-/// The text of a config file with the values in their places, and what it names beside itself (`camera`,
-/// `plugins.search`, `plugins.host`, files of `plugins.allow`) as absolute paths, so that it means the same elsewhere.
-/// Without overrides the text as it is.
+/// Text of a config file with the overrides applied and its relative paths (`camera`, `plugins.search`, `plugins.host`,
+/// files of `plugins.allow`) made absolute, so that it is valid from any directory. Without overrides, the original
+/// text.
 Result<std::string> effective_config(const std::string& file, const std::vector<Override>& overrides);
 
 }  // namespace odograph

@@ -17,8 +17,8 @@ const YamlNode* in_plugins(const YamlNode& root, const char* key) {
   return plugins ? plugins->find(key) : nullptr;
 }
 
-/// The search path and the allow list are needed to check the rest, so they are read before the whole file is checked;
-/// mistakes in them are reported by that check.
+/// Reads the search path and the allow list before the whole file is validated, because the validation needs them.
+/// Mistakes in them are reported by that validation.
 std::vector<std::string> early_texts(const YamlNode& root, const char* key) {
   std::vector<std::string> texts;
   if (const YamlNode* list = in_plugins(root, key))
@@ -42,7 +42,7 @@ std::string early_text(const YamlNode& root, const char* key) {
   return node ? node->text : "";
 }
 
-/// A parameter named walker_height that the config does not give takes the walker's height.
+/// A parameter named walker_height defaults to the walker's height.
 void share_walker(PluginChoice& choice, const Value& walker) {
   for (auto& [spec, value] : choice.parameters)
     if (spec.name == "walker_height" && spec.type == SpecType::real && !value.given && walker["height"].given)
@@ -61,13 +61,13 @@ Isolation isolation_of(const Value& plugin, const Value& plugins, const std::fil
   return isolation;
 }
 
-/// Where plugins are looked for, and which of them may be used.
+/// Search path of plugins and rules for which may be loaded.
 struct PluginPolicy {
   std::vector<std::string> allow;
   std::vector<Signer> signers;
   std::filesystem::path base;
 
-  /// What is allowed by its hash must have it, and a signed manifest says which library it is for.
+  /// A library that is allowed by its hash must have that hash; a signed manifest binds its library by hash.
   LibraryCheck library_check(bool verify_hash) const {
     if (std::any_of(allow.begin(), allow.end(), is_sha256) || !signers.empty()) return LibraryCheck::sealed;
     return verify_hash ? LibraryCheck::hash : LibraryCheck::none;
@@ -89,7 +89,8 @@ Result<Value> checked_values(const YamlNode& root, const std::string& name, Plug
       return Failure{ODO_E_CONFIG, at(name, list->mark,
                                       std::string("plugins.") + key +
                                           ": an empty list; expected one item or more, or no '" + key + "' at all")};
-  for (const Value& signer : (*checked)["plugins"]["signers"].items)  // what matches nothing would let all pass
+  for (const Value& signer :
+       (*checked)["plugins"]["signers"].items)  // a pattern that matches nothing would exempt every plugin
     if (const std::string& ids = signer["ids"].text; ids.find('*') < ids.size() - 1 || ids.empty())
       return Failure{ODO_E_CONFIG, at(name, signer["ids"].mark,
                                       "plugins.signers: '" + ids + "'; expected an id, with '*' at its end alone")};
@@ -121,7 +122,7 @@ CouplingConfig coupling_of(const Value& coupling) {
   return config;
 }
 
-/// One plugin of the config, and its fallback with default parameters.
+/// One plugin of the config; its fallback has default parameters.
 PluginChoice choose(const Value& value, const Spec& spec, const Value& v, PluginRegistry& registry,
                     const PluginPolicy& policy) {
   PluginChoice choice;
@@ -143,7 +144,7 @@ PluginChoice choose(const Value& value, const Spec& spec, const Value& v, Plugin
   return choice;
 }
 
-/// A plugin that is linked in is part of the app's process, as all are where there are no processes.
+/// A linked-in plugin runs in the app's process, as do all plugins on a platform without processes.
 std::optional<Failure> check_isolation(const PluginChoice& choice, Mark mark, const std::string& name) {
   for (const PluginChoice* each = &choice; each; each = each->fallback.get()) {
     if (each->isolation.kind != Isolation::Kind::process || (kPlatform.processes && !each->manifest.entry)) continue;
@@ -175,7 +176,7 @@ std::optional<Failure> choose_plugins(const Value& v, PluginRegistry& registry, 
   return std::nullopt;
 }
 
-/// Whether the plugins are there whose output others need.
+/// Checks that the plugins are present whose output other plugins need.
 std::optional<Failure> check_companions(const PipelineConfig& config, const Value& v) {
   if (!config.step_estimators.empty() && config.attitudes.empty())
     return Failure{

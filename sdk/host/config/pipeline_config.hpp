@@ -15,26 +15,26 @@
 
 namespace odograph {
 
-/// Where a plugin runs, and what it may take there.
+/// Where a plugin runs, and its resource limits.
 struct Isolation {
   enum class Kind { none, process };
   Kind kind = Kind::none;
-  double time_s = 2;                          ///< longest call; longer than any of ours on a slow phone
+  double time_s = 2;                          ///< longest call; longer than any shipped plugin takes on a slow phone
   double start_s = 30;                        ///< longest load, create, configure, activate: models, on a slow disk
-  uint64_t memory_bytes = uint64_t(2) << 30;  ///< of address space, in a process; OpenCV and its threads take 0.5
-  std::filesystem::path program;              ///< odograph-plugin-host; empty: where the library looks for it
+  uint64_t memory_bytes = uint64_t(2) << 30;  ///< address space of a plugin process; OpenCV and its threads take 0.5 GB
+  std::filesystem::path program;              ///< odograph-plugin-host; empty: the default next to the library
 };
 
-/// One plugin as the config chose it.
+/// A plugin selected by the config.
 struct PluginChoice {
   Manifest manifest;
   std::string interface_id;
-  std::vector<std::pair<Spec, Value>> parameters;  // all of the plugin's table, defaults filled in
+  std::vector<std::pair<Spec, Value>> parameters;  // the plugin's whole table, with defaults filled in
   Isolation isolation;
-  std::shared_ptr<const PluginChoice> fallback;  // what takes its place when it is given up; may be null
+  std::shared_ptr<const PluginChoice> fallback;  // replaces the plugin if it is given up; may be null
 };
 
-/// Where a run starts, in n.
+/// Start pose in n.
 struct StartPose {
   std::array<double, 3> position_m{0, 0, 0};
   double heading_rad = 0.0;
@@ -63,13 +63,13 @@ struct OrderingConfig {
   size_t frames = 8;
 };
 
-/// How a recording's map frame is laid over n in a replay; `odograph run` applies it to what it writes.
+/// Alignment of a recording's map frame with n in a replay; `odograph run` applies it to its output.
 struct ReplayConfig {
   bool start_at_first_waypoint = false;
   double align_heading_over_m = 0.0;
 };
 
-/// A checked pipeline config.
+/// A validated pipeline config.
 struct PipelineConfig {
   std::string name;  // for messages: the file's path, or "<text>"
   std::string text;  // as read, so that a run can be repeated
@@ -77,24 +77,24 @@ struct PipelineConfig {
   std::optional<std::array<double, 3>> origin;  // latitude rad, longitude rad, height m
   std::optional<double> declination_rad;        // magnetic north from true north, positive to the east
   StartPose start;
-  std::optional<odo_calibration> camera;  // its mount and time offset only where their flags are set
+  std::optional<odo_calibration> camera;  // mount and time offset are valid only if their flags are set
   OrderingConfig ordering;
   CouplingConfig coupling;
   ReplayConfig replay;
   std::vector<PluginChoice> attitudes, step_estimators, vo_frontends, scale_sources, fixers;  // any number of each
 };
 
-/// The table of the whole file; the JSON Schema and the help are made from it.
+/// Schema of the whole file; the source of the JSON Schema and the help.
 const Spec& pipeline_spec();
 
-/// Checks a config and finds its plugins' manifests. Runs no plugin. `directories` come before the config's own search
-/// path. All mistakes are in the failure's text, one a line.
+/// Validates a config and finds its plugins' manifests. Runs no plugin code. `directories` precede the config's own
+/// search path. The failure's text lists all mistakes, one per line.
 Result<PipelineConfig> read_pipeline_config(const std::string& text, const std::string& name,
                                             const std::vector<std::filesystem::path>& directories);
 Result<PipelineConfig> read_pipeline_config_file(const std::string& path,
                                                  const std::vector<std::filesystem::path>& directories);
 
-/// JSON Schema (draft 07) of a table. Where a plugin stands, any parameters are allowed.
+/// JSON Schema (draft 07) of a spec. It accepts any plugin parameters.
 std::string json_schema(const Spec& spec, const std::string& title);
 
 }  // namespace odograph

@@ -26,38 +26,37 @@ Spec signers() {
       Spec{.name = "ids",
            .type = SpecType::text,
            .fallback = "*",
-           .help = "an id, a beginning of ids and '*', as in 'acme/*', or '*' for every plugin"},
+           .help = "an id, a prefix and '*', as in 'acme/*', or '*' for every plugin"},
       Spec{
           .name = "key", .type = SpecType::text, .help = "Ed25519 public key, 64 hexadecimal digits", .required = true},
   };
   return {.name = "signers",
           .type = SpecType::list,
           .help =
-              "a plugin whose id matches must have a manifest that one of the matching keys has signed "
+              "a plugin whose id matches must have a manifest signed with one of the matching keys "
               "(NAME.odoplugin.sig); others need no signature",
           .children = {std::move(signer)}};
 }
 
 Spec plugins_section() {
-  return map("plugins", "where plugins come from",
+  return map("plugins", "where plugins are found and how they run",
              {
                  texts("search", "directory", "directories, relative to this file, before the standard ones"),
                  texts("allow", "id, path or SHA-256",
                        "if given, only plugins with one of these ids, manifest or library paths, or hashes of the "
                        "library may be loaded"),
                  signers(),
-                 boolean("verify_hash", "true", "refuse a library whose hash is not its manifest's"),
-                 boolean("allow_writable", "false",
-                         "load also from folders and files that every user of the machine may write to"),
+                 boolean("verify_hash", "true", "refuse a library whose hash differs from its manifest's"),
+                 boolean("allow_writable", "false", "also load from world-writable folders and files"),
                  Spec{.name = "isolation",
                       .type = SpecType::choice,
                       .fallback = "none",
                       .choices = "none|process",
                       .renamed = "thread=process",
-                      .help = "where each plugin runs that says nothing else: process: in a process of its own"},
+                      .help = "where a plugin runs by default; process: in a process of its own"},
                  Spec{.name = "host",
                       .type = SpecType::text,
-                      .help = "path of odograph-plugin-host, where it does not lie beside the library"},
+                      .help = "path of odograph-plugin-host, if it is not beside the library"},
              });
 }
 
@@ -87,33 +86,33 @@ Spec navigation_section() {
 }
 
 Spec coupling_section() {
-  return map("coupling", "how everything becomes one pose",
-             {
-                 Spec{.name = "type",
-                      .type = SpecType::choice,
-                      .fallback = "paper",
-                      .choices = "paper|localizer",
-                      .renamed = "per_frame=paper|inertial=localizer",
-                      .help = "paper: each frame's displacement is scaled on its own (Antigny et al. 2019, section "
-                              "3.4); localizer: one scale for the track, learnt from the front-end, steps and scale "
-                              "sources, and corrected by fixes (docs/estimator.md)"},
-                 choice("orientation", "vo|gyroscope|attitude", "vo",
-                        "vo: composed from frame to frame; gyroscope: composed from the gyroscope's rotations; both "
-                        "corrected by fixes; attitude: the attitude source's, fixes turn its heading"),
-                 choice("vertical", "ignore|scaled", "ignore",
-                        "paper alone. ignore: horizontal displacement only, as in the paper; scaled: all three "
-                        "components"),
-                 real("fix_gate", "", 0, 100, "5",
-                      "a fix further off than this many standard deviations is rejected; 0 = never"),
-                 real("bridge", "s", 0, 60, "2",
-                      "how long steps alone may carry the pose while the camera sees nothing before it is lost"),
-                 real("fastest", "m/s", 0.01, 200, "2",
-                      "how fast the carrier may be: what is added to the position's uncertainty while there is no "
-                      "scale or no picture; a motion five times faster is a mistake and left out"),
-                 real("odometry_covariance", "", 0.01, 100, "1",
-                      "what a visual front-end says of its errors, of the metre too, is multiplied by this (a "
-                      "variance); above 1 for one that is surer than it should be"),
-             });
+  return map(
+      "coupling", "how all inputs are fused into one pose",
+      {
+          Spec{.name = "type",
+               .type = SpecType::choice,
+               .fallback = "paper",
+               .choices = "paper|localizer",
+               .renamed = "per_frame=paper|inertial=localizer",
+               .help = "paper: each frame's displacement is scaled on its own (Antigny et al. 2019, section 3.4); "
+                       "localizer: one scale for the track, estimated from the front-end, steps and scale sources, and "
+                       "corrected by fixes (docs/estimator.md)"},
+          choice("orientation", "vo|gyroscope|attitude", "vo",
+                 "vo: composed from frame to frame; gyroscope: integrated from the gyroscope; both corrected by fixes; "
+                 "attitude: the attitude source's, fixes correct its heading"),
+          choice("vertical", "ignore|scaled", "ignore",
+                 "paper only. ignore: horizontal displacement only, as in the paper; scaled: all three components"),
+          real("fix_gate", "", 0, 100, "5",
+               "a fix more than this many standard deviations from the track is rejected; 0 = no gate"),
+          real("bridge", "s", 0, 60, "2",
+               "how long steps alone may move the track without visual tracking before the pose is lost"),
+          real("fastest", "m/s", 0.01, 200, "2",
+               "maximum speed of the carrier: growth of the position uncertainty without scale or picture; a motion "
+               "five times faster is rejected"),
+          real("odometry_covariance", "", 0.01, 100, "1",
+               "factor on the covariance that a visual front-end states, including that of its scale; above 1 for an "
+               "overconfident one"),
+      });
 }
 
 }  // namespace
@@ -135,28 +134,28 @@ const Spec& pipeline_spec() {
             navigation_section(),
             Spec{.name = "camera",
                  .type = SpecType::text,
-                 .help =
-                     "camera.yaml of `odograph calibrate`, relative to this file; it stands above what a recording or "
-                     "an app says of its lens, and of the mount and the time offset where it has them"},
-            map("time_ordering", "how samples of several sensors are merged",
+                 .help = "camera.yaml of `odograph calibrate`, relative to this file; it overrides the lens of a "
+                         "recording or an app, and the mount and the time offset if it states them"},
+            map("time_ordering", "how samples of several sensors are merged in time order",
                 {
                     real("max_wait", "s", 0, 5, "0.2", "longest wait for a slower sensor, in sensor time"),
-                    real("max_gap", "s", 0.01, 60, "1", "a longer pause of the IMU or the camera is a fault"),
-                    integer("queue", 64, 1000000, "4096", "most samples waiting; more are dropped and counted"),
-                    integer("frames", 1, 64, "8", "most camera frames held, by the host and by plugins"),
+                    real("max_gap", "s", 0.01, 60, "1", "a longer gap of the IMU or the camera is reported as a fault"),
+                    integer("queue", 64, 1000000, "4096",
+                            "maximum number of waiting samples; more are dropped and counted"),
+                    integer("frames", 1, 64, "8", "maximum number of camera frames held by the host and by plugins"),
                 }),
             plugin("attitude", ODO_INTERFACE_ATTITUDE, "orientation of the body"),
             plugin("step_estimator", ODO_INTERFACE_STEP_ESTIMATOR, "steps and how the device is carried"),
             plugin("vo_frontend", ODO_INTERFACE_VO_FRONTEND, "camera motion up to scale"),
             plugin("scale_source", ODO_INTERFACE_SCALE_SOURCE, "scale of the front-end's displacements"),
-            plugin("absolute_fixers", ODO_INTERFACE_ABSOLUTE_FIXER, "positions and orientations from outside"),
+            plugin("absolute_fixers", ODO_INTERFACE_ABSOLUTE_FIXER, "absolute positions and orientations"),
             coupling_section(),
-            map("replay", "how `odograph run` lays a recording's map over n",
+            map("replay", "how `odograph run` aligns a recording's map with n",
                 {
                     boolean("start_at_first_waypoint", "false",
                             "the written track starts at the recording's first waypoint"),
                     real("align_heading_over", "m", 0, 1000, "0",
-                         "the written track is turned to fit the waypoints of its first metres; 0 = not"),
+                         "the written track is rotated to fit the waypoints over its first metres; 0 = no rotation"),
                 }),
         });
   }();

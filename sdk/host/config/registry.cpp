@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 constexpr std::string_view kSuffix = ".odoplugin.json";
-constexpr size_t kMaxHints = 8;  // of libraries without a manifest: a folder of the system has hundreds
+constexpr size_t kMaxHints = 8;  // libraries without a manifest: a system directory has hundreds
 
 bool is_manifest(const std::string& name) {
   return name.size() > kSuffix.size() && name.compare(name.size() - kSuffix.size(), kSuffix.size(), kSuffix) == 0;
@@ -24,7 +24,7 @@ bool is_manifest(const std::string& name) {
 
 namespace {
 
-/// By id, by the path of its manifest or library, or by the library's hash, which is verified when it is loaded.
+/// Whether the list contains its id, its manifest or library path, or its library's hash, which is verified on loading.
 bool is_allowed(const Manifest& manifest, const std::vector<std::string>& allow, const fs::path& base) {
   return std::any_of(allow.begin(), allow.end(), [&](const std::string& item) {
     if (item == manifest.id || (is_sha256(item) && item == manifest.sha256)) return true;
@@ -34,8 +34,8 @@ bool is_allowed(const Manifest& manifest, const std::vector<std::string>& allow,
   });
 }
 
-/// The first of manifest and library, where links lead to, and of all folders above them that everybody may write to;
-/// empty where none is.
+/// The first world-writable path among manifest and library, with links resolved, and all their parent directories;
+/// empty if there is none.
 fs::path open_to_all(const Manifest& manifest) {
   for (const fs::path& path : {manifest.path, manifest.library}) {
     std::error_code error;
@@ -49,7 +49,7 @@ fs::path open_to_all(const Manifest& manifest) {
   return {};
 }
 
-/// NAME.so without NAME.odoplugin.json beside it.
+/// Whether NAME.so has no NAME.odoplugin.json beside it.
 bool lacks_manifest(const fs::path& file) {
   const fs::path ending = file.extension();
   std::error_code error;
@@ -163,8 +163,8 @@ Failure PluginRegistry::not_found(const std::string& id, const std::string& inte
   return {ODO_E_NOT_FOUND, text};
 }
 
-/// What is linked in has no file that anybody could have replaced. A manifest that is chosen by its path states its id
-/// itself: it must not escape the signers by another one.
+/// A linked-in plugin has no file that could have been replaced. A manifest selected by path states its own id, so a
+/// forged id must not exempt it from the signature rules.
 Result<bool> PluginRegistry::may_be_loaded(const Manifest& manifest, bool by_path) const {
   if (manifest.entry) return true;
   if (!kPlatform.libraries)
@@ -181,7 +181,7 @@ Result<bool> PluginRegistry::may_be_loaded(const Manifest& manifest, bool by_pat
   if (!keys.empty()) return verify_signature(manifest, keys);
   if (by_path && !signers_.empty())
     return Failure{ODO_E_CONFIG, "plugin '" + manifest.id + "': " + manifest.path.string() +
-                                     " is chosen by its path, and none of plugins.signers vouches for its id; expected "
+                                     " is chosen by its path, and none of plugins.signers covers its id; expected "
                                      "its id in the config, or a signer for it"};
   return true;
 }

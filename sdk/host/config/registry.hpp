@@ -13,31 +13,30 @@
 
 namespace odograph {
 
-/// The plugins that are linked into the program, and those that lie on the search path, by their manifests. Looking
-/// runs no foreign code.
+/// The plugins linked into the program and those on the search path, from their manifests. Listing them runs no plugin
+/// code.
 class PluginRegistry {
  public:
-  /// Reads all manifests in the directories, in order. A directory that does not exist is skipped; one of the first
-  /// `asked_for`, which a user named, is said where a plugin is not found, as are libraries without a manifest.
+  /// Reads all manifests in the directories, in order. A missing directory is skipped. If a plugin is not found, the
+  /// error names missing directories among the first `asked_for`, which the user gave, and libraries without a
+  /// manifest.
   explicit PluginRegistry(const std::vector<std::filesystem::path>& directories, size_t asked_for = 0);
 
-  /// The plugin with this id, of the linked-in ones before those in folders, or with this manifest path when `id` ends
-  /// in
-  /// ".odoplugin.json" (relative to `base`).
-  /// Failures: unknown id with the nearest one, two manifests with one id, a kind it does not serve, not on `allow`
-  /// (ids, paths of manifest or library, SHA-256 of the library; empty allows all), or open to everybody's writing:
-  /// itself, where a link leads to, or a folder above without the sticky bit. What is linked in has its id and kind
-  /// checked alone.
+  /// Finds a plugin by id, linked-in plugins first, or by manifest path if `id` ends in ".odoplugin.json" (relative to
+  /// `base`). Fails for an unknown id (with the nearest one), two manifests with one id, an interface that it does not
+  /// serve, a plugin that is not on `allow` (ids, paths of manifest or library, SHA-256 of the library; empty allows
+  /// all), and a world-writable file, link target, or parent directory without the sticky bit. For a linked-in plugin,
+  /// only id and interface are checked.
   Result<const Manifest*> find(const std::string& id, const std::string& interface_id,
                                const std::filesystem::path& base, const std::vector<std::string>& allow);
 
-  /// Whether plugins may come from folders and files that every user of the machine may write to; at first not.
+  /// Whether plugins may be loaded from world-writable folders and files; the default is no.
   void allow_writable(bool allowed) { allow_writable_ = allowed; }
 
-  /// A plugin that any of them vouches for must be signed by one of those that do; others need no signature.
+  /// A plugin whose id matches some signers' patterns must be signed by one of those signers; others need no signature.
   void require_signature(std::vector<Signer> signers) { signers_ = std::move(signers); }
 
-  /// Those in folders.
+  /// Plugins found in folders.
   const std::vector<Manifest>& manifests() const { return manifests_; }
   /// Manifests that could not be read, as sentences.
   const std::vector<std::string>& problems() const { return problems_; }
@@ -59,10 +58,10 @@ class PluginRegistry {
 /// 64 hexadecimal digits.
 bool is_sha256(const std::string& text);
 
-/// The directories of a list like $PATH; empty parts are dropped.
+/// Splits a list like $PATH; empty parts are dropped.
 std::vector<std::filesystem::path> path_list(std::string_view text, char separator = kPlatform.path_separator);
 
-/// `first` in order, then $ODOGRAPH_PLUGIN_PATH, then the folder that belongs to this program or library.
+/// `first` in order, then $ODOGRAPH_PLUGIN_PATH, then the default folder of this program or library.
 std::vector<std::filesystem::path> plugin_directories(const std::vector<std::filesystem::path>& first);
 
 }  // namespace odograph

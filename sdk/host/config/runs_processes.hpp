@@ -5,7 +5,7 @@
 
 namespace odograph {
 
-/// Whether any plugin, or what may take its place, runs in a process of its own.
+/// Whether any plugin, or its fallback, runs in a process of its own.
 inline bool runs_processes(const PipelineConfig& config) {
   for (const auto* plugins :
        {&config.attitudes, &config.step_estimators, &config.vo_frontends, &config.scale_sources, &config.fixers})

@@ -17,7 +17,7 @@ constexpr int kEd25519 = 1087;  // NID_ED25519 of <openssl/obj_mac.h>, frozen
 
 using Key = std::array<unsigned char, kKeyBytes>;
 
-/// The few functions of libcrypto that this takes (man EVP_DigestVerify, EVP_PKEY_new_raw_public_key).
+/// The functions of libcrypto that are used (man EVP_DigestVerify, EVP_PKEY_new_raw_public_key).
 struct Crypto {
   void* (*new_key)(int type, void* engine, const unsigned char* key, size_t size) = nullptr;
   void (*free_key)(void* key) = nullptr;
@@ -64,7 +64,7 @@ std::optional<Key> key_of(const std::string& hex) {
   return key;
 }
 
-/// The signature and a byte more, where there is one; nothing of what is no regular file.
+/// Reads the signature and at most one byte more; nothing if it is not a regular file.
 std::optional<std::string> signature_of(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return {};

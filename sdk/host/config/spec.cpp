@@ -17,7 +17,7 @@ std::string range(const Spec& spec) {
   return " from " + number_text(spec.min) + " to " + number_text(spec.max);
 }
 
-/// Walks the document once along the table. One object per validation.
+/// Validates the document against the table in one pass. One object per validation.
 class Checker {
  public:
   Checker(const std::string& name, const PluginResolver& resolver) : name_(name), resolver_(resolver) {}
@@ -106,7 +106,7 @@ class Checker {
       value.reals.push_back(check(node.items[i], one, path + "[" + std::to_string(i) + "]").real);
   }
 
-  /// One plugin or a list of them.
+  /// A single plugin or a list of plugins.
   void check_plugins(const YamlNode& node, const Spec& spec, const std::string& path, Value& value) {
     const bool several = node.kind == YamlNode::Kind::sequence;
     for (size_t i = 0; i < (several ? node.items.size() : 1); ++i) {
@@ -118,7 +118,7 @@ class Checker {
     }
   }
 
-  /// {plugin: id, parameters: {...}}; the parameters are checked against the table in the plugin's manifest.
+  /// {plugin: id, parameters: {...}}; the parameters are validated against the table in the plugin's manifest.
   void check_plugin(const YamlNode& node, const Spec& spec, const std::string& path, Value& value) {
     Spec id{.name = "plugin", .type = SpecType::text, .help = "", .required = true};
     Spec parameters{.name = "parameters", .type = SpecType::map};
@@ -236,21 +236,22 @@ const std::vector<Spec>& plugin_choice_specs() {
        .help = "process: in a process of its own, which may crash, hang or be killed; plugins.isolation unless given"},
       {.name = "fallback",
        .type = SpecType::text,
-       .help = "the plugin that takes its place when it is given up, with that plugin's own defaults"},
+       .help = "the plugin that replaces it when it is given up, with that plugin's own defaults"},
       {.name = "time_limit",
        .type = SpecType::real,
        .unit = "s",
        .min = 0.01,
        .max = 600,
        .fallback = "2",
-       .help = "of one call; what takes longer is named, and in a process of its own left out and started anew"},
+       .help =
+           "of one call; a plugin that takes longer is reported and, in a process of its own, skipped and restarted"},
       {.name = "start_limit",
        .type = SpecType::real,
        .unit = "s",
        .min = 0.01,
        .max = 600,
        .fallback = "30",
-       .help = "as time_limit, of loading, creating, configuring and activating"},
+       .help = "as time_limit, for loading, creating, configuring and activating"},
       {.name = "memory_limit",
        .type = SpecType::integer,
        .min = 64,

@@ -12,28 +12,28 @@ namespace odograph {
 
 enum class SpecType { boolean, integer, real, reals, text, choice, map, list, plugins };
 
-/// One line of a table that says what may stand in a file. The same tables feed validation, the JSON Schema, the help
-/// texts and a plugin's manifest.
+/// One entry of a schema for a file. The same tables drive validation, the JSON Schema, the help texts and the plugin
+/// manifests.
 struct Spec {
   std::string name;
   SpecType type = SpecType::text;
-  std::string unit;      // SI; values may be written with another unit of the same dimension
+  std::string unit;      // SI; values may use another unit of the same dimension
   double min = 0.0;      // inclusive
   double max = 0.0;      // inclusive; both 0: no bound
   std::string fallback;  // as YAML text, in `unit`
   std::string choices;   // separated by '|'
-  std::string renamed;   // choices that are no more, as OLD=NEW, separated by '|'
+  std::string renamed;   // former choices as OLD=NEW, separated by '|'
   std::string help;
   bool required = false;
-  bool open = false;           // of a map: a later version of the table may have more keys, which are passed over
+  bool open = false;           // of a map: unknown keys, from a later version of the table, are skipped
   size_t count = 1;            // of reals
   std::string interface_id;    // of plugins
-  std::vector<Spec> children;  // of a map; of a list the one item
+  std::vector<Spec> children;  // of a map; of a list, the one item
 
   bool bounded() const { return min != 0.0 || max != 0.0; }
 };
 
-/// A checked value with the place it came from. Defaults are filled in; `given` tells them apart.
+/// A validated value with its position in the file. Defaults are filled in; `given` is false for them.
 struct Value {
   std::string name;  // its key, in a table
   Mark mark;
@@ -46,29 +46,29 @@ struct Value {
   std::vector<Value> items;
   std::vector<Value> children;
 
-  /// The child of that name; asking for one that the table does not have is a programming error.
+  /// The child of that name. Asking for one that is not in the table is a programming error.
   const Value& operator[](std::string_view key) const;
   const Value* find(std::string_view key) const;
 };
 
-/// The parameter table of a plugin by id, or why it is not to be had. The pointer lives as long as the resolver.
+/// Returns a plugin's parameter table by id, or a failure. The pointer is valid as long as the resolver.
 using PluginResolver =
     std::function<Result<const std::vector<Spec>*>(const std::string& id, const std::string& interface_id)>;
 
-/// What may stand beside `plugin` and `parameters` where a config chooses a plugin.
+/// Keys allowed beside `plugin` and `parameters` where a config selects a plugin.
 const std::vector<Spec>& plugin_choice_specs();
 
-/// Checks a document against a table. All mistakes are found in one pass, each as "name:line:column: ..." on a line of
-/// its own with what was expected and the nearest valid key.
+/// Validates a document against a table. Reports all mistakes in one pass, each on its own line as "name:line:column:
+/// ..." with the expectation and the nearest valid key.
 Result<Value> validate(const YamlNode& node, const Spec& spec, const std::string& name, const PluginResolver& resolver);
 
-/// A value from its default text alone.
+/// The value of the default text.
 Value default_value(const Spec& spec);
 
-/// A number with an optional unit ("1.7 m", "30 deg", "200 ms") in `unit`, or a sentence saying what was expected.
+/// Parses a number with an optional unit ("1.7 m", "30 deg", "200 ms") into `unit`; a failure states what was expected.
 Result<double> parse_quantity(const std::string& text, const std::string& unit);
 
-/// The units in which a quantity of this SI unit may be written, the SI unit first.
+/// Units in which a quantity with this SI unit may be written, the SI unit first.
 std::vector<std::string> compatible_units(const std::string& unit);
 
 /// "a number in m from 0.5 to 2.5", for messages and help.

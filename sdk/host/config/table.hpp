@@ -3,7 +3,7 @@
 
 #include "sdk/host/config/spec.hpp"
 
-/// Short ways to write the lines of a table.
+/// Shorthand constructors for the entries of a schema table.
 namespace odograph::table {
 
 inline Spec map(const char* name, const char* help, std::vector<Spec> children) {

@@ -22,7 +22,7 @@ struct Refused {
 
 Mark from_yaml(const YAML::Mark& mark) { return mark.is_null() ? Mark{} : Mark{mark.line + 1, mark.column + 1}; }
 
-/// Builds the tree from the parser's events, so that nothing is expanded, followed or kept beyond the limits.
+/// Builds the tree from the parser's events, so that nothing is expanded, resolved or stored beyond the limits.
 class TreeBuilder : public YAML::EventHandler {
  public:
   explicit TreeBuilder(const YamlLimits& limits) : limits_(limits) {}
@@ -104,7 +104,7 @@ class TreeBuilder : public YAML::EventHandler {
     if (static_cast<int>(stack_.size()) >= limits_.depth)
       throw Refused{from_yaml(mark), "nested more than " + std::to_string(limits_.depth) +
                                          " levels deep; expected a config, which needs 6"};
-    // A parent's vector does not grow while a child is open, so the pointer stays good.
+    // A parent's vector does not grow while a child is open, so the pointer stays valid.
     YamlNode* node = &add(mark, tag, anchor, kind);
     stack_.push_back({node});
   }
@@ -119,8 +119,7 @@ class TreeBuilder : public YAML::EventHandler {
   int nodes_ = 0;
 };
 
-/// What the YAML library words badly or does not check: tabs in the indentation, NUL and other bytes that are not
-/// UTF-8.
+/// Checks what the YAML library reports poorly or not at all: tabs in the indentation, NUL, and invalid UTF-8.
 void check_bytes(const std::string& text) {
   Mark mark;
   bool indentation = true;
@@ -196,7 +195,7 @@ Result<std::string> read_limited(const std::string& path, const YamlLimits& limi
                                         std::to_string(limits.bytes))};
   std::ifstream file(name, std::ios::binary);
   if (!file) return Failure{ODO_E_NOT_FOUND, at(path, {}, "cannot be opened; expected a YAML file")};
-  std::string text(limits.bytes + 1, '\0');  // also right for a file that grows
+  std::string text(limits.bytes + 1, '\0');  // one byte more, to detect a file that grows
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<size_t>(file.gcount()));
   return text;

@@ -9,13 +9,13 @@
 
 namespace odograph {
 
-/// A place in a file, counted from 1.
+/// A position in a file, counted from 1.
 struct Mark {
   int line = 1;
   int column = 1;
 };
 
-/// A YAML document as plain values, each with its place. Scalars stay text until a table says what they should be.
+/// A YAML document as plain values with their positions. Scalars remain text until a schema gives them a type.
 struct YamlNode {
   enum class Kind { null, scalar, sequence, map };
   struct Entry;
@@ -23,7 +23,7 @@ struct YamlNode {
   Kind kind = Kind::null;
   Mark mark;
   std::string text;             // of a scalar
-  bool quoted = false;          // a quoted scalar is text even when it looks like a number
+  bool quoted = false;          // a quoted scalar is text even if it looks like a number
   std::vector<YamlNode> items;  // of a sequence
   std::vector<Entry> entries;   // of a map, in file order, keys unique
 
@@ -37,21 +37,21 @@ struct YamlNode::Entry {
   YamlNode value;
 };
 
-/// What a file may cost before anybody looks at its meaning.
+/// Limits for a file, applied before its content is interpreted.
 struct YamlLimits {
   size_t bytes = 1u << 20;
   int depth = 64;
   int nodes = 100000;
 };
 
-/// Reads one document within the limits. Anchors, aliases, tags, duplicate keys, tabs in the indentation, bytes that
-/// are not UTF-8 and second documents are refused. A failure's text is "name:line:column: what".
+/// Parses one document within the limits. Anchors, aliases, tags, duplicate keys, tabs in the indentation, invalid
+/// UTF-8 and second documents are refused. A failure's text is "name:line:column: what".
 Result<YamlNode> parse_yaml(const std::string& text, const std::string& name, const YamlLimits& limits = {});
 
-/// A file's text, not read at all when it is larger than the limit. ODO_E_NOT_FOUND when it cannot be opened.
+/// Reads a file's text unless it exceeds the limit. ODO_E_NOT_FOUND if it cannot be opened.
 Result<std::string> read_limited(const std::string& path, const YamlLimits& limits = {});
 
-/// As parse_yaml, from a file that is not read at all when it is too large. ODO_E_NOT_FOUND when it cannot be opened.
+/// As parse_yaml(), from a file. ODO_E_NOT_FOUND if it cannot be opened.
 Result<YamlNode> read_yaml(const std::string& path, const YamlLimits& limits = {});
 
 /// "name:line:column: text".
