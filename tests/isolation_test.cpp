@@ -127,7 +127,7 @@ TEST_CASE("every plugin of the zoo, isolated as a scale source or an odometry: t
         continue;
       }
       if (key != "scale_source") CHECK(out.poses > 0);
-      ended += out.says("started anew") ? 1 : 0;
+      ended += out.says("restarting") ? 1 : 0;
       odo_pose pose{};
       pose.header.struct_size = sizeof pose;
       CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
@@ -222,7 +222,7 @@ TEST_CASE("a plugin that ends again and again waits longer each time, and gives 
   App app(chosen + ", fallback: attitude/vqf}\nstep_estimator: {plugin: step/renaudin2012}\n", ODO_RUN_REPLAY, plugins);
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   const Outcome out = walk(app, 0, 1000);
-  CHECK(out.says("attitude/vqf: takes the place of zoo/animal"));
+  CHECK(out.says("attitude/vqf: replaces zoo/animal"));
   CHECK(out.poses > 0);
 }
 
@@ -238,7 +238,7 @@ TEST_CASE("while its plugin comes back the pose goes on and says degraded, and t
   CHECK(out.poses >= 15);
   CHECK(out.degraded >= 3);
   CHECK(out.degraded < out.poses / 2);
-  CHECK(out.says("test/crashing_attitude: was ended by a signal (Segmentation fault) in process; is started anew"));
+  CHECK(out.says("test/crashing_attitude: was ended by a signal (Segmentation fault) in process; restarting"));
 }
 
 TEST_CASE("a plugin that takes memory without end ends alone" * doctest::skip(!kMemoryLimited)) {

@@ -166,8 +166,8 @@ TEST_CASE("every misdeed at every moment, in a process of its own: the host goes
 }
 
 TEST_CASE("a plugin that takes no question holds its host up for no longer than a call, however it answers") {
-  for (const auto& [deed, words] : {std::pair{"answers_unasked", "broke the protocol: an answer that nobody asked for"},
-                                    {"takes_no_question", "does not take what it is asked"}}) {
+  for (const auto& [deed, words] : {std::pair{"answers_unasked", "broke the protocol: an unrequested answer"},
+                                    {"takes_no_question", "does not accept requests"}}) {
     CAPTURE(std::string(deed));
     const TemporaryFolder folder;
     const std::string plugins = install(folder, std::string(deed) + "__process");

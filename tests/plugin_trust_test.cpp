@@ -258,7 +258,7 @@ TEST_CASE("a library that finds another one beside itself has no sealed copy, an
   const Manifest manifest = put_library(folder, "needs_neighbour", "");
   const HostServices host(0, {"."}, nullptr);
   CHECK(contains(PluginLibrary::load(manifest, LibraryCheck::sealed, &host).failure().text,
-                 "of a sealed copy, for which $ORIGIN is not its folder"));
+                 "loaded from a sealed copy, for which $ORIGIN is not its folder"));
   CHECK(PluginLibrary::load(manifest, LibraryCheck::hash, &host).ok());
 }
 #endif

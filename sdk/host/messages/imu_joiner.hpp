@@ -10,13 +10,13 @@
 
 namespace odograph {
 
-/// Makes whole IMU samples of an accelerometer and a gyroscope that are delivered apart (as on Android): the
-/// accelerometer is interpolated linearly at the gyroscope's times. Whole samples pass through, and so does the
-/// gyroscope alone, 0.1 s late, while no accelerometer comes. Input ordered by time.
+/// Builds complete IMU samples from an accelerometer and a gyroscope that are delivered separately (as on Android): the
+/// accelerometer is interpolated linearly at the gyroscope's times. Complete samples pass through; without an
+/// accelerometer, gyroscope samples pass 0.1 s late. Input in time order.
 class ImuJoiner {
  public:
-  /// Calls `take(const odo_imu&)` in order for each whole sample that the new one completes, and for each that has
-  /// waited in vain, which has ODO_IMU_GYRO alone.
+  /// Calls `take(const odo_imu&)`, in order, for each sample that the new one completes and for each whose wait timed
+  /// out, which has only ODO_IMU_GYRO.
   template <class Take>
   void push(const odo_imu& sample, Take&& take) {
     constexpr uint32_t both = ODO_IMU_GYRO | ODO_IMU_ACCEL;
@@ -49,7 +49,7 @@ class ImuJoiner {
     return gyro;
   }
 
-  static constexpr int64_t kLongestWait_ns = 100'000'000;  // twice the spacing of an accelerometer of 20 Hz
+  static constexpr int64_t kLongestWait_ns = 100'000'000;  // twice the sample interval of an accelerometer at 20 Hz
   std::array<odo_imu, 64> waiting_{};
   size_t waiting_count_ = 0;
   std::optional<odo_imu> last_accel_;

@@ -17,14 +17,14 @@ constexpr MessageInfo kMessages[] = {
 #undef ODO_ROW
 };
 
-/// Notes the first thing that is wrong.
+/// Records the first fault found.
 class Judge {
  public:
   explicit Judge(const odo_header& header) : flags_(header.flags) {
     when(ODO_FLAG_QUALITY).share("quality", header.quality).always();
   }
 
-  /// What follows counts only where this validity bit is set.
+  /// The following checks apply only if this validity bit is set.
   Judge& when(uint32_t bit) {
     asked_ = (flags_ & bit) != 0;
     return *this;
@@ -48,7 +48,7 @@ class Judge {
         within(count == 1 ? field : (std::string(field) + "[" + std::to_string(i) + "]").c_str(), values[i], bounds);
     return *this;
   }
-  /// Of a sensor, whose range SampleGate knows.
+  /// A sensor's values; SampleGate checks their range.
   Judge& sensed(const char* field, const double* values, size_t count) {
     constexpr bounds::Bounds kFinite = {-1.7e308, 1.7e308, "a finite number"};
     return within(field, values, count, kFinite);
@@ -57,7 +57,7 @@ class Judge {
   Judge& finite(const char* field, const double* values, size_t count) {
     return within(field, values, count, bounds::kAnything);
   }
-  /// A covariance matrix, row by row.
+  /// A row-major covariance matrix.
   Judge& covariance(const char* field, const double* values, size_t rows) {
     constexpr bounds::Bounds kFinite = {-bounds::kMaxVariance, bounds::kMaxVariance, "within +-1e15"};
     within(field, values, rows * rows, kFinite);
@@ -65,13 +65,13 @@ class Judge {
       if (const size_t at = i * (rows + 1); values[at] < 0)
         not_negative((std::string(field) + "[" + std::to_string(at) + "]").c_str(), values[at]);
     if (asked_ && fault.empty() && !bounds::is_covariance(values, rows))
-      fault = std::string(field) + " is no covariance; expected a symmetric positive semidefinite matrix";
+      fault = std::string(field) + " is not a covariance; expected a symmetric positive semidefinite matrix";
     return *this;
   }
-  /// Of a component that is stated to be known.
+  /// Variance of a component that is stated as known.
   Judge& known(const char* field, double variance) {
     return that(variance >= bounds::kMinKnownVariance, field, variance,
-                "a variance of at least 1e-12 of what is known");
+                "a variance of at least 1e-12 for a known component");
   }
   Judge& unit(const char* field, const double* q) {
     finite(field, q, 4);
@@ -114,7 +114,7 @@ void judge_frame(Judge& judge, const odo_frame& m) {
   judge.that(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
       .that(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384")
       .that(uint64_t(m.width) * m.height <= bounds::kMaxPixels, "width * height", double(m.width) * m.height,
-            "at most 2^24 pixels; a smaller picture tells as much")
+            "at most 2^24 pixels; a smaller picture is as informative")
       .that(m.format != 0, "format", m.format, "one of ODO_FORMAT_*")
       .that(m.plane_count <= 4, "plane_count", m.plane_count, "0 to 4");
   if (!native_only) plane(0);

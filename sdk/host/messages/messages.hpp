@@ -13,38 +13,38 @@
 
 namespace odograph {
 
-/// What the host knows of a message type: its name in files, how large its struct is, and how large in version 1.0.
+/// Properties of a message type known to the host: its name in files and its struct size, now and in version 1.0.
 struct MessageInfo {
   uint32_t type;
   const char* name;
   size_t size;      // of the host's struct
-  size_t min_size;  // of version 1.0: what is smaller is refused
+  size_t min_size;  // of version 1.0: smaller structs are refused
 };
 
-/// Null for a type the host does not know.
+/// Null for an unknown type.
 const MessageInfo* message_info(uint32_t type);
-/// What is smaller is refused: version 1.0's size, or the head of a type that the host does not know.
+/// Smaller structs are refused: the size of version 1.0, or the header size for an unknown type.
 size_t min_size(uint32_t type);
-/// "imu", "fix", or the number of a type that the host does not know.
+/// "imu", "fix", or the number of an unknown type.
 std::string message_name(uint32_t type);
-/// Times further from the clock's zero are refused, so that no difference of two overflows: 146 years, and the epoch of
-/// any clock lies nearer.
+/// Times further from the clock's zero are refused, so that the difference of two never overflows: 146 years, more than
+/// any clock's epoch.
 constexpr int64_t kFarthestTime_ns = int64_t(1) << 62;
 constexpr bool is_plausible_time(int64_t t_ns) { return t_ns >= -kFarthestTime_ns && t_ns <= kFarthestTime_ns; }
 
-/// Whether an app may push it: everything but events and reserved numbers.
+/// Whether an app may push the type: everything but events and reserved numbers.
 inline bool is_input(uint32_t type) { return !ODO_IS_EVENT(type) && !ODO_IS_RESERVED(type); }
 
-/// Why a message cannot be used, as "field = value; expected ...": a wild time, a number whose validity bit is set and
-/// that is not finite or out of its range, a quaternion that is not of unit length within 1e-3. Empty where it can.
-/// Only for messages that are known to be as large as the host's struct (AnyMessage).
+/// Why a message is unusable, as "field = value; expected ...": a time out of range, a valid-flagged number that is not
+/// finite or out of range, a quaternion whose norm differs from 1 by more than 1e-3. Empty if usable. Only for messages
+/// known to be as large as the host's struct (AnyMessage).
 std::string message_fault(const odo_header& message);
-/// The same of a message in a recording, where a frame's size and pixels are its picture's, and events are what some
-/// host has given.
+/// The same for a message in a recording, where a frame's size and pixels are its picture's, and events come from
+/// another host.
 std::string recorded_fault(const odo_header& message);
 inline bool message_is_good(const odo_header& message) { return message_fault(message).empty(); }
 
-/// A zeroed message with its size, type and time filled in.
+/// A zero-initialised message with size, type and time set.
 template <class Message>
 Message make_message(uint32_t type, int64_t t_ns) {
   Message message;
@@ -55,13 +55,13 @@ Message make_message(uint32_t type, int64_t t_ns) {
   return message;
 }
 
-/// The message behind a header whose type has been looked at.
+/// The message behind a header whose type has been checked.
 template <class Message>
 const Message& as(const odo_header& header) {
   return reinterpret_cast<const Message&>(header);
 }
 
-/// The message by value as the host knows it: what its writer had beyond is left away, what it lacked is zero.
+/// A copy of the message with the host's struct size: excess fields are dropped, missing ones are zero.
 template <class Message>
 Message copy_as(const odo_header& header) {
   Message message{};
@@ -72,9 +72,9 @@ Message copy_as(const odo_header& header) {
 
 constexpr double kNanoseconds = 1e-9;
 
-/// A message by value, whatever its type and whoever wrote it: a newer writer's fields are kept, an older one's missing
-/// fields are zero, and struct_size stays the writer's. There is always room for the host's struct. Larger messages
-/// than the host's own are kept on the heap.
+/// A message of any type by value, from any writer: a newer writer's extra fields are retained, an older writer's
+/// missing fields are zero, and struct_size stays the writer's. There is always room for the host's struct. Messages
+/// larger than the host's own are stored on the heap.
 class AnyMessage {
  public:
   AnyMessage() { std::memset(inside_, 0, sizeof(odo_header)); }
@@ -92,9 +92,9 @@ class AnyMessage {
 
   const odo_header& header() const { return *reinterpret_cast<const odo_header*>(data()); }
   odo_header& header() { return *reinterpret_cast<odo_header*>(data()); }
-  /// As its writer had it.
+  /// The bytes as written.
   std::span<const unsigned char> bytes() const { return {data(), header().struct_size}; }
-  /// False, and nothing done, when it is smaller than version 1.0 of it or larger than any message may be.
+  /// False, and nothing done, if it is smaller than in version 1.0 or larger than any message may be.
   bool assign(const odo_header& message);
 
  private:
@@ -119,7 +119,7 @@ class AnyMessage {
   std::vector<uint64_t> outside_;
 };
 
-/// A set of message types that is asked with every message. [any, once built]
+/// A set of message types with fast lookup. [any, once built]
 class TypeSet {
  public:
   static TypeSet all() {
@@ -139,7 +139,7 @@ class TypeSet {
   bool empty() const { return !all_ && known_ == 0 && others_.empty(); }
 
  private:
-  /// Frames have bit 0, inputs below 32 and the first 32 events each a bit of their own.
+  /// Frames have bit 0; inputs below 32 and the first 32 events have one bit each.
   static uint64_t bit(uint32_t type) {
     if (type == ODO_TYPE_FRAME) return 1;
     if (type < 32) return type == 0 ? 0 : uint64_t(1) << type;
@@ -151,11 +151,11 @@ class TypeSet {
   std::vector<uint32_t> others_;
 };
 
-/// A message by value that owns the hold of its loan, if it is a borrowed one: the last owner releases it.
+/// A message by value that owns the reference of its loan, if it is borrowed: the last owner releases it.
 class OwnedMessage {
  public:
   OwnedMessage() = default;
-  /// Takes over the message and the hold of its loan.
+  /// Takes ownership of the message and the reference of its loan.
   explicit OwnedMessage(AnyMessage&& message) : message_(std::move(message)) {}
   explicit OwnedMessage(const odo_header& message) : message_(message) {}
   OwnedMessage(OwnedMessage&& other) noexcept : message_(std::move(other.message_)) { other.header().type = 0; }
@@ -171,7 +171,7 @@ class OwnedMessage {
   const odo_header& header() const { return message_.header(); }
   odo_header& header() { return message_.header(); }
   bool empty() const { return header().type == 0; }
-  /// Releases the loan and is empty. Calls out of the host: hold no lock.
+  /// Releases the loan and becomes empty. Calls foreign code: hold no lock.
   void release() {
     if (ODO_IS_BORROWED(header().type)) {
       const odo_loan& loan = as<odo_borrowed>(header()).loan;

@@ -12,9 +12,9 @@ namespace {
 
 constexpr char kMagic[8] = {'O', 'D', 'O', 'R', 'E', 'C', '1', '\n'};
 constexpr uint32_t kRecord = 0x524F444F;                     // "ODOR"
-constexpr size_t kFirstLook = 4096, kLargestLook = 1 << 20;  // bytes read at once on the way to the next record
-constexpr uint64_t kLook = 4096;                             // bytes that looking at a place costs at least
-constexpr uint64_t kMinEffort = 16u << 20;                   // of small files
+constexpr size_t kFirstLook = 4096, kLargestLook = 1 << 20;  // bytes read at once while scanning for the next record
+constexpr uint64_t kLook = 4096;                             // minimum cost of checking one offset, bytes
+constexpr uint64_t kMinEffort = 16u << 20;                   // minimum scan budget, for small files
 constexpr uint32_t kEndMark = 0x1FFFF;
 constexpr uint32_t kVersion = 2, kMinor = 0;
 
@@ -23,7 +23,7 @@ struct RecordHead {
 };
 static_assert(sizeof(RecordHead) == 16);
 
-/// CRC-32 of ISO 3309 (as in PNG and zlib), byte by byte with a table.
+/// CRC-32 of ISO 3309 (as in PNG and zlib), table-driven, one byte at a time.
 class Crc32 {
  public:
   void add(std::span<const unsigned char> bytes) {
@@ -54,7 +54,7 @@ uint32_t checksum(uint32_t type, uint32_t size, std::span<const unsigned char> h
   return crc.value();
 }
 
-void forget_pointers(odo_frame& frame) {  // they mean nothing in a file
+void forget_pointers(odo_frame& frame) {  // pointers are meaningless in a file
   for (auto& plane : frame.planes) plane = {};
   frame.mask = {};
   frame.loan = {};
@@ -73,7 +73,7 @@ std::string RecordLoss::text() const {
   if (records_lost)
     return said + (said.empty() ? "" : "; ") + std::to_string(*records_lost) + " of " +
            std::to_string(records_read + *records_lost) + " records are lost";
-  return said + "; " + std::to_string(records_read) + " records were read, how many are lost nobody knows";
+  return said + "; " + std::to_string(records_read) + " records were read, the number lost is unknown";
 }
 
 bool RecordReader::looks_like_one(const std::filesystem::path& file) {
@@ -165,7 +165,7 @@ void RecordReader::skip_damage() {
   loss_.bytes += offset_ - begin;
 }
 
-/// Whether a whole record begins there. What turns out to be none is paid for.
+/// Whether a complete record begins at the offset. A failed check is charged to the scan budget.
 bool RecordReader::is_record_at(uint64_t offset) {
   RecordHead head{};
   effort_left_ -= std::min(effort_left_, kLook);
@@ -184,8 +184,8 @@ bool RecordReader::is_record_at(uint64_t offset) {
   return false;
 }
 
-/// Where the next whole record begins, or the file ends. Where the damaged record's own size leads to one, it is that:
-/// what looks like a record within a payload is none.
+/// Offset of the next complete record, or the end of the file. If the damaged record's own size leads to a record, that
+/// one is taken: anything inside the payload that resembles a record is not one.
 uint64_t RecordReader::end_of_damage() {
   RecordHead head{};
   in_.clear();
@@ -207,7 +207,7 @@ uint64_t RecordReader::end_of_damage() {
       if (is_record_at(at + found)) return at + found;
     }
     at += text.size() - (kMark.size() - 1);
-    part.resize(std::min(2 * part.size(), kLargestLook));  // the next record is near, as a rule
+    part.resize(std::min(2 * part.size(), kLargestLook));  // the next record is usually near
   }
   return size_;
 }

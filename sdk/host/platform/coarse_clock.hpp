@@ -5,11 +5,11 @@
 
 namespace odograph {
 
-/// The steady clock, ns, to within kCoarseClock_ns: a reading is a few ns instead of some 25, so that each call of a
-/// plugin can have one before and one behind it. [any]
+/// Steady clock, ns, with a resolution of kCoarseClock_ns: a reading takes a few ns instead of about 25, which makes
+/// timing every plugin call affordable. [any]
 int64_t coarse_now_ns() noexcept;
 
-/// The tick of a kernel of 100 Hz, the slowest there is.
+/// Tick of a 100 Hz kernel, the slowest in use.
 inline constexpr int64_t kCoarseClock_ns = 10'000'000;
 
 }  // namespace odograph

@@ -5,21 +5,23 @@
 
 namespace odograph {
 
-/// What watch_crashes calls while the process ends: nothing in it may allocate or lock.
+/// Callbacks for watch_crashes() while the process ends: they must neither allocate nor lock.
 struct CrashHandler {
-  void (*name)(const char* how) noexcept;  ///< "segmentation fault", "exit() was called"; on the thread that ends it
-  bool (*ends_at_exit)() noexcept;         ///< whether an exit() on this thread is to end the process at once
+  void (*name)(
+      const char* how) noexcept;    ///< "segmentation fault", "exit() was called"; called on the terminating thread
+  bool (*ends_at_exit)() noexcept;  ///< whether exit() on this thread must end the process immediately
 };
 
-/// From here on the handler is called when a signal (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT) that has no other
-/// handler ends this process, and at exit(), which becomes _exit(`status`) where the handler says so. What the signal
-/// does besides stays as it was. Nothing where the system has no signals. Once for a process. [any]
+/// Installs the handler. It is called when a signal (SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT) without another handler
+/// ends this process, and at exit(), which becomes _exit(`status`) if the handler requests it. The signal's other
+/// effects are unchanged. No effect on systems without signals. Once per process. [any]
 void watch_crashes(const CrashHandler& handler, int status);
 
-/// A stack for the handler on this thread: one that overflowed cannot carry it. Until the thread's end. [any]
+/// Provides an alternate signal stack for this thread until it ends, because an overflowed stack cannot run the
+/// handler. [any]
 void give_signal_stack();
 
-/// To standard error, at once, by no library. Async-signal-safe. [any]
+/// Writes to standard error without buffering. Async-signal-safe. [any]
 void write_error(const char* text, size_t size) noexcept;
 
 }  // namespace odograph

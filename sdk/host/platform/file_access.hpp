@@ -5,9 +5,9 @@
 
 namespace odograph {
 
-/// Whether every user of this machine may change the file, or put another one in the place of what lies in the folder;
-/// false where the system does not say. `owners_only_is_safe`: not where each may add files to the folder but replace
-/// none of others (POSIX's sticky bit, as of /tmp; Windows' right to delete children). [any]
+/// Whether every user of this machine may change the file, or replace files in the folder; false if the system cannot
+/// tell. With `owners_only_is_safe`, a folder to which everybody may add files but where nobody may replace another
+/// user's counts as safe (POSIX sticky bit, as on /tmp; Windows' right to delete children). [any]
 bool everybody_writes(const std::filesystem::path& path, bool owners_only_is_safe);
 
 }  // namespace odograph

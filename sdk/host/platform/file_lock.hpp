@@ -6,8 +6,8 @@
 
 namespace odograph {
 
-/// A file held against other writers that ask for it in the same way, in this process and in others, until it is
-/// destroyed or the process ends (flock). File systems that know no such locks exclude nobody.
+/// Advisory lock of a file against other writers, in this and other processes, until destruction or the end of the
+/// process (flock). File systems without such locks exclude nobody.
 class FileLock {
  public:
   FileLock() = default;
@@ -19,10 +19,10 @@ class FileLock {
   ~FileLock();
 
   enum class State { held, busy, impossible };
-  /// Holds the file of that name, which is made where it is missing. What lies there and is no plain file of one name
-  /// alone is removed first: it may be a link to somebody's file. `busy`: another writer has it.
+  /// Locks the file of that name and creates it if missing. Anything there that is not a regular file with a single
+  /// link is removed first: it may be a link to another file. `busy`: another writer has the lock.
   State take(const std::filesystem::path& file);
-  /// Whether a writer holds what lies there now.
+  /// Whether a writer holds the lock of that file now.
   static bool is_held(const std::filesystem::path& file);
 
  private:

@@ -6,15 +6,14 @@
 
 namespace odograph {
 
-/// Loads a shared library, by its path or, for one of the system's, by its name: all symbols at once, none of them seen
-/// by others. Never unloaded. Null where it cannot be loaded, and why. [any]
+/// Loads a shared library by its path, or a system library by its name: resolves all symbols at once and keeps them
+/// local. Never unloaded. Null, with the reason in `why`, on failure. [any]
 void* open_library(const std::filesystem::path& path, std::string& why);
 
-/// What the library exports by this name; null where it does not. [any]
+/// The exported symbol, or null. [any]
 void* library_symbol(void* library, const char* name);
 
-/// The file that this code is in, a library or the program, absolute and without links; empty where there is none.
-/// [any]
+/// The file that contains this code, a library or the program, absolute and without links; empty if unknown. [any]
 std::filesystem::path own_file();
 
 }  // namespace odograph

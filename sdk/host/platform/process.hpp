@@ -6,10 +6,10 @@
 
 namespace odograph {
 
-/// The number of this process: another one in a child that was forked. 0 where there are no processes. [any]
+/// Process id, which differs in a forked child. 0 on platforms without processes. [any]
 int64_t this_process() noexcept;
 
-/// A variable of the environment, in UTF-8; empty where it is not set. [control]
+/// An environment variable in UTF-8; empty if not set. [control]
 std::string environment_text(const char* name);
 
 }  // namespace odograph

@@ -6,10 +6,10 @@
 
 namespace odograph {
 
-/// A new folder that nobody else reads, where the system keeps what may go; an empty path where none could be made.
+/// Creates a new private folder in the system's temporary directory; an empty path on failure.
 std::filesystem::path make_temporary_folder();
 
-/// A folder that is there as long as this is; an empty path where none could be made.
+/// A temporary folder that is deleted with this object; an empty path on failure.
 class TemporaryFolder {
  public:
   TemporaryFolder() : path_(make_temporary_folder()) {}

@@ -33,7 +33,7 @@ int32_t open_asset(const std::vector<std::filesystem::path>& folders, const std:
   try {
     const auto path = find_asset(folders, name);
     std::error_code error;
-    if (!path || !std::filesystem::is_regular_file(*path, error)) return ODO_E_NOT_FOUND;  // a pipe would wait
+    if (!path || !std::filesystem::is_regular_file(*path, error)) return ODO_E_NOT_FOUND;  // a pipe would block
     auto made = std::make_unique<odo_asset>();
     made->file.open(*path, std::ios::binary);
     made->size = std::filesystem::file_size(*path, error);

@@ -10,11 +10,11 @@
 
 namespace odograph {
 
-/// The file of that name in the first folder that has it, absolute and without links.
+/// The file of that name in the first folder that contains it, absolute and without links.
 std::optional<std::filesystem::path> find_asset(const std::vector<std::filesystem::path>& folders,
                                                 const std::string& name);
 
-// odo.assets/2 (plugin.h) of files.
+// File-backed odo.assets/2 (plugin.h).
 int32_t open_asset(const std::vector<std::filesystem::path>& folders, const std::string& name, odo_asset** asset,
                    uint64_t* size) noexcept;
 int64_t read_asset(odo_asset* asset, uint64_t offset, void* data, uint64_t size) noexcept;

@@ -13,7 +13,7 @@
 namespace odograph {
 namespace {
 
-constexpr int kSlots = 128;  // threads within plugins at once; more go unnamed
+constexpr int kSlots = 128;  // threads within plugins at once; further ones are not named
 constexpr int kExitOfPlugin = 4;
 constexpr size_t kLongestId = 96;
 
@@ -22,7 +22,7 @@ struct Crumb {
   std::atomic<const char*> call{nullptr};
   std::atomic<int64_t> since_ns{0};
   std::atomic<uint64_t> plugin[kLongestId / 8] =
-      {};  // eight letters each, terminated; read while another thread writes
+      {};  // up to eight letters each, terminated; read while another thread writes
 };
 
 /// Appends what fits and returns the new size.
@@ -49,7 +49,7 @@ thread_local int current = -1;
 
 std::atomic<bool> watching{false};
 
-/// `how` it ends the process, such as "aborted".
+/// `how` the process ends, such as "aborted".
 void name_plugin(const char* how) noexcept {
   char call[kLongestId + 32];
   const size_t size = current_plugin_call(call, sizeof call);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// By hand and not by libseccomp: a hundred numbers, a dozen looks at an argument, and one library less in the program
-// that strangers' code runs in.
+// Written without libseccomp: about a hundred call numbers and a dozen argument checks, and one library less in the
+// process that runs foreign code.
 #include "sdk/host/plugin_host/call_filter.hpp"
 
 #include <cerrno>
@@ -36,19 +36,19 @@ constexpr uint32_t kArchitecture = AUDIT_ARCH_X86_64;
 constexpr uint32_t kArchitecture = AUDIT_ARCH_AARCH64;
 #endif
 
-// Linux's own numbers, where the C library's headers are older than the kernel.
+// Linux's numbers, in case the C library's headers are older than the kernel.
 constexpr int kCloseRange = 436, kFaccessat2 = 439, kFutexWaitv = 449;
 constexpr int kSetVirtualMemoryName = 0x53564d41;  // PR_SET_VMA
-constexpr uint32_t kFirstOfOneTable = 424;         // from Linux 5.1 on each architecture has the same numbers
+constexpr uint32_t kFirstOfOneTable = 424;         // from Linux 5.1 on, all architectures use the same numbers
 
-/// Allowed whatever the arguments, those called most first.
+/// Allowed with any arguments, the most frequent first.
 constexpr int kAllowed[] = {
-    // The host's socket and what it writes for people: the descriptors are its own (keeper.hpp). Files are read.
+    // The host's socket and standard output: the descriptors are its own (keeper.hpp). Reading files.
     SYS_read,
     SYS_write,
     SYS_clock_gettime,
-    // Its own memory, counted by RLIMIT_AS; MMAP is looked at below; libraries and compilers at run time need
-    // executable pages.
+    // Its own memory, limited by RLIMIT_AS; MMAP is checked below; libraries and run-time compilers need executable
+    // pages.
     SYS_munmap,
     SYS_mprotect,
     SYS_mremap,
@@ -57,7 +57,7 @@ constexpr int kAllowed[] = {
     SYS_mincore,
     SYS_membarrier,
     SYS_get_mempolicy,
-    // Threads, bounded by thread_gate.hpp; CLONE itself is looked at below.
+    // Threads, limited by thread_gate.hpp; CLONE itself is checked below.
     SYS_exit,
     SYS_exit_group,
     SYS_set_robust_list,
@@ -71,7 +71,7 @@ constexpr int kAllowed[] = {
     SYS_sched_get_priority_max,
     SYS_sched_get_priority_min,
     SYS_getcpu,
-    // Who and what it is, how long it has run, random numbers.
+    // Identity, run time, random numbers.
     SYS_gettid,
     SYS_getpid,
     SYS_getppid,
@@ -91,7 +91,7 @@ constexpr int kAllowed[] = {
     SYS_nanosleep,
     SYS_ppoll,
     SYS_pselect6,
-    // Its own signals. Which one is sent to whom is looked at below.
+    // Its own signals. Signal and target are checked below.
     SYS_rt_sigaction,
     SYS_rt_sigprocmask,
     SYS_rt_sigreturn,
@@ -100,7 +100,7 @@ constexpr int kAllowed[] = {
     SYS_rt_sigtimedwait,
     SYS_sigaltstack,
     SYS_restart_syscall,
-    // Reading files and folders; OPEN is looked at below.
+    // Reading files and folders; OPEN is checked below.
     SYS_readv,
     SYS_pread64,
     SYS_preadv,
@@ -121,7 +121,7 @@ constexpr int kAllowed[] = {
     SYS_fadvise64,
     SYS_dup,
     SYS_dup3,
-    // Its own threads waking each other.
+    // Wake-ups between its own threads.
     SYS_pipe2,
     SYS_eventfd2,
 #if defined(__x86_64__)
@@ -141,10 +141,10 @@ constexpr int kAllowed[] = {
 #endif
 };
 
-/// Whatever opens for more than reading.
+/// Flags that open a file for more than reading.
 constexpr uint32_t kOpensForMore =
     O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND | O_ASYNC | O_DIRECT | (O_TMPFILE & ~O_DIRECTORY);
-/// What makes a thread of this process, as the C libraries do, and nothing else.
+/// Creates a thread of this process, as the C libraries do, and nothing else.
 constexpr uint32_t kOneProcess = CLONE_VM | CLONE_FS | CLONE_FILES | CLONE_SIGHAND | CLONE_THREAD;
 constexpr uint32_t kThread = kOneProcess | CLONE_SYSVSEM | CLONE_SETTLS | CLONE_PARENT_SETTID | CLONE_CHILD_CLEARTID |
                              CLONE_CHILD_SETTID | CLONE_DETACHED;
@@ -176,7 +176,7 @@ class Filter {
 
  private:
   static constexpr uint32_t refused(int error) { return SECCOMP_RET_ERRNO | static_cast<uint32_t>(error); }
-  /// The lower half of an argument: all that the kernel looks at of an int.
+  /// The lower half of an argument: all that the kernel reads of an int.
   static constexpr uint32_t argument(int i) { return static_cast<uint32_t>(offsetof(seccomp_data, args)) + 8u * i; }
   void load(uint32_t offset) { code_.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offset)); }
   void keep(uint32_t bits) { code_.push_back(BPF_STMT(BPF_ALU | BPF_AND | BPF_K, bits)); }
@@ -184,7 +184,7 @@ class Filter {
   void jump(uint16_t how, uint32_t value, uint8_t yes, uint8_t no) {
     code_.push_back(BPF_JUMP(static_cast<uint16_t>(BPF_JMP | how | BPF_K), value, yes, no));
   }
-  /// The lines that `body` writes, which end with a verdict, apply to one call.
+  /// Applies the instructions that `body` writes, which end with a verdict, to one call.
   template <class Body>
   void of(int number, Body&& body) {
     const size_t at = code_.size();
@@ -219,7 +219,7 @@ class Filter {
 #if defined(__x86_64__)
     only_without(SYS_open, 1, kOpensForMore);
 #endif
-    of(SYS_futex, [&] {  // where another process may wait, no more than thread joins need
+    of(SYS_futex, [&] {  // on memory shared with another process, only what a thread join needs
       load(argument(1));
       jump(BPF_JSET, FUTEX_PRIVATE_FLAG, 0, 1);
       give(SECCOMP_RET_ALLOW);
@@ -227,7 +227,7 @@ class Filter {
       allow_values({FUTEX_WAIT, FUTEX_WAKE, FUTEX_WAIT_BITSET});
       give(refused(EPERM));
     });
-    of(SYS_mmap, [&] {  // no memory that RLIMIT_AS forgets while it is in use
+    of(SYS_mmap, [&] {  // excludes memory that RLIMIT_AS does not count while in use
       load(argument(3));
       jump(BPF_JSET, MAP_HUGETLB, 2, 0);
       jump(BPF_JSET, MAP_ANONYMOUS, 0, 2);
@@ -235,17 +235,17 @@ class Filter {
       give(refused(EPERM));
       give(SECCOMP_RET_ALLOW);
     });
-    of(SYS_clone, [&] {  // a process, a namespace, or a table of descriptors of its own, no
+    of(SYS_clone, [&] {  // excludes processes, namespaces and separate descriptor tables
       load(argument(0));
       keep(kOneProcess);
       jump(BPF_JEQ, kOneProcess, 1, 0);
       give(refused(EPERM));
       allow_without(0, ~kThread);
     });
-    const auto self = static_cast<uint32_t>(getpid());  // abort() and the like
+    const auto self = static_cast<uint32_t>(getpid());  // for abort() and similar calls
     only_values(SYS_kill, 0, {self});
     only_values(SYS_tgkill, 0, {self});
-    of(SYS_fcntl, [&] {  // no owner and no signal for a descriptor, no lock, lease, seal or larger pipe
+    of(SYS_fcntl, [&] {  // excludes owners and signals of descriptors, locks, leases, seals and larger pipes
       load(argument(1));
       allow_values({F_DUPFD, F_DUPFD_CLOEXEC, F_GETFD, F_SETFD, F_GETFL});
       jump(BPF_JEQ, F_SETFL, 1, 0);
@@ -255,7 +255,7 @@ class Filter {
     only_values(SYS_ioctl, 1, {TCGETS, TIOCGWINSZ, FIONREAD, FIOCLEX, FIONCLEX, FIONBIO});  // isatty() and reading
     only_values(SYS_prctl, 0, {PR_SET_NAME, PR_GET_NAME, kSetVirtualMemoryName});
     only_values(SYS_sched_setaffinity, 0, {0});
-    of(SYS_prlimit64, [&] {  // its own limits, to look at
+    of(SYS_prlimit64, [&] {  // read its own limits
       for (const uint32_t offset : {argument(0), argument(2), argument(2) + 4}) {
         load(offset);
         jump(BPF_JEQ, 0, 1, 0);

@@ -3,10 +3,10 @@
 
 namespace odograph {
 
-/// Leaves this process, all its threads and for good, the system calls that a plugin computes with, and none else: the
-/// list, with a reason for each group, is call_filter.cpp. What is not on it fails with EPERM; with ENOSYS from Linux
-/// 5.1's numbers on, so that a newer C library takes the older call. Needs no_new_privs. False, with errno, where the
-/// system or the processor is not known to it.
+/// Permanently restricts this process and all its threads to the system calls that a plugin needs for computing;
+/// call_filter.cpp lists them with a reason for each group. Others fail with EPERM, or with ENOSYS for numbers from
+/// Linux 5.1 on, so that a newer C library falls back to the older call. Requires no_new_privs. False, with errno, if
+/// system or processor are not supported.
 bool filter_calls();
 
 }  // namespace odograph

@@ -18,7 +18,7 @@
 namespace odograph {
 namespace {
 
-// Landlock's interface; the C library's headers may be older than the kernel.
+// Landlock's system calls; the C library's headers may be older than the kernel.
 constexpr long kCreateRuleset = 444, kAddRule = 445, kRestrictSelf = 446;
 constexpr unsigned kAskForVersion = 1, kPathBeneath = 1;
 constexpr uint64_t kReadFile = 1u << 2, kReadFolder = 1u << 3;
@@ -31,7 +31,8 @@ struct __attribute__((packed)) PathBeneath {
 };
 
 Ruleset everything_known_to(long version) {
-  constexpr uint64_t kFiles[] = {0, 1 << 13, 1 << 14, 1 << 15, 1 << 15, 1 << 16};  // each version's number of rights
+  constexpr uint64_t kFiles[] = {0,       1 << 13, 1 << 14,
+                                 1 << 15, 1 << 15, 1 << 16};  // number of access rights in each version
   const uint64_t files = kFiles[version < 5 ? version : 5] - 1;
   return {files, version >= 4 ? 3u : 0u, version >= 6 ? 3u : 0u};
 }
@@ -40,7 +41,8 @@ size_t size_known_to(long version) {
 }
 
 void allow_reading(int rules, const std::string& path) {
-  const int fd = open(path.c_str(), O_PATH | O_CLOEXEC | O_NOFOLLOW);  // where a link leads to has a name of its own
+  const int fd =
+      open(path.c_str(), O_PATH | O_CLOEXEC | O_NOFOLLOW);  // do not follow links: their target has its own name
   struct stat kind {};
   if (fd >= 0 && fstat(fd, &kind) == 0 && !S_ISLNK(kind.st_mode)) {
     const PathBeneath rule{S_ISDIR(kind.st_mode) ? kReadFile | kReadFolder : kReadFile, fd};
@@ -49,7 +51,7 @@ void allow_reading(int rules, const std::string& path) {
   if (fd >= 0) close(fd);
 }
 
-/// In mountinfo blanks, tabs, line feeds and backslashes are \NNN in octal.
+/// mountinfo encodes blanks, tabs, line feeds and backslashes as \NNN in octal.
 std::string unescaped(const std::string& text) {
   std::string out;
   for (size_t i = 0; i < text.size(); ++i)
@@ -60,7 +62,7 @@ std::string unescaped(const std::string& text) {
   return out;
 }
 
-/// Folders in which the kernel shows processes, devices and its own state, wherever they are mounted.
+/// Mount points at which the kernel exposes processes, devices and its own state.
 std::set<std::string> kernel_folders() {
   static const std::set<std::string> kKinds = {"proc",     "sysfs",   "devtmpfs", "devpts",     "cgroup",
                                                "cgroup2",  "debugfs", "tracefs",  "securityfs", "configfs",
@@ -81,7 +83,7 @@ bool lies_below(const std::string& path, const std::string& folder) {
   return folder == "/" || path.compare(0, folder.size() + 1, folder + "/") == 0;
 }
 
-/// Everything in the folder but the closed ones. What holds one of these cannot be listed itself.
+/// Allows the folder's contents except the closed ones. A folder that contains a closed one cannot be listed itself.
 void allow_reading_but(const std::set<std::string>& closed, int rules, const std::string& folder) {
   if (closed.count(folder) > 0) return;
   const bool holds_closed =
@@ -95,7 +97,7 @@ void allow_reading_but(const std::set<std::string>& closed, int rules, const std
 }
 
 void allow_all(int rules) {
-  char self[32] = "/proc/";  // the link's aim; the link itself is not followed
+  char self[32] = "/proc/";  // the target of the link; the link itself is not followed
   const ssize_t length = readlink("/proc/self", self + 6, sizeof self - 7);
   if (length > 0) allow_reading(rules, std::string(self, 6 + static_cast<size_t>(length)));
   for (const char* path : {"/proc/cpuinfo", "/proc/meminfo", "/proc/stat", "/proc/filesystems", "/sys/devices/system",

@@ -3,11 +3,11 @@
 
 namespace odograph {
 
-/// Leaves this thread, and those that it will start, for good: reading what lies below the root folder, but nothing of
-/// other processes (/proc), no device, no terminal, no run-time state (/dev, /sys, /run), with what follows left of
-/// these: /proc/self, the processor's description and random numbers; no change of any file, no TCP, no abstract socket
-/// and no signal to a process outside. As much of it as this kernel's Landlock knows. Needs no_new_privs. False, with
-/// errno, where there is none.
+/// Permanently restricts this thread and the threads that it starts. Allowed: reading below the root folder, except
+/// other processes (/proc), devices, terminals and run-time state (/dev, /sys, /run); of these, /proc/self, the
+/// processor's description and random numbers remain readable. Denied: changes of any file, TCP, abstract sockets, and
+/// signals to outside processes. Limited to what this kernel's Landlock supports. Requires no_new_privs. False, with
+/// errno, without Landlock.
 bool restrict_files();
 
 }  // namespace odograph

@@ -13,13 +13,14 @@
 
 namespace odograph {
 
-/// Names plugins of this process whose calls do not come back, once for each call: nothing can end them here, but
-/// somebody is to know whom to blame. A thread of its own, which sleeps.
+/// Reports plugins of this process whose calls do not return, once per call: they cannot be ended here, but the report
+/// names the culprit. Runs on its own thread, which mostly sleeps.
 class HangWatch {
  public:
   struct Parameters {
-    double longest_call_s = 5;  ///< of this machine's clock; ours load their models in less on a slow phone (judgement)
-    double period_s = 1;        ///< between two looks
+    double longest_call_s =
+        5;                ///< on the steady clock; our plugins load their models faster on a slow phone (judgement)
+    double period_s = 1;  ///< between two checks
   };
 
   /// Reports to `host`, which outlives it.
@@ -34,7 +35,7 @@ class HangWatch {
 
   HostServices& host_;
   const Parameters parameters_;
-  std::set<std::pair<int64_t, std::string>> told_;  // by the time at which they began, and what they are
+  std::set<std::pair<int64_t, std::string>> told_;  // reported calls, by start time and name
   std::mutex mutex_;
   std::condition_variable ends_;
   bool ending_ = false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// odograph-plugin-host: the process that a plugin runs in where the config says `isolation: process`. It is started by
-// the host (process_backend.cpp) with three descriptors (wire.hpp) and ends with it.
+// odograph-plugin-host: the process in which a plugin runs with `isolation: process`. The host (process_backend.cpp)
+// starts it with three descriptors (wire.hpp); it ends with the host.
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -29,7 +29,7 @@ namespace {
 wire::Control* control = nullptr;
 const uint8_t* pixels = nullptr;
 
-/// What the plugin says, in the order in which it says it, for the next answer. Reports come from any thread.
+/// The plugin's output, in order, for the next answer. Any thread may report.
 class Answer {
  public:
   void begin() {
@@ -92,7 +92,7 @@ class Answer {
 
 Answer answer;
 
-/// The services of the host, whose reports go there unlimited: the host counts them.
+/// Host services for the plugin. Reports are passed on without a rate limit, which the host applies.
 class RemoteServices : public HostServices {
  public:
   RemoteServices(uint64_t seed, std::vector<std::filesystem::path> assets)
@@ -103,13 +103,13 @@ class RemoteServices : public HostServices {
   }
 
  protected:
-  /// Nothing would call the host from here.
+  /// The host cannot be called from this process.
   const void* service(std::string_view id) override {
     return id == ODO_SERVICE_WAKE ? nullptr : HostServices::service(id);
   }
 };
 
-/// Answers the plugin as the host's own sink would, and passes everything on; the host judges once more.
+/// Answers the plugin like the host's own sink and passes everything on; the host checks it again.
 struct RemoteSink : odo_sink {
   TypeSet outputs;
   size_t taken = 0;
@@ -133,7 +133,7 @@ struct RemoteSink : odo_sink {
 
 void phase(const char* name) { std::snprintf(control->phase, sizeof control->phase, "%s", name); }
 
-std::atomic<bool> may_be_kept[wire::kFrameSlots];  // the host holds it as long as the plugin does
+std::atomic<bool> may_be_kept[wire::kFrameSlots];  // the host holds the frame as long as the plugin does
 
 int32_t ODO_CALL retain(void* owner) {
   auto* holds = static_cast<std::atomic<uint32_t>*>(owner);
@@ -215,7 +215,7 @@ class Server {
     if (manifest) {
       choice_.manifest = std::move(*manifest);
       take_values(request);
-      // The loader's copy of it: in there no file can be made, this one is found again.
+      // The loader's copy of it: no file can be created in there, and this one is found again.
       if (check_ == LibraryCheck::sealed)
         if (const auto copy = sealed_copy(choice_.manifest); !copy) failure_ = copy.failure();
     } else {
@@ -249,7 +249,7 @@ class Server {
     control->response_size = out.size();
   }
 
-  /// The parameters, in the order in which the manifest has them.
+  /// Reads the parameters, in the manifest's order.
   void take_values(wire::Reader& request) {
     const auto count = request.get<uint32_t>();
     for (uint32_t i = 0; i < count && request.good(); ++i) {
@@ -297,7 +297,7 @@ class Server {
     return status;
   }
 
-  /// A message with room for today's struct.
+  /// A message with room for the present struct.
   struct Message {
     AnyMessage any;
     bool assign(std::span<const uint8_t> bytes) {
@@ -312,7 +312,7 @@ class Server {
   Kept kept_;
   PluginChoice choice_;
   LibraryCheck check_ = LibraryCheck::none;
-  Failure failure_{ODO_OK, ""};  // where it cannot be loaded
+  Failure failure_{ODO_OK, ""};  // if it cannot be loaded
   RemoteSink sink_{};
   std::unique_ptr<RemoteServices> services_;
   std::unique_ptr<LibraryBackend> backend_;
@@ -336,7 +336,7 @@ int main() {
   if (control_memory == MAP_FAILED || pixel_memory == MAP_FAILED) return started_wrongly();
   control = static_cast<wire::Control*>(control_memory);
   pixels = static_cast<const uint8_t*>(pixel_memory);
-  // Given back, the room would count for other memory. From Linux 6.10 on; before it, memory_limit is so much more.
+  // Released address space would count for other memory. Needs Linux 6.10; before, memory_limit is larger by that much.
   constexpr long kMseal = 462;
   syscall(kMseal, control_memory, sizeof(wire::Control), 0);
   syscall(kMseal, pixel_memory, SharedPixels::kBytes, 0);
@@ -344,5 +344,5 @@ int main() {
   close(wire::kControl);
   close(wire::kPixels);
   const int status = Server(std::move(kept)).run();
-  _exit(status);  // the plugin's threads and static destructors have nothing to do any more
+  _exit(status);  // skip the plugin's threads and static destructors
 }

@@ -21,7 +21,7 @@
 namespace odograph {
 namespace {
 
-/// The backend that a choice wishes for.
+/// The backend that the choice requests.
 Result<std::unique_ptr<PluginBackend>> open_backend(const PluginChoice& choice, LibraryCheck check, HostServices& host,
                                                     const odo_sink& sink) {
   if (choice.isolation.kind == Isolation::Kind::process) return open_process(choice, check, host, sink);
@@ -116,7 +116,7 @@ Result<std::unique_ptr<PluginInstance>> PluginInstance::make(const PluginChoice&
   return made;
 }
 
-/// Makes a backend and starts the plugin in it. The end of a process of its own is no failure.
+/// Opens a backend and starts the plugin. A plugin process that ends is not a failure.
 Result<bool> PluginInstance::open() {
   host_.name_instance(number_, id());
   learn_types();
@@ -150,7 +150,7 @@ void PluginInstance::learn_types() {
 
 namespace {
 
-/// Inputs are the app's, and some events the host's own; no table can declare them.
+/// Inputs come from the app and some events from the host; no table can declare them.
 bool may_be_emitted(uint32_t type) {
   if (ODO_IS_VENDOR(type)) return true;
   return ODO_IS_EVENT(type) && type != ODO_TYPE_POSE && type != ODO_TYPE_STATE && type != ODO_TYPE_CORRECTION &&
@@ -167,7 +167,7 @@ int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage&
     return ODO_E_UNSUPPORTED;
   }
   if (!may_be_emitted(event.type) || !outputs.has(event.type)) {
-    if (ODO_IS_EVENT(event.type) && !info) return ODO_E_UNSUPPORTED;  // of a newer plugin
+    if (ODO_IS_EVENT(event.type) && !info) return ODO_E_UNSUPPORTED;  // from a newer plugin
     fault = {"wrong_event", "emitted type = " + name() + "; expected one that its kind emits or its table declares"};
     return ODO_E_ARGUMENT;
   }
@@ -217,7 +217,7 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
   overflow_told_ = false;
   if (!alive_ || !wants(message.type) || !can_take(message)) return {};
   now_ns_ = std::max(now_ns_, message.t_ns);
-  if (!backend_) {  // its process is down; what it is given first are the descriptions of the sensors
+  if (!backend_) {  // its process is down; sensor descriptions are the first messages after a restart
     if (now_ns_ >= back_at_ns_) revive();
     return {};
   }
@@ -233,7 +233,7 @@ std::span<AnyMessage> PluginInstance::wake() {
   return alive() ? finish(backend_->wake(), nullptr) : std::span<AnyMessage>();
 }
 
-/// What comes after a call to process, which had no message where `message` is null.
+/// Completes a call to process, without a message if `message` is null.
 std::span<AnyMessage> PluginInstance::finish(int32_t status, const odo_header* message) {
   if (has_ended()) {
     note_end(backend_->ended());
@@ -248,8 +248,8 @@ std::span<AnyMessage> PluginInstance::finish(int32_t status, const odo_header* m
   return buffer_.events();
 }
 
-/// Borrowed memory does not cross into another process, but for a frame's pixels; of a frame without pixels only
-/// plugins that declare it can make use.
+/// Borrowed memory does not cross into another process, except a frame's pixels; frames without pixels go only to
+/// plugins that declare support for them.
 bool PluginInstance::can_take(const odo_header& message) {
   if (!ODO_IS_BORROWED(message.type)) return true;
   const bool is_frame = message.type == ODO_TYPE_FRAME;
@@ -263,7 +263,7 @@ bool PluginInstance::can_take(const odo_header& message) {
   return false;
 }
 
-/// In the app's own thread a late call cannot be left out; it is named.
+/// A late call in the app's own thread cannot be skipped; it is reported.
 void PluginInstance::note_time(int64_t took_ns) {
   if (took_ns <= kCoarseClock_ns) return;
   const double took_s = seconds(took_ns);
@@ -274,7 +274,7 @@ void PluginInstance::note_time(int64_t took_ns) {
   host_.report(number_, ODO_SEVERITY_WARNING, "late", text);
 }
 
-/// Its process has ended: says so, and decides when it comes back, or what takes its place.
+/// Reports the end of its process, and schedules its restart or fallback.
 void PluginInstance::note_end(const std::string& what) {
   backend_.reset();
   ++faults_;
@@ -291,12 +291,12 @@ void PluginInstance::note_end(const std::string& what) {
   back_at_ns_ = now_ns_ == INT64_MIN ? INT64_MIN : saturating_sum(now_ns_, wait_ns);
   recovering_until_ns_ = INT64_MIN;
   host_.report(number_, ODO_SEVERITY_ERROR, "isolated",
-               what + "; is started anew" +
+               what + "; restarting" +
                    (wait_ns > 0 ? " after " + std::to_string(wait_ns / 1'000'000) + " ms of sensor time" : ""),
                ODO_E_ERROR);
 }
 
-/// Starts its process anew and hands over what it had learnt.
+/// Restarts its process and restores its saved state.
 void PluginInstance::revive() {
   const auto opened = open();
   if (!opened) {
@@ -311,11 +311,11 @@ void PluginInstance::revive() {
 }
 
 void PluginInstance::give_up() {
-  host_.report(number_, ODO_SEVERITY_ERROR, "given_up", "is left out from now on");
+  host_.report(number_, ODO_SEVERITY_ERROR, "given_up", "is no longer called");
   if (!use_fallback()) alive_ = false;
 }
 
-/// False where there is none that works.
+/// False if no fallback works.
 bool PluginInstance::use_fallback() {
   if (!choice_->fallback) return false;
   backend_.reset();
@@ -329,7 +329,7 @@ bool PluginInstance::use_fallback() {
     alive_ = false;
     return false;
   }
-  host_.report(number_, ODO_SEVERITY_WARNING, "fallback", "takes the place of " + before);
+  host_.report(number_, ODO_SEVERITY_WARNING, "fallback", "replaces " + before);
   was_reset_ = true;
   recovering_until_ns_ = now_ns_ == INT64_MIN ? INT64_MIN : saturating_sum(now_ns_, parameters_.recovering_ns);
   return true;
@@ -369,7 +369,7 @@ void PluginInstance::reset() {
 std::vector<uint8_t> PluginInstance::save() const {
   if (!alive()) return saved_;
   auto learnt = backend_->save();
-  return has_ended() ? saved_ : learnt;  // the next call says that it has ended
+  return has_ended() ? saved_ : learnt;  // the next call reports its end
 }
 
 bool PluginInstance::load(std::span<const uint8_t> data) {

@@ -15,7 +15,7 @@
 
 namespace odograph {
 
-/// The events that one call to process gave, in a fixed arena: nothing is allocated after construction.
+/// The events that one call to process emitted, in a fixed arena: no allocation after construction.
 class EventBuffer {
  public:
   static constexpr size_t kCapacity = 256;
@@ -23,7 +23,7 @@ class EventBuffer {
   void clear() { count_ = 0; }
   AnyMessage* next() {
     if (count_ == kCapacity) return nullptr;
-    if (count_ == events_.size()) events_.emplace_back();  // memory is touched once it is needed
+    if (count_ == events_.size()) events_.emplace_back();  // memory is touched only when needed
     return &events_[count_++];
   }
   void drop_last() { --count_; }
@@ -34,63 +34,62 @@ class EventBuffer {
   size_t count_ = 0;
 };
 
-/// One instance of a plugin, through its whole life. What it emits is checked before anybody sees it. A failing
-/// instance is reset, and after too many failures left out; a library that says ODO_E_FATAL is quarantined. One in a
-/// process of its own that ends is started anew, with what it had learnt, after waits that double (of sensor time, so
-/// that a replay repeats itself). Where there is a fallback, it takes the place of what was given up or ended too
-/// often.
+/// One plugin instance over its whole life. Its events are checked before anything uses them. A failing instance is
+/// reset, and after repeated failures no longer called; a library that returns ODO_E_FATAL is quarantined. If a
+/// plugin's own process ends, it is restarted with its saved state after doubling waits (in sensor time, so that a
+/// replay is reproducible). A fallback, if configured, replaces a plugin that was given up or ended too often.
 class PluginInstance {
  public:
   struct Parameters {
-    int failures_before_giving_up = 5;          ///< in a row
-    int64_t first_wait_ns = 100'000'000;        ///< after the second end in a row; the first costs no wait
-    int64_t longest_wait_ns = 10'000'000'000;   ///< Judgement: an app's user looks again after ten seconds
-    int64_t good_ns = 1'000'000'000;            ///< what ran for longer begins to count its ends anew
-    int ends_before_fallback = 3;               ///< in a row
-    int64_t between_saves_ns = 10'000'000'000;  ///< of what an isolated plugin has learnt; that much may be lost
-    int64_t recovering_ns = 1'000'000'000;      ///< after a new start the pose is called degraded
+    int failures_before_giving_up = 5;          ///< consecutive
+    int64_t first_wait_ns = 100'000'000;        ///< after the second consecutive end; none after the first
+    int64_t longest_wait_ns = 10'000'000'000;   ///< judgement: a user looks again after ten seconds
+    int64_t good_ns = 1'000'000'000;            ///< a longer run resets the count of ends
+    int ends_before_fallback = 3;               ///< consecutive
+    int64_t between_saves_ns = 10'000'000'000;  ///< of an isolated plugin's state; the maximum loss
+    int64_t recovering_ns = 1'000'000'000;      ///< after a restart, during which the pose is degraded
   };
 
-  /// Creates, configures and activates. The failure names the plugin, the step and what the plugin reported. A plugin
-  /// whose own process ends meanwhile is no failure: it is started anew like later.
+  /// Creates, configures and activates a plugin. A failure names the plugin, the step and the plugin's reports. The end
+  /// of the plugin's own process is not a failure: it is restarted as later on.
   static Result<std::unique_ptr<PluginInstance>> make(const PluginChoice& choice, LibraryCheck check, uint32_t number,
                                                       HostServices& host);
   ~PluginInstance();
   PluginInstance(const PluginInstance&) = delete;
   PluginInstance& operator=(const PluginInstance&) = delete;
 
-  /// True when the plugin's kind is given messages of this type, or the plugin declares that it wants them.
+  /// Whether the plugin receives messages of this type, by its kind or its table.
   bool wants(uint32_t type) const { return inputs_.has(type); }
   bool takes_several_cameras() const { return (flags_ & ODO_PLUGIN_SEVERAL_CAMERAS) != 0; }
-  /// True when it emits or declares events of this type.
+  /// Whether it may emit events of this type.
   bool gives(uint32_t type) const { return outputs_.has(type); }
-  /// Hands one message in and returns the events that came out; they are valid until the next call. [process]
+  /// Passes one message and returns the resulting events, valid until the next call. [process]
   std::span<AnyMessage> process(const odo_header& message);
-  /// As process, with no message, for a plugin that has asked for it (odo.wake/1). [process]
+  /// As process(), without a message, for a plugin that requested it (odo.wake/1). [process]
   std::span<AnyMessage> wake();
-  /// Back to the state after activation. [control]
+  /// Returns to the state after activation. [control]
   void reset();
-  /// True once after a reset, also one of its own after a failure: what describes the sensors is to be told anew.
+  /// True once after a reset, including one after a failure: the sensor descriptions must be sent again.
   bool take_reset() { return std::exchange(was_reset_, false); }
 
-  /// What should survive a restart; empty where the plugin keeps nothing. [control]
+  /// State that survives a restart; empty if the plugin saves none. [control]
   std::vector<uint8_t> save() const;
-  /// False, and nothing changed, when the plugin does not take it. [control]
+  /// False, and nothing changed, if the plugin rejects the data. [control]
   bool load(std::span<const uint8_t> data);
 
-  /// An extension's table, or null, as for a plugin in a process of its own. [process]
+  /// An extension's table, or null, as for a plugin in its own process. [process]
   const void* extension(std::string_view id) const;
 
   const std::string& id() const { return choice_->manifest.id; }
   /// Its number in reports and in the `source` of its events, from 1.
   uint32_t number() const { return number_; }
   const std::string& interface_id() const { return choice_->interface_id; }
-  /// False while its process is down, and once it failed for good.
+  /// False while its process is down, and after a permanent failure.
   bool alive() const { return alive_ && backend_; }
-  /// True for a while after its process was started anew.
+  /// True for a while after its process was restarted.
   bool recovering() const { return now_ns_ < recovering_until_ns_; }
   uint64_t faults() const { return faults_; }
-  /// Of the plugin's own process; -1 where it has none.
+  /// Id of the plugin's own process; -1 if it has none.
   int process_id() const;
 
  private:
@@ -124,35 +123,35 @@ class PluginInstance {
   uint32_t flags_ = 0;  // ODO_PLUGIN_*
   Sink sink_{};
   EventBuffer buffer_;
-  std::unique_ptr<PluginBackend> backend_;  // none while its process is down
+  std::unique_ptr<PluginBackend> backend_;  // null while its process is down
   uint64_t faults_ = 0;
   int failures_in_a_row_ = 0;
   bool alive_ = true;
   bool was_reset_ = false;
-  bool overflow_told_ = false;  // in this call
-  // Of a process of its own, in sensor time:
+  bool overflow_told_ = false;  // the overflow of this call has been reported
+  // For a plugin process, in sensor time:
   int64_t now_ns_ = INT64_MIN, started_ns_ = INT64_MIN, back_at_ns_ = INT64_MIN, recovering_until_ns_ = INT64_MIN;
   int64_t saved_ns_ = INT64_MIN;
   int ends_in_a_row_ = 0;
   std::vector<uint8_t> saved_;
 };
 
-/// What is wrong with an event, for a report.
+/// The fault of an event, for a report.
 struct EventFault {
   const char* key = "";
   std::string text;
 };
 
-/// Whether a plugin with these outputs may emit an event, with a copy of it: ODO_OK, ODO_E_UNSUPPORTED (nothing is
-/// wrong), or a status with its fault.
+/// Checks whether a plugin with these outputs may emit an event, and copies it: ODO_OK, ODO_E_UNSUPPORTED (to be
+/// ignored without a fault), or a status with its fault.
 int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault);
 
-/// The message types a kind is given and emits; empty for an unknown interface.
+/// The message types that a kind receives and emits; empty for an unknown interface.
 KindTypes kind_types(const std::string& interface_id);
-/// The same, and what the plugin's table declares beyond.
+/// The same, extended by the plugin's table.
 KindTypes plugin_types(const std::string& interface_id, const odo_plugin& table);
 
-/// A choice's parameters as a plugin is given them; they point into the choice.
+/// The parameters of a choice in the plugin's form; they point into the choice.
 std::vector<odo_value> values_of(const PluginChoice& choice);
 
 }  // namespace odograph

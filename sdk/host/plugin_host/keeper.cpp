@@ -27,18 +27,18 @@
 namespace odograph {
 namespace {
 
-constexpr int kLookAfterHost_ms = 200;  // where the system has no descriptors of processes
-constexpr int kLastOutput_ms = 100;     // for what the plugin wrote last, where nobody reads
+constexpr int kLookAfterHost_ms = 200;  // polling interval on systems without process descriptors
+constexpr int kLastOutput_ms = 100;     // for the plugin's last output, if nobody reads it
 constexpr int kLongestWrite_ms = 20;
 
-/// Interrupts a write that somebody else's pipe or terminal holds up, again and again. Their flags are not to be
-/// touched, and a terminal that takes a part only is ready for poll().
+/// Limits the time of a write to a pipe or terminal of another process, by repeated signals. Its flags must not be
+/// changed, and poll() reports a terminal as ready that accepts only a part.
 class WriteLimit {
  public:
   WriteLimit() { set(kLongestWrite_ms); }
   ~WriteLimit() { set(0); }
   WriteLimit(const WriteLimit&) = delete;
-  /// Once, before.
+  /// Call once, before use.
   static void prepare() {
     struct sigaction action {};
     action.sa_handler = [](int) {};  // without SA_RESTART
@@ -52,7 +52,7 @@ class WriteLimit {
   }
 };
 
-/// Passes on what the plugin writes, and never waits for long: the watch over the host goes on.
+/// Forwards the plugin's output without waiting for long, so that the host remains supervised.
 class Relay {
  public:
   explicit Relay(int to) : to_(to) {
@@ -65,7 +65,7 @@ class Relay {
   void become_child() { dup2(plugins_end_, to_); }
   void become_keeper() { close(plugins_end_); }
   pollfd wanted() const { return left() > 0 ? pollfd{to_, POLLOUT, 0} : pollfd{from_, POLLIN, 0}; }
-  /// One step, after wanted() was ready. Whether something was passed on.
+  /// One step, after wanted() was ready. Returns whether anything was forwarded.
   bool step() {
     if (left() == 0) {
       const ssize_t got = from_ < 0 ? 0 : read(from_, buffer_, sizeof buffer_);
@@ -79,7 +79,7 @@ class Relay {
     const ssize_t written = limited_write();
     if (written < 0 && errno == EINTR) return false;
     if (written <= 0)
-      at_ = end_;  // nobody is there to read it
+      at_ = end_;  // there is no reader
     else
       at_ += static_cast<size_t>(written);
     return true;
@@ -109,7 +109,8 @@ void close_from(int first) {
   for (int fd = first; fd < static_cast<int>(std::min<rlim_t>(most.rlim_cur, 65536)); ++fd) close(fd);
 }
 
-/// The first process of a process namespace, which ends with it: does nothing until the keeper is gone. Its number.
+/// Starts the first process of a process namespace, which ends with it; it idles until the keeper is gone. Returns its
+/// id.
 pid_t hold_namespace() {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) _exit(2);
@@ -130,7 +131,7 @@ pid_t hold_namespace() {
   _exit(0);
 }
 
-/// Ends the process and takes its status, so that nothing of it is left to whoever inherits the orphans.
+/// Kills and reaps the process, so that no zombie is left to its adopter.
 void end_process(pid_t process) {
   if (process <= 0) return;
   kill(process, SIGKILL);
@@ -138,7 +139,7 @@ void end_process(pid_t process) {
   }
 }
 
-/// Ends as the other process did.
+/// Ends in the same way as the other process.
 [[noreturn]] void end_like(int status) {
   if (WIFSIGNALED(status)) {
     const rlimit none{0, 0};
@@ -153,10 +154,10 @@ void end_process(pid_t process) {
   _exit(WIFEXITED(status) ? WEXITSTATUS(status) : 2);
 }
 
-/// The keeper's life, from the child's start to its end.
+/// The keeper's supervision, from the child's start to its end.
 class Watch {
  public:
-  /// `stop`: SIGTERM as a descriptor (block_stop). `first`: of the namespace; 0 without one.
+  /// `stop`: SIGTERM as a descriptor (block_stop). `first`: first process of the namespace; 0 without one.
   Watch(pid_t child, pid_t host, pid_t first, int stop, int gate, Relay* relays)
       : child_(child),
         host_(host),
@@ -167,7 +168,7 @@ class Watch {
         gate_(gate, child),
         relays_(relays) {}
   [[noreturn]] void run() {
-    prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);  // nobody of the same user traces it
+    prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);  // no process of the same user may trace it
     signal(SIGPIPE, SIG_IGN);
     WriteLimit::prepare();
     for (;;) {
@@ -185,13 +186,13 @@ class Watch {
   }
 
  private:
-  /// The host is gone, or has no use for the plugin any more.
+  /// The host is gone, or no longer needs the plugin.
   [[noreturn]] void give_up() {
     end_process(child_);
     end_process(first_);
     _exit(0);
   }
-  /// False where nothing is left, nobody takes it, or the host does not wait any more.
+  /// False if nothing is left, nobody reads it, or the host no longer waits.
   bool pass_on_last(Relay& relay) const {
     pollfd wanted[] = {relay.wanted(), {stop_, POLLIN, 0}};
     if (wanted[0].fd < 0 || poll(wanted, 2, kLastOutput_ms) < 1) return false;
@@ -210,7 +211,7 @@ class Watch {
   Relay* relays_;
 };
 
-/// SIGTERM as a descriptor, of this process not of the child.
+/// SIGTERM as a descriptor; applies to this process, not the child.
 int block_stop(sigset_t& stop) {
   sigemptyset(&stop);
   sigaddset(&stop, SIGTERM);
@@ -218,7 +219,8 @@ int block_stop(sigset_t& stop) {
   return high_descriptor(signalfd(-1, &stop, SFD_CLOEXEC));
 }
 
-/// Where memory runs short it is to go before its host, by as much as if it used this share of the machine's more.
+/// If memory runs short, the kernel should end this process before its host, as if it used this share of the machine's
+/// memory more.
 void go_before_host() {
   constexpr int kThousandths = 200, kHighest = 1000;
   const int fd = open("/proc/self/oom_score_adj", O_RDWR | O_CLOEXEC);
@@ -252,7 +254,7 @@ Kept keep(int first_closed) {
   if (child > 0) {
     for (Relay& relay : relays) relay.become_keeper();
     close(gate[1]);
-    for (int fd = 3; fd < first_closed; ++fd) close(fd);  // the host's: it is to see that the child ends
+    for (int fd = 3; fd < first_closed; ++fd) close(fd);  // the host's descriptors: it must notice the child's end
     Watch(child, host, first, stop_fd, gate[0], relays).run();
   }
   prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);

@@ -20,17 +20,17 @@ namespace {
 
 std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
 
-/// A draft's plugin fits a host of the same draft alone.
+/// A plugin for a draft ABI requires a host of the same draft.
 std::string version_fault(const odo_plugin& table, const odo_host& host) {
   const std::string its = "it is for ABI " + std::to_string(table.abi_major) + "." + std::to_string(table.abi_minor);
   if (table.abi_major < host.abi_major_min || table.abi_major > host.abi_major_max)
     return its + ", this host has major " + std::to_string(host.abi_major_max);
   if (table.abi_major == 0 && table.abi_minor != host.abi_minor)
-    return its + ", a draft; this host has draft 0." + std::to_string(host.abi_minor) + ": build it again";
+    return its + ", a draft; this host has draft 0." + std::to_string(host.abi_minor) + ": rebuild it";
   return "";
 }
 
-/// What is wrong with a table, or nothing.
+/// The fault of a table, or nothing.
 std::string table_fault(const odo_plugin& t) {
   for (const auto& [present, name] :
        {std::pair{t.create != nullptr, "create"}, std::pair{t.configure != nullptr, "configure"},
@@ -47,17 +47,17 @@ std::string table_fault(const odo_plugin& t) {
   return "";
 }
 
-/// Calls the entry and checks its table; what a smaller table does not have is null.
+/// Calls the entry function and checks its table; members missing in a smaller table are null.
 Result<odo_plugin> read_table(odo_plugin_entry entry, const odo_host* host, const std::string& place) {
   const auto fail = [&](int32_t status, const std::string& why) { return Failure{status, place + ": " + why}; };
-  // Room behind the struct: a careless plugin of a newer ABI that writes its whole larger table does no harm.
+  // Extra room protects against a newer plugin that writes its larger table.
   alignas(odo_plugin) unsigned char storage[4096] = {};
   auto* filled = reinterpret_cast<odo_plugin*>(storage);
   filled->struct_size = sizeof(odo_plugin);
   int32_t status = ODO_E_ERROR;
   try {
     status = entry(host, filled);
-  } catch (const ForcedUnwind&) {  // it ends its thread (pthread_exit)
+  } catch (const ForcedUnwind&) {  // the plugin ends its thread (pthread_exit)
     throw;
   } catch (const std::exception& error) {
     return fail(ODO_E_ERROR, std::string("an exception came out of its entry: ") + error.what());
@@ -95,8 +95,9 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::open(const std::filesystem
   std::string why;
   void* handle = open_library(std::filesystem::absolute(opened), why);
   if (!handle)
-    return fail(ODO_E_DATA, "the loader refused it: " + why +
-                                (opened == path ? "" : "; of a sealed copy, for which $ORIGIN is not its folder"));
+    return fail(ODO_E_DATA,
+                "the loader refused it: " + why +
+                    (opened == path ? "" : "; loaded from a sealed copy, for which $ORIGIN is not its folder"));
   const auto entry = reinterpret_cast<odo_plugin_entry>(library_symbol(handle, ODO_PLUGIN_ENTRY_SYMBOL));
   if (!entry) return fail(ODO_E_UNSUPPORTED, "symbol missing: it does not export " ODO_PLUGIN_ENTRY_SYMBOL);
 

@@ -12,19 +12,19 @@
 
 namespace odograph {
 
-/// A loaded plugin library, or a linked-in plugin, and its table. Stays resident: it is never unloaded. [control]
+/// A loaded plugin library, or a linked-in plugin, and its table. Never unloaded. [control]
 class PluginLibrary {
  public:
-  /// Checks the file's format before the dynamic loader touches it (the loader may crash on a truncated file), loads it
-  /// with RTLD_NOW | RTLD_LOCAL, calls the entry and checks the table. Failures name the path and the reason.
+  /// Checks the file format before the dynamic loader opens it (the loader may crash on a truncated file), loads it
+  /// with RTLD_NOW | RTLD_LOCAL, calls the entry function and checks the table. Failures name the path and the reason.
   static Result<std::shared_ptr<PluginLibrary>> load(const std::filesystem::path& path, const odo_host* host);
 
-  /// As load, after comparing the library's hash with the manifest's as `check` asks, and its id afterwards. A
-  /// linked-in plugin has no file to be checked.
+  /// As load(), after comparing the library's hash with the manifest's according to `check`; also compares the id. A
+  /// linked-in plugin has no file to check.
   static Result<std::shared_ptr<PluginLibrary>> load(const Manifest& manifest, LibraryCheck check,
                                                      const odo_host* host);
 
-  /// The plugin's table; what a smaller table does not have is null.
+  /// The plugin's table; members missing in a smaller table are null.
   const odo_plugin& table() const { return table_; }
   const std::filesystem::path& path() const { return path_; }
 
@@ -32,7 +32,7 @@ class PluginLibrary {
   void quarantine() { quarantined_ = true; }
 
  private:
-  /// `path` is its name, `opened` what the loader opens.
+  /// `path` names it in messages; `opened` is the file that the loader opens.
   static Result<std::shared_ptr<PluginLibrary>> open(const std::filesystem::path& path,
                                                      const std::filesystem::path& opened, const odo_host* host);
 
@@ -41,11 +41,10 @@ class PluginLibrary {
   bool quarantined_ = false;
 };
 
-/// Registers a plugin that is linked into the program (odo_register_plugin). The failure names what is wrong. [any]
+/// Registers a plugin that is linked into the program (odo_register_plugin). A failure states the reason. [any]
 Result<bool> register_plugin(odo_plugin_entry entry);
 
-/// Whether the file is a shared library that this machine can run, with all its segments present. True or a Failure,
-/// which calls it `name`.
+/// Whether the file is a shared library for this machine, with all its segments present. A failure calls it `name`.
 Result<bool> check_shared_library(const std::filesystem::path& path, const std::filesystem::path& name);
 
 }  // namespace odograph

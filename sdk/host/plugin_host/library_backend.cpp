@@ -15,7 +15,7 @@
 namespace odograph {
 namespace {
 
-/// Notes which thread is within process: only there may events be emitted.
+/// Records which thread is within process: events may only be emitted there.
 class Calling {
  public:
   explicit Calling(std::atomic<std::thread::id>& caller) : caller_(caller) {
@@ -61,14 +61,14 @@ Result<std::unique_ptr<LibraryBackend>> LibraryBackend::load(const PluginChoice&
     if (!library) return library.failure();
     return std::unique_ptr<LibraryBackend>(new LibraryBackend(std::move(*library), choice, host, sink));
   } catch (const ForcedUnwind&) {
-    abort_for_ended_thread();  // here, where the breadcrumb names the plugin
+    abort_for_ended_thread();  // here, because the breadcrumb still names the plugin
   }
 }
 
 LibraryBackend::~LibraryBackend() { close(); }
 
-/// What the call returns. An exception out of it is a failure of the instance. A plugin that ends the thread
-/// (pthread_exit) ends the process, here, where the call is still known.
+/// Returns the result of the call. An exception counts as a failure of the instance. A plugin that ends the thread
+/// (pthread_exit) ends the process here, where the call is still known.
 template <class Work>
 int32_t LibraryBackend::call(const char* name, Work&& work) {
   const Breadcrumb crumb(choice_.manifest.id, name);

@@ -12,13 +12,13 @@
 
 namespace odograph {
 
-/// An instance in this process. An exception that leaves the plugin is caught and reported, as far as host and plugin
-/// share a C++ runtime's ABI; a crash is named by the breadcrumb (breadcrumb.hpp). An event from a thread of the
-/// plugin's own is refused and reported: nobody on the host's side waits for it.
+/// An instance in this process. Exceptions that leave the plugin are caught and reported if host and plugin share a C++
+/// runtime ABI; the breadcrumb names the plugin in a crash (breadcrumb.hpp). An event from one of the plugin's own
+/// threads is refused and reported, because the host cannot receive it then.
 class LibraryBackend : public PluginBackend {
  public:
-  /// `choice` and `sink` outlive it. A plugin that ends the thread (pthread_exit) ends the process, because the
-  /// thread is the app's.
+  /// `choice` and `sink` outlive it. A plugin that ends the thread (pthread_exit) ends the process, because the thread
+  /// is the app's.
   static Result<std::unique_ptr<LibraryBackend>> load(const PluginChoice& choice, LibraryCheck check,
                                                       HostServices& host, const odo_sink& sink);
   ~LibraryBackend() override;
@@ -33,7 +33,7 @@ class LibraryBackend : public PluginBackend {
   const KindTypes& types() const override { return types_; }
   void quarantine() override { library_->quarantine(); }
   bool quarantined() const override { return library_->quarantined(); }
-  /// Destroys the instance; nothing is asked of it any more.
+  /// Destroys the instance; it is not called any more.
   void close();
 
  private:
@@ -52,7 +52,7 @@ class LibraryBackend : public PluginBackend {
   const PluginChoice& choice_;
   HostServices& host_;
   const odo_sink& sink_;
-  Sink given_{};                             // the plugin's
+  Sink given_{};                             // passed to the plugin
   std::atomic<std::thread::id> caller_{{}};  // of the current call
   KindTypes types_;
   odo_instance* instance_ = nullptr;

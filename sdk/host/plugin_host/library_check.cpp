@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A look at the file before dlopen: the dynamic loader maps a truncated library without complaint and dies of SIGBUS.
+// Checks the file before dlopen: the dynamic loader maps a truncated library without an error and dies of SIGBUS.
 #include <cstring>
 #include <fstream>
 
@@ -57,21 +57,21 @@ Result<bool> check_shared_library(const std::filesystem::path& path, const std::
   if (file.gcount() < static_cast<std::streamsize>(sizeof header) || header.e_phentsize != sizeof(ElfW(Phdr)) ||
       truncated(table_end) ||
       (header.e_shnum && truncated(uint64_t(header.e_shoff) + uint64_t(header.e_shnum) * header.e_shentsize)))
-    return fail("truncated: " + std::to_string(size) + " bytes are there, its tables lie beyond");
+    return fail("truncated: " + std::to_string(size) + " bytes are present, its tables lie beyond");
   file.clear();
   file.seekg(static_cast<std::streamoff>(header.e_phoff));
   for (uint16_t i = 0; i < header.e_phnum; ++i) {
     ElfW(Phdr) segment{};
     file.read(reinterpret_cast<char*>(&segment), sizeof segment);
     if (!file || segment.p_offset > size || segment.p_filesz > size - segment.p_offset)
-      return fail("truncated: " + std::to_string(size) + " bytes are there, a segment ends at " +
+      return fail("truncated: " + std::to_string(size) + " bytes are present, a segment ends at " +
                   std::to_string(uint64_t(segment.p_offset) + segment.p_filesz));
   }
   return true;
 }
 #else
 Result<bool> check_shared_library(const std::filesystem::path& path, const std::filesystem::path& name) {
-  // dyld and the Windows loader check the mapping themselves and answer with an error.
+  // dyld and the Windows loader validate the file themselves and return an error.
   if (!std::filesystem::exists(path)) return Failure{ODO_E_NOT_FOUND, name.string() + ": cannot be opened"};
   return true;
 }

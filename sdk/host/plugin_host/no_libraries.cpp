@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// In the place of sealed_copy and library_check where a platform loads no libraries (platform/none).
+// Replaces sealed_copy and library_check on platforms without shared libraries (platform/none).
 #include "sdk/host/platform/features.hpp"
 #include "sdk/host/plugin_host/library.hpp"
 #include "sdk/host/plugin_host/sealed_copy.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// In the place of process_backend and shared_pixels where a platform has no processes. Configs that ask for one were
-// refused before, with the place in the config; these are the answers to callers of the functions themselves.
+// Replaces process_backend and shared_pixels on platforms without processes. A config that requests a process has been
+// refused before, with the line in the config; these failures are for direct callers.
 #include "sdk/host/platform/features.hpp"
 #include "sdk/host/plugin_host/backend.hpp"
 

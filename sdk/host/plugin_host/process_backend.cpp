@@ -31,9 +31,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kEndLimit_s = 1;
-constexpr int kEndPolls = 100;        // of 1 ms: what has closed its socket should be gone by then
-constexpr int kKeeperPolls = 1000;    // of 1 ms: for the keeper to end the plugin and what holds its namespace
-constexpr size_t kMaxRecords = 4096;  // of one call: 256 events, reports and what was emitted beyond
+constexpr int kEndPolls = 100;        // of 1 ms: a process that closed its socket should have ended by then
+constexpr int kKeeperPolls = 1000;    // of 1 ms: for the keeper to end the plugin and its namespace's first process
+constexpr size_t kMaxRecords = 4096;  // of one call: 256 events, reports and refused events
 
 std::string number(double value) {
   char text[32];
@@ -41,7 +41,7 @@ std::string number(double value) {
   return text;
 }
 
-/// Starts the program with the three descriptors where it expects them, no signal blocked or ignored.
+/// Starts the program with the three descriptors in place and no signal blocked or ignored.
 pid_t spawn(const fs::path& program, int socket_fd, int control_fd, int pixels_fd) {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
@@ -127,7 +127,7 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
                    who + "no process could be started with " + program.string() + ": " + std::strerror(errno)};
   auto out = made->request();
   out.put_text(choice.manifest.path.string());
-  out.put_text(choice.manifest.text);  // the file may be another by now
+  out.put_text(choice.manifest.text);  // the file may have changed meanwhile
   out.put_text(choice.interface_id);
   out.put(sink.instance);
   out.put(static_cast<uint32_t>(check));
@@ -139,14 +139,14 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
   if (!made->exchange(wire::enter, out, choice.isolation.start_s)) return Failure{ODO_E_FATAL, who + made->ended_};
   if (const std::string lacks = made->answer().get_text(); !lacks.empty())
     host.report(sink.instance, ODO_SEVERITY_WARNING, "sandbox",
-                "its process is not closed in as far as it could be; this system has " + lacks);
+                "its process is not fully sandboxed; this system has " + lacks);
   if (!made->exchange(wire::open, made->request(), choice.isolation.start_s))
     return Failure{ODO_E_FATAL, who + made->ended_};
   if (Failure failure = made->opened(who); failure.status < 0) return failure;
   return made;
 }
 
-/// Takes the library's types out of the answer, and why it was not loaded; ODO_E_FATAL where that is no answer.
+/// Reads the library's types from the answer, or the reason why it was not loaded; ODO_E_FATAL for an invalid answer.
 Failure ProcessBackend::opened(const std::string& who) {
   constexpr size_t kLongestText = 4096;
   const Failure no_answer{ODO_E_FATAL, who + "broke the protocol in load"};
@@ -155,7 +155,7 @@ Failure ProcessBackend::opened(const std::string& who) {
   const std::string why = one_line(reader.get_text(), kLongestText);
   for (auto* types : {&types_.inputs, &types_.outputs}) {
     const auto bytes = reader.get_bytes();
-    if (bytes.size() > 2 * kMaxTypes * sizeof(uint32_t)) return no_answer;  // its kind's, and what it declares
+    if (bytes.size() > 2 * kMaxTypes * sizeof(uint32_t)) return no_answer;  // its kind's and its table's types
     types->resize(bytes.size() / sizeof(uint32_t));
     if (!bytes.empty()) std::memcpy(types->data(), bytes.data(), types->size() * sizeof(uint32_t));
   }
@@ -196,7 +196,7 @@ ProcessBackend::~ProcessBackend() {
   if (control_) munmap(control_, sizeof(wire::Control));
 }
 
-/// Asks and waits for the answer, of which a copy is in answer_ then. False, with ended_ said, where there is none.
+/// Sends a request and waits for the answer, which is then copied to answer_. False, with ended_ set, if there is none.
 bool ProcessBackend::exchange(wire::Call call, const wire::Writer& asked, double limit_s) {
   if (!ended_.empty()) return false;
   if (asked.full()) return give_up("was asked for more than the shared memory holds"), false;
@@ -205,11 +205,11 @@ bool ProcessBackend::exchange(wire::Call call, const wire::Writer& asked, double
   control_->response_size = 0;
   char word = 0;
   if (const ssize_t got = recv(socket_, &word, 1, MSG_DONTWAIT | MSG_PEEK); got == 1 || (got == 0 && !hung_up()))
-    return give_up("broke the protocol: an answer that nobody asked for"), false;
+    return give_up("broke the protocol: an unrequested answer"), false;
   word = 'c';
   while (send(socket_, &word, 1, MSG_NOSIGNAL | MSG_DONTWAIT) != 1) {
     if (errno == EINTR) continue;
-    return errno == EAGAIN ? give_up("does not take what it is asked") : reap(false, ""), false;
+    return errno == EAGAIN ? give_up("does not accept requests") : reap(false, ""), false;
   }
   if (!wait_for_answer(limit_s)) return false;
   const uint64_t size = *static_cast<volatile uint64_t*>(&control_->response_size);
@@ -238,7 +238,7 @@ bool ProcessBackend::wait_for_answer(double limit_s) {
   }
 }
 
-/// Waits for the process, at most so many times 1 ms. As waitpid().
+/// Waits for the process, at most `polls` times 1 ms. Returns as waitpid().
 pid_t ProcessBackend::wait_for_end(int polls, int& status) {
   pid_t gone = 0;
   for (int i = 0; i < polls && gone == 0; ++i) {
@@ -248,7 +248,7 @@ pid_t ProcessBackend::wait_for_end(int polls, int& status) {
   return gone;
 }
 
-/// Ends the process for what it did.
+/// Ends the process for a violation.
 void ProcessBackend::give_up(std::string what) { reap(true, what); }
 
 void ProcessBackend::reap(bool killed_by_us, const std::string& what) {
@@ -260,7 +260,7 @@ void ProcessBackend::reap(bool killed_by_us, const std::string& what) {
   pid_t gone = killed_by_us ? 0 : wait_for_end(kEndPolls, status);
   ended_ = killed_by_us ? what : gone > 0 ? how_it_ended(status) : gone < 0 ? "ended its process" : "left the host";
   if (gone == 0) {
-    kill(child_, SIGTERM);  // its keeper ends the rest and then itself
+    kill(child_, SIGTERM);  // its keeper ends the others and then itself
     gone = wait_for_end(kKeeperPolls, status);
   }
   if (gone == 0) {
@@ -272,7 +272,7 @@ void ProcessBackend::reap(bool killed_by_us, const std::string& what) {
   if (*phase) ended_ += std::string(" in ") + phase;
 }
 
-/// The status out of an answer, after its events and reports have been passed on.
+/// Returns the status of an answer, after passing on its events and reports.
 int32_t ProcessBackend::answered() {
   wire::Reader reader = answer();
   const auto status = reader.get<int32_t>();
@@ -333,8 +333,8 @@ int32_t ProcessBackend::process(const odo_header& message) {
   return status;
 }
 
-/// Says where the pixels are, and holds them for as long as the plugin does: those that lie in shared memory with the
-/// frame's own hold, others in a copy there.
+/// Describes the pixels to the plugin and holds them as long as the plugin does: through the frame's own reference if
+/// they are in shared memory, otherwise in a copy there.
 bool ProcessBackend::put_frame(const odo_header& message, wire::Writer& out) {
   const auto free = std::find_if(std::begin(held_), std::end(held_), [](const auto& held) { return !held.used; });
   if (free == std::end(held_)) return false;
@@ -350,7 +350,7 @@ bool ProcessBackend::put_frame(const odo_header& message, wire::Writer& out) {
   }
   *free = held;
   const auto slot = static_cast<uint32_t>(free - std::begin(held_));
-  control_->holds[slot] = 1;  // the plugin's process gives it back
+  control_->holds[slot] = 1;  // the plugin's process clears it
   out.put(slot);
   out.put(static_cast<uint32_t>(held.retained || !held.copy.empty()));
   const bool masked = (frame.header.flags & ODO_FRAME_MASK) != 0;
@@ -363,7 +363,7 @@ bool ProcessBackend::put_frame(const odo_header& message, wire::Writer& out) {
   return true;
 }
 
-/// Those that the plugin does not hold any more.
+/// Releases the frames that the plugin no longer holds.
 void ProcessBackend::take_back_frames() {
   for (size_t slot = 0; slot < wire::kFrameSlots; ++slot)
     if (!ended_.empty() || control_->holds[slot].load(std::memory_order_acquire) == 0) let_go(held_[slot]);

@@ -17,14 +17,14 @@
 
 namespace odograph {
 
-/// An instance in a process of its own, the program `odograph-plugin-host`, behind a sandbox (sandbox.hpp). Messages
-/// and events go through shared memory, wake-ups through a socket; a frame's pixels stay where they are if that is
-/// memory that the plugin sees (FrameStore), and are copied there otherwise. Whatever the plugin does ends its own
-/// process alone: then ended() says what it was, every call is ODO_E_ERROR, and a new backend is to be made.
+/// An instance in its own sandboxed process (sandbox.hpp), running `odograph-plugin-host`. Messages and events pass
+/// through shared memory, wake-ups through a socket; a frame's pixels stay in place if they are in memory that the
+/// plugin maps (FrameStore), and are copied there otherwise. A fault of the plugin ends only its own process: then
+/// ended() states the reason, every call returns ODO_E_ERROR, and a new backend must be created.
 class ProcessBackend : public PluginBackend {
  public:
-  /// Starts the process and loads the library in it. The failure names the plugin and what it did. `choice` and `sink`
-  /// outlive it; the sink's emit gets every event within process().
+  /// Starts the process and loads the library in it. A failure names the plugin and its fault. `choice` and `sink`
+  /// outlive it; the sink's emit receives every event within process().
   static Result<std::unique_ptr<ProcessBackend>> load(const PluginChoice& choice, LibraryCheck check,
                                                       HostServices& host, const odo_sink& sink);
   ~ProcessBackend() override;
@@ -46,7 +46,7 @@ class ProcessBackend : public PluginBackend {
   bool launch(const std::filesystem::path& program);
   bool exchange(wire::Call call, const wire::Writer& request, double limit_s);
   bool wait_for_answer(double limit_s);
-  /// Nothing received may be an empty packet, or the end.
+  /// Distinguishes an empty packet from the end of the connection when nothing was received.
   bool hung_up() const {
     pollfd end{socket_, 0, 0};
     return poll(&end, 1, 0) != 0;
@@ -58,9 +58,9 @@ class ProcessBackend : public PluginBackend {
   /// A frame that the plugin's process may hold.
   struct HeldFrame {
     bool used = false;
-    bool retained = false;  ///< by its own hold
+    bool retained = false;  ///< through its own reference
     odo_frame frame{};
-    std::span<uint8_t> copy;  ///< in shared memory; empty where the frame itself lies there
+    std::span<uint8_t> copy;  ///< in shared memory; empty if the frame itself is there
   };
 
   bool put_frame(const odo_header& message, wire::Writer& request);
@@ -81,13 +81,12 @@ class ProcessBackend : public PluginBackend {
   int socket_ = -1;
   wire::Control* control_ = nullptr;
   HeldFrame held_[wire::kFrameSlots];
-  std::vector<uint64_t> answer_;  // copied before it is looked at
+  std::vector<uint64_t> answer_;  // copied before it is checked
   size_t answer_size_ = 0;
   std::vector<uint8_t> state_;  // of the last save
 };
 
-/// The program that runs plugins, beside this library or program or where it is installed to. Empty where it is
-/// missing.
+/// The program that runs plugins: beside this library or program, or where it is installed. Empty if missing.
 std::filesystem::path plugin_host_program();
 
 }  // namespace odograph

@@ -15,7 +15,7 @@
 #include "sdk/host/plugin_host/file_rules.hpp"
 #include "sdk/host/plugin_host/thread_gate.hpp"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // GCC says so, clang by __has_feature
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // GCC's macros; clang uses __has_feature
 #define ODOGRAPH_SANITIZERS
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
@@ -32,7 +32,7 @@ void limit(int what, uint64_t value) {
 }
 
 void limit_resources(uint64_t memory_bytes) {
-#if defined(ODOGRAPH_SANITIZERS)  // they reserve terabytes of address space
+#if defined(ODOGRAPH_SANITIZERS)  // sanitizers reserve terabytes of address space
   (void)memory_bytes;
 #else
   limit(RLIMIT_AS, memory_bytes);
@@ -45,7 +45,7 @@ void limit_resources(uint64_t memory_bytes) {
   limit(RLIMIT_NOFILE, 256);
 }
 
-/// What root may, and what the first process of a user namespace may in it.
+/// Drops the capabilities of root and of a user namespace's first process.
 void drop_capabilities() {
   __user_cap_header_struct head{_LINUX_CAPABILITY_VERSION_3, 0};
   const __user_cap_data_struct none[2] = {};
@@ -61,9 +61,9 @@ std::vector<std::string> enter_sandbox(uint64_t memory_bytes, int gate) {
   };
   limit_resources(memory_bytes);
   drop_capabilities();
-  prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);  // nobody of the same user traces it
+  prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);  // no process of the same user may trace it
   prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
-  prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);  // of a huge page a part given back is not counted and yet held
+  prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);  // a partly returned huge page would be held without being counted
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   done(restrict_files(), "no Landlock: files of other processes and devices can be read");
   done(ask_for_threads(gate), "no count of threads");

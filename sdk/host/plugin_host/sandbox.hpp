@@ -7,10 +7,11 @@
 
 namespace odograph {
 
-/// Takes from this process what a plugin does not need, for good: memory beyond `memory_bytes` of address space, files
-/// of its own, rights of root, its threads' number (asked for by `gate`, thread_gate.hpp), files of others
-/// (file_rules.hpp), and every system call that is not on a list (call_filter.hpp). It ends with its parent. One thread
-/// so far. Returns what this system cannot do, a phrase each. docs/security.md has what is promised, by which means.
+/// Permanently removes from this process what a plugin does not need: address space beyond `memory_bytes`, creating
+/// files, root capabilities, unlimited threads (through `gate`, thread_gate.hpp), foreign files (file_rules.hpp), and
+/// every system call that is not on a list (call_filter.hpp). The process ends with its parent. Must be called while
+/// single-threaded. Returns a phrase for each restriction that this system lacks. docs/security.md lists the guarantees
+/// and their mechanisms.
 std::vector<std::string> enter_sandbox(uint64_t memory_bytes, int gate);
 
 }  // namespace odograph

@@ -24,7 +24,7 @@ Result<bool> has_hash_of(const Manifest& manifest, const fs::path& copy) {
   if (!hash)
     return Failure{ODO_E_NOT_FOUND,
                    manifest.library.string() + ": cannot be opened (named by " + manifest.path.string() + ")"};
-  // The format first: "truncated" says more than "hash differs".
+  // Format first: "truncated" is more specific than "hash differs".
   const auto file = check_shared_library(copy, manifest.library);
   if (!file) return file.failure();
   if (*hash != manifest.sha256)
@@ -37,9 +37,9 @@ Result<bool> has_hash_of(const Manifest& manifest, const fs::path& copy) {
 namespace {
 
 constexpr size_t kChunk = 1 << 20;
-constexpr size_t kLargestLibrary = size_t(1) << 30;  // bytes; a file that grows while it is read ends here
+constexpr size_t kLargestLibrary = size_t(1) << 30;  // bytes; limit for a file that grows while it is read
 
-/// A descriptor that is closed at the end of its block.
+/// A descriptor closed at the end of its scope.
 struct Descriptor {
   int fd;
   ~Descriptor() {
@@ -75,15 +75,15 @@ bool copy_all(int from, int to) {
 
 Result<fs::path> sealed_copy(const Manifest& manifest) {
   static std::mutex mutex;
-  static std::map<std::string, fs::path> copies;  // by their hash
+  static std::map<std::string, fs::path> copies;  // by hash
   const std::lock_guard lock(mutex);
   if (const auto known = copies.find(manifest.sha256); known != copies.end()) return known->second;
   const std::string who = manifest.library.string();
-  const Descriptor file{open(manifest.library.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};  // a pipe would wait
+  const Descriptor file{open(manifest.library.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};  // a pipe would block
   struct stat kind {};
   if (file.fd < 0 || fstat(file.fd, &kind) != 0 || !S_ISREG(kind.st_mode))
     return Failure{ODO_E_NOT_FOUND, who + ": cannot be opened (named by " + manifest.path.string() + ")"};
-  // The name is what debuggers and /proc/self/maps show.
+  // The name appears in debuggers and /proc/self/maps.
   Descriptor memory{
       memfd_create(manifest.library.filename().string().substr(0, 200).c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING)};
   if (memory.fd < 0 || !copy_all(file.fd, memory.fd) ||
@@ -92,7 +92,7 @@ Result<fs::path> sealed_copy(const Manifest& manifest) {
                    who + ": no sealed copy of it could be made; what is allowed by hash or signature needs one"};
   const fs::path path = "/proc/self/fd/" + std::to_string(memory.fd);
   if (const auto same = has_hash_of(manifest, path); !same) return same.failure();
-  memory.keep();  // for good: another library under this number would be taken for this one by the loader
+  memory.keep();  // permanently: the loader would mistake another library under this number for this one
   return copies.emplace(manifest.sha256, path).first->second;
 }
 #else

@@ -7,14 +7,13 @@
 
 namespace odograph {
 
-/// Copies the manifest's library into memory, seals that against every change, and compares its hash with the
-/// manifest's. The answer is the path that the loader opens the copy by: what it maps is what was hashed, whatever
-/// becomes of the file. A copy is kept as long as the process, as a loaded library is; a library of the same hash has
-/// the same path, so that the loader opens it once. Where the system has no sealed memory (all but Linux) it is the
-/// library's own path.
+/// Copies the manifest's library into sealed memory and compares its hash with the manifest's. Returns the path under
+/// which the loader opens the copy, so that the code mapped is the code hashed, even if the file changes. A copy lives
+/// as long as the process, like a loaded library; libraries with the same hash share a path, so that the loader opens
+/// them once. On systems without sealed memory (all but Linux), returns the library's own path.
 Result<std::filesystem::path> sealed_copy(const Manifest& manifest);
 
-/// The library's hash is the manifest's, read from `copy` (the library itself, or a copy of it). True or a Failure.
+/// Whether the hash of `copy` (the library itself or a copy) equals the manifest's. True or a failure.
 Result<bool> has_hash_of(const Manifest& manifest, const std::filesystem::path& copy);
 
 }  // namespace odograph

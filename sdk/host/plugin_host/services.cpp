@@ -15,14 +15,14 @@ namespace {
 
 HostServices& of(const odo_host* host) { return *const_cast<HostServices*>(static_cast<const HostServices*>(host)); }
 
-constexpr size_t kMaxKinds = 256;  // of reports of one origin: what has more gets one kind for the rest
+constexpr size_t kMaxKinds = 256;  // of reports per origin; further kinds share one
 constexpr size_t kLongestKey = 256, kLongestText = 4096;
 
 std::string text_of(const odo_string* s, size_t longest) {
   return s && s->size ? std::string(s->data, std::min<uint64_t>(s->size, longest)) : std::string();
 }
 
-/// SplitMix64 (Steele, Lea & Flood 2014): neighbouring inputs give unrelated outputs.
+/// SplitMix64 (Steele, Lea & Flood 2014): neighbouring inputs yield uncorrelated outputs.
 uint64_t mix(uint64_t x) {
   x += 0x9E3779B97F4A7C15u;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -52,7 +52,7 @@ const void* HostServices::find_service(const odo_host* host, const char* id, uin
   return of(host).service({id, static_cast<size_t>(size)});
 }
 
-/// Ids that begin with "odo." are the host's; contents of assets are the app's before the host's.
+/// Ids that begin with "odo." belong to the host; for assets, the app's contents take precedence over the host's.
 const void* HostServices::service(std::string_view id) {
   const bool app_may_have_it = !id.starts_with("odo.") || id == ODO_SERVICE_ASSETS_2;
   const void* found = app_may_have_it && app_.get ? app_.get(app_.user, id.data(), id.size()) : nullptr;
@@ -124,7 +124,7 @@ void HostServices::report(uint32_t instance, uint32_t severity, const std::strin
       ++entry->second.held_back;
       return;
     }
-    report.text = one_line(text, kLongestText);  // of what is passed on alone: thousands are held back at once
+    report.text = one_line(text, kLongestText);  // only for reports passed on: thousands may be suppressed at once
     report.count += entry->second.held_back;
     if (entry->second.held_back > 0)
       report.text += " (and " + std::to_string(entry->second.held_back) + " more like it)";

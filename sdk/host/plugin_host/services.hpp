@@ -19,15 +19,15 @@
 
 namespace odograph {
 
-/// A report of a plugin or of the host, for people.
+/// A report from a plugin or the host, for the user.
 struct Report {
   uint32_t severity;
   std::string origin;  // plugin id, or "host"
   std::string key;
   std::string text;
   uint32_t instance = 0;    // 0: the host
-  uint64_t count = 1;       // how many like it this one stands for
-  int32_t status = ODO_OK;  // that belongs to it
+  uint64_t count = 1;       // number of similar reports that this one represents
+  int32_t status = ODO_OK;  // associated status
 };
 
 /// Services of the app for plugins (odo_session_options.get_service).
@@ -37,37 +37,37 @@ struct AppServices {
 };
 
 /// The odo_host that plugins see, with its services: report, random, assets, wake, and the app's. Outlives every
-/// instance made with it.
+/// instance created with it.
 class HostServices : public odo_host {
  public:
   using Listener = std::function<void(const Report&)>;
 
-  /// `assets`: directories in which files that a config names are looked for, in this order.
+  /// `assets`: directories in which files named by a config are searched, in this order.
   HostServices(uint64_t seed, std::vector<std::filesystem::path> assets, Listener listener, AppServices app = {});
   HostServices(const HostServices&) = delete;
   HostServices& operator=(const HostServices&) = delete;
   virtual ~HostServices() = default;
 
-  /// Gives an instance number its plugin's name, for reports. [control]
+  /// Sets the plugin name of an instance number, for reports. [control]
   void name_instance(uint32_t instance, const std::string& id);
 
-  /// Who a report is by: what a plugin reports never holds back what the host says about it.
+  /// Author of a report: reports by a plugin never suppress the host's reports about it.
   enum class Author { host, plugin };
-  /// Passes a report on, key and text as one line each (one_line in base/printable.hpp), at most one a second (of this
-  /// machine's clock) for each origin, author and key; the rest are counted into the next one. An origin with more than
-  /// 256 keys has "more" for the rest. [any]
+  /// Passes a report on, with key and text as one line each (one_line in base/printable.hpp), at most one a second (of
+  /// this machine's clock) for each origin, author and key; the next one includes the count of those suppressed. An
+  /// origin with more than 256 keys uses "more" for the rest. [any]
   virtual void report(uint32_t instance, uint32_t severity, const std::string& key, const std::string& text,
                       int32_t status = ODO_OK, Author author = Author::host);
 
-  /// Notes that an instance asks to be called (odo.wake/1). [any]
+  /// Notes that an instance requests a call (odo.wake/1). [any]
   virtual void wake(uint32_t instance);
   bool has_woken() const { return has_woken_; }
-  /// The instances that have asked since the last call, each once. [any]
+  /// The instances that requested a call since the last take, each once. [any]
   std::set<uint32_t> take_woken();
-  /// Called whenever an instance asks, on its thread. [control]
+  /// Sets a listener for such requests, called on the requesting thread. [control]
   void on_wake(std::function<void()> listener) { wake_listener_ = std::move(listener); }
 
-  /// Where plugins in processes of their own see frames.
+  /// Memory in which plugins in other processes see frames.
   SharedPixels& shared_pixels() { return shared_pixels_; }
   uint64_t seed() const { return seed_; }
   const std::vector<std::filesystem::path>& assets() const { return assets_; }

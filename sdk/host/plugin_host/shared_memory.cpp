@@ -17,7 +17,7 @@ constexpr int kFirstDescriptor = 64;
 int high_descriptor(int fd) {
   if (fd < 0) return fd;
   const int high = fcntl(fd, F_DUPFD_CLOEXEC, kFirstDescriptor);
-  if (high < 0) errno = EMFILE;  // it says EINVAL where the limit is below the first
+  if (high < 0) errno = EMFILE;  // it returns EINVAL if the limit is below the first
   const int why = errno;
   close(fd);
   errno = why;

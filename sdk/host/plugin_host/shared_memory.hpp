@@ -5,14 +5,15 @@
 
 namespace odograph {
 
-/// A copy of the descriptor above those that a plugin's process gives a meaning to (wire.hpp); `fd` itself is closed.
-/// -1 where `fd` is -1 or none is free.
+/// Duplicates the descriptor above those with a fixed meaning in a plugin's process (wire.hpp) and closes `fd`. -1 if
+/// `fd` is -1 or none is free.
 int high_descriptor(int fd);
 
-/// Anonymous memory that can be shared and never shrinks: whoever maps it is safe from SIGBUS. -1 where there is none.
+/// Creates anonymous shareable memory that cannot shrink, so that a process that maps it is safe from SIGBUS. -1 on
+/// failure.
 int shared_memory(const char* name, size_t bytes);
 
-/// `bytes` of it, to read and to write; null where it cannot be mapped.
+/// Maps `bytes` of it for reading and writing; null on failure.
 void* map_shared(int fd, size_t bytes);
 
 }  // namespace odograph

@@ -10,11 +10,10 @@
 
 namespace odograph {
 
-/// Memory for pixels, which the processes of plugins see and cannot change. It begins empty, takes system memory with
-/// its first place, and grows up to kBytes. [any]
+/// Memory for pixels, readable but not writable by plugin processes. Allocated on first use; grows up to kBytes. [any]
 class SharedPixels {
  public:
-  /// Of address space, in the host and in each process: eight pictures of 12 megapixels with four bytes each.
+  /// Address space, in the host and in each process: eight pictures of 12 megapixels with four bytes each.
   static constexpr size_t kBytes = size_t(512) << 20;
 
   SharedPixels() = default;
@@ -22,16 +21,16 @@ class SharedPixels {
   SharedPixels(const SharedPixels&) = delete;
   SharedPixels& operator=(const SharedPixels&) = delete;
 
-  /// The memory, for a process; -1, with errno, where the system has none that can be sealed against others' writing
-  /// (EINVAL), or none now: the next call tries again.
+  /// Descriptor of the memory, for a process; -1, with errno, if the system cannot seal it against writing (EINVAL), or
+  /// if allocation failed: the next call tries again.
   int descriptor();
-  /// A place of at least so many bytes; empty where there is none.
+  /// Allocates a block of at least that many bytes; empty on failure.
   std::span<uint8_t> take(size_t bytes);
-  /// An empty place is none.
+  /// An empty block is ignored.
   void give_back(std::span<uint8_t> place);
-  /// Bytes of the memory that have ever been a place.
+  /// Bytes of the memory that have ever been allocated.
   size_t reserved() const;
-  /// Where in the memory `at` is, if it is there.
+  /// Offset of `at` in the memory, if it lies in it.
   std::optional<uint64_t> offset_of(const uint8_t* at) const;
 
  private:
@@ -47,7 +46,7 @@ class SharedPixels {
   uint8_t* memory_ = nullptr;
   mutable std::mutex mutex_;
   size_t size_ = 0;
-  std::vector<Place> places_;  // in their order, without gaps
+  std::vector<Place> places_;  // in order, without gaps
 };
 
 }  // namespace odograph

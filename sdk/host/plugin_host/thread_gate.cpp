@@ -18,7 +18,7 @@
 namespace odograph {
 namespace {
 
-/// A message of one byte with one descriptor.
+/// A message of one byte that carries one descriptor.
 struct Parcel {
   char byte = 0;
   iovec part{&byte, 1};
@@ -74,7 +74,7 @@ void ThreadGate::answer() {
     listening_ = true;
     return;
   }
-  alignas(seccomp_notif) char question[1024] = {};  // a newer kernel's may be larger
+  alignas(seccomp_notif) char question[1024] = {};  // larger, for newer kernels
   alignas(seccomp_notif_resp) char storage[1024] = {};
   if (ioctl(fd_, SECCOMP_IOCTL_NOTIF_RECV, question) != 0) {
     if (errno == EINTR || errno == ENOENT) return;

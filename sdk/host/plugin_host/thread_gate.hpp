@@ -5,27 +5,27 @@
 
 namespace odograph {
 
-/// How many threads a plugin's process may have: two libraries with a thread for each of 100 cores fit.
+/// Maximum threads of a plugin's process: enough for two libraries with a thread for each of 100 cores.
 constexpr unsigned kMaxThreads = 256;
 
-/// From now on a new thread of this process waits until the one who has the other end of the socket `gate` lets it
-/// (ThreadGate). False, with errno, where the system has no such thing (Linux 5.5). `gate` is closed.
+/// From now on, a new thread of this process waits until the owner of the other end of the socket `gate` approves it
+/// (ThreadGate). False, with errno, without kernel support (Linux 5.5). Closes `gate`.
 bool ask_for_threads(int gate);
 
-/// The other end, in another process.
+/// The approving end, in another process.
 class ThreadGate {
  public:
   ThreadGate(int gate, pid_t counted) : fd_(gate), counted_(counted) {}
-  /// What to poll for, or below 0.
+  /// The descriptor to poll, or negative.
   int descriptor() const { return fd_; }
-  /// After it was ready: the first time takes over the descriptor that is asked on, then answers one question.
+  /// Call when it is ready: the first call receives the notification descriptor, later calls answer one request each.
   void answer();
 
  private:
   int fd_;
   bool listening_ = false;
   pid_t counted_;
-  unsigned let_ = 0;  // in all
+  unsigned let_ = 0;  // approved in all
 };
 
 }  // namespace odograph

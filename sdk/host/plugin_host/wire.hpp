@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What host and plugin process say to each other through shared memory. Both are of the same build (kWireVersion), but
-// the host takes nothing that the plugin's process writes on trust: it copies first and checks then.
+// Protocol between host and plugin process through shared memory. Both come from the same build (kWireVersion), but the
+// host does not trust what the plugin's process writes: it copies first, then checks.
 #pragma once
 
 #include <atomic>
@@ -14,11 +14,11 @@
 namespace odograph::wire {
 
 constexpr uint32_t kVersion = 7;
-/// Descriptors of the plugin's process.
+/// Fixed descriptors of the plugin's process.
 constexpr int kSocket = 3, kControl = 4, kPixels = 5;
 
-/// `enter` closes the process in and answers what the system lacks for it, `open` loads the library: what comes before
-/// `open` nothing of the plugin's has had a hand in.
+/// `enter` sandboxes the process and returns what the system lacks for it; `open` loads the library: no plugin code
+/// runs before `open`.
 enum Call : uint32_t { enter = 1, open, start, process, reset, save, load, end };
 enum Record : uint32_t { event = 1, report = 2, state = 3 };
 
@@ -26,18 +26,18 @@ constexpr size_t kFrameSlots = 8;                // as many as a session holds b
 constexpr size_t kAreaBytes = size_t(20) << 20;  // 256 events of the largest size, or a saved state of 16 MiB
 constexpr size_t kPhaseBytes = 32;
 
-/// The control memory: small state, then what is asked, then what is answered.
+/// The control memory: a small state, then the request, then the answer.
 struct Control {
   uint32_t version;
   uint32_t call;
   uint64_t request_size, response_size;
-  std::atomic<uint32_t> holds[kFrameSlots];  // of each frame slot, by the plugin
-  char phase[kPhaseBytes];                   // the plugin's function that is being called
+  std::atomic<uint32_t> holds[kFrameSlots];  // of each frame slot, held by the plugin
+  char phase[kPhaseBytes];                   // the plugin function being called
   alignas(64) uint8_t request[kAreaBytes];
   alignas(64) uint8_t response[kAreaBytes];
 };
 
-/// Appends numbers and texts; what does not fit makes it full and is left out.
+/// Appends numbers and texts; an item that does not fit is dropped and marks the writer full.
 class Writer {
  public:
   explicit Writer(std::span<uint8_t> buffer) : buffer_(buffer) {}
@@ -72,7 +72,7 @@ class Writer {
   bool full_ = false;
 };
 
-/// Takes them from the front; what is not there reads as zero and makes it bad.
+/// Reads them from the front; missing items read as zero and mark the reader bad.
 class Reader {
  public:
   explicit Reader(std::span<const uint8_t> bytes) : left_(bytes) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// No other process: the writers of this one exclude each other by the files' names.
+// Single process: writers exclude each other by file name.
 #include "sdk/host/platform/file_lock.hpp"
 
 #include <algorithm>
@@ -13,10 +13,10 @@ namespace {
 
 struct Locks {
   std::mutex mutex;
-  std::vector<std::filesystem::path> held;  // by number; an empty one is free
+  std::vector<std::filesystem::path> held;  // indexed by lock number; an empty one is free
 };
 
-/// Never destroyed: sessions may end while the program does.
+/// Never destroyed: sessions may end during program exit.
 Locks& locks() {
   static auto* mine = new Locks;
   return *mine;

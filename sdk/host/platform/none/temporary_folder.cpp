@@ -3,7 +3,7 @@
 
 namespace odograph {
 
-/// There is nobody else; the first free number.
+/// There are no other processes: takes the first free number.
 std::filesystem::path make_temporary_folder() {
   std::error_code error;
   const auto where = std::filesystem::temp_directory_path(error);

@@ -45,7 +45,7 @@ void on_signal(int signal_number) {
     case SIGFPE: called.name("arithmetic fault"); break;
     default: called.name("aborted");
   }
-  raise(signal_number);  // the disposition is the default again (SA_RESETHAND)
+  raise(signal_number);  // SA_RESETHAND has restored the default disposition
 }
 
 void at_exit() {

@@ -11,7 +11,7 @@
 namespace odograph {
 namespace {
 
-constexpr int kTries = 100;  // others may put a file in its place meanwhile
+constexpr int kTries = 100;  // others may replace the file meanwhile
 
 bool is_that(int fd, const std::filesystem::path& file) {
   struct stat opened {
@@ -29,7 +29,7 @@ bool is_ours_alone(int fd) {
 
 FileLock::~FileLock() {
   if (fd_ < 0) return;
-  flock(fd_, LOCK_UN);  // a child that was forked meanwhile has it open, too
+  flock(fd_, LOCK_UN);  // a forked child has it open, too
   close(fd_);
 }
 

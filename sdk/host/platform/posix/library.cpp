@@ -9,9 +9,9 @@
 namespace odograph {
 namespace {
 
-/// An exception of a plugin may be unwound by another copy of libgcc than this one's, which then asks this one to set
-/// registers. A copy that has never unwound anything aborts there (`dwarf_reg_size_table`, libgcc's unwind-dw2.c), so
-/// it looks at its own stack once.
+/// An exception of a plugin may be unwound by another copy of libgcc, which then calls this copy to set registers. A
+/// copy that has never unwound anything aborts there (`dwarf_reg_size_table`, libgcc's unwind-dw2.c), so this
+/// initialises it by walking its own stack once.
 void make_ready_for_foreign_exceptions() {
   static const auto looked = _Unwind_Backtrace([](_Unwind_Context*, void*) { return _URC_END_OF_STACK; }, nullptr);
   (void)looked;
@@ -35,7 +35,7 @@ void* library_symbol(void* library, const char* name) { return dlsym(library, na
 std::filesystem::path own_file() {
   Dl_info self{};
   if (!dladdr(reinterpret_cast<const void*>(&own_file), &self) || !self.dli_fname) return {};
-  // Of the program itself it is the name that it was called by, which the shell may have found in PATH.
+  // For the program itself, dli_fname is argv[0], which the shell may have found in PATH.
   const bool by_name = std::strchr(self.dli_fname, '/') == nullptr;
   std::error_code error;
   auto file = std::filesystem::canonical(by_name ? "/proc/self/exe" : self.dli_fname, error);

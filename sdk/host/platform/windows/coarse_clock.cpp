@@ -5,7 +5,7 @@
 
 namespace odograph {
 
-// The performance counter, some 25 ns a reading: Windows' coarse clock ticks every 15.6 ms, more than kCoarseClock_ns.
+// Performance counter, about 25 ns per reading: Windows' coarse clock ticks every 15.6 ms, more than kCoarseClock_ns.
 int64_t coarse_now_ns() noexcept {
   return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }

@@ -30,7 +30,7 @@ LONG WINAPI on_exception(EXCEPTION_POINTERS* exception) {
 
 void on_abort(int signal_number) {
   called.name("aborted");
-  raise(signal_number);  // its handler is the default again
+  raise(signal_number);  // the default handler is active again
 }
 
 void at_exit() {

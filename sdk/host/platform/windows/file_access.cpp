@@ -8,8 +8,8 @@
 namespace odograph {
 namespace {
 
-/// What the access list grants to a group that everybody is in: its entries in their order, those for what is inside a
-/// folder left out.
+/// Rights that the access list grants to a group that contains everybody: entries in order, without those that only
+/// apply to the contents of a folder.
 ACCESS_MASK granted(ACL* list, WELL_KNOWN_SID_TYPE group) {
   alignas(SID) unsigned char sid[SECURITY_MAX_SID_SIZE];
   DWORD size = sizeof sid;
@@ -21,7 +21,7 @@ ACCESS_MASK granted(ACL* list, WELL_KNOWN_SID_TYPE group) {
     const auto& head = *static_cast<const ACE_HEADER*>(entry);
     if ((head.AceFlags & INHERIT_ONLY_ACE) != 0) continue;
     if (head.AceType != ACCESS_ALLOWED_ACE_TYPE && head.AceType != ACCESS_DENIED_ACE_TYPE) continue;
-    auto* of_group = static_cast<ACCESS_ALLOWED_ACE*>(entry);  // the other kind has the same layout
+    auto* of_group = static_cast<ACCESS_ALLOWED_ACE*>(entry);  // ACCESS_DENIED_ACE has the same layout
     if (!EqualSid(&of_group->SidStart, sid)) continue;
     if (head.AceType == ACCESS_DENIED_ACE_TYPE)
       denied |= of_group->Mask;
@@ -41,12 +41,12 @@ bool everybody_writes(const std::filesystem::path& path, bool owners_only_is_saf
   if (GetNamedSecurityInfoW(path.c_str(), SE_FILE_OBJECT, DACL_SECURITY_INFORMATION, nullptr, nullptr, &list, nullptr,
                             &descriptor) != ERROR_SUCCESS)
     return false;
-  ACCESS_MASK rights = ~ACCESS_MASK{0};  // no list at all: all may do all
+  ACCESS_MASK rights = ~ACCESS_MASK{0};  // without a list, everything is allowed
   if (list)
     rights = granted(list, WinWorldSid) | granted(list, WinAuthenticatedUserSid) | granted(list, WinBuiltinUsersSid);
   LocalFree(descriptor);
   constexpr ACCESS_MASK replace = FILE_DELETE_CHILD | WRITE_DAC | WRITE_OWNER;
-  constexpr ACCESS_MASK write = replace | FILE_WRITE_DATA;  // of a folder: to add a file
+  constexpr ACCESS_MASK write = replace | FILE_WRITE_DATA;  // for a folder: to add a file
   return (rights & (owners_only_is_safe ? replace : write)) != 0;
 }
 

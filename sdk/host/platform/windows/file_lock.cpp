@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A lock of one byte far behind the end of any file, since a lock keeps others from reading and writing what it covers.
+// Locks one byte far beyond the end of any file, because a lock prevents others from reading and writing its range.
 #include "sdk/host/platform/file_lock.hpp"
 
 #include <io.h>
@@ -9,10 +9,10 @@
 namespace odograph {
 namespace {
 
-constexpr DWORD kByteHigh = 0x40000000;  // at 2^62
+constexpr DWORD kByteHigh = 0x40000000;  // offset 2^62
 
 HANDLE open_file(const std::filesystem::path& file, DWORD access, DWORD how) {
-  // A link is opened itself and not followed; everybody may read, write and rename meanwhile.
+  // Opens a link itself without following it; others may read, write and rename meanwhile.
   return CreateFileW(file.c_str(), access, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, nullptr, how,
                      FILE_ATTRIBUTE_NORMAL | FILE_FLAG_OPEN_REPARSE_POINT, nullptr);
 }

@@ -19,8 +19,7 @@ std::string reason_of(DWORD code) {
 
 }  // namespace
 
-// What the library needs is looked for beside it and in the system's folders, never in the folder that the program was
-// started in.
+// Searches dependencies beside the library and in the system's folders, never in the current directory.
 void* open_library(const std::filesystem::path& path, std::string& why) {
   const DWORD where = path.is_absolute() ? LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR | LOAD_LIBRARY_SEARCH_DEFAULT_DIRS
                                          : LOAD_LIBRARY_SEARCH_DEFAULT_DIRS;
@@ -39,7 +38,7 @@ std::filesystem::path own_file() {
   if (!GetModuleHandleExW(flags, reinterpret_cast<const wchar_t*>(&own_file), &self)) return {};
   std::wstring name(MAX_PATH, L'\0');
   DWORD length = GetModuleFileNameW(self, name.data(), static_cast<DWORD>(name.size()));
-  while (length == name.size() && name.size() < 65536) {  // cut off
+  while (length == name.size() && name.size() < 65536) {  // truncated
     name.resize(2 * name.size());
     length = GetModuleFileNameW(self, name.data(), static_cast<DWORD>(name.size()));
   }

@@ -11,7 +11,7 @@ namespace odograph {
 const PlatformFeatures kPlatform{
     .name = "windows", .libraries = true, .processes = false, .threads = true, .path_separator = ';'};
 
-// No process here is another one's copy.
+// There is no fork().
 int64_t this_process() noexcept { return 0; }
 
 std::string environment_text(const char* name) {

@@ -5,7 +5,7 @@
 
 namespace odograph {
 
-// %TEMP% is the user's own.
+// %TEMP% is private to the user.
 std::filesystem::path make_temporary_folder() {
   std::random_device random;
   std::error_code error;
