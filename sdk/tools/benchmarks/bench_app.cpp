@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an app gets: the poses that it draws with, its anchors, what poses say of their errors.
+// Output to an app: the poses for drawing, its anchors, and the consistency of the stated covariances.
 #include "sdk/math/time.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
@@ -13,13 +13,13 @@ namespace {
 
 struct StreamBenchmark : Benchmark {
   StreamBenchmark()
-      : Benchmark("stream", "Poses ahead of time, as an app asks for them, in simulated time; camera and IMU",
+      : Benchmark("stream", "Poses predicted ahead for an app, in simulated time; camera and IMU",
                   kConfigs | kSimulated | kRecordings, {"walk"}) {}
   void add_options(CLI::App& command) override {
     command.add_option("--ahead", timing.ahead_ms, "ms ahead of the poll");
     command.add_option("--frame-late", timing.late.frame_late_ms, "ms from a picture's time to its pose");
     command.add_option("--imu-late", timing.late.imu_late_ms, "ms from a sample's time to its arrival");
-    command.add_option("--settle", settle_s, "seconds left out at the start");
+    command.add_option("--settle", settle_s, "seconds excluded at the start");
   }
 
   Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {
@@ -93,17 +93,17 @@ struct Anchors : Benchmark {
 
 struct Consistency : Benchmark {
   Consistency()
-      : Benchmark("consistency", "Do poses err by as much as they say; what they cost",
-                  kConfigs | kRecordings | kSensors, {"walk"}) {
+      : Benchmark("consistency", "Consistency of the stated covariances, and cost", kConfigs | kRecordings | kSensors,
+                  {"walk"}) {
     below = "mean, longest";
-    read.true_states = false;  // they would count as memory of the pipeline
+    read.true_states = false;  // they would add to the measured memory of the pipeline
   }
   void add_options(CLI::App& command) override {
-    command.add_option("--first", first_s, "s from the start that are run");
-    command.add_option("--marks", marks.sigma_m,
-                       "tell the session where it is, with errors of so many m on each axis; the config has "
-                       "fix/waypoint with `use: all`");
-    command.add_option("--every", marks.every_s, "s between two of --marks");
+    command.add_option("--first", first_s, "length of the run from the start, s");
+    command.add_option(
+        "--marks", marks.sigma_m,
+        "give the session true positions with this error on each axis, m; the config has fix/waypoint with `use: all`");
+    command.add_option("--every", marks.every_s, "s between the positions of --marks");
     command.add_option("--seed", sensor_seed, "of the errors of --marks and --sensors");
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Calibrations against the truth.
+// Calibrations compared with the truth.
 #include <algorithm>
 #include <cmath>
 
@@ -20,7 +20,7 @@ struct Calibrate : Benchmark {
     variants = {"pinhole", "kannala_brandt"}, variant_label = "lens";
   }
   void add_options(CLI::App& command) override {
-    command.add_option("--pictures", pictures, "of the board")->check(CLI::Range(3, 1000));
+    command.add_option("--pictures", pictures, "number of pictures of the board")->check(CLI::Range(3, 1000));
     command.add_option("--keep", folder, "folder for the pictures");
     board.add_board(command);
   }
@@ -65,7 +65,7 @@ struct Calibrate : Benchmark {
       if (row.contains("failure"))
         out += row["lens"].dump() + ' ' + row["seed"].dump() + ": " + row["failure"].dump() + '\n';
     const auto worst = [&](const char* x, const char* y) {
-      const bool all = numbers_at(rows, x).size() == rows.size();  // one that failed is off by any amount
+      const bool all = numbers_at(rows, x).size() == rows.size();  // a failed calibration has no worst error
       return all ? std::max(percentile_at(rows, x, 1, true), percentile_at(rows, y, 1, true)) : INFINITY;
     };
     return out + text("\nworst: focal length %.4f %%, principal point %.3f px\n", worst("fx_percent", "fy_percent"),
@@ -82,9 +82,10 @@ constexpr double kFocalWrong = 1.02, kRowWrong = 0.6, kOffsetWrong_s = 0.1;
 
 struct CalibrateImu : Benchmark {
   CalibrateImu()
-      : Benchmark("calibrate-imu", "Mount, offset, row time of recordings against what they say", kRecordings) {}
+      : Benchmark("calibrate-imu", "Mount, offset, row time found from recordings, against their stated values",
+                  kRecordings) {}
   void add_options(CLI::App& command) override {
-    command.add_flag("--keep-lens", keep_lens, "start from the right lens and do not touch it");
+    command.add_flag("--keep-lens", keep_lens, "start from the true lens and keep it");
   }
 
   Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {
@@ -93,7 +94,7 @@ struct CalibrateImu : Benchmark {
     const odo_calibration said = data->given;
     const double row_s = data->given_row_time_s;
     if (!(said.header.flags & ODO_CALIBRATION_EXTRINSICS))
-      return Failure{ODO_E_DATA, one.files.front().string() + ": does not say how its camera is mounted"};
+      return Failure{ODO_E_DATA, one.files.front().string() + ": states no mount of its camera"};
     const double offset_s = said.header.flags & ODO_CALIBRATION_TIME_OFFSET ? seconds(said.time_offset_ns) : 0;
     data->given.header.flags = ODO_CALIBRATION_TIME_OFFSET;
     data->given.time_offset_ns = nanoseconds(offset_s + kOffsetWrong_s);
@@ -120,8 +121,8 @@ struct CalibrateImu : Benchmark {
 
   std::string heading(const Rows&) const override {
     return text(
-        "Found minus what the recording says; started from an unknown mount, an offset %.0f ms and a focal "
-        "length %.0f %% off, %.0f %% of the row time. -: kept\n\n",
+        "Found minus stated by the recording; started from an unknown mount, an offset %.0f ms and a focal length %.0f "
+        "%% off, %.0f %% of the row time. -: kept\n\n",
         1e3 * kOffsetWrong_s, 100 * (kFocalWrong - 1), 100 * kRowWrong);
   }
 

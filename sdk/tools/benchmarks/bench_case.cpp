@@ -22,27 +22,26 @@ void add_common(CLI::App& command, Benchmark& b) {
     command
         .add_option("data", o.folder, "folder of Indoor Location Competition traces (*.txt) or of recordings (*.odo)")
         ->required();
-  if (offers(kSimulated)) command.add_option("--scenario", o.scenarios, "what is simulated, without recordings");
+  if (offers(kSimulated)) command.add_option("--scenario", o.scenarios, "scenarios to simulate instead of recordings");
   if (offers(kSensors))
-    command.add_flag("--sensors", o.sensors,
-                     "each recording as it is and with one fault of the sensors after the other");
+    command.add_flag("--sensors", o.sensors, "each recording unchanged and with each sensor fault in turn");
   if (offers(kConfigs)) {
     command
         .add_option("-c,--config", o.configs,
-                    "pipeline configs to compare, each FILE or FILE?PATH=VALUE&PATH=VALUE with values of its own")
+                    "pipeline configs to compare, each FILE or FILE?PATH=VALUE&PATH=VALUE with overrides")
         ->required(o.configs.empty());
     command.add_option("--set", o.set, "PATH=VALUE in every config, such as walker.height=1.8m");
   }
   if (offers(kSeeds)) {
-    command.add_option("--seeds", o.seeds, "how many of each")->check(CLI::Range(1, 1000));
-    command.add_option("--first-seed", o.first_seed, "the first of them");
+    command.add_option("--seeds", o.seeds, "number of seeds for each")->check(CLI::Range(1, 1000));
+    command.add_option("--first-seed", o.first_seed, "the first seed");
   }
-  if (offers(kQuick)) command.add_flag("--quick", o.quick, "the beginning of what is simulated alone");
+  if (offers(kQuick)) command.add_flag("--quick", o.quick, "only the beginning of each simulation");
   if (offers(kPlot)) command.add_option("--plot", o.plot, "write the plot as SVG");
   if (!command.get_option_no_throw("--keep"))
-    command.add_option("--keep", o.keep, "simulated recordings and rows are kept here");
-  command.add_option("--jobs", o.jobs, "so many runs at a time")->check(CLI::Range(1, 256));
-  command.add_flag("--fresh", o.fresh, "measure again what is kept of an earlier run");
+    command.add_option("--keep", o.keep, "folder in which simulated recordings and rows are kept");
+  command.add_option("--jobs", o.jobs, "number of parallel runs")->check(CLI::Range(1, 256));
+  command.add_flag("--fresh", o.fresh, "repeat measurements kept from an earlier run");
   command.add_flag("--json", o.json, "print the rows as JSON");
 }
 
@@ -75,7 +74,7 @@ Benchmark::Benchmark(std::string its_name, std::string its_about, unsigned its_o
 
 Result<fs::path> Benchmark::kept(const fs::path& scenario, uint64_t seed) const {
   const auto path =
-      in_child([&]() -> Result<Json> {  // rendering starts threads, and a process with threads cannot fork
+      in_child([&]() -> Result<Json> {  // rendering starts threads, and a process with threads cannot fork safely
         const auto file = kept_recording(scenario, seed, options.keep, options.quick ? quick_m : 0.0);
         return file ? Result<Json>(file->string()) : file.failure();
       });
@@ -115,7 +114,7 @@ Result<std::vector<BenchCase>> Benchmark::cases() {
         std::vector<std::string> set = options.set;
         if (query < config.size())
           for (std::string& value : split(config.substr(query + 1), '&')) set.push_back(std::move(value));
-        for (size_t i = 0; i < set.size(); ++i) {  // what the recording needs comes last
+        for (size_t i = 0; i < set.size(); ++i) {  // the entries that the recording requires come last
           const auto value = parse_override(set[i]);
           if (!value) return value.failure();
           one.run.overrides.insert(one.run.overrides.begin() + static_cast<std::ptrdiff_t>(i), *value);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Absolute fixes: satellite positions between houses, known objects.
+// Absolute fixes: GNSS positions between houses, known objects.
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/evaluation/fix_figures.hpp"
@@ -13,15 +13,15 @@ namespace {
 
 struct Canyon : Benchmark {
   Canyon()
-      : Benchmark("canyon", "Simulated walks with satellite positions whose errors stay alike and jump",
+      : Benchmark("canyon", "Simulated walks with GNSS positions whose errors are correlated and jump",
                   kConfigs | kSeeds | kByConfig) {
     options.seeds = 10;
   }
   void add_options(CLI::App& command) override {
     command.add_option("--sigma", sigma_m, "standard deviation of each component, m");
-    command.add_option("--reflection", reflection_m, "how far off for a minute, m");
+    command.add_option("--reflection", reflection_m, "offset of the positions for one minute, m");
     command.add_option("--velocity-sigma", velocity_sigma_mps,
-                       "the receiver tells velocities, off by that in each component, m/s; 0: it tells none");
+                       "velocity error of the receiver in each component, m/s; 0: no velocities");
   }
 
   Result<Recording> recording_of(const BenchCase& one) const override {
@@ -57,11 +57,11 @@ using namespace known_object_scene;
 struct KnownObjects : Benchmark {
   KnownObjects() : Benchmark("known-object", "fix/known_object on posters, boards, tags and look-alikes", 0) {}
   void add_options(CLI::App& command) override {
-    command.add_option("--scenes", scenes, "of each distance and obliqueness, for each object");
-    command.add_option("--look-alikes", lookalike_frames, "frames with them");
-    command.add_option("--kind", only, "only this kind of look-alike, by its row from 0")->check(CLI::Range(0, 7));
-    command.add_option("--seed", seed, "other pictures, places and light");
-    command.add_option("--keep", folder, "folder for some of the frames");
+    command.add_option("--scenes", scenes, "number of scenes for each distance, obliqueness and object");
+    command.add_option("--look-alikes", lookalike_frames, "number of frames with look-alikes");
+    command.add_option("--kind", only, "only this kind of look-alike, by its row index")->check(CLI::Range(0, 7));
+    command.add_option("--seed", seed, "seed of pictures, positions and light");
+    command.add_option("--keep", folder, "folder for sample frames");
   }
 
   Result<std::vector<BenchCase>> recordings() override {

@@ -54,13 +54,13 @@ struct Walk700 : Benchmark {
   Result<bool> complete(BenchCase& one) const override {
     const std::string scenario = stem_of(one.scenario);
     one.labels["walker"] = scenario.substr(scenario.find('_') + 1), one.labels["seed"] = one.seed;
-    // The height is known, as the paper's authors knew their walkers', where the config asks for one.
+    // The paper's authors knew their walkers' heights, so the height is set if the config has one.
     if (const auto root = read_yaml(one.run.config); root && node_at(*root, "walker.height"))
       one.run.overrides.push_back({"walker.height", std::to_string(read_scenario(one.scenario)->walker.height_m)});
     return true;
   }
 
-  /// Two starts: a fix of position and heading after 12 m, as an app has it from a known object, and the path of the
+  /// Two starts: a fix of position and heading after 12 m, as an app gets from a known object, and the path of the
   /// first 12 m.
   Result<Json> measure_replay(const BenchCase& one, const Recording& recording,
                               const RunResult& result) const override {
@@ -80,14 +80,14 @@ struct Walk700 : Benchmark {
     return row;
   }
 
-  /// What is said of a place, by the start: the median over seeds.
+  /// Table cell of a place for a start: the median over seeds.
   static std::string cell_of(const Rows& rows, const std::string& start, size_t place) {
     const auto median = [&](const std::string& key) { return percentile_at(rows, start + key, 0.5); };
     if (kPlaces[place].walked_m == 0) return text("%.2f m", median("mean_m"));
     return text("%.2f m (%.2f %%)", median(text("error_m/%zu", place)), median(text("error_percent/%zu", place)));
   }
 
-  /// A line for each place, a column for each walker and config.
+  /// One line per place, one column per walker and config.
   BenchReport report(const Rows& rows) const override {
     Table table{"", {{"", "place"}}, {}};
     std::string head = "Positioning errors and percent of the distance walked, after Antigny et al. 2019, Table 5.\n";
@@ -125,7 +125,7 @@ struct Drive : Benchmark {
   Drive()
       : Benchmark("drive",
                   "The downtown drive of Gakne & O'Keefe 2018, simulated: distribution of the horizontal error; the "
-                  "first config is the one to beat",
+                  "first config is the baseline",
                   kConfigs | kQuick | kPlot | kSimulated | kByConfig,
                   {"gakne2018_vo", "gakne2018", "monocular", "city_drive"}) {
     options.scenarios = {"samples/scenarios/drive_downtown.yaml"};
@@ -133,12 +133,13 @@ struct Drive : Benchmark {
     plot = {.title = "Horizontal error", .x_label = "m", .y_label = "part of the frames"};
   }
   void add_options(CLI::App& command) override {
-    command.add_option("--missing", missing, "part of the buildings that the city model lacks, drawn by the seed")
+    command.add_option("--missing", missing, "fraction of buildings missing in the city model, chosen by the seed")
         ->check(CLI::Range(0.0, 1.0));
-    command.add_option("--start", start_m, "start, heading and missing scale are fitted over these first metres");
+    command.add_option("--start", start_m,
+                       "start, heading and missing scale are fitted over this distance from the start, m");
   }
 
-  /// The folder of the city model that the pipeline is given: what was rendered, or less of it.
+  /// The city model of the pipeline: the rendered one, or a subset of it.
   Result<bool> complete(BenchCase& one) const override {
     const fs::path whole = one.run.asset_path, less = whole.parent_path() / (whole.stem().string() + ".missing");
     std::error_code error;
@@ -155,7 +156,7 @@ struct Drive : Benchmark {
   Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
     const Trajectory& truth = recording.truth;
     Trajectory track = result.track;
-    if (result.fixes.empty()) {  // it knows neither where it is nor what is north, nor without a source its scale
+    if (result.fixes.empty()) {  // neither position, nor heading, nor (without a source) scale is known
       track = turned_onto_first(truth, track);
       track = started(truth, result.scales.empty() ? scaled_by_start(truth, track, start_m) : track, start_m);
     }

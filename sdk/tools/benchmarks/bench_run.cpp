@@ -19,13 +19,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Rows that were measured before, each in a file of its own with what it depends on: recording, config, plugins,
-/// program. Where the folder cannot be written there are none.
+/// Cache of measured rows, one file each, keyed by what a row depends on: recording, config, plugins, program. Without
+/// a writable folder, nothing is cached.
 class RowStore {
  public:
   explicit RowStore(fs::path folder) : folder_(std::move(folder)) {}
 
-  /// What a row depends on. Failures are those of its config.
+  /// The key of a row. Fails if the config does.
   Result<Json> key_of(const Benchmark& benchmark, const BenchCase& one) {
     Json key = {{"benchmark", benchmark.name},     {"labels", one.labels}, {"options", benchmark.depends},
                 {"case", {one.seed, one.variant}}, {"version", kVersion},  {"program", identity_of("/proc/self/exe")}};
@@ -51,7 +51,8 @@ class RowStore {
   void keep(const Json& key, const Json& row) const {
     std::error_code error;
     fs::create_directories(folder_, error);
-    (void)write_whole_file(file_of(key), Json{{"key", key}, {"row", row}}.dump());  // without it the row is made anew
+    (void)write_whole_file(file_of(key),
+                           Json{{"key", key}, {"row", row}}.dump());  // on failure the row is measured again
   }
 
  private:
@@ -62,7 +63,7 @@ class RowStore {
            (key["benchmark"].get<std::string>() + text("-%016llx.json", static_cast<unsigned long long>(hash)));
   }
 
-  /// A file's bytes; of a folder the names, sizes and times of what lies in it.
+  /// Identity of an input: a file's bytes; for a folder, names, sizes and times of its files.
   const Json& identity_of(const fs::path& file) {
     Json& identity = identities_[file.string()];
     if (!identity.is_null()) return identity;
@@ -85,7 +86,7 @@ class RowStore {
   std::map<std::string, Json> identities_;  // of files, by path
 };
 
-/// What the process of a run says, and what is heard of it.
+/// Text that the process of a run sends, and its inverse.
 std::string said(const Result<Json>& row) {
   const Json words = row ? Json{{"row", *row}} : Json{{"status", row.failure().status}, {"text", row.failure().text}};
   return words.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -104,7 +105,7 @@ std::string name_of(const BenchCase& one) {
   return name;
 }
 
-/// A row's labels, then what was measured.
+/// A row's labels, followed by the measurements.
 Json labelled(const BenchCase& one, const Json& figures) {
   Json row = one.labels;
   for (const auto& label : one.labels.items()) row["_labels"].push_back(label.key());
@@ -138,7 +139,7 @@ Result<Rows> rows_of(const Benchmark& benchmark, const std::vector<BenchCase>& c
       missing.push_back(i);
   }
   if (missing.size() < cases.size())
-    std::fprintf(stderr, "%zu of %zu rows are of an earlier run (%s/rows; --fresh measures them again)\n",
+    std::fprintf(stderr, "%zu of %zu rows are from an earlier run (%s/rows; --fresh measures them again)\n",
                  cases.size() - missing.size(), cases.size(), options.keep.c_str());
   const size_t jobs = std::min(options.jobs, missing.size());
   Progress progress("bench " + benchmark.name);

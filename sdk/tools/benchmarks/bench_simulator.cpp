@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the simulator makes beside real recordings and data sheets: IMU, walkers, pictures.
+// The simulator compared with real recordings and data sheets: IMU, walkers, pictures.
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +21,7 @@ struct Allan : Benchmark {
   }
   void add_options(CLI::App& command) override {
     command.add_option("--scenario", scenario, "whose IMU");
-    command.add_option("--seed", seed, "another bias and other noise");
+    command.add_option("--seed", seed, "seed of bias and noise");
     command.add_option("--hours", hours, "how long")->check(CLI::Range(0.1, 24.0));
   }
 
@@ -87,8 +87,8 @@ struct Gait : Benchmark {
     plot = {.title = "Acceleration's norm", .x_label = "Hz", .y_label = "log10 (m/s^2)^2/Hz"};
   }
   void add_options(CLI::App& command) override {
-    command.add_option("--scenario", scenario, "where the walkers walk");
-    command.add_option("--seeds", options.seeds, "how many walkers")->check(CLI::Range(4, 1000))->group(kCases);
+    command.add_option("--scenario", scenario, "scenario of the walkers");
+    command.add_option("--seeds", options.seeds, "number of walkers")->check(CLI::Range(4, 1000))->group(kCases);
   }
 
   Result<std::vector<BenchCase>> recordings() override {
@@ -166,7 +166,7 @@ struct Tracks : Benchmark {
     plot = {.title = "Corners still followed", .x_label = "frames", .y_label = "part"};
   }
   void add_options(CLI::App& command) override {
-    command.add_option("--frames", frames, "the first so many of each");
+    command.add_option("--frames", frames, "number of frames of each recording");
     command.add_flag(
         "--excitation-only", excitation_only,
         "S, N and the pull alone: rms of the true motion about a quadratic in time, rms error of a visual trajectory "
@@ -192,7 +192,8 @@ struct Tracks : Benchmark {
       if (with_error) {
         const auto result = replay(recording, one.run);
         if (!result) return result.failure();
-        // A camera's clock that the recording does not know of may be off by more than an evaluation would forgive.
+        // If a recording does not state its camera's clock offset, the offset may exceed the tolerance of an
+        // evaluation.
         pairs = associate(recording.truth, result->track, 0.045);
       }
       std::vector<Figure> figures;

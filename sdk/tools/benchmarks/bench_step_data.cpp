@@ -22,7 +22,7 @@ std::vector<std::string> walks_in(const fs::path& folder) {
   return walks;
 }
 
-/// Half the width of what the means of resampled people lie within, 95 %: NaN of one person.
+/// Half-width of the 95 % interval of the means of resampled people; NaN for one person.
 double half_interval(const Rows& rows, const std::string& key, bool absolute) {
   constexpr int kDraws = 1000;
   std::vector<std::vector<double>> people;
@@ -82,7 +82,8 @@ Json line_of(const Json& labels, const Rows& rows) {
 
 double percent(double estimate, double truth) { return 100 * (estimate / truth - 1); }
 
-/// Adds to each walk what a fixed step makes of its distance: everybody's, and his own, measured on his other walks.
+/// Adds to each walk the distance from a fixed step length: a common one, and the walker's, calibrated on the walker's
+/// other walks.
 Rows with_fixed_steps(Rows rows) {
   for (Json& row : rows) {
     const auto of = [](const Json& one, const char* key) { return number_at(one, key); };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Steps without a camera: on simulated walkers, where every foot's fall is known, and on real walks.
+// Steps without a camera: on simulated walkers, whose true steps are known, and on real walks.
 #include <algorithm>
 #include <map>
 #include <string_view>
@@ -45,8 +45,8 @@ struct Steps : Benchmark {
                     "folders of real walks, instead of simulated ones: RIDI, IPIN, Oxford, trundle wheel, "
                     "Indoor Location Competition, *.odo")
         ->group(kCases);
-    command.add_flag("--each", each, "with --data: a line for each walk")->group(kOutput);
-    command.add_flag("--confusion", confusion, "print what modes were taken for")->group(kOutput);
+    command.add_flag("--each", each, "with --data: one line per walk")->group(kOutput);
+    command.add_flag("--confusion", confusion, "print the confusion of modes")->group(kOutput);
   }
 
   Result<std::vector<BenchCase>> recordings() override {
@@ -115,7 +115,7 @@ struct Steps : Benchmark {
  private:
   bool is_viewer() const { return walkers == "viewers"; }
 
-  /// Steps in ten minutes beyond the true ones: the path to the place is a metre, its own steps are no mistake.
+  /// Steps in ten minutes beyond the true ones: the metre walked to the place has true steps.
   Result<double> false_steps(const char* what, const BenchCase& one) const {
     const bool drives = std::string_view(what) == "car";
     const auto stood = simulated(drives ? car_ride(one.seed) : standing(what, is_viewer()), one.seed);
@@ -151,9 +151,9 @@ struct Walks : Benchmark {
       : Benchmark("walks", "Distance and position errors over a folder of walks with waypoints",
                   kConfigs | kFolder | kByConfig) {}
   void add_options(CLI::App& command) override {
-    command.add_option("--align-first", align_first_m, "the heading is fitted over these first metres");
-    command.add_flag("--each", each, "a line for each walk")->group(kOutput);
-    command.add_flag("--oracles", oracles, "what is left were the legs' headings true, or their lengths")
+    command.add_option("--align-first", align_first_m, "the heading is fitted over this distance from the start, m");
+    command.add_flag("--each", each, "one line per walk")->group(kOutput);
+    command.add_flag("--oracles", oracles, "remaining errors with true headings, or true lengths, of the legs")
         ->group(kOutput);
   }
 
@@ -161,7 +161,7 @@ struct Walks : Benchmark {
     const auto waypoints = recording.waypoints();
     const double yaw = heading_offset(result.track, waypoints, align_first_m);
     WaypointErrors e = waypoint_errors(lay_over(result.track, waypoints, yaw), waypoints);
-    // Where the truth is there its own path is the reference, not the polyline.
+    // With a true trajectory, the reference is its path, not the polyline of the waypoints.
     if (!recording.truth.empty()) e.reference_m = waypoint_errors(recording.truth, waypoints).estimate_m;
     const LegOracles legs = leg_oracles(result.track, waypoints, align_first_m);
     const double drift = heading_drift(result.attitudes, recording.phone_attitudes);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Visual odometries side by side.
+// Comparison of visual odometries.
 #include <algorithm>
 #include <cmath>
 
@@ -81,7 +81,7 @@ std::vector<Figure> metre_of(const VoFigures& f) {
           {"NEES", "scale", "scale_nees", 2, f.scale_nees}};
 }
 
-/// NaN where no frame has a truth.
+/// NaN for frames without truth.
 std::vector<Figure> shape_of(const VoShape& f, const RunResult& result) {
   const double percent = 100 / std::max(f.path_m, 1e-9);
   return {{"", "", "path_m", -1, f.path_m},
@@ -116,16 +116,16 @@ struct Vo : Benchmark {
             kConfigs | kQuick | kPlot | kSimulated | kRecordings | kSensors,
             {"monocular", "monocular_antigny2019", "monocular_gakne2018", "monocular_odograph", "inertial_odograph"}) {
     plot = {.title = "Scale along the path", .x_label = "m", .y_label = "odometry by truth"};
-    quick_m = 120;  // as `bench walk700 --quick`, which keeps the same recordings
+    quick_m = 120;  // as `bench walk700 --quick`, which shares the kept recordings
   }
   void add_options(CLI::App& command) override {
     command.add_option("--reference", reference, "TUM poses to measure against, instead of the recording's truth")
         ->check(CLI::ExistingFile);
-    command.add_option("--reference-frame", reference_frame, "whose poses those are: camera, or body (the IMU)")
+    command.add_option("--reference-frame", reference_frame, "frame of those poses: camera, or body (the IMU)")
         ->check(CLI::IsMember({"camera", "body"}));
-    command.add_flag("--stress", stress, "the stress_*.yaml beside the scenario instead")->group(kCases);
-    command.add_option("--sensor-seed", sensor_seed, "of the faults' random numbers");
-    command.add_option("--cut", cut_s, "begin so many seconds after the first frame")->check(CLI::NonNegativeNumber);
+    command.add_flag("--stress", stress, "use the stress_*.yaml beside the scenario instead")->group(kCases);
+    command.add_option("--sensor-seed", sensor_seed, "seed of the faults' random numbers");
+    command.add_option("--cut", cut_s, "start this long after the first frame, s")->check(CLI::NonNegativeNumber);
     command.add_option("--gap", gap, "FROM:FOR in seconds after the first frame: frames are missing");
     command.add_option("--dark", dark, "FROM:FOR in seconds after the first frame: frames are black");
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A visual odometry that is started anywhere in a recording.
+// A visual odometry started at many times of a recording.
 #include <algorithm>
 #include <cmath>
 
@@ -19,12 +19,12 @@ struct Windows : Benchmark {
     below = "median";
   }
   void add_options(CLI::App& command) override {
-    command.add_option("--from", from_s, "s after the first frame at which the first window begins");
+    command.add_option("--from", from_s, "start of the first window after the first frame, s");
     command.add_option("--until", until_s,
-                       "s after the first frame at which the last one begins; as many as there are");
-    command.add_option("--every", every_s, "s between the beginnings of two windows")->check(CLI::PositiveNumber);
-    command.add_option("--length", length_s, "s of a window; 0: to the recording's end");
-    command.add_option("--sensor-seed", sensor_seed, "of the faults' random numbers");
+                       "start of the last window after the first frame, s; default: the last possible");
+    command.add_option("--every", every_s, "s between the starts of two windows")->check(CLI::PositiveNumber);
+    command.add_option("--length", length_s, "length of a window, s; 0: to the recording's end");
+    command.add_option("--sensor-seed", sensor_seed, "seed of the faults' random numbers");
     command.add_option("--only", only, "faults of --sensors by name, instead of all");
   }
 

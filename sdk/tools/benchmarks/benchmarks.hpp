@@ -5,7 +5,7 @@
 
 namespace odograph {
 
-/// `odograph bench ...`: each benchmark a subcommand; its callback writes the exit status.
+/// `odograph bench ...`: adds each benchmark as a subcommand; its callback writes the exit status.
 void add_bench(CLI::App& app, int& status);
 /// `odograph city bench` and `bench-photographs`.
 void add_bench_city(CLI::App& city, int& status);

@@ -33,7 +33,7 @@ std::vector<cv::Point> marker_squares(const Board& board, bool first_is_white) {
 
 namespace {
 
-/// Every black rectangle of the board, in metres.
+/// All black rectangles of the board, m.
 std::vector<cv::Rect2d> black_parts(const Board& board, bool first_is_white) {
   std::vector<cv::Rect2d> parts;
   const double s = board.square_m;

@@ -23,8 +23,8 @@ size_t coefficients_of(const LensOptions& options) {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// A fit to some of the views: fx fy cx cy and the distortion, and the board's pose in the camera in each view (axis
-/// times angle, then translation).
+/// A fit to some of the views: fx, fy, cx, cy and distortion, and the board's pose in the camera for each view
+/// (rotation vector, then translation).
 struct Fit {
   std::vector<double> lens;
   std::vector<Vector6d> poses;
@@ -52,8 +52,8 @@ struct CornerResidual {
   }
 };
 
-/// The board's pose by a lens without distortion of this focal length, and how far off its corners are (rms, px);
-/// infinite where no pose has them all in front of the camera.
+/// Pose of the board for an undistorted lens of this focal length, and the rms error of its corners, px; infinite if no
+/// pose has all corners in front of the camera.
 std::pair<Vector6d, double> rough_pose(const BoardView& view, Lens model, cv::Size size, double focal) {
   std::vector<cv::Point2d> rays, again;
   const std::vector<cv::Point3d> corners(view.corners_m.begin(), view.corners_m.end());
@@ -78,7 +78,7 @@ std::pair<Vector6d, double> rough_pose(const BoardView& view, Lens model, cv::Si
   return {pose, focal * std::sqrt(sum / static_cast<double>(rays.size()))};
 }
 
-/// The focal length, among a row of them from a telephoto lens to a fisheye, by which most boards look flat.
+/// Initial focal length, from a range between telephoto and fisheye: the one for which most boards fit a plane.
 Fit start(const std::vector<const BoardView*>& views, cv::Size size, const LensOptions& options) {
   Fit best;
   double least = INFINITY;
@@ -115,7 +115,7 @@ void build(ceres::Problem& problem, Fit& fit, const std::vector<const BoardView*
     }
 }
 
-/// All lens parameters and poses together; a corner further off than kHuber_px counts less.
+/// Optimises all lens parameters and poses jointly, with a Huber loss of kHuber_px.
 bool refine(ceres::Problem& problem) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_SCHUR;
@@ -134,7 +134,7 @@ double rms(const std::vector<cv::Point2d>& residuals) {
   return std::sqrt(sum / static_cast<double>(std::max<size_t>(1, residuals.size())));
 }
 
-/// Residuals of every view.
+/// Computes the residuals of every view.
 void measure(const Fit& fit, const std::vector<const BoardView*>& views, LensCalibration& out) {
   double squares = 0;
   size_t corners = 0;
@@ -160,7 +160,7 @@ void measure(const Fit& fit, const std::vector<const BoardView*>& views, LensCal
   out.rms_px = std::sqrt(squares / static_cast<double>(corners));
 }
 
-/// Standard deviations of the intrinsics when all poses are unknown too, from the residuals' own spread.
+/// Standard deviations of the intrinsics with the poses marginalised, scaled by the residuals' variance.
 bool measure_spread(ceres::Problem& problem, const Fit& fit, LensCalibration& out) {
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::DENSE_SVD;
@@ -179,7 +179,7 @@ bool measure_spread(ceres::Problem& problem, const Fit& fit, LensCalibration& ou
   return true;
 }
 
-/// The pictures that do not fit what the others say.
+/// Pictures whose residual exceeds the limit, relative to the median picture.
 std::set<size_t> misfits(const LensCalibration& calibration, double reject) {
   std::vector<double> sorted;
   for (const auto& picture : calibration.pictures) sorted.push_back(picture.rms_px);

@@ -16,18 +16,18 @@ namespace odograph {
 struct LensOptions {
   Lens lens = Lens::pinhole;
   int coefficients = 5;  ///< of the pinhole's distortion: 0, 4, 5 or 8; Kannala-Brandt has 4
-  /// A picture whose residual is larger than the median picture's by this factor (and than 0.5 px) is left out.
+  /// A picture is rejected if its rms residual exceeds that of the median picture by this factor (and 0.5 px).
   double reject = 3;
 };
 
-/// Intrinsics of a camera, how sure they are, and what is left over in each picture.
+/// Intrinsics of a camera, their standard deviations, and the residuals of each picture.
 struct LensCalibration {
   Lens lens = Lens::pinhole;
   cv::Size size;
   double fx = 0, fy = 0, cx = 0, cy = 0;                          ///< px; the first pixel's centre is (0, 0)
   std::vector<double> distortion;                                 ///< OpenCV's order
   double sigma_fx = 0, sigma_fy = 0, sigma_cx = 0, sigma_cy = 0;  ///< px, one standard deviation
-  double rms_px = 0;                                              ///< over all corners of pictures that were used
+  double rms_px = 0;                                              ///< over all corners of the pictures used
 
   struct Picture {
     std::string name;
@@ -39,20 +39,20 @@ struct LensCalibration {
   };
   std::vector<Picture> pictures;
 
-  double covered() const;          ///< part of the picture's area, in cells of an 8 x 6 grid, that holds a corner
+  double covered() const;          ///< fraction of the cells of an 8 x 6 grid over the picture that contain a corner
   double widest_tilt_rad() const;  ///< among the pictures used
 };
 
-/// The joint least-squares fit of intrinsics and the board's poses (Zhang, PAMI 2000, section 3.3) by Ceres with a
-/// Huber loss, from the undistorted lens by which the boards look flat. Both models are OpenCV's: the pinhole with
-/// radial-tangential distortion, and Kannala & Brandt 2006. Needs three views. Failures say what is missing
+/// Joint least-squares estimate of the intrinsics and the board poses (Zhang, PAMI 2000, section 3.3) with Ceres and a
+/// Huber loss, initialised with the undistorted lens for which the boards are most planar. Models as in OpenCV: pinhole
+/// with radial-tangential distortion, and Kannala & Brandt 2006. Requires three views. Failures state what is missing
 /// (ODO_E_DATA).
 Result<LensCalibration> calibrate_lens(const std::vector<BoardView>& views, cv::Size size, const LensOptions& options);
 
-/// What a person should know before using it: too few pictures, edges not covered, no tilt, large residuals.
+/// Warnings about the result: too few pictures, edges not covered, no tilt, large residuals.
 std::vector<std::string> doubts_about(const LensCalibration& calibration);
 
-/// As camera.yaml (docs/recording.md).
+/// Formats camera.yaml (docs/recording.md).
 std::string camera_yaml(const LensCalibration& calibration);
 
 }  // namespace odograph

@@ -15,11 +15,11 @@ namespace {
 
 using Eigen::Quaterniond, Eigen::Vector3d;
 
-constexpr int kRounds = 4;            // lens and gyroscope are linearized anew in each
-constexpr double kFirstScale_px = 2;  // the start is some tenths of a degree off
+constexpr int kRounds = 4;            // relinearisations of lens and gyroscope
+constexpr double kFirstScale_px = 2;  // the initial estimate is off by tenths of a degree
 constexpr double kMinScale_px = 0.1;
 
-/// Standard deviations of the rotation rate along its principal axes, largest first: what motion there is to go by.
+/// Rms rotation rates along the principal axes, largest first: the excitation of the recording.
 Vector3d liveliness(const std::vector<GyroSample>& gyro) {
   Vector3d mean = Vector3d::Zero();
   for (const auto& s : gyro) mean += s.rate_b / static_cast<double>(gyro.size());
@@ -39,7 +39,7 @@ double median_of_sizes(const std::vector<CameraImuCalibration::Residual>& residu
 
 Failure wrong(const std::string& text) { return {ODO_E_DATA, text}; }
 
-/// One calibration at work.
+/// State of one calibration.
 class Work {
  public:
   Work(const CameraImuData& data, const CameraImuOptions& options, const CameraImuStart& start)
@@ -59,7 +59,7 @@ class Work {
     windows_.erase(std::remove_if(windows_.begin(), windows_.end(), outside), windows_.end());
   }
 
-  /// Rounds of solving, each around the mount, lens and gyroscope of the one before.
+  /// Solves repeatedly, each time linearised at the mount, lens and gyroscope of the previous solution.
   bool solve(const ProgressCallback& progress, size_t& done, size_t all) {
     for (int round = 0; round < kRounds; ++round) {
       gyro_ = std::make_unique<GyroOrientation>(data_.gyro, bias_, scale_);
@@ -78,7 +78,7 @@ class Work {
 
   double sigma(Eigen::Index i) const { return std::sqrt(std::max(0.0, covariance_(i, i))); }
 
-  /// Fixes at their given values what is not observable; true when there was something.
+  /// Fixes unobservable quantities at their given values; true if there was one.
   bool fix_weak(CameraImuCalibration& out) {
     const auto& given = data_.given;
     bool changed = false;
@@ -143,7 +143,7 @@ class Work {
   size_t windows() const { return windows_.size(); }
 
  private:
-  static constexpr double kMargin_s = 0.05;  // half a readout, and how far the offset moves from its start
+  static constexpr double kMargin_s = 0.05;  // half a readout, plus the change of the offset from its start
   static constexpr size_t kFocal = shared::lens, kCx = kFocal + 1, kCy = kFocal + 2, kK1 = kFocal + 3;
 
   CameraImuLinearization linearization() const {
@@ -159,7 +159,7 @@ class Work {
     return at;
   }
 
-  /// What was found becomes what the next round starts from.
+  /// Makes the solution the linearisation point of the next round.
   void take_over() {
     q_b_c_ = (q_b_c_ * exp_rotation(x_.segment<3>(shared::mount))).normalized();
     lens_.fx *= 1 + x_[kFocal], lens_.fy *= 1 + x_[kFocal];
@@ -224,7 +224,7 @@ Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, con
   if (work.windows() < options.min_windows)
     return wrong("stretches in which enough corners can be followed: " + std::to_string(work.windows()) +
                  "; at least " + std::to_string(options.min_windows) + " are needed");
-  // What turns out not to be observable is fixed, and the rest solved again.
+  // Fixes quantities that are not observable and solves the rest again.
   constexpr size_t kPasses = 4;
   size_t done = 0;
   for (size_t pass = 0; pass < kPasses; ++pass) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where a camera looks, when it looks and how it bends, from its pictures' rotation against a gyroscope.
+// Mount, time offset, row time and lens of a camera, from the rotation of its pictures and a gyroscope.
 #pragma once
 
 #include <array>
@@ -18,35 +18,37 @@
 
 namespace odograph {
 
-/// A recording as the calibration takes it.
+/// Input of the calibration.
 struct CameraImuData {
-  std::vector<TrackedFrame> frames;  ///< in order of time, on the camera's clock
+  std::vector<TrackedFrame> frames;  ///< in time order, on the camera's clock
   std::vector<GyroSample> gyro;      ///< in strictly ascending order, on the IMU's clock
-  odo_calibration given{};           ///< lens to start from; mount and time offset as far as its flags say
-  double given_row_time_s = 0;       ///< of the frames; 0 = global shutter, or unknown
+  odo_calibration given{};           ///< initial lens; mount and time offset if their flags are set
+  double given_row_time_s = 0;       ///< of the frames; 0: global shutter or unknown
 };
 
 struct CameraImuOptions {
-  /// Refine focal length, principal point and the first distortion coefficient too. A lens from a board is better.
+  /// Also estimate focal length, principal point and the first distortion coefficient. A lens from a board is more
+  /// accurate.
   bool refine_lens = true;
 
-  // What is looked at.
-  double window_s = 0.4;          ///< of five frames; long enough to turn and to move, short enough to keep corners
-  size_t max_windows = 150;       ///< spread evenly over the recording: a minute of it
-  size_t corners_of_window = 60;  ///< at most
+  // Selection of the data.
+  double window_s = 0.4;     ///< s, length of a window of five frames: long enough for rotation and translation, short
+                             ///< enough to keep corners
+  size_t max_windows = 150;  ///< spread evenly over the recording; a minute of it
+  size_t corners_of_window = 60;  ///< maximum
   size_t min_corners = 20;        ///< of a window, whose path has 11 unknowns
-  double gap_s = 0.05;            ///< between IMU samples; windows over a longer one are left out
+  double gap_s = 0.05;            ///< s between IMU samples; windows with a longer gap are skipped
 
-  // What must be there.
-  double search_s = 0.2;  ///< the time offset is looked for this far around the given one
+  // Minimum requirements.
+  double search_s = 0.2;  ///< half-width of the search for the time offset around the given one
   double min_rate_rps =
-      0.05;  ///< rotation about the second liveliest axis, rms: 3 deg/s, ten times a phone's bias drift
+      0.05;  ///< rad/s rms about the second most excited axis: 3 deg/s, ten times a phone's bias drift
   size_t min_windows = 10;
-  /// Across the optical axis, rms, before the lens is touched: 15 deg/s turn 0.1 rad in a window, whose flow shows 1 %
-  /// of focal length against corners that err by some tenths of a pixel together.
+  /// Rms about the axes across the optical axis, required to estimate the lens: at 15 deg/s a window rotates by 0.1
+  /// rad, whose flow shows 1 % of focal length against corner errors of some tenths of a pixel.
   double min_lens_rate_rps = 0.26;
 
-  // From which standard deviation on a quantity counts as not observable, and keeps its given value.
+  // Standard deviations above which a quantity counts as unobservable and keeps its given value.
   double max_rotation_sigma_rad = 0.0087;  ///< 0.5 degrees
   double max_time_sigma_s = 2e-3;          ///< of the time offset
   double max_readout_sigma_s = 4e-3;       ///< of the whole frame's readout: phones take 5 to 33 ms
@@ -54,20 +56,20 @@ struct CameraImuOptions {
   double max_centre_sigma = 0.006;         ///< of the picture's width
   double max_distortion_sigma = 0.02;      ///< of k1
 
-  // What is known of any lens beforehand, one standard deviation around the given values.
+  // Priors of any lens: one standard deviation around the given values.
   double focal_prior = 0.2;        ///< relative
-  double centre_prior = 0.01;      ///< of the picture's width: assembly of phones' modules
+  double centre_prior = 0.01;      ///< of the picture's width: assembly tolerance of phone modules
   double distortion_prior = 0.15;  ///< of k1
-  /// Of the gyroscope's scale and cross axes. Tighter than data sheets' 0.4 to 1 %, since rotation against scale is
-  /// what tells the focal length: the scene's own evidence pulls it up by a percent and more where corners err
-  /// together.
+  /// Of the gyroscope's scale and cross-axis terms. Tighter than the 0.4 to 1 % of data sheets, because rotation
+  /// against scale is what determines the focal length: correlated corner errors would bias the scale by a percent and
+  /// more.
   double gyro_scale_prior = 0.002;
 };
 
-/// A number, how sure it is, and what was given instead.
+/// An estimate, its standard deviation, and the given value.
 struct Estimate {
   double value = 0, sigma = 0, given = 0;
-  bool observable = false;  ///< otherwise `value` is the given one, and `sigma` says how badly it would be known
+  bool observable = false;  ///< otherwise `value` is the given one, and `sigma` the uncertainty of an estimate
 };
 
 struct CameraImuCalibration {
@@ -75,24 +77,24 @@ struct CameraImuCalibration {
   Eigen::Vector3d rotation_sigma_rad = Eigen::Vector3d::Zero();  ///< about the camera's axes
   bool rotation_observable = false;
   Estimate time_offset_s;  ///< IMU time minus camera time
-  Estimate row_time_s;     ///< negative where the picture's last row is read first
+  Estimate row_time_s;     ///< negative if the picture's last row is read first
   Estimate focal_px;       ///< fx; fy keeps its given ratio to it
   Estimate cx, cy, k1;
   Eigen::Matrix3d gyro_scale = Eigen::Matrix3d::Identity();  ///< true rate = gyro_scale (measured - bias), symmetric
   Eigen::Vector3d gyro_bias_b = Eigen::Vector3d::Zero(), gyro_bias_sigma_b = Eigen::Vector3d::Zero();  ///< rad/s
   bool lens_refined = false;
-  odo_calibration lens{};  ///< the given one with what was found, flags and all
+  odo_calibration lens{};  ///< the given one with the estimates filled in, including flags
 
   size_t frames = 0, windows = 0, corners = 0;
-  double rms_px = 0, median_px = 0;  ///< of corners against the fit, outliers left out; median of their size
+  double rms_px = 0, median_px = 0;  ///< of the inliers against the fit, px; median of the residual norm
   Eigen::Vector3d rate_rms_rps = Eigen::Vector3d::Zero();  ///< of the gyroscope, by principal axis, largest first
-  double correlation = 0;  ///< of the pictures' rotation with the gyroscope's, at the start
+  double correlation = 0;  ///< between the rotations of pictures and gyroscope, at the start
 
   /// For plots.
-  std::vector<std::pair<double, double>> offset_cost;  ///< time offset (s), part of the rotation left unexplained
+  std::vector<std::pair<double, double>> offset_cost;  ///< time offset (s), unexplained part of the rotation
   struct Rotation {
     double t_s;
-    Eigen::Vector3d gyro_rps, camera_rps;  ///< in the camera's axes
+    Eigen::Vector3d gyro_rps, camera_rps;  ///< in camera axes
   };
   std::vector<Rotation> rotations;
   struct Residual {
@@ -103,31 +105,32 @@ struct CameraImuCalibration {
 
 using ProgressCallback = std::function<void(size_t done, size_t all)>;
 
-/// Rotation camera to body, time offset, row time, and the lens as far as rotation shows it, without knowing the scene.
+/// Estimates the rotation from camera to body, the time offset, the row time, and the lens parameters that rotation
+/// makes observable, without a known scene.
 ///
-/// Batch least squares in continuous time over windows of five frames. Every corner's ray is turned by the gyroscope's
-/// orientation at its own row's moment, t_frame + offset + (row - middle row) * row time, and rays of one corner meet
-/// in a point; the window's path and points are unknown up to scale and eliminated (Schur), mount, times, gyroscope
-/// bias and lens are shared by all windows. So it works while walking as well as on the spot. Cauchy's loss. It starts
-/// from nothing: pure rotations between frames against the gyroscope's over all offsets (find_camera_imu_start), and
-/// each window's direction of motion from the normals of its corners' planes (Kneip & Lynen, ICCV 2013). Standard
-/// deviations come from the scores of whole seconds (a sandwich, so that corners that err together count once). What
-/// turns out not to be observable keeps its given value. A constant scale error of the gyroscope goes into the focal
-/// length, its misalignment into q_b_c.
+/// Batch least squares in continuous time over windows of five frames. The ray of each corner is rotated by the
+/// gyroscope's orientation at the exposure of its row, t_frame + offset + (row - middle row) * row time; the rays of
+/// one corner meet in a point. Each window's path and points are unknown up to scale and eliminated (Schur); all
+/// windows share mount, times, gyroscope bias and lens. It therefore works both while walking and on the spot. Cauchy
+/// loss. No initial guess is needed: the start compares pure rotations between frames with the gyroscope's over all
+/// offsets (find_camera_imu_start), and takes each window's direction of motion from the normals of its corners' planes
+/// (Kneip & Lynen, ICCV 2013). Standard deviations come from the scores summed over each second (a sandwich estimate,
+/// so that correlated corner errors count once). Unobservable quantities keep their given values. A constant scale
+/// error of the gyroscope is absorbed by the focal length, its misalignment by q_b_c.
 ///
-/// ODO_E_DATA, in words: no frames, no gyroscope, too little rotation, pictures that do not follow the gyroscope.
-/// [any]
+/// ODO_E_DATA with the reason: no frames, no gyroscope, too little rotation, or pictures whose rotation does not match
+/// the gyroscope. [any]
 Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, const CameraImuOptions& options,
                                                   const ProgressCallback& progress = {});
 
-/// What the row time says, three standard deviations being certain; rolling_up: the last row is read first.
+/// Classifies the row time at three standard deviations; rolling_up: the last row is read first.
 enum class Shutter { unknown, global, rolling, rolling_up };
 Shutter shutter_of(const CameraImuCalibration& calibration);
 
-/// What a person should know before using it.
+/// Warnings about the result.
 std::vector<std::string> doubts_about(const CameraImuCalibration& calibration);
 
-/// As camera.yaml (docs/recording.md), with how sure each number is as comments.
+/// Formats camera.yaml (docs/recording.md), with standard deviations as comments.
 std::string camera_yaml(const CameraImuCalibration& calibration);
 
 }  // namespace odograph

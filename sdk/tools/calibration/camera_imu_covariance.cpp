@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the shared unknowns are worth: the sandwich of information and scatter, windows and points taken out.
+// Covariance of the shared unknowns: sandwich estimate from information and score scatter, windows and points
+// marginalised.
 #include <cmath>
 #include <vector>
 
@@ -13,11 +14,11 @@ namespace {
 
 using Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Vector2d, Eigen::VectorXd;
 
-constexpr double kSteady_s = 1;  // windows' scores are taken together over this time
+constexpr double kSteady_s = 1;  // scores of windows are summed over this time
 
-constexpr Eigen::Index kRows = 2 * kWindowFrames;  // of a corner
+constexpr Eigen::Index kRows = 2 * kWindowFrames;  // per corner
 
-/// Scores summed over a second each, and their scatter.
+/// Sums the scores over each second, and their scatter.
 class Scatter {
  public:
   explicit Scatter(Eigen::Index n) : sum_(MatrixXd::Zero(n, n)), score_(VectorXd::Zero(n)) {}
@@ -42,7 +43,7 @@ class Scatter {
   int spans_ = 0;
 };
 
-/// Scaled to a unit diagonal first: the unknowns have different units.
+/// Pseudo-inverse after scaling to a unit diagonal, because the unknowns have different units.
 MatrixXd inverse_of(const MatrixXd& information) {
   const VectorXd unit = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(unit.asDiagonal() * information * unit.asDiagonal());
@@ -53,9 +54,8 @@ MatrixXd inverse_of(const MatrixXd& information) {
 
 }  // namespace
 
-/// Rows of J of a window for the free shared unknowns (`free`: their columns among all) and its path, and the
-/// residuals, both weighted; what the points explain is projected out corner by corner. `block`: the first of its
-/// residual blocks.
+/// Weighted Jacobian rows and residuals of a window for the free shared unknowns (`free`: their columns) and its path,
+/// projected onto the complement of each corner's point. `block`: index of its first residual block.
 void CameraImuProblem::rows_of(const Window& window, const std::vector<Eigen::Index>& free, size_t& block,
                                MatrixXd& rows, VectorXd& values) const {
   const auto n = static_cast<Eigen::Index>(free.size());
@@ -96,7 +96,7 @@ MatrixXd CameraImuProblem::covariance() const {
   VectorXd values;
   for (const auto& window : windows_) {
     rows_of(*window, free, block, rows, values);
-    // What the path explains is projected out.
+    // Projects the path out.
     const MatrixXd path = rows.rightCols<kPath>();
     MatrixXd weight = path.transpose() * path;
     weight.diagonal().array() += std::pow(kBend, -2);

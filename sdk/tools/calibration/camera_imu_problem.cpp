@@ -10,13 +10,14 @@ namespace {
 
 using Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Quaterniond, Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 
-constexpr double kLength = 1e-3;    // of a path from 1: the scale is nobody's to know
-constexpr double kMinDepth = 0.05;  // before a camera, of a point one away; nearer or behind it is held there
-constexpr double kNearest = 0.5;    // of the path's length, inverse: a point's start
+constexpr double kLength = 1e-3;  // sigma of a path's length about 1, because scale is unobservable
+constexpr double kMinDepth =
+    0.05;  // lower clamp of the depth, of the path's length; nearer points and those behind the camera are clamped
+constexpr double kNearest = 0.5;  // initial inverse depth of a point, in path lengths
 
 }  // namespace
 
-/// Pixels that a point is off in a frame, in normalized coordinates times the focal length.
+/// Reprojection error of a point in a frame, px: normalised coordinates times the focal length.
 class CameraImuProblem::Reprojection final : public ceres::SizedCostFunction<2, shared::count, kPath, 3> {
  public:
   Reprojection(const CameraImuLinearization& at, const Window& window, const Sight& sight)
@@ -55,14 +56,14 @@ class CameraImuProblem::Reprojection final : public ceres::SizedCostFunction<2, 
   using Path = Eigen::Matrix<double, kPath, 1>;
   using Matrix23d = Eigen::Matrix<double, 2, 3>;
 
-  /// The frame when the point's row was exposed, and the point in it.
+  /// The camera at the exposure time of the point's row, and the point in it.
   struct View {
     double since_s = 0, t = 0;  // after the window's reference time; on the IMU's clock
-    Vector3d theta, delta;      // rotation by the gyroscope; of the mount
+    Vector3d theta, delta;      // rotation by the gyroscope; change of the mount
     Matrix3d R_reference_b, R_b_c;
-    std::array<double, kWindowFrames> weight, rate;  // of the path's positions in place and velocity
+    std::array<double, kWindowFrames> weight, rate;  // of the path's positions in the camera's position and velocity
     Vector3d place = Vector3d::Zero(), velocity = Vector3d::Zero();
-    Vector3d Z_b, Y;  // the point in b, in c
+    Vector3d Z_b, Y;  // the point in b and in c
   };
 
   View view(const Eigen::Map<const SharedUnknowns>& x, const Eigen::Map<const Path>& path,
@@ -96,7 +97,7 @@ class CameraImuProblem::Reprojection final : public ceres::SizedCostFunction<2, 
     const Matrix23d by_rotation = by_Y * v.R_b_c.transpose() * skew(v.Z_b);
     J.middleCols<3>(shared::mount) = by_Y * skew(v.Y) * (Matrix3d::Identity() - 0.5 * skew(v.delta));
     const Vector2d by_turning = by_rotation * at_.gyro->rate(v.t), by_moving = -inverse_depth * (by_Z * v.velocity);
-    J.col(shared::time_offset) = by_turning;  // the frames' places move along
+    J.col(shared::time_offset) = by_turning;  // the frames' positions change along
     J.col(shared::row_time) = sight_.rows * (by_turning + by_moving);
     J.middleCols<3>(shared::bias) = -v.since_s * by_rotation;
     J.middleCols<4>(shared::lens) = at_.lens.fx * sight_.ray.by_lens;
@@ -113,9 +114,9 @@ class CameraImuProblem::Reprojection final : public ceres::SizedCostFunction<2, 
 
 namespace {
 
-/// A path's length is 1, and it is about straight and even.
+/// Prior: a path has length 1 and is approximately straight and uniform.
 struct PathPrior {
-  std::array<double, kWindowFrames> part;  // of the window's time, by frame
+  std::array<double, kWindowFrames> part;  // fraction of the window's time, by frame
   template <class T>
   bool operator()(const T* path, T* residual) const {
     const T* last = path + kPath - 3;
@@ -216,9 +217,9 @@ void CameraImuProblem::relinearize(const CameraImuLinearization& at) {
 
 CameraImuProblem::~CameraImuProblem() = default;
 
-/// A straight path in the direction that fits the first and the last frame best, by the smallest eigenvector of the
-/// normals of the corners' planes (Kneip & Lynen, ICCV 2013) with Sampson's and Cauchy's weights, tried from each of
-/// the three eigenvectors without weights; the points where its rays pass nearest.
+/// Initial straight path in the direction that best fits the first and the last frame: the smallest eigenvector of the
+/// normals of the corners' planes (Kneip & Lynen, ICCV 2013) with Sampson and Cauchy weights, started from each of the
+/// three unweighted eigenvectors. Points start where their rays are closest.
 void CameraImuProblem::start(Window& window, const SharedUnknowns& x, double scale_px) const {
   const auto orientation = [&](const Sight& s) {
     return Matrix3d(
@@ -255,7 +256,7 @@ void CameraImuProblem::start(Window& window, const SharedUnknowns& x, double sca
       d = Eigen::SelfAdjointEigenSolver<Matrix3d>(weighted).eigenvectors().col(0);
     }
   }
-  // a and a - w d are along c for the inverse depth w; most of them are positive on the right side.
+  // a and a - w d are parallel to c for the inverse depth w; most w are positive for the correct sign.
   const auto inverse_depth = [&](size_t i) {
     const Vector3d across = c[i].cross(best);
     return across.dot(c[i].cross(a[i])) / std::max(1e-12, across.squaredNorm());
@@ -318,7 +319,7 @@ bool CameraImuProblem::solve(SharedUnknowns& unknowns, const std::array<bool, sh
   options.max_num_iterations = 30;
   options.function_tolerance = 1e-6;
   options.logging_type = ceres::SILENT;
-  options.num_threads = 1;  // the same figures whatever the machine
+  options.num_threads = 1;  // reproducible on any machine
   ceres::Solver::Summary summary;
   ceres::Solve(options, problem_.get(), &summary);
   if (!summary.IsSolutionUsable()) return false;

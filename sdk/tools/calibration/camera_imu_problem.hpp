@@ -14,53 +14,54 @@ namespace odograph {
 /// Frames of a window.
 constexpr size_t kWindowFrames = 5;
 
-/// A short stretch of a recording: some frames, evenly apart, and the corners that all of them have.
+/// A short part of a recording: evenly spaced frames and the corners that all of them share.
 struct FrameWindow {
   std::array<size_t, kWindowFrames> frames;
-  std::vector<std::array<size_t, kWindowFrames>> corners;  ///< places in each frame
+  std::vector<std::array<size_t, kWindowFrames>> corners;  ///< indices in each frame
 };
-/// Windows of about `length_s`, one after the other, at most `most` spread evenly, each with at least `fewest` corners.
+/// Consecutive windows of about `length_s`, at most `most`, spread evenly, each with at least `fewest` corners.
 std::vector<FrameWindow> windows_of(const std::vector<TrackedFrame>& frames, double length_s, size_t most,
                                     size_t fewest);
 
-/// Where things stand in the vector of what all windows share. Changes of the mount (rotation vector about the camera's
-/// axes, rad), bias (rad/s), lens (relative focal length; cx, cy in px; k1) and gyroscope scale (symmetric: xx yy zz
-/// xy xz yz) are from what the problem was made with; time offset and row time (s) are whole.
+/// Indices of the unknowns shared by all windows. Mount (rotation vector about camera axes, rad), bias (rad/s), lens
+/// (relative focal length; cx, cy in px; k1) and gyroscope scale (symmetric: xx yy zz xy xz yz) are changes from the
+/// linearisation point; time offset and row time (s) are absolute.
 namespace shared {
 constexpr Eigen::Index mount = 0, time_offset = 3, row_time = 4, bias = 5, lens = 8, gyro_scale = 12, count = 18;
 }
 using SharedUnknowns = Eigen::Matrix<double, shared::count, 1>;
 
-/// What a problem is made around.
+/// Linearisation point of a problem.
 struct CameraImuLinearization {
   Eigen::Quaterniond q_b_c = Eigen::Quaterniond::Identity();
   odo_calibration lens{};
   const GyroOrientation* gyro = nullptr;
-  /// One standard deviation of what is known beforehand around `prior`; 0: nothing is.
+  /// Prior of the unknowns, one standard deviation; 0: no prior.
   SharedUnknowns prior = SharedUnknowns::Zero(), prior_sigma = SharedUnknowns::Zero();
 };
 
-/// The least-squares problem: in every window the corners' rays, turned by the gyroscope, meet in points that stand
-/// still. Each window has a path (positions of its later frames from the first, the last at distance 1) and its points;
-/// all share mount, times, bias, lens and the gyroscope's scale.
+/// Least-squares problem: in each window, the rays of a corner, rotated by the gyroscope, meet in a static point. Each
+/// window has a path (positions of its later frames relative to the first, the last at distance 1) and points; all
+/// windows share mount, times, bias, lens and gyroscope scale.
 class CameraImuProblem {
  public:
   CameraImuProblem(const CameraImuData& data, const std::vector<FrameWindow>& windows, const CameraImuLinearization& at,
                    const CameraImuOptions& options);
   ~CameraImuProblem();
 
-  /// Makes it anew around something else; paths and points stay as they are.
+  /// Rebuilds the problem at another linearisation point; paths and points are retained.
   void relinearize(const CameraImuLinearization& at);
 
-  /// Solves from `unknowns`; the first time paths and points start from what fits best there. Residuals beyond
-  /// `scale_px` count less (Cauchy). False when the solver fails.
+  /// Solves from `unknowns`; the first call initialises paths and points. Cauchy loss of `scale_px`. False if the
+  /// solver fails.
   bool solve(SharedUnknowns& unknowns, const std::array<bool, shared::count>& fixed, double scale_px);
 
-  /// Covariance of the shared unknowns, zero where fixed; after solve(). From the scores of the windows.
+  /// Covariance of the shared unknowns from the windows' scores, zero where fixed. Call after solve().
   Eigen::MatrixXd covariance() const;
 
   const std::vector<CameraImuCalibration::Residual>& residuals() const { return residuals_; }
-  /// For tests of its derivatives; after solve(). Its first blocks are corners: shared unknowns, path, point.
+  /// For tests of its derivatives, after solve(). The first parameter blocks of a corner are shared unknowns, path,
+  /// point.
   const ceres::Problem& problem() const { return *problem_; }
 
  private:
@@ -75,7 +76,7 @@ class CameraImuProblem {
   CameraImuLinearization at_;
   std::vector<std::unique_ptr<Window>> windows_;
   SharedUnknowns x_;
-  /// All that Ceres moves, in one piece: it orders by address, and the order decides the last bits.
+  /// All parameters in one block: Ceres orders by address, and the order affects the last bits.
   std::vector<double> numbers_;
   double scale_px_ = 1;
   std::array<bool, shared::count> fixed_{};

@@ -14,12 +14,12 @@ namespace {
 
 using Eigen::Matrix3d, Eigen::Quaterniond, Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr double kBetween_s = 0.1;   // frames compared for the start: small rotations, corners that are still there
-constexpr double kCoarse_s = 0.004;  // steps of the search; hands turn within 0.1 s and more
+constexpr double kBetween_s = 0.1;   // spacing of the compared frames: small rotations, corners still visible
+constexpr double kCoarse_s = 0.004;  // step of the search; hands change their rotation within 0.1 s and more
 constexpr double kFine_s = 0.0005;
 constexpr int kReweighted = 5;
 constexpr size_t kMaxPairs = 1000, kMinPairs = 40;
-constexpr double kMinCorrelation = 0.5;  // by chance it is below 0.2 (some hundred pairs)
+constexpr double kMinCorrelation = 0.5;  // chance correlation is below 0.2 (some hundred pairs)
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -27,14 +27,14 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// The proper rotation R that makes sum |a - R b|^2 least, of M = sum a b^T.
+/// Proper rotation R that minimises sum |a - R b|^2, from M = sum a b^T.
 Matrix3d nearest_rotation(const Matrix3d& M) {
   const Eigen::JacobiSVD<Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const double side = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   return svd.matrixU() * Vector3d(1, 1, side).asDiagonal() * svd.matrixV().transpose();
 }
 
-/// Rotation vector q_c0_c1 of a pair, by its corners alone.
+/// Rotation vector q_c0_c1 of a pair, from its corners only.
 Vector3d seen_rotation(const CameraImuData& data, const FramePair& pair) {
   std::vector<Vector3d> a, b;
   for (const auto& [i, k] : pair.corners) {
@@ -62,11 +62,11 @@ struct Seen {
 struct Match {
   Matrix3d R_b_c = Matrix3d::Identity();
   Vector3d bias_b = Vector3d::Zero();
-  double cost = INFINITY;  ///< robust, of the part of the camera's rotation that the gyroscope does not explain
+  double cost = INFINITY;  ///< robust, of the part of the camera's rotation not explained by the gyroscope
   double correlation = 0;
 };
 
-/// The mount and the bias that fit best at one time offset.
+/// Best mount and bias for one time offset.
 Match match_at(const std::vector<Seen>& seen, const GyroOrientation& gyro, double offset_s) {
   std::vector<Vector3d> g(seen.size());
   std::vector<double> left(seen.size(), 0.0);
@@ -104,7 +104,7 @@ Match match_at(const std::vector<Seen>& seen, const GyroOrientation& gyro, doubl
 }  // namespace
 
 LensRay ray_of(const odo_calibration& lens, const cv::Point2f& pixel) {
-  // Newton from the ray without distortion; the derivatives by the lens come from the implicit function.
+  // Newton's method from the undistorted ray; derivatives by the lens from the implicit function theorem.
   using Jet = ceres::Jet<double, 6>;
   const Lens model = lens.model == ODO_CAMERA_KANNALA_BRANDT ? Lens::kannala_brandt : Lens::pinhole;
   Jet parameters[12] = {};

@@ -9,11 +9,11 @@
 
 namespace odograph {
 
-inline constexpr int kPath = 3 * (kWindowFrames - 1);  ///< numbers of a window's path
-/// Of a path, from straight and even, in its own lengths: only holds it where nothing else does.
+inline constexpr int kPath = 3 * (kWindowFrames - 1);  ///< number of parameters of a window's path
+/// Sigma of the deviation from a straight uniform path, in path lengths: a weak regularisation.
 inline constexpr double kBend = 1;
 
-/// A corner in a frame, and how the path passes there: its position is linear in the path's numbers.
+/// A corner in a frame, with the weights of the path: its position is linear in the path's parameters.
 struct CameraImuProblem::Sight {
   LensRay ray;
   cv::Point2f pixel;
@@ -25,8 +25,8 @@ struct CameraImuProblem::Sight {
 struct CameraImuProblem::Window {
   std::array<double, kWindowFrames> t_s{};  ///< camera's clock
   std::vector<std::array<Sight, kWindowFrames>> corners;
-  Eigen::Map<Eigen::Matrix<double, kPath, 1>> path{nullptr};  ///< in the body's axes at the reference time
-  /// Three numbers each: x/z, y/z, 1/z in the camera's axes at the reference time, from the first frame.
+  Eigen::Map<Eigen::Matrix<double, kPath, 1>> path{nullptr};  ///< in body axes at the reference time
+  /// Three numbers per point: x/z, y/z, 1/z in camera axes at the reference time, relative to the first frame.
   double* points = nullptr;
   bool started = false;
   double reference_s = 0;            ///< IMU's clock
@@ -37,7 +37,7 @@ struct CameraImuProblem::Window {
     return frame == 0 ? Eigen::Vector3d::Zero().eval()
                       : path.segment<3>(3 * static_cast<Eigen::Index>(frame - 1)).eval();
   }
-  /// Weights of the frames' positions in the position dt after a frame, and in its derivative.
+  /// Weights of the frames' positions in the position at dt after a frame, and in its derivative.
   void passing(size_t frame, double dt, std::array<double, kWindowFrames>& weight,
                std::array<double, kWindowFrames>& rate) const {
     const size_t before = frame == 0 ? 0 : frame - 1, after = std::min(frame + 1, kWindowFrames - 1);

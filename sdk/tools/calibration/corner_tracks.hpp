@@ -8,28 +8,28 @@
 
 namespace odograph {
 
-/// The corners of a frame. A corner keeps its id from frame to frame as long as it is found again; ids ascend.
+/// The corners of a frame. A corner keeps its id while it is tracked; ids ascend.
 struct TrackedFrame {
-  int64_t t_ns = 0;  ///< as the camera's clock has it, of the middle row
+  int64_t t_ns = 0;  ///< on the camera's clock, of the middle row
   std::vector<uint64_t> ids;
   std::vector<cv::Point2f> pixels;
 };
 
-/// Corners (Shi & Tomasi 1994) followed from frame to frame by pyramidal Lucas-Kanade (Bouguet 2000), forwards and
-/// back. One instance is used by one thread.
+/// Corners (Shi & Tomasi 1994) tracked from frame to frame with pyramidal Lucas-Kanade (Bouguet 2000), with a
+/// forward-backward check. Not thread-safe.
 class CornerTracks {
  public:
   struct Parameters {
-    int most = 300;         ///< corners followed at once
-    int apart_px = 18;      ///< between corners, at 640 columns; grows with the picture
+    int most = 300;         ///< corners tracked at once
+    int apart_px = 18;      ///< between corners, at 640 columns; scales with the picture
     double quality = 0.01;  ///< of a new corner, relative to the best
     int window_px = 21;     ///< of Lucas-Kanade
     int levels = 4;         ///< of the pyramid
-    double back_px = 0.5;   ///< largest distance after following forwards and back
+    double back_px = 0.5;   ///< maximum distance after tracking forwards and backwards
   };
   explicit CornerTracks(const Parameters& parameters) : p_(parameters) {}
 
-  /// The corners in the next picture (8-bit grey, of the size of the one before).
+  /// Tracks the corners into the next picture (8-bit grey, same size as the previous one).
   TrackedFrame follow(const cv::Mat& grey, int64_t t_ns);
 
  private:

@@ -20,13 +20,13 @@ float norm_of(const std::vector<cv::Point2f>& points, int a, int b) {
   return static_cast<float>(cv::norm(points[static_cast<size_t>(a)] - points[static_cast<size_t>(b)]));
 }
 
-/// How a board was printed: which squares hold its markers, and by how many quarters its markers are turned.
+/// Layout of a printed board: the squares with markers, and the rotation of its markers in quarter turns.
 struct Print {
   bool first_is_white = false;
   int quarters = 0;
 };
 
-/// The corner of a marker on the board, in metres.
+/// The corner of a marker on the board, m.
 cv::Point2d corner_on_board(const Board& board, const cv::Point& square, size_t corner, int quarters) {
   static constexpr double kSigns[4][2] = {{-1, 1}, {1, 1}, {1, -1}, {-1, -1}};
   const auto& sign = kSigns[(corner + static_cast<size_t>(quarters)) % 4];
@@ -34,7 +34,7 @@ cv::Point2d corner_on_board(const Board& board, const cv::Point& square, size_t 
           (square.y + 0.5) * board.square_m + 0.5 * sign[1] * board.marker_m};
 }
 
-/// Where a marker's own four corners, as this print has them, put a point of the board.
+/// Position of a board point predicted from the four corners of a marker in this print.
 cv::Point2d by_marker(const Board& board, const SeenMarker& marker, const cv::Point& square, int quarters,
                       const cv::Point2d& on_board) {
   cv::Point2f from[4], to[4];
@@ -47,8 +47,8 @@ cv::Point2d by_marker(const Board& board, const SeenMarker& marker, const cv::Po
   return pixel.front();
 }
 
-/// Neighbours (diagonal, as the white squares are) of which each lies where the other says, or not. Two markers are so
-/// near to each other that the lens's distortion does not matter.
+/// Number of diagonal neighbours whose predictions of each other agree, or not. Adjacent markers are close enough to
+/// neglect distortion.
 struct Agreement {
   int yes = 0, no = 0;
   bool good() const { return yes > 4 * no; }
@@ -71,7 +71,7 @@ Agreement agreement(const Board& board, const std::vector<SeenMarker>& seen, con
   return agreement;
 }
 
-/// The print that explains what is seen better than every other; nothing where two explain it alike.
+/// The print that explains the detections better than any other; nothing if two are equally good.
 std::optional<Print> print_of(const Board& board, const std::vector<SeenMarker>& seen) {
   std::optional<Print> best;
   int fewest = 0;
@@ -106,7 +106,7 @@ struct BoardFinder::Markers {
       by_id[marker.id].push_back(marker);
     }
     apriltag_detections_destroy(found);
-    std::vector<SeenMarker> seen;  // a number that is there twice is not the board's alone
+    std::vector<SeenMarker> seen;  // a number seen twice does not belong to the board only
     for (const auto& [id, markers] : by_id)
       if (markers.size() == 1) seen.push_back(markers.front());
     return seen;
@@ -114,7 +114,7 @@ struct BoardFinder::Markers {
 
   MarkerFamily family;
   apriltag_detector_t* detector;
-  std::optional<Print> print;  // as the first picture that tells had it
+  std::optional<Print> print;  // as determined by the first unambiguous picture
 };
 
 BoardFinder::BoardFinder(const Board& board) : board_(board) {
@@ -131,7 +131,7 @@ std::optional<BoardView> BoardFinder::find_checkerboard(const cv::Mat& grey) con
   BoardView view;
   if (!cv::findChessboardCornersSB(grey, size, view.pixels, cv::CALIB_CB_ACCURACY | cv::CALIB_CB_NORMALIZE_IMAGE))
     return {};
-  // As far as to the half of the shortest distance to a neighbour.
+  // Half the shortest distance to a neighbour.
   float shortest = static_cast<float>(grey.cols);
   for (int i = 0; i < board_.inner_corners(); ++i) {
     if ((i + 1) % size.width) shortest = std::min(shortest, norm_of(view.pixels, i, i + 1));
@@ -157,7 +157,7 @@ std::optional<BoardView> BoardFinder::find_charuco(const cv::Mat& grey) {
   BoardView view;
   for (int y = 1; y < board_.rows; ++y)
     for (int x = 1; x < board_.columns; ++x) {
-      // Around an inner corner two squares are white and hold markers: where their plane has the corner.
+      // Both white squares at an inner corner contain markers: average their predictions of the corner.
       std::vector<cv::Point2d> on_board, in_picture;
       double side_px = 0;
       for (const auto& [dx, dy] : {std::pair{-1, -1}, {0, -1}, {-1, 0}, {0, 0}}) {
@@ -175,7 +175,7 @@ std::optional<BoardView> BoardFinder::find_charuco(const cv::Mat& grey) {
       if (H.empty()) continue;
       std::vector<cv::Point2d> corner = {{x * board_.square_m, y * board_.square_m}}, pixel;
       cv::perspectiveTransform(corner, pixel, H);
-      // No wider than to the next marker's corner.
+      // Not beyond the next marker's corner.
       const double gap_px = side_px * 0.5 * (board_.square_m - board_.marker_m) / board_.marker_m;
       const int reach = std::clamp(static_cast<int>(gap_px), 2, 8);
       const cv::Rect2d inside(reach + 2, reach + 2, grey.cols - 2 * reach - 5, grey.rows - 2 * reach - 5);
@@ -194,7 +194,7 @@ std::optional<BoardView> BoardFinder::find_charuco(const cv::Mat& grey) {
   };
   if (view.pixels.size() < kMinCorners || span([](const auto& p) { return p.x; }) < 1.5 * board_.square_m ||
       span([](const auto& p) { return p.y; }) < 1.5 * board_.square_m)
-    return {};  // too few, or nearly on a line: they say nothing of the board's tilt
+    return {};  // too few, or nearly collinear: the board's tilt is not observable
   return view;
 }
 

@@ -15,20 +15,20 @@ struct GyroSample {
   Eigen::Vector3d rate_b = Eigen::Vector3d::Zero();  ///< rad/s
 };
 
-/// Orientation of the body by its gyroscope, as a function of time: the rate is linear between samples, and each
-/// interval's rotation is the exponential of its integral (the second term of the Magnus series, below 1e-5 rad at
-/// 50 Hz and the rates of hands, is left out). Times are seconds after the first sample.
+/// Orientation of the body from its gyroscope as a function of time: the rate is linear between samples, and each
+/// interval's rotation is the exponential of its integral (the second Magnus term, below 1e-5 rad at 50 Hz and hand
+/// rates, is neglected). Times are seconds after the first sample.
 class GyroOrientation {
  public:
-  /// The rate is scale (measured - bias), rad/s. Samples in strictly ascending order of time, two at least.
+  /// The rate is scale (measured - bias), rad/s. At least two samples in strictly ascending time order.
   GyroOrientation(const std::vector<GyroSample>& samples, const Eigen::Vector3d& bias_b,
                   const Eigen::Matrix3d& scale = Eigen::Matrix3d::Identity());
 
   double seconds(int64_t t_ns) const { return odograph::seconds(t_ns - first_ns_); }
-  /// Whether there are samples throughout, with none further apart than `gap_s`.
+  /// Whether samples cover the interval without a gap longer than `gap_s`.
   bool covers(double from_s, double to_s, double gap_s) const;
-  /// From the body at `t_s` to the body at the first sample; beyond the samples the nearest interval's rate is carried
-  /// on.
+  /// From the body at `t_s` to the body at the first sample; extrapolated beyond the samples with the nearest
+  /// interval's rate.
   Eigen::Quaterniond at(double t_s) const;
   Eigen::Vector3d rate(double t_s) const;
 

@@ -10,9 +10,9 @@ namespace odograph {
 
 enum class Lens { pinhole, kannala_brandt };
 
-/// Normalized image coordinates (x/z, y/z) to pixels by OpenCV's models. `lens` holds fx, fy, cx, cy and then the
-/// distortion coefficients in OpenCV's order, `coefficients` of them; those that lack are 0. For doubles and Ceres'
-/// Jets. [any]
+/// Projects normalised image coordinates (x/z, y/z) to pixels with OpenCV's models. `lens` contains fx, fy, cx, cy and
+/// then `coefficients` distortion coefficients in OpenCV's order; missing ones are 0. For doubles and Ceres' Jets.
+/// [any]
 template <class T>
 Eigen::Matrix<T, 2, 1> project(Lens model, const T* lens, size_t coefficients, const Eigen::Matrix<T, 2, 1>& p) {
   using std::atan, std::sqrt;

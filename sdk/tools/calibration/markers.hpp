@@ -12,7 +12,7 @@ struct apriltag_family;
 
 namespace odograph {
 
-/// A dictionary of square markers: AprilTag's, which ArUco has as DICT_APRILTAG_36h11 and so on.
+/// A dictionary of square markers: AprilTag families, which ArUco calls DICT_APRILTAG_36h11 and so on.
 class MarkerFamily {
  public:
   explicit MarkerFamily(const std::string& name);
@@ -22,7 +22,7 @@ class MarkerFamily {
 
   explicit operator bool() const { return family_ != nullptr; }
   size_t count() const;
-  /// The marker's cells from black border to black border: 0 or 255.
+  /// The marker's cells including its black border: 0 or 255.
   cv::Mat picture(size_t id) const;
   apriltag_family* raw() const { return family_; }
 
@@ -31,11 +31,10 @@ class MarkerFamily {
   apriltag_family* family_ = nullptr;
 };
 
-/// A marker in a picture, pixels.
+/// A detected marker, px.
 struct SeenMarker {
   size_t id;
-  std::array<cv::Point2d, 4>
-      corners;  ///< as the marker stands upright: lower left, lower right, upper right, upper left
+  std::array<cv::Point2d, 4> corners;  ///< of the upright marker: lower left, lower right, upper right, upper left
 };
 
 }  // namespace odograph
