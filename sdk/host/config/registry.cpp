@@ -158,7 +158,7 @@ Failure PluginRegistry::not_found(const std::string& id, const std::string& inte
   for (size_t i = 0; i < directories_.size(); ++i)
     text += (i ? std::string(1, kPlatform.path_separator) : "") + directories_[i].string();
   if (directories_.empty()) text += "any directory";
-  for (const auto& problem : problems_) text += "; passed over: " + problem;
+  for (const auto& problem : problems_) text += "; skipped: " + problem;
   for (const auto& hint : hints_) text += "; " + hint;
   return {ODO_E_NOT_FOUND, text};
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `odograph calibrate`: a camera's intrinsics from pictures of a board, and pictures that show how far to believe them;
-// with --imu how it sits on its IMU.
+// `odograph calibrate`: intrinsics of a camera from pictures of a board, with plots that show their quality; with --imu
+// the camera-IMU extrinsics.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -39,7 +39,7 @@ struct Seen {
   size_t pictures = 0, other_size = 0;
 };
 
-/// Looks for the board in every picture. A picture of another size than the first is of another camera, or turned.
+/// Detects the board in every picture. Pictures of another size than the first are counted and skipped.
 Result<Seen> look(const std::vector<PictureSource>& sources, const Board& board) {
   Seen seen;
   BoardFinder finder(board);
@@ -61,7 +61,7 @@ Result<Seen> look(const std::vector<PictureSource>& sources, const Board& board)
   return seen;
 }
 
-/// Where a view's corners are, how large and how slanted: four numbers that tell views apart.
+/// Position, size and slant of a view's corners: four numbers that measure the difference of views.
 std::array<double, 4> looks_of(const BoardView& view, cv::Size size) {
   cv::Point2d mean(0, 0);
   for (const auto& p : view.pixels) mean += cv::Point2d(p) / static_cast<double>(view.pixels.size());
@@ -75,7 +75,7 @@ std::array<double, 4> looks_of(const BoardView& view, cv::Size size) {
   return {mean.x / size.width, mean.y / size.height, 2 * std::sqrt(sx * sy) / size.width, 0.5 * xy / (n * sx * sy)};
 }
 
-/// At most `most` views, each the one that is least like those taken before.
+/// Selects at most `most` views greedily, each the one that differs most from those selected before.
 std::vector<BoardView> max_different(std::vector<BoardView> views, cv::Size size, size_t most) {
   if (views.size() <= most) return views;
   std::vector<std::array<double, 4>> looks;
@@ -96,7 +96,7 @@ std::vector<BoardView> max_different(std::vector<BoardView> views, cv::Size size
   return out;
 }
 
-constexpr double kEnlarged = 50;  // of residuals drawn as lines
+constexpr double kEnlarged = 50;  // magnification of residuals drawn as lines
 
 std::vector<Plot> plots_of(const LensCalibration& c) {
   const std::string enlarged = text("residual, %.0f times as long", kEnlarged);
@@ -109,7 +109,7 @@ std::vector<Plot> plots_of(const LensCalibration& c) {
   Plot scatter{.title = "Residuals", .x_label = "x (px)", .y_label = "y (px)", .equal_axes = true};
   PlotSeries cloud{.name = "measured minus modelled", .style = "points pt 7 ps 0.25"};
   Plot radial{.title = "Along the radius", .x_label = "distance from the principal point (px)", .y_label = "px"};
-  PlotSeries outward{.name = "residual outwards: a wave here means that the model does not bend enough",
+  PlotSeries outward{.name = "radial residual: a wave means that the distortion model has too few terms",
                      .style = "points pt 7 ps 0.25"};
   Plot each{.title = "Pictures", .x_label = "picture", .y_label = "residual, rms (px)"};
   PlotSeries used{.name = "used", .style = "impulses lw 5"}, left{.name = "left out", .style = "impulses lw 5"};
@@ -238,21 +238,21 @@ Result<bool> write_file(const fs::path& path, const std::string& text) { return 
 
 void add_calibrate(CLI::App& app, int& status) {
   auto* command =
-      app.add_subcommand("calibrate", "A camera's intrinsics from pictures of a board, and its place on the IMU");
+      app.add_subcommand("calibrate", "A camera's intrinsics from pictures of a board, and its camera-IMU extrinsics");
   auto a = std::make_shared<CalibrateArguments>();
   command->add_option("pictures", a->inputs, "pictures, folders of them, a recording, a video");
   command->add_option("-o,--output", a->output, "folder for camera.yaml and calibration.html")->capture_default_str();
   a->options.add_lens(*command);
   a->options.add_board(*command);
   command->add_option("--print", a->print, "write the board to this *.svg instead, to print it");
-  command->add_option("--most", a->most, "of many pictures the most different ones are used, this many")
+  command->add_option("--most", a->most, "maximum number of pictures used; the most different ones are selected")
       ->capture_default_str()
       ->check(CLI::Range(3, 1000));
   command->add_option("--imu", a->imu.recording,
-                      "a lively recording with IMU: camera-IMU rotation, time offset, row time; without pictures of a "
-                      "board the lens too, as far as rotation shows it");
+                      "a recording with IMU and much rotation: camera-IMU rotation, time offset, row time; without "
+                      "pictures of a board also the lens, as far as it is observable");
   command->add_option("--camera", a->imu.camera, "with --imu: a camera.yaml to start from, instead of the recording's");
-  command->add_flag("--keep-lens", a->imu.keep_lens, "with --imu: do not touch the lens");
+  command->add_flag("--keep-lens", a->imu.keep_lens, "with --imu: keep the lens fixed");
   command->add_flag("--json", a->json, "print one JSON object");
   command->callback([a, &status] { status = calibrate(*a); });
 }

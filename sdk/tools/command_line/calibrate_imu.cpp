@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `odograph calibrate --imu RECORDING`: mount, time offset, row time and lens from the pictures' rotation against the
-// gyroscope, and pictures that show how far to believe them.
+// `odograph calibrate --imu RECORDING`: mount, time offset, row time and lens from the rotation of pictures and
+// gyroscope, with plots that show their quality.
 #include "sdk/tools/command_line/calibrate_imu.hpp"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ constexpr size_t kMaxPoints = 6000;  // of a plot
 
 std::vector<Plot> plots_of(const CameraImuCalibration& c) {
   Plot offset{.title = "Time offset", .x_label = "time offset (ms)", .y_label = "rotation left over, median (deg/s)"};
-  PlotSeries cost{.name = "the lowest place is the start", .style = "lines", .points = {}};
+  PlotSeries cost{.name = "the minimum is the initial value", .style = "lines", .points = {}};
   for (const auto& [s, left] : c.offset_cost) cost.points.emplace_back(1e3 * s, kDegrees * left);
   offset.series = {cost};
   std::vector<Plot> plots = {offset};
@@ -121,7 +121,7 @@ nlohmann::ordered_json json_of(const CameraImuCalibration& c, const std::vector<
           {"doubts", doubts}};
 }
 
-/// What to start from: a lens from a board, a camera.yaml, or what the recording says.
+/// Initial values: a lens from a board, a camera.yaml, or the recording's own.
 Result<bool> start_from(const CalibrateImuArguments& a, const LensCalibration* board, odo_calibration& given,
                         double& row_time_s) {
   odo_calibration lens = given;
@@ -129,7 +129,7 @@ Result<bool> start_from(const CalibrateImuArguments& a, const LensCalibration* b
     const auto read = read_camera_yaml(a.camera, nullptr);
     if (!read) return read.failure();
     lens = *read;
-    // Mount and time offset only where the file has them, as in a pipeline.
+    // Mount and time offset only if the file has them, as in a pipeline.
     if (!(lens.header.flags & ODO_CALIBRATION_EXTRINSICS)) {
       std::copy(std::begin(given.q_b_c), std::end(given.q_b_c), lens.q_b_c);
       std::copy(std::begin(given.p_b_c), std::end(given.p_b_c), lens.p_b_c);

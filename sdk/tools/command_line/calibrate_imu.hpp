@@ -8,7 +8,7 @@
 
 namespace odograph {
 
-/// Writes a text file; ODO_E_NOT_FOUND where that fails.
+/// Writes a text file; ODO_E_NOT_FOUND on failure.
 Result<bool> write_file(const std::filesystem::path& path, const std::string& text);
 
 struct CalibrateImuArguments {
@@ -16,8 +16,8 @@ struct CalibrateImuArguments {
   bool keep_lens = false, json = false;
 };
 
-/// `odograph calibrate --imu`: how the camera sits on its IMU and how late it is, from a recording of both. `board` is
-/// a lens from pictures of a board, or null. The exit status.
+/// `odograph calibrate --imu`: mount and time offset of a camera on its IMU, from a recording of both. `board`: a lens
+/// from pictures of a board, or null. Returns the exit status.
 int calibrate_imu(const CalibrateImuArguments& arguments, const LensCalibration* board);
 
 }  // namespace odograph

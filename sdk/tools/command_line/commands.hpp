@@ -7,7 +7,7 @@
 
 namespace odograph {
 
-/// Each adds its subcommand; its callback writes the exit status.
+/// Each adds its subcommand, whose callback writes the exit status.
 void add_run(CLI::App& app, int& status);
 void add_eval(CLI::App& app, int& status);
 void add_sim(CLI::App& app, int& status);

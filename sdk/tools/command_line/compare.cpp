@@ -24,7 +24,7 @@ struct CompareArguments {
 
 using Row = nlohmann::ordered_json;
 
-/// Null where a recording has no truth.
+/// Null if the recording has no truth.
 Row errors_of(const Recording& recording, const RunResult& result) {
   const LaidRun laid = lay_over_truth(recording, result);
   if (laid.error_m.empty()) return nullptr;
@@ -64,7 +64,8 @@ void print(const Row& row) {
               part("rms").c_str(), part("median").c_str(), part("largest").c_str(), part("end").c_str());
 }
 
-/// The page of a recording: as asked for where there is one, otherwise with the recording's name before its extension.
+/// Path of a recording's page: as requested for a single recording, otherwise with the recording's name inserted before
+/// the extension.
 std::filesystem::path page_of(const CompareArguments& a, const std::string& recording) {
   const std::filesystem::path asked(a.output);
   if (a.recordings.size() == 1) return asked;
@@ -72,7 +73,7 @@ std::filesystem::path page_of(const CompareArguments& a, const std::string& reco
   return asked.parent_path() / (asked.stem().string() + "-" + name + asked.extension().string());
 }
 
-/// The names of the files, or the whole paths where two files are named alike.
+/// The file names, or the whole paths if two files have the same name.
 std::vector<std::string> names_of(const std::vector<std::string>& paths) {
   std::vector<std::string> names;
   for (const std::string& path : paths) {

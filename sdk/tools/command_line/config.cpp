@@ -12,7 +12,7 @@
 namespace odograph {
 namespace {
 
-/// All of them, each with its own verdict.
+/// Checks all files and prints a verdict for each.
 int check(const std::vector<std::string>& files, const std::string& plugins) {
   std::vector<std::filesystem::path> directories;
   if (!plugins.empty()) directories.emplace_back(plugins);

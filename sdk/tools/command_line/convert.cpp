@@ -27,9 +27,9 @@ struct ConvertArguments {
   ReadOptions reading;
 };
 
-/// One frame with its picture: as it is, or packed anew. A picture that cannot be decoded is a failure of ODO_E_DATA.
+/// Writes a frame with its picture, unchanged or recoded. An undecodable picture is a failure with ODO_E_DATA.
 Result<bool> write_frame(OdoWriter& writer, const RecordedMessage& m, bool pack) {
-  const auto frame = load_frame(m);  // also what is copied is looked at: damage is to be found now
+  const auto frame = load_frame(m);  // decode even if copied unchanged, to detect damage now
   if (!frame) return frame.failure();
   auto bytes = pack ? std::vector<unsigned char>() : encoded_picture(m.picture);
   const auto written = bytes.empty() ? writer.write(frame->header) : writer.write_encoded_frame(*frame, bytes);
@@ -37,8 +37,8 @@ Result<bool> write_frame(OdoWriter& writer, const RecordedMessage& m, bool pack)
   return written ? written : Failure{ODO_E_NOT_FOUND, written.failure().text};
 }
 
-/// Writes all that there is. Pictures that cannot be read cost their frames; they are counted in `lost`. Without a
-/// quality (OdoWriter's) pictures stay as they are, a video's become PNG.
+/// Writes the whole recording. Frames whose pictures are unreadable are skipped and counted in `lost`. Without a
+/// quality (OdoWriter's), pictures are copied unchanged; those of a video become PNG.
 Result<bool> to_recording(const Recording& recording, const fs::path& output, std::optional<int> jpeg_quality,
                           uint64_t& lost) {
   auto writer = OdoWriter::create(output, jpeg_quality.value_or(0));
@@ -79,7 +79,7 @@ Result<Trajectory> read_track(const fs::path& input) {
 }
 
 void say_pictures(uint64_t lost) {
-  if (lost > 0) std::fprintf(stderr, "%zu pictures cannot be read; their frames are left out\n", size_t(lost));
+  if (lost > 0) std::fprintf(stderr, "%zu pictures cannot be read; their frames are skipped\n", size_t(lost));
 }
 
 int convert_to_recording(const ConvertArguments& a) {
@@ -108,12 +108,12 @@ int convert_to_euroc(const ConvertArguments& a) {
   loss.pictures = done->pictures_lost;
   say_pictures(loss.pictures);
   if (!done->left_out.empty())
-    std::fprintf(stderr, "left out, because EuRoC/ASL has no place for it: %s\n", done->left_out.c_str());
+    std::fprintf(stderr, "skipped, because EuRoC/ASL cannot represent it: %s\n", done->left_out.c_str());
   std::printf("%s: EuRoC/ASL, %zu messages, %zu true states\n", a.output.c_str(), done->messages, done->true_states);
   return status_over(loss, kDone);
 }
 
-/// Of a track's frame: as given, or as the run's summary.json has it.
+/// Origin of a track's frame: as given, or from the run's summary.json.
 Result<Origin> origin_of(const ConvertArguments& a) {
   std::error_code error;
   const fs::path input = a.input;
@@ -131,7 +131,7 @@ Result<Origin> origin_of(const ConvertArguments& a) {
   return Origin(origin);
 }
 
-/// MCAP, COLMAP, transforms.json: poses with what they are of.
+/// MCAP, COLMAP, transforms.json: poses with their sensor data.
 int convert_with_pictures(const ConvertArguments& a) {
   auto run = read_exported_run(a.input, a.recording, a.reading);
   if (!run) return complain(run.failure());
@@ -154,12 +154,12 @@ int convert_with_pictures(const ConvertArguments& a) {
   loss.pictures = done->pictures_lost;
   say_pictures(loss.pictures);
   if (done->without_pose > 0)
-    std::fprintf(stderr, "%zu pictures have no pose at their time and are left out\n", done->without_pose);
+    std::fprintf(stderr, "%zu pictures have no pose at their time and are skipped\n", done->without_pose);
   std::printf("%s: %zu poses, %zu pictures\n", a.output.c_str(), done->poses, done->pictures);
   return status_over(loss, kDone);
 }
 
-/// Kalibr's camchain to camera.yaml.
+/// Converts Kalibr's camchain to camera.yaml.
 int convert_camera(const ConvertArguments& a) {
   const auto camera = read_camchain(a.input);
   if (!camera) return complain(camera.failure());
@@ -218,25 +218,24 @@ void add_convert(CLI::App& app, int& status) {
   command->add_option("input", a->input, "recording, track, or folder of a run")->required();
   command
       ->add_option("output", a->output,
-                   "its ending says the format: .odo .tum .kitti .csv .gpx .kml .geojson .mcap .colmap (a folder) "
-                   "transforms.json (images/ beside it) .yaml (of Kalibr's camchain); none: EuRoC/ASL folder")
+                   "its extension selects the format: .odo .tum .kitti .csv .gpx .kml .geojson .mcap .colmap (a "
+                   "folder) transforms.json (images/ beside it) .yaml (of Kalibr's camchain); none: EuRoC/ASL folder")
       ->required();
   command->add_option("--origin", a->origin,
-                      "of the track's frame, for GPX, KML and GeoJSON: LATITUDE,LONGITUDE,HEIGHT (degrees, metres); "
-                      "without it as the run's summary.json has it");
+                      "origin of the track's frame, for GPX, KML and GeoJSON: LATITUDE,LONGITUDE,HEIGHT (degrees, "
+                      "metres); default: from the run's summary.json");
   command->add_option("--recording", a->recording,
-                      "whose pictures a run's track goes with, where it is no longer where summary.json has it");
+                      "recording of a run's track, if it is no longer at the path in summary.json");
   command->add_option("--every", a->every_s, "COLMAP and transforms.json: time between pictures, s; 0: all")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--jpeg", a->jpeg_quality,
-                   "pack pictures anew, as JPEG of this quality, 0: as PNG, lossless; without it they stay as they are "
+                   "recode pictures as JPEG of this quality, 0: as PNG, lossless; without it they are copied unchanged "
                    "(a video's become PNG)")
       ->check(CLI::Range(0, 100));
   command
-      ->add_flag("--pgm", a->pgm,
-                 "pack pictures anew, as grey PGM, which a program reads without a library (samples/walk)")
+      ->add_flag("--pgm", a->pgm, "recode pictures as grey PGM, which a program reads without a library (samples/walk)")
       ->excludes("--jpeg");
   command->add_flag("--pictures-outside", a->reading.pictures_outside,
                     "pictures may lie outside of the recording's folder");

@@ -32,12 +32,12 @@ struct Reference {
   RecordingLoss loss;
 };
 
-/// TUM or KITTI poses by looking at the first line; EuRoC's by its name.
+/// Reads TUM or KITTI poses, distinguished by the first line; EuRoC's by its name.
 Result<Trajectory> read_trajectory_file(const fs::path& file, const fs::path& kitti_times) {
   if (file.extension() == ".csv") return read_euroc_truth(file);
   auto tum = read_tum(file);
   if (tum && tum->front().q.norm() > 0) {
-    auto kitti = read_kitti_poses(file, kitti_times);  // twelve numbers a line also read as eight
+    auto kitti = read_kitti_poses(file, kitti_times);  // twelve numbers per line would also parse as eight
     if (kitti) return kitti;
     return tum;
   }
@@ -83,7 +83,8 @@ Result<Trajectory> read_estimate(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return read_trajectory_file(path, {});
   if (const fs::path corrected = track_of_run(path); corrected.filename() != "trajectory.tum")
-    std::fprintf(stderr, "poses as they came out; the track as known at the end: --est %s\n", corrected.c_str());
+    std::fprintf(stderr, "poses as published online; for the track with later corrections: --est %s\n",
+                 corrected.c_str());
   return read_tum(path / "trajectory.tum");
 }
 
@@ -207,7 +208,7 @@ void print(const Json& json, const std::string& head) {
   const size_t matched = json["n"].get<size_t>();
   const size_t could = std::min(json["n_estimate"].get<size_t>(), json["n_reference"].get<size_t>());
   if (matched < could)
-    std::printf("%zu of %zu poses have no partner in time and are left out (--max-diff)\n", could - matched, could);
+    std::printf("%zu of %zu poses have no match in time and are skipped (--max-diff)\n", could - matched, could);
   std::printf("poses %zu, path %.3f m, alignment %s, scale %.6f\n", json["n"].get<size_t>(),
               json["path_m"].get<double>(), json["alignment"].get<std::string>().c_str(), json["scale"].get<double>());
   line("APE translation", json["ape_m"], "m");
@@ -227,7 +228,7 @@ void print(const Json& json, const std::string& head) {
   if (json.contains("true_lengths")) print_true_lengths(json["true_lengths"]);
 }
 
-/// The page of a run, for any two trajectories.
+/// Writes the page of a run for any two trajectories.
 Result<bool> write_plot(const EvalArguments& a, const Reference& reference, const Trajectory& estimate,
                         Alignment alignment, const Json& result) {
   Recording recording;
@@ -303,9 +304,9 @@ void add_eval(CLI::App& app, int& status) {
       ->required();
   command->add_option("--est", a->estimate, "track: TUM or KITTI poses, or the folder of a run")->required();
   command->add_option("--align", a->alignment, "none, first, yaw, se3 or sim3")->capture_default_str();
-  command->add_option("--max-diff", a->max_difference_s, "largest difference of time within a pair, s")
-      ->capture_default_str();
-  command->add_option("--offset", a->offset_s, "added to the times of the estimate, s: the reference has another clock")
+  command->add_option("--max-diff", a->max_difference_s, "maximum time difference of a pair, s")->capture_default_str();
+  command
+      ->add_option("--offset", a->offset_s, "added to the times of the estimate, s, for a reference with another clock")
       ->check(CLI::Range(-4e9, 4e9));
   command->add_option("--rpe-delta", a->rpe_delta, "interval of the relative error")
       ->capture_default_str()
@@ -316,13 +317,15 @@ void add_eval(CLI::App& app, int& status) {
   command->add_option("--window", a->window_m, "window of the scale ratio along the path, m")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  command->add_option("--align-first", a->align_first_m, "waypoints: the heading is fitted over these first metres")
+  command
+      ->add_option("--align-first", a->align_first_m,
+                   "waypoints: distance from the start over which the heading is fitted, m")
       ->capture_default_str();
   command->add_flag("--true-lengths", a->true_lengths,
-                    "also with the true length given for each frame's displacement: what a scale source would leave");
+                    "also with the true length of each frame's displacement: the error with a perfect scale source");
   command
       ->add_option("--true-window", a->true_window_m,
-                   "with --true-lengths: one factor for all of this much of the path, m; 0: for each frame")
+                   "with --true-lengths: one factor per window of this path length, m; 0: per frame")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   command->add_option("--plot", a->plot,

@@ -10,7 +10,7 @@
 namespace odograph {
 namespace {
 
-/// How a language is built and tested, and what that needs on Debian 12 beside Odograph.
+/// Build and test commands of a language, and the Debian 12 packages that they need beside Odograph.
 struct Toolchain {
   const char *packages, *build, *ignored;
 };

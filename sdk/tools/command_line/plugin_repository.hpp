@@ -8,9 +8,9 @@
 
 namespace odograph {
 
-/// Writes beside a new plugin (write_plugin_skeleton) what makes its folder a repository: ci/check, the files with
-/// which GitHub and GitLab run it, and .gitignore. `id`: group/name, `language`: c++, c or rust. ODO_E_ARGUMENT
-/// where one of them is there already.
+/// Adds to a new plugin (write_plugin_skeleton) the files that make its folder a repository: ci/check, the workflows of
+/// GitHub and GitLab, and .gitignore. `id`: group/name, `language`: c++, c or rust. ODO_E_ARGUMENT if one of the files
+/// exists.
 Result<bool> write_plugin_repository(const std::string& id, const std::filesystem::path& folder,
                                      const std::string& language);
 

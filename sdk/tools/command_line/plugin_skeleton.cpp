@@ -15,15 +15,16 @@
 namespace odograph {
 namespace {
 
-/// What the one parameter means, by kind: unit, lowest, highest, default, help.
+/// The parameter of the skeleton, by kind: unit, minimum, maximum, default, help.
 struct GainText {
   const char *unit, *low, *high, *fallback, *help;
 };
 GainText gain_of(const std::string& kind) {
-  if (kind == "attitude") return {"1/s", "0.01", "10", "0.5", "how fast the accelerometer levels (a judgement)"};
-  if (kind == "step_estimator") return {"m", "0.2", "2", "0.7", "length of a step (a judgement)"};
-  if (kind == "scale_source") return {"m/s", "0.1", "10", "1.4", "speed of the camera (a judgement)"};
-  return {"", "0.1", "10", "1", "factor of the smallest sigma (a judgement)"};
+  if (kind == "attitude")
+    return {"1/s", "0.01", "10", "0.5", "rate at which the accelerometer corrects the inclination (judgement)"};
+  if (kind == "step_estimator") return {"m", "0.2", "2", "0.7", "length of a step (judgement)"};
+  if (kind == "scale_source") return {"m/s", "0.1", "10", "1.4", "speed of the camera (judgement)"};
+  return {"", "0.1", "10", "1", "factor on the smallest sigma (judgement)"};
 }
 
 std::string replaced(std::string text, const std::vector<std::pair<std::string, std::string>>& words) {
@@ -33,7 +34,7 @@ std::string replaced(std::string text, const std::vector<std::pair<std::string, 
   return text;
 }
 
-/// Members as C has them: no initialisers (the instance is zeroed), int for bool.
+/// Members in C syntax: no initialisers (the instance is zero-initialised), int for bool.
 std::string c_members(const std::string& members) {
   std::string out;
   for (size_t i = 0; i < members.size(); ++i) {
@@ -47,7 +48,7 @@ std::string c_members(const std::string& members) {
   return replaced(out, {{"bool ", "int "}});
 }
 
-/// The files of a language, by name, and what differs in them from kind to kind.
+/// The files of a language, by name, and the parts that depend on the kind.
 struct Template {
   std::vector<std::pair<std::string, const char*>> files;
   std::vector<std::pair<std::string, std::string>> words;

@@ -8,10 +8,10 @@
 
 namespace odograph {
 
-/// Writes the source of a new plugin into `folder` (created; must not hold files of these names): the plugin, what
-/// builds it, README.md and pipeline.yaml. It builds against an installed Odograph, passes `plugin check` and runs as
-/// it is. `kind`: attitude, step_estimator, vo_frontend, scale_source or absolute_fixer; `id`: group/name; `language`:
-/// c++ (17), c (99), rust or python.
+/// Writes the source of a new plugin to `folder`, which is created and must not contain these files: the plugin, its
+/// build files, README.md and pipeline.yaml. It builds against an installed Odograph, passes `plugin check` and runs
+/// unchanged. `kind`: attitude, step_estimator, vo_frontend, scale_source or absolute_fixer; `id`: group/name;
+/// `language`: c++ (17), c (99), rust or python.
 Result<bool> write_plugin_skeleton(const std::string& kind, const std::string& id, const std::filesystem::path& folder,
                                    const std::string& language);
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What `odograph plugin new --language python` writes; words between @ are filled in.
+// Templates of `odograph plugin new --language python`; words between @ are replaced.
 #pragma once
 
 namespace odograph {
 
-/// What differs from kind to kind: the same small algorithms as in C++ and C.
+/// The parts that depend on the kind: the same small algorithms as in C++ and C.
 struct PythonSkeleton {
   const char* kind;
-  const char* state;  // what an instance begins with
-  const char* body;   // of on(self, message, emit)
+  const char* state;  // initial state of an instance
+  const char* body;   // body of on(self, message, emit)
 };
 
 inline const PythonSkeleton kPythonSkeletons[] = {

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What `odograph plugin new --language rust` writes; words between @ are filled in.
+// Templates of `odograph plugin new --language rust`; words between @ are replaced.
 #pragma once
 
 namespace odograph {
 
-/// What differs from kind to kind: the same small algorithms as in C++ and C.
+/// The parts that depend on the kind: the same small algorithms as in C++ and C.
 struct RustSkeleton {
   const char* kind;
-  const char* input;  // the message that it answers
+  const char* input;  // the message that it processes
   const char* state;  // members
-  const char* body;   // of on(message, output)
+  const char* body;   // body of on(message, output)
 };
 
 inline const RustSkeleton kRustSkeletons[] = {
     {"attitude", "Imu", "    heading_rad: f64,\n    up_b: [f64; 3],\n    last_ns: i64,\n",
-     R"(        // No sensor says that, and it would stay in up_b for ever.
+     R"(        // Beyond any sensor's range; it would corrupt up_b permanently.
         if ![message.gyro_b, message.accel_b].iter().flatten().all(|x| x.abs() < 1e3) {
             return Err(ODO_E_DISCARD);
         }
@@ -33,7 +33,7 @@ inline const RustSkeleton kRustSkeletons[] = {
         }
         let yaw_rate: f64 = -message.gyro_b.iter().zip(&*up).map(|(gyro, up)| gyro * up / norm).sum::<f64>(); // about down
         self.state.heading_rad += if dt > 0.0 && dt < 1.0 { yaw_rate * dt } else { 0.0 };
-        // The shortest rotation that takes up_b to z, half a turn about x (up is -z in North-East-Down), the heading about z.
+        // The shortest rotation from up_b to z, half a turn about x (up is -z in North-East-Down), the heading about z.
         let (mut w, mut x, mut y) = (norm + up[2], up[1], -up[0]);
         let q = (w * w + x * x + y * y).sqrt();
         let (s, c) = (self.state.heading_rad / 2.0).sin_cos();
@@ -109,7 +109,7 @@ inline const RustSkeleton kRustSkeletons[] = {
 )"},
     {"absolute_fixer", "Waypoint", "",
      R"(        if !(message.p_n[0].abs() < 1e7 && message.p_n[1].abs() < 1e7 && message.sigma_m < 1e7) {
-            return Err(ODO_E_DISCARD); // no place on the Earth
+            return Err(ODO_E_DISCARD); // not a position on the Earth
         }
         let sigma = message.sigma_m.max(self.gain * 0.01);
         let mut event = Fix { p_n: [message.p_n[0], message.p_n[1], 0.0], ..Fix::at(message.header.t_ns) };
@@ -126,7 +126,7 @@ inline constexpr char kRust[] = R"(// SPDX-License-Identifier: Apache-2.0
 use odograph::plugin::{Output, Parameter, Plugin};
 use odograph::{abi::*, Event};
 
-/// What a reset sets back to zero.
+/// State that a reset sets to zero.
 #[derive(Clone, Default)]
 struct State {
 @STATE@}

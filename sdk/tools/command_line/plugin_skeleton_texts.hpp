@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What `odograph plugin new` writes; words between @ are filled in.
+// Templates of `odograph plugin new`; words between @ are replaced.
 #pragma once
 
 namespace odograph {
 
-/// What differs from kind to kind: a small honest algorithm, to be replaced.
+/// The parts that depend on the kind: a small working algorithm, to be replaced.
 struct Skeleton {
   const char* kind;
   const char* interface_macro;
   const char* summary;
-  const char* input;     // the message that it answers
+  const char* input;     // the message that it processes
   const char* state;     // members, for both languages
-  const char* cpp_body;  // of on(message, output)
-  const char* c_body;    // of on_message(self, message)
-  const char* rest;      // of the pipeline.yaml that it needs
+  const char* cpp_body;  // body of on(message, output)
+  const char* c_body;    // body of on_message(self, message)
+  const char* rest;      // rest of the pipeline.yaml that it needs
 };
 
 inline const Skeleton kSkeletons[] = {
     {"attitude", "ODO_INTERFACE_ATTITUDE", "Level by the accelerometer, heading by the gyroscope", "odo_imu",
      "  double heading_rad = 0, up_b[3] = {0, 0, 0};\n  int64_t last_ns = 0;\n",
-     R"(    for (int i = 0; i < 3; ++i)  // no sensor says that, and it would stay in up_b for ever
+     R"(    for (int i = 0; i < 3; ++i)  // beyond any sensor's range; it would corrupt up_b permanently
       if (!(std::abs(message.gyro_b[i]) < 1e3 && std::abs(message.accel_b[i]) < 1e3))
         throw odo::Error(ODO_E_DISCARD, "gyro_b or accel_b is beyond any sensor");
     const double dt = last_ns ? 1e-9 * static_cast<double>(message.header.t_ns - last_ns) : 0.0;
@@ -32,7 +32,7 @@ inline const Skeleton kSkeletons[] = {
     for (int i = 0; i < 3; ++i) yaw_rate -= message.gyro_b[i] * up_b[i] / norm;  // about down
     heading_rad += dt > 0 && dt < 1 ? yaw_rate * dt : 0;
     auto event = odo::make<odo_attitude>(message.header.t_ns);
-    // The shortest rotation that takes up_b to z, half a turn about x (up is -z in North-East-Down), the heading about z.
+    // The shortest rotation from up_b to z, half a turn about x (up is -z in North-East-Down), the heading about z.
     double w = norm + up_b[2], x = up_b[1], y = -up_b[0];
     const double q = std::sqrt(w * w + x * x + y * y), c = std::cos(heading_rad / 2), s = std::sin(heading_rad / 2);
     if (q > 1e-6 * norm) w /= q, x /= q, y /= q;
@@ -111,7 +111,7 @@ inline const Skeleton kSkeletons[] = {
   return self->sink->emit(self->sink, &event.header);
 )",
      "attitude:\n  plugin: attitude/vqf\ncoupling:\n  type: localizer\n"},
-    {"vo_frontend", "ODO_INTERFACE_VO_FRONTEND", "Says of each frame that it cannot tell the motion yet", "odo_frame",
+    {"vo_frontend", "ODO_INTERFACE_VO_FRONTEND", "Reports each frame without a motion, as initialising", "odo_frame",
      "  int64_t last_ns = 0;\n  bool begun = false;\n",
      R"(    if (begun && message.header.t_ns <= last_ns) throw odo::Error(ODO_E_DISCARD, "t_ns is not after the frame's before");
     const int64_t from_ns = std::exchange(last_ns, message.header.t_ns);
@@ -172,7 +172,7 @@ inline const Skeleton kSkeletons[] = {
 )",
      "vo_frontend:\n  plugin: vo/five_point\n"},
     {"absolute_fixer", "ODO_INTERFACE_ABSOLUTE_FIXER", "A fix for each waypoint", "odo_waypoint", "",
-     R"(    if (!(std::hypot(message.p_n[0], message.p_n[1]) < 1e7 && message.sigma_m < 1e7)) return;  // no place on the Earth
+     R"(    if (!(std::hypot(message.p_n[0], message.p_n[1]) < 1e7 && message.sigma_m < 1e7)) return;  // not a position on the Earth
     auto event = odo::make<odo_fix>(message.header.t_ns);
     event.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
     for (int i = 0; i < 2; ++i) event.p_n[i] = message.p_n[i];
@@ -294,7 +294,7 @@ static const odo_parameter parameters[] = {{sizeof(odo_parameter), ODO_PARAMETER
 
 int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host *host, odo_plugin *out) {
   static const odo_string id = TEXT("@ID@"), version = TEXT("0.1.0"), summary = TEXT("@SUMMARY@");
-  static const odo_string refusal = TEXT("this plugin speaks another ABI than the host");
+  static const odo_string refusal = TEXT("plugin and host have no common ABI version");
   odo_plugin table;
   uint32_t size;
   if (!host || !out || out->struct_size < ODO_PLUGIN_SIZE_MIN) return ODO_E_STRUCT_SIZE;

@@ -30,7 +30,7 @@ int plugins(const std::string& id, const std::string& folder) {
   std::vector<std::filesystem::path> first;
   if (!folder.empty()) first.emplace_back(folder);
   const PluginRegistry registry(plugin_directories(first));
-  for (const auto& problem : registry.problems()) std::fprintf(stderr, "passed over: %s\n", printable(problem).c_str());
+  for (const auto& problem : registry.problems()) std::fprintf(stderr, "skipped: %s\n", printable(problem).c_str());
   std::vector<std::string> ids;
   for (const Manifest& m : registry.manifests()) {
     ids.push_back(m.id);
@@ -52,7 +52,7 @@ struct CheckWish {
   bool list = false, times = false;
 };
 
-/// Gives the messages of a recording; a frame whose picture cannot be read is left out.
+/// Passes the messages of a recording on; skips frames whose pictures are unreadable.
 void give_all(const Recording& recording, const std::function<void(const odo_header&)>& give) {
   for (const RecordedMessage& message : recording.messages) {
     if (message.message.header().type != ODO_TYPE_FRAME) {
@@ -64,7 +64,7 @@ void give_all(const Recording& recording, const std::function<void(const odo_hea
   }
 }
 
-/// conformance.md and conformance.svg.
+/// Writes conformance.md and conformance.svg.
 Result<bool> write_statement(const CheckWish& wish, const std::vector<PluginCheck>& checks) {
   const auto manifest = read_manifest(std::filesystem::path(wish.file).replace_extension(".odoplugin.json"));
   if (!manifest) return manifest.failure();
@@ -88,10 +88,10 @@ int check(const CheckWish& wish) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(wish.file, error))
     return complain({ODO_E_NOT_FOUND, wish.file + (std::filesystem::exists(wish.file, error)
-                                                       ? ": is no file; expected a plugin library"
-                                                       : ": there is no such file; expected a plugin library")});
+                                                       ? ": is not a regular file; expected a plugin library"
+                                                       : ": does not exist; expected a plugin library")});
   if (!wish.statement.empty() && !wish.only.empty())
-    return complain({ODO_E_ARGUMENT, "--statement is of all cases; leave out --only"});
+    return complain({ODO_E_ARGUMENT, "--statement covers all cases; omit --only"});
   CheckOptions options;
   options.only = wish.only;
   for (const std::string& one : wish.set) {
@@ -107,7 +107,7 @@ int check(const CheckWish& wish) {
   }
   const auto checks = check_plugin(wish.file, options);
   if (checks.empty())
-    return complain({ODO_E_ARGUMENT, "--only: no case begins so; `odograph plugin check --list` names them"});
+    return complain({ODO_E_ARGUMENT, "--only: no case has this prefix; `odograph plugin check --list` names them"});
   const std::string text = wish.format == "json"    ? check_as_json(wish.file, checks)
                            : wish.format == "junit" ? check_as_junit(wish.file, checks)
                                                     : check_as_text(checks, wish.times);
@@ -149,21 +149,21 @@ void add_new(CLI::App& plugin, int& status) {
   command->add_option("kind", wish->kind, "attitude, step_estimator, vo_frontend, scale_source or absolute_fixer")
       ->required();
   command->add_option("id", wish->id, "group/name")->required();
-  command->add_option("folder", wish->folder, "where to; a folder of the plugin's name unless given");
+  command->add_option("folder", wish->folder, "target folder; default: named after the plugin");
   command->add_option("--language", wish->language, "c++ (C++17), c (C99), rust or python")
       ->check(CLI::IsMember({"c++", "c", "rust", "python"}));
   command->add_flag_callback(
       "--c", [wish] { wish->language = "c"; }, "the same as --language c");
   command->add_flag(
       "--repository", wish->repository,
-      "with CI files for GitHub and GitLab that build, check and state what it conforms to; C++, C or Rust");
+      "with CI files for GitHub and GitLab that build, check and write the conformance statement; C++, C or Rust");
   command->callback([=, &status] { status = write_new(*wish); });
 }
 
 }  // namespace
 
 void add_plugins(CLI::App& app, int& status) {
-  auto* list = app.add_subcommand("plugins", "List the plugins that lie on the search path, or explain one");
+  auto* list = app.add_subcommand("plugins", "List the plugins on the search path, or explain one");
   auto id = std::make_shared<std::string>();
   auto folder = std::make_shared<std::string>();
   list->add_option("id", *id, "plugin to explain, with its parameters");
@@ -174,8 +174,7 @@ void add_plugins(CLI::App& app, int& status) {
   command->require_subcommand(1);
   auto file = std::make_shared<std::string>();
   auto wish = std::make_shared<CheckWish>();
-  auto* check_command =
-      command->add_subcommand("check", "Put a plugin library to the test, each case in a process of its own");
+  auto* check_command = command->add_subcommand("check", "Test a plugin library, each case in its own process");
   check_command->add_option("file", wish->file, "plugin library");
   check_command->add_option("--set", wish->set, "a parameter that has no good default, as NAME=VALUE");
   check_command->add_option("--only", wish->only, "only cases whose id begins with this, such as events or step.late");
@@ -183,10 +182,10 @@ void add_plugins(CLI::App& app, int& status) {
       ->check(CLI::IsMember({"text", "json", "junit"}));
   check_command->add_option("-o,--output", wish->output, "file to write to instead of the terminal");
   check_command->add_option("--statement", wish->statement,
-                            "folder for conformance.md, what was checked and where, and its badge conformance.svg");
+                            "folder for the conformance statement, conformance.md, and its badge conformance.svg");
   check_command->add_option("--recording", wish->recording,
-                            "give the plugin this recording too: what it emits is counted and checked");
-  check_command->add_flag("--times", wish->times, "how long each case took");
+                            "also run the plugin on this recording; its events are counted and checked");
+  check_command->add_flag("--times", wish->times, "print the time of each case");
   check_command->add_flag("--list", wish->list, "list the cases");
   check_command->callback([=, &status] { status = check(*wish); });
   add_new(*command, status);

@@ -23,7 +23,7 @@ struct RunArguments {
   bool report = false, json = false;
 };
 
-/// As somebody would type it again.
+/// The command line that repeats the run.
 std::string command_of(const RunArguments& a) {
   std::string command = "odograph run -c " + a.options.config + " -i " + a.input;
   for (const std::string& text : a.set) command += " --set '" + text + "'";
@@ -32,7 +32,7 @@ std::string command_of(const RunArguments& a) {
   return command;
 }
 
-/// Writes the recommended pipeline beside the results where the user has given none.
+/// Writes the recommended pipeline beside the results if the user gave none.
 Result<bool> choose_config(RunArguments& a, const Recording& recording) {
   if (!a.options.config.empty()) return true;
   const auto file = std::filesystem::path(a.output) / "pipeline.yaml";
@@ -44,7 +44,7 @@ Result<bool> choose_config(RunArguments& a, const Recording& recording) {
   return true;
 }
 
-/// What was guessed of the camera is looked at before the run, and what came of it said.
+/// Checks the guessed camera parameters before the run, and prints the result.
 void check_guesses(Recording& recording) {
   const size_t said = recording.warnings.size();
   {
@@ -75,10 +75,10 @@ void print(const RunArguments& a, const Recording& recording, const RunResult& r
               static_cast<unsigned long long>(s.steps), static_cast<unsigned long long>(s.frames), s.tracking_s,
               s.degraded_s, s.lost_s);
   if (s.scale_sigma > 0)
-    std::printf("metre known to %.1f %%: %.0f %% by inertia, %.0f %% by steps\n", 100 * s.scale_sigma,
+    std::printf("metric scale known to %.1f %%: %.0f %% by inertia, %.0f %% by steps\n", 100 * s.scale_sigma,
                 100 * s.scale_by_inertia, 100 * s.scale_by_steps);
   if (!result.corrected.empty())
-    std::printf("corrected on the way by up to %.2f m: %s/corrected.tum has the track as known at the end\n",
+    std::printf("corrected during the run by up to %.2f m: %s/corrected.tum has the track with later corrections\n",
                 largest_distance(result.track, result.corrected), a.output.c_str());
   if (result.origin)
     std::printf("on a map: odograph convert %s %s/track.gpx (or .kml, .geojson)\n", a.output.c_str(), a.output.c_str());
@@ -104,7 +104,7 @@ int run(RunArguments& a) {
   const bool inertial = recording->has(ODO_TYPE_IMU);
   if (!inertial)
     std::fprintf(stderr,
-                 "%s: no inertial samples in it: steps and vo/odograph need them; with pictures alone "
+                 "%s: contains no inertial samples, which steps and vo/odograph need; from pictures alone, "
                  "samples/configs/monocular.yaml gives a track up to scale\n",
                  printable(a.input).c_str());
   Progress progress("run");
@@ -153,19 +153,18 @@ void add_run(CLI::App& app, int& status) {
           "folder for trajectory.tum, corrected.tum, vo.csv, steps.csv, scale.csv, fixes.csv, states.csv, summary.json")
       ->capture_default_str();
   command->add_option("--set", a->set,
-                      "PATH=VALUE in place of what the config says, such as walker.height=1.8m, or of a list's item "
+                      "PATH=VALUE overrides the config, such as walker.height=1.8m, or for a list's item "
                       "absolute_fixers.fix/gnss.parameters.correlation=0s");
   command->add_option("--plugins", a->options.plugin_path, "folder to look for plugins in first");
   command->add_option("--assets", a->options.asset_path,
-                      "folder of files that the config names, such as a city model, where they are not beside it");
+                      "folder of files named by the config, such as a city model, if they are not beside it");
   command->add_option("--state", a->options.state,
-                      "file with what the plugins have learnt of the walker and the device: read where it exists, and "
-                      "written at the end");
+                      "file of the plugins' saved state (walker and device): read if it exists, written at the end");
   command->add_flag("--pictures-outside", a->reading.pictures_outside,
                     "pictures may lie outside of the recording's folder");
   command->add_option("--faults", a->faults,
-                      "YAML file of what is to go wrong with the sensors; keys: odograph config schema faults");
-  command->add_option("--seed", a->options.seed, "of the random numbers handed to plugins")->capture_default_str();
+                      "YAML file of sensor faults to inject; keys: odograph config schema faults");
+  command->add_option("--seed", a->options.seed, "seed of the plugins' random numbers")->capture_default_str();
   command->add_flag("--report", a->report,
                     "write report.html: one page with the track, the camera's pictures and charts over one time");
   command->add_flag("--json", a->json, "print the summary as one JSON object");

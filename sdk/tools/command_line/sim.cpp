@@ -60,12 +60,12 @@ void add_sim(CLI::App& app, int& status) {
   command->add_option("scenario", a->scenario, "scenario file (YAML); keys: odograph config schema scenario")
       ->required();
   command->add_option("-o,--output", a->output, "recording to write (*.odo)")->required();
-  command->add_option("--seed", a->seed, "another seed: another world, tremor and noise")->capture_default_str();
+  command->add_option("--seed", a->seed, "seed of world, tremor and noise")->capture_default_str();
   command->add_option("--city", a->city,
-                      "write the generated town's buildings and known objects as CityJSON, as a surveyor knows them");
-  auto* objects = command->add_option("--objects", a->objects,
-                                      "folder for what a surveyor knows of the objects along the route: objects.yaml "
-                                      "and pictures, for fix/known_object");
+                      "write the surveyed buildings and known objects of the generated town as CityJSON");
+  auto* objects = command->add_option(
+      "--objects", a->objects,
+      "folder for the surveyed objects along the route: objects.yaml and pictures, for fix/known_object");
   command
       ->add_option("--walk", a->walk,
                    "a real walk (Indoor Location Competition trace): its own sensors, pictures rendered along it")

@@ -129,7 +129,7 @@ int steps(const StepsArguments& a) {
                     seconds_since(start, s.t_end_ns), s.length_m, s.sigma_m, s.frequency_hz,
                     s.heading_rad * 180 / static_cast<double>(EIGEN_PI));
     }
-    // The walker's part of the errors is common to all steps, so their standard deviations add up.
+    // The walker's factor is common to all steps, so their standard deviations add linearly.
     std::printf("\n%zu steps (a step: one foot's fall to the other's), %.1f m +- %.1f m", result->steps.size(),
                 distance, variance);
     if (!lengths.empty())
@@ -154,13 +154,13 @@ int steps(const StepsArguments& a) {
 
 void add_steps(CLI::App& app, int& status) {
   auto* command =
-      app.add_subcommand("steps", "Modes, steps, lengths and the dead-reckoned path that the IMU of a recording tells");
+      app.add_subcommand("steps", "Modes, steps, lengths and the dead-reckoned path from the IMU of a recording");
   auto a = std::make_shared<StepsArguments>();
   command->add_option("recording", a->recording, "any recording with an IMU")->required();
   command->add_option("-c,--config", a->config,
                       "pipeline config with a step estimator; without it attitude/vqf and step/odograph, 1.70 m tall");
   command->add_option("--plot", a->plot, "write lengths over time, their distribution and the path as an HTML page");
-  command->add_flag("--each", a->each, "a line for each step");
+  command->add_flag("--each", a->each, "one line per step");
   command->add_flag("--json", a->json, "print one JSON object");
   command->callback([a, &status] { status = steps(*a); });
 }

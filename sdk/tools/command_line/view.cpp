@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `odograph view`: a run on a local page, while it goes on and afterwards.
+// `odograph view`: serves a local page of a run, during the run and afterwards.
 #include <chrono>
 #include <cstdio>
 #include <mutex>
@@ -11,13 +11,13 @@
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/page/run_page.hpp"
 
-// After Eigen, whose parameters are named as a macro of the resolver's header, which this one includes.
+// After Eigen, because a macro of the resolver's header, which this one includes, clashes with Eigen's parameter names.
 #include <httplib.h>
 
 namespace odograph {
 namespace {
 
-constexpr auto kRenewed = std::chrono::seconds(1);  // between two states of the page while a run goes on
+constexpr auto kRenewed = std::chrono::seconds(1);  // update interval of the page during a run
 constexpr int kPictureWidth_px = 640;
 
 struct ViewArguments {
@@ -61,9 +61,9 @@ int view(ViewArguments& a) {
   };
   show(RunResult{});
 
-  httplib::Server server;  // of this machine alone
+  httplib::Server server;  // accessible from this machine only
   server.set_pre_routing_handler([](const httplib::Request& in, httplib::Response& out) {
-    // A page of elsewhere whose name was made to lead here has that name as its host.
+    // Against DNS rebinding: a foreign name that resolves to this address arrives as the host.
     const std::string host = in.get_header_value("Host");
     if (host.starts_with("127.0.0.1:") || host.starts_with("localhost:"))
       return httplib::Server::HandlerResponse::Unhandled;
@@ -113,15 +113,15 @@ int view(ViewArguments& a) {
 }  // namespace
 
 void add_view(CLI::App& app, int& status) {
-  auto* command = app.add_subcommand("view", "Run a pipeline and watch it on a local page, which stays for playing");
+  auto* command = app.add_subcommand("view", "Run a pipeline and watch it on a local page, which remains for playback");
   auto a = std::make_shared<ViewArguments>();
   command->add_option("-c,--config", a->options.config, "pipeline config (YAML)")->required();
   command->add_option("-i,--input", a->input, "recording, as `run` takes it")->required();
-  command->add_option("--port", a->port, "of the page on this machine; 0 takes a free one")->capture_default_str();
-  command->add_flag("--once", a->once, "end with the run");
+  command->add_option("--port", a->port, "port of the page on this machine; 0: any free port")->capture_default_str();
+  command->add_flag("--once", a->once, "end after the run");
   command->add_option("--plugins", a->options.plugin_path, "folder to look for plugins in first");
   command->add_option("--assets", a->options.asset_path,
-                      "folder of files that the config names, where they are not beside it");
+                      "folder of files named by the config, if they are not beside it");
   command->add_flag("--pictures-outside", a->reading.pictures_outside,
                     "pictures may lie outside of the recording's folder");
   command->callback([a, &status] { status = view(*a); });

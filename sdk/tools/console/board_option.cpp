@@ -9,7 +9,7 @@ void BoardOptions::add_board(CLI::App& command) {
   command.add_option("--board", kind, "charuco or checkerboard")
       ->capture_default_str()
       ->check(CLI::IsMember({"charuco", "checkerboard"}));
-  command.add_option("--squares", squares, "COLUMNSxROWS, squares and not inner corners")->capture_default_str();
+  command.add_option("--squares", squares, "COLUMNSxROWS, counting squares, not inner corners")->capture_default_str();
   command.add_option("--square", square, "side of a square, measured on the print")->capture_default_str();
   command.add_option("--marker", marker, "side of a marker's black border (charuco)")->capture_default_str();
   command
@@ -22,7 +22,7 @@ void BoardOptions::add_lens(CLI::App& command) {
   command.add_option("--model", model, "pinhole (radial-tangential) or kannala_brandt (wide angle, fisheye)")
       ->capture_default_str()
       ->check(CLI::IsMember({"pinhole", "kannala_brandt"}));
-  command.add_option("--coefficients", coefficients, "of the pinhole's distortion: 0, 4, 5 or 8")
+  command.add_option("--coefficients", coefficients, "coefficients of the pinhole's distortion: 0, 4, 5 or 8")
       ->capture_default_str()
       ->check(CLI::IsMember({0, 4, 5, 8}));
 }

@@ -7,7 +7,7 @@
 
 namespace odograph {
 
-/// A calibration board and a lens as options have them.
+/// Options for a calibration board and a lens.
 struct BoardOptions {
   std::string kind = "charuco", squares = "10x7", square = "25 mm", marker = "19 mm", family = "36h11";
   std::string model = "pinhole";

@@ -12,7 +12,7 @@
 namespace odograph {
 namespace {
 
-/// Pixels to rays at depth 1, by the recording's own calibration.
+/// Rays at depth 1 of pixels, from the recording's calibration.
 std::vector<cv::Point2f> rays_of(const std::vector<cv::Point2f>& pixels, const odo_calibration& c) {
   const cv::Matx33d K(c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1);
   const std::vector<double> distortion(c.distortion, c.distortion + c.distortion_count);

@@ -9,22 +9,22 @@
 
 namespace odograph {
 
-constexpr int kFollowedCorners = 400;  ///< at most
+constexpr int kFollowedCorners = 400;  ///< maximum
 
-/// How well corners can be followed through pictures.
+/// Trackability of corners in a recording.
 struct TrackFigures {
   std::vector<double> lengths;  ///< frames, of corners first seen in the first half
-  std::vector<double> inliers;  ///< of each pair of frames, part of the followed corners that one motion explains
-  std::vector<double> flow_px;  ///< of each pair, median
-  std::vector<double> kept;     ///< of each pair, part of the corners that were found again
+  std::vector<double> inliers;  ///< per pair of frames, fraction of the tracked corners that one motion explains
+  std::vector<double> flow_px;  ///< per pair, median
+  std::vector<double> kept;     ///< per pair, fraction of the corners found again
   size_t frames = 0;
-  double rate_hz = 0;  ///< of the frames, where somebody knows it
+  double rate_hz = 0;  ///< of the frames, if known
 
-  /// The part of those corners that is still followed, by frames up to half of all and 60.
+  /// Fraction of those corners still tracked, by frame number, up to half of all frames and 60.
   std::vector<std::pair<double, double>> still_followed() const;
 };
 
-/// Follows corners with pyramidal Lucas-Kanade, forwards and back.
+/// Tracks corners with pyramidal Lucas-Kanade, forwards and backwards.
 class CornerFollower {
  public:
   explicit CornerFollower(size_t frames_in_all) : half_(frames_in_all / 2) {}

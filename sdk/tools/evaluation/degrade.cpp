@@ -13,13 +13,18 @@ namespace {
 
 constexpr double kEquator_m = 6378137.0;
 
-enum Stream : uint64_t { kNoise = 71, kJitter, kWild, kLost };  // of random numbers: one fault does not move another's
+enum Stream : uint64_t {
+  kNoise = 71,
+  kJitter,
+  kWild,
+  kLost
+};  // random streams, so that one fault does not change another's numbers
 
 odo_imu& imu_of(RecordedMessage& m) { return reinterpret_cast<odo_imu&>(m.message.header()); }
 odo_frame& frame_of(RecordedMessage& m) { return reinterpret_cast<odo_frame&>(m.message.header()); }
 uint32_t type_of(const RecordedMessage& m) { return m.message.header().type; }
 int64_t time_of(const RecordedMessage& m) { return m.message.header().t_ns; }
-/// Gyroscope and accelerometer may come in samples of their own, each in order.
+/// Gyroscope and accelerometer may have separate samples, each in time order.
 uint32_t sensors_of(const RecordedMessage& m) { return m.message.header().flags & (ODO_IMU_GYRO | ODO_IMU_ACCEL); }
 
 template <class Action>
@@ -40,7 +45,7 @@ int64_t first_frame_ns(const Recording& recording) {
   return recording.messages.empty() ? 0 : time_of(recording.messages.front());
 }
 
-/// Of the samples that carry the gyroscope, or of all where none does.
+/// Rate of the samples with a gyroscope, or of all samples if there is none.
 double imu_rate_hz(const Recording& recording) {
   int64_t first = 0, last = 0;
   size_t n = 0;
@@ -89,11 +94,11 @@ void leave_out_frames(Recording& recording, const Degradation& d) {
 
 void decimate(Recording& recording, double hz) {
   const int64_t period = nanoseconds(1 / hz);
-  int64_t next_ns[4] = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};  // by the sensors that a sample carries
+  int64_t next_ns[4] = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};  // by the sensors of a sample
   drop(recording, [&](const RecordedMessage& m) {
     if (type_of(m) != ODO_TYPE_IMU) return false;
     int64_t& next = next_ns[sensors_of(m)];
-    const int64_t early = period / 20;  // a sample that is just before its time is the one meant
+    const int64_t early = period / 20;  // accepts a sample shortly before its due time
     if (next != INT64_MIN && time_of(m) < next - early) return true;
     next = next == INT64_MIN || time_of(m) > next + period ? time_of(m) + period : next + period;
     return false;
@@ -141,7 +146,7 @@ void worsen_times(Recording& recording, const Degradation& d, uint64_t seed) {
   Random random(seed, kJitter);
   int64_t last_ns[4] = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
   constexpr int64_t kMin_ns = 1000;
-  // The truth is by the camera's clock as it is told: so it is the IMU that moves.
+  // The truth is on the camera's stated clock, so the IMU times are shifted.
   for_imu(recording, [&](RecordedMessage& m) {
     int64_t& t = m.message.header().t_ns;
     t += nanoseconds(d.time_offset_s);

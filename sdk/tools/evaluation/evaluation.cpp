@@ -82,7 +82,7 @@ Result<Alignment> parse_alignment(const std::string& name) {
 }
 
 namespace {
-/// Seconds as a double, rounded as a parser would round the decimal text: so ties fall as they do in evo.
+/// Seconds as a double, rounded as the decimal text would be parsed, so that ties resolve as in evo.
 double as_double_seconds(int64_t t_ns) { return static_cast<double>(static_cast<long double>(t_ns) / 1e9L); }
 }  // namespace
 
@@ -90,7 +90,7 @@ Pairs associate(const Trajectory& reference, const Trajectory& estimate, double 
   const bool estimate_is_longer = estimate.size() > reference.size();
   const Trajectory& shorter = estimate_is_longer ? reference : estimate;
   const Trajectory& longer = estimate_is_longer ? estimate : reference;
-  // Neither file need be sorted: search a sorted list of the longer one's times, keeping its order for equal ones.
+  // Neither file needs to be sorted: sort the longer one's times stably, then search them.
   std::vector<size_t> order(longer.size());
   std::iota(order.begin(), order.end(), size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return longer[a].t_ns < longer[b].t_ns; });
@@ -252,7 +252,7 @@ TrueLengths with_true_lengths(const Pairs& pairs, double window_m) {
 std::vector<double> scale_changes(const Pairs& pairs, double window_m) {
   const Trajectory &truth = pairs.reference, &estimate = pairs.estimate;
   std::vector<double> changes;
-  double path = 0, before = 0;  // scale of the half before; 0: none
+  double path = 0, before = 0;  // scale of the first half; 0: none
   size_t begin = 0;
   bool second = false;
   for (size_t i = 1; i < truth.size(); ++i) {
@@ -332,7 +332,7 @@ WaypointErrors waypoint_errors(const Trajectory& track, const std::vector<Waypoi
 LegOracles leg_oracles(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
   LegOracles out;
   if (waypoints.size() < 2) return out;
-  // Tracks that are straight from waypoint to waypoint, a pose at each.
+  // Tracks that are straight between waypoints, with one pose at each.
   Trajectory headed{{waypoints.front().t_ns, Eigen::Quaterniond::Identity(), waypoints.front().p_n}};
   Trajectory measured = headed;
   std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> legs;

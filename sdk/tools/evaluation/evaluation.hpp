@@ -10,17 +10,17 @@
 
 namespace odograph {
 
-/// What error figures are made of; definitions as in evo (Grupp, github.com/MichaelGrupp/evo).
+/// Error statistics; definitions as in evo (Grupp, github.com/MichaelGrupp/evo).
 struct Statistics {
   double rmse = 0, mean = 0, median = 0, std = 0, min = 0, max = 0, sse = 0;
   size_t n = 0;
 };
 Statistics statistics_of(std::vector<double> errors);
-/// The value below which the part `p` (0 to 1) of the errors lies, linear between ranks.
+/// The percentile `p` (0 to 1) of the values, linear between ranks.
 double percentile(std::vector<double> values, double p);
-/// The percentiles from 0 to 100, each with its part (0 to 1).
+/// The percentiles from 0 to 100, each with its fraction (0 to 1).
 std::vector<std::pair<double, double>> distribution_of(const std::vector<double>& values);
-/// The part of the errors that are less than those of the same places in the other list.
+/// Fraction of errors that are smaller than the corresponding ones in the other list.
 double part_below(const std::vector<double>& errors, const std::vector<double>& others);
 
 /// Overlapping Allan deviation of a rate signal over `tau_s` (IEEE Std 952-1997).
@@ -29,57 +29,57 @@ double allan_deviation(const std::vector<double>& rate, double hz, double tau_s)
 enum class Alignment { none, first, yaw, se3, sim3 };
 Result<Alignment> parse_alignment(const std::string& name);
 
-/// Poses of both trajectories at common times: each pose of the shorter one with the nearest in time of the other, if
-/// that is at most `max_difference_s` away (evo's association).
+/// Poses of both trajectories at common times: each pose of the shorter one with the pose of the other nearest in time,
+/// if at most `max_difference_s` away (evo's association).
 struct Pairs {
   Trajectory reference, estimate;
 };
 Pairs associate(const Trajectory& reference, const Trajectory& estimate, double max_difference_s);
 
-/// The estimate brought to the reference. none: as is. first: the first poses coincide. yaw: least squares over a
-/// rotation about the vertical and a shift. se3, sim3: Umeyama 1991, without and with scale. `scale` gets the factor
-/// applied.
+/// Aligns the estimate with the reference. none: unchanged. first: the first poses coincide. yaw: least squares over a
+/// rotation about the vertical and a translation. se3, sim3: Umeyama 1991, without and with scale. `scale` receives the
+/// factor applied.
 Trajectory align(const Pairs& pairs, Alignment alignment, double* scale);
 
-/// Absolute pose error, translation part in m and rotation part in rad.
+/// Absolute pose error: translation in m, rotation in rad.
 struct PoseErrors {
   std::vector<double> translation_m, rotation_rad;
 };
 PoseErrors absolute_errors(const Trajectory& reference, const Trajectory& estimate);
 
-/// Relative pose error over consecutive intervals of `delta` frames, or of `delta` metres of the reference's path.
+/// Relative pose error over consecutive intervals of `delta` frames, or `delta` metres of the reference's path.
 PoseErrors relative_errors(const Trajectory& reference, const Trajectory& estimate, double delta, bool metres);
 
-/// Ratio of the estimate's to the reference's displacement over windows of the path: (metres along the path, ratio).
+/// Ratio of the displacements, estimate to reference, over windows of the path: (metres along the path, ratio).
 std::vector<std::pair<double, double>> scale_along_path(const Trajectory& reference, const Trajectory& estimate,
                                                         double window_m);
 
-/// The estimate with the true lengths: what is left is the error that no scale source can mend. With a window of 0 each
-/// frame's displacement gets the true one's length, otherwise all displacements within a window of the true path share
-/// one factor, the ratio of both displacements over it. Directions and orientations stay the estimate's. A frame
-/// without any displacement stays where it is.
+/// The estimate with true displacement lengths: the remaining error is the one that no scale source can correct. With a
+/// window of 0, each frame's displacement gets the true length; otherwise all displacements within a window of the true
+/// path share one factor, the ratio of both displacements over it. Directions and orientations are the estimate's. A
+/// frame without displacement does not move.
 struct TrueLengths {
   Trajectory track;
-  std::vector<double> direction_error_rad;  ///< of each frame's displacement, in the camera's own frame
-  size_t without_motion = 0;                ///< frames that moved in truth and not in the estimate
+  std::vector<double> direction_error_rad;  ///< of each frame's displacement, in camera axes
+  size_t without_motion = 0;                ///< frames that moved in truth but not in the estimate
 };
 TrueLengths with_true_lengths(const Pairs& pairs, double window_m);
 
-/// How far the estimate's scale moves within windows of the true path: of each window whose two halves both lead
-/// somewhere, the ratio of the second half's scale (true displacement over the estimate's) to the first half's,
+/// Change of the estimate's scale within windows of the true path: for each window whose halves both have a
+/// displacement, the ratio of the second half's scale (true displacement over the estimate's) to the first half's,
 /// minus 1.
 std::vector<double> scale_changes(const Pairs& pairs, double window_m);
 
-/// Position at a time, linear between poses, held before the first and after the last.
+/// Position at a time: linear between poses, constant before the first and after the last.
 Eigen::Vector3d position_at(const Trajectory& trajectory, int64_t t_ns);
 
-/// Pose at a time, between its two neighbours if they are at most `largest_gap_s` apart; none outside the trajectory.
+/// Pose at a time, interpolated if its neighbours are at most `largest_gap_s` apart; none outside the trajectory.
 std::optional<StampedPose> pose_at(const Trajectory& trajectory, int64_t t_ns, double largest_gap_s);
 
-/// Turn about the vertical, in rad, that fits the track to the waypoints within the first `metres` of their polyline
-/// (and at least one), both taken from the first waypoint on.
+/// Rotation about the vertical, rad, that fits the track to the waypoints within the first `metres` of their polyline
+/// (at least one waypoint), both relative to the first waypoint.
 double heading_offset(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres);
-/// The track turned about its place at the first waypoint, and shifted so that this place is the waypoint.
+/// Rotates the track about its position at the first waypoint, and translates that position to the waypoint.
 Trajectory lay_over(const Trajectory& track, const std::vector<Waypoint>& waypoints, double yaw_rad);
 
 struct WaypointErrors {
@@ -90,13 +90,13 @@ struct WaypointErrors {
 };
 WaypointErrors waypoint_errors(const Trajectory& track, const std::vector<Waypoint>& waypoints);
 
-/// Which of the two a position error is made of: horizontal errors at each waypoint after the first, were the heading
-/// of each leg between two waypoints true, and were its length true. The heading of the second is fitted over the first
-/// `metres`, as heading_offset does.
+/// Splits a position error into its causes: horizontal errors at each waypoint after the first, with the true heading
+/// of each leg between waypoints, and with its true length. The heading of the second is fitted over the first
+/// `metres`, as in heading_offset().
 struct LegOracles {
   std::vector<double> true_headings_m, true_lengths_m;
-  std::vector<double> heading_rad, length;  ///< what is left in each leg of 1 m or more: turn after the fit over all
-                                            ///< of them, and estimated over true length minus 1
+  std::vector<double> heading_rad, length;  ///< remaining error per leg of 1 m or more: heading after a fit over all of
+                                            ///< them, and estimated over true length minus 1
 };
 LegOracles leg_oracles(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres);
 

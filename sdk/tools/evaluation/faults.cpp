@@ -16,7 +16,7 @@ using table::choice, table::integer, table::map, table::real;
 
 constexpr const char* kKinds[] = {"drop", "repeat", "delay", "shift", "value", "black", "damaged"};
 
-/// The part of an inertial sample that a fault is about; 0 for whole messages.
+/// The part of an inertial sample that a fault affects; 0 for whole messages.
 uint32_t half_of(const std::string& sensor) {
   return sensor == "accelerometer" ? ODO_IMU_ACCEL : sensor == "gyroscope" ? ODO_IMU_GYRO : 0;
 }
@@ -52,13 +52,13 @@ void read_as(odo_header& header, const std::string& sensor, double value) {
   }
 }
 
-/// A message and when it is delivered.
+/// A message and its delivery time.
 struct Delivery {
   int64_t at_ns;
   RecordedMessage message;
 };
 
-/// Puts a fault on one delivery, which lies at the end of the list.
+/// Applies a fault to the last delivery in the list.
 void spoil(std::vector<Delivery>& all, const SensorFault& fault) {
   Delivery& one = all.back();
   odo_header& header = one.message.message.header();
@@ -87,21 +87,21 @@ const Spec& faults_spec() {
     Spec version = integer("odograph_faults", 1, 1, "1", "version of this file format");
     version.required = true;
     Spec kind = choice("fault", "drop|repeat|delay|shift|value|black|damaged", "",
-                       "drop: missing; repeat: twice; delay: delivered later; shift: wrong times; value: every number "
-                       "reads the same; black, damaged: pictures");
+                       "drop: missing; repeat: twice; delay: delivered later; shift: wrong times; value: constant "
+                       "reading; black, damaged: pictures");
     kind.required = true;
     Spec sensor =
         choice("sensor", "imu|accelerometer|gyroscope|magnetometer|barometer|gnss|camera|all", "", "of which");
     sensor.required = true;
     Spec value{.name = "value", .type = SpecType::real, .fallback = "0", .help = "of `value`, in the sensor's SI unit"};
-    Spec faults{.name = "faults", .type = SpecType::list, .help = "one after the other", .required = true};
+    Spec faults{.name = "faults", .type = SpecType::list, .help = "faults, applied in order", .required = true};
     faults.children = {map("", "a fault",
                            {kind, sensor, real("from", "s", 0, 1e6, "0", "after the recording's first message"),
                             real("for", "s", 0, 1e6, "0", "how long; 0: to the end"),
-                            real("part", "", 0, 1, "1", "of the samples, by chance"),
+                            real("part", "", 0, 1, "1", "fraction of the samples, at random"),
                             real("by", "s", -1e6, 1e6, "0", "of delay and shift"), value})};
-    return map("faults", "What goes wrong with the sensors of a recording",
-               {version, integer("seed", 0, 1e15, "0", "of what happens by chance"), faults});
+    return map("faults", "Faults injected into the sensors of a recording",
+               {version, integer("seed", 0, 1e15, "0", "seed of the random choices"), faults});
   }();
   return spec;
 }

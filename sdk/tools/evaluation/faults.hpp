@@ -10,24 +10,24 @@
 
 namespace odograph {
 
-/// What goes wrong with a sensor.
+/// Kinds of sensor faults.
 enum class FaultKind {
   drop,     ///< samples are missing
-  repeat,   ///< samples come twice
+  repeat,   ///< samples are delivered twice
   delay,    ///< samples are delivered later by `by`
   shift,    ///< their times are wrong by `by`
-  value,    ///< they read `value` in every number
-  black,    ///< pictures show nothing
-  damaged,  ///< pictures cannot be read
+  value,    ///< every number reads `value`
+  black,    ///< pictures are black
+  damaged,  ///< pictures cannot be decoded
 };
 
-/// One line of a faults file.
+/// One entry of a faults file.
 struct SensorFault {
   FaultKind kind = FaultKind::drop;
   std::string sensor;  ///< imu, accelerometer, gyroscope, magnetometer, barometer, gnss, camera or all
   double from_s = 0;   ///< after the recording's first message
   double for_s = 0;    ///< 0: to the end
-  double part = 1;     ///< of the samples, by chance
+  double part = 1;     ///< fraction of the samples, at random
   double by_s = 0;
   double value = 0;
 };
@@ -37,13 +37,13 @@ struct SensorFaults {
   std::vector<SensorFault> faults;
 };
 
-/// The table of a faults file.
+/// Schema of a faults file.
 const Spec& faults_spec();
-/// Failures as of a pipeline config, with file, line and column.
+/// Failures as for a pipeline config, with file, line and column.
 Result<SensorFaults> read_faults(const std::string& path);
 
-/// The recording as it would have been delivered with these faults, one after the other. The same for the same
-/// recording and faults. Truth and descriptions of the sensors stay.
+/// The recording as delivered with these faults, applied in order. Reproducible for the same recording and faults.
+/// Truth and sensor descriptions are unchanged.
 Recording with_faults(const Recording& recording, const SensorFaults& faults);
 
 }  // namespace odograph

@@ -10,9 +10,9 @@
 namespace odograph {
 namespace {
 
-constexpr double kThreeSigma2 = 11.83;  // 3 sigma of one axis holds 99.73 %; the same part of a plane lies within this
+constexpr double kThreeSigma2 = 11.83;  // 99.73 % (3 sigma of one axis) for two degrees of freedom
 
-/// Seconds of the recording in which the truth has roofs in at least a third of the directions above ten degrees.
+/// Seconds of the recording in which, by the truth, roofs fill at least a third of the directions above ten degrees.
 std::vector<int64_t> seconds_with_skyline(const Recording& recording) {
   std::vector<int64_t> seconds;
   for (const TrueSkyline& s : recording.true_skylines) {
@@ -69,7 +69,8 @@ CanyonFigures canyon_figures(const std::vector<TrueState>& truth, const Trajecto
   bool has_heading = false;
   for (const StampedPose& pose : track) {
     while (at + 1 < truth.size() && truth[at].t_ns < pose.t_ns) ++at;
-    for (; walked_to + 20 <= at; walked_to += 20)  // a tenth of a second: what the hand does is no path
+    for (; walked_to + 20 <= at;
+         walked_to += 20)  // every tenth of a second, so that hand motion does not add to the path
       walked_m += (truth[walked_to + 20].p - truth[walked_to].p).head<2>().norm();
     const double t = seconds(pose.t_ns - truth.front().t_ns);
     const double error = (pose.p - truth[at].p).head<2>().norm();

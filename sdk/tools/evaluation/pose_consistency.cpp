@@ -18,9 +18,9 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kThreeSigma1 = 9.0, kThreeSigma2 = 11.83;  // 99.73 % of chi-square, one and two degrees of freedom
-constexpr double kMinSigma_m = 0.01, kMinSigma_rad = 1e-3;  // the covariance's floor
+constexpr double kMinSigma_m = 0.01, kMinSigma_rad = 1e-3;  // lower clamp of the covariance
 
-/// Time for which something has been beyond three sigmas without a break.
+/// Longest continuous time beyond three sigma.
 struct Beyond {
   double longest_s = 0, now_s = 0;
   void see(bool is, double dt_s) {

@@ -15,9 +15,9 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kLongest_s = 0.25;  // between poses that are compared with the gyroscope
+constexpr double kLongest_s = 0.25;  // maximum interval between poses compared with the gyroscope
 constexpr size_t kMinPoses = 50;
-constexpr double kPlain = 3;  // the wrong frame's disagreement is so many times the right one's, or more
+constexpr double kPlain = 3;  // minimum ratio of the wrong frame's disagreement to the right one's
 
 struct Extrinsics {
   Quaterniond q_b_c;
@@ -46,8 +46,8 @@ std::vector<Rate> rates_of(const Recording& recording) {
   return rates;
 }
 
-/// rad, median over pairs of neighbouring poses: their rotation in their own axes less the gyroscope's in the axes that
-/// `q_x_b` takes b to. NaN where too few pairs have samples.
+/// Median over pairs of neighbouring poses, rad: their rotation in their own axes minus the gyroscope's in the axes x
+/// to which `q_x_b` maps b. NaN if too few pairs have samples.
 double disagreement(const Trajectory& poses, const std::vector<Rate>& rates, const Quaterniond& q_x_b) {
   std::vector<double> off_rad;
   auto sample = rates.begin();
@@ -76,7 +76,7 @@ Result<Trajectory> read_reference(const std::filesystem::path& tum, const std::s
   const bool body = frame == "body";
   if (body && !mount)
     return Failure{ODO_E_DATA, recording.path.string() + ": without camera-IMU extrinsics the poses of a body in " +
-                                   tum.string() + " say nothing of its camera"};
+                                   tum.string() + " do not determine its camera's poses"};
   if (mount) {
     const auto rates = rates_of(recording);
     const double as_body = disagreement(*poses, rates, Quaterniond::Identity()),

@@ -7,9 +7,9 @@
 
 namespace odograph {
 
-/// A TUM file's poses as those of the recording's camera, in order of time. `frame`: whose poses they are, "camera" or
-/// "body" (the IMU). Failures: the file's own; ODO_E_DATA where body poses meet a recording without extrinsics;
-/// ODO_E_ARGUMENT where the gyroscope says that they are the other frame's.
+/// Poses of a TUM file as poses of the recording's camera, in time order. `frame`: whose poses they are, "camera" or
+/// "body" (the IMU). Fails as reading the file does; ODO_E_DATA for body poses of a recording without extrinsics;
+/// ODO_E_ARGUMENT if the gyroscope shows that they belong to the other frame.
 Result<Trajectory> read_reference(const std::filesystem::path& tum, const std::string& frame,
                                   const Recording& recording);
 

@@ -5,23 +5,23 @@
 
 namespace odograph {
 
-/// Turned and shifted onto the truth over its first metres, as an app does that knows where it starts.
+/// Rotates (yaw) and translates the track onto the truth over its first metres, as for an app with a known start.
 Trajectory started(const Trajectory& truth, const Trajectory& track, double over_m);
 
-/// Turned and shifted onto the truth where its first metres end, by position and heading there: what a fix of both, as
-/// a known object gives it, does for an app.
+/// Rotates (yaw) and translates the track onto the truth's pose at the end of its first metres: the effect of a fix of
+/// position and heading, as from a known object.
 Trajectory started_by_pose(const Trajectory& truth, const Trajectory& track, double after_m);
 
-/// The track with the true length over the truth's first metres, as a car knows it from its wheels when it pulls away.
+/// Scales the track to the true length over the truth's first metres, as a car knows it from its wheels.
 Trajectory scaled_by_start(const Trajectory& truth, const Trajectory& track, double over_m);
 
-/// Turned so that its first pose looks where the true one does: a camera alone does not know what is up.
+/// Rotates the track so that its first orientation is the true one: a camera alone does not observe the vertical.
 Trajectory turned_onto_first(const Trajectory& truth, const Trajectory& track);
 
 /// Rotation about the vertical from the estimate to the truth, rad, from -pi to pi.
 double yaw_error(const Eigen::Quaterniond& estimate, const Eigen::Quaterniond& truth);
 
-/// A rotation about the vertical and a shift, from n of a track to n of the truth.
+/// A rotation about the vertical and a translation, from n of a track to n of the truth.
 struct YawAlignment {
   double yaw_rad = 0;
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
@@ -30,15 +30,15 @@ struct YawAlignment {
   Eigen::Vector3d on_track(const Eigen::Vector3d& p) const;
   double yaw_error(const Eigen::Quaterniond& estimate, const Eigen::Quaterniond& truth) const;
 };
-/// What brings a pose of the track onto the true one.
+/// Alignment of a pose of the track with the true one.
 YawAlignment yaw_alignment(const StampedPose& estimate, const StampedPose& truth);
 
-/// Horizontal distance of the track from the truth, at each of the truth's poses.
+/// Horizontal distance of the track from the truth at each true pose.
 std::vector<double> horizontal_errors(const Trajectory& truth, const Trajectory& track);
 double horizontal_error(const Trajectory& truth, const Trajectory& track, int64_t t_ns);
 
-/// How far off a track is at each of the truth's poses: to the north, to the east, horizontally; and from each to the
-/// next one how far its displacement's length is from the true one's.
+/// Errors of a track at each true pose, north, east and horizontal; and between consecutive ones, the error of the
+/// displacement's length.
 struct PositionErrors {
   std::vector<double> north_m, east_m, horizontal_m, displacement_m;
 };

@@ -19,10 +19,10 @@ using Eigen::Vector3d;
 
 const double kNone = std::nan("");
 
-/// Metric poses of one scale group that have a true one.
+/// Metric poses of one scale group that have a true pose.
 struct Group {
   Pairs pairs;
-  std::vector<double> sigma;  ///< stated, of each
+  std::vector<double> sigma;  ///< stated with each
 
   double seconds_to(size_t k) const { return seconds(pairs.reference[k].t_ns - pairs.reference.front().t_ns); }
 };
@@ -42,7 +42,7 @@ std::vector<Group> metric_groups(const ComposedMotions& composed, const Trajecto
   return groups;
 }
 
-/// rms distance from the mean position.
+/// Rms distance from the mean position.
 double extent_of(const Trajectory& track) {
   Vector3d mean = Vector3d::Zero();
   for (const StampedPose& x : track) mean += x.p / static_cast<double>(track.size());
@@ -70,7 +70,7 @@ std::vector<ScaleClaim> claims_of(const Group& group, const StartWindowParameter
   return claims;
 }
 
-/// Mean normalised squared errors of the metric motions, by degree of freedom.
+/// Mean normalised squared errors of the metric motions, per degree of freedom.
 void measure_motions(const Trajectory& truth, const std::vector<odo_vo_motion>& motions, double largest_gap_s,
                      StartWindow& f) {
   double rotation = 0, displacement = 0;

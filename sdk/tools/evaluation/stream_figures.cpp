@@ -17,7 +17,7 @@ double angle_deg(const odo_pose& a, const odo_pose& b) {
 
 Vector3d position(const odo_pose& pose) { return Vector3d(pose.p_n); }
 
-/// How far a track's step from one poll to the next differs from the truth's in length, m.
+/// Difference in length between a track's step from one poll to the next and the true step, m.
 double step_beyond(const Vector3d& step, const Trajectory& truth, int64_t from_ns, int64_t to_ns) {
   return step.norm() - (position_at(truth, to_ns) - position_at(truth, from_ns)).norm();
 }

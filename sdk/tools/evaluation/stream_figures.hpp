@@ -10,7 +10,7 @@
 
 namespace odograph {
 
-/// An answer of odo_session_get_pose, and of odo_session_get_smooth_pose at the same time.
+/// Results of odo_session_get_pose and odo_session_get_smooth_pose at the same time.
 struct PolledPose {
   int64_t t_ns;
   odo_pose pose, smooth;
@@ -19,17 +19,17 @@ struct PolledPose {
 /// The poses that an app draws with.
 struct PoseStream {
   std::map<int64_t, odo_pose> poses;  ///< the pipeline's own, as last corrected
-  std::vector<PolledPose> polls;      ///< at the rate of the screen
-  std::vector<PolledPose> early;      ///< each for the time of a frame that comes later
+  std::vector<PolledPose> polls;      ///< at the screen's refresh rate
+  std::vector<PolledPose> early;      ///< each for the time of a later frame
 };
 
 struct StreamFigures {
   size_t frames = 0;                                ///< early poses with a later one of the pipeline
-  std::vector<double> orientation_deg, position_m;  ///< of these, off that one; positions where they had one
-  size_t without_position = 0, repeated = 0;        ///< early poses; polls that look where the one before did
-  double jump_m = 0, smooth_jump_m = 0;             ///< the longest step between two polls beyond the true one
+  std::vector<double> orientation_deg, position_m;  ///< difference to that one; positions if available
+  size_t without_position = 0, repeated = 0;        ///< early poses; polls with the same view as the previous one
+  double jump_m = 0, smooth_jump_m = 0;             ///< longest step between two polls minus the true one
 };
-/// Nothing before `start_ns` counts but in the jumps.
+/// Only the jumps include data before `start_ns`.
 StreamFigures stream_figures(const PoseStream& stream, const Trajectory& truth, int64_t start_ns);
 
 }  // namespace odograph

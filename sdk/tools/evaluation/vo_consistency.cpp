@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMinDisplacement_m = 0.03;  // of a frame whose direction means something
+constexpr double kMinDisplacement_m = 0.03;  // minimum for a meaningful direction
 constexpr double kLargestGap_s = 0.25;
 
 }  // namespace

@@ -9,14 +9,14 @@
 
 namespace odograph {
 
-/// How much larger the squared errors of a visual odometry's motions are than their covariances say, per degree of
-/// freedom, of each motion that has a covariance and a truth. Directions of frames that moved 3 cm or more.
+/// Squared errors of a visual odometry's motions normalised by their covariances, per degree of freedom, for each
+/// motion with a covariance and a truth. Directions only of frames that moved 3 cm or more.
 struct MotionConsistency {
   std::vector<double> rotation, direction;
 };
 MotionConsistency motion_consistency(const Trajectory& truth, const std::vector<odo_vo_motion>& motions);
 
-/// The shape of a visual odometry's path, whatever its scale.
+/// Shape of a visual odometry's path, independent of its scale.
 struct VoShape {
   double path_m = 0;                                 ///< true, of the frames that have a pose
   double ape_m = 0;                                  ///< rms after Sim(3)
@@ -24,10 +24,9 @@ struct VoShape {
   std::vector<double> scale_change;                  ///< within such windows, absolute, relative
   std::vector<double> rotation_rad;                  ///< error of each frame
   double rotation_nees = 0, direction_nees = 0;      ///< means of MotionConsistency
-  double tracking_share = 0, lost_share = 0;         ///< of the motions, by what they say of themselves
+  double tracking_share = 0, lost_share = 0;         ///< of the motions, by their stated state
 };
-/// `pairs`: the true poses and those that the motions lead to. Below ten of them all but the
-/// shares is NaN.
+/// `pairs`: the true poses and those composed from the motions. With fewer than ten, everything but the shares is NaN.
 VoShape vo_shape(const Trajectory& truth, const std::vector<odo_vo_motion>& motions, const Pairs& pairs);
 
 }  // namespace odograph

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 double seconds(int64_t from_ns, int64_t to_ns) { return odograph::seconds(to_ns - from_ns); }
 
-/// The poses that have a true one, as indices, and the true path up to each.
+/// Indices of the poses that have a true pose, and the true path up to each.
 struct Matched {
   const ComposedMotions& motions_;
   std::vector<size_t> index;
@@ -23,7 +23,7 @@ struct Matched {
 
   size_t size() const { return index.size(); }
   const ComposedPose& pose(size_t k) const { return motions_.poses[index[k]]; }
-  /// The last one that is at most at the time, or the first that is at least at it.
+  /// The last pose at or before a time; its counterpart, the first at or after it.
   std::optional<size_t> at_most(int64_t t_ns) const {
     const auto after = first_at_least(t_ns + 1);
     return after > 0 ? std::optional(after - 1) : std::nullopt;
@@ -58,7 +58,7 @@ bool one_group(const Matched& m, size_t from, size_t to) {
   return true;
 }
 
-/// Displacement of the odometry, in its own units, by the true one; 0 where the stretch hardly leads anywhere.
+/// Ratio of the odometry's displacement, in its own units, to the true one; 0 if the true displacement is too small.
 double scale_over(const Matched& m, size_t from, size_t to, double min_straight) {
   const double true_m = (m.truth[to].p - m.truth[from].p).norm(), own = (m.pose(to).own - m.pose(from).own).norm();
   return true_m > min_straight * (m.path_m[to] - m.path_m[from]) && true_m > 0 ? own / true_m : 0;
@@ -153,8 +153,8 @@ void measure_start(const Trajectory& truth, const std::vector<odo_vo_motion>& mo
   if (moved != truth.end()) f.start_from_motion_s = seconds(moved->t_ns, known);
 }
 
-/// The metric poses turned so that what the motions called down is the reference's vertical; none where neither way
-/// along z is within 45 degrees of it.
+/// The metric poses rotated so that their stated gravity matches the reference's vertical; none if neither direction of
+/// z is within 45 degrees of it.
 std::optional<Trajectory> gravity_aligned(const Matched& m, const Trajectory& metric) {
   Vector3d own = Vector3d::Zero(), reference = Vector3d::Zero();
   for (size_t k = 0; k < m.size(); ++k)

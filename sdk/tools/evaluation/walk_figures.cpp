@@ -48,8 +48,8 @@ void add_modes(const Recording& recording, const WalkEstimate& result, WalkFigur
   }
 }
 
-/// Inclination over the whole walk, how fast the heading leaves the truth after half a minute, and how far it strays
-/// (95 % of the time) from north, or without a magnetometer from what it was then.
+/// Inclination over the whole walk, heading drift after half a minute, and heading error (95 % of the time) against
+/// north or, without a magnetometer, against its value at that time.
 void add_attitude(const Recording& recording, const WalkEstimate& result, WalkFigures& f) {
   size_t at = 0;
   double squares = 0;

@@ -15,9 +15,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// About a stride to either side: a leg's or a hand's own movement is no path.
+/// About one stride to each side, to remove the motion of leg or hand.
 constexpr int64_t kSmooth_ns = 500'000'000;
-/// Two strides: shorter displacements say more of the body's sway than of the walk.
+/// Two strides: shorter displacements are dominated by body sway.
 constexpr int64_t kStretch_ns = 2'000'000'000;
 
 Trajectory smoothed(const Trajectory& truth) {
@@ -40,7 +40,7 @@ TrueStretch between(const Waypoint& a, const Waypoint& b) {
   return {a.t_ns, b.t_ns, d.norm(), std::atan2(d.y(), d.x())};
 }
 
-/// Places of the truth: every two seconds of a path, or the waypoints.
+/// Reference positions: every two seconds of a path, or the waypoints.
 std::vector<Waypoint> places_of(const Recording& recording, const Trajectory& path) {
   if (path.empty()) return recording.waypoints();
   std::vector<Waypoint> places;
@@ -53,7 +53,7 @@ std::vector<TrueStretch> stretches_of(const Recording& recording, const std::vec
   std::vector<TrueStretch> all;
   for (size_t i = 1; i < places.size(); ++i) all.push_back(between(places[i - 1], places[i]));
   const auto& wheel = recording.true_distances;
-  constexpr double kStretch_m = 10;  // a click a metre, which comes late at times
+  constexpr double kStretch_m = 10;  // a trundle wheel clicks once a metre, sometimes late
   for (size_t i = 1, from = 0; i < wheel.size(); ++i)
     if (wheel[i].walked_m - wheel[from].walked_m >= kStretch_m)
       all.push_back({wheel[from].t_ns, wheel[i].t_ns, wheel[i].walked_m - wheel[from].walked_m, std::nan("")}),
@@ -61,7 +61,7 @@ std::vector<TrueStretch> stretches_of(const Recording& recording, const std::vec
   return all;
 }
 
-/// How much of the steps lies in a time, as a length and a number, and the sum of their standard deviations.
+/// Length and number of the steps within a time, and the sum of their standard deviations.
 struct Walked {
   double length_m = 0, sigma_m = 0, count = 0;
 };
@@ -91,12 +91,13 @@ void add_distance(const std::vector<odo_step>& steps, const std::vector<TrueStre
   for (const TrueStretch& s : stretches) {
     const Walked own = walked(steps, s.from_ns, s.to_ns);
     const double whole_s = seconds(s.to_ns - s.from_ns);
-    if (own.sigma_m > 0 && s.length_m > 0.5 * whole_s && whole_s < 20)  // standing and bends are no lengths
+    if (own.sigma_m > 0 && s.length_m > 0.5 * whole_s &&
+        whole_s < 20)  // at rest and in bends, the displacement is not a length
       f.normalised_error.push_back(std::pow((own.length_m - s.length_m) / own.sigma_m, 2));
   }
 }
 
-/// The track on the places by least squares; its rms and its stretches' directions.
+/// Least-squares alignment of the track with the reference positions; its rms and the directions of its stretches.
 void add_position(const Trajectory& track, const std::vector<Waypoint>& places, WalkTruthFigures& f) {
   f.position_m = std::nan("");
   if (places.size() < 2 || track.empty()) return;
@@ -117,7 +118,7 @@ void add_position(const Trajectory& track, const std::vector<Waypoint>& places, 
   f.position_m = std::sqrt(squares / static_cast<double>(laid.size()));
 }
 
-/// The steps one after the other, along their own headings.
+/// Composes the steps along their own headings.
 WalkTruthFigures::Composed composed_errors(const std::vector<odo_step>& steps, double fixed_m,
                                            const std::vector<Waypoint>& places) {
   const bool headings =
@@ -145,13 +146,13 @@ WalkTruthFigures::Composed composed_errors(const std::vector<odo_step>& steps, d
   for (const Waypoint& place : places) {
     const auto [a, b] = from_first(place);
     errors.end_m = (rotation * a - b).norm();
-    errors.mean_m += errors.end_m / static_cast<double>(places.size() - 1);  // the first one is no error
+    errors.mean_m += errors.end_m / static_cast<double>(places.size() - 1);  // the first position has no error
   }
   return errors;
 }
 
 void add_floors(const Recording& recording, const Trajectory& track, WalkTruthFigures& f) {
-  constexpr double kFloor_m = 3;  // at least, between two
+  constexpr double kFloor_m = 3;  // minimum height between two floors
   const auto& floors = recording.true_floors;
   for (size_t i = 1; i < floors.size(); ++i) {
     const double up_m = -(position_at(track, floors[i].t_ns) - position_at(track, floors[i - 1].t_ns)).z();
@@ -162,7 +163,7 @@ void add_floors(const Recording& recording, const Trajectory& track, WalkTruthFi
   }
 }
 
-/// Floors as whole numbers, each counted from the first place's.
+/// Floor numbers, each relative to the first place.
 void add_floor_numbers(const Recording& recording, const Trajectory& track, WalkTruthFigures& f) {
   f.floor_probability = std::nan("");
   const auto& places = recording.true_floors;

@@ -22,7 +22,7 @@ Json summary_at(const fs::path& file) {
   return Json::parse(in, nullptr, false);
 }
 
-/// Calls with the fields of each line but the first; a file that is not there has none.
+/// Calls with the fields of each line except the first; a missing file has none.
 void each_row(const fs::path& file, size_t fields, const std::function<void(const std::vector<std::string>&)>& take) {
   std::ifstream in(file);
   std::string line;
@@ -81,7 +81,7 @@ Result<ExportedRun> read_exported_run(const fs::path& input, const std::string& 
   auto recording = read_recording(path, options);
   if (!recording) return recording.failure();
   run.recording = std::move(*recording);
-  refine_guessed_camera(run.recording);  // as the run had it
+  refine_guessed_camera(run.recording);  // as the run did
   if (is_run)
     read_tables(input, summary, run);
   else

@@ -12,13 +12,13 @@
 
 namespace odograph {
 
-/// Latitude, longitude (rad) and height (m) of a track's frame n.
+/// Latitude, longitude (rad) and height (m) of the origin of a track's frame n.
 using Origin = std::optional<std::array<double, 3>>;
 
-/// What converters outwards take: a track with the recording that it is of, and what a run wrote beside it.
+/// Input of the exporters: a track with its recording, and the run's other output.
 struct ExportedRun {
   Recording recording;
-  Trajectory track;  ///< of the camera where the recording has one, in n; the recording's truth where it is no run's
+  Trajectory track;  ///< of the camera if the recording has one, in n; the truth if the input is a recording
   Origin origin;
   struct Scale {
     int64_t t_ns;
@@ -34,30 +34,30 @@ struct ExportedRun {
   std::vector<State> states;
 };
 
-/// A run's folder with the recording that its summary names, or another; or a recording with its truth. A run whose
-/// recording is gone is a failure that says how to name it.
+/// Reads a run's folder with the recording that its summary names, or another one; or a recording with its truth. If
+/// the run's recording is missing, the failure states how to name it.
 Result<ExportedRun> read_exported_run(const std::filesystem::path& input, const std::string& recording,
                                       const ReadOptions& options);
 
-/// The origin in a run's summary.json; none where the run never knew it.
+/// The origin in a run's summary.json; none if the run had no origin.
 Origin origin_in_summary(const std::filesystem::path& summary);
 
 struct Exported {
   size_t poses = 0, pictures = 0;
-  uint64_t pictures_lost = 0;  ///< that could not be read
-  size_t without_pose = 0;     ///< pictures at whose time there is no pose, left out
+  uint64_t pictures_lost = 0;  ///< unreadable
+  size_t without_pose = 0;     ///< pictures without a pose at their time, skipped
 };
 using ExportProgress = std::function<void(size_t done, size_t all)>;
 
-/// MCAP with Foxglove's schemas as JSON: transforms, poses, the whole track, pictures, lens, fixes, IMU, and where it
-/// is a run's its scale and states. The world has x to the east, y to the north, z up.
+/// Writes MCAP with Foxglove's schemas as JSON: transforms, poses, the whole track, pictures, lens, fixes, IMU, and for
+/// a run its scale and states. The world frame has x east, y north, z up.
 Result<Exported> write_foxglove(const ExportedRun& run, const std::filesystem::path& file,
                                 const ExportProgress& progress);
 
-/// A folder for COLMAP: images/ and in sparse/ a text model with lens and poses, without points.
+/// Writes a folder for COLMAP: images/, and in sparse/ a text model with lens and poses, without points.
 Result<Exported> write_colmap(const ExportedRun& run, const std::filesystem::path& folder, double every_s,
                               const ExportProgress& progress);
-/// transforms.json as nerfstudio reads it, with images/ beside it; z up, x to the east.
+/// Writes transforms.json for nerfstudio, with images/ beside it; z up, x east.
 Result<Exported> write_transforms(const ExportedRun& run, const std::filesystem::path& file, double every_s,
                                   const ExportProgress& progress);
 

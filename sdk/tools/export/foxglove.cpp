@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// MCAP for Foxglove and whatever else reads its schemas (docs.foxglove.dev/docs/visualization/message-schemas), as
-// JSON.
+// MCAP for Foxglove and other readers of its schemas (docs.foxglove.dev/docs/visualization/message-schemas), as JSON.
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -21,7 +20,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kDegrees = 57.295779513082320877;
 constexpr const char *kWorld = "world", *kCamera = "camera", *kImu = "imu";
 
-// JSON schemas, from the names of the fields.
+// JSON schemas, built from the field names.
 const Json kNumber = {{"type", "number"}}, kInteger = {{"type", "integer"}}, kText = {{"type", "string"}},
            kBoolean = {{"type", "boolean"}}, kBytes = {{"type", "string"}, {"contentEncoding", "base64"}};
 Json object_schema(const char* title, const Json& fields) {
@@ -44,7 +43,7 @@ Json pose_of(const StampedPose& pose) {
   return {{"position", vector_of(pose.p)}, {"orientation", quaternion_of(pose.q)}};
 }
 
-/// North, east, down to east, north, up.
+/// North-East-Down to East-North-Up.
 StampedPose in_world(const StampedPose& pose) {
   static const Eigen::Quaterniond q_e_n(0, std::sqrt(0.5), std::sqrt(0.5), 0);
   return {pose.t_ns, q_e_n * pose.q, q_e_n * pose.p};
@@ -112,7 +111,7 @@ class FoxgloveWriter {
     write_place("/track/fix", pose.t_ns, place, nullptr);
   }
 
-  /// All poses at once, for a line in space, and where the camera sits.
+  /// All poses at once, as a line in space, and the camera's mount.
   void write_track() {
     const int64_t t_ns =
         run_.track.empty() ? run_.recording.messages.front().message.header().t_ns : run_.track[0].t_ns;
@@ -227,7 +226,7 @@ class FoxgloveWriter {
         {{"stamp", object_schema("time", {{"sec", kInteger}, {"nanosec", kInteger}})}, {"frame_id", kText}});
   }
 
-  /// Of sensors that Foxglove has no schema for: ROS's, as JSON.
+  /// For sensors without a Foxglove schema: ROS schemas, as JSON.
   void write_sample(const odo_header& header) {
     const int64_t t_ns = header.t_ns;
     if (header.type == ODO_TYPE_CALIBRATION && lens_ && header.source == lens_->header.source) {

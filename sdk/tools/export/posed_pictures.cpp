@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Pictures with poses, for programs that make models of them: COLMAP (colmap.github.io/format.html) and nerfstudio
+// Pictures with poses, for 3-D reconstruction with COLMAP (colmap.github.io/format.html) and nerfstudio
 // (docs.nerf.studio, "data conventions").
 #include <cstdio>
 #include <fstream>
@@ -96,7 +96,7 @@ class PosedPictures {
   odo_calibration lens_{};
 };
 
-/// Lens as COLMAP has it: the first pixel's corner is 0.
+/// Lens in COLMAP's convention: the first pixel's corner is 0.
 void write_camera(std::ostream& out, const odo_calibration& c) {
   const bool fisheye = c.model == ODO_CAMERA_KANNALA_BRANDT, many = c.distortion_count > 4;
   out << "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 "
@@ -109,7 +109,7 @@ void write_camera(std::ostream& out, const odo_calibration& c) {
   out << '\n';
 }
 
-/// World to camera, and an empty line for the points that there are none of.
+/// World-to-camera poses, each followed by an empty line for the missing points.
 void write_images(std::ostream& out, const std::vector<PosedPicture>& pictures) {
   out << "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[]\n";
   for (size_t i = 0; i < pictures.size(); ++i) {
@@ -160,7 +160,7 @@ Result<Exported> write_transforms(const ExportedRun& run, const fs::path& file, 
   const char* radial[] = {"k1", "k2", "k3", "k4"};
   for (uint32_t i = 0; i < std::min(c.distortion_count, fisheye ? 4u : 5u); ++i)
     out[fisheye ? radial[i] : pinhole[i]] = c.distortion[i];
-  Eigen::Matrix3d R_e_n, R_c_g;  // east, north, up; the camera's axes as OpenGL has them: y up, z backwards
+  Eigen::Matrix3d R_e_n, R_c_g;  // east, north, up; camera axes as in OpenGL: y up, z backwards
   R_e_n << 0, 1, 0, 1, 0, 0, 0, 0, -1;
   R_c_g << 1, 0, 0, 0, -1, 0, 0, 0, -1;
   out["frames"] = nlohmann::ordered_json::array();

@@ -8,8 +8,8 @@
 namespace odograph {
 namespace {
 
-constexpr double kTogether_s = 0.05;  // poses of truth and track that far apart are taken as one
-constexpr double kFit_m = 10;         // of the waypoints, to which a track is turned
+constexpr double kTogether_s = 0.05;  // maximum time difference of matched poses
+constexpr double kFit_m = 10;         // of the waypoints, over which a track is aligned
 
 bool is_metric(const Recording& recording, const RunResult& result) {
   const auto knows = [](const odo_vo_motion& motion) { return (motion.header.flags & ODO_VO_METRIC) != 0; };

@@ -15,19 +15,19 @@ namespace odograph {
 std::string base64(const std::vector<unsigned char>& bytes) {
   std::string out(AV_BASE64_SIZE(bytes.size()), '\0');
   av_base64_encode(out.data(), static_cast<int>(out.size()), bytes.data(), static_cast<int>(bytes.size()));
-  out.pop_back();  // its end as a C string
+  out.pop_back();  // removes the terminating NUL
   return out;
 }
 
 namespace {
 
-/// A plane's bytes, `width` of them a row.
+/// A plane's bytes, `width` per row.
 cv::Mat plane(const odo_frame& f, size_t i, uint32_t width, uint32_t height, int type) {
   return {static_cast<int>(height), static_cast<int>(width), type, const_cast<uint8_t*>(f.planes[i].data),
           static_cast<size_t>(f.planes[i].row_stride)};
 }
 
-/// In colour where the camera saw it.
+/// In colour if the camera has it.
 cv::Mat bgr_of(const odo_frame& f) {
   cv::Mat out;
   const uint32_t w = f.width, h = f.height, half_w = (w + 1) / 2, half_h = (h + 1) / 2;

@@ -9,11 +9,11 @@
 namespace odograph {
 
 std::string base64(const std::vector<unsigned char>& bytes);
-/// The calibration of the main camera, the first that has one; null without.
+/// The calibration of the main camera, the first that has one; null if none.
 const odo_calibration* camera_of(const Recording& recording);
-/// Frames of that camera, or all where it is not known.
+/// Frames of that camera, or all frames if it is unknown.
 std::vector<const RecordedMessage*> frames_of(const Recording& recording, const odo_calibration* camera);
-/// At most `width` px wide, in colour where the camera has it; empty where it cannot be read, which the run reports.
+/// A JPEG of at most `width` px, in colour if the camera has it; empty if unreadable, which the run reports.
 std::vector<unsigned char> jpeg_of(const RecordedMessage& message, int width);
 
 }  // namespace odograph

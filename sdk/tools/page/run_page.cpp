@@ -17,12 +17,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kMaxPoses = 20000;    // of a run on the page: ten minutes at 30 Hz; more are thinned
-constexpr double kKnownScale = 0.2;    // relative sigma, above which a chart would show nothing else
-constexpr double kSpeedOver_s = 0.25;  // less and the noise of positions is seen
-constexpr double kGround_m = 1.35;     // of a phone in the hand, downwards; for the path in the pictures alone
+constexpr size_t kMaxPoses = 20000;    // of a run on the page: ten minutes at 30 Hz; more are decimated
+constexpr double kKnownScale = 0.2;    // relative sigma, above which it would dominate a chart
+constexpr double kSpeedOver_s = 0.25;  // shorter differences show position noise
+constexpr double kGround_m = 1.35;     // of a phone in the hand, downwards; only for the path drawn into pictures
 
-/// Ten thousandths are below what a page shows.
+/// Rounds to 1e-4 by default, below what a page shows.
 double rounded(double value, double per_unit = 1e4) { return std::round(value * per_unit) / per_unit; }
 Json number(double value) { return std::isfinite(value) ? Json(rounded(value)) : Json(nullptr); }
 
@@ -32,7 +32,7 @@ std::string text_of(const char* format, double a, double b = 0, double c = 0) {
   return text;
 }
 
-/// Two lists, of times and of values, as the page's charts take them.
+/// Times and values in the form of the page's charts.
 struct Series {
   Json t = Json::array(), y = Json::array();
   void add(double time, double value) { t.push_back(rounded(time)), y.push_back(number(value)); }
@@ -82,7 +82,7 @@ class PageOfRun {
     return out;
   }
 
-  /// What a person wants to know first.
+  /// Summary line.
   std::string headline() const {
     const odo_statistics& s = r_.statistics;
     std::string out;
@@ -106,7 +106,7 @@ class PageOfRun {
     return {rounded(q.w(), 1e6), rounded(q.x(), 1e6), rounded(q.y(), 1e6), rounded(q.z(), 1e6)};
   }
 
-  /// Poses, thinned where there are many; sigma and scale where the run has collected them.
+  /// Poses, decimated if there are many; with sigma and scale if the run collected them.
   void add_poses() {
     Json t = Json::array(), p = Json::array(), q = Json::array(), state = Json::array(), sigma = Json::array(),
          states = Json::array();
@@ -170,7 +170,7 @@ class PageOfRun {
     return out;
   }
 
-  /// How many corners the front-end followed, and how many it used.
+  /// Numbers of corners that the front-end tracked and used.
   Json corners() const {
     Json t = Json::array(), tracked = Json::array(), inliers = Json::array();
     const size_t step = r_.motions.size() / kMaxPoses + 1;
@@ -229,7 +229,7 @@ class PageOfRun {
     return {{"t", t}, {"p", p}, {"used", used}, {"source", source}, {"residual", residual}};
   }
 
-  /// The same figures as summary.json has, in words.
+  /// The figures of summary.json as text.
   Json table() const {
     const odo_statistics& s = r_.statistics;
     const auto count = [](uint64_t n) { return std::to_string(n); };
@@ -360,25 +360,26 @@ std::string run_page_data(const Recording& recording, const std::vector<NamedRun
   about.push_back({"Recording", recording.path.string() + " (" + recording.format + ")"});
   about.push_back({"Odograph", std::string(odo_version())});
   for (const std::string& warning : recording.warnings) about.push_back({"Recording's flaw", warning});
-  const Json data = {{"title", name},
-                     {"live", options.live},
-                     {"headline", runs.size() == 1 ? headline : std::to_string(runs.size()) + " runs of " + name},
-                     {"alignment", options.evaluation ? options.evaluation->alignment_text.c_str()
-                                   : metric           ? "a turn about the vertical and a shift"
-                                                      : "a turn, a shift and, where a track is not metric, a scale"},
-                     {"axes", options.evaluation.has_value()},
-                     {"ground_m", kGround_m},
-                     {"camera", json_of(camera)},
-                     {"frames", pictures_of(recording, camera, options, t0_ns)},
-                     {"truth", truth_of(recording, from_ns, to_ns, t0_ns, options.evaluation.has_value())},
-                     {"waypoints", waypoints},
-                     {"about", about},
-                     {"runs", all}};
+  const Json data = {
+      {"title", name},
+      {"live", options.live},
+      {"headline", runs.size() == 1 ? headline : std::to_string(runs.size()) + " runs of " + name},
+      {"alignment", options.evaluation ? options.evaluation->alignment_text.c_str()
+                    : metric           ? "a rotation about the vertical and a translation"
+                                       : "a rotation, a translation and, for a track without metric scale, a scale"},
+      {"axes", options.evaluation.has_value()},
+      {"ground_m", kGround_m},
+      {"camera", json_of(camera)},
+      {"frames", pictures_of(recording, camera, options, t0_ns)},
+      {"truth", truth_of(recording, from_ns, to_ns, t0_ns, options.evaluation.has_value())},
+      {"waypoints", waypoints},
+      {"about", about},
+      {"runs", all}};
   return data.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string run_page(const Recording& recording, const std::vector<NamedRun>& runs, const PageOptions& options) {
-  // In a script element nothing may look like the end of it; "<" occurs in JSON's strings alone.
+  // In a script element, the data must not contain its end tag; in JSON, "<" occurs only in strings.
   std::string safe, page = kRunPageText;
   for (const char c : run_page_data(recording, runs, options))
     safe += c == '<' ? std::string("\\u003c") : std::string(1, c);

@@ -12,33 +12,33 @@
 
 namespace odograph {
 
-/// A run of one recording under a name that a legend can show. Its poses are collected (RunOptions::collect_poses).
+/// A run of one recording with a name for the legend. Its poses are collected (RunOptions::collect_poses).
 struct NamedRun {
   std::string name;
   const RunResult* result;
 };
 
-/// How a run's track is laid over the truth: turned about the vertical and shifted so that it fits best, with a scale
-/// where the track is not metric; without a truth, turned and shifted onto the first 10 m of the waypoints.
+/// Alignment of a run's track with the truth: best rotation about the vertical and translation, plus scale if the track
+/// is not metric; without a truth, onto the first 10 m of the waypoints.
 struct LaidRun {
-  StampedPose to_truth;  ///< of places in the run's n; its time has no meaning
+  StampedPose to_truth;  ///< of positions in the run's n; its time is unused
   double scale = 1;
   bool metric = true;
-  /// Distance from the truth over the seconds since the run's first pose, m; at the waypoints where there is no truth.
-  /// Empty where a recording has neither.
+  /// Distance from the truth over the seconds since the run's first pose, m; at the waypoints if there is no truth.
+  /// Empty if the recording has neither.
   std::vector<std::pair<double, double>> error_m;
   double rms_m() const;
 };
 LaidRun lay_over_truth(const Recording& recording, const RunResult& result, std::optional<Alignment> alignment = {});
 
 struct PageOptions {
-  std::string command;      ///< that made the runs, for the reader
-  size_t pictures = 90;     ///< of the camera, at most, evenly over the recording
+  std::string command;      ///< command line of the runs, shown to the reader
+  size_t pictures = 90;     ///< maximum number of camera pictures, evenly spaced
   int picture_width = 400;  ///< px
-  bool served = false;      ///< by a server that gives pictures by their number, all of them
-  bool live = false;        ///< the run goes on, and the page asks again
-  /// Of one run against any truth: how it is laid over it, its figures in place of a run's own, and its relative error
-  /// over time (s since the first pose, m). With them the page has coordinates and angles over time.
+  bool served = false;      ///< served by a server that provides all pictures by number
+  bool live = false;        ///< the run continues, and the page polls for updates
+  /// For one run against any truth: its alignment, figures that replace a run's own, and its relative error over time
+  /// (s since the first pose, m). They enable coordinates and angles over time.
   struct Evaluation {
     Alignment alignment = Alignment::none;
     std::string alignment_text;
@@ -48,12 +48,12 @@ struct PageOptions {
   std::optional<Evaluation> evaluation{};
 };
 
-/// One self-contained page about the runs of a recording, each laid over its truth by itself: the track, the camera's
-/// pictures, charts over one time, tables, configs. It asks for nothing from elsewhere, unless it is served.
+/// One self-contained page of the runs of a recording, each aligned with its truth: track, camera pictures, charts over
+/// a common time, tables, configs. Loads nothing from elsewhere unless served.
 std::string run_page(const Recording& recording, const std::vector<NamedRun>& runs, const PageOptions& options);
-/// What the page shows, as JSON.
+/// The page's data as JSON.
 std::string run_page_data(const Recording& recording, const std::vector<NamedRun>& runs, const PageOptions& options);
-/// A picture of the main camera as JPEG, by its number among its frames; empty where there is none.
+/// A JPEG picture of the main camera, by frame index; empty if there is none.
 std::vector<unsigned char> picture_of(const Recording& recording, size_t number, int width);
 
 }  // namespace odograph

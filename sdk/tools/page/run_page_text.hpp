@@ -3,7 +3,7 @@
 
 namespace odograph {
 
-/// page.html with its style and scripts; "@DATA@" stands where the data goes.
+/// page.html with its style and scripts; "@DATA@" is replaced by the data.
 extern const char kRunPageText[];
 
 }  // namespace odograph

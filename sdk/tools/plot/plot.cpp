@@ -11,7 +11,7 @@
 namespace odograph {
 namespace {
 
-/// Plain words only: the text goes into a gnuplot script.
+/// Removes special characters: the text goes into a gnuplot script.
 std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' || c == '\\' || c == '\n' ? ' ' : c;

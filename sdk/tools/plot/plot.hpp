@@ -21,13 +21,12 @@ struct Plot {
   std::vector<PlotSeries> series;
 };
 
-/// The plot as an SVG element, drawn by the installed gnuplot. ODO_E_UNSUPPORTED when there is none.
+/// Renders the plot as an SVG element with the installed gnuplot. ODO_E_UNSUPPORTED if there is none.
 Result<std::string> draw_svg(const Plot& plot);
-/// The same into a file.
+/// Writes the same to a file.
 Result<bool> write_svg(const Plot& plot, const std::string& file);
 
-/// A self-contained HTML page: figures, what makes them doubtful, the file that was written, and the plots (or why
-/// not).
+/// A self-contained HTML page: figures, warnings, the written file, and the plots (or why there are none).
 std::string plots_page(const std::string& title, const std::string& figures, const std::vector<std::string>& doubts,
                        const std::string& written, const std::vector<Plot>& plots);
 
