@@ -62,7 +62,7 @@ expect 2 "unknown alignment" "$odograph" eval --ref tiny.odo --est o --align sid
 expect 0 "poses" "$odograph" convert o track.gpx --origin 47.2,-1.55,20
 expect 0 "poses" "$odograph" convert o track.kml --origin 47.2,-1.55,20
 expect 0 "poses" "$odograph" convert o track.geojson --origin 47.2,-1.55,20
-expect 2 "needs a place on the Earth" "$odograph" convert o track.gpx
+expect 2 "needs a geodetic origin" "$odograph" convert o track.gpx
 expect 0 "poses" "$odograph" eval --ref tiny.odo --est o --offset 0.004 --max-diff 0.01
 expect 3 "are the clocks the same" "$odograph" eval --ref tiny.odo --est o --offset 1000
 expect 0 "good" "$odograph" config check "$configs/walk.yaml" "$configs/gnss_walk.yaml"

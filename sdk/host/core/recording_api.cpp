@@ -45,7 +45,7 @@ int32_t open(const std::filesystem::path& path, odo_recording** out, odo_error* 
   while (recording->reader.next())
     if (recording->reader.message(recording->message, picture) && is_kept(recording->message.header().type))
       recording->places.push_back({recording->message.header().t_ns, recording->reader.payload_offset()});
-  if (recording->places.empty()) return fail(error, {ODO_E_DATA, path.string() + ": no whole message in it"});
+  if (recording->places.empty()) return fail(error, {ODO_E_DATA, path.string() + ": contains no complete message"});
   std::stable_sort(recording->places.begin(), recording->places.end(),
                    [](const auto& a, const auto& b) { return a.t_ns < b.t_ns; });
   *out = recording.release();

@@ -16,7 +16,7 @@ namespace {
 struct Reader {
   archive* handle = archive_read_new();
   Reader() {
-    // Not all: some of the others would start a program (lrzip, grzip) that a stranger's file asks for.
+    // Only some filters: others (lrzip, grzip) would start a program on behalf of an untrusted file.
     archive_read_support_filter_gzip(handle);
     archive_read_support_filter_xz(handle);
     archive_read_support_format_zip(handle);
@@ -37,7 +37,7 @@ class Unpacking {
 
   Result<std::shared_ptr<const TemporaryFolder>> run() {
     std::error_code error;
-    if (folder_->path().empty()) return wrong("no temporary folder could be made to unpack it");
+    if (folder_->path().empty()) return wrong("cannot create a temporary folder to unpack it");
     packed_ = fs::file_size(file_, error);
     const auto space = fs::space(folder_->path(), error);
     if (!error) limits_.bytes = std::min<uint64_t>(limits_.bytes, space.available / 10 * 9);
@@ -135,7 +135,7 @@ bool unpack_bytes(std::span<const unsigned char> packed, uint64_t size, std::vec
   if (archive_read_open_memory(reader.get(), packed.data(), packed.size()) != ARCHIVE_OK ||
       archive_read_next_header(reader.get(), &entry) != ARCHIVE_OK)
     return false;
-  while (bytes.size() <= size) {  // grows with what there is: a stated size may be a lie
+  while (bytes.size() <= size) {  // grows with the data: a stated size cannot be trusted
     unsigned char block[1 << 16];
     const auto got = archive_read_data(reader.get(), block, sizeof block);
     if (got < 0) return false;

@@ -11,23 +11,24 @@
 
 namespace odograph {
 
-/// What unpacking an archive may cost.
+/// Limits for unpacking an archive.
 struct UnpackLimits {
-  uint64_t bytes = 64ull << 30;  ///< in all; and no more than nine tenths of the free disk
+  uint64_t bytes = 64ull << 30;  ///< in total; and at most nine tenths of the free disk space
   size_t files = 100'000;
-  /// Unpacked over packed, past the first `free_bytes`: text packs 3 to 20 to 1, a zip bomb 1000 to 1.
+  /// Maximum ratio of unpacked to packed size beyond the first `free_bytes`: text compresses 3 to 20 times, a zip bomb
+  /// 1000 times.
   uint64_t ratio = 100, free_bytes = 256ull << 20;
 };
 
-/// By its first bytes: zip, and what else apps send (gzip, 7z, xz).
+/// By its first bytes: zip, and other formats that apps send (gzip, 7z, xz).
 bool looks_like_archive(const std::filesystem::path& file);
 
-/// Unpacks into a temporary folder, which is there as long as the result. Refused in words (ODO_E_DATA): names that
-/// lead out of the folder, links, what is larger than the limits, passwords, damage.
+/// Unpacks into a temporary folder, which exists as long as the result. Refuses, with the reason (ODO_E_DATA): names
+/// that lead out of the folder, links, sizes above the limits, passwords, damage.
 Result<std::shared_ptr<const TemporaryFolder>> unpack(const std::filesystem::path& file,
                                                       const UnpackLimits& limits = {});
 
-/// What bzip2, LZ4 or Zstandard has packed; false where it is damaged or has not the stated size.
+/// Decompresses bzip2, LZ4 or Zstandard data; false if it is damaged or has not the stated size.
 bool unpack_bytes(std::span<const unsigned char> packed, uint64_t size, std::vector<unsigned char>& bytes);
 
 }  // namespace odograph

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an app's own files say of lens, mount and phone.
+// Lens, mount and phone from an app's own files.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -32,13 +32,13 @@ Result<std::string> small_text(const fs::path& file) {
   return text.str();
 }
 
-/// A number of a JSON object; NaN where there is none.
+/// A number of a JSON object; NaN if missing.
 double number_in(const Json& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
 }
 
-/// Spectacular AI's calibration.json: the first camera's lens and mount.
+/// Spectacular AI's calibration.json: lens and mount of the first camera.
 Result<bool> from_calibration_json(const fs::path& file, CameraFacts& facts) {
   const auto text = small_text(file);
   if (!text) return text.failure();
@@ -63,7 +63,7 @@ Result<bool> from_calibration_json(const fs::path& file, CameraFacts& facts) {
   std::vector<double> k;
   if (const auto found = camera.find("distortionCoefficients"); found != camera.end() && found->is_array())
     for (const Json& one : *found) k.push_back(one.is_number() ? one.get<double>() : std::nan(""));
-  if (model == "pinhole" && k.size() == 3) k = {k[0], k[1], 0, 0, k[2]};  // radial alone
+  if (model == "pinhole" && k.size() == 3) k = {k[0], k[1], 0, 0, k[2]};  // radial only
   c.distortion_count = k.size() >= 8 ? 8 : k.size() >= 5 ? 5 : k.size() == 4 ? 4 : 0;
   if (c.model == ODO_CAMERA_KANNALA_BRANDT) c.distortion_count = std::min<uint32_t>(c.distortion_count, 4);
   std::copy_n(k.begin(), c.distortion_count, c.distortion);
@@ -80,7 +80,7 @@ Result<bool> from_calibration_json(const fs::path& file, CameraFacts& facts) {
   return true;
 }
 
-/// Stray Scanner's camera_matrix.csv: three rows of three numbers, of ARKit's picture.
+/// Stray Scanner's camera_matrix.csv: three rows of three numbers, for ARKit's picture.
 Result<bool> from_matrix(const fs::path& file, CameraFacts& facts) {
   Table row{Stream::pose, "", "#1", TimeUnit::seconds, {"#1", "#2", "#3"}};
   Rows rows{&row, file, {}};
@@ -105,7 +105,7 @@ std::vector<float> floats_of(const ProtobufField& field) {
 }
 
 /// VideoIMUCapture: CameraInfo, field 2 of VideoCaptureData: intrinsics (1), distortion (2), stabilisation (3, 4) and
-/// the resolution (11) that they hold for.
+/// the resolution (11) that they apply to.
 void from_protobuf(const fs::path& file, CameraFacts& facts, std::vector<std::string>& warnings) {
   std::ifstream in(file, std::ios::binary);
   std::vector<unsigned char> head(1 << 16);  // the camera is written first

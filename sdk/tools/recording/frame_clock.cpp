@@ -9,9 +9,10 @@ namespace odograph::phone {
 namespace {
 
 constexpr int64_t kDay_ns = 86'400'000'000'000;
-/// Between a frame's time in the video and that of its metadata: time scales of both tracks are 1/600 s and finer.
+/// Tolerance between a frame's time in the video and that of its metadata: both tracks have time scales of 1/600 s or
+/// finer.
 constexpr int64_t kSameMoment_ns = 4'000'000;
-/// Frames that a table may lack or have beyond the video's, at the start: encoders swallow their first ones.
+/// Maximum difference in frames between a table and the video at the start: encoders drop their first ones.
 constexpr int kMaxShift = 30;
 
 int64_t big_endian(const unsigned char* bytes) {
@@ -38,9 +39,9 @@ int64_t first_inertial_ns(const Recording& recording) {
   return 0;
 }
 
-/// Of each frame the time that the metadata has for the same moment of the video.
+/// For each frame, the time that the metadata states for the same video time.
 std::vector<FrameTime> by_metadata(const Video& video, int64_t near_ns) {
-  std::vector<std::pair<int64_t, int64_t>> track;  // moment of the video, Unix time
+  std::vector<std::pair<int64_t, int64_t>> track;  // video time, Unix time
   for (const Video::Metadata& sample : video.metadata())
     if (const auto t = unix_time_in(sample.bytes, near_ns)) track.emplace_back(sample.t_ns, *t);
   std::sort(track.begin(), track.end());
@@ -61,7 +62,7 @@ std::vector<FrameTime> by_metadata(const Video& video, int64_t near_ns) {
   return times;
 }
 
-/// "Camera/1770510090666.mp4": when the recording was started, before the camera was.
+/// "Camera/1770510090666.mp4": start time of the recording, before that of the camera.
 std::optional<int64_t> unix_time_in_name(const std::string& name) {
   const std::string stem = std::filesystem::path(name).stem().string();
   if (stem.size() != 13 || stem.find_first_not_of("0123456789") != std::string::npos) return std::nullopt;
@@ -72,8 +73,8 @@ Result<std::vector<FrameTime>> by_name(Recording& recording, const Video& video,
   const auto start = unix_time_in_name(name);
   if (!start)
     return Failure{ODO_E_DATA, recording.path.string() + ": " + name +
-                                   " has no track with its frames' times, and its name is no time in milliseconds: "
-                                   "nothing says when its frames were taken"};
+                                   " has no track with its frames' times, and its name is not a time in milliseconds: "
+                                   "the times of its frames are unknown"};
   recording.warnings.push_back(
       name +
       " has no track with its frames' times (older versions of the app): taken from its name, which is 0.1 to "
@@ -99,7 +100,7 @@ Result<std::vector<FrameTime>> by_table(Recording& recording, const Video& video
   if (rows_ns.size() != matched->size())
     recording.warnings.push_back(name + " has " + std::to_string(matched->size()) + " frames, " +
                                  table.file.filename().string() + " " + std::to_string(rows_ns.size()) +
-                                 " rows: laid over each other by their intervals" +
+                                 " rows: matched by their intervals" +
                                  (without > 0 ? ", " + std::to_string(without) + " frames left out" : ""));
   return times;
 }
@@ -108,7 +109,7 @@ Result<std::vector<FrameTime>> by_table(Recording& recording, const Video& video
 
 std::optional<int64_t> unix_time_in(const std::vector<unsigned char>& sample, int64_t near_ns) {
   const auto plausible = [&](int64_t t) { return std::abs(t - near_ns) < kDay_ns; };
-  // Apple's timed metadata: items of a 32-bit size, a 32-bit key and the value (QuickTime File Format, "mebx").
+  // Apple's timed metadata: items with a 32-bit size, a 32-bit key and the value (QuickTime File Format, "mebx").
   for (size_t at = 0; at + 8 <= sample.size();) {
     const auto size = static_cast<size_t>(static_cast<uint64_t>(big_endian(sample.data() + at)) >> 32);
     if (size < 8 || size > sample.size() - at) break;
@@ -152,7 +153,7 @@ Result<std::vector<size_t>> match_rows(const std::vector<int64_t>& video_ns, con
     double sum = 0;
     for (const int64_t offset : offsets)
       sum += std::min<double>(std::abs(double(offset - middle)), 2.0 * double(interval));
-    // A tie (even intervals) goes to the smallest shift.
+    // Ties (uniform intervals) resolve to the smallest shift.
     const double cost = sum / double(offsets.size()) + 1e3 * std::abs(shift);
     if (cost < best) best = cost, best_shift = shift, best_count = offsets.size();
   }

@@ -25,7 +25,7 @@ bool numbers_of(const YamlNode& node, std::vector<double>& out) {
   return true;
 }
 
-/// A key's numbers, `count` of them; none where it is not there and need not be.
+/// The `count` numbers of a key; none if it is optional and missing.
 Result<std::vector<double>> numbers(const std::string& file, const YamlNode& camera, const char* key, size_t count,
                                     bool required = true) {
   const YamlNode* node = camera.find(key);

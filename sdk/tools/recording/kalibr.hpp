@@ -8,11 +8,11 @@
 
 namespace odograph {
 
-/// Kalibr's camchain-imucam.yaml or camchain.yaml: the first camera, cam0. Failures name file, line and column: what is
-/// missing, a lens that is no pinhole, a distortion that is neither radtan nor equidistant nor none.
+/// Reads Kalibr's camchain-imucam.yaml or camchain.yaml: the first camera, cam0. Failures state file, line and column:
+/// a missing key, a lens other than pinhole, a distortion other than radtan, equidistant or none.
 Result<odo_calibration> read_camchain(const std::filesystem::path& file);
 
-/// As camera.yaml has it (docs/recording.md), every digit.
+/// Formats camera.yaml (docs/recording.md), with full precision.
 std::string camera_yaml(const odo_calibration& camera);
 
 }  // namespace odograph

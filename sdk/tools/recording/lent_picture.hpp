@@ -11,7 +11,7 @@
 
 namespace odograph {
 
-/// Lends a frame's pixels: `owner` is what they live in, and ends with the last release. [releases: any thread]
+/// Lends a frame's pixels: `owner` holds them and is destroyed with the last release. [releases: any thread]
 template <class Owner>
 void lend(odo_frame& frame, Owner owner) {
   struct Held {
@@ -28,8 +28,7 @@ void lend(odo_frame& frame, Owner owner) {
   };
 }
 
-/// A frame that borrows a picture as OpenCV decodes files, 8-bit grey, BGR or BGRA. ODO_E_DATA in words with `name` for
-/// any other.
+/// A frame that borrows a picture decoded by OpenCV: 8-bit grey, BGR or BGRA. ODO_E_DATA, with `name`, for any other.
 Result<odo_frame> lend_image(cv::Mat image, const odo_frame& head, const std::string& name);
 
 }  // namespace odograph

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A recorded frame's picture, out of its file or store.
+// Loads a recorded frame's picture from its file or store.
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -18,12 +18,12 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr uint64_t kLargestPicture = 1u << 30;
-/// As the sensor reads it: a note (EXIF) of how the phone was held does not rotate it, since the lens does not rotate.
+/// Without the EXIF rotation, because the lens parameters refer to the sensor's own orientation.
 constexpr int kAsStored = cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION;
 
 cv::Mat decode(const PictureRef& picture) {
   std::error_code error;
-  if (!picture.file || !fs::is_regular_file(*picture.file, error)) return {};  // a pipe would wait for ever
+  if (!picture.file || !fs::is_regular_file(*picture.file, error)) return {};  // a pipe would block
   if (picture.size == 0) return cv::imread(picture.file->string(), kAsStored);
   std::ifstream file(*picture.file, std::ios::binary);
   std::vector<uchar> bytes(picture.size);
@@ -33,12 +33,12 @@ cv::Mat decode(const PictureRef& picture) {
   return cv::imdecode(bytes, kAsStored);
 }
 
-/// A copy of a store's picture, as OpenCV decodes files: grey or BGR.
+/// A copy of a store's picture in OpenCV's form: grey or BGR.
 cv::Mat decode_stored(const RecordedMessage& recorded) {
   const auto frame =
       recorded.picture.store->load(recorded.picture.offset, copy_as<odo_frame>(recorded.message.header()));
   if (!frame) return {};
-  const bool grey = frame->format != ODO_FORMAT_RGB8;  // a plane of brightness is one
+  const bool grey = frame->format != ODO_FORMAT_RGB8;  // a luma plane is grey
   const cv::Mat pixels(static_cast<int>(frame->height), static_cast<int>(frame->width), grey ? CV_8UC1 : CV_8UC3,
                        const_cast<uint8_t*>(frame->planes[0].data), static_cast<size_t>(frame->planes[0].row_stride));
   cv::Mat out;
@@ -50,7 +50,7 @@ cv::Mat decode_stored(const RecordedMessage& recorded) {
   return out;
 }
 
-/// Other light than was recorded.
+/// Applies the picture's gamma and gain.
 void relight(const PictureRef& picture, cv::Mat& image) {
   if (!picture.relit() || image.empty() || image.depth() != CV_8U) return;
   cv::Mat levels(1, 256, CV_8U);
@@ -60,7 +60,7 @@ void relight(const PictureRef& picture, cv::Mat& image) {
   cv::LUT(image, levels, image);
 }
 
-/// The bytes of a picture's file; empty where it is none, or is to be another.
+/// The bytes of a picture's file; empty if it is not a file of its own or must be modified.
 std::vector<unsigned char> picture_file(const PictureRef& picture) {
   std::error_code error;
   if (picture.relit()) return {};

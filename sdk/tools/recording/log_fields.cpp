@@ -20,8 +20,8 @@ int64_t nanoseconds_of(double s, double ns) {
   return static_cast<int64_t>(s) * 1'000'000'000 + static_cast<int64_t>(ns);
 }
 
-/// ROS 1's serialization, and CDR: little-endian both; CDR aligns each number to its size, counted from behind its head
-/// of four bytes, and ends strings with a zero.
+/// ROS 1's serialisation and CDR, both little-endian; CDR aligns each number to its size, relative to the end of its
+/// four-byte header, and terminates strings with a zero.
 class BinaryFields : public LogFields {
  public:
   BinaryFields(Bytes bytes, bool cdr, bool with_pixels) : bytes_(bytes), cdr_(cdr), with_pixels_(with_pixels) {
@@ -36,7 +36,7 @@ class BinaryFields : public LogFields {
     out.t_ns = int64_t(s) * 1'000'000'000 + ns;
     out.frame = text("");
   }
-  void stamp(LoggedMessage&) override { good_ = false; }  // JSON alone has it
+  void stamp(LoggedMessage&) override { good_ = false; }  // only in JSON
   void numbers(const char*, double* out, size_t count) override {
     for (size_t i = 0; i < count; ++i) out[i] = number<double>();
   }
@@ -182,10 +182,10 @@ class JsonFields : public LogFields {
     const Json* found = find(name);
     const double value = found && found->is_number() ? found->get<double>() : -1;
     if (value >= 0 && value < 4294967296.0) return value;
-    if (found) fail();  // not there: 0
+    if (found) fail();  // missing: 0
     return 0;
   }
-  /// ROS 1, ROS 2 and Foxglove name the parts of a second differently.
+  /// ROS 1, ROS 2 and Foxglove have different names for the parts of a time.
   void take_stamp(const Json& time, LoggedMessage& out) {
     double parts[2]{};
     const char* names[2][3] = {{"sec", "secs", "sec"}, {"nsec", "nsecs", "nanosec"}};

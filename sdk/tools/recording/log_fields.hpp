@@ -11,28 +11,28 @@ namespace odograph {
 
 struct LoggedMessage;
 
-/// A message's fields, asked for in the order of its definition and by their names: by order where the encoding is
-/// binary (ROS 1; CDR as ROS 2 writes it, little-endian), by name in JSON ("a/b": within; "A|a": either). What is not
-/// there is 0, and good() is false from then on.
+/// Access to a message's fields, in the order of its definition and by name: binary encodings (ROS 1; CDR as written by
+/// ROS 2, little-endian) use the order, JSON the names ("a/b": nested; "A|a": either). A missing field is 0 and makes
+/// good() false.
 class LogFields {
  public:
   virtual ~LogFields() = default;
-  /// std_msgs/Header: the stamp and whose axes.
+  /// std_msgs/Header: the time stamp and the frame.
   virtual void header(LoggedMessage& out) = 0;
   /// Foxglove's `timestamp` and `frame_id`.
   virtual void stamp(LoggedMessage& out) = 0;
-  /// `count` numbers, each of 8 bytes; in JSON a number, a list, or x, y, z, w.
+  /// `count` numbers of 8 bytes each; in JSON a number, a list, or x, y, z, w.
   virtual void numbers(const char* name, double* out, size_t count) = 0;
-  /// The same; JSON may leave them out.
+  /// The same, optional in JSON.
   virtual void optional_numbers(const char* name, double* out, size_t count) = 0;
   virtual std::vector<double> list(const char* name) = 0;
   virtual uint8_t byte(const char* name) = 0;
   virtual uint16_t half(const char* name) = 0;
   virtual uint32_t word(const char* name) = 0;
   virtual std::string text(const char* name) = 0;
-  /// Base64 in JSON. Skipped where pixels are not asked for.
+  /// Base64 in JSON. Skipped if pixels are not requested.
   virtual void bytes(const char* name, std::vector<unsigned char>& out) = 0;
-  /// A list of messages: how many, and from which the fields that follow are.
+  /// Enters a list of messages and returns its size; the following fields are its items'.
   virtual size_t begin_list(const char* name) = 0;
   virtual void item(size_t number) = 0;
   bool good() const { return good_; }
@@ -41,7 +41,7 @@ class LogFields {
   bool good_ = true;
 };
 
-/// Encodings "ros1", "cdr", "json". `bytes` live as long as the fields.
+/// Encodings "ros1", "cdr", "json". `bytes` must outlive the fields.
 std::unique_ptr<LogFields> log_fields(const std::string& encoding, Bytes bytes, bool with_pixels);
 
 }  // namespace odograph

@@ -21,7 +21,7 @@ void take_message(const odo_header& message, LoggedMessage& out) {
   if (message_is_good(message)) out.message.assign(message);
 }
 
-/// A covariance that begins with -1 says that its quantity was not measured.
+/// A covariance that begins with -1 marks a quantity as not measured.
 bool measured(const double (&covariance)[9]) { return covariance[0] != -1; }
 
 void read_imu(LogFields& in, LoggedMessage& out) {
@@ -35,7 +35,7 @@ void read_imu(LogFields& in, LoggedMessage& out) {
   in.numbers("linear_acceleration", imu.accel_b, 3);
   in.optional_numbers("linear_acceleration_covariance", accel_covariance, 9);
   const auto any = [](const double(&v)[3]) { return v[0] != 0 || v[1] != 0 || v[2] != 0; };
-  // What a driver does not measure it leaves at zero, which no real sensor gives.
+  // Drivers set unmeasured quantities to zero, which no real sensor yields.
   imu.header.flags = (measured(gyro_covariance) && any(imu.gyro_b) ? ODO_IMU_GYRO : 0) |
                      (measured(accel_covariance) && any(imu.accel_b) ? ODO_IMU_ACCEL : 0);
   if (in.good() && imu.header.flags != 0) take_message(imu.header, out);
@@ -81,7 +81,7 @@ void read_place(LogFields& in, LoggedMessage& out) {
   if (in.good() && status >= 0) take_place(place, covariance, kind, out);
 }
 
-/// K is fx 0 cx 0 fy cy 0 0 1; all zero where the camera is not calibrated.
+/// K is fx 0 cx 0 fy cy 0 0 1; all zero for an uncalibrated camera.
 void take_lens(uint32_t width, uint32_t height, const std::string& model, const std::vector<double>& d,
                const double (&k)[9], LoggedMessage& out) {
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
@@ -210,7 +210,7 @@ const Type* type_of(const std::string& name) {
   return nullptr;
 }
 
-/// Pixels as ROS names them: bytes of one, and how OpenCV makes BGR of them (-1: it is that, or grey).
+/// Pixel encodings as ROS names them: bytes per pixel, and the OpenCV conversion to BGR (-1: none needed, or grey).
 struct Encoding {
   const char* name;
   int channels, conversion;
@@ -224,7 +224,7 @@ constexpr Encoding kEncodings[] = {
     {"bgra8", 4, cv::COLOR_BGRA2BGR},
     {"8UC4", 4, cv::COLOR_BGRA2BGR},
     {"rgba8", 4, cv::COLOR_RGBA2BGR},
-    {"bayer_rggb8", 1, cv::COLOR_BayerBG2BGR},  // OpenCV names the second row's second and third pixel
+    {"bayer_rggb8", 1, cv::COLOR_BayerBG2BGR},  // OpenCV names the pattern by the second row's second and third pixel
     {"bayer_bggr8", 1, cv::COLOR_BayerRG2BGR},
     {"bayer_gbrg8", 1, cv::COLOR_BayerGR2BGR},
     {"bayer_grbg8", 1, cv::COLOR_BayerGB2BGR},
@@ -244,7 +244,7 @@ const Encoding* encoding_of(const std::string& name) {
 
 std::string why_not_read(const LogTopic& topic) {
   const Type* type = type_of(topic.type);
-  if (!type) return "of a type that is not read";
+  if (!type) return "of an unsupported type";
   if (topic.encoding == "json" || (!type->json_alone && (topic.encoding == "ros1" || topic.encoding == "cdr")))
     return "";
   return "encoded as '" + topic.encoding + "'; expected " + (type->json_alone ? "json" : "ros1, cdr or json");
@@ -278,7 +278,7 @@ cv::Mat image_of(const LoggedMessage::Picture& picture) {
   cv::Mat out;
   try {
     cv::cvtColor(pixels, out, encoding->conversion);
-  } catch (const cv::Exception&) {  // sides that are odd
+  } catch (const cv::Exception&) {  // odd side lengths
     return {};
   }
   return out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What single messages of bags and MCAP files hold: sensor_msgs as ROS 1, ROS 2 (CDR) and JSON encode them, and
+// Decodes single messages of bags and MCAP files: sensor_msgs in the encodings of ROS 1, ROS 2 (CDR) and JSON, and
 // Foxglove's schemas as JSON.
 #pragma once
 
@@ -16,20 +16,20 @@
 
 namespace odograph {
 
-/// One decoded message. Only what its type has is set.
+/// One decoded message. Only the members of its type are set.
 struct LoggedMessage {
-  int64_t t_ns = 0;   ///< its own stamp; 0: none
-  std::string frame;  ///< whose axes it has
-  /// Imu, MagneticField, FluidPressure, NavSatFix, CameraInfo; type 0: none, or not valid. Its time is not set.
+  int64_t t_ns = 0;   ///< its own time stamp; 0: none
+  std::string frame;  ///< the coordinate frame
+  /// Imu, MagneticField, FluidPressure, NavSatFix, CameraInfo; type 0: none, or invalid. Its time is not set.
   AnyMessage message;
-  /// A picture: PNG or JPEG as it is, or pixels of an `encoding` as ROS names them.
+  /// A picture: PNG or JPEG unchanged, or pixels in an `encoding` as ROS names them.
   struct Picture {
     std::string encoding;  ///< "": a file format
     uint32_t width = 0, height = 0, step = 0;
-    std::vector<unsigned char> bytes;  ///< empty where it was not asked for
+    std::vector<unsigned char> bytes;  ///< empty if not requested
   };
   std::optional<Picture> picture;
-  /// From the child's axes to the parent's.
+  /// From the child frame to the parent frame.
   struct Transform {
     std::string parent, child;
     Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
@@ -38,15 +38,15 @@ struct LoggedMessage {
   std::vector<Transform> transforms;
 };
 
-/// Whether messages of this topic are decoded; what keeps them from it is in words otherwise: "of an unknown type".
+/// Why messages of this topic are not decoded, such as "of an unsupported type"; empty if they are.
 std::string why_not_read(const LogTopic& topic);
 
-/// Failure (ODO_E_DATA, no file in it): shorter than its type, or no JSON.
+/// Fails with ODO_E_DATA, without a file name, if the message is shorter than its type or invalid JSON.
 Result<LoggedMessage> decode_logged(const LogTopic& topic, Bytes bytes, bool with_pixels);
 
-/// Grey or BGR; empty where it cannot be decoded.
+/// Grey or BGR; empty if undecodable.
 cv::Mat image_of(const LoggedMessage::Picture& picture);
-/// Whether pixels of this encoding are read.
+/// Whether pixels of this encoding are supported.
 bool knows_encoding(const std::string& encoding);
 
 }  // namespace odograph

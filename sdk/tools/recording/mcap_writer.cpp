@@ -22,7 +22,7 @@ enum Op : uint8_t {
   kDataEnd = 15
 };
 
-/// Fields of a record, little-endian; strings and maps with their length before them.
+/// Fields of a record, little-endian; strings and maps are preceded by their length.
 class Fields {
  public:
   template <class Number>
@@ -73,7 +73,7 @@ void McapWriter::put(std::string_view bytes) {
 
 uint16_t McapWriter::add(const Topic& topic) {
   const auto id = static_cast<uint16_t>(counts_.size());
-  const auto schema = static_cast<uint16_t>(id + 1);  // 0 is none
+  const auto schema = static_cast<uint16_t>(id + 1);  // 0 means no schema
   const std::string records = Fields()
                                   .number<uint16_t>(schema)
                                   .text(topic.type)

@@ -11,14 +11,14 @@
 
 namespace odograph {
 
-/// Writes MCAP (mcap.dev/spec): chunks that are not compressed, each with its index, and a summary at the end, so that
-/// viewers can jump. A file that is there already stays until finish().
+/// Writes MCAP (mcap.dev/spec): uncompressed chunks with indexes, and a summary at the end for random access. An
+/// existing file remains until finish().
 class McapWriter {
  public:
   static Result<std::unique_ptr<McapWriter>> create(const std::filesystem::path& file, const std::string& profile);
 
-  /// A topic whose messages are encoded as `encoding` ("json", "cdr") and described by `schema` (in "jsonschema",
-  /// "ros2msg") under `type`.
+  /// A topic: its messages have the encoding `encoding` ("json", "cdr") and the schema `schema` (in "jsonschema",
+  /// "ros2msg") named `type`.
   struct Topic {
     std::string name, encoding, type, schema_encoding, schema;
   };
@@ -37,9 +37,9 @@ class McapWriter {
 
   OutputFile file_;
   uint64_t at_ = 0;
-  std::string head_;   // of all schemas and channels, which the summary repeats
-  std::string chunk_;  // records of the chunk that is being filled
-  std::map<uint16_t, std::vector<std::pair<uint64_t, uint64_t>>> entries_;  // of each topic: time, place in the chunk
+  std::string head_;   // all schemas and channels, repeated in the summary
+  std::string chunk_;  // records of the current chunk
+  std::map<uint16_t, std::vector<std::pair<uint64_t, uint64_t>>> entries_;  // per topic: time, offset in the chunk
   uint64_t first_ns_ = UINT64_MAX, last_ns_ = 0;                            // of the chunk
   std::vector<Index> chunks_;
   std::vector<uint64_t> counts_;  // of messages, by topic

@@ -15,11 +15,11 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char kBagMagic[] = "#ROSBAG V2.0\n", kMcapMagic[] = "\x89MCAP0\r\n";
-constexpr uint64_t kLargestHeader = 1 << 20;  // of a bag's record, and of what MCAP has before a chunk's bytes
+constexpr uint64_t kLargestHeader = 1 << 20;  // of a bag's record, and of what precedes a chunk's bytes in MCAP
 enum BagOp : uint8_t { kBagMessage = 2, kBagChunk = 5, kBagConnection = 7 };
 enum McapOp : uint8_t { kSchema = 3, kChannel = 4, kMessage = 5, kChunk = 6, kDataEnd = 15 };
 
-/// Little-endian numbers and counted strings; past the end all is 0 and good() is false.
+/// Little-endian numbers and counted strings; reading past the end yields 0 and makes good() false.
 class Fields {
  public:
   explicit Fields(Bytes bytes) : bytes_(bytes) {}
@@ -51,7 +51,7 @@ class Fields {
   bool good_ = true;
 };
 
-/// A bag's header: fields "name=value", each with its length before it.
+/// A bag's header: "name=value" fields, each preceded by its length.
 std::map<std::string, std::string> named_fields(Bytes bytes) {
   std::map<std::string, std::string> named;
   for (Fields fields(bytes); fields.more();) {
@@ -71,7 +71,7 @@ std::optional<Number> number_of(const std::map<std::string, std::string>& named,
   return value;
 }
 
-/// ROS 2's "sensor_msgs/msg/Imu" is ROS 1's "sensor_msgs/Imu".
+/// Converts ROS 2's "sensor_msgs/msg/Imu" to ROS 1's "sensor_msgs/Imu".
 std::string short_type(std::string type) {
   if (const size_t msg = type.find("/msg/"); msg != std::string::npos) type.erase(msg, 4);
   return type;
@@ -79,13 +79,13 @@ std::string short_type(std::string type) {
 
 }  // namespace
 
-/// One record: of the file, or within a chunk.
+/// One record, in the file or within a chunk.
 struct MessageLog::Record {
   uint8_t op = 0;
   std::map<std::string, std::string> header;  ///< of a bag
-  Bytes data;                                 ///< as far as it is in memory
+  Bytes data;                                 ///< the part in memory
   uint64_t at = 0, size = 0;                  ///< of the data, in the file or the chunk
-  std::optional<uint32_t> chunk{};            ///< in which it lies
+  std::optional<uint32_t> chunk{};            ///< that contains it
 };
 
 bool MessageLog::looks_like_one(const fs::path& file) {
@@ -120,7 +120,7 @@ Result<std::shared_ptr<MessageLog>> MessageLog::read(const fs::path& file, const
   return log;
 }
 
-/// The records of the file. Chunks alone are read as a whole, and messages; an index is skipped.
+/// Scans the records of the file. Only chunks and messages are read whole; indexes are skipped.
 Result<bool> MessageLog::scan(const Visit& visit) {
   std::vector<unsigned char> bytes;
   const auto cut = [&](uint64_t at) {
@@ -161,11 +161,11 @@ Result<bool> MessageLog::scan(const Visit& visit) {
       return cut(begin);
     }
   }
-  if (!bag_) flaw_ = "it has no end: the recording was cut off";
+  if (!bag_) flaw_ = "its end is missing: the recording was cut off";
   return true;
 }
 
-/// A message outside of a chunk is a chunk of its own.
+/// Treats a message outside a chunk as a chunk of its own.
 Result<bool> MessageLog::take(Record record, const Visit& visit) {
   if (!record.chunk && record.op == (bag_ ? uint8_t(kBagMessage) : uint8_t(kMessage))) {
     record.chunk = static_cast<uint32_t>(chunks_.size());
@@ -205,7 +205,7 @@ Result<bool> MessageLog::take_mcap(const Record& record, const Visit& visit) {
   const Failure damaged{ODO_E_DISCARD, ""};
   Fields fields(record.data);
   if (record.op == kChunk) {
-    fields.take(16);  // the first and last time
+    fields.take(16);  // first and last time
     Chunk chunk;
     chunk.unpacked = fields.number<uint64_t>();
     fields.take(4);  // CRC-32
@@ -228,9 +228,9 @@ Result<bool> MessageLog::take_mcap(const Record& record, const Visit& visit) {
     topics_[id] = {topic, schema == schemas_.end() ? "" : short_type(schema->second.first), encoding};
   } else if (record.op == kMessage) {
     const auto id = fields.number<uint16_t>();
-    fields.take(4);  // its number
+    fields.take(4);  // sequence number
     const auto t_ns = fields.number<uint64_t>();
-    fields.take(8);  // when it was published
+    fields.take(8);  // publish time
     if (!fields.good()) return damaged;
     const size_t head = fields.at();
     return take_message(id, static_cast<int64_t>(std::min<uint64_t>(t_ns, INT64_MAX)), record.data.subspan(head),
@@ -246,7 +246,7 @@ Result<bool> MessageLog::take_message(uint64_t topic, int64_t t_ns, Bytes data, 
   return visit(found->second, t_ns, place, data);
 }
 
-/// All records of a chunk.
+/// Scans all records of a chunk.
 Result<bool> MessageLog::take_chunk(Chunk chunk, const Visit& visit) {
   const auto number = static_cast<uint32_t>(chunks_.size());
   chunks_.push_back(chunk);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files of messages by topic: ROS 1 bags (format 2.0) and MCAP. They are one thing under two names: records one after
-// the other, messages gathered in chunks that may be compressed.
+// Files of messages by topic: ROS 1 bags (format 2.0) and MCAP. Both are sequences of records, with messages in chunks
+// that may be compressed.
 //
-// ROS 1's own library is not used: it links the Python interpreter, loads a plugin that the bag's header names, takes
-// offsets and sizes out of the file unchecked, and its messages do not compile as C++20. Debian has none for MCAP.
+// ROS 1's own library is not used: it links the Python interpreter, loads a plugin named in the bag's header, does not
+// check offsets and sizes from the file, and its messages do not compile as C++20. Debian has no MCAP library.
 #pragma once
 
 #include <cstdint>
@@ -24,14 +24,14 @@ namespace odograph {
 
 using Bytes = std::span<const unsigned char>;
 
-/// What messages of one topic are.
+/// Type and encoding of the messages of one topic.
 struct LogTopic {
   std::string name;
-  std::string type;      ///< "sensor_msgs/Imu": as ROS 1 writes it, also for ROS 2's "sensor_msgs/msg/Imu"
-  std::string encoding;  ///< "ros1", "cdr", "json", or one that nobody here reads
+  std::string type;      ///< "sensor_msgs/Imu": in ROS 1's form, also for ROS 2's "sensor_msgs/msg/Imu"
+  std::string encoding;  ///< "ros1", "cdr", "json", or an unsupported one
 };
 
-/// Where a message lies: in which chunk, and there from which byte on.
+/// Position of a message: its chunk, and the offset in it.
 struct LogPlace {
   uint32_t chunk = 0, offset = 0, size = 0;
 };
@@ -39,16 +39,16 @@ struct LogPlace {
 class MessageLog {
  public:
   struct Limits {
-    uint64_t chunk_bytes = 1ull << 29;  ///< of a chunk, unpacked; writers make chunks of about 1 MB
+    uint64_t chunk_bytes = 1ull << 29;  ///< of a chunk, unpacked; writers use about 1 MB
     size_t topics = 10'000;
     size_t messages = 100'000'000;
   };
-  /// Given each message in the file's order; what it fails with ends the reading.
+  /// Called for each message in the file's order; a failure ends the reading.
   using Visit = std::function<Result<bool>(const LogTopic&, int64_t t_ns, LogPlace, Bytes)>;
 
   static bool looks_like_one(const std::filesystem::path& file);
 
-  /// Reads all messages once. A file that was cut off or is damaged gives what lies before that; `flaw` says so.
+  /// Reads all messages once. A truncated or damaged file yields the messages before the damage; `flaw` describes it.
   /// Failures name the file (ODO_E_DATA).
   static Result<std::shared_ptr<MessageLog>> read(const std::filesystem::path& file, const Visit& visit,
                                                   const Limits& limits);
@@ -56,7 +56,7 @@ class MessageLog {
     return read(file, visit, Limits());
   }
 
-  /// A message's bytes again. [any thread]
+  /// Reads a message's bytes again. [any thread]
   Result<std::vector<unsigned char>> at(LogPlace place);
 
   const char* format() const { return bag_ ? "ROS 1 bag" : "MCAP"; }
@@ -92,7 +92,7 @@ class MessageLog {
   std::vector<Chunk> chunks_;
   size_t messages_ = 0;
   std::mutex mutex_;
-  uint32_t unpacked_chunk_ = UINT32_MAX;  // what `unpacked_` holds
+  uint32_t unpacked_chunk_ = UINT32_MAX;  // chunk in `unpacked_`
   std::vector<unsigned char> unpacked_;
 };
 

@@ -102,7 +102,7 @@ Result<bool> OdoWriter::write_true_step(const odo_step& s) { return record(kTrue
 
 namespace {
 
-/// A video's frame in colour: luma, and chroma of half the size.
+/// A video frame in colour: luma, and chroma at half resolution.
 cv::Mat bgr_of_yuv(const odo_frame& frame) {
   const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
   const auto plane = [&](int p, int height, int width, int type) {
@@ -118,7 +118,7 @@ cv::Mat bgr_of_yuv(const odo_frame& frame) {
   if (frame.format == ODO_FORMAT_NV21) std::swap(halves[0], halves[1]);
   std::vector<cv::Mat> channels(3);
   channels[0] = plane(0, rows, columns, CV_8UC1);
-  for (int i : {0, 1}) {  // Y Cr Cb is OpenCV's order
+  for (int i : {0, 1}) {  // OpenCV's order is Y Cr Cb
     cv::Mat large;
     cv::resize(halves[static_cast<size_t>(1 - i)], large, {2 * half_columns, 2 * half_rows}, 0, 0, cv::INTER_NEAREST);
     channels[static_cast<size_t>(1 + i)] = large(cv::Rect(0, 0, columns, rows));
@@ -160,13 +160,13 @@ Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jp
 
 namespace {
 
-/// An orientation as it was written; one that is off by more than rounding is normalised.
+/// The orientation as written, normalised if its norm is off by more than rounding.
 Eigen::Quaterniond unit(const double* q) {
   const Eigen::Quaterniond as_written(q[0], q[1], q[2], q[3]);
   return std::abs(as_written.squaredNorm() - 1) < 1e-12 ? as_written : as_written.normalized();
 }
 
-/// An ABI message as its writer knew it, older or newer than this program; behind a frame's struct lies its picture.
+/// A message from an older or newer program; for a frame, its picture follows the struct.
 void take_message(Recording& recording, const RecordReader& record, const std::shared_ptr<const fs::path>& file,
                   bool events) {
   AnyMessage message;
@@ -179,7 +179,7 @@ void take_message(Recording& recording, const RecordReader& record, const std::s
     recording.add(header);
 }
 
-/// Takes one whole record into the recording.
+/// Adds one complete record to the recording.
 void take(Recording& recording, const RecordReader& record, const std::shared_ptr<const fs::path>& file,
           const ReadOptions& options) {
   const auto payload = record.payload();
@@ -239,7 +239,7 @@ Result<Recording> read_odo(const fs::path& file, const ReadOptions& options) {
   recording.loss.file = records->loss();
   if (const std::string lost = recording.loss.file.text(); !lost.empty()) recording.warnings.push_back(lost);
   if (recording.messages.empty())
-    return Failure{ODO_E_DATA, file.string() + ": no whole message in it" +
+    return Failure{ODO_E_DATA, file.string() + ": contains no complete message" +
                                    (recording.loss.file.any() ? "; " + recording.loss.file.text() : "")};
   recording.sort();
   return recording;

@@ -11,9 +11,9 @@
 
 namespace odograph {
 
-/// Odograph's own recording, *.odo: records (RecordWriter), of which layout and types are in docs/recording.md. The
-/// payload of a message is its ABI struct as its writer knew it; of a frame the struct without pointers and behind it
-/// the encoded picture (PNG or JPEG).
+/// Writer of Odograph's recording format, *.odo; docs/recording.md has layout and types. A message's payload is its ABI
+/// struct with the writer's size; a frame's is the struct without pointers, followed by the encoded picture (PNG or
+/// JPEG).
 class OdoWriter {
  public:
   static constexpr uint32_t kTruthPose =
@@ -28,22 +28,22 @@ class OdoWriter {
   /// i64 t_ns; u32 tag, f32 visible part; f64 corners[8] (px)
   static constexpr uint32_t kTrueSighting = 0x10003;
 
-  /// An odo_step, as its writer knew it
+  /// An odo_step with the writer's size
   static constexpr uint32_t kTrueStep = 0x10004;
 
-  /// A file that is there already stays until finish(). jpeg_quality 0 = lossless PNG, below 0 = grey PGM.
+  /// An existing file remains until finish(). jpeg_quality 0: lossless PNG; negative: grey PGM.
   static Result<std::unique_ptr<OdoWriter>> create(const std::filesystem::path& file, int jpeg_quality);
 
-  /// Any message; a frame needs its pixels.
+  /// Writes any message; a frame needs its pixels.
   Result<bool> write(const odo_header& message);
-  /// A frame whose picture has been encoded already.
+  /// Writes a frame whose picture is already encoded.
   Result<bool> write_encoded_frame(const odo_frame& frame, std::span<const unsigned char> picture);
   Result<bool> write_truth(const StampedPose& pose);
   Result<bool> write_true_state(const TrueState& state);
   Result<bool> write_true_skyline(const TrueSkyline& skyline);
   Result<bool> write_true_sighting(const TrueSighting& sighting);
   Result<bool> write_true_step(const odo_step& step);
-  /// Sets the end mark and puts the file in its place.
+  /// Writes the end mark and moves the file to its path.
   Result<bool> finish() { return records_.finish(); }
   int jpeg_quality() const { return jpeg_quality_; }
 
@@ -58,7 +58,7 @@ class OdoWriter {
   int jpeg_quality_;
 };
 
-/// A frame's picture as PNG (quality 0) or JPEG.
+/// Encodes a frame's picture as PNG (quality 0) or JPEG.
 Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jpeg_quality);
 
 }  // namespace odograph

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A phone recording's frames: when they were taken, by which lens, mounted how.
+// Frames of a phone recording: their times, lens and mount.
 #include "sdk/tools/recording/phone_camera.hpp"
 
 #include <algorithm>
@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Focal length over the picture's longer side, of phones' main cameras in video. Theory: a 26 mm equivalent lens fills
-/// 34.6 mm with a 4:3 picture's width, 0.75; what stabilisation and readout leave of it is a tenth less, 0.78 to 0.85.
-/// ARKit's own matrices of iPhone 8 to 15 are 0.82 to 0.84 (strayrobots, ADVIO).
+/// Focal length over the picture's longer side, for the main cameras of phones in video mode. A 26 mm equivalent lens
+/// has 0.75 (34.6 mm picture width at 4:3); stabilisation and readout crop about a tenth: 0.78 to 0.85. ARKit's own
+/// matrices of iPhone 8 to 15 have 0.82 to 0.84 (strayrobots, ADVIO).
 constexpr double kFocalOfApple = 0.83, kFocalOfOthers = 0.79;
 
 std::string number_text(double value) {
@@ -28,8 +28,8 @@ std::string number_text(double value) {
   return text;
 }
 
-/// Wider than tall: as the sensor reads it, its right is the phone's bottom; taller than wide: rotated to stand upright
-/// when the phone does.
+/// A wide picture is in sensor orientation: its right is the phone's bottom. A tall picture has been rotated to be
+/// upright when the phone is.
 void guess_mount(odo_calibration& c) {
   const bool as_read = c.width >= c.height;
   const double r = std::sqrt(0.5);
@@ -38,7 +38,7 @@ void guess_mount(odo_calibration& c) {
   c.header.flags |= ODO_CALIBRATION_EXTRINSICS;
 }
 
-/// A lens given for pictures of another size: scaled where the shape is the same.
+/// Scales a lens calibrated for another picture size, if the aspect ratio is the same.
 Result<bool> fit_to_size(odo_calibration& c, uint32_t width, uint32_t height, const std::string& from) {
   if (c.width == width && c.height == height) return true;
   if (c.width == 0 || c.height == 0) {
@@ -55,7 +55,7 @@ Result<bool> fit_to_size(odo_calibration& c, uint32_t width, uint32_t height, co
   return true;
 }
 
-/// A frame as its row has it: focal length, exposure, readout.
+/// A frame with the focal length, exposure and readout of its row.
 odo_frame frame_of(int64_t t_ns, const Row* row, const odo_calibration& c, bool by_lens) {
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
   if (!row) return frame;
@@ -95,7 +95,7 @@ Result<bool> add_video(Recording& recording, const Format& format, const Files& 
   return true;
 }
 
-/// A picture's number in its name: milliseconds of Unix time, or its place.
+/// The number in a picture's name: Unix time in ms, or its index.
 std::optional<int64_t> number_in(const fs::path& file) {
   const std::string stem = file.stem().string();
   const size_t end = stem.find_first_not_of("0123456789");
@@ -160,7 +160,7 @@ Result<odo_calibration> calibration_of(CameraFacts facts, const Rows* times, uin
           "no lens in the recording: guessed a focal length of " + number_text(c.fx) + " px, " +
           number_text(2 * 57.29578 * std::atan(0.5 * std::max(width, height) / c.fx)) +
           " degrees over the longer side (" + (facts.device.empty() ? "a phone's main camera" : facts.device) +
-          "); the metric scale hangs on it: 'odograph calibrate' makes a camera.yaml");
+          "); the metric scale depends on it: 'odograph calibrate' makes a camera.yaml");
     }
   } else if (const auto fitted = fit_to_size(c, width, height, facts.lens_from); !fitted) {
     return fitted.failure();
@@ -186,7 +186,7 @@ Result<bool> add_camera(Recording& recording, const Format& format, const Files&
   if (!videos.empty()) return add_video(recording, format, files, times, facts, videos.front());
   if (!pictures.empty()) return add_pictures(recording, format, files, times, facts, pictures);
   if (*format.switch_on_video)
-    recording.warnings.push_back("no video and no pictures: steps and inertia alone give the track; in " +
+    recording.warnings.push_back("no video and no pictures: the track is from steps and inertia only; in " +
                                  std::string(format.name) + ": " + format.switch_on_video);
   return true;
 }

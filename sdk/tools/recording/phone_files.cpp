@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which files a phone's recording has, and which app wrote them.
+// Files of a phone's recording, and the app that wrote them.
 #include <algorithm>
 #include <fstream>
 
@@ -11,9 +11,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr size_t kMaxNames = 200'000;  // files of a folder that are looked at
+constexpr size_t kMaxNames = 200'000;  // maximum number of files in a folder
 
-/// Fields of a line between commas, without quotes and white space around them.
+/// The comma-separated fields of a line, without quotes and surrounding white space.
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields;
   for (size_t at = 0; at <= line.size();) {
@@ -33,7 +33,7 @@ std::vector<std::string> fields_of(const std::string& line) {
 Files files_of(const fs::path& folder, std::shared_ptr<const void> keep) {
   Files files{folder, std::move(keep), {}};
   std::error_code error;
-  // Two levels are enough: "Camera/123.mp4"; links lead elsewhere and are nobody's recording.
+  // Two levels suffice: "Camera/123.mp4"; links are not followed.
   for (auto it = fs::recursive_directory_iterator(folder, error); it != fs::recursive_directory_iterator();
        it.increment(error)) {
     if (error || files.names.size() >= kMaxNames) break;

@@ -15,7 +15,7 @@ constexpr auto kNanoseconds = TimeUnit::nanoseconds;
 const std::vector<const char*> kXyz = {"x", "y", "z"};
 
 /// tszheichoi/awesome-sensor-logger: UNITS.md, COORDINATES.md, CROSSPLATFORM.md, VIDEO_SYNCHRONIZATION.md. On iOS
-/// without "Standardise Units & Frames" accelerations have the opposite sign of specific force, and raw ones are in g.
+/// without "Standardise Units & Frames", accelerations have the opposite sign of specific force, and raw ones are in g.
 Format sensor_logger() {
   const auto axes = [](Stream stream, const char* file, double scale = 1, When when = When::any, uint32_t flags = 0) {
     return Table{stream, file, "time", kNanoseconds, kXyz, scale, when, flags};
@@ -115,8 +115,8 @@ Format opencamera() {
   };
 }
 
-/// DavidGillsjo/VideoIMUCapture-Android, protobuf/recording.proto: VideoCaptureData, its fields 4 (IMUData) and 5
-/// (VideoFrameMetaData).
+/// DavidGillsjo/VideoIMUCapture-Android, protobuf/recording.proto: fields 4 (IMUData) and 5 (VideoFrameMetaData) of
+/// VideoCaptureData.
 Format video_imu_capture() {
   const char* file = "video_meta.pb3";
   return {
@@ -143,7 +143,7 @@ Format video_imu_capture() {
   };
 }
 
-/// OSUPCVLab/mobile-ar-sensor-logger. Its iOS app has turned the sign already.
+/// OSUPCVLab/mobile-ar-sensor-logger. Its iOS app has already inverted the sign.
 Format mars() {
   const char* imu = "gyro_accel.csv";
   const std::vector<const char*> lens = {
@@ -165,8 +165,8 @@ Format mars() {
   };
 }
 
-/// strayrobots/scanner, docs/format.md. Its documents say m/s^2; the app writes Core Motion's own values, in g and with
-/// gravity's sign.
+/// strayrobots/scanner, docs/format.md. The document states m/s^2, but the app writes Core Motion's values, in g and
+/// with gravity's sign.
 Format stray() {
   return {
       .name = "Stray Scanner",
@@ -184,7 +184,7 @@ Format stray() {
   };
 }
 
-/// google/gps-measurement-tools: GnssLogger's text.
+/// google/gps-measurement-tools: text format of GnssLogger.
 Format gnss_logger() {
   using Columns = std::vector<const char*>;
   const auto rows = [](const char* kind, Stream stream, Columns columns, uint32_t flags = 0, double scale = 1) {
@@ -215,7 +215,8 @@ Format gnss_logger() {
   };
 }
 
-/// A plain folder: times.csv (one row a picture) and imu.csv, by name where there is a head, otherwise in this order.
+/// A plain folder: times.csv (one row per picture) and imu.csv, with columns by name if there is a head, otherwise in
+/// this order.
 Format plain() {
   const auto rows = [](Stream stream, const char* file, std::vector<const char*> columns, double scale = 1) {
     return Table{stream, file, "t_ns|timestamp|time|#1", kNanoseconds, std::move(columns), scale};

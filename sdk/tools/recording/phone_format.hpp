@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a phone's recording app writes, as tables: which files, which columns, in which units, axes and clock.
+// Recording apps' tables: files, columns, units, axes and clocks.
 #pragma once
 
 #include <cstdint>
@@ -9,75 +9,75 @@
 
 namespace odograph::phone {
 
-/// What a table's rows are.
+/// Content of a table's rows.
 enum class Stream {
   gyro,          ///< x y z, rad/s
   accel,         ///< x y z, specific force, m/s^2
   linear_accel,  ///< x y z, the same without gravity; needs `gravity`
-  gravity,       ///< x y z, what it lacks
+  gravity,       ///< x y z, the difference
   field,         ///< x y z, T
   pressure,      ///< Pa
-  place,  ///< latitude, longitude (degrees), height (m), sigma of position, of height (m), each optional from height on
-  frame,  ///< each optional: fx, fy, cx, cy (px), exposure (ns), readout of the whole picture (ns)
-  pose,   ///< x y z (m), qx qy qz qw: of the camera, in a world whose y axis points up
+  place,  ///< latitude, longitude (degrees), height (m), sigma of position, of height (m); optional from height on
+  frame,  ///< all optional: fx, fy, cx, cy (px), exposure (ns), readout of the whole picture (ns)
+  pose,   ///< x y z (m), qx qy qz qw of the camera, in a world whose y axis points up
 };
 
 enum class TimeUnit { nanoseconds, milliseconds, seconds };
 
-/// When a table is one that the recording can have.
+/// Platforms on which a table exists.
 enum class When { any, android, apple };  ///< apple: iOS's own signs and units
 
-/// Where rows come from.
+/// File layouts.
 enum class Layout {
-  csv,         ///< a head with names, or none: then columns are "#1", "#2", ...
-  named_rows,  ///< GnssLogger: each row starts with its kind, a comment "# Kind,column,..." names the columns
-  json_lines,  ///< an object a line: columns are JSON pointers
+  csv,         ///< a head with names, or none: then the columns are "#1", "#2", ...
+  named_rows,  ///< GnssLogger: each row starts with its kind; a comment "# Kind,column,..." names the columns
+  json_lines,  ///< an object per line: columns are JSON pointers
   protobuf,    ///< columns are field numbers: "4.2" is the second value of field 4
 };
 
-/// Where a scale is not one number: g or m/s^2, by the size of gravity.
+/// Scale determined by the magnitude of gravity: g or m/s^2.
 constexpr double kByGravity = 0;
 
 struct Table {
   Stream stream;
-  const char* file;  ///< '*' stands for any characters; "A|B": the first that is there
-  const char* time;  ///< its column; "" : rows have none of their own
+  const char* file;  ///< '*': any characters; "A|B": the first that exists
+  const char* time;  ///< column; "": rows have no time of their own
   TimeUnit unit = TimeUnit::nanoseconds;
   std::vector<const char*> columns{};  ///< "a|b": either; a leading '?': optional
-  double scale = 1;                    ///< to SI, sign included
+  double scale = 1;                    ///< to SI, including the sign
   When when = When::any;
-  uint32_t flags = 0;          ///< of the message
-  const char* kind = "";       ///< named_rows: the row's kind; json_lines: "/pointer=value" that a row must have;
-                               ///< protobuf: the field of the rows
-  const char* unix_time = "";  ///< the same moment as Unix time, where the app writes it
+  uint32_t flags = 0;     ///< of the message
+  const char* kind = "";  ///< named_rows: the row's kind; json_lines: "/pointer=value" that a row must have; protobuf:
+                          ///< the field of the rows
+  const char* unix_time = "";  ///< the same time as Unix time, if the app writes it
   TimeUnit unix_unit = TimeUnit::nanoseconds;
 };
 
-/// How its frames' times are found.
+/// Source of the frame times.
 enum class FrameTimes {
-  table,           ///< Stream::frame, one row a frame
-  metadata_track,  ///< in the video itself, as Unix time; failing that the file's name and a guess
+  table,           ///< Stream::frame, one row per frame
+  metadata_track,  ///< in the video itself, as Unix time; otherwise the file name and an assumption
 };
 
 struct Format {
   const char* name;
-  std::vector<const char*> marks;  ///< files of which one must be there
+  std::vector<const char*> marks;  ///< files of which one must exist
   Layout layout;
-  std::vector<Table> tables;  ///< of each stream the first whose file is there
+  std::vector<Table> tables;  ///< for each stream, the first whose file exists
   const char* video = "";     ///< as Table::file
   const char* pictures = "";  ///< instead of a video: their names are Unix times in ms
   FrameTimes frame_times = FrameTimes::table;
-  /// What to switch on, by stream, in the app's own words; "" : there is nothing.
+  /// Which option to enable, by stream, in the app's own words; "": none.
   const char *switch_on_gyro, *switch_on_accel, *switch_on_video, *switch_on_others;
 };
 
-/// All of them, in the order in which they are looked for.
+/// All formats, in search order.
 const std::vector<Format>& formats();
 
-/// The format's table is a reference, no input, where poses are the platform's own.
+/// Name for messages. Poses are the platform's own and serve only as reference.
 const char* name_of(Stream stream);
 
-/// Whether `name` is as `pattern` has it ('*': any characters; "A|B": either).
+/// Whether `name` matches `pattern` ('*': any characters; "A|B": either).
 bool matches(const std::string& pattern, const std::string& name);
 
 }  // namespace odograph::phone

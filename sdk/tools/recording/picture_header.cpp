@@ -21,7 +21,7 @@ uint32_t big_endian(const unsigned char* bytes, int count) {
   return value;
 }
 
-/// ISO/IEC 10918-1, B.2: markers with lengths, until a frame header (SOF) comes.
+/// ISO/IEC 10918-1, B.2: markers with lengths, up to a frame header (SOF).
 std::optional<PictureSize> jpeg(std::istream& in) {
   unsigned char head[7];
   for (int i = 0; i < kMaxMarkers && in.read(reinterpret_cast<char*>(head), 4); ++i) {
@@ -43,7 +43,7 @@ std::optional<PictureSize> jpeg(std::istream& in) {
   return std::nullopt;
 }
 
-/// netpbm's: numbers between white space and comments.
+/// netpbm: numbers separated by white space and comments.
 std::optional<PictureSize> netpbm(std::istream& in) {
   uint32_t numbers[2] = {};
   int count = 0, digits = 0;
@@ -81,7 +81,7 @@ std::optional<PictureSize> stated_size(std::istream& in, uint64_t offset) {
   if (got >= 26 && head[0] == 'B' && head[1] == 'M') {
     int32_t size[2];
     std::memcpy(size, head + 18, sizeof size);
-    const int64_t height = size[1];  // below 0: from the top
+    const int64_t height = size[1];  // negative: rows from the top
     return PictureSize{static_cast<uint32_t>(size[0]), static_cast<uint32_t>(height < 0 ? -height : height)};
   }
   if (got >= 3 && head[0] == 'P' && head[1] >= '1' && head[1] <= '6') return netpbm(continue_at(2));

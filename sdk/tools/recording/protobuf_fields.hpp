@@ -8,11 +8,11 @@
 
 namespace odograph::phone {
 
-/// A field of a Protocol Buffers message on the wire (protobuf.dev/programming-guides/encoding).
+/// A field of an encoded Protocol Buffers message (protobuf.dev/programming-guides/encoding).
 struct ProtobufField {
   uint32_t number = 0;
   enum class Kind { varint, fixed64, bytes, fixed32 } kind = Kind::varint;
-  uint64_t value = 0;                      ///< of a varint or a fixed one
+  uint64_t value = 0;                      ///< of a varint or a fixed-size field
   std::span<const unsigned char> bytes{};  ///< of a message, a string, packed values
 
   float as_float() const {
@@ -23,7 +23,7 @@ struct ProtobufField {
   }
 };
 
-/// Goes through a message's fields. After the last one, or at damage, there is none.
+/// Iterates over a message's fields, up to the last one or damage.
 class ProtobufReader {
  public:
   explicit ProtobufReader(std::span<const unsigned char> bytes) : left_(bytes) {}

@@ -23,7 +23,7 @@ bool is_picture(const fs::path& path) {
          extension == ".bmp";
 }
 
-/// Pictures of a folder in the order of their names, numbers by value ("2.png" before "10.png").
+/// Pictures of a folder in the order of their names, with numbers by value ("2.png" before "10.png").
 std::vector<fs::path> pictures_of(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -50,7 +50,7 @@ void add_frame(Recording& recording, int64_t t_ns, uint32_t camera, const fs::pa
 
 namespace {
 
-/// One time a picture, where the folder has such a table; ns, or seconds with a decimal point.
+/// One time per picture, if the folder has such a table; ns, or seconds with a decimal point.
 Result<std::vector<int64_t>> times_of_pictures(const fs::path& folder) {
   const phone::Table table{phone::Stream::frame, "", "t_ns|timestamp|time|#1"};
   for (const char* name : {"times.csv", "timestamps.csv", "times.txt", "timestamps.txt"}) {
@@ -136,7 +136,7 @@ Result<Recording> read_kitti(const fs::path& folder) {
                                    std::to_string(times.size()) + " times in times.txt"};
   if (files.empty()) return Failure{ODO_E_DATA, (folder / "image_0").string() + ": no pictures"};
   Result<odo_frame> first = Failure{};
-  for (size_t i = 0; i < files.size() && !first; ++i) {  // a damaged picture costs its frame alone
+  for (size_t i = 0; i < files.size() && !first; ++i) {  // a damaged picture costs only its frame
     RecordedMessage probe;
     probe.message.assign(make_message<odo_frame>(ODO_TYPE_FRAME, 0).header);
     probe.picture = {std::make_shared<const fs::path>(files[i])};
@@ -163,7 +163,7 @@ Result<Recording> read_tum_rgbd(const fs::path& folder, const ReadOptions& optio
     const auto camera = read_camera_yaml(folder / "camera.yaml", nullptr);
     if (!camera) return camera.failure();
     recording.add(camera->header);
-  } else {  // the values that the dataset recommends where a sequence's own are not given
+  } else {  // the dataset's recommended values for sequences without their own
     auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
     calibration.model = ODO_CAMERA_PINHOLE;
     calibration.width = 640, calibration.height = 480;

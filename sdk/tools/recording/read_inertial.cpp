@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kRadians = 3.14159265358979323846 / 180.0;
 
-/// Adds one message a row, made by `make(values, t_ns)` from the numbers of the row.
+/// Adds one message per row, built by `make(values, t_ns)` from the numbers of the row.
 template <class Make>
 Result<bool> add_rows(Recording& recording, const fs::path& file, size_t least, bool nanoseconds, Make&& make) {
   return read_rows(file, [&](const TextRow& row) -> Result<bool> {
@@ -39,8 +39,7 @@ std::string number_text(double value) {
   return text;
 }
 
-/// A list of exactly `count` numbers (any number where 0), each within +-`limit`; what is wrong is named with its
-/// place.
+/// A list of exactly `count` numbers (any number for 0), each within +-`limit`; failures state the position.
 Result<std::vector<double>> reals(const std::string& file, const YamlNode& map, const char* key, size_t count,
                                   double limit) {
   const YamlNode* node = map.find(key);
@@ -60,7 +59,7 @@ Result<std::vector<double>> reals(const std::string& file, const YamlNode& map, 
   return values;
 }
 
-/// The mount out of T_BS, a matrix of 4 x 4 from the camera to the body.
+/// The mount from T_BS, a 4 x 4 matrix from the camera to the body.
 Result<bool> read_mount(const std::string& file, const YamlNode& T, odo_calibration& c) {
   const auto T_b_c = reals(file, T, "data", 16, 1e3);
   if (!T_b_c) return T_b_c.failure();
@@ -76,7 +75,7 @@ Result<bool> read_mount(const std::string& file, const YamlNode& T, odo_calibrat
   return true;
 }
 
-/// sensor.yaml of a camera, as the ASL format has it.
+/// sensor.yaml of a camera in the ASL format.
 Result<odo_calibration> read_asl_camera(const fs::path& path, uint32_t id) {
   const std::string file = path.string();
   const auto node = read_yaml(file);
@@ -149,7 +148,7 @@ Result<bool> add_euroc_camera(Recording& recording, const fs::path& folder, cons
   }
   const auto sensor = described ? read_yaml((folder / "sensor.yaml").string()) : Result<YamlNode>(Failure{});
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 0);
-  const double line_s = sensor ? scalar(*sensor, "line_delay") : 0;  // our own key, Kalibr's name
+  const double line_s = sensor ? scalar(*sensor, "line_delay") : 0;  // our own key, with Kalibr's name
   if (!(line_s >= 0 && line_s < 1e-2))
     return Failure{ODO_E_DATA, (folder / "sensor.yaml").string() + ": line_delay: " + number_text(line_s) +
                                    "; expected seconds from one row to the next, below 0.01"};
@@ -166,7 +165,7 @@ Result<bool> add_euroc_camera(Recording& recording, const fs::path& folder, cons
   });
 }
 
-/// Of the camera where there is one: the file's is of the body.
+/// Sets the truth of the camera if there is one: the file's is the body's.
 Result<bool> set_euroc_truth(Recording& recording, const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error)) return true;
@@ -188,7 +187,7 @@ Result<bool> set_euroc_truth(Recording& recording, const fs::path& file) {
 odo_imu advio_imu(uint32_t flag, const std::vector<double>& v, int64_t t) {
   auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
   imu.header.flags = flag;
-  for (size_t i = 0; i < 3; ++i)  // iOS gives gravity's own direction, in g; specific force is its opposite
+  for (size_t i = 0; i < 3; ++i)  // iOS gives the direction of gravity, in g; specific force is its opposite
     (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[i] =
         flag == ODO_IMU_GYRO ? v[1 + i] : -kStandardGravity_mps2 * v[1 + i];
   return imu;
@@ -310,7 +309,7 @@ Result<Recording> read_indoor_location(const fs::path& file) {
       v[i] = *value;
     }
     const int64_t t_ns = *milliseconds * 1'000'000;
-    if (attitude) {  // the vector part of the rotation from b to east, north, up
+    if (attitude) {  // vector part of the rotation from b to east, north, up
       const Eigen::Quaterniond q_enu_b(std::sqrt(std::max(0.0, 1 - v[0] * v[0] - v[1] * v[1] - v[2] * v[2])), v[0],
                                        v[1], v[2]);
       const Eigen::Quaterniond q_n_enu(0, std::sqrt(0.5), std::sqrt(0.5), 0);
@@ -326,7 +325,7 @@ Result<Recording> read_indoor_location(const fs::path& file) {
       recording.add(m.header);
     } else {
       auto m = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, t_ns);
-      m.p_n[0] = v[1], m.p_n[1] = v[0];  // the floor map's x is east and its y north
+      m.p_n[0] = v[1], m.p_n[1] = v[0];  // the floor map has x east and y north
       m.sigma_m = 0.5;
       recording.add(m.header);
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// JSON Lines: an object a line, columns are JSON pointers.
+// JSON Lines: one object per line; columns are JSON pointers.
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -18,10 +18,10 @@ using Json = nlohmann::json;
 using Pointer = Json::json_pointer;
 constexpr size_t kLongestLine = 1 << 20;
 
-/// A table's columns as pointers, made once.
+/// A table's columns as JSON pointers, parsed once.
 struct Pointers {
   Pointer kind;
-  std::string value;  ///< that kind must have; empty: any
+  std::string value;  ///< required value of that kind; empty: any
   std::vector<Pointer> time;
   std::vector<std::vector<Pointer>> columns;
 
@@ -85,7 +85,7 @@ Result<bool> read_json_lines(const fs::path& path, std::span<Rows> tables) {
     if (text.find_first_not_of(" \t\r") == std::string::npos) continue;
     const Json line = Json::parse(text, nullptr, false);
     if (line.is_discarded() || !line.is_object()) {
-      if (file.eof()) break;  // cut off
+      if (file.eof()) break;  // truncated
       return wrong_in(path, number, "not a JSON object");
     }
     for (size_t i = 0; i < tables.size(); ++i)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A recording out of a ROS 1 bag or an MCAP file: one topic of each sensor, the camera's lens and mount, pictures as
-// they are asked for.
+// A recording from a ROS 1 bag or an MCAP file: one topic per sensor, the camera's lens and mount, pictures on demand.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -17,10 +16,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr size_t kMaxNamed = 12;  // topics in a sentence
-constexpr int kMaxDepth = 100;    // of a tree of transforms
+constexpr size_t kMaxNamed = 12;  // topics listed in a message
+constexpr int kMaxDepth = 100;    // of the transform tree
 
-/// The pictures of a log, each by its number.
+/// The pictures of a log, by number.
 class LoggedPictures : public PictureStore {
  public:
   std::shared_ptr<MessageLog> log;
@@ -47,11 +46,11 @@ class LoggedPictures : public PictureStore {
   }
 };
 
-/// What one topic holds.
+/// The messages of one topic.
 struct Topic {
   LogTopic topic;
   uint32_t type = 0;  // of its messages; ODO_TYPE_FRAME: pictures
-  std::string frame;  // whose axes
+  std::string frame;  // coordinate frame
   std::vector<StoredMessage> messages;
   std::vector<std::pair<int64_t, LogPlace>> pictures;
   size_t gyro = 0, accel = 0, damaged = 0;
@@ -107,7 +106,7 @@ class LogReading {
     t.type = header.type;
     if (t.type == ODO_TYPE_IMU)
       t.gyro += (header.flags & ODO_IMU_GYRO) != 0, t.accel += (header.flags & ODO_IMU_ACCEL) != 0;
-    if (t.type == ODO_TYPE_CALIBRATION && !t.messages.empty()) return true;  // it comes with every picture
+    if (t.type == ODO_TYPE_CALIBRATION && !t.messages.empty()) return true;  // it is repeated with every picture
     t.messages.emplace_back();
     t.messages.back().assign(header);
     return true;
@@ -126,7 +125,7 @@ class LogReading {
     return most(type, [](const Topic& t) { return t.size(); });
   }
 
-  /// Both sensors of one topic, or each of its own where a driver has them apart.
+  /// Both sensors from one topic, or from separate topics.
   Result<bool> add_inertial() {
     Topic* gyro = most(ODO_TYPE_IMU, [](const Topic& t) { return t.gyro; });
     if (!gyro) return true;
@@ -142,7 +141,7 @@ class LogReading {
   Result<bool> add_camera(const std::shared_ptr<MessageLog>& log) {
     Topic* camera = busiest(ODO_TYPE_FRAME);
     if (!camera) {
-      warn("no pictures: steps and inertia alone give the track");
+      warn("no pictures: the track is from steps and inertia only");
       return true;
     }
     if (!camera->unknown_encoding.empty())
@@ -170,7 +169,8 @@ class LogReading {
     return true;
   }
 
-  /// camera.yaml or Kalibr's camchain beside the file; CameraInfo nearest by its name, and transforms; guesses.
+  /// Lens from camera.yaml or Kalibr's camchain beside the file, from the CameraInfo with the most similar name and
+  /// transforms, or guessed.
   Result<odo_calibration> lens_of(const Topic& camera, uint32_t width, uint32_t height) {
     const auto files = phone::files_of(recording_.path.parent_path().empty() ? "." : recording_.path.parent_path(), {});
     auto facts = phone::camera_facts(files, recording_.warnings);
@@ -207,7 +207,8 @@ class LogReading {
     if (camera_frame.empty() || imu_frame_.empty() || (parents_.empty() && camera_frame != imu_frame_)) return;
     const auto [camera_root, T_r_c] = to_root(camera_frame);
     const auto [imu_root, T_r_b] = to_root(imu_frame_);
-    if (camera_root != imu_root || camera_frame == imu_frame_) return;  // one name for two sensors says nothing
+    if (camera_root != imu_root || camera_frame == imu_frame_)
+      return;  // the same frame for both sensors carries no information
     const Eigen::Isometry3d T_b_c = T_r_b.inverse() * T_r_c;
     put_quaternion(Eigen::Quaterniond(T_b_c.linear()).normalized(), facts.calibration.q_b_c);
     Eigen::Vector3d::Map(facts.calibration.p_b_c) = T_b_c.translation();
@@ -241,7 +242,7 @@ class LogReading {
 
   Recording recording_;
   std::map<std::string, Topic> topics_;
-  std::map<std::string, LoggedMessage::Transform> parents_;  // by the child
+  std::map<std::string, LoggedMessage::Transform> parents_;  // by child frame
   std::set<std::string> used_;
   std::string imu_frame_;
 };

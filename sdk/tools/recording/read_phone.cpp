@@ -19,14 +19,14 @@ namespace phone {
 namespace {
 
 struct Parameters {
-  size_t max_names = 200'000;     ///< files of a folder that are looked at
-  double gravity_low_mps2 = 8.8;  ///< of an accelerometer's median length: gravity, give or take a bad scale
+  size_t max_names = 200'000;     ///< maximum number of files in a folder
+  double gravity_low_mps2 = 8.8;  ///< of an accelerometer's median norm: gravity with a scale error
   double gravity_high_mps2 = 10.8;
-  double no_gravity_mps2 = 5;      ///< below it: without gravity, or in g; walking without gravity is 1 to 4
-  double slow_hz = 50;             ///< below it a step's swing is a few samples
-  double stale_fix_s = 2;          ///< a fix that is older than the recording's begin by more is a cached one
-  double silence_s = 0.5;          ///< of an inertial sensor, worth a word
-  double max_gravity_age_s = 0.1;  ///< between an acceleration and the gravity that is put back
+  double no_gravity_mps2 = 5;      ///< below it: without gravity, or in g; walking without gravity has 1 to 4
+  double slow_hz = 50;             ///< below it, a step has only a few samples
+  double stale_fix_s = 2;          ///< fixes older than the start by more are cached ones
+  double silence_s = 0.5;          ///< gap of an inertial sensor that is reported
+  double max_gravity_age_s = 0.1;  ///< between an acceleration and the gravity sample added to it
 };
 constexpr Parameters kParameters;
 constexpr double kRadians = 3.14159265358979323846 / 180;
@@ -63,7 +63,7 @@ class Reading {
     return found == read_.end() || found->second.rows.empty() ? nullptr : &found->second;
   }
 
-  /// Before the first sample and at its time: a description of time 0 would be half a century earlier.
+  /// At the time of the first sample, before it: a description at time 0 would be decades earlier.
   void describe_at_first_sample() {
     auto& messages = recording_.messages;
     const auto describes = [](const RecordedMessage& m) { return m.message.header().type == ODO_TYPE_CALIBRATION; };
@@ -73,11 +73,11 @@ class Reading {
     for (auto m = messages.begin(); m != samples; ++m) m->message.header().t_ns = first_ns;
   }
 
-  /// Metadata.csv of Sensor Logger: platform and conventions.
+  /// Sensor Logger's Metadata.csv: platform and conventions.
   Result<bool> read_metadata() {
     if (files_.find("Metadata.csv").empty()) {
       if (std::string(format_.name) == "Sensor Logger")
-        warn("no Metadata.csv: taken for an Android phone's; export the whole recording, an iPhone's signs differ");
+        warn("no Metadata.csv: treated as an Android phone's; export the whole recording, an iPhone's signs differ");
       return true;
     }
     const auto metadata = metadata_of(files_.folder / "Metadata.csv");
@@ -93,7 +93,7 @@ class Reading {
     apple_ = platform == "ios";
     const std::string standardised = value_of("standardisation");
     if (apple_ && standardised.empty())
-      warn("Metadata.csv has no column 'standardisation' (older versions of the app): taken for off, iOS's own signs");
+      warn("Metadata.csv has no column 'standardisation' (older versions of the app): treated as off, iOS's own signs");
     apple_axes_ = apple_ && !standardised.starts_with("true");
     recording_.format += apple_ ? " (iOS)" : " (Android)";
     return true;
@@ -101,7 +101,7 @@ class Reading {
 
   bool fits(const Table& table) const { return table.when == When::any || (table.when == When::apple) == apple_axes_; }
 
-  /// Of each stream the first table that has rows.
+  /// For each stream, the first table that has rows.
   Result<bool> read_all() {
     std::map<std::string, std::vector<Rows>> by_file;
     std::vector<std::pair<std::string, size_t>> order;  // of the format's tables
@@ -130,7 +130,7 @@ class Reading {
     return shift_to_unix();
   }
 
-  /// Where the app writes both clocks all times become Unix time, which tracks on a map have.
+  /// Converts all times to Unix time if the app writes both clocks; tracks on a map need it.
   Result<bool> shift_to_unix() {
     std::vector<int64_t> offsets;
     for (const auto& [stream, rows] : read_)
@@ -174,7 +174,7 @@ class Reading {
     return true;
   }
 
-  /// Both sensors, gravity of its length, rates and gaps.
+  /// Checks both sensors, the magnitude of gravity, rates and gaps.
   Result<bool> check_inertial() {
     for (const auto& [stream, switch_on] :
          {std::pair{Stream::gyro, format_.switch_on_gyro}, {Stream::accel, format_.switch_on_accel}}) {
@@ -194,16 +194,16 @@ class Reading {
     if (scale == kByGravity) {
       const bool in_g = length < 2;
       scale = in_g ? -kStandardGravity_mps2 : -1;
-      warn(accel.file.filename().string() + ": accelerations taken for " + (in_g ? "g" : "m/s^2") +
-           " with iOS's sign, by the length of gravity");
+      warn(accel.file.filename().string() + ": accelerations treated as " + (in_g ? "g" : "m/s^2") +
+           " with iOS's sign, by the magnitude of gravity");
     }
     accel_scale_ = scale, length *= std::abs(scale);
     if (length >= kParameters.gravity_low_mps2 && length <= kParameters.gravity_high_mps2) return true;
     char text[32];
     std::snprintf(text, sizeof text, "%.2f", length);
-    const std::string what = accel.file.filename().string() + ": accelerations have a median length of " + text +
+    const std::string what = accel.file.filename().string() + ": accelerations have a median norm of " + text +
                              " m/s^2 where gravity is 9.8";
-    if (length > kParameters.no_gravity_mps2) {  // a phone that is shaken all the time
+    if (length > kParameters.no_gravity_mps2) {  // a phone that is shaken throughout
       warn(what + ": shaken, or another unit?");
       return true;
     }
@@ -227,7 +227,7 @@ class Reading {
     if (silence_s > kParameters.silence_s) warn(name + " is silent for up to " + text);
   }
 
-  /// Inertial samples, joined where both are of one moment; magnetometer; barometer.
+  /// Inertial samples, combined if both are simultaneous; magnetometer; barometer.
   Result<bool> add_sensors() {
     const Rows &gyro = *rows_of(Stream::gyro), &accel = *rows_of(Stream::accel);
     size_t a = 0;
@@ -277,7 +277,7 @@ class Reading {
     return true;
   }
 
-  /// Fixes, without those that the phone had kept from before.
+  /// Fixes, without those cached before the recording.
   Result<bool> add_places() {
     const Rows* places = rows_of(Stream::place);
     if (!places) return true;
@@ -294,7 +294,7 @@ class Reading {
       m.latitude_rad = v[0] * kRadians, m.longitude_rad = v[1] * kRadians;
       const bool has_height = std::isfinite(v[2]) && !(v[4] < 0);
       if (has_height) m.height_m = v[2], m.header.flags |= ODO_GNSS_HEIGHT;
-      if (v[3] < 0 || !message_is_good(m.header)) {  // the platforms' mark of a fix that is none
+      if (v[3] < 0 || !message_is_good(m.header)) {  // the platforms mark an invalid fix in this way
         ++odd;
         continue;
       }
@@ -322,7 +322,7 @@ class Reading {
     return add_camera(recording_, format_, files_, rows_of(Stream::frame), *facts);
   }
 
-  /// The platform's own poses as the truth to compare with: y up becomes n, north being where the phone looked first.
+  /// The platform's own poses as reference: y up is converted to n, with north along the phone's first view.
   Result<bool> add_poses() {
     const Rows* poses = rows_of(Stream::pose);
     if (!poses) return true;

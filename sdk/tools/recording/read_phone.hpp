@@ -7,15 +7,15 @@
 
 namespace odograph {
 
-/// Whether a folder holds what one of the apps writes (docs/phone_recordings.md).
+/// Whether a folder contains the files of a supported app (docs/phone_recordings.md).
 bool looks_like_phone_recording(const std::filesystem::path& folder);
 
-/// GnssLogger's text, by its first lines.
+/// Recognises GnssLogger's text by its first lines.
 bool looks_like_gnss_log(const std::filesystem::path& file);
 Result<Recording> read_gnss_log(const std::filesystem::path& file);
 
-/// A phone's recording; `keep` is what it was unpacked into. What had to be guessed, and what the app did not record,
-/// are warnings. ODO_E_DATA in words: which file, which column, what to switch on in the app.
+/// Reads a phone's recording; `keep` is the folder that it was unpacked into. Assumptions, and sensors that the app did
+/// not record, are warnings. ODO_E_DATA, with file, column and the app's option to enable.
 Result<Recording> read_phone(const std::filesystem::path& path, std::shared_ptr<const void> keep = {});
 
 }  // namespace odograph

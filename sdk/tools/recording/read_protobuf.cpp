@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One Protocol Buffers message whose repeated fields are the rows: columns are field numbers.
+// A Protocol Buffers message whose repeated fields are the rows; columns are field numbers.
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -17,8 +17,8 @@ namespace {
 
 constexpr uint64_t kLargest = 2ull << 30;
 
-/// All numbers of a row's message by field and place (from 1): "2.3" is the third value of field 2. Floats, whole
-/// numbers, packed floats.
+/// All numbers of a row's message by field and index (from 1): "2.3" is the third value of field 2. Floats, integers,
+/// packed floats.
 std::map<std::pair<uint32_t, uint32_t>, double> values_of(std::span<const unsigned char> message, bool& damaged) {
   std::map<std::pair<uint32_t, uint32_t>, double> values;
   std::map<uint32_t, uint32_t> count;
@@ -39,7 +39,7 @@ std::map<std::pair<uint32_t, uint32_t>, double> values_of(std::span<const unsign
   return values;
 }
 
-/// A whole number keeps all its digits, which a double would not.
+/// An integer with all digits, which a double would lose.
 std::optional<int64_t> whole_number(std::span<const unsigned char> message, uint32_t number) {
   ProtobufReader reader(message);
   while (const auto field = reader.next())

@@ -29,7 +29,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Fields between commas, or semicolons where there is no comma.
+/// Fields separated by commas, or by semicolons if there is no comma.
 void split_fields(std::string_view line, std::vector<std::string_view>& fields) {
   fields.clear();
   const char separator = line.find(',') != std::string_view::npos   ? ','
@@ -42,12 +42,12 @@ void split_fields(std::string_view line, std::vector<std::string_view>& fields) 
   }
 }
 
-/// A column's name without its unit, in small letters: "Timestamp[nanosec]", "gyro_x (rad/s)".
+/// A column's name without its unit, in lower case: "Timestamp[nanosec]", "gyro_x (rad/s)".
 std::string plain_name(std::string_view name) {
   if (!name.empty() && (name.front() == '#')) name.remove_prefix(1);
   name = trimmed(name.substr(0, std::min(name.find('['), name.find('('))));
   std::string plain(name);
-  if (plain.starts_with("\xEF\xBB\xBF")) plain.erase(0, 3);  // a spreadsheet's mark
+  if (plain.starts_with("\xEF\xBB\xBF")) plain.erase(0, 3);  // byte order mark of a spreadsheet
   std::transform(plain.begin(), plain.end(), plain.begin(), [](unsigned char c) { return std::tolower(c); });
   return plain;
 }
@@ -58,21 +58,21 @@ std::optional<double> number_of(std::string_view text) {
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-/// What apps write where there is no value.
+/// Placeholders that apps write for a missing value.
 bool says_nothing(std::string_view text) {
   return text.empty() || text == "null" || text == "NaN" || text == "nan" || text == "-" || text == "undefined";
 }
 
-/// Columns of a table in a file's head.
+/// Column indices of a table in a file's head.
 struct Places {
   int time = -1, unix_time = -1;
   std::vector<int> columns;
 
-  /// The name of a column that must be there and is not, or nothing.
+  /// The name of a required column that is missing, or nothing.
   std::string find(const Table& table, const std::vector<std::string>& head) {
     const auto place = [&](const char* column) {
       for (const std::string& name : alternatives(column)) {
-        if (name[0] == '#' && name.size() > 1) {  // by position, where there is no head
+        if (name[0] == '#' && name.size() > 1) {  // by position, without a head
           if (head.empty()) return std::atoi(name.c_str() + 1) - 1;
           continue;
         }
@@ -93,7 +93,7 @@ struct Places {
   }
 };
 
-/// The values of a row; nothing and no failure where it lacks one.
+/// The values of a row; nothing, without a failure, if one is missing.
 Result<bool> take_row(Rows& rows, const Places& places, const std::vector<std::string_view>& fields, size_t line) {
   const auto field = [&](int place) {
     return place >= 0 && static_cast<size_t>(place) < fields.size() ? fields[static_cast<size_t>(place)]
@@ -135,7 +135,7 @@ Result<bool> take_row(Rows& rows, const Places& places, const std::vector<std::s
   return true;
 }
 
-/// Line by line; `take` is given whether more follow.
+/// Calls `take` for each line, with whether more lines follow.
 Result<bool> each_line(const fs::path& path,
                        const std::function<Result<bool>(std::string_view text, size_t line, bool whole)>& take) {
   std::error_code error;
@@ -206,7 +206,7 @@ Result<bool> read_csv(const fs::path& file, Rows& rows) {
       if (is_head || !rows.missing_column.empty()) return true;
     }
     if (text[0] == '#') return true;
-    if (!whole && fields.size() < widest) return true;  // cut off
+    if (!whole && fields.size() < widest) return true;  // truncated
     widest = std::max(widest, fields.size());
     const auto taken = take_row(rows, places, fields, line);
     return !taken && !whole ? Result<bool>(true) : taken;

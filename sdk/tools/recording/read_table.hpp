@@ -11,39 +11,39 @@
 
 namespace odograph::phone {
 
-/// A row of a table in its own units: a value that is optional and not there is NaN.
+/// A row of a table in its own units; missing optional values are NaN.
 struct Row {
   int64_t t_ns;
-  int64_t unix_ns;  ///< 0: not known
+  int64_t unix_ns;  ///< 0: unknown
   std::array<double, 7> v;
 };
 
-/// What a file held for one table.
+/// The rows of one table from a file.
 struct Rows {
   const Table* table;
   std::filesystem::path file;
   std::vector<Row> rows;
-  size_t incomplete = 0;         ///< rows that lack a value, left out
-  std::string missing_column{};  ///< a column that the file has not; then there are no rows
+  size_t incomplete = 0;         ///< rows with missing values, skipped
+  std::string missing_column{};  ///< a required column that the file lacks; then there are no rows
 };
 
-/// Reads one file for all tables that are of it. Failures name file, line and column (ODO_E_DATA): what is no number,
-/// times that have lost digits, lines without end. A last line that is cut off is left out.
+/// Reads one file for all its tables. Failures state file, line and column (ODO_E_DATA): text instead of a number,
+/// times that have lost digits, overlong lines. A truncated last line is skipped.
 Result<bool> read_tables(Layout layout, const std::filesystem::path& file, std::span<Rows> tables);
 
-/// What is wrong with a line of a file.
+/// A failure about a line of a file.
 Failure wrong_in(const std::filesystem::path& file, size_t line, const std::string& text);
 
-/// A time in its unit as nanoseconds; with a decimal point and at most eleven digits before it a count of nanoseconds
-/// can only be one of seconds. Nothing where it is no time.
+/// Parses a time in its unit to nanoseconds. A number of nanoseconds with a decimal point and at most eleven digits
+/// before it is taken as seconds. Nothing if it is not a time.
 std::optional<int64_t> time_of(std::string_view text, TimeUnit unit);
 std::optional<int64_t> time_of(double value, TimeUnit unit);
 
-/// "a|b|c" apart, and without the leading '?' that makes it optional.
+/// Splits "a|b|c", without the leading '?' that marks it optional.
 std::vector<std::string> alternatives(const char* column);
 inline bool is_optional(const char* column) { return *column == '?'; }
 
-// One for each layout; read_tables calls them.
+// One reader per layout, called by read_tables().
 Result<bool> read_csv(const std::filesystem::path& file, Rows& rows);
 Result<bool> read_named_rows(const std::filesystem::path& file, std::span<Rows> tables);
 Result<bool> read_json_lines(const std::filesystem::path& file, std::span<Rows> tables);

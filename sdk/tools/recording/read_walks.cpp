@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Readers of published data sets of walks with a phone and no camera: RIDI, IPIN competitions (GetSensorData), Oxford
+// Readers of published data sets of walks with a phone without camera: RIDI, IPIN competitions (GetSensorData), Oxford
 // step counter, Malmo trundle wheel.
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,7 @@ void add_field(Recording& recording, int64_t t_ns, const Vector& microtesla) {
   recording.add(m.header);
 }
 
-/// The fields of a line between separators, empty ones too.
+/// The fields of a line between separators, including empty ones.
 std::vector<std::string_view> split_at(std::string_view line, char separator) {
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   std::vector<std::string_view> fields;
@@ -48,13 +48,13 @@ std::vector<std::string_view> split_at(std::string_view line, char separator) {
   }
 }
 
-/// NaN where it is no number.
+/// NaN if it is not a number.
 double number_of(std::string_view text) {
   const auto value = parse_number(text);
   return value && std::isfinite(*value) ? *value : std::nan("");
 }
 
-/// Lines of fields, as many in each as there are: these sets leave out what a row has not.
+/// Lines of fields, of any number per line: these sets omit missing values.
 Result<bool> read_lines(const fs::path& path, char separator, const std::function<Result<bool>(const TextRow&)>& take) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be read"};
@@ -64,7 +64,7 @@ Result<bool> read_lines(const fs::path& path, char separator, const std::functio
   return true;
 }
 
-/// Columns of a CSV file by the names of its head; NaN where a row has none.
+/// Columns of a CSV file by the names in its head; NaN where a row has none.
 Result<bool> read_columns(const fs::path& path, char separator, const std::vector<std::string>& names,
                           const std::function<Result<bool>(const std::vector<double>&, const TextRow&)>& take) {
   std::vector<size_t> columns;
@@ -115,7 +115,7 @@ Result<Recording> read_ridi(const fs::path& file) {
         if (finite(three(v, 7))) add_field(recording, *t_ns, three(v, 7));
         const Eigen::Quaterniond q_w_b(v[13], v[14], v[15], v[16]);
         if (!finite(three(v, 10)) || !(std::abs(q_w_b.norm() - 1) < 0.01)) return true;
-        const Eigen::Quaterniond q_n_w(0, std::sqrt(0.5), std::sqrt(0.5), 0);  // w: z up; its y stands for north
+        const Eigen::Quaterniond q_n_w(0, std::sqrt(0.5), std::sqrt(0.5), 0);  // w: z up; its y is treated as north
         recording.truth.push_back({*t_ns, (q_n_w * q_w_b).normalized(), q_n_w * Eigen::Vector3d(v[10], v[11], v[12])});
         return true;
       });
@@ -126,7 +126,7 @@ Result<Recording> read_ridi(const fs::path& file) {
 Result<Recording> read_get_sensor_data(const fs::path& file) {
   Recording recording{.format = "IPIN", .path = file};
   double first_latitude = std::nan(""), first_longitude = std::nan("");
-  std::map<std::string, double, std::less<>> offsets_s;  // of each sensor's clock: the app's jitters
+  std::map<std::string, double, std::less<>> offsets_s;  // of each sensor's clock: the app's has jitter
   const auto done = read_lines(file, ';', [&](const TextRow& row) -> Result<bool> {
     const std::string_view type = row.fields[0];
     const bool place = type == "POSI", air = type.starts_with("PRE");
@@ -173,14 +173,15 @@ Result<Recording> read_oxford_steps(const fs::path& accelerometer) {
     const auto v = numbers(row, 5);
     if (!t_ns) return t_ns.failure();
     if (!v) return v.failure();
-    // These phones' gyroscopes were not recorded: no rotation stands in, since nobody knows an attitude without one.
+    // These phones' gyroscopes were not recorded: zero rotation replaces them, because there is no attitude without a
+    // gyroscope.
     add_imu(recording, *t_ns, ODO_IMU_GYRO | ODO_IMU_ACCEL, {}, three(*v, 2));
     return true;
   });
   if (!done) return done.failure();
   std::string name = accelerometer.filename().string();
   name.replace(name.rfind("accelerometer"), std::string::npos, "stepcounter.csv");
-  // A switch in each shoe; each rise is one contact.
+  // One switch in each shoe; each rising edge is a contact.
   std::array<int64_t, 2> before{1, 1};
   int64_t last_ns = INT64_MIN;
   const auto steps = read_rows(accelerometer.parent_path() / name, [&](const TextRow& row) -> Result<bool> {

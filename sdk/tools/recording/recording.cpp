@@ -40,13 +40,13 @@ void Recording::add(const odo_header& message, PictureRef picture) {
 
 void Recording::sort() {
   const auto earlier = [](const auto& a, const auto& b) { return a.message.header().t_ns < b.message.header().t_ns; };
-  if (!std::is_sorted(messages.begin(), messages.end(), earlier))  // sorting takes as much memory again
+  if (!std::is_sorted(messages.begin(), messages.end(), earlier))  // sorting doubles the memory
     std::stable_sort(messages.begin(), messages.end(), earlier);
 }
 
 namespace {
 
-/// The bag or MCAP file of a folder, as ROS 2 keeps one; empty where there is none.
+/// The bag or MCAP file of a folder, as stored by ROS 2; empty if there is none.
 Result<fs::path> log_in(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> logs;
@@ -81,7 +81,7 @@ Result<Recording> read_folder(const fs::path& path, const ReadOptions& options, 
                                  "apps (docs/phone_recordings.md)"};
 }
 
-/// A zip of a recording: of its files, or of one folder with them.
+/// An archive of a recording's files, or of one folder that contains them.
 Result<Recording> read_archive(const fs::path& path, const ReadOptions& options) {
   const auto folder = unpack(path);
   if (!folder) return folder.failure();
@@ -134,8 +134,7 @@ Result<Recording> read_whatever(const fs::path& path, const ReadOptions& options
                                  "walk of RIDI, Oxford's step counter or the trundle wheel (.csv)"};
 }
 
-/// The first picture that lies outside the recording's folder, over a link; those that are missing are nobody's matter
-/// yet.
+/// The first picture outside the recording's folder, through a link; missing ones are handled later.
 std::optional<fs::path> picture_outside(const Recording& recording, const fs::path& path) {
   std::error_code error;
   const fs::path root = fs::canonical(path, error);

@@ -5,7 +5,7 @@
 
 namespace odograph {
 
-/// The track in the folder of a run: as known at its end where corrections came on the way, else as it came out.
+/// The track in a run's folder: with later corrections if there are any, otherwise as published.
 inline std::filesystem::path track_of_run(const std::filesystem::path& folder) {
   std::error_code error;
   const auto corrected = folder / "corrected.tum";

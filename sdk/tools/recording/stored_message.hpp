@@ -10,9 +10,9 @@
 
 namespace odograph {
 
-/// A message by value as AnyMessage, but as large as it is: recordings hold a hundred thousand of them, and most are a
-/// seventh of the largest. There is always room for the host's struct. Allocates; a moved-from one is to be assigned or
-/// destroyed only.
+/// A message by value like AnyMessage, but of its actual size: recordings hold a hundred thousand messages, most of
+/// them a seventh of the largest. There is always room for the host's struct. Allocates; a moved-from object may only
+/// be assigned or destroyed.
 class StoredMessage {
  public:
   StoredMessage() : StoredMessage(sizeof(odo_header)) {}
@@ -28,11 +28,11 @@ class StoredMessage {
 
   const odo_header& header() const { return *reinterpret_cast<const odo_header*>(words_.get()); }
   odo_header& header() { return *reinterpret_cast<odo_header*>(words_.get()); }
-  /// As its writer had it.
+  /// The bytes as written.
   std::span<const unsigned char> bytes() const {
     return {reinterpret_cast<const unsigned char*>(words_.get()), header().struct_size};
   }
-  /// False, and nothing done, when it is smaller than version 1.0 of it or larger than any message may be.
+  /// False, and nothing done, if it is smaller than in version 1.0 or larger than any message may be.
   bool assign(const odo_header& message) {
     AnyMessage whole;
     if (!whole.assign(message)) return false;

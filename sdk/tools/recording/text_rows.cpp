@@ -24,15 +24,15 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) + 1 - first);
 }
 
-/// The character between a line's fields; ' ' stands for any white space.
+/// The separator of a line's fields; ' ' stands for any white space.
 char separator_of(std::string_view line) {
   for (const char each : {';', ','})
     if (line.find(each) != std::string_view::npos) return each;
   return ' ';
 }
 
-/// The next field, which is taken off the line: a cell, which may be empty or in quotes, or a word. False where a quote
-/// does not end.
+/// Removes the next field from the line: a cell, which may be empty or quoted, or a word. False if a quote is not
+/// closed.
 bool take_field(std::string_view& line, char separator, std::string_view& field) {
   if (separator == ' ') {
     const size_t end = std::min(line.find_first_of(kBlank), line.size());
@@ -54,17 +54,17 @@ bool take_field(std::string_view& line, char separator, std::string_view& field)
   return true;
 }
 
-/// A table's lines as fields. The first line with fields, a head included, says what separates them; where that is a
-/// comma or a semicolon every line has as many cells.
+/// Splits a table's lines into fields. The first line with fields, including a head, determines the separator; with
+/// commas or semicolons, every line must have the same number of cells.
 class Splitter {
  public:
-  /// A comment before the first line may be its head: with twice as many cells each number is cut at its comma.
+  /// A comment before the first line may be its head: twice as many cells mean that decimal commas split the numbers.
   void note_comment(std::string_view line) {
     std::vector<std::string_view> fields;
     Splitter head;
     if (cells_ == 0 && head.split(line, 0, fields).empty()) head_ = {head.separator_, fields.size()};
   }
-  /// Empty where the line is; otherwise what is wrong, or no text.
+  /// Empty for an empty line; otherwise the fault, or no text.
   std::string split(std::string_view line, int number, std::vector<std::string_view>& fields) {
     fields.clear();
     line = trimmed(line);
@@ -139,7 +139,7 @@ Result<std::vector<double>> numbers(const TextRow& row, size_t least) {
   for (size_t i = 0; i < row.fields.size(); ++i) {
     const auto value = row.number(i);
     if (!value) {
-      if (i >= least) break;  // trailing text is nobody's business
+      if (i >= least) break;  // trailing text is ignored
       return value.failure();
     }
     values.push_back(*value);

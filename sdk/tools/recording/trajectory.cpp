@@ -156,7 +156,7 @@ void write_csv(std::ostream& out, const Trajectory& trajectory) {
         << x.q.y() << ',' << x.q.z() << '\n';
 }
 
-/// "2026-11-25T10:11:12.345Z" of a Unix time.
+/// Formats a Unix time as "2026-11-25T10:11:12.345Z".
 std::string iso_time(int64_t unix_ns) {
   const std::time_t whole = unix_ns / 1'000'000'000;
   std::tm utc{};
@@ -179,7 +179,7 @@ void write_gpx(std::ostream& out, const Trajectory& trajectory, const ToGeodetic
   out << "</trkseg></trk>\n</gpx>\n";
 }
 
-/// With times a track that a viewer can play, otherwise a line.
+/// With times, a track that viewers can play; otherwise a line.
 void write_kml(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
   const bool timed = !trajectory.empty() && is_unix_time(trajectory.front().t_ns);
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\" "
@@ -198,7 +198,7 @@ void write_kml(std::ostream& out, const Trajectory& trajectory, const ToGeodetic
   out << (timed ? "</gx:Track>" : "</coordinates></LineString>") << "</Placemark></Document></kml>\n";
 }
 
-/// Times as `coordTimes`, as converters of GPX write them.
+/// Times as `coordTimes`, as GPX converters write them.
 void write_geojson(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
   out << "{\"type\":\"Feature\",\"properties\":{\"name\":\"Odograph\"";
   if (!trajectory.empty() && is_unix_time(trajectory.front().t_ns)) {
@@ -226,8 +226,8 @@ Result<bool> write_trajectory(const std::filesystem::path& path, const Trajector
   if (on_earth && !to_geodetic)
     return Failure{ODO_E_UNSUPPORTED,
                    path.string() +
-                       ": needs a place on the Earth, and the run had none (no GNSS, no navigation.origin); give "
-                       "--origin LATITUDE,LONGITUDE,HEIGHT (degrees, metres)"};
+                       ": needs a geodetic origin, and the run had none (no GNSS, no navigation.origin); give --origin "
+                       "LATITUDE,LONGITUDE,HEIGHT (degrees, metres)"};
   auto file = OutputFile::create(path);
   if (!file) return file.failure();
   std::ofstream& out = file->stream();

@@ -14,7 +14,7 @@
 
 namespace odograph {
 
-/// A pose at a time: q takes vectors from the moving frame to the reference frame, p is in the reference frame, m.
+/// A stamped pose: q rotates vectors from the moving frame to the reference frame; p is in the reference frame, m.
 struct StampedPose {
   int64_t t_ns = 0;
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
@@ -22,35 +22,35 @@ struct StampedPose {
 };
 using Trajectory = std::vector<StampedPose>;
 
-/// A surveyed place and when it was passed.
+/// A surveyed position and the time at which it was passed.
 struct Waypoint {
   int64_t t_ns;
   Eigen::Vector3d p_n;
 };
 
-/// Decimal seconds to nanoseconds without going through a double.
+/// Converts decimal seconds to nanoseconds without loss of precision.
 Result<int64_t> parse_seconds(std::string_view text);
 /// "12.345678901", nine decimals.
 std::string format_seconds(int64_t t_ns);
 
-/// TUM: `seconds x y z qx qy qz qw`; lines with '#' are comments. Failures name file:line.
+/// TUM: `seconds x y z qx qy qz qw`; lines with '#' are comments. Failures state file:line.
 Result<Trajectory> read_tum(const std::filesystem::path& path);
-/// KITTI odometry: twelve numbers a line, the upper 3x4 of T_world_camera. Times from `times` (seconds a line), or 10
-/// Hz.
+/// KITTI odometry: twelve numbers per line, the upper 3x4 of T_world_camera. Times from `times` (seconds, one per
+/// line), or 10 Hz.
 Result<Trajectory> read_kitti_poses(const std::filesystem::path& path, const std::filesystem::path& times);
 /// EuRoC state_groundtruth_estimate0/data.csv: t_ns, p, q (w x y z), ...
 Result<Trajectory> read_euroc_truth(const std::filesystem::path& path);
 
-/// Whether a sensor clock's time can only be Unix time: after 2001 and before 2096.
+/// Whether a sensor clock's time must be Unix time: after 2001 and before 2096.
 constexpr bool is_unix_time(int64_t t_ns) {
   return t_ns >= 1'000'000'000'000'000'000 && t_ns < 4'000'000'000'000'000'000;
 }
 
-/// A track as TUM has it, with 12 digits.
+/// Writes a track in TUM format, with 12 digits.
 void write_tum(std::ostream& out, const Trajectory& trajectory);
-/// Writers by the file's extension: .tum/.txt, .kitti, .csv, and on the Earth .gpx, .kml, .geojson (`to_geodetic` gives
-/// latitude and longitude in rad and height in m for a p; without it those formats are refused). These have times where
-/// the clock is Unix time.
+/// Writers by the file's extension: .tum/.txt, .kitti, .csv, and georeferenced .gpx, .kml, .geojson (`to_geodetic`
+/// returns latitude and longitude in rad and height in m for a position; without it these formats are refused). The
+/// latter have times if the clock is Unix time.
 using ToGeodetic = std::function<std::array<double, 3>(const Eigen::Vector3d& p_n)>;
 Result<bool> write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
                               const ToGeodetic& to_geodetic);

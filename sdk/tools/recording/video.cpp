@@ -17,10 +17,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Files that hold video themselves: playlists and scripts would make the library open what they name.
+/// Formats that contain video themselves: playlists and scripts would make the library open the files that they name.
 constexpr const char* kContainers = "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi";
 constexpr size_t kMaxMetadataSample = 4096;
-/// Further ahead than this many frames a seek is cheaper than decoding all between.
+/// Beyond this many frames, a seek is cheaper than decoding all frames between.
 constexpr size_t kSeekAhead = 90;
 
 struct FreeFrame {
@@ -28,7 +28,7 @@ struct FreeFrame {
 };
 using OwnedFrame = std::unique_ptr<AVFrame, FreeFrame>;
 
-/// As the ABI has it; 0 where the pixels must be converted.
+/// The ABI's pixel format; 0 if the pixels must be converted.
 uint32_t format_of(int pixels) {
   switch (pixels) {
     case AV_PIX_FMT_YUV420P:
@@ -68,7 +68,7 @@ Result<std::shared_ptr<Video>> Video::open(const fs::path& file, std::shared_ptr
   video->file_ = file, video->keep_ = std::move(keep);
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file"};
-  av_log_set_level(AV_LOG_QUIET);  // what it would print of damaged files goes into our own words
+  av_log_set_level(AV_LOG_QUIET);  // the library's messages about damaged files are replaced by ours
   AVDictionary* options = nullptr;
   av_dict_set(&options, "protocol_whitelist", "file", 0);
   av_dict_set(&options, "format_whitelist", kContainers, 0);
@@ -97,7 +97,7 @@ Result<std::shared_ptr<Video>> Video::open(const fs::path& file, std::shared_ptr
   return video;
 }
 
-/// Times of all frames and all timed metadata, by reading packets alone.
+/// Reads the times of all frames and all timed metadata, from packets only.
 Result<bool> Video::scan(const Limits& limits) {
   const AVRational ns{1, 1'000'000'000};
   while (av_read_frame(format_, packet_) >= 0) {
@@ -123,7 +123,7 @@ Result<bool> Video::scan(const Limits& limits) {
   return true;
 }
 
-/// Decodes one frame more; false at the end.
+/// Decodes the next frame; false at the end.
 bool Video::next_frame() {
   for (;;) {
     av_frame_unref(decoded_);
@@ -135,7 +135,8 @@ bool Video::next_frame() {
       avcodec_send_packet(codec_, nullptr);
       continue;
     }
-    if (packet_->stream_index == stream_) avcodec_send_packet(codec_, packet_);  // a damaged one costs its own frames
+    if (packet_->stream_index == stream_)
+      avcodec_send_packet(codec_, packet_);  // a damaged packet costs only its own frames
     av_packet_unref(packet_);
   }
 }

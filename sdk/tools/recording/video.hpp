@@ -17,18 +17,18 @@ struct SwsContext;
 
 namespace odograph {
 
-/// A video file: when its frames are shown, and their pictures, decoded as they are asked for. In order is cheap; going
-/// back, or far ahead, seeks. Pictures are as stored: a phone's note of how it was held does not rotate them, since the
-/// lens does not rotate either.
+/// A video file: display times of its frames, and their pictures, decoded on demand. Sequential access is cheap; going
+/// back or far ahead seeks. Pictures are as stored: the phone's rotation tag is ignored, because the lens parameters
+/// refer to the sensor's orientation.
 class Video : public PictureStore {
  public:
   struct Limits {
     size_t frames = 500'000;  ///< 4.6 hours at 30 Hz, a third of a gigabyte of messages
-    int pixels = 16384;       ///< of a side, as everywhere
+    int pixels = 16384;       ///< per side, as everywhere
   };
 
-  /// Looks through the whole file for times, without decoding. `keep` is held as long as the video: the folder that
-  /// it was unpacked into. ODO_E_DATA in words: no video, too long, too large.
+  /// Scans the whole file for times, without decoding. `keep`, the folder that it was unpacked into, is held as long as
+  /// the video. ODO_E_DATA with the reason: no video, too long, too large.
   static Result<std::shared_ptr<Video>> open(const std::filesystem::path& file, std::shared_ptr<const void> keep,
                                              const Limits& limits);
   static Result<std::shared_ptr<Video>> open(const std::filesystem::path& file, std::shared_ptr<const void> keep = {}) {
@@ -38,12 +38,12 @@ class Video : public PictureStore {
   Video(const Video&) = delete;
   Video& operator=(const Video&) = delete;
 
-  /// When each frame is shown, on the file's own clock: ns, ascending.
+  /// Display time of each frame on the file's own clock: ns, ascending.
   const std::vector<int64_t>& times_ns() const { return times_ns_; }
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
 
-  /// A sample of the file's track of timed metadata.
+  /// A sample of the file's timed metadata track.
   struct Metadata {
     int64_t t_ns;
     std::vector<unsigned char> bytes;

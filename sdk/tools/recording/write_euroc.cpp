@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Numbers with every digit of a double, so that reading gives the same bits.
+/// Formats numbers with full precision, so that reading yields the same bits.
 std::string text(double x) {
   char buffer[40];
   std::snprintf(buffer, sizeof buffer, "%.17g", x);
@@ -42,7 +42,7 @@ class EurocWriter {
     if (fs::exists(folder_ / "mav0", error))
       return Failure{ODO_E_ARGUMENT, folder_.string() + ": holds a recording (mav0) already; expected another folder"};
     std::vector<const char*> parts = {"mav0/imu0", "mav0/state_groundtruth_estimate0"};
-    if (r_.has(ODO_TYPE_FRAME)) parts.push_back("mav0/cam0/data");  // empty it could not be read again
+    if (r_.has(ODO_TYPE_FRAME)) parts.push_back("mav0/cam0/data");  // an empty folder could not be read again
     for (const char* part : parts)
       if (fs::create_directories(folder_ / part, error); error)
         return Failure{ODO_E_NOT_FOUND, (folder_ / part).string() + ": cannot be created"};
@@ -76,7 +76,7 @@ class EurocWriter {
     std::string imu =
         "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
         "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
-    ImuJoiner joiner;  // phones deliver the two sensors apart
+    ImuJoiner joiner;  // phones deliver the two sensors separately
     size_t done = 0;
     for (const auto& m : r_.messages) {
       const odo_header& header = m.message.header();
@@ -84,7 +84,7 @@ class EurocWriter {
       if (progress) progress(++done, r_.messages.size());
       if (header.type == ODO_TYPE_IMU) {
         joiner.push(as<odo_imu>(header), [&](const odo_imu& s) {
-          if ((s.header.flags & ODO_IMU_ACCEL) == 0) {  // the layout has whole samples only
+          if ((s.header.flags & ODO_IMU_ACCEL) == 0) {  // the format has only complete samples
             ++left_out_[ODO_TYPE_IMU];
             return;
           }
@@ -133,7 +133,7 @@ class EurocWriter {
     return s;
   }
 
-  /// Kalibr's name for it, in s; nothing of a global shutter.
+  /// Kalibr's name for the line time, in s; nothing for a global shutter.
   std::string line_delay(const std::string& indent) const {
     for (const auto& m : r_.messages)
       if (m.message.header().type == ODO_TYPE_FRAME) {
