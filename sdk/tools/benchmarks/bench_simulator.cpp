@@ -237,7 +237,7 @@ struct Tracks : Benchmark {
         options.configs.front().c_str());
     if (with_error) return out;
     return out + options.configs.front() +
-           ": no such file (run from the source folder, or say where), so there is no N.\n\n";
+           ": no such file (run from the source folder, or give its path), so there is no N.\n\n";
   }
 
   size_t frames = 200;

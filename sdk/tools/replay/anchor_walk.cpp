@@ -25,7 +25,7 @@ struct Pose {
   Vector3d into(const Vector3d& x) const { return q.conjugate() * (x - p); }
 };
 
-/// Something that is drawn at a place of the street that the simulator knows.
+/// Content drawn at a known position of the simulated street.
 struct Content {
   uint64_t id;
   int64_t since_ns;
@@ -53,7 +53,7 @@ class Walk {
         continue;
       }
       const odo_header& header = arrival.other->message.header();
-      if (header.type == ODO_TYPE_WAYPOINT) continue;  // the recording's own marks
+      if (header.type == ODO_TYPE_WAYPOINT) continue;  // marks of the recording
       const auto truth = header.type == ODO_TYPE_FRAME ? truth_at(header.t_ns) : std::nullopt;
       if (truth) draw(*truth, header.t_ns);
       if (const auto failure = push(raw, *arrival.other)) return *failure;
@@ -101,8 +101,8 @@ class Walk {
     return inside ? std::optional(px) : std::nullopt;
   }
 
-  /// When a picture arrives it is shown, with all that is drawn on it: the pose is asked for its time, before it has
-  /// been looked at.
+  /// Shows a picture on arrival with everything drawn on it: queries the pose for its time before the pipeline has
+  /// processed it.
   void draw(const Pose& truth, int64_t t_ns) {
     for (const Content& content : contents_) {
       const Vector3d p_c = truth.into(content.p_true);
@@ -124,14 +124,14 @@ class Walk {
     }
   }
 
-  /// Something new before the camera: straight ahead, to both sides, and farther, to be walked up to.
+  /// Places new anchors ahead of the camera: straight ahead, to both sides, and farther, to be approached.
   void place(const Pose& truth, int64_t t_ns) {
     const auto pose = pose_at(t_ns);
     if (!pose) return;
     if (first_ns_ == INT64_MIN) first_ns_ = t_ns;
     if (static_cast<double>(t_ns - first_ns_) < 1e9 * a_.settle_s || t_ns < next_ns_) return;
     next_ns_ = t_ns + static_cast<int64_t>(1e9 * a_.every_s);
-    if (!map_) {  // n against the truth, by the start alone: a shift and a rotation about the vertical
+    if (!map_) {  // Alignment of n with the truth, from the start only: translation and yaw
       const Quaterniond off = pose->q * truth.q.conjugate();
       const Quaterniond q = Quaterniond(off.w(), 0, 0, off.z()).normalized();
       map_ = Pose{q, pose->p - q * truth.p};
@@ -165,7 +165,7 @@ class Walk {
     return id;
   }
 
-  /// Somebody says where the camera is now, to mark_sigma_m.
+  /// Gives the session the camera's true position, with sigma mark_sigma_m.
   void finish() {
     odo_session_flush(session_);
     const auto before = pose_at(ODO_TIME_LATEST);
@@ -178,7 +178,7 @@ class Walk {
     sums_.view_sigma_m = get(start_->id, ODO_WORLD_CORRECTED, last.t_ns).view_sigma_m;
     odo_statistics statistics{};
     statistics.struct_size = sizeof statistics;
-    for (int i = 0; i < 6; ++i) {  // as somebody taps who stands there: a track that has gone astray is put right
+    for (int i = 0; i < 6; ++i) {  // repeated taps, so that even a diverged track is corrected
       auto mark = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, last.t_ns + i);
       mark.header.flags = ODO_WAYPOINT_VERTICAL;
       Vector3d::Map(mark.p_n) = here;

@@ -14,7 +14,7 @@ void on_event(void* user, const odo_header* event) {
   if (event->type == ODO_TYPE_CORRECTION) ++stream.corrections;
 }
 
-/// Answers go to `to`; how long the calls took is noted if they are `timed`.
+/// Appends the results to `to`, and the durations of the calls if `timed`.
 void poll(AppStream& stream, odo_session* session, int64_t t_ns, std::vector<PolledPose>& to, bool timed) {
   PolledPose answer{t_ns, {}, {}};
   answer.pose.header.struct_size = answer.smooth.header.struct_size = sizeof(odo_pose);
@@ -46,7 +46,7 @@ Result<AppStream> app_stream(const Recording& recording, const RunOptions& run, 
   odo_session_set_callback(session, wanted, 2, on_event, &stream);
   const auto arrivals = arrivals_of(recording, timing.late);
   const auto ahead_ns = static_cast<int64_t>(timing.ahead_ms * 1e6);
-  std::vector<int64_t> frames;  // when to ask for the pose at a frame's time
+  std::vector<int64_t> frames;  // times at which to query a frame's pose
   for (const RecordedMessage& message : recording.messages)
     if (message.message.header().type == ODO_TYPE_FRAME) frames.push_back(message.message.header().t_ns - ahead_ns);
   size_t frame = 0;

@@ -10,19 +10,19 @@
 namespace odograph {
 
 struct AppTiming {
-  double ahead_ms = 30;  ///< poses are asked for so long after the poll
+  double ahead_ms = 30;  ///< prediction time of the queried poses after the poll
   double poll_hz = 60;
   Lateness late{};
 };
 
-/// What an app got that asks for poses at the rate of its screen, and how long its calls took.
+/// Poses that an app received at its screen's refresh rate, and the durations of its calls.
 struct AppStream {
   PoseStream poses;
   size_t corrections = 0;
   std::vector<double> poll_us, statistics_us;
 };
 
-/// The recording in simulated time, each sample handed in as late as an app has it.
+/// Replays the recording in simulated time, each sample as late as an app delivers it.
 Result<AppStream> app_stream(const Recording& recording, const RunOptions& run, const AppTiming& timing);
 
 }  // namespace odograph

@@ -7,7 +7,7 @@
 
 namespace odograph {
 
-/// How late an app hands in what a recording has, in simulated time.
+/// Delays with which an app delivers a recording's samples, in simulated time.
 struct Lateness {
   double accel_hz = 104, imu_late_ms = 3, frame_late_ms = 45;
 };
@@ -15,12 +15,12 @@ struct Lateness {
 /// A sample of the recording at the time at which an app would push it.
 struct Arrival {
   int64_t at_ns;
-  odo_imu imu{};                           // where it is one
-  const RecordedMessage* other = nullptr;  // where it is not
+  odo_imu imu{};                           // if it is an IMU sample
+  const RecordedMessage* other = nullptr;  // otherwise
 };
 
-/// In order of arrival. The accelerometer comes apart, at a rate of its own: interpolated between the recording's
-/// samples. They point into the recording.
+/// Samples in order of arrival, pointing into the recording. The accelerometer is separate, at its own rate,
+/// interpolated between the recording's samples.
 std::vector<Arrival> arrivals_of(const Recording& recording, const Lateness& lateness);
 
 }  // namespace odograph

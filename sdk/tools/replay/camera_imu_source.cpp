@@ -20,7 +20,7 @@ Result<CameraImuData> camera_imu_data(const Recording& recording, const Progress
   if (frames.empty()) return data;
   if (data.given.header.type == 0)
     return Failure{ODO_E_DATA,
-                   recording.path.string() + ": says nothing of its camera; a focal length to start from is needed"};
+                   recording.path.string() + ": contains no calibration; an initial focal length is needed"};
   CornerTracks tracks({});
   for (size_t i = 0; i < frames.size(); ++i) {
     if (progress) progress(i, frames.size());

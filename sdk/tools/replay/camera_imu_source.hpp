@@ -6,9 +6,9 @@
 
 namespace odograph {
 
-/// The corners of a recording's frames, followed through all of them, its gyroscope, and what it says of the camera
-/// (the first calibration). Row time as the first frame has it. ODO_E_DATA without a calibration or when its size is
-/// not the frames'; without frames or gyroscope what there is.
+/// Corners tracked through all frames of a recording, its gyroscope, and its first calibration; row time from the first
+/// frame. ODO_E_DATA without a calibration, or if its size is not the frames'. Missing frames or gyroscope are not a
+/// failure.
 Result<CameraImuData> camera_imu_data(const Recording& recording, const ProgressCallback& progress = {});
 
 }  // namespace odograph

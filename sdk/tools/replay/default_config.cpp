@@ -5,10 +5,10 @@ namespace odograph {
 
 std::string default_config(const Recording& recording) {
   const bool camera = recording.has(ODO_TYPE_FRAME), places = recording.has(ODO_TYPE_GNSS);
-  const bool compass = !camera && recording.has(ODO_TYPE_MAGNETOMETER);  // a camera's heading needs none
+  const bool compass = !camera && recording.has(ODO_TYPE_MAGNETOMETER);  // with a camera, the heading needs no compass
   std::string text =
-      "# Made for a recording of a walker with a phone in the hand; walker.height is worth setting.\n"
-      "odograph: 1\nwalker:\n  height: 1.70 m\n";
+      "# For a recording of a walker with a phone in the hand; set walker.height for accuracy.\nodograph: 1\nwalker:\n "
+      " height: 1.70 m\n";
   text += std::string("attitude:\n  plugin: ") + (compass ? "attitude/magyq" : "attitude/vqf") + "\n";
   text += "step_estimator:\n  plugin: step/odograph\n";
   if (camera) text += "vo_frontend:\n  plugin: vo/odograph\n";

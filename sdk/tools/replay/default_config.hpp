@@ -7,8 +7,8 @@
 
 namespace odograph {
 
-/// The recommended pipeline for a walker's recording, as YAML: steps always, the camera and fixes where it has them.
-/// For who has a recording and no config yet.
+/// The recommended pipeline for a walker's recording, as YAML: always with steps, with camera and fixes if recorded.
+/// For users without a config.
 std::string default_config(const Recording& recording);
 
 }  // namespace odograph

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDegrees = 57.29577951308232;
 
-/// The begin of a recording with no more frames than are wanted.
+/// The beginning of a recording with a limited number of frames.
 Recording begin_of(const Recording& recording, const GuessedCameraOptions& o) {
   Recording part{.format = recording.format, .path = recording.path};
   int64_t first_ns = INT64_MAX, last_ns = INT64_MIN;
@@ -33,7 +33,7 @@ Recording begin_of(const Recording& recording, const GuessedCameraOptions& o) {
   return part;
 }
 
-/// Takes what was found in place of what was guessed, and puts it into words.
+/// Replaces guesses by estimates, and describes the change.
 std::string take(const CameraImuCalibration& found, const Recording::Guesses& guessed, odo_calibration& c) {
   std::string words;
   if (guessed.lens && found.focal_px.observable) {
@@ -48,7 +48,7 @@ std::string take(const CameraImuCalibration& found, const Recording::Guesses& gu
     c.header.flags |= ODO_CALIBRATION_EXTRINSICS;
   }
   if (found.time_offset_s.observable) {
-    words += text("frames %.1f +- %.1f ms later than their times, ", 1e3 * found.time_offset_s.value,
+    words += text("frames %.1f +- %.1f ms later than their time stamps, ", 1e3 * found.time_offset_s.value,
                   1e3 * found.time_offset_s.sigma);
     c.time_offset_ns = nanoseconds(found.time_offset_s.value);
     c.header.flags |= ODO_CALIBRATION_TIME_OFFSET;
@@ -61,7 +61,8 @@ std::string take(const CameraImuCalibration& found, const Recording::Guesses& gu
 void refine_guessed_camera(Recording& recording, const GuessedCameraOptions& o, const ProgressCallback& progress) {
   if (!recording.guessed.any() || !recording.has(ODO_TYPE_FRAME)) return;
   const auto keeps = [&](const std::string& why) {
-    recording.warnings.push_back("the camera's guesses stay as they are, the gyroscope does not show better: " + why);
+    recording.warnings.push_back(
+        "the guessed camera parameters are kept, because the gyroscope does not improve them: " + why);
   };
   auto data = camera_imu_data(begin_of(recording, o), progress);
   if (!data) return keeps(data.failure().text);

@@ -7,15 +7,15 @@
 namespace odograph {
 
 struct GuessedCameraOptions {
-  double span_s = 40;            ///< of the recording's begin that is looked at
+  double span_s = 40;            ///< length of the beginning that is used
   double rate_hz = 12;           ///< of its frames
-  double search_s = 1;           ///< of the time offset, where the frames' times are guessed
-  double min_correlation = 0.7;  ///< of the pictures' rotation with the gyroscope's, below which nothing is taken
+  double search_s = 1;           ///< half-width of the search for the time offset if the frame times are guessed
+  double min_correlation = 0.7;  ///< between the rotations of pictures and gyroscope, below which the guesses are kept
 };
 
-/// What a reader has guessed of the camera (Recording::guessed) is checked against the gyroscope, and replaced where
-/// the recording shows it (calibrate_camera_imu). What was found, or why nothing was, is a warning of the recording.
-/// Nothing is done where nothing was guessed.
+/// Checks the camera parameters that a reader guessed (Recording::guessed) against the gyroscope, and replaces those
+/// that are observable (calibrate_camera_imu). The result, or the reason for none, becomes a warning of the recording.
+/// No effect without guesses.
 void refine_guessed_camera(Recording& recording, const GuessedCameraOptions& options = {},
                            const ProgressCallback& progress = {});
 

@@ -16,14 +16,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Counts up with every change of the simulator that changes its recordings, so that old ones are not taken for new.
+/// Increment with every change of the simulator's output, so that old recordings are not reused.
 constexpr int kSimulator = 6;
 
 }  // namespace
 
 Result<std::string> text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
-  if (!in) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file (run from the source folder, or say where)"};
+  if (!in)
+    return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file (run from the source folder, or give its path)"};
   std::stringstream text;
   text << in.rdbuf();
   return text.str();
@@ -48,7 +49,7 @@ Result<fs::path> kept_recording(const fs::path& file, uint64_t seed, const fs::p
   if (!scenario->objects.empty() && !fs::exists(assets / "objects.yaml", error))
     if (const auto written = write_known_objects(*scenario, seed, assets); !written) return written.failure();
   if (fs::exists(kept, error)) return kept;
-  const fs::path part = kept.string() + ".part";  // a stopped run leaves no half recording under the name
+  const fs::path part = kept.string() + ".part";  // an interrupted run leaves no partial recording under the final name
   Progress progress("sim " + file.stem().string() + " seed " + std::to_string(seed));
   const auto done =
       simulate(*scenario, seed, part,

@@ -119,11 +119,11 @@ std::vector<Told> play(Fixer& fixer, const std::vector<Hung>& hung, const Viewpo
 namespace {
 
 constexpr int kWalkingFrames = 6, kStandingFrames = 36;
-constexpr double kWrong_m = 1;  // a fix so far off is wrong, whatever it says of itself
+constexpr double kWrong_m = 1;  // error above which a fix counts as wrong, whatever its covariance
 
 Vector3d error_of(const Told& t) { return Vector3d(t.fix.p_n) - t.truth.p_n; }
 
-/// A viewpoint of the cell from which the whole target is seen all the time; none where none was found.
+/// A viewpoint of the cell from which the whole target remains visible; none if the search fails.
 std::optional<Viewpoint> viewpoint_of(const Cell& cell, const FlatPicture& target, int frames, Random& random) {
   const PosterCamera look(lens_of(0));
   const double late_s = 0.05 * frames;
@@ -140,13 +140,13 @@ std::optional<Viewpoint> viewpoint_of(const Cell& cell, const FlatPicture& targe
   return std::nullopt;
 }
 
-/// Something that looks like a known object, and is not, or is not where it belongs.
+/// Shows a look-alike: not a known object, or one in the wrong place.
 void show_lookalike(Fixer& fixer, const std::vector<cv::Mat>& originals, size_t kind, uint64_t scene, uint64_t seed,
                     const std::string& keep, LookAlikeFigures& row) {
   const size_t which = scene / kRightOneOutOfView % std::size(kTargets);
   const Target& target = kTargets[which];
   Random random(seed * 200003 + scene, 32);
-  const bool standing = scene % 49 < 7;  // what is told then is told with more weight
+  const bool standing = scene % 49 < 7;  // the plugin states smaller covariances when standing
   const int count = standing ? kStandingFrames : kWalkingFrames;
   const double nearest = std::max(2.0, 1.2 * target.width_m);
   Viewpoint v = viewpoint(random, random.uniform(nearest, 12), random.uniform(0, 55) * kDegree, !standing);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// fix/known_object by itself, on drawn scenes.
+// Runs fix/known_object alone on rendered scenes.
 #pragma once
 
 #include <functional>
@@ -16,10 +16,10 @@
 
 namespace odograph::known_object_scene {
 
-/// The plugin by itself, with an objects' file of its own.
+/// The plugin alone, with its own objects file.
 class Fixer {
  public:
-  /// The pipeline that it is a part of.
+  /// The pipeline config that contains it.
   static Result<PipelineConfig> config();
   static Result<std::unique_ptr<Fixer>> make(const std::vector<Target>& targets, uint64_t seed);
 
@@ -41,7 +41,7 @@ class Fixer {
   std::unique_ptr<PluginInstance> instance_;
 };
 
-/// One scene through the plugin: all fixes with the truth at their time.
+/// Result of one scene: all fixes, with the truth at their times.
 struct Told {
   odo_fix fix;
   Viewpoint truth;
@@ -49,7 +49,7 @@ struct Told {
 std::vector<Told> play(Fixer& fixer, const std::vector<Hung>& hung, const Viewpoint& start, int frames, uint64_t scene,
                        Random& random, double position_sigma_m, const std::string& keep);
 
-/// A distance and an obliqueness, walking past or standing.
+/// A combination of distance, obliqueness, and walking past or standing.
 struct Cell {
   double from_m, to_m, from_deg, to_deg;
   bool standing;
@@ -58,23 +58,22 @@ constexpr Cell kCells[] = {{2, 5, -20, 20, true},  {2, 5, 0, 30, false},   {2, 5
                            {5, 10, 0, 30, false},  {5, 10, 30, 60, false}, {10, 15, 0, 30, false},
                            {10, 15, 30, 60, false}};
 
-/// What was told of a target in the scenes of a cell, by the last fix of each, the one that stays.
+/// Accuracy for a target in the scenes of a cell, from the last fix of each scene.
 struct CellFigures {
   size_t scenes = 0;                               ///< that could be set up
   std::vector<double> error_m, rotation_deg, nis;  ///< of the fixes; horizontal
 };
-/// Scenes are numbered through all cells of a target. The first two of each keep a picture in the folder, if there is
-/// one.
+/// Scene numbers run through all cells of a target. The first two of each cell save a picture to the folder, if given.
 Result<CellFigures> scenes_of(const Target& target, size_t cell, uint64_t scenes, uint64_t seed,
                               const std::string& keep, const std::function<void(size_t done, size_t all)>& progress);
 
-/// What was told before look-alikes of one kind.
+/// Fixes on look-alikes of one kind.
 struct LookAlikeFigures {
-  uint64_t frames = 0, fixes = 0, wrong = 0;  ///< wrong: off by more than a metre, or of no known object at all
+  uint64_t frames = 0, fixes = 0, wrong = 0;  ///< wrong: off by more than a metre, or not a known object
   double worst_m = 0;
 };
-/// Scenes of the kinds in turn until there are so many frames; `only`: of one kind, below 0 of all. The last kind comes
-/// after the others, a seventh as often. By kind.
+/// Runs scenes of all kinds in turn for the given number of frames; `only`: one kind, negative: all. The last kind
+/// follows the others, a seventh as often. Results by kind.
 Result<std::vector<LookAlikeFigures>> look_alikes(uint64_t frames, int only, uint64_t seed, const std::string& keep,
                                                   const std::function<void(size_t done, size_t all)>& progress);
 

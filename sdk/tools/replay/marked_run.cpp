@@ -27,7 +27,7 @@ void on_event(void* user, const odo_header* event) {
   poses.push_back(pose);
 }
 
-/// Places told to the session from its first metric pose on, in the frame of its track, with an error of their own.
+/// Gives the session true positions from its first metric pose on, in the frame of its track, with a simulated error.
 class Marks {
  public:
   Marks(const MarkOptions& options, const Trajectory& truth) : a_(options), truth_(truth), random_(options.seed) {}
@@ -48,7 +48,7 @@ class Marks {
       for (int i = 0; i < 3; ++i) p[i] += a_.sigma_m * normal_(random_);
       mark.sigma_m = a_.sigma_m;
       if (const int32_t status = odo_session_push(session, &mark.header); status != ODO_OK)
-        return Failure{status, "a mark was not taken"};
+        return Failure{status, "a mark was rejected"};
     }
     next_ns_ = t_ns + nanoseconds(a_.every_s);
     return std::nullopt;
@@ -83,13 +83,13 @@ Result<MarkedRun> marked_run(const Recording& recording, const RunOptions& run, 
   Marks marks(options, recording.truth);
   const double before_s = cpu_s();
   double recorded_s = 0;
-  int64_t begin_ns = INT64_MIN;  // descriptions of sensors come before, and may have the time 0
+  int64_t begin_ns = INT64_MIN;  // sensor descriptions precede it, possibly at time 0
   for (const RecordedMessage& message : recording.messages) {
     const odo_header& header = message.message.header();
     if (begin_ns == INT64_MIN && (header.type == ODO_TYPE_IMU || header.type == ODO_TYPE_FRAME)) begin_ns = header.t_ns;
     recorded_s = begin_ns == INT64_MIN ? 0.0 : seconds(header.t_ns - begin_ns);
     if (recorded_s > first_s) break;
-    if (options.sigma_m > 0 && header.type == ODO_TYPE_WAYPOINT) continue;  // the scenario's own
+    if (options.sigma_m > 0 && header.type == ODO_TYPE_WAYPOINT) continue;  // marks of the scenario
     if (const auto failure = marks.tell(raw, poses, header.t_ns)) return *failure;
     if (const auto failure = push(raw, message)) return *failure;
   }

@@ -7,19 +7,20 @@
 
 namespace odograph {
 
-/// Places told to a session from its first metric pose on, in the frame of its track, with an error of their own.
+/// True positions given to a session from its first metric pose on, in the frame of its track, with a simulated error.
 struct MarkOptions {
-  double sigma_m = 0, every_s = 20;  ///< 0 m: none are told
+  double sigma_m = 0, every_s = 20;  ///< 0 m: none
   uint64_t seed = 1;
 };
 
-/// The metric poses as last corrected, and the recorded time by one core's time, pictures read and decoded.
+/// The metric poses as last corrected, and the ratio of recorded time to one core's processor time, including picture
+/// decoding.
 struct MarkedRun {
   std::vector<odo_pose> poses;
   double times_realtime = 0;
 };
 
-/// The recording's first seconds. With marks its own waypoints are left out.
+/// Replays the first seconds of a recording. With marks, its own waypoints are skipped.
 Result<MarkedRun> marked_run(const Recording& recording, const RunOptions& run, const MarkOptions& marks,
                              double first_s);
 

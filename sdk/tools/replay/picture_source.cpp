@@ -32,7 +32,7 @@ bool is_picture(const fs::path& file) {
 }
 bool is_video(const fs::path& file) { return ends_as(file, {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".3gp"}); }
 
-/// As stored: a phone's note of how it was held does not turn the pixels, since the lens does not turn either.
+/// As stored: the EXIF rotation is ignored, because the lens parameters refer to the sensor's orientation.
 PictureSource of_file(const fs::path& file, std::shared_ptr<const void> keep = {}) {
   return {file.filename().string(), [file, keep] {
             try {
@@ -118,7 +118,7 @@ Result<std::vector<PictureSource>> pictures_of(const std::string& path) {
   if (fs::is_directory(path, error))
     if (auto sources = of_folder(path); !sources.empty()) return sources;
   auto sources = of_recording(path);
-  if (sources && sources->empty()) return Failure{ODO_E_DATA, path + ": there are no pictures in it"};
+  if (sources && sources->empty()) return Failure{ODO_E_DATA, path + ": contains no pictures"};
   return sources;
 }
 

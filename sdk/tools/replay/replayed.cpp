@@ -7,8 +7,8 @@
 namespace odograph {
 namespace {
 
-/// The options with a config of their own where values take the place of the file's. What lies beside the file is found
-/// all the same.
+/// The options with a temporary config that includes the overrides. Relative paths still refer to the original file's
+/// folder.
 Result<RunOptions> overridden(RunOptions options, const TemporaryFolder& folder) {
   if (options.overrides.empty()) return options;
   const auto text = effective_config(options.config, options.overrides);
@@ -20,9 +20,9 @@ Result<RunOptions> overridden(RunOptions options, const TemporaryFolder& folder)
   return options;
 }
 
-/// The failure of a config by the name of the file that it was made of.
+/// Replaces the temporary config's name in a failure by the original file's.
 Failure named_as(const std::string& name, const std::string& own, Failure failure) {
-  const std::string shown = name + " with other values";
+  const std::string shown = name + " with overrides";
   for (size_t at = 0; own != name && (at = failure.text.find(own, at)) != std::string::npos; at += shown.size())
     failure.text.replace(at, own.size(), shown);
   return failure;

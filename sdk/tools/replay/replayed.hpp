@@ -12,13 +12,13 @@ namespace odograph {
 
 using SessionHandle = std::unique_ptr<odo_session, void (*)(odo_session*)>;
 
-/// The pipeline config that the options come to, with their overrides in it.
+/// The pipeline config of the options, with overrides applied.
 Result<PipelineConfig> config_of(const RunOptions& options);
 
-/// A session through the C API, as an app has it, that gives the same bytes each time.
+/// A deterministic session through the C API, as an app uses it.
 Result<SessionHandle> replay_session(const RunOptions& options);
 
-/// Hands in a message of a recording, a picture with its pixels.
+/// Pushes a message of a recording, with a picture's pixels.
 std::optional<Failure> push(odo_session* session, const RecordedMessage& message);
 
 }  // namespace odograph

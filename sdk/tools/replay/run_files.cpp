@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a run writes into its folder.
+// Output files of a run.
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -64,7 +64,7 @@ void write_fixes(std::ostream& out, const std::vector<RunResult::Fix>& fixes) {
         << (accepted ? 1 : 0) << '\n';
 }
 
-/// A row each time that the state or its reason changes.
+/// One row per change of the state or its reason.
 void write_states(std::ostream& out, const RunResult& r) {
   out << "t_ns,state,reason\n";
   for (size_t i = 0; i < r.states.size() && i < r.reasons.size() && i < r.track.size(); ++i)
@@ -76,7 +76,7 @@ void write_states(std::ostream& out, const RunResult& r) {
 using Json = nlohmann::ordered_json;
 
 Json json_of(const RecordingLoss& loss) {
-  Json records = nullptr;  // nobody knows
+  Json records = nullptr;  // unknown
   if (loss.file.records_lost) records = *loss.file.records_lost;
   if (!loss.file.any()) records = 0;
   return {{"records", records},           {"bytes", loss.file.bytes},  {"places", loss.file.places},
@@ -92,7 +92,7 @@ Json json_of(const std::vector<RunResult::Plugin>& plugins) {
   return rows;
 }
 
-/// What the metre of the last scale group rests on; null where nobody knows it.
+/// Sources of the metric scale of the last scale group; null if unknown.
 Json json_of_scale(const odo_statistics& s) {
   if (s.scale_sigma == 0) return nullptr;
   return {{"sigma_percent", 100 * s.scale_sigma},
@@ -100,7 +100,7 @@ Json json_of_scale(const odo_statistics& s) {
           {"by_steps_percent", 100 * s.scale_by_steps}};
 }
 
-/// Degrees and metres; null where the run never knew it.
+/// Degrees and metres; null if the run had no origin.
 Json json_of_origin(const RunResult& result) {
   if (!result.origin) return nullptr;
   const auto& [latitude_rad, longitude_rad, height_m] = *result.origin;
@@ -153,7 +153,7 @@ Json summary_of(const Recording& recording, const RunResult& result, const RunOp
       {"config", result.config_text}};
 }
 
-/// The files of a run, written beside their places until all are whole.
+/// The files of a run, written to temporary names until all are complete.
 class RunFiles {
  public:
   explicit RunFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}

@@ -23,14 +23,14 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Processor time of the calling thread: what waits or is taken by other programs does not count.
+/// Processor time of the calling thread, without waiting and other programs.
 double thread_ms() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
-/// What a call takes: wall clock and processor time of the thread.
+/// Cost of a call: wall clock and processor time of the thread.
 struct Work {
   double ms, thread_ms;
 };
@@ -42,13 +42,13 @@ Work work_of(Call&& call) {
   return {milliseconds_since(start), thread_ms() - thread_start};
 }
 
-/// Collects events of the session; lives as long as the callback is set.
+/// Collects the session's events; must outlive the callback.
 struct Collector {
   RunResult& result;
   bool collect_poses;
   double work_ms = 0, work_thread_ms = 0;  // since the last camera pose
   int64_t pushed_ns = 0;                   // time of the newest input
-  /// From the old n to the new one, of the poses before `end`.
+  /// From the old n to the new one, for the poses before `end`.
   struct Correction {
     size_t end;
     Eigen::Isometry3d n_new_n_old;
@@ -80,7 +80,7 @@ struct Collector {
     }
   }
 
-  /// Warnings and errors, each text once; what plugins say beside them, counted.
+  /// Collects warnings and errors, each text once; counts other reports of plugins.
   void take_report(const odo_report& report) {
     if (report.severity == ODO_SEVERITY_INFO) {
       auto& notice = result.notices[std::string(report.plugin) + ' ' + report.key];
@@ -98,8 +98,8 @@ struct Collector {
     corrections.push_back({result.track.size(), p * raw_quaternion(correction.q_n)});
   }
 
-  /// Each pose, moved by all corrections that came after it: rigid, so that a change of scale leaves the past as it
-  /// was. Empty where none came after the scale was known.
+  /// Each pose, moved by all later corrections: rigidly, so that a change of scale does not alter the past. Empty if no
+  /// correction followed the first metric pose.
   Trajectory corrected() const {
     if (corrections.empty() || corrections.back().end <= result.first_metric) return {};
     Trajectory track = result.track;
@@ -118,7 +118,7 @@ struct Collector {
   void take_pose(const odo_pose& pose) {
     if (collect_poses) result.poses.push_back(pose);
     const StampedPose x{pose.header.t_ns, raw_quaternion(pose.q_n), Eigen::Vector3d(pose.p_n)};
-    if (!result.track.empty() && result.track.back().t_ns >= x.t_ns) {  // a fix corrected the latest pose
+    if (!result.track.empty() && result.track.back().t_ns >= x.t_ns) {  // a fix corrected the newest pose
       result.track.back() = x;
       for (size_t i = corrections.size(); i > 0 && corrections[i - 1].end == result.track.size(); --i)
         --corrections[i - 1].end;
@@ -137,11 +137,11 @@ struct Collector {
   }
 };
 
-/// Larger than what any pipeline saves: some plugins of the 16 MiB that each may.
+/// More than any pipeline saves: several plugins at the 16 MiB limit.
 constexpr uint64_t kLargestState = 256u << 20;
 
-/// Gives the session what a file holds; a file that is not there yet is none. One that is there and cannot be read is a
-/// failure: the run would write over it.
+/// Loads the session's state from a file; a missing file is not an error. An existing but unreadable file is a failure,
+/// because the run would overwrite it.
 Result<bool> read_state(odo_session* session, const std::string& path) {
   std::error_code failed;
   const auto there = std::filesystem::status(path, failed);
@@ -162,17 +162,17 @@ Result<bool> read_state(odo_session* session, const std::string& path) {
   return Failure{ODO_E_DATA, path + ": " + error.message};
 }
 
-/// Beside the file first: what was there stays whole if this does not come to its end.
+/// Writes to a temporary file first, so that the old one survives a failure.
 Result<bool> write_state(odo_session* session, const std::string& path) {
   const int64_t size = odo_session_save(session, nullptr, 0);
   std::string blob(static_cast<size_t>(std::max<int64_t>(0, size)), '\0');
   if (size <= 0 ||
-      odo_session_save(session, blob.data(), blob.size()) != size)  // a plugin may say another size each time
-    return Failure{ODO_E_ERROR, path + ": the state could not be saved, a plugin's size of it changes"};
+      odo_session_save(session, blob.data(), blob.size()) != size)  // a plugin may state another size each time
+    return Failure{ODO_E_ERROR, path + ": the state could not be saved: a plugin changed its size between calls"};
   return write_whole_file(path, blob);
 }
 
-/// Hands in all messages; `pictures`: somebody looks at them.
+/// Pushes all messages; `pictures`: a plugin uses them.
 void push_all(odo_session* session, const Recording& recording, const RunOptions& options, bool pictures,
               Collector& collector, RunResult& result) {
   size_t done = 0;
@@ -204,7 +204,7 @@ void push_all(odo_session* session, const Recording& recording, const RunOptions
   }
 }
 
-/// Lays the track over the recording's waypoints, as the config's replay section asks.
+/// Aligns the track with the recording's waypoints, as the config's replay section requests.
 void lay_over_waypoints(const ReplayConfig& replay, const Recording& recording, RunResult& result) {
   const auto waypoints = recording.waypoints();
   if (!replay.start_at_first_waypoint || waypoints.empty() || result.track.empty()) return;
@@ -216,7 +216,7 @@ void lay_over_waypoints(const ReplayConfig& replay, const Recording& recording, 
     step.heading_rad = std::remainder(step.heading_rad + result.heading_offset_rad, 2 * EIGEN_PI);
 }
 
-/// In the order of their instances' numbers.
+/// In the order of their instance numbers.
 std::vector<RunResult::Plugin> plugins_of(const PipelineConfig& config) {
   const std::pair<const char*, const std::vector<PluginChoice>*> kinds[] = {{"attitude", &config.attitudes},
                                                                             {"step_estimator", &config.step_estimators},
@@ -234,7 +234,7 @@ std::vector<RunResult::Plugin> plugins_of(const PipelineConfig& config) {
 }  // namespace
 
 Result<RunResult> replay(const Recording& recording, const RunOptions& options) {
-  // The config is read once more than the session does, for the replay section, which is not the session's business.
+  // The config is read a second time for its replay section, which the session ignores.
   const auto config = config_of(options);
   if (!config) return config.failure();
   if (!config->vo_frontends.empty() && recording.has(ODO_TYPE_FRAME) && !recording.has(ODO_TYPE_CALIBRATION) &&
@@ -243,7 +243,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
                    recording.path.string() +
                        ": pictures without a lens: neither the recording nor the config's 'camera:' has one"};
   auto opened = replay_session(options);
-  if (!opened) return Failure{ODO_E_ERROR, opened.failure().text};  // the config was good: it is a plugin
+  if (!opened) return Failure{ODO_E_ERROR, opened.failure().text};  // the config was valid, so a plugin failed
   const std::shared_ptr<odo_session> shared = std::move(*opened);
   odo_session* session = shared.get();
 
@@ -265,7 +265,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   const bool pictures = !config->vo_frontends.empty() || !config->fixers.empty();
   push_all(session, recording, options, pictures, collector, result);
   odo_session_flush(session);
-  odo_session_set_callback(session, nullptr, 0, nullptr, nullptr);  // the collector ends here
+  odo_session_set_callback(session, nullptr, 0, nullptr, nullptr);  // the collector's lifetime ends here
   if (result.loss.pictures > 0)
     result.reports.push_back(std::to_string(result.loss.pictures) + " pictures cannot be read; each cost its frame");
   if (!options.state.empty())

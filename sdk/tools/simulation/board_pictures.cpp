@@ -13,7 +13,7 @@
 namespace odograph {
 namespace {
 
-constexpr int kSide = 4;        // samples a pixel, along each side
+constexpr int kSide = 4;        // samples per pixel, in each direction
 constexpr int kSquare_px = 80;  // of the print
 
 }  // namespace

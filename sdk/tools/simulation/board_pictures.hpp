@@ -15,14 +15,14 @@
 
 namespace odograph {
 
-/// A camera that takes pictures of a calibration board: lens, blur of a sixth of a pixel's neighbours, noise of two
-/// grey levels, uneven light.
+/// A camera that takes pictures of a calibration board, with lens, optical blur (a sixth of the light goes to
+/// neighbouring pixels), noise of two grey levels and uneven light.
 class BoardCamera {
  public:
   BoardCamera(const Board& board, const odo_calibration& lens);
 
-  /// The board's pose in the camera: turned, tilted by up to 50 degrees, somewhere in the picture, from a third of it
-  /// to a little more than all.
+  /// Pose of the board in the camera: rotated, tilted by up to 50 degrees, anywhere in the picture, covering a third of
+  /// it to slightly more than all.
   Eigen::Isometry3d pose(uint64_t seed, uint64_t picture) const;
   cv::Mat picture(const Eigen::Isometry3d& T_c_board, uint64_t seed, uint64_t picture) const;
 
@@ -33,14 +33,14 @@ class BoardCamera {
   Board board_;
   odo_calibration lens_;
   cv::Mat print_;                  // the board in grey
-  std::vector<cv::Point2d> rays_;  // at depth 1, of every sample: kSide x kSide of them a pixel
+  std::vector<cv::Point2d> rays_;  // at depth 1, for each sample: kSide x kSide per pixel
 };
 
-/// A phone's lens: no two seeds have the same, and the principal point is not in the middle.
+/// A phone lens, different for each seed, with an off-centre principal point.
 odo_calibration random_lens(bool fisheye, uint64_t seed);
 
-/// The board as it is found in pictures by a BoardCamera, those without it left out; the pictures are kept as PNG in a
-/// folder if one is named. ODO_E_NOT_FOUND where that cannot be written.
+/// Board detections in pictures by a BoardCamera, without failed ones; saves the pictures as PNG to a folder if given.
+/// ODO_E_NOT_FOUND if that fails.
 Result<std::vector<BoardView>> simulated_views(const Board& board, const odo_calibration& lens, uint64_t seed,
                                                size_t pictures, const std::filesystem::path& folder,
                                                const std::function<void(size_t done, size_t all)>& progress);

@@ -13,7 +13,7 @@
 namespace odograph {
 namespace {
 
-/// Many normal numbers fast: a table of exact quantiles, looked up at random.
+/// Fast normal random numbers: random lookup in a table of exact quantiles.
 const std::vector<float>& normal_table() {
   static const std::vector<float> table = [] {
     std::vector<float> t(65536);
@@ -101,7 +101,7 @@ std::optional<Eigen::Vector2d> SimCamera::project_rolling(const Motion& phone, d
 }
 
 cv::Mat SimCamera::develop(const cv::Mat& light, size_t frame, double open) const {
-  // The exposure follows the light as far as it can, in steps; what is missing is made up by gain, which brings noise.
+  // The exposure follows the light in steps up to its limit; gain makes up the rest, and adds noise.
   Random random(seed_, 1000 + frame);
   const double step = std::exp(c_.exposure_steps * Random(seed_, 70 + frame / 7).normal());
   const auto gain = static_cast<float>(std::min(12.0, 1 / (light_ * std::max(open, 1e-3))));

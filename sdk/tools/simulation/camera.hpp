@@ -16,10 +16,10 @@ namespace odograph {
 /// A phone's rear camera: lens, rolling shutter, exposure, noise.
 class SimCamera {
  public:
-  /// `phone`, where there is one, shakes the lens of a camera with a stabiliser and sets how long it focuses.
+  /// `phone`, if given, drives the optical stabiliser and sets the duration of focus changes.
   SimCamera(const Scenario::Camera& camera, double light, uint64_t seed, const Motion* phone = nullptr);
 
-  /// From the camera to the body b: without tilt the camera's x, y, z are the body's x, -y, -z.
+  /// From the camera to the body b: without tilt, the camera's x, y, z are the body's x, -y, -z.
   const Eigen::Quaterniond& in_body() const { return in_body_; }
   Eigen::Isometry3d pose(const Motion& phone, double t_s) const;
 
@@ -27,24 +27,24 @@ class SimCamera {
   int height() const { return c_.height; }
   double cx() const { return 0.5 * (c_.width - 1); }
   double cy() const { return 0.5 * (c_.height - 1); }
-  /// When row y is exposed (its middle), from the middle of the middle row.
+  /// Exposure time of row y (its middle), relative to the middle row.
   double row_offset_s(double y) const { return (y - cy()) * c_.row_time_s; }
-  /// The ray of a pixel's centre, in c, with unit length, while the lens stands still.
+  /// Unit ray of a pixel's centre, in c, with the lens at rest.
   const Eigen::Vector3f& ray(int x, int y) const {
     return rays_[static_cast<size_t>((y + margin_) * (c_.width + 2 * margin_) + x + margin_)];
   }
-  /// The same through a lens that has moved.
+  /// The same with a shifted lens.
   Eigen::Vector3f ray(int x, int y, const SimLens::State& lens) const;
-  /// Where a point in c appears (pixels), lens distortion included, while the lens stands still.
+  /// Pixel of a point in c, including distortion, with the lens at rest.
   Eigen::Vector2d project(const Eigen::Vector3d& p_c) const;
   const SimLens& lens() const { return lens_; }
 
-  /// Where a point in n appears in the frame at t, each row seen from where the camera is in its own moment; nothing
-  /// outside the picture.
+  /// Pixel of a point in n in the frame at t, with the camera's pose at the exposure of its row; nothing outside the
+  /// picture.
   std::optional<Eigen::Vector2d> project_rolling(const Motion& phone, double t_s, const Eigen::Vector3d& p_n) const;
 
-  /// Turns what the lens sees (grey, 0 to 255 of a well-lit scene) into stored pixels; `open` is the part of the light
-  /// that gets to the lens.
+  /// Converts incident light (grey, 0 to 255 for a well-lit scene) to stored pixels; `open` is the fraction of light
+  /// that reaches the lens.
   cv::Mat develop(const cv::Mat& light, size_t frame, double open = 1.0) const;
 
  private:
@@ -55,10 +55,10 @@ class SimCamera {
   std::vector<Eigen::Vector3f> rays_;
   cv::Mat vignette_;
   SimLens lens_;
-  int margin_ = 0;  // of rays beyond the picture's edges, for a lens that moves
+  int margin_ = 0;  // extent of the rays beyond the picture's edges, for a moving lens
 };
 
-/// One thread's eye on the world. Renders a frame as the shutter rolls over the moving phone.
+/// A renderer for one thread, with a rolling shutter on the moving phone.
 class View {
  public:
   View(const World& world, const SimCamera& camera, const Scenario& scenario);
@@ -66,13 +66,13 @@ class View {
   View(const View&) = delete;
   View& operator=(const View&) = delete;
 
-  /// 32-bit float grey of the frame whose middle row is exposed around t.
+  /// 32-bit float grey of the frame whose middle row is exposed at t.
   cv::Mat render(const Motion& phone, double t_s, double exposure_s);
   /// With the scenario's exposure.
   cv::Mat render(const Motion& phone, double t_s) { return render(phone, t_s, c_.camera.exposure_s); }
-  /// The part of the last frame's pixels that show something that moves.
+  /// Fraction of the last frame's pixels that show moving objects.
   double moving_part() const { return moving_part_; }
-  /// The part of a known object that nothing stands before, 0 to 1, in steps of a 25th.
+  /// Unoccluded fraction of a known object, 0 to 1, in steps of a 25th.
   double visible_part(const KnownObject& object, const Eigen::Vector3d& eye_n, double t_s);
 
  private:
@@ -93,9 +93,9 @@ class View {
   std::vector<RTCGeometry> movers_;
   std::vector<size_t> mesh_of_instance_;
   std::vector<Eigen::Isometry3f> place_of_instance_;
-  cv::Mat instance_of_pixel_;  // of the frame at work
+  cv::Mat instance_of_pixel_;  // of the current frame
   double moving_part_ = 0;
-  // One row at work: what its rays hit, what the sun adds to it, rays towards the sun, and those that glass sends on.
+  // Buffers of the current row: hits, sunlight, shadow rays, and reflected rays.
   std::vector<RTCRayHit> hits_, mirrors_;
   std::vector<float> sunlight_;
   std::vector<RTCRay> shadows_;

@@ -17,7 +17,8 @@ Carried on_leg(double phase, double vigour, double height_m) {
   const double lever_m = 0.14 * height_m;  // of the thigh
   const double stride = std::cos(kPi * phase) + kFaster * std::sin(2 * kPi * phase);
   const double angle = vigour * (kFlexion_rad + kSwing_rad * stride);
-  const double own_side = vigour * kPelvis_m * std::cos(kPi * phase - 0.8);  // lifted with its leg, let down on it
+  const double own_side =
+      vigour * kPelvis_m * std::cos(kPi * phase - 0.8);  // the pelvis rises with its leg and falls with it
   const Vector3d hip(0.08, 0.14, -0.52 * height_m - own_side);
   return {hip + lever_m * Vector3d(std::sin(angle), 0, std::cos(angle)), angle, 0.15};
 }
@@ -40,7 +41,7 @@ Carried Bag::at(size_t sample, double height_m) const {
   const double forward = forward_rad[sample], right = right_rad[sample];
   const Vector3d shoulder(-0.02, -0.22, -0.80 * height_m);
   return {shoulder + strap_m * Vector3d(std::sin(forward), std::sin(right), std::cos(forward) * std::cos(right)),
-          forward, 1.2 - right};  // it lies on its side in there
+          forward, 1.2 - right};  // the phone lies on its side
 }
 
 bool is_carry(const std::string& what) { return what == "texting" || what == "swinging" || is_covered(what); }

@@ -10,21 +10,20 @@
 
 namespace odograph {
 
-/// How a phone hangs on the trunk: its place against the trunk's base, forward, right and down, and the rotations about
-/// these axes that make its attitude from an upright phone's.
+/// Pose of a phone on the trunk: position relative to the trunk's base (forward, right, down) and rotations about these
+/// axes from an upright phone's attitude.
 struct Carried {
   Eigen::Vector3d offset;
   double pitch_rad, roll_rad;
 };
 
-/// Against the front of a thigh, as in a trouser pocket or a holster. The thigh swings about the hip once a stride,
-/// about a mean flexion, and is flexed faster than it is extended (hip angle of 40 degrees in all: Winter, Biomechanics
-/// and Motor Control of Human Movement, 2009). `phase`: whole numbers at the feet's contacts. `vigour`: of the gait, 1
-/// at the usual step.
+/// On the front of a thigh, in a trouser pocket or a holster. The thigh swings about the hip once per stride about a
+/// mean flexion; flexion is faster than extension (total hip angle 40 degrees: Winter, Biomechanics and Motor Control
+/// of Human Movement, 2009). `phase`: integers at foot contacts. `vigour`: of the gait, 1 at the usual step.
 Carried on_leg(double phase, double vigour, double height_m);
 
-/// In a bag on a strap: a damped pendulum about a shoulder that moves as the trunk does. Angles of the strap, forward
-/// and to the right, for each sample of the trunk's place in n, m.
+/// In a bag on a strap: a damped pendulum about a shoulder that moves with the trunk. Strap angles, forward and to the
+/// right, for each sample of the trunk's position in n, m.
 struct Bag {
   Bag(const std::vector<Eigen::Vector3d>& trunk_n, const Signal& heading_rad, double length_m, double damping,
       double rate_hz);
@@ -34,7 +33,7 @@ struct Bag {
   Signal forward_rad, right_rad;
 };
 
-/// Whether a phone is carried so, and whether its camera then sees nothing.
+/// Whether this is a carrying position in which the camera is covered.
 bool is_carry(const std::string& what);
 bool is_covered(const std::string& carry);
 

@@ -13,9 +13,9 @@ namespace {
 
 constexpr int kMacro = 16, kBlock = 8, kBorder = 64;            // pixels
 constexpr double kFinest = 2, kCoarsest = 120;                  // quantisation steps, grey values
-constexpr float kDeadZone = 1.0f / 6, kDeadZoneKey = 1.0f / 3;  // what is added before cutting off, as x264 does
+constexpr float kDeadZone = 1.0f / 6, kDeadZoneKey = 1.0f / 3;  // rounding offsets before truncation, as in x264
 
-/// The orthonormal cosine transform of 8 x 8.
+/// Orthonormal 8 x 8 discrete cosine transform.
 class Transform {
  public:
   Transform() {
@@ -60,7 +60,7 @@ int difference(const cv::Mat& a, int ax, int ay, const cv::Mat& b, int bx, int b
   return sum;
 }
 
-/// The block of the picture before, moved by half pixels (twice the motion is whole).
+/// Block of the previous picture displaced by half-pixel motion (twice the motion is an integer).
 void fetch(const cv::Mat& before, int x, int y, cv::Point2f motion, cv::Mat& out) {
   const int u = static_cast<int>(std::lround(2 * motion.x)), v = static_cast<int>(std::lround(2 * motion.y));
   const int px = x + kBorder + (u >> 1), py = y + kBorder + (v >> 1), dx = u & 1, dy = v & 1;
@@ -122,7 +122,7 @@ void VideoCodec::predict(const cv::Mat& picture, bool key) {
       const double mean = cv::mean(picture(here))[0];
       cv::Mat to = prediction_(here);
       to.setTo(std::round(mean));
-      side_bits_ += 10;  // how it is predicted
+      side_bits_ += 10;  // prediction mode
       if (key) continue;
       int flat_cost = 0, cost = 0;
       for (int r = 0; r < kMacro; ++r)
@@ -163,7 +163,7 @@ void VideoCodec::quantise(double budget, bool key) {
     for (float& c : block) c = std::copysign(step * static_cast<float>(level_of(c, step, dead_zone)), c);
 }
 
-/// Across each edge between blocks, where the step is no larger than quantisation makes it (H.264's normal filter).
+/// Deblocks across block edges where the step is within the quantisation error (H.264's normal filter).
 void VideoCodec::smooth_edges(cv::Mat& picture) const {
   const int most = static_cast<int>(step_), flat = most / 2, limit = std::max(1, most / 4);
   const auto smooth = [&](uint8_t& p1, uint8_t& p0, uint8_t& q0, uint8_t& q1) {

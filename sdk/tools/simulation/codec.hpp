@@ -8,23 +8,24 @@
 
 namespace odograph {
 
-/// What a phone's video compression does to pictures, after H.264's main tools: blocks of 16 x 16 predicted from the
-/// picture before by motion of half pixels, or by their mean; the rest as cosine transform of 8 x 8, quantised with a
-/// dead zone as coarsely as the bit rate demands; edges of blocks smoothed. Bits are estimated from the levels
-/// (2 log2(level) + 5 for each that is not zero), not coded. Deterministic. Thread: one.
+/// Artefacts of phone video compression, modelled on H.264's main tools: 16 x 16 blocks predicted from the previous
+/// picture by half-pixel motion, or by their mean; the residual as 8 x 8 cosine transform, quantised with a dead zone
+/// as coarsely as the bit rate requires; deblocking. Bits are estimated from the levels (2 log2(level) + 5 for each
+/// non-zero one), not coded. Deterministic. Not thread-safe.
 class VideoCodec {
  public:
   struct Parameters {
-    double bit_rate = 5e6;      ///< bit/s of a video of `frame_rate_hz`
-    double frame_rate_hz = 30;  ///< phones' video: a frame gets bit_rate / frame_rate_hz, however few are recorded
-    int key_interval = 30;      ///< frames from one picture that is predicted from nothing to the next
-    double key_share = 4;       ///< such a picture gets this many times a frame's bits
+    double bit_rate = 5e6;  ///< bit/s of a video of `frame_rate_hz`
+    double frame_rate_hz =
+        30;  ///< of the phone's video: a frame gets bit_rate / frame_rate_hz, even if fewer frames are recorded
+    int key_interval = 30;  ///< frames between intra-coded pictures
+    double key_share = 4;   ///< ratio of the bits of such a picture to those of others
   };
   explicit VideoCodec(const Parameters& parameters) : p_(parameters) {}
 
-  /// What the decoder shows of an 8-bit grey picture; in the order of time, all of one size.
+  /// Decoded picture of an 8-bit grey picture. Call in time order, with pictures of one size.
   cv::Mat pass(const cv::Mat& grey);
-  double step() const { return step_; }  ///< of quantisation of the last picture, grey values
+  double step() const { return step_; }  ///< quantisation step of the last picture, grey values
   double bits() const { return bits_; }  ///< of the last picture, estimated
 
  private:

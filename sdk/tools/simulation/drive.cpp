@@ -23,7 +23,7 @@ struct Stop {
   bool waypoint;
 };
 
-/// A sprung mass whose foot moves as `input` does, each sample replaced by the mass's own place.
+/// A sprung mass whose base moves as `input`; replaces each sample by the position of the mass.
 void spring(Signal& input, double frequency_hz, double damping) {
   const double w = 2 * kPi * frequency_hz, dt = 1 / kRate_hz;
   double x = input[0], v = 0, before = input[0];
@@ -66,7 +66,7 @@ class Car {
   }
 
  private:
-  /// The fastest speed at every cell of the route that limits, bends, stops and the car's own strength allow.
+  /// Maximum speed at every cell of the route, from limits, bends, stops and the car's acceleration.
   void plan_speed() {
     const auto cells = static_cast<size_t>(std::ceil(end_m_ / kCell_m)) + 1;
     speed_.assign(cells, 0);
@@ -90,7 +90,7 @@ class Car {
   }
   static size_t cell(double s) { return static_cast<size_t>(std::llround(s / kCell_m)); }
 
-  /// From speeds over the route to the distance over time.
+  /// Converts speeds along the route to distance over time.
   void roll() {
     std::vector<std::pair<double, double>> course;  // time, distance
     double t = c_.walker.stand_s;
@@ -124,7 +124,7 @@ class Car {
     smooth(distance_, 0.35, kRate_hz);
   }
 
-  /// Height of the road under a wheel, about its own mean: white slope as ISO 8608 has it, and the bumps.
+  /// Height of the road under a wheel about its mean: white slope as in ISO 8608, plus bumps.
   Signal road() const {
     constexpr double kStep_m = 0.05;
     Random random(seed_, 120);
@@ -133,7 +133,7 @@ class Car {
     double z = 0;
     for (double& h : height) h = z += slope * kStep_m * random.normal();
     Signal hills = height;
-    smooth(hills, 8.0, 1 / kStep_m);  // what is longer than a car is the route's own height
+    smooth(hills, 8.0, 1 / kStep_m);  // wavelengths above the car's length belong to the route's height
     for (size_t i = 0; i < height.size(); ++i) {
       height[i] -= hills[i];
       const double s = static_cast<double>(i) * kStep_m - 10;
@@ -144,7 +144,7 @@ class Car {
     return height;
   }
 
-  /// The car over its route, each signal in time.
+  /// Motion of the car along its route, each component over time.
   struct Body {
     Signal north, east, up, heading, heave, pitch, roll;
     Signal hop[3], wander, engine;
@@ -170,7 +170,7 @@ class Car {
     return phone(speed, body, mount(random));
   }
 
-  /// Along the route, over the road, on its springs.
+  /// Along the route, over the road, on the suspension.
   void follow_road(const Signal& speed, Random& random, Body& b) const {
     const Signal pull = derivative(speed), ground = road();
     const auto under = [&](double s) {
@@ -195,7 +195,7 @@ class Car {
     smooth(b.heave, 0.012, kRate_hz), smooth(b.pitch, 0.012, kRate_hz);
   }
 
-  /// Hopping wheels, the driver's hand and the engine.
+  /// Wheel hop, steering and engine vibration.
   void shake(const Signal& speed, Random& random, Body& b) const {
     for (uint64_t k = 0; k < 3; ++k) {
       add_ring(b.hop[k], Random(seed_, 122 + k), 11.0, 0.2, k == 0 ? 9e-5 : 6e-5, kRate_hz);
@@ -208,7 +208,7 @@ class Car {
     double phase = 0;
     for (size_t i = 0; i < n_; ++i) {
       const double v = std::max(0.0, speed[i]);
-      // Idle, or a gear for each 6 m/s or so.
+      // Idle, or one gear per 6 m/s or so.
       const double rpm = v < 1.5 ? 800 + 400 * v / 1.5 : 1200 + 1300 * std::fmod(v - 1.5, 6.0) / 6.0;
       const double w = 2 * kPi * 2 * rpm / 60;
       phase += w / kRate_hz;
@@ -216,10 +216,10 @@ class Car {
     }
   }
 
-  /// From the phone to the car's forward-right-down, about as it was meant.
+  /// From the phone to the car's forward-right-down axes, with a mounting error.
   static Eigen::Quaterniond mount(Random& random) {
     const double mount[3] = {0.015 * random.normal(), 0.015 * random.normal(), 0.02 * random.normal()};
-    Eigen::Matrix3d axes;  // columns: the phone's x, y, z in the car's forward-right-down
+    Eigen::Matrix3d axes;  // columns: the phone's x, y, z in forward-right-down axes
     axes << 0, 1, 0, -1, 0, 0, 0, 0, 1;
     return Eigen::AngleAxisd(mount[2], Vector3d::UnitZ()) * Eigen::AngleAxisd(mount[1], Vector3d::UnitY()) *
            Eigen::AngleAxisd(mount[0], Vector3d::UnitX()) * Eigen::Quaterniond(axes);

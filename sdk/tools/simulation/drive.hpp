@@ -7,11 +7,11 @@
 
 namespace odograph {
 
-/// A car along the route with the phone on its roof, the screen down and the rear camera up, the phone's top ahead.
+/// A car on the route with the phone on its roof: screen down, rear camera up, top forward.
 ///
-/// Speed keeps to the limit, to 2 m/s^2 sideways in bends, and brakes for stops and bumps. The body dives, squats,
-/// leans and heaves as a damped spring (1.2 to 1.6 Hz) over a road of ISO 8608 class A to B; wheels hop near 11 Hz; a
-/// four-cylinder engine shakes it twice in each revolution of its shaft.
+/// Speed obeys the limit and 2 m/s^2 lateral acceleration in bends, and decreases for stops and bumps. The body
+/// pitches, rolls and heaves as a damped spring (1.2 to 1.6 Hz) over a road of ISO 8608 class A to B; wheels hop near
+/// 11 Hz; a four-cylinder engine shakes the body twice per crankshaft revolution.
 Journey make_drive(const Scenario& scenario, const Route& route, uint64_t seed);
 
 }  // namespace odograph

@@ -13,32 +13,32 @@
 
 namespace odograph {
 
-/// When a frame's middle row is exposed (its middle), and for how long.
+/// Exposure time of a frame's middle row (its middle), and duration.
 struct Exposure {
   double t_s, duration_s;
 };
 
-/// Renders, develops and encodes frames, several at a time, each by one thread from its number alone; a video codec
-/// takes them in their order. The same bytes whatever the number of threads.
+/// Renders, develops and encodes frames in parallel, each in one thread from its number only; a video codec processes
+/// them in order. The bytes do not depend on the number of threads.
 class FrameMaker {
  public:
   struct Times {
     double render_s = 0, develop_s = 0, encode_s = 0;  ///< summed over threads
   };
-  /// `threads` 0: as many as there are cores.
+  /// `threads` 0: one per core.
   FrameMaker(const World& world, const SimCamera& camera, const Scenario& scenario, const Journey& journey,
              std::vector<Exposure> exposures, unsigned threads);
 
-  /// The encoded picture of frame k; ask in ascending order. The picture is gone with the next call.
+  /// The encoded picture of frame k; call in ascending order. Valid until the next call.
   Result<std::vector<unsigned char>> take(size_t k);
   const Times& times() const { return times_; }
-  /// Of each frame made so far: how much of it shows something that moves.
+  /// For each frame made so far, the fraction of pixels that show moving objects.
   const std::vector<float>& moving_parts() const { return moving_parts_; }
   unsigned threads() const { return static_cast<unsigned>(views_.size()); }
 
  private:
   void make_batch(size_t first);
-  /// Does something with each frame from `first` until before `last`, on all threads.
+  /// Calls `make` for each frame from `first` up to but excluding `last`, on all threads.
   void each(size_t first, size_t last, const std::function<void(size_t thread, size_t k)>& make);
 
   const SimCamera& camera_;

@@ -26,7 +26,7 @@ uint32_t carry_mode(const std::string& carry) {
   return ODO_MODE_WALKING_TEXTING;
 }
 
-/// Takes one step after the other.
+/// Generates step after step.
 class Feet {
  public:
   Feet(const Scenario& c, const Route& route, const Individual& who, uint64_t seed)
@@ -57,7 +57,7 @@ class Feet {
     plan.facings.push_back({t_, t_ + duration, kPi});
   }
 
-  /// Walks to a distance along the route; `stops` there, or goes on through.
+  /// Walks to a distance along the route; stops there, or passes.
   void walk_to(double s_end, bool stops) {
     int since_start = rests_ ? 0 : 2;
     while (s_ < s_end - 1e-6) {
@@ -71,7 +71,7 @@ class Feet {
       const bool back = t_ < backwards_until_, aside = t_ < side_until_;
       if (back) speed *= 0.6;
       double nominal = (back ? 0.8 : 1.0) * who_.step_length(speed);
-      if (stairs) nominal = 0.29, speed = std::min(speed, 0.5);  // a step a tread
+      if (stairs) nominal = 0.29, speed = std::min(speed, 0.5);  // one step per tread
       if (shuffles) nominal = random_.uniform(0.12, 0.28), speed = nominal * random_.uniform(1.1, 1.8);
       if (aside) nominal = random_.uniform(0.18, 0.32), speed = nominal * random_.uniform(1.0, 1.5);
       const double period = nominal / speed * (1 + limited(random_, who_.step_time_sigma, 3 * who_.step_time_sigma));
@@ -80,7 +80,7 @@ class Feet {
       if (!stairs) length *= who_.length_factor * (1 - who_.fatigue_per_km * s_ * 1e-3);
       const double left = s_end - s_;
       double time = period;
-      if (stops && left < 2.6 * length) {  // the last ones fit what is left
+      if (stops && left < 2.6 * length) {  // the last steps fit the remaining distance
         const double n = left < 1.15 * length ? 1 : left < 2.1 * length ? 2 : 3;
         time *= left / n < 0.75 * length ? 1.12 : 1.0;
         length = left / n;
@@ -132,10 +132,10 @@ Individual::Individual(const Scenario& c, uint64_t seed) : height_m(c.walker.hei
   if (c.walker.gait == "viewing") view(seed);
 }
 
-/// Slow walkers: the trunk rises by 2.7 cm (sd 0.5) at 0.7 m/s, two thirds of an inverted pendulum's, and sways by 7.0
-/// cm (1.3) from side to side (Orendurff et al., J Rehabil Res Dev 41, 2004); knees and arms that keep a picture steady
-/// leave a half of the rise; step time varies about twice as much as of brisk ones (Beauchet et al., J Neuroeng Rehabil
-/// 6, 2009).
+/// Slow walkers: the trunk rises by 2.7 cm (sd 0.5) at 0.7 m/s, two thirds of an inverted pendulum's rise, and sways
+/// laterally by 7.0 cm (1.3) (Orendurff et al., J Rehabil Res Dev 41, 2004); knees and arms that steady the picture
+/// leave half of the rise; step time varies about twice as much as for brisk walkers (Beauchet et al., J Neuroeng
+/// Rehabil 6, 2009).
 void Individual::view(uint64_t seed) {
   Random random(seed, 13);
   bounce = random.uniform(0.25, 0.65);

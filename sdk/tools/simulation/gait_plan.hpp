@@ -9,43 +9,43 @@
 
 namespace odograph {
 
-/// What the seed draws of a person.
+/// Individual gait parameters, drawn from the seed.
 struct Individual {
   Individual(const Scenario& scenario, uint64_t seed);
   double height_m;
-  double length_factor;                 ///< own deviation from the law of his height
-  double asymmetry;                     ///< a left step is longer than a right one by twice this fraction
-  double fatigue_per_km;                ///< fraction by which steps shorten
-  double bounce;                        ///< trunk's rise as a fraction of an inverted pendulum's
+  double length_factor;                 ///< individual factor on the step length law for the height
+  double asymmetry;                     ///< half the relative difference of left and right steps
+  double fatigue_per_km;                ///< relative shortening of steps
+  double bounce;                        ///< trunk's rise relative to an inverted pendulum's
   double sway_m, surge_m;               ///< amplitudes
-  double limp;                          ///< the trunk's rise is higher by this fraction over one foot than the mean
+  double limp;                          ///< relative excess of the trunk's rise over one foot
   double shock;                         ///< heel strike at the hand, m/s^2 at 1.35 m/s
-  double pitch_rad, yaw_rad, roll_rad;  ///< amplitudes of the phone's turning with the gait
+  double pitch_rad, yaw_rad, roll_rad;  ///< amplitudes of the phone's rotation with the gait
   double phases[6];
   double tremor;  ///< of the hand, factor
   double hold_height_m, hold_forward_m;
-  double step_time_sigma = 0.015, step_length_sigma = 0.02;  ///< from step to step, as a part of it
-  double min_rise_m = 0;                                     ///< a step of no length lifts the trunk by that much
-  double rise_sigma = 0;                                     ///< of the trunk's rise, the same
-  double speed_kick = 0.01;                                  ///< the speed's wander from step to step, as a part of it
-  double rocking = 1;  ///< of the phone with the gait, over that of a surveyor's hand
-  bool scans = false;  ///< turns the phone to and fro while walking
+  double step_time_sigma = 0.015, step_length_sigma = 0.02;  ///< step-to-step standard deviation, relative
+  double min_rise_m = 0;                                     ///< rise of the trunk for a step of zero length
+  double rise_sigma = 0;                                     ///< step-to-step, of the trunk's rise, relative
+  double speed_kick = 0.01;                                  ///< step-to-step variation of the speed, relative
+  double rocking = 1;  ///< of the phone with the gait, relative to a surveyor's hand
+  bool scans = false;  ///< pans the phone while walking
 
-  /// Step length at a speed, on level ground, without variation.
+  /// Step length at a speed on horizontal ground, without variation.
   double step_length(double speed_mps) const;
 
  private:
   void view(uint64_t seed);
 };
 
-/// The feet's part of a walk: steps in time and along the route, and what is done while standing.
+/// Foot contacts of a walk over time and along the route, and actions while standing.
 struct GaitPlan {
   struct Step {
     double t0, t1;  ///< s
     double s0, s1;  ///< along the route, m
     double length_m;
     uint32_t mode;
-    double rise = 1;  ///< of the trunk, over the usual of such a step
+    double rise = 1;  ///< of the trunk, relative to the usual rise of such a step
   };
   struct Stand {
     double t0, t1;
@@ -53,7 +53,7 @@ struct GaitPlan {
   };
   std::vector<Step> steps;
   std::vector<Stand> stands;
-  std::vector<std::pair<double, std::string>> carries;  ///< from this time on
+  std::vector<std::pair<double, std::string>> carries;  ///< valid from this time on
   std::vector<std::pair<double, double>> roads;         ///< crossed from kerb to kerb: from, to
   std::vector<std::pair<double, double>> darknesses;    ///< from, to
   std::vector<std::pair<double, double>> evasions;      ///< middle, duration
@@ -61,7 +61,7 @@ struct GaitPlan {
   struct Facing {
     double t0, t1, yaw_rad;
   };
-  std::vector<Facing> facings;  ///< while walking, the body faces that far off the route's direction
+  std::vector<Facing> facings;  ///< heading of the body relative to the route while walking
   double duration_s = 0;
 };
 

@@ -42,7 +42,7 @@ void World::build_corridor() {
     const Vector3d corner = leg.at(-1.2, -1.2);
     m.add_quad(corner, run, across, Set::kWall, 0.7f);
     m.add_quad(corner + up, run, across, Set::kWall, 1.1f);
-    for (double d = 0; d < leg.length - 1; d += 6) {  // doors are all there is
+    for (double d = 0; d < leg.length - 1; d += 6) {  // doors are the only features
       m.add_quad(leg.at(d + 2, -1.19), 0.9 * leg.along, {0, 0, -2.05}, Set::kWall, 0.8f);
       m.add_quad(leg.at(d + 4, 1.19), 0.9 * leg.along, {0, 0, -2.05}, Set::kWall, 0.85f);
     }

@@ -9,11 +9,11 @@
 
 namespace odograph {
 
-/// A walk or a drive that took place: how the phone moved, and the truth about feet and marks.
+/// A completed walk or drive: the phone's motion, and the truth about steps and marks.
 struct Journey {
   Motion phone;  ///< of the body b (x right, y up, z out of the screen)
   struct Step {
-    double t_start_s, t_end_s;  ///< one foot's contact to the other's
+    double t_start_s, t_end_s;  ///< from one foot's contact to the other's
     double length_m;
     uint32_t mode;  ///< ODO_MODE_*
   };
@@ -22,7 +22,7 @@ struct Journey {
     double t_start_s;
     uint32_t mode;
   };
-  std::vector<Mode> modes;  ///< each holds until the next begins
+  std::vector<Mode> modes;  ///< each valid until the next one
   struct Mark {
     double t_s;
     Eigen::Vector3d p_n;  ///< of the ground under the walker
@@ -31,9 +31,9 @@ struct Journey {
   struct Cover {
     double t_start_s, t_end_s;
   };
-  std::vector<Cover> covers;  ///< while the phone is in a pocket
+  std::vector<Cover> covers;  ///< times during which the phone is in a pocket
 
-  /// The part of the light that gets to the lens.
+  /// Fraction of light that reaches the lens.
   double open_at(double t_s) const {
     constexpr double kSlip_s = 0.3, kDark = 1e-3;
     double open = 1;

@@ -12,8 +12,8 @@
 namespace odograph::known_object_scene {
 namespace {
 
-/// Before the copy instead of the original, turned away and walking away so that at least half of that is out of the
-/// picture.
+/// Viewpoint in front of the copy, facing and moving away from the original, so that at least half of the original is
+/// out of the picture.
 Viewpoint before_copy(Viewpoint v, const Vector3d& aside, const PosterCamera& camera) {
   constexpr double kRotation_rad = 0.02, kFirst_s = -0.25;
   constexpr int kYaws = 60;
@@ -97,7 +97,7 @@ std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& ori
       if (target.tag >= 0) other.tag = 8 + static_cast<int>(random.next() % 400);
       return {as_target(picture_of(other, seed, 1000 + random.next() % 1000000))};
     }
-    case 1: {  // a part of it exchanged
+    case 1: {  // a part of it replaced
       Hung h = as_target(original.clone());
       const cv::Mat other = poster_picture(seed, 1000 + random.next() % 1000000, original.size());
       const int cut = static_cast<int>(original.rows * random.uniform(0.4, 0.6));
@@ -110,7 +110,7 @@ std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& ori
       cv::flip(original, h.grey, random.uniform() < 0.5 ? 1 : -1);
       return {h};
     }
-    case 3: {  // the same at another place: everything else of the scene is there
+    case 3: {  // the original elsewhere, with the scene otherwise unchanged
       const double direction = random.uniform(0, 2 * kPi), far_m = random.uniform(12, 150);
       const Vector3d away = far_m * Vector3d(std::cos(direction), std::sin(direction), 0);
       v.p_n += away;
@@ -118,18 +118,18 @@ std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& ori
       h.at_n += away;
       return {h};
     }
-    case 4: {  // a smaller print of it beside where it belongs
+    case 4: {  // a smaller print of it beside its true position
       const double part = random.uniform(0.3, 0.6), aside = (random.uniform() < 0.5 ? -1 : 1) * random.uniform(7, 12);
       v.p_n += Vector3d(0, aside, 0);
       Hung h{original, part * target.width_m, part * target.height_m, kMiddle + Vector3d(0, aside, 0)};
       return {h};
     }
-    case 5: {  // two of it side by side, of which one belongs there
+    case 5: {  // two copies side by side, one of them in the true position
       Hung h = as_target(original), second = h;
       second.at_n.y() += (random.uniform() < 0.5 ? -1 : 1) * 1.15 * target.width_m;
       return {h, second};
     }
-    case kRightOneOutOfView: {  // two of it, and the camera looks at the one that does not belong there, past the other
+    case kRightOneOutOfView: {  // two copies: the camera sees the displaced one, past the true one
       Hung h = as_target(original), second = h;
       const double side = random.uniform() < 0.5 ? -1 : 1;
       const Vector3d aside = side * random.uniform(1.05, 1.25) * target.width_m * Vector3d::UnitY();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What hangs on a wall, real and look-alike, and a camera before it: the scenes of `odograph bench known-object`.
+// Scenes of `odograph bench known-object`: pictures on a wall, original and look-alike, and a camera.
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ struct Target {
 };
 inline const Target kTargets[] = {{"board", 3.2, 2.4, -1}, {"poster", 1.2, 1.8, -1}, {"tag", 0.8, 0.8, 7}};
 
-/// All targets hang with their middle in the same place of a wall that one reads looking north.
+/// Centre of every target: the same point of a wall that faces south.
 inline const Vector3d kMiddle(0, 0, -1.7);
 inline Matrix3d wall_axes() {
   Matrix3d R_n_o;
@@ -34,16 +34,16 @@ inline Matrix3d wall_axes() {
   return R_n_o;
 }
 
-/// One of three lenses, by the number of the scene.
+/// One of three lenses, by scene number.
 odo_calibration lens_of(uint64_t number);
 
-/// The picture of a target; of a tag its black border and what is in it.
+/// The picture of a target; for a tag, including its black border.
 cv::Mat picture_of(const Target& target, uint64_t layout, uint64_t content);
 
-/// What a wall shows beside what hangs on it.
+/// Background texture of a wall.
 cv::Mat wall_picture(uint64_t seed);
 
-/// Where the camera is and looks, and how it moves.
+/// Pose and motion of the camera.
 struct Viewpoint {
   Vector3d p_n, velocity_n = Vector3d::Zero(), rate_c = Vector3d::Zero();
   Matrix3d R_n_c;
@@ -64,14 +64,14 @@ struct Viewpoint {
 
 Viewpoint viewpoint(Random& random, double distance_m, double oblique_rad, bool walking);
 
-/// What hangs in a scene, in n, with its own side to the south.
+/// A picture in a scene, in n, facing south.
 struct Hung {
   cv::Mat grey;
   double width_m, height_m;
   Vector3d at_n;
 };
 
-/// Kinds of look-alikes. Those of the first three and other boards are not the object at all.
+/// Kinds of look-alikes. The first three and other boards are not the known object at all.
 constexpr const char* kLookAlikes[] = {"the same layout, another content",
                                        "a half of it exchanged",
                                        "mirrored, upside down",
@@ -82,7 +82,7 @@ constexpr const char* kLookAlikes[] = {"the same layout, another content",
                                        "two, the right one out of view"};
 constexpr size_t kOtherBoards = 6, kRightOneOutOfView = 7;
 
-/// What hangs there in place of a target; may move the viewpoint.
+/// The pictures shown instead of a target; may move the viewpoint.
 std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& original, uint64_t seed, Random& random,
                            Viewpoint& v, uint64_t scene);
 

@@ -9,14 +9,14 @@
 
 namespace odograph {
 
-/// A leg of the route between two of its corners.
+/// A straight part of the route between two corners.
 struct Leg {
   Eigen::Vector3d from, to;  ///< north, east, up
-  Eigen::Vector3d along;     ///< unit, level
+  Eigen::Vector3d along;     ///< unit, horizontal
   Eigen::Vector3d aside;     ///< unit, to the right
   double length;
 
-  /// d metres along and `right` metres beside it, on the ground, in n.
+  /// Point on the ground, in n, at d metres along and `right` metres beside the leg.
   Eigen::Vector3d at(double d, double right) const {
     Eigen::Vector3d p = from + d * along + right * aside;
     p.z() = -(from.z() + (to.z() - from.z()) * std::clamp(d / length, 0.0, 1.0));
@@ -42,7 +42,7 @@ inline std::vector<Leg> legs_of(const Route& route) {
   return legs;
 }
 
-/// True when no leg comes nearer to the point than that.
+/// Whether every leg is at least `clearance` away from the point.
 inline bool is_free(const std::vector<Leg>& legs, const Eigen::Vector3d& p_n, double clearance) {
   return std::all_of(legs.begin(), legs.end(), [&](const Leg& leg) { return leg.distance_to(p_n) >= clearance; });
 }

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kRate_hz = 1000.0;  // of the stabiliser's controller: phones run theirs at 1 kHz and more
+constexpr double kRate_hz = 1000.0;  // of the stabiliser's controller: 1 kHz and more in phones
 constexpr double kTwoPi = 6.283185307179586;
 
 }  // namespace
@@ -44,7 +44,7 @@ void SimLens::stabilise(const Scenario::Camera& c, const Eigen::Quaterniond& in_
   shift_.reserve(n);
   for (size_t i = 0; i < n; ++i) {
     const Vector3d w = R_c_b * phone.at(static_cast<double>(i) * dt).angular_velocity_b;
-    // A far point in the middle of the picture moves by f (-w_y, w_x); the lens goes the other way.
+    // A far point at the centre moves by f (-w_y, w_x); the lens compensates.
     const Vector2d rate(w.y(), -w.x());
     const double used = std::min(1.0, angle.norm() / s.travel_rad);
     const double leak_hz = s.high_pass_hz + (s.end_pass_hz - s.high_pass_hz) * used * used;

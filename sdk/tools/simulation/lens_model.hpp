@@ -10,10 +10,10 @@
 
 namespace odograph {
 
-/// Directions with z = 1 in the camera's frame of pixels, by OpenCV's models of the lens.
+/// Camera directions with z = 1 of pixels, with OpenCV's lens models.
 std::vector<cv::Point2d> rays_of(const odo_calibration& lens, const std::vector<cv::Point2d>& pixels);
 
-/// Pixel of a point before the camera, m in its frame.
+/// Pixel of a point in camera coordinates, m.
 cv::Point2d project(const odo_calibration& lens, const Eigen::Vector3d& p_c);
 
 }  // namespace odograph

@@ -15,7 +15,7 @@ void Mesh::add(const std::array<Vector3d, 4>& corners, const Surface& surface) {
 }
 
 void Mesh::add_quad(const Vector3d& corner, const Vector3d& u, const Vector3d& v, uint32_t texture, float brightness) {
-  // No two faces begin at the same place of their picture.
+  // Different texture offset for each face.
   const double start = std::fmod(3.71 * static_cast<double>(surfaces_.size()), 97.0);
   const Vector3d along = u.normalized();
   add({corner, corner + u, corner + u + v, corner + v},

@@ -11,7 +11,7 @@
 namespace odograph {
 namespace {
 
-/// Weights of the degree + 1 control points around a point at fraction x of its interval (Cox & de Boor, uniform).
+/// Weights of the degree + 1 control points at fraction x of an interval (Cox & de Boor, uniform).
 template <int degree>
 std::array<double, degree + 1> weights(double x) {
   std::array<double, degree + 1> w{1.0};
@@ -40,7 +40,7 @@ Motion::State Motion::at(double t_s) const {
   const double u = t_s * rate_hz_, whole = std::floor(u), x = u - whole;
   const auto i = static_cast<long>(std::clamp(whole, -1e9, 1e9));
   State s;
-  // Position: differences are taken about the nearest control point, so that nothing is lost far from the origin.
+  // Differences are relative to the nearest control point, to keep precision far from the origin.
   const Eigen::Vector3d base = p_[index(i)];
   std::array<Eigen::Vector3d, 6> c;
   for (long j = 0; j < 6; ++j) c[static_cast<size_t>(j)] = p_[index(i - 2 + j)] - base;

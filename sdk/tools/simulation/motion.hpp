@@ -7,10 +7,10 @@
 
 namespace odograph {
 
-/// A rigid body's motion as one smooth function of time, so that poses, IMU samples and rolling-shutter rows all come
-/// from the same derivatives: a uniform quintic B-spline of the position (acceleration twice differentiable) and a
-/// cumulative cubic B-spline on SO(3) (Kim, Kim & Shin 1995; derivatives after Sommer et al., CVPR 2020).
-/// Thread: immutable after construction.
+/// Motion of a rigid body as one smooth function of time, so that poses, IMU samples and rolling-shutter rows are
+/// consistent: a uniform quintic B-spline for the position (acceleration twice differentiable) and a cumulative cubic
+/// B-spline on SO(3) (Kim, Kim & Shin 1995; derivatives after Sommer et al., CVPR 2020). Thread: immutable after
+/// construction.
 class Motion {
  public:
   struct State {
@@ -18,15 +18,15 @@ class Motion {
     Eigen::Vector3d velocity_n;          ///< m/s
     Eigen::Vector3d acceleration_n;      ///< m/s^2
     Eigen::Vector3d angular_velocity_b;  ///< rad/s
-    /// What an ideal accelerometer measures, m/s^2.
+    /// Output of an ideal accelerometer, m/s^2.
     Eigen::Vector3d specific_force_b() const;
   };
 
   Motion() = default;
-  /// Control points at t = i / rate_hz. Both lists are equally long, at least one.
+  /// Control points at t = i / rate_hz. Both lists have the same length, at least one.
   Motion(double rate_hz, std::vector<Eigen::Vector3d> p_n, std::vector<Eigen::Quaterniond> q_n_b);
 
-  State at(double t_s) const;  ///< held before the start and after the end
+  State at(double t_s) const;  ///< constant before the start and after the end
   Eigen::Isometry3d pose(double t_s) const { return at(t_s).T_n_b; }
   double duration_s() const;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Squares and rivers along a street: what is kept free of houses, the fronts beyond, the water.
+// Squares and rivers along a street: areas without houses, distant fronts, water.
 #include <algorithm>
 #include <cmath>
 
@@ -54,7 +54,7 @@ void World::build_far_fronts(const Scenario& c, uint64_t seed) {
           free = free && is_free(legs, p, clearance) && !is_cleared(p);
         }
       if (!free) continue;
-      const bool right = side > 0;  // seen from the route the facade's u runs to the right
+      const bool right = side > 0;  // seen from the route, the facade's u runs to the right
       add_house(right ? Vector3d(corner + front) : corner, right ? Vector3d(-front) : front, back, tall, facade, tone);
     }
   };
@@ -64,7 +64,7 @@ void World::build_far_fronts(const Scenario& c, uint64_t seed) {
   }
 }
 
-/// The water moves as a whole and repeats, so that it can begin again unseen.
+/// The water moves as a whole and is periodic, so that it repeats without a visible seam.
 void World::add_rivers() {
   constexpr double kStream_mps = 0.4, kAboveGround_m = 0.03;
   for (const Cleared& place : cleared_) {

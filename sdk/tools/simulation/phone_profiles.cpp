@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What phones' cameras and inertial sensors do. Sources of the figures: docs/simulator.md, "Phones".
+// Camera and inertial sensor models of phones. Sources: docs/simulator.md, "Phones".
 #include "sdk/tools/simulation/scenario.hpp"
 
 #include "sdk/math/gravity.hpp"
@@ -59,7 +59,7 @@ void take_camera_of(const std::string& profile, Scenario::Camera& c) {
   c.stabiliser.travel_rad = p.travel_deg * kDeg, c.stabiliser.reported = phone->reported;
   c.focus.breathing = p.breathing, c.focus.interval_s = p.focus_interval_s;
   c.bit_rate = p.bit_rate;
-  c.jpeg_quality = 95;  // what the codec leaves is kept
+  c.jpeg_quality = 95;  // the codec's output is stored almost losslessly
 }
 
 void take_imu_of(const std::string& profile, Scenario::Imu& i) {

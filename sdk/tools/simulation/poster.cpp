@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kSide = 4;  // samples a pixel of what lies in front, along each side
+constexpr int kSide = 4;  // samples per pixel in each direction, for pictures in the foreground
 constexpr double kLensBlur_px = 0.45;
 
 int whole(double x) { return static_cast<int>(std::lround(x)); }
@@ -64,7 +64,7 @@ void draw_photograph(cv::Mat& picture, Random& random, const cv::Rect& box) {
 }  // namespace
 
 cv::Mat poster_picture(uint64_t layout, uint64_t content, cv::Size size_px) {
-  // Drawn at one size, so that text and lines have one width.
+  // Drawn at one size, so that text and lines have the same width.
   const double aspect = static_cast<double>(size_px.width) / size_px.height;
   const int height = 720, width = whole(height * aspect);
   cv::Mat picture(height, width, CV_8U);
@@ -147,7 +147,7 @@ bool PosterCamera::sees(const FlatPicture& o, double margin_px) const {
   return true;
 }
 
-/// Pixels that a picture's corners and middles reach, and some more; none where a part of it is not in front.
+/// Pixels covered by a picture's corners and edge midpoints, with a margin; none if a part is behind the camera.
 cv::Rect PosterCamera::reach(const FlatPicture& o) const {
   double low_x = 1e9, low_y = 1e9, high_x = -1e9, high_y = -1e9;
   for (const double x : {-0.5, 0.0, 0.5})
@@ -162,7 +162,7 @@ cv::Rect PosterCamera::reach(const FlatPicture& o) const {
   return {cv::Point(near(low_x - 12), near(low_y - 12)), cv::Point(near(high_x + 12), near(high_y + 12))};
 }
 
-/// Where in the texture each sample of the box looks, while the camera moves from row to row.
+/// Texture coordinates of each sample in the box, with the camera moving from row to row.
 void PosterCamera::look_up(const FlatPicture& o, const Shot& shot, int samples, const cv::Rect& box,
                            const cv::Size& texture, cv::Mat& map_x, cv::Mat& map_y) const {
   const double scale_x = texture.width / o.width_m, scale_y = texture.height / o.height_m;
@@ -198,7 +198,7 @@ void PosterCamera::paint(const FlatPicture& o, const Shot& shot, int samples, cv
   cv::Rect box(0, 0, light.cols, light.rows);
   if (samples > 1) box &= reach(o);
   if (box.empty()) return;
-  // Smaller copies of the picture where a sample spans more than a texel.
+  // Mipmaps where a sample spans more than a texel.
   const double texel_m = o.width_m / o.grey.cols, z = o.T_c_o.translation().norm();
   cv::Mat texture = o.grey;
   for (double span = z / lens_.fx / samples / texel_m; span >= 1.6 && texture.cols > 8; span *= 0.5)
@@ -227,7 +227,7 @@ cv::Mat PosterCamera::take(const std::vector<FlatPicture>& pictures, const Shot&
   cv::Mat light(height, width, CV_32F, cv::Scalar(110));
   for (size_t k = 0; k < pictures.size(); ++k) paint(pictures[k], shot, k == 0 ? 1 : kSide, light);
   cv::GaussianBlur(light, light, {0, 0}, kLensBlur_px);
-  // The blur of what is nearest in the middle: rotation and velocity at the first picture's distance.
+  // Motion blur at the centre: rotation and velocity at the first picture's distance.
   if (pictures.size() > 1) {
     const Vector3d p = pictures[1].T_c_o.translation();
     const Vector3d flow = -(shot.rate_c.cross(p) + shot.velocity_c);

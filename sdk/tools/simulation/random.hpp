@@ -6,8 +6,8 @@
 
 namespace odograph {
 
-/// Random numbers that are the same on every platform (std's distributions are not). SplitMix64 (Steele, Lea & Flood
-/// 2014) and Box-Muller.
+/// Random numbers identical on every platform, unlike std's distributions. SplitMix64 (Steele, Lea & Flood 2014) and
+/// Box-Muller.
 class Random {
  public:
   Random(uint64_t seed, uint64_t stream) : state_(seed * 0x9E3779B97F4A7C15u ^ (stream + 1) * 0xD1B54A32D192ED03u) {

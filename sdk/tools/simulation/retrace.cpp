@@ -15,12 +15,12 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kRate_hz = 200.0, kHold_m = 1.25;
-constexpr double kMark_m = 0.7;      // a waypoint: where the walker stood, and when he said so; 0.8 rms on the 80 walks
-constexpr double kHeight_m = 0.1;    // of the hand over the floor
-constexpr double kAnywhere_m = 5.0;  // between waypoints
-constexpr double kUsual_mps = 0.7;   // by which the walker's speed differs from the even one between waypoints
-constexpr double kStanding_mps = 0.03;                     // hands of somebody who stands
-constexpr double kQuiet_mps2 = 0.25, kQuiet_radps = 0.35;  // rms over a second of somebody who stands (a step: above 1)
+constexpr double kMark_m = 0.7;         // of a waypoint: position and time of the walker's tap; 0.8 rms on the 80 walks
+constexpr double kHeight_m = 0.1;       // of the hand above the floor
+constexpr double kAnywhere_m = 5.0;     // between waypoints
+constexpr double kUsual_mps = 0.7;      // deviation of the walker's speed from the mean between waypoints
+constexpr double kStanding_mps = 0.03;  // speed of the hands at standstill
+constexpr double kQuiet_mps2 = 0.25, kQuiet_radps = 0.35;  // rms over a second at standstill (a step: above 1)
 
 Quaterniond attitude_at(const std::vector<StampedPose>& attitudes, int64_t t) {
   const auto after = std::lower_bound(attitudes.begin(), attitudes.end(), t,
@@ -31,7 +31,7 @@ Quaterniond attitude_at(const std::vector<StampedPose>& attitudes, int64_t t) {
   return a.q.slerp(static_cast<double>(t - a.t_ns) / static_cast<double>(b.t_ns - a.t_ns), b.q);
 }
 
-/// The path's place at a time: straight between waypoints.
+/// Position on the path, linear between waypoints.
 Vector3d path_at(const std::vector<Waypoint>& marks, int64_t t) {
   size_t i = 1;
   while (i + 1 < marks.size() && marks[i].t_ns < t) ++i;
@@ -40,7 +40,7 @@ Vector3d path_at(const std::vector<Waypoint>& marks, int64_t t) {
   return a.p_n + std::clamp(x, 0.0, 1.0) * (b.p_n - a.p_n);
 }
 
-/// Where the walker's phone points, level: its top when it lies flat, its back when it stands.
+/// Horizontal pointing direction of the phone: its top when it lies flat, its back when it is upright.
 Vector3d ahead(const Quaterniond& q) {
   const Vector3d v = q * Vector3d(0, 1, -1);
   return {v.x(), v.y(), 0};
@@ -48,7 +48,7 @@ Vector3d ahead(const Quaterniond& q) {
 
 using Samples = std::vector<std::pair<int64_t, Vector3d>>;
 
-/// The value at a time, straight between samples; `next` goes on with it.
+/// Linear interpolation between samples; `next` advances.
 Vector3d value_at(const Samples& samples, int64_t t, size_t& next) {
   while (next + 2 < samples.size() && samples[next + 1].first < t) ++next;
   const auto& [t0, v0] = samples[next];
@@ -57,7 +57,7 @@ Vector3d value_at(const Samples& samples, int64_t t, size_t& next) {
   return v0 + std::clamp(x, 0.0, 1.0) * (v1 - v0);
 }
 
-/// Accelerometer and gyroscope at the accelerometer's times, s from `start_ns`; empty where one of them lacks.
+/// Accelerometer and gyroscope at the accelerometer's times, s from `start_ns`; empty if one is missing.
 std::vector<InertialSample> inertial_samples(const Recording& recording, int64_t start_ns) {
   Samples forces, rates;
   for (const auto& m : recording.messages) {
@@ -97,7 +97,7 @@ WalkHint::Vector known(const Vector3d& value_n, double horizontal_sigma, double 
   return {value_n, {horizontal_sigma, horizontal_sigma, vertical_sigma}};
 }
 
-/// What waypoints, floor and rest say, once a second and at each waypoint.
+/// Pseudo-measurements from waypoints, floor and standstill, once a second and at each waypoint.
 std::vector<WalkHint> hints(const std::vector<InertialSample>& samples, const std::vector<WalkState>& guess,
                             const std::vector<Journey::Mark>& marks) {
   std::vector<WalkHint> out;
@@ -115,7 +115,7 @@ std::vector<WalkHint> hints(const std::vector<InertialSample>& samples, const st
   return out;
 }
 
-/// At a time between samples: Hermite's cubic of position and velocity.
+/// Cubic Hermite interpolation of position and velocity between samples.
 Eigen::Isometry3d pose_between(const InertialSample& sa, const WalkState& a, const InertialSample& sb,
                                const WalkState& b, double t_s) {
   const double h = sb.t_s - sa.t_s, u = std::clamp((t_s - sa.t_s) / h, 0.0, 1.0);
@@ -126,7 +126,7 @@ Eigen::Isometry3d pose_between(const InertialSample& sa, const WalkState& a, con
   return T;
 }
 
-/// From the waypoints' map to the phone's own north, summed over the walk, so that long legs count more.
+/// From the waypoints' map to the phone's north, summed over the walk, so that long legs have more weight.
 double yaw_of_map(const Recording& recording, const std::vector<Waypoint>& marks) {
   double sine = 0, cosine = 0;
   for (size_t k = 1; k < marks.size(); ++k) {
@@ -139,7 +139,7 @@ double yaw_of_map(const Recording& recording, const std::vector<Waypoint>& marks
   return std::atan2(sine, cosine);
 }
 
-/// The path between the waypoints, laid out smoothly in time, and the phone's own orientation.
+/// Initial guess: the path between waypoints, smooth in time, and the phone's own orientation.
 std::vector<WalkState> first_guess(const Recording& recording, const std::vector<InertialSample>& samples,
                                    const std::vector<Waypoint>& marks, int64_t start_ns) {
   Signal path[3];
@@ -204,7 +204,7 @@ Result<Retraced> retrace(const Recording& recording) {
 
   const double end_s = std::max(samples.back().t_s, out.journey.waypoints.back().t_s);
   out.journey.phone = motion(samples, walk, end_s);
-  for (Journey::Mark& mark : out.journey.waypoints) {  // where the walker was, by the walk that is rendered
+  for (Journey::Mark& mark : out.journey.waypoints) {  // true positions on the rendered walk
     mark.p_n.head<2>() = out.journey.phone.pose(mark.t_s).translation().head<2>();
     out.route.emplace_back(mark.p_n.x(), mark.p_n.y(), -mark.p_n.z());
   }

@@ -6,19 +6,18 @@
 
 namespace odograph {
 
-/// How a real phone moved, as far as its own recording tells.
+/// Motion of a real phone, estimated from its recording.
 struct Retraced {
   Journey journey;
   int64_t start_ns = 0;                ///< the journey's time 0 on the phone's clock
   std::vector<Eigen::Vector3d> route;  ///< the waypoints, north, east, up; m
-  double yaw_rad = 0;                  ///< from the waypoints' map to the phone's own north
+  double yaw_rad = 0;                  ///< from the waypoints' map to the phone's north
 };
 
-/// The walk that the phone's own accelerometer and gyroscope felt (smooth_walk), held by its waypoints, by a hand
-/// 1.25 m above the floor and loosely by the phone's own rotation vector; so that pictures rendered along it agree with
-/// those samples but for the sensors' errors. The map is turned so that on the whole the walker goes where the phone
-/// points.
-/// Failures (ODO_E_DATA) say what the recording lacks.
+/// Smooths a walk from the phone's accelerometer and gyroscope (smooth_walk), constrained by its waypoints, a hand
+/// height of 1.25 m above the floor, and loosely by the phone's rotation vector. Pictures rendered along it agree with
+/// the inertial samples up to the sensors' errors. The map is rotated so that, on average, the walker moves where the
+/// phone points. Failures (ODO_E_DATA) state what the recording lacks.
 Result<Retraced> retrace(const Recording& recording);
 
 }  // namespace odograph

@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// An edge seen along the polygon's normal; `ring` and `place` say which are neighbours.
+/// An edge projected along the polygon's normal; `ring` and `place` identify neighbours.
 struct FlatEdge {
   Vector2d from, to;
   size_t ring, place;
@@ -46,7 +46,7 @@ bool spend_crossings(const std::vector<std::vector<Vector3d>>& rings, CrossingBu
     const size_t n = rings[a.ring].size();
     return a.ring == b.ring && ((a.place + 1) % n == b.place || (b.place + 1) % n == a.place);
   };
-  std::vector<const FlatEdge*> open;  // those that reach to where the sweep is
+  std::vector<const FlatEdge*> open;  // edges that cross the sweep line
   for (const FlatEdge& e : edges) {
     std::erase_if(open, [&](const FlatEdge* o) { return o->high_x() < e.low_x(); });
     if (open.size() > budget.pairs) return false;

@@ -25,7 +25,7 @@ Route::Route(const std::vector<Eigen::Vector3d>& points, double radius) {
   const Eigen::Vector2d first = flat(1) - flat(0);
   pieces_.push_back({0, 0, flat(0), std::atan2(first.y(), first.x()), 0});
   heights_.push_back({0, points_[0].z()});
-  double cut = 0;  // taken from the leg's start by the arc before it
+  double cut = 0;  // removed from the leg's start by the arc before it
   for (size_t i = 1; i < points_.size(); ++i) {
     const Eigen::Vector2d leg = flat(i) - flat(i - 1);
     if (i + 1 == points_.size()) {

@@ -32,7 +32,7 @@ Result<Scenario::World> take_world(const Value& d, const std::string& path) {
   return w;
 }
 
-/// What is given stands above what a profile or a default says.
+/// Explicit values override those of a profile or a default.
 void set(const Value& v, double& x) {
   if (v.given) x = v.real;
 }
@@ -123,7 +123,7 @@ Result<Scenario> take(const Value& v, const std::string& path, const std::string
 
 constexpr int kMaxBases = 8;
 
-/// The base's keys with those of `over` above them, map by map.
+/// Merges maps recursively; keys of `over` take precedence.
 YamlNode merged(YamlNode base, const YamlNode& over) {
   if (base.kind != YamlNode::Kind::map || over.kind != YamlNode::Kind::map) return over;
   for (const auto& entry : over.entries) {
@@ -172,7 +172,7 @@ Result<Scenario> read_scenario(const std::string& path, const std::string& camer
   auto files = read_with_bases(path);
   if (!files) return files.failure();
   YamlNode node = files->back().second;
-  for (size_t i = files->size() - 1; i > 0; --i) {  // a mistake in a base is named with the base's own line
+  for (size_t i = files->size() - 1; i > 0; --i) {  // reports a mistake in a base with the base's own line
     if (const auto good = checked(node, (*files)[i].first); !good) return good.failure();
     node = merged(std::move(node), (*files)[i - 1].second);
   }

@@ -69,7 +69,7 @@ SimStamps::SimStamps(const Scenario::Imu& c, uint64_t seed) : c_(c), random_(see
 
 double SimStamps::of(double t) {
   if (c_.jitter_s <= 0 && c_.gap_s <= 0) return t;
-  constexpr double kBurst_s = 0.2e-3;  // between samples that come at once
+  constexpr double kBurst_s = 0.2e-3;  // spacing of samples that arrive at once
   if (t >= stall_s_) {
     stall_end_s_ = stall_s_ + random_.uniform(0.3, 1) * c_.gap_s;
     stall_s_ = stall_end_s_ - c_.gap_interval_s * std::log(1 - random_.uniform());
@@ -88,7 +88,7 @@ void SimWildSamples::draw_next(double after_s) {
 
 void SimWildSamples::spoil(double t, Vector3d& gyro, Vector3d& accel) {
   if (t < next_s_) return;
-  const bool outside = count_++ % 2 == 0;  // of the range, by far
+  const bool outside = count_++ % 2 == 0;  // far outside the range
   const double part = outside ? 1e3 : 0.9;
   const auto axis = static_cast<int>(random_.next() % 3);
   const double sign = random_.uniform() < 0.5 ? -1 : 1;
@@ -110,7 +110,7 @@ SimMagnetometer::SimMagnetometer(const Scenario::Magnetometer& m, uint64_t seed)
 }
 
 Vector3d SimMagnetometer::field_n(const Vector3d& p) const {
-  Vector3d field(21e-6, 0.0, 43e-6);  // middle Europe; magnetic north is n's north
+  Vector3d field(21e-6, 0.0, 43e-6);  // central Europe; magnetic north is the north of n
   for (const Wave& w : waves_) field += w.amplitude * std::sin(w.direction.dot(p) + w.phase);
   return field;
 }
@@ -122,7 +122,7 @@ Vector3d SimMagnetometer::measure(const Eigen::Isometry3d& T) {
 SimBarometer::SimBarometer(const Scenario::Barometer& b, uint64_t seed) : c_(b), random_(seed, 81) {}
 
 double SimBarometer::measure(double up) {
-  drift_ += c_.drift_pa / 60 * random_.normal();  // a random walk reaches its size after 3600 steps
+  drift_ += c_.drift_pa / 60 * random_.normal();  // a random walk reaches its sigma after 3600 steps
   wind_ = wander(wind_, 1, 4, random_);
   return pressure_at_pa(up) + drift_ + c_.wind_pa * wind_ + c_.noise_pa * random_.normal();
 }
@@ -137,9 +137,9 @@ SimGnss::SimGnss(const Scenario& scenario, uint64_t seed)
 SimGnss::Fix SimGnss::measure(const Vector3d& p) {
   for (double& e : error_) e = wander(e, 1, c_.correlation_s, random_);
   narrow_ = wander(narrow_, 1, 40, random_);
-  const double hidden = 0.5 + 0.5 * std::erf(narrow_ / std::sqrt(2.0));  // even between 0 and 1
+  const double hidden = 0.5 + 0.5 * std::erf(narrow_ / std::sqrt(2.0));  // uniform between 0 and 1
   const double sigma = c_.sigma_m * std::pow(c_.canyon_sigma_m / c_.sigma_m, hidden);
-  // Lost for 12 s in the mean, and as often as the availability says.
+  // Outages last 12 s on average; their rate follows from the availability.
   const double out = 1 / 12.0, in = out * (1 - c_.availability) / std::max(1e-6, c_.availability);
   available_ = available_ ? random_.uniform() >= in : random_.uniform() < out;
   if (c_.availability >= 1) available_ = true;

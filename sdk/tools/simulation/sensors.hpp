@@ -9,14 +9,14 @@
 
 namespace odograph {
 
-/// One triad of an inertial sensor: scale and misalignment, constant bias and its random walk, white noise as an Allan
-/// deviation separates them, saturation, quantisation.
+/// One triad of an inertial sensor: scale and misalignment, constant bias and bias random walk, white noise as
+/// characterised by the Allan deviation, saturation, quantisation.
 class SimTriad {
  public:
   struct Errors {
     double bias, walk, noise, scale, misalignment, range, step;
-    /// Of such a sensor at rest, averaged over `tau_s`: white noise, the bias's walk, and rounding, which is white
-    /// noise of variance step^2 / 12 on each sample.
+    /// Allan deviation at rest for averaging time `tau_s`: white noise, bias random walk, and quantisation as white
+    /// noise of variance step^2 / 12 per sample.
     double allan_deviation(double rate_hz, double tau_s) const;
   };
   SimTriad(Random random, const Errors& errors, double rate_hz);
@@ -31,24 +31,24 @@ class SimTriad {
   Eigen::Vector3d bias_;
 };
 
-/// What a phone's gyroscope feels besides rotation: its own warming (by 10 K, time constant 5 min) and force.
+/// Gyroscope bias errors besides rotation: self-heating (10 K, time constant 5 min) and g-sensitivity.
 class SimGyroErrors {
  public:
   SimGyroErrors(const Scenario::Imu& imu, uint64_t seed);
-  /// rad/s, to be added to the bias.
+  /// rad/s, added to the bias.
   Eigen::Vector3d at(double t_s, const Eigen::Vector3d& specific_force_b) const;
 
  private:
   Eigen::Vector3d per_kelvin_;
-  Eigen::Matrix3d per_force_;  // rad/s for each m/s^2
+  Eigen::Matrix3d per_force_;  // rad/s per m/s^2
 };
 
-/// The time stamps that an app's callback gives to inertial samples: jitter, and now and then a stall after which the
-/// samples that were due come all at once. They never go back.
+/// Time stamps of inertial samples in an app's callback: jitter, and occasional stalls after which the pending samples
+/// arrive at once. They never decrease.
 class SimStamps {
  public:
   SimStamps(const Scenario::Imu& imu, uint64_t seed);
-  double of(double t_s);  ///< in the order of time; the true time itself where there is neither jitter nor gap
+  double of(double t_s);  ///< in time order; the true time without jitter and gaps
 
  private:
   Scenario::Imu c_;
@@ -56,11 +56,11 @@ class SimStamps {
   double last_s_ = -1e9, stall_s_, stall_end_s_ = -1e9;
 };
 
-/// Wild samples: now and then one far outside the sensor's range, or a spike within it, in turn.
+/// Outliers: occasional samples far outside the sensor's range, or spikes within it, alternately.
 class SimWildSamples {
  public:
   SimWildSamples(const Scenario::Imu& imu, uint64_t seed);
-  /// Spoils the measurements where it is time to.
+  /// Replaces the measurements when an outlier is due.
   void spoil(double t_s, Eigen::Vector3d& gyro_b, Eigen::Vector3d& accel_b);
 
  private:
@@ -101,14 +101,15 @@ class SimBarometer {
   double drift_ = 0, wind_ = 0;
 };
 
-/// A receiver among houses: its error grows and correlates where the sky is narrow, and whole stretches have no fix.
+/// A GNSS receiver among houses: its error and correlation grow where the sky is obstructed, and outages are
+/// contiguous.
 class SimGnss {
  public:
   SimGnss(const Scenario& scenario, uint64_t seed);
   struct Fix {
     bool available;
     Eigen::Vector3d p_n;
-    double sigma_m;  ///< as the receiver states it: too small, as they do
+    double sigma_m;  ///< as stated by the receiver: too small, as in practice
   };
   Fix measure(const Eigen::Vector3d& p_n);  ///< once a second
 
@@ -117,7 +118,7 @@ class SimGnss {
   bool indoors_;
   Random random_;
   Eigen::Vector3d error_;  ///< of unit variance
-  double narrow_ = 0;      ///< of unit variance; how much of the sky is hidden
+  double narrow_ = 0;      ///< of unit variance; obstruction of the sky
   bool available_ = true;
 };
 

@@ -11,7 +11,7 @@ namespace odograph {
 
 using Signal = std::vector<double>;
 
-/// Convolves with (nearly) a Gaussian of that width: three box filters in a row; the ends are held.
+/// Approximate Gaussian filter of that width: three successive box filters; constant beyond the ends.
 inline void smooth(Signal& signal, double sigma_s, double rate_hz) {
   const auto n = static_cast<long>(signal.size());
   const auto half =
@@ -21,7 +21,8 @@ inline void smooth(Signal& signal, double sigma_s, double rate_hz) {
   for (int pass = 0; pass < 3; ++pass) {
     const Signal before = signal;
     double sum = 0;
-    for (long i = -half; i <= half; ++i) sum += at(before, i) - before[0];  // about the start: large values keep digits
+    for (long i = -half; i <= half; ++i)
+      sum += at(before, i) - before[0];  // relative to the start, to keep precision for large values
     for (long i = 0; i < n; ++i) {
       signal[static_cast<size_t>(i)] = before[0] + sum / static_cast<double>(2 * half + 1);
       sum += at(before, i + half + 1) - at(before, i - half);
@@ -29,7 +30,7 @@ inline void smooth(Signal& signal, double sigma_s, double rate_hz) {
   }
 }
 
-/// Adds a first-order Gauss-Markov process of that time constant and standard deviation.
+/// Adds a first-order Gauss-Markov process with that time constant and standard deviation.
 inline void add_wander(Signal& signal, Random random, double constant_s, double sigma, double rate_hz) {
   const double keep = std::exp(-1 / (constant_s * rate_hz)), kick = sigma * std::sqrt(1 - keep * keep);
   double value = sigma * random.normal();
@@ -39,8 +40,8 @@ inline void add_wander(Signal& signal, Random random, double constant_s, double 
   }
 }
 
-/// Adds noise of a narrow band: a damped oscillator of that frequency and damping, driven by white noise, scaled to
-/// the standard deviation.
+/// Adds narrow-band noise: a damped oscillator of that frequency and damping, driven by white noise, scaled to the
+/// standard deviation.
 inline void add_ring(Signal& signal, Random random, double frequency_hz, double damping, double sigma, double rate_hz) {
   const double w = 2 * 3.14159265358979323846 * frequency_hz, dt = 1 / rate_hz;
   const double drive = sigma * std::sqrt(4 * damping * w * w * w / dt);  // variance of x is q / (4 zeta w^3)

@@ -20,16 +20,16 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int64_t kStart_ns = 1'000'000'000'000;
-constexpr size_t kSkylineDirections = 720;  // half a degree, as Gakne & O'Keefe 2018, eq. (2)
+constexpr size_t kSkylineDirections = 720;  // every half degree, as Gakne & O'Keefe 2018, eq. (2)
 constexpr double kSightingRange_m = 40;
 
 struct ExposedFrame {
-  double t_s;      // true, the middle row's middle
-  double stamp_s;  // as the recording has it
+  double t_s;      // true, of the middle of the middle row
+  double stamp_s;  // time stamp in the recording
   double exposure_s;
 };
 
-/// The exposure of each frame: it changes between the two of the scenario at random times.
+/// The exposure of each frame: it switches between the scenario's two values at random times.
 class Exposures {
  public:
   Exposures(const Scenario::Camera& c, uint64_t seed) : c_(c), random_(seed, 98), now_s_(c.exposure_s) {}
@@ -47,9 +47,8 @@ class Exposures {
   double now_s_, next_s_ = 0;
 };
 
-/// The frames that are not lost, each with the time stamp that the recording gives it. The phone stamps the start of
-/// the first row's exposure; the recording wants the middle row's middle, and takes the motion between them from the
-/// exposure, which it knows, and from its own idea of the row time.
+/// The frames that are not dropped, with their time stamps. The phone stamps the start of the first row's exposure; the
+/// recording uses the middle of the middle row, converted with the known exposure and the recording's own row time.
 std::vector<ExposedFrame> expose(const Scenario& scenario, double duration_s, uint64_t seed) {
   const Scenario::Camera& c = scenario.camera;
   Random random(seed, 90);
@@ -194,7 +193,7 @@ class Simulation {
     check(writer_.write(noise.header));
   }
 
-  /// As the recording knows the camera: the nominal lens.
+  /// The camera as stated in the recording: the nominal lens.
   odo_calibration calibration() const {
     auto m = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, start_ns_);
     m.header.flags = ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET;
@@ -209,7 +208,7 @@ class Simulation {
     return m;
   }
 
-  /// What a lens that reports itself says about frame k, in the middle of its exposure.
+  /// Lens report for frame k, at the middle of its exposure.
   void write_reported_lens(size_t k) {
     const SimLens::State lens = camera_.lens().at(frames_[k].t_s);
     odo_calibration m = calibration();
@@ -302,7 +301,7 @@ class Simulation {
     auto m = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, clock_ns(mark.t_s));
     m.header.flags = ODO_WAYPOINT_VERTICAL;
     Vector3d::Map(m.p_n) = mark.p_n;
-    m.sigma_m = 0.3;  // a walker stands over a mark, not in it
+    m.sigma_m = 0.3;  // a walker stands near a mark, not exactly on it
     check(writer_.write(m.header));
   }
 

@@ -17,35 +17,35 @@ struct SimulationReport {
   double seconds = 0;  ///< wall clock
   unsigned threads = 0;
   FrameMaker::Times times;
-  std::vector<float> moving_parts;  ///< of each frame: how much of it shows something that moves
+  std::vector<float> moving_parts;  ///< for each frame, the fraction that shows moving objects
 };
 
 struct SimulationOptions {
-  unsigned threads = 0;                          ///< 0: as many as cores
+  unsigned threads = 0;                          ///< 0: one per core
   std::function<void(size_t, size_t)> progress;  ///< frames done, frames in all; may be empty
-  std::filesystem::path city;                    ///< CityJSON of the generated town; empty: none is written
-  bool frames = true;                            ///< false: no camera, the other sensors alone, much faster
+  std::filesystem::path city;                    ///< output path for CityJSON of the generated town; empty: none
+  bool frames = true;                            ///< false: the other sensors only, without a camera, much faster
   const Recording* walk = nullptr;               ///< a real walk to retrace in the scenario's world (hybrid)
 };
 
 /// Latitude and longitude (rad) and ellipsoidal height (m) of the origin of simulated walks and drives.
 inline constexpr std::array<double, 3> kSimulatedOrigin = {0.8238, -0.0271, 20.0};
 
-/// Writes what a surveyor knows of the scenario's objects, for fix/known_object: `objects.yaml` (corners as latitude,
-/// longitude, ellipsoidal height) and the posters' pictures beside it.
+/// Writes the surveyed objects of the scenario for fix/known_object: `objects.yaml` (corners as latitude, longitude,
+/// ellipsoidal height) and the posters' pictures beside it.
 Result<bool> write_known_objects(const Scenario& scenario, uint64_t seed, const std::filesystem::path& folder);
 
-/// Makes an Odograph recording of the scenario: IMU, magnetometer, GNSS, barometer, surveyed marks, camera frames, and
-/// the truth: the camera's pose at every frame, the body's state at every IMU sample, steps and modes, the skyline once
-/// a second (720 directions), known objects in the frames. The same scenario and seed give the same bytes, whatever the
+/// Generates an Odograph recording of the scenario: IMU, magnetometer, GNSS, barometer, surveyed marks, camera frames,
+/// and the truth: the camera's pose at every frame, the body's state at every IMU sample, steps and modes, the skyline
+/// once a second (720 directions), known objects in the frames. The same scenario and seed yield the same bytes for any
 /// number of threads.
 ///
-/// With a real walk the recording has that walk's own sensor samples and waypoints (turned to its phone's north) and
+/// With a real walk, the recording contains that walk's sensor samples and waypoints (rotated to its phone's north) and
 /// pictures rendered along it; see retrace().
 Result<SimulationReport> simulate(const Scenario& scenario, uint64_t seed, const std::filesystem::path& output,
                                   const SimulationOptions& options = {});
 
-/// The recording of the scenario without a camera, by one thread; nothing of it is kept.
+/// The recording of the scenario without a camera, in memory, single-threaded.
 Result<Recording> simulated(const Scenario& scenario, uint64_t seed);
 
 }  // namespace odograph

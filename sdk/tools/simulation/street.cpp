@@ -19,14 +19,14 @@ void World::build_street(const Scenario& c, uint64_t seed) {
   const double margin = 120;
   m.add_quad({low.x() - margin, low.y() - margin, -low.z() + 0.02}, {high.x() - low.x() + 2 * margin, 0, 0},
              {0, high.y() - low.y() + 2 * margin, 0}, Set::kPaving);
-  double lift_m = 0.01;          // each road a little above the ones before
-  for (const Leg& leg : legs) {  // the road itself, following its slope
+  double lift_m = 0.01;          // each road slightly above the previous ones
+  for (const Leg& leg : legs) {  // the road surface, following its slope
     const Vector3d above(0, 0, -(lift_m += 0.004));
     const double half = std::min(3.0, 0.25 * c.world.street_width_m), lift = leg.to.z() == leg.from.z() ? 0.0 : 2.0;
     const Vector3d start = leg.at(0, -half - lift) + above;
     m.add_quad(start, leg.at(leg.length, -half - lift) + above - start, 2 * (half + lift) * leg.aside, Set::kAsphalt);
     if (const double rise = leg.to.z() - leg.from.z(); std::abs(rise) > 0.2 * leg.length) {
-      // Stairs: a tread for each step of 0.29 m, above the slope, and its riser.
+      // Stairs: a tread of 0.29 m per step, above the slope, and its riser.
       const auto treads = static_cast<int>(std::lround(leg.length / 0.29));
       const double run = leg.length / treads, riser = rise / treads;
       for (int k = 0; k < treads; ++k) {
@@ -67,12 +67,12 @@ void World::build_street(const Scenario& c, uint64_t seed) {
   place(6, edge - 0.6, [&](const Vector3d& p, double) { m.add_box(p, {0.12, 0.12, 5}, 0, Set::kAsphalt, 0.8f); });
 }
 
-/// A house with one facade to the street; seen from there the facade's u runs to the right.
+/// A house with one facade on the street; seen from there, the facade's u runs to the right.
 void World::add_house(const Vector3d& corner, const Vector3d& front, const Vector3d& back, double height,
                       uint32_t facade, float tone) {
   Mesh& m = meshes_[0];
   const Vector3d up(0, 0, -height);
-  // v runs down the wall from its top, so that windows stand upright.
+  // v runs down the wall from its top, so that windows are upright.
   m.add_quad(corner + up, front, -up, facade, tone);
   m.add_quad(corner + up, back, -up, facade, tone);
   m.add_quad(corner + front + up, back, -up, facade, tone);
@@ -91,7 +91,7 @@ void World::build_houses(const Scenario& c, uint64_t seed) {
     if (glass.uniform() < c.world.glass_fronts) facade = Set::kGlassFront;
     add_house(corner, front, back, tall, facade, static_cast<float>(random.uniform(0.8, 1.15)));
   };
-  // Towers differ more than houses do: from a third to twice the mean and more.
+  // Towers vary more than houses: from a third to twice the mean and more.
   const auto height = [&] {
     return c.world.house_height_m *
            (towers ? std::exp(std::clamp(0.55 * random.normal(), -1.1, 0.9)) : random.uniform(0.6, 1.4));
@@ -122,7 +122,7 @@ void World::build_houses(const Scenario& c, uint64_t seed) {
     }
     leg_start += leg.length;
   }
-  for (const bool end : {false, true}) {  // what closes the view at both ends
+  for (const bool end : {false, true}) {  // closes the view at both ends
     const Leg& leg = end ? legs.back() : legs.front();
     const Vector3d middle = leg.at(end ? leg.length + 45 : -45, 0);
     for (int k = -3; k < 3; ++k) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a surveyor knows of a scenario's objects.
+// Survey of a scenario's objects.
 #include <cstdio>
 #include <fstream>
 
@@ -14,7 +14,7 @@ namespace odograph {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
-constexpr double kSurvey_m = 0.01;  // standard deviation that is told of each corner; the corners are exact
+constexpr double kSurvey_m = 0.01;  // stated standard deviation of each corner; the corners are exact
 
 }  // namespace
 

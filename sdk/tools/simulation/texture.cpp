@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kSize = 1024;
 
-/// Value noise over octaves from `coarsest` to `finest` cells a side; repeats without a seam.
+/// Value noise over octaves from `coarsest` to `finest` cells per side; periodic.
 cv::Mat noise(Random& random, int coarsest, int finest, double amplitude, double persistence) {
   cv::Mat sum(kSize, kSize, CV_32F, cv::Scalar(0));
   for (int cells = coarsest; cells <= finest; cells *= 2, amplitude *= persistence) {
@@ -39,7 +39,7 @@ void draw_bricks(cv::Mat& picture, Random& random) {
     }
 }
 
-/// Storeys of windows with frames and panes; `regular` ones repeat exactly, as offices do.
+/// Storeys of windows with frames and panes; `regular` ones repeat exactly, as on offices.
 void draw_windows(cv::Mat& picture, cv::Mat& glass, Random& random, bool regular) {
   const int storey = regular ? 128 : 256, bay = regular ? 64 : 128;
   const int width = static_cast<int>(bay * random.uniform(0.45, 0.7)), height = static_cast<int>(storey * 0.55);
@@ -106,7 +106,7 @@ Texture plain(uint64_t seed, double mean, double amplitude, double persistence, 
   return {grey, {}, side_m};
 }
 
-/// Ripples that mirror the sky and what stands beyond.
+/// Ripples that reflect the sky and the opposite bank.
 Texture water(uint64_t seed) {
   Random random(seed, 7);
   cv::Mat grey;
@@ -114,7 +114,7 @@ Texture water(uint64_t seed) {
   return {grey, cv::Mat(kSize, kSize, CV_8U, cv::Scalar(255)), static_cast<float>(TextureSet::kWater_m)};
 }
 
-/// Panes from edge to edge between thin posts.
+/// Full-width panes between thin posts.
 Texture glass_front(uint64_t seed) {
   Random random(seed, 7);
   cv::Mat picture(kSize, kSize, CV_32F, cv::Scalar(0)), glass(kSize, kSize, CV_8U, cv::Scalar(255)), grey;
@@ -129,7 +129,7 @@ Texture glass_front(uint64_t seed) {
   return {grey, glass, 12.0f};
 }
 
-/// Asphalt: grains of stone, patches, cracks.
+/// Asphalt: stone grains, patches, cracks.
 Texture asphalt(uint64_t seed) {
   Random random(seed, 7);
   cv::Mat picture = noise(random, 4, 32, 9, 0.8) + noise(random, 128, 512, 16, 1.1) + 88, grey;
@@ -167,11 +167,11 @@ Texture::Texture(const cv::Mat& grey, const cv::Mat& glass, float side_m)
 }
 
 Texture::Texel Texture::at(float u_m, float v_m, float footprint_m) const {
-  // footprint = (1 + fraction) * 2^exponent texels, read off its bits.
+  // footprint = (1 + fraction) * 2^exponent texels, from the bits of the float.
   const auto bits = std::bit_cast<uint32_t>(std::max(1.0f, footprint_m / texel_m_));
   const int last = static_cast<int>(offsets_.size()) - 1;
   const int exponent = std::min(static_cast<int>(bits >> 23) - 127, last);
-  const uint32_t fraction = exponent < last ? (bits >> 15) & 255u : 0u;  // in 256ths, as all below
+  const uint32_t fraction = exponent < last ? (bits >> 15) & 255u : 0u;  // in 256ths, as below
   const float per_metre = 256.0f / texel_m_;
   const int u = static_cast<int>(u_m * per_metre + 0.5f), v = static_cast<int>(v_m * per_metre + 0.5f);
   const auto sample = [&](int l) {
@@ -195,7 +195,7 @@ Texture tag_texture(uint32_t tag, float board_m) {
   apriltag_family_t* family = tag36h11_create();
   image_u8_t* cells = apriltag_to_image(family, static_cast<int>(tag % family->ncodes));
   cv::Mat fine, board;
-  // Cells do not come out even in pixels, so their edges are averaged.
+  // Cells are not a whole number of pixels, so their edges are averaged.
   cv::resize(cv::Mat(cells->height, cells->width, CV_8U, cells->buf, static_cast<size_t>(cells->stride)), fine,
              {256 * cells->width, 256 * cells->height}, 0, 0, cv::INTER_NEAREST);
   cv::resize(fine, board, {512, 512}, 0, 0, cv::INTER_AREA);
@@ -217,7 +217,7 @@ TextureSet::TextureSet(uint64_t seed) {
   all.push_back(paving(seed * 64 + 10));
   all.push_back(asphalt(seed * 64 + 11));
   all.push_back(plain(seed * 64 + 12, 80, 34, 0.85, 3.0f));   // leaves
-  all.push_back(plain(seed * 64 + 13, 120, 60, 0.45, 7.0f));  // car paint, with reflections of no particular place
+  all.push_back(plain(seed * 64 + 13, 120, 60, 0.45, 7.0f));  // car paint, with unspecific reflections
   all.push_back(plain(seed * 64 + 14, 100, 45, 0.75, 2.0f));  // cloth
   all.push_back(plain(seed * 64 + 15, 205, 3, 0.8, 4.0f));    // a white wall
   all.push_back(water(seed * 64 + 16));

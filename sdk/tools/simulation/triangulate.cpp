@@ -10,16 +10,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// What GLU's tessellator hands back, vertex by vertex.
+/// Output of GLU's tessellator, vertex by vertex.
 struct Cut {
-  std::deque<std::array<double, 3>> points;  // theirs must stay where they are
+  std::deque<std::array<double, 3>> points;  // GLU requires stable addresses
   std::vector<const double*> corners;
 };
 
 void take_vertex(void* vertex, void* cut) {
   static_cast<Cut*>(cut)->corners.push_back(static_cast<const double*>(vertex));
 }
-void take_edge(GLboolean, void*) {}  // asked for, so that only whole triangles come
+void take_edge(GLboolean, void*) {}  // its presence makes GLU emit only separate triangles
 void meet(double at[3], void**, float*, void** out, void* cut) {
   auto& points = static_cast<Cut*>(cut)->points;
   points.push_back({at[0], at[1], at[2]});
@@ -39,7 +39,7 @@ Vector3d newell_normal(const std::vector<Vector3d>& ring) {
 std::vector<std::array<Vector3d, 3>> triangulate(const std::vector<std::vector<Vector3d>>& rings) {
   if (rings.empty() || rings[0].size() < 3) return {};
   const Vector3d normal = newell_normal(rings[0]);
-  if (!(normal.norm() >= 1e-9)) return {};  // nor of what is no number, of which GLU dies
+  if (!(normal.norm() >= 1e-9)) return {};  // rejects NaN, too, on which GLU crashes
   if (rings.size() == 1 && rings[0].size() == 3) return {{rings[0][0], rings[0][1], rings[0][2]}};
   Cut cut;
   GLUtesselator* tesselator = gluNewTess();

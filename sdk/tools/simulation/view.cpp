@@ -76,7 +76,7 @@ float View::sky(const Vector3f& ray) const {
     const float cloud = clouds.at(0.35f * u + 1.0f, 0.35f * v, 0.02f).grey - 80.0f;
     grey += std::clamp(cloud, -10.0f, 30.0f) * std::min(1.0f, 4 * up);
   }
-  const float aside2 = (ray - world_.sun()).squaredNorm();  // of the angle to the sun, as the chord has it
+  const float aside2 = (ray - world_.sun()).squaredNorm();  // squared angle to the sun, approximated by the chord
   if (aside2 < 0.04f) grey += 400.0f * std::exp(-aside2 / (0.045f * 0.045f));
   return aside2 < 1.44f ? grey + 60.0f * std::exp(-std::sqrt(aside2) / 0.2f) : grey;
 }
@@ -104,15 +104,15 @@ float View::surface_grey(const RTCRayHit& hit, float before, bool* glass, Vector
   return texel.grey * surface.brightness;
 }
 
-/// True where two rays of a row have met the same face of what stands still.
+/// Whether two rays of a row hit the same static face.
 bool View::same_face(size_t a, size_t b) const {
   const auto &ha = hits_[a].hit, &hb = hits_[b].hit;
   return ha.geomID != RTC_INVALID_GEOMETRY_ID && hb.geomID == ha.geomID && ha.instID[0] == 0 && hb.instID[0] == 0 &&
          ha.primID == hb.primID;
 }
 
-/// What each pixel of the row sees. Every second ray is cast; where its neighbours meet the same face the one between
-/// them meets that face's plane, and is cast otherwise.
+/// Traces the pixels of a row. Casts every second ray; if both neighbours hit the same face, the pixel between them
+/// intersects that face's plane, otherwise its ray is cast.
 void View::look_along_row() {
   const size_t width = hits_.size();
   RTCIntersectContext context;
@@ -134,7 +134,7 @@ void View::look_along_row() {
   if (!doubtful_.empty()) rtcIntersect1Mp(scene_, &context, doubtful_.data(), static_cast<unsigned>(doubtful_.size()));
 }
 
-/// Takes the sunlight from the pixels that it does not reach; every second ray first, as above.
+/// Removes sunlight from shaded pixels; every second ray first, as above.
 void View::cast_shadows(float* row) {
   const size_t width = hits_.size();
   RTCIntersectContext context;
@@ -235,7 +235,7 @@ cv::Mat View::render(const Motion& phone, double t_s, double exposure_s) {
   }
   moving_part_ = static_cast<double>(cv::countNonZero(instance_of_pixel_)) / static_cast<double>(grey.total());
   cv::Mat sharp;
-  cv::GaussianBlur(grey, sharp, {3, 3}, 0.5);  // the lens, and edges that one ray a pixel leaves jagged
+  cv::GaussianBlur(grey, sharp, {3, 3}, 0.5);  // lens blur and antialiasing, because there is one ray per pixel
   return exposure_s > 0 ? blurred(sharp, depth, phone, t_s, exposure_s) : sharp;
 }
 
@@ -248,7 +248,7 @@ double View::visible_part(const KnownObject& object, const Vector3d& eye_n, doub
     const Vector3d point = object.corners[0] + (i % kSide + 0.5) / kSide * u + (i / kSide + 0.5) / kSide * v;
     auto& ray = rays[static_cast<size_t>(i)];
     aim(ray, eye_n.cast<float>(), (point - eye_n).cast<float>());
-    ray.tfar = 0.998f;  // just before the board
+    ray.tfar = 0.998f;  // ends just before the board
   }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -263,7 +263,8 @@ cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& p
   const Eigen::Matrix3d R_c_b = camera_.in_body().conjugate().toRotationMatrix();
   const Vector3f rotation = (R_c_b * state.angular_velocity_b).cast<float>();
   const Eigen::Matrix3d R_c_n = R_c_b * state.T_n_b.linear().transpose();
-  std::vector<Vector3f> moves = {(R_c_n * state.velocity_n).cast<float>()};  // against what stands, and each mover
+  std::vector<Vector3f> moves = {
+      (R_c_n * state.velocity_n).cast<float>()};  // relative to static objects, and to each moving one
   for (const auto& mover : world_.movers()) {
     const Vector3d velocity = mover.speed_mps * Vector3d(std::cos(mover.heading), std::sin(mover.heading), 0);
     moves.push_back((R_c_n * (state.velocity_n - velocity)).cast<float>());
@@ -280,7 +281,7 @@ cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& p
     const auto lens_u = static_cast<float>(lens.x()), lens_v = static_cast<float>(lens.y());
     for (int x = 0; x <= right; ++x) {
       const Vector3f& move = moves[instances[x]];
-      // The flow of a point at (X, Y, 1) z.
+      // Optical flow of a point at (X, Y, 1) z.
       const Vector3f& ray = camera_.ray(x, y);
       const float near = 1.0f / ray.z(), X = ray.x() * near, Y = ray.y() * near, inverse_z = near / depths[x];
       const float away = (rotation.y() * X - rotation.x() * Y) - inverse_z * move.z();
@@ -293,7 +294,7 @@ cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& p
       }
       const int taps = std::min(15, 2 * static_cast<int>(0.5f * length) + 3);
       const float step = 1.0f / static_cast<float>(taps);
-      // Half a pixel more, and pixels are found by cutting off the fraction.
+      // Half a pixel is added, so that truncation yields the pixel index.
       float px = static_cast<float>(x) + 0.5f + (0.5f * step - 0.5f) * u;
       float py = static_cast<float>(y) + 0.5f + (0.5f * step - 0.5f) * v;
       float sum = 0;

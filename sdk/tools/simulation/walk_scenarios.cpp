@@ -46,7 +46,7 @@ Scenario car_ride(uint64_t seed) {
   s.carrier = "car";
   s.vehicle.speed_mps = random.uniform(8, 14);
   s.route = {{0, 0, 0}};
-  for (int k = 1; k <= 10; ++k) {  // round blocks of 300 by 150 m
+  for (int k = 1; k <= 10; ++k) {  // around blocks of 300 by 150 m
     const Eigen::Vector3d corner(k % 4 == 1 || k % 4 == 2 ? 300 : 0, k % 4 == 2 || k % 4 == 3 ? 150 : 0, 0);
     s.route.push_back(corner);
     for (const double at : {40.0, 110.0})

@@ -7,14 +7,14 @@
 
 namespace odograph {
 
-/// A walk with all that people do: stops, looking around, evading, other ways to carry the phone.
+/// A walk with typical behaviour: stops, looking around, evading, other carrying positions.
 Scenario surveyor_walk(uint64_t seed);
 
-/// Somebody who looks at the world through the phone: slow and gentle, with stops, turns, small steps, steps to the
-/// side and backwards.
+/// A user who views the world through the phone: slow and gentle, with stops, turning in place, small steps, steps to
+/// the side and backwards.
 Scenario viewer_walk(uint64_t seed);
 
-/// 80 m of a scenario without its stops, by a walker of any size and pace.
+/// 80 m of a scenario without its stops, by a walker of random height and speed.
 Scenario any_walker(Scenario scenario, uint64_t seed);
 
 /// A walk with the phone against a thigh, in a bag and in a pocket.
@@ -26,7 +26,7 @@ Scenario car_ride(uint64_t seed);
 /// Ten minutes on the spot with the phone in the hand: `what` is "handle" (typing and gestures), "turn" or "lift".
 Scenario standing(const std::string& what, bool viewer);
 
-/// 200 m with a corner, a position each second.
+/// 200 m with a corner, and a GNSS position each second.
 Scenario canyon_walk(double sigma_m);
 
 }  // namespace odograph

@@ -19,7 +19,7 @@ enum Column { kTheta = 0, kPosition = 3, kVelocity = 6, kGyroBias = 9, kAccelBia
 
 double squared(double x) { return x * x; }
 
-/// One sample's step of the filter, kept for the way back.
+/// One filter step, stored for the backward pass.
 struct Step {
   Matrix15 transition, covariance, predicted_covariance;  // to the next sample; here; there before its hints
   Vector15 error, predicted_error;
@@ -40,7 +40,7 @@ void correct(WalkState& x, const Vector15& error) {
   x.accel_bias_b += error.segment<3>(kAccelBias);
 }
 
-/// Where inertia leads from a to b, and the derivative of that.
+/// Propagates the state from a to b by inertia, with its Jacobian.
 WalkState move(const WalkState& x, const InertialSample& a, const InertialSample& b, Matrix15& F) {
   const double dt = b.t_s - a.t_s;
   const Vector3d rotation = (0.5 * (a.gyro_b + b.gyro_b) - x.gyro_bias_b) * dt;
@@ -68,7 +68,7 @@ Vector15 noise(const SmootherParameters& p, double dt) {
   return q;
 }
 
-/// Three components of the state, `nominal`, are known to be `hint`.
+/// Updates with a measurement `hint` of three components of the state, `nominal`.
 void see(Vector15& error, Matrix15& P, Column column, const Vector3d& nominal, const WalkHint::Vector& hint) {
   const Matrix3d S = P.block<3, 3>(column, column) + Matrix3d(hint.sigma.cwiseAbs2().asDiagonal());
   const Eigen::Matrix<double, 15, 3> PH = P.middleCols<3>(column);

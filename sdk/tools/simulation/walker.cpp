@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr double kRate_hz = 400.0;  // of the control points: heel shocks ring at 15 to 25 Hz
 constexpr double kPi = 3.14159265358979323846, kKerb_m = 0.12;
 
-/// Everything that the body and the hand do, as samples at kRate_hz.
+/// Motion components of body and hand, sampled at kRate_hz.
 class Body {
  public:
   Body(const Scenario& c, const Route& route, const Individual& who, const GaitPlan& plan, uint64_t seed)
@@ -55,7 +55,7 @@ class Body {
     return std::min(n_ - 1, static_cast<size_t>(std::max(0.0, std::round(t * kRate_hz))));
   }
 
-  /// Distance along the route, phase (whole numbers at the feet's contacts) and strength of the gait.
+  /// Distance along the route, phase (integers at foot contacts) and strength of the gait.
   void feet() {
     distance_ = Signal(n_), phase_ = Signal(n_), bounce_ = Signal(n_), vigour_ = Signal(n_);
     double s = 0, phase = 0;
@@ -86,7 +86,7 @@ class Body {
     smooth(bounce_, 0.16, kRate_hz), smooth(vigour_, 0.16, kRate_hz);
   }
 
-  /// The trunk's position (of a point at the phone's height above the ground) and where the body faces.
+  /// Position of the trunk (at the phone's height above the ground) and heading of the body.
   void trunk() {
     heading_ = Signal(n_), lateral_ = Signal(n_);
     Signal north(n_), east(n_), up(n_);
@@ -112,7 +112,8 @@ class Body {
     Signal aside(n_), sway_noise(n_), nod(n_);
     add_wander(sway_noise, Random(seed_, 23), 1.2, 0.004, kRate_hz);
     add_wander(nod, Random(seed_, 24), 1.2, 0.004, kRate_hz);
-    smooth(sway_noise, 0.12, kRate_hz), smooth(nod, 0.12, kRate_hz);  // a wander alone has no finite acceleration
+    smooth(sway_noise, 0.12, kRate_hz),
+        smooth(nod, 0.12, kRate_hz);  // a Gauss-Markov process alone has no finite acceleration
     base_.resize(n_);
     for (size_t i = 0; i < n_; ++i) {
       const double h = heading_[i], ph = phase_[i], sway = c_.walker.sway;
@@ -125,7 +126,7 @@ class Body {
     }
   }
 
-  /// Lifts: up to 1.6 m/s, reached within 2 s, doors for 2 s before and after; every other one goes down again.
+  /// Lifts: up to 1.6 m/s, reached within 2 s, doors for 2 s before and after; every other ride goes down.
   void ride(Signal& up) const {
     constexpr double kDoors_s = 2, kFastest_mps = 1.6, kPull_mps2 = 0.8;
     double floor_m = 0, direction = 1;
@@ -147,7 +148,7 @@ class Body {
     fill(n_);
   }
 
-  /// Heel strikes: a damped ring, up and backwards.
+  /// Heel strikes: a damped oscillation, up and backwards.
   void shocks() {
     Random random(seed_, 25);
     for (const auto& step : plan_.steps) {
@@ -163,7 +164,7 @@ class Body {
     }
   }
 
-  /// Standing still, looking around, turning in place: where the body faces besides the route's direction.
+  /// Standing, looking around, turning in place: body heading relative to the route.
   void looks() {
     Random random(seed_, 26);
     look_yaw_ = Signal(n_), look_pitch_ = Signal(n_), gesture_ = Signal(n_);
@@ -191,7 +192,7 @@ class Body {
     smooth(look_yaw_, 0.35, kRate_hz), smooth(look_pitch_, 0.35, kRate_hz), smooth(gesture_, 0.3, kRate_hz);
   }
 
-  /// Somebody who looks through the phone while walking turns it from one thing to the next.
+  /// A viewer pans the phone from one object to the next while walking.
   void scan() {
     Random random(seed_, 28);
     for (double t = 0; t < plan_.duration_s;) {
@@ -202,7 +203,7 @@ class Body {
     }
   }
 
-  /// How the phone is held against the trunk, and what the hand adds.
+  /// Pose of the phone relative to the trunk, and hand motion.
   void hand() {
     Signal swing(n_), pocket(n_), leg(n_), bag(n_);
     for (size_t k = 0; k < plan_.carries.size(); ++k) {
@@ -258,7 +259,7 @@ class Body {
     }
   }
 
-  /// The arm as a damped spring between trunk and phone: it follows the trunk's swing, a little late and a little more.
+  /// The arm as a damped spring between trunk and phone: it follows the trunk's motion with a delay and some overshoot.
   void hang() {
     Random random(seed_, 27);
     const double w = 2 * kPi * random.uniform(3.2, 5.0), damping = random.uniform(0.45, 0.75), dt = 1 / kRate_hz;

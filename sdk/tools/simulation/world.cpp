@@ -127,7 +127,7 @@ void World::add_known_objects(const Scenario& c, uint64_t seed) {
            poster_texture(poster, static_cast<float>(std::max(width_m, o.side_m))));
       survey(middle, 0.5 * width_m * right, 0.5 * o.side_m * down, std::move(poster));
     } else {
-      // The board is white around its tag: 10 cells of which the tag's black square takes 8.
+      // The board is white around its tag: 10 cells, of which the tag's black square takes 8.
       const double board_m = 1.25 * o.side_m;
       hang(middle, board_m * right, board_m * down, tag_texture(number, static_cast<float>(board_m)));
       survey(middle, 0.5 * o.side_m * right, 0.5 * o.side_m * down, {});
@@ -153,7 +153,7 @@ void World::add_movers(const Scenario& c, uint64_t seed) {
     const auto number = [&](int64_t density) {
       return static_cast<int>(std::floor(static_cast<double>(density) * leg.length / 100 + random.uniform()));
     };
-    const auto aside = [&](double most) {  // nobody walks through whoever carries the camera
+    const auto aside = [&](double most) {  // keeps pedestrians clear of the camera's path
       const double right = random.uniform(-1, 1) * (most - kElbow_m);
       return right + std::copysign(kElbow_m, right);
     };

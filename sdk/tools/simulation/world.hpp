@@ -16,30 +16,30 @@
 
 namespace odograph {
 
-/// Textured quadrilaterals that Embree (a packaged ray caster) can hit. Coordinates: n, or the object's own; m.
+/// Textured quadrilaterals for Embree (a packaged ray caster). Coordinates: n, or the object's own; m.
 class Mesh {
  public:
-  /// One face and how its paper lies on it: a point's place in the texture is (p - origin) along two unit vectors.
+  /// One face and its texture mapping: texture coordinates are (p - origin) along two unit vectors.
   struct Surface {
     Eigen::Vector3f normal, origin, along, down;
     uint32_t texture;
     float brightness;
   };
-  /// A parallelogram; u lies along the first side, v along the second.
+  /// A parallelogram; u runs along the first side, v along the second.
   void add_quad(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v, uint32_t texture,
                 float brightness = 1.0f);
-  /// A parallelogram that carries a whole picture of that side once, from its corner on.
+  /// A parallelogram that shows a whole picture once, from its corner on.
   void add_picture(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v, uint32_t texture);
-  /// A box standing on `foot` (its middle), turned about the vertical.
+  /// A box whose base is centred on `foot`, rotated about the vertical.
   void add_box(const Eigen::Vector3d& foot, const Eigen::Vector3d& size, double heading, uint32_t texture,
                float brightness = 1.0f);
-  /// A lumpy ball, as of leaves.
+  /// An irregular ball, for foliage.
   void add_ball(const Eigen::Vector3d& middle, double radius, uint32_t texture, uint64_t seed);
-  /// For shapes that are not made of boxes, as city models are.
+  /// For shapes other than boxes, such as city models.
   void add_triangle(const Eigen::Vector3d corners[3], const Surface& surface) {
     add({corners[0], corners[1], corners[2], corners[2]}, surface);
   }
-  RTCScene build(RTCDevice device) const;  ///< empty meshes too
+  RTCScene build(RTCDevice device) const;  ///< also for empty meshes
   const Surface& surface(uint32_t i) const { return surfaces_[i]; }
 
  private:
@@ -48,41 +48,41 @@ class Mesh {
   std::vector<Surface> surfaces_;
 };
 
-/// Streets, downtowns, city models, halls and corridors along a route, with everything that moves there. Thread:
-/// immutable after construction.
+/// Streets, downtowns, city models, halls and corridors along a route, with moving objects. Thread: immutable after
+/// construction.
 class World {
  public:
-  /// `city` is what a world of the type `city` is built of; others need none.
+  /// `city`: the model for a world of the type `city`; otherwise unused.
   World(const Scenario& scenario, uint64_t seed, const CityModel* city = nullptr);
   ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// Somebody or something on its way: along a straight line, over and over.
+  /// A pedestrian or vehicle that repeatedly moves along a straight line.
   struct Mover {
-    size_t mesh;  ///< in meshes()
+    size_t mesh;  ///< index into meshes()
     Eigen::Vector2d from;
     double heading, length_m, speed_mps, start_m, up_m;
     Eigen::Isometry3d at(double t_s) const;
   };
 
   RTCDevice device() const { return device_; }
-  const std::vector<Mesh>& meshes() const { return meshes_; }      ///< 0 is what stands still
+  const std::vector<Mesh>& meshes() const { return meshes_; }      ///< 0: static objects
   const std::vector<RTCScene>& scenes() const { return scenes_; }  ///< of each mesh
   const std::vector<Mover>& movers() const { return movers_; }
   const TextureSet& textures() const { return textures_; }
-  Eigen::Vector3f sun() const { return sun_; }  ///< towards it, in n
-  /// The scenario's route, on the ground of the city model where there is one.
+  Eigen::Vector3f sun() const { return sun_; }  ///< direction to the sun, in n
+  /// The scenario's route, on the ground of the city model if there is one.
   const Route& route() const { return route_; }
-  /// Where the sky begins: in `count` directions, from north to the east, the elevation above the horizon (rad) of the
-  /// highest thing that stands there, and how far away that edge is (m; 0 where nothing is).
+  /// The skyline in `count` directions, from north to east: elevation (rad) and distance (m; 0 where nothing is) of the
+  /// highest edge.
   struct SkylinePoint {
     float elevation_rad, distance_m;
   };
   std::vector<SkylinePoint> skyline(const Eigen::Vector3d& eye_n, size_t count) const;
-  /// How far along it the route leads into a building of the city model.
+  /// Distance along the route at which it enters a building of the city model.
   std::optional<double> route_blocked_at_m() const { return blocked_at_m_; }
-  const std::vector<Building>& buildings() const { return buildings_; }  ///< that were generated
+  const std::vector<Building>& buildings() const { return buildings_; }  ///< generated
   const std::vector<KnownObject>& known_objects() const { return known_objects_; }
 
  private:
@@ -103,7 +103,7 @@ class World {
   void add_known_objects(const Scenario& c, uint64_t seed);
   void add_movers(const Scenario& c, uint64_t seed);
 
-  /// A rectangle beside a leg that is kept free of houses: a part of a square or of a river.
+  /// A rectangle beside a leg without houses: a part of a square or of a river.
   struct Cleared {
     Leg leg;
     double from, to, left, right;  ///< m along the leg and to its right

@@ -11,14 +11,14 @@
 namespace odograph {
 namespace {
 
-/// "a/b" is b of a, but for a key that has the slash itself, such as a file's name.
+/// "a/b" is b within a, unless the key itself contains the slash, such as a file name.
 const Json* value_at(const Json& row, const std::string& key) {
   if (const auto whole = row.find(key); whole != row.end()) return &*whole;
   const Json::json_pointer at('/' + key);
   return row.contains(at) ? &row.at(at) : nullptr;
 }
 
-/// Not by json_pointer, which would make "real/0" an item of a list.
+/// Without json_pointer, which would treat "real/0" as a list item.
 void put_at(Json& row, const std::string& key, Json value) {
   const size_t end = key.find('/');
   if (end == std::string::npos)
@@ -41,7 +41,7 @@ Json over(const As& as, const std::vector<double>& values) {
   return part_of(values, as.part);
 }
 
-/// What a column of a percentile adds to a figure's key, and to its head.
+/// Suffix of a figure's key and heading for a percentile column.
 std::string part_key(double part, bool sign) {
   if (part == 0.5) return "median";
   if (part == 1 || part == 0) return part == 0 ? "least" : sign ? "most" : "worst";
@@ -69,7 +69,7 @@ std::string cell(const Json& row, const Label& label) {
   return std::filesystem::path(all.substr(0, query)).stem().string() + all.substr(query);
 }
 
-/// Letters, not bytes.
+/// Counts characters, not bytes.
 size_t width_of(const std::string& s) {
   return static_cast<size_t>(std::count_if(s.begin(), s.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }

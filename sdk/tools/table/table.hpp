@@ -12,46 +12,46 @@ namespace odograph {
 using Json = nlohmann::ordered_json;
 using Rows = std::vector<Json>;  ///< keys that begin with '_' are not printed as JSON: samples for summaries
 
-/// How the value of a summary comes from the rows'. Values are numbers or lists of them, which are put together; of
-/// `share` pairs of a part and a whole, whose sums give a percentage, 0 of nothing. `all`: the values themselves.
+/// Aggregation of the rows' values in a summary. Values are numbers or lists of numbers, which are concatenated; for
+/// `share`, pairs of part and whole, whose sums give a percentage (0 for none). `all`: the values themselves.
 enum class Over { percentile, mean, sum, first, share, all };
 
-/// How tables and summaries have a figure.
+/// Format of a figure in tables and summaries.
 struct As {
   bool sign = false;
   Over over = Over::percentile;
   double part = 0.5;            ///< of a percentile: 0.5 the median, 1 the worst
-  bool absolute = false;        ///< sizes are summed up, not values
+  bool absolute = false;        ///< aggregates absolute values
   std::vector<double> parts{};  ///< a column for each of these percentiles: KEY/median, KEY/p90, KEY/worst
 };
 inline const As kSigned{.sign = true}, kMean{.over = Over::mean}, kSum{.over = Over::sum}, kFirst{.over = Over::first},
     kShare{.over = Over::share}, kAll{.over = Over::all}, kWorst{.part = 1};
 
-/// A named figure of a table. `key` and `from` may lead into objects: "count_percent/median". Below 0 digits it is in
-/// summaries and JSON alone.
+/// A named figure of a table. `key` and `from` may be nested: "count_percent/median". With negative digits, it appears
+/// only in summaries and JSON.
 struct Column {
   std::string head, unit, key;
   int digits = 2;
   As as{};
-  std::string from{};  ///< of a row, for summaries; empty: `key`
+  std::string from{};  ///< source in a row, for summaries; empty: `key`
 };
 
-/// A named figure with its value: the one place that says what table, summary, JSON and kept row have of it.
+/// A named figure with its value: the single definition for table, summary, JSON and kept row.
 struct Figure {
   std::string head, unit, key;
   int digits;
   Json value;
   As as{};
 };
-/// The figures' values by key, and in `_TABLE` the columns that they are of that table.
+/// The figures' values by key, and in `_TABLE` their columns in that table.
 Json row_of(const std::vector<Figure>& figures, const std::string& table = "figures");
-/// The columns of that table, by the first row that has them.
+/// The columns of that table, from the first row that has them.
 std::vector<Column> columns_of(const Rows& rows, const std::string& table = "figures");
 
-/// A key that says what a row is.
+/// A key that identifies a row.
 struct Label {
   std::string head, key;
-  bool stem = false;  ///< of a path the last part, without extension
+  bool stem = false;  ///< the last part of a path, without extension
 };
 
 struct Table {
@@ -60,24 +60,24 @@ struct Table {
   std::vector<Column> columns;
 };
 
-/// NaN where there is none, or no number.
+/// NaN if missing or not a number.
 double number_at(const Json& row, const std::string& key);
 /// All numbers of the rows under the key.
 std::vector<double> numbers_at(const Rows& rows, const std::string& key, bool absolute = false);
 double percentile_at(const Rows& rows, const std::string& key, double part, bool absolute = false);
 
-/// Each of the columns over all rows, after the labels.
+/// Aggregates each column over all rows, after the labels.
 Json summary_of(Json labels, const Rows& rows, const std::vector<Column>& columns);
-/// One summary for each different value of `by`, in order, which is its label.
+/// One summary for each distinct value of `by`, in order, with the value as label.
 Rows summaries_of(const Rows& rows, const std::string& by, const std::vector<Column>& columns);
 Rows rows_with(const Rows& rows, const std::string& key, const Json& value);
-/// The different values under a key, in order, each with its rows.
+/// The distinct values under a key, in order, each with its rows.
 std::vector<std::pair<Json, Rows>> groups_of(const Rows& rows, const std::string& key);
 
-/// A title, two lines of heads, a line for each row; '-' where there is no number. A row {"_line": TEXT} is that text.
+/// A title, two header lines, one line per row; '-' for missing numbers. A row {"_line": TEXT} is printed as that text.
 std::string table_text(const Table& table, const Rows& rows);
 
-/// percentile(), NaN of nothing.
+/// percentile(), or NaN for no values.
 double part_of(const std::vector<double>& values, double part);
 
 /// The rows without keys that begin with '_'.

@@ -5,7 +5,7 @@
 
 namespace odograph {
 
-/// printf into a string, however long it becomes.
+/// printf into a string of any length.
 std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 }  // namespace odograph
