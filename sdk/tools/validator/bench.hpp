@@ -15,35 +15,35 @@
 
 namespace odograph {
 
-/// What the cases work with, in the child process.
+/// Fixture of the cases, in the child process.
 class Bench {
  public:
-  /// The library is loaded by `load`, or not at all for cases about the file and the entry.
+  /// load() loads the library; cases about the file and the entry work without it.
   Bench(std::filesystem::path library, std::vector<std::pair<std::string, std::string>> settings, double input_s);
   /// Empty, or why the library does not load.
   std::string load();
 
   std::filesystem::path path;
   HostServices host;
-  std::vector<std::string> reports;  ///< what the plugin reported
+  std::vector<std::string> reports;  ///< the plugin's reports
   std::shared_ptr<PluginLibrary> library;
   std::string interface_id;
-  PluginChoice choice;  ///< the parameters, which `values` point into
+  PluginChoice choice;  ///< the parameters, which `values` points into
   std::vector<odo_value> values;
   TestInput all_input;
-  std::vector<AnyMessage> input;  ///< of it what the plugin is given
+  std::vector<AnyMessage> input;  ///< the messages of it that the plugin receives
 
   const odo_plugin& table() const { return library->table(); }
   bool wants(uint32_t type) const { return inputs_.has(type); }
   bool gives(uint32_t type) const { return outputs_.has(type); }
   bool serves(const char* interface) const { return interface_id == interface; }
   std::unique_ptr<Subject> subject() const { return std::make_unique<Subject>(table(), host, interface_id); }
-  /// An instance that has been started; null, and `why` says it, when it could not be.
+  /// A started instance; null, with the reason in `why`, on failure.
   std::unique_ptr<Subject> started(std::string& why) const;
-  /// An instance that has been given the walk or, in place of it, the recording: the same for all cases of this
-  /// process. Null, and `why` says it, when it does not start.
+  /// An instance that has processed the walk or, if set, the recording; shared by all cases of this process. Null, with
+  /// the reason in `why`, if it does not start.
   const Subject* walked(std::string& why);
-  /// From here on `walked` gives the messages of a recording, one after the other.
+  /// Makes walked() use the messages of a recording instead of the walk.
   void replay(Messages messages) { recording_ = std::move(messages); }
   /// The events of a new instance for some input.
   std::vector<std::vector<unsigned char>> run(const std::vector<AnyMessage>& messages, const Handling& handling,
@@ -56,15 +56,15 @@ class Bench {
   std::unique_ptr<Subject> walked_;
 };
 
-/// One case: "" passes, a text that starts with '~' says why it does not apply, any other what is wrong.
+/// One case: "" passes; a text that starts with '~' states why the case does not apply; any other is the fault.
 struct Case {
   const char* id;
   const char* what;
   double limit_s;
-  double input_s;  ///< how long a walk it needs
-  bool loaded;     ///< it works with the loaded library
+  double input_s;  ///< length of the walk that it needs
+  bool loaded;     ///< it requires the loaded library
   std::string (*test)(Bench&);
-  bool any_input = false;  ///< it judges the events of any input, a recording's too
+  bool any_input = false;  ///< it checks the events of any input, including a recording's
 };
 
 std::vector<Case> entry_cases();
@@ -77,10 +77,10 @@ std::vector<Case> frame_cases();
 std::vector<Case> fault_cases();
 
 std::vector<Case> all_cases();
-/// What a case's answer comes to.
+/// Converts a case's result.
 PluginCheck judged(const Case& one, const std::string& answer);
 
-/// What the first event differs in from the other run's, or "".
+/// The first difference from the other run's events, or "".
 std::string difference(const std::vector<std::vector<unsigned char>>& one,
                        const std::vector<std::vector<unsigned char>>& other);
 

@@ -11,41 +11,41 @@
 
 namespace odograph {
 
-/// What one case of the plugin validator found.
+/// Result of one validator case.
 struct PluginCheck {
   enum class Outcome { passed, failed, not_applicable };
-  std::string id;    ///< "events.step_length", stable: scripts and the zoo of bad plugins name it
-  std::string what;  ///< what a good plugin does
+  std::string id;    ///< "events.step_length"; stable, because scripts and tests refer to it
+  std::string what;  ///< the required behaviour
   Outcome outcome = Outcome::passed;
-  std::string detail;  ///< what was found; why it does not apply
+  std::string detail;  ///< the fault, or why the case does not apply
   double seconds = 0;
 };
 
-/// Gives all messages of a recording, in the order of time, each valid for the duration of the call.
+/// Passes all messages of a recording in time order, each valid for the duration of the call.
 using Messages = std::function<void(const std::function<void(const odo_header&)>& give)>;
 
 struct CheckOptions {
-  /// Parameters, name and value, for plugins that have no good default.
+  /// Parameters, name and value, for plugins without good defaults.
   std::vector<std::pair<std::string, std::string>> settings;
-  /// Only cases whose id begins with one of these; all where it is empty.
+  /// Only cases whose id has one of these prefixes; empty: all.
   std::vector<std::string> only;
-  /// Longest that a case may take, s, where its own limit is longer; 0: each case's own.
+  /// Upper bound for the time limit of a case, s; 0: each case's own.
   double limit_s = 0;
-  /// A recording that the plugin is given besides, for the cases that are named recording; may be empty.
+  /// A recording that is passed to the plugin in the recording cases; may be empty.
   Messages recording;
-  /// Called before each case with its number, how many there are and its id.
+  /// Called before each case with its index, the number of cases and its id.
   std::function<void(size_t, size_t, const std::string&)> progress;
 };
 
-/// Puts a plugin library to the test. Each case runs in a child process of its own with a time limit, so that a crash,
-/// an exit or an endless loop is that case's finding. A library that does not load fails its first cases, and the
-/// others are left out. [control] Forks: one thread only.
+/// Tests a plugin library. Each case runs in its own child process with a time limit, so that a crash, an exit or an
+/// endless loop counts as a failure of that case. If the library does not load, the first cases fail and the others are
+/// skipped. [control] Forks: call only while single-threaded.
 std::vector<PluginCheck> check_plugin(const std::filesystem::path& library, const CheckOptions& options);
 
-/// All cases, id and what a good plugin does, in the order in which they run.
+/// All cases in order of execution: id and required behaviour.
 std::vector<std::pair<std::string, std::string>> plugin_check_cases();
 
-/// The results for people, as JSON, and as a JUnit test suite for CI systems.
+/// The results as text, as JSON, and as a JUnit test suite for CI systems.
 std::string check_as_text(const std::vector<PluginCheck>& checks, bool with_times);
 std::string check_as_json(const std::string& library, const std::vector<PluginCheck>& checks);
 std::string check_as_junit(const std::string& library, const std::vector<PluginCheck>& checks);

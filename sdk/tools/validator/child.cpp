@@ -20,7 +20,7 @@ namespace {
 constexpr size_t kPhaseSize = 128;
 constexpr char kEnd[] =
     "\x04"
-    "end";              // sent last: an exit within the work cannot send it
+    "end";              // sent last: a premature exit cannot send it
 char* phase = nullptr;  // shared with the child
 
 std::string number(double value) {
@@ -53,10 +53,10 @@ std::string how_it_ended(int status) {
     if (count <= 0) break;
     done += static_cast<size_t>(count);
   }
-  _exit(0);  // no destructors: the plugin's have had their turn or never will
+  _exit(0);  // skip destructors, including the plugin's
 }
 
-/// A process with the end of the pipe that it talks into.
+/// A child process and the reading end of its pipe.
 struct Child {
   size_t number;
   pid_t pid = -1;
@@ -88,18 +88,19 @@ Child begin(size_t number, const std::function<std::string(size_t)>& work) {
   return child;
 }
 
-/// What there is to read; false at the end of it.
+/// Reads available data; false at its end.
 bool read_some(Child& child) {
   char part[4096];
   const ssize_t count = read(child.pipe, part, sizeof part);
   if (count > 0) child.text.append(part, static_cast<size_t>(count));
-  return count > 0 && !child.ended();  // somebody else may hold the pipe open
+  return count > 0 && !child.ended();  // another process may hold the pipe open
 }
 
 ChildResult finish(Child& child, double limit_s, bool in_time) {
   int status = 0;
   if (child.pipe >= 0) close(child.pipe);
-  if (child.pid > 0 && (!in_time || child.ended())) kill(child.pid, SIGKILL);  // its threads may go on after its word
+  if (child.pid > 0 && (!in_time || child.ended()))
+    kill(child.pid, SIGKILL);  // its threads may continue after its last message
   if (child.pid > 0) waitpid(child.pid, &status, 0);
   ChildResult result{child.ended(), child.text, seconds_since(child.started)};
   const std::string where = phase && *phase ? std::string(" in ") + phase : "";
@@ -112,7 +113,7 @@ ChildResult finish(Child& child, double limit_s, bool in_time) {
   return result;
 }
 
-/// Until one of them has come to its end, which is put last, or to its time's.
+/// Waits until one of them ends or times out, and moves it to the end.
 ChildResult finish_one(std::vector<Child>& running, double limit_s) {
   for (;;) {
     std::vector<pollfd> pipes;

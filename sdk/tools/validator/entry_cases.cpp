@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The file, its manifest, the entry and the table.
+// Cases about the file, its manifest, the entry function and the table.
 #include <algorithm>
 #include <cctype>
 #include <chrono>
@@ -45,7 +45,7 @@ odo_plugin_entry entry_of(const Bench& bench, std::string& why) {
   return entry;
 }
 
-/// Calls the entry with a struct of `size` bytes in a room of 4096, all of it 0x5A; -1000 where there is no entry.
+/// Calls the entry with a struct of `size` bytes in a buffer of 4096, filled with 0x5A; -1000 without an entry.
 struct Answer {
   alignas(8) unsigned char storage[4096];
   int32_t status = -1000;
@@ -80,8 +80,7 @@ std::string manifest_has_hash(Bench& bench) {
   const auto manifest = read_manifest(manifest_of(bench.path));
   if (!manifest) return "~there is no manifest to compare with";
   const auto hash = sha256_of(bench.path);
-  return hash && *hash == manifest->sha256 ? ""
-                                           : "the library is not the one that the manifest was made for: write it anew";
+  return hash && *hash == manifest->sha256 ? "" : "the library is not the one of the manifest: write a new manifest";
 }
 
 std::string manifest_says_the_same(Bench& bench) {
@@ -92,9 +91,9 @@ std::string manifest_says_the_same(Bench& bench) {
   if (manifest->version != text(t.version))
     return "version is '" + text(t.version) + "', the manifest says '" + manifest->version + "'";
   if (manifest->interfaces.size() != t.interface_count)
-    return "it serves another number of kinds than the manifest says";
+    return "it serves another number of kinds than the manifest states";
   if (manifest->parameters.size() != t.parameter_count)
-    return "it has another number of parameters than the manifest says";
+    return "it has another number of parameters than the manifest states";
   for (uint32_t i = 0; i < t.parameter_count; ++i)
     if (manifest->parameters[i].name != bench.choice.manifest.parameters[i].name)
       return "parameter " + std::to_string(i) + " has another name than in the manifest";
@@ -125,17 +124,17 @@ std::string refuses_other_major(Bench& bench) {
   std::string why;
   Answer answer = ask(bench, &future, sizeof(odo_plugin), why);
   if (!why.empty()) return why;
-  if (answer.status >= 0) return "it took a host that speaks only ABI major " + std::to_string(ODO_ABI_MAJOR + 7);
+  if (answer.status >= 0) return "it accepted a host of ABI major " + std::to_string(ODO_ABI_MAJOR + 7);
   return answer.table().refusal.size ? "" : "it refused without a reason (odo_plugin.refusal)";
 }
 
 std::string refuses_other_draft(Bench& bench) {
-  if (ODO_ABI_MAJOR != 0) return "~there are no drafts any more";
+  if (ODO_ABI_MAJOR != 0) return "~the ABI is no longer a draft";
   odo_host other = bench.host;
   other.abi_minor = ODO_ABI_MINOR + 1;
   std::string why;
   const Answer answer = ask(bench, &other, sizeof(odo_plugin), why);
-  return !why.empty() ? why : answer.status < 0 ? "" : "it took a host of another draft of the ABI";
+  return !why.empty() ? why : answer.status < 0 ? "" : "it accepted a host of another draft of the ABI";
 }
 
 std::string survives_null(Bench& bench) {
@@ -144,8 +143,8 @@ std::string survives_null(Bench& bench) {
   if (!entry) return why;
   odo_plugin table{};
   table.struct_size = sizeof table;
-  if (entry(nullptr, &table) >= 0) return "it took a null host";
-  return entry(&bench.host, nullptr) < 0 ? "" : "it took a null table";
+  if (entry(nullptr, &table) >= 0) return "it accepted a null host";
+  return entry(&bench.host, nullptr) < 0 ? "" : "it accepted a null table";
 }
 
 std::string refuses_small_table(Bench& bench) {
@@ -153,7 +152,7 @@ std::string refuses_small_table(Bench& bench) {
   const Answer answer = ask(bench, &bench.host, 32, why);
   if (!why.empty()) return why;
   if (answer.status >= 0) return "it filled a table of 32 bytes; expected ODO_E_STRUCT_SIZE";
-  return answer.untouched_from(32) ? "" : "it wrote behind a table of 32 bytes";
+  return answer.untouched_from(32) ? "" : "it wrote beyond a table of 32 bytes";
 }
 
 std::string keeps_to_table(Bench& bench) {
@@ -164,7 +163,7 @@ std::string keeps_to_table(Bench& bench) {
     if (answer.status < 0) return "it refused a table of " + std::to_string(size) + " bytes";
     if (!answer.untouched_from(size)) return "it wrote behind a table of " + std::to_string(size) + " bytes";
     if (answer.table().struct_size > size)
-      return "it says that it filled more than the table's " + std::to_string(size) + " bytes";
+      return "it states that it filled more than the table's " + std::to_string(size) + " bytes";
   }
   return "";
 }
@@ -174,13 +173,13 @@ std::string same_twice(Bench& bench) {
   Answer one = ask(bench, &bench.host, sizeof(odo_plugin), why),
          other = ask(bench, &bench.host, sizeof(odo_plugin), why);
   if (!why.empty()) return why;
-  if (one.status != other.status) return "the second call answered otherwise";
+  if (one.status != other.status) return "the second call returned another status";
   return text(one.table().id) == text(other.table().id) && one.table().create == other.table().create
              ? ""
-             : "the second call gave another table";
+             : "the second call returned another table";
 }
 
-/// Libraries that it is linked to may do what they like when they are loaded.
+/// Only this library is checked: its dependencies may have side effects when loaded.
 std::string starts_nothing(Bench& bench) {
   std::string why;
   entry_of(bench, why);
@@ -235,7 +234,7 @@ std::string kinds_are_known(Bench& bench) {
   for (uint32_t i = 0; i < t.interface_count; ++i) {
     const std::string kind = text(t.interfaces[i]);
     if (kind_types(kind).inputs.empty())
-      return "interfaces[" + std::to_string(i) + "] = '" + kind + "' is no kind of this ABI";
+      return "interfaces[" + std::to_string(i) + "] = '" + kind + "' is not a kind of this ABI";
     if (std::count(seen.begin(), seen.end(), kind)) return "it serves '" + kind + "' twice";
     seen.push_back(kind);
   }
@@ -250,7 +249,7 @@ std::string types_are_good(Bench& bench) {
       if (types[i] == 0) return name + "; expected a message type";
       if (output && is_input(types[i]) && !ODO_IS_VENDOR(types[i]) && types[i] != ODO_TYPE_CALIBRATION)
         return name + " is a sensor's; a plugin emits events";
-      if (std::count(types, types + count, types[i]) > 1) return name + " stands there twice";
+      if (std::count(types, types + count, types[i]) > 1) return name + " is listed twice";
     }
     return "";
   };
@@ -264,25 +263,25 @@ std::vector<Case> entry_cases() {
   return {
       {"file.library", "is a shared library for this machine", 10, 0, false, file_is_library},
       {"file.manifest", "has a manifest beside it", 10, 0, false, manifest_is_there},
-      {"file.hash", "is the library that its manifest was made for", 20, 0, false, manifest_has_hash},
+      {"file.hash", "is the library of its manifest", 20, 0, false, manifest_has_hash},
       {"entry.loads", "loads and exports the entry", 10, 0, false, loads},
-      {"entry.fills_table", "fills a table that the host takes", 10, 0, false, fills_table},
-      {"entry.quick", "loads and answers in less than 2 s", 10, 0, false, is_quick},
+      {"entry.fills_table", "fills a table that the host accepts", 10, 0, false, fills_table},
+      {"entry.quick", "loads and returns in less than 2 s", 10, 0, false, is_quick},
       {"entry.other_major", "refuses a host of another ABI major, with a reason", 10, 0, false, refuses_other_major},
       {"entry.other_draft", "refuses a host of another draft", 10, 0, false, refuses_other_draft},
       {"entry.null", "refuses null pointers", 10, 0, false, survives_null},
-      {"entry.small_table", "refuses a table that is too small, and writes nothing behind it", 10, 0, false,
+      {"entry.small_table", "refuses a table that is too small, and writes nothing beyond it", 10, 0, false,
        refuses_small_table},
-      {"entry.table_end", "fills older and newer hosts' tables, and writes nothing behind them", 10, 0, false,
+      {"entry.table_end", "fills older and newer hosts' tables, and writes nothing beyond them", 10, 0, false,
        keeps_to_table},
-      {"entry.twice", "gives the same table again", 10, 0, false, same_twice},
+      {"entry.twice", "returns the same table again", 10, 0, false, same_twice},
       {"entry.no_side_effects", "starts no thread and leaves no file when it is loaded", 10, 0, false, starts_nothing},
-      {"file.manifest_agrees", "is what its manifest says", 10, 0, true, manifest_says_the_same},
+      {"file.manifest_agrees", "agrees with its manifest", 10, 0, true, manifest_says_the_same},
       {"table.id", "has an id group/name", 10, 0, true, id_is_good},
       {"table.version", "has a version major.minor.patch", 10, 0, true, version_is_good},
       {"table.texts", "has texts in UTF-8 and a summary", 10, 0, true, texts_are_good},
-      {"table.kinds", "serves kinds of this ABI, each once", 10, 0, true, kinds_are_known},
-      {"table.types", "declares message types that make sense", 10, 0, true, types_are_good},
+      {"table.kinds", "serves kinds of this ABI, each listed once", 10, 0, true, kinds_are_known},
+      {"table.types", "declares valid message types", 10, 0, true, types_are_good},
   };
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What every event must be, whatever it means.
+// Requirements on every event, whatever its type.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -28,7 +28,7 @@ std::string size(Bench& bench) { return no_breach(bench, "size"); }
 std::string numbers(Bench& bench) { return no_breach(bench, "numbers"); }
 std::string count(Bench& bench) { return no_breach(bench, "count"); }
 
-/// Asks a question of each event; the first answer that is not empty.
+/// Checks each event; returns the first non-empty result.
 template <class Ask>
 std::string of_each(Bench& bench, Ask&& ask) {
   std::string why;
@@ -59,7 +59,7 @@ std::string known_status(Bench& bench) {
   if (!subject) return why;
   for (const auto& [status, times] : subject->statuses)
     if (status > ODO_NOT_READY || status < ODO_E_FATAL)
-      return "process gave the status " + std::to_string(status) + ", which is none";
+      return "process returned the status " + std::to_string(status) + ", which is not defined";
   return "";
 }
 
@@ -69,7 +69,7 @@ std::string reserved(Bench& bench) {
   });
 }
 
-/// The bits of each type, from its headers; the host's own are not a plugin's to set.
+/// The flags of each type, from its header; a plugin must not set the host's own.
 std::string flags(Bench& bench) {
   static const std::map<uint32_t, uint32_t> known = {
       {ODO_TYPE_ATTITUDE, 2 * ODO_ATTITUDE_GYRO_BIAS - 1},
@@ -83,7 +83,7 @@ std::string flags(Bench& bench) {
   };
   return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
     if (const uint32_t of_host = h.flags & ODO_FLAG_HOST_MASK)
-      return "has a flag set that is the host's: " + std::to_string(of_host);
+      return "has a flag set that only the host may set: " + std::to_string(of_host);
     const auto found = known.find(h.type);
     return found == known.end() || (h.flags & ~(found->second | ODO_FLAG_QUALITY)) == 0
                ? ""
@@ -101,28 +101,27 @@ std::string time_order(Bench& bench) {
   });
 }
 
-/// The plugin knows no time but those of what it was given.
+/// A plugin can only know times up to the newest of its input.
 std::string time_known(Bench& bench) {
-  if (bench.input.empty()) return "~nothing is given to it";
-  int64_t first = INT64_MAX;  // of the samples; what describes a sensor may be of any time
+  if (bench.input.empty()) return "~it receives no input";
+  int64_t first = INT64_MAX;  // of the samples; sensor descriptions may have any time
   for (const AnyMessage& message : bench.input)
     if (message.header().type != ODO_TYPE_CALIBRATION && message.header().type != ODO_TYPE_IMU_NOISE)
       first = std::min(first, message.header().t_ns);
   if (first != INT64_MAX) first -= 2'000'000'000;
   return of_each(bench, [&](const SeenEvent& e, const odo_header& h) -> std::string {
-    if (h.t_ns > e.input_ns)
-      return "lies " + std::to_string(h.t_ns - e.input_ns) + " ns ahead of all that it was given";
+    if (h.t_ns > e.input_ns) return "lies " + std::to_string(h.t_ns - e.input_ns) + " ns ahead of all its input";
     if (h.t_ns < first && h.type != ODO_TYPE_CALIBRATION)
-      return "is before the first sample: is it of the sensor clock?";
+      return "is before the first sample: is it on the sensor clock?";
     return "";
   });
 }
 
-/// A variance of nothing in something that is said to be known is a promise that nobody can keep.
+/// A variance of zero in a component stated as known claims an exactness that no estimate has.
 std::string uncertainties(Bench& bench) {
   return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
     if (h.type == ODO_TYPE_STEP && as<odo_step>(h).sigma_m <= 0)
-      return "has sigma_m = 0; expected how unsure the length is";
+      return "has sigma_m = 0; expected the standard deviation of the length";
     if (h.type == ODO_TYPE_VO_MOTION && (h.flags & ODO_VO_COVARIANCE) && (h.flags & ODO_VO_ROTATION) &&
         as<odo_vo_motion>(h).covariance[0] + as<odo_vo_motion>(h).covariance[7] + as<odo_vo_motion>(h).covariance[14] <=
             0)
@@ -134,7 +133,7 @@ std::string uncertainties(Bench& bench) {
 std::string lists(Bench& bench) {
   return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
     const auto out_of = [](const char* field, uint32_t value) {
-      return std::string("has ") + field + " = " + std::to_string(value) + ", which no list has";
+      return std::string("has ") + field + " = " + std::to_string(value) + ", which is not in the list";
     };
     if (h.type == ODO_TYPE_STEP && as<odo_step>(h).mode > ODO_MODE_HANDLING)
       return out_of("mode", as<odo_step>(h).mode);
@@ -153,26 +152,27 @@ std::string some(Bench& bench) {
   if (!subject) return why;
   if (!subject->events.empty()) return "";
   return bench.serves(ODO_INTERFACE_ABSOLUTE_FIXER) || bench.serves(ODO_INTERFACE_SCALE_SOURCE)
-             ? "~a fixer and a scale source may have nothing to say here"
-             : "it says nothing in a walk of 10 s";
+             ? "~a fix plugin or a scale source need not emit anything here"
+             : "it emits nothing in a walk of 10 s";
 }
 
 }  // namespace
 
 std::vector<Case> event_cases() {
   return {
-      {"process.works", "takes good input without an error", 20, 10, true, works, true},
-      {"process.status", "answers with status codes of the ABI", 20, 5, true, known_status, true},
-      {"events.some", "gives events in a walk of 10 s", 20, 10, true, some},
-      {"events.type", "gives the events of its kind, and what its table declares", 20, 10, true, type, true},
-      {"events.size", "gives events of the size of their structs", 20, 10, true, size, true},
-      {"events.numbers", "gives finite numbers in their ranges and unit quaternions", 20, 10, true, numbers, true},
-      {"events.count", "gives at most 256 events in a call", 20, 10, true, count, true},
+      {"process.works", "accepts good input without an error", 20, 10, true, works, true},
+      {"process.status", "returns status codes of the ABI", 20, 5, true, known_status, true},
+      {"events.some", "emits events in a walk of 10 s", 20, 10, true, some},
+      {"events.type", "emits only events of its kind and those that its table declares", 20, 10, true, type, true},
+      {"events.size", "emits events with the size of their structs", 20, 10, true, size, true},
+      {"events.numbers", "emits finite numbers in their ranges and unit quaternions", 20, 10, true, numbers, true},
+      {"events.count", "emits at most 256 events in a call", 20, 10, true, count, true},
       {"events.reserved", "leaves reserved fields zero", 20, 10, true, reserved, true},
       {"events.flags", "sets the flags of the type, none of the host's", 20, 10, true, flags, true},
-      {"events.time_order", "gives each type in the order of time", 20, 10, true, time_order, true},
-      {"events.time_known", "gives times of the sensor clock, none ahead of its input", 20, 10, true, time_known, true},
-      {"events.uncertainty", "says how unsure it is of what it says to know", 20, 10, true, uncertainties, true},
+      {"events.time_order", "emits each type in time order", 20, 10, true, time_order, true},
+      {"events.time_known", "emits times of the sensor clock, none ahead of its input", 20, 10, true, time_known, true},
+      {"events.uncertainty", "states a non-zero uncertainty for each component stated as known", 20, 10, true,
+       uncertainties, true},
       {"events.lists", "uses the modes, states and reasons of the lists", 20, 10, true, lists, true},
   };
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sensors that fail, fuzzed data, and what a plugin may cost.
+// Failing sensors, fuzzed data, and cost.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -17,11 +17,11 @@
 namespace odograph {
 namespace {
 
-/// Slowest median of a call, this machine's clock: a phone's inertial sensors come at 200 Hz, its pictures at 30 Hz.
+/// Maximum median duration of a call, wall clock: a phone's inertial samples arrive at 200 Hz, its pictures at 30 Hz.
 constexpr double kImuCall_s = 5e-3, kFrameCall_s = 33e-3;
 constexpr double kMemory_mb = 512;
 
-/// Runs changed input: no crash, no fatal status, no number that is not finite.
+/// Passes modified input: no crash, no fatal status, no non-finite number.
 std::string survives(Bench& bench, const std::vector<AnyMessage>& messages,
                      const std::function<void(AnyMessage&)>& change = {}) {
   std::string why;
@@ -31,13 +31,13 @@ std::string survives(Bench& bench, const std::vector<AnyMessage>& messages,
   handling.change = change;
   subject->process(messages, handling);
   for (const auto& [status, times] : subject->statuses)
-    if (status == ODO_E_FATAL) return "it gave itself up (ODO_E_FATAL)";
+    if (status == ODO_E_FATAL) return "it returned ODO_E_FATAL";
   for (const std::string& breach : subject->breaches)
     if (breach.starts_with("numbers") || breach.starts_with("count")) return breach;
   return "";
 }
 
-/// The numbers behind the header of a message of a known type, where they are doubles: all but times and counts.
+/// The doubles after the header of a message of a known type: all fields but times and counts.
 template <class Change>
 void change_numbers(AnyMessage& message, Change&& change) {
   const auto of = [&](double* values, int count) {
@@ -58,7 +58,7 @@ void change_numbers(AnyMessage& message, Change&& change) {
   }
 }
 
-/// Every tenth message, so that good ones come between.
+/// Every tenth message, so that good ones lie between.
 Handling every_tenth(double value) {
   Handling handling;
   auto count = std::make_shared<int>(0);
@@ -76,7 +76,7 @@ std::string huge(Bench& bench) { return survives(bench, bench.input, every_tenth
 std::string not_a_number(Bench& bench) { return survives(bench, bench.input, every_tenth(std::nan("")).change); }
 
 std::string long_steps(Bench& bench) {
-  if (!bench.wants(ODO_TYPE_STEP)) return "~it is given no steps";
+  if (!bench.wants(ODO_TYPE_STEP)) return "~it receives no steps";
   return survives(bench, bench.input, [](AnyMessage& message) {
     if (message.header().type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(message.header()).length_m = 700;
   });
@@ -92,7 +92,7 @@ std::string only(Bench& bench, uint32_t type) {
 std::string only_imu(Bench& bench) { return only(bench, ODO_TYPE_IMU); }
 
 std::string without_imu(Bench& bench) {
-  if (!bench.wants(ODO_TYPE_IMU)) return "~it is given no imu";
+  if (!bench.wants(ODO_TYPE_IMU)) return "~it receives no imu";
   std::vector<AnyMessage> some;
   for (const AnyMessage& message : bench.input)
     if (message.header().type != ODO_TYPE_IMU) some.push_back(message);
@@ -135,7 +135,7 @@ std::string backwards(Bench& bench) {
   return survives(bench, reversed);
 }
 
-/// Bits flipped anywhere behind the header of anything but pointers; numbers made finite again, as a host would.
+/// Flips bits anywhere after the header except in pointers; makes numbers finite again, as a host would.
 std::string fuzzed(Bench& bench) {
   uint32_t random = 99;
   const SampleGate gate;
@@ -149,11 +149,11 @@ std::string fuzzed(Bench& bench) {
       bytes[sizeof(odo_header) + (random >> 8) % size] ^= static_cast<unsigned char>(1u << (random & 7));
     }
     const bool dropped = !message_is_good(message.header()) || !gate.within_range(message.header());
-    if (dropped) message.header().type = 0x0FED;  // by any host
+    if (dropped) message.header().type = 0x0FED;  // as any host would drop it
   });
 }
 
-/// Of what a vendor's message holds a host knows nothing but the size: whoever declares it must look at the rest.
+/// The host knows only the size of a vendor's message: a plugin that declares the type must check the rest.
 std::string vendors(Bench& bench) {
   constexpr uint32_t sizes[] = {32, 40, 48, 64, 96, 200, 4096};
   std::vector<AnyMessage> mixed;
@@ -172,7 +172,7 @@ std::string vendors(Bench& bench) {
       mixed.emplace_back(*reinterpret_cast<const odo_header*>(bytes));
     }
   }
-  return made == 0 ? "~it declares no vendor's messages" : survives(bench, mixed);
+  return made == 0 ? "~it declares no vendor messages" : survives(bench, mixed);
 }
 
 std::string unknown_flags(Bench& bench) {
@@ -199,7 +199,7 @@ std::string later_lists(Bench& bench) {
 
 // ---- what it costs -------------------------------------------------------------------------------------------------
 
-/// The median of three runs' best, so that a busy machine does not fail a good plugin.
+/// The median of the best of three runs, so that a busy machine does not fail a good plugin.
 std::string fast_enough(Bench& bench, uint32_t type, double limit_s) {
   if (!bench.wants(type)) return "~it is given no " + message_name(type);
   double best = 1e9;
@@ -238,18 +238,18 @@ std::string memory(Bench& bench) {
 
 std::vector<Case> fault_cases() {
   return {
-      {"faults.zeros", "survives sensors that say zero", 20, 4, true, zeros},
+      {"faults.zeros", "survives sensors that read zero", 20, 4, true, zeros},
       {"faults.huge", "survives numbers of 1e300", 20, 4, true, huge},
-      {"faults.subnormal", "survives the smallest numbers there are", 20, 4, true, subnormal},
-      {"faults.nan", "survives numbers that are none", 20, 4, true, not_a_number},
+      {"faults.subnormal", "survives subnormal numbers", 20, 4, true, subnormal},
+      {"faults.nan", "survives NaN", 20, 4, true, not_a_number},
       {"faults.long_steps", "survives steps of 700 m", 20, 5, true, long_steps},
-      {"faults.only_imu", "survives an IMU alone", 20, 4, true, only_imu},
+      {"faults.only_imu", "survives IMU input only", 20, 4, true, only_imu},
       {"faults.without_imu", "survives the lack of an IMU", 20, 4, true, without_imu},
       {"faults.gap_10s", "survives a pause of 10 s", 20, 5, true, short_gap},
       {"faults.gap_1h", "survives a pause of an hour", 20, 5, true, long_gap},
-      {"faults.late_clock", "survives a clock that is nearly at its end, 2^62 ns", 20, 4, true, late_clock},
+      {"faults.late_clock", "survives a clock near its limit, 2^62 ns", 20, 4, true, late_clock},
       {"faults.early_clock", "survives times below zero", 20, 4, true, early_clock},
-      {"faults.twice", "survives messages that come twice", 20, 3, true, twice},
+      {"faults.twice", "survives duplicate messages", 20, 3, true, twice},
       {"faults.backwards", "survives messages in the wrong order", 20, 3, true, backwards},
       {"faults.fuzzed", "survives flipped bits", 20, 6, true, fuzzed},
       {"faults.vendor", "survives vendors' messages of any size and content", 20, 3, true, vendors},

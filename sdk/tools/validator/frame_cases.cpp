@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Pictures: borrowed, kept, in any format, of any size.
+// Pictures: borrowed, retained, in any format, of any size.
 #include <cstring>
 
 #include "sdk/tools/validator/bench.hpp"
@@ -14,8 +14,7 @@ constexpr uint32_t kW = TestInput::kWidth, kH = TestInput::kHeight;
 odo_frame& frame_of(AnyMessage& message) { return reinterpret_cast<odo_frame&>(message.header()); }
 bool is_frame(const AnyMessage& message) { return message.header().type == ODO_TYPE_FRAME; }
 
-/// Runs the walk with each frame changed, and returns the instance; null, and `why` says it, where that is not
-/// possible.
+/// Runs the walk with each frame modified and returns the instance; null, with the reason in `why`, on failure.
 std::unique_ptr<Subject> walked(Bench& bench, std::string& why, const std::function<void(AnyMessage&)>& change) {
   if (!bench.wants(ODO_TYPE_FRAME)) return why = "~it is given no frames", nullptr;
   auto subject = bench.started(why);
@@ -44,7 +43,7 @@ void lend(AnyMessage& message, FrameLedger& ledger) {
   frame.loan.release = FrameLedger::release;
 }
 
-/// What is kept in a call is given back until destroy. Pixels stay, so that who keeps them well may read them.
+/// Every retained frame must be released by destroy. Pixels stay valid while retained.
 std::string balance(Bench& bench) {
   FrameLedger ledger;
   std::string why;
@@ -68,7 +67,8 @@ std::string quota(Bench& bench) {
   });
   if (!subject) return why;
   return most <= 7 ? why
-                   : "it holds " + std::to_string(most) + " frames at once; a host lends 8, one of them for the next";
+                   : "it holds " + std::to_string(most) +
+                         " frames at once; a host provides 8, one of them for the next frame";
 }
 
 std::string exhausted(Bench& bench) {
@@ -77,10 +77,10 @@ std::string exhausted(Bench& bench) {
   std::string why;
   const auto subject = walked(bench, why, [&](AnyMessage& message) { lend(message, ledger); });
   if (!subject) return why;
-  return ledger.released == 0 ? why : "it released a frame that it was refused";
+  return ledger.released == 0 ? why : "it released a frame that it could not retain";
 }
 
-/// Read-only pixels at the end of a page that is gone after the call.
+/// Read-only pixels at the end of a page that is unmapped after the call.
 std::string gone(Bench& bench) {
   if (!bench.wants(ODO_TYPE_FRAME)) return "~it is given no frames";
   std::string why;
@@ -90,7 +90,7 @@ std::string gone(Bench& bench) {
   return why.empty() ? difference(plain, other) : why;
 }
 
-/// The rows further apart: what lies between is no picture.
+/// Larger strides: the padding between rows is not part of the picture.
 std::string strides(Bench& bench) {
   std::string why;
   std::vector<std::vector<uint8_t>> kept;
@@ -106,7 +106,7 @@ std::string strides(Bench& bench) {
   return difference(plain, subject->bytes());
 }
 
-/// The same grey picture with chroma beside it, or as colours that are grey.
+/// The same grey picture with chroma planes, or as grey RGB.
 void as_format(AnyMessage& message, uint32_t format, std::vector<uint8_t>& pixels) {
   odo_frame& frame = frame_of(message);
   const uint8_t* grey = frame.planes[0].data;
@@ -184,7 +184,7 @@ std::string unknown_camera(Bench& bench) {
   return survives(bench, [](AnyMessage& message) { message.header().source = 7; });
 }
 
-/// The focal length as autofocus moves it: by 3 % and back.
+/// Varies the focal length by 3 % and back, like autofocus.
 std::string autofocus(Bench& bench) {
   int count = 0;
   return survives(bench, [&](AnyMessage& message) {
@@ -204,17 +204,17 @@ std::string no_calibration(Bench& bench) {
   const auto subject = bench.started(why);
   if (!subject) return why;
   const int32_t status = subject->process(without);
-  return status >= 0 ? "" : "process failed with status " + std::to_string(status) + " where no camera was described";
+  return status >= 0 ? "" : "process failed with status " + std::to_string(status) + " without a camera description";
 }
 
 }  // namespace
 
 std::vector<Case> frame_cases() {
   return {
-      {"frames.borrowed", "reads the pixels in the call alone, and writes none", 20, 4, true, gone},
-      {"frames.balance", "gives back what it keeps", 20, 4, true, balance},
-      {"frames.quota", "keeps at most 7 frames at once", 20, 4, true, quota},
-      {"frames.exhausted", "copes with a host that lets it keep none", 20, 4, true, exhausted},
+      {"frames.borrowed", "reads the pixels only within the call, and writes none", 20, 4, true, gone},
+      {"frames.balance", "releases what it retains", 20, 4, true, balance},
+      {"frames.quota", "retains at most 7 frames at once", 20, 4, true, quota},
+      {"frames.exhausted", "works with a host that refuses to retain frames", 20, 4, true, exhausted},
       {"frames.strides", "reads rows by their stride", 20, 3, true, strides},
       {"frames.nv12", "sees the same in NV12", 20, 3, true, nv12},
       {"frames.nv21", "sees the same in NV21", 20, 3, true, nv21},
@@ -227,10 +227,10 @@ std::vector<Case> frame_cases() {
       {"frames.tiny", "survives frames of one pixel", 20, 3, true, tiny},
       {"frames.black", "survives black frames", 20, 3, true, black},
       {"frames.noise", "survives noise", 20, 3, true, noise},
-      {"frames.mask", "survives a mask that leaves nothing", 20, 3, true, masked},
-      {"frames.unknown_camera", "survives frames of a camera that was not described", 20, 3, true, unknown_camera},
+      {"frames.mask", "survives a mask that covers everything", 20, 3, true, masked},
+      {"frames.unknown_camera", "survives frames of a camera without description", 20, 3, true, unknown_camera},
       {"frames.no_calibration", "survives frames before any calibration", 20, 3, true, no_calibration},
-      {"frames.autofocus", "survives a focal length that moves by 3 %", 20, 4, true, autofocus},
+      {"frames.autofocus", "survives a focal length that changes by 3 %", 20, 4, true, autofocus},
   };
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Instances, threads, leaks, and what is saved.
+// Instances, threads, leaks, and saved state.
 #include <algorithm>
 #include <fstream>
 #include <limits>
@@ -63,7 +63,7 @@ std::string other_kind(Bench& bench) {
   const std::string strange = "odo.of_a_later_version/7";
   const odo_string id{strange.data(), strange.size()};
   const int32_t status = bench.table().create(&bench.host, 1, &id, &instance);
-  if (status >= 0) return "it made an instance of '" + strange + "'; expected ODO_E_UNSUPPORTED";
+  if (status >= 0) return "it created an instance of '" + strange + "'; expected ODO_E_UNSUPPORTED";
   return instance ? "it refused and left an instance behind" : "";
 }
 
@@ -88,7 +88,7 @@ std::string no_services(Bench& bench) {
   return worst >= 0 ? "" : status_text("process", worst);
 }
 
-/// One after the other and side by side: what one gives does not depend on others.
+/// Sequentially and in parallel: the output of one instance must not depend on others.
 std::string independent(Bench& bench) {
   std::string why;
   const auto alone = bench.run(bench.input, {}, why);
@@ -127,7 +127,7 @@ std::string no_breach_about(Bench& bench, const char* beginning) {
   subject->process(bench.input);
   if (bench.table().reset) subject->reset();
   subject->destroy();
-  usleep(20'000);  // for threads of its own
+  usleep(20'000);  // for its own threads
   for (const std::string& breach : subject->breaches)
     if (breach.starts_with(beginning)) return breach;
   return "";
@@ -137,7 +137,7 @@ std::string emits_on_thread(Bench& bench) { return no_breach_about(bench, "threa
 
 std::string leaves_no_thread(Bench& bench) {
   std::string why;
-  bench.run(bench.input, {}, why);  // what a library starts once for all instances
+  bench.run(bench.input, {}, why);  // excludes what a library starts once for all instances
   const size_t before = entries_of("/proc/self/task");
   for (int i = 0; i < 5 && why.empty(); ++i) bench.run(bench.input, {}, why);
   const size_t after = entries_of("/proc/self/task");
@@ -157,15 +157,15 @@ std::string leaves_no_file(Bench& bench) {
                            : std::to_string(after - before) + " files more are open after five instances";
 }
 
-/// Gives back what this process has freed: leaks would hide in it.
+/// Returns freed memory to the system; leaks would hide in it.
 void trim_heap() {
 #if defined(__GLIBC__)
   malloc_trim(0);
 #endif
 }
 
-/// A hundred to warm up, then four times 250. A leak grows each time, the allocator's own pools only now and then: so
-/// the smallest growth counts, four times. 2 kB an instance shows as 2 MB.
+/// A hundred instances to warm up, then four times 250. A leak grows in each round, the allocator's pools only
+/// occasionally; so the smallest growth counts, times four. A leak of 2 kB per instance shows as 2 MB.
 std::string does_not_leak(Bench& bench) {
   constexpr int rounds = 4, instances = 250;
   std::string why;
@@ -218,9 +218,8 @@ std::string unknown_extension(Bench& bench) {
   const auto subject = bench.started(why);
   if (!subject) return why;
   note_phase("get_interface");
-  return bench.table().get_interface(subject->instance(), "vendor.none/1", 13)
-             ? "it gave a table for an id that nobody has"
-             : "";
+  return bench.table().get_interface(subject->instance(), "vendor.none/1", 13) ? "it returned a table for an unknown id"
+                                                                               : "";
 }
 
 // ---- save and load -------------------------------------------------------------------------------------------------
@@ -233,9 +232,9 @@ std::vector<uint8_t> saved(const Bench& bench, const Subject& subject, std::stri
     return why = status_text("save", static_cast<int32_t>(needed)), std::vector<uint8_t>();
   std::vector<uint8_t> bytes(static_cast<size_t>(needed) + 64, 0x5A);
   if (save(subject.instance(), bytes.data(), static_cast<uint64_t>(needed)) != needed)
-    why = "save needs another size when asked again";
+    why = "save returned another size when called again";
   for (size_t i = static_cast<size_t>(needed); i < bytes.size(); ++i)
-    if (bytes[i] != 0x5A) why = "save wrote behind the capacity";
+    if (bytes[i] != 0x5A) why = "save wrote beyond the capacity";
   bytes.resize(static_cast<size_t>(needed));
   return bytes;
 }
@@ -252,7 +251,7 @@ std::string save_keeps_to_capacity(Bench& bench) {
   bench.table().save(subject->instance(), small.data(), bytes.size() - 1);
   return std::all_of(small.begin(), small.end(), [](uint8_t b) { return b == 0x5A; })
              ? ""
-             : "save wrote though the capacity did not suffice";
+             : "save wrote although the capacity was too small";
 }
 
 std::string round_trip(Bench& bench) {
@@ -267,7 +266,7 @@ std::string round_trip(Bench& bench) {
   note_phase("load");
   if (const int32_t status = bench.table().load(other->instance(), bytes.data(), bytes.size()); status < 0)
     return status_text("loading what it saved", status);
-  return saved(bench, *other, why) == bytes ? why : "after loading it saves something else";
+  return saved(bench, *other, why) == bytes ? why : "after loading, it saves a different state";
 }
 
 std::string damaged_state(Bench& bench) {
@@ -301,7 +300,7 @@ std::string foreign_state(Bench& bench) {
   if (saved(bench, *subject, why).empty()) return "~it has nothing to save";
   const char text[] = "this was saved by somebody else, long ago and in another format";
   note_phase("load");
-  return bench.table().load(subject->instance(), text, sizeof text) < 0 ? why : "it took a text for a saved state";
+  return bench.table().load(subject->instance(), text, sizeof text) < 0 ? why : "it accepted a text as a saved state";
 }
 
 }  // namespace
@@ -311,21 +310,21 @@ std::vector<Case> life_cases() {
       {"life.create_destroy", "is created and destroyed", 10, 0, true, create_and_destroy},
       {"life.starts", "starts with its default parameters", 20, 0, true, starts},
       {"life.not_activated", "is destroyed before it was activated", 10, 0, true, destroyed_before_activate},
-      {"life.unknown_kind", "refuses to be of a kind that it does not serve", 10, 0, true, other_kind},
+      {"life.unknown_kind", "refuses a kind that it does not serve", 10, 0, true, other_kind},
       {"life.every_kind", "starts as each of its kinds", 20, 0, true, every_kind},
-      {"life.no_services", "copes with a host that offers no services", 20, 2, true, no_services},
-      {"life.independent", "does not depend on what other instances are given", 20, 2, true, independent},
-      {"life.many", "has twenty instances at once", 30, 0, true, many},
-      {"life.other_thread", "works on another thread than it was made on", 20, 2, true, other_thread},
-      {"life.emits_in_process", "emits in process alone", 10, 3, true, emits_in_process},
+      {"life.no_services", "works with a host that offers no services", 20, 2, true, no_services},
+      {"life.independent", "does not depend on the input of other instances", 20, 2, true, independent},
+      {"life.many", "supports twenty instances at once", 30, 0, true, many},
+      {"life.other_thread", "works on another thread than the one that created it", 20, 2, true, other_thread},
+      {"life.emits_in_process", "emits only within process", 10, 3, true, emits_in_process},
       {"life.emits_on_thread", "emits on the thread that called it", 10, 3, true, emits_on_thread},
       {"life.threads", "leaves no thread behind", 30, 1, true, leaves_no_thread},
       {"life.files", "leaves no file open", 30, 1, true, leaves_no_file},
       {"life.leaks", "leaves no memory behind in 1,000 instances", 120, 0, true, does_not_leak},
-      {"life.grows", "needs no more memory the longer it runs", 60, 5, true, does_not_grow},
-      {"life.extension", "has no table for an extension that nobody knows", 10, 0, true, unknown_extension},
+      {"life.grows", "does not need more memory the longer it runs", 60, 5, true, does_not_grow},
+      {"life.extension", "has no table for an unknown extension", 10, 0, true, unknown_extension},
       {"state.capacity", "saves within the capacity or not at all", 20, 3, true, save_keeps_to_capacity},
-      {"state.round_trip", "takes what it saved", 20, 3, true, round_trip},
+      {"state.round_trip", "loads what it saved", 20, 3, true, round_trip},
       {"state.damaged", "survives 300 damaged states", 20, 2, true, damaged_state},
       {"state.foreign", "refuses what it did not save", 10, 0, true, foreign_state},
   };

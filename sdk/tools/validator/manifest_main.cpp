@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// odograph-manifest FILE.so ...: writes NAME.odoplugin.json beside each plugin library. This is the one place where a
-// plugin is loaded without a manifest; the build and vendors run it once, users never.
+// odograph-manifest FILE.so ...: writes NAME.odoplugin.json beside each plugin library. Only this program loads a
+// plugin without a manifest; the build and vendors run it once, users never do.
 #include <cstdio>
 #include <fstream>
 

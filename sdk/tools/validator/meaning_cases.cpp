@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What each kind must emit, and whether its numbers can be true: thresholds are bounds of what a person or a phone can
-// do.
+// Events required of each kind, and plausibility of their numbers: the thresholds are limits of people and phones.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -22,12 +21,12 @@ namespace {
 
 constexpr double kShortestStep_m = 0.1, kLongestStep_m = 2.6;  // a runner's longest
 constexpr double kFastestStep_hz = 6.0;                        // sprinters reach 5
-constexpr double kWrongScale = 10;                             // times: the walk's true scale is 1.4 m
+constexpr double kWrongScale = 10;                             // factor: the walk's true scale is 1.4 m
 constexpr double kWrongUp_rad = 0.5;                           // of an attitude after ten seconds of walking
-constexpr double kFarthest_m = 1e6;                            // a fix of a pedestrian's local frame
+constexpr double kFarthest_m = 1e6;                            // a fix in a pedestrian's local frame
 constexpr int64_t kLateStep_ns = 500'000'000;                  // step_estimator.h
 constexpr int64_t kHeldBack_ns = 4'000'000'000;                // the same: six steps at the start of a walk
-constexpr int64_t kPause_ns = 1'500'000'000;                   // longer than any step: a walk ended there
+constexpr int64_t kPause_ns = 1'500'000'000;                   // longer than any step: the walk ended there
 constexpr int64_t kSecond_ns = 1'000'000'000;
 
 template <class Event>
@@ -38,10 +37,10 @@ std::vector<std::pair<const SeenEvent*, const Event*>> all_of(const Subject& sub
   return found;
 }
 
-/// Runs the walk and asks a question of all events of a type; "~..." where the plugin gives none of them.
+/// Runs the walk and checks all events of a type; "~..." if the plugin does not emit it.
 template <class Event, class Ask>
 std::string of_all(Bench& bench, uint32_t type, Ask&& ask) {
-  if (!bench.gives(type)) return "~it gives no " + message_name(type);
+  if (!bench.gives(type)) return "~it emits no " + message_name(type);
   std::string why;
   const Subject* subject = bench.walked(why);
   if (!subject) return why;
@@ -52,23 +51,23 @@ std::string at(const odo_header& h) { return " (t_ns = " + std::to_string(h.t_ns
 // ---- attitude ------------------------------------------------------------------------------------------------------
 
 std::string attitude_each(Bench& bench) {
-  if (!bench.serves(ODO_INTERFACE_ATTITUDE)) return "~it is no attitude";
+  if (!bench.serves(ODO_INTERFACE_ATTITUDE)) return "~it is not an attitude plugin";
   return of_all<odo_attitude>(bench, ODO_TYPE_ATTITUDE, [&](const auto& all) -> std::string {
     size_t next = 0;
     bool begun = false;
     for (const AnyMessage& message : bench.input) {
       if (message.header().type != ODO_TYPE_IMU) continue;
       const bool answered = next < all.size() && all[next].second->header.t_ns == message.header().t_ns;
-      if (!answered && begun) return "no attitude for the sample" + at(message.header()) + " though it had begun";
+      if (!answered && begun) return "no attitude for the sample" + at(message.header()) + " although it had started";
       if (answered) begun = true, ++next;
     }
-    return next == all.size() ? "" : "it gives attitudes for times at which there was no sample";
+    return next == all.size() ? "" : "it emits attitudes for times without a sample";
   });
 }
 
 std::string attitude_up(Bench& bench) {
   return of_all<odo_attitude>(bench, ODO_TYPE_ATTITUDE, [](const auto& all) -> std::string {
-    if (all.empty()) return "it gave no attitude";
+    if (all.empty()) return "it emitted no attitude";
     const Eigen::Vector3d up_n = raw_quaternion(all.back().second->q_n_b) * Eigen::Vector3d::UnitZ();
     const double off = std::acos(std::clamp(-up_n.z(), -1.0, 1.0));
     return off < kWrongUp_rad
@@ -109,18 +108,18 @@ std::string step_order(Bench& bench) {
 std::string step_times(Bench& bench) {
   return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (const auto& [seen, step] : all) {
-      if (step->t_end_ns > step->header.t_ns) return "t_end_ns lies after the step's own time" + at(step->header);
+      if (step->t_end_ns > step->header.t_ns) return "t_end_ns is after the step's own time" + at(step->header);
       if (step->t_end_ns - step->t_start_ns > 5 * kSecond_ns) return "a step lasts more than 5 s" + at(step->header);
     }
     return "";
   });
 }
 
-/// The first steps of a walk may be held back until it is sure that it is one: they come with one that is in time, and
-/// the step before them is long past.
+/// The first steps of a walk may be held back until the walk is confirmed: they arrive together with a timely one, long
+/// after the previous walk's last step.
 std::string step_late(Bench& bench) {
   return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
-    int64_t last_end_ns = INT64_MIN;  // of the calls before
+    int64_t last_end_ns = INT64_MIN;  // of the earlier calls
     for (size_t i = 0; i < all.size();) {
       size_t end = i;
       int64_t min_ns = INT64_MAX;
@@ -132,8 +131,8 @@ std::string step_late(Bench& bench) {
       for (; i < end; ++i) {
         const auto& [seen, step] = all[i];
         if (const int64_t late_ns = seen->input_ns - step->t_end_ns; late_ns > max_ns)
-          return "a step came " + std::to_string(seconds(late_ns)) + " s after the foot's contact" + at(step->header) +
-                 "; expected at most " + std::to_string(seconds(max_ns)) + " s";
+          return "a step arrived " + std::to_string(seconds(late_ns)) + " s after the foot's contact" +
+                 at(step->header) + "; expected at most " + std::to_string(seconds(max_ns)) + " s";
         last_end_ns = step->t_end_ns;
       }
     }
@@ -154,7 +153,7 @@ std::string mode_changes(Bench& bench) {
   return of_all<odo_motion_mode>(bench, ODO_TYPE_MOTION_MODE, [](const auto& all) -> std::string {
     for (size_t i = 1; i < all.size(); ++i)
       if (all[i].second->mode == all[i - 1].second->mode)
-        return "it says the same mode twice" + at(all[i].second->header);
+        return "it reports the same mode twice" + at(all[i].second->header);
     return "";
   });
 }
@@ -174,7 +173,7 @@ std::string motion_each(Bench& bench) {
       if (all[i].second->header.t_ns != frames[i + 1])
         return "a motion does not end at its frame's time" + at(all[i].second->header);
       if (all[i].second->t_from_ns != frames[i])
-        return "t_from_ns is not the frame's before" + at(all[i].second->header);
+        return "t_from_ns is not the previous frame's time" + at(all[i].second->header);
     }
     return "";
   });
@@ -184,7 +183,7 @@ std::string motion_reason(Bench& bench) {
   return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
     for (const auto& [seen, motion] : all) {
       if (motion->state == ODO_LOST && motion->reason == ODO_REASON_NONE)
-        return "it is lost for no reason" + at(motion->header);
+        return "it is lost without a reason" + at(motion->header);
       if (motion->inliers > motion->tracked) return "more inliers than tracked features" + at(motion->header);
       if ((motion->header.flags & ODO_VO_TRANSLATION) && !(motion->header.flags & ODO_VO_COVARIANCE))
         return "a translation without a covariance" + at(motion->header);
@@ -219,7 +218,7 @@ std::string refined(Bench& bench) {
   return of_all<odo_refined>(bench, ODO_TYPE_REFINED, [](const auto& all) -> std::string {
     int64_t last_ns = INT64_MIN / 2;
     for (const auto& [seen, c] : all) {
-      if (c->camera != 0) return "it refined a camera that there is not: " + std::to_string(c->camera);
+      if (c->camera != 0) return "it refined a camera that does not exist: " + std::to_string(c->camera);
       if (c->header.t_ns - last_ns < kSecond_ns)
         return "it emits odo_refined more often than once a second" + at(c->header);
       last_ns = c->header.t_ns;
@@ -256,7 +255,7 @@ std::string scale_interval(Bench& bench) {
     for (const auto& [seen, scale] : all)
       if (scale->valid_from_ns >= scale->valid_to_ns)
         return "valid_from_ns is not before valid_to_ns" + at(scale->header);
-    // An answer to a motion holds for that motion; what is said on a step or a fix holds for motions to come.
+    // An answer to a motion applies to that motion; a scale stated on a step or a fix applies to later motions.
     for (const auto& [seen, scale] : all) {
       int64_t past_ns = INT64_MIN;
       for (const AnyMessage& message : bench.input)
@@ -264,7 +263,7 @@ std::string scale_interval(Bench& bench) {
           past_ns = std::max(past_ns, message.header().t_ns);
       if (scale->valid_to_ns <= past_ns)
         return "valid_to_ns = " + std::to_string(scale->valid_to_ns) + at(scale->header) + " when the motion until " +
-               std::to_string(past_ns) + " had been given: it comes too late";
+               std::to_string(past_ns) + " had been processed: it is too late";
     }
     return "";
   });
@@ -282,7 +281,7 @@ std::string scale_sigma(Bench& bench) {
 std::string fix_says(Bench& bench) {
   return of_all<odo_fix>(bench, ODO_TYPE_FIX, [](const auto& all) -> std::string {
     for (const auto& [seen, fix] : all)
-      if ((fix->header.flags & 127) == 0) return "a fix that says nothing is valid" + at(fix->header);
+      if ((fix->header.flags & 127) == 0) return "a fix without a valid component" + at(fix->header);
     return "";
   });
 }
@@ -300,7 +299,7 @@ std::string fix_place(Bench& bench) {
   });
 }
 
-/// A height of the terrain below a pose is new knowledge, a place that comes of a pose is none.
+/// A terrain height below a pose is new information; a position derived from a pose is not.
 std::string fix_echo(Bench& bench) {
   return of_all<odo_fix>(bench, ODO_TYPE_FIX, [&](const auto& all) -> std::string {
     constexpr uint32_t place = ODO_FIX_NORTH | ODO_FIX_EAST;
@@ -309,7 +308,8 @@ std::string fix_echo(Bench& bench) {
       echoes += seen->input_type == ODO_TYPE_POSE && (fix->header.flags & place) == place;
     return echoes < 5 ? ""
                       : std::to_string(echoes) +
-                            " places in answer to poses: what comes of a pose is no new knowledge, and goes in circles";
+                            " positions in answer to poses: a position derived from a pose is not new information and "
+                            "creates a feedback loop";
   });
 }
 
@@ -317,30 +317,30 @@ std::string fix_echo(Bench& bench) {
 
 std::vector<Case> meaning_cases() {
   return {
-      {"attitude.each_sample", "gives an attitude for each sample once it has begun", 20, 10, true, attitude_each,
+      {"attitude.each_sample", "emits an attitude for each sample once it has started", 20, 10, true, attitude_each,
        true},
-      {"attitude.up", "knows where up is after 10 s", 20, 10, true, attitude_up},
-      {"step.length", "gives steps that a person can make", 20, 10, true, step_length, true},
-      {"step.frequency", "gives steps a second", 20, 10, true, step_frequency, true},
-      {"step.order", "gives steps that do not overlap", 20, 10, true, step_order, true},
-      {"step.times", "gives steps that have ended, and that end", 20, 10, true, step_times, true},
-      {"step.late", "gives a step at most 0.5 s after the foot's contact", 20, 10, true, step_late, true},
+      {"attitude.up", "knows the vertical after 10 s", 20, 10, true, attitude_up},
+      {"step.length", "emits steps of plausible length", 20, 10, true, step_length, true},
+      {"step.frequency", "emits plausible step frequencies", 20, 10, true, step_frequency, true},
+      {"step.order", "emits steps that do not overlap", 20, 10, true, step_order, true},
+      {"step.times", "emits only completed steps of finite duration", 20, 10, true, step_times, true},
+      {"step.late", "emits a step at most 0.5 s after the foot's contact", 20, 10, true, step_late, true},
       {"step.index", "counts its steps from 0", 20, 10, true, step_index, true},
-      {"mode.changes", "says a mode when it changes", 20, 10, true, mode_changes, true},
-      {"motion.each_frame", "gives a motion for each frame after the first, from the one before", 20, 10, true,
+      {"mode.changes", "reports a mode only when it changes", 20, 10, true, mode_changes, true},
+      {"motion.each_frame", "emits a motion for each frame after the first, from the previous one", 20, 10, true,
        motion_each, true},
       {"motion.reason", "has a reason when it is lost, a covariance with a translation", 20, 10, true, motion_reason,
        true},
-      {"motion.speed", "gives metric motions in metres", 20, 10, true, motion_speed},
+      {"motion.speed", "emits metric motions in metres", 20, 10, true, motion_speed},
       {"motion.camera", "names the camera", 20, 10, true, motion_camera},
-      {"motion.refined", "refines a camera that there is, once a second at most", 20, 10, true, refined},
+      {"motion.refined", "refines an existing camera, at most once a second", 20, 10, true, refined},
       {"scale.unit", "gives metres", 20, 10, true, scale_unit},
-      {"scale.group", "speaks of the motions' own group", 20, 10, true, scale_group},
-      {"scale.interval", "says for which motions it holds", 20, 10, true, scale_interval, true},
-      {"scale.sigma", "has a sigma that can be", 20, 10, true, scale_sigma, true},
-      {"fix.says_something", "gives fixes in which something is valid", 20, 10, true, fix_says, true},
-      {"fix.place", "gives fixes on the Earth, near the local frame", 20, 10, true, fix_place, true},
-      {"fix.no_echo", "does not answer poses with places", 20, 10, true, fix_echo, true},
+      {"scale.group", "refers to the motions' scale group", 20, 10, true, scale_group},
+      {"scale.interval", "states for which motions it is valid", 20, 10, true, scale_interval, true},
+      {"scale.sigma", "has a plausible sigma", 20, 10, true, scale_sigma, true},
+      {"fix.says_something", "emits fixes with at least one valid component", 20, 10, true, fix_says, true},
+      {"fix.place", "emits fixes on the Earth, near the local frame", 20, 10, true, fix_place, true},
+      {"fix.no_echo", "does not derive positions from poses", 20, 10, true, fix_echo, true},
   };
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// In the place of child.cpp where a platform has no child processes: the work runs in this one, and what ends it ends
-// the program.
+// Replaces child.cpp on platforms without child processes: the work runs in this process, and a crash ends the program.
 #include "sdk/tools/validator/child.hpp"
 
 namespace odograph {

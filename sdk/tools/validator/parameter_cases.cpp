@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The parameter table and what becomes of values.
+// The parameter table and the handling of values.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace odograph {
 namespace {
 
-/// Asks a question of each row; the first answer that is not empty, with the parameter's name before it.
+/// Checks each row; returns the first non-empty result, preceded by the parameter's name.
 template <class Ask>
 std::string of_each(Bench& bench, Ask&& ask) {
   if (bench.choice.manifest.parameters.empty()) return "~it has no parameters";
@@ -26,7 +26,7 @@ bool is_number(const Spec& spec) {
   return spec.type == SpecType::real || spec.type == SpecType::integer || spec.type == SpecType::reals;
 }
 
-/// Checks a text as the host does when it stands in a config.
+/// Checks a text as the host does when it is in a config.
 std::string refusal_of(const Spec& spec, const std::string& text) {
   const PluginResolver none = [](const std::string&, const std::string&) -> Result<const std::vector<Spec>*> {
     return Failure{ODO_E_CONFIG, ""};
@@ -45,13 +45,13 @@ std::string names(Bench& bench) {
     const bool good = !spec.name.empty() && std::all_of(spec.name.begin(), spec.name.end(), [](char c) {
       return std::islower(static_cast<unsigned char>(c)) || std::isdigit(static_cast<unsigned char>(c)) || c == '_';
     });
-    if (!good) return "is no name in lower_case";
+    if (!good) return "is not a name in lower_case";
     const auto same = std::count_if(all.begin(), all.end(), [&](const Spec& other) { return other.name == spec.name; });
-    return same == 1 ? "" : "stands there " + std::to_string(same) + " times";
+    return same == 1 ? "" : "is listed " + std::to_string(same) + " times";
   });
 }
 
-/// Whether a text is a product or quotient of SI units (and px), with powers: "m/s^2", "rad/s*Hz^(1/2)", "1/s".
+/// Whether a text is a product or quotient of powers of SI units (and px): "m/s^2", "rad/s*Hz^(1/2)", "1/s".
 bool is_si_unit(std::string_view text) {
   constexpr std::string_view known[] = {"m",  "kg", "s",  "A", "K", "mol", "cd", "rad", "sr",
                                         "Hz", "N",  "Pa", "J", "W", "V",   "T",  "lx",  "px"};
@@ -114,7 +114,7 @@ std::string choices(Bench& bench) {
     if (all.empty()) return "is a choice without choices";
     return std::count(all.begin(), all.end(), spec.fallback)
                ? ""
-               : "has the default '" + spec.fallback + "', which is no choice";
+               : "has the default '" + spec.fallback + "', which is not a choice";
   });
 }
 
@@ -125,7 +125,7 @@ std::string counts(Bench& bench) {
   });
 }
 
-/// Started with a value at an end of its range; refusing it with ODO_E_CONFIG and a report is good too.
+/// Starts with a value at an end of its range; refusal with ODO_E_CONFIG and a report is also good.
 std::string at_ends(Bench& bench) {
   bool any = false;
   for (size_t i = 0; i < bench.choice.parameters.size(); ++i) {
@@ -145,7 +145,7 @@ std::string at_ends(Bench& bench) {
              "; expected ODO_OK, or ODO_E_CONFIG after a report";
     }
   }
-  return any ? "" : "~no number of it has bounds";
+  return any ? "" : "~none of its numbers has bounds";
 }
 
 std::string unknown_name(Bench& bench) {
@@ -169,7 +169,7 @@ std::string any_order(Bench& bench) {
   return why.empty() ? difference(straight, reversed) : why;
 }
 
-/// Values of a newer host: rows with more at their end.
+/// Values from a newer host, whose rows are longer.
 std::string larger_rows(Bench& bench) {
   struct Later {
     odo_value value;
@@ -191,7 +191,7 @@ std::string larger_rows(Bench& bench) {
   return why.empty() ? difference(plain, subject->bytes()) : why;
 }
 
-/// The values are gone after the call.
+/// The values are unmapped after the call.
 std::string keeps_no_pointer(Bench& bench) {
   std::string why;
   const auto plain = bench.run(bench.input, {}, why);
@@ -227,14 +227,15 @@ std::vector<Case> parameter_cases() {
       {"parameters.names", "has parameters in lower_case, each once", 10, 0, true, names},
       {"parameters.units", "has units of the SI", 10, 0, true, units},
       {"parameters.help", "explains each parameter", 10, 0, true, helps},
-      {"parameters.ranges", "has ranges that are none the wrong way round", 10, 0, true, ranges},
-      {"parameters.defaults", "has defaults that a config could have", 10, 0, true, defaults},
+      {"parameters.ranges", "has ranges with min not above max", 10, 0, true, ranges},
+      {"parameters.defaults", "has defaults that are valid in a config", 10, 0, true, defaults},
       {"parameters.choices", "has choices, the default among them", 10, 0, true, choices},
       {"parameters.counts", "has lists of 1 to 64 numbers", 10, 0, true, counts},
-      {"parameters.ends", "takes values at the ends of their ranges, or refuses them in words", 30, 0, true, at_ends},
+      {"parameters.ends", "accepts values at the ends of their ranges, or refuses them with a report", 30, 0, true,
+       at_ends},
       {"parameters.unknown", "survives a parameter of a later version", 10, 0, true, unknown_name},
-      {"parameters.order", "takes them in any order", 20, 2, true, any_order},
-      {"parameters.larger_rows", "takes the larger rows of a newer host", 20, 2, true, larger_rows},
+      {"parameters.order", "accepts them in any order", 20, 2, true, any_order},
+      {"parameters.larger_rows", "accepts the larger rows of a newer host", 20, 2, true, larger_rows},
       {"parameters.copied", "keeps no pointer to the values", 20, 2, true, keeps_no_pointer},
   };
 }

@@ -9,18 +9,18 @@
 namespace odograph {
 namespace {
 
-constexpr double kLimit_s = 3600;  // for a recording of any length, pictures and all
-constexpr char kBetween = '\x1e';  // between the child's answers, one for each row of rows()
+constexpr double kLimit_s = 3600;  // for a recording of any length, including pictures
+constexpr char kBetween = '\x1e';  // separates the child's results, one for each row of rows()
 
 std::vector<Case> rows() {
-  std::vector<Case> rows = {{"given", "is given messages that it takes", 0, 0, true, nullptr, true},
+  std::vector<Case> rows = {{"given", "receives messages that it accepts", 0, 0, true, nullptr, true},
                             {"emitted", "emits events", 0, 0, true, nullptr, true}};
   for (const Case& one : all_cases())
     if (one.any_input) rows.push_back(one);
   return rows;
 }
 
-/// "fix 12, step 40", or why it does not apply. The first byte '+': it is no fault.
+/// "fix 12, step 40", or why the row does not apply. A leading '+' marks it as not a fault.
 template <class Range, class Header>
 std::string counted(const Range& messages, Header&& header) {
   std::map<std::string, size_t> counts;
@@ -63,7 +63,7 @@ std::vector<PluginCheck> check_on_recording(const std::filesystem::path& library
     check.seconds = checks.empty() ? result.seconds : 0;
     if (!result.finished) check.outcome = PluginCheck::Outcome::failed;
     checks.push_back(std::move(check));
-    if (is_last) break;  // also what ended the child, or kept the plugin from its start
+    if (is_last) break;  // may also be the reason why the child ended or the plugin did not start
     left.erase(0, end + 1);
   }
   return checks;

@@ -8,8 +8,8 @@
 
 namespace odograph {
 
-/// Gives a plugin the recording of the options, in one child process: how many messages of each type it was given and
-/// emitted, and the cases that judge the events of any input. Ids begin with "recording.".
+/// Runs a plugin on the recording of the options, in one child process: reports how many messages of each type it
+/// received and emitted, and runs the cases that check events of any input. Ids begin with "recording.".
 std::vector<PluginCheck> check_on_recording(const std::filesystem::path& library, const CheckOptions& options);
 
 }  // namespace odograph

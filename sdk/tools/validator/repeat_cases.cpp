@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The same again: whatever the batches, the instance, the process; and structs of other versions.
+// Reproducibility across batches, instances and processes; structs of other versions.
 #include <cstring>
 
 #include "sdk/tools/validator/bench.hpp"
@@ -50,7 +50,7 @@ std::string reset_first(Bench& bench) {
   return difference(plain, subject->bytes());
 }
 
-/// FNV-1a of all events, out of a process of its own.
+/// FNV-1a of all events, computed in a child process.
 std::string fingerprint(Bench& bench) {
   return run_in_child(20,
                       [&] {
@@ -73,7 +73,7 @@ std::string shuffled_memory(Bench& bench) {
   const auto one = bench.run(bench.input, {}, why);
   std::vector<std::vector<char>> holes;
   for (size_t i = 1; i < 2000; ++i) holes.emplace_back(i * 37 % 5000, static_cast<char>(0xA5));
-  for (size_t i = 0; i < holes.size(); i += 2) holes[i] = {};  // memory that is not fresh and not zero
+  for (size_t i = 0; i < holes.size(); i += 2) holes[i] = {};  // memory that is neither fresh nor zero
   const auto other = bench.run(bench.input, {}, why);
   return why.empty() ? difference(one, other) : why;
 }
@@ -96,7 +96,7 @@ std::string empty_batch(Bench& bench) {
   return status >= 0 ? "" : "an empty batch gave status " + std::to_string(status);
 }
 
-/// A message of a type, of any size, between the others.
+/// Inserts messages of a type, of any size, between the others.
 std::string with_strange(Bench& bench, uint32_t type) {
   std::string why;
   const auto plain = bench.run(bench.input, {}, why);
@@ -116,7 +116,7 @@ std::string with_strange(Bench& bench, uint32_t type) {
 std::string newer_type(Bench& bench) { return with_strange(bench, 0x07ED); }
 std::string vendor_type(Bench& bench) { return with_strange(bench, ODO_TYPE_VENDOR(77777, 42)); }
 
-/// The same events and the same answers for messages as they are and changed.
+/// The events and statuses must be the same for original and modified messages.
 std::string same_for(Bench& bench, const Handling& handling) {
   std::string why;
   const auto plain = bench.started(why), other = bench.started(why);
@@ -130,13 +130,14 @@ std::string same_for(Bench& bench, const Handling& handling) {
   return difference(plain->bytes(), other->bytes());
 }
 
-/// Messages of a host of version 1.0: what came later is not there, and what lies behind them neither.
+/// Messages from a host of version 1.0: later members are missing, and nothing lies behind them.
 std::string older_messages(Bench& bench) {
   const auto grown = [](const AnyMessage& m) {
     const MessageInfo* info = message_info(m.header().type);
     return info && info->min_size < info->size;
   };
-  if (std::none_of(bench.input.begin(), bench.input.end(), grown)) return "~none of its messages has grown since";
+  if (std::none_of(bench.input.begin(), bench.input.end(), grown))
+    return "~none of its messages has grown since version 1.0";
   Handling handling;
   handling.guarded = true;
   handling.change = [](AnyMessage& message) {
@@ -147,7 +148,7 @@ std::string older_messages(Bench& bench) {
   return same_for(bench, handling);
 }
 
-/// Messages of a later version: with more at their end.
+/// Messages of a later version, with more members at the end.
 std::string newer_messages(Bench& bench) {
   Handling handling;
   handling.change = [](AnyMessage& message) {
@@ -161,7 +162,7 @@ std::string newer_messages(Bench& bench) {
   return same_for(bench, handling);
 }
 
-/// Its services are left out on both sides: they need the real host.
+/// Compared without services on both sides: they need the real host.
 std::string newer_host(Bench& bench) {
   struct LaterHost : odo_host {
     uint64_t more[4];
@@ -171,7 +172,7 @@ std::string newer_host(Bench& bench) {
   host.get_service = [](const odo_host*, const char*, uint64_t) -> const void* { return nullptr; };
   Subject plain(bench.table(), host, bench.interface_id);
   const int32_t alone = plain.start(bench.values);
-  if (alone == ODO_E_CONFIG || alone == ODO_E_NOT_FOUND) return "~it needs services that only the real host can give";
+  if (alone == ODO_E_CONFIG || alone == ODO_E_NOT_FOUND) return "~it needs services that only the real host provides";
   plain.process(bench.input);
   host.struct_size = sizeof(LaterHost);
   Subject later(bench.table(), host, bench.interface_id);
@@ -182,7 +183,7 @@ std::string newer_host(Bench& bench) {
   return difference(plain.bytes(), later.bytes());
 }
 
-/// A batch struct of a later version, in memory that ends there.
+/// A batch struct of a later version, in memory that ends with it.
 std::string newer_batch(Bench& bench) {
   std::string why;
   const auto plain = bench.run(bench.input, {}, why);
@@ -203,22 +204,22 @@ std::string newer_batch(Bench& bench) {
 
 std::vector<Case> repeat_cases() {
   return {
-      {"repeat.instance", "gives the same events again", 20, 4, true, run_twice},
-      {"repeat.process", "gives the same events in another process", 45, 4, true, other_process},
-      {"repeat.memory", "does not depend on what memory held before", 20, 4, true, shuffled_memory},
-      {"repeat.batches_of_2", "gives the same events when it is given two messages at once", 20, 4, true, cut_small},
-      {"repeat.batches_of_17", "gives the same events when it is given 17 messages at once", 20, 4, true, cut_odd},
-      {"repeat.reset", "gives the same events after a reset", 20, 4, true, after_reset},
-      {"repeat.reset_first", "is after resets as it was after activate", 20, 3, true, reset_first},
-      {"batch.empty", "takes an empty batch", 10, 0, true, empty_batch},
-      {"batch.read_only", "writes into no message, reads none beyond its end, keeps none after the call", 20, 4, true,
+      {"repeat.instance", "emits the same events again", 20, 4, true, run_twice},
+      {"repeat.process", "emits the same events in another process", 45, 4, true, other_process},
+      {"repeat.memory", "does not depend on previous memory contents", 20, 4, true, shuffled_memory},
+      {"repeat.batches_of_2", "emits the same events with two messages per call", 20, 4, true, cut_small},
+      {"repeat.batches_of_17", "emits the same events with 17 messages per call", 20, 4, true, cut_odd},
+      {"repeat.reset", "emits the same events after a reset", 20, 4, true, after_reset},
+      {"repeat.reset_first", "has the same state after resets as after activate", 20, 3, true, reset_first},
+      {"batch.empty", "accepts an empty batch", 10, 0, true, empty_batch},
+      {"batch.read_only", "writes to no message, reads none beyond its end, retains none after the call", 20, 4, true,
        guarded},
-      {"growth.newer_type", "passes over messages of types that it does not know", 20, 3, true, newer_type},
-      {"growth.vendor_type", "passes over vendors' messages", 20, 3, true, vendor_type},
-      {"growth.older_messages", "takes messages of a host of version 1.0", 20, 3, true, older_messages},
-      {"growth.newer_messages", "takes messages that have more at their end", 20, 3, true, newer_messages},
-      {"growth.newer_host", "takes a host and a sink that have more at their end", 20, 3, true, newer_host},
-      {"growth.newer_batch", "takes a batch that has more at its end", 20, 3, true, newer_batch},
+      {"growth.newer_type", "ignores messages of unknown types", 20, 3, true, newer_type},
+      {"growth.vendor_type", "ignores vendors' messages", 20, 3, true, vendor_type},
+      {"growth.older_messages", "accepts messages of a host of version 1.0", 20, 3, true, older_messages},
+      {"growth.newer_messages", "accepts messages with more members at the end", 20, 3, true, newer_messages},
+      {"growth.newer_host", "accepts a host and a sink with more members at the end", 20, 3, true, newer_host},
+      {"growth.newer_batch", "accepts a batch with more members at the end", 20, 3, true, newer_batch},
   };
 }
 

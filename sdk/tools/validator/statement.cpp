@@ -19,9 +19,9 @@ std::string count(const std::vector<PluginCheck>& checks, Outcome outcome) {
       std::count_if(checks.begin(), checks.end(), [&](const auto& c) { return c.outcome == outcome; }));
 }
 
-/// "x86-64, Debian GNU/Linux 12 (bookworm)": what the library is for, by its ELF header, and where it was run.
+/// "x86-64, Debian GNU/Linux 12 (bookworm)": the library's target, from its ELF header, and the system of the test.
 std::string machine(const std::filesystem::path& library) {
-  constexpr size_t kMachineAt = 18;  // of a 16-bit little-endian number in the header
+  constexpr size_t kMachineAt = 18;  // offset of a 16-bit little-endian number in the header
   const std::map<int, std::string> names = {{3, "x86"}, {40, "ARM"}, {62, "x86-64"}, {183, "AArch64"}};
   std::string head(kMachineAt + 2, '\0');
   std::ifstream(library, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
@@ -46,7 +46,7 @@ std::string listed(const std::vector<PluginCheck>& checks, Outcome outcome, cons
   return text.empty() ? "" : "\n## " + title + "\n\n" + text;
 }
 
-/// Verdana's advance at 11 px is near 7 px a character.
+/// Verdana's advance at 11 px is about 7 px per character.
 constexpr int kCharacter_px = 7;
 constexpr int kMargin_px = 10;
 

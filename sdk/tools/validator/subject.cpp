@@ -14,8 +14,8 @@
 namespace odograph {
 namespace {
 
-/// Pages with nothing behind them. What is put there ends with the last byte, can be read while a call lasts and is
-/// gone after it: the next one lies elsewhere.
+/// Guarded pages. Data ends at the end of a page with nothing mapped behind it, is readable during a call and unmapped
+/// afterwards; the next data is elsewhere.
 class GuardedPages {
  public:
   GuardedPages() {
@@ -40,7 +40,7 @@ class GuardedPages {
 
  private:
   static constexpr size_t kPages = 18;   // 64 KiB, the largest message, and the guard
-  static constexpr size_t kBlocks = 16;  // as many calls later the place is used again
+  static constexpr size_t kBlocks = 16;  // an address is reused after this many calls
   size_t page_, next_ = 0;
   unsigned char* base_;
   unsigned char* block_ = nullptr;
@@ -157,7 +157,7 @@ int32_t Subject::process(const std::vector<AnyMessage>& messages, const Handling
     const int32_t status = call(batch);
     if (status <= ODO_E_MEMORY) worst = std::min(worst, status);
     if (handling.guarded) message_pages.take_away(), pixel_pages.take_away();
-    // What is not guarded is overwritten: who reads it later reads nonsense.
+    // Overwrites unguarded copies, so that a late read returns garbage.
     for (AnyMessage& copy : copies) std::memset(static_cast<void*>(&copy.header()), 0xA5, sizeof(odo_header));
     for (AnyMessage& copy : copies) copy = AnyMessage();
   }

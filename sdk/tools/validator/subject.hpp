@@ -13,35 +13,35 @@
 
 namespace odograph {
 
-/// An event as a plugin emitted it, with what was known then.
+/// An event as emitted, with the plugin's input so far.
 struct SeenEvent {
   AnyMessage message;
-  int64_t input_ns = INT64_MIN;  ///< newest time of what the plugin had been given
-  uint32_t input_type = 0;       ///< of the message that it answered
-  size_t call = 0;               ///< number of the call to process
+  int64_t input_ns = INT64_MIN;  ///< newest time in the plugin's input
+  uint32_t input_type = 0;       ///< type of the message being processed
+  size_t call = 0;               ///< index of the call to process
 };
 
-/// How the messages of one call are laid in memory.
+/// Memory layout of the messages of a call.
 struct Handling {
-  bool guarded = false;  ///< read-only, at the end of a page with nothing behind; gone after the call
-  size_t batch = 1;      ///< messages a call
-  std::function<void(AnyMessage&)> change;  ///< of each message before it is handed in
+  bool guarded = false;  ///< read-only, at the end of a page with nothing behind it; unmapped after the call
+  size_t batch = 1;      ///< messages per call
+  std::function<void(AnyMessage&)> change;  ///< applied to each message before it is passed
 };
 
-/// A plugin instance driven by hand, through the same calls as the host's, but stricter: everything that it does
-/// against the contract is noted in `breaches`.
+/// A plugin instance driven by the validator through the same calls as the host's, but more strictly: every violation
+/// of the contract is recorded in `breaches`.
 class Subject {
  public:
   Subject(const odo_plugin& table, const odo_host& host, const std::string& interface_id);
   ~Subject() { destroy(); }
   Subject(const Subject&) = delete;
 
-  /// create, configure and activate; the first status below 0.
+  /// Calls create, configure and activate; returns the first negative status.
   int32_t start(const std::vector<odo_value>& values);
   int32_t create();
   int32_t configure(const std::vector<odo_value>& values);
   int32_t activate();
-  /// The worst status; what is no answer to an input (discard, exhausted) does not count.
+  /// Returns the worst status, ignoring those that are valid answers to an input (discard, exhausted).
   int32_t process(const std::vector<AnyMessage>& messages, const Handling& handling = {});
   int32_t call(const odo_batch& batch);
   int32_t reset();
@@ -55,8 +55,8 @@ class Subject {
 
   std::vector<SeenEvent> events;
   std::vector<std::string> breaches;
-  std::map<int32_t, int> statuses;  ///< of process, how often each
-  std::vector<double> call_s;       ///< of each call to process, this machine's clock
+  std::map<int32_t, int> statuses;  ///< counts of each status of process
+  std::vector<double> call_s;       ///< of each call to process, wall clock
   uint32_t sink_size = sizeof(odo_sink);
 
  private:
@@ -80,10 +80,10 @@ class Subject {
   uint32_t input_type_ = 0;
 };
 
-/// Frames lent for a call, as a strict host lends them: their pixels are gone when nobody holds them any more.
+/// Frames lent for a call by a strict host: their pixels are unmapped once nobody holds them.
 struct FrameLedger {
   int retained = 0, released = 0;
-  bool refuse = false;  ///< retain answers ODO_E_EXHAUSTED
+  bool refuse = false;  ///< retain returns ODO_E_EXHAUSTED
   static int32_t ODO_CALL retain(void* owner);
   static void ODO_CALL release(void* owner);
 };

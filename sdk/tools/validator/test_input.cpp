@@ -33,7 +33,7 @@ TestInput::TestInput(double seconds) {
     add(imu);
     auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);
     attitude.header.flags = ODO_ATTITUDE_COVARIANCE | ODO_ATTITUDE_GYRO_BIAS;
-    attitude.q_n_b[1] = 1.0;  // screen up: half a turn about north
+    attitude.q_n_b[1] = 1.0;  // screen up: rotated by 180 degrees about north
     for (int k = 0; k < 3; ++k) attitude.covariance_n[4 * k] = 1e-4;
     add(attitude);
     if (i % 50 == 0 && i > 0) {

@@ -8,10 +8,9 @@
 
 namespace odograph {
 
-/// Walking-like input of every kind that agrees with itself: a phone that lies flat, screen up, and is carried north at
-/// 1.4 m/s, two steps of 0.7 m a second, an odometry's one a second, the gyroscope at 100 Hz, pictures of 64 x 48
-/// pixels and the platform's own poses at 10 Hz, a known point 100 m ahead and 20 m up, which ranges are measured to.
-/// Messages point into the pixels that it owns.
+/// Consistent walking-like input of every kind: a phone lying flat, screen up, carried north at 1.4 m/s, two steps of
+/// 0.7 m a second, one odometry motion a second, gyroscope at 100 Hz, pictures of 64 x 48 pixels and platform poses at
+/// 10 Hz, ranges to a known point 100 m ahead and 20 m up. Messages point into the pixels that it owns.
 class TestInput {
  public:
   static constexpr int64_t kStart_ns = 1'000'000'000;
@@ -20,8 +19,8 @@ class TestInput {
 
   explicit TestInput(double seconds);
 
-  std::vector<AnyMessage> messages;  ///< in order of time
-  /// Only those of the types.
+  std::vector<AnyMessage> messages;  ///< in time order
+  /// Only messages of these types.
   std::vector<AnyMessage> of(const std::vector<uint32_t>& types) const;
 
  private:

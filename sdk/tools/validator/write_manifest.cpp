@@ -9,13 +9,13 @@
 
 namespace odograph {
 namespace {
-constexpr double kLimit_s = 20;  // to load a library and ask for its table, on a busy machine
+constexpr double kLimit_s = 20;  // for loading a library and reading its table on a busy machine
 }
 
 Result<std::filesystem::path> write_manifest_beside(const std::filesystem::path& file) {
   const auto hash = sha256_of(file);
   if (!hash) return hash.failure();
-  // The plugin's code runs in the child alone: what comes back is the manifest's text behind a '+', or a reason.
+  // The plugin's code runs only in the child, which returns the manifest's text after a '+', or a reason.
   const ChildResult made = run_in_child(kLimit_s, [&] {
     note_phase("loading");
     const HostServices host(0, {"."}, nullptr);
