@@ -320,7 +320,7 @@ bool FrontEnd::is_silent(int64_t now_ns) const {
 bool FrontEnd::check_metres(const odo_step& step, const Vector3d& moved_o) {
   if ((!group_.metric && !metre_check_.doubted()) || step.mode == ODO_MODE_STAIRS) return false;
   if (!metre_check_.add(step.length_m, moved_o.head<2>().norm())) return false;
-  if (metre_check_.doubted())  // discards what the step factor learned since the scale went wrong
+  if (metre_check_.doubted())  // discards the step factor learned since the scale went wrong
     tracker_.localizer.set(kLogFactor, metre_check_.log_factor(), metre_check_.variance());
   return true;
 }

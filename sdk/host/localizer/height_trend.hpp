@@ -38,7 +38,7 @@ class HeightTrend {
     heights_.push({t_ns, pressure_height_m(pressure_pa)});
     return true;
   }
-  /// No reading for so long that the stored ones say nothing about the present.
+  /// No reading for so long that the stored ones are outdated.
   bool is_silent(int64_t t_ns) const {
     return !heights_.empty() && t_ns - heights_.back(0).t_ns > nanoseconds(p_.forgotten_s);
   }

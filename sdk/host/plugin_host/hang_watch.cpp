@@ -33,7 +33,7 @@ void HangWatch::look() {
     if (told_.count(one) > 0) return;
     host_.report(0, ODO_SEVERITY_ERROR, "hangs " + call.what,
                  "plugin " + call.what + " for " + std::to_string(call.lasts_ns / 1'000'000'000) +
-                     " s by now; in a process of its own (isolation: process) it could be left out",
+                     " s so far; in its own process (isolation: process) it could be skipped",
                  ODO_E_ERROR);
   });
   told_ = std::move(lasting);

@@ -89,7 +89,7 @@ Result<fs::path> sealed_copy(const Manifest& manifest) {
   if (memory.fd < 0 || !copy_all(file.fd, memory.fd) ||
       fcntl(memory.fd, F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_GROW | F_SEAL_SHRINK | F_SEAL_SEAL) != 0)
     return Failure{ODO_E_EXHAUSTED,
-                   who + ": no sealed copy of it could be made; what is allowed by hash or signature needs one"};
+                   who + ": no sealed copy could be made, which plugins allowed by hash or signature require"};
   const fs::path path = "/proc/self/fd/" + std::to_string(memory.fd);
   if (const auto same = has_hash_of(manifest, path); !same) return same.failure();
   memory.keep();  // permanently: the loader would mistake another library under this number for this one

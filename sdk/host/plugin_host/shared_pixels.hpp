@@ -30,7 +30,7 @@ class SharedPixels {
   void give_back(std::span<uint8_t> place);
   /// Bytes of the memory that have ever been allocated.
   size_t reserved() const;
-  /// Offset of `at` in the memory, if it lies in it.
+  /// Offset of `at`, if it points into the memory.
   std::optional<uint64_t> offset_of(const uint8_t* at) const;
 
  private:

@@ -146,7 +146,7 @@ struct KnownObjects : Benchmark {
 
   uint64_t scenes = 20, lookalike_frames = 10000, seed = 1;
   std::string folder;
-  int only = -1;  // of the kinds of look-alikes; below 0: all in turn
+  int only = -1;  // kind of look-alikes; negative: all in turn
 };
 
 }  // namespace

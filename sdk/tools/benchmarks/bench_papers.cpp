@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr const char* kWalkers[] = {"W1", "M1", "W2"};
 constexpr double kStart_m = 12;
 
-/// Where the paper scores, with its figures: real walkers W1, M1, W2, adaptive and fixed step length, m.
+/// The places evaluated in the paper, with its results: real walkers W1, M1, W2, adaptive and fixed step length, m.
 struct Place {
   const char* name;
   double walked_m;  ///< 0: the mean over all frames
@@ -32,8 +32,8 @@ constexpr Place kPlaces[] = {
 
 std::string letter(size_t c) { return std::string(1, static_cast<char>('a' + c)); }
 
-/// What a track is laid by. Known objects are surveyed in n: one that is put in place by them is not laid over the
-/// start. Without a camera the heading of a pose is not the path's: the path alone tells that.
+/// Alignment of a track with the truth. Known objects are surveyed in n, so a track positioned by them is not aligned
+/// at its start. Without a camera, the heading of a pose differs from that of the path, so the alignment uses the path.
 enum class Start { surveyed, by_pose, by_path };
 Start start_of(const PipelineConfig& config) {
   for (const PluginChoice& fixer : config.fixers)
@@ -96,8 +96,8 @@ struct Walk700 : Benchmark {
       for (size_t c = 0; c < options.configs.size(); ++c)
         table.columns.push_back({walker, letter(c), walker.get<std::string>() + letter(c), 2, {}, options.configs[c]});
     head += text(
-        "%zu seed%s (each another individual, town and noise), median. Start by a fix of position and heading after "
-        "12 m (without a\ncamera by the path); below it, by the path of the first 12 m.\n\n",
+        "%zu seed%s (different walker, town and noise each), median. Start by a fix of position and heading after 12 "
+        "m (without a\ncamera by the path); below it, by the path of the first 12 m.\n\n",
         options.seeds, options.seeds == 1 ? "" : "s");
     Rows lines;
     for (const char* start : {"", "by_path/"}) {

@@ -20,7 +20,7 @@ std::string confusion_of(const std::string& config, const Rows& rows) {
   for (const Json& row : rows)
     for (const Json& one : row["_modes"])
       modes_s[{one[0].get<uint32_t>(), one[1].get<uint32_t>()}] += one[2].get<double>();
-  std::string out = '\n' + config + ": seconds in which the true mode was taken for\n";
+  std::string out = '\n' + config + ": seconds in which the true mode was classified as\n";
   for (const auto& [modes, s] : modes_s)
     out += text("  %-18s %-18s %9.1f\n", odo_mode_text(modes.first), odo_mode_text(modes.second), s);
   return out;

@@ -18,19 +18,19 @@ namespace fs = std::filesystem;
 constexpr double kAssociate_s = 0.02;  // two thirds of a frame at 30 Hz
 
 constexpr const char* kMetreNote =
-    "From the motions alone, one after the other. placed: frames with a displacement, not lost; metric: in metres; "
-    "before: not in\nmetres while the metre came later. longest: scale group. start: from the first frame to the first "
-    "metric motion; moving:\nfrom the camera's first 5 cm. true, own: path of the metric frames. SE3, yaw: rms "
-    "displacement after alignment; tracked: the worst\nSE3 of a metric stretch that says it is tracked, of its path. "
-    "scale: |own by true - 1| of the Sim(3) alignment. jump: the worst\nchange of scale within a group from the 10 m "
-    "before a stop to the 10 m after. drift: while standing. wrong: part of the time (by\nplaces 5 m apart) in which "
-    "the scale is off by more than 3 of its own sigmas; NEES: (log scale / sigma)^2, mean; 1 is\nconsistent.\n\n";
+    "From the composed motions only. placed: frames with a displacement, not lost; metric: with metric scale; before: "
+    "placed before\nmetric scale was available. longest: scale group. start: from the first frame to the first metric "
+    "motion; moving:\nfrom the camera's first 5 cm. true, own: path of the metric frames. SE3, yaw: rms displacement "
+    "after alignment; tracked: the worst\nSE3 of a metric stretch in state tracking, of its path. scale: |own by true "
+    "- 1| of the Sim(3) alignment. jump: the worst\nchange of scale within a group from the 10 m before a stop to the "
+    "10 m after. drift: while standing. wrong: part of the time (by\nplaces 5 m apart) in which the scale is off by "
+    "more than 3 of its own sigmas; NEES: (log scale / sigma)^2, mean; 1 is\nconsistent.\n\n";
 
 constexpr const char* kShapeNote =
     "APE: after Sim(3), of the path. true scale: error at the end when each frame's displacement, or each 10 m of the "
-    "path, is given its\ntrue length. scale: how much it changes from one half of such a stretch to the other. "
-    "rotation: error of a frame, median. NEES:\nnormalised error squared of a frame's rotation and of its direction, "
-    "by degree of freedom; 1 is consistent.\n";
+    "path, has its\ntrue length. scale: how much it changes from one half of such a stretch to the other. rotation: "
+    "error of a frame, median. NEES:\nnormalised error squared of a frame's rotation and of its direction, by degree "
+    "of freedom; 1 is consistent.\n";
 
 Json stops_of(const VoFigures& f) {
   Json all = Json::array();

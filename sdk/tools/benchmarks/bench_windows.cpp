@@ -116,10 +116,10 @@ struct Windows : Benchmark {
   BenchReport report(const Rows& rows) const override {
     std::string out =
         cases_text(rows, "figures", "", "median, sums") +
-        "\nEach window is a run of its own. start: from its first frame to the first metric motion. scale, "
-        "sigma, SE3, Sim3: of the longest\nscale group at its end. beyond: windows in which the scale was "
-        "off by more than 3 of the sigmas stated 1, 2, 4 s after a start or\nat the end. again: more than "
-        "one metric scale group. NEES: normalised error squared by degree of freedom; 1 is consistent.\n";
+        "\nEach window is a separate run. start: from its first frame to the first metric motion. scale, sigma, SE3, "
+        "Sim3: of the longest\nscale group at its end. beyond: windows in which the scale was off by more than 3 of "
+        "the sigmas stated 1, 2, 4 s after a start or\nat the end. again: more than one metric scale group. NEES: "
+        "normalised error squared by degree of freedom; 1 is consistent.\n";
     for (const Json& row : rows)
       for (const Json& w : row["windows_each"])
         if (number_at(w, "worst_sigmas") > StartWindowParameters{}.certain_sigmas || number_at(w, "start_s") > 3 ||

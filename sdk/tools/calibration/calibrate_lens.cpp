@@ -261,14 +261,14 @@ std::vector<std::string> doubts_about(const LensCalibration& c) {
   const auto used = std::count_if(c.pictures.begin(), c.pictures.end(), [](const auto& p) { return p.used; });
   if (used < 10) say("only %d pictures were used; twenty from different sides are good", static_cast<int>(used));
   if (c.covered() < 0.8)
-    say("corners cover %.0f %% of the picture; hold the board into its edges and corners too", 100 * c.covered());
+    say("corners cover %.0f %% of the picture; move the board to its edges and corners, too", 100 * c.covered());
   if (c.widest_tilt_rad() < 0.5)
-    say("the board was tilted by %.0f degrees at most; without 30 and more the focal length is a guess",
+    say("the board was tilted by at most %.0f degrees; the focal length needs 30 or more to be observable",
         c.widest_tilt_rad() * 57.29578);
-  if (c.sigma_fx > 2e-3 * c.fx) say("the focal length is known to %.1f %% only", 100 * c.sigma_fx / c.fx);
+  if (c.sigma_fx > 2e-3 * c.fx) say("the focal length is known only to %.1f %%", 100 * c.sigma_fx / c.fx);
   if (c.rms_px > 0.5)
-    say("the residual is %.2f px; below 0.3 is usual. Is the board flat, its squares counted rightly, the picture "
-        "sharp?",
+    say("the residual is %.2f px; below 0.3 is usual. Is the board flat, are its squares counted correctly, are the "
+        "pictures sharp?",
         c.rms_px);
   return doubts;
 }

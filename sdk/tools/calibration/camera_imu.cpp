@@ -204,7 +204,7 @@ Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, con
   if (out.rate_rms_rps[1] < options.min_rate_rps) {
     return wrong(
         text("too little rotation: %.1f, %.1f and %.1f deg/s rms about its three axes, at least %.1f about two are "
-             "needed; turn the phone to and fro about all of its axes",
+             "needed; rotate the phone back and forth about all of its axes",
              57.29578 * out.rate_rms_rps[0], 57.29578 * out.rate_rms_rps[1], 57.29578 * out.rate_rms_rps[2],
              57.29578 * options.min_rate_rps));
   }

@@ -189,7 +189,7 @@ Result<CameraImuStart> find_camera_imu_start(const CameraImuData& data, const Gy
     start.rotations.push_back({0.5 * (from + to), best.R_b_c.transpose() * g, s.rate_c});
   }
   if (best.correlation < kMinCorrelation)
-    return Failure{ODO_E_DATA, "the pictures do not turn as the gyroscope does (correlation " +
+    return Failure{ODO_E_DATA, "the rotation of the pictures does not match the gyroscope's (correlation " +
                                    std::to_string(best.correlation).substr(0, 4) +
                                    "): are they of one recording, is the focal length about right, is there enough to "
                                    "see, is the time offset within the search?"};

@@ -27,12 +27,13 @@ std::vector<std::string> doubts_about(const CameraImuCalibration& c) {
   };
   if (!c.rotation_observable)
     weak("the camera's rotation against the IMU", c.rotation_sigma_rad.maxCoeff() * kDegrees, "degrees",
-         "turn the phone about all of its axes");
-  if (!c.time_offset_s.observable) weak("the time offset", 1e3 * c.time_offset_s.sigma, "ms", "turn to and fro faster");
+         "rotate the phone about all of its axes");
+  if (!c.time_offset_s.observable)
+    weak("the time offset", 1e3 * c.time_offset_s.sigma, "ms", "rotate back and forth faster");
   if (!c.row_time_s.observable)
-    weak("the row time", 1e6 * c.row_time_s.sigma, "us", "turn to and fro faster; the given value is kept");
+    weak("the row time", 1e6 * c.row_time_s.sigma, "us", "rotate back and forth faster; the given value is kept");
   if (shutter_of(c) == Shutter::global)
-    doubts.push_back(text("the row time, %.2f +- %.2f us, cannot be told from that of a global shutter",
+    doubts.push_back(text("the row time, %.2f +- %.2f us, cannot be distinguished from that of a global shutter",
                           1e6 * c.row_time_s.value, 1e6 * c.row_time_s.sigma));
   if (shutter_of(c) == Shutter::rolling_up)
     doubts.push_back(
@@ -53,12 +54,12 @@ std::vector<std::string> doubts_about(const CameraImuCalibration& c) {
     }
   if (c.correlation < 0.9)
     doubts.push_back(
-        text("pictures and gyroscope turn together only loosely (correlation %.2f); a scene further away, "
-             "with more to see, is better",
+        text("the rotations of pictures and gyroscope correlate weakly (correlation %.2f); use a more distant scene "
+             "with more texture",
              c.correlation));
   if (c.rms_px > 1)
     doubts.push_back(
-        text("the residual is %.2f px; below 0.6 is usual. Does the lens fit, stands the scene still?", c.rms_px));
+        text("the residual is %.2f px; below 0.6 is usual. Is the lens model right, is the scene static?", c.rms_px));
   return doubts;
 }
 
@@ -88,7 +89,7 @@ std::string camera_yaml(const CameraImuCalibration& c) {
   if (shutter_of(c) == Shutter::rolling)
     yaml += text("row_time: %.4g", c.row_time_s.value) + note(c.row_time_s, 1e6, "us") + "\n";
   if (shutter_of(c) == Shutter::global)
-    yaml += text("row_time: 0  # not told from a global shutter: +- %.3g us\n", 1e6 * c.row_time_s.sigma);
+    yaml += text("row_time: 0  # not distinguishable from a global shutter: +- %.3g us\n", 1e6 * c.row_time_s.sigma);
   return yaml;
 }
 

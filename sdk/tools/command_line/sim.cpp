@@ -71,7 +71,7 @@ void add_sim(CLI::App& app, int& status) {
                    "a real walk (Indoor Location Competition trace): its own sensors, pictures rendered along it")
       ->excludes(objects);
   command->add_option("--camera-profile", a->camera_profile,
-                      "a phone whose camera and IMU stand for the scenario's `camera: {profile: ...}`");
+                      "a phone whose camera and IMU replace the scenario's `camera: {profile: ...}`");
   command->add_option("--first", a->first_m, "only so many metres of the route");
   command->add_option("--threads", a->threads, "0: one a core; the recording is the same for any number")
       ->capture_default_str();

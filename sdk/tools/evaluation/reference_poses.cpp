@@ -83,7 +83,7 @@ Result<Trajectory> read_reference(const std::filesystem::path& tum, const std::s
                  as_camera = disagreement(*poses, rates, mount->q_b_c.conjugate());
     if (body ? as_body > kPlain * as_camera : as_camera > kPlain * as_body)
       return Failure{ODO_E_ARGUMENT, tum.string() + ": by the gyroscope these poses are the " +
-                                         (body ? "camera's" : "body's") + "; say --reference-frame " +
+                                         (body ? "camera's" : "body's") + "; use --reference-frame " +
                                          (body ? "camera" : "body")};
   }
   if (body)

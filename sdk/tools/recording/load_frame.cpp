@@ -60,7 +60,7 @@ void relight(const PictureRef& picture, cv::Mat& image) {
   cv::LUT(image, levels, image);
 }
 
-/// The bytes of a picture's file; empty if it is not a file of its own or must be modified.
+/// The bytes of a picture's file; empty if the picture has no separate file or must be modified.
 std::vector<unsigned char> picture_file(const PictureRef& picture) {
   std::error_code error;
   if (picture.relit()) return {};

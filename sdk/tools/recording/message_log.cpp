@@ -165,7 +165,7 @@ Result<bool> MessageLog::scan(const Visit& visit) {
   return true;
 }
 
-/// Treats a message outside a chunk as a chunk of its own.
+/// Treats a message outside a chunk as a separate chunk.
 Result<bool> MessageLog::take(Record record, const Visit& visit) {
   if (!record.chunk && record.op == (bag_ ? uint8_t(kBagMessage) : uint8_t(kMessage))) {
     record.chunk = static_cast<uint32_t>(chunks_.size());

@@ -110,7 +110,7 @@ Format opencamera() {
       .video = "VID*.mp4|*.mp4|*/*.mp4",
       .switch_on_gyro = "'IMU settings', 'Enable sync video IMU recording', gyroscope",
       .switch_on_accel = "'IMU settings', 'Enable sync video IMU recording', accelerometer",
-      .switch_on_video = "the video lies in DCIM/OpenCamera; put it beside the folder with the tables",
+      .switch_on_video = "the video is in DCIM/OpenCamera; put it beside the folder with the tables",
       .switch_on_others = "magnetometer in 'IMU settings'",
   };
 }
@@ -138,7 +138,7 @@ Format video_imu_capture() {
       .video = "video_recording.mp4|*.mp4",
       .switch_on_gyro = "nothing needs to be switched on: the phone has no gyroscope",
       .switch_on_accel = "nothing needs to be switched on: the phone has no accelerometer",
-      .switch_on_video = "video_recording.mp4 lies beside video_meta.pb3",
+      .switch_on_video = "video_recording.mp4 is beside video_meta.pb3",
       .switch_on_others = "nothing more",
   };
 }
@@ -160,7 +160,7 @@ Format mars() {
       .video = "movie.mp4|*.mp4|*.mov",
       .switch_on_gyro = "nothing needs to be switched on: the phone has no gyroscope",
       .switch_on_accel = "nothing needs to be switched on: the phone has no accelerometer",
-      .switch_on_video = "movie.mp4 lies beside gyro_accel.csv",
+      .switch_on_video = "movie.mp4 is beside gyro_accel.csv",
       .switch_on_others = "nothing more",
   };
 }
@@ -179,7 +179,7 @@ Format stray() {
       .video = "rgb.mp4|*.mp4",
       .switch_on_gyro = "nothing needs to be switched on; older versions of the app wrote no imu.csv",
       .switch_on_accel = "nothing needs to be switched on; older versions of the app wrote no imu.csv",
-      .switch_on_video = "rgb.mp4 lies beside odometry.csv",
+      .switch_on_video = "rgb.mp4 is beside odometry.csv",
       .switch_on_others = "nothing more",
   };
 }

@@ -110,7 +110,7 @@ std::string time_known(Bench& bench) {
       first = std::min(first, message.header().t_ns);
   if (first != INT64_MAX) first -= 2'000'000'000;
   return of_each(bench, [&](const SeenEvent& e, const odo_header& h) -> std::string {
-    if (h.t_ns > e.input_ns) return "lies " + std::to_string(h.t_ns - e.input_ns) + " ns ahead of all its input";
+    if (h.t_ns > e.input_ns) return "is " + std::to_string(h.t_ns - e.input_ns) + " ns ahead of all its input";
     if (h.t_ns < first && h.type != ODO_TYPE_CALIBRATION)
       return "is before the first sample: is it on the sensor clock?";
     return "";

@@ -130,7 +130,7 @@ std::string same_for(Bench& bench, const Handling& handling) {
   return difference(plain->bytes(), other->bytes());
 }
 
-/// Messages from a host of version 1.0: later members are missing, and nothing lies behind them.
+/// Messages from a host of version 1.0: later members are missing, and no memory is mapped behind them.
 std::string older_messages(Bench& bench) {
   const auto grown = [](const AnyMessage& m) {
     const MessageInfo* info = message_info(m.header().type);

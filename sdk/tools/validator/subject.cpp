@@ -65,7 +65,7 @@ void Subject::breach(const std::string& text) {
 
 int32_t Subject::emit(const odo_header* event) {
   if (!event) return breach("emitted null"), ODO_E_ARGUMENT;
-  if (std::this_thread::get_id() != thread_) return breach("thread: emitted on a thread of its own"), ODO_E_STATE;
+  if (std::this_thread::get_id() != thread_) return breach("thread: emitted on the plugin's own thread"), ODO_E_STATE;
   if (!in_process_) return breach("phase: emitted outside of process"), ODO_E_STATE;
   if (++events_in_call_ > kMaxEvents)
     return breach("count: more than " + std::to_string(kMaxEvents) + " events in one call"), ODO_E_EXHAUSTED;
