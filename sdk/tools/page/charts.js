@@ -17,7 +17,7 @@ function prepare(canvas) {
   return {g, w, h};
 }
 
-/** What does not move with the cursor is drawn once for a key, and copied from then on. */
+/** Draws the parts that do not depend on the cursor once per key, and copies them afterwards. */
 function layered(canvas, key, draw) {
   const {g, w, h} = prepare(canvas), whole = [key, canvas.width, canvas.height, css('--back')].join();
   if (canvas.layerKey !== whole) {
@@ -34,7 +34,7 @@ function layered(canvas, key, draw) {
   return {g, w, h};
 }
 
-/** 1, 2 or 5 times a power of ten, so that `span` has about `count` of them. */
+/** Tick spacing: 1, 2 or 5 times a power of ten, for about `count` ticks in `span`. */
 function tick(span, count) {
   const raw = span / count, power = Math.pow(10, Math.floor(Math.log10(raw || 1)));
   return power * ([1, 2, 5, 10].find(f => f * power >= raw) || 10);
@@ -136,7 +136,7 @@ function drawCursor(g, w, h) {
   g.stroke();
 }
 
-/** Range of values in the window, of lines and of the upper ends of bands. */
+/** Range of values in the window, from lines and the upper ends of bands. */
 function rangeOf(series, zero) {
   let low = zero ? 0 : Infinity, high = zero ? 0 : -Infinity;
   for (const s of series) {
@@ -174,7 +174,7 @@ function drawSeries(g, s, X, Y) {
     for (let k = from; k <= to; ++k) {
       if (s.y[k] === null) { pen = false; continue; }
       const x = X(s.t[k]), y = Y(s.y[k]);
-      if (pen && Math.floor(x) === column) {  // within one pixel only the extremes are seen
+      if (pen && Math.floor(x) === column) {  // within one pixel only the extremes are visible
         if (y < least || y > most) { least = Math.min(least, y); most = Math.max(most, y); g.lineTo(x, y); }
         continue;
       }
@@ -204,7 +204,7 @@ function makePanel(title, kind) {
   return {canvas, value};
 }
 
-/** series: {name, t, y, colour, band?, points?, dashed?, hold?}; y may hold null for a break. */
+/** series: {name, t, y, colour, band?, points?, dashed?, hold?}; null in y breaks the line. */
 function addChart(title, unit, series, zero) {
   series = series.filter(s => s.t.length > 0);
   if (series.length === 0) return;
@@ -239,7 +239,7 @@ function addChart(title, unit, series, zero) {
   }
 }
 
-/** entries: {t, name, colour}, each until the next one. */
+/** entries: {t, name, colour}, each valid until the next one. */
 function addBand(title, rows) {
   rows = rows.filter(r => r.entries.length > 0);
   if (rows.length === 0) return;

@@ -1,7 +1,7 @@
-// The track in space: from above, or tilted. Coordinates of data are north, east, down in metres.
+// The track in space, from above or tilted. Data coordinates are north, east, down in metres.
 const map = {centre: [0, 0, 0], metre_px: 10, turn: 0, tilt: 0, by_error: false, loads: 0};
 
-/** A place of a run's frame in the frame that all is drawn in. */
+/** Transforms a position from a run's frame to the common drawing frame. */
 function lay(run, p, i) {
   const {q, p: shift, s} = run.laid, [w, x, y, z] = q;
   const v = [s * p[i], s * p[i + 1], s * p[i + 2]];
@@ -51,7 +51,7 @@ function drawGrid(g, w, h) {
   g.textAlign = 'left';
   g.fillRect(12, h - 14, step * map.metre_px, 2);
   g.fillText(readable(step) + ' m', 12, h - 20);
-  const x = w - 24, y = 30, a = map.turn;  // which way north is
+  const x = w - 24, y = 30, a = map.turn;  // north arrow
   g.beginPath();
   g.moveTo(x - 14 * Math.sin(a), y - 14 * Math.cos(a));
   g.lineTo(x + 5 * Math.cos(a), y - 5 * Math.sin(a));
@@ -108,7 +108,7 @@ function drawHere(g, run, w, h) {
     g.lineWidth = 1.5;
     g.beginPath();
     g.ellipse(at[0], at[1], radius, radius * Math.max(0.15, Math.cos(map.tilt)), 0, 0, 7);
-    if (radius < 0.3 * Math.min(w, h)) g.fill(); else g.stroke();  // one that covers the map hides it
+    if (radius < 0.3 * Math.min(w, h)) g.fill(); else g.stroke();  // a filled one would hide the map
   }
   const [n, e] = directionAt(run, i), tip = run.placed.slice(3 * i, 3 * i + 3);
   tip[0] += n * 16 / map.metre_px;
@@ -129,11 +129,11 @@ function drawHere(g, run, w, h) {
 /** Green, yellow, red as x goes from 0 to 1. */
 const heat = x => `hsl(${Math.round(130 * (1 - Math.min(1, x)))}, 75%, 45%)`;
 
-/** Each pose's error over the largest, for colours. */
+/** Error of each pose relative to the largest, for colours. */
 function errorParts(run, largest) {
   return Array.from(run.t, t => {
     const k = before(run.error.t, t);
-    return k < 0 || run.error.y[k] === null ? 0 : Math.round(20 * run.error.y[k] / largest) / 20;  // few colours are drawn quickly
+    return k < 0 || run.error.y[k] === null ? 0 : Math.round(20 * run.error.y[k] / largest) / 20;  // few colours draw faster
   });
 }
 function drawErrorLegend(g, w, h, largest) {

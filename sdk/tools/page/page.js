@@ -1,4 +1,4 @@
-// Fills the page from the data that stands in it; with `odograph view`, again and again while the run goes on.
+// Fills the page from its embedded data; with `odograph view`, repeatedly during the run.
 let data = null;
 const element = (name, text) => { const e = document.createElement(name); if (text !== undefined) e.textContent = text; return e; };
 
@@ -17,7 +17,7 @@ function modeBands() {
   })));
 }
 
-/** Coordinates and angles of poses, in the frame that all is drawn in: north, east, down, m; roll, pitch, yaw, degrees. */
+/** Coordinates and angles of poses in the common drawing frame: north, east, down, m; roll, pitch, yaw, degrees. */
 function axesOf(t, p, q, turn) {
   const axes = [0, 1, 2].map(k => Array.from(t, (_, i) => p[3 * i + k])), angles = [[], [], []];
   for (let i = 0; i < t.length; ++i) {
@@ -50,7 +50,7 @@ function setUpCharts() {
   ].filter(s => s && run.error.t.length)), true);
   if (data.axes) axisCharts(each, named);
   addChart('Metric scale known to', '%', each(run => ({name: named(run), t: run.scale_sigma.t, y: run.scale_sigma.y, colour: run.colour})), true);
-  addChart('Scale told by its sources', '', each(run => run.scales.map((s, k) =>
+  addChart('Scale from its sources', '', each(run => run.scales.map((s, k) =>
     ({name: named(run, s.source), t: s.t, y: s.y, band: s.sigma, colour: kColours[(k + data.runs.indexOf(run)) % kColours.length]}))));
   if (!data.axes) addChart('Height', 'm', each(run => ({name: named(run), t: run.t, y: run.height, colour: run.colour}))
     .concat(data.truth ? [{name: 'truth', t: data.truth.t, y: data.truth.height, colour: css('--soft'), dashed: true}] : []));
@@ -67,7 +67,7 @@ function setUpCharts() {
 function table(rows, head) {
   const box = element('div'), out = element('table');
   box.className = 'wide';
-  box.tabIndex = 0;  // by keys too it can be moved, where it is wider than the screen
+  box.tabIndex = 0;  // enables scrolling by keyboard if it is wider than the screen
   if (head) {
     const line = element('tr');
     head.forEach(text => line.append(element('th', text)));
@@ -146,7 +146,7 @@ function load(fresh) {
   });
   if (data.truth) {
     data.truth.height = Array.from({length: data.truth.t.length}, (_, i) => -data.truth.p[3 * i + 2]);
-    mark(css('--soft'), 'truth, on which ' + (data.runs.length > 1 ? 'each run was laid' : 'the run was laid') + ' by ' + data.alignment);
+    mark(css('--soft'), 'truth, with which ' + (data.runs.length > 1 ? 'each run was aligned' : 'the run was aligned') + ' by ' + data.alignment);
   }
   const ends = data.runs.flatMap(run => run.t.length ? [run.t[0], run.t[run.t.length - 1]] : []);
   const [first, last] = view.whole, follows = view.now >= last, all = view.t0 <= first && view.t1 >= last;
@@ -165,7 +165,7 @@ function load(fresh) {
 function start() {
   const first = JSON.parse(document.getElementById('data').textContent);
   view.whole = [0, 0];
-  if (!first.live) view.now = -1;  // from the start; a run that goes on is followed
+  if (!first.live) view.now = -1;  // from the start; a live run is followed
   setUpMap();
   setUpTime();
   document.querySelectorAll('.save').forEach(button => {

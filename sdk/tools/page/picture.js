@@ -8,11 +8,11 @@ function rotate(q, v, inverse) {
 }
 const quaternionAt = (run, i) => run.q.slice(4 * i, 4 * i + 4);
 
-/** Where the camera looks over the ground, in the frame that all is drawn in: north and east of length 1. */
+/** Horizontal viewing direction of the camera in the common drawing frame: unit vector (north, east). */
 function directionAt(run, i) {
   const ahead = rotate(run.laid.q, rotate(quaternionAt(run, i), [0, 0, 1]));
   const up = rotate(run.laid.q, rotate(quaternionAt(run, i), [0, -1, 0]));
-  const flat = Math.hypot(ahead[0], ahead[1]) > 0.3 ? ahead : up;  // one that looks down or up: its upper edge
+  const flat = Math.hypot(ahead[0], ahead[1]) > 0.3 ? ahead : up;  // a camera facing down or up: its upper edge
   const length = Math.hypot(flat[0], flat[1]) || 1;
   return [flat[0] / length, flat[1] / length];
 }
@@ -29,7 +29,7 @@ function project(camera, v) {
     y *= f;
   } else if (d.length) {
     const r2 = x * x + y * y;
-    if (r2 > 4) return null;  // beyond what a polynomial describes
+    if (r2 > 4) return null;  // beyond the validity of the polynomial
     const f = (1 + r2 * (d[0] + r2 * (d[1] + r2 * (d[4] || 0)))) / (1 + r2 * ((d[5] || 0) + r2 * ((d[6] || 0) + r2 * (d[7] || 0))));
     [x, y] = [x * f + 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x), y * f + d[2] * (r2 + 2 * y * y) + 2 * d[3] * x * y];
   }
@@ -71,14 +71,14 @@ function drawOverlay(g, data, run, t, toCanvas) {
     g.fillText(name, at[0], at[1] - 5);
   });
   if (!run.metric) return;
-  const way = [];  // for the next 20 s, on a ground below the hand
+  const way = [];  // the next 20 s, on the ground below the hand
   for (let k = i; k < run.t.length && run.t[k] < t + 20; ++k)
     way.push(pixel([run.p[3 * k] - p[0], run.p[3 * k + 1] - p[1], run.p[3 * k + 2] + data.ground_m - p[2]]));
   line(way, run.colour, 4);
 }
 
 const pictures = new Map();
-/** The k-th picture: out of the page, or from `odograph view`. */
+/** The k-th picture, from the page or from `odograph view`. */
 function picture(frame, k) {
   if (pictures.has(k)) return pictures.get(k);
   const image = new Image();
@@ -89,7 +89,7 @@ function picture(frame, k) {
   return image;
 }
 
-let shown = null;  // while the next one is on its way
+let shown = null;  // shown while the next one loads
 function showPicture(data) {
   if (data.frames.length === 0) return;
   document.getElementById('picture-figure').hidden = false;
