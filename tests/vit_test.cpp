@@ -76,8 +76,8 @@ TEST_CASE("a VIT system that says nothing is lost, one that cannot be loaded is 
     return result ? std::string() : result.failure().text;
   };
   CHECK(failure("libnothing-such.so").find("libnothing-such.so") != std::string::npos);
-  CHECK_THROWS_WITH_AS(vit::System("libm.so.6", ""), "libm.so.6: no VIT system: it has no vit_api_get_version",
-                       std::runtime_error);
+  CHECK_THROWS_WITH_AS(vit::System("libm.so.6", ""),
+                       "libm.so.6: not a VIT system: missing function vit_api_get_version", std::runtime_error);
 }
 
 TEST_SUITE_END();

@@ -5,7 +5,7 @@
 #include <map>
 #include <numeric>
 
-// Debian builds dlib with BLAS; SURF has no use for it.
+// Debian builds dlib with BLAS, which SURF does not need.
 #include <dlib/assert.h>
 #include <dlib/test_for_odr_violations.h>
 #undef DLIB_USE_BLAS

@@ -25,7 +25,7 @@ cv::UsacParams msac(double threshold) {
   params.loMethod = cv::LOCAL_OPTIM_INNER_LO;
   params.sampler = cv::SAMPLING_UNIFORM;
   params.threshold = threshold;
-  params.randomGeneratorState = 1;  // the same pictures give the same answer
+  params.randomGeneratorState = 1;  // fixed seed: identical pictures give identical results
   return params;
 }
 
@@ -38,7 +38,7 @@ Matrix3d matrix(const cv::Mat& m) {
 
 Vector3d ray(const cv::Point2d& ideal, double f) { return {ideal.x / f, ideal.y / f, 1}; }
 
-/// The point where two rays pass each other, in the first's frame, or nothing when it is behind one of them.
+/// Midpoint of the closest approach of two rays, in the first's frame; nothing if it is behind one of the cameras.
 std::optional<Vector3d> meet(const Vector3d& u, const Vector3d& v_in_second, const Isometry3d& T_1_2) {
   const Vector3d v = T_1_2.linear() * v_in_second, t = T_1_2.translation();
   const double uu = u.dot(u), vv = v.dot(v), uv = u.dot(v), det = uu * vv - uv * uv;
@@ -94,7 +94,7 @@ std::optional<Odometry::EpipolarPair> Odometry::epipolar(const Picture& a, const
   return out;
 }
 
-/// The points of a and b that are seen again, triangulated, and the pose that sees them so.
+/// Triangulates the points of a and b that are matched again, and estimates the pose from them by PnP.
 bool Odometry::estimate_pose(const Picture& now, const std::vector<std::pair<int, int>>& pairs, Isometry3d& T_b_c,
                              Motion& motion) const {
   std::unordered_map<int, int> in_a;
@@ -127,7 +127,7 @@ bool Odometry::estimate_pose(const Picture& now, const std::vector<std::pair<int
   Isometry3d T_c_b = Isometry3d::Identity();
   T_c_b.linear() = matrix(R);
   T_c_b.translation() = Vector3d(t.at<double>(0), t.at<double>(1), t.at<double>(2));
-  // A pose that leaps by many times the last displacement, or rotates by half a circle, is no pose.
+  // Rejects a pose whose displacement is many times the last one, or whose rotation is close to half a circle.
   if (T_c_b.translation().norm() > 10 * T_a_b_.translation().norm()) return false;
   if (Eigen::AngleAxisd(T_c_b.linear()).angle() > 0.6) return false;
   T_b_c = T_c_b.inverse();
@@ -155,7 +155,7 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
     motion.inliers = static_cast<unsigned>(pair->inliers.size());
     located = a_ && estimate_pose(now, pair->inliers, T_b_c, motion);
     const bool parallax = pair->parallax_px > p_.parallax_px;
-    if (!located) {  // rotation is known all the same; the displacement only when it can be a new scale
+    if (!located) {  // the rotation is valid; the displacement only if it can start a new scale group
       T_b_c.linear() = pair->T_0_1.linear();
       motion.rotation_sigma_rad = p_.inlier_px / f_ / std::sqrt(static_cast<double>(pair->inliers.size()));
     }
@@ -178,7 +178,7 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
     } else {
       T_b_before_ = T_b_c;
     }
-  } else {  // nothing in common any more: begin anew
+  } else {  // no common points: restart
     ++group_;
     a_.reset(), b_ = std::move(now), ab_.clear();
     T_b_before_.setIdentity();

@@ -14,7 +14,7 @@ namespace odograph::antigny2019 {
 
 enum class Outcome { tracking, no_parallax, lost };
 
-/// Motion from the picture before to this one.
+/// Motion from the previous picture to this one.
 struct Motion {
   Eigen::Isometry3d T_c0_c1 = Eigen::Isometry3d::Identity();
   double rotation_sigma_rad = 0, position_sigma = 0;
@@ -25,26 +25,27 @@ struct Motion {
 
 /// The visual odometry of Antigny et al. 2019, section 3.2 and Figure 3: features, sparse selection, SSD matching with
 /// unique correspondences, epipolar outlier rejection by MSAC, triangulation of the inliers of t-2 and t-1 that are
-/// seen again in t, the pose at t by PnP (eq. (2), (3)). No map is kept: the unit of length is handed on from one
-/// triple of pictures to the next.
+/// matched again in t, the pose at t by PnP (eq. (2), (3)). There is no map: each triple of pictures passes the scale
+/// on to the next.
 ///
-/// What the paper leaves open: it starts with the essential matrix of the first two pictures that have parallax, whose
-/// distance becomes the unit; a picture with too little parallax to the one before does not become t-1.
+/// The paper leaves two things open. Here the odometry starts with the essential matrix of the first two pictures that
+/// have parallax; their distance is the unit of length. A picture with too little parallax does not become t-1.
 class Odometry {
  public:
   struct Parameters {
-    std::string features = "surf";    ///< the paper's, section 3.2
-    int most = 1500;                  ///< features found in a picture; judgement
-    int cell_px = 32, in_a_cell = 6;  ///< the strongest of each cell stay; the paper has a sparse selection, no numbers
-    double ratio = 0.6;         ///< of the squared differences; Lowe 2004 has 0.8 of the differences, 0.64 of these
-    double inlier_px = 1.5;     ///< to the epipolar line; twice that for PnP; as vo/five_point
-    double parallax_px = 4.0;   ///< median, of two pictures that are triangulated from; judgement
-    unsigned min_inliers = 12;  ///< of a pose; judgement
-    double dark_grey = 8;       ///< mean below which a picture is too dark; as the other front-ends
+    std::string features = "surf";  ///< as the paper, section 3.2
+    int most = 1500;                ///< max features per picture; empirical
+    int cell_px = 32,
+        in_a_cell = 6;   ///< strongest features kept per cell; the paper has a sparse selection but gives no numbers
+    double ratio = 0.6;  ///< of the squared differences; Lowe 2004 has 0.8 of the differences, 0.64 of these
+    double inlier_px = 1.5;     ///< distance to the epipolar line; twice that for PnP; as vo/five_point
+    double parallax_px = 4.0;   ///< min median parallax of two pictures to triangulate from; empirical
+    unsigned min_inliers = 12;  ///< of a pose; empirical
+    double dark_grey = 8;       ///< mean grey level below which a picture is too dark; as the other front-ends
   };
 
   Odometry(const Parameters& parameters, const CameraModel& camera, cv::Size size);
-  /// Of the frames to come: focused or shifted. What is kept of earlier pictures is of an ideal camera.
+  /// Sets the lens of the frames to come (refocused or shifted). Stored pixels are those of an ideal camera.
   void change_lens(const CameraModel& camera) { camera_ = camera; }
   Motion process(const cv::Mat& grey, const cv::Mat& mask);
 
@@ -54,9 +55,9 @@ class Odometry {
     std::vector<cv::Point2d> ideal;  // pixels of an ideal camera with the focal length f_
   };
   struct EpipolarPair {
-    Eigen::Isometry3d T_0_1;  // of the second in the first, unit distance
+    Eigen::Isometry3d T_0_1;  // pose of the second camera in the first, unit distance
     std::vector<std::pair<int, int>> inliers;
-    double parallax_px;  // median, without the rotation
+    double parallax_px;  // median, rotation compensated
   };
 
   Picture look(const cv::Mat& grey, const cv::Mat& mask);
@@ -73,7 +74,7 @@ class Odometry {
   std::optional<Picture> a_, b_;         // t-2 and t-1
   std::vector<std::pair<int, int>> ab_;  // inliers of both
   Eigen::Isometry3d T_a_b_ = Eigen::Isometry3d::Identity();
-  Eigen::Isometry3d T_b_before_ = Eigen::Isometry3d::Identity();  // the picture before, in b
+  Eigen::Isometry3d T_b_before_ = Eigen::Isometry3d::Identity();  // pose of the previous picture in b
   double scale_ = 1.0;
   unsigned group_ = 0;
 };

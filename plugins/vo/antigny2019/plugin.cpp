@@ -21,13 +21,13 @@ class Antigny2019 {
       ODO_INTERFACE_VO_FRONTEND};
   static std::vector<odo::Parameter<Antigny2019>> parameters() {
     return {odo::choice("features", "surf|sift|orb|akaze", &Antigny2019::features,
-                        "detector and descriptor; the paper's is SURF"),
+                        "detector and descriptor; the paper uses SURF"),
             odo::integer("max_features", 100, 10000, &Antigny2019::max_features,
-                         "found in a picture, before the sparse selection"),
+                         "maximum per picture, before the sparse selection"),
             odo::real("ratio", "", 0.1, 1, &Antigny2019::ratio,
-                      "a match's squared difference to that of the second best, at most"),
+                      "largest ratio of a match's squared difference to that of the second best"),
             odo::real("inlier_threshold", "px", 0.1, 10, &Antigny2019::inlier_threshold,
-                      "distance to the epipolar line of an inlier; twice that for PnP")};
+                      "largest distance of an inlier to the epipolar line; twice that for PnP")};
   }
 
   void on(const odo_calibration& c, odo::Output&) {

@@ -14,10 +14,10 @@ class FivePoint {
   double inlier_threshold = 1.5;
 
   static constexpr odo::Description description{
-      "vo/five_point", "1.0.0", "Plain visual odometry: KLT, five-point start, PnP on triangulated points",
+      "vo/five_point", "1.0.0", "Basic visual odometry: KLT, five-point start, PnP on triangulated points",
       ODO_INTERFACE_VO_FRONTEND};
   static std::vector<odo::Parameter<FivePoint>> parameters() {
-    return {odo::integer("corners", 50, 5000, &FivePoint::corners, "most corners followed"),
+    return {odo::integer("corners", 50, 5000, &FivePoint::corners, "maximum number of tracked corners"),
             odo::real("inlier_threshold", "px", 0.1, 10, &FivePoint::inlier_threshold,
                       "largest reprojection error of an inlier")};
   }

@@ -73,7 +73,7 @@ Motion VisualOdometry::process(const cv::Mat& grey, const cv::Mat& mask) {
   return motion;
 }
 
-/// The latest frame becomes the reference to start from; its corners are what is known.
+/// Makes the latest frame the reference of a new map, with its corners alone.
 void VisualOdometry::begin(bool new_group) {
   if (new_group) ++group_;
   have_reference_ = true;
@@ -106,7 +106,7 @@ bool VisualOdometry::try_start(Motion& motion) {
   const bool moved = rotation->median_residual_rad > 0.25 * p_.start_parallax_rad;
   if (moved) pair = two_view(first, second, threshold());
   if (!moved || (pair && pair->median_parallax_rad < p_.start_parallax_rad)) {
-    // Rotation is known without parallax; the position is not, and stays where it was.
+    // Without parallax the rotation is still valid; the position stays unchanged.
     const Eigen::Matrix3d R_0_1 = (pair ? pair->R_1_0 : rotation->R_1_0).transpose();
     motion.inliers = static_cast<unsigned>(pair ? static_cast<size_t>(pair->count) : first.size() / 2);
     motion.q_c0_c1 = Eigen::Quaterniond(T_w_c_.linear().transpose() * R_0_1).normalized();
@@ -146,8 +146,8 @@ bool VisualOdometry::try_start(Motion& motion) {
   return true;
 }
 
-/// A map that has drifted apart still finds inliers, and bends the path slowly and steadily; the two latest pictures,
-/// which know nothing of it, tell: the rotations that both say must agree in the mean.
+/// A distorted map still yields inliers and bends the path slowly. The mean of the frame rotations by the map must
+/// therefore agree with that by the two latest pictures, which do not depend on the map.
 bool VisualOdometry::agrees_with_two_views(const Isometry3d& T_w_c0) {
   if (++since_start_ % p_.check_every != 0) return true;
   std::vector<cv::Point2d> first, second;
@@ -158,15 +158,15 @@ bool VisualOdometry::agrees_with_two_views(const Isometry3d& T_w_c0) {
     }
   const auto pair = two_view(first, second, threshold());
   if (!pair || 2 * static_cast<size_t>(pair->count) < first.size() || pair->median_parallax_rad < p_.start_parallax_rad)
-    return true;  // no witness
+    return true;  // no two-view estimate to compare with
   const Eigen::AngleAxisd difference(pair->R_1_0 * T_w_c0.linear().transpose() * T_w_c_.linear());
-  const double most = 2 * p_.contradiction_rad;  // one wrong pair of views is no contradiction
+  const double most = 2 * p_.contradiction_rad;  // limits the effect of one wrong pair of views
   contradiction_ = 0.6 * contradiction_ + 0.4 * std::min(difference.angle(), most) * difference.axis();
   return contradiction_.norm() < p_.contradiction_rad;
 }
 
-/// Near planes have a second, mirrored pose, and few points that agree by chance have any: neither puts what the camera
-/// sees before it, after a rotation that a hand can make between two frames.
+/// Rejects poses that put the seen points behind the camera or rotate by more than a hand can between two frames: the
+/// mirrored pose of a near plane, or a chance agreement of few points.
 bool VisualOdometry::plausible(const Isometry3d& T_c_w, const Isometry3d& T_predicted,
                                const std::vector<cv::Point3d>& inliers, size_t asked) const {
   if (4 * inliers.size() < asked) return false;
@@ -176,7 +176,7 @@ bool VisualOdometry::plausible(const Isometry3d& T_c_w, const Isometry3d& T_pred
   return 20 * behind <= inliers.size();
 }
 
-/// The frame's pose by PnP: RANSAC from the predicted pose, then Levenberg-Marquardt on the inliers.
+/// Pose of the frame by PnP: RANSAC from the predicted pose, then Levenberg-Marquardt on the inliers.
 bool VisualOdometry::estimate_pose(Motion& motion) {
   std::vector<cv::Point3d> world;
   std::vector<cv::Point2d> image;
@@ -212,7 +212,8 @@ bool VisualOdometry::estimate_pose(Motion& motion) {
   for (size_t i = 0; i < ids.size(); ++i) {
     Point& point = points_[ids[i]];
     point.misses = is_inlier[i] ? 0 : point.misses + 1;
-    if (point.misses > 2) points_.erase(ids[i]);  // moves, or was triangulated badly: it may start anew
+    if (point.misses > 2)
+      points_.erase(ids[i]);  // a moving point or a bad triangulation; the track may be triangulated again
   }
   for (const auto& X : good_world) depth += (T_w_c_.inverse() * Vector3d(X.x, X.y, X.z)).z();
   depth /= static_cast<double>(good_world.size());
@@ -225,7 +226,7 @@ bool VisualOdometry::estimate_pose(Motion& motion) {
   return true;
 }
 
-/// Adds this frame's sightings, locates points that have parallax now, and improves those that have more than before.
+/// Adds the observations of this frame, triangulates points that now have parallax and refines those that gained some.
 void VisualOdometry::extend_map() {
   std::unordered_map<uint64_t, Point> alive;
   alive.reserve(tracker_.tracks().size());
@@ -234,7 +235,7 @@ void VisualOdometry::extend_map() {
     Point point;
     if (const auto found = points_.find(id); found != points_.end()) point = std::move(found->second);
     point.sightings.push_back({T_w_c_, normalized_[i]});
-    // The first sighting and the newest ones: widest parallax at constant cost.
+    // Keeps the first and the newest observations: largest parallax at constant cost.
     if (point.sightings.size() > p_.sightings) point.sightings.erase(point.sightings.begin() + 1);
     if (point.sightings.size() >= 2) {
       if (const auto X = triangulate(point.sightings, 2 * threshold(), p_.point_parallax_rad)) {

@@ -26,31 +26,32 @@ struct Motion {
   unsigned tracked = 0, inliers = 0;
 };
 
-/// Plain monocular visual odometry: KLT corners; a start from the five-point essential matrix as soon as there is
-/// parallax; then each frame's pose by PnP on the points triangulated so far, and new points triangulated from the
-/// poses. So the scale is one for as long as the tracks hold (a scale group); nothing is optimized jointly.
+/// Basic monocular visual odometry: KLT corners; initialisation from the five-point essential matrix as soon as there
+/// is parallax; then the pose of each frame by PnP on the triangulated points, and new points triangulated from the
+/// poses. The scale is constant while the tracks last (a scale group). There is no joint optimisation.
 class VisualOdometry {
  public:
   struct Parameters {
     CornerTracker::Parameters corners;
-    double inlier_px = 1.5;              ///< reprojection error; judgement
-    double start_parallax_rad = 0.008;   ///< median, to start from two views: half a degree; judgement
-    double point_parallax_rad = 0.012;   ///< to triangulate a point: depth to 1 part in 8 at 1.5 px of 1000; judgement
-    int min_inliers = 15;                ///< of a pose: three times the five of a sample; judgement
-    PictureContent::Parameters content;  ///< less of it, and nothing is followed
-    size_t sightings = 10;               ///< kept for each point; judgement
-    /// Most between a frame's rotation by the map and by the two latest pictures, in the mean: 1 px of 400; judgement.
+    double inlier_px = 1.5;              ///< max reprojection error; empirical
+    double start_parallax_rad = 0.008;   ///< median, to initialise from two views: half a degree; empirical
+    double point_parallax_rad = 0.012;   ///< to triangulate a point: depth to 1 part in 8 at 1.5 px of 1000; empirical
+    int min_inliers = 15;                ///< of a pose: three times the five of a sample; empirical
+    PictureContent::Parameters content;  ///< with less content nothing is tracked
+    size_t sightings = 10;               ///< observations kept per point; empirical
+    /// Largest mean difference between a frame's rotation by the map and by the two latest pictures: 1 px of 400;
+    /// empirical.
     double contradiction_rad = 0.0025;
     int check_every = 2;        ///< frames
-    double surprise_rad = 0.5;  ///< most that a frame's rotation differs from the one before: 860 deg/s at 30 Hz
+    double surprise_rad = 0.5;  ///< largest change of a frame's rotation from the previous one: 860 deg/s at 30 Hz
   };
 
   VisualOdometry(const Parameters& parameters, const CameraModel& camera)
       : p_(parameters), camera_(camera), tracker_(parameters.corners) {}
 
-  /// Of the frames to come: focused or shifted. The map, which has no pixels, stays.
+  /// Sets the lens of the frames to come (refocused or shifted). The map holds no pixels and stays valid.
   void change_lens(const CameraModel& camera) { camera_ = camera; }
-  /// The next frame, 8-bit grey. For the first frame the result means nothing.
+  /// Processes the next frame, 8-bit grey. The result of the first frame is undefined.
   Motion process(const cv::Mat& grey, const cv::Mat& mask);
 
  private:

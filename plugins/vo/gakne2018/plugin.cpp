@@ -9,8 +9,8 @@ namespace {
 
 using namespace odograph::gakne2018;
 
-/// The visual odometry of Gakne & O'Keefe 2018, for a camera that looks up. What their vanishing points say, roll,
-/// pitch and heading, comes from the attitude; without one the camera is taken to look straight up.
+/// The visual odometry of Gakne & O'Keefe 2018, for a camera that looks up. The attitude replaces their vanishing
+/// points as the source of roll, pitch and heading; without an attitude the camera is assumed to look straight up.
 class Gakne2018 {
  public:
   int64_t features = 1000;
@@ -21,7 +21,7 @@ class Gakne2018 {
       "Visual odometry of a sky-pointing camera: ORB, RANSAC, rigid motion (Gakne & O'Keefe 2018)",
       ODO_INTERFACE_VO_FRONTEND};
   static std::vector<odo::Parameter<Gakne2018>> parameters() {
-    return {odo::integer("features", 100, 10000, &Gakne2018::features, "ORB features in a picture"),
+    return {odo::integer("features", 100, 10000, &Gakne2018::features, "maximum ORB features per picture"),
             odo::real("inlier_threshold", "px", 0.1, 50, &Gakne2018::inlier_threshold,
                       "largest distance of an inlier, near the zenith")};
   }
@@ -56,7 +56,7 @@ class Gakne2018 {
   }
 
  private:
-  /// From c to a gravity-aligned frame: n, as the attitude knows it, or the camera's own turned over.
+  /// Rotation from c to a gravity-aligned frame: n if there is an attitude, else the axes of the camera turned over.
   Eigen::Quaterniond on_plane() const {
     return q_n_b_ ? (*q_n_b_ * q_b_c_).normalized() : Eigen::Quaterniond(0, 1, 0, 0);
   }

@@ -14,13 +14,13 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kFar = 1e3;  // a point that does not meet the plane
+constexpr double kFar = 1e3;  // for a point that does not meet the plane
 
-/// The motion by which most pairs move, and who they are.
+/// The rigid motion with the most inliers, and these inliers.
 std::vector<double> ransac(const std::vector<Vector2d>& p, const std::vector<Vector2d>& q,
                            const SkyOdometry::Parameters& parameters, double max_rotation) {
   const double threshold = parameters.inlier_rad;
-  std::minstd_rand random(1);  // the same picture gives the same answer
+  std::minstd_rand random(1);  // fixed seed: identical pictures give identical results
   std::vector<double> best(p.size(), 0.0);
   size_t most = 0;
   for (int trial = 0; trial < parameters.trials; ++trial) {
@@ -40,7 +40,7 @@ std::vector<double> ransac(const std::vector<Vector2d>& p, const std::vector<Vec
   return best;
 }
 
-/// The same with no more rotation than that.
+/// The same with its rotation limited to `max_rad`.
 Rigid2d limited(Rigid2d rigid, const std::vector<Vector2d>& p, const std::vector<Vector2d>& q,
                 const std::vector<double>& weights, double max_rotation) {
   const double rotation_rad = std::atan2(rigid.R(1, 0), rigid.R(0, 0));
@@ -119,7 +119,7 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
           square += inlier[i] * error * error;
         }
       }
-      // The points move by R and T; the camera moves the other way.
+      // The points move by R and T, the camera by the inverse.
       const double rotation_rad = std::atan2(rigid.R(1, 0), rigid.R(0, 0));
       const Eigen::Quaterniond q_l0_l1(Eigen::AngleAxisd(-rotation_rad, Vector3d::UnitZ()));
       const Vector2d displacement = -rigid.R.transpose() * rigid.T;

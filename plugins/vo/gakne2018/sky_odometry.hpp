@@ -11,7 +11,8 @@
 
 namespace odograph::gakne2018 {
 
-/// Motion from the picture before to this one. The unit of length is the height, over the camera, of what was matched.
+/// Motion from the previous picture to this one. The unit of length is the height of the matched points over the
+/// camera.
 struct Motion {
   Eigen::Quaterniond q_c0_c1 = Eigen::Quaterniond::Identity();
   Eigen::Vector3d p_c0_c1 = Eigen::Vector3d::Zero();
@@ -20,42 +21,43 @@ struct Motion {
   unsigned matches = 0, inliers = 0;
 };
 
-/// Visual odometry of a camera that looks up: section 3.1 of Gakne & O'Keefe 2018.
+/// Visual odometry of a camera that looks up (Gakne & O'Keefe 2018, section 3.1).
 ///
-/// ORB features are matched between consecutive pictures, rotated to the horizontal and laid onto the plane one unit
-/// above the camera; RANSAC and then weighted least squares by singular value decomposition (eq. (1)) find the rigid
-/// motion of the plane's points. Its rotation is the vehicle's, its translation the displacement, in units of the
-/// roofs' height: as in the paper, points at different heights disagree about the length.
+/// ORB features are matched between consecutive pictures, rotated to the horizontal and projected onto the plane one
+/// unit above the camera. RANSAC, then weighted least squares by singular value decomposition (eq. (1)), give the rigid
+/// motion of the points in the plane: the rotation of the vehicle, and its displacement in units of the height of the
+/// roofs. As in the paper, points at different heights imply different lengths.
 class SkyOdometry {
  public:
   struct Parameters {
     int features = 1000;
-    double inlier_rad = 0.006;  ///< of the plane's points: about the tangent of an angle
+    double inlier_rad = 0.006;  ///< max error of an inlier on the plane: about the tangent of an angle
     unsigned min_inliers = 12;
-    // What follows was chosen by hand, and not tuned.
-    double lowest = 0.2;                 ///< sine of the least elevation that is used
-    int trials = 500;                    ///< of the RANSAC
-    double apart = 0.3;                  ///< on the plane, of a pair that says how much the camera turned
-    double near = 0.25;                  ///< on the plane: a match farther than this is one of the many windows alike
-    float max_distance = 64;             ///< of ORB's 256 bits, of a match
-    double huber_part = 0.3;             ///< of inlier_rad, from where on errors count linearly
-    double known_rotation_rad = 0;       ///< of the gravity-aligned frame between two pictures: the gyroscope's
-    double unknown_rotation_rad = 0.15;  ///< the same without an attitude: what a car turns by
+    // Empirical, not tuned:
+    double lowest = 0.2;      ///< sine of the smallest elevation used
+    int trials = 500;         ///< of RANSAC
+    double apart = 0.3;       ///< on the plane: min distance of the two points of a pair that gives the rotation
+    double near = 0.25;       ///< on the plane: a match farther away is taken for another, similar window
+    float max_distance = 64;  ///< max Hamming distance of a match, of ORB's 256 bits
+    double huber_part = 0.3;  ///< part of inlier_rad beyond which the loss is linear
+    double known_rotation_rad =
+        0;  ///< max rotation of the gravity-aligned frame between two pictures, by the gyroscope
+    double unknown_rotation_rad = 0.15;  ///< the same without an attitude: a turning car
   };
 
   SkyOdometry(const Parameters& parameters, const CameraModel& camera);
-  /// Of the frames to come: focused or shifted.
+  /// Sets the lens of the frames to come (refocused or shifted).
   void change_lens(const CameraModel& camera) { camera_ = camera; }
-  /// `q_l_c`: from c to a gravity-aligned frame l, whose z points down. `max_rotation`: how much l itself may have
-  /// turned since the picture before, rad. Walls at both sides of a street shear the plane's points, and eq. (1) takes
-  /// that for a rotation.
+  /// `q_l_c`: from c to a gravity-aligned frame l, whose z points down. `max_rotation`: largest rotation of l since the
+  /// previous picture, rad; the walls on both sides of a street shear the points in the plane, which eq. (1) would
+  /// otherwise treat as a rotation.
   Motion process(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c, double max_rotation);
 
  private:
   struct Picture {
     std::vector<cv::KeyPoint> keypoints;
     cv::Mat descriptors;
-    std::vector<Eigen::Vector2d> on_plane;  // on the plane; far away where it does not meet it
+    std::vector<Eigen::Vector2d> on_plane;  // projected; far away if the ray does not meet the plane
     Eigen::Quaterniond q_l_c = Eigen::Quaterniond::Identity();
   };
 
@@ -66,7 +68,7 @@ class SkyOdometry {
   Picture before_;
 };
 
-/// R and T of eq. (1): the least weighted sum of ||R p_i + T - q_i||^2.
+/// R and T that minimise the weighted sum of ||R p_i + T - q_i||^2, eq. (1).
 struct Rigid2d {
   Eigen::Matrix2d R = Eigen::Matrix2d::Identity();
   Eigen::Vector2d T = Eigen::Vector2d::Zero();

@@ -20,7 +20,7 @@ using odograph::SensorRange;
 using odograph::vio::InertialMotion;
 using odograph::vio::InertialOdometry;
 
-constexpr int64_t kRefinedEvery_ns = 1'000'000'000;  // the refined calibration is told
+constexpr int64_t kRefinedEvery_ns = 1'000'000'000;  // period of the refined calibration
 
 class OdographVo {
  public:
@@ -29,25 +29,24 @@ class OdographVo {
                                                 "without; rolling shutter, online calibration",
                                                 ODO_INTERFACE_VO_FRONTEND};
   static std::vector<odo::Parameter<OdographVo>> parameters() {
-    return {
-        odo::boolean("inertial", &OdographVo::inertial_,
-                     "use accelerometer and gyroscope together for motions in metres; without it the gyroscope alone "
-                     "guides a visual odometry that is up to scale"),
-        odo::real(
-            "accel_bias", "m/s^2", 0.01, 2, &OdographVo::accel_bias_,
-            "standard deviation of the accelerometer's bias on each axis before the first measurement (data sheets "
-            "of uncalibrated sensors: 20 mg)"),
-        odo::real("gyro_bias", "rad/s", 1e-4, 0.2, &OdographVo::gyro_bias_,
-                  "the same of the gyroscope (data sheets: 0.5 to 1 deg/s)"),
-        odo::real(
-            "accel_scale", "", 1e-4, 0.1, &OdographVo::accel_scale_,
-            "standard deviation of the scale of each of the accelerometer's axes, relative (data sheets: 0.4 to 1 "
-            "%, calibrated in phones)"),
-        odo::real("gyro_scale", "", 1e-4, 0.1, &OdographVo::gyro_scale_, "the same of the gyroscope"),
-        odo::real("misalignment", "rad", 1e-4, 0.1, &OdographVo::misalignment_,
-                  "standard deviation of each sensor axis against the others (data sheets: 0.3 to 1 %)"),
-        odo::real("time_offset", "s", 1e-4, 0.1, &OdographVo::time_offset_,
-                  "standard deviation of the camera's clock against the IMU's")};
+    return {odo::boolean("inertial", &OdographVo::inertial_,
+                         "use accelerometer and gyroscope for motions in metres; otherwise the gyroscope alone "
+                         "aids a visual odometry that is up to scale"),
+            odo::real(
+                "accel_bias", "m/s^2", 0.01, 2, &OdographVo::accel_bias_,
+                "standard deviation of the accelerometer's bias on each axis before the first measurement (data sheets "
+                "of uncalibrated sensors: 20 mg)"),
+            odo::real("gyro_bias", "rad/s", 1e-4, 0.2, &OdographVo::gyro_bias_,
+                      "the same of the gyroscope (data sheets: 0.5 to 1 deg/s)"),
+            odo::real(
+                "accel_scale", "", 1e-4, 0.1, &OdographVo::accel_scale_,
+                "standard deviation of the scale of each of the accelerometer's axes, relative (data sheets: 0.4 to 1 "
+                "%, calibrated in phones)"),
+            odo::real("gyro_scale", "", 1e-4, 0.1, &OdographVo::gyro_scale_, "the same of the gyroscope"),
+            odo::real("misalignment", "rad", 1e-4, 0.1, &OdographVo::misalignment_,
+                      "standard deviation of each sensor axis against the others (data sheets: 0.3 to 1 %)"),
+            odo::real("time_offset", "s", 1e-4, 0.1, &OdographVo::time_offset_,
+                      "standard deviation of the camera's clock against the IMU's")};
   }
 
   void on(const odo_calibration& c, odo::Output& output) {
@@ -55,7 +54,7 @@ class OdographVo {
     if (camera_.take(c) || std::holds_alternative<std::monostate>(odometry_)) start();
   }
 
-  /// What the sensor's maker says replaces the defaults from here on.
+  /// The manufacturer's noise values replace the defaults from here on.
   void on(const odo_imu_noise& noise, odo::Output& output) {
     tell_pending(true, output);
     noise_ = noise;
@@ -97,7 +96,7 @@ class OdographVo {
   }
 
  private:
-  /// An odometry from what is known of the camera, and of the IMU.
+  /// Starts an odometry with the present calibration of camera and IMU.
   void start() {
     const odograph::vio::Camera camera = camera_at_start(*camera_.calibration());
     q_b_c_ = camera.q_b_c;
@@ -135,7 +134,7 @@ class OdographVo {
     return parameters;
   }
 
-  /// The motion of the frame that waits, when the IMU has reached it or `force` says so.
+  /// Reports the pending frame's motion once the IMU has reached it, or at once with `force`.
   void tell_pending(bool force, odo::Output& output) {
     auto* inertial = std::get_if<InertialOdometry>(&odometry_);
     if (!inertial) return;
@@ -166,7 +165,7 @@ class OdographVo {
     Eigen::Vector3d::Map(event.accel_bias_b) = m.accel_bias_b;
   }
 
-  /// What the camera was found to be, once a second.
+  /// Emits the refined camera calibration, once a second.
   void emit_refined(const InertialOdometry& inertial, int64_t t_ns, odo::Output& output) {
     if (t_ns - refined_ns_ < kRefinedEvery_ns || !inertial.filter()) return;
     refined_ns_ = t_ns;
@@ -193,11 +192,11 @@ class OdographVo {
   double misalignment_ = kPriors.misalignment_rad, time_offset_ = kPriors.time_offset_s;
   odograph::ToldCamera camera_;
   std::optional<odo_imu_noise> noise_;
-  /// None before the first calibration; then the one that `inertial` asks for. The visual one is up to scale.
+  /// Empty before the first calibration; then as `inertial` selects. The visual odometry is up to scale.
   std::variant<std::monostate, Odometry, InertialOdometry> odometry_;
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
-  odo_frame head_{};  // of the frame that waits: its pixels are not kept
+  odo_frame head_{};  // of the pending frame; its pixels are not kept
   int64_t previous_ns_ = INT64_MIN, frame_ns_ = INT64_MIN, refined_ns_ = INT64_MIN / 2;
 };
 

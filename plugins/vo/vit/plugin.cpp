@@ -12,17 +12,17 @@ namespace {
 using namespace odograph::vit;
 using Eigen::Isometry3d;
 
-/// Chosen by hand, and not tuned: the interface says nothing of uncertainty.
+/// Empirical, not tuned: the interface provides no uncertainty.
 struct Parameters {
-  std::chrono::microseconds poll{200};   ///< between two looks for a pose
-  int64_t silent_ns = 1'000'000'000;     ///< ns without a pose, from where on the system is lost
+  std::chrono::microseconds poll{200};   ///< interval between polls for a pose
+  int64_t silent_ns = 1'000'000'000;     ///< ns without a pose after which the system is lost
   double rotation_sigma_rad = 0.002;     ///< rad, of a motion
-  double displacement_sigma = 0.02;      ///< of a motion's displacement, relative, beside
+  double displacement_sigma = 0.02;      ///< of a motion's displacement, relative, in addition to
   double min_displacement_sigma = 1e-3;  ///< m
 };
 constexpr Parameters kParameters;
 
-/// Any system behind Monado's VIT interface as a front-end.
+/// Any system with Monado's VIT interface as a front-end.
 class Vit {
  public:
   std::string library, config;
@@ -33,7 +33,7 @@ class Vit {
       ODO_INTERFACE_VO_FRONTEND};
   static std::vector<odo::Parameter<Vit>> parameters() {
     return {
-        odo::text("library", &Vit::library, "shared library of the system: beside the config, or known to the loader"),
+        odo::text("library", &Vit::library, "shared library of the system: beside the config, or found by the loader"),
         odo::text("config", &Vit::config, "the system's own config file, beside this one; empty = its defaults"),
         odo::real("wait", "s", 0, 10, &Vit::wait, "longest time to wait for a frame's pose")};
   }
@@ -62,7 +62,7 @@ class Vit {
       T_b_c_.translation() = Eigen::Vector3d(c.p_b_c);
     }
     T_b_c_.linear() = q.toRotationMatrix();
-    if (started_) return;  // the interface takes calibrations before the start alone
+    if (started_) return;  // the interface accepts calibrations before the start only
     system_->calibrate(calibration_of(c));
   }
 
@@ -74,7 +74,7 @@ class Vit {
   }
 
   void on(const odo_frame& frame, odo::Output& output) {
-    camera_.lens_of(frame);  // the interface has no lens of a frame
+    camera_.lens_of(frame);  // the interface has no lens per frame
     start();
     const cv::Mat grey = odograph::grey_of(frame, converted_);
     const auto stride = static_cast<uint32_t>(grey.step);
@@ -112,7 +112,7 @@ class Vit {
 
   void take(const vit_pose_data& pose, odo::Output& output) {
     const Eigen::Quaterniond q(pose.ow, pose.ox, pose.oy, pose.oz);
-    if (!(std::abs(q.norm() - 1) < 0.01) || pose.timestamp <= last_ns_) return;  // no pose at all
+    if (!(std::abs(q.norm() - 1) < 0.01) || pose.timestamp <= last_ns_) return;  // invalid pose
     Isometry3d T_w_b = Isometry3d::Identity();
     T_w_b.linear() = q.normalized().toRotationMatrix();
     T_w_b.translation() = Eigen::Vector3d(pose.px, pose.py, pose.pz);

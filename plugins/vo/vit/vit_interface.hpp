@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Monado's Visual-Inertial Tracking interface (vit_interface.h 2.0), in declarations of our own; names and layouts are
-// the interface's. What a consumer with one camera and one IMU needs is the same in version 1.
+// Declarations of Monado's Visual-Inertial Tracking interface (vit_interface.h 2.0), with its names and layouts. The
+// part for a consumer with one camera and one IMU is the same in version 1.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ struct vit_tracker_timing_titles {
 };
 
 struct vit_config {
-  const char* file;  // of the system's own kind, or null
+  const char* file;  // of the system's format, or null
   uint32_t cam_count, imu_count;
   bool show_ui;
 };
@@ -102,7 +102,7 @@ struct vit_camera_calibration {
 };
 
 struct vit_inertial_calibration {
-  double transform[9];  // of the raw measurement, by rows
+  double transform[9];  // of the raw measurement, row-major
   double offset[3];     // added to it
   double bias_std[3];   // rad/s^2/sqrt(Hz), or m/s^3/sqrt(Hz)
   double noise_std[3];  // rad/s/sqrt(Hz), or m/s^2/sqrt(Hz)

@@ -12,7 +12,7 @@ void System::Close::operator()(void* handle) const { dlclose(handle); }
 template <class Function>
 Function* System::find(const char* name, bool required) const {
   auto* function = reinterpret_cast<Function*>(dlsym(handle_.get(), name));
-  if (!function && required) throw std::runtime_error(library_ + ": no VIT system: it has no " + name);
+  if (!function && required) throw std::runtime_error(library_ + ": not a VIT system: missing function " + name);
   return function;
 }
 
@@ -27,7 +27,7 @@ System::System(const std::string& library, const std::string& config) : library_
   check(find<vit_api_get_version_t>("vit_api_get_version")(&major, &minor, &patch), "vit_api_get_version");
   version_ = std::to_string(major) + '.' + std::to_string(minor) + '.' + std::to_string(patch);
   if (major < 1 || major > 2)
-    throw std::runtime_error(library + ": VIT " + version_ + "; versions 1 and 2 are understood");
+    throw std::runtime_error(library + ": VIT " + version_ + "; versions 1 and 2 are supported");
   auto* create = find<vit_tracker_create_t>("vit_tracker_create");
   destroy_ = find<vit_tracker_destroy_t>("vit_tracker_destroy");
   start_ = find<vit_tracker_start_t>("vit_tracker_start");
@@ -40,7 +40,7 @@ System::System(const std::string& library, const std::string& config) : library_
   pose_data_ = find<vit_pose_get_data_t>("vit_pose_get_data");
   const vit_config options{config.empty() ? nullptr : config.c_str(), 1, 1, false};
   check(create(&options, &tracker_), "vit_tracker_create");
-  if (!tracker_) throw std::runtime_error(library + ": vit_tracker_create gave no tracker");
+  if (!tracker_) throw std::runtime_error(library + ": vit_tracker_create returned no tracker");
 }
 
 System::~System() {

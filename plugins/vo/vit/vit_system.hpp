@@ -9,22 +9,22 @@
 
 namespace odograph::vit {
 
-/// A visual-inertial system in a shared library, and one tracker of it. Errors are std::runtime_error that name the
-/// library and what it lacks. One thread.
+/// A visual-inertial system in a shared library, and one tracker. Throws std::runtime_error with the library and the
+/// missing item. Not thread-safe.
 class System {
  public:
-  /// `library`: a path, or a name that the dynamic loader finds. `config`: the system's own file; empty = none.
+  /// `library`: a path, or a name for the dynamic loader. `config`: the system's config file; empty = none.
   System(const std::string& library, const std::string& config);
   ~System();
   System(const System&) = delete;
   System& operator=(const System&) = delete;
 
-  /// Before start(). A system that takes no calibrations has them in its own file: then nothing happens.
+  /// Call before start(). Does nothing for a system that reads its calibrations from its own file.
   void calibrate(const vit_camera_calibration& calibration);
   void start();
   void push(const vit_imu_sample& sample);
   void push(const vit_img_sample& sample);
-  /// The next pose, if there is one yet.
+  /// The next pose, if available.
   std::optional<vit_pose_data> pop();
   const std::string& version() const { return version_; }
 

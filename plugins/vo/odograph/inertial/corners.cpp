@@ -91,7 +91,7 @@ void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const Vector2d& s
   }
 }
 
-/// How much brighter the surroundings of the corners are than in the frame before, median. One where none can be seen.
+/// Median ratio of the brightness around the corners to that in the previous frame. One if there is nothing to compare.
 double GuidedCorners::light_ratio(const std::vector<cv::Point2f>& to) const {
   const int half = p_.light_px / 2;
   const auto mean_at = [&](const cv::Mat& picture, const cv::Point2f& at) {
@@ -107,7 +107,7 @@ double GuidedCorners::light_ratio(const std::vector<cv::Point2f>& to) const {
   return ratios.size() < p_.min_for_ransac ? 1.0 : median(ratios);
 }
 
-/// The present picture in the light of the one before.
+/// The present picture with the brightness of the previous one.
 const GuidedCorners::Pyramid& GuidedCorners::relit(double ratio) {
   cv::Mat picture;
   smooth_.convertTo(picture, CV_8U, 1 / ratio);
@@ -136,7 +136,7 @@ void GuidedCorners::track_forward(const Pyramid& now, std::vector<cv::Point2f>& 
   keep_only(keep);
 }
 
-/// From frame to frame small errors add up; the picture where the corner was found knows no drift.
+/// Frame-to-frame tracking accumulates errors; matching the patch of the first picture does not.
 void GuidedCorners::refine_by_patch(const cv::Mat& picture, const Eigen::Quaterniond& q_c0_c1) {
   const Eigen::Matrix2d roll = Eigen::Rotation2Dd(-log_rotation(q_c0_c1).z()).toRotationMatrix();
   std::vector<char> keep(tracks_.size(), 1);
@@ -149,7 +149,7 @@ void GuidedCorners::refine_by_patch(const cv::Mat& picture, const Eigen::Quatern
     if (match && (match->map.at - pixel).norm() < p_.reference_px && growth > p_.min_growth && growth < p_.max_growth) {
       t.map = match->map;
       t.pixel = {static_cast<float>(t.map.at.x()), static_cast<float>(t.map.at.y())};
-      // At an edge behind which something else moves, the corner of both is no point of the world.
+      // A corner formed by an edge and something that moves behind it is not a point in space.
       keep[i] = match->difference < p_.reference_error;
     } else {
       t.map = {pixel, Eigen::Matrix2d::Identity()};
@@ -171,7 +171,7 @@ void GuidedCorners::drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Vecto
   const double bound = p_.epipolar_px / lens_.focal();
   std::vector<char> best, inliers(tracks_.size());
   size_t most = 0;
-  uint32_t random = 12345;  // the same draws in every frame
+  uint32_t random = 12345;  // fixed seed: the same draws in every frame
   const auto draw = [&] { return (random = random * 1664525u + 1013904223u) >> 8; };
   for (int trial = 0; trial < p_.trials; ++trial) {
     const size_t i = draw() % tracks_.size(), j = draw() % tracks_.size();
@@ -194,9 +194,9 @@ void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {
   for (const Track& t : tracks_) taken[cell(t.pixel)] = 1;
   const auto wanted = static_cast<size_t>(std::max(0, p_.most - static_cast<int>(tracks_.size())));
   std::vector<cv::Point2f> corners, chosen;
-  // In the pyramid's next picture: a fourth of the work, and corners that are there at both scales are followed better.
-  constexpr size_t kHalf = 2;           // pictures and their derivatives take turns
-  if (before_.size() <= kHalf) return;  // smaller than the window
+  // At half resolution: a quarter of the work, and corners that exist at both scales are tracked better.
+  constexpr size_t kHalf = 2;           // the pyramid alternates pictures and their derivatives
+  if (before_.size() <= kHalf) return;  // the picture is smaller than the window
   const cv::Mat& half = before_[kHalf];
   cv::Mat half_mask;
   if (!mask.empty()) cv::resize(mask, half_mask, half.size(), 0, 0, cv::INTER_NEAREST);

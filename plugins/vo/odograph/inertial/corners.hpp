@@ -12,46 +12,47 @@
 
 namespace odograph::vio {
 
-/// Follows corners from frame to frame from where the gyroscope's rotation and their last parallax put them; takes out
-/// those that no one translation explains together with that rotation (two-point RANSAC, Troiani et al. 2014).
+/// Tracks corners from frame to frame. The gyroscope's rotation and their last parallax predict their positions;
+/// corners that no single translation explains together with that rotation are rejected (two-point RANSAC, Troiani et
+/// al. 2014).
 class GuidedCorners {
  public:
   struct Parameters {
-    int most = 220;               ///< corners kept
-    int cell_px = 28;             ///< at most one new corner a cell
+    int most = 220;               ///< max corners
+    int cell_px = 28;             ///< at most one new corner per cell
     double min_distance_px = 10;  ///< between new corners
     double quality = 0.01;        ///< relative to the best corner
-    int block_px = 3;             ///< over which a corner is looked at, of the picture of half the size
+    int block_px = 3;             ///< neighbourhood of the corner measure, in the picture of half the size
     int window_px = 13;           ///< of Lucas-Kanade
     int levels = 3;               ///< of the pyramid
-    double settled_px = 0.01;     ///< its last step
-    int light_px = 11;  ///< window over which the brightness about a corner is compared between frames; by hand
-    double light_change = 0.03;  ///< its median ratio: more, and Lucas-Kanade, which knows no change of light, is given
-                                 ///< a picture without it; by hand
-    double back_px = 0.7;        ///< largest distance between the way there and the way back
-    Patch::Parameters patch;     ///< of a corner against the picture where it was found
-    double reference_error = 6;  ///< grey levels, mean: what looks otherwise than where it was found is dropped
-    double reference_px = 1.5;   ///< most that the reference moves a corner
-    double min_growth = 0.5, max_growth = 3;  ///< in area, until a corner's patch is taken anew
+    double settled_px = 0.01;     ///< convergence threshold of the last step
+    int light_px = 11;            ///< window for comparing the brightness around a corner between frames; empirical
+    double light_change = 0.03;   ///< median brightness change above which Lucas-Kanade, which assumes constant
+                                  ///< brightness, gets a corrected picture; empirical
+    double back_px = 0.7;         ///< max forward-backward error
+    Patch::Parameters patch;      ///< match of a corner against the picture in which it was found
+    double reference_error = 6;   ///< grey levels, mean: a corner whose patch differs by more is dropped
+    double reference_px = 1.5;    ///< max correction of a corner by its patch
+    double min_growth = 0.5, max_growth = 3;  ///< of the area, before a new patch is taken
     double refill_below = 0.7;                ///< of `most`
-    double epipolar_px = 2.0;                 ///< distance from the epipolar line of an inlier
+    double epipolar_px = 2.0;                 ///< max distance of an inlier from the epipolar line
     int trials = 40;                          ///< of RANSAC: 0.9999 with half of the corners wrong
     size_t min_for_ransac = 10;               ///< corners
-    double min_inliers = 0.4;  ///< of them: fewer, and it is the rotation that is wrong, nobody is taken out; by hand
-    PictureContent::Parameters content;       ///< less of it, and nothing is followed
-    double dim_grey = 60, dim_blur_px = 1.5;  ///< by night the noise has more gradient than what is there
+    double min_inliers = 0.4;  ///< min share: below it the rotation is assumed wrong, and none is rejected; empirical
+    PictureContent::Parameters content;       ///< with less content nothing is tracked
+    double dim_grey = 60, dim_blur_px = 1.5;  ///< at night the noise has a larger gradient than the scene
   };
 
   explicit GuidedCorners(const Parameters& parameters) : p_(parameters) {}
 
-  /// `q_c0_c1`: the camera's rotation since the frame before; `shift_px`: what a stabilised lens moved the picture;
-  /// `lens`: the one that took the picture.
+  /// `q_c0_c1`: rotation of the camera since the previous frame; `shift_px`: shift of the picture by a stabilised lens;
+  /// `lens`: lens of this picture.
   const FrameCorners& follow(const cv::Mat& grey, const cv::Mat& mask, int64_t t_ns, double dt_s,
                              const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px,
                              const CameraModel& lens);
   /// In the latest frame's own pixels.
   const FrameCorners& corners() const { return corners_; }
-  /// Of the corners of the frame before, those that are still followed.
+  /// Number of corners of the previous frame that are still tracked.
   size_t followed() const { return followed_; }
   bool too_dark() const { return !content_.shows_something(p_.content); }
 
@@ -59,12 +60,12 @@ class GuidedCorners {
   struct Track {
     uint64_t id = 0;
     cv::Point2f pixel;
-    size_t patch = 0;                                    ///< of patches_
+    size_t patch = 0;                                    ///< index in patches_
     Patch::Map map;                                      ///< of the patch in the latest picture
-    bool known = false;                                  ///< there is a patch
+    bool known = false;                                  ///< the patch is valid
     Eigen::Vector3d ray = Eigen::Vector3d::Zero();       ///< z = 1
-    Eigen::Vector2d turned = Eigen::Vector2d::Zero();    ///< where rotation and shift alone put it, px
-    Eigen::Vector2d parallax = Eigen::Vector2d::Zero();  ///< of the rest, px/s
+    Eigen::Vector2d turned = Eigen::Vector2d::Zero();    ///< position by rotation and lens shift alone, px
+    Eigen::Vector2d parallax = Eigen::Vector2d::Zero();  ///< motion beyond that, px/s
   };
   using Pyramid = std::vector<cv::Mat>;
 

@@ -14,8 +14,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kMedianNis = 0.8;          // of chi-square with 2 to 10 degrees of freedom, by their number
-constexpr double kHeadingSigma_rad = 1e-4;  // a choice of ours: heading and position are not measured
+constexpr double kMedianNis = 0.8;          // of chi-square with 2 to 10 degrees of freedom, per degree of freedom
+constexpr double kHeadingSigma_rad = 1e-4;  // arbitrary: heading and position are unobservable
 
 }  // namespace
 
@@ -93,7 +93,8 @@ void Filter::let_corners_walk(double dt_s) {
     state_.P.diagonal().segment<2>(state_.landmark_at(j)).array() += walk * walk * dt_s;
 }
 
-/// Its mean velocity is none of somebody who stays where he is, or turns there with the phone at arm's length.
+/// True if the mean velocity exceeds that of a person who stands, or rotates on the spot with the phone at arm's
+/// length.
 bool Filter::gets_somewhere(int64_t t_ns) {
   motions_.push_back({t_ns, state_.nav.v_w, state_.nav.q_w_b});
   while (seconds(t_ns - motions_.front().t_ns) > p_.stand.mean_s) motions_.pop_front();
@@ -106,7 +107,7 @@ bool Filter::gets_somewhere(int64_t t_ns) {
   return mean.dot(S.ldlt().solve(mean)) > chi_square_bound(3, p_.gate_tail);
 }
 
-/// Nothing but a rotation in the picture, and a specific force that hardly changes.
+/// True if a rotation explains the picture and the specific force is nearly constant.
 bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
   const auto before = std::find_if(recent_.rbegin(), recent_.rend(), [&](const FrameCorners& f) {
     return seconds(frame.t_ns - f.t_ns) > p_.stand.window_s;
@@ -117,7 +118,7 @@ bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
   imu.for_each(before->t_ns, frame.t_ns, 1'000'000'000,
                [&](const ImuSample& a, const ImuSample&) { sum += a.accel_b, squares += a.accel_b.cwiseAbs2(), ++n; });
   if (n < p_.stand.min_samples) return false;
-  // The change of direction that a rotating phone sees of gravity is no motion: the length alone counts for it.
+  // A rotating phone changes the direction of gravity in b without translating: only the norm counts then.
   const Vector3d mean = sum / n;
   const double variance = (squares / n - mean.cwiseAbs2()).sum();
   double norms = 0, norm_squares = 0;
@@ -132,7 +133,8 @@ bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
   return flow_px && *flow_px < p_.stand.flow_px;
 }
 
-/// The newest clone sees what the one before it saw: it would push those with parallax out of the window.
+/// The newest clone adds no parallax to the previous one. Keeping both would push clones with parallax out of the
+/// window.
 bool Filter::without_parallax() const {
   if (state_.landmarks.size() < p_.stand.min_corners) return false;
   std::vector<double> inverse_depths;
@@ -161,7 +163,7 @@ void Filter::update_landmarks(const FrameCorners& frame, FrameReport& report) {
     const auto at = std::lower_bound(frame.corners.begin(), frame.corners.end(), track,
                                      [](const Corner& c, uint64_t t) { return c.track < t; });
     if (at != frame.corners.end() && at->track == track) seen.push_back({j, {newest().id, at->pixel, at->row}});
-    tracks_.erase(track);  // its observations are used
+    tracks_.erase(track);  // its observations are used by the landmark
   }
   const std::vector<Outcome> outcomes = update_with_landmarks(state_, seen, p_);
   std::vector<char> keep(state_.landmarks.size(), 0);
@@ -175,14 +177,14 @@ void Filter::update_landmarks(const FrameCorners& frame, FrameReport& report) {
     if (!keep[j]) state_.remove_landmark(j);
 }
 
-/// Tracks that ended, and those that span the window: they will lose their oldest clone.
+/// Updates with the tracks that ended and those that span the window, which are about to lose their oldest clone.
 void Filter::update_tracks(FrameReport& report) {
   const bool full = state_.clones.size() > p_.clones;
   const uint32_t oldest = state_.clones.front().id;
-  std::vector<std::pair<uint64_t, bool>> ready;  // and whether it goes on
+  std::vector<std::pair<uint64_t, bool>> ready;  // and whether the track continues
   for (auto& [track, seen] : tracks_) {
     const bool alive = !seen.empty() && seen.back().clone == newest().id;
-    // A camera that stands gets no new clones, and its landmarks become fewer.
+    // A camera that stands gets no new clones, so its landmarks would decrease.
     const bool wanted = report.standing && state_.landmarks.size() < p_.landmarks && seen.size() >= p_.min_track;
     const bool spans = full && !seen.empty() && seen.front().clone == oldest;
     if (!alive || spans || wanted) ready.emplace_back(track, alive);
@@ -206,7 +208,7 @@ void Filter::update_tracks(FrameReport& report) {
       used += outcome.dof > 0;
       count(outcome, report);
     }
-    if (alive) tracks_[track] = {seen.back()};  // from here on it is another track
+    if (alive) tracks_[track] = {seen.back()};  // restarts as a new track
   }
 }
 
@@ -214,8 +216,8 @@ void Filter::marginalise() {
   while (state_.clones.size() > p_.clones) forget_clone(0);
 }
 
-/// A stabiliser takes out most of the rotation or there is none: a lens that is seen not to follow is a fixed one, and
-/// what a small gain would do, which looks like a slow drift of the centre, is no longer possible.
+/// A stabiliser takes out most of the rotation. A lens that follows clearly less is therefore fixed, and its small
+/// gain, which cannot be told apart from a slow drift of the principal point, is set to zero.
 void Filter::settle_lens() {
   if (fixed_lens_) return;
   const StabiliserParameters& s = p_.stabiliser;
@@ -231,9 +233,9 @@ void Filter::settle_lens() {
   hold_lens(state_);
 }
 
-/// How well corners are followed depends on light, blur and compression: the median of the normalised innovations,
-/// which is 0.7 to 0.9 of the degrees of freedom where the noise is right. In the logarithm, towards it with a time
-/// constant.
+/// The noise of tracked corners depends on light, blur and compression. It is estimated from the median of the
+/// normalised innovations, which is 0.7 to 0.9 of the degrees of freedom if the noise is right, by a low-pass filter in
+/// the logarithm.
 void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
   const double part = 1 - std::exp(-dt_s / p_.gate_sigma_s);
   const auto towards = [&](double value, double seen) { return value * std::pow(seen / value, part); };
@@ -247,7 +249,7 @@ void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
     p_.plain_residual_px = std::max(p_.min_residual_px, towards(p_.plain_residual_px, median(report.rms_px)));
 }
 
-/// But for the heading, on which it depends as well.
+/// Without the heading error, on which the velocity depends as well.
 Matrix3d Filter::velocity_covariance() const {
   const Vector3d& v = state_.nav.v_w;
   const Vector3d with_scale =
@@ -269,12 +271,12 @@ double Filter::camera_pull() const {
   return sum;
 }
 
-/// By the displacement over the window.
+/// From the displacement over the window.
 void Filter::update_scale_sigma() {
   const size_t last = state_.clones.size() - 1;
   const Clone &a = state_.clones.front(), &b = state_.clones[last];
   const Vector3d d = b.p_w - a.p_w;
-  if (d.norm() < p_.min_displacement_m) return;  // a camera that stands keeps its map, and what it knows of the metre
+  if (d.norm() < p_.min_displacement_m) return;  // a standing camera keeps its map and its scale uncertainty
   // d = p_b - p_a: theta_b x p_b - theta_a x p_a + rho_b - rho_a + s d; along d.
   const Vector3d u = d.normalized();
   Eigen::VectorXd J = Eigen::VectorXd::Zero(state_.size());

@@ -16,13 +16,13 @@
 
 namespace odograph::vio {
 
-/// How a frame went.
+/// Statistics of one frame.
 struct FrameReport {
   bool imu_whole = true;  ///< no samples were missing
   bool standing = false;
   int tried = 0, accepted = 0;      ///< tracks and landmarks
-  std::vector<double> nis_per_dof;  ///< of each that was tried
-  std::vector<double> rms_px;       ///< Outcome::rms_px of the tracks among them
+  std::vector<double> nis_per_dof;  ///< of each track and landmark tried
+  std::vector<double> rms_px;       ///< Outcome::rms_px of the tracks tried
 };
 
 /// Visual-inertial multi-state constraint Kalman filter (Mourikis & Roumeliotis 2007) with landmarks (Li & Mourikis
@@ -30,31 +30,31 @@ struct FrameReport {
 /// row time; right-invariant errors (state.hpp). One thread, deterministic.
 class Filter {
  public:
-  /// Where the filter begins, and the standard deviations of that; the camera is as calibrated.
+  /// Initial state and its standard deviations; the camera is as calibrated.
   struct Start {
     int64_t t_ns = 0;  ///< IMU time
     Navigation nav;
     double tilt_rad = 0, velocity_mps = 0, gyro_bias_radps = 0, accel_bias_mps2 = 0;
-    double scale = 0;  ///< relative, of the velocity and whatever is seen later
-    /// Mean specific force of a body at rest and its sigma: the tilt is then known but for the accelerometer's bias.
+    double scale = 0;  ///< relative, common to the velocity and all lengths of the map
+    /// Mean specific force of a body at rest and its sigma: limits the tilt to the error of the accelerometer bias.
     std::optional<Eigen::Vector3d> rest_force_b;
     double rest_force_mps2 = 0;
   };
   Filter(const FilterParameters& parameters, const Camera& camera, const Start& start);
 
-  /// The IMU must reach to the frame's time plus the camera's time offset.
+  /// The IMU samples must reach the frame's time plus the camera's time offset.
   FrameReport process(const FrameCorners& frame, const ImuBuffer& imu);
 
   const State& state() const { return state_; }
-  /// Of the camera's pose in the newest clone.
+  /// The camera's pose in the newest clone.
   const Clone& newest() const { return state_.clones.back(); }
-  /// Relative standard deviation of the metre.
+  /// Relative standard deviation of the metric scale.
   double scale_sigma() const { return scale_sigma_; }
   double velocity_sigma() const { return std::sqrt(velocity_covariance().trace()); }
-  /// How far the camera was pulled from its calibration: squares of time offset, focal length, centre and, where it was
-  /// given, row time, by their priors' sigmas. A wrong metre is explained by a wrong camera before anything else.
+  /// Deviation of the camera from its calibration: sum of squares of time offset, focal length, principal point and, if
+  /// given, row time, each over the sigma of its prior. A wrong scale shows in the camera parameters first.
   double camera_pull() const;
-  /// Noise of the corners as the innovations have it, px.
+  /// Corner noise as estimated from the innovations, px.
   double gate_sigma() const { return p_.gate_sigma; }
 
  private:
@@ -78,7 +78,7 @@ class Filter {
   Camera calibrated_;
   State state_;
   std::map<uint64_t, Track> tracks_;  // ordered: the same updates in the same order each time
-  std::deque<FrameCorners> recent_;   // of the last half second
+  std::deque<FrameCorners> recent_;   // over the last half second
   uint32_t next_id_ = 0;
   bool stood_ = false;
   struct Motion {
@@ -86,9 +86,9 @@ class Filter {
     Eigen::Vector3d v_w;
     Eigen::Quaterniond q_w_b;
   };
-  std::deque<Motion> motions_;            // of the last mean_s
-  bool fixed_lens_ = false;               // no stabiliser: that is known
-  std::optional<int64_t> unfollowed_ns_;  // since when it looks like that
+  std::deque<Motion> motions_;            // over the last mean_s
+  bool fixed_lens_ = false;               // the lens is known to have no stabiliser
+  std::optional<int64_t> unfollowed_ns_;  // time since which the lens appears fixed
   double scale_sigma_ = 1;
 };
 

@@ -23,7 +23,7 @@ Isometry3d pose_of(const Camera& camera, const Navigation& nav) {
   return isometry(nav.q_w_b * camera.q_b_c, nav.p_w + nav.q_w_b * camera.p_b_c);
 }
 
-/// Remembers since when `holds` is true; for how long that is by now, s.
+/// Time for which `holds` has been true without a break, s. Keeps its start in `since_ns`.
 double lasts_s(bool holds, int64_t t_ns, std::optional<int64_t>& since_ns) {
   if (!holds) since_ns.reset();
   if (holds && !since_ns) since_ns = t_ns;
@@ -73,7 +73,7 @@ std::optional<InertialMotion> InertialOdometry::finish(bool force) {
   return std::move(outcome.motion);
 }
 
-/// The motion is the visual odometry's, until a filter starts from it or from standing.
+/// Reports the visual odometry's motion until a filter starts, from standing or from the visual odometry in motion.
 InertialOdometry::Outcome InertialOdometry::advance(Initialising& phase, const Pending& frame) {
   compose(phase, frame.visual);
   if (frame.estimate) {
@@ -91,7 +91,7 @@ InertialOdometry::Outcome InertialOdometry::advance(Initialising& phase, const P
   return {visual, std::nullopt};
 }
 
-/// The motion is the filter's, until it is lost or wrong.
+/// Reports the filter's motion until the filter is lost or wrong.
 InertialOdometry::Outcome InertialOdometry::advance(Filtering& phase, const Pending& frame) {
   Filter& filter = phase.filter;
   if (!frame.estimate) return {tell(phase, frame.t_ns, navigation_at(filter, frame.t_ns), false), std::nullopt};
@@ -112,7 +112,8 @@ InertialOdometry::Outcome InertialOdometry::advance(Filtering& phase, const Pend
   return {out, begin_anew()};
 }
 
-/// Corners of a frame, from where the IMU's rotation and the lens's shift put them, in the calibrated lens's pixels.
+/// Tracks the corners of a frame from the positions predicted by IMU rotation and lens shift. Pixels of the calibrated
+/// lens.
 FrameCorners InertialOdometry::follow(const vo::Frame& frame) {
   Quaterniond rotation = Quaterniond::Identity();
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
@@ -129,14 +130,14 @@ bool InertialOdometry::has_accelerometer(int64_t t_ns) const {
   return !imu_.empty() && accel_ns_ && t_ns - *accel_ns_ < p_.silent_accel_ns;
 }
 
-/// As far as a frame's last row.
+/// True if the IMU samples reach the last row of the frame.
 bool InertialOdometry::imu_reaches(int64_t t_ns) const {
   const double reach_s =
       std::max(0.0, camera().time_offset_s) + (camera().middle_row + 1) * std::abs(camera().line_time_s);
   return !imu_.empty() && imu_.newest_ns() >= t_ns + p_.imu_margin_ns + nanoseconds(reach_s);
 }
 
-/// Poses of a scale group from the visual motions.
+/// Composes the visual motions into the poses of a scale group.
 void InertialOdometry::compose(Initialising& phase, const vo::Motion& visual) {
   if (visual.scale_group != phase.visual_group) {
     phase.visual_group = visual.scale_group;
@@ -147,7 +148,7 @@ void InertialOdometry::compose(Initialising& phase, const vo::Motion& visual) {
     phase.T_w_c = phase.T_w_c * isometry(visual.q_c0_c1, visual.translation_valid ? visual.p_c0_c1 : Vector3d::Zero());
 }
 
-/// From standing, or now and then from the visual odometry in motion.
+/// Starts from standing or, every start_every_s, from the visual odometry in motion.
 std::optional<InertialOdometry::Filtering> InertialOdometry::try_start(Initialising& phase, int64_t t_ns) {
   std::optional<Filter> filter = start_still(phase.frames, imu_, camera_, p_.filter, p_.start);
   double spread = 0;
@@ -166,7 +167,7 @@ std::optional<InertialOdometry::Filtering> InertialOdometry::try_start(Initialis
   return out;
 }
 
-/// Takes the next hypothesis. True where enough of them agree.
+/// Takes the next hypothesis. Returns true if enough consecutive hypotheses agree.
 bool InertialOdometry::confirm(Initialising& phase, Filter next) const {
   int confirmed = 0;
   double spread = 0;
@@ -180,7 +181,7 @@ bool InertialOdometry::confirm(Initialising& phase, Filter next) const {
   return confirmed >= p_.confirmations;
 }
 
-/// The filter, not what it sees: numbers that no phone has, or a picture that contradicts it for too long.
+/// Checks the filter: implausible estimates, or measurements that contradict it for too long.
 bool InertialOdometry::is_wrong(Filtering& phase, const FrameReport& seen, int64_t t_ns) const {
   const bool refused = seen.tried >= p_.min_tried && seen.accepted < p_.min_accepted * seen.tried;
   const bool unseen = !seen.standing && seen.accepted < p_.min_seen;
@@ -192,7 +193,7 @@ bool InertialOdometry::is_wrong(Filtering& phase, const FrameReport& seen, int64
          phase.filter.camera_pull() > p_.max_camera_pull || diverged || long_unseen;
 }
 
-/// The camera's rotation by the gyroscope; none where samples lack.
+/// Rotation of the camera by the gyroscope; identity if samples are missing.
 Quaterniond InertialOdometry::rotation_between(int64_t from_ns, int64_t to_ns) const {
   const int64_t offset_ns = imu_offset_ns(camera());
   Navigation nav;
@@ -209,7 +210,7 @@ Quaterniond InertialOdometry::rotation_between(int64_t from_ns, int64_t to_ns) c
   return (camera().q_b_c.conjugate() * integral.q_b0_b1 * camera().q_b_c).normalized();
 }
 
-/// The filter's, carried to a frame's time.
+/// The filter's navigation state, propagated to the frame's time.
 Navigation InertialOdometry::navigation_at(const Filter& filter, int64_t frame_ns) const {
   Navigation nav = filter.state().nav;
   integrate(nav, filter.state().t_ns, frame_ns + imu_offset_ns(filter.state().camera), imu_, p_.filter.gravity_mps2);
@@ -236,7 +237,7 @@ FailureReason InertialOdometry::dark_or_few_features() const {
   return corners_.too_dark() ? FailureReason::too_dark : FailureReason::few_features;
 }
 
-/// The motion to the filter's pose at a frame, of the newest clone or by `nav`.
+/// Motion to the filter's pose at a frame: that of the newest clone, or `nav` if there is none.
 InertialMotion InertialOdometry::tell(Filtering& phase, int64_t t_ns, const Navigation& nav, bool with_clone) const {
   const Filter& filter = phase.filter;
   const State& state = filter.state();
@@ -270,13 +271,14 @@ InertialMotion InertialOdometry::tell(Filtering& phase, int64_t t_ns, const Navi
   return out;
 }
 
-/// Of the motion from the frame before: by the two clones, or where one lacks by velocity and gyroscope bias.
+/// Covariance of the motion from the previous frame: from the two clones or, if one is missing, from velocity and gyro
+/// bias.
 Eigen::Matrix<double, 6, 6> InertialOdometry::motion_covariance(const Filter& filter, int64_t t_ns,
                                                                 bool with_clone) const {
   const State& state = filter.state();
   const auto& clones = state.clones;
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  // While the camera stands the frame before has lost its clone.
+  // While the camera stands the previous frame has no clone any more.
   if (with_clone && clones.size() > 1 && previous_ns_ && clones[clones.size() - 2].frame_ns == *previous_ns_) {
     const size_t j = clones.size() - 1, i = j - 1;
     const Eigen::Matrix3d R = clones[i].q_w_c.conjugate().toRotationMatrix();
@@ -294,7 +296,7 @@ Eigen::Matrix<double, 6, 6> InertialOdometry::motion_covariance(const Filter& fi
     covariance.diagonal().tail<3>().array() += std::pow(p_.position_floor_m, 2);
   } else {
     const double dt = previous_ns_ ? seconds(t_ns - *previous_ns_) : 0, velocity_sigma = filter.velocity_sigma();
-    // Its rotation is the gyroscope's, less a bias that the filter takes for better known than it is.
+    // The rotation is the gyroscope's. The filter underestimates the sigma of its bias.
     const auto bias_variance = state.P.diagonal().segment<3>(block::gyro_bias).array();
     covariance.diagonal().head<3>() = bias_variance * std::pow(p_.standing_bias_factor * dt, 2);
     covariance.diagonal().tail<3>().setConstant(velocity_sigma * velocity_sigma * dt * dt);
@@ -302,9 +304,9 @@ Eigen::Matrix<double, 6, 6> InertialOdometry::motion_covariance(const Filter& fi
   return covariance;
 }
 
-/// The frame before, as the filter sees it now. What it corrects where the whole window is, by what it learns of the
-/// path before, is no motion. Told as one, for the first seconds, it doubled the error of the shape on euroc_mh05. A
-/// clone may have been forgotten since; then the one before it holds the frame.
+/// Pose of the previous frame by the present estimate. The corrections of the whole window, which come from new
+/// information about the past path, are not motion: reported as such they doubled the shape error on euroc_mh05 in the
+/// first seconds. If the frame's clone is gone, the clone before it carries the pose.
 Isometry3d InertialOdometry::previous_pose(const Filtering& phase) const {
   const State& state = phase.filter.state();
   for (const Told& told : phase.told) {

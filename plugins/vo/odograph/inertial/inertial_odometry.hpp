@@ -14,104 +14,106 @@
 
 namespace odograph::vio {
 
-/// A frame's motion and what the inertial side knows with it.
+/// Motion of a frame with the inertial estimates.
 struct InertialMotion {
   vo::Motion motion;
   int64_t from_ns = 0, t_ns = 0;
-  bool metric = false;     ///< the rest is valid, and the motion in metres
+  bool metric = false;     ///< the fields below are valid, and the motion is in metres
   double scale_sigma = 0;  ///< relative
   Eigen::Vector3d velocity_c = Eigen::Vector3d::Zero(), gravity_c = Eigen::Vector3d::Zero();
   Eigen::Vector3d gyro_bias_b = Eigen::Vector3d::Zero(), accel_bias_b = Eigen::Vector3d::Zero();
 };
 
-/// "By hand": chosen on the simulated walks of `odograph bench walk700`, phone scenarios and euroc_mh05 while the
-/// filter was written; no sweep of it is recorded.
+/// "Empirical": chosen on the simulated walks of `odograph bench walk700`, phone scenarios and euroc_mh05 during
+/// development; no parameter sweep is recorded.
 struct InertialOdometryParameters {
   FilterParameters filter;
   StartParameters start;
   GuidedCorners::Parameters corners;
-  // The data.
-  int64_t silent_accel_ns = 500'000'000;  ///< an accelerometer that says nothing for so long is none; by hand
-  int64_t imu_margin_ns = 2'000'000;      ///< by which the IMU must be past a frame's last row; by hand
-  double min_interval_s = 0.045;          ///< frames that come faster are followed, not estimated: 20 Hz suffice
-  // When the filter is lost or wrong.
-  double lost_sigma_mps = 1.0;       ///< of the velocity: lost; by hand
-  double degraded_sigma_mps = 0.3;   ///< of the velocity; by hand
-  double max_speed_mps = 15;         ///< of what a phone in a hand does
-  double max_accel_bias_mps2 = 1.5;  ///< more than any phone has; by hand
-  double max_camera_pull = 100;      ///< Filter::camera_pull: the filter is wrong, not the camera; by hand
-  int min_tried = 8;                 ///< tracks: fewer do not tell that the filter is wrong; by hand
-  double min_accepted = 0.3;         ///< of the tracks, for `diverged_s`: the filter is wrong; by hand
+  // Input.
+  int64_t silent_accel_ns =
+      500'000'000;  ///< an accelerometer without samples for this long is treated as absent; empirical
+  int64_t imu_margin_ns = 2'000'000;  ///< required IMU data beyond the last row of a frame; empirical
+  double min_interval_s =
+      0.045;  ///< frames at shorter intervals are tracked but not used for estimation: 20 Hz suffice
+  // Loss and divergence of the filter.
+  double lost_sigma_mps = 1.0;       ///< velocity sigma above which the filter is lost; empirical
+  double degraded_sigma_mps = 0.3;   ///< velocity sigma above which it is degraded; empirical
+  double max_speed_mps = 15;         ///< max for a hand-held phone
+  double max_accel_bias_mps2 = 1.5;  ///< above that of any phone; empirical
+  double max_camera_pull = 100;  ///< Filter::camera_pull above which the filter, not the camera, is wrong; empirical
+  int min_tried = 8;             ///< min tracks for the test of min_accepted; empirical
+  double min_accepted = 0.3;  ///< share of the tracks; less for `diverged_s` means that the filter is wrong; empirical
   double diverged_s = 1.0;
-  /// Of the tracks, for `unseen_s` of moving: the velocity is what accelerometer and inclination have made of it. It
-  /// is then off by more than the filter knows, and points that come into view are put where it fits them (a walk in
-  /// Linz came out four times as long).
+  /// Min accepted tracks; with fewer, over `unseen_s` of motion, the velocity comes from accelerometer and tilt alone.
+  /// Its error then exceeds the filter's covariance, and new points are triangulated to fit it (a walk in Linz came out
+  /// four times as long).
   int min_seen = 10;
   double unseen_s = 4;
-  double min_used = 0.1;           ///< of the followed corners, for degraded_unseen_s: less is degraded; by hand
-  double degraded_unseen_s = 0.3;  ///< of that, degraded: two blinks of a hand before the lens; by hand
-  // What is told of a motion.
-  double start_every_s = 0.25;  ///< a start in motion is tried
-  /// A start in motion is a hypothesis. It is believed when so many later ones, each solved anew from all frames by
-  /// then, find the same scale within so much of its logarithm.
+  double min_used = 0.1;           ///< share of the tracked corners; less for degraded_unseen_s is degraded; empirical
+  double degraded_unseen_s = 0.3;  ///< twice the time for which a hand passes the lens; empirical
+  // Reported motion.
+  double start_every_s = 0.25;  ///< interval between attempts to start in motion
+  /// A start in motion is a hypothesis. It is accepted once this many later ones, each solved from all frames up to
+  /// then, give the same scale within max_spread (of the logarithm).
   int confirmations = 1;
   double max_spread = 0.15;
-  /// How far they were apart stays in what is stated of the scale, and fades over so much moving.
+  /// Time constant, in motion, by which the spread of the hypotheses decays in the reported scale sigma.
   double spread_s = 4;
-  double keep_frames_s = 3.5;            ///< for a start: StartParameters::max_s and some
-  double scale_sigma_factor = 2;         ///< the filter takes corners' errors for independent, which they are not:
-  double scale_sigma_floor = 0.01;       ///< relative; both by the 5 m stretches of euroc_mh05 and a simulated phone
-  double scale_sigma_stabilised = 0.02;  ///< relative, times the gain of a stabilised lens: what its model leaves out
-  double rotation_floor_rad = 2e-4;      ///< of a frame's motion: what the corners share in their errors
-  double standing_bias_factor = 3;       ///< of the gyroscope bias's sigma, in the covariance of a camera that stands:
-                                         ///< 3.1 sigmas off on a stabilised phone
+  double keep_frames_s = 3.5;            ///< frames kept for a start: StartParameters::max_s and a margin
+  double scale_sigma_factor = 2;         ///< compensates that the filter assumes independent corner errors:
+  double scale_sigma_floor = 0.01;       ///< relative; both from the 5 m segments of euroc_mh05 and a simulated phone
+  double scale_sigma_stabilised = 0.02;  ///< relative, times the gain of a stabilised lens: its model error
+  double rotation_floor_rad = 2e-4;      ///< of a frame's motion: the common error of the corners
+  double standing_bias_factor = 3;       ///< factor on the gyro bias sigma in the covariance of a standing camera:
+                                         ///< without it 3.1 sigmas off on a stabilised phone
   double position_floor_m = 2e-3;        ///< as rotation_floor_rad; 0.4 px at a depth of 2.5 m
 };
 
-/// The odometry of a phone with an IMU. Until inertia tells the metre it is the visual odometry (Initialising); then a
-/// visual-inertial filter (Filtering), which starts from standing or from the visual odometry in motion, and goes on
-/// through darkness by inertia alone. Where the filter is lost or wrong the visual odometry begins anew, with a new
-/// scale group.
+/// Odometry of a phone with an IMU. While the metric scale is not observable it is the visual odometry (Initialising).
+/// A visual-inertial filter (Filtering) then starts, from standing or from the visual odometry in motion, and bridges
+/// darkness by inertia alone. If the filter is lost or wrong, the visual odometry restarts with a new scale group.
 ///
-/// A frame goes through begin(), its corners followed at once, and finish(), which estimates its motion when the IMU
-/// has reached its last row, or the next frame comes. One thread, deterministic.
+/// begin() tracks the corners of a frame at once; finish() estimates its motion when the IMU has reached its last row
+/// or the next frame arrives. Not thread-safe; deterministic.
 class InertialOdometry {
  public:
   using Parameters = InertialOdometryParameters;
 
   InertialOdometry(const Parameters& parameters, const Camera& camera);
 
-  /// Accelerometer and gyroscope in b. Without a force only the gyroscope's rate, and no metre.
+  /// Accelerometer and gyroscope in b. Without a force only the angular rate is used, and there is no metric scale.
   void add_imu(const ImuSample& sample, bool has_force);
-  /// The next frame, at once behind finish(). Its pixels are used within the call alone.
+  /// The next frame; call finish(true) first. The pixels are used during the call only.
   void begin(const vo::Frame& frame);
-  /// The motion of the frame that was begun, once the IMU reaches far enough, or at once with `force`.
+  /// Motion of the frame passed to begin(), once the IMU reaches far enough, or at once with `force`.
   std::optional<InertialMotion> finish(bool force);
 
-  /// Of the frames to come: focused or shifted, as the camera says. What was refined of the calibrated lens stays.
+  /// Sets the camera's lens for the frames to come (refocused or shifted). The refinements of the calibrated lens
+  /// remain.
   void change_lens(const CameraModel& told);
-  /// That of the newest frame, as it is refined.
+  /// Refined lens of the newest frame.
   CameraModel lens() const;
 
-  /// Nothing while the metre is not known.
+  /// Null while the metric scale is unknown.
   const Filter* filter() const;
 
  private:
-  /// A start in motion that later ones have confirmed so often.
+  /// A start in motion and the number of later starts that agree with it.
   struct Hypothesis {
     Filter filter;
     int confirmed = 0;
-    double spread = 0;  ///< of the logarithm of the scale
+    double spread = 0;  ///< of the log of the scale
   };
-  /// No metre yet: the visual odometry, and the frames from which a filter may start.
+  /// No metric scale yet: the visual odometry, and the frames from which a filter may start.
   struct Initialising {
     std::unique_ptr<vo::Odometry> visual;  ///< on the heap: it is large
     std::deque<StartFrame> frames;
-    Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();  ///< chained from the motions of a scale group
+    Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();  ///< composed from the motions of a scale group
     unsigned visual_group = 0;
     std::optional<Hypothesis> hypothesis;
   };
-  /// A frame that was told, by a clone of the window.
+  /// A reported frame, relative to a clone of the window.
   struct Told {
     uint32_t clone;
     Eigen::Isometry3d T_clone_c;
@@ -119,12 +121,12 @@ class InertialOdometry {
   /// The filter runs.
   struct Filtering {
     Filter filter;
-    Eigen::Isometry3d T_w_previous;  ///< the frame before as it was told
-    std::vector<Told> told;          ///< the same by the newest clone and the one before it
+    Eigen::Isometry3d T_w_previous;  ///< previous frame as reported
+    std::vector<Told> told;          ///< the same relative to the newest clone and the one before it
     double moved_s = 0;              ///< since the start, without standing
     std::optional<int64_t> refused_since_ns, unseen_since_ns;
-    unsigned tracked = 0, accepted = 0;  ///< corners of the newest frame that was estimated
-    double spread = 0;                   ///< of the hypotheses that it started from
+    unsigned tracked = 0, accepted = 0;  ///< corners of the newest estimated frame
+    double spread = 0;                   ///< of the hypotheses that started the filter
     std::optional<int64_t> few_since_ns;
   };
   using Phase = std::variant<Initialising, Filtering>;
@@ -132,11 +134,11 @@ class InertialOdometry {
   /// A frame that waits for the IMU.
   struct Pending {
     int64_t t_ns;
-    FrameCorners corners;  ///< as the calibrated lens would have them
+    FrameCorners corners;  ///< in pixels of the calibrated lens
     vo::Motion visual;     ///< while initialising
     bool estimate;
   };
-  /// What a frame comes to: its motion, and the phase after it where that changes.
+  /// Result of a frame: its motion and, if the phase changes, the next phase.
   struct Outcome {
     InertialMotion motion;
     std::optional<Phase> next;

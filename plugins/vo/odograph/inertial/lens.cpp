@@ -8,7 +8,7 @@
 namespace odograph::vio {
 namespace {
 
-constexpr double kDifference = 1e-5;  // of normalized coordinates, for the lens's own derivative
+constexpr double kDifference = 1e-5;  // of normalized coordinates, for the numeric derivative of the lens
 
 }  // namespace
 

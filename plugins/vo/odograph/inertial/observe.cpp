@@ -15,13 +15,13 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kNearest_m = 0.05;  // of a point before a camera: nearer no phone's lens is in focus
+constexpr double kNearest_m = 0.05;  // min depth of a point: no phone's lens focuses nearer
 
 Eigen::Quaterniond row_rotation(const Clone& c, double dt) {
   return exp_rotation(dt * c.rate_c + 0.5 * dt * dt * c.rate_change_c);
 }
 
-/// By the lens with another focal length.
+/// Projection by the lens with another focal length.
 Projection zoomed(Projection p, const CameraModel& lens, double focal_px) {
   const double by = focal_px / lens.focal();
   const Vector2d centre(lens.cx, lens.cy);
@@ -68,7 +68,7 @@ Vector3d ray_of(const Clone& c, const Camera& camera, const Vector2d& pixel, dou
 
 namespace {
 
-/// A track's first guess: its ray in the first clone, and the depth that the ray farthest from it tells.
+/// Initial estimate of a track's point: its ray in the first clone, with the depth from the ray of largest parallax.
 Triangulated first_guess(const State& state, const std::vector<Observation>& track,
                          const std::vector<const Clone*>& clones, const FilterParameters& p) {
   std::vector<Vector3d> rays_w;
@@ -92,7 +92,7 @@ Triangulated first_guess(const State& state, const std::vector<Observation>& tra
   return out;
 }
 
-/// Gauss-Newton's equations of a point about where it is. Nothing where a clone has it behind itself.
+/// Gauss-Newton equations of a point at its present estimate. Nothing if the point is behind a clone.
 struct PointEquations {
   Matrix3d H = Matrix3d::Zero();
   Vector3d g = Vector3d::Zero();
@@ -124,7 +124,7 @@ std::optional<Triangulated> triangulate(const State& state, const std::vector<Ob
   for (const Observation& o : track) clones.push_back(&state.clones[state.find_clone(o.clone)]);
   Triangulated out = first_guess(state, track, clones, p);
   Vector3d best = out.at;
-  std::optional<PointEquations> now;  // about the best
+  std::optional<PointEquations> now;  // at the best estimate
   double damping = p.triangulation.damping;
   for (int iteration = 0; iteration < p.triangulation.iterations; ++iteration) {
     const auto e = point_equations(state.camera, track, clones, out.at);

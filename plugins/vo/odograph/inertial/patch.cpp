@@ -16,7 +16,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kSide = Patch::kSide, kHalf = kSide / 2;
 
-/// Grey levels at `map`, bilinear. False where the picture ends.
+/// Samples grey levels under `map`, bilinear. False if the patch leaves the picture.
 bool sample(const cv::Mat& picture, const Patch::Map& map, int half, float* out) {
   const double reach = half;
   const Vector2d extent = reach * map.A.cwiseAbs().rowwise().sum();
@@ -87,7 +87,7 @@ std::optional<Patch::Match> Patch::find(const cv::Mat& picture, const Map& guess
     Vector6d g = (derivatives_.transpose() * now).cast<double>();
     g.head<4>() -= prior * total.head<4>();
     const Vector6d step = solver.solve(g);
-    total += step;  // the template's step, for a map of small change
+    total += step;  // the template's step is added: valid for small changes of the map
     Matrix2d D = Matrix2d::Identity();
     D += Eigen::Map<const Matrix2d>(step.data());
     if (!(std::abs(D.determinant()) > 0.1)) return std::nullopt;

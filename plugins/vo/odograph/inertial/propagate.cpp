@@ -15,7 +15,7 @@ using Matrix15d = Eigen::Matrix<double, block::navigation, block::navigation>;
 
 double squared(double x) { return x * x; }
 
-/// One stretch by the rate and the specific force of its middle. Returns the orientation of the middle.
+/// One integration step with the mid-point rate and specific force. Returns the mid-point orientation.
 Matrix3d step(Navigation& nav, const ImuSample& from, const ImuSample& to, double dt, double gravity) {
   const Vector3d rate = nav.rate(0.5 * (from.gyro_b + to.gyro_b));
   const Vector3d force = nav.force(0.5 * (from.accel_b + to.accel_b));
@@ -26,17 +26,18 @@ Matrix3d step(Navigation& nav, const ImuSample& from, const ImuSample& to, doubl
   return R;
 }
 
-/// A state that goes back to zero, of which `stays` is left, and lies about it with sigma (Ornstein & Uhlenbeck).
+/// Propagates a first-order Gauss-Markov state of standard deviation sigma; `stays` = exp(-dt / correlation time).
 void forget(double& value, Eigen::MatrixXd& P, int at, double stays, double sigma) {
   value *= stays;
   P.row(at) *= stays, P.col(at) *= stays;
   P(at, at) += (1 - stays * stays) * sigma * sigma;
 }
 
-/// Rate of the shift of a lens that takes out all of the rotation, px/s.
+/// Rate of the shift of a lens that compensates the whole rotation, px/s.
 Vector2d drive_of(double focal_px, const Vector3d& rate_c) { return focal_px * Vector2d(rate_c.y(), -rate_c.x()); }
 
-/// Over many samples: of the errors of navigation by themselves and by those of the sensors' axes, and their noise.
+/// Transition over several samples: of the navigation errors by themselves and by the sensor-axis errors, and the
+/// noise.
 struct Transition {
   Matrix15d Phi = Matrix15d::Identity();
   Eigen::Matrix<double, block::navigation, block::axes> Psi =
@@ -45,7 +46,7 @@ struct Transition {
   Matrix15d Q = Matrix15d::Zero();
   double gyro_noise = 0, accel_noise = 0;  ///< densities, vibration included
 
-  /// Moves `nav` from one sample to the next.
+  /// Propagates `nav` from one sample to the next.
   void add(Navigation& nav, const ImuSample& a, const ImuSample& b, const FilterParameters& p) {
     const double dt = seconds(b.t_ns - a.t_ns);
     const Vector3d v = nav.v_w, x = nav.p_w;
@@ -69,7 +70,7 @@ struct Transition {
       Psi.block<3, 3>(block::nu, 9 + 3 * k) += dt * accel_b[k] * R;
       Psi.block<3, 3>(block::rho, 9 + 3 * k) += 0.5 * dt * dt * accel_b[k] * R;
     }
-    // What is measured in metres does not grow with the scale.
+    // Quantities measured in metres do not change with the scale.
     by_scale = (A * by_scale).eval();
     by_scale.segment<3>(block::nu) -= nav.v_w - v;
     by_scale.segment<3>(block::rho) -= 0.5 * dt * (nav.v_w - v);
@@ -100,7 +101,7 @@ bool integrate(Navigation& nav, int64_t from_ns, int64_t to_ns, const ImuBuffer&
   return whole;
 }
 
-/// Where the stabilised lens is at `to_ns`, with its covariance.
+/// Propagates the shift of the stabilised lens to `to_ns`, with its covariance.
 void shift_lens(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
   const StabiliserParameters& s = p.stabiliser;
   Camera& camera = state.camera;
@@ -213,9 +214,9 @@ void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, 
   J.block<3, 3>(3, block::rho).setIdentity();
   J.block<3, 3>(3, block::extrinsics) = x * R;
   J.block<3, 3>(3, block::lever) = R;
-  J.block<3, 1>(3, block::scale) = -R * state.camera.p_b_c;  // the lever is in metres
+  J.block<3, 1>(3, block::scale) = -R * state.camera.p_b_c;  // the lever arm is in metres
   J.block<3, 1>(3, block::time_offset) = clone.v_w + x * R * rate;
-  // The jitter turns the camera in its place: theta, and what keeps p = Exp(theta) p_est + rho where it is.
+  // The jitter rotates the camera in place: theta, and the rho that leaves p = Exp(theta) p_est + rho unchanged.
   Eigen::Matrix<double, 6, 3> by_jitter;
   by_jitter << Matrix3d::Identity(), x;
   J.block<2, 2>(block::clone_shift, block::shift).setIdentity();

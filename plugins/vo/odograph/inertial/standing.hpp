@@ -11,20 +11,20 @@
 
 namespace odograph::vio {
 
-/// A followed corner in a frame.
+/// A tracked corner in a frame.
 struct Corner {
   uint64_t track;
-  Eigen::Vector2d pixel;  ///< as the calibrated lens would have it, whatever lens the frame was taken with
-  double row = 0;         ///< of the frame, for the time of its exposure
+  Eigen::Vector2d pixel;  ///< of the calibrated lens, whatever lens took the frame
+  double row = 0;         ///< of the frame, gives the time of exposure
 };
 
 struct FrameCorners {
-  int64_t t_ns = 0;             ///< of the middle row, camera's clock
-  std::vector<Corner> corners;  ///< in ascending order of their tracks
+  int64_t t_ns = 0;             ///< of the middle row, camera clock
+  std::vector<Corner> corners;  ///< in ascending order of the track ids
 };
 
-/// What one rotation leaves over of the picture's flow between two frames, median over the corners that both have, px.
-/// Nothing where these are fewer than `least`, or where no rotation is found.
+/// Median residual flow between two frames after the best rotation, over their common corners, px. Nothing if there are
+/// fewer than `least` of them, or if no rotation is found.
 std::optional<double> flow_beside_rotation(const FrameCorners& before, const FrameCorners& now, const Camera& camera,
                                            size_t least);
 

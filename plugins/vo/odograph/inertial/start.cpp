@@ -22,14 +22,14 @@ int64_t imu_time(const StartFrame& frame, const Camera& camera) {
   return frame.corners.t_ns + nanoseconds(camera.time_offset_s);
 }
 
-/// The newest frame that is at least so long ago.
+/// The newest frame that is at least `ago_s` old.
 std::optional<size_t> frame_before(const std::deque<StartFrame>& frames, double ago_s) {
   for (size_t i = frames.size(); i-- > 0;)
     if (seconds(frames.back().corners.t_ns - frames[i].corners.t_ns) > ago_s) return i;
   return std::nullopt;
 }
 
-/// Change of the velocity over a stretch by the specific force alone, in the w of the orientation at its end.
+/// Velocity change over a segment from the specific force alone, in the w defined by the orientation at its end.
 struct ForceOverTime {
   Vector3d v = Vector3d::Zero();
   double s = 0;
@@ -51,18 +51,18 @@ ForceOverTime force_before(int64_t end_ns, double reach_s, const Quaterniond& q_
   return {q_w_b_end * q.conjugate() * v, seconds(end_ns - from_ns)};
 }
 
-/// Rotation that takes `from` to the direction of `to`.
+/// Rotation that maps `from` to the direction of `to`.
 Quaterniond between(const Vector3d& from, const Vector3d& to) { return Quaterniond::FromTwoVectors(from, to); }
 
-/// Positions of the camera by both sides at each frame, in the visual odometry's w.
+/// Inertial and visual positions of the camera at each frame, in the visual odometry's w.
 struct Displacements {
   std::vector<double> t_s;                                      ///< since the first frame
-  std::vector<Vector3d> inertial;                               ///< m, without gravity and the first velocity
-  std::vector<Matrix3d> by_bias;                                ///< of that, by the accelerometer's bias
-  std::vector<Vector3d> visual;                                 ///< of the map's scale
-  Vector3d force_sum = Vector3d::Zero(), v = Vector3d::Zero();  ///< specific force over all of the time, m/s
+  std::vector<Vector3d> inertial;                               ///< m, without gravity and initial velocity
+  std::vector<Matrix3d> by_bias;                                ///< derivative by the accelerometer bias
+  std::vector<Vector3d> visual;                                 ///< in the map's scale
+  Vector3d force_sum = Vector3d::Zero(), v = Vector3d::Zero();  ///< integral of the specific force, m/s
 };
-/// Nothing where samples lack.
+/// Nothing if samples are missing.
 std::optional<Displacements> displacements(const std::deque<StartFrame>& frames, size_t from, const ImuBuffer& imu,
                                            const Camera& camera, const Quaterniond& q_w_b0, const Vector3d& gyro_bias) {
   Displacements out;
@@ -93,14 +93,14 @@ std::optional<Displacements> displacements(const std::deque<StartFrame>& frames,
   return out;
 }
 
-/// What the alignment is linearised about.
+/// Linearisation point of the alignment.
 struct AlignmentPoint {
-  Vector3d down;        ///< gravity's direction in w
-  double d = 1;         ///< map's lengths by the metre; one before it is known
+  Vector3d down;        ///< direction of gravity in w
+  double d = 1;         ///< length in the map per metre; one before it is known
   double visual_sigma;  ///< of a visual position
 };
-/// A x = z over their standard deviations. Unknown: a, b (3 each), c across gravity (2), d, accelerometer's bias times
-/// d (3). The last six rows are priors: of the bias, and of the change of the velocity `span_s` long.
+/// A x = z, weighted by the standard deviations. Unknowns: a, b (3 each), c across gravity (2), d, accelerometer bias
+/// times d (3). The last six rows are priors: on the bias, and on the change of velocity over `span_s`.
 struct AlignmentEquations {
   MatrixXd A;
   Eigen::VectorXd z;
@@ -125,7 +125,7 @@ AlignmentEquations alignment_equations(const Displacements& x, const ForceOverTi
   A.topRows(rows) /= at.visual_sigma, e.z.head(rows) /= at.visual_sigma;
   const double bias_sigma = p.priors.accel_bias_mps2 * at.d;
   A.block<3, 3>(rows, 9) = Matrix3d::Identity() / bias_sigma;
-  // What gravity leaves of the force changes the velocity, which for a hand does not change by much.
+  // Specific force minus gravity is the change of velocity, which is small for a hand-held phone.
   const double change_sigma = s.velocity_change_mps * at.d;
   A.block<3, 1>(rows + 3, 6) = force.s / change_sigma * (tangent * Vector3d::UnitX());
   A.block<3, 1>(rows + 3, 7) = force.s / change_sigma * (tangent * Vector3d::UnitY());
@@ -176,14 +176,14 @@ std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, si
 
 namespace {
 
-/// What the IMU measures of a body that may be at rest.
+/// IMU statistics of a body that may be at rest.
 struct Rest {
-  Vector3d force_b = Vector3d::Zero();  ///< mean, in the body's axes at the beginning
+  Vector3d force_b = Vector3d::Zero();  ///< mean, in the initial body axes
   Vector3d rate_b = Vector3d::Zero();   ///< mean
-  double force_variance = 0;            ///< of the three axes together, (m/s^2)^2
+  double force_variance = 0;            ///< sum of the three axes, (m/s^2)^2
   double rate_rms = 0;
   int n = 0;
-  bool steady = false;  ///< the mean rate is the gyroscope's bias
+  bool steady = false;  ///< the mean rate is the gyro bias
 };
 std::optional<Rest> rest_between(int64_t t0_ns, int64_t t1_ns, const ImuBuffer& imu, const StartParameters& s) {
   Rest rest;
@@ -208,7 +208,7 @@ std::optional<Rest> rest_between(int64_t t0_ns, int64_t t1_ns, const ImuBuffer& 
   return rest;
 }
 
-/// Between the newest picture and all of them that are looked at lies nothing but a rotation.
+/// True if a pure rotation relates the newest picture to each of the sampled ones.
 bool only_rotates(const std::deque<StartFrame>& frames, size_t from, const Camera& camera, const FilterParameters& p,
                   const StartParameters& s) {
   const size_t last = frames.size() - 1, step = std::max<size_t>(1, (last - from) / static_cast<size_t>(s.still_looks));
@@ -243,7 +243,7 @@ std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const Im
   start.scale = s.alignment_sigma;
   start.gyro_bias_radps = rest->steady ? s.still_bias_sigma_radps : p.priors.gyro_bias_radps;
   start.accel_bias_mps2 = p.priors.accel_bias_mps2;
-  // What the velocity can have changed by, and what the accelerometer's scale makes of gravity.
+  // From the possible change of velocity, and the error of gravity by the accelerometer's scale.
   start.tilt_rad = s.still_tilt_rad;
   start.rest_force_b = rest->force_b;
   start.rest_force_mps2 = std::hypot(M_SQRT2 * start.velocity_mps / duration_s, p.priors.accel_scale * p.gravity_mps2);
@@ -260,7 +260,7 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
          seconds(last.corners.t_ns - frames[from - 1].corners.t_ns) <= s.max_s)
     --from;
   if (from == frames.size() || seconds(last.corners.t_ns - frames[from].corners.t_ns) < s.min_s) return std::nullopt;
-  // Without parallax there is no displacement to compare with the accelerometer's: a camera that stands fits any metre.
+  // Without parallax there is no displacement to align: a standing camera fits any scale.
   const auto flow_px = flow_beside_rotation(frames[from].corners, last.corners, camera, p.stand.min_corners);
   if (flow_px && *flow_px < s.min_flow_px) return std::nullopt;
   const auto alignment = align_with_imu(frames, from, imu, camera, gyro_bias, p, s);
@@ -293,11 +293,11 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
         return std::nullopt;
       return filter;
     }
-    // The end's estimate, carried back to the beginning, is where the next pass linearises.
+    // The next pass linearises about the final estimate, propagated back to the start.
     Navigation begin = end;
     if (!integrate(begin, filter.state().t_ns, start.t_ns, imu, p.gravity_mps2)) return std::nullopt;
     begin.p_w.setZero();
-    begin.accel_bias.setZero();  // the prior's: the equations are linear in it
+    begin.accel_bias.setZero();  // as the prior: the equations are linear in it
     begin.gyro_axes.setIdentity(), begin.accel_axes.setIdentity();
     start.nav = begin;
   }

@@ -13,8 +13,8 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kMinInverseDepth = 1e-4;  // 1/m: as good as infinitely far
-constexpr double kMaxLeak = 1.4;           // four times as much, or as little
+constexpr double kMinInverseDepth = 1e-4;  // 1/m: practically at infinity
+constexpr double kMaxLeak = 1.4;           // of the log: a factor of four either side
 
 }  // namespace
 
@@ -76,8 +76,8 @@ void State::correct(const Eigen::VectorXd& d) {
     landmarks[j].at += d.segment<3>(landmark_at(j));
     landmarks[j].at.z() = std::max(landmarks[j].at.z(), kMinInverseDepth);
   }
-  // The scale's error multiplies what the velocity is by now: nu' = nu - d_nu (1 + s'). Otherwise it would go with the
-  // accelerometer's sum, noise included, and the scale come out too long (errors in variables).
+  // The scale error multiplies the present velocity: nu' = nu - d_nu (1 + s'). Otherwise it would multiply the
+  // integrated accelerometer signal with its noise, and the scale would come out too long (errors in variables).
   const Vector3d d_nu = d.segment<3>(block::nu);
   P.middleRows<3>(block::nu) -= (d_nu * P.row(block::scale)).eval();
   const Matrix3d own = P.block<3, 3>(block::nu, block::nu) - P.block<3, 1>(block::nu, block::scale) * d_nu.transpose();
@@ -139,7 +139,7 @@ void State::move_anchor(size_t j, size_t to) {
   const Clone &a = clones[from], &b = clones[to];
   const Vector3d p = point(landmark);
   const Vector3d y = b.q_w_c.conjugate() * (p - b.p_w);
-  // Behind the new anchor, or beside it: the nearest that can be written down.
+  // Behind or beside the new anchor: the smallest depth that can be represented.
   const double z = std::max(y.z(), 0.05);
   const Vector3d at(y.x() / z, y.y() / z, 1 / z);
   const Matrix3d R_b_w = b.q_w_c.conjugate().toRotationMatrix();

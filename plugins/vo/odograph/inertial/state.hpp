@@ -13,41 +13,42 @@
 namespace odograph::vio {
 
 /// Frames: w has z along gravity and any heading; b is the IMU's; c the camera's.
-/// Perturbation, everywhere the same, on the side of w (right-invariant error): R = Exp(theta) R_est,
-/// p = Exp(theta) p_est + rho, v = Exp(theta) v_est + nu; biases and camera parameters add. Heading and position of
-/// everything together, which nothing here measures, are then the same directions whatever the estimate
-/// (Barrau & Bonnabel 2015), so that no linearisation makes the filter believe it has seen them.
+/// Perturbations are on the side of w (right-invariant error): R = Exp(theta) R_est, p = Exp(theta) p_est + rho,
+/// v = Exp(theta) v_est + nu; biases and camera parameters are additive. The unobservable directions, global heading
+/// and position, are then independent of the estimate (Barrau & Bonnabel 2015), so that linearisation yields no
+/// spurious information about them.
 struct Navigation {
   Eigen::Quaterniond q_w_b = Eigen::Quaterniond::Identity();
   Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), p_w = Eigen::Vector3d::Zero();
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero(), accel_bias = Eigen::Vector3d::Zero();
-  /// Scale and misalignment of the sensors' axes. What the accelerometer's have in common is the metre itself, and
-  /// nothing here tells it; the rest does harm: of a walk's rise and fall some goes forward, at the steps' own rate.
+  /// Scale and misalignment of the sensor axes. The common scale of the accelerometer axes equals the metric scale,
+  /// which is unobservable here; the rest matters: it projects the rise and fall of a walk forward, at the step
+  /// frequency.
   Eigen::Matrix3d gyro_axes = Eigen::Matrix3d::Identity(), accel_axes = Eigen::Matrix3d::Identity();
 
   Eigen::Vector3d rate(const Eigen::Vector3d& measured_b) const { return gyro_axes * (measured_b - gyro_bias); }
   Eigen::Vector3d force(const Eigen::Vector3d& measured_b) const { return accel_axes * (measured_b - accel_bias); }
 };
 
-/// The camera as it is refined while running.
+/// The camera with its online calibration.
 struct Camera {
   CameraModel lens;
   Eigen::Quaterniond q_b_c = Eigen::Quaterniond::Identity();  ///< R_b_c = Exp(phi) R_est
   Eigen::Vector3d p_b_c = Eigen::Vector3d::Zero();
-  double time_offset_s = 0;  ///< IMU time = frame's time + this
+  double time_offset_s = 0;  ///< IMU time = frame time + this
   double line_time_s = 0;
   double middle_row = 0;
-  /// A stabilised lens shifts the picture against the phone's shake: s' = follow f (w_y, -w_x) - e^leak L(s) s, w the
-  /// rate in c, L as in StabiliserParameters.
+  /// A stabilised lens shifts the picture against the shake of the phone: s' = follow f (w_y, -w_x) - e^leak L(s) s,
+  /// with w the rate in c and L as in StabiliserParameters.
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
-  double follow = 0;  ///< 0: fixed lens; 1: takes out all
-  double leak = 0;    ///< log of how much more it gives way
-  double focus = 0;   ///< log of the present focal length against the lens's: autofocus moves it about that
+  double follow = 0;  ///< gain; 0: fixed lens, 1: full compensation
+  double leak = 0;    ///< log of the factor on the leak
+  double focus = 0;   ///< log of the present focal length over the lens's, moved by autofocus
 
   double focal_px() const { return lens.focal() * std::exp(focus); }
 };
 
-/// A pose of the camera at the middle row of a frame, with the motion that the other rows saw.
+/// Pose of the camera at the middle row of a frame, with the motion during the readout.
 struct Clone {
   uint32_t id = 0;
   int64_t frame_ns = 0;
@@ -56,28 +57,28 @@ struct Clone {
   Eigen::Vector3d rate_c = Eigen::Vector3d::Zero(), rate_change_c = Eigen::Vector3d::Zero();  ///< rad/s, rad/s^2
   Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), a_w = Eigen::Vector3d::Zero();
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero(), shift_rate_px_s = Eigen::Vector2d::Zero();
-  Eigen::Vector2d drive_px_s = Eigen::Vector2d::Zero();  ///< of the shift where the lens followed all
-  double focal_px = 0;                                   ///< autofocus moves it
+  Eigen::Vector2d drive_px_s = Eigen::Vector2d::Zero();  ///< rate of the shift at full compensation
+  double focal_px = 0;                                   ///< includes autofocus
 };
 
-/// A point as its anchor saw it: x/z, y/z and the inverse of z, in the camera at the anchor's middle row.
+/// A point in its anchor: x/z, y/z and 1/z in the camera at the anchor's middle row.
 struct Landmark {
   uint64_t track = 0;
-  uint32_t anchor = 0;  ///< clone's id
+  uint32_t anchor = 0;  ///< id of the clone
   Eigen::Vector3d at = Eigen::Vector3d::Zero();
   int misses = 0;
-  double rms_px = 0;  ///< of what its corners left
+  double rms_px = 0;  ///< residual of its corners
 };
 
-/// Where each block begins.
+/// First index of each block.
 namespace block {
 inline constexpr int theta = 0, nu = 3, rho = 6, gyro_bias = 9, accel_bias = 12, navigation = 15;
-inline constexpr int gyro_axes = 15, accel_axes = 24, axes = 18;  // column by column; axes: of both
+inline constexpr int gyro_axes = 15, accel_axes = 24, axes = 18;  // column-major; axes: of both sensors
 inline constexpr int extrinsics = 33, lever = 36, time_offset = 39, line_time = 40, lens = 41;
 inline constexpr int shift = 46, follow = 48, leak = 49, focus = 50;
-/// No state but a coordinate of the errors of all lengths of the map together: v = e^s Exp(theta) v_est + nu, the same
-/// of positions, and inverse depths by e^-s. No picture depends on it, exactly: without it a scale that is not known
-/// yet by 15 % leaves residuals of the second order, which count as information about the scale and make it too long.
+/// Error of the common scale of all lengths in the map, without a state of its own: v = e^s Exp(theta) v_est + nu,
+/// likewise positions, and inverse depths by e^-s. No picture depends on it, exactly. Without it a scale sigma of 15 %
+/// leaves second-order residuals that act as spurious information about the scale and make it too long.
 inline constexpr int scale = 51, fixed = 52;
 inline constexpr int clone = 9, clone_shift = 6, clone_focal = 8;  // theta, rho, shift, log of the focal length
 }  // namespace block
@@ -98,21 +99,21 @@ struct State {
   Eigen::Vector3d point(const Landmark& landmark) const;  ///< in w
 
   void correct(const Eigen::VectorXd& delta);
-  /// Appends a clone whose error is J times the present one's, plus noise.
+  /// Appends a clone whose error is J times the present error, plus noise.
   using CloneMatrix = Eigen::Matrix<double, block::clone, block::clone>;
   void add_clone(const Clone& clone, const Eigen::Matrix<double, block::clone, block::fixed>& J,
                  const CloneMatrix& noise);
   void add_landmark(const Landmark& landmark, const Eigen::MatrixXd& cross, const Eigen::Matrix3d& covariance);
   void remove_clone(size_t i);
   void remove_landmark(size_t j);
-  /// Hangs a landmark on another clone.
+  /// Moves a landmark to another anchor.
   void move_anchor(size_t j, size_t clone);
 
  private:
   void remove(int from, int count);
 };
 
-/// R(a) for the right-hand side of a pose, and its logarithm.
+/// Ray of a landmark in its anchor: (x, y, 1).
 Eigen::Vector3d landmark_ray(const Eigen::Vector3d& at);
 /// Derivative of (x, y, 1) / rho.
 Eigen::Matrix3d landmark_jacobian(const Eigen::Vector3d& at);

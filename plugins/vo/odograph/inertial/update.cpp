@@ -16,8 +16,8 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Residuals and derivatives of a track by its clones, its point and the camera. Columns: of each clone block::clone,
-/// then line time, lens and follow.
+/// Residuals and Jacobians of a track by its clones, its point and the camera. Columns: block::clone for each clone,
+/// then line time, lens and stabiliser gain.
 struct TrackEquations {
   Linearised z;
   MatrixXd by_point;  ///< by x/z, y/z, 1/z in the anchor
@@ -61,15 +61,15 @@ std::optional<TrackEquations> equations(const State& state, const std::vector<Ob
     out.z.residual.segment<2>(row) = track[i].pixel - o->pixel;
     const int own = block::clone * static_cast<int>(i);
     out.z.H.block<2, block::clone>(row, own) = o->by_clone;
-    out.z.H.block<2, 6>(row, 0) -= o->by_clone.leftCols<6>();  // the anchor carries the point
+    out.z.H.block<2, 6>(row, 0) -= o->by_clone.leftCols<6>();  // the point moves with its anchor
     out.z.H.block<2, kCameraColumns>(row, clones) = by_camera(*o);
     out.by_point.middleRows<2>(row) = o->by_point * J_point;
   }
   return out;
 }
 
-/// Makes the errors of a track's observations independent, of one pixel_sigma each: white noise, and the corner's walk
-/// up to the last of them.
+/// Whitens the errors of a track's observations to pixel_sigma each. They consist of white noise and the corner's
+/// random walk up to the last observation.
 void whiten(const State& state, const std::vector<Observation>& track, const FilterParameters& p, Linearised& z,
             MatrixXd& by_point) {
   const auto n = static_cast<Eigen::Index>(track.size());
@@ -81,7 +81,7 @@ void whiten(const State& state, const std::vector<Observation>& track, const Fil
   const double walk = p.corner_walk_px / p.pixel_sigma;
   MatrixXd R = MatrixXd::Identity(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double age_s = age(track[static_cast<size_t>(i)]);  // the oldest first: all before it have walked farther
+    const double age_s = age(track[static_cast<size_t>(i)]);  // of this observation; the earlier ones are older
     for (Eigen::Index j = 0; j <= i; ++j) R(i, j) += walk * walk * age_s;
   }
   const Eigen::LLT<MatrixXd> factor(R);  // reads the lower triangle
@@ -109,7 +109,7 @@ MatrixXd rows_of(const MatrixXd& M, const std::vector<int>& rows) {
   return out;
 }
 
-/// Of a corner that left `rms_px` beside one point of the world: not all are equally good.
+/// Noise of a corner from a track with residual `rms_px` (FilterParameters::plain_residual_px).
 double pixel_sigma(double rms_px, const FilterParameters& p) {
   const double excess = std::max(1.0, rms_px / p.plain_residual_px);
   return p.pixel_sigma * excess * excess;
@@ -121,7 +121,7 @@ double nis_of(MatrixXd S, const VectorXd& residual, double sigma) {
   return residual.dot(S.ldlt().solve(residual));
 }
 
-/// The update itself; `S` is the innovation's covariance. False, and nothing done, where that is none.
+/// The update; `S` is the innovation covariance. Returns false and changes nothing if S is not positive definite.
 bool apply(State& state, const MatrixXd& PH, const MatrixXd& S, const VectorXd& residual) {
   const Eigen::LLT<MatrixXd> factor(S);
   if (factor.info() != Eigen::Success) return false;
@@ -159,7 +159,7 @@ Outcome update_with_track(State& state, const std::vector<Observation>& track, c
   auto e = equations(state, track, point->at);
   if (!e) return {};
   whiten(state, track, p, e->z, e->by_point);
-  // Q' [by_point | H | r]: below the third row the point is gone.
+  // After Q' is applied the rows below the third do not depend on the point.
   const Eigen::HouseholderQR<MatrixXd> qr(e->by_point);
   const Eigen::Index rows = e->z.residual.size();
   e->z.H.applyOnTheLeft(qr.householderQ().adjoint());
@@ -196,14 +196,14 @@ Outcome add_landmark(State& state, uint64_t id, const std::vector<Observation>& 
   const MatrixXd H1 = e->z.H.topRows<3>();
   const Eigen::Vector3d r1 = e->z.residual.head<3>();
   Outcome out{true, 0, static_cast<int>(rows - 3), point->rms_px};
-  // The point first, then the rest of the equations: these are then the point's too.
+  // The first three rows initialise the point; the remaining ones then update it too.
   const Matrix3d F_inverse = F.inverse();
   const MatrixXd PH = columns_of(state.P, columns) * H1.transpose();
   const double first_sigma = pixel_sigma(point->rms_px, p);
   const Matrix3d own = H1 * rows_of(PH, columns) + first_sigma * first_sigma * Matrix3d::Identity();
   Linearised rest{e->z.residual.tail(rows - 3), e->z.H.bottomRows(rows - 3), columns};
   {
-    // Gate before anything is added.
+    // Gates before the state changes.
     const MatrixXd PR = columns_of(state.P, columns) * rest.H.transpose();
     out.nis = nis_of(rest.H * rows_of(PR, columns), rest.residual, p.gate_sigma);
     if (!(out.nis < chi_square_bound(out.dof, p.gate_tail))) return {false, out.nis, out.dof, out.rms_px};
@@ -218,7 +218,7 @@ Outcome add_landmark(State& state, uint64_t id, const std::vector<Observation>& 
 
 namespace {
 
-/// Nothing where the landmark is behind the camera.
+/// Nothing if the landmark is behind the camera.
 std::optional<Linearised> landmark_equations(const State& state, const SeenLandmark& seen) {
   const Landmark& landmark = state.landmarks[seen.landmark];
   const size_t a = state.find_clone(landmark.anchor), i = state.find_clone(seen.at.clone);
@@ -281,7 +281,7 @@ std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenL
 }
 
 void hold_lens(State& state) {
-  constexpr double sigma_px = 0.01, sigma_gain = 1e-4;  // far below what is seen, far above rounding
+  constexpr double sigma_px = 0.01, sigma_gain = 1e-4;  // far below the measurement noise, far above rounding
   Linearised z;
   for (int k = 0; k < 3; ++k) z.columns.push_back(block::shift + k);
   std::vector<double> held = {state.camera.shift_px.x(), state.camera.shift_px.y(), state.camera.follow};

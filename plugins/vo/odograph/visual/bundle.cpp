@@ -26,7 +26,7 @@ ceres::Problem::Options borrowed() {
   return options;
 }
 
-/// The window as unknowns of Ceres, and back.
+/// The window as a Ceres problem.
 class WindowProblem {
  public:
   WindowProblem(Window& window, const Vector3d& bias_c, const AdjustmentParameters& p)
@@ -41,11 +41,11 @@ class WindowProblem {
     }
   }
 
-  /// How many there are.
+  /// Adds the observations; returns their number.
   int add_observations(double sigma) {
     int observations = 0;
     const uint32_t first = window_.keyframes().front().id;
-    // Side by side: Ceres orders its blocks by their addresses, and the sums must come in the same order each time.
+    // Contiguous storage: Ceres orders its blocks by address, and the order of summation must be repeatable.
     for (auto& [track, landmark] : window_.landmarks())
       if (landmark.located && landmark.seen.size() > 1) located_.push_back(&landmark);
     inverse_depths_.resize(located_.size());
@@ -66,7 +66,7 @@ class WindowProblem {
     return observations;
   }
 
-  /// The gyroscope's, with its bias.
+  /// Adds the gyroscope's rotations, with its bias.
   void add_rotations(const Vector3d& bias_c) {
     const auto& keyframes = window_.keyframes();
     bool any = false;
@@ -82,7 +82,7 @@ class WindowProblem {
     }
   }
 
-  /// Place, heading and scale, which nothing above tells.
+  /// Fixes the gauge: position, heading and scale, which the terms above do not determine.
   void hold_gauge() {
     const auto& keyframes = window_.keyframes();
     problem_.SetParameterBlockConstant(poses_[0].data());

@@ -9,15 +9,15 @@ namespace odograph::vo {
 
 struct BundleReport {
   bool solved = false;  ///< the window was adjusted
-  bool failed = false;  ///< it was tried and left as it was; neither: too few keyframes
+  bool failed = false;  ///< tried, but the window was left unchanged; neither: too few keyframes
   int observations = 0, iterations = 0;
 };
 
-/// Adjusts the window's keyframes, the inverse depths of its located points and the gyroscope's bias together (Ceres,
-/// Levenberg-Marquardt with a Schur complement, Cauchy loss). While no keyframe has been forgotten yet the first pose
-/// and the first baseline's length are held; afterwards the two oldest poses, which earlier windows have settled: so
-/// the scale stays what it was. `sigma`: of an observation, normalized. Single-threaded and repeatable bit for bit.
-/// A failed adjustment leaves window and bias as they were, and says so in the report alone: Ceres' own log is silent.
+/// Adjusts the keyframes of the window, the inverse depths of its triangulated points and the gyro bias together
+/// (Ceres, Levenberg-Marquardt with a Schur complement, Cauchy loss). Gauge: until the first keyframe leaves the window
+/// its pose and the length of the first baseline are fixed; afterwards the two oldest poses, so that the scale is
+/// preserved. `sigma`: of an observation, normalized. Single-threaded, bit-identical when repeated. A failed adjustment
+/// leaves window and bias unchanged and shows in the report only, as Ceres' log is silenced.
 BundleReport adjust(Window& window, Eigen::Vector3d& bias_c, double sigma, const AdjustmentParameters& p = {});
 
 }  // namespace odograph::vo

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The terms of the window's adjustment, apart from bundle.cpp so that their derivatives can be tested.
+// Cost functions of the window's adjustment, separate from bundle.cpp so that their Jacobians can be tested.
 #pragma once
 
 #include <algorithm>
@@ -20,9 +20,9 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// Seven numbers: quaternion (x, y, z, w) of w from c, and position. Rotated on the right, moved in w: an exception in
-/// docs/notation.md. Ceres' own EigenQuaternionManifold wants derivatives by the quaternion's four numbers; the costs
-/// below give them by the tangent alone.
+/// Seven numbers: quaternion (x, y, z, w) of R_w_c, and position. Perturbed on the right, position in w: an exception
+/// in docs/notation.md. Ceres' EigenQuaternionManifold needs derivatives by the four quaternion components; the costs
+/// below give them by the tangent.
 class PoseManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 7; }
@@ -32,7 +32,7 @@ class PoseManifold final : public ceres::Manifold {
     Eigen::Map<Vector3d>{out + 4} = Eigen::Map<const Vector3d>(x + 4) + Eigen::Map<const Vector3d>(delta + 3);
     return true;
   }
-  /// The costs below give derivatives by the tangent in their first six columns.
+  /// Selects the first six columns, in which the costs below give derivatives by the tangent.
   bool PlusJacobian(const double*, double* jacobian) const override {
     Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>> J(jacobian);
     J.setZero();
@@ -55,8 +55,8 @@ class PoseManifold final : public ceres::Manifold {
 
 using PoseJacobian = Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>>;
 
-/// y = R_j' (R_a ray + rho (p_a - p_j)), seen at y_xy / y_z. A point behind the camera counts as what is seen at the
-/// least depth, a focal length off, whatever its pose: it pulls nothing, and no step gains by bringing it there.
+/// y = R_j' (R_a ray + rho (p_a - p_j)), observed at y_xy / y_z. A point behind the camera has a constant residual,
+/// that of the minimum depth at one focal length: its gradient is zero, and no step is rewarded for moving it there.
 class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
  public:
   Reprojection(const Eigen::Vector2d& anchor, const Eigen::Vector2d& seen, double sigma, double min_depth)
@@ -100,7 +100,7 @@ class Reprojection final : public ceres::SizedCostFunction<2, 7, 7, 1> {
   double per_sigma_, min_depth_;
 };
 
-/// Log(Delta R(bias)' R_i' R_j), eq. (45) of Forster et al. 2017, to first order in what is small.
+/// Log(Delta R(bias)' R_i' R_j), Forster et al. 2017, eq. (45), to first order.
 class Rotation final : public ceres::SizedCostFunction<3, 7, 7, 3> {
  public:
   Rotation(const GyroRotation& gyro, const Vector3d& bias) : gyro_(gyro), bias_(bias) {}
@@ -135,7 +135,7 @@ class Rotation final : public ceres::SizedCostFunction<3, 7, 7, 3> {
   Vector3d bias_;
 };
 
-/// The distance of two poses stays what it was.
+/// Preserves the distance of two poses.
 class Length final : public ceres::SizedCostFunction<1, 7, 7> {
  public:
   Length(double length, double relative_sigma) : length_(length), sigma_(relative_sigma) {}

@@ -9,7 +9,7 @@ namespace odograph::vo {
 
 #if defined(CERCES_INTERNAL_MINIGLOG_GLOG_LOGGING_H_)
 
-/// Ceres has a small log of its own here, whose level was chosen when Ceres was built (MINIGLOG_MAX_LOG_LEVEL).
+/// Ceres built with its own miniglog: the log level is fixed at build time (MINIGLOG_MAX_LOG_LEVEL).
 class CeresSilence {
  public:
   CeresSilence() {}
@@ -18,10 +18,10 @@ class CeresSilence {
 
 #else
 
-/// While one lives, nothing below a fatal error comes out of Ceres' log (glog): `logging_type = SILENT` leaves its
-/// warnings of steps that could not be computed, and without an app that sets glog up they go to the terminal. What
-/// failed is in the solver's summary. glog has one level for the whole process, so an app that logs by the same
-/// libglog misses its own lines below fatal for the milliseconds of an adjustment. Any thread; they may overlap.
+/// Suppresses Ceres' glog messages below FATAL while an instance lives. `logging_type = SILENT` does not suppress the
+/// warnings of failed steps, which reach the terminal unless the app initialises glog. The solver's summary has the
+/// cause of a failure. glog has one level per process: an app that uses the same libglog loses its own messages below
+/// FATAL during an adjustment, some milliseconds. Thread-safe; instances may overlap.
 class CeresSilence {
  public:
   CeresSilence() {

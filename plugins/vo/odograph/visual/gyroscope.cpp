@@ -12,7 +12,7 @@ void Gyroscope::add(int64_t t_ns, const Eigen::Vector3d& rate_c) {
   samples_.push({t_ns, rate_c});
 }
 
-/// A sample stands for the time up to it, as the mean of it and the one before where that is at hand.
+/// A sample covers the interval up to it, with the mean of it and the previous one if there is one.
 std::optional<GyroRotation> Gyroscope::between(int64_t from_ns, int64_t to_ns, const Eigen::Vector3d& bias_c) const {
   if (samples_.empty() || samples_.back(0).t_ns <= from_ns) return std::nullopt;
   const auto integral = integrate_rotation(samples_, from_ns, to_ns, p_.longest_gap_ns,

@@ -12,22 +12,22 @@
 
 namespace odograph::vo {
 
-/// A gyroscope's rotation between two times, as RotationIntegral has it.
+/// Rotation of a gyroscope between two times (see RotationIntegral).
 struct GyroRotation {
   Eigen::Quaterniond q_c0_c1;
-  Eigen::Matrix3d by_bias;  ///< derivative of the right-hand small rotation by the bias, s
-  double sigma_rad;         ///< noise, and scale and misalignment by the angle
+  Eigen::Matrix3d by_bias;  ///< derivative of the right perturbation by the bias, s
+  double sigma_rad;         ///< noise, and scale and misalignment errors in proportion to the angle
 };
 
-/// The latest gyroscope samples, in the camera's axes. No allocation.
+/// Ring buffer of the latest gyroscope samples, in the camera's axes. Does not allocate.
 class Gyroscope {
  public:
   explicit Gyroscope(const GyroscopeParameters& parameters = {}) : p_(parameters) {}
 
   void add(int64_t t_ns, const Eigen::Vector3d& rate_c);
-  /// Nothing where samples lack; after the newest sample its rate goes on for a moment.
+  /// Nothing if samples are missing. Beyond the newest sample its rate is extrapolated for a short time.
   std::optional<GyroRotation> between(int64_t from_ns, int64_t to_ns, const Eigen::Vector3d& bias_c) const;
-  /// rad/s at a time, the nearest sample's.
+  /// Rate of the nearest sample, rad/s.
   std::optional<Eigen::Vector3d> rate(int64_t t_ns) const;
   void clear() { samples_.clear(); }
 

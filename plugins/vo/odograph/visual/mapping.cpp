@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The map of keyframes: when it grows, and what an adjustment throws out of it.
+// The map of keyframes: its growth, and the outliers that an adjustment removes.
 #include <algorithm>
 #include <cmath>
 
@@ -15,12 +15,12 @@ Eigen::Vector3d ray(const Eigen::Vector2d& seen) { return Eigen::Vector3d(seen.x
 
 }  // namespace
 
-/// Parallax enough to tell depths, or few of the last keyframe's points left.
+/// True if there is enough parallax to triangulate, or few points of the last keyframe are left.
 bool Odometry::wants_keyframe(const MapTracking& map) const {
   const auto few = [&](size_t left, size_t of) {
     return static_cast<double>(left) < p_.keyframe.few_left * static_cast<double>(of);
   };
-  if (few(seen_.corners.size(), map.corners_before)) return false;  // see what comes
+  if (few(seen_.corners.size(), map.corners_before)) return false;  // wait for the next frame
   const Keyframe& last = window_.keyframes().back();
   const Eigen::Matrix3d R_k_c = last.T_w_c.linear().transpose() * track_.T_w_c.linear();
   std::vector<double> parallax;
@@ -37,10 +37,10 @@ bool Odometry::wants_keyframe(const MapTracking& map) const {
          few(located, map.located_at_keyframe);
 }
 
-/// The latest frame becomes a keyframe: its corners are observed, the window is adjusted, new corners are found.
+/// Makes the latest frame a keyframe: observes its corners, adjusts the window and detects new corners.
 void Odometry::make_keyframe(const Frame& frame, MapTracking& map) {
-  // While the camera stands its keyframes would push those with a displacement out of the window, and the scale with
-  // them.
+  // While the camera stands, new keyframes would push those with a baseline out of the window, and the scale would be
+  // lost.
   const auto& keyframes = window_.keyframes();
   const size_t n = keyframes.size();
   if (n > 2 && (keyframes[n - 1].T_w_c.translation() - keyframes[n - 2].T_w_c.translation()).norm() <
@@ -72,7 +72,7 @@ void Odometry::make_keyframe(const Frame& frame, MapTracking& map) {
   for (const SeenCorner& corner : seen_.corners) map.located_at_keyframe += window_.landmarks()[corner.track].located;
 }
 
-/// Observations that an adjustment left over are other things: what moves, what was followed wrongly.
+/// Removes observations with large residuals after an adjustment: moving objects and tracking errors.
 void Odometry::drop_outliers() {
   const double bound = p_.keyframe.outlier_sigmas * sigma();
   std::vector<uint64_t> gone;

@@ -20,7 +20,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kRayleighMedian = 1.18;  // of two normal components of equal deviation, in deviations
+constexpr double kRayleighMedian = 1.18;  // ratio of the median of a Rayleigh distribution to its sigma
 
 }  // namespace
 
@@ -42,20 +42,20 @@ Motion Odometry::process(const Frame& frame) {
   return outcome.motion;
 }
 
-/// The first frame is the reference of the first map.
+/// The first frame becomes the reference of the first map.
 Odometry::Outcome Odometry::advance(AwaitingFrame, const Frame& frame, const Prediction& predicted) {
   follow(frame, track_.T_w_c, predicted.q_c0_c1);
   return {Motion{}, begin(frame)};
 }
 
-/// No map yet: the rotation alone, until there is parallax enough to begin one.
+/// No map yet: reports rotations until there is parallax enough to start one.
 Odometry::Outcome Odometry::advance(Initialising state, const Frame& frame, const Prediction& predicted) {
   follow(frame, track_.T_w_c, predicted.q_c0_c1);
   seen_ = undistort(frame);
   const Matches matches = matches_with_reference();
   Motion motion = rotation_by_gyroscope(predicted);
   const auto rotation = pure_rotation(matches.first, matches.second);
-  if (!rotation) return {motion, begin(frame)};  // the reference is out of sight
+  if (!rotation) return {motion, begin(frame)};  // the reference is out of view
   const Quaterniond q_w_c(rotation->R_1_0.transpose());
   const double corner_sigma_rad = std::max(sigma(), rotation->median_residual_rad);
   learn_bias(state, predicted, q_w_c, corner_sigma_rad);
@@ -83,7 +83,7 @@ Odometry::Outcome Odometry::advance(Initialising state, const Frame& frame, cons
   return {motion, few ? begin(frame) : state};
 }
 
-/// The map places the camera; where it does not any more the camera is looked for at once.
+/// Estimates the pose by the map; if that fails, relocalises.
 Odometry::Outcome Odometry::advance(MapTracking map, const Frame& frame, const Prediction& predicted) {
   const Isometry3d T_expected = expected_pose(predicted);
   follow(frame, T_expected, predicted.q_c0_c1);
@@ -102,7 +102,7 @@ Odometry::Outcome Odometry::advance(MapTracking map, const Frame& frame, const P
   return {motion, std::move(map)};
 }
 
-/// The camera is looked for from where it was last well placed; after a while a new map begins.
+/// Relocalises from the last good keyframe; after a while a new map starts.
 Odometry::Outcome Odometry::advance(Relocalising state, const Frame& frame, const Prediction& predicted) {
   MapTracking& map = state.map;
   if (map.keyframe) {
@@ -123,7 +123,7 @@ Odometry::Outcome Odometry::advance(Relocalising state, const Frame& frame, cons
   return {motion, std::move(state)};
 }
 
-/// How the camera rotated since the last frame: by the gyroscope, or as between the two frames before.
+/// Predicts the rotation since the last frame: by the gyroscope, or as between the previous two frames.
 Prediction Odometry::predict(int64_t t_ns) const {
   Prediction predicted;
   if (!std::holds_alternative<AwaitingFrame>(state_)) {
@@ -134,13 +134,13 @@ Prediction Odometry::predict(int64_t t_ns) const {
   return predicted;
 }
 
-/// At the velocity of the frame before.
+/// Constant-velocity prediction.
 Isometry3d Odometry::expected_pose(const Prediction& predicted) const {
   const double ahead = track_.last_step_s > 0 ? predicted.step_s / track_.last_step_s : 1;
   return pose_before() * isometry(predicted.q_c0_c1, ahead * track_.last_step.translation());
 }
 
-/// Where a corner is looked for: where the map says from the pose expected, or where the rotation alone moves it.
+/// Predicted position of a corner: by the map and the expected pose, or by the rotation alone.
 Vector2d Odometry::expected_at(const SeenCorner& corner, const Isometry3d& T_expected,
                                const Quaterniond& q_c0_c1) const {
   const auto found = window_.landmarks().find(corner.track);
@@ -156,7 +156,7 @@ Vector2d Odometry::expected_at(const SeenCorner& corner, const Isometry3d& T_exp
 void Odometry::follow(const Frame& frame, const Isometry3d& T_expected, const Quaterniond& q_c0_c1) {
   std::vector<cv::Point2f> expected;
   for (size_t i = 0; i < tracker_.tracks().size(); ++i) {
-    // By how much the motion moves it, added to where it was: the same distortion on both sides.
+    // Adds the predicted displacement to the previous position: the distortion is the same on both sides.
     const SeenCorner& before = seen_.corners[i];
     const Vector2d shift = camera_.project(expected_at(before, T_expected, q_c0_c1)) - seen_.lens.project(before.at);
     const cv::Point2f& pixel = tracker_.tracks()[i].pixel;
@@ -171,7 +171,7 @@ void Odometry::follow(const Frame& frame, const Isometry3d& T_expected, const Qu
   tracker_.follow(frame.grey, expected);
 }
 
-/// Pixels to normalized coordinates: without distortion, and rolling-shutter compensation of the rotation.
+/// Pixels to normalized coordinates: undistortion, and rolling-shutter compensation of the rotation.
 SeenCorners Odometry::undistort(const Frame& frame) const {
   std::vector<cv::Point2f> pixels;
   std::vector<cv::Point2d> normalized;
@@ -191,7 +191,7 @@ SeenCorners Odometry::undistort(const Frame& frame) const {
   return seen;
 }
 
-/// What the gyroscope tells where the picture may say nothing.
+/// The gyroscope's rotation, for frames without visual information.
 Motion Odometry::rotation_by_gyroscope(const Prediction& predicted) const {
   Motion motion{.failure = dark_or_few_features(), .tracked = static_cast<unsigned>(seen_.corners.size())};
   if (!predicted.gyro) return motion;
@@ -206,7 +206,7 @@ FailureReason Odometry::dark_or_few_features() const {
   return content_.shows_something(p_.light.content) ? FailureReason::few_features : FailureReason::too_dark;
 }
 
-/// The corners whose depth the map has.
+/// The corners with a depth in the map.
 std::vector<PointSeen> Odometry::points_seen(std::vector<uint64_t>& tracks) const {
   std::vector<PointSeen> points;
   for (const SeenCorner& corner : seen_.corners) {
@@ -218,7 +218,7 @@ std::vector<PointSeen> Odometry::points_seen(std::vector<uint64_t>& tracks) cons
   return points;
 }
 
-/// Robust fit from where the camera is expected; where that fails, from wherever three points put it (RANSAC).
+/// Robust fit from the expected pose; if that fails, from P3P with RANSAC.
 std::optional<FittedPose> Odometry::fit(const std::vector<PointSeen>& points, const Isometry3d& T_expected,
                                         const Prediction& predicted, double unseen_s) {
   const PoseParameters& p = p_.pose;
@@ -261,7 +261,7 @@ std::optional<FittedPose> Odometry::fit_by_ransac(const std::vector<PointSeen>& 
   return fit_pose(points, T_c_w.inverse(), sigma(), p.after_ransac * loose, prior, p.fit);
 }
 
-/// Where the map puts the camera; nothing where too few points agree or the map is doubted.
+/// Pose of the camera by the map; nothing if too few points agree or the map is rejected.
 std::optional<FittedPose> Odometry::estimate_pose(const Isometry3d& T_expected, const Prediction& predicted,
                                                   double unseen_s, int& doubts) {
   const PoseParameters& p = p_.pose;
@@ -274,11 +274,12 @@ std::optional<FittedPose> Odometry::estimate_pose(const Isometry3d& T_expected, 
   for (size_t i = 0; i < tracks.size(); ++i) {
     Landmark& landmark = window_.landmarks()[tracks[i]];
     landmark.misses = pose->inliers[i] ? 0 : landmark.misses + 1;
-    if (landmark.misses > p.max_misses) window_.forget(tracks[i]);  // moves, or its depth is wrong: it may start anew
+    if (landmark.misses > p.max_misses)
+      window_.forget(tracks[i]);  // it moves or its depth is wrong; it may be triangulated again
   }
   if (Eigen::AngleAxisd(T_expected.linear().transpose() * pose->T_w_c.linear()).angle() > p.surprise_rad)
     return std::nullopt;
-  // A start from little parallax may have been a false one: its map explains less from frame to frame.
+  // A start from little parallax may have been wrong: the map then explains less from frame to frame.
   const bool doubtful = !window_.slid() && pose->count < of_points(p.doubtful_inliers);
   doubts = doubtful ? doubts + 1 : 0;
   if (doubts > p.max_doubts) return std::nullopt;
@@ -286,7 +287,7 @@ std::optional<FittedPose> Odometry::estimate_pose(const Isometry3d& T_expected, 
   return pose;
 }
 
-/// How well corners are followed depends on the light: the median of what is left over.
+/// Estimates the corner noise, which depends on the light, from the median residual.
 void Odometry::learn_noise(const std::vector<PointSeen>& points, const FittedPose& pose) {
   std::vector<double> errors;
   for (const PointSeen& point : points) {
@@ -299,7 +300,7 @@ void Odometry::learn_noise(const std::vector<PointSeen>& points, const FittedPos
   noise_px_ += p_.noise.learn * (seen_px - noise_px_);
 }
 
-/// The motion to a pose that the map gave, with its covariance.
+/// Motion to a pose given by the map, with its covariance.
 Motion Odometry::move_to(const FittedPose& pose, const Prediction& predicted) {
   const Isometry3d T_before = pose_before();
   const Isometry3d step = T_before.inverse() * pose.T_w_c;
@@ -309,7 +310,8 @@ Motion Odometry::move_to(const FittedPose& pose, const Prediction& predicted) {
   motion.rotation_valid = motion.translation_valid = true;
   motion.state = Tracking::tracking;
   motion.failure = FailureReason::none;
-  // Both poses stand by the map; what the gyroscope tied this rotation to the last by, they share.
+  // Both poses refer to the same map. To the extent that the gyroscope determines the new rotation, both share the
+  // error.
   Eigen::Matrix<double, 6, 6> to_c0 = Eigen::Matrix<double, 6, 6>::Zero(),
                               own = Eigen::Matrix<double, 6, 6>::Identity();
   to_c0.topLeftCorner<3, 3>() = step.linear();

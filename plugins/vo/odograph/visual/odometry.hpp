@@ -18,7 +18,7 @@ namespace odograph::vo {
 /// Motion from the previous frame to this one.
 struct Motion {
   Eigen::Quaterniond q_c0_c1 = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d p_c0_c1 = Eigen::Vector3d::Zero();                             ///< of the scale group's scale
+  Eigen::Vector3d p_c0_c1 = Eigen::Vector3d::Zero();                             ///< in the scale of the scale group
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of (rotation, position) in c0
   bool rotation_valid = false, translation_valid = false;
   Tracking state = Tracking::lost;
@@ -27,63 +27,63 @@ struct Motion {
   unsigned tracked = 0, inliers = 0;
 };
 
-/// A frame as the odometry takes it.
+/// Input frame.
 struct Frame {
   cv::Mat grey;  ///< 8 bit, borrowed for the call
   cv::Mat mask;  ///< 0 = do not use; may be empty
   int64_t t_ns = 0;
-  double line_time_s = 0;  ///< rolling shutter: the time stamp is the middle row's
+  double line_time_s = 0;  ///< rolling shutter: time per row; the time stamp is the middle row's
 };
 
-/// Monocular visual odometry over a sliding window of keyframes; the gyroscope, where there is one, tells corners where
-/// to look, rows of a rolling shutter when they saw, and the window how the camera rotated. process() is the list of
-/// its steps: predict, follow, undistort, then what the state does (states.hpp): begin a map, estimate the pose by it,
-/// or relocalise. One thread, deterministic.
+/// Monocular visual odometry over a sliding window of keyframes. A gyroscope, if there is one, predicts the positions
+/// of the corners, compensates the rolling shutter and constrains the rotations in the window. process() consists of
+/// these steps: predict, track, undistort, then the action of the present state (states.hpp): start a map, estimate the
+/// pose, or relocalise. Not thread-safe; deterministic.
 class Odometry {
  public:
   using Parameters = OdometryParameters;
 
   Odometry(const Parameters& parameters, const CameraModel& camera);
 
-  /// rad/s in the camera's axes.
+  /// Rate in the camera's axes, rad/s.
   void add_gyroscope(int64_t t_ns, const Eigen::Vector3d& rate_c) { gyroscope_.add(t_ns, rate_c); }
-  /// The next frame. For the first one the result means nothing.
+  /// Processes the next frame. The result of the first one is undefined.
   Motion process(const Frame& frame);
 
-  /// Of the frames to come: focused or shifted. The map, which has no pixels, stays.
+  /// Sets the lens of the frames to come (refocused or shifted). The map holds no pixels and stays valid.
   void change_lens(const CameraModel& camera) { camera_ = camera; }
 
-  /// rad/s, what the window found.
+  /// Gyro bias estimated by the window, rad/s.
   const Eigen::Vector3d& gyro_bias_c() const { return bias_c_; }
-  /// Windows whose adjustment failed since the beginning; each went on unadjusted.
+  /// Number of failed adjustments since the start; these windows stayed unadjusted.
   uint64_t failed_adjustments() const { return failed_adjustments_; }
 
  private:
-  /// What a frame comes to: its motion, and the state after it.
+  /// Result of a frame: its motion and the next state.
   struct Outcome {
     Motion motion;
     State next;
   };
-  /// The corners of the reference frame that are still seen, in both frames.
+  /// Corners of the reference frame that are still tracked, in both frames.
   struct Matches {
     std::vector<cv::Point2d> first, second;
-    std::vector<size_t> which;  ///< of seen_.corners
+    std::vector<size_t> which;  ///< index in seen_.corners
   };
-  /// The second view of a map that begins; the first is the reference.
+  /// Second view of a new map; the reference is the first.
   struct SecondView {
-    Eigen::Isometry3d T_w_c;  ///< the median depth of the first points is one
+    Eigen::Isometry3d T_w_c;  ///< scaled to a median depth of one
     std::vector<char> inliers;
     int count;
     double parallax_rad;
   };
 
-  // What a frame does in each state.
+  // Action in each state.
   Outcome advance(AwaitingFrame state, const Frame& frame, const Prediction& predicted);
   Outcome advance(Initialising state, const Frame& frame, const Prediction& predicted);
   Outcome advance(MapTracking map, const Frame& frame, const Prediction& predicted);
   Outcome advance(Relocalising state, const Frame& frame, const Prediction& predicted);
 
-  // Steps of every state.
+  // Steps common to all states.
   Prediction predict(int64_t t_ns) const;
   Eigen::Isometry3d pose_before() const { return window_.keyframes().back().T_w_c * track_.T_k_c; }
   Eigen::Isometry3d expected_pose(const Prediction& predicted) const;
@@ -93,7 +93,7 @@ class Odometry {
   SeenCorners undistort(const Frame& frame) const;
   Motion rotation_by_gyroscope(const Prediction& predicted) const;
 
-  // Beginning a map (start.cpp).
+  // Starting a map (start.cpp).
   Initialising begin(const Frame& frame);
   Initialising begin_group(const Frame& frame);
   Matches matches_with_reference() const;
@@ -103,7 +103,7 @@ class Odometry {
   Motion begin_map(const SecondView& view, const Matches& matches, const Initialising& state,
                    const Prediction& predicted);
 
-  // Placing the camera by the map (odometry.cpp), and the map itself (mapping.cpp).
+  // Pose estimation (odometry.cpp) and mapping (mapping.cpp).
   std::vector<PointSeen> points_seen(std::vector<uint64_t>& tracks) const;
   std::optional<FittedPose> fit(const std::vector<PointSeen>& points, const Eigen::Isometry3d& T_expected,
                                 const Prediction& predicted, double unseen_s);
@@ -126,8 +126,8 @@ class Odometry {
   PictureContent content_;  // of the latest picture
   Gyroscope gyroscope_;
   Eigen::Vector3d bias_c_ = Eigen::Vector3d::Zero();  ///< rad/s
-  double bias_sigma_;                                 ///< rad/s, before the window knows better
-  double noise_px_;                                   ///< of a corner, as it is learnt
+  double bias_sigma_;                                 ///< rad/s, until the window estimates the bias
+  double noise_px_;                                   ///< estimated corner noise
   Window window_;
   SeenCorners seen_;  ///< of the latest frame
   CameraTrack track_;

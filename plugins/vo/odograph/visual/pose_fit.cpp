@@ -14,23 +14,23 @@ namespace {
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kNearest = 1e-9;  // of a point before the camera, homogeneous: guards the division
+constexpr double kNearest = 1e-9;  // min depth of a point, homogeneous: avoids division by zero
 
-/// Inverse of the covariance of an observation, by that of a corner alone: along the epipolar line the depth's share.
+/// Information of an observation: corner noise, and the depth variance along the epipolar line.
 Eigen::Matrix2d certainty(const Eigen::Vector2d& by_inverse_depth, double variance, double sigma) {
   const double share = variance / (sigma * sigma);
   return Eigen::Matrix2d::Identity() -
          by_inverse_depth * by_inverse_depth.transpose() * (share / (1 + share * by_inverse_depth.squaredNorm()));
 }
 
-/// A point as a pose sees it.
+/// A point projected with a pose.
 struct Projected {
   Eigen::Vector3d y;                 ///< in c, homogeneous
-  Eigen::Vector2d error;             ///< against where it is seen
+  Eigen::Vector2d error;             ///< reprojection error
   Eigen::Matrix<double, 2, 3> by_y;  ///< of the projection
-  Eigen::Matrix2d certain;           ///< as of certainty()
+  Eigen::Matrix2d certain;           ///< information(), see certainty()
 };
-/// Nothing behind the camera.
+/// Nothing if it is behind the camera.
 std::optional<Projected> project(const PointSeen& point, const Eigen::Matrix3d& R_c_w, const Eigen::Vector3d& p_w,
                                  double sigma) {
   Projected out;
@@ -42,7 +42,7 @@ std::optional<Projected> project(const PointSeen& point, const Eigen::Matrix3d& 
   return out;
 }
 
-/// Gauss-Newton's equations: rotation on the right, position in w.
+/// Gauss-Newton equations: right perturbation of the rotation, position in w.
 struct Normal {
   Matrix6d H = Matrix6d::Identity() * 1e-9;
   Vector6d g = Vector6d::Zero();
@@ -72,7 +72,7 @@ Normal normal_equations(const std::vector<PointSeen>& points, const Eigen::Isome
   return n;
 }
 
-/// Which points the pose explains, and how well.
+/// Counts the inliers of a pose and their errors.
 void count_inliers(const std::vector<PointSeen>& points, double sigma, double inlier_sigmas, FittedPose& fit) {
   fit.inliers.assign(points.size(), 0);
   double sum = 0;

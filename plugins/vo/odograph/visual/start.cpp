@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How a map begins: from a rotation alone to two views with depths.
+// Starting a map: from pure rotation to two views with depths.
 #include <algorithm>
 #include <cmath>
 
@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 }  // namespace
 
-/// The latest frame becomes the reference of a new map; its corners are what is known.
+/// Makes the latest frame the reference of a new map, with its corners alone.
 Initialising Odometry::begin(const Frame& frame) {
   window_.clear();
   track_.T_w_c.setIdentity(), track_.T_k_c.setIdentity();
@@ -32,7 +32,7 @@ Initialising Odometry::begin(const Frame& frame) {
   return {frame.t_ns, seen_.corners.size()};
 }
 
-/// The same behind a map that was lost, and with it the scale.
+/// The same after a map was lost, with a new scale group.
 Initialising Odometry::begin_group(const Frame& frame) {
   ++group_;
   track_.last_step.setIdentity();
@@ -52,7 +52,8 @@ Odometry::Matches Odometry::matches_with_reference() const {
   return matches;
 }
 
-/// Without a displacement the picture's rotation since the reference has no drift, the gyroscope's has.
+/// Without displacement the visual rotation since the reference is drift-free, unlike the gyroscope's: estimates the
+/// bias.
 void Odometry::learn_bias(const Initialising& state, const Prediction& predicted, const Quaterniond& seen_rotation,
                           double sigma_rad) {
   const double since_s = seconds(last_ns_ - state.reference_ns) + predicted.step_s;
@@ -64,7 +65,7 @@ void Odometry::learn_bias(const Initialising& state, const Prediction& predicted
   bias_sigma_ = std::max(p_.gyroscope.known_bias_sigma_radps, sigma);
 }
 
-/// Nothing while there is too little parallax, or two motions explain it.
+/// Nothing while there is too little parallax, or the motion is ambiguous.
 std::optional<Odometry::SecondView> Odometry::find_second_view(const Matches& matches,
                                                                const Quaterniond& rotation_alone) {
   const MapStartParameters& p = p_.start;
@@ -92,14 +93,14 @@ std::optional<Odometry::SecondView> Odometry::find_second_view(const Matches& ma
   return SecondView{T_w_c, pair->inliers, pair->count, pair->median_parallax_rad};
 }
 
-/// Everything since the reference is this frame's motion: the rotation was told before, the displacement is told now.
+/// The rotation since the reference was reported with the earlier frames; the displacement all belongs to this frame.
 Motion Odometry::begin_map(const SecondView& view, const Matches& matches, const Initialising& state,
                            const Prediction& predicted) {
   Motion motion{.tracked = static_cast<unsigned>(seen_.corners.size()), .inliers = static_cast<unsigned>(view.count)};
   motion.q_c0_c1 = (Quaterniond(track_.T_w_c.linear()).conjugate() * Quaterniond(view.T_w_c.linear())).normalized();
   motion.p_c0_c1 = track_.T_w_c.linear().transpose() * view.T_w_c.translation();
   motion.rotation_valid = motion.translation_valid = true;
-  // What the rotations told since the reference were off by is in this one.
+  // The error of the rotations reported since the reference is part of this motion.
   const double since_s = seconds(last_ns_ - state.reference_ns) + predicted.step_s;
   const double rotation_sigma =
       std::hypot(p_.start.rotation_sigma * view.parallax_rad, predicted.gyro ? bias_sigma_ * since_s : 0.0);

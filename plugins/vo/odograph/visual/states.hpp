@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a visual odometry is about, as types: each holds what means something in that state alone.
+// States of the visual odometry as types, each with the data that is valid in that state alone.
 #pragma once
 
 #include <cstddef>
@@ -19,47 +19,48 @@ namespace odograph::vo {
 
 struct SeenCorner {
   uint64_t track;
-  Eigen::Vector2d at;  ///< normalized, as the middle row's time would have seen it had the camera only rotated
+  Eigen::Vector2d
+      at;  ///< normalized, rolling-shutter compensated: as at the time of the middle row under pure rotation
 };
 
 /// The corners of a frame.
 struct SeenCorners {
-  std::vector<SeenCorner> corners;  ///< in the order of the tracker's
-  CameraModel lens;                 ///< of the picture in which they were
+  std::vector<SeenCorner> corners;  ///< in the tracker's order
+  CameraModel lens;                 ///< of this picture
 };
 
-/// What is known of a frame's motion before looking at it.
+/// Motion prediction of a frame.
 struct Prediction {
-  double step_s = 0;                                            ///< since the frame before
+  double step_s = 0;                                            ///< since the previous frame
   std::optional<GyroRotation> gyro;                             ///< over that time
-  Eigen::Quaterniond q_c0_c1 = Eigen::Quaterniond::Identity();  ///< the same, or what the frame before did
+  Eigen::Quaterniond q_c0_c1 = Eigen::Quaterniond::Identity();  ///< the same, or the rotation of the previous frame
 };
 
-/// No frame has come.
+/// Before the first frame.
 struct AwaitingFrame {};
 
-/// A reference frame and no map: so far the camera has only rotated.
+/// A reference frame but no map: pure rotation so far.
 struct Initialising {
   int64_t reference_ns = 0;
   size_t corners_at_reference = 0;
 };
 
-/// Where the camera was well placed last, to be found again from there.
+/// The last frame with a good pose, to relocalise from.
 struct RelocalisationKeyframe {
   CornerTracker tracker;
   SeenCorners seen;
 };
 
-/// The map places the camera.
+/// Tracking by the map.
 struct MapTracking {
-  size_t corners_at_keyframe = 0, located_at_keyframe = 0;  ///< located: with a depth
-  size_t corners_before = 0;                                ///< in the frame before
-  int doubts = 0;                                           ///< frames in a row that say that the map is a false one
+  size_t corners_at_keyframe = 0, located_at_keyframe = 0;  ///< located: triangulated
+  size_t corners_before = 0;                                ///< in the previous frame
+  int doubts = 0;                                           ///< consecutive frames that indicate a wrong map
   std::optional<RelocalisationKeyframe> keyframe;
 };
 
-/// Something stands before the camera, or it is dark, or it rotated too fast: for a while the camera is looked for from
-/// where it was last well placed.
+/// The view is occluded or dark, or the rotation was too fast: for a while the odometry relocalises from the last frame
+/// with a good pose.
 struct Relocalising {
   int64_t since_ns = 0;
   MapTracking map;
@@ -67,13 +68,13 @@ struct Relocalising {
 
 using State = std::variant<AwaitingFrame, Initialising, MapTracking, Relocalising>;
 
-/// Where the camera is, and how it moved last.
+/// Pose of the camera and its last motion.
 struct CameraTrack {
   Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();
-  Eigen::Isometry3d T_k_c = Eigen::Isometry3d::Identity();      ///< in the newest keyframe, which an adjustment moves
-  Eigen::Isometry3d last_step = Eigen::Isometry3d::Identity();  ///< from the frame before
+  Eigen::Isometry3d T_k_c = Eigen::Isometry3d::Identity();  ///< in the newest keyframe, which an adjustment may move
+  Eigen::Isometry3d last_step = Eigen::Isometry3d::Identity();  ///< from the previous frame
   double last_step_s = 0;
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of the pose, as of FittedPose
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of the pose, as FittedPose
 };
 
 }  // namespace odograph::vo

@@ -71,7 +71,7 @@ void Window::update_depth_variance(double sigma) {
       const Eigen::Vector3d d = T.linear().transpose() * (anchor(landmark) - T.translation());
       if (y.z() > 1e-6) information += ((d.head<2>() - d.z() / y.z() * y.head<2>()) / y.z()).squaredNorm();
     }
-    // Without another observation left it stays what it was.
+    // Without other observations the variance stays unchanged.
     if (information > 0) landmark.variance = sigma * sigma / information;
   }
 }

@@ -18,7 +18,7 @@ struct Keyframe {
   uint32_t id;
   int64_t t_ns;
   Eigen::Isometry3d T_w_c;
-  std::optional<GyroRotation> rotation;  ///< from the keyframe before, with the bias of then
+  std::optional<GyroRotation> rotation;  ///< from the previous keyframe, with the bias at that time
   Eigen::Vector3d rotation_bias_c;
 };
 
@@ -27,37 +27,37 @@ struct Observation {
   Eigen::Vector2d seen;  ///< normalized
 };
 
-/// A point as its first keyframe in the window has it: a ray, and the inverse of the depth along z (Civera et al.
-/// 2008).
+/// A point in its first keyframe of the window: a ray, and the inverse depth along z (Civera et al. 2008).
 struct Landmark {
   std::vector<Observation> seen;  ///< the first is the anchor
   double inverse_depth = 0, variance = 0;
-  bool located = false;  ///< the depth means something
+  bool located = false;  ///< the depth is valid
   int misses = 0;
 };
 
-/// The last keyframes and what they saw.
+/// The latest keyframes and their observations.
 class Window {
  public:
   explicit Window(const KeyframeParameters& parameters) : p_(parameters) {}
 
   void clear();
   void add(Keyframe keyframe);
-  /// The newest keyframe goes, with what it saw: the next one takes its place.
+  /// Removes the newest keyframe with its observations: the next one replaces it.
   void drop_newest();
   void observe(uint64_t track, const Eigen::Vector2d& seen);  ///< by the newest keyframe
-  /// Depths of points that have come to have parallax; the others stay unlocated.
+  /// Triangulates the points that have gained parallax; the others stay unlocated.
   void triangulate();
-  /// Forgets the oldest keyframe where there are too many; points that it anchored hang on the next that saw them.
+  /// Removes the oldest keyframes beyond the window; their points get the next observing keyframe as anchor.
   void slide();
   void forget(uint64_t track) { landmarks_.erase(track); }
-  void forget_but(const std::vector<uint64_t>& alive);  ///< points seen by fewer than two and not followed any more
+  void forget_but(const std::vector<uint64_t>&
+                      alive);  ///< removes points with fewer than two observations that are no longer tracked
 
   Eigen::Vector4d point(const Landmark& landmark) const;  ///< in w, homogeneous
   Eigen::Vector3d anchor(const Landmark& landmark) const {
     return keyframe(landmark.seen.front().keyframe).T_w_c.translation();
   }
-  /// What the observations leave uncertain of each inverse depth, the poses taken as known.
+  /// Variance of each inverse depth from its observations, with the poses fixed.
   void update_depth_variance(double sigma);
   double depth_median() const;
   size_t located() const;
@@ -72,8 +72,8 @@ class Window {
 
  private:
   KeyframeParameters p_;
-  std::deque<Keyframe> keyframes_;          // ids without gaps
-  std::map<uint64_t, Landmark> landmarks_;  // ordered: the same sums in the same order each time
+  std::deque<Keyframe> keyframes_;          // ids are consecutive
+  std::map<uint64_t, Landmark> landmarks_;  // ordered, so that sums are repeatable
   bool slid_ = false;
 };
 
